@@ -1,0 +1,76 @@
+// Axis-aligned boxes, and the slab test of a ray against one.
+// After Williams, Barrus, Morley, Shirley 2005, made conservative after Ize 2013 ("Robust BVH Ray Traversal", section 3).
+#pragma once
+
+#include <limits>
+
+#include "render/core/host_device.h"
+
+namespace warpscope {
+
+/// An axis-aligned box. It is empty (nothing is inside) where a lower bound lies above the upper one.
+struct Box {
+  glm::vec3 lower{std::numeric_limits<float>::infinity()};
+  glm::vec3 upper{-std::numeric_limits<float>::infinity()};
+
+  WARPSCOPE_HD glm::vec3 extent() const { return upper - lower; }
+  WARPSCOPE_HD glm::vec3 center() const { return 0.5f * lower + 0.5f * upper; }
+  WARPSCOPE_HD bool isEmpty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
+  WARPSCOPE_HD void include(const glm::vec3& point) {
+    lower = glm::min(lower, point);
+    upper = glm::max(upper, point);
+  }
+  WARPSCOPE_HD void include(const Box& other) {
+    lower = glm::min(lower, other.lower);
+    upper = glm::max(upper, other.upper);
+  }
+  bool operator==(const Box&) const = default;
+};
+
+/// The part of a ray inside a box, as distances along the ray; a miss where tNear > tFar.
+struct RayInterval {
+  float tNear = 1.0f;
+  float tFar = 0.0f;
+  WARPSCOPE_HD bool isMiss() const { return !(tNear <= tFar); }
+};
+
+/// What the slab test needs of a ray, computed once. A zero component (of either sign) becomes a huge reciprocal of that sign; the
+/// products with it stay finite or infinite of the right sign, except 0 * inf, which the test below treats as "on the slab".
+struct RayReciprocal {
+  glm::vec3 origin;
+  glm::vec3 invDirection;
+};
+
+WARPSCOPE_HD inline RayReciprocal reciprocalOf(const glm::vec3& origin, const glm::vec3& direction) {
+  // -0 is made +0 first, so that both zeros take the same path.
+  return {origin, 1.0f / (direction + glm::vec3(0.0f))};
+}
+
+/// Intersects the ray with `box` within [tMin, tMax] (tMax may be infinite). `grow` widens the far side by the rounding error of the
+/// three multiplications, so that a hit on something inside the box is never lost; pass 1 for the plain interval.
+/// Misses on empty, inverted and NaN boxes. A ray that lies in a face of the box hits it.
+WARPSCOPE_HD inline RayInterval intersectBox(const RayReciprocal& ray, const Box& box, float tMin, float tMax,
+                                             float grow = 1.0f) {
+  if (box.isEmpty()) return {};
+  RayInterval interval{tMin, tMax};
+  for (int axis = 0; axis < 3; ++axis) {
+    const float inv = ray.invDirection[axis];
+    float t0 = (box.lower[axis] - ray.origin[axis]) * inv;
+    float t1 = (box.upper[axis] - ray.origin[axis]) * inv;
+    if (inv < 0.0f) {
+      const float swap = t0;
+      t0 = t1;
+      t1 = swap;
+    }
+    t1 *= grow;
+    // Comparisons with NaN (an origin on a slab plane, parallel to it) are false: the bound is left as it is.
+    if (t0 > interval.tNear) interval.tNear = t0;
+    if (t1 < interval.tFar) interval.tFar = t1;
+  }
+  return interval;
+}
+
+/// 1 + 2*gamma(3): the factor that makes intersectBox conservative (Ize 2013).
+inline constexpr float kConservativeGrow = 1.0000003576f;
+
+}  // namespace warpscope

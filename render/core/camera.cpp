@@ -1,0 +1,23 @@
+// Checks of cameras that come from outside.
+// See camera.h.
+#include "render/core/camera.h"
+
+#include "render/core/image.h"
+
+namespace warpscope {
+namespace {
+
+bool isUnit(const glm::vec3& v) { return std::abs(glm::dot(v, v) - 1.0f) < 1e-3f; }
+bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+}  // namespace
+
+bool isUsable(const Camera& camera) {
+  return isFinite(camera.eye) && isUnit(camera.right) && isUnit(camera.up) && isUnit(camera.forward) &&
+         std::abs(glm::dot(camera.right, camera.up)) < 1e-3f && std::abs(glm::dot(camera.right, camera.forward)) < 1e-3f &&
+         std::abs(glm::dot(camera.up, camera.forward)) < 1e-3f && camera.tanHalfFovY > 0.0f &&
+         camera.tanHalfFovY < 1e4f && camera.width >= 1 && camera.height >= 1 && camera.width <= kMaxImageSide &&
+         camera.height <= kMaxImageSide;
+}
+
+}  // namespace warpscope

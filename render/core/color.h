@@ -1,0 +1,71 @@
+// Colour encodings. Inside the program colours are linear and premultiplied; 8 bit means straight alpha and the sRGB curve, which is
+// what a sample carries and a PNG holds. sRGB: IEC 61966-2-1. Compositing: Porter, Duff 1984.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "render/core/host_device.h"
+
+namespace warpscope {
+
+/// Four 8-bit channels, red in the lowest byte, straight alpha, colour through the sRGB curve, alpha linear.
+using Rgba8 = uint32_t;
+
+WARPSCOPE_HD inline float srgbFromLinear(float linear) {
+  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
+}
+
+WARPSCOPE_HD inline float linearFromSrgb(float encoded) {
+  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
+/// Clamps to [0, 1] and rounds to 8 bits; NaN becomes 0.
+WARPSCOPE_HD inline uint32_t quantizeUnorm8(float value) {
+  return value > 0.0f ? static_cast<uint32_t>(glm::min(value, 1.0f) * 255.0f + 0.5f) : 0u;
+}
+
+/// Linear premultiplied colour to 8 bits. Where alpha rounds to 0 the straight colour is still kept.
+WARPSCOPE_HD inline Rgba8 encodeRgba8(const glm::vec4& premultiplied) {
+  if (!(premultiplied.a > 0.0f)) return 0;
+  const float inverse = 1.0f / premultiplied.a;
+  return quantizeUnorm8(srgbFromLinear(premultiplied.r * inverse)) |
+         quantizeUnorm8(srgbFromLinear(premultiplied.g * inverse)) << 8 |
+         quantizeUnorm8(srgbFromLinear(premultiplied.b * inverse)) << 16 | quantizeUnorm8(premultiplied.a) << 24;
+}
+
+WARPSCOPE_HD inline glm::vec4 decodeRgba8(Rgba8 code) {
+  const float alpha = static_cast<float>(code >> 24) / 255.0f;
+  return {linearFromSrgb(static_cast<float>(code & 255) / 255.0f) * alpha,
+          linearFromSrgb(static_cast<float>(code >> 8 & 255) / 255.0f) * alpha,
+          linearFromSrgb(static_cast<float>(code >> 16 & 255) / 255.0f) * alpha, alpha};
+}
+
+/// `front` over `back`, both premultiplied.
+WARPSCOPE_HD inline glm::vec4 over(const glm::vec4& front, const glm::vec4& back) {
+  return front + (1.0f - front.a) * back;
+}
+
+/// decodeRgba8 and encodeRgba8 by tables, for whole images on the host. Same results bit for bit for decoding; encoding may differ
+/// from encodeRgba8 only where the exact value lies within 1e-4 of a rounding boundary.
+class ColorTables {
+ public:
+  static const ColorTables& instance();
+
+  glm::vec4 decode(Rgba8 code) const {
+    const float alpha = static_cast<float>(code >> 24) / 255.0f;
+    return {linear_[code & 255] * alpha, linear_[code >> 8 & 255] * alpha, linear_[code >> 16 & 255] * alpha, alpha};
+  }
+  Rgba8 encode(const glm::vec4& premultiplied) const;
+  /// 8-bit sRGB code of a linear value in [0, 1]; clamps.
+  uint32_t encodeChannel(float linear) const;
+
+ private:
+  ColorTables();
+  std::array<float, 256> linear_;
+  std::array<float, 256> upperBound_;     // linear value at which code i ends and i + 1 begins
+  std::array<uint8_t, 4096> firstGuess_;  // code of the lower end of each 1/4096 of the linear range
+};
+
+}  // namespace warpscope

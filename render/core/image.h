@@ -1,0 +1,55 @@
+// A dense two-dimensional array. Row 0 is the top row, x runs fastest.
+// Colours in Image<glm::vec4> are linear and premultiplied unless a name says otherwise.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace warpscope {
+
+/// The widest and highest image that any part of the program accepts, in pixels.
+inline constexpr uint32_t kMaxImageSide = 16384;
+
+template <class T>
+class Image {
+ public:
+  Image() = default;
+  Image(uint32_t width, uint32_t height, const T& value = T{}) { resize(width, height, value); }
+
+  /// Gives the image a new size; every pixel becomes `value`. Keeps its memory where that suffices.
+  void resize(uint32_t width, uint32_t height, const T& value = T{}) {
+    width_ = width;
+    height_ = height;
+    pixels_.assign(size_t{width} * height, value);
+  }
+
+  uint32_t width() const { return width_; }
+  uint32_t height() const { return height_; }
+  size_t size() const { return pixels_.size(); }
+  bool empty() const { return pixels_.empty(); }
+
+  T* data() { return pixels_.data(); }
+  const T* data() const { return pixels_.data(); }
+  T* row(uint32_t y) { return pixels_.data() + size_t{y} * width_; }
+  const T* row(uint32_t y) const { return pixels_.data() + size_t{y} * width_; }
+
+  T& operator()(uint32_t x, uint32_t y) { return row(y)[x]; }
+  const T& operator()(uint32_t x, uint32_t y) const { return row(y)[x]; }
+  T& operator[](size_t i) { return pixels_[i]; }
+  const T& operator[](size_t i) const { return pixels_[i]; }
+
+  auto begin() { return pixels_.begin(); }
+  auto end() { return pixels_.end(); }
+  auto begin() const { return pixels_.begin(); }
+  auto end() const { return pixels_.end(); }
+
+  bool operator==(const Image&) const = default;
+
+ private:
+  uint32_t width_ = 0;
+  uint32_t height_ = 0;
+  std::vector<T> pixels_;
+};
+
+}  // namespace warpscope

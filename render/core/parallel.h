@@ -1,0 +1,42 @@
+// Loops over ranges on all cores, by oneTBB. The one place that says how work is cut.
+// Cancelling: a stop token is looked at before every piece; see OperationCancelled.
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cstddef>
+#include <stdexcept>
+#include <stop_token>
+
+namespace warpscope {
+
+/// Thrown by long work whose stop token was set; whatever it was making is discarded.
+class OperationCancelled : public std::runtime_error {
+ public:
+  OperationCancelled() : std::runtime_error("cancelled") {}
+};
+
+/// Calls body(begin, end) on pieces of [0, count) of about `grain` items, in parallel.
+template <class Body>
+void parallelForRanges(size_t count, size_t grain, const Body& body) {
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, count, grain),
+                    [&](const tbb::blocked_range<size_t>& range) { body(range.begin(), range.end()); });
+}
+
+/// Calls body(x0, y0, x1, y1) for tiles of at most `side` pixels that cover width x height. Throws OperationCancelled if `stop` is set.
+template <class Body>
+void parallelForTiles(uint32_t width, uint32_t height, uint32_t side, const std::stop_token& stop, const Body& body) {
+  const size_t columns = (width + side - 1) / side;
+  const size_t rows = (height + side - 1) / side;
+  parallelForRanges(columns * rows, 1, [&](size_t begin, size_t end) {
+    for (size_t tile = begin; tile < end && !stop.stop_requested(); ++tile) {
+      const auto x0 = static_cast<uint32_t>(tile % columns) * side;
+      const auto y0 = static_cast<uint32_t>(tile / columns) * side;
+      body(x0, y0, x0 + side < width ? x0 + side : width, y0 + side < height ? y0 + side : height);
+    }
+  });
+  if (stop.stop_requested()) throw OperationCancelled();
+}
+
+}  // namespace warpscope

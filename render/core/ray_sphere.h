@@ -1,0 +1,44 @@
+// First intersection of a ray with a sphere, by the perpendicular distance of the centre from the ray.
+// After Haines, Guenther, Akenine-Moeller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems 2019, chapter 7.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "render/core/ray.h"
+
+namespace warpscope {
+
+/// Returned where there is no hit: compares greater than every distance.
+inline constexpr float kNoHit = std::numeric_limits<float>::infinity();
+
+/// Distance along `ray` (unit direction) to where it enters the sphere, or kNoHit.
+/// A sphere that holds the origin, or whose surface does, is no hit: an eye inside a splat looks through it instead of seeing
+/// nothing but its colour. Spheres behind the origin and those with radius <= 0 are no hits. Never NaN for finite input.
+WARPSCOPE_HD inline float intersectSphere(const Ray& ray, const glm::vec3& center, float radius) {
+  const glm::vec3 toCenter = center - ray.origin;
+  const float along = glm::dot(toCenter, ray.direction);
+  if (!(along > 0.0f) || !(radius > 0.0f)) return kNoHit;
+  // From the ray's closest point to the centre: its length is compared, not the difference of two large squares.
+  const glm::vec3 offset = toCenter - along * ray.direction;
+  const float discriminant = radius * radius - glm::dot(offset, offset);
+  if (!(discriminant >= 0.0f)) return kNoHit;
+  const float outside = glm::dot(toCenter, toCenter) - radius * radius;
+  if (!(outside > 0.0f)) return kNoHit;
+  // along - sqrt(discriminant) cancels where the surface is near the origin; the product of the two roots does not.
+  return outside / (along + std::sqrt(discriminant));
+}
+
+/// As above for a direction of any finite length: the distance is in units of that length. A zero direction is no hit.
+WARPSCOPE_HD inline float intersectSphereAnyDirection(const Ray& ray, const glm::vec3& center, float radius) {
+  const glm::vec3 size = glm::abs(ray.direction);
+  const float largest = glm::max(size.x, glm::max(size.y, size.z));
+  if (!(largest > 0.0f)) return kNoHit;
+  // Scaling by the largest component first keeps the squares clear of overflow and underflow.
+  const glm::vec3 scaled = ray.direction / largest;
+  const float scaledLength = std::sqrt(glm::dot(scaled, scaled));
+  const float t = intersectSphere({ray.origin, scaled / scaledLength}, center, radius);
+  return t / scaledLength / largest;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,78 @@
+// The server's knobs: which depth a ray reports, how large its sample is, how finely the ray is sampled.
+// Heuristics after Zellmann, Aumueller, Lang 2012 and Zellmann 2020; radius policies are explained at each name.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+namespace warpscope {
+
+/// Which point of a ray stands for the pixel. Exact definitions: depth_heuristic.h.
+enum class Heuristic {
+  entrance, exit, midpoint, threshold, peak, gradient, relThreshold, enExMean, median, expected
+};
+
+/// How large a sample is, in volume space, before the scale.
+enum class RadiusPolicy {
+  voxel,     ///< half the diagonal of a voxel (Zellmann 2020)
+  constant,  ///< half the smallest voxel edge
+  pixel,     ///< half the edge of a pixel at the sample's depth: a sphere that just fits into its pixel
+  opacity,   ///< from `pixel` for a transparent pixel to `voxel` for an opaque one, by the pixel's opacity
+};
+
+template <class Enum>
+struct NamedValue {
+  Enum value;
+  std::string_view name;
+  std::string_view summary;
+};
+
+inline constexpr std::array<NamedValue<Heuristic>, 10> kHeuristics{{
+    {Heuristic::entrance, "entrance", "first sample that counts"},
+    {Heuristic::exit, "exit", "last sample that counts"},
+    {Heuristic::midpoint, "midpoint", "middle between entrance and exit"},
+    {Heuristic::threshold, "threshold", "where accumulated opacity crosses 0.8"},
+    {Heuristic::peak, "peak", "most opaque sample"},
+    {Heuristic::gradient, "gradient", "sample that contributes most: the steepest rise of accumulated opacity"},
+    {Heuristic::relThreshold, "rel-threshold", "where accumulated opacity crosses 0.8 of its final value"},
+    {Heuristic::enExMean, "en-ex-mean", "where accumulated opacity crosses the mean opacity of entrance and exit"},
+    {Heuristic::median, "median", "where accumulated opacity crosses half its final value"},
+    {Heuristic::expected, "expected", "mean depth, weighted by contribution"},
+}};
+
+inline constexpr std::array<NamedValue<RadiusPolicy>, 4> kRadiusPolicies{{
+    {RadiusPolicy::voxel, "voxel", "half a voxel's diagonal"},
+    {RadiusPolicy::constant, "constant", "half the smallest voxel edge"},
+    {RadiusPolicy::pixel, "pixel", "half a pixel's edge at the sample's depth"},
+    {RadiusPolicy::opacity, "opacity", "from pixel (transparent) to voxel (opaque) by the pixel's opacity"},
+}};
+
+template <class Table>
+constexpr auto nameOf(const Table& table, decltype(table[0].value) value) {
+  for (const auto& entry : table)
+    if (entry.value == value) return entry.name;
+  return std::string_view("?");
+}
+
+inline std::string_view nameOf(Heuristic heuristic) { return nameOf(kHeuristics, heuristic); }
+inline std::string_view nameOf(RadiusPolicy policy) { return nameOf(kRadiusPolicies, policy); }
+
+/// Everything that a march depends on besides the volume, its transfer function and the camera.
+struct MarchSettings {
+  Heuristic heuristic = Heuristic::gradient;
+  RadiusPolicy radiusPolicy = RadiusPolicy::voxel;
+  float radiusScale = 1.0f;        ///< factor on the policy's radius
+  float step = 0.5f;               ///< distance of samples along a ray, volume units (smallest voxel edges)
+  float contribution = 1.0f / 1024;  ///< least contribution that lets a sample count; marching stops at this transmittance
+  float threshold = 0.8f;          ///< parameter of `threshold` and `rel-threshold`
+  bool skipEmpty = true;           ///< leave out what the transfer function hides; never changes the picture
+  bool terminateEarly = true;      ///< stop where hardly any light is left; never changes a depth
+
+  bool operator==(const MarchSettings&) const = default;
+};
+
+/// Throws UsageError naming the setting that is out of range.
+void validate(const MarchSettings& settings);
+
+}  // namespace warpscope

@@ -1,0 +1,126 @@
+// Checks and statistics of volumes.
+// See volume.h.
+#include "render/volume/volume.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <cmath>
+
+#include "render/core/error.h"
+#include "render/core/parallel.h"
+
+namespace warpscope {
+
+size_t sizeBytes(VoxelType type) {
+  return visitVoxelType(type, [](auto voxel) { return sizeof(voxel); });
+}
+
+std::string_view nameOf(VoxelType type) {
+  constexpr std::array<std::string_view, 8> names{"uint8",  "int8",  "uint16",  "int16",
+                                                  "uint32", "int32", "float32", "float64"};
+  return names[static_cast<size_t>(type)];
+}
+
+Box VolumeGeometry::bounds() const {
+  const glm::vec3 half(0.5 * glm::dvec3(dims) * (spacing / unit()));
+  return {-half, half};
+}
+
+size_t validate(const VolumeGeometry& geometry, VoxelType type, const std::string& source) {
+  const glm::uvec3& n = geometry.dims;
+  const std::string dims = std::to_string(n.x) + "x" + std::to_string(n.y) + "x" + std::to_string(n.z);
+  if (n.x == 0 || n.y == 0 || n.z == 0) throw InputError(source + ": a volume of " + dims + " voxels is empty");
+  // Voxel coordinates are floats while rendering: beyond 2^16 a side they would no longer resolve the filter's weights.
+  constexpr uint32_t kMaxSide = 65536;
+  if (n.x > kMaxSide || n.y > kMaxSide || n.z > kMaxSide)
+    throw InputError(source + ": " + dims + " voxels: at most " + std::to_string(kMaxSide) + " along an axis");
+  const size_t count = size_t{n.x} * n.y * n.z;  // at most 2^48
+  if (count > std::numeric_limits<size_t>::max() / 2 / sizeBytes(type))
+    throw InputError(source + ": " + dims + " voxels do not fit into memory");
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(geometry.spacing[axis] > 0.0) || !std::isfinite(geometry.spacing[axis]) ||
+        !std::isfinite(geometry.origin[axis]))
+      throw InputError(source + ": voxel spacing and origin must be finite, and spacing positive");
+  const double determinant = std::abs(glm::determinant(geometry.direction));
+  if (!(std::abs(determinant - 1.0) < 1e-2)) throw InputError(source + ": its axes do not form an orthonormal system");
+  return count;
+}
+
+namespace {
+
+template <class T>
+bool isFiniteVoxel(T voxel) {
+  if constexpr (std::is_floating_point_v<T>)
+    return std::isfinite(voxel);
+  else
+    return true;
+}
+
+constexpr size_t kGrain = 1 << 18;
+
+template <class T>
+VoxelStatistics gatherStatistics(const T* voxels, size_t count) {
+  struct Extremes {
+    T lowest = std::numeric_limits<T>::max();
+    T highest = std::numeric_limits<T>::lowest();
+    size_t finite = 0;
+  };
+  tbb::enumerable_thread_specific<Extremes> partialExtremes;
+  parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
+    Extremes& local = partialExtremes.local();
+    for (size_t i = begin; i < end; ++i) {
+      const T voxel = voxels[i];
+      if (!isFiniteVoxel(voxel)) continue;
+      local.lowest = voxel < local.lowest ? voxel : local.lowest;
+      local.highest = voxel > local.highest ? voxel : local.highest;
+      ++local.finite;
+    }
+  });
+  Extremes all;
+  for (const Extremes& local : partialExtremes) {
+    all.lowest = std::min(all.lowest, local.lowest);
+    all.highest = std::max(all.highest, local.highest);
+    all.finite += local.finite;
+  }
+  VoxelStatistics statistics;
+  statistics.nonFinite = count - all.finite;
+  if (all.finite > 0) {
+    statistics.lowest = static_cast<double>(all.lowest);
+    statistics.highest = static_cast<double>(all.highest);
+  }
+  statistics.rangeLower = std::is_same_v<T, uint8_t> ? 0.0 : statistics.lowest;
+  statistics.rangeUpper = std::is_same_v<T, uint8_t> ? 255.0 : statistics.highest;
+
+  using Histogram = std::array<size_t, 256>;
+  tbb::enumerable_thread_specific<Histogram> partialHistograms(Histogram{});
+  // Halved, because the difference of the extremes of a double volume may overflow.
+  const double halfExtent = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower;
+  const double scale = halfExtent > 0.0 ? 0.5 / halfExtent : 0.0;
+  parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
+    Histogram& local = partialHistograms.local();
+    for (size_t i = begin; i < end; ++i) {
+      if constexpr (std::is_same_v<T, uint8_t>) {
+        ++local[voxels[i]];
+      } else {
+        if (!isFiniteVoxel(voxels[i])) continue;
+        const double unit = static_cast<double>(voxels[i]) * scale - statistics.rangeLower * scale;
+        ++local[std::min<size_t>(static_cast<size_t>(std::max(unit, 0.0) * 256.0), 255)];
+      }
+    }
+  });
+  for (const Histogram& local : partialHistograms)
+    for (size_t bin = 0; bin < local.size(); ++bin) statistics.histogram[bin] += local[bin];
+  return statistics;
+}
+
+}  // namespace
+
+Volume::Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage,
+               const void* voxels)
+    : name_(std::move(name)), type_(type), geometry_(geometry), storage_(std::move(storage)), voxels_(voxels) {
+  const size_t count = validate(geometry_, type_, name_);
+  bounds_ = geometry_.bounds();
+  visitVoxelType(type_, [&](auto voxel) { statistics_ = gatherStatistics(voxelsAs<decltype(voxel)>(), count); });
+}
+
+}  // namespace warpscope

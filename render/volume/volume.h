@@ -1,0 +1,105 @@
+// A scalar volume: voxels in their stored type (never widened), where they lie in the world, and what a renderer wants to know of them.
+// Volume space, in which everything is rendered: axes along the voxel grid, origin at the centre, unit = the smallest voxel edge.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "render/core/box.h"
+
+namespace warpscope {
+
+enum class VoxelType { uint8, int8, uint16, int16, uint32, int32, float32, float64 };
+
+size_t sizeBytes(VoxelType type);
+std::string_view nameOf(VoxelType type);
+
+/// Calls `f(T{})` with a value of the C++ type that `type` stands for.
+template <class F>
+decltype(auto) visitVoxelType(VoxelType type, F&& f) {
+  switch (type) {
+    case VoxelType::uint8: return f(uint8_t{});
+    case VoxelType::int8: return f(int8_t{});
+    case VoxelType::uint16: return f(uint16_t{});
+    case VoxelType::int16: return f(int16_t{});
+    case VoxelType::uint32: return f(uint32_t{});
+    case VoxelType::int32: return f(int32_t{});
+    case VoxelType::float32: return f(float{});
+    case VoxelType::float64: break;
+  }
+  return f(double{});
+}
+
+/// Where the voxel grid lies in the world, in millimetres where the file says so. Host only, double.
+struct VolumeGeometry {
+  glm::uvec3 dims{0};              ///< voxels along x, y, z; x is fastest in memory
+  glm::dvec3 spacing{1.0};         ///< voxel edges, > 0
+  glm::dvec3 origin{0.0};          ///< world position of the centre of voxel (0,0,0)
+  glm::dmat3 direction{1.0};       ///< columns: unit world directions of the grid's axes; may be left-handed
+  bool hasOrientation = false;     ///< the file states patient or world axes (+z up); otherwise +y is taken to be up
+
+  /// Smallest voxel edge: one unit of volume space, in world units.
+  double unit() const { return glm::min(spacing.x, glm::min(spacing.y, spacing.z)); }
+  /// Voxel edges in volume space; the smallest is 1.
+  glm::vec3 voxelEdges() const { return glm::vec3(spacing / unit()); }
+  /// The box that the voxels fill, in volume space: symmetric about 0.
+  Box bounds() const;
+};
+
+/// Throws InputError naming `source` unless dims and spacing make sense and the voxel count is representable.
+/// Returns the number of voxels.
+size_t validate(const VolumeGeometry& geometry, VoxelType type, const std::string& source);
+
+/// Facts about the values, gathered once at load. Non-finite voxels are left out of everything but their count.
+struct VoxelStatistics {
+  double lowest = 0.0;   ///< least finite value; 0 if there is none
+  double highest = 0.0;  ///< greatest finite value
+  /// What transfer functions and tables span: the type's range for uint8, [lowest, highest] otherwise.
+  double rangeLower = 0.0;
+  double rangeUpper = 0.0;
+  size_t nonFinite = 0;                    ///< NaN and infinite voxels
+  std::array<size_t, 256> histogram{};     ///< over [rangeLower, rangeUpper]
+};
+
+/// Immutable after construction and shared between threads.
+class Volume {
+ public:
+  /// `storage` keeps `voxels` alive (a mapped file, a vector). Scans all voxels once, in parallel.
+  /// Throws InputError if the geometry makes no sense.
+  Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage,
+         const void* voxels);
+
+  const std::string& name() const { return name_; }
+  VoxelType type() const { return type_; }
+  const VolumeGeometry& geometry() const { return geometry_; }
+  const glm::uvec3& dims() const { return geometry_.dims; }
+  const Box& bounds() const { return bounds_; }
+  const VoxelStatistics& statistics() const { return statistics_; }
+  size_t voxelCount() const { return size_t{dims().x} * dims().y * dims().z; }
+  size_t sizeBytes() const { return voxelCount() * warpscope::sizeBytes(type_); }
+
+  const void* voxels() const { return voxels_; }
+  template <class T>
+  const T* voxelsAs() const {
+    return static_cast<const T*>(voxels_);
+  }
+
+ private:
+  std::string name_;
+  VoxelType type_;
+  VolumeGeometry geometry_;
+  Box bounds_;
+  std::shared_ptr<const void> storage_;
+  const void* voxels_;
+  VoxelStatistics statistics_;
+};
+
+using VolumePtr = std::shared_ptr<const Volume>;
+
+}  // namespace warpscope
