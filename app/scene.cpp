@@ -10,6 +10,7 @@
 #include "app/json_document.h"
 #include "render/core/color.h"
 #include "render/core/error.h"
+#include "render/core/image.h"
 #include "render/core/nearest_name.h"
 #include "render/volume/procedural.h"
 #include "render/volume/reader.h"
