@@ -49,7 +49,9 @@ TEST_P(Procedural, DefaultSizeHasSomethingToSeeAndSpaceAround) {
   EXPECT_GE(volume->statistics().highest, 200.0);
   const double filled = 1.0 - static_cast<double>(volume->statistics().histogram[0]) / volume->voxelCount();
   EXPECT_GT(filled, 0.01);
-  if (GetParam().name != "marschner-lobb") EXPECT_LT(filled, 0.6);
+  if (GetParam().name != "marschner-lobb") {
+    EXPECT_LT(filled, 0.6);
+  }
 }
 
 TEST_P(Procedural, FeaturesScaleWithTheSize) {
@@ -69,7 +71,8 @@ TEST(ProceduralErrors, UnknownNameListsTheKnownOnes) {
     FAIL();
   } catch (const InputError& error) {
     const std::string text = error.what();
-    for (const ProceduralVolume& volume : kProceduralVolumes) EXPECT_NE(text.find(volume.name), std::string::npos) << text;
+    for (const ProceduralVolume& volume : kProceduralVolumes)
+      EXPECT_NE(text.find(volume.name), std::string::npos) << text;
   }
 }
 
@@ -79,7 +82,8 @@ TEST(ProceduralErrors, RefusesImpossibleSizes) {
 }
 
 TEST(ProceduralVessels, SeedGrowsAnotherTree) {
-  EXPECT_FALSE(sameVoxels(*makeProceduralVolume("vessels", glm::uvec3(64), 1), *makeProceduralVolume("vessels", glm::uvec3(64), 2)));
+  EXPECT_FALSE(sameVoxels(*makeProceduralVolume("vessels", glm::uvec3(64), 1),
+                          *makeProceduralVolume("vessels", glm::uvec3(64), 2)));
 }
 
 TEST(ProceduralVessels, TrunkStandsAtTheBottomWithTheStatedWidth) {
