@@ -6,12 +6,12 @@ function(warpscope_embed target namespace)
   set(directory ${CMAKE_CURRENT_BINARY_DIR}/embedded)
   set(output ${directory}/${namespace})
   set(files ${ARGN})
-  list(TRANSFORM files REPLACE ";" "\\\\;")
+  list(TRANSFORM files PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ REGEX "^[^/]")  # the script runs in the build folder
   list(JOIN files "|" joined)
   add_custom_command(
     OUTPUT ${output}.cpp ${output}.h
     COMMAND ${CMAKE_COMMAND} -DOUTPUT=${output} -DNAMESPACE=${namespace} "-DFILES=${joined}" -P ${WARPSCOPE_EMBED_SCRIPT}
-    DEPENDS ${ARGN} ${WARPSCOPE_EMBED_SCRIPT}
+    DEPENDS ${files} ${WARPSCOPE_EMBED_SCRIPT}
     COMMENT "Embedding ${namespace}"
     VERBATIM)
   target_sources(${target} PRIVATE ${output}.cpp ${output}.h)
