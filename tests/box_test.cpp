@@ -6,6 +6,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -101,10 +102,12 @@ RC_GTEST_PROP(RayBox, NothingThatIsHitIsMissed, (uint32_t seed)) {
       if (direction[axis] == 0.0f) continue;
       const Exact a = (Exact(box.lower[axis]) - origin[axis]) / Exact(direction[axis]);
       const Exact b = (Exact(box.upper[axis]) - origin[axis]) / Exact(direction[axis]);
-      exactNear = max(exactNear, min(a, b));
-      exactFar = min(exactFar, max(a, b));
+      exactNear = std::max(exactNear, std::min(a, b));
+      exactFar = std::min(exactFar, std::max(a, b));
     }
-    if (exactNear <= exactFar) RC_ASSERT(!meet(box, origin, direction, kConservativeGrow).isMiss());
+    if (exactNear <= exactFar) {
+      RC_ASSERT(!meet(box, origin, direction, kConservativeGrow).isMiss());
+    }
   }
 }
 

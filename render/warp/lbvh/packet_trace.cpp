@@ -228,7 +228,7 @@ class TileTracer {
   bool testGroup(uint32_t ray, const glm::vec3& toCenter, float radius, const IntPack& id) {
     const Vec3Pack direction{FloatPack::load_aligned(&directionX_[ray]), FloatPack::load_aligned(&directionY_[ray]),
                              FloatPack::load_aligned(&directionZ_[ray])};
-    const FloatPack t = intersectSphere(direction, toCenter, radius);
+    const FloatPack t = intersectSpherePack(direction, toCenter, radius);
     const FloatPack best = FloatPack::load_aligned(&t_[ray]);
     const IntPack bestId = IntPack::load_aligned(&id_[ray]);
     // Ids are below 2^31, so that signed comparison orders them; -1 (no hit yet) wins no tie because its distance is infinite.
