@@ -52,6 +52,17 @@ WARPSCOPE_HD inline Projection project(const Camera& camera, const glm::vec3& po
           depth};
 }
 
+/// Projection for rasterisers: clip coordinates with y up and depth z / w = nearDepth / forwardDepth in [0, 1], 1 at `nearDepth`, 0 at
+/// infinity ("reverse Z": with a float depth buffer the resolution is relative to depth). Agrees with project().
+WARPSCOPE_HD inline glm::mat4 clipFromVolume(const Camera& camera, float nearDepth) {
+  const float scaleY = 1.0f / camera.tanHalfFovY;
+  const float scaleX = scaleY * camera.height / camera.width;
+  const glm::vec4 x(scaleX * camera.right, -scaleX * glm::dot(camera.right, camera.eye));
+  const glm::vec4 y(scaleY * camera.up, -scaleY * glm::dot(camera.up, camera.eye));
+  const glm::vec4 w(camera.forward, -glm::dot(camera.forward, camera.eye));
+  return glm::transpose(glm::mat4(x, y, glm::vec4(0.0f, 0.0f, 0.0f, nearDepth), w));
+}
+
 /// True if the camera can make pictures: finite, a field of view inside (0, 180) degrees, a basis that is one, a size within limits.
 bool isUsable(const Camera& camera);
 

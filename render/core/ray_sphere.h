@@ -25,8 +25,11 @@ WARPSCOPE_HD inline float intersectSphere(const Ray& ray, const glm::vec3& cente
   if (!(discriminant >= 0.0f)) return kNoHit;
   const float outside = glm::dot(toCenter, toCenter) - radius * radius;
   if (!(outside > 0.0f)) return kNoHit;
-  // along - sqrt(discriminant) cancels where the surface is near the origin; the product of the two roots does not.
-  return outside / (along + std::sqrt(discriminant));
+  // along - sqrt(discriminant) cancels where the surface is near the origin; the product of the two roots does not. Yet for an origin
+  // within rounding of the surface and a tangent ray, `outside` is noise and `along` may be far smaller: the first root is never
+  // beyond the closest point.
+  const float t = outside / (along + std::sqrt(discriminant));
+  return t > along ? along : t;
 }
 
 /// As above for a direction of any finite length: the distance is in units of that length. A zero direction is no hit.

@@ -26,6 +26,9 @@ inline constexpr uint32_t kPositionBits = 18;
 inline constexpr uint32_t kPositionMax = (1u << kPositionBits) - 1;
 inline constexpr uint32_t kRadiusCodeMax = 1023;
 
+/// Stands where an image of sample ids has no sample.
+inline constexpr uint32_t kNoSample = 0xffffffffu;
+
 /// What a frame says once about how its samples are quantised. Units: volume space.
 struct SampleQuantization {
   Box bounds;               ///< finite; an axis may have zero extent

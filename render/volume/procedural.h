@@ -24,6 +24,13 @@ inline constexpr std::array<ProceduralVolume, 4> kProceduralVolumes{{
     {"block", "a machined solid with bores and sharp edges", {176, 128, 128}},
 }};
 
+/// The values of one shell of "shells": `upper` in its middle, `lower` at its walls; a soft edge of one voxel around it falls to 0.
+struct ShellBand {
+  uint8_t lower, upper;
+};
+/// Bands of the four shells, the outermost first; they do not overlap, so a transfer function can colour each shell.
+inline constexpr std::array<ShellBand, 4> kShellBands{{{44, 72}, {100, 128}, {156, 184}, {212, 250}}};
+
 /// Computes the named volume (8 bit, spacing 1) at `dims`. The same name, size and seed give the same voxels everywhere, whatever the
 /// number of threads. Throws InputError for an unknown name or a size that `validate` refuses.
 VolumePtr makeProceduralVolume(std::string_view name, const glm::uvec3& dims, uint32_t seed = 1);

@@ -17,7 +17,8 @@ struct RawName {
   VoxelType type;
 };
 
-/// Parses `name_XxYxZ_type.raw`; nothing if the name is not of that form. Throws InputError if it is but a number overflows.
+/// Parses `name_XxYxZ_type.raw`; nothing if the name is not of that form. Throws InputError if it is but a number
+/// overflows or the type is unknown.
 std::optional<RawName> parseRawName(const std::filesystem::path& path);
 
 /// Opens any supported volume. A raw file is mapped, not read; `spacing` (raw only) replaces 1 1 1.

@@ -41,8 +41,16 @@ size_t validate(const VolumeGeometry& geometry, VoxelType type, const std::strin
     if (!(geometry.spacing[axis] > 0.0) || !std::isfinite(geometry.spacing[axis]) ||
         !std::isfinite(geometry.origin[axis]))
       throw InputError(source + ": voxel spacing and origin must be finite, and spacing positive");
-  const double determinant = std::abs(glm::determinant(geometry.direction));
-  if (!(std::abs(determinant - 1.0) < 1e-2)) throw InputError(source + ": its axes do not form an orthonormal system");
+  // Beyond this the shortest edge is nothing beside the longest in the floats of volume space.
+  constexpr double kMaxAnisotropy = 1e6;
+  if (glm::max(geometry.spacing.x, glm::max(geometry.spacing.y, geometry.spacing.z)) > kMaxAnisotropy * geometry.unit())
+    throw InputError(source + ": one voxel edge is more than a million times another; check the file's voxel spacing");
+  // Lengths and angles each: a determinant of 1 would let sheared axes pass.
+  const glm::dmat3 gram = glm::transpose(geometry.direction) * geometry.direction;
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row)
+      if (!(std::abs(gram[column][row] - (column == row ? 1.0 : 0.0)) < 1e-2))
+        throw InputError(source + ": its axes do not form an orthonormal system");
   return count;
 }
 
@@ -58,6 +66,42 @@ bool isFiniteVoxel(T voxel) {
 
 constexpr size_t kGrain = 1 << 18;
 
+using Histogram = std::array<size_t, 256>;
+
+/// Sums histograms that `count(local, begin, end)` fills, one a thread.
+template <class Count>
+Histogram gatherHistogram(size_t voxelCount, const Count& count) {
+  tbb::enumerable_thread_specific<Histogram> partial(Histogram{});
+  parallelForRanges(voxelCount, kGrain, [&](size_t begin, size_t end) { count(partial.local(), begin, end); });
+  Histogram sum{};
+  for (const Histogram& local : partial)
+    for (size_t bin = 0; bin < sum.size(); ++bin) sum[bin] += local[bin];
+  return sum;
+}
+
+/// The histogram of bytes says everything: one pass.
+VoxelStatistics gatherStatistics(const uint8_t* voxels, size_t count) {
+  VoxelStatistics statistics;
+  statistics.histogram = gatherHistogram(count, [&](Histogram& local, size_t begin, size_t end) {
+    // Two tables, so that a run of equal voxels does not wait for its own last store.
+    Histogram odd{};
+    size_t i = begin;
+    for (; i + 1 < end; i += 2) {
+      ++local[voxels[i]];
+      ++odd[voxels[i + 1]];
+    }
+    if (i < end) ++local[voxels[i]];
+    for (size_t bin = 0; bin < odd.size(); ++bin) local[bin] += odd[bin];
+  });
+  size_t lowest = 0, highest = 255;
+  while (statistics.histogram[lowest] == 0) ++lowest;
+  while (statistics.histogram[highest] == 0) --highest;
+  statistics.lowest = static_cast<double>(lowest);
+  statistics.highest = static_cast<double>(highest);
+  statistics.rangeUpper = 255.0;
+  return statistics;
+}
+
 template <class T>
 VoxelStatistics gatherStatistics(const T* voxels, size_t count) {
   struct Extremes {
@@ -67,7 +111,7 @@ VoxelStatistics gatherStatistics(const T* voxels, size_t count) {
   };
   tbb::enumerable_thread_specific<Extremes> partialExtremes;
   parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
-    Extremes& local = partialExtremes.local();
+    Extremes local = partialExtremes.local();
     for (size_t i = begin; i < end; ++i) {
       const T voxel = voxels[i];
       if (!isFiniteVoxel(voxel)) continue;
@@ -75,6 +119,7 @@ VoxelStatistics gatherStatistics(const T* voxels, size_t count) {
       local.highest = voxel > local.highest ? voxel : local.highest;
       ++local.finite;
     }
+    partialExtremes.local() = local;
   });
   Extremes all;
   for (const Extremes& local : partialExtremes) {
@@ -88,28 +133,21 @@ VoxelStatistics gatherStatistics(const T* voxels, size_t count) {
     statistics.lowest = static_cast<double>(all.lowest);
     statistics.highest = static_cast<double>(all.highest);
   }
-  statistics.rangeLower = std::is_same_v<T, uint8_t> ? 0.0 : statistics.lowest;
-  statistics.rangeUpper = std::is_same_v<T, uint8_t> ? 255.0 : statistics.highest;
+  statistics.rangeLower = statistics.lowest;
+  statistics.rangeUpper = statistics.highest;
 
-  using Histogram = std::array<size_t, 256>;
-  tbb::enumerable_thread_specific<Histogram> partialHistograms(Histogram{});
-  // Halved, because the difference of the extremes of a double volume may overflow.
-  const double halfExtent = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower;
-  const double scale = halfExtent > 0.0 ? 0.5 / halfExtent : 0.0;
-  parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
-    Histogram& local = partialHistograms.local();
+  // Halves, because the difference of the extremes of a double volume may overflow; and differences before the product,
+  // because values may be large beside their extent. An extent whose reciprocal overflows counts as none.
+  const double halfLower = 0.5 * statistics.rangeLower;
+  const double halfExtent = 0.5 * statistics.rangeUpper - halfLower;
+  const double scale = halfExtent > 0.0 && std::isfinite(256.0 / halfExtent) ? 256.0 / halfExtent : 0.0;
+  statistics.histogram = gatherHistogram(count, [&](Histogram& local, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      if constexpr (std::is_same_v<T, uint8_t>) {
-        ++local[voxels[i]];
-      } else {
-        if (!isFiniteVoxel(voxels[i])) continue;
-        const double unit = static_cast<double>(voxels[i]) * scale - statistics.rangeLower * scale;
-        ++local[std::min<size_t>(static_cast<size_t>(std::max(unit, 0.0) * 256.0), 255)];
-      }
+      if (!isFiniteVoxel(voxels[i])) continue;
+      const double bin = (0.5 * static_cast<double>(voxels[i]) - halfLower) * scale;
+      ++local[std::min<size_t>(static_cast<size_t>(bin), 255)];
     }
   });
-  for (const Histogram& local : partialHistograms)
-    for (size_t bin = 0; bin < local.size(); ++bin) statistics.histogram[bin] += local[bin];
   return statistics;
 }
 

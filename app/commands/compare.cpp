@@ -1,0 +1,160 @@
+// `compare`: every technique in every view of a scene, as pictures, a montage and metrics.json.
+// metrics.json's rows are part of the command line's contract; README explains them.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "app/commands/options.h"
+#include "app/comparison.h"
+#include "app/interrupt.h"
+#include "app/montage.h"
+#include "app/output_files.h"
+#include "app/picture.h"
+#include "app/progress.h"
+
+namespace warpscope {
+namespace {
+
+using Json = nlohmann::json;
+
+struct CompareOptions {
+  CommonOptions common;
+  std::string out;
+  uint32_t cellWidth = 320;
+};
+
+/// JSON knows no infinity: equal images have the PSNR null.
+Json finiteOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json toJson(const ComparisonRow& row, const Comparison& comparison, const Workplace& work) {
+  const bool usesFrame = row.technique->usesFrame;
+  const View& view = work.scene.views[row.view];
+  return {{"technique", row.technique->name},
+          {"heuristic", usesFrame ? Json(nameOf(work.march.heuristic)) : Json(nullptr)},
+          {"radius", usesFrame ? Json(nameOf(work.march.radiusPolicy)) : Json(nullptr)},
+          {"view", row.view},
+          {"angleDeg", view.angleDeg - work.scene.views.front().angleDeg},
+          {"elevationDeg", view.elevationDeg},
+          {"distance", view.distance},
+          {"psnrDb", finiteOrNull(row.psnrDb)},
+          {"ssim", nullptr},
+          {"flip", nullptr},
+          {"holeFraction", row.holeFraction},
+          {"drawMs", row.drawMs},
+          {"drawSpreadMs", row.drawSpreadMs},
+          {"draws", row.draws},
+          {"buildMs", row.buildMs},
+          {"samples", usesFrame ? comparison.frame->size() : 0},
+          {"bytes", usesFrame ? comparison.frame->sizeBytes() : 0}};
+}
+
+Json toJson(const Comparison& comparison, const Workplace& work, const std::string& context) {
+  Json rows = Json::array();
+  for (const ComparisonRow& row : comparison.rows) rows.push_back(toJson(row, comparison, work));
+  return {{"scene", work.scene.name},
+          {"width", work.width},
+          {"height", work.height},
+          {"step", work.march.step},
+          {"radiusScale", work.march.radiusScale},
+          {"pointSize", work.warp.pointSize},
+          {"backend", "cpu"},
+          {"openGl", context},
+          {"server", {{"marchMs", comparison.frame->timings.marchMs}, {"compactMs", comparison.frame->timings.compactMs}}},
+          {"nonFiniteVoxels", work.scene.volume->statistics().nonFinite},
+          {"version", WARPSCOPE_VERSION},
+          {"rows", rows}};
+}
+
+std::string captionOf(const ComparisonRow& row) {
+  char text[80];
+  if (!row.technique->usesFrame)
+    std::snprintf(text, sizeof text, "%.0f ms", row.drawMs);
+  else if (std::isfinite(row.psnrDb))
+    std::snprintf(text, sizeof text, "%.1f dB, holes %.1f %%, %.0f ms", row.psnrDb, 100.0 * row.holeFraction, row.drawMs);
+  else
+    std::snprintf(text, sizeof text, "identical, %.0f ms", row.drawMs);
+  return text;
+}
+
+void printTable(const Comparison& comparison, const Scene& scene) {
+  std::fprintf(stderr, "%-11s", "");
+  for (const View& view : scene.views) std::fprintf(stderr, " %21s", viewCaption(view, scene.views.front()).c_str());
+  std::fputc('\n', stderr);
+  for (const WarpDescriptor& technique : warpRegistry()) {
+    std::fprintf(stderr, "%-11s", std::string(technique.name).c_str());
+    for (const ComparisonRow& row : comparison.rows)
+      if (row.technique == &technique) std::fprintf(stderr, " %8.1f dB %5.1f %% %4.0f", row.psnrDb, 100.0 * row.holeFraction, row.drawMs);
+    std::fputc('\n', stderr);
+  }
+  std::fputs("             (per view: PSNR, holes, ms a picture)\n", stderr);
+}
+
+void compare(const CompareOptions& options) {
+  if (options.cellWidth < 16 || options.cellWidth > 4096) throw CLI::ValidationError("--cell", "must be 16 to 4096 pixels");
+  const Workplace work = prepare(options.common);
+  StagedFolder out(options.out);  // fails before the work if it cannot be written
+  const Interrupt interrupt;
+  HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform);
+
+  Montage montage;
+  montage.title = work.scene.title + "  (" + std::string(nameOf(work.march.heuristic)) + ", " +
+                  std::string(nameOf(work.march.radiusPolicy)) + " radius)";
+  for (const View& view : work.scene.views) montage.columns.push_back(viewCaption(view, work.scene.views.front()));
+  for (const WarpDescriptor& technique : warpRegistry()) montage.rows.push_back({std::string(technique.label), {}});
+
+  ComparisonSettings settings;
+  settings.march = work.march;
+  settings.warp = work.warp;
+  settings.width = work.width;
+  settings.height = work.height;
+  const size_t pictures = warpRegistry().size() * work.scene.views.size();
+  Comparison comparison;
+  {
+    Progress progress("compare", pictures + 1, options.common.quiet || options.common.json);
+    comparison = compareTechniques(
+        work.scene, headless.resources(), settings,
+        [&](const WarpDescriptor& technique, size_t view, const WarpedImage& image) {
+          const std::string name = "view" + std::to_string(view) + "-" + std::string(technique.name) + ".png";
+          out.write(name, encodePng(toPicture(image, work.uncovered)));
+          Image<Rgba8> screen = toScreen(image, work.scene.background, work.uncovered);
+          const uint32_t width = std::min(options.cellWidth, work.width);
+          const uint32_t height = std::max<uint32_t>(1, static_cast<uint32_t>(uint64_t{work.height} * width / work.width));
+          montage.rows[static_cast<size_t>(&technique - warpRegistry().data())].cells.push_back({resized(screen, width, height), ""});
+        },
+        [&](const std::string& what) { progress.step(what); }, interrupt.token());
+  }
+  for (const ComparisonRow& row : comparison.rows)
+    montage.rows[static_cast<size_t>(row.technique - warpRegistry().data())].cells[row.view].caption = captionOf(row);
+  out.write("montage.png", encodePng(drawMontage(montage, options.cellWidth)));
+  const Json report = toJson(comparison, work, headless.contextText());
+  out.write("metrics.json", report.dump(2) + "\n");
+  out.commit();
+
+  if (options.common.json)
+    std::cout << report.dump(2) << '\n';
+  else if (!options.common.quiet) {
+    printTable(comparison, work.scene);
+    std::cerr << "wrote " << pictures << " pictures, montage.png and metrics.json to " << options.out << '\n';
+  }
+}
+
+}  // namespace
+
+void addCompareCommand(CLI::App& program, std::function<void()>& chosen) {
+  auto options = std::make_shared<CompareOptions>();
+  CLI::App* command = program.add_subcommand("compare", "Every technique in every view: pictures, a montage, metrics.json");
+  addCommonOptions(*command, options->common);
+  command->add_option("--out", options->out, "Folder to write to")->required();
+  command->add_option("--cell", options->cellWidth, "Width of a picture in the montage, in pixels")->capture_default_str();
+  command->callback([options, &chosen] { chosen = [options] { compare(*options); }; });
+}
+
+void compareDefaultScene(const std::filesystem::path& out) {
+  CompareOptions options;
+  options.out = out.string();
+  compare(options);
+}
+
+}  // namespace warpscope

@@ -1,0 +1,73 @@
+// `export`: the sample cloud of the scene's first view as a PLY file.
+// PLY, binary little endian (Turk 1994): x y z in world units, radius in world units, 8-bit sRGB colour and alpha.
+#include <CLI/CLI.hpp>
+#include <bit>
+#include <cstring>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "app/commands/options.h"
+#include "app/interrupt.h"
+#include "app/output_files.h"
+
+namespace warpscope {
+namespace {
+
+struct ExportOptions {
+  CommonOptions common;
+  std::string ply;
+};
+
+template <class T>
+void appendLittleEndian(std::string& bytes, T value) {
+  char raw[sizeof(T)];
+  std::memcpy(raw, &value, sizeof value);
+  if constexpr (std::endian::native == std::endian::big)
+    for (size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(raw[i], raw[sizeof(T) - 1 - i]);
+  bytes.append(raw, sizeof(T));
+}
+
+std::string toPly(const SampleFrame& frame, const VolumeGeometry& geometry) {
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\ncomment samples of a volume rendering, world units\nelement vertex " +
+      std::to_string(frame.size()) +
+      "\nproperty double x\nproperty double y\nproperty double z\nproperty double radius\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\nend_header\n";
+  bytes.reserve(bytes.size() + frame.size() * 36);
+  // Doubles: world coordinates may be large where the volume is small.
+  const glm::dvec3 center =
+      geometry.origin + geometry.direction * (0.5 * (glm::dvec3(geometry.dims) - 1.0) * geometry.spacing);
+  for (size_t i = 0; i < frame.size(); ++i) {
+    const Sphere sphere = frame.sphere(i);
+    const glm::dvec3 world = center + geometry.direction * (geometry.unit() * glm::dvec3(sphere.center));
+    for (int axis = 0; axis < 3; ++axis) appendLittleEndian(bytes, world[axis]);
+    appendLittleEndian(bytes, geometry.unit() * sphere.radius);
+    appendLittleEndian(bytes, frame.colors[i]);
+  }
+  return bytes;
+}
+
+void exportSamples(const ExportOptions& options) {
+  const Workplace work = prepare(options.common);
+  const Interrupt interrupt;
+  const MarcherPtr marcher = makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction);
+  const SampleFrame frame = marcher->march(makeCamera(work.scene, work.scene.views.front(), work.width, work.height),
+                                           work.march, interrupt.token());
+  writeFileWhole(options.ply, toPly(frame, work.scene.volume->geometry()));
+  if (options.common.json)
+    std::cout << nlohmann::json{{"ply", options.ply}, {"samples", frame.size()}}.dump(2) << '\n';
+  else if (!options.common.quiet)
+    std::cerr << "wrote " << frame.size() << " samples to " << options.ply << '\n';
+}
+
+}  // namespace
+
+void addExportCommand(CLI::App& program, std::function<void()>& chosen) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* command = program.add_subcommand("export", "The sample cloud of the first view as a file");
+  addCommonOptions(*command, options->common);
+  command->add_option("--ply", options->ply, "PLY file to write")->required();
+  command->callback([options, &chosen] { chosen = [options] { exportSamples(*options); }; });
+}
+
+}  // namespace warpscope

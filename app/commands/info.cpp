@@ -1,0 +1,118 @@
+// `info`: what this build is and what it found on this machine.
+// Every part answers for itself; a missing driver is a line of the answer, not an error.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/commands/options.h"
+#include "render/core/error.h"
+#include "render/cuda/devices.h"
+#include "render/volume/reader.h"
+
+namespace warpscope {
+namespace {
+
+using Json = nlohmann::json;
+
+Json describeGl(gl::Platform platform) {
+  try {
+    const std::unique_ptr<gl::Context> context = gl::makeHeadlessContext(platform);
+    return {{"platform", context->platformName()}, {"renderer", context->renderer()}, {"version", context->version()}};
+  } catch (const InputError& error) {
+    return {{"unavailable", error.what()}};
+  }
+}
+
+Json describeCuda() {
+  const cuda::DeviceReport report = cuda::listDevices();
+  Json devices = Json::array();
+  for (const cuda::Device& device : report.devices)
+    devices.push_back({{"name", device.name},
+                       {"computeCapability", std::to_string(device.computeMajor) + "." + std::to_string(device.computeMinor)},
+                       {"memoryBytes", device.memoryBytes}});
+  Json description{{"devices", devices}};
+  if (!report.reason.empty()) description["unavailable"] = report.reason;
+  return description;
+}
+
+template <class Table>
+Json namesOf(const Table& table) {
+  Json names = Json::array();
+  for (const auto& entry : table) names.push_back(entry.name);
+  return names;
+}
+
+Json describe() {
+  Json backends = Json::array({"cpu"});
+  if (whyNoCuda().empty()) backends.push_back("cuda");
+  Json scenes = Json::array();
+  for (const BuiltinScene& scene : builtinScenes()) scenes.push_back({{"name", scene.name}, {"title", scene.title}});
+  return {{"version", WARPSCOPE_VERSION},
+          {"backends", backends},
+          {"cores", std::thread::hardware_concurrency()},
+          {"openGl", {{"egl", describeGl(gl::Platform::egl)}, {"osmesa", describeGl(gl::Platform::osmesa)}}},
+          {"cuda", describeCuda()},
+          {"techniques", namesOf(warpRegistry())},
+          {"heuristics", namesOf(kHeuristics)},
+          {"radiusPolicies", namesOf(kRadiusPolicies)},
+          {"scenes", scenes},
+          {"volumeFormats", supportedVolumeEndings()}};
+}
+
+void printLine(const std::string& name, const Json& value) {
+  std::cout << name << ": ";
+  if (value.is_string())
+    std::cout << value.get<std::string>();
+  else if (value.is_array()) {
+    for (const Json& element : value)
+      std::cout << (element.is_string()     ? element.get<std::string>()
+                    : element.contains("title") ? element["name"].get<std::string>()
+                                                : element["name"].get<std::string>() + " (" + element["computeCapability"].get<std::string>() + ")")
+                << ' ';
+  } else {
+    std::cout << value.dump();
+  }
+  std::cout << '\n';
+}
+
+void printGl(const std::string& name, const Json& gl) {
+  std::cout << "OpenGL, " << name << ": ";
+  if (gl.contains("unavailable"))
+    std::cout << gl["unavailable"].get<std::string>() << '\n';
+  else
+    std::cout << gl["platform"].get<std::string>() << ", " << gl["renderer"].get<std::string>() << ", "
+              << gl["version"].get<std::string>() << '\n';
+}
+
+void inform(const CommonOptions& options) {
+  const Json info = describe();
+  if (options.json) {
+    std::cout << info.dump(2) << '\n';
+    return;
+  }
+  std::cout << "warpscope " << WARPSCOPE_VERSION << '\n';
+  printLine("backends", info["backends"]);
+  printLine("cores", info["cores"]);
+  printGl("EGL", info["openGl"]["egl"]);
+  printGl("OSMesa", info["openGl"]["osmesa"]);
+  printLine("CUDA", info["cuda"].contains("unavailable") ? info["cuda"]["unavailable"] : info["cuda"]["devices"]);
+  printLine("techniques", info["techniques"]);
+  printLine("heuristics", info["heuristics"]);
+  printLine("radius policies", info["radiusPolicies"]);
+  printLine("scenes", info["scenes"]);
+  printLine("volume formats", info["volumeFormats"]);
+}
+
+}  // namespace
+
+void addInfoCommand(CLI::App& program, std::function<void()>& chosen) {
+  auto options = std::make_shared<CommonOptions>();
+  CLI::App* command = program.add_subcommand("info", "Version, backends, devices, formats");
+  command->add_flag("--json", options->json, "One JSON document on standard output");
+  command->add_flag("--quiet", options->quiet, "Errors only");
+  command->add_flag("--verbose", options->verbose, "More about what is being done");
+  command->callback([options, &chosen] { chosen = [options] { inform(*options); }; });
+}
+
+}  // namespace warpscope

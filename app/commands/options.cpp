@@ -1,0 +1,161 @@
+// Checking what was typed.
+// See options.h.
+#include "app/commands/options.h"
+
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "render/core/error.h"
+#include "render/core/nearest_name.h"
+#include "render/volume/procedural.h"
+
+namespace warpscope {
+namespace {
+
+template <class Value>
+struct Choice {
+  std::string_view name;
+  Value value;
+};
+
+template <class Table>
+auto choose(std::string_view kind, std::string_view name, const Table& table) {
+  std::vector<std::string_view> names;
+  for (const auto& entry : table) {
+    if (entry.name == name) return entry.value;
+    names.push_back(entry.name);
+  }
+  throw UsageError(unknownName(kind, name, names));
+}
+
+/// Parses numbers separated by 'x': exactly `count` of them, each within 1..largest.
+std::vector<uint32_t> parseSize(const std::string& option, const std::string& text, size_t count, uint32_t largest) {
+  std::vector<uint32_t> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (numbers.size() < count) {
+    uint32_t number = 0;
+    const auto [next, error] = std::from_chars(at, end, number);
+    if (error != std::errc() || number < 1 || number > largest) break;
+    numbers.push_back(number);
+    at = next;
+    if (numbers.size() == count) break;
+    if (at == end || *at != 'x') break;
+    ++at;
+  }
+  if (numbers.size() != count || at != end)
+    throw UsageError(option + " " + text.substr(0, 40) + ": give " + (count == 2 ? "WxH" : "XxYxZ") +
+                     ", each 1 to " + std::to_string(largest));
+  return numbers;
+}
+
+Rgba8 parseColor(const std::string& text) {
+  if (text.empty() || text == "transparent") return 0;
+  uint32_t rgb = 0;
+  const char* const digits = text.data() + (text[0] == '#' ? 1 : 0);
+  const char* const end = text.data() + text.size();
+  const auto [next, error] = std::from_chars(digits, end, rgb, 16);
+  if (error != std::errc() || next != end || end - digits != 6)
+    throw UsageError("--uncovered " + text.substr(0, 40) + ": give a colour as RRGGBB in hexadecimal, or transparent");
+  return (rgb >> 16 & 255) | (rgb & 0xff00) | (rgb & 255) << 16 | 0xff000000u;
+}
+
+constexpr Choice<Backend> kBackends[] = {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}};
+constexpr Choice<gl::Platform> kPlatforms[] = {
+    {"auto", gl::Platform::automatic}, {"egl", gl::Platform::egl}, {"osmesa", gl::Platform::osmesa}};
+constexpr Choice<SphereTracing> kTracings[] = {{"lbvh", SphereTracing::lbvh}, {"embree", SphereTracing::embree}};
+
+template <class Table>
+std::string listOf(const Table& table) {
+  std::string text;
+  for (const auto& entry : table) text += (text.empty() ? "" : " ") + std::string(entry.name);
+  return text;
+}
+
+}  // namespace
+
+void addCommonOptions(CLI::App& command, CommonOptions& options) {
+  std::string scenes;
+  for (const ProceduralVolume& volume : kProceduralVolumes) scenes += std::string(volume.name) + ", ";
+  command.add_option("scene", options.scene, "A built-in scene (" + scenes + "default vessels), a scene file or a volume file");
+  command.add_option("--volume", options.volume, "Replaces the scene's volume by this file");
+  command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
+  command.add_option("--tf", options.transferFunction, "Transfer function file (JSON)");
+  command.add_option("--heuristic", options.heuristic, "Which depth stands for a pixel: " + listOf(kHeuristics));
+  command.add_option("--radius", options.radius, "How large a sample is: " + listOf(kRadiusPolicies));
+  command.add_option("--radius-scale", options.radiusScale, "Factor on the radius");
+  command.add_option("--step", options.step, "Distance of samples along a ray, in voxels");
+  command.add_option("--point-size", options.pointSize, "Pixels, 1 to 16, for points")->capture_default_str();
+  command.add_option("--bvh", options.bvh, "Hierarchy that spheres are traced with: lbvh embree")->capture_default_str();
+  command.add_option("--backend", options.backend, "auto cpu cuda")->capture_default_str();
+  command.add_option("--gl", options.gl, "OpenGL without a window: auto egl osmesa")->capture_default_str();
+  command.add_option("--size", options.size, "WxH of the pictures, in pixels")->capture_default_str();
+  command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees");
+  command.add_option("--uncovered", options.uncovered, "Colour (RRGGBB) of pixels that no sample covers; default transparent");
+  command.add_option("--seed", options.seed, "Of everything random")->capture_default_str();
+  command.add_flag("--json", options.json, "One JSON document on standard output and nothing else");
+  command.add_flag("--quiet", options.quiet, "Errors only");
+  command.add_flag("--verbose", options.verbose, "More about what is being done");
+}
+
+Workplace prepare(const CommonOptions& options) {
+  Workplace work;
+  const std::vector<uint32_t> size = parseSize("--size", options.size, 2, kMaxImageSide);
+  work.width = size[0];
+  work.height = size[1];
+  work.uncovered = parseColor(options.uncovered);
+  work.platform = choose("OpenGL platform", options.gl, kPlatforms);
+  work.backend = choose("backend", options.backend, kBackends);
+  work.warp.sphereTracing = choose("hierarchy", options.bvh, kTracings);
+  work.warp.pointSize = options.pointSize;
+  std::optional<Heuristic> heuristic;
+  std::optional<RadiusPolicy> radius;
+  if (!options.heuristic.empty()) heuristic = choose("heuristic", options.heuristic, kHeuristics);
+  if (!options.radius.empty()) radius = choose("radius policy", options.radius, kRadiusPolicies);
+  if (options.fovYDeg && !(*options.fovYDeg > 0.0 && *options.fovYDeg < 180.0))
+    throw UsageError("--fov: the field of view must be more than 0 and less than 180 degrees");
+
+  SceneOverrides overrides;
+  overrides.seed = options.seed;
+  overrides.fovYDeg = options.fovYDeg;
+  if (!options.volume.empty()) overrides.volume = options.volume;
+  if (!options.transferFunction.empty()) overrides.transferFunction = options.transferFunction;
+  if (!options.volumeSize.empty()) {
+    const std::vector<uint32_t> dims = parseSize("--volume-size", options.volumeSize, 3, 65536);
+    overrides.proceduralDims = {dims[0], dims[1], dims[2]};
+  }
+  MarchSettings probe;
+  if (options.step) probe.step = static_cast<float>(*options.step);
+  if (options.radiusScale) probe.radiusScale = static_cast<float>(*options.radiusScale);
+  validate(probe);
+  validate(work.warp);
+  if (work.backend == Backend::cuda)
+    if (const std::string reason = whyNoCuda(); !reason.empty())
+      throw InputError("the backend cuda cannot be used: " + reason);
+
+  work.scene = openScene(options.scene, overrides);
+  work.march = work.scene.march;
+  if (heuristic) work.march.heuristic = *heuristic;
+  if (radius) work.march.radiusPolicy = *radius;
+  if (options.step) work.march.step = static_cast<float>(*options.step);
+  if (options.radiusScale) work.march.radiusScale = static_cast<float>(*options.radiusScale);
+  work.warp.reference = work.march;
+  return work;
+}
+
+WarpResources HeadlessResources::resources() {
+  return {marcher_, [this]() -> gl::Context& {
+            if (!context_) context_ = gl::makeHeadlessContext(platform_);
+            context_->makeCurrent();
+            return *context_;
+          }};
+}
+
+std::string HeadlessResources::contextText() {
+  if (!context_) return {};
+  context_->makeCurrent();
+  return std::string(context_->platformName()) + ", " + context_->renderer();
+}
+
+}  // namespace warpscope

@@ -1,0 +1,73 @@
+// Options that several commands share, and what is made of them.
+// Names and meanings are the command line's contract; README lists them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "app/backend.h"
+#include "app/scene.h"
+#include "render/gl/context.h"
+#include "render/warp/warp.h"
+
+namespace warpscope {
+
+/// As typed; checked by the functions below.
+struct CommonOptions {
+  std::string scene{kDefaultScene};
+  std::string volume, transferFunction, volumeSize;
+  std::string heuristic, radius;
+  std::string backend = "auto", gl = "auto", bvh = "lbvh";
+  std::string size = "1024x1024";
+  std::string uncovered;
+  std::optional<double> fovYDeg, step, radiusScale;
+  int pointSize = 2;
+  uint32_t seed = 1;
+  bool json = false, quiet = false, verbose = false;
+};
+
+/// Adds the scene and every shared option to a command.
+void addCommonOptions(CLI::App& command, CommonOptions& options);
+
+/// What a command works with.
+struct Workplace {
+  Scene scene;
+  MarchSettings march;
+  WarpSettings warp;
+  uint32_t width = 0;
+  uint32_t height = 0;
+  Rgba8 uncovered = 0;
+  gl::Platform platform = gl::Platform::automatic;
+  Backend backend = Backend::automatic;
+};
+
+/// Checks every option before anything expensive, then opens the scene. Throws UsageError or InputError.
+Workplace prepare(const CommonOptions& options);
+
+/// Techniques' resources for one thread: a marcher for the scene and an OpenGL context made when it is first needed.
+class HeadlessResources {
+ public:
+  HeadlessResources(MarcherPtr marcher, gl::Platform platform) : marcher_(std::move(marcher)), platform_(platform) {}
+  WarpResources resources();
+  /// The context's platform and renderer; empty if none was needed.
+  std::string contextText();
+
+ private:
+  MarcherPtr marcher_;
+  gl::Platform platform_;
+  std::unique_ptr<gl::Context> context_;
+};
+
+/// What `command` is and does; each adds itself to the program and runs when its turn comes.
+void addShotCommand(CLI::App& program, std::function<void()>& chosen);
+void addCompareCommand(CLI::App& program, std::function<void()>& chosen);
+void addExportCommand(CLI::App& program, std::function<void()>& chosen);
+void addInfoCommand(CLI::App& program, std::function<void()>& chosen);
+
+/// `compare` of the default scene into `out`.
+void compareDefaultScene(const std::filesystem::path& out);
+
+}  // namespace warpscope

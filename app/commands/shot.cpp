@@ -1,0 +1,74 @@
+// `shot`: one picture without a window.
+// A frame from the scene's first view, warped to the camera turned about the volume's vertical axis.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "app/commands/options.h"
+#include "app/interrupt.h"
+#include "app/output_files.h"
+#include "app/picture.h"
+#include "render/core/error.h"
+
+namespace warpscope {
+namespace {
+
+struct ShotOptions {
+  CommonOptions common;
+  std::string technique = "spheres";
+  double viewAngleDeg = 0.0;
+  std::string out;
+};
+
+void shoot(const ShotOptions& options) {
+  if (!std::isfinite(options.viewAngleDeg) || std::abs(options.viewAngleDeg) > 360.0)
+    throw UsageError("--view-angle must be between -360 and 360 degrees");
+  const WarpDescriptor& descriptor = findWarp(options.technique);
+  const Workplace work = prepare(options.common);
+  const Interrupt interrupt;
+  HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform);
+  const WarpResources resources = headless.resources();
+  const std::unique_ptr<Warp> warp = descriptor.make(resources);
+
+  View view = work.scene.views.front();
+  const Camera serverCamera = makeCamera(work.scene, view, work.width, work.height);
+  view.angleDeg += options.viewAngleDeg;
+  const Camera camera = makeCamera(work.scene, view, work.width, work.height);
+  SampleFramePtr frame;
+  if (descriptor.usesFrame)
+    frame = std::make_shared<SampleFrame>(resources.marcher->march(serverCamera, work.march, interrupt.token()));
+  warp->setFrame(frame, work.warp, interrupt.token());
+  WarpedImage image;
+  warp->draw(camera, work.warp, image, interrupt.token());
+  writeFileWhole(options.out, encodePng(toPicture(image, work.uncovered)));
+
+  if (options.common.json) {
+    const nlohmann::json report{{"out", options.out},
+                                {"technique", descriptor.name},
+                                {"viewAngleDeg", options.viewAngleDeg},
+                                {"samples", frame ? frame->size() : 0},
+                                {"heuristic", nameOf(work.march.heuristic)},
+                                {"radius", nameOf(work.march.radiusPolicy)}};
+    std::cout << report.dump(2) << '\n';
+  } else if (!options.common.quiet) {
+    std::cerr << "wrote " << options.out << '\n';
+  }
+}
+
+}  // namespace
+
+void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
+  auto options = std::make_shared<ShotOptions>();
+  CLI::App* command = program.add_subcommand("shot", "One picture, without a window");
+  addCommonOptions(*command, options->common);
+  std::string names;
+  for (const WarpDescriptor& warp : warpRegistry()) names += (names.empty() ? "" : " ") + std::string(warp.name);
+  command->add_option("--technique", options->technique, names)->capture_default_str();
+  command->add_option("--view-angle", options->viewAngleDeg, "Degrees that the camera turns about the vertical axis")
+      ->capture_default_str();
+  command->add_option("-o,--out", options->out, "PNG file to write")->required();
+  command->callback([options, &chosen] { chosen = [options] { shoot(*options); }; });
+}
+
+}  // namespace warpscope

@@ -1,0 +1,93 @@
+// Running a comparison.
+// See comparison.h.
+#include "app/comparison.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "render/metrics/holes.h"
+#include "render/metrics/psnr.h"
+
+namespace warpscope {
+namespace {
+
+template <class Work>
+double milliseconds(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+Comparison compareTechniques(const Scene& scene, const WarpResources& resources, const ComparisonSettings& settings,
+                             const std::function<void(const WarpDescriptor&, size_t, const WarpedImage&)>& onPicture,
+                             const std::function<void(const std::string&)>& onStep, const std::stop_token& stop) {
+  Comparison comparison;
+  for (const View& view : scene.views)
+    comparison.cameras.push_back(makeCamera(scene, view, settings.width, settings.height));
+  onStep("the server's frame");
+  comparison.frame =
+      std::make_shared<SampleFrame>(resources.marcher->march(comparison.cameras.front(), settings.march, stop));
+
+  // One technique after the other through all views would keep every reference; view by view keeps one.
+  struct Contender {
+    const WarpDescriptor* descriptor;
+    std::unique_ptr<Warp> warp;
+    double buildMs;
+  };
+  std::vector<Contender> contenders;
+  for (const WarpDescriptor& descriptor : warpRegistry()) {
+    Contender contender{&descriptor, descriptor.make(resources), 0.0};
+    contender.warp->setFrame(comparison.frame, settings.warp, stop);  // warms up: memory, threads, shaders
+    contender.buildMs = milliseconds([&] { contender.warp->setFrame(comparison.frame, settings.warp, stop); });
+    contenders.push_back(std::move(contender));
+  }
+
+  WarpedImage reference, image;
+  for (size_t view = 0; view < scene.views.size(); ++view) {
+    for (const Contender& contender : contenders) {
+      onStep(std::string(contender.descriptor->name) + ", " + viewCaption(scene.views[view], scene.views.front()));
+      const bool isReference = !contender.descriptor->usesFrame;
+      WarpedImage& drawn = isReference ? reference : image;
+      const auto draw = [&] { contender.warp->draw(comparison.cameras[view], settings.warp, drawn, stop); };
+      std::vector<double> times;
+      if (!isReference) draw();
+      for (int i = 0; i < (isReference ? 1 : settings.draws); ++i) times.push_back(milliseconds(draw));
+      std::sort(times.begin(), times.end());
+
+      ComparisonRow row;
+      row.technique = contender.descriptor;
+      row.view = view;
+      row.psnrDb = psnrSrgb(drawn.color, reference.color, scene.background);
+      row.holeFraction = countHoles(drawn, reference.color).fraction();
+      row.drawMs = times[times.size() / 2];
+      row.drawSpreadMs = times.back() - times.front();
+      row.buildMs = contender.buildMs;
+      row.draws = static_cast<int>(times.size());
+      comparison.rows.push_back(row);
+      onPicture(*contender.descriptor, view, drawn);
+    }
+  }
+  return comparison;
+}
+
+std::string viewCaption(const View& view, const View& first) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%g°", view.angleDeg - first.angleDeg);
+  std::string caption = text;
+  if (view.elevationDeg != first.elevationDeg) {
+    std::snprintf(text, sizeof text, ", %+g° up", view.elevationDeg - first.elevationDeg);
+    caption += text;
+  }
+  const double ratio = view.distance / first.distance;
+  if (std::abs(ratio - 1.0) > 1e-6) {
+    std::snprintf(text, sizeof text, ", %.3g× as far", ratio);
+    caption += text;
+  }
+  return caption;
+}
+
+}  // namespace warpscope

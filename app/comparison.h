@@ -1,0 +1,50 @@
+// Every technique in every view of a scene: pictures, errors, holes, times.
+// The protocol of Zellmann 2020, section 4: one frame from the first view, warped to all of them.
+#pragma once
+
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "app/scene.h"
+#include "render/warp/warp.h"
+
+namespace warpscope {
+
+/// One technique in one view.
+struct ComparisonRow {
+  const WarpDescriptor* technique = nullptr;
+  size_t view = 0;
+  double psnrDb = 0.0;  ///< against the reference; infinite if equal
+  double holeFraction = 0.0;
+  double drawMs = 0.0;       ///< median of `draws`, from the camera to colours in host memory
+  double drawSpreadMs = 0.0; ///< longest minus shortest
+  double buildMs = 0.0;      ///< of what the technique derives from a frame, once a frame
+  int draws = 0;
+};
+
+struct Comparison {
+  SampleFramePtr frame;
+  std::vector<Camera> cameras;  ///< one for each view
+  std::vector<ComparisonRow> rows;
+};
+
+struct ComparisonSettings {
+  MarchSettings march;
+  WarpSettings warp;
+  uint32_t width = 0;
+  uint32_t height = 0;
+  int draws = 3;  ///< timed, after one that is not; the reference is drawn once, because the march of the frame has warmed it up
+};
+
+/// Runs the comparison. `onPicture` gets each picture as it is made: views in order, techniques in the registry's order, the reference
+/// first. `onStep` is told before each. Throws as marching and warping do.
+Comparison compareTechniques(const Scene& scene, const WarpResources& resources, const ComparisonSettings& settings,
+                             const std::function<void(const WarpDescriptor&, size_t view, const WarpedImage&)>& onPicture,
+                             const std::function<void(const std::string&)>& onStep, const std::stop_token& stop);
+
+/// "0°", "25° nearer", "45° farther": a view as a caption, relative to the first.
+std::string viewCaption(const View& view, const View& first);
+
+}  // namespace warpscope

@@ -1,0 +1,65 @@
+// JSON from files, read with checks: every complaint names the file, the line and the key.
+// RFC 8259, parsed by nlohmann-json; its values do not know their lines, so that they are noted while parsing.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace warpscope {
+
+/// A parsed text and the line on which each key or element begins.
+class JsonDocument {
+ public:
+  /// Parses `text`; `source` names it in complaints. Throws InputError.
+  JsonDocument(std::string_view text, std::string source);
+  /// Reads and parses a file of at most 64 MiB. Throws InputError.
+  static JsonDocument fromFile(const std::filesystem::path& path);
+
+  class Node root() const;
+
+ private:
+  friend class Node;
+  nlohmann::json value_;
+  std::map<std::string, int> lines_;  // by JSON pointer (RFC 6901)
+  std::string source_;
+};
+
+/// One value of a document, with the means to complain about it. Refers to the document, which must outlive it.
+class Node {
+ public:
+  Node(const JsonDocument& document, const nlohmann::json& value, std::string pointer)
+      : document_(&document), value_(&value), pointer_(std::move(pointer)) {}
+
+  /// Throws InputError "FILE:LINE: KEY TEXT".
+  [[noreturn]] void fail(std::string_view text) const;
+
+  /// Throws unless this is an object whose keys are all among `known`; proposes the nearest.
+  void requireObject(std::span<const std::string_view> known) const;
+
+  /// The member, or nothing if there is none. This must be an object.
+  std::optional<Node> find(std::string_view key) const;
+  /// As find, but a missing member is an error.
+  Node at(std::string_view key) const;
+  /// The elements; throws unless this is an array of lowest..highest elements.
+  std::vector<Node> elements(size_t lowest, size_t highest) const;
+
+  bool isString() const { return value_->is_string(); }
+  bool isArray() const { return value_->is_array(); }
+  /// Throw unless this is of that type (and within the range).
+  std::string string() const;
+  bool boolean() const;
+  double number(double lowest, double highest) const;
+  int64_t integer(int64_t lowest, int64_t highest) const;
+
+ private:
+  const JsonDocument* document_;
+  const nlohmann::json* value_;
+  std::string pointer_;
+};
+
+}  // namespace warpscope

@@ -1,0 +1,60 @@
+// The program's entry: finds the command, runs it, turns failures into one sentence and an exit code.
+// Exit codes: 0 success, 1 failure, 2 usage.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <new>
+
+#include "app/commands/options.h"
+#include "render/core/error.h"
+#include "render/core/parallel.h"
+
+namespace {
+
+constexpr int kFailure = 1;
+constexpr int kUsage = 2;
+
+int complain(const std::string& text, int code) {
+  std::cerr << "warpscope: " << text << '\n';
+  return code;
+}
+
+int run(int argc, char** argv) {
+  CLI::App program("warpscope shows what different ways of warping a remote volume rendering do to the picture, and what each costs.",
+                   "warpscope");
+  program.require_subcommand(0, 1);
+  program.set_version_flag("--version", WARPSCOPE_VERSION);
+  std::function<void()> chosen;
+  warpscope::addShotCommand(program, chosen);
+  warpscope::addCompareCommand(program, chosen);
+  warpscope::addExportCommand(program, chosen);
+  warpscope::addInfoCommand(program, chosen);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
+    return complain(error.what() + std::string(" (see warpscope --help)"), kUsage);
+  }
+  if (chosen) {
+    chosen();
+    return 0;
+  }
+  std::cerr << "warpscope: no display here, so compare runs on the default scene into ./out\n";
+  warpscope::compareDefaultScene("out");
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const warpscope::UsageError& error) {
+    return complain(error.what(), kUsage);
+  } catch (const warpscope::OperationCancelled&) {
+    return complain("stopped; nothing was written", kFailure);
+  } catch (const std::bad_alloc&) {
+    return complain("not enough memory", kFailure);
+  } catch (const std::exception& error) {
+    return complain(error.what(), kFailure);
+  }
+}

@@ -1,0 +1,87 @@
+// Writing, renaming, cleaning up.
+// See output_files.h.
+#include "app/output_files.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <random>
+
+#include "render/core/error.h"
+
+namespace warpscope {
+namespace fs = std::filesystem;
+namespace {
+
+std::string uniqueSuffix() {
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::random_device random;
+  std::string suffix;
+  for (int i = 0; i < 8; ++i) suffix += kDigits[random() % 16];
+  return suffix;
+}
+
+void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view bytes) {
+  errno = 0;
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (file) return;
+  const std::string reason = errno != 0 ? std::strerror(errno) : "unknown reason";
+  std::error_code ignored;
+  fs::remove(path, ignored);
+  throw InputError(shownAs.string() + ": cannot be written: " + reason);
+}
+
+}  // namespace
+
+void writeFileWhole(const fs::path& path, std::string_view bytes) {
+  if (fs::is_directory(path)) throw InputError(path.string() + ": cannot be written: it is a folder");
+  fs::path partial = path;
+  partial += ".partial-" + uniqueSuffix();
+  writeBytes(partial, path, bytes);
+  std::error_code error;
+  fs::rename(partial, path, error);
+  if (!error) return;
+  std::error_code ignored;
+  fs::remove(partial, ignored);
+  throw InputError(path.string() + ": cannot be written: " + error.message());
+}
+
+StagedFolder::StagedFolder(fs::path folder) : folder_(std::move(folder)) {
+  if (folder_.empty()) throw InputError("the output folder has no name");
+  std::error_code error;
+  for (fs::path at = folder_; !at.empty() && !fs::exists(at, error); at = at.parent_path()) made_.insert(made_.begin(), at);
+  fs::create_directories(folder_, error);
+  if (!error && !fs::is_directory(folder_)) error = std::make_error_code(std::errc::not_a_directory);
+  if (!error) {
+    staging_ = folder_ / (".partial-" + uniqueSuffix());
+    fs::create_directory(staging_, error);
+  }
+  if (!error) return;
+  std::error_code ignored;
+  for (auto it = made_.rbegin(); it != made_.rend(); ++it) fs::remove(*it, ignored);
+  throw InputError(folder_.string() + ": cannot be used as output folder: " + error.message());
+}
+
+StagedFolder::~StagedFolder() {
+  std::error_code ignored;
+  fs::remove_all(staging_, ignored);
+  for (auto it = made_.rbegin(); it != made_.rend(); ++it) fs::remove(*it, ignored);  // removes only empty folders
+}
+
+void StagedFolder::write(const std::string& name, std::string_view bytes) {
+  writeBytes(staging_ / name, folder_ / name, bytes);
+}
+
+void StagedFolder::commit() {
+  for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) {
+    std::error_code error;
+    const fs::path target = folder_ / entry.path().filename();
+    fs::rename(entry.path(), target, error);
+    if (error) throw InputError(target.string() + ": cannot be written: " + error.message());
+  }
+  made_.clear();
+}
+
+}  // namespace warpscope

@@ -1,0 +1,30 @@
+// Pictures for files and screens: 8 bit, straight alpha, sRGB.
+// PNG (ISO 15948) through stb_image_write and stb_image.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "render/core/color.h"
+#include "render/core/image.h"
+#include "render/warp/warp.h"
+
+namespace warpscope {
+
+/// What a warped image becomes: pixels that nothing covers get `uncovered` (0: transparent).
+Image<Rgba8> toPicture(const WarpedImage& image, Rgba8 uncovered = 0);
+
+/// Composited over an opaque background (linear RGB): what a screen shows. Pixels that nothing covers show `uncovered` if it is not 0.
+Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, Rgba8 uncovered = 0);
+
+/// The bytes of a PNG file.
+std::string encodePng(const Image<Rgba8>& picture);
+
+/// Reads an 8-bit PNG. Throws InputError.
+Image<Rgba8> readPng(const std::filesystem::path& path);
+
+/// Shrinks or enlarges to width x height: averages what falls into a pixel, in linear light, opaque pictures only.
+Image<Rgba8> resized(const Image<Rgba8>& picture, uint32_t width, uint32_t height);
+
+}  // namespace warpscope

@@ -1,0 +1,9 @@
+// The report of a build without CUDA.
+// See devices.h.
+#include "render/cuda/devices.h"
+
+namespace warpscope::cuda {
+
+DeviceReport listDevices() { return {{}, "this build has no CUDA: nvcc was not found when it was configured"}; }
+
+}  // namespace warpscope::cuda

@@ -1,0 +1,41 @@
+// Headless OpenGL 4.5 core contexts through EGL (surfaceless, else a device) or OSMesa, and the function pointers that go with them.
+// EGL_MESA_platform_surfaceless, EGL_EXT_platform_device; Mesa's off-screen interface.
+#pragma once
+
+#include <glad/gl.h>
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace warpscope::gl {
+
+/// How to reach OpenGL without a window. `automatic` tries EGL, then OSMesa.
+enum class Platform { automatic, egl, osmesa };
+
+/// A context without a default framebuffer (draw into your own). Belongs to the thread on which it was made current last.
+class Context {
+ public:
+  virtual ~Context() = default;
+  /// Makes the context current on the calling thread. Throws InputError if the driver refuses.
+  virtual void makeCurrent() = 0;
+  /// "EGL surfaceless", "EGL device" or "OSMesa".
+  virtual std::string_view platformName() const = 0;
+
+  /// Driver strings; the context must be current.
+  std::string renderer() const;
+  std::string version() const;
+};
+
+/// Makes a context and makes it current. Throws InputError that says what was tried and what each answered.
+std::unique_ptr<Context> makeHeadlessContext(Platform platform = Platform::automatic);
+
+/// Loads the OpenGL entry points through `loader` (glfwGetProcAddress for a window's context). All contexts of a process must come
+/// through the same vendor-neutral dispatch (EGL and GLX do, OSMesa does not mix with them). Throws InputError below OpenGL 4.5.
+void loadFunctions(GLADloadfunc loader);
+
+// The makers that makeHeadlessContext chooses from; null and a reason where there is no such context here.
+std::unique_ptr<Context> makeEglContext(std::string& reason);
+std::unique_ptr<Context> makeOsmesaContext(std::string& reason);
+
+}  // namespace warpscope::gl

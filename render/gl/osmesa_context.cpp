@@ -1,0 +1,50 @@
+// Contexts through OSMesa: Mesa's software rasteriser without any window system or device.
+// Mesa 22 osmesa.h, OSMesaCreateContextAttribs.
+#include <GL/osmesa.h>
+
+#include <vector>
+
+#include "render/core/error.h"
+#include "render/gl/context.h"
+
+namespace warpscope::gl {
+namespace {
+
+class OsmesaContext final : public Context {
+ public:
+  explicit OsmesaContext(OSMesaContext context) : context_(context) {}
+  ~OsmesaContext() override { OSMesaDestroyContext(context_); }
+  void makeCurrent() override {
+    // OSMesa insists on a buffer for a default framebuffer; nothing is ever drawn into it.
+    if (!OSMesaMakeCurrent(context_, buffer_.data(), GL_UNSIGNED_BYTE, 1, 1))
+      throw InputError("OSMesaMakeCurrent failed");
+    loadFunctions(reinterpret_cast<GLADloadfunc>(OSMesaGetProcAddress));
+  }
+  std::string_view platformName() const override { return "OSMesa"; }
+
+ private:
+  OSMesaContext context_;
+  std::vector<unsigned char> buffer_ = std::vector<unsigned char>(16);
+};
+
+}  // namespace
+
+std::unique_ptr<Context> makeOsmesaContext(std::string& reason) {
+  const int attributes[] = {OSMESA_FORMAT,  OSMESA_RGBA, OSMESA_DEPTH_BITS, 0, OSMESA_PROFILE, OSMESA_CORE_PROFILE,
+                            OSMESA_CONTEXT_MAJOR_VERSION, 4, OSMESA_CONTEXT_MINOR_VERSION, 5, 0};
+  OSMesaContext context = OSMesaCreateContextAttribs(attributes, nullptr);
+  if (context == nullptr) {
+    reason = "no OpenGL 4.5 core context";
+    return nullptr;
+  }
+  auto made = std::make_unique<OsmesaContext>(context);
+  try {
+    made->makeCurrent();
+  } catch (const InputError& error) {
+    reason = error.what();
+    return nullptr;
+  }
+  return made;
+}
+
+}  // namespace warpscope::gl

@@ -1,0 +1,229 @@
+// Which depth stands for a ray: every heuristic as a fold over the ray's samples, so that a ray may be marched in pieces.
+// After Zellmann, Aumueller, Lang 2012 and Zellmann 2020; crossings are refined inside the step, which those do not do.
+//
+// A fold has a state per ray segment (default-constructed: the identity), `add` for the next sample that counts, and an associative
+// `combine(front, back)`. A sample counts if its contribution alpha * T is at least the settings' `contribution`; only those reach a
+// fold. T is known before folding: a back segment is folded with the transmittance of what lies in front of it.
+//
+// Heuristics that need the ray's end first (rel-threshold, en-ex-mean, median) are two folds: a ProfileFold over the whole ray, then a
+// CrossingFold whose threshold it gives. Ties: the nearer sample wins.
+#pragma once
+
+#include "render/core/host_device.h"
+#include "render/march/march_settings.h"
+
+namespace warpscope {
+
+/// A sample that counts. Distances are along the ray, volume units.
+struct CountingSample {
+  float t = 0.0f;              ///< centre of the step
+  float ds = 0.0f;             ///< length of the step
+  float alpha = 0.0f;          ///< opacity, corrected to the step
+  float transmittance = 1.0f;  ///< T before the sample
+
+  WARPSCOPE_HD float contribution() const { return alpha * transmittance; }
+  /// Accumulated opacity before and after the sample.
+  WARPSCOPE_HD float accumulatedBefore() const { return 1.0f - transmittance; }
+  WARPSCOPE_HD float accumulatedAfter() const { return 1.0f - transmittance * (1.0f - alpha); }
+};
+
+/// A depth, or none where no sample counted.
+struct DepthResult {
+  bool hasDepth = false;
+  float depth = 0.0f;   ///< along the ray, volume units
+  float spread = 0.0f;  ///< standard deviation of depth, where the heuristic knows it (expected); else 0
+};
+
+/// First and last sample that counts; the base of entrance, exit, midpoint.
+struct ExtentFold {
+  bool any = false;
+  float first = 0.0f;
+  float last = 0.0f;
+
+  WARPSCOPE_HD void add(const CountingSample& sample) {
+    if (!any) first = sample.t;
+    last = sample.t;
+    any = true;
+  }
+  WARPSCOPE_HD static ExtentFold combine(const ExtentFold& front, const ExtentFold& back) {
+    if (!front.any) return back;
+    if (!back.any) return front;
+    return {true, front.first, back.last};
+  }
+};
+
+/// The sample with the largest key: its opacity (peak) or its contribution (gradient).
+template <bool kByContribution>
+struct LargestFold {
+  bool any = false;
+  float key = 0.0f;
+  float t = 0.0f;
+
+  WARPSCOPE_HD void add(const CountingSample& sample) {
+    const float candidate = kByContribution ? sample.contribution() : sample.alpha;
+    if (any && !(candidate > key)) return;
+    any = true;
+    key = candidate;
+    t = sample.t;
+  }
+  WARPSCOPE_HD static LargestFold combine(const LargestFold& front, const LargestFold& back) {
+    if (!front.any) return back;
+    return back.any && back.key > front.key ? back : front;
+  }
+  WARPSCOPE_HD DepthResult result() const { return {any, t, 0.0f}; }
+};
+
+/// Where accumulated opacity reaches `threshold`, refined linearly inside the step; the last sample if it never does.
+struct CrossingFold {
+  float threshold = 0.0f;  ///< a parameter, the same in every segment of a ray
+  bool any = false;
+  bool crossed = false;
+  float t = 0.0f;  ///< the crossing, else the last sample so far
+
+  WARPSCOPE_HD void add(const CountingSample& sample) {
+    if (crossed) return;
+    any = true;
+    t = sample.t;
+    const float after = sample.accumulatedAfter();
+    if (!(after >= threshold)) return;
+    crossed = true;
+    // What does not count may have carried the accumulation over the threshold before this sample: then its near end is the place.
+    const float before = sample.accumulatedBefore();
+    const float rise = after - before;
+    const float fraction = rise > 0.0f ? glm::clamp((threshold - before) / rise, 0.0f, 1.0f) : 0.0f;
+    t += (fraction - 0.5f) * sample.ds;
+  }
+  WARPSCOPE_HD static CrossingFold combine(const CrossingFold& front, const CrossingFold& back) {
+    return front.crossed || !back.any ? front : back;
+  }
+  WARPSCOPE_HD DepthResult result() const { return {any, t, 0.0f}; }
+};
+
+/// Mean and spread of depth, weighted by contribution. Updating and combining after West 1979 and Chan, Golub, LeVeque 1979, which do
+/// not subtract large sums.
+struct MomentsFold {
+  float weight = 0.0f;
+  float mean = 0.0f;
+  float squares = 0.0f;  ///< sum of w * (t - mean)^2
+
+  WARPSCOPE_HD void add(const CountingSample& sample) {
+    const float w = sample.contribution();
+    weight += w;
+    const float delta = sample.t - mean;
+    mean += delta * (w / weight);
+    squares += w * delta * (sample.t - mean);
+  }
+  WARPSCOPE_HD static MomentsFold combine(const MomentsFold& front, const MomentsFold& back) {
+    if (!(front.weight > 0.0f)) return back;
+    if (!(back.weight > 0.0f)) return front;
+    const float weight = front.weight + back.weight;
+    const float delta = back.mean - front.mean;
+    const float share = back.weight / weight;
+    return {weight, front.mean + delta * share, front.squares + back.squares + delta * delta * front.weight * share};
+  }
+  WARPSCOPE_HD DepthResult result() const {
+    return {weight > 0.0f, mean, weight > 0.0f ? std::sqrt(glm::max(squares, 0.0f) / weight) : 0.0f};
+  }
+};
+
+/// What two-pass heuristics want to know of the whole ray.
+struct ProfileFold {
+  bool any = false;
+  float alphaEntrance = 0.0f;
+  float alphaExit = 0.0f;
+  float accumulatedEnd = 0.0f;  ///< after the last sample that counts: the same whether marching stopped early or not
+
+  WARPSCOPE_HD void add(const CountingSample& sample) {
+    if (!any) alphaEntrance = sample.alpha;
+    any = true;
+    alphaExit = sample.alpha;
+    accumulatedEnd = sample.accumulatedAfter();
+  }
+  WARPSCOPE_HD static ProfileFold combine(const ProfileFold& front, const ProfileFold& back) {
+    if (!front.any) return back;
+    if (!back.any) return front;
+    return {true, front.alphaEntrance, back.alphaExit, back.accumulatedEnd};
+  }
+};
+
+// --- One type per heuristic: its fold, how to start it, how to read it. Two-pass ones say so and take the profile.
+
+struct EntranceDepth {
+  static constexpr bool kTwoPass = false;
+  using Fold = ExtentFold;
+  WARPSCOPE_HD static Fold start(float, const ProfileFold&) { return {}; }
+  WARPSCOPE_HD static DepthResult result(const Fold& fold) { return {fold.any, fold.first, 0.0f}; }
+};
+
+struct ExitDepth {
+  static constexpr bool kTwoPass = false;
+  using Fold = ExtentFold;
+  WARPSCOPE_HD static Fold start(float, const ProfileFold&) { return {}; }
+  WARPSCOPE_HD static DepthResult result(const Fold& fold) { return {fold.any, fold.last, 0.0f}; }
+};
+
+struct MidpointDepth {
+  static constexpr bool kTwoPass = false;
+  using Fold = ExtentFold;
+  WARPSCOPE_HD static Fold start(float, const ProfileFold&) { return {}; }
+  WARPSCOPE_HD static DepthResult result(const Fold& fold) { return {fold.any, 0.5f * (fold.first + fold.last), 0.0f}; }
+};
+
+template <class FoldType>
+struct OwnResultDepth {
+  static constexpr bool kTwoPass = false;
+  using Fold = FoldType;
+  WARPSCOPE_HD static Fold start(float, const ProfileFold&) { return {}; }
+  WARPSCOPE_HD static DepthResult result(const Fold& fold) { return fold.result(); }
+};
+using PeakDepth = OwnResultDepth<LargestFold<false>>;
+using GradientDepth = OwnResultDepth<LargestFold<true>>;
+using ExpectedDepth = OwnResultDepth<MomentsFold>;
+
+struct ThresholdDepth {
+  static constexpr bool kTwoPass = false;
+  using Fold = CrossingFold;
+  WARPSCOPE_HD static Fold start(float threshold, const ProfileFold&) { return {threshold}; }
+  WARPSCOPE_HD static DepthResult result(const Fold& fold) { return fold.result(); }
+};
+
+struct RelThresholdDepth {
+  static constexpr bool kTwoPass = true;
+  using Fold = CrossingFold;
+  WARPSCOPE_HD static Fold start(float threshold, const ProfileFold& ray) { return {threshold * ray.accumulatedEnd}; }
+  WARPSCOPE_HD static DepthResult result(const Fold& fold) { return fold.result(); }
+};
+
+struct EnExMeanDepth {
+  static constexpr bool kTwoPass = true;
+  using Fold = CrossingFold;
+  WARPSCOPE_HD static Fold start(float, const ProfileFold& ray) { return {0.5f * (ray.alphaEntrance + ray.alphaExit)}; }
+  WARPSCOPE_HD static DepthResult result(const Fold& fold) { return fold.result(); }
+};
+
+struct MedianDepth {
+  static constexpr bool kTwoPass = true;
+  using Fold = CrossingFold;
+  WARPSCOPE_HD static Fold start(float, const ProfileFold& ray) { return {0.5f * ray.accumulatedEnd}; }
+  WARPSCOPE_HD static DepthResult result(const Fold& fold) { return fold.result(); }
+};
+
+/// Calls `f` with the heuristic's type.
+template <class F>
+decltype(auto) visitHeuristic(Heuristic heuristic, F&& f) {
+  switch (heuristic) {
+    case Heuristic::entrance: return f(EntranceDepth{});
+    case Heuristic::exit: return f(ExitDepth{});
+    case Heuristic::midpoint: return f(MidpointDepth{});
+    case Heuristic::threshold: return f(ThresholdDepth{});
+    case Heuristic::peak: return f(PeakDepth{});
+    case Heuristic::gradient: return f(GradientDepth{});
+    case Heuristic::relThreshold: return f(RelThresholdDepth{});
+    case Heuristic::enExMean: return f(EnExMeanDepth{});
+    case Heuristic::median: return f(MedianDepth{});
+    case Heuristic::expected: break;
+  }
+  return f(ExpectedDepth{});
+}
+
+}  // namespace warpscope

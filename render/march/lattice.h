@@ -1,0 +1,41 @@
+// Where along a ray the volume is sampled: one lattice per ray, computed by index, never by adding up steps.
+// Sample i stands for the step [i*dt, min((i+1)*dt, length)] behind the entry point and lies in its middle.
+#pragma once
+
+#include <cmath>
+
+#include "render/core/box.h"
+
+namespace warpscope {
+
+struct RayLattice {
+  float t0 = 0.0f;      ///< where the ray enters, distance from the eye
+  float length = 0.0f;  ///< of the part inside, >= 0
+  float dt = 1.0f;      ///< step, > 0
+  int count = 0;        ///< number of samples; the last step may be shorter than dt
+
+  WARPSCOPE_HD float stepLength(int i) const { return i + 1 < count ? dt : length - static_cast<float>(count - 1) * dt; }
+  WARPSCOPE_HD float t(int i) const {
+    return i + 1 < count ? t0 + (static_cast<float>(i) + 0.5f) * dt
+                         : t0 + 0.5f * (static_cast<float>(count - 1) * dt + length);
+  }
+};
+
+/// The most samples that a ray takes; a step so small that more were needed is refused where it is set (march_settings.h).
+inline constexpr int kMaxSamplesPerRay = 1 << 30;
+
+/// The lattice over a ray's part inside a box; empty for a miss or an interval without extent.
+WARPSCOPE_HD inline RayLattice makeLattice(const RayInterval& interval, float dt) {
+  RayLattice lattice;
+  lattice.dt = dt;
+  if (interval.isMiss()) return lattice;
+  lattice.t0 = interval.tNear;
+  lattice.length = interval.tFar - interval.tNear;
+  // In double: the quotient of floats could round up to one step of no length too many.
+  const double steps = std::ceil(static_cast<double>(lattice.length) / static_cast<double>(dt));
+  if (!(steps >= 1.0)) return lattice;
+  lattice.count = steps < kMaxSamplesPerRay ? static_cast<int>(steps) : kMaxSamplesPerRay;
+  return lattice;
+}
+
+}  // namespace warpscope

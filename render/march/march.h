@@ -1,0 +1,56 @@
+// One ray through a volume, front to back: the loop that the CPU and the GPU share. Where the values come from is the source's business.
+// Emission and absorption, front-to-back compositing with early termination (Levoy 1990; Max 1995).
+#pragma once
+
+#include "render/core/transfer_function.h"
+#include "render/march/depth_heuristic.h"
+#include "render/march/lattice.h"
+#include "render/march/transmittance.h"
+
+namespace warpscope {
+
+/// What a ray has gathered so far; carried from one segment of a ray to the next.
+struct RayColor {
+  glm::vec3 color{0.0f};  ///< linear, premultiplied
+  Transmittance transmittance;
+
+  WARPSCOPE_HD glm::vec4 premultiplied() const { return {color, transmittance.opacity()}; }
+};
+
+/// Marches samples [begin, end) of `lattice`.
+///
+/// `Source` tells what the samples look like, up to Source::kBatch at a time:
+///   int skip(int i)                first sample >= i that may be visible
+///   void classify(int i, int n)    looks at samples i .. i + n - 1, n <= kBatch
+///   float alpha(int k)             opacity of the k-th of them, corrected to the lattice's dt
+///   glm::vec3 color(int k)         its colour times that opacity; asked for only where alpha > 0
+/// `sink` is called with a CountingSample for every sample whose contribution is at least `contribution`, near to far.
+/// Ends where transmittance falls below `stopBelow` (0: never): what follows cannot count any more, as long as stopBelow <= contribution.
+template <class Source, class Sink>
+WARPSCOPE_HD inline void marchRay(const RayLattice& lattice, int begin, int end, Source& source, float contribution,
+                                  float stopBelow, RayColor& ray, Sink&& sink) {
+  for (int i = source.skip(begin); i < end; i = source.skip(i)) {
+    const int n = end - i < Source::kBatch ? end - i : Source::kBatch;
+    source.classify(i, n);
+    for (int k = 0; k < n; ++k) {
+      float alpha = source.alpha(k);
+      if (!(alpha > 0.0f)) continue;
+      glm::vec3 color = source.color(k);
+      float ds = lattice.dt;
+      if (i + k + 1 == lattice.count) {  // the last step may be a part of one
+        ds = lattice.stepLength(i + k);
+        const float whole = alpha;
+        alpha = correctOpacity(whole, ds / lattice.dt);
+        color *= alpha / whole;
+      }
+      const float before = ray.transmittance.value();
+      ray.color += before * color;
+      if (before * alpha >= contribution) sink(CountingSample{lattice.t(i + k), ds, alpha, before});
+      ray.transmittance.pass(alpha);
+      if (ray.transmittance.value() < stopBelow) return;
+    }
+    i += n;
+  }
+}
+
+}  // namespace warpscope

@@ -1,0 +1,21 @@
+// Counting holes.
+// See holes.h.
+#include "render/metrics/holes.h"
+
+#include "render/core/error.h"
+
+namespace warpscope {
+
+HoleCount countHoles(const WarpedImage& image, const Image<glm::vec4>& reference) {
+  if (image.samples.width() != reference.width() || image.samples.height() != reference.height())
+    throw InputError("counting holes needs two images of one size");
+  HoleCount count;
+  for (size_t i = 0; i < reference.size(); ++i) {
+    if (!(reference[i].a >= kShownAlpha)) continue;
+    ++count.shown;
+    count.holes += image.samples[i] == kNoSample;
+  }
+  return count;
+}
+
+}  // namespace warpscope

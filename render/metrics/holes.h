@@ -1,0 +1,22 @@
+// Holes: pixels that no sample covers although the reference shows something there.
+// An uncovered pixel where the reference is empty is background, not a hole.
+#pragma once
+
+#include "render/warp/warp.h"
+
+namespace warpscope {
+
+/// Least opacity at which the reference shows something.
+inline constexpr float kShownAlpha = 1.0f / 255.0f;
+
+struct HoleCount {
+  size_t holes = 0;
+  size_t shown = 0;  ///< pixels where the reference shows something
+  /// Holes among the shown pixels, 0..1; 0 where nothing is shown.
+  double fraction() const { return shown == 0 ? 0.0 : static_cast<double>(holes) / static_cast<double>(shown); }
+};
+
+/// Throws InputError if the sizes differ.
+HoleCount countHoles(const WarpedImage& image, const Image<glm::vec4>& reference);
+
+}  // namespace warpscope

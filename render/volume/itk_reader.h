@@ -1,0 +1,17 @@
+// Volumes in the formats that ITK reads: NRRD, NIfTI, MetaImage, VTK legacy, GIPL, MRC, TIFF stacks.
+// The one place that knows ITK (Insight Toolkit 5); nothing of it shows here. Built only with WARPSCOPE_WITH_ITK.
+#pragma once
+
+#include <filesystem>
+
+#include "render/volume/volume.h"
+
+namespace warpscope {
+
+/// Reads `path`, an existing and not empty regular file, in its stored voxel type. Scalar 3D volumes only (2D images
+/// become one slice); vectors, colours, complex numbers, several time points and 64-bit integers are refused. World
+/// axes are ITK's: left, posterior, superior. Negative spacing turns its axis round; zero spacing is accepted for an
+/// axis of one voxel only. Throws InputError that says what is wrong.
+VolumePtr openItkVolume(const std::filesystem::path& path);
+
+}  // namespace warpscope

@@ -1,0 +1,37 @@
+// Coarse knowledge of a volume for skipping what a transfer function hides.
+// Cells of 8^3 voxels keep their value range; for a transfer function, each keeps how far away the nearest visible cell is (Chebyshev
+// distance, as in Deakin, Knoll 2019, "Efficient ray casting of volumetric images using distance maps").
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "render/core/transfer_function.h"
+#include "render/volume/volume.h"
+
+namespace warpscope {
+
+inline constexpr int kMacrocellEdge = 8;  ///< voxels
+
+/// Value range of every cell, as fractions of the volume's range. Cell c holds whatever is interpolated at voxel coordinates
+/// [8c, 8c + 8), and the voxels within one more, so that rounding of a coordinate at a cell's border does not matter.
+class Macrocells {
+ public:
+  /// Reads every voxel once or a little more, in parallel. Non-finite voxels are left out.
+  explicit Macrocells(const Volume& volume);
+
+  const glm::ivec3& dims() const { return dims_; }
+  size_t count() const { return ranges_.size(); }
+  /// x: lowest, y: highest, as fractions of the volume's range; x > y where a cell has no finite voxel.
+  const std::vector<glm::vec2>& ranges() const { return ranges_; }
+
+  /// Per cell: 0 where `table` shows something in it; else d >= 1: no cell closer than d (in any direction, diagonals too) shows
+  /// anything. Saturates at 255. What lies outside the volume shows nothing.
+  std::vector<uint8_t> emptyDistances(const TransferTable& table) const;
+
+ private:
+  glm::ivec3 dims_{0};
+  std::vector<glm::vec2> ranges_;
+};
+
+}  // namespace warpscope

@@ -1,0 +1,324 @@
+// Finds and measures the voxels of a file.
+// See payload.h. Decompression: zlib.
+#include "render/volume/payload.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/core/error.h"
+
+namespace warpscope {
+namespace {
+
+namespace fs = std::filesystem;
+using Encoding = Payload::Encoding;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& reason) {
+  throw InputError(path.string() + ": " + reason);
+}
+
+std::string lowered(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+std::string trimmed(const std::string& text) {
+  const size_t first = text.find_first_not_of(" \t\r");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// The first bytes of a file, decompressed if it is a gzip file.
+std::vector<unsigned char> headOf(const fs::path& path, size_t sizeBytes) {
+  std::vector<unsigned char> head(sizeBytes);
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.string().c_str(), "rb"), gzclose);
+  const int got = file ? gzread(file.get(), head.data(), static_cast<unsigned>(sizeBytes)) : 0;
+  head.resize(got > 0 ? static_cast<size_t>(got) : 0);
+  return head;
+}
+
+bool isGzip(const fs::path& path) {
+  std::array<char, 2> magic{};
+  std::ifstream(path, std::ios::binary).read(magic.data(), 2);
+  return magic[0] == '\x1f' && magic[1] == '\x8b';
+}
+
+/// A file that is either plain or wholly gzipped, with its voxels after `skipBytes`.
+Payload wholeFile(const fs::path& path, uint64_t skipBytes) {
+  Payload payload{.file = path};
+  payload.encoding = isGzip(path) ? Encoding::deflated : Encoding::plain;
+  (payload.encoding == Encoding::plain ? payload.offsetBytes : payload.skipBytes) = skipBytes;
+  return payload;
+}
+
+// --- NIfTI: a binary header of 348 (version 1) or 540 bytes, in either byte order.
+
+template <class T>
+T fieldAt(const std::vector<unsigned char>& head, size_t offset, bool swap) {
+  std::array<unsigned char, sizeof(T)> bytes;
+  std::copy_n(head.begin() + static_cast<std::ptrdiff_t>(offset), sizeof(T), bytes.begin());
+  if (swap) std::reverse(bytes.begin(), bytes.end());
+  T value;
+  std::memcpy(&value, bytes.data(), sizeof(T));
+  return value;
+}
+
+/// Of a datatype code; 1 for those that ITK will refuse.
+uint32_t niftiVoxelBytes(int16_t datatype) {
+  switch (datatype) {
+    case 4:
+    case 512:
+      return 2;
+    case 8:
+    case 16:
+    case 768:
+      return 4;
+    case 64:
+    case 1024:
+    case 1280:
+      return 8;
+    default:
+      return 1;
+  }
+}
+
+Payload locateNifti(const fs::path& path) {
+  // Of a pair, the .hdr holds the header and the .img the voxels.
+  fs::path header = path, voxels = path;
+  const std::string ending = lowered(path.extension().string());
+  if (ending == ".img") header.replace_extension(path.extension() == ".IMG" ? ".HDR" : ".hdr");
+  if (ending == ".hdr") voxels.replace_extension(path.extension() == ".HDR" ? ".IMG" : ".img");
+  if (!fs::is_regular_file(header)) fail(path, "its header " + header.filename().string() + " is missing beside it");
+  if (!fs::is_regular_file(voxels)) fail(path, "its voxels " + voxels.filename().string() + " are missing beside it");
+
+  const std::vector<unsigned char> head = headOf(header, 540);
+  if (head.size() < 348) fail(path, "is no NIfTI file: it ends before a header of 348 bytes does");
+  const auto size = fieldAt<int32_t>(head, 0, false), swapped = fieldAt<int32_t>(head, 0, true);
+  const bool swap = size != 348 && size != 540;
+  const int32_t headerBytes = swap ? swapped : size;
+  if (headerBytes != 348 && headerBytes != 540) fail(path, "is no NIfTI file: its header has the wrong size");
+  const bool isTwo = headerBytes == 540;
+  if (isTwo && head.size() < 540) fail(path, "is no NIfTI file: it ends before a header of 540 bytes does");
+  const std::string magic(reinterpret_cast<const char*>(head.data()) + (isTwo ? 4 : 344), 3);
+  const bool isSingle = magic == (isTwo ? "n+2" : "n+1"), isPair = magic == (isTwo ? "ni2" : "ni1");
+  if (!isSingle && !isPair)
+    fail(path, "is no NIfTI file: its header lacks the format's signature n+1, ni1, n+2 or ni2");
+  if (isSingle != (header == voxels))
+    fail(path, isSingle ? "is a NIfTI file that holds its voxels itself; name it .nii"
+                        : "is a NIfTI header without voxels; name it .hdr beside its .img");
+  const auto axes = isTwo ? fieldAt<int64_t>(head, 16, swap) : fieldAt<int16_t>(head, 40, swap);
+  if (axes < 1 || axes > 7) fail(path, "its header declares " + std::to_string(axes) + " axes; a volume has 3");
+  for (int64_t axis = 1; axis <= axes; ++axis) {
+    const size_t index = static_cast<size_t>(axis);
+    const int64_t side =
+        isTwo ? fieldAt<int64_t>(head, 16 + 8 * index, swap) : fieldAt<int16_t>(head, 40 + 2 * index, swap);
+    if (side < 1)
+      fail(path, "its header declares " + std::to_string(side) + " voxels along axis " + std::to_string(axis));
+    if (axis > 3 && side > 1)
+      fail(path, "has more than one value a voxel or more than one time point; only single 3D volumes are read");
+  }
+  const double offset =
+      isTwo ? static_cast<double>(fieldAt<int64_t>(head, 168, swap)) : fieldAt<float>(head, 108, swap);
+  if (!(offset >= 0.0 && offset < 1e15)) fail(path, "its header states an impossible place of the voxels");
+  Payload payload = wholeFile(voxels, static_cast<uint64_t>(isSingle ? std::max(offset, headerBytes + 4.0) : offset));
+  const auto qform = isTwo ? fieldAt<int32_t>(head, 344, swap) : fieldAt<int16_t>(head, 252, swap);
+  const auto sform = isTwo ? fieldAt<int32_t>(head, 348, swap) : fieldAt<int16_t>(head, 254, swap);
+  payload.hasOrientation = qform > 0 || sform > 0;
+  payload.voxelBytes = niftiVoxelBytes(isTwo ? fieldAt<int16_t>(head, 12, swap) : fieldAt<int16_t>(head, 70, swap));
+  return payload;
+}
+
+// --- NRRD and MetaImage: lines of "key separator value"; the voxels follow or lie in another file.
+
+struct TextHeader {
+  std::map<std::string, std::string> fields;  // keys in lower case
+  uint64_t endBytes = 0;                      // where the header stops
+};
+
+/// Reads lines up to an empty one, or up to and with the line of `lastKey`.
+TextHeader readTextHeader(std::ifstream& file, char separator, const std::string& lastKey) {
+  constexpr size_t kMaxLines = 4096, kMaxLine = 1 << 16;
+  TextHeader header;
+  std::string line;
+  for (size_t i = 0; i < kMaxLines; ++i) {
+    line.clear();
+    for (int c = file.get(); c != EOF && c != '\n' && line.size() < kMaxLine; c = file.get())
+      line += static_cast<char>(c);
+    if (!file || (lastKey.empty() && trimmed(line).empty())) break;
+    if (line[0] == '#') continue;
+    const size_t at = line.find(separator);
+    if (at == std::string::npos) continue;
+    const std::string key = lowered(trimmed(line.substr(0, at)));
+    header.fields.emplace(key, trimmed(line.substr(at + 1)));
+    if (!lastKey.empty() && key == lastKey) break;
+  }
+  const bool atEnd = !file;
+  file.clear();
+  if (atEnd) file.seekg(0, std::ios::end);
+  header.endBytes = static_cast<uint64_t>(file.tellg());
+  return header;
+}
+
+/// Sets the data file of a detached header; a list or a pattern of files is left unchecked.
+bool followDetached(const fs::path& path, const std::string& name, Payload& payload) {
+  if (lowered(name).starts_with("list") || name.find('%') != std::string::npos) {
+    payload.encoding = Encoding::unchecked;
+    return false;
+  }
+  payload.file = path.parent_path() / name;
+  payload.offsetBytes = 0;
+  if (!fs::is_regular_file(payload.file)) fail(path, "its data file \"" + name + "\" is missing");
+  return true;
+}
+
+Payload locateNrrd(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, 8> magic{};
+  file.read(magic.data(), magic.size());
+  if (std::string(magic.data(), 7) != "NRRD000") fail(path, "is no NRRD file: it does not begin with NRRD000");
+  const TextHeader header = readTextHeader(file, ':', "");
+  const auto valueOf = [&](const char* key) {
+    const auto field = header.fields.find(key);
+    return field == header.fields.end() ? std::string() : lowered(field->second);
+  };
+  Payload payload{.file = path, .offsetBytes = header.endBytes};
+  const std::string encoding = valueOf("encoding");
+  payload.encoding = encoding == "raw"                                                ? Encoding::plain
+                     : encoding == "gzip" || encoding == "gz"                         ? Encoding::deflated
+                     : encoding == "txt" || encoding == "text" || encoding == "ascii" ? Encoding::text
+                                                                                      : Encoding::unchecked;
+  const std::string space = valueOf("space");
+  payload.hasOrientation = space.starts_with("left-") || space.starts_with("right-") || space.starts_with("scanner") ||
+                           space == "ras" || space == "las" || space == "lps";
+  for (const char* key : {"data file", "datafile"})
+    if (const auto field = header.fields.find(key); field != header.fields.end())
+      if (!followDetached(path, field->second, payload)) return payload;
+  // Skips make room for foreign headers; -1 means "the last bytes", for which a size check is all that is left.
+  for (const char* key : {"line skip", "lineskip"})
+    if (!valueOf(key).empty() && valueOf(key) != "0") payload.encoding = Encoding::unchecked;
+  for (const char* key : {"byte skip", "byteskip"}) {
+    const std::string skip = valueOf(key);
+    if (skip.empty() || skip == "0") continue;
+    if (skip == "-1")
+      payload.offsetBytes = 0;
+    else if (payload.encoding == Encoding::plain && skip.find_first_not_of("0123456789") == std::string::npos &&
+             skip.size() < 16)
+      payload.offsetBytes += std::stoull(skip);
+    else
+      payload.encoding = Encoding::unchecked;
+  }
+  return payload;
+}
+
+Payload locateMetaImage(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const TextHeader header = readTextHeader(file, '=', "elementdatafile");
+  const auto dataFile = header.fields.find("elementdatafile");
+  if (!header.fields.contains("ndims") || !header.fields.contains("dimsize") || dataFile == header.fields.end())
+    fail(path, "is no MetaImage file: its header lacks NDims, DimSize or ElementDataFile");
+  const auto isTrue = [&](const char* key) {
+    const auto field = header.fields.find(key);
+    return field != header.fields.end() && lowered(field->second).starts_with("t");
+  };
+  Payload payload{.file = path, .offsetBytes = header.endBytes};
+  const auto binary = header.fields.find("binarydata");
+  const bool isText = binary != header.fields.end() && lowered(binary->second).starts_with("f");
+  payload.encoding = isText ? Encoding::text : isTrue("compresseddata") ? Encoding::deflated : Encoding::plain;
+  for (const char* key : {"transformmatrix", "orientation", "rotation", "anatomicalorientation"})
+    if (const auto field = header.fields.find(key); field != header.fields.end() && !field->second.starts_with("?"))
+      payload.hasOrientation = true;
+  if (lowered(dataFile->second) != "local" && !followDetached(path, dataFile->second, payload)) return payload;
+  if (const auto size = header.fields.find("headersize"); size != header.fields.end() && size->second != "0")
+    payload.offsetBytes = 0;
+  return payload;
+}
+
+/// Bytes in the deflated payload, counted no further than `enough`. `isWhole` tells whether the stream ended or
+/// sufficed undamaged.
+uint64_t countInflated(const Payload& payload, uint64_t enough, bool& isWhole) {
+  constexpr size_t kPiece = 1 << 18;
+  std::vector<unsigned char> in(kPiece), out(kPiece);
+  std::ifstream file(payload.file, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(payload.offsetBytes));
+  z_stream stream{};
+  if (inflateInit2(&stream, 15 + 32) != Z_OK) throw std::bad_alloc();  // + 32: gzip or zlib, whichever it is
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
+  uint64_t total = 0;
+  int state = Z_OK;
+  isWhole = false;
+  while (true) {
+    if (stream.avail_in == 0) {
+      file.read(reinterpret_cast<char*>(in.data()), kPiece);
+      stream.next_in = in.data();
+      stream.avail_in = static_cast<unsigned>(file.gcount());
+      if (stream.avail_in == 0) break;
+    }
+    if (state == Z_STREAM_END) {
+      // Members of a gzip file may follow one another; anything else after the end is padding.
+      if (total >= enough || stream.next_in[0] != 0x1f || inflateReset(&stream) != Z_OK) break;
+    }
+    stream.next_out = out.data();
+    stream.avail_out = kPiece;
+    state = inflate(&stream, Z_NO_FLUSH);
+    total += kPiece - stream.avail_out;
+    if (state != Z_OK && state != Z_STREAM_END && state != Z_BUF_ERROR) return total;
+    // A bomb, or a file with more after the volume: what follows is not read.
+    if (total > enough + (uint64_t{1} << 26)) break;
+  }
+  isWhole = state == Z_STREAM_END || total > enough;
+  return total;
+}
+
+}  // namespace
+
+Payload locatePayload(const fs::path& path) {
+  const std::string name = lowered(path.filename().string());
+  const auto endsWith = [&](auto... ending) { return (name.ends_with(ending) || ...); };
+  if (endsWith(".nii", ".nii.gz", ".hdr", ".img")) return locateNifti(path);
+  if (endsWith(".nrrd", ".nhdr")) return locateNrrd(path);
+  if (endsWith(".mha", ".mhd")) return locateMetaImage(path);
+  if (endsWith(".gipl", ".gipl.gz")) return wholeFile(path, 256);
+  if (endsWith(".mrc", ".rec")) return wholeFile(path, 1024);
+  return {.file = path};
+}
+
+void requirePayload(const fs::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes) {
+  std::error_code error;
+  const uint64_t fileBytes = fs::file_size(payload.file, error);
+  if (error) fail(path, "its voxels in " + payload.file.string() + " cannot be read");
+  const std::string declared = "its header declares " + std::to_string(sizeBytes) + " bytes of voxels, but ";
+  if (payload.encoding == Encoding::plain) {
+    const uint64_t held = fileBytes - std::min(fileBytes, payload.offsetBytes);
+    if (held < sizeBytes)
+      fail(path, declared + "the file holds " + std::to_string(held) + "; it is cut off or damaged");
+    return;
+  }
+  // One digit and one blank a number; the last needs no blank.
+  if (payload.encoding == Encoding::text) {
+    if (fileBytes / 2 + 1 < count) fail(path, declared + "the file is too short for that many numbers");
+    return;
+  }
+  // Deflate packs at most 1032 bytes into one (zlib's technical details); other codings in use here stay below that,
+  // too.
+  constexpr uint64_t kMaxRatio = 1032;
+  if (sizeBytes / kMaxRatio > fileBytes)
+    fail(path, declared + "a file of " + std::to_string(fileBytes) + " bytes cannot hold that");
+  if (payload.encoding == Encoding::unchecked) return;
+  bool isWhole = false;
+  const uint64_t needed = payload.skipBytes + sizeBytes;
+  const uint64_t held = countInflated(payload, needed, isWhole);
+  if (held < needed)
+    fail(path, declared + "only " + std::to_string(held - std::min(held, payload.skipBytes)) +
+                   " can be decompressed; it is cut off or damaged");
+  if (!isWhole) fail(path, "its compressed voxels are damaged: the stream's end or checksum is wrong");
+}
+
+}  // namespace warpscope

@@ -1,0 +1,37 @@
+// Whether a volume file holds as many voxel bytes as its header declares: asked before anything is allocated, and
+// because a cut-off compressed file can read "successfully", its tail filled with zeros. Formats: NIfTI-1 and -2 (Cox
+// et al. 2004), NRRD (Kindlmann), MetaImage (Kitware), MRC, GIPL, VTK legacy, TIFF. Only what is needed to find the
+// voxels is parsed; the meaning is left to ITK.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace warpscope {
+
+/// Where a file keeps its voxels.
+struct Payload {
+  enum class Encoding {
+    plain,      ///< as they are in memory, byte order aside
+    deflated,   ///< one or more gzip or zlib streams
+    text,       ///< decimal numbers
+    unchecked,  ///< unknown here; the reader must notice by itself
+  };
+  std::filesystem::path file;  ///< the file itself, or the data file of a detached header
+  uint64_t offsetBytes = 0;    ///< of the voxels, or of the compressed stream in `file`
+  uint64_t skipBytes = 0;      ///< bytes before the voxels inside the decompressed stream
+  Encoding encoding = Encoding::unchecked;
+  uint32_t voxelBytes = 0;  ///< of one voxel as stored, where that may be less than as read (scaled NIfTI); 0: as read
+  bool hasOrientation = false;  ///< the header states the axes' directions in the world or the patient
+};
+
+/// Finds the voxels of `path` by its header. Throws InputError where the header is not one of the format that the name
+/// promises, or names a data file that is not there.
+Payload locatePayload(const std::filesystem::path& path);
+
+/// Throws InputError, naming `path`, unless `payload` holds at least `sizeBytes` bytes of voxels (`count` of them).
+/// Decompresses a compressed payload once, in small pieces, to its end or until enough is there, and checks it for
+/// damage.
+void requirePayload(const std::filesystem::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes);
+
+}  // namespace warpscope

@@ -1,0 +1,104 @@
+// Reading a volume's value at any place: conversion of voxels and trilinear interpolation, for host and device.
+// Voxel coordinates: voxel (i,j,k) has its centre at (i,j,k); beyond the outermost centres values are constant.
+// Non-finite voxels have no weight: the others share it, and where half of it or more is missing there is no value.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "render/core/host_device.h"
+#include "render/volume/volume.h"
+
+namespace warpscope {
+
+template <class Voxel>
+WARPSCOPE_HD inline bool isFiniteVoxel(Voxel voxel) {
+  if constexpr (std::is_floating_point_v<Voxel>)
+    return voxel - voxel == Voxel(0);
+  else
+    return true;
+}
+
+/// How values become fractions of the volume's range: (value - lower) * inverseExtent. inverseExtent is 0 for a range without extent.
+struct ValueScale {
+  double lower = 0.0;
+  double inverseExtent = 0.0;
+};
+
+inline ValueScale valueScaleOf(const VoxelStatistics& statistics) {
+  // Halves, because the extent of a double volume may overflow.
+  const double half = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower;
+  return {statistics.rangeLower, half > 0.0 ? 0.5 / half : 0.0};
+}
+
+/// True for voxel types whose values float cannot hold: they become fractions before interpolation instead of after it.
+template <class Voxel>
+inline constexpr bool kNormalizeFirst = sizeof(Voxel) >= 4;
+
+template <class Voxel>
+WARPSCOPE_HD inline float unitFromVoxel(Voxel voxel, const ValueScale& scale) {
+  if constexpr (kNormalizeFirst<Voxel>)
+    // Halves, because the difference of two doubles may overflow.
+    return static_cast<float>((0.5 * static_cast<double>(voxel) - 0.5 * scale.lower) * (2.0 * scale.inverseExtent));
+  else
+    return (static_cast<float>(voxel) - static_cast<float>(scale.lower)) * static_cast<float>(scale.inverseExtent);
+}
+
+/// What interpolation works on: the voxel itself where float holds it exactly, else its fraction of the range.
+template <class Voxel>
+WARPSCOPE_HD inline float interpolant(Voxel voxel, const ValueScale& scale) {
+  if constexpr (kNormalizeFirst<Voxel>)
+    return unitFromVoxel(voxel, scale);
+  else
+    return static_cast<float>(voxel);
+}
+
+template <class Voxel>
+WARPSCOPE_HD inline float unitFromInterpolant(float value, const ValueScale& scale) {
+  if constexpr (kNormalizeFirst<Voxel>)
+    return value;
+  else
+    return (value - static_cast<float>(scale.lower)) * static_cast<float>(scale.inverseExtent);
+}
+
+/// Cell of the interpolation along one axis: lower voxel, distance to the upper one (0 where the axis has a single voxel), weight.
+struct AxisCell {
+  int index;
+  int next;
+  float weight;
+};
+
+WARPSCOPE_HD inline AxisCell axisCell(float coordinate, int voxels) {
+  const float last = static_cast<float>(voxels - 1);
+  const float clamped = coordinate > 0.0f ? (coordinate < last ? coordinate : last) : 0.0f;
+  const int limit = voxels > 1 ? voxels - 2 : 0;
+  const int truncated = static_cast<int>(clamped);
+  const int index = truncated < limit ? truncated : limit;
+  return {index, voxels > 1 ? 1 : 0, clamped - static_cast<float>(index)};
+}
+
+WARPSCOPE_HD inline float lerp(float a, float b, float weight) { return a + weight * (b - a); }
+
+/// The eight values around a place, x fastest, blended.
+WARPSCOPE_HD inline float trilinear(const float (&c)[8], float wx, float wy, float wz) {
+  const float low = lerp(lerp(c[0], c[1], wx), lerp(c[2], c[3], wx), wy);
+  const float high = lerp(lerp(c[4], c[5], wx), lerp(c[6], c[7], wx), wy);
+  return lerp(low, high, wz);
+}
+
+/// As trilinear, where corners that are not finite have no weight. NaN if they carry half the weight or more.
+WARPSCOPE_HD inline float trilinearOfFinite(const float (&c)[8], float wx, float wy, float wz) {
+  float sum = 0.0f;
+  float weights = 0.0f;
+  for (int i = 0; i < 8; ++i) {
+    const float weight = (i & 1 ? wx : 1.0f - wx) * (i & 2 ? wy : 1.0f - wy) * (i & 4 ? wz : 1.0f - wz);
+    if (!isFiniteVoxel(c[i])) continue;
+    sum += weight * c[i];
+    weights += weight;
+  }
+  return weights > 0.5f ? sum / weights : NAN;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,11 @@
+// The frame's image as it was, whatever the camera does now.
+// What viewers that stream images show until the next image comes.
+#pragma once
+
+#include "render/warp/warp.h"
+
+namespace warpscope {
+
+std::unique_ptr<Warp> makeHoldWarp(const WarpResources& resources);
+
+}  // namespace warpscope

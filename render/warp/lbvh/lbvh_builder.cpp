@@ -1,0 +1,176 @@
+// Parallel construction of the hierarchy on the host.
+// See lbvh_builder.h.
+#include "render/warp/lbvh/lbvh_builder.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+
+#include "render/core/error.h"
+#include "render/core/parallel.h"
+
+namespace warpscope {
+namespace {
+
+constexpr size_t kGrain = 16384;        // spheres a task looks at
+constexpr uint32_t kSerialLeaves = 2048;  // subtrees below this size are built by one task
+
+constexpr int kDigitBits = 11;
+constexpr size_t kDigits = size_t{1} << kDigitBits;
+constexpr size_t kSortBlock = 65536;  // items whose digits are counted together
+
+bool isTraceable(const Sphere& sphere) {
+  const glm::vec3 size = glm::abs(sphere.center);
+  // Written so that NaN fails.
+  return size.x <= kMaxSphereCoordinate && size.y <= kMaxSphereCoordinate && size.z <= kMaxSphereCoordinate &&
+         sphere.radius > 0.0f && sphere.radius <= kMaxSphereCoordinate;
+}
+
+/// What one look at all spheres finds out.
+struct CloudSummary {
+  Box centers;
+  Box spheres;
+  size_t firstBad = SIZE_MAX;
+
+  void include(const CloudSummary& other) {
+    centers.include(other.centers);
+    spheres.include(other.spheres);
+    firstBad = std::min(firstBad, other.firstBad);
+  }
+};
+
+CloudSummary summarize(std::span<const Sphere> cloud) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<size_t>(0, cloud.size(), kGrain), CloudSummary{},
+      [&](const tbb::blocked_range<size_t>& range, CloudSummary summary) {
+        for (size_t i = range.begin(); i < range.end(); ++i) {
+          const Sphere& sphere = cloud[i];
+          if (!isTraceable(sphere)) summary.firstBad = std::min(summary.firstBad, i);
+          summary.centers.include(sphere.center);
+          summary.spheres.include(sphereBounds(sphere));
+        }
+        return summary;
+      },
+      [](CloudSummary a, const CloudSummary& b) {
+        a.include(b);
+        return a;
+      });
+}
+
+/// As summarize, but throws what validateSpheres promises.
+CloudSummary summarizeValid(std::span<const Sphere> cloud) {
+  if (cloud.size() > kMaxLbvhSpheres)
+    throw InputError("a cloud may have at most " + std::to_string(kMaxLbvhSpheres) + " spheres, not " +
+                     std::to_string(cloud.size()));
+  const CloudSummary summary = summarize(cloud);
+  if (summary.firstBad >= cloud.size()) return summary;
+  const Sphere& bad = cloud[summary.firstBad];
+  std::ostringstream text;
+  text << "sphere " << summary.firstBad << " has centre (" << bad.center.x << ", " << bad.center.y << ", " << bad.center.z
+       << ") and radius " << bad.radius << ", but coordinates must be finite, radii positive, and neither beyond "
+       << kMaxSphereCoordinate;
+  throw InputError(text.str());
+}
+
+}  // namespace
+
+void validateSpheres(std::span<const Sphere> spheres) { summarizeValid(spheres); }
+
+void sortByCode(std::vector<MortonItem>& items, std::vector<MortonItem>& scratch) {
+  const size_t count = items.size();
+  scratch.resize(count);
+  const size_t blocks = (count + kSortBlock - 1) / kSortBlock;
+  // Blocks are cut by size, never by thread, so that every run moves the same items in the same way.
+  std::vector<std::array<uint32_t, kDigits>> offsets(blocks);
+  for (int shift = 0; shift < 63; shift += kDigitBits) {
+    const auto digitOf = [shift](const MortonItem& item) { return item.code >> shift & (kDigits - 1); };
+    const auto endOf = [count](size_t block) { return std::min(count, (block + 1) * kSortBlock); };
+    parallelForRanges(blocks, 1, [&](size_t begin, size_t end) {
+      for (size_t block = begin; block < end; ++block) {
+        offsets[block].fill(0);
+        for (size_t i = block * kSortBlock; i < endOf(block); ++i) ++offsets[block][digitOf(items[i])];
+      }
+    });
+    uint32_t total = 0;
+    bool allEqual = false;
+    for (size_t digit = 0; digit < kDigits; ++digit) {
+      const uint32_t before = total;
+      for (auto& block : offsets) {
+        const uint32_t size = block[digit];
+        block[digit] = total;
+        total += size;
+      }
+      allEqual = allEqual || total - before == count;
+    }
+    if (allEqual) continue;
+    parallelForRanges(blocks, 1, [&](size_t begin, size_t end) {
+      for (size_t block = begin; block < end; ++block)
+        for (size_t i = block * kSortBlock; i < endOf(block); ++i)
+          scratch[offsets[block][digitOf(items[i])]++] = items[i];
+    });
+    std::swap(items, scratch);
+  }
+}
+
+void Lbvh::build(std::span<const Sphere> spheres) {
+  ids_.clear();
+  codes_.clear();
+  const CloudSummary summary = summarizeValid(spheres);
+  const size_t count = spheres.size();
+  if (count == 0) return;
+  reach_ = reachOf(summary.spheres);
+
+  items_.resize(count);
+  parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      items_[i] = {mortonCodeOf(spheres[i].center, summary.centers), static_cast<uint32_t>(i)};
+  });
+  sortByCode(items_, scratch_);
+
+  codes_.resize(count);
+  spheres_.resize(count);
+  ids_.resize(count);
+  nodes_.resize(count - 1);
+  parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      codes_[i] = items_[i].code;
+      ids_[i] = items_[i].index;
+      spheres_[i] = spheres[items_[i].index];
+    }
+  });
+  if (count > 1) emitNode(0, {0, static_cast<uint32_t>(count - 1)});
+}
+
+Box Lbvh::emitChild(uint32_t reference, LeafRange range) {
+  return reference & kLbvhLeafBit ? sphereBounds(spheres_[range.first]) : emitNode(reference, range);
+}
+
+Box Lbvh::emitNode(uint32_t index, LeafRange range) {
+  LbvhNode& node = nodes_[index];
+  const uint32_t split = findSplit(codes_.data(), static_cast<uint32_t>(codes_.size()), range);
+  node.child[0] = leftReference(range, split);
+  node.child[1] = rightReference(range, split);
+  node.first = range.first;
+  node.last = range.last;
+  const auto emitLeft = [&] { node.bounds[0] = emitChild(node.child[0], {range.first, split}); };
+  const auto emitRight = [&] { node.bounds[1] = emitChild(node.child[1], {split + 1, range.last}); };
+  if (range.last - range.first < kSerialLeaves) {
+    emitLeft();
+    emitRight();
+  } else {
+    tbb::parallel_invoke(emitLeft, emitRight);
+  }
+  Box bounds = node.bounds[0];
+  bounds.include(node.bounds[1]);
+  return bounds;
+}
+
+LbvhView Lbvh::view() const {
+  return {nodes_.data(), spheres_.data(), ids_.data(), static_cast<uint32_t>(ids_.size()), reach_};
+}
+
+}  // namespace warpscope

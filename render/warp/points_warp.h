@@ -1,0 +1,11 @@
+// The frame's samples as OpenGL points of a fixed size in pixels, depth-tested.
+// Zellmann, Aumueller, Lang 2012: vertex buffer, GL_POINTS.
+#pragma once
+
+#include "render/warp/warp.h"
+
+namespace warpscope {
+
+std::unique_ptr<Warp> makePointsWarp(const WarpResources& resources);
+
+}  // namespace warpscope

@@ -1,0 +1,30 @@
+// Marching instead of warping.
+// See reference_warp.h.
+#include "render/warp/reference_warp.h"
+
+namespace warpscope {
+namespace {
+
+class ReferenceWarp final : public Warp {
+ public:
+  explicit ReferenceWarp(MarcherPtr marcher) : marcher_(std::move(marcher)) {}
+
+  void setFrame(SampleFramePtr, const WarpSettings&, const std::stop_token&) override {}
+
+  void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image,
+            const std::stop_token& stop) override {
+    marcher_->render(camera, settings.reference, image.color, stop);
+    image.samples.resize(camera.width, camera.height, kNotASample);
+  }
+
+ private:
+  MarcherPtr marcher_;
+};
+
+}  // namespace
+
+std::unique_ptr<Warp> makeReferenceWarp(const WarpResources& resources) {
+  return std::make_unique<ReferenceWarp>(resources.marcher);
+}
+
+}  // namespace warpscope

@@ -1,0 +1,57 @@
+// The registry of techniques and what they share.
+// See warp.h. A new technique is one file pair and one line here.
+#include "render/warp/warp.h"
+
+#include "render/core/error.h"
+#include "render/core/nearest_name.h"
+#include "render/core/parallel.h"
+#include "render/warp/hold_warp.h"
+#include "render/warp/points_warp.h"
+#include "render/warp/reference_warp.h"
+#include "render/warp/spheres_warp.h"
+
+namespace warpscope {
+namespace {
+
+constexpr WarpDescriptor kWarps[] = {
+    {"reference", "Reference", "the volume marched at the current camera: the ground truth", false, makeReferenceWarp},
+    {"hold", "Hold", "the last image, not warped: what image-streaming viewers show", true, makeHoldWarp},
+    {"points", "Points", "OpenGL points of a fixed size in pixels (2012)", true, makePointsWarp},
+    {"spheres", "Spheres", "first hit of rays with spheres over an LBVH (2020)", true, makeSpheresWarp},
+};
+
+}  // namespace
+
+std::span<const WarpDescriptor> warpRegistry() { return kWarps; }
+
+const WarpDescriptor& findWarp(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const WarpDescriptor& warp : kWarps) {
+    if (warp.name == name) return warp;
+    names.push_back(warp.name);
+  }
+  throw UsageError(unknownName("technique", name, names));
+}
+
+void validate(const WarpSettings& settings) {
+  if (settings.pointSize < 1 || settings.pointSize > 16)
+    throw UsageError("the point size must be between 1 and 16 pixels, not " + std::to_string(settings.pointSize));
+  validate(settings.reference);
+}
+
+void resolveColors(const SampleFrame& frame, const Image<uint32_t>& samples, Image<glm::vec4>& color) {
+  color.resize(samples.width(), samples.height());
+  const ColorTables& tables = ColorTables::instance();
+  parallelForRanges(samples.size(), 1 << 15, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      if (samples[i] < frame.size()) color[i] = tables.decode(frame.colors[samples[i]]);
+  });
+}
+
+void requireUsable(const Camera& camera) {
+  if (!isUsable(camera))
+    throw InputError("the camera is not usable: it must be finite, with a field of view inside 0 to 180 degrees and an image of 1 to " +
+                     std::to_string(kMaxImageSide) + " pixels a side");
+}
+
+}  // namespace warpscope

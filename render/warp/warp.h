@@ -1,0 +1,85 @@
+// Image warping: redrawing a frame's samples for another camera. One interface, one file pair per technique, one registry.
+// The techniques compared by Zellmann 2020, and those added since; see each technique's header.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <string_view>
+
+#include "render/core/image.h"
+#include "render/march/marcher.h"
+#include "render/march/sample_frame.h"
+
+namespace warpscope {
+
+namespace gl {
+class Context;
+}
+
+/// Id of pixels that show something that is not one of the frame's samples (the reference).
+inline constexpr uint32_t kNotASample = 0xfffffffeu;
+
+/// A warped picture. Pixels that nothing covers are kept apart: their id is kNoSample and their colour is 0.
+struct WarpedImage {
+  Image<glm::vec4> color;   ///< linear, premultiplied
+  Image<uint32_t> samples;  ///< index of the sample seen in each pixel, kNotASample or kNoSample
+};
+
+enum class SphereTracing { lbvh, embree };
+
+/// The client's knobs.
+struct WarpSettings {
+  int pointSize = 2;                                    ///< pixels, 1..16, for `points`
+  SphereTracing sphereTracing = SphereTracing::lbvh;    ///< for `spheres`
+  MarchSettings reference;                              ///< for `reference`
+
+  bool operator==(const WarpSettings&) const = default;
+};
+
+/// What techniques may draw on. A technique uses the parts it needs and says in its descriptor if those cost something to make.
+struct WarpResources {
+  MarcherPtr marcher;                      ///< for the volume that the frames show
+  std::function<gl::Context&()> context;   ///< makes (once) and returns a context for the calling thread; throws InputError
+};
+
+/// One technique, bound to its resources. Used from one thread at a time: the one that made it.
+class Warp {
+ public:
+  virtual ~Warp() = default;
+
+  /// Takes the frame to draw from now on and builds whatever drawing it needs (a hierarchy, a vertex buffer).
+  virtual void setFrame(SampleFramePtr frame, const WarpSettings& settings, const std::stop_token& stop = {}) = 0;
+
+  /// Draws the frame as `camera` sees it; both images get the camera's size. Without a frame nothing is covered.
+  /// Throws InputError for an unusable camera, OperationCancelled if `stop` is set.
+  virtual void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image,
+                    const std::stop_token& stop = {}) = 0;
+};
+
+struct WarpDescriptor {
+  std::string_view name;
+  std::string_view label;    ///< as a person reads it
+  std::string_view summary;  ///< one line for help texts
+  bool usesFrame;            ///< false for the reference, which needs no samples
+  std::unique_ptr<Warp> (*make)(const WarpResources&);
+};
+
+/// Every technique, in the order in which they are shown.
+std::span<const WarpDescriptor> warpRegistry();
+
+/// The named technique; throws UsageError that lists the nearest names.
+const WarpDescriptor& findWarp(std::string_view name);
+
+/// Throws UsageError naming the setting that is out of range.
+void validate(const WarpSettings& settings);
+
+/// Gives every covered pixel its sample's colour. `samples` is the only input; resizes `color`.
+void resolveColors(const SampleFrame& frame, const Image<uint32_t>& samples, Image<glm::vec4>& color);
+
+/// Throws InputError unless isUsable(camera).
+void requireUsable(const Camera& camera);
+
+}  // namespace warpscope
