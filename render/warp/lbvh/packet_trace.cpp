@@ -87,6 +87,12 @@ Scene makeScene(const LbvhView& view, const Camera& camera) {
           kPacketMargin * (eye.x + eye.y + eye.z + view.reach)};
 }
 
+float largestLane(FloatPack pack) {
+  alignas(64) std::array<float, kPackLanes> lanes;
+  pack.store_aligned(lanes.data());
+  return *std::max_element(lanes.begin(), lanes.end());
+}
+
 class TileTracer {
  public:
   TileTracer(const Scene& scene, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1)
@@ -104,6 +110,7 @@ class TileTracer {
           (column < FloatPack(static_cast<float>(x1))) & FloatMask(row < static_cast<float>(y1));
       xsimd::select(inside, FloatPack(kNoHit), FloatPack(-kNoHit)).store_aligned(&t_[i]);
       IntPack(-1).store_aligned(&id_[i]);
+      updateGroup(i);
     }
     // Rays lie between the planes of the first and the last row and column. A box is outside where its farthest corner along a normal
     // lies behind the plane; along -axis that corner is the nearest one.
@@ -165,6 +172,8 @@ class TileTracer {
 
  private:
   static constexpr uint32_t kRays = kTileSide * kTileSide;
+  static constexpr uint32_t kGroups = kRays / kPackLanes;
+  static_assert(kGroups % kPackLanes == 0);
   static constexpr uint32_t kPlanes = 5;
   static constexpr uint32_t kNearPlane = 4;
   static constexpr uint32_t kPaddedPlanes = (kPlanes + kPackLanes - 1) / kPackLanes * kPackLanes;
@@ -189,12 +198,10 @@ class TileTracer {
     bool closer = false;
     for (uint32_t i = range.first; i <= range.last; ++i) closer |= testSphere(i);
     if (!closer) return;
-    FloatPack farthest = FloatPack::load_aligned(&t_[0]);
-    for (uint32_t i = kPackLanes; i < kRays; i += kPackLanes)
-      farthest = xsimd::max(farthest, FloatPack::load_aligned(&t_[i]));
-    alignas(64) std::array<float, kPackLanes> lanes;
-    farthest.store_aligned(lanes.data());
-    farthest_ = *std::max_element(lanes.begin(), lanes.end());
+    FloatPack farthest = FloatPack::load_aligned(&groupFarthest_[0]);
+    for (uint32_t i = kPackLanes; i < kGroups; i += kPackLanes)
+      farthest = xsimd::max(farthest, FloatPack::load_aligned(&groupFarthest_[i]));
+    farthest_ = largestLane(farthest);
     limit_[kNearPlane] = -(farthest_ + scene_.margin);
   }
 
@@ -203,7 +210,8 @@ class TileTracer {
     const Sphere& sphere = scene_.view.spheres[i];
     const glm::vec3 toCenter = sphere.center - scene_.camera.eye;
     const float distance = sphere.radius + scene_.margin;
-    if (glm::dot(toCenter, axis_) - distance > farthest_) return false;
+    const float nearest = std::sqrt(glm::dot(toCenter, toCenter)) - distance;
+    if (nearest > farthest_) return false;
     const uint32_t columns = scene_.columns.near(x0_, toCenter, distance);
     if (columns == 0) return false;
     const IntPack id(static_cast<int32_t>(scene_.view.ids[i]));
@@ -211,7 +219,7 @@ class TileTracer {
     for (uint32_t rows = scene_.rows.near(y0_, toCenter, distance); rows != 0; rows &= rows - 1) {
       const uint32_t row = static_cast<uint32_t>(std::countr_zero(rows)) * kTileSide;
       for (uint32_t group = 0; group < kGroupsInRow; ++group)
-        if (columns >> (group * kPackLanes) & kGroupMask)
+        if (columns >> (group * kPackLanes) & kGroupMask && nearest <= groupFarthest_[row / kPackLanes + group])
           closer |= testGroup(row + group * kPackLanes, toCenter, sphere.radius, id);
     }
     return closer;
@@ -220,7 +228,7 @@ class TileTracer {
   bool testGroup(uint32_t ray, const glm::vec3& toCenter, float radius, const IntPack& id) {
     const Vec3Pack direction{FloatPack::load_aligned(&directionX_[ray]), FloatPack::load_aligned(&directionY_[ray]),
                              FloatPack::load_aligned(&directionZ_[ray])};
-    const FloatPack t = intersectSphere(direction, toCenter, radius);
+    const FloatPack t = intersectSpherePack(direction, toCenter, radius);
     const FloatPack best = FloatPack::load_aligned(&t_[ray]);
     const IntPack bestId = IntPack::load_aligned(&id_[ray]);
     // Ids are below 2^31, so that signed comparison orders them; -1 (no hit yet) wins no tie because its distance is infinite.
@@ -229,7 +237,12 @@ class TileTracer {
     if (!xsimd::any(closer)) return false;
     xsimd::select(closer, t, best).store_aligned(&t_[ray]);
     xsimd::select(xsimd::bool_cast(closer), id, bestId).store_aligned(&id_[ray]);
+    updateGroup(ray);
     return true;
+  }
+
+  void updateGroup(uint32_t ray) {
+    groupFarthest_[ray / kPackLanes] = largestLane(FloatPack::load_aligned(&t_[ray]));
   }
 
   const Scene& scene_;
@@ -239,6 +252,7 @@ class TileTracer {
   float farthest_ = kNoHit;  // of all rays' distances
   alignas(64) std::array<float, kPaddedPlanes> planeX_{}, planeY_{}, planeZ_{}, planeEye_{}, limit_{};
   alignas(64) std::array<float, kRays> directionX_, directionY_, directionZ_, t_;
+  alignas(64) std::array<float, kGroups> groupFarthest_;  // of each group's distances
   alignas(64) std::array<int32_t, kRays> id_;
 };
 

@@ -40,7 +40,7 @@ inline Vec3Pack pixelDirections(const Camera& camera, FloatPack pixelX, FloatPac
 }
 
 /// intersectSphere for rays from one origin; `toCenter` leads from there to the sphere's centre.
-inline FloatPack intersectSphere(const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
+inline FloatPack intersectSpherePack(const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
   const float outside = glm::dot(toCenter, toCenter) - radius * radius;
   const FloatPack noHit(kNoHit);
   if (!(outside > 0.0f) || !(radius > 0.0f)) return noHit;
