@@ -1,11 +1,13 @@
 // Contexts through OSMesa: Mesa's software rasteriser without any window system or device.
 // Mesa 22 osmesa.h, OSMesaCreateContextAttribs.
+// The loader's header comes first: it keeps Mesa's own gl.h out, which <GL/osmesa.h> includes.
+#include "render/gl/context.h"
+
 #include <GL/osmesa.h>
 
 #include <vector>
 
 #include "render/core/error.h"
-#include "render/gl/context.h"
 
 namespace warpscope::gl {
 namespace {
