@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <random>
 
@@ -73,12 +73,14 @@ TEST(RayBox, SharedEdgesHaveNoCracks) {
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
   for (int i = 0; i < 100000; ++i) {
     const glm::vec3 target(third, third, 0.9f * unit(random));
-    const glm::vec3 origin = target + std::pow(10.0f, 3.0f * unit(random)) * glm::vec3(unit(random), unit(random), unit(random));
+    const glm::vec3 origin =
+        target + std::pow(10.0f, 3.0f * unit(random)) * glm::vec3(unit(random), unit(random), unit(random));
     bool hit = false;
     for (const glm::vec2 corner : {glm::vec2(-1, -1), glm::vec2(-1, 1), glm::vec2(1, -1), glm::vec2(1, 1)}) {
       const glm::vec3 far(corner, 1.0f), near(third, third, -1.0f);
       hit = hit || !meet({glm::min(far, near), glm::max(far, near)}, origin, glm::normalize(target - origin),
-                         kConservativeGrow).isMiss();
+                         kConservativeGrow)
+                        .isMiss();
     }
     ASSERT_TRUE(hit) << "seed 18, ray " << i;
   }
@@ -96,7 +98,8 @@ RC_GTEST_PROP(RayBox, NothingThatIsHitIsMissed, (uint32_t seed)) {
     // Towards a corner: the ray grazes three faces.
     const glm::vec3 direction = glm::normalize(glm::vec3(unit(random) < 0 ? box.lower.x : box.upper.x,
                                                          unit(random) < 0 ? box.lower.y : box.upper.y,
-                                                         unit(random) < 0 ? box.lower.z : box.upper.z) - origin);
+                                                         unit(random) < 0 ? box.lower.z : box.upper.z) -
+                                               origin);
     Exact exactNear = 0, exactFar = 1e30;
     for (int axis = 0; axis < 3; ++axis) {
       if (direction[axis] == 0.0f) continue;

@@ -29,7 +29,8 @@ uint32_t checkStructure(const Lbvh& lbvh) {
   for (uint32_t i = 0; i < view.count; ++i) EXPECT_EQ(ids[i], i) << "every sphere once";
   EXPECT_TRUE(std::is_sorted(codes, codes + view.count));
   uint32_t visitedNodes = 0, visitedLeaves = 0, deepest = 0;
-  const std::function<Box(uint32_t, LeafRange, uint32_t)> visit = [&](uint32_t reference, LeafRange range, uint32_t depth) {
+  const std::function<Box(uint32_t, LeafRange, uint32_t)> visit = [&](uint32_t reference, LeafRange range,
+                                                                      uint32_t depth) {
     if (reference & kLbvhLeafBit) {
       EXPECT_EQ(range, (LeafRange{visitedLeaves, visitedLeaves}));
       EXPECT_EQ(reference & ~kLbvhLeafBit, visitedLeaves++);
@@ -70,10 +71,10 @@ Picture picture(std::span<const Sphere> cloud, const Camera& camera) {
   return result;
 }
 
-/// What is certain about a ray and a sphere when every operation rounds: long double has 40 bits more than float.
+/// What is certain about a ray and a sphere when every operation rounds: double has 29 bits more than float.
 struct Truth {
-  bool decided;     ///< the ray neither grazes the sphere nor starts from its surface, within rounding
-  double t;         ///< of the first root
+  bool decided;      ///< the ray neither grazes the sphere nor starts from its surface, within rounding
+  double t;          ///< of the first root
   double tolerance;  ///< of t
 };
 
@@ -269,7 +270,7 @@ RC_GTEST_PROP(Lbvh, BoxesNeverCullAHit, (uint32_t seed)) {
     glm::vec3 touch(0.0f);
     touch[static_cast<int>(random() % 3)] = unit(random) < 0.0f ? -sphere.radius : sphere.radius;
     const glm::vec3 across = glm::cross(touch, vector());
-    const glm::vec3 through = sphere.center + touch * (1.0f + std::ldexp(unit(random), -20)) ;
+    const glm::vec3 through = sphere.center + touch * (1.0f + std::ldexp(unit(random), -20));
     const Ray ray{i % 2 ? origin : through - 10.0f * across, glm::normalize(i % 2 ? through - origin : across)};
     const float t = intersectSphere(ray, sphere.center, sphere.radius);
     if (t == kNoHit) continue;

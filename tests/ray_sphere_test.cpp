@@ -33,7 +33,8 @@ struct Truth {
   Exact tolerance;  // what rounding may do to a distance
 };
 
-/// What intersectSphere has to answer. It is undecided where the ray passes the surface, or starts from it, within rounding.
+/// What intersectSphere has to answer. It is undecided where the ray passes the surface, or starts from it, within
+/// rounding.
 Truth judge(const Ray& ray, const glm::vec3& center, float radius) {
   const ExactVec toCenter = ExactVec(center) - ExactVec(ray.origin);
   const ExactVec direction(ray.direction);
@@ -159,7 +160,8 @@ RC_GTEST_PROP(RaySphere, ScalingByPowersOfTwoScalesTheDistance, (uint32_t seed))
   const Case c = makeCase(seed);
   const float t = intersectSphere(c.ray, c.center, c.radius);
   for (const float scale : {0.0009765625f, 0.5f, 1024.0f})
-    RC_ASSERT(intersectSphere({scale * c.ray.origin, c.ray.direction}, scale * c.center, scale * c.radius) == scale * t);
+    RC_ASSERT(intersectSphere({scale * c.ray.origin, c.ray.direction}, scale * c.center, scale * c.radius) ==
+              scale * t);
 }
 
 RC_GTEST_PROP(RayPacket, HoldsTheSameBitsAsOneRay, (uint32_t seed)) {
@@ -167,7 +169,7 @@ RC_GTEST_PROP(RayPacket, HoldsTheSameBitsAsOneRay, (uint32_t seed)) {
     const Case c = makeCase(seed + i);
     const glm::vec3& d = c.ray.direction;
     const FloatPack t = intersectSpherePack(Vec3Pack{FloatPack(d.x), FloatPack(d.y), FloatPack(d.z)},
-                                        c.center - c.ray.origin, c.radius);
+                                            c.center - c.ray.origin, c.radius);
     RC_ASSERT(t.get(seed % kPackLanes) == intersectSphere(c.ray, c.center, c.radius));
   }
 }

@@ -1,5 +1,6 @@
 // Clouds of spheres and cameras for tests and benchmarks of sphere tracing. Everything is determined by a seed.
-// The shapes follow the project's list of hard cases: random, planar, collinear, clustered, duplicate, and a frame's own samples.
+// The shapes follow the project's list of hard cases: random, planar, collinear, clustered, duplicate, and a frame's
+// own samples.
 #pragma once
 
 #include <array>
@@ -26,14 +27,21 @@ inline std::vector<Sphere> makeCloud(CloudShape shape, size_t count, float scale
   for (size_t i = 0; i < count; ++i) {
     glm::vec3 center(unit(random), unit(random), unit(random));
     switch (shape) {
-      case CloudShape::random: break;
-      case CloudShape::planar: center.z = 0.25f; break;
-      case CloudShape::collinear: center = glm::vec3(center.x, 0.5f * center.x, -0.25f * center.x); break;
+      case CloudShape::random:
+        break;
+      case CloudShape::planar:
+        center.z = 0.25f;
+        break;
+      case CloudShape::collinear:
+        center = glm::vec3(center.x, 0.5f * center.x, -0.25f * center.x);
+        break;
       case CloudShape::clustered:
         center = glm::round(2.0f * center) * 0.5f + 0.02f * glm::vec3(unit(random), unit(random), unit(random));
         center = glm::clamp(center, -1.0f, 1.0f);
         break;
-      case CloudShape::duplicate: center = glm::round(3.0f * center) / 3.0f; break;
+      case CloudShape::duplicate:
+        center = glm::round(3.0f * center) / 3.0f;
+        break;
     }
     const float radius = shape == CloudShape::duplicate ? 0.05f : 0.02f * (1.0f + 0.5f * unit(random));
     cloud.push_back({scale * center, scale * radius});
@@ -41,12 +49,13 @@ inline std::vector<Sphere> makeCloud(CloudShape shape, size_t count, float scale
   return cloud;
 }
 
-/// A camera at `distance` from the origin, which it looks at, `angleDeg` about the vertical axis and 20 degrees above the horizon.
+/// A camera at `distance` from the origin, which it looks at, `angleDeg` about the vertical axis and 20 degrees above
+/// the horizon.
 inline Camera orbitCamera(float distance, float angleDeg, uint32_t width, uint32_t height) {
   const float azimuth = glm::radians(angleDeg), elevation = glm::radians(20.0f);
   Camera camera;
-  camera.forward = -glm::vec3(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
-                              std::cos(azimuth) * std::cos(elevation));
+  camera.forward =
+      -glm::vec3(std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation));
   camera.eye = -distance * camera.forward;
   camera.right = glm::normalize(glm::cross(camera.forward, glm::vec3(0.0f, 1.0f, 0.0f)));
   camera.up = glm::cross(camera.right, camera.forward);
@@ -55,8 +64,8 @@ inline Camera orbitCamera(float distance, float angleDeg, uint32_t width, uint32
   return camera;
 }
 
-/// What a server sends: one sphere for each of `camera`'s pixels that meets a bumpy, noisy ball of radius 120 about the origin (a volume
-/// of 256^3), with half a voxel's diagonal as radius.
+/// What a server sends: one sphere for each of `camera`'s pixels that meets a bumpy, noisy ball of radius 120 about the
+/// origin (a volume of 256^3), with half a voxel's diagonal as radius.
 inline std::vector<Sphere> makeFrameCloud(const Camera& camera, uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> noise(-0.5f, 0.5f);

@@ -32,7 +32,8 @@ SphereTracer& builtTracer() {
   return *tracer;
 }
 
-/// Brute force on a few pixels, Embree on all: at most one pixel in a thousand may differ (silhouettes and ties within rounding).
+/// Brute force on a few pixels, Embree on all: at most one pixel in a thousand may differ (silhouettes and ties within
+/// rounding).
 void checkPictures() {
   for (const float angleDeg : {0.0f, 25.0f, 60.0f}) {
     Image<uint32_t> lbvh, embree, brute, few;
@@ -69,9 +70,19 @@ void traceCloud(benchmark::State& state) {
 
 BENCHMARK(buildCloud<LbvhTracer>)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 BENCHMARK(buildCloud<EmbreeTracer>)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
-BENCHMARK(traceCloud<LbvhTracer>)->Arg(0)->Arg(25)->Arg(60)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()
+BENCHMARK(traceCloud<LbvhTracer>)
+    ->Arg(0)
+    ->Arg(25)
+    ->Arg(60)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
     ->UseRealTime();
-BENCHMARK(traceCloud<EmbreeTracer>)->Arg(0)->Arg(25)->Arg(60)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()
+BENCHMARK(traceCloud<EmbreeTracer>)
+    ->Arg(0)
+    ->Arg(25)
+    ->Arg(60)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
     ->UseRealTime();
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A tile of pixels walks the hierarchy together; each sphere that it meets is intersected with the rows and columns that it may cover.
-// See packet_trace.h.
+// A tile of pixels walks the hierarchy together; each sphere that it meets is intersected with the rows and columns
+// that it may cover. See packet_trace.h.
 #include "render/warp/lbvh/packet_trace.h"
 
 #include <algorithm>
@@ -95,8 +95,7 @@ float largestLane(FloatPack pack) {
 
 class TileTracer {
  public:
-  TileTracer(const Scene& scene, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1)
-      : scene_(scene), x0_(x0), y0_(y0) {
+  TileTracer(const Scene& scene, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) : scene_(scene), x0_(x0), y0_(y0) {
     const Camera& camera = scene.camera;
     for (uint32_t i = 0; i < kRays; i += kPackLanes) {
       const FloatPack column = static_cast<float>(x0 + i % kTileSide) + laneNumbers();
@@ -106,14 +105,13 @@ class TileTracer {
       direction.y.store_aligned(&directionY_[i]);
       direction.z.store_aligned(&directionZ_[i]);
       // Pixels outside the image are hit by nothing and never the farthest.
-      const FloatMask inside =
-          (column < FloatPack(static_cast<float>(x1))) & FloatMask(row < static_cast<float>(y1));
+      const FloatMask inside = (column < FloatPack(static_cast<float>(x1))) & FloatMask(row < static_cast<float>(y1));
       xsimd::select(inside, FloatPack(kNoHit), FloatPack(-kNoHit)).store_aligned(&t_[i]);
       IntPack(-1).store_aligned(&id_[i]);
       updateGroup(i);
     }
-    // Rays lie between the planes of the first and the last row and column. A box is outside where its farthest corner along a normal
-    // lies behind the plane; along -axis that corner is the nearest one.
+    // Rays lie between the planes of the first and the last row and column. A box is outside where its farthest corner
+    // along a normal lies behind the plane; along -axis that corner is the nearest one.
     axis_ = pixelRay(camera, 0.5f * glm::vec2(x0 + x1, y0 + y1)).direction;
     const std::array<glm::vec3, kPlanes> normals{scene.columns.normal(x0), -scene.columns.normal(x1 - 1),
                                                  scene.rows.normal(y0), -scene.rows.normal(y1 - 1), -axis_};
@@ -178,7 +176,8 @@ class TileTracer {
   static constexpr uint32_t kNearPlane = 4;
   static constexpr uint32_t kPaddedPlanes = (kPlanes + kPackLanes - 1) / kPackLanes * kPackLanes;
 
-  /// Along the tile's axis, at most the distance to anything in the box; kNoHit if no ray can meet the box before what it has met.
+  /// Along the tile's axis, at most the distance to anything in the box; kNoHit if no ray can meet the box before what
+  /// it has met.
   float nearestDepth(const Box& box) const {
     alignas(64) std::array<float, kPaddedPlanes> farthestCorner;
     for (uint32_t k = 0; k < kPaddedPlanes; k += kPackLanes) {
@@ -231,7 +230,8 @@ class TileTracer {
     const FloatPack t = intersectSpherePack(direction, toCenter, radius);
     const FloatPack best = FloatPack::load_aligned(&t_[ray]);
     const IntPack bestId = IntPack::load_aligned(&id_[ray]);
-    // Ids are below 2^31, so that signed comparison orders them; -1 (no hit yet) wins no tie because its distance is infinite.
+    // Ids are below 2^31, so that signed comparison orders them; -1 (no hit yet) wins no tie because its distance is
+    // infinite.
     const FloatMask tie = (t == best) & (t < FloatPack(kNoHit)) & xsimd::bool_cast(id < bestId);
     const FloatMask closer = (t < best) | tie;
     if (!xsimd::any(closer)) return false;
@@ -241,9 +241,7 @@ class TileTracer {
     return true;
   }
 
-  void updateGroup(uint32_t ray) {
-    groupFarthest_[ray / kPackLanes] = largestLane(FloatPack::load_aligned(&t_[ray]));
-  }
+  void updateGroup(uint32_t ray) { groupFarthest_[ray / kPackLanes] = largestLane(FloatPack::load_aligned(&t_[ray])); }
 
   const Scene& scene_;
   uint32_t x0_;

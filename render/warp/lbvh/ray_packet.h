@@ -1,5 +1,6 @@
 // pixelRay and intersectSphere for as many rays at once as a vector register has lanes. Host only.
-// The same operations in the same order as core/camera.h and core/ray_sphere.h, so that every lane holds the same bits as theirs.
+// The same operations in the same order as core/camera.h and core/ray_sphere.h, so that every lane holds the same bits
+// as theirs.
 #pragma once
 
 #include <cstdint>
