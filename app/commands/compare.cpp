@@ -120,7 +120,7 @@ void compare(const CompareOptions& options) {
         work.scene, headless.resources(), settings,
         [&](const WarpDescriptor& technique, size_t view, const WarpedImage& image) {
           const std::string name = "view" + std::to_string(view) + "-" + std::string(technique.name) + ".png";
-          out.write(name, encodePng(toPicture(image, work.uncovered)));
+          out.write(name, encodePng(toPicture(image, work.uncovered), interrupt.token()));
           Image<Rgba8> screen = toScreen(image, work.scene.background, work.uncovered);
           const uint32_t width = std::min(options.cellWidth, work.width);
           const uint32_t height = std::max<uint32_t>(1, static_cast<uint32_t>(uint64_t{work.height} * width / work.width));
@@ -130,7 +130,7 @@ void compare(const CompareOptions& options) {
   }
   for (const ComparisonRow& row : comparison.rows)
     montage.rows[static_cast<size_t>(row.technique - warpRegistry().data())].cells[row.view].caption = captionOf(row);
-  out.write("montage.png", encodePng(drawMontage(montage, options.cellWidth)));
+  out.write("montage.png", encodePng(drawMontage(montage, options.cellWidth), interrupt.token()));
   const Json report = toJson(comparison, work, headless.contextText());
   out.write("metrics.json", textOf(report));
   if (interrupt.token().stop_requested()) throw OperationCancelled();
