@@ -62,9 +62,9 @@ TransferFunction autoTransferFunction(const VoxelStatistics& statistics) {
     glm::vec3 color;
     float alpha;
   };
-  const Stop stops[] = {{0.10, srgb(0.80f, 0.52f, 0.36f), 0.03f}, {0.40, srgb(0.90f, 0.72f, 0.52f), 0.10f},
-                        {0.75, srgb(0.88f, 0.86f, 0.80f), 0.25f}, {0.95, srgb(0.92f, 0.92f, 0.94f), 0.45f},
-                        {0.995, srgb(0.85f, 0.25f, 0.16f), 0.75f}};
+  const Stop stops[] = {{0.10, srgb(0.72f, 0.44f, 0.30f), 0.06f}, {0.40, srgb(0.88f, 0.68f, 0.46f), 0.25f},
+                        {0.75, srgb(0.90f, 0.86f, 0.76f), 0.60f}, {0.95, srgb(0.94f, 0.94f, 0.94f), 0.80f},
+                        {0.995, srgb(0.85f, 0.25f, 0.16f), 0.95f}};
   TransferFunction function;
   double previous = lower + threshold * binWidth;
   function.points.push_back({previous, stops[0].color, 0.0f});

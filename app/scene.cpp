@@ -114,12 +114,12 @@ VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverri
   return openVolume(file.is_absolute() ? file : folder / file, spacing);
 }
 
-/// World axes of volumes that say nothing: y is up and the camera is where z grows. Patient axes (LPS): z is up, and 30 degrees beside the
-/// face is in front.
+/// World axes of volumes that say nothing: y is up and the camera is where z grows. Patient axes (LPS): z is up, and the face
+/// looks at a camera in front.
 void setDefaultAxes(Scene& scene) {
   if (!scene.volume->geometry().hasOrientation) return;
   scene.up = {0.0, 0.0, 1.0};
-  scene.front = {0.5, -std::sqrt(0.75), 0.0};
+  scene.front = {0.0, -1.0, 0.0};
 }
 
 Scene readScene(const JsonDocument& document, const fs::path& folder, const SceneOverrides& overrides) {
@@ -185,7 +185,8 @@ std::vector<BuiltinScene> builtinScenes() {
 }
 
 std::vector<View> defaultViews() {
-  return {{0.0, 20.0, 1.0}, {10.0, 20.0, 1.0}, {25.0, 20.0, 0.8}, {45.0, 20.0, 1.25}, {-30.0, 20.0, 0.65}};
+  // The server's view shows three sides of a box; the others turn about it, nearer and farther.
+  return {{30.0, 20.0, 0.72}, {40.0, 20.0, 0.72}, {55.0, 20.0, 0.6}, {75.0, 20.0, 0.9}, {0.0, 20.0, 0.5}};
 }
 
 void requireScene(const std::string& spec) {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "render/core/host_device.h"
+#include "render/core/numeric.h"
 
 namespace warpscope {
 
@@ -51,12 +51,12 @@ struct TransferTable {
   bool anyVisible(float lowest, float highest) const;
 };
 
-/// Index of the entry nearest to `unit`, a fraction of the table's range; clamps, NaN gives entry 0.
-WARPSCOPE_HD inline int transferIndex(float unit) {
+/// Index of the entry nearest to `unit`, a fraction of the table's range; clamps, and NaN gives entry 0, never one past the table.
+/// Float is float or a vector of floats.
+template <class Float>
+WARPSCOPE_HD inline auto transferIndex(const Float& unit) {
   constexpr float last = TransferTable::kSize - 1;
-  const float scaled = unit * last + 0.5f;
-  // The comparison is false for NaN, so that NaN reads entry 0 and never past the table.
-  return scaled > 0.0f ? static_cast<int>(glm::min(scaled, last)) : 0;
+  return truncated(minOf(maxOf(unit * Float(last) + Float(0.5f), Float(0.0f)), Float(last)));
 }
 
 /// Bakes `function` over [lower, upper] for steps of `step` volume units. A range without extent gives a table of its one value.

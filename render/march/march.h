@@ -2,6 +2,9 @@
 // Emission and absorption, front-to-back compositing with early termination (Levoy 1990; Max 1995).
 #pragma once
 
+#include <bit>
+#include <cstdint>
+
 #include "render/core/transfer_function.h"
 #include "render/march/depth_heuristic.h"
 #include "render/march/lattice.h"
@@ -17,13 +20,22 @@ struct RayColor {
   WARPSCOPE_HD glm::vec4 premultiplied() const { return {color, transmittance.opacity()}; }
 };
 
+/// Place of the lowest bit that is set; `bits` is not 0.
+WARPSCOPE_HD inline int lowestBit(uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+  return __ffs(static_cast<int>(bits)) - 1;
+#else
+  return std::countr_zero(bits);
+#endif
+}
+
 /// Marches samples [begin, end) of `lattice`.
 ///
 /// `Source` tells what the samples look like, up to Source::kBatch at a time:
 ///   int skip(int i)                first sample >= i that may be visible
-///   void classify(int i, int n)    looks at samples i .. i + n - 1, n <= kBatch
+///   uint32_t classify(int i, int n)   looks at samples i .. i + n - 1, n <= kBatch <= 32; bit k is set if the k-th has any opacity
 ///   float alpha(int k)             opacity of the k-th of them, corrected to the lattice's dt
-///   glm::vec3 color(int k)         its colour times that opacity; asked for only where alpha > 0
+///   glm::vec3 color(int k)         its colour times that opacity
 /// `sink` is called with a CountingSample for every sample whose contribution is at least `contribution`, near to far.
 /// Ends where transmittance falls below `stopBelow` (0: never): what follows cannot count any more, as long as stopBelow <= contribution.
 template <class Source, class Sink>
@@ -31,10 +43,9 @@ WARPSCOPE_HD inline void marchRay(const RayLattice& lattice, int begin, int end,
                                   float stopBelow, RayColor& ray, Sink&& sink) {
   for (int i = source.skip(begin); i < end; i = source.skip(i)) {
     const int n = end - i < Source::kBatch ? end - i : Source::kBatch;
-    source.classify(i, n);
-    for (int k = 0; k < n; ++k) {
+    for (uint32_t visible = source.classify(i, n); visible != 0; visible &= visible - 1) {
+      const int k = lowestBit(visible);
       float alpha = source.alpha(k);
-      if (!(alpha > 0.0f)) continue;
       glm::vec3 color = source.color(k);
       float ds = lattice.dt;
       if (i + k + 1 == lattice.count) {  // the last step may be a part of one

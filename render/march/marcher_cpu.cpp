@@ -11,6 +11,7 @@
 #include "render/march/compact.h"
 #include "render/march/march.h"
 #include "render/march/volume_source.h"
+#include "render/volume/macrocells.h"
 
 namespace warpscope {
 
@@ -149,6 +150,7 @@ class CpuMarcher final : public Marcher {
       view.tableAlpha = baked.alphas.data();
       view.emptyDistances = settings.skipEmpty ? baked.emptyDistances.data() : nullptr;
       view.cellDims = macrocells_.dims();
+      view.cellEdge = macrocells_.edge();
       if (std::is_floating_point_v<Voxel> && volume_->statistics().nonFinite > 0)
         marchTiles<VolumeSource<Voxel, true>>(view, camera, settings, stop, onRay);
       else

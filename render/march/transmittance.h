@@ -1,5 +1,5 @@
 // What light is left along a ray, front to back.
-// Compensated subtraction after Kahan 1965: 10^6 samples of opacity 10^-8 add up instead of vanishing in rounding.
+// Double precision: 10^6 samples of opacity 10^-8 add up instead of vanishing in rounding, and one multiplication is the whole chain.
 #pragma once
 
 #include "render/core/host_device.h"
@@ -10,28 +10,16 @@ namespace warpscope {
 class Transmittance {
  public:
   WARPSCOPE_HD Transmittance() = default;
-  WARPSCOPE_HD explicit Transmittance(float value) : value_(value) {}
+  WARPSCOPE_HD explicit Transmittance(double value) : value_(value) {}
 
-  WARPSCOPE_HD float value() const { return value_; }
-  WARPSCOPE_HD float opacity() const { return (1.0f - value_) + correction_; }
+  WARPSCOPE_HD float value() const { return static_cast<float>(value_); }
+  WARPSCOPE_HD float opacity() const { return static_cast<float>(1.0 - value_); }
 
   /// Passes a sample of opacity `alpha` in [0, 1].
-  WARPSCOPE_HD void pass(float alpha) {
-    const float taken = value_ * alpha + correction_;
-    const float next = value_ - taken;
-    if (!(next > 0.0f) || alpha >= 1.0f) {
-      value_ = 0.0f;
-      correction_ = 0.0f;
-      return;
-    }
-    if (next > value_) return;  // the correction alone never adds light
-    correction_ = taken - (value_ - next);
-    value_ = next;
-  }
+  WARPSCOPE_HD void pass(float alpha) { value_ *= 1.0 - static_cast<double>(alpha); }
 
  private:
-  float value_ = 1.0f;
-  float correction_ = 0.0f;  ///< what `value_` is too large by
+  double value_ = 1.0;
 };
 
 }  // namespace warpscope

@@ -1,15 +1,43 @@
 // What a ray sees of a volume, batch by batch: the source that march.h's loop takes on the CPU.
-// Positions, weights and table indices of a batch are computed lane by lane in plain loops that compilers vectorise.
+// Positions, weights, interpolation and table indices of a batch are vectors (simd.h); voxels are loaded one lane at a time.
 #pragma once
 
+#include <bit>
+#include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 
+#include "render/core/ray.h"
+#include "render/core/simd.h"
 #include "render/core/transfer_function.h"
 #include "render/march/lattice.h"
-#include "render/volume/macrocells.h"
 #include "render/volume/voxel_access.h"
 
 namespace warpscope {
+
+/// Two neighbouring voxels of a small type are read as one integer: half the loads.
+template <class Voxel>
+inline constexpr bool kHasPairs = sizeof(Voxel) <= 2;
+
+template <class Voxel>
+uint32_t loadPair(const Voxel* p) {
+  std::conditional_t<sizeof(Voxel) == 1, uint16_t, uint32_t> pair;
+  std::memcpy(&pair, p, sizeof pair);
+  return pair;
+}
+
+/// The first (kHigh: second) voxels of pairs as numbers, with their sign.
+template <class Voxel, bool kHigh>
+FloatBatch voxelsOf(const UintBatch& pairs) {
+  constexpr int bits = 8 * sizeof(Voxel);
+  constexpr bool upper = kHigh == (std::endian::native == std::endian::little);
+  const IntBatch top = xsimd::batch_cast<int32_t>(pairs << (upper ? 32 - 2 * bits : 32 - bits));
+  if constexpr (std::is_signed_v<Voxel>)
+    return xsimd::to_float(top >> (32 - bits));
+  else
+    return xsimd::to_float(xsimd::batch_cast<int32_t>(xsimd::batch_cast<uint32_t>(top) >> (32 - bits)));
+}
 
 /// Everything about a volume and a baked transfer function that rays share. Pointers are not owned.
 template <class Voxel>
@@ -23,105 +51,147 @@ struct VolumeView {
   const float* tableAlpha = nullptr;           ///< the table's alphas alone, densely
   const uint8_t* emptyDistances = nullptr;     ///< of macrocells, or null: nothing is skipped
   glm::ivec3 cellDims{0};
+  int cellEdge = 1;
 };
 
 /// kHasHoles: some voxels are not finite and are left out of interpolation.
 template <class Voxel, bool kHasHoles>
 class VolumeSource {
  public:
-  static constexpr int kBatch = 8;
+  static constexpr int kBatch = kBatchLanes;
 
   VolumeSource(const VolumeView<Voxel>& view, const Ray& ray, const RayLattice& lattice)
       : view_(view),
         lattice_(lattice),
         origin_((ray.origin - view.lower) * view.voxelsPerUnit - 0.5f),
         direction_(ray.direction * view.voxelsPerUnit),
-        invDirection_(1.0f / (direction_ + 0.0f)) {}
+        cellOrigin_(origin_ / static_cast<float>(view.cellEdge)),
+        cellDirection_(direction_ / static_cast<float>(view.cellEdge)),
+        invCellDirection_(1.0f / (cellDirection_ + 0.0f)),
+        invStep_(1.0f / lattice.dt),
+        margin_(1e-3f + 1e-6f * static_cast<float>(glm::max(view.dims.x, glm::max(view.dims.y, view.dims.z))) / lattice.dt) {
+    const size_t dx = view.dims.x > 1 ? 1 : 0;
+    const size_t dy = view.dims.y > 1 ? static_cast<size_t>(view.dims.x) : 0;
+    const size_t dz = view.dims.z > 1 ? static_cast<size_t>(view.dims.x) * view.dims.y : 0;
+    for (int i = 0; i < 8; ++i) offsets_[i] = (i & 1 ? dx : 0) + (i & 2 ? dy : 0) + (i & 4 ? dz : 0);
+  }
 
   int skip(int i) const {
     if (view_.emptyDistances == nullptr) return i;
     while (i < lattice_.count) {
-      const glm::vec3 place = origin_ + lattice_.t(i) * direction_;
-      const glm::ivec3 cell =
-          glm::clamp(glm::ivec3(place * (1.0f / kMacrocellEdge)), glm::ivec3(0), view_.cellDims - 1);
+      const float t = lattice_.t(i);
+      glm::ivec3 cell;
+      for (int axis = 0; axis < 3; ++axis) {
+        const float place = cellOrigin_[axis] + t * cellDirection_[axis];
+        cell[axis] = minOf(truncated(maxOf(place, 0.0f)), view_.cellDims[axis] - 1);
+      }
       const int distance =
           view_.emptyDistances[(size_t(cell.z) * view_.cellDims.y + cell.y) * view_.cellDims.x + cell.x];
       if (distance == 0) return i;
-      // Everything less than `distance` cells away is empty: go on where the ray leaves that block.
-      const glm::vec3 blockLower((cell - (distance - 1)) * kMacrocellEdge);
-      const glm::vec3 blockUpper((cell + distance) * kMacrocellEdge);
+      // Everything less than `distance` cells away is empty: go on where the ray leaves that block. What lies within rounding of the
+      // block's border is looked at for itself.
       float exit = lattice_.t0 + lattice_.length + lattice_.dt;
       for (int axis = 0; axis < 3; ++axis) {
-        const float bound = direction_[axis] < 0.0f ? blockLower[axis] : blockUpper[axis];
-        const float t = (bound - origin_[axis]) * invDirection_[axis];
-        if (t < exit) exit = t;  // false for NaN: parallel to this side
+        const int bound = cell[axis] + (cellDirection_[axis] < 0.0f ? 1 - distance : distance);
+        const float leaves = (converted(bound) - cellOrigin_[axis]) * invCellDirection_[axis];
+        if (leaves < exit) exit = leaves;  // false for NaN: parallel to this side
       }
-      const float index = (exit - lattice_.t0) / lattice_.dt - 0.5f;
+      const float index = (exit - lattice_.t0) * invStep_ - 0.5f - margin_;
       const int next = index < static_cast<float>(lattice_.count) ? static_cast<int>(std::ceil(index)) : lattice_.count;
       i = next > i + 1 ? next : i + 1;
     }
     return i;
   }
 
-  void classify(int i, int n) {
-    float weight[3][kBatch];
-    int index[3][kBatch];
-    float t[kBatch];
+  uint32_t classify(int i, int n) {
+    alignas(64) float t[kBatch];
     for (int k = 0; k < kBatch; ++k) t[k] = lattice_.t0 + (static_cast<float>(i + k) + 0.5f) * lattice_.dt;
     if (i + n == lattice_.count) t[n - 1] = lattice_.t(i + n - 1);
-    int step[3] = {0, 0, 0};
-    for (int axis = 0; axis < 3; ++axis) {
-      const int voxels = view_.dims[axis];
-      step[axis] = voxels > 1 ? 1 : 0;
-      for (int k = 0; k < kBatch; ++k) {
-        const AxisCell cell = axisCell(origin_[axis] + t[k] * direction_[axis], voxels);
-        index[axis][k] = cell.index;
-        weight[axis][k] = cell.weight;
-      }
-    }
-    const size_t strideY = static_cast<size_t>(view_.dims.x);
-    const size_t strideZ = strideY * view_.dims.y;
-    const size_t dx = step[0], dy = step[1] * strideY, dz = step[2] * strideZ;
-    float corner[8][kBatch];
+    const FloatBatch distance = FloatBatch::load_aligned(t);
+    IntBatch index[3];
+    FloatBatch weight[3];
+    for (int axis = 0; axis < 3; ++axis)
+      axisCell(FloatBatch(origin_[axis]) + distance * FloatBatch(direction_[axis]), view_.dims[axis], index[axis], weight[axis]);
+    const Voxel* places[kBatch];
+    locate(index, places);
+    FloatBatch unit;
+    if constexpr (kHasHoles)
+      unit = blendFinite(places, weight);
+    else
+      unit = unitFromInterpolant<Voxel>(blend(places, weight), view_.scale);
+    transferIndex(unit).store_aligned(index_);
+    uint32_t visible = 0;
     for (int k = 0; k < kBatch; ++k) {
-      const Voxel* p = view_.voxels + (index[2][k] * strideZ + index[1][k] * strideY + index[0][k]);
-      corner[0][k] = interpolant(p[0], view_.scale);
-      corner[1][k] = interpolant(p[dx], view_.scale);
-      corner[2][k] = interpolant(p[dy], view_.scale);
-      corner[3][k] = interpolant(p[dy + dx], view_.scale);
-      corner[4][k] = interpolant(p[dz], view_.scale);
-      corner[5][k] = interpolant(p[dz + dx], view_.scale);
-      corner[6][k] = interpolant(p[dz + dy], view_.scale);
-      corner[7][k] = interpolant(p[dz + dy + dx], view_.scale);
+      alpha_[k] = view_.tableAlpha[index_[k]];
+      bool shown = alpha_[k] > 0.0f;
+      if constexpr (kHasHoles) shown = shown && !missing_[k];
+      visible |= static_cast<uint32_t>(shown) << k;
     }
-    for (int k = 0; k < kBatch; ++k) {
-      const float c[8] = {corner[0][k], corner[1][k], corner[2][k], corner[3][k],
-                          corner[4][k], corner[5][k], corner[6][k], corner[7][k]};
-      float value;
-      if constexpr (kHasHoles)
-        value = trilinearOfFinite(c, weight[0][k], weight[1][k], weight[2][k]);
-      else
-        value = trilinear(c, weight[0][k], weight[1][k], weight[2][k]);
-      const float unit = unitFromInterpolant<Voxel>(value, view_.scale);
-      index_[k] = transferIndex(unit);
-      if constexpr (kHasHoles) missing_[k] = !isFiniteVoxel(unit);
-    }
+    return visible & ((uint32_t{2} << (n - 1)) - 1);
   }
 
-  float alpha(int k) const {
-    if constexpr (kHasHoles)
-      if (missing_[k]) return 0.0f;
-    return view_.tableAlpha[index_[k]];
-  }
+  float alpha(int k) const { return alpha_[k]; }
   glm::vec3 color(int k) const { return glm::vec3(view_.table[index_[k]]); }
 
  private:
+  void locate(const IntBatch (&index)[3], const Voxel* (&places)[kBatch]) const {
+    alignas(64) int32_t at[3][kBatch];
+    for (int axis = 0; axis < 3; ++axis) index[axis].store_aligned(at[axis]);
+    const size_t strideY = static_cast<size_t>(view_.dims.x);
+    const size_t strideZ = strideY * view_.dims.y;
+    for (int k = 0; k < kBatch; ++k)
+      places[k] = view_.voxels + (static_cast<size_t>(at[2][k]) * strideZ + static_cast<size_t>(at[1][k]) * strideY +
+                                  static_cast<size_t>(at[0][k]));
+  }
+
+  FloatBatch blend(const Voxel* const (&places)[kBatch], const FloatBatch (&weight)[3]) const {
+    FloatBatch corner[8];
+    if (kHasPairs<Voxel> && view_.dims.x > 1) {
+      if constexpr (kHasPairs<Voxel>) {
+        alignas(64) uint32_t pairs[4][kBatch];
+        for (int k = 0; k < kBatch; ++k)
+          for (int row = 0; row < 4; ++row) pairs[row][k] = loadPair(places[k] + offsets_[2 * row]);
+        for (int row = 0; row < 4; ++row) {
+          const UintBatch pair = UintBatch::load_aligned(pairs[row]);
+          corner[2 * row] = voxelsOf<Voxel, false>(pair);
+          corner[2 * row + 1] = voxelsOf<Voxel, true>(pair);
+        }
+      }
+    } else {
+      alignas(64) float values[8][kBatch];
+      for (int k = 0; k < kBatch; ++k)
+        for (int i = 0; i < 8; ++i) values[i][k] = interpolant(places[k][offsets_[i]], view_.scale);
+      for (int i = 0; i < 8; ++i) corner[i] = FloatBatch::load_aligned(values[i]);
+    }
+    return trilinear(corner, weight[0], weight[1], weight[2]);
+  }
+
+  /// As blend, for voxels that may not be finite; notes where there is no value.
+  FloatBatch blendFinite(const Voxel* const (&places)[kBatch], const FloatBatch (&weight)[3]) {
+    alignas(64) float weights[3][kBatch];
+    alignas(64) float units[kBatch];
+    for (int axis = 0; axis < 3; ++axis) weight[axis].store_aligned(weights[axis]);
+    for (int k = 0; k < kBatch; ++k) {
+      float corner[8];
+      for (int i = 0; i < 8; ++i) corner[i] = interpolant(places[k][offsets_[i]], view_.scale);
+      units[k] = unitFromInterpolant<Voxel>(trilinearOfFinite(corner, weights[0][k], weights[1][k], weights[2][k]), view_.scale);
+      missing_[k] = !isFiniteVoxel(units[k]);
+    }
+    return FloatBatch::load_aligned(units);
+  }
+
   const VolumeView<Voxel>& view_;
   const RayLattice& lattice_;
   glm::vec3 origin_;        // in voxel coordinates
   glm::vec3 direction_;     // voxels per unit of t
-  glm::vec3 invDirection_;
-  int index_[kBatch];
+  glm::vec3 cellOrigin_;  // in cells
+  glm::vec3 cellDirection_;
+  glm::vec3 invCellDirection_;
+  float invStep_;
+  float margin_;            // in steps
+  size_t offsets_[8];       // from a voxel to those that are blended with it, x fastest
+  alignas(64) int32_t index_[kBatch];
+  float alpha_[kBatch];
   bool missing_[kBatch];
 };
 

@@ -8,9 +8,9 @@
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 #include <itkOutputWindow.h>
-#include <itkTIFFImageIO.h>
 #include <itkVTKImageIO.h>
 
+#include <cstdlib>
 #include <new>
 
 #include "render/core/error.h"
@@ -42,7 +42,6 @@ itk::ImageIOBase::Pointer makeImageIO(const std::filesystem::path& path) {
   if (endsWith(".vtk")) return itk::VTKImageIO::New().GetPointer();
   if (endsWith(".gipl", ".gipl.gz")) return itk::GiplImageIO::New().GetPointer();
   if (endsWith(".mrc", ".rec")) return itk::MRCImageIO::New().GetPointer();
-  if (endsWith(".tif", ".tiff")) return itk::TIFFImageIO::New().GetPointer();
   return itk::NiftiImageIO::New().GetPointer();
 }
 
@@ -81,6 +80,10 @@ VoxelType voxelTypeOf(const itk::ImageIOBase& io, const std::string& source) {
                    " are not read; convert it to an integer of at most 32 bits or to floating point");
 }
 
+itk::IOComponentEnum componentOf(VoxelType type) {
+  return visitVoxelType(type, [](auto voxel) { return itk::ImageIOBase::MapPixelType<decltype(voxel)>::CType; });
+}
+
 VolumeGeometry geometryOf(const itk::ImageIOBase& io, const std::string& source) {
   const unsigned axes = io.GetNumberOfDimensions();
   VolumeGeometry geometry;
@@ -113,6 +116,13 @@ VolumeGeometry geometryOf(const itk::ImageIOBase& io, const std::string& source)
 std::string firstSentence(const char* text) {
   std::string sentence(text);
   if (const size_t at = sentence.find("): "); at != std::string::npos) sentence = sentence.substr(at + 3);
+  // NrrdIO tells the whole chain of calls, the cause last.
+  if (const size_t at = sentence.rfind("[nrrd] "); at != std::string::npos) {
+    sentence = sentence.substr(at + 7);
+    if (const size_t colon = sentence.find(": "); colon != std::string::npos) sentence = sentence.substr(colon + 2);
+  }
+  constexpr std::string_view kPrefix = "ITK ERROR: ";
+  if (sentence.starts_with(kPrefix)) sentence.erase(0, kPrefix.size());
   for (char& c : sentence)
     if (c == '\n' || c == '\r' || c == '\t') c = ' ';
   while (!sentence.empty() && sentence.back() == ' ') sentence.pop_back();
@@ -129,13 +139,24 @@ VolumePtr readItkVolume(const std::filesystem::path& path) {
   io->SetFileName(source);
   io->ReadImageInformation();
 
+  // ITK would widen voxels with a slope and an intercept to float. Those as stored differ only by an affine map, which
+  // a transfer function over their range does not see; where the slope is negative it would, and the widening stays.
+  if (auto* nifti = dynamic_cast<itk::NiftiImageIO*>(io.GetPointer());
+      nifti && payload.storedType && !payload.isDescending) {
+    nifti->SetRescaleSlope(1.0);
+    nifti->SetRescaleIntercept(0.0);
+    nifti->SetComponentType(componentOf(*payload.storedType));
+  }
   const VoxelType type = voxelTypeOf(*io, source);
   VolumeGeometry geometry = geometryOf(*io, source);
   geometry.hasOrientation = payload.hasOrientation;
   const size_t count = validate(geometry, type, source);
-  requirePayload(path, payload, count, count * (payload.voxelBytes ? payload.voxelBytes : sizeBytes(type)));
+  requirePayload(path, payload, count, count * sizeBytes(payload.storedType.value_or(type)));
 
-  const auto voxels = std::make_shared_for_overwrite<std::byte[]>(count * sizeBytes(type));
+  // Pages of zeros come for free from the system; memory as it was found would show where ITK stops early without a
+  // word.
+  const std::shared_ptr<void> voxels(std::calloc(count, sizeBytes(type)), std::free);
+  if (!voxels) throw std::bad_alloc();
   itk::ImageIORegion region(io->GetNumberOfDimensions());
   for (unsigned axis = 0; axis < io->GetNumberOfDimensions(); ++axis) {
     region.SetIndex(axis, 0);
@@ -143,9 +164,7 @@ VolumePtr readItkVolume(const std::filesystem::path& path) {
   }
   io->SetIORegion(region);
   io->Read(voxels.get());
-  const void* first = voxels.get();
-  return std::make_shared<Volume>(path.filename().string(), type, geometry, std::shared_ptr<const void>(voxels, first),
-                                  first);
+  return std::make_shared<Volume>(path.filename().string(), type, geometry, voxels, voxels.get());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Volumes in the formats that ITK reads: NRRD, NIfTI, MetaImage, VTK legacy, GIPL, MRC, TIFF stacks.
+// Volumes in the formats that ITK reads: NRRD, NIfTI, MetaImage, VTK legacy, GIPL, MRC.
 // The one place that knows ITK (Insight Toolkit 5); nothing of it shows here. Built only with WARPSCOPE_WITH_ITK.
 #pragma once
 

@@ -12,7 +12,10 @@ namespace warpscope {
 
 Macrocells::Macrocells(const Volume& volume) {
   const glm::ivec3 n(volume.dims());
-  dims_ = (n + kMacrocellEdge - 1) / kMacrocellEdge;
+  // Small cells skip more; in large volumes the map over them would take long to make.
+  constexpr size_t kLargeVolume = size_t{1} << 27;
+  edge_ = volume.voxelCount() < kLargeVolume ? 4 : 8;
+  dims_ = (n + edge_ - 1) / edge_;
   ranges_.resize(size_t(dims_.x) * dims_.y * dims_.z);
   visitVoxelType(volume.type(), [&](auto voxelTag) {
     using Voxel = decltype(voxelTag);
@@ -23,8 +26,8 @@ Macrocells::Macrocells(const Volume& volume) {
         const int cy = static_cast<int>(row % dims_.y);
         const int cz = static_cast<int>(row / dims_.y);
         for (int cx = 0; cx < dims_.x; ++cx) {
-          const glm::ivec3 first = glm::max(glm::ivec3(cx, cy, cz) * kMacrocellEdge - 1, 0);
-          const glm::ivec3 last = glm::min(glm::ivec3(cx, cy, cz) * kMacrocellEdge + kMacrocellEdge + 1, n - 1);
+          const glm::ivec3 first = glm::ivec3(cx, cy, cz) * edge_;
+          const glm::ivec3 last = glm::min(first + edge_, n - 1);
           bool any = false;
           Voxel lowest = std::numeric_limits<Voxel>::max();
           Voxel highest = std::numeric_limits<Voxel>::lowest();

@@ -1,5 +1,5 @@
 // Coarse knowledge of a volume for skipping what a transfer function hides.
-// Cells of 8^3 voxels keep their value range; for a transfer function, each keeps how far away the nearest visible cell is (Chebyshev
+// Cells of 4^3 voxels (8^3 in large volumes) keep their value range; for a transfer function, each keeps how far away the nearest visible cell is (Chebyshev
 // distance, as in Deakin, Knoll 2019, "Efficient ray casting of volumetric images using distance maps").
 #pragma once
 
@@ -11,16 +11,15 @@
 
 namespace warpscope {
 
-inline constexpr int kMacrocellEdge = 8;  ///< voxels
-
-/// Value range of every cell, as fractions of the volume's range. Cell c holds whatever is interpolated at voxel coordinates
-/// [8c, 8c + 8), and the voxels within one more, so that rounding of a coordinate at a cell's border does not matter.
+/// Value range of every cell, as fractions of the volume's range. Cell c holds whatever is interpolated at voxel coordinates from
+/// edge * c up to and including edge * (c + 1).
 class Macrocells {
  public:
   /// Reads every voxel once or a little more, in parallel. Non-finite voxels are left out.
   explicit Macrocells(const Volume& volume);
 
   const glm::ivec3& dims() const { return dims_; }
+  int edge() const { return edge_; }  ///< voxels along a cell's edge
   size_t count() const { return ranges_.size(); }
   /// x: lowest, y: highest, as fractions of the volume's range; x > y where a cell has no finite voxel.
   const std::vector<glm::vec2>& ranges() const { return ranges_; }
@@ -30,6 +29,7 @@ class Macrocells {
   std::vector<uint8_t> emptyDistances(const TransferTable& table) const;
 
  private:
+  int edge_ = 4;
   glm::ivec3 dims_{0};
   std::vector<glm::vec2> ranges_;
 };

@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -71,23 +74,41 @@ T fieldAt(const std::vector<unsigned char>& head, size_t offset, bool swap) {
   return value;
 }
 
-/// Of a datatype code; 1 for those that ITK will refuse.
-uint32_t niftiVoxelBytes(int16_t datatype) {
+/// The scalar types of the format that a volume can have.
+std::optional<VoxelType> niftiVoxelType(int16_t datatype) {
   switch (datatype) {
+    case 2:
+      return VoxelType::uint8;
     case 4:
-    case 512:
-      return 2;
+      return VoxelType::int16;
     case 8:
+      return VoxelType::int32;
     case 16:
-    case 768:
-      return 4;
+      return VoxelType::float32;
     case 64:
-    case 1024:
-    case 1280:
-      return 8;
+      return VoxelType::float64;
+    case 256:
+      return VoxelType::int8;
+    case 512:
+      return VoxelType::uint16;
+    case 768:
+      return VoxelType::uint32;
     default:
-      return 1;
+      return {};
   }
+}
+
+/// The spacing and both forms of orientation, which ITK hands to code that aborts on NaN.
+bool hasFiniteGeometry(const std::vector<unsigned char>& head, bool isTwo, bool swap) {
+  const auto areFinite = [&](size_t offset, size_t count) {
+    for (size_t i = 0; i < count; ++i)
+      if (!std::isfinite(isTwo ? fieldAt<double>(head, offset + 8 * i, swap)
+                               : fieldAt<float>(head, offset + 4 * i, swap)))
+        return false;
+    return true;
+  };
+  // pixdim[0..3], then quatern_b to srow_z.
+  return isTwo ? areFinite(104, 4) && areFinite(352, 18) : areFinite(76, 4) && areFinite(256, 18);
 }
 
 Payload locateNifti(const fs::path& path) {
@@ -132,7 +153,16 @@ Payload locateNifti(const fs::path& path) {
   const auto qform = isTwo ? fieldAt<int32_t>(head, 344, swap) : fieldAt<int16_t>(head, 252, swap);
   const auto sform = isTwo ? fieldAt<int32_t>(head, 348, swap) : fieldAt<int16_t>(head, 254, swap);
   payload.hasOrientation = qform > 0 || sform > 0;
-  payload.voxelBytes = niftiVoxelBytes(isTwo ? fieldAt<int16_t>(head, 12, swap) : fieldAt<int16_t>(head, 70, swap));
+  const auto datatype = isTwo ? fieldAt<int16_t>(head, 12, swap) : fieldAt<int16_t>(head, 70, swap);
+  payload.storedType = niftiVoxelType(datatype);
+  if (!payload.storedType)
+    fail(path, "its voxels have the NIfTI datatype " + std::to_string(datatype) +
+                   " (64-bit integers, colours, complex numbers or unknown); only scalars of at most 32-bit integers "
+                   "or 64-bit "
+                   "floating point are read");
+  const double slope = isTwo ? fieldAt<double>(head, 176, swap) : fieldAt<float>(head, 112, swap);
+  payload.isDescending = slope < 0.0;
+  if (!hasFiniteGeometry(head, isTwo, swap)) fail(path, "its header's voxel spacing or orientation is not finite");
   return payload;
 }
 
@@ -184,6 +214,7 @@ Payload locateNrrd(const fs::path& path) {
   std::array<char, 8> magic{};
   file.read(magic.data(), magic.size());
   if (std::string(magic.data(), 7) != "NRRD000") fail(path, "is no NRRD file: it does not begin with NRRD000");
+  file.seekg(0);
   const TextHeader header = readTextHeader(file, ':', "");
   const auto valueOf = [&](const char* key) {
     const auto field = header.fields.find(key);
@@ -224,6 +255,24 @@ Payload locateMetaImage(const fs::path& path) {
   const auto dataFile = header.fields.find("elementdatafile");
   if (!header.fields.contains("ndims") || !header.fields.contains("dimsize") || dataFile == header.fields.end())
     fail(path, "is no MetaImage file: its header lacks NDims, DimSize or ElementDataFile");
+  std::istringstream sides(header.fields.at("dimsize"));
+  std::vector<double> dims{std::istream_iterator<double>(sides), {}};
+  if (std::to_string(dims.size()) != header.fields.at("ndims") || dims.empty() || dims.size() > 7)
+    fail(path, "its header's DimSize and NDims do not agree");
+  for (const double side : dims)
+    if (!(side >= 1.0 && side <= 65536.0))
+      fail(path, "its header's DimSize must be between 1 and 65536 along every axis");
+  // MetaIO takes "nan" for the end of the line and reports it on stderr.
+  const auto requireNumbers = [&](const char* key, size_t count) {
+    const auto field = header.fields.find(key);
+    if (field == header.fields.end()) return;
+    std::istringstream text(field->second);
+    const std::vector<double> numbers{std::istream_iterator<double>(text), {}};
+    if (numbers.size() != count || !text.eof())
+      fail(path, "its header's " + std::string(key) + " must be " + std::to_string(count) + " finite numbers");
+  };
+  for (const char* key : {"elementspacing", "offset", "origin", "position"}) requireNumbers(key, dims.size());
+  for (const char* key : {"transformmatrix", "rotation", "orientation"}) requireNumbers(key, dims.size() * dims.size());
   const auto isTrue = [&](const char* key) {
     const auto field = header.fields.find(key);
     return field != header.fields.end() && lowered(field->second).starts_with("t");
@@ -235,10 +284,49 @@ Payload locateMetaImage(const fs::path& path) {
   for (const char* key : {"transformmatrix", "orientation", "rotation", "anatomicalorientation"})
     if (const auto field = header.fields.find(key); field != header.fields.end() && !field->second.starts_with("?"))
       payload.hasOrientation = true;
-  if (lowered(dataFile->second) != "local" && !followDetached(path, dataFile->second, payload)) return payload;
+  if (lowered(dataFile->second) != "local" && !followDetached(path, dataFile->second, payload))
+    fail(path, "spreads its voxels over several files, which ITK reads unchecked; convert it to a single .mha file");
   if (const auto size = header.fields.find("headersize"); size != header.fields.end() && size->second != "0")
     payload.offsetBytes = 0;
   return payload;
+}
+
+// --- VTK legacy: lines of text up to LOOKUP_TABLE, or to SCALARS where that is left out.
+
+Payload locateVtk(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  Payload payload{.file = path, .encoding = Encoding::plain};
+  constexpr int kMaxLines = 64;
+  std::string line;
+  for (int i = 0; i < kMaxLines && std::getline(file, line); ++i) {
+    const std::string text = lowered(trimmed(line));
+    if (i == 0 && !text.starts_with("# vtk datafile"))
+      fail(path, "is no VTK file: it does not begin with # vtk DataFile");
+    if (text == "ascii") payload.encoding = Encoding::text;
+    const bool isTable = text.starts_with("lookup_table");
+    if (isTable || text.starts_with("scalars")) payload.offsetBytes = static_cast<uint64_t>(file.tellg());
+    if (isTable) break;
+  }
+  if (payload.offsetBytes == 0) fail(path, "holds no SCALARS, the only VTK attribute that is read");
+  return payload;
+}
+
+/// Words in the text from `payload.offsetBytes` on, counted no further than `enough`.
+uint64_t countWords(const Payload& payload, uint64_t enough) {
+  std::ifstream file(payload.file, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(payload.offsetBytes));
+  std::vector<char> piece(1 << 16);
+  uint64_t words = 0;
+  bool inWord = false;
+  while (words < enough && file) {
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    for (std::streamsize i = 0; i < file.gcount(); ++i) {
+      const bool isBlank = piece[static_cast<size_t>(i)] <= ' ' || piece[static_cast<size_t>(i)] == ',';
+      words += !isBlank && !inWord;
+      inWord = !isBlank;
+    }
+  }
+  return words;
 }
 
 /// Bytes in the deflated payload, counted no further than `enough`. `isWhole` tells whether the stream ended or
@@ -286,7 +374,14 @@ Payload locatePayload(const fs::path& path) {
   if (endsWith(".nrrd", ".nhdr")) return locateNrrd(path);
   if (endsWith(".mha", ".mhd")) return locateMetaImage(path);
   if (endsWith(".gipl", ".gipl.gz")) return wholeFile(path, 256);
-  if (endsWith(".mrc", ".rec")) return wholeFile(path, 1024);
+  if (endsWith(".vtk")) return locateVtk(path);
+  if (endsWith(".mrc", ".rec")) {
+    // The extended header's size, NSYMBT, in the byte order in which it is possible.
+    const std::vector<unsigned char> head = headOf(path, 1024);
+    if (head.size() < 1024) fail(path, "is no MRC file: it ends before a header of 1024 bytes does");
+    const uint32_t little = fieldAt<uint32_t>(head, 92, false), big = fieldAt<uint32_t>(head, 92, true);
+    return wholeFile(path, uint64_t{1024} + std::min(little, big));
+  }
   return {.file = path};
 }
 
@@ -301,9 +396,11 @@ void requirePayload(const fs::path& path, const Payload& payload, uint64_t count
       fail(path, declared + "the file holds " + std::to_string(held) + "; it is cut off or damaged");
     return;
   }
-  // One digit and one blank a number; the last needs no blank.
   if (payload.encoding == Encoding::text) {
-    if (fileBytes / 2 + 1 < count) fail(path, declared + "the file is too short for that many numbers");
+    const uint64_t held = countWords(payload, count);
+    if (held < count)
+      fail(path, "its header declares " + std::to_string(count) + " voxels, but the file holds " +
+                     std::to_string(held) + " numbers; it is cut off or damaged");
     return;
   }
   // Deflate packs at most 1032 bytes into one (zlib's technical details); other codings in use here stay below that,

@@ -1,11 +1,14 @@
 // Whether a volume file holds as many voxel bytes as its header declares: asked before anything is allocated, and
 // because a cut-off compressed file can read "successfully", its tail filled with zeros. Formats: NIfTI-1 and -2 (Cox
-// et al. 2004), NRRD (Kindlmann), MetaImage (Kitware), MRC, GIPL, VTK legacy, TIFF. Only what is needed to find the
+// et al. 2004), NRRD (Kindlmann), MetaImage (Kitware), MRC, GIPL, VTK legacy. Only what is needed to find the
 // voxels is parsed; the meaning is left to ITK.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+
+#include "render/volume/volume.h"
 
 namespace warpscope {
 
@@ -21,8 +24,9 @@ struct Payload {
   uint64_t offsetBytes = 0;    ///< of the voxels, or of the compressed stream in `file`
   uint64_t skipBytes = 0;      ///< bytes before the voxels inside the decompressed stream
   Encoding encoding = Encoding::unchecked;
-  uint32_t voxelBytes = 0;  ///< of one voxel as stored, where that may be less than as read (scaled NIfTI); 0: as read
-  bool hasOrientation = false;  ///< the header states the axes' directions in the world or the patient
+  std::optional<VoxelType> storedType{};  ///< NIfTI only: of the voxels before the header's slope and intercept
+  bool isDescending = false;              ///< NIfTI only: the slope is negative
+  bool hasOrientation = false;            ///< the header states the axes' directions in the world or the patient
 };
 
 /// Finds the voxels of `path` by its header. Throws InputError where the header is not one of the format that the name

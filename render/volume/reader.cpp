@@ -15,9 +15,8 @@ namespace warpscope {
 namespace {
 
 /// What the ITK reader takes. Known in every build, so that one without ITK can say what is missing.
-constexpr std::array<std::string_view, 15> kItkEndings{".nrrd",    ".nhdr", ".nii", ".nii.gz", ".hdr",
-                                                       ".img",     ".mha",  ".mhd", ".vtk",    ".gipl",
-                                                       ".gipl.gz", ".mrc",  ".rec", ".tif",    ".tiff"};
+constexpr std::array<std::string_view, 13> kItkEndings{".nrrd", ".nhdr", ".nii",  ".nii.gz",  ".mha", ".mhd", ".hdr",
+                                                       ".img",  ".vtk",  ".gipl", ".gipl.gz", ".mrc", ".rec"};
 
 bool hasEnding(const std::filesystem::path& path, std::string_view ending) {
   std::string name = path.filename().string();

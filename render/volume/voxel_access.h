@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "render/core/host_device.h"
+#include "render/core/numeric.h"
 #include "render/volume/volume.h"
 
 namespace warpscope {
@@ -55,36 +55,34 @@ WARPSCOPE_HD inline float interpolant(Voxel voxel, const ValueScale& scale) {
     return static_cast<float>(voxel);
 }
 
-template <class Voxel>
-WARPSCOPE_HD inline float unitFromInterpolant(float value, const ValueScale& scale) {
+/// Float is float or a vector of floats.
+template <class Voxel, class Float>
+WARPSCOPE_HD inline Float unitFromInterpolant(const Float& value, const ValueScale& scale) {
   if constexpr (kNormalizeFirst<Voxel>)
     return value;
   else
-    return (value - static_cast<float>(scale.lower)) * static_cast<float>(scale.inverseExtent);
+    return (value - Float(static_cast<float>(scale.lower))) * Float(static_cast<float>(scale.inverseExtent));
 }
 
-/// Cell of the interpolation along one axis: lower voxel, distance to the upper one (0 where the axis has a single voxel), weight.
-struct AxisCell {
-  int index;
-  int next;
-  float weight;
-};
-
-WARPSCOPE_HD inline AxisCell axisCell(float coordinate, int voxels) {
-  const float last = static_cast<float>(voxels - 1);
-  const float clamped = coordinate > 0.0f ? (coordinate < last ? coordinate : last) : 0.0f;
-  const int limit = voxels > 1 ? voxels - 2 : 0;
-  const int truncated = static_cast<int>(clamped);
-  const int index = truncated < limit ? truncated : limit;
-  return {index, voxels > 1 ? 1 : 0, clamped - static_cast<float>(index)};
+/// Where a coordinate lies along an axis of `voxels`: the lower of the two voxels to blend (0 where there is but one), and the upper one's
+/// weight. Float is float or a vector of floats, Int the matching integer.
+template <class Float, class Int>
+WARPSCOPE_HD inline void axisCell(const Float& coordinate, int voxels, Int& index, Float& weight) {
+  const Float clamped = minOf(maxOf(coordinate, Float(0.0f)), Float(static_cast<float>(voxels - 1)));
+  index = minOf(truncated(clamped), Int(voxels > 1 ? voxels - 2 : 0));
+  weight = clamped - converted(index);
 }
 
-WARPSCOPE_HD inline float lerp(float a, float b, float weight) { return a + weight * (b - a); }
+template <class Float>
+WARPSCOPE_HD inline Float lerp(const Float& a, const Float& b, const Float& weight) {
+  return a + weight * (b - a);
+}
 
 /// The eight values around a place, x fastest, blended.
-WARPSCOPE_HD inline float trilinear(const float (&c)[8], float wx, float wy, float wz) {
-  const float low = lerp(lerp(c[0], c[1], wx), lerp(c[2], c[3], wx), wy);
-  const float high = lerp(lerp(c[4], c[5], wx), lerp(c[6], c[7], wx), wy);
+template <class Float>
+WARPSCOPE_HD inline Float trilinear(const Float (&c)[8], const Float& wx, const Float& wy, const Float& wz) {
+  const Float low = lerp(lerp(c[0], c[1], wx), lerp(c[2], c[3], wx), wy);
+  const Float high = lerp(lerp(c[4], c[5], wx), lerp(c[6], c[7], wx), wy);
   return lerp(low, high, wz);
 }
 

@@ -3,8 +3,10 @@
 #include "render/warp/lbvh/embree_tracer.h"
 
 #include <algorithm>
+#include <mutex>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "render/core/error.h"
 #include "render/core/parallel.h"
@@ -16,26 +18,6 @@ constexpr uint32_t kPacketWidth = 4;
 constexpr uint32_t kPacketHeight = 2;
 constexpr uint32_t kPacketRays = kPacketWidth * kPacketHeight;
 constexpr uint32_t kTileSide = 16;
-
-const char* nameOf(RTCError error) {
-  switch (error) {
-    case RTC_ERROR_NONE: return "no error";
-    case RTC_ERROR_INVALID_ARGUMENT: return "invalid argument";
-    case RTC_ERROR_INVALID_OPERATION: return "invalid operation";
-    case RTC_ERROR_OUT_OF_MEMORY: return "out of memory";
-    case RTC_ERROR_UNSUPPORTED_CPU: return "unsupported CPU";
-    case RTC_ERROR_CANCELLED: return "cancelled";
-    case RTC_ERROR_UNKNOWN: break;
-  }
-  return "unknown error";
-}
-
-/// Embree calls this from within its functions, also from worker threads; throwing there would end in code that does not expect it.
-/// So the first failure is kept per process-wide device call and thrown by throwOnError.
-void checkDevice(RTCDevice device, const char* what) {
-  const RTCError error = rtcGetDeviceError(device);
-  if (error != RTC_ERROR_NONE) throw std::runtime_error(std::string("Embree: ") + what + ": " + nameOf(error));
-}
 
 /// A packet's context, with what each of its rays has accepted so far.
 struct PacketContext {
@@ -67,29 +49,52 @@ void filterHits(const RTCFilterFunctionNArguments* args) {
 
 }  // namespace
 
-EmbreeTracer::EmbreeTracer() : device_(rtcNewDevice(nullptr)) {
-  if (!device_) throw InputError(std::string("Embree finds no device: ") + nameOf(rtcGetDeviceError(nullptr)));
+/// Embree reports failures from within its functions, also on its worker threads, where throwing would meet code that
+/// does not expect it. So the first one is kept here until the call that caused it is over.
+class EmbreeTracer::ErrorLog {
+ public:
+  static void report(void* log, RTCError code, const char* text) {
+    auto& self = *static_cast<ErrorLog*>(log);
+    const std::lock_guard lock(self.mutex_);
+    if (self.first_.empty()) self.first_ = "Embree error " + std::to_string(code) + ": " + (text ? text : "no details");
+  }
+
+  void throwIfAny() {
+    const std::lock_guard lock(mutex_);
+    if (!first_.empty()) throw std::runtime_error(std::exchange(first_, {}));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string first_;
+};
+
+EmbreeTracer::EmbreeTracer() : errors_(std::make_unique<ErrorLog>()), device_(rtcNewDevice(nullptr)) {
+  if (!device_) throw InputError("Embree finds no device: error " + std::to_string(rtcGetDeviceError(nullptr)));
+  rtcSetDeviceErrorFunction(device_.get(), ErrorLog::report, errors_.get());
 }
+
+EmbreeTracer::~EmbreeTracer() = default;
 
 void EmbreeTracer::build(std::span<const Sphere> spheres) {
   scene_.reset();
   validateSpheres(spheres);
   if (spheres.empty()) return;
   std::unique_ptr<std::remove_pointer_t<RTCScene>, Release> scene(rtcNewScene(device_.get()));
-  checkDevice(device_.get(), "new scene");
+  errors_->throwIfAny();
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   const RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_SPHERE_POINT);
-  checkDevice(device_.get(), "new sphere points");
+  errors_->throwIfAny();
   rtcAttachGeometry(scene.get(), geometry);
   rtcReleaseGeometry(geometry);  // the scene keeps it
   static_assert(sizeof(Sphere) == 4 * sizeof(float), "x, y, z and radius, as Embree wants them");
-  auto* vertices = static_cast<Sphere*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                                                                sizeof(Sphere), spheres.size()));
-  checkDevice(device_.get(), "sphere buffer");
+  auto* vertices = static_cast<Sphere*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(Sphere), spheres.size()));
+  errors_->throwIfAny();
   std::copy(spheres.begin(), spheres.end(), vertices);
   rtcCommitGeometry(geometry);
   rtcCommitScene(scene.get());
-  checkDevice(device_.get(), "build");
+  errors_->throwIfAny();
   scene_ = std::move(scene);
 }
 
@@ -141,7 +146,7 @@ void EmbreeTracer::trace(const Camera& camera, Image<uint32_t>& ids, Image<float
                      for (uint32_t y = y0; y < y1; y += kPacketHeight)
                        for (uint32_t x = x0; x < x1; x += kPacketWidth) tracePacket(x, y, x1, y1);
                    });
-  checkDevice(device_.get(), "trace");
+  errors_->throwIfAny();
 }
 
 }  // namespace warpscope

@@ -1,6 +1,7 @@
-// A linear bounding volume hierarchy over spheres: layout, construction rules and per-ray traversal, for host and device.
-// After Karras, "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees", HPG 2012, with 63-bit codes, equal codes
-// told apart by index (his section 4), and both children's boxes and the range of leaves kept in the parent.
+// A linear bounding volume hierarchy over spheres: layout, construction rules and per-ray traversal, for host and
+// device. After Karras, "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees", HPG 2012, with
+// 63-bit codes, equal codes told apart by index (his section 4), and both children's boxes and the range of leaves kept
+// in the parent.
 #pragma once
 
 #include "render/core/host_device.h"
@@ -19,15 +20,17 @@ namespace warpscope {
 /// The most spheres that a hierarchy can hold: references spend one bit on telling leaves from inner nodes.
 inline constexpr uint32_t kMaxLbvhSpheres = 0x7fffffffu;
 
-/// Set in a reference to a leaf; the other bits are the leaf's place in Morton order. Without it they are a node's index.
+/// Set in a reference to a leaf; the other bits are the leaf's place in Morton order. Without it they are a node's
+/// index.
 inline constexpr uint32_t kLbvhLeafBit = 0x80000000u;
 
-/// Along a path the common prefix of a node's leaves grows with every node: it takes at most the 63 lengths of a code that begins
-/// with a zero bit and, among equal codes, the 31 of an index below 2^31. So no path has more inner nodes than this.
+/// Along a path the common prefix of a node's leaves grows with every node: it takes at most the 63 lengths of a code
+/// that begins with a zero bit and, among equal codes, the 31 of an index below 2^31. So no path has more inner nodes
+/// than this.
 inline constexpr uint32_t kMaxLbvhDepth = 63 + 31;
 
-/// An inner node. Node 0 is the root and a hierarchy of n >= 2 spheres has n - 1 nodes. As in the paper, where a node's leaves
-/// [first, last] are split after `s`, the left child is node or leaf s and the right one node or leaf s + 1.
+/// An inner node. Node 0 is the root and a hierarchy of n >= 2 spheres has n - 1 nodes. As in the paper, where a node's
+/// leaves [first, last] are split after `s`, the left child is node or leaf s and the right one node or leaf s + 1.
 struct LbvhNode {
   Box bounds[2];      ///< of the left and the right child, rounded to nearest: queries widen them, see kLbvhMargin
   uint32_t child[2];  ///< references
@@ -38,11 +41,11 @@ static_assert(sizeof(LbvhNode) == 64, "one cache line");
 
 /// A hierarchy as traversal sees it. The memory is another's, on whichever side the traversal runs.
 struct LbvhView {
-  const LbvhNode* nodes = nullptr;    ///< count - 1
-  const Sphere* spheres = nullptr;    ///< count, in Morton order
-  const uint32_t* ids = nullptr;      ///< count: each sphere's place in the cloud that was built
+  const LbvhNode* nodes = nullptr;  ///< count - 1
+  const Sphere* spheres = nullptr;  ///< count, in Morton order
+  const uint32_t* ids = nullptr;    ///< count: each sphere's place in the cloud that was built
   uint32_t count = 0;
-  float reach = 0.0f;                 ///< at least the distance of any point of any sphere from the coordinates' origin
+  float reach = 0.0f;  ///< at least the distance of any point of any sphere from the coordinates' origin
 };
 
 // --- Construction
@@ -58,8 +61,8 @@ WARPSCOPE_HD inline float reachOf(const Box& bounds) {
   return farthest.x + farthest.y + farthest.z;
 }
 
-/// Morton code of `center` within the bounds of all centres. The cells are cubes, as many along the longest axis as the code allows,
-/// so that a flat cloud is cut along its plane only; a cloud without any extent has one cell.
+/// Morton code of `center` within the bounds of all centres. The cells are cubes, as many along the longest axis as the
+/// code allows, so that a flat cloud is cut along its plane only; a cloud without any extent has one cell.
 WARPSCOPE_HD inline uint64_t mortonCodeOf(const glm::vec3& center, const Box& centerBounds) {
   // Halved before subtracting: the extent of finite bounds stays finite.
   const glm::vec3 halfExtent = 0.5f * centerBounds.upper - 0.5f * centerBounds.lower;
@@ -78,8 +81,8 @@ WARPSCOPE_HD inline int leadingZeros(uint64_t bits) {
 #endif
 }
 
-/// Length of the prefix that the keys of leaves i and j share: the sorted codes, each followed by its index. -1 if there is no leaf j.
-/// (Karras 2012, section 3: delta.)
+/// Length of the prefix that the keys of leaves i and j share: the sorted codes, each followed by its index. -1 if
+/// there is no leaf j. (Karras 2012, section 3: delta.)
 WARPSCOPE_HD inline int commonPrefix(const uint64_t* codes, int64_t count, int64_t i, int64_t j) {
   if (j < 0 || j >= count) return -1;
   const uint64_t difference = codes[i] ^ codes[j];
@@ -131,9 +134,10 @@ WARPSCOPE_HD inline uint32_t rightReference(LeafRange range, uint32_t split) {
 
 // --- Traversal
 
-/// How much wider than its numbers a box is taken, relative to the distances of eye and spheres from the coordinates' origin. A ray that
-/// intersectSphere lets hit may in truth pass up to about 3u * (distance + radius) beside the sphere (u = 2^-24), bounds are rounded
-/// (u * reach), so is the shifted origin, and the slabs' distances carry 3u each. 16u covers the sum.
+/// How much wider than its numbers a box is taken, relative to the distances of eye and spheres from the coordinates'
+/// origin. A ray that intersectSphere lets hit may in truth pass up to about 3u * (distance + radius) beside the sphere
+/// (u = 2^-24), bounds are rounded (u * reach), so is the shifted origin, and the slabs' distances carry 3u each. 16u
+/// covers the sum.
 inline constexpr float kLbvhMargin = 16.0f / 16777216.0f;
 
 /// What the box test needs of a ray, computed once.
@@ -167,9 +171,10 @@ WARPSCOPE_HD inline float entryDistance(const LbvhRay& ray, const Box& box, floa
   return tNear <= tFar ? tNear : -1.0f;
 }
 
-/// Calls visit(i) for every sphere (i: its place in Morton order) whose leaf `ray` may meet within [0, tMax], nearer subtrees first.
-/// `visit` may lower tMax, which is looked at again before each node. Returns false if the stack overflowed: the result is then
-/// incomplete and must not be used. That cannot happen with nodes built by the rules above.
+/// Calls visit(i) for every sphere (i: its place in Morton order) whose leaf `ray` may meet within [0, tMax], nearer
+/// subtrees first. `visit` may lower tMax, which is looked at again before each node. Returns false if the stack
+/// overflowed: the result is then incomplete and must not be used. That cannot happen with nodes built by the rules
+/// above.
 template <class Visit>
 WARPSCOPE_HD inline bool visitAlongRay(const LbvhView& view, const Ray& ray, const float& tMax, Visit&& visit) {
   if (view.count == 0) return true;
@@ -206,12 +211,13 @@ WARPSCOPE_HD inline bool visitAlongRay(const LbvhView& view, const Ray& ray, con
 }
 
 struct LbvhHit {
-  float t = kNoHit;          ///< distance along the ray
-  uint32_t id = kNoSample;   ///< place in the cloud that was built
-  bool overflow = false;     ///< the traversal gave up: the caller must fail
+  float t = kNoHit;         ///< distance along the ray
+  uint32_t id = kNoSample;  ///< place in the cloud that was built
+  bool overflow = false;    ///< the traversal gave up: the caller must fail
 };
 
-/// The first sphere along `ray` (unit direction); of equally near ones that with the lowest id. See intersectSphere for what is a hit.
+/// The first sphere along `ray` (unit direction); of equally near ones that with the lowest id. See intersectSphere for
+/// what is a hit.
 WARPSCOPE_HD inline LbvhHit closestHit(const LbvhView& view, const Ray& ray) {
   LbvhHit hit;
   hit.overflow = !visitAlongRay(view, ray, hit.t, [&](uint32_t i) {

@@ -16,7 +16,7 @@
 namespace warpscope {
 namespace {
 
-constexpr size_t kGrain = 16384;        // spheres a task looks at
+constexpr size_t kGrain = 16384;          // spheres a task looks at
 constexpr uint32_t kSerialLeaves = 2048;  // subtrees below this size are built by one task
 
 constexpr int kDigitBits = 11;
@@ -70,9 +70,9 @@ CloudSummary summarizeValid(std::span<const Sphere> cloud) {
   if (summary.firstBad >= cloud.size()) return summary;
   const Sphere& bad = cloud[summary.firstBad];
   std::ostringstream text;
-  text << "sphere " << summary.firstBad << " has centre (" << bad.center.x << ", " << bad.center.y << ", " << bad.center.z
-       << ") and radius " << bad.radius << ", but coordinates must be finite, radii positive, and neither beyond "
-       << kMaxSphereCoordinate;
+  text << "sphere " << summary.firstBad << " has centre (" << bad.center.x << ", " << bad.center.y << ", "
+       << bad.center.z << ") and radius " << bad.radius
+       << ", but coordinates must be finite, radii positive, and neither beyond " << kMaxSphereCoordinate;
   throw InputError(text.str());
 }
 

@@ -1,6 +1,7 @@
 // Builds the hierarchy of lbvh.h on all cores of the host.
-// After Karras 2012, section 4; codes are sorted by a least-significant-digit radix sort (Knuth, TAOCP 3, section 5.2.5), and as boxes need
-// a walk over the tree anyway, that walk finds the ranges too instead of one thread a node.
+// After Karras 2012, section 4; codes are sorted by a least-significant-digit radix sort (Knuth, TAOCP 3,
+// section 5.2.5), and as boxes need a walk over the tree anyway, that walk finds the ranges too instead of one thread a
+// node.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +15,8 @@ namespace warpscope {
 /// Largest coordinate and radius of a sphere: squares of distances stay clear of overflow.
 inline constexpr float kMaxSphereCoordinate = 1e18f;
 
-/// Throws InputError if there are more than kMaxLbvhSpheres, or naming the first sphere whose coordinates are not finite and within
-/// kMaxSphereCoordinate or whose radius is not positive and within it.
+/// Throws InputError if there are more than kMaxLbvhSpheres, or naming the first sphere whose coordinates are not
+/// finite and within kMaxSphereCoordinate or whose radius is not positive and within it.
 void validateSpheres(std::span<const Sphere> spheres);
 
 /// A Morton code and where it came from.
@@ -24,7 +25,8 @@ struct MortonItem {
   uint32_t index;
 };
 
-/// Sorts by code; equal codes keep their order. `scratch` is resized as needed. The result does not depend on the number of threads.
+/// Sorts by code; equal codes keep their order. `scratch` is resized as needed. The result does not depend on the
+/// number of threads.
 void sortByCode(std::vector<MortonItem>& items, std::vector<MortonItem>& scratch);
 
 /// A hierarchy that owns its memory, and keeps it from one build to the next.

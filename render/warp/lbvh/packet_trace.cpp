@@ -1,5 +1,5 @@
-// A tile of pixels walks the hierarchy together; each sphere that it meets is intersected with the rows and columns that it may cover.
-// See packet_trace.h.
+// A tile of pixels walks the hierarchy together; each sphere that it meets is intersected with the rows and columns
+// that it may cover. See packet_trace.h.
 #include "render/warp/lbvh/packet_trace.h"
 
 #include <algorithm>
@@ -87,10 +87,15 @@ Scene makeScene(const LbvhView& view, const Camera& camera) {
           kPacketMargin * (eye.x + eye.y + eye.z + view.reach)};
 }
 
+float largestLane(FloatPack pack) {
+  alignas(64) std::array<float, kPackLanes> lanes;
+  pack.store_aligned(lanes.data());
+  return *std::max_element(lanes.begin(), lanes.end());
+}
+
 class TileTracer {
  public:
-  TileTracer(const Scene& scene, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1)
-      : scene_(scene), x0_(x0), y0_(y0) {
+  TileTracer(const Scene& scene, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) : scene_(scene), x0_(x0), y0_(y0) {
     const Camera& camera = scene.camera;
     for (uint32_t i = 0; i < kRays; i += kPackLanes) {
       const FloatPack column = static_cast<float>(x0 + i % kTileSide) + laneNumbers();
@@ -100,13 +105,13 @@ class TileTracer {
       direction.y.store_aligned(&directionY_[i]);
       direction.z.store_aligned(&directionZ_[i]);
       // Pixels outside the image are hit by nothing and never the farthest.
-      const FloatMask inside =
-          (column < FloatPack(static_cast<float>(x1))) & FloatMask(row < static_cast<float>(y1));
+      const FloatMask inside = (column < FloatPack(static_cast<float>(x1))) & FloatMask(row < static_cast<float>(y1));
       xsimd::select(inside, FloatPack(kNoHit), FloatPack(-kNoHit)).store_aligned(&t_[i]);
       IntPack(-1).store_aligned(&id_[i]);
+      updateGroup(i);
     }
-    // Rays lie between the planes of the first and the last row and column. A box is outside where its farthest corner along a normal
-    // lies behind the plane; along -axis that corner is the nearest one.
+    // Rays lie between the planes of the first and the last row and column. A box is outside where its farthest corner
+    // along a normal lies behind the plane; along -axis that corner is the nearest one.
     axis_ = pixelRay(camera, 0.5f * glm::vec2(x0 + x1, y0 + y1)).direction;
     const std::array<glm::vec3, kPlanes> normals{scene.columns.normal(x0), -scene.columns.normal(x1 - 1),
                                                  scene.rows.normal(y0), -scene.rows.normal(y1 - 1), -axis_};
@@ -165,11 +170,14 @@ class TileTracer {
 
  private:
   static constexpr uint32_t kRays = kTileSide * kTileSide;
+  static constexpr uint32_t kGroups = kRays / kPackLanes;
+  static_assert(kGroups % kPackLanes == 0);
   static constexpr uint32_t kPlanes = 5;
   static constexpr uint32_t kNearPlane = 4;
   static constexpr uint32_t kPaddedPlanes = (kPlanes + kPackLanes - 1) / kPackLanes * kPackLanes;
 
-  /// Along the tile's axis, at most the distance to anything in the box; kNoHit if no ray can meet the box before what it has met.
+  /// Along the tile's axis, at most the distance to anything in the box; kNoHit if no ray can meet the box before what
+  /// it has met.
   float nearestDepth(const Box& box) const {
     alignas(64) std::array<float, kPaddedPlanes> farthestCorner;
     for (uint32_t k = 0; k < kPaddedPlanes; k += kPackLanes) {
@@ -189,12 +197,10 @@ class TileTracer {
     bool closer = false;
     for (uint32_t i = range.first; i <= range.last; ++i) closer |= testSphere(i);
     if (!closer) return;
-    FloatPack farthest = FloatPack::load_aligned(&t_[0]);
-    for (uint32_t i = kPackLanes; i < kRays; i += kPackLanes)
-      farthest = xsimd::max(farthest, FloatPack::load_aligned(&t_[i]));
-    alignas(64) std::array<float, kPackLanes> lanes;
-    farthest.store_aligned(lanes.data());
-    farthest_ = *std::max_element(lanes.begin(), lanes.end());
+    FloatPack farthest = FloatPack::load_aligned(&groupFarthest_[0]);
+    for (uint32_t i = kPackLanes; i < kGroups; i += kPackLanes)
+      farthest = xsimd::max(farthest, FloatPack::load_aligned(&groupFarthest_[i]));
+    farthest_ = largestLane(farthest);
     limit_[kNearPlane] = -(farthest_ + scene_.margin);
   }
 
@@ -203,7 +209,8 @@ class TileTracer {
     const Sphere& sphere = scene_.view.spheres[i];
     const glm::vec3 toCenter = sphere.center - scene_.camera.eye;
     const float distance = sphere.radius + scene_.margin;
-    if (glm::dot(toCenter, axis_) - distance > farthest_) return false;
+    const float nearest = std::sqrt(glm::dot(toCenter, toCenter)) - distance;
+    if (nearest > farthest_) return false;
     const uint32_t columns = scene_.columns.near(x0_, toCenter, distance);
     if (columns == 0) return false;
     const IntPack id(static_cast<int32_t>(scene_.view.ids[i]));
@@ -211,7 +218,7 @@ class TileTracer {
     for (uint32_t rows = scene_.rows.near(y0_, toCenter, distance); rows != 0; rows &= rows - 1) {
       const uint32_t row = static_cast<uint32_t>(std::countr_zero(rows)) * kTileSide;
       for (uint32_t group = 0; group < kGroupsInRow; ++group)
-        if (columns >> (group * kPackLanes) & kGroupMask)
+        if (columns >> (group * kPackLanes) & kGroupMask && nearest <= groupFarthest_[row / kPackLanes + group])
           closer |= testGroup(row + group * kPackLanes, toCenter, sphere.radius, id);
     }
     return closer;
@@ -220,17 +227,21 @@ class TileTracer {
   bool testGroup(uint32_t ray, const glm::vec3& toCenter, float radius, const IntPack& id) {
     const Vec3Pack direction{FloatPack::load_aligned(&directionX_[ray]), FloatPack::load_aligned(&directionY_[ray]),
                              FloatPack::load_aligned(&directionZ_[ray])};
-    const FloatPack t = intersectSphere(direction, toCenter, radius);
+    const FloatPack t = intersectSpherePack(direction, toCenter, radius);
     const FloatPack best = FloatPack::load_aligned(&t_[ray]);
     const IntPack bestId = IntPack::load_aligned(&id_[ray]);
-    // Ids are below 2^31, so that signed comparison orders them; -1 (no hit yet) wins no tie because its distance is infinite.
+    // Ids are below 2^31, so that signed comparison orders them; -1 (no hit yet) wins no tie because its distance is
+    // infinite.
     const FloatMask tie = (t == best) & (t < FloatPack(kNoHit)) & xsimd::bool_cast(id < bestId);
     const FloatMask closer = (t < best) | tie;
     if (!xsimd::any(closer)) return false;
     xsimd::select(closer, t, best).store_aligned(&t_[ray]);
     xsimd::select(xsimd::bool_cast(closer), id, bestId).store_aligned(&id_[ray]);
+    updateGroup(ray);
     return true;
   }
+
+  void updateGroup(uint32_t ray) { groupFarthest_[ray / kPackLanes] = largestLane(FloatPack::load_aligned(&t_[ray])); }
 
   const Scene& scene_;
   uint32_t x0_;
@@ -239,6 +250,7 @@ class TileTracer {
   float farthest_ = kNoHit;  // of all rays' distances
   alignas(64) std::array<float, kPaddedPlanes> planeX_{}, planeY_{}, planeZ_{}, planeEye_{}, limit_{};
   alignas(64) std::array<float, kRays> directionX_, directionY_, directionZ_, t_;
+  alignas(64) std::array<float, kGroups> groupFarthest_;  // of each group's distances
   alignas(64) std::array<int32_t, kRays> id_;
 };
 

@@ -1,6 +1,6 @@
 // Closest hits of all of a camera's rays through the hierarchy of lbvh.h, many rays at a time. Host only.
-// Frustum and packet traversal after Wald, Boulos, Shirley 2007 ("Ray Tracing Deformable Scenes using Dynamic Bounding Volume Hierarchies"),
-// but with planes through the eye instead of interval arithmetic.
+// Frustum and packet traversal after Wald, Boulos, Shirley 2007 ("Ray Tracing Deformable Scenes using Dynamic Bounding
+// Volume Hierarchies"), but with planes through the eye instead of interval arithmetic.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace warpscope {
 
-/// Writes for every pixel what closestHit says of pixelRay through its centre, bit for bit: `ids` and, unless null, `depth` (kNoHit where
-/// nothing is hit) take the camera's size. Throws OperationCancelled if `stop` is set.
+/// Writes for every pixel what closestHit says of pixelRay through its centre, bit for bit: `ids` and, unless null,
+/// `depth` (kNoHit where nothing is hit) take the camera's size. Throws OperationCancelled if `stop` is set.
 void tracePackets(const LbvhView& view, const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
                   const std::stop_token& stop);
 

@@ -1,5 +1,6 @@
 // pixelRay and intersectSphere for as many rays at once as a vector register has lanes. Host only.
-// The same operations in the same order as core/camera.h and core/ray_sphere.h, so that every lane holds the same bits as theirs.
+// The same operations in the same order as core/camera.h and core/ray_sphere.h, so that every lane holds the same bits
+// as theirs.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +41,7 @@ inline Vec3Pack pixelDirections(const Camera& camera, FloatPack pixelX, FloatPac
 }
 
 /// intersectSphere for rays from one origin; `toCenter` leads from there to the sphere's centre.
-inline FloatPack intersectSphere(const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
+inline FloatPack intersectSpherePack(const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
   const float outside = glm::dot(toCenter, toCenter) - radius * radius;
   const FloatPack noHit(kNoHit);
   if (!(outside > 0.0f) || !(radius > 0.0f)) return noHit;

@@ -1,5 +1,6 @@
 // Which sphere does each pixel of a camera see first: one interface, and the hierarchy of lbvh.h behind it.
-// Zellmann 2020, section "ray tracing" (closest hit, no shading); a plain search over all spheres serves as the tests' truth.
+// Zellmann 2020, section "ray tracing" (closest hit, no shading); a plain search over all spheres serves as the tests'
+// truth.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +22,11 @@ class SphereTracer {
   /// no spheres.
   virtual void build(std::span<const Sphere> spheres) = 0;
 
-  /// For every pixel of `camera` (see isUsable) the id, that is the place in the cloud, of the first sphere along its ray: of equally near
-  /// ones the lowest, kNoSample where there is none. Spheres that hold the eye are not seen (see intersectSphere). `depth`, unless
-  /// null, takes the distance along the ray, kNoHit where there is none. Both images are resized to the camera's size.
-  /// Throws OperationCancelled if `stop` is set; the images are then incomplete. Not to be called while building.
+  /// For every pixel of `camera` (see isUsable) the id, that is the place in the cloud, of the first sphere along its
+  /// ray: of equally near ones the lowest, kNoSample where there is none. Spheres that hold the eye are not seen (see
+  /// intersectSphere). `depth`, unless null, takes the distance along the ray, kNoHit where there is none. Both images
+  /// are resized to the camera's size. Throws OperationCancelled if `stop` is set; the images are then incomplete. Not
+  /// to be called while building.
   virtual void trace(const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
                      const std::stop_token& stop) const = 0;
 };

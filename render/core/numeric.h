@@ -1,0 +1,15 @@
+// What formulas need of a number, for float and int; simd.h has the same for vectors of them, so that one formula serves a sample at a time
+// and a batch. Comparisons with NaN choose the second argument, as the processors' own minimum and maximum do.
+#pragma once
+
+#include "render/core/host_device.h"
+
+namespace warpscope {
+
+WARPSCOPE_HD inline float minOf(float a, float b) { return a < b ? a : b; }
+WARPSCOPE_HD inline float maxOf(float a, float b) { return a > b ? a : b; }
+WARPSCOPE_HD inline int minOf(int a, int b) { return a < b ? a : b; }
+WARPSCOPE_HD inline int truncated(float a) { return static_cast<int>(a); }
+WARPSCOPE_HD inline float converted(int a) { return static_cast<float>(a); }
+
+}  // namespace warpscope

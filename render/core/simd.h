@@ -1,0 +1,28 @@
+// Vectors of floats and integers as wide as the processor's, with the few functions that formulas shared with scalar code need.
+// xsimd; host only.
+#pragma once
+
+#include <cstdint>
+#include <xsimd/xsimd.hpp>
+
+#include "render/core/numeric.h"
+
+namespace warpscope {
+
+using FloatBatch = xsimd::batch<float>;
+using IntBatch = xsimd::batch<int32_t>;
+using UintBatch = xsimd::batch<uint32_t>;
+inline constexpr int kBatchLanes = static_cast<int>(FloatBatch::size);
+
+}  // namespace warpscope
+
+// Templates find these by the namespace of their arguments, wherever they were defined.
+namespace xsimd {
+
+inline batch<float> minOf(const batch<float>& a, const batch<float>& b) { return min(a, b); }
+inline batch<float> maxOf(const batch<float>& a, const batch<float>& b) { return max(a, b); }
+inline batch<int32_t> minOf(const batch<int32_t>& a, const batch<int32_t>& b) { return min(a, b); }
+inline batch<int32_t> truncated(const batch<float>& a) { return to_int(a); }
+inline batch<float> converted(const batch<int32_t>& a) { return to_float(a); }
+
+}  // namespace xsimd

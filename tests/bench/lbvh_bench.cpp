@@ -1,0 +1,102 @@
+// Builds and traces a frame's cloud of spheres with the hierarchy and with Embree, side by side.
+// Every picture is checked before anything is timed: a benchmark of a wrong picture says nothing.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+
+#include "render/warp/lbvh/embree_tracer.h"
+#include "render/warp/lbvh/sphere_tracer.h"
+#include "tests/sphere_clouds.h"
+
+namespace warpscope {
+namespace {
+
+constexpr uint32_t kSide = 1024;  // pixels
+constexpr float kDistance = 350.0f;
+
+const std::vector<Sphere>& frameCloud() {
+  static const auto cloud = makeFrameCloud(orbitCamera(kDistance, 0.0f, kSide, kSide), 1);
+  return cloud;
+}
+
+template <class Tracer>
+SphereTracer& builtTracer() {
+  static const std::unique_ptr<SphereTracer> tracer = [] {
+    auto made = std::make_unique<Tracer>();
+    made->build(frameCloud());
+    return made;
+  }();
+  return *tracer;
+}
+
+/// Brute force on a few pixels, Embree on all: at most one pixel in a thousand may differ (silhouettes and ties within
+/// rounding).
+void checkPictures() {
+  for (const float angleDeg : {0.0f, 25.0f, 60.0f}) {
+    Image<uint32_t> lbvh, embree, brute, few;
+    const Camera camera = orbitCamera(kDistance, angleDeg, kSide, kSide);
+    builtTracer<LbvhTracer>().trace(camera, lbvh, nullptr, {});
+    builtTracer<EmbreeTracer>().trace(camera, embree, nullptr, {});
+    size_t different = 0;
+    for (size_t i = 0; i < lbvh.size(); ++i) different += lbvh[i] != embree[i];
+    if (different * 1000 > lbvh.size()) throw std::runtime_error("the hierarchy's picture differs from Embree's");
+    const Camera small = orbitCamera(kDistance, angleDeg, 24, 24);
+    builtTracer<LbvhTracer>().trace(small, few, nullptr, {});
+    builtTracer<BruteForceTracer>().trace(small, brute, nullptr, {});
+    if (!(few == brute)) throw std::runtime_error("the hierarchy's picture differs from brute force's");
+  }
+}
+
+template <class Tracer>
+void buildCloud(benchmark::State& state) {
+  const auto& cloud = frameCloud();
+  Tracer tracer;
+  tracer.build(cloud);
+  for (auto _ : state) tracer.build(cloud);
+  state.counters["spheres"] = static_cast<double>(cloud.size());
+}
+
+template <class Tracer>
+void traceCloud(benchmark::State& state) {
+  const SphereTracer& tracer = builtTracer<Tracer>();
+  const Camera camera = orbitCamera(kDistance, static_cast<float>(state.range(0)), kSide, kSide);
+  Image<uint32_t> ids;
+  tracer.trace(camera, ids, nullptr, {});
+  for (auto _ : state) tracer.trace(camera, ids, nullptr, {});
+}
+
+BENCHMARK(buildCloud<LbvhTracer>)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(buildCloud<EmbreeTracer>)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(traceCloud<LbvhTracer>)
+    ->Arg(0)
+    ->Arg(25)
+    ->Arg(60)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+BENCHMARK(traceCloud<EmbreeTracer>)
+    ->Arg(0)
+    ->Arg(25)
+    ->Arg(60)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace warpscope
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  try {
+    warpscope::checkPictures();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "lbvh_bench: %s\n", error.what());
+    return 1;
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

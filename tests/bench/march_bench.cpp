@@ -1,0 +1,73 @@
+// Times of the server's march and of compaction. Run by hand; `--benchmark_filter` chooses.
+// The volume is the real engine where WARPSCOPE_DATA names a folder that holds it, else the built-in block at the same size.
+#include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "app/scene.h"
+#include "render/march/compact.h"
+#include "render/march/marcher_cpu.h"
+
+namespace warpscope {
+namespace {
+
+Scene openBenchScene() {
+  if (const char* folder = std::getenv("WARPSCOPE_DATA")) {
+    const std::filesystem::path engine = std::filesystem::path(folder) / "engine_256x256x128_uint8.raw";
+    if (std::filesystem::exists(engine)) return openScene(engine.string());
+  }
+  SceneOverrides overrides;
+  overrides.proceduralDims = {256, 256, 128};
+  return openScene("block", overrides);
+}
+
+const Scene& benchScene() {
+  static const Scene scene = openBenchScene();
+  return scene;
+}
+
+void march(benchmark::State& state) {
+  const Scene& scene = benchScene();
+  const MarcherPtr marcher = makeCpuMarcher(scene.volume, scene.transferFunction);
+  const Camera camera = makeCamera(scene, scene.views.front(), 1024, 1024);
+  MarchSettings settings;
+  settings.heuristic = static_cast<Heuristic>(state.range(0));
+  state.SetLabel(scene.name + ", " + std::string(nameOf(settings.heuristic)));
+  size_t samples = marcher->march(camera, settings).size();  // warms up, and shows that there is a picture
+  if (samples < 10000) state.SkipWithError("the picture is nearly empty");
+  for (auto _ : state) samples = marcher->march(camera, settings).size();
+  state.counters["samples"] = static_cast<double>(samples);
+}
+BENCHMARK(march)
+    ->Arg(static_cast<int>(Heuristic::gradient))
+    ->Arg(static_cast<int>(Heuristic::relThreshold))
+    ->Arg(static_cast<int>(Heuristic::expected))
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
+void compaction(benchmark::State& state) {
+  constexpr size_t kPixels = 1 << 20;
+  std::vector<PackedSample> samples(kPixels);
+  std::vector<Rgba8> colors(kPixels, 0xff808080u);
+  SampleQuantization quantization{{glm::vec3(0.0f), glm::vec3(1.0f)}, 1.0f};
+  size_t expected = 0;
+  for (size_t i = 0; i < kPixels; ++i) {
+    if (i % 5 >= 3) continue;
+    samples[i] = packSample({0.5f, 0.5f, 0.5f}, 0.5f, quantization);
+    ++expected;
+  }
+  SampleFrame frame;
+  for (auto _ : state) {
+    compact(samples, colors, frame);
+    benchmark::DoNotOptimize(frame.samples.data());
+  }
+  if (frame.size() != expected) state.SkipWithError("wrong count");
+}
+BENCHMARK(compaction)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace
+}  // namespace warpscope
+
+BENCHMARK_MAIN();

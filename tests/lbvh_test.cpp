@@ -1,0 +1,342 @@
+// Hard cases 12 and 19-25: the hierarchy's structure, and its pictures against brute force and Embree.
+// Brute force must agree bit for bit; Embree has a formula of its own and may differ where rounding decides.
+#include "render/warp/lbvh/lbvh.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <random>
+
+#include "render/core/error.h"
+#include "render/core/parallel.h"
+#include "render/warp/lbvh/embree_tracer.h"
+#include "render/warp/lbvh/sphere_tracer.h"
+#include "tests/sphere_clouds.h"
+
+namespace warpscope {
+namespace {
+
+/// Checks everything that traversal relies on and returns the number of inner nodes on the longest path.
+uint32_t checkStructure(const Lbvh& lbvh) {
+  const LbvhView view = lbvh.view();
+  const uint64_t* codes = lbvh.codes().data();
+  std::vector<uint32_t> ids(view.ids, view.ids + view.count);
+  std::sort(ids.begin(), ids.end());
+  for (uint32_t i = 0; i < view.count; ++i) EXPECT_EQ(ids[i], i) << "every sphere once";
+  EXPECT_TRUE(std::is_sorted(codes, codes + view.count));
+  uint32_t visitedNodes = 0, visitedLeaves = 0, deepest = 0;
+  const std::function<Box(uint32_t, LeafRange, uint32_t)> visit = [&](uint32_t reference, LeafRange range,
+                                                                      uint32_t depth) {
+    if (reference & kLbvhLeafBit) {
+      EXPECT_EQ(range, (LeafRange{visitedLeaves, visitedLeaves}));
+      EXPECT_EQ(reference & ~kLbvhLeafBit, visitedLeaves++);
+      return sphereBounds(view.spheres[range.first]);
+    }
+    ++visitedNodes;
+    deepest = std::max(deepest, depth);
+    const LbvhNode& node = view.nodes[reference];
+    EXPECT_EQ((LeafRange{node.first, node.last}), range);
+    EXPECT_EQ(determineRange(codes, view.count, reference), range) << "a thread per node finds what the walk found";
+    const uint32_t split = findSplit(codes, view.count, range);
+    EXPECT_EQ(node.child[0], leftReference(range, split));
+    EXPECT_EQ(node.child[1], rightReference(range, split));
+    EXPECT_EQ(node.bounds[0], visit(node.child[0], {range.first, split}, depth + 1));
+    EXPECT_EQ(node.bounds[1], visit(node.child[1], {split + 1, range.last}, depth + 1));
+    Box bounds = node.bounds[0];
+    bounds.include(node.bounds[1]);
+    return bounds;
+  };
+  if (view.count > 1) visit(0, {0, view.count - 1}, 1);
+  EXPECT_EQ(visitedNodes, view.count > 1 ? view.count - 1 : 0);
+  EXPECT_EQ(visitedLeaves, view.count > 1 ? view.count : 0);
+  EXPECT_LE(deepest, kMaxLbvhDepth);
+  return deepest;
+}
+
+struct Picture {
+  Image<uint32_t> ids;
+  Image<float> depth;
+};
+
+template <class Tracer>
+Picture picture(std::span<const Sphere> cloud, const Camera& camera) {
+  Tracer tracer;
+  tracer.build(cloud);
+  Picture result;
+  tracer.trace(camera, result.ids, &result.depth, {});
+  return result;
+}
+
+/// What is certain about a ray and a sphere when every operation rounds: double has 29 bits more than float.
+struct Truth {
+  bool decided;      ///< the ray neither grazes the sphere nor starts from its surface, within rounding
+  double t;          ///< of the first root
+  double tolerance;  ///< of t
+};
+
+Truth judge(const Ray& ray, const Sphere& sphere) {
+  const glm::dvec3 toCenter = glm::dvec3(sphere.center) - glm::dvec3(ray.origin);
+  const glm::dvec3 direction = glm::normalize(glm::dvec3(ray.direction));
+  const double along = glm::dot(toCenter, direction);
+  const double beside = glm::length(toCenter - along * direction);
+  const double distance = glm::length(toCenter);
+  const double radius = sphere.radius;
+  // Embree's reciprocals are a Newton step off the last bit: twice the oracle's band of intersectSphere.
+  const double band = 16.0 / 16777216.0 * (distance + radius);
+  if (std::abs(beside - radius) <= band || std::abs(distance - radius) <= band) return {false, 0.0, 0.0};
+  const double half = std::sqrt(std::max(0.0, radius * radius - beside * beside));
+  return {true, along - half, half > 0.0 ? band * (1.0 + radius / half) : band};
+}
+
+/// The first pixel in which `other` differs from `truth` by more than rounding explains, or an empty text.
+std::string firstDifference(const Camera& camera, std::span<const Sphere> cloud, const Picture& truth,
+                            const Picture& other) {
+  for (uint32_t y = 0; y < camera.height; ++y) {
+    for (uint32_t x = 0; x < camera.width; ++x) {
+      const uint32_t a = truth.ids(x, y), b = other.ids(x, y);
+      if (a == b) continue;
+      const Ray ray = pixelRay(camera, {x + 0.5f, y + 0.5f});
+      const Truth ta = a == kNoSample ? Truth{true, kNoHit, 0.0} : judge(ray, cloud[a]);
+      const Truth tb = b == kNoSample ? Truth{true, kNoHit, 0.0} : judge(ray, cloud[b]);
+      if (!ta.decided || !tb.decided || std::abs(ta.t - tb.t) <= ta.tolerance + tb.tolerance) continue;
+      return "pixel " + std::to_string(x) + "," + std::to_string(y) + ": sphere " + std::to_string(a) + " at " +
+             std::to_string(ta.t) + ", but got " + std::to_string(b) + " at " + std::to_string(tb.t);
+    }
+  }
+  return {};
+}
+
+/// The packets' picture equals brute force's and single rays' bit for bit, and Embree's but for rounding.
+void expectAllAgree(std::span<const Sphere> cloud, const Camera& camera) {
+  const Picture brute = picture<BruteForceTracer>(cloud, camera);
+  const Picture packets = picture<LbvhTracer>(cloud, camera);
+  EXPECT_EQ(packets.ids, brute.ids);
+  EXPECT_EQ(packets.depth, brute.depth);
+  Lbvh lbvh;
+  lbvh.build(cloud);
+  for (uint32_t y = 0; y < camera.height; ++y) {
+    for (uint32_t x = 0; x < camera.width; ++x) {
+      const LbvhHit hit = closestHit(lbvh.view(), pixelRay(camera, {x + 0.5f, y + 0.5f}));
+      ASSERT_FALSE(hit.overflow);
+      ASSERT_EQ(hit.id, brute.ids(x, y)) << x << "," << y;
+      ASSERT_EQ(hit.t, brute.depth(x, y)) << x << "," << y;
+    }
+  }
+  EXPECT_EQ(firstDifference(camera, cloud, brute, picture<EmbreeTracer>(cloud, camera)), "");
+}
+
+TEST(Lbvh, EqualCodesAreToldApartByIndex) {
+  const std::vector<Sphere> cloud(1000, Sphere{{1.0f, 2.0f, 3.0f}, 0.5f});
+  Lbvh lbvh;
+  lbvh.build(cloud);
+  EXPECT_LE(checkStructure(lbvh), 10u) << "indices below 1024 make a balanced tree";
+  const Picture seen = picture<LbvhTracer>(cloud, orbitCamera(20.0f, 30.0f, 33, 21));
+  for (const uint32_t id : seen.ids) EXPECT_TRUE(id == 0 || id == kNoSample) << "the lowest id wins";
+}
+
+TEST(Lbvh, NestedCodesStayWithinTheStack) {
+  // Every bit of the code splits off one sphere, then the indices of equal ones.
+  std::vector<Sphere> cloud;
+  for (int bit = 0; bit < 21; ++bit)
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::vec3 center(0.0f);
+      center[axis] = std::ldexp(1.0f, bit);
+      cloud.push_back({center, 1.0f});
+    }
+  cloud.push_back({glm::vec3(2097151.0f), 1.0f});
+  cloud.resize(cloud.size() + 4096, Sphere{glm::vec3(0.0f), 1.0f});
+  Lbvh lbvh;
+  lbvh.build(cloud);
+  EXPECT_GT(checkStructure(lbvh), 60u);
+  expectAllAgree(cloud, orbitCamera(64.0f, 10.0f, 16, 16));
+}
+
+TEST(Lbvh, HoldsNoneOneAndTwoSpheres) {
+  const std::vector<Sphere> cloud{{{0.0f, 0.0f, 0.0f}, 1.0f}, {{1.0f, 0.0f, 0.5f}, 1.0f}};
+  for (size_t count = 0; count <= 2; ++count) {
+    SCOPED_TRACE(count);
+    Lbvh lbvh;
+    lbvh.build(std::span(cloud).first(count));
+    EXPECT_EQ(lbvh.view().count, count);
+    checkStructure(lbvh);
+    expectAllAgree(std::span(cloud).first(count), orbitCamera(6.0f, 15.0f, 37, 23));
+  }
+}
+
+TEST(Lbvh, RefusesWhatCannotBeTraced) {
+  const std::vector<Sphere> good(3, Sphere{glm::vec3(0.0f), 1.0f});
+  const float inf = std::numeric_limits<float>::infinity(), nan = std::nanf("");
+  std::vector<Sphere> bad;
+  for (const float radius : {0.0f, -1.0f, nan, inf, 2e18f}) bad.push_back({glm::vec3(0.0f), radius});
+  for (const float coordinate : {nan, inf, -inf, 2e18f})
+    for (int axis = 0; axis < 3; ++axis) {
+      bad.push_back({glm::vec3(0.0f), 1.0f});
+      bad.back().center[axis] = coordinate;
+    }
+  for (const Sphere& sphere : bad) {
+    std::vector<Sphere> cloud = good;
+    cloud[1] = cloud[2] = sphere;
+    LbvhTracer lbvh;
+    EmbreeTracer embree;
+    BruteForceTracer brute;
+    for (SphereTracer* tracer : std::initializer_list<SphereTracer*>{&lbvh, &embree, &brute}) {
+      tracer->build(good);
+      try {
+        tracer->build(cloud);
+        ADD_FAILURE() << "accepted radius " << sphere.radius;
+      } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("sphere 1 "), std::string::npos) << error.what();
+      }
+      Image<uint32_t> ids;
+      tracer->trace(orbitCamera(5.0f, 0.0f, 8, 8), ids, nullptr, {});
+      EXPECT_EQ(ids, Image<uint32_t>(8, 8, kNoSample)) << "nothing is left of the last cloud";
+    }
+  }
+}
+
+TEST(Lbvh, CodesOfFlatCloudsAndOfTheMaximum) {
+  const Box flat{{-1.0f, 2.0f, 3.0f}, {1.0f, 2.0f, 3.0f}};
+  EXPECT_EQ(mortonCodeOf({1.0f, 2.0f, 3.0f}, flat), mortonCode(0x1fffff, 0, 0));
+  EXPECT_EQ(mortonCodeOf({-1.0f, 2.0f, 3.0f}, flat), 0u);
+  const Box cube{glm::vec3(-1.0f), glm::vec3(1.0f)};
+  EXPECT_EQ(mortonCodeOf(glm::vec3(1.0f), cube), 0x7fffffffffffffffull);
+  EXPECT_EQ(mortonCodeOf(glm::vec3(5.0f), {glm::vec3(5.0f), glm::vec3(5.0f)}), 0u);
+  const Box huge{glm::vec3(-3e38f), glm::vec3(3e38f)};
+  EXPECT_EQ(mortonCodeOf(glm::vec3(3e38f), huge), 0x7fffffffffffffffull);
+  EXPECT_EQ(mortonCodeOf(glm::vec3(0.0f), huge), mortonCode(1u << 20, 1u << 20, 1u << 20));
+}
+
+TEST(Lbvh, OneSphereLargerThanAllTogether) {
+  std::vector<Sphere> cloud = makeCloud(CloudShape::random, 2000, 1.0f, 23);
+  cloud.insert(cloud.begin() + 1000, Sphere{{0.0f, 0.0f, -1e4f}, 9998.5f});
+  Lbvh lbvh;
+  lbvh.build(cloud);
+  checkStructure(lbvh);
+  expectAllAgree(cloud, orbitCamera(3.0f, 40.0f, 96, 64));
+}
+
+TEST(Lbvh, TenMillionSpheres) {
+  const std::vector<Sphere> cloud = makeCloud(CloudShape::random, 10'000'000, 1000.0f, 24);
+  LbvhTracer lbvh;
+  lbvh.build(cloud);
+  // Fewer rays than pixels of a tile: brute force looks at every sphere for each.
+  const Camera camera = orbitCamera(3000.0f, 5.0f, 5, 3);
+  BruteForceTracer brute;
+  brute.build(cloud);
+  Image<uint32_t> ids, expected;
+  lbvh.trace(camera, ids, nullptr, {});
+  brute.trace(camera, expected, nullptr, {});
+  EXPECT_EQ(ids, expected);
+  EXPECT_TRUE(std::any_of(ids.begin(), ids.end(), [](uint32_t id) { return id != kNoSample; }));
+}
+
+RC_GTEST_PROP(Lbvh, AllTracersAgreeOnAllClouds, (uint32_t seed)) {
+  std::mt19937 random(seed);
+  const CloudShape shape = kCloudShapes[random() % kCloudShapes.size()];
+  const float scale = std::pow(10.0f, std::uniform_real_distribution<float>(-4.0f, 4.0f)(random));
+  const auto cloud = makeCloud(shape, 1 + random() % 300, scale, seed);
+  // From inside the cloud to far away, in images whose sides are no multiple of a tile's.
+  const float distance = scale * std::uniform_real_distribution<float>(0.1f, 20.0f)(random);
+  Camera camera = orbitCamera(distance, static_cast<float>(random() % 360), 1 + random() % 50, 1 + random() % 40);
+  camera.tanHalfFovY = std::min(0.8f, 1.5f * scale / distance);
+  if (seed % 2 == 0) camera.right = -camera.right;  // a left-handed volume
+  expectAllAgree(cloud, camera);
+  RC_ASSERT(!testing::Test::HasFailure());
+}
+
+TEST(Lbvh, AgreesFarFromTheCoordinatesOrigin) {
+  auto cloud = makeCloud(CloudShape::clustered, 500, 100.0f, 11);
+  Camera camera = orbitCamera(300.0f, 70.0f, 61, 47);
+  for (Sphere& sphere : cloud) sphere.center += glm::vec3(1e7f, -1e7f, 1e7f);
+  camera.eye += glm::vec3(1e7f, -1e7f, 1e7f);
+  const Picture brute = picture<BruteForceTracer>(cloud, camera);
+  const Picture packets = picture<LbvhTracer>(cloud, camera);
+  EXPECT_EQ(packets.ids, brute.ids);
+  EXPECT_EQ(packets.depth, brute.depth);
+}
+
+RC_GTEST_PROP(Lbvh, BoxesNeverCullAHit, (uint32_t seed)) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  const auto vector = [&] { return glm::vec3(unit(random), unit(random), unit(random)); };
+  for (int i = 0; i < 500; ++i) {
+    const Sphere sphere{std::pow(10.0f, 4.0f * unit(random)) * vector(), std::pow(10.0f, 2.0f * unit(random))};
+    const glm::vec3 origin = sphere.center + std::pow(10.0f, 4.0f * unit(random)) * vector();
+    // Past one of the points where the sphere touches its box, as near as floats can tell.
+    glm::vec3 touch(0.0f);
+    touch[static_cast<int>(random() % 3)] = unit(random) < 0.0f ? -sphere.radius : sphere.radius;
+    const glm::vec3 across = glm::cross(touch, vector());
+    const glm::vec3 through = sphere.center + touch * (1.0f + std::ldexp(unit(random), -20));
+    const Ray ray{i % 2 ? origin : through - 10.0f * across, glm::normalize(i % 2 ? through - origin : across)};
+    const float t = intersectSphere(ray, sphere.center, sphere.radius);
+    if (t == kNoHit) continue;
+    const Box box = sphereBounds(sphere);
+    const float entry = entryDistance(lbvhRayOf(ray, reachOf(box)), box, t);
+    RC_ASSERT(entry >= 0.0f);
+    RC_ASSERT(entry <= t);
+  }
+}
+
+TEST(Lbvh, IsTheSameForAnyNumberOfThreads) {
+  // Duplicates among them, so that ties are decided, and enough for several sort blocks.
+  auto cloud = makeCloud(CloudShape::duplicate, 100'000, 10.0f, 53);
+  const auto more = makeCloud(CloudShape::clustered, 100'000, 10.0f, 54);
+  cloud.insert(cloud.end(), more.begin(), more.end());
+  const Camera camera = orbitCamera(30.0f, 33.0f, 128, 96);
+  Lbvh expected;
+  Picture expectedPicture;
+  for (const size_t threads : {1, 2, 7}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    Lbvh lbvh;
+    lbvh.build(cloud);
+    const Picture seen = picture<LbvhTracer>(cloud, camera);
+    if (threads == 1) {
+      expected = std::move(lbvh);
+      expectedPicture = seen;
+      continue;
+    }
+    const LbvhView a = expected.view(), b = lbvh.view();
+    EXPECT_EQ(std::memcmp(a.nodes, b.nodes, (a.count - 1) * sizeof(LbvhNode)), 0);
+    EXPECT_EQ(std::memcmp(a.ids, b.ids, a.count * sizeof(uint32_t)), 0);
+    EXPECT_EQ(seen.ids, expectedPicture.ids);
+    EXPECT_EQ(seen.depth, expectedPicture.depth);
+  }
+}
+
+TEST(Lbvh, RadixSortIsStable) {
+  std::mt19937_64 random(3);
+  std::vector<MortonItem> items(200'001), scratch;
+  for (uint32_t i = 0; i < items.size(); ++i) items[i] = {random() % 3 ? random() >> 1 : random() % 5, i};
+  std::vector<MortonItem> expected = items;
+  std::stable_sort(expected.begin(), expected.end(), [](const auto& a, const auto& b) { return a.code < b.code; });
+  sortByCode(items, scratch);
+  for (size_t i = 0; i < items.size(); ++i) {
+    ASSERT_EQ(items[i].code, expected[i].code);
+    ASSERT_EQ(items[i].index, expected[i].index);
+  }
+}
+
+TEST(Lbvh, AFullStackIsReported) {
+  // A node that is its own child on both sides: no hierarchy, and the only way to overflow.
+  const Box box{glm::vec3(-1.0f), glm::vec3(1.0f)};
+  const LbvhNode node{{box, box}, {0, 0}, 0, 1};
+  const Sphere sphere{glm::vec3(0.0f), 1.0f};
+  const uint32_t id = 0;
+  EXPECT_TRUE(closestHit({&node, &sphere, &id, 2, 3.0f}, {{0.0f, 0.0f, 5.0f}, {0.0f, 0.0f, -1.0f}}).overflow);
+}
+
+TEST(Lbvh, CancelledTracingThrows) {
+  LbvhTracer tracer;
+  tracer.build(makeCloud(CloudShape::random, 100, 1.0f, 1));
+  std::stop_source source;
+  source.request_stop();
+  Image<uint32_t> ids;
+  EXPECT_THROW(tracer.trace(orbitCamera(3.0f, 0.0f, 64, 64), ids, nullptr, source.get_token()), OperationCancelled);
+}
+
+}  // namespace
+}  // namespace warpscope

@@ -1,0 +1,415 @@
+// Readers: every way in which a file can be wrong, and what a right one says about types, spacing and orientation.
+// Mirrors render/volume/reader.h; files are written byte by byte, so that no library vouches for itself.
+#include "render/volume/reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <random>
+
+#include "render/core/error.h"
+
+#if WARPSCOPE_WITH_ITK
+#include <zlib.h>
+#endif
+
+namespace warpscope {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// A directory of its own for every test.
+class Reader : public testing::Test {
+ protected:
+  void SetUp() override {
+    static std::atomic<int> count = 0;
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    directory_ = fs::temp_directory_path() / ("warpscope_" + std::string(info->name()) + "_" +
+                                              std::to_string(std::random_device{}()) + "_" + std::to_string(count++));
+    fs::create_directories(directory_);
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::remove_all(directory_, ignored);
+  }
+
+  fs::path write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(directory_ / name, std::ios::binary) << bytes;
+    return directory_ / name;
+  }
+
+  /// Expects an InputError of one line that names the file and says `reason`; nothing may appear on stderr.
+  void expectRefused(const fs::path& path, const std::string& reason) const {
+    testing::internal::CaptureStderr();
+    std::string text = "(nothing was thrown)";
+    try {
+      openVolume(path);
+    } catch (const InputError& error) {
+      text = error.what();
+    }
+    EXPECT_THAT(text, HasSubstr(reason)) << path;
+    EXPECT_THAT(text, HasSubstr(path.filename().string()));
+    EXPECT_THAT(text, testing::Not(HasSubstr("\n")));
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << path;
+  }
+
+  fs::path directory_;
+};
+
+template <class T>
+std::string bytesOf(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+std::vector<int16_t> ramp(int16_t count) {
+  std::vector<int16_t> values(static_cast<size_t>(count));
+  for (int16_t i = 0; i < count; ++i) values[static_cast<size_t>(i)] = i;
+  return values;
+}
+
+TEST(RawName, Parses) {
+  const auto name = parseRawName("some/engine_v2_256x255x128_uint8.raw");
+  ASSERT_TRUE(name);
+  EXPECT_EQ(name->dims, glm::uvec3(256, 255, 128));
+  EXPECT_EQ(name->type, VoxelType::uint8);
+  EXPECT_EQ(parseRawName("a_1x2x3_float64.RAW")->type, VoxelType::float64);
+}
+
+TEST(RawName, OtherFormsAreNoRawNames) {
+  for (const char* name : {"engine.raw", "engine_256x256_uint8.raw", "engine_256x256x128.raw", "256x256x128_uint8.nrrd",
+                           "e_-1x2x3_uint8.raw", "e_1x2x3_uint8", "", "e_1x2x3x4_uint8.raw"})
+    EXPECT_FALSE(parseRawName(name)) << name;
+  EXPECT_FALSE(parseRawName(std::string(100'000, 'x') + "_1x1x1_uint8.raw"));
+}
+
+TEST(RawName, RefusesOverflowAndUnknownTypes) {
+  EXPECT_THROW(parseRawName("a_4294967296x1x1_uint8.raw"), InputError);
+  EXPECT_THROW(parseRawName("a_99999999999999999999999x1x1_uint8.raw"), InputError);
+  EXPECT_THROW(parseRawName("a_1x1x1_uint9.raw"), InputError);
+}
+
+TEST_F(Reader, RawOfEveryType) {
+  for (int i = 0; i < 8; ++i)
+    visitVoxelType(static_cast<VoxelType>(i), [&](auto voxel) {
+      using T = decltype(voxel);
+      std::vector<T> values(24);
+      for (size_t k = 0; k < values.size(); ++k) values[k] = static_cast<T>(k * 5);
+      const auto type = static_cast<VoxelType>(i);
+      const VolumePtr volume = openVolume(write("v_2x3x4_" + std::string(nameOf(type)) + ".raw", bytesOf(values)));
+      EXPECT_EQ(volume->type(), type);
+      EXPECT_EQ(volume->dims(), glm::uvec3(2, 3, 4));
+      EXPECT_EQ(std::memcmp(volume->voxels(), values.data(), volume->sizeBytes()), 0);
+      EXPECT_EQ(volume->statistics().highest, 115.0);
+      EXPECT_FALSE(volume->geometry().hasOrientation);
+    });
+}
+
+TEST_F(Reader, RawTakesItsSpacingFromTheCaller) {
+  const fs::path path = write("v_2x1x1_uint8.raw", "ab");
+  EXPECT_EQ(openVolume(path, glm::dvec3(1.0, 2.0, 3.5))->geometry().spacing, glm::dvec3(1.0, 2.0, 3.5));
+  EXPECT_THROW(openVolume(path, glm::dvec3(1.0, 0.0, 1.0)), InputError);
+}
+
+TEST_F(Reader, RawErrors) {
+  expectRefused(directory_ / "no_1x1x1_uint8.raw", "there is no such file");
+  fs::create_directory(directory_ / "dir_1x1x1_uint8.raw");
+  expectRefused(directory_ / "dir_1x1x1_uint8.raw", "is a directory");
+  expectRefused(write("empty_1x1x1_uint8.raw", ""), "is empty");
+  expectRefused(write("short_3x2x1_uint16.raw", "12345"), "holds 5 bytes, but its name says 3x2x1 uint16 = 12 bytes");
+  expectRefused(write("long_1x1x1_uint8.raw", "12"), "holds 2 bytes, but its name says 1x1x1 uint8 = 1 bytes");
+  expectRefused(write("misnamed.raw", "1"), "name_256x256x128_uint8.raw");
+  expectRefused(write("type_1x1x1_int64.raw", "12345678"), "\"int64\" is not a voxel type; there are uint8");
+  expectRefused(write("zero_0x1x1_uint8.raw", "1"), "is empty");
+  expectRefused(write("wide_4294967296x1x1_uint8.raw", "1"), "4294967296");
+  expectRefused(write("huge_4294967295x4294967295x4294967295_float64.raw", "1"), "at most");
+  expectRefused(write("large_65536x65536x65536_float64.raw", "1"), "2251799813685248 bytes");
+  expectRefused(write("picture.jpg", "1"), "known are .raw");
+}
+
+TEST_F(Reader, Unreadable) {
+  const fs::path path = write("v_1x1x1_uint8.raw", "1");
+  fs::permissions(path, fs::perms::none);
+  if (std::ifstream(path)) GTEST_SKIP() << "this user may read every file";
+  expectRefused(path, "cannot be read");
+}
+
+TEST(SupportedEndings, RawComesFirst) { EXPECT_EQ(supportedVolumeEndings().front(), ".raw"); }
+
+#if !WARPSCOPE_WITH_ITK
+TEST_F(Reader, SaysHowToGetItk) { expectRefused(write("a.nrrd", "NRRD0004"), "WARPSCOPE_WITH_ITK=ON"); }
+#else
+
+std::string gzip(const std::string& bytes) {
+  z_stream stream{};
+  deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
+  std::string packed(deflateBound(&stream, bytes.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<unsigned>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<unsigned>(packed.size());
+  deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
+/// Bytes that do not compress.
+std::string noise(size_t count) {
+  std::string bytes(count, '\0');
+  uint32_t state = 1;
+  for (char& c : bytes) c = static_cast<char>((state = state * 1664525u + 1013904223u) >> 24);
+  return bytes;
+}
+
+struct Nifti {
+  std::array<int16_t, 8> dim{3, 3, 4, 5, 1, 1, 1, 1};
+  int16_t datatype = 4, bitpix = 16;
+  std::array<float, 4> pixdim{1.0f, 1.0f, 1.0f, 1.0f};
+  float slope = 0.0f;
+  int16_t sform = 0;
+  std::array<float, 12> rows{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  std::string magic{"n+1\0", 4};
+
+  std::string header() const {
+    std::string bytes(352, '\0');
+    const auto put = [&](size_t offset, const auto& value) {
+      std::memcpy(bytes.data() + offset, &value, sizeof(value));
+    };
+    put(0, int32_t{348}), put(40, dim), put(70, datatype), put(72, bitpix), put(76, pixdim), put(108, 352.0f),
+        put(112, slope);
+    put(254, sform), put(280, rows);
+    std::memcpy(bytes.data() + 344, magic.data(), 4);
+    return bytes;
+  }
+};
+
+std::string nrrdHeader(const std::string& fields) { return "NRRD0004\n" + fields + "\n"; }
+const std::string kNrrd = "type: short\ndimension: 3\nsizes: 3 4 5\nendian: little\n";
+std::string metaHeader(const std::string& fields) {
+  return "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n" + fields +
+         "ElementDataFile = LOCAL\n";
+}
+const std::string kMeta = "DimSize = 3 4 5\nElementType = MET_SHORT\n";
+const std::string kVoxels = bytesOf(ramp(60));
+
+void expectRamp(const Volume& volume) {
+  EXPECT_EQ(volume.type(), VoxelType::int16);
+  EXPECT_EQ(volume.dims(), glm::uvec3(3, 4, 5));
+  ASSERT_EQ(volume.sizeBytes(), kVoxels.size());
+  EXPECT_EQ(std::memcmp(volume.voxels(), kVoxels.data(), kVoxels.size()), 0);
+}
+
+void expectGeometry(const Volume& volume, const glm::dvec3& spacing, const glm::dvec3& origin,
+                    const glm::dmat3& direction) {
+  const VolumeGeometry& geometry = volume.geometry();
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(geometry.spacing[axis], spacing[axis], 1e-6);
+    EXPECT_NEAR(geometry.origin[axis], origin[axis], 1e-5);
+    for (int row = 0; row < 3; ++row)
+      EXPECT_NEAR(geometry.direction[axis][row], direction[axis][row], 1e-6) << axis << row;
+  }
+}
+
+TEST_F(Reader, NiftiOrientationBecomesLeftPosteriorSuperior) {
+  // Right, anterior, superior in the file: x runs to the left, y to anterior, z up.
+  Nifti nifti;
+  nifti.sform = 1;
+  nifti.pixdim = {1, 2, 3, 4};
+  nifti.rows = {-2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30};
+  const glm::dmat3 expected(glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1));
+  for (const bool packed : {false, true}) {
+    const std::string bytes = nifti.header() + kVoxels;
+    const VolumePtr volume = openVolume(packed ? write("a.nii.gz", gzip(bytes)) : write("a.nii", bytes));
+    expectRamp(*volume);
+    expectGeometry(*volume, {2, 3, 4}, {-10, -20, 30}, expected);
+    EXPECT_TRUE(volume->geometry().hasOrientation);
+  }
+  // Flipped: x to the right, z down; and the axes exchanged.
+  nifti.rows = {2, 0, 0, 0, 0, 3, 0, 0, 0, 0, -4, 0};
+  expectGeometry(*openVolume(write("b.nii", nifti.header() + kVoxels)), {2, 3, 4}, {0, 0, 0},
+                 {glm::dvec3(-1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, -1)});
+  nifti.rows = {0, 3, 0, 0, 0, 0, 4, 0, 2, 0, 0, 0};
+  expectGeometry(*openVolume(write("c.nii", nifti.header() + kVoxels)), {2, 3, 4}, {0, 0, 0},
+                 {glm::dvec3(0, 0, 1), glm::dvec3(-1, 0, 0), glm::dvec3(0, -1, 0)});
+  EXPECT_FALSE(openVolume(write("d.nii", Nifti{}.header() + kVoxels))->geometry().hasOrientation);
+}
+
+TEST_F(Reader, NiftiKeepsItsStoredTypeThoughItHasASlope) {
+  Nifti nifti;
+  nifti.slope = 0.25f;
+  expectRamp(*openVolume(write("a.nii", nifti.header() + kVoxels)));
+  nifti.slope = -2.0f;  // a descending map must not be lost
+  const VolumePtr descending = openVolume(write("b.nii", nifti.header() + kVoxels));
+  EXPECT_EQ(descending->type(), VoxelType::float32);
+  EXPECT_EQ(descending->statistics().lowest, -118.0);
+}
+
+TEST_F(Reader, NrrdOrientation) {
+  const std::string space = "space directions: (-2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)\n";
+  const VolumePtr ras = openVolume(
+      write("a.nrrd", nrrdHeader(kNrrd + "encoding: raw\nspace: right-anterior-superior\n" + space) + kVoxels));
+  expectRamp(*ras);
+  expectGeometry(*ras, {2, 3, 4}, {-10, -20, 30}, {glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1)});
+  EXPECT_TRUE(ras->geometry().hasOrientation);
+  const VolumePtr lps = openVolume(
+      write("b.nrrd", nrrdHeader(kNrrd + "encoding: gzip\nspace: left-posterior-superior\n" + space) + gzip(kVoxels)));
+  expectRamp(*lps);
+  expectGeometry(*lps, {2, 3, 4}, {10, 20, 30}, {glm::dvec3(-1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)});
+  const VolumePtr none = openVolume(write("c.nrrd", nrrdHeader(kNrrd + "encoding: raw\nspacings: 1 2 3\n") + kVoxels));
+  expectGeometry(*none, {1, 2, 3}, {0, 0, 0}, glm::dmat3(1.0));
+  EXPECT_FALSE(none->geometry().hasOrientation);
+}
+
+TEST_F(Reader, MetaImageOrientation) {
+  const VolumePtr turned = openVolume(write(
+      "a.mha",
+      metaHeader(kMeta + "ElementSpacing = 2 3 4\nOffset = 1 2 3\nTransformMatrix = 0 1 0 -1 0 0 0 0 1\n") + kVoxels));
+  expectRamp(*turned);
+  expectGeometry(*turned, {2, 3, 4}, {1, 2, 3}, {glm::dvec3(0, 1, 0), glm::dvec3(-1, 0, 0), glm::dvec3(0, 0, 1)});
+  EXPECT_TRUE(turned->geometry().hasOrientation);
+  // Negative spacing turns the axis round.
+  const VolumePtr negative = openVolume(write("b.mha", metaHeader(kMeta + "ElementSpacing = -2 3 4\n") + kVoxels));
+  expectGeometry(*negative, {2, 3, 4}, {0, 0, 0}, {glm::dvec3(-1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)});
+  EXPECT_FALSE(negative->geometry().hasOrientation);
+}
+
+TEST_F(Reader, DetachedData) {
+  write("voxels.raw", kVoxels);
+  expectRamp(*openVolume(write("a.nhdr", nrrdHeader(kNrrd + "encoding: raw\ndata file: voxels.raw\n"))));
+  std::string meta = metaHeader(kMeta);
+  meta.replace(meta.find("LOCAL"), 5, "voxels.raw");
+  expectRamp(*openVolume(write("a.mhd", meta)));
+  expectRefused(write("b.nhdr", nrrdHeader(kNrrd + "encoding: raw\ndata file: gone.raw\n")), "\"gone.raw\" is missing");
+}
+
+TEST_F(Reader, SpacingBelongsToTheFile) {
+  EXPECT_THROW(openVolume(write("a.nii", Nifti{}.header() + kVoxels), glm::dvec3(2.0)), InputError);
+}
+
+TEST_F(Reader, NiftiErrors) {
+  const auto header = [](auto change) {
+    Nifti nifti;
+    change(nifti);
+    return nifti.header();
+  };
+  expectRefused(write("tiny.nii", Nifti{}.header().substr(0, 200)), "ends before a header");
+  expectRefused(write("magic.nii", header([](auto& n) { n.magic = "oops"; }) + kVoxels), "signature");
+  expectRefused(write("noise.nii", noise(5000)), "no NIfTI file");
+  expectRefused(write("noise.nii.gz", "\x1f\x8b" + noise(5000)), "no NIfTI file");
+  expectRefused(write("short.nii", Nifti{}.header() + kVoxels.substr(1)), "cut off");
+  expectRefused(write("none.nii", Nifti{}.header()), "the file holds 0");
+  expectRefused(write("huge.nii", header([](auto& n) { n.dim = {3, 32767, 32767, 32767, 1, 1, 1, 1}; }) + kVoxels),
+                "cut off");
+  expectRefused(write("huge.nii.gz", gzip(header([](auto& n) { n.dim = {3, 32767, 32767, 32767, 1, 1, 1, 1}; }))),
+                "cannot hold");
+  expectRefused(write("negative.nii", header([](auto& n) { n.dim[1] = -3; }) + kVoxels), "-3 voxels");
+  expectRefused(write("axes.nii", header([](auto& n) { n.dim[0] = 9; }) + kVoxels), "9 axes");
+  expectRefused(write("times.nii", header([](auto& n) { n.dim[0] = 4, n.dim[4] = 2; }) + kVoxels + kVoxels),
+                "time point");
+  expectRefused(write("rgb.nii", header([](auto& n) { n.datatype = 128, n.bitpix = 24; }) + noise(180)),
+                "datatype 128");
+  expectRefused(write("int64.nii", header([](auto& n) { n.datatype = 1024, n.bitpix = 64; }) + noise(480)),
+                "datatype 1024");
+  expectRefused(write("nan.nii", header([](auto& n) { n.sform = 1, n.rows[0] = NAN; }) + kVoxels), "not finite");
+  expectRefused(write("flat.nii", header([](auto& n) { n.sform = 1, n.rows.fill(0.0f); }) + kVoxels), "orthonormal");
+}
+
+TEST_F(Reader, CompressedFilesThatAreCutOffOrDamaged) {
+  Nifti nifti;
+  nifti.dim = {3, 50, 40, 50, 1, 1, 1, 1};
+  const std::string whole = gzip(nifti.header() + noise(200'000));
+  EXPECT_EQ(openVolume(write("whole.nii.gz", whole))->voxelCount(), 100'000u);
+  for (const size_t kept : {size_t{40}, whole.size() / 2, whole.size() - 9})
+    expectRefused(write("cut.nii.gz", whole.substr(0, kept)), kept == 40 ? "NIfTI" : "damaged");
+  expectRefused(write("tail.nii.gz", whole.substr(0, whole.size() - 4)), "damaged");
+  std::string flipped = whole;
+  flipped[flipped.size() - 7] ^= 1;  // in the checksum
+  expectRefused(write("flipped.nii.gz", flipped), "damaged");
+
+  const std::string fields = "type: short\ndimension: 3\nsizes: 50 40 50\nendian: little\nencoding: gzip\n";
+  const std::string stream = gzip(noise(200'000));
+  expectRefused(write("cut.nrrd", nrrdHeader(fields) + stream.substr(0, stream.size() / 2)), "cut off");
+  expectRefused(write("cut.mha", metaHeader("CompressedData = True\nDimSize = 50 40 50\nElementType = MET_SHORT\n") +
+                                     stream.substr(0, stream.size() / 2)),
+                "cut off");
+}
+
+TEST_F(Reader, NrrdErrors) {
+  expectRefused(write("noise.nrrd", noise(5000)), "does not begin with NRRD000");
+  expectRefused(write("short.nrrd", nrrdHeader(kNrrd + "encoding: raw\n") + kVoxels.substr(3)), "cut off");
+  expectRefused(write("text.nrrd", nrrdHeader(kNrrd + "encoding: ascii\n") + "1 2 3"), "holds 3 numbers");
+  expectRefused(
+      write("huge.nrrd",
+            nrrdHeader("type: short\ndimension: 3\nsizes: 60000 60000 60000\nendian: little\nencoding: raw\n")),
+      "cut off");
+  expectRefused(write("type.nrrd", nrrdHeader("type: quux\ndimension: 3\nsizes: 3 4 5\nencoding: raw\n") + kVoxels),
+                "quux");
+  expectRefused(write("sides.nrrd", nrrdHeader("type: short\ndimension: 3\nsizes: 3 x 5\nencoding: raw\n") + kVoxels),
+                "cannot be read");
+  expectRefused(
+      write("int64.nrrd",
+            nrrdHeader("type: int64\ndimension: 3\nsizes: 3 4 5\nendian: little\nencoding: raw\n") + noise(480)),
+      "are not read");
+  expectRefused(
+      write("vector.nrrd", nrrdHeader("type: short\ndimension: 4\nsizes: 3 3 4 5\nkinds: vector space space space\n"
+                                      "endian: little\nencoding: raw\n") +
+                               noise(360)),
+      "3 values a voxel");
+  expectRefused(write("zero.nrrd", nrrdHeader(kNrrd + "encoding: raw\nspacings: 1 2 0\n") + kVoxels), "spacing");
+}
+
+TEST_F(Reader, MetaImageErrors) {
+  expectRefused(write("noise.mha", noise(5000)), "no MetaImage file");
+  expectRefused(write("short.mha", metaHeader(kMeta) + kVoxels.substr(3)), "cut off");
+  expectRefused(write("huge.mha", metaHeader("DimSize = 60000 60000 60000\nElementType = MET_SHORT\n") + kVoxels),
+                "cut off");
+  expectRefused(write("negative.mha", metaHeader("DimSize = -3 4 5\nElementType = MET_SHORT\n") + kVoxels), "DimSize");
+  expectRefused(write("axes.mha", metaHeader("DimSize = 3 4\nElementType = MET_SHORT\n") + kVoxels), "do not agree");
+  expectRefused(write("type.mha", metaHeader("DimSize = 3 4 5\nElementType = MET_FOO\n") + kVoxels), "are not read");
+  expectRefused(write("vector.mha", metaHeader("ElementNumberOfChannels = 3\n" + kMeta) + noise(360)),
+                "3 values a voxel");
+  expectRefused(write("zero.mha", metaHeader(kMeta + "ElementSpacing = 0 1 1\n") + kVoxels), "spacing");
+  expectRefused(write("nan.mha", metaHeader(kMeta + "ElementSpacing = nan 1 1\n") + kVoxels), "finite");
+  expectRefused(write("flat.mha", metaHeader(kMeta + "TransformMatrix = 0 0 0 0 0 0 0 0 0\n") + kVoxels),
+                "orthonormal");
+  std::string list = metaHeader(kMeta);
+  list.replace(list.find("LOCAL"), 5, "LIST");
+  expectRefused(write("list.mha", list), "several files");
+}
+
+TEST_F(Reader, Vtk) {
+  const std::string header =
+      "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 4 5\nSPACING 1 2 3\nORIGIN 0 0 0\n"
+      "POINT_DATA 60\nSCALARS s short 1\nLOOKUP_TABLE default\n";
+  std::string numbers;
+  for (int i = 0; i < 60; ++i) numbers += std::to_string(i) + "\n";
+  const VolumePtr volume = openVolume(write("a.vtk", header + numbers));
+  expectRamp(*volume);
+  expectGeometry(*volume, {1, 2, 3}, {0, 0, 0}, glm::dmat3(1.0));
+  expectRefused(write("short.vtk", header + "1 2 3\n"), "holds 3 numbers");
+  expectRefused(write("noise.vtk", noise(5000)), "no VTK file");
+}
+
+TEST_F(Reader, RealBrain) {
+  const char* variable = std::getenv("WARPSCOPE_DATA");
+  const fs::path path = fs::path(variable ? variable : WARPSCOPE_TEST_DATA) / "spm152.nii.gz";
+  if (!fs::exists(path))
+    GTEST_SKIP() << path << " is not there; set WARPSCOPE_DATA to the folder that holds spm152.nii.gz";
+  const VolumePtr volume = openVolume(path);
+  EXPECT_EQ(volume->dims(), glm::uvec3(207, 256, 215));
+  EXPECT_EQ(volume->type(), VoxelType::uint8);
+  EXPECT_NEAR(volume->geometry().spacing.x, 0.737, 1e-3);
+  EXPECT_TRUE(volume->geometry().hasOrientation);
+  EXPECT_NEAR(volume->geometry().direction[2].z, 1.0, 1e-6);  // the third axis runs up
+  EXPECT_EQ(volume->statistics().highest, 250.0);
+}
+#endif
+
+}  // namespace
+}  // namespace warpscope
