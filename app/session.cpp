@@ -10,8 +10,8 @@ namespace {
 
 /// How long the camera must rest before the reference is marched for counting holes.
 constexpr std::chrono::milliseconds kRest(150);
-/// Panels draw at most this many pixels a side unless the user says how many.
-constexpr uint32_t kFluentSidePx = 640;
+/// Panels draw at most this many pixels unless the user says how many.
+constexpr uint64_t kFluentPixels = 600 * 1000;
 
 /// What of the settings the reference depends on; the rest decides about samples only.
 MarchSettings referenceSettings(const MarchSettings& march) {
@@ -96,7 +96,9 @@ bool Session::takeScene() {
   outdatedAt_.clear();
   for (size_t i = 0; i < kPanelCount; ++i) {
     jobs_[i] = {};
-    panels_[i] = {.technique = panels_[i].technique};
+    const WarpDescriptor* technique = panels_[i].technique;
+    panels_[i] = {};
+    panels_[i].technique = technique;
   }
   return true;
 }
@@ -203,9 +205,10 @@ bool Session::close(std::chrono::milliseconds patience) {
 }
 
 uint32_t Session::screenPixels() const {
-  const uint32_t longer = std::max(panelSizePx_.x, panelSizePx_.y);
-  if (knobs_.screenPixels != 0) return knobs_.screenPixels;
-  return std::max(1u, (longer + kFluentSidePx - 1) / kFluentSidePx);
+  uint32_t edge = std::max(1u, knobs_.screenPixels);
+  if (knobs_.screenPixels == 0)
+    while (uint64_t{panelSizePx_.x / edge} * (panelSizePx_.y / edge) > kFluentPixels) ++edge;
+  return edge;
 }
 
 glm::uvec2 Session::pictureSize() const {

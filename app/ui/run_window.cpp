@@ -34,8 +34,10 @@ class MainView {
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse);
     const float bodyHeight = std::max(1.0f, ImGui::GetContentRegionAvail().y - look.px(kStatusHeight));
+    ImGui::PushStyleColor(ImGuiCol_ChildBg, kFrameColor);
     ImGui::BeginChild("panels", {ImGui::GetContentRegionAvail().x - look.px(kControlsWidth + kMargin), bodyHeight}, false,
                       ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+    ImGui::PopStyleColor();
     drawErrorBanner(session, look);
     drawPanels(session, look);
     ImGui::EndChild();
