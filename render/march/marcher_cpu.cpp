@@ -3,6 +3,7 @@
 #include "render/march/marcher_cpu.h"
 
 #include <chrono>
+#include <functional>
 #include <mutex>
 #include <vector>
 
@@ -47,6 +48,11 @@ struct Baked {
   std::vector<uint8_t> emptyDistances;
 };
 
+/// What becomes of a finished ray. Behind one pointer, so that the loop over rays is compiled once a voxel type, not once a use.
+using OnRay = std::function<void(size_t pixel, const Ray&, const RayColor&, const std::vector<CountingSample>&)>;
+
+using DepthFunction = DepthResult (*)(const std::vector<CountingSample>&, float threshold);
+
 /// Depth of a finished ray. `counting` holds every sample that counted: a second pass folds over them again.
 template <class Depth>
 DepthResult depthOf(const std::vector<CountingSample>& counting, float threshold) {
@@ -56,6 +62,10 @@ DepthResult depthOf(const std::vector<CountingSample>& counting, float threshold
   auto fold = Depth::start(threshold, profile);
   for (const CountingSample& sample : counting) fold.add(sample);
   return Depth::result(fold);
+}
+
+DepthFunction depthFunctionOf(Heuristic heuristic) {
+  return visitHeuristic(heuristic, [](auto depth) -> DepthFunction { return depthOf<decltype(depth)>; });
 }
 
 class CpuMarcher final : public Marcher {
@@ -76,21 +86,18 @@ class CpuMarcher final : public Marcher {
     const size_t pixels = size_t{camera.width} * camera.height;
     denseSamples_.resize(pixels);
     denseColors_.resize(pixels);
-    visitHeuristic(settings.heuristic, [&](auto depthTag) {
-      using Depth = decltype(depthTag);
-      forEachRay(camera, settings, stop,
-                 [&](size_t pixel, const Ray& ray, const RayColor& color, const std::vector<CountingSample>& counting) {
-                   const DepthResult depth = depthOf<Depth>(counting, settings.threshold);
-                   denseSamples_[pixel] = 0;
-                   if (!depth.hasDepth) return;
-                   const glm::vec4 premultiplied = color.premultiplied();
-                   const float radius =
-                       sampleRadius(*volume_, camera, settings, depth.depth, glm::dot(ray.direction, camera.forward),
-                                    premultiplied.a);
-                   denseSamples_[pixel] = packSample(ray.at(depth.depth), radius, frame.quantization);
-                   denseColors_[pixel] = ColorTables::instance().encode(premultiplied);
-                 });
-    });
+    const DepthFunction depthOfRay = depthFunctionOf(settings.heuristic);
+    forEachRay(camera, settings, stop,
+               [&](size_t pixel, const Ray& ray, const RayColor& color, const std::vector<CountingSample>& counting) {
+                 const DepthResult depth = depthOfRay(counting, settings.threshold);
+                 denseSamples_[pixel] = 0;
+                 if (!depth.hasDepth) return;
+                 const glm::vec4 premultiplied = color.premultiplied();
+                 const float radius = sampleRadius(*volume_, camera, settings, depth.depth,
+                                                   glm::dot(ray.direction, camera.forward), premultiplied.a);
+                 denseSamples_[pixel] = packSample(ray.at(depth.depth), radius, frame.quantization);
+                 denseColors_[pixel] = ColorTables::instance().encode(premultiplied);
+               });
     frame.timings.marchMs = millisecondsSince(marchStart);
 
     const auto compactStart = std::chrono::steady_clock::now();
@@ -134,7 +141,6 @@ class CpuMarcher final : public Marcher {
     return baked_;
   }
 
-  template <class OnRay>
   void forEachRay(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop,
                   const OnRay& onRay) {
     const Baked& baked = bakedFor(settings.step);
@@ -158,7 +164,7 @@ class CpuMarcher final : public Marcher {
     });
   }
 
-  template <class Source, class View, class OnRay>
+  template <class Source, class View>
   void marchTiles(const View& view, const Camera& camera, const MarchSettings& settings, const std::stop_token& stop,
                   const OnRay& onRay) const {
     const float stopBelow = settings.terminateEarly ? settings.contribution : 0.0f;

@@ -1,0 +1,98 @@
+// Everything that render/core and render/march promise to compute alike on the host and on a device, in one function of plain data.
+// Compiled by both compilers; the device's answers must be the host's, bit for bit.
+#pragma once
+
+#include <vector>
+
+#include "render/core/box.h"
+#include "render/core/camera.h"
+#include "render/core/morton.h"
+#include "render/core/ray_sphere.h"
+#include "render/core/sample.h"
+#include "render/core/transfer_function.h"
+#include "render/march/depth_heuristic.h"
+#include "render/march/lattice.h"
+#include "render/march/transmittance.h"
+#include "render/volume/voxel_access.h"
+
+namespace warpscope {
+
+struct CoreProbeInput {
+  Camera camera;
+  glm::vec2 pixel;
+  glm::vec3 point;
+  float radius;
+  float step;
+  float alphas[8];
+  SampleQuantization quantization;
+};
+
+struct CoreProbeResult {
+  Ray ray;
+  float sphereT;
+  RayInterval interval;
+  Projection projection;
+  uint64_t packed;
+  Sphere unpacked;
+  uint64_t morton;
+  int latticeCount;
+  float latticeLast;
+  float depths[10];
+  float transmittance;
+  float trilinear;
+  int tableIndex;
+  int axisIndex;
+  float axisWeight;
+};
+
+template <class Depth>
+WARPSCOPE_HD inline float probeDepth(const CoreProbeInput& in) {
+  ProfileFold profile;
+  CountingSample samples[8];
+  Transmittance transmittance;
+  for (int i = 0; i < 8; ++i) {
+    samples[i] = {in.step * (static_cast<float>(i) + 0.5f), in.step, in.alphas[i], transmittance.value()};
+    transmittance.pass(in.alphas[i]);
+    profile.add(samples[i]);
+  }
+  auto fold = Depth::start(0.8f, profile);
+  for (int i = 0; i < 8; ++i) fold.add(samples[i]);
+  return Depth::result(fold).depth;
+}
+
+WARPSCOPE_HD inline CoreProbeResult probeCore(const CoreProbeInput& in) {
+  CoreProbeResult out{};
+  out.ray = pixelRay(in.camera, in.pixel);
+  out.sphereT = intersectSphere(out.ray, in.point, in.radius);
+  out.interval = intersectBox(reciprocalOf(out.ray.origin, out.ray.direction), in.quantization.bounds, 0.0f, kNoHit);
+  out.projection = project(in.camera, in.point);
+  out.packed = packSample(in.point, in.radius, in.quantization);
+  out.unpacked = unpackSample(out.packed, in.quantization);
+  out.morton = mortonCode(static_cast<uint32_t>(out.packed) & 0x1fffff, static_cast<uint32_t>(out.packed >> 18) & 0x1fffff,
+                          static_cast<uint32_t>(out.packed >> 36) & 0x1fffff);
+  const RayLattice lattice = makeLattice(out.interval, in.step);
+  out.latticeCount = lattice.count;
+  out.latticeLast = lattice.count > 0 ? lattice.t(lattice.count - 1) : 0.0f;
+  out.depths[0] = probeDepth<EntranceDepth>(in);
+  out.depths[1] = probeDepth<ExitDepth>(in);
+  out.depths[2] = probeDepth<MidpointDepth>(in);
+  out.depths[3] = probeDepth<ThresholdDepth>(in);
+  out.depths[4] = probeDepth<PeakDepth>(in);
+  out.depths[5] = probeDepth<GradientDepth>(in);
+  out.depths[6] = probeDepth<RelThresholdDepth>(in);
+  out.depths[7] = probeDepth<EnExMeanDepth>(in);
+  out.depths[8] = probeDepth<MedianDepth>(in);
+  out.depths[9] = probeDepth<ExpectedDepth>(in);
+  Transmittance transmittance;
+  for (int i = 0; i < 8; ++i) transmittance.pass(in.alphas[i]);
+  out.transmittance = transmittance.value();
+  out.trilinear = trilinear(in.alphas, in.alphas[0], in.alphas[3], in.alphas[6]);
+  out.tableIndex = transferIndex(out.trilinear);
+  axisCell(in.point.x, 100, out.axisIndex, out.axisWeight);
+  return out;
+}
+
+/// Evaluates probeCore on the first CUDA device. Throws InputError if that fails.
+std::vector<CoreProbeResult> probeCoreOnDevice(const std::vector<CoreProbeInput>& inputs);
+
+}  // namespace warpscope
