@@ -106,6 +106,7 @@ bool Session::takeScene() {
 bool Session::takeFrame() {
   std::optional<ServedFrame> served = server_->tryTake();
   if (!served || served->requestId < firstId_) return false;
+  answeredId_ = served->requestId;
   serverError_ = std::move(served->error);
   if (!served->frame) return true;
   frame_ = std::move(served->frame);

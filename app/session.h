@@ -90,6 +90,8 @@ class Session {
   /// The newest frame; null until there is one.
   const SampleFramePtr& frame() const { return frame_; }
   double serverFramesPerSecond(TimePoint now) const { return serverRate_.perSecond(now); }
+  /// True while the newest request is not answered.
+  bool isServerAtWork() const { return answeredId_ < requestId_; }
   /// Size of the panels' pictures and of the server's images; 0 until a panel has a size.
   glm::uvec2 pictureSize() const;
   glm::uvec2 serverSize() const;
@@ -128,6 +130,7 @@ class Session {
   Wanted wanted_;            // what the server's newest frame should show
   Wanted asked_;             // what it was last asked for
   uint64_t requestId_ = 0;   // of that request
+  uint64_t answeredId_ = 0;  // the last that was answered, by a frame or an error
   uint64_t firstId_ = 1;     // of the scene on show; earlier frames show another
   std::map<uint64_t, TimePoint> outdatedAt_;  // when each request stopped being what was wanted; none older than what is on show
   SampleFramePtr frame_;
