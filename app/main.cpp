@@ -5,6 +5,7 @@
 #include <new>
 
 #include "app/commands/options.h"
+#include "app/ui/run_window.h"
 #include "render/core/error.h"
 #include "render/core/parallel.h"
 
@@ -27,6 +28,7 @@ int run(int argc, char** argv) {
   program.require_subcommand(0, 1);
   program.set_version_flag("--version", WARPSCOPE_VERSION);
   std::function<void()> chosen;
+  warpscope::addViewCommand(program, chosen);
   warpscope::addShotCommand(program, chosen);
   warpscope::addCompareCommand(program, chosen);
   warpscope::addExportCommand(program, chosen);
@@ -42,8 +44,12 @@ int run(int argc, char** argv) {
     if (!std::cout.flush()) throw warpscope::InputError("standard output cannot be written to");
     return 0;
   }
-  std::cerr << "warpscope: no display here, so compare runs on the default scene into ./out\n";
-  warpscope::compareDefaultScene("out");
+  try {
+    warpscope::viewDefaultScene();
+  } catch (const warpscope::NoDisplay&) {
+    std::cerr << "warpscope: no display here, so compare runs on the default scene into ./out\n";
+    warpscope::compareDefaultScene("out");
+  }
   return 0;
 }
 

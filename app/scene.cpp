@@ -165,14 +165,8 @@ Scene openBySpec(const std::string& spec, const SceneOverrides& overrides) {
   for (const scenes::File& file : scenes::files())
     if (file.name == spec + ".json")
       return readScene(JsonDocument(file.content, "built-in scene " + spec), {}, overrides);
+  requireScene(spec);
   const fs::path path(spec);
-  const bool looksLikeFile = path.has_extension() || spec.find('/') != std::string::npos || fs::exists(path);
-  if (!looksLikeFile) {
-    const std::vector<BuiltinScene> scenes = builtinScenes();
-    std::vector<std::string_view> names;
-    for (const BuiltinScene& scene : scenes) names.push_back(scene.name);
-    throw UsageError(unknownName("scene", spec, names) + " (or a scene file, or a volume file)");
-  }
   if (path.extension() == ".json") return readScene(JsonDocument::fromFile(path), path.parent_path(), overrides);
   if (overrides.volume) throw UsageError("--volume replaces a scene's volume; '" + spec + "' is a volume itself");
   if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
@@ -193,6 +187,19 @@ std::vector<BuiltinScene> builtinScenes() {
 std::vector<View> defaultViews() {
   // The server's view shows three sides of a box; the others turn about it, nearer and farther.
   return {{30.0, 20.0, 0.72}, {40.0, 20.0, 0.72}, {55.0, 20.0, 0.6}, {75.0, 20.0, 0.9}, {0.0, 20.0, 0.5}};
+}
+
+void requireScene(const std::string& spec) {
+  const std::vector<BuiltinScene> scenes = builtinScenes();
+  std::vector<std::string_view> names;
+  for (const BuiltinScene& scene : scenes) {
+    if (scene.name == spec) return;
+    names.push_back(scene.name);
+  }
+  const fs::path path(spec);
+  if (fs::exists(path)) return;
+  if (path.has_extension() || spec.find('/') != std::string::npos) throw InputError(spec + ": there is no such file");
+  throw UsageError(unknownName("scene", spec, names) + " (or a scene file, or a volume file)");
 }
 
 Scene openScene(const std::string& spec, const SceneOverrides& overrides) {

@@ -56,6 +56,9 @@ struct BuiltinScene {
 };
 std::vector<BuiltinScene> builtinScenes();
 
+/// Throws what openScene would for a name that is neither built in nor a file that is there; quick.
+void requireScene(const std::string& spec);
+
 /// Opens a scene by its built-in name, a scene file (.json) or a volume file. Throws InputError; UsageError for a name that is neither.
 Scene openScene(const std::string& spec, const SceneOverrides& overrides = {});
 

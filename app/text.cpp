@@ -15,7 +15,7 @@ namespace {
 const stbtt_fontinfo& font() {
   static const stbtt_fontinfo loaded = [] {
     stbtt_fontinfo info;
-    const auto* data = reinterpret_cast<const unsigned char*>(fonts::files()[0].content.data());
+    const auto* data = reinterpret_cast<const unsigned char*>(fontFile().data());
     stbtt_InitFont(&info, data, stbtt_GetFontOffsetForIndex(data, 0));
     return info;
   }();
@@ -54,6 +54,8 @@ float layOut(std::string_view text, float scale, const Visit& visit) {
 }
 
 }  // namespace
+
+std::string_view fontFile() { return fonts::files()[0].content; }
 
 float textWidth(std::string_view text, float heightPx) {
   return layOut(text, stbtt_ScaleForPixelHeight(&font(), heightPx), [](int, float) {});

@@ -9,6 +9,9 @@
 
 namespace warpscope {
 
+/// The TrueType file whose glyphs these are, as it was compiled into the program.
+std::string_view fontFile();
+
 /// Width of a line of UTF-8 text in pixels.
 float textWidth(std::string_view text, float heightPx);
 

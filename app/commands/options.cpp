@@ -99,47 +99,64 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_flag("--verbose", options.verbose, "More about what is being done");
 }
 
-Workplace prepare(const CommonOptions& options) {
-  Workplace work;
+CheckedOptions check(const CommonOptions& options) {
+  CheckedOptions checked;
+  checked.scene = options.scene;
   const std::vector<uint32_t> size = parseSize("--size", options.size, 2, kMaxImageSide);
-  work.width = size[0];
-  work.height = size[1];
-  work.uncovered = parseColor(options.uncovered);
-  work.platform = choose("OpenGL platform", options.gl, kPlatforms);
-  work.backend = choose("backend", options.backend, kBackends);
-  work.warp.sphereTracing = choose("hierarchy", options.bvh, kTracings);
-  work.warp.pointSize = options.pointSize;
-  std::optional<Heuristic> heuristic;
-  std::optional<RadiusPolicy> radius;
-  if (!options.heuristic.empty()) heuristic = choose("heuristic", options.heuristic, kHeuristics);
-  if (!options.radius.empty()) radius = choose("radius policy", options.radius, kRadiusPolicies);
+  checked.width = size[0];
+  checked.height = size[1];
+  checked.uncovered = parseColor(options.uncovered);
+  checked.platform = choose("OpenGL platform", options.gl, kPlatforms);
+  checked.backend = choose("backend", options.backend, kBackends);
+  checked.warp.sphereTracing = choose("hierarchy", options.bvh, kTracings);
+  checked.warp.pointSize = options.pointSize;
+  if (!options.heuristic.empty()) checked.heuristic = choose("heuristic", options.heuristic, kHeuristics);
+  if (!options.radius.empty()) checked.radius = choose("radius policy", options.radius, kRadiusPolicies);
+  if (options.step) checked.step = static_cast<float>(*options.step);
+  if (options.radiusScale) checked.radiusScale = static_cast<float>(*options.radiusScale);
   if (options.fovYDeg && !(*options.fovYDeg > 0.0 && *options.fovYDeg < 180.0))
     throw UsageError("--fov: the field of view must be more than 0 and less than 180 degrees");
 
-  SceneOverrides overrides;
-  overrides.seed = options.seed;
-  overrides.fovYDeg = options.fovYDeg;
-  if (!options.volume.empty()) overrides.volume = options.volume;
-  if (!options.transferFunction.empty()) overrides.transferFunction = options.transferFunction;
+  checked.overrides.seed = options.seed;
+  checked.overrides.fovYDeg = options.fovYDeg;
+  if (!options.volume.empty()) checked.overrides.volume = options.volume;
+  if (!options.transferFunction.empty()) checked.overrides.transferFunction = options.transferFunction;
   if (!options.volumeSize.empty()) {
     const std::vector<uint32_t> dims = parseSize("--volume-size", options.volumeSize, 3, 65536);
-    overrides.proceduralDims = {dims[0], dims[1], dims[2]};
+    checked.overrides.proceduralDims = {dims[0], dims[1], dims[2]};
   }
   MarchSettings probe;
-  if (options.step) probe.step = static_cast<float>(*options.step);
-  if (options.radiusScale) probe.radiusScale = static_cast<float>(*options.radiusScale);
+  probe.step = checked.step.value_or(probe.step);
+  probe.radiusScale = checked.radiusScale.value_or(probe.radiusScale);
   validate(probe);
-  validate(work.warp);
-  if (work.backend == Backend::cuda)
+  validate(checked.warp);
+  if (checked.backend == Backend::cuda)
     if (const std::string reason = whyNoCuda(); !reason.empty())
       throw InputError("the backend cuda cannot be used: " + reason);
+  return checked;
+}
 
-  work.scene = openScene(options.scene, overrides);
+Scene CheckedOptions::open() const {
+  Scene opened = openScene(scene, overrides);
+  MarchSettings& march = opened.march;
+  march.heuristic = heuristic.value_or(march.heuristic);
+  march.radiusPolicy = radius.value_or(march.radiusPolicy);
+  march.step = step.value_or(march.step);
+  march.radiusScale = radiusScale.value_or(march.radiusScale);
+  return opened;
+}
+
+Workplace prepare(const CommonOptions& options) {
+  const CheckedOptions checked = check(options);
+  Workplace work;
+  work.width = checked.width;
+  work.height = checked.height;
+  work.uncovered = checked.uncovered;
+  work.platform = checked.platform;
+  work.backend = checked.backend;
+  work.warp = checked.warp;
+  work.scene = checked.open();
   work.march = work.scene.march;
-  if (heuristic) work.march.heuristic = *heuristic;
-  if (radius) work.march.radiusPolicy = *radius;
-  if (options.step) work.march.step = static_cast<float>(*options.step);
-  if (options.radiusScale) work.march.radiusScale = static_cast<float>(*options.radiusScale);
   work.warp.reference = work.march;
   return work;
 }

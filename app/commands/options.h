@@ -32,6 +32,27 @@ struct CommonOptions {
 /// Adds the scene and every shared option to a command.
 void addCommonOptions(CLI::App& command, CommonOptions& options);
 
+/// What was asked for, before the scene is opened.
+struct CheckedOptions {
+  std::string scene;
+  SceneOverrides overrides;
+  std::optional<Heuristic> heuristic;
+  std::optional<RadiusPolicy> radius;
+  std::optional<float> radiusScale, step;
+  WarpSettings warp;
+  uint32_t width = 0;
+  uint32_t height = 0;
+  Rgba8 uncovered = 0;
+  gl::Platform platform = gl::Platform::automatic;
+  Backend backend = Backend::automatic;
+
+  /// The scene with the marching that was asked for. Throws UsageError or InputError.
+  Scene open() const;
+};
+
+/// Checks every option, which is quick. Throws UsageError, or InputError for hardware that is not here.
+CheckedOptions check(const CommonOptions& options);
+
 /// What a command works with.
 struct Workplace {
   Scene scene;
@@ -66,6 +87,10 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen);
 void addCompareCommand(CLI::App& program, std::function<void()>& chosen);
 void addExportCommand(CLI::App& program, std::function<void()>& chosen);
 void addInfoCommand(CLI::App& program, std::function<void()>& chosen);
+void addViewCommand(CLI::App& program, std::function<void()>& chosen);
+
+/// `view` of the default scene. Throws NoDisplay if there is no screen.
+void viewDefaultScene();
 
 /// `compare` of the default scene into `out`.
 void compareDefaultScene(const std::filesystem::path& out);

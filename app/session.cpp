@@ -1,0 +1,244 @@
+// Handing out work and collecting it.
+// See session.h.
+#include "app/session.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace warpscope {
+namespace {
+
+/// How long the camera must rest before the reference is marched for counting holes.
+constexpr std::chrono::milliseconds kRest(150);
+/// Panels draw at most this many pixels unless the user says how many.
+constexpr uint64_t kFluentPixels = 600 * 1000;
+
+/// What of the settings the reference depends on; the rest decides about samples only.
+MarchSettings referenceSettings(const MarchSettings& march) {
+  MarchSettings settings;
+  settings.step = march.step;
+  settings.contribution = march.contribution;
+  settings.skipEmpty = march.skipEmpty;
+  settings.terminateEarly = march.terminateEarly;
+  return settings;
+}
+
+}  // namespace
+
+Session::Session(SessionSettings settings, Clock& clock, std::function<void()> onNews)
+    : knobs_(settings.knobs),
+      loader_(makeSceneLoader(std::move(settings.makeMarcher), onNews)),
+      server_(makeServerLoop(clock, onNews)),
+      referenceWorker_(makeReferenceWorker(onNews)) {
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    panels_[i].technique = settings.techniques[i];
+    warpWorkers_[i] = makeWarpWorker(settings.platform, onNews);
+  }
+}
+
+void Session::load(LoadJob job) {
+  loading_ = job.name;
+  loadError_.clear();
+  loader_->post(std::move(job));
+}
+
+void Session::setTechnique(size_t panel, const WarpDescriptor& technique) {
+  if (panels_[panel].technique == &technique) return;
+  panels_[panel].technique = &technique;
+  panels_[panel].holesAreCurrent = false;
+  warpWorkers_[panel]->cancel();  // its picture would not be shown long
+}
+
+void Session::resetView() {
+  if (loaded_) view_ = loaded_->scene.views.front();
+}
+
+void Session::dismissErrors() {
+  loadError_.clear();
+  serverError_.clear();
+}
+
+bool Session::update(TimePoint now) {
+  bool happened = takeScene();
+  if (!loaded_ || panelSizePx_.x == 0 || panelSizePx_.y == 0) return happened;
+  happened |= takeFrame();
+  happened |= ask(now);
+  happened |= takeReference();
+  happened |= askReference(now);
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    happened |= takePicture(i);
+    happened |= postJob(i);
+  }
+  forgetOldRequests();
+  return happened;
+}
+
+bool Session::takeScene() {
+  std::optional<LoadResult> result = loader_->tryTake();
+  if (!result || result->name != loading_) return false;
+  loading_.clear();
+  loadError_ = std::move(result->error);
+  if (!result->loaded) return true;
+
+  server_->cancel();
+  referenceWorker_->cancel();
+  for (const auto& worker : warpWorkers_) worker->cancel();
+  loaded_ = std::move(result->loaded);
+  serverError_.clear();
+  knobs_.march = loaded_->scene.march;
+  knobs_.isFrozen = false;
+  view_ = loaded_->scene.views.front();
+  frame_.reset();
+  reference_.reset();
+  asked_ = {};
+  referenceAsked_ = {};
+  firstId_ = requestId_ + 1;
+  outdatedAt_.clear();
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    jobs_[i] = {};
+    const WarpDescriptor* technique = panels_[i].technique;
+    panels_[i] = {};
+    panels_[i].technique = technique;
+  }
+  return true;
+}
+
+bool Session::takeFrame() {
+  std::optional<ServedFrame> served = server_->tryTake();
+  if (!served || served->requestId < firstId_) return false;
+  answeredId_ = served->requestId;
+  serverError_ = std::move(served->error);
+  if (!served->frame) return true;
+  frame_ = std::move(served->frame);
+  serverRate_.tick(served->arrivedAt);
+  return true;
+}
+
+bool Session::takeReference() {
+  std::optional<ReferenceResult> result = referenceWorker_->tryTake();
+  if (!result || !result->image || referenceAsked_ != referenceWanted_) return false;
+  if (result->image->camera == referenceAsked_.camera) reference_ = std::move(result->image);
+  return true;
+}
+
+bool Session::takePicture(size_t index) {
+  std::optional<WarpResult> result = warpWorkers_[index]->tryTake();
+  if (!result || result->marcher != loaded_->display) return false;
+  Panel& panel = panels_[index];
+  panel.error = std::move(result->error);
+  if (!result->picture) return true;
+  panel.picture = std::move(result->picture);
+  panel.drawn = result->technique;
+  panel.requestId = result->requestId;
+  panel.buildMs = result->buildMs;
+  panel.drawMs = result->drawMs;
+  panel.holesAreCurrent = result->holeFraction.has_value() && result->technique == panel.technique;
+  if (panel.holesAreCurrent) panel.holeFraction = result->holeFraction;
+  return true;
+}
+
+bool Session::ask(TimePoint now) {
+  wanted_ = {loaded_->server, cameraOfSize(serverSize()), knobs_.march};
+  if (wanted_ == asked_) {
+    outdatedAt_.erase(requestId_);  // the camera may have come back
+    return false;
+  }
+  outdatedAt_.try_emplace(requestId_, now);
+  if (knobs_.isFrozen && frame_) return false;
+  asked_ = wanted_;
+  server_->post({++requestId_, wanted_.marcher, wanted_.camera, wanted_.settings, now, durationOfMs(knobs_.delayMs)});
+  return true;
+}
+
+bool Session::askReference(TimePoint now) {
+  const ReferenceJob wanted{loaded_->display, cameraOfSize(pictureSize()), referenceSettings(knobs_.march)};
+  if (wanted != referenceWanted_) {
+    referenceWanted_ = wanted;
+    movedAt_ = now;
+    reference_.reset();
+    referenceWorker_->cancel();
+    for (Panel& panel : panels_) panel.holesAreCurrent = false;
+    return true;
+  }
+  if (now - movedAt_ < kRest) return true;  // the time passes without further events
+  if (referenceAsked_ == referenceWanted_) return false;
+  referenceAsked_ = referenceWanted_;
+  referenceWorker_->post(referenceAsked_);
+  return true;
+}
+
+bool Session::postJob(size_t index) {
+  WarpJob job;
+  job.technique = panels_[index].technique;
+  if (job.technique->usesFrame) {
+    if (!frame_) return false;
+    job.frame = frame_;
+    job.reference = reference_;
+  }
+  job.marcher = loaded_->display;
+  job.camera = cameraOfSize(pictureSize());
+  job.settings = knobs_.warp;
+  job.settings.reference = referenceSettings(knobs_.march);
+  job.background = loaded_->scene.background;
+  job.uncovered = knobs_.uncovered;
+  if (job == jobs_[index]) return false;
+  jobs_[index] = job;
+  warpWorkers_[index]->post(std::move(job));
+  return true;
+}
+
+void Session::forgetOldRequests() {
+  uint64_t oldest = frame_ ? frame_->requestId : firstId_;
+  for (const Panel& panel : panels_)
+    if (panel.picture && panel.drawn->usesFrame) oldest = std::min(oldest, panel.requestId);
+  outdatedAt_.erase(outdatedAt_.begin(), outdatedAt_.lower_bound(oldest));
+}
+
+bool Session::close(std::chrono::milliseconds patience) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  loader_->requestStop();
+  server_->requestStop();
+  referenceWorker_->requestStop();
+  for (const auto& worker : warpWorkers_) worker->requestStop();
+  bool ended = loader_->waitForEnd(deadline) && server_->waitForEnd(deadline) && referenceWorker_->waitForEnd(deadline);
+  for (const auto& worker : warpWorkers_) ended = ended && worker->waitForEnd(deadline);
+  return ended;
+}
+
+uint32_t Session::screenPixels() const {
+  uint32_t edge = std::max(1u, knobs_.screenPixels);
+  if (knobs_.screenPixels == 0)
+    while (uint64_t{panelSizePx_.x / edge} * (panelSizePx_.y / edge) > kFluentPixels) ++edge;
+  return edge;
+}
+
+glm::uvec2 Session::pictureSize() const {
+  if (panelSizePx_.x == 0 || panelSizePx_.y == 0) return glm::uvec2(0);
+  return glm::clamp(panelSizePx_ / screenPixels(), glm::uvec2(1), glm::uvec2(kMaxImageSide));
+}
+
+glm::uvec2 Session::serverSize() const {
+  const glm::uvec2 picture = pictureSize();
+  if (picture.x == 0) return picture;
+  const double scale = static_cast<double>(knobs_.serverSidePx) / std::max(picture.x, picture.y);
+  return glm::max(glm::uvec2(1), glm::uvec2(glm::round(glm::dvec2(picture) * scale)));
+}
+
+Camera Session::cameraOfSize(const glm::uvec2& size) const {
+  // One camera for all sizes: its distance depends on the picture's shape, which rounding changes a little.
+  const glm::uvec2 picture = pictureSize();
+  Camera camera = makeCamera(loaded_->scene, view_, picture.x, picture.y);
+  camera.width = size.x;
+  camera.height = size.y;
+  return camera;
+}
+
+std::optional<double> Session::ageMs(size_t panel, TimePoint now) const {
+  const Panel& shown = panels_[panel];
+  if (!shown.picture || !shown.drawn->usesFrame) return std::nullopt;
+  if (isCurrent(shown.requestId)) return 0.0;
+  const auto outdated = outdatedAt_.find(shown.requestId);
+  return outdated == outdatedAt_.end() ? 0.0 : millisecondsBetween(outdated->second, now);
+}
+
+}  // namespace warpscope

@@ -1,0 +1,151 @@
+// Everything that the window shows, without the window: the scene, the camera, the knobs, two panels, and the threads that serve them.
+// Panels read the state and return edits; update() hands work to the threads and collects what they made.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/clock.h"
+#include "app/rate_meter.h"
+#include "app/scene_loader.h"
+#include "app/server_loop.h"
+#include "app/warp_worker.h"
+
+namespace warpscope {
+
+/// What the user can turn.
+struct Knobs {
+  MarchSettings march;
+  WarpSettings warp;               ///< its `reference` is not used: the reference follows `march`
+  uint32_t serverSidePx = 512;     ///< longer side of the server's image
+  uint32_t screenPixels = 0;       ///< edge, in screen pixels, of a pixel that the panels draw; 0: whatever keeps the display fluent
+  double delayMs = 0.0;            ///< round trip to the server
+  bool isFrozen = false;           ///< the server is asked for nothing: its last frame stays
+  Rgba8 uncovered = 0;             ///< 0: the scene's background
+
+  bool operator==(const Knobs&) const = default;
+};
+
+inline constexpr size_t kPanelCount = 2;
+
+/// What one panel shows.
+struct Panel {
+  const WarpDescriptor* technique = nullptr;
+  std::shared_ptr<const Image<Rgba8>> picture;  ///< null until the first is there; stays until the next
+  const WarpDescriptor* drawn = nullptr;        ///< the technique that drew it
+  uint64_t requestId = 0;                       ///< of the frame that it was drawn from
+  double buildMs = 0.0;
+  double drawMs = 0.0;
+  std::optional<double> holeFraction;  ///< the last that was counted
+  bool holesAreCurrent = false;        ///< counted for the picture that is shown
+  std::string error;                   ///< empty if the last picture succeeded
+};
+
+struct SessionSettings {
+  std::array<const WarpDescriptor*, kPanelCount> techniques{};
+  Knobs knobs;  ///< `march` is replaced by each scene's
+  gl::Platform platform = gl::Platform::automatic;
+  MarcherMaker makeMarcher;
+};
+
+class Session {
+ public:
+  using TimePoint = Clock::TimePoint;
+
+  /// `clock` must outlive the session. `onNews` is called on any thread whenever update() has something to collect.
+  Session(SessionSettings settings, Clock& clock, std::function<void()> onNews);
+
+  // --- Edits. Those of the same value do nothing.
+  /// Opens a scene in the background; the one on show stays until it is there. The newest request wins.
+  void load(LoadJob job);
+  void setView(const View& view) { view_ = view; }
+  void setKnobs(const Knobs& knobs) { knobs_ = knobs; }
+  void setTechnique(size_t panel, const WarpDescriptor& technique);
+  /// Area for each panel's picture, in screen pixels.
+  void setPanelSize(const glm::uvec2& sizePx) { panelSizePx_ = sizePx; }
+  void resetView();
+  void dismissErrors();
+
+  /// Collects results and hands out work. Call it once for each frame of the display; it never waits. True if anything happened.
+  bool update(TimePoint now);
+
+  /// Asks all threads to end, and waits until they have or `patience` is over. False if a scene that cannot be interrupted is still
+  /// being read; then destroying the session waits for it.
+  bool close(std::chrono::milliseconds patience);
+
+  // --- State.
+  /// Null until the first scene is there.
+  const Scene* scene() const { return loaded_ ? &loaded_->scene : nullptr; }
+  /// Name of the scene that is being opened; empty if none is.
+  const std::string& loading() const { return loading_; }
+  /// Why the last scene or frame could not be had; empty if it could.
+  const std::string& error() const { return loadError_.empty() ? serverError_ : loadError_; }
+  const View& view() const { return view_; }
+  const Knobs& knobs() const { return knobs_; }
+  const Panel& panel(size_t index) const { return panels_[index]; }
+  /// The newest frame; null until there is one.
+  const SampleFramePtr& frame() const { return frame_; }
+  double serverFramesPerSecond(TimePoint now) const { return serverRate_.perSecond(now); }
+  /// True while the newest request is not answered.
+  bool isServerAtWork() const { return answeredId_ < requestId_; }
+  /// Size of the panels' pictures and of the server's images; 0 until a panel has a size.
+  glm::uvec2 pictureSize() const;
+  glm::uvec2 serverSize() const;
+  /// How many screen pixels a picture's pixel is wide.
+  uint32_t screenPixels() const;
+  /// For how long the camera of the frame in `panel` has not been the current one any more: 0 while it is. Nothing without a frame.
+  std::optional<double> ageMs(size_t panel, TimePoint now) const;
+
+ private:
+  struct Wanted {
+    MarcherPtr marcher;
+    Camera camera;
+    MarchSettings settings;
+    bool operator==(const Wanted&) const = default;
+  };
+
+  // Each is true if anything happened.
+  bool takeScene();
+  bool takeFrame();
+  bool takeReference();
+  bool takePicture(size_t index);
+  bool ask(TimePoint now);
+  bool askReference(TimePoint now);
+  bool postJob(size_t index);
+  void forgetOldRequests();
+  Camera cameraOfSize(const glm::uvec2& size) const;
+  bool isCurrent(uint64_t requestId) const { return requestId == requestId_ && wanted_ == asked_; }
+
+  std::shared_ptr<const LoadedScene> loaded_;
+  std::string loading_, loadError_, serverError_;
+  View view_;
+  Knobs knobs_;
+  glm::uvec2 panelSizePx_{0};
+  std::array<Panel, kPanelCount> panels_;
+
+  Wanted wanted_;            // what the server's newest frame should show
+  Wanted asked_;             // what it was last asked for
+  uint64_t requestId_ = 0;   // of that request
+  uint64_t answeredId_ = 0;  // the last that was answered, by a frame or an error
+  uint64_t firstId_ = 1;     // of the scene on show; earlier frames show another
+  std::map<uint64_t, TimePoint> outdatedAt_;  // when each request stopped being what was wanted; none older than what is on show
+  SampleFramePtr frame_;
+  RateMeter serverRate_;
+
+  ReferenceJob referenceWanted_, referenceAsked_;
+  TimePoint movedAt_{};  // when referenceWanted_ changed last
+  std::shared_ptr<const ReferenceImage> reference_;
+  std::array<WarpJob, kPanelCount> jobs_;  // last posted
+
+  // Last: their threads call onNews_.
+  std::unique_ptr<SceneLoader> loader_;
+  std::unique_ptr<ServerLoop> server_;
+  std::unique_ptr<ReferenceWorker> referenceWorker_;
+  std::array<std::unique_ptr<WarpWorker>, kPanelCount> warpWorkers_;
+};
+
+}  // namespace warpscope

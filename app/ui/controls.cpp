@@ -1,0 +1,196 @@
+// The column of knobs.
+// See parts.h.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "app/ui/parts.h"
+
+namespace warpscope::ui {
+namespace {
+
+constexpr float kLabelWidth = 92.0f;  // at scale 1
+constexpr std::array<uint32_t, 8> kServerSidesPx{128, 256, 384, 512, 768, 1024, 1536, 2048};
+constexpr uint32_t kMaxScreenPixels = 4;
+
+void heading(const char* text, const Look& look) {
+  ImGui::Dummy({0.0f, 0.0f});
+  ImGui::PushFont(look.fonts.small);
+  ImGui::TextColored(kAccent, "%s", text);
+  ImGui::PopFont();
+}
+
+/// A label on the left; what comes next fills the rest of the line.
+void label(const char* text, const Look& look) {
+  const float left = ImGui::GetCursorPosX();
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(text);
+  ImGui::SameLine(left + look.px(kLabelWidth));
+  ImGui::SetNextItemWidth(-1.0f);
+}
+
+/// A choice among a table of NamedValue.
+template <class Table, class Value>
+void choice(const char* text, const Table& table, Value& value, const char* explanation, const Look& look) {
+  label(text, look);
+  ImGui::PushID(text);
+  const bool isOpen = ImGui::BeginCombo("##choice", std::string(nameOf(value)).c_str());
+  if (!isOpen) tooltip(explanation, look);
+  if (isOpen) {
+    for (const auto& entry : table) {
+      if (ImGui::Selectable(std::string(entry.name).c_str(), entry.value == value)) value = entry.value;
+      tooltip(std::string(entry.summary), look);
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::PopID();
+}
+
+void slider(const char* text, float& value, float lowest, float highest, const char* format, bool isLogarithmic,
+            const char* explanation, const Look& look) {
+  label(text, look);
+  ImGui::PushID(text);
+  float edited = value;
+  const ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (isLogarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+  if (ImGui::SliderFloat("##slider", &edited, lowest, highest, format, flags) && std::isfinite(edited)) value = edited;
+  tooltip(explanation, look);
+  ImGui::PopID();
+}
+
+void drawServer(Session& session, Knobs& knobs, const Look& look) {
+  heading("SERVER", look);
+  choice("Depth", kHeuristics, knobs.march.heuristic, "Which point of a ray stands for its pixel.", look);
+  choice("Radius", kRadiusPolicies, knobs.march.radiusPolicy, "How large a sample is.", look);
+  slider("Scale", knobs.march.radiusScale, 0.1f, 4.0f, "%.2f ×", true, "Factor on the radius.", look);
+  slider("Step", knobs.march.step, 0.1f, 4.0f, "%.2f voxels", true, "Distance of samples along a ray, in voxel edges.", look);
+
+  label("Image", look);
+  const glm::uvec2 size = session.serverSize();
+  const auto sizeText = [](uint32_t side) { return std::to_string(side) + " px"; };
+  const bool isOpen = ImGui::BeginCombo("##server image", sizeText(knobs.serverSidePx).c_str());
+  if (!isOpen)
+    tooltip("Longer side of the server's image, in pixels: one ray for each. Now " + std::to_string(size.x) + " × " +
+                std::to_string(size.y) + ".",
+            look);
+  if (isOpen) {
+    for (const uint32_t side : kServerSidesPx)
+      if (ImGui::Selectable(sizeText(side).c_str(), side == knobs.serverSidePx)) knobs.serverSidePx = side;
+    ImGui::EndCombo();
+  }
+
+  float delayMs = static_cast<float>(knobs.delayMs);
+  slider("Delay", delayMs, 0.0f, 2000.0f, "%.0f ms", false, "Round trip to the server, in milliseconds: half of it before the march, half after it.", look);
+  knobs.delayMs = delayMs;
+  label("", look);
+  ImGui::Checkbox("Freeze frame", &knobs.isFrozen);
+  tooltip("Ask the server for nothing more: its last frame stays, and can be looked at from elsewhere. Key F.", look);
+}
+
+void drawDisplay(const Session& session, Knobs& knobs, std::array<float, 3>& markColor, const Look& look) {
+  heading("DISPLAY", look);
+  label("Points", look);
+  ImGui::SliderInt("##points", &knobs.warp.pointSize, 1, 16, "%d px", ImGuiSliderFlags_AlwaysClamp);
+  tooltip("Edge of a point of the technique Points, in pixels of its picture.", look);
+
+  label("Spheres", look);
+  int tracing = knobs.warp.sphereTracing == SphereTracing::lbvh ? 0 : 1;
+  ImGui::Combo("##tracing", &tracing, "LBVH\0Embree\0");
+  tooltip("The hierarchy that the technique Spheres is traced with.", look);
+  knobs.warp.sphereTracing = tracing == 0 ? SphereTracing::lbvh : SphereTracing::embree;
+
+  label("Pixels", look);
+  const auto pixelsText = [](uint32_t pixels) {
+    if (pixels == 0) return std::string("automatic");
+    return pixels == 1 ? std::string("1 : 1") : "1 : " + std::to_string(pixels);
+  };
+  const glm::uvec2 size = session.pictureSize();
+  const bool isOpen = ImGui::BeginCombo("##pixels", pixelsText(knobs.screenPixels).c_str());
+  if (!isOpen)
+    tooltip("How many screen pixels wide a pixel of the pictures is. Now the pictures have " + std::to_string(size.x) + " × " +
+                std::to_string(size.y) + " pixels.",
+            look);
+  if (isOpen) {
+    for (uint32_t pixels = 0; pixels <= kMaxScreenPixels; ++pixels)
+      if (ImGui::Selectable(pixelsText(pixels).c_str(), pixels == knobs.screenPixels)) knobs.screenPixels = pixels;
+    ImGui::EndCombo();
+  }
+
+  label("Uncovered", look);
+  bool isMarked = knobs.uncovered != 0;
+  ImGui::Checkbox("##marked", &isMarked);
+  tooltip("Show pixels that no sample covers in a colour instead of the background.", look);
+  ImGui::SameLine();
+  ImGui::ColorEdit3("##mark color", markColor.data(), ImGuiColorEditFlags_NoInputs);
+  tooltip("The colour of uncovered pixels.", look);
+  const auto code = [](float channel) { return quantizeUnorm8(channel); };
+  knobs.uncovered =
+      isMarked ? code(markColor[0]) | code(markColor[1]) << 8 | code(markColor[2]) << 16 | 0xff000000u : 0u;
+}
+
+void drawCamera(Session& session, const Look& look) {
+  heading("CAMERA", look);
+  const View& view = session.view();
+  const auto rounded = [](double degrees) { return std::round(degrees) + 0.0; };  // no "-0"
+  ImGui::TextColored(kDimText, "%.0f° around, %.0f° up, %.2f × as far", rounded(view.angleDeg), rounded(view.elevationDeg),
+                     view.distance);
+  if (ImGui::Button("Reset view", {-1.0f, 0.0f})) session.resetView();
+  tooltip("Back to the scene's first view. Key R, or a double click.", look);
+  ImGui::PushFont(look.fonts.small);
+  ImGui::PushTextWrapPos(0.0f);
+  ImGui::TextColored(kFaintText, "Drag to orbit, with the right button to pan; wheel to zoom.");
+  ImGui::PopTextWrapPos();
+  ImGui::PopFont();
+}
+
+}  // namespace
+
+void Controls::draw(Session& session, const SceneOpener& openScene, const Look& look) {
+  drawScene(session, openScene, look);
+  Knobs knobs = session.knobs();
+  if (knobs.uncovered != 0)
+    for (size_t i = 0; i < 3; ++i) markColor_[i] = static_cast<float>(knobs.uncovered >> (8 * i) & 255) / 255.0f;
+  drawServer(session, knobs, look);
+  drawDisplay(session, knobs, markColor_, look);
+  session.setKnobs(knobs);
+  drawCamera(session, look);
+}
+
+void Controls::drawScene(Session& session, const SceneOpener& openScene, const Look& look) {
+  static const std::vector<BuiltinScene> kScenes = builtinScenes();
+  ImGui::PushFont(look.fonts.small);
+  ImGui::TextColored(kAccent, "SCENE");
+  ImGui::PopFont();
+  ImGui::SetNextItemWidth(-1.0f);
+  const Scene* shown = session.scene();
+  const bool isOpen = ImGui::BeginCombo("##scene", shown != nullptr ? shown->name.c_str() : "–");
+  if (!isOpen) tooltip("A built-in scene.", look);
+  if (isOpen) {
+    for (const BuiltinScene& scene : kScenes) {
+      if (ImGui::Selectable(scene.name.c_str(), shown != nullptr && shown->name == scene.name)) session.load(openScene(scene.name));
+      tooltip(scene.title, look);
+    }
+    ImGui::EndCombo();
+  }
+  const float buttonWidth = look.px(56.0f);
+  ImGui::SetNextItemWidth(-buttonWidth - ImGui::GetStyle().ItemSpacing.x);
+  bool isEntered = ImGui::InputTextWithHint("##path", "file of a scene or volume", path_.data(), path_.size(),
+                                            ImGuiInputTextFlags_EnterReturnsTrue);
+  tooltip("Path of a scene (.json) or of a volume. A file can also be dropped onto the window.", look);
+  ImGui::SameLine();
+  isEntered |= ImGui::Button("Open", {-1.0f, 0.0f});
+  if (isEntered && path_[0] != '\0') session.load(openScene(path_.data()));
+
+  // The bar's place is kept, so that nothing moves when it comes and goes.
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = look.px(3.0f);
+  ImGui::Dummy({width, height});
+  if (session.loading().empty()) return;
+  const float position = static_cast<float>(std::fmod(ImGui::GetTime() * 0.7, 1.0)) * 1.3f - 0.3f;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(at, {at.x + width, at.y + height}, ImGui::GetColorU32(ImGuiCol_FrameBg), 0.5f * height);
+  list->AddRectFilled({at.x + width * std::max(0.0f, position), at.y},
+                      {at.x + width * std::min(1.0f, position + 0.3f), at.y + height}, ImGui::GetColorU32(kAccent), 0.5f * height);
+}
+
+}  // namespace warpscope::ui

@@ -1,0 +1,116 @@
+// The small parts: status bar, error banner, tooltips.
+// See parts.h.
+#include "app/ui/parts.h"
+
+#include <cstdio>
+#include <vector>
+
+namespace warpscope::ui {
+namespace {
+
+std::string format(const char* pattern, double value) {
+  char text[48];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+/// 83412 as "83 412".
+std::string grouped(size_t number) {
+  std::string text = std::to_string(number);
+  for (size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, " ");
+  return text;
+}
+
+std::string bytesText(size_t bytes) {
+  if (bytes < 1000) return std::to_string(bytes) + " bytes";
+  if (bytes < 1000 * 1000) return format("%.0f kB", static_cast<double>(bytes) / 1e3);
+  return format("%.2f MB", static_cast<double>(bytes) / 1e6);
+}
+
+}  // namespace
+
+bool Hover::hasRested(const ImVec2& item, Session::TimePoint now) {
+  constexpr std::chrono::milliseconds kDelay(450);
+  const int frame = ImGui::GetFrameCount();
+  const bool isOther = item.x != item_.x || item.y != item_.y || frame > lastFrame_ + 1;
+  if (isOther) since_ = now;
+  item_ = item;
+  lastFrame_ = frame;
+  return now - since_ >= kDelay;
+}
+
+std::string durationText(double milliseconds) {
+  if (milliseconds < 9.95) return format("%.2g ms", milliseconds);
+  if (milliseconds < 9950.0) return format("%.0f ms", milliseconds);
+  return format("%.0f s", milliseconds / 1e3);
+}
+
+void tooltip(const std::string& text, const Look& look) {
+  if (!ImGui::IsItemHovered() || !look.hover->hasRested(ImGui::GetItemRectMin(), look.now)) return;
+  const ImVec2 padding{look.px(8.0f), look.px(6.0f)};
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, padding);
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(look.px(300.0f));
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+  ImGui::PopStyleVar();
+}
+
+void drawStatusBar(const Session& session, double displayFramesPerSecond, const Look& look) {
+  std::vector<std::string> items;
+  if (const Scene* scene = session.scene()) {
+    const glm::uvec3 dims = scene->volume->dims();
+    items.push_back(scene->name);
+    items.push_back(std::to_string(dims.x) + " × " + std::to_string(dims.y) + " × " + std::to_string(dims.z) + " voxels");
+  } else {
+    items.push_back("no scene yet");
+  }
+  if (const SampleFramePtr& frame = session.frame()) {
+    items.push_back(grouped(frame->size()) + " samples");
+    items.push_back(bytesText(frame->sizeBytes()) + " a frame");
+    const double rate = session.serverFramesPerSecond(look.now);
+    items.push_back("server " + durationText(frame->timings.marchMs + frame->timings.compactMs) +
+                    (rate > 0.0                  ? ", " + format("%.1f frames/s", rate)
+                     : session.isServerAtWork() ? std::string(", at work")
+                                                : std::string(", idle")));
+  }
+  const std::string display =
+      displayFramesPerSecond > 0.0 ? format("display %.0f frames/s", displayFramesPerSecond) : std::string("display idle");
+
+  const float right = ImGui::GetWindowContentRegionMax().x;
+  const float displayWidth = ImGui::CalcTextSize(display.c_str()).x;
+  const float gap = look.px(22.0f);
+  ImGui::AlignTextToFramePadding();
+  for (size_t i = 0; i < items.size(); ++i) {
+    if (i > 0) ImGui::SameLine(0.0f, gap);
+    // What does not fit is left out; the first says most.
+    if (ImGui::GetCursorPosX() + ImGui::CalcTextSize(items[i].c_str()).x + gap > right - displayWidth) break;
+    ImGui::TextColored(i == 0 ? ImGui::GetStyle().Colors[ImGuiCol_Text] : kDimText, "%s", items[i].c_str());
+  }
+  ImGui::SameLine(right - displayWidth);
+  ImGui::TextColored(kDimText, "%s", display.c_str());
+}
+
+void drawErrorBanner(Session& session, const Look& look) {
+  const std::string error = session.error();
+  if (error.empty()) return;
+  const float buttonWidth = look.px(72.0f), padding = look.px(8.0f);
+  const float wrap = ImGui::GetContentRegionAvail().x - buttonWidth - 3.0f * padding;
+  const float height = std::max(ImGui::CalcTextSize(error.c_str(), nullptr, false, wrap).y, ImGui::GetFrameHeight()) + 2.0f * padding;
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, kErrorBackground);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {padding, padding});
+  ImGui::BeginChild("error", {0.0f, height}, true, ImGuiWindowFlags_NoScrollbar);
+  ImGui::PushTextWrapPos(padding + wrap);
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextColored(kErrorText, "%s", error.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::SameLine(ImGui::GetWindowWidth() - buttonWidth - padding);
+  ImGui::SetCursorPosY(padding);
+  if (ImGui::Button("Dismiss", {buttonWidth, 0.0f})) session.dismissErrors();
+  ImGui::EndChild();
+  ImGui::PopStyleVar();
+  ImGui::PopStyleColor();
+}
+
+}  // namespace warpscope::ui

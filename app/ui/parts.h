@@ -1,0 +1,68 @@
+// The parts of the window. Each reads the session, draws itself, and tells the session what the user changed.
+// Sizes are in ImGui units; `scale` times a length at scale 1.
+#pragma once
+
+#include <imgui.h>
+
+#include <array>
+#include <string>
+
+#include "app/session.h"
+#include "app/ui/run_window.h"
+#include "app/ui/texture.h"
+#include "app/ui/theme.h"
+
+namespace warpscope::ui {
+
+/// For how long the pointer has been on one item, so that explanations do not pop up on its way.
+class Hover {
+ public:
+  /// `item` is the corner of the item under the pointer; true once it has been the same for a while.
+  bool hasRested(const ImVec2& item, Session::TimePoint now);
+
+ private:
+  ImVec2 item_{-1.0f, -1.0f};
+  Session::TimePoint since_{};
+  int lastFrame_ = 0;
+};
+
+/// What every part needs to draw itself.
+struct Look {
+  Fonts fonts;
+  float scale = 1.0f;
+  float pixelsPerUnit = 1.0f;
+  Session::TimePoint now;
+  Hover* hover = nullptr;
+
+  float px(float atScale1) const { return atScale1 * scale; }
+};
+
+/// A panel: technique, picture with orbit control, measurements. Fills the current child window. Returns true while the pointer is
+/// over it. The session learns the size of the picture's area.
+bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, const Look& look);
+
+/// The column of knobs.
+class Controls {
+ public:
+  void draw(Session& session, const SceneOpener& openScene, const Look& look);
+
+ private:
+  void drawScene(Session& session, const SceneOpener& openScene, const Look& look);
+
+  std::array<char, 1024> path_{};
+  std::array<float, 3> markColor_{1.0f, 0.0f, 0.78f};  // sRGB
+};
+
+/// Scene, samples, rates: one line.
+void drawStatusBar(const Session& session, double displayFramesPerSecond, const Look& look);
+
+/// The session's error as a sentence over the panels' width; nothing without one.
+void drawErrorBanner(Session& session, const Look& look);
+
+/// Explains the item drawn last while the pointer rests on it.
+void tooltip(const std::string& text, const Look& look);
+
+/// "12.3 ms", "123 ms", "1.23 s".
+std::string durationText(double milliseconds);
+
+}  // namespace warpscope::ui

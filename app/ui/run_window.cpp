@@ -1,0 +1,153 @@
+// The window's main loop: events, session, panels, picture.
+// See run_window.h.
+#include "app/ui/run_window.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/output_files.h"
+#include "app/picture.h"
+#include "app/ui/parts.h"
+#include "app/ui/window.h"
+
+namespace warpscope {
+namespace ui {
+namespace {
+
+constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f;  // at scale 1
+constexpr std::chrono::milliseconds kClosingPatience(700);
+/// After the last event the display keeps its rate for this long.
+constexpr std::chrono::milliseconds kLinger(500);
+
+class MainView {
+ public:
+  MainView(const Window& window, const SceneOpener& openScene)
+      : textures_{PictureTexture(window.gl()), PictureTexture(window.gl())}, openScene_(openScene) {}
+
+  void draw(Session& session, double displayFramesPerSecond, const Look& look) {
+    const ImGuiIO& io = ImGui::GetIO();
+    ImGui::SetNextWindowPos({0.0f, 0.0f});
+    ImGui::SetNextWindowSize(io.DisplaySize);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(kMargin), look.px(kMargin)});
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(kMargin), look.px(kMargin)});
+    ImGui::Begin("warpscope", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse);
+    const float bodyHeight = std::max(1.0f, ImGui::GetContentRegionAvail().y - look.px(kStatusHeight));
+    ImGui::PushStyleColor(ImGuiCol_ChildBg, kFrameColor);
+    ImGui::BeginChild("panels", {ImGui::GetContentRegionAvail().x - look.px(kControlsWidth + kMargin), bodyHeight}, false,
+                      ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+    ImGui::PopStyleColor();
+    drawErrorBanner(session, look);
+    drawPanels(session, look);
+    ImGui::EndChild();
+    ImGui::PopStyleVar(2);
+
+    ImGui::SameLine(0.0f, look.px(kMargin));
+    ImGui::BeginChild("controls", {0.0f, bodyHeight}, true);
+    controls_.draw(session, openScene_, look);
+    ImGui::EndChild();
+    ImGui::SetCursorPosY(ImGui::GetWindowHeight() - look.px(kStatusHeight));
+    drawStatusBar(session, displayFramesPerSecond, look);
+    ImGui::End();
+  }
+
+  /// The panel under the pointer in the last draw().
+  std::optional<size_t> panelUnderPointer() const { return underPointer_; }
+
+ private:
+  void drawPanels(Session& session, const Look& look) {
+    const ImVec2 room = ImGui::GetContentRegionAvail();
+    const float width = std::floor(0.5f * (room.x - look.px(kMargin)));  // equal, so that pictures are
+    underPointer_.reset();
+    for (size_t i = 0; i < kPanelCount; ++i) {
+      if (i > 0) ImGui::SameLine(0.0f, look.px(kMargin));
+      ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(8.0f), look.px(8.0f)});
+      ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(6.0f)});
+      ImGui::BeginChild(i == 0 ? "left" : "right", {width, room.y}, true,
+                        ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+      if (drawWarpPanel(session, i, textures_[i], look)) underPointer_ = i;
+      ImGui::EndChild();
+      ImGui::PopStyleVar(2);
+    }
+  }
+
+  Controls controls_;
+  std::array<PictureTexture, kPanelCount> textures_;
+  const SceneOpener& openScene_;
+  std::optional<size_t> underPointer_;
+};
+
+/// Keys that act on the session. Returns false for those that close the window.
+bool handleKeys(Window& window, Session& session, std::optional<size_t> panel) {
+  for (const KeyPress& key : window.takeKeyPresses()) {
+    if (key.isControl && key.character == 'q') return false;
+    if (ImGui::GetIO().WantTextInput) continue;
+    if (key.isEscape && !ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) return false;
+    if (key.isControl) continue;
+    if (key.character == 'r') session.resetView();
+    if (key.character == 'f') {
+      Knobs knobs = session.knobs();
+      knobs.isFrozen = !knobs.isFrozen;
+      session.setKnobs(knobs);
+    }
+    const size_t number = static_cast<size_t>(key.character - '1');
+    if (key.character >= '1' && key.character <= '9' && panel && number < warpRegistry().size())
+      session.setTechnique(*panel, warpRegistry()[number]);
+  }
+  return true;
+}
+
+/// Runs until the window is to be closed; the photograph, if one was asked for.
+Image<Rgba8> runLoop(Window& window, Session& session, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
+                     const std::stop_token& stop) {
+  const std::stop_callback wakeUp(stop, [] { Window::wake(); });
+  MainView mainView(window, openScene);
+  RateMeter displayRate;
+  Hover hover;
+  const Clock::TimePoint start = clock.now();
+  Clock::TimePoint lastActive = start;
+  std::string shownScene;
+  Image<Rgba8> photograph;
+  while (!window.shouldClose() && !stop.stop_requested()) {
+    const bool isMoving = clock.now() - lastActive < kLinger;
+    window.waitForNextFrame(isMoving || !session.loading().empty());
+    const Clock::TimePoint now = clock.now();
+    if (session.update(now)) lastActive = now;
+    if (session.scene() != nullptr && session.scene()->name != shownScene) {
+      shownScene = session.scene()->name;
+      window.setTitle(shownScene + " – warpscope");
+    }
+
+    window.beginFrame();
+    if (window.hadInput()) lastActive = now;
+    if (isMoving)
+      displayRate.tick(now);
+    else
+      displayRate.clear();
+    mainView.draw(session, isMoving ? displayRate.perSecond(now) : 0.0,
+                  {window.fonts(), window.scale(), window.pixelsPerUnit(), now, &hover});
+    const bool goesOn = handleKeys(window, session, mainView.panelUnderPointer());
+    if (const std::optional<std::string> file = window.takeDroppedFile()) session.load(openScene(*file));
+    const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);
+    window.endFrame(isLast ? &photograph : nullptr);
+    if (isLast || !goesOn) break;
+  }
+  return photograph;
+}
+
+}  // namespace
+}  // namespace ui
+
+bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
+               const std::stop_token& stop) {
+  ui::Window window("warpscope", settings.uiScale);
+  std::unique_ptr<Session> session = makeSession([] { ui::Window::wake(); });
+  const Image<Rgba8> photograph = ui::runLoop(window, *session, openScene, clock, settings, stop);
+  const bool hasEnded = session->close(ui::kClosingPatience);
+  if (!photograph.empty()) writeFileWhole(settings.screenshot, encodePng(photograph));
+  if (!hasEnded) static_cast<void>(session.release());  // its thread still uses it
+  return hasEnded;
+}
+
+}  // namespace warpscope

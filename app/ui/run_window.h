@@ -1,0 +1,37 @@
+// The window, as the rest of the program sees it.
+// What implements it is the only code that knows ImGui and GLFW; builds without a window have run_window_none.cpp instead.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <stop_token>
+
+#include "app/session.h"
+#include "render/core/error.h"
+
+namespace warpscope {
+
+/// There is no screen to open a window on, or this build has no window.
+class NoDisplay : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+struct WindowSettings {
+  double uiScale = 0.0;              ///< size of everything, 1: that of a usual screen; 0: as the screen says
+  std::filesystem::path screenshot;  ///< if not empty: a PNG of the window is written here, then the window closes
+  double screenshotAfterMs = 3000.0;
+};
+
+/// Makes the session once the window is open; gets what the session calls when it has news.
+using SessionMaker = std::function<std::unique_ptr<Session>(std::function<void()> onNews)>;
+/// Opens a scene that the user has chosen.
+using SceneOpener = std::function<LoadJob(const std::string& spec)>;
+
+/// Opens the window and returns when it is closed or `stop` is set. Throws NoDisplay before anything was done, InputError if the
+/// screenshot cannot be written. False if the session did not end in time (see Session::close); the session then lives on.
+bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
+               const std::stop_token& stop);
+
+}  // namespace warpscope

@@ -1,0 +1,66 @@
+// Loading and uploading.
+// See texture.h.
+#include "app/ui/texture.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <string>
+
+#include "render/core/error.h"
+
+namespace warpscope::ui {
+namespace {
+
+template <class Function>
+void load(Function& function, const char* name) {
+  function = reinterpret_cast<Function>(glfwGetProcAddress(name));
+  if (function == nullptr) throw InputError("the screen's OpenGL driver lacks " + std::string(name));
+}
+
+}  // namespace
+
+WindowGl::WindowGl() {
+  load(genTextures, "glGenTextures");
+  load(deleteTextures, "glDeleteTextures");
+  load(bindTexture, "glBindTexture");
+  load(texParameteri, "glTexParameteri");
+  load(texImage2D, "glTexImage2D");
+  load(pixelStorei, "glPixelStorei");
+  load(readPixels, "glReadPixels");
+  load(viewport, "glViewport");
+  load(clearColor, "glClearColor");
+  load(clear, "glClear");
+}
+
+PictureTexture::~PictureTexture() {
+  if (name_ != 0) gl_.deleteTextures(1, &name_);
+}
+
+void PictureTexture::show(const std::shared_ptr<const Image<Rgba8>>& picture) {
+  if (picture == picture_) return;
+  picture_ = picture;
+  if (!picture_) return;
+  const bool isNew = name_ == 0;
+  if (isNew) gl_.genTextures(1, &name_);
+  gl_.bindTexture(GL_TEXTURE_2D, name_);
+  if (isNew) {
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) gl_.texParameteri(GL_TEXTURE_2D, axis, GL_CLAMP_TO_EDGE);
+    for (const GLenum use : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) gl_.texParameteri(GL_TEXTURE_2D, use, GL_NEAREST);
+    gl_.texParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  }
+  gl_.pixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  gl_.pixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  gl_.texImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(picture_->width()), static_cast<GLsizei>(picture_->height()),
+                 0, GL_RGBA, GL_UNSIGNED_BYTE, picture_->data());
+}
+
+void PictureTexture::setSmooth(bool isSmooth) {
+  if (name_ == 0 || isSmooth == isSmooth_) return;
+  isSmooth_ = isSmooth;
+  gl_.bindTexture(GL_TEXTURE_2D, name_);
+  for (const GLenum use : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    gl_.texParameteri(GL_TEXTURE_2D, use, isSmooth ? GL_LINEAR : GL_NEAREST);
+}
+
+}  // namespace warpscope::ui

@@ -1,0 +1,215 @@
+// GLFW and ImGui, wired together.
+// See window.h.
+#include "app/ui/window.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/ui/run_window.h"
+
+namespace warpscope::ui {
+namespace {
+
+constexpr int kWidth = 1280, kHeight = 800;           // at scale 1
+constexpr int kLeastWidth = 640, kLeastHeight = 420;  // at scale 1
+constexpr int kUsualRefreshHz = 60;
+constexpr double kIdlePeriodS = 0.5;  // ages go on counting
+
+std::string lastGlfwError() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text != nullptr ? text : "unknown reason";
+}
+
+/// Events that come through callbacks are noted here; ImGui's own callbacks call these first.
+Window& windowOf(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
+
+int refreshHz() {
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
+  return mode != nullptr && mode->refreshRate >= 20 ? mode->refreshRate : kUsualRefreshHz;
+}
+
+}  // namespace
+
+/// Where GLFW's callbacks land.
+struct WindowEvents {
+  static void onKey(GLFWwindow* glfw, int key, int scancode, int action, int modifiers) {
+    Window& window = windowOf(glfw);
+    window.hasInput_ = true;
+    if (action != GLFW_PRESS) return;
+    KeyPress press;
+    press.isControl = (modifiers & GLFW_MOD_CONTROL) != 0;
+    press.isEscape = key == GLFW_KEY_ESCAPE;
+    const char* name = glfwGetKeyName(key, scancode);
+    if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9)
+      press.character = static_cast<char>('0' + key - GLFW_KEY_0);
+    else if (name != nullptr && name[0] >= 'a' && name[0] <= 'z' && name[1] == 0)
+      press.character = name[0];
+    window.keyPresses_.push_back(press);
+    if (key >= 0) window.pressedKeys_.push_back(key);
+  }
+  static void onButton(GLFWwindow* glfw, int, int, int) { windowOf(glfw).hasInput_ = true; }
+  static void onMove(GLFWwindow* glfw, double, double) { windowOf(glfw).hasInput_ = true; }
+  static void onScroll(GLFWwindow* glfw, double, double) { windowOf(glfw).hasInput_ = true; }
+  static void onSize(GLFWwindow* glfw, int, int) { windowOf(glfw).hasInput_ = true; }
+  static void onDrop(GLFWwindow* glfw, int count, const char** paths) {
+    windowOf(glfw).hasInput_ = true;
+    if (count > 0) windowOf(glfw).droppedFile_ = paths[0];
+  }
+};
+
+Window::Window(const std::string& title, double uiScale) : uiScale_(uiScale) {
+  if (glfwInit() != GLFW_TRUE) throw NoDisplay("no window can be opened here: " + lastGlfwError());
+  try {
+    open(title);
+    gl_ = std::make_unique<WindowGl>();
+    listen();
+    startImGui();
+  } catch (...) {
+    glfwTerminate();
+    throw;
+  }
+}
+
+Window::~Window() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+void Window::open(const std::string& title) {
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+  glfwWindowHintString(GLFW_X11_CLASS_NAME, "warpscope");
+  glfwWindowHintString(GLFW_X11_INSTANCE_NAME, "warpscope");
+  window_ = glfwCreateWindow(kWidth, kHeight, title.c_str(), nullptr, nullptr);
+  if (window_ == nullptr) throw NoDisplay("no window with OpenGL 3.3 can be opened here: " + lastGlfwError());
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+}
+
+void Window::listen() {
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetKeyCallback(window_, WindowEvents::onKey);
+  glfwSetMouseButtonCallback(window_, WindowEvents::onButton);
+  glfwSetCursorPosCallback(window_, WindowEvents::onMove);
+  glfwSetScrollCallback(window_, WindowEvents::onScroll);
+  glfwSetWindowSizeCallback(window_, WindowEvents::onSize);
+  glfwSetDropCallback(window_, WindowEvents::onDrop);
+}
+
+void Window::startImGui() {
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  io.LogFilename = nullptr;
+  io.ConfigWindowsMoveFromTitleBarOnly = true;
+  ImGui_ImplGlfw_InitForOpenGL(window_, true);
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+  followScale(true);
+
+  // The usual size, as far as the screen has room for it.
+  int x = 0, y = 0, width = 0, height = 0;
+  if (GLFWmonitor* monitor = glfwGetPrimaryMonitor()) glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
+  const auto fitted = [&](int size, int room) {
+    const int wanted = static_cast<int>(std::lround(static_cast<float>(size) * scale_));
+    return room > 0 ? std::min(wanted, room) : wanted;
+  };
+  const int fittedWidth = fitted(kWidth, width), fittedHeight = fitted(kHeight, height);
+  glfwSetWindowSizeLimits(window_, fitted(kLeastWidth, width), fitted(kLeastHeight, height), GLFW_DONT_CARE, GLFW_DONT_CARE);
+  glfwSetWindowSize(window_, fittedWidth, fittedHeight);
+  if (width > 0) glfwSetWindowPos(window_, x + (width - fittedWidth) / 2, y + (height - fittedHeight) / 2);
+  glfwShowWindow(window_);
+}
+
+void Window::followScale(bool isFirst) {
+  float contentScale = 1.0f, ignored = 1.0f;
+  glfwGetWindowContentScale(window_, &contentScale, &ignored);
+  int width = 0, height = 0, pixelsWide = 0, pixelsHigh = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  glfwGetFramebufferSize(window_, &pixelsWide, &pixelsHigh);
+  // Where a window's unit is a pixel (X11) all of the content scale is ImGui's business, where it is not (macOS) none of it.
+  const float pixelsPerUnit = width > 0 && pixelsWide > 0 ? static_cast<float>(pixelsWide) / static_cast<float>(width) : pixelsPerUnit_;
+  const float wanted = uiScale_ > 0.0 ? static_cast<float>(uiScale_) : contentScale / pixelsPerUnit;
+  const float scale = std::clamp(wanted, 0.5f, 4.0f);
+  if (!isFirst && std::abs(scale - scale_) < 0.01f && std::abs(pixelsPerUnit - pixelsPerUnit_) < 0.01f) return;
+  scale_ = scale;
+  pixelsPerUnit_ = pixelsPerUnit;
+  fonts_ = applyTheme(scale_, pixelsPerUnit_);
+  if (!isFirst) {
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+  }
+}
+
+bool Window::shouldClose() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
+
+void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+
+void Window::waitForNextFrame(bool isMoving) {
+  if (!isMoving && !hasInput_) glfwWaitEventsTimeout(kIdlePeriodS);
+  // Drivers without a screen to wait for swap at once; a little less than a period leaves the pace to those that do wait.
+  const auto due = frameBegan_ + durationOfMs(900.0 / refreshHz());
+  glfwPollEvents();
+  for (auto now = Clock::TimePoint::clock::now(); now < due && !shouldClose(); now = Clock::TimePoint::clock::now())
+    glfwWaitEventsTimeout(std::chrono::duration<double>(due - now).count());
+}
+
+void Window::wake() { glfwPostEmptyEvent(); }
+
+void Window::beginFrame() {
+  frameBegan_ = Clock::TimePoint::clock::now();
+  hadInput_ = std::exchange(hasInput_, false);
+  followScale(false);
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  holdShortKeys();
+  ImGui::NewFrame();
+}
+
+void Window::holdShortKeys() {
+  // ImGui 1.86 looks at keys once a frame; one that was pressed and released since the last would be lost.
+  ImGuiIO& io = ImGui::GetIO();
+  for (const int key : heldKeys_) io.KeysDown[key] = glfwGetKey(window_, key) == GLFW_PRESS;
+  heldKeys_.clear();
+  for (const int key : std::exchange(pressedKeys_, {})) {
+    if (io.KeysDown[key]) continue;
+    io.KeysDown[key] = true;
+    heldKeys_.push_back(key);
+  }
+}
+
+void Window::endFrame(Image<Rgba8>* photograph) {
+  ImGui::Render();
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  gl_->viewport(0, 0, width, height);
+  gl_->clearColor(kFrameColor.x, kFrameColor.y, kFrameColor.z, 1.0f);
+  gl_->clear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  if (photograph != nullptr && width > 0 && height > 0) {
+    Image<Rgba8> upsideDown(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
+    gl_->pixelStorei(GL_PACK_ALIGNMENT, 4);
+    gl_->readPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upsideDown.data());
+    photograph->resize(upsideDown.width(), upsideDown.height());
+    for (uint32_t y = 0; y < upsideDown.height(); ++y)
+      std::transform(upsideDown.row(y), upsideDown.row(y) + upsideDown.width(), photograph->row(upsideDown.height() - 1 - y),
+                     [](Rgba8 pixel) { return pixel | 0xff000000u; });
+  }
+  glfwSwapBuffers(window_);
+}
+
+}  // namespace warpscope::ui

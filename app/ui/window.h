@@ -1,0 +1,81 @@
+// A window with an OpenGL context and ImGui in it: opening, scaling, pacing, closing.
+// GLFW 3.3 and Dear ImGui 1.86 with their own backends; one window at a time, on the main thread.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/clock.h"
+#include "app/ui/texture.h"
+#include "app/ui/theme.h"
+
+struct GLFWwindow;
+
+namespace warpscope::ui {
+
+/// A key that was pressed. Letters are what the keyboard's layout says, in lower case; digits are by position.
+struct KeyPress {
+  char character = 0;  ///< 'a'..'z', '0'..'9'; 0 for other keys
+  bool isEscape = false;
+  bool isControl = false;  ///< Ctrl was held
+};
+
+class Window {
+ public:
+  /// `uiScale` 0 follows the screen's content scale. Throws NoDisplay if there is no screen or no OpenGL on it.
+  Window(const std::string& title, double uiScale);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  bool shouldClose() const;
+  void setTitle(const std::string& title);
+
+  /// Lets events come in until the next picture is due: at the screen's rate while something moves, seldom while nothing does.
+  void waitForNextFrame(bool isMoving);
+  /// Ends a wait; from any thread.
+  static void wake();
+
+  void beginFrame();
+  /// Draws what ImGui was told since beginFrame(); leaves the window's picture in `photograph` if that is not null.
+  void endFrame(Image<Rgba8>* photograph = nullptr);
+
+  const WindowGl& gl() const { return *gl_; }
+  const Fonts& fonts() const { return fonts_; }
+  /// ImGui units that a length of 1 at scale 1 takes.
+  float scale() const { return scale_; }
+  /// Framebuffer pixels of one ImGui unit.
+  float pixelsPerUnit() const { return pixelsPerUnit_; }
+  /// Keys pressed since the last call.
+  std::vector<KeyPress> takeKeyPresses() { return std::exchange(keyPresses_, {}); }
+  /// The file that was dropped onto the window last, once.
+  std::optional<std::string> takeDroppedFile() { return std::exchange(droppedFile_, std::nullopt); }
+  /// True if the user did anything to the window since the last frame.
+  bool hadInput() const { return hadInput_; }
+
+ private:
+  friend struct WindowEvents;
+  void open(const std::string& title);
+  void listen();
+  void startImGui();
+  void followScale(bool isFirst);
+  void holdShortKeys();
+
+  const double uiScale_;
+  GLFWwindow* window_ = nullptr;
+  std::unique_ptr<WindowGl> gl_;
+  Fonts fonts_;
+  float scale_ = 1.0f;
+  float pixelsPerUnit_ = 1.0f;
+  Clock::TimePoint frameBegan_{};
+  bool hadInput_ = false, hasInput_ = false;
+  std::vector<KeyPress> keyPresses_;
+  std::vector<int> pressedKeys_, heldKeys_;  // GLFW's codes
+  std::optional<std::string> droppedFile_;
+};
+
+}  // namespace warpscope::ui

@@ -1,0 +1,154 @@
+// The server behind an artificial round trip, in virtual time: when frames arrive, which requests are served, what errors become.
+// Mirrors app/server_loop.h and app/clock.h.
+#include "app/server_loop.h"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <mutex>
+#include <semaphore>
+#include <vector>
+
+#include "render/core/error.h"
+
+namespace warpscope {
+namespace {
+
+using std::chrono::milliseconds;
+
+Clock::TimePoint at(int ms) { return Clock::TimePoint(milliseconds(ms)); }
+
+/// A marcher that takes virtual time and finds nothing.
+class StubMarcher final : public Marcher {
+ public:
+  StubMarcher(Clock& clock, milliseconds duration) : clock_(clock), duration_(duration) {}
+
+  SampleFrame march(const Camera& camera, const MarchSettings&, const std::stop_token& stop) override {
+    {
+      const std::scoped_lock lock(mutex_);
+      widths_.push_back(camera.width);
+    }
+    if (!clock_.waitUntil(clock_.now() + duration_, stop)) throw OperationCancelled();
+    if (fails) throw InputError("the volume is gone");
+    SampleFrame frame;
+    frame.camera = camera;
+    return frame;
+  }
+  void render(const Camera&, const MarchSettings&, Image<glm::vec4>&, const std::stop_token&) override {}
+  const VolumePtr& volume() const override { return volume_; }
+
+  std::vector<uint32_t> widths() const {
+    const std::scoped_lock lock(mutex_);
+    return widths_;
+  }
+  std::atomic<bool> fails = false;
+
+ private:
+  Clock& clock_;
+  const milliseconds duration_;
+  const VolumePtr volume_;
+  mutable std::mutex mutex_;
+  std::vector<uint32_t> widths_;  // of the cameras it was asked for, which tells requests apart
+};
+
+class ServerLoopTest : public ::testing::Test {
+ protected:
+  FrameRequest request(uint64_t id, milliseconds roundTrip) {
+    FrameRequest made;
+    made.id = id;
+    made.marcher = marcher_;
+    made.camera.width = static_cast<uint32_t>(id);
+    made.camera.height = 1;
+    made.sentAt = clock_.now();
+    made.roundTrip = roundTrip;
+    return made;
+  }
+
+  ServedFrame nextFrame() {
+    news_.acquire();
+    return *server_->tryTake();
+  }
+
+  VirtualClock clock_;
+  std::shared_ptr<StubMarcher> marcher_ = std::make_shared<StubMarcher>(clock_, milliseconds(30));
+  std::counting_semaphore<> news_{0};
+  std::unique_ptr<ServerLoop> server_ = makeServerLoop(clock_, [this] { news_.release(); });
+};
+
+TEST_F(ServerLoopTest, AFrameTakesTheRoundTripAndTheMarch) {
+  server_->post(request(1, milliseconds(100)));
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(50));  // reaches the server
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(80));  // marched
+  EXPECT_FALSE(news_.try_acquire());
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(130));  // reaches the display
+  const ServedFrame served = nextFrame();
+  EXPECT_EQ(served.requestId, 1u);
+  EXPECT_EQ(served.requestedAt, at(0));
+  EXPECT_EQ(served.arrivedAt, at(130));
+  ASSERT_TRUE(served.frame);
+  EXPECT_EQ(served.frame->requestId, 1u);
+  EXPECT_EQ(served.error, "");
+}
+
+TEST_F(ServerLoopTest, WithoutDelayOnlyTheMarchTakesTime) {
+  server_->post(request(1, milliseconds(0)));
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(30));
+  EXPECT_EQ(nextFrame().arrivedAt, at(30));
+}
+
+TEST_F(ServerLoopTest, OneIsInFlightOneIsPendingAndTheNewestWins) {
+  server_->post(request(1, milliseconds(100)));
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(50));
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(80));  // 1 is on its way back
+  for (uint64_t id = 2; id <= 50; ++id) server_->post(request(id, milliseconds(100)));  // sent at 80
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(130));
+  EXPECT_EQ(nextFrame().requestId, 1u);
+  // 50 was sent at 80 and reached the server at 130, while that was busy: it is marched at once.
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(160));
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(210));
+  EXPECT_EQ(nextFrame().requestId, 50u);
+  EXPECT_THAT(marcher_->widths(), ::testing::ElementsAre(1u, 50u));
+}
+
+TEST_F(ServerLoopTest, ErrorsArriveAsText) {
+  marcher_->fails = true;
+  server_->post(request(1, milliseconds(0)));
+  clock_.advanceToNextSleeper();
+  const ServedFrame served = nextFrame();
+  EXPECT_EQ(served.requestId, 1u);
+  EXPECT_FALSE(served.frame);
+  EXPECT_EQ(served.error, "the volume is gone");
+}
+
+TEST_F(ServerLoopTest, ACancelledRequestIsNeverAnswered) {
+  server_->post(request(1, milliseconds(100)));
+  clock_.advanceToNextSleeper();  // at the server
+  server_->cancel();
+  server_->post(request(2, milliseconds(0)));
+  // The cancelled one's sleeps may still be in the clock when it moves on; the answer is what counts.
+  while (!news_.try_acquire_for(milliseconds(5))) clock_.advance(milliseconds(10));
+  EXPECT_EQ(server_->tryTake()->requestId, 2u);
+}
+
+TEST_F(ServerLoopTest, ClosesWhileWaitingForTheLinkOrTheMarch) {
+  server_->post(request(1, milliseconds(100)));
+  clock_.advanceToNextSleeper();  // now it marches, or will
+  server_.reset();
+  server_ = makeServerLoop(clock_, [this] { news_.release(); });
+  server_->post(request(2, std::chrono::hours(1)));
+  server_.reset();
+  EXPECT_FALSE(news_.try_acquire());
+}
+
+TEST(SteadyClock, WaitsUntilTheTimeOrTheStop) {
+  SteadyClock clock;
+  const Clock::TimePoint due = clock.now() + milliseconds(5);
+  EXPECT_TRUE(clock.waitUntil(due, {}));
+  EXPECT_GE(clock.now(), due);
+  std::stop_source source;
+  source.request_stop();
+  EXPECT_FALSE(clock.waitUntil(clock.now() + std::chrono::hours(1), source.get_token()));
+}
+
+}  // namespace
+}  // namespace warpscope

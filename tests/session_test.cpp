@@ -1,0 +1,265 @@
+// A whole session without a window: frames, pictures, ages, holes, scenes, errors, closing.
+// Mirrors app/session.h. Threads are real, volumes and images tiny.
+#include "app/session.h"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <latch>
+#include <thread>
+
+#include "app/backend.h"
+#include "render/core/error.h"
+
+namespace warpscope {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr glm::uvec2 kPanelPx(40, 56);
+constexpr seconds kPatience(60);  // far more than anything here takes, even under sanitizers
+
+LoadJob builtin(const std::string& name) {
+  return {name, [name] {
+            SceneOverrides overrides;
+            overrides.proceduralDims = {16, 16, 16};
+            return openScene(name, overrides);
+          }};
+}
+
+class SessionTest : public ::testing::Test {
+ protected:
+  static SessionSettings settings() {
+    SessionSettings settings;
+    settings.techniques = {&findWarp("hold"), &findWarp("spheres")};
+    settings.knobs.serverSidePx = 48;
+    settings.makeMarcher = [](const Scene& scene) {
+      return makeMarcher(Backend::cpu, scene.volume, scene.transferFunction);
+    };
+    return settings;
+  }
+
+  SessionTest() { session_.setPanelSize(kPanelPx); }
+
+  template <class Predicate>
+  bool pumpUntil(const Predicate& predicate) {
+    const auto deadline = clock_.now() + kPatience;
+    while (!predicate()) {
+      if (clock_.now() > deadline) return false;
+      session_.update(clock_.now());
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    return true;
+  }
+
+  /// Until everything that is shown belongs to the current camera.
+  bool settle() {
+    return pumpUntil([&] {
+      for (size_t i = 0; i < kPanelCount; ++i) {
+        const Panel& panel = session_.panel(i);
+        if (!panel.picture || panel.drawn != panel.technique) return false;
+        if (panel.technique->usesFrame && (!panel.holesAreCurrent || session_.ageMs(i, clock_.now()) != 0.0)) return false;
+      }
+      return true;
+    });
+  }
+
+  bool open(const std::string& name) {
+    session_.load(builtin(name));
+    return settle();
+  }
+
+  SteadyClock clock_;
+  std::atomic<int> news_ = 0;
+  Session session_{settings(), clock_, [this] { ++news_; }};
+};
+
+TEST_F(SessionTest, BothPanelsShowTheNewestFrame) {
+  ASSERT_TRUE(open("block"));
+  ASSERT_NE(session_.scene(), nullptr);
+  EXPECT_EQ(session_.scene()->name, "block");
+  EXPECT_EQ(session_.loading(), "");
+  ASSERT_TRUE(session_.frame());
+  EXPECT_GT(session_.frame()->size(), 0u);
+  EXPECT_EQ(session_.frame()->camera.height, 48u);  // the longer side
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    EXPECT_EQ(session_.panel(i).requestId, session_.frame()->requestId);
+    EXPECT_EQ(session_.panel(i).picture->width(), kPanelPx.x);
+    EXPECT_EQ(session_.panel(i).picture->height(), kPanelPx.y);
+    EXPECT_EQ(session_.panel(i).error, "");
+  }
+  EXPECT_GT(news_, 0);
+}
+
+TEST_F(SessionTest, AMovementBringsANewFrameAndNewHoles) {
+  ASSERT_TRUE(open("block"));
+  const uint64_t before = session_.frame()->requestId;
+  View view = session_.view();
+  view.angleDeg += 30.0;
+  session_.setView(view);
+  session_.update(clock_.now());
+  EXPECT_FALSE(session_.panel(0).holesAreCurrent);
+  EXPECT_TRUE(session_.panel(0).holeFraction.has_value());  // the last value stays, greyed
+  ASSERT_TRUE(settle());
+  EXPECT_GT(session_.frame()->requestId, before);
+}
+
+TEST_F(SessionTest, AFrozenFrameStaysAndAges) {
+  ASSERT_TRUE(open("block"));
+  const SampleFramePtr frame = session_.frame();
+  const double holesAtHome = *session_.panel(1).holeFraction;
+  Knobs knobs = session_.knobs();
+  knobs.isFrozen = true;
+  session_.setKnobs(knobs);
+  View view = session_.view();
+  view.angleDeg += 60.0;
+  session_.setView(view);
+  const Clock::TimePoint moved = clock_.now();
+  session_.update(moved);
+  EXPECT_EQ(session_.ageMs(1, moved + milliseconds(100)), 100.0);
+  view.angleDeg += 1.0;
+  session_.setView(view);
+  session_.update(moved + milliseconds(10));
+  EXPECT_EQ(session_.ageMs(1, moved + milliseconds(100)), 100.0);  // since it was left first
+
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(1).holesAreCurrent; }));
+  EXPECT_EQ(session_.frame(), frame);
+  EXPECT_GT(*session_.panel(1).holeFraction, holesAtHome);  // what was hidden is seen from here
+
+  knobs.isFrozen = false;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(settle());
+  EXPECT_NE(session_.frame(), frame);
+}
+
+TEST_F(SessionTest, ComingBackToTheFramesCameraMakesItCurrentAgain) {
+  ASSERT_TRUE(open("block"));
+  Knobs knobs = session_.knobs();
+  knobs.isFrozen = true;
+  session_.setKnobs(knobs);
+  const View home = session_.view();
+  View view = home;
+  view.distance *= 1.1;
+  session_.setView(view);
+  session_.update(clock_.now());
+  EXPECT_GT(*session_.ageMs(0, clock_.now() + seconds(1)), 0.0);
+  session_.setView(home);
+  session_.update(clock_.now());
+  EXPECT_EQ(session_.ageMs(0, clock_.now() + seconds(1)), 0.0);
+}
+
+TEST_F(SessionTest, TechniquesChangeOnePanel) {
+  ASSERT_TRUE(open("block"));
+  session_.setTechnique(0, findWarp("reference"));
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.panel(0).drawn->name, "reference");
+  EXPECT_EQ(session_.panel(1).drawn->name, "spheres");
+  EXPECT_EQ(session_.ageMs(0, clock_.now()), std::nullopt);  // it shows no frame
+}
+
+TEST_F(SessionTest, UncoveredPixelsGetTheirColor) {
+  ASSERT_TRUE(open("block"));
+  Knobs knobs = session_.knobs();
+  knobs.uncovered = 0xffff00ffu;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return (*session_.panel(1).picture)(0, 0) == 0xffff00ffu; }));
+}
+
+TEST_F(SessionTest, AnotherSceneReplacesEverything) {
+  ASSERT_TRUE(open("block"));
+  const uint64_t before = session_.frame()->requestId;
+  Knobs knobs = session_.knobs();
+  knobs.march.heuristic = Heuristic::exit;
+  session_.setKnobs(knobs);
+  session_.load(builtin("shells"));
+  EXPECT_EQ(session_.loading(), "shells");
+  EXPECT_EQ(session_.scene()->name, "block");  // until the other one is there
+  ASSERT_TRUE(pumpUntil([&] { return session_.scene()->name == "shells"; }));
+  ASSERT_TRUE(settle());
+  EXPECT_GT(session_.frame()->requestId, before);
+  EXPECT_EQ(session_.knobs().march, session_.scene()->march);
+}
+
+TEST_F(SessionTest, OfTwoScenesTheOneAskedForLastIsShown) {
+  session_.load(builtin("block"));
+  session_.load(builtin("shells"));
+  session_.load(builtin("marschner-lobb"));
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.scene()->name, "marschner-lobb");
+}
+
+TEST_F(SessionTest, ASceneThatCannotBeOpenedIsASentence) {
+  ASSERT_TRUE(open("block"));
+  session_.load({"nowhere.nrrd", []() -> Scene { throw InputError("nowhere.nrrd: there is no such file"); }});
+  ASSERT_TRUE(pumpUntil([&] { return session_.loading().empty(); }));
+  EXPECT_EQ(session_.error(), "nowhere.nrrd: there is no such file");
+  EXPECT_EQ(session_.scene()->name, "block");
+  session_.dismissErrors();
+  EXPECT_EQ(session_.error(), "");
+}
+
+TEST_F(SessionTest, AServerThatFailsIsASentenceAndRecovers) {
+  ASSERT_TRUE(open("block"));
+  Knobs knobs = session_.knobs();
+  const float step = knobs.march.step;
+  knobs.march.step = 0.0f;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return !session_.error().empty(); }));
+  EXPECT_THAT(session_.error(), ::testing::HasSubstr("step"));
+  knobs.march.step = 2.0f * step;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.error(), "");
+}
+
+TEST_F(SessionTest, LargePanelsDrawCoarserPixelsUnlessToldOtherwise) {
+  EXPECT_EQ(session_.screenPixels(), 1u);
+  session_.setPanelSize({1900, 2000});
+  EXPECT_GT(session_.screenPixels(), 1u);
+  Knobs knobs = session_.knobs();
+  knobs.screenPixels = 1;
+  session_.setKnobs(knobs);
+  EXPECT_EQ(session_.pictureSize(), glm::uvec2(1900, 2000));
+  EXPECT_EQ(session_.serverSize(), glm::uvec2(46, 48));
+}
+
+TEST_F(SessionTest, NothingHappensWithoutAScene) {
+  EXPECT_FALSE(session_.update(clock_.now()));
+  EXPECT_EQ(session_.scene(), nullptr);
+  session_.resetView();
+  EXPECT_EQ(session_.ageMs(0, clock_.now()), std::nullopt);
+}
+
+TEST_F(SessionTest, ClosesInTheMiddleOfEverything) {
+  for (int i = 0; i < 20; ++i) {
+    Session session(settings(), clock_, [] {});
+    session.setPanelSize({400, 400});
+    session.load(builtin(i % 2 == 0 ? "block" : "shells"));
+    const auto until = clock_.now() + milliseconds(7 * i);
+    View view;
+    while (clock_.now() < until) {
+      view.angleDeg += 1.0;
+      session.setView(view);
+      session.update(clock_.now());
+    }
+    EXPECT_TRUE(session.close(kPatience));
+  }
+}
+
+TEST_F(SessionTest, DoesNotWaitForALoadThatCannotBeInterrupted) {
+  std::latch loading(1), gate(1);
+  Session session(settings(), clock_, [] {});
+  session.load({"slow", [&]() -> Scene {
+                  loading.count_down();
+                  gate.wait();
+                  throw InputError("too late");
+                }});
+  loading.wait();
+  EXPECT_FALSE(session.close(milliseconds(10)));
+  gate.count_down();
+  EXPECT_TRUE(session.close(kPatience));
+}
+
+}  // namespace
+}  // namespace warpscope

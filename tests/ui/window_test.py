@@ -1,0 +1,302 @@
+#!/usr/bin/env python3
+# The real window on a display without a monitor: it shows both panels, follows pointer and keys, and closes whenever it is told to.
+# Xvfb, xdotool and ImageMagick's import; the close button is ICCCM 4.2.8.1 (WM_DELETE_WINDOW), sent through Xlib.
+"""Usage: window_test.py PROGRAM [1x | 2x | closing]... Exit codes: 0 passed, 1 failed, 77 skipped."""
+import ctypes
+import ctypes.util
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+SKIPPED = 77
+PATIENCE_S = 30.0       # for a picture to appear; far more than it takes
+CLOSING_LIMIT_S = 2.0   # for a loaded machine; the program's own limit is 1 s
+SCENE = ["block", "--volume-size", "48x40x40"]
+# At scale 1, as app/ui lays the window out.
+MARGIN, CONTROLS, HEADER, FOOTER = 8, 268, 40, 90
+
+
+class Failure(Exception):
+    pass
+
+
+class Display:
+    """An X server of its own on a free display."""
+
+    def __init__(self, width, height, dpi=None):
+        read_end, write_end = os.pipe()
+        self.server = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(write_end), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp", "-noreset"],
+            pass_fds=[write_end], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(write_end)
+        with os.fdopen(read_end) as answer:
+            number = answer.readline().strip()
+        if not number:
+            raise Failure("Xvfb did not start")
+        self.name = f":{number}"
+        self.environment = dict(os.environ, DISPLAY=self.name)
+        self.environment.pop("WAYLAND_DISPLAY", None)
+        if dpi is not None:
+            subprocess.run(["xrdb", "-nocpp", "-merge"], input=f"Xft.dpi: {dpi}\n", text=True, check=True, env=self.environment)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.server.terminate()
+        self.server.wait()
+
+    def run(self, *command):
+        return subprocess.run(command, env=self.environment, capture_output=True, check=False)
+
+
+class Picture:
+    """A photograph of a window: rows of RGB bytes."""
+
+    def __init__(self, display, window):
+        ppm = display.run("import", "-silent", "-window", window, "-depth", "8", "ppm:-").stdout
+        fields = ppm.split(maxsplit=4)[:4]
+        if len(fields) < 4 or fields[0] != b"P6":
+            raise Failure("the window could not be photographed")
+        self.width, self.height = int(fields[1]), int(fields[2])
+        self.pixels = ppm[-3 * self.width * self.height:]
+
+    def region(self, box):
+        x0, y0, x1, y1 = box
+        return b"".join(self.pixels[3 * (y * self.width + x0):3 * (y * self.width + x1)] for y in range(y0, y1))
+
+
+def shows_something(region):
+    """True if more than 2 % of the pixels differ from the most frequent one."""
+    pixels = [region[i:i + 3] for i in range(0, len(region), 3 * 7)]  # every seventh says enough
+    counts = {}
+    for pixel in pixels:
+        counts[pixel] = counts.get(pixel, 0) + 1
+    return max(counts.values()) < 0.98 * len(pixels)
+
+
+class Program:
+    """The window under test."""
+
+    def __init__(self, display, arguments, scale=1.0):
+        self.display, self.scale = display, scale
+        self.process = subprocess.Popen(arguments, env=display.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.window = None
+
+    def output(self):
+        return self.process.stdout.read().decode(errors="replace")
+
+    def wait_until(self, what, condition):
+        deadline = time.monotonic() + PATIENCE_S
+        while time.monotonic() < deadline:
+            if self.process.poll() is not None:
+                raise Failure(f"the program ended with {self.process.returncode} before {what}: {self.output()}")
+            if condition():
+                return
+            time.sleep(0.05)
+        self.keep_photograph(what)
+        raise Failure(f"after {PATIENCE_S:.0f} s: not {what}")
+
+    def keep_photograph(self, what):
+        folder = os.environ.get("WARPSCOPE_TEST_ARTIFACTS")
+        if folder and self.window:
+            name = "window-" + "".join(c if c.isalnum() else "-" for c in what) + ".png"
+            self.display.run("import", "-silent", "-window", self.window, os.path.join(folder, name))
+
+    def find_window(self):
+        def found():
+            answer = self.display.run("xdotool", "search", "--onlyvisible", "--class", "warpscope").stdout.split()
+            self.window = answer[0].decode() if answer else None
+            return self.window is not None
+        self.wait_until("a window", found)
+
+    def panels(self, picture):
+        """Where the pictures of both panels are."""
+        s = self.scale
+        room = picture.width - s * (CONTROLS + 3 * MARGIN)
+        panel = (room - s * MARGIN) / 2
+        boxes = []
+        for i in range(2):
+            left = s * MARGIN + i * (panel + s * MARGIN)
+            boxes.append((int(left + s * 12), int(s * (MARGIN + HEADER)), int(left + panel - s * 12), int(picture.height - s * FOOTER)))
+        return boxes
+
+    def regions(self):
+        picture = Picture(self.display, self.window)
+        return [picture.region(box) for box in self.panels(picture)]
+
+    def middle_of_panel(self, index):
+        x0, y0, x1, y1 = self.panels(Picture(self.display, self.window))[index]
+        return (x0 + x1) // 2, (y0 + y1) // 2
+
+    def wait_for_panels(self, what):
+        self.wait_until(what, lambda: all(shows_something(region) for region in self.regions()))
+
+    def settled(self):
+        """The panels' pictures once they no longer change."""
+        before = self.regions()
+        deadline = time.monotonic() + PATIENCE_S
+        while time.monotonic() < deadline:
+            time.sleep(0.3)
+            now = self.regions()
+            if now == before:
+                return now
+            before = now
+        raise Failure("the panels do not come to rest")
+
+    def changed(self, before, what):
+        """The panels' pictures once both differ from what they were, and have come to rest."""
+        self.wait_until(what, lambda: all(now != then for now, then in zip(self.regions(), before)))
+        return self.settled()
+
+    def point(self, position):
+        self.display.run("xdotool", "mousemove", "--window", self.window, str(position[0]), str(position[1]))
+        time.sleep(0.1)
+
+    def drag(self, start, button, steps):
+        self.point(start)
+        self.display.run("xdotool", "mousedown", str(button))
+        for step in steps:
+            time.sleep(0.04)
+            self.display.run("xdotool", "mousemove_relative", "--", str(step[0]), str(step[1]))
+        time.sleep(0.04)
+        self.display.run("xdotool", "mouseup", str(button))
+
+    def key(self, name):
+        self.display.run("xdotool", "key", name)
+
+    def ends(self, how, limit=CLOSING_LIMIT_S):
+        start = time.monotonic()
+        try:
+            code = self.process.wait(timeout=PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise Failure(f"{how}: the program does not end") from None
+        seconds = time.monotonic() - start
+        text = self.output()
+        if code != 0:
+            raise Failure(f"{how}: exit code {code}: {text}")
+        if "Sanitizer" in text:
+            raise Failure(f"{how}: {text}")
+        if seconds > limit:
+            raise Failure(f"{how}: took {seconds:.2f} s")
+        return seconds
+
+
+class XEvent(ctypes.Structure):
+    """An XClientMessageEvent, padded to the size of an XEvent."""
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int), ("display", ctypes.c_void_p),
+                ("window", ctypes.c_ulong), ("message_type", ctypes.c_ulong), ("format", ctypes.c_int), ("data", ctypes.c_long * 5),
+                ("padding", ctypes.c_long * 24)]
+
+
+def press_close_button(program):
+    xlib = ctypes.CDLL(ctypes.util.find_library("X11"))
+    xlib.XOpenDisplay.restype = ctypes.c_void_p
+    xlib.XInternAtom.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int]
+    xlib.XInternAtom.restype = ctypes.c_ulong
+    xlib.XSendEvent.argtypes = [ctypes.c_void_p, ctypes.c_ulong, ctypes.c_int, ctypes.c_long, ctypes.POINTER(XEvent)]
+    xlib.XCloseDisplay.argtypes = [ctypes.c_void_p]
+    connection = xlib.XOpenDisplay(program.display.name.encode())
+    client_message = 33
+    event = XEvent(type=client_message, window=int(program.window), format=32,
+                   message_type=xlib.XInternAtom(connection, b"WM_PROTOCOLS", 0))
+    event.data[0] = xlib.XInternAtom(connection, b"WM_DELETE_WINDOW", 0)
+    xlib.XSendEvent(connection, int(program.window), 0, 0, ctypes.byref(event))
+    xlib.XCloseDisplay(connection)
+
+
+def use_the_window(executable, scale):
+    """Everything a hand does, at one content scale."""
+    screen, smaller = ((1280, 800), (900, 600)) if scale == 1.0 else ((1800, 1200), (1500, 1000))
+    with Display(*screen, dpi=int(96 * scale)) as display:
+        program = Program(display, [executable, "view", *SCENE, "--left", "hold", "--right", "spheres"], scale)
+        program.find_window()
+        program.wait_for_panels("both panels show something")
+        home = program.settled()
+
+        program.drag(program.middle_of_panel(0), 1, [(int(20 * scale), int(6 * scale))] * 4)
+        orbited = program.changed(home, "a drag in the left panel turns both")
+        program.drag(program.middle_of_panel(1), 3, [(int(12 * scale), 0)] * 3)
+        panned = program.changed(orbited, "a right drag in the right panel moves both")
+        program.display.run("xdotool", "click", "4")
+        program.changed(panned, "the wheel brings both nearer")
+
+        program.key("r")
+        program.wait_until("both panels back where they began", lambda: program.regions() == home)
+
+        program.point(program.middle_of_panel(0))
+        program.key("3")  # points
+        program.wait_until("another technique in the left panel", lambda: program.regions()[0] != home[0])
+        if program.settled()[1] != home[1]:
+            program.keep_photograph("the right panel keeps its technique")
+            raise Failure("the right panel changed with the left one's technique")
+
+        program.display.run("xdotool", "windowsize", program.window, str(smaller[0]), str(smaller[1]))
+        program.wait_until("the new size", lambda: Picture(display, program.window).width == smaller[0])
+        program.wait_for_panels("both panels show something after a change of size")
+
+        program.key("ctrl+q")
+        print(f"  Ctrl-Q: {program.ends('Ctrl-Q'):.2f} s")
+
+
+def begin_catching_signals(program):
+    """Waits until SIGTERM no longer kills the process."""
+    def is_caught():
+        try:
+            with open(f"/proc/{program.process.pid}/status", encoding="ascii") as status:
+                caught = next(line for line in status if line.startswith("SigCgt"))
+        except (OSError, StopIteration):
+            return False
+        return int(caught.split()[1], 16) >> (signal.SIGTERM - 1) & 1
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline and not is_caught():
+        time.sleep(0.002)
+
+
+def close_at_any_moment(executable):
+    with Display(1280, 800) as display:
+        program = Program(display, [executable, "view", *SCENE])
+        program.find_window()
+        press_close_button(program)
+        print(f"  close button: {program.ends('close button'):.2f} s")
+
+        seed = random.randrange(1 << 32)
+        print(f"  random moments, seed {seed}")
+        moments = random.Random(seed)
+        slowest = 0.0
+        for i in range(20):
+            program = Program(display, [executable, "view"] + (SCENE if i % 2 else ["vessels"]))
+            begin_catching_signals(program)
+            moment = moments.uniform(0.0, 0.5)
+            time.sleep(moment)
+            program.process.send_signal(signal.SIGINT if i % 3 == 0 else signal.SIGTERM)
+            slowest = max(slowest, program.ends(f"a signal {moment:.3f} s after the start"))
+        print(f"  signals: {slowest:.2f} s at most")
+
+
+def main():
+    executable, parts = sys.argv[1], sys.argv[2:] or ["1x", "2x", "closing"]
+    missing = [tool for tool in ("Xvfb", "xdotool", "import", "xrdb") if shutil.which(tool) is None]
+    if missing:
+        print("skipped: not installed: " + " ".join(missing))
+        return SKIPPED
+    try:
+        for part in parts:
+            print(part)
+            if part == "closing":
+                close_at_any_moment(executable)
+            else:
+                use_the_window(executable, 2.0 if part == "2x" else 1.0)
+    except Failure as failure:
+        print(failure)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
