@@ -3,6 +3,7 @@
 #include "app/picture.h"
 
 #include <stb_image.h>
+#include <stb_image_write.h>
 
 #include "render/core/error.h"
 #include "render/core/parallel.h"
@@ -31,6 +32,20 @@ Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, Rgb
   const ColorTables& tables = ColorTables::instance();
   return convert(image, uncovered | (uncovered != 0 ? 0xff000000u : 0u),
                  [&](const glm::vec4& color) { return tables.encode(over(color, {background, 1.0f})) | 0xff000000u; });
+}
+
+std::string encodePng(const Image<Rgba8>& picture, const std::stop_token& stop) {
+  if (stop.stop_requested()) throw OperationCancelled();
+  std::string bytes;
+  const auto append = [](void* context, void* data, int size) {
+    static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<size_t>(size));
+  };
+  const int written = picture.empty() ? 0
+                                      : stbi_write_png_to_func(append, &bytes, static_cast<int>(picture.width()),
+                                                               static_cast<int>(picture.height()), 4, picture.data(),
+                                                               static_cast<int>(picture.width() * sizeof(Rgba8)));
+  if (written == 0) throw InputError("a picture could not be encoded as PNG: it is empty, or there is not enough memory");
+  return bytes;
 }
 
 Image<Rgba8> readPng(const std::filesystem::path& path) {

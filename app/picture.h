@@ -1,5 +1,5 @@
 // Pictures for files and screens: 8 bit, straight alpha, sRGB.
-// PNG (ISO 15948): written in stripes on all cores through zlib, read through stb_image.
+// PNG (ISO 15948) through stb_image_write and stb_image.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@ Image<Rgba8> toPicture(const WarpedImage& image, Rgba8 uncovered = 0);
 /// Composited over an opaque background (linear RGB): what a screen shows. Pixels that nothing covers show `uncovered` if it is not 0.
 Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, Rgba8 uncovered = 0);
 
-/// The bytes of a PNG file, the same whatever the number of threads. Throws OperationCancelled if `stop` is set.
+/// The bytes of a PNG file. Throws OperationCancelled if `stop` is set before it begins; InputError for an empty picture.
 std::string encodePng(const Image<Rgba8>& picture, const std::stop_token& stop = {});
 
 /// Reads an 8-bit PNG. Throws InputError.
