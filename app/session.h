@@ -82,8 +82,8 @@ class Session {
   const Scene* scene() const { return loaded_ ? &loaded_->scene : nullptr; }
   /// Name of the scene that is being opened; empty if none is.
   const std::string& loading() const { return loading_; }
-  /// Why the last scene or frame could not be had; empty if it could.
-  const std::string& error() const { return loadError_.empty() ? serverError_ : loadError_; }
+  /// Why the last scene, view or frame could not be had; empty if it could.
+  const std::string& error() const;
   const View& view() const { return view_; }
   const Knobs& knobs() const { return knobs_; }
   const Panel& panel(size_t index) const { return panels_[index]; }
@@ -110,6 +110,8 @@ class Session {
 
   // Each is true if anything happened.
   bool takeScene();
+  /// False if no picture can be made of the view; error() says why, and the last good view is back.
+  bool placeCamera();
   bool takeFrame();
   bool takeReference();
   bool takePicture(size_t index);
@@ -117,12 +119,14 @@ class Session {
   bool askReference(TimePoint now);
   bool postJob(size_t index);
   void forgetOldRequests();
+  /// Of the view. One camera for all sizes: its distance depends on the picture's shape, which rounding changes a little.
   Camera cameraOfSize(const glm::uvec2& size) const;
   bool isCurrent(uint64_t requestId) const { return requestId == requestId_ && wanted_ == asked_; }
 
   std::shared_ptr<const LoadedScene> loaded_;
-  std::string loading_, loadError_, serverError_;
-  View view_;
+  std::string loading_, loadError_, viewError_, serverError_;
+  View view_, usableView_;
+  Camera camera_;  // of the panels' pictures
   Knobs knobs_;
   glm::uvec2 panelSizePx_{0};
   std::array<Panel, kPanelCount> panels_;

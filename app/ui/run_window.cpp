@@ -15,7 +15,7 @@ namespace ui {
 namespace {
 
 constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f;  // at scale 1
-constexpr std::chrono::milliseconds kClosingPatience(700);
+constexpr std::chrono::milliseconds kClosingPatience(400);
 /// After the last event the display keeps its rate for this long.
 constexpr std::chrono::milliseconds kLinger(500);
 

@@ -265,6 +265,12 @@ def close_at_any_moment(executable):
         press_close_button(program)
         print(f"  close button: {program.ends('close button'):.2f} s")
 
+        program = Program(display, [executable, "view", "vessels", "--volume-size", "500x500x500"])
+        program.find_window()
+        time.sleep(1.0)
+        program.process.send_signal(signal.SIGTERM)
+        print(f"  during a long load: {program.ends('a signal during a long load'):.2f} s")
+
         seed = random.randrange(1 << 32)
         print(f"  random moments, seed {seed}")
         moments = random.Random(seed)
