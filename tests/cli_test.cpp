@@ -263,7 +263,7 @@ TEST_F(CommandLine, InterruptingCompareLeavesNothing) {
   for (const int number : {SIGINT, SIGTERM})
     for (const double delaySeconds : {0.5, 2.0, 4.5}) {
       SCOPED_TRACE(std::to_string(number) + " after " + std::to_string(delaySeconds) + " s");
-      Program program({"compare", "block", "--out", "out/deep", "--size", "2001x1999"}, folder_.path());
+      Program program({"compare", "block", "--out", "out/deep", "--size", "1501x1499"}, folder_.path());
       // Measured from the moment when it has begun to write, so that a slow start is not what is tested.
       while (!fs::exists(folder_.path() / "out/deep") && !program.hasEnded()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
       std::this_thread::sleep_for(std::chrono::duration<double>(delaySeconds));
