@@ -14,7 +14,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Walks over the text and counts the lines that the parser has taken.
+/// Walks over the text and counts the lines that the parser has taken. A line break belongs to the line that it ends, because the
+/// parser takes the character behind a number before it reports the number.
 class CountingIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -26,7 +27,8 @@ class CountingIterator {
   CountingIterator(const char* at, int* line) : at_(at), line_(line) {}
   reference operator*() const { return *at_; }
   CountingIterator& operator++() {
-    if (*at_ == '\n') ++*line_;
+    if (afterBreak_) ++*line_;
+    afterBreak_ = *at_ == '\n';
     ++at_;
     return *this;
   }
@@ -41,6 +43,7 @@ class CountingIterator {
  private:
   const char* at_;
   int* line_;
+  bool afterBreak_ = false;
 };
 
 std::string escapePointer(std::string key) {

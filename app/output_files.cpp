@@ -36,11 +36,11 @@ void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view 
 }  // namespace
 
 void writeFileWhole(const fs::path& path, std::string_view bytes) {
-  if (fs::is_directory(path)) throw InputError(path.string() + ": cannot be written: it is a folder");
+  std::error_code error;
+  if (fs::is_directory(path, error)) throw InputError(path.string() + ": cannot be written: it is a folder");
   fs::path partial = path;
   partial += ".partial-" + uniqueSuffix();
   writeBytes(partial, path, bytes);
-  std::error_code error;
   fs::rename(partial, path, error);
   if (!error) return;
   std::error_code ignored;
@@ -75,6 +75,12 @@ void StagedFolder::write(const std::string& name, std::string_view bytes) {
 }
 
 void StagedFolder::commit() {
+  // What can be known to fail fails before anything is replaced.
+  for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) {
+    const fs::path target = folder_ / entry.path().filename();
+    std::error_code error;
+    if (fs::is_directory(target, error)) throw InputError(target.string() + ": cannot be written: it is a folder");
+  }
   for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) {
     std::error_code error;
     const fs::path target = folder_ / entry.path().filename();

@@ -60,11 +60,11 @@ WARPSCOPE_HD inline float dequantizeCoordinate(uint32_t code, float lower, float
 WARPSCOPE_HD inline uint32_t encodeRadius(float radius, float radiusUnit) {
   const float relative = radius / radiusUnit;
   if (!(relative > 0.0f)) return 1;
+  if (relative >= 2.0f) return kRadiusCodeMax;  // infinity too, which has no exponent
   int exponent = 0;
   const float fraction = std::frexp(relative, &exponent);  // relative = fraction * 2^exponent, fraction in [0.5, 1)
   const int biased = exponent - 1 + 15;
   if (biased < 0) return 1;
-  if (biased > 15) return kRadiusCodeMax;
   const uint32_t mantissa = static_cast<uint32_t>(fraction * 128.0f) - 64u;
   const uint32_t code = static_cast<uint32_t>(biased) << 6 | mantissa;
   return code == 0 ? 1 : code;

@@ -14,7 +14,10 @@ glm::vec4 TransferFunction::at(double value) const {
   if (next == points.begin()) return {points.front().color, points.front().alpha};
   const TransferPoint& before = *std::prev(next);
   if (next == points.end()) return {before.color, before.alpha};
-  const float fraction = static_cast<float>((value - before.value) / (next->value - before.value));
+  const double extent = next->value - before.value;
+  const double unit = std::isfinite(extent) ? (value - before.value) / extent  // else halves, whose difference does not overflow
+                                            : (0.5 * value - 0.5 * before.value) / (0.5 * next->value - 0.5 * before.value);
+  const float fraction = static_cast<float>(unit);
   return {glm::mix(before.color, next->color, fraction), glm::mix(before.alpha, next->alpha, fraction)};
 }
 
@@ -30,8 +33,14 @@ TransferTable bakeTransferTable(const TransferFunction& function, double lower, 
   table.step = step;
   table.entries.resize(TransferTable::kSize);
   table.visibleBefore.resize(TransferTable::kSize + 1, 0);
+  constexpr int kLast = TransferTable::kSize - 1;
+  const double extent = upper - lower;
+  // The product first, so that whole values stay whole; extents of double volumes may overflow.
+  const auto valueAt = [&](int i) {
+    return std::isfinite(extent * kLast) ? lower + extent * i / kLast : std::lerp(lower, upper, static_cast<double>(i) / kLast);
+  };
   for (int i = 0; i < TransferTable::kSize; ++i) {
-    const double value = lower + (upper - lower) * i / (TransferTable::kSize - 1);
+    const double value = valueAt(i);
     const glm::vec4 straight = function.at(value);
     const float alpha = correctOpacity(std::clamp(straight.a, 0.0f, 1.0f), step);
     table.entries[i] = {glm::vec3(straight) * alpha, alpha};

@@ -9,7 +9,7 @@
 // CrossingFold whose threshold it gives. Ties: the nearer sample wins.
 #pragma once
 
-#include "render/core/host_device.h"
+#include "render/core/numeric.h"
 #include "render/march/march_settings.h"
 
 namespace warpscope {
@@ -94,7 +94,9 @@ struct CrossingFold {
     t += (fraction - 0.5f) * sample.ds;
   }
   WARPSCOPE_HD static CrossingFold combine(const CrossingFold& front, const CrossingFold& back) {
-    return front.crossed || !back.any ? front : back;
+    CrossingFold whole = front.crossed || !back.any ? front : back;
+    whole.threshold = maxOf(front.threshold, back.threshold);  // the identity has none
+    return whole;
   }
   WARPSCOPE_HD DepthResult result() const { return {any, t, 0.0f}; }
 };

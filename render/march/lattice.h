@@ -14,10 +14,12 @@ struct RayLattice {
   float dt = 1.0f;      ///< step, > 0
   int count = 0;        ///< number of samples; the last step may be shorter than dt
 
-  WARPSCOPE_HD float stepLength(int i) const { return i + 1 < count ? dt : length - static_cast<float>(count - 1) * dt; }
+  /// The last step's is what is left, in double: rounded indices beyond 2^24 would make it negative.
+  WARPSCOPE_HD float stepLength(int i) const {
+    return i + 1 < count ? dt : static_cast<float>(static_cast<double>(length) - static_cast<double>(count - 1) * dt);
+  }
   WARPSCOPE_HD float t(int i) const {
-    return i + 1 < count ? t0 + (static_cast<float>(i) + 0.5f) * dt
-                         : t0 + 0.5f * (static_cast<float>(count - 1) * dt + length);
+    return i + 1 < count ? t0 + (static_cast<float>(i) + 0.5f) * dt : t0 + (length - 0.5f * stepLength(i));
   }
 };
 

@@ -14,10 +14,10 @@ namespace warpscope {
 
 /// What a ray has gathered so far; carried from one segment of a ray to the next.
 struct RayColor {
-  glm::vec3 color{0.0f};  ///< linear, premultiplied
+  glm::dvec3 color{0.0};  ///< linear, premultiplied; double for the same reason as transmittance
   Transmittance transmittance;
 
-  WARPSCOPE_HD glm::vec4 premultiplied() const { return {color, transmittance.opacity()}; }
+  WARPSCOPE_HD glm::vec4 premultiplied() const { return {glm::vec3(color), transmittance.opacity()}; }
 };
 
 /// Place of the lowest bit that is set; `bits` is not 0.
@@ -55,7 +55,7 @@ WARPSCOPE_HD inline void marchRay(const RayLattice& lattice, int begin, int end,
         color *= alpha / whole;
       }
       const float before = ray.transmittance.value();
-      ray.color += before * color;
+      ray.color += glm::dvec3(before * color);
       if (before * alpha >= contribution) sink(CountingSample{lattice.t(i + k), ds, alpha, before});
       ray.transmittance.pass(alpha);
       if (ray.transmittance.value() < stopBelow) return;

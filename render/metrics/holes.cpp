@@ -2,6 +2,8 @@
 // See holes.h.
 #include "render/metrics/holes.h"
 
+#include <cmath>
+
 #include "render/core/error.h"
 
 namespace warpscope {
@@ -11,7 +13,8 @@ HoleCount countHoles(const WarpedImage& image, const Image<glm::vec4>& reference
     throw InputError("counting holes needs two images of one size");
   HoleCount count;
   for (size_t i = 0; i < reference.size(); ++i) {
-    if (!(reference[i].a >= kShownAlpha)) continue;
+    if (std::isnan(reference[i].a)) throw InputError("counting holes: a pixel of the reference is not a number");
+    if (reference[i].a < kShownAlpha) continue;
     ++count.shown;
     count.holes += image.samples[i] == kNoSample;
   }

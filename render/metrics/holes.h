@@ -16,7 +16,7 @@ struct HoleCount {
   double fraction() const { return shown == 0 ? 0.0 : static_cast<double>(holes) / static_cast<double>(shown); }
 };
 
-/// Throws InputError if the sizes differ.
+/// Throws InputError if the sizes differ or the reference holds NaN.
 HoleCount countHoles(const WarpedImage& image, const Image<glm::vec4>& reference);
 
 }  // namespace warpscope

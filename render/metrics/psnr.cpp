@@ -14,6 +14,10 @@
 namespace warpscope {
 namespace {
 
+bool isFinite(const glm::vec4& v) {
+  return std::isfinite(v.r) && std::isfinite(v.g) && std::isfinite(v.b) && std::isfinite(v.a);
+}
+
 glm::vec3 displayed(const glm::vec4& premultiplied, const glm::vec3& background) {
   const glm::vec4 color = over(premultiplied, {background, 1.0f});
   const auto encode = [](float v) { return srgbFromLinear(glm::clamp(v, 0.0f, 1.0f)); };
@@ -31,6 +35,7 @@ double psnrSrgb(const Image<glm::vec4>& image, const Image<glm::vec4>& reference
       tbb::blocked_range<size_t>(0, image.size(), kPiece), 0.0,
       [&](const tbb::blocked_range<size_t>& range, double partial) {
         for (size_t i = range.begin(); i < range.end(); ++i) {
+          if (!isFinite(image[i]) || !isFinite(reference[i])) return std::numeric_limits<double>::infinity();
           if (image[i] == reference[i]) continue;
           const glm::dvec3 difference(displayed(image[i], background) - displayed(reference[i], background));
           partial += glm::dot(difference, difference);

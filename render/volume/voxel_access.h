@@ -21,7 +21,8 @@ WARPSCOPE_HD inline bool isFiniteVoxel(Voxel voxel) {
     return true;
 }
 
-/// How values become fractions of the volume's range: (value - lower) * inverseExtent. inverseExtent is 0 for a range without extent.
+/// How values become fractions of the volume's range: (value - lower) * inverseExtent. inverseExtent is 0 for a range without extent, or
+/// with one so small that its reciprocal overflows.
 struct ValueScale {
   double lower = 0.0;
   double inverseExtent = 0.0;
@@ -30,7 +31,8 @@ struct ValueScale {
 inline ValueScale valueScaleOf(const VoxelStatistics& statistics) {
   // Halves, because the extent of a double volume may overflow.
   const double half = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower;
-  return {statistics.rangeLower, half > 0.0 ? 0.5 / half : 0.0};
+  const double inverse = 0.5 / half;
+  return {statistics.rangeLower, half > 0.0 && std::isfinite(2.0 * inverse) ? inverse : 0.0};
 }
 
 /// True for voxel types whose values float cannot hold: they become fractions before interpolation instead of after it.
@@ -86,8 +88,11 @@ WARPSCOPE_HD inline Float trilinear(const Float (&c)[8], const Float& wx, const 
   return lerp(low, high, wz);
 }
 
-/// As trilinear, where corners that are not finite have no weight. NaN if they carry half the weight or more.
+/// trilinear, bit for bit, where all corners are finite; else those that are not have no weight. NaN if they carry half the weight or more.
 WARPSCOPE_HD inline float trilinearOfFinite(const float (&c)[8], float wx, float wy, float wz) {
+  bool whole = true;
+  for (int i = 0; i < 8; ++i) whole = whole && isFiniteVoxel(c[i]);
+  if (whole) return trilinear(c, wx, wy, wz);
   float sum = 0.0f;
   float weights = 0.0f;
   for (int i = 0; i < 8; ++i) {

@@ -1,0 +1,58 @@
+// Edit distance against its recursive definition, and the sentence made of it.
+// Mirrors render/core/nearest_name.h.
+#include "render/core/nearest_name.h"
+
+#include <gmock/gmock.h>
+#include <rapidcheck/gtest.h>
+
+#include <array>
+
+namespace warpscope {
+namespace {
+
+size_t naiveDistance(std::string_view a, std::string_view b) {
+  if (a.empty() || b.empty()) return a.size() + b.size();
+  if (a[0] == b[0]) return naiveDistance(a.substr(1), b.substr(1));
+  return 1 + std::min({naiveDistance(a.substr(1), b), naiveDistance(a, b.substr(1)), naiveDistance(a.substr(1), b.substr(1))});
+}
+
+TEST(EditDistance, KnownValues) {
+  EXPECT_EQ(editDistance("", ""), 0u);
+  EXPECT_EQ(editDistance("", "abc"), 3u);
+  EXPECT_EQ(editDistance("abc", ""), 3u);
+  EXPECT_EQ(editDistance("kitten", "sitting"), 3u);
+  EXPECT_EQ(editDistance("spheres", "sphere"), 1u);
+  EXPECT_EQ(editDistance("ab", "ba"), 2u);
+}
+
+RC_GTEST_PROP(EditDistance, AgreesWithItsDefinition, ()) {
+  const auto word = rc::gen::mapcat(rc::gen::inRange(0, 7), [](int length) {
+    return rc::gen::container<std::string>(static_cast<size_t>(length), rc::gen::elementOf(std::string("abc")));
+  });
+  const std::string a = *word, b = *word;
+  RC_ASSERT(editDistance(a, b) == naiveDistance(a, b));
+  RC_ASSERT(editDistance(a, b) == editDistance(b, a));
+}
+
+TEST(UnknownName, ProposesTheNearestAndListsAll) {
+  constexpr std::array<std::string_view, 3> known{"points", "spheres", "reference"};
+  const std::string text = unknownName("technique", "spheers", known);
+  EXPECT_THAT(text, testing::HasSubstr("unknown technique 'spheers'"));
+  EXPECT_THAT(text, testing::HasSubstr("did you mean 'spheres'?"));
+  for (const std::string_view name : known) EXPECT_THAT(text, testing::HasSubstr(std::string(name)));
+  EXPECT_THAT(unknownName("technique", "", known), testing::HasSubstr("did you mean 'points'?"));
+}
+
+TEST(UnknownName, TiesGoToTheFirst) {
+  constexpr std::array<std::string_view, 2> known{"bat", "cat"};
+  EXPECT_THAT(unknownName("x", "rat", known), testing::HasSubstr("did you mean 'bat'?"));
+}
+
+TEST(UnknownName, NothingKnownAndEndlessNames) {
+  EXPECT_EQ(unknownName("key", "a", {}), "unknown key 'a'");
+  constexpr std::array<std::string_view, 1> known{"a"};
+  EXPECT_LT(unknownName("key", std::string(10'000'000, 'x'), known).size(), 200u);
+}
+
+}  // namespace
+}  // namespace warpscope

@@ -1,0 +1,176 @@
+// Output that is there whole or not at all: what success, failure and giving up leave on the disk.
+// Mirrors app/output_files.h.
+#include "app/output_files.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <thread>
+
+#include "render/core/error.h"
+
+namespace warpscope {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
+
+class OutputFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = fs::path(testing::TempDir()) / ("output_files_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(root_);
+    fs::create_directories(root_);
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  static std::string contentOf(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  static std::vector<std::string> namesIn(const fs::path& folder) {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
+    return names;
+  }
+  template <class Action>
+  static std::string complaintOf(const Action& action) {
+    try {
+      action();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  fs::path root_;
+};
+
+TEST_F(OutputFiles, WritesAndReplacesWhole) {
+  const std::string bytes("a\0b\r\n\xff", 6);
+  writeFileWhole(root_ / "f", bytes);
+  EXPECT_EQ(contentOf(root_ / "f"), bytes);
+  writeFileWhole(root_ / "f", "");
+  EXPECT_EQ(contentOf(root_ / "f"), "");
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("f"));
+}
+
+TEST_F(OutputFiles, FailedWritesNameThePathAndChangeNothing) {
+  std::ofstream(root_ / "file") << "old";
+  fs::create_directory(root_ / "folder");
+  for (const fs::path& path : {root_ / "absent" / "f", root_ / "file" / "f", root_ / "folder", fs::path("/proc/warpscope-test"),
+                               root_ / std::string(300, 'n')}) {
+    EXPECT_THAT(complaintOf([&] { writeFileWhole(path, "new"); }), HasSubstr(path.string() + ": cannot be written"));
+  }
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("file", "folder"));
+  EXPECT_EQ(contentOf(root_ / "file"), "old");
+  EXPECT_THAT(namesIn(root_ / "folder"), IsEmpty());
+}
+
+TEST_F(OutputFiles, StagedFilesAppearTogether) {
+  StagedFolder folder(root_ / "a" / "b");
+  folder.write("x", "1");
+  folder.write("y", "2");
+  EXPECT_FALSE(fs::exists(root_ / "a" / "b" / "x"));
+  folder.commit();
+  EXPECT_EQ(contentOf(root_ / "a" / "b" / "x"), "1");
+  EXPECT_EQ(contentOf(root_ / "a" / "b" / "y"), "2");
+}
+
+TEST_F(OutputFiles, CommittedFoldersHoldNothingElseAndStay) {
+  std::ofstream(root_ / "x") << "old";
+  std::ofstream(root_ / "other") << "kept";
+  {
+    StagedFolder folder(root_);
+    folder.write("x", "new");
+    EXPECT_EQ(contentOf(root_ / "x"), "old");
+    folder.commit();
+  }
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("x", "other"));
+  EXPECT_EQ(contentOf(root_ / "x"), "new");
+  EXPECT_EQ(contentOf(root_ / "other"), "kept");
+}
+
+TEST_F(OutputFiles, GivingUpLeavesNothingBehind) {
+  for (const char* name : {"made", "made/", "made/by/us", "made/by/us/", "made/./by"}) {
+    {
+      StagedFolder folder(root_ / name);
+      folder.write("x", "1");
+      EXPECT_TRUE(fs::is_directory(root_ / "made"));
+    }
+    EXPECT_THAT(namesIn(root_), IsEmpty()) << name;
+  }
+}
+
+TEST_F(OutputFiles, GivingUpKeepsWhatWasThere) {
+  fs::create_directory(root_ / "was");
+  std::ofstream(root_ / "was" / "x") << "old";
+  try {
+    StagedFolder folder(root_ / "was" / "new");
+    folder.write("x", "1");
+    StagedFolder beside(root_ / "was");
+    beside.write("x", "2");
+    throw InputError("the work failed");
+  } catch (const InputError&) {
+  }
+  EXPECT_THAT(namesIn(root_ / "was"), UnorderedElementsAre("x"));
+  EXPECT_EQ(contentOf(root_ / "was" / "x"), "old");
+}
+
+TEST_F(OutputFiles, FoldersThatOthersFilledStay) {
+  {
+    StagedFolder folder(root_ / "made");
+    std::ofstream(root_ / "made" / "guest") << "g";
+  }
+  EXPECT_THAT(namesIn(root_ / "made"), UnorderedElementsAre("guest"));
+}
+
+TEST_F(OutputFiles, UnusableFoldersAreNamedAndLeaveNothing) {
+  std::ofstream(root_ / "file") << "old";
+  for (const fs::path& path : {root_ / "file", root_ / "file" / "sub", fs::path("/proc/warpscope-test/sub"), fs::path("/proc"),
+                               root_ / "made" / std::string(300, 'n')})
+    EXPECT_THAT(complaintOf([&] { StagedFolder folder(path); }), HasSubstr(path.string())) << path;
+  EXPECT_NE(complaintOf([] { StagedFolder folder(fs::path{}); }), "");
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("file"));
+  EXPECT_EQ(contentOf(root_ / "file"), "old");
+}
+
+TEST_F(OutputFiles, FailedStagedWritesNameTheFinalPath) {
+  {
+    StagedFolder folder(root_ / "made");
+    const std::string name(300, 'n');
+    EXPECT_THAT(complaintOf([&] { folder.write(name, "1"); }), HasSubstr((root_ / "made" / name).string()));
+  }
+  EXPECT_THAT(namesIn(root_), IsEmpty());
+}
+
+TEST_F(OutputFiles, CommitsThatCannotBeWholeChangeNothing) {
+  // One of the names is taken by a folder: none of the files may be replaced.
+  fs::create_directory(root_ / "m");
+  const std::vector<std::string> names{"a", "b", "c", "d", "e", "w", "x", "y", "z"};
+  for (const std::string& name : names) std::ofstream(root_ / name) << "old";
+  {
+    StagedFolder folder(root_);
+    folder.write("m", "new");
+    for (const std::string& name : names) folder.write(name, "new");
+    EXPECT_THAT(complaintOf([&] { folder.commit(); }), HasSubstr((root_ / "m").string()));
+  }
+  EXPECT_EQ(namesIn(root_).size(), names.size() + 1);
+  for (const std::string& name : names) EXPECT_EQ(contentOf(root_ / name), "old") << name;
+}
+
+TEST_F(OutputFiles, WritesFromSeveralThreads) {
+  StagedFolder folder(root_);
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < 8; ++i)
+      threads.emplace_back([&folder, i] { folder.write("f" + std::to_string(i), std::string(100000, static_cast<char>('a' + i))); });
+  }
+  folder.commit();
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(contentOf(root_ / ("f" + std::to_string(i))), std::string(100000, static_cast<char>('a' + i)));
+}
+
+}  // namespace
+}  // namespace warpscope

@@ -1,0 +1,188 @@
+// The vectors over a batch of samples against one sample at a time through voxel_access.h: the same bits.
+// Mirrors render/march/volume_source.h and render/volume/voxel_access.h.
+#include "render/march/volume_source.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "marcher_cases.h"
+#include "render/march/march.h"
+#include "test_volumes.h"
+
+namespace warpscope {
+namespace {
+
+const double kNan = std::nan("");
+const double kInfinity = std::numeric_limits<double>::infinity();
+
+/// One sample at a time, by the shared formulas, skipping nothing.
+template <class Voxel>
+struct ScalarSource {
+  static constexpr int kBatch = 1;
+  const Volume& volume;
+  const TransferTable& table;
+  const Ray& ray;
+  const RayLattice& lattice;
+  glm::vec4 entry{0.0f};
+
+  int skip(int i) const { return i; }
+  uint32_t classify(int i, int) {
+    const ValueScale scale = valueScaleOf(volume.statistics());
+    const glm::ivec3 n(volume.dims());
+    const glm::vec3 perUnit = 1.0f / volume.geometry().voxelEdges();
+    const glm::vec3 origin = (ray.origin - volume.bounds().lower) * perUnit - 0.5f;
+    const glm::vec3 direction = ray.direction * perUnit;
+    int index[3];
+    float weight[3];
+    for (int axis = 0; axis < 3; ++axis)
+      axisCell(origin[axis] + lattice.t(i) * direction[axis], n[axis], index[axis], weight[axis]);
+    float corner[8];
+    bool allFinite = true;
+    for (int k = 0; k < 8; ++k) {
+      const int x = index[0] + (k & 1 && n.x > 1), y = index[1] + (k >> 1 & 1 && n.y > 1), z = index[2] + (k >> 2 && n.z > 1);
+      corner[k] = interpolant(volume.voxelsAs<Voxel>()[(size_t(z) * n.y + y) * n.x + x], scale);
+      allFinite = allFinite && std::isfinite(corner[k]);
+    }
+    const float value = allFinite ? trilinear(corner, weight[0], weight[1], weight[2])
+                                  : trilinearOfFinite(corner, weight[0], weight[1], weight[2]);
+    if (std::isnan(value)) return 0;
+    entry = table.entries[transferIndex(unitFromInterpolant<Voxel>(value, scale))];
+    return entry.a > 0.0f;
+  }
+  float alpha(int) const { return entry.a; }
+  glm::vec3 color(int) const { return glm::vec3(entry); }
+};
+
+TransferFunction colourful() {
+  return {{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
+}
+
+Image<glm::vec4> renderedOneByOne(const Volume& volume, const TransferFunction& function, const Camera& camera,
+                                  const MarchSettings& settings) {
+  const TransferTable table =
+      bakeTransferTable(function, volume.statistics().rangeLower, volume.statistics().rangeUpper, settings.step);
+  Image<glm::vec4> image(camera.width, camera.height);
+  visitVoxelType(volume.type(), [&](auto tag) {
+    for (uint32_t y = 0; y < camera.height; ++y)
+      for (uint32_t x = 0; x < camera.width; ++x) {
+        const Ray ray = pixelRay(camera, glm::vec2(x, y) + 0.5f);
+        const RayLattice lattice =
+            makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.step);
+        ScalarSource<decltype(tag)> source{volume, table, ray, lattice};
+        RayColor color;
+        marchRay(lattice, 0, lattice.count, source, settings.contribution, settings.terminateEarly ? settings.contribution : 0.0f,
+                 color, [](const CountingSample&) {});
+        image(x, y) = color.premultiplied();
+      }
+  });
+  return image;
+}
+
+class VolumeSourceOf : public testing::TestWithParam<VoxelType> {};
+INSTANTIATE_TEST_SUITE_P(All, VolumeSourceOf, testing::ValuesIn(kAllVoxelTypes),
+                         [](const auto& info) { return std::string(nameOf(info.param)); });
+
+TEST_P(VolumeSourceOf, BatchesAreTheScalarFormulaBitForBit) {
+  for (const glm::uvec3 dims : {glm::uvec3(24, 19, 21), glm::uvec3(1, 20, 20), glm::uvec3(20, 1, 20), glm::uvec3(20, 20, 1),
+                                glm::uvec3(1, 1, 20), glm::uvec3(20, 1, 1), glm::uvec3(1), glm::uvec3(2)}) {
+    VolumeGeometry geometry;
+    geometry.dims = dims;
+    geometry.spacing = {1.0, 1.5, 1.25};
+    FieldFunction field = blobs(dims, 4);
+    if (dims.x * dims.y * dims.z < 1000) field = [](const glm::ivec3& p) { return (p.x * 31 + p.y * 17 + p.z * 13 + 40) % 101; };
+    const bool isSigned = GetParam() == VoxelType::int8 || GetParam() == VoxelType::int16 || GetParam() == VoxelType::int32;
+    const double shift = isSigned ? 60.0 : 0.0;  // values of both signs
+    const VolumePtr volume = makeTestVolume(GetParam(), geometry, [&](const glm::ivec3& p) { return field(p) - shift; });
+    TransferFunction function = colourful();
+    for (TransferPoint& point : function.points) point.value -= shift;
+    const MarcherPtr marcher = makeCpuMarcher(volume, function);
+    for (const float step : {0.5f, 0.37f}) {
+      MarchSettings settings;
+      settings.step = step;
+      for (const glm::vec3 eye : {glm::vec3(40.0f, 25.0f, 33.0f), glm::vec3(0.1f, 0.2f, 0.3f), glm::vec3(0.0f, 0.0f, -50.0f)}) {
+        const Camera camera = lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 33, 29);
+        ASSERT_TRUE(sameBits(rendered(*marcher, camera, settings), renderedOneByOne(*volume, function, camera, settings)))
+            << dims.x << "x" << dims.y << "x" << dims.z << ", step " << step;
+      }
+    }
+  }
+}
+
+TEST(VolumeSource, BatchesWithHolesAreTheScalarFormulaBitForBit) {
+  const glm::uvec3 dims(20, 18, 16);
+  const FieldFunction field = blobs(dims, 8);
+  for (const VoxelType type : {VoxelType::float32, VoxelType::float64}) {
+    const VolumePtr volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) {
+      if (p.y > 8) return field(p);  // half of the volume is whole
+      const int hash = (p.x * 7 + p.y * 5 + p.z * 3) % 11;
+      return hash == 0 ? kNan : hash == 1 ? kInfinity : hash == 2 ? -kInfinity : field(p);
+    });
+    const MarcherPtr marcher = makeCpuMarcher(volume, colourful());
+    const Camera camera = lookingFrom({30.0f, 20.0f, 25.0f}, {}, 40, 40);
+    const Image<glm::vec4> image = rendered(*marcher, camera);
+    EXPECT_GT(largestAlpha(image), 0.1f);
+    EXPECT_TRUE(sameBits(image, renderedOneByOne(*volume, colourful(), camera, {})));
+  }
+}
+
+// --- Interpolation itself, against the definition in long double.
+
+TEST(VoxelAccess, InterpolatesBetweenCentresAndIsConstantBeyondThem) {
+  for (const int voxels : {1, 2, 5})
+    for (float coordinate = -0.5f; coordinate <= static_cast<float>(voxels) - 0.5f; coordinate += 0.0625f) {
+      int index = -1;
+      float weight = -1.0f;
+      axisCell(coordinate, voxels, index, weight);
+      const float clamped = std::min(std::max(coordinate, 0.0f), static_cast<float>(voxels - 1));
+      EXPECT_EQ(static_cast<float>(index) + weight, clamped);
+      EXPECT_GE(weight, 0.0f);
+      EXPECT_LE(weight, 1.0f);
+      EXPECT_GE(index, 0);
+      EXPECT_LE(index, std::max(0, voxels - 2));
+    }
+  int index = -1;
+  float weight = -1.0f;
+  axisCell(std::nanf(""), 9, index, weight);
+  EXPECT_EQ(index, 0);
+  EXPECT_EQ(weight, 0.0f);
+}
+
+TEST(VoxelAccess, TrilinearIsTheWeightedSum) {
+  const float corner[8] = {1.0f, -2.0f, 30.0f, 4.5f, 0.0f, 6.0f, -7.0f, 80.0f};
+  for (float x = 0.0f; x <= 1.0f; x += 0.125f)
+    for (float y = 0.0f; y <= 1.0f; y += 0.125f)
+      for (float z = 0.0f; z <= 1.0f; z += 0.125f) {
+        double sum = 0.0;
+        for (int i = 0; i < 8; ++i) sum += (i & 1 ? x : 1 - x) * (i & 2 ? y : 1 - y) * (i & 4 ? z : 1 - z) * static_cast<double>(corner[i]);
+        ASSERT_NEAR(trilinear(corner, x, y, z), sum, 1e-5);
+        ASSERT_NEAR(trilinearOfFinite(corner, x, y, z), sum, 1e-5);
+      }
+}
+
+TEST(VoxelAccess, MissingCornersShareTheirWeight) {
+  const float nan = std::nanf("");
+  const float corner[8] = {nan, 10.0f, nan, 10.0f, nan, 10.0f, nan, 20.0f};
+  EXPECT_NEAR(trilinearOfFinite(corner, 0.75f, 0.5f, 0.5f), 12.5, 1e-5);
+  EXPECT_TRUE(std::isnan(trilinearOfFinite(corner, 0.5f, 0.5f, 0.5f)));  // half of it is missing
+  EXPECT_TRUE(std::isnan(trilinearOfFinite(corner, 0.25f, 0.5f, 0.5f)));
+  EXPECT_EQ(trilinearOfFinite(corner, 1.0f, 0.0f, 0.0f), 10.0f);
+}
+
+TEST(VoxelAccess, FractionsOfTheRange) {
+  VoxelStatistics statistics;
+  statistics.rangeLower = -std::numeric_limits<double>::max();
+  statistics.rangeUpper = std::numeric_limits<double>::max();
+  EXPECT_EQ(unitFromVoxel(statistics.rangeLower, valueScaleOf(statistics)), 0.0f);
+  EXPECT_EQ(unitFromVoxel(0.0, valueScaleOf(statistics)), 0.5f);
+  EXPECT_EQ(unitFromVoxel(statistics.rangeUpper, valueScaleOf(statistics)), 1.0f);
+  statistics.rangeLower = 2147483600.0;
+  statistics.rangeUpper = 2147483647.0;  // float could not tell these apart
+  EXPECT_NEAR(unitFromVoxel(int32_t{2147483601}, valueScaleOf(statistics)), 1.0 / 47.0, 1e-7);
+  statistics.rangeLower = statistics.rangeUpper = 5.0;
+  EXPECT_EQ(unitFromVoxel(5.0f, valueScaleOf(statistics)), 0.0f);
+  EXPECT_EQ(unitFromVoxel(uint16_t{5}, valueScaleOf(statistics)), 0.0f);
+}
+
+}  // namespace
+}  // namespace warpscope
