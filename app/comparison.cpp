@@ -84,7 +84,7 @@ std::string viewCaption(const View& view, const View& first) {
   }
   const double ratio = view.distance / first.distance;
   if (std::abs(ratio - 1.0) > 1e-6) {
-    std::snprintf(text, sizeof text, ", %.3g× as far", ratio);
+    std::snprintf(text, sizeof text, ", %.2g× as far", ratio);
     caption += text;
   }
   return caption;

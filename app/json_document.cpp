@@ -151,6 +151,8 @@ std::string numberText(double value) {
 
 }  // namespace
 
+std::string textOf(const Json& document) { return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
 JsonDocument::JsonDocument(std::string_view text, std::string source) : source_(std::move(source)) {
   int line = 1;
   LineNotingSax sax(value_, lines_, line, source_);

@@ -12,6 +12,9 @@
 
 namespace warpscope {
 
+/// A document as the program prints it: indented, a line end at its end. Bytes that are not UTF-8 (in names of files) are replaced.
+std::string textOf(const nlohmann::json& document);
+
 /// A parsed text and the line on which each key or element begins.
 class JsonDocument {
  public:

@@ -14,7 +14,10 @@ namespace {
 constexpr int kFailure = 1;
 constexpr int kUsage = 2;
 
-int complain(const std::string& text, int code) {
+/// One line, whatever a file's name brings with it.
+int complain(std::string text, int code) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
   std::cerr << "warpscope: " << text << '\n';
   return code;
 }
@@ -38,6 +41,7 @@ int run(int argc, char** argv) {
   }
   if (chosen) {
     chosen();
+    if (!std::cout.flush()) throw warpscope::InputError("standard output cannot be written to");
     return 0;
   }
   try {

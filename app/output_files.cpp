@@ -29,19 +29,49 @@ void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view 
   if (file) return;
   const std::string reason = errno != 0 ? std::strerror(errno) : "unknown reason";
   std::error_code ignored;
-  fs::remove(path, ignored);
+  if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);
   throw InputError(shownAs.string() + ": cannot be written: " + reason);
+}
+
+/// Where `path` leads to, through links; `path` itself if nothing is there. Throws InputError for what can never become a file.
+fs::path targetOf(const fs::path& path) {
+  if (path.empty()) throw InputError("the file to write has no name: it cannot be written");
+  std::error_code error;
+  if (fs::is_directory(path, error) || !path.has_filename())
+    throw InputError(path.string() + ": cannot be written: it is a folder");
+  fs::path target = fs::weakly_canonical(path, error);
+  return error ? path : target;
+}
+
+bool isDevice(const fs::path& target) {
+  std::error_code error;
+  return fs::exists(target, error) && !fs::is_regular_file(target, error);
+}
+
+fs::path partialOf(const fs::path& target) {
+  fs::path partial = target;
+  partial += ".partial-" + uniqueSuffix();
+  return partial;
 }
 
 }  // namespace
 
+void requireWritable(const fs::path& path) {
+  const fs::path target = targetOf(path);
+  if (isDevice(target)) return;
+  const fs::path probe = partialOf(target);
+  writeBytes(probe, path, {});
+  std::error_code ignored;
+  fs::remove(probe, ignored);
+}
+
 void writeFileWhole(const fs::path& path, std::string_view bytes) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) throw InputError(path.string() + ": cannot be written: it is a folder");
-  fs::path partial = path;
-  partial += ".partial-" + uniqueSuffix();
+  const fs::path target = targetOf(path);
+  if (isDevice(target)) return writeBytes(target, path, bytes);
+  const fs::path partial = partialOf(target);
   writeBytes(partial, path, bytes);
-  fs::rename(partial, path, error);
+  std::error_code error;
+  fs::rename(partial, target, error);
   if (!error) return;
   std::error_code ignored;
   fs::remove(partial, ignored);
@@ -75,12 +105,9 @@ void StagedFolder::write(const std::string& name, std::string_view bytes) {
 }
 
 void StagedFolder::commit() {
-  // What can be known to fail fails before anything is replaced.
-  for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) {
-    const fs::path target = folder_ / entry.path().filename();
-    std::error_code error;
-    if (fs::is_directory(target, error)) throw InputError(target.string() + ": cannot be written: it is a folder");
-  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(staging_))
+    if (const fs::path target = folder_ / entry.path().filename(); fs::is_directory(target))
+      throw InputError(target.string() + ": cannot be written: it is a folder");
   for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) {
     std::error_code error;
     const fs::path target = folder_ / entry.path().filename();

@@ -9,8 +9,12 @@
 
 namespace warpscope {
 
-/// Writes `bytes` to `path`, replacing what is there. Throws InputError naming the path and the reason; then nothing has changed.
+/// Writes `bytes` to `path`, replacing the file that is there, or that a link there leads to. What is there but no file (a device, a
+/// pipe) is written to as it is. Throws InputError naming the path and the reason; then nothing has changed.
 void writeFileWhole(const std::filesystem::path& path, std::string_view bytes);
+
+/// Throws as writeFileWhole would, as far as that can be told without the bytes: to be asked before work that takes long.
+void requireWritable(const std::filesystem::path& path);
 
 /// Gathers files for a folder and puts them there together. Without commit() everything that was written goes again, and the folder too
 /// if it was made here.
@@ -24,7 +28,8 @@ class StagedFolder {
 
   /// Safe to call from several threads for different names. Throws InputError.
   void write(const std::string& name, std::string_view bytes);
-  /// Moves everything into the folder, replacing files of the same names. Throws InputError.
+  /// Moves everything into the folder, replacing files of the same names. Throws InputError; if something other than a file stands in
+  /// the way of one, before anything is moved.
   void commit();
 
  private:

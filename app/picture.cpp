@@ -34,15 +34,17 @@ Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, Rgb
                  [&](const glm::vec4& color) { return tables.encode(over(color, {background, 1.0f})) | 0xff000000u; });
 }
 
-std::string encodePng(const Image<Rgba8>& picture) {
+std::string encodePng(const Image<Rgba8>& picture, const std::stop_token& stop) {
+  if (stop.stop_requested()) throw OperationCancelled();
   std::string bytes;
   const auto append = [](void* context, void* data, int size) {
     static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<size_t>(size));
   };
-  const int written = stbi_write_png_to_func(append, &bytes, static_cast<int>(picture.width()),
-                                             static_cast<int>(picture.height()), 4, picture.data(),
-                                             static_cast<int>(picture.width() * sizeof(Rgba8)));
-  if (written == 0) throw InputError("a picture could not be encoded as PNG: out of memory");
+  const int written = picture.empty() ? 0
+                                      : stbi_write_png_to_func(append, &bytes, static_cast<int>(picture.width()),
+                                                               static_cast<int>(picture.height()), 4, picture.data(),
+                                                               static_cast<int>(picture.width() * sizeof(Rgba8)));
+  if (written == 0) throw InputError("a picture could not be encoded as PNG: it is empty, or there is not enough memory");
   return bytes;
 }
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "render/core/color.h"
@@ -18,8 +19,8 @@ Image<Rgba8> toPicture(const WarpedImage& image, Rgba8 uncovered = 0);
 /// Composited over an opaque background (linear RGB): what a screen shows. Pixels that nothing covers show `uncovered` if it is not 0.
 Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, Rgba8 uncovered = 0);
 
-/// The bytes of a PNG file.
-std::string encodePng(const Image<Rgba8>& picture);
+/// The bytes of a PNG file. Throws OperationCancelled if `stop` is set before it begins; InputError for an empty picture.
+std::string encodePng(const Image<Rgba8>& picture, const std::stop_token& stop = {});
 
 /// Reads an 8-bit PNG. Throws InputError.
 Image<Rgba8> readPng(const std::filesystem::path& path);

@@ -1,5 +1,5 @@
 // How often something happened lately.
-// The mean over the last events within two seconds; nothing while there are none.
+// The mean over the last events within four seconds; nothing while there are none.
 #pragma once
 
 #include <array>
@@ -15,9 +15,12 @@ class RateMeter {
     ++count_;
   }
 
+  /// Forgets what was: a pause is not a low rate.
+  void clear() { count_ = 0; }
+
   /// Events a second; 0 if fewer than two lie within the window.
   double perSecond(Clock::TimePoint now) const {
-    constexpr std::chrono::seconds kWindow(2);
+    constexpr std::chrono::seconds kWindow(4);
     size_t events = 0;
     Clock::TimePoint first{}, last{};
     for (size_t back = 1; back <= times_.size() && back <= count_; ++back) {

@@ -237,6 +237,10 @@ Camera makeCamera(const Scene& scene, const View& view, uint32_t width, uint32_t
   // A sphere of that radius touches the border of the image's narrower side.
   const double narrower = std::atan(tanHalfFovY * std::min(1.0, static_cast<double>(width) / height));
   const double distance = view.distance * radius / std::sin(narrower);
+  // From farther away single precision could not tell one voxel from the next.
+  constexpr double kFarthest = 1 << 22;
+  if (distance > kFarthest)
+    throw UsageError("the camera would stand too far away: the field of view must be wider or the view's distance less");
 
   // Directions only: volume space has the world's angles, its own origin and unit, and perhaps the other handedness.
   const glm::dmat3 volumeFromWorld = glm::transpose(scene.volume->geometry().direction);

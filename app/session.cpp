@@ -55,12 +55,19 @@ void Session::resetView() {
 
 void Session::dismissErrors() {
   loadError_.clear();
+  viewError_.clear();
   serverError_.clear();
+}
+
+const std::string& Session::error() const {
+  if (!loadError_.empty()) return loadError_;
+  return viewError_.empty() ? serverError_ : viewError_;
 }
 
 bool Session::update(TimePoint now) {
   bool happened = takeScene();
   if (!loaded_ || panelSizePx_.x == 0 || panelSizePx_.y == 0) return happened;
+  if (!placeCamera()) return true;
   happened |= takeFrame();
   happened |= ask(now);
   happened |= takeReference();
@@ -85,9 +92,10 @@ bool Session::takeScene() {
   for (const auto& worker : warpWorkers_) worker->cancel();
   loaded_ = std::move(result->loaded);
   serverError_.clear();
+  viewError_.clear();
   knobs_.march = loaded_->scene.march;
   knobs_.isFrozen = false;
-  view_ = loaded_->scene.views.front();
+  view_ = usableView_ = loaded_->scene.views.front();
   frame_.reset();
   reference_.reset();
   asked_ = {};
@@ -103,9 +111,25 @@ bool Session::takeScene() {
   return true;
 }
 
+bool Session::placeCamera() {
+  const glm::uvec2 size = pictureSize();
+  try {
+    camera_ = makeCamera(loaded_->scene, view_, size.x, size.y);
+  } catch (const std::exception& error) {
+    viewError_ = error.what();
+    const bool hasOther = view_ != usableView_;
+    view_ = usableView_;
+    return hasOther && placeCamera();
+  }
+  if (view_ != usableView_) viewError_.clear();
+  usableView_ = view_;
+  return true;
+}
+
 bool Session::takeFrame() {
   std::optional<ServedFrame> served = server_->tryTake();
   if (!served || served->requestId < firstId_) return false;
+  answeredId_ = served->requestId;
   serverError_ = std::move(served->error);
   if (!served->frame) return true;
   frame_ = std::move(served->frame);
@@ -224,9 +248,7 @@ glm::uvec2 Session::serverSize() const {
 }
 
 Camera Session::cameraOfSize(const glm::uvec2& size) const {
-  // One camera for all sizes: its distance depends on the picture's shape, which rounding changes a little.
-  const glm::uvec2 picture = pictureSize();
-  Camera camera = makeCamera(loaded_->scene, view_, picture.x, picture.y);
+  Camera camera = camera_;
   camera.width = size.x;
   camera.height = size.y;
   return camera;

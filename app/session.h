@@ -82,14 +82,16 @@ class Session {
   const Scene* scene() const { return loaded_ ? &loaded_->scene : nullptr; }
   /// Name of the scene that is being opened; empty if none is.
   const std::string& loading() const { return loading_; }
-  /// Why the last scene or frame could not be had; empty if it could.
-  const std::string& error() const { return loadError_.empty() ? serverError_ : loadError_; }
+  /// Why the last scene, view or frame could not be had; empty if it could.
+  const std::string& error() const;
   const View& view() const { return view_; }
   const Knobs& knobs() const { return knobs_; }
   const Panel& panel(size_t index) const { return panels_[index]; }
   /// The newest frame; null until there is one.
   const SampleFramePtr& frame() const { return frame_; }
   double serverFramesPerSecond(TimePoint now) const { return serverRate_.perSecond(now); }
+  /// True while the newest request is not answered.
+  bool isServerAtWork() const { return answeredId_ < requestId_; }
   /// Size of the panels' pictures and of the server's images; 0 until a panel has a size.
   glm::uvec2 pictureSize() const;
   glm::uvec2 serverSize() const;
@@ -108,6 +110,8 @@ class Session {
 
   // Each is true if anything happened.
   bool takeScene();
+  /// False if no picture can be made of the view; error() says why, and the last good view is back.
+  bool placeCamera();
   bool takeFrame();
   bool takeReference();
   bool takePicture(size_t index);
@@ -115,12 +119,14 @@ class Session {
   bool askReference(TimePoint now);
   bool postJob(size_t index);
   void forgetOldRequests();
+  /// Of the view. One camera for all sizes: its distance depends on the picture's shape, which rounding changes a little.
   Camera cameraOfSize(const glm::uvec2& size) const;
   bool isCurrent(uint64_t requestId) const { return requestId == requestId_ && wanted_ == asked_; }
 
   std::shared_ptr<const LoadedScene> loaded_;
-  std::string loading_, loadError_, serverError_;
-  View view_;
+  std::string loading_, loadError_, viewError_, serverError_;
+  View view_, usableView_;
+  Camera camera_;  // of the panels' pictures
   Knobs knobs_;
   glm::uvec2 panelSizePx_{0};
   std::array<Panel, kPanelCount> panels_;
@@ -128,6 +134,7 @@ class Session {
   Wanted wanted_;            // what the server's newest frame should show
   Wanted asked_;             // what it was last asked for
   uint64_t requestId_ = 0;   // of that request
+  uint64_t answeredId_ = 0;  // the last that was answered, by a frame or an error
   uint64_t firstId_ = 1;     // of the scene on show; earlier frames show another
   std::map<uint64_t, TimePoint> outdatedAt_;  // when each request stopped being what was wanted; none older than what is on show
   SampleFramePtr frame_;

@@ -45,12 +45,12 @@ class SessionTest : public ::testing::Test {
   template <class Predicate>
   bool pumpUntil(const Predicate& predicate) {
     const auto deadline = clock_.now() + kPatience;
-    while (!predicate()) {
-      if (clock_.now() > deadline) return false;
+    while (clock_.now() < deadline) {
       session_.update(clock_.now());
+      if (predicate()) return true;
       std::this_thread::sleep_for(milliseconds(1));
     }
-    return true;
+    return false;
   }
 
   /// Until everything that is shown belongs to the current camera.
@@ -209,6 +209,22 @@ TEST_F(SessionTest, AServerThatFailsIsASentenceAndRecovers) {
   EXPECT_THAT(session_.error(), ::testing::HasSubstr("step"));
   knobs.march.step = 2.0f * step;
   session_.setKnobs(knobs);
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.error(), "");
+}
+
+TEST_F(SessionTest, AViewThatCannotBeShownIsASentenceAndTheLastOneStays) {
+  ASSERT_TRUE(open("block"));
+  const View home = session_.view();
+  View view = home;
+  view.distance = 1e30;
+  session_.setView(view);
+  ASSERT_TRUE(settle());
+  EXPECT_NE(session_.error(), "");
+  EXPECT_EQ(session_.view(), home);
+  view = home;
+  view.angleDeg += 5.0;
+  session_.setView(view);
   ASSERT_TRUE(settle());
   EXPECT_EQ(session_.error(), "");
 }

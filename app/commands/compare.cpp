@@ -9,10 +9,13 @@
 #include "app/commands/options.h"
 #include "app/comparison.h"
 #include "app/interrupt.h"
+#include "app/json_document.h"
 #include "app/montage.h"
 #include "app/output_files.h"
 #include "app/picture.h"
 #include "app/progress.h"
+#include "render/core/error.h"
+#include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
@@ -92,10 +95,10 @@ void printTable(const Comparison& comparison, const Scene& scene) {
 }
 
 void compare(const CompareOptions& options) {
-  if (options.cellWidth < 16 || options.cellWidth > 4096) throw CLI::ValidationError("--cell", "must be 16 to 4096 pixels");
+  if (options.cellWidth < 16 || options.cellWidth > 4096) throw UsageError("--cell: must be 16 to 4096 pixels");
   const Workplace work = prepare(options.common);
-  StagedFolder out(options.out);  // fails before the work if it cannot be written
   const Interrupt interrupt;
+  StagedFolder out(options.out);  // fails before the work if it cannot be written
   HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform);
 
   Montage montage;
@@ -117,7 +120,7 @@ void compare(const CompareOptions& options) {
         work.scene, headless.resources(), settings,
         [&](const WarpDescriptor& technique, size_t view, const WarpedImage& image) {
           const std::string name = "view" + std::to_string(view) + "-" + std::string(technique.name) + ".png";
-          out.write(name, encodePng(toPicture(image, work.uncovered)));
+          out.write(name, encodePng(toPicture(image, work.uncovered), interrupt.token()));
           Image<Rgba8> screen = toScreen(image, work.scene.background, work.uncovered);
           const uint32_t width = std::min(options.cellWidth, work.width);
           const uint32_t height = std::max<uint32_t>(1, static_cast<uint32_t>(uint64_t{work.height} * width / work.width));
@@ -127,13 +130,14 @@ void compare(const CompareOptions& options) {
   }
   for (const ComparisonRow& row : comparison.rows)
     montage.rows[static_cast<size_t>(row.technique - warpRegistry().data())].cells[row.view].caption = captionOf(row);
-  out.write("montage.png", encodePng(drawMontage(montage, options.cellWidth)));
+  out.write("montage.png", encodePng(drawMontage(montage, options.cellWidth), interrupt.token()));
   const Json report = toJson(comparison, work, headless.contextText());
-  out.write("metrics.json", report.dump(2) + "\n");
+  out.write("metrics.json", textOf(report));
+  if (interrupt.token().stop_requested()) throw OperationCancelled();
   out.commit();
 
   if (options.common.json)
-    std::cout << report.dump(2) << '\n';
+    std::cout << textOf(report);
   else if (!options.common.quiet) {
     printTable(comparison, work.scene);
     std::cerr << "wrote " << pictures << " pictures, montage.png and metrics.json to " << options.out << '\n';

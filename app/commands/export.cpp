@@ -8,6 +8,7 @@
 
 #include "app/commands/options.h"
 #include "app/interrupt.h"
+#include "app/json_document.h"
 #include "app/output_files.h"
 
 namespace warpscope {
@@ -49,13 +50,14 @@ std::string toPly(const SampleFrame& frame, const VolumeGeometry& geometry) {
 
 void exportSamples(const ExportOptions& options) {
   const Workplace work = prepare(options.common);
+  requireWritable(options.ply);
   const Interrupt interrupt;
   const MarcherPtr marcher = makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction);
   const SampleFrame frame = marcher->march(makeCamera(work.scene, work.scene.views.front(), work.width, work.height),
                                            work.march, interrupt.token());
   writeFileWhole(options.ply, toPly(frame, work.scene.volume->geometry()));
   if (options.common.json)
-    std::cout << nlohmann::json{{"ply", options.ply}, {"samples", frame.size()}}.dump(2) << '\n';
+    std::cout << textOf({{"ply", options.ply}, {"samples", frame.size()}});
   else if (!options.common.quiet)
     std::cerr << "wrote " << frame.size() << " samples to " << options.ply << '\n';
 }

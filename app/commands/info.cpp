@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "app/commands/options.h"
+#include "app/json_document.h"
 #include "render/core/error.h"
 #include "render/cuda/devices.h"
 #include "render/volume/reader.h"
@@ -88,7 +89,7 @@ void printGl(const std::string& name, const Json& gl) {
 void inform(const CommonOptions& options) {
   const Json info = describe();
   if (options.json) {
-    std::cout << info.dump(2) << '\n';
+    std::cout << textOf(info);
     return;
   }
   std::cout << "warpscope " << WARPSCOPE_VERSION << '\n';

@@ -7,6 +7,7 @@
 
 #include "app/commands/options.h"
 #include "app/interrupt.h"
+#include "app/json_document.h"
 #include "app/output_files.h"
 #include "app/picture.h"
 #include "render/core/error.h"
@@ -26,6 +27,7 @@ void shoot(const ShotOptions& options) {
     throw UsageError("--view-angle must be between -360 and 360 degrees");
   const WarpDescriptor& descriptor = findWarp(options.technique);
   const Workplace work = prepare(options.common);
+  requireWritable(options.out);
   const Interrupt interrupt;
   HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform);
   const WarpResources resources = headless.resources();
@@ -41,7 +43,7 @@ void shoot(const ShotOptions& options) {
   warp->setFrame(frame, work.warp, interrupt.token());
   WarpedImage image;
   warp->draw(camera, work.warp, image, interrupt.token());
-  writeFileWhole(options.out, encodePng(toPicture(image, work.uncovered)));
+  writeFileWhole(options.out, encodePng(toPicture(image, work.uncovered), interrupt.token()));
 
   if (options.common.json) {
     const nlohmann::json report{{"out", options.out},
@@ -50,7 +52,7 @@ void shoot(const ShotOptions& options) {
                                 {"samples", frame ? frame->size() : 0},
                                 {"heuristic", nameOf(work.march.heuristic)},
                                 {"radius", nameOf(work.march.radiusPolicy)}};
-    std::cout << report.dump(2) << '\n';
+    std::cout << textOf(report);
   } else if (!options.common.quiet) {
     std::cerr << "wrote " << options.out << '\n';
   }

@@ -15,7 +15,7 @@ constexpr std::array<uint32_t, 8> kServerSidesPx{128, 256, 384, 512, 768, 1024, 
 constexpr uint32_t kMaxScreenPixels = 4;
 
 void heading(const char* text, const Look& look) {
-  ImGui::Dummy({0.0f, look.px(2.0f)});
+  ImGui::Dummy({0.0f, 0.0f});
   ImGui::PushFont(look.fonts.small);
   ImGui::TextColored(kAccent, "%s", text);
   ImGui::PopFont();
@@ -131,7 +131,9 @@ void drawDisplay(const Session& session, Knobs& knobs, std::array<float, 3>& mar
 void drawCamera(Session& session, const Look& look) {
   heading("CAMERA", look);
   const View& view = session.view();
-  ImGui::TextColored(kDimText, "%.0f° around, %.0f° up, %.2f × as far", view.angleDeg, view.elevationDeg, view.distance);
+  const auto rounded = [](double degrees) { return std::round(degrees) + 0.0; };  // no "-0"
+  ImGui::TextColored(kDimText, "%.0f° around, %.0f° up, %.2f × as far", rounded(view.angleDeg), rounded(view.elevationDeg),
+                     view.distance);
   if (ImGui::Button("Reset view", {-1.0f, 0.0f})) session.resetView();
   tooltip("Back to the scene's first view. Key R, or a double click.", look);
   ImGui::PushFont(look.fonts.small);

@@ -29,6 +29,16 @@ std::string bytesText(size_t bytes) {
 
 }  // namespace
 
+bool Hover::hasRested(const ImVec2& item, Session::TimePoint now) {
+  constexpr std::chrono::milliseconds kDelay(450);
+  const int frame = ImGui::GetFrameCount();
+  const bool isOther = item.x != item_.x || item.y != item_.y || frame > lastFrame_ + 1;
+  if (isOther) since_ = now;
+  item_ = item;
+  lastFrame_ = frame;
+  return now - since_ >= kDelay;
+}
+
 std::string durationText(double milliseconds) {
   if (milliseconds < 9.95) return format("%.2g ms", milliseconds);
   if (milliseconds < 9950.0) return format("%.0f ms", milliseconds);
@@ -36,7 +46,7 @@ std::string durationText(double milliseconds) {
 }
 
 void tooltip(const std::string& text, const Look& look) {
-  if (!ImGui::IsItemHovered()) return;
+  if (!ImGui::IsItemHovered() || !look.hover->hasRested(ImGui::GetItemRectMin(), look.now)) return;
   const ImVec2 padding{look.px(8.0f), look.px(6.0f)};
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, padding);
   ImGui::BeginTooltip();
@@ -61,7 +71,9 @@ void drawStatusBar(const Session& session, double displayFramesPerSecond, const 
     items.push_back(bytesText(frame->sizeBytes()) + " a frame");
     const double rate = session.serverFramesPerSecond(look.now);
     items.push_back("server " + durationText(frame->timings.marchMs + frame->timings.compactMs) +
-                    (rate > 0.0 ? ", " + format("%.1f frames/s", rate) : std::string(", idle")));
+                    (rate > 0.0                  ? ", " + format("%.1f frames/s", rate)
+                     : session.isServerAtWork() ? std::string(", at work")
+                                                : std::string(", idle")));
   }
   const std::string display =
       displayFramesPerSecond > 0.0 ? format("display %.0f frames/s", displayFramesPerSecond) : std::string("display idle");

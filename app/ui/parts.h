@@ -14,12 +14,25 @@
 
 namespace warpscope::ui {
 
+/// For how long the pointer has been on one item, so that explanations do not pop up on its way.
+class Hover {
+ public:
+  /// `item` is the corner of the item under the pointer; true once it has been the same for a while.
+  bool hasRested(const ImVec2& item, Session::TimePoint now);
+
+ private:
+  ImVec2 item_{-1.0f, -1.0f};
+  Session::TimePoint since_{};
+  int lastFrame_ = 0;
+};
+
 /// What every part needs to draw itself.
 struct Look {
   Fonts fonts;
   float scale = 1.0f;
   float pixelsPerUnit = 1.0f;
   Session::TimePoint now;
+  Hover* hover = nullptr;
 
   float px(float atScale1) const { return atScale1 * scale; }
 };

@@ -15,7 +15,7 @@ namespace ui {
 namespace {
 
 constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f;  // at scale 1
-constexpr std::chrono::milliseconds kClosingPatience(700);
+constexpr std::chrono::milliseconds kClosingPatience(400);
 /// After the last event the display keeps its rate for this long.
 constexpr std::chrono::milliseconds kLinger(500);
 
@@ -104,6 +104,7 @@ Image<Rgba8> runLoop(Window& window, Session& session, const SceneOpener& openSc
   const std::stop_callback wakeUp(stop, [] { Window::wake(); });
   MainView mainView(window, openScene);
   RateMeter displayRate;
+  Hover hover;
   const Clock::TimePoint start = clock.now();
   Clock::TimePoint lastActive = start;
   std::string shownScene;
@@ -120,8 +121,12 @@ Image<Rgba8> runLoop(Window& window, Session& session, const SceneOpener& openSc
 
     window.beginFrame();
     if (window.hadInput()) lastActive = now;
-    if (isMoving) displayRate.tick(now);
-    mainView.draw(session, isMoving ? displayRate.perSecond(now) : 0.0, {window.fonts(), window.scale(), window.pixelsPerUnit(), now});
+    if (isMoving)
+      displayRate.tick(now);
+    else
+      displayRate.clear();
+    mainView.draw(session, isMoving ? displayRate.perSecond(now) : 0.0,
+                  {window.fonts(), window.scale(), window.pixelsPerUnit(), now, &hover});
     const bool goesOn = handleKeys(window, session, mainView.panelUnderPointer());
     if (const std::optional<std::string> file = window.takeDroppedFile()) session.load(openScene(*file));
     const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);

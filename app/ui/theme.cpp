@@ -29,8 +29,8 @@ void setColors(ImGuiStyle& style) {
   colors[ImGuiCol_HeaderHovered] = {0.23f, 0.42f, 0.47f, 1.0f};
   colors[ImGuiCol_HeaderActive] = {0.25f, 0.50f, 0.56f, 1.0f};
   colors[ImGuiCol_CheckMark] = kAccent;
-  colors[ImGuiCol_SliderGrab] = {0.27f, 0.60f, 0.66f, 1.0f};
-  colors[ImGuiCol_SliderGrabActive] = kAccent;
+  colors[ImGuiCol_SliderGrab] = {0.22f, 0.47f, 0.52f, 1.0f};
+  colors[ImGuiCol_SliderGrabActive] = {0.26f, 0.60f, 0.66f, 1.0f};
   colors[ImGuiCol_PlotHistogram] = kAccent;
   colors[ImGuiCol_Separator] = colors[ImGuiCol_Border];
   colors[ImGuiCol_ScrollbarBg] = {0.0f, 0.0f, 0.0f, 0.0f};
@@ -40,7 +40,7 @@ void setColors(ImGuiStyle& style) {
 void setSpacing(ImGuiStyle& style) {
   style.WindowPadding = {10.0f, 10.0f};
   style.FramePadding = {7.0f, 4.0f};
-  style.ItemSpacing = {8.0f, 6.0f};
+  style.ItemSpacing = {8.0f, 5.0f};
   style.ItemInnerSpacing = {6.0f, 4.0f};
   style.ScrollbarSize = 10.0f;
   style.GrabMinSize = 10.0f;

@@ -19,7 +19,7 @@ namespace {
 constexpr int kWidth = 1280, kHeight = 800;           // at scale 1
 constexpr int kLeastWidth = 640, kLeastHeight = 420;  // at scale 1
 constexpr int kUsualRefreshHz = 60;
-constexpr double kIdlePeriodS = 0.1;
+constexpr double kIdlePeriodS = 0.5;  // ages go on counting
 
 std::string lastGlfwError() {
   const char* text = nullptr;
@@ -53,6 +53,7 @@ struct WindowEvents {
     else if (name != nullptr && name[0] >= 'a' && name[0] <= 'z' && name[1] == 0)
       press.character = name[0];
     window.keyPresses_.push_back(press);
+    if (key >= 0) window.pressedKeys_.push_back(key);
   }
   static void onButton(GLFWwindow* glfw, int, int, int) { windowOf(glfw).hasInput_ = true; }
   static void onMove(GLFWwindow* glfw, double, double) { windowOf(glfw).hasInput_ = true; }
@@ -175,7 +176,20 @@ void Window::beginFrame() {
   followScale(false);
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  holdShortKeys();
   ImGui::NewFrame();
+}
+
+void Window::holdShortKeys() {
+  // ImGui 1.86 looks at keys once a frame; one that was pressed and released since the last would be lost.
+  ImGuiIO& io = ImGui::GetIO();
+  for (const int key : heldKeys_) io.KeysDown[key] = glfwGetKey(window_, key) == GLFW_PRESS;
+  heldKeys_.clear();
+  for (const int key : std::exchange(pressedKeys_, {})) {
+    if (io.KeysDown[key]) continue;
+    io.KeysDown[key] = true;
+    heldKeys_.push_back(key);
+  }
 }
 
 void Window::endFrame(Image<Rgba8>* photograph) {

@@ -63,6 +63,7 @@ class Window {
   void listen();
   void startImGui();
   void followScale(bool isFirst);
+  void holdShortKeys();
 
   const double uiScale_;
   GLFWwindow* window_ = nullptr;
@@ -73,6 +74,7 @@ class Window {
   Clock::TimePoint frameBegan_{};
   bool hadInput_ = false, hasInput_ = false;
   std::vector<KeyPress> keyPresses_;
+  std::vector<int> pressedKeys_, heldKeys_;  // GLFW's codes
   std::optional<std::string> droppedFile_;
 };
 

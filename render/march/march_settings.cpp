@@ -2,6 +2,7 @@
 // See march_settings.h.
 #include "render/march/march_settings.h"
 
+#include <cstdio>
 #include <string>
 
 #include "render/core/error.h"
@@ -11,8 +12,9 @@ namespace {
 
 void requireRange(float value, float lowest, float highest, const char* name) {
   if (value >= lowest && value <= highest) return;  // false for NaN
-  throw UsageError(std::string(name) + " must be between " + std::to_string(lowest) + " and " + std::to_string(highest) +
-                   ", not " + std::to_string(value));
+  char range[96];
+  std::snprintf(range, sizeof range, " must be between %g and %g, not %g", lowest, highest, value);
+  throw UsageError(name + std::string(range));
 }
 
 }  // namespace

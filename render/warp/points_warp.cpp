@@ -2,6 +2,7 @@
 // See points_warp.h. Deviation: window z is not what is kept, the depth test alone uses it.
 #include "render/warp/points_warp.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "render/core/error.h"
@@ -15,6 +16,9 @@ namespace {
 
 /// Nearest distance from the eye's plane at which points are drawn, in volume units.
 constexpr float kNearDepth = 1e-3f;
+
+/// Drawing is looked into for a stop after so many points.
+constexpr size_t kPointsPerCall = 1 << 20;
 
 class PointsWarp final : public Warp {
  public:
@@ -50,7 +54,7 @@ class PointsWarp final : public Warp {
   }
 
   void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image,
-            const std::stop_token&) override {
+            const std::stop_token& stop) override {
     requireUsable(camera);
     validate(settings);
     context_.makeCurrent();
@@ -76,7 +80,11 @@ class PointsWarp final : public Warp {
     glUniformMatrix4fv(clipFromVolume_, 1, GL_FALSE, &matrix[0][0]);
     glUniform1f(pointSize_, static_cast<GLfloat>(settings.pointSize));
     glBindVertexArray(vertexArray_.name());
-    glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(frame_->size()));
+    for (size_t first = 0; first < frame_->size(); first += kPointsPerCall) {
+      glDrawArrays(GL_POINTS, static_cast<GLint>(first), static_cast<GLsizei>(std::min(kPointsPerCall, frame_->size() - first)));
+      if (first + kPointsPerCall < frame_->size() && stop.stop_possible()) glFinish();  // a software rasteriser takes its time
+      if (stop.stop_requested()) throw OperationCancelled();
+    }
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
     glReadPixels(0, 0, static_cast<GLsizei>(camera.width), static_cast<GLsizei>(camera.height), GL_RED_INTEGER,
                  GL_UNSIGNED_INT, image.samples.data());

@@ -18,6 +18,8 @@ std::vector<CoreProbeResult> probeCoreOnDevice(const std::vector<CoreProbeInput>
   constexpr unsigned kThreads = 128;
   cuda::DeviceBuffer<CoreProbeInput> in(inputs);
   cuda::DeviceBuffer<CoreProbeResult> out(inputs.size());
+  // The kernel leaves the gaps between members alone, and reading them back counts as reading what nobody wrote.
+  WARPSCOPE_CUDA_CHECK(cudaMemset(out.data(), 0, out.size() * sizeof(CoreProbeResult)));
   probe<<<static_cast<unsigned>((inputs.size() + kThreads - 1) / kThreads), kThreads>>>(in.data(), out.data(), inputs.size());
   WARPSCOPE_CUDA_CHECK(cudaGetLastError());
   WARPSCOPE_CUDA_CHECK(cudaDeviceSynchronize());

@@ -30,7 +30,7 @@ class Display:
     def __init__(self, width, height, dpi=None):
         read_end, write_end = os.pipe()
         self.server = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(write_end), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"],
+            ["Xvfb", "-displayfd", str(write_end), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp", "-noreset"],
             pass_fds=[write_end], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write_end)
         with os.fdopen(read_end) as answer:
@@ -41,7 +41,7 @@ class Display:
         self.environment = dict(os.environ, DISPLAY=self.name)
         self.environment.pop("WAYLAND_DISPLAY", None)
         if dpi is not None:
-            subprocess.run(["xrdb", "-merge"], input=f"Xft.dpi: {dpi}\n", text=True, check=True, env=self.environment)
+            subprocess.run(["xrdb", "-nocpp", "-merge"], input=f"Xft.dpi: {dpi}\n", text=True, check=True, env=self.environment)
 
     def __enter__(self):
         return self
@@ -212,7 +212,8 @@ def press_close_button(program):
 
 def use_the_window(executable, scale):
     """Everything a hand does, at one content scale."""
-    with Display(int(1280 * scale), int(800 * scale), dpi=int(96 * scale)) as display:
+    screen, smaller = ((1280, 800), (900, 600)) if scale == 1.0 else ((1800, 1200), (1500, 1000))
+    with Display(*screen, dpi=int(96 * scale)) as display:
         program = Program(display, [executable, "view", *SCENE, "--left", "hold", "--right", "spheres"], scale)
         program.find_window()
         program.wait_for_panels("both panels show something")
@@ -232,10 +233,11 @@ def use_the_window(executable, scale):
         program.key("3")  # points
         program.wait_until("another technique in the left panel", lambda: program.regions()[0] != home[0])
         if program.settled()[1] != home[1]:
+            program.keep_photograph("the right panel keeps its technique")
             raise Failure("the right panel changed with the left one's technique")
 
-        program.display.run("xdotool", "windowsize", program.window, str(int(900 * scale)), str(int(600 * scale)))
-        program.wait_until("the new size", lambda: Picture(display, program.window).width == int(900 * scale))
+        program.display.run("xdotool", "windowsize", program.window, str(smaller[0]), str(smaller[1]))
+        program.wait_until("the new size", lambda: Picture(display, program.window).width == smaller[0])
         program.wait_for_panels("both panels show something after a change of size")
 
         program.key("ctrl+q")
@@ -262,6 +264,12 @@ def close_at_any_moment(executable):
         program.find_window()
         press_close_button(program)
         print(f"  close button: {program.ends('close button'):.2f} s")
+
+        program = Program(display, [executable, "view", "vessels", "--volume-size", "500x500x500"])
+        program.find_window()
+        time.sleep(1.0)
+        program.process.send_signal(signal.SIGTERM)
+        print(f"  during a long load: {program.ends('a signal during a long load'):.2f} s")
 
         seed = random.randrange(1 << 32)
         print(f"  random moments, seed {seed}")

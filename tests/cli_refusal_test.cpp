@@ -1,0 +1,263 @@
+// What the program says to wrong input: the right exit code, one sentence that helps, and nothing left behind.
+// Through the built program, because that is where messages and exit codes are made.
+#include <sys/stat.h>
+
+#include "tests/cli.h"
+
+namespace warpscope {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Bytes that are nothing: the same on every run, with zeros, line ends and what is no UTF-8 among them.
+std::string garbage(size_t count) {
+  std::mt19937 random(17);
+  std::string bytes;
+  for (size_t i = 0; i < count; ++i) bytes += static_cast<char>(random());
+  return bytes;
+}
+
+class Refusal : public CommandLine {
+ protected:
+  static Arguments shot(Arguments arguments) {
+    arguments.insert(arguments.begin(), "shot");
+    arguments.insert(arguments.end(), {"-o", "a.png"});
+    return arguments;
+  }
+  /// A scene file around "volume" and more members; the volume is small and quick.
+  std::string scene(const std::string& name, const std::string& members) const {
+    return folder_.write(name, "{\n  \"name\": \"mine\",\n  \"volume\": {\"procedural\": \"block\", \"size\": [9, 8, 7]}" + members + "\n}\n");
+  }
+};
+
+TEST_F(Refusal, VolumesThatAreNone) {
+  const std::string kilobyte(1000, 'x');
+  folder_.write("short_10x10x10_uint8.raw", kilobyte.substr(1));
+  folder_.write("long_10x10x10_uint8.raw", kilobyte + "y");
+  folder_.write("typed_10x10x10_uint16.raw", kilobyte);
+  folder_.write("misnamed.raw", kilobyte);
+  folder_.write("odd_10x10_uint8.raw", kilobyte);
+  folder_.write("type_10x10x10_uint9.raw", kilobyte);
+  folder_.write("none_0x10x10_uint8.raw", kilobyte);
+  folder_.write("big_99999999999x10x10_uint8.raw", kilobyte);
+  folder_.write("product_4294967295x4294967295x4294967295_float64.raw", kilobyte);
+  folder_.write("large_65536x65536x65536_float64.raw", kilobyte);
+  folder_.write("empty_1x1x1_uint8.raw", "");
+  folder_.write("volume.txt", kilobyte);
+  fs::create_directory(folder_.path() / "folder_10x10x10_uint8.raw");
+  fs::create_directory(folder_.path() / "folder.nii");
+  const std::pair<std::string, std::string> wrong[] = {
+      {"missing_10x10x10_uint8.raw", "missing_10x10x10_uint8.raw"},
+      {"short_10x10x10_uint8.raw", "999 bytes"},
+      {"long_10x10x10_uint8.raw", "1001 bytes"},
+      {"typed_10x10x10_uint16.raw", "2000 bytes"},
+      {"misnamed.raw", "256x256x128_uint8"},
+      {"odd_10x10_uint8.raw", "256x256x128_uint8"},
+      {"type_10x10x10_uint9.raw", "uint9"},
+      {"none_0x10x10_uint8.raw", "none_0x10x10"},
+      {"big_99999999999x10x10_uint8.raw", "99999999999"},
+      {"product_4294967295x4294967295x4294967295_float64.raw", "product_"},
+      {"large_65536x65536x65536_float64.raw", "large_"},
+      {"empty_1x1x1_uint8.raw", "empty"},
+      {"volume.txt", ".raw"},
+      {"folder_10x10x10_uint8.raw", "folder_"},
+      {"folder.nii", "folder.nii"},
+      {"./", "./"},
+      {"/dev/null", "/dev/null"},
+      {"missing.json", "missing.json"},
+  };
+  for (const auto& [file, reason] : wrong) expectRefused(shot({file}), kFailure, {file, reason});
+  for (const char* file : {"short_10x10x10_uint8.raw", "/dev/null", "missing.nii"}) expectRefused(shot({"block", "--volume", file}), kFailure, {file});
+}
+
+TEST_F(Refusal, TruncatedAndDamagedImages) {
+  const std::string nrrd = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 10 10 10\nencoding: raw\n\n" + std::string(1000, 'x');
+  folder_.write("cut.nrrd", nrrd.substr(0, nrrd.size() - 1));
+  folder_.write("head.nrrd", nrrd.substr(0, 30));
+  folder_.write("noise.nrrd", garbage(3000));
+  folder_.write("empty.nrrd", "");
+  // NIfTI-1: 348 bytes of header, 4 more, then the voxels.
+  std::string nifti(352, '\0');
+  const auto put = [&](size_t offset, auto value) { std::memcpy(nifti.data() + offset, &value, sizeof value); };
+  put(0, int32_t{348});
+  const int16_t dims[] = {3, 10, 10, 10, 1, 1, 1, 1};
+  for (size_t i = 0; i < 8; ++i) put(40 + 2 * i, dims[i]);
+  put(70, int16_t{2});  // uint8
+  put(72, int16_t{8});
+  for (size_t i = 0; i < 4; ++i) put(76 + 4 * i, 1.0f);
+  put(108, 352.0f);
+  std::memcpy(nifti.data() + 344, "n+1", 4);
+  folder_.write("whole.nii", nifti + std::string(1000, 'x'));
+  folder_.write("cut.nii", nifti + std::string(999, 'x'));
+  folder_.write("head.nii", nifti.substr(0, 100));
+  folder_.write("noise.nii", garbage(3000));
+  folder_.write("noise.nii.gz", garbage(3000));
+  folder_.write("cut.nii.gz", std::string("\x1f\x8b\x08\0\0\0\0\0\0\3", 10) + garbage(50));
+  succeed({"shot", "whole.nii", "-o", "whole.png", "--size", "8x8"});  // what the others are made from is right
+  for (const char* file : {"cut.nrrd", "head.nrrd", "noise.nrrd", "empty.nrrd", "cut.nii", "head.nii", "noise.nii", "noise.nii.gz", "cut.nii.gz"})
+    expectRefused(shot({file}), kFailure, {file});
+}
+
+TEST_F(Refusal, NumbersOutOfRange) {
+  const std::pair<Arguments, std::string> wrong[] = {
+      {{"--view-angle", "nan"}, "--view-angle"},   {{"--view-angle", "inf"}, "--view-angle"}, {{"--view-angle", "361"}, "360"},
+      {{"--view-angle", "left"}, "view-angle"},    {{"--fov", "0"}, "--fov"},                 {{"--fov", "180"}, "180"},
+      {{"--fov", "nan"}, "--fov"},                 {{"--fov", "-40"}, "--fov"},               {{"--fov", "1e-30"}, "field of view"},
+      {{"--size", "0x0"}, "--size 0x0"},           {{"--size", "100000x100000"}, "16384"},    {{"--size", "10"}, "WxH"},
+      {{"--size", "axb"}, "WxH"},                  {{"--size", "10x"}, "WxH"},                {{"--size", "-10x10"}, "WxH"},
+      {{"--size", "10x10x10"}, "WxH"},             {{"--size", "10x10 "}, "WxH"},             {{"--size", "4294967306x10"}, "WxH"},
+      {{"--size", ""}, "WxH"},                     {{"--point-size", "0"}, "1 and 16"},       {{"--point-size", "17"}, "1 and 16"},
+      {{"--point-size", "2.5"}, "point-size"},     {{"--step", "0"}, "step"},                 {{"--step", "nan"}, "step"},
+      {{"--step", "1e-9"}, "1e-09"},               {{"--step", "-1"}, "step"},                {{"--radius-scale", "0"}, "radius scale"},
+      {{"--seed", "-1"}, "seed"},                  {{"--seed", "99999999999"}, "seed"},       {{"--volume-size", "0x1x1"}, "XxYxZ"},
+      {{"--volume-size", "10x10"}, "XxYxZ"},       {{"--uncovered", "red"}, "RRGGBB"},        {{"--uncovered", "#1234567"}, "RRGGBB"},
+  };
+  for (const auto& [arguments, reason] : wrong) expectRefused(shot(arguments), kUsage, {reason});
+  for (const char* width : {"15", "0", "4097", "wide"}) expectRefused({"compare", "--out", "o", "--cell", width}, kUsage, {"--cell"});
+}
+
+TEST_F(Refusal, UnknownNamesAreAnsweredWithTheNearest) {
+  const std::pair<Arguments, std::vector<std::string>> wrong[] = {
+      {{"--technique", "sphere"}, {"technique", "sphere", "spheres"}},
+      {{"--technique", "Points"}, {"points"}},
+      {{"blok"}, {"scene", "blok", "block"}},
+      {{"--heuristic", "gradiant"}, {"heuristic", "gradiant", "gradient"}},
+      {{"--radius", "voxl"}, {"radius", "voxl", "voxel"}},
+      {{"--backend", "cude"}, {"backend", "cude", "cuda"}},
+      {{"--gl", "elg"}, {"OpenGL", "elg", "egl"}},
+      {{"--bvh", "lbhv"}, {"lbhv", "lbvh"}},
+      {{"--technique", ""}, {"technique"}},
+      {{""}, {"scene"}},
+  };
+  for (const auto& [arguments, reasons] : wrong) expectRefused(shot(arguments), kUsage, reasons);
+}
+
+TEST_F(Refusal, OptionsThatAreMissingOrUnknown) {
+  const std::pair<Arguments, std::string> wrong[] = {
+      {{"shot"}, "--out"},
+      {{"compare"}, "--out"},
+      {{"export"}, "--ply"},
+      {{"shot", "-o"}, "--out"},
+      {{"shot", "-o", "a.png", "--bogus"}, "--bogus"},
+      {{"shot", "-o", "a.png", "block", "shells"}, "shells"},
+      {{"info", "--bogus"}, "--bogus"},
+      {{"info", "block"}, "block"},
+      {{"bogus"}, "bogus"},
+      {{"--bogus"}, "--bogus"},
+      {{"shot", "-o", "a.png", "--size"}, "--size"},
+      {{"shot", "-o", "a.png", "--size", "9x9", "--size", "8x8"}, "--size"},
+  };
+  for (const auto& [arguments, reason] : wrong) expectRefused(arguments, kUsage, {reason, "--help"});
+}
+
+TEST_F(Refusal, CudaWithoutAGpuSaysWhy) {
+  const ProgramResult info = run({"info", "--json"});
+  if (!nlohmann::json::parse(info.out)["cuda"]["devices"].empty()) GTEST_SKIP() << "this machine has a GPU";
+  expectRefused(shot({"--backend", "cuda"}), kFailure, {"cuda", "cannot be used"});
+  expectRefused({"compare", "--out", "o", "--backend", "cuda"}, kFailure, {"cuda", "cannot be used"});
+}
+
+TEST_F(Refusal, PlacesThatCannotBeWrittenTo) {
+  // Not by permissions, which root does not feel.
+  folder_.write("file", "x");
+  fs::create_directory(folder_.path() / "folder");
+  for (const std::string place : {"file/a.png", "folder", "/proc/a.png", "missing/a.png", "folder/", ""}) {
+    expectRefused(quick({"shot", "-o", place}), kFailure, {"cannot be written"});
+    expectRefused(quick({"export", "--ply", place}), kFailure, {"cannot be written"});
+  }
+  for (const std::string place : {"file", "file/deeper", "/proc/out", "/proc/out/deeper", ""})
+    expectRefused(quick({"compare", "--out", place}), kFailure, {"folder"});
+  // A folder where a picture has to go: found out before anything is put in place.
+  fs::create_directories(folder_.path() / "out/montage.png");
+  expectRefused(quick({"compare", "--out", "out"}), kFailure, {"montage.png"});
+}
+
+TEST_F(Refusal, WherePicturesGoIsCheckedBeforeTheWork) {
+  // 16384 x 16384 pixels would take minutes.
+  const auto start = std::chrono::steady_clock::now();
+  expectRefused({"shot", "-o", "missing/a.png", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"missing/a.png"});
+  expectRefused({"export", "--ply", "/proc/a.ply", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"/proc/a.ply"});
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+}
+
+TEST_F(Refusal, SceneFiles) {
+  const auto refuse = [&](const std::string& file, const std::vector<std::string>& reasons) { expectRefused(shot({file}), kFailure, reasons); };
+  succeed({"shot", scene("right.json", ""), "-o", "right.png", "--size", "8x8"});
+  scene("type.json", ",\n  \"fovYDeg\": \"wide\"");
+  refuse("type.json", {"type.json:4", "'fovYDeg'", "number", "string"});
+  scene("deep.json", ",\n  \"views\": [\n    {},\n    {\"pan\": [0, true]}\n  ]");
+  refuse("deep.json", {"deep.json:6", "'views.1.pan.1'", "number", "boolean"});
+  scene("unknown.json", ",\n  \"fovDeg\": 30");
+  refuse("unknown.json", {"unknown.json:4", "'fovDeg'", "fovYDeg"});
+  scene("range.json", ",\n  \"fovYDeg\": 180");
+  refuse("range.json", {"range.json:4", "'fovYDeg'", "180"});
+  scene("heuristic.json", ",\n  \"march\": {\"heuristic\": \"gradiant\"}");
+  refuse("heuristic.json", {"heuristic.json:4", "gradient"});
+  scene("twice.json", ",\n  \"name\": \"b\"");
+  refuse("twice.json", {"twice.json:4", "'name'", "twice"});
+  scene("views.json", ",\n  \"views\": []");
+  refuse("views.json", {"views.json:4", "'views'"});
+  scene("axes.json", ",\n  \"up\": [0, 0, 2], \"front\": [0, 0, -1]");
+  refuse("axes.json", {"axes.json", "'up'", "'front'"});
+  folder_.write("none.json", "{\"name\": \"a\"}");
+  refuse("none.json", {"none.json:1", "'volume'"});
+  folder_.write("elsewhere.json", "{\"name\": \"a\", \"volume\": {\"file\": \"gone_2x2x2_uint8.raw\"}}");
+  refuse("elsewhere.json", {"gone_2x2x2_uint8.raw"});
+  folder_.write("empty.json", "");
+  refuse("empty.json", {"empty.json"});
+  folder_.write("array.json", "[]");
+  refuse("array.json", {"array.json", "object"});
+  folder_.write("null.json", "null");
+  refuse("null.json", {"null.json", "object"});
+  folder_.write("open.json", "{\"name\": \"a\",\n\"volume\": ");
+  refuse("open.json", {"open.json:2"});
+  folder_.write("garbage.json", garbage(5000));
+  refuse("garbage.json", {"garbage.json", "JSON"});
+  folder_.write("zeros.json", std::string(5000, '\0'));
+  refuse("zeros.json", {"zeros.json", "JSON"});
+  folder_.write("nested.json", std::string(100'000, '['));
+  refuse("nested.json", {"nested.json", "64"});
+  folder_.write("huge.json", "{\"name\": 1e999}");
+  refuse("huge.json", {"huge.json:1"});
+  fs::create_directory(folder_.path() / "folder.json");
+  refuse("folder.json", {"folder.json", "irectory"});
+}
+
+TEST_F(Refusal, TransferFunctionFiles) {
+  const auto refuse = [&](const std::string& text, const std::vector<std::string>& reasons) {
+    folder_.write("tf.json", text);
+    expectRefused(quick(shot({"--tf", "tf.json"})), kFailure, reasons);
+  };
+  const std::string point = "{\"value\": 1, \"color\": [1, 1, 1], \"alpha\": 0.5}";
+  folder_.write("tf.json", "{\"points\": [" + point + "]}");
+  succeed(quick({"shot", "--tf", "tf.json", "-o", "right.png"}, "8x8"));
+  refuse("", {"tf.json"});
+  refuse("{}", {"tf.json:1", "'points'"});
+  refuse("{\"points\": []}", {"tf.json:1", "'points'"});
+  refuse("{\"points\": [\n" + point + ",\n{\"value\": 0, \"color\": [1, 1, 1], \"alpha\": 0.5}]}", {"tf.json:3", "'points.1.value'"});
+  refuse("{\"points\": [\n{\"value\": 0, \"color\": [1, 1], \"alpha\": 0.5}]}", {"tf.json:2", "'points.0.color'", "3"});
+  refuse("{\"points\": [\n{\"value\": 0, \"color\": [1, 1, 1], \"alpha\": 1.5}]}", {"tf.json:2", "'points.0.alpha'", "1.5"});
+  refuse("{\"points\": [\n{\"value\": 0, \"colour\": [1, 1, 1], \"alpha\": 1}]}", {"tf.json:2", "colour", "color"});
+  refuse(garbage(100), {"tf.json"});
+  for (const char* file : {"missing.json", ".", "/dev/null"}) expectRefused(quick(shot({"--tf", file})), kFailure, {file});
+}
+
+TEST_F(Refusal, NamesThatAreNoTextDoNotHarm) {
+  const std::string name = "\xff\xfe.png";
+  const ProgramResult result = succeed(quick({"shot", "-o", name, "--json"}, "8x8"));
+  EXPECT_TRUE(nlohmann::json::accept(result.out)) << result.out;
+  EXPECT_EQ(folder_.listing(), std::vector<std::string>{name});
+  expectRefused(shot({"two\nlines.raw"}), kFailure, {"lines.raw"});
+}
+
+TEST_F(Refusal, OutputThatCannotBePrintedIsAFailure) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  const std::string command = std::string("'") + WARPSCOPE_PROGRAM + "' info --json >/dev/full 2>'" + folder_.file("err") + "'";
+  const int status = std::system(command.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), kFailure);
+  EXPECT_THAT(folder_.read("err"), testing::StartsWith("warpscope: "));
+}
+
+}  // namespace
+}  // namespace warpscope
