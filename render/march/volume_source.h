@@ -69,7 +69,9 @@ class VolumeSource {
         cellDirection_(direction_ / static_cast<float>(view.cellEdge)),
         invCellDirection_(1.0f / (cellDirection_ + 0.0f)),
         invStep_(1.0f / lattice.dt),
-        margin_(1e-3f + 1e-6f * static_cast<float>(glm::max(view.dims.x, glm::max(view.dims.y, view.dims.z))) / lattice.dt) {
+        // What rounding may do to a place along the ray grows with the volume and with the distance from the eye.
+        margin_(1e-3f + 1e-6f * (static_cast<float>(glm::max(view.dims.x, glm::max(view.dims.y, view.dims.z))) + lattice.t0 +
+                                 lattice.length) / lattice.dt) {
     const size_t dx = view.dims.x > 1 ? 1 : 0;
     const size_t dy = view.dims.y > 1 ? static_cast<size_t>(view.dims.x) : 0;
     const size_t dz = view.dims.z > 1 ? static_cast<size_t>(view.dims.x) * view.dims.y : 0;
@@ -97,8 +99,13 @@ class VolumeSource {
         if (leaves < exit) exit = leaves;  // false for NaN: parallel to this side
       }
       const float index = (exit - lattice_.t0) * invStep_ - 0.5f - margin_;
-      const int next = index < static_cast<float>(lattice_.count) ? static_cast<int>(std::ceil(index)) : lattice_.count;
-      i = next > i + 1 ? next : i + 1;
+      // Compared as floats: where the ray hardly moves along an axis, the number may be beyond any integer.
+      if (!(index < static_cast<float>(lattice_.count)))
+        i = lattice_.count;
+      else if (index > static_cast<float>(i + 1))
+        i = static_cast<int>(std::ceil(index));
+      else
+        ++i;
     }
     return i;
   }
