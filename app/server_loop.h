@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 
 #include "app/clock.h"
 #include "app/newest_worker.h"

@@ -3,7 +3,6 @@
 #include "app/session.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace warpscope {
 namespace {
@@ -47,6 +46,7 @@ void Session::setTechnique(size_t panel, const WarpDescriptor& technique) {
   panels_[panel].technique = &technique;
   panels_[panel].holesAreCurrent = false;
   warpWorkers_[panel]->cancel();  // its picture would not be shown long
+  jobs_[panel] = {};
 }
 
 void Session::resetView() {
@@ -178,6 +178,7 @@ bool Session::askReference(TimePoint now) {
   if (wanted != referenceWanted_) {
     referenceWanted_ = wanted;
     movedAt_ = now;
+    referenceAsked_ = {};
     reference_.reset();
     referenceWorker_->cancel();
     for (Panel& panel : panels_) panel.holesAreCurrent = false;

@@ -147,6 +147,19 @@ TEST_F(SessionTest, ComingBackToTheFramesCameraMakesItCurrentAgain) {
   session_.setView(home);
   session_.update(clock_.now());
   EXPECT_EQ(session_.ageMs(0, clock_.now() + seconds(1)), 0.0);
+  EXPECT_FALSE(session_.panel(0).holesAreCurrent);
+  EXPECT_TRUE(settle());  // holes are counted anew
+}
+
+TEST_F(SessionTest, ATechniqueChosenBackAtOnceIsStillDrawn) {
+  ASSERT_TRUE(open("block"));
+  View view = session_.view();
+  view.angleDeg += 40.0;
+  session_.setView(view);
+  session_.update(clock_.now());  // a job is on its way
+  session_.setTechnique(0, findWarp("spheres"));
+  session_.setTechnique(0, findWarp("hold"));
+  EXPECT_TRUE(settle());
 }
 
 TEST_F(SessionTest, TechniquesChangeOnePanel) {

@@ -2,8 +2,7 @@
 // See parts.h.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
+#include <vector>
 
 #include "app/ui/parts.h"
 
@@ -80,7 +79,8 @@ void drawServer(Session& session, Knobs& knobs, const Look& look) {
   }
 
   float delayMs = static_cast<float>(knobs.delayMs);
-  slider("Delay", delayMs, 0.0f, 2000.0f, "%.0f ms", false, "Round trip to the server, in milliseconds: half of it before the march, half after it.", look);
+  slider("Delay", delayMs, 0.0f, 2000.0f, "%.0f ms", false,
+         "Round trip to the server, in milliseconds: half of it before the march, half after it.", look);
   knobs.delayMs = delayMs;
   label("", look);
   ImGui::Checkbox("Freeze frame", &knobs.isFrozen);

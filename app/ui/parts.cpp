@@ -2,6 +2,7 @@
 // See parts.h.
 #include "app/ui/parts.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <vector>
 
