@@ -67,10 +67,12 @@ TransferFunction autoTransferFunction(const VoxelStatistics& statistics) {
                         {0.75, srgb(0.90f, 0.86f, 0.76f), 0.60f}, {0.95, srgb(0.94f, 0.94f, 0.94f), 0.80f},
                         {0.995, srgb(0.85f, 0.25f, 0.16f), 0.95f}};
   TransferFunction function;
-  double previous = lower + threshold * binWidth;
+  // A blend of the ends, because the extent of a double volume may overflow.
+  const auto valueAt = [&](double bin) { return std::lerp(lower, statistics.rangeUpper, bin / 256.0); };
+  double previous = valueAt(threshold);
   function.points.push_back({previous, stops[0].color, 0.0f});
   for (const Stop& stop : stops) {
-    previous = std::max(previous, lower + (quantile(stop.fraction) + 0.5) * binWidth);
+    previous = std::max(previous, valueAt(quantile(stop.fraction) + 0.5));
     function.points.push_back({previous, stop.color, stop.alpha});
   }
   return function;
