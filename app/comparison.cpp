@@ -7,21 +7,11 @@
 #include <cmath>
 #include <cstdio>
 
+#include "render/core/stopwatch.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/psnr.h"
 
 namespace warpscope {
-namespace {
-
-template <class Work>
-double milliseconds(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
-
 Comparison compareTechniques(const Scene& scene, const WarpResources& resources, const ComparisonSettings& settings,
                              const std::function<void(const WarpDescriptor&, size_t, const WarpedImage&)>& onPicture,
                              const std::function<void(const std::string&)>& onStep, const std::stop_token& stop) {

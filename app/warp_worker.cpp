@@ -5,17 +5,11 @@
 #include <chrono>
 
 #include "app/picture.h"
+#include "render/core/stopwatch.h"
 #include "render/metrics/holes.h"
 
 namespace warpscope {
 namespace {
-
-template <class Work>
-double milliseconds(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// One technique at work, on the worker's thread.
 class Easel {

@@ -9,6 +9,7 @@
 
 #include "render/core/error.h"
 #include "render/core/parallel.h"
+#include "render/core/stopwatch.h"
 #include "render/march/compact.h"
 #include "render/march/march.h"
 #include "render/march/volume_source.h"
@@ -36,10 +37,6 @@ SampleQuantization quantizationFor(const Volume& volume, const Camera& camera, c
 namespace {
 
 constexpr uint32_t kTileSide = 32;
-
-double millisecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// What is derived from the transfer function for one step length.
 struct Baked {
