@@ -14,7 +14,7 @@ std::unique_ptr<SceneLoader> makeSceneLoader(MarcherMaker makeMarcher, std::func
           if (stop.stop_requested()) return;
           loaded->server = makeMarcher(loaded->scene);
           if (stop.stop_requested()) return;
-          loaded->display = makeMarcher(loaded->scene);
+          loaded->display = loaded->server->twin();
           result.loaded = std::move(loaded);
         };
       },

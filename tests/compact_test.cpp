@@ -35,8 +35,8 @@ void expectCompacted(const std::vector<PackedSample>& samples, const std::vector
   frame.samples.assign(3, 42);  // what an earlier frame left behind
   frame.colors.assign(5, 42);
   compact(samples, colors, frame);
-  EXPECT_TRUE(frame.samples == keptSamples) << label;
-  EXPECT_TRUE(frame.colors == keptColors) << label;
+  EXPECT_TRUE(std::ranges::equal(frame.samples, keptSamples)) << label;
+  EXPECT_TRUE(std::ranges::equal(frame.colors, keptColors)) << label;
 }
 
 TEST(Compact, AgreesWithCopyIf) {
@@ -79,8 +79,8 @@ RC_GTEST_PROP(Compact, AgreesWithCopyIfAtAnySize, (uint32_t seed)) {
   compact(samples, colors, frame);
   std::erase_if(colors, [&](Rgba8 c) { return samples[c] >> 54 == 0; });
   std::erase_if(samples, [](PackedSample s) { return s >> 54 == 0; });
-  RC_ASSERT(frame.samples == samples);
-  RC_ASSERT(frame.colors == colors);
+  RC_ASSERT(std::ranges::equal(frame.samples, samples));
+  RC_ASSERT(std::ranges::equal(frame.colors, colors));
 }
 
 }  // namespace

@@ -51,7 +51,10 @@ Marched march(const RayLattice& lattice, const std::function<float(int)>& alphaA
   int begin = 0;
   for (const int end : cuts) {
     marchRay(lattice, begin, end, source, kContribution, stopBelow, result.color,
-             [&](const CountingSample& sample) { result.counting.push_back(sample); });
+             [&](const CountingSample& sample) {
+               result.counting.push_back(sample);
+               return true;
+             });
     begin = end;
   }
   return result;
@@ -210,7 +213,7 @@ TEST(RayLattice, CountsExactlyFarFromTheEyeWithTinySteps) {
   MadeUpSource<8> source{[&](int) { return ++samples, 0.0f; }};
   RayColor color;
   const RayLattice lattice = latticeOf(1e4f, 1.0f, 1e-4f);
-  marchRay(lattice, 0, lattice.count, source, kContribution, 0.0f, color, [](const CountingSample&) {});
+  marchRay(lattice, 0, lattice.count, source, kContribution, 0.0f, color, [](const CountingSample&) { return true; });
   EXPECT_EQ(samples, lattice.count);  // it ends, and looks at each once
 }
 

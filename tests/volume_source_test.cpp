@@ -1,5 +1,5 @@
 // The vectors over a batch of samples against one sample at a time through voxel_access.h: the same bits.
-// Mirrors render/march/volume_source.h and render/volume/voxel_access.h.
+// Mirrors render/march/volume_source.h, volume_source_scalar.h and render/volume/voxel_access.h.
 #include "render/march/volume_source.h"
 
 #include <gtest/gtest.h>
@@ -8,6 +8,8 @@
 
 #include "marcher_cases.h"
 #include "render/march/march.h"
+#include "render/march/march_setup.h"
+#include "render/march/volume_source_scalar.h"
 #include "test_volumes.h"
 
 namespace warpscope {
@@ -58,6 +60,49 @@ TransferFunction colourful() {
   return {{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
 }
 
+/// The source for devices, on the host.
+Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunction& function, const Camera& camera,
+                                        const MarchSettings& settings) {
+  const MarchedVolume marched(VolumePtr(&volume, [](const Volume*) {}), function);
+  const BakedTransfer baked = bakeTransfer(marched, settings.step);
+  Image<glm::vec4> image(camera.width, camera.height);
+  const auto renderWith = [&](auto source, const auto& view) {
+    for (uint32_t y = 0; y < camera.height; ++y)
+      for (uint32_t x = 0; x < camera.width; ++x) {
+        const Ray ray = pixelRay(camera, glm::vec2(x, y) + 0.5f);
+        const RayLattice lattice =
+            makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.step);
+        typename decltype(source)::type rayed(view, ray, lattice);
+        RayColor color;
+        marchRay(lattice, 0, lattice.count, rayed, settings.contribution, stopBelow(settings), color,
+                 [](const CountingSample&) { return true; });
+        image(x, y) = color.premultiplied();
+      }
+  };
+  visitVoxelType(volume.type(), [&](auto tag) {
+    using Voxel = decltype(tag);
+    using Kept = std::conditional_t<kNormalizeFirst<Voxel>, UnitVoxel, Voxel>;
+    std::vector<Kept> kept(volume.voxelCount());
+    const ValueScale scale = valueScaleOf(volume.statistics());
+    for (size_t i = 0; i < kept.size(); ++i) {
+      if constexpr (kNormalizeFirst<Voxel>)
+        kept[i] = {unitFromVoxel(volume.voxelsAs<Voxel>()[i], scale)};
+      else
+        kept[i] = volume.voxelsAs<Voxel>()[i];
+    }
+    VolumeView<Kept> view = makeVolumeView<Kept>(marched);
+    view.voxels = kept.data();
+    view.table = baked.table.entries.data();
+    view.tableAlpha = baked.alphas.data();
+    view.cells.distances = baked.emptyDistances.data();
+    if (volume.statistics().nonFinite > 0)
+      renderWith(std::type_identity<ScalarVolumeSource<Kept, true>>{}, view);
+    else
+      renderWith(std::type_identity<ScalarVolumeSource<Kept, false>>{}, view);
+  });
+  return image;
+}
+
 Image<glm::vec4> renderedOneByOne(const Volume& volume, const TransferFunction& function, const Camera& camera,
                                   const MarchSettings& settings) {
   const TransferTable table =
@@ -72,7 +117,7 @@ Image<glm::vec4> renderedOneByOne(const Volume& volume, const TransferFunction& 
         ScalarSource<decltype(tag)> source{volume, table, ray, lattice};
         RayColor color;
         marchRay(lattice, 0, lattice.count, source, settings.contribution, settings.terminateEarly ? settings.contribution : 0.0f,
-                 color, [](const CountingSample&) {});
+                 color, [](const CountingSample&) { return true; });
         image(x, y) = color.premultiplied();
       }
   });
@@ -102,8 +147,10 @@ TEST_P(VolumeSourceOf, BatchesAreTheScalarFormulaBitForBit) {
       settings.step = step;
       for (const glm::vec3 eye : {glm::vec3(40.0f, 25.0f, 33.0f), glm::vec3(0.1f, 0.2f, 0.3f), glm::vec3(0.0f, 0.0f, -50.0f)}) {
         const Camera camera = lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 33, 29);
-        ASSERT_TRUE(sameBits(rendered(*marcher, camera, settings), renderedOneByOne(*volume, function, camera, settings)))
-            << dims.x << "x" << dims.y << "x" << dims.z << ", step " << step;
+        SCOPED_TRACE(::testing::Message() << dims.x << "x" << dims.y << "x" << dims.z << ", step " << step);
+        const Image<glm::vec4> expected = renderedOneByOne(*volume, function, camera, settings);
+        ASSERT_TRUE(sameBits(rendered(*marcher, camera, settings), expected));
+        ASSERT_TRUE(sameBits(renderedByScalarSource(*volume, function, camera, settings), expected));
       }
     }
   }
@@ -123,6 +170,7 @@ TEST(VolumeSource, BatchesWithHolesAreTheScalarFormulaBitForBit) {
     const Image<glm::vec4> image = rendered(*marcher, camera);
     EXPECT_GT(largestAlpha(image), 0.1f);
     EXPECT_TRUE(sameBits(image, renderedOneByOne(*volume, colourful(), camera, {})));
+    EXPECT_TRUE(sameBits(image, renderedByScalarSource(*volume, colourful(), camera, {})));
   }
 }
 

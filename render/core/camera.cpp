@@ -2,6 +2,9 @@
 // See camera.h.
 #include "render/core/camera.h"
 
+#include <string>
+
+#include "render/core/error.h"
 #include "render/core/image.h"
 
 namespace warpscope {
@@ -18,6 +21,12 @@ bool isUsable(const Camera& camera) {
          std::abs(glm::dot(camera.up, camera.forward)) < 1e-3f && camera.tanHalfFovY > 0.0f &&
          camera.tanHalfFovY < 1e4f && camera.width >= 1 && camera.height >= 1 && camera.width <= kMaxImageSide &&
          camera.height <= kMaxImageSide;
+}
+
+void requireUsable(const Camera& camera) {
+  if (!isUsable(camera))
+    throw InputError("the camera is not usable: it must be finite, with a field of view inside 0 to 180 degrees and an image of 1 to " +
+                     std::to_string(kMaxImageSide) + " pixels a side");
 }
 
 }  // namespace warpscope

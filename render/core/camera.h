@@ -66,4 +66,7 @@ WARPSCOPE_HD inline glm::mat4 clipFromVolume(const Camera& camera, float nearDep
 /// True if the camera can make pictures: finite, a field of view inside (0, 180) degrees, a basis that is one, a size within limits.
 bool isUsable(const Camera& camera);
 
+/// Throws InputError unless isUsable(camera).
+void requireUsable(const Camera& camera);
+
 }  // namespace warpscope

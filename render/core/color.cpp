@@ -18,25 +18,10 @@ ColorTables::ColorTables() {
                                     : linearFromSrgb((static_cast<float>(code) + 0.5f) / 255.0f);
   }
   uint8_t code = 0;
-  for (size_t i = 0; i < firstGuess_.size(); ++i) {
-    while (upperBound_[code] <= static_cast<float>(i) / firstGuess_.size()) ++code;
+  for (size_t i = 0; i < kGuesses; ++i) {
+    while (upperBound_[code] <= static_cast<float>(i) / kGuesses) ++code;
     firstGuess_[i] = code;
   }
-}
-
-uint32_t ColorTables::encodeChannel(float linear) const {
-  if (!(linear > 0.0f)) return 0;
-  if (linear >= 1.0f) return 255;
-  uint32_t code = firstGuess_[static_cast<size_t>(linear * firstGuess_.size())];
-  while (upperBound_[code] <= linear) ++code;
-  return code;
-}
-
-Rgba8 ColorTables::encode(const glm::vec4& premultiplied) const {
-  if (!(premultiplied.a > 0.0f)) return 0;
-  const float inverse = 1.0f / premultiplied.a;
-  return encodeChannel(premultiplied.r * inverse) | encodeChannel(premultiplied.g * inverse) << 8 |
-         encodeChannel(premultiplied.b * inverse) << 16 | quantizeUnorm8(premultiplied.a) << 24;
 }
 
 }  // namespace warpscope

@@ -2,9 +2,9 @@
 // what a sample carries and a PNG holds. sRGB: IEC 61966-2-1. Compositing: Porter, Duff 1984.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #include "render/core/host_device.h"
 
@@ -47,25 +47,39 @@ WARPSCOPE_HD inline glm::vec4 over(const glm::vec4& front, const glm::vec4& back
   return front + (1.0f - front.a) * back;
 }
 
-/// decodeRgba8 and encodeRgba8 by tables, for whole images on the host. Same results bit for bit for decoding; encoding may differ
+/// decodeRgba8 and encodeRgba8 by tables, for whole images; a copy of the tables works on a device. Same results bit for bit for decoding; encoding may differ
 /// from encodeRgba8 only where the exact value lies within 1e-4 of a rounding boundary.
 class ColorTables {
  public:
   static const ColorTables& instance();
 
-  glm::vec4 decode(Rgba8 code) const {
+  WARPSCOPE_HD glm::vec4 decode(Rgba8 code) const {
     const float alpha = static_cast<float>(code >> 24) / 255.0f;
     return {linear_[code & 255] * alpha, linear_[code >> 8 & 255] * alpha, linear_[code >> 16 & 255] * alpha, alpha};
   }
-  Rgba8 encode(const glm::vec4& premultiplied) const;
+  WARPSCOPE_HD Rgba8 encode(const glm::vec4& premultiplied) const {
+    if (!(premultiplied.a > 0.0f)) return 0;
+    const float inverse = 1.0f / premultiplied.a;
+    return encodeChannel(premultiplied.r * inverse) | encodeChannel(premultiplied.g * inverse) << 8 |
+           encodeChannel(premultiplied.b * inverse) << 16 | quantizeUnorm8(premultiplied.a) << 24;
+  }
   /// 8-bit sRGB code of a linear value in [0, 1]; clamps.
-  uint32_t encodeChannel(float linear) const;
+  WARPSCOPE_HD uint32_t encodeChannel(float linear) const {
+    if (!(linear > 0.0f)) return 0;
+    if (linear >= 1.0f) return 255;
+    uint32_t code = firstGuess_[static_cast<uint32_t>(linear * static_cast<float>(kGuesses))];
+    while (upperBound_[code] <= linear) ++code;
+    return code;
+  }
 
  private:
+  static constexpr uint32_t kGuesses = 4096;
+
   ColorTables();
-  std::array<float, 256> linear_;
-  std::array<float, 256> upperBound_;     // linear value at which code i ends and i + 1 begins
-  std::array<uint8_t, 4096> firstGuess_;  // code of the lower end of each 1/4096 of the linear range
+  float linear_[256];
+  float upperBound_[256];         // linear value at which code i ends and i + 1 begins
+  uint8_t firstGuess_[kGuesses];  // code of the lower end of each 1/kGuesses of the linear range
 };
+static_assert(std::is_trivially_copyable_v<ColorTables>);
 
 }  // namespace warpscope

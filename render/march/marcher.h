@@ -13,6 +13,9 @@
 
 namespace warpscope {
 
+class Marcher;
+using MarcherPtr = std::shared_ptr<Marcher>;
+
 class Marcher {
  public:
   virtual ~Marcher() = default;
@@ -27,15 +30,9 @@ class Marcher {
                       const std::stop_token& stop = {}) = 0;
 
   virtual const VolumePtr& volume() const = 0;
+
+  /// Another marcher of the same volume: it shares what never changes, and its calls do not wait for this one's.
+  virtual MarcherPtr twin() const = 0;
 };
-
-using MarcherPtr = std::shared_ptr<Marcher>;
-
-/// The radius of a sample at distance t along a ray, in volume units. `cosine` is the angle's between ray and camera axis.
-float sampleRadius(const Volume& volume, const Camera& camera, const MarchSettings& settings, float t, float cosine,
-                   float opacity);
-
-/// How a frame of this volume seen by this camera quantises its samples.
-SampleQuantization quantizationFor(const Volume& volume, const Camera& camera, const MarchSettings& settings);
 
 }  // namespace warpscope

@@ -4,10 +4,10 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "render/core/camera.h"
 #include "render/core/sample.h"
+#include "render/core/transfer_vector.h"
 #include "render/march/march_settings.h"
 
 namespace warpscope {
@@ -26,8 +26,8 @@ struct SampleFrame {
   RadiusPolicy radiusPolicy = RadiusPolicy::voxel;
   ServerTimings timings;
 
-  std::vector<PackedSample> samples;  ///< in pixel order, row by row; no code is 0
-  std::vector<Rgba8> colors;          ///< one for each sample
+  TransferVector<PackedSample> samples;  ///< in pixel order, row by row; no code is 0
+  TransferVector<Rgba8> colors;          ///< one for each sample
 
   size_t size() const { return samples.size(); }
   /// What the frame's samples take on the wire in this format.

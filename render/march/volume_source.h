@@ -11,7 +11,9 @@
 #include "render/core/ray.h"
 #include "render/core/simd.h"
 #include "render/core/transfer_function.h"
+#include "render/march/empty_space.h"
 #include "render/march/lattice.h"
+#include "render/march/volume_view.h"
 #include "render/volume/voxel_access.h"
 
 namespace warpscope {
@@ -39,21 +41,6 @@ FloatBatch voxelsOf(const UintBatch& pairs) {
     return xsimd::to_float(xsimd::batch_cast<int32_t>(xsimd::batch_cast<uint32_t>(top) >> (32 - bits)));
 }
 
-/// Everything about a volume and a baked transfer function that rays share. Pointers are not owned.
-template <class Voxel>
-struct VolumeView {
-  const Voxel* voxels = nullptr;
-  glm::ivec3 dims{0};
-  ValueScale scale;
-  glm::vec3 lower{0.0f};          ///< volume-space position of the volume's lower corner
-  glm::vec3 voxelsPerUnit{1.0f};  ///< along each axis
-  const glm::vec4* table = nullptr;
-  const float* tableAlpha = nullptr;           ///< the table's alphas alone, densely
-  const uint8_t* emptyDistances = nullptr;     ///< of macrocells, or null: nothing is skipped
-  glm::ivec3 cellDims{0};
-  int cellEdge = 1;
-};
-
 /// kHasHoles: some voxels are not finite and are left out of interpolation.
 template <class Voxel, bool kHasHoles>
 class VolumeSource {
@@ -63,52 +50,16 @@ class VolumeSource {
   VolumeSource(const VolumeView<Voxel>& view, const Ray& ray, const RayLattice& lattice)
       : view_(view),
         lattice_(lattice),
-        origin_((ray.origin - view.lower) * view.voxelsPerUnit - 0.5f),
-        direction_(ray.direction * view.voxelsPerUnit),
-        cellOrigin_(origin_ / static_cast<float>(view.cellEdge)),
-        cellDirection_(direction_ / static_cast<float>(view.cellEdge)),
-        invCellDirection_(1.0f / (cellDirection_ + 0.0f)),
-        invStep_(1.0f / lattice.dt),
-        // What rounding may do to a place along the ray grows with the volume and with the distance from the eye.
-        margin_(1e-3f + 1e-6f * (static_cast<float>(glm::max(view.dims.x, glm::max(view.dims.y, view.dims.z))) + lattice.t0 +
-                                 lattice.length) / lattice.dt) {
+        origin_(view.voxelOrigin(ray)),
+        direction_(view.voxelDirection(ray)),
+        emptySpace_(view.cells, origin_, direction_, view.dims, lattice) {
     const size_t dx = view.dims.x > 1 ? 1 : 0;
     const size_t dy = view.dims.y > 1 ? static_cast<size_t>(view.dims.x) : 0;
     const size_t dz = view.dims.z > 1 ? static_cast<size_t>(view.dims.x) * view.dims.y : 0;
     for (int i = 0; i < 8; ++i) offsets_[i] = (i & 1 ? dx : 0) + (i & 2 ? dy : 0) + (i & 4 ? dz : 0);
   }
 
-  int skip(int i) const {
-    if (view_.emptyDistances == nullptr) return i;
-    while (i < lattice_.count) {
-      const float t = lattice_.t(i);
-      glm::ivec3 cell;
-      for (int axis = 0; axis < 3; ++axis) {
-        const float place = cellOrigin_[axis] + t * cellDirection_[axis];
-        cell[axis] = minOf(truncated(maxOf(place, 0.0f)), view_.cellDims[axis] - 1);
-      }
-      const int distance =
-          view_.emptyDistances[(size_t(cell.z) * view_.cellDims.y + cell.y) * view_.cellDims.x + cell.x];
-      if (distance == 0) return i;
-      // Everything less than `distance` cells away is empty: go on where the ray leaves that block. What lies within rounding of the
-      // block's border is looked at for itself.
-      float exit = lattice_.t0 + lattice_.length + lattice_.dt;
-      for (int axis = 0; axis < 3; ++axis) {
-        const int bound = cell[axis] + (cellDirection_[axis] < 0.0f ? 1 - distance : distance);
-        const float leaves = (converted(bound) - cellOrigin_[axis]) * invCellDirection_[axis];
-        if (leaves < exit) exit = leaves;  // false for NaN: parallel to this side
-      }
-      const float index = (exit - lattice_.t0) * invStep_ - 0.5f - margin_;
-      // Compared as floats: where the ray hardly moves along an axis, the number may be beyond any integer.
-      if (!(index < static_cast<float>(lattice_.count)))
-        i = lattice_.count;
-      else if (index > static_cast<float>(i + 1))
-        i = static_cast<int>(std::ceil(index));
-      else
-        ++i;
-    }
-    return i;
-  }
+  int skip(int i) const { return emptySpace_.skip(i, lattice_); }
 
   uint32_t classify(int i, int n) {
     alignas(64) float t[kBatch];
@@ -189,14 +140,10 @@ class VolumeSource {
 
   const VolumeView<Voxel>& view_;
   const RayLattice& lattice_;
-  glm::vec3 origin_;        // in voxel coordinates
-  glm::vec3 direction_;     // voxels per unit of t
-  glm::vec3 cellOrigin_;  // in cells
-  glm::vec3 cellDirection_;
-  glm::vec3 invCellDirection_;
-  float invStep_;
-  float margin_;            // in steps
-  size_t offsets_[8];       // from a voxel to those that are blended with it, x fastest
+  glm::vec3 origin_;     // in voxel coordinates
+  glm::vec3 direction_;  // voxels per unit of t
+  EmptySpace emptySpace_;
+  size_t offsets_[8];    // from a voxel to those that are blended with it, x fastest
   alignas(64) int32_t index_[kBatch];
   float alpha_[kBatch];
   bool missing_[kBatch];

@@ -57,6 +57,12 @@ WARPSCOPE_HD inline float interpolant(Voxel voxel, const ValueScale& scale) {
     return static_cast<float>(voxel);
 }
 
+/// A voxel that is a fraction of the volume's range already: what a device keeps of types whose values float cannot hold.
+struct UnitVoxel {
+  float unit;
+};
+WARPSCOPE_HD inline float interpolant(UnitVoxel voxel, const ValueScale&) { return voxel.unit; }
+
 /// Float is float or a vector of floats.
 template <class Voxel, class Float>
 WARPSCOPE_HD inline Float unitFromInterpolant(const Float& value, const ValueScale& scale) {

@@ -48,10 +48,4 @@ void resolveColors(const SampleFrame& frame, const Image<uint32_t>& samples, Ima
   });
 }
 
-void requireUsable(const Camera& camera) {
-  if (!isUsable(camera))
-    throw InputError("the camera is not usable: it must be finite, with a field of view inside 0 to 180 degrees and an image of 1 to " +
-                     std::to_string(kMaxImageSide) + " pixels a side");
-}
-
 }  // namespace warpscope

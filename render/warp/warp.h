@@ -79,7 +79,4 @@ void validate(const WarpSettings& settings);
 /// Gives every covered pixel its sample's colour. `samples` is the only input; resizes `color`.
 void resolveColors(const SampleFrame& frame, const Image<uint32_t>& samples, Image<glm::vec4>& color);
 
-/// Throws InputError unless isUsable(camera).
-void requireUsable(const Camera& camera);
-
 }  // namespace warpscope

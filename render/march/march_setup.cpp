@@ -1,0 +1,46 @@
+// Preparing to march.
+// See march_setup.h.
+#include "render/march/march_setup.h"
+
+#include "render/core/error.h"
+
+namespace warpscope {
+
+BakedTransfer bakeTransfer(const MarchedVolume& marched, float step) {
+  const VoxelStatistics& statistics = marched.volume->statistics();
+  BakedTransfer baked;
+  baked.table = bakeTransferTable(marched.transferFunction, statistics.rangeLower, statistics.rangeUpper, step);
+  baked.alphas.resize(TransferTable::kSize);
+  for (int i = 0; i < TransferTable::kSize; ++i) baked.alphas[i] = baked.table.entries[i].a;
+  baked.emptyDistances = marched.macrocells.emptyDistances(baked.table);
+  return baked;
+}
+
+void requireMarchable(const Volume& volume, const Camera& camera, const MarchSettings& settings) {
+  validate(settings);
+  requireUsable(camera);
+  const double longest = glm::length(glm::dvec3(volume.bounds().extent()));
+  if (longest / settings.step > kMaxSamplesPerRay) throw UsageError("the step is too small for a volume of this size");
+}
+
+SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const MarchSettings& settings) {
+  SampleRule rule;
+  rule.policy = settings.radiusPolicy;
+  rule.voxelRadius = 0.5f * glm::length(volume.geometry().voxelEdges());
+  rule.scale = settings.radiusScale;
+  const Box& bounds = volume.bounds();
+  const float farthest = glm::length(camera.eye - bounds.center()) + 0.5f * glm::length(bounds.extent());
+  rule.quantization = {bounds, radiusUnitFor(sampleRadius(rule, camera, farthest, 1.0f, 1.0f))};
+  return rule;
+}
+
+SampleFrame emptyFrame(const Camera& camera, const MarchSettings& settings, const SampleRule& rule) {
+  SampleFrame frame;
+  frame.camera = camera;
+  frame.quantization = rule.quantization;
+  frame.heuristic = settings.heuristic;
+  frame.radiusPolicy = settings.radiusPolicy;
+  return frame;
+}
+
+}  // namespace warpscope

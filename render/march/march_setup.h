@@ -1,0 +1,67 @@
+// What every marcher prepares before its rays start: checks, the baked transfer function, what is empty, the frame's head. Host only.
+// See marcher.h for the errors.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "render/march/march_settings.h"
+#include "render/march/sample_frame.h"
+#include "render/march/sample_radius.h"
+#include "render/march/volume_view.h"
+#include "render/volume/macrocells.h"
+
+namespace warpscope {
+
+/// A volume and how its values look: what marchers of the same scene share. Immutable.
+struct MarchedVolume {
+  MarchedVolume(VolumePtr theVolume, TransferFunction theTransferFunction)
+      : volume(std::move(theVolume)), transferFunction(std::move(theTransferFunction)), macrocells(*volume) {}
+
+  VolumePtr volume;
+  TransferFunction transferFunction;
+  Macrocells macrocells;
+};
+
+using MarchedVolumePtr = std::shared_ptr<const MarchedVolume>;
+
+/// What is derived from the transfer function for one step length.
+struct BakedTransfer {
+  TransferTable table;
+  std::vector<float> alphas;  ///< the table's
+  std::vector<uint8_t> emptyDistances;
+
+  /// True if this is what `step` needs.
+  bool isFor(float step) const { return !table.entries.empty() && table.step == step; }
+};
+
+BakedTransfer bakeTransfer(const MarchedVolume& marched, float step);
+
+/// Throws UsageError for settings out of range, InputError for a camera that isUsable() refuses.
+void requireMarchable(const Volume& volume, const Camera& camera, const MarchSettings& settings);
+
+/// How a frame of this volume seen by this camera sizes and quantises its samples.
+SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const MarchSettings& settings);
+
+/// A frame without samples and timings.
+SampleFrame emptyFrame(const Camera& camera, const MarchSettings& settings, const SampleRule& rule);
+
+/// Transmittance below which a ray ends.
+inline float stopBelow(const MarchSettings& settings) { return settings.terminateEarly ? settings.contribution : 0.0f; }
+
+/// A view of `marched` whose pointers are for the caller to fill.
+template <class Voxel>
+VolumeView<Voxel> makeVolumeView(const MarchedVolume& marched) {
+  const Volume& volume = *marched.volume;
+  VolumeView<Voxel> view;
+  view.dims = glm::ivec3(volume.dims());
+  view.scale = valueScaleOf(volume.statistics());
+  view.lower = volume.bounds().lower;
+  view.voxelsPerUnit = 1.0f / volume.geometry().voxelEdges();
+  view.cells.dims = marched.macrocells.dims();
+  view.cells.edge = marched.macrocells.edge();
+  return view;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,27 @@
+// What rays share: a volume, its values' scale, a baked transfer function and what is empty. For host and device; the memory is another's.
+// Positions are turned into voxel coordinates as voxel_access.h defines them.
+#pragma once
+
+#include "render/core/ray.h"
+#include "render/march/empty_space.h"
+#include "render/volume/voxel_access.h"
+
+namespace warpscope {
+
+template <class Voxel>
+struct VolumeView {
+  const Voxel* voxels = nullptr;
+  glm::ivec3 dims{0};
+  ValueScale scale;
+  glm::vec3 lower{0.0f};          ///< volume-space position of the volume's lower corner
+  glm::vec3 voxelsPerUnit{1.0f};  ///< along each axis
+  const glm::vec4* table = nullptr;
+  const float* tableAlpha = nullptr;  ///< the table's alphas alone, densely
+  EmptyCells cells;
+
+  /// Voxel coordinates of a ray's origin, and voxels per unit of t.
+  WARPSCOPE_HD glm::vec3 voxelOrigin(const Ray& ray) const { return (ray.origin - lower) * voxelsPerUnit - 0.5f; }
+  WARPSCOPE_HD glm::vec3 voxelDirection(const Ray& ray) const { return ray.direction * voxelsPerUnit; }
+};
+
+}  // namespace warpscope
