@@ -1,20 +1,19 @@
-// Which hardware marches and warps: chosen by name, with a reason where the choice is not possible.
-// Backends: cpu (every machine), cuda (an NVIDIA GPU), auto (the best there is).
+// Choosing the hardware that marches, and saying when a choice had to be given up.
+// Backends: core/backend.h.
 #pragma once
 
 #include <string>
-#include <string_view>
 
+#include "render/core/backend.h"
 #include "render/march/marcher.h"
 
 namespace warpscope {
 
-enum class Backend { automatic, cpu, cuda };
-
-/// Why the CUDA backend cannot be used here; empty if it can.
-std::string whyNoCuda();
-
-/// A marcher on the chosen backend. Throws InputError with the reason if `backend` is cuda and it cannot be used.
+/// A marcher on the chosen backend; one that is automatic leaves a CUDA device that fails. Throws DeviceError with the reason if `backend`
+/// is cuda and it cannot be used.
 MarcherPtr makeMarcher(Backend backend, VolumePtr volume, TransferFunction transferFunction);
+
+/// Says on stderr, once for each reason, that the device failed and the CPU goes on.
+void reportFallback(const std::string& reason);
 
 }  // namespace warpscope

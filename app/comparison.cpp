@@ -30,7 +30,7 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
   };
   std::vector<Contender> contenders;
   for (const WarpDescriptor& descriptor : warpRegistry()) {
-    Contender contender{&descriptor, descriptor.make(resources), 0.0};
+    Contender contender{&descriptor, makeWarp(descriptor, resources), 0.0};
     contender.warp->setFrame(comparison.frame, settings.warp, stop);  // warms up: memory, threads, shaders
     contender.buildMs = milliseconds([&] { contender.warp->setFrame(comparison.frame, settings.warp, stop); });
     contenders.push_back(std::move(contender));

@@ -31,6 +31,7 @@ int run(int argc, char** argv) {
   warpscope::addViewCommand(program, chosen);
   warpscope::addShotCommand(program, chosen);
   warpscope::addCompareCommand(program, chosen);
+  warpscope::addBenchCommand(program, chosen);
   warpscope::addExportCommand(program, chosen);
   warpscope::addInfoCommand(program, chosen);
   try {

@@ -31,7 +31,7 @@ Image<Rgba8> toPicture(const WarpedImage& image, Rgba8 uncovered) {
 Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, Rgba8 uncovered) {
   const ColorTables& tables = ColorTables::instance();
   return convert(image, uncovered | (uncovered != 0 ? 0xff000000u : 0u),
-                 [&](const glm::vec4& color) { return tables.encode(over(color, {background, 1.0f})) | 0xff000000u; });
+                 [&](const glm::vec4& color) { return tables.encodeOver(color, background); });
 }
 
 std::string encodePng(const Image<Rgba8>& picture, const std::stop_token& stop) {

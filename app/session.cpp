@@ -31,7 +31,7 @@ Session::Session(SessionSettings settings, Clock& clock, std::function<void()> o
       referenceWorker_(makeReferenceWorker(onNews)) {
   for (size_t i = 0; i < kPanelCount; ++i) {
     panels_[i].technique = settings.techniques[i];
-    warpWorkers_[i] = makeWarpWorker(settings.platform, onNews);
+    warpWorkers_[i] = makeWarpWorker(settings.platform, settings.resources, onNews);
   }
 }
 

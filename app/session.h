@@ -35,7 +35,7 @@ inline constexpr size_t kPanelCount = 2;
 /// What one panel shows.
 struct Panel {
   const WarpDescriptor* technique = nullptr;
-  std::shared_ptr<const Image<Rgba8>> picture;  ///< null until the first is there; stays until the next
+  ShownPicture picture;                         ///< none until the first is there; stays until the next
   const WarpDescriptor* drawn = nullptr;        ///< the technique that drew it
   uint64_t requestId = 0;                       ///< of the frame that it was drawn from
   double buildMs = 0.0;
@@ -49,6 +49,7 @@ struct SessionSettings {
   std::array<const WarpDescriptor*, kPanelCount> techniques{};
   Knobs knobs;  ///< `march` is replaced by each scene's
   gl::Platform platform = gl::Platform::automatic;
+  WarpResources resources;  ///< backend and onFallback; the rest is the session's
   MarcherMaker makeMarcher;
 };
 

@@ -14,7 +14,12 @@ namespace {
 /// One technique at work, on the worker's thread.
 class Easel {
  public:
-  explicit Easel(gl::Platform platform) : platform_(platform) {}
+  Easel(gl::Platform platform, WarpResources resources) : platform_(platform), resources_(std::move(resources)) {
+    resources_.context = [this]() -> gl::Context& {
+      if (!context_) context_ = gl::makeHeadlessContext(platform_);
+      return *context_;
+    };
+  }
 
   void paint(const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
     result.technique = job.technique;
@@ -25,14 +30,16 @@ class Easel {
       draw(job, stop);
     } catch (...) {
       warp_.reset();  // it may be half way between two frames
-      picture_.reset();
+      picture_ = {};
       throw;
     }
     result.picture = picture_;
     result.buildMs = buildMs_;
     result.drawMs = drawMs_;
-    if (job.reference && job.reference->camera == job.camera)
+    if (job.reference && job.reference->camera == job.camera) {
+      drawToHost(job, stop);
       result.holeFraction = countHoles(image_, job.reference->color).fraction();
+    }
   }
 
  private:
@@ -40,41 +47,43 @@ class Easel {
     const bool isOtherWarp = !warp_ || job.technique != last_.technique || job.marcher != last_.marcher;
     if (isOtherWarp) {
       warp_.reset();
-      warp_ = job.technique->make(resources(job.marcher));
+      resources_.marcher = job.marcher;
+      warp_ = makeWarp(*job.technique, resources_);
     }
     const bool isOtherBuild = job.frame != last_.frame || job.settings.sphereTracing != last_.settings.sphereTracing;
     if (isOtherWarp || isOtherBuild)
       buildMs_ = milliseconds([&] { warp_->setFrame(job.frame, job.settings, stop); });
-    isDrawn_ = isDrawn_ && !isOtherWarp && !isOtherBuild && job.camera == last_.camera && job.settings == last_.settings;
-    isConverted_ = isDrawn_ && isConverted_ && job.background == last_.background && job.uncovered == last_.uncovered;
+    const bool isOtherView = isOtherWarp || isOtherBuild || job.camera != last_.camera || job.settings != last_.settings;
+    if (isOtherView) isInHostMemory_ = false;
+    if (isOtherView || job.background != last_.background || job.uncovered != last_.uncovered) picture_ = {};
     last_ = job;
     last_.reference.reset();
   }
 
   void draw(const WarpJob& job, const std::stop_token& stop) {
-    if (!isDrawn_) drawMs_ = milliseconds([&] { warp_->draw(job.camera, job.settings, image_, stop); });
-    isDrawn_ = true;
-    if (!isConverted_) picture_ = std::make_shared<const Image<Rgba8>>(toScreen(image_, job.background, job.uncovered));
-    isConverted_ = true;
+    if (picture_) return;
+    drawMs_ = milliseconds([&] {
+      picture_.device = warp_->drawForScreen(job.camera, job.settings, job.background, job.uncovered, stop);
+      if (!picture_) drawToHost(job, stop);
+    });
+    if (!picture_) picture_.host = std::make_shared<const Image<Rgba8>>(toScreen(image_, job.background, job.uncovered));
   }
 
-  WarpResources resources(const MarcherPtr& marcher) {
-    return {marcher, [this]() -> gl::Context& {
-              if (!context_) context_ = gl::makeHeadlessContext(platform_);
-              return *context_;
-            }};
+  void drawToHost(const WarpJob& job, const std::stop_token& stop) {
+    if (!isInHostMemory_) warp_->draw(job.camera, job.settings, image_, stop);
+    isInHostMemory_ = true;
   }
 
   const gl::Platform platform_;
+  WarpResources resources_;
   std::unique_ptr<gl::Context> context_;  // outlives the warp, whose objects are in it
   std::unique_ptr<Warp> warp_;
   WarpJob last_;
   WarpedImage image_;
-  std::shared_ptr<const Image<Rgba8>> picture_;
+  bool isInHostMemory_ = false;  // image_ is what picture_ shows
+  ShownPicture picture_;
   double buildMs_ = 0.0;
   double drawMs_ = 0.0;
-  bool isDrawn_ = false;
-  bool isConverted_ = false;
 };
 
 void marchReference(const ReferenceJob& job, ReferenceResult& result, const std::stop_token& stop) {
@@ -86,10 +95,10 @@ void marchReference(const ReferenceJob& job, ReferenceResult& result, const std:
 
 }  // namespace
 
-std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, std::function<void()> onResult) {
+std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources resources, std::function<void()> onResult) {
   return std::make_unique<WarpWorker>(
-      [platform]() -> WarpWorker::Work {
-        auto easel = std::make_shared<Easel>(platform);
+      [platform, resources]() -> WarpWorker::Work {
+        auto easel = std::make_shared<Easel>(platform, resources);
         return [easel](const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
           easel->paint(job, result, stop);
         };

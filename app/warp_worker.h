@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "app/newest_worker.h"
+#include "app/shown_picture.h"
 #include "render/core/color.h"
 #include "render/gl/context.h"
 #include "render/warp/warp.h"
@@ -33,19 +34,20 @@ struct WarpJob {
 };
 
 struct WarpResult {
-  std::shared_ptr<const Image<Rgba8>> picture;  ///< null if there is an error
+  ShownPicture picture;    ///< none if there is an error
   const WarpDescriptor* technique = nullptr;
   MarcherPtr marcher;      ///< the job's
   uint64_t requestId = 0;  ///< of the frame that was drawn
   double buildMs = 0.0;    ///< of what the technique derived from that frame
-  double drawMs = 0.0;     ///< from the camera to colours in host memory
+  double drawMs = 0.0;     ///< from the camera to colours in the memory that the picture is in
   std::optional<double> holeFraction;  ///< if the job had a reference
   std::string error;
 };
 
 using WarpWorker = NewestWorker<WarpJob, WarpResult>;
 
-std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, std::function<void()> onResult);
+/// `resources`: the backend and whom a fallback is told; marcher and context are the jobs' and the worker's own.
+std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources resources, std::function<void()> onResult);
 
 /// What the reference worker marches.
 struct ReferenceJob {

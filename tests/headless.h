@@ -23,9 +23,9 @@ inline Scene smallScene(const std::string& name, uint32_t side = 48) {
 /// A scene and what draws it.
 class Stage {
  public:
-  explicit Stage(Scene scene, gl::Platform platform = gl::Platform::automatic)
+  explicit Stage(Scene scene, gl::Platform platform = gl::Platform::automatic, Backend backend = Backend::cpu)
       : scene_(std::move(scene)),
-        headless_(makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction), platform),
+        headless_(makeMarcher(backend, scene_.volume, scene_.transferFunction), platform, backend),
         resources_(headless_.resources()) {}
 
   const Scene& scene() const { return scene_; }
@@ -44,7 +44,7 @@ class Stage {
 
   WarpedImage draw(std::string_view technique, const SampleFramePtr& frame, const Camera& camera,
                    const WarpSettings& settings = {}) const {
-    const std::unique_ptr<Warp> warp = findWarp(technique).make(resources_);
+    const std::unique_ptr<Warp> warp = makeWarp(findWarp(technique), resources_);
     warp->setFrame(frame, settings);
     WarpedImage image;
     warp->draw(camera, settings, image);

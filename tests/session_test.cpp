@@ -85,8 +85,8 @@ TEST_F(SessionTest, BothPanelsShowTheNewestFrame) {
   EXPECT_EQ(session_.frame()->camera.height, 48u);  // the longer side
   for (size_t i = 0; i < kPanelCount; ++i) {
     EXPECT_EQ(session_.panel(i).requestId, session_.frame()->requestId);
-    EXPECT_EQ(session_.panel(i).picture->width(), kPanelPx.x);
-    EXPECT_EQ(session_.panel(i).picture->height(), kPanelPx.y);
+    EXPECT_EQ(session_.panel(i).picture.width(), kPanelPx.x);
+    EXPECT_EQ(session_.panel(i).picture.height(), kPanelPx.y);
     EXPECT_EQ(session_.panel(i).error, "");
   }
   EXPECT_GT(news_, 0);
@@ -176,7 +176,7 @@ TEST_F(SessionTest, UncoveredPixelsGetTheirColor) {
   Knobs knobs = session_.knobs();
   knobs.uncovered = 0xffff00ffu;
   session_.setKnobs(knobs);
-  ASSERT_TRUE(pumpUntil([&] { return (*session_.panel(1).picture)(0, 0) == 0xffff00ffu; }));
+  ASSERT_TRUE(pumpUntil([&] { return (*session_.panel(1).picture.host)(0, 0) == 0xffff00ffu; }));
 }
 
 TEST_F(SessionTest, AnotherSceneReplacesEverything) {

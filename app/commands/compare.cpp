@@ -53,7 +53,7 @@ Json toJson(const ComparisonRow& row, const Comparison& comparison, const Workpl
           {"bytes", usesFrame ? comparison.frame->sizeBytes() : 0}};
 }
 
-Json toJson(const Comparison& comparison, const Workplace& work, const std::string& context) {
+Json toJson(const Comparison& comparison, const Workplace& work, std::string_view backend, const std::string& context) {
   Json rows = Json::array();
   for (const ComparisonRow& row : comparison.rows) rows.push_back(toJson(row, comparison, work));
   return {{"scene", work.scene.name},
@@ -62,7 +62,7 @@ Json toJson(const Comparison& comparison, const Workplace& work, const std::stri
           {"step", work.march.step},
           {"radiusScale", work.march.radiusScale},
           {"pointSize", work.warp.pointSize},
-          {"backend", "cpu"},
+          {"backend", backend},
           {"openGl", context},
           {"server", {{"marchMs", comparison.frame->timings.marchMs}, {"compactMs", comparison.frame->timings.compactMs}}},
           {"nonFiniteVoxels", work.scene.volume->statistics().nonFinite},
@@ -99,7 +99,7 @@ void compare(const CompareOptions& options) {
   const Workplace work = prepare(options.common);
   const Interrupt interrupt;
   StagedFolder out(options.out);  // fails before the work if it cannot be written
-  HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform);
+  HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform, work.backend);
 
   Montage montage;
   montage.title = work.scene.title + "  (" + std::string(nameOf(work.march.heuristic)) + ", " +
@@ -131,7 +131,7 @@ void compare(const CompareOptions& options) {
   for (const ComparisonRow& row : comparison.rows)
     montage.rows[static_cast<size_t>(row.technique - warpRegistry().data())].cells[row.view].caption = captionOf(row);
   out.write("montage.png", encodePng(drawMontage(montage, options.cellWidth), interrupt.token()));
-  const Json report = toJson(comparison, work, headless.contextText());
+  const Json report = toJson(comparison, work, nameOf(headless.resources().marcher->backend()), headless.contextText());
   out.write("metrics.json", textOf(report));
   if (interrupt.token().stop_requested()) throw OperationCancelled();
   out.commit();

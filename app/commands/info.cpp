@@ -46,7 +46,7 @@ Json namesOf(const Table& table) {
 
 Json describe() {
   Json backends = Json::array({"cpu"});
-  if (whyNoCuda().empty()) backends.push_back("cuda");
+  if (cuda::whyUnavailable().empty()) backends.push_back("cuda");
   Json scenes = Json::array();
   for (const BuiltinScene& scene : builtinScenes()) scenes.push_back({{"name", scene.name}, {"title", scene.title}});
   return {{"version", WARPSCOPE_VERSION},

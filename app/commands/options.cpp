@@ -8,6 +8,7 @@
 
 #include "render/core/error.h"
 #include "render/core/nearest_name.h"
+#include "render/cuda/devices.h"
 #include "render/volume/procedural.h"
 
 namespace warpscope {
@@ -64,7 +65,6 @@ Rgba8 parseColor(const std::string& text) {
 constexpr Choice<Backend> kBackends[] = {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}};
 constexpr Choice<gl::Platform> kPlatforms[] = {
     {"auto", gl::Platform::automatic}, {"egl", gl::Platform::egl}, {"osmesa", gl::Platform::osmesa}};
-constexpr Choice<SphereTracing> kTracings[] = {{"lbvh", SphereTracing::lbvh}, {"embree", SphereTracing::embree}};
 
 template <class Table>
 std::string listOf(const Table& table) {
@@ -108,7 +108,7 @@ CheckedOptions check(const CommonOptions& options) {
   checked.uncovered = parseColor(options.uncovered);
   checked.platform = choose("OpenGL platform", options.gl, kPlatforms);
   checked.backend = choose("backend", options.backend, kBackends);
-  checked.warp.sphereTracing = choose("hierarchy", options.bvh, kTracings);
+  checked.warp.sphereTracing = choose("hierarchy", options.bvh, kSphereTracings);
   checked.warp.pointSize = options.pointSize;
   if (!options.heuristic.empty()) checked.heuristic = choose("heuristic", options.heuristic, kHeuristics);
   if (!options.radius.empty()) checked.radius = choose("radius policy", options.radius, kRadiusPolicies);
@@ -131,8 +131,8 @@ CheckedOptions check(const CommonOptions& options) {
   validate(probe);
   validate(checked.warp);
   if (checked.backend == Backend::cuda)
-    if (const std::string reason = whyNoCuda(); !reason.empty())
-      throw InputError("the backend cuda cannot be used: " + reason);
+    if (const std::string reason = cuda::whyUnavailable(); !reason.empty())
+      throw DeviceError("the backend cuda cannot be used: " + reason);
   return checked;
 }
 
@@ -162,11 +162,13 @@ Workplace prepare(const CommonOptions& options) {
 }
 
 WarpResources HeadlessResources::resources() {
-  return {marcher_, [this]() -> gl::Context& {
+  return {marcher_,
+          [this]() -> gl::Context& {
             if (!context_) context_ = gl::makeHeadlessContext(platform_);
             context_->makeCurrent();
             return *context_;
-          }};
+          },
+          backend_, reportFallback};
 }
 
 std::string HeadlessResources::contextText() {

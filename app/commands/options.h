@@ -20,7 +20,7 @@ struct CommonOptions {
   std::string scene{kDefaultScene};
   std::string volume, transferFunction, volumeSize;
   std::string heuristic, radius;
-  std::string backend = "auto", gl = "auto", bvh = "lbvh";
+  std::string backend = "auto", gl = "auto", bvh = "auto";
   std::string size = "1024x1024";
   std::string uncovered;
   std::optional<double> fovYDeg, step, radiusScale;
@@ -71,7 +71,8 @@ Workplace prepare(const CommonOptions& options);
 /// Techniques' resources for one thread: a marcher for the scene and an OpenGL context made when it is first needed.
 class HeadlessResources {
  public:
-  HeadlessResources(MarcherPtr marcher, gl::Platform platform) : marcher_(std::move(marcher)), platform_(platform) {}
+  HeadlessResources(MarcherPtr marcher, gl::Platform platform, Backend backend)
+      : marcher_(std::move(marcher)), platform_(platform), backend_(backend) {}
   WarpResources resources();
   /// The context's platform and renderer; empty if none was needed.
   std::string contextText();
@@ -79,12 +80,14 @@ class HeadlessResources {
  private:
   MarcherPtr marcher_;
   gl::Platform platform_;
+  Backend backend_;
   std::unique_ptr<gl::Context> context_;
 };
 
 /// What `command` is and does; each adds itself to the program and runs when its turn comes.
 void addShotCommand(CLI::App& program, std::function<void()>& chosen);
 void addCompareCommand(CLI::App& program, std::function<void()>& chosen);
+void addBenchCommand(CLI::App& program, std::function<void()>& chosen);
 void addExportCommand(CLI::App& program, std::function<void()>& chosen);
 void addInfoCommand(CLI::App& program, std::function<void()>& chosen);
 void addViewCommand(CLI::App& program, std::function<void()>& chosen);

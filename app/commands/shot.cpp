@@ -29,9 +29,9 @@ void shoot(const ShotOptions& options) {
   const Workplace work = prepare(options.common);
   requireWritable(options.out);
   const Interrupt interrupt;
-  HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform);
+  HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform, work.backend);
   const WarpResources resources = headless.resources();
-  const std::unique_ptr<Warp> warp = descriptor.make(resources);
+  const std::unique_ptr<Warp> warp = makeWarp(descriptor, resources);
 
   View view = work.scene.views.front();
   const Camera serverCamera = makeCamera(work.scene, view, work.width, work.height);

@@ -43,6 +43,8 @@ void view(const ViewOptions& options) {
   settings.knobs.delayMs = options.delayMs;
   settings.knobs.uncovered = checked.uncovered;
   settings.platform = checked.platform;
+  settings.resources.backend = checked.backend;
+  settings.resources.onFallback = reportFallback;
   settings.makeMarcher = [backend = checked.backend](const Scene& scene) {
     return makeMarcher(backend, scene.volume, scene.transferFunction);
   };

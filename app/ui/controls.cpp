@@ -94,10 +94,15 @@ void drawDisplay(const Session& session, Knobs& knobs, std::array<float, 3>& mar
   tooltip("Edge of a point of the technique Points, in pixels of its picture.", look);
 
   label("Spheres", look);
-  int tracing = knobs.warp.sphereTracing == SphereTracing::lbvh ? 0 : 1;
-  ImGui::Combo("##tracing", &tracing, "LBVH\0Embree\0");
-  tooltip("The hierarchy that the technique Spheres is traced with.", look);
-  knobs.warp.sphereTracing = tracing == 0 ? SphereTracing::lbvh : SphereTracing::embree;
+  const bool isTracingOpen = ImGui::BeginCombo("##tracing", std::string(nameOf(kSphereTracings, knobs.warp.sphereTracing)).c_str());
+  if (!isTracingOpen) tooltip("The hierarchy that the technique Spheres is traced with.", look);
+  if (isTracingOpen) {
+    for (const auto& tracing : kSphereTracings) {
+      if (ImGui::Selectable(std::string(tracing.name).c_str(), tracing.value == knobs.warp.sphereTracing)) knobs.warp.sphereTracing = tracing.value;
+      tooltip(std::string(tracing.summary), look);
+    }
+    ImGui::EndCombo();
+  }
 
   label("Pixels", look);
   const auto pixelsText = [](uint32_t pixels) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "render/core/error.h"
+#include "render/cuda/pinned_memory.h"
 
 namespace warpscope::ui {
 namespace {
@@ -34,13 +35,42 @@ WindowGl::WindowGl() {
 }
 
 PictureTexture::~PictureTexture() {
+  interop_.reset();
   if (name_ != 0) gl_.deleteTextures(1, &name_);
 }
 
-void PictureTexture::show(const std::shared_ptr<const Image<Rgba8>>& picture) {
+void PictureTexture::show(const ShownPicture& picture) {
   if (picture == picture_) return;
   picture_ = picture;
-  if (!picture_) return;
+  if (picture_.device)
+    showDevice(*picture_.device);
+  else if (picture_.host)
+    allocate(picture_.host->width(), picture_.host->height(), picture_.host->data());
+}
+
+void PictureTexture::showDevice(const DevicePicture& picture) {
+  const glm::uvec2 size(picture.width(), picture.height());
+  if (!hasInterop_) hasInterop_ = cuda::whyNoInterop().empty();
+  if (*hasInterop_) {
+    try {
+      if (!interop_ || size != size_) {
+        allocate(size.x, size.y, nullptr);
+        interop_ = std::make_unique<cuda::InteropTexture>(name_, size.x, size.y);
+      }
+      return interop_->show(picture);
+    } catch (const DeviceError&) {  // some drivers promise it and refuse: the other way remains
+      interop_.reset();
+      hasInterop_ = false;
+    }
+  }
+  if (staging_.capacity() == 0) staging_ = TransferVector<Rgba8>(TransferAllocator<Rgba8>(cuda::pinnedMemory()));
+  staging_.resize(size_t{size.x} * size.y);
+  picture.download(staging_);
+  allocate(size.x, size.y, staging_.data());
+}
+
+void PictureTexture::allocate(uint32_t width, uint32_t height, const Rgba8* pixels) {
+  interop_.reset();  // what it registered goes
   const bool isNew = name_ == 0;
   if (isNew) gl_.genTextures(1, &name_);
   gl_.bindTexture(GL_TEXTURE_2D, name_);
@@ -51,8 +81,9 @@ void PictureTexture::show(const std::shared_ptr<const Image<Rgba8>>& picture) {
   }
   gl_.pixelStorei(GL_UNPACK_ALIGNMENT, 4);
   gl_.pixelStorei(GL_UNPACK_ROW_LENGTH, 0);
-  gl_.texImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(picture_->width()), static_cast<GLsizei>(picture_->height()),
-                 0, GL_RGBA, GL_UNSIGNED_BYTE, picture_->data());
+  gl_.texImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                 pixels);
+  size_ = {width, height};
 }
 
 void PictureTexture::setSmooth(bool isSmooth) {

@@ -5,9 +5,11 @@
 #include <glad/gl.h>
 
 #include <memory>
+#include <optional>
 
-#include "render/core/color.h"
-#include "render/core/image.h"
+#include "app/shown_picture.h"
+#include "render/core/transfer_vector.h"
+#include "render/cuda/gl_interop.h"
 
 namespace warpscope::ui {
 
@@ -37,15 +39,23 @@ class PictureTexture {
   PictureTexture(const PictureTexture&) = delete;
   PictureTexture& operator=(const PictureTexture&) = delete;
 
-  void show(const std::shared_ptr<const Image<Rgba8>>& picture);
+  /// A picture on a CUDA device comes straight from there if the window's OpenGL runs on it too, else through page-locked memory.
+  void show(const ShownPicture& picture);
   /// Blends between pixels (for sizes that are not a multiple of the picture's), or shows each as a square.
   void setSmooth(bool isSmooth);
   GLuint name() const { return name_; }
 
  private:
+  void allocate(uint32_t width, uint32_t height, const Rgba8* pixels);
+  void showDevice(const DevicePicture& picture);
+
   const WindowGl& gl_;
-  std::shared_ptr<const Image<Rgba8>> picture_;
+  ShownPicture picture_;
   GLuint name_ = 0;
+  glm::uvec2 size_{0};
+  std::unique_ptr<cuda::InteropTexture> interop_;  // of this size
+  std::optional<bool> hasInterop_;                 // asked when it is first wanted
+  TransferVector<Rgba8> staging_;
   bool isSmooth_ = false;
 };
 

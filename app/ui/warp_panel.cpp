@@ -101,9 +101,9 @@ void steer(Session& session, const ImVec2& area) {
 void drawPicture(const Session& session, const Panel& panel, PictureTexture& texture, const ImVec2& origin, const ImVec2& area,
                  const Look& look) {
   texture.show(panel.picture);
-  const float pictureWidth = static_cast<float>(panel.picture->width()), pictureHeight = static_cast<float>(panel.picture->height());
+  const float pictureWidth = static_cast<float>(panel.picture.width()), pictureHeight = static_cast<float>(panel.picture.height());
   float zoom = static_cast<float>(session.screenPixels()) / look.pixelsPerUnit;
-  const bool isExact = glm::uvec2(panel.picture->width(), panel.picture->height()) == session.pictureSize();
+  const bool isExact = glm::uvec2(panel.picture.width(), panel.picture.height()) == session.pictureSize();
   if (!isExact) zoom = std::min(area.x / pictureWidth, area.y / pictureHeight);
   texture.setSmooth(!isExact);
   const auto snapped = [&](float value) { return std::floor(value * look.pixelsPerUnit) / look.pixelsPerUnit; };

@@ -63,6 +63,10 @@ class ColorTables {
     return encodeChannel(premultiplied.r * inverse) | encodeChannel(premultiplied.g * inverse) << 8 |
            encodeChannel(premultiplied.b * inverse) << 16 | quantizeUnorm8(premultiplied.a) << 24;
   }
+  /// What a screen shows of `premultiplied` before an opaque background (linear RGB).
+  WARPSCOPE_HD Rgba8 encodeOver(const glm::vec4& premultiplied, const glm::vec3& background) const {
+    return encode(over(premultiplied, glm::vec4(background, 1.0f))) | 0xff000000u;
+  }
   /// 8-bit sRGB code of a linear value in [0, 1]; clamps.
   WARPSCOPE_HD uint32_t encodeChannel(float linear) const {
     if (!(linear > 0.0f)) return 0;

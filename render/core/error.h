@@ -13,6 +13,12 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A GPU that is not there, or that failed: what it should have done can be done on the CPU.
+class DeviceError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// A command line that asks for something that does not exist or makes no sense.
 class UsageError : public std::runtime_error {
  public:

@@ -11,9 +11,10 @@
 namespace warpscope {
 
 /// Opacity of a piece of length `ds` of a medium whose opacity over unit length is `alpha`. alpha = 1 stays 1 for ds > 0.
+/// In double, so that functions which every processor rounds its own way give the same float.
 WARPSCOPE_HD inline float correctOpacity(float alpha, float ds) {
   if (alpha >= 1.0f) return ds > 0.0f ? 1.0f : 0.0f;
-  return -std::expm1(ds * std::log1p(-alpha));
+  return static_cast<float>(-std::expm1(static_cast<double>(ds) * std::log1p(-static_cast<double>(alpha))));
 }
 
 /// One corner of a piecewise linear transfer function. Two corners with the same value make a step: below it the first holds,

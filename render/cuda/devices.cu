@@ -23,10 +23,25 @@ DeviceReport listDevices() {
       cudaGetLastError();
       continue;
     }
-    report.devices.push_back({properties.name, properties.major, properties.minor, properties.totalGlobalMem});
+    int clockKHz = 0;
+    cudaDeviceGetAttribute(&clockKHz, cudaDevAttrClockRate, i);  // stays 0 where it is not told
+    report.devices.push_back({properties.name, properties.major, properties.minor, properties.totalGlobalMem, clockKHz / 1000});
   }
   if (!report.devices.empty()) report.reason.clear();
+  int version = 0;
+  if (cudaDriverGetVersion(&version) == cudaSuccess && version > 0)
+    report.driverVersion = std::to_string(version / 1000) + "." + std::to_string(version % 1000 / 10);
   return report;
+}
+
+std::string whyUnavailable() {
+  const DeviceReport report = listDevices();
+  if (report.devices.empty()) return report.reason;
+  const Device& first = report.devices.front();
+  if (first.computeMajor > kLeastComputeMajor || (first.computeMajor == kLeastComputeMajor && first.computeMinor >= kLeastComputeMinor))
+    return {};
+  return first.name + " has compute capability " + std::to_string(first.computeMajor) + "." + std::to_string(first.computeMinor) +
+         ", but " + std::to_string(kLeastComputeMajor) + "." + std::to_string(kLeastComputeMinor) + " is needed";
 }
 
 }  // namespace warpscope::cuda

@@ -13,12 +13,21 @@ struct Device {
   int computeMajor = 0;
   int computeMinor = 0;
   size_t memoryBytes = 0;
+  int clockMHz = 0;  ///< highest of its multiprocessors
 };
 
 struct DeviceReport {
   std::vector<Device> devices;
+  std::string driverVersion;  ///< "13.0": the newest CUDA that the driver knows; empty without one
   std::string reason;  ///< why there are none; empty if there are some
 };
+
+/// Least compute capability that the kernels are built for.
+inline constexpr int kLeastComputeMajor = 7;
+inline constexpr int kLeastComputeMinor = 5;
+
+/// Why work on the first device is not possible here; empty if it is.
+std::string whyUnavailable();
 
 /// Never throws for want of a device or a driver: the report says what is missing.
 DeviceReport listDevices();

@@ -6,4 +6,6 @@ namespace warpscope::cuda {
 
 DeviceReport listDevices() { return {{}, "this build has no CUDA: nvcc was not found when it was configured"}; }
 
+std::string whyUnavailable() { return listDevices().reason; }
+
 }  // namespace warpscope::cuda

@@ -5,6 +5,7 @@
 #include <memory>
 #include <stop_token>
 
+#include "render/core/backend.h"
 #include "render/core/image.h"
 #include "render/core/transfer_function.h"
 #include "render/march/march_settings.h"
@@ -30,6 +31,8 @@ class Marcher {
                       const std::stop_token& stop = {}) = 0;
 
   virtual const VolumePtr& volume() const = 0;
+  /// Where it marches: cpu or cuda.
+  virtual Backend backend() const = 0;
 
   /// Another marcher of the same volume: it shares what never changes, and its calls do not wait for this one's.
   virtual MarcherPtr twin() const = 0;

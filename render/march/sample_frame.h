@@ -16,6 +16,7 @@ namespace warpscope {
 struct ServerTimings {
   double marchMs = 0.0;
   double compactMs = 0.0;
+  double copyMs = 0.0;  ///< from the device's memory to the host's; 0 where the CPU marched
 };
 
 struct SampleFrame {

@@ -4,9 +4,11 @@
 
 #include <vector>
 
+#include "render/core/error.h"
 #include "render/core/parallel.h"
 #include "render/warp/lbvh/embree_tracer.h"
 #include "render/warp/lbvh/sphere_tracer.h"
+#include "render/warp/spheres_warp_cuda.h"
 
 namespace warpscope {
 namespace {
@@ -33,6 +35,7 @@ class SpheresWarp final : public Warp {
 
  private:
   void build(SphereTracing tracing) {
+    if (tracing == SphereTracing::clusters) throw UsageError("the hierarchy clusters is for CUDA devices: choose another, or --backend cuda");
     if (!tracer_ || tracing_ != tracing) {
       if (tracing == SphereTracing::embree)
         tracer_ = std::make_unique<EmbreeTracer>();
@@ -50,11 +53,14 @@ class SpheresWarp final : public Warp {
   SampleFramePtr frame_;
   std::vector<Sphere> spheres_;
   std::unique_ptr<SphereTracer> tracer_;
-  SphereTracing tracing_ = SphereTracing::lbvh;
+  SphereTracing tracing_ = SphereTracing::automatic;
 };
 
 }  // namespace
 
-std::unique_ptr<Warp> makeSpheresWarp(const WarpResources&) { return std::make_unique<SpheresWarp>(); }
+std::unique_ptr<Warp> makeSpheresWarp(const WarpResources& resources) {
+  if (resources.backend == Backend::cuda) return makeCudaSpheresWarp();
+  return std::make_unique<SpheresWarp>();
+}
 
 }  // namespace warpscope

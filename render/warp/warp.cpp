@@ -5,6 +5,8 @@
 #include "render/core/error.h"
 #include "render/core/nearest_name.h"
 #include "render/core/parallel.h"
+#include "render/cuda/devices.h"
+#include "render/warp/fallback_warp.h"
 #include "render/warp/hold_warp.h"
 #include "render/warp/points_warp.h"
 #include "render/warp/reference_warp.h"
@@ -14,10 +16,10 @@ namespace warpscope {
 namespace {
 
 constexpr WarpDescriptor kWarps[] = {
-    {"reference", "Reference", "the volume marched at the current camera: the ground truth", false, makeReferenceWarp},
-    {"hold", "Hold", "the last image, not warped: what image-streaming viewers show", true, makeHoldWarp},
-    {"points", "Points", "OpenGL points of a fixed size in pixels (2012)", true, makePointsWarp},
-    {"spheres", "Spheres", "first hit of rays with spheres over an LBVH (2020)", true, makeSpheresWarp},
+    {"reference", "Reference", "the volume marched at the current camera: the ground truth", false, false, makeReferenceWarp},
+    {"hold", "Hold", "the last image, not warped: what image-streaming viewers show", true, false, makeHoldWarp},
+    {"points", "Points", "OpenGL points of a fixed size in pixels (2012)", true, false, makePointsWarp},
+    {"spheres", "Spheres", "first hit of rays with spheres over an LBVH (2020)", true, true, makeSpheresWarp},
 };
 
 }  // namespace
@@ -31,6 +33,17 @@ const WarpDescriptor& findWarp(std::string_view name) {
     names.push_back(warp.name);
   }
   throw UsageError(unknownName("technique", name, names));
+}
+
+std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResources& resources) {
+  const auto makeOn = [&descriptor, resources](Backend backend) {
+    WarpResources bound = resources;
+    bound.backend = backend;
+    return descriptor.make(bound);
+  };
+  if (resources.backend != Backend::automatic) return makeOn(resources.backend);
+  if (!cuda::whyUnavailable().empty()) return makeOn(Backend::cpu);
+  return makeFallbackWarp([makeOn] { return makeOn(Backend::cuda); }, [makeOn] { return makeOn(Backend::cpu); }, resources.onFallback);
 }
 
 void validate(const WarpSettings& settings) {

@@ -2,13 +2,17 @@
 // The techniques compared by Zellmann 2020, and those added since; see each technique's header.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
 
+#include "render/core/backend.h"
+#include "render/core/device_picture.h"
 #include "render/core/image.h"
 #include "render/march/marcher.h"
 #include "render/march/sample_frame.h"
@@ -28,12 +32,24 @@ struct WarpedImage {
   Image<uint32_t> samples;  ///< index of the sample seen in each pixel, kNotASample or kNoSample
 };
 
-enum class SphereTracing { lbvh, embree };
+enum class SphereTracing {
+  automatic,  ///< what is fastest where the technique runs: lbvh on the CPU, clusters on a CUDA device
+  lbvh,       ///< the binary hierarchy of Karras 2012
+  clusters,   ///< the hierarchy as wide as a warp, on CUDA devices only
+  embree,     ///< on the CPU only
+};
+
+inline constexpr std::array<NamedValue<SphereTracing>, 4> kSphereTracings{{
+    {SphereTracing::automatic, "auto", "what is fastest: lbvh on the CPU, clusters on a CUDA device"},
+    {SphereTracing::lbvh, "lbvh", "the binary hierarchy of Karras 2012"},
+    {SphereTracing::clusters, "clusters", "boxes of 32 neighbours each, as wide as a warp; CUDA only"},
+    {SphereTracing::embree, "embree", "Embree's; CPU only"},
+}};
 
 /// The client's knobs.
 struct WarpSettings {
   int pointSize = 2;                                    ///< pixels, 1..16, for `points`
-  SphereTracing sphereTracing = SphereTracing::lbvh;    ///< for `spheres`
+  SphereTracing sphereTracing = SphereTracing::automatic;    ///< for `spheres`
   MarchSettings reference;                              ///< for `reference`
 
   bool operator==(const WarpSettings&) const = default;
@@ -43,6 +59,15 @@ struct WarpSettings {
 struct WarpResources {
   MarcherPtr marcher;                      ///< for the volume that the frames show
   std::function<gl::Context&()> context;   ///< makes (once) and returns a context for the calling thread; throws InputError
+  Backend backend = Backend::cpu;          ///< where techniques draw that have the choice; a maker gets cpu or cuda, makeWarp any
+  std::function<void(const std::string&)> onFallback;  ///< for makeWarp; may be empty
+};
+
+/// What a device took for its part of the last setFrame and draw, between events on the device.
+struct DeviceTimings {
+  double uploadMs = 0.0;  ///< copying the frame to the device
+  double buildMs = 0.0;
+  double drawMs = 0.0;    ///< up to the finished colours in the device's memory
 };
 
 /// One technique, bound to its resources. Used from one thread at a time: the one that made it.
@@ -57,6 +82,16 @@ class Warp {
   /// Throws InputError for an unusable camera, OperationCancelled if `stop` is set.
   virtual void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image,
                     const std::stop_token& stop = {}) = 0;
+
+  /// As draw, but composited over an opaque background (linear RGB) and left on the device that drew it; pixels that nothing covers show
+  /// `uncovered` if it is not 0. Null where the technique draws to host memory, or has no frame: draw() is the way then.
+  virtual DevicePicturePtr drawForScreen(const Camera&, const WarpSettings&, const glm::vec3& /*background*/, Rgba8 /*uncovered*/,
+                                         const std::stop_token& = {}) {
+    return nullptr;
+  }
+
+  /// Nothing where no device is at work.
+  virtual std::optional<DeviceTimings> deviceTimings() const { return std::nullopt; }
 };
 
 struct WarpDescriptor {
@@ -64,6 +99,7 @@ struct WarpDescriptor {
   std::string_view label;    ///< as a person reads it
   std::string_view summary;  ///< one line for help texts
   bool usesFrame;            ///< false for the reference, which needs no samples
+  bool runsOnCuda;           ///< its maker has an own way for the backend cuda
   std::unique_ptr<Warp> (*make)(const WarpResources&);
 };
 
@@ -72,6 +108,10 @@ std::span<const WarpDescriptor> warpRegistry();
 
 /// The named technique; throws UsageError that lists the nearest names.
 const WarpDescriptor& findWarp(std::string_view name);
+
+/// Makes a technique on the backend that `resources` name: where that is automatic, on a CUDA device if there is one, and on the CPU from
+/// the moment that the device fails, which `onFallback` is then told, once, with the reason. Throws as the technique's maker does.
+std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResources& resources);
 
 /// Throws UsageError naming the setting that is out of range.
 void validate(const WarpSettings& settings);

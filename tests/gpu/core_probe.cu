@@ -2,7 +2,7 @@
 // One thread an input.
 #include "tests/gpu/core_probe.h"
 
-#include "render/cuda/check.h"
+#include "render/cuda/memory.h"
 
 namespace warpscope {
 namespace {
@@ -16,14 +16,15 @@ __global__ void probe(const CoreProbeInput* inputs, CoreProbeResult* results, si
 
 std::vector<CoreProbeResult> probeCoreOnDevice(const std::vector<CoreProbeInput>& inputs) {
   constexpr unsigned kThreads = 128;
-  cuda::DeviceBuffer<CoreProbeInput> in(inputs);
+  const cuda::Stream stream;
+  cuda::DeviceBuffer<CoreProbeInput> in;
+  in.upload(inputs, stream);
   cuda::DeviceBuffer<CoreProbeResult> out(inputs.size());
   // The kernel leaves the gaps between members alone, and reading them back counts as reading what nobody wrote.
-  WARPSCOPE_CUDA_CHECK(cudaMemset(out.data(), 0, out.size() * sizeof(CoreProbeResult)));
-  probe<<<static_cast<unsigned>((inputs.size() + kThreads - 1) / kThreads), kThreads>>>(in.data(), out.data(), inputs.size());
-  WARPSCOPE_CUDA_CHECK(cudaGetLastError());
-  WARPSCOPE_CUDA_CHECK(cudaDeviceSynchronize());
-  return out.toHost();
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(out.data(), 0, inputs.size() * sizeof(CoreProbeResult), stream));
+  probe<<<cuda::blocksFor(inputs.size(), kThreads), kThreads, 0, stream>>>(in.data(), out.data(), inputs.size());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  return out.download(inputs.size(), stream);
 }
 
 }  // namespace warpscope

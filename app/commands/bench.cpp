@@ -1,0 +1,156 @@
+// `bench`: the paper's Table 1 on this machine, for each backend that it has.
+// The JSON's keys are part of the command line's contract; README explains them.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/benchmark.h"
+#include "app/commands/options.h"
+#include "app/comparison.h"
+#include "app/interrupt.h"
+#include "app/json_document.h"
+#include "app/progress.h"
+#include "render/core/error.h"
+#include "render/cuda/devices.h"
+
+namespace warpscope {
+namespace {
+
+using Json = nlohmann::json;
+
+struct BenchOptions {
+  CommonOptions common;
+  std::vector<std::string> techniques;
+  int runs = 50;
+};
+
+std::string deviceText(Backend backend) {
+  if (backend == Backend::cpu) return std::to_string(std::thread::hardware_concurrency()) + " CPU threads";
+  const cuda::DeviceReport report = cuda::listDevices();
+  if (report.devices.empty()) return "no device";
+  const cuda::Device& device = report.devices.front();
+  return device.name + ", CUDA driver " + report.driverVersion + ", " + std::to_string(device.clockMHz) + " MHz";
+}
+
+Json toJson(const Measured& measured) { return {{"medianMs", measured.medianMs}, {"spreadMs", measured.spreadMs}}; }
+
+Json toJson(const TechniqueBenchmark& technique, const Scene& scene) {
+  Json views = Json::array();
+  for (size_t i = 0; i < technique.views.size(); ++i)
+    views.push_back({{"angleDeg", scene.views[i].angleDeg - scene.views.front().angleDeg},
+                     {"drawMs", technique.views[i].draw.medianMs},
+                     {"drawSpreadMs", technique.views[i].draw.spreadMs},
+                     {"fps", technique.views[i].framesPerSecond()}});
+  return {{"technique", technique.technique->name},
+          {"buildMs", technique.build.medianMs},
+          {"buildSpreadMs", technique.build.spreadMs},
+          {"uploadMs", technique.upload.medianMs},
+          {"firstPictureMs", technique.firstPicture.medianMs},
+          {"views", views}};
+}
+
+Json toJson(const BackendBenchmark& result, const Scene& scene) {
+  Json techniques = Json::array();
+  for (const TechniqueBenchmark& technique : result.techniques) techniques.push_back(toJson(technique, scene));
+  Json json{{"device", deviceText(result.backend)},
+            {"backend", nameOf(result.backend)},
+            {"samples", result.samples},
+            {"marchMs", result.march.medianMs},
+            {"marchSpreadMs", result.march.spreadMs},
+            {"compactMs", result.compact.medianMs},
+            {"compactSpreadMs", result.compact.spreadMs},
+            {"copyMs", result.copy.medianMs},
+            {"serverMs", result.server.medianMs},
+            {"encodeMs", nullptr},
+            {"bytes", result.bytes},
+            {"techniques", techniques}};
+  // What Table 1 holds, for the paper's method.
+  for (const TechniqueBenchmark& technique : result.techniques)
+    if (technique.technique->name == "spheres") {
+      const Json spheres = toJson(technique, scene);
+      json["buildMs"] = spheres["buildMs"];
+      json["views"] = spheres["views"];
+    }
+  return json;
+}
+
+void printResult(const BackendBenchmark& result, const Scene& scene) {
+  std::fprintf(stderr, "\n%s (%s), %zu samples, %.1f MB\n", std::string(nameOf(result.backend)).c_str(), deviceText(result.backend).c_str(),
+               result.samples, static_cast<double>(result.bytes) * 1e-6);
+  std::fprintf(stderr, "  march %.3f ms, compaction %.3f ms, copy %.3f ms; camera to samples %.3f ms\n", result.march.medianMs,
+               result.compact.medianMs, result.copy.medianMs, result.server.medianMs);
+  std::fprintf(stderr, "  %-10s %9s %9s %9s   pictures a second in each view\n", "", "upload ms", "build ms", "first ms");
+  for (const TechniqueBenchmark& technique : result.techniques) {
+    std::fprintf(stderr, "  %-10s %9.3f %9.3f %9.3f  ", std::string(technique.technique->name).c_str(), technique.upload.medianMs,
+                 technique.build.medianMs, technique.firstPicture.medianMs);
+    for (const BenchmarkView& view : technique.views) std::fprintf(stderr, " %8.1f", view.framesPerSecond());
+    std::fputc('\n', stderr);
+  }
+  std::fprintf(stderr, "  %-10s %9s %9s %9s  ", "", "", "", "");
+  for (const View& view : scene.views) std::fprintf(stderr, " %7.0f%s", view.angleDeg - scene.views.front().angleDeg, "°");
+  std::fputc('\n', stderr);
+}
+
+void bench(const BenchOptions& options) {
+  if (options.runs < 1 || options.runs > 100000) throw UsageError("--runs must be between 1 and 100000");
+  BenchmarkSettings settings;
+  for (const std::string& name : options.techniques) settings.techniques.push_back(&findWarp(name));
+  if (settings.techniques.empty())
+    for (const WarpDescriptor& technique : warpRegistry())
+      if (technique.usesFrame) settings.techniques.push_back(&technique);
+  for (const WarpDescriptor* technique : settings.techniques)
+    if (!technique->usesFrame) throw UsageError("--technique " + std::string(technique->name) + ": it draws no frames, so there is nothing to measure");
+  const Workplace work = prepare(options.common);
+  settings.march = work.march;
+  settings.warp = work.warp;
+  settings.width = work.width;
+  settings.height = work.height;
+  settings.runs = options.runs;
+  // Automatic: all there are, side by side.
+  if (work.backend != Backend::cuda) settings.backends.push_back(Backend::cpu);
+  if (work.backend == Backend::cuda || (work.backend == Backend::automatic && cuda::whyUnavailable().empty()))
+    settings.backends.push_back(Backend::cuda);
+
+  const Interrupt interrupt;
+  std::unique_ptr<HeadlessResources> headless;
+  const auto resourcesOf = [&](Backend backend) {
+    headless = std::make_unique<HeadlessResources>(makeMarcher(backend, work.scene.volume, work.scene.transferFunction), work.platform, backend);
+    return headless->resources();
+  };
+  std::vector<BackendBenchmark> results;
+  {
+    Progress progress("bench", benchmarkSteps(work.scene, settings), options.common.quiet || options.common.json);
+    results = runBenchmark(work.scene, settings, resourcesOf, [&](const std::string& what) { progress.step(what); }, interrupt.token());
+  }
+  Json backends = Json::array();
+  for (const BackendBenchmark& result : results) backends.push_back(toJson(result, work.scene));
+  Json report = backends.back();  // the fastest there is
+  report["scene"] = work.scene.name;
+  report["width"] = work.width;
+  report["height"] = work.height;
+  report["step"] = work.march.step;
+  report["heuristic"] = nameOf(work.march.heuristic);
+  report["radius"] = nameOf(work.march.radiusPolicy);
+  report["runs"] = options.runs;
+  report["version"] = WARPSCOPE_VERSION;
+  report["backends"] = backends;
+  if (options.common.json)
+    std::cout << textOf(report);
+  else if (!options.common.quiet)
+    for (const BackendBenchmark& result : results) printResult(result, work.scene);
+}
+
+}  // namespace
+
+void addBenchCommand(CLI::App& program, std::function<void()>& chosen) {
+  auto options = std::make_shared<BenchOptions>();
+  CLI::App* command = program.add_subcommand("bench", "What march, compaction, build and pictures take on this machine");
+  addCommonOptions(*command, options->common);
+  command->add_option("--technique", options->techniques, "Technique to measure; may be given several times; default: all that draw frames");
+  command->add_option("--runs", options->runs, "Times that everything is measured, after a warm-up")->capture_default_str();
+  command->callback([options, &chosen] { chosen = [options] { bench(*options); }; });
+}
+
+}  // namespace warpscope

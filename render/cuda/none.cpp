@@ -1,0 +1,30 @@
+// What a build without CUDA says when it is asked for CUDA.
+#include "render/core/error.h"
+#include "render/cuda/devices.h"
+#include "render/cuda/gl_interop.h"
+#include "render/cuda/pinned_memory.h"
+#include "render/march/marcher_cuda.h"
+#include "render/warp/spheres_warp_cuda.h"
+
+namespace warpscope {
+namespace {
+
+[[noreturn]] void refuse() { throw DeviceError(cuda::whyUnavailable()); }
+
+}  // namespace
+
+namespace cuda {
+
+std::string whyNoInterop() { return whyUnavailable(); }
+struct InteropTexture::Registration {};
+InteropTexture::InteropTexture(unsigned, uint32_t, uint32_t) { refuse(); }
+InteropTexture::~InteropTexture() = default;
+void InteropTexture::show(const DevicePicture&) { refuse(); }
+std::pmr::memory_resource* pinnedMemory() { refuse(); }
+
+}  // namespace cuda
+
+MarcherPtr makeCudaMarcher(VolumePtr, TransferFunction) { refuse(); }
+std::unique_ptr<Warp> makeCudaSpheresWarp() { refuse(); }
+
+}  // namespace warpscope

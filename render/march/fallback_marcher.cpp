@@ -1,0 +1,122 @@
+// Trying the first, remembering that it failed.
+// See fallback_marcher.h.
+#include "render/march/fallback_marcher.h"
+
+#include <mutex>
+#include <type_traits>
+
+#include "render/core/error.h"
+
+namespace warpscope {
+namespace {
+
+/// What twins share.
+class Plan {
+ public:
+  Plan(std::function<MarcherPtr()> makeSecond, std::function<void(const std::string&)> onFallback)
+      : makeSecond_(std::move(makeSecond)), onFallback_(std::move(onFallback)) {}
+
+  bool hasFailed() const {
+    const std::scoped_lock lock(mutex_);
+    return hasFailed_;
+  }
+  void fail(const std::string& reason) {
+    {
+      const std::scoped_lock lock(mutex_);
+      if (hasFailed_) return;
+      hasFailed_ = true;
+    }
+    if (onFallback_) onFallback_(reason);
+  }
+  MarcherPtr second() {
+    const std::scoped_lock lock(mutex_);
+    if (second_) return second_->twin();
+    return second_ = makeSecond_();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  bool hasFailed_ = false;
+  MarcherPtr second_;
+  const std::function<MarcherPtr()> makeSecond_;
+  const std::function<void(const std::string&)> onFallback_;
+};
+
+class FallbackMarcher final : public Marcher {
+ public:
+  /// `first` is null where it could not be made.
+  FallbackMarcher(MarcherPtr first, std::shared_ptr<Plan> plan) : plan_(std::move(plan)), marcher_(std::move(first)) {
+    if (!marcher_) leave();
+    volume_ = marcher_->volume();
+  }
+
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    return attempt([&](Marcher& marcher) { return marcher.march(camera, settings, stop); });
+  }
+  void render(const Camera& camera, const MarchSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+    attempt([&](Marcher& marcher) { marcher.render(camera, settings, image, stop); });
+  }
+  const VolumePtr& volume() const override { return volume_; }
+  Backend backend() const override { return current()->backend(); }
+  MarcherPtr twin() const override {
+    if (isSecond() || plan_->hasFailed()) return plan_->second();
+    try {
+      return std::make_shared<FallbackMarcher>(current()->twin(), plan_);
+    } catch (const DeviceError& error) {
+      plan_->fail(error.what());
+      return plan_->second();
+    }
+  }
+
+ private:
+  template <class Work>
+  std::invoke_result_t<const Work&, Marcher&> attempt(const Work& work) {
+    if (!isSecond() && plan_->hasFailed()) leave();
+    const MarcherPtr marcher = current();
+    try {
+      return work(*marcher);
+    } catch (const DeviceError& error) {
+      if (isSecond()) throw;
+      plan_->fail(error.what());
+      leave();
+    }
+    return work(*current());
+  }
+
+  MarcherPtr current() const {
+    const std::scoped_lock lock(mutex_);
+    return marcher_;
+  }
+  bool isSecond() const {
+    const std::scoped_lock lock(mutex_);
+    return isSecond_;
+  }
+  void leave() {
+    const std::scoped_lock lock(mutex_);
+    if (isSecond_) return;
+    marcher_ = plan_->second();
+    isSecond_ = true;
+  }
+
+  const std::shared_ptr<Plan> plan_;
+  VolumePtr volume_;
+  mutable std::mutex mutex_;
+  MarcherPtr marcher_;
+  bool isSecond_ = false;
+};
+
+}  // namespace
+
+MarcherPtr makeFallbackMarcher(const std::function<MarcherPtr()>& makeFirst, std::function<MarcherPtr()> makeSecond,
+                               std::function<void(const std::string&)> onFallback) {
+  auto plan = std::make_shared<Plan>(std::move(makeSecond), std::move(onFallback));
+  MarcherPtr first;
+  try {
+    first = makeFirst();
+  } catch (const DeviceError& error) {
+    plan->fail(error.what());
+  }
+  return std::make_shared<FallbackMarcher>(std::move(first), std::move(plan));
+}
+
+}  // namespace warpscope

@@ -1,0 +1,84 @@
+// One ray a thread: the loop of march.h with the source of volume_source_scalar.h, a kernel for each voxel type and heuristic.
+// Warps are tiles of 8 x 4 pixels, whose rays stay together. Included by the march_kernels_*.cu alone, one for each kind of voxel.
+#pragma once
+
+#include "render/core/color.h"
+#include "render/core/ray_sphere.h"
+#include "render/cuda/pixel_tiles.cuh"
+#include "render/march/march.h"
+#include "render/march/march_launch.h"
+#include "render/march/volume_source_scalar.h"
+
+namespace warpscope {
+
+struct PixelRay {
+  Ray ray;
+  RayLattice lattice;
+};
+
+template <class Job>
+__device__ inline PixelRay rayThrough(const Job& job, const PixelPlace& pixel) {
+  PixelRay through;
+  through.ray = pixelRay(job.camera, {static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f});
+  const RayInterval inside = intersectBox(reciprocalOf(through.ray.origin, through.ray.direction), job.bounds, 0.0f, kNoHit);
+  through.lattice = makeLattice(inside, job.step);
+  return through;
+}
+
+template <class Depth, class Voxel, bool kHasHoles>
+__global__ void __launch_bounds__(kTileBlockThreads) marchSamples(const __grid_constant__ MarchJob<Voxel> job) {
+  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
+  const auto [ray, lattice] = rayThrough(job, pixel);
+  RayColor gathered;
+  ProfileFold profile;
+  auto fold = Depth::start(job.threshold, profile);
+  ScalarVolumeSource<Voxel, kHasHoles> source(job.view, ray, lattice);
+  marchRay(lattice, 0, lattice.count, source, job.contribution, job.stopBelow, gathered, [&](const CountingSample& sample) {
+    if constexpr (Depth::kTwoPass)
+      profile.add(sample);
+    else
+      fold.add(sample);
+    return true;
+  });
+  if constexpr (Depth::kTwoPass) {
+    if (profile.any) {  // again, up to where the fold has what it wants
+      fold = Depth::start(job.threshold, profile);
+      RayOpacity opacity;
+      ScalarVolumeSource<Voxel, kHasHoles> again(job.view, ray, lattice);
+      marchRay(lattice, 0, lattice.count, again, job.contribution, job.stopBelow, opacity, [&](const CountingSample& sample) {
+        fold.add(sample);
+        return !fold.crossed;
+      });
+    }
+  }
+  const DepthResult depth = Depth::result(fold);
+  const glm::vec4 color = gathered.premultiplied();
+  const size_t i = size_t{pixel.y} * job.camera.width + pixel.x;
+  job.samples[i] = packRaySample(job.rule, job.camera, ray, depth, color.a);
+  job.colors[i] = job.colorTables->encode(color);
+}
+
+template <class Voxel, bool kHasHoles>
+__global__ void __launch_bounds__(kTileBlockThreads) marchColors(const __grid_constant__ MarchJob<Voxel> job) {
+  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
+  const auto [ray, lattice] = rayThrough(job, pixel);
+  RayColor gathered;
+  ScalarVolumeSource<Voxel, kHasHoles> source(job.view, ray, lattice);
+  marchRay(lattice, 0, lattice.count, source, job.contribution, job.stopBelow, gathered,
+           [](const CountingSample&) { return true; });
+  job.image[size_t{pixel.y} * job.camera.width + pixel.x] = gathered.premultiplied();
+}
+
+template <class Voxel, bool kHasHoles>
+void launchMarch(const MarchJob<Voxel>& job, std::optional<Heuristic> heuristic, cudaStream_t stream) {
+  const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
+  if (heuristic)
+    visitHeuristic(*heuristic, [&](auto depth) { marchSamples<decltype(depth), Voxel, kHasHoles><<<grid, kTileBlockThreads, 0, stream>>>(job); });
+  else
+    marchColors<Voxel, kHasHoles><<<grid, kTileBlockThreads, 0, stream>>>(job);
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+}
+
+}  // namespace warpscope

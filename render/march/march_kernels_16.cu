@@ -1,0 +1,10 @@
+// Kernels for voxels of 16 bits.
+// See march_kernels.cuh.
+#include "render/march/march_kernels.cuh"
+
+namespace warpscope {
+
+template void launchMarch<int16_t, false>(const MarchJob<int16_t>&, std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<uint16_t, false>(const MarchJob<uint16_t>&, std::optional<Heuristic>, cudaStream_t);
+
+}  // namespace warpscope

@@ -1,0 +1,10 @@
+// Kernels for voxels of 8 bits.
+// See march_kernels.cuh.
+#include "render/march/march_kernels.cuh"
+
+namespace warpscope {
+
+template void launchMarch<int8_t, false>(const MarchJob<int8_t>&, std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<uint8_t, false>(const MarchJob<uint8_t>&, std::optional<Heuristic>, cudaStream_t);
+
+}  // namespace warpscope

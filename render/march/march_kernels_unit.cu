@@ -1,0 +1,10 @@
+// Kernels for voxels that are fractions of the volume's range, with and without such as are not finite.
+// See march_kernels.cuh.
+#include "render/march/march_kernels.cuh"
+
+namespace warpscope {
+
+template void launchMarch<UnitVoxel, false>(const MarchJob<UnitVoxel>&, std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<UnitVoxel, true>(const MarchJob<UnitVoxel>&, std::optional<Heuristic>, cudaStream_t);
+
+}  // namespace warpscope

@@ -1,0 +1,38 @@
+// What a march on a device is told, and how it is started. For .cu files.
+// Compiled by march_kernels_*.cu, one for each kind of voxel, because a kernel for each heuristic takes the compiler long.
+#pragma once
+
+#include <optional>
+
+#include "render/core/color.h"
+#include "render/cuda/memory.h"
+#include "render/march/sample_radius.h"
+#include "render/march/volume_view.h"
+
+namespace warpscope {
+
+/// Rows [firstRow, endRow) of an image. All pointers are to device memory; a pass writes either samples and colours or the image, one
+/// element for each pixel of the whole image.
+template <class Voxel>
+struct MarchJob {
+  VolumeView<Voxel> view;
+  Box bounds;
+  Camera camera;
+  float step = 0.5f;
+  float contribution = 0.0f;
+  float stopBelow = 0.0f;
+  float threshold = 0.0f;
+  uint32_t firstRow = 0;
+  uint32_t endRow = 0;
+  SampleRule rule;
+  const ColorTables* colorTables = nullptr;
+  PackedSample* samples = nullptr;
+  Rgba8* colors = nullptr;
+  glm::vec4* image = nullptr;
+};
+
+/// Marches samples by `heuristic`, or colours alone without one. Voxel and kHasHoles: those of visitDeviceVoxels.
+template <class Voxel, bool kHasHoles>
+void launchMarch(const MarchJob<Voxel>& job, std::optional<Heuristic> heuristic, cudaStream_t stream);
+
+}  // namespace warpscope

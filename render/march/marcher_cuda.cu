@@ -1,0 +1,169 @@
+// March, compact, copy: one stream, and no allocation once the buffers have their size.
+// See marcher_cuda.h. Compaction: CUB's DeviceSelect (single pass, order kept; Merrill, Garland 2016, decoupled look-back).
+#include "render/march/marcher_cuda.h"
+
+#include <cub/device/device_select.cuh>
+#include <thrust/iterator/zip_iterator.h>
+
+#include <mutex>
+
+#include "render/core/parallel.h"
+#include "render/cuda/pinned_memory.h"
+#include "render/march/device_volume.h"
+#include "render/march/march_launch.h"
+#include "render/march/march_setup.h"
+
+namespace warpscope {
+namespace {
+
+/// Rays between looks at the stop token.
+constexpr uint32_t kRaysPerLaunch = 1u << 22;
+
+struct HoldsSample {
+  template <class SampleAndColor>
+  __device__ bool operator()(const SampleAndColor& element) const {
+    return radiusCode(thrust::get<0>(element)) != 0;
+  }
+};
+
+class CudaMarcher final : public Marcher {
+ public:
+  CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume)
+      : marched_(std::move(marched)), deviceVolume_(std::move(deviceVolume)) {
+    colorTables_.upload({&ColorTables::instance(), 1}, stream_);
+    stream_.synchronize();
+  }
+
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    const std::scoped_lock lock(mutex_);
+    requireMarchable(*marched_->volume, camera, settings);
+    const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings);
+    SampleFrame frame = emptyFrame(camera, settings, rule);
+    const size_t pixels = size_t{camera.width} * camera.height;
+    denseSamples_.reserve(pixels);
+    denseColors_.reserve(pixels);
+    samples_.reserve(pixels);
+    colors_.reserve(pixels);
+
+    bake(settings.step);
+    start_.record(stream_);
+    launch(camera, settings, stop, settings.heuristic, &rule);
+    marchEnd_.record(stream_);
+    compact(pixels);
+    compacted_.record(stream_);
+    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(count_.data(), deviceCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
+    stream_.synchronize();
+    if (stop.stop_requested()) throw OperationCancelled();
+
+    const size_t count = *count_;
+    frame.samples = TransferVector<PackedSample>(TransferAllocator<PackedSample>(cuda::pinnedMemory()));
+    frame.colors = TransferVector<Rgba8>(TransferAllocator<Rgba8>(cuda::pinnedMemory()));
+    frame.samples.resize(count);
+    frame.colors.resize(count);
+    copyStart_.record(stream_);
+    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(frame.samples.data(), samples_.data(), count * sizeof(PackedSample), cudaMemcpyDeviceToHost, stream_));
+    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(frame.colors.data(), colors_.data(), count * sizeof(Rgba8), cudaMemcpyDeviceToHost, stream_));
+    copied_.record(stream_);
+    stream_.synchronize();
+    frame.timings.marchMs = marchEnd_.millisecondsSince(start_);
+    frame.timings.compactMs = compacted_.millisecondsSince(marchEnd_);
+    frame.timings.copyMs = copied_.millisecondsSince(copyStart_);
+    return frame;
+  }
+
+  void render(const Camera& camera, const MarchSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+    const std::scoped_lock lock(mutex_);
+    requireMarchable(*marched_->volume, camera, settings);
+    const size_t pixels = size_t{camera.width} * camera.height;
+    image_.reserve(pixels);
+    image.resize(camera.width, camera.height);
+    bake(settings.step);
+    launch(camera, settings, stop, std::nullopt, nullptr);
+    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(image.data(), image_.data(), pixels * sizeof(glm::vec4), cudaMemcpyDeviceToHost, stream_));
+    stream_.synchronize();
+    if (stop.stop_requested()) throw OperationCancelled();
+  }
+
+  const VolumePtr& volume() const override { return marched_->volume; }
+  Backend backend() const override { return Backend::cuda; }
+  MarcherPtr twin() const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_); }
+
+ private:
+  void bake(float step) {
+    if (bakedStep_ == step) return;
+    const BakedTransfer baked = bakeTransfer(*marched_, step);
+    bakedStep_ = 0.0f;
+    table_.upload(baked.table.entries, stream_);
+    alphas_.upload(baked.alphas, stream_);
+    emptyDistances_.upload(baked.emptyDistances, stream_);
+    stream_.synchronize();  // `baked` goes
+    bakedStep_ = step;
+  }
+
+  void launch(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop, std::optional<Heuristic> heuristic,
+              const SampleRule* rule) {
+    visitDeviceVoxels(*deviceVolume_, [&]<class Voxel, bool kHasHoles>() {
+      MarchJob<Voxel> job;
+      job.view = makeVolumeView<Voxel>(*marched_);
+      job.view.voxels = deviceVolume_->voxelsAs<Voxel>();
+      job.view.table = table_.data();
+      job.view.tableAlpha = alphas_.data();
+      job.view.cells.distances = settings.skipEmpty ? emptyDistances_.data() : nullptr;
+      job.bounds = marched_->volume->bounds();
+      job.camera = camera;
+      job.step = settings.step;
+      job.contribution = settings.contribution;
+      job.stopBelow = stopBelow(settings);
+      job.threshold = settings.threshold;
+      if (rule != nullptr) job.rule = *rule;
+      job.colorTables = colorTables_.data();
+      job.samples = denseSamples_.data();
+      job.colors = denseColors_.data();
+      job.image = image_.data();
+      const uint32_t rows = std::max(1u, kRaysPerLaunch / camera.width);
+      for (job.firstRow = 0; job.firstRow < camera.height; job.firstRow = job.endRow) {
+        job.endRow = std::min(camera.height, job.firstRow + rows);
+        launchMarch<Voxel, kHasHoles>(job, heuristic, stream_);
+        if (job.endRow == camera.height || !stop.stop_possible()) continue;
+        stream_.synchronize();  // else every launch would be queued before the stop is seen
+        if (stop.stop_requested()) throw OperationCancelled();
+      }
+    });
+  }
+
+  void compact(size_t pixels) {
+    const auto in = thrust::make_zip_iterator(denseSamples_.data(), denseColors_.data());
+    const auto out = thrust::make_zip_iterator(samples_.data(), colors_.data());
+    cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
+      return cub::DeviceSelect::If(memory, bytes, in, out, deviceCount_.data(), static_cast<int64_t>(pixels), HoldsSample{}, stream_);
+    });
+  }
+
+  const MarchedVolumePtr marched_;
+  const std::shared_ptr<const DeviceVolume> deviceVolume_;
+
+  std::mutex mutex_;  // of everything below
+  cuda::Stream stream_;
+  cuda::Event start_, marchEnd_, compacted_, copyStart_, copied_;
+  cuda::DeviceBuffer<ColorTables> colorTables_;
+  float bakedStep_ = 0.0f;  // that the next three are for; 0: none
+  cuda::DeviceBuffer<glm::vec4> table_;
+  cuda::DeviceBuffer<float> alphas_;
+  cuda::DeviceBuffer<uint8_t> emptyDistances_;
+  cuda::DeviceBuffer<PackedSample> denseSamples_, samples_;
+  cuda::DeviceBuffer<Rgba8> denseColors_, colors_;
+  cuda::DeviceBuffer<glm::vec4> image_;
+  cuda::DeviceBuffer<uint32_t> deviceCount_{1};
+  cuda::PinnedValue<uint32_t> count_;
+  cuda::Scratch scratch_;
+};
+
+}  // namespace
+
+MarcherPtr makeCudaMarcher(VolumePtr volume, TransferFunction transferFunction) {
+  auto deviceVolume = std::make_shared<const DeviceVolume>(*volume);
+  return std::make_shared<CudaMarcher>(std::make_shared<MarchedVolume>(std::move(volume), std::move(transferFunction)),
+                                       std::move(deviceVolume));
+}
+
+}  // namespace warpscope

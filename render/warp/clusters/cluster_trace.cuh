@@ -1,0 +1,173 @@
+// A warp's walk through the cluster tree, front to back, for one tile of pixels.
+// See cluster_tree.h. What is gathered along the rays is the caller's: the nearest hit, or several.
+#pragma once
+
+#include "render/core/ray_sphere.h"
+#include "render/cuda/pixel_tiles.cuh"
+#include "render/cuda/warp_reduce.cuh"
+#include "render/warp/clusters/cluster_tree.h"
+
+namespace warpscope {
+
+/// The box test's margin, relative to the distances of eye and spheres from the coordinates' origin: kLbvhMargin for the exact test and the
+/// boxes, as much for the rays' directions, and as much for the planes, which are single precision here.
+constexpr float kClusterMargin = 3.0f * kLbvhMargin;
+
+/// The planes through the eye that hold a tile's outermost rays. Normals point inwards.
+struct TileFrustum {
+  glm::vec3 normals[4];
+  float normalsDotEye[4];
+  glm::vec3 axis;  ///< the tile's middle ray
+  float axisDotEye;
+  float margin;
+
+  __device__ TileFrustum(const Camera& camera, const PixelPlace& tile, float reach) {
+    const float edge = pixelEdge(camera);
+    const auto columnAt = [&](uint32_t x) {
+      return camera.forward + (static_cast<float>(x) + 0.5f - 0.5f * camera.width) * edge * camera.right;
+    };
+    const auto rowAt = [&](uint32_t y) {
+      return camera.forward + (0.5f * camera.height - (static_cast<float>(y) + 0.5f)) * edge * camera.up;
+    };
+    const auto inwards = [](const glm::vec3& across, const glm::vec3& line, const glm::vec3& positive) {
+      const glm::vec3 normal = glm::normalize(glm::cross(across, line));
+      return glm::dot(normal, positive) < 0.0f ? -normal : normal;
+    };
+    const uint32_t lastX = min(tile.x + kTileWidth, camera.width) - 1;
+    const uint32_t lastY = min(tile.y + kTileHeight, camera.height) - 1;
+    normals[0] = inwards(camera.up, columnAt(tile.x), camera.right);
+    normals[1] = inwards(camera.up, columnAt(lastX), -camera.right);
+    normals[2] = inwards(camera.right, rowAt(tile.y), -camera.up);
+    normals[3] = inwards(camera.right, rowAt(lastY), camera.up);
+    axis = pixelRay(camera, {0.5f * static_cast<float>(tile.x + lastX + 1), 0.5f * static_cast<float>(tile.y + lastY + 1)}).direction;
+    for (int k = 0; k < 4; ++k) normalsDotEye[k] = glm::dot(normals[k], camera.eye);
+    axisDotEye = glm::dot(axis, camera.eye);
+    const glm::vec3 eye = glm::abs(camera.eye);
+    margin = kClusterMargin * (eye.x + eye.y + eye.z + reach);
+  }
+
+  /// At most the distance along any of the tile's rays to anything in the box, not negative; infinite if no ray can meet it.
+  __device__ float entryDistance(const float4& lower, const float4& upper) const {
+    bool isOutside = false;
+    for (int k = 0; k < 4; ++k) {
+      // The corner that is farthest inside.
+      const glm::vec3& n = normals[k];
+      const float inside = fmaf(n.x, n.x > 0.0f ? upper.x : lower.x,
+                                fmaf(n.y, n.y > 0.0f ? upper.y : lower.y, fmaf(n.z, n.z > 0.0f ? upper.z : lower.z, -normalsDotEye[k])));
+      isOutside = isOutside || inside < -margin;
+    }
+    const auto along = [&](bool far) {
+      return fmaf(axis.x, (axis.x > 0.0f) == far ? upper.x : lower.x,
+                  fmaf(axis.y, (axis.y > 0.0f) == far ? upper.y : lower.y,
+                       fmaf(axis.z, (axis.z > 0.0f) == far ? upper.z : lower.z, -axisDotEye)));
+    };
+    if (isOutside) return kNoHit;
+    // A distance along a ray is at least that along the axis; the axis is within any ray's hemisphere or the bound below is 0.
+    return fmaxf(along(false) - margin, 0.0f);
+  }
+
+  /// As entryDistance for a sphere at `distance` from the eye.
+  __device__ float entryDistance(const glm::vec3& toCenter, float radius, float distance) const {
+    const float reach = radius + margin;
+    bool isOutside = false;
+    for (int k = 0; k < 4; ++k) isOutside = isOutside || fmaf(normals[k].x, toCenter.x, fmaf(normals[k].y, toCenter.y, normals[k].z * toCenter.z)) < -reach;
+    if (isOutside) return kNoHit;
+    return fmaxf(distance - reach, 0.0f);
+  }
+};
+
+/// What the warps of a block share among their lanes.
+struct ClusterWarpMemory {
+  float depths[kMaxClusterLevels][kClusterWidth];
+  float4 spheres[kClusterWidth];  // centre from the eye, and widenedSquare
+  float2 exact[kClusterWidth];    // radius, outsideSphere
+};
+
+/// The square of a sphere's radius, so much larger that earliestHit() is below what intersectSphere finds: with q = 2^-18 times the centre's
+/// distance, r^2 + q (r + q). Its root exceeds that of r^2, less what single precision loses of the squared distance from the ray, by at
+/// least q / 4, which is sixteen roundings of the distance; the distance along the ray, its root and intersectSphere's result lose less than
+/// half of that.
+__device__ inline float widenedSquare(float distance, float radius) {
+  const float q = distance * (1.0f / 262144.0f);
+  return fmaf(q, radius + q, radius * radius);
+}
+
+/// At most the distance at which the ray in `direction` meets the sphere; NaN if it passes it.
+__device__ inline float earliestHit(const glm::vec3& direction, const float4& sphere) {
+  const float along = fmaf(sphere.x, direction.x, fmaf(sphere.y, direction.y, sphere.z * direction.z));
+  const float x = fmaf(-along, direction.x, sphere.x), y = fmaf(-along, direction.y, sphere.y), z = fmaf(-along, direction.z, sphere.z);
+  const float discriminant = fmaf(-x, x, fmaf(-y, y, fmaf(-z, z, sphere.w)));
+  float root;
+  asm("sqrt.approx.f32 %0, %1;" : "=f"(root) : "f"(discriminant));
+  return along - root;
+}
+
+/// Walks the tree for the tile of the calling warp, all of whose lanes must call. `hits` of a lane gathers for its pixel:
+///   float farthest() const                       distance beyond which nothing is wanted any more; negative for a pixel outside the image
+///   void add(uint32_t place, float t)            a hit at t <= farthest(), at most once for each place in Morton order
+template <class Hits>
+__device__ inline void traceClusters(const ClusterTreeView& tree, const Camera& camera, const PixelPlace& tile, const glm::vec3& direction,
+                                     ClusterWarpMemory& memory, Hits& hits) {
+  if (tree.levels == 0) return;
+  const unsigned lane = threadIdx.x % 32;
+  const TileFrustum frustum(camera, tile, tree.reach);
+  uint32_t firstChild[kMaxClusterLevels];  // of the node that is open at each level
+  float farthest = warpMax(fmaxf(hits.farthest(), 0.0f));
+
+  const auto open = [&](int level, uint32_t first) {
+    firstChild[level] = first;
+    float depth = kNoHit;
+    if (first + lane < tree.boxCount[level]) {
+      const float4* box = tree.boxes[level] + 2 * size_t{first + lane};
+      depth = frustum.entryDistance(box[0], box[1]);
+    }
+    memory.depths[level][lane] = depth;
+  };
+
+  const auto meetSpheres = [&](uint32_t cluster) {
+    const uint32_t first = cluster * kClusterWidth;
+    bool isNear = false;
+    if (first + lane < tree.count) {
+      const float4 sphere = tree.spheres[first + lane];
+      const glm::vec3 toCenter = glm::vec3(sphere.x, sphere.y, sphere.z) - camera.eye;
+      const float distance = sqrtf(glm::dot(toCenter, toCenter));
+      isNear = frustum.entryDistance(toCenter, sphere.w, distance) <= farthest;
+      memory.spheres[lane] = {toCenter.x, toCenter.y, toCenter.z, widenedSquare(distance, sphere.w)};
+      memory.exact[lane] = {sphere.w, outsideSphere(toCenter, sphere.w)};
+    }
+    uint32_t near = __ballot_sync(kAllLanes, isNear);
+    __syncwarp();
+    if (near == 0) return;
+    for (; near != 0; near &= near - 1) {
+      const int k = __ffs(static_cast<int>(near)) - 1;
+      const float4 sphere = memory.spheres[k];
+      if (!(earliestHit(direction, sphere) <= hits.farthest())) continue;
+      const float2 exact = memory.exact[k];
+      const float t = intersectSphereFromOrigin(direction, {sphere.x, sphere.y, sphere.z}, exact.x, exact.y);
+      if (t <= hits.farthest() && t < kNoHit) hits.add(first + static_cast<uint32_t>(k), t);
+    }
+    __syncwarp();
+    farthest = warpMax(fmaxf(hits.farthest(), 0.0f));
+  };
+
+  const int top = tree.levels - 1;
+  int level = top;
+  open(top, 0);
+  for (;;) {
+    const float depth = memory.depths[level][lane];
+    const float nearest = warpMin(depth);
+    if (!(nearest <= farthest) || nearest == kNoHit) {
+      if (++level > top) return;
+      continue;
+    }
+    const int pick = __ffs(static_cast<int>(__ballot_sync(kAllLanes, depth == nearest))) - 1;
+    if (static_cast<int>(lane) == pick) memory.depths[level][lane] = kNoHit;
+    const uint32_t child = firstChild[level] + static_cast<uint32_t>(pick);
+    if (level == 0)
+      meetSpheres(child);
+    else
+      open(--level, child * kClusterWidth);
+  }
+}
+
+}  // namespace warpscope

@@ -1,0 +1,121 @@
+// Boxes, level by level, and the nearest hits.
+// See cluster_tree.h.
+#include "render/warp/clusters/cluster_tree.h"
+
+#include "render/warp/clusters/cluster_trace.cuh"
+
+namespace warpscope {
+namespace {
+
+constexpr unsigned kThreads = 256;
+
+/// Order within a cluster does not matter: 16 bits an axis tell 2^16 cells apart along the longest one, and save sorting passes.
+constexpr int kCodeBits = 48;
+
+__device__ void storeBox(float4* boxes, uint32_t i, const Box& box) {
+  boxes[2 * size_t{i}] = {box.lower.x, box.lower.y, box.lower.z, 0.0f};
+  boxes[2 * size_t{i} + 1] = {box.upper.x, box.upper.y, box.upper.z, 0.0f};
+}
+
+/// A lane a sphere, a warp a cluster.
+__global__ void gatherClusters(DeviceFrameView frame, const uint32_t* ids, float4* spheres, float4* boxes) {
+  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  Box box;
+  if (i < frame.count) {
+    const Sphere sphere = unpackSample(frame.samples[ids[i]], frame.quantization);
+    spheres[i] = {sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius};
+    box = sphereBounds(sphere);
+  }
+  box = boxOfWarp(box);
+  if (threadIdx.x % 32 == 0 && i < frame.count) storeBox(boxes, i / kClusterWidth, box);
+}
+
+/// A lane a box of the level below, a warp a box.
+__global__ void uniteBoxes(const float4* below, uint32_t count, float4* boxes) {
+  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  Box box;
+  if (i < count) {
+    const float4 lower = below[2 * size_t{i}], upper = below[2 * size_t{i} + 1];
+    box = {{lower.x, lower.y, lower.z}, {upper.x, upper.y, upper.z}};
+  }
+  box = boxOfWarp(box);
+  if (threadIdx.x % 32 == 0 && i < count) storeBox(boxes, i / kClusterWidth, box);
+}
+
+/// The nearest hit of one ray; of equally near ones the one that comes first in the frame.
+class NearestHit {
+ public:
+  __device__ NearestHit(const uint32_t* ids, bool isWanted) : ids_(ids), t_(isWanted ? kNoHit : -1.0f) {}
+  __device__ float farthest() const { return t_; }
+  __device__ void add(uint32_t place, float t) {
+    if (t == t_ && !(ids_[place] < id())) return;
+    t_ = t;
+    place_ = place;
+  }
+  __device__ float t() const { return t_; }
+  __device__ uint32_t id() const { return place_ == kNoSample ? kNoSample : ids_[place_]; }
+
+ private:
+  const uint32_t* ids_;
+  float t_;
+  uint32_t place_ = kNoSample;
+};
+
+__global__ void __launch_bounds__(kTileBlockThreads) traceNearest(const __grid_constant__ ClusterTreeView tree,
+                                                                  const __grid_constant__ Camera camera, uint32_t* ids, float* depth) {
+  __shared__ ClusterWarpMemory memory[kTilesPerBlock];
+  const PixelPlace tile = tileOfThread(0);
+  if (tile.x >= camera.width || tile.y >= camera.height) return;  // the whole warp
+  const PixelPlace pixel = pixelOfThread(0);
+  const bool isInside = pixel.x < camera.width && pixel.y < camera.height;
+  const Ray ray = pixelRay(camera, {static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f});
+  NearestHit hit(tree.ids, isInside);
+  traceClusters(tree, camera, tile, ray.direction, memory[threadIdx.x / 32], hit);
+  if (!isInside) return;
+  const size_t i = size_t{pixel.y} * camera.width + pixel.x;
+  ids[i] = hit.id();
+  if (depth != nullptr) depth[i] = hit.t();
+}
+
+}  // namespace
+
+void DeviceClusterTree::build(const DeviceFrameView& frame, cudaStream_t stream) {
+  cloud_.build(frame, kCodeBits, stream);
+  if (frame.count == 0) return;
+  spheres_.reserve(frame.count);
+  size_t boxes = 0;
+  for (uint32_t n = frame.count; n > 1 || boxes == 0;) boxes += n = (n - 1) / kClusterWidth + 1;
+  boxes_.reserve(2 * boxes);
+  const ClusterTreeView tree = view();
+  gatherClusters<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(frame, cloud_.ids(), spheres_.data(),
+                                                                                  const_cast<float4*>(tree.boxes[0]));
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  for (int level = 1; level < tree.levels; ++level) {
+    uniteBoxes<<<cuda::blocksFor(tree.boxCount[level - 1], kThreads), kThreads, 0, stream>>>(
+        tree.boxes[level - 1], tree.boxCount[level - 1], const_cast<float4*>(tree.boxes[level]));
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+  }
+}
+
+ClusterTreeView DeviceClusterTree::view() const {
+  ClusterTreeView tree;
+  tree.spheres = spheres_.data();
+  tree.ids = cloud_.ids();
+  tree.count = cloud_.count();
+  tree.reach = cloud_.reach();
+  const float4* boxes = boxes_.data();
+  for (uint32_t n = tree.count; n > 0 && (tree.levels == 0 || n > kClusterWidth);) {
+    n = (n - 1) / kClusterWidth + 1;
+    tree.boxes[tree.levels] = boxes;
+    tree.boxCount[tree.levels++] = n;
+    boxes += 2 * size_t{n};
+  }
+  return tree;
+}
+
+void DeviceClusterTree::trace(const Camera& camera, uint32_t* ids, float* depth, cudaStream_t stream) const {
+  traceNearest<<<tileGrid(camera.width, camera.height), kTileBlockThreads, 0, stream>>>(view(), camera, ids, depth);
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+}
+
+}  // namespace warpscope

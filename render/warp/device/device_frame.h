@@ -1,0 +1,37 @@
+// A frame's samples in device memory. For .cu files and what they include.
+#pragma once
+
+#include "render/core/color.h"
+#include "render/cuda/memory.h"
+#include "render/march/sample_frame.h"
+#include "render/warp/lbvh/lbvh.h"
+
+namespace warpscope {
+
+/// A frame's samples as kernels see them.
+struct DeviceFrameView {
+  const PackedSample* samples = nullptr;
+  const Rgba8* colors = nullptr;
+  uint32_t count = 0;
+  SampleQuantization quantization;
+
+  /// At least the distance of any point of any sphere from the coordinates' origin: radii are below twice the unit, and add to each
+  /// coordinate.
+  float reach() const { return reachOf(quantization.bounds) + 6.0f * quantization.radiusUnit; }
+};
+
+class DeviceFrame {
+ public:
+  /// Copies the frame's samples, in stream order; the frame must stay until the stream has got there. Throws InputError for more samples
+  /// than a hierarchy can hold, DeviceError.
+  void upload(const SampleFrame& frame, cudaStream_t stream);
+  DeviceFrameView view() const { return {samples_.data(), colors_.data(), count_, quantization_}; }
+
+ private:
+  cuda::DeviceBuffer<PackedSample> samples_;
+  cuda::DeviceBuffer<Rgba8> colors_;
+  uint32_t count_ = 0;
+  SampleQuantization quantization_;
+};
+
+}  // namespace warpscope

@@ -1,0 +1,72 @@
+// Trying the first, remembering the frame for the second.
+// See fallback_warp.h.
+#include "render/warp/fallback_warp.h"
+
+#include "render/core/error.h"
+
+namespace warpscope {
+namespace {
+
+class FallbackWarp final : public Warp {
+ public:
+  FallbackWarp(const std::function<std::unique_ptr<Warp>()>& makeFirst, std::function<std::unique_ptr<Warp>()> makeSecond,
+               std::function<void(const std::string&)> onFallback)
+      : makeSecond_(std::move(makeSecond)), onFallback_(std::move(onFallback)) {
+    try {
+      warp_ = makeFirst();
+    } catch (const DeviceError& error) {
+      leave(error);
+    }
+  }
+
+  void setFrame(SampleFramePtr frame, const WarpSettings& settings, const std::stop_token& stop) override {
+    frame_ = std::move(frame);
+    attempt(settings, stop, [&] { warp_->setFrame(frame_, settings, stop); });
+  }
+  void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) override {
+    attempt(settings, stop, [&] { warp_->draw(camera, settings, image, stop); });
+  }
+  DevicePicturePtr drawForScreen(const Camera& camera, const WarpSettings& settings, const glm::vec3& background, Rgba8 uncovered,
+                                 const std::stop_token& stop) override {
+    DevicePicturePtr picture;
+    attempt(settings, stop, [&] { picture = warp_->drawForScreen(camera, settings, background, uncovered, stop); });
+    return picture;
+  }
+  std::optional<DeviceTimings> deviceTimings() const override { return warp_->deviceTimings(); }
+
+ private:
+  template <class Work>
+  void attempt(const WarpSettings& settings, const std::stop_token& stop, const Work& work) {
+    try {
+      return work();
+    } catch (const DeviceError& error) {
+      if (isSecond_) throw;
+      leave(error);
+    }
+    warp_->setFrame(frame_, settings, stop);
+    work();
+  }
+
+  void leave(const DeviceError& error) {
+    if (onFallback_) onFallback_(error.what());
+    warp_.reset();
+    warp_ = makeSecond_();
+    isSecond_ = true;
+  }
+
+  std::unique_ptr<Warp> warp_;
+  bool isSecond_ = false;
+  SampleFramePtr frame_;
+  const std::function<std::unique_ptr<Warp>()> makeSecond_;
+  const std::function<void(const std::string&)> onFallback_;
+};
+
+}  // namespace
+
+std::unique_ptr<Warp> makeFallbackWarp(const std::function<std::unique_ptr<Warp>()>& makeFirst,
+                                       std::function<std::unique_ptr<Warp>()> makeSecond,
+                                       std::function<void(const std::string&)> onFallback) {
+  return std::make_unique<FallbackWarp>(makeFirst, std::move(makeSecond), std::move(onFallback));
+}
+
+}  // namespace warpscope

@@ -1,0 +1,15 @@
+// A technique that leaves a device which fails it, and goes on elsewhere with the frame that it had.
+// See march/fallback_marcher.h for the server's side.
+#pragma once
+
+#include "render/warp/warp.h"
+
+namespace warpscope {
+
+/// Draws with `makeFirst()` and, from the first DeviceError on, its making included, with `makeSecond()`, which is not made before.
+/// `onFallback` (may be empty) is told the reason once.
+std::unique_ptr<Warp> makeFallbackWarp(const std::function<std::unique_ptr<Warp>()>& makeFirst,
+                                       std::function<std::unique_ptr<Warp>()> makeSecond,
+                                       std::function<void(const std::string& reason)> onFallback);
+
+}  // namespace warpscope

@@ -1,0 +1,97 @@
+// Nodes, bounds, rays.
+// See device_lbvh.h.
+#include "render/warp/lbvh/device_lbvh.h"
+
+#include "render/cuda/pixel_tiles.cuh"
+
+namespace warpscope {
+namespace {
+
+constexpr unsigned kThreads = 256;
+constexpr int kCodeBits = 63;
+
+__global__ void gatherSpheres(DeviceFrameView frame, const uint32_t* ids, Sphere* spheres) {
+  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  if (i < frame.count) spheres[i] = unpackSample(frame.samples[ids[i]], frame.quantization);
+}
+
+__global__ void emitNodes(const uint64_t* codes, uint32_t count, LbvhNode* nodes, uint32_t* parents) {
+  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  if (i + 1 >= count) return;
+  const LeafRange range = determineRange(codes, count, i);
+  const uint32_t split = findSplit(codes, count, range);
+  const uint32_t children[2] = {leftReference(range, split), rightReference(range, split)};
+  LbvhNode& node = nodes[i];
+  node.first = range.first;
+  node.last = range.last;
+  for (int side = 0; side < 2; ++side) {
+    const uint32_t child = children[side];
+    node.child[side] = child;
+    // The lowest bit tells the child which side of its parent it is.
+    parents[child & kLbvhLeafBit ? count - 1 + (child & ~kLbvhLeafBit) : child] = 2 * i + side;
+  }
+}
+
+__global__ void boundNodes(const Sphere* spheres, uint32_t count, LbvhNode* nodes, const uint32_t* parents, uint32_t* arrivals) {
+  const uint32_t leaf = blockIdx.x * kThreads + threadIdx.x;
+  if (leaf >= count) return;
+  Box box = sphereBounds(spheres[leaf]);
+  uint32_t place = parents[count - 1 + leaf];
+  for (;;) {
+    const uint32_t parent = place / 2;
+    nodes[parent].bounds[place % 2] = box;
+    __threadfence();
+    if (atomicAdd(&arrivals[parent], 1) == 0) return;  // the other child is not there yet, and will go on
+    __threadfence();
+    // Another thread wrote it: past the first-level cache.
+    const float* other = &nodes[parent].bounds[1 - place % 2].lower.x;
+    Box sibling;
+    for (int axis = 0; axis < 3; ++axis) {
+      sibling.lower[axis] = __ldcg(other + axis);
+      sibling.upper[axis] = __ldcg(other + 3 + axis);
+    }
+    box.include(sibling);
+    if (parent == 0) return;
+    place = parents[parent];
+  }
+}
+
+__global__ void __launch_bounds__(kTileBlockThreads) traceRays(const __grid_constant__ LbvhView view,
+                                                               const __grid_constant__ Camera camera, uint32_t* ids, float* depth,
+                                                               uint32_t* overflow) {
+  const PixelPlace pixel = pixelOfThread(0);
+  if (pixel.x >= camera.width || pixel.y >= camera.height) return;
+  const Ray ray = pixelRay(camera, {static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f});
+  const LbvhHit hit = closestHit(view, ray);
+  if (hit.overflow) *overflow = 1;
+  const size_t i = size_t{pixel.y} * camera.width + pixel.x;
+  ids[i] = hit.id;
+  if (depth != nullptr) depth[i] = hit.t;
+}
+
+}  // namespace
+
+void DeviceLbvh::build(const DeviceFrameView& frame, cudaStream_t stream) {
+  cloud_.build(frame, kCodeBits, stream);
+  const uint32_t count = frame.count;
+  if (count == 0) return;
+  spheres_.reserve(count);
+  gatherSpheres<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream>>>(frame, cloud_.ids(), spheres_.data());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  if (count == 1) return;
+  nodes_.reserve(count - 1);
+  parents_.reserve(2 * size_t{count} - 1);
+  arrivals_.reserve(count - 1);
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(arrivals_.data(), 0, (count - 1) * sizeof(uint32_t), stream));
+  emitNodes<<<cuda::blocksFor(count - 1, kThreads), kThreads, 0, stream>>>(cloud_.codes(), count, nodes_.data(), parents_.data());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  boundNodes<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream>>>(spheres_.data(), count, nodes_.data(), parents_.data(), arrivals_.data());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+}
+
+void DeviceLbvh::trace(const Camera& camera, uint32_t* ids, float* depth, uint32_t* overflow, cudaStream_t stream) const {
+  traceRays<<<tileGrid(camera.width, camera.height), kTileBlockThreads, 0, stream>>>(view(), camera, ids, depth, overflow);
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+}
+
+}  // namespace warpscope

@@ -1,0 +1,147 @@
+// Small, middling and large footprints.
+// See device_splats.h.
+#include "render/warp/splats/device_splats.h"
+
+#include "render/core/ray_sphere.h"
+#include "render/cuda/warp_reduce.cuh"
+#include "render/warp/splats/sphere_footprint.h"
+
+namespace warpscope {
+namespace {
+
+constexpr unsigned kThreads = 128;
+
+/// Pixels that one thread walks alone; more would make its warp wait.
+constexpr uint32_t kPixelsAlone = 64;
+/// Pixels that one warp walks; more are for many blocks, because a warp has no more than its share of one multiprocessor.
+constexpr uint32_t kPixelsOfWarp = 8192;
+/// Blocks that share the large footprints: enough to fill any device several times over.
+constexpr unsigned kLargeBlocks = 4096;
+
+constexpr unsigned long long kNothing = 0xffffffffffffffffull;
+
+struct SplatJob {
+  DeviceFrameView frame;
+  Camera camera;
+  FootprintView footprint;
+  float margin;  ///< of distances, for rounding
+  unsigned long long* nearest;
+  uint32_t* large;
+  uint32_t* largeCount;
+};
+
+/// A sphere from the eye.
+struct Splat {
+  glm::vec3 toCenter;
+  float radius;
+  float outside;
+  float nearest;  ///< at most the distance of any hit
+  uint32_t id;
+};
+
+__device__ Splat splatOf(const SplatJob& job, const Sphere& sphere, uint32_t id) {
+  Splat splat{sphere.center - job.camera.eye, sphere.radius, 0.0f, 0.0f, id};
+  splat.outside = outsideSphere(splat.toCenter, splat.radius);
+  splat.nearest = sqrtf(glm::dot(splat.toCenter, splat.toCenter)) - splat.radius - job.margin;
+  return splat;
+}
+
+__device__ void splatPixel(const SplatJob& job, const Splat& splat, uint32_t x, uint32_t y) {
+  unsigned long long* place = job.nearest + size_t{y} * job.camera.width + x;
+  // What is there may get nearer meanwhile, never farther: a stale value costs a test, nothing else.
+  const unsigned long long there = __ldcg(place);
+  if (splat.nearest > __uint_as_float(static_cast<uint32_t>(there >> 32))) return;  // false for kNothing, which is no number
+  const glm::vec3 direction = pixelRay(job.camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f}).direction;
+  const float t = intersectSphereFromOrigin(direction, splat.toCenter, splat.radius, splat.outside);
+  if (!(t < kNoHit)) return;
+  const unsigned long long candidate = static_cast<unsigned long long>(__float_as_uint(t)) << 32 | splat.id;
+  if (candidate < there) atomicMin(place, candidate);
+}
+
+__device__ uint32_t areaOf(const PixelRect& rect) {
+  return rect.isEmpty() ? 0u : static_cast<uint32_t>(rect.x1 - rect.x0) * static_cast<uint32_t>(rect.y1 - rect.y0);
+}
+
+__device__ int shuffled(int value, int lane) { return __shfl_sync(kAllLanes, value, lane); }
+
+__global__ void __launch_bounds__(kThreads) splatSamples(const __grid_constant__ SplatJob job) {
+  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  const int lane = static_cast<int>(threadIdx.x % 32);
+  Sphere sphere{};
+  PixelRect rect{0, 0, 0, 0};
+  if (i < job.frame.count) {
+    sphere = unpackSample(job.frame.samples[i], job.frame.quantization);
+    rect = sphereFootprint(job.footprint, sphere);
+  }
+  const uint32_t area = areaOf(rect);
+  if (area > 0 && area <= kPixelsAlone) {
+    const Splat splat = splatOf(job, sphere, i);
+    for (int y = rect.y0; y < rect.y1; ++y)
+      for (int x = rect.x0; x < rect.x1; ++x) splatPixel(job, splat, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+  }
+  if (area > kPixelsOfWarp) job.large[atomicAdd(job.largeCount, 1u)] = i;
+  __syncwarp();
+  for (uint32_t rest = __ballot_sync(kAllLanes, area > kPixelsAlone && area <= kPixelsOfWarp); rest != 0; rest &= rest - 1) {
+    const int owner = __ffs(static_cast<int>(rest)) - 1;
+    const Sphere shared{{__shfl_sync(kAllLanes, sphere.center.x, owner), __shfl_sync(kAllLanes, sphere.center.y, owner),
+                         __shfl_sync(kAllLanes, sphere.center.z, owner)},
+                        __shfl_sync(kAllLanes, sphere.radius, owner)};
+    const int x0 = shuffled(rect.x0, owner), y0 = shuffled(rect.y0, owner);
+    const int width = shuffled(rect.x1, owner) - x0, height = shuffled(rect.y1, owner) - y0;
+    const Splat splat = splatOf(job, shared, i - static_cast<uint32_t>(lane) + static_cast<uint32_t>(owner));
+    for (int k = lane; k < width * height; k += 32)
+      splatPixel(job, splat, static_cast<uint32_t>(x0 + k % width), static_cast<uint32_t>(y0 + k / width));
+  }
+}
+
+/// Blocks share the large footprints: while there are fewer of these than of those, each is cut into bands of rows.
+__global__ void __launch_bounds__(kThreads) splatLarge(const __grid_constant__ SplatJob job) {
+  const uint32_t count = *job.largeCount;
+  if (count == 0) return;
+  const uint32_t bands = max(1u, gridDim.x / count);
+  for (uint64_t unit = blockIdx.x; unit < uint64_t{count} * bands; unit += gridDim.x) {
+    const uint32_t id = job.large[unit / bands];
+    const auto band = static_cast<uint32_t>(unit % bands);
+    const Sphere sphere = unpackSample(job.frame.samples[id], job.frame.quantization);
+    const PixelRect rect = sphereFootprint(job.footprint, sphere);
+    const Splat splat = splatOf(job, sphere, id);
+    const auto rows = static_cast<uint32_t>(rect.y1 - rect.y0);
+    const uint32_t first = static_cast<uint32_t>(rect.y0) + static_cast<uint32_t>(uint64_t{rows} * band / bands);
+    const uint32_t end = static_cast<uint32_t>(rect.y0) + static_cast<uint32_t>(uint64_t{rows} * (band + 1) / bands);
+    const auto width = static_cast<uint32_t>(rect.x1 - rect.x0);
+    for (uint32_t k = threadIdx.x; k < (end - first) * width; k += kThreads)
+      splatPixel(job, splat, static_cast<uint32_t>(rect.x0) + k % width, first + k / width);
+  }
+}
+
+__global__ void resolveNearest(const unsigned long long* nearest, size_t pixels, uint32_t* ids, float* depth) {
+  const size_t i = size_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (i >= pixels) return;
+  const unsigned long long value = nearest[i];
+  ids[i] = value == kNothing ? kNoSample : static_cast<uint32_t>(value);
+  if (depth != nullptr) depth[i] = value == kNothing ? kNoHit : __uint_as_float(static_cast<uint32_t>(value >> 32));
+}
+
+}  // namespace
+
+void DeviceSplats::draw(const DeviceFrameView& frame, const Camera& camera, uint32_t* ids, float* depth, cudaStream_t stream) {
+  const size_t pixels = size_t{camera.width} * camera.height;
+  nearest_.reserve(pixels);
+  large_.reserve(frame.count);
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(nearest_.data(), 0xff, pixels * sizeof(unsigned long long), stream));
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(largeCount_.data(), 0, sizeof(uint32_t), stream));
+  if (frame.count > 0) {
+    const glm::vec3 eye = glm::abs(camera.eye);
+    SplatJob job{frame, camera, footprintViewOf(camera), 0.0f, nearest_.data(), large_.data(), largeCount_.data()};
+    job.margin = kFootprintMargin * (eye.x + eye.y + eye.z + frame.reach());
+    splatSamples<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(job);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    splatLarge<<<kLargeBlocks, kThreads, 0, stream>>>(job);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+  }
+  constexpr unsigned kResolveThreads = 256;
+  resolveNearest<<<cuda::blocksFor(pixels, kResolveThreads), kResolveThreads, 0, stream>>>(nearest_.data(), pixels, ids, depth);
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+}
+
+}  // namespace warpscope

@@ -1,0 +1,155 @@
+// The device's march against the CPU's: every heuristic, radius policy, voxel type and built-in scene; colours; twins; cancelling; errors.
+// Mirrors render/march/marcher_cuda.h.
+#include "render/march/marcher_cuda.h"
+
+#include <gtest/gtest.h>
+
+#include "render/core/error.h"
+#include "render/core/parallel.h"
+#include "render/cuda/devices.h"
+#include "render/march/marcher_cpu.h"
+#include "tests/gpu/agreement.h"
+#include "tests/headless.h"
+#include "tests/marcher_cases.h"
+#include "tests/test_volumes.h"
+
+namespace warpscope {
+namespace {
+
+/// Of the pixels: those whose rays end within rounding of a decision.
+constexpr double kAllowedShare = 1e-5;
+
+struct Pair {
+  explicit Pair(const Scene& scene)
+      : cpu(makeCpuMarcher(scene.volume, scene.transferFunction)), cuda(makeCudaMarcher(scene.volume, scene.transferFunction)) {}
+  MarcherPtr cpu, cuda;
+
+  void expectSame(const Camera& camera, const MarchSettings& settings) const {
+    const SampleFrame expected = cpu->march(camera, settings);
+    expectSameFrames(expected, cuda->march(camera, settings), kAllowedShare);
+  }
+};
+
+TEST(MarchOnDevice, EveryHeuristicAndRadiusInEveryScene) {
+  WARPSCOPE_NEEDS_GPU();
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Scene scene = smallScene(builtin.name, 96);
+    const Pair pair(scene);
+    for (const View& view : {scene.views.front(), scene.views.back()}) {
+      const Camera camera = makeCamera(scene, view, 301, 257);
+      for (const auto& heuristic : kHeuristics)
+        for (const auto& radius : kRadiusPolicies) {
+          if (radius.value != RadiusPolicy::voxel && heuristic.value != Heuristic::gradient && heuristic.value != Heuristic::median) continue;
+          SCOPED_TRACE(builtin.name + ", " + std::string(heuristic.name) + ", " + std::string(radius.name));
+          MarchSettings settings = scene.march;
+          settings.heuristic = heuristic.value;
+          settings.radiusPolicy = radius.value;
+          pair.expectSame(camera, settings);
+        }
+    }
+  }
+}
+
+TEST(MarchOnDevice, SkippingAndEarlyEndsChangeNothing) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("shells", 64);
+  const Pair pair(scene);
+  const Camera camera = makeCamera(scene, scene.views.front(), 200, 200);
+  for (const bool skips : {false, true})
+    for (const bool ends : {false, true})
+      for (const float step : {0.5f, 0.3f, 2.0f}) {
+        MarchSettings settings = scene.march;
+        settings.skipEmpty = skips;
+        settings.terminateEarly = ends;
+        settings.step = step;
+        pair.expectSame(camera, settings);
+      }
+}
+
+TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
+  WARPSCOPE_NEEDS_GPU();
+  const TransferFunction function{{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
+  for (const VoxelType type : kAllVoxelTypes)
+    for (const glm::uvec3 dims : {glm::uvec3(40, 33, 29), glm::uvec3(1, 20, 20), glm::uvec3(20, 1, 1), glm::uvec3(1)})
+      for (const bool hasHoles : {false, true}) {
+        if (hasHoles && type != VoxelType::float32 && type != VoxelType::float64) continue;
+        SCOPED_TRACE(::testing::Message() << nameOf(type) << ", " << dims.x << "x" << dims.y << "x" << dims.z << ", holes " << hasHoles);
+        const FieldFunction field = blobs(dims, 4);
+        Scene scene;
+        scene.volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) {
+          if (hasHoles && (p.x * 7 + p.y * 5 + p.z * 3) % 11 == 0) return std::nan("");
+          return dims.x * dims.y * dims.z < 1000 ? static_cast<double>((p.x * 31 + p.y * 17 + p.z * 13 + 60) % 101) : field(p);
+        });
+        scene.transferFunction = function;
+        const Pair pair(scene);
+        MarchSettings settings;
+        for (const Heuristic heuristic : {Heuristic::gradient, Heuristic::expected, Heuristic::median}) {
+          settings.heuristic = heuristic;
+          for (const glm::vec3 eye : {glm::vec3(60.0f, 45.0f, 53.0f), glm::vec3(0.1f, 0.2f, 0.3f)})
+            pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
+        }
+      }
+}
+
+TEST(MarchOnDevice, ColoursAreTheCpus) {
+  WARPSCOPE_NEEDS_GPU();
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    SCOPED_TRACE(builtin.name);
+    const Scene scene = smallScene(builtin.name, 96);
+    const Pair pair(scene);
+    const Camera camera = makeCamera(scene, scene.views.back(), 255, 301);
+    Image<glm::vec4> expected, actual;
+    pair.cpu->render(camera, scene.march, expected);
+    pair.cuda->render(camera, scene.march, actual);
+    ASSERT_EQ(expected.size(), actual.size());
+    size_t different = 0;
+    for (size_t i = 0; i < expected.size(); ++i) {
+      ASSERT_LT(glm::length(expected[i] - actual[i]), 1e-5f) << i;
+      different += expected[i] != actual[i];
+    }
+    // The last step of a ray is the only one that is corrected as it is met, by functions that each processor rounds its own way.
+    EXPECT_LT(different, expected.size() / 10);
+  }
+}
+
+TEST(MarchOnDevice, TwinsAgreeAndOutliveTheFirst) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("block", 48);
+  MarcherPtr first = makeCudaMarcher(scene.volume, scene.transferFunction);
+  const Camera camera = makeCamera(scene, scene.views.front(), 128, 128);
+  const SampleFrame frame = first->march(camera, scene.march);
+  ASSERT_GT(frame.size(), 1000u);
+  const MarcherPtr twin = first->twin();
+  first.reset();
+  const SampleFrame again = twin->march(camera, scene.march);
+  EXPECT_TRUE(frame.samples == again.samples && frame.colors == again.colors);
+}
+
+TEST(MarchOnDevice, RefusesAndCancels) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("block", 48);
+  const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+  Camera camera = makeCamera(scene, scene.views.front(), 64, 64);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_THROW(marcher->march(camera, scene.march, stop.get_token()), OperationCancelled);
+  camera.eye.x = std::nanf("");
+  EXPECT_THROW(marcher->march(camera, scene.march), InputError);
+  camera = makeCamera(scene, scene.views.front(), 64, 64);
+  MarchSettings settings = scene.march;
+  settings.step = 0.0f;
+  EXPECT_THROW(marcher->march(camera, settings), UsageError);
+  EXPECT_GT(marcher->march(camera, scene.march).size(), 100u);  // and goes on
+}
+
+TEST(MarchOnDevice, NothingToSeeGivesNoSamples) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("block", 48);
+  const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+  Camera camera = makeCamera(scene, scene.views.front(), 64, 64);
+  camera.forward = -camera.forward;
+  EXPECT_EQ(marcher->march(camera, scene.march).size(), 0u);
+}
+
+}  // namespace
+}  // namespace warpscope

@@ -1,0 +1,208 @@
+// Techniques on the device against the CPU's sphere tracer, id for id: frames of scenes, random and degenerate clouds, none, one and many
+// samples, near and far eyes, large footprints; pictures for the screen; errors.
+// Mirrors render/warp/spheres_warp_cuda.h and splats_warp_cuda.h.
+#include <gtest/gtest.h>
+
+#include "app/picture.h"
+#include "render/core/error.h"
+#include "render/core/parallel.h"
+#include "render/cuda/devices.h"
+#include "render/march/marcher_cpu.h"
+#include "render/march/marcher_cuda.h"
+#include "render/warp/lbvh/sphere_tracer.h"
+#include "render/warp/spheres_warp_cuda.h"
+#include "render/warp/splats_warp_cuda.h"
+#include "tests/gpu/agreement.h"
+#include "tests/headless.h"
+#include "tests/sphere_clouds.h"
+
+namespace warpscope {
+namespace {
+
+struct Contender {
+  std::string name;
+  std::unique_ptr<Warp> warp;
+  WarpSettings settings;
+};
+
+std::vector<Contender> contenders() {
+  std::vector<Contender> all;
+  WarpSettings settings;
+  settings.sphereTracing = SphereTracing::clusters;
+  all.push_back({"clusters", makeCudaSpheresWarp(), settings});
+  settings.sphereTracing = SphereTracing::lbvh;
+  all.push_back({"lbvh", makeCudaSpheresWarp(), settings});
+  all.push_back({"splats", makeCudaSplatsWarp(), {}});
+  return all;
+}
+
+SampleFramePtr frameOf(const std::vector<Sphere>& cloud) {
+  auto frame = std::make_shared<SampleFrame>();
+  Box bounds;
+  float largest = 0.0f;
+  for (const Sphere& sphere : cloud) {
+    bounds.include(sphere.center);
+    largest = std::max(largest, sphere.radius);
+  }
+  if (cloud.empty()) bounds = {glm::vec3(-1.0f), glm::vec3(1.0f)};
+  frame->quantization = {bounds, radiusUnitFor(largest)};
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    frame->samples.push_back(packSample(cloud[i].center, cloud[i].radius, frame->quantization));
+    frame->colors.push_back(static_cast<Rgba8>(0xff000000u | (i * 2654435761u >> 8)));
+  }
+  return frame;
+}
+
+/// Both sides take the same formulas through the same rounding, so there is nothing to allow for.
+void expectCpusIds(const SampleFramePtr& frame, const std::vector<Camera>& cameras, std::vector<Contender>& all) {
+  std::vector<Sphere> spheres(frame->size());
+  for (size_t i = 0; i < spheres.size(); ++i) spheres[i] = frame->sphere(i);
+  LbvhTracer tracer;
+  tracer.build(spheres);
+  for (Contender& contender : all) contender.warp->setFrame(frame, contender.settings);
+  for (const Camera& camera : cameras) {
+    WarpedImage expected;
+    tracer.trace(camera, expected.samples, nullptr, {});
+    resolveColors(*frame, expected.samples, expected.color);
+    for (Contender& contender : all) {
+      SCOPED_TRACE(contender.name);
+      WarpedImage actual;
+      contender.warp->draw(camera, contender.settings, actual);
+      size_t different = 0;
+      for (size_t i = 0; i < expected.samples.size(); ++i) different += expected.samples[i] != actual.samples[i];
+      ASSERT_EQ(different, 0u) << "of " << expected.samples.size();
+      ASSERT_TRUE(expected.color == actual.color);
+    }
+  }
+}
+
+TEST(WarpsOnDevice, FramesOfEveryScene) {
+  WARPSCOPE_NEEDS_GPU();
+  std::vector<Contender> all = contenders();
+  for (const BuiltinScene& builtin : builtinScenes())
+    for (const auto& radius : kRadiusPolicies) {
+      SCOPED_TRACE(builtin.name + ", " + std::string(radius.name));
+      const Scene scene = smallScene(builtin.name, 96);
+      MarchSettings settings = scene.march;
+      settings.radiusPolicy = radius.value;
+      const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+      const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, scene.views.front(), 400, 300), settings));
+      ASSERT_GT(frame->size(), 1000u);
+      std::vector<Camera> cameras;
+      for (const View& view : scene.views) cameras.push_back(makeCamera(scene, view, 333, 277));
+      expectCpusIds(frame, cameras, all);
+    }
+}
+
+TEST(WarpsOnDevice, CloudsOfEveryShapeAndSize) {
+  WARPSCOPE_NEEDS_GPU();
+  std::vector<Contender> all = contenders();
+  for (const CloudShape shape : kCloudShapes)
+    for (const size_t count : {size_t{0}, size_t{1}, size_t{2}, size_t{3}, size_t{31}, size_t{32}, size_t{33}, size_t{1023}, size_t{1025},
+                               size_t{40000}}) {
+      SCOPED_TRACE(::testing::Message() << "shape " << static_cast<int>(shape) << ", " << count << " spheres");
+      const SampleFramePtr frame = frameOf(makeCloud(shape, count, 100.0f, 7 + static_cast<uint32_t>(count)));
+      // From outside, from inside, and from so far that all of it is a few pixels.
+      std::vector<Camera> cameras{orbitCamera(300.0f, 20.0f, 193, 161), orbitCamera(5.0f, 100.0f, 97, 101), orbitCamera(1e5f, 0.0f, 64, 64)};
+      cameras.push_back(orbitCamera(300.0f, 45.0f, 1, 1));
+      expectCpusIds(frame, cameras, all);
+    }
+}
+
+TEST(WarpsOnDevice, NearSpheresThatFillTheScreen) {
+  WARPSCOPE_NEEDS_GPU();
+  std::vector<Contender> all = contenders();
+  std::vector<Sphere> cloud = makeCloud(CloudShape::random, 500, 100.0f, 3);
+  const Camera camera = orbitCamera(300.0f, 0.0f, 700, 500);
+  cloud.push_back({camera.eye + 12.0f * camera.forward, 10.0f});                       // all of the screen
+  cloud.push_back({camera.eye + 12.0f * camera.forward + 9.0f * camera.right, 8.0f});  // a part of it
+  cloud.push_back({camera.eye + 2.0f * camera.right, 1.9f});                           // beside the eye
+  cloud.push_back({camera.eye, 1.0f});                                                 // holds it
+  expectCpusIds(frameOf(cloud), {camera}, all);
+}
+
+TEST(WarpsOnDevice, TheScreensPictureIsTheHosts) {
+  WARPSCOPE_NEEDS_GPU();
+  const SampleFramePtr frame = frameOf(makeCloud(CloudShape::clustered, 3000, 100.0f, 5));
+  const Camera camera = orbitCamera(300.0f, 20.0f, 193, 161);
+  const glm::vec3 background(0.1f, 0.02f, 0.3f);
+  for (Contender& contender : contenders()) {
+    SCOPED_TRACE(contender.name);
+    EXPECT_EQ(contender.warp->drawForScreen(camera, contender.settings, background, 0), nullptr);  // no frame yet
+    contender.warp->setFrame(frame, contender.settings);
+    WarpedImage image;
+    contender.warp->draw(camera, contender.settings, image);
+    for (const Rgba8 uncovered : {0u, 0xffff00ffu}) {
+      const DevicePicturePtr picture = contender.warp->drawForScreen(camera, contender.settings, background, uncovered);
+      ASSERT_NE(picture, nullptr);
+      Image<Rgba8> downloaded(picture->width(), picture->height());
+      picture->download({downloaded.data(), downloaded.size()});
+      EXPECT_TRUE(downloaded == toScreen(image, background, uncovered));
+    }
+    ASSERT_TRUE(contender.warp->deviceTimings());
+    EXPECT_GT(contender.warp->deviceTimings()->drawMs, 0.0);
+  }
+}
+
+TEST(WarpsOnDevice, PicturesThatAreStillShownAreNotDrawnInto) {
+  WARPSCOPE_NEEDS_GPU();
+  for (Contender& contender : contenders()) {
+    contender.warp->setFrame(frameOf(makeCloud(CloudShape::random, 3000, 100.0f, 5)), contender.settings);
+    const auto drawn = [&](float angle) {
+      return contender.warp->drawForScreen(orbitCamera(300.0f, angle, 90, 80), contender.settings, {}, 0);
+    };
+    const auto pixelsOf = [](const DevicePicturePtr& picture) {
+      std::vector<Rgba8> pixels(size_t{picture->width()} * picture->height());
+      picture->download(pixels);
+      return pixels;
+    };
+    const DevicePicturePtr first = drawn(0.0f);
+    const std::vector<Rgba8> before = pixelsOf(first);
+    const DevicePicturePtr second = drawn(50.0f);
+    EXPECT_NE(pixelsOf(second), before);
+    EXPECT_EQ(pixelsOf(first), before);
+  }
+}
+
+TEST(WarpsOnDevice, RefuseAndGoOn) {
+  WARPSCOPE_NEEDS_GPU();
+  for (Contender& contender : contenders()) {
+    contender.warp->setFrame(frameOf(makeCloud(CloudShape::random, 100, 100.0f, 5)), contender.settings);
+    Camera camera = orbitCamera(300.0f, 0.0f, 64, 64);
+    WarpedImage image;
+    std::stop_source stop;
+    stop.request_stop();
+    EXPECT_THROW(contender.warp->draw(camera, contender.settings, image, stop.get_token()), OperationCancelled);
+    camera.eye.y = std::nanf("");
+    EXPECT_THROW(contender.warp->draw(camera, contender.settings, image), InputError);
+    camera = orbitCamera(300.0f, 0.0f, 64, 64);
+    contender.warp->draw(camera, contender.settings, image);
+    EXPECT_TRUE(std::ranges::any_of(image.samples, [](uint32_t sample) { return sample < 100; }));
+    contender.warp->setFrame(nullptr, contender.settings);
+    contender.warp->draw(camera, contender.settings, image);
+    EXPECT_TRUE(std::ranges::all_of(image.samples, [](uint32_t sample) { return sample == kNoSample; }));
+  }
+}
+
+TEST(WarpsOnDevice, EmbreeIsForTheCpu) {
+  WARPSCOPE_NEEDS_GPU();
+  WarpSettings settings;
+  settings.sphereTracing = SphereTracing::embree;
+  EXPECT_THROW(makeCudaSpheresWarp()->setFrame(frameOf({}), settings), UsageError);
+}
+
+/// Ten million samples: a frame of 4096 x 4096 pixels of a scene that fills most of it.
+TEST(WarpsOnDevice, TenMillionSamples) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("shells", 128);
+  const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+  View near = scene.views.front();
+  near.distance *= 0.7;
+  const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, near, 4096, 4096), scene.march));
+  ASSERT_GT(frame->size(), 10'000'000u);
+  std::vector<Contender> all = contenders();
+  expectCpusIds(frame, {makeCamera(scene, scene.views[1], 512, 512)}, all);
+}
+
+}  // namespace
+}  // namespace warpscope
