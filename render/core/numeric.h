@@ -4,11 +4,15 @@
 
 #include "render/core/host_device.h"
 
+#include <cmath>
+
 namespace warpscope {
 
 WARPSCOPE_HD inline float minOf(float a, float b) { return a < b ? a : b; }
 WARPSCOPE_HD inline float maxOf(float a, float b) { return a > b ? a : b; }
 WARPSCOPE_HD inline int minOf(int a, int b) { return a < b ? a : b; }
+WARPSCOPE_HD inline float sqrtOf(float a) { return std::sqrt(a); }
+WARPSCOPE_HD inline float selected(bool condition, float ifTrue, float ifFalse) { return condition ? ifTrue : ifFalse; }
 WARPSCOPE_HD inline int truncated(float a) { return static_cast<int>(a); }
 WARPSCOPE_HD inline float converted(int a) { return static_cast<float>(a); }
 
