@@ -156,7 +156,7 @@ RC_GTEST_PROP(SphereFootprint, IsNoLargerThanTheTangentsSay, (uint32_t seed)) {
         const long double slope = (position - 0.5L * sizes[axis]) * edge;
         const long double distance = glm::length(glm::dvec3(sphere.center));
         const long double tangent = std::sqrt(std::max(1e-12L, 1.0L - static_cast<long double>(radius) * radius / (distance * distance)));
-        return 0.05L + 8.0L * kFootprintMargin * (1.0L + slope * slope) * 100.0L / (edge * tangent);
+        return 0.05L + 8.0L * kFootprintMargin * (1.0L + slope * slope) / (edge * tangent);
       };
       const int low = static_cast<int>(std::clamp(std::ceil(span.low - slack(span.low) - 0.5L), 0.0L, static_cast<long double>(sizes[axis])));
       const int high =

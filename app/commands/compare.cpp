@@ -62,6 +62,7 @@ Json toJson(const Comparison& comparison, const Workplace& work, const std::stri
           {"step", work.march.step},
           {"radiusScale", work.march.radiusScale},
           {"pointSize", work.warp.pointSize},
+          {"hits", work.warp.hits},
           {"backend", "cpu"},
           {"openGl", context},
           {"server", {{"marchMs", comparison.frame->timings.marchMs}, {"compactMs", comparison.frame->timings.compactMs}}},

@@ -34,6 +34,7 @@ enum class SphereTracing { lbvh, embree };
 struct WarpSettings {
   int pointSize = 2;                                    ///< pixels, 1..16, for `points`
   SphereTracing sphereTracing = SphereTracing::lbvh;    ///< for `spheres`
+  int hits = 4;                                         ///< along a ray, 1..kMaxHits, for `multihit`
   MarchSettings reference;                              ///< for `reference`
 
   bool operator==(const WarpSettings&) const = default;
