@@ -107,6 +107,7 @@ TEST_F(Refusal, NumbersOutOfRange) {
       {{"--size", "axb"}, "WxH"},                  {{"--size", "10x"}, "WxH"},                {{"--size", "-10x10"}, "WxH"},
       {{"--size", "10x10x10"}, "WxH"},             {{"--size", "10x10 "}, "WxH"},             {{"--size", "4294967306x10"}, "WxH"},
       {{"--size", ""}, "WxH"},                     {{"--point-size", "0"}, "1 and 16"},       {{"--point-size", "17"}, "1 and 16"},
+      {{"--hits", "0"}, "1 and 16"},               {{"--hits", "17"}, "1 and 16"},            {{"--hits", "x"}, "--hits"},
       {{"--point-size", "2.5"}, "point-size"},     {{"--step", "0"}, "step"},                 {{"--step", "nan"}, "step"},
       {{"--step", "1e-9"}, "1e-09"},               {{"--step", "-1"}, "step"},                {{"--radius-scale", "0"}, "radius scale"},
       {{"--seed", "-1"}, "seed"},                  {{"--seed", "99999999999"}, "seed"},       {{"--volume-size", "0x1x1"}, "XxYxZ"},

@@ -240,9 +240,11 @@ TEST(Warp, SpheresAroundTheEyeAreLookedThrough) {
   const Stage stage = syntheticStage();
   const Camera camera = frontCamera(64, 64);
   const SampleFramePtr frame = makeFrame(camera, {{{0.0f, 0.0f, 9.5f}, 2.0f}, {{0.0f, 0.0f, 0.0f}, 4.0f}});
-  const WarpedImage image = stage.draw("spheres", frame, camera);
-  for (const uint32_t id : image.samples) ASSERT_NE(id, 0u);
-  EXPECT_EQ(image.samples(32, 32), 1u);
+  for (const char* technique : {"spheres", "splats", "multihit"}) {
+    const WarpedImage image = stage.draw(technique, frame, camera);
+    for (const uint32_t id : image.samples) ASSERT_NE(id, 0u) << technique;
+    EXPECT_EQ(image.samples(32, 32), 1u) << technique;
+  }
 }
 
 // --- 53: equal depths
@@ -309,6 +311,38 @@ TEST(Warp, EmbreeAndLbvhSeeTheSameOnRealFrames) {
                                              << ids[0] << " " << ids[1] << ", t " << t[0] << " " << t[1];
         }
       EXPECT_LT(different, 100u) << builtin.name << ", " << turn << " degrees";
+    }
+  }
+}
+
+/// Splats, and the first hit of several, are the traced picture: sample for sample and bit for bit.
+TEST(Warp, SplatsAndOneHitShowWhatSpheresShow) {
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Stage stage(smallScene(builtin.name, 64));
+    const SampleFramePtr frame = stage.frame(stage.camera(320, 240), stage.scene().march);
+    for (const double turn : {0.0, 12.0, -40.0, 170.0}) {
+      SCOPED_TRACE(builtin.name + ", " + std::to_string(turn) + " degrees");
+      const Camera camera = stage.camera(301, 243, turn);
+      const WarpedImage spheres = stage.draw("spheres", frame, camera);
+      const WarpedImage splats = stage.draw("splats", frame, camera);
+      EXPECT_GT(coveredPixels(spheres), 1000u);
+      EXPECT_EQ(splats.samples, spheres.samples);
+      EXPECT_EQ(splats.color, spheres.color);
+      WarpSettings settings;
+      settings.hits = 1;
+      const WarpedImage oneHit = stage.draw("multihit", frame, camera, settings);
+      EXPECT_EQ(oneHit.samples, spheres.samples);
+      EXPECT_EQ(oneHit.color, spheres.color);
+      // More hits see the same sample first, and never less of the volume.
+      const WarpedImage fourHits = stage.draw("multihit", frame, camera);
+      EXPECT_EQ(fourHits.samples, spheres.samples);
+      size_t more = 0, less = 0;
+      for (size_t i = 0; i < spheres.color.size(); ++i) {
+        more += fourHits.color[i].a > spheres.color[i].a;
+        less += fourHits.color[i].a < spheres.color[i].a;
+      }
+      EXPECT_EQ(less, 0u);
+      EXPECT_GT(more, 100u);
     }
   }
 }
@@ -449,6 +483,12 @@ TEST(Warp, SettingsOutOfRangeAreRefused) {
     EXPECT_THROW(validate(settings), UsageError) << size;
   }
   settings.pointSize = 16;
+  EXPECT_NO_THROW(validate(settings));
+  for (const int hits : {0, 17, -1}) {
+    settings.hits = hits;
+    EXPECT_THROW(validate(settings), UsageError) << hits;
+  }
+  settings.hits = 16;
   EXPECT_NO_THROW(validate(settings));
 }
 

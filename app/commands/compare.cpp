@@ -62,6 +62,7 @@ Json toJson(const Comparison& comparison, const Workplace& work, std::string_vie
           {"step", work.march.step},
           {"radiusScale", work.march.radiusScale},
           {"pointSize", work.warp.pointSize},
+          {"hits", work.warp.hits},
           {"backend", backend},
           {"openGl", context},
           {"server", {{"marchMs", comparison.frame->timings.marchMs}, {"compactMs", comparison.frame->timings.compactMs}}},

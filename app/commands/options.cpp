@@ -87,6 +87,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--radius-scale", options.radiusScale, "Factor on the radius");
   command.add_option("--step", options.step, "Distance of samples along a ray, in voxels");
   command.add_option("--point-size", options.pointSize, "Pixels, 1 to 16, for points")->capture_default_str();
+  command.add_option("--hits", options.hits, "Samples blended along a ray, 1 to 16, for multihit")->capture_default_str();
   command.add_option("--bvh", options.bvh, "Hierarchy that spheres are traced with: lbvh embree")->capture_default_str();
   command.add_option("--backend", options.backend, "auto cpu cuda")->capture_default_str();
   command.add_option("--gl", options.gl, "OpenGL without a window: auto egl osmesa")->capture_default_str();
@@ -110,6 +111,7 @@ CheckedOptions check(const CommonOptions& options) {
   checked.backend = choose("backend", options.backend, kBackends);
   checked.warp.sphereTracing = choose("hierarchy", options.bvh, kSphereTracings);
   checked.warp.pointSize = options.pointSize;
+  checked.warp.hits = options.hits;
   if (!options.heuristic.empty()) checked.heuristic = choose("heuristic", options.heuristic, kHeuristics);
   if (!options.radius.empty()) checked.radius = choose("radius policy", options.radius, kRadiusPolicies);
   if (options.step) checked.step = static_cast<float>(*options.step);

@@ -24,7 +24,8 @@ struct CommonOptions {
   std::string size = "1024x1024";
   std::string uncovered;
   std::optional<double> fovYDeg, step, radiusScale;
-  int pointSize = 2;
+  int pointSize = WarpSettings{}.pointSize;
+  int hits = WarpSettings{}.hits;
   uint32_t seed = 1;
   bool json = false, quiet = false, verbose = false;
 };

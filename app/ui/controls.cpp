@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/ui/parts.h"
+#include "render/warp/multihit/nearest_hits.h"
 
 namespace warpscope::ui {
 namespace {
@@ -103,6 +104,10 @@ void drawDisplay(const Session& session, Knobs& knobs, std::array<float, 3>& mar
     }
     ImGui::EndCombo();
   }
+
+  label("Hits", look);
+  ImGui::SliderInt("##hits", &knobs.warp.hits, 1, kMaxHits, "%d", ImGuiSliderFlags_AlwaysClamp);
+  tooltip("How many samples along each ray the technique Multihit blends, the nearest in front.", look);
 
   label("Pixels", look);
   const auto pixelsText = [](uint32_t pixels) {

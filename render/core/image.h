@@ -24,6 +24,13 @@ class Image {
     pixels_.assign(size_t{width} * height, value);
   }
 
+  /// Gives the image a new size; what its pixels hold is for the caller to write. Cheaper than resize where the size stays.
+  void reshape(uint32_t width, uint32_t height) {
+    width_ = width;
+    height_ = height;
+    pixels_.resize(size_t{width} * height);
+  }
+
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
   size_t size() const { return pixels_.size(); }

@@ -22,6 +22,10 @@ namespace xsimd {
 inline batch<float> minOf(const batch<float>& a, const batch<float>& b) { return min(a, b); }
 inline batch<float> maxOf(const batch<float>& a, const batch<float>& b) { return max(a, b); }
 inline batch<int32_t> minOf(const batch<int32_t>& a, const batch<int32_t>& b) { return min(a, b); }
+inline batch<float> sqrtOf(const batch<float>& a) { return sqrt(a); }
+inline batch<float> selected(const batch_bool<float>& condition, const batch<float>& ifTrue, const batch<float>& ifFalse) {
+  return select(condition, ifTrue, ifFalse);
+}
 inline batch<int32_t> truncated(const batch<float>& a) { return to_int(a); }
 inline batch<float> converted(const batch<int32_t>& a) { return to_float(a); }
 

@@ -4,7 +4,9 @@
 #include "render/cuda/gl_interop.h"
 #include "render/cuda/pinned_memory.h"
 #include "render/march/marcher_cuda.h"
+#include "render/warp/multihit_warp_cuda.h"
 #include "render/warp/spheres_warp_cuda.h"
+#include "render/warp/splats_warp_cuda.h"
 
 namespace warpscope {
 namespace {
@@ -25,6 +27,8 @@ std::pmr::memory_resource* pinnedMemory() { refuse(); }
 }  // namespace cuda
 
 MarcherPtr makeCudaMarcher(VolumePtr, TransferFunction) { refuse(); }
+std::unique_ptr<Warp> makeCudaMultihitWarp() { refuse(); }
 std::unique_ptr<Warp> makeCudaSpheresWarp() { refuse(); }
+std::unique_ptr<Warp> makeCudaSplatsWarp() { refuse(); }
 
 }  // namespace warpscope

@@ -8,9 +8,12 @@
 #include "render/cuda/devices.h"
 #include "render/warp/fallback_warp.h"
 #include "render/warp/hold_warp.h"
+#include "render/warp/multihit/nearest_hits.h"
+#include "render/warp/multihit_warp.h"
 #include "render/warp/points_warp.h"
 #include "render/warp/reference_warp.h"
 #include "render/warp/spheres_warp.h"
+#include "render/warp/splats_warp.h"
 
 namespace warpscope {
 namespace {
@@ -20,6 +23,9 @@ constexpr WarpDescriptor kWarps[] = {
     {"hold", "Hold", "the last image, not warped: what image-streaming viewers show", true, false, makeHoldWarp},
     {"points", "Points", "OpenGL points of a fixed size in pixels (2012)", true, false, makePointsWarp},
     {"spheres", "Spheres", "first hit of rays with spheres over an LBVH (2020)", true, true, makeSpheresWarp},
+    {"splats", "Splats", "the picture of spheres without a hierarchy: each is intersected with the pixels that it may cover", true, true,
+     makeSplatsWarp},
+    {"multihit", "Multihit", "the nearest few spheres along each ray, blended", true, true, makeMultihitWarp},
 };
 
 }  // namespace
@@ -49,15 +55,17 @@ std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResou
 void validate(const WarpSettings& settings) {
   if (settings.pointSize < 1 || settings.pointSize > 16)
     throw UsageError("the point size must be between 1 and 16 pixels, not " + std::to_string(settings.pointSize));
+  if (settings.hits < 1 || settings.hits > kMaxHits)
+    throw UsageError("the hits along a ray must be between 1 and " + std::to_string(kMaxHits) + ", not " + std::to_string(settings.hits));
   validate(settings.reference);
 }
 
 void resolveColors(const SampleFrame& frame, const Image<uint32_t>& samples, Image<glm::vec4>& color) {
-  color.resize(samples.width(), samples.height());
+  color.reshape(samples.width(), samples.height());
   const ColorTables& tables = ColorTables::instance();
   parallelForRanges(samples.size(), 1 << 15, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      if (samples[i] < frame.size()) color[i] = tables.decode(frame.colors[samples[i]]);
+      color[i] = samples[i] < frame.size() ? tables.decode(frame.colors[samples[i]]) : glm::vec4(0.0f);
   });
 }
 

@@ -50,6 +50,7 @@ inline constexpr std::array<NamedValue<SphereTracing>, 4> kSphereTracings{{
 struct WarpSettings {
   int pointSize = 2;                                    ///< pixels, 1..16, for `points`
   SphereTracing sphereTracing = SphereTracing::automatic;    ///< for `spheres`
+  int hits = 4;                                         ///< along a ray, 1..kMaxHits, for `multihit`
   MarchSettings reference;                              ///< for `reference`
 
   bool operator==(const WarpSettings&) const = default;

@@ -1,4 +1,4 @@
-// Builds and traces a frame's cloud of spheres with the hierarchy and with Embree, side by side.
+// Builds and traces a frame's cloud of spheres with the hierarchy, with Embree and by splats, side by side.
 // Every picture is checked before anything is timed: a benchmark of a wrong picture says nothing.
 #include <benchmark/benchmark.h>
 
@@ -9,6 +9,7 @@
 
 #include "render/warp/lbvh/embree_tracer.h"
 #include "render/warp/lbvh/sphere_tracer.h"
+#include "render/warp/splats/splat_tracer.h"
 #include "tests/sphere_clouds.h"
 
 namespace warpscope {
@@ -32,14 +33,16 @@ SphereTracer& builtTracer() {
   return *tracer;
 }
 
-/// Brute force on a few pixels, Embree on all: at most one pixel in a thousand may differ (silhouettes and ties within
+/// Brute force on a few pixels, splats bit for bit and Embree on all: at most one pixel in a thousand may differ (silhouettes and ties within
 /// rounding).
 void checkPictures() {
   for (const float angleDeg : {0.0f, 25.0f, 60.0f}) {
-    Image<uint32_t> lbvh, embree, brute, few;
+    Image<uint32_t> lbvh, embree, splats, brute, few;
     const Camera camera = orbitCamera(kDistance, angleDeg, kSide, kSide);
     builtTracer<LbvhTracer>().trace(camera, lbvh, nullptr, {});
     builtTracer<EmbreeTracer>().trace(camera, embree, nullptr, {});
+    builtTracer<SplatTracer>().trace(camera, splats, nullptr, {});
+    if (!(splats == lbvh)) throw std::runtime_error("the splats' picture differs from the hierarchy's");
     size_t different = 0;
     for (size_t i = 0; i < lbvh.size(); ++i) different += lbvh[i] != embree[i];
     if (different * 1000 > lbvh.size()) throw std::runtime_error("the hierarchy's picture differs from Embree's");
@@ -70,20 +73,14 @@ void traceCloud(benchmark::State& state) {
 
 BENCHMARK(buildCloud<LbvhTracer>)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 BENCHMARK(buildCloud<EmbreeTracer>)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
-BENCHMARK(traceCloud<LbvhTracer>)
-    ->Arg(0)
-    ->Arg(25)
-    ->Arg(60)
-    ->Unit(benchmark::kMillisecond)
-    ->MeasureProcessCPUTime()
-    ->UseRealTime();
-BENCHMARK(traceCloud<EmbreeTracer>)
-    ->Arg(0)
-    ->Arg(25)
-    ->Arg(60)
-    ->Unit(benchmark::kMillisecond)
-    ->MeasureProcessCPUTime()
-    ->UseRealTime();
+void viewAngles(benchmark::internal::Benchmark* bench) {
+  for (const int angleDeg : {0, 25, 60}) bench->Arg(angleDeg);
+  bench->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+}
+
+BENCHMARK(traceCloud<LbvhTracer>)->Apply(viewAngles);
+BENCHMARK(traceCloud<EmbreeTracer>)->Apply(viewAngles);
+BENCHMARK(traceCloud<SplatTracer>)->Apply(viewAngles);
 
 }  // namespace
 }  // namespace warpscope

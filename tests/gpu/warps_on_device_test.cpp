@@ -10,6 +10,9 @@
 #include "render/march/marcher_cpu.h"
 #include "render/march/marcher_cuda.h"
 #include "render/warp/lbvh/sphere_tracer.h"
+#include "render/warp/multihit/nearest_hits.h"
+#include "render/warp/multihit_warp.h"
+#include "render/warp/multihit_warp_cuda.h"
 #include "render/warp/spheres_warp_cuda.h"
 #include "render/warp/splats_warp_cuda.h"
 #include "tests/gpu/agreement.h"
@@ -33,6 +36,9 @@ std::vector<Contender> contenders() {
   settings.sphereTracing = SphereTracing::lbvh;
   all.push_back({"lbvh", makeCudaSpheresWarp(), settings});
   all.push_back({"splats", makeCudaSplatsWarp(), {}});
+  settings = {};
+  settings.hits = 1;
+  all.push_back({"multihit of one", makeCudaMultihitWarp(), settings});
   return all;
 }
 
@@ -107,6 +113,31 @@ TEST(WarpsOnDevice, CloudsOfEveryShapeAndSize) {
       cameras.push_back(orbitCamera(300.0f, 45.0f, 1, 1));
       expectCpusIds(frame, cameras, all);
     }
+}
+
+TEST(WarpsOnDevice, SeveralHitsAreTheCpus) {
+  WARPSCOPE_NEEDS_GPU();
+  const std::unique_ptr<Warp> onCpu = makeMultihitWarp({});
+  const std::unique_ptr<Warp> onDevice = makeCudaMultihitWarp();
+  for (const CloudShape shape : kCloudShapes) {
+    SampleFramePtr frame = frameOf(makeCloud(shape, 20000, 100.0f, 11));
+    auto translucent = std::make_shared<SampleFrame>(*frame);
+    for (size_t i = 0; i < translucent->size(); ++i) translucent->colors[i] = (translucent->colors[i] & 0xffffffu) | static_cast<Rgba8>(i * 37 % 256) << 24;
+    for (int hits = 1; hits <= kMaxHits; ++hits) {
+      SCOPED_TRACE(::testing::Message() << "shape " << static_cast<int>(shape) << ", " << hits << " hits");
+      WarpSettings settings;
+      settings.hits = hits;
+      WarpedImage expected, actual;
+      onCpu->setFrame(translucent, settings);
+      onDevice->setFrame(translucent, settings);
+      for (const Camera& camera : {orbitCamera(300.0f, 20.0f, 193, 161), orbitCamera(5.0f, 100.0f, 97, 101)}) {
+        onCpu->draw(camera, settings, expected);
+        onDevice->draw(camera, settings, actual);
+        ASSERT_TRUE(expected.samples == actual.samples);
+        ASSERT_TRUE(expected.color == actual.color);
+      }
+    }
+  }
 }
 
 TEST(WarpsOnDevice, NearSpheresThatFillTheScreen) {

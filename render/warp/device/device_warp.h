@@ -39,6 +39,8 @@ class DeviceWarp : public Warp {
   virtual bool needsBuild(const WarpSettings&) const { return false; }
   /// True if trace() writes colours; else they are the samples' own.
   virtual bool blends() const { return false; }
+  /// In device memory.
+  const ColorTables* colorTables() const { return colorTables_.data(); }
 
  private:
   void rebuild(const WarpSettings& settings);

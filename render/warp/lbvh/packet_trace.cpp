@@ -26,9 +26,6 @@ constexpr uint32_t kLeafSpheres = 8;
 /// kLbvhMargin covers the exact test and the box test; directions, planes and their products add about as much again.
 constexpr float kPacketMargin = 2.0f * kLbvhMargin;
 
-using IntPack = xsimd::batch<int32_t>;
-static_assert(IntPack::size == kPackLanes);
-
 /// Unit normals of the planes through the eye and one column (or row) of pixel centres each.
 class PlaneFan {
  public:
@@ -85,12 +82,6 @@ Scene makeScene(const LbvhView& view, const Camera& camera) {
           PlaneFan(camera.height, right, -up,
                    [&](uint32_t i) { return forward + (0.5 * camera.height - (i + 0.5)) * edge * up; }),
           kPacketMargin * (eye.x + eye.y + eye.z + view.reach)};
-}
-
-float largestLane(FloatPack pack) {
-  alignas(64) std::array<float, kPackLanes> lanes;
-  pack.store_aligned(lanes.data());
-  return *std::max_element(lanes.begin(), lanes.end());
 }
 
 class TileTracer {
@@ -227,16 +218,13 @@ class TileTracer {
   bool testGroup(uint32_t ray, const glm::vec3& toCenter, float radius, const IntPack& id) {
     const Vec3Pack direction{FloatPack::load_aligned(&directionX_[ray]), FloatPack::load_aligned(&directionY_[ray]),
                              FloatPack::load_aligned(&directionZ_[ray])};
-    const FloatPack t = intersectSpherePack(direction, toCenter, radius);
-    const FloatPack best = FloatPack::load_aligned(&t_[ray]);
-    const IntPack bestId = IntPack::load_aligned(&id_[ray]);
-    // Ids are below 2^31, so that signed comparison orders them; -1 (no hit yet) wins no tie because its distance is
-    // infinite.
-    const FloatMask tie = (t == best) & (t < FloatPack(kNoHit)) & xsimd::bool_cast(id < bestId);
-    const FloatMask closer = (t < best) | tie;
+    const HitPack hit{intersectSpherePack(direction, toCenter, radius), id};
+    const HitPack best{FloatPack::load_aligned(&t_[ray]), IntPack::load_aligned(&id_[ray])};
+    const FloatMask closer = isNearer(hit, best);
     if (!xsimd::any(closer)) return false;
-    xsimd::select(closer, t, best).store_aligned(&t_[ray]);
-    xsimd::select(xsimd::bool_cast(closer), id, bestId).store_aligned(&id_[ray]);
+    const HitPack kept = select(closer, hit, best);
+    kept.t.store_aligned(&t_[ray]);
+    kept.id.store_aligned(&id_[ray]);
     updateGroup(ray);
     return true;
   }

@@ -3,17 +3,21 @@
 // as theirs.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <xsimd/xsimd.hpp>
 
 #include "render/core/camera.h"
+#include "render/core/numeric.h"
 #include "render/core/ray_sphere.h"
 
 namespace warpscope {
 
 using FloatPack = xsimd::batch<float>;
+using IntPack = xsimd::batch<int32_t>;
 using FloatMask = xsimd::batch_bool<float>;
 inline constexpr uint32_t kPackLanes = FloatPack::size;
+static_assert(IntPack::size == kPackLanes);
 
 struct Vec3Pack {
   FloatPack x, y, z;
@@ -50,18 +54,53 @@ inline FloatPack intersectSpherePack(const Vec3Pack& direction, const glm::vec3&
                         toCenter.z - along * direction.z};
   const FloatPack discriminant = radius * radius - dot(offset, offset);
   const FloatPack zero(0.0f);
+  // Where every lane misses, leaving early would cost more in mispredicted branches than it saves.
   const FloatMask hit = (along > zero) & (discriminant >= zero);
-  if (!xsimd::any(hit)) return noHit;
   const FloatPack t = outside / (along + xsimd::sqrt(discriminant));
   return xsimd::select(hit, xsimd::select(t > along, along, t), noHit);
 }
 
+/// What each ray has met: a distance, kNoHit where it has met nothing, and an id below 2^31, -1 where there is none.
+struct HitPack {
+  FloatPack t;
+  IntPack id;
+};
+
+/// Which lanes of `hit` come before those of `best`: nearer, or as near and of a lower id.
+inline FloatMask isNearer(const HitPack& hit, const HitPack& best) {
+  // Ids are below 2^31, so that signed comparison orders them; -1 wins no tie because its distance is infinite.
+  const FloatMask tie = (hit.t == best.t) & (hit.t < FloatPack(kNoHit)) & xsimd::bool_cast(hit.id < best.id);
+  return (hit.t < best.t) | tie;
+}
+
+inline HitPack select(const FloatMask& mask, const HitPack& a, const HitPack& b) {
+  return {xsimd::select(mask, a.t, b.t), xsimd::select(xsimd::bool_cast(mask), a.id, b.id)};
+}
+
+inline float largestLane(const FloatPack& pack) {
+  alignas(64) std::array<float, kPackLanes> lanes;
+  pack.store_aligned(lanes.data());
+  // Halves against each other: few steps that depend on one another.
+  for (uint32_t half = kPackLanes / 2; half > 0; half /= 2)
+    for (uint32_t i = 0; i < half; ++i) lanes[i] = maxOf(lanes[i], lanes[i + half]);
+  return lanes[0];
+}
+
 /// The lanes of a mask as bits, lane 0 lowest.
-inline uint32_t laneBits(FloatMask mask) {
+inline uint32_t laneBits(const FloatMask& mask) {
+  // xsimd 8 has no function for what most processors do in one instruction.
+#if defined(__AVX512F__)
+  return mask.data;
+#elif defined(__AVX__)
+  return static_cast<uint32_t>(_mm256_movemask_ps(mask.data));
+#elif defined(__SSE2__)
+  return static_cast<uint32_t>(_mm_movemask_ps(mask.data));
+#else
   alignas(64) float weights[kPackLanes];
   for (uint32_t i = 0; i < kPackLanes; ++i) weights[i] = static_cast<float>(1u << i);
-  // xsimd 8 has no movemask; sums of distinct powers of two are exact.
+  // Sums of distinct powers of two are exact.
   return static_cast<uint32_t>(xsimd::hadd(xsimd::select(mask, FloatPack::load_aligned(weights), FloatPack(0.0f))));
+#endif
 }
 
 }  // namespace warpscope
