@@ -38,7 +38,7 @@ struct ScalarSource {
     int index[3];
     float weight[3];
     for (int axis = 0; axis < 3; ++axis)
-      axisCell(origin[axis] + lattice.t(i) * direction[axis], n[axis], index[axis], weight[axis]);
+      axisCell(mulAdd(lattice.t(i), direction[axis], origin[axis]), axisEndsOf(n[axis]), index[axis], weight[axis]);
     float corner[8];
     bool allFinite = true;
     for (int k = 0; k < 8; ++k) {
@@ -60,9 +60,19 @@ TransferFunction colourful() {
   return {{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
 }
 
+template <class Voxel>
+std::vector<VoxelCell<Voxel>> voxelCellsOf(const Voxel* voxels, const glm::ivec3& dims) {
+  const glm::ivec3 cells = glm::max(dims - 1, 1);
+  std::vector<VoxelCell<Voxel>> all;
+  for (int z = 0; z < cells.z; ++z)
+    for (int y = 0; y < cells.y; ++y)
+      for (int x = 0; x < cells.x; ++x) all.push_back(voxelCellAt(voxels, dims, {x, y, z}));
+  return all;
+}
+
 /// The source for devices, on the host.
 Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunction& function, const Camera& camera,
-                                        const MarchSettings& settings) {
+                                        const MarchSettings& settings, bool byCells) {
   const MarchedVolume marched(VolumePtr(&volume, [](const Volume*) {}), function);
   const BakedTransfer baked = bakeTransfer(marched, settings.step);
   Image<glm::vec4> image(camera.width, camera.height);
@@ -95,10 +105,18 @@ Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunc
     view.table = baked.table.entries.data();
     view.tableAlpha = baked.alphas.data();
     view.cells.distances = baked.emptyDistances.data();
-    if (volume.statistics().nonFinite > 0)
-      renderWith(std::type_identity<ScalarVolumeSource<Kept, true>>{}, view);
-    else
-      renderWith(std::type_identity<ScalarVolumeSource<Kept, false>>{}, view);
+    std::vector<VoxelCell<Kept>> blends;
+    if (byCells) {
+      blends = voxelCellsOf(kept.data(), view.dims);
+      view.blends = blends.data();
+    }
+    const auto renderFrom = [&]<bool kByCells>() {
+      if (volume.statistics().nonFinite > 0)
+        renderWith(std::type_identity<ScalarVolumeSource<Kept, true, kByCells>>{}, view);
+      else
+        renderWith(std::type_identity<ScalarVolumeSource<Kept, false, kByCells>>{}, view);
+    };
+    byCells ? renderFrom.template operator()<true>() : renderFrom.template operator()<false>();
   });
   return image;
 }
@@ -150,7 +168,8 @@ TEST_P(VolumeSourceOf, BatchesAreTheScalarFormulaBitForBit) {
         SCOPED_TRACE(::testing::Message() << dims.x << "x" << dims.y << "x" << dims.z << ", step " << step);
         const Image<glm::vec4> expected = renderedOneByOne(*volume, function, camera, settings);
         ASSERT_TRUE(sameBits(rendered(*marcher, camera, settings), expected));
-        ASSERT_TRUE(sameBits(renderedByScalarSource(*volume, function, camera, settings), expected));
+        for (const bool byCells : {false, true})
+          ASSERT_TRUE(sameBits(renderedByScalarSource(*volume, function, camera, settings, byCells), expected)) << "by cells: " << byCells;
       }
     }
   }
@@ -170,7 +189,8 @@ TEST(VolumeSource, BatchesWithHolesAreTheScalarFormulaBitForBit) {
     const Image<glm::vec4> image = rendered(*marcher, camera);
     EXPECT_GT(largestAlpha(image), 0.1f);
     EXPECT_TRUE(sameBits(image, renderedOneByOne(*volume, colourful(), camera, {})));
-    EXPECT_TRUE(sameBits(image, renderedByScalarSource(*volume, colourful(), camera, {})));
+    for (const bool byCells : {false, true})
+      EXPECT_TRUE(sameBits(image, renderedByScalarSource(*volume, colourful(), camera, {}, byCells))) << "by cells: " << byCells;
   }
 }
 
@@ -181,7 +201,7 @@ TEST(VoxelAccess, InterpolatesBetweenCentresAndIsConstantBeyondThem) {
     for (float coordinate = -0.5f; coordinate <= static_cast<float>(voxels) - 0.5f; coordinate += 0.0625f) {
       int index = -1;
       float weight = -1.0f;
-      axisCell(coordinate, voxels, index, weight);
+      axisCell(coordinate, axisEndsOf(voxels), index, weight);
       const float clamped = std::min(std::max(coordinate, 0.0f), static_cast<float>(voxels - 1));
       EXPECT_EQ(static_cast<float>(index) + weight, clamped);
       EXPECT_GE(weight, 0.0f);
@@ -191,7 +211,7 @@ TEST(VoxelAccess, InterpolatesBetweenCentresAndIsConstantBeyondThem) {
     }
   int index = -1;
   float weight = -1.0f;
-  axisCell(std::nanf(""), 9, index, weight);
+  axisCell(std::nanf(""), axisEndsOf(9), index, weight);
   EXPECT_EQ(index, 0);
   EXPECT_EQ(weight, 0.0f);
 }

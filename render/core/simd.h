@@ -19,6 +19,7 @@ inline constexpr int kBatchLanes = static_cast<int>(FloatBatch::size);
 // Templates find these by the namespace of their arguments, wherever they were defined.
 namespace xsimd {
 
+inline batch<float> mulAdd(const batch<float>& a, const batch<float>& b, const batch<float>& c) { return fma(a, b, c); }
 inline batch<float> minOf(const batch<float>& a, const batch<float>& b) { return min(a, b); }
 inline batch<float> maxOf(const batch<float>& a, const batch<float>& b) { return max(a, b); }
 inline batch<int32_t> minOf(const batch<int32_t>& a, const batch<int32_t>& b) { return min(a, b); }

@@ -2,6 +2,9 @@
 // See device_volume.h.
 #include "render/march/device_volume.h"
 
+#include <algorithm>
+#include <type_traits>
+
 namespace warpscope {
 namespace {
 
@@ -12,6 +15,32 @@ template <class Voxel>
 __global__ void toUnit(const Voxel* voxels, UnitVoxel* units, size_t count, ValueScale scale) {
   const size_t i = size_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (i < count) units[i] = {unitFromVoxel(voxels[i], scale)};
+}
+
+template <class Voxel>
+__global__ void toCells(const Voxel* voxels, VoxelCell<Voxel>* cells, glm::ivec3 dims, glm::ivec3 cellDims) {
+  const int x = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+  if (x >= cellDims.x) return;
+  for (int z = static_cast<int>(blockIdx.z); z < cellDims.z; z += static_cast<int>(gridDim.z))
+    for (int y = static_cast<int>(blockIdx.y); y < cellDims.y; y += static_cast<int>(gridDim.y))
+      cells[(size_t(z) * cellDims.y + y) * cellDims.x + x] = voxelCellAt(voxels, dims, {x, y, z});
+}
+
+/// The volume in cells, if the device has room for them beside the voxels and for what else it is to do.
+template <class Voxel>
+bool makeCells(const Voxel* voxels, const glm::ivec3& dims, cuda::DeviceBuffer<std::byte>& bytes, cudaStream_t stream) {
+  const glm::ivec3 cellDims = glm::max(dims - 1, 1);
+  const size_t wanted = size_t(cellDims.x) * cellDims.y * cellDims.z * sizeof(VoxelCell<Voxel>);
+  size_t freeBytes = 0, totalBytes = 0;
+  WARPSCOPE_CUDA_CHECK(cudaMemGetInfo(&freeBytes, &totalBytes));
+  if (wanted > DeviceVolume::kMostCellBytes || wanted > freeBytes / 2) return false;
+  bytes = cuda::DeviceBuffer<std::byte>(wanted);
+  constexpr unsigned kThreads = 128;
+  constexpr unsigned kMostBlocks = 65535;
+  const dim3 grid(cuda::blocksFor(cellDims.x, kThreads), std::min<unsigned>(cellDims.y, kMostBlocks), std::min<unsigned>(cellDims.z, kMostBlocks));
+  toCells<<<grid, kThreads, 0, stream>>>(voxels, reinterpret_cast<VoxelCell<Voxel>*>(bytes.data()), dims, cellDims);
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  return true;
 }
 
 }  // namespace
@@ -36,6 +65,13 @@ DeviceVolume::DeviceVolume(const Volume& volume) : type_(volume.type()), hasHole
         toUnit<<<cuda::blocksFor(size, kThreads), kThreads, 0, stream>>>(chunk.data(), units + first, size, scale);
         WARPSCOPE_CUDA_CHECK_LAUNCH();
       }
+    }
+    using Kept = std::conditional_t<kNormalizeFirst<Voxel>, UnitVoxel, Voxel>;
+    cuda::DeviceBuffer<std::byte> cells;
+    isInCells_ = makeCells(reinterpret_cast<const Kept*>(bytes_.data()), glm::ivec3(volume.dims()), cells, stream);
+    if (isInCells_) {
+      stream.synchronize();  // the voxels go
+      bytes_ = std::move(cells);
     }
   });
   stream.synchronize();

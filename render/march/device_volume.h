@@ -1,5 +1,6 @@
 // A volume in device memory. For .cu files and what they include.
-// 8- and 16-bit voxels stay as they are; wider ones become fractions of the volume's range (UnitVoxel), as interpolation wants them.
+// 8- and 16-bit voxels stay as they are; wider ones become fractions of the volume's range (UnitVoxel), as interpolation wants them. Where
+// there is room for eight times the volume, it is kept as cells (VoxelCell): one wide load a sample instead of eight narrow ones.
 #pragma once
 
 #include <memory>
@@ -15,29 +16,43 @@ class DeviceVolume {
   /// Copies the voxels to the current device. Throws DeviceError.
   explicit DeviceVolume(const Volume& volume);
 
+  /// Cells may take at most this much memory; larger volumes are kept as voxels.
+  static constexpr size_t kMostCellBytes = size_t{1} << 31;
+
   VoxelType type() const { return type_; }
   /// Some voxels are not finite.
   bool hasHoles() const { return hasHoles_; }
+  bool isInCells() const { return isInCells_; }
+  /// Null if the volume is kept in cells.
   template <class Voxel>
   const Voxel* voxelsAs() const {
-    return reinterpret_cast<const Voxel*>(bytes_.data());
+    return isInCells_ ? nullptr : reinterpret_cast<const Voxel*>(bytes_.data());
+  }
+  /// Null unless the volume is kept in cells.
+  template <class Voxel>
+  const VoxelCell<Voxel>* cellsAs() const {
+    return isInCells_ ? reinterpret_cast<const VoxelCell<Voxel>*>(bytes_.data()) : nullptr;
   }
 
  private:
   VoxelType type_;
   bool hasHoles_;
+  bool isInCells_ = false;
   cuda::DeviceBuffer<std::byte> bytes_;
 };
 
-/// Calls `f.operator()<Voxel, kHasHoles>()` with what the device keeps of `volume`.
+/// Calls `f.operator()<Voxel, kHasHoles, kByCells>()` with what the device keeps of `volume`.
 template <class F>
 void visitDeviceVoxels(const DeviceVolume& volume, F&& f) {
+  const auto visit = [&]<class Voxel, bool kHasHoles>() {
+    volume.isInCells() ? f.template operator()<Voxel, kHasHoles, true>() : f.template operator()<Voxel, kHasHoles, false>();
+  };
   switch (volume.type()) {
-    case VoxelType::uint8: return f.template operator()<uint8_t, false>();
-    case VoxelType::int8: return f.template operator()<int8_t, false>();
-    case VoxelType::uint16: return f.template operator()<uint16_t, false>();
-    case VoxelType::int16: return f.template operator()<int16_t, false>();
-    default: return volume.hasHoles() ? f.template operator()<UnitVoxel, true>() : f.template operator()<UnitVoxel, false>();
+    case VoxelType::uint8: return visit.template operator()<uint8_t, false>();
+    case VoxelType::int8: return visit.template operator()<int8_t, false>();
+    case VoxelType::uint16: return visit.template operator()<uint16_t, false>();
+    case VoxelType::int16: return visit.template operator()<int16_t, false>();
+    default: return volume.hasHoles() ? visit.template operator()<UnitVoxel, true>() : visit.template operator()<UnitVoxel, false>();
   }
 }
 

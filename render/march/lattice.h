@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "render/core/box.h"
+#include "render/core/numeric.h"
 
 namespace warpscope {
 
@@ -19,7 +20,7 @@ struct RayLattice {
     return i + 1 < count ? dt : static_cast<float>(static_cast<double>(length) - static_cast<double>(count - 1) * dt);
   }
   WARPSCOPE_HD float t(int i) const {
-    return i + 1 < count ? t0 + (static_cast<float>(i) + 0.5f) * dt : t0 + (length - 0.5f * stepLength(i));
+    return i + 1 < count ? mulAdd(static_cast<float>(i) + 0.5f, dt, t0) : t0 + (length - 0.5f * stepLength(i));
   }
 };
 

@@ -25,15 +25,15 @@ __device__ inline PixelRay rayThrough(const Job& job, const PixelPlace& pixel) {
   return through;
 }
 
-template <class Depth, class Voxel, bool kHasHoles>
-__global__ void __launch_bounds__(kTileBlockThreads) marchSamples(const __grid_constant__ MarchJob<Voxel> job) {
+template <class Depth, class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads, 8) marchSamples(const __grid_constant__ MarchJob<Voxel> job) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const auto [ray, lattice] = rayThrough(job, pixel);
   RayColor gathered;
   ProfileFold profile;
   auto fold = Depth::start(job.threshold, profile);
-  ScalarVolumeSource<Voxel, kHasHoles> source(job.view, ray, lattice);
+  ScalarVolumeSource<Voxel, kHasHoles, kByCells> source(job.view, ray, lattice);
   marchRay(lattice, 0, lattice.count, source, job.contribution, job.stopBelow, gathered, [&](const CountingSample& sample) {
     if constexpr (Depth::kTwoPass)
       profile.add(sample);
@@ -45,7 +45,7 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchSamples(const __grid_c
     if (profile.any) {  // again, up to where the fold has what it wants
       fold = Depth::start(job.threshold, profile);
       RayOpacity opacity;
-      ScalarVolumeSource<Voxel, kHasHoles> again(job.view, ray, lattice);
+      ScalarVolumeSource<Voxel, kHasHoles, kByCells> again(job.view, ray, lattice);
       marchRay(lattice, 0, lattice.count, again, job.contribution, job.stopBelow, opacity, [&](const CountingSample& sample) {
         fold.add(sample);
         return !fold.crossed;
@@ -59,25 +59,25 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchSamples(const __grid_c
   job.colors[i] = job.colorTables->encode(color);
 }
 
-template <class Voxel, bool kHasHoles>
-__global__ void __launch_bounds__(kTileBlockThreads) marchColors(const __grid_constant__ MarchJob<Voxel> job) {
+template <class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads, 8) marchColors(const __grid_constant__ MarchJob<Voxel> job) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const auto [ray, lattice] = rayThrough(job, pixel);
   RayColor gathered;
-  ScalarVolumeSource<Voxel, kHasHoles> source(job.view, ray, lattice);
+  ScalarVolumeSource<Voxel, kHasHoles, kByCells> source(job.view, ray, lattice);
   marchRay(lattice, 0, lattice.count, source, job.contribution, job.stopBelow, gathered,
            [](const CountingSample&) { return true; });
   job.image[size_t{pixel.y} * job.camera.width + pixel.x] = gathered.premultiplied();
 }
 
-template <class Voxel, bool kHasHoles>
+template <class Voxel, bool kHasHoles, bool kByCells>
 void launchMarch(const MarchJob<Voxel>& job, std::optional<Heuristic> heuristic, cudaStream_t stream) {
   const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
   if (heuristic)
-    visitHeuristic(*heuristic, [&](auto depth) { marchSamples<decltype(depth), Voxel, kHasHoles><<<grid, kTileBlockThreads, 0, stream>>>(job); });
+    visitHeuristic(*heuristic, [&](auto depth) { marchSamples<decltype(depth), Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job); });
   else
-    marchColors<Voxel, kHasHoles><<<grid, kTileBlockThreads, 0, stream>>>(job);
+    marchColors<Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 

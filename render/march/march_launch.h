@@ -31,8 +31,8 @@ struct MarchJob {
   glm::vec4* image = nullptr;
 };
 
-/// Marches samples by `heuristic`, or colours alone without one. Voxel and kHasHoles: those of visitDeviceVoxels.
-template <class Voxel, bool kHasHoles>
+/// Marches samples by `heuristic`, or colours alone without one. The parameters: those of visitDeviceVoxels.
+template <class Voxel, bool kHasHoles, bool kByCells>
 void launchMarch(const MarchJob<Voxel>& job, std::optional<Heuristic> heuristic, cudaStream_t stream);
 
 }  // namespace warpscope

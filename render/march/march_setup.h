@@ -56,6 +56,7 @@ VolumeView<Voxel> makeVolumeView(const MarchedVolume& marched) {
   const Volume& volume = *marched.volume;
   VolumeView<Voxel> view;
   view.dims = glm::ivec3(volume.dims());
+  for (int axis = 0; axis < 3; ++axis) view.ends[axis] = axisEndsOf(view.dims[axis]);
   view.scale = valueScaleOf(volume.statistics());
   view.lower = volume.bounds().lower;
   view.voxelsPerUnit = 1.0f / volume.geometry().voxelEdges();

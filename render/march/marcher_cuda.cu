@@ -102,10 +102,11 @@ class CudaMarcher final : public Marcher {
 
   void launch(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop, std::optional<Heuristic> heuristic,
               const SampleRule* rule) {
-    visitDeviceVoxels(*deviceVolume_, [&]<class Voxel, bool kHasHoles>() {
+    visitDeviceVoxels(*deviceVolume_, [&]<class Voxel, bool kHasHoles, bool kByCells>() {
       MarchJob<Voxel> job;
       job.view = makeVolumeView<Voxel>(*marched_);
       job.view.voxels = deviceVolume_->voxelsAs<Voxel>();
+      job.view.blends = deviceVolume_->cellsAs<Voxel>();
       job.view.table = table_.data();
       job.view.tableAlpha = alphas_.data();
       job.view.cells.distances = settings.skipEmpty ? emptyDistances_.data() : nullptr;
@@ -123,7 +124,7 @@ class CudaMarcher final : public Marcher {
       const uint32_t rows = std::max(1u, kRaysPerLaunch / camera.width);
       for (job.firstRow = 0; job.firstRow < camera.height; job.firstRow = job.endRow) {
         job.endRow = std::min(camera.height, job.firstRow + rows);
-        launchMarch<Voxel, kHasHoles>(job, heuristic, stream_);
+        launchMarch<Voxel, kHasHoles, kByCells>(job, heuristic, stream_);
         if (job.endRow == camera.height || !stop.stop_possible()) continue;
         stream_.synchronize();  // else every launch would be queued before the stop is seen
         if (stop.stop_requested()) throw OperationCancelled();

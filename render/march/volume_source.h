@@ -63,13 +63,13 @@ class VolumeSource {
 
   uint32_t classify(int i, int n) {
     alignas(64) float t[kBatch];
-    for (int k = 0; k < kBatch; ++k) t[k] = lattice_.t0 + (static_cast<float>(i + k) + 0.5f) * lattice_.dt;
+    for (int k = 0; k < kBatch; ++k) t[k] = mulAdd(static_cast<float>(i + k) + 0.5f, lattice_.dt, lattice_.t0);
     if (i + n == lattice_.count) t[n - 1] = lattice_.t(i + n - 1);
     const FloatBatch distance = FloatBatch::load_aligned(t);
     IntBatch index[3];
     FloatBatch weight[3];
     for (int axis = 0; axis < 3; ++axis)
-      axisCell(FloatBatch(origin_[axis]) + distance * FloatBatch(direction_[axis]), view_.dims[axis], index[axis], weight[axis]);
+      axisCell(mulAdd(distance, FloatBatch(direction_[axis]), FloatBatch(origin_[axis])), view_.ends[axis], index[axis], weight[axis]);
     const Voxel* places[kBatch];
     locate(index, places);
     FloatBatch unit;

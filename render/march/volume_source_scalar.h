@@ -9,8 +9,8 @@
 
 namespace warpscope {
 
-/// kHasHoles: some voxels are not finite and are left out of interpolation.
-template <class Voxel, bool kHasHoles>
+/// kHasHoles: some voxels are not finite and are left out of interpolation. kByCells: the view has cells to load from, not voxels.
+template <class Voxel, bool kHasHoles, bool kByCells>
 class ScalarVolumeSource {
  public:
   static constexpr int kBatch = 1;
@@ -34,20 +34,9 @@ class ScalarVolumeSource {
     int index[3];
     float weight[3];
     for (int axis = 0; axis < 3; ++axis)
-      axisCell(origin_[axis] + t * direction_[axis], view_.dims[axis], index[axis], weight[axis]);
-    // From a voxel to the next along each axis, where there is one.
-    const uint32_t dx = view_.dims.x > 1 ? 1 : 0;
-    const uint32_t dy = view_.dims.y > 1 ? static_cast<uint32_t>(view_.dims.x) : 0;
-    const size_t strideZ = static_cast<size_t>(view_.dims.x) * static_cast<size_t>(view_.dims.y);
-    const size_t dz = view_.dims.z > 1 ? strideZ : 0;
-    const Voxel* near = view_.voxels + (static_cast<size_t>(index[2]) * strideZ +
-                                        static_cast<size_t>(index[1]) * static_cast<uint32_t>(view_.dims.x) +
-                                        static_cast<size_t>(index[0]));
-    const Voxel* far = near + dz;
-    const float corner[8] = {interpolant(near[0], view_.scale),       interpolant(near[dx], view_.scale),
-                             interpolant(near[dy], view_.scale),      interpolant(near[dy + dx], view_.scale),
-                             interpolant(far[0], view_.scale),        interpolant(far[dx], view_.scale),
-                             interpolant(far[dy], view_.scale),       interpolant(far[dy + dx], view_.scale)};
+      axisCell(mulAdd(t, direction_[axis], origin_[axis]), view_.ends[axis], index[axis], weight[axis]);
+    float corner[8];
+    load(index, corner);
     float value;
     if constexpr (kHasHoles) {
       value = trilinearOfFinite(corner, weight[0], weight[1], weight[2]);
@@ -61,9 +50,33 @@ class ScalarVolumeSource {
   }
 
   WARPSCOPE_HD float alpha(int) const { return alpha_; }
-  WARPSCOPE_HD glm::vec3 color(int) const { return glm::vec3(view_.table[index_]); }
+  WARPSCOPE_HD glm::vec3 color(int) const {
+#if defined(__CUDA_ARCH__)
+    const float4 entry = reinterpret_cast<const float4*>(view_.table)[index_];  // one wide load; device memory is aligned
+    return {entry.x, entry.y, entry.z};
+#else
+    return glm::vec3(view_.table[index_]);
+#endif
+  }
 
  private:
+  WARPSCOPE_HD void load(const int (&index)[3], float (&corner)[8]) const {
+    const glm::ivec3& dims = view_.dims;
+    if constexpr (kByCells) {
+      // There are never as many cells as 2^32: device_volume.h keeps larger volumes as voxels.
+      const uint32_t row = static_cast<uint32_t>(index[2]) * static_cast<uint32_t>(view_.ends[1].lastCell + 1) + static_cast<uint32_t>(index[1]);
+      const uint32_t cell = row * static_cast<uint32_t>(view_.ends[0].lastCell + 1) + static_cast<uint32_t>(index[0]);
+      interpolantsOf(view_.blends[cell], view_.scale, corner);
+    } else {
+      // From a voxel to the next along each axis, where there is one.
+      const size_t strideZ = static_cast<size_t>(dims.x) * static_cast<size_t>(dims.y);
+      const size_t dx = dims.x > 1 ? 1 : 0, dy = dims.y > 1 ? static_cast<size_t>(dims.x) : 0, dz = dims.z > 1 ? strideZ : 0;
+      const Voxel* first = view_.voxels + (static_cast<size_t>(index[2]) * strideZ +
+                                           static_cast<size_t>(index[1]) * static_cast<uint32_t>(dims.x) + static_cast<size_t>(index[0]));
+      for (int i = 0; i < 8; ++i) corner[i] = interpolant(first[(i & 1 ? dx : 0) + (i & 2 ? dy : 0) + (i & 4 ? dz : 0)], view_.scale);
+    }
+  }
+
   /// What lies in one cell is not looked up again for every sample; looking less often only makes more samples be looked at.
   static constexpr int kSamplesPerLook = 4;
 

@@ -10,8 +10,10 @@ namespace warpscope {
 
 template <class Voxel>
 struct VolumeView {
-  const Voxel* voxels = nullptr;
+  const Voxel* voxels = nullptr;            ///< x fastest, or null if there are
+  const VoxelCell<Voxel>* blends = nullptr;  ///< the cells between voxels: one fewer than voxels along each axis, but at least one
   glm::ivec3 dims{0};
+  AxisEnds ends[3] = {};  ///< of dims
   ValueScale scale;
   glm::vec3 lower{0.0f};          ///< volume-space position of the volume's lower corner
   glm::vec3 voxelsPerUnit{1.0f};  ///< along each axis

@@ -26,13 +26,16 @@ WARPSCOPE_HD inline bool isFiniteVoxel(Voxel voxel) {
 struct ValueScale {
   double lower = 0.0;
   double inverseExtent = 0.0;
+  float lowerFloat = 0.0f;  ///< the same, rounded
+  float inverseExtentFloat = 0.0f;
 };
 
 inline ValueScale valueScaleOf(const VoxelStatistics& statistics) {
   // Halves, because the extent of a double volume may overflow.
   const double half = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower;
   const double inverse = 0.5 / half;
-  return {statistics.rangeLower, half > 0.0 && std::isfinite(2.0 * inverse) ? inverse : 0.0};
+  const double inverseExtent = half > 0.0 && std::isfinite(2.0 * inverse) ? inverse : 0.0;
+  return {statistics.rangeLower, inverseExtent, static_cast<float>(statistics.rangeLower), static_cast<float>(inverseExtent)};
 }
 
 /// True for voxel types whose values float cannot hold: they become fractions before interpolation instead of after it.
@@ -45,7 +48,7 @@ WARPSCOPE_HD inline float unitFromVoxel(Voxel voxel, const ValueScale& scale) {
     // Halves, because the difference of two doubles may overflow.
     return static_cast<float>((0.5 * static_cast<double>(voxel) - 0.5 * scale.lower) * (2.0 * scale.inverseExtent));
   else
-    return (static_cast<float>(voxel) - static_cast<float>(scale.lower)) * static_cast<float>(scale.inverseExtent);
+    return (static_cast<float>(voxel) - scale.lowerFloat) * scale.inverseExtentFloat;
 }
 
 /// What interpolation works on: the voxel itself where float holds it exactly, else its fraction of the range.
@@ -69,21 +72,28 @@ WARPSCOPE_HD inline Float unitFromInterpolant(const Float& value, const ValueSca
   if constexpr (kNormalizeFirst<Voxel>)
     return value;
   else
-    return (value - Float(static_cast<float>(scale.lower))) * Float(static_cast<float>(scale.inverseExtent));
+    return (value - Float(scale.lowerFloat)) * Float(scale.inverseExtentFloat);
 }
 
-/// Where a coordinate lies along an axis of `voxels`: the lower of the two voxels to blend (0 where there is but one), and the upper one's
-/// weight. Float is float or a vector of floats, Int the matching integer.
+/// The ends of an axis.
+struct AxisEnds {
+  float lastVoxel;  ///< as a coordinate
+  int lastCell;     ///< cells lie between voxels; 0 where there is but one voxel
+};
+WARPSCOPE_HD inline AxisEnds axisEndsOf(int voxels) { return {static_cast<float>(voxels - 1), voxels > 1 ? voxels - 2 : 0}; }
+
+/// Where a coordinate lies along an axis: the cell, that is the lower of the two voxels to blend, and the upper one's weight.
+/// Float is float or a vector of floats, Int the matching integer.
 template <class Float, class Int>
-WARPSCOPE_HD inline void axisCell(const Float& coordinate, int voxels, Int& index, Float& weight) {
-  const Float clamped = minOf(maxOf(coordinate, Float(0.0f)), Float(static_cast<float>(voxels - 1)));
-  index = minOf(truncated(clamped), Int(voxels > 1 ? voxels - 2 : 0));
+WARPSCOPE_HD inline void axisCell(const Float& coordinate, const AxisEnds& ends, Int& index, Float& weight) {
+  const Float clamped = minOf(maxOf(coordinate, Float(0.0f)), Float(ends.lastVoxel));
+  index = minOf(truncated(clamped), Int(ends.lastCell));
   weight = clamped - converted(index);
 }
 
 template <class Float>
 WARPSCOPE_HD inline Float lerp(const Float& a, const Float& b, const Float& weight) {
-  return a + weight * (b - a);
+  return mulAdd(weight, b - a, a);
 }
 
 /// The eight values around a place, x fastest, blended.
@@ -92,6 +102,49 @@ WARPSCOPE_HD inline Float trilinear(const Float (&c)[8], const Float& wx, const 
   const Float low = lerp(lerp(c[0], c[1], wx), lerp(c[2], c[3], wx), wy);
   const Float high = lerp(lerp(c[4], c[5], wx), lerp(c[6], c[7], wx), wy);
   return lerp(low, high, wz);
+}
+
+/// The eight voxels that are blended around a place, x fastest: for memory that is plentiful and wants few wide loads.
+template <class Voxel>
+struct alignas(sizeof(Voxel) * 8 < 16 ? sizeof(Voxel) * 8 : 16) VoxelCell {
+  Voxel corners[8];
+};
+
+/// A cell's corners as interpolation wants them. A device has no instruction that turns a byte inside a word into a float, but one that
+/// puts it behind the exponent of 2^23: what is too much is taken away exactly.
+template <class Voxel>
+WARPSCOPE_HD inline void interpolantsOf(const VoxelCell<Voxel>& cell, const ValueScale& scale, float (&corner)[8]) {
+#if defined(__CUDA_ARCH__)
+  if constexpr (std::is_integral_v<Voxel> && sizeof(Voxel) <= 2) {
+    constexpr bool isSigned = std::is_signed_v<Voxel>;
+    constexpr uint32_t half = isSigned ? 1u << (8 * sizeof(Voxel) - 1) : 0u;  // signed ones are moved up, so that none is below 0
+    constexpr uint32_t halves = sizeof(Voxel) == 1 ? half * 0x01010101u : half * 0x00010001u;
+    constexpr uint32_t kWords = 2 * sizeof(Voxel);
+    struct alignas(alignof(VoxelCell<Voxel>)) Words {
+      uint32_t word[kWords];
+    };
+    const Words words = reinterpret_cast<const Words&>(cell);  // one wide load
+    for (uint32_t i = 0; i < 8; ++i) {
+      // Which bytes go where: the voxel's own lowest, then zeros, then 0x4b, the exponent.
+      const uint32_t selector = sizeof(Voxel) == 1 ? 0x7440u + i % 4 : i % 2 == 0 ? 0x7410u : 0x7432u;
+      const uint32_t bits = __byte_perm(words.word[i * kWords / 8] ^ halves, 0x4b000000u, selector);
+      corner[i] = __uint_as_float(bits) - (8388608.0f + static_cast<float>(half));
+    }
+    return;
+  }
+#endif
+  for (int i = 0; i < 8; ++i) corner[i] = interpolant(cell.corners[i], scale);
+}
+
+/// Gathers a cell; an axis with a single voxel takes it twice.
+template <class Voxel>
+WARPSCOPE_HD inline VoxelCell<Voxel> voxelCellAt(const Voxel* voxels, const glm::ivec3& dims, const glm::ivec3& cell) {
+  VoxelCell<Voxel> gathered;
+  for (int i = 0; i < 8; ++i) {
+    const size_t x = cell.x + (i & 1 && dims.x > 1 ? 1 : 0), y = cell.y + (i & 2 && dims.y > 1 ? 1 : 0), z = cell.z + (i & 4 && dims.z > 1 ? 1 : 0);
+    gathered.corners[i] = voxels[(z * dims.y + y) * dims.x + x];
+  }
+  return gathered;
 }
 
 /// trilinear, bit for bit, where all corners are finite; else those that are not have no weight. NaN if they carry half the weight or more.

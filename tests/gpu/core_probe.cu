@@ -12,7 +12,15 @@ __global__ void probe(const CoreProbeInput* inputs, CoreProbeResult* results, si
   if (i < count) results[i] = probeCore(inputs[i]);
 }
 
+__global__ void fail() { __trap(); }
+
 }  // namespace
+
+std::string loseDevice() {
+  fail<<<1, 1>>>();
+  const cudaError_t result = cudaDeviceSynchronize();
+  return result == cudaSuccess ? "" : cudaGetErrorString(result);
+}
 
 std::vector<CoreProbeResult> probeCoreOnDevice(const std::vector<CoreProbeInput>& inputs) {
   constexpr unsigned kThreads = 128;

@@ -2,6 +2,7 @@
 // Compiled by both compilers; the device's answers must be the host's, bit for bit.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "render/core/box.h"
@@ -88,11 +89,14 @@ WARPSCOPE_HD inline CoreProbeResult probeCore(const CoreProbeInput& in) {
   out.transmittance = transmittance.value();
   out.trilinear = trilinear(in.alphas, in.alphas[0], in.alphas[3], in.alphas[6]);
   out.tableIndex = transferIndex(out.trilinear);
-  axisCell(in.point.x, 100, out.axisIndex, out.axisWeight);
+  axisCell(in.point.x, axisEndsOf(100), out.axisIndex, out.axisWeight);
   return out;
 }
 
 /// Evaluates probeCore on the first CUDA device. Throws InputError if that fails.
 std::vector<CoreProbeResult> probeCoreOnDevice(const std::vector<CoreProbeInput>& inputs);
+
+/// Makes a kernel fail in a way that leaves the device useless to this process; returns CUDA's word for it.
+std::string loseDevice();
 
 }  // namespace warpscope

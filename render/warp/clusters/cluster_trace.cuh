@@ -131,7 +131,8 @@ __device__ inline void traceClusters(const ClusterTreeView& tree, const Camera& 
       const float4 sphere = tree.spheres[first + lane];
       const glm::vec3 toCenter = glm::vec3(sphere.x, sphere.y, sphere.z) - camera.eye;
       const float distance = sqrtf(glm::dot(toCenter, toCenter));
-      isNear = frustum.entryDistance(toCenter, sphere.w, distance) <= farthest;
+      const float nearest = frustum.entryDistance(toCenter, sphere.w, distance);
+      isNear = nearest <= farthest && nearest < kNoHit;  // farthest is infinite until all pixels have a hit
       memory.spheres[lane] = {toCenter.x, toCenter.y, toCenter.z, widenedSquare(distance, sphere.w)};
       memory.exact[lane] = {sphere.w, outsideSphere(toCenter, sphere.w)};
     }

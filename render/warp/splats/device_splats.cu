@@ -76,8 +76,15 @@ __global__ void __launch_bounds__(kThreads) splatSamples(const __grid_constant__
   const uint32_t area = areaOf(rect);
   if (area > 0 && area <= kPixelsAlone) {
     const Splat splat = splatOf(job, sphere, i);
-    for (int y = rect.y0; y < rect.y1; ++y)
-      for (int x = rect.x0; x < rect.x1; ++x) splatPixel(job, splat, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+    // One loop over all pixels: with one inside another, lanes with narrow footprints would wait at the end of every row.
+    int x = rect.x0, y = rect.y0;
+    for (uint32_t k = 0; k < area; ++k) {
+      splatPixel(job, splat, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+      if (++x == rect.x1) {
+        x = rect.x0;
+        ++y;
+      }
+    }
   }
   if (area > kPixelsOfWarp) job.large[atomicAdd(job.largeCount, 1u)] = i;
   __syncwarp();

@@ -1,0 +1,161 @@
+// What happens when a device fails: marchers and techniques that go on elsewhere, tell it once, and lose nothing.
+// Mirrors render/march/fallback_marcher.h and render/warp/fallback_warp.h, with devices that are made up.
+#include <gtest/gtest.h>
+
+#include "render/core/error.h"
+#include "render/march/fallback_marcher.h"
+#include "render/warp/fallback_warp.h"
+
+namespace warpscope {
+namespace {
+
+/// Counts its frames, and fails from the `failsAt`-th on.
+class MadeUpMarcher final : public Marcher {
+ public:
+  MadeUpMarcher(Backend backend, int failsAt) : backend_(backend), failsAt_(failsAt) {}
+
+  SampleFrame march(const Camera& camera, const MarchSettings&, const std::stop_token&) override {
+    use();
+    SampleFrame frame;
+    frame.camera = camera;
+    frame.requestId = backend_ == Backend::cpu ? 1 : 2;
+    return frame;
+  }
+  void render(const Camera&, const MarchSettings&, Image<glm::vec4>& image, const std::stop_token&) override {
+    use();
+    image.resize(1, 1, glm::vec4(backend_ == Backend::cpu ? 1.0f : 2.0f));
+  }
+  const VolumePtr& volume() const override { return volume_; }
+  Backend backend() const override { return backend_; }
+  MarcherPtr twin() const override { return std::make_shared<MadeUpMarcher>(backend_, failsAt_); }
+
+ private:
+  void use() {
+    if (++uses_ >= failsAt_) throw DeviceError("lost");
+  }
+
+  const Backend backend_;
+  const int failsAt_;
+  int uses_ = 0;
+  VolumePtr volume_;
+};
+
+constexpr int kNever = 1000;
+
+MarcherPtr madeUp(Backend backend, int failsAt) { return std::make_shared<MadeUpMarcher>(backend, failsAt); }
+
+struct Notes {
+  std::vector<std::string> reasons;
+  std::function<void(const std::string&)> take() {
+    return [this](const std::string& reason) { reasons.push_back(reason); };
+  }
+};
+
+TEST(FallbackMarcher, StaysWhereNothingFails) {
+  Notes notes;
+  bool madeSecond = false;
+  const MarcherPtr marcher = makeFallbackMarcher([] { return madeUp(Backend::cuda, kNever); },
+                                                 [&] {
+                                                   madeSecond = true;
+                                                   return madeUp(Backend::cpu, kNever);
+                                                 },
+                                                 notes.take());
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(marcher->march({}, {}).requestId, 2u);
+  EXPECT_EQ(marcher->backend(), Backend::cuda);
+  EXPECT_FALSE(madeSecond);
+  EXPECT_TRUE(notes.reasons.empty());
+}
+
+TEST(FallbackMarcher, GoesOnWithTheSecondFromTheFailureOn) {
+  Notes notes;
+  const MarcherPtr marcher =
+      makeFallbackMarcher([] { return madeUp(Backend::cuda, 2); }, [] { return madeUp(Backend::cpu, kNever); }, notes.take());
+  EXPECT_EQ(marcher->march({}, {}).requestId, 2u);
+  EXPECT_EQ(marcher->march({}, {}).requestId, 1u);  // the frame that failed is made all the same
+  Image<glm::vec4> image;
+  marcher->render({}, {}, image);
+  EXPECT_EQ(image(0, 0).x, 1.0f);
+  EXPECT_EQ(marcher->backend(), Backend::cpu);
+  EXPECT_EQ(notes.reasons, std::vector<std::string>{"lost"});
+}
+
+TEST(FallbackMarcher, ADeviceThatCannotBeHadIsAFailure) {
+  Notes notes;
+  const MarcherPtr marcher = makeFallbackMarcher([]() -> MarcherPtr { throw DeviceError("out of memory"); },
+                                                 [] { return madeUp(Backend::cpu, kNever); }, notes.take());
+  EXPECT_EQ(marcher->march({}, {}).requestId, 1u);
+  EXPECT_EQ(notes.reasons, std::vector<std::string>{"out of memory"});
+}
+
+TEST(FallbackMarcher, TwinsLeaveTogetherAndTellOnce) {
+  Notes notes;
+  const MarcherPtr first =
+      makeFallbackMarcher([] { return madeUp(Backend::cuda, 2); }, [] { return madeUp(Backend::cpu, kNever); }, notes.take());
+  const MarcherPtr second = first->twin();
+  EXPECT_EQ(first->march({}, {}).requestId, 2u);
+  EXPECT_EQ(second->march({}, {}).requestId, 2u);
+  EXPECT_EQ(first->march({}, {}).requestId, 1u);
+  EXPECT_EQ(second->march({}, {}).requestId, 1u);
+  EXPECT_EQ(first->twin()->backend(), Backend::cpu);
+  EXPECT_EQ(notes.reasons.size(), 1u);
+}
+
+TEST(FallbackMarcher, OtherErrorsAndTheSecondsAreTheCallers) {
+  Notes notes;
+  const MarcherPtr marcher =
+      makeFallbackMarcher([] { return madeUp(Backend::cuda, 1); }, [] { return madeUp(Backend::cpu, 1); }, notes.take());
+  EXPECT_THROW(marcher->march({}, {}), DeviceError);
+  EXPECT_EQ(notes.reasons.size(), 1u);
+}
+
+/// Draws the backend's number; fails at the `failsAt`-th picture or frame.
+class MadeUpWarp final : public Warp {
+ public:
+  MadeUpWarp(Backend backend, int failsAt) : backend_(backend), failsAt_(failsAt) {}
+
+  void setFrame(SampleFramePtr frame, const WarpSettings&, const std::stop_token&) override {
+    use();
+    frame_ = std::move(frame);
+  }
+  void draw(const Camera&, const WarpSettings&, WarpedImage& image, const std::stop_token&) override {
+    use();
+    image.samples.resize(1, 1, frame_ ? static_cast<uint32_t>(frame_->requestId) : 0);
+    image.color.resize(1, 1, glm::vec4(backend_ == Backend::cpu ? 1.0f : 2.0f));
+  }
+
+ private:
+  void use() {
+    if (++uses_ >= failsAt_) throw DeviceError("lost");
+  }
+
+  const Backend backend_;
+  const int failsAt_;
+  int uses_ = 0;
+  SampleFramePtr frame_;
+};
+
+TEST(FallbackWarp, GoesOnWithTheSameFrame) {
+  auto frame = std::make_shared<SampleFrame>();
+  frame->requestId = 77;
+  for (const int failsAt : {0, 1, 2, 3}) {  // when made, at the frame, at the first picture, at the second
+    SCOPED_TRACE(failsAt);
+    Notes notes;
+    const std::unique_ptr<Warp> warp = makeFallbackWarp(
+        [&]() -> std::unique_ptr<Warp> {
+          if (failsAt == 0) throw DeviceError("none");
+          return std::make_unique<MadeUpWarp>(Backend::cuda, failsAt);
+        },
+        [] { return std::make_unique<MadeUpWarp>(Backend::cpu, kNever); }, notes.take());
+    WarpedImage image;
+    warp->setFrame(frame, {});
+    for (int picture = 0; picture < 3; ++picture) {
+      warp->draw({}, {}, image);
+      EXPECT_EQ(image.samples(0, 0), 77u);
+    }
+    EXPECT_EQ(image.color(0, 0).x, 1.0f);
+    EXPECT_EQ(notes.reasons.size(), 1u);
+  }
+}
+
+}  // namespace
+}  // namespace warpscope

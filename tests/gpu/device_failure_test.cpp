@@ -1,0 +1,83 @@
+// Devices that fail: memory that runs out, a device that is lost in the middle of its work. The work goes on on the CPU.
+// Mirrors app/backend.h, render/march/fallback_marcher.h and render/cuda/check.h.
+#include <gtest/gtest.h>
+
+#include "render/core/error.h"
+#include "render/cuda/devices.h"
+#include "render/cuda/memory.h"
+#include "render/march/marcher_cuda.h"
+#include "tests/gpu/agreement.h"
+#include "tests/gpu/core_probe.h"
+#include "tests/headless.h"
+
+namespace warpscope {
+namespace {
+
+/// Takes all but `leftBytes` of the device's memory.
+cuda::DeviceBuffer<std::byte> takeMemory(size_t leftBytes) {
+  size_t freeBytes = 0, totalBytes = 0;
+  WARPSCOPE_CUDA_CHECK(cudaMemGetInfo(&freeBytes, &totalBytes));
+  if (freeBytes <= leftBytes) return {};
+  return cuda::DeviceBuffer<std::byte>(freeBytes - leftBytes);
+}
+
+TEST(DeviceFailure, TooLittleMemoryIsSaidAndPasses) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("block", 64);
+  const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+  const Camera small = makeCamera(scene, scene.views.front(), 64, 64);
+  const Camera large = makeCamera(scene, scene.views.front(), 8192, 8192);
+  const SampleFrame before = marcher->march(small, scene.march);
+  {
+    const cuda::DeviceBuffer<std::byte> taken = takeMemory(size_t{64} << 20);
+    try {
+      marcher->march(large, scene.march);
+      FAIL() << "a frame of 67 million pixels fitted into 64 MiB";
+    } catch (const DeviceError& error) {
+      EXPECT_NE(std::string(error.what()).find("out of memory"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("MiB are free"), std::string::npos) << error.what();
+    }
+  }
+  const SampleFrame after = marcher->march(small, scene.march);  // nothing is broken
+  EXPECT_TRUE(before.samples == after.samples);
+}
+
+TEST(DeviceFailure, AutomaticGoesOnOnTheCpu) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("block", 64);
+  const MarcherPtr marcher = makeMarcher(Backend::automatic, scene.volume, scene.transferFunction);
+  EXPECT_EQ(marcher->backend(), Backend::cuda);
+  const cuda::DeviceBuffer<std::byte> taken = takeMemory(size_t{32} << 20);
+  const SampleFrame frame = marcher->march(makeCamera(scene, scene.views.front(), 3000, 3000), scene.march);
+  EXPECT_GT(frame.size(), 100000u);
+  EXPECT_EQ(marcher->backend(), Backend::cpu);
+}
+
+/// In a process of its own, whose device is gone afterwards.
+void marchOnALostDevice() {
+  Stage stage(smallScene("block", 48), gl::Platform::automatic, Backend::automatic);
+  const Camera camera = stage.camera(100, 100);
+  const SampleFramePtr before = stage.frame(camera, stage.scene().march);
+  WarpSettings settings;
+  const std::unique_ptr<Warp> warp = makeWarp(findWarp("spheres"), stage.resources());
+  warp->setFrame(before, settings);
+  WarpedImage first, second;
+  warp->draw(camera, settings, first);
+  if (stage.marcher().backend() != Backend::cuda) std::exit(2);
+  if (loseDevice().empty()) std::exit(3);
+  const SampleFramePtr after = stage.frame(camera, stage.scene().march);
+  if (stage.marcher().backend() != Backend::cpu) std::exit(4);
+  if (!(before->samples == after->samples)) std::exit(5);
+  warp->draw(camera, settings, second);
+  if (!(first.samples == second.samples) || !(first.color == second.color)) std::exit(6);
+  std::exit(0);
+}
+
+TEST(DeviceFailureDeathTest, ALostDeviceIsLeftForTheCpu) {
+  WARPSCOPE_NEEDS_GPU();
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(marchOnALostDevice(), testing::ExitedWithCode(0), "going on with the CPU");
+}
+
+}  // namespace
+}  // namespace warpscope
