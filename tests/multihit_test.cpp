@@ -49,15 +49,33 @@ Picture picture(std::span<const Sphere> cloud, std::span<const Rgba8> colors, co
   return result;
 }
 
-/// Every pixel against the sorted list, composited from back to front.
+/// Every pixel against the sorted list, which a single ray finds through the hierarchy too, composited from back to front.
 void expectTheNearest(std::span<const Sphere> cloud, const Camera& camera, int hits, uint32_t seed) {
   const std::vector<Rgba8> colors = someColors(cloud.size(), seed);
   const Picture seen = picture(cloud, colors, camera, hits);
+  Lbvh lbvh;
+  lbvh.build(cloud);
   for (uint32_t y = 0; y < camera.height; ++y)
     for (uint32_t x = 0; x < camera.width; ++x) {
-      std::vector<Hit> expected = allHits(cloud, pixelRay(camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f}));
+      const Ray ray = pixelRay(camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+      std::vector<Hit> expected = allHits(cloud, ray);
+      NearestHits<kMaxHits> single;
+      ASSERT_TRUE(visitAlongRay(lbvh.view(), ray, single.farthest(), [&](uint32_t i) {
+        const Sphere& sphere = lbvh.view().spheres[i];
+        single.insert(intersectSphere(ray, sphere.center, sphere.radius), lbvh.view().ids[i]);
+      }));
+      for (int i = 0; i < kMaxHits; ++i) {
+        const bool isHit = static_cast<size_t>(i) < expected.size();
+        ASSERT_EQ(Hit(single.t(i), single.id(i)), isHit ? expected[static_cast<size_t>(i)] : Hit(kNoHit, kNoSample));
+      }
       ASSERT_EQ(seen.ids(x, y), expected.empty() ? kNoSample : expected.front().second) << x << "," << y;
       expected.resize(std::min(expected.size(), static_cast<size_t>(hits)));
+      glm::vec4 forward(0.0f);
+      for (size_t i = 0; i < expected.size(); ++i) {
+        const glm::vec4 next = decodeRgba8(colors[expected[i].second]);
+        forward = i == 0 ? next : over(forward, next);
+      }
+      ASSERT_EQ(seen.color(x, y), forward) << x << "," << y << ", " << hits << " hits";
       glm::dvec4 color(0.0);
       for (size_t i = expected.size(); i-- > 0;) {
         const glm::dvec4 front(decodeRgba8(colors[expected[i].second]));

@@ -190,6 +190,26 @@ RC_GTEST_PROP(RayPacket, PixelsHaveTheSameDirections, (uint16_t tilt)) {
   }
 }
 
+TEST(RayPacket, LargestLane) {
+  const FloatPack numbers = laneNumbers();
+  EXPECT_EQ(largestLane(numbers), static_cast<float>(kPackLanes - 1));
+  EXPECT_EQ(largestLane(-numbers - 1.0f), -1.0f);
+  EXPECT_EQ(largestLane(xsimd::select(numbers == FloatPack(1.0f), FloatPack(kNoHit), numbers)), kNoHit);
+}
+
+TEST(RayPacket, NearerHitsComeFirstAndOfEqualOnesTheLowerId) {
+  const auto bits = [](float t, int id, float bestT, int bestId) {
+    return laneBits(isNearer({FloatPack(t), IntPack(id)}, {FloatPack(bestT), IntPack(bestId)}));
+  };
+  const uint32_t all = laneBits(laneNumbers() >= FloatPack(0.0f));
+  EXPECT_EQ(bits(1.0f, 9, 2.0f, 3), all);
+  EXPECT_EQ(bits(2.0f, 2, 2.0f, 3), all);
+  EXPECT_EQ(bits(2.0f, 3, 2.0f, 3), 0u);
+  EXPECT_EQ(bits(3.0f, 2, 2.0f, 3), 0u);
+  EXPECT_EQ(bits(3.0f, 2, kNoHit, -1), all);
+  EXPECT_EQ(bits(kNoHit, 2, kNoHit, 3), 0u) << "no hit is none, whatever its id";
+}
+
 TEST(RayPacket, LaneBitsNameTheLanes) {
   for (uint32_t lane = 0; lane < kPackLanes; ++lane)
     EXPECT_EQ(laneBits(laneNumbers() == FloatPack(static_cast<float>(lane))), 1u << lane);

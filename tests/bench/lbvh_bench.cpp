@@ -10,6 +10,7 @@
 #include "render/warp/lbvh/embree_tracer.h"
 #include "render/warp/lbvh/sphere_tracer.h"
 #include "render/warp/splats/splat_tracer.h"
+#include "render/warp/warp.h"
 #include "tests/sphere_clouds.h"
 
 namespace warpscope {
@@ -73,6 +74,28 @@ void traceCloud(benchmark::State& state) {
 
 BENCHMARK(buildCloud<LbvhTracer>)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 BENCHMARK(buildCloud<EmbreeTracer>)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+/// The cloud as a frame, every sample half transparent.
+SampleFramePtr cloudFrame() {
+  auto frame = std::make_shared<SampleFrame>();
+  for (const Sphere& sphere : frameCloud()) frame->quantization.bounds.include(sphere.center);
+  frame->quantization.radiusUnit = radiusUnitFor(frameCloud().front().radius);
+  for (const Sphere& sphere : frameCloud()) {
+    frame->samples.push_back(packSample(sphere.center, sphere.radius, frame->quantization));
+    frame->colors.push_back(0x80ffc040u);
+  }
+  return frame;
+}
+
+/// From the camera to colours, as the program draws; without what a technique builds once for a frame.
+void drawFrame(benchmark::State& state, const char* technique) {
+  const std::unique_ptr<Warp> warp = findWarp(technique).make({});
+  warp->setFrame(cloudFrame(), {});
+  const Camera camera = orbitCamera(kDistance, static_cast<float>(state.range(0)), kSide, kSide);
+  WarpedImage image;
+  warp->draw(camera, {}, image);
+  for (auto _ : state) warp->draw(camera, {}, image);
+}
+
 void viewAngles(benchmark::internal::Benchmark* bench) {
   for (const int angleDeg : {0, 25, 60}) bench->Arg(angleDeg);
   bench->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
@@ -81,6 +104,9 @@ void viewAngles(benchmark::internal::Benchmark* bench) {
 BENCHMARK(traceCloud<LbvhTracer>)->Apply(viewAngles);
 BENCHMARK(traceCloud<EmbreeTracer>)->Apply(viewAngles);
 BENCHMARK(traceCloud<SplatTracer>)->Apply(viewAngles);
+BENCHMARK_CAPTURE(drawFrame, spheres, "spheres")->Apply(viewAngles);
+BENCHMARK_CAPTURE(drawFrame, splats, "splats")->Apply(viewAngles);
+BENCHMARK_CAPTURE(drawFrame, multihit4, "multihit")->Apply(viewAngles);
 
 }  // namespace
 }  // namespace warpscope
