@@ -288,6 +288,31 @@ TEST_F(Reader, DetachedData) {
   expectRefused(write("b.nhdr", nrrdHeader(kNrrd + "encoding: raw\ndata file: gone.raw\n")), "\"gone.raw\" is missing");
 }
 
+/// Editors that leave out the last line's end make such files.
+TEST_F(Reader, DetachedHeadersNeedNoLineEndAfterTheirLastLine) {
+  write("voxels.raw", kVoxels);
+  std::string meta = metaHeader(kMeta);
+  meta.replace(meta.find("LOCAL"), std::string::npos, "voxels.raw");
+  ASSERT_NE(meta.back(), '\n');
+  expectRamp(*openVolume(write("a.mhd", meta)));
+  // NrrdIO insists on the line's end; it says so.
+  expectRefused(write("a.nhdr", "NRRD0004\n" + kNrrd + "encoding: raw\ndata file: voxels.raw"), "hit end of header");
+  write("short.raw", kVoxels.substr(1));
+  meta.replace(meta.find("voxels"), 6, "short");
+  expectRefused(write("short.mhd", meta), "cut off");
+}
+
+/// What is read for a line is bounded: a file of something else costs no memory, and what comes after is still understood or refused.
+TEST_F(Reader, HeadersWithEndlessLinesAreRefused) {
+  const std::string endless(10'000'000, 'x');
+  expectRefused(write("a.vtk", endless), "no VTK file");
+  // A reader of whole lines would find the scalars behind the endless one.
+  expectRefused(write("b.vtk", "# vtk DataFile Version 3.0\n" + endless + "\nASCII\nSCALARS s short 1\nLOOKUP_TABLE default\n1\n"),
+                "no SCALARS");
+  expectRefused(write("a.mha", "NDims = 3\nComment = " + endless), "no MetaImage file");
+  expectRefused(write("a.nrrd", endless), "does not begin with NRRD000");
+}
+
 TEST_F(Reader, SpacingBelongsToTheFile) {
   EXPECT_THROW(openVolume(write("a.nii", Nifti{}.header() + kVoxels), glm::dvec3(2.0)), InputError);
 }
@@ -393,6 +418,7 @@ TEST_F(Reader, Vtk) {
   expectRamp(*volume);
   expectGeometry(*volume, {1, 2, 3}, {0, 0, 0}, glm::dmat3(1.0));
   expectRefused(write("short.vtk", header + "1 2 3\n"), "holds 3 numbers");
+  expectRefused(write("none.vtk", header.substr(0, header.size() - 1)), "Premature EOF");
   expectRefused(write("noise.vtk", noise(5000)), "no VTK file");
 }
 

@@ -168,21 +168,47 @@ Payload locateNifti(const fs::path& path) {
 
 // --- NRRD and MetaImage: lines of "key separator value"; the voxels follow or lie in another file.
 
+/// Lines of a header, one after the other. None is longer than any header's, so that a file of something else costs no memory.
+class HeaderLines {
+ public:
+  explicit HeaderLines(const fs::path& path) : file_(path, std::ios::binary) {}
+
+  /// The next line without its end, which the file's last need not have. False when there is none left. Of a line that is too long the
+  /// rest comes as another.
+  bool next(std::string& line) {
+    constexpr size_t kMaxLine = 1 << 16;
+    line.clear();
+    while (line.size() < kMaxLine) {
+      const int c = file_.get();
+      if (c == EOF) return !line.empty();
+      ++endBytes_;
+      if (c == '\n') break;
+      line += static_cast<char>(c);
+    }
+    return true;
+  }
+
+  /// Where what was read ends.
+  uint64_t endBytes() const { return endBytes_; }
+
+ private:
+  std::ifstream file_;
+  uint64_t endBytes_ = 0;
+};
+
 struct TextHeader {
   std::map<std::string, std::string> fields;  // keys in lower case
   uint64_t endBytes = 0;                      // where the header stops
 };
 
 /// Reads lines up to an empty one, or up to and with the line of `lastKey`.
-TextHeader readTextHeader(std::ifstream& file, char separator, const std::string& lastKey) {
-  constexpr size_t kMaxLines = 4096, kMaxLine = 1 << 16;
+TextHeader readTextHeader(const fs::path& path, char separator, const std::string& lastKey) {
+  constexpr size_t kMaxLines = 4096;
+  HeaderLines lines(path);
   TextHeader header;
   std::string line;
-  for (size_t i = 0; i < kMaxLines; ++i) {
-    line.clear();
-    for (int c = file.get(); c != EOF && c != '\n' && line.size() < kMaxLine; c = file.get())
-      line += static_cast<char>(c);
-    if (!file || (lastKey.empty() && trimmed(line).empty())) break;
+  for (size_t i = 0; i < kMaxLines && lines.next(line); ++i) {
+    if (lastKey.empty() && trimmed(line).empty()) break;
     if (line[0] == '#') continue;
     const size_t at = line.find(separator);
     if (at == std::string::npos) continue;
@@ -190,10 +216,7 @@ TextHeader readTextHeader(std::ifstream& file, char separator, const std::string
     header.fields.emplace(key, trimmed(line.substr(at + 1)));
     if (!lastKey.empty() && key == lastKey) break;
   }
-  const bool atEnd = !file;
-  file.clear();
-  if (atEnd) file.seekg(0, std::ios::end);
-  header.endBytes = static_cast<uint64_t>(file.tellg());
+  header.endBytes = lines.endBytes();
   return header;
 }
 
@@ -210,12 +233,10 @@ bool followDetached(const fs::path& path, const std::string& name, Payload& payl
 }
 
 Payload locateNrrd(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, 8> magic{};
-  file.read(magic.data(), magic.size());
-  if (std::string(magic.data(), 7) != "NRRD000") fail(path, "is no NRRD file: it does not begin with NRRD000");
-  file.seekg(0);
-  const TextHeader header = readTextHeader(file, ':', "");
+  std::string magic;
+  HeaderLines(path).next(magic);
+  if (!magic.starts_with("NRRD000")) fail(path, "is no NRRD file: it does not begin with NRRD000");
+  const TextHeader header = readTextHeader(path, ':', "");
   const auto valueOf = [&](const char* key) {
     const auto field = header.fields.find(key);
     return field == header.fields.end() ? std::string() : lowered(field->second);
@@ -250,8 +271,7 @@ Payload locateNrrd(const fs::path& path) {
 }
 
 Payload locateMetaImage(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const TextHeader header = readTextHeader(file, '=', "elementdatafile");
+  const TextHeader header = readTextHeader(path, '=', "elementdatafile");
   const auto dataFile = header.fields.find("elementdatafile");
   if (!header.fields.contains("ndims") || !header.fields.contains("dimsize") || dataFile == header.fields.end())
     fail(path, "is no MetaImage file: its header lacks NDims, DimSize or ElementDataFile");
@@ -294,17 +314,17 @@ Payload locateMetaImage(const fs::path& path) {
 // --- VTK legacy: lines of text up to LOOKUP_TABLE, or to SCALARS where that is left out.
 
 Payload locateVtk(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  HeaderLines lines(path);
   Payload payload{.file = path, .encoding = Encoding::plain};
   constexpr int kMaxLines = 64;
   std::string line;
-  for (int i = 0; i < kMaxLines && std::getline(file, line); ++i) {
+  for (int i = 0; i < kMaxLines && lines.next(line); ++i) {
     const std::string text = lowered(trimmed(line));
     if (i == 0 && !text.starts_with("# vtk datafile"))
       fail(path, "is no VTK file: it does not begin with # vtk DataFile");
     if (text == "ascii") payload.encoding = Encoding::text;
     const bool isTable = text.starts_with("lookup_table");
-    if (isTable || text.starts_with("scalars")) payload.offsetBytes = static_cast<uint64_t>(file.tellg());
+    if (isTable || text.starts_with("scalars")) payload.offsetBytes = lines.endBytes();
     if (isTable) break;
   }
   if (payload.offsetBytes == 0) fail(path, "holds no SCALARS, the only VTK attribute that is read");
