@@ -1,4 +1,4 @@
-// Hard cases 13-18: rays against boxes.
+// Rays against boxes: zero and negative zero components, origins on a face, flat, inverted and NaN boxes, rays along shared edges.
 // Ize 2013 promises that no hit is lost; the promise is tested against exact arithmetic.
 #include "render/core/box.h"
 

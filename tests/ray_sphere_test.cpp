@@ -1,4 +1,4 @@
-// Hard cases 1-12: rays against spheres, judged by an oracle of 100 decimal digits.
+// Rays against spheres, grazing, from inside, far away, of no radius or direction, judged by an oracle of 100 decimal digits.
 // Near tangency, where the inputs' own rounding decides, either answer is right; everywhere else only one is.
 #include "render/core/ray_sphere.h"
 

@@ -7,12 +7,12 @@
 
 #include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <random>
 
 #include "render/core/error.h"
+#include "tests/real_data.h"
 
 #if WARPSCOPE_WITH_ITK
 #include <zlib.h>
@@ -423,11 +423,9 @@ TEST_F(Reader, Vtk) {
 }
 
 TEST_F(Reader, RealBrain) {
-  const char* variable = std::getenv("WARPSCOPE_DATA");
-  const fs::path path = fs::path(variable ? variable : WARPSCOPE_TEST_DATA) / "spm152.nii.gz";
-  if (!fs::exists(path))
-    GTEST_SKIP() << path << " is not there; set WARPSCOPE_DATA to the folder that holds spm152.nii.gz";
-  const VolumePtr volume = openVolume(path);
+  const RealData brain("spm152.nii.gz");
+  if (!brain.whyMissing().empty()) GTEST_SKIP() << brain.whyMissing();
+  const VolumePtr volume = openVolume(brain.path());
   EXPECT_EQ(volume->dims(), glm::uvec3(207, 256, 215));
   EXPECT_EQ(volume->type(), VoxelType::uint8);
   EXPECT_NEAR(volume->geometry().spacing.x, 0.737, 1e-3);

@@ -1,5 +1,5 @@
 // Techniques: the identity in the server's own view, culling, ties, holes, and what every technique owes its caller.
-// Hard cases 50, 52-55. Mirrors render/warp/warp.h.
+// Mirrors render/warp/warp.h.
 #include "render/warp/warp.h"
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ SampleFramePtr makeFrame(const Camera& camera, const std::vector<Sphere>& sphere
 /// A stage for frames that no volume stands behind.
 Stage syntheticStage(gl::Platform platform = gl::Platform::automatic) { return Stage(smallScene("block", 16), platform); }
 
-// --- 52: the server's own view
+// --- The server's own view
 
 class WarpGl : public OnPlatform {};
 INSTANTIATE_TEST_SUITE_P(Gl, WarpGl, bothPlatforms(), platformName);
@@ -175,7 +175,7 @@ TEST(Warp, ReferenceShowsTheServersColoursUpToRounding) {
   }
 }
 
-// --- 55: sizes
+// --- Sizes
 
 TEST_P(WarpGl, LargeImages) {
   // From afar: the volume fills a few hundred thousand of the pixels, and the rays of the others end at once.
@@ -218,7 +218,7 @@ TEST_P(WarpGl, FramesOfNoneOneAndTwoSamples) {
   }
 }
 
-// --- 50: at or behind the eye
+// --- At or behind the eye
 
 TEST_P(WarpGl, NothingAtOrBehindTheEyeIsSeen) {
   const Stage stage = syntheticStage(GetParam());
@@ -247,7 +247,7 @@ TEST(Warp, SpheresAroundTheEyeAreLookedThrough) {
   }
 }
 
-// --- 53: equal depths
+// --- Equal depths
 
 TEST_P(WarpGl, OfEqualDepthsTheLowerIdIsSeenWhateverTheThreads) {
   const Stage stage = syntheticStage(GetParam());
@@ -347,7 +347,7 @@ TEST(Warp, SplatsAndOneHitShowWhatSpheresShow) {
   }
 }
 
-// --- 54: disocclusions
+// --- Disocclusions
 
 TEST_P(WarpGl, DisocclusionsAreHolesAndNotBackground) {
   const Stage stage(smallScene("block"), GetParam());
