@@ -1,4 +1,4 @@
-// OpenGL contexts without a window: one platform at a time, and each in its turn.
+// OpenGL contexts without a window: one platform at a time, each in its turn, and destructors that survive a driver which refuses.
 // Mirrors render/gl/context.h.
 #include "render/gl/context.h"
 
@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "render/core/error.h"
+#include "render/warp/points_warp.h"
 #include "tests/headless.h"
 
 namespace warpscope {
@@ -63,6 +64,45 @@ TEST_P(Contexts, AFailedLoadDoesNotStay) {
   }
   const auto context = gl::makeHeadlessContext(GetParam());
   EXPECT_TRUE(canDraw());
+}
+
+/// A context whose driver can be told to refuse.
+class StubbornContext final : public gl::Context {
+ public:
+  explicit StubbornContext(Platform platform) : context_(gl::makeHeadlessContext(platform)) {}
+  void makeCurrent() override {
+    if (refuses) throw InputError("no");
+    context_->makeCurrent();
+  }
+  std::string_view platformName() const override { return context_->platformName(); }
+
+  bool refuses = false;
+
+ private:
+  std::unique_ptr<gl::Context> context_;
+};
+
+TEST_P(Contexts, ATechniqueGoesThoughItsContextCannotBeMadeCurrent) {
+  StubbornContext context(GetParam());
+  const WarpResources resources{nullptr, [&]() -> gl::Context& { return context; }};
+  const auto programs = [] {
+    int count = 0;
+    for (GLuint name = 1; name < 64; ++name) count += glIsProgram(name);
+    return count;
+  };
+  EXPECT_TRUE(context.tryMakeCurrent());
+  const int before = programs();
+  std::unique_ptr<Warp> warp = makePointsWarp(resources);
+  EXPECT_EQ(programs(), before + 1);
+  warp.reset();
+  EXPECT_EQ(programs(), before);
+
+  // Names that may be another context's by now are left alone.
+  warp = makePointsWarp(resources);
+  context.refuses = true;
+  EXPECT_FALSE(context.tryMakeCurrent());
+  warp.reset();
+  EXPECT_EQ(programs(), before + 1);
 }
 
 }  // namespace

@@ -29,6 +29,15 @@ Shared shared;
 std::string Context::renderer() const { return glString(GL_RENDERER); }
 std::string Context::version() const { return glString(GL_VERSION); }
 
+bool Context::tryMakeCurrent() noexcept {
+  try {
+    makeCurrent();
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 EntryPoints::EntryPoints(GLADloadfunc loader, std::string_view platform) {
   const std::scoped_lock lock(shared.mutex);
   if (shared.users > 0 && shared.loader != loader)

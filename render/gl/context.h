@@ -19,6 +19,8 @@ class Context {
   virtual ~Context() = default;
   /// Makes the context current on the calling thread. Throws InputError if the driver refuses.
   virtual void makeCurrent() = 0;
+  /// The same for destructors: false if the driver refuses. What was made in the context must then be abandoned, not deleted.
+  bool tryMakeCurrent() noexcept;
   /// "EGL surfaceless", "EGL device" or "OSMesa".
   virtual std::string_view platformName() const = 0;
 
