@@ -15,6 +15,7 @@
 
 #include "render/core/error.h"
 #include "render/volume/payload.h"
+#include "render/volume/volume_format.h"
 
 namespace warpscope {
 namespace {
@@ -33,16 +34,23 @@ class SilentOutputWindow : public itk::OutputWindow {
 /// The reader is picked here and not by ITK's factories: those must be registered at start-up in every program that
 /// links them.
 itk::ImageIOBase::Pointer makeImageIO(const std::filesystem::path& path) {
-  std::string name = path.filename().string();
-  for (char& c : name)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  const auto endsWith = [&](auto... ending) { return (name.ends_with(ending) || ...); };
-  if (endsWith(".nrrd", ".nhdr")) return itk::NrrdImageIO::New().GetPointer();
-  if (endsWith(".mha", ".mhd")) return itk::MetaImageIO::New().GetPointer();
-  if (endsWith(".vtk")) return itk::VTKImageIO::New().GetPointer();
-  if (endsWith(".gipl", ".gipl.gz")) return itk::GiplImageIO::New().GetPointer();
-  if (endsWith(".mrc", ".rec")) return itk::MRCImageIO::New().GetPointer();
-  return itk::NiftiImageIO::New().GetPointer();
+  switch (formatOf(path).value_or(VolumeFormat::raw)) {
+    case VolumeFormat::nrrd:
+      return itk::NrrdImageIO::New().GetPointer();
+    case VolumeFormat::nifti:
+      return itk::NiftiImageIO::New().GetPointer();
+    case VolumeFormat::metaImage:
+      return itk::MetaImageIO::New().GetPointer();
+    case VolumeFormat::vtk:
+      return itk::VTKImageIO::New().GetPointer();
+    case VolumeFormat::gipl:
+      return itk::GiplImageIO::New().GetPointer();
+    case VolumeFormat::mrc:
+      return itk::MRCImageIO::New().GetPointer();
+    case VolumeFormat::raw:
+      break;
+  }
+  throw InputError(path.string() + ": its ending is of no format that ITK reads");
 }
 
 VoxelType voxelTypeOf(const itk::ImageIOBase& io, const std::string& source) {

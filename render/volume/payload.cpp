@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "render/core/error.h"
+#include "render/volume/volume_format.h"
 
 namespace warpscope {
 namespace {
@@ -26,12 +27,6 @@ using Encoding = Payload::Encoding;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& reason) {
   throw InputError(path.string() + ": " + reason);
-}
-
-std::string lowered(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
 }
 
 std::string trimmed(const std::string& text) {
@@ -331,6 +326,16 @@ Payload locateVtk(const fs::path& path) {
   return payload;
 }
 
+// --- MRC: a binary header of 1024 bytes and an extended one of any size.
+
+Payload locateMrc(const fs::path& path) {
+  const std::vector<unsigned char> head = headOf(path, 1024);
+  if (head.size() < 1024) fail(path, "is no MRC file: it ends before a header of 1024 bytes does");
+  // The extended header's size, NSYMBT, in the byte order in which it is possible.
+  const uint32_t little = fieldAt<uint32_t>(head, 92, false), big = fieldAt<uint32_t>(head, 92, true);
+  return wholeFile(path, uint64_t{1024} + std::min(little, big));
+}
+
 /// Words in the text from `payload.offsetBytes` on, counted no further than `enough`.
 uint64_t countWords(const Payload& payload, uint64_t enough) {
   std::ifstream file(payload.file, std::ios::binary);
@@ -388,19 +393,21 @@ uint64_t countInflated(const Payload& payload, uint64_t enough, bool& isWhole) {
 }  // namespace
 
 Payload locatePayload(const fs::path& path) {
-  const std::string name = lowered(path.filename().string());
-  const auto endsWith = [&](auto... ending) { return (name.ends_with(ending) || ...); };
-  if (endsWith(".nii", ".nii.gz", ".hdr", ".img")) return locateNifti(path);
-  if (endsWith(".nrrd", ".nhdr")) return locateNrrd(path);
-  if (endsWith(".mha", ".mhd")) return locateMetaImage(path);
-  if (endsWith(".gipl", ".gipl.gz")) return wholeFile(path, 256);
-  if (endsWith(".vtk")) return locateVtk(path);
-  if (endsWith(".mrc", ".rec")) {
-    // The extended header's size, NSYMBT, in the byte order in which it is possible.
-    const std::vector<unsigned char> head = headOf(path, 1024);
-    if (head.size() < 1024) fail(path, "is no MRC file: it ends before a header of 1024 bytes does");
-    const uint32_t little = fieldAt<uint32_t>(head, 92, false), big = fieldAt<uint32_t>(head, 92, true);
-    return wholeFile(path, uint64_t{1024} + std::min(little, big));
+  switch (formatOf(path).value_or(VolumeFormat::raw)) {
+    case VolumeFormat::nifti:
+      return locateNifti(path);
+    case VolumeFormat::nrrd:
+      return locateNrrd(path);
+    case VolumeFormat::metaImage:
+      return locateMetaImage(path);
+    case VolumeFormat::gipl:
+      return wholeFile(path, 256);
+    case VolumeFormat::vtk:
+      return locateVtk(path);
+    case VolumeFormat::mrc:
+      return locateMrc(path);
+    case VolumeFormat::raw:
+      break;
   }
   return {.file = path};
 }
