@@ -28,6 +28,13 @@ glm::dvec3 readVector(const Node& node, double lowest, double highest) {
   return {elements[0].number(lowest, highest), elements[1].number(lowest, highest), elements[2].number(lowest, highest)};
 }
 
+glm::uvec3 readSize(const Node& node) {
+  const std::vector<Node> elements = node.elements(3, 3);
+  glm::uvec3 size;
+  for (int axis = 0; axis < 3; ++axis) size[axis] = static_cast<uint32_t>(elements[static_cast<size_t>(axis)].integer(1, 65536));
+  return size;
+}
+
 glm::dvec3 readDirection(const Node& node) {
   const glm::dvec3 vector = readVector(node, -1e6, 1e6);
   if (!(glm::length(vector) > 1e-9)) node.fail("must not be a zero vector");
@@ -60,22 +67,18 @@ TransferFunction readTransferFunction(const Node& node) {
 template <class Table>
 auto readName(const Node& node, const Table& table, std::string_view kind) {
   const std::string name = node.string();
-  std::vector<std::string_view> names;
-  for (const auto& entry : table) {
-    if (entry.name == name) return entry.value;
-    names.push_back(entry.name);
-  }
-  node.fail("is not one: " + unknownName(kind, name, names));
+  if (const auto* entry = findNamed(table, name)) return entry->value;
+  node.fail("is not one: " + unknownNameIn(table, kind, name));
 }
 
 void readMarch(const Node& node, MarchSettings& march) {
   constexpr std::string_view kKeys[] = {"step", "heuristic", "radius", "radiusScale", "threshold"};
   node.requireObject(kKeys);
-  if (const auto step = node.find("step")) march.step = static_cast<float>(step->number(1e-3, 1e3));
+  if (const auto step = node.find("step")) march.step = static_cast<float>(step->number(kStepRange));
   if (const auto name = node.find("heuristic")) march.heuristic = readName(*name, kHeuristics, "heuristic");
   if (const auto name = node.find("radius")) march.radiusPolicy = readName(*name, kRadiusPolicies, "radius policy");
-  if (const auto scale = node.find("radiusScale")) march.radiusScale = static_cast<float>(scale->number(1e-3, 1e3));
-  if (const auto value = node.find("threshold")) march.threshold = static_cast<float>(value->number(1e-3, 1.0));
+  if (const auto scale = node.find("radiusScale")) march.radiusScale = static_cast<float>(scale->number(kRadiusScaleRange));
+  if (const auto value = node.find("threshold")) march.threshold = static_cast<float>(value->number(kThresholdRange));
 }
 
 View readView(const Node& node) {
@@ -97,14 +100,11 @@ VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverri
   node.requireObject(kKeys);
   if (const auto procedural = node.find("procedural")) {
     if (node.find("file")) procedural->fail("and 'file' exclude each other");
-    std::vector<std::string_view> names;
-    for (const ProceduralVolume& volume : kProceduralVolumes) names.push_back(volume.name);
     const std::string name = procedural->string();
-    const auto known = std::find_if(kProceduralVolumes.begin(), kProceduralVolumes.end(),
-                                    [&](const ProceduralVolume& volume) { return volume.name == name; });
-    if (known == kProceduralVolumes.end()) procedural->fail("is not one: " + unknownName("procedural volume", name, names));
+    const ProceduralVolume* known = findNamed(kProceduralVolumes, name);
+    if (known == nullptr) procedural->fail("is not one: " + unknownNameIn(kProceduralVolumes, "procedural volume", name));
     glm::uvec3 dims = known->defaultDims;
-    if (const auto size = node.find("size")) dims = glm::uvec3(readVector(*size, 1.0, 65536.0));
+    if (const auto size = node.find("size")) dims = readSize(*size);
     return makeProceduralVolume(name, overrides.proceduralDims.value_or(dims), overrides.seed);
   }
   if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
@@ -191,15 +191,11 @@ std::vector<View> defaultViews() {
 
 void requireScene(const std::string& spec) {
   const std::vector<BuiltinScene> scenes = builtinScenes();
-  std::vector<std::string_view> names;
-  for (const BuiltinScene& scene : scenes) {
-    if (scene.name == spec) return;
-    names.push_back(scene.name);
-  }
+  if (findNamed(scenes, spec) != nullptr) return;
   const fs::path path(spec);
   if (fs::exists(path)) return;
   if (path.has_extension() || spec.find('/') != std::string::npos) throw InputError(spec + ": there is no such file");
-  throw UsageError(unknownName("scene", spec, names) + " (or a scene file, or a volume file)");
+  throw UsageError(unknownNameIn(scenes, "scene", spec) + " (or a scene file, or a volume file)");
 }
 
 Scene openScene(const std::string& spec, const SceneOverrides& overrides) {

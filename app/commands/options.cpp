@@ -22,12 +22,8 @@ struct Choice {
 
 template <class Table>
 auto choose(std::string_view kind, std::string_view name, const Table& table) {
-  std::vector<std::string_view> names;
-  for (const auto& entry : table) {
-    if (entry.name == name) return entry.value;
-    names.push_back(entry.name);
-  }
-  throw UsageError(unknownName(kind, name, names));
+  if (const auto* entry = findNamed(table, name)) return entry->value;
+  throw UsageError(unknownNameIn(table, kind, name));
 }
 
 /// Parses numbers separated by 'x': exactly `count` of them, each within 1..largest.

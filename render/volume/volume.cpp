@@ -8,6 +8,7 @@
 
 #include "render/core/error.h"
 #include "render/core/parallel.h"
+#include "render/volume/voxel_access.h"
 
 namespace warpscope {
 
@@ -55,14 +56,6 @@ size_t validate(const VolumeGeometry& geometry, VoxelType type, const std::strin
 }
 
 namespace {
-
-template <class T>
-bool isFiniteVoxel(T voxel) {
-  if constexpr (std::is_floating_point_v<T>)
-    return std::isfinite(voxel);
-  else
-    return true;
-}
 
 constexpr size_t kGrain = 1 << 18;
 
