@@ -43,7 +43,7 @@ void shoot(const ShotOptions& options) {
   warp->setFrame(frame, work.warp, interrupt.token());
   WarpedImage image;
   warp->draw(camera, work.warp, image, interrupt.token());
-  writeFileWhole(options.out, encodePng(toPicture(image, work.uncovered), interrupt.token()));
+  writeFileWhole(options.out, encodePng(toPicture(image, work.uncovered), interrupt.token()), interrupt.token());
 
   if (options.common.json) {
     const nlohmann::json report{{"out", options.out},
