@@ -98,7 +98,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
 
 CheckedOptions check(const CommonOptions& options) {
   CheckedOptions checked;
-  checked.scene = options.scene;
+  checked.sceneSpec = options.scene;
   const std::vector<uint32_t> size = parseSize("--size", options.size, 2, kMaxImageSide);
   checked.width = size[0];
   checked.height = size[1];
@@ -135,7 +135,7 @@ CheckedOptions check(const CommonOptions& options) {
 }
 
 Scene CheckedOptions::open() const {
-  Scene opened = openScene(scene, overrides);
+  Scene opened = openScene(sceneSpec, overrides);
   MarchSettings& march = opened.march;
   march.heuristic = heuristic.value_or(march.heuristic);
   march.radiusPolicy = radius.value_or(march.radiusPolicy);
@@ -145,17 +145,9 @@ Scene CheckedOptions::open() const {
 }
 
 Workplace prepare(const CommonOptions& options) {
-  const CheckedOptions checked = check(options);
-  Workplace work;
-  work.width = checked.width;
-  work.height = checked.height;
-  work.uncovered = checked.uncovered;
-  work.platform = checked.platform;
-  work.backend = checked.backend;
-  work.warp = checked.warp;
-  work.scene = checked.open();
-  work.march = work.scene.march;
-  work.warp.reference = work.march;
+  Workplace work{check(options), {}, {}};
+  work.scene = work.open();
+  work.march = work.warp.reference = work.scene.march;
   return work;
 }
 

@@ -35,7 +35,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options);
 
 /// What was asked for, before the scene is opened.
 struct CheckedOptions {
-  std::string scene;
+  std::string sceneSpec;
   SceneOverrides overrides;
   std::optional<Heuristic> heuristic;
   std::optional<RadiusPolicy> radius;
@@ -54,16 +54,10 @@ struct CheckedOptions {
 /// Checks every option, which is quick. Throws UsageError, or InputError for hardware that is not here.
 CheckedOptions check(const CommonOptions& options);
 
-/// What a command works with.
-struct Workplace {
+/// What a command works with: what was asked for, and the scene. `warp.reference` is the scene's marching.
+struct Workplace : CheckedOptions {
   Scene scene;
-  MarchSettings march;
-  WarpSettings warp;
-  uint32_t width = 0;
-  uint32_t height = 0;
-  Rgba8 uncovered = 0;
-  gl::Platform platform = gl::Platform::automatic;
-  Backend backend = Backend::automatic;
+  MarchSettings march;  ///< the scene's, as asked for
 };
 
 /// Checks every option before anything expensive, then opens the scene. Throws UsageError or InputError.

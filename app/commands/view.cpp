@@ -33,7 +33,7 @@ void view(const ViewOptions& options) {
   requireRange(options.delayMs, kDelayMsRange, "--delay-ms");
   if (options.uiScale != 0.0) requireRange(options.uiScale, kUiScaleRange, "--ui-scale");
   requireRange(options.screenshotAfterMs, kWaitMsRange, "--after-ms");
-  requireScene(checked.scene);
+  requireScene(checked.sceneSpec);
   settings.knobs.warp = checked.warp;
   settings.knobs.delayMs = options.delayMs;
   settings.knobs.uncovered = checked.uncovered;
@@ -52,7 +52,7 @@ void view(const ViewOptions& options) {
   SteadyClock clock;
   const SessionMaker makeSession = [&](std::function<void()> onNews) {
     auto session = std::make_unique<Session>(settings, clock, std::move(onNews));
-    session->load({checked.scene, [checked] { return checked.open(); }});
+    session->load({checked.sceneSpec, [checked] { return checked.open(); }});
     return session;
   };
   const SceneOpener openChosen = [seed = checked.overrides.seed](const std::string& spec) {
