@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "app/auto_transfer_function.h"
 #include "app/json_document.h"
+#include "app/log.h"
 #include "render/core/color.h"
 #include "render/core/error.h"
 #include "render/core/image.h"
 #include "render/core/nearest_name.h"
+#include "render/core/stopwatch.h"
 #include "render/volume/procedural.h"
 #include "render/volume/reader.h"
 #include "scenes.h"
@@ -173,6 +176,15 @@ Scene openBySpec(const std::string& spec, const SceneOverrides& overrides) {
   return sceneOfVolume(path);
 }
 
+void logVolume(const Volume& volume, double openMs) {
+  const glm::uvec3& dims = volume.dims();
+  const VoxelStatistics& statistics = volume.statistics();
+  char text[192];
+  std::snprintf(text, sizeof text, ": %ux%ux%u voxels of %s, values %g to %g, %zu not finite; opened in %.0f ms", dims.x, dims.y, dims.z,
+                std::string(nameOf(volume.type())).c_str(), statistics.lowest, statistics.highest, statistics.nonFinite, openMs);
+  logDetail("volume " + volume.name() + text);
+}
+
 }  // namespace
 
 std::vector<BuiltinScene> builtinScenes() {
@@ -199,7 +211,9 @@ void requireScene(const std::string& spec) {
 }
 
 Scene openScene(const std::string& spec, const SceneOverrides& overrides) {
-  Scene scene = openBySpec(spec, overrides);
+  Scene scene;
+  const double openMs = milliseconds([&] { scene = openBySpec(spec, overrides); });
+  logVolume(*scene.volume, openMs);
   if (overrides.transferFunction)
     scene.transferFunction = readTransferFunction(JsonDocument::fromFile(*overrides.transferFunction).root());
   if (scene.transferFunction.points.empty())

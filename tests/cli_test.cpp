@@ -133,6 +133,27 @@ TEST_F(CommandLine, ShotReplacesWhatIsThereAndFollowsLinks) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
+// --- what is said about the work
+
+TEST_F(CommandLine, VerboseSaysWhatIsDoneAndQuietNothing) {
+  const Arguments shot = quick({"shot", "block", "--technique", "points", "-o", "a.png"});
+  const auto with = [&](const Arguments& more) {
+    Arguments arguments = shot;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return succeed(arguments);
+  };
+  const ProgramResult plain = with({}), verbose = with({"--verbose"}), json = with({"--verbose", "--json"});
+  EXPECT_EQ(plain.err, "wrote a.png\n");
+  EXPECT_EQ(plain.out + verbose.out, "");
+  for (const char* detail : {"volume block: 24x22x20 voxels of uint8, values ", "opened in ", "backend: cpu", "OpenGL: ", "marched ", " samples in ",
+                             "compacted in ", "wrote a.png"})
+    EXPECT_THAT(verbose.err, testing::HasSubstr(detail));
+  EXPECT_THAT(json.err, testing::HasSubstr("marched "));
+  EXPECT_TRUE(json::accept(json.out)) << json.out;
+  EXPECT_EQ(with({"--quiet"}).err + with({"--quiet", "--verbose"}).err, "");
+  EXPECT_THAT(succeed({"info", "--verbose"}).err, testing::HasSubstr("EGL"));
+}
+
 // --- compare
 
 TEST_F(CommandLine, CompareWritesPicturesMontageAndMetrics) {
@@ -260,6 +281,28 @@ TEST_F(CommandLine, AFullDeviceIsAFailure) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   fs::create_symlink("/dev/full", folder_.path() / "full.png");
   expectRefused(quick({"shot", "-o", "full.png"}), kFailure, {"full.png", "No space left"});
+}
+
+/// After the march, while the picture or the cloud is made: work of a second or more at this size.
+TEST_F(CommandLine, InterruptingWhatComesAfterTheMarchLeavesNothing) {
+  const std::pair<Arguments, std::string> commands[] = {
+      {{"shot", "block", "--technique", "hold", "-o", "a.png"}, "drew "},
+      {{"export", "block", "--ply", "a.ply", "--heuristic", "entrance"}, "marched "},
+  };
+  for (const auto& [command, event] : commands) {
+    SCOPED_TRACE(command[0]);
+    Arguments arguments = quick(command, "4096x4096");
+    arguments.push_back("--verbose");
+    Program program(arguments, folder_.path());
+    while (program.errSoFar().find(event) == std::string::npos && !program.hasEnded()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_FALSE(program.hasEnded()) << "too quick to be interrupted";
+    program.signal(SIGINT);
+    const ProgramResult result = program.wait();
+    EXPECT_EQ(result.code, kFailure);
+    EXPECT_THAT(result.err, testing::HasSubstr("warpscope: stopped"));
+    EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("wrote")));
+    EXPECT_TRUE(folder_.listing().empty()) << testing::PrintToString(folder_.listing());
+  }
 }
 
 TEST_F(CommandLine, InterruptingCompareLeavesNothing) {

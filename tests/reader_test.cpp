@@ -6,12 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <random>
 
 #include "render/core/error.h"
+#include "render/volume/volume_format.h"
 #include "tests/real_data.h"
 
 #if WARPSCOPE_WITH_ITK
@@ -92,6 +94,17 @@ TEST(RawName, RefusesOverflowAndUnknownTypes) {
   EXPECT_THROW(parseRawName("a_4294967296x1x1_uint8.raw"), InputError);
   EXPECT_THROW(parseRawName("a_99999999999999999999999x1x1_uint8.raw"), InputError);
   EXPECT_THROW(parseRawName("a_1x1x1_uint9.raw"), InputError);
+}
+
+TEST(VolumeFormat, ByTheEndingInEitherCase) {
+  for (const VolumeEnding& known : kVolumeEndings) {
+    std::string upper("A");
+    for (const char c : known.ending) upper += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    EXPECT_EQ(formatOf("some.folder/a" + std::string(known.ending)), known.format) << known.ending;
+    EXPECT_EQ(formatOf(upper), known.format) << upper;
+    EXPECT_EQ(formatOf(known.ending), std::nullopt) << known.ending << " is all there is of the name";
+  }
+  for (const char* name : {"", "a", "a.nii.zip", "a.gz", "a.nrrd/", "nrrd", "a.raw "}) EXPECT_EQ(formatOf(name), std::nullopt) << name;
 }
 
 TEST_F(Reader, RawOfEveryType) {

@@ -10,6 +10,7 @@
 #include "app/comparison.h"
 #include "app/interrupt.h"
 #include "app/json_document.h"
+#include "app/log.h"
 #include "app/montage.h"
 #include "app/output_files.h"
 #include "app/picture.h"
@@ -129,6 +130,7 @@ void compare(const CompareOptions& options) {
         },
         [&](const std::string& what) { progress.step(what); }, interrupt.token());
   }
+  logFrame(*comparison.frame);
   for (const ComparisonRow& row : comparison.rows)
     montage.rows[static_cast<size_t>(row.technique - warpRegistry().data())].cells[row.view].caption = captionOf(row);
   out.write("montage.png", encodePng(drawMontage(montage, options.cellWidth), interrupt.token()));
@@ -141,7 +143,7 @@ void compare(const CompareOptions& options) {
     std::cout << textOf(report);
   else if (!options.common.quiet) {
     printTable(comparison, work.scene);
-    std::cerr << "wrote " << pictures << " pictures, montage.png and metrics.json to " << options.out << '\n';
+    logResult("wrote " + std::to_string(pictures) + " pictures, montage.png and metrics.json to " + options.out);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "app/commands/options.h"
 #include "app/interrupt.h"
 #include "app/json_document.h"
+#include "app/log.h"
 #include "app/output_files.h"
 #include "render/core/parallel.h"
 
@@ -59,11 +60,12 @@ void exportSamples(const ExportOptions& options) {
   const MarcherPtr marcher = makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction);
   const SampleFrame frame = marcher->march(makeCamera(work.scene, work.scene.views.front(), work.width, work.height),
                                            work.march, interrupt.token());
+  logFrame(frame);
   writeFileWhole(options.ply, toPly(frame, work.scene.volume->geometry(), interrupt.token()), interrupt.token());
   if (options.common.json)
     std::cout << textOf({{"ply", options.ply}, {"samples", frame.size()}});
-  else if (!options.common.quiet)
-    std::cerr << "wrote " << frame.size() << " samples to " << options.ply << '\n';
+  else
+    logResult("wrote " + std::to_string(frame.size()) + " samples to " + options.ply);
 }
 
 }  // namespace

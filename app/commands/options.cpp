@@ -4,8 +4,10 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
+#include "app/log.h"
 #include "render/core/error.h"
 #include "render/core/nearest_name.h"
 #include "render/cuda/devices.h"
@@ -69,6 +71,13 @@ std::string listOf(const Table& table) {
   return text;
 }
 
+void logBackend(Backend backend) {
+  if (!isDetailLogged()) return;
+  const std::string reason = backend == Backend::automatic ? cuda::whyUnavailable() : std::string();
+  const bool isCpu = backend == Backend::cpu || !reason.empty();
+  logDetail(std::string("backend: ") + (isCpu ? "cpu" : "cuda") + (reason.empty() ? "" : ", because " + reason));
+}
+
 }  // namespace
 
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
@@ -92,8 +101,13 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--uncovered", options.uncovered, "Colour (RRGGBB) of pixels that no sample covers; default transparent");
   command.add_option("--seed", options.seed, "Of everything random")->capture_default_str();
   command.add_flag("--json", options.json, "One JSON document on standard output and nothing else");
+  addLogOptions(command, options);
+}
+
+void addLogOptions(CLI::App& command, CommonOptions& options) {
   command.add_flag("--quiet", options.quiet, "Errors only");
-  command.add_flag("--verbose", options.verbose, "More about what is being done");
+  command.add_flag("--verbose", options.verbose, "More about what is being done, on standard error");
+  command.parse_complete_callback([&options] { setUpLog(options.quiet, options.verbose); });
 }
 
 CheckedOptions check(const CommonOptions& options) {
@@ -131,6 +145,7 @@ CheckedOptions check(const CommonOptions& options) {
   if (checked.backend == Backend::cuda)
     if (const std::string reason = cuda::whyUnavailable(); !reason.empty())
       throw DeviceError("the backend cuda cannot be used: " + reason);
+  logBackend(checked.backend);
   return checked;
 }
 
@@ -151,10 +166,20 @@ Workplace prepare(const CommonOptions& options) {
   return work;
 }
 
+void logFrame(const SampleFrame& frame) {
+  char text[96];
+  std::snprintf(text, sizeof text, "marched %zu samples in %.1f ms, compacted in %.1f ms", frame.size(), frame.timings.marchMs,
+                frame.timings.compactMs);
+  logDetail(text);
+}
+
 WarpResources HeadlessResources::resources() {
   return {marcher_,
           [this]() -> gl::Context& {
-            if (!context_) context_ = gl::makeHeadlessContext(platform_);
+            if (!context_) {
+              context_ = gl::makeHeadlessContext(platform_);
+              logDetail("OpenGL: " + contextText());
+            }
             context_->makeCurrent();
             return *context_;
           },

@@ -33,6 +33,9 @@ struct CommonOptions {
 /// Adds the scene and every shared option to a command.
 void addCommonOptions(CLI::App& command, CommonOptions& options);
 
+/// Adds --quiet and --verbose, and sets the log up by them once the command line is read.
+void addLogOptions(CLI::App& command, CommonOptions& options);
+
 /// What was asked for, before the scene is opened.
 struct CheckedOptions {
   std::string sceneSpec;
@@ -78,6 +81,9 @@ class HeadlessResources {
   Backend backend_;
   std::unique_ptr<gl::Context> context_;
 };
+
+/// Says in the log how many samples a frame has and how long it took.
+void logFrame(const SampleFrame& frame);
 
 /// What `command` is and does; each adds itself to the program and runs when its turn comes.
 void addShotCommand(CLI::App& program, std::function<void()>& chosen);

@@ -8,6 +8,7 @@
 #include "app/commands/options.h"
 #include "app/interrupt.h"
 #include "app/json_document.h"
+#include "app/log.h"
 #include "app/output_files.h"
 #include "app/picture.h"
 #include "render/core/error.h"
@@ -43,6 +44,8 @@ void shoot(const ShotOptions& options) {
   warp->setFrame(frame, work.warp, interrupt.token());
   WarpedImage image;
   warp->draw(camera, work.warp, image, interrupt.token());
+  if (frame) logFrame(*frame);
+  logDetail("drew " + std::to_string(work.width) + "x" + std::to_string(work.height) + " pixels with " + std::string(descriptor.name));
   writeFileWhole(options.out, encodePng(toPicture(image, work.uncovered), interrupt.token()), interrupt.token());
 
   if (options.common.json) {
@@ -53,8 +56,8 @@ void shoot(const ShotOptions& options) {
                                 {"heuristic", nameOf(work.march.heuristic)},
                                 {"radius", nameOf(work.march.radiusPolicy)}};
     std::cout << textOf(report);
-  } else if (!options.common.quiet) {
-    std::cerr << "wrote " << options.out << '\n';
+  } else {
+    logResult("wrote " + options.out);
   }
 }
 
