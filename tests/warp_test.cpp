@@ -218,6 +218,33 @@ TEST_P(WarpGl, FramesOfNoneOneAndTwoSamples) {
   }
 }
 
+// --- Several samples a pixel
+
+TEST_P(WarpGl, OfTwoSamplesAPixelTheNearerIsSeenInEitherOrder) {
+  const Stage stage = syntheticStage(GetParam());
+  const Camera camera = frontCamera(8, 8);
+  std::vector<Sphere> nearFirst, farFirst;
+  for (uint32_t y = 0; y < camera.height; ++y)
+    for (uint32_t x = 0; x < camera.width; ++x) {
+      // About the middle of each pixel, at depths 8 and 12 from the eye, to the 64th of a unit that a frame can hold.
+      const Ray ray = pixelRay(camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+      const auto at = [&](float depth) {
+        const glm::vec3 point = camera.eye + depth / glm::dot(ray.direction, camera.forward) * ray.direction;
+        return Sphere{glm::round(point * 64.0f) / 64.0f, 0.125f};
+      };
+      for (const float depth : {8.0f, 12.0f}) nearFirst.push_back(at(depth));
+      for (const float depth : {12.0f, 8.0f}) farFirst.push_back(at(depth));
+    }
+  WarpSettings settings;
+  settings.pointSize = 1;
+  for (const std::string_view technique : {"hold", "points", "spheres"})
+    for (const uint32_t nearer : {0u, 1u}) {
+      SCOPED_TRACE(std::string(technique) + (nearer == 0 ? ", nearer first" : ", farther first"));
+      const WarpedImage image = stage.draw(technique, makeFrame(camera, nearer == 0 ? nearFirst : farFirst), camera, settings);
+      for (uint32_t i = 0; i < image.samples.size(); ++i) ASSERT_EQ(image.samples[i], 2 * i + nearer) << "pixel " << i;
+    }
+}
+
 // --- At or behind the eye
 
 TEST_P(WarpGl, NothingAtOrBehindTheEyeIsSeen) {

@@ -34,8 +34,8 @@ struct RayInterval {
   WARPSCOPE_HD bool isMiss() const { return !(tNear <= tFar); }
 };
 
-/// What the slab test needs of a ray, computed once. A zero component (of either sign) becomes a huge reciprocal of that sign; the
-/// products with it stay finite or infinite of the right sign, except 0 * inf, which the test below treats as "on the slab".
+/// What the slab test needs of a ray, computed once. The reciprocal of a zero component, of either sign, is +infinity; products with it
+/// are infinite of the distance's sign, except 0 * inf, which the test below treats as "on the slab".
 struct RayReciprocal {
   glm::vec3 origin;
   glm::vec3 invDirection;
