@@ -98,7 +98,7 @@ View readView(const Node& node) {
   return view;
 }
 
-VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverrides& overrides) {
+VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverrides& overrides, const std::stop_token& stop) {
   constexpr std::string_view kKeys[] = {"file", "spacing", "procedural", "size"};
   node.requireObject(kKeys);
   if (const auto procedural = node.find("procedural")) {
@@ -108,13 +108,13 @@ VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverri
     if (known == nullptr) procedural->fail("is not one: " + unknownNameIn(kProceduralVolumes, "procedural volume", name));
     glm::uvec3 dims = known->defaultDims;
     if (const auto size = node.find("size")) dims = readSize(*size);
-    return makeProceduralVolume(name, overrides.proceduralDims.value_or(dims), overrides.seed);
+    return makeProceduralVolume(name, overrides.proceduralDims.value_or(dims), overrides.seed, stop);
   }
   if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
   std::optional<glm::dvec3> spacing;
   if (const auto given = node.find("spacing")) spacing = readVector(*given, 1e-12, 1e12);
   const fs::path file = node.at("file").string();
-  return openVolume(file.is_absolute() ? file : folder / file, spacing);
+  return openVolume(file.is_absolute() ? file : folder / file, spacing, stop);
 }
 
 /// World axes of volumes that say nothing: y is up and the camera is where z grows. Patient axes (LPS): z is up, and the face
@@ -125,7 +125,7 @@ void setDefaultAxes(Scene& scene) {
   scene.front = {0.0, -1.0, 0.0};
 }
 
-Scene readScene(const JsonDocument& document, const fs::path& folder, const SceneOverrides& overrides) {
+Scene readScene(const JsonDocument& document, const fs::path& folder, const SceneOverrides& overrides, const std::stop_token& stop) {
   const Node root = document.root();
   constexpr std::string_view kKeys[] = {"name", "title",   "volume",     "transferFunction", "up",
                                         "front", "fovYDeg", "background", "views",            "march"};
@@ -147,7 +147,7 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
       function->fail("must be an object or \"auto\"");
   }
   const Node volume = root.at("volume");
-  scene.volume = overrides.volume ? openVolume(*overrides.volume) : readVolume(volume, folder, overrides);
+  scene.volume = overrides.volume ? openVolume(*overrides.volume, {}, stop) : readVolume(volume, folder, overrides, stop);
   setDefaultAxes(scene);
   if (const auto up = root.find("up")) scene.up = readDirection(*up);
   if (const auto front = root.find("front")) scene.front = readDirection(*front);
@@ -155,25 +155,25 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   return scene;
 }
 
-Scene sceneOfVolume(const fs::path& path) {
+Scene sceneOfVolume(const fs::path& path, const std::stop_token& stop) {
   Scene scene;
-  scene.volume = openVolume(path);
+  scene.volume = openVolume(path, {}, stop);
   scene.name = scene.volume->name();
   scene.title = path.filename().string();
   setDefaultAxes(scene);
   return scene;
 }
 
-Scene openBySpec(const std::string& spec, const SceneOverrides& overrides) {
+Scene openBySpec(const std::string& spec, const SceneOverrides& overrides, const std::stop_token& stop) {
   for (const scenes::File& file : scenes::files())
     if (file.name == spec + ".json")
-      return readScene(JsonDocument(file.content, "built-in scene " + spec), {}, overrides);
+      return readScene(JsonDocument(file.content, "built-in scene " + spec), {}, overrides, stop);
   requireScene(spec);
   const fs::path path(spec);
-  if (path.extension() == ".json") return readScene(JsonDocument::fromFile(path), path.parent_path(), overrides);
+  if (path.extension() == ".json") return readScene(JsonDocument::fromFile(path), path.parent_path(), overrides, stop);
   if (overrides.volume) throw UsageError("--volume replaces a scene's volume; '" + spec + "' is a volume itself");
   if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
-  return sceneOfVolume(path);
+  return sceneOfVolume(path, stop);
 }
 
 void logVolume(const Volume& volume, double openMs) {
@@ -210,9 +210,9 @@ void requireScene(const std::string& spec) {
   throw UsageError(unknownNameIn(scenes, "scene", spec) + " (or a scene file, or a volume file)");
 }
 
-Scene openScene(const std::string& spec, const SceneOverrides& overrides) {
+Scene openScene(const std::string& spec, const SceneOverrides& overrides, const std::stop_token& stop) {
   Scene scene;
-  const double openMs = milliseconds([&] { scene = openBySpec(spec, overrides); });
+  const double openMs = milliseconds([&] { scene = openBySpec(spec, overrides, stop); });
   logVolume(*scene.volume, openMs);
   if (overrides.transferFunction)
     scene.transferFunction = readTransferFunction(JsonDocument::fromFile(*overrides.transferFunction).root());

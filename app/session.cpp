@@ -36,9 +36,16 @@ Session::Session(SessionSettings settings, Clock& clock, std::function<void()> o
 }
 
 void Session::load(LoadJob job) {
+  cancelLoad();
   loading_ = job.name;
   loadError_.clear();
   loader_->post(std::move(job));
+}
+
+void Session::cancelLoad() {
+  loader_->cancel();
+  static_cast<void>(loader_->tryTake());  // what is there already is not wanted either
+  loading_.clear();
 }
 
 void Session::setTechnique(size_t panel, const WarpDescriptor& technique) {

@@ -61,8 +61,10 @@ class Session {
   Session(SessionSettings settings, Clock& clock, std::function<void()> onNews);
 
   // --- Edits. Those of the same value do nothing.
-  /// Opens a scene in the background; the one on show stays until it is there. The newest request wins.
+  /// Opens a scene in the background; the one on show stays until it is there. The newest request wins and ends the one before it.
   void load(LoadJob job);
+  /// Gives up opening; the scene on show stays.
+  void cancelLoad();
   void setView(const View& view) { view_ = view; }
   void setKnobs(const Knobs& knobs) { knobs_ = knobs; }
   void setTechnique(size_t panel, const WarpDescriptor& technique);

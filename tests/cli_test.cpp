@@ -283,6 +283,25 @@ TEST_F(CommandLine, AFullDeviceIsAFailure) {
   expectRefused(quick({"shot", "-o", "full.png"}), kFailure, {"full.png", "No space left"});
 }
 
+/// A volume that takes many seconds to compute.
+TEST_F(CommandLine, InterruptingTheOpeningOfAVolumeEndsItAtOnce) {
+  for (const Arguments& command : {Arguments{"shot", "-o", "a.png"}, {"export", "--ply", "a.ply"}, {"compare", "--out", "out"}}) {
+    SCOPED_TRACE(command[0]);
+    Arguments arguments = command;
+    arguments.insert(arguments.end(), {"vessels", "--volume-size", "800x800x800", "--verbose"});
+    Program program(arguments, folder_.path());
+    while (program.errSoFar().find("backend: ") == std::string::npos && !program.hasEnded()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const auto start = std::chrono::steady_clock::now();
+    program.signal(SIGINT);
+    const ProgramResult result = program.wait();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    EXPECT_EQ(result.code, kFailure);
+    EXPECT_THAT(result.err, testing::EndsWith("warpscope: stopped; nothing was written\n"));
+    EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("volume ")));
+    EXPECT_TRUE(folder_.listing().empty());
+  }
+}
+
 /// After the march, while the picture or the cloud is made: work of a second or more at this size.
 TEST_F(CommandLine, InterruptingWhatComesAfterTheMarchLeavesNothing) {
   const std::pair<Arguments, std::string> commands[] = {

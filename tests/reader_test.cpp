@@ -13,6 +13,7 @@
 #include <random>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
 #include "render/volume/volume_format.h"
 #include "tests/real_data.h"
 
@@ -324,6 +325,15 @@ TEST_F(Reader, HeadersWithEndlessLinesAreRefused) {
                 "no SCALARS");
   expectRefused(write("a.mha", "NDims = 3\nComment = " + endless), "no MetaImage file");
   expectRefused(write("a.nrrd", endless), "does not begin with NRRD000");
+}
+
+TEST_F(Reader, OpeningStopsWhenToldTo) {
+  std::stop_source stopped;
+  stopped.request_stop();
+  for (const fs::path& path :
+       {write("v_3x4x5_int16.raw", kVoxels), write("a.nii.gz", gzip(Nifti{}.header() + kVoxels)),
+        write("a.nrrd", nrrdHeader(kNrrd + "encoding: ascii\n") + "1 2 3"), write("a.mha", metaHeader(kMeta) + kVoxels)})
+    EXPECT_THROW(openVolume(path, {}, stopped.get_token()), OperationCancelled) << path;
 }
 
 TEST_F(Reader, SpacingBelongsToTheFile) {

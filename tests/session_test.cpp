@@ -21,10 +21,10 @@ constexpr glm::uvec2 kPanelPx(40, 56);
 constexpr seconds kPatience(60);  // far more than anything here takes, even under sanitizers
 
 LoadJob builtin(const std::string& name) {
-  return {name, [name] {
+  return {name, [name](const std::stop_token& stop) {
             SceneOverrides overrides;
             overrides.proceduralDims = {16, 16, 16};
-            return openScene(name, overrides);
+            return openScene(name, overrides, stop);
           }};
 }
 
@@ -249,9 +249,39 @@ TEST_F(SessionTest, OfTwoScenesTheOneAskedForLastIsShown) {
   EXPECT_EQ(session_.scene()->name, "marschner-lobb");
 }
 
+/// Loads that go on until they are told to stop.
+TEST_F(SessionTest, ALoadEndsWhenItIsCancelledOrReplaced) {
+  std::latch begun(1), ended(2);
+  const auto endless = [&](const std::stop_token& stop) -> Scene {
+    while (!stop.stop_requested()) std::this_thread::sleep_for(milliseconds(1));
+    ended.count_down();
+    throw OperationCancelled();
+  };
+  ASSERT_TRUE(open("block"));
+  session_.load({"one", [&](const std::stop_token& stop) {
+                   begun.count_down();
+                   return endless(stop);
+                 }});
+  begun.wait();
+  EXPECT_EQ(session_.loading(), "one");
+  session_.cancelLoad();
+  EXPECT_EQ(session_.loading(), "");
+  std::latch again(1);
+  session_.load({"two", [&](const std::stop_token& stop) {
+                   again.count_down();
+                   return endless(stop);
+                 }});
+  again.wait();
+  session_.load(builtin("shells"));
+  ended.wait();
+  ASSERT_TRUE(pumpUntil([&] { return session_.scene()->name == "shells"; }));
+  EXPECT_EQ(session_.loading(), "");
+  EXPECT_EQ(session_.error(), "");
+}
+
 TEST_F(SessionTest, ASceneThatCannotBeOpenedIsASentence) {
   ASSERT_TRUE(open("block"));
-  session_.load({"nowhere.nrrd", []() -> Scene { throw InputError("nowhere.nrrd: there is no such file"); }});
+  session_.load({"nowhere.nrrd", [](const std::stop_token&) -> Scene { throw InputError("nowhere.nrrd: there is no such file"); }});
   ASSERT_TRUE(pumpUntil([&] { return session_.loading().empty(); }));
   EXPECT_EQ(session_.error(), "nowhere.nrrd: there is no such file");
   EXPECT_EQ(session_.scene()->name, "block");
@@ -375,7 +405,7 @@ TEST_F(SessionTest, ClosesInTheMiddleOfEverything) {
 TEST_F(SessionTest, DoesNotWaitForALoadThatCannotBeInterrupted) {
   std::latch loading(1), gate(1);
   Session session(settings(), clock_, [] {});
-  session.load({"slow", [&]() -> Scene {
+  session.load({"slow", [&](const std::stop_token&) -> Scene {
                   loading.count_down();
                   gate.wait();
                   throw InputError("too late");

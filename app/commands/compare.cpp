@@ -98,8 +98,8 @@ void printTable(const Comparison& comparison, const Scene& scene) {
 
 void compare(const CompareOptions& options) {
   if (options.cellWidth < 16 || options.cellWidth > 4096) throw UsageError("--cell: must be 16 to 4096 pixels");
-  const Workplace work = prepare(options.common);
   const Interrupt interrupt;
+  const Workplace work = prepare(options.common, interrupt.token());
   StagedFolder out(options.out);  // fails before the work if it cannot be written
   HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform, work.backend);
 
@@ -117,7 +117,7 @@ void compare(const CompareOptions& options) {
   const size_t pictures = warpRegistry().size() * work.scene.views.size();
   Comparison comparison;
   {
-    Progress progress("compare", pictures + 1, options.common.quiet || options.common.json);
+    Progress progress("compare", pictures + 1, !options.common.showsProgress());
     comparison = compareTechniques(
         work.scene, headless.resources(), settings,
         [&](const WarpDescriptor& technique, size_t view, const WarpedImage& image) {

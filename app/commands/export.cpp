@@ -11,6 +11,7 @@
 #include "app/json_document.h"
 #include "app/log.h"
 #include "app/output_files.h"
+#include "app/progress.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
@@ -54,14 +55,18 @@ std::string toPly(const SampleFrame& frame, const VolumeGeometry& geometry, cons
 }
 
 void exportSamples(const ExportOptions& options) {
-  const Workplace work = prepare(options.common);
-  requireWritable(options.ply);
   const Interrupt interrupt;
+  const Workplace work = prepare(options.common, interrupt.token());
+  requireWritable(options.ply);
+  auto progress = std::make_unique<Progress>("export", 2, !options.common.showsProgress());
+  progress->step("the server's frame");
   const MarcherPtr marcher = makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction);
   const SampleFrame frame = marcher->march(makeCamera(work.scene, work.scene.views.front(), work.width, work.height),
                                            work.march, interrupt.token());
   logFrame(frame);
+  progress->step("the file");
   writeFileWhole(options.ply, toPly(frame, work.scene.volume->geometry(), interrupt.token()), interrupt.token());
+  progress.reset();
   if (options.common.json)
     std::cout << textOf({{"ply", options.ply}, {"samples", frame.size()}});
   else

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/log.h"
+#include "app/progress.h"
 #include "render/core/error.h"
 #include "render/core/nearest_name.h"
 #include "render/cuda/devices.h"
@@ -149,8 +150,8 @@ CheckedOptions check(const CommonOptions& options) {
   return checked;
 }
 
-Scene CheckedOptions::open() const {
-  Scene opened = openScene(sceneSpec, overrides);
+Scene CheckedOptions::open(const std::stop_token& stop) const {
+  Scene opened = openScene(sceneSpec, overrides, stop);
   MarchSettings& march = opened.march;
   march.heuristic = heuristic.value_or(march.heuristic);
   march.radiusPolicy = radius.value_or(march.radiusPolicy);
@@ -159,9 +160,11 @@ Scene CheckedOptions::open() const {
   return opened;
 }
 
-Workplace prepare(const CommonOptions& options) {
+Workplace prepare(const CommonOptions& options, const std::stop_token& stop) {
   Workplace work{check(options), {}, {}};
-  work.scene = work.open();
+  Progress progress("opening", 1, !options.showsProgress());
+  progress.step(work.sceneSpec);
+  work.scene = work.open(stop);
   work.march = work.warp.reference = work.scene.march;
   return work;
 }

@@ -28,6 +28,9 @@ struct CommonOptions {
   int hits = WarpSettings{}.hits;
   uint32_t seed = 1;
   bool json = false, quiet = false, verbose = false;
+
+  /// A bar would be in the way of what the others print.
+  bool showsProgress() const { return !json && !quiet && !verbose; }
 };
 
 /// Adds the scene and every shared option to a command.
@@ -50,8 +53,8 @@ struct CheckedOptions {
   gl::Platform platform = gl::Platform::automatic;
   Backend backend = Backend::automatic;
 
-  /// The scene with the marching that was asked for. Throws UsageError or InputError.
-  Scene open() const;
+  /// The scene with the marching that was asked for. Throws UsageError or InputError, OperationCancelled if `stop` is set.
+  Scene open(const std::stop_token& stop = {}) const;
 };
 
 /// Checks every option, which is quick. Throws UsageError, or InputError for hardware that is not here.
@@ -63,8 +66,9 @@ struct Workplace : CheckedOptions {
   MarchSettings march;  ///< the scene's, as asked for
 };
 
-/// Checks every option before anything expensive, then opens the scene. Throws UsageError or InputError.
-Workplace prepare(const CommonOptions& options);
+/// Checks every option before anything expensive, then opens the scene, with a bar on the terminal. Throws UsageError or InputError,
+/// OperationCancelled if `stop` is set.
+Workplace prepare(const CommonOptions& options, const std::stop_token& stop);
 
 /// Techniques' resources for one thread: a marcher for the scene and an OpenGL context made when it is first needed.
 class HeadlessResources {

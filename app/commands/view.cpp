@@ -52,14 +52,14 @@ void view(const ViewOptions& options) {
   SteadyClock clock;
   const SessionMaker makeSession = [&](std::function<void()> onNews) {
     auto session = std::make_unique<Session>(settings, clock, std::move(onNews));
-    session->load({checked.sceneSpec, [checked] { return checked.open(); }});
+    session->load({checked.sceneSpec, [checked](const std::stop_token& loadStop) { return checked.open(loadStop); }});
     return session;
   };
   const SceneOpener openChosen = [seed = checked.overrides.seed](const std::string& spec) {
-    return LoadJob{spec, [spec, seed] {
+    return LoadJob{spec, [spec, seed](const std::stop_token& loadStop) {
                      SceneOverrides overrides;
                      overrides.seed = seed;
-                     return openScene(spec, overrides);
+                     return openScene(spec, overrides, loadStop);
                    }};
   };
   const bool hasEnded = runWindow(makeSession, openChosen, clock, window, interrupt.token());

@@ -14,6 +14,7 @@
 #include <new>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
 #include "render/volume/payload.h"
 #include "render/volume/volume_format.h"
 
@@ -138,7 +139,7 @@ std::string firstSentence(const char* text) {
   return sentence.substr(0, kLongest);
 }
 
-VolumePtr readItkVolume(const std::filesystem::path& path) {
+VolumePtr readItkVolume(const std::filesystem::path& path, const std::stop_token& stop) {
   const std::string source = path.string();
   const Payload payload = locatePayload(path);
   const itk::ImageIOBase::Pointer io = makeImageIO(path);
@@ -159,7 +160,7 @@ VolumePtr readItkVolume(const std::filesystem::path& path) {
   VolumeGeometry geometry = geometryOf(*io, source);
   geometry.hasOrientation = payload.hasOrientation;
   const size_t count = validate(geometry, type, source);
-  requirePayload(path, payload, count, count * sizeBytes(payload.storedType.value_or(type)));
+  requirePayload(path, payload, count, count * sizeBytes(payload.storedType.value_or(type)), stop);
 
   // Pages of zeros come for free from the system; memory as it was found would show where ITK stops early without a
   // word.
@@ -172,12 +173,12 @@ VolumePtr readItkVolume(const std::filesystem::path& path) {
   }
   io->SetIORegion(region);
   io->Read(voxels.get());
-  return std::make_shared<Volume>(path.filename().string(), type, geometry, voxels, voxels.get());
+  return std::make_shared<Volume>(path.filename().string(), type, geometry, voxels, voxels.get(), stop);
 }
 
 }  // namespace
 
-VolumePtr openItkVolume(const std::filesystem::path& path) {
+VolumePtr openItkVolume(const std::filesystem::path& path, const std::stop_token& stop) {
   static const bool kIsSilent = [] {
     itk::OutputWindow::SetInstance(SilentOutputWindow::New());
     itk::Object::SetGlobalWarningDisplay(false);
@@ -185,8 +186,10 @@ VolumePtr openItkVolume(const std::filesystem::path& path) {
   }();
   static_cast<void>(kIsSilent);
   try {
-    return readItkVolume(path);
+    return readItkVolume(path, stop);
   } catch (const InputError&) {
+    throw;
+  } catch (const OperationCancelled&) {
     throw;
   } catch (const std::bad_alloc&) {
     throw InputError(path.string() + ": does not fit into this machine's memory");

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
 #include "render/volume/volume_format.h"
 
 namespace warpscope {
@@ -337,13 +338,14 @@ Payload locateMrc(const fs::path& path) {
 }
 
 /// Words in the text from `payload.offsetBytes` on, counted no further than `enough`.
-uint64_t countWords(const Payload& payload, uint64_t enough) {
+uint64_t countWords(const Payload& payload, uint64_t enough, const std::stop_token& stop) {
   std::ifstream file(payload.file, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(payload.offsetBytes));
   std::vector<char> piece(1 << 16);
   uint64_t words = 0;
   bool inWord = false;
   while (words < enough && file) {
+    if (stop.stop_requested()) throw OperationCancelled();
     file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
     for (std::streamsize i = 0; i < file.gcount(); ++i) {
       const bool isBlank = piece[static_cast<size_t>(i)] <= ' ' || piece[static_cast<size_t>(i)] == ',';
@@ -356,7 +358,7 @@ uint64_t countWords(const Payload& payload, uint64_t enough) {
 
 /// Bytes in the deflated payload, counted no further than `enough`. `isWhole` tells whether the stream ended or
 /// sufficed undamaged.
-uint64_t countInflated(const Payload& payload, uint64_t enough, bool& isWhole) {
+uint64_t countInflated(const Payload& payload, uint64_t enough, const std::stop_token& stop, bool& isWhole) {
   constexpr size_t kPiece = 1 << 18;
   std::vector<unsigned char> in(kPiece), out(kPiece);
   std::ifstream file(payload.file, std::ios::binary);
@@ -368,6 +370,7 @@ uint64_t countInflated(const Payload& payload, uint64_t enough, bool& isWhole) {
   int state = Z_OK;
   isWhole = false;
   while (true) {
+    if (stop.stop_requested()) throw OperationCancelled();
     if (stream.avail_in == 0) {
       file.read(reinterpret_cast<char*>(in.data()), kPiece);
       stream.next_in = in.data();
@@ -412,7 +415,8 @@ Payload locatePayload(const fs::path& path) {
   return {.file = path};
 }
 
-void requirePayload(const fs::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes) {
+void requirePayload(const fs::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes,
+                    const std::stop_token& stop) {
   std::error_code error;
   const uint64_t fileBytes = fs::file_size(payload.file, error);
   if (error) fail(path, "its voxels in " + payload.file.string() + " cannot be read");
@@ -424,7 +428,7 @@ void requirePayload(const fs::path& path, const Payload& payload, uint64_t count
     return;
   }
   if (payload.encoding == Encoding::text) {
-    const uint64_t held = countWords(payload, count);
+    const uint64_t held = countWords(payload, count, stop);
     if (held < count)
       fail(path, "its header declares " + std::to_string(count) + " voxels, but the file holds " +
                      std::to_string(held) + " numbers; it is cut off or damaged");
@@ -438,7 +442,7 @@ void requirePayload(const fs::path& path, const Payload& payload, uint64_t count
   if (payload.encoding == Encoding::unchecked) return;
   bool isWhole = false;
   const uint64_t needed = payload.skipBytes + sizeBytes;
-  const uint64_t held = countInflated(payload, needed, isWhole);
+  const uint64_t held = countInflated(payload, needed, stop, isWhole);
   if (held < needed)
     fail(path, declared + "only " + std::to_string(held - std::min(held, payload.skipBytes)) +
                    " can be decompressed; it is cut off or damaged");

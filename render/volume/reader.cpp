@@ -47,7 +47,7 @@ std::vector<std::string> supportedVolumeEndings() {
   return endings;
 }
 
-VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing) {
+VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing, const std::stop_token& stop) {
   requireReadableFile(path);
   const std::optional<VolumeFormat> format = formatOf(path);
   if (!format) {
@@ -55,10 +55,10 @@ VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm:
     for (const std::string& ending : supportedVolumeEndings()) known += " " + ending;
     throw InputError(path.string() + ": its ending is not that of a volume; known are" + known);
   }
-  if (*format == VolumeFormat::raw) return openRawVolume(path, spacing);
+  if (*format == VolumeFormat::raw) return openRawVolume(path, spacing, stop);
 #if WARPSCOPE_WITH_ITK
   if (spacing) throw InputError(path.string() + ": states its voxel spacing itself; only raw volumes take another one");
-  return openItkVolume(path);
+  return openItkVolume(path, stop);
 #else
   throw InputError(path.string() +
                    ": this build reads raw volumes only; build with -DWARPSCOPE_WITH_ITK=ON for this format");
