@@ -44,7 +44,7 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
                              const std::function<void(const WarpDescriptor&, size_t view, const WarpedImage&)>& onPicture,
                              const std::function<void(const std::string&)>& onStep, const std::stop_token& stop);
 
-/// "0°", "25° nearer", "45° farther": a view as a caption, relative to the first.
+/// "0°", "25°, 0.83× as far", "-30°, +10° up": a view as a caption, relative to the first.
 std::string viewCaption(const View& view, const View& first);
 
 }  // namespace warpscope

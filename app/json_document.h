@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "render/core/range.h"
+
 namespace warpscope {
 
 /// A document as the program prints it: indented, a line end at its end. Bytes that are not UTF-8 (in names of files) are replaced.
@@ -57,6 +59,7 @@ class Node {
   std::string string() const;
   bool boolean() const;
   double number(double lowest, double highest) const;
+  double number(const Range& range) const { return number(range.lowest, range.highest); }
   int64_t integer(int64_t lowest, int64_t highest) const;
 
  private:

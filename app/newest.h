@@ -1,5 +1,5 @@
 // The one way in which work passes between threads: a slot that holds the newest value. Nothing can queue up.
-// One value in flight and one pending, as the design's threads ask for; built on condition_variable_any's waits with stop tokens.
+// With the value that its reader works on, one is in flight and one pending; built on condition_variable_any's waits with stop tokens.
 #pragma once
 
 #include <condition_variable>
@@ -14,14 +14,15 @@ namespace warpscope {
 template <class T>
 class Newest {
  public:
-  /// Replaces what nobody has taken.
-  void put(T value) {
-    std::optional<T> replaced(std::move(value));  // what it replaces is destroyed after the lock is given back
+  /// Replaces what nobody has taken, and returns it: to destroy it may take long, which is for the caller to do without any lock.
+  std::optional<T> put(T value) {
+    std::optional<T> replaced(std::move(value));
     {
       const std::scoped_lock lock(mutex_);
       value_.swap(replaced);
     }
     arrived_.notify_one();
+    return replaced;
   }
 
   /// What is there, if anything.

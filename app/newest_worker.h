@@ -79,8 +79,14 @@ class NewestWorker {
       const std::stop_callback link(stop, [&] { source.request_stop(); });
       std::optional<Result> result = perform(work, ticket->job, source.get_token());
       if (!result) continue;
+      const uint64_t epoch = ticket->epoch;
       ticket.reset();  // what it holds may be large
-      results_.put(std::move(*result));
+      std::optional<Result> replaced;
+      {
+        const std::scoped_lock lock(mutex_);
+        if (epoch != epoch_) continue;  // cancelled after its last look at the token
+        replaced = results_.put(std::move(*result));
+      }
       onResult_();
     }
   }
@@ -104,7 +110,7 @@ class NewestWorker {
   Newest<Ticket> jobs_;
   Newest<Result> results_;
   std::atomic<uint64_t> epoch_ = 0;  // how often cancel() was called
-  std::mutex mutex_;                 // of atWork_, and of the order between it and epoch_
+  std::mutex mutex_;                 // of atWork_, and of the order in which epoch_ changes, jobs begin and results appear
   std::stop_source atWork_;
   std::promise<void> ended_;
   const std::shared_future<void> end_ = ended_.get_future().share();

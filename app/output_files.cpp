@@ -2,12 +2,14 @@
 // See output_files.h.
 #include "app/output_files.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <random>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
 
 namespace warpscope {
 namespace fs = std::filesystem;
@@ -21,15 +23,18 @@ std::string uniqueSuffix() {
   return suffix;
 }
 
-void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view bytes) {
+void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view bytes, const std::stop_token& stop = {}) {
+  constexpr size_t kPiece = 16 << 20;  // how often a stop is looked for
   errno = 0;
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  for (size_t at = 0; at < bytes.size() && file && !stop.stop_requested(); at += kPiece)
+    file.write(bytes.data() + at, static_cast<std::streamsize>(std::min(kPiece, bytes.size() - at)));
   file.close();
-  if (file) return;
+  if (file && !stop.stop_requested()) return;
   const std::string reason = errno != 0 ? std::strerror(errno) : "unknown reason";
   std::error_code ignored;
   if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);
+  if (file) throw OperationCancelled();
   throw InputError(shownAs.string() + ": cannot be written: " + reason);
 }
 
@@ -65,11 +70,12 @@ void requireWritable(const fs::path& path) {
   fs::remove(probe, ignored);
 }
 
-void writeFileWhole(const fs::path& path, std::string_view bytes) {
+void writeFileWhole(const fs::path& path, std::string_view bytes, const std::stop_token& stop) {
   const fs::path target = targetOf(path);
-  if (isDevice(target)) return writeBytes(target, path, bytes);
+  if (stop.stop_requested()) throw OperationCancelled();
+  if (isDevice(target)) return writeBytes(target, path, bytes, stop);
   const fs::path partial = partialOf(target);
-  writeBytes(partial, path, bytes);
+  writeBytes(partial, path, bytes, stop);
   std::error_code error;
   fs::rename(partial, target, error);
   if (!error) return;

@@ -4,14 +4,16 @@
 
 #include <filesystem>
 #include <span>
+#include <stop_token>
 #include <string_view>
 #include <vector>
 
 namespace warpscope {
 
 /// Writes `bytes` to `path`, replacing the file that is there, or that a link there leads to. What is there but no file (a device, a
-/// pipe) is written to as it is. Throws InputError naming the path and the reason; then nothing has changed.
-void writeFileWhole(const std::filesystem::path& path, std::string_view bytes);
+/// pipe) is written to as it is. Throws InputError naming the path and the reason, or OperationCancelled if `stop` is set before the file
+/// is in its place; then nothing has changed.
+void writeFileWhole(const std::filesystem::path& path, std::string_view bytes, const std::stop_token& stop = {});
 
 /// Throws as writeFileWhole would, as far as that can be told without the bytes: to be asked before work that takes long.
 void requireWritable(const std::filesystem::path& path);

@@ -3,7 +3,6 @@
 #include "app/progress.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #if defined(_WIN32)
 #include <io.h>
@@ -14,35 +13,56 @@
 namespace warpscope {
 namespace {
 
-bool stderrIsTerminal() {
+using std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kDelay(1);
+constexpr std::chrono::milliseconds kPeriod(200);
+
+bool isTerminal(std::FILE* file) {
 #if defined(_WIN32)
-  return _isatty(_fileno(stderr)) != 0;
+  return _isatty(_fileno(file)) != 0;
 #else
-  return isatty(fileno(stderr)) != 0;
+  return isatty(fileno(file)) != 0;
 #endif
 }
 
 }  // namespace
 
-Progress::Progress(std::string title, size_t steps, bool quiet)
-    : title_(std::move(title)),
-      steps_(std::max<size_t>(steps, 1)),
-      enabled_(!quiet && stderrIsTerminal()),
-      start_(std::chrono::steady_clock::now()) {}
+Progress::Progress(std::string title, size_t steps, bool quiet, std::FILE* terminal)
+    : title_(std::move(title)), steps_(std::max<size_t>(steps, 1)), terminal_(terminal) {
+  if (!quiet && isTerminal(terminal)) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
 
 Progress::~Progress() {
-  if (drawn_) std::fputs("\r\x1b[K", stderr);  // leaves the line empty for what is printed next
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
 }
 
 void Progress::step(const std::string& what) {
-  const size_t now = std::min(done_++, steps_);
-  if (!enabled_ || std::chrono::steady_clock::now() - start_ < std::chrono::seconds(1)) return;
-  constexpr size_t kWidth = 24;
-  const size_t filled = now * kWidth / steps_;
-  const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
-  std::fprintf(stderr, "\r\x1b[K%s [%s] %zu/%zu %s", title_.c_str(), bar.c_str(), now, steps_, what.c_str());
-  std::fflush(stderr);
-  drawn_ = true;
+  const std::scoped_lock lock(mutex_);
+  ++begun_;
+  what_ = what;
+}
+
+void Progress::run(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  bool isDrawn = false;
+  for (auto next = start_ + kDelay; !changed_.wait_until(lock, stop, next, [] { return false; }) && !stop.stop_requested();
+       next = steady_clock::now() + kPeriod) {
+    constexpr size_t kWidth = 24;
+    const size_t done = std::min(begun_ > 0 ? begun_ - 1 : 0, steps_);
+    const size_t filled = done * kWidth / steps_;
+    const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(steady_clock::now() - start_).count();
+    std::fprintf(terminal_, "\r\x1b[K%s [%s] %zu/%zu %s (%lld s)", title_.c_str(), bar.c_str(), done, steps_, what_.c_str(),
+                 static_cast<long long>(seconds));
+    std::fflush(terminal_);
+    isDrawn = true;
+  }
+  if (!isDrawn) return;
+  std::fputs("\r\x1b[K", terminal_);  // leaves the line empty for what is printed next
+  std::fflush(terminal_);
 }
 
 }  // namespace warpscope

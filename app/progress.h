@@ -1,16 +1,21 @@
 // A bar on the terminal for work that takes longer than a second.
-// Written to standard error, and only if that is a terminal.
+// Written to standard error, and only if that is a terminal; ECMA-48 control sequences.
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <mutex>
 #include <string>
+#include <thread>
 
 namespace warpscope {
 
+/// Draws itself from a thread of its own, so that it also moves while one step takes long.
 class Progress {
  public:
-  /// `steps` is how often step() will be called. Nothing is shown if `quiet`, or for the first second.
-  Progress(std::string title, size_t steps, bool quiet);
+  /// `steps` is how often step() will be called. Nothing is shown if `quiet`, or for the first second, or if `terminal` is none.
+  Progress(std::string title, size_t steps, bool quiet, std::FILE* terminal = stderr);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -19,12 +24,17 @@ class Progress {
   void step(const std::string& what);
 
  private:
-  std::string title_;
-  size_t steps_;
-  size_t done_ = 0;
-  bool enabled_;
-  bool drawn_ = false;
-  std::chrono::steady_clock::time_point start_;
+  void run(const std::stop_token& stop);
+
+  const std::string title_;
+  const size_t steps_;
+  std::FILE* const terminal_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::mutex mutex_;  // of the next three
+  size_t begun_ = 0;
+  std::string what_;
+  std::condition_variable_any changed_;
+  std::jthread thread_;  // none if nothing is to be shown
 };
 
 }  // namespace warpscope

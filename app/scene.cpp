@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "app/auto_transfer_function.h"
 #include "app/json_document.h"
+#include "app/log.h"
 #include "render/core/color.h"
 #include "render/core/error.h"
 #include "render/core/image.h"
 #include "render/core/nearest_name.h"
+#include "render/core/stopwatch.h"
 #include "render/volume/procedural.h"
 #include "render/volume/reader.h"
 #include "scenes.h"
@@ -26,6 +29,13 @@ constexpr double kAnyNumber = 1e300;
 glm::dvec3 readVector(const Node& node, double lowest, double highest) {
   const std::vector<Node> elements = node.elements(3, 3);
   return {elements[0].number(lowest, highest), elements[1].number(lowest, highest), elements[2].number(lowest, highest)};
+}
+
+glm::uvec3 readSize(const Node& node) {
+  const std::vector<Node> elements = node.elements(3, 3);
+  glm::uvec3 size;
+  for (int axis = 0; axis < 3; ++axis) size[axis] = static_cast<uint32_t>(elements[static_cast<size_t>(axis)].integer(1, 65536));
+  return size;
 }
 
 glm::dvec3 readDirection(const Node& node) {
@@ -60,22 +70,18 @@ TransferFunction readTransferFunction(const Node& node) {
 template <class Table>
 auto readName(const Node& node, const Table& table, std::string_view kind) {
   const std::string name = node.string();
-  std::vector<std::string_view> names;
-  for (const auto& entry : table) {
-    if (entry.name == name) return entry.value;
-    names.push_back(entry.name);
-  }
-  node.fail("is not one: " + unknownName(kind, name, names));
+  if (const auto* entry = findNamed(table, name)) return entry->value;
+  node.fail("is not one: " + unknownNameIn(table, kind, name));
 }
 
 void readMarch(const Node& node, MarchSettings& march) {
   constexpr std::string_view kKeys[] = {"step", "heuristic", "radius", "radiusScale", "threshold"};
   node.requireObject(kKeys);
-  if (const auto step = node.find("step")) march.step = static_cast<float>(step->number(1e-3, 1e3));
+  if (const auto step = node.find("step")) march.step = static_cast<float>(step->number(kStepRange));
   if (const auto name = node.find("heuristic")) march.heuristic = readName(*name, kHeuristics, "heuristic");
   if (const auto name = node.find("radius")) march.radiusPolicy = readName(*name, kRadiusPolicies, "radius policy");
-  if (const auto scale = node.find("radiusScale")) march.radiusScale = static_cast<float>(scale->number(1e-3, 1e3));
-  if (const auto value = node.find("threshold")) march.threshold = static_cast<float>(value->number(1e-3, 1.0));
+  if (const auto scale = node.find("radiusScale")) march.radiusScale = static_cast<float>(scale->number(kRadiusScaleRange));
+  if (const auto value = node.find("threshold")) march.threshold = static_cast<float>(value->number(kThresholdRange));
 }
 
 View readView(const Node& node) {
@@ -92,26 +98,23 @@ View readView(const Node& node) {
   return view;
 }
 
-VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverrides& overrides) {
+VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverrides& overrides, const std::stop_token& stop) {
   constexpr std::string_view kKeys[] = {"file", "spacing", "procedural", "size"};
   node.requireObject(kKeys);
   if (const auto procedural = node.find("procedural")) {
     if (node.find("file")) procedural->fail("and 'file' exclude each other");
-    std::vector<std::string_view> names;
-    for (const ProceduralVolume& volume : kProceduralVolumes) names.push_back(volume.name);
     const std::string name = procedural->string();
-    const auto known = std::find_if(kProceduralVolumes.begin(), kProceduralVolumes.end(),
-                                    [&](const ProceduralVolume& volume) { return volume.name == name; });
-    if (known == kProceduralVolumes.end()) procedural->fail("is not one: " + unknownName("procedural volume", name, names));
+    const ProceduralVolume* known = findNamed(kProceduralVolumes, name);
+    if (known == nullptr) procedural->fail("is not one: " + unknownNameIn(kProceduralVolumes, "procedural volume", name));
     glm::uvec3 dims = known->defaultDims;
-    if (const auto size = node.find("size")) dims = glm::uvec3(readVector(*size, 1.0, 65536.0));
-    return makeProceduralVolume(name, overrides.proceduralDims.value_or(dims), overrides.seed);
+    if (const auto size = node.find("size")) dims = readSize(*size);
+    return makeProceduralVolume(name, overrides.proceduralDims.value_or(dims), overrides.seed, stop);
   }
   if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
   std::optional<glm::dvec3> spacing;
   if (const auto given = node.find("spacing")) spacing = readVector(*given, 1e-12, 1e12);
   const fs::path file = node.at("file").string();
-  return openVolume(file.is_absolute() ? file : folder / file, spacing);
+  return openVolume(file.is_absolute() ? file : folder / file, spacing, stop);
 }
 
 /// World axes of volumes that say nothing: y is up and the camera is where z grows. Patient axes (LPS): z is up, and the face
@@ -122,7 +125,7 @@ void setDefaultAxes(Scene& scene) {
   scene.front = {0.0, -1.0, 0.0};
 }
 
-Scene readScene(const JsonDocument& document, const fs::path& folder, const SceneOverrides& overrides) {
+Scene readScene(const JsonDocument& document, const fs::path& folder, const SceneOverrides& overrides, const std::stop_token& stop) {
   const Node root = document.root();
   constexpr std::string_view kKeys[] = {"name", "title",   "volume",     "transferFunction", "up",
                                         "front", "fovYDeg", "background", "views",            "march"};
@@ -144,7 +147,7 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
       function->fail("must be an object or \"auto\"");
   }
   const Node volume = root.at("volume");
-  scene.volume = overrides.volume ? openVolume(*overrides.volume) : readVolume(volume, folder, overrides);
+  scene.volume = overrides.volume ? openVolume(*overrides.volume, {}, stop) : readVolume(volume, folder, overrides, stop);
   setDefaultAxes(scene);
   if (const auto up = root.find("up")) scene.up = readDirection(*up);
   if (const auto front = root.find("front")) scene.front = readDirection(*front);
@@ -152,25 +155,34 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   return scene;
 }
 
-Scene sceneOfVolume(const fs::path& path) {
+Scene sceneOfVolume(const fs::path& path, const std::stop_token& stop) {
   Scene scene;
-  scene.volume = openVolume(path);
+  scene.volume = openVolume(path, {}, stop);
   scene.name = scene.volume->name();
   scene.title = path.filename().string();
   setDefaultAxes(scene);
   return scene;
 }
 
-Scene openBySpec(const std::string& spec, const SceneOverrides& overrides) {
+Scene openBySpec(const std::string& spec, const SceneOverrides& overrides, const std::stop_token& stop) {
   for (const scenes::File& file : scenes::files())
     if (file.name == spec + ".json")
-      return readScene(JsonDocument(file.content, "built-in scene " + spec), {}, overrides);
+      return readScene(JsonDocument(file.content, "built-in scene " + spec), {}, overrides, stop);
   requireScene(spec);
   const fs::path path(spec);
-  if (path.extension() == ".json") return readScene(JsonDocument::fromFile(path), path.parent_path(), overrides);
+  if (path.extension() == ".json") return readScene(JsonDocument::fromFile(path), path.parent_path(), overrides, stop);
   if (overrides.volume) throw UsageError("--volume replaces a scene's volume; '" + spec + "' is a volume itself");
   if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
-  return sceneOfVolume(path);
+  return sceneOfVolume(path, stop);
+}
+
+void logVolume(const Volume& volume, double openMs) {
+  const glm::uvec3& dims = volume.dims();
+  const VoxelStatistics& statistics = volume.statistics();
+  char text[192];
+  std::snprintf(text, sizeof text, ": %ux%ux%u voxels of %s, values %g to %g, %zu not finite; opened in %.0f ms", dims.x, dims.y, dims.z,
+                std::string(nameOf(volume.type())).c_str(), statistics.lowest, statistics.highest, statistics.nonFinite, openMs);
+  logDetail("volume " + volume.name() + text);
 }
 
 }  // namespace
@@ -191,19 +203,17 @@ std::vector<View> defaultViews() {
 
 void requireScene(const std::string& spec) {
   const std::vector<BuiltinScene> scenes = builtinScenes();
-  std::vector<std::string_view> names;
-  for (const BuiltinScene& scene : scenes) {
-    if (scene.name == spec) return;
-    names.push_back(scene.name);
-  }
+  if (findNamed(scenes, spec) != nullptr) return;
   const fs::path path(spec);
   if (fs::exists(path)) return;
   if (path.has_extension() || spec.find('/') != std::string::npos) throw InputError(spec + ": there is no such file");
-  throw UsageError(unknownName("scene", spec, names) + " (or a scene file, or a volume file)");
+  throw UsageError(unknownNameIn(scenes, "scene", spec) + " (or a scene file, or a volume file)");
 }
 
-Scene openScene(const std::string& spec, const SceneOverrides& overrides) {
-  Scene scene = openBySpec(spec, overrides);
+Scene openScene(const std::string& spec, const SceneOverrides& overrides, const std::stop_token& stop) {
+  Scene scene;
+  const double openMs = milliseconds([&] { scene = openBySpec(spec, overrides, stop); });
+  logVolume(*scene.volume, openMs);
   if (overrides.transferFunction)
     scene.transferFunction = readTransferFunction(JsonDocument::fromFile(*overrides.transferFunction).root());
   if (scene.transferFunction.points.empty())

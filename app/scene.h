@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,8 +60,9 @@ std::vector<BuiltinScene> builtinScenes();
 /// Throws what openScene would for a name that is neither built in nor a file that is there; quick.
 void requireScene(const std::string& spec);
 
-/// Opens a scene by its built-in name, a scene file (.json) or a volume file. Throws InputError; UsageError for a name that is neither.
-Scene openScene(const std::string& spec, const SceneOverrides& overrides = {});
+/// Opens a scene by its built-in name, a scene file (.json) or a volume file. Throws InputError; UsageError for a name that is neither;
+/// OperationCancelled if `stop` is set.
+Scene openScene(const std::string& spec, const SceneOverrides& overrides = {}, const std::stop_token& stop = {});
 
 /// The five views of a volume that brings none.
 std::vector<View> defaultViews();

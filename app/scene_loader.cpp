@@ -10,7 +10,7 @@ std::unique_ptr<SceneLoader> makeSceneLoader(MarcherMaker makeMarcher, std::func
         return [makeMarcher](const LoadJob& job, LoadResult& result, const std::stop_token& stop) {
           result.name = job.name;
           auto loaded = std::make_shared<LoadedScene>();
-          loaded->scene = job.open();
+          loaded->scene = job.open(stop);
           if (stop.stop_requested()) return;
           loaded->server = makeMarcher(loaded->scene);
           if (stop.stop_requested()) return;

@@ -20,7 +20,7 @@ struct LoadedScene {
 
 struct LoadJob {
   std::string name;                ///< as the user called it
-  std::function<Scene()> open;     ///< may throw
+  std::function<Scene(const std::stop_token&)> open;  ///< may throw; OperationCancelled if the token is set
 };
 
 struct LoadResult {

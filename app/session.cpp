@@ -36,9 +36,16 @@ Session::Session(SessionSettings settings, Clock& clock, std::function<void()> o
 }
 
 void Session::load(LoadJob job) {
+  cancelLoad();
   loading_ = job.name;
   loadError_.clear();
   loader_->post(std::move(job));
+}
+
+void Session::cancelLoad() {
+  loader_->cancel();
+  static_cast<void>(loader_->tryTake());  // what is there already is not wanted either
+  loading_.clear();
 }
 
 void Session::setTechnique(size_t panel, const WarpDescriptor& technique) {
@@ -57,11 +64,13 @@ void Session::dismissErrors() {
   loadError_.clear();
   viewError_.clear();
   serverError_.clear();
+  referenceError_.clear();
 }
 
 const std::string& Session::error() const {
-  if (!loadError_.empty()) return loadError_;
-  return viewError_.empty() ? serverError_ : viewError_;
+  for (const std::string* error : {&loadError_, &viewError_, &serverError_})
+    if (!error->empty()) return *error;
+  return referenceError_;
 }
 
 bool Session::update(TimePoint now) {
@@ -93,6 +102,7 @@ bool Session::takeScene() {
   loaded_ = std::move(result->loaded);
   serverError_.clear();
   viewError_.clear();
+  referenceError_.clear();
   knobs_.march = loaded_->scene.march;
   knobs_.isFrozen = false;
   view_ = usableView_ = loaded_->scene.views.front();
@@ -102,6 +112,7 @@ bool Session::takeScene() {
   referenceAsked_ = {};
   firstId_ = requestId_ + 1;
   outdatedAt_.clear();
+  drawnIds_ = {};
   for (size_t i = 0; i < kPanelCount; ++i) {
     jobs_[i] = {};
     const WarpDescriptor* technique = panels_[i].technique;
@@ -139,7 +150,9 @@ bool Session::takeFrame() {
 
 bool Session::takeReference() {
   std::optional<ReferenceResult> result = referenceWorker_->tryTake();
-  if (!result || !result->image || referenceAsked_ != referenceWanted_) return false;
+  if (!result || referenceAsked_ != referenceWanted_) return false;
+  referenceError_ = std::move(result->error);
+  if (!result->image) return true;
   if (result->image->camera == referenceAsked_.camera) reference_ = std::move(result->image);
   return true;
 }
@@ -148,6 +161,7 @@ bool Session::takePicture(size_t index) {
   std::optional<WarpResult> result = warpWorkers_[index]->tryTake();
   if (!result || result->marcher != loaded_->display) return false;
   Panel& panel = panels_[index];
+  drawnIds_[index] = result->requestId;
   panel.error = std::move(result->error);
   if (!result->picture) return true;
   panel.picture = std::move(result->picture);
@@ -211,11 +225,18 @@ bool Session::postJob(size_t index) {
   return true;
 }
 
+bool Session::mayBeShown(uint64_t requestId) const {
+  if (requestId > answeredId_) return true;  // also the newest
+  if (frame_ && requestId == frame_->requestId) return true;
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    if (panels_[i].picture && requestId == panels_[i].requestId) return true;
+    if (jobs_[i].frame && requestId >= drawnIds_[i] && requestId <= jobs_[i].frame->requestId) return true;
+  }
+  return false;
+}
+
 void Session::forgetOldRequests() {
-  uint64_t oldest = frame_ ? frame_->requestId : firstId_;
-  for (const Panel& panel : panels_)
-    if (panel.picture && panel.drawn->usesFrame) oldest = std::min(oldest, panel.requestId);
-  outdatedAt_.erase(outdatedAt_.begin(), outdatedAt_.lower_bound(oldest));
+  std::erase_if(outdatedAt_, [this](const auto& request) { return !mayBeShown(request.first); });
 }
 
 bool Session::close(std::chrono::milliseconds patience) {

@@ -61,8 +61,10 @@ class Session {
   Session(SessionSettings settings, Clock& clock, std::function<void()> onNews);
 
   // --- Edits. Those of the same value do nothing.
-  /// Opens a scene in the background; the one on show stays until it is there. The newest request wins.
+  /// Opens a scene in the background; the one on show stays until it is there. The newest request wins and ends the one before it.
   void load(LoadJob job);
+  /// Gives up opening; the scene on show stays.
+  void cancelLoad();
   void setView(const View& view) { view_ = view; }
   void setKnobs(const Knobs& knobs) { knobs_ = knobs; }
   void setTechnique(size_t panel, const WarpDescriptor& technique);
@@ -83,7 +85,7 @@ class Session {
   const Scene* scene() const { return loaded_ ? &loaded_->scene : nullptr; }
   /// Name of the scene that is being opened; empty if none is.
   const std::string& loading() const { return loading_; }
-  /// Why the last scene, view or frame could not be had; empty if it could.
+  /// Why the last scene, view, frame or ground truth could not be had; empty if it could.
   const std::string& error() const;
   const View& view() const { return view_; }
   const Knobs& knobs() const { return knobs_; }
@@ -98,6 +100,8 @@ class Session {
   glm::uvec2 serverSize() const;
   /// How many screen pixels a picture's pixel is wide.
   uint32_t screenPixels() const;
+  /// For how many requests the session remembers when they were outdated: no more than are under way or on show, however long it lasts.
+  size_t rememberedRequests() const { return outdatedAt_.size(); }
   /// For how long the camera of the frame in `panel` has not been the current one any more: 0 while it is. Nothing without a frame.
   std::optional<double> ageMs(size_t panel, TimePoint now) const;
 
@@ -119,13 +123,15 @@ class Session {
   bool ask(TimePoint now);
   bool askReference(TimePoint now);
   bool postJob(size_t index);
+  /// Whether a panel shows that request's frame, or may come to: it is on its way from the server or to the panel.
+  bool mayBeShown(uint64_t requestId) const;
   void forgetOldRequests();
   /// Of the view. One camera for all sizes: its distance depends on the picture's shape, which rounding changes a little.
   Camera cameraOfSize(const glm::uvec2& size) const;
   bool isCurrent(uint64_t requestId) const { return requestId == requestId_ && wanted_ == asked_; }
 
   std::shared_ptr<const LoadedScene> loaded_;
-  std::string loading_, loadError_, viewError_, serverError_;
+  std::string loading_, loadError_, viewError_, serverError_, referenceError_;
   View view_, usableView_;
   Camera camera_;  // of the panels' pictures
   Knobs knobs_;
@@ -137,7 +143,8 @@ class Session {
   uint64_t requestId_ = 0;   // of that request
   uint64_t answeredId_ = 0;  // the last that was answered, by a frame or an error
   uint64_t firstId_ = 1;     // of the scene on show; earlier frames show another
-  std::map<uint64_t, TimePoint> outdatedAt_;  // when each request stopped being what was wanted; none older than what is on show
+  std::map<uint64_t, TimePoint> outdatedAt_;  // when each request stopped being what was wanted; of those alone that mayBeShown()
+  std::array<uint64_t, kPanelCount> drawnIds_{};  // of the frame that each panel's worker drew last, or failed to draw
   SampleFramePtr frame_;
   RateMeter serverRate_;
 

@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "app/log.h"
 #include "app/picture.h"
 #include "render/core/stopwatch.h"
 #include "render/metrics/holes.h"
@@ -16,7 +17,10 @@ class Easel {
  public:
   Easel(gl::Platform platform, WarpResources resources) : platform_(platform), resources_(std::move(resources)) {
     resources_.context = [this]() -> gl::Context& {
-      if (!context_) context_ = gl::makeHeadlessContext(platform_);
+      if (!context_) {
+        context_ = gl::makeHeadlessContext(platform_);
+        logDetail("OpenGL of a panel: " + std::string(context_->platformName()) + ", " + context_->renderer());
+      }
       return *context_;
     };
   }

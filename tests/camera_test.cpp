@@ -1,4 +1,4 @@
-// Hard cases 49-51 on the camera itself: rays and projection are each other's inverse, and rasterisers see the same.
+// Rays and projection are each other's inverse, down to impossible fields of view and points behind the eye; rasterisers see the same.
 // Mirrors render/core/camera.h; truth in double.
 #include "render/core/camera.h"
 

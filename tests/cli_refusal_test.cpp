@@ -198,6 +198,10 @@ TEST_F(Refusal, SceneFiles) {
   refuse("twice.json", {"twice.json:4", "'name'", "twice"});
   scene("views.json", ",\n  \"views\": []");
   refuse("views.json", {"views.json:4", "'views'"});
+  folder_.write("size.json", R"({"name": "mine", "volume": {"procedural": "block", "size": [8, 8.9, 8]}})");
+  refuse("size.json", {"size.json:1", "'volume.size.1'", "whole number"});
+  scene("step.json", ",\n  \"march\": {\"step\": 0.0009}");
+  refuse("step.json", {"step.json:4", "'march.step'", "0.001", "1000"});
   scene("axes.json", ",\n  \"up\": [0, 0, 2], \"front\": [0, 0, -1]");
   refuse("axes.json", {"axes.json", "'up'", "'front'"});
   folder_.write("none.json", "{\"name\": \"a\"}");

@@ -133,6 +133,27 @@ TEST_F(CommandLine, ShotReplacesWhatIsThereAndFollowsLinks) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
+// --- what is said about the work
+
+TEST_F(CommandLine, VerboseSaysWhatIsDoneAndQuietNothing) {
+  const Arguments shot = quick({"shot", "block", "--technique", "points", "-o", "a.png"});
+  const auto with = [&](const Arguments& more) {
+    Arguments arguments = shot;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return succeed(arguments);
+  };
+  const ProgramResult plain = with({}), verbose = with({"--verbose"}), json = with({"--verbose", "--json"});
+  EXPECT_EQ(plain.err, "wrote a.png\n");
+  EXPECT_EQ(plain.out + verbose.out, "");
+  for (const char* detail : {"volume block: 24x22x20 voxels of uint8, values ", "opened in ", "backend: cpu", "OpenGL: ", "marched ", " samples in ",
+                             "compacted in ", "wrote a.png"})
+    EXPECT_THAT(verbose.err, testing::HasSubstr(detail));
+  EXPECT_THAT(json.err, testing::HasSubstr("marched "));
+  EXPECT_TRUE(json::accept(json.out)) << json.out;
+  EXPECT_EQ(with({"--quiet"}).err + with({"--quiet", "--verbose"}).err, "");
+  EXPECT_THAT(succeed({"info", "--verbose"}).err, testing::HasSubstr("EGL"));
+}
+
 // --- compare
 
 TEST_F(CommandLine, CompareWritesPicturesMontageAndMetrics) {
@@ -262,15 +283,59 @@ TEST_F(CommandLine, AFullDeviceIsAFailure) {
   expectRefused(quick({"shot", "-o", "full.png"}), kFailure, {"full.png", "No space left"});
 }
 
+/// A volume that takes many seconds to compute.
+TEST_F(CommandLine, InterruptingTheOpeningOfAVolumeEndsItAtOnce) {
+  for (const Arguments& command : {Arguments{"shot", "-o", "a.png"}, {"export", "--ply", "a.ply"}, {"compare", "--out", "out"}}) {
+    SCOPED_TRACE(command[0]);
+    Arguments arguments = command;
+    arguments.insert(arguments.end(), {"vessels", "--volume-size", "800x800x800", "--verbose"});
+    Program program(arguments, folder_.path());
+    while (program.errSoFar().find("backend: ") == std::string::npos && !program.hasEnded()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const auto start = std::chrono::steady_clock::now();
+    program.signal(SIGINT);
+    const ProgramResult result = program.wait();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    EXPECT_EQ(result.code, kFailure);
+    EXPECT_THAT(result.err, testing::EndsWith("warpscope: stopped; nothing was written\n"));
+    EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("volume ")));
+    EXPECT_TRUE(folder_.listing().empty());
+  }
+}
+
+/// After the march, while the picture or the cloud is made: work of a second or more at this size.
+TEST_F(CommandLine, InterruptingWhatComesAfterTheMarchLeavesNothing) {
+  const std::pair<Arguments, std::string> commands[] = {
+      {{"shot", "block", "--technique", "hold", "-o", "a.png"}, "drew "},
+      {{"export", "block", "--ply", "a.ply", "--heuristic", "entrance"}, "marched "},
+  };
+  for (const auto& [command, event] : commands) {
+    SCOPED_TRACE(command[0]);
+    Arguments arguments = quick(command, "4096x4096");
+    arguments.push_back("--verbose");
+    Program program(arguments, folder_.path());
+    while (program.errSoFar().find(event) == std::string::npos && !program.hasEnded()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_FALSE(program.hasEnded()) << "too quick to be interrupted";
+    program.signal(SIGINT);
+    const ProgramResult result = program.wait();
+    EXPECT_EQ(result.code, kFailure);
+    EXPECT_THAT(result.err, testing::HasSubstr("warpscope: stopped"));
+    EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("wrote")));
+    EXPECT_TRUE(folder_.listing().empty()) << testing::PrintToString(folder_.listing());
+  }
+}
+
 TEST_F(CommandLine, InterruptingCompareLeavesNothing) {
+  const auto picturesSoFar = [&] {
+    const std::vector<std::string> names = folder_.listing();
+    return std::count_if(names.begin(), names.end(), [](const std::string& name) { return name.ends_with(".png"); });
+  };
   for (const int number : {SIGINT, SIGTERM})
-    for (const double delaySeconds : {0.5, 2.0, 4.5}) {
-      SCOPED_TRACE(std::to_string(number) + " after " + std::to_string(delaySeconds) + " s");
+    for (const int pictures : {0, 1, 6}) {  // of four techniques or more in five views
+      SCOPED_TRACE(std::to_string(number) + " after " + std::to_string(pictures) + " pictures");
       Program program({"compare", "block", "--out", "out/deep", "--size", "1501x1499"}, folder_.path());
-      // Measured from the moment when it has begun to write, so that a slow start is not what is tested.
-      while (!fs::exists(folder_.path() / "out/deep") && !program.hasEnded()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      std::this_thread::sleep_for(std::chrono::duration<double>(delaySeconds));
-      ASSERT_FALSE(program.hasEnded()) << "too quick to be interrupted";
+      while ((!fs::exists(folder_.path() / "out/deep") || picturesSoFar() < pictures) && !program.hasEnded())
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      ASSERT_FALSE(program.hasEnded()) << "it ended before it was interrupted";
       const auto start = std::chrono::steady_clock::now();
       program.signal(number);
       const ProgramResult result = program.wait();

@@ -50,7 +50,6 @@ TEST(Rgba8, EveryChannelComesBackWithEveryAlpha) {
   for (uint32_t alpha = 1; alpha < 256; ++alpha)
     for (uint32_t channel = 0; channel < 256; ++channel) {
       const Rgba8 code = pack(channel, 255 - channel, channel ^ 0x55, alpha);
-      ASSERT_EQ(encodeRgba8(decodeRgba8(code)), code);
       ASSERT_EQ(tables.encode(tables.decode(code)), code);
     }
 }
@@ -68,14 +67,13 @@ TEST(Rgba8, DecodesToPremultipliedLinear) {
 }
 
 TEST(Rgba8, NothingStaysNothingAndFaintKeepsItsColour) {
-  EXPECT_EQ(encodeRgba8(glm::vec4(0.0f)), 0u);
-  EXPECT_EQ(encodeRgba8({1.0f, 1.0f, 1.0f, std::nanf("")}), 0u);
-  EXPECT_EQ(encodeRgba8({1.0f, 1.0f, 1.0f, -1.0f}), 0u);
-  const Rgba8 faint = encodeRgba8(1e-4f * glm::vec4(1.0f, 0.0f, 1.0f, 1.0f));
-  EXPECT_EQ(faint, pack(255, 0, 255, 0));
-  EXPECT_EQ(ColorTables::instance().encode(1e-4f * glm::vec4(1.0f, 0.0f, 1.0f, 1.0f)), faint);
-  // Brighter than white and nearly no alpha: clamped, not wrapped.
-  EXPECT_EQ(encodeRgba8({9.0f, 0.5f, 0.0f, 0.5f}), pack(255, 255, 0, 128));
+  const ColorTables& tables = ColorTables::instance();
+  EXPECT_EQ(tables.encode(glm::vec4(0.0f)), 0u);
+  EXPECT_EQ(tables.encode({1.0f, 1.0f, 1.0f, std::nanf("")}), 0u);
+  EXPECT_EQ(tables.encode({1.0f, 1.0f, 1.0f, -1.0f}), 0u);
+  EXPECT_EQ(tables.encode(1e-4f * glm::vec4(1.0f, 0.0f, 1.0f, 1.0f)), pack(255, 0, 255, 0));
+  // Brighter than white: clamped, not wrapped.
+  EXPECT_EQ(tables.encode({9.0f, 0.5f, 0.0f, 0.5f}), pack(255, 255, 0, 128));
 }
 
 /// Rounded code of the exact curve, and whether the value is so near a boundary between codes that both answers are right.

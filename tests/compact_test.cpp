@@ -1,4 +1,4 @@
-// Hard case 29: compaction keeps what there is, in order, whatever the number of threads.
+// Single, full and empty frames: compaction keeps what there is, in order, whatever the number of threads.
 // Mirrors render/march/compact.h; std::copy_if is the oracle.
 #include "render/march/compact.h"
 

@@ -1,5 +1,5 @@
 // A scene with a marcher and an OpenGL context, for tests that draw without a window.
-// One platform a process (render/gl/context.h): tests that need OpenGL are parameterised over both, and ctest starts each on its own.
+// One platform at a time (render/gl/context.h): tests that need OpenGL are parameterised over both.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Hard cases 54, 56 and 58 for holes: what counts as one, and that a warp leaves them open instead of painting background.
+// What counts as a hole, also in identical images and NaN pixels, and that a warp leaves them open instead of painting background.
 // Mirrors render/metrics/holes.h.
 #include "render/metrics/holes.h"
 

@@ -1,4 +1,4 @@
-// Hard cases 12 and 19-25: the hierarchy's structure, and its pictures against brute force and Embree.
+// The hierarchy's structure for identical, few, flat, extreme and very many spheres, and its pictures against brute force and Embree.
 // Brute force must agree bit for bit; Embree has a formula of its own and may differ where rounding decides.
 #include "render/warp/lbvh/lbvh.h"
 

@@ -1,4 +1,4 @@
-// Hard cases 30-37 on the loop along one ray and its lattice, with made-up samples.
+// The loop along one ray and its lattice, with made-up samples: faint, opaque and empty steps, very many of them, the last partial one.
 // Mirrors render/march/march.h and lattice.h; closed forms in long double, counts in exact arithmetic.
 #include "render/march/march.h"
 

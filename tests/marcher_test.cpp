@@ -1,4 +1,4 @@
-// Hard cases 30, 33, 35, 40-42, 44, 45 on the CPU's marcher: what single voxels, thin volumes and odd cameras may do to a picture.
+// The CPU's marcher: what faint or non-finite voxels, extreme values, thin volumes and odd cameras may do to a picture.
 // Mirrors render/march/marcher_cpu.h; closed forms in double.
 #include "render/march/marcher_cpu.h"
 

@@ -1,4 +1,4 @@
-// The k nearest hits against a sorted list of all hits, and their composition. Hard cases 12, 19, 20, 25 and 53.
+// The k nearest hits against a sorted list of all hits, and their composition. Ties, equal spheres, few and none.
 // Mirrors render/warp/multihit/nearest_hits.h and multihit_trace.h.
 #include "render/warp/multihit/multihit_trace.h"
 

@@ -1,4 +1,4 @@
-// Edit distance against its recursive definition, and the sentence made of it.
+// Edit distance against its recursive definition, the sentence made of it, and looking names up in tables.
 // Mirrors render/core/nearest_name.h.
 #include "render/core/nearest_name.h"
 
@@ -52,6 +52,18 @@ TEST(UnknownName, NothingKnownAndEndlessNames) {
   EXPECT_EQ(unknownName("key", "a", {}), "unknown key 'a'");
   constexpr std::array<std::string_view, 1> known{"a"};
   EXPECT_LT(unknownName("key", std::string(10'000'000, 'x'), known).size(), 200u);
+}
+
+TEST(FindNamed, GivesTheTablesOwnEntryOrNone) {
+  struct Entry {
+    std::string_view name;
+    int value;
+  };
+  static constexpr std::array<Entry, 3> table{{{"one", 1}, {"two", 2}, {"two", 3}}};
+  EXPECT_EQ(findNamed(table, "two"), &table[1]);
+  EXPECT_EQ(findNamed(table, "Two"), nullptr);
+  EXPECT_EQ(findNamed(table, ""), nullptr);
+  EXPECT_EQ(unknownNameIn(table, "number", "twu"), "unknown number 'twu'; did you mean 'two'? Known: one two two");
 }
 
 }  // namespace

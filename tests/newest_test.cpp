@@ -133,6 +133,29 @@ TEST_F(WorkerTest, CancelledJobsLeaveNothing) {
   EXPECT_EQ(worker->tryTake(), std::nullopt);
 }
 
+/// The worker has looked at the token for the last time, but its result is not there yet: it lets go of the job in between.
+TEST(NewestWorker, AJobThatIsCancelledWhenItsWorkIsDoneLeavesNothing) {
+  struct Job {
+    int value;
+    std::shared_ptr<void> onRelease;
+  };
+  using Worker = NewestWorker<Job, Answer>;
+  std::counting_semaphore<> released(0), news(0);
+  Worker worker([]() -> Worker::Work { return [](const Job& job, Answer& answer, const std::stop_token&) { answer.value = job.value; }; },
+                [&] { news.release(); });
+  const auto cancel = [&](int*) {
+    worker.cancel();
+    released.release();
+  };
+  static int anything = 0;
+  worker.post({1, std::shared_ptr<void>(&anything, cancel)});
+  released.acquire();
+  worker.post({2, nullptr});
+  news.acquire();
+  EXPECT_EQ(worker.tryTake()->value, 2);
+  EXPECT_FALSE(news.try_acquire());
+}
+
 TEST_F(WorkerTest, EndsInTheMiddleOfAJob) {
   auto worker = makeWorker();
   worker->post(1);

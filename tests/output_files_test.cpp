@@ -3,11 +3,13 @@
 #include "app/output_files.h"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <thread>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
@@ -67,6 +69,38 @@ TEST_F(OutputFiles, FailedWritesNameThePathAndChangeNothing) {
   EXPECT_THAT(namesIn(root_), UnorderedElementsAre("file", "folder"));
   EXPECT_EQ(contentOf(root_ / "file"), "old");
   EXPECT_THAT(namesIn(root_ / "folder"), IsEmpty());
+}
+
+TEST_F(OutputFiles, StoppedWritesChangeNothing) {
+  std::ofstream(root_ / "file") << "old";
+  std::stop_source stopped;
+  stopped.request_stop();
+  for (const char* name : {"file", "absent"})
+    EXPECT_THROW(writeFileWhole(root_ / name, "new", stopped.get_token()), OperationCancelled) << name;
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("file"));
+  EXPECT_EQ(contentOf(root_ / "file"), "old");
+}
+
+/// Through a pipe, whose reader asks for the stop once the first bytes are there.
+TEST_F(OutputFiles, WritesStopInTheMiddle) {
+  const fs::path pipe = root_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string bytes(size_t{1} << 26, 'x');
+  std::stop_source source;
+  size_t arrived = 0;
+  {
+    std::jthread reader([&] {
+      std::ifstream file(pipe, std::ios::binary);
+      std::vector<char> piece(1 << 16);
+      while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0) {
+        arrived += static_cast<size_t>(file.gcount());
+        source.request_stop();
+      }
+    });
+    EXPECT_THROW(writeFileWhole(pipe, bytes, source.get_token()), OperationCancelled);
+  }
+  EXPECT_GT(arrived, 0u);
+  EXPECT_LT(arrived, bytes.size());
 }
 
 TEST_F(OutputFiles, StagedFilesAppearTogether) {

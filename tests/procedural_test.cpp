@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
@@ -34,6 +35,12 @@ TEST_P(Procedural, SameVoxelsWhateverTheNumberOfThreads) {
   const VolumePtr parallel = makeProceduralVolume(GetParam().name, dims, 3);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_TRUE(sameVoxels(*parallel, *makeProceduralVolume(GetParam().name, dims, 3)));
+}
+
+TEST_P(Procedural, StopsWhenToldTo) {
+  std::stop_source stopped;
+  stopped.request_stop();
+  EXPECT_THROW(makeProceduralVolume(GetParam().name, {70, 61, 53}, 3, stopped.get_token()), OperationCancelled);
 }
 
 TEST_P(Procedural, AnySize) {

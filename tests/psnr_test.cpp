@@ -1,4 +1,4 @@
-// Hard cases 56 and 58, and PSNR against values worked out by hand and a sum in long double.
+// PSNR of identical images and of NaN pixels, and against values worked out by hand and a sum in long double.
 // Mirrors render/metrics/psnr.h.
 #include "render/metrics/psnr.h"
 

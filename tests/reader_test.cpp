@@ -6,13 +6,16 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <random>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
+#include "render/volume/volume_format.h"
+#include "tests/real_data.h"
 
 #if WARPSCOPE_WITH_ITK
 #include <zlib.h>
@@ -92,6 +95,17 @@ TEST(RawName, RefusesOverflowAndUnknownTypes) {
   EXPECT_THROW(parseRawName("a_4294967296x1x1_uint8.raw"), InputError);
   EXPECT_THROW(parseRawName("a_99999999999999999999999x1x1_uint8.raw"), InputError);
   EXPECT_THROW(parseRawName("a_1x1x1_uint9.raw"), InputError);
+}
+
+TEST(VolumeFormat, ByTheEndingInEitherCase) {
+  for (const VolumeEnding& known : kVolumeEndings) {
+    std::string upper("A");
+    for (const char c : known.ending) upper += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    EXPECT_EQ(formatOf("some.folder/a" + std::string(known.ending)), known.format) << known.ending;
+    EXPECT_EQ(formatOf(upper), known.format) << upper;
+    EXPECT_EQ(formatOf(known.ending), std::nullopt) << known.ending << " is all there is of the name";
+  }
+  for (const char* name : {"", "a", "a.nii.zip", "a.gz", "a.nrrd/", "nrrd", "a.raw "}) EXPECT_EQ(formatOf(name), std::nullopt) << name;
 }
 
 TEST_F(Reader, RawOfEveryType) {
@@ -288,6 +302,40 @@ TEST_F(Reader, DetachedData) {
   expectRefused(write("b.nhdr", nrrdHeader(kNrrd + "encoding: raw\ndata file: gone.raw\n")), "\"gone.raw\" is missing");
 }
 
+/// Editors that leave out the last line's end make such files.
+TEST_F(Reader, DetachedHeadersNeedNoLineEndAfterTheirLastLine) {
+  write("voxels.raw", kVoxels);
+  std::string meta = metaHeader(kMeta);
+  meta.replace(meta.find("LOCAL"), std::string::npos, "voxels.raw");
+  ASSERT_NE(meta.back(), '\n');
+  expectRamp(*openVolume(write("a.mhd", meta)));
+  // NrrdIO insists on the line's end; it says so.
+  expectRefused(write("a.nhdr", "NRRD0004\n" + kNrrd + "encoding: raw\ndata file: voxels.raw"), "hit end of header");
+  write("short.raw", kVoxels.substr(1));
+  meta.replace(meta.find("voxels"), 6, "short");
+  expectRefused(write("short.mhd", meta), "cut off");
+}
+
+/// What is read for a line is bounded: a file of something else costs no memory, and what comes after is still understood or refused.
+TEST_F(Reader, HeadersWithEndlessLinesAreRefused) {
+  const std::string endless(10'000'000, 'x');
+  expectRefused(write("a.vtk", endless), "no VTK file");
+  // A reader of whole lines would find the scalars behind the endless one.
+  expectRefused(write("b.vtk", "# vtk DataFile Version 3.0\n" + endless + "\nASCII\nSCALARS s short 1\nLOOKUP_TABLE default\n1\n"),
+                "no SCALARS");
+  expectRefused(write("a.mha", "NDims = 3\nComment = " + endless), "no MetaImage file");
+  expectRefused(write("a.nrrd", endless), "does not begin with NRRD000");
+}
+
+TEST_F(Reader, OpeningStopsWhenToldTo) {
+  std::stop_source stopped;
+  stopped.request_stop();
+  for (const fs::path& path :
+       {write("v_3x4x5_int16.raw", kVoxels), write("a.nii.gz", gzip(Nifti{}.header() + kVoxels)),
+        write("a.nrrd", nrrdHeader(kNrrd + "encoding: ascii\n") + "1 2 3"), write("a.mha", metaHeader(kMeta) + kVoxels)})
+    EXPECT_THROW(openVolume(path, {}, stopped.get_token()), OperationCancelled) << path;
+}
+
 TEST_F(Reader, SpacingBelongsToTheFile) {
   EXPECT_THROW(openVolume(write("a.nii", Nifti{}.header() + kVoxels), glm::dvec3(2.0)), InputError);
 }
@@ -393,15 +441,14 @@ TEST_F(Reader, Vtk) {
   expectRamp(*volume);
   expectGeometry(*volume, {1, 2, 3}, {0, 0, 0}, glm::dmat3(1.0));
   expectRefused(write("short.vtk", header + "1 2 3\n"), "holds 3 numbers");
+  expectRefused(write("none.vtk", header.substr(0, header.size() - 1)), "Premature EOF");
   expectRefused(write("noise.vtk", noise(5000)), "no VTK file");
 }
 
 TEST_F(Reader, RealBrain) {
-  const char* variable = std::getenv("WARPSCOPE_DATA");
-  const fs::path path = fs::path(variable ? variable : WARPSCOPE_TEST_DATA) / "spm152.nii.gz";
-  if (!fs::exists(path))
-    GTEST_SKIP() << path << " is not there; set WARPSCOPE_DATA to the folder that holds spm152.nii.gz";
-  const VolumePtr volume = openVolume(path);
+  const RealData brain("spm152.nii.gz");
+  if (!brain.whyMissing().empty()) GTEST_SKIP() << brain.whyMissing();
+  const VolumePtr volume = openVolume(brain.path());
   EXPECT_EQ(volume->dims(), glm::uvec3(207, 256, 215));
   EXPECT_EQ(volume->type(), VoxelType::uint8);
   EXPECT_NEAR(volume->geometry().spacing.x, 0.737, 1e-3);

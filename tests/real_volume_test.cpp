@@ -10,6 +10,7 @@
 
 #include "render/metrics/psnr.h"
 #include "tests/headless.h"
+#include "tests/real_data.h"
 #include "tests/test_folder.h"
 
 namespace warpscope {
@@ -19,11 +20,6 @@ namespace fs = std::filesystem;
 using glm::dvec3;
 
 constexpr uint32_t kSide = 96;
-
-fs::path dataFile(const char* name) {
-  const char* variable = std::getenv("WARPSCOPE_DATA");
-  return fs::path(variable != nullptr ? variable : WARPSCOPE_TEST_DATA) / name;
-}
 
 /// A volume of bytes as its file means it.
 struct PlainVolume {
@@ -117,18 +113,18 @@ void expectRightWayRound(const Scene& scene, const PlainVolume& volume, double t
 }
 
 TEST(RealVolume, EngineIsTheRightWayRound) {
-  const fs::path path = dataFile("engine_256x256x128_uint8.raw");
-  if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set WARPSCOPE_DATA to the folder that holds it";
+  const RealData engine("engine_256x256x128_uint8.raw");
+  if (!engine.whyMissing().empty()) GTEST_SKIP() << engine.whyMissing();
   PlainVolume volume{{256, 256, 128}, std::vector<uint8_t>(256 * 256 * 128), glm::dmat4(1.0), {0, 1, 0}, {0, 0, 1}};
-  std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(volume.voxels.data()), static_cast<std::streamsize>(volume.voxels.size()));
-  expectRightWayRound(openScene(path.string()), volume, 90.0);
+  std::ifstream(engine.path(), std::ios::binary).read(reinterpret_cast<char*>(volume.voxels.data()), static_cast<std::streamsize>(volume.voxels.size()));
+  expectRightWayRound(openScene(engine.path().string()), volume, 90.0);
 }
 
 /// The paper's finding on the paper's volume: at ten degrees spheres are at least as good as points of two pixels.
 TEST(RealVolume, SpheresAreAtLeastAsGoodAsPointsOnTheEngine) {
-  const fs::path path = dataFile("engine_256x256x128_uint8.raw");
-  if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set WARPSCOPE_DATA to the folder that holds it";
-  const Stage stage(openScene(path.string()));
+  const RealData engine("engine_256x256x128_uint8.raw");
+  if (!engine.whyMissing().empty()) GTEST_SKIP() << engine.whyMissing();
+  const Stage stage(openScene(engine.path().string()));
   const SampleFramePtr frame = stage.frame(stage.camera(640, 640), stage.scene().march);
   const Camera turned = stage.camera(640, 640, 10.0);
   Image<glm::vec4> reference;
@@ -160,9 +156,9 @@ T fieldAt(const std::string& bytes, size_t offset) {
 }
 
 TEST(RealVolume, BrainIsTheRightWayRound) {
-  const fs::path path = dataFile("spm152.nii.gz");
-  if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set WARPSCOPE_DATA to the folder that holds it";
-  std::string bytes = inflated(path);
+  const RealData brain("spm152.nii.gz");
+  if (!brain.whyMissing().empty()) GTEST_SKIP() << brain.whyMissing();
+  std::string bytes = inflated(brain.path());
   ASSERT_EQ(fieldAt<int32_t>(bytes, 0), 348);
   ASSERT_EQ(fieldAt<int16_t>(bytes, 70), 2) << "unsigned bytes";
   ASSERT_GT(fieldAt<int16_t>(bytes, 254), 0) << "sform_code: the file states an orientation matrix";

@@ -64,6 +64,9 @@ class Program {
 
   void signal(int number) const { kill(process_, number); }
 
+  /// What it has written to standard error until now.
+  std::string errSoFar() const { return streams_.read("err"); }
+
   /// True once the program has ended; wait() then returns at once.
   bool hasEnded() const {
     siginfo_t info{};

@@ -1,4 +1,4 @@
-// Hard cases 26-28: what quantising positions and radii may do to a sample.
+// What quantising positions and radii may do to a sample, in flat bounds too.
 // Mirrors render/core/sample.h; truth in long double from the bits that the header documents.
 #include "render/core/sample.h"
 

@@ -1,4 +1,4 @@
-// Hard cases 46, 48 and 49: the scene's cameras at the poles, with impossible fields of view, and for volumes of any unit, place and
+// The scene's cameras at the poles, with impossible fields of view, and for volumes of any unit, place and
 // handedness in the world. Mirrors makeCamera of app/scene.h; the world's geometry is worked out anew, in double.
 #include <gtest/gtest.h>
 

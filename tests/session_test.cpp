@@ -21,21 +21,57 @@ constexpr glm::uvec2 kPanelPx(40, 56);
 constexpr seconds kPatience(60);  // far more than anything here takes, even under sanitizers
 
 LoadJob builtin(const std::string& name) {
-  return {name, [name] {
+  return {name, [name](const std::stop_token& stop) {
             SceneOverrides overrides;
             overrides.proceduralDims = {16, 16, 16};
-            return openScene(name, overrides);
+            return openScene(name, overrides, stop);
           }};
 }
 
+/// What a marcher with faults refuses at the moment.
+struct Faults {
+  std::atomic<bool> march = false, render = false;
+};
+
+/// A marcher that fails when it is told to.
+class FaultyMarcher final : public Marcher {
+ public:
+  FaultyMarcher(MarcherPtr sound, std::shared_ptr<const Faults> faults) : sound_(std::move(sound)), faults_(std::move(faults)) {}
+
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    if (faults_->march) throw InputError("the server is on fire");
+    return sound_->march(camera, settings, stop);
+  }
+  void render(const Camera& camera, const MarchSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+    if (faults_->render) throw InputError("no ground truth today");
+    sound_->render(camera, settings, image, stop);
+  }
+  const VolumePtr& volume() const override { return sound_->volume(); }
+  Backend backend() const override { return sound_->backend(); }
+  MarcherPtr twin() const override { return std::make_shared<FaultyMarcher>(sound_->twin(), faults_); }
+
+ private:
+  MarcherPtr sound_;
+  std::shared_ptr<const Faults> faults_;
+};
+
+/// A technique that never succeeds.
+class BrokenWarp final : public Warp {
+ public:
+  void setFrame(SampleFramePtr, const WarpSettings&, const std::stop_token&) override {}
+  void draw(const Camera&, const WarpSettings&, WarpedImage&, const std::stop_token&) override { throw InputError("out of paint"); }
+};
+constexpr WarpDescriptor kBroken{"broken", "Broken", "Fails.", true, false,
+                                 [](const WarpResources&) -> std::unique_ptr<Warp> { return std::make_unique<BrokenWarp>(); }};
+
 class SessionTest : public ::testing::Test {
  protected:
-  static SessionSettings settings() {
+  SessionSettings settings() const {
     SessionSettings settings;
     settings.techniques = {&findWarp("hold"), &findWarp("spheres")};
     settings.knobs.serverSidePx = 48;
-    settings.makeMarcher = [](const Scene& scene) {
-      return makeMarcher(Backend::cpu, scene.volume, scene.transferFunction);
+    settings.makeMarcher = [faults = faults_](const Scene& scene) {
+      return std::make_shared<FaultyMarcher>(makeMarcher(Backend::cpu, scene.volume, scene.transferFunction), faults);
     };
     return settings;
   }
@@ -70,6 +106,17 @@ class SessionTest : public ::testing::Test {
     return settle();
   }
 
+  /// Turns the camera a little, so often, and lets the session run.
+  void move(int times) {
+    View view = session_.view();
+    for (int i = 0; i < times; ++i) {
+      view.angleDeg += 0.01;
+      session_.setView(view);
+      session_.update(clock_.now());
+    }
+  }
+
+  const std::shared_ptr<Faults> faults_ = std::make_shared<Faults>();
   SteadyClock clock_;
   std::atomic<int> news_ = 0;
   Session session_{settings(), clock_, [this] { ++news_; }};
@@ -202,9 +249,39 @@ TEST_F(SessionTest, OfTwoScenesTheOneAskedForLastIsShown) {
   EXPECT_EQ(session_.scene()->name, "marschner-lobb");
 }
 
+/// Loads that go on until they are told to stop.
+TEST_F(SessionTest, ALoadEndsWhenItIsCancelledOrReplaced) {
+  std::latch begun(1), ended(2);
+  const auto endless = [&](const std::stop_token& stop) -> Scene {
+    while (!stop.stop_requested()) std::this_thread::sleep_for(milliseconds(1));
+    ended.count_down();
+    throw OperationCancelled();
+  };
+  ASSERT_TRUE(open("block"));
+  session_.load({"one", [&](const std::stop_token& stop) {
+                   begun.count_down();
+                   return endless(stop);
+                 }});
+  begun.wait();
+  EXPECT_EQ(session_.loading(), "one");
+  session_.cancelLoad();
+  EXPECT_EQ(session_.loading(), "");
+  std::latch again(1);
+  session_.load({"two", [&](const std::stop_token& stop) {
+                   again.count_down();
+                   return endless(stop);
+                 }});
+  again.wait();
+  session_.load(builtin("shells"));
+  ended.wait();
+  ASSERT_TRUE(pumpUntil([&] { return session_.scene()->name == "shells"; }));
+  EXPECT_EQ(session_.loading(), "");
+  EXPECT_EQ(session_.error(), "");
+}
+
 TEST_F(SessionTest, ASceneThatCannotBeOpenedIsASentence) {
   ASSERT_TRUE(open("block"));
-  session_.load({"nowhere.nrrd", []() -> Scene { throw InputError("nowhere.nrrd: there is no such file"); }});
+  session_.load({"nowhere.nrrd", [](const std::stop_token&) -> Scene { throw InputError("nowhere.nrrd: there is no such file"); }});
   ASSERT_TRUE(pumpUntil([&] { return session_.loading().empty(); }));
   EXPECT_EQ(session_.error(), "nowhere.nrrd: there is no such file");
   EXPECT_EQ(session_.scene()->name, "block");
@@ -224,6 +301,55 @@ TEST_F(SessionTest, AServerThatFailsIsASentenceAndRecovers) {
   session_.setKnobs(knobs);
   ASSERT_TRUE(settle());
   EXPECT_EQ(session_.error(), "");
+}
+
+TEST_F(SessionTest, AGroundTruthThatFailsIsASentenceAndRecovers) {
+  faults_->render = true;
+  session_.load(builtin("block"));
+  ASSERT_TRUE(pumpUntil([&] { return !session_.error().empty(); }));
+  EXPECT_EQ(session_.error(), "no ground truth today");
+  session_.dismissErrors();
+  EXPECT_EQ(session_.error(), "");
+  move(1);
+  ASSERT_TRUE(pumpUntil([&] { return !session_.error().empty(); }));
+  faults_->render = false;
+  move(1);
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.error(), "");
+}
+
+/// One frame is on show from before; ages of requests that failed are of no use to anybody.
+TEST_F(SessionTest, AServerThatKeepsFailingIsForgotten) {
+  ASSERT_TRUE(open("block"));
+  const double ageBefore = *session_.ageMs(0, clock_.now());
+  faults_->march = true;
+  move(1);
+  const Clock::TimePoint moved = clock_.now();
+  move(4000);
+  ASSERT_TRUE(pumpUntil([&] { return !session_.isServerAtWork(); }));
+  EXPECT_EQ(session_.error(), "the server is on fire");
+  EXPECT_LE(session_.rememberedRequests(), 2u);
+  EXPECT_EQ(ageBefore, 0.0);
+  EXPECT_GE(*session_.ageMs(0, moved + seconds(1)), 1000.0);  // what is on show is still known to be old
+
+  faults_->march = false;
+  move(1);
+  ASSERT_TRUE(settle());
+}
+
+TEST_F(SessionTest, ATechniqueThatKeepsFailingIsForgotten) {
+  ASSERT_TRUE(open("block"));
+  session_.setTechnique(1, kBroken);
+  for (int i = 0; i < 40; ++i) {
+    const uint64_t before = session_.frame()->requestId;
+    move(100);
+    ASSERT_TRUE(pumpUntil([&] { return session_.frame()->requestId > before && !session_.isServerAtWork(); }));
+  }
+  ASSERT_TRUE(pumpUntil([&] { return session_.rememberedRequests() <= 3; }));  // each panel's, and the newest
+  EXPECT_EQ(session_.panel(1).error, "out of paint");
+  EXPECT_NE(session_.ageMs(1, clock_.now()), 0.0);  // its last picture is from long ago
+  session_.setTechnique(1, findWarp("spheres"));
+  ASSERT_TRUE(settle());
 }
 
 TEST_F(SessionTest, AViewThatCannotBeShownIsASentenceAndTheLastOneStays) {
@@ -279,7 +405,7 @@ TEST_F(SessionTest, ClosesInTheMiddleOfEverything) {
 TEST_F(SessionTest, DoesNotWaitForALoadThatCannotBeInterrupted) {
   std::latch loading(1), gate(1);
   Session session(settings(), clock_, [] {});
-  session.load({"slow", [&]() -> Scene {
+  session.load({"slow", [&](const std::stop_token&) -> Scene {
                   loading.count_down();
                   gate.wait();
                   throw InputError("too late");

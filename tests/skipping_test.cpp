@@ -1,4 +1,4 @@
-// Hard case 47: leaving out empty space never changes a bit of a picture or of a frame; and metamorphic tests of marching.
+// Leaving out empty space never changes a bit of a picture or of a frame; and metamorphic tests of marching.
 // Mirrors the skipping of render/march/volume_source.h over render/volume/macrocells.h.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

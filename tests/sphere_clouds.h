@@ -1,6 +1,5 @@
 // Clouds of spheres and cameras for tests and benchmarks of sphere tracing. Everything is determined by a seed.
-// The shapes follow the project's list of hard cases: random, planar, collinear, clustered, duplicate, and a frame's
-// own samples.
+// Shapes that hierarchies find hard: random, planar, collinear, clustered, duplicate, and a frame's own samples.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // Footprints of spheres against every pixel's ray, and against exact tangents: nothing that is hit lies outside, little else inside.
-// Hard cases 1-11, 50 and 55 as a screen sees them. Mirrors render/warp/splats/sphere_footprint.h.
+// Grazing, enclosing, far and tiny spheres, and those behind the eye. Mirrors render/warp/splats/sphere_footprint.h.
 #include "render/warp/splats/sphere_footprint.h"
 
 #include <gtest/gtest.h>

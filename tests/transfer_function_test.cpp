@@ -1,4 +1,4 @@
-// Hard cases 32, 41-43: opacity correction, steps, the baked table and its ends.
+// Opacity correction down to steps of no length, repeated points as steps, ranges without extent, the baked table and its ends.
 // Mirrors render/core/transfer_function.h; truth in long double.
 #include "render/core/transfer_function.h"
 

@@ -1,5 +1,5 @@
 // Techniques: the identity in the server's own view, culling, ties, holes, and what every technique owes its caller.
-// Hard cases 50, 52-55. Mirrors render/warp/warp.h.
+// Mirrors render/warp/warp.h.
 #include "render/warp/warp.h"
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ SampleFramePtr makeFrame(const Camera& camera, const std::vector<Sphere>& sphere
 /// A stage for frames that no volume stands behind.
 Stage syntheticStage(gl::Platform platform = gl::Platform::automatic) { return Stage(smallScene("block", 16), platform); }
 
-// --- 52: the server's own view
+// --- The server's own view
 
 class WarpGl : public OnPlatform {};
 INSTANTIATE_TEST_SUITE_P(Gl, WarpGl, bothPlatforms(), platformName);
@@ -175,7 +175,7 @@ TEST(Warp, ReferenceShowsTheServersColoursUpToRounding) {
   }
 }
 
-// --- 55: sizes
+// --- Sizes
 
 TEST_P(WarpGl, LargeImages) {
   // From afar: the volume fills a few hundred thousand of the pixels, and the rays of the others end at once.
@@ -218,7 +218,34 @@ TEST_P(WarpGl, FramesOfNoneOneAndTwoSamples) {
   }
 }
 
-// --- 50: at or behind the eye
+// --- Several samples a pixel
+
+TEST_P(WarpGl, OfTwoSamplesAPixelTheNearerIsSeenInEitherOrder) {
+  const Stage stage = syntheticStage(GetParam());
+  const Camera camera = frontCamera(8, 8);
+  std::vector<Sphere> nearFirst, farFirst;
+  for (uint32_t y = 0; y < camera.height; ++y)
+    for (uint32_t x = 0; x < camera.width; ++x) {
+      // About the middle of each pixel, at depths 8 and 12 from the eye, to the 64th of a unit that a frame can hold.
+      const Ray ray = pixelRay(camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+      const auto at = [&](float depth) {
+        const glm::vec3 point = camera.eye + depth / glm::dot(ray.direction, camera.forward) * ray.direction;
+        return Sphere{glm::round(point * 64.0f) / 64.0f, 0.125f};
+      };
+      for (const float depth : {8.0f, 12.0f}) nearFirst.push_back(at(depth));
+      for (const float depth : {12.0f, 8.0f}) farFirst.push_back(at(depth));
+    }
+  WarpSettings settings;
+  settings.pointSize = 1;
+  for (const std::string_view technique : {"hold", "points", "spheres"})
+    for (const uint32_t nearer : {0u, 1u}) {
+      SCOPED_TRACE(std::string(technique) + (nearer == 0 ? ", nearer first" : ", farther first"));
+      const WarpedImage image = stage.draw(technique, makeFrame(camera, nearer == 0 ? nearFirst : farFirst), camera, settings);
+      for (uint32_t i = 0; i < image.samples.size(); ++i) ASSERT_EQ(image.samples[i], 2 * i + nearer) << "pixel " << i;
+    }
+}
+
+// --- At or behind the eye
 
 TEST_P(WarpGl, NothingAtOrBehindTheEyeIsSeen) {
   const Stage stage = syntheticStage(GetParam());
@@ -247,7 +274,7 @@ TEST(Warp, SpheresAroundTheEyeAreLookedThrough) {
   }
 }
 
-// --- 53: equal depths
+// --- Equal depths
 
 TEST_P(WarpGl, OfEqualDepthsTheLowerIdIsSeenWhateverTheThreads) {
   const Stage stage = syntheticStage(GetParam());
@@ -347,7 +374,7 @@ TEST(Warp, SplatsAndOneHitShowWhatSpheresShow) {
   }
 }
 
-// --- 54: disocclusions
+// --- Disocclusions
 
 TEST_P(WarpGl, DisocclusionsAreHolesAndNotBackground) {
   const Stage stage(smallScene("block"), GetParam());

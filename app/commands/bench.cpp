@@ -102,7 +102,8 @@ void bench(const BenchOptions& options) {
       if (technique.usesFrame) settings.techniques.push_back(&technique);
   for (const WarpDescriptor* technique : settings.techniques)
     if (!technique->usesFrame) throw UsageError("--technique " + std::string(technique->name) + ": it draws no frames, so there is nothing to measure");
-  const Workplace work = prepare(options.common);
+  const Interrupt interrupt;
+  const Workplace work = prepare(options.common, interrupt.token());
   settings.march = work.march;
   settings.warp = work.warp;
   settings.width = work.width;
@@ -113,7 +114,6 @@ void bench(const BenchOptions& options) {
   if (work.backend == Backend::cuda || (work.backend == Backend::automatic && cuda::whyUnavailable().empty()))
     settings.backends.push_back(Backend::cuda);
 
-  const Interrupt interrupt;
   std::unique_ptr<HeadlessResources> headless;
   const auto resourcesOf = [&](Backend backend) {
     headless = std::make_unique<HeadlessResources>(makeMarcher(backend, work.scene.volume, work.scene.transferFunction), work.platform, backend);
@@ -121,7 +121,7 @@ void bench(const BenchOptions& options) {
   };
   std::vector<BackendBenchmark> results;
   {
-    Progress progress("bench", benchmarkSteps(work.scene, settings), options.common.quiet || options.common.json);
+    Progress progress("bench", benchmarkSteps(work.scene, settings), !options.common.showsProgress());
     results = runBenchmark(work.scene, settings, resourcesOf, [&](const std::string& what) { progress.step(what); }, interrupt.token());
   }
   Json backends = Json::array();

@@ -10,6 +10,7 @@
 #include "app/comparison.h"
 #include "app/interrupt.h"
 #include "app/json_document.h"
+#include "app/log.h"
 #include "app/montage.h"
 #include "app/output_files.h"
 #include "app/picture.h"
@@ -97,8 +98,8 @@ void printTable(const Comparison& comparison, const Scene& scene) {
 
 void compare(const CompareOptions& options) {
   if (options.cellWidth < 16 || options.cellWidth > 4096) throw UsageError("--cell: must be 16 to 4096 pixels");
-  const Workplace work = prepare(options.common);
   const Interrupt interrupt;
+  const Workplace work = prepare(options.common, interrupt.token());
   StagedFolder out(options.out);  // fails before the work if it cannot be written
   HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform, work.backend);
 
@@ -116,7 +117,7 @@ void compare(const CompareOptions& options) {
   const size_t pictures = warpRegistry().size() * work.scene.views.size();
   Comparison comparison;
   {
-    Progress progress("compare", pictures + 1, options.common.quiet || options.common.json);
+    Progress progress("compare", pictures + 1, !options.common.showsProgress());
     comparison = compareTechniques(
         work.scene, headless.resources(), settings,
         [&](const WarpDescriptor& technique, size_t view, const WarpedImage& image) {
@@ -129,6 +130,7 @@ void compare(const CompareOptions& options) {
         },
         [&](const std::string& what) { progress.step(what); }, interrupt.token());
   }
+  logFrame(*comparison.frame);
   for (const ComparisonRow& row : comparison.rows)
     montage.rows[static_cast<size_t>(row.technique - warpRegistry().data())].cells[row.view].caption = captionOf(row);
   out.write("montage.png", encodePng(drawMontage(montage, options.cellWidth), interrupt.token()));
@@ -141,7 +143,7 @@ void compare(const CompareOptions& options) {
     std::cout << textOf(report);
   else if (!options.common.quiet) {
     printTable(comparison, work.scene);
-    std::cerr << "wrote " << pictures << " pictures, montage.png and metrics.json to " << options.out << '\n';
+    logResult("wrote " + std::to_string(pictures) + " pictures, montage.png and metrics.json to " + options.out);
   }
 }
 

@@ -9,7 +9,10 @@
 #include "app/commands/options.h"
 #include "app/interrupt.h"
 #include "app/json_document.h"
+#include "app/log.h"
 #include "app/output_files.h"
+#include "app/progress.h"
+#include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
@@ -28,7 +31,9 @@ void appendLittleEndian(std::string& bytes, T value) {
   bytes.append(raw, sizeof(T));
 }
 
-std::string toPly(const SampleFrame& frame, const VolumeGeometry& geometry) {
+/// Throws OperationCancelled if `stop` is set.
+std::string toPly(const SampleFrame& frame, const VolumeGeometry& geometry, const std::stop_token& stop) {
+  constexpr size_t kSamplesPerLook = 1 << 16;
   std::string bytes =
       "ply\nformat binary_little_endian 1.0\ncomment samples of a volume rendering, world units\nelement vertex " +
       std::to_string(frame.size()) +
@@ -39,6 +44,7 @@ std::string toPly(const SampleFrame& frame, const VolumeGeometry& geometry) {
   const glm::dvec3 center =
       geometry.origin + geometry.direction * (0.5 * (glm::dvec3(geometry.dims) - 1.0) * geometry.spacing);
   for (size_t i = 0; i < frame.size(); ++i) {
+    if (i % kSamplesPerLook == 0 && stop.stop_requested()) throw OperationCancelled();
     const Sphere sphere = frame.sphere(i);
     const glm::dvec3 world = center + geometry.direction * (geometry.unit() * glm::dvec3(sphere.center));
     for (int axis = 0; axis < 3; ++axis) appendLittleEndian(bytes, world[axis]);
@@ -49,17 +55,22 @@ std::string toPly(const SampleFrame& frame, const VolumeGeometry& geometry) {
 }
 
 void exportSamples(const ExportOptions& options) {
-  const Workplace work = prepare(options.common);
-  requireWritable(options.ply);
   const Interrupt interrupt;
+  const Workplace work = prepare(options.common, interrupt.token());
+  requireWritable(options.ply);
+  auto progress = std::make_unique<Progress>("export", 2, !options.common.showsProgress());
+  progress->step("the server's frame");
   const MarcherPtr marcher = makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction);
   const SampleFrame frame = marcher->march(makeCamera(work.scene, work.scene.views.front(), work.width, work.height),
                                            work.march, interrupt.token());
-  writeFileWhole(options.ply, toPly(frame, work.scene.volume->geometry()));
+  logFrame(frame);
+  progress->step("the file");
+  writeFileWhole(options.ply, toPly(frame, work.scene.volume->geometry(), interrupt.token()), interrupt.token());
+  progress.reset();
   if (options.common.json)
     std::cout << textOf({{"ply", options.ply}, {"samples", frame.size()}});
-  else if (!options.common.quiet)
-    std::cerr << "wrote " << frame.size() << " samples to " << options.ply << '\n';
+  else
+    logResult("wrote " + std::to_string(frame.size()) + " samples to " + options.ply);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "app/commands/options.h"
 #include "app/json_document.h"
+#include "app/log.h"
 #include "render/core/error.h"
 #include "render/cuda/devices.h"
 #include "render/volume/reader.h"
@@ -17,6 +18,7 @@ namespace {
 using Json = nlohmann::json;
 
 Json describeGl(gl::Platform platform) {
+  logDetail(std::string("looking for OpenGL through ") + (platform == gl::Platform::egl ? "EGL" : "OSMesa"));
   try {
     const std::unique_ptr<gl::Context> context = gl::makeHeadlessContext(platform);
     return {{"platform", context->platformName()}, {"renderer", context->renderer()}, {"version", context->version()}};
@@ -26,6 +28,7 @@ Json describeGl(gl::Platform platform) {
 }
 
 Json describeCuda() {
+  logDetail("looking for CUDA devices");
   const cuda::DeviceReport report = cuda::listDevices();
   Json devices = Json::array();
   for (const cuda::Device& device : report.devices)
@@ -111,8 +114,7 @@ void addInfoCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<CommonOptions>();
   CLI::App* command = program.add_subcommand("info", "Version, backends, devices, formats");
   command->add_flag("--json", options->json, "One JSON document on standard output");
-  command->add_flag("--quiet", options->quiet, "Errors only");
-  command->add_flag("--verbose", options->verbose, "More about what is being done");
+  addLogOptions(*command, *options);
   command->callback([options, &chosen] { chosen = [options] { inform(*options); }; });
 }
 

@@ -4,8 +4,11 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
+#include "app/log.h"
+#include "app/progress.h"
 #include "render/core/error.h"
 #include "render/core/nearest_name.h"
 #include "render/cuda/devices.h"
@@ -22,12 +25,8 @@ struct Choice {
 
 template <class Table>
 auto choose(std::string_view kind, std::string_view name, const Table& table) {
-  std::vector<std::string_view> names;
-  for (const auto& entry : table) {
-    if (entry.name == name) return entry.value;
-    names.push_back(entry.name);
-  }
-  throw UsageError(unknownName(kind, name, names));
+  if (const auto* entry = findNamed(table, name)) return entry->value;
+  throw UsageError(unknownNameIn(table, kind, name));
 }
 
 /// Parses numbers separated by 'x': exactly `count` of them, each within 1..largest.
@@ -73,6 +72,13 @@ std::string listOf(const Table& table) {
   return text;
 }
 
+void logBackend(Backend backend) {
+  if (!isDetailLogged()) return;
+  const std::string reason = backend == Backend::automatic ? cuda::whyUnavailable() : std::string();
+  const bool isCpu = backend == Backend::cpu || !reason.empty();
+  logDetail(std::string("backend: ") + (isCpu ? "cpu" : "cuda") + (reason.empty() ? "" : ", because " + reason));
+}
+
 }  // namespace
 
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
@@ -96,13 +102,18 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--uncovered", options.uncovered, "Colour (RRGGBB) of pixels that no sample covers; default transparent");
   command.add_option("--seed", options.seed, "Of everything random")->capture_default_str();
   command.add_flag("--json", options.json, "One JSON document on standard output and nothing else");
+  addLogOptions(command, options);
+}
+
+void addLogOptions(CLI::App& command, CommonOptions& options) {
   command.add_flag("--quiet", options.quiet, "Errors only");
-  command.add_flag("--verbose", options.verbose, "More about what is being done");
+  command.add_flag("--verbose", options.verbose, "More about what is being done, on standard error");
+  command.parse_complete_callback([&options] { setUpLog(options.quiet, options.verbose); });
 }
 
 CheckedOptions check(const CommonOptions& options) {
   CheckedOptions checked;
-  checked.scene = options.scene;
+  checked.sceneSpec = options.scene;
   const std::vector<uint32_t> size = parseSize("--size", options.size, 2, kMaxImageSide);
   checked.width = size[0];
   checked.height = size[1];
@@ -135,11 +146,12 @@ CheckedOptions check(const CommonOptions& options) {
   if (checked.backend == Backend::cuda)
     if (const std::string reason = cuda::whyUnavailable(); !reason.empty())
       throw DeviceError("the backend cuda cannot be used: " + reason);
+  logBackend(checked.backend);
   return checked;
 }
 
-Scene CheckedOptions::open() const {
-  Scene opened = openScene(scene, overrides);
+Scene CheckedOptions::open(const std::stop_token& stop) const {
+  Scene opened = openScene(sceneSpec, overrides, stop);
   MarchSettings& march = opened.march;
   march.heuristic = heuristic.value_or(march.heuristic);
   march.radiusPolicy = radius.value_or(march.radiusPolicy);
@@ -148,25 +160,29 @@ Scene CheckedOptions::open() const {
   return opened;
 }
 
-Workplace prepare(const CommonOptions& options) {
-  const CheckedOptions checked = check(options);
-  Workplace work;
-  work.width = checked.width;
-  work.height = checked.height;
-  work.uncovered = checked.uncovered;
-  work.platform = checked.platform;
-  work.backend = checked.backend;
-  work.warp = checked.warp;
-  work.scene = checked.open();
-  work.march = work.scene.march;
-  work.warp.reference = work.march;
+Workplace prepare(const CommonOptions& options, const std::stop_token& stop) {
+  Workplace work{check(options), {}, {}};
+  Progress progress("opening", 1, !options.showsProgress());
+  progress.step(work.sceneSpec);
+  work.scene = work.open(stop);
+  work.march = work.warp.reference = work.scene.march;
   return work;
+}
+
+void logFrame(const SampleFrame& frame) {
+  char text[96];
+  std::snprintf(text, sizeof text, "marched %zu samples in %.1f ms, compacted in %.1f ms", frame.size(), frame.timings.marchMs,
+                frame.timings.compactMs);
+  logDetail(text);
 }
 
 WarpResources HeadlessResources::resources() {
   return {marcher_,
           [this]() -> gl::Context& {
-            if (!context_) context_ = gl::makeHeadlessContext(platform_);
+            if (!context_) {
+              context_ = gl::makeHeadlessContext(platform_);
+              logDetail("OpenGL: " + contextText());
+            }
             context_->makeCurrent();
             return *context_;
           },

@@ -28,14 +28,20 @@ struct CommonOptions {
   int hits = WarpSettings{}.hits;
   uint32_t seed = 1;
   bool json = false, quiet = false, verbose = false;
+
+  /// A bar would be in the way of what the others print.
+  bool showsProgress() const { return !json && !quiet && !verbose; }
 };
 
 /// Adds the scene and every shared option to a command.
 void addCommonOptions(CLI::App& command, CommonOptions& options);
 
+/// Adds --quiet and --verbose, and sets the log up by them once the command line is read.
+void addLogOptions(CLI::App& command, CommonOptions& options);
+
 /// What was asked for, before the scene is opened.
 struct CheckedOptions {
-  std::string scene;
+  std::string sceneSpec;
   SceneOverrides overrides;
   std::optional<Heuristic> heuristic;
   std::optional<RadiusPolicy> radius;
@@ -47,27 +53,22 @@ struct CheckedOptions {
   gl::Platform platform = gl::Platform::automatic;
   Backend backend = Backend::automatic;
 
-  /// The scene with the marching that was asked for. Throws UsageError or InputError.
-  Scene open() const;
+  /// The scene with the marching that was asked for. Throws UsageError or InputError, OperationCancelled if `stop` is set.
+  Scene open(const std::stop_token& stop = {}) const;
 };
 
 /// Checks every option, which is quick. Throws UsageError, or InputError for hardware that is not here.
 CheckedOptions check(const CommonOptions& options);
 
-/// What a command works with.
-struct Workplace {
+/// What a command works with: what was asked for, and the scene. `warp.reference` is the scene's marching.
+struct Workplace : CheckedOptions {
   Scene scene;
-  MarchSettings march;
-  WarpSettings warp;
-  uint32_t width = 0;
-  uint32_t height = 0;
-  Rgba8 uncovered = 0;
-  gl::Platform platform = gl::Platform::automatic;
-  Backend backend = Backend::automatic;
+  MarchSettings march;  ///< the scene's, as asked for
 };
 
-/// Checks every option before anything expensive, then opens the scene. Throws UsageError or InputError.
-Workplace prepare(const CommonOptions& options);
+/// Checks every option before anything expensive, then opens the scene, with a bar on the terminal. Throws UsageError or InputError,
+/// OperationCancelled if `stop` is set.
+Workplace prepare(const CommonOptions& options, const std::stop_token& stop);
 
 /// Techniques' resources for one thread: a marcher for the scene and an OpenGL context made when it is first needed.
 class HeadlessResources {
@@ -84,6 +85,9 @@ class HeadlessResources {
   Backend backend_;
   std::unique_ptr<gl::Context> context_;
 };
+
+/// Says in the log how many samples a frame has and how long it took.
+void logFrame(const SampleFrame& frame);
 
 /// What `command` is and does; each adds itself to the program and runs when its turn comes.
 void addShotCommand(CLI::App& program, std::function<void()>& chosen);

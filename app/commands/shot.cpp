@@ -8,8 +8,10 @@
 #include "app/commands/options.h"
 #include "app/interrupt.h"
 #include "app/json_document.h"
+#include "app/log.h"
 #include "app/output_files.h"
 #include "app/picture.h"
+#include "app/progress.h"
 #include "render/core/error.h"
 
 namespace warpscope {
@@ -26,9 +28,10 @@ void shoot(const ShotOptions& options) {
   if (!std::isfinite(options.viewAngleDeg) || std::abs(options.viewAngleDeg) > 360.0)
     throw UsageError("--view-angle must be between -360 and 360 degrees");
   const WarpDescriptor& descriptor = findWarp(options.technique);
-  const Workplace work = prepare(options.common);
-  requireWritable(options.out);
   const Interrupt interrupt;
+  const Workplace work = prepare(options.common, interrupt.token());
+  requireWritable(options.out);
+  auto progress = std::make_unique<Progress>("shot", descriptor.usesFrame ? 3 : 2, !options.common.showsProgress());
   HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform, work.backend);
   const WarpResources resources = headless.resources();
   const std::unique_ptr<Warp> warp = makeWarp(descriptor, resources);
@@ -38,12 +41,19 @@ void shoot(const ShotOptions& options) {
   view.angleDeg += options.viewAngleDeg;
   const Camera camera = makeCamera(work.scene, view, work.width, work.height);
   SampleFramePtr frame;
-  if (descriptor.usesFrame)
+  if (descriptor.usesFrame) {
+    progress->step("the server's frame");
     frame = std::make_shared<SampleFrame>(resources.marcher->march(serverCamera, work.march, interrupt.token()));
+  }
+  progress->step(std::string(descriptor.name));
   warp->setFrame(frame, work.warp, interrupt.token());
   WarpedImage image;
   warp->draw(camera, work.warp, image, interrupt.token());
-  writeFileWhole(options.out, encodePng(toPicture(image, work.uncovered), interrupt.token()));
+  if (frame) logFrame(*frame);
+  logDetail("drew " + std::to_string(work.width) + "x" + std::to_string(work.height) + " pixels with " + std::string(descriptor.name));
+  progress->step("the file");
+  writeFileWhole(options.out, encodePng(toPicture(image, work.uncovered), interrupt.token()), interrupt.token());
+  progress.reset();
 
   if (options.common.json) {
     const nlohmann::json report{{"out", options.out},
@@ -53,8 +63,8 @@ void shoot(const ShotOptions& options) {
                                 {"heuristic", nameOf(work.march.heuristic)},
                                 {"radius", nameOf(work.march.radiusPolicy)}};
     std::cout << textOf(report);
-  } else if (!options.common.quiet) {
-    std::cerr << "wrote " << options.out << '\n';
+  } else {
+    logResult("wrote " + options.out);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "app/commands/options.h"
 #include "app/interrupt.h"
 #include "app/ui/run_window.h"
+#include "render/core/range.h"
 
 namespace warpscope {
 namespace {
@@ -21,24 +22,18 @@ struct ViewOptions {
   double screenshotAfterMs = 3000.0;
 };
 
-constexpr double kLongestDelayMs = 10000.0;
-constexpr double kLongestWaitMs = 3600.0 * 1000.0;
-
-void requireRange(double value, double lowest, double highest, const char* option) {
-  if (value >= lowest && value <= highest) return;  // false for NaN
-  char text[120];
-  std::snprintf(text, sizeof text, "%s must be between %g and %g, not %g", option, lowest, highest, value);
-  throw UsageError(text);
-}
+constexpr Range kDelayMsRange{0.0, 10000.0};
+constexpr Range kUiScaleRange{0.5, 4.0};
+constexpr Range kWaitMsRange{0.0, 3600.0 * 1000.0};
 
 void view(const ViewOptions& options) {
   const CheckedOptions checked = check(options.common);
   SessionSettings settings;
   settings.techniques = {&findWarp(options.left), &findWarp(options.right)};
-  requireRange(options.delayMs, 0.0, kLongestDelayMs, "--delay-ms");
-  if (options.uiScale != 0.0) requireRange(options.uiScale, 0.5, 4.0, "--ui-scale");
-  requireRange(options.screenshotAfterMs, 0.0, kLongestWaitMs, "--after-ms");
-  requireScene(checked.scene);
+  requireRange(options.delayMs, kDelayMsRange, "--delay-ms");
+  if (options.uiScale != 0.0) requireRange(options.uiScale, kUiScaleRange, "--ui-scale");
+  requireRange(options.screenshotAfterMs, kWaitMsRange, "--after-ms");
+  requireScene(checked.sceneSpec);
   settings.knobs.warp = checked.warp;
   settings.knobs.delayMs = options.delayMs;
   settings.knobs.uncovered = checked.uncovered;
@@ -57,14 +52,14 @@ void view(const ViewOptions& options) {
   SteadyClock clock;
   const SessionMaker makeSession = [&](std::function<void()> onNews) {
     auto session = std::make_unique<Session>(settings, clock, std::move(onNews));
-    session->load({checked.scene, [checked] { return checked.open(); }});
+    session->load({checked.sceneSpec, [checked](const std::stop_token& loadStop) { return checked.open(loadStop); }});
     return session;
   };
   const SceneOpener openChosen = [seed = checked.overrides.seed](const std::string& spec) {
-    return LoadJob{spec, [spec, seed] {
+    return LoadJob{spec, [spec, seed](const std::stop_token& loadStop) {
                      SceneOverrides overrides;
                      overrides.seed = seed;
-                     return openScene(spec, overrides);
+                     return openScene(spec, overrides, loadStop);
                    }};
   };
   const bool hasEnded = runWindow(makeSession, openChosen, clock, window, interrupt.token());

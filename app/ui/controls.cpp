@@ -188,7 +188,12 @@ void Controls::drawScene(Session& session, const SceneOpener& openScene, const L
                                             ImGuiInputTextFlags_EnterReturnsTrue);
   tooltip("Path of a scene (.json) or of a volume. A file can also be dropped onto the window.", look);
   ImGui::SameLine();
-  isEntered |= ImGui::Button("Open", {-1.0f, 0.0f});
+  if (session.loading().empty()) {
+    isEntered |= ImGui::Button("Open", {-1.0f, 0.0f});
+  } else {
+    if (ImGui::Button("Cancel", {-1.0f, 0.0f})) session.cancelLoad();
+    tooltip("Give up opening " + session.loading() + ".", look);
+  }
   if (isEntered && path_[0] != '\0') session.load(openScene(path_.data()));
 
   // The bar's place is kept, so that nothing moves when it comes and goes.

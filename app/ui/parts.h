@@ -62,7 +62,7 @@ void drawErrorBanner(Session& session, const Look& look);
 /// Explains the item drawn last while the pointer rests on it.
 void tooltip(const std::string& text, const Look& look);
 
-/// "12.3 ms", "123 ms", "1.23 s".
+/// "1.2 ms", "123 ms", "12 s".
 std::string durationText(double milliseconds);
 
 }  // namespace warpscope::ui

@@ -1,5 +1,5 @@
 // Axis-aligned boxes, and the slab test of a ray against one.
-// After Williams, Barrus, Morley, Shirley 2005, made conservative after Ize 2013 ("Robust BVH Ray Traversal", section 3).
+// After Williams, Barrus, Morley, Shirley 2005. For the ray's part inside a volume; what culls must not lose hits: see lbvh.h.
 #pragma once
 
 #include <limits>
@@ -34,8 +34,8 @@ struct RayInterval {
   WARPSCOPE_HD bool isMiss() const { return !(tNear <= tFar); }
 };
 
-/// What the slab test needs of a ray, computed once. A zero component (of either sign) becomes a huge reciprocal of that sign; the
-/// products with it stay finite or infinite of the right sign, except 0 * inf, which the test below treats as "on the slab".
+/// What the slab test needs of a ray, computed once. The reciprocal of a zero component, of either sign, is +infinity; products with it
+/// are infinite of the distance's sign, except 0 * inf, which the test below treats as "on the slab".
 struct RayReciprocal {
   glm::vec3 origin;
   glm::vec3 invDirection;
@@ -46,11 +46,9 @@ WARPSCOPE_HD inline RayReciprocal reciprocalOf(const glm::vec3& origin, const gl
   return {origin, 1.0f / (direction + glm::vec3(0.0f))};
 }
 
-/// Intersects the ray with `box` within [tMin, tMax] (tMax may be infinite). `grow` widens the far side by the rounding error of the
-/// three multiplications, so that a hit on something inside the box is never lost; pass 1 for the plain interval.
+/// Intersects the ray with `box` within [tMin, tMax] (tMax may be infinite). The ends are those of the true interval up to three roundings.
 /// Misses on empty, inverted and NaN boxes. A ray that lies in a face of the box hits it.
-WARPSCOPE_HD inline RayInterval intersectBox(const RayReciprocal& ray, const Box& box, float tMin, float tMax,
-                                             float grow = 1.0f) {
+WARPSCOPE_HD inline RayInterval intersectBox(const RayReciprocal& ray, const Box& box, float tMin, float tMax) {
   if (box.isEmpty()) return {};
   RayInterval interval{tMin, tMax};
   for (int axis = 0; axis < 3; ++axis) {
@@ -62,15 +60,11 @@ WARPSCOPE_HD inline RayInterval intersectBox(const RayReciprocal& ray, const Box
       t0 = t1;
       t1 = swap;
     }
-    t1 *= grow;
     // Comparisons with NaN (an origin on a slab plane, parallel to it) are false: the bound is left as it is.
     if (t0 > interval.tNear) interval.tNear = t0;
     if (t1 < interval.tFar) interval.tFar = t1;
   }
   return interval;
 }
-
-/// 1 + 2*gamma(3): the factor that makes intersectBox conservative (Ize 2013).
-inline constexpr float kConservativeGrow = 1.0000003576f;
 
 }  // namespace warpscope

@@ -26,15 +26,7 @@ WARPSCOPE_HD inline uint32_t quantizeUnorm8(float value) {
   return value > 0.0f ? static_cast<uint32_t>(glm::min(value, 1.0f) * 255.0f + 0.5f) : 0u;
 }
 
-/// Linear premultiplied colour to 8 bits. Where alpha rounds to 0 the straight colour is still kept.
-WARPSCOPE_HD inline Rgba8 encodeRgba8(const glm::vec4& premultiplied) {
-  if (!(premultiplied.a > 0.0f)) return 0;
-  const float inverse = 1.0f / premultiplied.a;
-  return quantizeUnorm8(srgbFromLinear(premultiplied.r * inverse)) |
-         quantizeUnorm8(srgbFromLinear(premultiplied.g * inverse)) << 8 |
-         quantizeUnorm8(srgbFromLinear(premultiplied.b * inverse)) << 16 | quantizeUnorm8(premultiplied.a) << 24;
-}
-
+/// 8 bits to linear premultiplied colour.
 WARPSCOPE_HD inline glm::vec4 decodeRgba8(Rgba8 code) {
   const float alpha = static_cast<float>(code >> 24) / 255.0f;
   return {linearFromSrgb(static_cast<float>(code & 255) / 255.0f) * alpha,
@@ -47,8 +39,8 @@ WARPSCOPE_HD inline glm::vec4 over(const glm::vec4& front, const glm::vec4& back
   return front + (1.0f - front.a) * back;
 }
 
-/// decodeRgba8 and encodeRgba8 by tables, for whole images; a copy of the tables works on a device. Same results bit for bit for decoding; encoding may differ
-/// from encodeRgba8 only where the exact value lies within 1e-4 of a rounding boundary.
+/// Both ways by tables, for whole images; a copy of the tables works on a device. Decoding is decodeRgba8 bit for bit. Encoding rounds the
+/// formula's value to the nearest code; where that lies within 1e-4 of a boundary between two codes either may come out.
 class ColorTables {
  public:
   static const ColorTables& instance();
@@ -57,6 +49,7 @@ class ColorTables {
     const float alpha = static_cast<float>(code >> 24) / 255.0f;
     return {linear_[code & 255] * alpha, linear_[code >> 8 & 255] * alpha, linear_[code >> 16 & 255] * alpha, alpha};
   }
+  /// Linear premultiplied colour to 8 bits. Where alpha rounds to 0 the straight colour is still kept.
   WARPSCOPE_HD Rgba8 encode(const glm::vec4& premultiplied) const {
     if (!(premultiplied.a > 0.0f)) return 0;
     const float inverse = 1.0f / premultiplied.a;

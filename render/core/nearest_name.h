@@ -1,10 +1,12 @@
-// "Unknown X; did you mean Y?": the nearest of the names that would have been right.
+// Looking a name up in a table, and "unknown X; did you mean Y?": the nearest of the names that would have been right.
 // Edit distance: Levenshtein 1966, by the dynamic programme of Wagner, Fischer 1974.
 #pragma once
 
+#include <iterator>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace warpscope {
 
@@ -13,5 +15,21 @@ size_t editDistance(std::string_view a, std::string_view b);
 
 /// A sentence: `unknown KIND 'NAME'; did you mean 'NEAREST'? Known: ...`.
 std::string unknownName(std::string_view kind, std::string_view name, std::span<const std::string_view> known);
+
+/// The entry of that name; null if there is none. A table is a range of entries with a member `name` that outlives the answer.
+template <class Table>
+auto findNamed(const Table& table, std::string_view name) -> decltype(&*std::begin(table)) {
+  for (const auto& entry : table)
+    if (entry.name == name) return &entry;
+  return nullptr;
+}
+
+/// The sentence for a name that is not in the table.
+template <class Table>
+std::string unknownNameIn(const Table& table, std::string_view kind, std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const auto& entry : table) names.push_back(entry.name);
+  return unknownName(kind, name, names);
+}
 
 }  // namespace warpscope

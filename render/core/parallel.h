@@ -24,19 +24,27 @@ void parallelForRanges(size_t count, size_t grain, const Body& body) {
                     [&](const tbb::blocked_range<size_t>& range) { body(range.begin(), range.end()); });
 }
 
+/// The same, with a look at `stop` before each piece, none longer than `grain`. Throws OperationCancelled if it is set.
+template <class Body>
+void parallelForRanges(size_t count, size_t grain, const std::stop_token& stop, const Body& body) {
+  parallelForRanges(count, grain, [&](size_t begin, size_t end) {
+    for (size_t at = begin; at < end && !stop.stop_requested(); at += grain) body(at, at + grain < end ? at + grain : end);
+  });
+  if (stop.stop_requested()) throw OperationCancelled();
+}
+
 /// Calls body(x0, y0, x1, y1) for tiles of at most `side` pixels that cover width x height. Throws OperationCancelled if `stop` is set.
 template <class Body>
 void parallelForTiles(uint32_t width, uint32_t height, uint32_t side, const std::stop_token& stop, const Body& body) {
   const size_t columns = (width + side - 1) / side;
   const size_t rows = (height + side - 1) / side;
-  parallelForRanges(columns * rows, 1, [&](size_t begin, size_t end) {
-    for (size_t tile = begin; tile < end && !stop.stop_requested(); ++tile) {
+  parallelForRanges(columns * rows, 1, stop, [&](size_t begin, size_t end) {
+    for (size_t tile = begin; tile < end; ++tile) {
       const auto x0 = static_cast<uint32_t>(tile % columns) * side;
       const auto y0 = static_cast<uint32_t>(tile / columns) * side;
       body(x0, y0, x0 + side < width ? x0 + side : width, y0 + side < height ? y0 + side : height);
     }
   });
-  if (stop.stop_requested()) throw OperationCancelled();
 }
 
 }  // namespace warpscope

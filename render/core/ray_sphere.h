@@ -41,16 +41,4 @@ WARPSCOPE_HD inline float intersectSphere(const Ray& ray, const glm::vec3& cente
   return intersectSphereFromOrigin(ray.direction, toCenter, radius, outsideSphere(toCenter, radius));
 }
 
-/// As above for a direction of any finite length: the distance is in units of that length. A zero direction is no hit.
-WARPSCOPE_HD inline float intersectSphereAnyDirection(const Ray& ray, const glm::vec3& center, float radius) {
-  const glm::vec3 size = glm::abs(ray.direction);
-  const float largest = glm::max(size.x, glm::max(size.y, size.z));
-  if (!(largest > 0.0f)) return kNoHit;
-  // Scaling by the largest component first keeps the squares clear of overflow and underflow.
-  const glm::vec3 scaled = ray.direction / largest;
-  const float scaledLength = std::sqrt(glm::dot(scaled, scaled));
-  const float t = intersectSphere({ray.origin, scaled / scaledLength}, center, radius);
-  return t / scaledLength / largest;
-}
-
 }  // namespace warpscope

@@ -4,7 +4,7 @@
 
 namespace warpscope::cuda {
 
-DeviceReport listDevices() { return {{}, "this build has no CUDA: nvcc was not found when it was configured"}; }
+DeviceReport listDevices() { return {.reason = "this build has no CUDA: nvcc was not found when it was configured"}; }
 
 std::string whyUnavailable() { return listDevices().reason; }
 

@@ -19,6 +19,8 @@ class Context {
   virtual ~Context() = default;
   /// Makes the context current on the calling thread. Throws InputError if the driver refuses.
   virtual void makeCurrent() = 0;
+  /// The same for destructors: false if the driver refuses. What was made in the context must then be abandoned, not deleted.
+  bool tryMakeCurrent() noexcept;
   /// "EGL surfaceless", "EGL device" or "OSMesa".
   virtual std::string_view platformName() const = 0;
 
@@ -30,9 +32,20 @@ class Context {
 /// Makes a context and makes it current. Throws InputError that says what was tried and what each answered.
 std::unique_ptr<Context> makeHeadlessContext(Platform platform = Platform::automatic);
 
-/// Loads the OpenGL entry points through `loader` (glfwGetProcAddress for a window's context). All contexts of a process must come
-/// through the same vendor-neutral dispatch (EGL and GLX do, OSMesa does not mix with them). Throws InputError below OpenGL 4.5.
-void loadFunctions(GLADloadfunc loader);
+/// A context's share in the process's one set of OpenGL entry points. They belong to one platform for as long as any context of it lives:
+/// another platform's would be swapped in under a running thread.
+class EntryPoints {
+ public:
+  /// `loader` is the platform's lookup function, `platform` its name in complaints. Throws InputError while another platform has them.
+  EntryPoints(GLADloadfunc loader, std::string_view platform);
+  ~EntryPoints();
+  EntryPoints(const EntryPoints&) = delete;
+  EntryPoints& operator=(const EntryPoints&) = delete;
+
+  /// Loads them if no context of the platform has yet; one must be current. Throws InputError below OpenGL 4.5; nothing counts as
+  /// loaded then.
+  void load();
+};
 
 // The makers that makeHeadlessContext chooses from; null and a reason where there is no such context here.
 std::unique_ptr<Context> makeEglContext(std::string& reason);

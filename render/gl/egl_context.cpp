@@ -21,7 +21,8 @@ std::string eglErrorText(const char* call) {
 
 class EglContext final : public Context {
  public:
-  EglContext(EGLDisplay display, EGLContext context, const char* name) : display_(display), context_(context), name_(name) {}
+  EglContext(EGLDisplay display, EGLContext context, const char* name, std::shared_ptr<EntryPoints> entryPoints)
+      : display_(display), context_(context), name_(name), entryPoints_(std::move(entryPoints)) {}
   ~EglContext() override {
     // The display stays initialised: other threads of the process may have contexts on it.
     eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
@@ -31,7 +32,7 @@ class EglContext final : public Context {
     eglBindAPI(EGL_OPENGL_API);
     if (!eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
       throw InputError(eglErrorText("eglMakeCurrent"));
-    loadFunctions(eglGetProcAddress);
+    entryPoints_->load();
   }
   std::string_view platformName() const override { return name_; }
 
@@ -39,9 +40,11 @@ class EglContext final : public Context {
   EGLDisplay display_;
   EGLContext context_;
   const char* name_;
+  const std::shared_ptr<EntryPoints> entryPoints_;
 };
 
-std::unique_ptr<Context> contextOn(EGLDisplay display, const char* name, std::string& reason) {
+std::unique_ptr<Context> contextOn(EGLDisplay display, const char* name, const std::shared_ptr<EntryPoints>& entryPoints,
+                                   std::string& reason) {
   if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr)) {
     reason += std::string(name) + ": " + eglErrorText("eglInitialize") + "; ";
     return nullptr;
@@ -58,7 +61,7 @@ std::unique_ptr<Context> contextOn(EGLDisplay display, const char* name, std::st
     reason += std::string(name) + ": " + eglErrorText("eglCreateContext") + "; ";
     return nullptr;
   }
-  auto made = std::make_unique<EglContext>(display, context, name);
+  auto made = std::make_unique<EglContext>(display, context, name, entryPoints);
   try {
     made->makeCurrent();
   } catch (const InputError& error) {
@@ -73,7 +76,7 @@ bool hasClientExtension(const char* name) {
   return extensions != nullptr && std::strstr(extensions, name) != nullptr;
 }
 
-std::unique_ptr<Context> onDevices(std::string& reason) {
+std::unique_ptr<Context> onDevices(const std::shared_ptr<EntryPoints>& entryPoints, std::string& reason) {
   const auto queryDevices = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
   if (queryDevices == nullptr) return nullptr;
   std::array<EGLDeviceEXT, 16> devices{};
@@ -81,7 +84,7 @@ std::unique_ptr<Context> onDevices(std::string& reason) {
   if (!queryDevices(static_cast<EGLint>(devices.size()), devices.data(), &count)) return nullptr;
   for (EGLint i = 0; i < count; ++i) {
     const EGLDisplay display = eglGetPlatformDisplay(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr);
-    if (auto context = contextOn(display, "EGL device", reason)) return context;
+    if (auto context = contextOn(display, "EGL device", entryPoints, reason)) return context;
   }
   return nullptr;
 }
@@ -89,14 +92,21 @@ std::unique_ptr<Context> onDevices(std::string& reason) {
 }  // namespace
 
 std::unique_ptr<Context> makeEglContext(std::string& reason) {
+  std::shared_ptr<EntryPoints> entryPoints;
+  try {
+    entryPoints = std::make_shared<EntryPoints>(eglGetProcAddress, "EGL");
+  } catch (const InputError& error) {
+    reason = error.what();
+    return nullptr;
+  }
   std::unique_ptr<Context> context;
   // A device may be a GPU; Mesa's surfaceless platform is what a machine without one has. Mesa lists its software rasteriser as a
   // device too, last, so that asking for devices first is right everywhere.
   if (hasClientExtension("EGL_EXT_device_enumeration") || hasClientExtension("EGL_EXT_device_base"))
-    context = onDevices(reason);
+    context = onDevices(entryPoints, reason);
   if (!context && hasClientExtension("EGL_MESA_platform_surfaceless"))
     context = contextOn(eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr),
-                        "EGL surfaceless", reason);
+                        "EGL surfaceless", entryPoints, reason);
   if (!context && reason.empty()) reason = "neither devices nor a surfaceless platform are offered";
   return context;
 }

@@ -25,6 +25,8 @@ class Object {
   ~Object() {
     if (name_ != 0) Traits::destroy(name_);
   }
+  /// Forgets the name without deleting it: where its context cannot be made current, the name may be another context's.
+  void abandon() noexcept { name_ = 0; }
   GLuint name() const { return name_; }
   explicit operator bool() const { return name_ != 0; }
 

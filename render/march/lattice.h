@@ -24,7 +24,7 @@ struct RayLattice {
   }
 };
 
-/// The most samples that a ray takes; a step so small that more were needed is refused where it is set (march_settings.h).
+/// The most samples that a ray takes; a step so small that a volume would need more is refused before its march (requireMarchable).
 inline constexpr int kMaxSamplesPerRay = 1 << 30;
 
 /// The lattice over a ray's part inside a box; empty for a miss or an interval without extent.

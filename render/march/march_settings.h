@@ -6,6 +6,8 @@
 #include <optional>
 #include <string_view>
 
+#include "render/core/range.h"
+
 namespace warpscope {
 
 /// Which point of a ray stands for the pixel. Exact definitions: depth_heuristic.h.
@@ -71,6 +73,12 @@ struct MarchSettings {
 
   bool operator==(const MarchSettings&) const = default;
 };
+
+// What the settings may be; whoever reads them from somewhere says so with these.
+inline constexpr Range kStepRange{1e-3, 1e3};
+inline constexpr Range kRadiusScaleRange{1e-3, 1e3};
+inline constexpr Range kContributionRange{1e-6, 0.5};
+inline constexpr Range kThresholdRange{1e-3, 1.0};
 
 /// Throws UsageError naming the setting that is out of range.
 void validate(const MarchSettings& settings);

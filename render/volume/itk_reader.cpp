@@ -14,7 +14,9 @@
 #include <new>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
 #include "render/volume/payload.h"
+#include "render/volume/volume_format.h"
 
 namespace warpscope {
 namespace {
@@ -33,16 +35,23 @@ class SilentOutputWindow : public itk::OutputWindow {
 /// The reader is picked here and not by ITK's factories: those must be registered at start-up in every program that
 /// links them.
 itk::ImageIOBase::Pointer makeImageIO(const std::filesystem::path& path) {
-  std::string name = path.filename().string();
-  for (char& c : name)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  const auto endsWith = [&](auto... ending) { return (name.ends_with(ending) || ...); };
-  if (endsWith(".nrrd", ".nhdr")) return itk::NrrdImageIO::New().GetPointer();
-  if (endsWith(".mha", ".mhd")) return itk::MetaImageIO::New().GetPointer();
-  if (endsWith(".vtk")) return itk::VTKImageIO::New().GetPointer();
-  if (endsWith(".gipl", ".gipl.gz")) return itk::GiplImageIO::New().GetPointer();
-  if (endsWith(".mrc", ".rec")) return itk::MRCImageIO::New().GetPointer();
-  return itk::NiftiImageIO::New().GetPointer();
+  switch (formatOf(path).value_or(VolumeFormat::raw)) {
+    case VolumeFormat::nrrd:
+      return itk::NrrdImageIO::New().GetPointer();
+    case VolumeFormat::nifti:
+      return itk::NiftiImageIO::New().GetPointer();
+    case VolumeFormat::metaImage:
+      return itk::MetaImageIO::New().GetPointer();
+    case VolumeFormat::vtk:
+      return itk::VTKImageIO::New().GetPointer();
+    case VolumeFormat::gipl:
+      return itk::GiplImageIO::New().GetPointer();
+    case VolumeFormat::mrc:
+      return itk::MRCImageIO::New().GetPointer();
+    case VolumeFormat::raw:
+      break;
+  }
+  throw InputError(path.string() + ": its ending is of no format that ITK reads");
 }
 
 VoxelType voxelTypeOf(const itk::ImageIOBase& io, const std::string& source) {
@@ -130,7 +139,7 @@ std::string firstSentence(const char* text) {
   return sentence.substr(0, kLongest);
 }
 
-VolumePtr readItkVolume(const std::filesystem::path& path) {
+VolumePtr readItkVolume(const std::filesystem::path& path, const std::stop_token& stop) {
   const std::string source = path.string();
   const Payload payload = locatePayload(path);
   const itk::ImageIOBase::Pointer io = makeImageIO(path);
@@ -151,7 +160,7 @@ VolumePtr readItkVolume(const std::filesystem::path& path) {
   VolumeGeometry geometry = geometryOf(*io, source);
   geometry.hasOrientation = payload.hasOrientation;
   const size_t count = validate(geometry, type, source);
-  requirePayload(path, payload, count, count * sizeBytes(payload.storedType.value_or(type)));
+  requirePayload(path, payload, count, count * sizeBytes(payload.storedType.value_or(type)), stop);
 
   // Pages of zeros come for free from the system; memory as it was found would show where ITK stops early without a
   // word.
@@ -164,12 +173,12 @@ VolumePtr readItkVolume(const std::filesystem::path& path) {
   }
   io->SetIORegion(region);
   io->Read(voxels.get());
-  return std::make_shared<Volume>(path.filename().string(), type, geometry, voxels, voxels.get());
+  return std::make_shared<Volume>(path.filename().string(), type, geometry, voxels, voxels.get(), stop);
 }
 
 }  // namespace
 
-VolumePtr openItkVolume(const std::filesystem::path& path) {
+VolumePtr openItkVolume(const std::filesystem::path& path, const std::stop_token& stop) {
   static const bool kIsSilent = [] {
     itk::OutputWindow::SetInstance(SilentOutputWindow::New());
     itk::Object::SetGlobalWarningDisplay(false);
@@ -177,8 +186,10 @@ VolumePtr openItkVolume(const std::filesystem::path& path) {
   }();
   static_cast<void>(kIsSilent);
   try {
-    return readItkVolume(path);
+    return readItkVolume(path, stop);
   } catch (const InputError&) {
+    throw;
+  } catch (const OperationCancelled&) {
     throw;
   } catch (const std::bad_alloc&) {
     throw InputError(path.string() + ": does not fit into this machine's memory");

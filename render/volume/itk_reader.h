@@ -11,7 +11,8 @@ namespace warpscope {
 /// Reads `path`, an existing and not empty regular file, in its stored voxel type. Scalar 3D volumes only (2D images
 /// become one slice); vectors, colours, complex numbers, several time points and 64-bit integers are refused. World
 /// axes are ITK's: left, posterior, superior. Negative spacing turns its axis round; zero spacing is accepted for an
-/// axis of one voxel only. Throws InputError that says what is wrong.
-VolumePtr openItkVolume(const std::filesystem::path& path);
+/// axis of one voxel only. Throws InputError that says what is wrong; OperationCancelled if `stop` is set, which ITK
+/// itself does not look at.
+VolumePtr openItkVolume(const std::filesystem::path& path, const std::stop_token& stop);
 
 }  // namespace warpscope

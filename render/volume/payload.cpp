@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "render/core/error.h"
+#include "render/core/parallel.h"
+#include "render/volume/volume_format.h"
 
 namespace warpscope {
 namespace {
@@ -26,12 +28,6 @@ using Encoding = Payload::Encoding;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& reason) {
   throw InputError(path.string() + ": " + reason);
-}
-
-std::string lowered(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
 }
 
 std::string trimmed(const std::string& text) {
@@ -168,21 +164,47 @@ Payload locateNifti(const fs::path& path) {
 
 // --- NRRD and MetaImage: lines of "key separator value"; the voxels follow or lie in another file.
 
+/// Lines of a header, one after the other. None is longer than any header's, so that a file of something else costs no memory.
+class HeaderLines {
+ public:
+  explicit HeaderLines(const fs::path& path) : file_(path, std::ios::binary) {}
+
+  /// The next line without its end, which the file's last need not have. False when there is none left. Of a line that is too long the
+  /// rest comes as another.
+  bool next(std::string& line) {
+    constexpr size_t kMaxLine = 1 << 16;
+    line.clear();
+    while (line.size() < kMaxLine) {
+      const int c = file_.get();
+      if (c == EOF) return !line.empty();
+      ++endBytes_;
+      if (c == '\n') break;
+      line += static_cast<char>(c);
+    }
+    return true;
+  }
+
+  /// Where what was read ends.
+  uint64_t endBytes() const { return endBytes_; }
+
+ private:
+  std::ifstream file_;
+  uint64_t endBytes_ = 0;
+};
+
 struct TextHeader {
   std::map<std::string, std::string> fields;  // keys in lower case
   uint64_t endBytes = 0;                      // where the header stops
 };
 
 /// Reads lines up to an empty one, or up to and with the line of `lastKey`.
-TextHeader readTextHeader(std::ifstream& file, char separator, const std::string& lastKey) {
-  constexpr size_t kMaxLines = 4096, kMaxLine = 1 << 16;
+TextHeader readTextHeader(const fs::path& path, char separator, const std::string& lastKey) {
+  constexpr size_t kMaxLines = 4096;
+  HeaderLines lines(path);
   TextHeader header;
   std::string line;
-  for (size_t i = 0; i < kMaxLines; ++i) {
-    line.clear();
-    for (int c = file.get(); c != EOF && c != '\n' && line.size() < kMaxLine; c = file.get())
-      line += static_cast<char>(c);
-    if (!file || (lastKey.empty() && trimmed(line).empty())) break;
+  for (size_t i = 0; i < kMaxLines && lines.next(line); ++i) {
+    if (lastKey.empty() && trimmed(line).empty()) break;
     if (line[0] == '#') continue;
     const size_t at = line.find(separator);
     if (at == std::string::npos) continue;
@@ -190,10 +212,7 @@ TextHeader readTextHeader(std::ifstream& file, char separator, const std::string
     header.fields.emplace(key, trimmed(line.substr(at + 1)));
     if (!lastKey.empty() && key == lastKey) break;
   }
-  const bool atEnd = !file;
-  file.clear();
-  if (atEnd) file.seekg(0, std::ios::end);
-  header.endBytes = static_cast<uint64_t>(file.tellg());
+  header.endBytes = lines.endBytes();
   return header;
 }
 
@@ -210,12 +229,10 @@ bool followDetached(const fs::path& path, const std::string& name, Payload& payl
 }
 
 Payload locateNrrd(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, 8> magic{};
-  file.read(magic.data(), magic.size());
-  if (std::string(magic.data(), 7) != "NRRD000") fail(path, "is no NRRD file: it does not begin with NRRD000");
-  file.seekg(0);
-  const TextHeader header = readTextHeader(file, ':', "");
+  std::string magic;
+  HeaderLines(path).next(magic);
+  if (!magic.starts_with("NRRD000")) fail(path, "is no NRRD file: it does not begin with NRRD000");
+  const TextHeader header = readTextHeader(path, ':', "");
   const auto valueOf = [&](const char* key) {
     const auto field = header.fields.find(key);
     return field == header.fields.end() ? std::string() : lowered(field->second);
@@ -250,8 +267,7 @@ Payload locateNrrd(const fs::path& path) {
 }
 
 Payload locateMetaImage(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const TextHeader header = readTextHeader(file, '=', "elementdatafile");
+  const TextHeader header = readTextHeader(path, '=', "elementdatafile");
   const auto dataFile = header.fields.find("elementdatafile");
   if (!header.fields.contains("ndims") || !header.fields.contains("dimsize") || dataFile == header.fields.end())
     fail(path, "is no MetaImage file: its header lacks NDims, DimSize or ElementDataFile");
@@ -294,31 +310,42 @@ Payload locateMetaImage(const fs::path& path) {
 // --- VTK legacy: lines of text up to LOOKUP_TABLE, or to SCALARS where that is left out.
 
 Payload locateVtk(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  HeaderLines lines(path);
   Payload payload{.file = path, .encoding = Encoding::plain};
   constexpr int kMaxLines = 64;
   std::string line;
-  for (int i = 0; i < kMaxLines && std::getline(file, line); ++i) {
+  for (int i = 0; i < kMaxLines && lines.next(line); ++i) {
     const std::string text = lowered(trimmed(line));
     if (i == 0 && !text.starts_with("# vtk datafile"))
       fail(path, "is no VTK file: it does not begin with # vtk DataFile");
     if (text == "ascii") payload.encoding = Encoding::text;
     const bool isTable = text.starts_with("lookup_table");
-    if (isTable || text.starts_with("scalars")) payload.offsetBytes = static_cast<uint64_t>(file.tellg());
+    if (isTable || text.starts_with("scalars")) payload.offsetBytes = lines.endBytes();
     if (isTable) break;
   }
   if (payload.offsetBytes == 0) fail(path, "holds no SCALARS, the only VTK attribute that is read");
   return payload;
 }
 
+// --- MRC: a binary header of 1024 bytes and an extended one of any size.
+
+Payload locateMrc(const fs::path& path) {
+  const std::vector<unsigned char> head = headOf(path, 1024);
+  if (head.size() < 1024) fail(path, "is no MRC file: it ends before a header of 1024 bytes does");
+  // The extended header's size, NSYMBT, in the byte order in which it is possible.
+  const uint32_t little = fieldAt<uint32_t>(head, 92, false), big = fieldAt<uint32_t>(head, 92, true);
+  return wholeFile(path, uint64_t{1024} + std::min(little, big));
+}
+
 /// Words in the text from `payload.offsetBytes` on, counted no further than `enough`.
-uint64_t countWords(const Payload& payload, uint64_t enough) {
+uint64_t countWords(const Payload& payload, uint64_t enough, const std::stop_token& stop) {
   std::ifstream file(payload.file, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(payload.offsetBytes));
   std::vector<char> piece(1 << 16);
   uint64_t words = 0;
   bool inWord = false;
   while (words < enough && file) {
+    if (stop.stop_requested()) throw OperationCancelled();
     file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
     for (std::streamsize i = 0; i < file.gcount(); ++i) {
       const bool isBlank = piece[static_cast<size_t>(i)] <= ' ' || piece[static_cast<size_t>(i)] == ',';
@@ -331,7 +358,7 @@ uint64_t countWords(const Payload& payload, uint64_t enough) {
 
 /// Bytes in the deflated payload, counted no further than `enough`. `isWhole` tells whether the stream ended or
 /// sufficed undamaged.
-uint64_t countInflated(const Payload& payload, uint64_t enough, bool& isWhole) {
+uint64_t countInflated(const Payload& payload, uint64_t enough, const std::stop_token& stop, bool& isWhole) {
   constexpr size_t kPiece = 1 << 18;
   std::vector<unsigned char> in(kPiece), out(kPiece);
   std::ifstream file(payload.file, std::ios::binary);
@@ -343,6 +370,7 @@ uint64_t countInflated(const Payload& payload, uint64_t enough, bool& isWhole) {
   int state = Z_OK;
   isWhole = false;
   while (true) {
+    if (stop.stop_requested()) throw OperationCancelled();
     if (stream.avail_in == 0) {
       file.read(reinterpret_cast<char*>(in.data()), kPiece);
       stream.next_in = in.data();
@@ -368,24 +396,27 @@ uint64_t countInflated(const Payload& payload, uint64_t enough, bool& isWhole) {
 }  // namespace
 
 Payload locatePayload(const fs::path& path) {
-  const std::string name = lowered(path.filename().string());
-  const auto endsWith = [&](auto... ending) { return (name.ends_with(ending) || ...); };
-  if (endsWith(".nii", ".nii.gz", ".hdr", ".img")) return locateNifti(path);
-  if (endsWith(".nrrd", ".nhdr")) return locateNrrd(path);
-  if (endsWith(".mha", ".mhd")) return locateMetaImage(path);
-  if (endsWith(".gipl", ".gipl.gz")) return wholeFile(path, 256);
-  if (endsWith(".vtk")) return locateVtk(path);
-  if (endsWith(".mrc", ".rec")) {
-    // The extended header's size, NSYMBT, in the byte order in which it is possible.
-    const std::vector<unsigned char> head = headOf(path, 1024);
-    if (head.size() < 1024) fail(path, "is no MRC file: it ends before a header of 1024 bytes does");
-    const uint32_t little = fieldAt<uint32_t>(head, 92, false), big = fieldAt<uint32_t>(head, 92, true);
-    return wholeFile(path, uint64_t{1024} + std::min(little, big));
+  switch (formatOf(path).value_or(VolumeFormat::raw)) {
+    case VolumeFormat::nifti:
+      return locateNifti(path);
+    case VolumeFormat::nrrd:
+      return locateNrrd(path);
+    case VolumeFormat::metaImage:
+      return locateMetaImage(path);
+    case VolumeFormat::gipl:
+      return wholeFile(path, 256);
+    case VolumeFormat::vtk:
+      return locateVtk(path);
+    case VolumeFormat::mrc:
+      return locateMrc(path);
+    case VolumeFormat::raw:
+      break;
   }
   return {.file = path};
 }
 
-void requirePayload(const fs::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes) {
+void requirePayload(const fs::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes,
+                    const std::stop_token& stop) {
   std::error_code error;
   const uint64_t fileBytes = fs::file_size(payload.file, error);
   if (error) fail(path, "its voxels in " + payload.file.string() + " cannot be read");
@@ -397,7 +428,7 @@ void requirePayload(const fs::path& path, const Payload& payload, uint64_t count
     return;
   }
   if (payload.encoding == Encoding::text) {
-    const uint64_t held = countWords(payload, count);
+    const uint64_t held = countWords(payload, count, stop);
     if (held < count)
       fail(path, "its header declares " + std::to_string(count) + " voxels, but the file holds " +
                      std::to_string(held) + " numbers; it is cut off or damaged");
@@ -411,7 +442,7 @@ void requirePayload(const fs::path& path, const Payload& payload, uint64_t count
   if (payload.encoding == Encoding::unchecked) return;
   bool isWhole = false;
   const uint64_t needed = payload.skipBytes + sizeBytes;
-  const uint64_t held = countInflated(payload, needed, isWhole);
+  const uint64_t held = countInflated(payload, needed, stop, isWhole);
   if (held < needed)
     fail(path, declared + "only " + std::to_string(held - std::min(held, payload.skipBytes)) +
                    " can be decompressed; it is cut off or damaged");

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <stop_token>
 
 #include "render/volume/volume.h"
 
@@ -35,7 +36,8 @@ Payload locatePayload(const std::filesystem::path& path);
 
 /// Throws InputError, naming `path`, unless `payload` holds at least `sizeBytes` bytes of voxels (`count` of them).
 /// Decompresses a compressed payload once, in small pieces, to its end or until enough is there, and checks it for
-/// damage.
-void requirePayload(const std::filesystem::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes);
+/// damage. Throws OperationCancelled if `stop` is set.
+void requirePayload(const std::filesystem::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes,
+                    const std::stop_token& stop = {});
 
 }  // namespace warpscope

@@ -11,7 +11,7 @@ namespace warpscope {
 namespace procedural {
 
 /// Voxel centres sample the signal on (-1, 1)^3.
-void fillMarschnerLobb(uint8_t* voxels, const glm::uvec3& dims, uint32_t /*seed*/) {
+void fillMarschnerLobb(uint8_t* voxels, const glm::uvec3& dims, uint32_t /*seed*/, const std::stop_token& stop) {
   constexpr double kFrequency = 6.0;   // f_M
   constexpr double kAmplitude = 0.25;  // alpha
   const auto coordinate = [](uint32_t index, uint32_t count) { return (2.0 * index + 1.0) / count - 1.0; };
@@ -26,7 +26,7 @@ void fillMarschnerLobb(uint8_t* voxels, const glm::uvec3& dims, uint32_t /*seed*
   });
   std::vector<double> slope(dims.z);
   for (uint32_t z = 0; z < dims.z; ++z) slope[z] = cosTurns(0.25 * coordinate(z, dims.z) - 0.25);  // sin(pi z / 2)
-  fillVoxels(voxels, dims, [&](uint32_t x, uint32_t y, uint32_t z) {
+  fillVoxels(voxels, dims, stop, [&](uint32_t x, uint32_t y, uint32_t z) {
     const double signal =
         (1.0 - slope[z] + kAmplitude * (1.0 + ripple[size_t{y} * dims.x + x])) / (2.0 * (1.0 + kAmplitude));
     return static_cast<float>(255.0 * signal);
@@ -37,7 +37,7 @@ void fillMarschnerLobb(uint8_t* voxels, const glm::uvec3& dims, uint32_t /*seed*
 
 namespace {
 
-using Fill = void (*)(uint8_t*, const glm::uvec3&, uint32_t);
+using Fill = void (*)(uint8_t*, const glm::uvec3&, uint32_t, const std::stop_token&);
 
 Fill fillOf(std::string_view name) {
   if (name == "vessels") return procedural::fillVessels;
@@ -52,7 +52,7 @@ Fill fillOf(std::string_view name) {
 
 }  // namespace
 
-VolumePtr makeProceduralVolume(std::string_view name, const glm::uvec3& dims, uint32_t seed) {
+VolumePtr makeProceduralVolume(std::string_view name, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop) {
   const Fill fill = fillOf(name);
   VolumeGeometry geometry;
   geometry.dims = dims;
@@ -64,10 +64,10 @@ VolumePtr makeProceduralVolume(std::string_view name, const glm::uvec3& dims, ui
   } catch (const std::bad_alloc&) {
     throw InputError(source + ": " + std::to_string(count) + " voxels do not fit into this machine's memory");
   }
-  fill(voxels.get(), dims, seed);
+  fill(voxels.get(), dims, seed, stop);
   const void* first = voxels.get();
   return std::make_shared<Volume>(source, VoxelType::uint8, geometry, std::shared_ptr<const void>(voxels, first),
-                                  first);
+                                  first, stop);
 }
 
 }  // namespace warpscope

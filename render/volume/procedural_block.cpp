@@ -70,13 +70,13 @@ Distances distances(const glm::vec3& p) {
 
 }  // namespace
 
-void fillBlock(uint8_t* voxels, const glm::uvec3& dims, uint32_t /*seed*/) {
+void fillBlock(uint8_t* voxels, const glm::uvec3& dims, uint32_t /*seed*/, const std::stop_token& stop) {
   // One scale for all axes: a bore stays round whatever the size.
   const glm::vec3 fit = glm::vec3(dims) / kSize;
   const float voxelsPerUnit = glm::min(fit.x, glm::min(fit.y, fit.z));
   const auto pointAt = [&](const glm::vec3& voxel) { return (voxel + 0.5f - 0.5f * glm::vec3(dims)) / voxelsPerUnit; };
   const glm::uvec3 bricks = (dims + kBrickSide - 1u) / kBrickSide;
-  parallelForRanges(size_t{bricks.x} * bricks.y * bricks.z, 16, [&](size_t begin, size_t end) {
+  parallelForRanges(size_t{bricks.x} * bricks.y * bricks.z, 16, stop, [&](size_t begin, size_t end) {
     for (size_t brick = begin; brick < end; ++brick) {
       const glm::uvec3 index(brick % bricks.x, brick / bricks.x % bricks.y, brick / bricks.x / bricks.y);
       const glm::uvec3 lower = index * kBrickSide;

@@ -11,10 +11,11 @@
 
 namespace warpscope::procedural {
 
-void fillVessels(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed);
-void fillShells(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed);
-void fillMarschnerLobb(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed);
-void fillBlock(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed);
+// Each fills every voxel, and throws OperationCancelled if `stop` is set.
+void fillVessels(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop);
+void fillShells(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop);
+void fillMarschnerLobb(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop);
+void fillBlock(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop);
 
 inline uint32_t hash(uint32_t value) {
   const uint32_t state = value * 747796405u + 2891336453u;
@@ -98,9 +99,10 @@ inline float smoothStep(float t) {
 inline uint8_t quantize(float value) { return static_cast<uint8_t>(glm::clamp(value, 0.0f, 255.0f) + 0.5f); }
 
 /// Sets every voxel to quantize(value(x, y, z)), rows in parallel. `value` must depend on its arguments alone.
+/// Throws OperationCancelled if `stop` is set.
 template <class F>
-void fillVoxels(uint8_t* voxels, const glm::uvec3& dims, const F& value) {
-  parallelForRanges(size_t{dims.y} * dims.z, 8, [&](size_t begin, size_t end) {
+void fillVoxels(uint8_t* voxels, const glm::uvec3& dims, const std::stop_token& stop, const F& value) {
+  parallelForRanges(size_t{dims.y} * dims.z, 8, stop, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {
       const auto y = static_cast<uint32_t>(row % dims.y);
       const auto z = static_cast<uint32_t>(row / dims.y);

@@ -159,7 +159,7 @@ void drawPiece(const Piece& piece, const glm::ivec3& lower, const glm::ivec3& up
 
 }  // namespace
 
-void fillVessels(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed) {
+void fillVessels(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop) {
   const Tree tree(seed);
   const auto side = static_cast<float>(std::min({dims.x, dims.y, dims.z}));
   const glm::uvec3 bricks = (dims + kBrickSide - 1u) / kBrickSide;
@@ -184,7 +184,7 @@ void fillVessels(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed) {
           piecesOf[(size_t{z} * bricks.y + y) * bricks.x + x].push_back(static_cast<uint32_t>(pieces.size()));
     pieces.push_back(piece);
   }
-  parallelForRanges(piecesOf.size(), 1, [&](size_t begin, size_t end) {
+  parallelForRanges(piecesOf.size(), 1, stop, [&](size_t begin, size_t end) {
     for (size_t brick = begin; brick < end; ++brick) {
       const glm::uvec3 index(brick % bricks.x, brick / bricks.x % bricks.y, brick / bricks.x / bricks.y);
       const glm::uvec3 lower = index * kBrickSide;

@@ -2,11 +2,11 @@
 // See reader.h.
 #include "render/volume/reader.h"
 
-#include <algorithm>
 #include <fstream>
 
 #include "render/core/error.h"
 #include "render/volume/raw_reader.h"
+#include "render/volume/volume_format.h"
 #if WARPSCOPE_WITH_ITK
 #include "render/volume/itk_reader.h"
 #endif
@@ -14,15 +14,13 @@
 namespace warpscope {
 namespace {
 
-/// What the ITK reader takes. Known in every build, so that one without ITK can say what is missing.
-constexpr std::array<std::string_view, 13> kItkEndings{".nrrd", ".nhdr", ".nii",  ".nii.gz",  ".mha", ".mhd", ".hdr",
-                                                       ".img",  ".vtk",  ".gipl", ".gipl.gz", ".mrc", ".rec"};
-
-bool hasEnding(const std::filesystem::path& path, std::string_view ending) {
-  std::string name = path.filename().string();
-  for (char& c : name)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return name.size() > ending.size() && name.ends_with(ending);
+/// True for formats that this build reads.
+constexpr bool isRead([[maybe_unused]] VolumeFormat format) {
+#if WARPSCOPE_WITH_ITK
+  return true;
+#else
+  return format == VolumeFormat::raw;
+#endif
 }
 
 void requireReadableFile(const std::filesystem::path& path) {
@@ -43,29 +41,28 @@ void requireReadableFile(const std::filesystem::path& path) {
 }  // namespace
 
 std::vector<std::string> supportedVolumeEndings() {
-  std::vector<std::string> endings{".raw"};
-#if WARPSCOPE_WITH_ITK
-  endings.insert(endings.end(), kItkEndings.begin(), kItkEndings.end());
-#endif
+  std::vector<std::string> endings;
+  for (const VolumeEnding& known : kVolumeEndings)
+    if (isRead(known.format)) endings.emplace_back(known.ending);
   return endings;
 }
 
-VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing) {
+VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing, const std::stop_token& stop) {
   requireReadableFile(path);
-  if (hasEnding(path, ".raw")) return openRawVolume(path, spacing);
-  if (std::any_of(kItkEndings.begin(), kItkEndings.end(), [&](auto ending) { return hasEnding(path, ending); })) {
-#if WARPSCOPE_WITH_ITK
-    if (spacing)
-      throw InputError(path.string() + ": states its voxel spacing itself; only raw volumes take another one");
-    return openItkVolume(path);
-#else
-    throw InputError(path.string() +
-                     ": this build reads raw volumes only; build with -DWARPSCOPE_WITH_ITK=ON for this format");
-#endif
+  const std::optional<VolumeFormat> format = formatOf(path);
+  if (!format) {
+    std::string known;
+    for (const std::string& ending : supportedVolumeEndings()) known += " " + ending;
+    throw InputError(path.string() + ": its ending is not that of a volume; known are" + known);
   }
-  std::string known;
-  for (const std::string& ending : supportedVolumeEndings()) known += " " + ending;
-  throw InputError(path.string() + ": its ending is not that of a volume; known are" + known);
+  if (*format == VolumeFormat::raw) return openRawVolume(path, spacing, stop);
+#if WARPSCOPE_WITH_ITK
+  if (spacing) throw InputError(path.string() + ": states its voxel spacing itself; only raw volumes take another one");
+  return openItkVolume(path, stop);
+#else
+  throw InputError(path.string() +
+                   ": this build reads raw volumes only; build with -DWARPSCOPE_WITH_ITK=ON for this format");
+#endif
 }
 
 }  // namespace warpscope

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,9 @@ struct RawName {
 std::optional<RawName> parseRawName(const std::filesystem::path& path);
 
 /// Opens any supported volume. A raw file is mapped, not read; `spacing` (raw only) replaces 1 1 1.
-/// Throws InputError that says what is wrong with the file and what would be right.
-VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing = {});
+/// Throws InputError that says what is wrong with the file and what would be right; OperationCancelled if `stop` is set, which is looked at
+/// all the time but while ITK reads.
+VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing = {}, const std::stop_token& stop = {});
 
 /// File name endings that openVolume takes in this build, with the dot; `.raw` first.
 std::vector<std::string> supportedVolumeEndings();

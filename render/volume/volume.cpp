@@ -8,6 +8,7 @@
 
 #include "render/core/error.h"
 #include "render/core/parallel.h"
+#include "render/volume/voxel_access.h"
 
 namespace warpscope {
 
@@ -56,23 +57,15 @@ size_t validate(const VolumeGeometry& geometry, VoxelType type, const std::strin
 
 namespace {
 
-template <class T>
-bool isFiniteVoxel(T voxel) {
-  if constexpr (std::is_floating_point_v<T>)
-    return std::isfinite(voxel);
-  else
-    return true;
-}
-
 constexpr size_t kGrain = 1 << 18;
 
 using Histogram = std::array<size_t, 256>;
 
 /// Sums histograms that `count(local, begin, end)` fills, one a thread.
 template <class Count>
-Histogram gatherHistogram(size_t voxelCount, const Count& count) {
+Histogram gatherHistogram(size_t voxelCount, const std::stop_token& stop, const Count& count) {
   tbb::enumerable_thread_specific<Histogram> partial(Histogram{});
-  parallelForRanges(voxelCount, kGrain, [&](size_t begin, size_t end) { count(partial.local(), begin, end); });
+  parallelForRanges(voxelCount, kGrain, stop, [&](size_t begin, size_t end) { count(partial.local(), begin, end); });
   Histogram sum{};
   for (const Histogram& local : partial)
     for (size_t bin = 0; bin < sum.size(); ++bin) sum[bin] += local[bin];
@@ -80,9 +73,9 @@ Histogram gatherHistogram(size_t voxelCount, const Count& count) {
 }
 
 /// The histogram of bytes says everything: one pass.
-VoxelStatistics gatherStatistics(const uint8_t* voxels, size_t count) {
+VoxelStatistics gatherStatistics(const uint8_t* voxels, size_t count, const std::stop_token& stop) {
   VoxelStatistics statistics;
-  statistics.histogram = gatherHistogram(count, [&](Histogram& local, size_t begin, size_t end) {
+  statistics.histogram = gatherHistogram(count, stop, [&](Histogram& local, size_t begin, size_t end) {
     // Two tables, so that a run of equal voxels does not wait for its own last store.
     Histogram odd{};
     size_t i = begin;
@@ -103,14 +96,14 @@ VoxelStatistics gatherStatistics(const uint8_t* voxels, size_t count) {
 }
 
 template <class T>
-VoxelStatistics gatherStatistics(const T* voxels, size_t count) {
+VoxelStatistics gatherStatistics(const T* voxels, size_t count, const std::stop_token& stop) {
   struct Extremes {
     T lowest = std::numeric_limits<T>::max();
     T highest = std::numeric_limits<T>::lowest();
     size_t finite = 0;
   };
   tbb::enumerable_thread_specific<Extremes> partialExtremes;
-  parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
+  parallelForRanges(count, kGrain, stop, [&](size_t begin, size_t end) {
     Extremes local = partialExtremes.local();
     for (size_t i = begin; i < end; ++i) {
       const T voxel = voxels[i];
@@ -141,7 +134,7 @@ VoxelStatistics gatherStatistics(const T* voxels, size_t count) {
   const double halfLower = 0.5 * statistics.rangeLower;
   const double halfExtent = 0.5 * statistics.rangeUpper - halfLower;
   const double scale = halfExtent > 0.0 && std::isfinite(256.0 / halfExtent) ? 256.0 / halfExtent : 0.0;
-  statistics.histogram = gatherHistogram(count, [&](Histogram& local, size_t begin, size_t end) {
+  statistics.histogram = gatherHistogram(count, stop, [&](Histogram& local, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       if (!isFiniteVoxel(voxels[i])) continue;
       const double bin = (0.5 * static_cast<double>(voxels[i]) - halfLower) * scale;
@@ -154,11 +147,11 @@ VoxelStatistics gatherStatistics(const T* voxels, size_t count) {
 }  // namespace
 
 Volume::Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage,
-               const void* voxels)
+               const void* voxels, const std::stop_token& stop)
     : name_(std::move(name)), type_(type), geometry_(geometry), storage_(std::move(storage)), voxels_(voxels) {
   const size_t count = validate(geometry_, type_, name_);
   bounds_ = geometry_.bounds();
-  visitVoxelType(type_, [&](auto voxel) { statistics_ = gatherStatistics(voxelsAs<decltype(voxel)>(), count); });
+  visitVoxelType(type_, [&](auto voxel) { statistics_ = gatherStatistics(voxelsAs<decltype(voxel)>(), count, stop); });
 }
 
 }  // namespace warpscope

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -70,10 +71,10 @@ struct VoxelStatistics {
 /// Immutable after construction and shared between threads.
 class Volume {
  public:
-  /// `storage` keeps `voxels` alive (a mapped file, a vector). Scans all voxels once, in parallel.
-  /// Throws InputError if the geometry makes no sense.
+  /// `storage` keeps `voxels` alive (a mapped file, a vector). Scans all voxels once or twice, in parallel.
+  /// Throws InputError if the geometry makes no sense, OperationCancelled if `stop` is set.
   Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage,
-         const void* voxels);
+         const void* voxels, const std::stop_token& stop = {});
 
   const std::string& name() const { return name_; }
   VoxelType type() const { return type_; }

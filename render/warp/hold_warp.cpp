@@ -2,6 +2,8 @@
 // See hold_warp.h.
 #include "render/warp/hold_warp.h"
 
+#include <limits>
+
 #include "render/core/parallel.h"
 
 namespace warpscope {
@@ -15,13 +17,16 @@ class HoldWarp final : public Warp {
     if (!frame_) return;
     const Camera& camera = frame_->camera;
     pixels_.resize(camera.width, camera.height, kNoSample);
-    // A frame does not say which pixel a sample came from, but its camera does. Where several share a pixel the first is in front.
+    Image<float> depths(camera.width, camera.height, std::numeric_limits<float>::infinity());
+    // A frame does not say which pixel a sample came from, but its camera does. Of several that share a pixel the nearest is seen.
     for (size_t i = 0; i < frame_->size(); ++i) {
       const Projection seen = project(camera, frame_->sphere(i).center);
       if (!(seen.forwardDepth > 0.0f) || !(seen.pixel.x >= 0.0f) || !(seen.pixel.y >= 0.0f)) continue;
       if (seen.pixel.x >= camera.width || seen.pixel.y >= camera.height) continue;
-      uint32_t& pixel = pixels_(static_cast<uint32_t>(seen.pixel.x), static_cast<uint32_t>(seen.pixel.y));
-      if (pixel == kNoSample) pixel = static_cast<uint32_t>(i);
+      const auto x = static_cast<uint32_t>(seen.pixel.x), y = static_cast<uint32_t>(seen.pixel.y);
+      if (!(seen.forwardDepth < depths(x, y))) continue;
+      depths(x, y) = seen.forwardDepth;
+      pixels_(x, y) = static_cast<uint32_t>(i);
     }
   }
 

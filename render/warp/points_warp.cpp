@@ -38,7 +38,15 @@ class PointsWarp final : public Warp {
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
     largestSide_ = static_cast<uint32_t>(side);
   }
-  ~PointsWarp() override { context_.makeCurrent(); }
+  ~PointsWarp() override {
+    if (context_.tryMakeCurrent()) return;
+    program_.abandon();
+    vertexArray_.abandon();
+    buffer_.abandon();
+    seen_.abandon();
+    depth_.abandon();
+    framebuffer_.abandon();
+  }
 
   void setFrame(SampleFramePtr frame, const WarpSettings&, const std::stop_token&) override {
     context_.makeCurrent();

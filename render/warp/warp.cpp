@@ -33,12 +33,8 @@ constexpr WarpDescriptor kWarps[] = {
 std::span<const WarpDescriptor> warpRegistry() { return kWarps; }
 
 const WarpDescriptor& findWarp(std::string_view name) {
-  std::vector<std::string_view> names;
-  for (const WarpDescriptor& warp : kWarps) {
-    if (warp.name == name) return warp;
-    names.push_back(warp.name);
-  }
-  throw UsageError(unknownName("technique", name, names));
+  if (const WarpDescriptor* warp = findNamed(kWarps, name)) return *warp;
+  throw UsageError(unknownNameIn(kWarps, "technique", name));
 }
 
 std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResources& resources) {

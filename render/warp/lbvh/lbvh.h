@@ -160,7 +160,8 @@ WARPSCOPE_HD inline LbvhRay lbvhRayOf(const Ray& ray, float reach) {
   return query;
 }
 
-/// Distance to where the ray enters the widened box, 0 if it starts inside; negative if it misses it within [0, tMax].
+/// Distance to where the ray enters the widened box, 0 if it starts inside; negative if it misses it within [0, tMax]. The box is not
+/// empty.
 WARPSCOPE_HD inline float entryDistance(const LbvhRay& ray, const Box& box, float tMax) {
   const glm::vec3 a = (box.lower - ray.lowerOrigin) * ray.invDirection;
   const glm::vec3 b = (box.upper - ray.upperOrigin) * ray.invDirection;

@@ -1,0 +1,21 @@
+// What the program says about its work. Standard error only: standard output belongs to results.
+// Through spdlog, behind functions that keep its headers out of the rest; main.cpp says what made a command fail.
+#pragma once
+
+#include <string>
+
+namespace warpscope {
+
+/// Decides what is said from now on: nothing if `isQuiet`, else results, and details too if `isVerbose`. Before the first call: results.
+void setUpLog(bool isQuiet, bool isVerbose);
+
+/// A result that whoever gave the command waits for. One line, whatever a file's name brings with it. Safe on any thread, as logDetail.
+void logResult(const std::string& text);
+
+/// What --verbose asks for: what is used, what is read, how long it takes.
+void logDetail(const std::string& text);
+
+/// Whether logDetail says anything: to be asked before a text that takes work.
+bool isDetailLogged();
+
+}  // namespace warpscope

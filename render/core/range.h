@@ -1,0 +1,25 @@
+// Ranges of numbers that a user may set, and the sentence that refuses what lies outside.
+// Compared in the number's own type, so that a float at a bound counts as inside.
+#pragma once
+
+#include <concepts>
+#include <string_view>
+
+namespace warpscope {
+
+/// Both ends belong to it.
+struct Range {
+  double lowest, highest;
+};
+
+/// Throws UsageError "NAME must be between LOWEST and HIGHEST, not VALUE".
+[[noreturn]] void refuseOutside(double value, const Range& range, std::string_view name);
+
+/// Throws as refuseOutside unless `value` lies in `range`; NaN does not.
+template <std::floating_point T>
+void requireRange(T value, const Range& range, std::string_view name) {
+  if (value >= static_cast<T>(range.lowest) && value <= static_cast<T>(range.highest)) return;
+  refuseOutside(static_cast<double>(value), range, name);
+}
+
+}  // namespace warpscope

@@ -1,0 +1,85 @@
+// The bar on a terminal: it appears and moves while one step takes long, and leaves the line empty.
+// Mirrors app/progress.h; the terminal is a POSIX pseudo-terminal.
+#include "app/progress.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+namespace warpscope {
+namespace {
+
+using testing::HasSubstr;
+
+/// Both ends of a terminal.
+class Terminal {
+ public:
+  Terminal() : screen_(posix_openpt(O_RDWR | O_NOCTTY)) {
+    if (screen_ < 0 || grantpt(screen_) != 0 || unlockpt(screen_) != 0) return;
+    program_ = std::fopen(ptsname(screen_), "w");
+  }
+  ~Terminal() {
+    if (program_ != nullptr) std::fclose(program_);
+    if (screen_ >= 0) ::close(screen_);
+  }
+  std::FILE* program() const { return program_; }
+
+  /// What appears until `text` has; all there is if it does not within a minute.
+  std::string readUntil(const std::string& text) {
+    std::string seen;
+    pollfd waiting{screen_, POLLIN, 0};
+    char piece[256];
+    while (seen.find(text) == std::string::npos && poll(&waiting, 1, 60'000) > 0) {
+      const ssize_t got = read(screen_, piece, sizeof piece);
+      if (got <= 0) break;
+      seen.append(piece, static_cast<size_t>(got));
+    }
+    return seen;
+  }
+
+ private:
+  int screen_;
+  std::FILE* program_ = nullptr;
+};
+
+TEST(Progress, AppearsAndMovesDuringOneStepAndCleansUp) {
+  Terminal terminal;
+  if (terminal.program() == nullptr) GTEST_SKIP() << "no pseudo-terminals here";
+  const auto start = std::chrono::steady_clock::now();
+  {
+    Progress progress("baking", 4, false, terminal.program());
+    progress.step("flour");
+    progress.step("eggs");
+    EXPECT_THAT(terminal.readUntil("eggs (1 s)"), HasSubstr("baking [######..................] 1/4 eggs (1 s)"));
+    EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
+    EXPECT_THAT(terminal.readUntil("(2 s)"), HasSubstr("1/4 eggs (2 s)"));
+    progress.step("sugar");
+    EXPECT_THAT(terminal.readUntil("sugar"), HasSubstr("[############............] 2/4 sugar"));
+  }
+  std::fputs("end", terminal.program());
+  std::fflush(terminal.program());
+  EXPECT_THAT(terminal.readUntil("end"), testing::EndsWith("\r\x1b[Kend"));
+}
+
+TEST(Progress, QuickAndQuietWorkShowsNothing) {
+  Terminal terminal;
+  if (terminal.program() == nullptr) GTEST_SKIP() << "no pseudo-terminals here";
+  {
+    Progress quick("baking", 1, false, terminal.program());
+    quick.step("flour");
+  }
+  {
+    Progress quiet("baking", 1, true, terminal.program());
+    Progress loud("boiling", 1, false, terminal.program());
+    loud.step("water");
+    EXPECT_THAT(terminal.readUntil("water"), HasSubstr("boiling"));  // by then the other would have appeared
+  }
+  std::fputs("end", terminal.program());
+  std::fflush(terminal.program());
+  EXPECT_THAT(terminal.readUntil("end"), testing::Not(HasSubstr("baking")));
+}
+
+}  // namespace
+}  // namespace warpscope
