@@ -5,6 +5,7 @@
 #include "render/core/ray_sphere.h"
 #include "render/cuda/pixel_tiles.cuh"
 #include "render/cuda/warp_reduce.cuh"
+#include "render/warp/device/earliest_hit.cuh"
 #include "render/warp/clusters/cluster_tree.h"
 
 namespace warpscope {
@@ -83,25 +84,6 @@ struct ClusterWarpMemory {
   float4 spheres[kClusterWidth];  // centre from the eye, and widenedSquare
   float2 exact[kClusterWidth];    // radius, outsideSphere
 };
-
-/// The square of a sphere's radius, so much larger that earliestHit() is below what intersectSphere finds: with q = 2^-18 times the centre's
-/// distance, r^2 + q (r + q). Its root exceeds that of r^2, less what single precision loses of the squared distance from the ray, by at
-/// least q / 4, which is sixteen roundings of the distance; the distance along the ray, its root and intersectSphere's result lose less than
-/// half of that.
-__device__ inline float widenedSquare(float distance, float radius) {
-  const float q = distance * (1.0f / 262144.0f);
-  return fmaf(q, radius + q, radius * radius);
-}
-
-/// At most the distance at which the ray in `direction` meets the sphere; NaN if it passes it.
-__device__ inline float earliestHit(const glm::vec3& direction, const float4& sphere) {
-  const float along = fmaf(sphere.x, direction.x, fmaf(sphere.y, direction.y, sphere.z * direction.z));
-  const float x = fmaf(-along, direction.x, sphere.x), y = fmaf(-along, direction.y, sphere.y), z = fmaf(-along, direction.z, sphere.z);
-  const float discriminant = fmaf(-x, x, fmaf(-y, y, fmaf(-z, z, sphere.w)));
-  float root;
-  asm("sqrt.approx.f32 %0, %1;" : "=f"(root) : "f"(discriminant));
-  return along - root;
-}
 
 /// Walks the tree for the tile of the calling warp, all of whose lanes must call, each for `kRays` pixels (see pixel_tiles.cuh) with their
 /// rays' directions. `hits` gathers for each of these:
