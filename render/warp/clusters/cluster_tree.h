@@ -36,6 +36,8 @@ class DeviceClusterTree {
 
  private:
   SortedCloud cloud_;
+  glm::vec3 center_{0.0f};      // of the frame's bounds
+  float typicalRadius_ = 0.0f;  // the middle of the largest octave of radii
   cuda::DeviceBuffer<float4> spheres_;
   cuda::DeviceBuffer<float4> boxes_;  // all levels, one behind the other
 };
