@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -329,12 +330,33 @@ Payload locateVtk(const fs::path& path) {
 
 // --- MRC: a binary header of 1024 bytes and an extended one of any size.
 
+/// Whether the header's byte order is not this machine's, told as ITK tells it: by the machine stamp (MACHST) and, in files older than
+/// that, by the axes (MAPC, MAPR, MAPS), which are 1 to 3.
+bool isMrcSwapped(const std::vector<unsigned char>& head) {
+  constexpr unsigned char kBigStamp = 0x11, kLittleStamp = 0x44;
+  constexpr bool kIsBigMachine = std::endian::native == std::endian::big;
+  const unsigned char stamp = head[212];
+  if (stamp == kBigStamp) return !kIsBigMachine;
+  if (stamp == kLittleStamp) return kIsBigMachine;
+  for (const size_t offset : {64, 68, 72})
+    if (const auto axis = fieldAt<int32_t>(head, offset, false); axis < 1 || axis > 3) return true;
+  return false;
+}
+
 Payload locateMrc(const fs::path& path) {
-  const std::vector<unsigned char> head = headOf(path, 1024);
-  if (head.size() < 1024) fail(path, "is no MRC file: it ends before a header of 1024 bytes does");
-  // The extended header's size, NSYMBT, in the byte order in which it is possible.
-  const uint32_t little = fieldAt<uint32_t>(head, 92, false), big = fieldAt<uint32_t>(head, 92, true);
-  return wholeFile(path, uint64_t{1024} + std::min(little, big));
+  constexpr uint64_t kHeaderBytes = 1024;
+  const std::vector<unsigned char> head = headOf(path, kHeaderBytes);
+  if (head.size() < kHeaderBytes) fail(path, "is no MRC file: it ends before a header of 1024 bytes does");
+  const auto extendedBytes = fieldAt<int32_t>(head, 92, isMrcSwapped(head));  // NSYMBT
+  if (extendedBytes < 0)
+    fail(path, "its header declares an extended header of " + std::to_string(extendedBytes) + " bytes (NSYMBT); it is damaged");
+  const Payload payload = wholeFile(path, kHeaderBytes + static_cast<uint64_t>(extendedBytes));
+  std::error_code error;
+  const uint64_t fileBytes = fs::file_size(path, error);
+  if (!error && payload.encoding == Encoding::plain && payload.offsetBytes > fileBytes)
+    fail(path, "its header declares an extended header of " + std::to_string(extendedBytes) + " bytes (NSYMBT), but the file holds " +
+                   std::to_string(fileBytes) + " in all; it is cut off or damaged");
+  return payload;
 }
 
 /// Words in the text from `payload.offsetBytes` on, counted no further than `enough`.
