@@ -59,6 +59,54 @@ fs::path partialOf(const fs::path& target) {
   return partial;
 }
 
+void requireNoFolder(const fs::path& target) {
+  std::error_code error;
+  if (fs::is_directory(target, error)) throw InputError(target.string() + ": cannot be written: it is a folder");
+}
+
+/// Files put in place one after the other, all of which can be taken back.
+class Moves {
+ public:
+  /// Moves `staged` to `target`; what is there becomes `kept`.
+  std::error_code put(const fs::path& staged, const fs::path& target, const fs::path& kept) {
+    std::error_code error;
+    Move move{target, kept, fs::exists(fs::symlink_status(target, error)), false};
+    if (fs::is_directory(target, error)) return std::make_error_code(std::errc::is_a_directory);
+    error.clear();
+    if (move.isKept) {
+      fs::create_hard_link(target, kept, error);  // so that there is no moment without the file
+      if (error) fs::rename(target, kept, error);  // on file systems without hard links
+      if (error) return error;
+    }
+    fs::rename(staged, target, error);
+    move.isPlaced = !error;
+    moves_.push_back(std::move(move));
+    return error;
+  }
+
+  /// Removes what was put in place, and what was there comes back. False if some of that could not be done.
+  bool undo() {
+    bool isUndone = true;
+    for (auto move = moves_.rbegin(); move != moves_.rend(); ++move) {
+      std::error_code error;
+      if (move->isKept)
+        fs::rename(move->kept, move->target, error);
+      else if (move->isPlaced)
+        fs::remove(move->target, error);
+      isUndone = isUndone && !error;
+    }
+    moves_.clear();
+    return isUndone;
+  }
+
+ private:
+  struct Move {
+    fs::path target, kept;
+    bool isKept, isPlaced;
+  };
+  std::vector<Move> moves_;
+};
+
 }  // namespace
 
 void requireWritable(const fs::path& path) {
@@ -89,7 +137,7 @@ StagedFolder::StagedFolder(fs::path folder) : folder_(std::move(folder)) {
   std::error_code error;
   for (fs::path at = folder_; !at.empty() && !fs::exists(at, error); at = at.parent_path()) made_.insert(made_.begin(), at);
   fs::create_directories(folder_, error);
-  if (!error && !fs::is_directory(folder_)) error = std::make_error_code(std::errc::not_a_directory);
+  if (!error && !fs::is_directory(folder_, error) && !error) error = std::make_error_code(std::errc::not_a_directory);
   if (!error) {
     staging_ = folder_ / (".partial-" + uniqueSuffix());
     fs::create_directory(staging_, error);
@@ -102,25 +150,36 @@ StagedFolder::StagedFolder(fs::path folder) : folder_(std::move(folder)) {
 
 StagedFolder::~StagedFolder() {
   std::error_code ignored;
-  fs::remove_all(staging_, ignored);
+  if (!staging_.empty()) fs::remove_all(staging_, ignored);
   for (auto it = made_.rbegin(); it != made_.rend(); ++it) fs::remove(*it, ignored);  // removes only empty folders
 }
 
 void StagedFolder::write(const std::string& name, std::string_view bytes) {
   writeBytes(staging_ / name, folder_ / name, bytes);
+  const std::scoped_lock lock(mutex_);
+  std::erase(names_, name);
+  names_.push_back(name);
 }
 
 void StagedFolder::commit() {
-  for (const fs::directory_entry& entry : fs::directory_iterator(staging_))
-    if (const fs::path target = folder_ / entry.path().filename(); fs::is_directory(target))
-      throw InputError(target.string() + ": cannot be written: it is a folder");
-  for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) {
-    std::error_code error;
-    const fs::path target = folder_ / entry.path().filename();
-    fs::rename(entry.path(), target, error);
-    if (error) throw InputError(target.string() + ": cannot be written: " + error.message());
+  for (const std::string& name : names_) requireNoFolder(folder_ / name);
+  const fs::path replaced = staging_ / ".replaced";
+  std::error_code error;
+  fs::create_directory(replaced, error);
+  if (error) throw InputError(folder_.string() + ": cannot be used as output folder: " + error.message());
+  Moves moves;
+  for (const std::string& name : names_) {
+    error = moves.put(staging_ / name, folder_ / name, replaced / name);
+    if (!error) continue;
+    std::string reason = (folder_ / name).string() + ": cannot be written: " + error.message();
+    if (!moves.undo()) {
+      reason += "; files that were there before are now in " + replaced.string();
+      staging_.clear();
+    }
+    throw InputError(reason);
   }
   made_.clear();
+  fs::remove_all(staging_, error);
 }
 
 }  // namespace warpscope

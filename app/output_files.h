@@ -3,8 +3,9 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
+#include <mutex>
 #include <stop_token>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -30,13 +31,15 @@ class StagedFolder {
 
   /// Safe to call from several threads for different names. Throws InputError.
   void write(const std::string& name, std::string_view bytes);
-  /// Moves everything into the folder, replacing files of the same names. Throws InputError; if something other than a file stands in
-  /// the way of one, before anything is moved.
+  /// Moves everything into the folder in the order in which it was written, replacing files of the same names. Throws InputError; then
+  /// what was moved is gone again and what it replaced is back.
   void commit();
 
  private:
   std::filesystem::path folder_;
   std::filesystem::path staging_;
+  std::mutex mutex_;                // of names_
+  std::vector<std::string> names_;  // what was written
   std::vector<std::filesystem::path> made_;  // folders that did not exist, outermost first
 };
 

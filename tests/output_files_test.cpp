@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <thread>
@@ -193,6 +195,57 @@ TEST_F(OutputFiles, CommitsThatCannotBeWholeChangeNothing) {
   }
   EXPECT_EQ(namesIn(root_).size(), names.size() + 1);
   for (const std::string& name : names) EXPECT_EQ(contentOf(root_ / name), "old") << name;
+}
+
+/// Something takes away a staged file, so that a move in the middle fails.
+TEST_F(OutputFiles, CommitsThatFailHalfWayAreTakenBack) {
+  const std::vector<std::string> names{"a", "b", "new", "m", "x", "y"};
+  for (const std::string& name : names)
+    if (name != "new") std::ofstream(root_ / name) << "old";
+  fs::create_symlink("x", root_ / "link");
+  {
+    StagedFolder folder(root_);
+    folder.write("link", "new");
+    for (const std::string& name : names) folder.write(name, "new");
+    for (const auto& entry : fs::directory_iterator(root_))
+      if (entry.is_directory()) fs::remove(entry.path() / "m");
+    EXPECT_THAT(complaintOf([&] { folder.commit(); }), testing::StartsWith((root_ / "m").string() + ": cannot be written: "));
+  }
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("a", "b", "m", "x", "y", "link"));
+  for (const std::string& name : namesIn(root_)) EXPECT_EQ(contentOf(root_ / name), "old") << name;
+  EXPECT_TRUE(fs::is_symlink(root_ / "link"));
+}
+
+/// In a folder with the sticky bit only a file's owner may replace it. The superuser may everything and becomes somebody else for the
+/// while, in a process of its own.
+TEST_F(OutputFiles, CommitsOverFilesOfOthersAreTakenBack) {
+  if (geteuid() != 0) GTEST_SKIP() << "only the superuser can make a file of somebody else";
+  fs::permissions(root_, fs::perms::all | fs::perms::sticky_bit);
+  std::ofstream(root_ / "foreign") << "old";
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    constexpr uid_t kNobody = 65534;
+    if (setuid(kNobody) != 0) _exit(2);
+    std::ofstream(root_ / "mine") << "old";
+    StagedFolder folder(root_);
+    for (const char* name : {"mine", "new", "foreign", "z"}) folder.write(name, "new");
+    const std::string complaint = complaintOf([&] { folder.commit(); });
+    _exit(complaint.find("foreign: cannot be written") != std::string::npos && contentOf(root_ / "mine") == "old" ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  EXPECT_EQ(contentOf(root_ / "foreign"), "old");
+  EXPECT_FALSE(fs::exists(root_ / "new"));
+  EXPECT_FALSE(fs::exists(root_ / "z"));
+}
+
+TEST_F(OutputFiles, CommittedFoldersAreCleanBeforeTheyAreGivenUp) {
+  StagedFolder folder(root_);
+  folder.write("x", "1");
+  folder.commit();
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("x"));
 }
 
 TEST_F(OutputFiles, WritesFromSeveralThreads) {

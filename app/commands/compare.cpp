@@ -135,7 +135,7 @@ void compare(const CompareOptions& options) {
     montage.rows[static_cast<size_t>(row.technique - warpRegistry().data())].cells[row.view].caption = captionOf(row);
   out.write("montage.png", encodePng(drawMontage(montage, options.cellWidth), interrupt.token()));
   const Json report = toJson(comparison, work, nameOf(headless.resources().marcher->backend()), headless.contextText());
-  out.write("metrics.json", textOf(report));
+  out.write("metrics.json", textOf(report));  // last, so that where it is, everything is
   if (interrupt.token().stop_requested()) throw OperationCancelled();
   out.commit();
 
