@@ -6,7 +6,14 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <random>
+
+#if defined(_WIN32)
+#include <io.h>
+#else
+#include <unistd.h>
+#endif
 
 #include "render/core/error.h"
 #include "render/core/parallel.h"
@@ -14,6 +21,15 @@
 namespace warpscope {
 namespace fs = std::filesystem;
 namespace {
+
+bool mayWrite(const fs::path& path) {
+#if defined(_WIN32)
+  constexpr int kWrite = 2;
+  return _waccess(path.c_str(), kWrite) == 0;
+#else
+  return access(path.c_str(), W_OK) == 0;
+#endif
+}
 
 std::string uniqueSuffix() {
   static constexpr char kDigits[] = "0123456789abcdef";
@@ -23,10 +39,24 @@ std::string uniqueSuffix() {
   return suffix;
 }
 
-void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view bytes, const std::stop_token& stop = {}) {
+/// The permissions of the file that `target` is; none if there is no such file.
+std::optional<fs::perms> permissionsOf(const fs::path& target) {
+  std::error_code error;
+  const fs::file_status status = fs::status(target, error);
+  return fs::is_regular_file(status) ? std::optional(status.permissions() & fs::perms::all) : std::nullopt;
+}
+
+/// `like`: permissions that the file gets before the first byte is in it.
+void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view bytes, std::optional<fs::perms> like = {},
+                const std::stop_token& stop = {}) {
   constexpr size_t kPiece = 16 << 20;  // how often a stop is looked for
   errno = 0;
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  if (file && like) {
+    std::error_code ignored;  // file systems without permissions
+    fs::permissions(path, *like, ignored);
+    errno = 0;
+  }
   for (size_t at = 0; at < bytes.size() && file && !stop.stop_requested(); at += kPiece)
     file.write(bytes.data() + at, static_cast<std::streamsize>(std::min(kPiece, bytes.size() - at)));
   file.close();
@@ -38,14 +68,27 @@ void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view 
   throw InputError(shownAs.string() + ": cannot be written: " + reason);
 }
 
+/// A folder, or a file that its permissions protect, is not replaced, though the rights in its folder may suffice for that.
+void requireReplaceable(const fs::path& target, const fs::path& shownAs) {
+  std::error_code error;
+  if (fs::is_directory(target, error)) throw InputError(shownAs.string() + ": cannot be written: it is a folder");
+  if (fs::exists(target, error) && !mayWrite(target))
+    throw InputError(shownAs.string() + ": cannot be written: " + std::make_error_code(std::errc::permission_denied).message());
+}
+
 /// Where `path` leads to, through links; `path` itself if nothing is there. Throws InputError for what can never become a file.
 fs::path targetOf(const fs::path& path) {
   if (path.empty()) throw InputError("the file to write has no name: it cannot be written");
+  if (!path.has_filename()) throw InputError(path.string() + ": cannot be written: it is a folder");
   std::error_code error;
-  if (fs::is_directory(path, error) || !path.has_filename())
-    throw InputError(path.string() + ": cannot be written: it is a folder");
   fs::path target = fs::weakly_canonical(path, error);
-  return error ? path : target;
+  if (error) {
+    const std::string reason = error.message();
+    if (!fs::exists(path, error)) throw InputError(path.string() + ": cannot be written: " + reason);
+    target = path;  // there, but without a path of its own: a pipe behind /dev/stdout
+  }
+  requireReplaceable(target, path);
+  return target;
 }
 
 bool isDevice(const fs::path& target) {
@@ -57,11 +100,6 @@ fs::path partialOf(const fs::path& target) {
   fs::path partial = target;
   partial += ".partial-" + uniqueSuffix();
   return partial;
-}
-
-void requireNoFolder(const fs::path& target) {
-  std::error_code error;
-  if (fs::is_directory(target, error)) throw InputError(target.string() + ": cannot be written: it is a folder");
 }
 
 /// Files put in place one after the other, all of which can be taken back.
@@ -121,9 +159,9 @@ void requireWritable(const fs::path& path) {
 void writeFileWhole(const fs::path& path, std::string_view bytes, const std::stop_token& stop) {
   const fs::path target = targetOf(path);
   if (stop.stop_requested()) throw OperationCancelled();
-  if (isDevice(target)) return writeBytes(target, path, bytes, stop);
+  if (isDevice(target)) return writeBytes(target, path, bytes, {}, stop);
   const fs::path partial = partialOf(target);
-  writeBytes(partial, path, bytes, stop);
+  writeBytes(partial, path, bytes, permissionsOf(target), stop);
   std::error_code error;
   fs::rename(partial, target, error);
   if (!error) return;
@@ -155,14 +193,14 @@ StagedFolder::~StagedFolder() {
 }
 
 void StagedFolder::write(const std::string& name, std::string_view bytes) {
-  writeBytes(staging_ / name, folder_ / name, bytes);
+  writeBytes(staging_ / name, folder_ / name, bytes, permissionsOf(folder_ / name));
   const std::scoped_lock lock(mutex_);
   std::erase(names_, name);
   names_.push_back(name);
 }
 
 void StagedFolder::commit() {
-  for (const std::string& name : names_) requireNoFolder(folder_ / name);
+  for (const std::string& name : names_) requireReplaceable(folder_ / name, folder_ / name);
   const fs::path replaced = staging_ / ".replaced";
   std::error_code error;
   fs::create_directory(replaced, error);

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <functional>
 #include <thread>
 
 #include "render/core/error.h"
@@ -71,6 +72,57 @@ TEST_F(OutputFiles, FailedWritesNameThePathAndChangeNothing) {
   EXPECT_THAT(namesIn(root_), UnorderedElementsAre("file", "folder"));
   EXPECT_EQ(contentOf(root_ / "file"), "old");
   EXPECT_THAT(namesIn(root_ / "folder"), IsEmpty());
+}
+
+TEST_F(OutputFiles, PermissionsOfWhatIsReplacedStay) {
+  const auto permissionsOf = [&](const char* name) { return fs::status(root_ / name).permissions(); };
+  for (const auto mode : {fs::perms(0600), fs::perms(0640), fs::perms(0666)}) {
+    for (const char* name : {"alone", "staged"}) {
+      std::ofstream(root_ / name) << "old";
+      fs::permissions(root_ / name, mode);
+    }
+    writeFileWhole(root_ / "alone", "new");
+    StagedFolder folder(root_);
+    folder.write("staged", "new");
+    folder.commit();
+    for (const char* name : {"alone", "staged"}) {
+      EXPECT_EQ(permissionsOf(name), mode) << name;
+      EXPECT_EQ(contentOf(root_ / name), "new") << name;
+    }
+  }
+  std::ofstream(root_ / "usual") << "x";
+  writeFileWhole(root_ / "other", "x");
+  EXPECT_EQ(permissionsOf("other"), permissionsOf("usual"));
+}
+
+/// The superuser may write to every file; then the file's permissions stay.
+TEST_F(OutputFiles, FilesThatAreProtectedAreNotReplaced) {
+  std::ofstream(root_ / "file") << "old";
+  fs::permissions(root_ / "file", fs::perms(0444));
+  if (access((root_ / "file").c_str(), W_OK) == 0) {
+    writeFileWhole(root_ / "file", "new");
+    EXPECT_EQ(contentOf(root_ / "file"), "new");
+  } else {
+    for (const auto& attempt : {std::function([&] { requireWritable(root_ / "file"); }), std::function([&] { writeFileWhole(root_ / "file", "new"); }),
+                                std::function([&] {
+                                  StagedFolder folder(root_);
+                                  folder.write("file", "new");
+                                  folder.commit();
+                                })})
+      EXPECT_THAT(complaintOf(attempt), testing::StartsWith((root_ / "file").string() + ": cannot be written: "));
+    EXPECT_EQ(contentOf(root_ / "file"), "old");
+  }
+  EXPECT_EQ(fs::status(root_ / "file").permissions(), fs::perms(0444));
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("file"));
+}
+
+TEST_F(OutputFiles, LinksInACircleAreNotReplaced) {
+  fs::create_symlink("b", root_ / "a");
+  fs::create_symlink("a", root_ / "b");
+  for (const auto& attempt : {std::function([&] { requireWritable(root_ / "a"); }), std::function([&] { writeFileWhole(root_ / "a", "new"); })})
+    EXPECT_THAT(complaintOf(attempt), HasSubstr((root_ / "a").string() + ": cannot be written: "));
+  EXPECT_TRUE(fs::is_symlink(root_ / "a"));
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("a", "b"));
 }
 
 TEST_F(OutputFiles, StoppedWritesChangeNothing) {
