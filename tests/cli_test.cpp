@@ -324,12 +324,19 @@ TEST_F(CommandLine, InterruptingWhatComesAfterTheMarchLeavesNothing) {
   }
 }
 
+TEST_F(CommandLine, WhatIsStartedToOutliveItsTerminalDoes) {
+  const ProgramResult result = runShell("trap '' HUP; \"$W\" compare block --out out --volume-size 24x22x20 --size 200x200 --quiet & sleep 0.2; kill -HUP $!; wait $!",
+                                        folder_.path());
+  EXPECT_EQ(result.code, kSuccess) << result.err;
+  EXPECT_TRUE(fs::exists(folder_.path() / "out/metrics.json"));
+}
+
 TEST_F(CommandLine, InterruptingCompareLeavesNothing) {
   const auto picturesSoFar = [&] {
     const std::vector<std::string> names = folder_.listing();
     return std::count_if(names.begin(), names.end(), [](const std::string& name) { return name.ends_with(".png"); });
   };
-  for (const int number : {SIGINT, SIGTERM})
+  for (const int number : {SIGINT, SIGTERM, SIGHUP})
     for (const int pictures : {0, 1, 6}) {  // of four techniques or more in five views
       SCOPED_TRACE(std::to_string(number) + " after " + std::to_string(pictures) + " pictures");
       Program program({"compare", "block", "--out", "out/deep", "--size", "1501x1499"}, folder_.path());
@@ -337,7 +344,11 @@ TEST_F(CommandLine, InterruptingCompareLeavesNothing) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
       ASSERT_FALSE(program.hasEnded()) << "it ended before it was interrupted";
       const auto start = std::chrono::steady_clock::now();
-      program.signal(number);
+      // The impatient press the keys again.
+      for (const int pauseMs : {0, 1, 7, 30}) {
+        program.signal(number);
+        std::this_thread::sleep_for(std::chrono::milliseconds(pauseMs));
+      }
       const ProgramResult result = program.wait();
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       EXPECT_LT(seconds, 2.0);
