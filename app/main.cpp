@@ -1,6 +1,7 @@
 // The program's entry: finds the command, runs it, turns failures into one sentence and an exit code.
 // Exit codes: 0 success, 1 failure, 2 usage.
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <iostream>
 #include <new>
 
@@ -20,6 +21,17 @@ int complain(std::string text, int code) {
     if (static_cast<unsigned char>(c) < ' ') c = ' ';
   std::cerr << "warpscope: " << text << '\n';
   return code;
+}
+
+/// A pipe that nobody reads any more and a file that may not grow make writing fail, which is reported and cleaned up after, instead of
+/// ending the process where it is.
+void failInsteadOfDying() {
+#if defined(SIGPIPE)
+  std::signal(SIGPIPE, SIG_IGN);
+#endif
+#if defined(SIGXFSZ)
+  std::signal(SIGXFSZ, SIG_IGN);
+#endif
 }
 
 int run(int argc, char** argv) {
@@ -57,6 +69,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  failInsteadOfDying();
   try {
     return run(argc, argv);
   } catch (const warpscope::UsageError& error) {

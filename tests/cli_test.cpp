@@ -283,6 +283,35 @@ TEST_F(CommandLine, AFullDeviceIsAFailure) {
   expectRefused(quick({"shot", "-o", "full.png"}), kFailure, {"full.png", "No space left"});
 }
 
+/// The reader of the pipe has gone before anything is printed.
+TEST_F(CommandLine, PipesThatNobodyReadsAreAFailureThatLeavesNothing) {
+  for (const std::string stream : {"", "2>&1"}) {
+    const bool isOut = stream.empty();
+    const std::string printing = isOut ? " --json 2>err" : " 2>&1";
+    runShell("{ sleep 0.3; \"$W\" compare block --out out --volume-size 24x22x20 --size 40x30" + printing + "; echo $? >code; } | true", folder_.path());
+    EXPECT_EQ(folder_.read("code"), isOut ? "1\n" : "0\n");
+    if (isOut) EXPECT_THAT(folder_.read("err"), testing::StartsWith("warpscope: standard output cannot be written to"));
+    // The pictures are there all the same.
+    EXPECT_TRUE(json::accept(folder_.read("out/metrics.json")));
+    for (const std::string& name : folder_.listing()) EXPECT_THAT(name, testing::Not(testing::HasSubstr("partial")));
+    fs::remove_all(folder_.path() / "out");
+  }
+  succeed(quick({"shot", "-o", "plain.png"}));
+  runShell("\"$W\" shot --volume-size 24x22x20 --size 40x30 -o /dev/stdout | cat >piped.png", folder_.path());
+  EXPECT_EQ(folder_.read("piped.png"), folder_.read("plain.png"));
+}
+
+TEST_F(CommandLine, FilesThatMayNotGrowAreAFailureThatLeavesNothing) {
+  for (const std::string command : {"shot -o a.png", "export --ply a.ply", "compare --out out"}) {
+    const ProgramResult result = runShell("ulimit -f 8; exec \"$W\" " + command + " block --volume-size 24x22x20 --size 300x300", folder_.path());
+    EXPECT_EQ(result.code, kFailure) << command;
+    EXPECT_THAT(result.err, testing::StartsWith("warpscope: ")) << command;
+    EXPECT_THAT(result.err, testing::HasSubstr("cannot be written: File too large")) << command;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_TRUE(folder_.listing().empty()) << testing::PrintToString(folder_.listing());
+  }
+}
+
 /// A volume that takes many seconds to compute.
 TEST_F(CommandLine, InterruptingTheOpeningOfAVolumeEndsItAtOnce) {
   for (const Arguments& command : {Arguments{"shot", "-o", "a.png"}, {"export", "--ply", "a.ply"}, {"compare", "--out", "out"}}) {
