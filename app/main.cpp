@@ -23,6 +23,14 @@ int complain(std::string text, int code) {
   return code;
 }
 
+/// What is wrong with the command line.
+std::string sentenceOf(const CLI::ParseError& error, const CLI::App& program) {
+  const std::string text = error.what();
+  // The library says "--out: 1 required TEXT missing".
+  if (const size_t at = text.find(": 1 required "); at != std::string::npos) return text.substr(0, at) + " needs a value (see warpscope --help)";
+  return text + " (see warpscope --help)";
+}
+
 /// A pipe that nobody reads any more and a file that may not grow make writing fail, which is reported and cleaned up after, instead of
 /// ending the process where it is.
 void failInsteadOfDying() {
@@ -46,11 +54,12 @@ int run(int argc, char** argv) {
   warpscope::addBenchCommand(program, chosen);
   warpscope::addExportCommand(program, chosen);
   warpscope::addInfoCommand(program, chosen);
+  for (CLI::App* command : program.get_subcommands([](CLI::App*) { return true; })) warpscope::requireValues(*command);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
-    return complain(error.what() + std::string(" (see warpscope --help)"), kUsage);
+    return complain(sentenceOf(error, program), kUsage);
   }
   if (chosen) {
     chosen();

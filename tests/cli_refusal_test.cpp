@@ -106,7 +106,7 @@ TEST_F(Refusal, NumbersOutOfRange) {
       {{"--size", "0x0"}, "--size 0x0"},           {{"--size", "100000x100000"}, "16384"},    {{"--size", "10"}, "WxH"},
       {{"--size", "axb"}, "WxH"},                  {{"--size", "10x"}, "WxH"},                {{"--size", "-10x10"}, "WxH"},
       {{"--size", "10x10x10"}, "WxH"},             {{"--size", "10x10 "}, "WxH"},             {{"--size", "4294967306x10"}, "WxH"},
-      {{"--size", ""}, "WxH"},                     {{"--point-size", "0"}, "1 and 16"},       {{"--point-size", "17"}, "1 and 16"},
+      {{"--size", "x"}, "WxH"},                    {{"--point-size", "0"}, "1 and 16"},       {{"--point-size", "17"}, "1 and 16"},
       {{"--hits", "0"}, "1 and 16"},               {{"--hits", "17"}, "1 and 16"},            {{"--hits", "x"}, "--hits"},
       {{"--point-size", "2.5"}, "point-size"},     {{"--step", "0"}, "step"},                 {{"--step", "nan"}, "step"},
       {{"--step", "1e-9"}, "1e-09"},               {{"--step", "-1"}, "step"},                {{"--radius-scale", "0"}, "radius scale"},
@@ -151,6 +151,31 @@ TEST_F(Refusal, OptionsThatAreMissingOrUnknown) {
   for (const auto& [arguments, reason] : wrong) expectRefused(arguments, kUsage, {reason, "--help"});
 }
 
+/// The next option's name is no value: `--out --quiet` would write a file named --quiet.
+TEST_F(Refusal, OptionsWithoutTheirValue) {
+  const std::pair<Arguments, std::string> wrong[] = {
+      {{"shot", "--out", "--quiet"}, "--out needs a value"},
+      {{"shot", "-o", "--json"}, "--out needs a value"},
+      {{"shot", "--technique", "-o", "a.png"}, "--technique needs a value"},
+      {{"shot", "--heuristic=", "-o", "a.png"}, "--heuristic needs a value"},
+      {{"shot", "--out", "--bogus"}, "--out needs a value"},
+      {{"shot", "--out", ""}, "--out needs a value"},
+      {{"shot", "-o", ""}, "--out needs a value"},
+      {{"shot", "-o", "a.png", "--size", ""}, "--size needs a value"},
+      {{"shot", "-o", "a.png", "--volume", ""}, "--volume needs a value"},
+      {{"shot", "-o", "a.png", "--size"}, "--size needs a value"},
+      {{"compare", "--out", ""}, "--out needs a value"},
+      {{"compare", "--out", "--quiet"}, "--out needs a value"},
+      {{"export", "--ply", "--size"}, "--ply needs a value"},
+      {{"export", "--ply", ""}, "--ply needs a value"},
+      {{"view", "--screenshot", ""}, "--screenshot needs a value"},
+  };
+  for (const auto& [arguments, reason] : wrong) expectRefused(arguments, kUsage, {reason});
+  succeed(quick({"shot", "--out", "./--quiet", "--view-angle", "-20"}));
+  succeed(quick({"shot", "-o", "scene"}));  // what an argument is called is no option
+  EXPECT_EQ(folder_.listing(), (std::vector<std::string>{"--quiet", "scene"}));
+}
+
 TEST_F(Refusal, CudaWithoutAGpuSaysWhy) {
   const ProgramResult info = run({"info", "--json"});
   if (!nlohmann::json::parse(info.out)["cuda"]["devices"].empty()) GTEST_SKIP() << "this machine has a GPU";
@@ -162,11 +187,11 @@ TEST_F(Refusal, PlacesThatCannotBeWrittenTo) {
   // Not by permissions, which root does not feel.
   folder_.write("file", "x");
   fs::create_directory(folder_.path() / "folder");
-  for (const std::string place : {"file/a.png", "folder", "/proc/a.png", "missing/a.png", "folder/", ""}) {
+  for (const std::string place : {"file/a.png", "folder", "/proc/a.png", "missing/a.png", "folder/"}) {
     expectRefused(quick({"shot", "-o", place}), kFailure, {"cannot be written"});
     expectRefused(quick({"export", "--ply", place}), kFailure, {"cannot be written"});
   }
-  for (const std::string place : {"file", "file/deeper", "/proc/out", "/proc/out/deeper", ""})
+  for (const std::string place : {"file", "file/deeper", "/proc/out", "/proc/out/deeper"})
     expectRefused(quick({"compare", "--out", place}), kFailure, {"folder"});
   // A folder where a picture has to go: found out before anything is put in place.
   fs::create_directories(folder_.path() / "out/montage.png");

@@ -111,6 +111,17 @@ void addLogOptions(CLI::App& command, CommonOptions& options) {
   command.parse_complete_callback([&options] { setUpLog(options.quiet, options.verbose); });
 }
 
+void requireValues(CLI::App& command) {
+  for (CLI::Option* option : command.get_options())
+    if (option->get_items_expected_max() > 0 && !option->get_positional())
+      option->check([&command, option](const std::string& value) {
+        const bool isName = value.starts_with("--") || (value.starts_with('-') && command.get_option_no_throw(value) != nullptr);
+        if (value.empty() || isName)
+          throw UsageError(option->get_name() + " needs a value");
+        return std::string();
+      });
+}
+
 CheckedOptions check(const CommonOptions& options) {
   CheckedOptions checked;
   checked.sceneSpec = options.scene;
