@@ -1,6 +1,7 @@
 // The program's entry: finds the command, runs it, turns failures into one sentence and an exit code.
 // Exit codes: 0 success, 1 failure, 2 usage.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <iostream>
 #include <new>
@@ -8,6 +9,7 @@
 #include "app/commands/options.h"
 #include "app/ui/run_window.h"
 #include "render/core/error.h"
+#include "render/core/nearest_name.h"
 #include "render/core/parallel.h"
 
 namespace {
@@ -23,12 +25,37 @@ int complain(std::string text, int code) {
   return code;
 }
 
-/// What is wrong with the command line.
+/// What is wrong with the command line, and whose help would tell.
 std::string sentenceOf(const CLI::ParseError& error, const CLI::App& program) {
+  const std::vector<CLI::App*> parsed = program.get_subcommands();
+  const CLI::App& command = parsed.empty() ? program : *parsed.front();
+  const std::string help = " (see warpscope " + (parsed.empty() ? "" : command.get_name() + " ") + "--help)";
+
+  // A word that nobody understood comes first: it may be why something else is missing.
+  const std::vector<std::string> extras = program.remaining(true);
+  const auto isOption = [](const std::string& word) { return word.starts_with('-'); };
+  auto extra = parsed.empty() ? extras.begin() : std::find_if(extras.begin(), extras.end(), isOption);
+  if (extra == extras.end()) extra = extras.begin();
+  std::vector<std::string> names;
+  if (extra != extras.end() && isOption(*extra)) {
+    for (const CLI::Option* option : command.get_options())
+      if (!option->get_lnames().empty()) names.push_back(option->get_lnames().front());
+    const std::string name = extra->substr(0, std::min<size_t>(extra->find('='), 80));
+    const std::string_view bare = std::string_view(name).substr(std::min(name.size(), name.find_first_not_of('-')));
+    const auto nearest = warpscope::nearestName(bare, std::vector<std::string_view>(names.begin(), names.end()));
+    return "unknown option '" + name + "'" + (nearest ? "; did you mean '--" + std::string(*nearest) + "'?" : "") + help;
+  }
+  if (extra != extras.end() && parsed.empty()) {
+    for (const CLI::App* known : program.get_subcommands([](const CLI::App*) { return true; })) names.push_back(known->get_name());
+    return warpscope::unknownName("command", *extra, std::vector<std::string_view>(names.begin(), names.end())) + help;
+  }
+  if (extra != extras.end()) return "unexpected '" + extra->substr(0, 80) + "'" + help;
+
   const std::string text = error.what();
-  // The library says "--out: 1 required TEXT missing".
-  if (const size_t at = text.find(": 1 required "); at != std::string::npos) return text.substr(0, at) + " needs a value (see warpscope --help)";
-  return text + " (see warpscope --help)";
+  // The library says "--out: 1 required TEXT missing" and "--out: At Most 1 required but received 2".
+  if (const size_t at = text.find(": 1 required "); at != std::string::npos) return text.substr(0, at) + " needs a value" + help;
+  if (const size_t at = text.find(": At Most 1 "); at != std::string::npos) return text.substr(0, at) + " is given more than once" + help;
+  return text + help;
 }
 
 /// A pipe that nobody reads any more and a file that may not grow make writing fail, which is reported and cleaned up after, instead of

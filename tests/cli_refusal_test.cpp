@@ -146,9 +146,19 @@ TEST_F(Refusal, OptionsThatAreMissingOrUnknown) {
       {{"bogus"}, "bogus"},
       {{"--bogus"}, "--bogus"},
       {{"shot", "-o", "a.png", "--size"}, "--size"},
-      {{"shot", "-o", "a.png", "--size", "9x9", "--size", "8x8"}, "--size"},
+      {{"shot", "-o", "a.png", "--size", "9x9", "--size", "8x8"}, "--size is given more than once"},
   };
   for (const auto& [arguments, reason] : wrong) expectRefused(arguments, kUsage, {reason, "--help"});
+  const std::pair<Arguments, std::vector<std::string>> near[] = {
+      {{"shot", "--heuristik", "median", "-o", "a.png"}, {"unknown option '--heuristik'; did you mean '--heuristic'?", "(see warpscope shot --help)"}},
+      {{"compare", "--otu", "o"}, {"unknown option '--otu'; did you mean '--out'?", "(see warpscope compare --help)"}},
+      {{"export", "--plx=a.ply"}, {"unknown option '--plx'; did you mean '--ply'?", "(see warpscope export --help)"}},
+      {{"shot", "-o", "a.png", "--incomprehensible"}, {"unknown option '--incomprehensible' (see"}},
+      {{"shto", "-o", "a.png"}, {"unknown command 'shto'; did you mean 'shot'?"}},
+      {{"comapre"}, {"unknown command 'comapre'; did you mean 'compare'?", "(see warpscope --help)"}},
+      {{"frobnicate"}, {"unknown command 'frobnicate'; known: view shot compare"}},
+  };
+  for (const auto& [arguments, reasons] : near) expectRefused(arguments, kUsage, reasons);
 }
 
 /// The next option's name is no value: `--out --quiet` would write a file named --quiet.
