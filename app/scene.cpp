@@ -205,7 +205,9 @@ void requireScene(const std::string& spec) {
   const std::vector<BuiltinScene> scenes = builtinScenes();
   if (findNamed(scenes, spec) != nullptr) return;
   const fs::path path(spec);
-  if (fs::exists(path)) return;
+  std::error_code error;
+  if (fs::exists(path, error)) return;
+  if (error) throw InputError(spec + ": cannot be looked at: " + error.message());
   if (path.has_extension() || spec.find('/') != std::string::npos) throw InputError(spec + ": there is no such file");
   throw UsageError(unknownNameIn(scenes, "scene", spec) + " (or a scene file, or a volume file)");
 }

@@ -70,6 +70,31 @@ TEST_F(Refusal, VolumesThatAreNone) {
   for (const char* file : {"short_10x10x10_uint8.raw", "/dev/null", "missing.nii"}) expectRefused(shot({"block", "--volume", file}), kFailure, {file});
 }
 
+TEST_F(Refusal, PathsThatCannotBeLookedAt) {
+  fs::create_symlink("circle.nii", folder_.path() / "circle.nii");
+  fs::create_symlink("circle.json", folder_.path() / "circle.json");
+  const std::string endless(300, 'n');
+  for (const std::string& file : {std::string("circle.nii"), std::string("circle.json"), endless, endless + ".json", endless + "/a.nii"})
+    for (const Arguments& command : {shot({file}), Arguments{"view", file}}) expectRefused(command, kFailure, {file, "cannot be looked at: "});
+  for (const std::string& file : {std::string("circle.nii"), endless + ".nii"}) expectRefused(shot({"block", "--volume", file}), kFailure, {file});
+  for (const std::string& file : {std::string("circle.json"), endless + ".json"}) expectRefused(shot({"block", "--tf", file}), kFailure, {file, "cannot be read: "});
+  folder_.write("scene.json", "{\"name\": \"a\", \"volume\": {\"file\": \"" + endless + ".nii\"}}");
+  expectRefused(shot({"scene.json"}), kFailure, {endless, "cannot be looked at: "});
+}
+
+TEST_F(Refusal, MoreFilesThanMayBeOpen) {
+  for (int limit = 3; limit < 12; ++limit) {
+    const ProgramResult result = runShell("ulimit -n " + std::to_string(limit) + "; exec \"$W\" shot block -o a.png --volume-size 8x8x8 --size 8x8 --quiet",
+                                          folder_.path());
+    for (const char* noise : {"signal_set", "terminate", "what()", "filesystem error"}) EXPECT_THAT(result.err, testing::Not(testing::HasSubstr(noise))) << limit;
+    if (result.err.find("interrupts cannot be listened for: Too many open files\n") == std::string::npos) continue;
+    EXPECT_EQ(result.code, kFailure) << limit;
+    EXPECT_TRUE(folder_.listing().empty()) << limit;
+    return;
+  }
+  FAIL() << "no limit was reached";
+}
+
 TEST_F(Refusal, TruncatedAndDamagedImages) {
   const std::string nrrd = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 10 10 10\nencoding: raw\n\n" + std::string(1000, 'x');
   folder_.write("cut.nrrd", nrrd.substr(0, nrrd.size() - 1));

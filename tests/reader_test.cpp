@@ -21,6 +21,7 @@
 #include "tests/real_data.h"
 
 #if WARPSCOPE_WITH_ITK
+#include <sys/stat.h>
 #include <zlib.h>
 #endif
 
@@ -303,6 +304,23 @@ TEST_F(Reader, DetachedData) {
   meta.replace(meta.find("LOCAL"), 5, "voxels.raw");
   expectRamp(*openVolume(write("a.mhd", meta)));
   expectRefused(write("b.nhdr", nrrdHeader(kNrrd + "encoding: raw\ndata file: gone.raw\n")), "\"gone.raw\" is missing");
+  fs::create_directory(directory_ / "folder.raw");
+  fs::create_symlink("circle.raw", directory_ / "circle.raw");
+  ASSERT_EQ(mkfifo((directory_ / "pipe.raw").c_str(), 0600), 0);
+  const std::pair<std::string, std::string> wrong[] = {
+      {"folder.raw", "\"folder.raw\" is a folder"},
+      {"circle.raw", "\"circle.raw\" cannot be looked at: "},
+      {"pipe.raw", "\"pipe.raw\" is no regular file"},
+      {"/dev/zero", "\"/dev/zero\" is no regular file"},
+      {std::string(1000, 'n'), "nnn...\" cannot be looked at: "},
+      {std::string("gone\0.raw", 9), "zero byte"},
+  };
+  for (const auto& [name, reason] : wrong) {
+    expectRefused(write("c.nhdr", nrrdHeader(kNrrd + "encoding: raw\ndata file: " + name + "\n")), reason);
+    std::string other = metaHeader(kMeta);
+    other.replace(other.find("LOCAL"), 5, name);
+    expectRefused(write("c.mhd", other), reason);
+  }
 }
 
 /// Editors that leave out the last line's end make such files.

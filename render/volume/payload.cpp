@@ -31,6 +31,16 @@ using Encoding = Payload::Encoding;
   throw InputError(path.string() + ": " + reason);
 }
 
+/// Throws unless `part`, which belongs to `path` and is called `name` there, is a file.
+void requirePart(const fs::path& path, const fs::path& part, const std::string& name) {
+  std::error_code error;
+  const fs::file_status status = fs::status(part, error);
+  if (status.type() == fs::file_type::regular) return;
+  if (status.type() == fs::file_type::not_found) fail(path, name + " is missing");
+  if (status.type() == fs::file_type::none) fail(path, name + " cannot be looked at: " + error.message());
+  fail(path, name + (status.type() == fs::file_type::directory ? " is a folder" : " is no regular file but a pipe or a device"));
+}
+
 std::string trimmed(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r");
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
@@ -114,8 +124,8 @@ Payload locateNifti(const fs::path& path) {
   const std::string ending = lowered(path.extension().string());
   if (ending == ".img") header.replace_extension(path.extension() == ".IMG" ? ".HDR" : ".hdr");
   if (ending == ".hdr") voxels.replace_extension(path.extension() == ".HDR" ? ".IMG" : ".img");
-  if (!fs::is_regular_file(header)) fail(path, "its header " + header.filename().string() + " is missing beside it");
-  if (!fs::is_regular_file(voxels)) fail(path, "its voxels " + voxels.filename().string() + " are missing beside it");
+  requirePart(path, header, "its header " + header.filename().string() + " beside it");
+  requirePart(path, voxels, "its voxel file " + voxels.filename().string() + " beside it");
 
   const std::vector<unsigned char> head = headOf(header, 540);
   if (head.size() < 348) fail(path, "is no NIfTI file: it ends before a header of 348 bytes does");
@@ -223,9 +233,11 @@ bool followDetached(const fs::path& path, const std::string& name, Payload& payl
     payload.encoding = Encoding::unchecked;
     return false;
   }
+  if (name.find('\0') != std::string::npos) fail(path, "its header has a zero byte in the name of its data file");
   payload.file = path.parent_path() / name;
   payload.offsetBytes = 0;
-  if (!fs::is_regular_file(payload.file)) fail(path, "its data file \"" + name + "\" is missing");
+  constexpr size_t kLongestShown = 80;
+  requirePart(path, payload.file, "its data file \"" + (name.size() > kLongestShown ? name.substr(0, kLongestShown) + "..." : name) + "\"");
   return true;
 }
 
