@@ -6,7 +6,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 
 #include "render/core/error.h"
 #include "render/core/nearest_name.h"
@@ -191,12 +190,6 @@ std::string displayName(std::span<const std::string> path) {
   std::string name;
   for (const std::string& step : path) name += (name.empty() ? "'" : ".") + step;
   return name + "'";
-}
-
-std::string numberText(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
 }
 
 }  // namespace

@@ -134,11 +134,15 @@ TEST_F(Refusal, NumbersOutOfRange) {
       {{"--size", "x"}, "WxH"},                    {{"--point-size", "0"}, "1 and 16"},       {{"--point-size", "17"}, "1 and 16"},
       {{"--hits", "0"}, "1 and 16"},               {{"--hits", "17"}, "1 and 16"},            {{"--hits", "x"}, "--hits"},
       {{"--point-size", "2.5"}, "point-size"},     {{"--step", "0"}, "step"},                 {{"--step", "nan"}, "step"},
-      {{"--step", "1e-9"}, "1e-09"},               {{"--step", "-1"}, "step"},                {{"--radius-scale", "0"}, "radius scale"},
+      {{"--step", "1e-9"}, "not 1e-09"},               {{"--step", "-1"}, "step"},                {{"--radius-scale", "0"}, "--radius-scale"},
       {{"--seed", "-1"}, "seed"},                  {{"--seed", "99999999999"}, "seed"},       {{"--volume-size", "0x1x1"}, "XxYxZ"},
       {{"--volume-size", "10x10"}, "XxYxZ"},       {{"--uncovered", "red"}, "RRGGBB"},        {{"--uncovered", "#1234567"}, "RRGGBB"},
   };
   for (const auto& [arguments, reason] : wrong) expectRefused(shot(arguments), kUsage, {reason});
+  // As typed, and not what is left of it in single precision.
+  for (const char* option : {"--step", "--radius-scale"})
+    for (const char* value : {"1e-300", "-1e-300", "1e+300", "0.0009999999999", "1000.0000001"})
+      expectRefused(shot({option, value}), kUsage, {std::string(option) + " must be between 0.001 and 1000, not " + value});
   for (const char* width : {"15", "0", "4097", "wide"}) expectRefused({"compare", "--out", "o", "--cell", width}, kUsage, {"--cell"});
 }
 

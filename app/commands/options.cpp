@@ -136,8 +136,14 @@ CheckedOptions check(const CommonOptions& options) {
   checked.warp.hits = options.hits;
   if (!options.heuristic.empty()) checked.heuristic = choose("heuristic", options.heuristic, kHeuristics);
   if (!options.radius.empty()) checked.radius = choose("radius policy", options.radius, kRadiusPolicies);
-  if (options.step) checked.step = static_cast<float>(*options.step);
-  if (options.radiusScale) checked.radiusScale = static_cast<float>(*options.radiusScale);
+  if (options.step) {
+    requireRange(*options.step, kStepRange, "--step");  // as typed: in float 1e300 is infinite
+    checked.step = static_cast<float>(*options.step);
+  }
+  if (options.radiusScale) {
+    requireRange(*options.radiusScale, kRadiusScaleRange, "--radius-scale");
+    checked.radiusScale = static_cast<float>(*options.radiusScale);
+  }
   if (options.fovYDeg && !(*options.fovYDeg > 0.0 && *options.fovYDeg < 180.0))
     throw UsageError("--fov: the field of view must be more than 0 and less than 180 degrees");
 
@@ -149,10 +155,6 @@ CheckedOptions check(const CommonOptions& options) {
     const std::vector<uint32_t> dims = parseSize("--volume-size", options.volumeSize, 3, 65536);
     checked.overrides.proceduralDims = {dims[0], dims[1], dims[2]};
   }
-  MarchSettings probe;
-  probe.step = checked.step.value_or(probe.step);
-  probe.radiusScale = checked.radiusScale.value_or(probe.radiusScale);
-  validate(probe);
   validate(checked.warp);
   if (checked.backend == Backend::cuda)
     if (const std::string reason = cuda::whyUnavailable(); !reason.empty())
