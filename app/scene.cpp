@@ -71,7 +71,7 @@ template <class Table>
 auto readName(const Node& node, const Table& table, std::string_view kind) {
   const std::string name = node.string();
   if (const auto* entry = findNamed(table, name)) return entry->value;
-  node.fail("is not one: " + unknownNameIn(table, kind, name));
+  node.fail("holds an " + unknownNameIn(table, kind, name));
 }
 
 void readMarch(const Node& node, MarchSettings& march) {
@@ -105,7 +105,7 @@ VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverri
     if (node.find("file")) procedural->fail("and 'file' exclude each other");
     const std::string name = procedural->string();
     const ProceduralVolume* known = findNamed(kProceduralVolumes, name);
-    if (known == nullptr) procedural->fail("is not one: " + unknownNameIn(kProceduralVolumes, "procedural volume", name));
+    if (known == nullptr) procedural->fail("holds an " + unknownNameIn(kProceduralVolumes, "procedural volume", name));
     glm::uvec3 dims = known->defaultDims;
     if (const auto size = node.find("size")) dims = readSize(*size);
     return makeProceduralVolume(name, overrides.proceduralDims.value_or(dims), overrides.seed, stop);
@@ -134,7 +134,7 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   scene.name = root.at("name").string();
   scene.title = root.find("title") ? root.at("title").string() : scene.name;
   // Everything that is quick to check comes before the volume is made or opened.
-  if (const auto fov = root.find("fovYDeg")) scene.fovYDeg = fov->number(1.0, 170.0);
+  if (const auto fov = root.find("fovYDeg")) scene.fovYDeg = fov->number(kFovYDegRange);
   if (const auto color = root.find("background")) scene.background = readColor(*color);
   if (const auto march = root.find("march")) readMarch(*march, scene.march);
   if (const auto views = root.find("views"))
@@ -149,9 +149,13 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   const Node volume = root.at("volume");
   scene.volume = overrides.volume ? openVolume(*overrides.volume, {}, stop) : readVolume(volume, folder, overrides, stop);
   setDefaultAxes(scene);
-  if (const auto up = root.find("up")) scene.up = readDirection(*up);
-  if (const auto front = root.find("front")) scene.front = readDirection(*front);
-  if (glm::length(glm::cross(scene.up, scene.front)) < 1e-3) root.fail("has 'up' and 'front' in one line");
+  const auto up = root.find("up"), front = root.find("front");
+  if (up) scene.up = readDirection(*up);
+  if (front) scene.front = readDirection(*front);
+  if (glm::length(glm::cross(scene.up, scene.front)) < 1e-3) {
+    if (!front) up->fail("and the direction that 'front' has by itself are parallel");
+    front->fail(up ? "and 'up' are parallel" : "and the direction that 'up' has by itself are parallel");
+  }
   return scene;
 }
 

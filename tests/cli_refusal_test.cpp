@@ -127,7 +127,7 @@ TEST_F(Refusal, NumbersOutOfRange) {
   const std::pair<Arguments, std::string> wrong[] = {
       {{"--view-angle", "nan"}, "--view-angle"},   {{"--view-angle", "inf"}, "--view-angle"}, {{"--view-angle", "361"}, "360"},
       {{"--view-angle", "left"}, "view-angle"},    {{"--fov", "0"}, "--fov"},                 {{"--fov", "180"}, "180"},
-      {{"--fov", "nan"}, "--fov"},                 {{"--fov", "-40"}, "--fov"},               {{"--fov", "1e-30"}, "field of view"},
+      {{"--fov", "nan"}, "--fov"},                 {{"--fov", "-40"}, "--fov"},               {{"--fov", "1e-30"}, "1 and 170"},
       {{"--size", "0x0"}, "--size 0x0"},           {{"--size", "100000x100000"}, "16384"},    {{"--size", "10"}, "WxH"},
       {{"--size", "axb"}, "WxH"},                  {{"--size", "10x"}, "WxH"},                {{"--size", "-10x10"}, "WxH"},
       {{"--size", "10x10x10"}, "WxH"},             {{"--size", "10x10 "}, "WxH"},             {{"--size", "4294967306x10"}, "WxH"},
@@ -139,6 +139,9 @@ TEST_F(Refusal, NumbersOutOfRange) {
       {{"--volume-size", "10x10"}, "XxYxZ"},       {{"--uncovered", "red"}, "RRGGBB"},        {{"--uncovered", "#1234567"}, "RRGGBB"},
   };
   for (const auto& [arguments, reason] : wrong) expectRefused(shot(arguments), kUsage, {reason});
+  for (const char* value : {"179.99", "170.0000001", "0.999"})
+    expectRefused(shot({"--fov", value}), kUsage, {std::string("--fov must be between 1 and 170, not ") + value});
+  for (const char* value : {"1", "170"}) succeed(quick({"shot", "-o", "/dev/null", "--fov", value}));
   // As typed, and not what is left of it in single precision.
   for (const char* option : {"--step", "--radius-scale"})
     for (const char* value : {"1e-300", "-1e-300", "1e+300", "0.0009999999999", "1000.0000001"})
@@ -257,7 +260,7 @@ TEST_F(Refusal, SceneFiles) {
   scene("range.json", ",\n  \"fovYDeg\": 180");
   refuse("range.json", {"range.json:4", "'fovYDeg'", "180"});
   scene("heuristic.json", ",\n  \"march\": {\"heuristic\": \"gradiant\"}");
-  refuse("heuristic.json", {"heuristic.json:4", "gradient"});
+  refuse("heuristic.json", {"heuristic.json:4", "'march.heuristic' holds an unknown heuristic 'gradiant'; did you mean 'gradient'?"});
   scene("twice.json", ",\n  \"name\": \"b\"");
   refuse("twice.json", {"twice.json:4", "'name'", "twice"});
   scene("views.json", ",\n  \"views\": []");
@@ -267,7 +270,11 @@ TEST_F(Refusal, SceneFiles) {
   scene("step.json", ",\n  \"march\": {\"step\": 0.0009}");
   refuse("step.json", {"step.json:4", "'march.step'", "0.001", "1000"});
   scene("axes.json", ",\n  \"up\": [0, 0, 2], \"front\": [0, 0, -1]");
-  refuse("axes.json", {"axes.json", "'up'", "'front'"});
+  refuse("axes.json", {"axes.json:4", "'front' and 'up' are parallel"});
+  scene("up.json", ",\n  \"up\": [0, 0, 2]");
+  refuse("up.json", {"up.json:4", "'up' and the direction that 'front' has by itself are parallel"});
+  scene("front.json", ",\n  \"front\": [0, -3, 0]");
+  refuse("front.json", {"front.json:4", "'front' and the direction that 'up' has by itself are parallel"});
   folder_.write("none.json", "{\"name\": \"a\"}");
   refuse("none.json", {"none.json:1", "'volume'"});
   folder_.write("elsewhere.json", "{\"name\": \"a\", \"volume\": {\"file\": \"gone_2x2x2_uint8.raw\"}}");

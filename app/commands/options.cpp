@@ -144,8 +144,7 @@ CheckedOptions check(const CommonOptions& options) {
     requireRange(*options.radiusScale, kRadiusScaleRange, "--radius-scale");
     checked.radiusScale = static_cast<float>(*options.radiusScale);
   }
-  if (options.fovYDeg && !(*options.fovYDeg > 0.0 && *options.fovYDeg < 180.0))
-    throw UsageError("--fov: the field of view must be more than 0 and less than 180 degrees");
+  if (options.fovYDeg) requireRange(*options.fovYDeg, kFovYDegRange, "--fov");
 
   checked.overrides.seed = options.seed;
   checked.overrides.fovYDeg = options.fovYDeg;
