@@ -98,11 +98,17 @@ View readView(const Node& node) {
   return view;
 }
 
+/// For volumes that are files.
+void refuseSize(const SceneOverrides& overrides) {
+  if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
+}
+
 VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverrides& overrides, const std::stop_token& stop) {
   constexpr std::string_view kKeys[] = {"file", "spacing", "procedural", "size"};
   node.requireObject(kKeys);
   if (const auto procedural = node.find("procedural")) {
     if (node.find("file")) procedural->fail("and 'file' exclude each other");
+    if (const auto spacing = node.find("spacing")) spacing->fail("is for raw files; the voxels of a procedural volume are cubes");
     const std::string name = procedural->string();
     const ProceduralVolume* known = findNamed(kProceduralVolumes, name);
     if (known == nullptr) procedural->fail("holds an " + unknownNameIn(kProceduralVolumes, "procedural volume", name));
@@ -110,7 +116,8 @@ VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverri
     if (const auto size = node.find("size")) dims = readSize(*size);
     return makeProceduralVolume(name, overrides.proceduralDims.value_or(dims), overrides.seed, stop);
   }
-  if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
+  refuseSize(overrides);
+  if (const auto size = node.find("size")) size->fail("is for procedural volumes; a file has its own size");
   std::optional<glm::dvec3> spacing;
   if (const auto given = node.find("spacing")) spacing = readVector(*given, 1e-12, 1e12);
   const fs::path file = node.at("file").string();
@@ -131,7 +138,9 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
                                         "front", "fovYDeg", "background", "views",            "march"};
   root.requireObject(kKeys);
   Scene scene;
-  scene.name = root.at("name").string();
+  const Node name = root.at("name");
+  scene.name = name.string();
+  if (scene.name.empty()) name.fail("must not be empty");
   scene.title = root.find("title") ? root.at("title").string() : scene.name;
   // Everything that is quick to check comes before the volume is made or opened.
   if (const auto fov = root.find("fovYDeg")) scene.fovYDeg = fov->number(kFovYDegRange);
@@ -147,6 +156,7 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
       function->fail("must be an object or \"auto\"");
   }
   const Node volume = root.at("volume");
+  if (overrides.volume) refuseSize(overrides);
   scene.volume = overrides.volume ? openVolume(*overrides.volume, {}, stop) : readVolume(volume, folder, overrides, stop);
   setDefaultAxes(scene);
   const auto up = root.find("up"), front = root.find("front");
@@ -176,7 +186,7 @@ Scene openBySpec(const std::string& spec, const SceneOverrides& overrides, const
   const fs::path path(spec);
   if (path.extension() == ".json") return readScene(JsonDocument::fromFile(path), path.parent_path(), overrides, stop);
   if (overrides.volume) throw UsageError("--volume replaces a scene's volume; '" + spec + "' is a volume itself");
-  if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
+  refuseSize(overrides);
   return sceneOfVolume(path, stop);
 }
 

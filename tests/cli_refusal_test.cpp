@@ -275,6 +275,18 @@ TEST_F(Refusal, SceneFiles) {
   refuse("up.json", {"up.json:4", "'up' and the direction that 'front' has by itself are parallel"});
   scene("front.json", ",\n  \"front\": [0, -3, 0]");
   refuse("front.json", {"front.json:4", "'front' and the direction that 'up' has by itself are parallel"});
+  folder_.write("v_2x2x2_uint8.raw", "12345678");
+  folder_.write("sized.json", "{\"name\": \"a\",\n\"volume\": {\"file\": \"v_2x2x2_uint8.raw\",\n\"size\": [2, 2, 2]}}");
+  refuse("sized.json", {"sized.json:3", "'volume.size' is for procedural volumes"});
+  folder_.write("spaced.json", "{\"name\": \"a\",\n\"volume\": {\"procedural\": \"block\",\n\"spacing\": [2, 2, 2]}}");
+  refuse("spaced.json", {"spaced.json:3", "'volume.spacing' is for raw files"});
+  folder_.write("nameless.json", "{\n\"name\": \"\",\n\"volume\": {\"procedural\": \"block\"}}");
+  refuse("nameless.json", {"nameless.json:2", "'name' must not be empty"});
+  for (const Arguments& command : {shot({"block", "--volume", "v_2x2x2_uint8.raw"}), shot({"v_2x2x2_uint8.raw"}), shot({"right.json", "--volume", "v_2x2x2_uint8.raw"})}) {
+    Arguments sized = command;
+    sized.insert(sized.end(), {"--volume-size", "4x4x4"});
+    expectRefused(sized, kUsage, {"--volume-size is for built-in volumes"});
+  }
   folder_.write("none.json", "{\"name\": \"a\"}");
   refuse("none.json", {"none.json:1", "'volume'"});
   folder_.write("elsewhere.json", "{\"name\": \"a\", \"volume\": {\"file\": \"gone_2x2x2_uint8.raw\"}}");
