@@ -199,6 +199,22 @@ void logVolume(const Volume& volume, double openMs) {
   logDetail("volume " + volume.name() + text);
 }
 
+/// Whether any value between the least and the greatest has opacity; the function is linear between its points.
+bool showsAnyOf(const TransferFunction& function, const VoxelStatistics& statistics) {
+  return function.at(statistics.lowest).a > 0.0f || function.at(statistics.highest).a > 0.0f ||
+         std::any_of(function.points.begin(), function.points.end(), [&](const TransferPoint& point) {
+           return point.alpha > 0.0f && point.value >= statistics.lowest && point.value <= statistics.highest;
+         });
+}
+
+void warnIfInvisible(const Scene& scene) {
+  const VoxelStatistics& statistics = scene.volume->statistics();
+  const bool hasValues = statistics.nonFinite < scene.volume->voxelCount();
+  if (hasValues && showsAnyOf(scene.transferFunction, statistics)) return;
+  logWarning("nothing of the volume " + scene.volume->name() + " is visible with this transfer function" +
+             (hasValues ? "" : ": none of its values is finite"));
+}
+
 }  // namespace
 
 std::vector<BuiltinScene> builtinScenes() {
@@ -234,6 +250,7 @@ Scene openScene(const std::string& spec, const SceneOverrides& overrides, const 
     scene.transferFunction = readTransferFunction(JsonDocument::fromFile(*overrides.transferFunction).root());
   if (scene.transferFunction.points.empty())
     scene.transferFunction = autoTransferFunction(scene.volume->statistics());
+  warnIfInvisible(scene);
   if (scene.views.empty()) scene.views = defaultViews();
   if (overrides.fovYDeg) scene.fovYDeg = *overrides.fovYDeg;
   return scene;

@@ -243,8 +243,8 @@ TEST_F(Refusal, PlacesThatCannotBeWrittenTo) {
 TEST_F(Refusal, WherePicturesGoIsCheckedBeforeTheWork) {
   // 16384 x 16384 pixels would take minutes.
   const auto start = std::chrono::steady_clock::now();
-  expectRefused({"shot", "-o", "missing/a.png", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"missing/a.png"});
-  expectRefused({"export", "--ply", "/proc/a.ply", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"/proc/a.ply"});
+  expectRefused({"shot", "block", "-o", "missing/a.png", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"missing/a.png"});
+  expectRefused({"export", "block", "--ply", "/proc/a.ply", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"/proc/a.ply"});
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 

@@ -154,6 +154,37 @@ TEST_F(CommandLine, VerboseSaysWhatIsDoneAndQuietNothing) {
   EXPECT_THAT(succeed({"info", "--verbose"}).err, testing::HasSubstr("EGL"));
 }
 
+/// A picture of nothing is a picture, but hardly what was wanted.
+TEST_F(CommandLine, VolumesOfWhichNothingIsVisibleAreWarnedAbout) {
+  const auto function = [&](const std::string& points) { folder_.write("tf.json", "{\"points\": [" + points + "]}"); };
+  const auto point = [](const std::string& value, const std::string& alpha) {
+    return "{\"value\": " + value + ", \"color\": [1, 1, 1], \"alpha\": " + alpha + "}";
+  };
+  std::vector<float> ramp(64);
+  for (size_t i = 0; i < ramp.size(); ++i) ramp[i] = static_cast<float>(i);
+  const std::vector<float> nothing(64, std::nanf(""));
+  const auto bytes = [](const std::vector<float>& values) { return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)); };
+  folder_.write("ramp_4x4x4_float32.raw", bytes(ramp));
+  folder_.write("nan_4x4x4_float32.raw", bytes(nothing));
+  const auto errOf = [&](const std::string& volume, const Arguments& more) {
+    Arguments arguments{"shot", volume, "-o", "a.png", "--size", "9x9"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return succeed(arguments).err;
+  };
+  const std::string said = "warning: nothing of the volume ramp_4x4x4_float32.raw is visible with this transfer function\nwrote a.png\n";
+  for (const std::string& points : {point("0", "0"), point("-2", "1") + "," + point("-1", "0"), point("63.5", "0") + "," + point("64", "1")}) {
+    function(points);
+    EXPECT_EQ(errOf("ramp_4x4x4_float32.raw", {"--tf", "tf.json"}), said) << points;
+  }
+  for (const std::string& points : {point("0", "0.1"), point("30", "0") + "," + point("30.5", "1") + "," + point("31", "0"), point("62", "0") + "," + point("64", "1")}) {
+    function(points);
+    EXPECT_EQ(errOf("ramp_4x4x4_float32.raw", {"--tf", "tf.json"}), "wrote a.png\n") << points;
+  }
+  EXPECT_EQ(errOf("nan_4x4x4_float32.raw", {}), "warning: nothing of the volume nan_4x4x4_float32.raw is visible with this transfer function: "
+                                                "none of its values is finite\nwrote a.png\n");
+  EXPECT_EQ(errOf("nan_4x4x4_float32.raw", {"--quiet"}), "");
+}
+
 // --- compare
 
 TEST_F(CommandLine, CompareWritesPicturesMontageAndMetrics) {
