@@ -244,6 +244,7 @@ TEST_F(Refusal, WherePicturesGoIsCheckedBeforeTheWork) {
   // 16384 x 16384 pixels would take minutes.
   const auto start = std::chrono::steady_clock::now();
   expectRefused({"shot", "block", "-o", "missing/a.png", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"missing/a.png"});
+  expectRefused({"view", "--screenshot", "missing/a.png", "--after-ms", "3600000"}, kFailure, {"missing/a.png: cannot be written"});
   expectRefused({"export", "block", "--ply", "/proc/a.ply", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"/proc/a.ply"});
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
