@@ -4,6 +4,7 @@
 #include <cstring>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "app/picture.h"
 #include "app/scene.h"
@@ -233,6 +234,23 @@ TEST_F(CommandLine, CompareWritesPicturesMontageAndMetrics) {
       EXPECT_EQ(row["holeFraction"], 0.0);
     }
   }
+}
+
+TEST_F(CommandLine, CompareShowsATableAsWideForEveryTechnique) {
+  const std::string table = succeed(quick({"compare", "block", "--out", "out"})).err;
+  std::istringstream lines(table);
+  std::string line;
+  const auto width = [](const std::string& text) { return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }); };
+  ASSERT_TRUE(std::getline(lines, line));
+  const auto columns = width(line);
+  EXPECT_THAT(line, testing::HasSubstr("1.25× as far"));
+  for (const WarpDescriptor& technique : warpRegistry()) {
+    ASSERT_TRUE(std::getline(lines, line));
+    EXPECT_THAT(line, testing::StartsWith(std::string(technique.name) + " "));
+    EXPECT_EQ(width(line), columns) << line;
+    EXPECT_EQ(line.find("identical") != std::string::npos, !technique.usesFrame) << line;
+  }
+  EXPECT_THAT(table, testing::Not(testing::HasSubstr("inf")));
 }
 
 TEST_F(CommandLine, CompareIntoAnExistingFolderKeepsWhatElseIsThere) {
