@@ -56,6 +56,14 @@ TEST_F(CommandLine, HelpAndVersionSucceed) {
     EXPECT_EQ(result.err, "");
   }
   EXPECT_TRUE(folder_.listing().empty());
+
+  // Broken into lines as the terminal takes them.
+  std::istringstream words(succeed({"shot", "--help"}).out);
+  std::string shot;
+  for (std::string word; words >> word;) shot += word + " ";
+  for (const char* text : {"-360 to 360", "1 to 170; default: the scene's", "in voxels, 0.001 to 1000; default: the scene's",
+                           "Factor on the radius, 0.001 to 1000; default: the scene's", "random in the built-in volumes vessels and shells"})
+    EXPECT_THAT(shot, testing::HasSubstr(text));
 }
 
 // --- shot

@@ -82,25 +82,26 @@ void logBackend(Backend backend) {
 }  // namespace
 
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
+  const std::string sceneDefault = "; default: the scene's";
   std::string scenes;
   for (const ProceduralVolume& volume : kProceduralVolumes) scenes += std::string(volume.name) + ", ";
   command.add_option("scene", options.scene, "A built-in scene (" + scenes + "default vessels), a scene file or a volume file");
   command.add_option("--volume", options.volume, "Replaces the scene's volume by this file");
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
   command.add_option("--tf", options.transferFunction, "Transfer function file (JSON)");
-  command.add_option("--heuristic", options.heuristic, "Which depth stands for a pixel: " + listOf(kHeuristics));
-  command.add_option("--radius", options.radius, "How large a sample is: " + listOf(kRadiusPolicies));
-  command.add_option("--radius-scale", options.radiusScale, "Factor on the radius");
-  command.add_option("--step", options.step, "Distance of samples along a ray, in voxels");
+  command.add_option("--heuristic", options.heuristic, "Which depth stands for a pixel: " + listOf(kHeuristics) + sceneDefault);
+  command.add_option("--radius", options.radius, "How large a sample is: " + listOf(kRadiusPolicies) + sceneDefault);
+  command.add_option("--radius-scale", options.radiusScale, "Factor on the radius, " + rangeText(kRadiusScaleRange) + sceneDefault);
+  command.add_option("--step", options.step, "Distance of samples along a ray, in voxels, " + rangeText(kStepRange) + sceneDefault);
   command.add_option("--point-size", options.pointSize, "Pixels, 1 to 16, for points")->capture_default_str();
   command.add_option("--hits", options.hits, "Samples blended along a ray, 1 to 16, for multihit")->capture_default_str();
   command.add_option("--bvh", options.bvh, "Hierarchy that spheres are traced with: lbvh embree")->capture_default_str();
   command.add_option("--backend", options.backend, "auto cpu cuda")->capture_default_str();
   command.add_option("--gl", options.gl, "OpenGL without a window: auto egl osmesa")->capture_default_str();
   command.add_option("--size", options.size, "WxH of the pictures, in pixels")->capture_default_str();
-  command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees");
+  command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees, " + rangeText(kFovYDegRange) + sceneDefault);
   command.add_option("--uncovered", options.uncovered, "Colour (RRGGBB) of pixels that no sample covers; default transparent");
-  command.add_option("--seed", options.seed, "Of everything random")->capture_default_str();
+  command.add_option("--seed", options.seed, "Of what is random in the built-in volumes vessels and shells")->capture_default_str();
   command.add_flag("--json", options.json, "One JSON document on standard output and nothing else");
   addLogOptions(command, options);
 }
