@@ -144,6 +144,19 @@ TEST_F(CommandLine, ShotReplacesWhatIsThereAndFollowsLinks) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
+/// The example of assets/scenes/README.md, as it stands there.
+TEST_F(CommandLine, TheSceneThatTheDocumentationShowsIsOne) {
+  std::ifstream file(fs::path(WARPSCOPE_SCENES_FOLDER) / "README.md");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string opening = "```json\n";
+  const size_t begin = text.find(opening), end = text.find("```", begin + opening.size());
+  ASSERT_NE(end, std::string::npos);
+  folder_.write("engine.json", text.substr(begin + opening.size(), end - begin - opening.size()));
+  folder_.write("engine_256x256x128_uint8.raw", "");
+  fs::resize_file(folder_.path() / "engine_256x256x128_uint8.raw", 256 * 256 * 128);
+  succeed({"shot", "engine.json", "-o", "a.png", "--size", "16x12"});
+}
+
 // --- what is said about the work
 
 TEST_F(CommandLine, VerboseSaysWhatIsDoneAndQuietNothing) {
