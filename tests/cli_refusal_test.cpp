@@ -218,6 +218,17 @@ TEST_F(Refusal, OptionsWithoutTheirValue) {
   EXPECT_EQ(folder_.listing(), (std::vector<std::string>{"--quiet", "scene"}));
 }
 
+TEST_F(Refusal, HierarchiesWhereTheyAreNot) {
+  expectRefused(shot({"--bvh", "clusters", "--backend", "cpu"}), kUsage, {"clusters", "CUDA"});
+}
+
+TEST_F(Refusal, BenchesOfNothing) {
+  expectRefused({"bench", "block", "--runs", "0"}, kUsage, {"--runs"});
+  expectRefused({"bench", "block", "--runs", "1.5"}, kUsage, {"--runs"});
+  expectRefused({"bench", "block", "--technique", "reference"}, kUsage, {"reference", "no frames"});
+  expectRefused({"bench", "block", "--technique", "sphere"}, kUsage, {"sphere", "spheres"});
+}
+
 TEST_F(Refusal, CudaWithoutAGpuSaysWhy) {
   const ProgramResult info = run({"info", "--json"});
   if (!nlohmann::json::parse(info.out)["cuda"]["devices"].empty()) GTEST_SKIP() << "this machine has a GPU";

@@ -49,7 +49,7 @@ TEST_F(CommandLine, InfoListsWhatThereIs) {
 TEST_F(CommandLine, HelpAndVersionSucceed) {
   EXPECT_THAT(succeed({"--version"}).out, testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+\n"));
   const std::string help = succeed({"--help"}).out;
-  for (const char* command : {"shot", "compare", "export", "info"}) {
+  for (const char* command : {"shot", "compare", "bench", "export", "info"}) {
     EXPECT_THAT(help, testing::HasSubstr(command));
     const ProgramResult result = succeed({command, "--help"});
     EXPECT_THAT(result.out, testing::HasSubstr("--json"));
@@ -90,7 +90,7 @@ TEST_F(CommandLine, ShotWithEveryTechniqueAndPlatform) {
 
 TEST_F(CommandLine, ShotTakesEveryOption) {
   const std::vector<Arguments> options{
-      {"--bvh", "embree"}, {"--bvh", "lbvh"}, {"--radius-scale", "1.5"}, {"--step", "0.25"}, {"--fov", "75.5"}, {"--backend", "cpu"},
+      {"--bvh", "auto"}, {"--bvh", "embree"}, {"--bvh", "lbvh"}, {"--radius-scale", "1.5"}, {"--step", "0.25"}, {"--fov", "75.5"}, {"--backend", "cpu"},
       {"--backend", "auto"}, {"--seed", "7"}, {"--uncovered", "ff00ff"}, {"--view-angle", "-360"}, {"--point-size", "16"}, {"--hits", "1"}, {"--hits", "16"},
       {"--verbose"}};
   for (const Arguments& option : options) {
@@ -105,6 +105,40 @@ TEST_F(CommandLine, ShotTakesEveryOption) {
   for (const auto& policy : kRadiusPolicies)
     succeed(quick({"shot", "shells", "-o", "a.png", "--radius", std::string(policy.name)}, "2x3"));
   EXPECT_EQ(folder_.listing(), std::vector<std::string>{"a.png"});
+}
+
+// --- bench
+
+TEST_F(CommandLine, BenchMeasuresEveryTechniqueThatDrawsFrames) {
+  const json report = document(quick({"bench", "block", "--backend", "cpu", "--runs", "3", "--json"}, "96x64"));
+  for (const char* key : {"device", "backend", "samples", "marchMs", "compactMs", "copyMs", "serverMs", "encodeMs", "bytes", "buildMs", "views",
+                          "techniques", "scene", "width", "height", "step", "heuristic", "radius", "runs", "version", "backends"})
+    EXPECT_TRUE(report.contains(key)) << key;
+  EXPECT_EQ(report["backend"], "cpu");
+  EXPECT_EQ(report["bytes"], 12 * report["samples"].get<size_t>());
+  EXPECT_GT(report["marchMs"].get<double>(), 0.0);
+  EXPECT_GE(report["serverMs"].get<double>(), report["marchMs"].get<double>());
+  ASSERT_EQ(report["backends"].size(), 1u);
+  size_t drawing = 0;
+  for (const WarpDescriptor& technique : warpRegistry()) drawing += technique.usesFrame;
+  ASSERT_EQ(report["techniques"].size(), drawing);
+  for (const json& technique : report["techniques"]) {
+    ASSERT_EQ(technique["views"].size(), 5u);
+    EXPECT_GE(technique["firstPictureMs"].get<double>(), technique["buildMs"].get<double>());
+    for (const json& view : technique["views"]) {
+      EXPECT_GT(view["drawMs"].get<double>(), 0.0);
+      EXPECT_NEAR(view["fps"].get<double>() * view["drawMs"].get<double>(), 1000.0, 1e-6);
+    }
+    if (technique["technique"] == "spheres") EXPECT_EQ(technique["views"], report["views"]);
+  }
+  EXPECT_TRUE(folder_.listing().empty());
+}
+
+TEST_F(CommandLine, BenchOfChosenTechniquesAsText) {
+  const ProgramResult result = succeed(quick({"bench", "block", "--backend", "cpu", "--runs", "1", "--technique", "splats"}, "64x64"));
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, testing::HasSubstr("splats"));
+  EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("spheres")));
 }
 
 TEST_F(CommandLine, UncoveredPixelsTakeTheColourThatIsAskedFor) {

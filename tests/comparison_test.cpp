@@ -61,10 +61,12 @@ TEST(Comparison, RowsSayWhatPicturesDrawnAnewSay) {
   const Scene& scene = stage.scene();
   const ComparisonSettings settings = settingsFor(scene);
   const auto marcher = std::make_shared<CountingMarcher>(stage.resources().marcher);
+  WarpResources resources = stage.resources();
+  resources.marcher = marcher;
   size_t steps = 0;
   std::vector<std::pair<const WarpDescriptor*, size_t>> pictures;
   const Comparison comparison = compareTechniques(
-      scene, {marcher, stage.resources().context}, settings,
+      scene, resources, settings,
       [&](const WarpDescriptor& technique, size_t view, const WarpedImage& image) {
         pictures.emplace_back(&technique, view);
         EXPECT_EQ(image.color.width(), settings.width);

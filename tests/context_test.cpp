@@ -84,7 +84,8 @@ class StubbornContext final : public gl::Context {
 
 TEST_P(Contexts, ATechniqueGoesThoughItsContextCannotBeMadeCurrent) {
   StubbornContext context(GetParam());
-  const WarpResources resources{nullptr, [&]() -> gl::Context& { return context; }};
+  WarpResources resources;
+  resources.context = [&]() -> gl::Context& { return context; };
   const auto programs = [] {
     int count = 0;
     for (GLuint name = 1; name < 64; ++name) count += glIsProgram(name);

@@ -1,5 +1,6 @@
-// Splats show what brute force and the hierarchy show, bit for bit: hard cases 3-5, 12, 20-23, 25, 53 and 55, and clouds that would make
-// lists of tiles large. Mirrors render/warp/splats/splat_tracer.h and screen_bins.h.
+// Splats show what brute force and the hierarchy show, bit for bit: tangent, tiny, huge, coincident and flat clouds, the eye among them,
+// any image, any number of threads, and clouds that would make lists of tiles large.
+// Mirrors render/warp/splats/splat_tracer.h and screen_bins.h.
 #include "render/warp/splats/splat_tracer.h"
 
 #include <gtest/gtest.h>

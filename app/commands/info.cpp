@@ -10,6 +10,7 @@
 #include "app/log.h"
 #include "render/core/error.h"
 #include "render/cuda/devices.h"
+#include "render/cuda/gl_interop.h"
 #include "render/volume/reader.h"
 
 namespace warpscope {
@@ -21,7 +22,13 @@ Json describeGl(gl::Platform platform) {
   logDetail(std::string("looking for OpenGL through ") + (platform == gl::Platform::egl ? "EGL" : "OSMesa"));
   try {
     const std::unique_ptr<gl::Context> context = gl::makeHeadlessContext(platform);
-    return {{"platform", context->platformName()}, {"renderer", context->renderer()}, {"version", context->version()}};
+    Json description{{"platform", context->platformName()}, {"renderer", context->renderer()}, {"version", context->version()}};
+    if (cuda::whyUnavailable().empty()) {
+      context->makeCurrent();
+      const std::string reason = cuda::whyNoInterop();
+      description["cudaPictures"] = reason.empty() ? "by interop" : "through page-locked memory: " + reason;
+    }
+    return description;
   } catch (const InputError& error) {
     return {{"unavailable", error.what()}};
   }
@@ -85,7 +92,8 @@ void printGl(const std::string& name, const Json& gl) {
     std::cout << gl["unavailable"].get<std::string>() << '\n';
   else
     std::cout << gl["platform"].get<std::string>() << ", " << gl["renderer"].get<std::string>() << ", "
-              << gl["version"].get<std::string>() << '\n';
+              << gl["version"].get<std::string>()
+              << (gl.contains("cudaPictures") ? ", CUDA pictures " + gl["cudaPictures"].get<std::string>() : "") << '\n';
 }
 
 void inform(const CommonOptions& options) {

@@ -156,6 +156,11 @@ CheckedOptions check(const CommonOptions& options) {
     checked.overrides.proceduralDims = {dims[0], dims[1], dims[2]};
   }
   validate(checked.warp);
+  const bool isOnDevice = checked.backend == Backend::cuda || (checked.backend == Backend::automatic && cuda::whyUnavailable().empty());
+  if (checked.warp.sphereTracing == SphereTracing::clusters && !isOnDevice)
+    throw UsageError("--bvh clusters: this hierarchy is for CUDA devices; choose auto, lbvh or embree");
+  if (checked.warp.sphereTracing == SphereTracing::embree && isOnDevice)
+    throw UsageError("--bvh embree: Embree traces on the CPU; add --backend cpu, or choose auto, lbvh or clusters");
   if (checked.backend == Backend::cuda)
     if (const std::string reason = cuda::whyUnavailable(); !reason.empty())
       throw DeviceError("the backend cuda cannot be used: " + reason);

@@ -19,7 +19,13 @@ inline constexpr int kBatchLanes = static_cast<int>(FloatBatch::size);
 // Templates find these by the namespace of their arguments, wherever they were defined.
 namespace xsimd {
 
-inline batch<float> mulAdd(const batch<float>& a, const batch<float>& b, const batch<float>& c) { return fma(a, b, c); }
+inline batch<float> mulAdd(const batch<float>& a, const batch<float>& b, const batch<float>& c) {
+#if XSIMD_WITH_AVX512F
+  return _mm512_fmadd_ps(a, b, c);  // xsimd 8 has no fma for these: its general one rounds twice, where one number at a time rounds once
+#else
+  return fma(a, b, c);
+#endif
+}
 inline batch<float> minOf(const batch<float>& a, const batch<float>& b) { return min(a, b); }
 inline batch<float> maxOf(const batch<float>& a, const batch<float>& b) { return max(a, b); }
 inline batch<int32_t> minOf(const batch<int32_t>& a, const batch<int32_t>& b) { return min(a, b); }

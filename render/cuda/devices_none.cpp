@@ -4,7 +4,11 @@
 
 namespace warpscope::cuda {
 
-DeviceReport listDevices() { return {.reason = "this build has no CUDA: nvcc was not found when it was configured"}; }
+DeviceReport listDevices() {
+  DeviceReport report;
+  report.reason = "this build has no CUDA: nvcc was not found when it was configured";
+  return report;
+}
 
 std::string whyUnavailable() { return listDevices().reason; }
 

@@ -16,21 +16,22 @@ struct PixelPlace {
   uint32_t x, y;
 };
 
-/// Of this thread's tile: its first pixel.
-__device__ inline PixelPlace tileOfThread(uint32_t firstRow) {
-  return {(blockIdx.x * kTilesPerBlock + threadIdx.x / 32) * kTileWidth, firstRow + blockIdx.y * kTileHeight};
+/// Of this thread's tile: its first pixel. Tiles may be several times as high, each lane then having as many pixels, kTileHeight apart.
+__device__ inline PixelPlace tileOfThread(uint32_t firstRow, unsigned pixelsPerLane = 1) {
+  return {(blockIdx.x * kTilesPerBlock + threadIdx.x / 32) * kTileWidth, firstRow + blockIdx.y * kTileHeight * pixelsPerLane};
 }
 
-/// May lie beyond the image.
-__device__ inline PixelPlace pixelOfThread(uint32_t firstRow) {
-  const PixelPlace tile = tileOfThread(firstRow);
+/// The lane's k-th pixel of a tile. May lie beyond the image.
+__device__ inline PixelPlace pixelOfTile(const PixelPlace& tile, unsigned k = 0) {
   const unsigned lane = threadIdx.x % 32;
-  return {tile.x + lane % kTileWidth, tile.y + lane / kTileWidth};
+  return {tile.x + lane % kTileWidth, tile.y + k * kTileHeight + lane / kTileWidth};
 }
+
+__device__ inline PixelPlace pixelOfThread(uint32_t firstRow) { return pixelOfTile(tileOfThread(firstRow)); }
 
 /// Blocks for an image, or for `height` rows of one.
-inline dim3 tileGrid(uint32_t width, uint32_t height) {
-  return {cuda::blocksFor(width, kTileWidth * kTilesPerBlock), cuda::blocksFor(height, kTileHeight), 1};
+inline dim3 tileGrid(uint32_t width, uint32_t height, unsigned pixelsPerLane = 1) {
+  return {cuda::blocksFor(width, kTileWidth * kTilesPerBlock), cuda::blocksFor(height, kTileHeight * pixelsPerLane), 1};
 }
 
 }  // namespace warpscope

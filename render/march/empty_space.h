@@ -41,7 +41,7 @@ class EmptySpace {
       const float t = lattice.t(i);
       glm::ivec3 cell;
       for (int axis = 0; axis < 3; ++axis) {
-        const float place = origin_[axis] + t * direction_[axis];
+        const float place = mulAdd(t, direction_[axis], origin_[axis]);  // the very place that is sampled: edges are powers of two
         cell[axis] = minOf(truncated(maxOf(place, 0.0f)), cells_.dims[axis] - 1);
       }
       const int distance = cells_.distances[(size_t(cell.z) * cells_.dims.y + cell.y) * cells_.dims.x + cell.x];

@@ -34,11 +34,12 @@ __global__ void __launch_bounds__(kTileBlockThreads) traceHits(const __grid_cons
   const PixelPlace pixel = pixelOfThread(0);
   const bool isInside = pixel.x < camera.width && pixel.y < camera.height;
   const Ray ray = pixelRay(camera, {static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f});
-  GatheredHits<Hits> hits{tree.ids, isInside, {}};
-  traceClusters(tree, camera, tile, ray.direction, memory[threadIdx.x / 32], hits);
+  const glm::vec3 directions[1] = {ray.direction};
+  GatheredHits<Hits> hits[1] = {{tree.ids, isInside, {}}};
+  traceClusters(tree, camera, tile, directions, memory[threadIdx.x / 32], hits);
   if (!isInside) return;
   const size_t i = size_t{pixel.y} * camera.width + pixel.x;
-  const NearestHits<Hits>& nearest = hits.nearest;
+  const NearestHits<Hits>& nearest = hits[0].nearest;
   pixels.samples[i] = nearest.id(0);
   glm::vec4 color = nearest.id(0) == kNoSample ? glm::vec4(0.0f) : tables->decode(colors[nearest.id(0)]);
 #pragma unroll

@@ -5,6 +5,7 @@
 #include "render/core/ray_sphere.h"
 #include "render/cuda/pixel_tiles.cuh"
 #include "render/cuda/warp_reduce.cuh"
+#include "render/warp/device/earliest_hit.cuh"
 #include "render/warp/clusters/cluster_tree.h"
 
 namespace warpscope {
@@ -21,7 +22,7 @@ struct TileFrustum {
   float axisDotEye;
   float margin;
 
-  __device__ TileFrustum(const Camera& camera, const PixelPlace& tile, float reach) {
+  __device__ TileFrustum(const Camera& camera, const PixelPlace& tile, uint32_t tileHeight, float reach) {
     const float edge = pixelEdge(camera);
     const auto columnAt = [&](uint32_t x) {
       return camera.forward + (static_cast<float>(x) + 0.5f - 0.5f * camera.width) * edge * camera.right;
@@ -34,7 +35,7 @@ struct TileFrustum {
       return glm::dot(normal, positive) < 0.0f ? -normal : normal;
     };
     const uint32_t lastX = min(tile.x + kTileWidth, camera.width) - 1;
-    const uint32_t lastY = min(tile.y + kTileHeight, camera.height) - 1;
+    const uint32_t lastY = min(tile.y + tileHeight, camera.height) - 1;
     normals[0] = inwards(camera.up, columnAt(tile.x), camera.right);
     normals[1] = inwards(camera.up, columnAt(lastX), -camera.right);
     normals[2] = inwards(camera.right, rowAt(tile.y), -camera.up);
@@ -78,50 +79,40 @@ struct TileFrustum {
 
 /// What the warps of a block share among their lanes.
 struct ClusterWarpMemory {
-  float depths[kMaxClusterLevels][kClusterWidth];
+  float depths[kMaxClusterLevels][kClusterWidth];  // of the open nodes' children; infinite for those that are done
+  uint32_t firstChild[kMaxClusterLevels];
   float4 spheres[kClusterWidth];  // centre from the eye, and widenedSquare
   float2 exact[kClusterWidth];    // radius, outsideSphere
 };
 
-/// The square of a sphere's radius, so much larger that earliestHit() is below what intersectSphere finds: with q = 2^-18 times the centre's
-/// distance, r^2 + q (r + q). Its root exceeds that of r^2, less what single precision loses of the squared distance from the ray, by at
-/// least q / 4, which is sixteen roundings of the distance; the distance along the ray, its root and intersectSphere's result lose less than
-/// half of that.
-__device__ inline float widenedSquare(float distance, float radius) {
-  const float q = distance * (1.0f / 262144.0f);
-  return fmaf(q, radius + q, radius * radius);
-}
-
-/// At most the distance at which the ray in `direction` meets the sphere; NaN if it passes it.
-__device__ inline float earliestHit(const glm::vec3& direction, const float4& sphere) {
-  const float along = fmaf(sphere.x, direction.x, fmaf(sphere.y, direction.y, sphere.z * direction.z));
-  const float x = fmaf(-along, direction.x, sphere.x), y = fmaf(-along, direction.y, sphere.y), z = fmaf(-along, direction.z, sphere.z);
-  const float discriminant = fmaf(-x, x, fmaf(-y, y, fmaf(-z, z, sphere.w)));
-  float root;
-  asm("sqrt.approx.f32 %0, %1;" : "=f"(root) : "f"(discriminant));
-  return along - root;
-}
-
-/// Walks the tree for the tile of the calling warp, all of whose lanes must call. `hits` of a lane gathers for its pixel:
+/// Walks the tree for the tile of the calling warp, all of whose lanes must call, each for `kRays` pixels (see pixel_tiles.cuh) with their
+/// rays' directions. `hits` gathers for each of these:
 ///   float farthest() const                       distance beyond which nothing is wanted any more; negative for a pixel outside the image
 ///   void add(uint32_t place, float t)            a hit at t <= farthest(), at most once for each place in Morton order
-template <class Hits>
-__device__ inline void traceClusters(const ClusterTreeView& tree, const Camera& camera, const PixelPlace& tile, const glm::vec3& direction,
-                                     ClusterWarpMemory& memory, Hits& hits) {
+template <int kRays, class Hits>
+__device__ inline void traceClusters(const ClusterTreeView& tree, const Camera& camera, const PixelPlace& tile,
+                                     const glm::vec3 (&directions)[kRays], ClusterWarpMemory& memory, Hits (&hits)[kRays]) {
   if (tree.levels == 0) return;
   const unsigned lane = threadIdx.x % 32;
-  const TileFrustum frustum(camera, tile, tree.reach);
-  uint32_t firstChild[kMaxClusterLevels];  // of the node that is open at each level
-  float farthest = warpMax(fmaxf(hits.farthest(), 0.0f));
+  const TileFrustum frustum(camera, tile, kRays * kTileHeight, tree.reach);
+  const auto farthestOfTile = [&] {
+    float farthest = 0.0f;
+    for (int ray = 0; ray < kRays; ++ray) farthest = fmaxf(farthest, hits[ray].farthest());
+    return warpMax(farthest);
+  };
+  float farthest = farthestOfTile();
+
+  // Of the node that is open at the current level; those above wait in the warp's memory.
+  uint32_t firstChild = 0;
+  float depth = kNoHit;
 
   const auto open = [&](int level, uint32_t first) {
-    firstChild[level] = first;
-    float depth = kNoHit;
+    firstChild = first;
+    depth = kNoHit;
     if (first + lane < tree.boxCount[level]) {
       const float4* box = tree.boxes[level] + 2 * size_t{first + lane};
       depth = frustum.entryDistance(box[0], box[1]);
     }
-    memory.depths[level][lane] = depth;
   };
 
   const auto meetSpheres = [&](uint32_t cluster) {
@@ -137,37 +128,44 @@ __device__ inline void traceClusters(const ClusterTreeView& tree, const Camera& 
       memory.exact[lane] = {sphere.w, outsideSphere(toCenter, sphere.w)};
     }
     uint32_t near = __ballot_sync(kAllLanes, isNear);
-    __syncwarp();
     if (near == 0) return;
+    __syncwarp();
     for (; near != 0; near &= near - 1) {
       const int k = __ffs(static_cast<int>(near)) - 1;
       const float4 sphere = memory.spheres[k];
-      if (!(earliestHit(direction, sphere) <= hits.farthest())) continue;
-      const float2 exact = memory.exact[k];
-      const float t = intersectSphereFromOrigin(direction, {sphere.x, sphere.y, sphere.z}, exact.x, exact.y);
-      if (t <= hits.farthest() && t < kNoHit) hits.add(first + static_cast<uint32_t>(k), t);
+      for (int ray = 0; ray < kRays; ++ray) {
+        if (!(earliestHit(directions[ray], sphere) <= hits[ray].farthest())) continue;
+        const float2 exact = memory.exact[k];
+        const float t = intersectSphereFromOrigin(directions[ray], {sphere.x, sphere.y, sphere.z}, exact.x, exact.y);
+        if (t <= hits[ray].farthest() && t < kNoHit) hits[ray].add(first + static_cast<uint32_t>(k), t);
+      }
     }
     __syncwarp();
-    farthest = warpMax(fmaxf(hits.farthest(), 0.0f));
+    farthest = farthestOfTile();
   };
 
   const int top = tree.levels - 1;
   int level = top;
   open(top, 0);
   for (;;) {
-    const float depth = memory.depths[level][lane];
     const float nearest = warpMin(depth);
-    if (!(nearest <= farthest) || nearest == kNoHit) {
+    if (!(nearest <= farthest) || nearest == kNoHit) {  // nothing more at this level
       if (++level > top) return;
+      depth = memory.depths[level][lane];
+      firstChild = memory.firstChild[level];
       continue;
     }
     const int pick = __ffs(static_cast<int>(__ballot_sync(kAllLanes, depth == nearest))) - 1;
-    if (static_cast<int>(lane) == pick) memory.depths[level][lane] = kNoHit;
-    const uint32_t child = firstChild[level] + static_cast<uint32_t>(pick);
-    if (level == 0)
+    if (static_cast<int>(lane) == pick) depth = kNoHit;
+    const uint32_t child = firstChild + static_cast<uint32_t>(pick);
+    if (level == 0) {
       meetSpheres(child);
-    else
-      open(--level, child * kClusterWidth);
+      continue;
+    }
+    memory.depths[level][lane] = depth;
+    if (lane == 0) memory.firstChild[level] = firstChild;
+    __syncwarp();
+    open(--level, child * kClusterWidth);
   }
 }
 

@@ -61,20 +61,29 @@ class NearestHit {
   uint32_t place_ = kNoSample;
 };
 
+/// Pixels of each lane: with two, half as many tiles walk the tree, and each sphere is fetched for twice as many rays.
+constexpr int kRaysPerLane = 2;
+
 __global__ void __launch_bounds__(kTileBlockThreads) traceNearest(const __grid_constant__ ClusterTreeView tree,
                                                                   const __grid_constant__ Camera camera, uint32_t* ids, float* depth) {
   __shared__ ClusterWarpMemory memory[kTilesPerBlock];
-  const PixelPlace tile = tileOfThread(0);
+  const PixelPlace tile = tileOfThread(0, kRaysPerLane);
   if (tile.x >= camera.width || tile.y >= camera.height) return;  // the whole warp
-  const PixelPlace pixel = pixelOfThread(0);
-  const bool isInside = pixel.x < camera.width && pixel.y < camera.height;
-  const Ray ray = pixelRay(camera, {static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f});
-  NearestHit hit(tree.ids, isInside);
-  traceClusters(tree, camera, tile, ray.direction, memory[threadIdx.x / 32], hit);
-  if (!isInside) return;
-  const size_t i = size_t{pixel.y} * camera.width + pixel.x;
-  ids[i] = hit.id();
-  if (depth != nullptr) depth[i] = hit.t();
+  const auto pixelOf = [&](int ray) { return pixelOfTile(tile, static_cast<unsigned>(ray)); };
+  const auto isInside = [&](const PixelPlace& pixel) { return pixel.x < camera.width && pixel.y < camera.height; };
+  const auto directionOf = [&](const PixelPlace& pixel) {
+    return pixelRay(camera, {static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f}).direction;
+  };
+  const glm::vec3 directions[kRaysPerLane] = {directionOf(pixelOf(0)), directionOf(pixelOf(1))};
+  NearestHit hits[kRaysPerLane] = {{tree.ids, isInside(pixelOf(0))}, {tree.ids, isInside(pixelOf(1))}};
+  traceClusters(tree, camera, tile, directions, memory[threadIdx.x / 32], hits);
+  for (int ray = 0; ray < kRaysPerLane; ++ray) {
+    const PixelPlace pixel = pixelOf(ray);
+    if (!isInside(pixel)) continue;
+    const size_t i = size_t{pixel.y} * camera.width + pixel.x;
+    ids[i] = hits[ray].id();
+    if (depth != nullptr) depth[i] = hits[ray].t();
+  }
 }
 
 }  // namespace
@@ -114,7 +123,7 @@ ClusterTreeView DeviceClusterTree::view() const {
 }
 
 void DeviceClusterTree::trace(const Camera& camera, uint32_t* ids, float* depth, cudaStream_t stream) const {
-  traceNearest<<<tileGrid(camera.width, camera.height), kTileBlockThreads, 0, stream>>>(view(), camera, ids, depth);
+  traceNearest<<<tileGrid(camera.width, camera.height, kRaysPerLane), kTileBlockThreads, 0, stream>>>(view(), camera, ids, depth);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 

@@ -1,0 +1,91 @@
+// Techniques that draw a frame as spheres show the same samples, on every built-in scene.
+// Mirrors render/warp/sphere_cloud_warp.h; what all techniques owe their caller is in warp_test.cpp.
+#include "render/warp/sphere_cloud_warp.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "render/core/ray_sphere.h"
+#include "tests/headless.h"
+
+namespace warpscope {
+namespace {
+
+TEST(SphereCloudWarp, EmbreeAndLbvhSeeTheSameOnRealFrames) {
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Stage stage(smallScene(builtin.name, 64));
+    const SampleFramePtr frame = stage.frame(stage.camera(320, 240), stage.scene().march);
+    for (const double turn : {0.0, 12.0, -40.0}) {
+      const Camera camera = stage.camera(320, 240, turn);
+      WarpSettings lbvh, embree;
+      embree.sphereTracing = SphereTracing::embree;
+      const WarpedImage a = stage.draw("spheres", frame, camera, lbvh);
+      const WarpedImage b = stage.draw("spheres", frame, camera, embree);
+      size_t different = 0;
+      for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) {
+          const uint32_t ids[2] = {a.samples(x, y), b.samples(x, y)};
+          if (ids[0] == ids[1]) continue;
+          ++different;
+          // Only where rounding decides: hits of one distance, or a silhouette that one of them just misses.
+          const Ray ray = pixelRay(camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+          double t[2], miss[2] = {1.0, 1.0};
+          for (int k = 0; k < 2; ++k) {
+            t[k] = std::numeric_limits<double>::infinity();
+            if (ids[k] == kNoSample) continue;
+            const Sphere sphere = frame->sphere(ids[k]);
+            const glm::dvec3 direction = glm::normalize(glm::dvec3(ray.direction));
+            const glm::dvec3 toCenter = glm::dvec3(sphere.center) - glm::dvec3(ray.origin);
+            const double along = glm::dot(toCenter, direction);
+            const glm::dvec3 offset = toCenter - along * direction;
+            const double radius = sphere.radius;
+            miss[k] = std::abs(glm::length(offset) - radius) / radius;
+            t[k] = along - std::sqrt(std::max(0.0, radius * radius - glm::dot(offset, offset)));
+          }
+          const bool isTie = std::abs(t[0] - t[1]) < 1e-4 * std::max(1.0, std::min(t[0], t[1]));
+          const bool isSilhouette = std::min(miss[0], miss[1]) < 1e-3;
+          EXPECT_TRUE(isTie || isSilhouette) << builtin.name << " " << turn << " degrees, pixel " << x << " " << y << ": ids "
+                                             << ids[0] << " " << ids[1] << ", t " << t[0] << " " << t[1];
+        }
+      EXPECT_LT(different, 100u) << builtin.name << ", " << turn << " degrees";
+    }
+  }
+}
+
+/// Splats, and the first hit of several, are the traced picture: sample for sample and bit for bit.
+TEST(SphereCloudWarp, SplatsAndOneHitShowWhatSpheresShow) {
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Stage stage(smallScene(builtin.name, 64));
+    const SampleFramePtr frame = stage.frame(stage.camera(320, 240), stage.scene().march);
+    for (const double turn : {0.0, 12.0, -40.0, 170.0}) {
+      SCOPED_TRACE(builtin.name + ", " + std::to_string(turn) + " degrees");
+      const Camera camera = stage.camera(301, 243, turn);
+      const WarpedImage spheres = stage.draw("spheres", frame, camera);
+      const WarpedImage splats = stage.draw("splats", frame, camera);
+      EXPECT_GT(std::count_if(spheres.samples.begin(), spheres.samples.end(), [](uint32_t id) { return id != kNoSample; }), 1000);
+      EXPECT_EQ(splats.samples, spheres.samples);
+      EXPECT_EQ(splats.color, spheres.color);
+      WarpSettings settings;
+      settings.hits = 1;
+      const WarpedImage oneHit = stage.draw("multihit", frame, camera, settings);
+      EXPECT_EQ(oneHit.samples, spheres.samples);
+      EXPECT_EQ(oneHit.color, spheres.color);
+      // More hits see the same sample first, and never less of the volume.
+      const WarpedImage fourHits = stage.draw("multihit", frame, camera);
+      EXPECT_EQ(fourHits.samples, spheres.samples);
+      size_t more = 0, less = 0;
+      for (size_t i = 0; i < spheres.color.size(); ++i) {
+        more += fourHits.color[i].a > spheres.color[i].a;
+        less += fourHits.color[i].a < spheres.color[i].a;
+      }
+      EXPECT_EQ(less, 0u);
+      EXPECT_GT(more, 100u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace warpscope
