@@ -12,6 +12,24 @@
 #include "render/metrics/psnr.h"
 
 namespace warpscope {
+namespace {
+
+/// Two decimals where they say something: 0.75, 1.25, 2, 12.5. Small factors keep two digits: 0.0042.
+std::string factorText(double factor) {
+  char text[48];
+  if (factor < 0.095) {
+    std::snprintf(text, sizeof text, "%.2g", factor);
+    return text;
+  }
+  std::snprintf(text, sizeof text, "%.2f", factor);
+  std::string shown = text;
+  shown.erase(shown.find_last_not_of('0') + 1);
+  if (shown.ends_with('.')) shown.pop_back();
+  return shown;
+}
+
+}  // namespace
+
 Comparison compareTechniques(const Scene& scene, const WarpResources& resources, const ComparisonSettings& settings,
                              const std::function<void(const WarpDescriptor&, size_t, const WarpedImage&)>& onPicture,
                              const std::function<void(const std::string&)>& onStep, const std::stop_token& stop) {
@@ -74,8 +92,7 @@ std::string viewCaption(const View& view, const View& first) {
   }
   const double ratio = view.distance / first.distance;
   if (std::abs(ratio - 1.0) > 1e-6) {
-    std::snprintf(text, sizeof text, ", %.2g× as far", ratio);
-    caption += text;
+    caption += ", " + factorText(ratio) + "× as far";
   }
   return caption;
 }

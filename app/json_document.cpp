@@ -1,10 +1,11 @@
-// Parsing with lines, and checked access.
+// Parsing, finding lines, and checked access.
 // See json_document.h.
 #include "app/json_document.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 
 #include "render/core/error.h"
 #include "render/core/nearest_name.h"
@@ -46,81 +47,60 @@ class CountingIterator {
   bool afterBreak_ = false;
 };
 
-std::string escapePointer(std::string key) {
-  for (size_t i = 0; i < key.size(); ++i) {
-    if (key[i] == '~') key.replace(i++, 1, "~0");
-    else if (key[i] == '/') key.replace(i++, 1, "~1");
-  }
-  return key;
-}
-
-/// Builds the value and notes where everything begins.
-class LineNotingSax : public nlohmann::json_sax<Json> {
+/// Builds the value, and complains about what the format allows but no document of this program may have.
+class BuildingSax : public nlohmann::json_sax<Json> {
  public:
-  LineNotingSax(Json& root, std::map<std::string, int>& lines, const int& line, const std::string& source)
-      : root_(root), lines_(lines), line_(line), source_(source) {}
+  BuildingSax(Json& root, const int& line, const std::string& source) : root_(root), line_(line), source_(source) {}
 
   bool null() override { return put(nullptr); }
   bool boolean(bool value) override { return put(value); }
   bool number_integer(number_integer_t value) override { return put(value); }
   bool number_unsigned(number_unsigned_t value) override { return put(value); }
   bool number_float(number_float_t value, const string_t&) override { return put(value); }
-  bool string(string_t& value) override { return put(value); }
+  bool string(string_t& value) override {
+    requireText(value);
+    return put(std::move(value));
+  }
   bool binary(binary_t&) override { return false; }
   bool start_object(size_t) override { return open(Json::object()); }
   bool start_array(size_t) override { return open(Json::array()); }
   bool end_object() override { return close(); }
   bool end_array() override { return close(); }
   bool key(string_t& key) override {
-    if (open_.back().value->contains(key))
-      throw InputError(source_ + ":" + std::to_string(line_) + ": the key '" + key + "' stands there twice");
-    key_ = key;
-    lines_[open_.back().pointer + "/" + escapePointer(key)] = line_;
+    requireText(key);
+    const auto [member, isNew] = open_.back()->get_ref<Json::object_t&>().try_emplace(key);
+    if (!isNew) fail("the key '" + key + "' stands there twice");
+    member_ = &member->second;
     return true;
   }
   bool parse_error(size_t, const std::string& token, const nlohmann::detail::exception& error) override {
     // The parser's text begins with an identifier of its own and the position; what was expected comes last.
     const std::string text = error.what();
     const size_t reason = text.find("; ");
-    throw InputError(source_ + ":" + std::to_string(line_) + ": not valid JSON near '" + token.substr(0, 40) + "'" +
-                     (reason == std::string::npos ? "" : ": " + text.substr(reason + 2)));
+    fail("not valid JSON near '" + token.substr(0, 40) + "'" + (reason == std::string::npos ? "" : ": " + text.substr(reason + 2)));
   }
 
  private:
-  struct Open {
-    Json* value;
-    std::string pointer;
-  };
+  [[noreturn]] void fail(const std::string& text) const { throw InputError(source_ + ":" + std::to_string(line_) + ": " + text); }
+  /// Names of files end at a zero, and so do messages.
+  void requireText(const string_t& text) const {
+    if (text.find('\0') != string_t::npos) fail("a string must not contain the character zero (\\u0000)");
+  }
 
-  Json* attach(Json value, std::string& pointer) {
-    if (open_.empty()) {
-      root_ = std::move(value);
-      pointer = "";
-      lines_[pointer] = line_;
-      return &root_;
-    }
-    Open& parent = open_.back();
-    if (parent.value->is_array()) {
-      pointer = parent.pointer + "/" + std::to_string(parent.value->size());
-      lines_[pointer] = line_;
-      parent.value->push_back(std::move(value));
-      return &parent.value->back();
-    }
-    pointer = parent.pointer + "/" + escapePointer(key_);
-    return &((*parent.value)[key_] = std::move(value));
+  Json* attach(Json value) {
+    if (open_.empty()) return &(root_ = std::move(value));
+    if (!open_.back()->is_array()) return &(*member_ = std::move(value));
+    auto& elements = open_.back()->get_ref<Json::array_t&>();
+    return &elements.emplace_back(std::move(value));
   }
   bool put(Json value) {
-    std::string pointer;
-    attach(std::move(value), pointer);
+    attach(std::move(value));
     return true;
   }
   bool open(Json value) {
     constexpr size_t kDeepest = 64;
-    if (open_.size() >= kDeepest)
-      throw InputError(source_ + ":" + std::to_string(line_) + ": nested more than 64 levels deep");
-    std::string pointer;
-    Json* attached = attach(std::move(value), pointer);
-    open_.push_back({attached, pointer});
+    if (open_.size() >= kDeepest) fail("nested more than 64 levels deep");
+    open_.push_back(attach(std::move(value)));
     return true;
   }
   bool close() {
@@ -129,67 +109,137 @@ class LineNotingSax : public nlohmann::json_sax<Json> {
   }
 
   Json& root_;
-  std::map<std::string, int>& lines_;
   const int& line_;
   const std::string& source_;
-  std::vector<Open> open_;
-  std::string key_;
+  std::vector<Json*> open_;  // what is being filled, outermost first; only the last grows, so that the others stay where they are
+  Json* member_ = nullptr;   // the value of the key that was read last
 };
 
-std::string displayName(const std::string& pointer) {
-  std::string name = pointer.empty() ? "the document" : "'" + pointer.substr(1) + "'";
-  for (char& c : name)
-    if (c == '/') c = '.';
-  return name;
+/// Walks over a text that was parsed before until the value that `path` leads to begins, and notes the line: a key's, if it has one.
+class LineFindingSax : public nlohmann::json_sax<Json> {
+ public:
+  LineFindingSax(std::span<const std::string> path, const int& line) : path_(path), line_(line) {}
+
+  /// Nothing until the value is found.
+  std::optional<int> found() const { return found_; }
+
+  bool null() override { return begin(); }
+  bool boolean(bool) override { return begin(); }
+  bool number_integer(number_integer_t) override { return begin(); }
+  bool number_unsigned(number_unsigned_t) override { return begin(); }
+  bool number_float(number_float_t, const string_t&) override { return begin(); }
+  bool string(string_t&) override { return begin(); }
+  bool binary(binary_t&) override { return false; }
+  bool start_object(size_t) override { return open(false); }
+  bool start_array(size_t) override { return open(true); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool key(string_t& key) override { return step(key); }
+  bool parse_error(size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
+
+ private:
+  struct Open {
+    bool isArray;
+    bool isOnPath;
+    size_t count = 0;  // elements that have begun
+  };
+
+  /// The next member or element of the innermost value. False, which ends the walk, if it is the one.
+  bool step(std::string_view name) {
+    isOnPath_ = open_.back().isOnPath && path_[open_.size() - 1] == name;
+    if (isOnPath_ && open_.size() == path_.size()) found_ = line_;
+    return !found_;
+  }
+  bool begin() {
+    if (open_.empty()) {
+      isOnPath_ = true;
+      if (path_.empty()) found_ = line_;
+      return !found_;
+    }
+    Open& parent = open_.back();
+    if (!parent.isArray) return true;  // key() has been asked
+    const size_t index = parent.count++;
+    if (parent.isOnPath) return step(std::to_string(index));
+    isOnPath_ = false;
+    return true;
+  }
+  bool open(bool isArray) {
+    if (!begin()) return false;
+    open_.push_back({isArray, isOnPath_});
+    return true;
+  }
+  bool close() {
+    open_.pop_back();
+    return true;
+  }
+
+  std::span<const std::string> path_;
+  const int& line_;
+  std::vector<Open> open_;
+  bool isOnPath_ = false;  // the value that begins next, or has begun last
+  std::optional<int> found_;
+};
+
+template <class Sax>
+void walk(std::string_view text, int& line, Sax& sax) {
+  Json::sax_parse(CountingIterator(text.data(), &line), CountingIterator(text.data() + text.size(), &line), &sax);
 }
 
-std::string numberText(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
+std::string displayName(std::span<const std::string> path) {
+  if (path.empty()) return "the document";
+  std::string name;
+  for (const std::string& step : path) name += (name.empty() ? "'" : ".") + step;
+  return name + "'";
 }
 
 }  // namespace
 
 std::string textOf(const Json& document) { return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
-JsonDocument::JsonDocument(std::string_view text, std::string source) : source_(std::move(source)) {
+JsonDocument::JsonDocument(std::string_view text, std::string source) : text_(text), source_(std::move(source)) {
   int line = 1;
-  LineNotingSax sax(value_, lines_, line, source_);
-  Json::sax_parse(CountingIterator(text.data(), &line), CountingIterator(text.data() + text.size(), &line), &sax);
+  BuildingSax sax(value_, line, source_);
+  walk(text_, line, sax);
 }
 
 JsonDocument JsonDocument::fromFile(const std::filesystem::path& path) {
-  constexpr uintmax_t kLargest = 64 << 20;
+  constexpr uintmax_t kLargest = 16 << 20;
   std::error_code error;
   const uintmax_t sizeBytes = std::filesystem::file_size(path, error);
   if (error) throw InputError(path.string() + ": cannot be read: " + error.message());
-  if (sizeBytes > kLargest) throw InputError(path.string() + ": too large for a JSON file of this program (64 MiB)");
+  if (sizeBytes > kLargest) throw InputError(path.string() + ": too large for a JSON file of this program (16 MiB)");
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   if (!file) throw InputError(path.string() + ": cannot be read");
   return JsonDocument(text, path.string());
 }
 
-Node JsonDocument::root() const { return Node(*this, value_, ""); }
+Node JsonDocument::root() const { return Node(*this, value_, {}); }
 
 void Node::fail(std::string_view text) const {
-  const auto line = document_->lines_.find(pointer_);
-  throw InputError(document_->source_ + ":" + std::to_string(line == document_->lines_.end() ? 1 : line->second) + ": " +
-                   displayName(pointer_) + " " + std::string(text));
+  int line = 1;
+  LineFindingSax sax(path_, line);
+  walk(document_->text_, line, sax);
+  throw InputError(document_->source_ + ":" + std::to_string(sax.found().value_or(1)) + ": " + displayName(path_) + " " + std::string(text));
+}
+
+Node Node::child(std::string key, const Json& value) const {
+  std::vector<std::string> path = path_;
+  path.push_back(std::move(key));
+  return Node(*document_, value, std::move(path));
 }
 
 void Node::requireObject(std::span<const std::string_view> known) const {
   if (!value_->is_object()) fail(std::string("must be an object, not ") + value_->type_name());
   for (const auto& [key, member] : value_->items())
     if (std::find(known.begin(), known.end(), key) == known.end())
-      Node(*document_, member, pointer_ + "/" + escapePointer(key)).fail("is not known here: " + unknownName("key", key, known));
+      child(key, member).fail("is not known here: " + unknownName("key", key, known));
 }
 
 std::optional<Node> Node::find(std::string_view key) const {
   const auto member = value_->find(std::string(key));
   if (member == value_->end()) return std::nullopt;
-  return Node(*document_, *member, pointer_ + "/" + escapePointer(std::string(key)));
+  return child(std::string(key), *member);
 }
 
 Node Node::at(std::string_view key) const {
@@ -204,7 +254,7 @@ std::vector<Node> Node::elements(size_t lowest, size_t highest) const {
                            : "must have " + std::to_string(lowest) + " to " + std::to_string(highest) + " elements");
   std::vector<Node> nodes;
   for (size_t i = 0; i < value_->size(); ++i)
-    nodes.emplace_back(*document_, (*value_)[i], pointer_ + "/" + std::to_string(i));
+    nodes.push_back(child(std::to_string(i), (*value_)[i]));
   return nodes;
 }
 

@@ -1,14 +1,14 @@
 // JSON from files, read with checks: every complaint names the file, the line and the key.
-// RFC 8259, parsed by nlohmann-json; its values do not know their lines, so that they are noted while parsing.
+// RFC 8259, parsed by nlohmann-json; its values do not know their lines, so that a complaint walks over the text again to find its own.
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "render/core/range.h"
 
@@ -17,28 +17,29 @@ namespace warpscope {
 /// A document as the program prints it: indented, a line end at its end. Bytes that are not UTF-8 (in names of files) are replaced.
 std::string textOf(const nlohmann::json& document);
 
-/// A parsed text and the line on which each key or element begins.
+/// A parsed text, and the means to say on which line of it a key or an element begins.
 class JsonDocument {
  public:
   /// Parses `text`; `source` names it in complaints. Throws InputError.
   JsonDocument(std::string_view text, std::string source);
-  /// Reads and parses a file of at most 64 MiB. Throws InputError.
+  /// Reads and parses a file of at most 16 MiB. Throws InputError.
   static JsonDocument fromFile(const std::filesystem::path& path);
 
   class Node root() const;
 
  private:
   friend class Node;
-  nlohmann::json value_;
-  std::map<std::string, int> lines_;  // by JSON pointer (RFC 6901)
+  std::string text_;
   std::string source_;
+  nlohmann::json value_;
 };
 
 /// One value of a document, with the means to complain about it. Refers to the document, which must outlive it.
 class Node {
  public:
-  Node(const JsonDocument& document, const nlohmann::json& value, std::string pointer)
-      : document_(&document), value_(&value), pointer_(std::move(pointer)) {}
+  /// `path`: the keys and indices that lead to the value from the root.
+  Node(const JsonDocument& document, const nlohmann::json& value, std::vector<std::string> path)
+      : document_(&document), value_(&value), path_(std::move(path)) {}
 
   /// Throws InputError "FILE:LINE: KEY TEXT".
   [[noreturn]] void fail(std::string_view text) const;
@@ -63,9 +64,11 @@ class Node {
   int64_t integer(int64_t lowest, int64_t highest) const;
 
  private:
+  Node child(std::string key, const nlohmann::json& value) const;
+
   const JsonDocument* document_;
   const nlohmann::json* value_;
-  std::string pointer_;
+  std::vector<std::string> path_;
 };
 
 }  // namespace warpscope

@@ -35,6 +35,8 @@ void setUpLog(bool isQuiet, bool isVerbose) {
 
 void logResult(const std::string& text) { say(spdlog::level::info, text); }
 
+void logWarning(const std::string& text) { say(spdlog::level::warn, "warning: " + text); }
+
 void logDetail(const std::string& text) {
   if (isDetailLogged()) say(spdlog::level::debug, text);
 }

@@ -6,11 +6,14 @@
 
 namespace warpscope {
 
-/// Decides what is said from now on: nothing if `isQuiet`, else results, and details too if `isVerbose`. Before the first call: results.
+/// Decides what is said from now on: nothing if `isQuiet`, else results and warnings, and details too if `isVerbose`. Before the first call: results and warnings.
 void setUpLog(bool isQuiet, bool isVerbose);
 
 /// A result that whoever gave the command waits for. One line, whatever a file's name brings with it. Safe on any thread, as logDetail.
 void logResult(const std::string& text);
+
+/// What makes a result other than it may be expected to be.
+void logWarning(const std::string& text);
 
 /// What --verbose asks for: what is used, what is read, how long it takes.
 void logDetail(const std::string& text);

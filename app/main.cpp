@@ -1,12 +1,15 @@
 // The program's entry: finds the command, runs it, turns failures into one sentence and an exit code.
 // Exit codes: 0 success, 1 failure, 2 usage.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
 #include <iostream>
 #include <new>
 
 #include "app/commands/options.h"
 #include "app/ui/run_window.h"
 #include "render/core/error.h"
+#include "render/core/nearest_name.h"
 #include "render/core/parallel.h"
 
 namespace {
@@ -22,6 +25,50 @@ int complain(std::string text, int code) {
   return code;
 }
 
+/// What is wrong with the command line, and whose help would tell.
+std::string sentenceOf(const CLI::ParseError& error, const CLI::App& program) {
+  const std::vector<CLI::App*> parsed = program.get_subcommands();
+  const CLI::App& command = parsed.empty() ? program : *parsed.front();
+  const std::string help = " (see warpscope " + (parsed.empty() ? "" : command.get_name() + " ") + "--help)";
+
+  // A word that nobody understood comes first: it may be why something else is missing.
+  const std::vector<std::string> extras = program.remaining(true);
+  const auto isOption = [](const std::string& word) { return word.starts_with('-'); };
+  auto extra = parsed.empty() ? extras.begin() : std::find_if(extras.begin(), extras.end(), isOption);
+  if (extra == extras.end()) extra = extras.begin();
+  std::vector<std::string> names;
+  if (extra != extras.end() && isOption(*extra)) {
+    for (const CLI::Option* option : command.get_options())
+      if (!option->get_lnames().empty()) names.push_back(option->get_lnames().front());
+    const std::string name = extra->substr(0, std::min<size_t>(extra->find('='), 80));
+    const std::string_view bare = std::string_view(name).substr(std::min(name.size(), name.find_first_not_of('-')));
+    const auto nearest = warpscope::nearestName(bare, std::vector<std::string_view>(names.begin(), names.end()));
+    return "unknown option '" + name + "'" + (nearest ? "; did you mean '--" + std::string(*nearest) + "'?" : "") + help;
+  }
+  if (extra != extras.end() && parsed.empty()) {
+    for (const CLI::App* known : program.get_subcommands([](const CLI::App*) { return true; })) names.push_back(known->get_name());
+    return warpscope::unknownName("command", *extra, std::vector<std::string_view>(names.begin(), names.end())) + help;
+  }
+  if (extra != extras.end()) return "unexpected '" + extra->substr(0, 80) + "'" + help;
+
+  const std::string text = error.what();
+  // The library says "--out: 1 required TEXT missing" and "--out: At Most 1 required but received 2".
+  if (const size_t at = text.find(": 1 required "); at != std::string::npos) return text.substr(0, at) + " needs a value" + help;
+  if (const size_t at = text.find(": At Most 1 "); at != std::string::npos) return text.substr(0, at) + " is given more than once" + help;
+  return text + help;
+}
+
+/// A pipe that nobody reads any more and a file that may not grow make writing fail, which is reported and cleaned up after, instead of
+/// ending the process where it is.
+void failInsteadOfDying() {
+#if defined(SIGPIPE)
+  std::signal(SIGPIPE, SIG_IGN);
+#endif
+#if defined(SIGXFSZ)
+  std::signal(SIGXFSZ, SIG_IGN);
+#endif
+}
+
 int run(int argc, char** argv) {
   CLI::App program("warpscope shows what different ways of warping a remote volume rendering do to the picture, and what each costs.",
                    "warpscope");
@@ -34,11 +81,12 @@ int run(int argc, char** argv) {
   warpscope::addBenchCommand(program, chosen);
   warpscope::addExportCommand(program, chosen);
   warpscope::addInfoCommand(program, chosen);
+  for (CLI::App* command : program.get_subcommands([](CLI::App*) { return true; })) warpscope::requireValues(*command);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
-    return complain(error.what() + std::string(" (see warpscope --help)"), kUsage);
+    return complain(sentenceOf(error, program), kUsage);
   }
   if (chosen) {
     chosen();
@@ -57,6 +105,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  failInsteadOfDying();
   try {
     return run(argc, argv);
   } catch (const warpscope::UsageError& error) {

@@ -6,7 +6,14 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <random>
+
+#if defined(_WIN32)
+#include <io.h>
+#else
+#include <unistd.h>
+#endif
 
 #include "render/core/error.h"
 #include "render/core/parallel.h"
@@ -14,6 +21,15 @@
 namespace warpscope {
 namespace fs = std::filesystem;
 namespace {
+
+bool mayWrite(const fs::path& path) {
+#if defined(_WIN32)
+  constexpr int kWrite = 2;
+  return _waccess(path.c_str(), kWrite) == 0;
+#else
+  return access(path.c_str(), W_OK) == 0;
+#endif
+}
 
 std::string uniqueSuffix() {
   static constexpr char kDigits[] = "0123456789abcdef";
@@ -23,10 +39,24 @@ std::string uniqueSuffix() {
   return suffix;
 }
 
-void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view bytes, const std::stop_token& stop = {}) {
+/// The permissions of the file that `target` is; none if there is no such file.
+std::optional<fs::perms> permissionsOf(const fs::path& target) {
+  std::error_code error;
+  const fs::file_status status = fs::status(target, error);
+  return fs::is_regular_file(status) ? std::optional(status.permissions() & fs::perms::all) : std::nullopt;
+}
+
+/// `like`: permissions that the file gets before the first byte is in it.
+void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view bytes, std::optional<fs::perms> like = {},
+                const std::stop_token& stop = {}) {
   constexpr size_t kPiece = 16 << 20;  // how often a stop is looked for
   errno = 0;
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  if (file && like) {
+    std::error_code ignored;  // file systems without permissions
+    fs::permissions(path, *like, ignored);
+    errno = 0;
+  }
   for (size_t at = 0; at < bytes.size() && file && !stop.stop_requested(); at += kPiece)
     file.write(bytes.data() + at, static_cast<std::streamsize>(std::min(kPiece, bytes.size() - at)));
   file.close();
@@ -38,14 +68,27 @@ void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view 
   throw InputError(shownAs.string() + ": cannot be written: " + reason);
 }
 
+/// A folder, or a file that its permissions protect, is not replaced, though the rights in its folder may suffice for that.
+void requireReplaceable(const fs::path& target, const fs::path& shownAs) {
+  std::error_code error;
+  if (fs::is_directory(target, error)) throw InputError(shownAs.string() + ": cannot be written: it is a folder");
+  if (fs::exists(target, error) && !mayWrite(target))
+    throw InputError(shownAs.string() + ": cannot be written: " + std::make_error_code(std::errc::permission_denied).message());
+}
+
 /// Where `path` leads to, through links; `path` itself if nothing is there. Throws InputError for what can never become a file.
 fs::path targetOf(const fs::path& path) {
   if (path.empty()) throw InputError("the file to write has no name: it cannot be written");
+  if (!path.has_filename()) throw InputError(path.string() + ": cannot be written: it is a folder");
   std::error_code error;
-  if (fs::is_directory(path, error) || !path.has_filename())
-    throw InputError(path.string() + ": cannot be written: it is a folder");
   fs::path target = fs::weakly_canonical(path, error);
-  return error ? path : target;
+  if (error) {
+    const std::string reason = error.message();
+    if (!fs::exists(path, error)) throw InputError(path.string() + ": cannot be written: " + reason);
+    target = path;  // there, but without a path of its own: a pipe behind /dev/stdout
+  }
+  requireReplaceable(target, path);
+  return target;
 }
 
 bool isDevice(const fs::path& target) {
@@ -58,6 +101,49 @@ fs::path partialOf(const fs::path& target) {
   partial += ".partial-" + uniqueSuffix();
   return partial;
 }
+
+/// Files put in place one after the other, all of which can be taken back.
+class Moves {
+ public:
+  /// Moves `staged` to `target`; what is there becomes `kept`.
+  std::error_code put(const fs::path& staged, const fs::path& target, const fs::path& kept) {
+    std::error_code error;
+    Move move{target, kept, fs::exists(fs::symlink_status(target, error)), false};
+    if (fs::is_directory(target, error)) return std::make_error_code(std::errc::is_a_directory);
+    error.clear();
+    if (move.isKept) {
+      fs::create_hard_link(target, kept, error);  // so that there is no moment without the file
+      if (error) fs::rename(target, kept, error);  // on file systems without hard links
+      if (error) return error;
+    }
+    fs::rename(staged, target, error);
+    move.isPlaced = !error;
+    moves_.push_back(std::move(move));
+    return error;
+  }
+
+  /// Removes what was put in place, and what was there comes back. False if some of that could not be done.
+  bool undo() {
+    bool isUndone = true;
+    for (auto move = moves_.rbegin(); move != moves_.rend(); ++move) {
+      std::error_code error;
+      if (move->isKept)
+        fs::rename(move->kept, move->target, error);
+      else if (move->isPlaced)
+        fs::remove(move->target, error);
+      isUndone = isUndone && !error;
+    }
+    moves_.clear();
+    return isUndone;
+  }
+
+ private:
+  struct Move {
+    fs::path target, kept;
+    bool isKept, isPlaced;
+  };
+  std::vector<Move> moves_;
+};
 
 }  // namespace
 
@@ -73,9 +159,9 @@ void requireWritable(const fs::path& path) {
 void writeFileWhole(const fs::path& path, std::string_view bytes, const std::stop_token& stop) {
   const fs::path target = targetOf(path);
   if (stop.stop_requested()) throw OperationCancelled();
-  if (isDevice(target)) return writeBytes(target, path, bytes, stop);
+  if (isDevice(target)) return writeBytes(target, path, bytes, {}, stop);
   const fs::path partial = partialOf(target);
-  writeBytes(partial, path, bytes, stop);
+  writeBytes(partial, path, bytes, permissionsOf(target), stop);
   std::error_code error;
   fs::rename(partial, target, error);
   if (!error) return;
@@ -89,7 +175,7 @@ StagedFolder::StagedFolder(fs::path folder) : folder_(std::move(folder)) {
   std::error_code error;
   for (fs::path at = folder_; !at.empty() && !fs::exists(at, error); at = at.parent_path()) made_.insert(made_.begin(), at);
   fs::create_directories(folder_, error);
-  if (!error && !fs::is_directory(folder_)) error = std::make_error_code(std::errc::not_a_directory);
+  if (!error && !fs::is_directory(folder_, error) && !error) error = std::make_error_code(std::errc::not_a_directory);
   if (!error) {
     staging_ = folder_ / (".partial-" + uniqueSuffix());
     fs::create_directory(staging_, error);
@@ -102,25 +188,36 @@ StagedFolder::StagedFolder(fs::path folder) : folder_(std::move(folder)) {
 
 StagedFolder::~StagedFolder() {
   std::error_code ignored;
-  fs::remove_all(staging_, ignored);
+  if (!staging_.empty()) fs::remove_all(staging_, ignored);
   for (auto it = made_.rbegin(); it != made_.rend(); ++it) fs::remove(*it, ignored);  // removes only empty folders
 }
 
 void StagedFolder::write(const std::string& name, std::string_view bytes) {
-  writeBytes(staging_ / name, folder_ / name, bytes);
+  writeBytes(staging_ / name, folder_ / name, bytes, permissionsOf(folder_ / name));
+  const std::scoped_lock lock(mutex_);
+  std::erase(names_, name);
+  names_.push_back(name);
 }
 
 void StagedFolder::commit() {
-  for (const fs::directory_entry& entry : fs::directory_iterator(staging_))
-    if (const fs::path target = folder_ / entry.path().filename(); fs::is_directory(target))
-      throw InputError(target.string() + ": cannot be written: it is a folder");
-  for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) {
-    std::error_code error;
-    const fs::path target = folder_ / entry.path().filename();
-    fs::rename(entry.path(), target, error);
-    if (error) throw InputError(target.string() + ": cannot be written: " + error.message());
+  for (const std::string& name : names_) requireReplaceable(folder_ / name, folder_ / name);
+  const fs::path replaced = staging_ / ".replaced";
+  std::error_code error;
+  fs::create_directory(replaced, error);
+  if (error) throw InputError(folder_.string() + ": cannot be used as output folder: " + error.message());
+  Moves moves;
+  for (const std::string& name : names_) {
+    error = moves.put(staging_ / name, folder_ / name, replaced / name);
+    if (!error) continue;
+    std::string reason = (folder_ / name).string() + ": cannot be written: " + error.message();
+    if (!moves.undo()) {
+      reason += "; files that were there before are now in " + replaced.string();
+      staging_.clear();
+    }
+    throw InputError(reason);
   }
   made_.clear();
+  fs::remove_all(staging_, error);
 }
 
 }  // namespace warpscope

@@ -3,15 +3,16 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
+#include <mutex>
 #include <stop_token>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace warpscope {
 
-/// Writes `bytes` to `path`, replacing the file that is there, or that a link there leads to. What is there but no file (a device, a
-/// pipe) is written to as it is. Throws InputError naming the path and the reason, or OperationCancelled if `stop` is set before the file
+/// Writes `bytes` to `path`, replacing the file that is there, or that a link there leads to; its permissions stay, and if they forbid the
+/// user to write, it is not replaced. What is there but no file (a device, a pipe) is written to as it is. Throws InputError naming the path and the reason, or OperationCancelled if `stop` is set before the file
 /// is in its place; then nothing has changed.
 void writeFileWhole(const std::filesystem::path& path, std::string_view bytes, const std::stop_token& stop = {});
 
@@ -30,13 +31,15 @@ class StagedFolder {
 
   /// Safe to call from several threads for different names. Throws InputError.
   void write(const std::string& name, std::string_view bytes);
-  /// Moves everything into the folder, replacing files of the same names. Throws InputError; if something other than a file stands in
-  /// the way of one, before anything is moved.
+  /// Moves everything into the folder in the order in which it was written, replacing files of the same names. Throws InputError; then
+  /// what was moved is gone again and what it replaced is back.
   void commit();
 
  private:
   std::filesystem::path folder_;
   std::filesystem::path staging_;
+  std::mutex mutex_;                // of names_
+  std::vector<std::string> names_;  // what was written
   std::vector<std::filesystem::path> made_;  // folders that did not exist, outermost first
 };
 

@@ -71,7 +71,7 @@ template <class Table>
 auto readName(const Node& node, const Table& table, std::string_view kind) {
   const std::string name = node.string();
   if (const auto* entry = findNamed(table, name)) return entry->value;
-  node.fail("is not one: " + unknownNameIn(table, kind, name));
+  node.fail("holds an " + unknownNameIn(table, kind, name));
 }
 
 void readMarch(const Node& node, MarchSettings& march) {
@@ -98,19 +98,26 @@ View readView(const Node& node) {
   return view;
 }
 
+/// For volumes that are files.
+void refuseSize(const SceneOverrides& overrides) {
+  if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
+}
+
 VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverrides& overrides, const std::stop_token& stop) {
   constexpr std::string_view kKeys[] = {"file", "spacing", "procedural", "size"};
   node.requireObject(kKeys);
   if (const auto procedural = node.find("procedural")) {
     if (node.find("file")) procedural->fail("and 'file' exclude each other");
+    if (const auto spacing = node.find("spacing")) spacing->fail("is for raw files; the voxels of a procedural volume are cubes");
     const std::string name = procedural->string();
     const ProceduralVolume* known = findNamed(kProceduralVolumes, name);
-    if (known == nullptr) procedural->fail("is not one: " + unknownNameIn(kProceduralVolumes, "procedural volume", name));
+    if (known == nullptr) procedural->fail("holds an " + unknownNameIn(kProceduralVolumes, "procedural volume", name));
     glm::uvec3 dims = known->defaultDims;
     if (const auto size = node.find("size")) dims = readSize(*size);
     return makeProceduralVolume(name, overrides.proceduralDims.value_or(dims), overrides.seed, stop);
   }
-  if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
+  refuseSize(overrides);
+  if (const auto size = node.find("size")) size->fail("is for procedural volumes; a file has its own size");
   std::optional<glm::dvec3> spacing;
   if (const auto given = node.find("spacing")) spacing = readVector(*given, 1e-12, 1e12);
   const fs::path file = node.at("file").string();
@@ -131,10 +138,12 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
                                         "front", "fovYDeg", "background", "views",            "march"};
   root.requireObject(kKeys);
   Scene scene;
-  scene.name = root.at("name").string();
+  const Node name = root.at("name");
+  scene.name = name.string();
+  if (scene.name.empty()) name.fail("must not be empty");
   scene.title = root.find("title") ? root.at("title").string() : scene.name;
   // Everything that is quick to check comes before the volume is made or opened.
-  if (const auto fov = root.find("fovYDeg")) scene.fovYDeg = fov->number(1.0, 170.0);
+  if (const auto fov = root.find("fovYDeg")) scene.fovYDeg = fov->number(kFovYDegRange);
   if (const auto color = root.find("background")) scene.background = readColor(*color);
   if (const auto march = root.find("march")) readMarch(*march, scene.march);
   if (const auto views = root.find("views"))
@@ -147,11 +156,16 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
       function->fail("must be an object or \"auto\"");
   }
   const Node volume = root.at("volume");
+  if (overrides.volume) refuseSize(overrides);
   scene.volume = overrides.volume ? openVolume(*overrides.volume, {}, stop) : readVolume(volume, folder, overrides, stop);
   setDefaultAxes(scene);
-  if (const auto up = root.find("up")) scene.up = readDirection(*up);
-  if (const auto front = root.find("front")) scene.front = readDirection(*front);
-  if (glm::length(glm::cross(scene.up, scene.front)) < 1e-3) root.fail("has 'up' and 'front' in one line");
+  const auto up = root.find("up"), front = root.find("front");
+  if (up) scene.up = readDirection(*up);
+  if (front) scene.front = readDirection(*front);
+  if (glm::length(glm::cross(scene.up, scene.front)) < 1e-3) {
+    if (!front) up->fail("and the direction that 'front' has by itself are parallel");
+    front->fail(up ? "and 'up' are parallel" : "and the direction that 'up' has by itself are parallel");
+  }
   return scene;
 }
 
@@ -172,7 +186,7 @@ Scene openBySpec(const std::string& spec, const SceneOverrides& overrides, const
   const fs::path path(spec);
   if (path.extension() == ".json") return readScene(JsonDocument::fromFile(path), path.parent_path(), overrides, stop);
   if (overrides.volume) throw UsageError("--volume replaces a scene's volume; '" + spec + "' is a volume itself");
-  if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
+  refuseSize(overrides);
   return sceneOfVolume(path, stop);
 }
 
@@ -183,6 +197,22 @@ void logVolume(const Volume& volume, double openMs) {
   std::snprintf(text, sizeof text, ": %ux%ux%u voxels of %s, values %g to %g, %zu not finite; opened in %.0f ms", dims.x, dims.y, dims.z,
                 std::string(nameOf(volume.type())).c_str(), statistics.lowest, statistics.highest, statistics.nonFinite, openMs);
   logDetail("volume " + volume.name() + text);
+}
+
+/// Whether any value between the least and the greatest has opacity; the function is linear between its points.
+bool showsAnyOf(const TransferFunction& function, const VoxelStatistics& statistics) {
+  return function.at(statistics.lowest).a > 0.0f || function.at(statistics.highest).a > 0.0f ||
+         std::any_of(function.points.begin(), function.points.end(), [&](const TransferPoint& point) {
+           return point.alpha > 0.0f && point.value >= statistics.lowest && point.value <= statistics.highest;
+         });
+}
+
+void warnIfInvisible(const Scene& scene) {
+  const VoxelStatistics& statistics = scene.volume->statistics();
+  const bool hasValues = statistics.nonFinite < scene.volume->voxelCount();
+  if (hasValues && showsAnyOf(scene.transferFunction, statistics)) return;
+  logWarning("nothing of the volume " + scene.volume->name() + " is visible with this transfer function" +
+             (hasValues ? "" : ": none of its values is finite"));
 }
 
 }  // namespace
@@ -205,7 +235,9 @@ void requireScene(const std::string& spec) {
   const std::vector<BuiltinScene> scenes = builtinScenes();
   if (findNamed(scenes, spec) != nullptr) return;
   const fs::path path(spec);
-  if (fs::exists(path)) return;
+  std::error_code error;
+  if (fs::exists(path, error)) return;
+  if (error) throw InputError(spec + ": cannot be looked at: " + error.message());
   if (path.has_extension() || spec.find('/') != std::string::npos) throw InputError(spec + ": there is no such file");
   throw UsageError(unknownNameIn(scenes, "scene", spec) + " (or a scene file, or a volume file)");
 }
@@ -218,6 +250,7 @@ Scene openScene(const std::string& spec, const SceneOverrides& overrides, const 
     scene.transferFunction = readTransferFunction(JsonDocument::fromFile(*overrides.transferFunction).root());
   if (scene.transferFunction.points.empty())
     scene.transferFunction = autoTransferFunction(scene.volume->statistics());
+  warnIfInvisible(scene);
   if (scene.views.empty()) scene.views = defaultViews();
   if (overrides.fovYDeg) scene.fovYDeg = *overrides.fovYDeg;
   return scene;

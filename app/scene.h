@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "render/core/camera.h"
+#include "render/core/range.h"
 #include "render/core/transfer_function.h"
 #include "render/march/march_settings.h"
 #include "render/volume/volume.h"
@@ -38,6 +39,9 @@ struct Scene {
   std::vector<View> views;     ///< at least one; the first is the server's
   MarchSettings march;
 };
+
+/// Vertical fields of view that files and options may ask for.
+inline constexpr Range kFovYDegRange{1.0, 170.0};
 
 /// What the command line may replace in any scene.
 struct SceneOverrides {

@@ -55,7 +55,7 @@ class CommandLine : public testing::Test {
     EXPECT_GT(result.err.size(), 25u) << "too short to help: " << result.err;
     EXPECT_LT(result.err.size(), 600u) << result.err;
     for (const std::string& reason : reasons) EXPECT_THAT(result.err, testing::HasSubstr(reason));
-    for (const char* noise : {"terminate called", "what():", "std::", "basic_", "Segmentation", "itk::", "json.exception"})
+    for (const char* noise : {"terminate called", "what():", "std::", "basic_", "Segmentation", "itk::", "json.exception", "filesystem error"})
       EXPECT_THAT(result.err, testing::Not(testing::HasSubstr(noise)));
     EXPECT_EQ(folder_.listing(), before) << "something was left behind";
   }

@@ -70,6 +70,31 @@ TEST_F(Refusal, VolumesThatAreNone) {
   for (const char* file : {"short_10x10x10_uint8.raw", "/dev/null", "missing.nii"}) expectRefused(shot({"block", "--volume", file}), kFailure, {file});
 }
 
+TEST_F(Refusal, PathsThatCannotBeLookedAt) {
+  fs::create_symlink("circle.nii", folder_.path() / "circle.nii");
+  fs::create_symlink("circle.json", folder_.path() / "circle.json");
+  const std::string endless(300, 'n');
+  for (const std::string& file : {std::string("circle.nii"), std::string("circle.json"), endless, endless + ".json", endless + "/a.nii"})
+    for (const Arguments& command : {shot({file}), Arguments{"view", file}}) expectRefused(command, kFailure, {file, "cannot be looked at: "});
+  for (const std::string& file : {std::string("circle.nii"), endless + ".nii"}) expectRefused(shot({"block", "--volume", file}), kFailure, {file});
+  for (const std::string& file : {std::string("circle.json"), endless + ".json"}) expectRefused(shot({"block", "--tf", file}), kFailure, {file, "cannot be read: "});
+  folder_.write("scene.json", "{\"name\": \"a\", \"volume\": {\"file\": \"" + endless + ".nii\"}}");
+  expectRefused(shot({"scene.json"}), kFailure, {endless, "cannot be looked at: "});
+}
+
+TEST_F(Refusal, MoreFilesThanMayBeOpen) {
+  for (int limit = 3; limit < 12; ++limit) {
+    const ProgramResult result = runShell("ulimit -n " + std::to_string(limit) + "; exec \"$W\" shot block -o a.png --volume-size 8x8x8 --size 8x8 --quiet",
+                                          folder_.path());
+    for (const char* noise : {"signal_set", "terminate", "what()", "filesystem error"}) EXPECT_THAT(result.err, testing::Not(testing::HasSubstr(noise))) << limit;
+    if (result.err.find("interrupts cannot be listened for: Too many open files\n") == std::string::npos) continue;
+    EXPECT_EQ(result.code, kFailure) << limit;
+    EXPECT_TRUE(folder_.listing().empty()) << limit;
+    return;
+  }
+  FAIL() << "no limit was reached";
+}
+
 TEST_F(Refusal, TruncatedAndDamagedImages) {
   const std::string nrrd = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 10 10 10\nencoding: raw\n\n" + std::string(1000, 'x');
   folder_.write("cut.nrrd", nrrd.substr(0, nrrd.size() - 1));
@@ -102,18 +127,25 @@ TEST_F(Refusal, NumbersOutOfRange) {
   const std::pair<Arguments, std::string> wrong[] = {
       {{"--view-angle", "nan"}, "--view-angle"},   {{"--view-angle", "inf"}, "--view-angle"}, {{"--view-angle", "361"}, "360"},
       {{"--view-angle", "left"}, "view-angle"},    {{"--fov", "0"}, "--fov"},                 {{"--fov", "180"}, "180"},
-      {{"--fov", "nan"}, "--fov"},                 {{"--fov", "-40"}, "--fov"},               {{"--fov", "1e-30"}, "field of view"},
+      {{"--fov", "nan"}, "--fov"},                 {{"--fov", "-40"}, "--fov"},               {{"--fov", "1e-30"}, "1 and 170"},
       {{"--size", "0x0"}, "--size 0x0"},           {{"--size", "100000x100000"}, "16384"},    {{"--size", "10"}, "WxH"},
       {{"--size", "axb"}, "WxH"},                  {{"--size", "10x"}, "WxH"},                {{"--size", "-10x10"}, "WxH"},
       {{"--size", "10x10x10"}, "WxH"},             {{"--size", "10x10 "}, "WxH"},             {{"--size", "4294967306x10"}, "WxH"},
-      {{"--size", ""}, "WxH"},                     {{"--point-size", "0"}, "1 and 16"},       {{"--point-size", "17"}, "1 and 16"},
+      {{"--size", "x"}, "WxH"},                    {{"--point-size", "0"}, "1 and 16"},       {{"--point-size", "17"}, "1 and 16"},
       {{"--hits", "0"}, "1 and 16"},               {{"--hits", "17"}, "1 and 16"},            {{"--hits", "x"}, "--hits"},
       {{"--point-size", "2.5"}, "point-size"},     {{"--step", "0"}, "step"},                 {{"--step", "nan"}, "step"},
-      {{"--step", "1e-9"}, "1e-09"},               {{"--step", "-1"}, "step"},                {{"--radius-scale", "0"}, "radius scale"},
+      {{"--step", "1e-9"}, "not 1e-09"},               {{"--step", "-1"}, "step"},                {{"--radius-scale", "0"}, "--radius-scale"},
       {{"--seed", "-1"}, "seed"},                  {{"--seed", "99999999999"}, "seed"},       {{"--volume-size", "0x1x1"}, "XxYxZ"},
       {{"--volume-size", "10x10"}, "XxYxZ"},       {{"--uncovered", "red"}, "RRGGBB"},        {{"--uncovered", "#1234567"}, "RRGGBB"},
   };
   for (const auto& [arguments, reason] : wrong) expectRefused(shot(arguments), kUsage, {reason});
+  for (const char* value : {"179.99", "170.0000001", "0.999"})
+    expectRefused(shot({"--fov", value}), kUsage, {std::string("--fov must be between 1 and 170, not ") + value});
+  for (const char* value : {"1", "170"}) succeed(quick({"shot", "-o", "/dev/null", "--fov", value}));
+  // As typed, and not what is left of it in single precision.
+  for (const char* option : {"--step", "--radius-scale"})
+    for (const char* value : {"1e-300", "-1e-300", "1e+300", "0.0009999999999", "1000.0000001"})
+      expectRefused(shot({option, value}), kUsage, {std::string(option) + " must be between 0.001 and 1000, not " + value});
   for (const char* width : {"15", "0", "4097", "wide"}) expectRefused({"compare", "--out", "o", "--cell", width}, kUsage, {"--cell"});
 }
 
@@ -146,9 +178,44 @@ TEST_F(Refusal, OptionsThatAreMissingOrUnknown) {
       {{"bogus"}, "bogus"},
       {{"--bogus"}, "--bogus"},
       {{"shot", "-o", "a.png", "--size"}, "--size"},
-      {{"shot", "-o", "a.png", "--size", "9x9", "--size", "8x8"}, "--size"},
+      {{"shot", "-o", "a.png", "--size", "9x9", "--size", "8x8"}, "--size is given more than once"},
   };
   for (const auto& [arguments, reason] : wrong) expectRefused(arguments, kUsage, {reason, "--help"});
+  const std::pair<Arguments, std::vector<std::string>> near[] = {
+      {{"shot", "--heuristik", "median", "-o", "a.png"}, {"unknown option '--heuristik'; did you mean '--heuristic'?", "(see warpscope shot --help)"}},
+      {{"compare", "--otu", "o"}, {"unknown option '--otu'; did you mean '--out'?", "(see warpscope compare --help)"}},
+      {{"export", "--plx=a.ply"}, {"unknown option '--plx'; did you mean '--ply'?", "(see warpscope export --help)"}},
+      {{"shot", "-o", "a.png", "--incomprehensible"}, {"unknown option '--incomprehensible' (see"}},
+      {{"shto", "-o", "a.png"}, {"unknown command 'shto'; did you mean 'shot'?"}},
+      {{"comapre"}, {"unknown command 'comapre'; did you mean 'compare'?", "(see warpscope --help)"}},
+      {{"frobnicate"}, {"unknown command 'frobnicate'; known: view shot compare"}},
+  };
+  for (const auto& [arguments, reasons] : near) expectRefused(arguments, kUsage, reasons);
+}
+
+/// The next option's name is no value: `--out --quiet` would write a file named --quiet.
+TEST_F(Refusal, OptionsWithoutTheirValue) {
+  const std::pair<Arguments, std::string> wrong[] = {
+      {{"shot", "--out", "--quiet"}, "--out needs a value"},
+      {{"shot", "-o", "--json"}, "--out needs a value"},
+      {{"shot", "--technique", "-o", "a.png"}, "--technique needs a value"},
+      {{"shot", "--heuristic=", "-o", "a.png"}, "--heuristic needs a value"},
+      {{"shot", "--out", "--bogus"}, "--out needs a value"},
+      {{"shot", "--out", ""}, "--out needs a value"},
+      {{"shot", "-o", ""}, "--out needs a value"},
+      {{"shot", "-o", "a.png", "--size", ""}, "--size needs a value"},
+      {{"shot", "-o", "a.png", "--volume", ""}, "--volume needs a value"},
+      {{"shot", "-o", "a.png", "--size"}, "--size needs a value"},
+      {{"compare", "--out", ""}, "--out needs a value"},
+      {{"compare", "--out", "--quiet"}, "--out needs a value"},
+      {{"export", "--ply", "--size"}, "--ply needs a value"},
+      {{"export", "--ply", ""}, "--ply needs a value"},
+      {{"view", "--screenshot", ""}, "--screenshot needs a value"},
+  };
+  for (const auto& [arguments, reason] : wrong) expectRefused(arguments, kUsage, {reason});
+  succeed(quick({"shot", "--out", "./--quiet", "--view-angle", "-20"}));
+  succeed(quick({"shot", "-o", "scene"}));  // what an argument is called is no option
+  EXPECT_EQ(folder_.listing(), (std::vector<std::string>{"--quiet", "scene"}));
 }
 
 TEST_F(Refusal, HierarchiesWhereTheyAreNot) {
@@ -173,11 +240,11 @@ TEST_F(Refusal, PlacesThatCannotBeWrittenTo) {
   // Not by permissions, which root does not feel.
   folder_.write("file", "x");
   fs::create_directory(folder_.path() / "folder");
-  for (const std::string place : {"file/a.png", "folder", "/proc/a.png", "missing/a.png", "folder/", ""}) {
+  for (const std::string place : {"file/a.png", "folder", "/proc/a.png", "missing/a.png", "folder/"}) {
     expectRefused(quick({"shot", "-o", place}), kFailure, {"cannot be written"});
     expectRefused(quick({"export", "--ply", place}), kFailure, {"cannot be written"});
   }
-  for (const std::string place : {"file", "file/deeper", "/proc/out", "/proc/out/deeper", ""})
+  for (const std::string place : {"file", "file/deeper", "/proc/out", "/proc/out/deeper"})
     expectRefused(quick({"compare", "--out", place}), kFailure, {"folder"});
   // A folder where a picture has to go: found out before anything is put in place.
   fs::create_directories(folder_.path() / "out/montage.png");
@@ -187,8 +254,9 @@ TEST_F(Refusal, PlacesThatCannotBeWrittenTo) {
 TEST_F(Refusal, WherePicturesGoIsCheckedBeforeTheWork) {
   // 16384 x 16384 pixels would take minutes.
   const auto start = std::chrono::steady_clock::now();
-  expectRefused({"shot", "-o", "missing/a.png", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"missing/a.png"});
-  expectRefused({"export", "--ply", "/proc/a.ply", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"/proc/a.ply"});
+  expectRefused({"shot", "block", "-o", "missing/a.png", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"missing/a.png"});
+  expectRefused({"view", "--screenshot", "missing/a.png", "--after-ms", "3600000"}, kFailure, {"missing/a.png: cannot be written"});
+  expectRefused({"export", "block", "--ply", "/proc/a.ply", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"/proc/a.ply"});
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
@@ -204,7 +272,7 @@ TEST_F(Refusal, SceneFiles) {
   scene("range.json", ",\n  \"fovYDeg\": 180");
   refuse("range.json", {"range.json:4", "'fovYDeg'", "180"});
   scene("heuristic.json", ",\n  \"march\": {\"heuristic\": \"gradiant\"}");
-  refuse("heuristic.json", {"heuristic.json:4", "gradient"});
+  refuse("heuristic.json", {"heuristic.json:4", "'march.heuristic' holds an unknown heuristic 'gradiant'; did you mean 'gradient'?"});
   scene("twice.json", ",\n  \"name\": \"b\"");
   refuse("twice.json", {"twice.json:4", "'name'", "twice"});
   scene("views.json", ",\n  \"views\": []");
@@ -214,7 +282,23 @@ TEST_F(Refusal, SceneFiles) {
   scene("step.json", ",\n  \"march\": {\"step\": 0.0009}");
   refuse("step.json", {"step.json:4", "'march.step'", "0.001", "1000"});
   scene("axes.json", ",\n  \"up\": [0, 0, 2], \"front\": [0, 0, -1]");
-  refuse("axes.json", {"axes.json", "'up'", "'front'"});
+  refuse("axes.json", {"axes.json:4", "'front' and 'up' are parallel"});
+  scene("up.json", ",\n  \"up\": [0, 0, 2]");
+  refuse("up.json", {"up.json:4", "'up' and the direction that 'front' has by itself are parallel"});
+  scene("front.json", ",\n  \"front\": [0, -3, 0]");
+  refuse("front.json", {"front.json:4", "'front' and the direction that 'up' has by itself are parallel"});
+  folder_.write("v_2x2x2_uint8.raw", "12345678");
+  folder_.write("sized.json", "{\"name\": \"a\",\n\"volume\": {\"file\": \"v_2x2x2_uint8.raw\",\n\"size\": [2, 2, 2]}}");
+  refuse("sized.json", {"sized.json:3", "'volume.size' is for procedural volumes"});
+  folder_.write("spaced.json", "{\"name\": \"a\",\n\"volume\": {\"procedural\": \"block\",\n\"spacing\": [2, 2, 2]}}");
+  refuse("spaced.json", {"spaced.json:3", "'volume.spacing' is for raw files"});
+  folder_.write("nameless.json", "{\n\"name\": \"\",\n\"volume\": {\"procedural\": \"block\"}}");
+  refuse("nameless.json", {"nameless.json:2", "'name' must not be empty"});
+  for (const Arguments& command : {shot({"block", "--volume", "v_2x2x2_uint8.raw"}), shot({"v_2x2x2_uint8.raw"}), shot({"right.json", "--volume", "v_2x2x2_uint8.raw"})}) {
+    Arguments sized = command;
+    sized.insert(sized.end(), {"--volume-size", "4x4x4"});
+    expectRefused(sized, kUsage, {"--volume-size is for built-in volumes"});
+  }
   folder_.write("none.json", "{\"name\": \"a\"}");
   refuse("none.json", {"none.json:1", "'volume'"});
   folder_.write("elsewhere.json", "{\"name\": \"a\", \"volume\": {\"file\": \"gone_2x2x2_uint8.raw\"}}");

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "app/picture.h"
 #include "app/scene.h"
@@ -39,7 +40,9 @@ TEST_F(CommandLine, InfoListsWhatThereIs) {
   const ProgramResult text = succeed({"info"});
   std::string techniques = "techniques:";
   for (const WarpDescriptor& technique : warpRegistry()) techniques += " " + std::string(technique.name);
-  EXPECT_THAT(text.out, testing::HasSubstr(techniques));
+  EXPECT_THAT(text.out, testing::HasSubstr(techniques + "\n"));
+  EXPECT_THAT(text.out, testing::Not(testing::HasSubstr(" \n")));
+  EXPECT_THAT(text.out, testing::Not(testing::HasSubstr("driver version is insufficient")));
   EXPECT_EQ(text.err, "");
 }
 
@@ -53,6 +56,14 @@ TEST_F(CommandLine, HelpAndVersionSucceed) {
     EXPECT_EQ(result.err, "");
   }
   EXPECT_TRUE(folder_.listing().empty());
+
+  // Broken into lines as the terminal takes them.
+  std::istringstream words(succeed({"shot", "--help"}).out);
+  std::string shot;
+  for (std::string word; words >> word;) shot += word + " ";
+  for (const char* text : {"-360 to 360", "1 to 170; default: the scene's", "in voxels, 0.001 to 1000; default: the scene's",
+                           "Factor on the radius, 0.001 to 1000; default: the scene's", "random in the built-in volumes vessels and shells"})
+    EXPECT_THAT(shot, testing::HasSubstr(text));
 }
 
 // --- shot
@@ -167,6 +178,19 @@ TEST_F(CommandLine, ShotReplacesWhatIsThereAndFollowsLinks) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
+/// The example of assets/scenes/README.md, as it stands there.
+TEST_F(CommandLine, TheSceneThatTheDocumentationShowsIsOne) {
+  std::ifstream file(fs::path(WARPSCOPE_SCENES_FOLDER) / "README.md");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string opening = "```json\n";
+  const size_t begin = text.find(opening), end = text.find("```", begin + opening.size());
+  ASSERT_NE(end, std::string::npos);
+  folder_.write("engine.json", text.substr(begin + opening.size(), end - begin - opening.size()));
+  folder_.write("engine_256x256x128_uint8.raw", "");
+  fs::resize_file(folder_.path() / "engine_256x256x128_uint8.raw", 256 * 256 * 128);
+  succeed({"shot", "engine.json", "-o", "a.png", "--size", "16x12"});
+}
+
 // --- what is said about the work
 
 TEST_F(CommandLine, VerboseSaysWhatIsDoneAndQuietNothing) {
@@ -186,6 +210,37 @@ TEST_F(CommandLine, VerboseSaysWhatIsDoneAndQuietNothing) {
   EXPECT_TRUE(json::accept(json.out)) << json.out;
   EXPECT_EQ(with({"--quiet"}).err + with({"--quiet", "--verbose"}).err, "");
   EXPECT_THAT(succeed({"info", "--verbose"}).err, testing::HasSubstr("EGL"));
+}
+
+/// A picture of nothing is a picture, but hardly what was wanted.
+TEST_F(CommandLine, VolumesOfWhichNothingIsVisibleAreWarnedAbout) {
+  const auto function = [&](const std::string& points) { folder_.write("tf.json", "{\"points\": [" + points + "]}"); };
+  const auto point = [](const std::string& value, const std::string& alpha) {
+    return "{\"value\": " + value + ", \"color\": [1, 1, 1], \"alpha\": " + alpha + "}";
+  };
+  std::vector<float> ramp(64);
+  for (size_t i = 0; i < ramp.size(); ++i) ramp[i] = static_cast<float>(i);
+  const std::vector<float> nothing(64, std::nanf(""));
+  const auto bytes = [](const std::vector<float>& values) { return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)); };
+  folder_.write("ramp_4x4x4_float32.raw", bytes(ramp));
+  folder_.write("nan_4x4x4_float32.raw", bytes(nothing));
+  const auto errOf = [&](const std::string& volume, const Arguments& more) {
+    Arguments arguments{"shot", volume, "-o", "a.png", "--size", "9x9"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return succeed(arguments).err;
+  };
+  const std::string said = "warning: nothing of the volume ramp_4x4x4_float32.raw is visible with this transfer function\nwrote a.png\n";
+  for (const std::string& points : {point("0", "0"), point("-2", "1") + "," + point("-1", "0"), point("63.5", "0") + "," + point("64", "1")}) {
+    function(points);
+    EXPECT_EQ(errOf("ramp_4x4x4_float32.raw", {"--tf", "tf.json"}), said) << points;
+  }
+  for (const std::string& points : {point("0", "0.1"), point("30", "0") + "," + point("30.5", "1") + "," + point("31", "0"), point("62", "0") + "," + point("64", "1")}) {
+    function(points);
+    EXPECT_EQ(errOf("ramp_4x4x4_float32.raw", {"--tf", "tf.json"}), "wrote a.png\n") << points;
+  }
+  EXPECT_EQ(errOf("nan_4x4x4_float32.raw", {}), "warning: nothing of the volume nan_4x4x4_float32.raw is visible with this transfer function: "
+                                                "none of its values is finite\nwrote a.png\n");
+  EXPECT_EQ(errOf("nan_4x4x4_float32.raw", {"--quiet"}), "");
 }
 
 // --- compare
@@ -234,6 +289,23 @@ TEST_F(CommandLine, CompareWritesPicturesMontageAndMetrics) {
       EXPECT_EQ(row["holeFraction"], 0.0);
     }
   }
+}
+
+TEST_F(CommandLine, CompareShowsATableAsWideForEveryTechnique) {
+  const std::string table = succeed(quick({"compare", "block", "--out", "out"})).err;
+  std::istringstream lines(table);
+  std::string line;
+  const auto width = [](const std::string& text) { return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }); };
+  ASSERT_TRUE(std::getline(lines, line));
+  const auto columns = width(line);
+  EXPECT_THAT(line, testing::HasSubstr("1.25× as far"));
+  for (const WarpDescriptor& technique : warpRegistry()) {
+    ASSERT_TRUE(std::getline(lines, line));
+    EXPECT_THAT(line, testing::StartsWith(std::string(technique.name) + " "));
+    EXPECT_EQ(width(line), columns) << line;
+    EXPECT_EQ(line.find("identical") != std::string::npos, !technique.usesFrame) << line;
+  }
+  EXPECT_THAT(table, testing::Not(testing::HasSubstr("inf")));
 }
 
 TEST_F(CommandLine, CompareIntoAnExistingFolderKeepsWhatElseIsThere) {
@@ -317,6 +389,35 @@ TEST_F(CommandLine, AFullDeviceIsAFailure) {
   expectRefused(quick({"shot", "-o", "full.png"}), kFailure, {"full.png", "No space left"});
 }
 
+/// The reader of the pipe has gone before anything is printed.
+TEST_F(CommandLine, PipesThatNobodyReadsAreAFailureThatLeavesNothing) {
+  for (const std::string stream : {"", "2>&1"}) {
+    const bool isOut = stream.empty();
+    const std::string printing = isOut ? " --json 2>err" : " 2>&1";
+    runShell("{ sleep 0.3; \"$W\" compare block --out out --volume-size 24x22x20 --size 40x30" + printing + "; echo $? >code; } | true", folder_.path());
+    EXPECT_EQ(folder_.read("code"), isOut ? "1\n" : "0\n");
+    if (isOut) EXPECT_THAT(folder_.read("err"), testing::StartsWith("warpscope: standard output cannot be written to"));
+    // The pictures are there all the same.
+    EXPECT_TRUE(json::accept(folder_.read("out/metrics.json")));
+    for (const std::string& name : folder_.listing()) EXPECT_THAT(name, testing::Not(testing::HasSubstr("partial")));
+    fs::remove_all(folder_.path() / "out");
+  }
+  succeed(quick({"shot", "-o", "plain.png"}));
+  runShell("\"$W\" shot --volume-size 24x22x20 --size 40x30 -o /dev/stdout | cat >piped.png", folder_.path());
+  EXPECT_EQ(folder_.read("piped.png"), folder_.read("plain.png"));
+}
+
+TEST_F(CommandLine, FilesThatMayNotGrowAreAFailureThatLeavesNothing) {
+  for (const std::string command : {"shot -o a.png", "export --ply a.ply", "compare --out out"}) {
+    const ProgramResult result = runShell("ulimit -f 8; exec \"$W\" " + command + " block --volume-size 24x22x20 --size 300x300", folder_.path());
+    EXPECT_EQ(result.code, kFailure) << command;
+    EXPECT_THAT(result.err, testing::StartsWith("warpscope: ")) << command;
+    EXPECT_THAT(result.err, testing::HasSubstr("cannot be written: File too large")) << command;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_TRUE(folder_.listing().empty()) << testing::PrintToString(folder_.listing());
+  }
+}
+
 /// A volume that takes many seconds to compute.
 TEST_F(CommandLine, InterruptingTheOpeningOfAVolumeEndsItAtOnce) {
   for (const Arguments& command : {Arguments{"shot", "-o", "a.png"}, {"export", "--ply", "a.ply"}, {"compare", "--out", "out"}}) {
@@ -358,12 +459,19 @@ TEST_F(CommandLine, InterruptingWhatComesAfterTheMarchLeavesNothing) {
   }
 }
 
+TEST_F(CommandLine, WhatIsStartedToOutliveItsTerminalDoes) {
+  const ProgramResult result = runShell("trap '' HUP; \"$W\" compare block --out out --volume-size 24x22x20 --size 200x200 --quiet & sleep 0.2; kill -HUP $!; wait $!",
+                                        folder_.path());
+  EXPECT_EQ(result.code, kSuccess) << result.err;
+  EXPECT_TRUE(fs::exists(folder_.path() / "out/metrics.json"));
+}
+
 TEST_F(CommandLine, InterruptingCompareLeavesNothing) {
   const auto picturesSoFar = [&] {
     const std::vector<std::string> names = folder_.listing();
     return std::count_if(names.begin(), names.end(), [](const std::string& name) { return name.ends_with(".png"); });
   };
-  for (const int number : {SIGINT, SIGTERM})
+  for (const int number : {SIGINT, SIGTERM, SIGHUP})
     for (const int pictures : {0, 1, 6}) {  // of four techniques or more in five views
       SCOPED_TRACE(std::to_string(number) + " after " + std::to_string(pictures) + " pictures");
       Program program({"compare", "block", "--out", "out/deep", "--size", "1501x1499"}, folder_.path());
@@ -371,7 +479,11 @@ TEST_F(CommandLine, InterruptingCompareLeavesNothing) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
       ASSERT_FALSE(program.hasEnded()) << "it ended before it was interrupted";
       const auto start = std::chrono::steady_clock::now();
-      program.signal(number);
+      // The impatient press the keys again.
+      for (const int pauseMs : {0, 1, 7, 30}) {
+        program.signal(number);
+        std::this_thread::sleep_for(std::chrono::milliseconds(pauseMs));
+      }
       const ProgramResult result = program.wait();
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       EXPECT_LT(seconds, 2.0);

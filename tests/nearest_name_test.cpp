@@ -40,12 +40,24 @@ TEST(UnknownName, ProposesTheNearestAndListsAll) {
   EXPECT_THAT(text, testing::HasSubstr("unknown technique 'spheers'"));
   EXPECT_THAT(text, testing::HasSubstr("did you mean 'spheres'?"));
   for (const std::string_view name : known) EXPECT_THAT(text, testing::HasSubstr(std::string(name)));
-  EXPECT_THAT(unknownName("technique", "", known), testing::HasSubstr("did you mean 'points'?"));
+}
+
+TEST(UnknownName, ProposesNothingThatIsFar) {
+  constexpr std::array<std::string_view, 3> known{"points", "spheres", "reference"};
+  for (const std::string_view far : {"", "x", "bogus", "median", "sp"})
+    EXPECT_EQ(unknownName("technique", far, known), "unknown technique '" + std::string(far) + "'; known: points spheres reference");
+  EXPECT_EQ(nearestName("poi", known), "points") << "half of it";
+  EXPECT_EQ(nearestName("POINTS", known), std::nullopt);
+  constexpr std::array<std::string_view, 2> letters{"a", "egl"};
+  EXPECT_EQ(nearestName("b", letters), std::nullopt);
+  EXPECT_EQ(nearestName("elg", letters), "egl");
 }
 
 TEST(UnknownName, TiesGoToTheFirst) {
   constexpr std::array<std::string_view, 2> known{"bat", "cat"};
   EXPECT_THAT(unknownName("x", "rat", known), testing::HasSubstr("did you mean 'bat'?"));
+  constexpr std::array<std::string_view, 2> options{"tf", "out"};
+  EXPECT_EQ(nearestName("otu", options), "out") << "unless another has the first letter";
 }
 
 TEST(UnknownName, NothingKnownAndEndlessNames) {

@@ -4,8 +4,11 @@
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <fstream>
+#include <functional>
 #include <thread>
 
 #include "render/core/error.h"
@@ -69,6 +72,57 @@ TEST_F(OutputFiles, FailedWritesNameThePathAndChangeNothing) {
   EXPECT_THAT(namesIn(root_), UnorderedElementsAre("file", "folder"));
   EXPECT_EQ(contentOf(root_ / "file"), "old");
   EXPECT_THAT(namesIn(root_ / "folder"), IsEmpty());
+}
+
+TEST_F(OutputFiles, PermissionsOfWhatIsReplacedStay) {
+  const auto permissionsOf = [&](const char* name) { return fs::status(root_ / name).permissions(); };
+  for (const auto mode : {fs::perms(0600), fs::perms(0640), fs::perms(0666)}) {
+    for (const char* name : {"alone", "staged"}) {
+      std::ofstream(root_ / name) << "old";
+      fs::permissions(root_ / name, mode);
+    }
+    writeFileWhole(root_ / "alone", "new");
+    StagedFolder folder(root_);
+    folder.write("staged", "new");
+    folder.commit();
+    for (const char* name : {"alone", "staged"}) {
+      EXPECT_EQ(permissionsOf(name), mode) << name;
+      EXPECT_EQ(contentOf(root_ / name), "new") << name;
+    }
+  }
+  std::ofstream(root_ / "usual") << "x";
+  writeFileWhole(root_ / "other", "x");
+  EXPECT_EQ(permissionsOf("other"), permissionsOf("usual"));
+}
+
+/// The superuser may write to every file; then the file's permissions stay.
+TEST_F(OutputFiles, FilesThatAreProtectedAreNotReplaced) {
+  std::ofstream(root_ / "file") << "old";
+  fs::permissions(root_ / "file", fs::perms(0444));
+  if (access((root_ / "file").c_str(), W_OK) == 0) {
+    writeFileWhole(root_ / "file", "new");
+    EXPECT_EQ(contentOf(root_ / "file"), "new");
+  } else {
+    for (const auto& attempt : {std::function([&] { requireWritable(root_ / "file"); }), std::function([&] { writeFileWhole(root_ / "file", "new"); }),
+                                std::function([&] {
+                                  StagedFolder folder(root_);
+                                  folder.write("file", "new");
+                                  folder.commit();
+                                })})
+      EXPECT_THAT(complaintOf(attempt), testing::StartsWith((root_ / "file").string() + ": cannot be written: "));
+    EXPECT_EQ(contentOf(root_ / "file"), "old");
+  }
+  EXPECT_EQ(fs::status(root_ / "file").permissions(), fs::perms(0444));
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("file"));
+}
+
+TEST_F(OutputFiles, LinksInACircleAreNotReplaced) {
+  fs::create_symlink("b", root_ / "a");
+  fs::create_symlink("a", root_ / "b");
+  for (const auto& attempt : {std::function([&] { requireWritable(root_ / "a"); }), std::function([&] { writeFileWhole(root_ / "a", "new"); })})
+    EXPECT_THAT(complaintOf(attempt), HasSubstr((root_ / "a").string() + ": cannot be written: "));
+  EXPECT_TRUE(fs::is_symlink(root_ / "a"));
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("a", "b"));
 }
 
 TEST_F(OutputFiles, StoppedWritesChangeNothing) {
@@ -193,6 +247,57 @@ TEST_F(OutputFiles, CommitsThatCannotBeWholeChangeNothing) {
   }
   EXPECT_EQ(namesIn(root_).size(), names.size() + 1);
   for (const std::string& name : names) EXPECT_EQ(contentOf(root_ / name), "old") << name;
+}
+
+/// Something takes away a staged file, so that a move in the middle fails.
+TEST_F(OutputFiles, CommitsThatFailHalfWayAreTakenBack) {
+  const std::vector<std::string> names{"a", "b", "new", "m", "x", "y"};
+  for (const std::string& name : names)
+    if (name != "new") std::ofstream(root_ / name) << "old";
+  fs::create_symlink("x", root_ / "link");
+  {
+    StagedFolder folder(root_);
+    folder.write("link", "new");
+    for (const std::string& name : names) folder.write(name, "new");
+    for (const auto& entry : fs::directory_iterator(root_))
+      if (entry.is_directory()) fs::remove(entry.path() / "m");
+    EXPECT_THAT(complaintOf([&] { folder.commit(); }), testing::StartsWith((root_ / "m").string() + ": cannot be written: "));
+  }
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("a", "b", "m", "x", "y", "link"));
+  for (const std::string& name : namesIn(root_)) EXPECT_EQ(contentOf(root_ / name), "old") << name;
+  EXPECT_TRUE(fs::is_symlink(root_ / "link"));
+}
+
+/// In a folder with the sticky bit only a file's owner may replace it. The superuser may everything and becomes somebody else for the
+/// while, in a process of its own.
+TEST_F(OutputFiles, CommitsOverFilesOfOthersAreTakenBack) {
+  if (geteuid() != 0) GTEST_SKIP() << "only the superuser can make a file of somebody else";
+  fs::permissions(root_, fs::perms::all | fs::perms::sticky_bit);
+  std::ofstream(root_ / "foreign") << "old";
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    constexpr uid_t kNobody = 65534;
+    if (setuid(kNobody) != 0) _exit(2);
+    std::ofstream(root_ / "mine") << "old";
+    StagedFolder folder(root_);
+    for (const char* name : {"mine", "new", "foreign", "z"}) folder.write(name, "new");
+    const std::string complaint = complaintOf([&] { folder.commit(); });
+    _exit(complaint.find("foreign: cannot be written") != std::string::npos && contentOf(root_ / "mine") == "old" ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  EXPECT_EQ(contentOf(root_ / "foreign"), "old");
+  EXPECT_FALSE(fs::exists(root_ / "new"));
+  EXPECT_FALSE(fs::exists(root_ / "z"));
+}
+
+TEST_F(OutputFiles, CommittedFoldersAreCleanBeforeTheyAreGivenUp) {
+  StagedFolder folder(root_);
+  folder.write("x", "1");
+  folder.commit();
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("x"));
 }
 
 TEST_F(OutputFiles, WritesFromSeveralThreads) {

@@ -41,6 +41,16 @@ TYPED_TEST(RangeTest, BothEndsBelongToIt) {
 
 TEST(Range, ComplaintsNameTheKnobTheRangeAndTheValue) {
   EXPECT_EQ(complaint(0.25), "the knob must be between 1e-06 and 0.1, not 0.25");
+  EXPECT_EQ(complaint(0.7f), "the knob must be between 1e-06 and 0.1, not 0.7");
+  // What lies just outside must not look as if it lay inside.
+  EXPECT_EQ(complaint(0.10000000000000002), "the knob must be between 1e-06 and 0.1, not 0.10000000000000002");
+  EXPECT_EQ(complaint(1e300), "the knob must be between 1e-06 and 0.1, not 1e+300");
+  EXPECT_EQ(complaint(-1e-300), "the knob must be between 1e-06 and 0.1, not -1e-300");
+}
+
+TEST(Range, TextsOfRanges) {
+  EXPECT_EQ(rangeText({1e-3, 1e3}), "0.001 to 1000");
+  EXPECT_EQ(rangeText({-360.0, 360.0}), "-360 to 360");
 }
 
 }  // namespace

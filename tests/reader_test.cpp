@@ -5,11 +5,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cctype>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <random>
 
 #include "render/core/error.h"
@@ -18,6 +21,7 @@
 #include "tests/real_data.h"
 
 #if WARPSCOPE_WITH_ITK
+#include <sys/stat.h>
 #include <zlib.h>
 #endif
 
@@ -300,6 +304,23 @@ TEST_F(Reader, DetachedData) {
   meta.replace(meta.find("LOCAL"), 5, "voxels.raw");
   expectRamp(*openVolume(write("a.mhd", meta)));
   expectRefused(write("b.nhdr", nrrdHeader(kNrrd + "encoding: raw\ndata file: gone.raw\n")), "\"gone.raw\" is missing");
+  fs::create_directory(directory_ / "folder.raw");
+  fs::create_symlink("circle.raw", directory_ / "circle.raw");
+  ASSERT_EQ(mkfifo((directory_ / "pipe.raw").c_str(), 0600), 0);
+  const std::pair<std::string, std::string> wrong[] = {
+      {"folder.raw", "\"folder.raw\" is a folder"},
+      {"circle.raw", "\"circle.raw\" cannot be looked at: "},
+      {"pipe.raw", "\"pipe.raw\" is no regular file"},
+      {"/dev/zero", "\"/dev/zero\" is no regular file"},
+      {std::string(1000, 'n'), "nnn...\" cannot be looked at: "},
+      {std::string("gone\0.raw", 9), "zero byte"},
+  };
+  for (const auto& [name, reason] : wrong) {
+    expectRefused(write("c.nhdr", nrrdHeader(kNrrd + "encoding: raw\ndata file: " + name + "\n")), reason);
+    std::string other = metaHeader(kMeta);
+    other.replace(other.find("LOCAL"), 5, name);
+    expectRefused(write("c.mhd", other), reason);
+  }
 }
 
 /// Editors that leave out the last line's end make such files.
@@ -443,6 +464,48 @@ TEST_F(Reader, Vtk) {
   expectRefused(write("short.vtk", header + "1 2 3\n"), "holds 3 numbers");
   expectRefused(write("none.vtk", header.substr(0, header.size() - 1)), "Premature EOF");
   expectRefused(write("noise.vtk", noise(5000)), "no VTK file");
+}
+
+/// A header of 4 x 4 x 4 voxels of 8 bits that declares `extendedBytes` of an extended one.
+std::string mrcHeader(int32_t extendedBytes, bool isBig, bool hasStamp) {
+  std::string bytes(1024, '\0');
+  const auto put = [&](size_t offset, const auto& value) {
+    std::memcpy(bytes.data() + offset, &value, sizeof value);
+    if (isBig) std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(offset), bytes.begin() + static_cast<std::ptrdiff_t>(offset + sizeof value));
+  };
+  for (size_t axis = 0; axis < 3; ++axis) {
+    put(4 * axis, int32_t{4});
+    put(28 + 4 * axis, int32_t{4});
+    put(40 + 4 * axis, 4.0f);
+    put(64 + 4 * axis, static_cast<int32_t>(axis) + 1);
+  }
+  put(92, extendedBytes);
+  bytes.replace(208, 4, "MAP ");
+  if (hasStamp) bytes.replace(212, 2, isBig ? "\x11\x11" : "DD");
+  return bytes;
+}
+
+TEST_F(Reader, Mrc) {
+  for (const bool isBig : {false, true})
+    for (const bool hasStamp : {true, false}) {
+      SCOPED_TRACE(std::string(isBig ? "big" : "little") + (hasStamp ? ", stamped" : ""));
+      const std::string voxels = noise(64);
+      for (const int32_t extendedBytes : {0, 96}) {
+        const std::string bytes = mrcHeader(extendedBytes, isBig, hasStamp) + std::string(static_cast<size_t>(extendedBytes), 'e') + voxels;
+        const VolumePtr volume = openVolume(write("a.mrc", bytes));
+        EXPECT_EQ(volume->dims(), glm::uvec3(4));
+        ASSERT_EQ(volume->sizeBytes(), voxels.size());
+        EXPECT_EQ(std::memcmp(volume->voxels(), voxels.data(), voxels.size()), 0);
+        expectRefused(write("short.mrc", bytes.substr(0, bytes.size() - 1)), "cut off");
+      }
+      // ITK takes a size of an extended header on trust and frees memory twice when it cannot be had.
+      for (const int32_t impossible : {-1, -2, -256, -1024, std::numeric_limits<int32_t>::min()})
+        expectRefused(write("negative.mrc", mrcHeader(impossible, isBig, hasStamp) + voxels), std::to_string(impossible) + " bytes (NSYMBT)");
+      for (const int32_t tooMuch : {65, 1 << 24, std::numeric_limits<int32_t>::max()})
+        expectRefused(write("large.mrc", mrcHeader(tooMuch, isBig, hasStamp) + voxels), std::to_string(tooMuch) + " bytes (NSYMBT)");
+    }
+  expectRefused(write("noise.mrc", noise(5000)), "noise.mrc");
+  expectRefused(write("head.mrc", mrcHeader(0, false, true).substr(1)), "1024 bytes");
 }
 
 TEST_F(Reader, RealBrain) {

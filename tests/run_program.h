@@ -33,9 +33,10 @@ using Arguments = std::vector<std::string>;
 /// A running program. Everything is relative to the given folder, which is the program's working directory.
 class Program {
  public:
-  /// `environment` holds NAME=VALUE entries that come on top of this process's own.
-  explicit Program(const Arguments& arguments, const std::filesystem::path& folder, const Arguments& environment = {}) {
-    std::vector<char*> argv{const_cast<char*>(WARPSCOPE_PROGRAM)};
+  /// `environment` holds NAME=VALUE entries that come on top of this process's own; `program` is another one to run.
+  explicit Program(const Arguments& arguments, const std::filesystem::path& folder, const Arguments& environment = {},
+                   const char* program = WARPSCOPE_PROGRAM) {
+    std::vector<char*> argv{const_cast<char*>(program)};
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
     std::vector<char*> variables;
@@ -49,9 +50,18 @@ class Program {
     posix_spawn_file_actions_addopen(&actions, 1, streams_.file("out").c_str(), O_WRONLY | O_CREAT, 0600);
     posix_spawn_file_actions_addopen(&actions, 2, streams_.file("err").c_str(), O_WRONLY | O_CREAT, 0600);
     posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-    const int error = posix_spawn(&process_, WARPSCOPE_PROGRAM, &actions, nullptr, argv.data(), variables.data());
+    // Whatever the tests themselves were told to ignore, as by nohup.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) sigaddset(&signals, number);
+    posix_spawnattr_setsigdefault(&attributes, &signals);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+    const int error = posix_spawn(&process_, program, &actions, &attributes, argv.data(), variables.data());
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
-    if (error != 0) throw std::system_error(error, std::generic_category(), "starting " WARPSCOPE_PROGRAM);
+    if (error != 0) throw std::system_error(error, std::generic_category(), std::string("starting ") + program);
   }
   ~Program() {
     if (process_ > 0) {
@@ -97,6 +107,11 @@ class Program {
 
 inline ProgramResult runProgram(const Arguments& arguments, const std::filesystem::path& folder, const Arguments& environment = {}) {
   return Program(arguments, folder, environment).wait();
+}
+
+/// Runs a line of the shell, in which "$W" is the program.
+inline ProgramResult runShell(const std::string& line, const std::filesystem::path& folder) {
+  return Program({"-c", line}, folder, {std::string("W=") + WARPSCOPE_PROGRAM}, "/bin/sh").wait();
 }
 
 }  // namespace warpscope

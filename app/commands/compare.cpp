@@ -1,6 +1,7 @@
 // `compare`: every technique in every view of a scene, as pictures, a montage and metrics.json.
 // metrics.json's rows are part of the command line's contract; README explains them.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -83,17 +84,32 @@ std::string captionOf(const ComparisonRow& row) {
   return text;
 }
 
+/// `text` behind as many blanks as make it `width` characters (UTF-8) wide.
+std::string padded(const std::string& text, size_t width) {
+  const auto isFirstByte = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };
+  const auto length = static_cast<size_t>(std::count_if(text.begin(), text.end(), isFirstByte));
+  return std::string(width - std::min(width, length), ' ') + text;
+}
+
 void printTable(const Comparison& comparison, const Scene& scene) {
-  std::fprintf(stderr, "%-11s", "");
-  for (const View& view : scene.views) std::fprintf(stderr, " %21s", viewCaption(view, scene.views.front()).c_str());
-  std::fputc('\n', stderr);
+  constexpr size_t kCell = 25;
+  std::string table(11, ' ');
+  for (const View& view : scene.views) table += padded(viewCaption(view, scene.views.front()), kCell);
   for (const WarpDescriptor& technique : warpRegistry()) {
-    std::fprintf(stderr, "%-11s", std::string(technique.name).c_str());
-    for (const ComparisonRow& row : comparison.rows)
-      if (row.technique == &technique) std::fprintf(stderr, " %8.1f dB %5.1f %% %4.0f", row.psnrDb, 100.0 * row.holeFraction, row.drawMs);
-    std::fputc('\n', stderr);
+    std::string name(technique.name);
+    name.resize(std::max<size_t>(11, name.size()), ' ');
+    table += "\n" + name;
+    for (const ComparisonRow& row : comparison.rows) {
+      if (row.technique != &technique) continue;
+      char text[80];
+      if (std::isfinite(row.psnrDb))
+        std::snprintf(text, sizeof text, "%.1f dB %5.1f %% %4.0f", row.psnrDb, 100.0 * row.holeFraction, row.drawMs);
+      else
+        std::snprintf(text, sizeof text, "identical %5.1f %% %4.0f", 100.0 * row.holeFraction, row.drawMs);
+      table += padded(text, kCell);
+    }
   }
-  std::fputs("             (per view: PSNR, holes, ms a picture)\n", stderr);
+  std::fputs((table + "\n             (per view: PSNR, holes, ms a picture)\n").c_str(), stderr);
 }
 
 void compare(const CompareOptions& options) {
@@ -135,7 +151,7 @@ void compare(const CompareOptions& options) {
     montage.rows[static_cast<size_t>(row.technique - warpRegistry().data())].cells[row.view].caption = captionOf(row);
   out.write("montage.png", encodePng(drawMontage(montage, options.cellWidth), interrupt.token()));
   const Json report = toJson(comparison, work, nameOf(headless.resources().marcher->backend()), headless.contextText());
-  out.write("metrics.json", textOf(report));
+  out.write("metrics.json", textOf(report));  // last, so that where it is, everything is
   if (interrupt.token().stop_requested()) throw OperationCancelled();
   out.commit();
 

@@ -71,19 +71,18 @@ Json describe() {
           {"volumeFormats", supportedVolumeEndings()}};
 }
 
+std::string elementText(const Json& element) {
+  if (element.is_string()) return element.get<std::string>();
+  const std::string name = element["name"].get<std::string>();
+  return element.contains("title") ? name : name + " (" + element["computeCapability"].get<std::string>() + ")";
+}
+
 void printLine(const std::string& name, const Json& value) {
-  std::cout << name << ": ";
-  if (value.is_string())
-    std::cout << value.get<std::string>();
-  else if (value.is_array()) {
-    for (const Json& element : value)
-      std::cout << (element.is_string()     ? element.get<std::string>()
-                    : element.contains("title") ? element["name"].get<std::string>()
-                                                : element["name"].get<std::string>() + " (" + element["computeCapability"].get<std::string>() + ")")
-                << ' ';
-  } else {
-    std::cout << value.dump();
-  }
+  std::cout << name << ':';
+  if (value.is_array())
+    for (const Json& element : value) std::cout << ' ' << elementText(element);
+  else
+    std::cout << ' ' << (value.is_string() ? value.get<std::string>() : value.dump());
   std::cout << '\n';
 }
 

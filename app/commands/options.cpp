@@ -82,25 +82,26 @@ void logBackend(Backend backend) {
 }  // namespace
 
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
+  const std::string sceneDefault = "; default: the scene's";
   std::string scenes;
   for (const ProceduralVolume& volume : kProceduralVolumes) scenes += std::string(volume.name) + ", ";
   command.add_option("scene", options.scene, "A built-in scene (" + scenes + "default vessels), a scene file or a volume file");
   command.add_option("--volume", options.volume, "Replaces the scene's volume by this file");
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
   command.add_option("--tf", options.transferFunction, "Transfer function file (JSON)");
-  command.add_option("--heuristic", options.heuristic, "Which depth stands for a pixel: " + listOf(kHeuristics));
-  command.add_option("--radius", options.radius, "How large a sample is: " + listOf(kRadiusPolicies));
-  command.add_option("--radius-scale", options.radiusScale, "Factor on the radius");
-  command.add_option("--step", options.step, "Distance of samples along a ray, in voxels");
+  command.add_option("--heuristic", options.heuristic, "Which depth stands for a pixel: " + listOf(kHeuristics) + sceneDefault);
+  command.add_option("--radius", options.radius, "How large a sample is: " + listOf(kRadiusPolicies) + sceneDefault);
+  command.add_option("--radius-scale", options.radiusScale, "Factor on the radius, " + rangeText(kRadiusScaleRange) + sceneDefault);
+  command.add_option("--step", options.step, "Distance of samples along a ray, in voxels, " + rangeText(kStepRange) + sceneDefault);
   command.add_option("--point-size", options.pointSize, "Pixels, 1 to 16, for points")->capture_default_str();
   command.add_option("--hits", options.hits, "Samples blended along a ray, 1 to 16, for multihit")->capture_default_str();
   command.add_option("--bvh", options.bvh, "Hierarchy that spheres are traced with: lbvh embree")->capture_default_str();
   command.add_option("--backend", options.backend, "auto cpu cuda")->capture_default_str();
   command.add_option("--gl", options.gl, "OpenGL without a window: auto egl osmesa")->capture_default_str();
   command.add_option("--size", options.size, "WxH of the pictures, in pixels")->capture_default_str();
-  command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees");
+  command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees, " + rangeText(kFovYDegRange) + sceneDefault);
   command.add_option("--uncovered", options.uncovered, "Colour (RRGGBB) of pixels that no sample covers; default transparent");
-  command.add_option("--seed", options.seed, "Of everything random")->capture_default_str();
+  command.add_option("--seed", options.seed, "Of what is random in the built-in volumes vessels and shells")->capture_default_str();
   command.add_flag("--json", options.json, "One JSON document on standard output and nothing else");
   addLogOptions(command, options);
 }
@@ -109,6 +110,17 @@ void addLogOptions(CLI::App& command, CommonOptions& options) {
   command.add_flag("--quiet", options.quiet, "Errors only");
   command.add_flag("--verbose", options.verbose, "More about what is being done, on standard error");
   command.parse_complete_callback([&options] { setUpLog(options.quiet, options.verbose); });
+}
+
+void requireValues(CLI::App& command) {
+  for (CLI::Option* option : command.get_options())
+    if (option->get_items_expected_max() > 0 && !option->get_positional())
+      option->check([&command, option](const std::string& value) {
+        const bool isName = value.starts_with("--") || (value.starts_with('-') && command.get_option_no_throw(value) != nullptr);
+        if (value.empty() || isName)
+          throw UsageError(option->get_name() + " needs a value");
+        return std::string();
+      });
 }
 
 CheckedOptions check(const CommonOptions& options) {
@@ -125,10 +137,15 @@ CheckedOptions check(const CommonOptions& options) {
   checked.warp.hits = options.hits;
   if (!options.heuristic.empty()) checked.heuristic = choose("heuristic", options.heuristic, kHeuristics);
   if (!options.radius.empty()) checked.radius = choose("radius policy", options.radius, kRadiusPolicies);
-  if (options.step) checked.step = static_cast<float>(*options.step);
-  if (options.radiusScale) checked.radiusScale = static_cast<float>(*options.radiusScale);
-  if (options.fovYDeg && !(*options.fovYDeg > 0.0 && *options.fovYDeg < 180.0))
-    throw UsageError("--fov: the field of view must be more than 0 and less than 180 degrees");
+  if (options.step) {
+    requireRange(*options.step, kStepRange, "--step");  // as typed: in float 1e300 is infinite
+    checked.step = static_cast<float>(*options.step);
+  }
+  if (options.radiusScale) {
+    requireRange(*options.radiusScale, kRadiusScaleRange, "--radius-scale");
+    checked.radiusScale = static_cast<float>(*options.radiusScale);
+  }
+  if (options.fovYDeg) requireRange(*options.fovYDeg, kFovYDegRange, "--fov");
 
   checked.overrides.seed = options.seed;
   checked.overrides.fovYDeg = options.fovYDeg;
@@ -138,10 +155,6 @@ CheckedOptions check(const CommonOptions& options) {
     const std::vector<uint32_t> dims = parseSize("--volume-size", options.volumeSize, 3, 65536);
     checked.overrides.proceduralDims = {dims[0], dims[1], dims[2]};
   }
-  MarchSettings probe;
-  probe.step = checked.step.value_or(probe.step);
-  probe.radiusScale = checked.radiusScale.value_or(probe.radiusScale);
-  validate(probe);
   validate(checked.warp);
   const bool isOnDevice = checked.backend == Backend::cuda || (checked.backend == Backend::automatic && cuda::whyUnavailable().empty());
   if (checked.warp.sphereTracing == SphereTracing::clusters && !isOnDevice)

@@ -39,6 +39,10 @@ void addCommonOptions(CLI::App& command, CommonOptions& options);
 /// Adds --quiet and --verbose, and sets the log up by them once the command line is read.
 void addLogOptions(CLI::App& command, CommonOptions& options);
 
+/// Lets every option that takes a value refuse, with a UsageError, an empty one and the name of the next option. Comes after all options of
+/// the command. A file of such a name is written with its folder: ./--quiet.
+void requireValues(CLI::App& command);
+
 /// What was asked for, before the scene is opened.
 struct CheckedOptions {
   std::string sceneSpec;

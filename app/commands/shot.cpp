@@ -1,7 +1,6 @@
 // `shot`: one picture without a window.
 // A frame from the scene's first view, warped to the camera turned about the volume's vertical axis.
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -12,7 +11,7 @@
 #include "app/output_files.h"
 #include "app/picture.h"
 #include "app/progress.h"
-#include "render/core/error.h"
+#include "render/core/range.h"
 
 namespace warpscope {
 namespace {
@@ -24,9 +23,10 @@ struct ShotOptions {
   std::string out;
 };
 
+constexpr Range kViewAngleDegRange{-360.0, 360.0};
+
 void shoot(const ShotOptions& options) {
-  if (!std::isfinite(options.viewAngleDeg) || std::abs(options.viewAngleDeg) > 360.0)
-    throw UsageError("--view-angle must be between -360 and 360 degrees");
+  requireRange(options.viewAngleDeg, kViewAngleDegRange, "--view-angle");
   const WarpDescriptor& descriptor = findWarp(options.technique);
   const Interrupt interrupt;
   const Workplace work = prepare(options.common, interrupt.token());
@@ -77,7 +77,8 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
   std::string names;
   for (const WarpDescriptor& warp : warpRegistry()) names += (names.empty() ? "" : " ") + std::string(warp.name);
   command->add_option("--technique", options->technique, names)->capture_default_str();
-  command->add_option("--view-angle", options->viewAngleDeg, "Degrees that the camera turns about the vertical axis")
+  command->add_option("--view-angle", options->viewAngleDeg,
+                      "Degrees that the camera turns about the vertical axis, " + rangeText(kViewAngleDegRange))
       ->capture_default_str();
   command->add_option("-o,--out", options->out, "PNG file to write")->required();
   command->callback([options, &chosen] { chosen = [options] { shoot(*options); }; });

@@ -7,6 +7,7 @@
 
 #include "app/commands/options.h"
 #include "app/interrupt.h"
+#include "app/output_files.h"
 #include "app/ui/run_window.h"
 #include "render/core/range.h"
 
@@ -34,6 +35,7 @@ void view(const ViewOptions& options) {
   if (options.uiScale != 0.0) requireRange(options.uiScale, kUiScaleRange, "--ui-scale");
   requireRange(options.screenshotAfterMs, kWaitMsRange, "--after-ms");
   requireScene(checked.sceneSpec);
+  if (!options.screenshot.empty()) requireWritable(options.screenshot);
   settings.knobs.warp = checked.warp;
   settings.knobs.delayMs = options.delayMs;
   settings.knobs.uncovered = checked.uncovered;

@@ -114,6 +114,8 @@ Image<Rgba8> runLoop(Window& window, Session& session, const SceneOpener& openSc
     window.waitForNextFrame(isMoving || !session.loading().empty());
     const Clock::TimePoint now = clock.now();
     if (session.update(now)) lastActive = now;
+    const bool hasFailed = session.scene() == nullptr && session.loading().empty() && !session.error().empty();
+    if (hasFailed && !settings.screenshot.empty()) throw InputError(session.error());  // there is nobody to read it in the window
     if (session.scene() != nullptr && session.scene()->name != shownScene) {
       shownScene = session.scene()->name;
       window.setTitle(shownScene + " – warpscope");

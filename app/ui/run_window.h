@@ -30,7 +30,7 @@ using SessionMaker = std::function<std::unique_ptr<Session>(std::function<void()
 using SceneOpener = std::function<LoadJob(const std::string& spec)>;
 
 /// Opens the window and returns when it is closed or `stop` is set. Throws NoDisplay before anything was done, InputError if the
-/// screenshot cannot be written. False if the session did not end in time (see Session::close); the session then lives on.
+/// screenshot cannot be written or nothing can be shown on it. False if the session did not end in time (see Session::close); the session then lives on.
 bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
                const std::stop_token& stop);
 

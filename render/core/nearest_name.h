@@ -1,8 +1,9 @@
-// Looking a name up in a table, and "unknown X; did you mean Y?": the nearest of the names that would have been right.
+// Looking a name up in a table, and "unknown X; did you mean Y?": the nearest of the names that would have been right, if it is near.
 // Edit distance: Levenshtein 1966, by the dynamic programme of Wagner, Fischer 1974.
 #pragma once
 
 #include <iterator>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,7 +14,10 @@ namespace warpscope {
 /// Least number of insertions, deletions and replacements that turn one into the other.
 size_t editDistance(std::string_view a, std::string_view b);
 
-/// A sentence: `unknown KIND 'NAME'; did you mean 'NEAREST'? Known: ...`.
+/// The nearest of `known`; nothing if even that differs in more than about half the word.
+std::optional<std::string_view> nearestName(std::string_view name, std::span<const std::string_view> known);
+
+/// A sentence: `unknown KIND 'NAME'; did you mean 'NEAREST'? Known: ...`. Without a near name: `unknown KIND 'NAME'; known: ...`.
 std::string unknownName(std::string_view kind, std::string_view name, std::span<const std::string_view> known);
 
 /// The entry of that name; null if there is none. A table is a range of entries with a member `name` that outlives the answer.

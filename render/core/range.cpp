@@ -2,17 +2,28 @@
 // See range.h.
 #include "render/core/range.h"
 
-#include <cstdio>
-#include <string>
+#include <charconv>
 
 #include "render/core/error.h"
 
 namespace warpscope {
+namespace {
 
-void refuseOutside(double value, const Range& range, std::string_view name) {
-  char text[96];
-  std::snprintf(text, sizeof text, " must be between %g and %g, not %g", range.lowest, range.highest, value);
-  throw UsageError(std::string(name) + text);
+template <class T>
+std::string shortest(T value) {
+  char text[32];  // the longest double takes 24
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+}  // namespace
+
+std::string numberText(double value) { return shortest(value); }
+std::string numberText(float value) { return shortest(value); }
+
+std::string rangeText(const Range& range) { return numberText(range.lowest) + " to " + numberText(range.highest); }
+
+void refuseOutside(const std::string& value, const Range& range, std::string_view name) {
+  throw UsageError(std::string(name) + " must be between " + numberText(range.lowest) + " and " + numberText(range.highest) + ", not " + value);
 }
 
 }  // namespace warpscope

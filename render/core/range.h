@@ -3,6 +3,7 @@
 #pragma once
 
 #include <concepts>
+#include <string>
 #include <string_view>
 
 namespace warpscope {
@@ -12,14 +13,21 @@ struct Range {
   double lowest, highest;
 };
 
+/// The shortest decimal text that reads back as the same number.
+std::string numberText(double value);
+std::string numberText(float value);
+
+/// "LOWEST to HIGHEST".
+std::string rangeText(const Range& range);
+
 /// Throws UsageError "NAME must be between LOWEST and HIGHEST, not VALUE".
-[[noreturn]] void refuseOutside(double value, const Range& range, std::string_view name);
+[[noreturn]] void refuseOutside(const std::string& value, const Range& range, std::string_view name);
 
 /// Throws as refuseOutside unless `value` lies in `range`; NaN does not.
 template <std::floating_point T>
 void requireRange(T value, const Range& range, std::string_view name) {
   if (value >= static_cast<T>(range.lowest) && value <= static_cast<T>(range.highest)) return;
-  refuseOutside(static_cast<double>(value), range, name);
+  refuseOutside(numberText(value), range, name);
 }
 
 }  // namespace warpscope

@@ -8,6 +8,12 @@ namespace warpscope::cuda {
 
 DeviceReport listDevices() {
   DeviceReport report;
+  // Without a driver the runtime says that the driver is too old, which sends its reader the wrong way.
+  int version = 0;
+  if (cudaDriverGetVersion(&version) == cudaSuccess && version == 0) {
+    report.reason = "no CUDA device: no NVIDIA driver is installed";
+    return report;
+  }
   int count = 0;
   const cudaError_t counted = cudaGetDeviceCount(&count);
   if (counted != cudaSuccess || count == 0) {
@@ -28,8 +34,7 @@ DeviceReport listDevices() {
     report.devices.push_back({properties.name, properties.major, properties.minor, properties.totalGlobalMem, clockKHz / 1000});
   }
   if (!report.devices.empty()) report.reason.clear();
-  int version = 0;
-  if (cudaDriverGetVersion(&version) == cudaSuccess && version > 0)
+  if (version > 0)
     report.driverVersion = std::to_string(version / 1000) + "." + std::to_string(version % 1000 / 10);
   return report;
 }

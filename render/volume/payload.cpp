@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -28,6 +29,16 @@ using Encoding = Payload::Encoding;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& reason) {
   throw InputError(path.string() + ": " + reason);
+}
+
+/// Throws unless `part`, which belongs to `path` and is called `name` there, is a file.
+void requirePart(const fs::path& path, const fs::path& part, const std::string& name) {
+  std::error_code error;
+  const fs::file_status status = fs::status(part, error);
+  if (status.type() == fs::file_type::regular) return;
+  if (status.type() == fs::file_type::not_found) fail(path, name + " is missing");
+  if (status.type() == fs::file_type::none) fail(path, name + " cannot be looked at: " + error.message());
+  fail(path, name + (status.type() == fs::file_type::directory ? " is a folder" : " is no regular file but a pipe or a device"));
 }
 
 std::string trimmed(const std::string& text) {
@@ -113,8 +124,8 @@ Payload locateNifti(const fs::path& path) {
   const std::string ending = lowered(path.extension().string());
   if (ending == ".img") header.replace_extension(path.extension() == ".IMG" ? ".HDR" : ".hdr");
   if (ending == ".hdr") voxels.replace_extension(path.extension() == ".HDR" ? ".IMG" : ".img");
-  if (!fs::is_regular_file(header)) fail(path, "its header " + header.filename().string() + " is missing beside it");
-  if (!fs::is_regular_file(voxels)) fail(path, "its voxels " + voxels.filename().string() + " are missing beside it");
+  requirePart(path, header, "its header " + header.filename().string() + " beside it");
+  requirePart(path, voxels, "its voxel file " + voxels.filename().string() + " beside it");
 
   const std::vector<unsigned char> head = headOf(header, 540);
   if (head.size() < 348) fail(path, "is no NIfTI file: it ends before a header of 348 bytes does");
@@ -222,9 +233,11 @@ bool followDetached(const fs::path& path, const std::string& name, Payload& payl
     payload.encoding = Encoding::unchecked;
     return false;
   }
+  if (name.find('\0') != std::string::npos) fail(path, "its header has a zero byte in the name of its data file");
   payload.file = path.parent_path() / name;
   payload.offsetBytes = 0;
-  if (!fs::is_regular_file(payload.file)) fail(path, "its data file \"" + name + "\" is missing");
+  constexpr size_t kLongestShown = 80;
+  requirePart(path, payload.file, "its data file \"" + (name.size() > kLongestShown ? name.substr(0, kLongestShown) + "..." : name) + "\"");
   return true;
 }
 
@@ -329,12 +342,33 @@ Payload locateVtk(const fs::path& path) {
 
 // --- MRC: a binary header of 1024 bytes and an extended one of any size.
 
+/// Whether the header's byte order is not this machine's, told as ITK tells it: by the machine stamp (MACHST) and, in files older than
+/// that, by the axes (MAPC, MAPR, MAPS), which are 1 to 3.
+bool isMrcSwapped(const std::vector<unsigned char>& head) {
+  constexpr unsigned char kBigStamp = 0x11, kLittleStamp = 0x44;
+  constexpr bool kIsBigMachine = std::endian::native == std::endian::big;
+  const unsigned char stamp = head[212];
+  if (stamp == kBigStamp) return !kIsBigMachine;
+  if (stamp == kLittleStamp) return kIsBigMachine;
+  for (const size_t offset : {64, 68, 72})
+    if (const auto axis = fieldAt<int32_t>(head, offset, false); axis < 1 || axis > 3) return true;
+  return false;
+}
+
 Payload locateMrc(const fs::path& path) {
-  const std::vector<unsigned char> head = headOf(path, 1024);
-  if (head.size() < 1024) fail(path, "is no MRC file: it ends before a header of 1024 bytes does");
-  // The extended header's size, NSYMBT, in the byte order in which it is possible.
-  const uint32_t little = fieldAt<uint32_t>(head, 92, false), big = fieldAt<uint32_t>(head, 92, true);
-  return wholeFile(path, uint64_t{1024} + std::min(little, big));
+  constexpr uint64_t kHeaderBytes = 1024;
+  const std::vector<unsigned char> head = headOf(path, kHeaderBytes);
+  if (head.size() < kHeaderBytes) fail(path, "is no MRC file: it ends before a header of 1024 bytes does");
+  const auto extendedBytes = fieldAt<int32_t>(head, 92, isMrcSwapped(head));  // NSYMBT
+  if (extendedBytes < 0)
+    fail(path, "its header declares an extended header of " + std::to_string(extendedBytes) + " bytes (NSYMBT); it is damaged");
+  const Payload payload = wholeFile(path, kHeaderBytes + static_cast<uint64_t>(extendedBytes));
+  std::error_code error;
+  const uint64_t fileBytes = fs::file_size(path, error);
+  if (!error && payload.encoding == Encoding::plain && payload.offsetBytes > fileBytes)
+    fail(path, "its header declares an extended header of " + std::to_string(extendedBytes) + " bytes (NSYMBT), but the file holds " +
+                   std::to_string(fileBytes) + " in all; it is cut off or damaged");
+  return payload;
 }
 
 /// Words in the text from `payload.offsetBytes` on, counted no further than `enough`.

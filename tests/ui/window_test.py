@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 
 SKIPPED = 77
@@ -258,6 +259,27 @@ def begin_catching_signals(program):
         time.sleep(0.002)
 
 
+def photograph_scenes(display, executable):
+    """The program closes by itself after a photograph, and without one where there is nothing to photograph."""
+    with tempfile.TemporaryDirectory() as folder:
+        def photograph(scene):
+            file = os.path.join(folder, "window.png")
+            result = subprocess.run([executable, "view", *scene, "--screenshot", file, "--after-ms", "1500"], env=display.environment,
+                                    capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+            return result, os.path.exists(file)
+
+        result, is_there = photograph(SCENE)
+        if result.returncode != 0 or not is_there:
+            raise Failure(f"a photograph: exit code {result.returncode}, {result.stderr}")
+        os.remove(os.path.join(folder, "window.png"))
+        broken = os.path.join(folder, "broken_9x9x9_uint8.raw")
+        with open(broken, "wb") as file:
+            file.write(b"x")
+        result, is_there = photograph([broken])
+        if result.returncode != 1 or is_there or "broken_9x9x9_uint8.raw: holds 1 bytes" not in result.stderr:
+            raise Failure(f"a photograph of a scene that cannot be opened: exit code {result.returncode}, {result.stderr}")
+
+
 def close_at_any_moment(executable):
     with Display(1280, 800) as display:
         program = Program(display, [executable, "view", *SCENE])
@@ -270,6 +292,8 @@ def close_at_any_moment(executable):
         time.sleep(1.0)
         program.process.send_signal(signal.SIGTERM)
         print(f"  during a long load: {program.ends('a signal during a long load'):.2f} s")
+
+        photograph_scenes(display, executable)
 
         seed = random.randrange(1 << 32)
         print(f"  random moments, seed {seed}")
