@@ -2,23 +2,15 @@
 // Mirrors render/volume/reader.h; files are written byte by byte, so that no library vouches for itself.
 #include "render/volume/reader.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <cctype>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <limits>
-#include <random>
 
-#include "render/core/error.h"
 #include "render/core/parallel.h"
-#include "render/volume/volume_format.h"
 #include "tests/real_data.h"
+#include "tests/reader_fixture.h"
 
 #if WARPSCOPE_WITH_ITK
 #include <sys/stat.h>
@@ -28,136 +20,11 @@
 namespace warpscope {
 namespace {
 
-namespace fs = std::filesystem;
-using testing::HasSubstr;
-
-/// A directory of its own for every test.
-class Reader : public testing::Test {
- protected:
-  void SetUp() override {
-    static std::atomic<int> count = 0;
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    directory_ = fs::temp_directory_path() / ("warpscope_" + std::string(info->name()) + "_" +
-                                              std::to_string(std::random_device{}()) + "_" + std::to_string(count++));
-    fs::create_directories(directory_);
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(directory_, ignored);
-  }
-
-  fs::path write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(directory_ / name, std::ios::binary) << bytes;
-    return directory_ / name;
-  }
-
-  /// Expects an InputError of one line that names the file and says `reason`; nothing may appear on stderr.
-  void expectRefused(const fs::path& path, const std::string& reason) const {
-    testing::internal::CaptureStderr();
-    std::string text = "(nothing was thrown)";
-    try {
-      openVolume(path);
-    } catch (const InputError& error) {
-      text = error.what();
-    }
-    EXPECT_THAT(text, HasSubstr(reason)) << path;
-    EXPECT_THAT(text, HasSubstr(path.filename().string()));
-    EXPECT_THAT(text, testing::Not(HasSubstr("\n")));
-    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << path;
-  }
-
-  fs::path directory_;
-};
-
-template <class T>
-std::string bytesOf(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
 std::vector<int16_t> ramp(int16_t count) {
   std::vector<int16_t> values(static_cast<size_t>(count));
   for (int16_t i = 0; i < count; ++i) values[static_cast<size_t>(i)] = i;
   return values;
 }
-
-TEST(RawName, Parses) {
-  const auto name = parseRawName("some/engine_v2_256x255x128_uint8.raw");
-  ASSERT_TRUE(name);
-  EXPECT_EQ(name->dims, glm::uvec3(256, 255, 128));
-  EXPECT_EQ(name->type, VoxelType::uint8);
-  EXPECT_EQ(parseRawName("a_1x2x3_float64.RAW")->type, VoxelType::float64);
-}
-
-TEST(RawName, OtherFormsAreNoRawNames) {
-  for (const char* name : {"engine.raw", "engine_256x256_uint8.raw", "engine_256x256x128.raw", "256x256x128_uint8.nrrd",
-                           "e_-1x2x3_uint8.raw", "e_1x2x3_uint8", "", "e_1x2x3x4_uint8.raw"})
-    EXPECT_FALSE(parseRawName(name)) << name;
-  EXPECT_FALSE(parseRawName(std::string(100'000, 'x') + "_1x1x1_uint8.raw"));
-}
-
-TEST(RawName, RefusesOverflowAndUnknownTypes) {
-  EXPECT_THROW(parseRawName("a_4294967296x1x1_uint8.raw"), InputError);
-  EXPECT_THROW(parseRawName("a_99999999999999999999999x1x1_uint8.raw"), InputError);
-  EXPECT_THROW(parseRawName("a_1x1x1_uint9.raw"), InputError);
-}
-
-TEST(VolumeFormat, ByTheEndingInEitherCase) {
-  for (const VolumeEnding& known : kVolumeEndings) {
-    std::string upper("A");
-    for (const char c : known.ending) upper += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    EXPECT_EQ(formatOf("some.folder/a" + std::string(known.ending)), known.format) << known.ending;
-    EXPECT_EQ(formatOf(upper), known.format) << upper;
-    EXPECT_EQ(formatOf(known.ending), std::nullopt) << known.ending << " is all there is of the name";
-  }
-  for (const char* name : {"", "a", "a.nii.zip", "a.gz", "a.nrrd/", "nrrd", "a.raw "}) EXPECT_EQ(formatOf(name), std::nullopt) << name;
-}
-
-TEST_F(Reader, RawOfEveryType) {
-  for (int i = 0; i < 8; ++i)
-    visitVoxelType(static_cast<VoxelType>(i), [&](auto voxel) {
-      using T = decltype(voxel);
-      std::vector<T> values(24);
-      for (size_t k = 0; k < values.size(); ++k) values[k] = static_cast<T>(k * 5);
-      const auto type = static_cast<VoxelType>(i);
-      const VolumePtr volume = openVolume(write("v_2x3x4_" + std::string(nameOf(type)) + ".raw", bytesOf(values)));
-      EXPECT_EQ(volume->type(), type);
-      EXPECT_EQ(volume->dims(), glm::uvec3(2, 3, 4));
-      EXPECT_EQ(std::memcmp(volume->voxels(), values.data(), volume->sizeBytes()), 0);
-      EXPECT_EQ(volume->statistics().highest, 115.0);
-      EXPECT_FALSE(volume->geometry().hasOrientation);
-    });
-}
-
-TEST_F(Reader, RawTakesItsSpacingFromTheCaller) {
-  const fs::path path = write("v_2x1x1_uint8.raw", "ab");
-  EXPECT_EQ(openVolume(path, glm::dvec3(1.0, 2.0, 3.5))->geometry().spacing, glm::dvec3(1.0, 2.0, 3.5));
-  EXPECT_THROW(openVolume(path, glm::dvec3(1.0, 0.0, 1.0)), InputError);
-}
-
-TEST_F(Reader, RawErrors) {
-  expectRefused(directory_ / "no_1x1x1_uint8.raw", "there is no such file");
-  fs::create_directory(directory_ / "dir_1x1x1_uint8.raw");
-  expectRefused(directory_ / "dir_1x1x1_uint8.raw", "is a directory");
-  expectRefused(write("empty_1x1x1_uint8.raw", ""), "is empty");
-  expectRefused(write("short_3x2x1_uint16.raw", "12345"), "holds 5 bytes, but its name says 3x2x1 uint16 = 12 bytes");
-  expectRefused(write("long_1x1x1_uint8.raw", "12"), "holds 2 bytes, but its name says 1x1x1 uint8 = 1 bytes");
-  expectRefused(write("misnamed.raw", "1"), "name_256x256x128_uint8.raw");
-  expectRefused(write("type_1x1x1_int64.raw", "12345678"), "\"int64\" is not a voxel type; there are uint8");
-  expectRefused(write("zero_0x1x1_uint8.raw", "1"), "is empty");
-  expectRefused(write("wide_4294967296x1x1_uint8.raw", "1"), "4294967296");
-  expectRefused(write("huge_4294967295x4294967295x4294967295_float64.raw", "1"), "at most");
-  expectRefused(write("large_65536x65536x65536_float64.raw", "1"), "2251799813685248 bytes");
-  expectRefused(write("picture.jpg", "1"), "known are .raw");
-}
-
-TEST_F(Reader, Unreadable) {
-  const fs::path path = write("v_1x1x1_uint8.raw", "1");
-  fs::permissions(path, fs::perms::none);
-  if (std::ifstream(path)) GTEST_SKIP() << "this user may read every file";
-  expectRefused(path, "cannot be read");
-}
-
-TEST(SupportedEndings, RawComesFirst) { EXPECT_EQ(supportedVolumeEndings().front(), ".raw"); }
 
 #if !WARPSCOPE_WITH_ITK
 TEST_F(Reader, SaysHowToGetItk) { expectRefused(write("a.nrrd", "NRRD0004"), "WARPSCOPE_WITH_ITK=ON"); }
