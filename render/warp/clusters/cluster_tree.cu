@@ -129,7 +129,7 @@ ClusterTreeView DeviceClusterTree::view() const {
 void DeviceClusterTree::trace(const Camera& camera, uint32_t* ids, float* depth, cudaStream_t stream) const {
   // How large spheres are on the screen, in the middle of the cloud. Where one ray a lane and two are as fast was measured on an H200, with
   // clouds of volumes of 256^3 voxels at 1024 x 1024 pixels.
-  constexpr float kPixelsForTwo = 2.35f;
+  constexpr float kPixelsForTwo = 2.2f;
   const bool takesTwo = typicalRadius_ > kPixelsForTwo * pixelEdge(camera) * glm::length(center_ - camera.eye);
   if (takesTwo)
     traceNearest<2><<<tileGrid(camera.width, camera.height, 2), kTileBlockThreads, 0, stream>>>(view(), camera, ids, depth);
