@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "app/comparison.h"
 #include "render/core/error.h"
 #include "render/core/parallel.h"
 #include "render/core/stopwatch.h"
@@ -22,7 +21,7 @@ class Repeated {
  public:
   Repeated(int runs, const std::stop_token& stop) : runs_(runs), stop_(stop) {}
 
-  /// Calls `work` once to warm up, then `runs` times; `read` gives each run's times.
+  /// Calls `work(false)` once to warm up, then `work(true)` `runs` times. Throws OperationCancelled between two if the token is set.
   template <class Work>
   void operator()(const Work& work) const {
     for (int run = -1; run < runs_; ++run) {
@@ -152,7 +151,7 @@ Measured measuredOf(std::vector<double> timesMs) {
   return {at(0.5), at(0.75) - at(0.25)};
 }
 
-size_t benchmarkSteps(const Scene&, const BenchmarkSettings& settings) {
+size_t benchmarkSteps(const BenchmarkSettings& settings) {
   return settings.backends.size() * (1 + settings.techniques.size());
 }
 

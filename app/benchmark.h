@@ -55,7 +55,7 @@ struct BenchmarkSettings {
 };
 
 /// Steps that runBenchmark() tells `onStep` of.
-size_t benchmarkSteps(const Scene& scene, const BenchmarkSettings& settings);
+size_t benchmarkSteps(const BenchmarkSettings& settings);
 
 /// `resourcesOf` gives what techniques draw on for a backend. Throws InputError if a picture is wrong: a technique's colours in the
 /// server's own view have little to do with the volume's, or a CUDA device's samples are not those of the CPU. Else as marching and warping.

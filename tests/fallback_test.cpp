@@ -9,34 +9,38 @@
 namespace warpscope {
 namespace {
 
-/// Counts its frames, and fails from the `failsAt`-th on.
+/// Counts its uses, and fails from the `failsAt`-th on.
+struct FailingDevice {
+  int failsAt;
+  int uses = 0;
+
+  void use() {
+    if (++uses >= failsAt) throw DeviceError("lost");
+  }
+};
+
 class MadeUpMarcher final : public Marcher {
  public:
-  MadeUpMarcher(Backend backend, int failsAt) : backend_(backend), failsAt_(failsAt) {}
+  MadeUpMarcher(Backend backend, int failsAt) : backend_(backend), device_{failsAt} {}
 
   SampleFrame march(const Camera& camera, const MarchSettings&, const std::stop_token&) override {
-    use();
+    device_.use();
     SampleFrame frame;
     frame.camera = camera;
     frame.requestId = backend_ == Backend::cpu ? 1 : 2;
     return frame;
   }
   void render(const Camera&, const MarchSettings&, Image<glm::vec4>& image, const std::stop_token&) override {
-    use();
+    device_.use();
     image.resize(1, 1, glm::vec4(backend_ == Backend::cpu ? 1.0f : 2.0f));
   }
   const VolumePtr& volume() const override { return volume_; }
   Backend backend() const override { return backend_; }
-  MarcherPtr twin() const override { return std::make_shared<MadeUpMarcher>(backend_, failsAt_); }
+  MarcherPtr twin() const override { return std::make_shared<MadeUpMarcher>(backend_, device_.failsAt); }
 
  private:
-  void use() {
-    if (++uses_ >= failsAt_) throw DeviceError("lost");
-  }
-
   const Backend backend_;
-  const int failsAt_;
-  int uses_ = 0;
+  FailingDevice device_;
   VolumePtr volume_;
 };
 
@@ -111,26 +115,21 @@ TEST(FallbackMarcher, OtherErrorsAndTheSecondsAreTheCallers) {
 /// Draws the backend's number; fails at the `failsAt`-th picture or frame.
 class MadeUpWarp final : public Warp {
  public:
-  MadeUpWarp(Backend backend, int failsAt) : backend_(backend), failsAt_(failsAt) {}
+  MadeUpWarp(Backend backend, int failsAt) : backend_(backend), device_{failsAt} {}
 
   void setFrame(SampleFramePtr frame, const WarpSettings&, const std::stop_token&) override {
-    use();
+    device_.use();
     frame_ = std::move(frame);
   }
   void draw(const Camera&, const WarpSettings&, WarpedImage& image, const std::stop_token&) override {
-    use();
+    device_.use();
     image.samples.resize(1, 1, frame_ ? static_cast<uint32_t>(frame_->requestId) : 0);
     image.color.resize(1, 1, glm::vec4(backend_ == Backend::cpu ? 1.0f : 2.0f));
   }
 
  private:
-  void use() {
-    if (++uses_ >= failsAt_) throw DeviceError("lost");
-  }
-
   const Backend backend_;
-  const int failsAt_;
-  int uses_ = 0;
+  FailingDevice device_;
   SampleFramePtr frame_;
 };
 

@@ -16,6 +16,7 @@
 #include "render/warp/lbvh/embree_tracer.h"
 #include "render/warp/lbvh/sphere_tracer.h"
 #include "tests/sphere_clouds.h"
+#include "tests/traced_picture.h"
 
 namespace warpscope {
 namespace {
@@ -57,20 +58,6 @@ uint32_t checkStructure(const Lbvh& lbvh) {
   return deepest;
 }
 
-struct Picture {
-  Image<uint32_t> ids;
-  Image<float> depth;
-};
-
-template <class Tracer>
-Picture picture(std::span<const Sphere> cloud, const Camera& camera) {
-  Tracer tracer;
-  tracer.build(cloud);
-  Picture result;
-  tracer.trace(camera, result.ids, &result.depth, {});
-  return result;
-}
-
 /// What is certain about a ray and a sphere when every operation rounds: double has 29 bits more than float.
 struct Truth {
   bool decided;      ///< the ray neither grazes the sphere nor starts from its surface, within rounding
@@ -93,8 +80,8 @@ Truth judge(const Ray& ray, const Sphere& sphere) {
 }
 
 /// The first pixel in which `other` differs from `truth` by more than rounding explains, or an empty text.
-std::string firstDifference(const Camera& camera, std::span<const Sphere> cloud, const Picture& truth,
-                            const Picture& other) {
+std::string firstDifference(const Camera& camera, std::span<const Sphere> cloud, const TracedPicture& truth,
+                            const TracedPicture& other) {
   for (uint32_t y = 0; y < camera.height; ++y) {
     for (uint32_t x = 0; x < camera.width; ++x) {
       const uint32_t a = truth.ids(x, y), b = other.ids(x, y);
@@ -112,8 +99,8 @@ std::string firstDifference(const Camera& camera, std::span<const Sphere> cloud,
 
 /// The packets' picture equals brute force's and single rays' bit for bit, and Embree's but for rounding.
 void expectAllAgree(std::span<const Sphere> cloud, const Camera& camera) {
-  const Picture brute = picture<BruteForceTracer>(cloud, camera);
-  const Picture packets = picture<LbvhTracer>(cloud, camera);
+  const TracedPicture brute = tracedPicture<BruteForceTracer>(cloud, camera);
+  const TracedPicture packets = tracedPicture<LbvhTracer>(cloud, camera);
   EXPECT_EQ(packets.ids, brute.ids);
   EXPECT_EQ(packets.depth, brute.depth);
   Lbvh lbvh;
@@ -126,7 +113,7 @@ void expectAllAgree(std::span<const Sphere> cloud, const Camera& camera) {
       ASSERT_EQ(hit.t, brute.depth(x, y)) << x << "," << y;
     }
   }
-  EXPECT_EQ(firstDifference(camera, cloud, brute, picture<EmbreeTracer>(cloud, camera)), "");
+  EXPECT_EQ(firstDifference(camera, cloud, brute, tracedPicture<EmbreeTracer>(cloud, camera)), "");
 }
 
 TEST(Lbvh, EqualCodesAreToldApartByIndex) {
@@ -134,7 +121,7 @@ TEST(Lbvh, EqualCodesAreToldApartByIndex) {
   Lbvh lbvh;
   lbvh.build(cloud);
   EXPECT_LE(checkStructure(lbvh), 10u) << "indices below 1024 make a balanced tree";
-  const Picture seen = picture<LbvhTracer>(cloud, orbitCamera(20.0f, 30.0f, 33, 21));
+  const TracedPicture seen = tracedPicture<LbvhTracer>(cloud, orbitCamera(20.0f, 30.0f, 33, 21));
   for (const uint32_t id : seen.ids) EXPECT_TRUE(id == 0 || id == kNoSample) << "the lowest id wins";
 }
 
@@ -253,8 +240,8 @@ TEST(Lbvh, AgreesFarFromTheCoordinatesOrigin) {
   Camera camera = orbitCamera(300.0f, 70.0f, 61, 47);
   for (Sphere& sphere : cloud) sphere.center += glm::vec3(1e7f, -1e7f, 1e7f);
   camera.eye += glm::vec3(1e7f, -1e7f, 1e7f);
-  const Picture brute = picture<BruteForceTracer>(cloud, camera);
-  const Picture packets = picture<LbvhTracer>(cloud, camera);
+  const TracedPicture brute = tracedPicture<BruteForceTracer>(cloud, camera);
+  const TracedPicture packets = tracedPicture<LbvhTracer>(cloud, camera);
   EXPECT_EQ(packets.ids, brute.ids);
   EXPECT_EQ(packets.depth, brute.depth);
 }
@@ -288,12 +275,12 @@ TEST(Lbvh, IsTheSameForAnyNumberOfThreads) {
   cloud.insert(cloud.end(), more.begin(), more.end());
   const Camera camera = orbitCamera(30.0f, 33.0f, 128, 96);
   Lbvh expected;
-  Picture expectedPicture;
+  TracedPicture expectedPicture;
   for (const size_t threads : {1, 2, 7}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Lbvh lbvh;
     lbvh.build(cloud);
-    const Picture seen = picture<LbvhTracer>(cloud, camera);
+    const TracedPicture seen = tracedPicture<LbvhTracer>(cloud, camera);
     if (threads == 1) {
       expected = std::move(lbvh);
       expectedPicture = seen;

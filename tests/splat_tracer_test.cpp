@@ -14,36 +14,23 @@
 #include "render/core/parallel.h"
 #include "render/warp/splats/screen_bins.h"
 #include "tests/sphere_clouds.h"
+#include "tests/traced_picture.h"
 
 namespace warpscope {
 namespace {
 
-struct Picture {
-  Image<uint32_t> ids;
-  Image<float> depth;
-};
-
-template <class Tracer>
-Picture picture(std::span<const Sphere> cloud, const Camera& camera) {
-  Tracer tracer;
-  tracer.build(cloud);
-  Picture result;
-  tracer.trace(camera, result.ids, &result.depth, {});
-  return result;
-}
-
-size_t coveredPixels(const Picture& seen) {
+size_t coveredPixels(const TracedPicture& seen) {
   return static_cast<size_t>(std::count_if(seen.ids.begin(), seen.ids.end(), [](uint32_t id) { return id != kNoSample; }));
 }
 
 /// Returns how many pixels are covered.
 size_t expectSameAs(std::span<const Sphere> cloud, const Camera& camera, bool byBruteForce = true) {
-  const Picture splats = picture<SplatTracer>(cloud, camera);
-  const Picture lbvh = picture<LbvhTracer>(cloud, camera);
+  const TracedPicture splats = tracedPicture<SplatTracer>(cloud, camera);
+  const TracedPicture lbvh = tracedPicture<LbvhTracer>(cloud, camera);
   EXPECT_EQ(splats.ids, lbvh.ids);
   EXPECT_EQ(splats.depth, lbvh.depth);
   if (byBruteForce) {
-    const Picture brute = picture<BruteForceTracer>(cloud, camera);
+    const TracedPicture brute = tracedPicture<BruteForceTracer>(cloud, camera);
     EXPECT_EQ(splats.ids, brute.ids);
     EXPECT_EQ(splats.depth, brute.depth);
   }
@@ -83,7 +70,7 @@ TEST(SplatTracer, CoincidentSpheresShowTheLowestId) {
   const std::vector<Sphere> cloud(1000, Sphere{{1.0f, 2.0f, 3.0f}, 0.5f});
   const Camera camera = orbitCamera(20.0f, 30.0f, 130, 120);
   EXPECT_GT(expectSameAs(cloud, camera), 0u);
-  for (const uint32_t id : picture<SplatTracer>(cloud, camera).ids) EXPECT_TRUE(id == 0 || id == kNoSample);
+  for (const uint32_t id : tracedPicture<SplatTracer>(cloud, camera).ids) EXPECT_TRUE(id == 0 || id == kNoSample);
 }
 
 TEST(SplatTracer, TangentAndGrazingSpheres) {
@@ -154,10 +141,10 @@ TEST(SplatTracer, IsTheSameForAnyNumberOfThreads) {
   const auto more = makeCloud(CloudShape::clustered, 100'000, 10.0f, 54);
   cloud.insert(cloud.end(), more.begin(), more.end());
   const Camera camera = orbitCamera(15.0f, 33.0f, 328, 296);
-  Picture expected;
+  TracedPicture expected;
   for (const size_t threads : {1, 2, 7}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const Picture seen = picture<SplatTracer>(cloud, camera);
+    const TracedPicture seen = tracedPicture<SplatTracer>(cloud, camera);
     if (threads == 1) expected = seen;
     EXPECT_EQ(seen.ids, expected.ids);
     EXPECT_EQ(seen.depth, expected.depth);

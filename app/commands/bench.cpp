@@ -8,7 +8,6 @@
 
 #include "app/benchmark.h"
 #include "app/commands/options.h"
-#include "app/comparison.h"
 #include "app/interrupt.h"
 #include "app/json_document.h"
 #include "app/progress.h"
@@ -121,7 +120,7 @@ void bench(const BenchOptions& options) {
   };
   std::vector<BackendBenchmark> results;
   {
-    Progress progress("bench", benchmarkSteps(work.scene, settings), !options.common.showsProgress());
+    Progress progress("bench", benchmarkSteps(settings), !options.common.showsProgress());
     results = runBenchmark(work.scene, settings, resourcesOf, [&](const std::string& what) { progress.step(what); }, interrupt.token());
   }
   Json backends = Json::array();
