@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "render/core/camera.h"
 #include "render/cuda/memory.h"
 
 namespace warpscope {
@@ -28,6 +29,11 @@ __device__ inline PixelPlace pixelOfTile(const PixelPlace& tile, unsigned k = 0)
 }
 
 __device__ inline PixelPlace pixelOfThread(uint32_t firstRow) { return pixelOfTile(tileOfThread(firstRow)); }
+
+/// The ray through a pixel's centre.
+__device__ inline Ray rayOfPixel(const Camera& camera, const PixelPlace& pixel) {
+  return pixelRay(camera, {static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f});
+}
 
 /// Blocks for an image, or for `height` rows of one.
 inline dim3 tileGrid(uint32_t width, uint32_t height, unsigned pixelsPerLane = 1) {

@@ -19,7 +19,7 @@ struct PixelRay {
 template <class Job>
 __device__ inline PixelRay rayThrough(const Job& job, const PixelPlace& pixel) {
   PixelRay through;
-  through.ray = pixelRay(job.camera, {static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f});
+  through.ray = rayOfPixel(job.camera, pixel);
   const RayInterval inside = intersectBox(reciprocalOf(through.ray.origin, through.ray.direction), job.bounds, 0.0f, kNoHit);
   through.lattice = makeLattice(inside, job.step);
   return through;

@@ -33,7 +33,7 @@ __global__ void __launch_bounds__(kTileBlockThreads) traceHits(const __grid_cons
   if (tile.x >= camera.width || tile.y >= camera.height) return;  // the whole warp
   const PixelPlace pixel = pixelOfThread(0);
   const bool isInside = pixel.x < camera.width && pixel.y < camera.height;
-  const Ray ray = pixelRay(camera, {static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f});
+  const Ray ray = rayOfPixel(camera, pixel);
   const glm::vec3 directions[1] = {ray.direction};
   GatheredHits<Hits> hits[1] = {{tree.ids, isInside, {}}};
   traceClusters(tree, camera, tile, directions, memory[threadIdx.x / 32], hits);

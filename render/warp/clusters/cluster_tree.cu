@@ -75,7 +75,7 @@ __global__ void __launch_bounds__(kTileBlockThreads) traceNearest(const __grid_c
   NearestHit hits[kRays];
   for (int ray = 0; ray < kRays; ++ray) {
     const PixelPlace pixel = pixelOfTile(tile, static_cast<unsigned>(ray));
-    directions[ray] = pixelRay(camera, {static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f}).direction;
+    directions[ray] = rayOfPixel(camera, pixel).direction;
     hits[ray] = NearestHit(tree.ids, isInside(pixel));
   }
   traceClusters(tree, camera, tile, directions, memory[threadIdx.x / 32], hits);

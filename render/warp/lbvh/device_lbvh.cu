@@ -61,7 +61,7 @@ __global__ void __launch_bounds__(kTileBlockThreads) traceRays(const __grid_cons
                                                                uint32_t* overflow) {
   const PixelPlace pixel = pixelOfThread(0);
   if (pixel.x >= camera.width || pixel.y >= camera.height) return;
-  const Ray ray = pixelRay(camera, {static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f});
+  const Ray ray = rayOfPixel(camera, pixel);
   const LbvhHit hit = closestHit(view, ray);
   if (hit.overflow) *overflow = 1;
   const size_t i = size_t{pixel.y} * camera.width + pixel.x;

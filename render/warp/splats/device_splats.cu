@@ -3,6 +3,7 @@
 #include "render/warp/splats/device_splats.h"
 
 #include "render/core/ray_sphere.h"
+#include "render/cuda/pixel_tiles.cuh"
 #include "render/cuda/warp_reduce.cuh"
 #include "render/warp/device/earliest_hit.cuh"
 #include "render/warp/splats/sphere_footprint.h"
@@ -63,7 +64,7 @@ __device__ void splatPixel(const SplatJob& job, const Splat& splat, uint32_t x, 
     const float earliest = earliestHit(quickDirection(job.camera, job.edge, x, y), splat.widened);
     if (!(earliest < kNoHit) || earliest > nearest) return;
   }
-  const glm::vec3 direction = pixelRay(job.camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f}).direction;
+  const glm::vec3 direction = rayOfPixel(job.camera, {x, y}).direction;
   const float t = intersectSphereFromOrigin(direction, {splat.widened.x, splat.widened.y, splat.widened.z}, splat.radius, splat.outside);
   if (!(t < kNoHit)) return;
   const unsigned long long candidate = static_cast<unsigned long long>(__float_as_uint(t)) << 32 | splat.id;
