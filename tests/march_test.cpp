@@ -22,6 +22,7 @@ template <int kSize>
 struct MadeUpSource {
   static constexpr int kBatch = kSize;
   std::function<float(int)> alphaAt;
+  int last = 0;  ///< the lattice's
   glm::vec3 straight{1.0f, 0.5f, 0.25f};
   int first = 0;
 
@@ -32,6 +33,7 @@ struct MadeUpSource {
     for (int k = 0; k < n; ++k) visible |= uint32_t{alphaAt(i + k) > 0.0f} << k;
     return visible;
   }
+  bool classifyLast() { return classify(last, 1) != 0; }
   float alpha(int k) const { return alphaAt(first + k); }
   glm::vec3 color(int k) const { return straight * alpha(k); }
 };
@@ -45,7 +47,7 @@ struct Marched {
 
 template <int kSize = 8>
 Marched march(const RayLattice& lattice, const std::function<float(int)>& alphaAt, float stopBelow = 0.0f, std::vector<int> cuts = {}) {
-  MadeUpSource<kSize> source{alphaAt};
+  MadeUpSource<kSize> source{alphaAt, lattice.count - 1};
   Marched result;
   cuts.push_back(lattice.count);
   int begin = 0;
@@ -80,8 +82,8 @@ DepthResult depthOf(Heuristic heuristic, const std::vector<CountingSample>& coun
 TEST(MarchRay, AMillionNearlyTransparentSamplesAddUp) {
   const Marched result = march(latticeOf(0.0f, 1e6f, 1.0f), [](int) { return 1e-8f; });
   EXPECT_NEAR(result.color.premultiplied().a, 0.00995017, 1e-6);
-  EXPECT_NEAR(result.color.color.r, 0.00995017, 1e-6);
-  EXPECT_NEAR(result.color.color.b, 0.25 * 0.00995017, 1e-6);
+  EXPECT_NEAR(result.color.color().r, 0.00995017, 1e-6);
+  EXPECT_NEAR(result.color.color().b, 0.25 * 0.00995017, 1e-6);
 }
 
 TEST(MarchRay, AnOpaqueSampleEndsTheRayAndIsRecorded) {
@@ -103,7 +105,7 @@ TEST(MarchRay, HomogeneousSlabIsTheClosedFormAtEveryStep) {
         const Marched result = march(latticeOf(0.0f, length, dt), [&](int) { return perStep; });
         const long double truth = -std::expm1(static_cast<long double>(length) * std::log1p(-static_cast<long double>(alpha)));
         EXPECT_NEAR(result.color.premultiplied().a, static_cast<double>(truth), 1e-6) << alpha << " " << length << " " << dt;
-        EXPECT_NEAR(result.color.color.g, 0.5 * static_cast<double>(truth), 1e-6) << alpha << " " << length << " " << dt;
+        EXPECT_NEAR(result.color.color().g, 0.5 * static_cast<double>(truth), 1e-6) << alpha << " " << length << " " << dt;
       }
 }
 
@@ -210,9 +212,9 @@ TEST(RayLattice, CountsExactlyFarFromTheEyeWithTinySteps) {
   checkLattice(1e4f, 100.0f, 1e-4f);
   EXPECT_EQ(makeLattice({1e4f, 1e4f + 1.0f}, 1e-4f).count, exactCount(1.0f, 1e-4f));
   int samples = 0;
-  MadeUpSource<8> source{[&](int) { return ++samples, 0.0f; }};
-  RayColor color;
   const RayLattice lattice = latticeOf(1e4f, 1.0f, 1e-4f);
+  MadeUpSource<8> source{[&](int) { return ++samples, 0.0f; }, lattice.count - 1};
+  RayColor color;
   marchRay(lattice, 0, lattice.count, source, kContribution, 0.0f, color, [](const CountingSample&) { return true; });
   EXPECT_EQ(samples, lattice.count);  // it ends, and looks at each once
 }

@@ -52,6 +52,7 @@ struct ScalarSource {
     entry = table.entries[transferIndex(unitFromInterpolant<Voxel>(value, scale))];
     return entry.a > 0.0f;
   }
+  bool classifyLast() { return classify(lattice.count - 1, 1) != 0; }
   float alpha(int) const { return entry.a; }
   glm::vec3 color(int) const { return glm::vec3(entry); }
 };

@@ -29,11 +29,13 @@ inline batch<float> mulAdd(const batch<float>& a, const batch<float>& b, const b
 inline batch<float> minOf(const batch<float>& a, const batch<float>& b) { return min(a, b); }
 inline batch<float> maxOf(const batch<float>& a, const batch<float>& b) { return max(a, b); }
 inline batch<int32_t> minOf(const batch<int32_t>& a, const batch<int32_t>& b) { return min(a, b); }
+inline batch<float> saturated(const batch<float>& a) { return min(max(a, batch<float>(0.0f)), batch<float>(1.0f)); }
 inline batch<float> sqrtOf(const batch<float>& a) { return sqrt(a); }
 inline batch<float> selected(const batch_bool<float>& condition, const batch<float>& ifTrue, const batch<float>& ifFalse) {
   return select(condition, ifTrue, ifFalse);
 }
 inline batch<int32_t> truncated(const batch<float>& a) { return to_int(a); }
+inline batch<int32_t> truncatedTo(const batch<float>& a, const batch<int32_t>& largest) { return min(truncated(a), largest); }
 inline batch<float> converted(const batch<int32_t>& a) { return to_float(a); }
 
 }  // namespace xsimd

@@ -57,7 +57,7 @@ struct TransferTable {
 template <class Float>
 WARPSCOPE_HD inline auto transferIndex(const Float& unit) {
   constexpr float last = TransferTable::kSize - 1;
-  return truncated(minOf(maxOf(mulAdd(unit, Float(last), Float(0.5f)), Float(0.0f)), Float(last)));
+  return truncated(mulAdd(saturated(unit), Float(last), Float(0.5f)));
 }
 
 /// Bakes `function` over [lower, upper] for steps of `step` volume units. A range without extent gives a table of its one value.

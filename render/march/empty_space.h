@@ -14,8 +14,15 @@ namespace warpscope {
 /// Macrocells' distances to what is visible. The memory is another's.
 struct EmptyCells {
   const uint8_t* distances = nullptr;  ///< as Macrocells::emptyDistances makes them, or null: nothing is skipped
-  glm::ivec3 dims{0};
-  int edge = 1;  ///< voxels along a cell's edge
+  glm::ivec3 dims{0};                  ///< fewer than 2^32 cells: they are of many voxels each where a volume is large
+  int edgeBits = 0;                    ///< a cell's edge is 2^edgeBits voxels
+
+  WARPSCOPE_HD int edge() const { return 1 << edgeBits; }
+  /// How far the nearest visible cell is.
+  WARPSCOPE_HD int distance(const glm::ivec3& cell) const {
+    const uint32_t row = static_cast<uint32_t>(cell.z) * static_cast<uint32_t>(dims.y) + static_cast<uint32_t>(cell.y);
+    return distances[row * static_cast<uint32_t>(dims.x) + static_cast<uint32_t>(cell.x)];
+  }
 };
 
 /// One ray's way through the cells.
@@ -26,17 +33,19 @@ class EmptySpace {
   WARPSCOPE_HD EmptySpace(const EmptyCells& cells, const glm::vec3& origin, const glm::vec3& direction, const glm::ivec3& dims,
                           const RayLattice& lattice)
       : cells_(cells),
-        origin_(origin / static_cast<float>(cells.edge)),
-        direction_(direction / static_cast<float>(cells.edge)),
+        origin_(origin / static_cast<float>(cells.edge())),
+        direction_(direction / static_cast<float>(cells.edge())),
         invDirection_(1.0f / (direction_ + 0.0f)),
         invStep_(1.0f / lattice.dt),
         // What rounding may do to a place along the ray grows with the volume and with the distance from the eye.
         margin_(1e-3f + 1e-6f * (static_cast<float>(glm::max(dims.x, glm::max(dims.y, dims.z))) + lattice.t0 + lattice.length) /
                             lattice.dt) {}
 
+  WARPSCOPE_HD bool isKnown() const { return cells_.distances != nullptr; }
+
   /// The first sample of `lattice` from `i` on that may be visible; its count if there is none.
   WARPSCOPE_HD int skip(int i, const RayLattice& lattice) const {
-    if (cells_.distances == nullptr) return i;
+    if (!isKnown()) return i;
     while (i < lattice.count) {
       const float t = lattice.t(i);
       glm::ivec3 cell;
@@ -44,26 +53,33 @@ class EmptySpace {
         const float place = mulAdd(t, direction_[axis], origin_[axis]);  // the very place that is sampled: edges are powers of two
         cell[axis] = minOf(truncated(maxOf(place, 0.0f)), cells_.dims[axis] - 1);
       }
-      const int distance = cells_.distances[(size_t(cell.z) * cells_.dims.y + cell.y) * cells_.dims.x + cell.x];
+      const int distance = cells_.distance(cell);
       if (distance == 0) return i;
-      // Everything less than `distance` cells away is empty: go on where the ray leaves that block. What lies within rounding of the
-      // block's border is looked at for itself.
-      float exit = lattice.t0 + lattice.length + lattice.dt;
-      for (int axis = 0; axis < 3; ++axis) {
-        const int bound = cell[axis] + (direction_[axis] < 0.0f ? 1 - distance : distance);
-        const float leaves = (converted(bound) - origin_[axis]) * invDirection_[axis];
-        if (leaves < exit) exit = leaves;  // false for NaN: parallel to this side
-      }
-      const float index = (exit - lattice.t0) * invStep_ - 0.5f - margin_;
-      // Compared as floats: where the ray hardly moves along an axis, the number may be beyond any integer.
-      if (!(index < static_cast<float>(lattice.count)))
-        i = lattice.count;
-      else if (index > static_cast<float>(i + 1))
-        i = static_cast<int>(std::ceil(index));
-      else
-        ++i;
+      i = leap(i, cell, distance, lattice);
     }
     return i;
+  }
+
+  /// The first sample beyond the i-th that may be visible, or the lattice's count, where the i-th lies in `cell` at a distance > 0.
+  WARPSCOPE_HD int leap(int i, const glm::ivec3& cell, int distance, const RayLattice& lattice) const {
+    // Everything less than `distance` cells away is empty: go on where the ray leaves that block. What lies within rounding of the
+    // block's border is looked at for itself.
+    float exit = lattice.t0 + lattice.length + lattice.dt;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int bound = cell[axis] + (direction_[axis] < 0.0f ? 1 - distance : distance);
+      const float leaves = (converted(bound) - origin_[axis]) * invDirection_[axis];
+      exit = minOf(leaves, exit);  // `exit` if the first is NaN: parallel to this side
+    }
+    // Limited as a float: where the ray hardly moves along an axis, the number may be beyond any integer.
+    const float index = (exit - lattice.t0) * invStep_ - 0.5f - margin_;
+    return maxOf(i + 1, static_cast<int>(std::ceil(minOf(maxOf(index, 0.0f), converted(lattice.count)))));
+  }
+
+  /// As cells.distance() and leap(), of the sample between the voxel `index` and its upper neighbours.
+  WARPSCOPE_HD int leapFromVoxel(int i, const int (&index)[3], const RayLattice& lattice) const {
+    const glm::ivec3 cell(index[0] >> cells_.edgeBits, index[1] >> cells_.edgeBits, index[2] >> cells_.edgeBits);
+    const int distance = cells_.distance(cell);
+    return distance == 0 ? i : leap(i, cell, distance, lattice);
   }
 
  private:

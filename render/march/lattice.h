@@ -19,8 +19,10 @@ struct RayLattice {
   WARPSCOPE_HD float stepLength(int i) const {
     return i + 1 < count ? dt : static_cast<float>(static_cast<double>(length) - static_cast<double>(count - 1) * dt);
   }
+  /// As t(), for a sample that is not the last.
+  WARPSCOPE_HD float tOfWholeStep(int i) const { return mulAdd(static_cast<float>(i) + 0.5f, dt, t0); }
   WARPSCOPE_HD float t(int i) const {
-    return i + 1 < count ? mulAdd(static_cast<float>(i) + 0.5f, dt, t0) : t0 + (length - 0.5f * stepLength(i));
+    return i + 1 < count ? tOfWholeStep(i) : t0 + (length - 0.5f * stepLength(i));
   }
 };
 

@@ -2,6 +2,7 @@
 // See marcher.h for the errors.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -61,7 +62,7 @@ VolumeView<Voxel> makeVolumeView(const MarchedVolume& marched) {
   view.lower = volume.bounds().lower;
   view.voxelsPerUnit = 1.0f / volume.geometry().voxelEdges();
   view.cells.dims = marched.macrocells.dims();
-  view.cells.edge = marched.macrocells.edge();
+  view.cells.edgeBits = std::countr_zero(static_cast<uint32_t>(marched.macrocells.edge()));
   return view;
 }
 

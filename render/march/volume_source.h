@@ -63,9 +63,17 @@ class VolumeSource {
 
   uint32_t classify(int i, int n) {
     alignas(64) float t[kBatch];
-    for (int k = 0; k < kBatch; ++k) t[k] = mulAdd(static_cast<float>(i + k) + 0.5f, lattice_.dt, lattice_.t0);
-    if (i + n == lattice_.count) t[n - 1] = lattice_.t(i + n - 1);
-    const FloatBatch distance = FloatBatch::load_aligned(t);
+    for (int k = 0; k < kBatch; ++k) t[k] = lattice_.tOfWholeStep(i + k);
+    return classifyAt(FloatBatch::load_aligned(t)) & ((uint32_t{2} << (n - 1)) - 1);
+  }
+  bool classifyLast() { return (classifyAt(FloatBatch(lattice_.t(lattice_.count - 1))) & 1) != 0; }
+
+  float alpha(int k) const { return alpha_[k]; }
+  glm::vec3 color(int k) const { return glm::vec3(view_.table[index_[k]]); }
+
+ private:
+  /// Looks at the samples at these distances; a bit is set for each that has opacity.
+  uint32_t classifyAt(const FloatBatch& distance) {
     IntBatch index[3];
     FloatBatch weight[3];
     for (int axis = 0; axis < 3; ++axis)
@@ -85,13 +93,9 @@ class VolumeSource {
       if constexpr (kHasHoles) shown = shown && !missing_[k];
       visible |= static_cast<uint32_t>(shown) << k;
     }
-    return visible & ((uint32_t{2} << (n - 1)) - 1);
+    return visible;
   }
 
-  float alpha(int k) const { return alpha_[k]; }
-  glm::vec3 color(int k) const { return glm::vec3(view_.table[index_[k]]); }
-
- private:
   void locate(const IntBatch (&index)[3], const Voxel* (&places)[kBatch]) const {
     alignas(64) int32_t at[3][kBatch];
     for (int axis = 0; axis < 3; ++axis) index[axis].store_aligned(at[axis]);

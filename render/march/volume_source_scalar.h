@@ -22,33 +22,16 @@ class ScalarVolumeSource {
         direction_(view.voxelDirection(ray)),
         emptySpace_(view.cells, origin_, direction_, view.dims, lattice) {}
 
-  WARPSCOPE_HD int skip(int i) {
-    if (i < lookAgainAt_) return i;
-    i = emptySpace_.skip(i, lattice_);
-    lookAgainAt_ = i + kSamplesPerLook;
-    return i;
-  }
+  WARPSCOPE_HD int skip(int i) const { return maxOf(i, leapTo_); }
 
   WARPSCOPE_HD uint32_t classify(int i, int) {
-    const float t = lattice_.t(i);
-    int index[3];
-    float weight[3];
-    for (int axis = 0; axis < 3; ++axis)
-      axisCell(mulAdd(t, direction_[axis], origin_[axis]), view_.ends[axis], index[axis], weight[axis]);
-    float corner[8];
-    load(index, corner);
-    float value;
-    if constexpr (kHasHoles) {
-      value = trilinearOfFinite(corner, weight[0], weight[1], weight[2]);
-      if (!isFiniteVoxel(value)) return 0;
-    } else {
-      value = trilinear(corner, weight[0], weight[1], weight[2]);
-    }
-    index_ = transferIndex(unitFromInterpolant<Voxel>(value, view_.scale));
-    alpha_ = view_.tableAlpha[index_];
+    lookAt(i, lattice_.tOfWholeStep(i));
     return alpha_ > 0.0f ? 1u : 0u;
   }
-
+  WARPSCOPE_HD bool classifyLast() {
+    lookAt(lattice_.count - 1, lattice_.t(lattice_.count - 1));
+    return alpha_ > 0.0f;
+  }
   WARPSCOPE_HD float alpha(int) const { return alpha_; }
   WARPSCOPE_HD glm::vec3 color(int) const {
 #if defined(__CUDA_ARCH__)
@@ -60,15 +43,51 @@ class ScalarVolumeSource {
   }
 
  private:
+  /// Looks at the i-th sample, at distance t.
+  WARPSCOPE_HD void lookAt(int i, float t) {
+    int index[3];
+    float weight[3];
+    for (int axis = 0; axis < 3; ++axis)
+      axisCell(mulAdd(t, direction_[axis], origin_[axis]), view_.ends[axis], index[axis], weight[axis]);
+    // One place for both: rays beside each other leap and look in the same turns of the loop. What is visible is not asked again.
+    if (!(alpha_ > 0.0f) && emptySpace_.isKnown()) {
+      leapTo_ = emptySpace_.leapFromVoxel(i, index, lattice_);
+      if (leapTo_ > i) return;
+    }
+    float value;
+    if constexpr (kHasHoles) {
+      float corner[8];
+      load(index, corner);
+      value = trilinearOfFinite(corner, weight[0], weight[1], weight[2]);
+      if (!isFiniteVoxel(value)) {
+        alpha_ = 0.0f;
+        return;
+      }
+    } else if constexpr (kByCells) {
+      value = trilinear(pairsOf(cellAt(index), view_.scale), weight[0], weight[1], weight[2]);
+    } else {
+      float corner[8];
+      load(index, corner);
+      value = trilinear(corner, weight[0], weight[1], weight[2]);
+    }
+    index_ = transferIndex(unitFromInterpolant<Voxel>(value, view_.scale));
+    alpha_ = view_.tableAlpha[index_];
+  }
+
+  WARPSCOPE_HD const VoxelCell<Voxel>& cellAt(const int (&index)[3]) const {
+    // There are never as many cells as 2^32: device_volume.h keeps larger volumes as voxels.
+    const uint32_t row = static_cast<uint32_t>(index[2]) * static_cast<uint32_t>(view_.ends[1].lastCell + 1) + static_cast<uint32_t>(index[1]);
+    return view_.blends[row * static_cast<uint32_t>(view_.ends[0].lastCell + 1) + static_cast<uint32_t>(index[0])];
+  }
+
+  /// The values around a place, x fastest.
   WARPSCOPE_HD void load(const int (&index)[3], float (&corner)[8]) const {
-    const glm::ivec3& dims = view_.dims;
     if constexpr (kByCells) {
-      // There are never as many cells as 2^32: device_volume.h keeps larger volumes as voxels.
-      const uint32_t row = static_cast<uint32_t>(index[2]) * static_cast<uint32_t>(view_.ends[1].lastCell + 1) + static_cast<uint32_t>(index[1]);
-      const uint32_t cell = row * static_cast<uint32_t>(view_.ends[0].lastCell + 1) + static_cast<uint32_t>(index[0]);
-      interpolantsOf(view_.blends[cell], view_.scale, corner);
+      const VoxelCell<Voxel>& cell = cellAt(index);
+      for (int i = 0; i < 8; ++i) corner[i] = interpolant(cell.corners[i], view_.scale);
     } else {
       // From a voxel to the next along each axis, where there is one.
+      const glm::ivec3& dims = view_.dims;
       const size_t strideZ = static_cast<size_t>(dims.x) * static_cast<size_t>(dims.y);
       const size_t dx = dims.x > 1 ? 1 : 0, dy = dims.y > 1 ? static_cast<size_t>(dims.x) : 0, dz = dims.z > 1 ? strideZ : 0;
       const Voxel* first = view_.voxels + (static_cast<size_t>(index[2]) * strideZ +
@@ -77,17 +96,14 @@ class ScalarVolumeSource {
     }
   }
 
-  /// What lies in one cell is not looked up again for every sample; looking less often only makes more samples be looked at.
-  static constexpr int kSamplesPerLook = 4;
-
   const VolumeView<Voxel>& view_;
   const RayLattice& lattice_;
   glm::vec3 origin_;     // in voxel coordinates
   glm::vec3 direction_;  // voxels per unit of t
   EmptySpace emptySpace_;
-  int lookAgainAt_ = 0;
+  int leapTo_ = 0;
   int index_ = 0;
-  float alpha_ = 0.0f;
+  float alpha_ = 0.0f;  // of the sample that was looked at last
 };
 
 }  // namespace warpscope

@@ -26,8 +26,9 @@ WARPSCOPE_HD inline bool isFiniteVoxel(Voxel voxel) {
 struct ValueScale {
   double lower = 0.0;
   double inverseExtent = 0.0;
-  float lowerFloat = 0.0f;  ///< the same, rounded
-  float inverseExtentFloat = 0.0f;
+  // The same line through the range, for values that float holds: value * factor + offset.
+  float factor = 0.0f;
+  float offset = 0.0f;
 };
 
 inline ValueScale valueScaleOf(const VoxelStatistics& statistics) {
@@ -35,7 +36,8 @@ inline ValueScale valueScaleOf(const VoxelStatistics& statistics) {
   const double half = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower;
   const double inverse = 0.5 / half;
   const double inverseExtent = half > 0.0 && std::isfinite(2.0 * inverse) ? inverse : 0.0;
-  return {statistics.rangeLower, inverseExtent, static_cast<float>(statistics.rangeLower), static_cast<float>(inverseExtent)};
+  return {statistics.rangeLower, inverseExtent, static_cast<float>(inverseExtent),
+          static_cast<float>(-statistics.rangeLower * inverseExtent)};
 }
 
 /// True for voxel types whose values float cannot hold: they become fractions before interpolation instead of after it.
@@ -48,7 +50,7 @@ WARPSCOPE_HD inline float unitFromVoxel(Voxel voxel, const ValueScale& scale) {
     // Halves, because the difference of two doubles may overflow.
     return static_cast<float>((0.5 * static_cast<double>(voxel) - 0.5 * scale.lower) * (2.0 * scale.inverseExtent));
   else
-    return (static_cast<float>(voxel) - scale.lowerFloat) * scale.inverseExtentFloat;
+    return mulAdd(static_cast<float>(voxel), scale.factor, scale.offset);
 }
 
 /// What interpolation works on: the voxel itself where float holds it exactly, else its fraction of the range.
@@ -72,7 +74,7 @@ WARPSCOPE_HD inline Float unitFromInterpolant(const Float& value, const ValueSca
   if constexpr (kNormalizeFirst<Voxel>)
     return value;
   else
-    return (value - Float(scale.lowerFloat)) * Float(scale.inverseExtentFloat);
+    return mulAdd(value, Float(scale.factor), Float(scale.offset));
 }
 
 /// The ends of an axis.
@@ -83,11 +85,11 @@ struct AxisEnds {
 WARPSCOPE_HD inline AxisEnds axisEndsOf(int voxels) { return {static_cast<float>(voxels - 1), voxels > 1 ? voxels - 2 : 0}; }
 
 /// Where a coordinate lies along an axis: the cell, that is the lower of the two voxels to blend, and the upper one's weight.
-/// Float is float or a vector of floats, Int the matching integer.
+/// Float is float or a vector of floats, Int the matching integer. Axes have fewer than 2^23 voxels.
 template <class Float, class Int>
 WARPSCOPE_HD inline void axisCell(const Float& coordinate, const AxisEnds& ends, Int& index, Float& weight) {
   const Float clamped = minOf(maxOf(coordinate, Float(0.0f)), Float(ends.lastVoxel));
-  index = minOf(truncated(clamped), Int(ends.lastCell));
+  index = truncatedTo(clamped, Int(ends.lastCell));
   weight = clamped - converted(index);
 }
 
@@ -110,12 +112,24 @@ struct alignas(sizeof(Voxel) * 8 < 16 ? sizeof(Voxel) * 8 : 16) VoxelCell {
   Voxel corners[8];
 };
 
-/// A cell's corners as interpolation wants them. A device has no instruction that turns a byte inside a word into a float, but one that
-/// puts it behind the exponent of 2^23: what is too much is taken away exactly.
+/// Along x, the values at a cell's lower corners and how much each rises towards its upper neighbour.
+struct CellPairs {
+  float lower[4];
+  float rise[4];
+};
+
+/// A cell's corners as interpolation wants them: the differences that lerp() takes, taken once. A device has no instruction that turns a byte
+/// inside a word into a float, but one that puts it behind the exponent of 2^23: what is too much is taken away exactly.
 template <class Voxel>
-WARPSCOPE_HD inline void interpolantsOf(const VoxelCell<Voxel>& cell, const ValueScale& scale, float (&corner)[8]) {
+WARPSCOPE_HD inline CellPairs pairsOf(const VoxelCell<Voxel>& cell, const ValueScale& scale) {
+  CellPairs pairs;
 #if defined(__CUDA_ARCH__)
-  if constexpr (std::is_integral_v<Voxel> && sizeof(Voxel) <= 2) {
+  constexpr bool byBytes = std::is_integral_v<Voxel> && sizeof(Voxel) <= 2;
+#else
+  constexpr bool byBytes = false;
+#endif
+  if constexpr (byBytes) {
+#if defined(__CUDA_ARCH__)
     constexpr bool isSigned = std::is_signed_v<Voxel>;
     constexpr uint32_t half = isSigned ? 1u << (8 * sizeof(Voxel) - 1) : 0u;  // signed ones are moved up, so that none is below 0
     constexpr uint32_t halves = sizeof(Voxel) == 1 ? half * 0x01010101u : half * 0x00010001u;
@@ -124,16 +138,31 @@ WARPSCOPE_HD inline void interpolantsOf(const VoxelCell<Voxel>& cell, const Valu
       uint32_t word[kWords];
     };
     const Words words = reinterpret_cast<const Words&>(cell);  // one wide load
+    float raised[8];
     for (uint32_t i = 0; i < 8; ++i) {
       // Which bytes go where: the voxel's own lowest, then zeros, then 0x4b, the exponent.
       const uint32_t selector = sizeof(Voxel) == 1 ? 0x7440u + i % 4 : i % 2 == 0 ? 0x7410u : 0x7432u;
-      const uint32_t bits = __byte_perm(words.word[i * kWords / 8] ^ halves, 0x4b000000u, selector);
-      corner[i] = __uint_as_float(bits) - (8388608.0f + static_cast<float>(half));
+      raised[i] = __uint_as_float(__byte_perm(words.word[i * kWords / 8] ^ halves, 0x4b000000u, selector));
     }
-    return;
-  }
+    for (int i = 0; i < 4; ++i) {
+      pairs.lower[i] = raised[2 * i] - (8388608.0f + static_cast<float>(half));
+      pairs.rise[i] = raised[2 * i + 1] - raised[2 * i];
+    }
 #endif
-  for (int i = 0; i < 8; ++i) corner[i] = interpolant(cell.corners[i], scale);
+  } else {
+    for (int i = 0; i < 4; ++i) {
+      pairs.lower[i] = interpolant(cell.corners[2 * i], scale);
+      pairs.rise[i] = interpolant(cell.corners[2 * i + 1], scale) - pairs.lower[i];
+    }
+  }
+  return pairs;
+}
+
+/// trilinear() of a cell, bit for bit.
+WARPSCOPE_HD inline float trilinear(const CellPairs& cell, float wx, float wy, float wz) {
+  float edge[4];
+  for (int i = 0; i < 4; ++i) edge[i] = mulAdd(wx, cell.rise[i], cell.lower[i]);
+  return lerp(lerp(edge[0], edge[1], wy), lerp(edge[2], edge[3], wy), wz);
 }
 
 /// Gathers a cell; an axis with a single voxel takes it twice.

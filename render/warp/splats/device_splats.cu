@@ -2,6 +2,8 @@
 // See device_splats.h.
 #include "render/warp/splats/device_splats.h"
 
+#include <numeric>
+
 #include "render/core/ray_sphere.h"
 #include "render/cuda/pixel_tiles.cuh"
 #include "render/cuda/warp_reduce.cuh"
@@ -13,8 +15,10 @@ namespace {
 
 constexpr unsigned kThreads = 128;
 
-/// Pixels that one thread walks alone; more would make its warp wait.
+/// Pixels that one thread walks alone, whatever its neighbours do.
 constexpr uint32_t kPixelsAlone = 64;
+/// Pixels that one thread walks alone if its neighbours have as much to do; beyond, lanes side by side read memory better.
+constexpr uint32_t kPixelsBeside = 256;
 /// Pixels that one warp walks; more are for many blocks, because a warp has no more than its share of one multiprocessor.
 constexpr uint32_t kPixelsOfWarp = 8192;
 /// Blocks that share the large footprints: enough to fill any device several times over.
@@ -31,6 +35,7 @@ struct SplatJob {
   unsigned long long* nearest;
   uint32_t* large;
   uint32_t* largeCount;
+  uint32_t stride;  ///< as strideFor() says
 };
 
 /// A sphere from the eye.
@@ -77,8 +82,23 @@ __device__ uint32_t areaOf(const PixelRect& rect) {
 
 __device__ int shuffled(int value, int lane) { return __shfl_sync(kAllLanes, value, lane); }
 
+/// Up to how many pixels the warp's lanes walk for themselves: their turns are then those of the largest footprint, and otherwise the sum of
+/// all that are left to the warp as a whole.
+__device__ uint32_t pixelsAlone(uint32_t area, const PixelRect& rect) {
+  const bool isOne = area > kPixelsAlone && area <= kPixelsBeside;
+  const auto tiles = static_cast<uint32_t>(((rect.x1 - rect.x0 + 7) / 8) * ((rect.y1 - rect.y0 + 3) / 4));
+  uint32_t largest = isOne ? area : 0u, turns = isOne ? tiles + 1 : 0u;
+  for (int step = 16; step > 0; step /= 2) {
+    largest = max(largest, __shfl_xor_sync(kAllLanes, largest, step));
+    turns += __shfl_xor_sync(kAllLanes, turns, step);
+  }
+  return largest <= turns ? kPixelsBeside : kPixelsAlone;
+}
+
 __global__ void __launch_bounds__(kThreads) splatSamples(const __grid_constant__ SplatJob job) {
-  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  // Seen from aside, samples in the order of the server's pixels come ever nearer at a pixel; out of order, few find themselves to be nearest.
+  const auto turn = static_cast<uint32_t>(uint64_t{blockIdx.x} * job.stride % gridDim.x);
+  const uint32_t i = turn * kThreads + threadIdx.x;
   const int lane = static_cast<int>(threadIdx.x % 32);
   Sphere sphere{};
   PixelRect rect{0, 0, 0, 0};
@@ -87,7 +107,8 @@ __global__ void __launch_bounds__(kThreads) splatSamples(const __grid_constant__
     rect = sphereFootprint(job.footprint, sphere);
   }
   const uint32_t area = areaOf(rect);
-  if (area > 0 && area <= kPixelsAlone) {
+  const uint32_t alone = pixelsAlone(area, rect);
+  if (area > 0 && area <= alone) {
     const Splat splat = splatOf(job, sphere, i);
     // One loop over all pixels: with one inside another, lanes with narrow footprints would wait at the end of every row.
     int x = rect.x0, y = rect.y0;
@@ -101,7 +122,7 @@ __global__ void __launch_bounds__(kThreads) splatSamples(const __grid_constant__
   }
   if (area > kPixelsOfWarp) job.large[atomicAdd(job.largeCount, 1u)] = i;
   __syncwarp();
-  for (uint32_t rest = __ballot_sync(kAllLanes, area > kPixelsAlone && area <= kPixelsOfWarp); rest != 0; rest &= rest - 1) {
+  for (uint32_t rest = __ballot_sync(kAllLanes, area > alone && area <= kPixelsOfWarp); rest != 0; rest &= rest - 1) {
     const int owner = __ffs(static_cast<int>(rest)) - 1;
     const Sphere shared{{__shfl_sync(kAllLanes, sphere.center.x, owner), __shfl_sync(kAllLanes, sphere.center.y, owner),
                          __shfl_sync(kAllLanes, sphere.center.z, owner)},
@@ -114,6 +135,13 @@ __global__ void __launch_bounds__(kThreads) splatSamples(const __grid_constant__
       for (int x = x0 + lane % 8; x - lane % 8 < x0 + width; x += 8)
         if (x < x0 + width && y < y0 + height) splatPixel<true>(job, splat, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
   }
+}
+
+/// A stride that leads once through all of `count` blocks, far from each to the next.
+uint32_t strideFor(uint32_t count) {
+  auto stride = static_cast<uint32_t>(0.618 * count) | 1u;
+  while (std::gcd(stride, count) != 1) ++stride;
+  return stride;
 }
 
 /// Blocks share the large footprints: while there are fewer of these than of those, each is cut into bands of rows.
@@ -154,9 +182,11 @@ void DeviceSplats::draw(const DeviceFrameView& frame, const Camera& camera, uint
   WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(largeCount_.data(), 0, sizeof(uint32_t), stream));
   if (frame.count > 0) {
     const glm::vec3 eye = glm::abs(camera.eye);
-    SplatJob job{frame, camera, footprintViewOf(camera), 0.0f, pixelEdge(camera), nearest_.data(), large_.data(), largeCount_.data()};
+    SplatJob job{frame, camera, footprintViewOf(camera), 0.0f, pixelEdge(camera), nearest_.data(), large_.data(), largeCount_.data(), 1};
+    const unsigned blocks = cuda::blocksFor(frame.count, kThreads);
+    job.stride = strideFor(blocks);
     job.margin = kFootprintMargin * (eye.x + eye.y + eye.z + frame.reach());
-    splatSamples<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(job);
+    splatSamples<<<blocks, kThreads, 0, stream>>>(job);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     splatLarge<<<kLargeBlocks, kThreads, 0, stream>>>(job);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
