@@ -38,9 +38,13 @@ SampleFrame emptyFrame(const Camera& camera, const MarchSettings& settings, cons
   SampleFrame frame;
   frame.camera = camera;
   frame.quantization = rule.quantization;
-  frame.heuristic = settings.heuristic;
-  frame.radiusPolicy = settings.radiusPolicy;
+  frame.settings = settings;
+  frame.voxelRadius = rule.voxelRadius;
   return frame;
+}
+
+SampleRule sampleRuleOf(const SampleFrame& frame) {
+  return {frame.settings.radiusPolicy, frame.voxelRadius, frame.settings.radiusScale, frame.quantization};
 }
 
 }  // namespace warpscope
