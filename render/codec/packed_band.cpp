@@ -13,7 +13,6 @@
 namespace warpscope {
 namespace {
 
-constexpr uint64_t kPositionMask = (uint64_t{1} << 54) - 1;
 constexpr size_t kWordBytes = sizeof(PackedSample);
 
 // How a position differs from its place's: each coordinate by -2..2, or too much to say so.
@@ -314,7 +313,7 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
     for (size_t i = 0; i < size; ++i) {
       const auto likely = radius(b.depths[i], b.paths.cosine(i), b.colors[i]);
       const uint32_t difference = static_cast<uint32_t>(unzigzag(takeToken(b.radiusTokens[i], bits)));
-      b.positions[i] = (b.positions[i] & kPositionMask) | static_cast<uint64_t>((likely + difference) & kRadiusCodeMax) << 54;
+      b.positions[i] = (b.positions[i] & kPositionMask) | static_cast<uint64_t>((likely + difference) & kRadiusCodeMax) << kRadiusShift;
     }
     if (bits.ranOut()) return "the depths of a band end too early";
   }

@@ -52,15 +52,19 @@ bool canPlace(const SampleFrame& frame) { return isUsable(frame.camera) && frame
 /// The pixel of each sample's centre, kNoSample where that is not in the picture.
 void findPixels(const SampleFrame& frame, TransferVector<uint32_t>& pixels) {
   pixels.resize(frame.size());
-  const Camera camera = frame.camera;
-  const SampleQuantization quantization = frame.quantization;
-  const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
   parallelForRanges(frame.size(), kGrain, [&](size_t begin, size_t end) {
+    const Camera camera = frame.camera;
+    const Box bounds = frame.quantization.bounds;
+    const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
+    const auto columns = static_cast<int32_t>(camera.width);
+    const PackedSample* samples = frame.samples.data();
+    uint32_t* out = pixels.data();
     for (size_t i = begin; i < end; ++i) {
-      const Projection seen = project(camera, unpackSample(frame.samples[i] & ((uint64_t{1} << 54) - 1), quantization).center);
-      const bool isInside = seen.forwardDepth > 0.0f && seen.pixel.x >= 0.0f && seen.pixel.y >= 0.0f && seen.pixel.x < width && seen.pixel.y < height;
-      const auto x = static_cast<uint32_t>(isInside ? seen.pixel.x : 0.0f), y = static_cast<uint32_t>(isInside ? seen.pixel.y : 0.0f);
-      pixels[i] = isInside ? y * camera.width + x : kNoSample;
+      const Projection seen = project(camera, unpackPosition(samples[i], bounds));
+      const bool isInside = (seen.forwardDepth > 0.0f) & (seen.pixel.x >= 0.0f) & (seen.pixel.y >= 0.0f) & (seen.pixel.x < width) &
+                            (seen.pixel.y < height);
+      const auto x = static_cast<int32_t>(isInside ? seen.pixel.x : 0.0f), y = static_cast<int32_t>(isInside ? seen.pixel.y : 0.0f);
+      out[i] = isInside ? static_cast<uint32_t>(y * columns + x) : kNoSample;
     }
   });
 }
@@ -173,7 +177,7 @@ class PackedCodec final : public Codec {
       if (pixels_[i] == kNoSample) continue;
       columns.push_back(pixels_[i] % frame.camera.width);
       rows.push_back(pixels_[i] / frame.camera.width);
-      samples.push_back(frame.samples[i] & ((uint64_t{1} << 54) - 1));
+      samples.push_back(frame.samples[i] & kPositionMask);
     }
     TransferVector<int32_t> places(samples.size());
     TransferVector<PackedSample> positions(samples.size());

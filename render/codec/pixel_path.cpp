@@ -23,12 +23,8 @@ inline int clamped(float value, int largest) {
   return value < static_cast<float>(largest) ? static_cast<int>(value) : largest;
 }
 
-inline PackedSample packPosition(const glm::vec3& position, const Box& bounds) {
-  const uint64_t x = quantizeCoordinate(position.x, bounds.lower.x, bounds.upper.x);
-  const uint64_t y = quantizeCoordinate(position.y, bounds.lower.y, bounds.upper.y);
-  const uint64_t z = quantizeCoordinate(position.z, bounds.lower.z, bounds.upper.z);
-  return x | y << 18 | z << 36;
-}
+/// The component of `axis`, without an address that depends on it.
+inline float chosen(int axis, float x, float y, float z) { return axis == 0 ? x : axis == 1 ? y : z; }
 
 }  // namespace
 
@@ -43,22 +39,32 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
   z_.resize(count);
   origin_.resize(count);
   axis_.resize(count);
-  const Camera camera = camera_;
+  // Loops read and write through locals only: what they write cannot be what they read then.
+  const Camera camera = frame.camera;
+  const Box bounds = frame.quantization.bounds;
+  float* const xs = x_.data();
+  float* const ys = y_.data();
+  float* const zs = z_.data();
+  int32_t* const origins = origin_.data();
+  int32_t* const axes = axis_.data();
+  const uint32_t* const column = columns.data();
+  const uint32_t* const row = rows.data();
   for (size_t k = 0; k < count; ++k) {
-    const Ray ray = pixelRay(camera, {static_cast<float>(columns[k]) + 0.5f, static_cast<float>(rows[k]) + 0.5f});
-    x_[k] = ray.direction.x;
-    y_[k] = ray.direction.y;
-    z_[k] = ray.direction.z;
+    const Ray ray = pixelRay(camera, {static_cast<float>(column[k]) + 0.5f, static_cast<float>(row[k]) + 0.5f});
+    xs[k] = ray.direction.x;
+    ys[k] = ray.direction.y;
+    zs[k] = ray.direction.z;
   }
   fineBits_ = 0;
   if (placement == Placement::axis) {
-    const glm::vec3 extent = quantization_.bounds.extent();
-    glm::vec3 rate(0.0f);
-    for (int axis = 0; axis < 3; ++axis) rate[axis] = extent[axis] > 0.0f ? 1.0f / extent[axis] : 0.0f;
+    const glm::vec3 extent = bounds.extent();
+    const float rateX = extent.x > 0.0f ? 1.0f / extent.x : 0.0f, rateY = extent.y > 0.0f ? 1.0f / extent.y : 0.0f,
+                rateZ = extent.z > 0.0f ? 1.0f / extent.z : 0.0f;
     for (size_t k = 0; k < count; ++k) {
-      const float byX = std::abs(x_[k]) * rate.x, byY = std::abs(y_[k]) * rate.y, byZ = std::abs(z_[k]) * rate.z;
-      axis_[k] = byX >= byY ? (byX >= byZ ? 0 : 2) : (byY >= byZ ? 1 : 2);
-      origin_[k] = 0;
+      const float byX = std::abs(xs[k]) * rateX, byY = std::abs(ys[k]) * rateY, byZ = std::abs(zs[k]) * rateZ;
+      const int32_t ofXY = byX >= byY ? 0 : 1;
+      axes[k] = glm::max(byX, byY) >= byZ ? ofXY : 2;
+      origins[k] = 0;
     }
     return;
   }
@@ -66,69 +72,102 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
   t0_.resize(count);
   length_.resize(count);
   count_.resize(count);
-  const float finePerUnit = static_cast<float>(1 << kStepFineBits) / step_;
-  const Box bounds = quantization_.bounds;
   const float step = step_;
+  const float finePerUnit = static_cast<float>(1 << kStepFineBits) / step;
+  float* const t0s = t0_.data();
+  float* const lengths = length_.data();
+  int32_t* const counts = count_.data();
+  const bool isEmpty = bounds.isEmpty();
   for (size_t k = 0; k < count; ++k) {
-    const RayInterval inside =
-        intersectBox(reciprocalOf(camera.eye, {x_[k], y_[k], z_[k]}), bounds, 0.0f, std::numeric_limits<float>::infinity());
+    const RayReciprocal ray = reciprocalOf(camera.eye, {xs[k], ys[k], zs[k]});
+    RayInterval inside{0.0f, isEmpty ? -1.0f : std::numeric_limits<float>::infinity()};  // as intersectBox, whose empty box is asked for once
+    clipToSlab(inside, ray.origin.x, ray.invDirection.x, bounds.lower.x, bounds.upper.x);
+    clipToSlab(inside, ray.origin.y, ray.invDirection.y, bounds.lower.y, bounds.upper.y);
+    clipToSlab(inside, ray.origin.z, ray.invDirection.z, bounds.lower.z, bounds.upper.z);
     const RayLattice lattice = makeLattice(inside, step);
-    t0_[k] = lattice.t0;
-    length_[k] = lattice.length;
-    count_[k] = lattice.count;
-    origin_[k] = clamped(lattice.t0 * finePerUnit + 0.5f, 1 << 24);
-    axis_[k] = 0;
+    t0s[k] = lattice.t0;
+    lengths[k] = lattice.length;
+    counts[k] = lattice.count;
+    origins[k] = clamped(lattice.t0 * finePerUnit + 0.5f, 1 << 24);
+    axes[k] = 0;
   }
 }
 
 void PixelPaths::locate(std::span<const PackedSample> samples, std::span<int32_t> places) const {
+  const size_t count = samples.size();
+  const PackedSample* const sample = samples.data();
+  int32_t* const out = places.data();
   if (placement_ == Placement::axis) {
-    for (size_t k = 0; k < samples.size(); ++k)
-      places[k] = static_cast<int32_t>(samples[k] >> kPositionBits * axis_[k] & kPositionMax);
+    const int32_t* const axes = axis_.data();
+    for (size_t k = 0; k < count; ++k)
+      out[k] = static_cast<int32_t>(sample[k] >> static_cast<int64_t>(kPositionBits) * axes[k] & kPositionMax);
     return;
   }
   const bool isHalf = placement_ == Placement::halfSteps;
   const float perStep = (isHalf ? 2.0f : 1.0f) / step_;
-  const float offset = isHalf ? -0.5f : 0.0f;  // a half step's middle is rounded to, a step's middle lies between integers
-  for (size_t k = 0; k < samples.size(); ++k) {
-    const glm::vec3 behind = unpackSample(samples[k] & ((uint64_t{1} << 54) - 1), quantization_).center - camera_.eye;
-    const float t = behind.x * x_[k] + behind.y * y_[k] + behind.z * z_[k];
-    const int largest = isHalf ? 2 * glm::max(glm::min(count_[k], 1 << 29) - 1, 0) : glm::max(count_[k] - 1, 0);
-    places[k] = clamped((t - t0_[k]) * perStep + offset, largest);
+  const float offset = isHalf ? -0.5f : 0.0f;  // a half step is rounded to; a step's middle lies between integers
+  const Box bounds = quantization_.bounds;
+  const glm::vec3 eye = camera_.eye;
+  const float* const xs = x_.data();
+  const float* const ys = y_.data();
+  const float* const zs = z_.data();
+  const float* const t0s = t0_.data();
+  const int32_t* const counts = count_.data();
+  for (size_t k = 0; k < count; ++k) {
+    const glm::vec3 behind = unpackPosition(sample[k], bounds) - eye;
+    const float t = behind.x * xs[k] + behind.y * ys[k] + behind.z * zs[k];
+    const int last = glm::max(glm::min(counts[k], kMaxSamplesPerRay / 2) - 1, 0);
+    out[k] = clamped((t - t0s[k]) * perStep + offset, isHalf ? 2 * last : last);
   }
 }
 
 void PixelPaths::place(std::span<const int32_t> places, std::span<PackedSample> positions, std::span<float> depths) const {
+  const size_t count = places.size();
   const Box bounds = quantization_.bounds;
   const glm::vec3 eye = camera_.eye;
+  const int32_t* const place = places.data();
+  PackedSample* const out = positions.data();
+  float* const depth = depths.data();
+  const float* const xs = x_.data();
+  const float* const ys = y_.data();
+  const float* const zs = z_.data();
   if (placement_ == Placement::axis) {
-    for (size_t k = 0; k < places.size(); ++k) {
-      const Ray ray{eye, {x_[k], y_[k], z_[k]}};
-      const int axis = axis_[k];
-      const uint32_t code = static_cast<uint32_t>(places[k]) & kPositionMax;
-      const float t = (dequantizeCoordinate(code, bounds.lower[axis], bounds.upper[axis]) - eye[axis]) / ray.direction[axis];
-      const PackedSample around = packPosition(ray.at(t), bounds);
-      const int shift = static_cast<int>(kPositionBits) * axis;
-      positions[k] = (around & ~(static_cast<uint64_t>(kPositionMax) << shift)) | static_cast<uint64_t>(code) << shift;
-      depths[k] = t;
+    const int32_t* const axes = axis_.data();
+    for (size_t k = 0; k < count; ++k) {
+      const Ray ray{eye, {xs[k], ys[k], zs[k]}};
+      const int axis = axes[k];
+      const uint32_t code = static_cast<uint32_t>(place[k]) & kPositionMax;
+      const float own = dequantizeCoordinate(code, chosen(axis, bounds.lower.x, bounds.lower.y, bounds.lower.z),
+                                             chosen(axis, bounds.upper.x, bounds.upper.y, bounds.upper.z));
+      const float t = (own - chosen(axis, eye.x, eye.y, eye.z)) / chosen(axis, xs[k], ys[k], zs[k]);
+      const int64_t shift = static_cast<int64_t>(kPositionBits) * axis;
+      const PackedSample around = packPosition(ray.at(t), bounds) & ~(static_cast<uint64_t>(kPositionMax) << shift);
+      out[k] = around | static_cast<uint64_t>(code) << shift;
+      depth[k] = t;
     }
     return;
   }
+  const float step = step_;
   const bool isHalf = placement_ == Placement::halfSteps;
-  for (size_t k = 0; k < places.size(); ++k) {
-    const Ray ray{eye, {x_[k], y_[k], z_[k]}};
-    const RayLattice lattice{t0_[k], length_[k], step_, count_[k]};
-    const int last = glm::max(lattice.count - 1, 0);
-    float t;
-    if (isHalf) {
-      const int first = glm::clamp(places[k] >> 1, 0, last), second = glm::clamp(static_cast<int>((static_cast<uint32_t>(places[k]) + 1u) >> 1), 0, last);
-      t = 0.5f * (latticeDepth(lattice, first) + latticeDepth(lattice, second));
-    } else {
-      t = latticeDepth(lattice, glm::clamp(places[k], 0, last));
+  const float* const t0s = t0_.data();
+  const float* const lengths = length_.data();
+  const int32_t* const counts = count_.data();
+  const auto placeAll = [&](auto depthOf) {
+    for (size_t k = 0; k < count; ++k) {
+      const Ray ray{eye, {xs[k], ys[k], zs[k]}};
+      const RayLattice lattice{t0s[k], lengths[k], step, counts[k]};
+      const float t = depthOf(lattice, place[k], glm::max(lattice.count - 1, 0));
+      out[k] = packPosition(ray.at(t), bounds);
+      depth[k] = t;
     }
-    positions[k] = packPosition(ray.at(t), bounds);
-    depths[k] = t;
-  }
+  };
+  if (isHalf)
+    placeAll([](const RayLattice& lattice, int place, int last) {
+      const int first = glm::clamp(place >> 1, 0, last), second = glm::clamp(first + (place & 1), 0, last);
+      return 0.5f * (latticeDepth(lattice, first) + latticeDepth(lattice, second));
+    });
+  else
+    placeAll([](const RayLattice& lattice, int place, int last) { return latticeDepth(lattice, glm::clamp(place, 0, last)); });
 }
 
 }  // namespace warpscope

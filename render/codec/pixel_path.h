@@ -51,7 +51,7 @@ class PixelPaths {
     return static_cast<int32_t>(static_cast<uint32_t>(fine) - static_cast<uint32_t>(origin_[k]) + half) >> fineBits_;
   }
   /// Places of different kinds cannot be compared.
-  uint8_t kind(size_t k) const { return axis_[k]; }
+  uint8_t kind(size_t k) const { return static_cast<uint8_t>(axis_[k]); }
 
  private:
   Camera camera_;
@@ -63,7 +63,7 @@ class PixelPaths {
   TransferVector<float> t0_, length_;   // the ray's lattice
   TransferVector<int32_t> count_;
   TransferVector<int32_t> origin_;      // of places, in fine units
-  TransferVector<uint8_t> axis_;        // fastest, for Placement::axis; else 0
+  TransferVector<int32_t> axis_;        // fastest, for Placement::axis; else 0
 };
 
 }  // namespace warpscope

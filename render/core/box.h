@@ -46,24 +46,23 @@ WARPSCOPE_HD inline RayReciprocal reciprocalOf(const glm::vec3& origin, const gl
   return {origin, 1.0f / (direction + glm::vec3(0.0f))};
 }
 
+/// Shortens the interval to its part between the planes `lower` and `upper` of one axis. `inv` is the direction's reciprocal there.
+WARPSCOPE_HD inline void clipToSlab(RayInterval& interval, float origin, float inv, float lower, float upper) {
+  const float a = (lower - origin) * inv, b = (upper - origin) * inv;
+  const float t0 = inv < 0.0f ? b : a, t1 = inv < 0.0f ? a : b;
+  // Comparisons with NaN (an origin on a slab plane, parallel to it) are false: the bound is left as it is.
+  interval.tNear = t0 > interval.tNear ? t0 : interval.tNear;
+  interval.tFar = t1 < interval.tFar ? t1 : interval.tFar;
+}
+
 /// Intersects the ray with `box` within [tMin, tMax] (tMax may be infinite). The ends are those of the true interval up to three roundings.
 /// Misses on empty, inverted and NaN boxes. A ray that lies in a face of the box hits it.
 WARPSCOPE_HD inline RayInterval intersectBox(const RayReciprocal& ray, const Box& box, float tMin, float tMax) {
   if (box.isEmpty()) return {};
   RayInterval interval{tMin, tMax};
-  for (int axis = 0; axis < 3; ++axis) {
-    const float inv = ray.invDirection[axis];
-    float t0 = (box.lower[axis] - ray.origin[axis]) * inv;
-    float t1 = (box.upper[axis] - ray.origin[axis]) * inv;
-    if (inv < 0.0f) {
-      const float swap = t0;
-      t0 = t1;
-      t1 = swap;
-    }
-    // Comparisons with NaN (an origin on a slab plane, parallel to it) are false: the bound is left as it is.
-    if (t0 > interval.tNear) interval.tNear = t0;
-    if (t1 < interval.tFar) interval.tFar = t1;
-  }
+  clipToSlab(interval, ray.origin.x, ray.invDirection.x, box.lower.x, box.upper.x);
+  clipToSlab(interval, ray.origin.y, ray.invDirection.y, box.lower.y, box.upper.y);
+  clipToSlab(interval, ray.origin.z, ray.invDirection.z, box.lower.z, box.upper.z);
   return interval;
 }
 
