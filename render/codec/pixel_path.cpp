@@ -2,6 +2,7 @@
 // See pixel_path.h.
 #include "render/codec/pixel_path.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/march/lattice.h"
@@ -77,14 +78,21 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
   float* const t0s = t0_.data();
   float* const lengths = length_.data();
   int32_t* const counts = count_.data();
-  const bool isEmpty = bounds.isEmpty();
+  // intersectBox, axis by axis.
+  std::fill_n(t0s, count, 0.0f);
+  std::fill_n(lengths, count, bounds.isEmpty() ? -1.0f : std::numeric_limits<float>::infinity());
+  for (int axis = 0; axis < 3; ++axis) {
+    const float* const directions = axis == 0 ? xs : axis == 1 ? ys : zs;
+    const float origin = camera.eye[axis], lower = bounds.lower[axis], upper = bounds.upper[axis];
+    for (size_t k = 0; k < count; ++k) {
+      RayInterval inside{t0s[k], lengths[k]};
+      clipToSlab(inside, origin, reciprocalOf(directions[k]), lower, upper);
+      t0s[k] = inside.tNear;
+      lengths[k] = inside.tFar;
+    }
+  }
   for (size_t k = 0; k < count; ++k) {
-    const RayReciprocal ray = reciprocalOf(camera.eye, {xs[k], ys[k], zs[k]});
-    RayInterval inside{0.0f, isEmpty ? -1.0f : std::numeric_limits<float>::infinity()};  // as intersectBox, whose empty box is asked for once
-    clipToSlab(inside, ray.origin.x, ray.invDirection.x, bounds.lower.x, bounds.upper.x);
-    clipToSlab(inside, ray.origin.y, ray.invDirection.y, bounds.lower.y, bounds.upper.y);
-    clipToSlab(inside, ray.origin.z, ray.invDirection.z, bounds.lower.z, bounds.upper.z);
-    const RayLattice lattice = makeLattice(inside, step);
+    const RayLattice lattice = makeLattice({t0s[k], lengths[k]}, step);
     t0s[k] = lattice.t0;
     lengths[k] = lattice.length;
     counts[k] = lattice.count;

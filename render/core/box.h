@@ -41,15 +41,17 @@ struct RayReciprocal {
   glm::vec3 invDirection;
 };
 
+/// -0 is made +0 first, so that both zeros take the same path.
+WARPSCOPE_HD inline float reciprocalOf(float component) { return 1.0f / (component + 0.0f); }
+
 WARPSCOPE_HD inline RayReciprocal reciprocalOf(const glm::vec3& origin, const glm::vec3& direction) {
-  // -0 is made +0 first, so that both zeros take the same path.
-  return {origin, 1.0f / (direction + glm::vec3(0.0f))};
+  return {origin, {reciprocalOf(direction.x), reciprocalOf(direction.y), reciprocalOf(direction.z)}};
 }
 
 /// Shortens the interval to its part between the planes `lower` and `upper` of one axis. `inv` is the direction's reciprocal there.
 WARPSCOPE_HD inline void clipToSlab(RayInterval& interval, float origin, float inv, float lower, float upper) {
-  const float a = (lower - origin) * inv, b = (upper - origin) * inv;
-  const float t0 = inv < 0.0f ? b : a, t1 = inv < 0.0f ? a : b;
+  const float t0 = ((inv < 0.0f ? upper : lower) - origin) * inv;
+  const float t1 = ((inv < 0.0f ? lower : upper) - origin) * inv;
   // Comparisons with NaN (an origin on a slab plane, parallel to it) are false: the bound is left as it is.
   interval.tNear = t0 > interval.tNear ? t0 : interval.tNear;
   interval.tFar = t1 < interval.tFar ? t1 : interval.tFar;
