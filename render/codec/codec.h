@@ -56,7 +56,7 @@ inline constexpr Range kJpegQualityRange{1, 100};
 /// Throws UsageError naming the setting that is out of range.
 void validate(const CodecSettings& settings);
 
-/// What a decoder accepts. Besides the frame it holds a few megabytes a thread, whatever a payload says.
+/// What a decoder accepts. Besides the frame it holds some tens of megabytes a thread, whatever a payload says.
 struct DecodeLimits {
   size_t maxSamples = size_t{1} << 26;  ///< of 12 bytes each in memory
   size_t maxBytes = size_t{1} << 30;    ///< of a payload

@@ -5,6 +5,7 @@
 #include <turbojpeg.h>
 
 #include <memory>
+#include <new>
 #include <stdexcept>
 
 #include "render/core/parallel.h"
@@ -20,16 +21,29 @@ using TurboJpeg = std::unique_ptr<void, TurboJpegDeleter>;
 
 constexpr int kSubsampling = TJSAMP_444;
 
-tjhandle compressor() {
-  thread_local const TurboJpeg handle(tjInitCompress());
+TurboJpeg made(tjhandle handle) {
   if (!handle) throw std::bad_alloc();
-  return handle.get();
+  return TurboJpeg(handle);
 }
 
-tjhandle decompressor() {
-  thread_local const TurboJpeg handle(tjInitDecompress());
-  if (!handle) throw std::bad_alloc();
-  return handle.get();
+// Making them takes a while: one for each thread.
+TurboJpeg& compressor() {
+  thread_local TurboJpeg handle;
+  if (!handle) handle = made(tjInitCompress());
+  return handle;
+}
+
+TurboJpeg& decompressor() {
+  thread_local TurboJpeg handle;
+  if (!handle) handle = made(tjInitDecompress());
+  return handle;
+}
+
+/// What went wrong. libjpeg-turbo 2.1 goes on inside a damaged picture's header when it is asked for the next: the handle must go.
+std::string failureOf(TurboJpeg& handle, const char* what) {
+  std::string sentence = std::string(what) + tjGetErrorStr2(handle.get());
+  handle.reset();
+  return sentence;
 }
 
 const unsigned char* bytesOf(std::span<const std::byte> jpeg) { return reinterpret_cast<const unsigned char*>(jpeg.data()); }
@@ -41,24 +55,25 @@ void appendJpeg(std::vector<std::byte>& out, const Rgba8* pixels, uint32_t width
   unsigned long length = tjBufSize(static_cast<int>(width), static_cast<int>(height), kSubsampling);
   out.resize(start + length);
   auto* place = reinterpret_cast<unsigned char*>(out.data() + start);
-  if (tjCompress2(compressor(), reinterpret_cast<const unsigned char*>(pixels), static_cast<int>(width), 0, static_cast<int>(height), TJPF_RGBX,
+  if (tjCompress2(compressor().get(), reinterpret_cast<const unsigned char*>(pixels), static_cast<int>(width), 0, static_cast<int>(height), TJPF_RGBX,
                   &place, &length, kSubsampling, quality, TJFLAG_NOREALLOC) != 0)
-    throw std::runtime_error(std::string("libjpeg-turbo could not compress a picture: ") + tjGetErrorStr2(compressor()));
+    throw std::runtime_error(failureOf(compressor(), "libjpeg-turbo could not compress a picture: "));
   out.resize(start + length);
 }
 
 std::optional<std::string> readJpeg(std::span<const std::byte> jpeg, Rgba8* pixels, uint32_t width, uint32_t height) {
+  TurboJpeg& handle = decompressor();
   int itsWidth = 0, itsHeight = 0, subsampling = 0, colorSpace = 0;
-  if (tjDecompressHeader3(decompressor(), bytesOf(jpeg), jpeg.size(), &itsWidth, &itsHeight, &subsampling, &colorSpace) != 0)
-    return std::string("the JPEG picture cannot be read: ") + tjGetErrorStr2(decompressor());
+  if (tjDecompressHeader3(handle.get(), bytesOf(jpeg), jpeg.size(), &itsWidth, &itsHeight, &subsampling, &colorSpace) != 0)
+    return failureOf(handle, "the JPEG picture cannot be read: ");
   if (static_cast<uint32_t>(itsWidth) != width || static_cast<uint32_t>(itsHeight) != height)
     return "the JPEG picture has " + std::to_string(itsWidth) + "x" + std::to_string(itsHeight) + " pixels instead of " +
            std::to_string(width) + "x" + std::to_string(height);
   // Few bytes can ask for very many scans of a large picture; ours have one.
   constexpr int kFlags = TJFLAG_LIMITSCANS | TJFLAG_STOPONWARNING;
-  if (tjDecompress2(decompressor(), bytesOf(jpeg), jpeg.size(), reinterpret_cast<unsigned char*>(pixels), itsWidth, 0, itsHeight, TJPF_RGBA,
+  if (tjDecompress2(handle.get(), bytesOf(jpeg), jpeg.size(), reinterpret_cast<unsigned char*>(pixels), itsWidth, 0, itsHeight, TJPF_RGBA,
                     kFlags) != 0)
-    return std::string("the JPEG picture is damaged: ") + tjGetErrorStr2(decompressor());
+    return failureOf(handle, "the JPEG picture is damaged: ");
   return std::nullopt;
 }
 

@@ -22,8 +22,9 @@
 
 namespace warpscope {
 
-/// More samples than this no band has.
+/// More samples than this no band has, and no fewer bytes than its head.
 inline constexpr size_t kMaxBandSamples = size_t{1} << 20;
+inline constexpr size_t kLeastBandBytes = 16;
 
 /// Which part of the picture a band is. Without rows: no part of it, all samples are strays.
 struct BandRows {

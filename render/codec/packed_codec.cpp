@@ -140,6 +140,7 @@ class PackedCodec final : public Codec {
     for (size_t band = 0; band < bands.count(); ++band) {
       const size_t length = list.take<uint32_t>(), samples = list.take<uint32_t>();
       if (samples > kMaxBandSamples) return "a band of the packed payload has too many samples";
+      if (length < kLeastBandBytes) return "a band of the packed payload is shorter than its head";
       starts_.push_back(starts_.back() + length);
       ends_.push_back((ends_.empty() ? 0 : ends_.back()) + samples);
     }

@@ -43,8 +43,4 @@ SampleFrame emptyFrame(const Camera& camera, const MarchSettings& settings, cons
   return frame;
 }
 
-SampleRule sampleRuleOf(const SampleFrame& frame) {
-  return {frame.settings.radiusPolicy, frame.voxelRadius, frame.settings.radiusScale, frame.quantization};
-}
-
 }  // namespace warpscope

@@ -48,7 +48,9 @@ SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const March
 SampleFrame emptyFrame(const Camera& camera, const MarchSettings& settings, const SampleRule& rule);
 
 /// The rule that the frame's samples were made by.
-SampleRule sampleRuleOf(const SampleFrame& frame);
+inline SampleRule sampleRuleOf(const SampleFrame& frame) {
+  return {frame.settings.radiusPolicy, frame.voxelRadius, frame.settings.radiusScale, frame.quantization};
+}
 
 /// Transmittance below which a ray ends.
 inline float stopBelow(const MarchSettings& settings) { return settings.terminateEarly ? settings.contribution : 0.0f; }
