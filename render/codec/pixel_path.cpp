@@ -141,17 +141,21 @@ void PixelPaths::place(std::span<const int32_t> places, std::span<PackedSample> 
   const float* const zs = z_.data();
   if (placement_ == Placement::axis) {
     const int32_t* const axes = axis_.data();
+    const glm::vec3 lower = bounds.lower, upper = bounds.upper;
+    for (size_t k = 0; k < count; ++k) {
+      const int32_t axis = axes[k];
+      const float own = dequantizeCoordinate(static_cast<uint32_t>(place[k]) & kPositionMax, chosen(axis, lower.x, lower.y, lower.z),
+                                             chosen(axis, upper.x, upper.y, upper.z));
+      depth[k] = (own - chosen(axis, eye.x, eye.y, eye.z)) / chosen(axis, xs[k], ys[k], zs[k]);
+    }
     for (size_t k = 0; k < count; ++k) {
       const Ray ray{eye, {xs[k], ys[k], zs[k]}};
-      const int axis = axes[k];
-      const uint32_t code = static_cast<uint32_t>(place[k]) & kPositionMax;
-      const float own = dequantizeCoordinate(code, chosen(axis, bounds.lower.x, bounds.lower.y, bounds.lower.z),
-                                             chosen(axis, bounds.upper.x, bounds.upper.y, bounds.upper.z));
-      const float t = (own - chosen(axis, eye.x, eye.y, eye.z)) / chosen(axis, xs[k], ys[k], zs[k]);
-      const int64_t shift = static_cast<int64_t>(kPositionBits) * axis;
-      const PackedSample around = packPosition(ray.at(t), bounds) & ~(static_cast<uint64_t>(kPositionMax) << shift);
-      out[k] = around | static_cast<uint64_t>(code) << shift;
-      depth[k] = t;
+      out[k] = packPosition(ray.at(depth[k]), bounds);
+    }
+    for (size_t k = 0; k < count; ++k) {
+      const uint64_t code = static_cast<uint32_t>(place[k]) & kPositionMax;
+      const int32_t shift = static_cast<int32_t>(kPositionBits) * axes[k];
+      out[k] = (out[k] & ~(uint64_t{kPositionMax} << shift)) | code << shift;
     }
     return;
   }
