@@ -113,9 +113,10 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
   const std::span<const PackedSample> samples(frame.samples.data() + begin, count);
 
   // Sort out strays, find which pixels are covered and how often.
-  b.onPath.clear();
-  b.colors.clear();
+  b.onPath.resize(count);
+  b.colors.resize(count);
   b.strays.clear();
+  size_t onPath = 0;
   b.isStray.assign((count + 7) / 8, 0);
   b.mask.assign(size_t{rowBytes} * rows.count, 0);
   b.further.clear();
@@ -129,8 +130,8 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
       b.strays.push_back(samples[i]);
       continue;
     }
-    b.onPath.push_back(samples[i]);
-    b.colors.push_back(frame.colors[begin + i]);
+    b.onPath[onPath] = samples[i];
+    b.colors[onPath++] = frame.colors[begin + i];
     if (pixel == lastPixel) {
       ++b.further.back();
       anyFurther = true;
@@ -146,9 +147,10 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
     b.further.push_back(0);
   }
   if (!anyFurther) b.further.clear();
+  b.onPath.resize(onPath);
   if (!b.strays.empty())
-    for (size_t i = 0; i < count; ++i)
-      if (b.isStray[i / 8] >> i % 8 & 1) b.colors.push_back(frame.colors[begin + i]);
+    for (size_t i = 0, next = onPath; i < count; ++i)
+      if (b.isStray[i / 8] >> i % 8 & 1) b.colors[next++] = frame.colors[begin + i];
 
   appendLittle(out, static_cast<uint32_t>(count));
   appendLittle(out, static_cast<uint32_t>(b.strays.size()));
@@ -195,7 +197,8 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
       const int32_t likely = b.paths.placeOf(i, likelyFine(b.fine.data(), b.kinds.data(), b.layout.neighbors[i], b.kinds[i + 1]));
       b.tokens[i] = putToken(zigzag(static_cast<int32_t>(static_cast<uint32_t>(b.places[i]) - static_cast<uint32_t>(likely))), b.bits);
     }
-    for (size_t i = 0; i < size; ++i) b.deltas[i] = deltaCode(b.onPath[i], b.positions[i]);
+    for (size_t i = 0; i < size; ++i)
+      b.deltas[i] = (b.onPath[i] & kPositionMask) == b.positions[i] ? kExact : deltaCode(b.onPath[i], b.positions[i]);
     for (size_t i = 0; i < size; ++i) {
       if (b.deltas[i] != kEscape) continue;
       b.bits.put(static_cast<uint32_t>(b.onPath[i] & 0x7ffffffu), 27);
@@ -247,10 +250,9 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
     for (size_t i = rowBytes; i < b.mask.size(); ++i) b.mask[i] ^= b.mask[i - rowBytes];
     const uint32_t unused = 8 * rowBytes - width;
     size_t covered = 0, further = 0;
-    for (size_t i = 0; i < b.mask.size(); ++i) {
-      if ((i + 1) % rowBytes == 0 && b.mask[i] >> (8 - unused) != 0) return "the mask of a band covers pixels outside the picture";
-      covered += static_cast<size_t>(std::popcount(b.mask[i]));
-    }
+    for (size_t end = rowBytes; end <= b.mask.size(); end += rowBytes)
+      if (b.mask[end - 1] >> (8 - unused) != 0) return "the mask of a band covers pixels outside the picture";
+    for (const uint8_t byte : b.mask) covered += static_cast<size_t>(std::popcount(byte));
     if (reader.take<uint8_t>() != 0) {
       if (covered > count) return "a band covers more pixels than it has samples";
       b.further.resize(covered);
