@@ -101,7 +101,7 @@ SampleFrame garbageFrame(uint32_t width, uint32_t height, size_t count, uint32_t
   std::mt19937_64 random(seed);
   SampleFrame frame;
   frame.camera = lookingFrom({30.0f, 20.0f, 40.0f}, {}, width, height);
-  frame.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f};
+  frame.quantization = {{glm::vec3(-80.0f), glm::vec3(80.0f)}, 1.0f};  // holds whatever is in the picture up to 65 away
   for (size_t i = 0; i < count; ++i) {
     frame.samples.push_back(random());
     frame.colors.push_back(static_cast<Rgba8>(random()));
@@ -120,6 +120,12 @@ SampleFrame framedPixels(uint32_t width, uint32_t height, const std::vector<uint
     frame.colors.push_back(0xff000000u | random());
   }
   return frame;
+}
+
+/// The packed format gives the samples places along rays; it could send each as it is, which would come back too.
+bool isPlaced(const SampleFrame& frame) {
+  const std::vector<std::byte> payload = FrameCodec().encode(frame, kLossless);
+  return payload.at(9) != std::byte{0};
 }
 
 /// Decoding without a crash: an error, or `count` samples.
@@ -175,7 +181,9 @@ TEST(Codec, SinglePixelsAndOddSizesComeBack) {
   for (const auto& [width, height] : {std::pair(7u, 3u), std::pair(1u, 300u), std::pair(300u, 1u), std::pair(9u, 17u)}) {
     std::vector<uint32_t> all(width * height);
     for (uint32_t i = 0; i < all.size(); ++i) all[i] = i;
-    expectRoundTrips(framedPixels(width, height, all), std::to_string(width));
+    const SampleFrame frame = framedPixels(width, height, all);
+    EXPECT_TRUE(isPlaced(frame)) << width;
+    expectRoundTrips(frame, std::to_string(width));
   }
 }
 
@@ -185,7 +193,9 @@ TEST(Codec, LargeSparsePicturesComeBack) {
   std::mt19937 random(7);
   while (pixels.back() < kSide * kSide - 40000) pixels.push_back(pixels.back() + 1 + random() % 20000);
   pixels.push_back(kSide * kSide - 1);
-  expectRoundTrips(framedPixels(kSide, kSide, pixels), "sparse");
+  const SampleFrame frame = framedPixels(kSide, kSide, pixels);
+  EXPECT_TRUE(isPlaced(frame));
+  expectRoundTrips(frame, "sparse");
 }
 
 TEST(Codec, AFullLargePlaneComesBack) {
@@ -198,6 +208,7 @@ TEST(Codec, AFullLargePlaneComesBack) {
     const Ray ray = pixelRay(frame.camera, {static_cast<float>(i % kSide) + 0.5f, static_cast<float>(i / kSide) + 0.5f});
     frame.samples[i] = packSample(ray.at(50.0f), 0.8f, frame.quantization);
   }
+  EXPECT_TRUE(isPlaced(frame));
   EXPECT_EQ(roundTrip(frame, kJpeg), "");
 }
 
@@ -205,6 +216,7 @@ TEST(Codec, SeveralSamplesAPixelComeBack) {
   std::vector<uint32_t> pixels;
   for (uint32_t pixel = 0; pixel < 64 * 64; ++pixel)
     for (uint32_t k = 0; k < pixel % 5; ++k) pixels.push_back(pixel);
+  EXPECT_TRUE(isPlaced(framedPixels(64, 64, pixels)));
   expectRoundTrips(framedPixels(64, 64, pixels), "up to four");
   expectRoundTrips(framedPixels(64, 64, std::vector<uint32_t>(1000, 77)), "a thousand in one");
 }
@@ -215,6 +227,7 @@ TEST(Codec, FramesOutOfOrderComeBack) {
   const SampleFrame ordered = framedPixels(64, 64, pixels);
   std::mt19937 random(3);
   for (size_t i = 0; i < pixels.size(); i += 50) std::swap(pixels[i], pixels[random() % pixels.size()]);
+  EXPECT_TRUE(isPlaced(framedPixels(64, 64, pixels)));
   expectRoundTrips(framedPixels(64, 64, pixels), "some");
   std::shuffle(pixels.begin(), pixels.end(), random);
   expectRoundTrips(framedPixels(64, 64, pixels), "all");
