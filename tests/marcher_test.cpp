@@ -277,8 +277,8 @@ TEST(CpuMarcher, FramesSayWhatTheyAreMadeFor) {
     settings.radiusPolicy = policy.value;
     const SampleFrame frame = marcher->march(camera, settings);
     EXPECT_EQ(frame.camera, camera);
-    EXPECT_EQ(frame.heuristic, Heuristic::median);
-    EXPECT_EQ(frame.radiusPolicy, policy.value);
+    EXPECT_EQ(frame.settings, settings);
+    EXPECT_EQ(frame.voxelRadius, 0.5f * glm::length(marcher->volume()->geometry().voxelEdges()));
     EXPECT_EQ(frame.requestId, 0u);
     EXPECT_EQ(frame.quantization.bounds, marcher->volume()->bounds());
     ASSERT_EQ(frame.samples.size(), frame.colors.size());

@@ -41,9 +41,20 @@ struct RayReciprocal {
   glm::vec3 invDirection;
 };
 
+/// -0 is made +0 first, so that both zeros take the same path.
+WARPSCOPE_HD inline float reciprocalOf(float component) { return 1.0f / (component + 0.0f); }
+
 WARPSCOPE_HD inline RayReciprocal reciprocalOf(const glm::vec3& origin, const glm::vec3& direction) {
-  // -0 is made +0 first, so that both zeros take the same path.
-  return {origin, 1.0f / (direction + glm::vec3(0.0f))};
+  return {origin, {reciprocalOf(direction.x), reciprocalOf(direction.y), reciprocalOf(direction.z)}};
+}
+
+/// Shortens the interval to its part between the planes `lower` and `upper` of one axis. `inv` is the direction's reciprocal there.
+WARPSCOPE_HD inline void clipToSlab(RayInterval& interval, float origin, float inv, float lower, float upper) {
+  const float t0 = ((inv < 0.0f ? upper : lower) - origin) * inv;
+  const float t1 = ((inv < 0.0f ? lower : upper) - origin) * inv;
+  // Comparisons with NaN (an origin on a slab plane, parallel to it) are false: the bound is left as it is.
+  interval.tNear = t0 > interval.tNear ? t0 : interval.tNear;
+  interval.tFar = t1 < interval.tFar ? t1 : interval.tFar;
 }
 
 /// Intersects the ray with `box` within [tMin, tMax] (tMax may be infinite). The ends are those of the true interval up to three roundings.
@@ -51,19 +62,9 @@ WARPSCOPE_HD inline RayReciprocal reciprocalOf(const glm::vec3& origin, const gl
 WARPSCOPE_HD inline RayInterval intersectBox(const RayReciprocal& ray, const Box& box, float tMin, float tMax) {
   if (box.isEmpty()) return {};
   RayInterval interval{tMin, tMax};
-  for (int axis = 0; axis < 3; ++axis) {
-    const float inv = ray.invDirection[axis];
-    float t0 = (box.lower[axis] - ray.origin[axis]) * inv;
-    float t1 = (box.upper[axis] - ray.origin[axis]) * inv;
-    if (inv < 0.0f) {
-      const float swap = t0;
-      t0 = t1;
-      t1 = swap;
-    }
-    // Comparisons with NaN (an origin on a slab plane, parallel to it) are false: the bound is left as it is.
-    if (t0 > interval.tNear) interval.tNear = t0;
-    if (t1 < interval.tFar) interval.tFar = t1;
-  }
+  clipToSlab(interval, ray.origin.x, ray.invDirection.x, box.lower.x, box.upper.x);
+  clipToSlab(interval, ray.origin.y, ray.invDirection.y, box.lower.y, box.upper.y);
+  clipToSlab(interval, ray.origin.z, ray.invDirection.z, box.lower.z, box.upper.z);
   return interval;
 }
 

@@ -25,6 +25,8 @@ using PackedSample = uint64_t;
 inline constexpr uint32_t kPositionBits = 18;
 inline constexpr uint32_t kPositionMax = (1u << kPositionBits) - 1;
 inline constexpr uint32_t kRadiusCodeMax = 1023;
+inline constexpr uint32_t kRadiusShift = 3 * kPositionBits;
+inline constexpr PackedSample kPositionMask = (PackedSample{1} << kRadiusShift) - 1;
 
 /// Stands where an image of sample ids has no sample.
 inline constexpr uint32_t kNoSample = 0xffffffffu;
@@ -77,21 +79,28 @@ WARPSCOPE_HD inline float decodeRadius(uint32_t code, float radiusUnit) {
   return radiusUnit * std::ldexp(mantissa, static_cast<int>(code >> 6) - 15);
 }
 
-WARPSCOPE_HD inline PackedSample packSample(const glm::vec3& position, float radius, const SampleQuantization& q) {
-  const uint64_t x = quantizeCoordinate(position.x, q.bounds.lower.x, q.bounds.upper.x);
-  const uint64_t y = quantizeCoordinate(position.y, q.bounds.lower.y, q.bounds.upper.y);
-  const uint64_t z = quantizeCoordinate(position.z, q.bounds.lower.z, q.bounds.upper.z);
-  return x | y << 18 | z << 36 | static_cast<uint64_t>(encodeRadius(radius, q.radiusUnit)) << 54;
+/// The bits of the position; those of the radius are 0.
+WARPSCOPE_HD inline PackedSample packPosition(const glm::vec3& position, const Box& bounds) {
+  const uint64_t x = quantizeCoordinate(position.x, bounds.lower.x, bounds.upper.x);
+  const uint64_t y = quantizeCoordinate(position.y, bounds.lower.y, bounds.upper.y);
+  const uint64_t z = quantizeCoordinate(position.z, bounds.lower.z, bounds.upper.z);
+  return x | y << 18 | z << 36;
 }
 
-WARPSCOPE_HD inline uint32_t radiusCode(PackedSample sample) { return static_cast<uint32_t>(sample >> 54); }
+WARPSCOPE_HD inline PackedSample packSample(const glm::vec3& position, float radius, const SampleQuantization& q) {
+  return packPosition(position, q.bounds) | static_cast<uint64_t>(encodeRadius(radius, q.radiusUnit)) << kRadiusShift;
+}
+
+WARPSCOPE_HD inline uint32_t radiusCode(PackedSample sample) { return static_cast<uint32_t>(sample >> kRadiusShift); }
+
+WARPSCOPE_HD inline glm::vec3 unpackPosition(PackedSample sample, const Box& bounds) {
+  return {dequantizeCoordinate(static_cast<uint32_t>(sample) & kPositionMax, bounds.lower.x, bounds.upper.x),
+          dequantizeCoordinate(static_cast<uint32_t>(sample >> 18) & kPositionMax, bounds.lower.y, bounds.upper.y),
+          dequantizeCoordinate(static_cast<uint32_t>(sample >> 36) & kPositionMax, bounds.lower.z, bounds.upper.z)};
+}
 
 WARPSCOPE_HD inline Sphere unpackSample(PackedSample sample, const SampleQuantization& q) {
-  const glm::vec3 center{
-      dequantizeCoordinate(static_cast<uint32_t>(sample) & kPositionMax, q.bounds.lower.x, q.bounds.upper.x),
-      dequantizeCoordinate(static_cast<uint32_t>(sample >> 18) & kPositionMax, q.bounds.lower.y, q.bounds.upper.y),
-      dequantizeCoordinate(static_cast<uint32_t>(sample >> 36) & kPositionMax, q.bounds.lower.z, q.bounds.upper.z)};
-  return {center, decodeRadius(radiusCode(sample), q.radiusUnit)};
+  return {unpackPosition(sample, q.bounds), decodeRadius(radiusCode(sample), q.radiusUnit)};
 }
 
 /// The power of two that lets `largestRadius` be told apart from half of it. 1 if it is not a positive finite number.

@@ -33,13 +33,12 @@ inline constexpr int kMaxSamplesPerRay = 1 << 30;
 WARPSCOPE_HD inline RayLattice makeLattice(const RayInterval& interval, float dt) {
   RayLattice lattice;
   lattice.dt = dt;
-  if (interval.isMiss()) return lattice;
-  lattice.t0 = interval.tNear;
-  lattice.length = interval.tFar - interval.tNear;
+  lattice.t0 = interval.isMiss() ? 0.0f : interval.tNear;
+  lattice.length = interval.isMiss() ? 0.0f : interval.tFar - interval.tNear;
   // In double: the quotient of floats could round up to one step of no length too many.
   const double steps = std::ceil(static_cast<double>(lattice.length) / static_cast<double>(dt));
-  if (!(steps >= 1.0)) return lattice;
-  lattice.count = steps < kMaxSamplesPerRay ? static_cast<int>(steps) : kMaxSamplesPerRay;
+  const double atMost = steps < kMaxSamplesPerRay ? steps : kMaxSamplesPerRay;
+  lattice.count = steps >= 1.0 ? static_cast<int>(atMost) : 0;
   return lattice;
 }
 

@@ -38,8 +38,8 @@ SampleFrame emptyFrame(const Camera& camera, const MarchSettings& settings, cons
   SampleFrame frame;
   frame.camera = camera;
   frame.quantization = rule.quantization;
-  frame.heuristic = settings.heuristic;
-  frame.radiusPolicy = settings.radiusPolicy;
+  frame.settings = settings;
+  frame.voxelRadius = rule.voxelRadius;
   return frame;
 }
 

@@ -48,6 +48,11 @@ SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const March
 /// A frame without samples and timings.
 SampleFrame emptyFrame(const Camera& camera, const MarchSettings& settings, const SampleRule& rule);
 
+/// The rule that the frame's samples were made by.
+inline SampleRule sampleRuleOf(const SampleFrame& frame) {
+  return {frame.settings.radiusPolicy, frame.voxelRadius, frame.settings.radiusScale, frame.quantization};
+}
+
 /// Transmittance below which a ray ends.
 inline float stopBelow(const MarchSettings& settings) { return settings.terminateEarly ? settings.contribution : 0.0f; }
 

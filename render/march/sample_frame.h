@@ -23,8 +23,8 @@ struct SampleFrame {
   uint64_t requestId = 0;
   Camera camera;  ///< that the samples were marched for; its size is the size of the server's image
   SampleQuantization quantization;
-  Heuristic heuristic = Heuristic::gradient;
-  RadiusPolicy radiusPolicy = RadiusPolicy::voxel;
+  MarchSettings settings;    ///< that the samples were marched with
+  float voxelRadius = 1.0f;  ///< half the diagonal of a voxel, volume units: with the settings it tells how large a sample should be
   ServerTimings timings;
 
   TransferVector<PackedSample> samples;  ///< in pixel order, row by row; no code is 0

@@ -2,9 +2,8 @@
 // See hold_warp.h.
 #include "render/warp/hold_warp.h"
 
-#include <limits>
-
 #include "render/core/parallel.h"
+#include "render/march/own_picture.h"
 
 namespace warpscope {
 namespace {
@@ -14,20 +13,7 @@ class HoldWarp final : public Warp {
   void setFrame(SampleFramePtr frame, const WarpSettings&, const std::stop_token&) override {
     frame_ = std::move(frame);
     pixels_.resize(0, 0);
-    if (!frame_) return;
-    const Camera& camera = frame_->camera;
-    pixels_.resize(camera.width, camera.height, kNoSample);
-    Image<float> depths(camera.width, camera.height, std::numeric_limits<float>::infinity());
-    // A frame does not say which pixel a sample came from, but its camera does. Of several that share a pixel the nearest is seen.
-    for (size_t i = 0; i < frame_->size(); ++i) {
-      const Projection seen = project(camera, frame_->sphere(i).center);
-      if (!(seen.forwardDepth > 0.0f) || !(seen.pixel.x >= 0.0f) || !(seen.pixel.y >= 0.0f)) continue;
-      if (seen.pixel.x >= camera.width || seen.pixel.y >= camera.height) continue;
-      const auto x = static_cast<uint32_t>(seen.pixel.x), y = static_cast<uint32_t>(seen.pixel.y);
-      if (!(seen.forwardDepth < depths(x, y))) continue;
-      depths(x, y) = seen.forwardDepth;
-      pixels_(x, y) = static_cast<uint32_t>(i);
-    }
+    if (frame_) pixels_ = ownPicture(*frame_);
   }
 
   void draw(const Camera& camera, const WarpSettings&, WarpedImage& image, const std::stop_token&) override {

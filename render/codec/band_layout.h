@@ -1,0 +1,49 @@
+// Which pixels of a band have samples, and which samples are next to each other: what both sides derive from the same mask.
+// Missing neighbours are replaced by others, so that predictions need not ask.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "render/core/transfer_vector.h"
+
+namespace warpscope {
+
+/// Samples to predict from, as their number in the band plus one: slot 0 stands for none and holds a zero.
+struct Neighbors {
+  uint32_t west, north, northWest;
+};
+
+/// The pixels that have samples, as a rectangle. x0 is a multiple of 8.
+struct CoveredArea {
+  uint32_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< rows count from the band's first
+
+  bool isEmpty() const { return x0 >= x1; }
+  uint32_t width() const { return (x1 - x0 + 7) / 8 * 8; }  ///< whole bytes of the mask
+  uint32_t height() const { return y1 - y0; }
+};
+
+struct BandLayout {
+  TransferVector<uint32_t> columns, rows;  ///< pixel of each sample; rows count from the picture's first
+  TransferVector<Neighbors> neighbors;     ///< of each sample
+  TransferVector<uint8_t> isFurther;       ///< of each sample: it is not its pixel's first; empty if all are
+  CoveredArea area;
+
+  size_t size() const { return columns.size(); }
+
+  /// `mask` has a bit for each pixel of the band, the lowest first, whole bytes a row; `further` the number of further samples of each pixel
+  /// that has one, or nothing if none has.
+  void build(uint32_t width, uint32_t firstRow, uint32_t rowCount, std::span<const uint8_t> mask, std::span<const uint8_t> further);
+
+ private:
+  TransferVector<uint32_t> above_, current_;  // slot of each column's first sample, with one column more on the left
+};
+
+/// Median of two neighbours and the plane through three.
+inline int32_t predicted(int32_t west, int32_t north, int32_t northWest) {
+  const int32_t low = west < north ? west : north, high = west < north ? north : west;
+  const auto plane = static_cast<int64_t>(west) + north - northWest;
+  return plane < low ? low : plane > high ? high : static_cast<int32_t>(plane);
+}
+
+}  // namespace warpscope

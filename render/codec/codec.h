@@ -1,0 +1,110 @@
+// A frame's samples and colours as bytes and back. What describes the frame (its camera, quantisation, settings, number of samples) travels
+// beside them and is known to whoever decodes: it may be relied on, so that it need not be said twice.
+// The layout is ours. A payload is: format (1 byte), a hash of all that follows (8 bytes), the format's own bytes. Numbers are little-endian.
+//
+// Decoding takes nothing on trust. It never throws on bad input, refuses sizes before it allocates for them, and answers with the same
+// samples that were encoded, bit for bit, or with a sentence. The hash finds accidents; it does not keep out who means harm, whom every
+// further check is for.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/core/range.h"
+#include "render/march/sample_frame.h"
+
+namespace warpscope {
+
+enum class PayloadFormat : uint8_t {
+  raw,     ///< 12 bytes a sample
+  packed,  ///< what the camera implies left out, the rest predicted and compressed: packed_codec.h
+};
+
+enum class ColorCoding : uint8_t {
+  lossless,
+  jpeg,  ///< red, green and blue of each pixel's first sample; its alpha, and every other sample, without loss
+};
+
+inline constexpr std::array<NamedValue<PayloadFormat>, 2> kPayloadFormats{{
+    {PayloadFormat::raw, "raw", "12 bytes a sample"},
+    {PayloadFormat::packed, "packed", "depths predicted along the camera's rays, compressed"},
+}};
+
+inline constexpr std::array<NamedValue<ColorCoding>, 2> kColorCodings{{
+    {ColorCoding::lossless, "lossless", "colours as they are"},
+    {ColorCoding::jpeg, "jpeg", "colours as a JPEG image, opacity as it is"},
+}};
+
+inline std::string_view nameOf(PayloadFormat format) { return nameOf(kPayloadFormats, format); }
+inline std::string_view nameOf(ColorCoding coding) { return nameOf(kColorCodings, coding); }
+
+struct CodecSettings {
+  PayloadFormat format = PayloadFormat::packed;
+  ColorCoding color = ColorCoding::jpeg;  ///< for `packed`
+  int jpegQuality = 90;                   ///< kJpegQualityRange
+
+  bool operator==(const CodecSettings&) const = default;
+};
+
+inline constexpr Range kJpegQualityRange{1, 100};
+
+/// Throws UsageError naming the setting that is out of range.
+void validate(const CodecSettings& settings);
+
+/// What a decoder accepts. Besides the frame it holds some tens of megabytes a thread, whatever a payload says.
+struct DecodeLimits {
+  size_t maxSamples = size_t{1} << 26;  ///< of 12 bytes each in memory
+  size_t maxBytes = size_t{1} << 30;    ///< of a payload
+};
+
+/// Nothing if all went well; else a sentence that says what was wrong.
+using DecodeError = std::optional<std::string>;
+
+/// One format. Keeps its buffers; used from one thread at a time, and works on all cores itself. The bytes do not depend on their number.
+class Codec {
+ public:
+  virtual ~Codec() = default;
+
+  /// Appends the frame to `payload`.
+  virtual void encode(const SampleFrame& frame, const CodecSettings& settings, std::vector<std::byte>& payload) = 0;
+
+  /// Fills samples and colours of `frame`, whose other members are set, with `count` of them. `count` is within the limits.
+  virtual DecodeError decode(std::span<const std::byte> bytes, size_t count, SampleFrame& frame) = 0;
+};
+
+struct CodecDescriptor {
+  PayloadFormat format;
+  std::unique_ptr<Codec> (*make)();
+};
+
+/// Every format.
+std::span<const CodecDescriptor> codecRegistry();
+
+/// Frames to payloads and back, in every format. Keeps buffers from frame to frame; one thread at a time.
+class FrameCodec {
+ public:
+  FrameCodec();
+
+  /// Throws UsageError for settings out of range, InputError for a frame whose samples and colours differ in number.
+  std::vector<std::byte> encode(const SampleFrame& frame, const CodecSettings& settings);
+
+  /// Fills samples and colours of `frame`, whose other members say what they were encoded with; there must be `count` of them. After an
+  /// error the frame has none.
+  DecodeError decode(std::span<const std::byte> payload, size_t count, SampleFrame& frame, const DecodeLimits& limits = {});
+
+ private:
+  Codec& codecFor(PayloadFormat format);
+
+  std::vector<std::unique_ptr<Codec>> codecs_;  // in the registry's order, made when first asked for
+  size_t lastBytes_ = 0;                        // of the last payload: the next will be about as long
+};
+
+/// Makes the hash right, whatever the payload holds: for tests of what lies behind it. Nothing for less than a payload's head.
+void sealPayload(std::span<std::byte> payload);
+
+}  // namespace warpscope

@@ -1,0 +1,161 @@
+// Colours, predicted or as a picture.
+// See color_planes.h.
+#include "render/codec/color_planes.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "render/codec/jpeg.h"
+#include "render/codec/zstd_section.h"
+
+namespace warpscope {
+namespace {
+
+inline int32_t channel(Rgba8 color, int shift) { return static_cast<int32_t>(color >> shift & 255); }
+
+inline int32_t predictedChannel(const Rgba8* slots, const Neighbors& from, int shift) {
+  const int32_t west = channel(slots[from.west], shift), north = channel(slots[from.north], shift);
+  const int32_t plane = west + north - channel(slots[from.northWest], shift);
+  return std::clamp(plane, std::min(west, north), std::max(west, north));
+}
+
+constexpr Neighbors lastOnly(size_t slot) {
+  const auto last = static_cast<uint32_t>(slot);
+  return {last, last, last};
+}
+
+/// Gives pixels without samples the mean colour of their 8x8 block, so that they cost its transform nothing; blocks without samples the
+/// colour of the block before. `mask` begins at the area.
+void fillGaps(Rgba8* picture, const CoveredArea& area, const uint8_t* mask, uint32_t rowBytes) {
+  const uint32_t width = area.width();
+  Rgba8 mean = 0xff808080u;
+  for (uint32_t y0 = 0; y0 < area.height(); y0 += 8) {
+    const uint32_t y1 = std::min(y0 + 8, area.height());
+    for (uint32_t x0 = 0; x0 < width; x0 += 8) {
+      const uint8_t* column = mask + x0 / 8;
+      uint32_t covered = 0;
+      for (uint32_t y = y0; y < y1; ++y) covered += static_cast<uint32_t>(std::popcount(column[size_t{y} * rowBytes]));
+      if (covered == 8 * (y1 - y0)) continue;
+      if (covered > 0) {
+        uint32_t red = 0, green = 0, blue = 0;
+        for (uint32_t y = y0; y < y1; ++y)
+          for (uint32_t bits = column[size_t{y} * rowBytes]; bits != 0; bits &= bits - 1) {
+            const Rgba8 color = picture[size_t{y} * width + x0 + static_cast<uint32_t>(std::countr_zero(bits))];
+            red += color & 255;
+            green += color >> 8 & 255;
+            blue += color >> 16 & 255;
+          }
+        mean = red / covered | green / covered << 8 | blue / covered << 16;
+      }
+      for (uint32_t y = y0; y < y1; ++y) {
+        const uint8_t bits = column[size_t{y} * rowBytes];
+        Rgba8* row = picture + size_t{y} * width + x0;
+        for (uint32_t x = 0; x < 8; ++x) row[x] = bits >> x & 1 ? row[x] : mean;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void ColorPlanes::listLossless(const BandLayout& layout, size_t count, ColorCoding coding) {
+  lossless_.clear();
+  const size_t first = coding == ColorCoding::lossless || !layout.isFurther.empty() ? 0 : layout.size();
+  for (size_t i = first; i < count; ++i)
+    if (coding == ColorCoding::lossless || i >= layout.size() || layout.isFurther[i]) lossless_.push_back(static_cast<uint32_t>(i));
+}
+
+void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask,
+                         uint32_t rowBytes, std::span<const Rgba8> colors, const CodecSettings& settings) {
+  const size_t count = colors.size();
+  slots_.resize(count + 1);
+  slots_[0] = 0;
+  std::copy(colors.begin(), colors.end(), slots_.begin() + 1);
+  alpha_.resize(count);
+  for (size_t i = 0; i < layout.size(); ++i)
+    alpha_[i] = static_cast<uint8_t>(channel(colors[i], 24) - predictedChannel(slots_.data(), layout.neighbors[i], 24));
+  for (size_t i = layout.size(); i < count; ++i) alpha_[i] = static_cast<uint8_t>(channel(colors[i], 24) - channel(slots_[i], 24));
+  appendSection(out, alpha_);
+
+  if (settings.color == ColorCoding::jpeg) {
+    const size_t start = out.size();
+    appendLittle(out, uint32_t{0});
+    const CoveredArea& area = layout.area;
+    if (!area.isEmpty()) {
+      picture_.resize(size_t{area.width()} * area.height());
+      for (size_t i = 0; i < layout.size(); ++i) {
+        if (!layout.isFurther.empty() && layout.isFurther[i]) continue;
+        picture_[size_t{layout.rows[i] - firstRow - area.y0} * area.width() + layout.columns[i] - area.x0] = colors[i];
+      }
+      fillGaps(picture_.data(), area, mask.data() + size_t{area.y0} * rowBytes + area.x0 / 8, rowBytes);
+      appendJpeg(out, picture_.data(), area.width(), area.height(), settings.jpegQuality);
+    }
+    storeLittle(out.data() + start, static_cast<uint32_t>(out.size() - start - 4));
+  }
+
+  listLossless(layout, count, settings.color);
+  green_.resize(lossless_.size());
+  red_.resize(lossless_.size());
+  blue_.resize(lossless_.size());
+  for (size_t k = 0; k < lossless_.size(); ++k) {
+    const size_t i = lossless_[k];
+    const Neighbors from = settings.color == ColorCoding::lossless && i < layout.size() ? layout.neighbors[i]
+                           : k == 0                                                    ? lastOnly(0)
+                                                                                       : lastOnly(size_t{lossless_[k - 1]} + 1);
+    const int32_t green = channel(colors[i], 8) - predictedChannel(slots_.data(), from, 8);
+    green_[k] = static_cast<uint8_t>(green);
+    red_[k] = static_cast<uint8_t>(channel(colors[i], 0) - predictedChannel(slots_.data(), from, 0) - green);
+    blue_[k] = static_cast<uint8_t>(channel(colors[i], 16) - predictedChannel(slots_.data(), from, 16) - green);
+  }
+  appendSection(out, green_);
+  appendSection(out, red_);
+  appendSection(out, blue_);
+}
+
+DecodeError ColorPlanes::take(ByteReader& reader, const BandLayout& layout, uint32_t firstRow, ColorCoding coding, std::span<Rgba8> colors) {
+  const size_t count = colors.size();
+  alpha_.resize(count);
+  if (!takeSection(reader, alpha_)) return "the opacities are damaged";
+  slots_.resize(count + 1);
+  slots_[0] = 0;
+  for (size_t i = 0; i < layout.size(); ++i)
+    slots_[i + 1] = static_cast<Rgba8>((alpha_[i] + predictedChannel(slots_.data(), layout.neighbors[i], 24)) & 255) << 24;
+  for (size_t i = layout.size(); i < count; ++i) slots_[i + 1] = static_cast<Rgba8>((alpha_[i] + channel(slots_[i], 24)) & 255) << 24;
+
+  if (coding == ColorCoding::jpeg) {
+    const auto length = reader.take<uint32_t>();
+    const std::span<const std::byte> jpeg = reader.take(length);
+    const CoveredArea& area = layout.area;
+    if (reader.ranOut() || jpeg.empty() != area.isEmpty()) return "the colours' picture is missing";
+    if (!area.isEmpty()) {
+      picture_.resize(size_t{area.width()} * area.height());
+      if (DecodeError error = readJpeg(jpeg, picture_.data(), area.width(), area.height())) return error;
+      for (size_t i = 0; i < layout.size(); ++i) {
+        if (!layout.isFurther.empty() && layout.isFurther[i]) continue;
+        const Rgba8 color = picture_[size_t{layout.rows[i] - firstRow - area.y0} * area.width() + layout.columns[i] - area.x0];
+        slots_[i + 1] |= color & 0xffffffu;
+      }
+    }
+  }
+
+  listLossless(layout, count, coding);
+  green_.resize(lossless_.size());
+  red_.resize(lossless_.size());
+  blue_.resize(lossless_.size());
+  if (!takeSection(reader, green_) || !takeSection(reader, red_) || !takeSection(reader, blue_)) return "the colours are damaged";
+  for (size_t k = 0; k < lossless_.size(); ++k) {
+    const size_t i = lossless_[k];
+    const Neighbors from = coding == ColorCoding::lossless && i < layout.size() ? layout.neighbors[i]
+                           : k == 0                                            ? lastOnly(0)
+                                                                               : lastOnly(size_t{lossless_[k - 1]} + 1);
+    const int32_t green = green_[k];
+    const auto decoded = [&](int shift, int32_t difference) {
+      return static_cast<Rgba8>((predictedChannel(slots_.data(), from, shift) + difference) & 255) << shift;
+    };
+    slots_[i + 1] |= decoded(8, green) | decoded(0, red_[k] + green) | decoded(16, blue_[k] + green);
+  }
+  std::copy(slots_.begin() + 1, slots_.end(), colors.begin());
+  return std::nullopt;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,36 @@
+// The colours of a band's samples as bytes.
+// Alpha: differences from its prediction. Red, green, blue without loss: the same, green's difference taken off the others'. With loss: those
+// of each pixel's first sample as a JPEG image of the area that they cover, the others without.
+//
+// Bytes: section of alpha, one byte a sample; with loss the JPEG's length (4) and the JPEG; sections of green, red, blue.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "render/codec/band_layout.h"
+#include "render/codec/bytes.h"
+#include "render/codec/codec.h"
+
+namespace warpscope {
+
+/// Keeps its buffers. Colours: of the samples in the layout's order, then of `strays`.
+class ColorPlanes {
+ public:
+  /// `firstRow` is the band's; `mask` is what the layout was built from, `rowBytes` a row.
+  void append(std::vector<std::byte>& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask, uint32_t rowBytes,
+              std::span<const Rgba8> colors, const CodecSettings& settings);
+
+  /// Fills `colors`.
+  DecodeError take(ByteReader& reader, const BandLayout& layout, uint32_t firstRow, ColorCoding coding, std::span<Rgba8> colors);
+
+ private:
+  void listLossless(const BandLayout& layout, size_t count, ColorCoding coding);
+
+  TransferVector<uint8_t> alpha_, green_, red_, blue_;
+  TransferVector<Rgba8> slots_;        // colours, one place on
+  TransferVector<uint32_t> lossless_;  // samples whose red, green and blue are sent without loss
+  TransferVector<Rgba8> picture_;
+};
+
+}  // namespace warpscope

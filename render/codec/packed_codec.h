@@ -1,0 +1,13 @@
+// Frames as bands that are packed independently: on all cores, and with bytes that do not depend on how many there are.
+// After an idea of Zellmann 2020, whose samples are quantised to 64 bits; that their pixels' rays say most of these is ours.
+//
+// Bytes: placement (1), colour coding (1), for each band its length (4) and number of samples (4), bands (packed_band.h).
+#pragma once
+
+#include "render/codec/codec.h"
+
+namespace warpscope {
+
+std::unique_ptr<Codec> makePackedCodec();
+
+}  // namespace warpscope

@@ -1,0 +1,69 @@
+// Where samples lie along the rays of their pixels, as one integer each: what encoder and decoder compute alike from the frame's camera.
+// Both compute it with the functions that the marcher itself uses (pixelRay, intersectBox, makeLattice, quantizeCoordinate), so that a
+// marched sample is reproduced exactly, and any other nearly; what differs is sent beside.
+//
+// Relied on: additions, multiplications, divisions, square roots and fused multiply-adds of float and double round as IEEE 754 says, and
+// the compiler neither fuses nor reorders them (-ffp-contract=off; no -ffast-math). Then every machine computes the same bits. A decoder
+// for which that does not hold reproduces other samples, and finds out by their hash.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "render/core/camera.h"
+#include "render/core/sample.h"
+#include "render/core/transfer_vector.h"
+#include "render/march/sample_frame.h"
+
+namespace warpscope {
+
+/// What a sample's integer means.
+enum class Placement : uint8_t {
+  loose,      ///< nothing: samples are sent as they are
+  steps,      ///< index on the ray's lattice
+  halfSteps,  ///< the same in half steps: midpoints of two places on the lattice
+  axis,       ///< the coordinate along the axis that the ray runs through fastest; it gives the others nearly
+};
+inline constexpr uint32_t kPlacements = 4;
+
+/// What samples in pixels share, and the samples' rays; as arrays, for the compiler to work on several at once.
+class PixelPaths {
+ public:
+  /// Rays through the centres of the pixels (columns[k], rows[k]). Any camera and quantisation will do; unusable ones give useless places.
+  void aim(const SampleFrame& frame, Placement placement, std::span<const uint32_t> columns, std::span<const uint32_t> rows);
+
+  /// The integers whose places are nearest to the samples.
+  void locate(std::span<const PackedSample> samples, std::span<int32_t> places) const;
+
+  /// The positions (54 bits, no radius) of the places, and their distance from the eye. Any integer will do.
+  void place(std::span<const int32_t> places, std::span<PackedSample> positions, std::span<float> depths) const;
+
+  size_t size() const { return x_.size(); }
+  /// Cosine of the angle between ray k and the camera's axis.
+  float cosine(size_t k) const { return x_[k] * camera_.forward.x + y_[k] * camera_.forward.y + z_[k] * camera_.forward.z; }
+
+  // Neighbouring samples are predicted from one another in fine units that do not depend on where a ray enters the volume.
+  int32_t fineOf(size_t k, int32_t place) const {
+    return static_cast<int32_t>((static_cast<uint32_t>(place) << fineBits_) + static_cast<uint32_t>(origin_[k]));
+  }
+  int32_t placeOf(size_t k, int32_t fine) const {
+    const uint32_t half = fineBits_ > 0 ? 1u << (fineBits_ - 1) : 0u;
+    return static_cast<int32_t>(static_cast<uint32_t>(fine) - static_cast<uint32_t>(origin_[k]) + half) >> fineBits_;
+  }
+  /// Places of different kinds cannot be compared.
+  uint8_t kind(size_t k) const { return static_cast<uint8_t>(axis_[k]); }
+
+ private:
+  Camera camera_;
+  SampleQuantization quantization_;
+  Placement placement_ = Placement::loose;
+  float step_ = 1.0f;
+  int fineBits_ = 0;
+  TransferVector<float> x_, y_, z_;     // direction
+  TransferVector<float> t0_, length_;   // the ray's lattice
+  TransferVector<int32_t> count_;
+  TransferVector<int32_t> origin_;      // of places, in fine units
+  TransferVector<int32_t> axis_;        // fastest, for Placement::axis; else 0
+};
+
+}  // namespace warpscope

@@ -1,0 +1,49 @@
+// 12 bytes a sample.
+// See raw_codec.h.
+#include "render/codec/raw_codec.h"
+
+#include "render/codec/bytes.h"
+#include "render/core/parallel.h"
+
+namespace warpscope {
+namespace {
+
+constexpr size_t kSampleBytes = 12;
+constexpr size_t kGrain = 1 << 15;  // samples
+
+class RawCodec final : public Codec {
+ public:
+  void encode(const SampleFrame& frame, const CodecSettings&, std::vector<std::byte>& payload) override {
+    const size_t start = payload.size();
+    payload.resize(start + frame.size() * kSampleBytes);
+    parallelForRanges(frame.size(), kGrain, [&](size_t begin, size_t end) {
+      std::byte* place = payload.data() + start + begin * kSampleBytes;
+      for (size_t i = begin; i < end; ++i, place += kSampleBytes) {
+        storeLittle(place, frame.samples[i]);
+        storeLittle(place + 8, frame.colors[i]);
+      }
+    });
+  }
+
+  DecodeError decode(std::span<const std::byte> bytes, size_t count, SampleFrame& frame) override {
+    if (bytes.size() != count * kSampleBytes)
+      return "a raw payload of " + std::to_string(count) + " samples must have " + std::to_string(count * kSampleBytes) +
+             " bytes behind its head, not " + std::to_string(bytes.size());
+    frame.samples.resize(count);
+    frame.colors.resize(count);
+    parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
+      const std::byte* place = bytes.data() + begin * kSampleBytes;
+      for (size_t i = begin; i < end; ++i, place += kSampleBytes) {
+        frame.samples[i] = loadLittle<PackedSample>(place);
+        frame.colors[i] = loadLittle<Rgba8>(place + 8);
+      }
+    });
+    return std::nullopt;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Codec> makeRawCodec() { return std::make_unique<RawCodec>(); }
+
+}  // namespace warpscope

@@ -1,0 +1,93 @@
+// Integers that are mostly small as one byte each, which an entropy coder shortens, and the bits that such a coder would not shorten anyway.
+// Cf. the hybrid integers of JPEG XL (ISO/IEC 18181-1, annex C): below 16 the token is the number; above, its magnitude and highest bit.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "render/core/transfer_vector.h"
+
+namespace warpscope {
+
+inline uint32_t zigzag(int32_t value) { return static_cast<uint32_t>(value) << 1 ^ static_cast<uint32_t>(value >> 31); }
+inline int32_t unzigzag(uint32_t code) { return static_cast<int32_t>(code >> 1 ^ (0u - (code & 1))); }
+
+/// Bits, the first in the lowest place of a byte.
+class BitWriter {
+ public:
+  void clear() {
+    bytes_.clear();
+    pending_ = 0;
+    count_ = 0;
+  }
+  /// The lower `count` bits of `value`, which has no others; count <= 32.
+  void put(uint32_t value, uint32_t count) {
+    pending_ |= static_cast<uint64_t>(value) << count_;
+    count_ += count;
+    while (count_ >= 8) {
+      bytes_.push_back(static_cast<uint8_t>(pending_));
+      pending_ >>= 8;
+      count_ -= 8;
+    }
+  }
+  /// All bytes; the last is filled up with zeros.
+  std::span<const uint8_t> finish() {
+    if (count_ > 0) bytes_.push_back(static_cast<uint8_t>(pending_));
+    pending_ = 0;
+    count_ = 0;
+    return bytes_;
+  }
+
+ private:
+  TransferVector<uint8_t> bytes_;
+  uint64_t pending_ = 0;
+  uint32_t count_ = 0;
+};
+
+/// Past the end there are zeros, and ranOut() says so.
+class BitReader {
+ public:
+  explicit BitReader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
+
+  uint32_t take(uint32_t count) {
+    while (count_ < count) {
+      pending_ |= static_cast<uint64_t>(next_ < bytes_.size() ? bytes_[next_] : 0) << count_;
+      ++next_;
+      count_ += 8;
+    }
+    const auto value = static_cast<uint32_t>(pending_ & ((uint64_t{1} << count) - 1));
+    pending_ >>= count;
+    count_ -= count;
+    return value;
+  }
+  bool ranOut() const { return next_ > bytes_.size(); }
+
+ private:
+  std::span<const uint8_t> bytes_;
+  size_t next_ = 0;
+  uint64_t pending_ = 0;
+  uint32_t count_ = 0;
+};
+
+inline constexpr uint32_t kDirectTokens = 16;
+inline constexpr uint32_t kLargestToken = kDirectTokens + 2 * 27 + 1;
+
+inline uint8_t putToken(uint32_t value, BitWriter& bits) {
+  if (value < kDirectTokens) return static_cast<uint8_t>(value);
+  const auto length = static_cast<uint32_t>(std::bit_width(value));  // 5..32
+  const uint32_t below = length - 2;
+  bits.put(value & ((1u << below) - 1), below);
+  return static_cast<uint8_t>(kDirectTokens + 2 * (length - 5) + (value >> below & 1));
+}
+
+/// Of a token that is too large, something.
+inline uint32_t takeToken(uint8_t token, BitReader& bits) {
+  if (token < kDirectTokens) return token;
+  const uint32_t above = (token < kLargestToken ? token : kLargestToken) - kDirectTokens;
+  const uint32_t below = above / 2 + 3;
+  return (2u + (above & 1)) << below | bits.take(below);
+}
+
+}  // namespace warpscope

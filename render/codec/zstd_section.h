@@ -1,0 +1,20 @@
+// A run of bytes whose length both sides know, compressed where that pays.
+// Zstandard (RFC 8878), one frame a section. Before it a word: how it is kept (upper 2 bits) and how many bytes follow.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "render/codec/bytes.h"
+
+namespace warpscope {
+
+/// Appends `bytes`, fewer than 2^29 of them.
+void appendSection(std::vector<std::byte>& out, std::span<const uint8_t> bytes);
+
+/// Fills `bytes`. False, with any content, if what is there is not a section of just that length; never writes past the end.
+bool takeSection(ByteReader& reader, std::span<uint8_t> bytes);
+
+}  // namespace warpscope

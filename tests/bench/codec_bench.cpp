@@ -1,0 +1,126 @@
+// Bytes a sample, and times of encoding and decoding, for each format, heuristic and colour coding. Run by hand; `--benchmark_filter` chooses.
+// Frames: the built-in shells, and the engine where WARPSCOPE_DATA names its folder. What comes back is checked before anything is timed.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "app/scene.h"
+#include "render/codec/codec.h"
+#include "render/codec/jpeg.h"
+#include "render/march/marcher_cpu.h"
+
+namespace warpscope {
+namespace {
+
+constexpr uint32_t kSide = 1024;  // pixels
+
+SampleFrame marchFrame(const std::string& sceneName, Heuristic heuristic) {
+  const Scene scene = openScene(sceneName);
+  const MarcherPtr marcher = makeCpuMarcher(scene.volume, scene.transferFunction);
+  View view = scene.views.front();
+  view.distance = 0.72f;  // the volume fills the picture
+  MarchSettings settings;
+  settings.heuristic = heuristic;
+  return marcher->march(makeCamera(scene, view, kSide, kSide), settings);
+}
+
+const SampleFrame& frameOf(const std::string& scene, Heuristic heuristic) {
+  static std::map<std::pair<std::string, Heuristic>, SampleFrame> frames;
+  const auto key = std::pair(scene, heuristic);
+  if (!frames.contains(key)) frames.emplace(key, marchFrame(scene, heuristic));
+  return frames.at(key);
+}
+
+SampleFrame headOf(const SampleFrame& frame) {
+  SampleFrame head = frame;
+  head.samples.clear();
+  head.colors.clear();
+  return head;
+}
+
+/// Root mean square error of 8-bit red, green and blue, each weighted by its sample's opacity.
+double colorError(const SampleFrame& frame, const SampleFrame& decoded) {
+  double sum = 0.0;
+  for (size_t i = 0; i < frame.size(); ++i)
+    for (int shift = 0; shift < 24; shift += 8) {
+      const double alpha = static_cast<double>(frame.colors[i] >> 24) / 255.0;
+      const double difference =
+          alpha * (static_cast<double>(frame.colors[i] >> shift & 255) - static_cast<double>(decoded.colors[i] >> shift & 255));
+      sum += difference * difference;
+    }
+  return std::sqrt(sum / (3.0 * static_cast<double>(frame.size())));
+}
+
+void runCodec(benchmark::State& state, const std::string& scene, Heuristic heuristic, const CodecSettings& settings, bool decoding) {
+  const SampleFrame& frame = frameOf(scene, heuristic);
+  FrameCodec codec;
+  const std::vector<std::byte> payload = codec.encode(frame, settings);
+  SampleFrame decoded = headOf(frame);
+  if (const DecodeError error = codec.decode(payload, frame.size(), decoded)) throw std::runtime_error(*error);
+  if (decoded.samples != frame.samples) throw std::runtime_error("other samples came back");
+  const double rms = colorError(frame, decoded);
+  if (settings.color == ColorCoding::lossless && decoded.colors != frame.colors) throw std::runtime_error("other colours came back");
+  for (auto _ : state) {
+    if (decoding)
+      benchmark::DoNotOptimize(codec.decode(payload, frame.size(), decoded));
+    else
+      benchmark::DoNotOptimize(codec.encode(frame, settings).data());
+  }
+  state.counters["samples"] = static_cast<double>(frame.size());
+  state.counters["bytesPerSample"] = static_cast<double>(payload.size()) / static_cast<double>(frame.size());
+  state.counters["psnrDb"] = rms > 0.0 ? 20.0 * std::log10(255.0 / rms) : INFINITY;
+}
+
+void runPicture(benchmark::State& state, const std::string& scene, int quality) {
+  const SampleFrame& frame = frameOf(scene, Heuristic::gradient);
+  std::vector<std::byte> jpeg;
+  for (auto _ : state) jpeg = encodeFramePicture(frame, glm::vec3(0.0f), quality);
+  state.counters["bytes"] = static_cast<double>(jpeg.size());
+}
+
+void add(const std::string& scene, const std::string& path) {
+  const auto addOne = [&](Heuristic heuristic, const CodecSettings& settings, const std::string& name) {
+    for (const bool decoding : {false, true})
+      benchmark::RegisterBenchmark(
+          (std::string(decoding ? "decode/" : "encode/") + scene + "/" + std::string(nameOf(heuristic)) + "/" + name).c_str(),
+          [=](benchmark::State& state) { runCodec(state, path, heuristic, settings, decoding); })
+          ->Unit(benchmark::kMillisecond)
+          ->MeasureProcessCPUTime()
+          ->UseRealTime();
+  };
+  addOne(Heuristic::gradient, {PayloadFormat::raw, ColorCoding::lossless, 90}, "raw");
+  for (const auto& heuristic : kHeuristics) {
+    addOne(heuristic.value, {PayloadFormat::packed, ColorCoding::lossless, 90}, "lossless");
+    addOne(heuristic.value, {PayloadFormat::packed, ColorCoding::jpeg, 90}, "jpeg90");
+  }
+  for (const int quality : {75, 85, 95}) addOne(Heuristic::gradient, {PayloadFormat::packed, ColorCoding::jpeg, quality}, "jpeg" + std::to_string(quality));
+  benchmark::RegisterBenchmark(("picture/" + scene + "/jpeg90").c_str(), [=](benchmark::State& state) { runPicture(state, path, 90); })
+      ->Unit(benchmark::kMillisecond)
+      ->UseRealTime();
+}
+
+}  // namespace
+}  // namespace warpscope
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  try {
+    warpscope::add("shells", "shells");
+    if (const char* folder = std::getenv("WARPSCOPE_DATA")) {
+      const std::filesystem::path engine = std::filesystem::path(folder) / "engine_256x256x128_uint8.raw";
+      if (std::filesystem::exists(engine)) warpscope::add("engine", engine.string());
+    }
+    benchmark::RunSpecifiedBenchmarks();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "codec_bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,49 @@
+// Payloads made up by libFuzzer: whatever they hold, decoding answers with a sentence or with as many samples as were asked for.
+// The first bytes choose format, camera and count; the hash is put right, so that what lies behind it is reached.
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+#include <vector>
+
+#include "render/codec/bytes.h"
+#include "render/codec/codec.h"
+
+namespace {
+
+using namespace warpscope;
+
+/// A frame that a fuzzer can describe in a few bytes.
+SampleFrame headFrom(ByteReader& reader) {
+  SampleFrame head;
+  head.camera.eye = {3.0f, 2.0f, 40.0f};
+  head.camera.width = 1u + reader.take<uint8_t>();
+  head.camera.height = 1u + reader.take<uint8_t>();
+  head.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f};
+  const auto choices = reader.take<uint8_t>();
+  head.settings.radiusPolicy = static_cast<RadiusPolicy>(choices & 3);
+  if (choices & 4) head.camera.width *= 40;
+  if (choices & 8) head.settings.step = 0.01f;
+  if (choices & 16) head.quantization.bounds.upper.x = -8.0f;
+  return head;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  ByteReader reader(std::as_bytes(std::span(data, size)));
+  const auto format = static_cast<uint8_t>(reader.take<uint8_t>() & 1);
+  SampleFrame frame = headFrom(reader);
+  const size_t count = reader.take<uint16_t>();
+  std::vector<std::byte> payload;
+  appendLittle(payload, format);
+  appendLittle(payload, uint64_t{0});
+  const std::span<const std::byte> rest = reader.take(reader.left());
+  payload.insert(payload.end(), rest.begin(), rest.end());
+  sealPayload(payload);
+
+  static FrameCodec codec;  // its buffers are used again, as in a session
+  const DecodeError error = codec.decode(payload, count, frame, {size_t{1} << 16, size_t{1} << 20});
+  if (error ? error->empty() || !frame.samples.empty() || !frame.colors.empty() : frame.samples.size() != count || frame.colors.size() != count)
+    std::abort();
+  return 0;
+}

@@ -1,0 +1,65 @@
+// Writes payloads for codec_fuzz to begin with, into the folder that is its argument.
+// Frames of made-up samples in the fuzzer's own cameras, in every format.
+#include <cstdio>
+#include <fstream>
+#include <random>
+#include <string>
+
+#include "render/codec/bytes.h"
+#include "render/codec/codec.h"
+
+namespace warpscope {
+namespace {
+
+/// As codec_fuzz reads it: format, width and height less one, choices, count, payload without its head.
+void writeSeed(const std::string& path, const SampleFrame& frame, const CodecSettings& settings) {
+  const std::vector<std::byte> payload = FrameCodec().encode(frame, settings);
+  std::vector<std::byte> seed;
+  appendLittle(seed, static_cast<uint8_t>(settings.format));
+  appendLittle(seed, static_cast<uint8_t>(frame.camera.width - 1));
+  appendLittle(seed, static_cast<uint8_t>(frame.camera.height - 1));
+  appendLittle(seed, static_cast<uint8_t>(frame.settings.radiusPolicy));
+  appendLittle(seed, static_cast<uint16_t>(frame.size()));
+  seed.insert(seed.end(), payload.begin() + 9, payload.end());
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(seed.data()), static_cast<std::streamsize>(seed.size()));
+}
+
+/// One in `oneIn` pixels has a sample, some of them several, some samples lie anywhere.
+SampleFrame madeUp(uint32_t width, uint32_t height, uint32_t oneIn, bool isOnSteps, uint32_t seed) {
+  std::mt19937 random(seed);
+  SampleFrame frame;
+  frame.camera.eye = {3.0f, 2.0f, 40.0f};
+  frame.camera.width = width;
+  frame.camera.height = height;
+  frame.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f};
+  frame.settings.radiusPolicy = static_cast<RadiusPolicy>(seed & 3);
+  for (uint32_t pixel = 0; pixel < width * height; ++pixel) {
+    if (random() % oneIn != 0) continue;
+    const Ray ray = pixelRay(frame.camera, {static_cast<float>(pixel % width) + 0.5f, static_cast<float>(pixel / width) + 0.5f});
+    const float depth = 40.0f + (isOnSteps ? 0.25f : 1e-4f * static_cast<float>(random() % 10000));
+    frame.samples.push_back(random() % 50 == 0 ? random() : packSample(ray.at(depth), 0.8f, frame.quantization));
+    frame.colors.push_back(random());
+  }
+  return frame;
+}
+
+}  // namespace
+}  // namespace warpscope
+
+int main(int argc, char** argv) {
+  using namespace warpscope;
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: codec_fuzz_seeds FOLDER\n");
+    return 2;
+  }
+  uint32_t number = 0;
+  for (const auto& format : kPayloadFormats)
+    for (const auto& coding : kColorCodings)
+      for (const uint32_t side : {1u, 9u, 40u})
+        for (const uint32_t oneIn : {1u, 7u}) {
+          const SampleFrame frame = madeUp(side, side + 3, oneIn, number % 2 == 0, number);
+          writeSeed(std::string(argv[1]) + "/" + std::to_string(number++), frame, {format.value, coding.value, 80});
+        }
+  return 0;
+}
