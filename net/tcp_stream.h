@@ -28,6 +28,7 @@ class TcpStream final : public Stream {
   asio::any_io_executor executor() override { return socket_.get_executor(); }
   const std::string& peer() const override { return peer_; }
 
+  bool isClosed() const { return isClosed_; }
   /// For what is built on top of it.
   asio::ip::tcp::socket& socket() { return socket_; }
 
