@@ -24,10 +24,12 @@ constexpr size_t kMostDelays = 10'000'000;
 
 [[noreturn]] void refuse(const std::string& sentence) { throw LinkSettingsError(sentence); }
 
-/// The shortest text that reads back as the same number.
+/// The shortest text that reads back as the same number, without an exponent if people would write it without.
 std::string numberText(double value) {
   std::array<char, 32> text;
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+  const double size = std::abs(value);
+  const auto format = size == 0 || (size >= 1e-6 && size < 1e15) ? std::chars_format::fixed : std::chars_format::general;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value, format).ptr};
 }
 
 std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 80)) + "'"; }
@@ -69,11 +71,12 @@ double parseAmount(std::string_view text, std::string_view key, std::string_view
 }
 
 std::string amountText(double value) {
+  const std::string plain = numberText(value);
   for (const auto& [factor, prefix] : {std::pair(1e9, "G"), std::pair(1e6, "M"), std::pair(1e3, "k")}) {
     const std::string text = numberText(value / factor);
-    if (value >= factor && parseNumber(text).value_or(0) * factor == value) return text + prefix;
+    if (value >= factor && parseNumber(text).value_or(0) * factor == value && text.size() + 1 < plain.size()) return text + prefix;
   }
-  return numberText(value);
+  return plain;
 }
 
 // --- Keys. Each is read by one function and written by another, empty where it says nothing.

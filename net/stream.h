@@ -22,8 +22,9 @@ class Stream {
   virtual Awaitable<void> write(std::span<const asio::const_buffer> buffers) = 0;
   Awaitable<void> write(asio::const_buffer buffer);
 
-  /// The last words: the peer reads everything written and then a clean end. Waits for the peer's own end, and closes. What the peer
-  /// still sends may be dropped. Never throws; at `deadline` it closes and returns. No write may be under way.
+  /// The last words: the peer reads everything written and then a clean end. Waits for the peer's own end, and closes. A read under way
+  /// goes on, later ones fail as after close(); what the peer still sends is dropped. No write may be under way. Never throws: at
+  /// `deadline` it closes and returns.
   virtual Awaitable<void> finish(TimePoint deadline) = 0;
 
   /// Ends operations under way with operation_aborted; later ones fail the same way. What was written before may still arrive, but only

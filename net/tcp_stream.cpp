@@ -112,7 +112,7 @@ tcp::endpoint listenOn(tcp::acceptor& acceptor, const tcp::endpoint& endpoint) {
 
 }  // namespace
 
-TcpStream::TcpStream(tcp::socket socket) : socket_(std::move(socket)) {
+TcpStream::TcpStream(tcp::socket socket) : socket_(std::move(socket)), readDone_(socket_.get_executor(), TimePoint::max()) {
   setUp(socket_);
   error_code error;
   const tcp::endpoint remote = socket_.remote_endpoint(error);
@@ -122,7 +122,14 @@ TcpStream::TcpStream(tcp::socket socket) : socket_(std::move(socket)) {
 Awaitable<size_t> TcpStream::readSome(asio::mutable_buffer buffer) {
   error_code error = asio::error::operation_aborted;
   size_t count = 0;
-  if (!isClosed_) count = co_await socket_.async_read_some(buffer, into(error));
+  if (!isClosed_ && !isFinishing_) {
+    if (hasEnded_) co_return 0;
+    isReading_ = true;
+    count = co_await socket_.async_read_some(buffer, into(error));
+    isReading_ = false;
+    hasEnded_ = error == asio::error::eof;
+    readDone_.cancel();
+  }
   if (isClosed_) error = asio::error::operation_aborted;
   if (error == asio::error::eof) co_return 0;
   if (error) throw system_error(error, "reading from " + peer_);
@@ -137,20 +144,33 @@ Awaitable<void> TcpStream::write(std::span<const asio::const_buffer> buffers) {
 }
 
 Awaitable<void> TcpStream::finish(TimePoint deadline) {
-  if (isClosed_) co_return;
+  if (isClosed_ || std::exchange(isFinishing_, true)) co_return;
   error_code error;
   socket_.shutdown(tcp::socket::shutdown_send, error);
   // A socket that is closed with bytes unread resets the connection, and the peer would lose what is still on its way to it.
   const Watchdog watchdog(executor(), deadline, [this] { close(); });
-  std::array<char, 4096> dropped;
-  while (!error) co_await socket_.async_read_some(asio::buffer(dropped), into(error));
+  while (isReading_ && !isClosed_) co_await readDone_.async_wait(into(error));
+  if (!hasEnded_ && !isClosed_) co_await dropUntilEnd();
   close();
+}
+
+/// Looks at the socket before it waits: its end may have been reported already, to whom this stream does not know (TLS reads past it).
+Awaitable<void> TcpStream::dropUntilEnd() {
+  std::array<char, 4096> dropped;
+  error_code error;
+  socket_.non_blocking(true, error);
+  while (!isClosed_) {
+    socket_.read_some(asio::buffer(dropped), error);
+    if (error == asio::error::would_block) co_await socket_.async_wait(tcp::socket::wait_read, into(error));
+    if (error) co_return;
+  }
 }
 
 void TcpStream::close() noexcept {
   if (std::exchange(isClosed_, true)) return;
   error_code ignored;
   socket_.close(ignored);
+  readDone_.cancel(ignored);
 }
 
 void TcpStream::abort() noexcept {

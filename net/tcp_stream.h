@@ -33,8 +33,14 @@ class TcpStream final : public Stream {
   asio::ip::tcp::socket& socket() { return socket_; }
 
  private:
+  Awaitable<void> dropUntilEnd();
+
   asio::ip::tcp::socket socket_;
   std::string peer_;
+  asio::steady_timer readDone_;  // waited for by finish(), woken by the reader
+  bool isReading_ = false;
+  bool hasEnded_ = false;  // Asio reports an end once: a second read would wait for ever
+  bool isFinishing_ = false;
   bool isClosed_ = false;
 };
 

@@ -85,7 +85,11 @@ TlsStream::TlsStream(std::unique_ptr<TcpStream> tcp, Context context)
 Awaitable<size_t> TlsStream::readSome(asio::mutable_buffer buffer) {
   error_code error = asio::error::operation_aborted;
   size_t count = 0;
-  if (!tcp_->isClosed()) count = co_await ssl_.async_read_some(buffer, into(error));
+  if (!tcp_->isClosed() && !isFinishing_) {
+    if (hasEnded_) co_return 0;
+    count = co_await ssl_.async_read_some(buffer, into(error));
+    hasEnded_ = error == asio::error::eof;
+  }
   if (tcp_->isClosed()) error = asio::error::operation_aborted;
   if (error == asio::error::eof) co_return 0;
   if (error) throw system_error(error, "reading from " + peer());
@@ -100,7 +104,7 @@ Awaitable<void> TlsStream::write(std::span<const asio::const_buffer> buffers) {
 }
 
 Awaitable<void> TlsStream::finish(TimePoint deadline) {
-  if (tcp_->isClosed()) co_return;
+  if (tcp_->isClosed() || std::exchange(isFinishing_, true)) co_return;
   {
     // The farewell waits for the peer's, which may never come.
     const Watchdog watchdog(executor(), deadline, [this] { close(); });

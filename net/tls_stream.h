@@ -42,6 +42,8 @@ class TlsStream final : public Stream {
   const Context context_;
   const std::unique_ptr<TcpStream> tcp_;
   asio::ssl::stream<asio::ip::tcp::socket&> ssl_;
+  bool hasEnded_ = false;
+  bool isFinishing_ = false;
 };
 
 /// What every connection of a server shares. Throws system_error.
