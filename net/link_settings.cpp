@@ -128,7 +128,8 @@ void readOutage(LinkSettings& settings, std::string_view value) {
     settings.outagesAreRandom = false;
     return;
   }
-  if (slash == std::string_view::npos) refuse("outage must be LENGTH/INTERVAL in milliseconds, as 500/10000, or 500/~10000 for a mean interval, not " + quoted(value));
+  if (slash == std::string_view::npos)
+    refuse("outage must be LENGTH/INTERVAL in milliseconds, as 500/10000, or 500/~10000 for a mean interval, not " + quoted(value));
   std::string_view interval = value.substr(slash + 1);
   settings.outagesAreRandom = interval.starts_with('~');
   if (settings.outagesAreRandom) interval.remove_prefix(1);

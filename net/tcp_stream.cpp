@@ -85,10 +85,10 @@ Awaitable<Endpoints> resolve(asio::any_io_executor executor, const std::string& 
   co_return std::move(lookup->endpoints);
 }
 
-bool isShortage(const error_code& error) {
+/// Errors that are over with the connection that they concern. What else goes wrong would go wrong again at once.
+bool isOfConnection(const error_code& error) {
   using namespace boost::system::errc;
-  return error == too_many_files_open || error == too_many_files_open_in_system || error == no_buffer_space ||
-         error == not_enough_memory;
+  return error == connection_aborted || error == protocol_error;
 }
 
 /// Errors after which there is nothing more to accept.
@@ -241,7 +241,7 @@ Awaitable<std::unique_ptr<TcpStream>> TcpListener::accept(std::optional<TimePoin
       co_return std::make_unique<TcpStream>(std::move(socket));
     }
     if (isEndOfListening(error)) throw system_error(error, "waiting for a connection on " + address());
-    if (isShortage(error)) co_await waitForDescriptors(error);
+    if (!isOfConnection(error)) co_await waitForDescriptors(error);
     if (watchdog && watchdog->hasExpired()) throw DeadlineExceeded("waiting for a connection on " + address());
   }
 }

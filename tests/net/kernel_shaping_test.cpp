@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -58,7 +59,7 @@ sockaddr_in addressOf(const char* text) {
   requireShell(report, "ip address add 10.177.0.2/24 dev wsb && ip link set wsb up");
   const int descriptor = socket(AF_INET, SOCK_DGRAM, 0);
   const sockaddr_in address = addressOf("10.177.0.2");
-  const timeval limit{5, 0};
+  const timeval limit{2, 0};
   setsockopt(descriptor, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
   if (bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) stop(report, "failed: bind");
   if (write(ready, &byte, 1) != 1) std::_Exit(1);
@@ -66,7 +67,7 @@ sockaddr_in addressOf(const char* text) {
   Clock::time_point first;
   std::array<char, 2000> buffer;
   for (int i = 0; i < kDatagrams; ++i) {
-    if (recv(descriptor, buffer.data(), buffer.size(), 0) < 0) stop(report, "failed: datagrams were lost");
+    if (recv(descriptor, buffer.data(), buffer.size(), 0) < 0) stop(report, "lost: datagram " + std::to_string(i) + " did not come");
     if (i == 0) first = Clock::now();
     arrivals += std::to_string(std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - first).count()) + "\n";
   }
@@ -133,13 +134,26 @@ std::string arrivalsThroughKernel() {
   return WIFEXITED(status) && WEXITSTATUS(status) == 77 ? "skip: veth or tbf cannot be made here" : text;
 }
 
+/// The rate in Mbit/s: the median of many stretches, since a busy machine is late now and then. The first ones belong to the burst.
+double rateOf(const std::vector<double>& arrivalsMs) {
+  constexpr size_t kBegin = 50, kStretch = 400;
+  std::vector<double> rates;
+  for (size_t i = kBegin; i + kStretch < arrivalsMs.size(); ++i) {
+    const double bits = kStretch * (kPayloadBytes + kHeaderBytes) * 8;
+    rates.push_back(bits / (arrivalsMs[i + kStretch] - arrivalsMs[i]) / 1000);
+  }
+  std::nth_element(rates.begin(), rates.begin() + static_cast<ptrdiff_t>(rates.size() / 2), rates.end());
+  return rates[rates.size() / 2];
+}
+
 TEST(KernelShaping, TheModelPassesAsMuchAsTheKernel) {
-  const std::string report = arrivalsThroughKernel();
+  std::string report;
+  for (int i = 0; i < 3 && (report.empty() || report.starts_with("lost: ")); ++i) report = arrivalsThroughKernel();
   if (report.starts_with("skip: ")) GTEST_SKIP() << report.substr(6);
-  ASSERT_FALSE(report.empty() || report.starts_with("failed")) << report;
   std::vector<double> kernelMs;
-  for (size_t at = 0; at < report.size(); at = report.find('\n', at) + 1) kernelMs.push_back(std::stod(report.substr(at)) / 1000);
-  ASSERT_EQ(kernelMs.size(), static_cast<size_t>(kDatagrams));
+  for (size_t at = 0; at < report.size() && std::isdigit(report[at]); at = report.find('\n', at) + 1)
+    kernelMs.push_back(std::stod(report.substr(at)) / 1000);
+  ASSERT_EQ(kernelMs.size(), static_cast<size_t>(kDatagrams)) << report;
 
   LinkSettings settings;
   settings.rateBitPerS = kRateBitPerS;
@@ -147,22 +161,21 @@ TEST(KernelShaping, TheModelPassesAsMuchAsTheKernel) {
   const LinkModel::TimePoint start{std::chrono::seconds(1)};
   LinkModel model(settings, start);
   std::vector<double> modelMs;
-  for (int i = 0; i < kDatagrams; ++i)
-    modelMs.push_back(std::chrono::duration<double, std::milli>(model.arrivalOf(kPayloadBytes + kHeaderBytes, start) - start).count());
-
-  // The rate, from when the burst is over.
-  const int begin = 50;
-  const double bits = static_cast<double>((kDatagrams - 1 - begin) * (kPayloadBytes + kHeaderBytes) * 8);
-  const double kernelMbit = bits / (kernelMs.back() - kernelMs[begin]) / 1000, modelMbit = bits / (modelMs.back() - modelMs[begin]) / 1000;
+  for (int i = 0; i < kDatagrams; ++i) {
+    const auto arrival = model.arrivalOf(kPayloadBytes + kHeaderBytes, start);
+    modelMs.push_back(std::chrono::duration<double, std::milli>(arrival - start).count());
+  }
+  const double kernelMbit = rateOf(kernelMs), modelMbit = rateOf(modelMs);
   RecordProperty("kernelMbit", std::to_string(kernelMbit));
   RecordProperty("modelMbit", std::to_string(modelMbit));
   EXPECT_NEAR(modelMbit, kernelMbit, kernelMbit * 0.02);
-  // The burst: what both have let through before they begin to wait.
-  const auto atOnce = [](const std::vector<double>& arrivalsMs) {
-    return std::count_if(arrivalsMs.begin(), arrivalsMs.end(), [](double ms) { return ms < 0.3; });
+
+  // What both let through before they begin to wait; told, not judged: the kernel's sender may be interrupted in between.
+  const auto burst = [](const std::vector<double>& arrivalsMs) {
+    return static_cast<int>(std::count_if(arrivalsMs.begin(), arrivalsMs.end(), [](double ms) { return ms < 0.3; }));
   };
-  RecordProperty("kernelBurst", static_cast<int>(atOnce(kernelMs)));
-  RecordProperty("modelBurst", static_cast<int>(atOnce(modelMs)));
+  RecordProperty("kernelBurst", burst(kernelMs));
+  RecordProperty("modelBurst", burst(modelMs));
 }
 
 }  // namespace

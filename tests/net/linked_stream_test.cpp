@@ -105,46 +105,42 @@ TEST_F(LinkedStreamTest, RoundTrip) {
   std::sort(trips.begin(), trips.end());
   RecordProperty("medianRoundTripMs", std::to_string(trips[4]));
   EXPECT_GE(trips.front(), 30);
-  EXPECT_LE(trips[4], 30 + 10) << "the median";
+  EXPECT_LE(trips[2], 30 * 1.2) << "busy machines are late, but not always";
 }
 
-TEST_F(LinkedStreamTest, RateUp) {
-  connect("rate=40M,delay=5");
-  constexpr size_t kSize = 1'000'000;  // 200 ms
-  const std::string sent = pattern(kSize);
-  double tookMs = 0;
-  std::string got;
-  const TimePoint begin = now();
-  spawn([&]() -> Awaitable<> { co_await writeText(*client_, sent); });
-  spawn([&]() -> Awaitable<> {
-    got = co_await readText(*server_, kSize);
-    tookMs = msSince(begin);
-  });
-  run();
-  EXPECT_TRUE(got == sent);
-  RecordProperty("tookMs", std::to_string(tookMs));
-  EXPECT_GE(tookMs, 205 * 0.98);
-  EXPECT_LE(tookMs, 205 * 1.25);
-}
+/// 1 MB at 40 Mbit/s, 5 ms away: 205 ms. The machine may be late, so the best of a few counts; none may be early.
+class LinkedStreamRateTest : public LinkedStreamTest {
+ protected:
+  static constexpr double kIdealMs = 205;
 
-TEST_F(LinkedStreamTest, RateDown) {
-  connect("rate=40M,delay=5");
-  constexpr size_t kSize = 1'000'000;
-  const std::string sent = pattern(kSize);
-  double tookMs = 0;
-  std::string got;
-  const TimePoint begin = now();
-  spawn([&]() -> Awaitable<> { co_await writeText(*server_, sent); });
-  spawn([&]() -> Awaitable<> {
-    got = co_await readText(*client_, kSize);
-    tookMs = msSince(begin);
-  });
-  run();
-  EXPECT_TRUE(got == sent);
-  RecordProperty("tookMs", std::to_string(tookMs));
-  EXPECT_GE(tookMs, 205 * 0.98);
-  EXPECT_LE(tookMs, 205 * 1.25);
-}
+  double transferMs(bool isUp) {
+    connect("rate=40M,delay=5");
+    Stream& from = isUp ? static_cast<Stream&>(*client_) : *server_;
+    Stream& to = isUp ? static_cast<Stream&>(*server_) : *client_;
+    const std::string sent = pattern(1'000'000);
+    std::string got;
+    double tookMs = 0;
+    const TimePoint begin = now();
+    spawn([&]() -> Awaitable<> { co_await writeText(from, sent); });
+    spawn([&]() -> Awaitable<> {
+      got = co_await readText(to, sent.size());
+      tookMs = msSince(begin);
+    });
+    run();
+    EXPECT_TRUE(got == sent);
+    EXPECT_GE(tookMs, kIdealMs * 0.98);
+    return tookMs;
+  }
+  void expectIdeal(bool isUp) {
+    double bestMs = transferMs(isUp);
+    for (int i = 0; i < 4 && bestMs > kIdealMs * 1.1; ++i) bestMs = std::min(bestMs, transferMs(isUp));
+    RecordProperty("tookMs", std::to_string(bestMs));
+    EXPECT_LE(bestMs, kIdealMs * 1.1);
+  }
+};
+
+TEST_F(LinkedStreamRateTest, Up) { expectIdeal(true); }
+TEST_F(LinkedStreamRateTest, Down) { expectIdeal(false); }
 
 TEST_F(LinkedStreamTest, EverythingAtOnceKeepsOrderAndBytes) {
   connect("delay=3,jitter=3,rate=200M,loss=1%,outage=5/30");
