@@ -96,16 +96,16 @@ TEST_F(LinkedStreamTest, WithoutSettingsItIsNotThere) {
 TEST_F(LinkedStreamTest, RoundTrip) {
   connect("up.delay=10,down.delay=20");
   spawn([&]() -> Awaitable<> { co_await echo(); });
-  std::vector<double> trips;
+  // Each takes two timers, which a busy machine may be late with: the best of some counts, none may be early.
+  double leastMs = 1e9;
   spawn([&]() -> Awaitable<> {
-    for (int i = 0; i < 9; ++i) trips.push_back(co_await roundTripMs());
+    for (int i = 0; i < 5 || (i < 50 && leastMs > 30 * 1.1); ++i) leastMs = std::min(leastMs, co_await roundTripMs());
     co_await client_->finish(never());
   });
   run();
-  std::sort(trips.begin(), trips.end());
-  RecordProperty("medianRoundTripMs", std::to_string(trips[4]));
-  EXPECT_GE(trips.front(), 30);
-  EXPECT_LE(trips[2], 30 * 1.2) << "busy machines are late, but not always";
+  RecordProperty("leastRoundTripMs", std::to_string(leastMs));
+  EXPECT_GE(leastMs, 30);
+  EXPECT_LE(leastMs, 30 * 1.1);
 }
 
 /// 1 MB at 40 Mbit/s, 5 ms away: 205 ms. The machine may be late, so the best of a few counts; none may be early.
