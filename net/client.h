@@ -1,0 +1,89 @@
+// The client's end of the network: connects, asks for the newest frame that is wanted, takes what comes, connects again when it breaks.
+// Newest wins: while as many requests as agreed are under way, a newer request replaces the one that waits, so that no queue can build up.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "net/address.h"
+#include "net/io_thread.h"
+#include "net/link_settings.h"
+#include "net/messages.h"
+
+namespace warpscope::net {
+
+struct ClientSettings {
+  Address address;
+  DuplexLinkSettings link{};  ///< simulated on top of the real one
+  uint16_t depth = 1;       ///< requests under way at a time, 1..kMaxDepth
+  uint64_t maxFrameBytes = kMaxFrameBytes;
+  std::chrono::milliseconds connectPatience{10000};  ///< for connecting, TLS, and the handshake with what the link adds to it
+  std::chrono::milliseconds firstPause{250};         ///< before connecting again; doubled each time, by chance up to a half less
+  std::chrono::milliseconds longestPause{8000};
+  bool connectsAgain = true;
+};
+
+enum class ConnectionPhase {
+  connecting,
+  connected,
+  waiting,   ///< to connect again
+  refused,   ///< for good: the server is another one, speaks otherwise or does not take the token
+};
+
+struct ConnectionState {
+  ConnectionPhase phase = ConnectionPhase::connecting;
+  std::string sentence;           ///< what went wrong last; empty when connected
+  TimePoint since;                ///< of the phase
+  std::optional<TimePoint> next;  ///< when it is tried again
+  int attempts = 0;               ///< since it was connected last
+};
+
+/// When a frame came.
+struct FrameArrival {
+  TimePoint requestedAt;  ///< when request() was called for it
+  TimePoint sentAt;       ///< when its request was sent
+  TimePoint beganAt;      ///< its head was there
+  TimePoint arrivedAt;    ///< all of it was there
+};
+
+/// Whom a client tells. Called on the I/O thread, which waits meanwhile: take what comes and return.
+class ClientEvents {
+ public:
+  virtual ~ClientEvents() = default;
+  virtual void onState(const ConnectionState& state) = 0;
+  /// After each connecting.
+  virtual void onScene(const SceneFields& scene) = 0;
+  virtual void onFrame(Frame frame, const FrameArrival& arrival) = 0;
+  virtual void onFailure(const Failure& failure) = 0;
+  /// A round trip of a heartbeat.
+  virtual void onRoundTrip(Duration) {}
+};
+
+class Client {
+ public:
+  /// Begins to connect. `events` must outlive the client. Throws LinkSettingsError.
+  Client(std::shared_ptr<IoThread> io, ClientSettings settings, ClientEvents& events);
+  /// As close().
+  ~Client();
+
+  // Safe on any thread but the I/O thread's.
+
+  /// Asks for a frame. Ids grow; `sentAtNs` is filled in here. What is not answered when the connection breaks is asked again.
+  void request(const FrameRequest& request);
+  /// For what is sent from now on. Throws LinkSettingsError.
+  void setLink(const DuplexLinkSettings& link);
+  void setDepth(uint16_t depth);
+  /// Connects at once instead of waiting; nothing in any other phase.
+  void connectNow();
+  /// Ends the connection; nothing is told any more once it returns. Calling it again does nothing.
+  void close();
+
+ private:
+  struct State;
+  const std::shared_ptr<IoThread> io_;
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace warpscope::net

@@ -1,0 +1,225 @@
+// The protocol: every message, what is in it, and how large it may be. README.md beside this is the same in prose.
+// Little-endian fields, written and read one by one (wire.h). What the numbers of cameras and settings mean is the program's business: here
+// they are carried, not understood.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "net/token.h"
+
+namespace warpscope::net {
+
+/// The first bytes of both sides.
+inline constexpr std::array<uint8_t, 8> kMagic{'w', 'a', 'r', 'p', 's', 'c', 'o', 'p'};
+/// Sides of different versions do not talk to each other.
+inline constexpr uint16_t kProtocolVersion = 1;
+
+/// What a side can do beyond the least; what both can is used.
+enum Capability : uint32_t {
+  kCanPack = 1u << 0,      ///< frames in the format `packed`
+  kCanJpeg = 1u << 1,      ///< colours as JPEG
+  kCanPicture = 1u << 2,   ///< pictures at full precision, besides samples
+};
+inline constexpr uint32_t kCapabilities = kCanPack | kCanJpeg | kCanPicture;
+
+// --- Limits. A length beyond them ends the connection before anything is allocated.
+
+inline constexpr size_t kClientHelloBytes = 8 + 2 + 4 + 8 + 2 + 1 + Token::kBytes;
+inline constexpr size_t kServerHelloBytes = 8 + 2 + 1 + 4 + 8 + 2 + 4 + 4;
+inline constexpr size_t kMessageHeadBytes = 8;
+inline constexpr size_t kMaxSceneBytes = 64 << 10;
+inline constexpr size_t kMaxFailureBytes = 4 << 10;
+inline constexpr uint64_t kMaxFrameBytes = uint64_t{1} << 30;  ///< what a client may agree to at most
+inline constexpr uint16_t kMaxDepth = 16;                      ///< requests that may be under way at a time
+inline constexpr size_t kMaxViews = 256;
+
+// --- The handshake: one message each, of fixed size.
+
+/// Client to server, first.
+struct ClientHello {
+  uint16_t version = kProtocolVersion;
+  uint32_t capabilities = kCapabilities;
+  uint64_t maxFrameBytes = kMaxFrameBytes;  ///< it takes no larger message
+  uint16_t depth = 1;                       ///< how many requests it wants to have under way, 1..kMaxDepth
+  std::optional<Token> token;
+};
+
+enum class Verdict : uint8_t {
+  welcome,
+  otherVersion,  ///< `version` says which one the server speaks
+  wrongToken,
+  full,          ///< no room for another client
+};
+
+/// Server to client. Unless it is a welcome, the server closes.
+struct ServerHello {
+  uint16_t version = kProtocolVersion;
+  Verdict verdict = Verdict::welcome;
+  uint32_t capabilities = kCapabilities;  ///< of those that the client has
+  uint64_t sessionId = 0;
+  uint16_t depth = 1;          ///< requests that may be under way, at most what the client asked for
+  uint32_t heartbeatMs = 0;    ///< each side says something at least this often
+  uint32_t patienceMs = 0;     ///< who has said nothing for this long is gone
+};
+
+// --- Messages: a head of 8 bytes (type, three zeros, length of the body), then the body.
+
+enum class MessageType : uint8_t {
+  scene = 1,    ///< server to client, once, first
+  request = 2,  ///< client to server
+  frame = 3,    ///< server to client, the answer to a request
+  failure = 4,  ///< server to client, the other answer
+  ping = 5,     ///< both ways, when there is nothing else to say
+  pong = 6,     ///< the answer
+};
+
+struct MessageHead {
+  MessageType type = MessageType::ping;
+  uint32_t bodyBytes = 0;
+};
+
+/// As Camera (render/core/camera.h), in volume space.
+struct CameraFields {
+  std::array<float, 3> eye{}, right{}, up{}, forward{};
+  float tanHalfFovY = 0.0f;
+  uint32_t width = 0, height = 0;
+
+  bool operator==(const CameraFields&) const = default;
+};
+
+/// As MarchSettings (render/march/march_settings.h). Enumerations by their place.
+struct MarchFields {
+  uint8_t heuristic = 0, radiusPolicy = 0;
+  float radiusScale = 1.0f, step = 0.5f, contribution = 0.0f, threshold = 0.0f;
+  bool skipEmpty = true, terminateEarly = true;
+
+  bool operator==(const MarchFields&) const = default;
+};
+
+/// As CodecSettings (render/codec/codec.h).
+struct CodecFields {
+  uint8_t format = 0, color = 0, quality = 0;
+
+  bool operator==(const CodecFields&) const = default;
+};
+
+/// Where a scene's camera may stand.
+struct ViewFields {
+  double angleDeg = 0.0, elevationDeg = 0.0, distance = 1.0, panRight = 0.0, panUp = 0.0;
+
+  bool operator==(const ViewFields&) const = default;
+};
+
+/// What a client has to know of the scene to make cameras for it: everything but the voxels.
+struct SceneFields {
+  std::string name, title;              ///< at most kMaxName bytes each
+  std::array<uint32_t, 3> dims{};       ///< voxels
+  std::array<double, 3> spacing{}, origin{};
+  std::array<double, 9> direction{};    ///< columns: the grid's axes in the world
+  bool hasOrientation = false;
+  std::array<double, 3> up{}, front{};  ///< world directions
+  double fovYDeg = 0.0;
+  std::array<float, 3> background{};    ///< linear RGB
+  std::vector<ViewFields> views;        ///< 1..kMaxViews
+  MarchFields march;
+
+  static constexpr size_t kMaxName = 1024;
+  bool operator==(const SceneFields&) const = default;
+};
+
+enum class Wanted : uint8_t {
+  samples,  ///< of the server's march
+  picture,  ///< colours of the same rays, linear premultiplied RGBA, 4 floats a pixel
+};
+
+struct FrameRequest {
+  uint64_t id = 0;  ///< from 1 on, each greater than the one before
+  Wanted wanted = Wanted::samples;
+  CameraFields camera;
+  MarchFields march;
+  CodecFields codec;
+  uint64_t sentAtNs = 0;  ///< the client's clock; comes back as it is
+
+  bool operator==(const FrameRequest&) const = default;
+};
+
+/// Milliseconds on the server, one stage after the other.
+struct StageTimes {
+  double queueMs = 0.0;  ///< from the request's arrival until its turn
+  double marchMs = 0.0, compactMs = 0.0, copyMs = 0.0, encodeMs = 0.0;
+  double sendMs = 0.0;   ///< from then until its first byte was handed to the network
+
+  bool operator==(const StageTimes&) const = default;
+};
+
+/// What describes a frame's payload.
+struct FrameHead {
+  uint64_t id = 0;  ///< the request's
+  Wanted wanted = Wanted::samples;
+  CameraFields camera;
+  MarchFields march;
+  CodecFields codec;
+  std::array<float, 6> bounds{};  ///< of positions: lower, upper
+  float radiusUnit = 1.0f, voxelRadius = 1.0f;
+  uint64_t sampleCount = 0;
+  StageTimes stages;
+  uint64_t requestSentAtNs = 0;
+
+  bool operator==(const FrameHead&) const = default;
+};
+
+struct Frame {
+  FrameHead head;
+  std::vector<std::byte> payload;
+};
+
+struct Failure {
+  uint64_t id = 0;       ///< the request's
+  std::string sentence;
+
+  bool operator==(const Failure&) const = default;
+};
+
+inline constexpr size_t kCameraBytes = 13 * 4 + 2 * 4;
+inline constexpr size_t kMarchBytes = 2 + 4 * 4 + 2;
+inline constexpr size_t kRequestBytes = 8 + 1 + kCameraBytes + kMarchBytes + 3 + 8;
+inline constexpr size_t kFrameHeadBytes = 8 + 1 + kCameraBytes + kMarchBytes + 3 + 8 * 4 + 8 + 6 * 8 + 8;
+inline constexpr size_t kBeatBytes = 8;
+
+// --- Bytes of each. Writing appends; reading gives nothing for bytes that are not exactly one such message.
+
+using Bytes = std::vector<std::byte>;
+using ByteView = std::span<const std::byte>;
+
+Bytes toBytes(const ClientHello& hello);
+Bytes toBytes(const ServerHello& hello);
+void append(Bytes& out, const MessageHead& head);
+/// With their heads:
+Bytes sceneMessage(const SceneFields& scene);
+Bytes requestMessage(const FrameRequest& request);
+/// Without the payload, which follows.
+Bytes frameMessage(const FrameHead& head, size_t payloadBytes);
+Bytes failureMessage(const Failure& failure);
+Bytes beatMessage(MessageType pingOrPong, uint64_t number);
+
+/// Whether the other side's first bytes are this protocol's.
+bool hasMagic(ByteView bytes);
+/// The version may be another one: then the rest is as it may be.
+std::optional<ClientHello> readClientHello(ByteView bytes);
+std::optional<ServerHello> readServerHello(ByteView bytes);
+/// Nothing for a type that there is not.
+std::optional<MessageHead> readMessageHead(ByteView bytes);
+std::optional<SceneFields> readScene(ByteView body);
+std::optional<FrameRequest> readRequest(ByteView body);
+/// Of a body's first kFrameHeadBytes.
+std::optional<FrameHead> readFrameHead(ByteView bytes);
+std::optional<Failure> readFailure(ByteView body);
+std::optional<uint64_t> readBeat(ByteView body);
+
+}  // namespace warpscope::net

@@ -1,0 +1,74 @@
+// A list in the order of turns.
+// See request_queue.h.
+#include "net/request_queue.h"
+
+#include <algorithm>
+
+namespace warpscope::net {
+
+void RequestQueue::join(ClientId client, uint16_t depth) {
+  const std::scoped_lock lock(mutex_);
+  clients_.push_back({client, std::max<uint16_t>(depth, 1), 0, 0, {}});
+}
+
+void RequestQueue::leave(ClientId client) {
+  const std::scoped_lock lock(mutex_);
+  if (const auto found = find(client); found != clients_.end()) clients_.erase(found);
+}
+
+bool RequestQueue::put(ClientId client, const FrameRequest& request, TimePoint arrivedAt) {
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = find(client);
+    if (found == clients_.end() || request.id <= found->lastId) return false;
+    found->lastId = request.id;
+    if (found->waiting.size() >= found->depth) found->waiting.pop_back();
+    found->waiting.push_back({client, request, arrivedAt});
+  }
+  changed_.notify_one();
+  return true;
+}
+
+std::optional<RequestJob> RequestQueue::take(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  Clients::iterator turn;
+  changed_.wait(lock, stop, [&] { return (turn = next()) != clients_.end(); });
+  if (stop.stop_requested()) return std::nullopt;
+  RequestJob job = std::move(turn->waiting.front());
+  turn->waiting.pop_front();
+  ++turn->atWork;
+  clients_.splice(clients_.end(), clients_, turn);
+  return job;
+}
+
+void RequestQueue::done(ClientId client) {
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = find(client);
+    if (found == clients_.end() || found->atWork == 0) return;
+    --found->atWork;
+  }
+  changed_.notify_one();
+}
+
+size_t RequestQueue::clientCount() const {
+  const std::scoped_lock lock(mutex_);
+  return clients_.size();
+}
+
+size_t RequestQueue::waitingCount(ClientId client) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = std::find_if(clients_.begin(), clients_.end(), [&](const Client& one) { return one.id == client; });
+  return found == clients_.end() ? 0 : found->waiting.size();
+}
+
+RequestQueue::Clients::iterator RequestQueue::find(ClientId client) {
+  return std::find_if(clients_.begin(), clients_.end(), [&](const Client& one) { return one.id == client; });
+}
+
+RequestQueue::Clients::iterator RequestQueue::next() {
+  return std::find_if(clients_.begin(), clients_.end(),
+                      [](const Client& one) { return !one.waiting.empty() && one.atWork < one.depth; });
+}
+
+}  // namespace warpscope::net

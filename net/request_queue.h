@@ -1,0 +1,66 @@
+// Who is served next: requests of many clients on one rendering thread, the newest of each, one client after the other.
+// Round robin (each client at most once a turn); nothing here grows with how often a client asks.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+
+#include "net/asio.h"
+#include "net/messages.h"
+
+namespace warpscope::net {
+
+/// Of one connection; never used again for another.
+using ClientId = uint64_t;
+
+struct RequestJob {
+  ClientId client = 0;
+  FrameRequest request;
+  TimePoint arrivedAt;
+};
+
+/// Safe on any thread.
+class RequestQueue {
+ public:
+  /// `depth`: how many of the client's requests may be in work or on their way back at a time, and how many may wait besides.
+  void join(ClientId client, uint16_t depth);
+  /// Forgets the client's requests; done() for those in work does nothing then.
+  void leave(ClientId client);
+
+  /// False if the id is not greater than the last one's, or there is no such client. Beyond `depth` waiting ones, the newest waiting one is
+  /// replaced: it gets no answer.
+  bool put(ClientId client, const FrameRequest& request, TimePoint arrivedAt);
+
+  /// Waits for the next request; nothing if `stop` is set first.
+  std::optional<RequestJob> take(const std::stop_token& stop);
+  /// The answer to one that was taken has left, or never will.
+  void done(ClientId client);
+
+  size_t clientCount() const;
+  /// Of the client, waiting.
+  size_t waitingCount(ClientId client) const;
+
+ private:
+  struct Client {
+    ClientId id;
+    uint16_t depth;
+    uint64_t lastId = 0;
+    uint32_t atWork = 0;
+    std::deque<RequestJob> waiting;
+  };
+  using Clients = std::list<Client>;
+
+  Clients::iterator find(ClientId client);
+  Clients::iterator next();
+
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  Clients clients_;  // whoever was served goes to the end
+};
+
+}  // namespace warpscope::net
