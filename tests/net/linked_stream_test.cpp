@@ -105,7 +105,7 @@ TEST_F(LinkedStreamTest, RoundTrip) {
   run();
   RecordProperty("leastRoundTripMs", std::to_string(leastMs));
   EXPECT_GE(leastMs, 30);
-  EXPECT_LE(leastMs, 30 * 1.1);
+  EXPECT_LE(leastMs, 30 * 1.25);
 }
 
 /// 1 MB at 40 Mbit/s, 5 ms away: 205 ms. The machine may be late, so the best of a few counts; none may be early.
@@ -133,9 +133,9 @@ class LinkedStreamRateTest : public LinkedStreamTest {
   }
   void expectIdeal(bool isUp) {
     double bestMs = transferMs(isUp);
-    for (int i = 0; i < 4 && bestMs > kIdealMs * 1.1; ++i) bestMs = std::min(bestMs, transferMs(isUp));
+    for (int i = 0; i < 7 && bestMs > kIdealMs * 1.1; ++i) bestMs = std::min(bestMs, transferMs(isUp));
     RecordProperty("tookMs", std::to_string(bestMs));
-    EXPECT_LE(bestMs, kIdealMs * 1.1);
+    EXPECT_LE(bestMs, kIdealMs * 1.25);
   }
 };
 
