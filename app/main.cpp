@@ -76,6 +76,7 @@ int run(int argc, char** argv) {
   program.set_version_flag("--version", WARPSCOPE_VERSION);
   std::function<void()> chosen;
   warpscope::addViewCommand(program, chosen);
+  warpscope::addServeCommand(program, chosen);
   warpscope::addShotCommand(program, chosen);
   warpscope::addCompareCommand(program, chosen);
   warpscope::addBenchCommand(program, chosen);

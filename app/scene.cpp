@@ -276,7 +276,7 @@ Camera makeCamera(const Scene& scene, const View& view, uint32_t width, uint32_t
   const glm::dvec3 cameraUp = glm::cross(backward, right);
 
   const double tanHalfFovY = std::tan(0.5 * radians(scene.fovYDeg));
-  const double radius = 0.5 * glm::length(glm::dvec3(scene.volume->bounds().extent()));
+  const double radius = 0.5 * glm::length(glm::dvec3(scene.geometry().bounds().extent()));
   // A sphere of that radius touches the border of the image's narrower side.
   const double narrower = std::atan(tanHalfFovY * std::min(1.0, static_cast<double>(width) / height));
   const double distance = view.distance * radius / std::sin(narrower);
@@ -286,7 +286,7 @@ Camera makeCamera(const Scene& scene, const View& view, uint32_t width, uint32_t
     throw UsageError("the camera would stand too far away: the field of view must be wider or the view's distance less");
 
   // Directions only: volume space has the world's angles, its own origin and unit, and perhaps the other handedness.
-  const glm::dmat3 volumeFromWorld = glm::transpose(scene.volume->geometry().direction);
+  const glm::dmat3 volumeFromWorld = glm::transpose(scene.geometry().direction);
   const glm::dvec3 center = radius * (view.pan.x * right + view.pan.y * cameraUp);
   Camera camera;
   camera.eye = glm::vec3(volumeFromWorld * (center + distance * backward));

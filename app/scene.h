@@ -30,7 +30,8 @@ struct View {
 struct Scene {
   std::string name;
   std::string title;
-  VolumePtr volume;
+  VolumePtr volume;          ///< null where the voxels are a server's
+  VolumeGeometry elsewhere;  ///< theirs, then
   TransferFunction transferFunction;
   glm::dvec3 up{0.0, 1.0, 0.0};     ///< world direction
   glm::dvec3 front{0.0, 0.0, 1.0};  ///< world direction from the volume to the camera at angle 0, elevation 0
@@ -38,6 +39,8 @@ struct Scene {
   glm::vec3 background{0.0f};  ///< linear RGB, behind everything that is transparent
   std::vector<View> views;     ///< at least one; the first is the server's
   MarchSettings march;
+
+  const VolumeGeometry& geometry() const { return volume ? volume->geometry() : elsewhere; }
 };
 
 /// Vertical fields of view that files and options may ask for.

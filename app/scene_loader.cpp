@@ -4,21 +4,15 @@
 
 namespace warpscope {
 
-std::unique_ptr<SceneLoader> makeSceneLoader(MarcherMaker makeMarcher, std::function<void()> onResult) {
+std::unique_ptr<SceneLoader> makeSceneLoader(std::function<void()> onNews) {
   return std::make_unique<SceneLoader>(
-      [makeMarcher = std::move(makeMarcher)]() -> SceneLoader::Work {
-        return [makeMarcher](const LoadJob& job, LoadResult& result, const std::stop_token& stop) {
+      [onNews]() -> SceneLoader::Work {
+        return [onNews](const LoadJob& job, LoadResult& result, const std::stop_token& stop) {
           result.name = job.name;
-          auto loaded = std::make_shared<LoadedScene>();
-          loaded->scene = job.open(stop);
-          if (stop.stop_requested()) return;
-          loaded->server = makeMarcher(loaded->scene);
-          if (stop.stop_requested()) return;
-          loaded->display = loaded->server->twin();
-          result.loaded = std::move(loaded);
+          result.loaded = std::make_shared<const LoadedScene>(job.open(onNews, stop));
         };
       },
-      std::move(onResult));
+      onNews);
 }
 
 }  // namespace warpscope

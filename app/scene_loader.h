@@ -6,21 +6,15 @@
 #include <memory>
 #include <string>
 
+#include "app/hosting.h"
 #include "app/newest_worker.h"
-#include "app/scene.h"
-#include "render/march/marcher.h"
 
 namespace warpscope {
 
-struct LoadedScene {
-  Scene scene;
-  MarcherPtr server;   ///< the server's
-  MarcherPtr display;  ///< of the reference and of techniques that march; apart from the server's, whose calls it would wait for
-};
-
 struct LoadJob {
-  std::string name;                ///< as the user called it
-  std::function<Scene(const std::stop_token&)> open;  ///< may throw; OperationCancelled if the token is set
+  std::string name;  ///< as the user called it
+  /// Opens the scene, whose source then calls the function. May throw; OperationCancelled if the token is set.
+  std::function<LoadedScene(const std::function<void()>& onNews, const std::stop_token&)> open;
 };
 
 struct LoadResult {
@@ -30,8 +24,8 @@ struct LoadResult {
 };
 
 using SceneLoader = NewestWorker<LoadJob, LoadResult>;
-using MarcherMaker = std::function<MarcherPtr(const Scene&)>;
 
-std::unique_ptr<SceneLoader> makeSceneLoader(MarcherMaker makeMarcher, std::function<void()> onResult);
+/// `onNews` is called after each load and by the sources of the scenes.
+std::unique_ptr<SceneLoader> makeSceneLoader(std::function<void()> onNews);
 
 }  // namespace warpscope

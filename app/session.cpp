@@ -24,10 +24,9 @@ MarchSettings referenceSettings(const MarchSettings& march) {
 
 }  // namespace
 
-Session::Session(SessionSettings settings, Clock& clock, std::function<void()> onNews)
+Session::Session(SessionSettings settings, std::function<void()> onNews)
     : knobs_(settings.knobs),
-      loader_(makeSceneLoader(std::move(settings.makeMarcher), onNews)),
-      server_(makeServerLoop(clock, onNews)),
+      loader_(makeSceneLoader(onNews)),
       referenceWorker_(makeReferenceWorker(onNews)) {
   for (size_t i = 0; i < kPanelCount; ++i) {
     panels_[i].technique = settings.techniques[i];
@@ -96,10 +95,12 @@ bool Session::takeScene() {
   loadError_ = std::move(result->error);
   if (!result->loaded) return true;
 
-  server_->cancel();
   referenceWorker_->cancel();
   for (const auto& worker : warpWorkers_) worker->cancel();
+  retireScene();
   loaded_ = std::move(result->loaded);
+  transport_ = knobs_.transport;
+  loaded_->source->setTransport(transport_);
   serverError_.clear();
   viewError_.clear();
   referenceError_.clear();
@@ -110,8 +111,9 @@ bool Session::takeScene() {
   reference_.reset();
   asked_ = {};
   referenceAsked_ = {};
-  firstId_ = requestId_ + 1;
   outdatedAt_.clear();
+  arrivals_.clear();
+  answeredId_ = requestId_;
   drawnIds_ = {};
   for (size_t i = 0; i < kPanelCount; ++i) {
     jobs_[i] = {};
@@ -120,6 +122,14 @@ bool Session::takeScene() {
     panels_[i].technique = technique;
   }
   return true;
+}
+
+void Session::retireScene() {
+  std::erase_if(retired_, [](const std::future<void>& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+  if (!loaded_) return;
+  loaded_->source->requestStop();
+  wanted_ = asked_ = {};
+  retired_.push_back(std::async(std::launch::async, [scene = std::move(loaded_)]() mutable { scene.reset(); }));
 }
 
 bool Session::placeCamera() {
@@ -138,12 +148,15 @@ bool Session::placeCamera() {
 }
 
 bool Session::takeFrame() {
-  std::optional<ServedFrame> served = server_->tryTake();
-  if (!served || served->requestId < firstId_) return false;
+  std::optional<ServedFrame> served = loaded_->source->tryTake();
+  if (!served) return false;
   answeredId_ = served->requestId;
   serverError_ = std::move(served->error);
   if (!served->frame) return true;
   frame_ = std::move(served->frame);
+  frameBytes_ = served->bytes;
+  frameArrivedAt_ = served->arrivedAt;
+  arrivals_[served->requestId] = {served->latency, served->bytes};
   serverRate_.tick(served->arrivedAt);
   return true;
 }
@@ -167,15 +180,24 @@ bool Session::takePicture(size_t index) {
   panel.picture = std::move(result->picture);
   panel.drawn = result->technique;
   panel.requestId = result->requestId;
+  if (const auto arrival = arrivals_.find(result->requestId); arrival != arrivals_.end()) {
+    panel.latency = arrival->second.latency;
+    panel.frameBytes = arrival->second.bytes;
+  }
   panel.buildMs = result->buildMs;
   panel.drawMs = result->drawMs;
+  panel.displayMs = millisecondsBetween(result->finishedAt, std::chrono::steady_clock::now());
   panel.holesAreCurrent = result->holeFraction.has_value() && result->technique == panel.technique;
   if (panel.holesAreCurrent) panel.holeFraction = result->holeFraction;
   return true;
 }
 
 bool Session::ask(TimePoint now) {
-  wanted_ = {loaded_->server, cameraOfSize(serverSize()), knobs_.march};
+  if (transport_ != knobs_.transport) {
+    transport_ = knobs_.transport;
+    loaded_->source->setTransport(transport_);
+  }
+  wanted_ = {loaded_->source, cameraOfSize(serverSize()), knobs_.march, knobs_.transport.codec};
   if (wanted_ == asked_) {
     outdatedAt_.erase(requestId_);  // the camera may have come back
     return false;
@@ -183,7 +205,7 @@ bool Session::ask(TimePoint now) {
   outdatedAt_.try_emplace(requestId_, now);
   if (knobs_.isFrozen && frame_) return false;
   asked_ = wanted_;
-  server_->post({++requestId_, wanted_.marcher, wanted_.camera, wanted_.settings, now, durationOfMs(knobs_.delayMs)});
+  loaded_->source->post({++requestId_, wanted_.camera, wanted_.settings}, now);
   return true;
 }
 
@@ -237,17 +259,29 @@ bool Session::mayBeShown(uint64_t requestId) const {
 
 void Session::forgetOldRequests() {
   std::erase_if(outdatedAt_, [this](const auto& request) { return !mayBeShown(request.first); });
+  std::erase_if(arrivals_, [this](const auto& arrival) { return !mayBeShown(arrival.first); });
 }
 
 bool Session::close(std::chrono::milliseconds patience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
   loader_->requestStop();
-  server_->requestStop();
+  retireScene();
   referenceWorker_->requestStop();
   for (const auto& worker : warpWorkers_) worker->requestStop();
-  bool ended = loader_->waitForEnd(deadline) && server_->waitForEnd(deadline) && referenceWorker_->waitForEnd(deadline);
+  bool ended = loader_->waitForEnd(deadline) && referenceWorker_->waitForEnd(deadline);
   for (const auto& worker : warpWorkers_) ended = ended && worker->waitForEnd(deadline);
+  for (const std::future<void>& scene : retired_) ended = ended && scene.wait_until(deadline) == std::future_status::ready;
   return ended;
+}
+
+std::optional<SourceStatus> Session::sourceStatus() const {
+  if (!loaded_) return std::nullopt;
+  return loaded_->source->status();
+}
+
+std::optional<double> Session::frameAgeMs(TimePoint now) const {
+  if (!frame_) return std::nullopt;
+  return std::max(0.0, millisecondsBetween(frameArrivedAt_, now));
 }
 
 uint32_t Session::screenPixels() const {

@@ -6,13 +6,14 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <future>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/clock.h"
 #include "app/rate_meter.h"
 #include "app/scene_loader.h"
-#include "app/server_loop.h"
 #include "app/warp_worker.h"
 
 namespace warpscope {
@@ -23,7 +24,7 @@ struct Knobs {
   WarpSettings warp;               ///< its `reference` is not used: the reference follows `march`
   uint32_t serverSidePx = 512;     ///< longer side of the server's image
   uint32_t screenPixels = 0;       ///< edge, in screen pixels, of a pixel that the panels draw; 0: whatever keeps the display fluent
-  double delayMs = 0.0;            ///< round trip to the server
+  TransportSettings transport;     ///< how frames travel from the server
   bool isFrozen = false;           ///< the server is asked for nothing: its last frame stays
   Rgba8 uncovered = 0;             ///< 0: the scene's background
 
@@ -38,8 +39,11 @@ struct Panel {
   ShownPicture picture;                         ///< none until the first is there; stays until the next
   const WarpDescriptor* drawn = nullptr;        ///< the technique that drew it
   uint64_t requestId = 0;                       ///< of the frame that it was drawn from
+  FrameLatency latency;                         ///< of that frame
+  size_t frameBytes = 0;                        ///< of that frame on the wire
   double buildMs = 0.0;
   double drawMs = 0.0;
+  double displayMs = 0.0;                       ///< from the picture's end until the display took it
   std::optional<double> holeFraction;  ///< the last that was counted
   bool holesAreCurrent = false;        ///< counted for the picture that is shown
   std::string error;                   ///< empty if the last picture succeeded
@@ -50,15 +54,14 @@ struct SessionSettings {
   Knobs knobs;  ///< `march` is replaced by each scene's
   gl::Platform platform = gl::Platform::automatic;
   WarpResources resources;  ///< backend and onFallback; the rest is the session's
-  MarcherMaker makeMarcher;
 };
 
 class Session {
  public:
   using TimePoint = Clock::TimePoint;
 
-  /// `clock` must outlive the session. `onNews` is called on any thread whenever update() has something to collect.
-  Session(SessionSettings settings, Clock& clock, std::function<void()> onNews);
+  /// `onNews` is called on any thread whenever update() has something to collect.
+  Session(SessionSettings settings, std::function<void()> onNews);
 
   // --- Edits. Those of the same value do nothing.
   /// Opens a scene in the background; the one on show stays until it is there. The newest request wins and ends the one before it.
@@ -92,6 +95,12 @@ class Session {
   const Panel& panel(size_t index) const { return panels_[index]; }
   /// The newest frame; null until there is one.
   const SampleFramePtr& frame() const { return frame_; }
+  /// Of the connection to the server; nothing without a scene.
+  std::optional<SourceStatus> sourceStatus() const;
+  /// Of the newest frame, on the wire.
+  size_t frameBytes() const { return frameBytes_; }
+  /// How long ago the newest frame arrived; nothing without one.
+  std::optional<double> frameAgeMs(TimePoint now) const;
   double serverFramesPerSecond(TimePoint now) const { return serverRate_.perSecond(now); }
   /// True while the newest request is not answered.
   bool isServerAtWork() const { return answeredId_ < requestId_; }
@@ -107,14 +116,21 @@ class Session {
 
  private:
   struct Wanted {
-    MarcherPtr marcher;
+    FrameSourcePtr source;
     Camera camera;
     MarchSettings settings;
+    CodecSettings codec;
     bool operator==(const Wanted&) const = default;
+  };
+  struct Arrival {
+    FrameLatency latency;
+    size_t bytes = 0;
   };
 
   // Each is true if anything happened.
   bool takeScene();
+  /// Lets go of the scene on show; its threads end in the background.
+  void retireScene();
   /// False if no picture can be made of the view; error() says why, and the last good view is back.
   bool placeCamera();
   bool takeFrame();
@@ -142,10 +158,13 @@ class Session {
   Wanted asked_;             // what it was last asked for
   uint64_t requestId_ = 0;   // of that request
   uint64_t answeredId_ = 0;  // the last that was answered, by a frame or an error
-  uint64_t firstId_ = 1;     // of the scene on show; earlier frames show another
   std::map<uint64_t, TimePoint> outdatedAt_;  // when each request stopped being what was wanted; of those alone that mayBeShown()
   std::array<uint64_t, kPanelCount> drawnIds_{};  // of the frame that each panel's worker drew last, or failed to draw
   SampleFramePtr frame_;
+  size_t frameBytes_ = 0;
+  TimePoint frameArrivedAt_{};
+  std::map<uint64_t, Arrival> arrivals_;  // of frames that are on show or may come to be
+  TransportSettings transport_;           // that the source was told last
   RateMeter serverRate_;
 
   ReferenceJob referenceWanted_, referenceAsked_;
@@ -154,8 +173,8 @@ class Session {
   std::array<WarpJob, kPanelCount> jobs_;  // last posted
 
   // Last: their threads call onNews_.
+  std::vector<std::future<void>> retired_;  // scenes that end
   std::unique_ptr<SceneLoader> loader_;
-  std::unique_ptr<ServerLoop> server_;
   std::unique_ptr<ReferenceWorker> referenceWorker_;
   std::array<std::unique_ptr<WarpWorker>, kPanelCount> warpWorkers_;
 };

@@ -40,6 +40,7 @@ class Easel {
     result.picture = picture_;
     result.buildMs = buildMs_;
     result.drawMs = drawMs_;
+    result.finishedAt = std::chrono::steady_clock::now();
     if (job.reference && job.reference->camera == job.camera) {
       drawToHost(job, stop);
       result.holeFraction = countHoles(image_, job.reference->color).fraction();

@@ -40,6 +40,7 @@ struct WarpResult {
   uint64_t requestId = 0;  ///< of the frame that was drawn
   double buildMs = 0.0;    ///< of what the technique derived from that frame
   double drawMs = 0.0;     ///< from the camera to colours in the memory that the picture is in
+  std::chrono::steady_clock::time_point finishedAt{};  ///< when the picture was there
   std::optional<double> holeFraction;  ///< if the job had a reference
   std::string error;
 };

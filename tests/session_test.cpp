@@ -20,14 +20,6 @@ using std::chrono::seconds;
 constexpr glm::uvec2 kPanelPx(40, 56);
 constexpr seconds kPatience(60);  // far more than anything here takes, even under sanitizers
 
-LoadJob builtin(const std::string& name) {
-  return {name, [name](const std::stop_token& stop) {
-            SceneOverrides overrides;
-            overrides.proceduralDims = {16, 16, 16};
-            return openScene(name, overrides, stop);
-          }};
-}
-
 /// What a marcher with faults refuses at the moment.
 struct Faults {
   std::atomic<bool> march = false, render = false;
@@ -70,13 +62,26 @@ class SessionTest : public ::testing::Test {
     SessionSettings settings;
     settings.techniques = {&findWarp("hold"), &findWarp("spheres")};
     settings.knobs.serverSidePx = 48;
-    settings.makeMarcher = [faults = faults_](const Scene& scene) {
-      return std::make_shared<FaultyMarcher>(makeMarcher(Backend::cpu, scene.volume, scene.transferFunction), faults);
-    };
     return settings;
   }
 
   SessionTest() { session_.setPanelSize(kPanelPx); }
+
+  /// A job whose scene this process serves to itself.
+  LoadJob job(const std::string& name, std::function<Scene(const std::stop_token&)> openIt) {
+    return {name, [io = io_, faults = faults_, openIt](const std::function<void()>& onNews, const std::stop_token& stop) {
+              Scene scene = openIt(stop);
+              const MarcherPtr sound = makeMarcher(Backend::cpu, scene.volume, scene.transferFunction);
+              return hostScene(io, std::move(scene), std::make_shared<FaultyMarcher>(sound, faults), {}, onNews, stop);
+            }};
+  }
+  LoadJob builtin(const std::string& name) {
+    return job(name, [name](const std::stop_token& stop) {
+      SceneOverrides overrides;
+      overrides.proceduralDims = {16, 16, 16};
+      return openScene(name, overrides, stop);
+    });
+  }
 
   template <class Predicate>
   bool pumpUntil(const Predicate& predicate) {
@@ -117,9 +122,10 @@ class SessionTest : public ::testing::Test {
   }
 
   const std::shared_ptr<Faults> faults_ = std::make_shared<Faults>();
+  const std::shared_ptr<net::IoThread> io_ = std::make_shared<net::IoThread>();
   SteadyClock clock_;
   std::atomic<int> news_ = 0;
-  Session session_{settings(), clock_, [this] { ++news_; }};
+  Session session_{settings(), [this] { ++news_; }};
 };
 
 TEST_F(SessionTest, BothPanelsShowTheNewestFrame) {
@@ -258,19 +264,19 @@ TEST_F(SessionTest, ALoadEndsWhenItIsCancelledOrReplaced) {
     throw OperationCancelled();
   };
   ASSERT_TRUE(open("block"));
-  session_.load({"one", [&](const std::stop_token& stop) {
+  session_.load(job("one", [&](const std::stop_token& stop) {
                    begun.count_down();
                    return endless(stop);
-                 }});
+                 }));
   begun.wait();
   EXPECT_EQ(session_.loading(), "one");
   session_.cancelLoad();
   EXPECT_EQ(session_.loading(), "");
   std::latch again(1);
-  session_.load({"two", [&](const std::stop_token& stop) {
+  session_.load(job("two", [&](const std::stop_token& stop) {
                    again.count_down();
                    return endless(stop);
-                 }});
+                 }));
   again.wait();
   session_.load(builtin("shells"));
   ended.wait();
@@ -281,7 +287,7 @@ TEST_F(SessionTest, ALoadEndsWhenItIsCancelledOrReplaced) {
 
 TEST_F(SessionTest, ASceneThatCannotBeOpenedIsASentence) {
   ASSERT_TRUE(open("block"));
-  session_.load({"nowhere.nrrd", [](const std::stop_token&) -> Scene { throw InputError("nowhere.nrrd: there is no such file"); }});
+  session_.load(job("nowhere.nrrd", [](const std::stop_token&) -> Scene { throw InputError("nowhere.nrrd: there is no such file"); }));
   ASSERT_TRUE(pumpUntil([&] { return session_.loading().empty(); }));
   EXPECT_EQ(session_.error(), "nowhere.nrrd: there is no such file");
   EXPECT_EQ(session_.scene()->name, "block");
@@ -388,7 +394,7 @@ TEST_F(SessionTest, NothingHappensWithoutAScene) {
 
 TEST_F(SessionTest, ClosesInTheMiddleOfEverything) {
   for (int i = 0; i < 20; ++i) {
-    Session session(settings(), clock_, [] {});
+    Session session(settings(), [] {});
     session.setPanelSize({400, 400});
     session.load(builtin(i % 2 == 0 ? "block" : "shells"));
     const auto until = clock_.now() + milliseconds(7 * i);
@@ -404,12 +410,12 @@ TEST_F(SessionTest, ClosesInTheMiddleOfEverything) {
 
 TEST_F(SessionTest, DoesNotWaitForALoadThatCannotBeInterrupted) {
   std::latch loading(1), gate(1);
-  Session session(settings(), clock_, [] {});
-  session.load({"slow", [&](const std::stop_token&) -> Scene {
-                  loading.count_down();
-                  gate.wait();
-                  throw InputError("too late");
-                }});
+  Session session(settings(), [] {});
+  session.load(job("slow", [&](const std::stop_token&) -> Scene {
+                 loading.count_down();
+                 gate.wait();
+                 throw InputError("too late");
+               }));
   loading.wait();
   EXPECT_FALSE(session.close(milliseconds(10)));
   gate.count_down();

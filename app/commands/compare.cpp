@@ -26,6 +26,7 @@ using Json = nlohmann::json;
 
 struct CompareOptions {
   CommonOptions common;
+  TransportOptions transport;
   std::string out;
   uint32_t cellWidth = 320;
 };
@@ -68,7 +69,7 @@ Json toJson(const Comparison& comparison, const Workplace& work, std::string_vie
           {"backend", backend},
           {"openGl", context},
           {"server", {{"marchMs", comparison.frame->timings.marchMs}, {"compactMs", comparison.frame->timings.compactMs}}},
-          {"nonFiniteVoxels", work.scene.volume->statistics().nonFinite},
+          {"nonFiniteVoxels", work.scene.volume ? Json(work.scene.volume->statistics().nonFinite) : Json(nullptr)},
           {"version", WARPSCOPE_VERSION},
           {"rows", rows}};
 }
@@ -115,9 +116,9 @@ void printTable(const Comparison& comparison, const Scene& scene) {
 void compare(const CompareOptions& options) {
   if (options.cellWidth < 16 || options.cellWidth > 4096) throw UsageError("--cell: must be 16 to 4096 pixels");
   const Interrupt interrupt;
-  const Workplace work = prepare(options.common, interrupt.token());
+  const Workplace work = prepare(options.common, options.transport, interrupt.token());
   StagedFolder out(options.out);  // fails before the work if it cannot be written
-  HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform, work.backend);
+  HeadlessResources headless(work.marcher(), work.platform, work.backend);
 
   Montage montage;
   montage.title = work.scene.title + "  (" + std::string(nameOf(work.march.heuristic)) + ", " +
@@ -169,6 +170,9 @@ void addCompareCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command = program.add_subcommand("compare", "Every technique in every view: pictures, a montage, metrics.json");
   addCommonOptions(*command, options->common);
+  // Pictures that are compared and kept show what warping does, not what compressing colours does.
+  options->transport.color = nameOf(ColorCoding::lossless);
+  addTransportOptions(*command, options->transport);
   command->add_option("--out", options->out, "Folder to write to")->required();
   command->add_option("--cell", options->cellWidth, "Width of a picture in the montage, in pixels")->capture_default_str();
   command->callback([options, &chosen] { chosen = [options] { compare(*options); }; });

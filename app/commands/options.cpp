@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "app/hosting.h"
 #include "app/log.h"
 #include "app/progress.h"
 #include "render/core/error.h"
@@ -170,21 +171,51 @@ CheckedOptions check(const CommonOptions& options) {
 
 Scene CheckedOptions::open(const std::stop_token& stop) const {
   Scene opened = openScene(sceneSpec, overrides, stop);
-  MarchSettings& march = opened.march;
+  applyTo(opened);
+  return opened;
+}
+
+void CheckedOptions::applyTo(Scene& served) const {
+  MarchSettings& march = served.march;
   march.heuristic = heuristic.value_or(march.heuristic);
   march.radiusPolicy = radius.value_or(march.radiusPolicy);
   march.step = step.value_or(march.step);
   march.radiusScale = radiusScale.value_or(march.radiusScale);
-  return opened;
+  if (overrides.fovYDeg) served.fovYDeg = *overrides.fovYDeg;
 }
 
 Workplace prepare(const CommonOptions& options, const std::stop_token& stop) {
-  Workplace work{check(options), {}, {}};
+  return prepare(options, {}, stop);
+}
+
+Workplace prepare(const CommonOptions& options, const TransportOptions& transportOptions, const std::stop_token& stop) {
+  Workplace work{check(options), {}, {}, {}};
+  const TransportSettings transport = transportOf(transportOptions);
+  const std::optional<net::Address> server = serverOf(transportOptions);
+  if (server) requireNoSceneOf(options);
   Progress progress("opening", 1, !options.showsProgress());
-  progress.step(work.sceneSpec);
-  work.scene = work.open(stop);
+  progress.step(server ? net::toStringWithoutToken(*server) : work.sceneSpec);
+  if (server) {
+    LoadedScene loaded = connectScene(std::make_shared<net::IoThread>(), *server, transport, [] {}, stop);
+    work.scene = std::move(loaded.scene);
+    work.applyTo(work.scene);
+    work.remote = std::move(loaded.display);
+  } else {
+    work.scene = work.open(stop);
+  }
   work.march = work.warp.reference = work.scene.march;
   return work;
+}
+
+MarcherPtr Workplace::marcher() const { return remote ? remote : makeMarcher(backend, scene.volume, scene.transferFunction); }
+
+void requireNoSceneOf(const CommonOptions& options) {
+  const std::pair<const char*, bool> given[] = {{"a scene", options.scene != kDefaultScene},
+                                                {"--volume", !options.volume.empty()},
+                                                {"--volume-size", !options.volumeSize.empty()},
+                                                {"--tf", !options.transferFunction.empty()}};
+  for (const auto& [name, isGiven] : given)
+    if (isGiven) throw UsageError(std::string("--connect shows the server's scene: leave out ") + name);
 }
 
 void logFrame(const SampleFrame& frame) {

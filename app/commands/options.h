@@ -9,6 +9,7 @@
 #include <string>
 
 #include "app/backend.h"
+#include "app/commands/transport_options.h"
 #include "app/scene.h"
 #include "render/gl/context.h"
 #include "render/warp/warp.h"
@@ -59,6 +60,8 @@ struct CheckedOptions {
 
   /// The scene with the marching that was asked for. Throws UsageError or InputError, OperationCancelled if `stop` is set.
   Scene open(const std::stop_token& stop = {}) const;
+  /// A server's scene with the camera and the marching that were asked for.
+  void applyTo(Scene& served) const;
 };
 
 /// Checks every option, which is quick. Throws UsageError, or InputError for hardware that is not here.
@@ -68,11 +71,20 @@ CheckedOptions check(const CommonOptions& options);
 struct Workplace : CheckedOptions {
   Scene scene;
   MarchSettings march;  ///< the scene's, as asked for
+  MarcherPtr remote;    ///< of a server's scene; null for a scene that was opened here
+
+  /// What marches the scene, there or on the chosen backend. Throws as makeMarcher() of app/backend.h does.
+  MarcherPtr marcher() const;
 };
 
 /// Checks every option before anything expensive, then opens the scene, with a bar on the terminal. Throws UsageError or InputError,
 /// OperationCancelled if `stop` is set.
 Workplace prepare(const CommonOptions& options, const std::stop_token& stop);
+/// As above, but the scene may be a server's. Throws InputError with the reason if that cannot be had.
+Workplace prepare(const CommonOptions& options, const TransportOptions& transport, const std::stop_token& stop);
+
+/// Throws UsageError if an option asks for something about a scene that is a server's.
+void requireNoSceneOf(const CommonOptions& options);
 
 /// Techniques' resources for one thread: a marcher for the scene and an OpenGL context made when it is first needed.
 class HeadlessResources {
@@ -94,6 +106,7 @@ class HeadlessResources {
 void logFrame(const SampleFrame& frame);
 
 /// What `command` is and does; each adds itself to the program and runs when its turn comes.
+void addServeCommand(CLI::App& program, std::function<void()>& chosen);
 void addShotCommand(CLI::App& program, std::function<void()>& chosen);
 void addCompareCommand(CLI::App& program, std::function<void()>& chosen);
 void addBenchCommand(CLI::App& program, std::function<void()>& chosen);

@@ -18,6 +18,7 @@ namespace {
 
 struct ShotOptions {
   CommonOptions common;
+  TransportOptions transport;
   std::string technique = "spheres";
   double viewAngleDeg = 0.0;
   std::string out;
@@ -29,10 +30,10 @@ void shoot(const ShotOptions& options) {
   requireRange(options.viewAngleDeg, kViewAngleDegRange, "--view-angle");
   const WarpDescriptor& descriptor = findWarp(options.technique);
   const Interrupt interrupt;
-  const Workplace work = prepare(options.common, interrupt.token());
+  const Workplace work = prepare(options.common, options.transport, interrupt.token());
   requireWritable(options.out);
   auto progress = std::make_unique<Progress>("shot", descriptor.usesFrame ? 3 : 2, !options.common.showsProgress());
-  HeadlessResources headless(makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), work.platform, work.backend);
+  HeadlessResources headless(work.marcher(), work.platform, work.backend);
   const WarpResources resources = headless.resources();
   const std::unique_ptr<Warp> warp = makeWarp(descriptor, resources);
 
@@ -74,6 +75,9 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<ShotOptions>();
   CLI::App* command = program.add_subcommand("shot", "One picture, without a window");
   addCommonOptions(*command, options->common);
+  // Pictures that are compared and kept show what warping does, not what compressing colours does.
+  options->transport.color = nameOf(ColorCoding::lossless);
+  addTransportOptions(*command, options->transport);
   std::string names;
   for (const WarpDescriptor& warp : warpRegistry()) names += (names.empty() ? "" : " ") + std::string(warp.name);
   command->add_option("--technique", options->technique, names)->capture_default_str();

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "app/commands/options.h"
+#include "app/hosting.h"
 #include "app/interrupt.h"
 #include "app/output_files.h"
 #include "app/ui/run_window.h"
@@ -17,34 +18,36 @@ namespace {
 struct ViewOptions {
   CommonOptions common;
   std::string left = "points", right = "spheres";
-  double delayMs = 0.0;
+  TransportOptions transport;
   double uiScale = 0.0;
   std::string screenshot;
   double screenshotAfterMs = 3000.0;
 };
 
-constexpr Range kDelayMsRange{0.0, 10000.0};
 constexpr Range kUiScaleRange{0.5, 4.0};
 constexpr Range kWaitMsRange{0.0, 3600.0 * 1000.0};
+
+bool isServerUrl(const std::string& text) { return text.starts_with("warp://") || text.starts_with("warps://"); }
 
 void view(const ViewOptions& options) {
   const CheckedOptions checked = check(options.common);
   SessionSettings settings;
   settings.techniques = {&findWarp(options.left), &findWarp(options.right)};
-  requireRange(options.delayMs, kDelayMsRange, "--delay-ms");
+  const TransportSettings transport = transportOf(options.transport);
+  const std::optional<net::Address> server = serverOf(options.transport);
   if (options.uiScale != 0.0) requireRange(options.uiScale, kUiScaleRange, "--ui-scale");
   requireRange(options.screenshotAfterMs, kWaitMsRange, "--after-ms");
-  requireScene(checked.sceneSpec);
+  if (server)
+    requireNoSceneOf(options.common);
+  else
+    requireScene(checked.sceneSpec);
   if (!options.screenshot.empty()) requireWritable(options.screenshot);
   settings.knobs.warp = checked.warp;
-  settings.knobs.delayMs = options.delayMs;
+  settings.knobs.transport = transport;
   settings.knobs.uncovered = checked.uncovered;
   settings.platform = checked.platform;
   settings.resources.backend = checked.backend;
   settings.resources.onFallback = reportFallback;
-  settings.makeMarcher = [backend = checked.backend](const Scene& scene) {
-    return makeMarcher(backend, scene.volume, scene.transferFunction);
-  };
   WindowSettings window;
   window.uiScale = options.uiScale;
   window.screenshot = options.screenshot;
@@ -52,16 +55,43 @@ void view(const ViewOptions& options) {
 
   const Interrupt interrupt;
   SteadyClock clock;
+  const auto io = std::make_shared<net::IoThread>();
+  const auto host = [io, transport, backend = checked.backend](Scene scene, const std::function<void()>& onNews, const std::stop_token& stop) {
+    const MarcherPtr marcher = makeMarcher(backend, scene.volume, scene.transferFunction);
+    return hostScene(io, std::move(scene), marcher, transport, onNews, stop);
+  };
+  const auto connectTo = [io, transport, checked](const net::Address& address) {
+    return LoadJob{net::toStringWithoutToken(address),
+                   [=](const std::function<void()>& onNews, const std::stop_token& stop) {
+                     LoadedScene loaded = connectScene(io, address, transport, onNews, stop);
+                     checked.applyTo(loaded.scene);
+                     return loaded;
+                   }};
+  };
   const SessionMaker makeSession = [&](std::function<void()> onNews) {
-    auto session = std::make_unique<Session>(settings, clock, std::move(onNews));
-    session->load({checked.sceneSpec, [checked](const std::stop_token& loadStop) { return checked.open(loadStop); }});
+    auto session = std::make_unique<Session>(settings, std::move(onNews));
+    if (server)
+      session->load(connectTo(*server));
+    else
+      session->load({checked.sceneSpec, [=](const std::function<void()>& loadNews, const std::stop_token& stop) {
+                       return host(checked.open(stop), loadNews, stop);
+                     }});
     return session;
   };
-  const SceneOpener openChosen = [seed = checked.overrides.seed](const std::string& spec) {
-    return LoadJob{spec, [spec, seed](const std::stop_token& loadStop) {
+  const SceneOpener openChosen = [=, seed = checked.overrides.seed](const std::string& spec) {
+    if (isServerUrl(spec)) {
+      try {
+        return connectTo(net::parseAddress(spec));
+      } catch (const net::AddressError& error) {
+        return LoadJob{"a server", [text = std::string(error.what())](const std::function<void()>&, const std::stop_token&) -> LoadedScene {
+                         throw InputError(text);
+                       }};
+      }
+    }
+    return LoadJob{spec, [=](const std::function<void()>& onNews, const std::stop_token& stop) {
                      SceneOverrides overrides;
                      overrides.seed = seed;
-                     return openScene(spec, overrides, loadStop);
+                     return host(openScene(spec, overrides, stop), onNews, stop);
                    }};
   };
   const bool hasEnded = runWindow(makeSession, openChosen, clock, window, interrupt.token());
@@ -81,7 +111,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   for (const WarpDescriptor& warp : warpRegistry()) names += (names.empty() ? "" : " ") + std::string(warp.name);
   command->add_option("--left", options->left, names)->capture_default_str();
   command->add_option("--right", options->right, names)->capture_default_str();
-  command->add_option("--delay-ms", options->delayMs, "Round trip to the server, in milliseconds")->capture_default_str();
+  addTransportOptions(*command, options->transport);
   command->add_option("--ui-scale", options->uiScale, "Size of everything, 0.5 to 4; default: as the screen says");
   command->add_option("--screenshot", options->screenshot, "PNG file to write the window's picture to; then the window closes");
   command->add_option("--after-ms", options->screenshotAfterMs, "When the screenshot is taken, in milliseconds after the start")

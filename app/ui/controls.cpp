@@ -4,59 +4,15 @@
 #include <cmath>
 #include <vector>
 
+#include "app/ui/knob_parts.h"
 #include "app/ui/parts.h"
 #include "render/warp/multihit/nearest_hits.h"
 
 namespace warpscope::ui {
 namespace {
 
-constexpr float kLabelWidth = 92.0f;  // at scale 1
 constexpr std::array<uint32_t, 8> kServerSidesPx{128, 256, 384, 512, 768, 1024, 1536, 2048};
 constexpr uint32_t kMaxScreenPixels = 4;
-
-void heading(const char* text, const Look& look) {
-  ImGui::Dummy({0.0f, 0.0f});
-  ImGui::PushFont(look.fonts.small);
-  ImGui::TextColored(kAccent, "%s", text);
-  ImGui::PopFont();
-}
-
-/// A label on the left; what comes next fills the rest of the line.
-void label(const char* text, const Look& look) {
-  const float left = ImGui::GetCursorPosX();
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(text);
-  ImGui::SameLine(left + look.px(kLabelWidth));
-  ImGui::SetNextItemWidth(-1.0f);
-}
-
-/// A choice among a table of NamedValue.
-template <class Table, class Value>
-void choice(const char* text, const Table& table, Value& value, const char* explanation, const Look& look) {
-  label(text, look);
-  ImGui::PushID(text);
-  const bool isOpen = ImGui::BeginCombo("##choice", std::string(nameOf(value)).c_str());
-  if (!isOpen) tooltip(explanation, look);
-  if (isOpen) {
-    for (const auto& entry : table) {
-      if (ImGui::Selectable(std::string(entry.name).c_str(), entry.value == value)) value = entry.value;
-      tooltip(std::string(entry.summary), look);
-    }
-    ImGui::EndCombo();
-  }
-  ImGui::PopID();
-}
-
-void slider(const char* text, float& value, float lowest, float highest, const char* format, bool isLogarithmic,
-            const char* explanation, const Look& look) {
-  label(text, look);
-  ImGui::PushID(text);
-  float edited = value;
-  const ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (isLogarithmic ? ImGuiSliderFlags_Logarithmic : 0);
-  if (ImGui::SliderFloat("##slider", &edited, lowest, highest, format, flags) && std::isfinite(edited)) value = edited;
-  tooltip(explanation, look);
-  ImGui::PopID();
-}
 
 void drawServer(Session& session, Knobs& knobs, const Look& look) {
   heading("SERVER", look);
@@ -79,10 +35,6 @@ void drawServer(Session& session, Knobs& knobs, const Look& look) {
     ImGui::EndCombo();
   }
 
-  float delayMs = static_cast<float>(knobs.delayMs);
-  slider("Delay", delayMs, 0.0f, 2000.0f, "%.0f ms", false,
-         "Round trip to the server, in milliseconds: half of it before the march, half after it.", look);
-  knobs.delayMs = delayMs;
   label("", look);
   ImGui::Checkbox("Freeze frame", &knobs.isFrozen);
   tooltip("Ask the server for nothing more: its last frame stays, and can be looked at from elsewhere. Key F.", look);
@@ -161,6 +113,7 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
   if (knobs.uncovered != 0)
     for (size_t i = 0; i < 3; ++i) markColor_[i] = static_cast<float>(knobs.uncovered >> (8 * i) & 255) / 255.0f;
   drawServer(session, knobs, look);
+  drawNetwork(session, knobs, look);
   drawDisplay(session, knobs, markColor_, look);
   session.setKnobs(knobs);
   drawCamera(session, look);
@@ -184,9 +137,9 @@ void Controls::drawScene(Session& session, const SceneOpener& openScene, const L
   }
   const float buttonWidth = look.px(56.0f);
   ImGui::SetNextItemWidth(-buttonWidth - ImGui::GetStyle().ItemSpacing.x);
-  bool isEntered = ImGui::InputTextWithHint("##path", "file of a scene or volume", path_.data(), path_.size(),
+  bool isEntered = ImGui::InputTextWithHint("##path", "file, or a server's URL", path_.data(), path_.size(),
                                             ImGuiInputTextFlags_EnterReturnsTrue);
-  tooltip("Path of a scene (.json) or of a volume. A file can also be dropped onto the window.", look);
+  tooltip("Path of a scene (.json) or of a volume, or what `warpscope serve` prints on another machine. A file can also be dropped onto the window.", look);
   ImGui::SameLine();
   if (session.loading().empty()) {
     isEntered |= ImGui::Button("Open", {-1.0f, 0.0f});

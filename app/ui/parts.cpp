@@ -61,7 +61,7 @@ void tooltip(const std::string& text, const Look& look) {
 void drawStatusBar(const Session& session, double displayFramesPerSecond, const Look& look) {
   std::vector<std::string> items;
   if (const Scene* scene = session.scene()) {
-    const glm::uvec3 dims = scene->volume->dims();
+    const glm::uvec3 dims = scene->geometry().dims;
     items.push_back(scene->name);
     items.push_back(std::to_string(dims.x) + " × " + std::to_string(dims.y) + " × " + std::to_string(dims.z) + " voxels");
   } else {
@@ -69,7 +69,7 @@ void drawStatusBar(const Session& session, double displayFramesPerSecond, const 
   }
   if (const SampleFramePtr& frame = session.frame()) {
     items.push_back(grouped(frame->size()) + " samples");
-    items.push_back(bytesText(frame->sizeBytes()) + " a frame");
+    items.push_back(bytesText(session.frameBytes()) + " a frame");
     const double rate = session.serverFramesPerSecond(look.now);
     items.push_back("server " + durationText(frame->timings.marchMs + frame->timings.compactMs) +
                     (rate > 0.0                  ? ", " + format("%.1f frames/s", rate)
@@ -94,7 +94,8 @@ void drawStatusBar(const Session& session, double displayFramesPerSecond, const 
 }
 
 void drawErrorBanner(Session& session, const Look& look) {
-  const std::string error = session.error();
+  const std::string failure = session.error();
+  const std::string error = failure.empty() ? connectionTrouble(session, look) : failure;
   if (error.empty()) return;
   const float buttonWidth = look.px(72.0f), padding = look.px(8.0f);
   const float wrap = ImGui::GetContentRegionAvail().x - buttonWidth - 3.0f * padding;
@@ -106,9 +107,11 @@ void drawErrorBanner(Session& session, const Look& look) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextColored(kErrorText, "%s", error.c_str());
   ImGui::PopTextWrapPos();
-  ImGui::SameLine(ImGui::GetWindowWidth() - buttonWidth - padding);
-  ImGui::SetCursorPosY(padding);
-  if (ImGui::Button("Dismiss", {buttonWidth, 0.0f})) session.dismissErrors();
+  if (!failure.empty()) {  // the connection's trouble goes by itself
+    ImGui::SameLine(ImGui::GetWindowWidth() - buttonWidth - padding);
+    ImGui::SetCursorPosY(padding);
+    if (ImGui::Button("Dismiss", {buttonWidth, 0.0f})) session.dismissErrors();
+  }
   ImGui::EndChild();
   ImGui::PopStyleVar();
   ImGui::PopStyleColor();

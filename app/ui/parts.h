@@ -41,6 +41,16 @@ struct Look {
 /// over it. The session learns the size of the picture's area.
 bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, const Look& look);
 
+/// Where the time of the panel's frame went, as a bar that fills the line. For techniques without frames the bar is empty.
+void drawTimeline(const Panel& panel, const Look& look);
+inline constexpr float kTimelinePx = 7.0f;  ///< its height at scale 1
+
+/// The part of the column of knobs that is about the network.
+void drawNetwork(Session& session, Knobs& knobs, const Look& look);
+
+/// What to say about a connection that does not stand; empty if it does.
+std::string connectionTrouble(const Session& session, const Look& look);
+
 /// The column of knobs.
 class Controls {
  public:
@@ -56,7 +66,7 @@ class Controls {
 /// Scene, samples, rates: one line.
 void drawStatusBar(const Session& session, double displayFramesPerSecond, const Look& look);
 
-/// The session's error as a sentence over the panels' width; nothing without one.
+/// The session's error, or else the connection's trouble, as a sentence over the panels' width; nothing without one.
 void drawErrorBanner(Session& session, const Look& look);
 
 /// Explains the item drawn last while the pointer rests on it.

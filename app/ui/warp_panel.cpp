@@ -129,7 +129,7 @@ void drawNote(const std::string& text, const ImVec4& color, const ImVec2& origin
 bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, const Look& look) {
   drawTechniqueChoice(session, index, look);
 
-  const float strip = look.px(kSmallPx + 3.0f + kBodyPx + 6.0f);
+  const float strip = look.px(kSmallPx + 3.0f + kBodyPx + 6.0f + kTimelinePx) + ImGui::GetStyle().ItemSpacing.y;
   ImVec2 area = ImGui::GetContentRegionAvail();
   area.x = std::max(area.x, look.px(16.0f));
   area.y = std::max(area.y - strip - ImGui::GetStyle().ItemSpacing.y, look.px(16.0f));
@@ -153,6 +153,7 @@ bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, cons
     drawNote("opening " + session.loading(), kDimText, origin, area, look);
   list->PopClipRect();
 
+  drawTimeline(panel, look);
   drawMeasurements(session, index, look);
   return ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows | ImGuiHoveredFlags_AllowWhenBlockedByActiveItem);
 }

@@ -1,6 +1,6 @@
-// The server behind an artificial round trip, in virtual time: when frames arrive, which requests are served, what errors become.
-// Mirrors app/server_loop.h and app/clock.h.
-#include "app/server_loop.h"
+// Frames without a network, in virtual time: when they arrive, which requests are served, what errors become.
+// Mirrors app/direct_frame_source.h and app/clock.h.
+#include "app/direct_frame_source.h"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,9 @@
 #include <semaphore>
 #include <vector>
 
+#include "net/messages.h"
 #include "render/core/error.h"
+#include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
@@ -53,32 +55,35 @@ class StubMarcher final : public Marcher {
   std::vector<uint32_t> widths_;  // of the cameras it was asked for, which tells requests apart
 };
 
-class ServerLoopTest : public ::testing::Test {
+class DirectFrameSourceTest : public ::testing::Test {
  protected:
-  FrameRequest request(uint64_t id, milliseconds roundTrip) {
-    FrameRequest made;
-    made.id = id;
-    made.marcher = marcher_;
-    made.camera.width = static_cast<uint32_t>(id);
-    made.camera.height = 1;
-    made.sentAt = clock_.now();
-    made.roundTrip = roundTrip;
-    return made;
+  void post(uint64_t id) {
+    FrameRequest request;
+    request.id = id;
+    request.camera.width = static_cast<uint32_t>(id);
+    request.camera.height = 1;
+    source_->post(request, clock_.now());
+  }
+  void setRoundTrip(milliseconds roundTrip) {
+    TransportSettings transport;
+    transport.link.up.delayMs = transport.link.down.delayMs = 0.5 * static_cast<double>(roundTrip.count());
+    source_->setTransport(transport);
   }
 
   ServedFrame nextFrame() {
     news_.acquire();
-    return *server_->tryTake();
+    return *source_->tryTake();
   }
 
   VirtualClock clock_;
   std::shared_ptr<StubMarcher> marcher_ = std::make_shared<StubMarcher>(clock_, milliseconds(30));
   std::counting_semaphore<> news_{0};
-  std::unique_ptr<ServerLoop> server_ = makeServerLoop(clock_, [this] { news_.release(); });
+  std::unique_ptr<FrameSource> source_ = makeDirectFrameSource(marcher_, clock_, [this] { news_.release(); });
 };
 
-TEST_F(ServerLoopTest, AFrameTakesTheRoundTripAndTheMarch) {
-  server_->post(request(1, milliseconds(100)));
+TEST_F(DirectFrameSourceTest, AFrameTakesTheRoundTripAndTheMarch) {
+  setRoundTrip(milliseconds(100));
+  post(1);
   EXPECT_EQ(clock_.advanceToNextSleeper(), at(50));  // reaches the server
   EXPECT_EQ(clock_.advanceToNextSleeper(), at(80));  // marched
   EXPECT_FALSE(news_.try_acquire());
@@ -87,22 +92,32 @@ TEST_F(ServerLoopTest, AFrameTakesTheRoundTripAndTheMarch) {
   EXPECT_EQ(served.requestId, 1u);
   EXPECT_EQ(served.requestedAt, at(0));
   EXPECT_EQ(served.arrivedAt, at(130));
+  EXPECT_EQ(served.latency.wireMs, 100.0);
   ASSERT_TRUE(served.frame);
   EXPECT_EQ(served.frame->requestId, 1u);
   EXPECT_EQ(served.error, "");
 }
 
-TEST_F(ServerLoopTest, WithoutDelayOnlyTheMarchTakesTime) {
-  server_->post(request(1, milliseconds(0)));
+TEST_F(DirectFrameSourceTest, WithoutDelayOnlyTheMarchTakesTime) {
+  post(1);
   EXPECT_EQ(clock_.advanceToNextSleeper(), at(30));
   EXPECT_EQ(nextFrame().arrivedAt, at(30));
 }
 
-TEST_F(ServerLoopTest, OneIsInFlightOneIsPendingAndTheNewestWins) {
-  server_->post(request(1, milliseconds(100)));
+TEST_F(DirectFrameSourceTest, ANarrowLinkTakesItsTimeForTheBytes) {
+  TransportSettings transport;
+  transport.link.up.rateBitPerS = 8.0 * net::kRequestBytes * 100;  // a request takes 10 ms
+  source_->setTransport(transport);
+  post(1);
+  EXPECT_NEAR(millisecondsBetween(at(0), clock_.advanceToNextSleeper()), 10.0, 0.01);
+}
+
+TEST_F(DirectFrameSourceTest, OneIsInFlightOneIsPendingAndTheNewestWins) {
+  setRoundTrip(milliseconds(100));
+  post(1);
   EXPECT_EQ(clock_.advanceToNextSleeper(), at(50));
   EXPECT_EQ(clock_.advanceToNextSleeper(), at(80));  // 1 is on its way back
-  for (uint64_t id = 2; id <= 50; ++id) server_->post(request(id, milliseconds(100)));  // sent at 80
+  for (uint64_t id = 2; id <= 50; ++id) post(id);    // sent at 80
   EXPECT_EQ(clock_.advanceToNextSleeper(), at(130));
   EXPECT_EQ(nextFrame().requestId, 1u);
   // 50 was sent at 80 and reached the server at 130, while that was busy: it is marched at once.
@@ -112,9 +127,9 @@ TEST_F(ServerLoopTest, OneIsInFlightOneIsPendingAndTheNewestWins) {
   EXPECT_THAT(marcher_->widths(), ::testing::ElementsAre(1u, 50u));
 }
 
-TEST_F(ServerLoopTest, ErrorsArriveAsText) {
+TEST_F(DirectFrameSourceTest, ErrorsArriveAsText) {
   marcher_->fails = true;
-  server_->post(request(1, milliseconds(0)));
+  post(1);
   clock_.advanceToNextSleeper();
   const ServedFrame served = nextFrame();
   EXPECT_EQ(served.requestId, 1u);
@@ -122,23 +137,15 @@ TEST_F(ServerLoopTest, ErrorsArriveAsText) {
   EXPECT_EQ(served.error, "the volume is gone");
 }
 
-TEST_F(ServerLoopTest, ACancelledRequestIsNeverAnswered) {
-  server_->post(request(1, milliseconds(100)));
-  clock_.advanceToNextSleeper();  // at the server
-  server_->cancel();
-  server_->post(request(2, milliseconds(0)));
-  // The cancelled one's sleeps may still be in the clock when it moves on; the answer is what counts.
-  while (!news_.try_acquire_for(milliseconds(5))) clock_.advance(milliseconds(10));
-  EXPECT_EQ(server_->tryTake()->requestId, 2u);
-}
-
-TEST_F(ServerLoopTest, ClosesWhileWaitingForTheLinkOrTheMarch) {
-  server_->post(request(1, milliseconds(100)));
+TEST_F(DirectFrameSourceTest, ClosesWhileWaitingForTheLinkOrTheMarch) {
+  setRoundTrip(milliseconds(100));
+  post(1);
   clock_.advanceToNextSleeper();  // now it marches, or will
-  server_.reset();
-  server_ = makeServerLoop(clock_, [this] { news_.release(); });
-  server_->post(request(2, std::chrono::hours(1)));
-  server_.reset();
+  source_.reset();
+  source_ = makeDirectFrameSource(marcher_, clock_, [this] { news_.release(); });
+  setRoundTrip(std::chrono::seconds(20));
+  post(2);
+  source_.reset();
   EXPECT_FALSE(news_.try_acquire());
 }
 

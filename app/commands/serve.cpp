@@ -1,0 +1,110 @@
+// `serve`: a scene's frames for clients elsewhere, without a window.
+// Loopback alone unless there are a certificate and a token; what is printed holds both, and is all that a client needs.
+#include <CLI/CLI.hpp>
+#include <condition_variable>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "app/backend.h"
+#include "app/commands/options.h"
+#include "app/frame_server.h"
+#include "app/interrupt.h"
+#include "app/json_document.h"
+#include "app/log.h"
+#include "app/output_files.h"
+#include "net/certificate.h"
+#include "render/core/error.h"
+
+namespace warpscope {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ServeOptions {
+  CommonOptions common;
+  std::string listen = "127.0.0.1:4711";
+  std::string portFile;
+  bool isSecure = false;
+};
+
+/// Where the server's identity is kept. XDG Base Directory Specification.
+fs::path identityFolder() {
+  const char* data = std::getenv("XDG_DATA_HOME");
+  if (data != nullptr && fs::path(data).is_absolute()) return fs::path(data) / "warpscope";
+  const char* home = std::getenv("HOME");
+  if (home == nullptr || *home == '\0') throw InputError("neither XDG_DATA_HOME nor HOME says where to keep the server's certificate");
+  return fs::path(home) / ".local" / "share" / "warpscope";
+}
+
+/// What clients call a server that listens on all of a machine's addresses.
+std::string hostFor(const std::string& listened) {
+  if (listened != "0.0.0.0" && listened != "::") return listened;
+  char name[256] = "";
+  if (gethostname(name, sizeof name - 1) != 0 || *name == '\0') return "localhost";
+  return name;
+}
+
+void waitForEnd(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any ended;
+  std::unique_lock lock(mutex);
+  ended.wait(lock, stop, [] { return false; });
+}
+
+net::ServerSettings settingsFor(const ServeOptions& options, const net::HostPort& listen) {
+  net::ServerSettings settings;
+  settings.listen = listen;
+  settings.onNote = logDetail;
+  if (options.isSecure || !net::isLoopback(listen.host)) {
+    settings.identity = net::loadOrMakeIdentity(identityFolder());
+    settings.token = net::Token::random();
+  }
+  return settings;
+}
+
+void serve(const ServeOptions& options) {
+  net::HostPort listen;
+  try {
+    listen = net::parseListenAddress(options.listen);
+  } catch (const net::AddressError& error) {
+    throw UsageError(std::string("--listen: ") + error.what());
+  }
+  const Interrupt interrupt;
+  if (!options.portFile.empty()) requireWritable(options.portFile);
+  net::ServerSettings settings = settingsFor(options, listen);
+  const Workplace work = prepare(options.common, interrupt.token());
+  const auto io = std::make_shared<net::IoThread>();
+  FrameServer server(io, work.scene, makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), std::move(settings));
+
+  net::Address address = server.address();
+  address.where.host = hostFor(address.where.host);
+  const std::string url = net::toString(address);
+  if (options.common.json)
+    std::cout << textOf({{"url", url}, {"port", server.port()}, {"scene", work.scene.name}});
+  else
+    std::cout << url << '\n';
+  if (!std::cout.flush()) throw InputError("standard output cannot be written to");
+  if (!options.portFile.empty()) writeFileWhole(options.portFile, std::to_string(server.port()) + "\n");
+  logDetail("serving " + work.scene.name + " at " + net::toStringWithoutToken(address));
+  waitForEnd(interrupt.token());
+  logDetail("serving has ended");
+}
+
+}  // namespace
+
+void addServeCommand(CLI::App& program, std::function<void()>& chosen) {
+  auto options = std::make_shared<ServeOptions>();
+  CLI::App* command = program.add_subcommand("serve", "A server of one scene, for view, shot and compare elsewhere");
+  addCommonOptions(*command, options->common);
+  command->add_option("--listen", options->listen, "ADDR:PORT; beyond this machine only with TLS and a token; port 0 takes a free one")
+      ->capture_default_str();
+  command->add_option("--port-file", options->portFile, "File to write the port to once clients can connect");
+  command->add_flag("--secure", options->isSecure, "TLS and a token also on loopback");
+  command->callback([options, &chosen] { chosen = [options] { serve(*options); }; });
+}
+
+}  // namespace warpscope

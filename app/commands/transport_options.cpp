@@ -1,0 +1,71 @@
+// Checking what was typed about the network.
+// See transport_options.h.
+#include "app/commands/transport_options.h"
+
+#include "render/core/error.h"
+#include "render/core/nearest_name.h"
+#include "render/core/range.h"
+
+namespace warpscope {
+namespace {
+
+constexpr Range kDelayMsRange{0.0, 10000.0};
+
+template <class Table>
+std::string listOf(const Table& table) {
+  std::string text;
+  for (const auto& entry : table) text += (text.empty() ? "" : " ") + std::string(entry.name);
+  return text;
+}
+
+template <class Table>
+auto choose(std::string_view kind, std::string_view name, const Table& table) {
+  if (const auto* entry = findNamed(table, name)) return entry->value;
+  throw UsageError(unknownNameIn(table, kind, name));
+}
+
+}  // namespace
+
+void addTransportOptions(CLI::App& command, TransportOptions& options) {
+  command.add_option("--connect", options.connect, "URL of a server, as `warpscope serve` prints it: frames come from there");
+  command.add_option("--link", options.link,
+                     "Link to simulate: " + listOf(net::linkPresets()) +
+                         ", or delay=MS,jitter=MS,rate=BIT/S,loss=P%,outage=MS/MS,seed=N; with up. or down. before a key for one direction");
+  command.add_option("--delay-ms", options.delayMs, "Round trip to the server in milliseconds, in place of --link");
+  command.add_option("--codec", options.codec, "How samples travel: " + listOf(kPayloadFormats))->capture_default_str();
+  command.add_option("--color", options.color, "How their colours travel: " + listOf(kColorCodings))->capture_default_str();
+  command.add_option("--quality", options.quality, "Of jpeg, " + rangeText(kJpegQualityRange))->capture_default_str();
+  command.add_option("--depth", options.depth, "Requests under way at a time, " + rangeText(kDepthRange))->capture_default_str();
+}
+
+TransportSettings transportOf(const TransportOptions& options) {
+  TransportSettings transport;
+  if (options.delayMs && !options.link.empty()) throw UsageError("--delay-ms and --link say the same: give one of them");
+  if (options.delayMs) {
+    requireRange(*options.delayMs, kDelayMsRange, "--delay-ms");
+    transport.link.up.delayMs = transport.link.down.delayMs = 0.5 * *options.delayMs;
+  }
+  try {
+    if (!options.link.empty()) transport.link = net::parseLinkSettings(options.link);
+  } catch (const net::LinkSettingsError& error) {
+    throw UsageError("--link " + options.link.substr(0, 80) + ": " + error.what());
+  }
+  transport.codec.format = choose("codec", options.codec, kPayloadFormats);
+  transport.codec.color = choose("colour coding", options.color, kColorCodings);
+  transport.codec.jpegQuality = options.quality;
+  requireRange(static_cast<double>(options.quality), kJpegQualityRange, "--quality");
+  requireRange(static_cast<double>(options.depth), kDepthRange, "--depth");
+  transport.depth = options.depth;
+  return transport;
+}
+
+std::optional<net::Address> serverOf(const TransportOptions& options) {
+  if (options.connect.empty()) return std::nullopt;
+  try {
+    return net::parseAddress(options.connect);
+  } catch (const net::AddressError& error) {
+    throw UsageError(std::string("--connect: ") + error.what());
+  }
+}
+
+}  // namespace warpscope

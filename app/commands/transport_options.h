@@ -1,0 +1,32 @@
+// Options about the network: where frames come from and how they travel.
+// Shared by the commands that take frames from a server.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "app/frame_source.h"
+#include "net/address.h"
+
+namespace warpscope {
+
+/// As typed; checked by the functions below.
+struct TransportOptions {
+  std::string connect;
+  std::string link;
+  std::optional<double> delayMs;
+  std::string codec{nameOf(CodecSettings{}.format)}, color{nameOf(CodecSettings{}.color)};
+  int quality = CodecSettings{}.jpegQuality;
+  int depth = 1;
+};
+
+/// Adds --connect, --link, --codec, --color, --quality and --depth.
+void addTransportOptions(CLI::App& command, TransportOptions& options);
+
+/// Throws UsageError.
+TransportSettings transportOf(const TransportOptions& options);
+/// The server to connect to, if one was named. Throws UsageError.
+std::optional<net::Address> serverOf(const TransportOptions& options);
+
+}  // namespace warpscope

@@ -1,0 +1,17 @@
+// A marcher whose volume is at the other end of a network: what `reference` and headless commands use where the scene is a server's.
+// Calls wait for the answer. One connection each; a call that the network interrupts is asked again by it.
+#pragma once
+
+#include <memory>
+
+#include "net/client.h"
+#include "render/codec/codec.h"
+#include "render/march/marcher.h"
+
+namespace warpscope {
+
+/// Connects when it is first called. march() and render() throw as Marcher's do, InputError also for what the server or the network says, or if
+/// nothing comes within settings.connectPatience and no connection stands. volume() is null.
+MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec);
+
+}  // namespace warpscope

@@ -1,0 +1,111 @@
+// The knobs of the network, and what the connection is doing.
+// See parts.h.
+#include <algorithm>
+#include <cmath>
+
+#include "app/ui/knob_parts.h"
+#include "app/ui/parts.h"
+#include "net/link_settings.h"
+
+namespace warpscope::ui {
+namespace {
+
+constexpr float kMbit = 1e6f;
+
+/// A link whose two directions are described by the same four numbers.
+struct EvenLink {
+  float roundTripMs = 0.0f;
+  float jitterMs = 0.0f;
+  float rateMbit = 0.0f;
+  float lossPercent = 0.0f;
+
+  bool operator==(const EvenLink&) const = default;
+};
+
+EvenLink evenPartOf(const net::DuplexLinkSettings& link) {
+  return {static_cast<float>(link.up.delayMs + link.down.delayMs), static_cast<float>(link.down.jitterMs),
+          static_cast<float>(link.down.rateBitPerS) / kMbit, static_cast<float>(100.0 * link.down.loss)};
+}
+
+/// `link` with what was edited; everything else of it stays.
+void apply(const EvenLink& before, const EvenLink& edited, net::DuplexLinkSettings& link) {
+  for (net::LinkSettings* way : {&link.up, &link.down}) {
+    if (edited.roundTripMs != before.roundTripMs) way->delayMs = 0.5 * edited.roundTripMs;
+    if (edited.jitterMs != before.jitterMs) {
+      way->jitterMs = edited.jitterMs;
+      way->jitter = edited.jitterMs > 0.0f ? net::Jitter::uniform : net::Jitter::none;
+    }
+    if (edited.rateMbit != before.rateMbit) way->rateBitPerS = edited.rateMbit < 0.05f ? 0.0 : std::round(edited.rateMbit * 10.0f) / 10.0 * kMbit;
+    if (edited.lossPercent != before.lossPercent) way->loss = edited.lossPercent / 100.0;
+  }
+}
+
+void drawLink(net::DuplexLinkSettings& link, const Look& look) {
+  label("Link", look);
+  std::string shown = "own";
+  for (const net::LinkPreset& preset : net::linkPresets())
+    if (preset.settings == link) shown = preset.name;
+  const bool isOpen = ImGui::BeginCombo("##link", shown.c_str());
+  if (!isOpen) tooltip("What is simulated between this program and the server, on top of what is there. Now: " + net::toString(link) + ".", look);
+  if (isOpen) {
+    for (const net::LinkPreset& preset : net::linkPresets()) {
+      if (ImGui::Selectable(std::string(preset.name).c_str(), preset.settings == link)) link = preset.settings;
+      tooltip(std::string(preset.summary), look);
+    }
+    ImGui::EndCombo();
+  }
+  const EvenLink before = evenPartOf(link);
+  EvenLink edited = before;
+  slider("Delay", edited.roundTripMs, 0.0f, 2000.0f, "%.0f ms", false, "There and back, half of it each way.", look);
+  slider("Jitter", edited.jitterMs, 0.0f, 200.0f, "%.0f ms", false, "By how much the delay of each way varies, evenly.", look);
+  slider("Rate", edited.rateMbit, 0.0f, 1000.0f, edited.rateMbit < 0.05f ? "unlimited" : "%.1f Mbit/s", true,
+         "How much passes, each way. All the way to the left: unlimited.", look);
+  slider("Loss", edited.lossPercent, 0.0f, 20.0f, "%.1f %%", false, "Segments that are lost and sent again, as TCP does.", look);
+  if (edited != before) apply(before, edited, link);
+}
+
+}  // namespace
+
+void drawNetwork(Session& session, Knobs& knobs, const Look& look) {
+  heading("NETWORK", look);
+  TransportSettings& transport = knobs.transport;
+  drawLink(transport.link, look);
+  choice("Format", kPayloadFormats, transport.codec.format, "How samples travel.", look);
+  if (transport.codec.format == PayloadFormat::packed) {
+    choice("Colours", kColorCodings, transport.codec.color, "How their colours travel.", look);
+    if (transport.codec.color == ColorCoding::jpeg) {
+      label("Quality", look);
+      ImGui::SliderInt("##quality", &transport.codec.jpegQuality, static_cast<int>(kJpegQualityRange.lowest),
+                       static_cast<int>(kJpegQualityRange.highest), "%d", ImGuiSliderFlags_AlwaysClamp);
+      tooltip("Of JPEG: 90 can hardly be told from the original.", look);
+    }
+  }
+  label("In flight", look);
+  ImGui::SliderInt("##depth", &transport.depth, static_cast<int>(kDepthRange.lowest), static_cast<int>(kDepthRange.highest), "%d",
+                   ImGuiSliderFlags_AlwaysClamp);
+  tooltip("Requests under way at a time. One is best against delay on narrow links; more fill long and wide ones.", look);
+
+  const std::optional<SourceStatus> status = session.sourceStatus();
+  if (!status || status->where.empty()) return;
+  std::string text = status->isConnected ? "connected to " + status->where : "not connected to " + status->where;
+  if (status->isConnected && status->roundTripMs > 0.0) text += ", round trip " + durationText(status->roundTripMs);
+  ImGui::PushFont(look.fonts.small);
+  ImGui::PushTextWrapPos(0.0f);
+  ImGui::TextColored(status->isConnected ? kDimText : kErrorText, "%s", text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::PopFont();
+}
+
+std::string connectionTrouble(const Session& session, const Look& look) {
+  const std::optional<SourceStatus> status = session.sourceStatus();
+  if (!status || status->isConnected) return {};
+  std::string text = status->sentence.empty() ? "Connecting to " + status->where : "No connection: " + status->sentence;
+  if (status->next) {
+    const double waitMs = std::max(0.0, millisecondsBetween(look.now, *status->next));
+    text += "; trying again in " + std::to_string(static_cast<int>(std::ceil(waitMs / 1e3))) + " s";
+  }
+  if (const std::optional<double> age = session.frameAgeMs(look.now)) text += ". The frame on show is " + durationText(*age) + " old.";
+  return text;
+}
+
+}  // namespace warpscope::ui
