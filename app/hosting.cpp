@@ -61,7 +61,7 @@ LoadedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Address& 
   connected.source->setTransport(transport);
   Scene scene = sceneFrom(connected.scene);
   // Ground truth comes as it is, without what is simulated for frames, over a connection of its own.
-  return {std::move(scene), std::move(connected.source), makeRemoteMarcher(io, clientSettings(address, {}), {})};
+  return {std::move(scene), std::move(connected.source), makeRemoteMarcher(io, clientSettings(address, {}), transport.codec)};
 }
 
 }  // namespace warpscope
