@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/codec/codec.h"
 #include "render/core/error.h"
 #include "render/core/parallel.h"
 #include "render/core/stopwatch.h"
@@ -52,7 +53,23 @@ BackendBenchmark measureServer(Marcher& marcher, const Camera& camera, const Ben
   BackendBenchmark result;
   result.backend = marcher.backend();
   result.samples = frame->size();
-  result.bytes = frame->sizeBytes();
+  result.rawBytes = frame->sizeBytes();
+  FrameCodec codec;
+  std::vector<std::byte> payload;
+  SampleFrame decoded = *frame;
+  std::vector<double> encode, decode;
+  repeat([&](bool counts) {
+    const double encodeMs = milliseconds([&] { payload = codec.encode(*frame, {}); });
+    DecodeError error;
+    const double decodeMs = milliseconds([&] { error = codec.decode(payload, frame->size(), decoded); });
+    if (error || decoded.samples != frame->samples) throw InputError("the codec does not give back the frame: " + error.value_or("other samples"));
+    if (!counts) return;
+    encode.push_back(encodeMs);
+    decode.push_back(decodeMs);
+  });
+  result.bytes = payload.size();
+  result.encode = measuredOf(encode);
+  result.decode = measuredOf(decode);
   result.march = measuredOf(march);
   result.compact = measuredOf(compact);
   result.copy = measuredOf(copy);

@@ -38,7 +38,9 @@ struct TechniqueBenchmark {
 struct BackendBenchmark {
   Backend backend = Backend::cpu;
   size_t samples = 0;
-  size_t bytes = 0;  ///< of the samples on the wire
+  size_t rawBytes = 0;   ///< of the samples, 12 each
+  size_t bytes = 0;      ///< of the samples on the wire, packed, colours as JPEG
+  Measured encode, decode;
   Measured march, compact, copy;
   Measured server;  ///< camera to samples in host memory, by the host's clock
   std::vector<TechniqueBenchmark> techniques;

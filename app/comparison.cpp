@@ -37,20 +37,23 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
   for (const View& view : scene.views)
     comparison.cameras.push_back(makeCamera(scene, view, settings.width, settings.height));
   onStep("the server's frame");
-  comparison.frame =
-      std::make_shared<SampleFrame>(resources.marcher->march(comparison.cameras.front(), settings.march, stop));
+  comparison.served = settings.serving(comparison.cameras.front(), settings.march, stop);
+  comparison.frame = comparison.served.frame;
 
   // One technique after the other through all views would keep every reference; view by view keeps one.
   struct Contender {
     const WarpDescriptor* descriptor;
     std::unique_ptr<Warp> warp;
     double buildMs;
+    size_t bytes;
   };
   std::vector<Contender> contenders;
   for (const WarpDescriptor& descriptor : warpRegistry()) {
-    Contender contender{&descriptor, makeWarp(descriptor, resources), 0.0};
+    Contender contender{&descriptor, makeWarp(descriptor, resources), 0.0, 0};
     contender.warp->setFrame(comparison.frame, settings.warp, stop);  // warms up: memory, threads, shaders
     contender.buildMs = milliseconds([&] { contender.warp->setFrame(comparison.frame, settings.warp, stop); });
+    if (descriptor.usesFrame)
+      contender.bytes = descriptor.name == "hold" ? pictureBytes(*comparison.frame, scene.background, settings.codec) : comparison.served.bytes;
     contenders.push_back(std::move(contender));
   }
 
@@ -74,6 +77,7 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
       row.drawMs = times[times.size() / 2];
       row.drawSpreadMs = times.back() - times.front();
       row.buildMs = contender.buildMs;
+      row.bytes = contender.bytes;
       row.draws = static_cast<int>(times.size());
       comparison.rows.push_back(row);
       onPicture(*contender.descriptor, view, drawn);

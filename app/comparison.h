@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/scene.h"
+#include "app/serving.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
@@ -21,11 +22,13 @@ struct ComparisonRow {
   double drawMs = 0.0;       ///< median of `draws`, from the camera to colours in host memory
   double drawSpreadMs = 0.0; ///< longest minus shortest
   double buildMs = 0.0;      ///< of what the technique derives from a frame, once a frame
+  size_t bytes = 0;          ///< on the wire: the frame's payload; for `hold` what its picture alone would take; 0 without a frame
   int draws = 0;
 };
 
 struct Comparison {
-  SampleFramePtr frame;
+  ServedFrame served;
+  SampleFramePtr frame;  ///< of it
   std::vector<Camera> cameras;  ///< one for each view
   std::vector<ComparisonRow> rows;
 };
@@ -33,6 +36,8 @@ struct Comparison {
 struct ComparisonSettings {
   MarchSettings march;
   WarpSettings warp;
+  FrameServing serving;  ///< where the frame comes from
+  CodecSettings codec;   ///< that it was sent with
   uint32_t width = 0;
   uint32_t height = 0;
   int draws = 3;  ///< timed, after one that is not; the reference is drawn once, because the march of the frame has warmed it up

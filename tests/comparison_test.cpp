@@ -47,8 +47,10 @@ Scene sceneOfTwoViews() {
   return scene;
 }
 
-ComparisonSettings settingsFor(const Scene& scene) {
+ComparisonSettings settingsFor(const Scene& scene, MarcherPtr marcher) {
   ComparisonSettings settings;
+  settings.codec.color = ColorCoding::lossless;
+  settings.serving = servingHere(std::move(marcher), settings.codec);
   settings.march = scene.march;
   settings.warp.reference = scene.march;
   settings.width = 120;
@@ -59,8 +61,8 @@ ComparisonSettings settingsFor(const Scene& scene) {
 TEST(Comparison, RowsSayWhatPicturesDrawnAnewSay) {
   const Stage stage(sceneOfTwoViews());
   const Scene& scene = stage.scene();
-  const ComparisonSettings settings = settingsFor(scene);
   const auto marcher = std::make_shared<CountingMarcher>(stage.resources().marcher);
+  const ComparisonSettings settings = settingsFor(scene, marcher);
   WarpResources resources = stage.resources();
   resources.marcher = marcher;
   size_t steps = 0;
@@ -89,6 +91,7 @@ TEST(Comparison, RowsSayWhatPicturesDrawnAnewSay) {
     EXPECT_EQ(row.draws, row.technique->usesFrame ? settings.draws : 1) << i;
     EXPECT_GT(row.drawMs, 0.0) << i;
     EXPECT_GE(row.drawSpreadMs, 0.0) << i;
+    EXPECT_EQ(row.bytes > 0, row.technique->usesFrame) << i;
     if (row.technique->usesFrame) continue;
     EXPECT_TRUE(std::isinf(row.psnrDb)) << i;
     EXPECT_EQ(row.holeFraction, 0.0) << i;
@@ -98,6 +101,7 @@ TEST(Comparison, RowsSayWhatPicturesDrawnAnewSay) {
   const SampleFramePtr frame = stage.frame(stage.camera(settings.width, settings.height), scene.march);
   EXPECT_EQ(comparison.frame->samples, frame->samples);
   EXPECT_EQ(comparison.frame->colors, frame->colors);
+  EXPECT_LT(comparison.served.bytes, frame->sizeBytes());
   for (const std::string_view technique : {"hold", "spheres"}) {
     double holesBefore = -1.0;
     for (size_t view = 0; view < scene.views.size(); ++view) {
@@ -130,7 +134,7 @@ TEST(Comparison, StopsWhenToldTo) {
   std::stop_source source;
   size_t pictures = 0;
   EXPECT_THROW(compareTechniques(
-                   stage.scene(), stage.resources(), settingsFor(stage.scene()),
+                   stage.scene(), stage.resources(), settingsFor(stage.scene(), stage.resources().marcher),
                    [&](const WarpDescriptor&, size_t, const WarpedImage&) {
                      ++pictures;
                      source.request_stop();

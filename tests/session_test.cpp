@@ -285,6 +285,46 @@ TEST_F(SessionTest, ALoadEndsWhenItIsCancelledOrReplaced) {
   EXPECT_EQ(session_.error(), "");
 }
 
+TEST_F(SessionTest, AStormOfSizesEndsWithTheLastOne) {
+  ASSERT_TRUE(open("block"));
+  const auto began = clock_.now();
+  for (uint32_t i = 0; i < 1000; ++i) {
+    session_.setPanelSize({1 + i % 83, 1 + i % 59});
+    session_.update(clock_.now());
+  }
+  EXPECT_LT(clock_.now() - began, seconds(10));  // nothing waits for pictures or frames
+  session_.setPanelSize({57, 33});
+  ASSERT_TRUE(settle());
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    EXPECT_EQ(session_.panel(i).picture.width(), 57u);
+    EXPECT_EQ(session_.panel(i).picture.height(), 33u);
+  }
+  EXPECT_LE(session_.rememberedRequests(), 4u);
+}
+
+TEST_F(SessionTest, TheStagesOfAFrameAreKnownWhereItIsShown) {
+  ASSERT_TRUE(open("shells"));
+  Knobs knobs = session_.knobs();
+  knobs.transport.link.up.delayMs = 30.0;
+  knobs.transport.link.down.delayMs = 30.0;
+  session_.setKnobs(knobs);
+  session_.update(clock_.now());
+  std::this_thread::sleep_for(milliseconds(50));  // the link takes effect for what is sent from now on
+  move(1);
+  ASSERT_TRUE(settle());
+  const Panel& panel = session_.panel(1);
+  EXPECT_GE(panel.latency.wireMs, 59.0);
+  EXPECT_GT(panel.latency.marchMs, 0.0);
+  EXPECT_GT(panel.latency.encodeMs, 0.0);
+  EXPECT_GT(panel.latency.decodeMs, 0.0);
+  EXPECT_GT(panel.frameBytes, 0u);
+  EXPECT_EQ(panel.frameBytes, session_.frameBytes());
+  const std::optional<SourceStatus> status = session_.sourceStatus();
+  ASSERT_TRUE(status);
+  EXPECT_TRUE(status->isConnected);
+  EXPECT_NE(status->where.find("127.0.0.1:"), std::string::npos);
+}
+
 TEST_F(SessionTest, ASceneThatCannotBeOpenedIsASentence) {
   ASSERT_TRUE(open("block"));
   session_.load(job("nowhere.nrrd", [](const std::stop_token&) -> Scene { throw InputError("nowhere.nrrd: there is no such file"); }));

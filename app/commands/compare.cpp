@@ -53,7 +53,7 @@ Json toJson(const ComparisonRow& row, const Comparison& comparison, const Workpl
           {"draws", row.draws},
           {"buildMs", row.buildMs},
           {"samples", usesFrame ? comparison.frame->size() : 0},
-          {"bytes", usesFrame ? comparison.frame->sizeBytes() : 0}};
+          {"bytes", row.bytes}};
 }
 
 Json toJson(const Comparison& comparison, const Workplace& work, std::string_view backend, const std::string& context) {
@@ -69,6 +69,8 @@ Json toJson(const Comparison& comparison, const Workplace& work, std::string_vie
           {"backend", backend},
           {"openGl", context},
           {"server", {{"marchMs", comparison.frame->timings.marchMs}, {"compactMs", comparison.frame->timings.compactMs}}},
+          {"transport", toJson(work.transport)},
+          {"latency", toJson(comparison.served.latency)},
           {"nonFiniteVoxels", work.scene.volume ? Json(work.scene.volume->statistics().nonFinite) : Json(nullptr)},
           {"version", WARPSCOPE_VERSION},
           {"rows", rows}};
@@ -129,6 +131,8 @@ void compare(const CompareOptions& options) {
   ComparisonSettings settings;
   settings.march = work.march;
   settings.warp = work.warp;
+  settings.serving = work.serving();
+  settings.codec = work.transport.codec;
   settings.width = work.width;
   settings.height = work.height;
   const size_t pictures = warpRegistry().size() * work.scene.views.size();

@@ -189,17 +189,17 @@ Workplace prepare(const CommonOptions& options, const std::stop_token& stop) {
 }
 
 Workplace prepare(const CommonOptions& options, const TransportOptions& transportOptions, const std::stop_token& stop) {
-  Workplace work{check(options), {}, {}, {}};
-  const TransportSettings transport = transportOf(transportOptions);
+  Workplace work{check(options), {}, {}, {}, {}, transportOf(transportOptions)};
   const std::optional<net::Address> server = serverOf(transportOptions);
   if (server) requireNoSceneOf(options);
   Progress progress("opening", 1, !options.showsProgress());
   progress.step(server ? net::toStringWithoutToken(*server) : work.sceneSpec);
   if (server) {
-    LoadedScene loaded = connectScene(std::make_shared<net::IoThread>(), *server, transport, [] {}, stop);
+    LoadedScene loaded = connectScene(std::make_shared<net::IoThread>(), *server, work.transport, [] {}, stop);
     work.scene = std::move(loaded.scene);
     work.applyTo(work.scene);
     work.remote = std::move(loaded.display);
+    work.source = std::move(loaded.source);
   } else {
     work.scene = work.open(stop);
   }
@@ -208,6 +208,8 @@ Workplace prepare(const CommonOptions& options, const TransportOptions& transpor
 }
 
 MarcherPtr Workplace::marcher() const { return remote ? remote : makeMarcher(backend, scene.volume, scene.transferFunction); }
+
+FrameServing Workplace::serving() const { return source ? servingFrom(source) : servingHere(marcher(), transport.codec); }
 
 void requireNoSceneOf(const CommonOptions& options) {
   const std::pair<const char*, bool> given[] = {{"a scene", options.scene != kDefaultScene},

@@ -11,6 +11,7 @@
 #include "app/backend.h"
 #include "app/commands/transport_options.h"
 #include "app/scene.h"
+#include "app/serving.h"
 #include "render/gl/context.h"
 #include "render/warp/warp.h"
 
@@ -72,9 +73,13 @@ struct Workplace : CheckedOptions {
   Scene scene;
   MarchSettings march;  ///< the scene's, as asked for
   MarcherPtr remote;    ///< of a server's scene; null for a scene that was opened here
+  FrameSourcePtr source;  ///< of a server's frames; null likewise
+  TransportSettings transport;
 
   /// What marches the scene, there or on the chosen backend. Throws as makeMarcher() of app/backend.h does.
   MarcherPtr marcher() const;
+  /// Where frames come from: the server, or marcher() and the codec.
+  FrameServing serving() const;
 };
 
 /// Checks every option before anything expensive, then opens the scene, with a bar on the terminal. Throws UsageError or InputError,

@@ -41,11 +41,12 @@ void shoot(const ShotOptions& options) {
   const Camera serverCamera = makeCamera(work.scene, view, work.width, work.height);
   view.angleDeg += options.viewAngleDeg;
   const Camera camera = makeCamera(work.scene, view, work.width, work.height);
-  SampleFramePtr frame;
+  ServedFrame served;
   if (descriptor.usesFrame) {
     progress->step("the server's frame");
-    frame = std::make_shared<SampleFrame>(resources.marcher->march(serverCamera, work.march, interrupt.token()));
+    served = work.serving()(serverCamera, work.march, interrupt.token());
   }
+  const SampleFramePtr& frame = served.frame;
   progress->step(std::string(descriptor.name));
   warp->setFrame(frame, work.warp, interrupt.token());
   WarpedImage image;
@@ -61,6 +62,9 @@ void shoot(const ShotOptions& options) {
                                 {"technique", descriptor.name},
                                 {"viewAngleDeg", options.viewAngleDeg},
                                 {"samples", frame ? frame->size() : 0},
+                                {"bytes", served.bytes},
+                                {"transport", toJson(work.transport)},
+                                {"latency", frame ? toJson(served.latency) : nlohmann::json(nullptr)},
                                 {"heuristic", nameOf(work.march.heuristic)},
                                 {"radius", nameOf(work.march.radiusPolicy)}};
     std::cout << textOf(report);

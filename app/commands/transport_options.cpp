@@ -59,6 +59,20 @@ TransportSettings transportOf(const TransportOptions& options) {
   return transport;
 }
 
+nlohmann::json toJson(const TransportSettings& transport) {
+  return {{"link", net::toString(transport.link)},
+          {"codec", nameOf(transport.codec.format)},
+          {"color", nameOf(transport.codec.color)},
+          {"quality", transport.codec.jpegQuality},
+          {"depth", transport.depth}};
+}
+
+nlohmann::json toJson(const FrameLatency& latency) {
+  return {{"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},     {"queueMs", latency.queueMs},
+          {"marchMs", latency.marchMs},     {"compactMs", latency.compactMs}, {"copyMs", latency.copyMs},
+          {"encodeMs", latency.encodeMs},   {"decodeMs", latency.decodeMs}, {"totalMs", latency.totalMs()}};
+}
+
 std::optional<net::Address> serverOf(const TransportOptions& options) {
   if (options.connect.empty()) return std::nullopt;
   try {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -26,6 +27,10 @@ void addTransportOptions(CLI::App& command, TransportOptions& options);
 
 /// Throws UsageError.
 TransportSettings transportOf(const TransportOptions& options);
+/// As the program reports them.
+nlohmann::json toJson(const TransportSettings& transport);
+nlohmann::json toJson(const FrameLatency& latency);
+
 /// The server to connect to, if one was named. Throws UsageError.
 std::optional<net::Address> serverOf(const TransportOptions& options);
 

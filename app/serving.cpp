@@ -1,0 +1,84 @@
+// Serving and waiting.
+// See serving.h.
+#include "app/serving.h"
+
+#include <thread>
+
+#include "app/picture.h"
+#include "render/codec/jpeg.h"
+#include "render/core/error.h"
+#include "render/core/parallel.h"
+#include "render/core/stopwatch.h"
+#include "render/warp/warp.h"
+
+namespace warpscope {
+namespace {
+
+/// A connection that is down for longer is given up.
+constexpr std::chrono::seconds kPatience(15);
+constexpr std::chrono::milliseconds kLookAgain(2);
+
+ServedFrame waitFor(FrameSource& source, uint64_t id, const std::stop_token& stop) {
+  auto connectedAt = std::chrono::steady_clock::now();
+  while (!stop.stop_requested()) {
+    if (std::optional<ServedFrame> served = source.tryTake(); served && served->requestId == id) {
+      if (!served->frame) throw InputError("the server: " + served->error);
+      return std::move(*served);
+    }
+    const auto now = std::chrono::steady_clock::now();
+    const SourceStatus status = source.status();
+    if (status.isConnected) connectedAt = now;
+    if (now - connectedAt > kPatience) throw InputError(status.sentence);
+    std::this_thread::sleep_for(kLookAgain);
+  }
+  throw OperationCancelled();
+}
+
+}  // namespace
+
+FrameServing servingHere(MarcherPtr marcher, const CodecSettings& coding) {
+  return [marcher = std::move(marcher), coding](const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
+    ServedFrame served;
+    served.requestedAt = std::chrono::steady_clock::now();
+    const SampleFrame marched = marcher->march(camera, settings, stop);
+    served.latency.marchMs = marched.timings.marchMs;
+    served.latency.compactMs = marched.timings.compactMs;
+    served.latency.copyMs = marched.timings.copyMs;
+    FrameCodec codec;
+    std::vector<std::byte> payload;
+    served.latency.encodeMs = milliseconds([&] { payload = codec.encode(marched, coding); });
+    served.bytes = payload.size();
+    auto frame = std::make_shared<SampleFrame>();
+    frame->camera = marched.camera;
+    frame->quantization = marched.quantization;
+    frame->settings = marched.settings;
+    frame->voxelRadius = marched.voxelRadius;
+    frame->timings = marched.timings;
+    DecodeError error;
+    served.latency.decodeMs = milliseconds([&] { error = codec.decode(payload, marched.size(), *frame); });
+    if (error) throw InputError("the program's own frame cannot be decoded: " + *error);
+    served.frame = std::move(frame);
+    served.arrivedAt = std::chrono::steady_clock::now();
+    return served;
+  };
+}
+
+FrameServing servingFrom(FrameSourcePtr source) {
+  return [source = std::move(source), id = uint64_t{0}](const Camera& camera, const MarchSettings& settings,
+                                                       const std::stop_token& stop) mutable {
+    source->post({++id, camera, settings}, std::chrono::steady_clock::now());
+    return waitFor(*source, id, stop);
+  };
+}
+
+size_t pictureBytes(const SampleFrame& frame, const glm::vec3& background, const CodecSettings& codec) {
+  if (codec.format == PayloadFormat::packed && codec.color == ColorCoding::jpeg)
+    return encodeFramePicture(frame, background, codec.jpegQuality).size();
+  const std::unique_ptr<Warp> hold = makeWarp(findWarp("hold"), {});
+  hold->setFrame(std::make_shared<const SampleFrame>(frame), {}, {});
+  WarpedImage image;
+  hold->draw(frame.camera, {}, image, {});
+  return encodePng(toScreen(image, background, 0)).size();
+}
+
+}  // namespace warpscope
