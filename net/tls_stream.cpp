@@ -75,7 +75,8 @@ class TlsHandshake {
     }
     if (!error) co_return;
     const std::string what = "TLS handshake with " + stream.peer();
-    throw system_error(error, isNoTls(error) ? what + ": the peer does not speak TLS" : what);
+    if (isNoTls(error)) throw NoTls(error, what + ": the peer does not speak TLS");
+    throw system_error(error, what);
   }
 };
 
