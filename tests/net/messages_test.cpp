@@ -1,5 +1,5 @@
 // Messages as bytes: round trips, the layout pinned byte by byte, and whatever else than a message gives nothing.
-// Mirrors net/messages.h. The expected bytes were packed by hand from the table in net/README.md, not by the code under test.
+// Mirrors net/messages.h. The expected bytes were packed by another program from the tables in net/README.md.
 #include "net/messages.h"
 
 #include <gtest/gtest.h>
