@@ -222,28 +222,27 @@ Awaitable<void> Client::State::converse() {
 
 /// Reads and writes until one of the two ends, which ends the other. Throws the first one's reason.
 Awaitable<void> Client::State::talk(Channel& with) {
-  Signal end(io.get_executor());
-  std::exception_ptr trouble;
-  bool isReaderDone = false, isWriterDone = false;
+  Signal writerEnd(io.get_executor());
+  Reason reason;
+  bool isWriting = true;
   pong.reset();
   pings.clear();
-  asio::co_spawn(io, write(with), [self = shared_from_this(), &with, &end, &trouble, &isReaderDone, &isWriterDone](std::exception_ptr failure) {
-    isWriterDone = true;
-    if (!isReaderDone) trouble = failure;
+  asio::co_spawn(io, write(with), [&with, &writerEnd, &reason, &isWriting](const std::exception_ptr& failure) {
+    reason.add(failure);
     with.stream().abort();
-    end.wake();
+    isWriting = false;
+    writerEnd.wake();
   });
   try {
     co_await readServer(with, settings.maxFrameBytes, *this);
   } catch (...) {
-    if (!trouble) trouble = std::current_exception();
+    reason.add(std::current_exception());
   }
-  isReaderDone = true;
   with.stream().abort();
   stream = nullptr;
   wake.wake();
-  while (!isWriterDone) co_await end.waitUntil(now() + std::chrono::seconds(1));
-  if (trouble) std::rethrow_exception(trouble);
+  while (isWriting) co_await writerEnd.waitUntil(now() + std::chrono::seconds(1));
+  if (reason.failure()) std::rethrow_exception(reason.failure());
 }
 
 bool Client::State::isAwaited(uint64_t id) {

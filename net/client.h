@@ -15,7 +15,7 @@
 namespace warpscope::net {
 
 struct ClientSettings {
-  Address address;
+  Address address{};
   DuplexLinkSettings link{};  ///< simulated on top of the real one
   uint16_t depth = 1;       ///< requests under way at a time, brought into 1..kMaxDepth
   uint64_t maxFrameBytes = kMaxFrameBytes;           ///< brought into kFrameHeadBytes..kMaxFrameBytes

@@ -26,16 +26,6 @@ struct Outgoing {
   TimePoint readyAt;
 };
 
-/// In words.
-std::string reasonOf(const std::exception_ptr& failure) {
-  if (!failure) return {};
-  try {
-    std::rethrow_exception(failure);
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-}
-
 /// What is wrong with the settings, or nothing.
 std::string faultOf(const ServerSettings& settings) {
   constexpr std::chrono::hours kLongest{1};
@@ -100,7 +90,8 @@ class Server::Session : public std::enable_shared_from_this<Session>, private Fr
         channel_(std::move(stream), server_->settings.patience),
         depth_(depth),
         maxFrameBytes_(maxFrameBytes),
-        wake_(channel_.stream().executor()) {}
+        wake_(channel_.stream().executor()),
+        writerEnd_(channel_.stream().executor()) {}
 
   /// Reads until the client leaves; throws what made it end otherwise.
   Awaitable<void> read() { return readClient(channel_, *this); }
@@ -135,15 +126,24 @@ class Server::Session : public std::enable_shared_from_this<Session>, private Fr
     wake_.wake();
   }
 
-  /// Ends both coroutines. The first reason counts: what follows from it says nothing.
-  void close(const std::string& why) {
-    if (!isClosed_) why_ = why;
+  /// Ends both coroutines; null if that was the client's wish.
+  void close(const std::exception_ptr& why) {
+    reason_.add(why);
     isClosed_ = true;
     channel_.stream().abort();
     wake_.wake();
   }
-  /// Empty if the client ended the connection by itself.
-  const std::string& why() const { return why_; }
+  void writerBegins() { isWriting_ = true; }
+  void writerEnds(const std::exception_ptr& why) {
+    close(why);
+    isWriting_ = false;
+    writerEnd_.wake();
+  }
+  Awaitable<void> untilWriterEnds() {
+    while (isWriting_) co_await writerEnd_.waitUntil(now() + std::chrono::seconds(1));
+  }
+  /// Known when both have ended.
+  const Reason& reason() const { return reason_; }
 
  private:
   bool onRequest(const FrameRequest& request) override { return server_->queue.put(id_, request, now()); }
@@ -175,12 +175,14 @@ class Server::Session : public std::enable_shared_from_this<Session>, private Fr
   Channel channel_;
   const uint16_t depth_;
   const uint64_t maxFrameBytes_;
-  Signal wake_;
+  Signal wake_;  // the writer
+  Signal writerEnd_;
   std::deque<Outgoing> outgoing_;
   std::optional<uint64_t> pong_;
   uint64_t pings_ = 0;
   bool isClosed_ = false;
-  std::string why_;
+  bool isWriting_ = false;
+  Reason reason_;
 };
 
 void Server::State::begin() {
@@ -292,24 +294,28 @@ Awaitable<void> Server::State::serve(uint64_t greeting, std::unique_ptr<TcpStrea
   sessions[id] = session;
   queue.join(id, welcome.depth);
   note(peer + " connected");
+  std::exception_ptr failure;
   try {
     co_await reply(kept, deadline, welcome);
     // The writer beside the reader; whichever ends first ends the other.
     begin();
+    session->writerBegins();
     asio::co_spawn(
         io, [session] { return session->write(); },
-        [self = shared_from_this(), session](const std::exception_ptr& failure) {
-          session->close(reasonOf(failure));
+        [self = shared_from_this(), session](const std::exception_ptr& writerFailure) {
+          session->writerEnds(writerFailure);
           self->end();
         });
     co_await session->read();
-  } catch (const std::exception& error) {
-    trouble = error.what();
+  } catch (...) {
+    failure = std::current_exception();
   }
-  session->close(trouble);
+  session->close(failure);
   queue.leave(id);
   sessions.erase(id);
-  note(peer + " left" + (session->why().empty() ? "" : ": " + session->why()));
+  co_await session->untilWriterEnds();
+  const std::string why = session->reason().sentence();
+  note(peer + " left" + (why.empty() ? "" : ": " + why));
 }
 
 Server::Server(std::shared_ptr<IoThread> io, ServerSettings settings) : io_(std::move(io)) {
@@ -334,7 +340,8 @@ void Server::stop() {
     state->isStopped = true;
     state->listener.close();
     for (const auto& [id, stream] : state->greetings) stream->abort();
-    for (const auto& [id, session] : std::map(state->sessions)) session->close("the server stopped");
+    const auto why = std::make_exception_ptr(std::runtime_error("the server stopped"));
+    for (const auto& [id, session] : std::map(state->sessions)) session->close(why);
   });
   std::unique_lock lock(state_->mutex);
   state_->ended.wait(lock, [this] { return state_->running == 0; });
