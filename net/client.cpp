@@ -199,7 +199,7 @@ Awaitable<ServerHello> Client::State::greet(Stream& to, TimePoint deadline) {
 }
 
 Awaitable<void> Client::State::converse() {
-  const TimePoint deadline = now() + settings.connectPatience;
+  const TimePoint deadline = now() + settings.connectPatience + simulatedSilence(settings.link);
   std::unique_ptr<Stream> opened = co_await open(deadline);
   if (isClosed) co_return;
   // What is set by then: it may have changed while this was connecting.

@@ -19,7 +19,7 @@ struct ClientSettings {
   DuplexLinkSettings link{};  ///< simulated on top of the real one
   uint16_t depth = 1;       ///< requests under way at a time, brought into 1..kMaxDepth
   uint64_t maxFrameBytes = kMaxFrameBytes;           ///< brought into kFrameHeadBytes..kMaxFrameBytes
-  std::chrono::milliseconds connectPatience{10000};  ///< for connecting, TLS and the greetings, with what the simulated link adds to them
+  std::chrono::milliseconds connectPatience{10000};  ///< for connecting, TLS and the greetings; the simulated link's delay comes on top
   std::chrono::milliseconds firstPause{250};  ///< before connecting again; doubled until a connection is of use, by chance up to a half less
   std::chrono::milliseconds longestPause{8000};
   bool connectsAgain = true;

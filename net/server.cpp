@@ -87,7 +87,8 @@ class Server::Session : public std::enable_shared_from_this<Session>, private Fr
   Session(std::shared_ptr<State> server, ClientId id, std::unique_ptr<Stream> stream, uint16_t depth, uint64_t maxFrameBytes)
       : server_(std::move(server)),
         id_(id),
-        channel_(std::move(stream), server_->settings.patience),
+        // Its first message comes a round trip after the welcome, of which nothing is known yet.
+        channel_(std::move(stream), server_->settings.patience + server_->settings.greetingPatience),
         depth_(depth),
         maxFrameBytes_(maxFrameBytes),
         wake_(channel_.stream().executor()),
@@ -146,8 +147,12 @@ class Server::Session : public std::enable_shared_from_this<Session>, private Fr
   const Reason& reason() const { return reason_; }
 
  private:
-  bool onRequest(const FrameRequest& request) override { return server_->queue.put(id_, request, now()); }
+  bool onRequest(const FrameRequest& request) override {
+    channel_.setPatience(server_->settings.patience);
+    return server_->queue.put(id_, request, now());
+  }
   void onPing(uint64_t number) override {
+    channel_.setPatience(server_->settings.patience);
     pong_ = number;  // of several, the last: the answers cannot pile up
     wake_.wake();
   }

@@ -22,9 +22,9 @@ struct ServerSettings {
   size_t maxClients = 64;
   size_t maxGreetings = 32;          ///< connections that have not shown yet who they are
   uint16_t maxDepth = kMaxDepth;     ///< 1..kMaxDepth
-  std::chrono::milliseconds greetingPatience{5000};  ///< for TLS and the handshake together
+  std::chrono::milliseconds greetingPatience{10000};  ///< for TLS and the greetings together; and for a round trip more until the first message
   std::chrono::milliseconds heartbeat{2000};
-  std::chrono::milliseconds patience{10000};         ///< without any progress; longer than a heartbeat
+  std::chrono::milliseconds patience{10000};          ///< without any progress; longer than a heartbeat
   std::function<void(const std::string&)> onNote{};    ///< what happens, for logs; on the I/O thread. Never holds a token
 };
 

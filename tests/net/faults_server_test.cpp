@@ -103,7 +103,7 @@ TEST_F(FaultsServer, WhoPingsAndNeverReadsIsDropped) {
 }
 
 TEST_F(FaultsServer, SilentPeersAreDroppedInTime) {
-  Server& server = serve({.heartbeat = 50ms, .patience = 400ms});
+  Server& server = serve({.greetingPatience = 100ms, .heartbeat = 50ms, .patience = 300ms});
   BareSocket silent = greetedClient(server);
   const TimePoint begin = now();
   EXPECT_TRUE(silent.isEnded()) << "its heartbeats come, it answers none";
@@ -171,7 +171,7 @@ TEST_F(FaultsServer, RequestsCutAtAnyByteEndTheConnection) {
 }
 
 TEST_F(FaultsServer, RequestsThatStopInTheMiddleEndAtTheDeadline) {
-  Server& server = serve({.heartbeat = 50ms, .patience = 300ms});
+  Server& server = serve({.greetingPatience = 100ms, .heartbeat = 50ms, .patience = 300ms});
   const Bytes request = requestMessage(requestOf(1));
   std::vector<BareSocket> sockets;
   for (const size_t size : {1, 7, 8, 9, 60, 107}) {
@@ -243,7 +243,7 @@ TEST_F(FaultsServer, VanishingInTheMiddleOfAFrameLeavesNothing) {
 }
 
 TEST_F(FaultsServer, PeersThatVanishWithoutAWordAreDroppedInTime) {
-  Server& server = serve({.heartbeat = 50ms, .patience = 400ms});
+  Server& server = serve({.greetingPatience = 100ms, .heartbeat = 50ms, .patience = 300ms});
   BareSocket socket = greetedClient(server);
   // A socket under repair goes without a FIN, as a machine does that loses its power.
   const int on = 1;
