@@ -232,7 +232,10 @@ std::optional<ClientHello> readClientHello(ByteView bytes) {
   flag(wire, hasToken);
   std::array<uint8_t, Token::kBytes> secret;
   wire.numbers(secret);
-  if (hasToken) hello.token = Token(secret);
+  if (hasToken)
+    hello.token = Token(secret);
+  else if (secret != std::array<uint8_t, Token::kBytes>{})
+    return std::nullopt;
   if (hello.depth < 1 || hello.depth > kMaxDepth) return std::nullopt;
   if (hello.maxFrameBytes < kFrameHeadBytes || hello.maxFrameBytes > kMaxFrameBytes) return std::nullopt;
   return ifComplete(wire, hello);

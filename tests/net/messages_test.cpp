@@ -232,6 +232,7 @@ TEST(Messages, GreetingsBeyondTheLimitsAreNothing) {
   for (const uint64_t most : {uint64_t{0}, uint64_t{kFrameHeadBytes - 1}, kMaxFrameBytes + 1, ~uint64_t{0}})
     EXPECT_FALSE(readClientHello(with(client, 14, most))) << most;
   EXPECT_FALSE(readClientHello(with(client, 24, uint8_t{2}))) << "a flag is 0 or 1";
+  EXPECT_FALSE(readClientHello(with(client, 24, uint8_t{0}))) << "without a token its bytes are zeros";
 
   const Bytes server = toBytes(ServerHello{1, Verdict::welcome, 0, 1, 1, 100, 200});
   EXPECT_TRUE(readServerHello(server));
