@@ -50,4 +50,26 @@ Awaitable<void> Channel::write(ByteView bytes, std::string what) {
   }
 }
 
+void Reason::add(const std::exception_ptr& failure) {
+  if (!failure || failure_) return;
+  try {
+    std::rethrow_exception(failure);
+  } catch (const system_error& error) {
+    if (error.code() == asio::error::operation_aborted) return;
+  } catch (...) {
+  }
+  failure_ = failure;
+}
+
+std::string Reason::sentence() const {
+  if (!failure_) return {};
+  try {
+    std::rethrow_exception(failure_);
+  } catch (const std::exception& error) {
+    return error.what();
+  } catch (...) {
+    return "an unknown failure";
+  }
+}
+
 }  // namespace warpscope::net

@@ -2,6 +2,7 @@
 // A deadline is for progress, not for a message: a large frame may take long on a slow link, as long as some of it keeps coming.
 #pragma once
 
+#include <exception>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -42,6 +43,19 @@ class Channel {
  private:
   std::unique_ptr<Stream> stream_;
   Duration patience_;
+};
+
+/// Why a connection ended: its first failure, leaving aside operation_aborted, which only follows from closing it.
+class Reason {
+ public:
+  void add(const std::exception_ptr& failure);
+  /// Null if nothing failed.
+  const std::exception_ptr& failure() const { return failure_; }
+  /// Empty if nothing failed.
+  std::string sentence() const;
+
+ private:
+  std::exception_ptr failure_;
 };
 
 /// Wakes one coroutine that waits, from the same executor. A wake-up that comes first is not lost.

@@ -2,12 +2,14 @@
 // See client.h. Pauses with jitter: Brooker 2015, "Exponential backoff and jitter" (equal jitter).
 #include "net/client.h"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <random>
 
 #include "net/channel.h"
 #include "net/linked_stream.h"
+#include "net/reading.h"
 #include "net/tcp_stream.h"
 #include "net/tls_stream.h"
 
@@ -26,6 +28,16 @@ class Refused : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+constexpr size_t kMostPings = 16;  // that are remembered
+
+/// How long the simulated link may keep silent though the server does not.
+Duration simulatedSilence(const LinkSettings& link) {
+  double longestMs = link.delayMs + 4.0 * link.jitterMs + link.outageMs;
+  if (link.trace && !link.trace->delaysMs.empty()) longestMs += std::ranges::max(link.trace->delaysMs);
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(longestMs));
+}
+Duration simulatedSilence(const DuplexLinkSettings& link) { return simulatedSilence(link.up) + simulatedSilence(link.down); }
+
 struct Asked {
   FrameRequest request;
   TimePoint requestedAt;
@@ -36,7 +48,7 @@ struct Asked {
 
 /// Everything belongs to the I/O thread. Lives until the last coroutine has ended, which may be after the client's end: looking up a name
 /// cannot be interrupted.
-struct Client::State : std::enable_shared_from_this<State> {
+struct Client::State : std::enable_shared_from_this<State>, private FromServer {
   State(asio::io_context& theIo, ClientSettings theSettings, ClientEvents& theEvents)
       : io(theIo), settings(std::move(theSettings)), events(theEvents), pause(io), wake(io.get_executor()) {}
 
@@ -44,40 +56,52 @@ struct Client::State : std::enable_shared_from_this<State> {
   Awaitable<void> converse();
   Awaitable<std::unique_ptr<Stream>> open(TimePoint deadline);
   Awaitable<ServerHello> greet(Stream& stream, TimePoint deadline);
-  Awaitable<void> read(Channel& channel);
+  Awaitable<void> talk(Channel& channel);
   Awaitable<void> write(Channel& channel);
-  Awaitable<void> readFrame(Channel& channel, const MessageHead& head);
+
+  bool isAwaited(uint64_t id) override;
+  void onFrame(Frame frame, TimePoint beganAt) override;
+  void onFailure(const Failure& failure) override;
+  void onPing(uint64_t number) override;
+  void onPong(uint64_t number) override;
 
   void tell(ConnectionPhase phase, std::string sentence = {}, std::optional<TimePoint> next = {}) {
     if (isClosed) return;
     events.onState({phase, std::move(sentence), now(), next, attempts});
   }
-  /// Takes the request that was answered from those under way. Throws ProtocolError if there is none.
-  Asked takeAsked(uint64_t id, const std::string& peer);
+  /// What is answered, from those under way: for isAwaited() only.
+  Asked takeAsked();
   void askAgain();
   Duration nextPause();
+  Duration patience() const { return serverPatience + simulatedSilence(settings.link); }
 
   asio::io_context& io;  // which owns the coroutines, and they this
   ClientSettings settings;
   ClientEvents& events;
   asio::steady_timer pause;
   Signal wake;  // the writer
-  LinkedStream* link = nullptr;  // of the connection
+  // Of the connection, while there is one:
   Stream* stream = nullptr;      // that can be aborted
+  LinkedStream* link = nullptr;
+  Channel* channel = nullptr;
   std::optional<Asked> wanted;   // the newest that was not sent
-  std::deque<Asked> underWay;
+  std::deque<Asked> underWay;    // in the order of their ids
+  uint64_t newestId = 0;
   std::optional<uint64_t> pong;
-  uint16_t agreedDepth = 1;
-  Duration heartbeat{0};
-  int attempts = 0;
+  std::deque<uint64_t> pings;    // that were not answered, by when they were sent
+  uint16_t offeredDepth = kMaxDepth, agreedDepth = 1;
+  Duration heartbeat{0}, serverPatience{0};
+  TimePoint connectedAt;
+  bool isOfUse = false;     // the connection has brought an answer
+  bool isRenewed = false;   // the connection was ended to begin another one
+  int attempts = 0;         // since it was connected
+  int failures = 0;         // since a connection was of use
   bool isClosed = false;
-  bool isWriterDone = true;
-  Signal* writerEnd = nullptr;
   std::minstd_rand dice{std::random_device{}()};
 };
 
 Duration Client::State::nextPause() {
-  const double doubled = static_cast<double>(settings.firstPause.count()) * std::exp2(std::min(attempts - 1, 20));
+  const double doubled = static_cast<double>(settings.firstPause.count()) * std::exp2(std::clamp(failures - 1, 0, 20));
   const double most = std::min(doubled, static_cast<double>(settings.longestPause.count()));
   const double share = std::uniform_real_distribution<double>(0.5, 1.0)(dice);
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(share * most));
@@ -93,6 +117,9 @@ Awaitable<void> Client::State::run() {
   while (!isClosed) {
     tell(ConnectionPhase::connecting);
     ++attempts;
+    isRenewed = isOfUse = false;
+    offeredDepth = kMaxDepth;
+    connectedAt = TimePoint::max();
     std::string sentence;
     bool isRefused = false;
     try {
@@ -104,17 +131,25 @@ Awaitable<void> Client::State::run() {
     } catch (const FingerprintMismatch& error) {
       sentence = error.what();
       isRefused = true;
+    } catch (const NoTls& error) {
+      sentence = std::string(error.what()) + ": its address would begin with warp://";
+      isRefused = true;
     } catch (const std::exception& error) {
       sentence = error.what();
     }
-    link = nullptr;
     stream = nullptr;
+    link = nullptr;
+    channel = nullptr;
     askAgain();
     if (isClosed) break;
-    if (isRefused || !settings.connectsAgain) {
+    if (isRefused || (!settings.connectsAgain && !isRenewed)) {
       tell(ConnectionPhase::refused, sentence);
       break;
     }
+    if (isRenewed) continue;
+    // A server that greets and then breaks off is no better than one that is not there.
+    const bool hasLasted = connectedAt != TimePoint::max() && now() - connectedAt >= settings.longestPause;
+    failures = isOfUse || hasLasted ? 1 : failures + 1;
     const TimePoint next = now() + nextPause();
     tell(ConnectionPhase::waiting, sentence, next);
     pause.expires_at(next);
@@ -126,170 +161,158 @@ Awaitable<void> Client::State::run() {
 Awaitable<std::unique_ptr<Stream>> Client::State::open(TimePoint deadline) {
   std::unique_ptr<TcpStream> tcp =
       co_await connectTcp(io.get_executor(), settings.address.where.host, settings.address.where.port, deadline);
-  if (!settings.address.credentials) co_return std::move(tcp);
+  if (isClosed || !settings.address.credentials) co_return std::move(tcp);
+  stream = tcp.get();
   co_return co_await openTls(std::move(tcp), settings.address.credentials->fingerprint, deadline);
 }
 
 Awaitable<ServerHello> Client::State::greet(Stream& to, TimePoint deadline) {
   ClientHello hello;
   hello.maxFrameBytes = settings.maxFrameBytes;
-  hello.depth = settings.depth;
+  hello.depth = offeredDepth = settings.depth;
   if (settings.address.credentials) hello.token = settings.address.credentials->token;
   const Bytes bytes = toBytes(hello);
   co_await withDeadline(to, deadline, "greeting the server", to.write(asio::buffer(bytes)));
-  std::array<std::byte, kServerHelloBytes> answer;
-  co_await withDeadline(to, deadline, "waiting for the server's greeting", readExactly(to, asio::buffer(answer)));
+  ServerHello answer;
+  try {
+    answer = co_await receiveServerHello(to, deadline);
+  } catch (const ForeignPeer& error) {
+    throw Refused(error.what() + std::string(error.speaksTls() ? ": ask for the server's address, which begins with warps://" : ""));
+  } catch (const ProtocolError&) {
+    throw Refused(to.peer() + " greets in a way that this program does not understand");
+  }
   const std::string& peer = to.peer();
-  if (!hasMagic(answer)) throw Refused(peer + " is no warpscope server");
-  const std::optional<ServerHello> read = readServerHello(answer);
-  if (!read) throw Refused(peer + " greets in a way that this program does not understand");
-  if (read->verdict == Verdict::otherVersion)
-    throw Refused(peer + " speaks version " + std::to_string(read->version) + " of the protocol, this program version " +
+  if (answer.version != kProtocolVersion)
+    throw Refused(peer + " speaks version " + std::to_string(answer.version) + " of the protocol, this program version " +
                   std::to_string(kProtocolVersion));
-  if (read->verdict == Verdict::wrongToken) throw Refused(peer + " does not accept this token: ask for the server's current address");
-  if (read->verdict == Verdict::full) throw std::runtime_error(peer + " has no room for another client");
-  co_return *read;
+  switch (answer.verdict) {
+    case Verdict::welcome:
+      co_return answer;
+    case Verdict::otherVersion:
+      throw Refused(peer + " does not speak version " + std::to_string(kProtocolVersion) + " of the protocol with this program");
+    case Verdict::wrongToken:
+      throw Refused(peer + " does not accept this token: ask for the server's current address");
+    case Verdict::full:
+      break;
+  }
+  throw std::runtime_error(peer + " has no room for another client");
 }
 
 Awaitable<void> Client::State::converse() {
-  const TimePoint deadline = now() + settings.connectPatience;
+  const TimePoint deadline = now() + settings.connectPatience + simulatedSilence(settings.link);
   std::unique_ptr<Stream> opened = co_await open(deadline);
-  auto linked = std::make_unique<LinkedStream>(std::move(opened), settings.link);
   if (isClosed) co_return;
-  link = linked.get();
-  stream = link;
-  link->setSettings(settings.link);  // it may have changed while this was connecting
+  // What is set by then: it may have changed while this was connecting.
+  auto linked = std::make_unique<LinkedStream>(std::move(opened), settings.link);
+  stream = link = linked.get();
   const ServerHello welcome = co_await greet(*link, deadline);
-  agreedDepth = std::min(welcome.depth, settings.depth);
+  agreedDepth = std::min(welcome.depth, offeredDepth);
   heartbeat = std::chrono::milliseconds(welcome.heartbeatMs);
-  // What the link simulates is no silence of the server's.
-  const double linkMs = 2.0 * (settings.link.up.delayMs + settings.link.down.delayMs);
-  Channel channel(std::move(linked), std::chrono::milliseconds(welcome.patienceMs + static_cast<int64_t>(linkMs)));
-
-  const std::optional<MessageHead> head = co_await channel.readHead();
-  if (!head || head->type != MessageType::scene) throw ProtocolError(channel.stream().peer() + " did not begin with its scene");
-  const Bytes body = co_await channel.readBody(*head, kMaxSceneBytes);
-  const std::optional<SceneFields> scene = readScene(body);
-  if (!scene) throw ProtocolError(channel.stream().peer() + " sent a damaged scene");
+  serverPatience = std::chrono::milliseconds(welcome.patienceMs);
+  Channel made(std::move(linked), patience());
+  channel = &made;
+  const SceneFields scene = co_await readFirstScene(made);
   if (isClosed) co_return;
   attempts = 0;
-  events.onScene(*scene);
+  connectedAt = now();
+  events.onScene(scene);
   tell(ConnectionPhase::connected);
+  co_await talk(made);
+}
 
-  Signal end(io.get_executor());
-  isWriterDone = false;
-  asio::co_spawn(
-      io, write(channel), [self = shared_from_this(), &channel, &end](const std::exception_ptr&) {
-        self->isWriterDone = true;
-        channel.stream().abort();
-        end.wake();
-      });
-  std::exception_ptr trouble;
+/// Reads and writes until one of the two ends, which ends the other. Throws the first one's reason.
+Awaitable<void> Client::State::talk(Channel& with) {
+  Signal writerEnd(io.get_executor());
+  Reason reason;
+  bool isWriting = true;
+  pong.reset();
+  pings.clear();
+  asio::co_spawn(io, write(with), [&with, &writerEnd, &reason, &isWriting](const std::exception_ptr& failure) {
+    reason.add(failure);
+    with.stream().abort();
+    isWriting = false;
+    writerEnd.wake();
+  });
   try {
-    co_await read(channel);
+    co_await readServer(with, settings.maxFrameBytes, *this);
   } catch (...) {
-    trouble = std::current_exception();
+    reason.add(std::current_exception());
   }
-  channel.stream().abort();
+  with.stream().abort();
   stream = nullptr;
-  link = nullptr;
   wake.wake();
-  while (!isWriterDone) co_await end.waitUntil(now() + std::chrono::seconds(1));
-  if (trouble) std::rethrow_exception(trouble);
+  while (isWriting) co_await writerEnd.waitUntil(now() + std::chrono::seconds(1));
+  if (reason.failure()) std::rethrow_exception(reason.failure());
 }
 
-Awaitable<void> Client::State::read(Channel& channel) {
-  while (const std::optional<MessageHead> head = co_await channel.readHead()) {
-    const std::string& peer = channel.stream().peer();
-    switch (head->type) {
-      case MessageType::frame:
-        co_await readFrame(channel, *head);
-        break;
-      case MessageType::failure: {
-        const Bytes body = co_await channel.readBody(*head, kMaxFailureBytes);
-        const std::optional<Failure> failure = readFailure(body);
-        if (!failure) throw ProtocolError(peer + " sent a damaged message");
-        takeAsked(failure->id, peer);
-        wake.wake();
-        if (!isClosed) events.onFailure(*failure);
-        break;
-      }
-      case MessageType::ping:
-      case MessageType::pong: {
-        const Bytes body = co_await channel.readBody(*head, kBeatBytes);
-        const std::optional<uint64_t> beat = readBeat(body);
-        if (!beat) throw ProtocolError(peer + " sent a damaged heartbeat");
-        if (head->type == MessageType::ping) {
-          pong = *beat;
-          wake.wake();
-        } else if (!isClosed && *beat <= nanosecondsOf(now())) {
-          events.onRoundTrip(std::chrono::nanoseconds(nanosecondsOf(now()) - *beat));
-        }
-        break;
-      }
-      default:
-        throw ProtocolError(peer + " sent a message that servers do not send");
-    }
-  }
-}
-
-Asked Client::State::takeAsked(uint64_t id, const std::string& peer) {
+bool Client::State::isAwaited(uint64_t id) {
   // Answers come in the order of requests; those in between were replaced by newer ones and get none.
-  while (!underWay.empty() && underWay.front().request.id < id) underWay.pop_front();
-  if (underWay.empty() || underWay.front().request.id != id) throw ProtocolError(peer + " answered what nobody asked");
-  Asked asked = underWay.front();
+  const auto found = std::ranges::find(underWay, id, [](const Asked& asked) { return asked.request.id; });
+  if (found == underWay.end()) return false;
+  underWay.erase(underWay.begin(), found);
+  return true;
+}
+
+Asked Client::State::takeAsked() {
+  const Asked asked = underWay.front();
   underWay.pop_front();
+  isOfUse = true;
+  wake.wake();  // there is room for the next request
   return asked;
 }
 
-Awaitable<void> Client::State::readFrame(Channel& channel, const MessageHead& head) {
-  const std::string& peer = channel.stream().peer();
-  if (head.bodyBytes > settings.maxFrameBytes || head.bodyBytes < kFrameHeadBytes)
-    throw ProtocolError(peer + " announced a frame of " + std::to_string(head.bodyBytes) + " bytes");
-  std::array<std::byte, kFrameHeadBytes> bytes;
-  co_await channel.read(bytes, "a frame's head");
-  FrameArrival arrival;
-  arrival.beganAt = now();
-  const std::optional<FrameHead> frameHead = readFrameHead(bytes);
-  if (!frameHead) throw ProtocolError(peer + " sent a damaged frame");
-  const MessageHead rest{MessageType::frame, static_cast<uint32_t>(head.bodyBytes - kFrameHeadBytes)};
-  // In two steps: GCC 12 destroys parts of an aggregate too early if it waits among its members.
-  Bytes payload = co_await channel.readBody(rest, settings.maxFrameBytes);
-  Frame frame{*frameHead, std::move(payload)};
-  arrival.arrivedAt = now();
-  const Asked asked = takeAsked(frameHead->id, peer);
-  arrival.requestedAt = asked.requestedAt;
-  arrival.sentAt = asked.sentAt;
-  wake.wake();  // there is room for the next request
-  if (!isClosed) events.onFrame(std::move(frame), arrival);
+void Client::State::onFrame(Frame frame, TimePoint beganAt) {
+  const Asked asked = takeAsked();
+  if (!isClosed) events.onFrame(std::move(frame), {asked.requestedAt, asked.sentAt, beganAt, now()});
 }
 
-Awaitable<void> Client::State::write(Channel& channel) {
-  TimePoint lastSaid = now();
+void Client::State::onFailure(const Failure& failure) {
+  takeAsked();
+  if (!isClosed) events.onFailure(failure);
+}
+
+void Client::State::onPing(uint64_t number) {
+  pong = number;  // of several, the last: the answers cannot pile up
+  wake.wake();
+}
+
+void Client::State::onPong(uint64_t number) {
+  // Servers answer the last of several; those before it are not measured. Numbers that were never sent are nothing to go by.
+  const auto found = std::ranges::find(pings, number);
+  if (found == pings.end()) return;
+  pings.erase(pings.begin(), found + 1);
+  if (!isClosed) events.onRoundTrip(std::chrono::nanoseconds(nanosecondsOf(now()) - number));
+}
+
+Awaitable<void> Client::State::write(Channel& to) {
+  TimePoint nextPing = now();  // not only in silence: they measure the round trip
   while (stream != nullptr) {
     if (pong) {
       const Bytes message = beatMessage(MessageType::pong, *std::exchange(pong, std::nullopt));
-      co_await channel.write(message, "sending a heartbeat");
+      co_await to.write(message, "sending a heartbeat");
     } else if (wanted && underWay.size() < std::min(agreedDepth, settings.depth)) {
       Asked asked = *std::exchange(wanted, std::nullopt);
       asked.sentAt = now();
       asked.request.sentAtNs = nanosecondsOf(asked.sentAt);
       underWay.push_back(asked);
       const Bytes message = requestMessage(asked.request);
-      co_await channel.write(message, "sending a request");
-    } else if (now() - lastSaid >= heartbeat) {
-      const Bytes message = beatMessage(MessageType::ping, nanosecondsOf(now()));
-      co_await channel.write(message, "sending a heartbeat");
+      co_await to.write(message, "sending a request");
+    } else if (now() >= nextPing) {
+      nextPing = now() + heartbeat;
+      pings.push_back(nanosecondsOf(now()));
+      if (pings.size() > kMostPings) pings.pop_front();
+      const Bytes message = beatMessage(MessageType::ping, pings.back());
+      co_await to.write(message, "sending a heartbeat");
     } else {
-      co_await wake.waitUntil(lastSaid + heartbeat);
-      continue;
+      co_await wake.waitUntil(nextPing);
     }
-    lastSaid = now();
   }
 }
 
 Client::Client(std::shared_ptr<IoThread> io, ClientSettings settings, ClientEvents& events) : io_(std::move(io)) {
   requireValid(settings.link);
+  settings.depth = std::clamp<uint16_t>(settings.depth, 1, kMaxDepth);
+  settings.maxFrameBytes = std::clamp<uint64_t>(settings.maxFrameBytes, kFrameHeadBytes, kMaxFrameBytes);
   state_ = std::make_shared<State>(io_->context(), std::move(settings), events);
   asio::co_spawn(
       io_->context(), [state = state_] { return state->run(); }, [state = state_](const std::exception_ptr&) {});
@@ -299,6 +322,8 @@ Client::~Client() { close(); }
 
 void Client::request(const FrameRequest& request) {
   asio::post(io_->context(), [state = state_, asked = Asked{request, now(), {}}] {
+    if (asked.request.id <= state->newestId) return;
+    state->newestId = asked.request.id;
     state->wanted = asked;
     state->wake.wake();
   });
@@ -309,14 +334,18 @@ void Client::setLink(const DuplexLinkSettings& link) {
   asio::post(io_->context(), [state = state_, link] {
     state->settings.link = link;
     if (state->link != nullptr) state->link->setSettings(link);
+    if (state->channel != nullptr) state->channel->setPatience(state->patience());
   });
 }
 
 void Client::setDepth(uint16_t depth) {
   asio::post(io_->context(), [state = state_, depth] {
     state->settings.depth = std::clamp<uint16_t>(depth, 1, kMaxDepth);
-    // What the server agreed to was for the connection: for more, it takes another one.
-    if (state->settings.depth > state->agreedDepth && state->stream != nullptr) state->stream->abort();
+    // What was agreed is for the connection: for more, it takes another one.
+    if (state->settings.depth > state->offeredDepth && state->stream != nullptr) {
+      state->isRenewed = true;
+      state->stream->abort();
+    }
     state->wake.wake();
   });
 }

@@ -15,12 +15,12 @@
 namespace warpscope::net {
 
 struct ClientSettings {
-  Address address;
+  Address address{};
   DuplexLinkSettings link{};  ///< simulated on top of the real one
-  uint16_t depth = 1;       ///< requests under way at a time, 1..kMaxDepth
-  uint64_t maxFrameBytes = kMaxFrameBytes;
-  std::chrono::milliseconds connectPatience{10000};  ///< for connecting, TLS, and the handshake with what the link adds to it
-  std::chrono::milliseconds firstPause{250};         ///< before connecting again; doubled each time, by chance up to a half less
+  uint16_t depth = 1;       ///< requests under way at a time, brought into 1..kMaxDepth
+  uint64_t maxFrameBytes = kMaxFrameBytes;           ///< brought into kFrameHeadBytes..kMaxFrameBytes
+  std::chrono::milliseconds connectPatience{10000};  ///< for connecting, TLS and the greetings; the simulated link's delay comes on top
+  std::chrono::milliseconds firstPause{250};  ///< before connecting again; doubled until a connection is of use, by chance up to a half less
   std::chrono::milliseconds longestPause{8000};
   bool connectsAgain = true;
 };
@@ -48,7 +48,7 @@ struct FrameArrival {
   TimePoint arrivedAt;    ///< all of it was there
 };
 
-/// Whom a client tells. Called on the I/O thread, which waits meanwhile: take what comes and return.
+/// Whom a client tells. Called on the I/O thread, which waits meanwhile: take what comes and return, without throwing.
 class ClientEvents {
  public:
   virtual ~ClientEvents() = default;
@@ -57,7 +57,7 @@ class ClientEvents {
   virtual void onScene(const SceneFields& scene) = 0;
   virtual void onFrame(Frame frame, const FrameArrival& arrival) = 0;
   virtual void onFailure(const Failure& failure) = 0;
-  /// A round trip of a heartbeat.
+  /// A round trip of a heartbeat: one when connected, and one each of the server's intervals.
   virtual void onRoundTrip(Duration) {}
 };
 
@@ -70,10 +70,12 @@ class Client {
 
   // Safe on any thread but the I/O thread's.
 
-  /// Asks for a frame. Ids grow; `sentAtNs` is filled in here. What is not answered when the connection breaks is asked again.
+  /// Asks for a frame. Ids grow from 1 on; one that is not greater than those before is passed over. `sentAtNs` is filled in here. When
+  /// the connection breaks, the newest that was not answered is asked again.
   void request(const FrameRequest& request);
   /// For what is sent from now on. Throws LinkSettingsError.
   void setLink(const DuplexLinkSettings& link);
+  /// Brought into 1..kMaxDepth. For more than the connection began with, another one is made.
   void setDepth(uint16_t depth);
   /// Connects at once instead of waiting; nothing in any other phase.
   void connectNow();

@@ -206,10 +206,17 @@ Bytes beatMessage(MessageType pingOrPong, uint64_t number) {
   return messageOf(pingOrPong, 0, [&](WireWriter& wire) { wire.number(number); });
 }
 
-bool hasMagic(ByteView bytes) {
+bool beginsLikeMagic(ByteView bytes) {
+  const size_t count = std::min(bytes.size(), kMagic.size());
+  return std::ranges::equal(bytes.first(count), std::as_bytes(std::span(kMagic)).first(count));
+}
+
+std::optional<uint16_t> readHelloVersion(ByteView bytes) {
   WireReader wire(bytes);
   magic(wire);
-  return !wire.hasFailed();
+  uint16_t version;
+  wire.number(version);
+  return ifComplete(wire, version);
 }
 
 std::optional<ClientHello> readClientHello(ByteView bytes) {
@@ -217,15 +224,18 @@ std::optional<ClientHello> readClientHello(ByteView bytes) {
   ClientHello hello;
   magic(wire);
   wire.number(hello.version);
+  if (!wire.hasFailed() && hello.version != kProtocolVersion) return hello;
   wire.number(hello.capabilities);
   wire.number(hello.maxFrameBytes);
   wire.number(hello.depth);
-  if (!wire.hasFailed() && hello.version != kProtocolVersion) return hello;
   bool hasToken;
   flag(wire, hasToken);
   std::array<uint8_t, Token::kBytes> secret;
   wire.numbers(secret);
-  if (hasToken) hello.token = Token(secret);
+  if (hasToken)
+    hello.token = Token(secret);
+  else if (secret != std::array<uint8_t, Token::kBytes>{})
+    return std::nullopt;
   if (hello.depth < 1 || hello.depth > kMaxDepth) return std::nullopt;
   if (hello.maxFrameBytes < kFrameHeadBytes || hello.maxFrameBytes > kMaxFrameBytes) return std::nullopt;
   return ifComplete(wire, hello);

@@ -8,7 +8,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "net/token.h"
@@ -30,6 +29,7 @@ inline constexpr uint32_t kCapabilities = kCanPack | kCanJpeg | kCanPicture;
 
 // --- Limits. A length beyond them ends the connection before anything is allocated.
 
+inline constexpr size_t kHelloHeadBytes = 8 + 2;  ///< of a greeting in every version: the first bytes, and the version
 inline constexpr size_t kClientHelloBytes = 8 + 2 + 4 + 8 + 2 + 1 + Token::kBytes;
 inline constexpr size_t kServerHelloBytes = 8 + 2 + 1 + 4 + 8 + 2 + 4 + 4;
 inline constexpr size_t kMessageHeadBytes = 8;
@@ -48,6 +48,8 @@ struct ClientHello {
   uint64_t maxFrameBytes = kMaxFrameBytes;  ///< it takes no larger message
   uint16_t depth = 1;                       ///< how many requests it wants to have under way, 1..kMaxDepth
   std::optional<Token> token;
+
+  bool operator==(const ClientHello&) const = default;
 };
 
 enum class Verdict : uint8_t {
@@ -66,6 +68,8 @@ struct ServerHello {
   uint16_t depth = 1;          ///< requests that may be under way, at most what the client asked for
   uint32_t heartbeatMs = 0;    ///< each side says something at least this often
   uint32_t patienceMs = 0;     ///< who has said nothing for this long is gone
+
+  bool operator==(const ServerHello&) const = default;
 };
 
 // --- Messages: a head of 8 bytes (type, three zeros, length of the body), then the body.
@@ -75,13 +79,15 @@ enum class MessageType : uint8_t {
   request = 2,  ///< client to server
   frame = 3,    ///< server to client, the answer to a request
   failure = 4,  ///< server to client, the other answer
-  ping = 5,     ///< both ways, when there is nothing else to say
+  ping = 5,     ///< client to server, to measure the round trip; server to client, when there is nothing else to say
   pong = 6,     ///< the answer
 };
 
 struct MessageHead {
   MessageType type = MessageType::ping;
   uint32_t bodyBytes = 0;
+
+  bool operator==(const MessageHead&) const = default;
 };
 
 /// As Camera (render/core/camera.h), in volume space.
@@ -208,8 +214,10 @@ Bytes frameMessage(const FrameHead& head, size_t payloadBytes);
 Bytes failureMessage(const Failure& failure);
 Bytes beatMessage(MessageType pingOrPong, uint64_t number);
 
-/// Whether the other side's first bytes are this protocol's.
-bool hasMagic(ByteView bytes);
+/// Whether the other side's bytes, as far as they have come, begin as this protocol does.
+bool beginsLikeMagic(ByteView bytes);
+/// Of a greeting's first kHelloHeadBytes; nothing if they are another protocol's.
+std::optional<uint16_t> readHelloVersion(ByteView bytes);
 /// The version may be another one: then the rest is as it may be.
 std::optional<ClientHello> readClientHello(ByteView bytes);
 std::optional<ServerHello> readServerHello(ByteView bytes);

@@ -25,7 +25,7 @@ bool RequestQueue::put(ClientId client, const FrameRequest& request, TimePoint a
     if (found->waiting.size() >= found->depth) found->waiting.pop_back();
     found->waiting.push_back({client, request, arrivedAt});
   }
-  changed_.notify_one();
+  changed_.notify_all();  // one alone might be about to stop
   return true;
 }
 
@@ -48,7 +48,7 @@ void RequestQueue::done(ClientId client) {
     if (found == clients_.end() || found->atWork == 0) return;
     --found->atWork;
   }
-  changed_.notify_one();
+  changed_.notify_all();  // one alone might be about to stop
 }
 
 size_t RequestQueue::clientCount() const {

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "net/channel.h"
+#include "net/reading.h"
 #include "net/tcp_stream.h"
 #include "net/tls_stream.h"
 
@@ -26,6 +26,20 @@ struct Outgoing {
   TimePoint readyAt;
 };
 
+/// What is wrong with the settings, or nothing.
+std::string faultOf(const ServerSettings& settings) {
+  constexpr std::chrono::hours kLongest{1};
+  if (settings.identity.has_value() != settings.token.has_value()) return "a certificate and a token go together";
+  if (!settings.identity && !isLoopback(settings.listen.host)) return "others can reach it, which needs a certificate and a token";
+  if (settings.scene.views.empty() || settings.scene.views.size() > kMaxViews)
+    return "a scene has 1 to " + std::to_string(kMaxViews) + " views, not " + std::to_string(settings.scene.views.size());
+  if (settings.maxDepth < 1 || settings.maxDepth > kMaxDepth)
+    return "1 to " + std::to_string(kMaxDepth) + " requests can be under way, not " + std::to_string(settings.maxDepth);
+  if (settings.heartbeat < std::chrono::milliseconds(1) || settings.patience <= settings.heartbeat || settings.patience > kLongest)
+    return "heartbeats need at least 1 ms, and patience more than a heartbeat and at most an hour";
+  return {};
+}
+
 }  // namespace
 
 /// What the server's threads share. Everything but the queue belongs to the I/O thread.
@@ -41,10 +55,11 @@ struct Server::State : std::enable_shared_from_this<State> {
   }
 
   Awaitable<void> acceptAll();
-  Awaitable<void> serve(std::unique_ptr<TcpStream> tcp);
+  Awaitable<void> serve(uint64_t greeting, std::unique_ptr<TcpStream> tcp);
   Awaitable<std::unique_ptr<Stream>> secured(std::unique_ptr<TcpStream> tcp, TimePoint deadline);
   /// The hello of a client that may stay.
   Awaitable<std::optional<ClientHello>> greet(Stream& stream, TimePoint deadline);
+  Awaitable<void> turnAway(Stream& stream, TimePoint deadline, Verdict verdict, std::string why);
   Awaitable<void> reply(Stream& stream, TimePoint deadline, ServerHello hello);
   void begin();
   void end();
@@ -67,37 +82,20 @@ struct Server::State : std::enable_shared_from_this<State> {
 };
 
 /// One client that has been let in.
-class Server::Session : public std::enable_shared_from_this<Session> {
+class Server::Session : public std::enable_shared_from_this<Session>, private FromClient {
  public:
   Session(std::shared_ptr<State> server, ClientId id, std::unique_ptr<Stream> stream, uint16_t depth, uint64_t maxFrameBytes)
       : server_(std::move(server)),
         id_(id),
-        channel_(std::move(stream), server_->settings.patience),
+        // Its first message comes a round trip after the welcome, of which nothing is known yet.
+        channel_(std::move(stream), server_->settings.patience + server_->settings.greetingPatience),
         depth_(depth),
         maxFrameBytes_(maxFrameBytes),
-        wake_(channel_.stream().executor()) {}
-
-  const std::string& peer() { return channel_.stream().peer(); }
+        wake_(channel_.stream().executor()),
+        writerEnd_(channel_.stream().executor()) {}
 
   /// Reads until the client leaves; throws what made it end otherwise.
-  Awaitable<void> read() {
-    while (const std::optional<MessageHead> head = co_await channel_.readHead()) {
-      const bool isRequest = head->type == MessageType::request;
-      if (!isRequest && head->type != MessageType::ping && head->type != MessageType::pong)
-        throw ProtocolError(peer() + " sent a message that clients do not send");
-      const Bytes body = co_await channel_.readBody(*head, isRequest ? kRequestBytes : kBeatBytes);
-      if (isRequest) {
-        const std::optional<FrameRequest> request = readRequest(body);
-        if (!request) throw ProtocolError(peer() + " sent a damaged request");
-        if (!server_->queue.put(id_, *request, now())) throw ProtocolError(peer() + " sent a request out of order");
-      } else if (const std::optional<uint64_t> beat = readBeat(body); !beat) {
-        throw ProtocolError(peer() + " sent a damaged heartbeat");
-      } else if (head->type == MessageType::ping) {
-        pong_ = *beat;  // of several, the last: the answers cannot pile up
-        wake_.wake();
-      }
-    }
-  }
+  Awaitable<void> read() { return readClient(channel_, *this); }
 
   /// Writes until the session is closed; throws what made it end otherwise.
   Awaitable<void> write() {
@@ -129,13 +127,36 @@ class Server::Session : public std::enable_shared_from_this<Session> {
     wake_.wake();
   }
 
-  void close() {
+  /// Ends both coroutines; null if that was the client's wish.
+  void close(const std::exception_ptr& why) {
+    reason_.add(why);
     isClosed_ = true;
     channel_.stream().abort();
     wake_.wake();
   }
+  void writerBegins() { isWriting_ = true; }
+  void writerEnds(const std::exception_ptr& why) {
+    close(why);
+    isWriting_ = false;
+    writerEnd_.wake();
+  }
+  Awaitable<void> untilWriterEnds() {
+    while (isWriting_) co_await writerEnd_.waitUntil(now() + std::chrono::seconds(1));
+  }
+  /// Known when both have ended.
+  const Reason& reason() const { return reason_; }
 
  private:
+  bool onRequest(const FrameRequest& request) override {
+    channel_.setPatience(server_->settings.patience);
+    return server_->queue.put(id_, request, now());
+  }
+  void onPing(uint64_t number) override {
+    channel_.setPatience(server_->settings.patience);
+    pong_ = number;  // of several, the last: the answers cannot pile up
+    wake_.wake();
+  }
+
   Awaitable<void> send(const Outgoing& next) {
     if (!next.frame) {
       co_await channel_.write(next.bytes, "sending an answer");
@@ -159,11 +180,14 @@ class Server::Session : public std::enable_shared_from_this<Session> {
   Channel channel_;
   const uint16_t depth_;
   const uint64_t maxFrameBytes_;
-  Signal wake_;
+  Signal wake_;  // the writer
+  Signal writerEnd_;
   std::deque<Outgoing> outgoing_;
   std::optional<uint64_t> pong_;
   uint64_t pings_ = 0;
   bool isClosed_ = false;
+  bool isWriting_ = false;
+  Reason reason_;
 };
 
 void Server::State::begin() {
@@ -187,15 +211,19 @@ Awaitable<void> Server::State::acceptAll() {
     } catch (const system_error&) {
       continue;  // closed, or nothing that would come again
     }
+    if (isStopped) break;
     if (greetings.size() >= settings.maxGreetings) {
       note(tcp->peer() + " turned away: too many connections that have not shown who they are");
       tcp->abort();
       continue;
     }
+    // Known from here on, so that stop() finds it even before its coroutine has begun.
+    const uint64_t greeting = ++lastGreeting;
+    greetings[greeting] = tcp.get();
     begin();
     asio::co_spawn(
-        io, [self = shared_from_this(), shared = std::make_shared<std::unique_ptr<TcpStream>>(std::move(tcp))]() {
-          return self->serve(std::move(*shared));
+        io, [self = shared_from_this(), greeting, shared = std::make_shared<std::unique_ptr<TcpStream>>(std::move(tcp))]() {
+          return self->serve(greeting, std::move(*shared));
         },
         [self = shared_from_this()](const std::exception_ptr&) { self->end(); });
   }
@@ -211,38 +239,40 @@ Awaitable<void> Server::State::reply(Stream& stream, TimePoint deadline, ServerH
   co_await withDeadline(stream, deadline, "answering the greeting", stream.write(asio::buffer(bytes)));
 }
 
-Awaitable<std::optional<ClientHello>> Server::State::greet(Stream& stream, TimePoint deadline) {
-  std::array<std::byte, kClientHelloBytes> bytes;
-  co_await withDeadline(stream, deadline, "reading the greeting", readExactly(stream, asio::buffer(bytes)));
-  if (!hasMagic(bytes)) {
-    note(stream.peer() + " turned away: it does not speak this protocol");
-    co_return std::nullopt;
-  }
-  const std::optional<ClientHello> hello = readClientHello(bytes);
+/// Says why, and sees to it that it arrives.
+Awaitable<void> Server::State::turnAway(Stream& stream, TimePoint deadline, Verdict verdict, std::string why) {
+  note(stream.peer() + " turned away: " + why);
   ServerHello answer;
-  if (!hello) {
-    note(stream.peer() + " turned away: its greeting is damaged");
-    co_return std::nullopt;
-  }
-  if (hello->version != kProtocolVersion)
-    answer.verdict = Verdict::otherVersion;
-  else if (settings.token && !(hello->token && *hello->token == *settings.token))
-    answer.verdict = Verdict::wrongToken;
-  else if (sessions.size() >= settings.maxClients)
-    answer.verdict = Verdict::full;
-  if (answer.verdict == Verdict::welcome) co_return hello;
-  constexpr const char* kReasons[] = {"", "another version of the protocol", "a wrong token", "no room for another client"};
-  note(stream.peer() + " turned away: " + kReasons[static_cast<size_t>(answer.verdict)]);
+  answer.verdict = verdict;
   co_await reply(stream, deadline, answer);
   co_await stream.finish(deadline);
+}
+
+Awaitable<std::optional<ClientHello>> Server::State::greet(Stream& stream, TimePoint deadline) {
+  std::optional<ClientHello> hello;
+  std::string foreign;
+  try {
+    hello = co_await receiveClientHello(stream, deadline);
+  } catch (const ForeignPeer& error) {
+    foreign = error.what();
+  }
+  // Who speaks another protocol, TLS above all, learns from the answer that this is none of it.
+  if (!hello)
+    co_await turnAway(stream, deadline, Verdict::otherVersion, std::move(foreign));
+  else if (hello->version != kProtocolVersion)
+    co_await turnAway(stream, deadline, Verdict::otherVersion, "version " + std::to_string(hello->version) + " of the protocol");
+  else if (settings.token && !(hello->token && *hello->token == *settings.token))
+    co_await turnAway(stream, deadline, Verdict::wrongToken, "a wrong token");
+  else if (sessions.size() >= settings.maxClients)
+    co_await turnAway(stream, deadline, Verdict::full, "no room for another client");
+  else
+    co_return hello;
   co_return std::nullopt;
 }
 
-Awaitable<void> Server::State::serve(std::unique_ptr<TcpStream> tcp) {
+Awaitable<void> Server::State::serve(uint64_t greeting, std::unique_ptr<TcpStream> tcp) {
   const std::string peer = tcp->peer();
-  const uint64_t greeting = ++lastGreeting;
   const TimePoint deadline = now() + settings.greetingPatience;
-  greetings[greeting] = tcp.get();
   std::unique_ptr<Stream> stream;
   std::optional<ClientHello> hello;
   std::string trouble;
@@ -269,39 +299,38 @@ Awaitable<void> Server::State::serve(std::unique_ptr<TcpStream> tcp) {
   sessions[id] = session;
   queue.join(id, welcome.depth);
   note(peer + " connected");
-  begin();
+  std::exception_ptr failure;
   try {
     co_await reply(kept, deadline, welcome);
     // The writer beside the reader; whichever ends first ends the other.
+    begin();
+    session->writerBegins();
     asio::co_spawn(
         io, [session] { return session->write(); },
-        [self = shared_from_this(), session](const std::exception_ptr&) {
-          session->close();
+        [self = shared_from_this(), session](const std::exception_ptr& writerFailure) {
+          session->writerEnds(writerFailure);
           self->end();
         });
-  } catch (const std::exception& error) {
-    trouble = error.what();
-    end();
+    co_await session->read();
+  } catch (...) {
+    failure = std::current_exception();
   }
-  if (trouble.empty()) {
-    try {
-      co_await session->read();
-    } catch (const std::exception& error) {
-      trouble = error.what();
-    }
-  }
-  session->close();
+  session->close(failure);
   queue.leave(id);
   sessions.erase(id);
-  note(peer + " left" + (trouble.empty() ? "" : ": " + trouble));
+  co_await session->untilWriterEnds();
+  const std::string why = session->reason().sentence();
+  note(peer + " left" + (why.empty() ? "" : ": " + why));
 }
 
 Server::Server(std::shared_ptr<IoThread> io, ServerSettings settings) : io_(std::move(io)) {
-  if ((!settings.identity || !settings.token) && !isLoopback(settings.listen.host))
-    throw std::invalid_argument("listening on " + toString(settings.listen) +
-                                ", which others can reach, needs a certificate and a token");
+  const std::string where = toString(settings.listen);
+  if (const std::string fault = faultOf(settings); !fault.empty()) throw std::invalid_argument("cannot serve on " + where + ": " + fault);
   state_ = io_->call([&] { return std::make_shared<State>(io_->context(), std::move(settings)); });
   if (state_->settings.identity) state_->tls = makeServerContext(*state_->settings.identity);
+  // Names may be looked up to anything.
+  if (!state_->tls && !state_->listener.isLoopback())
+    throw std::invalid_argument("cannot serve on " + where + ": it is " + state_->listener.address() + ", which others can reach");
   state_->listener.onShortage([state = state_.get()](const std::string& text) { state->note(text); });
   state_->begin();
   asio::co_spawn(
@@ -316,7 +345,8 @@ void Server::stop() {
     state->isStopped = true;
     state->listener.close();
     for (const auto& [id, stream] : state->greetings) stream->abort();
-    for (const auto& [id, session] : std::map(state->sessions)) session->close();
+    const auto why = std::make_exception_ptr(std::runtime_error("the server stopped"));
+    for (const auto& [id, session] : std::map(state->sessions)) session->close(why);
   });
   std::unique_lock lock(state_->mutex);
   state_->ended.wait(lock, [this] { return state_->running == 0; });

@@ -5,6 +5,8 @@
 #include <openssl/crypto.h>
 #include <openssl/x509.h>
 
+#include <array>
+
 #include "net/deadline.h"
 
 namespace warpscope::net {
@@ -66,6 +68,17 @@ FingerprintMismatch::FingerprintMismatch(const std::string& peer, const Fingerpr
 /// What the two sides of the handshake have in common.
 class TlsHandshake {
  public:
+  /// OpenSSL's alert stays in Asio's buffers when the handshake fails, and the peer would see an end that says nothing.
+  static Awaitable<void> sayThatThisIsTls(TlsStream& stream, TimePoint deadline) {
+    // A fatal "unexpected message": RFC 8446, sections 5.1 and 6.2.
+    constexpr std::array<uint8_t, 7> kAlert{21, 3, 3, 0, 2, 2, 10};
+    try {
+      co_await withDeadline(*stream.tcp_, deadline, "refusing", stream.tcp_->write(asio::buffer(kAlert)));
+    } catch (const system_error&) {
+      // It is gone already: nobody is left to be told.
+    }
+  }
+
   static Awaitable<void> shakeHands(TlsStream& stream, ssl::stream_base::handshake_type side, TimePoint deadline) {
     error_code error;
     {
@@ -75,7 +88,9 @@ class TlsHandshake {
     }
     if (!error) co_return;
     const std::string what = "TLS handshake with " + stream.peer();
-    throw system_error(error, isNoTls(error) ? what + ": the peer does not speak TLS" : what);
+    if (!isNoTls(error)) throw system_error(error, what);
+    if (side == ssl::stream_base::server) co_await sayThatThisIsTls(stream, deadline);
+    throw NoTls(error, what + ": the peer does not speak TLS");
   }
 };
 

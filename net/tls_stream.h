@@ -16,6 +16,12 @@ class FingerprintMismatch : public system_error {
   FingerprintMismatch(const std::string& peer, const Fingerprint& expected, const Fingerprint& shown);
 };
 
+/// What the peer says is no TLS.
+class NoTls : public system_error {
+ public:
+  using system_error::system_error;
+};
+
 /// An end of the connection without TLS's own farewell is an error (ssl::error::stream_truncated): bytes may be missing.
 class TlsStream final : public Stream {
  public:
@@ -49,7 +55,7 @@ class TlsStream final : public Stream {
 /// What every connection of a server shares. Throws system_error.
 TlsStream::Context makeServerContext(const Identity& identity);
 
-/// The server's side of the handshake. Throws DeadlineExceeded, or system_error, which says so if the peer does not speak TLS.
+/// The server's side of the handshake. Throws DeadlineExceeded, NoTls, or system_error.
 Awaitable<std::unique_ptr<TlsStream>> acceptTls(std::unique_ptr<TcpStream> tcp, TlsStream::Context context, TimePoint deadline);
 
 /// The client's side. Nothing is sent to a server with another certificate. Throws as acceptTls(), or FingerprintMismatch.

@@ -29,7 +29,9 @@ class WireWriter {
   void numbers(const std::array<Number, kCount>& values) {
     for (const Number& value : values) number(value);
   }
-  void bytes(std::span<const std::byte> bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
+  void bytes(std::span<const std::byte> bytes) {
+    for (const std::byte byte : bytes) out_.push_back(byte);  // these are few; GCC 12 warns of what insert() would do
+  }
   /// A length of 16 bits, then the bytes; what is longer is cut off.
   void text(std::string_view text) {
     const std::string_view kept = text.substr(0, 0xffff);

@@ -1,77 +1,9 @@
 // Client and server together over loopback: greeting, requests, answers, and connecting again.
 // Mirrors net/client.h and net/server.h.
-#include <gtest/gtest.h>
-
-#include <condition_variable>
-#include <mutex>
-#include <thread>
-
-#include "net/client.h"
-#include "net/server.h"
+#include "tests/net/exchange.h"
 
 namespace warpscope::net {
 namespace {
-
-using namespace std::chrono_literals;
-
-SceneFields someScene() {
-  SceneFields scene;
-  scene.name = "scene";
-  scene.dims = {4, 5, 6};
-  scene.views.push_back({10.0, 20.0, 1.5, 0.0, 0.0});
-  return scene;
-}
-
-/// Keeps what a client is told, and lets a test wait for it.
-class Witness final : public ClientEvents {
- public:
-  void onState(const ConnectionState& state) override { note([&] { states.push_back(state); }); }
-  void onScene(const SceneFields& scene) override { note([&] { scenes.push_back(scene); }); }
-  void onFrame(Frame frame, const FrameArrival&) override { note([&] { frames.push_back(std::move(frame)); }); }
-  void onFailure(const Failure& failure) override { note([&] { failures.push_back(failure); }); }
-
-  template <class Condition>
-  bool waitFor(Condition condition, Duration patience = 10s) {
-    std::unique_lock lock(mutex);
-    return changed.wait_for(lock, patience, condition);
-  }
-  bool isConnected() const { return !states.empty() && states.back().phase == ConnectionPhase::connected; }
-  bool isRefused() const { return !states.empty() && states.back().phase == ConnectionPhase::refused; }
-
-  std::mutex mutex;
-  std::condition_variable changed;
-  std::vector<ConnectionState> states;
-  std::vector<SceneFields> scenes;
-  std::vector<Frame> frames;
-  std::vector<Failure> failures;
-
- private:
-  template <class F>
-  void note(F&& f) {
-    {
-      const std::scoped_lock lock(mutex);
-      f();
-    }
-    changed.notify_all();
-  }
-};
-
-/// Answers every request with a payload of so many bytes, all of them the request's id.
-class Answering {
- public:
-  Answering(Server& server, size_t payloadBytes)
-      : thread_([&server, payloadBytes](const std::stop_token& stop) {
-          while (const std::optional<RequestJob> job = server.requests().take(stop)) {
-            FrameHead head;
-            head.id = job->request.id;
-            head.camera = job->request.camera;
-            server.answer(job->client, head, Bytes(payloadBytes, static_cast<std::byte>(job->request.id)));
-          }
-        }) {}
-
- private:
-  std::jthread thread_;
-};
 
 TEST(Exchange, ScenesRequestsAndFramesArrive) {
   const auto io = std::make_shared<IoThread>();

@@ -72,7 +72,7 @@ class IoTest : public testing::Test {
   std::exception_ptr failure_;
 };
 
-struct Failure {
+struct Thrown {
   error_code code;
   std::string text;  ///< empty if there was none
   bool isDeadline = false;
@@ -80,8 +80,8 @@ struct Failure {
 
 /// What `operation` throws.
 template <class T>
-Awaitable<Failure> failureOf(Awaitable<T> operation) {
-  Failure failure;
+Awaitable<Thrown> failureOf(Awaitable<T> operation) {
+  Thrown failure;
   try {
     co_await std::move(operation);
   } catch (const DeadlineExceeded& error) {

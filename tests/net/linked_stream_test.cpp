@@ -162,7 +162,7 @@ TEST_F(LinkedStreamTest, MemoryIsBounded) {
   size_t mostUp = 0, mostDown = 0;
   bool isWritten = false;
   spawn([&]() -> Awaitable<> {
-    const Failure failure = co_await failureOf(writeText(*client_, std::string(32 << 20, 'x')));
+    const Thrown failure = co_await failureOf(writeText(*client_, std::string(32 << 20, 'x')));
     isWritten = failure.text.empty();
   });
   spawn([&]() -> Awaitable<> { co_await failureOf(writeText(*server_, std::string(32 << 20, 'x'))); });
@@ -262,7 +262,7 @@ TEST_F(LinkedStreamTest, ErrorsArriveLateAndAgain) {
     server_->abort();
     std::array<char, 5> buffer;
     for (int i = 0; i < 2; ++i) {
-      const Failure failure = co_await failureOf(client_->readSome(asio::buffer(buffer)));
+      const Thrown failure = co_await failureOf(client_->readSome(asio::buffer(buffer)));
       EXPECT_EQ(failure.code, asio::error::connection_reset);
       EXPECT_GE(msSince(begin), 30);
     }
@@ -274,7 +274,7 @@ TEST_F(LinkedStreamTest, WritersLearnOfErrorsARoundTripLater) {
   run([&]() -> Awaitable<> {
     server_->abort();
     const TimePoint begin = now();
-    Failure failure;
+    Thrown failure;
     while (failure.text.empty() && msSince(begin) < 5000) {
       failure = co_await failureOf(writeText(*client_, "x"));
       co_await sleep(milliseconds(1));
@@ -314,7 +314,7 @@ TEST_F(LinkedStreamTest, ClosingEndsWhatIsUnderWay) {
   for (const char* const settings : {"none", "delay=5000,rate=1M"}) {
     SCOPED_TRACE(settings);
     connect(settings);
-    Failure read, write;
+    Thrown read, write;
     spawn([&]() -> Awaitable<> { read = co_await failureOf(readText(*client_, 1)); });
     spawn([&]() -> Awaitable<> { write = co_await failureOf(writeText(*client_, std::string(64 << 20, 'x'))); });
     spawn([&]() -> Awaitable<> {
@@ -332,7 +332,7 @@ TEST_F(LinkedStreamTest, ClosingEndsWhatIsUnderWay) {
 TEST_F(LinkedStreamTest, DeadlinesActThroughTheLink) {
   connect("delay=5000");
   run([&]() -> Awaitable<> {
-    const Failure failure =
+    const Thrown failure =
         co_await failureOf(withDeadline(*client_, inTime(milliseconds(20)), "waiting", readText(*client_, 1)));
     EXPECT_TRUE(failure.isDeadline);
   });
@@ -346,7 +346,7 @@ TEST_F(LinkedStreamTest, MayGoWhileBytesAreOnTheLink) {
     co_await sleep(milliseconds(5));
     client_.reset();
     std::array<char, 5> buffer;
-    const Failure failure = co_await failureOf(server_->readSome(asio::buffer(buffer)));
+    const Thrown failure = co_await failureOf(server_->readSome(asio::buffer(buffer)));
     EXPECT_TRUE(failure.text.empty() || failure.code == asio::error::connection_reset) << failure.text;
   });
 }

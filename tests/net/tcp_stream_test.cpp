@@ -98,9 +98,9 @@ TEST_F(TcpStreamTest, SaysWhyItCannotConnectOrListen) {
         EXPECT_EQ(std::string(error.what()), "cannot listen on 127.0.0.1:" + std::to_string(port) + ": Address already in use");
       }
     }
-    const Failure refused = co_await failureOf(connectTcp(io_.get_executor(), "127.0.0.1", port, never()));
+    const Thrown refused = co_await failureOf(connectTcp(io_.get_executor(), "127.0.0.1", port, never()));
     EXPECT_EQ(refused.text, "cannot connect to 127.0.0.1:" + std::to_string(port) + ": Connection refused");
-    const Failure unknown = co_await failureOf(connectTcp(io_.get_executor(), "a..b", port, never()));
+    const Thrown unknown = co_await failureOf(connectTcp(io_.get_executor(), "a..b", port, never()));
     EXPECT_THAT(unknown.text, StartsWith("cannot look up 'a..b': "));
   });
 }
@@ -130,7 +130,7 @@ TEST_F(TcpStreamTest, FinishingDoesNotWaitBeyondItsDeadline) {
   run([&]() -> Awaitable<> {
     Pair pair = co_await connectedPair();
     co_await pair.client->finish(inTime(milliseconds(20)));
-    const Failure failure = co_await failureOf(writeText(*pair.client, "x"));
+    const Thrown failure = co_await failureOf(writeText(*pair.client, "x"));
     EXPECT_EQ(failure.code, asio::error::operation_aborted);
   });
 }
@@ -141,7 +141,7 @@ TEST_F(TcpStreamTest, AnEndInTheMiddleIsAnError) {
     co_await writeText(*pair.client, "abc");
     pair.client->close();
     std::array<char, 5> buffer;
-    const Failure failure = co_await failureOf(readExactly(*pair.server, asio::buffer(buffer)));
+    const Thrown failure = co_await failureOf(readExactly(*pair.server, asio::buffer(buffer)));
     EXPECT_EQ(failure.code, asio::error::eof);
     EXPECT_THAT(failure.text, HasSubstr("it ended after 3 of 5 bytes"));
     const bool isThere = co_await readExactlyOrEnd(*pair.server, asio::buffer(buffer));
@@ -154,7 +154,7 @@ TEST_F(TcpStreamTest, AnAbortIsAnErrorAtThePeer) {
     Pair pair = co_await connectedPair();
     pair.client->abort();
     std::array<char, 5> buffer;
-    const Failure failure = co_await failureOf(pair.server->readSome(asio::buffer(buffer)));
+    const Thrown failure = co_await failureOf(pair.server->readSome(asio::buffer(buffer)));
     EXPECT_EQ(failure.code, asio::error::connection_reset);
     EXPECT_THAT(failure.text, HasSubstr("reading from 127.0.0.1:"));
   });
@@ -163,7 +163,7 @@ TEST_F(TcpStreamTest, AnAbortIsAnErrorAtThePeer) {
 TEST_F(TcpStreamTest, ClosingEndsWhatIsUnderWay) {
   Pair pair;
   run([&]() -> Awaitable<> { pair = co_await connectedPair(); });
-  Failure read, write;
+  Thrown read, write;
   spawn([&]() -> Awaitable<> {
     std::array<char, 5> buffer;
     read = co_await failureOf(pair.client->readSome(asio::buffer(buffer)));
@@ -185,17 +185,17 @@ TEST_F(TcpStreamTest, DeadlinesOfReadsAndWrites) {
     Pair silent = co_await connectedPair();
     std::array<char, 5> buffer;
     const TimePoint begin = std::chrono::steady_clock::now();
-    const Failure read = co_await failureOf(
+    const Thrown read = co_await failureOf(
         withDeadline(*silent.client, inTime(milliseconds(30)), "reading the greeting", silent.client->readSome(asio::buffer(buffer))));
     EXPECT_TRUE(read.isDeadline);
     EXPECT_EQ(read.code, asio::error::timed_out);
     EXPECT_THAT(read.text, StartsWith("reading the greeting (127.0.0.1:"));
     EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(30));
-    const Failure after = co_await failureOf(writeText(*silent.client, "x"));
+    const Thrown after = co_await failureOf(writeText(*silent.client, "x"));
     EXPECT_EQ(after.code, asio::error::operation_aborted) << "it is closed";
 
     Pair full = co_await connectedPair();
-    const Failure write = co_await failureOf(
+    const Thrown write = co_await failureOf(
         withDeadline(*full.client, inTime(milliseconds(30)), "sending", writeText(*full.client, std::string(64 << 20, 'x'))));
     EXPECT_TRUE(write.isDeadline);
   });
@@ -228,7 +228,7 @@ TEST_F(TcpStreamTest, DeadlineOfConnecting) {
     connect(waiting.back(), reinterpret_cast<sockaddr*>(&address), size);
   }
   run([&]() -> Awaitable<> {
-    const Failure failure =
+    const Thrown failure =
         co_await failureOf(connectTcp(io_.get_executor(), "127.0.0.1", ntohs(address.sin_port), inTime(milliseconds(50))));
     EXPECT_TRUE(failure.isDeadline) << failure.text;
     EXPECT_THAT(failure.text, StartsWith("connecting to 127.0.0.1:"));
@@ -240,7 +240,7 @@ TEST_F(TcpStreamTest, DeadlineOfConnecting) {
 TEST_F(TcpStreamTest, DeadlineOfAcceptingAndGoingOn) {
   TcpListener listener(io_.get_executor(), "127.0.0.1", 0);
   run([&]() -> Awaitable<> {
-    const Failure failure = co_await failureOf(listener.accept(inTime(milliseconds(20))));
+    const Thrown failure = co_await failureOf(listener.accept(inTime(milliseconds(20))));
     EXPECT_TRUE(failure.isDeadline);
     const auto client = co_await connectTcp(io_.get_executor(), "127.0.0.1", listener.port(), never());
     const auto server = co_await listener.accept(never());
@@ -250,7 +250,7 @@ TEST_F(TcpStreamTest, DeadlineOfAcceptingAndGoingOn) {
 
 TEST_F(TcpStreamTest, ClosingAListenerEndsItsAccept) {
   TcpListener listener(io_.get_executor(), "127.0.0.1", 0);
-  Failure failure;
+  Thrown failure;
   spawn([&]() -> Awaitable<> { failure = co_await failureOf(listener.accept()); });
   spawn([&]() -> Awaitable<> {
     co_await sleep(milliseconds(5));

@@ -53,7 +53,7 @@ class TlsStreamTest : public IoTest {
 
   const Identity identity_ = makeIdentity();
   const TlsStream::Context context_ = makeServerContext(identity_);
-  Failure clientFailure_, serverFailure_;
+  Thrown clientFailure_, serverFailure_;
   bool isMismatch_ = false;
 };
 
@@ -110,12 +110,12 @@ TEST_F(TlsStreamTest, PeersThatDoNotSpeakTlsAreToldApart) {
       Pair tcp = co_await connectedPair();
       co_await writeText(*tcp.client, said);
       std::unique_ptr<TlsStream> stream;
-      const Failure server = co_await failureOf(accept(std::move(tcp.server), stream));
+      const Thrown server = co_await failureOf(accept(std::move(tcp.server), stream));
       EXPECT_THAT(server.text, HasSubstr(": the peer does not speak TLS: "));
 
       tcp = co_await connectedPair();
       co_await writeText(*tcp.server, said);
-      const Failure client = co_await failureOf(open(std::move(tcp.client), identity_.fingerprint, stream));
+      const Thrown client = co_await failureOf(open(std::move(tcp.client), identity_.fingerprint, stream));
       EXPECT_THAT(client.text, HasSubstr(": the peer does not speak TLS: "));
       EXPECT_FALSE(isMismatch_);
     });
@@ -129,7 +129,7 @@ TEST_F(TlsStreamTest, GarbageInsideTheHandshakeIsAnError) {
     Pair tcp = co_await connectedPair();
     co_await writeText(*tcp.client, said);
     std::unique_ptr<TlsStream> stream;
-    const Failure failure = co_await failureOf(accept(std::move(tcp.server), stream));
+    const Thrown failure = co_await failureOf(accept(std::move(tcp.server), stream));
     EXPECT_THAT(failure.text, StartsWith("TLS handshake with 127.0.0.1:"));
   });
 }
@@ -139,7 +139,7 @@ TEST_F(TlsStreamTest, APeerThatLeavesInTheHandshakeIsAnError) {
     Pair tcp = co_await connectedPair();
     tcp.client->close();
     std::unique_ptr<TlsStream> stream;
-    const Failure failure = co_await failureOf(accept(std::move(tcp.server), stream));
+    const Thrown failure = co_await failureOf(accept(std::move(tcp.server), stream));
     EXPECT_THAT(failure.text, StartsWith("TLS handshake with 127.0.0.1:"));
     EXPECT_FALSE(failure.isDeadline);
   });
@@ -156,7 +156,7 @@ TEST_F(TlsStreamTest, GarbageAfterTheHandshakeIsAnError) {
   run([&]() -> Awaitable<> {
     const std::string record("\x17\x03\x03\x00\x20", 5);
     co_await asio::async_write(below, asio::buffer(record + std::string(32, 'x')), asio::use_awaitable);
-    const Failure failure = co_await failureOf(readText(*pair.server, 1));
+    const Thrown failure = co_await failureOf(readText(*pair.server, 1));
     EXPECT_THAT(failure.text, HasSubstr("reading from 127.0.0.1:"));
     EXPECT_NE(failure.code, asio::error::eof);
   });
@@ -165,11 +165,11 @@ TEST_F(TlsStreamTest, GarbageAfterTheHandshakeIsAnError) {
 TEST_F(TlsStreamTest, SilenceInTheHandshakeEndsAtTheDeadline) {
   run([&]() -> Awaitable<> {
     Pair tcp = co_await connectedPair();
-    const Failure server = co_await failureOf(acceptTls(std::move(tcp.server), context_, inTime(milliseconds(30))));
+    const Thrown server = co_await failureOf(acceptTls(std::move(tcp.server), context_, inTime(milliseconds(30))));
     EXPECT_TRUE(server.isDeadline);
     EXPECT_THAT(server.text, StartsWith("TLS handshake with 127.0.0.1:"));
     tcp = co_await connectedPair();
-    const Failure client = co_await failureOf(openTls(std::move(tcp.client), identity_.fingerprint, inTime(milliseconds(30))));
+    const Thrown client = co_await failureOf(openTls(std::move(tcp.client), identity_.fingerprint, inTime(milliseconds(30))));
     EXPECT_TRUE(client.isDeadline);
   });
 }
@@ -177,7 +177,7 @@ TEST_F(TlsStreamTest, SilenceInTheHandshakeEndsAtTheDeadline) {
 TEST_F(TlsStreamTest, APeerThatNeverReadsEndsAtTheDeadline) {
   TlsPair pair = shakeHands();
   run([&]() -> Awaitable<> {
-    const Failure failure = co_await failureOf(
+    const Thrown failure = co_await failureOf(
         withDeadline(*pair.client, inTime(milliseconds(50)), "sending", writeText(*pair.client, std::string(64 << 20, 'x'))));
     EXPECT_TRUE(failure.isDeadline);
   });
@@ -203,7 +203,7 @@ TEST_F(TlsStreamTest, FinishingIsACleanEndAndLosesNothing) {
 TEST_F(TlsStreamTest, FinishingWhileAReaderWaits) {
   TlsPair pair = shakeHands();
   size_t atClient = 1, atServer = 1;
-  Failure failure;
+  Thrown failure;
   spawn([&]() -> Awaitable<> {
     std::array<char, 5> buffer;
     try {
@@ -238,7 +238,7 @@ TEST_F(TlsStreamTest, ATruncatedMessageIsAnError) {
     co_await writeText(*pair.client, "abc");
     pair.client->close();  // the connection ends, without TLS's farewell
     std::array<char, 5> buffer;
-    const Failure failure = co_await failureOf(readExactly(*pair.server, asio::buffer(buffer)));
+    const Thrown failure = co_await failureOf(readExactly(*pair.server, asio::buffer(buffer)));
     EXPECT_EQ(failure.code, ssl::error::stream_truncated);
     EXPECT_THAT(failure.text, HasSubstr("stream truncated"));
   });
@@ -249,7 +249,7 @@ TEST_F(TlsStreamTest, ATruncationBetweenMessagesIsAnErrorToo) {
   run([&]() -> Awaitable<> {
     pair.client->close();
     std::array<char, 5> buffer;
-    const Failure failure = co_await failureOf(readExactlyOrEnd(*pair.server, asio::buffer(buffer)));
+    const Thrown failure = co_await failureOf(readExactlyOrEnd(*pair.server, asio::buffer(buffer)));
     EXPECT_EQ(failure.code, ssl::error::stream_truncated);
   });
 }
@@ -259,14 +259,14 @@ TEST_F(TlsStreamTest, AnAbortIsAnErrorAtThePeer) {
   run([&]() -> Awaitable<> {
     pair.client->abort();
     std::array<char, 5> buffer;
-    const Failure failure = co_await failureOf(pair.server->readSome(asio::buffer(buffer)));
+    const Thrown failure = co_await failureOf(pair.server->readSome(asio::buffer(buffer)));
     EXPECT_EQ(failure.code, asio::error::connection_reset);
   });
 }
 
 TEST_F(TlsStreamTest, ClosingEndsWhatIsUnderWay) {
   TlsPair pair = shakeHands();
-  Failure read, write;
+  Thrown read, write;
   spawn([&]() -> Awaitable<> { read = co_await failureOf(readText(*pair.client, 1)); });
   spawn([&]() -> Awaitable<> { write = co_await failureOf(writeText(*pair.client, std::string(64 << 20, 'x'))); });
   spawn([&]() -> Awaitable<> {

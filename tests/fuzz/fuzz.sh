@@ -1,0 +1,31 @@
+#!/bin/sh
+# Builds the fuzzers of net/, or runs one of them for WARPSCOPE_FUZZ_S seconds (10): fuzz.sh SOURCES BUILD build|FUZZER
+# Exit code 77: there is no clang with libFuzzer, so nothing was tested.
+set -eu
+sources=$1 build=$2 what=$3
+
+if [ "$what" = build ]; then
+  probe=$(mktemp -d)
+  trap 'rm -rf -- "$probe"' EXIT
+  echo 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }' > "$probe/probe.cpp"
+  for clang in clang clang-19 clang-18 clang-17 clang-16 clang-15 clang-14; do
+    compiler=$(printf %s "$clang" | sed 's/clang/clang++/')
+    if "$compiler" -std=c++20 -fsanitize=fuzzer,address "$probe/probe.cpp" -o "$probe/probe" 2> "$probe/log"; then
+      rm -f -- "$build/none"
+      cmake -S "$sources" -B "$build" -G Ninja -DCMAKE_C_COMPILER="$clang" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release \
+        -DWARPSCOPE_FUZZ=ON -DWARPSCOPE_CUDA=OFF -DWARPSCOPE_TESTS=OFF -DWARPSCOPE_WITH_UI=OFF -DWARPSCOPE_WITH_ITK=OFF
+      cmake --build "$build" --target net_fuzzers
+      "$build/tests/fuzz/net_fuzz_seeds" "$build/seeds"
+      exit 0
+    fi
+  done
+  mkdir -p -- "$build" && touch "$build/none"
+  echo "Skipped: no clang with libFuzzer." && exit 77
+fi
+
+if [ -e "$build/none" ]; then
+  echo "Skipped: no clang with libFuzzer." && exit 77
+fi
+mkdir -p -- "$build/findings"
+exec "$build/tests/fuzz/$what" -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len=4096 -timeout=10 -print_final_stats=1 \
+  -artifact_prefix="$build/findings/$what-" "$build/seeds/$what"

@@ -1,0 +1,352 @@
+// What servers can do to a client: broken, wrong, cut, repeated and missing messages; and how it comes back.
+// Mirrors net/client.h. The servers are bare sockets.
+#include <algorithm>
+#include <random>
+
+#include "tests/net/exchange.h"
+
+namespace warpscope::net {
+namespace {
+
+class FaultsClient : public testing::Test {
+ protected:
+  void connect(ClientSettings settings = {}) {
+    settings.address = listener_.address();
+    client_.emplace(io_, settings, witness_);
+  }
+  /// The sentence that a client ends with which has been greeted, asked for frame 1, and was sent `bytes`.
+  std::string sentenceAfter(const Bytes& bytes, uint64_t maxFrameBytes = kMaxFrameBytes) {
+    const auto io = std::make_shared<IoThread>();
+    Witness witness;
+    Client client(io, {.address = listener_.address(), .maxFrameBytes = maxFrameBytes, .firstPause = 60s}, witness);
+    BareSocket socket = greetedServer(listener_);
+    client.request(requestOf(1));
+    EXPECT_TRUE(nextRequest(socket));
+    EXPECT_TRUE(socket.send(bytes));
+    return witness.sentenceWhen(ConnectionPhase::waiting);
+  }
+
+  BareListener listener_;
+  Witness witness_;
+  const std::shared_ptr<IoThread> io_ = std::make_shared<IoThread>();
+  std::optional<Client> client_;
+};
+
+Bytes headOf(MessageType type, uint32_t bodyBytes) {
+  Bytes bytes;
+  append(bytes, {type, bodyBytes});
+  return bytes;
+}
+
+TEST_F(FaultsClient, LengthsThatCannotBeEndTheConnection) {
+  for (const uint32_t length : {0u, static_cast<uint32_t>(kFrameHeadBytes) - 1, static_cast<uint32_t>(kMaxFrameBytes) + 1, 0xffffffffu})
+    EXPECT_THAT(sentenceAfter(headOf(MessageType::frame, length)), HasSubstr("announced a frame of " + std::to_string(length) + " bytes"));
+  EXPECT_THAT(sentenceAfter(headOf(MessageType::frame, 1001), 1000), HasSubstr("announced a frame of 1001 bytes"));
+  for (const uint32_t length : {static_cast<uint32_t>(kMaxFailureBytes) + 1, 0x80000000u, 0xffffffffu})
+    EXPECT_THAT(sentenceAfter(headOf(MessageType::failure, length)), HasSubstr("where 4096 are the most"));
+  EXPECT_THAT(sentenceAfter(headOf(MessageType::failure, 0)), HasSubstr("sent a damaged message"));
+  for (const uint32_t length : {9u, 0xffffffffu}) EXPECT_THAT(sentenceAfter(headOf(MessageType::ping, length)), HasSubstr("where 8 are the most"));
+  EXPECT_THAT(sentenceAfter(headOf(MessageType::pong, 0)), HasSubstr("sent a damaged heartbeat"));
+}
+
+TEST_F(FaultsClient, ScenesThatAreNoneEndTheConnection) {
+  const std::vector<std::pair<Bytes, std::string>> cases{
+      {headOf(MessageType::scene, 0), "sent a damaged scene"},
+      {headOf(MessageType::scene, kMaxSceneBytes + 1), "where 65536 are the most"},
+      {headOf(MessageType::scene, 0xffffffff), "where 65536 are the most"},
+      {headOf(MessageType::scene, 300) + Bytes(300), "sent a damaged scene"},
+      {wholeFrame(1, 10), "did not begin with its scene"},
+      {beatMessage(MessageType::ping, 1), "did not begin with its scene"},
+      {Bytes(100, std::byte{0xee}), "sent what is no message"},
+  };
+  for (const auto& [bytes, sentence] : cases) {
+    Witness witness;
+    Client client(io_, {.address = listener_.address(), .firstPause = 60s}, witness);
+    BareSocket socket = listener_.accept();
+    ASSERT_EQ(socket.receive(kClientHelloBytes).size(), kClientHelloBytes);
+    const Bytes greeting = welcomeBytes();
+    socket.send(Bytes(greeting.begin(), greeting.begin() + kServerHelloBytes) + bytes);
+    EXPECT_THAT(witness.sentenceWhen(ConnectionPhase::waiting), HasSubstr(sentence));
+    EXPECT_TRUE(witness.scenes.empty());
+  }
+}
+
+TEST_F(FaultsClient, LengthsAloneTakeNoMemory) {
+  connect();
+  BareSocket socket = greetedServer(listener_);
+  client_->request(requestOf(1));
+  ASSERT_TRUE(nextRequest(socket));
+  const size_t before = memoryBytes();
+  ASSERT_TRUE(socket.send(frameMessage(net::headOf(1), kMaxFrameBytes - kFrameHeadBytes) + Bytes(100'000)));
+  std::this_thread::sleep_for(50ms);
+  if (!kIsSanitized) {
+    EXPECT_LT(memoryBytes(), before + (4 << 20)) << "what is announced is not allocated before it comes";
+  }
+}
+
+TEST_F(FaultsClient, FramesThatNobodyAskedForEndTheConnection) {
+  const std::string wanted = "answered what nobody asked";
+  EXPECT_THAT(sentenceAfter(wholeFrame(2, 10)), HasSubstr(wanted));
+  EXPECT_THAT(sentenceAfter(wholeFrame(0, 10)), HasSubstr(wanted));
+  EXPECT_THAT(sentenceAfter(failureMessage({2, "no"})), HasSubstr(wanted));
+  EXPECT_THAT(sentenceAfter(wholeFrame(1, 10) + wholeFrame(1, 10)), HasSubstr(wanted)) << "twice";
+  EXPECT_THAT(sentenceAfter(wholeFrame(1, 10) + failureMessage({1, "no"})), HasSubstr(wanted));
+  // Before its payload has come, of which there could be much.
+  EXPECT_THAT(sentenceAfter(frameMessage(net::headOf(2), kMaxFrameBytes - kFrameHeadBytes)), HasSubstr(wanted));
+}
+
+TEST_F(FaultsClient, AnswersInAnotherOrderEndTheConnection) {
+  connect({.depth = 2, .firstPause = 60s});
+  BareSocket socket = greetedServer(listener_, 2);
+  client_->request(requestOf(1));
+  ASSERT_TRUE(nextRequest(socket));
+  client_->request(requestOf(2));
+  ASSERT_TRUE(nextRequest(socket));
+  socket.send(wholeFrame(2, 10) + wholeFrame(1, 10));
+  EXPECT_THAT(witness_.sentenceWhen(ConnectionPhase::waiting), HasSubstr("answered what nobody asked"));
+  EXPECT_EQ(witness_.frames.size(), 1u);
+}
+
+TEST_F(FaultsClient, MessagesOfTheWrongDirectionEndTheConnection) {
+  const std::string wanted = "sent a message that servers do not send";
+  EXPECT_THAT(sentenceAfter(requestMessage(requestOf(1))), HasSubstr(wanted));
+  EXPECT_THAT(sentenceAfter(sceneMessage(someScene())), HasSubstr(wanted)) << "once is enough";
+}
+
+TEST_F(FaultsClient, GarbageEndsTheConnection) {
+  std::mt19937 random(13);
+  for (int round = 0; round < 40; ++round) {
+    Bytes garbage(kMessageHeadBytes + random() % 3000);
+    for (std::byte& byte : garbage) byte = static_cast<std::byte>(random() | 1);  // the zeros of a head are none then
+    EXPECT_THAT(sentenceAfter(garbage), HasSubstr("sent what is no message"));
+  }
+}
+
+TEST_F(FaultsClient, GreetingsCutAtAnyByteAreTriedAgain) {
+  connect({.firstPause = 1ms, .longestPause = 2ms});
+  const Bytes greeting = welcomeBytes();
+  for (size_t size = 0; size < greeting.size(); ++size) {
+    BareSocket socket = listener_.accept();
+    ASSERT_TRUE(socket.isOpen()) << "came no more after " << size;
+    ASSERT_EQ(socket.receive(kClientHelloBytes).size(), kClientHelloBytes);
+    socket.send(ByteView(greeting).first(size));
+    size % 2 == 0 ? socket.reset() : socket.close();
+  }
+  {
+    const std::scoped_lock lock(witness_.mutex);
+    EXPECT_EQ(witness_.countOf(ConnectionPhase::connected), 0u);
+    EXPECT_EQ(witness_.countOf(ConnectionPhase::refused), 0u);
+  }
+  const BareSocket socket = greetedServer(listener_);
+  EXPECT_TRUE(witness_.waitForConnection());
+}
+
+TEST_F(FaultsClient, FramesCutAtAnyByteAreAskedForAgain) {
+  connect({.firstPause = 1ms, .longestPause = 2ms});
+  client_->request(requestOf(7));
+  const Bytes frame = wholeFrame(7, 20);
+  const size_t before = openFiles();
+  for (size_t size = 0; size < frame.size(); ++size) {
+    BareSocket socket = greetedServer(listener_);
+    ASSERT_TRUE(socket.isOpen());
+    const std::optional<FrameRequest> request = nextRequest(socket);
+    ASSERT_TRUE(request) << size;
+    ASSERT_EQ(request->id, 7u);
+    socket.send(ByteView(frame).first(size));
+    size % 2 == 0 ? socket.close() : socket.reset();
+  }
+  EXPECT_TRUE(witness_.frames.empty());
+  BareSocket socket = greetedServer(listener_);
+  ASSERT_TRUE(nextRequest(socket));
+  socket.send(frame);
+  ASSERT_TRUE(witness_.frameOf(7));
+  EXPECT_EQ(witness_.frames.size(), 1u);
+  EXPECT_LE(openFiles(), before + 2);
+}
+
+TEST_F(FaultsClient, ServersThatFallSilentAreLeft) {
+  connect({.firstPause = 60s});
+  BareSocket socket = greetedServer(listener_, 1, 50, 300);
+  const TimePoint begin = now();
+  EXPECT_THAT(witness_.sentenceWhen(ConnectionPhase::waiting), HasSubstr("waiting for a message"));
+  EXPECT_GE(secondsSince(begin), 0.2);
+  EXPECT_LT(secondsSince(begin), 3.0);
+}
+
+TEST_F(FaultsClient, ServersThatStopInTheMiddleOfAFrameAreLeft) {
+  connect({.firstPause = 60s});
+  BareSocket socket = greetedServer(listener_, 1, 50, 300);
+  client_->request(requestOf(1));
+  ASSERT_TRUE(nextRequest(socket));
+  socket.send(ByteView(wholeFrame(1, 1000)).first(600));
+  EXPECT_THAT(witness_.sentenceWhen(ConnectionPhase::waiting), HasSubstr("a message"));
+}
+
+TEST_F(FaultsClient, SlowFramesAreNoSilence) {
+  connect({.firstPause = 60s});
+  BareSocket socket = greetedServer(listener_, 1, 50, 400);
+  client_->request(requestOf(1));
+  ASSERT_TRUE(nextRequest(socket));
+  const Bytes frame = wholeFrame(1, 1000);
+  for (size_t at = 0; at < frame.size(); at += 50) {  // 1.2 s
+    ASSERT_TRUE(socket.send(ByteView(frame).subspan(at, std::min<size_t>(50, frame.size() - at))));
+    std::this_thread::sleep_for(50ms);
+  }
+  EXPECT_TRUE(witness_.frameOf(1));
+}
+
+TEST_F(FaultsClient, HeartbeatsAreAnsweredAndOnesOwnAreMeasured) {
+  connect();
+  BareSocket socket = greetedServer(listener_, 1, 30, 5000);
+  socket.send(beatMessage(MessageType::ping, 1234) + beatMessage(MessageType::pong, 1) + beatMessage(MessageType::pong, ~uint64_t{0}));
+  const std::optional<Bytes> pong = socket.receiveBody(MessageType::pong);
+  ASSERT_TRUE(pong);
+  EXPECT_EQ(readBeat(*pong), 1234u);
+  EXPECT_TRUE(witness_.roundTrips.empty()) << "pongs for what was never sent measure nothing";
+  for (int i = 0; i < 5; ++i) {
+    const std::optional<Bytes> ping = socket.receiveBody(MessageType::ping);
+    ASSERT_TRUE(ping) << "one each interval";
+    socket.send(beatMessage(MessageType::pong, *readBeat(*ping)) + beatMessage(MessageType::pong, *readBeat(*ping)));
+  }
+  EXPECT_TRUE(witness_.waitFor([&] { return witness_.roundTrips.size() >= 5; }));
+  const std::scoped_lock lock(witness_.mutex);
+  EXPECT_LE(witness_.roundTrips.size(), 5u) << "once each";
+  for (const Duration duration : witness_.roundTrips) EXPECT_LT(duration, 5s);
+}
+
+TEST_F(FaultsClient, OfABurstOnlyTheNewestIsAsked) {
+  connect({.depth = 2});
+  BareSocket socket = greetedServer(listener_, 2);
+  ASSERT_TRUE(witness_.waitForConnection());
+  for (uint64_t id = 1; id <= 1000; ++id) client_->request(requestOf(id));
+  client_->request(requestOf(500));  // not newer: passed over
+  uint64_t last = 0;
+  int asked = 0;
+  std::deque<uint64_t> underWay;
+  while (last != 1000) {
+    const std::optional<FrameRequest> request = nextRequest(socket);
+    ASSERT_TRUE(request);
+    ASSERT_GT(request->id, last);
+    last = request->id;
+    underWay.push_back(last);
+    ++asked;
+    ASSERT_LE(underWay.size(), 2u) << "no more than agreed";
+    if (underWay.size() < 2) continue;
+    EXPECT_FALSE(nextRequest(socket, 30ms)) << "two are under way";
+    ASSERT_TRUE(socket.send(wholeFrame(underWay.front(), 10)));
+    underWay.pop_front();
+  }
+  for (const uint64_t id : underWay) socket.send(wholeFrame(id, 10));
+  ASSERT_TRUE(witness_.frameOf(1000));
+  EXPECT_LT(asked, 100);
+  EXPECT_EQ(witness_.frames.size(), static_cast<size_t>(asked));
+  EXPECT_FALSE(nextRequest(socket, 30ms));
+}
+
+TEST_F(FaultsClient, RequestsThatWereReplacedNeedNoAnswer) {
+  connect({.depth = 3});
+  BareSocket socket = greetedServer(listener_, 3);
+  for (uint64_t id = 1; id <= 3; ++id) {
+    client_->request(requestOf(id));
+    ASSERT_TRUE(nextRequest(socket));
+  }
+  socket.send(wholeFrame(3, 10));
+  ASSERT_TRUE(witness_.frameOf(3));
+  for (uint64_t id = 4; id <= 6; ++id) {  // there is room for three again
+    client_->request(requestOf(id));
+    ASSERT_TRUE(nextRequest(socket));
+  }
+}
+
+TEST_F(FaultsClient, DepthsAreBroughtIntoTheirRange) {
+  connect({.depth = 0, .maxFrameBytes = 0});
+  BareSocket socket = listener_.accept();
+  const std::optional<ClientHello> hello = readClientHello(socket.receive(kClientHelloBytes));
+  ASSERT_TRUE(hello);
+  EXPECT_EQ(hello->depth, 1);
+  EXPECT_EQ(hello->maxFrameBytes, kFrameHeadBytes);
+}
+
+TEST_F(FaultsClient, MoreDepthTakesAnotherConnectionAtOnce) {
+  connect({.depth = 1, .firstPause = 60s});
+  const BareSocket first = greetedServer(listener_);
+  ASSERT_TRUE(witness_.waitForConnection());
+  client_->setDepth(4);
+  BareSocket second = listener_.accept();
+  ASSERT_TRUE(second.isOpen());
+  const std::optional<ClientHello> hello = readClientHello(second.receive(kClientHelloBytes));
+  ASSERT_TRUE(hello);
+  EXPECT_EQ(hello->depth, 4);
+  second.send(welcomeBytes(2));  // less than it wanted
+  ASSERT_TRUE(witness_.waitFor([&] { return witness_.scenes.size() == 2; }));
+  client_->setDepth(2);
+  client_->setDepth(3);
+  EXPECT_FALSE(listener_.accept(100ms).isOpen()) << "what the server did not grant it will not grant again";
+  EXPECT_EQ(witness_.countOf(ConnectionPhase::waiting), 0u);
+}
+
+TEST_F(FaultsClient, PausesGrowAreJitteredAndCapped) {
+  const uint16_t nobody = BareListener().port();
+  Client client(io_, {.address = {{"127.0.0.1", nobody}, {}}, .firstPause = 20ms, .longestPause = 160ms}, witness_);
+  ASSERT_TRUE(witness_.waitFor([&] { return witness_.countOf(ConnectionPhase::waiting) >= 9; }));
+  const std::scoped_lock lock(witness_.mutex);
+  std::vector<double> shares;
+  double most = 20.0;
+  for (const ConnectionState& state : witness_.states) {
+    if (state.phase != ConnectionPhase::waiting) continue;
+    EXPECT_EQ(state.attempts, static_cast<int>(shares.size()) + 1);
+    EXPECT_THAT(state.sentence, HasSubstr("cannot connect to 127.0.0.1:" + std::to_string(nobody)));
+    ASSERT_TRUE(state.next);
+    const double pauseMs = std::chrono::duration<double, std::milli>(*state.next - state.since).count();
+    EXPECT_GE(pauseMs, most / 2.0 - 5.0);
+    EXPECT_LE(pauseMs, most);
+    shares.push_back(pauseMs / most);
+    most = std::min(2.0 * most, 160.0);
+  }
+  const auto [least, greatest] = std::ranges::minmax(shares);
+  EXPECT_GT(greatest - least, 0.01) << "the same share each time is no jitter";
+}
+
+TEST_F(FaultsClient, PausesGrowAlsoWhileServersGreetAndBreakOff) {
+  connect({.firstPause = 10ms, .longestPause = 10s});
+  for (int i = 0; i < 5; ++i) {
+    BareSocket socket = greetedServer(listener_);
+    ASSERT_TRUE(socket.isOpen());
+    ASSERT_TRUE(witness_.waitFor([&] { return witness_.scenes.size() == static_cast<size_t>(i) + 1; }));
+    socket.close();
+  }
+  const auto lastPause = [&] {
+    return std::chrono::duration<double, std::milli>(*witness_.states.back().next - witness_.states.back().since).count();
+  };
+  ASSERT_TRUE(witness_.waitFor([&] { return witness_.isIn(ConnectionPhase::waiting) && witness_.countOf(ConnectionPhase::waiting) == 5; }));
+  EXPECT_GE(lastPause(), 70.0);
+  // One that was of use starts anew.
+  BareSocket socket = greetedServer(listener_);
+  client_->request(requestOf(1));
+  ASSERT_TRUE(nextRequest(socket));
+  socket.send(wholeFrame(1, 10));
+  ASSERT_TRUE(witness_.frameOf(1));
+  socket.close();
+  ASSERT_TRUE(witness_.waitFor([&] { return witness_.isIn(ConnectionPhase::waiting); }));
+  EXPECT_LE(lastPause(), 10.0);
+}
+
+TEST_F(FaultsClient, ConnectingNowCutsThePauseShort) {
+  const uint16_t nobody = BareListener().port();
+  Client client(io_, {.address = {{"127.0.0.1", nobody}, {}}, .firstPause = 60s, .longestPause = 60s}, witness_);
+  client.connectNow();  // in another phase: nothing
+  ASSERT_TRUE(witness_.waitFor([&] { return witness_.isIn(ConnectionPhase::waiting); }));
+  Server server(io_, {.listen = {"127.0.0.1", nobody}, .scene = someScene()});
+  client.connectNow();
+  EXPECT_TRUE(witness_.waitForConnection());
+}
+
+TEST_F(FaultsClient, OnceOnlyMeansOnce) {
+  connect({.connectsAgain = false});
+  greetedServer(listener_).close();
+  EXPECT_FALSE(witness_.sentenceWhen(ConnectionPhase::refused).empty());
+  EXPECT_FALSE(listener_.accept(50ms).isOpen());
+}
+
+}  // namespace
+}  // namespace warpscope::net

@@ -1,0 +1,279 @@
+// Messages as bytes: round trips, the layout pinned byte by byte, and whatever else than a message gives nothing.
+// Mirrors net/messages.h. The expected bytes were packed by another program from the tables in net/README.md.
+#include "net/messages.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include "net/wire.h"
+
+namespace warpscope::net {
+namespace {
+
+std::string hexOf(ByteView bytes) {
+  std::string text;
+  for (const std::byte byte : bytes)
+    for (const int digit : {std::to_integer<int>(byte) >> 4, std::to_integer<int>(byte) & 15}) text += "0123456789abcdef"[digit];
+  return text;
+}
+
+Token someToken() {
+  std::array<uint8_t, Token::kBytes> bytes;
+  for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<uint8_t>(0xa0 + i);
+  return Token(bytes);
+}
+
+ClientHello someClientHello() { return {1, 5, 0x12345678, 3, someToken()}; }
+ServerHello someServerHello() { return {1, Verdict::wrongToken, 5, 0x1122334455667788, 4, 2000, 10000}; }
+CameraFields someCamera() { return {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}, 0.5f, 640, 480}; }
+MarchFields someMarch() { return {1, 2, 1.5f, 0.25f, 0.125f, 0.0625f, true, false}; }
+FrameRequest someRequest() { return {0x0102030405060708, Wanted::picture, someCamera(), someMarch(), {1, 2, 80}, 99}; }
+FrameHead someFrameHead() {
+  return {7, Wanted::samples, someCamera(), someMarch(), {1, 2, 80}, {-1, -2, -3, 1, 2, 3}, 0.75f, 2.0f, 1000, {1, 2, 3, 4, 5, 6}, 99};
+}
+SceneFields someScene() {
+  SceneFields scene;
+  scene.name = "fish";
+  scene.title = "A fish";
+  scene.dims = {4, 5, 6};
+  scene.spacing = {1.0, 0.5, 0.25};
+  scene.origin = {-1.0, -2.0, -3.0};
+  scene.direction = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  scene.hasOrientation = true;
+  scene.up = {0, 0, 1};
+  scene.front = {0, 1, 0};
+  scene.fovYDeg = 45.0;
+  scene.background = {0.1f, 0.2f, 0.3f};
+  scene.views = {{10.0, 20.0, 1.5, 0.25, -0.25}, {}};
+  scene.march = someMarch();
+  return scene;
+}
+
+Bytes bodyOf(const Bytes& message) { return {message.begin() + kMessageHeadBytes, message.end()}; }
+
+TEST(Messages, TheLayoutIsPinned) {
+  EXPECT_EQ(hexOf(toBytes(someClientHello())),
+      "7761727073636f700100050000007856341200000000030001a0a1a2a3a4a5a6a7a8a9aaabacadaeafb0b1b2b3b4b5b6b7");
+  EXPECT_EQ(hexOf(toBytes(someServerHello())),
+      "7761727073636f700100020500000088776655443322110400d007000010270000");
+  EXPECT_EQ(hexOf(sceneMessage(someScene())),
+      "010000003d0100000400666973680600412066697368040000000500000006000000000000000000f03f000000000000e03f000000000000"
+      "d03f000000000000f0bf00000000000000c000000000000008c0000000000000f03f00000000000000000000000000000000000000000000"
+      "0000000000000000f03f000000000000000000000000000000000000000000000000000000000000f03f0100000000000000000000000000"
+      "000000000000000000f03f0000000000000000000000000000f03f00000000000000000000000000804640cdcccc3dcdcc4c3e9a99993e01"
+      "020000c03f0000803e0000003e0000803d0100020000000000000024400000000000003440000000000000f83f000000000000d03f000000"
+      "000000d0bf00000000000000000000000000000000000000000000f03f00000000000000000000000000000000");
+  EXPECT_EQ(hexOf(requestMessage(someRequest())),
+      "02000000640000000807060504030201010000803f0000004000004040000080400000a0400000c0400000e0400000004100001041000020"
+      "4100003041000040410000003f80020000e001000001020000c03f0000803e0000003e0000803d01000102506300000000000000");
+  EXPECT_EQ(hexOf(frameMessage(someFrameHead(), 1000)),
+      "03000000a40400000700000000000000000000803f0000004000004040000080400000a0400000c0400000e0400000004100001041000020"
+      "4100003041000040410000003f80020000e001000001020000c03f0000803e0000003e0000803d0100010250000080bf000000c0000040c0"
+      "0000803f00000040000040400000403f00000040e803000000000000000000000000f03f0000000000000040000000000000084000000000"
+      "00001040000000000000144000000000000018406300000000000000");
+  EXPECT_EQ(hexOf(failureMessage({7, "sorry"})),
+      "040000000f00000007000000000000000500736f727279");
+  EXPECT_EQ(hexOf(beatMessage(MessageType::ping, 0x0807060504030201)), "05000000080000000102030405060708");
+  EXPECT_EQ(hexOf(beatMessage(MessageType::pong, 1)), "06000000080000000100000000000000");
+}
+
+TEST(Messages, TheSizesAreAsDeclared) {
+  EXPECT_EQ(toBytes(ClientHello{}).size(), kClientHelloBytes);
+  EXPECT_EQ(toBytes(someClientHello()).size(), kClientHelloBytes);
+  EXPECT_EQ(toBytes(ServerHello{}).size(), kServerHelloBytes);
+  EXPECT_EQ(requestMessage({}).size(), kMessageHeadBytes + kRequestBytes);
+  EXPECT_EQ(frameMessage({}, 0).size(), kMessageHeadBytes + kFrameHeadBytes);
+  EXPECT_EQ(beatMessage(MessageType::ping, 0).size(), kMessageHeadBytes + kBeatBytes);
+  SceneFields largest = someScene();
+  largest.name = largest.title = std::string(2 * SceneFields::kMaxName, 'n');
+  largest.views.resize(2 * kMaxViews);
+  EXPECT_LE(bodyOf(sceneMessage(largest)).size(), kMaxSceneBytes);
+  EXPECT_EQ(bodyOf(failureMessage({1, std::string(100'000, 's')})).size(), kMaxFailureBytes);
+}
+
+TEST(Messages, RoundTripsGiveTheSame) {
+  const auto check = [](const auto& message, const Bytes& bytes, auto read) {
+    const auto again = read(bytes);
+    ASSERT_TRUE(again) << hexOf(bytes);
+    EXPECT_TRUE(*again == message) << hexOf(bytes);
+  };
+  constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max();
+  constexpr float kMostF = std::numeric_limits<float>::max(), kLeastF = std::numeric_limits<float>::denorm_min();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+  check(someClientHello(), toBytes(someClientHello()), readClientHello);
+  check(ClientHello{1, 0, kFrameHeadBytes, 1, {}}, toBytes(ClientHello{1, 0, kFrameHeadBytes, 1, {}}), readClientHello);
+  const ClientHello most{1, 0xffffffff, kMaxFrameBytes, kMaxDepth, someToken()};
+  check(most, toBytes(most), readClientHello);
+
+  check(someServerHello(), toBytes(someServerHello()), readServerHello);
+  const ServerHello welcome{1, Verdict::welcome, 0xffffffff, kMost, kMaxDepth, 1, 3600 * 1000};
+  check(welcome, toBytes(welcome), readServerHello);
+
+  check(someScene(), bodyOf(sceneMessage(someScene())), readScene);
+  SceneFields scene = someScene();
+  scene.name = std::string(SceneFields::kMaxName, '\xff');
+  scene.title = "";
+  scene.dims.fill(0xffffffff);
+  scene.spacing = {kInfinite, -kInfinite, -0.0};
+  scene.views.resize(kMaxViews);
+  scene.hasOrientation = false;
+  check(scene, bodyOf(sceneMessage(scene)), readScene);
+
+  FrameRequest request = someRequest();
+  check(request, bodyOf(requestMessage(request)), readRequest);
+  request.id = request.sentAtNs = kMost;
+  request.camera.width = request.camera.height = 0xffffffff;
+  request.camera.eye = {kMostF, -kMostF, kLeastF};
+  request.march = {255, 255, kMostF, kLeastF, -0.0f, 0.0f, false, true};
+  request.codec = {255, 255, 255};
+  check(request, bodyOf(requestMessage(request)), readRequest);
+
+  FrameHead head = someFrameHead();
+  check(head, bodyOf(frameMessage(head, 10)), readFrameHead);
+  head.id = head.sampleCount = head.requestSentAtNs = kMost;
+  head.wanted = Wanted::picture;
+  head.stages.sendMs = kInfinite;
+  check(head, bodyOf(frameMessage(head, 0)), readFrameHead);
+
+  check(Failure{kMost, std::string(kMaxFailureBytes - 10, '\0')}, bodyOf(failureMessage({kMost, std::string(kMaxFailureBytes - 10, '\0')})),
+        readFailure);
+  check(Failure{}, bodyOf(failureMessage({})), readFailure);
+  check(kMost, bodyOf(beatMessage(MessageType::pong, kMost)), readBeat);
+}
+
+TEST(Messages, NumbersThatAreNoneTravelAsTheyAre) {
+  FrameRequest request;
+  request.march.step = std::numeric_limits<float>::quiet_NaN();
+  const std::optional<FrameRequest> again = readRequest(bodyOf(requestMessage(request)));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(std::bit_cast<uint32_t>(again->march.step), std::bit_cast<uint32_t>(request.march.step));
+}
+
+/// Every kind of message, its bytes, and whether bytes are one.
+struct Kind {
+  const char* name;
+  Bytes bytes;
+  std::function<bool(ByteView)> isOne;
+};
+
+std::vector<Kind> kinds() {
+  Bytes head;
+  append(head, {MessageType::frame, 0x01020304});
+  return {
+      {"client hello", toBytes(someClientHello()), [](ByteView bytes) { return readClientHello(bytes).has_value(); }},
+      {"server hello", toBytes(someServerHello()), [](ByteView bytes) { return readServerHello(bytes).has_value(); }},
+      {"head", head, [](ByteView bytes) { return readMessageHead(bytes).has_value(); }},
+      {"scene", bodyOf(sceneMessage(someScene())), [](ByteView bytes) { return readScene(bytes).has_value(); }},
+      {"request", bodyOf(requestMessage(someRequest())), [](ByteView bytes) { return readRequest(bytes).has_value(); }},
+      {"frame", bodyOf(frameMessage(someFrameHead(), 1000)), [](ByteView bytes) { return readFrameHead(bytes).has_value(); }},
+      {"failure", bodyOf(failureMessage({7, "sorry"})), [](ByteView bytes) { return readFailure(bytes).has_value(); }},
+      {"beat", bodyOf(beatMessage(MessageType::ping, 7)), [](ByteView bytes) { return readBeat(bytes).has_value(); }},
+  };
+}
+
+TEST(Messages, TruncatedAtAnyByteTheyAreNothing) {
+  for (const Kind& kind : kinds()) {
+    ASSERT_TRUE(kind.isOne(kind.bytes)) << kind.name;
+    for (size_t size = 0; size < kind.bytes.size(); ++size) {
+      const Bytes cut(kind.bytes.begin(), kind.bytes.begin() + static_cast<ptrdiff_t>(size));
+      EXPECT_FALSE(kind.isOne(cut)) << kind.name << " cut to " << size;
+    }
+  }
+}
+
+TEST(Messages, WithAByteTooManyTheyAreNothing) {
+  for (Kind& kind : kinds()) {
+    kind.bytes.push_back(std::byte{0});
+    EXPECT_FALSE(kind.isOne(kind.bytes)) << kind.name;
+  }
+}
+
+TEST(Messages, WithAnyByteChangedTheyAreNothingOrAnotherMessage) {
+  size_t refused = 0, kept = 0;
+  for (const Kind& kind : kinds())
+    for (size_t at = 0; at < kind.bytes.size(); ++at)
+      for (int value = 0; value < 256; ++value) {
+        Bytes changed = kind.bytes;
+        changed[at] = static_cast<std::byte>(value);
+        (kind.isOne(changed) ? kept : refused) += 1;
+      }
+  EXPECT_GT(refused, 0u);
+  EXPECT_GT(kept, 0u);
+}
+
+TEST(Messages, GarbageIsNothingOrAMessage) {
+  std::mt19937 random(1);
+  for (int i = 0; i < 20'000; ++i) {
+    Bytes bytes(random() % 600);
+    for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+    for (const Kind& kind : kinds()) kind.isOne(bytes);
+  }
+}
+
+/// The bytes of `message` with `value` at `at`.
+template <class Number>
+Bytes with(Bytes message, size_t at, Number value) {
+  Bytes bytes;
+  WireWriter(bytes).number(value);
+  std::ranges::copy(bytes, message.begin() + static_cast<ptrdiff_t>(at));
+  return message;
+}
+
+TEST(Messages, GreetingsBeyondTheLimitsAreNothing) {
+  const Bytes client = toBytes(someClientHello());
+  EXPECT_TRUE(readClientHello(with(client, 22, kMaxDepth)));
+  for (const uint16_t depth : {uint16_t{0}, uint16_t{kMaxDepth + 1}, uint16_t{0xffff}}) EXPECT_FALSE(readClientHello(with(client, 22, depth)));
+  for (const uint64_t most : {uint64_t{0}, uint64_t{kFrameHeadBytes - 1}, kMaxFrameBytes + 1, ~uint64_t{0}})
+    EXPECT_FALSE(readClientHello(with(client, 14, most))) << most;
+  EXPECT_FALSE(readClientHello(with(client, 24, uint8_t{2}))) << "a flag is 0 or 1";
+  EXPECT_FALSE(readClientHello(with(client, 24, uint8_t{0}))) << "without a token its bytes are zeros";
+
+  const Bytes server = toBytes(ServerHello{1, Verdict::welcome, 0, 1, 1, 100, 200});
+  EXPECT_TRUE(readServerHello(server));
+  EXPECT_FALSE(readServerHello(with(server, 10, uint8_t{4}))) << "verdict";
+  EXPECT_FALSE(readServerHello(with(server, 23, uint16_t{0}))) << "depth";
+  EXPECT_FALSE(readServerHello(with(server, 23, uint16_t{kMaxDepth + 1}))) << "depth";
+  EXPECT_FALSE(readServerHello(with(server, 25, uint32_t{0}))) << "heartbeat";
+  EXPECT_FALSE(readServerHello(with(server, 25, uint32_t{201}))) << "a heartbeat longer than patience";
+  EXPECT_FALSE(readServerHello(with(server, 29, uint32_t{3'600'001}))) << "patience";
+  EXPECT_FALSE(readServerHello(with(server, 29, uint32_t{0xffffffff}))) << "patience";
+}
+
+TEST(Messages, OtherVersionsAreReadNoFurther) {
+  const Bytes client = with(toBytes(someClientHello()), 8, uint16_t{2});
+  ASSERT_TRUE(readClientHello(client));
+  EXPECT_EQ(readClientHello(client)->version, 2);
+  EXPECT_FALSE(readClientHello(client)->token);
+  const ByteView head = ByteView(client).first(kHelloHeadBytes);
+  EXPECT_EQ(readHelloVersion(head), 2);
+  EXPECT_FALSE(readHelloVersion(with(client, 3, uint8_t{0})));
+  for (size_t size = 0; size <= kHelloHeadBytes; ++size) EXPECT_TRUE(beginsLikeMagic(head.first(size))) << size;
+  EXPECT_FALSE(beginsLikeMagic(ByteView(with(client, 0, uint8_t{'W'})).first(1)));
+}
+
+TEST(Messages, LengthsThatCannotBeAreNothing) {
+  const Bytes scene = bodyOf(sceneMessage(someScene()));
+  for (const uint16_t length : {uint16_t{3}, uint16_t{5}, uint16_t{1024}, uint16_t{1025}, uint16_t{0xffff}})
+    EXPECT_FALSE(readScene(with(scene, 0, length))) << length;
+  const size_t views = scene.size() - 2 * 40 - 2;
+  for (const uint16_t count : {uint16_t{0}, uint16_t{1}, uint16_t{3}, uint16_t{256}, uint16_t{257}, uint16_t{0xffff}})
+    EXPECT_FALSE(readScene(with(scene, views, count))) << count;
+  const Bytes failure = bodyOf(failureMessage({7, "sorry"}));
+  for (const uint16_t length : {uint16_t{0}, uint16_t{4}, uint16_t{6}, uint16_t{0xffff}}) EXPECT_FALSE(readFailure(with(failure, 8, length)));
+
+  Bytes head;
+  append(head, {MessageType::frame, 0xffffffff});
+  ASSERT_TRUE(readMessageHead(head));  // a length alone is no fault: whoever reads the body says what is too much
+  EXPECT_EQ(readMessageHead(head)->bodyBytes, 0xffffffffu);
+  for (const uint8_t type : {uint8_t{0}, uint8_t{7}, uint8_t{255}}) EXPECT_FALSE(readMessageHead(with(head, 0, type)));
+  for (const size_t zero : {1, 2, 3}) EXPECT_FALSE(readMessageHead(with(head, zero, uint8_t{1})));
+}
+
+}  // namespace
+}  // namespace warpscope::net

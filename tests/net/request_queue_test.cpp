@@ -1,0 +1,200 @@
+// Turns, the newest of what waits, limits per client, and threads that wait, stop and leave at once.
+// Mirrors net/request_queue.h.
+#include "net/request_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <map>
+#include <thread>
+
+namespace warpscope::net {
+namespace {
+
+using namespace std::chrono_literals;
+
+TimePoint now() { return std::chrono::steady_clock::now(); }
+
+bool put(RequestQueue& queue, ClientId client, uint64_t id) {
+  FrameRequest request;
+  request.id = id;
+  return queue.put(client, request, now());
+}
+
+/// What is there to take now.
+std::optional<RequestJob> takeNow(RequestQueue& queue) {
+  std::stop_source stop;
+  std::jthread stopper([&] {
+    std::this_thread::sleep_for(20ms);
+    stop.request_stop();
+  });
+  return queue.take(stop.get_token());
+}
+
+TEST(RequestQueue, EachClientHasItsTurn) {
+  RequestQueue queue;
+  for (ClientId client = 1; client <= 64; ++client) queue.join(client, 4);
+  for (uint64_t id = 1; id <= 4; ++id)
+    for (ClientId client = 1; client <= 64; ++client) ASSERT_TRUE(put(queue, client, id));
+  std::stop_source stop;
+  for (uint64_t id = 1; id <= 4; ++id)
+    for (ClientId client = 1; client <= 64; ++client) {
+      const std::optional<RequestJob> job = queue.take(stop.get_token());
+      ASSERT_TRUE(job);
+      EXPECT_EQ(job->client, client);
+      EXPECT_EQ(job->request.id, id);
+    }
+}
+
+TEST(RequestQueue, WhoAsksMoreIsNotServedMore) {
+  RequestQueue queue;
+  for (ClientId client = 1; client <= 64; ++client) queue.join(client, client == 1 ? 16 : 1);
+  std::map<ClientId, int> served;
+  std::map<ClientId, uint64_t> lastId;
+  std::stop_source stop;
+  for (int turn = 0; turn < 64 * 20; ++turn) {
+    for (ClientId client = 1; client <= 64; ++client)
+      for (int times = 0; times < (client == 1 ? 20 : 1); ++times) put(queue, client, ++lastId[client]);
+    const std::optional<RequestJob> job = queue.take(stop.get_token());
+    ASSERT_TRUE(job);
+    ++served[job->client];
+    queue.done(job->client);
+  }
+  for (const auto& [client, count] : served) EXPECT_EQ(count, 20) << client;
+  EXPECT_EQ(served.size(), 64u);
+}
+
+TEST(RequestQueue, TheNewestReplacesTheNewestThatWaits) {
+  RequestQueue queue;
+  queue.join(1, 2);
+  for (uint64_t id = 1; id <= 1000; ++id) {
+    ASSERT_TRUE(put(queue, 1, id));
+    EXPECT_LE(queue.waitingCount(1), 2u);
+  }
+  EXPECT_EQ(takeNow(queue)->request.id, 1u);
+  EXPECT_EQ(takeNow(queue)->request.id, 1000u);
+  EXPECT_FALSE(takeNow(queue));
+}
+
+TEST(RequestQueue, NoMoreThanDepthAreGivenOut) {
+  RequestQueue queue;
+  queue.join(1, 2);
+  for (uint64_t id = 1; id <= 4; ++id) {
+    put(queue, 1, id);
+    if (id <= 2) {
+      ASSERT_TRUE(takeNow(queue));
+    }
+  }
+  EXPECT_EQ(queue.waitingCount(1), 2u);
+  EXPECT_FALSE(takeNow(queue)) << "two are at work";
+  queue.done(1);
+  EXPECT_EQ(takeNow(queue)->request.id, 3u);
+  EXPECT_FALSE(takeNow(queue));
+  queue.done(1);
+  queue.done(1);
+  queue.done(1);  // one too many does nothing
+  EXPECT_EQ(takeNow(queue)->request.id, 4u);
+}
+
+TEST(RequestQueue, IdsThatDoNotGrowAreRefused) {
+  RequestQueue queue;
+  queue.join(1, 1);
+  EXPECT_FALSE(put(queue, 1, 0));
+  EXPECT_TRUE(put(queue, 1, 5));
+  EXPECT_FALSE(put(queue, 1, 5));
+  EXPECT_FALSE(put(queue, 1, 4));
+  EXPECT_TRUE(put(queue, 1, 6));
+  EXPECT_TRUE(put(queue, 1, ~uint64_t{0}));
+  EXPECT_FALSE(put(queue, 1, ~uint64_t{0}));
+  EXPECT_FALSE(put(queue, 1, 0));
+  EXPECT_FALSE(put(queue, 2, 1)) << "nobody";
+}
+
+TEST(RequestQueue, LeavingForgets) {
+  RequestQueue queue;
+  queue.join(1, 1);
+  queue.join(2, 1);
+  put(queue, 1, 1);
+  ASSERT_EQ(takeNow(queue)->client, 1u);
+  put(queue, 1, 2);
+  put(queue, 2, 1);
+  queue.leave(1);
+  queue.leave(1);
+  EXPECT_EQ(queue.clientCount(), 1u);
+  EXPECT_EQ(queue.waitingCount(1), 0u);
+  queue.done(1);  // of what was at work
+  EXPECT_EQ(takeNow(queue)->client, 2u);
+  EXPECT_FALSE(takeNow(queue));
+}
+
+TEST(RequestQueue, AStopWakesWhoWaits) {
+  RequestQueue queue;
+  std::optional<RequestJob> job;
+  std::jthread taker([&](const std::stop_token& stop) { job = queue.take(stop); });
+  std::this_thread::sleep_for(20ms);
+  const TimePoint begin = now();
+  taker.request_stop();
+  taker.join();
+  EXPECT_LT(now() - begin, 500ms);
+  EXPECT_FALSE(job);
+}
+
+TEST(RequestQueue, AfterAStopNothingIsGivenOut) {
+  RequestQueue queue;
+  queue.join(1, 1);
+  put(queue, 1, 1);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_FALSE(queue.take(stop.get_token()));
+  EXPECT_EQ(queue.waitingCount(1), 1u);
+}
+
+TEST(RequestQueue, WhoStopsTakesNobodysTurn) {
+  for (int round = 0; round < 200; ++round) {
+    RequestQueue queue;
+    queue.join(1, 1);
+    std::atomic<int> taken = 0;
+    std::jthread first([&](const std::stop_token& stop) { taken += queue.take(stop).has_value(); });
+    std::jthread second([&](const std::stop_token& stop) { taken += queue.take(stop).has_value(); });
+    std::jthread stopper([&] { first.request_stop(); });
+    put(queue, 1, 1);
+    stopper.join();
+    first.join();
+    const TimePoint limit = now() + 5s;
+    while (taken == 0 && now() < limit) std::this_thread::yield();
+    ASSERT_EQ(taken, 1) << "round " << round;
+  }
+}
+
+TEST(RequestQueue, ManyThreadsAtOnce) {
+  RequestQueue queue;
+  constexpr uint64_t kEach = 400;
+  std::atomic<int> served = 0;
+  std::vector<std::jthread> takers;
+  for (int i = 0; i < 3; ++i)
+    takers.emplace_back([&](const std::stop_token& stop) {
+      while (const std::optional<RequestJob> job = queue.take(stop)) {
+        ++served;
+        queue.done(job->client);
+      }
+    });
+  {
+    std::vector<std::jthread> clients;
+    for (ClientId client = 1; client <= 4; ++client)
+      clients.emplace_back([&queue, client] {
+        for (uint64_t id = 1; id <= kEach; ++id) {
+          if (id % 50 == 1) queue.join(client, 2);
+          EXPECT_TRUE(put(queue, client, id));
+          EXPECT_LE(queue.waitingCount(client), 2u);
+          if (id % 50 == 0) queue.leave(client);
+        }
+      });
+  }
+  EXPECT_EQ(queue.clientCount(), 0u);
+  for (std::jthread& taker : takers) taker.request_stop();
+  takers.clear();
+  EXPECT_GT(served, 0);
+}
+
+}  // namespace
+}  // namespace warpscope::net
