@@ -8,8 +8,10 @@
 #include <cstdio>
 
 #include "render/core/stopwatch.h"
+#include "render/metrics/flip.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/psnr.h"
+#include "render/metrics/ssim.h"
 
 namespace warpscope {
 namespace {
@@ -73,6 +75,10 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
       row.technique = contender.descriptor;
       row.view = view;
       row.psnrDb = psnrSrgb(drawn.color, reference.color, scene.background);
+      if (!isReference) {
+        row.ssim = ssimSrgb(drawn.color, reference.color, scene.background);
+        row.flip = flip(drawn.color, reference.color, scene.background).mean;
+      }
       row.holeFraction = countHoles(drawn, reference.color).fraction();
       row.drawMs = times[times.size() / 2];
       row.drawSpreadMs = times.back() - times.front();

@@ -18,6 +18,8 @@ struct ComparisonRow {
   const WarpDescriptor* technique = nullptr;
   size_t view = 0;
   double psnrDb = 0.0;  ///< against the reference; infinite if equal
+  double ssim = 1.0;    ///< likewise; 1 if equal
+  double flip = 0.0;    ///< likewise; 0 if equal
   double holeFraction = 0.0;
   double drawMs = 0.0;       ///< median of `draws`, from the camera to colours in host memory
   double drawSpreadMs = 0.0; ///< longest minus shortest

@@ -1,0 +1,24 @@
+// FLIP: how different two pictures look when they are shown one after the other at the same place, and where.
+// Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astroem, Fairchild 2020, "FLIP: A difference evaluator for alternating images" (the
+// evaluator for low dynamic range), sections 4 and 5; its constants are those of the paper.
+#pragma once
+
+#include "render/core/host_device.h"
+#include "render/core/image.h"
+
+namespace warpscope {
+
+/// Pixels per degree of the field of view: a display 0.7 m wide with 3840 pixels, seen from 0.7 m (the paper's default, about 67).
+inline constexpr float kFlipPixelsPerDegree = 3840.0f * 3.14159265f / 180.0f;
+
+struct FlipResult {
+  double mean = 0.0;  ///< 0: no difference, 1: the largest
+  Image<float> map;   ///< 0..1, for each pixel
+};
+
+/// Both images are linear and premultiplied and of one size; `background` is linear. Throws InputError if the sizes differ, an image is empty, a
+/// pixel is not finite, or `pixelsPerDegree` is not within 1..1000.
+FlipResult flip(const Image<glm::vec4>& image, const Image<glm::vec4>& reference, const glm::vec3& background,
+                float pixelsPerDegree = kFlipPixelsPerDegree);
+
+}  // namespace warpscope
