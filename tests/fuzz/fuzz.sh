@@ -12,7 +12,7 @@ if [ "$what" = build ]; then
     compiler=$(printf %s "$clang" | sed 's/clang/clang++/')
     if "$compiler" -std=c++20 -fsanitize=fuzzer,address "$probe/probe.cpp" -o "$probe/probe" 2> "$probe/log"; then
       rm -f -- "$build/none"
-      cmake -S "$sources" -B "$build" -G Ninja -DCMAKE_C_COMPILER="$clang" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release \
+      cmake -S "$sources" -B "$build" -G Ninja -DCMAKE_C_COMPILER="$clang" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS_RELEASE=-O1 \
         -DWARPSCOPE_FUZZ=ON -DWARPSCOPE_CUDA=OFF -DWARPSCOPE_TESTS=OFF -DWARPSCOPE_WITH_UI=OFF -DWARPSCOPE_WITH_ITK=OFF
       cmake --build "$build" --target net_fuzzers
       "$build/tests/fuzz/net_fuzz_seeds" "$build/seeds"
