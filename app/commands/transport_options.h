@@ -19,6 +19,7 @@ struct TransportOptions {
   std::string codec{nameOf(CodecSettings{}.format)}, color{nameOf(CodecSettings{}.color)};
   int quality = CodecSettings{}.jpegQuality;
   int depth = 1;
+  std::string given;  ///< one of those about how frames travel that was typed; empty without any
 };
 
 /// Adds --connect, --link, --codec, --color, --quality and --depth.
@@ -26,6 +27,8 @@ void addTransportOptions(CLI::App& command, TransportOptions& options);
 
 /// Throws UsageError.
 TransportSettings transportOf(const TransportOptions& options);
+/// For commands that make their own frames without a server: throws UsageError if there is none, but an option about the way from it.
+void requireServerFor(const TransportOptions& options);
 /// The server to connect to, if one was named. Throws UsageError.
 std::optional<net::Address> serverOf(const TransportOptions& options);
 
