@@ -19,7 +19,7 @@ PATIENCE_S = 30.0       # for a picture to appear; far more than it takes
 CLOSING_LIMIT_S = 2.0   # for a loaded machine; the program's own limit is 1 s
 SCENE = ["block", "--volume-size", "48x40x40"]
 # At scale 1, as app/ui lays the window out.
-MARGIN, CONTROLS, HEADER, FOOTER = 8, 268, 40, 90
+MARGIN, CONTROLS, HEADER, FOOTER = 8, 268, 40, 96  # the footer from the coloured bar down, whose parts change
 
 
 class Failure(Exception):
