@@ -60,8 +60,16 @@ LoadedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Address& 
   Connected connected = connectFrameSource(io, clientSettings(address, transport), std::move(onNews), stop);
   connected.source->setTransport(transport);
   Scene scene = sceneFrom(connected.scene);
-  // Ground truth comes as it is, without what is simulated for frames, over a connection of its own.
-  return {std::move(scene), std::move(connected.source), makeRemoteMarcher(io, clientSettings(address, {}), transport.codec)};
+  // Ground truth comes as it is, without what is simulated for frames, over a connection of its own. However long that is broken, it is
+  // waited for: the source says what is going on, and what is no longer wanted is cancelled.
+  constexpr std::chrono::hours kLongerThanAnybodyWaits(24 * 365);
+  return {std::move(scene), std::move(connected.source),
+          makeRemoteMarcher(io, clientSettings(address, {}), transport.codec, kLongerThanAnybodyWaits)};
+}
+
+MarcherPtr connectMarcher(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport) {
+  const net::ClientSettings settings = clientSettings(address, transport);
+  return makeRemoteMarcher(std::move(io), settings, transport.codec, settings.connectPatience);
 }
 
 }  // namespace warpscope

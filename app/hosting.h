@@ -27,4 +27,7 @@ LoadedScene hostScene(std::shared_ptr<net::IoThread> io, Scene scene, const Marc
 LoadedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport,
                          std::function<void()> onNews, const std::stop_token& stop);
 
+/// What marches for frames that come as `transport` says, one after the other. See makeRemoteMarcher.
+MarcherPtr connectMarcher(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport);
+
 }  // namespace warpscope

@@ -2,9 +2,11 @@
 // See remote_marcher.h.
 #include "app/remote_marcher.h"
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "app/wire_fields.h"
 #include "net/address.h"
@@ -14,10 +16,12 @@
 namespace warpscope {
 namespace {
 
+using SteadyTime = std::chrono::steady_clock;
+
 class RemoteMarcher final : public Marcher, private net::ClientEvents {
  public:
-  RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec)
-      : io_(std::move(io)), settings_(std::move(settings)), coding_(codec) {}
+  RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec, SteadyTime::duration patience)
+      : io_(std::move(io)), settings_(std::move(settings)), coding_(codec), patience_(patience) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(callMutex_);
@@ -36,7 +40,7 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
 
   const VolumePtr& volume() const override { return none_; }
   Backend backend() const override { return Backend::cpu; }
-  MarcherPtr twin() const override { return makeRemoteMarcher(io_, settings_, coding_); }
+  MarcherPtr twin() const override { return makeRemoteMarcher(io_, settings_, coding_, patience_); }
 
  private:
   net::Frame ask(net::Wanted wanted, const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
@@ -53,14 +57,16 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
       const std::scoped_lock lock(mutex_);
       answer_.reset();
       failure_.reset();
+      if (!isConnected_) lostAt_ = SteadyTime::now();
     }
     client_->request(request);
     std::unique_lock lock(mutex_);
     while (!answer_ && !failure_ && refusal_.empty()) {
-      // As long as there is a connection, the march may take its time.
-      const bool hasChanged = changed_.wait_for(lock, stop, settings_.connectPatience, [&, before = changes_] { return changes_ != before; });
+      // As long as there is a connection, the march may take its time. Without one, trying again is not the same as having one.
+      const SteadyTime::time_point end = (isConnected_ ? SteadyTime::now() : lostAt_) + patience_;
+      changed_.wait_until(lock, stop, end, [&, before = changes_] { return changes_ != before; });
       if (stop.stop_requested()) throw OperationCancelled();
-      if (!hasChanged && !isConnected_)
+      if (!isConnected_ && SteadyTime::now() >= lostAt_ + patience_)
         throw InputError(trouble_.empty() ? net::toString(settings_.address.where) + " does not answer" : trouble_);
     }
     if (failure_) throw InputError("the server: " + failure_->sentence);
@@ -82,7 +88,8 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   }
   void onState(const net::ConnectionState& state) override {
     note([&] {
-      isConnected_ = state.phase == net::ConnectionPhase::connected;
+      const bool wasConnected = std::exchange(isConnected_, state.phase == net::ConnectionPhase::connected);
+      if (wasConnected && !isConnected_) lostAt_ = SteadyTime::now();
       if (!state.sentence.empty()) trouble_ = state.sentence;
       if (state.phase == net::ConnectionPhase::refused) refusal_ = state.sentence;
     });
@@ -98,6 +105,7 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   const std::shared_ptr<net::IoThread> io_;
   const net::ClientSettings settings_;
   const CodecSettings coding_;
+  const SteadyTime::duration patience_;
   const VolumePtr none_;
   std::mutex callMutex_;  // of a whole call, and of the two below
   FrameCodec codec_;
@@ -109,13 +117,15 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   std::optional<net::Failure> failure_;
   std::string refusal_, trouble_;
   bool isConnected_ = false;
+  SteadyTime::time_point lostAt_{};  // or the call's begin, where there was no connection
   std::unique_ptr<net::Client> client_;  // last: it tells all of the above
 };
 
 }  // namespace
 
-MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec) {
-  return std::make_shared<RemoteMarcher>(std::move(io), std::move(settings), codec);
+MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
+                             std::chrono::steady_clock::duration patience) {
+  return std::make_shared<RemoteMarcher>(std::move(io), std::move(settings), codec, patience);
 }
 
 }  // namespace warpscope

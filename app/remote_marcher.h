@@ -2,6 +2,7 @@
 // Calls wait for the answer. One connection each; a call that the network interrupts is asked again by it.
 #pragma once
 
+#include <chrono>
 #include <memory>
 
 #include "net/client.h"
@@ -11,7 +12,8 @@
 namespace warpscope {
 
 /// Connects when it is first called. march() and render() throw as Marcher's do, InputError also for what the server or the network says, or if
-/// nothing comes within settings.connectPatience and no connection stands. volume() is null.
-MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec);
+/// no connection stands for `patience`. volume() is null.
+MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
+                             std::chrono::steady_clock::duration patience);
 
 }  // namespace warpscope

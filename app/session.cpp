@@ -155,6 +155,7 @@ bool Session::takeFrame() {
   if (!served->frame) return true;
   frame_ = std::move(served->frame);
   frameBytes_ = served->bytes;
+  ++framesReceived_;
   frameArrivedAt_ = served->arrivedAt;
   arrivals_[served->requestId] = {served->latency, served->bytes};
   serverRate_.tick(served->arrivedAt);

@@ -101,6 +101,8 @@ class Session {
   size_t frameBytes() const { return frameBytes_; }
   /// How long ago the newest frame arrived; nothing without one.
   std::optional<double> frameAgeMs(TimePoint now) const;
+  /// Of all scenes.
+  size_t framesReceived() const { return framesReceived_; }
   double serverFramesPerSecond(TimePoint now) const { return serverRate_.perSecond(now); }
   /// True while the newest request is not answered.
   bool isServerAtWork() const { return answeredId_ < requestId_; }
@@ -162,6 +164,7 @@ class Session {
   std::array<uint64_t, kPanelCount> drawnIds_{};  // of the frame that each panel's worker drew last, or failed to draw
   SampleFramePtr frame_;
   size_t frameBytes_ = 0;
+  size_t framesReceived_ = 0;
   TimePoint frameArrivedAt_{};
   std::map<uint64_t, Arrival> arrivals_;  // of frames that are on show or may come to be
   TransportSettings transport_;           // that the source was told last

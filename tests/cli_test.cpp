@@ -49,7 +49,7 @@ TEST_F(CommandLine, InfoListsWhatThereIs) {
 TEST_F(CommandLine, HelpAndVersionSucceed) {
   EXPECT_THAT(succeed({"--version"}).out, testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+\n"));
   const std::string help = succeed({"--help"}).out;
-  for (const char* command : {"shot", "compare", "bench", "export", "info"}) {
+  for (const char* command : {"serve", "shot", "compare", "bench", "export", "info"}) {
     EXPECT_THAT(help, testing::HasSubstr(command));
     const ProgramResult result = succeed({command, "--help"});
     EXPECT_THAT(result.out, testing::HasSubstr("--json"));

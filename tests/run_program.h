@@ -74,8 +74,9 @@ class Program {
 
   void signal(int number) const { kill(process_, number); }
 
-  /// What it has written to standard error until now.
+  /// What it has written to standard error, or to standard output, until now.
   std::string errSoFar() const { return streams_.read("err"); }
+  std::string outSoFar() const { return streams_.read("out"); }
 
   /// True once the program has ended; wait() then returns at once.
   bool hasEnded() const {

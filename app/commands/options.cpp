@@ -102,7 +102,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--size", options.size, "WxH of the pictures, in pixels")->capture_default_str();
   command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees, " + rangeText(kFovYDegRange) + sceneDefault);
   command.add_option("--uncovered", options.uncovered, "Colour (RRGGBB) of pixels that no sample covers; default transparent");
-  command.add_option("--seed", options.seed, "Of what is random in the built-in volumes vessels and shells")->capture_default_str();
+  command.add_option("--seed", options.seed, "Of what is random in the built-in volumes vessels and shells; default: 1");
   command.add_flag("--json", options.json, "One JSON document on standard output and nothing else");
   addLogOptions(command, options);
 }
@@ -126,7 +126,7 @@ void requireValues(CLI::App& command) {
 
 CheckedOptions check(const CommonOptions& options) {
   CheckedOptions checked;
-  checked.sceneSpec = options.scene;
+  checked.sceneSpec = options.scene.value_or(std::string(kDefaultScene));
   const std::vector<uint32_t> size = parseSize("--size", options.size, 2, kMaxImageSide);
   checked.width = size[0];
   checked.height = size[1];
@@ -148,7 +148,7 @@ CheckedOptions check(const CommonOptions& options) {
   }
   if (options.fovYDeg) requireRange(*options.fovYDeg, kFovYDegRange, "--fov");
 
-  checked.overrides.seed = options.seed;
+  if (options.seed) checked.overrides.seed = *options.seed;
   checked.overrides.fovYDeg = options.fovYDeg;
   if (!options.volume.empty()) checked.overrides.volume = options.volume;
   if (!options.transferFunction.empty()) checked.overrides.transferFunction = options.transferFunction;
@@ -191,15 +191,20 @@ Workplace prepare(const CommonOptions& options, const std::stop_token& stop) {
 Workplace prepare(const CommonOptions& options, const TransportOptions& transportOptions, const std::stop_token& stop) {
   Workplace work{check(options), {}, {}, {}, {}, transportOf(transportOptions)};
   const std::optional<net::Address> server = serverOf(transportOptions);
+  requireServerFor(transportOptions);
   if (server) requireNoSceneOf(options);
   Progress progress("opening", 1, !options.showsProgress());
   progress.step(server ? net::toStringWithoutToken(*server) : work.sceneSpec);
   if (server) {
-    LoadedScene loaded = connectScene(std::make_shared<net::IoThread>(), *server, work.transport, [] {}, stop);
+    const auto io = std::make_shared<net::IoThread>();
+    LoadedScene loaded = connectScene(io, *server, work.transport, [] {}, stop);
     work.scene = std::move(loaded.scene);
     work.applyTo(work.scene);
-    work.remote = std::move(loaded.display);
     work.source = std::move(loaded.source);
+    // Ground truth comes as it is, without what is simulated for frames; a server that is gone is given up.
+    TransportSettings plain;
+    plain.codec = work.transport.codec;
+    work.remote = connectMarcher(io, *server, plain);
   } else {
     work.scene = work.open(stop);
   }
@@ -212,9 +217,10 @@ MarcherPtr Workplace::marcher() const { return remote ? remote : makeMarcher(bac
 FrameServing Workplace::serving() const { return source ? servingFrom(source) : servingHere(marcher(), transport.codec); }
 
 void requireNoSceneOf(const CommonOptions& options) {
-  const std::pair<const char*, bool> given[] = {{"a scene", options.scene != kDefaultScene},
+  const std::pair<const char*, bool> given[] = {{"a scene", options.scene.has_value()},
                                                 {"--volume", !options.volume.empty()},
                                                 {"--volume-size", !options.volumeSize.empty()},
+                                                {"--seed", options.seed.has_value()},
                                                 {"--tf", !options.transferFunction.empty()}};
   for (const auto& [name, isGiven] : given)
     if (isGiven) throw UsageError(std::string("--connect shows the server's scene: leave out ") + name);

@@ -19,7 +19,7 @@ namespace warpscope {
 
 /// As typed; checked by the functions below.
 struct CommonOptions {
-  std::string scene{kDefaultScene};
+  std::optional<std::string> scene;  ///< default: kDefaultScene
   std::string volume, transferFunction, volumeSize;
   std::string heuristic, radius;
   std::string backend = "auto", gl = "auto", bvh = "auto";
@@ -28,7 +28,7 @@ struct CommonOptions {
   std::optional<double> fovYDeg, step, radiusScale;
   int pointSize = WarpSettings{}.pointSize;
   int hits = WarpSettings{}.hits;
-  uint32_t seed = 1;
+  std::optional<uint32_t> seed;
   bool json = false, quiet = false, verbose = false;
 
   /// A bar would be in the way of what the others print.

@@ -36,7 +36,8 @@ fs::path identityFolder() {
   const char* data = std::getenv("XDG_DATA_HOME");
   if (data != nullptr && fs::path(data).is_absolute()) return fs::path(data) / "warpscope";
   const char* home = std::getenv("HOME");
-  if (home == nullptr || *home == '\0') throw InputError("neither XDG_DATA_HOME nor HOME says where to keep the server's certificate");
+  if (home == nullptr || !fs::path(home).is_absolute())
+    throw InputError("neither XDG_DATA_HOME nor HOME says where to keep the server's certificate");
   return fs::path(home) / ".local" / "share" / "warpscope";
 }
 

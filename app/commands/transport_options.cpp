@@ -28,14 +28,17 @@ auto choose(std::string_view kind, std::string_view name, const Table& table) {
 
 void addTransportOptions(CLI::App& command, TransportOptions& options) {
   command.add_option("--connect", options.connect, "URL of a server, as `warpscope serve` prints it: frames come from there");
-  command.add_option("--link", options.link,
-                     "Link to simulate: " + listOf(net::linkPresets()) +
-                         ", or delay=MS,jitter=MS,rate=BIT/S,loss=P%,outage=MS/MS,seed=N; with up. or down. before a key for one direction");
-  command.add_option("--delay-ms", options.delayMs, "Round trip to the server in milliseconds, in place of --link");
+  const auto add = [&](const std::string& name, auto& value, const std::string& description) {
+    return command.add_option(name, value, description)->each([&options, name](const std::string&) { options.given = name; });
+  };
+  add("--link", options.link,
+      "Link to simulate: " + listOf(net::linkPresets()) +
+          ", or delay=MS,jitter=MS,rate=BIT/S,loss=P%,outage=MS/MS,seed=N; with up. or down. before a key for one direction");
+  add("--delay-ms", options.delayMs, "Round trip to the server in milliseconds, in place of --link");
   command.add_option("--codec", options.codec, "How samples travel: " + listOf(kPayloadFormats))->capture_default_str();
   command.add_option("--color", options.color, "How their colours travel: " + listOf(kColorCodings))->capture_default_str();
   command.add_option("--quality", options.quality, "Of jpeg, " + rangeText(kJpegQualityRange))->capture_default_str();
-  command.add_option("--depth", options.depth, "Requests under way at a time, " + rangeText(kDepthRange))->capture_default_str();
+  add("--depth", options.depth, "Requests under way at a time, " + rangeText(kDepthRange))->capture_default_str();
 }
 
 TransportSettings transportOf(const TransportOptions& options) {
@@ -71,6 +74,11 @@ nlohmann::json toJson(const FrameLatency& latency) {
   return {{"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},     {"queueMs", latency.queueMs},
           {"marchMs", latency.marchMs},     {"compactMs", latency.compactMs}, {"copyMs", latency.copyMs},
           {"encodeMs", latency.encodeMs},   {"decodeMs", latency.decodeMs}, {"totalMs", latency.totalMs()}};
+}
+
+void requireServerFor(const TransportOptions& options) {
+  if (!options.given.empty() && options.connect.empty())
+    throw UsageError(options.given + " is about the way from a server, and frames are made here: add --connect URL, or leave it out");
 }
 
 std::optional<net::Address> serverOf(const TransportOptions& options) {

@@ -20,6 +20,7 @@ struct TransportOptions {
   std::string codec{nameOf(CodecSettings{}.format)}, color{nameOf(CodecSettings{}.color)};
   int quality = CodecSettings{}.jpegQuality;
   int depth = 1;
+  std::string given;  ///< one of those about how frames travel that was typed; empty without any
 };
 
 /// Adds --connect, --link, --codec, --color, --quality and --depth.
@@ -31,6 +32,8 @@ TransportSettings transportOf(const TransportOptions& options);
 nlohmann::json toJson(const TransportSettings& transport);
 nlohmann::json toJson(const FrameLatency& latency);
 
+/// For commands that make their own frames without a server: throws UsageError if there is none, but an option about the way from it.
+void requireServerFor(const TransportOptions& options);
 /// The server to connect to, if one was named. Throws UsageError.
 std::optional<net::Address> serverOf(const TransportOptions& options);
 

@@ -22,6 +22,7 @@ struct ViewOptions {
   double uiScale = 0.0;
   std::string screenshot;
   double screenshotAfterMs = 3000.0;
+  std::string report;
 };
 
 constexpr Range kUiScaleRange{0.5, 4.0};
@@ -42,6 +43,7 @@ void view(const ViewOptions& options) {
   else
     requireScene(checked.sceneSpec);
   if (!options.screenshot.empty()) requireWritable(options.screenshot);
+  if (!options.report.empty()) requireWritable(options.report);
   settings.knobs.warp = checked.warp;
   settings.knobs.transport = transport;
   settings.knobs.uncovered = checked.uncovered;
@@ -52,6 +54,7 @@ void view(const ViewOptions& options) {
   window.uiScale = options.uiScale;
   window.screenshot = options.screenshot;
   window.screenshotAfterMs = options.screenshotAfterMs;
+  window.report = options.report;
 
   const Interrupt interrupt;
   SteadyClock clock;
@@ -116,6 +119,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--screenshot", options->screenshot, "PNG file to write the window's picture to; then the window closes");
   command->add_option("--after-ms", options->screenshotAfterMs, "When the screenshot is taken, in milliseconds after the start")
       ->capture_default_str();
+  command->add_option("--report", options->report, "JSON file to write figures to when the window closes: display rate, ages, latencies");
   command->callback([options, &chosen] {
     chosen = [options] {
       try {

@@ -71,10 +71,12 @@ void drawStatusBar(const Session& session, double displayFramesPerSecond, const 
     items.push_back(grouped(frame->size()) + " samples");
     items.push_back(bytesText(session.frameBytes()) + " a frame");
     const double rate = session.serverFramesPerSecond(look.now);
+    const std::optional<SourceStatus> status = session.sourceStatus();
     items.push_back("server " + durationText(frame->timings.marchMs + frame->timings.compactMs) +
-                    (rate > 0.0                  ? ", " + format("%.1f frames/s", rate)
-                     : session.isServerAtWork() ? std::string(", at work")
-                                                : std::string(", idle")));
+                    (status && !status->isConnected ? std::string(", not connected")
+                     : rate > 0.0                   ? ", " + format("%.1f frames/s", rate)
+                     : session.isServerAtWork()     ? std::string(", at work")
+                                                    : std::string(", idle")));
   }
   const std::string display =
       displayFramesPerSecond > 0.0 ? format("display %.0f frames/s", displayFramesPerSecond) : std::string("display idle");

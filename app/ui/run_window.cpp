@@ -9,6 +9,7 @@
 #include "app/picture.h"
 #include "app/ui/parts.h"
 #include "app/ui/window.h"
+#include "app/window_report.h"
 
 namespace warpscope {
 namespace ui {
@@ -100,7 +101,7 @@ bool handleKeys(Window& window, Session& session, std::optional<size_t> panel) {
 
 /// Runs until the window is to be closed; the photograph, if one was asked for.
 Image<Rgba8> runLoop(Window& window, Session& session, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
-                     const std::stop_token& stop) {
+                     WindowReport& report, const std::stop_token& stop) {
   const std::stop_callback wakeUp(stop, [] { Window::wake(); });
   MainView mainView(window, openScene);
   RateMeter displayRate;
@@ -127,6 +128,7 @@ Image<Rgba8> runLoop(Window& window, Session& session, const SceneOpener& openSc
       displayRate.tick(now);
     else
       displayRate.clear();
+    if (!settings.report.empty()) report.add(session, now, isMoving);
     mainView.draw(session, isMoving ? displayRate.perSecond(now) : 0.0,
                   {window.fonts(), window.scale(), window.pixelsPerUnit(), now, &hover});
     const bool goesOn = handleKeys(window, session, mainView.panelUnderPointer());
@@ -145,7 +147,9 @@ bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Cl
                const std::stop_token& stop) {
   ui::Window window("warpscope", settings.uiScale);
   std::unique_ptr<Session> session = makeSession([] { ui::Window::wake(); });
-  const Image<Rgba8> photograph = ui::runLoop(window, *session, openScene, clock, settings, stop);
+  WindowReport report;
+  const Image<Rgba8> photograph = ui::runLoop(window, *session, openScene, clock, settings, report, stop);
+  if (!settings.report.empty()) writeFileWhole(settings.report, report.text(*session, clock.now()));
   const bool hasEnded = session->close(ui::kClosingPatience);
   if (!photograph.empty()) writeFileWhole(settings.screenshot, encodePng(photograph));
   if (!hasEnded) static_cast<void>(session.release());  // its thread still uses it

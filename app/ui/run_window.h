@@ -22,6 +22,7 @@ struct WindowSettings {
   double uiScale = 0.0;              ///< size of everything, 1: that of a usual screen; 0: as the screen says
   std::filesystem::path screenshot;  ///< if not empty: a PNG of the window is written here, then the window closes
   double screenshotAfterMs = 3000.0;
+  std::filesystem::path report;      ///< if not empty: a WindowReport is written here when the window closes
 };
 
 /// Makes the session once the window is open; gets what the session calls when it has news.
@@ -30,7 +31,7 @@ using SessionMaker = std::function<std::unique_ptr<Session>(std::function<void()
 using SceneOpener = std::function<LoadJob(const std::string& spec)>;
 
 /// Opens the window and returns when it is closed or `stop` is set. Throws NoDisplay before anything was done, InputError if the
-/// screenshot cannot be written or nothing can be shown on it. False if the session did not end in time (see Session::close); the session then lives on.
+/// screenshot or the report cannot be written or nothing can be shown on it. False if the session did not end in time (see Session::close); the session then lives on.
 bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
                const std::stop_token& stop);
 

@@ -4,6 +4,7 @@
 """Usage: window_test.py PROGRAM [1x | 2x | closing]... Exit codes: 0 passed, 1 failed, 77 skipped."""
 import ctypes
 import ctypes.util
+import json
 import os
 import random
 import shutil
@@ -18,7 +19,7 @@ PATIENCE_S = 30.0       # for a picture to appear; far more than it takes
 CLOSING_LIMIT_S = 2.0   # for a loaded machine; the program's own limit is 1 s
 SCENE = ["block", "--volume-size", "48x40x40"]
 # At scale 1, as app/ui lays the window out.
-MARGIN, CONTROLS, HEADER, FOOTER = 8, 268, 40, 90
+MARGIN, CONTROLS, HEADER, FOOTER = 8, 268, 40, 96  # the footer from the coloured bar down, whose parts change
 
 
 class Failure(Exception):
@@ -262,16 +263,22 @@ def begin_catching_signals(program):
 def photograph_scenes(display, executable):
     """The program closes by itself after a photograph, and without one where there is nothing to photograph."""
     with tempfile.TemporaryDirectory() as folder:
+        report = os.path.join(folder, "report.json")
+
         def photograph(scene):
             file = os.path.join(folder, "window.png")
-            result = subprocess.run([executable, "view", *scene, "--screenshot", file, "--after-ms", "1500"], env=display.environment,
-                                    capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+            result = subprocess.run([executable, "view", *scene, "--screenshot", file, "--after-ms", "1500", "--report", report, "--link", "4g"],
+                                    env=display.environment, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
             return result, os.path.exists(file)
 
         result, is_there = photograph(SCENE)
         if result.returncode != 0 or not is_there:
             raise Failure(f"a photograph: exit code {result.returncode}, {result.stderr}")
         os.remove(os.path.join(folder, "window.png"))
+        with open(report, encoding="utf-8") as text:
+            figures = json.load(text)
+        if not figures["server"]["isConnected"] or figures["framesReceived"] < 1 or figures["panels"][1]["wireMs"] < 30.0:  # of about 50
+            raise Failure(f"a report that cannot be: {figures}")
         broken = os.path.join(folder, "broken_9x9x9_uint8.raw")
         with open(broken, "wb") as file:
             file.write(b"x")
