@@ -188,7 +188,7 @@ TEST_F(Refusal, OptionsThatAreMissingOrUnknown) {
       {{"shot", "-o", "a.png", "--incomprehensible"}, {"unknown option '--incomprehensible' (see"}},
       {{"shto", "-o", "a.png"}, {"unknown command 'shto'; did you mean 'shot'?"}},
       {{"comapre"}, {"unknown command 'comapre'; did you mean 'compare'?", "(see warpscope --help)"}},
-      {{"frobnicate"}, {"unknown command 'frobnicate'; known: view shot compare"}},
+      {{"frobnicate"}, {"unknown command 'frobnicate'; known: view serve shot compare"}},
   };
   for (const auto& [arguments, reasons] : near) expectRefused(arguments, kUsage, reasons);
 }
