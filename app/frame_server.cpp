@@ -61,15 +61,19 @@ void FrameServer::run(const std::stop_token& stop) {
   FrameCodec codec;
   while (const std::optional<net::RequestJob> job = server_.requests().take(stop)) {
     const double queueMs = millisecondsBetween(job->arrivedAt, std::chrono::steady_clock::now());
+    // The others do not wait for a march whose client is gone.
+    std::stop_source end;
+    const std::stop_callback byServer(stop, [&end] { end.request_stop(); });
+    const std::stop_callback byClient(job->hasLeft, [&end] { end.request_stop(); });
     try {
-      Answer answer = answerTo(job->request, *marcher_, codec, stop);
+      Answer answer = answerTo(job->request, *marcher_, codec, end.get_token());
       answer.head.id = job->request.id;
       answer.head.wanted = job->request.wanted;
       answer.head.requestSentAtNs = job->request.sentAtNs;
       answer.head.stages.queueMs = queueMs;
       server_.answer(job->client, answer.head, std::move(answer.payload));
     } catch (const OperationCancelled&) {
-      return;  // nothing else cancels a march
+      if (stop.stop_requested()) return;
     } catch (const std::bad_alloc&) {
       server_.answer(job->client, net::Failure{job->request.id, "the server has not enough memory for this"});
     } catch (const std::exception& error) {

@@ -129,7 +129,7 @@ Awaitable<void> Client::State::run() {
       sentence = error.what();
       isRefused = true;
     } catch (const FingerprintMismatch& error) {
-      sentence = error.what();
+      sentence = error.sentence();
       isRefused = true;
     } catch (const NoTls& error) {
       sentence = std::string(error.what()) + ": its address would begin with warp://";

@@ -8,12 +8,19 @@ namespace warpscope::net {
 
 void RequestQueue::join(ClientId client, uint16_t depth) {
   const std::scoped_lock lock(mutex_);
-  clients_.push_back({client, std::max<uint16_t>(depth, 1), 0, 0, {}});
+  clients_.push_back({client, std::max<uint16_t>(depth, 1), 0, 0, {}, {}});
 }
 
 void RequestQueue::leave(ClientId client) {
-  const std::scoped_lock lock(mutex_);
-  if (const auto found = find(client); found != clients_.end()) clients_.erase(found);
+  std::stop_source left(std::nostopstate);
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = find(client);
+    if (found == clients_.end()) return;
+    left = std::move(found->left);
+    clients_.erase(found);
+  }
+  left.request_stop();  // without the lock: it calls what others have hung on it
 }
 
 bool RequestQueue::put(ClientId client, const FrameRequest& request, TimePoint arrivedAt) {
@@ -23,7 +30,7 @@ bool RequestQueue::put(ClientId client, const FrameRequest& request, TimePoint a
     if (found == clients_.end() || request.id <= found->lastId) return false;
     found->lastId = request.id;
     if (found->waiting.size() >= found->depth) found->waiting.pop_back();
-    found->waiting.push_back({client, request, arrivedAt});
+    found->waiting.push_back({client, request, arrivedAt, found->left.get_token()});
   }
   changed_.notify_all();  // one alone might be about to stop
   return true;

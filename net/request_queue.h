@@ -22,6 +22,7 @@ struct RequestJob {
   ClientId client = 0;
   FrameRequest request;
   TimePoint arrivedAt;
+  std::stop_token hasLeft;  ///< set when the client leaves: nobody waits for the answer any more
 };
 
 /// Safe on any thread.
@@ -29,7 +30,7 @@ class RequestQueue {
  public:
   /// `depth`: how many of the client's requests may be in work or on their way back at a time, and how many may wait besides.
   void join(ClientId client, uint16_t depth);
-  /// Forgets the client's requests; done() for those in work does nothing then.
+  /// Forgets the client's requests, and says so to who works on them; done() for those does nothing then.
   void leave(ClientId client);
 
   /// False if the id is not greater than the last one's, or there is no such client. Beyond `depth` waiting ones, the newest waiting one is
@@ -52,6 +53,7 @@ class RequestQueue {
     uint64_t lastId = 0;
     uint32_t atWork = 0;
     std::deque<RequestJob> waiting;
+    std::stop_source left;
   };
   using Clients = std::list<Client>;
 

@@ -61,9 +61,11 @@ bool isNoTls(const error_code& error) {
 }  // namespace
 
 FingerprintMismatch::FingerprintMismatch(const std::string& peer, const Fingerprint& expected, const Fingerprint& shown)
-    : system_error(make_error_code(boost::system::errc::permission_denied),
-                   "the server at " + peer + " is not the one that the address is for, or somebody is in between: its certificate has the "
-                   "fingerprint " + fingerprintText(shown) + ", not " + fingerprintText(expected)) {}
+    : FingerprintMismatch("the server at " + peer + " is not the one that the address is for, or somebody is in between: its certificate has the "
+                          "fingerprint " + fingerprintText(shown) + ", not " + fingerprintText(expected)) {}
+
+FingerprintMismatch::FingerprintMismatch(const std::string& sentence)
+    : system_error(make_error_code(boost::system::errc::permission_denied), sentence), sentence_(sentence) {}
 
 /// What the two sides of the handshake have in common.
 class TlsHandshake {

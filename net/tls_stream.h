@@ -14,6 +14,14 @@ namespace warpscope::net {
 class FingerprintMismatch : public system_error {
  public:
   FingerprintMismatch(const std::string& peer, const Fingerprint& expected, const Fingerprint& shown);
+
+  /// what() without the code's own words.
+  const std::string& sentence() const { return sentence_; }
+
+ private:
+  explicit FingerprintMismatch(const std::string& sentence);
+
+  std::string sentence_;
 };
 
 /// What the peer says is no TLS.

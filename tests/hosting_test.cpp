@@ -200,6 +200,22 @@ TEST_F(HostingTest, EndsInTheMiddleOfAMarch) {
   EXPECT_LT(std::chrono::steady_clock::now() - began, seconds(2));
 }
 
+TEST_F(HostingTest, NobodyWaitsForTheMarchOfAClientThatLeft) {
+  const LoadedScene patient = connect();
+  {
+    const LoadedScene leaving = connect();
+    MarchSettings slow = scene_.march;
+    slow.step = 0.001f;
+    leaving.source->post({1, makeCamera(scene_, scene_.views.front(), 4096, 4096), slow}, std::chrono::steady_clock::now());
+    std::this_thread::sleep_for(milliseconds(100));  // it marches
+  }
+  const auto began = std::chrono::steady_clock::now();
+  patient.source->post({1, camera(), scene_.march}, began);
+  const std::optional<ServedFrame> served = next(*patient.source);
+  ASSERT_TRUE(served && served->frame);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, seconds(5));  // the other march takes far longer
+}
+
 TEST(WireFields, EverythingComesBack) {
   const Scene scene = smallScene("vessels");
   const net::Bytes message = net::sceneMessage(toFields(scene));
