@@ -96,6 +96,12 @@ class Witness : public ClientEvents {
     return *find();
   }
 
+  template <class F>
+  auto look(F f) {
+    const std::scoped_lock lock(mutex);
+    return f();
+  }
+
   // With the mutex held:
   bool isIn(ConnectionPhase phase) const { return !states.empty() && states.back().phase == phase; }
   bool isConnected() const { return isIn(ConnectionPhase::connected); }

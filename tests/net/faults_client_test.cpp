@@ -155,7 +155,7 @@ TEST_F(FaultsClient, FramesCutAtAnyByteAreAskedForAgain) {
     socket.send(ByteView(frame).first(size));
     size % 2 == 0 ? socket.close() : socket.reset();
   }
-  EXPECT_TRUE(witness_.frames.empty());
+  EXPECT_TRUE(witness_.look([&] { return witness_.frames.empty(); }));
   BareSocket socket = greetedServer(listener_);
   ASSERT_TRUE(nextRequest(socket));
   socket.send(frame);
@@ -202,7 +202,7 @@ TEST_F(FaultsClient, HeartbeatsAreAnsweredAndOnesOwnAreMeasured) {
   const std::optional<Bytes> pong = socket.receiveBody(MessageType::pong);
   ASSERT_TRUE(pong);
   EXPECT_EQ(readBeat(*pong), 1234u);
-  EXPECT_TRUE(witness_.roundTrips.empty()) << "pongs for what was never sent measure nothing";
+  EXPECT_TRUE(witness_.look([&] { return witness_.roundTrips.empty(); })) << "pongs for what was never sent measure nothing";
   for (int i = 0; i < 5; ++i) {
     const std::optional<Bytes> ping = socket.receiveBody(MessageType::ping);
     ASSERT_TRUE(ping) << "one each interval";
@@ -282,7 +282,7 @@ TEST_F(FaultsClient, MoreDepthTakesAnotherConnectionAtOnce) {
   client_->setDepth(2);
   client_->setDepth(3);
   EXPECT_FALSE(listener_.accept(100ms).isOpen()) << "what the server did not grant it will not grant again";
-  EXPECT_EQ(witness_.countOf(ConnectionPhase::waiting), 0u);
+  EXPECT_EQ(witness_.look([&] { return witness_.countOf(ConnectionPhase::waiting); }), 0u);
 }
 
 TEST_F(FaultsClient, PausesGrowAreJitteredAndCapped) {
@@ -319,7 +319,7 @@ TEST_F(FaultsClient, PausesGrowAlsoWhileServersGreetAndBreakOff) {
     return std::chrono::duration<double, std::milli>(*witness_.states.back().next - witness_.states.back().since).count();
   };
   ASSERT_TRUE(witness_.waitFor([&] { return witness_.isIn(ConnectionPhase::waiting) && witness_.countOf(ConnectionPhase::waiting) == 5; }));
-  EXPECT_GE(lastPause(), 70.0);
+  EXPECT_GE(witness_.look(lastPause), 70.0);
   // One that was of use starts anew.
   BareSocket socket = greetedServer(listener_);
   client_->request(requestOf(1));
@@ -328,7 +328,7 @@ TEST_F(FaultsClient, PausesGrowAlsoWhileServersGreetAndBreakOff) {
   ASSERT_TRUE(witness_.frameOf(1));
   socket.close();
   ASSERT_TRUE(witness_.waitFor([&] { return witness_.isIn(ConnectionPhase::waiting); }));
-  EXPECT_LE(lastPause(), 10.0);
+  EXPECT_LE(witness_.look(lastPause), 10.0);
 }
 
 TEST_F(FaultsClient, ConnectingNowCutsThePauseShort) {

@@ -56,7 +56,7 @@ TEST_F(LinkExchange, RoundTripsTakeTheDelayAndChangesTakeEffectAtOnce) {
   DuplexLinkSettings wrong;
   wrong.up.delayMs = -1.0;
   EXPECT_THROW(client_->setLink(wrong), LinkSettingsError);
-  EXPECT_EQ(witness_.scenes.size(), 1u) << "all that in one connection";
+  EXPECT_EQ(witness_.look([&] { return witness_.scenes.size(); }), 1u) << "all that in one connection";
 }
 
 TEST_F(LinkExchange, ADelayLongerThanPatienceIsNoSilence) {
@@ -89,7 +89,7 @@ TEST_F(LinkExchange, SeveralUnderWayAreWorthTheDelay) {
   EXPECT_LE(one, 10u);
   EXPECT_LE(eight, 80u);
   EXPECT_GE(eight, 4 * one);
-  EXPECT_EQ(witness_.scenes.size(), 1u);
+  EXPECT_EQ(witness_.look([&] { return witness_.scenes.size(); }), 1u);
 }
 
 TEST_F(LinkExchange, IdleConnectionsStay) {

@@ -127,7 +127,7 @@ TEST_F(Stopping, AClientThatConnectsToWhereNobodyAnswers) {
   std::vector<std::unique_ptr<Client>> clients;
   for (Witness& witness : witnesses) clients.push_back(std::make_unique<Client>(io_, clientOf(listener.address()), witness));
   std::this_thread::sleep_for(50ms);
-  for (Witness& witness : witnesses) EXPECT_FALSE(witness.isConnected());
+  for (Witness& witness : witnesses) EXPECT_FALSE(witness.look([&] { return witness.isConnected(); }));
   expectSoon([&] {
     clients.clear();
     io_.reset();
