@@ -115,7 +115,10 @@ TEST_F(CommandLine, BenchMeasuresEveryTechniqueThatDrawsFrames) {
                           "techniques", "scene", "width", "height", "step", "heuristic", "radius", "runs", "version", "backends"})
     EXPECT_TRUE(report.contains(key)) << key;
   EXPECT_EQ(report["backend"], "cpu");
-  EXPECT_EQ(report["bytes"], 12 * report["samples"].get<size_t>());
+  EXPECT_EQ(report["rawBytes"], 12 * report["samples"].get<size_t>());
+  EXPECT_LT(report["bytes"], report["rawBytes"]);
+  EXPECT_GT(report["encodeMs"].get<double>(), 0.0);
+  EXPECT_GT(report["decodeMs"].get<double>(), 0.0);
   EXPECT_GT(report["marchMs"].get<double>(), 0.0);
   EXPECT_GE(report["serverMs"].get<double>(), report["marchMs"].get<double>());
   ASSERT_EQ(report["backends"].size(), 1u);
