@@ -55,7 +55,7 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
     contender.warp->setFrame(comparison.frame, settings.warp, stop);  // warms up: memory, threads, shaders
     contender.buildMs = milliseconds([&] { contender.warp->setFrame(comparison.frame, settings.warp, stop); });
     if (descriptor.usesFrame)
-      contender.bytes = descriptor.name == "hold" ? pictureBytes(*comparison.frame, scene.background, settings.codec) : comparison.served.bytes;
+      contender.bytes = descriptor.name == "hold" ? pictureBytes(comparison.frame, scene.background, settings.codec) : comparison.served.bytes;
     contenders.push_back(std::move(contender));
   }
 

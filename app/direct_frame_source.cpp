@@ -51,9 +51,7 @@ class DirectFrameSource final : public FrameSource {
     if (!clock_.waitUntil(arrival(down_, net::kFrameHeadBytes + frame.sizeBytes(), marchedAt), stop)) throw OperationCancelled();
     served.arrivedAt = clock_.now();
     served.bytes = frame.sizeBytes();
-    served.latency.marchMs = frame.timings.marchMs;
-    served.latency.compactMs = frame.timings.compactMs;
-    served.latency.copyMs = frame.timings.copyMs;
+    served.latency = latencyOf(frame.timings);
     served.latency.wireMs = millisecondsBetween(job.sentAt, beganAt) + millisecondsBetween(marchedAt, served.arrivedAt);
     served.frame = std::make_shared<const SampleFrame>(std::move(frame));
   }

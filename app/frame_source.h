@@ -35,6 +35,15 @@ struct FrameLatency {
   double totalMs() const { return waitMs + wireMs + queueMs + marchMs + compactMs + copyMs + encodeMs + decodeMs; }
 };
 
+/// What the server's own stages took; the rest is 0.
+inline FrameLatency latencyOf(const ServerTimings& timings) {
+  FrameLatency latency;
+  latency.marchMs = timings.marchMs;
+  latency.compactMs = timings.compactMs;
+  latency.copyMs = timings.copyMs;
+  return latency;
+}
+
 struct ServedFrame {
   uint64_t requestId = 0;
   Clock::TimePoint requestedAt;  ///< when its camera was the current one

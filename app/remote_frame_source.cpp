@@ -130,6 +130,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     served.bytes = arrived.frame->payload.size();
     auto frame = std::make_shared<SampleFrame>(frameFrom(head));
     FrameLatency& latency = served.latency;
+    latency = latencyOf(frame->timings);
     latency.decodeMs = milliseconds([&] {
       if (const DecodeError error = codec.decode(arrived.frame->payload, head.sampleCount, *frame, decodeLimitsFor(frame->camera)))
         throw InputError("the server's frame: " + *error);
@@ -137,9 +138,6 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     const net::StageTimes& stages = head.stages;
     latency.waitMs = millisecondsBetween(arrived.arrival.requestedAt, arrived.arrival.sentAt);
     latency.queueMs = stages.queueMs;
-    latency.marchMs = stages.marchMs;
-    latency.compactMs = stages.compactMs;
-    latency.copyMs = stages.copyMs;
     latency.encodeMs = stages.encodeMs;
     const double atServerMs = stages.queueMs + stages.marchMs + stages.compactMs + stages.copyMs + stages.encodeMs;
     latency.wireMs = std::max(0.0, millisecondsBetween(arrived.arrival.sentAt, arrived.arrival.arrivedAt) - atServerMs);

@@ -40,22 +40,15 @@ FrameServing servingHere(MarcherPtr marcher, const CodecSettings& coding) {
   return [marcher = std::move(marcher), coding](const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
     ServedFrame served;
     served.requestedAt = std::chrono::steady_clock::now();
-    const SampleFrame marched = marcher->march(camera, settings, stop);
-    served.latency.marchMs = marched.timings.marchMs;
-    served.latency.compactMs = marched.timings.compactMs;
-    served.latency.copyMs = marched.timings.copyMs;
+    auto frame = std::make_shared<SampleFrame>(marcher->march(camera, settings, stop));
+    served.latency = latencyOf(frame->timings);
     FrameCodec codec;
     std::vector<std::byte> payload;
-    served.latency.encodeMs = milliseconds([&] { payload = codec.encode(marched, coding); });
+    served.latency.encodeMs = milliseconds([&] { payload = codec.encode(*frame, coding); });
     served.bytes = payload.size();
-    auto frame = std::make_shared<SampleFrame>();
-    frame->camera = marched.camera;
-    frame->quantization = marched.quantization;
-    frame->settings = marched.settings;
-    frame->voxelRadius = marched.voxelRadius;
-    frame->timings = marched.timings;
+    const size_t count = frame->size();
     DecodeError error;
-    served.latency.decodeMs = milliseconds([&] { error = codec.decode(payload, marched.size(), *frame); });
+    served.latency.decodeMs = milliseconds([&] { error = codec.decode(payload, count, *frame); });
     if (error) throw InputError("the program's own frame cannot be decoded: " + *error);
     served.frame = std::move(frame);
     served.arrivedAt = std::chrono::steady_clock::now();
@@ -71,13 +64,13 @@ FrameServing servingFrom(FrameSourcePtr source) {
   };
 }
 
-size_t pictureBytes(const SampleFrame& frame, const glm::vec3& background, const CodecSettings& codec) {
+size_t pictureBytes(const SampleFramePtr& frame, const glm::vec3& background, const CodecSettings& codec) {
   if (codec.format == PayloadFormat::packed && codec.color == ColorCoding::jpeg)
-    return encodeFramePicture(frame, background, codec.jpegQuality).size();
+    return encodeFramePicture(*frame, background, codec.jpegQuality).size();
   const std::unique_ptr<Warp> hold = makeWarp(findWarp("hold"), {});
-  hold->setFrame(std::make_shared<const SampleFrame>(frame), {}, {});
+  hold->setFrame(frame, {}, {});
   WarpedImage image;
-  hold->draw(frame.camera, {}, image, {});
+  hold->draw(frame->camera, {}, image, {});
   return encodePng(toScreen(image, background, 0)).size();
 }
 

@@ -22,6 +22,6 @@ FrameServing servingFrom(FrameSourcePtr source);
 
 /// What a viewer that streams images would have been sent instead of the frame: its picture over `background` (linear RGB), coded as
 /// the codec codes colours: JPEG of its quality, or PNG.
-size_t pictureBytes(const SampleFrame& frame, const glm::vec3& background, const CodecSettings& codec);
+size_t pictureBytes(const SampleFramePtr& frame, const glm::vec3& background, const CodecSettings& codec);
 
 }  // namespace warpscope

@@ -67,23 +67,25 @@ void codecFields(Wire& wire, Codec& codec) {
   wire.number(codec.quality);
 }
 
+/// What a request asks for, and its answer repeats.
+template <class Wire, class Message>
+void askedFields(Wire& wire, Message& message) {
+  wire.number(message.id);
+  choice(wire, message.wanted, Wanted::picture);
+  cameraFields(wire, message.camera);
+  marchFields(wire, message.march);
+  codecFields(wire, message.codec);
+}
+
 template <class Wire, class Request>
 void requestFields(Wire& wire, Request& request) {
-  wire.number(request.id);
-  choice(wire, request.wanted, Wanted::picture);
-  cameraFields(wire, request.camera);
-  marchFields(wire, request.march);
-  codecFields(wire, request.codec);
+  askedFields(wire, request);
   wire.number(request.sentAtNs);
 }
 
 template <class Wire, class Head>
 void frameFields(Wire& wire, Head& head) {
-  wire.number(head.id);
-  choice(wire, head.wanted, Wanted::picture);
-  cameraFields(wire, head.camera);
-  marchFields(wire, head.march);
-  codecFields(wire, head.codec);
+  askedFields(wire, head);
   wire.numbers(head.bounds);
   wire.number(head.radiusUnit);
   wire.number(head.voxelRadius);

@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <vector>
 
+#include "app/commands/choose.h"
 #include "app/hosting.h"
 #include "app/log.h"
 #include "app/progress.h"
 #include "render/core/error.h"
-#include "render/core/nearest_name.h"
 #include "render/cuda/devices.h"
 #include "render/volume/procedural.h"
 
@@ -23,12 +23,6 @@ struct Choice {
   std::string_view name;
   Value value;
 };
-
-template <class Table>
-auto choose(std::string_view kind, std::string_view name, const Table& table) {
-  if (const auto* entry = findNamed(table, name)) return entry->value;
-  throw UsageError(unknownNameIn(table, kind, name));
-}
 
 /// Parses numbers separated by 'x': exactly `count` of them, each within 1..largest.
 std::vector<uint32_t> parseSize(const std::string& option, const std::string& text, size_t count, uint32_t largest) {
@@ -65,13 +59,6 @@ Rgba8 parseColor(const std::string& text) {
 constexpr Choice<Backend> kBackends[] = {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}};
 constexpr Choice<gl::Platform> kPlatforms[] = {
     {"auto", gl::Platform::automatic}, {"egl", gl::Platform::egl}, {"osmesa", gl::Platform::osmesa}};
-
-template <class Table>
-std::string listOf(const Table& table) {
-  std::string text;
-  for (const auto& entry : table) text += (text.empty() ? "" : " ") + std::string(entry.name);
-  return text;
-}
 
 void logBackend(Backend backend) {
   if (!isDetailLogged()) return;

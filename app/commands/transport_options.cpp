@@ -2,27 +2,14 @@
 // See transport_options.h.
 #include "app/commands/transport_options.h"
 
+#include "app/commands/choose.h"
 #include "render/core/error.h"
-#include "render/core/nearest_name.h"
 #include "render/core/range.h"
 
 namespace warpscope {
 namespace {
 
 constexpr Range kDelayMsRange{0.0, 10000.0};
-
-template <class Table>
-std::string listOf(const Table& table) {
-  std::string text;
-  for (const auto& entry : table) text += (text.empty() ? "" : " ") + std::string(entry.name);
-  return text;
-}
-
-template <class Table>
-auto choose(std::string_view kind, std::string_view name, const Table& table) {
-  if (const auto* entry = findNamed(table, name)) return entry->value;
-  throw UsageError(unknownNameIn(table, kind, name));
-}
 
 }  // namespace
 

@@ -1,0 +1,28 @@
+// Options whose values have names: listing the names, and finding what was typed among them.
+// For tables of entries with `name` and `value`, as NamedValue.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "render/core/error.h"
+#include "render/core/nearest_name.h"
+
+namespace warpscope {
+
+/// "auto cpu cuda"
+template <class Table>
+std::string listOf(const Table& table) {
+  std::string text;
+  for (const auto& entry : table) text += (text.empty() ? "" : " ") + std::string(entry.name);
+  return text;
+}
+
+/// The value that `name` stands for. Throws UsageError, which says what `kind` of name it should be and proposes the nearest.
+template <class Table>
+auto choose(std::string_view kind, std::string_view name, const Table& table) {
+  if (const auto* entry = findNamed(table, name)) return entry->value;
+  throw UsageError(unknownNameIn(table, kind, name));
+}
+
+}  // namespace warpscope
