@@ -19,13 +19,16 @@ namespace warpscope {
 namespace {
 
 constexpr WarpDescriptor kWarps[] = {
-    {"reference", "Reference", "the volume marched at the current camera: the ground truth", false, false, makeReferenceWarp},
-    {"hold", "Hold", "the last image, not warped: what image-streaming viewers show", true, false, makeHoldWarp},
-    {"points", "Points", "OpenGL points of a fixed size in pixels (2012)", true, false, makePointsWarp},
-    {"spheres", "Spheres", "first hit of rays with spheres over an LBVH (2020)", true, true, makeSpheresWarp},
+    {"reference", "Reference", "the volume marched at the current camera: the ground truth", false, false, {}, makeReferenceWarp},
+    {"hold", "Hold", "the last image, not warped: what image-streaming viewers show", true, false, {}, makeHoldWarp},
+    {"points", "Points", "OpenGL points of a fixed size in pixels (2012)", true, false, {.depth = true, .pointSize = true},
+     makePointsWarp},
+    {"spheres", "Spheres", "first hit of rays with spheres over an LBVH (2020)", true, true, {.depth = true, .radius = true},
+     makeSpheresWarp},
     {"splats", "Splats", "the picture of spheres without a hierarchy: each is intersected with the pixels that it may cover", true, true,
-     makeSplatsWarp},
-    {"multihit", "Multihit", "the nearest few spheres along each ray, blended", true, true, makeMultihitWarp},
+     {.depth = true, .radius = true}, makeSplatsWarp},
+    {"multihit", "Multihit", "the nearest few spheres along each ray, blended", true, true,
+     {.depth = true, .radius = true, .hits = true}, makeMultihitWarp},
 };
 
 }  // namespace

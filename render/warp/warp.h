@@ -95,12 +95,21 @@ class Warp {
   virtual std::optional<DeviceTimings> deviceTimings() const { return std::nullopt; }
 };
 
+/// What of a frame and of the client's knobs a technique's picture depends on, besides colours and cameras.
+struct WarpKnobs {
+  bool depth = false;   ///< the samples' depths, and with them the heuristic
+  bool radius = false;  ///< the samples' radii, and with them their policy
+  bool pointSize = false;
+  bool hits = false;
+};
+
 struct WarpDescriptor {
   std::string_view name;
   std::string_view label;    ///< as a person reads it
   std::string_view summary;  ///< one line for help texts
   bool usesFrame;            ///< false for the reference, which needs no samples
   bool runsOnCuda;           ///< its maker has an own way for the backend cuda
+  WarpKnobs knobs;
   std::unique_ptr<Warp> (*make)(const WarpResources&);
 };
 

@@ -1,0 +1,160 @@
+// Fronts and the answer.
+// See findings.h.
+#include "app/sweep/findings.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <numeric>
+
+namespace warpscope {
+namespace {
+
+constexpr double kBudgetsMs[] = {1.0, 4.0, 16.0, 33.0};
+constexpr double kFlipGoals[] = {0.02, 0.05, 0.1};
+
+std::string whatOf(const Summary& summary) {
+  char text[160];
+  std::snprintf(text, sizeof text, "FLIP %.4f, holes %.1f %%, in %.3g ms", summary.flip, 100.0 * summary.holeFraction, summary.frameMs);
+  return text;
+}
+
+/// As the answer names it: with the server's side where that tells it from others.
+std::string nameIn(const Summary& summary, const std::vector<Summary>& all) {
+  std::string name = labelOf(summary.configuration);
+  const bool hasSides = std::any_of(all.begin(), all.end(), [&](const Summary& other) {
+    return other.configuration.technique->usesFrame && other.configuration.serverSidePx != summary.configuration.serverSidePx;
+  });
+  if (hasSides) name += ", server's image of " + std::to_string(summary.configuration.serverSidePx) + " px";
+  const auto add = [&](bool differs, const std::string& text) {
+    if (differs) name += ", " + text;
+  };
+  add(std::any_of(all.begin(), all.end(), [&](const Summary& other) { return other.configuration.march.step != summary.configuration.march.step; }),
+      "step " + numberText(summary.configuration.march.step));
+  add(std::any_of(all.begin(), all.end(), [&](const Summary& other) {
+        return other.configuration.technique->usesFrame && other.configuration.codec != summary.configuration.codec;
+      }), codecWord(summary.configuration.codec));
+  return name;
+}
+
+nlohmann::json toJson(const Summary& summary) {
+  nlohmann::json json = toJson(summary.configuration);
+  json["flip"] = summary.flip;
+  json["holeFraction"] = summary.holeFraction;
+  json["frameMs"] = summary.frameMs;
+  json["drawMs"] = summary.drawMs;
+  json["serverMs"] = summary.serverMs;
+  json["bytes"] = summary.bytes;
+  return json;
+}
+
+nlohmann::json orNull(const std::optional<Summary>& summary) { return summary ? toJson(*summary) : nlohmann::json(nullptr); }
+
+/// The least by `value` among the summaries that `may` be taken; of equals the faster.
+template <class May, class Value>
+std::optional<Summary> least(const std::vector<Summary>& summaries, const May& may, const Value& value) {
+  const Summary* best = nullptr;
+  for (const Summary& summary : summaries) {
+    if (!summary.configuration.technique->usesFrame || !may(summary)) continue;
+    if (best == nullptr || std::pair(value(summary), summary.frameMs) < std::pair(value(*best), best->frameMs)) best = &summary;
+  }
+  return best == nullptr ? std::nullopt : std::optional(*best);
+}
+
+}  // namespace
+
+std::vector<size_t> paretoFront(const std::vector<CostAndError>& points) {
+  std::vector<size_t> order(points.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return std::pair(points[a].cost, points[a].error) < std::pair(points[b].cost, points[b].error);
+  });
+  std::vector<size_t> front;
+  double error = std::numeric_limits<double>::infinity();
+  for (const size_t i : order) {
+    if (!(points[i].error < error)) continue;
+    error = points[i].error;
+    front.push_back(i);
+  }
+  return front;
+}
+
+std::vector<Summary> summariesOf(const std::vector<SweepRow>& rows) {
+  std::vector<Summary> summaries;
+  std::vector<size_t> counts;
+  std::map<std::string, size_t> places;
+  for (const SweepRow& row : rows) {
+    if (!row.link.empty()) continue;
+    const auto [place, isNew] = places.emplace(keyOf(row.configuration), summaries.size());
+    if (isNew) {
+      summaries.push_back({row.configuration, 0.0, 0.0, 0.0, 0.0, row.cost.serverMs(), row.cost.bytes});
+      counts.push_back(0);
+    }
+    Summary& summary = summaries[place->second];
+    ++counts[place->second];
+    summary.flip += row.errors.flip;
+    summary.holeFraction += row.errors.holeFraction;
+    summary.frameMs = std::max(summary.frameMs, row.frameMs());
+    summary.drawMs = std::max(summary.drawMs, row.draw.medianMs);
+  }
+  for (size_t i = 0; i < summaries.size(); ++i) {
+    summaries[i].flip /= static_cast<double>(counts[i]);
+    summaries[i].holeFraction /= static_cast<double>(counts[i]);
+  }
+  return summaries;
+}
+
+std::vector<size_t> frontOf(const std::vector<Summary>& summaries) {
+  std::vector<size_t> candidates;
+  std::vector<CostAndError> points;
+  for (size_t i = 0; i < summaries.size(); ++i)
+    if (summaries[i].configuration.technique->usesFrame) {
+      candidates.push_back(i);
+      points.push_back({summaries[i].frameMs, summaries[i].flip});
+    }
+  std::vector<size_t> front;
+  for (const size_t i : paretoFront(points)) front.push_back(candidates[i]);
+  return front;
+}
+
+Findings findingsOf(const std::vector<Summary>& summaries) {
+  Findings findings;
+  const auto flipOf = [](const Summary& summary) { return summary.flip; };
+  const auto timeOf = [](const Summary& summary) { return summary.frameMs; };
+  for (const double budgetMs : kBudgetsMs)
+    findings.equalTime.push_back({budgetMs, least(summaries, [&](const Summary& summary) { return summary.frameMs <= budgetMs; }, flipOf)});
+  for (const double flip : kFlipGoals)
+    findings.equalError.push_back({flip, least(summaries, [&](const Summary& summary) { return summary.flip <= flip; }, timeOf)});
+  findings.papersMethod = least(summaries, [](const Summary& summary) { return isPapersMethod(summary.configuration); }, flipOf);
+  findings.pointBaseline = least(summaries, [](const Summary& summary) { return isPointBaseline(summary.configuration); }, flipOf);
+  findings.least = least(summaries, [](const Summary&) { return true; }, flipOf);
+
+  std::string& answer = findings.answer;
+  for (const Findings::WithinTime& row : findings.equalTime) {
+    char within[48];
+    std::snprintf(within, sizeof within, "Within %g ms a frame ", row.budgetMs);
+    answer += within;
+    answer += row.best ? "use " + nameIn(*row.best, summaries) + ": " + whatOf(*row.best) + ".\n" : "nothing measured here gets ready.\n";
+  }
+  if (findings.least) answer += "Whatever it takes, " + nameIn(*findings.least, summaries) + ": " + whatOf(*findings.least) + ".\n";
+  if (findings.papersMethod)
+    answer += "The paper's method (" + nameIn(*findings.papersMethod, summaries) + "): " + whatOf(*findings.papersMethod) + ".\n";
+  if (findings.pointBaseline)
+    answer += "The 2012 method (" + nameIn(*findings.pointBaseline, summaries) + "): " + whatOf(*findings.pointBaseline) + ".\n";
+  return findings;
+}
+
+nlohmann::json toJson(const Findings& findings) {
+  nlohmann::json equalTime = nlohmann::json::array(), equalError = nlohmann::json::array();
+  for (const Findings::WithinTime& row : findings.equalTime) equalTime.push_back({{"budgetMs", row.budgetMs}, {"best", orNull(row.best)}});
+  for (const Findings::WithinError& row : findings.equalError) equalError.push_back({{"flip", row.flip}, {"fastest", orNull(row.fastest)}});
+  return {{"equalTime", equalTime},
+          {"equalError", equalError},
+          {"papersMethod", orNull(findings.papersMethod)},
+          {"pointBaseline", orNull(findings.pointBaseline)},
+          {"least", orNull(findings.least)},
+          {"answer", findings.answer}};
+}
+
+}  // namespace warpscope

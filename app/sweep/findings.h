@@ -1,0 +1,56 @@
+// What a sweep's rows say: which configurations nothing beats, what is reachable within a time or an error, and the answer in a sentence.
+// Pareto dominance: a point is on the front if no other is at least as good in both and better in one.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/sweep/sweep_result.h"
+
+namespace warpscope {
+
+struct CostAndError {
+  double cost = 0.0;
+  double error = 0.0;
+};
+
+/// Indices of the points on the front, by rising cost. Of equal points the first.
+std::vector<size_t> paretoFront(const std::vector<CostAndError>& points);
+
+/// One configuration over all angles.
+struct Summary {
+  Configuration configuration;
+  double flip = 0.0;          ///< mean over the angles
+  double holeFraction = 0.0;  ///< likewise
+  double frameMs = 0.0;       ///< in the slowest view
+  double drawMs = 0.0;        ///< likewise
+  double serverMs = 0.0;
+  size_t bytes = 0;
+};
+
+/// In the order of the rows; those behind links are left out.
+std::vector<Summary> summariesOf(const std::vector<SweepRow>& rows);
+
+/// Indices of the summaries that nothing beats in time and error, among those that a client without the volume can draw.
+std::vector<size_t> frontOf(const std::vector<Summary>& summaries);
+
+struct Findings {
+  struct WithinTime {
+    double budgetMs = 0.0;
+    std::optional<Summary> best;  ///< least error; nothing if all take longer
+  };
+  struct WithinError {
+    double flip = 0.0;
+    std::optional<Summary> fastest;  ///< nothing if all are worse
+  };
+  std::vector<WithinTime> equalTime;    ///< 1, 4, 16, 33 ms
+  std::vector<WithinError> equalError;  ///< FLIP 0.02, 0.05, 0.1
+  std::optional<Summary> papersMethod, pointBaseline, least;  ///< least: of all errors, whatever it takes
+  std::string answer;  ///< sentences, each on its own line
+};
+
+Findings findingsOf(const std::vector<Summary>& summaries);
+nlohmann::json toJson(const Findings& findings);
+
+}  // namespace warpscope

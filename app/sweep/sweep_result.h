@@ -1,0 +1,58 @@
+// What a sweep measured: one row for each configuration and angle, or link.
+// Rows are what sweep.csv and sweep.json hold, what a sweep that was interrupted goes on from, and what `auto` chooses by.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "app/measured.h"
+#include "app/sweep/configuration.h"
+#include "render/metrics/picture_errors.h"
+
+namespace warpscope {
+
+/// What a configuration takes, however often it is drawn. Work that several share is charged to each. Zeroes for what needs no frame.
+struct SweepCost {
+  size_t samples = 0;
+  size_t bytes = 0;  ///< of the frame on the wire; for `hold` those of its picture alone
+  Measured march, compact, copy, encode;  ///< at the server
+  Measured decode, build;                 ///< at the client, once a frame
+
+  double serverMs() const { return march.medianMs + compact.medianMs + copy.medianMs + encode.medianMs; }
+  double arrivalMs() const { return decode.medianMs + build.medianMs; }
+};
+
+/// One configuration, either with the camera turned by an angle or with a camera that moves behind a link.
+struct SweepRow {
+  Configuration configuration;
+  std::string link;              ///< empty where the camera stands still
+  double angleDeg = 0.0;         ///< between the frame's camera and the view; behind a link the mean of it
+  double ageMs = 0.0;            ///< behind a link: how old the frame's camera is when its picture is shown, the mean
+  double framesPerSecond = 0.0;  ///< behind a link: frames that arrive
+  PictureErrors errors;          ///< behind a link: means
+  double disoccludedFraction = 0.0;  ///< pixels of what the view shows that the frame's camera could not see
+  SweepCost cost;
+  Measured draw;
+  int draws = 0;
+
+  /// From bytes at the client to the first picture of a frame: what one picture costs if every frame is new.
+  double frameMs() const { return cost.arrivalMs() + draw.medianMs; }
+};
+
+/// How far marching itself is from the truth: the ground truth against one of half its step.
+struct SweepFloor {
+  double angleDeg = 0.0;
+  PictureErrors errors;
+};
+
+nlohmann::json toJson(const SweepRow& row);
+nlohmann::json toJson(const SweepFloor& floor);
+nlohmann::json toJson(const PictureErrors& errors);
+/// Back; see configurationFrom. Throws InputError.
+SweepRow sweepRowFrom(const Node& node, const MarchSettings& base);
+
+/// A table with a head line (RFC 4180); empty where a value does not exist.
+std::string csvOf(const std::vector<SweepRow>& rows);
+
+}  // namespace warpscope
