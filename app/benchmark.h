@@ -8,19 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "app/measured.h"
 #include "app/scene.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
-
-/// Of repeated runs, after a warm-up; milliseconds.
-struct Measured {
-  double medianMs = 0.0;
-  double spreadMs = 0.0;  ///< between the quartiles
-};
-
-/// Median and spread between the quartiles; `timesMs` is not empty.
-Measured measuredOf(std::vector<double> timesMs);
 
 struct BenchmarkView {
   Measured draw;  ///< camera to finished colours, in the memory of the backend that drew them

@@ -80,6 +80,7 @@ int run(int argc, char** argv) {
   warpscope::addShotCommand(program, chosen);
   warpscope::addCompareCommand(program, chosen);
   warpscope::addBenchCommand(program, chosen);
+  warpscope::addSweepCommand(program, chosen);
   warpscope::addExportCommand(program, chosen);
   warpscope::addInfoCommand(program, chosen);
   for (CLI::App* command : program.get_subcommands([](CLI::App*) { return true; })) warpscope::requireValues(*command);

@@ -53,7 +53,7 @@ class BrokenWarp final : public Warp {
   void setFrame(SampleFramePtr, const WarpSettings&, const std::stop_token&) override {}
   void draw(const Camera&, const WarpSettings&, WarpedImage&, const std::stop_token&) override { throw InputError("out of paint"); }
 };
-constexpr WarpDescriptor kBroken{"broken", "Broken", "Fails.", true, false,
+constexpr WarpDescriptor kBroken{"broken", "Broken", "Fails.", true, false, {},
                                  [](const WarpResources&) -> std::unique_ptr<Warp> { return std::make_unique<BrokenWarp>(); }};
 
 class SessionTest : public ::testing::Test {

@@ -115,6 +115,7 @@ void addServeCommand(CLI::App& program, std::function<void()>& chosen);
 void addShotCommand(CLI::App& program, std::function<void()>& chosen);
 void addCompareCommand(CLI::App& program, std::function<void()>& chosen);
 void addBenchCommand(CLI::App& program, std::function<void()>& chosen);
+void addSweepCommand(CLI::App& program, std::function<void()>& chosen);
 void addExportCommand(CLI::App& program, std::function<void()>& chosen);
 void addInfoCommand(CLI::App& program, std::function<void()>& chosen);
 void addViewCommand(CLI::App& program, std::function<void()>& chosen);

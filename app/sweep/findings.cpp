@@ -118,7 +118,8 @@ std::vector<size_t> frontOf(const std::vector<Summary>& summaries) {
   return front;
 }
 
-Findings findingsOf(const std::vector<Summary>& summaries) {
+Findings findingsOf(const std::vector<SweepRow>& rows) {
+  const std::vector<Summary> summaries = summariesOf(rows);
   Findings findings;
   const auto flipOf = [](const Summary& summary) { return summary.flip; };
   const auto timeOf = [](const Summary& summary) { return summary.frameMs; };
@@ -126,9 +127,21 @@ Findings findingsOf(const std::vector<Summary>& summaries) {
     findings.equalTime.push_back({budgetMs, least(summaries, [&](const Summary& summary) { return summary.frameMs <= budgetMs; }, flipOf)});
   for (const double flip : kFlipGoals)
     findings.equalError.push_back({flip, least(summaries, [&](const Summary& summary) { return summary.flip <= flip; }, timeOf)});
-  findings.papersMethod = least(summaries, [](const Summary& summary) { return isPapersMethod(summary.configuration); }, flipOf);
-  findings.pointBaseline = least(summaries, [](const Summary& summary) { return isPointBaseline(summary.configuration); }, flipOf);
+  const auto coarseness = [](const Summary& summary) {
+    return std::pair(-static_cast<double>(summary.configuration.serverSidePx), summary.configuration.march.step);
+  };
+  findings.papersMethod = least(summaries, [](const Summary& summary) { return isPapersMethod(summary.configuration); }, coarseness);
+  findings.pointBaseline = least(summaries, [](const Summary& summary) { return isPointBaseline(summary.configuration); }, coarseness);
   findings.least = least(summaries, [](const Summary&) { return true; }, flipOf);
+  for (const SweepRow& row : rows) {
+    if (!row.link.empty() || !row.configuration.technique->usesFrame) continue;
+    const auto place = std::find_if(findings.atAngles.begin(), findings.atAngles.end(),
+                                    [&](const Findings::AtAngle& other) { return other.angleDeg == row.angleDeg; });
+    if (place == findings.atAngles.end())
+      findings.atAngles.push_back({row.angleDeg, row.configuration, row.errors.flip});
+    else if (row.errors.flip < place->flip)
+      *place = {row.angleDeg, row.configuration, row.errors.flip};
+  }
 
   std::string& answer = findings.answer;
   for (const Findings::WithinTime& row : findings.equalTime) {
@@ -138,6 +151,11 @@ Findings findingsOf(const std::vector<Summary>& summaries) {
     answer += row.best ? "use " + nameIn(*row.best, summaries) + ": " + whatOf(*row.best) + ".\n" : "nothing measured here gets ready.\n";
   }
   if (findings.least) answer += "Whatever it takes, " + nameIn(*findings.least, summaries) + ": " + whatOf(*findings.least) + ".\n";
+  for (const Findings::AtAngle& row : findings.atAngles) {
+    char at[64];
+    std::snprintf(at, sizeof at, "At %g degrees alone FLIP %.4f with ", row.angleDeg, row.flip);
+    answer += at + labelOf(row.best) + ".\n";
+  }
   if (findings.papersMethod)
     answer += "The paper's method (" + nameIn(*findings.papersMethod, summaries) + "): " + whatOf(*findings.papersMethod) + ".\n";
   if (findings.pointBaseline)
@@ -149,7 +167,14 @@ nlohmann::json toJson(const Findings& findings) {
   nlohmann::json equalTime = nlohmann::json::array(), equalError = nlohmann::json::array();
   for (const Findings::WithinTime& row : findings.equalTime) equalTime.push_back({{"budgetMs", row.budgetMs}, {"best", orNull(row.best)}});
   for (const Findings::WithinError& row : findings.equalError) equalError.push_back({{"flip", row.flip}, {"fastest", orNull(row.fastest)}});
+  nlohmann::json atAngles = nlohmann::json::array();
+  for (const Findings::AtAngle& row : findings.atAngles) {
+    atAngles.push_back(toJson(row.best));
+    atAngles.back()["angleDeg"] = row.angleDeg;
+    atAngles.back()["flip"] = row.flip;
+  }
   return {{"equalTime", equalTime},
+          {"atAngles", atAngles},
           {"equalError", equalError},
           {"papersMethod", orNull(findings.papersMethod)},
           {"pointBaseline", orNull(findings.pointBaseline)},

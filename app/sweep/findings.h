@@ -46,11 +46,19 @@ struct Findings {
   };
   std::vector<WithinTime> equalTime;    ///< 1, 4, 16, 33 ms
   std::vector<WithinError> equalError;  ///< FLIP 0.02, 0.05, 0.1
-  std::optional<Summary> papersMethod, pointBaseline, least;  ///< least: of all errors, whatever it takes
+  struct AtAngle {
+    double angleDeg = 0.0;
+    Configuration best;  ///< least error, whatever it takes
+    double flip = 0.0;
+  };
+  std::vector<AtAngle> atAngles;  ///< in the order of the rows
+  /// Least: of all errors, whatever it takes. The baselines at the largest of the server's images and the finest step.
+  std::optional<Summary> papersMethod, pointBaseline, least;
   std::string answer;  ///< sentences, each on its own line
 };
 
-Findings findingsOf(const std::vector<Summary>& summaries);
+/// `rows` that are behind a link are left out.
+Findings findingsOf(const std::vector<SweepRow>& rows);
 nlohmann::json toJson(const Findings& findings);
 
 }  // namespace warpscope

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace warpscope {
 namespace {
@@ -73,7 +72,7 @@ Json toJson(const SweepRow& row) {
   json["angleDeg"] = row.angleDeg;
   json["ageMs"] = row.link.empty() ? Json(nullptr) : Json(row.ageMs);
   json["framesPerSecond"] = row.link.empty() ? Json(nullptr) : Json(row.framesPerSecond);
-  json["disoccludedFraction"] = row.disoccludedFraction;
+  json["disoccludedFraction"] = orNull(row.disoccludedFraction);
   json["samples"] = row.cost.samples;
   json["bytes"] = row.cost.bytes;
   append(json, "march", row.cost.march);
@@ -98,7 +97,7 @@ SweepRow sweepRowFrom(const Node& node, const MarchSettings& base) {
     row.framesPerSecond = node.at("framesPerSecond").number(0.0, kHuge);
   }
   row.angleDeg = node.at("angleDeg").number(-kHuge, kHuge);
-  row.disoccludedFraction = node.at("disoccludedFraction").number(0.0, 1.0);
+  row.disoccludedFraction = optionalFrom(node.at("disoccludedFraction"));
   row.errors.psnrDb = decibelsFrom(node.at("psnrDb"));
   row.errors.psnrLinearDb = decibelsFrom(node.at("psnrLinearDb"));
   row.errors.ssim = node.at("ssim").number(-1.0, 1.0);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,7 @@ struct SweepRow {
   double ageMs = 0.0;            ///< behind a link: how old the frame's camera is when its picture is shown, the mean
   double framesPerSecond = 0.0;  ///< behind a link: frames that arrive
   PictureErrors errors;          ///< behind a link: means
-  double disoccludedFraction = 0.0;  ///< pixels of what the view shows that the frame's camera could not see
+  std::optional<double> disoccludedFraction;  ///< of what the view shows, what the frame's camera could not see; not behind a link
   SweepCost cost;
   Measured draw;
   int draws = 0;

@@ -1,0 +1,140 @@
+// `sweep`: accuracy against time, for every combination of what is to be compared.
+// sweep.csv, sweep.json and report.html; what is done survives an interrupt.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/commands/options.h"
+#include "app/interrupt.h"
+#include "app/json_document.h"
+#include "app/log.h"
+#include "app/output_files.h"
+#include "app/progress.h"
+#include "app/sweep/findings.h"
+#include "app/sweep/report.h"
+#include "app/sweep/sweep.h"
+#include "render/core/error.h"
+#include "render/core/parallel.h"
+#include "render/cuda/devices.h"
+
+namespace warpscope {
+namespace {
+
+using Json = nlohmann::json;
+
+struct SweepOptions {
+  CommonOptions common;
+  std::string out, plan;
+  std::map<std::string_view, std::string> axes;  // by option, as typed; empty: not given
+};
+
+SweepPlan planOf(const SweepOptions& options, const Workplace& work) {
+  SweepPlan plan = defaultPlan(work.march, work.width, work.height);
+  // What other commands take one of is one value of an axis here.
+  if (!options.common.heuristic.empty()) plan.heuristics = {work.march.heuristic};
+  if (!options.common.radius.empty()) plan.radii = {work.march.radiusPolicy};
+  plan.radiusScales = {work.march.radiusScale};
+  if (options.common.pointSize != WarpSettings{}.pointSize) plan.pointSizes = {options.common.pointSize};
+  if (options.common.hits != WarpSettings{}.hits) plan.hits = {options.common.hits};
+  if (!options.plan.empty()) {
+    const JsonDocument document = JsonDocument::fromFile(options.plan);
+    applyPlanFile(document.root(), plan);
+  }
+  for (const SweepAxis& axis : sweepAxes())
+    if (const auto given = options.axes.find(axis.option); given != options.axes.end() && !given->second.empty())
+      applyPlanOption(axis, given->second, plan);
+  return plan;
+}
+
+Json machineOf(const std::string& backend, const std::string& openGl) {
+  Json devices = Json::array();
+  if (backend == "cuda")
+    for (const cuda::Device& device : cuda::listDevices().devices) devices.push_back(device.name);
+  return {{"backend", backend}, {"openGl", openGl}, {"devices", devices}, {"threads", std::thread::hardware_concurrency()}};
+}
+
+void sweep(const SweepOptions& options) {
+  const Interrupt interrupt;
+  const Workplace work = prepare(options.common, interrupt.token());
+  SweepSettings settings;
+  settings.plan = planOf(options, work);
+  settings.width = work.width;
+  settings.height = work.height;
+  settings.warp = work.warp;
+  StagedFolder out(options.out);  // fails before the work if it cannot be written
+  HeadlessResources headless(work.marcher(), work.platform, work.backend);
+  const std::string backend(nameOf(headless.resources().marcher->backend()));
+
+  Json head{{"scene", work.scene.name},   {"width", work.width},
+            {"height", work.height},      {"plan", toJson(settings.plan)},
+            {"volumeSeed", work.overrides.seed}, {"version", WARPSCOPE_VERSION},
+            {"sphereTracing", nameOf(kSphereTracings, work.warp.sphereTracing)}};
+  Json identity = head;
+  identity["sceneSpec"] = work.sceneSpec;
+  identity["backend"] = backend;
+  SweepJournal journal(options.out, identity, settings.plan.base);
+  if (journal.found() > 0) logResult("going on with a sweep of which " + std::to_string(journal.found()) + " parts are done");
+
+  const size_t units = unitsOf(settings.plan).size();
+  Sweep run(work.scene, headless.resources(), settings, interrupt.token());
+  SweepReport report;
+  try {
+    Progress progress("sweep", units - journal.found() + 2, !options.common.showsProgress());
+    const auto step = [&](const std::string& what) {
+      logDetail(what);
+      progress.step(what);
+    };
+    report.result = run.run(journal, step);
+    step("pictures for the report");
+    report.summaries = summariesOf(report.result.rows);
+    report.findings = findingsOf(report.result.rows);
+    for (const Configuration& configuration : shownConfigurations(report.summaries, report.findings))
+      report.strips.push_back({configuration, run.pictures(configuration)});
+  } catch (const OperationCancelled&) {
+    logResult("what is done is kept in " + options.out + ": the same command goes on from there");
+    throw;
+  }
+  head["machine"] = machineOf(backend, headless.contextText());
+  report.head = head;
+  report.background = work.scene.background;
+  report.title = work.scene.title;
+
+  Json document = head;
+  document["rows"] = Json::array();
+  for (const SweepRow& row : report.result.rows) document["rows"].push_back(toJson(row));
+  document["floors"] = Json::array();
+  for (const SweepFloor& floor : report.result.floors) document["floors"].push_back(toJson(floor));
+  document["findings"] = toJson(report.findings);
+  out.write("sweep.csv", csvOf(report.result.rows));
+  out.write("report.html", htmlOf(report));
+  out.write("sweep.json", textOf(document));  // last, so that where it is, everything is
+  if (interrupt.token().stop_requested()) throw OperationCancelled();
+  out.commit();
+  journal.remove();
+
+  if (options.common.json)
+    std::cout << textOf(document);
+  else if (!options.common.quiet) {
+    std::fputs(report.findings.answer.c_str(), stderr);
+    logResult("wrote sweep.csv, sweep.json and report.html to " + options.out);
+  }
+}
+
+}  // namespace
+
+void addSweepCommand(CLI::App& program, std::function<void()>& chosen) {
+  auto options = std::make_shared<SweepOptions>();
+  options->common.size = "512x512";
+  CLI::App* command = program.add_subcommand("sweep", "Accuracy against time: sweep.csv, sweep.json, report.html");
+  addCommonOptions(*command, options->common);
+  command->add_option("--out", options->out, "Folder to write to")->required();
+  command->add_option("--plan", options->plan, "JSON file with the axes' values; options below replace what it names");
+  for (const SweepAxis& axis : sweepAxes())
+    command->add_option(std::string(axis.option), options->axes[axis.option], std::string(axis.help) + ", joined by '" + axis.separator + "'");
+  command->callback([options, &chosen] { chosen = [options] { sweep(*options); }; });
+}
+
+}  // namespace warpscope

@@ -1,0 +1,16 @@
+// Errors as colours: black where there is none, through violet and orange to pale yellow at the largest.
+// Lightness rises evenly along the ramp, so that more is always brighter, also in grey.
+#pragma once
+
+#include "render/core/color.h"
+#include "render/core/image.h"
+
+namespace warpscope {
+
+/// `value` from 0 to 1; clamps; NaN is 0.
+Rgba8 heatColor(float value);
+
+/// `map` times `gain`, as colours.
+Image<Rgba8> heatMap(const Image<float>& map, float gain = 1.0f);
+
+}  // namespace warpscope

@@ -1,0 +1,101 @@
+// Lines that are appended whole.
+// See journal.h. POSIX: open, flock, write.
+#include "app/sweep/journal.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "render/core/error.h"
+
+namespace warpscope {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kName = "sweep-unfinished.jsonl";
+
+std::string lineOf(const nlohmann::json& json) { return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"; }
+
+}  // namespace
+
+SweepJournal::SweepJournal(const fs::path& folder, const nlohmann::json& identity, const MarchSettings& base) : path_(folder / kName) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
+  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (file_ < 0) throw InputError(path_.string() + ": cannot be written: " + std::strerror(errno));
+  if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(file_);
+    throw InputError(path_.string() + ": another sweep is at work in this folder; choose another one with --out");
+  }
+  try {
+    read(lineOf(identity), base);
+  } catch (...) {
+    ::close(file_);
+    throw;
+  }
+}
+
+SweepJournal::~SweepJournal() {
+  if (file_ >= 0) ::close(file_);
+}
+
+void SweepJournal::read(const std::string& identity, const MarchSettings& base) {
+  std::ifstream stream(path_, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw InputError(path_.string() + ": cannot be read");
+  size_t at = 0;
+  size_t kept = 0;
+  bool isFirst = true;
+  for (size_t end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
+    const std::string_view line(text.data() + at, end + 1 - at);
+    if (isFirst && line != identity)
+      throw InputError(path_.string() + ": an unfinished sweep of other settings, another scene or another version is here; run that one to its end, "
+                                        "delete the file, or choose another folder with --out");
+    if (!isFirst) {
+      const JsonDocument document(line, path_.string());
+      std::vector<SweepRow> rows;
+      for (const Node& row : document.root().at("rows").elements(0, 1 << 20)) rows.push_back(sweepRowFrom(row, base));
+      done_[document.root().at("unit").string()] = std::move(rows);
+    }
+    isFirst = false;
+    kept = end + 1;
+  }
+  found_ = done_.size();
+  if (kept < text.size() && ::ftruncate(file_, static_cast<off_t>(kept)) != 0)
+    throw InputError(path_.string() + ": cannot be written: " + std::strerror(errno));
+  if (isFirst) append(identity);
+}
+
+const std::vector<SweepRow>* SweepJournal::find(const std::string& unit) const {
+  const auto found = done_.find(unit);
+  return found == done_.end() ? nullptr : &found->second;
+}
+
+void SweepJournal::add(const std::string& unit, std::vector<SweepRow> rows) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const SweepRow& row : rows) list.push_back(toJson(row));
+  append(lineOf({{"unit", unit}, {"rows", list}}));
+  done_[unit] = std::move(rows);
+}
+
+void SweepJournal::append(const std::string& line) {
+  for (size_t at = 0; at < line.size();) {
+    const ssize_t written = ::write(file_, line.data() + at, line.size() - at);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw InputError(path_.string() + ": cannot be written: " + std::strerror(errno));
+    at += static_cast<size_t>(written);
+  }
+}
+
+void SweepJournal::remove() {
+  std::error_code ignored;
+  fs::remove(path_, ignored);
+}
+
+}  // namespace warpscope

@@ -1,0 +1,38 @@
+// Which frame is on show at an instant, and for which moment it was asked, while the camera moves behind a link: in virtual time.
+// The link is net/link_model.h's; what the server and the client take is what was measured of them.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "net/link_settings.h"
+
+namespace warpscope {
+
+/// What each frame takes on its way; milliseconds and bytes.
+struct MotionStages {
+  double serverMs = 0.0;   ///< march to encoding
+  double arrivalMs = 0.0;  ///< decoding and building
+  double drawMs = 0.0;     ///< camera to picture
+  size_t requestBytes = 160;  ///< a camera and its settings, on the wire
+  size_t frameBytes = 0;
+};
+
+/// Seconds since the motion began.
+struct ShownPictureTimes {
+  double shownS = 0.0;      ///< the instant
+  double drawnForS = 0.0;   ///< when the camera that the picture was drawn for was the current one: `drawMs` earlier
+  double requestedS = 0.0;  ///< when the camera of the frame was
+  bool hasFrame = false;    ///< false before the first frame is there
+};
+
+struct Motion {
+  std::vector<ShownPictureTimes> pictures;  ///< one for each instant
+  double framesPerSecond = 0.0;             ///< that arrive, up to the last instant
+};
+
+/// One request is under way at a time, the next leaves when its frame has arrived. `instantsS` rise. A picture is drawn from the newest frame
+/// that is ready when drawing begins. Throws net::LinkSettingsError.
+Motion simulateMotion(const std::vector<double>& instantsS, const MotionStages& stages, const net::DuplexLinkSettings& link);
+
+}  // namespace warpscope

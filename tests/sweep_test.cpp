@@ -1,0 +1,233 @@
+// Sweeps of a small scene: every unit is measured, rows are what drawing anew gives, what is done is not done again, nothing is lost.
+// Mirrors app/sweep/sweep.h, journal.h, ground_truth.h, report.h and svg_plot.h.
+#include "app/sweep/sweep.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "app/heat_map.h"
+#include "app/sweep/ground_truth.h"
+#include "app/sweep/report.h"
+#include "app/sweep/svg_plot.h"
+#include "render/core/error.h"
+#include "render/core/parallel.h"
+#include "tests/headless.h"
+#include "tests/test_folder.h"
+
+namespace warpscope {
+namespace {
+
+SweepPlan smallPlan(const Scene& scene) {
+  SweepPlan plan = defaultPlan(scene.march, 96, 72);
+  const JsonDocument document(R"({"techniques": ["reference", "hold", "spheres", "splats"], "heuristics": ["median", "gradient"], "radii": ["voxel"],
+    "serverSides": [96], "codecs": ["lossless"], "angles": [0, 20], "links": ["delay=100"], "instants": 2, "draws": 2})", "plan");
+  applyPlanFile(document.root(), plan);
+  return plan;
+}
+
+class SweepTest : public ::testing::Test {
+ protected:
+  SweepTest() : stage_(smallScene("block")) {
+    settings_.plan = smallPlan(stage_.scene());
+    settings_.width = 96;
+    settings_.height = 72;
+    settings_.warp.reference = stage_.scene().march;
+  }
+
+  TestFolder folder_;
+  Stage stage_;
+  SweepSettings settings_;
+  nlohmann::json identity_{{"scene", "block"}};
+};
+
+TEST_F(SweepTest, EveryConfigurationAtEveryAngleAndBehindEveryLink) {
+  SweepJournal journal(folder_.path(), identity_, stage_.scene().march);
+  size_t steps = 0;
+  Sweep run(stage_.scene(), stage_.resources(), settings_, {});
+  const SweepResult result = run.run(journal, [&](const std::string&) { ++steps; });
+  // reference, hold, spheres and splats twice each, and the points of 2012.
+  ASSERT_EQ(configurationsOf(settings_.plan).size(), 7u);
+  EXPECT_EQ(steps, 7u * 2 + 1);
+  ASSERT_EQ(result.rows.size(), 7u * 3);
+  for (const SweepRow& row : result.rows) {
+    const bool usesFrame = row.configuration.technique->usesFrame;
+    EXPECT_EQ(row.cost.samples > 0, usesFrame);
+    EXPECT_EQ(row.cost.bytes > 0, usesFrame);
+    EXPECT_EQ(row.cost.serverMs() > 0, usesFrame);
+    EXPECT_GT(row.draw.medianMs, 0.0);
+    EXPECT_EQ(row.draws, 2);
+    EXPECT_EQ(row.disoccludedFraction.has_value(), row.link.empty());
+    if (row.link.empty()) {
+      EXPECT_EQ(row.errors.flip == 0.0, !usesFrame) << keyOf(row.configuration) << row.angleDeg;
+    }
+    if (!row.link.empty() && usesFrame) {
+      EXPECT_GE(row.ageMs, 200.0);
+      EXPECT_NEAR(row.angleDeg, settings_.plan.speedDegPerS * row.ageMs * 1e-3, 1e-9);
+      EXPECT_GT(row.framesPerSecond, 1.0);
+      EXPECT_LE(row.framesPerSecond, 5.0);
+      EXPECT_GT(row.errors.flip, 0.0);
+    }
+  }
+  ASSERT_EQ(result.floors.size(), 2u);
+  for (const SweepFloor& floor : result.floors) {
+    EXPECT_GT(floor.errors.flip, 0.0);
+    EXPECT_LT(floor.errors.flip, 0.02);
+  }
+}
+
+TEST_F(SweepTest, ErrorsAreThoseOfThePictures) {
+  SweepJournal journal(folder_.path(), identity_, stage_.scene().march);
+  Sweep run(stage_.scene(), stage_.resources(), settings_, {});
+  const SweepResult result = run.run(journal, [](const std::string&) {});
+  for (const SweepRow& row : result.rows) {
+    if (!row.link.empty() || !row.configuration.technique->usesFrame) continue;
+    // Lossless: the frame is what the marcher makes.
+    const SampleFramePtr frame = stage_.frame(stage_.camera(96, 72), row.configuration.march);
+    const Camera camera = stage_.camera(96, 72, row.angleDeg);
+    WarpedImage truth;
+    stage_.marcher().render(camera, stage_.scene().march, truth.color);
+    const WarpedImage image = stage_.draw(row.configuration.technique->name, frame, camera, row.configuration.warp(settings_.warp));
+    const PictureErrors errors = PictureJudge(truth.color, stage_.scene().background).errorsOf(image);
+    EXPECT_EQ(row.errors.flip, errors.flip) << keyOf(row.configuration) << row.angleDeg;
+    EXPECT_EQ(row.errors.holeFraction, errors.holeFraction);
+    EXPECT_EQ(row.cost.samples, frame->size());
+  }
+  // Spheres and splats draw the same picture.
+  const auto errorOf = [&](std::string_view technique) {
+    return std::find_if(result.rows.begin(), result.rows.end(), [&](const SweepRow& row) {
+             return row.configuration.technique->name == technique && row.angleDeg == 20.0 && row.configuration.march.heuristic == Heuristic::median;
+           })->errors.flip;
+  };
+  EXPECT_NEAR(errorOf("spheres"), errorOf("splats"), 1e-3);
+}
+
+TEST_F(SweepTest, WhatIsDoneIsNotDoneAgain) {
+  std::stop_source source;
+  size_t steps = 0;
+  {
+    SweepJournal journal(folder_.path(), identity_, stage_.scene().march);
+    Sweep run(stage_.scene(), stage_.resources(), settings_, source.get_token());
+    EXPECT_THROW(run.run(journal, [&](const std::string&) {
+      if (++steps == 5) source.request_stop();
+    }), OperationCancelled);
+  }
+  const std::string text = folder_.read("sweep-unfinished.jsonl");
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 4);
+  std::ofstream(folder_.path() / "sweep-unfinished.jsonl", std::ios::binary | std::ios::app) << R"({"unit": "cut o)";  // as a crash may leave it
+
+  SweepJournal journal(folder_.path(), identity_, stage_.scene().march);
+  EXPECT_EQ(journal.found(), 4u);
+  steps = 0;
+  Sweep run(stage_.scene(), stage_.resources(), settings_, {});
+  const SweepResult result = run.run(journal, [&](const std::string&) { ++steps; });
+  EXPECT_EQ(steps, 7u * 2 - 4 + 1);
+  EXPECT_EQ(result.rows.size(), 7u * 3);
+  journal.remove();
+  EXPECT_TRUE(folder_.listing().empty());
+}
+
+TEST_F(SweepTest, AJournalIsOneSweepsAtATime) {
+  const auto refusal = [&](const nlohmann::json& identity) -> std::string {
+    try {
+      SweepJournal(folder_.path(), identity, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  {
+    const SweepJournal journal(folder_.path(), identity_, {});
+    EXPECT_THAT(refusal(identity_), testing::HasSubstr("another sweep is at work"));
+  }
+  EXPECT_THAT(refusal({{"scene", "other"}}), testing::HasSubstr("unfinished sweep of other settings"));
+  EXPECT_EQ(refusal(identity_), "accepted");
+  std::ofstream(folder_.path() / "sweep-unfinished.jsonl", std::ios::binary | std::ios::app) << "{\"unit\": 3}\n";
+  EXPECT_THAT(refusal(identity_), testing::HasSubstr("sweep-unfinished.jsonl"));
+}
+
+TEST_F(SweepTest, TheTruthKnowsWhatWasHidden) {
+  GroundTruth truth(stage_.scene(), stage_.resources().marcher, stage_.scene().march, 96, 72);
+  EXPECT_EQ(truth.at(0.0, {}).disoccludedFraction, 0.0);
+  EXPECT_GT(truth.at(45.0, {}).disoccludedFraction, truth.at(10.0, {}).disoccludedFraction);
+  EXPECT_EQ(&truth.at(45.0, {}), &truth.at(45.0, {}));
+  const Camera half = truth.camera(0.0, 48);
+  EXPECT_EQ(half.width, 48u);
+  EXPECT_EQ(half.height, 36u);
+  EXPECT_EQ(truth.camera(0.0, 1).height, 1u);
+}
+
+TEST_F(SweepTest, TheReportHoldsWhatItShould) {
+  SweepJournal journal(folder_.path(), identity_, stage_.scene().march);
+  Sweep run(stage_.scene(), stage_.resources(), settings_, {});
+  SweepReport report;
+  report.title = "Blocks <&> more";
+  report.result = run.run(journal, [](const std::string&) {});
+  report.summaries = summariesOf(report.result.rows);
+  report.findings = findingsOf(report.result.rows);
+  for (const Configuration& configuration : shownConfigurations(report.summaries, report.findings))
+    report.strips.push_back({configuration, run.pictures(configuration)});
+  report.head = {{"scene", "block"}, {"width", 96}, {"height", 72}, {"plan", toJson(settings_.plan)}, {"version", "1"},
+                 {"machine", {{"backend", "cpu"}, {"openGl", ""}, {"devices", nlohmann::json::array()}, {"threads", 2}}}};
+  EXPECT_GE(report.strips.size(), 5u);
+  for (const PictureStrip& strip : report.strips) ASSERT_EQ(strip.pictures.size(), 2u);
+
+  const std::string html = htmlOf(report);
+  EXPECT_THAT(html, testing::HasSubstr("Blocks &lt;&amp;&gt; more"));
+  EXPECT_THAT(html, testing::Not(testing::HasSubstr("http")));  // nothing is fetched
+  const auto count = [&](const std::string& what) {
+    size_t found = 0;
+    for (size_t at = html.find(what); at != std::string::npos; at = html.find(what, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("<svg"), 4u);
+  EXPECT_EQ(count("<svg"), count("</svg>"));
+  EXPECT_EQ(count("<img"), 2 * (2 * report.strips.size() - 1));  // a heat map beneath each but the reference
+  EXPECT_EQ(count("<tr>"), count("</tr>"));
+  for (const SweepRow& row : report.result.rows) EXPECT_THAT(html, testing::HasSubstr(labelOf(row.configuration)));
+}
+
+TEST(SvgPlot, ShowsPointsWhereTheyAre) {
+  Plot plot{{"x", true}, {"y", false}, {{"a<b", "#123456", {{1.0, 0.0, "one"}, {100.0, 1.0, "two", true}, {10.0, 0.5, "three"}}}}};
+  const std::string svg = svgOf(plot);
+  EXPECT_THAT(svg, testing::HasSubstr("a&lt;b"));
+  EXPECT_THAT(svg, testing::HasSubstr("<title>three</title>"));
+  EXPECT_THAT(svg, testing::HasSubstr("class=\"ring\""));
+  const auto placeOf = [&](const std::string& title, const std::string& axis) {
+    const size_t circle = svg.rfind("<circle", svg.find("<title>" + title));
+    const size_t at = svg.find(axis + "=\"", circle) + axis.size() + 2;
+    return std::stod(svg.substr(at));
+  };
+  EXPECT_NEAR(placeOf("three", "cx"), 0.5 * (placeOf("one", "cx") + placeOf("two", "cx")), 0.02);  // logarithmic
+  EXPECT_NEAR(placeOf("three", "cy"), 0.5 * (placeOf("one", "cy") + placeOf("two", "cy")), 0.02);
+  EXPECT_GT(placeOf("one", "cy"), placeOf("two", "cy"));  // up is more
+}
+
+TEST(SvgPlot, BearsWhatCannotBeShown) {
+  EXPECT_THAT(svgOf({}), testing::HasSubstr("</svg>"));
+  const Plot plot{{"x", true}, {"y", true}, {{"a", "red", {{0.0, -1.0, "none"}, {5.0, 5.0, "one"}, {std::nan(""), INFINITY, "no number"}}}}};
+  EXPECT_THAT(svgOf(plot), testing::Not(testing::HasSubstr("nan\"")));
+}
+
+TEST(HeatMap, BrighterIsMore) {
+  const auto lightness = [](Rgba8 color) { return 0.2126 * linearFromSrgb((color & 255) / 255.0f) + 0.7152 * linearFromSrgb((color >> 8 & 255) / 255.0f) +
+                                                  0.0722 * linearFromSrgb((color >> 16 & 255) / 255.0f); };
+  EXPECT_EQ(heatColor(0.0f), 0xff000000u);
+  EXPECT_EQ(heatColor(-1.0f), heatColor(std::nanf("")));
+  EXPECT_EQ(heatColor(2.0f), heatColor(1.0f));
+  for (int i = 1; i <= 255; ++i) EXPECT_GT(lightness(heatColor(static_cast<float>(i) / 255.0f)), lightness(heatColor(static_cast<float>(i - 1) / 255.0f))) << i;
+  Image<float> map(3, 1);
+  map[1] = 0.25f;
+  map[2] = 1.0f;
+  const Image<Rgba8> colors = heatMap(map, 2.0f);
+  EXPECT_EQ(colors[0], heatColor(0.0f));
+  EXPECT_EQ(colors[1], heatColor(0.5f));
+  EXPECT_EQ(colors[2], heatColor(1.0f));
+}
+
+}  // namespace
+}  // namespace warpscope
