@@ -7,6 +7,7 @@
 
 #include <string>
 
+#include "app/log.h"
 #include "render/core/error.h"
 #include "render/cuda/pinned_memory.h"
 
@@ -32,6 +33,9 @@ WindowGl::WindowGl() {
   load(viewport, "glViewport");
   load(clearColor, "glClearColor");
   load(clear, "glClear");
+  const GLubyte* (APIENTRY* getString)(GLenum) = nullptr;
+  load(getString, "glGetString");
+  if (const auto* renderer = reinterpret_cast<const char*>(getString(GL_RENDERER))) logDetail("the window's OpenGL: " + std::string(renderer));
 }
 
 PictureTexture::~PictureTexture() {
@@ -50,7 +54,11 @@ void PictureTexture::show(const ShownPicture& picture) {
 
 void PictureTexture::showDevice(const DevicePicture& picture) {
   const glm::uvec2 size(picture.width(), picture.height());
-  if (!hasInterop_) hasInterop_ = cuda::whyNoInterop().empty();
+  if (!hasInterop_) {
+    const std::string reason = cuda::whyNoInterop();
+    hasInterop_ = reason.empty();
+    logDetail("CUDA pictures reach the window " + (reason.empty() ? "by interop" : "through page-locked memory: " + reason));
+  }
   if (*hasInterop_) {
     try {
       if (!interop_ || size != size_) {
@@ -58,7 +66,8 @@ void PictureTexture::showDevice(const DevicePicture& picture) {
         interop_ = std::make_unique<cuda::InteropTexture>(name_, size.x, size.y);
       }
       return interop_->show(picture);
-    } catch (const DeviceError&) {  // some drivers promise it and refuse: the other way remains
+    } catch (const DeviceError& error) {  // some drivers promise it and refuse: the other way remains
+      logDetail(std::string("CUDA pictures reach the window through page-locked memory: ") + error.what());
       interop_.reset();
       hasInterop_ = false;
     }
