@@ -11,6 +11,9 @@
 #include "app/output_files.h"
 #include "app/picture.h"
 #include "app/progress.h"
+#include "app/sweep/auto_choice.h"
+#include "app/sweep/sweep.h"
+#include "render/core/error.h"
 #include "render/core/range.h"
 
 namespace warpscope {
@@ -22,18 +25,78 @@ struct ShotOptions {
   std::string technique = "spheres";
   double viewAngleDeg = 0.0;
   std::string out;
+  std::string front;
+  std::optional<double> budgetMs;
 };
+
+constexpr std::string_view kAuto = "auto";
 
 constexpr Range kViewAngleDegRange{-360.0, 360.0};
 
+/// What `auto` may choose: what was asked for stays.
+bool isAllowed(const Configuration& configuration, const ShotOptions& options, const Workplace& work) {
+  const WarpKnobs& knobs = configuration.technique->knobs;
+  if (!options.common.heuristic.empty() && knobs.depth && configuration.march.heuristic != work.march.heuristic) return false;
+  if (!options.common.radius.empty() && knobs.radius && configuration.march.radiusPolicy != work.march.radiusPolicy) return false;
+  return true;
+}
+
+/// From a sweep's file, or measured here and now.
+AutoChoice measuredFront(const ShotOptions& options, const Workplace& work, HeadlessResources& headless, const std::stop_token& stop) {
+  if (!options.front.empty()) return AutoChoice::fromFile(options.front, work.march);
+  SweepSettings settings;
+  settings.plan = quickPlan(work.march, work.width, work.height, options.viewAngleDeg);
+  if (!options.common.heuristic.empty()) settings.plan.heuristics = {work.march.heuristic};
+  if (!options.common.radius.empty()) settings.plan.radii = {work.march.radiusPolicy};
+  settings.plan.codecs = {work.transport.codec};
+  settings.width = work.width;
+  settings.height = work.height;
+  settings.warp = work.warp;
+  Progress progress("measuring what is best", unitsOf(settings.plan).size(), !options.common.showsProgress());
+  SweepJournal journal;
+  return AutoChoice(Sweep(work.scene, headless.resources(), settings, stop).run(journal, [&](const std::string& what) { progress.step(what); }));
+}
+
+/// Replaces the technique and its settings by what is best; says what that is.
+AutoChoice::Choice chooseFor(const ShotOptions& options, Workplace& work, HeadlessResources& headless, const std::stop_token& stop) {
+  const double budgetMs = options.budgetMs.value_or(kDefaultBudgetMs);
+  const auto choice = measuredFront(options, work, headless, stop).choose(options.viewAngleDeg, budgetMs, [&](const Configuration& configuration) {
+    return isAllowed(configuration, options, work);
+  });
+  if (!choice) throw InputError(options.front + ": nothing was measured with the heuristic and the radius that were asked for");
+  const Configuration& best = choice->configuration;
+  const float step = work.march.step;
+  if (best.technique->knobs.depth) work.march.heuristic = best.march.heuristic;
+  if (best.technique->knobs.depth) work.march.threshold = best.march.threshold;
+  if (best.technique->knobs.radius) work.march.radiusPolicy = best.march.radiusPolicy;
+  if (best.technique->knobs.radius) work.march.radiusScale = best.march.radiusScale;
+  work.march.step = step;
+  if (best.technique->knobs.pointSize) work.warp.pointSize = best.pointSize;
+  if (best.technique->knobs.hits) work.warp.hits = best.hits;
+  logResult("auto: " + choice->reason);
+  return *choice;
+}
+
 void shoot(const ShotOptions& options) {
   requireRange(options.viewAngleDeg, kViewAngleDegRange, "--view-angle");
-  const WarpDescriptor& descriptor = findWarp(options.technique);
+  const bool isAutomatic = options.technique == kAuto;
+  const WarpDescriptor* chosen = isAutomatic ? nullptr : &findWarp(options.technique);
+  if (!isAutomatic && (options.budgetMs || !options.front.empty()))
+    throw UsageError("--budget-ms and --front are for --technique auto, not for " + options.technique);
+  if (options.budgetMs) requireRange(*options.budgetMs, kBudgetMsRange, "--budget-ms");
+  if (isAutomatic && options.front.empty() && !options.transport.connect.empty())
+    throw UsageError("--technique auto measures its choices where the volume is: with --connect, give --front with the sweep.json of a sweep");
   const Interrupt interrupt;
-  const Workplace work = prepare(options.common, options.transport, interrupt.token());
+  Workplace work = prepare(options.common, options.transport, interrupt.token());
   requireWritable(options.out);
-  auto progress = std::make_unique<Progress>("shot", descriptor.usesFrame ? 3 : 2, !options.common.showsProgress());
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
+  std::optional<AutoChoice::Choice> choice;
+  if (isAutomatic) {
+    choice = chooseFor(options, work, headless, interrupt.token());
+    chosen = choice->configuration.technique;
+  }
+  const WarpDescriptor& descriptor = *chosen;
+  auto progress = std::make_unique<Progress>("shot", descriptor.usesFrame ? 3 : 2, !options.common.showsProgress());
   const WarpResources resources = headless.resources();
   const std::unique_ptr<Warp> warp = makeWarp(descriptor, resources);
 
@@ -58,7 +121,7 @@ void shoot(const ShotOptions& options) {
   progress.reset();
 
   if (options.common.json) {
-    const nlohmann::json report{{"out", options.out},
+    nlohmann::json report{{"out", options.out},
                                 {"technique", descriptor.name},
                                 {"viewAngleDeg", options.viewAngleDeg},
                                 {"samples", frame ? frame->size() : 0},
@@ -67,6 +130,8 @@ void shoot(const ShotOptions& options) {
                                 {"latency", frame ? toJson(served.latency) : nlohmann::json(nullptr)},
                                 {"heuristic", nameOf(work.march.heuristic)},
                                 {"radius", nameOf(work.march.radiusPolicy)}};
+    if (choice)
+      report["auto"] = {{"reason", choice->reason}, {"flip", choice->flip}, {"frameMs", choice->frameMs}, {"configuration", toJson(choice->configuration)}};
     std::cout << textOf(report);
   } else {
     logResult("wrote " + options.out);
@@ -84,7 +149,9 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
   addTransportOptions(*command, options->transport);
   std::string names;
   for (const WarpDescriptor& warp : warpRegistry()) names += (names.empty() ? "" : " ") + std::string(warp.name);
-  command->add_option("--technique", options->technique, names)->capture_default_str();
+  command->add_option("--technique", options->technique, names + ", or auto: what was measured to be best")->capture_default_str();
+  command->add_option("--budget-ms", options->budgetMs, "Milliseconds that a picture may take, for auto, " + rangeText(kBudgetMsRange) + "; default 33");
+  command->add_option("--front", options->front, "sweep.json that auto chooses by; without it, the choices are measured first");
   command->add_option("--view-angle", options->viewAngleDeg,
                       "Degrees that the camera turns about the vertical axis, " + rangeText(kViewAngleDegRange))
       ->capture_default_str();

@@ -87,15 +87,16 @@ void sweep(const SweepOptions& options) {
       logDetail(what);
       progress.step(what);
     };
-    report.result = run.run(journal, step);
+    report.rows = run.run(journal, step);
+    step("the ground truth's own error");
+    report.floors = run.floors();
     step("pictures for the report");
-    report.summaries = summariesOf(report.result.rows);
-    report.findings = findingsOf(report.result.rows);
+    report.summaries = summariesOf(report.rows);
+    report.findings = findingsOf(report.rows);
     for (const Configuration& configuration : shownConfigurations(report.summaries, report.findings))
       report.strips.push_back({configuration, run.pictures(configuration)});
   } catch (const OperationCancelled&) {
-    logResult("what is done is kept in " + options.out + ": the same command goes on from there");
-    throw;
+    throw InputError("stopped; what is done is kept in " + options.out + ", and the same command goes on from there");
   }
   head["machine"] = machineOf(backend, headless.contextText());
   report.head = head;
@@ -104,11 +105,11 @@ void sweep(const SweepOptions& options) {
 
   Json document = head;
   document["rows"] = Json::array();
-  for (const SweepRow& row : report.result.rows) document["rows"].push_back(toJson(row));
+  for (const SweepRow& row : report.rows) document["rows"].push_back(toJson(row));
   document["floors"] = Json::array();
-  for (const SweepFloor& floor : report.result.floors) document["floors"].push_back(toJson(floor));
+  for (const SweepFloor& floor : report.floors) document["floors"].push_back(toJson(floor));
   document["findings"] = toJson(report.findings);
-  out.write("sweep.csv", csvOf(report.result.rows));
+  out.write("sweep.csv", csvOf(report.rows));
   out.write("report.html", htmlOf(report));
   out.write("sweep.json", textOf(document));  // last, so that where it is, everything is
   if (interrupt.token().stop_requested()) throw OperationCancelled();

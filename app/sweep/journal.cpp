@@ -85,6 +85,7 @@ void SweepJournal::add(const std::string& unit, std::vector<SweepRow> rows) {
 }
 
 void SweepJournal::append(const std::string& line) {
+  if (file_ < 0) return;
   for (size_t at = 0; at < line.size();) {
     const ssize_t written = ::write(file_, line.data() + at, line.size() - at);
     if (written < 0 && errno == EINTR) continue;
@@ -94,6 +95,7 @@ void SweepJournal::append(const std::string& line) {
 }
 
 void SweepJournal::remove() {
+  if (file_ < 0) return;
   std::error_code ignored;
   fs::remove(path_, ignored);
 }

@@ -14,6 +14,8 @@ namespace warpscope {
 
 class SweepJournal {
  public:
+  /// In memory alone.
+  SweepJournal() = default;
   /// `identity` is all that results depend on. Goes on from the file in `folder` if it is of the same identity. The folder is made if need be.
   /// Throws InputError if the file is another sweep's, another process writes it, or it cannot be written.
   SweepJournal(const std::filesystem::path& folder, const nlohmann::json& identity, const MarchSettings& base);

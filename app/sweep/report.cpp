@@ -129,7 +129,7 @@ Plot errorAgainstAngle(const SweepReport& report) {
   for (const PictureStrip& strip : report.strips) {
     if (!strip.configuration.technique->usesFrame) continue;
     PlotSeries series{labelOf(strip.configuration), colorOf(*strip.configuration.technique), {}, true, isPapersMethod(strip.configuration) || isPointBaseline(strip.configuration)};
-    for (const SweepRow& row : report.result.rows)
+    for (const SweepRow& row : report.rows)
       if (row.link.empty() && row.configuration == strip.configuration)
         series.points.push_back({row.angleDeg, row.errors.flip,
                                  nameOf(row.configuration) + "\n" + angled(row.angleDeg) + ": FLIP " + format("%.4f", row.errors.flip) + ", holes " +
@@ -138,7 +138,7 @@ Plot errorAgainstAngle(const SweepReport& report) {
     plot.series.push_back(std::move(series));
   }
   PlotSeries floor{"step against half of it", "#7b8794", {}, true, true};
-  for (const SweepFloor& row : report.result.floors)
+  for (const SweepFloor& row : report.floors)
     floor.points.push_back({row.angleDeg, row.errors.flip, "the ground truth against one of half its step\n" + angled(row.angleDeg) + ": FLIP " + format("%.5f", row.errors.flip)});
   std::sort(floor.points.begin(), floor.points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
   plot.series.push_back(std::move(floor));
@@ -149,7 +149,7 @@ Plot errorBehindLinks(const SweepReport& report) {
   Plot plot{{"age of the frame on show, ms", true}, {"FLIP while the camera moves", true}, {}};
   for (const WarpDescriptor& technique : warpRegistry()) {
     PlotSeries series{std::string(technique.name), colorOf(technique), {}};
-    for (const SweepRow& row : report.result.rows)
+    for (const SweepRow& row : report.rows)
       if (!row.link.empty() && row.configuration.technique == &technique)
         series.points.push_back({row.ageMs, row.errors.flip,
                                  nameOf(row.configuration) + " behind " + row.link + "\nFLIP " + format("%.4f", row.errors.flip) + ", " +
@@ -278,7 +278,7 @@ std::string htmlOf(const SweepReport& report) {
   html += "<h2>Error against bytes</h2>\n" +
           figure(svgOf(errorAgainst(report, "bytes a frame", false, [](const Summary& summary) { return static_cast<double>(summary.bytes); })),
                  "On the wire; for hold its picture alone, as viewers that stream images send it.");
-  const bool hasLinks = std::any_of(report.result.rows.begin(), report.result.rows.end(), [](const SweepRow& row) { return !row.link.empty(); });
+  const bool hasLinks = std::any_of(report.rows.begin(), report.rows.end(), [](const SweepRow& row) { return !row.link.empty(); });
   if (hasLinks)
     html += "<h2>Behind a link</h2>\n" +
             figure(svgOf(errorBehindLinks(report)),
@@ -287,7 +287,7 @@ std::string htmlOf(const SweepReport& report) {
                        "Errors are against what should be on show at that instant, so that slow drawing counts as well; means over " +
                        std::to_string(report.head.at("plan").at("instants").get<int>()) + " instants.");
   html += "<h2>Pictures</h2>\n<p class=\"dim\">Beneath each picture its FLIP for each pixel, twice as bright: black is equal.</p>\n" + stripsTable(report);
-  html += "<h2>All rows</h2>\n<p class=\"dim\">A click on a heading sorts.</p>\n" + rowsTable(report.result.rows);
+  html += "<h2>All rows</h2>\n<p class=\"dim\">A click on a heading sorts.</p>\n" + rowsTable(report.rows);
   html += "<script>" + std::string(kScript) + "</script>\n</body></html>\n";
   return html;
 }

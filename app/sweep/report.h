@@ -20,7 +20,8 @@ struct SweepReport {
   std::string title;
   nlohmann::json head;  ///< scene, plan, machine, version
   glm::vec3 background{0.0f};  ///< linear RGB
-  SweepResult result;
+  std::vector<SweepRow> rows;
+  std::vector<SweepFloor> floors;
   std::vector<Summary> summaries;
   Findings findings;
   std::vector<PictureStrip> strips;

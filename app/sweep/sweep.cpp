@@ -291,7 +291,7 @@ Sweep::Sweep(const Scene& scene, const WarpResources& resources, SweepSettings s
 
 Sweep::~Sweep() = default;
 
-SweepResult Sweep::run(SweepJournal& journal, const Step& onStep) {
+std::vector<SweepRow> Sweep::run(SweepJournal& journal, const Step& onStep) {
   const std::vector<SweepUnit> units = unitsOf(settings_.plan);
   // Configurations that take the same frame one after the other; those that stand still first, because the others need their times.
   std::vector<const SweepUnit*> order;
@@ -312,14 +312,18 @@ SweepResult Sweep::run(SweepJournal& journal, const Step& onStep) {
       journal.add(unit->name(), run_->measureMoving(unit->configuration, *unit->link, *journal.find(keyOf(unit->configuration))));
   }
 
-  SweepResult result;
+  std::vector<SweepRow> rows;
   for (const SweepUnit& unit : units) {
-    const std::vector<SweepRow>& rows = *journal.find(unit.name());
-    result.rows.insert(result.rows.end(), rows.begin(), rows.end());
+    const std::vector<SweepRow>& ofUnit = *journal.find(unit.name());
+    rows.insert(rows.end(), ofUnit.begin(), ofUnit.end());
   }
-  onStep("the ground truth's own error");
-  for (const double angleDeg : settings_.plan.anglesDeg) result.floors.push_back(run_->floorAt(angleDeg));
-  return result;
+  return rows;
+}
+
+std::vector<SweepFloor> Sweep::floors() {
+  std::vector<SweepFloor> floors;
+  for (const double angleDeg : settings_.plan.anglesDeg) floors.push_back(run_->floorAt(angleDeg));
+  return floors;
 }
 
 std::vector<SweepPicture> Sweep::pictures(const Configuration& configuration) { return run_->pictures(configuration); }

@@ -23,11 +23,6 @@ struct SweepSettings {
   WarpSettings warp;   ///< what configurations do not name
 };
 
-struct SweepResult {
-  std::vector<SweepRow> rows;  ///< in the order of the configurations: angles first, then links
-  std::vector<SweepFloor> floors;
-};
-
 /// One configuration with the camera standing still, or behind one link.
 struct SweepUnit {
   Configuration configuration;
@@ -53,8 +48,11 @@ class Sweep {
   ~Sweep();
 
   /// Measures what the journal does not hold yet, and tells it at once, so that nothing is lost if it ends early. `onStep` is called before
-  /// each unit that is measured, and once more.
-  SweepResult run(SweepJournal& journal, const Step& onStep);
+  /// each unit that is measured. The rows are in the order of the configurations: angles first, then links.
+  std::vector<SweepRow> run(SweepJournal& journal, const Step& onStep);
+
+  /// For each of the plan's angles.
+  std::vector<SweepFloor> floors();
 
   /// For each of the plan's angles.
   std::vector<SweepPicture> pictures(const Configuration& configuration);

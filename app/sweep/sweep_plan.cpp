@@ -140,6 +140,17 @@ SweepPlan defaultPlan(const MarchSettings& base, uint32_t width, uint32_t height
   return plan;
 }
 
+SweepPlan quickPlan(const MarchSettings& base, uint32_t width, uint32_t height, double angleDeg) {
+  SweepPlan plan = defaultPlan(base, width, height);
+  std::erase_if(plan.techniques, [](const WarpDescriptor* technique) { return !technique->usesFrame; });
+  plan.serverSides.resize(1);
+  plan.pointSizes = {2};
+  plan.anglesDeg = {angleDeg};
+  plan.links.clear();
+  plan.draws = 2;
+  return plan;
+}
+
 void applyPlanFile(const Node& root, SweepPlan& plan) {
   std::vector<std::string_view> keys;
   for (const SweepAxis& axis : kAxes) keys.push_back(axis.key);

@@ -43,6 +43,9 @@ struct SweepPlan {
 /// For a scene that is marched with `base`, shown at `width` x `height`.
 SweepPlan defaultPlan(const MarchSettings& base, uint32_t width, uint32_t height);
 
+/// What is worth measuring before one picture, `angleDeg` away from its frame, is drawn: some seconds' work.
+SweepPlan quickPlan(const MarchSettings& base, uint32_t width, uint32_t height, double angleDeg);
+
 /// One axis or number of a plan: what the file, the option and the report call it, and how its values are read.
 struct SweepAxis {
   std::string_view key;     ///< in the file: "pointSizes"

@@ -1,0 +1,91 @@
+// Choosing.
+// See auto_choice.h.
+#include "app/sweep/auto_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+namespace warpscope {
+namespace {
+
+std::string reasonFor(const Configuration& configuration, double flip, double frameMs, double angleDeg, double budgetMs, size_t count) {
+  char text[200];
+  const std::string name = labelOf(configuration);
+  if (frameMs <= budgetMs)
+    std::snprintf(text, sizeof text, ": least error (FLIP %.4f) at %.1f degrees of what was measured within %g ms (%.3g ms, of %zu)", flip, angleDeg,
+                  budgetMs, frameMs, count);
+  else
+    std::snprintf(text, sizeof text, ": the fastest (%.3g ms, FLIP %.4f at %.1f degrees) of %zu measured, none of which keeps to %g ms", frameMs, flip,
+                  angleDeg, count, budgetMs);
+  return name + text;
+}
+
+}  // namespace
+
+AutoChoice::AutoChoice(const std::vector<SweepRow>& rows) {
+  uint32_t side = 0;
+  for (const SweepRow& row : rows) side = std::max(side, row.configuration.serverSidePx);
+  std::map<std::string, size_t> places;
+  for (const SweepRow& row : rows) {
+    const Configuration& configuration = row.configuration;
+    if (!row.link.empty() || !configuration.technique->usesFrame || configuration.serverSidePx != side) continue;
+    const auto [place, isNew] = places.emplace(keyOf(configuration), candidates_.size());
+    if (isNew) candidates_.push_back({configuration, {}});
+    candidates_[place->second].angles.push_back({std::abs(row.angleDeg), row.errors.flip, row.frameMs()});
+  }
+  for (Candidate& candidate : candidates_)
+    std::stable_sort(candidate.angles.begin(), candidate.angles.end(), [](const AtAngle& a, const AtAngle& b) { return a.angleDeg < b.angleDeg; });
+}
+
+AutoChoice AutoChoice::fromFile(const std::string& path, const MarchSettings& base) {
+  const JsonDocument document = JsonDocument::fromFile(path);
+  const Node root = document.root();
+  std::vector<SweepRow> rows;
+  for (const Node& row : root.at("rows").elements(1, 1 << 20)) rows.push_back(sweepRowFrom(row, base));
+  AutoChoice choice(rows);
+  if (choice.empty()) root.at("rows").fail("hold nothing that draws a frame");
+  return choice;
+}
+
+AutoChoice::AtAngle AutoChoice::Candidate::at(double angleDeg) const {
+  const auto above = std::lower_bound(angles.begin(), angles.end(), angleDeg, [](const AtAngle& a, double angle) { return a.angleDeg < angle; });
+  if (above == angles.end()) return angles.back();
+  if (above == angles.begin() || above->angleDeg == angleDeg) return *above;
+  const AtAngle& below = *std::prev(above);
+  const double share = (angleDeg - below.angleDeg) / (above->angleDeg - below.angleDeg);
+  return {angleDeg, std::lerp(below.flip, above->flip, share), std::lerp(below.frameMs, above->frameMs, share)};
+}
+
+std::optional<AutoChoice::Choice> AutoChoice::choose(double angleDeg, double budgetMs, const std::function<bool(const Configuration&)>& may) const {
+  angleDeg = std::abs(angleDeg);
+  const Candidate* best = nullptr;
+  AtAngle bestAt{};
+  size_t count = 0;
+  for (const Candidate& candidate : candidates_) {
+    if (!may(candidate.configuration)) continue;
+    ++count;
+    const AtAngle here = candidate.at(angleDeg);
+    const auto rank = [&](const AtAngle& at) {
+      const bool isLate = at.frameMs > budgetMs;
+      return std::tuple(isLate, isLate ? at.frameMs : at.flip, isLate ? at.flip : at.frameMs);
+    };
+    if (best != nullptr && rank(here) >= rank(bestAt)) continue;
+    best = &candidate;
+    bestAt = here;
+  }
+  if (best == nullptr) return std::nullopt;
+  return Choice{best->configuration, bestAt.flip, bestAt.frameMs,
+                reasonFor(best->configuration, bestAt.flip, bestAt.frameMs, angleDeg, budgetMs, count)};
+}
+
+double angleBetweenDeg(const Camera& a, const Camera& b) {
+  const glm::dvec3 from(a.forward), to(b.forward);
+  return std::atan2(glm::length(glm::cross(from, to)), glm::dot(from, to)) * 180.0 / std::numbers::pi;
+}
+
+}  // namespace warpscope

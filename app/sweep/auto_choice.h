@@ -1,0 +1,56 @@
+// The adaptive default: of what was measured, the configuration with the least error at this angle within the time there is.
+// Errors between measured angles are interpolated linearly; beyond the last they stay.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/sweep/sweep_result.h"
+#include "render/core/camera.h"
+
+namespace warpscope {
+
+inline constexpr Range kBudgetMsRange{0.01, 10000.0};
+inline constexpr double kDefaultBudgetMs = 33.0;
+
+class AutoChoice {
+ public:
+  /// Rows of a sweep; those behind links, and what needs the volume, are left out. Where the server's images differ in size, those of the
+  /// largest count.
+  explicit AutoChoice(const std::vector<SweepRow>& rows);
+  /// A sweep.json. Throws InputError.
+  static AutoChoice fromFile(const std::string& path, const MarchSettings& base);
+
+  struct Choice {
+    Configuration configuration;
+    double flip = 0.0;      ///< to be expected
+    double frameMs = 0.0;   ///< likewise: decoding, building, drawing
+    std::string reason;     ///< a sentence without its full stop: what was picked, and why
+  };
+  /// `angleDeg`: between the frame's camera and the view; its sign does not matter. If nothing keeps to `budgetMs` the fastest is chosen, and the
+  /// reason says so. `may`: which configurations are free to be chosen. Nothing if none is.
+  std::optional<Choice> choose(double angleDeg, double budgetMs, const std::function<bool(const Configuration&)>& may) const;
+
+  bool empty() const { return candidates_.empty(); }
+
+ private:
+  struct AtAngle {
+    double angleDeg, flip, frameMs;
+  };
+  struct Candidate {
+    Configuration configuration;
+    std::vector<AtAngle> angles;  // by rising angle, at least one
+
+    AtAngle at(double angleDeg) const;
+  };
+
+  std::vector<Candidate> candidates_;
+};
+
+/// Degrees between the directions in which two cameras of one scene look; 0..180. From above or below the horizon that is less than the
+/// camera was turned by.
+double angleBetweenDeg(const Camera& a, const Camera& b);
+
+}  // namespace warpscope

@@ -1,0 +1,101 @@
+// Choosing by what was measured: the least error within the budget at this angle, the fastest if nothing keeps to it, and why.
+// Mirrors app/sweep/auto_choice.h.
+#include "app/sweep/auto_choice.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/core/error.h"
+#include "tests/headless.h"
+#include "tests/test_folder.h"
+
+namespace warpscope {
+namespace {
+
+SweepRow rowOf(std::string_view technique, double angleDeg, double flip, double drawMs, uint32_t side = 512) {
+  SweepRow row;
+  row.configuration.technique = &findWarp(technique);
+  row.configuration.serverSidePx = side;
+  row.configuration = normalized(row.configuration);
+  row.angleDeg = angleDeg;
+  row.errors.flip = flip;
+  row.draw.medianMs = drawMs;
+  return row;
+}
+
+std::vector<SweepRow> someRows() {
+  return {rowOf("hold", 0, 0.0, 1), rowOf("hold", 10, 0.2, 1),   rowOf("points", 0, 0.02, 5),  rowOf("points", 10, 0.08, 5),
+          rowOf("spheres", 0, 0.01, 20), rowOf("spheres", 10, 0.04, 30), rowOf("reference", 0, 0.0, 0.1), rowOf("reference", 10, 0.0, 0.1)};
+}
+
+std::string_view chosen(const AutoChoice& choice, double angleDeg, double budgetMs) {
+  const auto best = choice.choose(angleDeg, budgetMs, [](const Configuration&) { return true; });
+  return best ? best->configuration.technique->name : "nothing";
+}
+
+TEST(AutoChoice, LeastErrorWithinTheBudget) {
+  const AutoChoice choice(someRows());
+  EXPECT_EQ(chosen(choice, 0.0, 100.0), "hold");
+  EXPECT_EQ(chosen(choice, 10.0, 100.0), "spheres");
+  EXPECT_EQ(chosen(choice, -10.0, 100.0), "spheres");
+  EXPECT_EQ(chosen(choice, 10.0, 29.0), "points");
+  EXPECT_EQ(chosen(choice, 10.0, 4.0), "hold");
+  EXPECT_EQ(chosen(choice, 90.0, 100.0), "spheres");  // beyond what was measured
+}
+
+TEST(AutoChoice, BetweenMeasuredAnglesErrorsAndTimesAreInterpolated) {
+  const AutoChoice choice(someRows());
+  // hold: 0.02 degrees per degree; spheres 0.01 + 0.003 per degree: they cross at 0.588 degrees.
+  EXPECT_EQ(chosen(choice, 0.5, 100.0), "hold");
+  EXPECT_EQ(chosen(choice, 0.7, 100.0), "spheres");
+  const auto best = choice.choose(5.0, 100.0, [](const Configuration&) { return true; });
+  EXPECT_NEAR(best->flip, 0.025, 1e-12);
+  EXPECT_NEAR(best->frameMs, 25.0, 1e-12);
+}
+
+TEST(AutoChoice, SaysWhatAndWhy) {
+  const AutoChoice choice(someRows());
+  const auto all = [](const Configuration&) { return true; };
+  EXPECT_THAT(choice.choose(10.0, 33.0, all)->reason,
+              testing::StartsWith("spheres, gradient, voxel: least error (FLIP 0.0400) at 10.0 degrees of what was measured within 33 ms (30 ms, of 3)"));
+  EXPECT_THAT(choice.choose(10.0, 0.5, all)->reason, testing::HasSubstr("the fastest (1 ms, FLIP 0.2000 at 10.0 degrees) of 3 measured, none of which keeps to 0.5 ms"));
+}
+
+TEST(AutoChoice, KeepsToWhatMayBeChosen) {
+  const AutoChoice choice(someRows());
+  const auto best = choice.choose(10.0, 100.0, [](const Configuration& configuration) { return configuration.technique->name != "spheres"; });
+  EXPECT_EQ(best->configuration.technique->name, "points");
+  EXPECT_FALSE(choice.choose(10.0, 100.0, [](const Configuration&) { return false; }));
+  EXPECT_FALSE(AutoChoice({}).choose(1.0, 1.0, [](const Configuration&) { return true; }));
+}
+
+TEST(AutoChoice, LeavesOutLinksAndSmallerImages) {
+  std::vector<SweepRow> rows = someRows();
+  rows.push_back(rowOf("splats", 10, 0.001, 1, 256));
+  rows.push_back(rowOf("multihit", 10, 0.001, 1));
+  rows.back().link = "4g";
+  EXPECT_EQ(chosen(AutoChoice(rows), 10.0, 100.0), "spheres");
+}
+
+TEST(AutoChoice, ReadsASweepsFile) {
+  const TestFolder folder;
+  nlohmann::json document{{"rows", nlohmann::json::array()}};
+  for (const SweepRow& row : someRows()) document["rows"].push_back(toJson(row));
+  EXPECT_EQ(chosen(AutoChoice::fromFile(folder.write("sweep.json", document.dump()), {}), 10.0, 100.0), "spheres");
+  EXPECT_THROW(AutoChoice::fromFile(folder.write("none.json", R"({"rows": []})"), {}), InputError);
+  EXPECT_THROW(AutoChoice::fromFile(folder.write("other.json", "{}"), {}), InputError);
+  EXPECT_THROW(AutoChoice::fromFile(folder.file("absent.json"), {}), InputError);
+  document["rows"] = {toJson(someRows().back())};
+  EXPECT_THROW(AutoChoice::fromFile(folder.write("reference.json", document.dump()), {}), InputError);
+}
+
+TEST(AngleBetween, IsThatOfTheViews) {
+  Scene scene = smallScene("block");
+  scene.views.front().elevationDeg = 0.0;
+  const Stage stage(std::move(scene));
+  for (const double turnDeg : {0.0, 0.5, 10.0, -25.0, 90.0, 180.0})
+    EXPECT_NEAR(angleBetweenDeg(stage.camera(40, 30), stage.camera(80, 20, turnDeg)), std::abs(turnDeg), 1e-3) << turnDeg;
+}
+
+}  // namespace
+}  // namespace warpscope
