@@ -11,4 +11,10 @@ namespace warpscope {
 /// Throws InputError if the sizes differ, an image is empty, or a pixel is not finite.
 double psnrSrgb(const Image<glm::vec4>& image, const Image<glm::vec4>& reference, const glm::vec3& background);
 
+/// Sum of (a - b)^2 over `count` values; some thousand at most, for precision.
+double squaredDifference(const float* a, const float* b, size_t count);
+
+/// The ratio for `squares`, a sum of squared differences over red, green and blue of `pixels` pixels; infinite for 0.
+double psnrOfSquares(double squares, size_t pixels);
+
 }  // namespace warpscope
