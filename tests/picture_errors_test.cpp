@@ -38,7 +38,7 @@ TEST(PictureErrors, AreThoseOfTheSingleMetrics) {
     const PictureJudge judge(reference.color, kBackground, 30.0f);
     Image<float> map;
     const PictureErrors errors = judge.errorsOf(image, nullptr, &map);
-    EXPECT_NEAR(errors.psnrDb, psnrSrgb(image.color, reference.color, kBackground), 1e-6);
+    EXPECT_DOUBLE_EQ(errors.psnrDb, psnrSrgb(image.color, reference.color, kBackground));
     EXPECT_DOUBLE_EQ(errors.ssim, ssimSrgb(image.color, reference.color, kBackground));
     const FlipResult flipped = flip(image.color, reference.color, kBackground, 30.0f);
     EXPECT_DOUBLE_EQ(errors.flip, flipped.mean);

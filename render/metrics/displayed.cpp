@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <string>
-#include <utility>
 
 #include "render/core/error.h"
 #include "render/core/parallel.h"
@@ -17,8 +16,21 @@ namespace {
 
 constexpr size_t kPixelsPerPiece = 1 << 14;
 
-std::array<float*, 3> pointersTo(ColorPlanes& planes, size_t offset) {
-  return {planes[0].data() + offset, planes[1].data() + offset, planes[2].data() + offset};
+ChannelPointers pointersTo(ColorPlanes* planes, size_t offset) {
+  if (!planes) return {};
+  return {(*planes)[0].data() + offset, (*planes)[1].data() + offset, (*planes)[2].data() + offset};
+}
+
+/// Fills the planes that are not null.
+void display(const Image<glm::vec4>& image, const glm::vec3& background, std::string_view metric, ColorPlanes* linear, ColorPlanes* srgb) {
+  for (ColorPlanes* colors : {linear, srgb})
+    if (colors)
+      for (Image<float>& plane : *colors) plane.reshape(image.width(), image.height());
+  std::atomic<bool> isFinite = true;
+  parallelForRanges(image.size(), kPixelsPerPiece, [&](size_t begin, size_t end) {
+    if (!displayPixels(image.data() + begin, end - begin, background, pointersTo(linear, begin), pointersTo(srgb, begin))) isFinite = false;
+  });
+  if (!isFinite) refuseNonFinite(metric);
 }
 
 /// Composites `count` pixels; `checks` gets one number for each that is 0 if the pixel is finite, else NaN.
@@ -42,14 +54,16 @@ void encode(const float* linear, size_t count, float* srgb) {
 
 }  // namespace
 
-bool displayPixels(const glm::vec4* pixels, size_t count, const glm::vec3& background, const std::array<float*, 3>& linear,
-                   const std::array<float*, 3>& srgb) {
+bool displayPixels(const glm::vec4* pixels, size_t count, const glm::vec3& background, const ChannelPointers& linear,
+                   const ChannelPointers& srgb) {
   constexpr size_t kAtOnce = 512;
-  float checks[kAtOnce];
+  alignas(64) float own[3][kAtOnce], checks[kAtOnce];
   float check = 0.0f;
   for (size_t at = 0; at < count; at += kAtOnce) {
     const size_t some = std::min(kAtOnce, count - at);
-    composite(pixels + at, some, background, linear[0] + at, linear[1] + at, linear[2] + at, checks);
+    ChannelPointers light{own[0], own[1], own[2]};
+    if (linear[0]) light = {linear[0] + at, linear[1] + at, linear[2] + at};
+    composite(pixels + at, some, background, light[0], light[1], light[2], checks);
     FloatBatch sums(0.0f);
     forBatches(some, [&]<class Real>(size_t i) {
       if constexpr (std::is_same_v<Real, float>)
@@ -58,36 +72,37 @@ bool displayPixels(const glm::vec4* pixels, size_t count, const glm::vec3& backg
         sums += loadAs<Real>(checks + i);
     });
     check += sumOf(sums);
-    for (size_t channel = 0; channel < 3; ++channel) encode(linear[channel] + at, some, srgb[channel] + at);
+    if (!srgb[0]) continue;
+    for (size_t channel = 0; channel < 3; ++channel) encode(light[channel], some, srgb[channel] + at);
   }
   return check == 0.0f;
 }
 
 DisplayedPlanes displayedPlanes(const Image<glm::vec4>& image, const glm::vec3& background, std::string_view metric) {
   DisplayedPlanes planes;
-  for (ColorPlanes* colors : {&planes.linear, &planes.srgb})
-    for (Image<float>& plane : *colors) plane.reshape(image.width(), image.height());
-  std::atomic<bool> isFinite = true;
-  parallelForRanges(image.size(), kPixelsPerPiece, [&](size_t begin, size_t end) {
-    if (!displayPixels(image.data() + begin, end - begin, background, pointersTo(planes.linear, begin), pointersTo(planes.srgb, begin)))
-      isFinite = false;
-  });
-  if (!isFinite) refuseNonFinite(metric);
+  display(image, background, metric, &planes.linear, &planes.srgb);
   return planes;
 }
 
-DisplayedPlanes displayedFromSrgb(ColorPlanes srgb) {
-  DisplayedPlanes planes;
-  for (Image<float>& plane : planes.linear) plane.reshape(srgb[0].width(), srgb[0].height());
-  parallelForRanges(srgb[0].size(), kPixelsPerPiece, [&](size_t begin, size_t end) {
-    for (size_t channel = 0; channel < 3; ++channel) {
-      const float* const from = srgb[channel].data() + begin;
-      float* const to = planes.linear[channel].data() + begin;
-      forBatches(end - begin, [&]<class Real>(size_t i) { storeTo(to + i, linearOf(loadAs<Real>(from + i))); });
+ColorPlanes linearPlanes(const Image<glm::vec4>& image, const glm::vec3& background, std::string_view metric) {
+  ColorPlanes planes;
+  display(image, background, metric, &planes, nullptr);
+  return planes;
+}
+
+ColorPlanes srgbPlanes(const Image<glm::vec4>& image, const glm::vec3& background, std::string_view metric) {
+  ColorPlanes planes;
+  display(image, background, metric, nullptr, &planes);
+  return planes;
+}
+
+void linearize(ColorPlanes& planes) {
+  parallelForRanges(planes[0].size(), kPixelsPerPiece, [&](size_t begin, size_t end) {
+    for (Image<float>& plane : planes) {
+      float* const values = plane.data() + begin;
+      forBatches(end - begin, [&]<class Real>(size_t i) { storeTo(values + i, linearOf(loadAs<Real>(values + i))); });
     }
   });
-  planes.srgb = std::move(srgb);
-  return planes;
 }
 
 void refuseNonFinite(std::string_view metric) { throw InputError(std::string(metric) + ": a pixel is not finite"); }

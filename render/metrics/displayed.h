@@ -16,21 +16,23 @@ using ColorPlanes = std::array<Image<float>, 3>;
 struct DisplayedPlanes {
   ColorPlanes linear;  ///< light, 0..1
   ColorPlanes srgb;    ///< the same through the curve, 0..1
-
-  uint32_t width() const { return linear[0].width(); }
-  uint32_t height() const { return linear[0].height(); }
-  size_t size() const { return linear[0].size(); }
 };
 
 /// `image` is linear and premultiplied, `background` linear. Throws InputError naming `metric` for a pixel that is not finite.
 DisplayedPlanes displayedPlanes(const Image<glm::vec4>& image, const glm::vec3& background, std::string_view metric);
+/// One half of them.
+ColorPlanes linearPlanes(const Image<glm::vec4>& image, const glm::vec3& background, std::string_view metric);
+ColorPlanes srgbPlanes(const Image<glm::vec4>& image, const glm::vec3& background, std::string_view metric);
 
-/// The same of `count` pixels, into three arrays for linear and three for sRGB values of that length. False if a pixel is not finite.
-[[nodiscard]] bool displayPixels(const glm::vec4* pixels, size_t count, const glm::vec3& background, const std::array<float*, 3>& linear,
-                                 const std::array<float*, 3>& srgb);
+/// Arrays for as many values as there are pixels; null where they are not wanted.
+using ChannelPointers = std::array<float*, 3>;
 
-/// Planes of sRGB values 0..1, with their linear ones.
-DisplayedPlanes displayedFromSrgb(ColorPlanes srgb);
+/// As displayedPlanes, of `count` pixels, into arrays. False if a pixel is not finite.
+[[nodiscard]] bool displayPixels(const glm::vec4* pixels, size_t count, const glm::vec3& background, const ChannelPointers& linear,
+                                 const ChannelPointers& srgb);
+
+/// Turns planes of sRGB values 0..1 into linear ones.
+void linearize(ColorPlanes& planes);
 
 /// Throws the InputError that says so.
 [[noreturn]] void refuseNonFinite(std::string_view metric);

@@ -10,8 +10,8 @@
 namespace warpscope {
 namespace {
 
-/// 0.5 + 0.5 * (after - before), as a picture.
-DisplayedPlanes changeOf(const ColorPlanes& before, const ColorPlanes& after) {
+/// 0.5 + 0.5 * (after - before) of displayed values, as linear ones.
+ColorPlanes changeOf(const ColorPlanes& before, const ColorPlanes& after) {
   ColorPlanes change;
   for (size_t channel = 0; channel < 3; ++channel) {
     const Image<float>&from = before[channel], &to = after[channel];
@@ -21,7 +21,8 @@ DisplayedPlanes changeOf(const ColorPlanes& before, const ColorPlanes& after) {
       for (size_t i = begin; i < end; ++i) out[i] = 0.5f + 0.5f * (to[i] - from[i]);
     });
   }
-  return displayedFromSrgb(std::move(change));
+  linearize(change);
+  return change;
 }
 
 }  // namespace
@@ -35,7 +36,7 @@ void FlickerMeter::add(const Image<glm::vec4>& picture, const Image<glm::vec4>& 
   const bool isFirst = picture_[0].empty();
   if (!isFirst && (picture.width() != picture_[0].width() || picture.height() != picture_[0].height()))
     throw InputError("flicker needs pictures of one size along the whole path");
-  ColorPlanes shown = displayedPlanes(picture, background_, "flicker").srgb, truth = displayedPlanes(reference, background_, "flicker").srgb;
+  ColorPlanes shown = srgbPlanes(picture, background_, "flicker"), truth = srgbPlanes(reference, background_, "flicker");
   if (!isFirst) {
     const FlipReference expected(changeOf(reference_, truth), pixelsPerDegree_);
     sum_ += expected.difference(changeOf(picture_, shown), map_);

@@ -75,9 +75,9 @@ class SeenStrip {
 
 /// Sum of body(y, strip), whose strip is filtered for row y, over all rows.
 template <class Body>
-double sumOverSeenRows(const DisplayedPlanes& image, const FlipKernels& kernels, const Body& body) {
-  const ColorPlanes opponent = opponentPlanes(image.linear);
-  return sumOverStrips<SeenStrip>(image.height(), [&](uint32_t begin, uint32_t end, SeenStrip& strip) {
+double sumOverSeenRows(const ColorPlanes& linear, const FlipKernels& kernels, const Body& body) {
+  const ColorPlanes opponent = opponentPlanes(linear);
+  return sumOverStrips<SeenStrip>(linear[0].height(), [&](uint32_t begin, uint32_t end, SeenStrip& strip) {
     strip.filter(opponent, kernels, begin, end);
     double sum = 0.0;
     for (uint32_t y = begin; y < end; ++y) {
@@ -99,10 +99,10 @@ void requireFlipResolution(float pixelsPerDegree) {
   if (!(pixelsPerDegree >= 1.0f && pixelsPerDegree <= 1000.0f)) throw InputError("FLIP needs 1 to 1000 pixels per degree");
 }
 
-FlipReference::FlipReference(const DisplayedPlanes& reference, float pixelsPerDegree) : kernels_(checkedKernels(pixelsPerDegree)) {
-  for (Image<float>& plane : seen_) plane.reshape(reference.width(), reference.height());
+FlipReference::FlipReference(const ColorPlanes& reference, float pixelsPerDegree) : kernels_(checkedKernels(pixelsPerDegree)) {
+  for (Image<float>& plane : seen_) plane.reshape(reference[0].width(), reference[0].height());
   sumOverSeenRows(reference, kernels_, [&](uint32_t y, const SeenStrip& strip) {
-    forBatches(reference.width(), [&]<class Real>(size_t x) {
+    forBatches(reference[0].width(), [&]<class Real>(size_t x) {
       const Seen<Real> seen = strip.at<Real>(x);
       const Real values[5] = {seen.lab.x, seen.lab.y, seen.lab.z, seen.edge, seen.point};
       for (size_t k = 0; k < 5; ++k) storeTo(seen_[k].row(y) + x, values[k]);
@@ -111,13 +111,14 @@ FlipReference::FlipReference(const DisplayedPlanes& reference, float pixelsPerDe
   });
 }
 
-double FlipReference::difference(const DisplayedPlanes& image, Image<float>& map) const {
+double FlipReference::difference(const ColorPlanes& image, Image<float>& map) const {
+  const uint32_t width = image[0].width(), height = image[0].height();
   const ColorRange range = flipColorRange();
-  map.reshape(image.width(), image.height());
+  map.reshape(width, height);
   const double sum = sumOverSeenRows(image, kernels_, [&](uint32_t y, const SeenStrip& strip) {
     FloatBatch sums(0.0f);
     float rest = 0.0f;
-    forBatches(image.width(), [&]<class Real>(size_t x) {
+    forBatches(width, [&]<class Real>(size_t x) {
       const Seen<Real> a = strip.at<Real>(x);
       const auto known = [&](size_t k) { return loadAs<Real>(seen_[k].row(y) + x); };
       const Real value = flipOf(colorDifference(range, a.lab, Triple<Real>{known(0), known(1), known(2)}),
@@ -130,14 +131,14 @@ double FlipReference::difference(const DisplayedPlanes& image, Image<float>& map
     });
     return static_cast<double>(sumOf(sums)) + static_cast<double>(rest);
   });
-  return sum / static_cast<double>(image.size());
+  return sum / static_cast<double>(map.size());
 }
 
 FlipResult flip(const Image<glm::vec4>& image, const Image<glm::vec4>& reference, const glm::vec3& background, float pixelsPerDegree) {
   requireOneSize(image, reference, "FLIP");
-  const FlipReference prepared(displayedPlanes(reference, background, "FLIP"), pixelsPerDegree);
+  const FlipReference prepared(linearPlanes(reference, background, "FLIP"), pixelsPerDegree);
   FlipResult result;
-  result.mean = prepared.difference(displayedPlanes(image, background, "FLIP"), result.map);
+  result.mean = prepared.difference(linearPlanes(image, background, "FLIP"), result.map);
   return result;
 }
 

@@ -29,10 +29,10 @@ FlipResult flip(const Image<glm::vec4>& image, const Image<glm::vec4>& reference
 /// The same for many images and one reference, of which what the eye makes of it is kept.
 class FlipReference {
  public:
-  /// `reference` is not empty. Throws InputError if `pixelsPerDegree` is not within 1..1000.
-  FlipReference(const DisplayedPlanes& reference, float pixelsPerDegree);
-  /// Of an image of the reference's size. The mean; the difference of each pixel is left in `map`.
-  double difference(const DisplayedPlanes& image, Image<float>& map) const;
+  /// Linear values, not empty. Throws InputError if `pixelsPerDegree` is not within 1..1000.
+  FlipReference(const ColorPlanes& reference, float pixelsPerDegree);
+  /// Of an image's linear values; of the reference's size. The mean; the difference of each pixel is left in `map`.
+  double difference(const ColorPlanes& image, Image<float>& map) const;
 
  private:
   FlipKernels kernels_;

@@ -1,4 +1,4 @@
-// One pass makes the planes that all metrics look at; one pass over them takes the sums, whole and by what the frame knew.
+// One pass makes the planes that all metrics look at.
 // See picture_errors.h.
 #include "render/metrics/picture_errors.h"
 
@@ -16,23 +16,6 @@ namespace {
 
 constexpr size_t kPixelsPerPiece = 1 << 12;
 
-/// Sums of squared differences over red, green and blue.
-struct Squares {
-  double srgb = 0.0, linear = 0.0;
-  Squares operator+(const Squares& other) const { return {srgb + other.srgb, linear + other.linear}; }
-};
-
-Squares squaresOf(const DisplayedPlanes& a, const DisplayedPlanes& b) {
-  return sumOverPieces<Squares>(a.size(), kPixelsPerPiece, [&](size_t begin, size_t end) {
-    Squares sum;
-    for (size_t channel = 0; channel < 3; ++channel) {
-      sum.srgb += squaredDifference(&a.srgb[channel][begin], &b.srgb[channel][begin], end - begin);
-      sum.linear += squaredDifference(&a.linear[channel][begin], &b.linear[channel][begin], end - begin);
-    }
-    return sum;
-  });
-}
-
 /// Sums over the pixels of each Visibility.
 struct Shares {
   std::array<size_t, 3> pixels{};
@@ -49,7 +32,7 @@ struct Shares {
 };
 
 Shares sharesOf(const DisplayedPlanes& a, const DisplayedPlanes& b, const Image<float>& map, const Image<Visibility>& mask) {
-  return sumOverPieces<Shares>(a.size(), kPixelsPerPiece, [&](size_t begin, size_t end) {
+  return sumOverPieces<Shares>(a.linear[0].size(), kPixelsPerPiece, [&](size_t begin, size_t end) {
     Shares sum;
     for (size_t i = begin; i < end; ++i) {
       const auto kind = static_cast<size_t>(mask[i]);
@@ -74,8 +57,8 @@ struct PictureJudge::Prepared {
   SsimReference ssim;
 
   Prepared(const Image<glm::vec4>& picture, const glm::vec3& behind, float pixelsPerDegree)
-      : reference(picture), background(behind), planes(displayedPlanes(picture, behind, "a ground truth")), flip(planes, pixelsPerDegree),
-        ssim(planes) {}
+      : reference(picture), background(behind), planes(displayedPlanes(picture, behind, "a ground truth")), flip(planes.linear, pixelsPerDegree),
+        ssim(planes.srgb) {}
 };
 
 PictureJudge::PictureJudge(const Image<glm::vec4>& reference, const glm::vec3& background, float pixelsPerDegree) {
@@ -95,13 +78,12 @@ PictureErrors PictureJudge::errorsOf(const WarpedImage& image, const Image<Visib
   const DisplayedPlanes planes = displayedPlanes(image.color, known.background, "a picture's errors");
 
   PictureErrors errors;
-  const Squares squares = squaresOf(planes, known.planes);
-  errors.psnrDb = psnrOfSquares(squares.srgb, planes.size());
-  errors.psnrLinearDb = psnrOfSquares(squares.linear, planes.size());
-  errors.ssim = known.ssim.similarity(planes);
+  errors.psnrDb = psnrOfSquares(sumOfSquares(planes.srgb, known.planes.srgb), known.reference.size());
+  errors.psnrLinearDb = psnrOfSquares(sumOfSquares(planes.linear, known.planes.linear), known.reference.size());
+  errors.ssim = known.ssim.similarity(planes.srgb);
   Image<float> ownMap;
   Image<float>& flipMap = map ? *map : ownMap;
-  errors.flip = known.flip.difference(planes, flipMap);
+  errors.flip = known.flip.difference(planes.linear, flipMap);
   errors.holeFraction = countHoles(image, known.reference).fraction();
   if (!mask) return errors;
 

@@ -46,36 +46,36 @@ struct Scratch {
 
 }  // namespace
 
-SsimReference::SsimReference(const DisplayedPlanes& reference) {
+SsimReference::SsimReference(const ColorPlanes& reference) : reference_(&reference) {
+  const uint32_t width = reference[0].width(), height = reference[0].height();
   for (size_t c = 0; c < 3; ++c) {
     Channel& channel = channels_[c];
-    channel.values = reference.srgb[c];
-    channel.means.reshape(reference.width(), reference.height());
-    channel.variances.reshape(reference.width(), reference.height());
-    sumOverStrips<Moments>(reference.height(), [&](uint32_t begin, uint32_t end, Moments& moments) {
-      moments.filter(channel.values, begin, end);
+    channel.means.reshape(width, height);
+    channel.variances.reshape(width, height);
+    sumOverStrips<Moments>(height, [&](uint32_t begin, uint32_t end, Moments& moments) {
+      moments.filter(reference[c], begin, end);
       for (uint32_t y = begin; y < end; ++y) {
         moments.atRow(y);
-        std::copy_n(moments.means.data(), reference.width(), channel.means.row(y));
-        std::copy_n(moments.variances.data(), reference.width(), channel.variances.row(y));
+        std::copy_n(moments.means.data(), width, channel.means.row(y));
+        std::copy_n(moments.variances.data(), width, channel.variances.row(y));
       }
       return 0.0;
     });
   }
 }
 
-double SsimReference::similarity(const DisplayedPlanes& image) const {
-  const uint32_t width = image.width(), height = image.height();
+double SsimReference::similarity(const ColorPlanes& image) const {
+  const uint32_t width = image[0].width(), height = image[0].height();
   const uint32_t marginX = width > 2 * kSsimRadius ? kSsimRadius : 0, marginY = height > 2 * kSsimRadius ? kSsimRadius : 0;
   double sum = 0.0;
   for (size_t c = 0; c < 3; ++c) {
-    const Image<float>& values = image.srgb[c];
+    const Image<float>&values = image[c], &expected = (*reference_)[c];
     const Channel& channel = channels_[c];
     sum += sumOverStrips<Scratch>(height, [&](uint32_t begin, uint32_t end, Scratch& scratch) {
       auto& [moments, products, covariances] = scratch;
       moments.filter(values, begin, end);
       products.filter(width, height, begin, end, kSsimRadius, window(), [&](uint32_t y, float* to) {
-        const float *const a = values.row(y), *const b = channel.values.row(y);
+        const float *const a = values.row(y), *const b = expected.row(y);
         forBatches(width, [&]<class Real>(size_t x) { storeTo(to + x, loadAs<Real>(a + x) * loadAs<Real>(b + x)); });
       });
       covariances.resize(rowStride(width));
@@ -104,7 +104,8 @@ double SsimReference::similarity(const DisplayedPlanes& image) const {
 
 double ssimSrgb(const Image<glm::vec4>& image, const Image<glm::vec4>& reference, const glm::vec3& background) {
   requireOneSize(image, reference, "SSIM");
-  return SsimReference(displayedPlanes(reference, background, "SSIM")).similarity(displayedPlanes(image, background, "SSIM"));
+  const ColorPlanes expected = srgbPlanes(reference, background, "SSIM");
+  return SsimReference(expected).similarity(srgbPlanes(image, background, "SSIM"));
 }
 
 }  // namespace warpscope

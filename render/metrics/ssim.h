@@ -17,15 +17,16 @@ double ssimSrgb(const Image<glm::vec4>& image, const Image<glm::vec4>& reference
 /// The same for many images and one reference, whose means and variances are kept.
 class SsimReference {
  public:
-  /// Keeps its own copy of what it needs. Not empty.
-  explicit SsimReference(const DisplayedPlanes& reference);
-  /// Of an image of the reference's size.
-  double similarity(const DisplayedPlanes& image) const;
+  /// sRGB values of the reference, which must stay; not empty.
+  explicit SsimReference(const ColorPlanes& reference);
+  /// Of an image's sRGB values; of the reference's size.
+  double similarity(const ColorPlanes& image) const;
 
  private:
   struct Channel {
-    Image<float> values, means, variances;
+    Image<float> means, variances;
   };
+  const ColorPlanes* reference_;
   std::array<Channel, 3> channels_;
 };
 
