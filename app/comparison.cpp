@@ -6,12 +6,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <optional>
 
 #include "render/core/stopwatch.h"
-#include "render/metrics/flip.h"
 #include "render/metrics/holes.h"
-#include "render/metrics/psnr.h"
-#include "render/metrics/ssim.h"
+#include "render/metrics/picture_errors.h"
 
 namespace warpscope {
 namespace {
@@ -60,6 +60,7 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
   }
 
   WarpedImage reference, image;
+  std::optional<PictureJudge> judge;  // of the view's reference, which comes first
   for (size_t view = 0; view < scene.views.size(); ++view) {
     for (const Contender& contender : contenders) {
       onStep(std::string(contender.descriptor->name) + ", " + viewCaption(scene.views[view], scene.views.front()));
@@ -74,12 +75,17 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
       ComparisonRow row;
       row.technique = contender.descriptor;
       row.view = view;
-      row.psnrDb = psnrSrgb(drawn.color, reference.color, scene.background);
-      if (!isReference) {
-        row.ssim = ssimSrgb(drawn.color, reference.color, scene.background);
-        row.flip = flip(drawn.color, reference.color, scene.background).mean;
+      if (isReference) {
+        judge.emplace(reference.color, scene.background);
+        row.psnrDb = std::numeric_limits<double>::infinity();
+        row.holeFraction = countHoles(reference, reference.color).fraction();
+      } else {
+        const PictureErrors errors = judge->errorsOf(drawn);
+        row.psnrDb = errors.psnrDb;
+        row.ssim = errors.ssim;
+        row.flip = errors.flip;
+        row.holeFraction = errors.holeFraction;
       }
-      row.holeFraction = countHoles(drawn, reference.color).fraction();
       row.drawMs = times[times.size() / 2];
       row.drawSpreadMs = times.back() - times.front();
       row.buildMs = contender.buildMs;

@@ -1,42 +1,30 @@
 // Metrics of pictures against other implementations' figures for the same pictures, and what must hold of any pictures.
-// Mirrors render/metrics/{flip,ssim,psnr,filters}.h. Oracles: flip-evaluator 1.7 (PyPI), scikit-image (Gaussian weights, deviation 1.5, population
-// covariance, range 1), both from the pictures that somePicture() describes.
+// Mirrors render/metrics/{flip,ssim,psnr,filters,display_curve}.h. The figures: metric_pictures.h.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
-#include "render/core/color.h"
 #include "render/core/error.h"
+#include "render/metrics/display_curve.h"
 #include "render/metrics/filters.h"
 #include "render/metrics/flip.h"
 #include "render/metrics/psnr.h"
 #include "render/metrics/ssim.h"
+#include "tests/metric_pictures.h"
 
 namespace warpscope {
 namespace {
 
 constexpr glm::vec3 kBlack(0.0f);
 
-/// Waves in each channel, 0.1 to 0.9 as displayed; `phase` moves them.
-Image<glm::vec4> somePicture(double phase, bool hasPatch) {
-  Image<glm::vec4> image(96, 64);
-  for (uint32_t y = 0; y < image.height(); ++y)
-    for (uint32_t x = 0; x < image.width(); ++x) {
-      glm::dvec3 shown(0.5 + 0.4 * std::sin(0.21 * x + 0.05 * y + phase), 0.5 + 0.4 * std::cos(0.11 * x - 0.17 * y + phase),
-                       0.5 + 0.4 * std::sin(0.07 * x + 0.13 * y + 1.0 + phase));
-      if (hasPatch && x >= 40 && x < 56 && y >= 20 && y < 36) shown = {0.95, 0.1, 0.2};
-      for (int channel = 0; channel < 3; ++channel) image(x, y)[channel] = linearFromSrgb(static_cast<float>(shown[channel]));
-      image(x, y).a = 1.0f;
-    }
-  return image;
-}
-
 TEST(PictureMetrics, FlipIsTheOracles) {
   const FlipResult result = flip(somePicture(0.35, true), somePicture(0.0, false), kBlack);
-  EXPECT_NEAR(result.mean, 0.5126898884773254, 1e-4);
+  EXPECT_NEAR(result.mean, kOracleFlip, 1e-4);
   EXPECT_NEAR(result.map(48, 28), 0.9813824, 1e-3);
   EXPECT_NEAR(result.map(5, 5), 0.42010707, 1e-3);
   EXPECT_NEAR(result.map(95, 63), 0.42050844, 1e-3);  // the corner, where filters reach over the border
@@ -44,8 +32,8 @@ TEST(PictureMetrics, FlipIsTheOracles) {
 }
 
 TEST(PictureMetrics, SsimAndPsnrAreTheOracles) {
-  EXPECT_NEAR(ssimSrgb(somePicture(0.35, true), somePicture(0.0, false), kBlack), 0.7493304047942934, 1e-5);
-  EXPECT_NEAR(psnrSrgb(somePicture(0.35, true), somePicture(0.0, false), kBlack), 15.684411175411423, 1e-4);
+  EXPECT_NEAR(ssimSrgb(somePicture(0.35, true), somePicture(0.0, false), kBlack), kOracleSsim, 1e-5);
+  EXPECT_NEAR(psnrSrgb(somePicture(0.35, true), somePicture(0.0, false), kBlack), kOraclePsnrDb, 1e-4);
 }
 
 TEST(PictureMetrics, EqualPicturesDoNotDiffer) {
@@ -98,25 +86,51 @@ TEST(PictureMetrics, WhatCannotBeComparedIsRefused) {
 }
 
 TEST(Filters, RowsAndColumnsAreTheSumsThatTheySayTheyAre) {
-  Image<float> image(7, 5);
-  for (size_t i = 0; i < image.size(); ++i) image[i] = static_cast<float>((i * 37) % 11);
-  const std::array<float, 5> kernel{0.1f, -0.4f, 0.7f, 0.25f, 2.0f};
-  Image<float> rows, columns;
-  filterRows(image, kernel, rows);
-  filterColumns(image, kernel, columns);
-  const auto at = [&](int x, int y) {
-    return image(static_cast<uint32_t>(std::clamp(x, 0, 6)), static_cast<uint32_t>(std::clamp(y, 0, 4)));
-  };
-  for (int y = 0; y < 5; ++y)
-    for (int x = 0; x < 7; ++x) {
-      float alongX = 0.0f, alongY = 0.0f;
-      for (int j = 0; j < 5; ++j) {
-        alongX += kernel[static_cast<size_t>(j)] * at(x + j - 2, y);
-        alongY += kernel[static_cast<size_t>(j)] * at(x, y + j - 2);
-      }
-      EXPECT_NEAR(rows(static_cast<uint32_t>(x), static_cast<uint32_t>(y)), alongX, 1e-5);
-      EXPECT_NEAR(columns(static_cast<uint32_t>(x), static_cast<uint32_t>(y)), alongY, 1e-5);
-    }
+  // More rows than a strip has, and widths around those of vectors.
+  for (const auto& [width, height] : {std::pair(1, 1), std::pair(7, 5), std::pair(64, 33), std::pair(67, 70)}) {
+    Image<float> image(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
+    for (size_t i = 0; i < image.size(); ++i) image[i] = static_cast<float>((i * 37) % 11);
+    const std::array<float, 5> along{0.1f, -0.4f, 0.7f, 0.25f, 2.0f};
+    const std::array<float, 3> across{0.5f, -1.0f, 3.0f};
+    const auto at = [&](int x, int y) {
+      return image(static_cast<uint32_t>(std::clamp(x, 0, width - 1)), static_cast<uint32_t>(std::clamp(y, 0, height - 1)));
+    };
+    size_t rows = 0;
+    const double sum = sumOverStrips<RowStrip>(image.height(), [&](uint32_t begin, uint32_t end, RowStrip& strip) {
+      strip.filter(image, begin, end, 1, along);
+      std::vector<float> row = rowBuffer(image.width());
+      for (uint32_t y = begin; y < end; ++y)
+        for (const float before : {0.0f, 1000.0f}) {
+          std::fill(row.begin(), row.end(), before);
+          strip.filterColumns(y, across, row.data(), before != 0.0f);
+          for (int x = 0; x < width; ++x) {
+            float expected = before;
+            for (int j = 0; j < 3; ++j)
+              for (int i = 0; i < 5; ++i)
+                expected += across[static_cast<size_t>(j)] * along[static_cast<size_t>(i)] * at(x + i - 2, static_cast<int>(y) + j - 1);
+            EXPECT_NEAR(row[static_cast<size_t>(x)], expected, 1e-3) << x << " " << y;
+          }
+        }
+      return static_cast<double>(end - begin);
+    });
+    rows += static_cast<size_t>(sum);
+    EXPECT_EQ(rows, image.height());
+  }
+}
+
+TEST(DisplayCurve, IsTheStandards) {
+  float last = 0.0f;
+  for (int i = 0; i <= 200000; ++i) {
+    const float linear = static_cast<float>(i) / 200000.0f;
+    const double truth = linear <= 0.0031308f ? 12.92 * linear : 1.055 * std::pow(static_cast<double>(linear), 1.0 / 2.4) - 0.055;
+    const float srgb = srgbOf(linear);
+    ASSERT_NEAR(srgb, truth, 2e-7) << linear;
+    ASSERT_NEAR(linearOf(static_cast<float>(truth)), linear, 4e-7) << linear;  // half an ulp of the argument is 1.4e-7 already
+    ASSERT_GE(srgb, last - 1.2e-7f) << linear;
+    last = srgb;
+  }
+  EXPECT_EQ(srgbOf(0.0f), 0.0f);
+  EXPECT_EQ(srgbOf(1.0f), 1.0f);
 }
 
 }  // namespace

@@ -4,12 +4,36 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <new>
+#include <utility>
 #include <vector>
 
 namespace warpscope {
 
 /// The widest and highest image that any part of the program accepts, in pixels.
 inline constexpr uint32_t kMaxImageSide = 16384;
+
+/// Leaves elements that are given no value as the memory is: what is written in parallel anyway is not filled first by one thread.
+template <class T>
+struct UnfilledAllocator : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = UnfilledAllocator<U>;
+  };
+  UnfilledAllocator() = default;
+  template <class U>
+  UnfilledAllocator(const UnfilledAllocator<U>&) noexcept {}
+
+  template <class U>
+  void construct(U* place) {
+    ::new (static_cast<void*>(place)) U;
+  }
+  template <class U, class... Arguments>
+  void construct(U* place, Arguments&&... arguments) {
+    ::new (static_cast<void*>(place)) U(std::forward<Arguments>(arguments)...);
+  }
+};
 
 template <class T>
 class Image {
@@ -24,7 +48,7 @@ class Image {
     pixels_.assign(size_t{width} * height, value);
   }
 
-  /// Gives the image a new size; what its pixels hold is for the caller to write. Cheaper than resize where the size stays.
+  /// Gives the image a new size; what its pixels hold is for the caller to write. Cheaper than resize.
   void reshape(uint32_t width, uint32_t height) {
     width_ = width;
     height_ = height;
@@ -56,7 +80,7 @@ class Image {
  private:
   uint32_t width_ = 0;
   uint32_t height_ = 0;
-  std::vector<T> pixels_;
+  std::vector<T, UnfilledAllocator<T>> pixels_;
 };
 
 }  // namespace warpscope

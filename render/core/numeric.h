@@ -34,6 +34,9 @@ WARPSCOPE_HD inline float mulAdd(float a, float b, float c) {
 #endif
 }
 WARPSCOPE_HD inline float sqrtOf(float a) { return std::sqrt(a); }
+WARPSCOPE_HD inline float cbrtOf(float a) { return std::cbrt(a); }
+WARPSCOPE_HD inline float powOf(float a, float exponent) { return std::pow(a, exponent); }
+WARPSCOPE_HD inline float absOf(float a) { return std::abs(a); }
 WARPSCOPE_HD inline float selected(bool condition, float ifTrue, float ifFalse) { return condition ? ifTrue : ifFalse; }
 WARPSCOPE_HD inline int truncated(float a) { return static_cast<int>(a); }
 /// minOf(truncated(a), largest), for `a` in [0, 2^23).

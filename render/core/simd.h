@@ -31,6 +31,9 @@ inline batch<float> maxOf(const batch<float>& a, const batch<float>& b) { return
 inline batch<int32_t> minOf(const batch<int32_t>& a, const batch<int32_t>& b) { return min(a, b); }
 inline batch<float> saturated(const batch<float>& a) { return min(max(a, batch<float>(0.0f)), batch<float>(1.0f)); }
 inline batch<float> sqrtOf(const batch<float>& a) { return sqrt(a); }
+inline batch<float> cbrtOf(const batch<float>& a) { return cbrt(a); }
+inline batch<float> powOf(const batch<float>& a, const batch<float>& exponent) { return pow(a, exponent); }
+inline batch<float> absOf(const batch<float>& a) { return abs(a); }
 inline batch<float> selected(const batch_bool<float>& condition, const batch<float>& ifTrue, const batch<float>& ifFalse) {
   return select(condition, ifTrue, ifFalse);
 }

@@ -1,52 +1,54 @@
-// Tap by tap over whole rows, which compilers turn into vector code.
+// Sums stay in registers, four vectors of them at a time.
 // See filters.h.
 #include "render/metrics/filters.h"
 
-#include <algorithm>
-#include <vector>
-
-#include "render/core/parallel.h"
+#include "render/core/simd.h"
 
 namespace warpscope {
 namespace {
 
-constexpr size_t kRowsPerPiece = 16;
+constexpr size_t kLanes = kBatchLanes;
+constexpr size_t kAtOnce = 4 * kLanes;
 
-void addScaled(float* __restrict to, const float* __restrict from, float factor, size_t count) {
-  for (size_t i = 0; i < count; ++i) to[i] += factor * from[i];
+/// out[i] = sum over j of kernel[j] * from(j)[i], for i in [0, stride).
+template <class From>
+void weightedSum(std::span<const float> kernel, size_t stride, float* out, bool adds, const From& from) {
+  for (size_t i = 0; i < stride; i += kAtOnce) {
+    FloatBatch a(0.0f), b(0.0f), c(0.0f), d(0.0f);
+    if (adds) {
+      a = FloatBatch::load_unaligned(out + i);
+      b = FloatBatch::load_unaligned(out + i + kLanes);
+      c = FloatBatch::load_unaligned(out + i + 2 * kLanes);
+      d = FloatBatch::load_unaligned(out + i + 3 * kLanes);
+    }
+    for (size_t j = 0; j < kernel.size(); ++j) {
+      const FloatBatch tap(kernel[j]);
+      const float* const values = from(j) + i;
+      a = mulAdd(tap, FloatBatch::load_unaligned(values), a);
+      b = mulAdd(tap, FloatBatch::load_unaligned(values + kLanes), b);
+      c = mulAdd(tap, FloatBatch::load_unaligned(values + 2 * kLanes), c);
+      d = mulAdd(tap, FloatBatch::load_unaligned(values + 3 * kLanes), d);
+    }
+    a.store_unaligned(out + i);
+    b.store_unaligned(out + i + kLanes);
+    c.store_unaligned(out + i + 2 * kLanes);
+    d.store_unaligned(out + i + 3 * kLanes);
+  }
 }
 
 }  // namespace
 
-void filterRows(const Image<float>& in, std::span<const float> kernel, Image<float>& out) {
-  out.reshape(in.width(), in.height());
-  const size_t width = in.width(), radius = kernel.size() / 2;
-  parallelForRanges(in.height(), kRowsPerPiece, [&](size_t begin, size_t end) {
-    std::vector<float> padded(width + 2 * radius);
-    for (size_t y = begin; y < end; ++y) {
-      const float* row = in.row(static_cast<uint32_t>(y));
-      std::fill_n(padded.begin(), radius, row[0]);
-      std::copy_n(row, width, padded.begin() + static_cast<std::ptrdiff_t>(radius));
-      std::fill_n(padded.end() - static_cast<std::ptrdiff_t>(radius), radius, row[width - 1]);
-      float* to = out.row(static_cast<uint32_t>(y));
-      std::fill_n(to, width, 0.0f);
-      for (size_t j = 0; j < kernel.size(); ++j) addScaled(to, padded.data() + j, kernel[j], width);
-    }
-  });
+size_t rowStride(uint32_t width) { return (width + kAtOnce - 1) / kAtOnce * kAtOnce; }
+
+void RowStrip::filterPadded(std::span<const float> kernel, float* out) const {
+  weightedSum(kernel, stride_, out, false, [&](size_t j) { return padded_.data() + j; });
 }
 
-void filterColumns(const Image<float>& in, std::span<const float> kernel, Image<float>& out, bool adds) {
-  if (!adds) out.reshape(in.width(), in.height());
-  const auto height = static_cast<std::ptrdiff_t>(in.height()), radius = static_cast<std::ptrdiff_t>(kernel.size() / 2);
-  parallelForRanges(in.height(), kRowsPerPiece, [&](size_t begin, size_t end) {
-    for (size_t y = begin; y < end; ++y) {
-      float* to = out.row(static_cast<uint32_t>(y));
-      if (!adds) std::fill_n(to, in.width(), 0.0f);
-      for (size_t j = 0; j < kernel.size(); ++j) {
-        const auto from = std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(y + j) - radius, 0, height - 1);
-        addScaled(to, in.row(static_cast<uint32_t>(from)), kernel[j], in.width());
-      }
-    }
+void RowStrip::filterColumns(uint32_t y, std::span<const float> kernel, float* out, bool adds) const {
+  const auto radius = static_cast<std::ptrdiff_t>(kernel.size() / 2), first = static_cast<std::ptrdiff_t>(first_);
+  weightedSum(kernel, stride_, out, adds, [&](size_t j) {
+    const std::ptrdiff_t row = std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(y + j) - radius, first, last_);
+    return values_.data() + stride_ * static_cast<size_t>(row - first);
   });
 }
 

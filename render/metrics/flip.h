@@ -3,13 +3,18 @@
 // evaluator for low dynamic range), sections 4 and 5; its constants are those of the paper.
 #pragma once
 
-#include "render/core/host_device.h"
-#include "render/core/image.h"
+#include <array>
+
+#include "render/metrics/displayed.h"
+#include "render/metrics/flip_kernels.h"
 
 namespace warpscope {
 
 /// Pixels per degree of the field of view: a display 0.7 m wide with 3840 pixels, seen from 0.7 m (the paper's default, about 67).
 inline constexpr float kFlipPixelsPerDegree = 3840.0f * 3.14159265f / 180.0f;
+
+/// Throws InputError unless `pixelsPerDegree` is within 1..1000.
+void requireFlipResolution(float pixelsPerDegree);
 
 struct FlipResult {
   double mean = 0.0;  ///< 0: no difference, 1: the largest
@@ -20,5 +25,18 @@ struct FlipResult {
 /// pixel is not finite, or `pixelsPerDegree` is not within 1..1000.
 FlipResult flip(const Image<glm::vec4>& image, const Image<glm::vec4>& reference, const glm::vec3& background,
                 float pixelsPerDegree = kFlipPixelsPerDegree);
+
+/// The same for many images and one reference, of which what the eye makes of it is kept.
+class FlipReference {
+ public:
+  /// Linear values, not empty. Throws InputError if `pixelsPerDegree` is not within 1..1000.
+  FlipReference(const ColorPlanes& reference, float pixelsPerDegree);
+  /// Of an image's linear values; of the reference's size. The mean; the difference of each pixel is left in `map`.
+  double difference(const ColorPlanes& image, Image<float>& map) const;
+
+ private:
+  FlipKernels kernels_;
+  std::array<Image<float>, 5> seen_;  // CIELAB with the Hunt effect, strengths of edges and of points
+};
 
 }  // namespace warpscope

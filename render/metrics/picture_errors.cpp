@@ -1,12 +1,11 @@
-// Sums over a picture's pixels, whole and by what the frame knew of them.
+// One pass makes the planes that all metrics look at.
 // See picture_errors.h.
 #include "render/metrics/picture_errors.h"
 
 #include <array>
-#include <cmath>
-#include <limits>
 
 #include "render/core/error.h"
+#include "render/metrics/batches.h"
 #include "render/metrics/displayed.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/psnr.h"
@@ -15,27 +14,56 @@
 namespace warpscope {
 namespace {
 
-double decibels(double squares, size_t pixels) {
-  return squares == 0.0 ? std::numeric_limits<double>::infinity() : -10.0 * std::log10(squares / (3.0 * static_cast<double>(pixels)));
-}
+constexpr size_t kPixelsPerPiece = 1 << 12;
 
-/// Sums over the pixels of one kind.
-struct Share {
-  size_t pixels = 0;
-  double squares = 0.0, flip = 0.0;
+/// Sums over the pixels of each Visibility.
+struct Shares {
+  std::array<size_t, 3> pixels{};
+  std::array<double, 3> squares{}, flip{};
+  Shares operator+(const Shares& other) const {
+    Shares sum = *this;
+    for (size_t kind = 0; kind < 3; ++kind) {
+      sum.pixels[kind] += other.pixels[kind];
+      sum.squares[kind] += other.squares[kind];
+      sum.flip[kind] += other.flip[kind];
+    }
+    return sum;
+  }
 };
+
+Shares sharesOf(const DisplayedPlanes& a, const DisplayedPlanes& b, const Image<float>& map, const Image<Visibility>& mask) {
+  return sumOverPieces<Shares>(a.linear[0].size(), kPixelsPerPiece, [&](size_t begin, size_t end) {
+    Shares sum;
+    for (size_t i = begin; i < end; ++i) {
+      const auto kind = static_cast<size_t>(mask[i]);
+      ++sum.pixels[kind];
+      sum.flip[kind] += static_cast<double>(map[i]);
+      for (size_t channel = 0; channel < 3; ++channel) {
+        const auto difference = static_cast<double>(a.srgb[channel][i] - b.srgb[channel][i]);
+        sum.squares[kind] += difference * difference;
+      }
+    }
+    return sum;
+  });
+}
 
 }  // namespace
 
 struct PictureJudge::Prepared {
-  Image<glm::vec4> reference;
+  Image<glm::vec4> reference;  // for holes
   glm::vec3 background;
-  float pixelsPerDegree;
+  DisplayedPlanes planes;
+  FlipReference flip;
+  SsimReference ssim;
+
+  Prepared(const Image<glm::vec4>& picture, const glm::vec3& behind, float pixelsPerDegree)
+      : reference(picture), background(behind), planes(displayedPlanes(picture, behind, "a ground truth")), flip(planes.linear, pixelsPerDegree),
+        ssim(planes.srgb) {}
 };
 
-PictureJudge::PictureJudge(const Image<glm::vec4>& reference, const glm::vec3& background, float pixelsPerDegree)
-    : prepared_(new Prepared{reference, background, pixelsPerDegree}) {
-  flip(reference, reference, background, pixelsPerDegree);  // refuses what cannot be compared
+PictureJudge::PictureJudge(const Image<glm::vec4>& reference, const glm::vec3& background, float pixelsPerDegree) {
+  requireOneSize(reference, reference, "a ground truth");
+  prepared_ = std::make_unique<const Prepared>(reference, background, pixelsPerDegree);
 }
 
 PictureJudge::~PictureJudge() = default;
@@ -43,42 +71,31 @@ PictureJudge::PictureJudge(PictureJudge&&) noexcept = default;
 PictureJudge& PictureJudge::operator=(PictureJudge&&) noexcept = default;
 
 PictureErrors PictureJudge::errorsOf(const WarpedImage& image, const Image<Visibility>* mask, Image<float>* map) const {
-  const auto& [reference, background, pixelsPerDegree] = *prepared_;
-  if (mask && (mask->width() != reference.width() || mask->height() != reference.height()))
-    throw InputError("the mask of a picture needs the picture's size");
+  const Prepared& known = *prepared_;
+  requireOneSize(image.color, known.reference, "a picture's errors");
+  if (mask && (mask->width() != known.reference.width() || mask->height() != known.reference.height()))
+    throw InputError("what the frame knew of a picture's pixels needs the picture's size");
+  const DisplayedPlanes planes = displayedPlanes(image.color, known.background, "a picture's errors");
+
   PictureErrors errors;
-  errors.psnrDb = psnrSrgb(image.color, reference, background);
-  errors.ssim = ssimSrgb(image.color, reference, background);
-  errors.holeFraction = countHoles(image, reference).fraction();
-  FlipResult flipped = flip(image.color, reference, background, pixelsPerDegree);
-  errors.flip = flipped.mean;
-  const DisplayedPlanes a = displayedPlanes(image.color, background, "PSNR"), b = displayedPlanes(reference, background, "PSNR");
-  double linearSquares = 0.0;
-  std::array<Share, 3> shares;
-  for (size_t i = 0; i < reference.size(); ++i) {
-    Share& share = shares[mask ? static_cast<size_t>((*mask)[i]) : 0];
-    ++share.pixels;
-    share.flip += flipped.map[i];
-    for (int channel = 0; channel < 3; ++channel) {
-      const auto plane = static_cast<size_t>(channel);
-      const double difference = a[plane][i] - b[plane][i];
-      share.squares += difference * difference;
-      const auto linearOf = [&](const glm::vec4& pixel) {
-        return static_cast<double>(glm::clamp(pixel[channel] + (1.0f - pixel.a) * background[channel], 0.0f, 1.0f));
-      };
-      linearSquares += std::pow(linearOf(image.color[i]) - linearOf(reference[i]), 2.0);
-    }
-  }
-  errors.psnrLinearDb = decibels(linearSquares, reference.size());
-  const auto split = [&](Visibility kind, std::optional<double>& flipMean, std::optional<double>& psnrDb) {
-    const Share& share = shares[static_cast<size_t>(kind)];
-    if (!mask || share.pixels == 0) return;
-    flipMean = share.flip / static_cast<double>(share.pixels);
-    psnrDb = decibels(share.squares, share.pixels);
+  errors.psnrDb = psnrOfSquares(sumOfSquares(planes.srgb, known.planes.srgb), known.reference.size());
+  errors.psnrLinearDb = psnrOfSquares(sumOfSquares(planes.linear, known.planes.linear), known.reference.size());
+  errors.ssim = known.ssim.similarity(planes.srgb);
+  Image<float> ownMap;
+  Image<float>& flipMap = map ? *map : ownMap;
+  errors.flip = known.flip.difference(planes.linear, flipMap);
+  errors.holeFraction = countHoles(image, known.reference).fraction();
+  if (!mask) return errors;
+
+  const Shares shares = sharesOf(planes, known.planes, flipMap, *mask);
+  const auto split = [&](Visibility visibility, std::optional<double>& flipMean, std::optional<double>& psnrDb) {
+    const auto kind = static_cast<size_t>(visibility);
+    if (shares.pixels[kind] == 0) return;
+    flipMean = shares.flip[kind] / static_cast<double>(shares.pixels[kind]);
+    psnrDb = psnrOfSquares(shares.squares[kind], shares.pixels[kind]);
   };
   split(Visibility::visible, errors.flipVisible, errors.psnrVisibleDb);
   split(Visibility::disoccluded, errors.flipDisoccluded, errors.psnrDisoccludedDb);
-  if (map) *map = std::move(flipped.map);
   return errors;
 }
 

@@ -1,34 +1,80 @@
-// Mean squared error in parallel, summed in double.
+// Both pictures pass through small blocks that stay in the cache: no plane is ever whole in memory. Blocks are summed in double.
 // See psnr.h.
 #include "render/metrics/psnr.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
-#include "render/metrics/displayed.h"
+#include "render/metrics/batches.h"
 
 namespace warpscope {
+namespace {
+
+constexpr size_t kPixelsPerPiece = 1 << 14;
+constexpr size_t kBlockPixels = 512;  // few enough to be summed in float
+
+/// As a display shows some pixels.
+struct Block {
+  alignas(64) float srgb[3][kBlockPixels];
+
+  [[nodiscard]] bool fill(const glm::vec4* pixels, size_t count, const glm::vec3& background) {
+    return displayPixels(pixels, count, background, {}, {srgb[0], srgb[1], srgb[2]});
+  }
+};
+
+/// Sum of (a - b)^2 of a block.
+double squaredDifference(const float* a, const float* b, size_t count) {
+  FloatBatch sums(0.0f);
+  float rest = 0.0f;
+  forBatches(count, [&]<class Real>(size_t i) {
+    const Real difference = loadAs<Real>(a + i) - loadAs<Real>(b + i);
+    if constexpr (std::is_same_v<Real, float>)
+      rest += difference * difference;
+    else
+      sums = mulAdd(difference, difference, sums);
+  });
+  return static_cast<double>(sumOf(sums)) + static_cast<double>(rest);
+}
+
+/// Sum of body(begin, count) over the blocks of `size` pixels.
+template <class Body>
+double sumOverBlocks(size_t size, const Body& body) {
+  return sumOverPieces<double>(size, kPixelsPerPiece, [&](size_t begin, size_t end) {
+    double sum = 0.0;
+    for (size_t at = begin; at < end; at += kBlockPixels) sum += body(at, std::min(kBlockPixels, end - at));
+    return sum;
+  });
+}
+
+}  // namespace
+
+double sumOfSquares(const ColorPlanes& a, const ColorPlanes& b) {
+  return sumOverBlocks(a[0].size(), [&](size_t at, size_t count) {
+    double sum = 0.0;
+    for (size_t channel = 0; channel < 3; ++channel) sum += squaredDifference(&a[channel][at], &b[channel][at], count);
+    return sum;
+  });
+}
+
+double psnrOfSquares(double squares, size_t pixels) {
+  if (squares == 0.0) return std::numeric_limits<double>::infinity();
+  return -10.0 * std::log10(squares / (3.0 * static_cast<double>(pixels)));
+}
 
 double psnrSrgb(const Image<glm::vec4>& image, const Image<glm::vec4>& reference, const glm::vec3& background) {
   requireOneSize(image, reference, "PSNR");
-  const DisplayedPlanes a = displayedPlanes(image, background, "PSNR"), b = displayedPlanes(reference, background, "PSNR");
-  // Fixed pieces, summed in order: the same number whatever the number of threads.
-  constexpr size_t kPiece = 1 << 14;
-  const auto sum = tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<size_t>(0, image.size(), kPiece), 0.0,
-      [&](const tbb::blocked_range<size_t>& range, double partial) {
-        for (size_t i = range.begin(); i < range.end(); ++i) {
-          const glm::dvec3 difference(a[0][i] - b[0][i], a[1][i] - b[1][i], a[2][i] - b[2][i]);
-          partial += glm::dot(difference, difference);
-        }
-        return partial;
-      },
-      std::plus<>());
-  if (sum == 0.0) return std::numeric_limits<double>::infinity();
-  return -10.0 * std::log10(sum / (3.0 * static_cast<double>(image.size())));
+  std::atomic<bool> isFinite = true;
+  const double squares = sumOverBlocks(image.size(), [&](size_t at, size_t count) {
+    Block a, b;
+    if (!(a.fill(image.data() + at, count, background) & b.fill(reference.data() + at, count, background))) isFinite = false;
+    double sum = 0.0;
+    for (int channel = 0; channel < 3; ++channel) sum += squaredDifference(a.srgb[channel], b.srgb[channel], count);
+    return sum;
+  });
+  if (!isFinite) refuseNonFinite("PSNR");
+  return psnrOfSquares(squares, image.size());
 }
 
 }  // namespace warpscope

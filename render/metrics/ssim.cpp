@@ -1,87 +1,111 @@
-// Means, variances and covariance by separable filters.
+// Means, variances and covariance by separable filters, strip by strip.
 // See ssim.h.
 #include "render/metrics/ssim.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
-#include <array>
-#include <cmath>
-#include <functional>
-
-#include "render/core/parallel.h"
-#include "render/metrics/displayed.h"
+#include "render/metrics/batches.h"
 #include "render/metrics/filters.h"
+#include "render/metrics/ssim_formulas.h"
 
 namespace warpscope {
 namespace {
 
-constexpr int kRadius = 5;
-constexpr float kDeviation = 1.5f;
-constexpr float kC1 = 0.01f * 0.01f, kC2 = 0.03f * 0.03f;  // of values 0..1
-
-std::array<float, 2 * kRadius + 1> gaussian() {
-  std::array<float, 2 * kRadius + 1> kernel;
-  float sum = 0.0f;
-  for (int i = -kRadius; i <= kRadius; ++i)
-    sum += kernel[static_cast<size_t>(i + kRadius)] = std::exp(-0.5f * static_cast<float>(i * i) / (kDeviation * kDeviation));
-  for (float& tap : kernel) tap /= sum;
-  return kernel;
+const auto& window() {
+  static const auto kWindow = ssimWindow();
+  return kWindow;
 }
 
-/// Planes that are used for every channel.
-struct Scratch {
-  Image<float> product, between;
-  Image<float> meanA, meanB, meanAA, meanBB, meanAB;
+/// Means of a plane's window, and of its squares'.
+struct Moments {
+  RowStrip values, squares;
+  std::vector<float> means, variances;  ///< of the row last asked for
+
+  void filter(const Image<float>& plane, uint32_t begin, uint32_t end) {
+    values.filter(plane, begin, end, kSsimRadius, window());
+    squares.filter(plane.width(), plane.height(), begin, end, kSsimRadius, window(), [&](uint32_t y, float* to) {
+      const float* const row = plane.row(y);
+      forBatches(plane.width(), [&]<class Real>(size_t x) { storeTo(to + x, loadAs<Real>(row + x) * loadAs<Real>(row + x)); });
+    });
+    means.resize(rowStride(plane.width()));
+    variances.resize(means.size());
+  }
+  void atRow(uint32_t y) {
+    values.filterColumns(y, window(), means.data());
+    squares.filterColumns(y, window(), variances.data());
+    forBatches(means.size(), [&]<class Real>(size_t x) {
+      const Real mean = loadAs<Real>(means.data() + x);
+      storeTo(variances.data() + x, loadAs<Real>(variances.data() + x) - mean * mean);
+    });
+  }
 };
 
-void blur(const Image<float>& in, Scratch& scratch, Image<float>& out) {
-  static const auto kKernel = gaussian();
-  filterRows(in, kKernel, scratch.between);
-  filterColumns(scratch.between, kKernel, out);
-}
-
-void blurProduct(const Image<float>& a, const Image<float>& b, Scratch& scratch, Image<float>& out) {
-  scratch.product.reshape(a.width(), a.height());
-  parallelForRanges(a.size(), 1 << 15, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) scratch.product[i] = a[i] * b[i];
-  });
-  blur(scratch.product, scratch, out);
-}
-
-double meanSimilarity(const Image<float>& a, const Image<float>& b, Scratch& s) {
-  blur(a, s, s.meanA);
-  blur(b, s, s.meanB);
-  blurProduct(a, a, s, s.meanAA);
-  blurProduct(b, b, s, s.meanBB);
-  blurProduct(a, b, s, s.meanAB);
-  const uint32_t marginX = a.width() > 2 * kRadius ? kRadius : 0, marginY = a.height() > 2 * kRadius ? kRadius : 0;
-  const double sum = tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<uint32_t>(marginY, a.height() - marginY, 16), 0.0,
-      [&](const tbb::blocked_range<uint32_t>& rows, double partial) {
-        for (uint32_t y = rows.begin(); y < rows.end(); ++y)
-          for (uint32_t x = marginX; x < a.width() - marginX; ++x) {
-            const float ma = s.meanA(x, y), mb = s.meanB(x, y);
-            const float varianceA = s.meanAA(x, y) - ma * ma, varianceB = s.meanBB(x, y) - mb * mb;
-            const float covariance = s.meanAB(x, y) - ma * mb;
-            partial += static_cast<double>((2.0f * ma * mb + kC1) * (2.0f * covariance + kC2) /
-                                           ((ma * ma + mb * mb + kC1) * (varianceA + varianceB + kC2)));
-          }
-        return partial;
-      },
-      std::plus<>());
-  return sum / (static_cast<double>(a.width() - 2 * marginX) * (a.height() - 2 * marginY));
-}
+struct Scratch {
+  Moments moments;
+  RowStrip products;
+  std::vector<float> covariances;
+};
 
 }  // namespace
 
+SsimReference::SsimReference(const ColorPlanes& reference) : reference_(&reference) {
+  const uint32_t width = reference[0].width(), height = reference[0].height();
+  for (size_t c = 0; c < 3; ++c) {
+    Channel& channel = channels_[c];
+    channel.means.reshape(width, height);
+    channel.variances.reshape(width, height);
+    sumOverStrips<Moments>(height, [&](uint32_t begin, uint32_t end, Moments& moments) {
+      moments.filter(reference[c], begin, end);
+      for (uint32_t y = begin; y < end; ++y) {
+        moments.atRow(y);
+        std::copy_n(moments.means.data(), width, channel.means.row(y));
+        std::copy_n(moments.variances.data(), width, channel.variances.row(y));
+      }
+      return 0.0;
+    });
+  }
+}
+
+double SsimReference::similarity(const ColorPlanes& image) const {
+  const uint32_t width = image[0].width(), height = image[0].height();
+  const uint32_t marginX = width > 2 * kSsimRadius ? kSsimRadius : 0, marginY = height > 2 * kSsimRadius ? kSsimRadius : 0;
+  double sum = 0.0;
+  for (size_t c = 0; c < 3; ++c) {
+    const Image<float>&values = image[c], &expected = (*reference_)[c];
+    const Channel& channel = channels_[c];
+    sum += sumOverStrips<Scratch>(height, [&](uint32_t begin, uint32_t end, Scratch& scratch) {
+      auto& [moments, products, covariances] = scratch;
+      moments.filter(values, begin, end);
+      products.filter(width, height, begin, end, kSsimRadius, window(), [&](uint32_t y, float* to) {
+        const float *const a = values.row(y), *const b = expected.row(y);
+        forBatches(width, [&]<class Real>(size_t x) { storeTo(to + x, loadAs<Real>(a + x) * loadAs<Real>(b + x)); });
+      });
+      covariances.resize(rowStride(width));
+      double strip = 0.0;
+      for (uint32_t y = std::max(begin, marginY); y < std::min(end, height - marginY); ++y) {
+        moments.atRow(y);
+        products.filterColumns(y, window(), covariances.data());
+        FloatBatch sums(0.0f);
+        forBatches(width - 2 * marginX, [&]<class Real>(size_t i) {
+          const size_t x = i + marginX;
+          const Real meanA = loadAs<Real>(moments.means.data() + x), meanB = loadAs<Real>(channel.means.row(y) + x);
+          const Real similarity = ssimOf(meanA, meanB, loadAs<Real>(moments.variances.data() + x), loadAs<Real>(channel.variances.row(y) + x),
+                                         loadAs<Real>(covariances.data() + x) - meanA * meanB);
+          if constexpr (std::is_same_v<Real, float>)
+            strip += static_cast<double>(similarity);
+          else
+            sums += similarity;
+        });
+        strip += static_cast<double>(sumOf(sums));
+      }
+      return strip;
+    });
+  }
+  return sum / (3.0 * static_cast<double>(width - 2 * marginX) * (height - 2 * marginY));
+}
+
 double ssimSrgb(const Image<glm::vec4>& image, const Image<glm::vec4>& reference, const glm::vec3& background) {
   requireOneSize(image, reference, "SSIM");
-  const DisplayedPlanes a = displayedPlanes(image, background, "SSIM"), b = displayedPlanes(reference, background, "SSIM");
-  Scratch scratch;
-  double sum = 0.0;
-  for (size_t channel = 0; channel < 3; ++channel) sum += meanSimilarity(a[channel], b[channel], scratch);
-  return sum / 3.0;
+  const ColorPlanes expected = srgbPlanes(reference, background, "SSIM");
+  return SsimReference(expected).similarity(srgbPlanes(image, background, "SSIM"));
 }
 
 }  // namespace warpscope

@@ -3,8 +3,9 @@
 // over red, green and blue and over all pixels whose window lies inside the image.
 #pragma once
 
-#include "render/core/host_device.h"
-#include "render/core/image.h"
+#include <array>
+
+#include "render/metrics/displayed.h"
 
 namespace warpscope {
 
@@ -12,5 +13,21 @@ namespace warpscope {
 /// windows reach over the border, where the outermost pixel goes on. Throws InputError if the sizes differ, an image is empty, or a pixel is not
 /// finite.
 double ssimSrgb(const Image<glm::vec4>& image, const Image<glm::vec4>& reference, const glm::vec3& background);
+
+/// The same for many images and one reference, whose means and variances are kept.
+class SsimReference {
+ public:
+  /// sRGB values of the reference, which must stay; not empty.
+  explicit SsimReference(const ColorPlanes& reference);
+  /// Of an image's sRGB values; of the reference's size.
+  double similarity(const ColorPlanes& image) const;
+
+ private:
+  struct Channel {
+    Image<float> means, variances;
+  };
+  const ColorPlanes* reference_;
+  std::array<Channel, 3> channels_;
+};
 
 }  // namespace warpscope
