@@ -70,7 +70,7 @@ void drawLink(net::DuplexLinkSettings& link, const Look& look) {
   beginHalves();
   bareSlider("delay", edited.roundTripMs, {0.0f, 2000.0f, "%.0f ms"}, "Delay: there and back, half of it each way.", look);
   nextHalf();
-  bareSlider("jitter", edited.jitterMs, {0.0f, 200.0f, "± %.0f ms"}, "Jitter: by how much the delay of each way varies, evenly.", look);
+  bareSlider("jitter", edited.jitterMs, {0.0f, 200.0f, "± %.1f ms"}, "Jitter: by how much the delay of each way varies, evenly.", look);
   label("Rate, Mbit/s", look);
   beginHalves();
   bareSlider("down", edited.downMbit, rateTrack(edited.downMbit, "↓ %.1f", "↓ any"),
