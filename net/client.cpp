@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <future>
 #include <random>
 
 #include "net/channel.h"
@@ -29,6 +30,8 @@ class Refused : public std::runtime_error {
 };
 
 constexpr size_t kMostPings = 16;  // that are remembered
+/// How long leaving may take: for what is being written, the way to the server and the way back.
+constexpr std::chrono::milliseconds kFarewellPatience{1000};
 
 /// How long the simulated link may keep silent though the server does not.
 Duration simulatedSilence(const LinkSettings& link) {
@@ -46,8 +49,8 @@ struct Asked {
 
 }  // namespace
 
-/// Everything belongs to the I/O thread. Lives until the last coroutine has ended, which may be after the client's end: looking up a name
-/// cannot be interrupted.
+/// Everything but `hasEnded` belongs to the I/O thread. Lives until the last coroutine has ended, which may be after the client's end:
+/// connecting is left to its deadline.
 struct Client::State : std::enable_shared_from_this<State>, private FromServer {
   State(asio::io_context& theIo, ClientSettings theSettings, ClientEvents& theEvents)
       : io(theIo), settings(std::move(theSettings)), events(theEvents), pause(io), wake(io.get_executor()) {}
@@ -72,6 +75,7 @@ struct Client::State : std::enable_shared_from_this<State>, private FromServer {
   /// What is answered, from those under way: for isAwaited() only.
   Asked takeAsked();
   void askAgain();
+  void leave();
   Duration nextPause();
   Duration patience() const { return serverPatience + simulatedSilence(settings.link); }
 
@@ -84,6 +88,9 @@ struct Client::State : std::enable_shared_from_this<State>, private FromServer {
   Stream* stream = nullptr;      // that can be aborted
   LinkedStream* link = nullptr;
   Channel* channel = nullptr;
+  bool isTalking = false;        // it has come to messages
+  bool isReading = false;        // of them
+  std::optional<Watchdog> farewell;  // while the writer ends the connection, or is about to
   std::optional<Asked> wanted;   // the newest that was not sent
   std::deque<Asked> underWay;    // in the order of their ids
   uint64_t newestId = 0;
@@ -97,6 +104,7 @@ struct Client::State : std::enable_shared_from_this<State>, private FromServer {
   int attempts = 0;         // since it was connected
   int failures = 0;         // since a connection was of use
   bool isClosed = false;
+  std::promise<void> hasEnded;  // kept when run() has returned
   std::minstd_rand dice{std::random_device{}()};
 };
 
@@ -111,6 +119,17 @@ void Client::State::askAgain() {
   // The newest of what was under way, unless something newer waits already.
   if (!wanted && !underWay.empty()) wanted = underWay.back();
   underWay.clear();
+}
+
+/// Ends the connection. Where it has come to messages the server reads a clean end after the last of them, and knows that nothing broke.
+void Client::State::leave() {
+  if (stream == nullptr || farewell) return;
+  if (!isTalking) {
+    stream->abort();
+    return;
+  }
+  farewell.emplace(io.get_executor(), now() + kFarewellPatience, [this] { stream->abort(); });
+  wake.wake();
 }
 
 Awaitable<void> Client::State::run() {
@@ -159,8 +178,9 @@ Awaitable<void> Client::State::run() {
 }
 
 Awaitable<std::unique_ptr<Stream>> Client::State::open(TimePoint deadline) {
-  std::unique_ptr<TcpStream> tcp =
-      co_await connectTcp(io.get_executor(), settings.address.where.host, settings.address.where.port, deadline);
+  const HostPort& where = settings.address.where;
+  Awaitable<std::unique_ptr<TcpStream>> connecting = connectTcp(io.get_executor(), where.host, where.port, deadline, settings.resolver);
+  std::unique_ptr<TcpStream> tcp = co_await std::move(connecting);
   if (isClosed || !settings.address.credentials) co_return std::move(tcp);
   stream = tcp.get();
   co_return co_await openTls(std::move(tcp), settings.address.credentials->fingerprint, deadline);
@@ -220,13 +240,14 @@ Awaitable<void> Client::State::converse() {
   co_await talk(made);
 }
 
-/// Reads and writes until one of the two ends, which ends the other. Throws the first one's reason.
+/// Reads and writes until one of the two ends, which ends the other; leave() ends the writer first. Throws the first one's reason.
 Awaitable<void> Client::State::talk(Channel& with) {
   Signal writerEnd(io.get_executor());
   Reason reason;
   bool isWriting = true;
   pong.reset();
   pings.clear();
+  isTalking = isReading = true;
   asio::co_spawn(io, write(with), [&with, &writerEnd, &reason, &isWriting](const std::exception_ptr& failure) {
     reason.add(failure);
     with.stream().abort();
@@ -238,10 +259,13 @@ Awaitable<void> Client::State::talk(Channel& with) {
   } catch (...) {
     reason.add(std::current_exception());
   }
-  with.stream().abort();
-  stream = nullptr;
+  isReading = false;
+  if (!farewell) with.stream().abort();
   wake.wake();
   while (isWriting) co_await writerEnd.waitUntil(now() + std::chrono::seconds(1));
+  isTalking = false;
+  farewell.reset();
+  stream = nullptr;
   if (reason.failure()) std::rethrow_exception(reason.failure());
 }
 
@@ -286,7 +310,11 @@ void Client::State::onPong(uint64_t number) {
 
 Awaitable<void> Client::State::write(Channel& to) {
   TimePoint nextPing = now();  // not only in silence: they measure the round trip
-  while (stream != nullptr) {
+  while (isReading || farewell) {
+    if (farewell) {
+      co_await to.stream().finish(now() + kFarewellPatience);
+      co_return;
+    }
     if (pong) {
       const Bytes message = beatMessage(MessageType::pong, *std::exchange(pong, std::nullopt));
       co_await to.write(message, "sending a heartbeat");
@@ -314,8 +342,9 @@ Client::Client(std::shared_ptr<IoThread> io, ClientSettings settings, ClientEven
   settings.depth = std::clamp<uint16_t>(settings.depth, 1, kMaxDepth);
   settings.maxFrameBytes = std::clamp<uint64_t>(settings.maxFrameBytes, kFrameHeadBytes, kMaxFrameBytes);
   state_ = std::make_shared<State>(io_->context(), std::move(settings), events);
+  hasEnded_ = state_->hasEnded.get_future();
   asio::co_spawn(
-      io_->context(), [state = state_] { return state->run(); }, [state = state_](const std::exception_ptr&) {});
+      io_->context(), [state = state_] { return state->run(); }, [state = state_](const std::exception_ptr&) { state->hasEnded.set_value(); });
 }
 
 Client::~Client() { close(); }
@@ -344,7 +373,7 @@ void Client::setDepth(uint16_t depth) {
     // What was agreed is for the connection: for more, it takes another one.
     if (state->settings.depth > state->offeredDepth && state->stream != nullptr) {
       state->isRenewed = true;
-      state->stream->abort();
+      state->leave();
     }
     state->wake.wake();
   });
@@ -355,11 +384,14 @@ void Client::connectNow() {
 }
 
 void Client::close() {
-  io_->call([state = state_.get()] {
+  const bool isTalking = io_->call([state = state_.get()] {
     state->isClosed = true;
     state->pause.cancel();
-    if (state->stream != nullptr) state->stream->abort();
+    state->leave();
+    return state->isTalking;
   });
+  // What is sent last must leave before the thread that sends it may end.
+  if (isTalking) hasEnded_.wait_for(2 * kFarewellPatience);
 }
 
 }  // namespace warpscope::net

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "net/address.h"
 #include "net/io_thread.h"
 #include "net/link_settings.h"
+#include "net/lookup.h"
 #include "net/messages.h"
 
 namespace warpscope::net {
@@ -23,6 +25,7 @@ struct ClientSettings {
   std::chrono::milliseconds firstPause{250};  ///< before connecting again; doubled until a connection is of use, by chance up to a half less
   std::chrono::milliseconds longestPause{8000};
   bool connectsAgain = true;
+  Resolver resolver = resolveBySystem;  ///< of the server's name, in a thread of its own
 };
 
 enum class ConnectionPhase {
@@ -79,13 +82,15 @@ class Client {
   void setDepth(uint16_t depth);
   /// Connects at once instead of waiting; nothing in any other phase.
   void connectNow();
-  /// Ends the connection; nothing is told any more once it returns. Calling it again does nothing.
+  /// Ends the connection; nothing is told any more once it returns. Where there is one, the server learns that it ends on purpose: that
+  /// takes a round trip, and up to a second with a server that does not answer. Calling it again does nothing.
   void close();
 
  private:
   struct State;
   const std::shared_ptr<IoThread> io_;
   std::shared_ptr<State> state_;
+  std::shared_future<void> hasEnded_;  // once closed
 };
 
 }  // namespace warpscope::net

@@ -49,42 +49,6 @@ void setUp(tcp::socket& socket) {
 #endif
 }
 
-using Endpoints = std::vector<tcp::endpoint>;
-
-/// The lookup of a name runs in a thread of Asio's and cannot be stopped: when its time is up it is left to itself.
-struct Lookup {
-  explicit Lookup(const asio::any_io_executor& executor) : resolver(executor), timer(executor) {}
-
-  tcp::resolver resolver;
-  asio::steady_timer timer;
-  error_code error = asio::error::timed_out;
-  Endpoints endpoints;
-  bool isDone = false;
-};
-
-Awaitable<Endpoints> resolve(asio::any_io_executor executor, const std::string& host, uint16_t port, TimePoint deadline) {
-  error_code error;
-  const asio::ip::address address = asio::ip::make_address(host, error);
-  if (!error) co_return Endpoints{tcp::endpoint(address, port)};
-
-  const auto lookup = std::make_shared<Lookup>(executor);
-  lookup->resolver.async_resolve(host, std::to_string(port), tcp::resolver::numeric_service,
-                                 [lookup](const error_code& result, const tcp::resolver::results_type& found) {
-                                   lookup->error = result;
-                                   for (const auto& entry : found) lookup->endpoints.push_back(entry.endpoint());
-                                   lookup->isDone = true;
-                                   lookup->timer.cancel();
-                                 });
-  lookup->timer.expires_at(deadline);
-  co_await lookup->timer.async_wait(into(error));
-  if (!lookup->isDone) {
-    lookup->resolver.cancel();
-    throw DeadlineExceeded("looking up '" + host + "'");
-  }
-  if (lookup->error) throw system_error(lookup->error, "cannot look up '" + host + "'");
-  co_return std::move(lookup->endpoints);
-}
-
 /// Errors that are over with the connection that they concern. What else goes wrong would go wrong again at once.
 bool isOfConnection(const error_code& error) {
   using namespace boost::system::errc;
@@ -181,20 +145,20 @@ void TcpStream::abort() noexcept {
 }
 
 Awaitable<std::unique_ptr<TcpStream>> connectTcp(asio::any_io_executor executor, std::string host, uint16_t port,
-                                                 TimePoint deadline) {
+                                                 TimePoint deadline, Resolver resolver) {
   const std::string whom = hostText(host, port);
-  const Endpoints endpoints = co_await resolve(executor, host, port, deadline);
+  const std::vector<asio::ip::address> addresses = co_await lookUp(executor, host, deadline, std::move(resolver));
   error_code error = asio::error::host_not_found;
   bool hasExpired = false;
-  for (size_t i = 0; i < endpoints.size(); ++i) {
+  for (size_t i = 0; i < addresses.size(); ++i) {
     const TimePoint now = std::chrono::steady_clock::now();
-    const auto addressesLeft = static_cast<Duration::rep>(endpoints.size() - i);
+    const auto addressesLeft = static_cast<Duration::rep>(addresses.size() - i);
     tcp::socket socket(executor);
     const Watchdog watchdog(executor, now + (deadline - now) / addressesLeft, [&socket] {
       error_code ignored;
       socket.close(ignored);
     });
-    co_await socket.async_connect(endpoints[i], into(error));
+    co_await socket.async_connect(tcp::endpoint(addresses[i], port), into(error));
     hasExpired = watchdog.hasExpired();
     if (!error && !hasExpired) co_return std::make_unique<TcpStream>(std::move(socket));
   }

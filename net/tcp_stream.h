@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "net/lookup.h"
 #include "net/stream.h"
 
 namespace warpscope::net {
@@ -47,7 +48,7 @@ class TcpStream final : public Stream {
 /// Tries the addresses of `host` (a name, or an IPv4 or IPv6 address without brackets) one after the other; none may take more than its
 /// share of the time that is left. Throws DeadlineExceeded, or system_error with the last reason.
 Awaitable<std::unique_ptr<TcpStream>> connectTcp(asio::any_io_executor executor, std::string host, uint16_t port,
-                                                 TimePoint deadline);
+                                                 TimePoint deadline, Resolver resolver = resolveBySystem);
 
 class TcpListener {
  public:

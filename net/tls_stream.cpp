@@ -106,6 +106,8 @@ Awaitable<size_t> TlsStream::readSome(asio::mutable_buffer buffer) {
     if (hasEnded_) co_return 0;
     count = co_await ssl_.async_read_some(buffer, into(error));
     hasEnded_ = error == asio::error::eof;
+    // Asio reports a broken connection once: a farewell that waits for the peer's would not hear of it.
+    if (error && !hasEnded_ && isFinishing_) tcp_->close();
   }
   if (tcp_->isClosed()) error = asio::error::operation_aborted;
   if (error == asio::error::eof) co_return 0;

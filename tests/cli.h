@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/picture.h"
 #include "tests/run_program.h"
 
 namespace warpscope {
@@ -59,6 +60,9 @@ class CommandLine : public testing::Test {
       EXPECT_THAT(result.err, testing::Not(testing::HasSubstr(noise)));
     EXPECT_EQ(folder_.listing(), before) << "something was left behind";
   }
+
+  /// A PNG file of the folder.
+  Image<Rgba8> picture(const std::string& name) const { return readPng(folder_.file(name)); }
 
   const TestFolder folder_;
 };

@@ -18,10 +18,11 @@ void drawServer(Session& session, Knobs& knobs, const Look& look) {
   heading("SERVER", look);
   choice("Depth", kHeuristics, knobs.march.heuristic, "Which point of a ray stands for its pixel.", look);
   choice("Radius", kRadiusPolicies, knobs.march.radiusPolicy, "How large a sample is.", look);
-  slider("Scale", knobs.march.radiusScale, 0.1f, 4.0f, "%.2f ×", true, "Factor on the radius.", look);
-  slider("Step", knobs.march.step, 0.1f, 4.0f, "%.2f voxels", true, "Distance of samples along a ray, in voxel edges.", look);
+  slider("Scale", knobs.march.radiusScale, {0.1f, 4.0f, "%.2f ×", true}, "Factor on the radius.", look);
+  slider("Step", knobs.march.step, {0.1f, 4.0f, "%.2f voxels", true}, "Distance of samples along a ray, in voxel edges.", look);
 
   label("Image", look);
+  beginHalves();
   const glm::uvec2 size = session.serverSize();
   const auto sizeText = [](uint32_t side) { return std::to_string(side) + " px"; };
   const bool isOpen = ImGui::BeginCombo("##server image", sizeText(knobs.serverSidePx).c_str());
@@ -35,8 +36,8 @@ void drawServer(Session& session, Knobs& knobs, const Look& look) {
     ImGui::EndCombo();
   }
 
-  label("", look);
-  ImGui::Checkbox("Freeze frame", &knobs.isFrozen);
+  nextHalf();
+  ImGui::Checkbox("Freeze", &knobs.isFrozen);
   tooltip("Ask the server for nothing more: its last frame stays, and can be looked at from elsewhere. Key F.", look);
 }
 
@@ -108,6 +109,9 @@ void drawCamera(Session& session, const Look& look) {
 }  // namespace
 
 void Controls::draw(Session& session, const SceneOpener& openScene, const Look& look) {
+  // Closer than elsewhere: all knobs fit into a window of 1280 x 800.
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(7.0f), look.px(3.0f)});
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(4.0f)});
   drawScene(session, openScene, look);
   Knobs knobs = session.knobs();
   if (knobs.uncovered != 0)
@@ -117,6 +121,7 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
   drawDisplay(session, knobs, markColor_, look);
   session.setKnobs(knobs);
   drawCamera(session, look);
+  ImGui::PopStyleVar(2);
 }
 
 void Controls::drawScene(Session& session, const SceneOpener& openScene, const Look& look) {

@@ -46,15 +46,33 @@ void choice(const char* text, const Table& table, Value& value, const char* expl
   ImGui::PopID();
 }
 
-inline void slider(const char* text, float& value, float lowest, float highest, const char* format, bool isLogarithmic,
-                   const char* explanation, const Look& look) {
-  label(text, look);
-  ImGui::PushID(text);
+/// What a slider goes through, and how its value is written.
+struct Track {
+  float lowest, highest;
+  const char* format;
+  bool isLogarithmic = false;
+};
+
+/// A slider of the width that was set for the next item.
+inline void bareSlider(const char* id, float& value, const Track& track, const char* explanation, const Look& look) {
+  ImGui::PushID(id);
   float edited = value;
-  const ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (isLogarithmic ? ImGuiSliderFlags_Logarithmic : 0);
-  if (ImGui::SliderFloat("##slider", &edited, lowest, highest, format, flags) && std::isfinite(edited)) value = edited;
+  const ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (track.isLogarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+  if (ImGui::SliderFloat("##slider", &edited, track.lowest, track.highest, track.format, flags) && std::isfinite(edited)) value = edited;
   tooltip(explanation, look);
   ImGui::PopID();
+}
+
+inline void slider(const char* text, float& value, const Track& track, const char* explanation, const Look& look) {
+  label(text, look);
+  bareSlider(text, value, track, explanation, look);
+}
+
+/// After label(): what comes next fills half of what is left of the line, and what follows it the rest.
+inline void beginHalves() { ImGui::SetNextItemWidth(0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemInnerSpacing.x)); }
+inline void nextHalf() {
+  ImGui::SameLine(0.0f, ImGui::GetStyle().ItemInnerSpacing.x);
+  ImGui::SetNextItemWidth(-1.0f);
 }
 
 }  // namespace warpscope::ui

@@ -12,33 +12,43 @@ namespace {
 
 constexpr float kMbit = 1e6f;
 
-/// A link whose two directions are described by the same four numbers.
-struct EvenLink {
+/// Below this, in Mbit/s, a rate stands for none.
+constexpr float kLeastMbit = 0.05f;
+
+/// What of a link has knobs. Its two directions have the rate of their own; the rest is shared between them, or the same.
+struct LinkKnobs {
   float roundTripMs = 0.0f;
   float jitterMs = 0.0f;
-  float rateMbit = 0.0f;
+  float downMbit = 0.0f, upMbit = 0.0f;
   float lossPercent = 0.0f;
 
-  bool operator==(const EvenLink&) const = default;
+  bool operator==(const LinkKnobs&) const = default;
 };
 
-EvenLink evenPartOf(const net::DuplexLinkSettings& link) {
+LinkKnobs knobsOf(const net::DuplexLinkSettings& link) {
   return {static_cast<float>(link.up.delayMs + link.down.delayMs), static_cast<float>(link.down.jitterMs),
-          static_cast<float>(link.down.rateBitPerS) / kMbit, static_cast<float>(100.0 * link.down.loss)};
+          static_cast<float>(link.down.rateBitPerS) / kMbit, static_cast<float>(link.up.rateBitPerS) / kMbit,
+          static_cast<float>(100.0 * link.down.loss)};
 }
 
+/// Bits a second, to a tenth of a Mbit; 0 is unlimited.
+double rateOf(float mbit) { return mbit < kLeastMbit ? 0.0 : std::round(mbit * 10.0f) / 10.0 * kMbit; }
+
 /// `link` with what was edited; everything else of it stays.
-void apply(const EvenLink& before, const EvenLink& edited, net::DuplexLinkSettings& link) {
+void apply(const LinkKnobs& before, const LinkKnobs& edited, net::DuplexLinkSettings& link) {
   for (net::LinkSettings* way : {&link.up, &link.down}) {
     if (edited.roundTripMs != before.roundTripMs) way->delayMs = 0.5 * edited.roundTripMs;
     if (edited.jitterMs != before.jitterMs) {
       way->jitterMs = edited.jitterMs;
       way->jitter = edited.jitterMs > 0.0f ? net::Jitter::uniform : net::Jitter::none;
     }
-    if (edited.rateMbit != before.rateMbit) way->rateBitPerS = edited.rateMbit < 0.05f ? 0.0 : std::round(edited.rateMbit * 10.0f) / 10.0 * kMbit;
     if (edited.lossPercent != before.lossPercent) way->loss = edited.lossPercent / 100.0;
   }
+  if (edited.downMbit != before.downMbit) link.down.rateBitPerS = rateOf(edited.downMbit);
+  if (edited.upMbit != before.upMbit) link.up.rateBitPerS = rateOf(edited.upMbit);
 }
+
+Track rateTrack(float mbit, const char* limited, const char* unlimited) { return {0.0f, 1000.0f, mbit < kLeastMbit ? unlimited : limited, true}; }
 
 void drawLink(net::DuplexLinkSettings& link, const Look& look) {
   label("Link", look);
@@ -54,13 +64,21 @@ void drawLink(net::DuplexLinkSettings& link, const Look& look) {
     }
     ImGui::EndCombo();
   }
-  const EvenLink before = evenPartOf(link);
-  EvenLink edited = before;
-  slider("Delay", edited.roundTripMs, 0.0f, 2000.0f, "%.0f ms", false, "There and back, half of it each way.", look);
-  slider("Jitter", edited.jitterMs, 0.0f, 200.0f, "%.0f ms", false, "By how much the delay of each way varies, evenly.", look);
-  slider("Rate", edited.rateMbit, 0.0f, 1000.0f, edited.rateMbit < 0.05f ? "unlimited" : "%.1f Mbit/s", true,
-         "How much passes, each way. All the way to the left: unlimited.", look);
-  slider("Loss", edited.lossPercent, 0.0f, 20.0f, "%.1f %%", false, "Segments that are lost and sent again, as TCP does.", look);
+  const LinkKnobs before = knobsOf(link);
+  LinkKnobs edited = before;
+  label("Delay, jitter", look);
+  beginHalves();
+  bareSlider("delay", edited.roundTripMs, {0.0f, 2000.0f, "%.0f ms"}, "Delay: there and back, half of it each way.", look);
+  nextHalf();
+  bareSlider("jitter", edited.jitterMs, {0.0f, 200.0f, "± %.1f ms"}, "Jitter: by how much the delay of each way varies, evenly.", look);
+  label("Rate, Mbit/s", look);
+  beginHalves();
+  bareSlider("down", edited.downMbit, rateTrack(edited.downMbit, "↓ %.1f", "↓ any"),
+             "How much passes from the server to here, in Mbit/s. All the way to the left: unlimited.", look);
+  nextHalf();
+  bareSlider("up", edited.upMbit, rateTrack(edited.upMbit, "↑ %.1f", "↑ any"),
+             "How much passes from here to the server, in Mbit/s. All the way to the left: unlimited.", look);
+  slider("Loss", edited.lossPercent, {0.0f, 20.0f, "%.1f %%"}, "Segments that are lost and sent again, as TCP does.", look);
   if (edited != before) apply(before, edited, link);
 }
 
@@ -87,7 +105,7 @@ void drawNetwork(Session& session, Knobs& knobs, const Look& look) {
 
   const std::optional<SourceStatus> status = session.sourceStatus();
   if (!status || status->where.empty()) return;
-  std::string text = status->isConnected ? "connected to " + status->where : "not connected to " + status->where;
+  std::string text = status->isConnected ? status->where : "not connected to " + status->where;
   if (status->isConnected && status->roundTripMs > 0.0) text += ", round trip " + durationText(status->roundTripMs);
   ImGui::PushFont(look.fonts.small);
   ImGui::PushTextWrapPos(0.0f);

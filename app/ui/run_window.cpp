@@ -16,7 +16,8 @@ namespace ui {
 namespace {
 
 constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f;  // at scale 1
-constexpr std::chrono::milliseconds kClosingPatience(400);
+/// For threads to end, and for leaving a server far away.
+constexpr std::chrono::milliseconds kClosingPatience(900);
 /// After the last event the display keeps its rate for this long.
 constexpr std::chrono::milliseconds kLinger(500);
 
@@ -99,9 +100,19 @@ bool handleKeys(Window& window, Session& session, std::optional<size_t> panel) {
   return true;
 }
 
+/// What the main loop works with.
+struct Stage {
+  Window& window;
+  Session& session;
+  const SceneOpener& openScene;
+  Clock& clock;
+  const WindowSettings& settings;
+  WindowReport& report;
+};
+
 /// Runs until the window is to be closed; the photograph, if one was asked for.
-Image<Rgba8> runLoop(Window& window, Session& session, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
-                     WindowReport& report, const std::stop_token& stop) {
+Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
+  const auto& [window, session, openScene, clock, settings, report] = stage;
   const std::stop_callback wakeUp(stop, [] { Window::wake(); });
   MainView mainView(window, openScene);
   RateMeter displayRate;
@@ -148,7 +159,7 @@ bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Cl
   ui::Window window("warpscope", settings.uiScale);
   std::unique_ptr<Session> session = makeSession([] { ui::Window::wake(); });
   WindowReport report;
-  const Image<Rgba8> photograph = ui::runLoop(window, *session, openScene, clock, settings, report, stop);
+  const Image<Rgba8> photograph = ui::runLoop({window, *session, openScene, clock, settings, report}, stop);
   if (!settings.report.empty()) writeFileWhole(settings.report, report.text(*session, clock.now()));
   const bool hasEnded = session->close(ui::kClosingPatience);
   if (!photograph.empty()) writeFileWhole(settings.screenshot, encodePng(photograph));

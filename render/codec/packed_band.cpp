@@ -3,6 +3,8 @@
 #include "render/codec/packed_band.h"
 
 #include <algorithm>
+#include <array>
+#include <type_traits>
 
 #include "render/codec/band_layout.h"
 #include "render/codec/color_planes.h"
@@ -22,6 +24,7 @@ constexpr int kNoDelta = (kReach * kDeltas + kReach) * kDeltas + kReach;
 constexpr int kDeltaCodes = kDeltas * kDeltas * kDeltas;
 constexpr uint8_t kExact = 0;
 constexpr uint8_t kEscape = kDeltaCodes;
+constexpr uint32_t kEscapedBits = 27;  // twice
 
 inline int coordinate(PackedSample sample, int axis) {
   return static_cast<int>(sample >> static_cast<int>(kPositionBits) * axis & kPositionMax);
@@ -35,16 +38,25 @@ inline uint8_t deltaCode(PackedSample sample, PackedSample place) {
   return static_cast<uint8_t>(isFar ? kEscape : code < 0 ? code + kDeltaCodes : code);
 }
 
-/// Coordinates that leave their 18 bits wrap around.
-inline PackedSample moved(PackedSample place, uint8_t deltaCode) {
-  const int code = (deltaCode + kNoDelta) % kDeltaCodes;
-  const int deltas[] = {code / (kDeltas * kDeltas) - kReach, code / kDeltas % kDeltas - kReach, code % kDeltas - kReach};
-  PackedSample position = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto moved = static_cast<uint32_t>(coordinate(place, axis) + deltas[axis]) & kPositionMax;
-    position |= static_cast<uint64_t>(moved) << static_cast<int>(kPositionBits) * axis;
+/// What deltaCode() stands for, for every byte: three coordinates to be added, each within its 18 bits.
+constexpr std::array<PackedSample, 256> kMoves = [] {
+  std::array<PackedSample, 256> moves{};
+  for (int code = 0; code < 256; ++code) {
+    const int shifted = (code + kNoDelta) % kDeltaCodes;
+    const int deltas[] = {shifted / (kDeltas * kDeltas) - kReach, shifted / kDeltas % kDeltas - kReach, shifted % kDeltas - kReach};
+    for (int axis = 0; axis < 3; ++axis)
+      moves[static_cast<size_t>(code)] |= static_cast<uint64_t>(static_cast<uint32_t>(deltas[axis]) & kPositionMax)
+                                          << static_cast<int>(kPositionBits) * axis;
   }
-  return position;
+  return moves;
+}();
+static_assert(kMoves[kExact] == 0 && kMoves[kEscape] == 0);
+
+/// Coordinates that leave their 18 bits wrap around: no carry leaves a coordinate's highest bit.
+inline PackedSample moved(PackedSample place, uint8_t deltaCode) {
+  constexpr uint64_t kHighest = uint64_t{1} << (kPositionBits - 1) | uint64_t{1} << (2 * kPositionBits - 1) | uint64_t{1} << (3 * kPositionBits - 1);
+  const PackedSample move = kMoves[deltaCode];
+  return ((place & ~kHighest) + (move & ~kHighest)) ^ ((place ^ move) & kHighest);
 }
 
 /// What a sample's radius should be, from what else is known of it.
@@ -69,12 +81,23 @@ class RadiusPrediction {
   uint32_t same_;
 };
 
-/// The fine place that neighbours make likely. In slots: `fine` and `kinds` of samples.
-inline int32_t likelyFine(const int32_t* fine, const uint8_t* kinds, Neighbors from, uint8_t kind) {
-  if (kinds[from.west] != kind) from.west = from.north;
-  if (kinds[from.north] != kind) from.north = from.west;
-  if (kinds[from.northWest] != kind) from.northWest = from.north;
+/// The fine place that neighbours make likely. In slots: `fine` and `kinds` of samples; kinds are not looked at if all are the same.
+template <bool isOneKind>
+inline int32_t likelyFine(const int32_t* fine, const int32_t* kinds, Neighbors from, int32_t kind) {
+  if constexpr (!isOneKind) {
+    if (kinds[from.west] != kind) from.west = from.north;
+    if (kinds[from.north] != kind) from.north = from.west;
+    if (kinds[from.northWest] != kind) from.northWest = from.north;
+  }
   return predicted(fine[from.west], fine[from.north], fine[from.northWest]);
+}
+
+/// Calls f(std::true_type) if all samples are of one kind, f(std::false_type) if not. Slot 0 need not be: who has it has no other neighbour.
+template <class F>
+void withKinds(std::span<const int32_t> kinds, F&& f) {
+  bool isOneKind = true;
+  for (const int32_t kind : kinds.subspan(1)) isOneKind &= kind == kinds.back();
+  isOneKind ? f(std::true_type()) : f(std::false_type());
 }
 
 uint64_t hashSamples(std::span<const PackedSample> samples) {
@@ -91,10 +114,8 @@ struct BandPacker::Buffers {
   TransferVector<uint8_t> isStray, strayBytes;
   TransferVector<uint8_t> mask, changes, further;
   TransferVector<uint8_t> tokens, deltas, radiusTokens, bitBytes;
-  TransferVector<int32_t> places, fine;
-  TransferVector<uint8_t> kinds;
+  TransferVector<int32_t> places, fine, kinds;
   TransferVector<float> depths;
-  BitWriter bits;
   BandLayout layout;
   PixelPaths paths;
   ColorPlanes colorPlanes;
@@ -184,36 +205,49 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
     b.kinds.resize(size + 1);
     b.fine[0] = 0;
     b.kinds[0] = 0;
-    for (size_t i = 0; i < size; ++i) {
-      b.fine[i + 1] = b.paths.fineOf(i, b.places[i]);
-      b.kinds[i + 1] = b.paths.kind(i);
-    }
-    b.bits.clear();
+    std::copy_n(b.paths.kinds().begin(), size, b.kinds.begin() + 1);
     b.tokens.resize(size);
     b.deltas.resize(size);
     b.radiusTokens.resize(size);
+    b.bitBytes.resize(size * (2 * kMostTokenBits + 2 * kEscapedBits + 7) / 8 + BitWriter::kSpareBytes);
+    // Loops read and write through locals only: what they write cannot be what they read then.
+    BitWriter bits(b.bitBytes.data());
+    const FineScale scale = b.paths.fineScale();
+    const PackedSample* const onPaths = b.onPath.data();
+    const PackedSample* const positions = b.positions.data();
+    const int32_t* const places = b.places.data();
+    const int32_t* const kinds = b.kinds.data();
+    const Neighbors* const neighbors = b.layout.neighbors.data();
+    int32_t* const fine = b.fine.data();
+    uint8_t* const tokens = b.tokens.data();
+    uint8_t* const deltas = b.deltas.data();
+    uint8_t* const radiusTokens = b.radiusTokens.data();
+    for (size_t i = 0; i < size; ++i) fine[i + 1] = scale.fineOf(i, places[i]);
+    withKinds(b.kinds, [&](auto isOneKind) {
+      BitWriter put = bits;
+      for (size_t i = 0; i < size; ++i) {
+        const int32_t likely = scale.placeOf(i, likelyFine<isOneKind>(fine, kinds, neighbors[i], kinds[i + 1]));
+        tokens[i] = putToken(zigzag(static_cast<int32_t>(static_cast<uint32_t>(places[i]) - static_cast<uint32_t>(likely))), put);
+      }
+      bits = put;
+    });
+    for (size_t i = 0; i < size; ++i) deltas[i] = deltaCode(onPaths[i], positions[i]);
+    for (size_t i = 0; i < size; ++i) {
+      if (deltas[i] != kEscape) continue;
+      bits.put(static_cast<uint32_t>(onPaths[i] & 0x7ffffffu), kEscapedBits);
+      bits.put(static_cast<uint32_t>(onPaths[i] >> 27 & 0x7ffffffu), kEscapedBits);
+    }
     const RadiusPrediction radius(frame);
     for (size_t i = 0; i < size; ++i) {
-      const int32_t likely = b.paths.placeOf(i, likelyFine(b.fine.data(), b.kinds.data(), b.layout.neighbors[i], b.kinds[i + 1]));
-      b.tokens[i] = putToken(zigzag(static_cast<int32_t>(static_cast<uint32_t>(b.places[i]) - static_cast<uint32_t>(likely))), b.bits);
-    }
-    for (size_t i = 0; i < size; ++i)
-      b.deltas[i] = (b.onPath[i] & kPositionMask) == b.positions[i] ? kExact : deltaCode(b.onPath[i], b.positions[i]);
-    for (size_t i = 0; i < size; ++i) {
-      if (b.deltas[i] != kEscape) continue;
-      b.bits.put(static_cast<uint32_t>(b.onPath[i] & 0x7ffffffu), 27);
-      b.bits.put(static_cast<uint32_t>(b.onPath[i] >> 27 & 0x7ffffffu), 27);
-    }
-    for (size_t i = 0; i < size; ++i) {
       const auto likely = static_cast<int32_t>(radius(b.depths[i], b.paths.cosine(i), b.colors[i]));
-      b.radiusTokens[i] = putToken(zigzag(static_cast<int32_t>(radiusCode(b.onPath[i])) - likely), b.bits);
+      radiusTokens[i] = putToken(zigzag(static_cast<int32_t>(radiusCode(onPaths[i])) - likely), bits);
     }
     appendSection(out, b.tokens);
     appendSection(out, b.deltas);
     appendSection(out, b.radiusTokens);
-    const std::span<const uint8_t> bits = b.bits.finish();
-    appendLittle(out, static_cast<uint32_t>(bits.size()));
-    appendSection(out, bits);
+    const std::span<const uint8_t> written = bits.finish();
+    appendLittle(out, static_cast<uint32_t>(written.size()));
+    appendSection(out, written);
   }
   b.colorPlanes.append(out, b.layout, rows.first, b.mask, rowBytes, b.colors, settings);
 }
@@ -274,7 +308,7 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
     if (!takeSection(reader, b.tokens) || !takeSection(reader, b.deltas) || !takeSection(reader, b.radiusTokens))
       return "the depths of a band are damaged";
     const auto bitLength = reader.take<uint32_t>();
-    // At most 31 bits for a token, of which there are two, and 54 for an escaped position.
+    // At most 30 bits for a token, of which there are two, and 54 for an escaped position.
     if (bitLength > 16 * size) return "the depths of a band have more bits than they can use";
     b.bitBytes.resize(bitLength);
     if (!takeSection(reader, b.bitBytes)) return "the depths of a band are damaged";
@@ -285,24 +319,33 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
     b.kinds.resize(size + 1);
     b.fine[0] = 0;
     b.kinds[0] = 0;
-    for (size_t i = 0; i < size; ++i) b.kinds[i + 1] = b.paths.kind(i);
-    for (size_t i = 0; i < size; ++i) {
-      const int32_t likely = b.paths.placeOf(i, likelyFine(b.fine.data(), b.kinds.data(), b.layout.neighbors[i], b.kinds[i + 1]));
-      const int32_t difference = unzigzag(takeToken(b.tokens[i], bits));
-      b.places[i] = static_cast<int32_t>(static_cast<uint32_t>(likely) + static_cast<uint32_t>(difference));
-      b.fine[i + 1] = b.paths.fineOf(i, b.places[i]);
-    }
+    std::copy_n(b.paths.kinds().begin(), size, b.kinds.begin() + 1);
+    const FineScale scale = b.paths.fineScale();
+    const Neighbors* const neighbors = b.layout.neighbors.data();
+    const uint8_t* const tokens = b.tokens.data();
+    const uint8_t* const deltas = b.deltas.data();
+    const int32_t* const kinds = b.kinds.data();
+    int32_t* const places = b.places.data();
+    int32_t* const fine = b.fine.data();
+    withKinds(b.kinds, [&](auto isOneKind) {
+      BitReader take = bits;
+      for (size_t i = 0; i < size; ++i) {
+        const int32_t likely = scale.placeOf(i, likelyFine<isOneKind>(fine, kinds, neighbors[i], kinds[i + 1]));
+        const int32_t difference = unzigzag(takeToken(tokens[i], take));
+        places[i] = static_cast<int32_t>(static_cast<uint32_t>(likely) + static_cast<uint32_t>(difference));
+        fine[i + 1] = scale.fineOf(i, places[i]);
+      }
+      bits = take;
+    });
     b.positions.resize(size);
     b.depths.resize(size);
     b.paths.place(b.places, b.positions, b.depths);
+    PackedSample* const positions = b.positions.data();
+    for (size_t i = 0; i < size; ++i) positions[i] = moved(positions[i], deltas[i]);
     for (size_t i = 0; i < size; ++i) {
-      if (b.deltas[i] == kExact) continue;
-      if (b.deltas[i] != kEscape) {
-        b.positions[i] = moved(b.positions[i], b.deltas[i]);
-        continue;
-      }
-      const uint64_t low = bits.take(27);
-      b.positions[i] = low | static_cast<uint64_t>(bits.take(27)) << 27;
+      if (deltas[i] != kEscape) continue;
+      const uint64_t low = bits.take(kEscapedBits);
+      positions[i] = low | static_cast<uint64_t>(bits.take(kEscapedBits)) << kEscapedBits;
     }
   }
 
@@ -312,11 +355,15 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
   if (reader.ranOut() || reader.left() > 0) return "a band is longer or shorter than it should be";
   if (size > 0) {
     const RadiusPrediction radius(frame);
+    const uint8_t* const radiusTokens = b.radiusTokens.data();
+    PackedSample* const positions = b.positions.data();
+    BitReader take = bits;
     for (size_t i = 0; i < size; ++i) {
       const auto likely = radius(b.depths[i], b.paths.cosine(i), b.colors[i]);
-      const uint32_t difference = static_cast<uint32_t>(unzigzag(takeToken(b.radiusTokens[i], bits)));
-      b.positions[i] = (b.positions[i] & kPositionMask) | static_cast<uint64_t>((likely + difference) & kRadiusCodeMax) << kRadiusShift;
+      const uint32_t difference = static_cast<uint32_t>(unzigzag(takeToken(radiusTokens[i], take)));
+      positions[i] = (positions[i] & kPositionMask) | static_cast<uint64_t>((likely + difference) & kRadiusCodeMax) << kRadiusShift;
     }
+    bits = take;
     if (bits.ranOut()) return "the depths of a band end too early";
   }
 

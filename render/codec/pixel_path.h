@@ -26,6 +26,20 @@ enum class Placement : uint8_t {
 };
 inline constexpr uint32_t kPlacements = 4;
 
+/// Neighbouring samples are predicted from one another in fine units that do not depend on where a ray enters the volume.
+struct FineScale {
+  const int32_t* origins;  ///< of places, in fine units
+  int bits;
+
+  int32_t fineOf(size_t k, int32_t place) const {
+    return static_cast<int32_t>((static_cast<uint32_t>(place) << bits) + static_cast<uint32_t>(origins[k]));
+  }
+  int32_t placeOf(size_t k, int32_t fine) const {
+    const uint32_t half = bits > 0 ? 1u << (bits - 1) : 0u;
+    return static_cast<int32_t>(static_cast<uint32_t>(fine) - static_cast<uint32_t>(origins[k]) + half) >> bits;
+  }
+};
+
 /// What samples in pixels share, and the samples' rays; as arrays, for the compiler to work on several at once.
 class PixelPaths {
  public:
@@ -42,16 +56,9 @@ class PixelPaths {
   /// Cosine of the angle between ray k and the camera's axis.
   float cosine(size_t k) const { return x_[k] * camera_.forward.x + y_[k] * camera_.forward.y + z_[k] * camera_.forward.z; }
 
-  // Neighbouring samples are predicted from one another in fine units that do not depend on where a ray enters the volume.
-  int32_t fineOf(size_t k, int32_t place) const {
-    return static_cast<int32_t>((static_cast<uint32_t>(place) << fineBits_) + static_cast<uint32_t>(origin_[k]));
-  }
-  int32_t placeOf(size_t k, int32_t fine) const {
-    const uint32_t half = fineBits_ > 0 ? 1u << (fineBits_ - 1) : 0u;
-    return static_cast<int32_t>(static_cast<uint32_t>(fine) - static_cast<uint32_t>(origin_[k]) + half) >> fineBits_;
-  }
+  FineScale fineScale() const { return {origin_.data(), fineBits_}; }
   /// Places of different kinds cannot be compared.
-  uint8_t kind(size_t k) const { return static_cast<uint8_t>(axis_[k]); }
+  std::span<const int32_t> kinds() const { return axis_; }
 
  private:
   Camera camera_;

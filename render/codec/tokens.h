@@ -3,47 +3,49 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 
-#include "render/core/transfer_vector.h"
 
 namespace warpscope {
 
 inline uint32_t zigzag(int32_t value) { return static_cast<uint32_t>(value) << 1 ^ static_cast<uint32_t>(value >> 31); }
 inline int32_t unzigzag(uint32_t code) { return static_cast<int32_t>(code >> 1 ^ (0u - (code & 1))); }
 
-/// Bits, the first in the lowest place of a byte.
+/// Bits, the first in the lowest place of a byte. Writes into memory that has room for all of them and kSpareBytes more.
 class BitWriter {
  public:
-  void clear() {
-    bytes_.clear();
-    pending_ = 0;
-    count_ = 0;
-  }
+  static constexpr size_t kSpareBytes = 8;
+
+  explicit BitWriter(uint8_t* to) : begin_(to), next_(to) {}
+
   /// The lower `count` bits of `value`, which has no others; count <= 32.
   void put(uint32_t value, uint32_t count) {
     pending_ |= static_cast<uint64_t>(value) << count_;
     count_ += count;
-    while (count_ >= 8) {
-      bytes_.push_back(static_cast<uint8_t>(pending_));
-      pending_ >>= 8;
-      count_ -= 8;
-    }
+    if (count_ < 32) return;
+    store();
+    next_ += 4;
+    pending_ >>= 32;
+    count_ -= 32;
   }
-  /// All bytes; the last is filled up with zeros.
+  /// All bytes, once; the last is filled up with zeros.
   std::span<const uint8_t> finish() {
-    if (count_ > 0) bytes_.push_back(static_cast<uint8_t>(pending_));
-    pending_ = 0;
-    count_ = 0;
-    return bytes_;
+    store();
+    next_ += (count_ + 7) / 8;
+    return {begin_, next_};
   }
 
  private:
-  TransferVector<uint8_t> bytes_;
+  void store() {
+    for (uint32_t i = 0; i < 4; ++i) next_[i] = static_cast<uint8_t>(pending_ >> 8 * i);
+  }
+
+  uint8_t* begin_;
+  uint8_t* next_;
   uint64_t pending_ = 0;
-  uint32_t count_ = 0;
+  uint32_t count_ = 0;  // < 32
 };
 
 /// Past the end there are zeros, and ranOut() says so.
@@ -51,20 +53,33 @@ class BitReader {
  public:
   explicit BitReader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
 
+  /// count <= 32.
   uint32_t take(uint32_t count) {
-    while (count_ < count) {
-      pending_ |= static_cast<uint64_t>(next_ < bytes_.size() ? bytes_[next_] : 0) << count_;
-      ++next_;
-      count_ += 8;
-    }
+    if (count_ < count) fill();
     const auto value = static_cast<uint32_t>(pending_ & ((uint64_t{1} << count) - 1));
     pending_ >>= count;
     count_ -= count;
     return value;
   }
-  bool ranOut() const { return next_ > bytes_.size(); }
+  bool ranOut() const { return 8 * next_ - count_ > 8 * bytes_.size(); }
 
  private:
+  /// As many whole bytes as there is room for: at least 32 bits are there then. Those loaded beyond count_ are the ones that come next, and
+  /// are put there again (Giesen 2018, "Reading bits in far too many ways", variant 4).
+  void fill() {
+    if (next_ + 8 <= bytes_.size()) {
+      uint64_t word = 0;
+      for (uint32_t i = 0; i < 8; ++i) word |= static_cast<uint64_t>(bytes_[next_ + i]) << 8 * i;
+      pending_ |= word << count_;
+      const uint32_t fitting = (63 - count_) / 8;
+      next_ += fitting;
+      count_ += 8 * fitting;
+      return;
+    }
+    for (; count_ <= 56; count_ += 8, ++next_)
+      pending_ |= static_cast<uint64_t>(next_ < bytes_.size() ? bytes_[next_] : 0) << count_;
+  }
+
   std::span<const uint8_t> bytes_;
   size_t next_ = 0;
   uint64_t pending_ = 0;
@@ -73,6 +88,7 @@ class BitReader {
 
 inline constexpr uint32_t kDirectTokens = 16;
 inline constexpr uint32_t kLargestToken = kDirectTokens + 2 * 27 + 1;
+inline constexpr uint32_t kMostTokenBits = 30;  ///< beside the token
 
 inline uint8_t putToken(uint32_t value, BitWriter& bits) {
   if (value < kDirectTokens) return static_cast<uint8_t>(value);

@@ -1,6 +1,7 @@
-// Writes payloads for codec_fuzz to begin with, into the folder that is its argument.
+// Writes payloads for codec_fuzz to begin with, into the folder codec_fuzz in the folder that is its argument.
 // Frames of made-up samples in the fuzzer's own cameras, in every format.
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <random>
 #include <string>
@@ -12,7 +13,7 @@ namespace warpscope {
 namespace {
 
 /// As codec_fuzz reads it: format, width and height less one, choices, count, payload without its head.
-void writeSeed(const std::string& path, const SampleFrame& frame, const CodecSettings& settings) {
+void writeSeed(const std::filesystem::path& path, const SampleFrame& frame, const CodecSettings& settings) {
   const std::vector<std::byte> payload = FrameCodec().encode(frame, settings);
   std::vector<std::byte> seed;
   appendLittle(seed, static_cast<uint8_t>(settings.format));
@@ -53,13 +54,15 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: codec_fuzz_seeds FOLDER\n");
     return 2;
   }
+  const std::filesystem::path to = std::filesystem::path(argv[1]) / "codec_fuzz";
+  std::filesystem::create_directories(to);
   uint32_t number = 0;
   for (const auto& format : kPayloadFormats)
     for (const auto& coding : kColorCodings)
       for (const uint32_t side : {1u, 9u, 40u})
         for (const uint32_t oneIn : {1u, 7u}) {
           const SampleFrame frame = madeUp(side, side + 3, oneIn, number % 2 == 0, number);
-          writeSeed(std::string(argv[1]) + "/" + std::to_string(number++), frame, {format.value, coding.value, 80});
+          writeSeed(to / std::to_string(number++), frame, {format.value, coding.value, 80});
         }
   return 0;
 }

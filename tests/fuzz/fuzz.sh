@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds the fuzzers of net/, or runs one of them for WARPSCOPE_FUZZ_S seconds (10): fuzz.sh SOURCES BUILD build|FUZZER
+# Builds the fuzzers, or runs one of them for WARPSCOPE_FUZZ_S seconds (10): fuzz.sh SOURCES BUILD build|FUZZER
 # Exit code 77: there is no clang with libFuzzer, so nothing was tested.
 set -eu
 sources=$1 build=$2 what=$3
@@ -13,19 +13,24 @@ if [ "$what" = build ]; then
     if "$compiler" -std=c++20 -fsanitize=fuzzer,address "$probe/probe.cpp" -o "$probe/probe" 2> "$probe/log"; then
       rm -f -- "$build/none"
       cmake -S "$sources" -B "$build" -G Ninja -DCMAKE_C_COMPILER="$clang" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS_RELEASE=-O1 \
-        -DWARPSCOPE_FUZZ=ON -DWARPSCOPE_CUDA=OFF -DWARPSCOPE_TESTS=OFF -DWARPSCOPE_WITH_UI=OFF -DWARPSCOPE_WITH_ITK=OFF
-      cmake --build "$build" --target net_fuzzers
-      "$build/tests/fuzz/net_fuzz_seeds" "$build/seeds"
+        -DWARPSCOPE_FUZZ=ON -DWARPSCOPE_CUDA=OFF -DWARPSCOPE_TESTS=OFF -DWARPSCOPE_WITH_UI=OFF -DWARPSCOPE_WITH_ITK=OFF \
+        -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)"
+      cmake --build "$build" --target fuzzers
+      for part in codec net; do
+        "$build/tests/fuzz/${part}_fuzz_seeds" "$build/seeds"
+      done
       exit 0
     fi
   done
   mkdir -p -- "$build" && touch "$build/none"
-  echo "Skipped: no clang with libFuzzer." && exit 77
+  echo "Skipped: no clang with libFuzzer (Debian: apt-get install clang libclang-rt-dev)." && exit 77
 fi
 
 if [ -e "$build/none" ]; then
   echo "Skipped: no clang with libFuzzer." && exit 77
 fi
 mkdir -p -- "$build/findings"
-exec "$build/tests/fuzz/$what" -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len=4096 -timeout=10 -print_final_stats=1 \
+# Frames are longer than messages.
+[ "$what" = codec_fuzz ] && longest=65536 || longest=4096
+exec "$build/tests/fuzz/$what" -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len="$longest" -timeout=10 -print_final_stats=1 \
   -artifact_prefix="$build/findings/$what-" "$build/seeds/$what"

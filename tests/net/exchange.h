@@ -240,16 +240,19 @@ class BareSocket {
     bytes.resize(got);
     return bytes;
   }
-  /// Whether the peer ends or resets the connection in time; what it sends meanwhile is dropped.
-  bool isEnded(Duration patience = 10s) {
+  enum class End { none, clean, reset };
+  /// How the peer ends the connection in time; what it sends meanwhile is dropped.
+  End end(Duration patience = 10s) {
     const TimePoint limit = now() + patience;
     std::array<char, 65536> dropped;
     while (wait(POLLIN, limit)) {
       const ssize_t count = ::recv(handle_, dropped.data(), dropped.size(), MSG_DONTWAIT);
-      if (count == 0 || (count < 0 && errno != EAGAIN)) return true;
+      if (count == 0) return End::clean;
+      if (count < 0 && errno != EAGAIN) return End::reset;
     }
-    return false;
+    return End::none;
   }
+  bool isEnded(Duration patience = 10s) { return end(patience) != End::none; }
 
   /// The next message: its head and body.
   struct Message {

@@ -171,7 +171,7 @@ class Program:
     def key(self, name):
         self.display.run("xdotool", "key", name)
 
-    def ends(self, how, limit=CLOSING_LIMIT_S):
+    def ends(self, how, limit=CLOSING_LIMIT_S, expected=""):
         start = time.monotonic()
         try:
             code = self.process.wait(timeout=PATIENCE_S)
@@ -182,6 +182,8 @@ class Program:
         text = self.output()
         if code != 0:
             raise Failure(f"{how}: exit code {code}: {text}")
+        if expected not in text:
+            raise Failure(f"{how}: the program did not say '{expected}': {text}")
         if "Sanitizer" in text:
             raise Failure(f"{how}: {text}")
         if seconds > limit:
@@ -299,6 +301,15 @@ def close_at_any_moment(executable):
         time.sleep(1.0)
         program.process.send_signal(signal.SIGTERM)
         print(f"  during a long load: {program.ends('a signal during a long load'):.2f} s")
+
+        # A resolver that hangs, as one without a network does.
+        if slow_lookup := os.environ.get("WARPSCOPE_SLOW_LOOKUP"):
+            program = Program(display, ["env", f"LD_PRELOAD={slow_lookup}", executable, "view", "--connect", "warp://slow.name:1"])
+            program.find_window()
+            time.sleep(0.5)
+            press_close_button(program)
+            seconds = program.ends("close button during a lookup", expected="looking up slow.name")
+            print(f"  during a lookup: {seconds:.2f} s")
 
         photograph_scenes(display, executable)
 

@@ -1,0 +1,156 @@
+// `compare` and `export` through the built program: pictures, montage, metrics, tables, and samples as points.
+// The contract is in README.
+#include <cstring>
+#include <set>
+#include <sstream>
+
+#include "app/scene.h"
+#include "render/warp/warp.h"
+#include "tests/cli.h"
+
+namespace warpscope {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// --- compare
+
+TEST_F(CommandLine, CompareWritesPicturesMontageAndMetrics) {
+  const json report = document(quick({"compare", "block", "--out", "deep/out", "--json", "--heuristic", "median", "--radius", "pixel"}));
+  EXPECT_EQ(json::parse(folder_.read("deep/out/metrics.json")), report);
+
+  const size_t views = openScene("block").views.size();
+  std::vector<std::string> expected{"deep", "deep/out", "deep/out/metrics.json", "deep/out/montage.png"};
+  for (size_t view = 0; view < views; ++view)
+    for (const WarpDescriptor& technique : warpRegistry()) {
+      const std::string name = "deep/out/view" + std::to_string(view) + "-" + std::string(technique.name) + ".png";
+      expected.push_back(name);
+      EXPECT_EQ(picture(name).width(), 40u) << name;
+    }
+  std::sort(expected.begin(), expected.end());
+  EXPECT_EQ(folder_.listing(), expected);
+  const Image<Rgba8> montage = picture("deep/out/montage.png");
+  EXPECT_GT(montage.width(), 40 * views);
+  EXPECT_GT(montage.height(), 30 * warpRegistry().size());
+
+  ASSERT_EQ(report["rows"].size(), views * warpRegistry().size());
+  std::set<std::pair<std::string, size_t>> seen;
+  for (const json& row : report["rows"]) {
+    for (const char* key : {"technique", "heuristic", "radius", "view", "angleDeg", "psnrDb", "ssim", "flip", "holeFraction", "drawMs",
+                            "buildMs", "samples", "bytes"})
+      EXPECT_TRUE(row.contains(key)) << key;
+    const auto& technique = findWarp(row["technique"].get<std::string>());
+    const auto view = row["view"].get<size_t>();
+    EXPECT_TRUE(seen.emplace(technique.name, view).second);
+    EXPECT_EQ(row["angleDeg"] == 0.0, view == 0);
+    EXPECT_GE(row["holeFraction"].get<double>(), 0.0);
+    EXPECT_LE(row["holeFraction"].get<double>(), 1.0);
+    EXPECT_GE(row["drawMs"].get<double>(), 0.0);
+    EXPECT_GE(row["buildMs"].get<double>(), 0.0);
+    if (technique.usesFrame) {
+      EXPECT_EQ(row["heuristic"], "median");
+      EXPECT_EQ(row["radius"], "pixel");
+      EXPECT_GT(row["samples"].get<size_t>(), 0u);
+      EXPECT_GT(row["bytes"].get<size_t>(), 0u);
+      EXPECT_TRUE(row["psnrDb"].is_number());
+    } else {
+      // Identical to itself: infinite, which JSON writes as null.
+      EXPECT_TRUE(row["psnrDb"].is_null());
+      EXPECT_EQ(row["holeFraction"], 0.0);
+    }
+  }
+}
+
+TEST_F(CommandLine, CompareShowsATableAsWideForEveryTechnique) {
+  const std::string table = succeed(quick({"compare", "block", "--out", "out"})).err;
+  std::istringstream lines(table);
+  std::string line;
+  const auto width = [](const std::string& text) { return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }); };
+  ASSERT_TRUE(std::getline(lines, line));
+  const auto columns = width(line);
+  EXPECT_THAT(line, testing::HasSubstr("1.25× as far"));
+  for (const WarpDescriptor& technique : warpRegistry()) {
+    ASSERT_TRUE(std::getline(lines, line));
+    EXPECT_THAT(line, testing::StartsWith(std::string(technique.name) + " "));
+    EXPECT_EQ(width(line), columns) << line;
+    EXPECT_EQ(line.find("identical") != std::string::npos, !technique.usesFrame) << line;
+  }
+  EXPECT_THAT(table, testing::Not(testing::HasSubstr("inf")));
+}
+
+TEST_F(CommandLine, CompareIntoAnExistingFolderKeepsWhatElseIsThere) {
+  fs::create_directory(folder_.path() / "out");
+  folder_.write("out/mine.txt", "mine");
+  folder_.write("out/montage.png", "old");
+  const ProgramResult result = succeed(quick({"compare", "--out", "out/", "--quiet"}, "1x1"));
+  EXPECT_EQ(result.out + result.err, "");
+  EXPECT_EQ(folder_.read("out/mine.txt"), "mine");
+  EXPECT_GT(picture("out/montage.png").width(), 4u);
+  for (const std::string& name : folder_.listing()) EXPECT_THAT(name, testing::Not(testing::HasSubstr("partial")));
+}
+
+/// Only its beginning: the default size takes a while, and what compare does is tested above.
+TEST_F(CommandLine, WithoutACommandAndADisplayTheDefaultSceneIsCompared) {
+  Program program({}, folder_.path(), {"DISPLAY=", "WAYLAND_DISPLAY="});
+  while (!fs::exists(folder_.path() / "out") && !program.hasEnded()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  program.signal(SIGINT);
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.code, kFailure);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, testing::HasSubstr("no display"));
+  EXPECT_THAT(result.err, testing::HasSubstr("./out"));
+  EXPECT_THAT(result.err, testing::HasSubstr("stopped"));
+  EXPECT_TRUE(folder_.listing().empty());
+}
+
+// --- export
+
+TEST_F(CommandLine, ExportedSamplesLieInTheWorldsBounds) {
+  // 20x10x5 voxels of 3 x 1 x 2 at (1e6, -50, 7), axes permuted and mirrored: world = origin + direction * (spacing * index).
+  const std::string header =
+      "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 20 10 5\n"
+      "space directions: (0,3,0) (-1,0,0) (0,0,2)\nspace origin: (1000000,-50,7)\nencoding: raw\n\n";
+  std::string voxels(20 * 10 * 5, '\0');
+  for (int z = 0; z < 5; ++z)
+    for (int y = 0; y < 10; ++y)
+      for (int x = 0; x < 20; ++x) voxels[static_cast<size_t>((z * 10 + y) * 20 + x)] = static_cast<char>(x >= 15 ? 200 : 0);
+  folder_.write("v.nrrd", header + voxels);
+  const json report = document({"export", "v.nrrd", "--ply", "a.ply", "--json", "--size", "50x41"});
+  const auto samples = report["samples"].get<size_t>();
+  ASSERT_GT(samples, 50u);
+
+  const std::string bytes = folder_.read("a.ply");
+  const std::string end = "end_header\n";
+  const size_t body = bytes.find(end) + end.size();
+  const std::string head = bytes.substr(0, body);
+  EXPECT_THAT(head, testing::StartsWith("ply\nformat binary_little_endian 1.0\n"));
+  EXPECT_THAT(head, testing::HasSubstr("element vertex " + std::to_string(samples) + "\n"));
+  size_t at = 0;
+  for (const char* name : {"x", "y", "z", "radius", "red", "green", "blue", "alpha"}) {
+    const size_t found = head.find(std::string(" ") + name + "\n", at);
+    ASSERT_NE(found, std::string::npos) << name;
+    at = found;
+  }
+  constexpr size_t kVertexBytes = 4 * 8 + 4;
+  ASSERT_EQ(bytes.size(), body + samples * kVertexBytes);
+  double nearest = 1e300;
+  for (size_t i = 0; i < samples; ++i) {
+    double position[4];
+    std::memcpy(position, bytes.data() + body + i * kVertexBytes, sizeof position);
+    // Voxel x 0..19 runs along world y from -50 in steps of 3, voxel y along -x, voxel z along z; voxels reach half an edge further.
+    EXPECT_GT(position[0], 1e6 - 9.5 - 1e-3);
+    EXPECT_LT(position[0], 1e6 + 0.5 + 1e-3);
+    EXPECT_LT(position[1], -50.0 + 19.5 * 3 + 1e-3);
+    EXPECT_GT(position[2], 7.0 - 1.0 - 1e-3);
+    EXPECT_LT(position[2], 7.0 + 4.5 * 2 + 1e-3);
+    EXPECT_GT(position[3], 0.0);
+    nearest = std::min(nearest, position[1]);
+  }
+  // Only voxels from x = 15 on are visible: nothing lies before half a voxel below the one before that.
+  EXPECT_GT(nearest, -50.0 + 14.0 * 3 - 1e-3);
+  EXPECT_LT(nearest, -50.0 + 15.5 * 3);
+}
+
+}  // namespace
+}  // namespace warpscope

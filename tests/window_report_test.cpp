@@ -1,0 +1,125 @@
+// The report of a window without a window: gaps and ages that are known, null where there is nothing to tell.
+// Mirrors app/window_report.h. Times are made up; the session behind them is a real one with a tiny volume.
+#include "app/window_report.h"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/backend.h"
+
+namespace warpscope {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds;
+
+class WindowReportTest : public testing::Test {
+ protected:
+  WindowReportTest() { session_.setPanelSize({40, 56}); }
+
+  static SessionSettings settings() {
+    SessionSettings settings;
+    settings.techniques = {&findWarp("points"), &findWarp("reference")};  // with frames, and without
+    settings.knobs.serverSidePx = 48;
+    return settings;
+  }
+
+  /// Opens a scene that this process serves, and waits until both panels show it and nothing is under way.
+  void open() {
+    session_.load({"block", [io = io_](const std::function<void()>& onNews, const std::stop_token& stop) {
+                     SceneOverrides overrides;
+                     overrides.proceduralDims = {16, 16, 16};
+                     Scene scene = openScene("block", overrides, stop);
+                     const MarcherPtr marcher = makeMarcher(Backend::cpu, scene.volume, scene.transferFunction);
+                     return hostScene(io, std::move(scene), marcher, {}, onNews, stop);
+                   }});
+    const auto isSettled = [this] {
+      const Panel& panel = session_.panel(0);
+      return panel.picture && panel.holesAreCurrent && session_.panel(1).picture && session_.ageMs(0, clock_.now()) == 0.0;
+    };
+    for (const auto limit = clock_.now() + std::chrono::seconds(60); clock_.now() < limit && !isSettled();
+         std::this_thread::sleep_for(milliseconds(1)))
+      session_.update(clock_.now());
+    ASSERT_TRUE(isSettled());
+  }
+  json report(Clock::TimePoint now) const { return json::parse(report_.text(session_, now)); }
+
+  SteadyClock clock_;
+  std::shared_ptr<net::IoThread> io_ = std::make_shared<net::IoThread>();
+  Session session_{settings(), [] {}};
+  WindowReport report_;
+  const Clock::TimePoint start_ = clock_.now();
+};
+
+TEST_F(WindowReportTest, WithoutASceneThereIsNothingToTell) {
+  const json figures = report(start_);
+  for (const char* key : {"framesPerSecond", "gapMs", "ageMs", "lastFrameAgeMs", "server"}) {
+    ASSERT_TRUE(figures.contains(key)) << key;
+    EXPECT_TRUE(figures[key].is_null()) << key;
+  }
+  EXPECT_EQ(figures["framesReceived"], 0);
+  EXPECT_EQ(figures["panels"], json::array({nullptr, nullptr}));
+}
+
+TEST_F(WindowReportTest, GapsAreThoseWhileSomethingMoves) {
+  for (const int ms : {0, 10, 20, 60}) report_.add(session_, start_ + milliseconds(ms), true);
+  report_.add(session_, start_ + milliseconds(5000), false);  // a rest: neither the gap before it counts nor the one after it
+  for (const int ms : {9000, 9030}) report_.add(session_, start_ + milliseconds(ms), true);
+  const json figures = report(start_ + milliseconds(9030));
+  // 10, 10, 40 and 30 ms.
+  EXPECT_DOUBLE_EQ(figures["framesPerSecond"], 4e3 / 90.0);
+  EXPECT_DOUBLE_EQ(figures["gapMs"]["median"], 30.0);
+  EXPECT_DOUBLE_EQ(figures["gapMs"]["longest"], 40.0);
+}
+
+TEST_F(WindowReportTest, OneFrameHasNoGap) {
+  report_.add(session_, start_, true);
+  EXPECT_TRUE(report(start_)["gapMs"].is_null());
+  EXPECT_TRUE(report(start_)["framesPerSecond"].is_null());
+}
+
+TEST_F(WindowReportTest, AgesAreThoseOfFramesOfAnotherCamera) {
+  open();
+  report_.add(session_, clock_.now(), false);
+  EXPECT_TRUE(report(clock_.now())["ageMs"].is_null()) << "the frame on show is of the current camera";
+
+  View view = session_.view();
+  view.angleDeg += 20.0;
+  session_.setView(view);
+  const Clock::TimePoint moved = clock_.now();
+  session_.update(moved);
+  for (const int ms : {30, 10, 20}) report_.add(session_, moved + milliseconds(ms), true);
+  const json figures = report(moved + milliseconds(30));
+  EXPECT_DOUBLE_EQ(figures["ageMs"]["median"], 20.0);
+  EXPECT_DOUBLE_EQ(figures["ageMs"]["longest"], 30.0);
+}
+
+TEST_F(WindowReportTest, StagesAreThoseOfPanelsThatDrawFrames) {
+  open();
+  const Clock::TimePoint now = clock_.now();
+  const json figures = report(now);
+  const json& stages = figures["panels"][0];
+  const Panel& panel = session_.panel(0);
+  const FrameLatency& latency = panel.latency;
+  const std::vector<std::pair<const char*, double>> expected{
+      {"waitMs", latency.waitMs}, {"wireMs", latency.wireMs},       {"queueMs", latency.queueMs},   {"marchMs", latency.marchMs},
+      {"copyMs", latency.copyMs}, {"compactMs", latency.compactMs}, {"encodeMs", latency.encodeMs}, {"decodeMs", latency.decodeMs},
+      {"buildMs", panel.buildMs}, {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs}};
+  EXPECT_EQ(stages.size(), expected.size() + 1);
+  for (const auto& [key, value] : expected) EXPECT_DOUBLE_EQ(stages[key], value) << key;
+  EXPECT_EQ(stages["bytes"], panel.frameBytes);
+  EXPECT_GT(panel.frameBytes, 0u);
+  EXPECT_TRUE(figures["panels"][1].is_null()) << "the reference is drawn from no frame";
+
+  EXPECT_EQ(figures["framesReceived"], session_.framesReceived());
+  EXPECT_GE(session_.framesReceived(), 1u);
+  EXPECT_DOUBLE_EQ(figures["lastFrameAgeMs"], session_.frameAgeMs(now).value());
+  EXPECT_EQ(figures["server"]["isConnected"], true);
+  EXPECT_EQ(figures["server"]["where"], session_.sourceStatus()->where);
+  EXPECT_EQ(figures["server"]["sentence"], "");
+}
+
+}  // namespace
+}  // namespace warpscope
