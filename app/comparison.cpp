@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "render/core/error.h"
 #include "render/core/stopwatch.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/picture_errors.h"
@@ -96,6 +97,20 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
     }
   }
   return comparison;
+}
+
+std::vector<Gain> gainsOf(const Comparison& comparison, std::string_view technique, std::string_view over) {
+  const auto rowOf = [&](const WarpDescriptor& descriptor, size_t view) -> const ComparisonRow& {
+    for (const ComparisonRow& row : comparison.rows)
+      if (row.technique == &descriptor && row.view == view) return row;
+    throw InputError("the comparison lacks " + std::string(descriptor.name));
+  };
+  std::vector<Gain> gains;
+  for (size_t view = 0; view < comparison.cameras.size(); ++view) {
+    const ComparisonRow &better = rowOf(findWarp(technique), view), &worse = rowOf(findWarp(over), view);
+    gains.push_back({view, better.psnrDb - worse.psnrDb, worse.flip - better.flip, worse.holeFraction - better.holeFraction});
+  }
+  return gains;
 }
 
 std::string viewCaption(const View& view, const View& first) {

@@ -51,6 +51,17 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
                              const std::function<void(const WarpDescriptor&, size_t view, const WarpedImage&)>& onPicture,
                              const std::function<void(const std::string&)>& onStep, const std::stop_token& stop);
 
+/// What one technique gains over another in a view: positive where it is better.
+struct Gain {
+  size_t view = 0;
+  double psnrDb = 0.0;  ///< infinite, or NaN, where a picture equals the reference
+  double flip = 0.0;    ///< less FLIP
+  double holes = 0.0;   ///< less of the hole fraction
+};
+
+/// For each view. Throws UsageError for names that are no techniques, InputError if the comparison lacks one.
+std::vector<Gain> gainsOf(const Comparison& comparison, std::string_view technique, std::string_view over);
+
 /// "0°", "25°, 0.83× as far", "-30°, +10° up": a view as a caption, relative to the first.
 std::string viewCaption(const View& view, const View& first);
 

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "render/core/error.h"
 #include "render/core/parallel.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/psnr.h"
@@ -152,6 +153,32 @@ TEST(Comparison, CaptionsAreRelativeToTheFirstView) {
   const std::pair<double, std::string> factors[] = {{1.25, "1.25"}, {0.5 / 0.6, "0.83"}, {2.0, "2"},         {1.5, "1.5"},  {100.0, "100"},
                                                     {12.5, "12.5"}, {0.1, "0.1"},        {0.00417, "0.0042"}, {1e6, "1000000"}};
   for (const auto& [factor, text] : factors) EXPECT_EQ(viewCaption({30.0, 20.0, 0.8 * factor}, first), "0°, " + text + "× as far");
+}
+
+TEST(Gains, ArePositiveWhereTheFirstIsBetter) {
+  Comparison comparison;
+  comparison.cameras.resize(2);
+  const auto add = [&](std::string_view technique, size_t view, double psnrDb, double flip, double holes) {
+    ComparisonRow& row = comparison.rows.emplace_back();
+    row.technique = &findWarp(technique);
+    row.view = view;
+    row.psnrDb = psnrDb;
+    row.flip = flip;
+    row.holeFraction = holes;
+  };
+  add("points", 0, 40.0, 0.01, 0.0);
+  add("spheres", 0, 35.0, 0.02, 0.0);
+  add("points", 1, 20.0, 0.2, 0.25);
+  add("spheres", 1, 23.5, 0.125, 0.0625);
+  const std::vector<Gain> gains = gainsOf(comparison, "spheres", "points");
+  ASSERT_EQ(gains.size(), 2u);
+  EXPECT_EQ(gains[0].psnrDb, -5.0);
+  EXPECT_EQ(gains[0].flip, -0.01);
+  EXPECT_EQ(gains[1].psnrDb, 3.5);
+  EXPECT_EQ(gains[1].flip, 0.2 - 0.125);
+  EXPECT_EQ(gains[1].holes, 0.1875);
+  EXPECT_THROW(gainsOf(comparison, "splats", "points"), InputError);
+  EXPECT_THROW(gainsOf(comparison, "spheres", "dots"), UsageError);
 }
 
 }  // namespace

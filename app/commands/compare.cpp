@@ -56,6 +56,17 @@ Json toJson(const ComparisonRow& row, const Comparison& comparison, const Workpl
           {"bytes", row.bytes}};
 }
 
+Json verdictOf(const Comparison& comparison, const Workplace& work) {
+  Json verdict = Json::array();
+  for (const Gain& gain : gainsOf(comparison, "spheres", "points"))
+    verdict.push_back({{"view", gain.view},
+                       {"angleDeg", work.scene.views[gain.view].angleDeg - work.scene.views.front().angleDeg},
+                       {"psnrDb", finiteOrNull(gain.psnrDb)},
+                       {"flip", -gain.flip + 0.0},
+                       {"holeFraction", -gain.holes + 0.0}});
+  return verdict;
+}
+
 Json toJson(const Comparison& comparison, const Workplace& work, std::string_view backend, const std::string& context) {
   Json rows = Json::array();
   for (const ComparisonRow& row : comparison.rows) rows.push_back(toJson(row, comparison, work));
@@ -73,6 +84,7 @@ Json toJson(const Comparison& comparison, const Workplace& work, std::string_vie
           {"latency", toJson(comparison.served.latency)},
           {"nonFiniteVoxels", work.scene.volume ? Json(work.scene.volume->statistics().nonFinite) : Json(nullptr)},
           {"version", WARPSCOPE_VERSION},
+          {"spheresAgainstPoints", verdictOf(comparison, work)},
           {"rows", rows}};
 }
 
@@ -113,6 +125,17 @@ void printTable(const Comparison& comparison, const Scene& scene) {
     }
   }
   std::fputs((table + "\n             (per view: PSNR, holes, ms a picture)\n").c_str(), stderr);
+}
+
+/// The question of Zellmann 2020, figure 3: do spheres beat points, and by how much?
+void printVerdict(const Comparison& comparison, const Scene& scene) {
+  std::fputs("spheres against points, PSNR, FLIP (negative: less) and holes:\n", stderr);
+  for (const Gain& gain : gainsOf(comparison, "spheres", "points")) {
+    const bool isSharper = gain.psnrDb > 0.0, isCloser = gain.flip > 0.0;
+    const char* verdict = isSharper && isCloser ? "spheres win" : !isSharper && !isCloser ? "points win" : isSharper ? "spheres by PSNR, points by FLIP" : "points by PSNR, spheres by FLIP";
+    std::fprintf(stderr, "%s  %+.1f dB, %+.4f, %+.1f %%: %s\n", padded(viewCaption(scene.views[gain.view], scene.views.front()), 24).c_str(), gain.psnrDb,
+                 -gain.flip + 0.0, -100.0 * gain.holes + 0.0, verdict);
+  }
 }
 
 void compare(const CompareOptions& options) {
@@ -164,6 +187,7 @@ void compare(const CompareOptions& options) {
     std::cout << textOf(report);
   else if (!options.common.quiet) {
     printTable(comparison, work.scene);
+    printVerdict(comparison, work.scene);
     logResult("wrote " + std::to_string(pictures) + " pictures, montage.png and metrics.json to " + options.out);
   }
 }
