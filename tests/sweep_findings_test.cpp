@@ -130,6 +130,7 @@ TEST(SweepRow, ComesBackFromJson) {
       row.link = "delay=100";
       row.ageMs = 250.0;
       row.framesPerSecond = 4.0;
+      row.flicker = 0.125;
       row.disoccludedFraction.reset();
     }
     const nlohmann::json json = toJson(row);

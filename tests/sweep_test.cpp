@@ -62,6 +62,7 @@ TEST_F(SweepTest, EveryConfigurationAtEveryAngleAndBehindEveryLink) {
     EXPECT_GT(row.draw.medianMs, 0.0);
     EXPECT_EQ(row.draws, 2);
     EXPECT_EQ(row.disoccludedFraction.has_value(), row.link.empty());
+    EXPECT_EQ(row.flicker.has_value(), !row.link.empty());
     if (row.link.empty()) {
       EXPECT_EQ(row.errors.flip == 0.0, !usesFrame) << keyOf(row.configuration) << row.angleDeg;
     }

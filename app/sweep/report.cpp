@@ -30,7 +30,7 @@ th:first-child,td:first-child{text-align:left}th{font-weight:600;vertical-align:
 #rows th{cursor:pointer;position:sticky;top:0;background:var(--page)}#rows td:first-child{white-space:normal}
 svg.plot{width:100%;max-width:960px;height:auto;font:12px system-ui,sans-serif}svg text{fill:var(--ink)}
 .grid{stroke:var(--line)}.axis{stroke:var(--dim)}.ring{fill:none;stroke:var(--ink);stroke-width:1.4}
-.strip td{padding:.2em;text-align:center;vertical-align:top;font-size:.85em}.strip img{display:block;width:150px;height:auto}.strip th{text-align:left}
+.strip td{padding:.2em;text-align:center;vertical-align:top;font-size:.85em}.strip img{display:block;width:150px;height:auto}.strip tbody th{text-align:left;vertical-align:top}
 )";
 
 const char* const kScript = R"(
@@ -96,7 +96,7 @@ std::string titleOf(const Summary& summary) {
 std::string findingsTables(const Findings& findings) {
   std::string html = "<div class=\"wide\"><table>" + header({"Within", "least error with", "FLIP", "holes %", "ms a frame", "draw ms"}) + "<tbody>";
   const auto rest = [](const std::optional<Summary>& summary) {
-    if (!summary) return std::string("<td class=\"dim\">nothing measured</td><td></td><td></td><td></td><td></td></tr>");
+    if (!summary) return std::string("<td class=\"dim\">nothing that was measured</td><td></td><td></td><td></td><td></td></tr>");
     return cell(nameOf(summary->configuration)) + cell(format("%.4f", summary->flip)) + cell(percent(summary->holeFraction)) +
            cell(milliseconds(summary->frameMs)) + cell(milliseconds(summary->drawMs)) + "</tr>";
   };
@@ -184,7 +184,7 @@ std::string stripsTable(const SweepReport& report) {
 std::string rowsTable(const std::vector<SweepRow>& rows) {
   std::string html = "<div class=\"wide\"><table id=\"rows\">" +
                      header({"configuration", "angle or link", "FLIP", "PSNR dB", "linear dB", "SSIM", "holes %", "FLIP visible", "FLIP disoccluded",
-                             "kB", "server ms", "decode", "build", "draw", "± spread", "ms a frame", "age ms"}) +
+                             "kB", "server ms", "decode", "build", "draw", "± spread", "ms a frame", "age ms", "flicker"}) +
                      "<tbody>\n";
   const auto optional = [](const std::optional<double>& value, const char* pattern) {
     return value ? cell(*value, format(pattern, *value)) : std::string("<td data-value=\"-1\"></td>");
@@ -200,7 +200,8 @@ std::string rowsTable(const std::vector<SweepRow>& rows) {
             cell(row.cost.serverMs(), milliseconds(row.cost.serverMs())) + cell(row.cost.decode.medianMs, milliseconds(row.cost.decode.medianMs)) +
             cell(row.cost.build.medianMs, milliseconds(row.cost.build.medianMs)) + cell(row.draw.medianMs, milliseconds(row.draw.medianMs)) +
             cell(row.draw.spreadMs, milliseconds(row.draw.spreadMs)) + cell(row.frameMs(), milliseconds(row.frameMs())) +
-            (isStill ? std::string("<td data-value=\"-1\"></td>") : cell(row.ageMs, format("%.0f", row.ageMs))) + "</tr>\n";
+            (isStill ? std::string("<td data-value=\"-1\"></td>") : cell(row.ageMs, format("%.0f", row.ageMs))) +
+            optional(row.flicker, "%.4f") + "</tr>\n";
   }
   return html + "</tbody></table></div>";
 }

@@ -14,6 +14,7 @@
 #include "render/core/error.h"
 #include "render/core/parallel.h"
 #include "render/core/stopwatch.h"
+#include "render/metrics/flicker.h"
 
 namespace warpscope {
 namespace {
@@ -21,6 +22,8 @@ namespace {
 /// Seconds from the motion's begin to the first instant that is looked at, by when the first frames are long there, and between instants:
 /// not in step with whole frames of any rate.
 constexpr double kFirstInstantS = 2.0, kBetweenInstantsS = 0.6180339887;
+/// From one picture of the display to the next.
+constexpr double kDisplayPeriodS = 1.0 / 60.0;
 
 /// A frame as the client gets it, and what that took.
 struct Served {
@@ -179,31 +182,45 @@ class Sweep::Run {
     stages.arrivalMs = row.cost.arrivalMs();
     stages.drawMs = row.draw.medianMs;
     stages.frameBytes = row.cost.bytes;
+    // Each instant, and the display's next picture.
     std::vector<double> instantsS;
-    for (int i = 0; i < plan.instants; ++i) instantsS.push_back(kFirstInstantS + kBetweenInstantsS * i);
+    for (int i = 0; i < plan.instants; ++i) {
+      instantsS.push_back(kFirstInstantS + kBetweenInstantsS * i);
+      instantsS.push_back(instantsS.back() + kDisplayPeriodS);
+    }
     const Motion motion = simulateMotion(instantsS, stages, link.settings);
 
     const WarpSettings warpSettings = configuration.warp(settings_.warp);
     Warp& warp = warpOf(*configuration.technique);
     MeanErrors errors;
-    double ageS = 0.0;
-    for (const ShownPictureTimes& picture : motion.pictures) {
-      const double pictureS = usesFrame ? picture.requestedS : picture.drawnForS;
-      ageS += picture.shownS - pictureS;
-      if (usesFrame) {
-        SampleFramePtr frame;
-        if (picture.hasFrame)
-          frame = server_.frame(truth_.camera(plan.speedDegPerS * picture.requestedS, configuration.serverSidePx), configuration, stop_);
-        warp.setFrame(frame, warpSettings, stop_);
+    double ageS = 0.0, flicker = 0.0;
+    std::optional<double> frameRequestedS;
+    for (size_t i = 0; i < motion.pictures.size(); i += 2) {
+      FlickerMeter meter(scene_.background);
+      for (const ShownPictureTimes& picture : {motion.pictures[i], motion.pictures[i + 1]}) {
+        if (usesFrame && (!picture.hasFrame || frameRequestedS != picture.requestedS)) {
+          frameRequestedS.reset();
+          SampleFramePtr frame;
+          if (picture.hasFrame) {
+            frameRequestedS = picture.requestedS;
+            frame = server_.frame(truth_.camera(plan.speedDegPerS * picture.requestedS, configuration.serverSidePx), configuration, stop_);
+          }
+          warp.setFrame(frame, warpSettings, stop_);
+        }
+        warp.draw(truth_.camera(plan.speedDegPerS * picture.drawnForS), warpSettings, image_, stop_);
+        const Truth& truth = truth_.at(plan.speedDegPerS * picture.shownS, stop_);
+        meter.add(image_.color, truth.color);
+        if (picture.shownS == motion.pictures[i].shownS) errors.add(truth.judge.errorsOf(image_));
       }
-      warp.draw(truth_.camera(plan.speedDegPerS * picture.drawnForS), warpSettings, image_, stop_);
-      const Truth& truth = truth_.at(plan.speedDegPerS * picture.shownS, stop_);
-      errors.add(truth.judge.errorsOf(image_));
+      const ShownPictureTimes& picture = motion.pictures[i];
+      ageS += picture.shownS - (usesFrame ? picture.requestedS : picture.drawnForS);
+      flicker += *meter.mean();
     }
-    const double share = 1.0 / static_cast<double>(motion.pictures.size());
+    const double share = 1.0 / plan.instants;
     row.errors = errors.mean();
     row.ageMs = 1e3 * ageS * share;
     row.angleDeg = plan.speedDegPerS * ageS * share;
+    row.flicker = flicker * share;
     row.framesPerSecond = usesFrame ? motion.framesPerSecond : 0.0;
     row.disoccludedFraction.reset();  // each instant has another frame
     return {row};

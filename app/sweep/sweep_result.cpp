@@ -72,6 +72,7 @@ Json toJson(const SweepRow& row) {
   json["angleDeg"] = row.angleDeg;
   json["ageMs"] = row.link.empty() ? Json(nullptr) : Json(row.ageMs);
   json["framesPerSecond"] = row.link.empty() ? Json(nullptr) : Json(row.framesPerSecond);
+  json["flicker"] = orNull(row.flicker);
   json["disoccludedFraction"] = orNull(row.disoccludedFraction);
   json["samples"] = row.cost.samples;
   json["bytes"] = row.cost.bytes;
@@ -97,6 +98,7 @@ SweepRow sweepRowFrom(const Node& node, const MarchSettings& base) {
     row.framesPerSecond = node.at("framesPerSecond").number(0.0, kHuge);
   }
   row.angleDeg = node.at("angleDeg").number(-kHuge, kHuge);
+  row.flicker = optionalFrom(node.at("flicker"));
   row.disoccludedFraction = optionalFrom(node.at("disoccludedFraction"));
   row.errors.psnrDb = decibelsFrom(node.at("psnrDb"));
   row.errors.psnrLinearDb = decibelsFrom(node.at("psnrLinearDb"));
@@ -123,7 +125,7 @@ SweepRow sweepRowFrom(const Node& node, const MarchSettings& base) {
 std::string csvOf(const std::vector<SweepRow>& rows) {
   constexpr const char* kColumns[] = {
       "technique", "heuristic", "threshold", "radius", "radiusScale", "pointSize", "hits", "step", "serverSide", "codec", "link", "angleDeg",
-      "ageMs", "framesPerSecond", "flip", "psnrDb", "psnrLinearDb", "ssim", "holeFraction", "disoccludedFraction", "flipVisible",
+      "ageMs", "framesPerSecond", "flicker", "flip", "psnrDb", "psnrLinearDb", "ssim", "holeFraction", "disoccludedFraction", "flipVisible",
       "flipDisoccluded", "psnrVisibleDb", "psnrDisoccludedDb", "samples", "bytes", "marchMs", "marchSpreadMs", "compactMs", "compactSpreadMs",
       "copyMs", "copySpreadMs", "encodeMs", "encodeSpreadMs", "serverMs", "decodeMs", "decodeSpreadMs", "buildMs", "buildSpreadMs", "drawMs",
       "drawSpreadMs", "draws", "frameMs"};

@@ -31,6 +31,7 @@ struct SweepRow {
   double angleDeg = 0.0;         ///< between the frame's camera and the view; behind a link the mean of it
   double ageMs = 0.0;            ///< behind a link: how old the frame's camera is when its picture is shown, the mean
   double framesPerSecond = 0.0;  ///< behind a link: frames that arrive
+  std::optional<double> flicker; ///< behind a link: between two pictures of a display that shows 60 a second (metrics/flicker.h), the mean
   PictureErrors errors;          ///< behind a link: means
   std::optional<double> disoccludedFraction;  ///< of what the view shows, what the frame's camera could not see; not behind a link
   SweepCost cost;
