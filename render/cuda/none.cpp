@@ -4,6 +4,7 @@
 #include "render/cuda/gl_interop.h"
 #include "render/cuda/pinned_memory.h"
 #include "render/march/marcher_cuda.h"
+#include "render/metrics/picture_judge_cuda.h"
 #include "render/warp/multihit_warp_cuda.h"
 #include "render/warp/spheres_warp_cuda.h"
 #include "render/warp/splats_warp_cuda.h"
@@ -27,6 +28,7 @@ std::pmr::memory_resource* pinnedMemory() { refuse(); }
 }  // namespace cuda
 
 MarcherPtr makeCudaMarcher(VolumePtr, TransferFunction) { refuse(); }
+std::unique_ptr<DevicePictureJudge> makeCudaPictureJudge(const glm::vec3&, float) { refuse(); }
 std::unique_ptr<Warp> makeCudaMultihitWarp() { refuse(); }
 std::unique_ptr<Warp> makeCudaSpheresWarp() { refuse(); }
 std::unique_ptr<Warp> makeCudaSplatsWarp() { refuse(); }
