@@ -194,6 +194,7 @@ class CudaPictureJudge final : public DevicePictureJudge {
     rows_.reserve(kRowPlanes * count());
     seen_.reserve(kSeenPlanes * count());
     map_.reserve(count());
+    WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(totals_.data(), 0, sizeof(HostTotals), stream_));  // not all of them are summed here, and all are fetched
     display(pixels, reference_.data(), nullptr);
     filterRows(reference_.data());
     keepSeen<<<grid, dim3(kColumnTile, kColumnThreadRows), columnBytes(), stream_>>>(rows_.data(), static_cast<int>(width_), static_cast<int>(height_),
