@@ -10,6 +10,9 @@ namespace warpscope {
 /// `value` from 0 to 1; clamps; NaN is 0.
 Rgba8 heatColor(float value);
 
+/// For FLIP: the ramp's upper end stands for 0.5, more than what warps usually differ by.
+inline constexpr float kHeatGain = 2.0f;
+
 /// `map` times `gain`, as colours.
 Image<Rgba8> heatMap(const Image<float>& map, float gain = 1.0f);
 

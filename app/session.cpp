@@ -3,24 +3,13 @@
 #include "app/session.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace warpscope {
 namespace {
 
-/// How long the camera must rest before the reference is marched for counting holes.
-constexpr std::chrono::milliseconds kRest(150);
 /// Panels draw at most this many pixels unless the user says how many.
 constexpr uint64_t kFluentPixels = 600 * 1000;
-
-/// What of the settings the reference depends on; the rest decides about samples only.
-MarchSettings referenceSettings(const MarchSettings& march) {
-  MarchSettings settings;
-  settings.step = march.step;
-  settings.contribution = march.contribution;
-  settings.skipEmpty = march.skipEmpty;
-  settings.terminateEarly = march.terminateEarly;
-  return settings;
-}
 
 }  // namespace
 
@@ -31,6 +20,7 @@ Session::Session(SessionSettings settings, std::function<void()> onNews)
   for (size_t i = 0; i < kPanelCount; ++i) {
     panels_[i].technique = settings.techniques[i];
     warpWorkers_[i] = makeWarpWorker(settings.platform, settings.resources, onNews);
+    judgeWorkers_[i] = makeJudgeWorker(settings.judge, onNews);
   }
 }
 
@@ -50,7 +40,7 @@ void Session::cancelLoad() {
 void Session::setTechnique(size_t panel, const WarpDescriptor& technique) {
   if (panels_[panel].technique == &technique) return;
   panels_[panel].technique = &technique;
-  panels_[panel].holesAreCurrent = false;
+  panels_[panel].errorsAreCurrent = false;
   warpWorkers_[panel]->cancel();  // its picture would not be shown long
   jobs_[panel] = {};
 }
@@ -76,12 +66,14 @@ bool Session::update(TimePoint now) {
   bool happened = takeScene();
   if (!loaded_ || panelSizePx_.x == 0 || panelSizePx_.y == 0) return happened;
   if (!placeCamera()) return true;
+  if (std::exchange(liveFrontSize_, pictureSize()) != pictureSize()) liveFront_.clear();
   happened |= takeFrame();
   happened |= ask(now);
   happened |= takeReference();
   happened |= askReference(now);
   for (size_t i = 0; i < kPanelCount; ++i) {
     happened |= takePicture(i);
+    happened |= takeErrors(i, now);
     happened |= postJob(i);
   }
   forgetOldRequests();
@@ -97,6 +89,7 @@ bool Session::takeScene() {
 
   referenceWorker_->cancel();
   for (const auto& worker : warpWorkers_) worker->cancel();
+  for (const auto& worker : judgeWorkers_) worker->cancel();
   retireScene();
   loaded_ = std::move(result->loaded);
   transport_ = knobs_.transport;
@@ -113,13 +106,17 @@ bool Session::takeScene() {
   referenceAsked_ = {};
   outdatedAt_.clear();
   arrivals_.clear();
+  askedFor_.clear();
   answeredId_ = requestId_;
   drawnIds_ = {};
+  judged_ = {};
+  liveFront_.clear();
   for (size_t i = 0; i < kPanelCount; ++i) {
     jobs_[i] = {};
-    const WarpDescriptor* technique = panels_[i].technique;
-    panels_[i] = {};
-    panels_[i].technique = technique;
+    Panel fresh;
+    fresh.technique = panels_[i].technique;
+    fresh.showsHeatMap = panels_[i].showsHeatMap;
+    panels_[i] = std::move(fresh);
   }
   return true;
 }
@@ -162,34 +159,29 @@ bool Session::takeFrame() {
   return true;
 }
 
-bool Session::takeReference() {
-  std::optional<ReferenceResult> result = referenceWorker_->tryTake();
-  if (!result || referenceAsked_ != referenceWanted_) return false;
-  referenceError_ = std::move(result->error);
-  if (!result->image) return true;
-  if (result->image->camera == referenceAsked_.camera) reference_ = std::move(result->image);
-  return true;
-}
-
 bool Session::takePicture(size_t index) {
   std::optional<WarpResult> result = warpWorkers_[index]->tryTake();
-  if (!result || result->marcher != loaded_->display) return false;
+  if (!result || result->job.marcher != loaded_->display) return false;
   Panel& panel = panels_[index];
-  drawnIds_[index] = result->requestId;
+  drawnIds_[index] = result->requestId();
   panel.error = std::move(result->error);
   if (!result->picture) return true;
-  panel.picture = std::move(result->picture);
-  panel.drawn = result->technique;
-  panel.requestId = result->requestId;
-  if (const auto arrival = arrivals_.find(result->requestId); arrival != arrivals_.end()) {
+  const bool isNew = panel.picture != result->picture;
+  panel.picture = result->picture;
+  panel.drawn = result->job.technique;
+  panel.requestId = result->requestId();
+  if (const auto arrival = arrivals_.find(panel.requestId); arrival != arrivals_.end()) {
     panel.latency = arrival->second.latency;
     panel.frameBytes = arrival->second.bytes;
   }
   panel.buildMs = result->buildMs;
   panel.drawMs = result->drawMs;
   panel.displayMs = millisecondsBetween(result->finishedAt, std::chrono::steady_clock::now());
-  panel.holesAreCurrent = result->holeFraction.has_value() && result->technique == panel.technique;
-  if (panel.holesAreCurrent) panel.holeFraction = result->holeFraction;
+  panel.configuration = configurationOf(result->job);
+  const bool hasSize = glm::uvec2(panel.picture.width(), panel.picture.height()) == pictureSize();
+  if (isNew && panel.configuration && hasSize)
+    liveFront_.addPicture(*panel.configuration, panel.latency.decodeMs + panel.buildMs, panel.drawMs);
+  judge(index, std::move(*result));
   return true;
 }
 
@@ -207,24 +199,7 @@ bool Session::ask(TimePoint now) {
   if (knobs_.isFrozen && frame_) return false;
   asked_ = wanted_;
   loaded_->source->post({++requestId_, wanted_.camera, wanted_.settings}, now);
-  return true;
-}
-
-bool Session::askReference(TimePoint now) {
-  const ReferenceJob wanted{loaded_->display, cameraOfSize(pictureSize()), referenceSettings(knobs_.march)};
-  if (wanted != referenceWanted_) {
-    referenceWanted_ = wanted;
-    movedAt_ = now;
-    referenceAsked_ = {};
-    reference_.reset();
-    referenceWorker_->cancel();
-    for (Panel& panel : panels_) panel.holesAreCurrent = false;
-    return true;
-  }
-  if (now - movedAt_ < kRest) return true;  // the time passes without further events
-  if (referenceAsked_ == referenceWanted_) return false;
-  referenceAsked_ = referenceWanted_;
-  referenceWorker_->post(referenceAsked_);
+  askedFor_[requestId_] = {wanted_.settings, wanted_.codec, knobs_.serverSidePx};
   return true;
 }
 
@@ -234,12 +209,12 @@ bool Session::postJob(size_t index) {
   if (job.technique->usesFrame) {
     if (!frame_) return false;
     job.frame = frame_;
-    job.reference = reference_;
   }
+  job.reference = reference_;
   job.marcher = loaded_->display;
   job.camera = cameraOfSize(pictureSize());
   job.settings = knobs_.warp;
-  job.settings.reference = referenceSettings(knobs_.march);
+  job.settings.reference = referenceWanted_.settings;
   job.background = loaded_->scene.background;
   job.uncovered = knobs_.uncovered;
   if (job == jobs_[index]) return false;
@@ -261,6 +236,7 @@ bool Session::mayBeShown(uint64_t requestId) const {
 void Session::forgetOldRequests() {
   std::erase_if(outdatedAt_, [this](const auto& request) { return !mayBeShown(request.first); });
   std::erase_if(arrivals_, [this](const auto& arrival) { return !mayBeShown(arrival.first); });
+  std::erase_if(askedFor_, [this](const auto& asked) { return !mayBeShown(asked.first); });
 }
 
 bool Session::close(std::chrono::milliseconds patience) {
@@ -269,8 +245,10 @@ bool Session::close(std::chrono::milliseconds patience) {
   retireScene();
   referenceWorker_->requestStop();
   for (const auto& worker : warpWorkers_) worker->requestStop();
+  for (const auto& worker : judgeWorkers_) worker->requestStop();
   bool ended = loader_->waitForEnd(deadline) && referenceWorker_->waitForEnd(deadline);
   for (const auto& worker : warpWorkers_) ended = ended && worker->waitForEnd(deadline);
+  for (const auto& worker : judgeWorkers_) ended = ended && worker->waitForEnd(deadline);
   for (const std::future<void>& scene : retired_) ended = ended && scene.wait_until(deadline) == std::future_status::ready;
   return ended;
 }

@@ -12,6 +12,9 @@
 #include <vector>
 
 #include "app/clock.h"
+#include "app/error_history.h"
+#include "app/judge_worker.h"
+#include "app/live_front.h"
 #include "app/rate_meter.h"
 #include "app/scene_loader.h"
 #include "app/warp_worker.h"
@@ -44,16 +47,28 @@ struct Panel {
   double buildMs = 0.0;
   double drawMs = 0.0;
   double displayMs = 0.0;                       ///< from the picture's end until the display took it
-  std::optional<double> holeFraction;  ///< the last that was counted
-  bool holesAreCurrent = false;        ///< counted for the picture that is shown
-  std::string error;                   ///< empty if the last picture succeeded
+  std::optional<Configuration> configuration;   ///< that drew it; nothing while it is not known, or `drawn` uses no frames
+  std::string error;                            ///< empty if the last picture succeeded
+
+  std::optional<PictureErrors> errors;  ///< the last that were found
+  /// They are those of the picture that is shown or, where the ground truth follows the moving camera (Session::isReferenceLive), of one shown
+  /// less than kLiveErrors ago by the same technique.
+  bool errorsAreCurrent = false;
+  ShownPicture heatMap;                 ///< FLIP pixel by pixel, of `errors`
+  bool showsHeatMap = false;            ///< the user wants it instead of the picture
+  ErrorHistory history;                 ///< of FLIP
+
+  bool hasHeatMapOnShow() const { return showsHeatMap && errorsAreCurrent && heatMap; }
 };
+
+inline constexpr std::chrono::seconds kLiveErrors(1);
 
 struct SessionSettings {
   std::array<const WarpDescriptor*, kPanelCount> techniques{};
   Knobs knobs;  ///< `march` is replaced by each scene's
   gl::Platform platform = gl::Platform::automatic;
   WarpResources resources;  ///< backend and onFallback; the rest is the session's
+  JudgeFunction judge = judgeWhole;
 };
 
 class Session {
@@ -71,6 +86,9 @@ class Session {
   void setView(const View& view) { view_ = view; }
   void setKnobs(const Knobs& knobs) { knobs_ = knobs; }
   void setTechnique(size_t panel, const WarpDescriptor& technique);
+  void setShowsHeatMap(size_t panel, bool shows) { panels_[panel].showsHeatMap = shows; }
+  /// Takes over that configuration's technique for the panel, and the knobs that it depends on for all.
+  void choose(size_t panel, const Configuration& configuration);
   /// Area for each panel's picture, in screen pixels.
   void setPanelSize(const glm::uvec2& sizePx) { panelSizePx_ = sizePx; }
   void resetView();
@@ -93,6 +111,10 @@ class Session {
   const View& view() const { return view_; }
   const Knobs& knobs() const { return knobs_; }
   const Panel& panel(size_t index) const { return panels_[index]; }
+  /// Accuracy against time of what was on show since the scene was opened or the pictures' size changed last.
+  const LiveFront& liveFront() const { return liveFront_; }
+  /// True where the ground truth is marched all the time: on a CUDA device. Elsewhere it is when the camera rests.
+  bool isReferenceLive() const { return loaded_ && loaded_->display->backend() == Backend::cuda; }
   /// The newest frame; null until there is one.
   const SampleFramePtr& frame() const { return frame_; }
   /// Of the connection to the server; nothing without a scene.
@@ -128,6 +150,12 @@ class Session {
     FrameLatency latency;
     size_t bytes = 0;
   };
+  /// What a request asked for, as configurations name it.
+  struct Asked {
+    MarchSettings march;
+    CodecSettings codec;
+    uint32_t serverSidePx = 0;
+  };
 
   // Each is true if anything happened.
   bool takeScene();
@@ -138,9 +166,16 @@ class Session {
   bool takeFrame();
   bool takeReference();
   bool takePicture(size_t index);
+  bool takeErrors(size_t index, TimePoint now);
   bool ask(TimePoint now);
   bool askReference(TimePoint now);
   bool postJob(size_t index);
+  /// Hands a picture to the panel's judge.
+  void judge(size_t index, WarpResult drawn);
+  /// Whether these errors may be shown for what the panel shows now.
+  bool areCurrent(const Panel& panel, const JudgeJob& job, TimePoint judgedAt, TimePoint now) const;
+  std::optional<Configuration> configurationOf(const WarpJob& drawn) const;
+  ReferenceJob wantedReference() const;
   /// Whether a panel shows that request's frame, or may come to: it is on its way from the server or to the panel.
   bool mayBeShown(uint64_t requestId) const;
   void forgetOldRequests();
@@ -167,12 +202,21 @@ class Session {
   size_t framesReceived_ = 0;
   TimePoint frameArrivedAt_{};
   std::map<uint64_t, Arrival> arrivals_;  // of frames that are on show or may come to be
+  std::map<uint64_t, Asked> askedFor_;    // likewise
   TransportSettings transport_;           // that the source was told last
   RateMeter serverRate_;
 
   ReferenceJob referenceWanted_, referenceAsked_;
-  TimePoint movedAt_{};  // when referenceWanted_ changed last
+  TimePoint movedAt_{};             // when referenceWanted_ changed last
+  TimePoint referenceAskedAt_{};
   std::shared_ptr<const ReferenceImage> reference_;
+  struct Judged {
+    JudgeJob job;
+    TimePoint at{};
+  };
+  std::array<std::optional<Judged>, kPanelCount> judged_;  // what each panel's errors are of
+  LiveFront liveFront_;
+  glm::uvec2 liveFrontSize_{0};  // of the pictures that it is about
   std::array<WarpJob, kPanelCount> jobs_;  // last posted
 
   // Last: their threads call onNews_.
@@ -180,6 +224,7 @@ class Session {
   std::unique_ptr<SceneLoader> loader_;
   std::unique_ptr<ReferenceWorker> referenceWorker_;
   std::array<std::unique_ptr<WarpWorker>, kPanelCount> warpWorkers_;
+  std::array<std::unique_ptr<JudgeWorker>, kPanelCount> judgeWorkers_;
 };
 
 }  // namespace warpscope

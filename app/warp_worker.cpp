@@ -3,11 +3,11 @@
 #include "app/warp_worker.h"
 
 #include <chrono>
+#include <utility>
 
 #include "app/log.h"
 #include "app/picture.h"
 #include "render/core/stopwatch.h"
-#include "render/metrics/holes.h"
 
 namespace warpscope {
 namespace {
@@ -26,9 +26,7 @@ class Easel {
   }
 
   void paint(const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
-    result.technique = job.technique;
-    result.marcher = job.marcher;
-    result.requestId = job.frame ? job.frame->requestId : 0;
+    result.job = job;
     try {
       prepare(job, stop);
       draw(job, stop);
@@ -41,10 +39,8 @@ class Easel {
     result.buildMs = buildMs_;
     result.drawMs = drawMs_;
     result.finishedAt = std::chrono::steady_clock::now();
-    if (job.reference && job.reference->camera == job.camera) {
-      drawToHost(job, stop);
-      result.holeFraction = countHoles(image_, job.reference->color).fraction();
-    }
+    const bool isOtherReference = std::exchange(reference_, job.reference) != job.reference;
+    if (job.reference) result.judged = imageToJudge(job, isOtherReference, stop);
   }
 
  private:
@@ -71,12 +67,27 @@ class Easel {
       picture_.device = warp_->drawForScreen(job.camera, job.settings, job.background, job.uncovered, stop);
       if (!picture_) drawToHost(job, stop);
     });
-    if (!picture_) picture_.host = std::make_shared<const Image<Rgba8>>(toScreen(image_, job.background, job.uncovered));
+    if (!picture_) picture_.host = std::make_shared<const Image<Rgba8>>(toScreen(*image_, job.background, job.uncovered));
   }
 
   void drawToHost(const WarpJob& job, const std::stop_token& stop) {
-    if (!isInHostMemory_) warp_->draw(job.camera, job.settings, image_, stop);
+    if (isInHostMemory_) return;
+    if (isHandedOut_) image_ = std::make_shared<WarpedImage>();  // somebody may still look at the last
+    isHandedOut_ = false;
+    warp_->draw(job.camera, job.settings, *image_, stop);
     isInHostMemory_ = true;
+  }
+
+  std::shared_ptr<const WarpedImage> imageToJudge(const WarpJob& job, bool isOtherReference, const std::stop_token& stop) {
+    if (job.reference->job.camera == job.camera) {
+      drawToHost(job, stop);
+      isHandedOut_ = true;
+      return image_;
+    }
+    if (!isOtherReference) return nullptr;
+    auto image = std::make_shared<WarpedImage>();
+    warp_->draw(job.reference->job.camera, job.settings, *image, stop);
+    return image;
   }
 
   const gl::Platform platform_;
@@ -84,18 +95,20 @@ class Easel {
   std::unique_ptr<gl::Context> context_;  // outlives the warp, whose objects are in it
   std::unique_ptr<Warp> warp_;
   WarpJob last_;
-  WarpedImage image_;
+  std::shared_ptr<WarpedImage> image_ = std::make_shared<WarpedImage>();
   bool isInHostMemory_ = false;  // image_ is what picture_ shows
+  bool isHandedOut_ = false;     // image_ is in a result, and must stay as it is
+  std::shared_ptr<const ReferenceImage> reference_;  // of the last job
   ShownPicture picture_;
   double buildMs_ = 0.0;
   double drawMs_ = 0.0;
 };
 
 void marchReference(const ReferenceJob& job, ReferenceResult& result, const std::stop_token& stop) {
-  auto image = std::make_shared<ReferenceImage>();
-  image->camera = job.camera;
-  job.marcher->render(job.camera, job.settings, image->color, stop);
-  result.image = std::move(image);
+  result.job = job;
+  Image<glm::vec4> color;
+  job.marcher->render(job.camera, job.settings, color, stop);
+  result.image = std::make_shared<const ReferenceImage>(ReferenceImage{job, PictureJudge(color, job.background)});
 }
 
 }  // namespace

@@ -10,14 +10,25 @@
 #include "app/shown_picture.h"
 #include "render/core/color.h"
 #include "render/gl/context.h"
+#include "render/metrics/picture_errors.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
 
-/// The volume as the current camera sees it: what holes are counted against.
-struct ReferenceImage {
+/// What the reference worker marches.
+struct ReferenceJob {
+  MarcherPtr marcher;
   Camera camera;
-  Image<glm::vec4> color;
+  MarchSettings settings;
+  glm::vec3 background{0.0f};  ///< linear RGB, that pictures are compared over
+
+  bool operator==(const ReferenceJob&) const = default;
+};
+
+/// The volume as the job's camera sees it, ready to judge pictures.
+struct ReferenceImage {
+  ReferenceJob job;
+  PictureJudge judge;
 };
 
 struct WarpJob {
@@ -28,21 +39,24 @@ struct WarpJob {
   WarpSettings settings;
   glm::vec3 background{0.0f};  ///< linear RGB
   Rgba8 uncovered = 0;         ///< colour of pixels that no sample covers; 0: the background
-  std::shared_ptr<const ReferenceImage> reference;  ///< of the same camera; null while there is none
+  /// What the picture is to be judged against; null while there is none. Of the same size, but its camera may be an earlier one.
+  std::shared_ptr<const ReferenceImage> reference;
 
   bool operator==(const WarpJob&) const = default;
 };
 
 struct WarpResult {
+  WarpJob job;             ///< that was done
   ShownPicture picture;    ///< none if there is an error
-  const WarpDescriptor* technique = nullptr;
-  MarcherPtr marcher;      ///< the job's
-  uint64_t requestId = 0;  ///< of the frame that was drawn
   double buildMs = 0.0;    ///< of what the technique derived from that frame
   double drawMs = 0.0;     ///< from the camera to colours in the memory that the picture is in
   std::chrono::steady_clock::time_point finishedAt{};  ///< when the picture was there
-  std::optional<double> holeFraction;  ///< if the job had a reference
+  /// What to judge: the frame as the reference's camera sees it. Null without a reference, and where that one's camera is an earlier one that was
+  /// drawn already.
+  std::shared_ptr<const WarpedImage> judged;
   std::string error;
+
+  uint64_t requestId() const { return job.frame ? job.frame->requestId : 0; }
 };
 
 using WarpWorker = NewestWorker<WarpJob, WarpResult>;
@@ -50,17 +64,9 @@ using WarpWorker = NewestWorker<WarpJob, WarpResult>;
 /// `resources`: the backend and whom a fallback is told; marcher and context are the jobs' and the worker's own.
 std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources resources, std::function<void()> onResult);
 
-/// What the reference worker marches.
-struct ReferenceJob {
-  MarcherPtr marcher;
-  Camera camera;
-  MarchSettings settings;
-
-  bool operator==(const ReferenceJob&) const = default;
-};
-
 struct ReferenceResult {
-  std::shared_ptr<const ReferenceImage> image;
+  ReferenceJob job;                             ///< that was done
+  std::shared_ptr<const ReferenceImage> image;  ///< null if there is an error
   std::string error;
 };
 

@@ -3,6 +3,7 @@
 #include "app/window_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -22,11 +23,17 @@ Json medianAndLongest(std::vector<double> values) {
 
 Json toJson(const Panel& panel) {
   if (!panel.picture || !panel.drawn->usesFrame) return nullptr;
+  const auto current = [&](double PictureErrors::*error) {
+    return panel.errorsAreCurrent && std::isfinite((*panel.errors).*error) ? Json((*panel.errors).*error) : Json(nullptr);
+  };
   const FrameLatency& latency = panel.latency;
   return {{"bytes", panel.frameBytes},        {"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},
           {"queueMs", latency.queueMs},       {"marchMs", latency.marchMs},     {"compactMs", latency.compactMs},
           {"copyMs", latency.copyMs},         {"encodeMs", latency.encodeMs},   {"decodeMs", latency.decodeMs},
-          {"buildMs", panel.buildMs},         {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs}};
+          {"buildMs", panel.buildMs},         {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs},
+          {"flip", current(&PictureErrors::flip)},
+          {"psnrDb", current(&PictureErrors::psnrDb)},
+          {"holeFraction", current(&PictureErrors::holeFraction)}};
 }
 
 Json toJson(const SourceStatus& status) {

@@ -23,6 +23,7 @@ struct ViewOptions {
   std::string screenshot;
   double screenshotAfterMs = 3000.0;
   std::string report;
+  std::string front;
 };
 
 constexpr Range kUiScaleRange{0.5, 4.0};
@@ -55,6 +56,10 @@ void view(const ViewOptions& options) {
   window.screenshot = options.screenshot;
   window.screenshotAfterMs = options.screenshotAfterMs;
   window.report = options.report;
+  if (!options.front.empty()) {
+    window.sweep = readSweepFile(options.front);
+    if (!window.sweep) throw InputError(options.front + ": holds no sweep: it lacks the key 'rows'");
+  }
 
   const Interrupt interrupt;
   SteadyClock clock;
@@ -120,6 +125,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--after-ms", options->screenshotAfterMs, "When the screenshot is taken, in milliseconds after the start")
       ->capture_default_str();
   command->add_option("--report", options->report, "JSON file to write figures to when the window closes: display rate, ages, latencies");
+  command->add_option("--front", options->front, "sweep.json whose configurations the plot shows as hollow points");
   command->callback([options, &chosen] {
     chosen = [options] {
       try {

@@ -12,12 +12,12 @@
 #include "app/heat_map.h"
 #include "app/picture.h"
 #include "app/sweep/svg_plot.h"
+#include "app/technique_color.h"
 
 namespace warpscope {
 namespace {
 
 constexpr uint32_t kCellPx = 240;
-constexpr float kHeatGain = 2.0f;
 
 const char* const kStyle = R"(
 :root{color-scheme:light dark;--ink:#1c2126;--dim:#69727b;--line:#d9dde1;--page:#fff;--mark:#f3f5f7}
@@ -41,9 +41,10 @@ const value=row=>{const cell=row.cells[column];return cell.dataset.value===undef
 [...body.rows].sort((a,b)=>{const x=value(a),y=value(b);return (x<y?-1:x>y?1:0)*(falls?-1:1)}).forEach(row=>body.append(row));}));
 )";
 
-const char* colorOf(const WarpDescriptor& technique) {
-  static constexpr const char* kColors[] = {"#7b8794", "#b0892f", "#d1495b", "#2b7de0", "#159a74", "#8a4fc7", "#c2571a", "#4aa5b8", "#b04a97", "#6f8f1f"};
-  return kColors[static_cast<size_t>(&technique - warpRegistry().data()) % std::size(kColors)];
+std::string colorOf(const WarpDescriptor& technique) {
+  char text[8];
+  std::snprintf(text, sizeof text, "#%06x", static_cast<unsigned>(techniqueRgb(technique) & 0xffffff));
+  return text;
 }
 
 std::string format(const char* pattern, double value) {

@@ -2,9 +2,10 @@
 // See svg_plot.h.
 #include "app/sweep/svg_plot.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
+
+#include "app/plot_axis.h"
 
 namespace warpscope {
 namespace {
@@ -16,74 +17,6 @@ std::string numbered(double value) {
   std::snprintf(text, sizeof text, "%.2f", value);
   return text;
 }
-
-/// "25", "0.05", "20 k": thousands and millions by their signs.
-std::string tickText(double value) {
-  const double magnitude = std::abs(value);
-  const double unit = magnitude >= 1e6 ? 1e6 : magnitude >= 1e4 ? 1e3 : 1.0;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g%s", value / unit + 0.0, unit == 1e6 ? " M" : unit == 1e3 ? " k" : "");
-  return text;
-}
-
-/// One axis: from values to places, and where its ticks are.
-class Scale {
- public:
-  Scale(bool isLogarithmic, double from, double to) : isLogarithmic_(isLogarithmic), from_(from), to_(to) {}
-
-  void include(double value) {
-    if (!std::isfinite(value) || (isLogarithmic_ && value <= 0.0)) return;
-    lowest_ = isEmpty_ ? value : std::min(lowest_, value);
-    highest_ = isEmpty_ ? value : std::max(highest_, value);
-    isEmpty_ = false;
-  }
-
-  /// Once all values are included.
-  void settle() {
-    if (isEmpty_) lowest_ = isLogarithmic_ ? 0.1 : 0.0, highest_ = 1.0;
-    if (isLogarithmic_) {
-      lowest_ /= 1.25;
-      highest_ *= 1.25;
-    } else {
-      if (highest_ == lowest_) highest_ = lowest_ + 1.0;
-      const double margin = 0.04 * (highest_ - lowest_);
-      lowest_ -= margin;
-      highest_ += margin;
-    }
-  }
-
-  double place(double value) const {
-    const double shown = isLogarithmic_ ? std::max(value, lowest_) : value;
-    const double share = isLogarithmic_ ? std::log(shown / lowest_) / std::log(highest_ / lowest_) : (shown - lowest_) / (highest_ - lowest_);
-    return from_ + std::clamp(share, 0.0, 1.0) * (to_ - from_);
-  }
-
-  std::vector<double> ticks() const {
-    std::vector<double> ticks;
-    if (isLogarithmic_) {
-      for (double power = std::pow(10.0, std::floor(std::log10(lowest_))); power <= highest_; power *= 10.0)
-        for (const double factor : {1.0, 2.0, 5.0})
-          if (factor * power >= lowest_ && factor * power <= highest_) ticks.push_back(factor * power);
-      return ticks;
-    }
-    const double rough = (highest_ - lowest_) / 6.0;
-    const double power = std::pow(10.0, std::floor(std::log10(rough)));
-    double step = 10.0 * power;
-    for (const double factor : {1.0, 2.0, 2.5, 5.0})
-      if (factor * power >= rough) {
-        step = factor * power;
-        break;
-      }
-    for (double i = std::ceil(lowest_ / step); i * step <= highest_; ++i) ticks.push_back(i * step + 0.0);  // never -0
-    return ticks;
-  }
-
- private:
-  bool isLogarithmic_;
-  double from_, to_;
-  double lowest_ = 0.0, highest_ = 0.0;
-  bool isEmpty_ = true;
-};
 
 std::string textAt(double x, double y, const char* anchor, const std::string& text, const std::string& more = "") {
   return "<text x=\"" + numbered(x) + "\" y=\"" + numbered(y) + "\" text-anchor=\"" + anchor + "\"" + more + ">" + escaped(text) + "</text>\n";
@@ -113,7 +46,7 @@ std::string escaped(const std::string& text) {
 
 std::string svgOf(const Plot& plot) {
   const double right = kWidth - kRight, bottom = kHeight - kBottom;
-  Scale x(plot.x.isLogarithmic, kLeft, right), y(plot.y.isLogarithmic, bottom, kTop);
+  AxisScale x(plot.x.isLogarithmic, kLeft, right), y(plot.y.isLogarithmic, bottom, kTop);
   for (const PlotSeries& series : plot.series)
     for (const PlotPoint& point : series.points) {
       x.include(point.x);

@@ -22,12 +22,6 @@ std::string grouped(size_t number) {
   return text;
 }
 
-std::string bytesText(size_t bytes) {
-  if (bytes < 1000) return std::to_string(bytes) + " bytes";
-  if (bytes < 1000 * 1000) return format("%.0f kB", static_cast<double>(bytes) / 1e3);
-  return format("%.2f MB", static_cast<double>(bytes) / 1e6);
-}
-
 }  // namespace
 
 bool Hover::hasRested(const ImVec2& item, Session::TimePoint now) {
@@ -44,6 +38,12 @@ std::string durationText(double milliseconds) {
   if (milliseconds < 9.95) return format("%.2g ms", milliseconds);
   if (milliseconds < 9950.0) return format("%.0f ms", milliseconds);
   return format("%.0f s", milliseconds / 1e3);
+}
+
+std::string bytesText(size_t bytes) {
+  if (bytes < 1000) return std::to_string(bytes) + " bytes";
+  if (bytes < 1000 * 1000) return format("%.0f kB", static_cast<double>(bytes) / 1e3);
+  return format("%.2f MB", static_cast<double>(bytes) / 1e6);
 }
 
 void tooltip(const std::string& text, const Look& look) {

@@ -41,6 +41,11 @@ struct Look {
 /// over it. The session learns the size of the picture's area.
 bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, const Look& look);
 
+/// What is measured of a panel, as figures and as a line of its error, over the width of the current window. `measurementsHeight` is what that takes
+/// of a width, in ImGui units.
+void drawMeasurements(const Session& session, size_t index, const Look& look);
+float measurementsHeight(float width, const Look& look);
+
 /// Where the time of the panel's frame went, as a bar that fills the line. For techniques without frames the bar is empty.
 void drawTimeline(const Panel& panel, const Look& look);
 inline constexpr float kTimelinePx = 7.0f;  ///< its height at scale 1
@@ -74,5 +79,8 @@ void tooltip(const std::string& text, const Look& look);
 
 /// "1.2 ms", "123 ms", "12 s".
 std::string durationText(double milliseconds);
+
+/// "812 bytes", "72 kB", "1.25 MB".
+std::string bytesText(size_t bytes);
 
 }  // namespace warpscope::ui

@@ -8,6 +8,7 @@
 #include "app/output_files.h"
 #include "app/picture.h"
 #include "app/ui/parts.h"
+#include "app/ui/plot_view.h"
 #include "app/ui/window.h"
 #include "app/window_report.h"
 
@@ -23,8 +24,16 @@ constexpr std::chrono::milliseconds kLinger(500);
 
 class MainView {
  public:
-  MainView(const Window& window, const SceneOpener& openScene)
-      : textures_{PictureTexture(window.gl()), PictureTexture(window.gl())}, openScene_(openScene) {}
+  MainView(const Window& window, const SceneOpener& openScene, std::optional<SweepFile> sweep)
+      : textures_{PictureTexture(window.gl()), PictureTexture(window.gl())}, plot_(std::move(sweep)), openScene_(openScene) {}
+
+  /// A file that the user handed over: a sweep for the plot, or else a scene.
+  void open(const std::string& path, Session& session) {
+    if (std::filesystem::path(path).extension() == ".json")
+      fileSorter_->post(path);
+    else
+      session.load(openScene_(path));
+  }
 
   void draw(Session& session, double displayFramesPerSecond, const Look& look) {
     const ImGuiIO& io = ImGui::GetIO();
@@ -40,8 +49,10 @@ class MainView {
     ImGui::BeginChild("panels", {ImGui::GetContentRegionAvail().x - look.px(kControlsWidth + kMargin), bodyHeight}, false,
                       ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
     ImGui::PopStyleColor();
+    takeHandedFile(session);
     drawErrorBanner(session, look);
     drawPanels(session, look);
+    drawPlot(session, look);
     ImGui::EndChild();
     ImGui::PopStyleVar(2);
 
@@ -58,8 +69,32 @@ class MainView {
   std::optional<size_t> panelUnderPointer() const { return underPointer_; }
 
  private:
+  void takeHandedFile(Session& session) {
+    std::optional<HandedFile> file = fileSorter_->tryTake();
+    if (!file) return;
+    if (!file->error.empty())
+      plot_.showError(std::move(file->error));
+    else if (file->sweep)
+      plot_.showSweep(std::move(*file->sweep));
+    else
+      session.load(openScene_(file->path));
+  }
+
+  void drawPlot(Session& session, const Look& look) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const bool isUsed = io.MouseWheel != 0.0f || ImGui::IsMouseClicked(ImGuiMouseButton_Left) || ImGui::IsMouseClicked(ImGuiMouseButton_Right);
+    if (underPointer_ && isUsed) usedLast_ = *underPointer_;
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(8.0f), look.px(8.0f)});
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(6.0f)});
+    ImGui::BeginChild("plot", {0.0f, 0.0f}, true, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+    plot_.draw(session, usedLast_, look);
+    ImGui::EndChild();
+    ImGui::PopStyleVar(2);
+  }
+
   void drawPanels(Session& session, const Look& look) {
-    const ImVec2 room = ImGui::GetContentRegionAvail();
+    ImVec2 room = ImGui::GetContentRegionAvail();
+    room.y = std::max(1.0f, room.y - plot_.height(room.y, look) - look.px(kMargin));
     const float width = std::floor(0.5f * (room.x - look.px(kMargin)));  // equal, so that pictures are
     underPointer_.reset();
     for (size_t i = 0; i < kPanelCount; ++i) {
@@ -76,8 +111,11 @@ class MainView {
 
   Controls controls_;
   std::array<PictureTexture, kPanelCount> textures_;
+  PlotView plot_;
+  size_t usedLast_ = kPanelCount - 1;  // the panel that was clicked into or turned the wheel over last
   const SceneOpener& openScene_;
   std::optional<size_t> underPointer_;
+  std::unique_ptr<FileSorter> fileSorter_ = makeFileSorter([] { Window::wake(); });
 };
 
 /// Keys that act on the session. Returns false for those that close the window.
@@ -93,6 +131,7 @@ bool handleKeys(Window& window, Session& session, std::optional<size_t> panel) {
       knobs.isFrozen = !knobs.isFrozen;
       session.setKnobs(knobs);
     }
+    if (key.character == 'h' && panel) session.setShowsHeatMap(*panel, !session.panel(*panel).showsHeatMap);
     const size_t number = static_cast<size_t>(key.character - '1');
     if (key.character >= '1' && key.character <= '9' && panel && number < warpRegistry().size())
       session.setTechnique(*panel, warpRegistry()[number]);
@@ -114,7 +153,7 @@ struct Stage {
 Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
   const auto& [window, session, openScene, clock, settings, report] = stage;
   const std::stop_callback wakeUp(stop, [] { Window::wake(); });
-  MainView mainView(window, openScene);
+  MainView mainView(window, openScene, settings.sweep);
   RateMeter displayRate;
   Hover hover;
   const Clock::TimePoint start = clock.now();
@@ -143,7 +182,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
     mainView.draw(session, isMoving ? displayRate.perSecond(now) : 0.0,
                   {window.fonts(), window.scale(), window.pixelsPerUnit(), now, &hover});
     const bool goesOn = handleKeys(window, session, mainView.panelUnderPointer());
-    if (const std::optional<std::string> file = window.takeDroppedFile()) session.load(openScene(*file));
+    if (const std::optional<std::string> file = window.takeDroppedFile()) mainView.open(*file, session);
     const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);
     window.endFrame(isLast ? &photograph : nullptr);
     if (isLast || !goesOn) break;

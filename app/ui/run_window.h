@@ -5,9 +5,11 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 
 #include "app/session.h"
+#include "app/sweep/sweep_file.h"
 #include "render/core/error.h"
 
 namespace warpscope {
@@ -22,6 +24,7 @@ struct WindowSettings {
   double uiScale = 0.0;              ///< size of everything, 1: that of a usual screen; 0: as the screen says
   std::filesystem::path screenshot;  ///< if not empty: a PNG of the window is written here, then the window closes
   double screenshotAfterMs = 3000.0;
+  std::optional<SweepFile> sweep;    ///< that the plot shows as well
   std::filesystem::path report;      ///< if not empty: a WindowReport is written here when the window closes
 };
 

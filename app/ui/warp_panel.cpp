@@ -4,69 +4,25 @@
 #include <cmath>
 #include <cstdio>
 
+#include "app/heat_map.h"
 #include "app/orbit.h"
 #include "app/ui/parts.h"
 
 namespace warpscope::ui {
 namespace {
 
-struct Measurement {
-  const char* name;
-  std::string value;
-  bool isCurrent;
-  const char* explanation;
-};
+constexpr float kHeatButtonPx = 76.0f;  // at scale 1
 
-std::string holesText(double fraction) {
+std::string formatted(const char* pattern, double value) {
   char text[32];
-  std::snprintf(text, sizeof text, fraction < 0.0995 ? "%.2f %%" : "%.1f %%", 100.0 * fraction);
+  std::snprintf(text, sizeof text, pattern, value);
   return text;
-}
-
-std::array<Measurement, 4> measurementsOf(const Session& session, size_t index, Session::TimePoint now) {
-  const Panel& panel = session.panel(index);
-  const bool usesFrame = panel.drawn != nullptr && panel.drawn->usesFrame;
-  const std::optional<double> age = session.ageMs(index, now);
-  const std::string none = "–";
-  return {{
-      {"build", usesFrame ? durationText(panel.buildMs) : none, true,
-       "Time to derive from a frame what drawing needs (a hierarchy, a vertex buffer), once for each frame."},
-      {"draw", panel.picture ? durationText(panel.drawMs) : none, true,
-       "Time from the camera to finished colours, for each picture."},
-      {"age", age ? durationText(*age) : none, true,
-       "For how long the camera of the frame on show has not been the current one any more; 0 while it is."},
-      {"holes", usesFrame && panel.holeFraction ? holesText(*panel.holeFraction) : none, panel.holesAreCurrent,
-       "Pixels that no sample covers although the reference shows something there. Counted when the camera rests; grey while it is "
-       "an earlier camera's."},
-  }};
-}
-
-void drawMeasurements(const Session& session, size_t index, const Look& look) {
-  const float width = ImGui::GetContentRegionAvail().x;
-  const auto measurements = measurementsOf(session, index, look.now);
-  const ImVec2 origin = ImGui::GetCursorScreenPos();
-  const float column = width / static_cast<float>(measurements.size());
-  const float labelHeight = look.px(kSmallPx + 3.0f);
-  for (size_t i = 0; i < measurements.size(); ++i) {
-    const Measurement& measurement = measurements[i];
-    ImGui::SetCursorScreenPos({origin.x + column * static_cast<float>(i), origin.y});
-    ImGui::BeginGroup();
-    ImGui::PushFont(look.fonts.small);
-    ImGui::TextColored(kDimText, "%s", measurement.name);
-    ImGui::PopFont();
-    ImGui::SetCursorScreenPos({origin.x + column * static_cast<float>(i), origin.y + labelHeight});
-    if (measurement.isCurrent)
-      ImGui::TextUnformatted(measurement.value.c_str());
-    else
-      ImGui::TextColored(kFaintText, "%s", measurement.value.c_str());
-    ImGui::EndGroup();
-    tooltip(measurement.explanation, look);
-  }
 }
 
 void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
   const WarpDescriptor& technique = *session.panel(index).technique;
-  ImGui::SetNextItemWidth(std::min(look.px(170.0f), ImGui::GetContentRegionAvail().x));
+  const float buttonRoom = look.px(kHeatButtonPx) + ImGui::GetStyle().ItemSpacing.x;
+  ImGui::SetNextItemWidth(std::min(look.px(170.0f), std::max(look.px(40.0f), ImGui::GetContentRegionAvail().x - buttonRoom)));
   const bool isOpen = ImGui::BeginCombo("##technique", std::string(technique.label).c_str());
   if (!isOpen) tooltip(std::string(technique.summary) + ".\nKeys 1 to 9 choose a technique for the panel under the pointer.", look);
   if (!isOpen) return;
@@ -76,6 +32,41 @@ void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
     tooltip(std::string(choice.summary), look);
   }
   ImGui::EndCombo();
+}
+
+void drawHeatMapButton(Session& session, size_t index, const Look& look) {
+  const bool isOn = session.panel(index).showsHeatMap;
+  ImGui::SameLine();
+  if (isOn) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_HeaderActive));
+  if (ImGui::Button("Heat map", {look.px(kHeatButtonPx), 0.0f})) session.setShowsHeatMap(index, !isOn);
+  if (isOn) ImGui::PopStyleColor();
+  tooltip("Show where the picture differs from the ground truth, and by how much (FLIP), instead of the picture. Key H.", look);
+}
+
+/// The ramp of heat maps and what its ends stand for, in the lower left corner of the picture; or, while there is none, when there will be one.
+void drawHeatMapLegend(const Panel& panel, const ImVec2& origin, const ImVec2& area, const Look& look) {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  ImGui::PushFont(look.fonts.small);
+  const float line = ImGui::GetTextLineHeight(), margin = look.px(6.0f), gap = look.px(5.0f);
+  const bool isOnShow = panel.hasHeatMapOnShow();
+  const std::string low = isOnShow ? "FLIP 0" : "heat map when the view rests", high = formatted("%g", 1.0 / kHeatGain);
+  const float lowWidth = ImGui::CalcTextSize(low.c_str()).x, barWidth = look.px(90.0f);
+  const float width = lowWidth + (isOnShow ? barWidth + 2.0f * gap + ImGui::CalcTextSize(high.c_str()).x : 0.0f);
+  ImVec2 at{origin.x + 2.0f * margin, origin.y + area.y - line - 2.0f * margin};
+  list->AddRectFilled({at.x - margin, at.y - 0.5f * margin}, {at.x + width + margin, at.y + line + 0.5f * margin},
+                      ImGui::GetColorU32({0.0f, 0.0f, 0.0f, 0.7f}), look.px(3.0f));
+  list->AddText(at, ImGui::GetColorU32(isOnShow ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : kDimText), low.c_str());
+  if (isOnShow) {
+    constexpr int kPieces = 45;
+    at.x += lowWidth + gap;
+    const float top = at.y + 0.5f * line - look.px(4.0f), bottom = top + look.px(8.0f), piece = barWidth / kPieces;
+    for (int i = 0; i < kPieces; ++i)
+      list->AddRectFilled({at.x + piece * static_cast<float>(i), top}, {at.x + piece * static_cast<float>(i + 1), bottom},
+                          heatColor((static_cast<float>(i) + 0.5f) / kPieces));
+    list->AddRect({at.x, top}, {at.x + barWidth, bottom}, ImGui::GetColorU32(kFaintText));
+    list->AddText({at.x + barWidth + gap, at.y}, ImGui::GetColorU32(ImGuiCol_Text), high.c_str());
+  }
+  ImGui::PopFont();
 }
 
 /// Lets the pointer move the camera. The item drawn last is the picture's area.
@@ -100,10 +91,11 @@ void steer(Session& session, const ImVec2& area) {
 /// Draws the picture in the middle of the area: pixel on pixels if it was made for this size, else fitted.
 void drawPicture(const Session& session, const Panel& panel, PictureTexture& texture, const ImVec2& origin, const ImVec2& area,
                  const Look& look) {
-  texture.show(panel.picture);
-  const float pictureWidth = static_cast<float>(panel.picture.width()), pictureHeight = static_cast<float>(panel.picture.height());
+  const ShownPicture& picture = panel.hasHeatMapOnShow() ? panel.heatMap : panel.picture;
+  texture.show(picture);
+  const float pictureWidth = static_cast<float>(picture.width()), pictureHeight = static_cast<float>(picture.height());
   float zoom = static_cast<float>(session.screenPixels()) / look.pixelsPerUnit;
-  const bool isExact = glm::uvec2(panel.picture.width(), panel.picture.height()) == session.pictureSize();
+  const bool isExact = glm::uvec2(picture.width(), picture.height()) == session.pictureSize();
   if (!isExact) zoom = std::min(area.x / pictureWidth, area.y / pictureHeight);
   texture.setSmooth(!isExact);
   const auto snapped = [&](float value) { return std::floor(value * look.pixelsPerUnit) / look.pixelsPerUnit; };
@@ -128,9 +120,10 @@ void drawNote(const std::string& text, const ImVec4& color, const ImVec2& origin
 
 bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, const Look& look) {
   drawTechniqueChoice(session, index, look);
+  drawHeatMapButton(session, index, look);
 
-  const float strip = look.px(kSmallPx + 3.0f + kBodyPx + 6.0f + kTimelinePx) + ImGui::GetStyle().ItemSpacing.y;
   ImVec2 area = ImGui::GetContentRegionAvail();
+  const float strip = measurementsHeight(area.x, look) + look.px(kTimelinePx) + ImGui::GetStyle().ItemSpacing.y;
   area.x = std::max(area.x, look.px(16.0f));
   area.y = std::max(area.y - strip - ImGui::GetStyle().ItemSpacing.y, look.px(16.0f));
   session.setPanelSize(glm::uvec2(area.x * look.pixelsPerUnit, area.y * look.pixelsPerUnit));
@@ -151,6 +144,7 @@ bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, cons
     drawNote(panel.technique->usesFrame && !session.frame() ? "waiting for the first frame" : "drawing", kDimText, origin, area, look);
   else if (!panel.picture && !session.loading().empty())
     drawNote("opening " + session.loading(), kDimText, origin, area, look);
+  if (panel.picture && panel.showsHeatMap) drawHeatMapLegend(panel, origin, area, look);
   list->PopClipRect();
 
   drawTimeline(panel, look);

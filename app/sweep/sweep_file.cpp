@@ -1,0 +1,49 @@
+// Rows from JSON.
+// See sweep_file.h.
+#include "app/sweep/sweep_file.h"
+
+#include "render/core/error.h"
+
+namespace warpscope {
+namespace {
+
+constexpr size_t kMostRows = 1 << 20;  // a file of the largest size holds fewer
+
+/// Nothing if the file is no JSON.
+std::optional<JsonDocument> documentIn(const std::filesystem::path& path) {
+  try {
+    return JsonDocument::fromFile(path);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<SweepFile> sweepIn(const JsonDocument& document, const std::filesystem::path& path) {
+  const std::optional<Node> rows = document.root().find("rows");
+  if (!rows) return std::nullopt;
+  SweepFile file;
+  file.name = path.filename().string();
+  if (const std::optional<Node> scene = document.root().find("scene")) file.scene = scene->string();
+  std::vector<SweepRow> read;
+  for (const Node& row : rows->elements(0, kMostRows)) read.push_back(sweepRowFrom(row, {}));
+  file.summaries = summariesOf(read);
+  file.front = frontOf(file.summaries);
+  return file;
+}
+
+}  // namespace
+
+std::optional<SweepFile> readSweepFile(const std::filesystem::path& path) {
+  const JsonDocument document = JsonDocument::fromFile(path);
+  return sweepIn(document, path);
+}
+
+std::unique_ptr<FileSorter> makeFileSorter(std::function<void()> onResult) {
+  const auto sort = [](const std::string& path, HandedFile& file, const std::stop_token&) {
+    file.path = path;
+    if (const std::optional<JsonDocument> document = documentIn(path)) file.sweep = sweepIn(*document, path);
+  };
+  return std::make_unique<FileSorter>([sort]() -> FileSorter::Work { return sort; }, std::move(onResult));
+}
+
+}  // namespace warpscope

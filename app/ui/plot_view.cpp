@@ -1,0 +1,159 @@
+// Points from the session and from a sweep, and the list of those that nothing beats.
+// See plot_view.h.
+#include "app/ui/plot_view.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "app/technique_color.h"
+#include "app/ui/scatter_plot.h"
+
+namespace warpscope::ui {
+namespace {
+
+constexpr float kPlotPx = 150.0f, kListPx = 330.0f, kLeastForListPx = 640.0f;  // at scale 1
+constexpr float kLeastBodyPx = 480.0f;                                         // below it the plot stays folded up
+
+ImU32 colorOf(const WarpDescriptor& technique) {
+  const uint32_t rgb = techniqueRgb(technique);
+  return IM_COL32(rgb >> 16 & 255, rgb >> 8 & 255, rgb & 255, 255);
+}
+
+std::string formatted(const char* pattern, double a, double b) {
+  char text[64];
+  std::snprintf(text, sizeof text, pattern, a, b);
+  return text;
+}
+
+std::string figures(double frameMs, double flip) { return durationText(frameMs) + " a frame, FLIP " + formatted("%.4f", flip, 0.0); }
+
+/// What tells it from others, whatever others there are.
+std::string describe(const Configuration& configuration) {
+  std::string text = labelOf(configuration) + "\nstep " + formatted("%.3g", configuration.march.step, 0.0);
+  if (configuration.technique->usesFrame) text += ", server's image of " + std::to_string(configuration.serverSidePx) + " px, " + codecWord(configuration.codec);
+  return text;
+}
+
+std::string describe(const LiveFront::Point& point) {
+  std::string text = describe(point.configuration) + "\n" + figures(point.frameMs, point.flip);
+  for (const LiveFront::Bucket& bucket : point.buckets)
+    text += formatted("\n  FLIP %.4f at %g", bucket.flip, bucket.fromDeg) + formatted("° to %g°", bucket.fromDeg + LiveFront::kBucketDeg, 0.0);
+  return text;
+}
+
+}  // namespace
+
+/// Points of the plot and the configurations that they stand for.
+struct PlotView::Shown {
+  std::vector<ScatterPoint> points;
+  std::vector<const Configuration*> configurations;
+  std::vector<size_t> front;  ///< indices into both, the live ones first
+};
+
+float PlotView::height(float bodyHeight, const Look& look) const {
+  const float header = ImGui::GetFrameHeight() + 2.0f * look.px(8.0f);
+  const bool hasRoom = bodyHeight >= look.px(kLeastBodyPx);
+  return isUnfolded_ && hasRoom ? header + look.px(6.0f + kPlotPx) : header;
+}
+
+void PlotView::showSweep(SweepFile sweep) {
+  sweep_ = std::move(sweep);
+  error_.clear();
+  isUnfolded_ = true;
+}
+
+PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
+  Shown shown;
+  const std::string click = std::string("\nClick to show it in the ") + (panel == 0 ? "left" : "right") + " panel.";
+  const auto add = [&](const Configuration& configuration, double frameMs, double flip, const std::string& text) {
+    ScatterPoint point;
+    point.x = frameMs;
+    point.y = flip;
+    point.color = colorOf(*configuration.technique);
+    point.label = text + click;
+    shown.points.push_back(std::move(point));
+    shown.configurations.push_back(&configuration);
+  };
+  const LiveFront& live = session.liveFront();
+  for (const LiveFront::Point& point : live.points()) {
+    add(point.configuration, point.frameMs, point.flip, describe(point));
+    for (size_t i = 0; i < kPanelCount; ++i)
+      if (session.panel(i).configuration == point.configuration) shown.points.back().isMarked = true;
+  }
+  shown.front = live.front();
+  if (sweep_) {
+    const size_t first = shown.points.size();
+    for (const Summary& summary : sweep_->summaries) {
+      add(summary.configuration, summary.frameMs, summary.flip, describe(summary.configuration) + "\n" + figures(summary.frameMs, summary.flip) + ", of the sweep");
+      shown.points.back().isHollow = true;
+    }
+    for (const size_t i : sweep_->front) shown.front.push_back(first + i);
+  }
+  for (const size_t i : shown.front) shown.points[i].isOnFront = true;
+  return shown;
+}
+
+void PlotView::drawHeader(const Look& look) {
+  ImGui::SetNextItemOpen(isUnfolded_);
+  isUnfolded_ = ImGui::CollapsingHeader("Error against time");
+  tooltip("One point for each combination of technique and knobs that was on show and judged: milliseconds to decode, build and draw, and mean "
+          "FLIP over the angles at which it was seen. Rings: nothing is faster and better. White rims: on show now. Drop a sweep.json onto the "
+          "window for hollow points. Forgotten with another scene or another size of the pictures.",
+          look);
+  std::string note = error_;
+  if (note.empty() && sweep_) note = "hollow: " + sweep_->name + (sweep_->scene.empty() ? "" : " of " + sweep_->scene);
+  if (note.empty()) return;
+  ImGui::PushFont(look.fonts.small);
+  const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+  const float width = ImGui::CalcTextSize(note.c_str()).x, left = std::max(from.x + look.px(170.0f), to.x - width - look.px(8.0f));
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->PushClipRect({left, from.y}, to, true);
+  list->AddText({left, 0.5f * (from.y + to.y - ImGui::GetTextLineHeight())}, ImGui::GetColorU32(error_.empty() ? kDimText : kErrorText), note.c_str());
+  list->PopClipRect();
+  ImGui::PopFont();
+}
+
+void PlotView::draw(Session& session, size_t panel, const Look& look) {
+  drawHeader(look);
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  if (!isUnfolded_ || room.y < look.px(60.0f)) return;
+  const Shown shown = shownOf(session, panel);
+  const bool hasList = room.x >= look.px(kLeastForListPx);
+  const float listWidth = hasList ? look.px(kListPx) : 0.0f;
+  ScatterLook plot;
+  plot.xLabel = "ms a frame";
+  plot.yLabel = "FLIP";
+  plot.emptyText = session.scene() != nullptr ? "points come when the view rests" : "";
+  plot.small = look.fonts.small;
+  plot.scale = look.scale;
+  std::optional<size_t> chosen = drawScatterPlot("points", shown.points, {room.x - listWidth - (hasList ? look.px(8.0f) : 0.0f), room.y}, plot).clicked;
+  if (hasList) {
+    ImGui::SameLine(0.0f, look.px(8.0f));
+    ImGui::BeginChild("front", {listWidth, room.y}, false);
+    ImGui::PushFont(look.fonts.small);
+    ImGui::TextColored(kDimText, "Nothing beats these in time and error:");
+    for (const size_t i : shown.front) {
+      const ScatterPoint& point = shown.points[i];
+      ImGui::PushID(static_cast<int>(i));
+      const ImVec2 at = ImGui::GetCursorScreenPos();
+      const float line = ImGui::GetTextLineHeight(), radius = look.px(3.5f);
+      const ImVec2 center{at.x + 2.0f * radius, at.y + 0.5f * line};
+      if (point.isHollow)
+        ImGui::GetWindowDrawList()->AddCircle(center, radius, point.color, 0, look.px(1.4f));
+      else
+        ImGui::GetWindowDrawList()->AddCircleFilled(center, radius, point.color);
+      const std::string text = durationText(point.x) + "   " + formatted("%.4f", point.y, 0.0) + "   " + labelOf(*shown.configurations[i]);
+      ImGui::Indent(look.px(16.0f));
+      if (ImGui::Selectable(text.c_str())) chosen = i;
+      tooltip(point.label, look);
+      ImGui::Unindent(look.px(16.0f));
+      ImGui::PopID();
+    }
+    ImGui::PopFont();
+    ImGui::EndChild();
+  }
+  if (chosen) session.choose(panel, Configuration(*shown.configurations[*chosen]));  // a copy: the session may move its points
+}
+
+}  // namespace warpscope::ui

@@ -1,0 +1,36 @@
+// The window's plot: accuracy against time of what was on show, and of a sweep, if there is one.
+// Filled points are live, hollow ones the sweep's; rings are what nothing else of their kind beats.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "app/sweep/sweep_file.h"
+#include "app/ui/parts.h"
+
+namespace warpscope::ui {
+
+class PlotView {
+ public:
+  explicit PlotView(std::optional<SweepFile> sweep) : sweep_(std::move(sweep)) {}
+
+  /// Of a window's body of that height (ImGui units): less where there is little room, or when it is folded up.
+  float height(float bodyHeight, const Look& look) const;
+  /// Fills the current child window. A point that is clicked on is taken over by the session, its technique by that panel.
+  void draw(Session& session, size_t panel, const Look& look);
+
+  void showSweep(SweepFile sweep);
+  /// Why a sweep could not be read.
+  void showError(std::string error) { error_ = std::move(error); }
+
+ private:
+  struct Shown;
+  Shown shownOf(const Session& session, size_t panel) const;
+  void drawHeader(const Look& look);
+
+  std::optional<SweepFile> sweep_;
+  std::string error_;
+  bool isUnfolded_ = true;
+};
+
+}  // namespace warpscope::ui

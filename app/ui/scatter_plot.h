@@ -1,0 +1,38 @@
+// Points over two logarithmic axes, to be pointed at and clicked on. Knows nothing of what they stand for.
+// Drawn with ImGui's draw lists; scales and ticks are app/plot_axis.h's.
+#pragma once
+
+#include <imgui.h>
+
+#include <optional>
+#include <span>
+#include <string>
+
+namespace warpscope::ui {
+
+struct ScatterPoint {
+  double x = 0.0;  ///< values that a logarithmic axis cannot show (0 and less) stand at its lower end; those that are not finite are left out
+  double y = 0.0;
+  ImU32 color = 0;
+  std::string label;       ///< shown while the pointer is near
+  bool isHollow = false;
+  bool isOnFront = false;  ///< gets a ring
+  bool isMarked = false;   ///< gets a white rim
+};
+
+struct ScatterLook {
+  std::string xLabel, yLabel;
+  std::string emptyText;    ///< where points would be
+  ImFont* small = nullptr;  ///< of ticks and labels
+  float scale = 1.0f;       ///< ImGui units that a length of 1 at scale 1 takes
+};
+
+struct ScatterAnswer {
+  std::optional<size_t> hovered;  ///< index of the point nearest to the pointer, within a few pixels
+  std::optional<size_t> clicked;  ///< the same, in the frame in which the button goes down
+};
+
+/// Fills `size` (ImGui units) at the cursor.
+ScatterAnswer drawScatterPlot(const char* id, std::span<const ScatterPoint> points, const ImVec2& size, const ScatterLook& look);
+
+}  // namespace warpscope::ui

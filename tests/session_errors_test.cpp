@@ -1,0 +1,246 @@
+// How wrong a session's pictures are, live: figures, heat maps, histories, the front; and that finding out holds nothing up.
+// Mirrors the parts of app/session.h that app/session_errors.cpp holds. Threads are real, volumes and images tiny.
+#include <cmath>
+
+#include "app/heat_map.h"
+#include "tests/session_fixture.h"
+
+namespace warpscope {
+namespace {
+
+using SessionErrorsTest = SessionTest;
+
+/// What the panel draws, drawn again, and its ground truth.
+struct Redrawn {
+  WarpedImage image;
+  Image<glm::vec4> reference;
+};
+
+Redrawn redrawn(const Session& session, size_t panel) {
+  Redrawn result;
+  const Scene& scene = *session.scene();
+  const glm::uvec2 size = session.pictureSize();
+  const Camera camera = makeCamera(scene, session.view(), size.x, size.y);
+  WarpResources resources;
+  resources.marcher = makeMarcher(Backend::cpu, scene.volume, scene.transferFunction);
+  WarpSettings settings = session.knobs().warp;
+  settings.reference = session.knobs().march;
+  const std::unique_ptr<Warp> warp = makeWarp(*session.panel(panel).technique, resources);
+  warp->setFrame(session.frame(), settings);
+  warp->draw(camera, settings, result.image);
+  resources.marcher->render(camera, session.knobs().march, result.reference, {});
+  return result;
+}
+
+void freeze(Session& session) {
+  Knobs knobs = session.knobs();
+  knobs.isFrozen = true;
+  session.setKnobs(knobs);
+}
+
+void turn(Session& session, double degrees) {
+  View view = session.view();
+  view.angleDeg += degrees;
+  session.setView(view);
+}
+
+TEST_F(SessionErrorsTest, AreThoseOfTheJudgeOnTheSamePictures) {
+  ASSERT_TRUE(open("shells"));
+  freeze(session_);
+  turn(session_, 25.0);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).errorsAreCurrent && session_.panel(1).errorsAreCurrent; }));
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    const Redrawn again = redrawn(session_, i);
+    Image<float> map;
+    const PictureErrors expected = PictureJudge(again.reference, session_.scene()->background).errorsOf(again.image, nullptr, &map);
+    const PictureErrors& errors = *session_.panel(i).errors;
+    EXPECT_GT(errors.flip, 0.01);  // a frame from 25 degrees away cannot be right
+    EXPECT_DOUBLE_EQ(errors.flip, expected.flip);
+    EXPECT_DOUBLE_EQ(errors.psnrDb, expected.psnrDb);
+    EXPECT_DOUBLE_EQ(errors.ssim, expected.ssim);
+    EXPECT_DOUBLE_EQ(errors.holeFraction, expected.holeFraction);
+    EXPECT_EQ(*session_.panel(i).heatMap.host, heatMap(map, kHeatGain));
+  }
+  EXPECT_NE(session_.panel(0).errors->flip, session_.panel(1).errors->flip);  // hold and spheres
+}
+
+TEST_F(SessionErrorsTest, TheReferenceHasNone) {
+  session_.setTechnique(0, findWarp("reference"));
+  ASSERT_TRUE(open("block"));
+  EXPECT_EQ(session_.panel(0).errors->flip, 0.0);
+  EXPECT_TRUE(std::isinf(session_.panel(0).errors->psnrDb));
+  EXPECT_EQ(session_.panel(0).errors->holeFraction, 0.0);
+  EXPECT_EQ(session_.panel(0).configuration, std::nullopt);
+}
+
+/// Judges that do not come to an end hold up no picture: panels draw on while theirs are stuck in the first.
+TEST_F(SessionErrorsTest, AMovingCameraGetsItsPicturesWhileJudgesAreAtWork) {
+  std::atomic<bool> mayEnd = false;
+  std::atomic<int> begun = 0;
+  SessionSettings stuck = settings();
+  stuck.judge = [&](const PictureJudge& judge, const WarpedImage& image, Image<float>& map) {
+    ++begun;
+    while (!mayEnd) std::this_thread::sleep_for(milliseconds(1));
+    return judgeWhole(judge, image, map);
+  };
+  Session session(stuck, [] {});
+  session.setPanelSize(kPanelPx);
+  session.load(builtin("block"));
+  const bool bothBegan = pumpUntil(session, [&] { return begun == 2; });
+  int shown = 0;
+  for (int i = 0; bothBegan && i < 5; ++i) {
+    const std::array<ShownPicture, kPanelCount> before{session.panel(0).picture, session.panel(1).picture};
+    turn(session, 5.0);
+    shown += pumpUntil(session, [&] { return session.panel(0).picture != before[0] && session.panel(1).picture != before[1]; });
+  }
+  EXPECT_EQ(begun, 2);
+  EXPECT_FALSE(session.panel(0).errors || session.panel(1).errors);
+  mayEnd = true;
+  EXPECT_TRUE(bothBegan);
+  EXPECT_EQ(shown, 5);
+  EXPECT_TRUE(settle(session));
+  EXPECT_TRUE(session.close(kPatience));
+}
+
+TEST_F(SessionErrorsTest, AHeatMapIsOnShowOnlyWhileItIsTrue) {
+  ASSERT_TRUE(open("block"));
+  EXPECT_FALSE(session_.panel(1).hasHeatMapOnShow());
+  session_.setShowsHeatMap(1, true);
+  EXPECT_TRUE(session_.panel(1).hasHeatMapOnShow());
+  EXPECT_FALSE(session_.panel(0).hasHeatMapOnShow());
+  EXPECT_EQ(session_.panel(1).heatMap.width(), session_.panel(1).picture.width());
+  EXPECT_EQ(session_.panel(1).heatMap.height(), session_.panel(1).picture.height());
+
+  const ShownPicture atHome = session_.panel(1).heatMap;
+  turn(session_, 20.0);
+  session_.update(clock_.now());
+  EXPECT_FALSE(session_.panel(1).hasHeatMapOnShow());  // moving
+  ASSERT_TRUE(settle());
+  EXPECT_TRUE(session_.panel(1).hasHeatMapOnShow());
+  EXPECT_NE(session_.panel(1).heatMap, atHome);
+
+  session_.setTechnique(1, findWarp("hold"));
+  EXPECT_FALSE(session_.panel(1).hasHeatMapOnShow());  // that of another technique
+  ASSERT_TRUE(settle());
+  EXPECT_TRUE(session_.panel(1).hasHeatMapOnShow());
+  session_.setShowsHeatMap(1, false);
+  EXPECT_FALSE(session_.panel(1).hasHeatMapOnShow());
+
+  session_.setShowsHeatMap(1, true);
+  session_.load(builtin("shells"));
+  ASSERT_TRUE(pumpUntil([&] { return session_.scene()->name == "shells"; }));
+  EXPECT_FALSE(session_.panel(1).hasHeatMapOnShow());
+  ASSERT_TRUE(settle());
+  EXPECT_TRUE(session_.panel(1).hasHeatMapOnShow());  // the wish stays
+}
+
+TEST_F(SessionErrorsTest, TheHistoryHasAGapWhileTheCameraMoves) {
+  ASSERT_TRUE(open("block"));
+  const Clock::TimePoint rested = clock_.now();
+  session_.update(rested);
+  std::vector<ErrorHistory::Step> steps = session_.panel(1).history.steps(rested);
+  ASSERT_FALSE(steps.empty());
+  EXPECT_EQ(steps.back().endS, 0.0);
+  EXPECT_EQ(steps.back().value, session_.panel(1).errors->flip);
+
+  turn(session_, 1.0);
+  session_.update(rested + milliseconds(10));
+  steps = session_.panel(1).history.steps(rested + seconds(2));
+  ASSERT_FALSE(steps.empty());
+  EXPECT_NEAR(steps.back().endS, 1.99, 1e-9);
+}
+
+/// A marcher that says it is on a device: its ground truth follows the camera.
+TEST_F(SessionErrorsTest, WhereADeviceMarchesErrorsComeWhileTheCameraMoves) {
+  faults_->isCuda = true;
+  ASSERT_TRUE(open("block"));
+  EXPECT_TRUE(session_.isReferenceLive());
+  const size_t before = session_.panel(1).history.steps(clock_.now()).size();
+  // Never at rest: every update sees another camera.
+  ASSERT_TRUE(pumpUntil([&] {
+    turn(session_, 0.05);
+    return session_.panel(1).history.steps(clock_.now()).size() >= before + 3;
+  }));
+  EXPECT_TRUE(session_.panel(1).errorsAreCurrent);
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.error(), "");
+}
+
+TEST_F(SessionErrorsTest, WhereNoDeviceMarchesErrorsWaitUntilTheCameraRests) {
+  ASSERT_TRUE(open("block"));
+  EXPECT_FALSE(session_.isReferenceLive());
+  const auto until = clock_.now() + milliseconds(500);
+  while (clock_.now() < until) {
+    move(1);
+    EXPECT_FALSE(session_.panel(1).errorsAreCurrent);
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  EXPECT_TRUE(settle());
+}
+
+TEST_F(SessionErrorsTest, TheFrontHasAPointForEachConfigurationThatWasSeen) {
+  ASSERT_TRUE(open("block"));
+  ASSERT_EQ(session_.liveFront().points().size(), 2u);
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    const auto& points = session_.liveFront().points();
+    const auto point = std::find_if(points.begin(), points.end(), [&](const auto& one) { return one.configuration == *session_.panel(i).configuration; });
+    ASSERT_NE(point, points.end()) << i;
+    EXPECT_EQ(point->configuration.technique, session_.panel(i).technique);
+    EXPECT_EQ(point->configuration.serverSidePx, 48u);
+    EXPECT_DOUBLE_EQ(point->flip, session_.panel(i).errors->flip);
+    EXPECT_EQ(point->buckets.front().fromDeg, 0.0);
+    EXPECT_GT(point->frameMs, 0.0);
+  }
+  EXPECT_EQ(session_.panel(1).configuration->march.heuristic, session_.knobs().march.heuristic);
+
+  freeze(session_);
+  turn(session_, 24.0);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).errorsAreCurrent && session_.panel(1).errorsAreCurrent; }));
+  for (const LiveFront::Point& point : session_.liveFront().points()) {
+    ASSERT_EQ(point.buckets.size(), 2u);
+    EXPECT_EQ(point.buckets[1].fromDeg, 22.5);
+  }
+
+  Knobs knobs = session_.knobs();
+  knobs.isFrozen = false;
+  knobs.march.radiusPolicy = RadiusPolicy::constant;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return session_.liveFront().points().size() == 3u; }));  // `hold` depends on no radius
+
+  session_.setPanelSize({31, 29});
+  session_.update(clock_.now());
+  EXPECT_TRUE(session_.liveFront().points().empty());
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.liveFront().points().size(), 2u);
+  session_.load(builtin("shells"));
+  ASSERT_TRUE(pumpUntil([&] { return session_.scene()->name == "shells"; }));
+  EXPECT_TRUE(session_.liveFront().points().empty());
+}
+
+TEST_F(SessionErrorsTest, AConfigurationThatIsChosenIsTakenOver) {
+  ASSERT_TRUE(open("block"));
+  Configuration wanted;
+  wanted.technique = &findWarp("spheres");
+  wanted.march = session_.knobs().march;
+  wanted.march.heuristic = Heuristic::median;
+  wanted.march.radiusPolicy = RadiusPolicy::pixel;
+  wanted.march.radiusScale = 2.0f;
+  wanted.march.step = 0.75f;
+  wanted.serverSidePx = 32;
+  wanted.codec.color = ColorCoding::lossless;
+  session_.choose(0, wanted);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).configuration == normalized(wanted) && session_.panel(0).errorsAreCurrent; }));
+  EXPECT_EQ(session_.frame()->camera.height, 32u);
+
+  // What a technique does not depend on stays for the other panel.
+  Configuration points = normalized({&findWarp("points"), {}, 48, {}, 5, WarpSettings{}.hits});
+  session_.choose(1, points);
+  EXPECT_EQ(session_.knobs().warp.pointSize, 5);
+  EXPECT_EQ(session_.knobs().march.radiusPolicy, RadiusPolicy::pixel);
+  EXPECT_EQ(session_.knobs().march.radiusScale, 2.0f);
+  EXPECT_EQ(session_.knobs().serverSidePx, 48u);
+  EXPECT_EQ(session_.panel(1).technique, &findWarp("points"));
+}
+
+}  // namespace
+}  // namespace warpscope
