@@ -27,10 +27,14 @@ struct Judgement {
 
 using JudgeWorker = NewestWorker<JudgeJob, Judgement>;
 
-/// How pictures are judged: as PictureJudge::errorsOf does, with the map of FLIP left in the last parameter.
-using JudgeFunction = std::function<PictureErrors(const PictureJudge&, const WarpedImage&, Image<float>&)>;
-PictureErrors judgeWhole(const PictureJudge& judge, const WarpedImage& image, Image<float>& map);
+/// How pictures are judged: as PictureJudge::errorsOf does, with the map of FLIP left in the last parameter. Used from one thread.
+using JudgeFunction = std::function<PictureErrors(const std::shared_ptr<const ReferenceImage>&, const WarpedImage&, Image<float>&)>;
+/// Makes one for each worker, on its thread.
+using JudgeMaker = std::function<JudgeFunction()>;
 
-std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeFunction judge, std::function<void()> onResult);
+/// Judges on the CUDA device where the ground truth was marched on one, until the device fails; else on the CPU.
+JudgeFunction makeJudge();
+
+std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult);
 
 }  // namespace warpscope

@@ -45,6 +45,8 @@ class LiveFront {
   const std::vector<Point>& points() const { return points_; }
   /// Indices into points() of what nothing beats in time and error, among techniques that use frames.
   const std::vector<size_t>& front() const { return front_; }
+  /// How many errors it was told of.
+  uint64_t errorCount() const { return errors_; }
   /// How many configurations are remembered, with and without an error.
   size_t remembered() const { return entries_.size(); }
 

@@ -19,8 +19,9 @@ Session::Session(SessionSettings settings, std::function<void()> onNews)
       referenceWorker_(makeReferenceWorker(onNews)) {
   for (size_t i = 0; i < kPanelCount; ++i) {
     panels_[i].technique = settings.techniques[i];
+    panels_[i].isAutomatic = settings.isAutomatic[i];
     warpWorkers_[i] = makeWarpWorker(settings.platform, settings.resources, onNews);
-    judgeWorkers_[i] = makeJudgeWorker(settings.judge, onNews);
+    judgeWorkers_[i] = makeJudgeWorker(settings.makeJudge, onNews);
   }
 }
 
@@ -38,6 +39,14 @@ void Session::cancelLoad() {
 }
 
 void Session::setTechnique(size_t panel, const WarpDescriptor& technique) {
+  panels_[panel].isAutomatic = false;
+  panels_[panel].choice.reset();
+  choiceInputs_[panel] = {};
+  panels_[panel].choiceText.clear();
+  useTechnique(panel, technique);
+}
+
+void Session::useTechnique(size_t panel, const WarpDescriptor& technique) {
   if (panels_[panel].technique == &technique) return;
   panels_[panel].technique = &technique;
   panels_[panel].errorsAreCurrent = false;
@@ -74,6 +83,7 @@ bool Session::update(TimePoint now) {
   for (size_t i = 0; i < kPanelCount; ++i) {
     happened |= takePicture(i);
     happened |= takeErrors(i, now);
+    if (panels_[i].isAutomatic) chooseTechnique(i);
     happened |= postJob(i);
   }
   forgetOldRequests();
@@ -115,6 +125,7 @@ bool Session::takeScene() {
     jobs_[i] = {};
     Panel fresh;
     fresh.technique = panels_[i].technique;
+    fresh.isAutomatic = panels_[i].isAutomatic;
     fresh.showsHeatMap = panels_[i].showsHeatMap;
     panels_[i] = std::move(fresh);
   }
@@ -214,6 +225,10 @@ bool Session::postJob(size_t index) {
   job.marcher = loaded_->display;
   job.camera = cameraOfSize(pictureSize());
   job.settings = knobs_.warp;
+  if (const std::optional<Configuration>& choice = panels_[index].choice) {
+    job.settings.pointSize = choice->pointSize;
+    job.settings.hits = choice->hits;
+  }
   job.settings.reference = referenceWanted_.settings;
   job.background = loaded_->scene.background;
   job.uncovered = knobs_.uncovered;

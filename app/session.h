@@ -17,6 +17,7 @@
 #include "app/live_front.h"
 #include "app/rate_meter.h"
 #include "app/scene_loader.h"
+#include "app/sweep/auto_choice.h"
 #include "app/warp_worker.h"
 
 namespace warpscope {
@@ -30,6 +31,7 @@ struct Knobs {
   TransportSettings transport;     ///< how frames travel from the server
   bool isFrozen = false;           ///< the server is asked for nothing: its last frame stays
   Rgba8 uncovered = 0;             ///< 0: the scene's background
+  double budgetMs = kDefaultBudgetMs;  ///< of a picture, for panels that choose by themselves
 
   bool operator==(const Knobs&) const = default;
 };
@@ -50,6 +52,10 @@ struct Panel {
   std::optional<Configuration> configuration;   ///< that drew it; nothing while it is not known, or `drawn` uses no frames
   std::string error;                            ///< empty if the last picture succeeded
 
+  bool isAutomatic = false;                     ///< `technique` is chosen for each picture by what was measured
+  std::optional<Configuration> choice;          ///< what was chosen; nothing if nothing fits
+  std::string choiceText;                       ///< what, and why: a sentence without its full stop
+
   std::optional<PictureErrors> errors;  ///< the last that were found
   /// They are those of the picture that is shown or, where the ground truth follows the moving camera (Session::isReferenceLive), of one shown
   /// less than kLiveErrors ago by the same technique.
@@ -65,10 +71,11 @@ inline constexpr std::chrono::seconds kLiveErrors(1);
 
 struct SessionSettings {
   std::array<const WarpDescriptor*, kPanelCount> techniques{};
+  std::array<bool, kPanelCount> isAutomatic{};  ///< which panels choose by themselves
   Knobs knobs;  ///< `march` is replaced by each scene's
   gl::Platform platform = gl::Platform::automatic;
   WarpResources resources;  ///< backend and onFallback; the rest is the session's
-  JudgeFunction judge = judgeWhole;
+  JudgeMaker makeJudge = warpscope::makeJudge;
 };
 
 class Session {
@@ -85,7 +92,12 @@ class Session {
   void cancelLoad();
   void setView(const View& view) { view_ = view; }
   void setKnobs(const Knobs& knobs) { knobs_ = knobs; }
+  /// The panel does not choose by itself any more.
   void setTechnique(size_t panel, const WarpDescriptor& technique);
+  /// Lets the panel choose: of a sweep that was handed over, or of what was on show so far. What the server does stays as the knobs say.
+  void setAutomatic(size_t panel);
+  /// A sweep to choose by; null for none.
+  void setFront(std::shared_ptr<const AutoChoice> front) { front_ = std::move(front); }
   void setShowsHeatMap(size_t panel, bool shows) { panels_[panel].showsHeatMap = shows; }
   /// Takes over that configuration's technique for the panel, and the knobs that it depends on for all.
   void choose(size_t panel, const Configuration& configuration);
@@ -170,6 +182,9 @@ class Session {
   bool ask(TimePoint now);
   bool askReference(TimePoint now);
   bool postJob(size_t index);
+  void useTechnique(size_t index, const WarpDescriptor& technique);
+  /// For a panel that chooses by itself.
+  void chooseTechnique(size_t index);
   /// Hands a picture to the panel's judge.
   void judge(size_t index, WarpResult drawn);
   /// Whether these errors may be shown for what the panel shows now.
@@ -216,6 +231,17 @@ class Session {
   };
   std::array<std::optional<Judged>, kPanelCount> judged_;  // what each panel's errors are of
   LiveFront liveFront_;
+  std::shared_ptr<const AutoChoice> front_;
+  /// What a panel's choice depends on, so that it is made anew only where it may change.
+  struct ChoiceInput {
+    SampleFramePtr frame;
+    Camera camera;
+    double budgetMs = 0.0;
+    std::shared_ptr<const AutoChoice> front;
+    uint64_t liveErrors = 0;
+    bool operator==(const ChoiceInput&) const = default;
+  };
+  std::array<ChoiceInput, kPanelCount> choiceInputs_;
   glm::uvec2 liveFrontSize_{0};  // of the pictures that it is about
   std::array<WarpJob, kPanelCount> jobs_;  // last posted
 

@@ -95,8 +95,8 @@ void Session::judge(size_t index, WarpResult drawn) {
 bool Session::areCurrent(const Panel& panel, const JudgeJob& job, TimePoint judgedAt, TimePoint now) const {
   const WarpJob& drawn = job.drawn.job;
   if (drawn.technique != panel.technique) return false;
-  if (drawn.reference->job == referenceWanted_ && job.drawn.picture == panel.picture) return true;
-  return isReferenceLive() && differOnlyInPlace(drawn.reference->job, referenceWanted_) && now - judgedAt < kLiveErrors;
+  if (drawn.reference->job() == referenceWanted_ && job.drawn.picture == panel.picture) return true;
+  return isReferenceLive() && differOnlyInPlace(drawn.reference->job(), referenceWanted_) && now - judgedAt < kLiveErrors;
 }
 
 bool Session::takeErrors(size_t index, TimePoint now) {
@@ -112,7 +112,7 @@ bool Session::takeErrors(size_t index, TimePoint now) {
     panel.history.add(now, panel.errors->flip);
     const WarpJob& drawn = judgement->job.drawn.job;
     if (judgement->job.configuration)
-      liveFront_.addError(*judgement->job.configuration, degreesBetween(drawn.frame->camera, drawn.reference->job.camera), panel.errors->flip);
+      liveFront_.addError(*judgement->job.configuration, degreesBetween(drawn.frame->camera, drawn.reference->job().camera), panel.errors->flip);
     judged_[index] = Judged{std::move(judgement->job), now};
   }
   panel.errorsAreCurrent = judged_[index] && areCurrent(panel, judged_[index]->job, judged_[index]->at, now);

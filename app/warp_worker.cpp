@@ -79,14 +79,14 @@ class Easel {
   }
 
   std::shared_ptr<const WarpedImage> imageToJudge(const WarpJob& job, bool isOtherReference, const std::stop_token& stop) {
-    if (job.reference->job.camera == job.camera) {
+    if (job.reference->job().camera == job.camera) {
       drawToHost(job, stop);
       isHandedOut_ = true;
       return image_;
     }
     if (!isOtherReference) return nullptr;
     auto image = std::make_shared<WarpedImage>();
-    warp_->draw(job.reference->job.camera, job.settings, *image, stop);
+    warp_->draw(job.reference->job().camera, job.settings, *image, stop);
     return image;
   }
 
@@ -108,10 +108,17 @@ void marchReference(const ReferenceJob& job, ReferenceResult& result, const std:
   result.job = job;
   Image<glm::vec4> color;
   job.marcher->render(job.camera, job.settings, color, stop);
-  result.image = std::make_shared<const ReferenceImage>(ReferenceImage{job, PictureJudge(color, job.background)});
+  auto image = std::make_shared<const ReferenceImage>(job, std::move(color));
+  if (job.marcher->backend() == Backend::cpu) image->judge();  // here, and not in each panel's thread; a device has its own judges
+  result.image = std::move(image);
 }
 
 }  // namespace
+
+const PictureJudge& ReferenceImage::judge() const {
+  std::call_once(isPrepared_, [this] { judge_.emplace(color_, job_.background); });
+  return *judge_;
+}
 
 std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources resources, std::function<void()> onResult) {
   return std::make_unique<WarpWorker>(

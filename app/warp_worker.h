@@ -4,7 +4,9 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <utility>
 
 #include "app/newest_worker.h"
 #include "app/shown_picture.h"
@@ -25,10 +27,21 @@ struct ReferenceJob {
   bool operator==(const ReferenceJob&) const = default;
 };
 
-/// The volume as the job's camera sees it, ready to judge pictures.
-struct ReferenceImage {
-  ReferenceJob job;
-  PictureJudge judge;
+/// The volume as the job's camera sees it.
+class ReferenceImage {
+ public:
+  ReferenceImage(ReferenceJob job, Image<glm::vec4> color) : job_(std::move(job)), color_(std::move(color)) {}
+
+  const ReferenceJob& job() const { return job_; }
+  const Image<glm::vec4>& color() const { return color_; }
+  /// Prepared when first asked for; safe on any thread.
+  const PictureJudge& judge() const;
+
+ private:
+  ReferenceJob job_;
+  Image<glm::vec4> color_;
+  mutable std::once_flag isPrepared_;
+  mutable std::optional<PictureJudge> judge_;
 };
 
 struct WarpJob {

@@ -69,12 +69,18 @@ TEST(AutoChoice, KeepsToWhatMayBeChosen) {
   EXPECT_FALSE(AutoChoice({}).choose(1.0, 1.0, [](const Configuration&) { return true; }));
 }
 
-TEST(AutoChoice, LeavesOutLinksAndSmallerImages) {
+TEST(AutoChoice, LeavesOutLinks) {
   std::vector<SweepRow> rows = someRows();
-  rows.push_back(rowOf("splats", 10, 0.001, 1, 256));
   rows.push_back(rowOf("multihit", 10, 0.001, 1));
   rows.back().link = "4g";
   EXPECT_EQ(chosen(AutoChoice(rows), 10.0, 100.0), "spheres");
+}
+
+TEST(AutoChoice, KnowsTheLargestImage) {
+  std::vector<SweepRow> rows = someRows();
+  rows.push_back(rowOf("splats", 10, 0.001, 1, 256));
+  EXPECT_EQ(AutoChoice(rows).largestSidePx(), 512u);
+  EXPECT_EQ(AutoChoice({}).largestSidePx(), 0u);
 }
 
 TEST(AutoChoice, ReadsASweepsFile) {

@@ -38,12 +38,6 @@ void freeze(Session& session) {
   session.setKnobs(knobs);
 }
 
-void turn(Session& session, double degrees) {
-  View view = session.view();
-  view.angleDeg += degrees;
-  session.setView(view);
-}
-
 TEST_F(SessionErrorsTest, AreThoseOfTheJudgeOnTheSamePictures) {
   ASSERT_TRUE(open("shells"));
   freeze(session_);
@@ -78,10 +72,12 @@ TEST_F(SessionErrorsTest, AMovingCameraGetsItsPicturesWhileJudgesAreAtWork) {
   std::atomic<bool> mayEnd = false;
   std::atomic<int> begun = 0;
   SessionSettings stuck = settings();
-  stuck.judge = [&](const PictureJudge& judge, const WarpedImage& image, Image<float>& map) {
-    ++begun;
-    while (!mayEnd) std::this_thread::sleep_for(milliseconds(1));
-    return judgeWhole(judge, image, map);
+  stuck.makeJudge = [&]() -> JudgeFunction {
+    return [&](const std::shared_ptr<const ReferenceImage>& reference, const WarpedImage& image, Image<float>& map) {
+      ++begun;
+      while (!mayEnd) std::this_thread::sleep_for(milliseconds(1));
+      return reference->judge().errorsOf(image, nullptr, &map);
+    };
   };
   Session session(stuck, [] {});
   session.setPanelSize(kPanelPx);

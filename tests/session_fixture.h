@@ -47,6 +47,12 @@ class FaultyMarcher final : public Marcher {
   std::shared_ptr<const Faults> faults_;
 };
 
+inline void turn(Session& session, double degrees) {
+  View view = session.view();
+  view.angleDeg += degrees;
+  session.setView(view);
+}
+
 class SessionTest : public ::testing::Test {
  protected:
   SessionSettings settings() const {

@@ -34,7 +34,8 @@ constexpr std::string_view kAuto = "auto";
 constexpr Range kViewAngleDegRange{-360.0, 360.0};
 
 /// What `auto` may choose: what was asked for stays.
-bool isAllowed(const Configuration& configuration, const ShotOptions& options, const Workplace& work) {
+bool isAllowed(const Configuration& configuration, uint32_t sidePx, const ShotOptions& options, const Workplace& work) {
+  if (configuration.serverSidePx != sidePx) return false;
   const WarpKnobs& knobs = configuration.technique->knobs;
   if (!options.common.heuristic.empty() && knobs.depth && configuration.march.heuristic != work.march.heuristic) return false;
   if (!options.common.radius.empty() && knobs.radius && configuration.march.radiusPolicy != work.march.radiusPolicy) return false;
@@ -60,8 +61,9 @@ AutoChoice measuredFront(const ShotOptions& options, const Workplace& work, Head
 /// Replaces the technique and its settings by what is best; says what that is.
 AutoChoice::Choice chooseFor(const ShotOptions& options, Workplace& work, HeadlessResources& headless, const std::stop_token& stop) {
   const double budgetMs = options.budgetMs.value_or(kDefaultBudgetMs);
-  const auto choice = measuredFront(options, work, headless, stop).choose(options.viewAngleDeg, budgetMs, [&](const Configuration& configuration) {
-    return isAllowed(configuration, options, work);
+  const AutoChoice front = measuredFront(options, work, headless, stop);
+  const auto choice = front.choose(options.viewAngleDeg, budgetMs, [&](const Configuration& configuration) {
+    return isAllowed(configuration, front.largestSidePx(), options, work);
   });
   if (!choice) throw InputError(options.front + ": nothing was measured with the heuristic and the radius that were asked for");
   const Configuration& best = choice->configuration;

@@ -24,6 +24,7 @@ struct ViewOptions {
   double screenshotAfterMs = 3000.0;
   std::string report;
   std::string front;
+  std::optional<double> budgetMs;
 };
 
 constexpr Range kUiScaleRange{0.5, 4.0};
@@ -34,7 +35,13 @@ bool isServerUrl(const std::string& text) { return text.starts_with("warp://") |
 void view(const ViewOptions& options) {
   const CheckedOptions checked = check(options.common);
   SessionSettings settings;
-  settings.techniques = {&findWarp(options.left), &findWarp(options.right)};
+  const std::array<std::string, kPanelCount> chosen{options.left, options.right};
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    settings.isAutomatic[i] = chosen[i] == "auto";
+    settings.techniques[i] = &findWarp(settings.isAutomatic[i] ? "splats" : chosen[i]);
+  }
+  if (options.budgetMs) requireRange(*options.budgetMs, kBudgetMsRange, "--budget-ms");
+  settings.knobs.budgetMs = options.budgetMs.value_or(kDefaultBudgetMs);
   const TransportSettings transport = transportOf(options.transport);
   const std::optional<net::Address> server = serverOf(options.transport);
   if (options.uiScale != 0.0) requireRange(options.uiScale, kUiScaleRange, "--ui-scale");
@@ -117,15 +124,17 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   addCommonOptions(*command, options->common);
   std::string names;
   for (const WarpDescriptor& warp : warpRegistry()) names += (names.empty() ? "" : " ") + std::string(warp.name);
+  names += ", or auto: what was measured to be best";
   command->add_option("--left", options->left, names)->capture_default_str();
   command->add_option("--right", options->right, names)->capture_default_str();
+  command->add_option("--budget-ms", options->budgetMs, "Milliseconds that a picture may take, for auto, " + rangeText(kBudgetMsRange) + "; default 33");
   addTransportOptions(*command, options->transport);
   command->add_option("--ui-scale", options->uiScale, "Size of everything, 0.5 to 4; default: as the screen says");
   command->add_option("--screenshot", options->screenshot, "PNG file to write the window's picture to; then the window closes");
   command->add_option("--after-ms", options->screenshotAfterMs, "When the screenshot is taken, in milliseconds after the start")
       ->capture_default_str();
   command->add_option("--report", options->report, "JSON file to write figures to when the window closes: display rate, ages, latencies");
-  command->add_option("--front", options->front, "sweep.json whose configurations the plot shows as hollow points");
+  command->add_option("--front", options->front, "sweep.json whose configurations the plot shows as hollow points, and that auto chooses by");
   command->callback([options, &chosen] {
     chosen = [options] {
       try {

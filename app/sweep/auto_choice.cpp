@@ -28,12 +28,10 @@ std::string reasonFor(const Configuration& configuration, double flip, double fr
 }  // namespace
 
 AutoChoice::AutoChoice(const std::vector<SweepRow>& rows) {
-  uint32_t side = 0;
-  for (const SweepRow& row : rows) side = std::max(side, row.configuration.serverSidePx);
   std::map<std::string, size_t> places;
   for (const SweepRow& row : rows) {
     const Configuration& configuration = row.configuration;
-    if (!row.link.empty() || !configuration.technique->usesFrame || configuration.serverSidePx != side) continue;
+    if (!row.link.empty() || !configuration.technique->usesFrame) continue;
     const auto [place, isNew] = places.emplace(keyOf(configuration), candidates_.size());
     if (isNew) candidates_.push_back({configuration, {}});
     candidates_[place->second].angles.push_back({std::abs(row.angleDeg), row.errors.flip, row.frameMs()});
@@ -50,6 +48,12 @@ AutoChoice AutoChoice::fromFile(const std::string& path, const MarchSettings& ba
   AutoChoice choice(rows);
   if (choice.empty()) root.at("rows").fail("hold nothing that draws a frame");
   return choice;
+}
+
+uint32_t AutoChoice::largestSidePx() const {
+  uint32_t sidePx = 0;
+  for (const Candidate& candidate : candidates_) sidePx = std::max(sidePx, candidate.configuration.serverSidePx);
+  return sidePx;
 }
 
 AutoChoice::AtAngle AutoChoice::Candidate::at(double angleDeg) const {

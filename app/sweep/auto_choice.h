@@ -17,8 +17,7 @@ inline constexpr double kDefaultBudgetMs = 33.0;
 
 class AutoChoice {
  public:
-  /// Rows of a sweep; those behind links, and what needs the volume, are left out. Where the server's images differ in size, those of the
-  /// largest count.
+  /// Rows of a sweep; those behind links, and what needs the volume, are left out.
   explicit AutoChoice(const std::vector<SweepRow>& rows);
   /// A sweep.json. Throws InputError.
   static AutoChoice fromFile(const std::string& path, const MarchSettings& base);
@@ -34,6 +33,8 @@ class AutoChoice {
   std::optional<Choice> choose(double angleDeg, double budgetMs, const std::function<bool(const Configuration&)>& may) const;
 
   bool empty() const { return candidates_.empty(); }
+  /// Longer side of the largest of the server's images that were measured; 0 without any.
+  uint32_t largestSidePx() const;
 
  private:
   struct AtAngle {

@@ -28,6 +28,7 @@ std::optional<SweepFile> sweepIn(const JsonDocument& document, const std::filesy
   for (const Node& row : rows->elements(0, kMostRows)) read.push_back(sweepRowFrom(row, {}));
   file.summaries = summariesOf(read);
   file.front = frontOf(file.summaries);
+  if (auto choice = std::make_shared<const AutoChoice>(read); !choice->empty()) file.choice = std::move(choice);
   return file;
 }
 

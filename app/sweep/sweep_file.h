@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/newest_worker.h"
+#include "app/sweep/auto_choice.h"
 #include "app/sweep/findings.h"
 
 namespace warpscope {
@@ -19,6 +20,7 @@ struct SweepFile {
   std::string scene;  ///< that was swept
   std::vector<Summary> summaries;
   std::vector<size_t> front;  ///< frontOf(summaries)
+  std::shared_ptr<const AutoChoice> choice;  ///< for panels that choose by themselves; null if nothing there draws a frame
 };
 
 /// Nothing if the file is JSON without "rows": it is something else, a scene perhaps. Throws InputError that names the file and the line.

@@ -72,12 +72,14 @@ class MainView {
   void takeHandedFile(Session& session) {
     std::optional<HandedFile> file = fileSorter_->tryTake();
     if (!file) return;
-    if (!file->error.empty())
+    if (!file->error.empty()) {
       plot_.showError(std::move(file->error));
-    else if (file->sweep)
+    } else if (file->sweep) {
+      session.setFront(file->sweep->choice);
       plot_.showSweep(std::move(*file->sweep));
-    else
+    } else {
       session.load(openScene_(file->path));
+    }
   }
 
   void drawPlot(Session& session, const Look& look) {
@@ -131,6 +133,7 @@ bool handleKeys(Window& window, Session& session, std::optional<size_t> panel) {
       knobs.isFrozen = !knobs.isFrozen;
       session.setKnobs(knobs);
     }
+    if (key.character == '0' && panel) session.setAutomatic(*panel);
     if (key.character == 'h' && panel) session.setShowsHeatMap(*panel, !session.panel(*panel).showsHeatMap);
     const size_t number = static_cast<size_t>(key.character - '1');
     if (key.character >= '1' && key.character <= '9' && panel && number < warpRegistry().size())
@@ -154,6 +157,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
   const auto& [window, session, openScene, clock, settings, report] = stage;
   const std::stop_callback wakeUp(stop, [] { Window::wake(); });
   MainView mainView(window, openScene, settings.sweep);
+  if (settings.sweep) session.setFront(settings.sweep->choice);
   RateMeter displayRate;
   Hover hover;
   const Clock::TimePoint start = clock.now();

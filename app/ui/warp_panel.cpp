@@ -6,6 +6,7 @@
 
 #include "app/heat_map.h"
 #include "app/orbit.h"
+#include "app/ui/knob_parts.h"
 #include "app/ui/parts.h"
 
 namespace warpscope::ui {
@@ -23,12 +24,19 @@ void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
   const WarpDescriptor& technique = *session.panel(index).technique;
   const float buttonRoom = look.px(kHeatButtonPx) + ImGui::GetStyle().ItemSpacing.x;
   ImGui::SetNextItemWidth(std::min(look.px(170.0f), std::max(look.px(40.0f), ImGui::GetContentRegionAvail().x - buttonRoom)));
-  const bool isOpen = ImGui::BeginCombo("##technique", std::string(technique.label).c_str());
-  if (!isOpen) tooltip(std::string(technique.summary) + ".\nKeys 1 to 9 choose a technique for the panel under the pointer.", look);
+  const Panel& panel = session.panel(index);
+  const std::string shown = (panel.isAutomatic ? "Auto: " : "") + std::string(technique.label);
+  const bool isOpen = ImGui::BeginCombo("##technique", shown.c_str());
+  if (!isOpen) {
+    const std::string explanation = panel.isAutomatic && !panel.choiceText.empty() ? panel.choiceText : std::string(technique.summary);
+    tooltip(explanation + ".\nKeys 1 to 9 choose a technique for the panel under the pointer, 0 lets it choose by itself.", look);
+  }
   if (!isOpen) return;
+  if (ImGui::Selectable("0  Auto", panel.isAutomatic)) session.setAutomatic(index);
+  tooltip("What has the least error at this angle within the budget: of a sweep (view --front, or dropped onto the window), or of what was on show so far", look);
   for (const WarpDescriptor& choice : warpRegistry()) {
     const std::string label = std::to_string(&choice - warpRegistry().data() + 1) + "  " + std::string(choice.label);
-    if (ImGui::Selectable(label.c_str(), &choice == &technique)) session.setTechnique(index, choice);
+    if (ImGui::Selectable(label.c_str(), !panel.isAutomatic && &choice == &technique)) session.setTechnique(index, choice);
     tooltip(std::string(choice.summary), look);
   }
   ImGui::EndCombo();
@@ -41,6 +49,18 @@ void drawHeatMapButton(Session& session, size_t index, const Look& look) {
   if (ImGui::Button("Heat map", {look.px(kHeatButtonPx), 0.0f})) session.setShowsHeatMap(index, !isOn);
   if (isOn) ImGui::PopStyleColor();
   tooltip("Show where the picture differs from the ground truth, and by how much (FLIP), instead of the picture. Key H.", look);
+}
+
+/// For a panel that chooses by itself: how long a picture may take.
+void drawBudget(Session& session, const Look& look) {
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(std::min(look.px(110.0f), std::max(look.px(30.0f), ImGui::GetContentRegionAvail().x)));
+  Knobs knobs = session.knobs();
+  float budgetMs = static_cast<float>(knobs.budgetMs);
+  bareSlider("budget", budgetMs, {1.0f, 1000.0f, "%.0f ms", true}, "Budget: milliseconds that a new frame's picture may take (decoding, building, drawing).", look);
+  if (budgetMs == static_cast<float>(knobs.budgetMs)) return;
+  knobs.budgetMs = budgetMs;
+  session.setKnobs(knobs);
 }
 
 /// The ramp of heat maps and what its ends stand for, in the lower left corner of the picture; or, while there is none, when there will be one.
@@ -121,6 +141,7 @@ void drawNote(const std::string& text, const ImVec4& color, const ImVec2& origin
 bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, const Look& look) {
   drawTechniqueChoice(session, index, look);
   drawHeatMapButton(session, index, look);
+  if (session.panel(index).isAutomatic) drawBudget(session, look);
 
   ImVec2 area = ImGui::GetContentRegionAvail();
   const float strip = measurementsHeight(area.x, look) + look.px(kTimelinePx) + ImGui::GetStyle().ItemSpacing.y;

@@ -1,0 +1,107 @@
+// Panels that choose their technique by themselves: what was measured to be best at this angle and within the budget, and why.
+// Mirrors app/session.h and app/sweep/auto_choice.h.
+#include <gtest/gtest.h>
+
+#include "tests/session_fixture.h"
+
+namespace warpscope {
+namespace {
+
+class SessionChoiceTest : public SessionTest {
+ protected:
+  SweepRow rowOf(std::string_view technique, double angleDeg, double flip, double drawMs) const {
+    SweepRow row;
+    row.configuration.technique = &findWarp(technique);
+    row.configuration.march = session_.knobs().march;
+    row.configuration.serverSidePx = 999;  // a sweep of larger pictures
+    row.configuration = normalized(row.configuration);
+    row.angleDeg = angleDeg;
+    row.errors.flip = flip;
+    row.draw.medianMs = drawMs;
+    return row;
+  }
+  std::shared_ptr<const AutoChoice> someFront() const {
+    std::vector<SweepRow> rows{rowOf("hold", 0, 0.0, 1),    rowOf("hold", 20, 0.5, 1),    rowOf("spheres", 0, 0.1, 20),
+                               rowOf("spheres", 20, 0.2, 20), rowOf("splats", 0, 0.15, 5), rowOf("splats", 20, 0.3, 5)};
+    return std::make_shared<const AutoChoice>(rows);
+  }
+  void freeze() {
+    Knobs knobs = session_.knobs();
+    knobs.isFrozen = true;
+    session_.setKnobs(knobs);
+  }
+};
+
+TEST_F(SessionChoiceTest, TakesWhatIsBestAtThisAngleWithinTheBudget) {
+  ASSERT_TRUE(open("block"));
+  session_.setFront(someFront());
+  session_.setAutomatic(0);
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.panel(0).technique->name, "hold");
+  EXPECT_EQ(session_.panel(0).drawn->name, "hold");
+  EXPECT_THAT(session_.panel(0).choiceText, testing::StartsWith("hold: least error (FLIP 0.0000) at 0.0 degrees"));
+  EXPECT_EQ(session_.panel(1).technique->name, "spheres");  // as it was chosen
+  EXPECT_FALSE(session_.panel(1).isAutomatic);
+
+  freeze();  // so that the frame stays behind
+  turn(session_, 20.0);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn->name == "spheres"; }));
+  EXPECT_THAT(session_.panel(0).choiceText, testing::HasSubstr("within 33 ms"));
+
+  Knobs knobs = session_.knobs();
+  knobs.budgetMs = 10.0;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn->name == "splats"; }));
+  knobs.budgetMs = 0.5;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn->name == "hold"; }));
+  EXPECT_THAT(session_.panel(0).choiceText, testing::HasSubstr("none of which keeps to 0.5 ms"));
+}
+
+TEST_F(SessionChoiceTest, WithoutASweepItIsWhatWasOnShow) {
+  ASSERT_TRUE(open("block"));
+  session_.setAutomatic(0);
+  ASSERT_TRUE(settle());
+  // hold and spheres were on show at this angle.
+  const auto flipOf = [&](std::string_view technique) {
+    for (const LiveFront::Point& point : session_.liveFront().points())
+      if (point.configuration.technique->name == technique) return point.flip;
+    return 1.0;
+  };
+  Knobs knobs = session_.knobs();
+  knobs.budgetMs = 10000.0;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.panel(0).technique->name, flipOf("hold") <= flipOf("spheres") ? "hold" : "spheres");
+  ASSERT_TRUE(session_.panel(0).choice);
+}
+
+TEST_F(SessionChoiceTest, WhatWasNotMeasuredIsSaid) {
+  ASSERT_TRUE(open("block"));
+  Knobs knobs = session_.knobs();
+  knobs.march.heuristic = Heuristic::exit;
+  session_.setKnobs(knobs);
+  session_.setTechnique(0, findWarp("points"));
+  std::vector<SweepRow> rows{rowOf("spheres", 0, 0.1, 1)};
+  rows[0].configuration.march.heuristic = Heuristic::entrance;
+  session_.setFront(std::make_shared<const AutoChoice>(rows));
+  session_.setAutomatic(0);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn != nullptr && session_.panel(0).drawn->name == "splats"; }));
+  EXPECT_FALSE(session_.panel(0).choice);
+  EXPECT_THAT(session_.panel(0).choiceText, testing::HasSubstr("nothing was measured yet"));
+}
+
+TEST_F(SessionChoiceTest, ATechniqueThatIsChosenByHandStays) {
+  ASSERT_TRUE(open("block"));
+  session_.setFront(someFront());
+  session_.setAutomatic(0);
+  ASSERT_TRUE(settle());
+  session_.setTechnique(0, findWarp("multihit"));
+  ASSERT_TRUE(settle());
+  EXPECT_FALSE(session_.panel(0).isAutomatic);
+  EXPECT_EQ(session_.panel(0).drawn->name, "multihit");
+  EXPECT_EQ(session_.panel(0).choiceText, "");
+}
+
+}  // namespace
+}  // namespace warpscope
