@@ -36,12 +36,14 @@ double AxisScale::place(double value) const {
 }
 
 std::vector<double> AxisScale::ticks() const {
+  constexpr size_t kFew = 3;
   std::vector<double> ticks;
   if (isLogarithmic_) {
     for (double power = std::pow(10.0, std::floor(std::log10(lowest_))); power <= highest_; power *= 10.0)
       for (const double factor : {1.0, 2.0, 5.0})
         if (factor * power >= lowest_ && factor * power <= highest_) ticks.push_back(factor * power);
-    return ticks;
+    if (ticks.size() >= kFew) return ticks;
+    ticks.clear();
   }
   const double rough = (highest_ - lowest_) / 6.0;
   const double power = std::pow(10.0, std::floor(std::log10(rough)));

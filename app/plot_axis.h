@@ -19,7 +19,7 @@ class AxisScale {
 
   /// Values beyond the ends stand at them. NaN for NaN.
   double place(double value) const;
-  /// By rising value: 1, 2 and 5 times powers of ten where it is logarithmic, else about six even ones.
+  /// By rising value: 1, 2 and 5 times powers of ten where it is logarithmic and has room for three of them, else about six even ones.
   std::vector<double> ticks() const;
 
  private:

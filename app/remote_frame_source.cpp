@@ -26,16 +26,13 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
   RemoteFrameSource(std::shared_ptr<net::IoThread> io, const net::ClientSettings& settings, std::function<void()> onNews)
       : onNews_(std::move(onNews)),
         where_(net::toString(settings.address.where)),
+        transport_{.link = settings.link, .codec = {}, .depth = settings.depth},
+        status_{.isConnected = false, .sentence = {}, .next = {}, .where = where_},
         decoder_([] {
           auto codec = std::make_shared<FrameCodec>();
           return [codec](const Arrived& arrived, ServedFrame& served, const std::stop_token&) { decode(arrived, served, *codec); };
         }, onNews_),
-        client_(std::move(io), settings, *this) {
-    transport_.link = settings.link;
-    transport_.depth = settings.depth;
-    status_.where = where_;
-    status_.isConnected = false;
-  }
+        client_(std::move(io), settings, *this) {}  // which may tell of a connection before this ends
 
   /// Waits until there is a scene or it is known that there will be none.
   net::SceneFields waitForScene(std::chrono::milliseconds patience, const std::stop_token& stop) {

@@ -1,10 +1,7 @@
 // The part of a session that finds out how wrong its pictures are: the ground truth, its judges, and what is kept of their findings.
 // See session.h.
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "app/session.h"
+#include "app/sweep/auto_choice.h"
 
 namespace warpscope {
 namespace {
@@ -29,12 +26,6 @@ bool differOnlyInPlace(const ReferenceJob& a, const ReferenceJob& b) {
   ReferenceJob moved = a;
   moved.camera = b.camera;
   return moved == b && a.camera.width == b.camera.width && a.camera.height == b.camera.height;
-}
-
-/// Between the directions in which two cameras look; 0..180.
-double degreesBetween(const Camera& a, const Camera& b) {
-  const glm::dvec3 one(a.forward), other(b.forward);
-  return std::atan2(glm::length(glm::cross(one, other)), glm::dot(one, other)) * 180.0 / std::numbers::pi;
 }
 
 }  // namespace
@@ -112,7 +103,7 @@ bool Session::takeErrors(size_t index, TimePoint now) {
     panel.history.add(now, panel.errors->flip);
     const WarpJob& drawn = judgement->job.drawn.job;
     if (judgement->job.configuration)
-      liveFront_.addError(*judgement->job.configuration, degreesBetween(drawn.frame->camera, drawn.reference->job().camera), panel.errors->flip);
+      liveFront_.addError(*judgement->job.configuration, angleBetweenDeg(drawn.frame->camera, drawn.reference->job().camera), panel.errors->flip);
     judged_[index] = Judged{std::move(judgement->job), now};
   }
   panel.errorsAreCurrent = judged_[index] && areCurrent(panel, judged_[index]->job, judged_[index]->at, now);

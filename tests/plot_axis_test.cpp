@@ -39,6 +39,14 @@ TEST(AxisScale, OneValueStandsInTheMiddle) {
   EXPECT_NEAR(axis.place(3.0), 5.0, 1e-9);
 }
 
+TEST(AxisScale, ANarrowRangeHasTicksToo) {
+  AxisScale axis(true, 0.0, 10.0);
+  axis.include(210.0);
+  axis.include(250.0);  // 168 to 312.5: of 1, 2 and 5 only 200 is within
+  axis.settle();
+  EXPECT_EQ(axis.ticks(), (std::vector<double>{175.0, 200.0, 225.0, 250.0, 275.0, 300.0}));
+}
+
 TEST(TickText, IsShort) {
   EXPECT_EQ(tickText(0.05), "0.05");
   EXPECT_EQ(tickText(25.0), "25");

@@ -212,7 +212,7 @@ TEST_F(SessionTest, TheStagesOfAFrameAreKnownWhereItIsShown) {
   EXPECT_EQ(panel.frameBytes, session_.frameBytes());
   const std::optional<SourceStatus> status = session_.sourceStatus();
   ASSERT_TRUE(status);
-  EXPECT_TRUE(status->isConnected);
+  EXPECT_TRUE(status->isConnected) << status->sentence;
   EXPECT_NE(status->where.find("127.0.0.1:"), std::string::npos);
 }
 

@@ -37,7 +37,7 @@ class WindowReportTest : public testing::Test {
                    }});
     const auto isSettled = [this] {
       const Panel& panel = session_.panel(0);
-      return panel.picture && panel.holesAreCurrent && session_.panel(1).picture && session_.ageMs(0, clock_.now()) == 0.0;
+      return panel.picture && panel.errorsAreCurrent && session_.panel(1).picture && session_.ageMs(0, clock_.now()) == 0.0;
     };
     for (const auto limit = clock_.now() + std::chrono::seconds(60); clock_.now() < limit && !isSettled();
          std::this_thread::sleep_for(milliseconds(1)))
@@ -96,6 +96,26 @@ TEST_F(WindowReportTest, AgesAreThoseOfFramesOfAnotherCamera) {
   EXPECT_DOUBLE_EQ(figures["ageMs"]["longest"], 30.0);
 }
 
+TEST_F(WindowReportTest, ErrorsAreThoseOfThePictureOnShow) {
+  open();
+  const Panel& panel = session_.panel(0);
+  const json panels = report(clock_.now())["panels"];
+  EXPECT_DOUBLE_EQ(panels[0]["flip"], panel.errors->flip);
+  EXPECT_DOUBLE_EQ(panels[0]["psnrDb"], panel.errors->psnrDb);
+  EXPECT_DOUBLE_EQ(panels[0]["holeFraction"], panel.errors->holeFraction);
+  EXPECT_GT(panels[0]["flip"], 0.0);
+
+  View view = session_.view();
+  view.angleDeg += 20.0;
+  session_.setView(view);
+  session_.update(clock_.now());
+  const json moving = report(clock_.now())["panels"][0];
+  for (const char* key : {"flip", "psnrDb", "holeFraction"}) {
+    ASSERT_TRUE(moving.contains(key)) << key;
+    EXPECT_TRUE(moving[key].is_null()) << key << ": that of an earlier camera";
+  }
+}
+
 TEST_F(WindowReportTest, StagesAreThoseOfPanelsThatDrawFrames) {
   open();
   const Clock::TimePoint now = clock_.now();
@@ -107,7 +127,7 @@ TEST_F(WindowReportTest, StagesAreThoseOfPanelsThatDrawFrames) {
       {"waitMs", latency.waitMs}, {"wireMs", latency.wireMs},       {"queueMs", latency.queueMs},   {"marchMs", latency.marchMs},
       {"copyMs", latency.copyMs}, {"compactMs", latency.compactMs}, {"encodeMs", latency.encodeMs}, {"decodeMs", latency.decodeMs},
       {"buildMs", panel.buildMs}, {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs}};
-  EXPECT_EQ(stages.size(), expected.size() + 1);
+  EXPECT_EQ(stages.size(), expected.size() + 4);  // bytes and errors
   for (const auto& [key, value] : expected) EXPECT_DOUBLE_EQ(stages[key], value) << key;
   EXPECT_EQ(stages["bytes"], panel.frameBytes);
   EXPECT_GT(panel.frameBytes, 0u);

@@ -43,9 +43,7 @@ AutoChoice::AutoChoice(const std::vector<SweepRow>& rows) {
 AutoChoice AutoChoice::fromFile(const std::string& path, const MarchSettings& base) {
   const JsonDocument document = JsonDocument::fromFile(path);
   const Node root = document.root();
-  std::vector<SweepRow> rows;
-  for (const Node& row : root.at("rows").elements(1, 1 << 20)) rows.push_back(sweepRowFrom(row, base));
-  AutoChoice choice(rows);
+  AutoChoice choice(sweepRowsFrom(root.at("rows"), base));
   if (choice.empty()) root.at("rows").fail("hold nothing that draws a frame");
   return choice;
 }

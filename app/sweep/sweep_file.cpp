@@ -7,8 +7,6 @@
 namespace warpscope {
 namespace {
 
-constexpr size_t kMostRows = 1 << 20;  // a file of the largest size holds fewer
-
 /// Nothing if the file is no JSON.
 std::optional<JsonDocument> documentIn(const std::filesystem::path& path) {
   try {
@@ -24,9 +22,7 @@ std::optional<SweepFile> sweepIn(const JsonDocument& document, const std::filesy
   SweepFile file;
   file.name = path.filename().string();
   if (const std::optional<Node> scene = document.root().find("scene")) file.scene = scene->string();
-  std::vector<SweepRow> read;
-  for (const Node& row : rows->elements(0, kMostRows)) read.push_back(sweepRowFrom(row, {}));
-  file.summaries = summariesOf(read);
+  file.summaries = summariesOf(sweepRowsFrom(*rows, {}));
   file.front = frontOf(file.summaries);
   if (auto choice = std::make_shared<const AutoChoice>(read); !choice->empty()) file.choice = std::move(choice);
   return file;

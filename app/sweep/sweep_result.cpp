@@ -122,6 +122,12 @@ SweepRow sweepRowFrom(const Node& node, const MarchSettings& base) {
   return row;
 }
 
+std::vector<SweepRow> sweepRowsFrom(const Node& rows, const MarchSettings& base) {
+  std::vector<SweepRow> read;
+  for (const Node& row : rows.elements(1, 1 << 20)) read.push_back(sweepRowFrom(row, base));  // a file of the largest size holds fewer
+  return read;
+}
+
 std::string csvOf(const std::vector<SweepRow>& rows) {
   constexpr const char* kColumns[] = {
       "technique", "heuristic", "threshold", "radius", "radiusScale", "pointSize", "hits", "step", "serverSide", "codec", "link", "angleDeg",

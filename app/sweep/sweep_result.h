@@ -53,6 +53,8 @@ nlohmann::json toJson(const SweepFloor& floor);
 nlohmann::json toJson(const PictureErrors& errors);
 /// Back; see configurationFrom. Throws InputError.
 SweepRow sweepRowFrom(const Node& node, const MarchSettings& base);
+/// Of an array of rows, which must not be empty.
+std::vector<SweepRow> sweepRowsFrom(const Node& rows, const MarchSettings& base);
 
 /// A table with a head line (RFC 4180); empty where a value does not exist.
 std::string csvOf(const std::vector<SweepRow>& rows);

@@ -31,7 +31,8 @@ std::string figures(double frameMs, double flip) { return durationText(frameMs) 
 /// What tells it from others, whatever others there are.
 std::string describe(const Configuration& configuration) {
   std::string text = labelOf(configuration) + "\nstep " + formatted("%.3g", configuration.march.step, 0.0);
-  if (configuration.technique->usesFrame) text += ", server's image of " + std::to_string(configuration.serverSidePx) + " px, " + codecWord(configuration.codec);
+  if (configuration.technique->usesFrame)
+    text += ", server's image of " + std::to_string(configuration.serverSidePx) + " px, " + codecWord(configuration.codec);
   return text;
 }
 
@@ -85,7 +86,8 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
   if (sweep_) {
     const size_t first = shown.points.size();
     for (const Summary& summary : sweep_->summaries) {
-      add(summary.configuration, summary.frameMs, summary.flip, describe(summary.configuration) + "\n" + figures(summary.frameMs, summary.flip) + ", of the sweep");
+      const std::string text = describe(summary.configuration) + "\n" + figures(summary.frameMs, summary.flip) + ", of the sweep";
+      add(summary.configuration, summary.frameMs, summary.flip, text);
       shown.points.back().isHollow = true;
     }
     for (const size_t i : sweep_->front) shown.front.push_back(first + i);
@@ -96,7 +98,9 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
 
 void PlotView::drawHeader(const Look& look) {
   ImGui::SetNextItemOpen(isUnfolded_);
+  ImGui::PushStyleColor(ImGuiCol_Header, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
   isUnfolded_ = ImGui::CollapsingHeader("Error against time");
+  ImGui::PopStyleColor();
   tooltip("One point for each combination of technique and knobs that was on show and judged: milliseconds to decode, build and draw, and mean "
           "FLIP over the angles at which it was seen. Rings: nothing is faster and better. White rims: on show now. Drop a sweep.json onto the "
           "window for hollow points. Forgotten with another scene or another size of the pictures.",
@@ -106,7 +110,8 @@ void PlotView::drawHeader(const Look& look) {
   if (note.empty()) return;
   ImGui::PushFont(look.fonts.small);
   const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
-  const float width = ImGui::CalcTextSize(note.c_str()).x, left = std::max(from.x + look.px(170.0f), to.x - width - look.px(8.0f));
+  const float width = ImGui::CalcTextSize(note.c_str()).x;
+  const float left = std::max(from.x + look.px(170.0f), to.x - width - look.px(8.0f));
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->PushClipRect({left, from.y}, to, true);
   list->AddText({left, 0.5f * (from.y + to.y - ImGui::GetTextLineHeight())}, ImGui::GetColorU32(error_.empty() ? kDimText : kErrorText), note.c_str());
@@ -127,7 +132,8 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
   plot.emptyText = session.scene() != nullptr ? "points come when the view rests" : "";
   plot.small = look.fonts.small;
   plot.scale = look.scale;
-  std::optional<size_t> chosen = drawScatterPlot("points", shown.points, {room.x - listWidth - (hasList ? look.px(8.0f) : 0.0f), room.y}, plot).clicked;
+  const float plotWidth = hasList ? room.x - listWidth - look.px(8.0f) : room.x;
+  std::optional<size_t> chosen = drawScatterPlot("points", shown.points, {plotWidth, room.y}, plot).clicked;
   if (hasList) {
     ImGui::SameLine(0.0f, look.px(8.0f));
     ImGui::BeginChild("front", {listWidth, room.y}, false);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "app/output_files.h"
 #include "app/picture.h"
@@ -86,6 +87,10 @@ class MainView {
     const ImGuiIO& io = ImGui::GetIO();
     const bool isUsed = io.MouseWheel != 0.0f || ImGui::IsMouseClicked(ImGuiMouseButton_Left) || ImGui::IsMouseClicked(ImGuiMouseButton_Right);
     if (underPointer_ && isUsed) usedLast_ = *underPointer_;
+    for (size_t i = 0; i < kPanelCount; ++i) {
+      const WarpDescriptor* technique = session.panel(i).technique;
+      if (std::exchange(techniques_[i], technique) != technique) usedLast_ = i;  // by its list, or by a key
+    }
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(8.0f), look.px(8.0f)});
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(6.0f)});
     ImGui::BeginChild("plot", {0.0f, 0.0f}, true, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
@@ -114,7 +119,8 @@ class MainView {
   Controls controls_;
   std::array<PictureTexture, kPanelCount> textures_;
   PlotView plot_;
-  size_t usedLast_ = kPanelCount - 1;  // the panel that was clicked into or turned the wheel over last
+  size_t usedLast_ = 0;  // the panel whose technique changed last, or that was clicked into or turned the wheel over since
+  std::array<const WarpDescriptor*, kPanelCount> techniques_{};
   const SceneOpener& openScene_;
   std::optional<size_t> underPointer_;
   std::unique_ptr<FileSorter> fileSorter_ = makeFileSorter([] { Window::wake(); });

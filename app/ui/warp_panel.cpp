@@ -95,7 +95,8 @@ void steer(Session& session, const ImVec2& area) {
   if (scene == nullptr) return;
   const ImGuiIO& io = ImGui::GetIO();
   View view = session.view();
-  if (ImGui::IsItemActive()) {
+  // Where frames of the display are far apart, the one in which the button goes down also holds the pointer's way to the picture.
+  if (ImGui::IsItemActive() && !ImGui::IsItemActivated()) {
     const glm::dvec2 drag(io.MouseDelta.x / area.y, io.MouseDelta.y / area.y);
     if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) view = orbited(view, drag);
     if (ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle))

@@ -19,7 +19,10 @@ PATIENCE_S = 30.0       # for a picture to appear; far more than it takes
 CLOSING_LIMIT_S = 2.0   # for a loaded machine; the program's own limit is 1 s
 SCENE = ["block", "--volume-size", "48x40x40"]
 # At scale 1, as app/ui lays the window out.
-MARGIN, CONTROLS, HEADER, FOOTER = 8, 268, 40, 96  # the footer from the coloured bar down, whose parts change
+MARGIN, CONTROLS, HEADER, FOOTER = 8, 268, 40, 370  # the footer from the heat map's legend down, whose parts change
+PLOT_BOTTOM, PLOT_HEIGHT = 44, 150  # the plot, from the window's lower edge up
+PLOT_LIST, PLOT_LEAST_FOR_LIST = 340, 640  # the list at its right, where there is room
+HOLD, SPHERES, MULTIHIT = bytes((0xb0, 0x89, 0x2f)), bytes((0x2b, 0x7d, 0xe0)), bytes((0x8a, 0x4f, 0xc7))  # their points, see app/technique_color.h
 
 
 class Failure(Exception):
@@ -70,6 +73,17 @@ class Picture:
     def region(self, box):
         x0, y0, x1, y1 = box
         return b"".join(self.pixels[3 * (y * self.width + x0):3 * (y * self.width + x1)] for y in range(y0, y1))
+
+
+def centre_of(picture, box, colour):
+    """Of all pixels in the box that have exactly this colour; None if they are fewer than a point has."""
+    x0, y0, x1, y1 = box
+    row_size = 3 * (x1 - x0)
+    region = picture.region(box)
+    places = [(x0 + i % row_size // 3, y0 + i // row_size) for i in range(0, len(region), 3) if region[i:i + 3] == colour]
+    if len(places) < 12:
+        return None
+    return sum(x for x, _ in places) // len(places), sum(y for _, y in places) // len(places)
 
 
 def shows_something(region):
@@ -126,6 +140,19 @@ class Program:
             left = s * MARGIN + i * (panel + s * MARGIN)
             boxes.append((int(left + s * 12), int(s * (MARGIN + HEADER)), int(left + panel - s * 12), int(picture.height - s * FOOTER)))
         return boxes
+
+    def plot(self, picture):
+        """Where points of the plot are."""
+        s = self.scale
+        bottom = int(picture.height - s * PLOT_BOTTOM)
+        room = picture.width / s - CONTROLS - 5 * MARGIN
+        right = 2 * MARGIN + room - (PLOT_LIST if room >= PLOT_LEAST_FOR_LIST else 0)
+        return int(s * 2 * MARGIN), int(bottom - s * PLOT_HEIGHT), int(s * right), bottom
+
+    def point_of(self, colour):
+        """Where the plot has points of that colour, or None."""
+        picture = Picture(self.display, self.window)
+        return centre_of(picture, self.plot(picture), colour)
 
     def regions(self):
         picture = Picture(self.display, self.window)
@@ -214,6 +241,30 @@ def press_close_button(program):
     xlib.XCloseDisplay(connection)
 
 
+def look_at_errors(program, home):
+    """Heat maps, and the plot's points, of which one is clicked on. The panels are hold and spheres, and are so again."""
+    program.wait_until("points of both techniques in the plot", lambda: program.point_of(HOLD) and program.point_of(SPHERES))
+    program.point(program.middle_of_panel(0))
+    program.key("h")
+    program.wait_until("a heat map in the left panel", lambda: program.regions()[0] != home[0])
+    heat, other = program.settled()
+    if other != home[1]:
+        raise Failure("the right panel changed with the left one's heat map")
+    if sum(heat) >= sum(home[0]):
+        raise Failure("the frame's own view should differ from the truth by little, which is dark")
+    program.key("h")
+    program.wait_until("the picture again", lambda: program.regions() == home)
+
+    program.point(program.middle_of_panel(1))
+    program.display.run("xdotool", "click", "1")
+    program.point(program.point_of(HOLD))
+    program.display.run("xdotool", "click", "1")
+    program.wait_until("the technique that was clicked on in the panel that was used last", lambda: program.regions()[1] != home[1])
+    program.point(program.middle_of_panel(1))
+    program.key("4")  # spheres
+    program.wait_until("both panels as they were", lambda: program.regions() == home)
+
+
 def use_the_window(executable, scale):
     """Everything a hand does, at one content scale."""
     screen, smaller = ((1280, 800), (900, 600)) if scale == 1.0 else ((1800, 1200), (1500, 1000))
@@ -232,6 +283,8 @@ def use_the_window(executable, scale):
 
         program.key("r")
         program.wait_until("both panels back where they began", lambda: program.regions() == home)
+
+        look_at_errors(program, home)
 
         program.point(program.middle_of_panel(0))
         program.key("3")  # points
@@ -262,14 +315,35 @@ def begin_catching_signals(program):
         time.sleep(0.002)
 
 
+def photograph_a_sweep(folder, executable, photograph):
+    """Points of a sweep that was run before, and what is said of a file that is none."""
+    sweep = os.path.join(folder, "sweep")
+    subprocess.run([executable, "sweep", *SCENE, "--out", sweep, "--size", "48x48", "--quiet", "--techniques", "multihit", "--heuristics", "median",
+                    "--radii", "voxel", "--hit-counts", "2", "--steps", "1", "--server-sides", "48", "--codecs", "raw", "--angles", "10"],
+                   capture_output=True, timeout=PATIENCE_S, check=True)
+    result, is_there = photograph(SCENE, "--front", os.path.join(sweep, "sweep.json"))
+    if result.returncode != 0 or not is_there:
+        raise Failure(f"a photograph with a sweep: exit code {result.returncode}, {result.stderr}")
+    pixels = subprocess.run(["convert", os.path.join(folder, "window.png"), "-depth", "8", "rgb:-"], capture_output=True, check=True).stdout
+    if sum(pixels[i:i + 3] == MULTIHIT for i in range(0, len(pixels), 3)) < 3:  # a circle's line
+        raise Failure("the sweep's point is not in the window")
+    os.remove(os.path.join(folder, "window.png"))
+    no_sweep = os.path.join(folder, "none.json")
+    with open(no_sweep, "w", encoding="utf-8") as file:
+        file.write("{}")
+    result, is_there = photograph(SCENE, "--front", no_sweep)
+    if result.returncode != 1 or is_there or "holds no sweep" not in result.stderr:
+        raise Failure(f"a front without rows: exit code {result.returncode}, {result.stderr}")
+
+
 def photograph_scenes(display, executable):
     """The program closes by itself after a photograph, and without one where there is nothing to photograph."""
     with tempfile.TemporaryDirectory() as folder:
         report = os.path.join(folder, "report.json")
 
-        def photograph(scene):
+        def photograph(scene, *more):
             file = os.path.join(folder, "window.png")
-            result = subprocess.run([executable, "view", *scene, "--screenshot", file, "--after-ms", "1500", "--report", report, "--link", "4g"],
+            result = subprocess.run([executable, "view", *scene, *more, "--screenshot", file, "--after-ms", "1500", "--report", report, "--link", "4g"],
                                     env=display.environment, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
             return result, os.path.exists(file)
 
@@ -281,6 +355,10 @@ def photograph_scenes(display, executable):
             figures = json.load(text)
         if not figures["server"]["isConnected"] or figures["framesReceived"] < 1 or figures["panels"][1]["wireMs"] < 30.0:  # of about 50
             raise Failure(f"a report that cannot be: {figures}")
+        for key in ("flip", "psnrDb", "holeFraction"):  # null where the machine was too slow to find out
+            if key not in figures["panels"][1]:
+                raise Failure(f"a report without {key}: {figures}")
+        photograph_a_sweep(folder, executable, photograph)
         broken = os.path.join(folder, "broken_9x9x9_uint8.raw")
         with open(broken, "wb") as file:
             file.write(b"x")
