@@ -22,7 +22,8 @@ std::optional<SweepFile> sweepIn(const JsonDocument& document, const std::filesy
   SweepFile file;
   file.name = path.filename().string();
   if (const std::optional<Node> scene = document.root().find("scene")) file.scene = scene->string();
-  file.summaries = summariesOf(sweepRowsFrom(*rows, {}));
+  const std::vector<SweepRow> read = sweepRowsFrom(*rows, {});
+  file.summaries = summariesOf(read);
   file.front = frontOf(file.summaries);
   if (auto choice = std::make_shared<const AutoChoice>(read); !choice->empty()) file.choice = std::move(choice);
   return file;
