@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "app/judge_worker.h"
 #include "app/scene.h"
 #include "render/core/error.h"
 #include "render/cuda/devices.h"
@@ -16,6 +17,7 @@
 #include "render/metrics/picture_errors.h"
 #include "render/warp/spheres_warp_cuda.h"
 #include "tests/gpu/agreement.h"
+#include "tests/headless.h"
 #include "tests/metric_pictures.h"
 
 namespace warpscope {
@@ -161,6 +163,34 @@ TEST(MetricsOnDevice, WhatCannotBeComparedIsRefusedAndDoesNotStick) {
   EXPECT_EQ(errors.flip, 0.0);
   EXPECT_EQ(errors.psnrDb, std::numeric_limits<double>::infinity());
   EXPECT_NEAR(errors.ssim, 1.0, 1e-6);
+}
+
+/// What a panel of the window does where a device marches.
+TEST(JudgeOnDevice, FindsWhatTheCpuFinds) {
+  WARPSCOPE_NEEDS_GPU();
+  const Stage stage(smallScene("block"), gl::Platform::automatic, Backend::cuda);
+  const Camera camera = stage.camera(180, 140, 20.0);
+  const SampleFramePtr frame = stage.frame(stage.camera(180, 140), stage.scene().march);
+  const JudgeFunction judge = makeJudge();
+  for (const float grey : {0.0f, 0.25f}) {  // another background is another ground truth
+    const ReferenceJob job{stage.resources().marcher, camera, stage.scene().march, glm::vec3(grey)};
+    Image<glm::vec4> color;
+    stage.marcher().render(camera, job.settings, color);
+    const auto reference = std::make_shared<const ReferenceImage>(job, std::move(color));
+    for (const char* technique : {"points", "splats", "multihit"}) {
+      const WarpedImage image = stage.draw(technique, frame, camera);
+      Image<float> map, expectedMap;
+      const PictureErrors found = judge(reference, image, map), expected = reference->judge().errorsOf(image, nullptr, &expectedMap);
+      EXPECT_NEAR(found.flip, expected.flip, 1e-5) << technique;
+      EXPECT_NEAR(found.ssim, expected.ssim, 1e-5);
+      EXPECT_NEAR(found.psnrDb, expected.psnrDb, 1e-4);
+      EXPECT_NEAR(found.psnrLinearDb, expected.psnrLinearDb, 1e-4);
+      EXPECT_EQ(found.holeFraction, expected.holeFraction);
+      EXPECT_GT(found.flip, 0.0);
+      ASSERT_EQ(map.size(), expectedMap.size());
+      for (size_t i = 0; i < map.size(); ++i) ASSERT_NEAR(map[i], expectedMap[i], 2e-3f) << technique << " " << i;
+    }
+  }
 }
 
 }  // namespace
