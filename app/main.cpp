@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <iostream>
 #include <new>
 
@@ -69,6 +70,15 @@ void failInsteadOfDying() {
 #endif
 }
 
+/// The window's OpenGL comes through GLX, that of its panels through EGL, each in threads of its own. GLVND, which sits between, lets the first
+/// driver that it hands a thread to write into its entry points, after which another cannot be current anywhere: NVIDIA's GLX locks NVIDIA's EGL
+/// out. This forbids it (libglvnd, README, "__GLVND_DISALLOW_PATCHING"); what the user has set stays. Before any thread.
+void shareOpenGlDispatch() {
+#if !defined(_WIN32)
+  setenv("__GLVND_DISALLOW_PATCHING", "1", 0);
+#endif
+}
+
 int run(int argc, char** argv) {
   CLI::App program("warpscope shows what different ways of warping a remote volume rendering do to the picture, and what each costs.",
                    "warpscope");
@@ -108,6 +118,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   failInsteadOfDying();
+  shareOpenGlDispatch();
   try {
     return run(argc, argv);
   } catch (const warpscope::UsageError& error) {
