@@ -28,6 +28,19 @@ bool isTerminal(std::FILE* file) {
 
 }  // namespace
 
+std::string remainingText(size_t done, size_t steps, double elapsedS) {
+  constexpr size_t kFewestDone = 3;
+  constexpr double kShortestS = 3.0;
+  if (done < kFewestDone || done >= steps || elapsedS < kShortestS) return "";
+  const double leftS = elapsedS * static_cast<double>(steps - done) / static_cast<double>(done);
+  char text[64];
+  if (leftS < 99.5)
+    std::snprintf(text, sizeof text, "about %.0f s left", std::max(1.0, leftS));
+  else
+    std::snprintf(text, sizeof text, "about %.0f min left", leftS / 60.0);
+  return text;
+}
+
 Progress::Progress(std::string title, size_t steps, bool quiet, std::FILE* terminal)
     : title_(std::move(title)), steps_(std::max<size_t>(steps, 1)), terminal_(terminal) {
   if (!quiet && isTerminal(terminal)) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -54,9 +67,10 @@ void Progress::run(const std::stop_token& stop) {
     const size_t done = std::min(begun_ > 0 ? begun_ - 1 : 0, steps_);
     const size_t filled = done * kWidth / steps_;
     const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(steady_clock::now() - start_).count();
-    std::fprintf(terminal_, "\r\x1b[K%s [%s] %zu/%zu %s (%lld s)", title_.c_str(), bar.c_str(), done, steps_, what_.c_str(),
-                 static_cast<long long>(seconds));
+    const std::chrono::duration<double> elapsed = steady_clock::now() - start_;
+    const std::string remaining = remainingText(done, steps_, elapsed.count());
+    std::fprintf(terminal_, "\r\x1b[K%s [%s] %zu/%zu %s (%lld s%s%s)", title_.c_str(), bar.c_str(), done, steps_, what_.c_str(),
+                 static_cast<long long>(elapsed.count()), remaining.empty() ? "" : ", ", remaining.c_str());
     std::fflush(terminal_);
     isDrawn = true;
   }

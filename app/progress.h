@@ -11,6 +11,9 @@
 
 namespace warpscope {
 
+/// "about 40 s left", "about 3 min left": if the steps to come take as long as those that are done. Empty while those are too few to tell.
+std::string remainingText(size_t done, size_t steps, double elapsedS);
+
 /// Draws itself from a thread of its own, so that it also moves while one step takes long.
 class Progress {
  public:

@@ -63,6 +63,21 @@ TEST(Progress, AppearsAndMovesDuringOneStepAndCleansUp) {
   EXPECT_THAT(terminal.readUntil("end"), testing::EndsWith("\r\x1b[Kend"));
 }
 
+TEST(Progress, SaysWhatIsLeftOnceItCanTell) {
+  EXPECT_EQ(remainingText(2, 100, 60.0), "");   // too few
+  EXPECT_EQ(remainingText(10, 100, 2.0), "");   // too soon
+  EXPECT_EQ(remainingText(10, 10, 60.0), "");   // done
+  EXPECT_EQ(remainingText(10, 50, 10.0), "about 40 s left");
+  EXPECT_EQ(remainingText(999, 1000, 5.0), "about 1 s left");
+  EXPECT_EQ(remainingText(10, 130, 15.0), "about 3 min left");
+
+  Terminal terminal;
+  if (terminal.program() == nullptr) GTEST_SKIP() << "no pseudo-terminals here";
+  Progress progress("baking", 8, false, terminal.program());
+  for (const char* what : {"flour", "eggs", "sugar", "milk", "salt"}) progress.step(what);  // four are done
+  EXPECT_THAT(terminal.readUntil("left"), HasSubstr("4/8 salt (3 s, about 3 s left"));
+}
+
 TEST(Progress, QuickAndQuietWorkShowsNothing) {
   Terminal terminal;
   if (terminal.program() == nullptr) GTEST_SKIP() << "no pseudo-terminals here";
