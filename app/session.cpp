@@ -190,7 +190,7 @@ bool Session::takePicture(size_t index) {
   panel.displayMs = millisecondsBetween(result->finishedAt, std::chrono::steady_clock::now());
   panel.configuration = configurationOf(result->job);
   const bool hasSize = glm::uvec2(panel.picture.width(), panel.picture.height()) == pictureSize();
-  if (isNew && panel.configuration && hasSize)
+  if (isNew && result->isDrawn && panel.configuration && hasSize)
     liveFront_.addPicture(*panel.configuration, panel.latency.decodeMs + panel.buildMs, panel.drawMs);
   judge(index, std::move(*result));
   return true;

@@ -7,6 +7,8 @@ namespace {
 
 /// What draws while nothing is known: the paper's picture in the least time.
 constexpr std::string_view kUnmeasured = "splats";
+/// How many times the error of the best a panel's technique may have and stay.
+constexpr double kWorthChanging = 1.1;
 
 /// What was on show, as rows of a sweep.
 std::vector<SweepRow> rowsOf(const LiveFront& live) {
@@ -26,7 +28,8 @@ std::vector<SweepRow> rowsOf(const LiveFront& live) {
 bool fits(const Configuration& configuration, const MarchSettings& settings) {
   const WarpKnobs& knobs = configuration.technique->knobs;
   const MarchSettings& march = configuration.march;
-  if (knobs.depth && march.heuristic != settings.heuristic) return false;
+  if (march.step != settings.step) return false;
+  if (knobs.depth && (march.heuristic != settings.heuristic || march.threshold != settings.threshold)) return false;
   return !knobs.radius || (march.radiusPolicy == settings.radiusPolicy && march.radiusScale == settings.radiusScale);
 }
 
@@ -45,15 +48,24 @@ void Session::chooseTechnique(size_t index) {
   const AutoChoice& known = front_ ? *front_ : live;
   const uint32_t sidePx = front_ ? front_->largestSidePx() : knobs_.serverSidePx;
   const double angleDeg = angleBetweenDeg(frame_->camera, camera);
-  const auto choice = known.choose(angleDeg, knobs_.budgetMs, [&](const Configuration& configuration) {
+  const auto mayBe = [&](const Configuration& configuration) {
     return configuration.serverSidePx == sidePx && fits(configuration, frame_->settings);
-  });
+  };
+  auto choice = known.choose(angleDeg, knobs_.budgetMs, mayBe);
+  if (choice && panel.choice && !(*panel.choice == choice->configuration)) {
+    // A technique that is hardly worse stays: taking turns at each frame's arrival would cost more than it gains.
+    const auto before = known.choose(angleDeg, knobs_.budgetMs, [&](const Configuration& configuration) {
+      return configuration == *panel.choice && mayBe(configuration);
+    });
+    const bool isKept = before && before->frameMs <= knobs_.budgetMs && before->flip <= kWorthChanging * choice->flip;
+    if (isKept) choice = before;
+  }
   panel.choice.reset();
   if (choice) {
     panel.choice = choice->configuration;
     panel.choiceText = choice->reason;
   } else {
-    panel.choiceText = std::string(kUnmeasured) + ": nothing was measured yet with this frame's heuristic and radius";
+    panel.choiceText = std::string(kUnmeasured) + ": nothing was measured yet with this frame's heuristic, radius and step";
   }
   useTechnique(index, choice ? *choice->configuration.technique : findWarp(kUnmeasured));
 }

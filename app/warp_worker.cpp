@@ -36,6 +36,7 @@ class Easel {
       throw;
     }
     result.picture = picture_;
+    result.isDrawn = std::exchange(isDrawn_, false);
     result.buildMs = buildMs_;
     result.drawMs = drawMs_;
     result.finishedAt = std::chrono::steady_clock::now();
@@ -63,10 +64,13 @@ class Easel {
 
   void draw(const WarpJob& job, const std::stop_token& stop) {
     if (picture_) return;
-    drawMs_ = milliseconds([&] {
+    const bool isThere = isInHostMemory_;
+    const double tookMs = milliseconds([&] {
       picture_.device = warp_->drawForScreen(job.camera, job.settings, job.background, job.uncovered, stop);
       if (!picture_) drawToHost(job, stop);
     });
+    isDrawn_ = picture_ || !isThere;
+    if (isDrawn_) drawMs_ = tookMs;
     if (!picture_) picture_.host = std::make_shared<const Image<Rgba8>>(toScreen(*image_, job.background, job.uncovered));
   }
 
@@ -96,6 +100,7 @@ class Easel {
   std::unique_ptr<Warp> warp_;
   WarpJob last_;
   std::shared_ptr<WarpedImage> image_ = std::make_shared<WarpedImage>();
+  bool isDrawn_ = false;         // since the last result
   bool isInHostMemory_ = false;  // image_ is what picture_ shows
   bool isHandedOut_ = false;     // image_ is in a result, and must stay as it is
   std::shared_ptr<const ReferenceImage> reference_;  // of the last job

@@ -61,6 +61,7 @@ struct WarpJob {
 struct WarpResult {
   WarpJob job;             ///< that was done
   ShownPicture picture;    ///< none if there is an error
+  bool isDrawn = false;    ///< anew; else only its colours behind it changed
   double buildMs = 0.0;    ///< of what the technique derived from that frame
   double drawMs = 0.0;     ///< from the camera to colours in the memory that the picture is in
   std::chrono::steady_clock::time_point finishedAt{};  ///< when the picture was there

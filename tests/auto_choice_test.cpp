@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/core/error.h"
+#include "app/sweep/sweep_file.h"
 #include "tests/headless.h"
 #include "tests/test_folder.h"
 
@@ -41,6 +41,8 @@ TEST(AutoChoice, LeastErrorWithinTheBudget) {
   EXPECT_EQ(chosen(choice, 10.0, 29.0), "points");
   EXPECT_EQ(chosen(choice, 10.0, 4.0), "hold");
   EXPECT_EQ(chosen(choice, 90.0, 100.0), "spheres");  // beyond what was measured
+  EXPECT_EQ(chosen(choice, 350.0, 100.0), "spheres");
+  EXPECT_EQ(chosen(choice, 360.0, 100.0), "hold");
 }
 
 TEST(AutoChoice, BetweenMeasuredAnglesErrorsAndTimesAreInterpolated) {
@@ -51,6 +53,16 @@ TEST(AutoChoice, BetweenMeasuredAnglesErrorsAndTimesAreInterpolated) {
   const auto best = choice.choose(5.0, 100.0, [](const Configuration&) { return true; });
   EXPECT_NEAR(best->flip, 0.025, 1e-12);
   EXPECT_NEAR(best->frameMs, 25.0, 1e-12);
+}
+
+TEST(AutoChoice, WhatWasNotMeasuredThatFarOutComesLast) {
+  std::vector<SweepRow> rows = someRows();
+  rows.push_back(rowOf("splats", 0, 0.001, 1));  // in the frame's own view alone
+  const AutoChoice choice(rows);
+  EXPECT_EQ(chosen(choice, 1.0, 100.0), "splats");
+  EXPECT_EQ(chosen(choice, 10.0, 100.0), "spheres");
+  const auto far = choice.choose(90.0, 100.0, [](const Configuration&) { return true; });
+  EXPECT_THAT(far->reason, testing::EndsWith("though nothing was measured that far out"));
 }
 
 TEST(AutoChoice, SaysWhatAndWhy) {
@@ -83,16 +95,13 @@ TEST(AutoChoice, KnowsTheLargestImage) {
   EXPECT_EQ(AutoChoice({}).largestSidePx(), 0u);
 }
 
-TEST(AutoChoice, ReadsASweepsFile) {
+TEST(AutoChoice, ComesWithASweepsFile) {
   const TestFolder folder;
   nlohmann::json document{{"rows", nlohmann::json::array()}};
   for (const SweepRow& row : someRows()) document["rows"].push_back(toJson(row));
-  EXPECT_EQ(chosen(AutoChoice::fromFile(folder.write("sweep.json", document.dump()), {}), 10.0, 100.0), "spheres");
-  EXPECT_THROW(AutoChoice::fromFile(folder.write("none.json", R"({"rows": []})"), {}), InputError);
-  EXPECT_THROW(AutoChoice::fromFile(folder.write("other.json", "{}"), {}), InputError);
-  EXPECT_THROW(AutoChoice::fromFile(folder.file("absent.json"), {}), InputError);
+  EXPECT_EQ(chosen(*readSweepFile(folder.write("sweep.json", document.dump()))->choice, 10.0, 100.0), "spheres");
   document["rows"] = {toJson(someRows().back())};
-  EXPECT_THROW(AutoChoice::fromFile(folder.write("reference.json", document.dump()), {}), InputError);
+  EXPECT_EQ(readSweepFile(folder.write("reference.json", document.dump()))->choice, nullptr);
 }
 
 TEST(AngleBetween, IsThatOfTheViews) {
@@ -100,7 +109,13 @@ TEST(AngleBetween, IsThatOfTheViews) {
   scene.views.front().elevationDeg = 0.0;
   const Stage stage(std::move(scene));
   for (const double turnDeg : {0.0, 0.5, 10.0, -25.0, 90.0, 180.0})
-    EXPECT_NEAR(angleBetweenDeg(stage.camera(40, 30), stage.camera(80, 20, turnDeg)), std::abs(turnDeg), 1e-3) << turnDeg;
+    EXPECT_NEAR(angleBetweenDeg(stage.camera(40, 30), stage.camera(40, 30, turnDeg)), std::abs(turnDeg), 1e-2) << turnDeg;
+  // Nearer, and past the centre: no turn, but not the same view either.
+  View near = stage.scene().views.front(), panned = near;
+  near.distance *= 0.8;
+  panned.pan.x = 0.3;
+  for (const View& view : {near, panned})
+    EXPECT_GT(angleBetweenDeg(stage.camera(40, 30), makeCamera(stage.scene(), view, 40, 30)), 4.0);
 }
 
 }  // namespace

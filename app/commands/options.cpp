@@ -81,8 +81,8 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--radius", options.radius, "How large a sample is: " + listOf(kRadiusPolicies) + sceneDefault);
   command.add_option("--radius-scale", options.radiusScale, "Factor on the radius, " + rangeText(kRadiusScaleRange) + sceneDefault);
   command.add_option("--step", options.step, "Distance of samples along a ray, in voxels, " + rangeText(kStepRange) + sceneDefault);
-  command.add_option("--point-size", options.pointSize, "Pixels, 1 to 16, for points")->capture_default_str();
-  command.add_option("--hits", options.hits, "Samples blended along a ray, 1 to 16, for multihit")->capture_default_str();
+  command.add_option("--point-size", options.pointSize, "Pixels, 1 to 16, for points; default 2");
+  command.add_option("--hits", options.hits, "Samples blended along a ray, 1 to 16, for multihit; default 4");
   command.add_option("--bvh", options.bvh, "Hierarchy that spheres are traced with: lbvh embree")->capture_default_str();
   command.add_option("--backend", options.backend, "auto cpu cuda")->capture_default_str();
   command.add_option("--gl", options.gl, "OpenGL without a window: auto egl osmesa")->capture_default_str();
@@ -121,8 +121,8 @@ CheckedOptions check(const CommonOptions& options) {
   checked.platform = choose("OpenGL platform", options.gl, kPlatforms);
   checked.backend = choose("backend", options.backend, kBackends);
   checked.warp.sphereTracing = choose("hierarchy", options.bvh, kSphereTracings);
-  checked.warp.pointSize = options.pointSize;
-  checked.warp.hits = options.hits;
+  checked.warp.pointSize = options.pointSize.value_or(checked.warp.pointSize);
+  checked.warp.hits = options.hits.value_or(checked.warp.hits);
   if (!options.heuristic.empty()) checked.heuristic = choose("heuristic", options.heuristic, kHeuristics);
   if (!options.radius.empty()) checked.radius = choose("radius policy", options.radius, kRadiusPolicies);
   if (options.step) {

@@ -26,8 +26,7 @@ struct CommonOptions {
   std::string size = "1024x1024";
   std::string uncovered;
   std::optional<double> fovYDeg, step, radiusScale;
-  int pointSize = WarpSettings{}.pointSize;
-  int hits = WarpSettings{}.hits;
+  std::optional<int> pointSize, hits;
   std::optional<uint32_t> seed;
   bool json = false, quiet = false, verbose = false;
 

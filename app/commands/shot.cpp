@@ -13,6 +13,7 @@
 #include "app/progress.h"
 #include "app/sweep/auto_choice.h"
 #include "app/sweep/sweep.h"
+#include "app/sweep/sweep_file.h"
 #include "render/core/error.h"
 #include "render/core/range.h"
 
@@ -35,20 +36,31 @@ constexpr Range kViewAngleDegRange{-360.0, 360.0};
 
 /// What `auto` may choose: what was asked for stays.
 bool isAllowed(const Configuration& configuration, uint32_t sidePx, const ShotOptions& options, const Workplace& work) {
-  if (configuration.serverSidePx != sidePx) return false;
+  if (configuration.serverSidePx != sidePx || configuration.march.step != work.march.step) return false;
   const WarpKnobs& knobs = configuration.technique->knobs;
   if (!options.common.heuristic.empty() && knobs.depth && configuration.march.heuristic != work.march.heuristic) return false;
   if (!options.common.radius.empty() && knobs.radius && configuration.march.radiusPolicy != work.march.radiusPolicy) return false;
+  if (options.common.radiusScale && knobs.radius && configuration.march.radiusScale != work.march.radiusScale) return false;
+  if (options.common.pointSize && knobs.pointSize && configuration.pointSize != *options.common.pointSize) return false;
+  if (options.common.hits && knobs.hits && configuration.hits != *options.common.hits) return false;
   return true;
 }
 
 /// From a sweep's file, or measured here and now.
 AutoChoice measuredFront(const ShotOptions& options, const Workplace& work, HeadlessResources& headless, const std::stop_token& stop) {
-  if (!options.front.empty()) return AutoChoice::fromFile(options.front, work.march);
+  if (!options.front.empty()) {
+    const std::optional<SweepFile> sweep = readSweepFile(options.front);
+    if (!sweep || !sweep->choice) throw InputError(options.front + ": holds no sweep with anything that draws a frame");
+    if (sweep->scene != work.scene.name) logWarning(options.front + " was measured with another scene, " + sweep->scene);
+    return *sweep->choice;
+  }
   SweepSettings settings;
   settings.plan = quickPlan(work.march, work.width, work.height, options.viewAngleDeg);
   if (!options.common.heuristic.empty()) settings.plan.heuristics = {work.march.heuristic};
   if (!options.common.radius.empty()) settings.plan.radii = {work.march.radiusPolicy};
+  settings.plan.radiusScales = {work.march.radiusScale};
+  if (options.common.pointSize) settings.plan.pointSizes = {*options.common.pointSize};
+  if (options.common.hits) settings.plan.hits = {*options.common.hits};
   settings.plan.codecs = {work.transport.codec};
   settings.width = work.width;
   settings.height = work.height;
@@ -65,14 +77,12 @@ AutoChoice::Choice chooseFor(const ShotOptions& options, Workplace& work, Headle
   const auto choice = front.choose(options.viewAngleDeg, budgetMs, [&](const Configuration& configuration) {
     return isAllowed(configuration, front.largestSidePx(), options, work);
   });
-  if (!choice) throw InputError(options.front + ": nothing was measured with the heuristic and the radius that were asked for");
+  if (!choice) throw InputError(options.front + ": nothing was measured with the step, the heuristic, the radius and the sizes that were asked for");
   const Configuration& best = choice->configuration;
-  const float step = work.march.step;
   if (best.technique->knobs.depth) work.march.heuristic = best.march.heuristic;
   if (best.technique->knobs.depth) work.march.threshold = best.march.threshold;
   if (best.technique->knobs.radius) work.march.radiusPolicy = best.march.radiusPolicy;
   if (best.technique->knobs.radius) work.march.radiusScale = best.march.radiusScale;
-  work.march.step = step;
   if (best.technique->knobs.pointSize) work.warp.pointSize = best.pointSize;
   if (best.technique->knobs.hits) work.warp.hits = best.hits;
   logResult("auto: " + choice->reason);

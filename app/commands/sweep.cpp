@@ -2,6 +2,7 @@
 // sweep.csv, sweep.json and report.html; what is done survives an interrupt.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -33,16 +34,18 @@ struct SweepOptions {
 
 SweepPlan planOf(const SweepOptions& options, const Workplace& work) {
   SweepPlan plan = defaultPlan(work.march, work.width, work.height);
-  // What other commands take one of is one value of an axis here.
-  if (!options.common.heuristic.empty()) plan.heuristics = {work.march.heuristic};
-  if (!options.common.radius.empty()) plan.radii = {work.march.radiusPolicy};
   plan.radiusScales = {work.march.radiusScale};
-  if (options.common.pointSize != WarpSettings{}.pointSize) plan.pointSizes = {options.common.pointSize};
-  if (options.common.hits != WarpSettings{}.hits) plan.hits = {options.common.hits};
   if (!options.plan.empty()) {
     const JsonDocument document = JsonDocument::fromFile(options.plan);
     applyPlanFile(document.root(), plan);
   }
+  // What other commands take one of is one value of an axis here.
+  if (!options.common.heuristic.empty()) plan.heuristics = {work.march.heuristic};
+  if (!options.common.radius.empty()) plan.radii = {work.march.radiusPolicy};
+  if (options.common.radiusScale) plan.radiusScales = {work.march.radiusScale};
+  if (options.common.step) plan.steps = {work.march.step};
+  if (options.common.pointSize) plan.pointSizes = {*options.common.pointSize};
+  if (options.common.hits) plan.hits = {*options.common.hits};
   for (const SweepAxis& axis : sweepAxes())
     if (const auto given = options.axes.find(axis.option); given != options.axes.end() && !given->second.empty())
       applyPlanOption(axis, given->second, plan);
@@ -54,6 +57,28 @@ Json machineOf(const std::string& backend, const std::string& openGl) {
   if (backend == "cuda")
     for (const cuda::Device& device : cuda::listDevices().devices) devices.push_back(device.name);
   return {{"backend", backend}, {"openGl", openGl}, {"devices", devices}, {"threads", std::thread::hardware_concurrency()}};
+}
+
+/// Size and time of a file, so that another file of its name is told from it; null for what is no file.
+Json fileIdentity(const std::string& path) {
+  std::error_code error;
+  const auto time = std::filesystem::last_write_time(path, error);
+  if (path.empty() || error) return nullptr;
+  return {std::filesystem::absolute(path, error).string(), std::filesystem::file_size(path, error), time.time_since_epoch().count()};
+}
+
+/// All that results depend on, beside what `head` says.
+Json identityOf(const Json& head, const SweepOptions& options, const Workplace& work, const std::string& backend) {
+  Json identity = head;
+  const CommonOptions& common = options.common;
+  identity["sceneSpec"] = work.sceneSpec;
+  identity["files"] = {fileIdentity(work.sceneSpec), fileIdentity(common.volume), fileIdentity(common.transferFunction)};
+  identity["volumeSize"] = common.volumeSize;
+  identity["fovYDeg"] = work.scene.fovYDeg;
+  identity["threshold"] = work.march.threshold;
+  identity["contribution"] = work.march.contribution;
+  identity["machine"] = machineOf(backend, "");
+  return identity;
 }
 
 void sweep(const SweepOptions& options) {
@@ -72,10 +97,7 @@ void sweep(const SweepOptions& options) {
             {"height", work.height},      {"plan", toJson(settings.plan)},
             {"volumeSeed", work.overrides.seed}, {"version", WARPSCOPE_VERSION},
             {"sphereTracing", nameOf(kSphereTracings, work.warp.sphereTracing)}};
-  Json identity = head;
-  identity["sceneSpec"] = work.sceneSpec;
-  identity["backend"] = backend;
-  SweepJournal journal(options.out, identity, settings.plan.base);
+  SweepJournal journal(options.out, identityOf(head, options, work, backend), settings.plan.base);
   if (journal.found() > 0) logResult("going on with a sweep of which " + std::to_string(journal.found()) + " parts are done");
 
   const size_t units = unitsOf(settings.plan).size();
@@ -98,6 +120,8 @@ void sweep(const SweepOptions& options) {
   } catch (const OperationCancelled&) {
     throw InputError("stopped; what is done is kept in " + options.out + ", and the same command goes on from there");
   }
+  if (const auto last = nameOf(headless.resources().marcher->backend()); last != backend)
+    throw InputError("the sweep began on " + backend + " and went on on " + std::string(last) + ", whose times cannot be compared: choose --backend cpu, or try again");
   head["machine"] = machineOf(backend, headless.contextText());
   report.head = head;
   report.background = work.scene.background;

@@ -13,16 +13,21 @@
 namespace warpscope {
 namespace {
 
+/// How far beyond what was measured counts as measured.
+constexpr double kSlackDeg = 2.5;
+
+/// 0..180.
+double folded(double angleDeg) { return std::abs(std::remainder(angleDeg, 360.0)); }
+
 std::string reasonFor(const Configuration& configuration, double flip, double frameMs, double angleDeg, double budgetMs, size_t count) {
   char text[200];
-  const std::string name = labelOf(configuration);
   if (frameMs <= budgetMs)
     std::snprintf(text, sizeof text, ": least error (FLIP %.4f) at %.1f degrees of what was measured within %g ms (%.3g ms, of %zu)", flip, angleDeg,
                   budgetMs, frameMs, count);
   else
     std::snprintf(text, sizeof text, ": the fastest (%.3g ms, FLIP %.4f at %.1f degrees) of %zu measured, none of which keeps to %g ms", frameMs, flip,
                   angleDeg, count, budgetMs);
-  return name + text;
+  return labelOf(configuration) + text;
 }
 
 }  // namespace
@@ -34,18 +39,10 @@ AutoChoice::AutoChoice(const std::vector<SweepRow>& rows) {
     if (!row.link.empty() || !configuration.technique->usesFrame) continue;
     const auto [place, isNew] = places.emplace(keyOf(configuration), candidates_.size());
     if (isNew) candidates_.push_back({configuration, {}});
-    candidates_[place->second].angles.push_back({std::abs(row.angleDeg), row.errors.flip, row.frameMs()});
+    candidates_[place->second].angles.push_back({folded(row.angleDeg), row.errors.flip, row.frameMs()});
   }
   for (Candidate& candidate : candidates_)
     std::stable_sort(candidate.angles.begin(), candidate.angles.end(), [](const AtAngle& a, const AtAngle& b) { return a.angleDeg < b.angleDeg; });
-}
-
-AutoChoice AutoChoice::fromFile(const std::string& path, const MarchSettings& base) {
-  const JsonDocument document = JsonDocument::fromFile(path);
-  const Node root = document.root();
-  AutoChoice choice(sweepRowsFrom(root.at("rows"), base));
-  if (choice.empty()) root.at("rows").fail("hold nothing that draws a frame");
-  return choice;
 }
 
 uint32_t AutoChoice::largestSidePx() const {
@@ -63,31 +60,41 @@ AutoChoice::AtAngle AutoChoice::Candidate::at(double angleDeg) const {
   return {angleDeg, std::lerp(below.flip, above->flip, share), std::lerp(below.frameMs, above->frameMs, share)};
 }
 
+bool AutoChoice::Candidate::covers(double angleDeg) const {
+  return angleDeg >= angles.front().angleDeg - kSlackDeg && angleDeg <= angles.back().angleDeg + kSlackDeg;
+}
+
 std::optional<AutoChoice::Choice> AutoChoice::choose(double angleDeg, double budgetMs, const std::function<bool(const Configuration&)>& may) const {
-  angleDeg = std::abs(angleDeg);
+  angleDeg = folded(angleDeg);
   const Candidate* best = nullptr;
   AtAngle bestAt{};
+  std::tuple<bool, bool, double, double> bestRank;
   size_t count = 0;
   for (const Candidate& candidate : candidates_) {
     if (!may(candidate.configuration)) continue;
     ++count;
     const AtAngle here = candidate.at(angleDeg);
-    const auto rank = [&](const AtAngle& at) {
-      const bool isLate = at.frameMs > budgetMs;
-      return std::tuple(isLate, isLate ? at.frameMs : at.flip, isLate ? at.flip : at.frameMs);
-    };
-    if (best != nullptr && rank(here) >= rank(bestAt)) continue;
+    const bool isLate = here.frameMs > budgetMs;
+    const std::tuple<bool, bool, double, double> rank(isLate, !candidate.covers(angleDeg), isLate ? here.frameMs : here.flip,
+                                                      isLate ? here.flip : here.frameMs);
+    if (best != nullptr && rank >= bestRank) continue;
     best = &candidate;
     bestAt = here;
+    bestRank = rank;
   }
   if (best == nullptr) return std::nullopt;
-  return Choice{best->configuration, bestAt.flip, bestAt.frameMs,
+  Choice choice{best->configuration, bestAt.flip, bestAt.frameMs,
                 reasonFor(best->configuration, bestAt.flip, bestAt.frameMs, angleDeg, budgetMs, count)};
+  if (!best->covers(angleDeg)) choice.reason += ", though nothing was measured that far out";
+  return choice;
 }
 
 double angleBetweenDeg(const Camera& a, const Camera& b) {
-  const glm::dvec3 from(a.forward), to(b.forward);
-  return std::atan2(glm::length(glm::cross(from, to)), glm::dot(from, to)) * 180.0 / std::numbers::pi;
+  const glm::dvec3 from(a.forward), to(b.forward), eyeA(a.eye), eyeB(b.eye);
+  const double turned = std::atan2(glm::length(glm::cross(from, to)), glm::dot(from, to));
+  const double distance = std::max(glm::length(eyeA), glm::length(eyeB));
+  const double moved = distance > 0.0 ? 2.0 * std::asin(std::min(1.0, 0.5 * glm::length(eyeB - eyeA) / distance)) : 0.0;
+  return std::max(turned, moved) * 180.0 / std::numbers::pi;
 }
 
 }  // namespace warpscope

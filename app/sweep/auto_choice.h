@@ -1,5 +1,5 @@
 // The adaptive default: of what was measured, the configuration with the least error at this angle within the time there is.
-// Errors between measured angles are interpolated linearly; beyond the last they stay.
+// Errors between measured angles are interpolated linearly. What was not measured that far out counts only where nothing was.
 #pragma once
 
 #include <functional>
@@ -19,8 +19,6 @@ class AutoChoice {
  public:
   /// Rows of a sweep; those behind links, and what needs the volume, are left out.
   explicit AutoChoice(const std::vector<SweepRow>& rows);
-  /// A sweep.json. Throws InputError.
-  static AutoChoice fromFile(const std::string& path, const MarchSettings& base);
 
   struct Choice {
     Configuration configuration;
@@ -28,7 +26,7 @@ class AutoChoice {
     double frameMs = 0.0;   ///< likewise: decoding, building, drawing
     std::string reason;     ///< a sentence without its full stop: what was picked, and why
   };
-  /// `angleDeg`: between the frame's camera and the view; its sign does not matter. If nothing keeps to `budgetMs` the fastest is chosen, and the
+  /// `angleDeg`: between the frame's camera and the view; neither its sign nor whole turns matter. If nothing keeps to `budgetMs` the fastest is chosen, and the
   /// reason says so. `may`: which configurations are free to be chosen. Nothing if none is.
   std::optional<Choice> choose(double angleDeg, double budgetMs, const std::function<bool(const Configuration&)>& may) const;
 
@@ -45,13 +43,15 @@ class AutoChoice {
     std::vector<AtAngle> angles;  // by rising angle, at least one
 
     AtAngle at(double angleDeg) const;
+    /// Whether it was measured at angles around that one; as far out as it was, to a few degrees.
+    bool covers(double angleDeg) const;
   };
 
   std::vector<Candidate> candidates_;
 };
 
-/// Degrees between the directions in which two cameras of one scene look; 0..180. From above or below the horizon that is less than the
-/// camera was turned by.
+/// By how much another view of a scene differs, as an angle: degrees between the directions in which the cameras look, or that the step from eye to
+/// eye spans as seen from the volume's centre, whichever is more; 0..180. Above or below the horizon that is less than the camera was turned by.
 double angleBetweenDeg(const Camera& a, const Camera& b);
 
 }  // namespace warpscope

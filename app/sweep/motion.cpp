@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "net/link_model.h"
 
@@ -19,7 +20,7 @@ TimePoint later(TimePoint time, double milliseconds) {
 }
 
 struct Frame {
-  double requestedS, readyS;
+  double requestedS, readyS;  // ready: first at the client, then to be drawn from
 };
 
 }  // namespace
@@ -35,21 +36,35 @@ Motion simulateMotion(const std::vector<double>& instantsS, const MotionStages& 
   for (TimePoint sentAt{}; secondsOf(sentAt) < endS;) {
     const TimePoint served = later(up.arrivalOf(stages.requestBytes, sentAt), stages.serverMs);
     const TimePoint arrivedAt = down.arrivalOf(stages.frameBytes, served);
-    frames.push_back({secondsOf(sentAt), secondsOf(later(arrivedAt, stages.arrivalMs))});
+    frames.push_back({secondsOf(sentAt), secondsOf(arrivedAt)});
     if (secondsOf(arrivedAt) <= endS) ++arrived;
     sentAt = std::max(arrivedAt, later(sentAt, kShortestMs));
   }
 
+  // The client decodes and builds one frame at a time, the newest that is there; the others are passed over.
+  std::vector<Frame> ready;
+  double freeS = 0.0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const double beginS = std::max(frames[i].readyS, freeS);
+    const bool isOutrun = i + 1 < frames.size() && frames[i + 1].readyS <= beginS;
+    if (isOutrun) continue;
+    freeS = beginS + 1e-3 * stages.arrivalMs;
+    ready.push_back({frames[i].requestedS, freeS});
+  }
+
   Motion motion;
   if (endS > 0.0) motion.framesPerSecond = static_cast<double>(arrived) / endS;
+  if (!ready.empty()) motion.firstFrameS = ready.front().readyS;
+  // Pictures follow each other as fast as they are drawn, but no faster than the display; the last that is finished is on show.
+  const double periodS = std::max(kDisplayPeriodS, 1e-3 * stages.drawMs);
   size_t next = 0;
   for (const double instantS : instantsS) {
     ShownPictureTimes picture;
     picture.shownS = instantS;
-    picture.drawnForS = instantS - 1e-3 * stages.drawMs;
-    while (next < frames.size() && frames[next].readyS <= picture.drawnForS) ++next;
+    picture.drawnForS = std::floor(instantS / periodS) * periodS - 1e-3 * stages.drawMs;
+    while (next < ready.size() && ready[next].readyS <= picture.drawnForS) ++next;
     picture.hasFrame = next > 0;
-    if (picture.hasFrame) picture.requestedS = frames[next - 1].requestedS;
+    if (picture.hasFrame) picture.requestedS = ready[next - 1].requestedS;
     motion.pictures.push_back(picture);
   }
   return motion;

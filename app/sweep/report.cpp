@@ -279,7 +279,7 @@ std::string htmlOf(const SweepReport& report) {
                                                    "one of half its step.");
   html += "<h2>Error against bytes</h2>\n" +
           figure(svgOf(errorAgainst(report, "bytes a frame", false, [](const Summary& summary) { return static_cast<double>(summary.bytes); })),
-                 "On the wire; for hold its picture alone, as viewers that stream images send it.");
+                 "On the wire; for hold its picture alone, as viewers that stream images send it. Its times are those of a whole frame, with depths.");
   const bool hasLinks = std::any_of(report.rows.begin(), report.rows.end(), [](const SweepRow& row) { return !row.link.empty(); });
   if (hasLinks)
     html += "<h2>Behind a link</h2>\n" +

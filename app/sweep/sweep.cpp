@@ -21,9 +21,8 @@ namespace {
 
 /// Seconds from the motion's begin to the first instant that is looked at, by when the first frames are long there, and between instants:
 /// not in step with whole frames of any rate.
+constexpr double kLatestInstantS = 4096.0, kFramesBefore = 3.0;
 constexpr double kFirstInstantS = 2.0, kBetweenInstantsS = 0.6180339887;
-/// From one picture of the display to the next.
-constexpr double kDisplayPeriodS = 1.0 / 60.0;
 
 /// A frame as the client gets it, and what that took.
 struct Served {
@@ -176,16 +175,23 @@ class Sweep::Run {
 
     SweepRow row = still.front();
     row.link = link.name;
-    row.draw = measuredOf(draws);
+    row.draw = {measuredOf(draws).medianMs, 0.0};  // of other views: they tell nothing of the spread
     MotionStages stages;
     stages.serverMs = row.cost.serverMs();
     stages.arrivalMs = row.cost.arrivalMs();
     stages.drawMs = row.draw.medianMs;
     stages.frameBytes = row.cost.bytes;
+    // Not before frames come steadily. Doubled until then, so that configurations share the truths of their instants.
+    double firstS = kFirstInstantS;
+    const auto isSteadyAt = [&](double timeS) {
+      const std::optional<double> firstFrameS = simulateMotion({timeS}, stages, link.settings).firstFrameS;
+      return firstFrameS && kFramesBefore * *firstFrameS <= timeS;
+    };
+    while (firstS < kLatestInstantS && !isSteadyAt(firstS)) firstS *= 2.0;
     // Each instant, and the display's next picture.
     std::vector<double> instantsS;
     for (int i = 0; i < plan.instants; ++i) {
-      instantsS.push_back(kFirstInstantS + kBetweenInstantsS * i);
+      instantsS.push_back(firstS + kBetweenInstantsS * i);
       instantsS.push_back(instantsS.back() + kDisplayPeriodS);
     }
     const Motion motion = simulateMotion(instantsS, stages, link.settings);
