@@ -203,11 +203,11 @@ JsonDocument::JsonDocument(std::string_view text, std::string source) : text_(te
 }
 
 JsonDocument JsonDocument::fromFile(const std::filesystem::path& path) {
-  constexpr uintmax_t kLargest = 16 << 20;
+  constexpr uintmax_t kLargest = 256 << 20;  // a sweep of a quarter of a million rows
   std::error_code error;
   const uintmax_t sizeBytes = std::filesystem::file_size(path, error);
   if (error) throw InputError(path.string() + ": cannot be read: " + error.message());
-  if (sizeBytes > kLargest) throw InputError(path.string() + ": too large for a JSON file of this program (16 MiB)");
+  if (sizeBytes > kLargest) throw InputError(path.string() + ": too large for a JSON file of this program (256 MiB)");
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   if (!file) throw InputError(path.string() + ": cannot be read");

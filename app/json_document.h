@@ -22,7 +22,7 @@ class JsonDocument {
  public:
   /// Parses `text`; `source` names it in complaints. Throws InputError.
   JsonDocument(std::string_view text, std::string source);
-  /// Reads and parses a file of at most 16 MiB. Throws InputError.
+  /// Reads and parses a file of at most 256 MiB. Throws InputError.
   static JsonDocument fromFile(const std::filesystem::path& path);
 
   class Node root() const;

@@ -173,7 +173,7 @@ void writeFileWhole(const fs::path& path, std::string_view bytes, const std::sto
 StagedFolder::StagedFolder(fs::path folder) : folder_(std::move(folder)) {
   if (folder_.empty()) throw InputError("the output folder has no name");
   std::error_code error;
-  for (fs::path at = folder_; !at.empty() && !fs::exists(at, error); at = at.parent_path()) made_.insert(made_.begin(), at);
+  for (fs::path at = folder_; !at.empty() && !fs::exists(fs::symlink_status(at, error)); at = at.parent_path()) made_.insert(made_.begin(), at);
   fs::create_directories(folder_, error);
   if (!error && !fs::is_directory(folder_, error) && !error) error = std::make_error_code(std::errc::not_a_directory);
   if (!error) {

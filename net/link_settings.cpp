@@ -20,6 +20,7 @@ struct Bounds {
 constexpr Bounds kDelayMs{0, 10'000}, kJitterMs{0, 10'000}, kTraceMs{0, 60'000}, kLoss{0, 0.5};
 constexpr Bounds kRateBitPerS{1e3, 10e9}, kBurstBytes{0, 64e6}, kBufferBytes{1500, 64e6};
 constexpr Bounds kOutageMs{1, 60'000}, kOutageIntervalMs{1, 3'600'000};
+constexpr double kLongestOutages = 100.0;  // in mean times between them: a link that is down for more than that is none
 constexpr size_t kMostDelays = 10'000'000;
 
 [[noreturn]] void refuse(const std::string& sentence) { throw LinkSettingsError(sentence); }
@@ -276,6 +277,9 @@ void requireValid(const LinkSettings& settings) {
   if (settings.outageIntervalMs == 0) return;
   requireWithin(settings.outageMs, kOutageMs, "outage", " ms");
   requireWithin(settings.outageIntervalMs, kOutageIntervalMs, "outage's interval", " ms");
+  if (settings.outagesAreRandom && settings.outageMs > kLongestOutages * settings.outageIntervalMs)
+    refuse("a link's outages must not be longer than " + numberText(kLongestOutages) + " times the mean time between them (" +
+           numberText(settings.outageIntervalMs) + " ms), but are " + numberText(settings.outageMs) + " ms");
   if (!settings.outagesAreRandom && settings.outageMs >= settings.outageIntervalMs)
     refuse("a link's outage must be shorter than its interval (" + numberText(settings.outageIntervalMs) + " ms), but is " +
            numberText(settings.outageMs) + " ms");

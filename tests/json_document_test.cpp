@@ -189,7 +189,7 @@ TEST(JsonDocument, Files) {
   EXPECT_EQ(JsonDocument::fromFile(path).root().at("a").integer(0, 9), 1);
   std::ofstream(path, std::ios::trunc).flush();
   EXPECT_THAT(complaintOf([&] { JsonDocument::fromFile(path); }), StartsWith(path.string() + ":1: "));
-  std::filesystem::resize_file(path, (16u << 20) + 1);  // sparse
+  std::filesystem::resize_file(path, (256u << 20) + 1);  // sparse
   EXPECT_THAT(complaintOf([&] { JsonDocument::fromFile(path); }), HasSubstr("too large"));
   std::filesystem::remove(path);
   EXPECT_THAT(complaintOf([&] { JsonDocument::fromFile(path); }), StartsWith(path.string() + ": "));

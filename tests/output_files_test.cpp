@@ -225,6 +225,12 @@ TEST_F(OutputFiles, UnusableFoldersAreNamedAndLeaveNothing) {
   EXPECT_EQ(contentOf(root_ / "file"), "old");
 }
 
+TEST_F(OutputFiles, ALinkToNowhereStays) {
+  fs::create_symlink("nowhere", root_ / "link");
+  EXPECT_NE(complaintOf([&] { StagedFolder folder(root_ / "link"); }), "");
+  EXPECT_TRUE(fs::is_symlink(root_ / "link"));
+}
+
 TEST_F(OutputFiles, FailedStagedWritesNameTheFinalPath) {
   {
     StagedFolder folder(root_ / "made");

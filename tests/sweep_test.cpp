@@ -4,11 +4,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include "app/heat_map.h"
 #include "app/sweep/ground_truth.h"
@@ -148,8 +150,44 @@ TEST_F(SweepTest, AJournalIsOneSweepsAtATime) {
   }
   EXPECT_THAT(refusal({{"scene", "other"}}), testing::HasSubstr("unfinished sweep of other settings"));
   EXPECT_EQ(refusal(identity_), "accepted");
-  std::ofstream(folder_.path() / "sweep-unfinished.jsonl", std::ios::binary | std::ios::app) << "{\"unit\": 3}\n";
-  EXPECT_THAT(refusal(identity_), testing::HasSubstr("sweep-unfinished.jsonl"));
+}
+
+TEST_F(SweepTest, WhatIsDamagedOrAnothersIsMeasuredAnew) {
+  const Sweep::Step quiet = [](const std::string&) {};
+  std::vector<SweepRow> rows;
+  {
+    SweepJournal journal(folder_.path(), identity_, stage_.scene().march);
+    rows = Sweep(stage_.scene(), stage_.resources(), settings_, {}).run(journal, quiet);
+  }
+  // Line by line: the head, then units. Damage some of them.
+  std::istringstream text(folder_.read("sweep-unfinished.jsonl"));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 1 + 7u * 2);
+  const nlohmann::json first = nlohmann::json::parse(lines[1]), second = nlohmann::json::parse(lines[2]);
+  const auto with = [](nlohmann::json unit, const char* key, const nlohmann::json& value) {
+    unit[key] = value;
+    return unit.dump();
+  };
+  nlohmann::json twice = first["rows"];
+  twice.push_back(first["rows"][0]);
+  for (const std::string& damaged : {with(first, "rows", nlohmann::json::array()), with(first, "rows", second["rows"]), with(first, "rows", twice),
+                                     with(first, "rows", 3), lines[1].substr(0, 40), std::string(), std::string("{}"), std::string(20, '\0')}) {
+    std::string file = lines[0] + "\n" + damaged + "\n";
+    for (size_t i = 2; i < lines.size(); ++i) file += lines[i] + "\n";
+    folder_.write("sweep-unfinished.jsonl", file);
+    SweepJournal journal(folder_.path(), identity_, stage_.scene().march);
+    size_t steps = 0;
+    const std::vector<SweepRow> again = Sweep(stage_.scene(), stage_.resources(), settings_, {}).run(journal, [&](const std::string&) { ++steps; });
+    EXPECT_EQ(steps, 1u) << damaged.substr(0, 60);
+    ASSERT_EQ(again.size(), rows.size());
+    for (size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(keyOf(again[i].configuration), keyOf(rows[i].configuration));
+  }
+}
+
+TEST_F(SweepTest, AJournalIsAFile) {
+  ASSERT_EQ(mkfifo(folder_.file("sweep-unfinished.jsonl").c_str(), 0600), 0);
+  EXPECT_THROW(SweepJournal(folder_.path(), identity_, {}), InputError);
 }
 
 TEST_F(SweepTest, TheTruthKnowsWhatWasHidden) {

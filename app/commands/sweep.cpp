@@ -73,8 +73,7 @@ Json identityOf(const Json& head, const SweepOptions& options, const Workplace& 
   const CommonOptions& common = options.common;
   identity["sceneSpec"] = work.sceneSpec;
   identity["files"] = {fileIdentity(work.sceneSpec), fileIdentity(common.volume), fileIdentity(common.transferFunction)};
-  identity["volumeSize"] = common.volumeSize;
-  identity["fovYDeg"] = work.scene.fovYDeg;
+  identity["gl"] = common.gl;
   identity["threshold"] = work.march.threshold;
   identity["contribution"] = work.march.contribution;
   identity["machine"] = machineOf(backend, "");
@@ -96,6 +95,7 @@ void sweep(const SweepOptions& options) {
   Json head{{"scene", work.scene.name},   {"width", work.width},
             {"height", work.height},      {"plan", toJson(settings.plan)},
             {"volumeSeed", work.overrides.seed}, {"version", WARPSCOPE_VERSION},
+            {"fovYDeg", work.scene.fovYDeg},     {"volumeSize", options.common.volumeSize},
             {"sphereTracing", nameOf(kSphereTracings, work.warp.sphereTracing)}};
   SweepJournal journal(options.out, identityOf(head, options, work, backend), settings.plan.base);
   if (journal.found() > 0) logResult("going on with a sweep of which " + std::to_string(journal.found()) + " parts are done");

@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "app/log.h"
 #include "render/core/error.h"
 
 namespace warpscope {
@@ -27,8 +29,12 @@ SweepJournal::SweepJournal(const fs::path& folder, const nlohmann::json& identit
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
-  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0666);  // nothing to wait for in a file
   if (file_ < 0) throw InputError(path_.string() + ": cannot be written: " + std::strerror(errno));
+  if (struct stat status{}; ::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(file_);
+    throw InputError(path_.string() + ": is no file, so what is done cannot be kept there");
+  }
   if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
     ::close(file_);
     throw InputError(path_.string() + ": another sweep is at work in this folder; choose another one with --out");
@@ -56,13 +62,8 @@ void SweepJournal::read(const std::string& identity, const MarchSettings& base) 
     const std::string_view line(text.data() + at, end + 1 - at);
     if (isFirst && line != identity)
       throw InputError(path_.string() + ": an unfinished sweep of other settings, another scene or another version is here; run that one to its end, "
-                                        "delete the file, or choose another folder with --out");
-    if (!isFirst) {
-      const JsonDocument document(line, path_.string());
-      std::vector<SweepRow> rows;
-      for (const Node& row : document.root().at("rows").elements(0, 1 << 20)) rows.push_back(sweepRowFrom(row, base));
-      done_[document.root().at("unit").string()] = std::move(rows);
-    }
+                                        "delete the file (also if it is damaged), or choose another folder with --out");
+    if (!isFirst) readUnit(line, base);
     isFirst = false;
     kept = end + 1;
   }
@@ -70,6 +71,16 @@ void SweepJournal::read(const std::string& identity, const MarchSettings& base) 
   if (kept < text.size() && ::ftruncate(file_, static_cast<off_t>(kept)) != 0)
     throw InputError(path_.string() + ": cannot be written: " + std::strerror(errno));
   if (isFirst) append(identity);
+}
+
+void SweepJournal::readUnit(std::string_view line, const MarchSettings& base) {
+  try {
+    const JsonDocument document(line, path_.string());
+    std::vector<SweepRow> rows = sweepRowsFrom(document.root().at("rows"), base);
+    if (!rows.empty()) done_[document.root().at("unit").string()] = std::move(rows);
+  } catch (const InputError& error) {
+    logWarning("a damaged line is passed over, and its part measured anew: " + std::string(error.what()));
+  }
 }
 
 const std::vector<SweepRow>* SweepJournal::find(const std::string& unit) const {

@@ -1,11 +1,12 @@
 // What an unfinished sweep has done so far, kept on disk line by line, so that the next run goes on from there.
-// One JSON document a line (jsonlines.org); a line that was cut off is passed over.
+// One JSON document a line (jsonlines.org); lines that were cut off or damaged are passed over.
 #pragma once
 
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/sweep/sweep_result.h"
@@ -34,6 +35,8 @@ class SweepJournal {
 
  private:
   void read(const std::string& identity, const MarchSettings& base);
+  /// A line that is damaged is passed over, with a warning.
+  void readUnit(std::string_view line, const MarchSettings& base);
   void append(const std::string& line);
 
   std::filesystem::path path_;

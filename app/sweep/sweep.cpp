@@ -300,6 +300,15 @@ class Sweep::Run {
 
 std::string SweepUnit::name() const { return keyOf(configuration) + (link == nullptr ? std::string() : " behind " + link->name); }
 
+bool SweepUnit::hasRows(const std::vector<SweepRow>& rows, const SweepPlan& plan) const {
+  if (rows.size() != (link == nullptr ? plan.anglesDeg.size() : 1)) return false;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    if (keyOf(rows[i].configuration) != keyOf(configuration) || rows[i].link != (link == nullptr ? std::string() : link->name)) return false;
+    if (link == nullptr && rows[i].angleDeg != plan.anglesDeg[i]) return false;
+  }
+  return true;
+}
+
 std::vector<SweepUnit> unitsOf(const SweepPlan& plan) {
   std::vector<SweepUnit> units;
   for (const Configuration& configuration : configurationsOf(plan)) {
@@ -319,7 +328,7 @@ std::vector<SweepRow> Sweep::run(SweepJournal& journal, const Step& onStep) {
   // Configurations that take the same frame one after the other; those that stand still first, because the others need their times.
   std::vector<const SweepUnit*> order;
   for (const SweepUnit& unit : units)
-    if (journal.find(unit.name()) == nullptr) order.push_back(&unit);
+    if (const std::vector<SweepRow>* done = journal.find(unit.name()); done == nullptr || !unit.hasRows(*done, settings_.plan)) order.push_back(&unit);
   const auto frameOf = [](const SweepUnit& unit) {
     const Configuration& c = unit.configuration;
     return std::tuple(unit.link != nullptr, c.serverSidePx, c.march.step, c.march.heuristic, c.march.radiusPolicy, c.march.radiusScale,

@@ -29,6 +29,8 @@ struct SweepUnit {
   const SweepLink* link = nullptr;  ///< null: at all angles
 
   std::string name() const;  ///< the journal's
+  /// Whether these are the rows that measuring it under `plan` gives.
+  bool hasRows(const std::vector<SweepRow>& rows, const SweepPlan& plan) const;
 };
 std::vector<SweepUnit> unitsOf(const SweepPlan& plan);
 

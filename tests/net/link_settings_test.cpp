@@ -135,5 +135,12 @@ TEST(LinkSettings, TracesFromFiles) {
   std::filesystem::remove(path);
 }
 
+/// A model of such a link would go through outages without end.
+TEST(LinkSettings, ALinkThatIsHardlyEverUpIsRefused) {
+  EXPECT_THROW(parseLinkSettings("outage=60000/~1"), LinkSettingsError);
+  EXPECT_THROW(parseLinkSettings("outage=60000/~599"), LinkSettingsError);
+  EXPECT_NO_THROW(parseLinkSettings("outage=60000/~600"));
+}
+
 }  // namespace
 }  // namespace warpscope::net
