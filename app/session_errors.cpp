@@ -114,18 +114,8 @@ bool Session::takeErrors(size_t index, TimePoint now) {
 void Session::choose(size_t panel, const Configuration& configuration) {
   const WarpDescriptor& technique = *configuration.technique;
   setTechnique(panel, technique);
-  MarchSettings& march = knobs_.march;
-  march.step = configuration.march.step;
-  if (technique.knobs.depth) {
-    march.heuristic = configuration.march.heuristic;
-    march.threshold = configuration.march.threshold;
-  }
-  if (technique.knobs.radius) {
-    march.radiusPolicy = configuration.march.radiusPolicy;
-    march.radiusScale = configuration.march.radiusScale;
-  }
-  if (technique.knobs.pointSize) knobs_.warp.pointSize = configuration.pointSize;
-  if (technique.knobs.hits) knobs_.warp.hits = configuration.hits;
+  knobs_.march.step = configuration.march.step;
+  takeOver(configuration, knobs_.march, knobs_.warp);
   if (!technique.usesFrame) return;
   knobs_.serverSidePx = configuration.serverSidePx;
   knobs_.transport.codec = configuration.codec;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <random>
 
 #include "render/core/color.h"
 #include "render/core/image.h"
@@ -21,6 +22,18 @@ inline Image<glm::vec4> somePicture(double phase, bool hasPatch) {
       for (int channel = 0; channel < 3; ++channel) image(x, y)[channel] = linearFromSrgb(static_cast<float>(shown[channel]));
       image(x, y).a = 1.0f;
     }
+  return image;
+}
+
+/// Pixels that have nothing to do with each other, of any opacity.
+inline Image<glm::vec4> noise(uint32_t width, uint32_t height, uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  Image<glm::vec4> image(width, height);
+  for (glm::vec4& pixel : image) {
+    const float alpha = unit(random);
+    pixel = alpha * glm::vec4(unit(random), unit(random), unit(random), 1.0f);
+  }
   return image;
 }
 

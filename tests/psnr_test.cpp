@@ -11,6 +11,7 @@
 #include <random>
 
 #include "render/core/error.h"
+#include "tests/metric_pictures.h"
 
 namespace warpscope {
 namespace {
@@ -21,17 +22,6 @@ const glm::vec3 kBlack(0.0f);
 glm::vec4 shownAs(double encoded) {
   const double linear = encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
   return glm::vec4(glm::vec3(static_cast<float>(linear)), 1.0f);
-}
-
-Image<glm::vec4> noise(uint32_t width, uint32_t height, uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  Image<glm::vec4> image(width, height);
-  for (glm::vec4& pixel : image) {
-    const float alpha = unit(random);
-    pixel = alpha * glm::vec4(unit(random), unit(random), unit(random), 1.0f);
-  }
-  return image;
 }
 
 TEST(Psnr, IdenticalImagesAreInfinite) {

@@ -192,8 +192,8 @@ TEST_F(SweepTest, AJournalIsAFile) {
 
 TEST_F(SweepTest, TheTruthKnowsWhatWasHidden) {
   GroundTruth truth(stage_.scene(), stage_.resources().marcher, stage_.scene().march, 96, 72);
-  EXPECT_EQ(truth.at(0.0, {}).disoccludedFraction, 0.0);
-  EXPECT_GT(truth.at(45.0, {}).disoccludedFraction, truth.at(10.0, {}).disoccludedFraction);
+  EXPECT_EQ(truth.seenAt(0.0, {}).disoccludedFraction, 0.0);
+  EXPECT_GT(truth.seenAt(45.0, {}).disoccludedFraction, truth.seenAt(10.0, {}).disoccludedFraction);
   EXPECT_EQ(&truth.at(45.0, {}), &truth.at(45.0, {}));
   const Camera half = truth.camera(0.0, 48);
   EXPECT_EQ(half.width, 48u);

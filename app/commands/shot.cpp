@@ -58,7 +58,6 @@ AutoChoice measuredFront(const ShotOptions& options, const Workplace& work, Head
   settings.plan = quickPlan(work.march, work.width, work.height, options.viewAngleDeg);
   if (!options.common.heuristic.empty()) settings.plan.heuristics = {work.march.heuristic};
   if (!options.common.radius.empty()) settings.plan.radii = {work.march.radiusPolicy};
-  settings.plan.radiusScales = {work.march.radiusScale};
   if (options.common.pointSize) settings.plan.pointSizes = {*options.common.pointSize};
   if (options.common.hits) settings.plan.hits = {*options.common.hits};
   settings.plan.codecs = {work.transport.codec};
@@ -78,13 +77,7 @@ AutoChoice::Choice chooseFor(const ShotOptions& options, Workplace& work, Headle
     return isAllowed(configuration, front.largestSidePx(), options, work);
   });
   if (!choice) throw InputError(options.front + ": nothing was measured with the step, the heuristic, the radius and the sizes that were asked for");
-  const Configuration& best = choice->configuration;
-  if (best.technique->knobs.depth) work.march.heuristic = best.march.heuristic;
-  if (best.technique->knobs.depth) work.march.threshold = best.march.threshold;
-  if (best.technique->knobs.radius) work.march.radiusPolicy = best.march.radiusPolicy;
-  if (best.technique->knobs.radius) work.march.radiusScale = best.march.radiusScale;
-  if (best.technique->knobs.pointSize) work.warp.pointSize = best.pointSize;
-  if (best.technique->knobs.hits) work.warp.hits = best.hits;
+  takeOver(choice->configuration, work.march, work.warp);
   logResult("auto: " + choice->reason);
   return *choice;
 }

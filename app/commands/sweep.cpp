@@ -34,7 +34,6 @@ struct SweepOptions {
 
 SweepPlan planOf(const SweepOptions& options, const Workplace& work) {
   SweepPlan plan = defaultPlan(work.march, work.width, work.height);
-  plan.radiusScales = {work.march.radiusScale};
   if (!options.plan.empty()) {
     const JsonDocument document = JsonDocument::fromFile(options.plan);
     applyPlanFile(document.root(), plan);
@@ -100,11 +99,10 @@ void sweep(const SweepOptions& options) {
   SweepJournal journal(options.out, identityOf(head, options, work, backend), settings.plan.base);
   if (journal.found() > 0) logResult("going on with a sweep of which " + std::to_string(journal.found()) + " parts are done");
 
-  const size_t units = unitsOf(settings.plan).size();
   Sweep run(work.scene, headless.resources(), settings, interrupt.token());
   SweepReport report;
   try {
-    Progress progress("sweep", units - journal.found() + 2, !options.common.showsProgress());
+    Progress progress("sweep", run.unfinished(journal).size() + 2, !options.common.showsProgress());
     const auto step = [&](const std::string& what) {
       logDetail(what);
       progress.step(what);

@@ -30,6 +30,20 @@ WarpSettings Configuration::warp(const WarpSettings& base) const {
   return settings;
 }
 
+void takeOver(const Configuration& configuration, MarchSettings& march, WarpSettings& warp) {
+  const WarpKnobs& knobs = configuration.technique->knobs;
+  if (knobs.depth) {
+    march.heuristic = configuration.march.heuristic;
+    march.threshold = configuration.march.threshold;
+  }
+  if (knobs.radius) {
+    march.radiusPolicy = configuration.march.radiusPolicy;
+    march.radiusScale = configuration.march.radiusScale;
+  }
+  if (knobs.pointSize) warp.pointSize = configuration.pointSize;
+  if (knobs.hits) warp.hits = configuration.hits;
+}
+
 Configuration normalized(Configuration configuration) {
   const WarpDescriptor& technique = *configuration.technique;
   const WarpKnobs& knobs = technique.knobs;

@@ -26,6 +26,9 @@ struct Configuration {
   bool operator==(const Configuration&) const = default;
 };
 
+/// Takes over those settings that its technique's picture depends on, but for the step, which every picture does.
+void takeOver(const Configuration& configuration, MarchSettings& march, WarpSettings& warp);
+
 /// With what the technique's picture does not depend on set to its default, so that equal work is equal.
 Configuration normalized(Configuration configuration);
 

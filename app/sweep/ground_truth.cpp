@@ -24,20 +24,22 @@ Camera GroundTruth::camera(double angleDeg) const { return camera(angleDeg, std:
 const Truth& GroundTruth::at(double angleDeg, const std::stop_token& stop) {
   std::unique_ptr<Truth>& truth = truths_[angleDeg];
   if (truth) return *truth;
-  if (!firstView_) firstView_ = std::make_unique<SampleFrame>(marcher_->march(camera(0.0), sampled_, stop));
   const Camera view = camera(angleDeg);
   Image<glm::vec4> color;
   marcher_->render(view, march_, color, stop);
   PictureJudge judge(color, scene_.background);
-  Image<Visibility> visibility = visibilityOf(*firstView_, marcher_->march(view, sampled_, stop));
-  size_t seen = 0, hidden = 0;
-  for (size_t i = 0; i < visibility.size(); ++i) {
-    seen += visibility[i] == Visibility::visible;
-    hidden += visibility[i] == Visibility::disoccluded;
-  }
-  const double fraction = seen + hidden == 0 ? 0.0 : static_cast<double>(hidden) / static_cast<double>(seen + hidden);
-  truth = std::make_unique<Truth>(Truth{view, std::move(color), std::move(judge), std::move(visibility), fraction});
+  truth = std::make_unique<Truth>(Truth{view, std::move(color), std::move(judge)});
   return *truth;
+}
+
+const Seen& GroundTruth::seenAt(double angleDeg, const std::stop_token& stop) {
+  if (const auto known = seen_.find(angleDeg); known != seen_.end()) return known->second;
+  if (!firstView_) firstView_ = std::make_unique<SampleFrame>(marcher_->march(camera(0.0), sampled_, stop));
+  Seen seen{visibilityOf(*firstView_, marcher_->march(camera(angleDeg), sampled_, stop)), 0.0};
+  const auto count = [&](Visibility kind) { return static_cast<double>(std::count(seen.visibility.begin(), seen.visibility.end(), kind)); };
+  const double hidden = count(Visibility::disoccluded), shown = hidden + count(Visibility::visible);
+  if (shown > 0.0) seen.disoccludedFraction = hidden / shown;
+  return seen_.emplace(angleDeg, std::move(seen)).first->second;
 }
 
 PictureErrors GroundTruth::floorAt(double angleDeg, const std::stop_token& stop) {
@@ -48,7 +50,7 @@ PictureErrors GroundTruth::floorAt(double angleDeg, const std::stop_token& stop)
   marcher_->render(truth.camera, finer, image.color, stop);
   image.samples.reshape(image.color.width(), image.color.height());
   std::fill(image.samples.begin(), image.samples.end(), kNotASample);
-  return truth.judge.errorsOf(image, &truth.visibility);
+  return truth.judge.errorsOf(image, &seenAt(angleDeg, stop).visibility);
 }
 
 }  // namespace warpscope

@@ -16,7 +16,10 @@ struct Truth {
   Camera camera;
   Image<glm::vec4> color;
   PictureJudge judge;
-  /// What the first view's camera could see of each pixel, by samples where half the light comes from before them.
+};
+
+/// What the first view's camera could see of each pixel of another, by samples where half the light comes from before them.
+struct Seen {
   Image<Visibility> visibility;
   double disoccludedFraction = 0.0;  ///< among what is not empty
 };
@@ -33,6 +36,7 @@ class GroundTruth {
 
   /// Throws as marching does.
   const Truth& at(double angleDeg, const std::stop_token& stop);
+  const Seen& seenAt(double angleDeg, const std::stop_token& stop);
 
   /// The truth against one marched with half its step.
   PictureErrors floorAt(double angleDeg, const std::stop_token& stop);
@@ -43,6 +47,7 @@ class GroundTruth {
   MarchSettings march_, sampled_;
   uint32_t width_, height_;
   std::map<double, std::unique_ptr<Truth>> truths_;
+  std::map<double, Seen> seen_;
   std::unique_ptr<SampleFrame> firstView_;
 };
 

@@ -25,26 +25,19 @@ std::string lineOf(const nlohmann::json& json) { return json.dump(-1, ' ', false
 
 }  // namespace
 
-SweepJournal::SweepJournal(const fs::path& folder, const nlohmann::json& identity, const MarchSettings& base) : path_(folder / kName) {
+SweepJournal::SweepJournal(const fs::path& folder, const nlohmann::json& identity, const MarchSettings& base)
+    : SweepJournal() {  // whole from here on: what throws below is closed by the destructor
+  path_ = folder / kName;
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
   file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0666);  // nothing to wait for in a file
   if (file_ < 0) throw InputError(path_.string() + ": cannot be written: " + std::strerror(errno));
-  if (struct stat status{}; ::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(file_);
+  if (struct stat status{}; ::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode))
     throw InputError(path_.string() + ": is no file, so what is done cannot be kept there");
-  }
-  if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
-    ::close(file_);
+  if (::flock(file_, LOCK_EX | LOCK_NB) != 0)
     throw InputError(path_.string() + ": another sweep is at work in this folder; choose another one with --out");
-  }
-  try {
-    read(lineOf(identity), base);
-  } catch (...) {
-    ::close(file_);
-    throw;
-  }
+  read(lineOf(identity), base);
 }
 
 SweepJournal::~SweepJournal() {

@@ -30,6 +30,15 @@ struct Served {
   SweepCost cost;
 };
 
+/// What `work` takes, after one run that warms up.
+template <class Work>
+Measured timed(int repeats, const Work& work) {
+  work();
+  std::vector<double> times;
+  for (int i = 0; i < repeats; ++i) times.push_back(milliseconds(work));
+  return measuredOf(times);
+}
+
 /// All that a frame of one camera depends on.
 struct FrameKind {
   MarchSettings march;
@@ -48,11 +57,11 @@ class Server {
     Served served;
     served.cost = cost_;
     std::vector<std::byte> payload;
-    served.cost.encode = timed([&] { payload = codec_.encode(*marched_, configuration.codec); });
+    served.cost.encode = timed(repeats_, [&] { payload = codec_.encode(*marched_, configuration.codec); });
     served.cost.bytes = payload.size();
     served.cost.samples = marched_->size();
     auto decoded = std::make_shared<SampleFrame>(*marched_);
-    served.cost.decode = timed([&] {
+    served.cost.decode = timed(repeats_, [&] {
       if (const DecodeError error = codec_.decode(payload, marched_->size(), *decoded))
         throw InputError("the program's own frame cannot be decoded: " + *error);
     });
@@ -81,14 +90,6 @@ class Server {
     cost_.copy = measuredOf(copy);
     camera_ = camera;
     settings_ = settings;
-  }
-
-  template <class Work>
-  Measured timed(const Work& work) const {
-    work();
-    std::vector<double> times;
-    for (int i = 0; i < repeats_; ++i) times.push_back(milliseconds(work));
-    return measuredOf(times);
   }
 
   const MarcherPtr marcher_;
@@ -147,7 +148,7 @@ class Sweep::Run {
       const Served served = servedFor(configuration);
       cost = served.cost;
       if (configuration.technique->name == "hold") cost.bytes = pictureBytes(served.frame, scene_.background, configuration.codec);
-      cost.build = timed([&] { warp.setFrame(served.frame, warpSettings, stop_); });
+      cost.build = timed(plan.draws, [&] { warp.setFrame(served.frame, warpSettings, stop_); });
     }
     std::vector<SweepRow> rows;
     for (const double angleDeg : plan.anglesDeg) {
@@ -156,11 +157,12 @@ class Sweep::Run {
       row.configuration = configuration;
       row.angleDeg = angleDeg;
       row.cost = cost;
-      row.draw = timed([&] { drawForScreen(warp, truth.camera, warpSettings); });
+      row.draw = timed(plan.draws, [&] { drawForScreen(warp, truth.camera, warpSettings); });
       row.draws = plan.draws;
       warp.draw(truth.camera, warpSettings, image_, stop_);
-      row.errors = truth.judge.errorsOf(image_, &truth.visibility);
-      row.disoccludedFraction = truth.disoccludedFraction;
+      const Seen& seen = truth_.seenAt(angleDeg, stop_);
+      row.errors = truth.judge.errorsOf(image_, &seen.visibility);
+      row.disoccludedFraction = seen.disoccludedFraction;
       rows.push_back(row);
     }
     return rows;
@@ -278,14 +280,6 @@ class Sweep::Run {
     if (!warp.drawForScreen(camera, settings, scene_.background, 0, stop_)) warp.draw(camera, settings, image_, stop_);
   }
 
-  template <class Work>
-  Measured timed(const Work& work) const {
-    work();
-    std::vector<double> times;
-    for (int i = 0; i < settings_.plan.draws; ++i) times.push_back(milliseconds(work));
-    return measuredOf(times);
-  }
-
   const Scene& scene_;
   const WarpResources resources_;
   const SweepSettings& settings_;
@@ -323,29 +317,35 @@ Sweep::Sweep(const Scene& scene, const WarpResources& resources, SweepSettings s
 
 Sweep::~Sweep() = default;
 
+std::vector<SweepUnit> Sweep::unfinished(const SweepJournal& journal) const {
+  std::vector<SweepUnit> units = unitsOf(settings_.plan);
+  std::erase_if(units, [&](const SweepUnit& unit) {
+    const std::vector<SweepRow>* done = journal.find(unit.name());
+    return done != nullptr && unit.hasRows(*done, settings_.plan);
+  });
+  return units;
+}
+
 std::vector<SweepRow> Sweep::run(SweepJournal& journal, const Step& onStep) {
-  const std::vector<SweepUnit> units = unitsOf(settings_.plan);
   // Configurations that take the same frame one after the other; those that stand still first, because the others need their times.
-  std::vector<const SweepUnit*> order;
-  for (const SweepUnit& unit : units)
-    if (const std::vector<SweepRow>* done = journal.find(unit.name()); done == nullptr || !unit.hasRows(*done, settings_.plan)) order.push_back(&unit);
+  std::vector<SweepUnit> order = unfinished(journal);
   const auto frameOf = [](const SweepUnit& unit) {
     const Configuration& c = unit.configuration;
     return std::tuple(unit.link != nullptr, c.serverSidePx, c.march.step, c.march.heuristic, c.march.radiusPolicy, c.march.radiusScale,
                       c.march.threshold, codecWord(c.codec));
   };
-  std::stable_sort(order.begin(), order.end(), [&](const SweepUnit* a, const SweepUnit* b) { return frameOf(*a) < frameOf(*b); });
-  for (const SweepUnit* unit : order) {
+  std::stable_sort(order.begin(), order.end(), [&](const SweepUnit& a, const SweepUnit& b) { return frameOf(a) < frameOf(b); });
+  for (const SweepUnit& unit : order) {
     if (stop_.stop_requested()) throw OperationCancelled();
-    onStep(labelOf(unit->configuration) + (unit->link == nullptr ? std::string() : " behind " + unit->link->name));
-    if (unit->link == nullptr)
-      journal.add(unit->name(), run_->measure(unit->configuration));
+    onStep(labelOf(unit.configuration) + (unit.link == nullptr ? std::string() : " behind " + unit.link->name));
+    if (unit.link == nullptr)
+      journal.add(unit.name(), run_->measure(unit.configuration));
     else
-      journal.add(unit->name(), run_->measureMoving(unit->configuration, *unit->link, *journal.find(keyOf(unit->configuration))));
+      journal.add(unit.name(), run_->measureMoving(unit.configuration, *unit.link, *journal.find(keyOf(unit.configuration))));
   }
 
   std::vector<SweepRow> rows;
-  for (const SweepUnit& unit : units) {
+  for (const SweepUnit& unit : unitsOf(settings_.plan)) {
     const std::vector<SweepRow>& ofUnit = *journal.find(unit.name());
     rows.insert(rows.end(), ofUnit.begin(), ofUnit.end());
   }

@@ -49,6 +49,9 @@ class Sweep {
   Sweep(const Scene& scene, const WarpResources& resources, SweepSettings settings, std::stop_token stop);
   ~Sweep();
 
+  /// What the journal does not hold yet, or not as it should.
+  std::vector<SweepUnit> unfinished(const SweepJournal& journal) const;
+
   /// Measures what the journal does not hold yet, and tells it at once, so that nothing is lost if it ends early. `onStep` is called before
   /// each unit that is measured. The rows are in the order of the configurations: angles first, then links.
   std::vector<SweepRow> run(SweepJournal& journal, const Step& onStep);

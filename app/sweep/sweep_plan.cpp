@@ -128,7 +128,7 @@ SweepPlan defaultPlan(const MarchSettings& base, uint32_t width, uint32_t height
   for (const WarpDescriptor& technique : warpRegistry()) plan.techniques.push_back(&technique);
   plan.heuristics = {Heuristic::gradient, Heuristic::median, Heuristic::expected};
   plan.radii = {RadiusPolicy::voxel, RadiusPolicy::opacity};
-  plan.radiusScales = {1.0f};
+  plan.radiusScales = {base.radiusScale};
   plan.pointSizes = {1, 2, 3};
   plan.hits = {2};
   plan.steps = {base.step};

@@ -25,17 +25,6 @@ namespace {
 
 constexpr glm::vec3 kBackground(0.02f, 0.1f, 0.3f);
 
-Image<glm::vec4> noise(uint32_t width, uint32_t height, uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  Image<glm::vec4> image(width, height);
-  for (glm::vec4& pixel : image) {
-    const float alpha = unit(random);
-    pixel = alpha * glm::vec4(unit(random), unit(random), unit(random), 1.0f);
-  }
-  return image;
-}
-
 /// A little of `other` mixed in, less where pixels are even.
 Image<glm::vec4> mixed(const Image<glm::vec4>& image, const Image<glm::vec4>& other) {
   Image<glm::vec4> result = image;
