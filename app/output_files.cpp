@@ -12,6 +12,8 @@
 #if defined(_WIN32)
 #include <io.h>
 #else
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 #endif
 
@@ -31,12 +33,51 @@ bool mayWrite(const fs::path& path) {
 #endif
 }
 
+constexpr std::string_view kPartial = ".partial-";  // before a unique suffix
+constexpr const char* kReplaced = ".replaced";      // what was there before, while files are put in place
+constexpr char kDigits[] = "0123456789abcdef";
+constexpr size_t kSuffixLength = 8;
+
 std::string uniqueSuffix() {
-  static constexpr char kDigits[] = "0123456789abcdef";
   std::random_device random;
   std::string suffix;
-  for (int i = 0; i < 8; ++i) suffix += kDigits[random() % 16];
+  for (size_t i = 0; i < kSuffixLength; ++i) suffix += kDigits[random() % 16];
   return suffix;
+}
+
+bool isStagingName(const std::string& name) {
+  return name.size() == kPartial.size() + kSuffixLength && name.starts_with(kPartial) &&
+         name.find_first_not_of(kDigits, kPartial.size()) == std::string::npos;
+}
+
+/// An open folder that this process alone has locked; -1 if another one has, or if that is not possible there. `waits`: until it is free.
+int lockFolder([[maybe_unused]] const fs::path& folder, [[maybe_unused]] bool waits) {
+#if !defined(_WIN32)
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+  if (file >= 0 && ::flock(file, waits ? LOCK_EX : LOCK_EX | LOCK_NB) == 0) return file;
+  if (file >= 0) ::close(file);
+#endif
+  return -1;
+}
+
+void unlockFolder([[maybe_unused]] int file) {
+#if !defined(_WIN32)
+  if (file >= 0) ::close(file);
+#endif
+}
+
+/// Removes what killed writers had gathered in `folder`: folders that nobody has locked. Those that hold what was there before stay.
+void removeAbandoned(const fs::path& folder) {
+  std::error_code ignored;
+  std::vector<fs::path> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (isStagingName(entry.path().filename().string())) found.push_back(entry.path());
+  for (const fs::path& staging : found) {
+    const int lock = lockFolder(staging, false);
+    if (lock < 0) continue;
+    if (!fs::exists(staging / kReplaced, ignored) || fs::is_empty(staging / kReplaced, ignored)) fs::remove_all(staging, ignored);
+    unlockFolder(lock);
+  }
 }
 
 /// The permissions of the file that `target` is; none if there is no such file.
@@ -98,7 +139,7 @@ bool isDevice(const fs::path& target) {
 
 fs::path partialOf(const fs::path& target) {
   fs::path partial = target;
-  partial += ".partial-" + uniqueSuffix();
+  partial += std::string(kPartial) + uniqueSuffix();
   return partial;
 }
 
@@ -170,25 +211,49 @@ void writeFileWhole(const fs::path& path, std::string_view bytes, const std::sto
   throw InputError(path.string() + ": cannot be written: " + error.message());
 }
 
-StagedFolder::StagedFolder(fs::path folder) : folder_(std::move(folder)) {
+StagedFolder::StagedFolder(fs::path folder, const std::vector<std::string>& names) : folder_(std::move(folder)) {
   if (folder_.empty()) throw InputError("the output folder has no name");
   std::error_code error;
   for (fs::path at = folder_; !at.empty() && !fs::exists(fs::symlink_status(at, error)); at = at.parent_path()) made_.insert(made_.begin(), at);
   fs::create_directories(folder_, error);
   if (!error && !fs::is_directory(folder_, error) && !error) error = std::make_error_code(std::errc::not_a_directory);
   if (!error) {
-    staging_ = folder_ / (".partial-" + uniqueSuffix());
-    fs::create_directory(staging_, error);
+    removeAbandoned(folder_);
+    error = makeStaging();
   }
-  if (!error) return;
-  std::error_code ignored;
-  for (auto it = made_.rbegin(); it != made_.rend(); ++it) fs::remove(*it, ignored);
-  throw InputError(folder_.string() + ": cannot be used as output folder: " + error.message());
+  try {
+    if (error) throw InputError(folder_.string() + ": cannot be used as output folder: " + error.message());
+    for (const std::string& name : names) requireReplaceable(folder_ / name, folder_ / name);
+  } catch (const InputError&) {
+    cleanUp();
+    throw;
+  }
 }
 
-StagedFolder::~StagedFolder() {
+StagedFolder::~StagedFolder() { cleanUp(); }
+
+std::error_code StagedFolder::makeStaging() {
+  std::error_code error;
+  // Another writer may take it for abandoned before it is locked, and remove it; then the next one is made.
+  for (int attempt = 0; attempt < 10; ++attempt) {
+    staging_ = folder_ / (std::string(kPartial) + uniqueSuffix());
+    fs::create_directory(staging_, error);
+    if (error) break;
+    lock_ = lockFolder(staging_, true);
+    if (fs::exists(staging_)) return {};
+    unlockFolder(lock_);
+    lock_ = -1;
+    error = std::make_error_code(std::errc::device_or_resource_busy);
+  }
+  staging_.clear();
+  return error;
+}
+
+void StagedFolder::cleanUp() {
   std::error_code ignored;
   if (!staging_.empty()) fs::remove_all(staging_, ignored);
+  unlockFolder(lock_);
+  lock_ = -1;
   for (auto it = made_.rbegin(); it != made_.rend(); ++it) fs::remove(*it, ignored);  // removes only empty folders
 }
 
@@ -201,7 +266,7 @@ void StagedFolder::write(const std::string& name, std::string_view bytes) {
 
 void StagedFolder::commit() {
   for (const std::string& name : names_) requireReplaceable(folder_ / name, folder_ / name);
-  const fs::path replaced = staging_ / ".replaced";
+  const fs::path replaced = staging_ / kReplaced;
   std::error_code error;
   fs::create_directory(replaced, error);
   if (error) throw InputError(folder_.string() + ": cannot be used as output folder: " + error.message());

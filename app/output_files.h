@@ -7,24 +7,26 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace warpscope {
 
 /// Writes `bytes` to `path`, replacing the file that is there, or that a link there leads to; its permissions stay, and if they forbid the
-/// user to write, it is not replaced. What is there but no file (a device, a pipe) is written to as it is. Throws InputError naming the path and the reason, or OperationCancelled if `stop` is set before the file
-/// is in its place; then nothing has changed.
+/// user to write, it is not replaced. What is there but no file (a device, a pipe) is written to as it is. Throws InputError naming the
+/// path and the reason, or OperationCancelled if `stop` is set before the file is in its place; then nothing has changed.
 void writeFileWhole(const std::filesystem::path& path, std::string_view bytes, const std::stop_token& stop = {});
 
 /// Throws as writeFileWhole would, as far as that can be told without the bytes: to be asked before work that takes long.
 void requireWritable(const std::filesystem::path& path);
 
 /// Gathers files for a folder and puts them there together. Without commit() everything that was written goes again, and the folder too
-/// if it was made here.
+/// if it was made here. What a writer that was killed had gathered goes when the next one comes.
 class StagedFolder {
  public:
-  /// Makes the folder if need be and makes sure that it can be written to. Throws InputError.
-  explicit StagedFolder(std::filesystem::path folder);
+  /// Makes the folder if need be and makes sure that it can be written to. `names`: files that are to come; one that is there and must not
+  /// be replaced is noticed now, before the work, and not when it is done. Throws InputError.
+  explicit StagedFolder(std::filesystem::path folder, const std::vector<std::string>& names = {});
   ~StagedFolder();
   StagedFolder(const StagedFolder&) = delete;
   StagedFolder& operator=(const StagedFolder&) = delete;
@@ -36,8 +38,13 @@ class StagedFolder {
   void commit();
 
  private:
+  /// Makes the folder that files are gathered in, and locks it. Returns why not.
+  std::error_code makeStaging();
+  void cleanUp();
+
   std::filesystem::path folder_;
   std::filesystem::path staging_;
+  int lock_ = -1;                   // of staging_, for as long as this lives; -1 where there are no locks
   std::mutex mutex_;                // of names_
   std::vector<std::string> names_;  // what was written
   std::vector<std::filesystem::path> made_;  // folders that did not exist, outermost first

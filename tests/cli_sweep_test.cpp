@@ -65,6 +65,39 @@ TEST_F(SweepCommand, OneOfAKindIsAnAxisOfOne) {
   EXPECT_EQ(sweep["plan"]["pointSizes"], json({4}));
 }
 
+TEST_F(SweepCommand, WhatIsGivenCountsAlsoWhereItIsWhatACommandTakesAnyway) {
+  const json sweep = document(quick({"sweep", "block", "--out", "out", "--json", "--heuristic", "gradient", "--radius", "voxel", "--radius-scale", "1", "--hits", "4",
+                                     "--techniques", "multihit", "--links", "none", "--angles", "3", "--draws", "1"}));
+  EXPECT_EQ(sweep["plan"]["heuristics"], json({"gradient"}));
+  EXPECT_EQ(sweep["plan"]["radii"], json({"voxel"}));
+  EXPECT_EQ(sweep["plan"]["hits"], json({4}));
+}
+
+/// An unfinished sweep goes on only with what it began with: the same options and the same bytes.
+TEST_F(SweepCommand, AnUnfinishedSweepOfAnythingElseIsRefused) {
+  folder_.write("v_12x12x12_uint8.raw", std::string(12 * 12 * 12, '\x40'));
+  folder_.write("tf.json", R"({"colorMap": {"points": [[0, 0, 0, 0], [1, 1, 1, 1]]}, "opacity": [[0, 0], [1, 0.9]]})");
+  const auto withOptions = [](const Arguments& other) {
+    Arguments arguments = quick({"sweep", "v_12x12x12_uint8.raw", "--out", "out", "--techniques", "hold", "--angles", "0,10", "--links", "none",
+                                 "--server-sides", "40", "--draws", "2000"});
+    arguments.insert(arguments.end(), other.begin(), other.end());
+    return arguments;
+  };
+  const std::string journal = "out/sweep-unfinished.jsonl";
+  Program program(withOptions({}), folder_.path());
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (folder_.read(journal).empty() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  program.signal(SIGINT);
+  program.wait();
+  const std::string before = folder_.read(journal);
+  ASSERT_FALSE(before.empty());
+  for (const Arguments& other : {Arguments{"--threshold", "0.3"}, Arguments{"--gl", "osmesa"}, Arguments{"--fov", "31"}, Arguments{"--step", "0.9"}})
+    expectRefused(withOptions(other), kFailure, {"unfinished sweep of other settings"});
+  folder_.write("v_12x12x12_uint8.raw", std::string(12 * 12 * 12, '\x41'));
+  expectRefused(withOptions({}), kFailure, {"unfinished sweep of other settings"});
+  EXPECT_EQ(folder_.read(journal), before);
+}
+
 TEST_F(SweepCommand, RefusesWhatCannotBe) {
   expectRefused({"sweep", "block"}, kUsage, {"--out"});
   expectRefused(quick({"sweep", "block", "--out", "out", "--techniques", "sphere"}), kUsage, {"--techniques", "did you mean 'spheres'"});

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <functional>
 #include <thread>
@@ -104,7 +105,7 @@ TEST_F(OutputFiles, FilesThatAreProtectedAreNotReplaced) {
     EXPECT_EQ(contentOf(root_ / "file"), "new");
   } else {
     for (const auto& attempt : {std::function([&] { requireWritable(root_ / "file"); }), std::function([&] { writeFileWhole(root_ / "file", "new"); }),
-                                std::function([&] {
+                                std::function([&] { StagedFolder folder(root_, {"other", "file"}); }), std::function([&] {
                                   StagedFolder folder(root_);
                                   folder.write("file", "new");
                                   folder.commit();
@@ -297,6 +298,43 @@ TEST_F(OutputFiles, CommitsOverFilesOfOthersAreTakenBack) {
   EXPECT_EQ(contentOf(root_ / "foreign"), "old");
   EXPECT_FALSE(fs::exists(root_ / "new"));
   EXPECT_FALSE(fs::exists(root_ / "z"));
+}
+
+TEST_F(OutputFiles, WhatCannotBeReplacedIsNoticedBeforeTheWork) {
+  fs::create_directories(root_ / "was" / "y");
+  EXPECT_EQ(complaintOf([&] { StagedFolder folder(root_ / "was", {"x", "y"}); }), (root_ / "was" / "y").string() + ": cannot be written: it is a folder");
+  EXPECT_THAT(namesIn(root_ / "was"), UnorderedElementsAre("y"));
+  EXPECT_EQ(complaintOf([&] { StagedFolder folder(root_ / "was", {"x"}); }), "");
+}
+
+/// What a process that is killed leaves is removed by the next one; what one that lives has gathered is not.
+TEST_F(OutputFiles, WhatKilledWritersLeftGoes) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    StagedFolder folder(root_);
+    folder.write("x", "1");
+    raise(SIGKILL);
+  }
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+  ASSERT_EQ(namesIn(root_).size(), 1u);
+  const fs::path kept = root_ / ".partial-0123abcd" / ".replaced" / "x";  // what was there before, and could not be put back
+  fs::create_directories(kept.parent_path());
+  std::ofstream(kept) << "old";
+  fs::create_directory(root_ / ".partial-of-somebody");
+  StagedFolder living(root_);
+  living.write("y", "1");
+  const std::vector<std::string> before = namesIn(root_);
+  EXPECT_EQ(before.size(), 3u);
+  {
+    StagedFolder folder(root_);
+    EXPECT_EQ(namesIn(root_).size(), 4u);
+  }
+  EXPECT_THAT(namesIn(root_), testing::UnorderedElementsAreArray(before));
+  living.commit();
+  EXPECT_EQ(contentOf(root_ / "y"), "1");
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("y", ".partial-0123abcd", ".partial-of-somebody"));
+  EXPECT_EQ(contentOf(kept), "old");
 }
 
 TEST_F(OutputFiles, CommittedFoldersAreCleanBeforeTheyAreGivenUp) {

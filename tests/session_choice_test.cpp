@@ -91,6 +91,23 @@ TEST_F(SessionChoiceTest, WhatWasNotMeasuredIsSaid) {
   EXPECT_THAT(session_.panel(0).choiceText, testing::HasSubstr("nothing was measured yet"));
 }
 
+TEST_F(SessionChoiceTest, WhatIsHardlyBetterDoesNotTakeOver) {
+  ASSERT_TRUE(open("block"));
+  freeze();
+  const auto frontWhere = [&](double splatsFlip) {
+    return std::make_shared<const AutoChoice>(std::vector<SweepRow>{rowOf("spheres", 0, 0.2, 5), rowOf("splats", 0, splatsFlip, 5)});
+  };
+  session_.setFront(frontWhere(0.3));
+  session_.setAutomatic(0);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn != nullptr && session_.panel(0).drawn->name == "spheres"; }));
+  session_.setFront(frontWhere(0.19));
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.panel(0).technique->name, "spheres");
+  EXPECT_THAT(session_.panel(0).choiceText, testing::HasSubstr("FLIP 0.2000"));
+  session_.setFront(frontWhere(0.1));
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn->name == "splats"; }));
+}
+
 TEST_F(SessionChoiceTest, ATechniqueThatIsChosenByHandStays) {
   ASSERT_TRUE(open("block"));
   session_.setFront(someFront());

@@ -110,6 +110,23 @@ TEST(Findings, BaselinesAreOfTheLargestImage) {
   EXPECT_EQ(findingsOf(rows).papersMethod->configuration.serverSidePx, 512u);
 }
 
+TEST(Findings, NamesSayWhatTellsApart) {
+  std::vector<SweepRow> rows{rowOf("spheres", Heuristic::gradient, 0.0, 0.03, 3.0), rowOf("hold", Heuristic::gradient, 0.0, 0.2, 1.0),
+                             rowOf("reference", Heuristic::gradient, 0.0, 0.0, 90.0)};
+  EXPECT_EQ(nameAmong(rows[0].configuration, summariesOf(rows)), "spheres, gradient, voxel");
+  rows.push_back(rows[0]);
+  rows.back().configuration.serverSidePx = 256;
+  EXPECT_EQ(nameAmong(rows[0].configuration, summariesOf(rows)), "spheres, gradient, voxel, server's image of 512 px");
+  EXPECT_EQ(nameAmong(rows[1].configuration, summariesOf(rows)), "hold, server's image of 512 px");
+  EXPECT_EQ(nameAmong(rows[2].configuration, summariesOf(rows)), "reference");  // which needs no frame
+  rows.back().configuration.march.step *= 2.0f;
+  EXPECT_EQ(nameAmong(rows[2].configuration, summariesOf(rows)), "reference, step " + numberText(rows[2].configuration.march.step));
+  rows.back() = rows[0];
+  rows.back().configuration.codec.color = ColorCoding::jpeg;
+  ASSERT_NE(rows.back().configuration.codec, rows[0].configuration.codec);
+  EXPECT_EQ(nameAmong(rows[0].configuration, summariesOf(rows)), "spheres, gradient, voxel, " + codecWord(rows[0].configuration.codec));
+}
+
 TEST(Findings, OfNothing) {
   const Findings findings = findingsOf({});
   EXPECT_FALSE(findings.least);
@@ -210,6 +227,7 @@ TEST(Motion, BeforeTheFirstFrameThereIsNone) {
   EXPECT_FALSE(motion.pictures[0].hasFrame);
   EXPECT_TRUE(motion.pictures[1].hasFrame);
   EXPECT_EQ(motion.pictures[1].requestedS, 0.0);
+  EXPECT_NEAR(*motion.firstFrameS, 1.0, 1e-6);
 }
 
 TEST(Motion, WhatTakesNothingEnds) {

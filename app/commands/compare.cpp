@@ -138,11 +138,23 @@ void printVerdict(const Comparison& comparison, const Scene& scene) {
   }
 }
 
+std::string nameOf(const WarpDescriptor& technique, size_t view) {
+  return "view" + std::to_string(view) + "-" + std::string(technique.name) + ".png";
+}
+
+/// Of all files that are to come.
+std::vector<std::string> namesOf(size_t views) {
+  std::vector<std::string> names{"montage.png", "metrics.json"};
+  for (const WarpDescriptor& technique : warpRegistry())
+    for (size_t view = 0; view < views; ++view) names.push_back(nameOf(technique, view));
+  return names;
+}
+
 void compare(const CompareOptions& options) {
   if (options.cellWidth < 16 || options.cellWidth > 4096) throw UsageError("--cell: must be 16 to 4096 pixels");
   const Interrupt interrupt;
   const Workplace work = prepare(options.common, options.transport, interrupt.token());
-  StagedFolder out(options.out);  // fails before the work if it cannot be written
+  StagedFolder out(options.out, namesOf(work.scene.views.size()));  // fails before the work if it cannot be written
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
 
   Montage montage;
@@ -165,8 +177,7 @@ void compare(const CompareOptions& options) {
     comparison = compareTechniques(
         work.scene, headless.resources(), settings,
         [&](const WarpDescriptor& technique, size_t view, const WarpedImage& image) {
-          const std::string name = "view" + std::to_string(view) + "-" + std::string(technique.name) + ".png";
-          out.write(name, encodePng(toPicture(image, work.uncovered), interrupt.token()));
+          out.write(nameOf(technique, view), encodePng(toPicture(image, work.uncovered), interrupt.token()));
           Image<Rgba8> screen = toScreen(image, work.scene.background, work.uncovered);
           const uint32_t width = std::min(options.cellWidth, work.width);
           const uint32_t height = std::max<uint32_t>(1, static_cast<uint32_t>(uint64_t{work.height} * width / work.width));

@@ -87,7 +87,7 @@ void sweep(const SweepOptions& options) {
   settings.width = work.width;
   settings.height = work.height;
   settings.warp = work.warp;
-  StagedFolder out(options.out);  // fails before the work if it cannot be written
+  StagedFolder out(options.out, {"sweep.csv", "report.html", "sweep.json"});  // fails before the work if it cannot be written
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
   const std::string backend(nameOf(headless.resources().marcher->backend()));
 

@@ -20,24 +20,6 @@ std::string whatOf(const Summary& summary) {
   return text;
 }
 
-/// As the answer names it: with the server's side where that tells it from others.
-std::string nameIn(const Summary& summary, const std::vector<Summary>& all) {
-  std::string name = labelOf(summary.configuration);
-  const bool hasSides = std::any_of(all.begin(), all.end(), [&](const Summary& other) {
-    return other.configuration.technique->usesFrame && other.configuration.serverSidePx != summary.configuration.serverSidePx;
-  });
-  if (hasSides) name += ", server's image of " + std::to_string(summary.configuration.serverSidePx) + " px";
-  const auto add = [&](bool differs, const std::string& text) {
-    if (differs) name += ", " + text;
-  };
-  add(std::any_of(all.begin(), all.end(), [&](const Summary& other) { return other.configuration.march.step != summary.configuration.march.step; }),
-      "step " + numberText(summary.configuration.march.step));
-  add(std::any_of(all.begin(), all.end(), [&](const Summary& other) {
-        return other.configuration.technique->usesFrame && other.configuration.codec != summary.configuration.codec;
-      }), codecWord(summary.configuration.codec));
-  return name;
-}
-
 nlohmann::json toJson(const Summary& summary) {
   nlohmann::json json = toJson(summary.configuration);
   json["flip"] = summary.flip;
@@ -105,6 +87,21 @@ std::vector<Summary> summariesOf(const std::vector<SweepRow>& rows) {
   return summaries;
 }
 
+std::string nameAmong(const Configuration& configuration, const std::vector<Summary>& all) {
+  const auto tells = [&](const auto& isAnother) {
+    return std::any_of(all.begin(), all.end(), [&](const Summary& other) { return isAnother(other.configuration); });
+  };
+  const bool usesFrame = configuration.technique->usesFrame;
+  std::string name = labelOf(configuration);
+  if (usesFrame && tells([&](const Configuration& other) { return other.technique->usesFrame && other.serverSidePx != configuration.serverSidePx; }))
+    name += ", server's image of " + std::to_string(configuration.serverSidePx) + " px";
+  if (tells([&](const Configuration& other) { return other.march.step != configuration.march.step; }))
+    name += ", step " + numberText(configuration.march.step);
+  if (usesFrame && tells([&](const Configuration& other) { return other.technique->usesFrame && other.codec != configuration.codec; }))
+    name += ", " + codecWord(configuration.codec);
+  return name;
+}
+
 std::vector<size_t> frontOf(const std::vector<Summary>& summaries) {
   std::vector<size_t> candidates;
   std::vector<CostAndError> points;
@@ -148,18 +145,18 @@ Findings findingsOf(const std::vector<SweepRow>& rows) {
     char within[48];
     std::snprintf(within, sizeof within, "Within %g ms a frame ", row.budgetMs);
     answer += within;
-    answer += row.best ? "use " + nameIn(*row.best, summaries) + ": " + whatOf(*row.best) + ".\n" : "nothing measured here gets ready.\n";
+    answer += row.best ? "use " + nameAmong(row.best->configuration, summaries) + ": " + whatOf(*row.best) + ".\n" : "nothing measured here gets ready.\n";
   }
-  if (findings.least) answer += "Whatever it takes, " + nameIn(*findings.least, summaries) + ": " + whatOf(*findings.least) + ".\n";
+  if (findings.least) answer += "Whatever it takes, " + nameAmong(findings.least->configuration, summaries) + ": " + whatOf(*findings.least) + ".\n";
   for (const Findings::AtAngle& row : findings.atAngles) {
     char at[64];
     std::snprintf(at, sizeof at, "At %g degrees alone FLIP %.4f with ", row.angleDeg, row.flip);
-    answer += at + labelOf(row.best) + ".\n";
+    answer += at + nameAmong(row.best, summaries) + ".\n";
   }
   if (findings.papersMethod)
-    answer += "The paper's method (" + nameIn(*findings.papersMethod, summaries) + "): " + whatOf(*findings.papersMethod) + ".\n";
+    answer += "The paper's method (" + nameAmong(findings.papersMethod->configuration, summaries) + "): " + whatOf(*findings.papersMethod) + ".\n";
   if (findings.pointBaseline)
-    answer += "The 2012 method (" + nameIn(*findings.pointBaseline, summaries) + "): " + whatOf(*findings.pointBaseline) + ".\n";
+    answer += "The 2012 method (" + nameAmong(findings.pointBaseline->configuration, summaries) + "): " + whatOf(*findings.pointBaseline) + ".\n";
   return findings;
 }
 

@@ -32,6 +32,9 @@ struct Summary {
 /// In the order of the rows; those behind links are left out.
 std::vector<Summary> summariesOf(const std::vector<SweepRow>& rows);
 
+/// A configuration's label with the server's image, step and codec where they tell it from the others of `all`.
+std::string nameAmong(const Configuration& configuration, const std::vector<Summary>& all);
+
 /// Indices of the summaries that nothing beats in time and error, among those that a client without the volume can draw.
 std::vector<size_t> frontOf(const std::vector<Summary>& summaries);
 

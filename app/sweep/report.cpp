@@ -82,14 +82,14 @@ std::string header(std::initializer_list<const char*> names) {
   return row + "</tr></thead>";
 }
 
-std::string nameOf(const Configuration& configuration) {
+std::string fullNameOf(const Configuration& configuration) {
   std::string name = labelOf(configuration);
   if (configuration.technique->usesFrame) name += ", " + std::to_string(configuration.serverSidePx) + " px, " + codecWord(configuration.codec);
   return name + ", step " + numberText(configuration.march.step);
 }
 
 std::string titleOf(const Summary& summary) {
-  return nameOf(summary.configuration) + "\nFLIP " + format("%.4f", summary.flip) + ", holes " + percent(summary.holeFraction) + " %\n" +
+  return fullNameOf(summary.configuration) + "\nFLIP " + format("%.4f", summary.flip) + ", holes " + percent(summary.holeFraction) + " %\n" +
          milliseconds(summary.frameMs) + " ms a frame (draw " + milliseconds(summary.drawMs) + "), server " + milliseconds(summary.serverMs) +
          " ms, " + format("%.0f", 1e-3 * static_cast<double>(summary.bytes)) + " kB";
 }
@@ -98,7 +98,7 @@ std::string findingsTables(const Findings& findings) {
   std::string html = "<div class=\"wide\"><table>" + header({"Within", "least error with", "FLIP", "holes %", "ms a frame", "draw ms"}) + "<tbody>";
   const auto rest = [](const std::optional<Summary>& summary) {
     if (!summary) return std::string("<td class=\"dim\">nothing that was measured</td><td></td><td></td><td></td><td></td></tr>");
-    return cell(nameOf(summary->configuration)) + cell(format("%.4f", summary->flip)) + cell(percent(summary->holeFraction)) +
+    return cell(fullNameOf(summary->configuration)) + cell(format("%.4f", summary->flip)) + cell(percent(summary->holeFraction)) +
            cell(milliseconds(summary->frameMs)) + cell(milliseconds(summary->drawMs)) + "</tr>";
   };
   for (const Findings::WithinTime& row : findings.equalTime) html += "<tr>" + cell(format("%g ms", row.budgetMs)) + rest(row.best);
@@ -129,11 +129,11 @@ Plot errorAgainstAngle(const SweepReport& report) {
   Plot plot{{"angle between the frame's camera and the view, degrees", false}, {"FLIP", true}, {}};
   for (const PictureStrip& strip : report.strips) {
     if (!strip.configuration.technique->usesFrame) continue;
-    PlotSeries series{labelOf(strip.configuration), colorOf(*strip.configuration.technique), {}, true, isPapersMethod(strip.configuration) || isPointBaseline(strip.configuration)};
+    PlotSeries series{nameAmong(strip.configuration, report.summaries), colorOf(*strip.configuration.technique), {}, true, isPapersMethod(strip.configuration) || isPointBaseline(strip.configuration)};
     for (const SweepRow& row : report.rows)
       if (row.link.empty() && row.configuration == strip.configuration)
         series.points.push_back({row.angleDeg, row.errors.flip,
-                                 nameOf(row.configuration) + "\n" + angled(row.angleDeg) + ": FLIP " + format("%.4f", row.errors.flip) + ", holes " +
+                                 fullNameOf(row.configuration) + "\n" + angled(row.angleDeg) + ": FLIP " + format("%.4f", row.errors.flip) + ", holes " +
                                      percent(row.errors.holeFraction) + " %"});
     std::sort(series.points.begin(), series.points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
     plot.series.push_back(std::move(series));
@@ -153,7 +153,7 @@ Plot errorBehindLinks(const SweepReport& report) {
     for (const SweepRow& row : report.rows)
       if (!row.link.empty() && row.configuration.technique == &technique)
         series.points.push_back({row.ageMs, row.errors.flip,
-                                 nameOf(row.configuration) + " behind " + row.link + "\nFLIP " + format("%.4f", row.errors.flip) + ", " +
+                                 fullNameOf(row.configuration) + " behind " + row.link + "\nFLIP " + format("%.4f", row.errors.flip) + ", " +
                                      format("%.0f", row.ageMs) + " ms old, " + angled(std::round(10.0 * row.angleDeg) / 10.0) + " behind, " +
                                      format("%.1f", row.framesPerSecond) + " frames/s"});
     if (!series.points.empty()) plot.series.push_back(std::move(series));
@@ -168,8 +168,8 @@ std::string stripsTable(const SweepReport& report) {
   for (const auto& angle : angles) html += "<th>" + escaped(angled(angle.get<double>())) + "</th>";
   html += "</tr></thead><tbody>";
   for (const PictureStrip& strip : report.strips) {
-    const std::string name = nameOf(strip.configuration);
-    html += "<tr><th>" + escaped(labelOf(strip.configuration)) + "</th>";
+    const std::string name = fullNameOf(strip.configuration);
+    html += "<tr><th>" + escaped(nameAmong(strip.configuration, report.summaries)) + "</th>";
     for (size_t i = 0; i < strip.pictures.size(); ++i) {
       const SweepPicture& picture = strip.pictures[i];
       html += "<td>" + imageOf(toScreen(picture.image, report.background), name + " at " + angled(angles.at(i).get<double>()));
@@ -193,7 +193,7 @@ std::string rowsTable(const std::vector<SweepRow>& rows) {
   for (const SweepRow& row : rows) {
     const bool isStill = row.link.empty();
     const auto decibels = [](double value) { return cell(value, std::isfinite(value) ? format("%.1f", value) : "equal"); };
-    html += "<tr>" + cell(nameOf(row.configuration)) + cell(row.angleDeg, isStill ? angled(row.angleDeg) : row.link) +
+    html += "<tr>" + cell(fullNameOf(row.configuration)) + cell(row.angleDeg, isStill ? angled(row.angleDeg) : row.link) +
             cell(row.errors.flip, format("%.4f", row.errors.flip)) + decibels(row.errors.psnrDb) + decibels(row.errors.psnrLinearDb) +
             cell(row.errors.ssim, format("%.4f", row.errors.ssim)) + cell(row.errors.holeFraction, percent(row.errors.holeFraction)) +
             optional(row.errors.flipVisible, "%.4f") + optional(row.errors.flipDisoccluded, "%.4f") +
