@@ -75,11 +75,11 @@ TEST_F(SweepCommand, WhatIsGivenCountsAlsoWhereItIsWhatACommandTakesAnyway) {
 
 /// An unfinished sweep goes on only with what it began with: the same options and the same bytes.
 TEST_F(SweepCommand, AnUnfinishedSweepOfAnythingElseIsRefused) {
-  folder_.write("v_12x12x12_uint8.raw", std::string(12 * 12 * 12, '\x40'));
-  folder_.write("tf.json", R"({"colorMap": {"points": [[0, 0, 0, 0], [1, 1, 1, 1]]}, "opacity": [[0, 0], [1, 0.9]]})");
-  const auto withOptions = [](const Arguments& other) {
-    Arguments arguments = quick({"sweep", "v_12x12x12_uint8.raw", "--out", "out", "--techniques", "hold", "--angles", "0,10", "--links", "none",
-                                 "--server-sides", "40", "--draws", "2000"});
+  const std::string name = "v_12x12x12_uint8.raw", dark(6 * 12 * 12, '\0'), bright(6 * 12 * 12, '\xc0');
+  folder_.write(name, dark + bright);
+  const auto withOptions = [&](const Arguments& other) {
+    Arguments arguments{"sweep", name, "--size", "40x30", "--out", "out", "--techniques", "hold", "--angles", "0,10", "--links", "none",
+                        "--server-sides", "40", "--draws", "1000"};
     arguments.insert(arguments.end(), other.begin(), other.end());
     return arguments;
   };
@@ -91,9 +91,9 @@ TEST_F(SweepCommand, AnUnfinishedSweepOfAnythingElseIsRefused) {
   program.wait();
   const std::string before = folder_.read(journal);
   ASSERT_FALSE(before.empty());
-  for (const Arguments& other : {Arguments{"--threshold", "0.3"}, Arguments{"--gl", "osmesa"}, Arguments{"--fov", "31"}, Arguments{"--step", "0.9"}})
+  for (const Arguments& other : {Arguments{"--gl", "osmesa"}, Arguments{"--fov", "31"}, Arguments{"--step", "0.9"}, Arguments{"--bvh", "embree"}})
     expectRefused(withOptions(other), kFailure, {"unfinished sweep of other settings"});
-  folder_.write("v_12x12x12_uint8.raw", std::string(12 * 12 * 12, '\x41'));
+  folder_.write(name, bright + dark);
   expectRefused(withOptions({}), kFailure, {"unfinished sweep of other settings"});
   EXPECT_EQ(folder_.read(journal), before);
 }

@@ -122,7 +122,7 @@ TEST(Findings, NamesSayWhatTellsApart) {
   rows.back().configuration.march.step *= 2.0f;
   EXPECT_EQ(nameAmong(rows[2].configuration, summariesOf(rows)), "reference, step " + numberText(rows[2].configuration.march.step));
   rows.back() = rows[0];
-  rows.back().configuration.codec.color = ColorCoding::jpeg;
+  rows.back().configuration.codec.color = ColorCoding::lossless;
   ASSERT_NE(rows.back().configuration.codec, rows[0].configuration.codec);
   EXPECT_EQ(nameAmong(rows[0].configuration, summariesOf(rows)), "spheres, gradient, voxel, " + codecWord(rows[0].configuration.codec));
 }
