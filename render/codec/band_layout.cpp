@@ -20,11 +20,19 @@ void BandLayout::build(uint32_t width, uint32_t firstRow, uint32_t rowCount, std
   current_.assign(size_t{width} + 1, 0);
 
   const uint32_t rowBytes = (width + 7) / 8;
+  // Locals: what is written cannot be what is read then.
+  uint32_t* const column = columns.data();
+  uint32_t* const rowOf = rows.data();
+  Neighbors* const neighbor = neighbors.data();
+  const uint8_t* const more = further.empty() ? nullptr : further.data();
   uint32_t sample = 0;
   size_t pixel = 0;
   for (uint32_t y = 0; y < rowCount; ++y) {
     const uint8_t* row = mask.data() + size_t{y} * rowBytes;
     std::fill(current_.begin(), current_.end(), 0u);
+    const uint32_t* const above = above_.data();
+    uint32_t* const current = current_.data();
+    uint32_t lastX = width, lastSlot = 0;  // of the covered pixel before: its slot need not come back from memory
     bool isEmpty = true;
     for (uint32_t byte = 0; byte < rowBytes; ++byte) {
       if (row[byte] == 0) continue;
@@ -33,20 +41,22 @@ void BandLayout::build(uint32_t width, uint32_t firstRow, uint32_t rowCount, std
       area.x1 = std::max(area.x1, std::min(8 * byte + 8, width));
       for (uint32_t bits = row[byte]; bits != 0; bits &= bits - 1) {
         const uint32_t x = 8 * byte + static_cast<uint32_t>(std::countr_zero(bits));
-        uint32_t west = current_[x], north = above_[x + 1], northWest = above_[x];
+        uint32_t west = x == lastX + 1 ? lastSlot : 0, north = above[x + 1], northWest = above[x];
         if (west == 0) west = north;
         if (north == 0) north = west;
         if (west == 0) west = north = sample;
         if (northWest == 0) northWest = north;
-        columns[sample] = x;
-        rows[sample] = firstRow + y;
-        neighbors[sample] = {west, north, northWest};
-        current_[x + 1] = ++sample;
-        if (further.empty()) continue;
-        for (uint32_t left = further[pixel++]; left > 0; --left) {
-          columns[sample] = x;
-          rows[sample] = firstRow + y;
-          neighbors[sample] = {sample, sample, sample};
+        column[sample] = x;
+        rowOf[sample] = firstRow + y;
+        neighbor[sample] = {west, north, northWest};
+        lastX = x;
+        lastSlot = ++sample;
+        current[x + 1] = lastSlot;
+        if (more == nullptr) continue;
+        for (uint32_t left = more[pixel++]; left > 0; --left) {
+          column[sample] = x;
+          rowOf[sample] = firstRow + y;
+          neighbor[sample] = {sample, sample, sample};
           isFurther[sample] = 1;
           ++sample;
         }

@@ -67,7 +67,23 @@ class WordHash {
 
   void add(uint64_t word, size_t index) {
     uint64_t& lane = lanes_[index & 3];
-    lane = std::rotl((lane ^ word) * kFactor, 29);
+    lane = next(lane, word);
+  }
+  /// Words that have the indices 0, 1, 2 and so on.
+  void addAll(std::span<const uint64_t> words) {
+    uint64_t a = lanes_[0], b = lanes_[1], c = lanes_[2], d = lanes_[3];
+    size_t i = 0;
+    for (; i + 4 <= words.size(); i += 4) {
+      a = next(a, words[i]);
+      b = next(b, words[i + 1]);
+      c = next(c, words[i + 2]);
+      d = next(d, words[i + 3]);
+    }
+    lanes_[0] = a;
+    lanes_[1] = b;
+    lanes_[2] = c;
+    lanes_[3] = d;
+    for (; i < words.size(); ++i) add(words[i], i);
   }
   uint64_t value() const {
     uint64_t all = kStart;
@@ -81,6 +97,8 @@ class WordHash {
  private:
   static constexpr uint64_t kFactor = 0x9e3779b97f4a7c15u;  // odd: 2^64 over the golden ratio
   static constexpr uint64_t kStart = 0x243f6a8885a308d3u;   // pi's fraction
+
+  static uint64_t next(uint64_t lane, uint64_t word) { return std::rotl((lane ^ word) * kFactor, 29); }
 
   uint64_t lanes_[4];
 };

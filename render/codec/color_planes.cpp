@@ -14,10 +14,55 @@ namespace {
 inline int32_t channel(Rgba8 color, int shift) { return static_cast<int32_t>(color >> shift & 255); }
 
 inline int32_t predictedChannel(const Rgba8* slots, const Neighbors& from, int shift) {
-  const int32_t west = channel(slots[from.west], shift), north = channel(slots[from.north], shift);
-  const int32_t plane = west + north - channel(slots[from.northWest], shift);
-  return std::clamp(plane, std::min(west, north), std::max(west, north));
+  return predicted(channel(slots[from.west], shift), channel(slots[from.north], shift), channel(slots[from.northWest], shift));
 }
+
+// Loops over all samples read and write through locals only: what they write cannot be what they read then.
+
+/// Differences of `count` samples' opacities from their prediction; `slots` are their colours, one place on.
+void putAlpha(const Rgba8* slots, const Neighbors* neighbors, size_t count, uint8_t* alpha) {
+  for (size_t i = 0; i < count; ++i)
+    alpha[i] = static_cast<uint8_t>(channel(slots[i + 1], 24) - predictedChannel(slots, neighbors[i], 24));
+}
+
+/// Makes colours of opacity alone.
+void takeAlpha(const uint8_t* alpha, const Neighbors* neighbors, size_t count, Rgba8* slots) {
+  Rgba8 last = 0;  // what slots[i] became, nearly always the western neighbour's: it need not come back from memory
+  for (size_t i = 0; i < count; ++i) {
+    const Neighbors from = neighbors[i];
+    const int32_t west = channel(from.west == i ? last : slots[from.west], 24), north = channel(slots[from.north], 24);
+    const int32_t likely = predicted(west, north, channel(slots[from.northWest], 24));
+    last = static_cast<Rgba8>((alpha[i] + likely) & 255) << 24;
+    slots[i + 1] = last;
+  }
+}
+
+/// Places of samples in a picture of the area, whose first row is the picture's `firstRow`.
+struct AreaPlaces {
+  const uint32_t* columns;
+  const uint32_t* rows;
+  uint32_t firstColumn, firstRow, width;
+
+  AreaPlaces(const BandLayout& layout, uint32_t firstRowOfBand)
+      : columns(layout.columns.data()), rows(layout.rows.data()), firstColumn(layout.area.x0), firstRow(firstRowOfBand + layout.area.y0),
+        width(layout.area.width()) {}
+  size_t operator()(size_t i) const { return size_t{rows[i] - firstRow} * width + columns[i] - firstColumn; }
+};
+
+/// `isFurther`: samples that are not their pixel's first and have no place; none of them is if it is null.
+void toPicture(const Rgba8* colors, const uint8_t* isFurther, size_t count, const AreaPlaces& places, Rgba8* picture) {
+  const AreaPlaces at = places;
+  for (size_t i = 0; i < count; ++i)
+    if (isFurther == nullptr || !isFurther[i]) picture[at(i)] = colors[i];
+}
+
+void addFromPicture(const Rgba8* picture, const uint8_t* isFurther, size_t count, const AreaPlaces& places, Rgba8* colors) {
+  const AreaPlaces at = places;
+  for (size_t i = 0; i < count; ++i)
+    if (isFurther == nullptr || !isFurther[i]) colors[i] |= picture[at(i)] & 0xffffffu;
+}
+
+const uint8_t* furtherOf(const BandLayout& layout) { return layout.isFurther.empty() ? nullptr : layout.isFurther.data(); }
 
 constexpr Neighbors lastOnly(size_t slot) {
   const auto last = static_cast<uint32_t>(slot);
@@ -72,8 +117,7 @@ void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, 
   slots_[0] = 0;
   std::copy(colors.begin(), colors.end(), slots_.begin() + 1);
   alpha_.resize(count);
-  for (size_t i = 0; i < layout.size(); ++i)
-    alpha_[i] = static_cast<uint8_t>(channel(colors[i], 24) - predictedChannel(slots_.data(), layout.neighbors[i], 24));
+  putAlpha(slots_.data(), layout.neighbors.data(), layout.size(), alpha_.data());
   for (size_t i = layout.size(); i < count; ++i) alpha_[i] = static_cast<uint8_t>(channel(colors[i], 24) - channel(slots_[i], 24));
   appendSection(out, alpha_);
 
@@ -83,10 +127,7 @@ void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, 
     const CoveredArea& area = layout.area;
     if (!area.isEmpty()) {
       picture_.resize(size_t{area.width()} * area.height());
-      for (size_t i = 0; i < layout.size(); ++i) {
-        if (!layout.isFurther.empty() && layout.isFurther[i]) continue;
-        picture_[size_t{layout.rows[i] - firstRow - area.y0} * area.width() + layout.columns[i] - area.x0] = colors[i];
-      }
+      toPicture(colors.data(), furtherOf(layout), layout.size(), AreaPlaces(layout, firstRow), picture_.data());
       fillGaps(picture_.data(), area, mask.data() + size_t{area.y0} * rowBytes + area.x0 / 8, rowBytes);
       appendJpeg(out, picture_.data(), area.width(), area.height(), settings.jpegQuality);
     }
@@ -118,8 +159,7 @@ DecodeError ColorPlanes::take(ByteReader& reader, const BandLayout& layout, uint
   if (!takeSection(reader, alpha_)) return "the opacities are damaged";
   slots_.resize(count + 1);
   slots_[0] = 0;
-  for (size_t i = 0; i < layout.size(); ++i)
-    slots_[i + 1] = static_cast<Rgba8>((alpha_[i] + predictedChannel(slots_.data(), layout.neighbors[i], 24)) & 255) << 24;
+  takeAlpha(alpha_.data(), layout.neighbors.data(), layout.size(), slots_.data());
   for (size_t i = layout.size(); i < count; ++i) slots_[i + 1] = static_cast<Rgba8>((alpha_[i] + channel(slots_[i], 24)) & 255) << 24;
 
   if (coding == ColorCoding::jpeg) {
@@ -130,11 +170,7 @@ DecodeError ColorPlanes::take(ByteReader& reader, const BandLayout& layout, uint
     if (!area.isEmpty()) {
       picture_.resize(size_t{area.width()} * area.height());
       if (DecodeError error = readJpeg(jpeg, picture_.data(), area.width(), area.height())) return error;
-      for (size_t i = 0; i < layout.size(); ++i) {
-        if (!layout.isFurther.empty() && layout.isFurther[i]) continue;
-        const Rgba8 color = picture_[size_t{layout.rows[i] - firstRow - area.y0} * area.width() + layout.columns[i] - area.x0];
-        slots_[i + 1] |= color & 0xffffffu;
-      }
+      addFromPicture(picture_.data(), furtherOf(layout), layout.size(), AreaPlaces(layout, firstRow), slots_.data() + 1);
     }
   }
 

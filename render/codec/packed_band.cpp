@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <type_traits>
 
 #include "render/codec/band_layout.h"
 #include "render/codec/color_planes.h"
+#include "render/codec/place_tokens.h"
 #include "render/codec/tokens.h"
 #include "render/codec/zstd_section.h"
 #include "render/march/march_setup.h"
@@ -68,6 +68,8 @@ class RadiusPrediction {
         same_(code(1.0f, 1.0f, 0)) {}
 
   uint32_t operator()(float depth, float cosine, Rgba8 color) const { return isSame_ ? same_ : code(depth, cosine, color); }
+  bool isSame() const { return isSame_; }
+  uint32_t same() const { return same_; }
 
  private:
   uint32_t code(float depth, float cosine, Rgba8 color) const {
@@ -81,29 +83,82 @@ class RadiusPrediction {
   uint32_t same_;
 };
 
-/// The fine place that neighbours make likely. In slots: `fine` and `kinds` of samples; kinds are not looked at if all are the same.
-template <bool isOneKind>
-inline int32_t likelyFine(const int32_t* fine, const int32_t* kinds, Neighbors from, int32_t kind) {
-  if constexpr (!isOneKind) {
-    if (kinds[from.west] != kind) from.west = from.north;
-    if (kinds[from.north] != kind) from.north = from.west;
-    if (kinds[from.northWest] != kind) from.northWest = from.north;
+/// Sets the bits of pixels that rise; `mask` has `rowBytes` for each row of `width` from `firstRow` on.
+void setBits(std::span<const uint32_t> pixels, uint32_t firstRow, uint32_t width, uint32_t rowBytes, uint8_t* mask) {
+  uint32_t rowStart = firstRow * width;
+  size_t rowAt = 0, at = 0;
+  uint32_t bits = 0;  // of the byte at `at`
+  for (const uint32_t pixel : pixels) {
+    while (pixel - rowStart >= width) {
+      rowStart += width;
+      rowAt += rowBytes;
+    }
+    const uint32_t column = pixel - rowStart;
+    const size_t byte = rowAt + column / 8;
+    if (byte != at) {
+      mask[at] |= static_cast<uint8_t>(bits);
+      bits = 0;
+      at = byte;
+    }
+    bits |= 1u << column % 8;
   }
-  return predicted(fine[from.west], fine[from.north], fine[from.northWest]);
-}
-
-/// Calls f(std::true_type) if all samples are of one kind, f(std::false_type) if not. Slot 0 need not be: who has it has no other neighbour.
-template <class F>
-void withKinds(std::span<const int32_t> kinds, F&& f) {
-  bool isOneKind = true;
-  for (const int32_t kind : kinds.subspan(1)) isOneKind &= kind == kinds.back();
-  isOneKind ? f(std::true_type()) : f(std::false_type());
+  if (bits != 0) mask[at] |= static_cast<uint8_t>(bits);
 }
 
 uint64_t hashSamples(std::span<const PackedSample> samples) {
   WordHash hash(samples.size());
-  for (size_t i = 0; i < samples.size(); ++i) hash.add(samples[i], i);
+  hash.addAll(samples);
   return hash.value();
+}
+
+// Loops read and write through locals only: what they write cannot be what they read then.
+
+void findDeltas(std::span<const PackedSample> samples, std::span<const PackedSample> places, std::span<uint8_t> deltas) {
+  const PackedSample* const sample = samples.data();
+  const PackedSample* const place = places.data();
+  uint8_t* const delta = deltas.data();
+  for (size_t i = 0; i < deltas.size(); ++i) delta[i] = deltaCode(sample[i], place[i]);
+}
+
+void addDeltas(std::span<const uint8_t> deltas, std::span<PackedSample> positions) {
+  const uint8_t* const delta = deltas.data();
+  PackedSample* const position = positions.data();
+  for (size_t i = 0; i < deltas.size(); ++i) position[i] = moved(position[i], delta[i]);
+}
+
+void putRadii(const RadiusPrediction& radius, std::span<const PackedSample> samples, const PixelPaths& paths, std::span<const float> depths,
+              std::span<const Rgba8> colors, std::span<uint8_t> tokens, BitWriter& bits) {
+  const size_t count = tokens.size();
+  if (radius.isSame()) {
+    uint32_t differing = 0;
+    for (size_t i = 0; i < count; ++i) differing |= radiusCode(samples[i]) ^ radius.same();
+    if (differing == 0) {
+      std::fill(tokens.begin(), tokens.end(), uint8_t{0});
+      return;
+    }
+  }
+  for (size_t i = 0; i < count; ++i) {
+    const auto likely = static_cast<int32_t>(radius(depths[i], paths.cosine(i), colors[i]));
+    tokens[i] = putToken(zigzag(static_cast<int32_t>(radiusCode(samples[i])) - likely), bits);
+  }
+}
+
+void takeRadii(const RadiusPrediction& radius, std::span<const uint8_t> tokens, const PixelPaths& paths, std::span<const float> depths,
+               std::span<const Rgba8> colors, std::span<PackedSample> positions, BitReader& bits) {
+  const size_t count = tokens.size();
+  PackedSample* const position = positions.data();
+  if (radius.isSame() && isZero(tokens)) {
+    const uint64_t code = static_cast<uint64_t>(radius.same() & kRadiusCodeMax) << kRadiusShift;
+    for (size_t i = 0; i < count; ++i) position[i] = (position[i] & kPositionMask) | code;
+    return;
+  }
+  BitReader take = bits;
+  for (size_t i = 0; i < count; ++i) {
+    const auto likely = radius(depths[i], paths.cosine(i), colors[i]);
+    const uint32_t difference = static_cast<uint32_t>(unzigzag(takeToken(tokens[i], take)));
+    position[i] = (position[i] & kPositionMask) | static_cast<uint64_t>((likely + difference) & kRadiusCodeMax) << kRadiusShift;
+  }
+  bits = take;
 }
 
 }  // namespace
@@ -112,18 +167,62 @@ struct BandPacker::Buffers {
   TransferVector<PackedSample> onPath, positions, strays;
   TransferVector<Rgba8> colors;  // of samples on paths, then of strays
   TransferVector<uint8_t> isStray, strayBytes;
+  TransferVector<uint32_t> covered;  // pixels
   TransferVector<uint8_t> mask, changes, further;
   TransferVector<uint8_t> tokens, deltas, radiusTokens, bitBytes;
-  TransferVector<int32_t> places, fine, kinds;
+  TransferVector<int32_t> places;
   TransferVector<float> depths;
   BandLayout layout;
   PixelPaths paths;
+  PlaceTokens placeTokens;
   ColorPlanes colorPlanes;
+
+  /// Takes what is in no pixel's place out, and finds which pixels are covered and how often. `pixels` are of the samples.
+  void sortOut(const SampleFrame& frame, const BandRows& rows, size_t begin, std::span<const uint32_t> pixels, uint32_t rowBytes);
 };
+
+bool isAscending(std::span<const uint32_t> pixels) {
+  bool isOutOfOrder = !pixels.empty() && pixels.back() == kNoSample;
+  for (size_t i = 1; i < pixels.size(); ++i) isOutOfOrder |= pixels[i - 1] >= pixels[i];
+  return !isOutOfOrder;
+}
 
 BandPacker::BandPacker() : buffers_(std::make_unique<Buffers>()) {}
 BandPacker::~BandPacker() = default;
 BandPacker::BandPacker(BandPacker&&) noexcept = default;
+
+void BandPacker::Buffers::sortOut(const SampleFrame& frame, const BandRows& rows, size_t begin, std::span<const uint32_t> pixels, uint32_t rowBytes) {
+  const size_t count = pixels.size();
+  const uint32_t width = frame.camera.width;
+  onPath.resize(count);
+  colors.resize(count);
+  isStray.assign((count + 7) / 8, 0);
+  covered.clear();
+  size_t placed = 0;
+  bool anyFurther = false;
+  for (size_t i = 0; i < count; ++i) {
+    if (pixels[i] == kNoSample) {
+      isStray[i / 8] |= static_cast<uint8_t>(1u << i % 8);
+      strays.push_back(frame.samples[begin + i]);
+      continue;
+    }
+    onPath[placed] = frame.samples[begin + i];
+    colors[placed++] = frame.colors[begin + i];
+    if (!covered.empty() && pixels[i] == covered.back()) {
+      ++further.back();
+      anyFurther = true;
+      continue;
+    }
+    covered.push_back(pixels[i]);
+    further.push_back(0);
+  }
+  if (!anyFurther) further.clear();
+  onPath.resize(placed);
+  if (!strays.empty())
+    for (size_t i = 0, next = placed; i < count; ++i)
+      if (isStray[i / 8] >> i % 8 & 1) colors[next++] = frame.colors[begin + i];
+  setBits(covered, rows.first, width, rowBytes, mask.data());
+}
 
 void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t begin, size_t end, std::span<const uint32_t> pixels,
                       const CodecSettings& settings, std::vector<std::byte>& out) {
@@ -132,46 +231,25 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
   const uint32_t width = rows.count > 0 ? frame.camera.width : 0;
   const uint32_t rowBytes = (width + 7) / 8;
   const std::span<const PackedSample> samples(frame.samples.data() + begin, count);
+  std::span<const PackedSample> onPath = samples;
+  std::span<const Rgba8> colors(frame.colors.data() + begin, count);
 
-  // Sort out strays, find which pixels are covered and how often.
-  b.onPath.resize(count);
-  b.colors.resize(count);
   b.strays.clear();
-  size_t onPath = 0;
-  b.isStray.assign((count + 7) / 8, 0);
-  b.mask.assign(size_t{rowBytes} * rows.count, 0);
   b.further.clear();
-  bool anyFurther = false;
-  uint32_t lastPixel = kNoSample;
-  uint32_t row = rows.first, rowStart = rows.first * width;
-  for (size_t i = 0; i < count; ++i) {
-    const uint32_t pixel = rows.count > 0 ? pixels[begin + i] : kNoSample;
-    if (pixel == kNoSample) {
-      b.isStray[i / 8] |= static_cast<uint8_t>(1u << i % 8);
-      b.strays.push_back(samples[i]);
-      continue;
-    }
-    b.onPath[onPath] = samples[i];
-    b.colors[onPath++] = frame.colors[begin + i];
-    if (pixel == lastPixel) {
-      ++b.further.back();
-      anyFurther = true;
-      continue;
-    }
-    lastPixel = pixel;
-    while (pixel - rowStart >= width) {
-      ++row;
-      rowStart += width;
-    }
-    const uint32_t column = pixel - rowStart;
-    b.mask[size_t{row - rows.first} * rowBytes + column / 8] |= static_cast<uint8_t>(1u << column % 8);
-    b.further.push_back(0);
+  b.mask.assign(size_t{rowBytes} * rows.count, 0);
+  if (rows.count == 0) {
+    b.isStray.assign((count + 7) / 8, 0);
+    for (size_t i = 0; i < count; ++i) b.isStray[i / 8] |= static_cast<uint8_t>(1u << i % 8);
+    b.strays.assign(samples.begin(), samples.end());
+    onPath = {};
+  } else if (const auto itsPixels = pixels.subspan(begin, count); isAscending(itsPixels)) {
+    setBits(itsPixels, rows.first, width, rowBytes, b.mask.data());
+  } else {
+    b.sortOut(frame, rows, begin, itsPixels, rowBytes);
+    onPath = b.onPath;
+    colors = b.colors;
   }
-  if (!anyFurther) b.further.clear();
-  b.onPath.resize(onPath);
-  if (!b.strays.empty())
-    for (size_t i = 0, next = onPath; i < count; ++i)
-      if (b.isStray[i / 8] >> i % 8 & 1) b.colors[next++] = frame.colors[begin + i];
+  const bool anyFurther = !b.further.empty();
 
   appendLittle(out, static_cast<uint32_t>(count));
   appendLittle(out, static_cast<uint32_t>(b.strays.size()));
@@ -199,49 +277,21 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
     b.places.resize(size);
     b.positions.resize(size);
     b.depths.resize(size);
-    b.paths.locate(b.onPath, b.places);
+    b.paths.locate(onPath, b.places);
     b.paths.place(b.places, b.positions, b.depths);
-    b.fine.resize(size + 1);
-    b.kinds.resize(size + 1);
-    b.fine[0] = 0;
-    b.kinds[0] = 0;
-    std::copy_n(b.paths.kinds().begin(), size, b.kinds.begin() + 1);
     b.tokens.resize(size);
     b.deltas.resize(size);
     b.radiusTokens.resize(size);
     b.bitBytes.resize(size * (2 * kMostTokenBits + 2 * kEscapedBits + 7) / 8 + BitWriter::kSpareBytes);
-    // Loops read and write through locals only: what they write cannot be what they read then.
     BitWriter bits(b.bitBytes.data());
-    const FineScale scale = b.paths.fineScale();
-    const PackedSample* const onPaths = b.onPath.data();
-    const PackedSample* const positions = b.positions.data();
-    const int32_t* const places = b.places.data();
-    const int32_t* const kinds = b.kinds.data();
-    const Neighbors* const neighbors = b.layout.neighbors.data();
-    int32_t* const fine = b.fine.data();
-    uint8_t* const tokens = b.tokens.data();
-    uint8_t* const deltas = b.deltas.data();
-    uint8_t* const radiusTokens = b.radiusTokens.data();
-    for (size_t i = 0; i < size; ++i) fine[i + 1] = scale.fineOf(i, places[i]);
-    withKinds(b.kinds, [&](auto isOneKind) {
-      BitWriter put = bits;
-      for (size_t i = 0; i < size; ++i) {
-        const int32_t likely = scale.placeOf(i, likelyFine<isOneKind>(fine, kinds, neighbors[i], kinds[i + 1]));
-        tokens[i] = putToken(zigzag(static_cast<int32_t>(static_cast<uint32_t>(places[i]) - static_cast<uint32_t>(likely))), put);
-      }
-      bits = put;
-    });
-    for (size_t i = 0; i < size; ++i) deltas[i] = deltaCode(onPaths[i], positions[i]);
+    b.placeTokens.put(b.paths, b.layout, b.places, b.tokens, bits);
+    findDeltas(onPath, b.positions, b.deltas);
     for (size_t i = 0; i < size; ++i) {
-      if (deltas[i] != kEscape) continue;
-      bits.put(static_cast<uint32_t>(onPaths[i] & 0x7ffffffu), kEscapedBits);
-      bits.put(static_cast<uint32_t>(onPaths[i] >> 27 & 0x7ffffffu), kEscapedBits);
+      if (b.deltas[i] != kEscape) continue;
+      bits.put(static_cast<uint32_t>(onPath[i] & 0x7ffffffu), kEscapedBits);
+      bits.put(static_cast<uint32_t>(onPath[i] >> 27 & 0x7ffffffu), kEscapedBits);
     }
-    const RadiusPrediction radius(frame);
-    for (size_t i = 0; i < size; ++i) {
-      const auto likely = static_cast<int32_t>(radius(b.depths[i], b.paths.cosine(i), b.colors[i]));
-      radiusTokens[i] = putToken(zigzag(static_cast<int32_t>(radiusCode(onPaths[i])) - likely), bits);
-    }
+    putRadii(RadiusPrediction(frame), onPath, b.paths, b.depths, colors, b.radiusTokens, bits);
     appendSection(out, b.tokens);
     appendSection(out, b.deltas);
     appendSection(out, b.radiusTokens);
@@ -249,7 +299,7 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
     appendLittle(out, static_cast<uint32_t>(written.size()));
     appendSection(out, written);
   }
-  b.colorPlanes.append(out, b.layout, rows.first, b.mask, rowBytes, b.colors, settings);
+  b.colorPlanes.append(out, b.layout, rows.first, b.mask, rowBytes, colors, settings);
 }
 
 DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFrame& frame, const BandRows& rows, ColorCoding coding,
@@ -315,37 +365,15 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
     bits = BitReader(b.bitBytes);
     b.paths.aim(frame, rows.placement, b.layout.columns, b.layout.rows);
     b.places.resize(size);
-    b.fine.resize(size + 1);
-    b.kinds.resize(size + 1);
-    b.fine[0] = 0;
-    b.kinds[0] = 0;
-    std::copy_n(b.paths.kinds().begin(), size, b.kinds.begin() + 1);
-    const FineScale scale = b.paths.fineScale();
-    const Neighbors* const neighbors = b.layout.neighbors.data();
-    const uint8_t* const tokens = b.tokens.data();
-    const uint8_t* const deltas = b.deltas.data();
-    const int32_t* const kinds = b.kinds.data();
-    int32_t* const places = b.places.data();
-    int32_t* const fine = b.fine.data();
-    withKinds(b.kinds, [&](auto isOneKind) {
-      BitReader take = bits;
-      for (size_t i = 0; i < size; ++i) {
-        const int32_t likely = scale.placeOf(i, likelyFine<isOneKind>(fine, kinds, neighbors[i], kinds[i + 1]));
-        const int32_t difference = unzigzag(takeToken(tokens[i], take));
-        places[i] = static_cast<int32_t>(static_cast<uint32_t>(likely) + static_cast<uint32_t>(difference));
-        fine[i + 1] = scale.fineOf(i, places[i]);
-      }
-      bits = take;
-    });
+    b.placeTokens.take(b.paths, b.layout, b.tokens, bits, b.places);
     b.positions.resize(size);
     b.depths.resize(size);
     b.paths.place(b.places, b.positions, b.depths);
-    PackedSample* const positions = b.positions.data();
-    for (size_t i = 0; i < size; ++i) positions[i] = moved(positions[i], deltas[i]);
+    addDeltas(b.deltas, b.positions);
     for (size_t i = 0; i < size; ++i) {
-      if (deltas[i] != kEscape) continue;
+      if (b.deltas[i] != kEscape) continue;
       const uint64_t low = bits.take(kEscapedBits);
-      positions[i] = low | static_cast<uint64_t>(bits.take(kEscapedBits)) << kEscapedBits;
+      b.positions[i] = low | static_cast<uint64_t>(bits.take(kEscapedBits)) << kEscapedBits;
     }
   }
 
@@ -354,16 +382,7 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
   if (DecodeError error = b.colorPlanes.take(reader, b.layout, rows.first, coding, b.colors)) return error;
   if (reader.ranOut() || reader.left() > 0) return "a band is longer or shorter than it should be";
   if (size > 0) {
-    const RadiusPrediction radius(frame);
-    const uint8_t* const radiusTokens = b.radiusTokens.data();
-    PackedSample* const positions = b.positions.data();
-    BitReader take = bits;
-    for (size_t i = 0; i < size; ++i) {
-      const auto likely = radius(b.depths[i], b.paths.cosine(i), b.colors[i]);
-      const uint32_t difference = static_cast<uint32_t>(unzigzag(takeToken(radiusTokens[i], take)));
-      positions[i] = (positions[i] & kPositionMask) | static_cast<uint64_t>((likely + difference) & kRadiusCodeMax) << kRadiusShift;
-    }
-    bits = take;
+    takeRadii(RadiusPrediction(frame), b.radiusTokens, b.paths, b.depths, b.colors, b.positions, bits);
     if (bits.ranOut()) return "the depths of a band end too early";
   }
 

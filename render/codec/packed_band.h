@@ -33,6 +33,9 @@ struct BandRows {
   uint32_t count = 0;
 };
 
+/// Whether every sample has a pixel, of its own and after the one before.
+bool isAscending(std::span<const uint32_t> pixels);
+
 /// Packs and unpacks bands, one at a time; keeps its buffers.
 class BandPacker {
  public:

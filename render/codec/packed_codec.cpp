@@ -5,6 +5,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <mutex>
 
@@ -69,6 +70,15 @@ void findPixels(const SampleFrame& frame, TransferVector<uint32_t>& pixels) {
   });
 }
 
+/// As isAscending(), in parallel; `pixels` is not empty.
+bool areAllAscending(std::span<const uint32_t> pixels) {
+  std::atomic<bool> areAll = isAscending(pixels.last(1));
+  parallelForRanges(pixels.size() - 1, kGrain, [&](size_t begin, size_t end) {
+    if (!isAscending(pixels.subspan(begin, end + 1 - begin))) areAll = false;
+  });
+  return areAll;
+}
+
 /// Takes samples that are not in the order of pixels out of their pixels. Returns how many are left.
 size_t keepOrdered(TransferVector<uint32_t>& pixels) {
   size_t kept = 0;
@@ -95,7 +105,8 @@ class PackedCodec final : public Codec {
     Placement placement = Placement::loose;
     if (canPlace(frame) && frame.size() > 0) {
       findPixels(frame, pixels_);
-      if (2 * keepOrdered(pixels_) > frame.size()) placement = bestPlacement(frame);
+      isAscending_ = areAllAscending(pixels_);  // as marchers give them
+      if (isAscending_ || 2 * keepOrdered(pixels_) > frame.size()) placement = bestPlacement(frame);
     }
     Bands bands(frame.camera, placement, frame.size());
     if (!cut(frame, bands)) {
@@ -207,6 +218,10 @@ class PackedCodec final : public Codec {
       const BandRows rows = bands.rows(band);
       const uint32_t endPixel = (rows.first + rows.count) * frame.camera.width;
       size_t at = band > 0 ? ends_[band - 1] : 0;
+      if (isAscending_) {
+        ends_[band] = static_cast<size_t>(std::lower_bound(pixels_.begin() + static_cast<ptrdiff_t>(at), pixels_.end(), endPixel) - pixels_.begin());
+        continue;
+      }
       // Strays stay with the sample before them.
       while (at < frame.size() && (pixels_[at] == kNoSample || pixels_[at] < endPixel)) ++at;
       ends_[band] = at;
@@ -217,6 +232,7 @@ class PackedCodec final : public Codec {
   }
 
   TransferVector<uint32_t> pixels_;           // of each sample
+  bool isAscending_ = false;                  // pixels_
   std::vector<size_t> starts_, ends_;         // of bands: first byte; sample after the last
   std::vector<std::vector<std::byte>> packed_;
   tbb::enumerable_thread_specific<BandPacker> packers_;

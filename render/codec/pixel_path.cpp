@@ -57,6 +57,7 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
     zs[k] = ray.direction.z;
   }
   fineBits_ = 0;
+  isOneKind_ = true;
   if (placement == Placement::axis) {
     const glm::vec3 extent = bounds.extent();
     const float rateX = extent.x > 0.0f ? 1.0f / extent.x : 0.0f, rateY = extent.y > 0.0f ? 1.0f / extent.y : 0.0f,
@@ -67,6 +68,10 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
       axes[k] = glm::max(byX, byY) >= byZ ? ofXY : 2;
       origins[k] = 0;
     }
+    const int32_t first = count > 0 ? axes[0] : 0;
+    int32_t differing = 0;
+    for (size_t k = 0; k < count; ++k) differing |= axes[k] ^ first;
+    isOneKind_ = differing == 0;
     return;
   }
   fineBits_ = placement == Placement::steps ? kStepFineBits : kStepFineBits - 1;

@@ -59,6 +59,7 @@ class PixelPaths {
   FineScale fineScale() const { return {origin_.data(), fineBits_}; }
   /// Places of different kinds cannot be compared.
   std::span<const int32_t> kinds() const { return axis_; }
+  bool isOneKind() const { return isOneKind_; }
 
  private:
   Camera camera_;
@@ -66,6 +67,7 @@ class PixelPaths {
   Placement placement_ = Placement::loose;
   float step_ = 1.0f;
   int fineBits_ = 0;
+  bool isOneKind_ = true;
   TransferVector<float> x_, y_, z_;     // direction
   TransferVector<float> t0_, length_;   // the ray's lattice
   TransferVector<int32_t> count_;

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <span>
 
-
 namespace warpscope {
 
 inline uint32_t zigzag(int32_t value) { return static_cast<uint32_t>(value) << 1 ^ static_cast<uint32_t>(value >> 31); }
@@ -24,11 +23,10 @@ class BitWriter {
   void put(uint32_t value, uint32_t count) {
     pending_ |= static_cast<uint64_t>(value) << count_;
     count_ += count;
-    if (count_ < 32) return;
     store();
-    next_ += 4;
-    pending_ >>= 32;
-    count_ -= 32;
+    next_ += count_ / 8;
+    pending_ >>= count_ & ~7u;
+    count_ &= 7;
   }
   /// All bytes, once; the last is filled up with zeros.
   std::span<const uint8_t> finish() {
@@ -39,13 +37,13 @@ class BitWriter {
 
  private:
   void store() {
-    for (uint32_t i = 0; i < 4; ++i) next_[i] = static_cast<uint8_t>(pending_ >> 8 * i);
+    for (uint32_t i = 0; i < 8; ++i) next_[i] = static_cast<uint8_t>(pending_ >> 8 * i);
   }
 
   uint8_t* begin_;
   uint8_t* next_;
   uint64_t pending_ = 0;
-  uint32_t count_ = 0;  // < 32
+  uint32_t count_ = 0;  // < 8 between calls
 };
 
 /// Past the end there are zeros, and ranOut() says so.
@@ -96,6 +94,14 @@ inline uint8_t putToken(uint32_t value, BitWriter& bits) {
   const uint32_t below = length - 2;
   bits.put(value & ((1u << below) - 1), below);
   return static_cast<uint8_t>(kDirectTokens + 2 * (length - 5) + (value >> below & 1));
+}
+
+inline void putTokens(std::span<const uint32_t> values, std::span<uint8_t> tokens, BitWriter& bits) {
+  const uint32_t* const value = values.data();
+  uint8_t* const token = tokens.data();
+  BitWriter put = bits;
+  for (size_t i = 0; i < values.size(); ++i) token[i] = putToken(value[i], put);
+  bits = put;
 }
 
 /// Of a token that is too large, something.

@@ -33,11 +33,21 @@ ZSTD_DCtx& decompressor() {
 
 }  // namespace
 
+bool isZero(std::span<const uint8_t> bytes) {
+  constexpr size_t kPiece = 1024;  // after each of which it may be known that not
+  for (size_t begin = 0; begin < bytes.size(); begin += kPiece) {
+    uint8_t any = 0;
+    for (const uint8_t byte : bytes.subspan(begin, std::min(kPiece, bytes.size() - begin))) any |= byte;
+    if (any != 0) return false;
+  }
+  return true;
+}
+
 void appendSection(std::vector<std::byte>& out, std::span<const uint8_t> bytes) {
   const size_t head = out.size();
   Kept kept = Kept::zeros;
   size_t length = 0;
-  if (std::any_of(bytes.begin(), bytes.end(), [](uint8_t byte) { return byte != 0; })) {
+  if (!isZero(bytes)) {
     kept = Kept::compressed;
     const size_t room = ZSTD_compressBound(bytes.size());
     out.resize(head + 4 + room);

@@ -17,4 +17,7 @@ void appendSection(std::vector<std::byte>& out, std::span<const uint8_t> bytes);
 /// Fills `bytes`. False, with any content, if what is there is not a section of just that length; never writes past the end.
 bool takeSection(ByteReader& reader, std::span<uint8_t> bytes);
 
+/// Whether all bytes are 0.
+bool isZero(std::span<const uint8_t> bytes);
+
 }  // namespace warpscope
