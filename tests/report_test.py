@@ -14,7 +14,7 @@ import tempfile
 SKIPPED = 77
 WIDTH, HEIGHT = 1300, 900
 SWEEP = ["block", "--volume-size", "32x30x28", "--size", "120x90", "--techniques", "hold,points,splats", "--heuristics", "median", "--radii", "voxel",
-         "--point-sizes", "2", "--server-sides", "120", "--angles", "0,10,25", "--links", "4g", "--instants", "1", "--draws", "1", "--quiet"]
+         "--point-sizes", "2", "--server-sides", "60,120", "--angles", "0,10,25", "--links", "4g", "--instants", "1", "--draws", "1", "--quiet"]
 
 # What the page is asked after it is there: it leaves the answers as JSON in its title.
 QUESTIONS = """
@@ -31,6 +31,10 @@ document.title = JSON.stringify({before, rising, falling, names,
   overflow: document.documentElement.scrollWidth - window.innerWidth,
   images: [...document.images].filter(image => image.complete && image.naturalWidth > 0).length, allImages: document.images.length,
   plots: [...document.querySelectorAll('svg.plot')].map(plot => plot.getBoundingClientRect().width),
+  cut: [...document.querySelectorAll('svg.plot text')].filter(text => {
+    const box = text.getBoundingClientRect(), plot = text.ownerSVGElement.getBoundingClientRect();
+    return box.right > plot.right || box.left < plot.left || box.top < plot.top || box.bottom > plot.bottom;
+  }).map(text => text.textContent),
   circles: document.querySelectorAll('svg.plot circle title').length,
   fetched: performance.getEntriesByType('resource').filter(entry => !entry.name.startsWith('data:')).length});
 </script>
@@ -102,6 +106,7 @@ def check(program, chromium, folder):
     expect(answers["overflow"] <= 0, f"the page is {answers['overflow']} pixels wider than the window")
     expect(answers["images"] == answers["allImages"] > 10, f"{answers['images']} of {answers['allImages']} pictures are there")
     expect(len(answers["plots"]) == 4 and min(answers["plots"]) > 400, f"plots: {answers['plots']}")
+    expect(not answers["cut"], f"texts that do not fit into their plots: {answers['cut']}")
     expect(answers["circles"] >= len(sweep["rows"]), f"{answers['circles']} points say what they are")
     expect(answers["fetched"] == 0, f"the page fetches {answers['fetched']} things")
 

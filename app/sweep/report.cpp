@@ -28,7 +28,7 @@ h1{font-size:1.6em;margin:0}h2{font-size:1.15em;margin:2em 0 .4em}p{max-width:52
 table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.2em .7em;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
 th:first-child,td:first-child{text-align:left}th{font-weight:600;vertical-align:bottom}.wide{overflow-x:auto}
 #rows th{cursor:pointer;position:sticky;top:0;background:var(--page)}#rows td:first-child{white-space:normal}
-svg.plot{width:100%;max-width:960px;height:auto;font:12px system-ui,sans-serif}svg text{fill:var(--ink)}
+svg.plot{width:100%;height:auto;font:12px system-ui,sans-serif}svg text{fill:var(--ink)}
 .grid{stroke:var(--line)}.axis{stroke:var(--dim)}.ring{fill:none;stroke:var(--ink);stroke-width:1.4}
 .strip td{padding:.2em;text-align:center;vertical-align:top;font-size:.85em}.strip img{display:block;width:150px;height:auto}.strip tbody th{text-align:left;vertical-align:top}
 )";
@@ -267,7 +267,8 @@ std::string htmlOf(const SweepReport& report) {
   html += "<p>One frame from the first view, warped to the camera turned by each angle, against the volume marched for that camera. Errors are of "
           "whole pictures, means over the angles (FLIP: 0 equal, 1 as different as can be); holes count as they are shown. <em>ms a frame</em> is "
           "decoding, building and drawing in the slowest view: what a picture costs at the client if every frame is new. Work that several share is "
-          "charged to each. Medians of " + std::to_string(draws) + " runs after one that warmed up and does not count; the spread is between quartiles.</p>\n";
+          "charged to each. " + (draws > 1 ? "Medians of " + std::to_string(draws) + " runs" : std::string("Times of a run")) +
+          " after one that warmed up and does not count; the spread is between quartiles.</p>\n";
 
   html += "<h2>At equal time, at equal error</h2>\n" + findingsTables(report.findings);
   html += "<h2>Error against time</h2>\n" +

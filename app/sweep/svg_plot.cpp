@@ -2,6 +2,7 @@
 // See svg_plot.h.
 #include "app/sweep/svg_plot.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -10,7 +11,8 @@
 namespace warpscope {
 namespace {
 
-constexpr double kWidth = 760, kHeight = 420, kLeft = 64, kRight = 190, kTop = 14, kBottom = 46;
+constexpr double kPlotWidth = 506, kHeight = 420, kLeft = 64, kTop = 14, kBottom = 46;
+constexpr double kEnlarged = 1.26, kLeastLegend = 190, kLegendIndent = 28, kLetter = 6.6;  // of 12 px type, on average
 
 std::string numbered(double value) {
   char text[32];
@@ -45,7 +47,9 @@ std::string escaped(const std::string& text) {
 }
 
 std::string svgOf(const Plot& plot) {
-  const double right = kWidth - kRight, bottom = kHeight - kBottom;
+  const double right = kLeft + kPlotWidth, bottom = kHeight - kBottom;
+  double legendWidth = kLeastLegend;
+  for (const PlotSeries& series : plot.series) legendWidth = std::max(legendWidth, kLegendIndent + kLetter * static_cast<double>(series.name.size()));
   AxisScale x(plot.x.isLogarithmic, kLeft, right), y(plot.y.isLogarithmic, bottom, kTop);
   for (const PlotSeries& series : plot.series)
     for (const PlotPoint& point : series.points) {
@@ -55,7 +59,9 @@ std::string svgOf(const Plot& plot) {
   x.settle();
   y.settle();
 
-  std::string svg = "<svg class=\"plot\" viewBox=\"0 0 " + tickText(kWidth) + " " + tickText(kHeight) + "\" role=\"img\" aria-label=\"" +
+  const double width = std::ceil(right + legendWidth);
+  std::string svg = "<svg class=\"plot\" style=\"max-width:" + tickText(std::round(kEnlarged * width)) + "px\" viewBox=\"0 0 " + tickText(width) + " " +
+                    tickText(kHeight) + "\" role=\"img\" aria-label=\"" +
                     escaped(plot.y.label + " against " + plot.x.label) + "\">\n";
   for (const double tick : x.ticks()) {
     svg += lineFromTo(x.place(tick), kTop, x.place(tick), bottom, "grid");
@@ -86,7 +92,7 @@ std::string svgOf(const Plot& plot) {
     }
     if (series.name.empty()) continue;
     svg += "<circle cx=\"" + numbered(right + 18) + "\" cy=\"" + numbered(legend - 4) + "\" r=\"4.5\" fill=\"" + color + "\"/>\n";
-    svg += textAt(right + 28, legend, "start", series.name);
+    svg += textAt(right + kLegendIndent, legend, "start", series.name);
     legend += 17;
   }
   return svg + "</svg>\n";
