@@ -236,7 +236,7 @@ std::error_code StagedFolder::makeStaging() {
   std::error_code error;
   // Another writer may take it for abandoned before it is locked, and remove it; then the next one is made.
   for (int attempt = 0; attempt < 10; ++attempt) {
-    staging_ = folder_ / (std::string(kPartial) + uniqueSuffix());
+    staging_ = partialOf(folder_ / "");
     fs::create_directory(staging_, error);
     if (error) break;
     lock_ = lockFolder(staging_, true);

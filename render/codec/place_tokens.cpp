@@ -11,7 +11,7 @@ namespace {
 struct Band {
   FineScale scale;
   const Neighbors* neighbors;
-  const int32_t* kinds;  // nothing if all are the same
+  const int32_t* kinds;  // not read if all are the same
   size_t size;
 };
 
@@ -59,7 +59,7 @@ void addDifferences(const Band& band, const uint8_t* tokens, int32_t* fine, int3
 
 }  // namespace
 
-void PlaceTokens::fillKinds(const PixelPaths& paths) {
+void PlaceTokens::prepare(const PixelPaths& paths) {
   const std::span<const int32_t> kinds = paths.kinds();
   fine_.resize(kinds.size() + 1);
   fine_[0] = 0;
@@ -70,7 +70,7 @@ void PlaceTokens::fillKinds(const PixelPaths& paths) {
 }
 
 void PlaceTokens::put(const PixelPaths& paths, const BandLayout& layout, std::span<const int32_t> places, std::span<uint8_t> tokens, BitWriter& bits) {
-  fillKinds(paths);
+  prepare(paths);
   const Band band{paths.fineScale(), layout.neighbors.data(), kinds_.data(), places.size()};
   const FineScale scale = band.scale;
   const int32_t* const place = places.data();
@@ -82,7 +82,7 @@ void PlaceTokens::put(const PixelPaths& paths, const BandLayout& layout, std::sp
 }
 
 void PlaceTokens::take(const PixelPaths& paths, const BandLayout& layout, std::span<const uint8_t> tokens, BitReader& bits, std::span<int32_t> places) {
-  fillKinds(paths);
+  prepare(paths);
   const Band band{paths.fineScale(), layout.neighbors.data(), kinds_.data(), places.size()};
   (paths.isOneKind() ? addDifferences<true> : addDifferences<false>)(band, tokens.data(), fine_.data(), places.data(), bits);
 }

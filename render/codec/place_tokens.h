@@ -19,7 +19,8 @@ class PlaceTokens {
   void take(const PixelPaths& paths, const BandLayout& layout, std::span<const uint8_t> tokens, BitReader& bits, std::span<int32_t> places);
 
  private:
-  void fillKinds(const PixelPaths& paths);
+  /// Makes room for fine places, and fills kinds_ if there are several.
+  void prepare(const PixelPaths& paths);
 
   // By slots, whose first is nobody's.
   TransferVector<int32_t> fine_, kinds_;

@@ -3,7 +3,6 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -14,6 +13,7 @@
 #include "render/codec/codec.h"
 #include "render/codec/jpeg.h"
 #include "render/march/marcher_cpu.h"
+#include "tests/bench/bench_main.h"
 
 namespace warpscope {
 namespace {
@@ -111,16 +111,12 @@ void add(const std::string& scene, const std::string& path) {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  try {
+  return warpscope::benchMain("codec_bench", [] {
     warpscope::add("shells", "shells");
     if (const char* folder = std::getenv("WARPSCOPE_DATA")) {
       const std::filesystem::path engine = std::filesystem::path(folder) / "engine_256x256x128_uint8.raw";
       if (std::filesystem::exists(engine)) warpscope::add("engine", engine.string());
     }
     benchmark::RunSpecifiedBenchmarks();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "codec_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -4,7 +4,6 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 
@@ -14,6 +13,7 @@
 #include "render/metrics/picture_errors.h"
 #include "render/metrics/psnr.h"
 #include "render/metrics/ssim.h"
+#include "tests/bench/bench_main.h"
 #include "tests/metric_pictures.h"
 
 namespace warpscope {
@@ -103,7 +103,7 @@ int main(int argc, char** argv) {
   using namespace warpscope;
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  try {
+  return benchMain("metrics_bench", [] {
     checkValues();
     views();  // marched before anything is timed
     add("psnr", timePsnr);
@@ -114,9 +114,5 @@ int main(int argc, char** argv) {
     add("judge/errorsOfMask", timeJudge, 1);
     add("visibility", timeVisibility);
     benchmark::RunSpecifiedBenchmarks();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "metrics_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -13,6 +13,7 @@
 #include "render/metrics/picture_errors.h"
 #include "render/metrics/picture_judge_cuda.h"
 #include "render/warp/spheres_warp_cuda.h"
+#include "tests/bench/bench_main.h"
 
 namespace warpscope {
 namespace {
@@ -86,12 +87,4 @@ void run() {
 }  // namespace
 }  // namespace warpscope
 
-int main() {
-  try {
-    warpscope::run();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "metrics_on_device_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
-}
+int main() { return warpscope::benchMain("metrics_on_device_bench", warpscope::run); }

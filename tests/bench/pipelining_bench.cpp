@@ -10,6 +10,7 @@
 #include "app/hosting.h"
 #include "net/io_thread.h"
 #include "render/march/marcher_cpu.h"
+#include "tests/bench/bench_main.h"
 
 namespace warpscope {
 namespace {
@@ -74,12 +75,4 @@ void run() {
 }  // namespace
 }  // namespace warpscope
 
-int main() {
-  try {
-    warpscope::run();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "pipelining_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
-}
+int main() { return warpscope::benchMain("pipelining_bench", warpscope::run); }

@@ -32,5 +32,5 @@ fi
 mkdir -p -- "$build/findings"
 # Frames are longer than messages.
 [ "$what" = codec_fuzz ] && longest=65536 || longest=4096
-exec "$build/tests/fuzz/$what" -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len="$longest" -timeout=60 -print_final_stats=1 \
+exec "$build/tests/fuzz/$what" -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len="$longest" -timeout=10 -print_final_stats=1 \
   -artifact_prefix="$build/findings/$what-" "$build/seeds/$what"
