@@ -9,9 +9,8 @@
 
 #include "app/commands/options.h"
 #include "app/ui/run_window.h"
-#include "render/core/error.h"
-#include "render/core/nearest_name.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
+#include "render/base/nearest_name.h"
 
 namespace {
 

@@ -1,11 +1,11 @@
 // Choosing by what was measured: the least error within the budget at this angle, the fastest if nothing keeps to it, and why.
-// Mirrors app/sweep/auto_choice.h.
-#include "app/sweep/auto_choice.h"
+// Mirrors app/experiment/auto_choice.h.
+#include "app/experiment/auto_choice.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "app/sweep/sweep_file.h"
+#include "app/experiment/sweep_file.h"
 #include "tests/headless.h"
 #include "tests/test_folder.h"
 

@@ -1,6 +1,6 @@
 // Transfer functions made from histograms: always valid, background transparent, what there is to see shown.
-// Mirrors app/auto_transfer_function.h.
-#include "app/auto_transfer_function.h"
+// Mirrors app/scene/auto_transfer_function.h.
+#include "app/scene/auto_transfer_function.h"
 
 #include <gtest/gtest.h>
 

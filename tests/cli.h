@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "app/picture.h"
+#include "app/picture/picture.h"
 #include "tests/run_program.h"
 
 namespace warpscope {

@@ -4,7 +4,7 @@
 #include <set>
 #include <sstream>
 
-#include "app/scene.h"
+#include "app/scene/scene.h"
 #include "render/warp/warp.h"
 #include "tests/cli.h"
 

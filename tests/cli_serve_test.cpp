@@ -1,5 +1,5 @@
 // `serve` and `--connect` through the built program: one URL, the same pictures as at home, clean ends, no secrets in logs.
-// The contract is in README; what goes over the wire is tested in tests/net and hosting_test.cpp, refusals in cli_connect_test.cpp.
+// The contract is in README; what goes over the wire is tested in tests/net and scene_connection_test.cpp, refusals in cli_connect_test.cpp.
 #include "net/address.h"
 #include "net/certificate.h"
 #include "render/warp/warp.h"

@@ -5,7 +5,7 @@
 #include <set>
 #include <thread>
 
-#include "app/sweep/sweep_plan.h"
+#include "app/experiment/sweep_plan.h"
 #include "tests/cli.h"
 
 namespace warpscope {

@@ -2,7 +2,7 @@
 // docs: the contract is in README; refusals of wrong input are in cli_refusal_test.cpp.
 #include <sstream>
 
-#include "app/scene.h"
+#include "app/scene/scene.h"
 #include "render/march/march_settings.h"
 #include "render/warp/warp.h"
 #include "tests/cli.h"

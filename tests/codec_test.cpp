@@ -11,9 +11,9 @@
 #include <memory_resource>
 #include <random>
 
+#include "render/base/error.h"
 #include "render/codec/bytes.h"
 #include "render/codec/jpeg.h"
-#include "render/core/error.h"
 #include "render/march/own_picture.h"
 #include "render/volume/procedural.h"
 #include "render/volume/reader.h"

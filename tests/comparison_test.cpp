@@ -1,14 +1,13 @@
 // Rows of a comparison against pictures drawn anew: one frame from the first view, each view's own ground truth, what is drawn how often.
-// Mirrors app/comparison.h.
-#include "app/comparison.h"
+// Mirrors app/experiment/comparison.h.
+#include "app/experiment/comparison.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <cmath>
 
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/psnr.h"
 #include "tests/headless.h"
@@ -51,7 +50,7 @@ Scene sceneOfTwoViews() {
 ComparisonSettings settingsFor(const Scene& scene, MarcherPtr marcher) {
   ComparisonSettings settings;
   settings.codec.color = ColorCoding::lossless;
-  settings.serving = servingHere(std::move(marcher), settings.codec);
+  settings.fetch = fetchHere(std::move(marcher), settings.codec);
   settings.march = scene.march;
   settings.warp.reference = scene.march;
   settings.width = 120;

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/warp/points_warp.h"
 #include "tests/headless.h"
 

@@ -1,6 +1,6 @@
 // Frames without a network, in virtual time: when they arrive, which requests are served, what errors become.
-// Mirrors app/direct_frame_source.h and app/clock.h.
-#include "app/direct_frame_source.h"
+// Mirrors app/frames/direct_frame_source.h and render/base/clock.h.
+#include "app/frames/direct_frame_source.h"
 
 #include <gmock/gmock.h>
 
@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "net/messages.h"
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {

@@ -1,6 +1,6 @@
 // Steps of an error over the last seconds, in virtual time.
-// Mirrors app/error_history.h.
-#include "app/error_history.h"
+// Mirrors app/session/error_history.h.
+#include "app/session/error_history.h"
 
 #include <gtest/gtest.h>
 

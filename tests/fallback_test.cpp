@@ -2,7 +2,7 @@
 // Mirrors render/march/fallback_marcher.h and render/warp/fallback_warp.h, with devices that are made up.
 #include <gtest/gtest.h>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/march/fallback_marcher.h"
 #include "render/warp/fallback_warp.h"
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "render/base/error.h"
 #include "render/core/color.h"
-#include "render/core/error.h"
 
 namespace warpscope {
 namespace {

@@ -13,8 +13,8 @@
 #include <fstream>
 #include <string>
 
-#include "app/output_files.h"
-#include "app/picture.h"
+#include "app/picture/picture.h"
+#include "app/shell/output_files.h"
 
 namespace warpscope {
 

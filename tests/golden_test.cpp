@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "tests/headless.h"
 #include "tests/test_folder.h"
 

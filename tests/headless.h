@@ -8,7 +8,7 @@
 #include <string>
 
 #include "app/commands/options.h"
-#include "app/scene.h"
+#include "app/scene/scene.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {

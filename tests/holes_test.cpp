@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/march/marcher_cpu.h"
 #include "render/warp/spheres_warp.h"
 #include "test_volumes.h"

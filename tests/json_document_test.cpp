@@ -1,13 +1,13 @@
 // Complaints about JSON: each names the file, the line, the key and what would be right.
-// Mirrors app/json_document.h.
-#include "app/json_document.h"
+// Mirrors app/scene/json_document.h.
+#include "app/scene/json_document.h"
 
 #include <gmock/gmock.h>
 
 #include <ctime>
 #include <fstream>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {

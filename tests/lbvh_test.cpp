@@ -11,8 +11,7 @@
 #include <functional>
 #include <random>
 
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 #include "render/warp/lbvh/embree_tracer.h"
 #include "render/warp/lbvh/sphere_tracer.h"
 #include "tests/sphere_clouds.h"

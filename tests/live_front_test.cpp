@@ -1,6 +1,6 @@
 // Points, means, medians, the front and its bounds.
-// Mirrors app/live_front.h.
-#include "app/live_front.h"
+// Mirrors app/experiment/live_front.h.
+#include "app/experiment/live_front.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,7 @@
 #include <thread>
 
 #include "marcher_cases.h"
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 #include "test_volumes.h"
 
 namespace warpscope {

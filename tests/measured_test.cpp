@@ -1,6 +1,6 @@
 // Medians and quartiles of repeated timings.
-// Mirrors app/measured.h.
-#include "app/measured.h"
+// Mirrors app/experiment/measured.h.
+#include "app/experiment/measured.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <random>
 
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 #include "render/warp/lbvh/sphere_tracer.h"
 #include "tests/sphere_clouds.h"
 

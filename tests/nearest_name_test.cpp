@@ -1,6 +1,6 @@
 // Edit distance against its recursive definition, the sentence made of it, and looking names up in tables.
-// Mirrors render/core/nearest_name.h.
-#include "render/core/nearest_name.h"
+// Mirrors render/base/nearest_name.h.
+#include "render/base/nearest_name.h"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>

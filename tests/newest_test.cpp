@@ -1,6 +1,6 @@
 // The hand-over between threads and the worker built on it: the newest wins, nothing queues up, everything ends when told to.
-// Mirrors app/newest.h and app/newest_worker.h.
-#include "app/newest.h"
+// Mirrors render/base/newest.h and render/base/newest_worker.h.
+#include "render/base/newest.h"
 
 #include <gmock/gmock.h>
 
@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "app/newest_worker.h"
+#include "render/base/newest_worker.h"
 
 namespace warpscope {
 namespace {

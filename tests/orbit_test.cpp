@@ -1,6 +1,6 @@
 // What dragging and scrolling do: the picture follows the pointer.
-// Mirrors app/orbit.h.
-#include "app/orbit.h"
+// Mirrors app/scene/orbit.h.
+#include "app/scene/orbit.h"
 
 #include <gmock/gmock.h>
 

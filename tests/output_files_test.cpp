@@ -1,6 +1,6 @@
 // Output that is there whole or not at all: what success, failure and giving up leave on the disk.
-// Mirrors app/output_files.h.
-#include "app/output_files.h"
+// Mirrors app/shell/output_files.h.
+#include "app/shell/output_files.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -12,8 +12,7 @@
 #include <functional>
 #include <thread>
 
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {

@@ -9,8 +9,8 @@
 #include <limits>
 #include <random>
 
+#include "render/base/error.h"
 #include "render/core/color.h"
-#include "render/core/error.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/psnr.h"
 #include "render/metrics/ssim.h"

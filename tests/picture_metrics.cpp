@@ -6,9 +6,9 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "app/picture.h"
+#include "app/picture/picture.h"
+#include "render/base/error.h"
 #include "render/core/color.h"
-#include "render/core/error.h"
 #include "render/metrics/picture_errors.h"
 
 namespace warpscope {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/metrics/display_curve.h"
 #include "render/metrics/filters.h"
 #include "render/metrics/flip.h"

@@ -1,13 +1,12 @@
 // PNG files: what is written is read back, by a decoder that is not ours, whatever the size.
-// Mirrors app/picture.h.
-#include "app/picture.h"
+// Mirrors app/picture/picture.h.
+#include "app/picture/picture.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 #include "tests/test_folder.h"
 
 namespace warpscope {

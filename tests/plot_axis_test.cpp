@@ -1,6 +1,6 @@
 // Places and ticks of axes.
-// Mirrors app/plot_axis.h.
-#include "app/plot_axis.h"
+// Mirrors app/picture/plot_axis.h.
+#include "app/picture/plot_axis.h"
 
 #include <gtest/gtest.h>
 

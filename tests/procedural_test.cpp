@@ -9,8 +9,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {

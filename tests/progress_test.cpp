@@ -1,6 +1,6 @@
 // The bar on a terminal: it appears and moves while one step takes long, and leaves the line empty.
-// Mirrors app/progress.h; the terminal is a POSIX pseudo-terminal.
-#include "app/progress.h"
+// Mirrors app/shell/progress.h; the terminal is a POSIX pseudo-terminal.
+#include "app/shell/progress.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

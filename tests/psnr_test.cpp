@@ -10,7 +10,7 @@
 #include <limits>
 #include <random>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "tests/metric_pictures.h"
 
 namespace warpscope {

@@ -1,6 +1,6 @@
 // Ranges: what lies at their ends, outside, and nowhere.
-// Mirrors render/core/range.h.
-#include "render/core/range.h"
+// Mirrors render/base/range.h.
+#include "render/base/range.h"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/volume/reader.h"
 
 namespace warpscope {

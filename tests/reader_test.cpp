@@ -8,9 +8,9 @@
 #include <cstring>
 #include <limits>
 
-#include "render/core/parallel.h"
-#include "tests/real_data.h"
+#include "render/base/error.h"
 #include "tests/reader_fixture.h"
+#include "tests/real_data.h"
 
 #if WARPSCOPE_WITH_ITK
 #include <sys/stat.h>

@@ -1,13 +1,13 @@
 // The scene's cameras at the poles, with impossible fields of view, and for volumes of any unit, place and
-// handedness in the world. Mirrors makeCamera of app/scene.h; the world's geometry is worked out anew, in double.
+// handedness in the world. Mirrors makeCamera of app/scene/scene.h; the world's geometry is worked out anew, in double.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "app/scene.h"
+#include "app/scene/scene.h"
 #include "marcher_cases.h"
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "test_volumes.h"
 
 namespace warpscope {

@@ -1,8 +1,8 @@
 // How wrong a session's pictures are, live: figures, heat maps, histories, the front; and that finding out holds nothing up.
-// Mirrors the parts of app/session.h that app/session_errors.cpp holds. Threads are real, volumes and images tiny.
+// Mirrors the parts of app/session/session.h that app/session/session_errors.cpp holds. Threads are real, volumes and images tiny.
 #include <cmath>
 
-#include "app/heat_map.h"
+#include "app/picture/heat_map.h"
 #include "tests/session_fixture.h"
 
 namespace warpscope {

@@ -7,9 +7,9 @@
 #include <atomic>
 #include <thread>
 
-#include "app/backend.h"
-#include "app/session.h"
-#include "render/core/error.h"
+#include "app/frames/backend.h"
+#include "app/session/session.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 

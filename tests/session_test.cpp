@@ -1,6 +1,6 @@
 // A whole session without a window: frames, pictures, ages, scenes, errors, closing.
-// Mirrors app/session.h. Threads are real, volumes and images tiny.
-#include "app/session.h"
+// Mirrors app/session/session.h. Threads are real, volumes and images tiny.
+#include "app/session/session.h"
 
 #include <latch>
 

@@ -10,8 +10,7 @@
 #include <algorithm>
 #include <random>
 
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 #include "render/warp/splats/screen_bins.h"
 #include "tests/sphere_clouds.h"
 #include "tests/traced_picture.h"

@@ -1,6 +1,6 @@
 // Sweeps read back, and told from scenes.
-// Mirrors app/sweep/sweep_file.h.
-#include "app/sweep/sweep_file.h"
+// Mirrors app/experiment/sweep_file.h.
+#include "app/experiment/sweep_file.h"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <thread>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "tests/test_folder.h"
 
 namespace warpscope {

@@ -1,6 +1,6 @@
 // Fronts, summaries, answers, rows as JSON and CSV, and frames on a line of time.
-// Mirrors app/sweep/findings.h, app/sweep/sweep_result.h and app/sweep/motion.h.
-#include "app/sweep/findings.h"
+// Mirrors app/experiment/findings.h, app/experiment/sweep_result.h and app/experiment/motion.h.
+#include "app/experiment/findings.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <limits>
 #include <random>
 
-#include "app/sweep/motion.h"
+#include "app/experiment/motion.h"
 
 namespace warpscope {
 namespace {

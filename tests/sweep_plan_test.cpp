@@ -1,6 +1,6 @@
 // Configurations and plans: names that tell them apart, what is equal work, reading and writing, what is refused.
-// Mirrors app/sweep/configuration.h and app/sweep/sweep_plan.h.
-#include "app/sweep/sweep_plan.h"
+// Mirrors app/experiment/configuration.h and app/experiment/sweep_plan.h.
+#include "app/experiment/sweep_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <set>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {

@@ -1,6 +1,6 @@
 // Sweeps of a small scene: every unit is measured, rows are what drawing anew gives, what is done is not done again, nothing is lost.
-// Mirrors app/sweep/sweep.h, journal.h, ground_truth.h, report.h and svg_plot.h.
-#include "app/sweep/sweep.h"
+// Mirrors app/experiment/sweep.h, journal.h, ground_truth.h, report.h and svg_plot.h.
+#include "app/experiment/sweep.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,12 +12,11 @@
 #include <iterator>
 #include <sstream>
 
-#include "app/heat_map.h"
-#include "app/sweep/ground_truth.h"
-#include "app/sweep/report.h"
-#include "app/sweep/svg_plot.h"
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "app/experiment/ground_truth.h"
+#include "app/experiment/report.h"
+#include "app/picture/heat_map.h"
+#include "app/picture/svg_plot.h"
+#include "render/base/error.h"
 #include "tests/headless.h"
 #include "tests/test_folder.h"
 

@@ -9,7 +9,7 @@
 #include <functional>
 #include <optional>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/march/marcher_cpu.h"
 #include "test_volumes.h"
 

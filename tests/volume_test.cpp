@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <set>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/core/ray_sphere.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/psnr.h"

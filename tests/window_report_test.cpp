@@ -1,13 +1,13 @@
 // The report of a window without a window: gaps and ages that are known, null where there is nothing to tell.
-// Mirrors app/window_report.h. Times are made up; the session behind them is a real one with a tiny volume.
-#include "app/window_report.h"
+// Mirrors app/session/window_report.h. Times are made up; the session behind them is a real one with a tiny volume.
+#include "app/session/window_report.h"
 
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/backend.h"
+#include "app/frames/backend.h"
 
 namespace warpscope {
 namespace {

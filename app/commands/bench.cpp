@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/benchmark.h"
 #include "app/commands/options.h"
-#include "app/interrupt.h"
-#include "app/json_document.h"
-#include "app/progress.h"
-#include "render/core/error.h"
+#include "app/experiment/benchmark.h"
+#include "app/scene/json_document.h"
+#include "app/shell/interrupt.h"
+#include "app/shell/progress.h"
+#include "render/base/error.h"
 #include "render/cuda/devices.h"
 
 namespace warpscope {
@@ -106,7 +106,7 @@ void bench(const BenchOptions& options) {
   for (const WarpDescriptor* technique : settings.techniques)
     if (!technique->usesFrame) throw UsageError("--technique " + std::string(technique->name) + ": it draws no frames, so there is nothing to measure");
   const Interrupt interrupt;
-  const Workplace work = prepare(options.common, interrupt.token());
+  const CommandContext work = prepare(options.common, interrupt.token());
   settings.march = work.march;
   settings.warp = work.warp;
   settings.width = work.width;

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "render/core/error.h"
-#include "render/core/nearest_name.h"
+#include "render/base/error.h"
+#include "render/base/nearest_name.h"
 
 namespace warpscope {
 

@@ -8,16 +8,15 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/options.h"
-#include "app/comparison.h"
-#include "app/interrupt.h"
-#include "app/json_document.h"
-#include "app/log.h"
-#include "app/montage.h"
-#include "app/output_files.h"
-#include "app/picture.h"
-#include "app/progress.h"
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "app/experiment/comparison.h"
+#include "app/picture/montage.h"
+#include "app/picture/picture.h"
+#include "app/scene/json_document.h"
+#include "app/shell/interrupt.h"
+#include "app/shell/log.h"
+#include "app/shell/output_files.h"
+#include "app/shell/progress.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {
@@ -34,7 +33,7 @@ struct CompareOptions {
 /// JSON knows no infinity: equal images have the PSNR null.
 Json finiteOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json toJson(const ComparisonRow& row, const Comparison& comparison, const Workplace& work) {
+Json toJson(const ComparisonRow& row, const Comparison& comparison, const CommandContext& work) {
   const bool usesFrame = row.technique->usesFrame;
   const View& view = work.scene.views[row.view];
   return {{"technique", row.technique->name},
@@ -56,7 +55,7 @@ Json toJson(const ComparisonRow& row, const Comparison& comparison, const Workpl
           {"bytes", row.bytes}};
 }
 
-Json verdictOf(const Comparison& comparison, const Workplace& work) {
+Json verdictOf(const Comparison& comparison, const CommandContext& work) {
   Json verdict = Json::array();
   for (const Gain& gain : gainsOf(comparison, "spheres", "points"))
     verdict.push_back({{"view", gain.view},
@@ -67,7 +66,7 @@ Json verdictOf(const Comparison& comparison, const Workplace& work) {
   return verdict;
 }
 
-Json toJson(const Comparison& comparison, const Workplace& work, std::string_view backend, const std::string& context) {
+Json toJson(const Comparison& comparison, const CommandContext& work, std::string_view backend, const std::string& context) {
   Json rows = Json::array();
   for (const ComparisonRow& row : comparison.rows) rows.push_back(toJson(row, comparison, work));
   return {{"scene", work.scene.name},
@@ -153,7 +152,7 @@ std::vector<std::string> namesOf(size_t views) {
 void compare(const CompareOptions& options) {
   if (options.cellWidth < 16 || options.cellWidth > 4096) throw UsageError("--cell: must be 16 to 4096 pixels");
   const Interrupt interrupt;
-  const Workplace work = prepare(options.common, options.transport, interrupt.token());
+  const CommandContext work = prepare(options.common, options.transport, interrupt.token());
   StagedFolder out(options.out, namesOf(work.scene.views.size()));  // fails before the work if it cannot be written
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
 
@@ -166,7 +165,7 @@ void compare(const CompareOptions& options) {
   ComparisonSettings settings;
   settings.march = work.march;
   settings.warp = work.warp;
-  settings.serving = work.serving();
+  settings.fetch = work.fetch();
   settings.codec = work.transport.codec;
   settings.width = work.width;
   settings.height = work.height;

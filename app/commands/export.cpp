@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/options.h"
-#include "app/interrupt.h"
-#include "app/json_document.h"
-#include "app/log.h"
-#include "app/output_files.h"
-#include "app/progress.h"
-#include "render/core/parallel.h"
+#include "app/scene/json_document.h"
+#include "app/shell/interrupt.h"
+#include "app/shell/log.h"
+#include "app/shell/output_files.h"
+#include "app/shell/progress.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {
@@ -56,7 +56,7 @@ std::string toPly(const SampleFrame& frame, const VolumeGeometry& geometry, cons
 
 void exportSamples(const ExportOptions& options) {
   const Interrupt interrupt;
-  const Workplace work = prepare(options.common, interrupt.token());
+  const CommandContext work = prepare(options.common, interrupt.token());
   requireWritable(options.ply);
   auto progress = std::make_unique<Progress>("export", 2, !options.common.showsProgress());
   progress->step("the server's frame");

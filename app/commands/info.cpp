@@ -6,9 +6,9 @@
 #include <thread>
 
 #include "app/commands/options.h"
-#include "app/json_document.h"
-#include "app/log.h"
-#include "render/core/error.h"
+#include "app/scene/json_document.h"
+#include "app/shell/log.h"
+#include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/cuda/gl_interop.h"
 #include "render/volume/reader.h"

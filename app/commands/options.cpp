@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "app/commands/choose.h"
-#include "app/hosting.h"
-#include "app/log.h"
-#include "app/progress.h"
-#include "render/core/error.h"
+#include "app/frames/scene_connection.h"
+#include "app/shell/log.h"
+#include "app/shell/progress.h"
+#include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/volume/procedural.h"
 
@@ -171,12 +171,12 @@ void CheckedOptions::applyTo(Scene& served) const {
   if (overrides.fovYDeg) served.fovYDeg = *overrides.fovYDeg;
 }
 
-Workplace prepare(const CommonOptions& options, const std::stop_token& stop) {
+CommandContext prepare(const CommonOptions& options, const std::stop_token& stop) {
   return prepare(options, {}, stop);
 }
 
-Workplace prepare(const CommonOptions& options, const TransportOptions& transportOptions, const std::stop_token& stop) {
-  Workplace work{check(options), {}, {}, {}, {}, transportOf(transportOptions)};
+CommandContext prepare(const CommonOptions& options, const TransportOptions& transportOptions, const std::stop_token& stop) {
+  CommandContext work{check(options), {}, {}, {}, {}, transportOf(transportOptions)};
   const std::optional<net::Address> server = serverOf(transportOptions);
   requireServerFor(transportOptions);
   if (server) requireNoSceneOf(options);
@@ -184,7 +184,7 @@ Workplace prepare(const CommonOptions& options, const TransportOptions& transpor
   progress.step(server ? net::toStringWithoutToken(*server) : work.sceneSpec);
   if (server) {
     const auto io = std::make_shared<net::IoThread>();
-    LoadedScene loaded = connectScene(io, *server, work.transport, [] {}, stop);
+    ConnectedScene loaded = connectScene(io, *server, work.transport, [] {}, stop);
     work.scene = std::move(loaded.scene);
     work.applyTo(work.scene);
     work.source = std::move(loaded.source);
@@ -199,9 +199,9 @@ Workplace prepare(const CommonOptions& options, const TransportOptions& transpor
   return work;
 }
 
-MarcherPtr Workplace::marcher() const { return remote ? remote : makeMarcher(backend, scene.volume, scene.transferFunction); }
+MarcherPtr CommandContext::marcher() const { return remote ? remote : makeMarcher(backend, scene.volume, scene.transferFunction); }
 
-FrameServing Workplace::serving() const { return source ? servingFrom(source) : servingHere(marcher(), transport.codec); }
+FrameFetch CommandContext::fetch() const { return source ? fetchFrom(source) : fetchHere(marcher(), transport.codec); }
 
 void requireNoSceneOf(const CommonOptions& options) {
   const std::pair<const char*, bool> given[] = {{"a scene", options.scene.has_value()},

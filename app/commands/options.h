@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 
-#include "app/backend.h"
 #include "app/commands/transport_options.h"
-#include "app/scene.h"
-#include "app/serving.h"
+#include "app/frames/backend.h"
+#include "app/frames/frame_fetch.h"
+#include "app/scene/scene.h"
 #include "render/gl/context.h"
 #include "render/warp/warp.h"
 
@@ -68,24 +68,24 @@ struct CheckedOptions {
 CheckedOptions check(const CommonOptions& options);
 
 /// What a command works with: what was asked for, and the scene. `warp.reference` is the scene's marching.
-struct Workplace : CheckedOptions {
+struct CommandContext : CheckedOptions {
   Scene scene;
   MarchSettings march;  ///< the scene's, as asked for
   MarcherPtr remote;    ///< of a server's scene; null for a scene that was opened here
   FrameSourcePtr source;  ///< of a server's frames; null likewise
   TransportSettings transport;
 
-  /// What marches the scene, there or on the chosen backend. Throws as makeMarcher() of app/backend.h does.
+  /// What marches the scene, there or on the chosen backend. Throws as makeMarcher() of app/frames/backend.h does.
   MarcherPtr marcher() const;
   /// Where frames come from: the server, or marcher() and the codec.
-  FrameServing serving() const;
+  FrameFetch fetch() const;
 };
 
 /// Checks every option before anything expensive, then opens the scene, with a bar on the terminal. Throws UsageError or InputError,
 /// OperationCancelled if `stop` is set.
-Workplace prepare(const CommonOptions& options, const std::stop_token& stop);
+CommandContext prepare(const CommonOptions& options, const std::stop_token& stop);
 /// As above, but the scene may be a server's. Throws InputError with the reason if that cannot be had.
-Workplace prepare(const CommonOptions& options, const TransportOptions& transport, const std::stop_token& stop);
+CommandContext prepare(const CommonOptions& options, const TransportOptions& transport, const std::stop_token& stop);
 
 /// Throws UsageError if an option asks for something about a scene that is a server's.
 void requireNoSceneOf(const CommonOptions& options);

@@ -9,15 +9,15 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "app/backend.h"
 #include "app/commands/options.h"
-#include "app/frame_server.h"
-#include "app/interrupt.h"
-#include "app/json_document.h"
-#include "app/log.h"
-#include "app/output_files.h"
+#include "app/frames/backend.h"
+#include "app/frames/frame_server.h"
+#include "app/scene/json_document.h"
+#include "app/shell/interrupt.h"
+#include "app/shell/log.h"
+#include "app/shell/output_files.h"
 #include "net/certificate.h"
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {
@@ -77,7 +77,7 @@ void serve(const ServeOptions& options) {
   const Interrupt interrupt;
   if (!options.portFile.empty()) requireWritable(options.portFile);
   net::ServerSettings settings = settingsFor(options, listen);
-  const Workplace work = prepare(options.common, interrupt.token());
+  const CommandContext work = prepare(options.common, interrupt.token());
   const auto io = std::make_shared<net::IoThread>();
   FrameServer server(io, work.scene, makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), std::move(settings));
 

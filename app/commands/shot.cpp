@@ -5,17 +5,17 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/options.h"
-#include "app/interrupt.h"
-#include "app/json_document.h"
-#include "app/log.h"
-#include "app/output_files.h"
-#include "app/picture.h"
-#include "app/progress.h"
-#include "app/sweep/auto_choice.h"
-#include "app/sweep/sweep.h"
-#include "app/sweep/sweep_file.h"
-#include "render/core/error.h"
-#include "render/core/range.h"
+#include "app/experiment/auto_choice.h"
+#include "app/experiment/sweep.h"
+#include "app/experiment/sweep_file.h"
+#include "app/picture/picture.h"
+#include "app/scene/json_document.h"
+#include "app/shell/interrupt.h"
+#include "app/shell/log.h"
+#include "app/shell/output_files.h"
+#include "app/shell/progress.h"
+#include "render/base/error.h"
+#include "render/base/range.h"
 
 namespace warpscope {
 namespace {
@@ -35,7 +35,7 @@ constexpr std::string_view kAuto = "auto";
 constexpr Range kViewAngleDegRange{-360.0, 360.0};
 
 /// What `auto` may choose: what was asked for stays.
-bool isAllowed(const Configuration& configuration, uint32_t sidePx, const ShotOptions& options, const Workplace& work) {
+bool isAllowed(const Configuration& configuration, uint32_t sidePx, const ShotOptions& options, const CommandContext& work) {
   if (configuration.serverSidePx != sidePx || configuration.march.step != work.march.step) return false;
   const WarpKnobs& knobs = configuration.technique->knobs;
   if (!options.common.heuristic.empty() && knobs.depth && configuration.march.heuristic != work.march.heuristic) return false;
@@ -47,7 +47,7 @@ bool isAllowed(const Configuration& configuration, uint32_t sidePx, const ShotOp
 }
 
 /// From a sweep's file, or measured here and now.
-AutoChoice measuredFront(const ShotOptions& options, const Workplace& work, HeadlessResources& headless, const std::stop_token& stop) {
+AutoChoice measuredFront(const ShotOptions& options, const CommandContext& work, HeadlessResources& headless, const std::stop_token& stop) {
   if (!options.front.empty()) {
     const std::optional<SweepFile> sweep = readSweepFile(options.front);
     if (!sweep || !sweep->choice) throw InputError(options.front + ": holds no sweep with anything that draws a frame");
@@ -70,7 +70,7 @@ AutoChoice measuredFront(const ShotOptions& options, const Workplace& work, Head
 }
 
 /// Replaces the technique and its settings by what is best; says what that is.
-AutoChoice::Choice chooseFor(const ShotOptions& options, Workplace& work, HeadlessResources& headless, const std::stop_token& stop) {
+AutoChoice::Choice chooseFor(const ShotOptions& options, CommandContext& work, HeadlessResources& headless, const std::stop_token& stop) {
   const double budgetMs = options.budgetMs.value_or(kDefaultBudgetMs);
   const AutoChoice front = measuredFront(options, work, headless, stop);
   const auto choice = front.choose(options.viewAngleDeg, budgetMs, [&](const Configuration& configuration) {
@@ -92,7 +92,7 @@ void shoot(const ShotOptions& options) {
   if (isAutomatic && options.front.empty() && !options.transport.connect.empty())
     throw UsageError("--technique auto measures its choices where the volume is: with --connect, give --front with the sweep.json of a sweep");
   const Interrupt interrupt;
-  Workplace work = prepare(options.common, options.transport, interrupt.token());
+  CommandContext work = prepare(options.common, options.transport, interrupt.token());
   requireWritable(options.out);
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
   std::optional<AutoChoice::Choice> choice;
@@ -112,7 +112,7 @@ void shoot(const ShotOptions& options) {
   ServedFrame served;
   if (descriptor.usesFrame) {
     progress->step("the server's frame");
-    served = work.serving()(serverCamera, work.march, interrupt.token());
+    served = work.fetch()(serverCamera, work.march, interrupt.token());
   }
   const SampleFramePtr& frame = served.frame;
   progress->step(std::string(descriptor.name));

@@ -9,16 +9,15 @@
 #include <thread>
 
 #include "app/commands/options.h"
-#include "app/interrupt.h"
-#include "app/json_document.h"
-#include "app/log.h"
-#include "app/output_files.h"
-#include "app/progress.h"
-#include "app/sweep/findings.h"
-#include "app/sweep/report.h"
-#include "app/sweep/sweep.h"
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "app/experiment/findings.h"
+#include "app/experiment/report.h"
+#include "app/experiment/sweep.h"
+#include "app/scene/json_document.h"
+#include "app/shell/interrupt.h"
+#include "app/shell/log.h"
+#include "app/shell/output_files.h"
+#include "app/shell/progress.h"
+#include "render/base/error.h"
 #include "render/cuda/devices.h"
 
 namespace warpscope {
@@ -32,7 +31,7 @@ struct SweepOptions {
   std::map<std::string_view, std::string> axes;  // by option, as typed; empty: not given
 };
 
-SweepPlan planOf(const SweepOptions& options, const Workplace& work) {
+SweepPlan planOf(const SweepOptions& options, const CommandContext& work) {
   SweepPlan plan = defaultPlan(work.march, work.width, work.height);
   if (!options.plan.empty()) {
     const JsonDocument document = JsonDocument::fromFile(options.plan);
@@ -67,7 +66,7 @@ Json fileIdentity(const std::string& path) {
 }
 
 /// All that results depend on, beside what `head` says.
-Json identityOf(const Json& head, const SweepOptions& options, const Workplace& work, const std::string& backend) {
+Json identityOf(const Json& head, const SweepOptions& options, const CommandContext& work, const std::string& backend) {
   Json identity = head;
   const CommonOptions& common = options.common;
   identity["sceneSpec"] = work.sceneSpec;
@@ -81,7 +80,7 @@ Json identityOf(const Json& head, const SweepOptions& options, const Workplace& 
 
 void sweep(const SweepOptions& options) {
   const Interrupt interrupt;
-  const Workplace work = prepare(options.common, interrupt.token());
+  const CommandContext work = prepare(options.common, interrupt.token());
   SweepSettings settings;
   settings.plan = planOf(options, work);
   settings.width = work.width;

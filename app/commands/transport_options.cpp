@@ -3,8 +3,8 @@
 #include "app/commands/transport_options.h"
 
 #include "app/commands/choose.h"
-#include "render/core/error.h"
-#include "render/core/range.h"
+#include "render/base/error.h"
+#include "render/base/range.h"
 
 namespace warpscope {
 namespace {

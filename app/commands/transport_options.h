@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "app/frame_source.h"
+#include "app/frames/frame_source.h"
 #include "net/address.h"
 
 namespace warpscope {

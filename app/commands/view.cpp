@@ -1,16 +1,16 @@
 // `view`: the window.
-// Two panels over the same frames and the same camera; see app/session.h and app/ui/.
+// Two panels over the same frames and the same camera; see app/session/session.h and app/ui/.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
 
 #include "app/commands/options.h"
-#include "app/hosting.h"
-#include "app/interrupt.h"
-#include "app/output_files.h"
+#include "app/frames/scene_connection.h"
+#include "app/shell/interrupt.h"
+#include "app/shell/output_files.h"
 #include "app/ui/run_window.h"
-#include "render/core/range.h"
+#include "render/base/range.h"
 
 namespace warpscope {
 namespace {
@@ -78,7 +78,7 @@ void view(const ViewOptions& options) {
   const auto connectTo = [io, transport, checked](const net::Address& address) {
     return LoadJob{net::toStringWithoutToken(address),
                    [=](const std::function<void()>& onNews, const std::stop_token& stop) {
-                     LoadedScene loaded = connectScene(io, address, transport, onNews, stop);
+                     ConnectedScene loaded = connectScene(io, address, transport, onNews, stop);
                      checked.applyTo(loaded.scene);
                      return loaded;
                    }};
@@ -98,7 +98,7 @@ void view(const ViewOptions& options) {
       try {
         return connectTo(net::parseAddress(spec));
       } catch (const net::AddressError& error) {
-        return LoadJob{"a server", [text = std::string(error.what())](const std::function<void()>&, const std::stop_token&) -> LoadedScene {
+        return LoadJob{"a server", [text = std::string(error.what())](const std::function<void()>&, const std::stop_token&) -> ConnectedScene {
                          throw InputError(text);
                        }};
       }

@@ -7,7 +7,7 @@
 #include <array>
 #include <string>
 
-#include "app/session.h"
+#include "app/session/session.h"
 #include "app/ui/run_window.h"
 #include "app/ui/texture.h"
 #include "app/ui/theme.h"

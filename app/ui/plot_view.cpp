@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "app/technique_color.h"
+#include "app/picture/technique_color.h"
 #include "app/ui/scatter_plot.h"
 
 namespace warpscope::ui {

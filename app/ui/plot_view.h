@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "app/sweep/sweep_file.h"
+#include "app/experiment/sweep_file.h"
 #include "app/ui/parts.h"
 
 namespace warpscope::ui {

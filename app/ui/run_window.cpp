@@ -6,12 +6,12 @@
 #include <cmath>
 #include <utility>
 
-#include "app/output_files.h"
-#include "app/picture.h"
+#include "app/picture/picture.h"
+#include "app/session/window_report.h"
+#include "app/shell/output_files.h"
 #include "app/ui/parts.h"
 #include "app/ui/plot_view.h"
 #include "app/ui/window.h"
-#include "app/window_report.h"
 
 namespace warpscope {
 namespace ui {

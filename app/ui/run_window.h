@@ -8,9 +8,9 @@
 #include <optional>
 #include <stop_token>
 
-#include "app/session.h"
-#include "app/sweep/sweep_file.h"
-#include "render/core/error.h"
+#include "app/experiment/sweep_file.h"
+#include "app/session/session.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 

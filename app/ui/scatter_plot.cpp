@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "app/plot_axis.h"
+#include "app/picture/plot_axis.h"
 #include "app/ui/theme.h"
 
 namespace warpscope::ui {

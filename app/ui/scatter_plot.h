@@ -1,5 +1,5 @@
 // Points over two logarithmic axes, to be pointed at and clicked on. Knows nothing of what they stand for.
-// Drawn with ImGui's draw lists; scales and ticks are app/plot_axis.h's.
+// Drawn with ImGui's draw lists; scales and ticks are app/picture/plot_axis.h's.
 #pragma once
 
 #include <imgui.h>

@@ -7,8 +7,8 @@
 
 #include <string>
 
-#include "app/log.h"
-#include "render/core/error.h"
+#include "app/shell/log.h"
+#include "render/base/error.h"
 #include "render/cuda/pinned_memory.h"
 
 namespace warpscope::ui {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "app/shown_picture.h"
+#include "app/picture/shown_picture.h"
 #include "render/core/transfer_vector.h"
 #include "render/cuda/gl_interop.h"
 

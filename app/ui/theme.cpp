@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "app/text.h"
+#include "app/picture/text.h"
 
 namespace warpscope::ui {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "app/heat_map.h"
-#include "app/orbit.h"
+#include "app/picture/heat_map.h"
+#include "app/scene/orbit.h"
 #include "app/ui/knob_parts.h"
 #include "app/ui/parts.h"
 

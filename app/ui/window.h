@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "app/clock.h"
 #include "app/ui/texture.h"
 #include "app/ui/theme.h"
+#include "render/base/clock.h"
 
 struct GLFWwindow;
 

@@ -2,10 +2,10 @@
 // See codec.h. A new format is one file pair and one line here.
 #include "render/codec/codec.h"
 
+#include "render/base/error.h"
 #include "render/codec/bytes.h"
 #include "render/codec/packed_codec.h"
 #include "render/codec/raw_codec.h"
-#include "render/core/error.h"
 
 namespace warpscope {
 namespace {

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "render/core/range.h"
+#include "render/base/range.h"
 #include "render/march/sample_frame.h"
 
 namespace warpscope {

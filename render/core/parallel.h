@@ -6,16 +6,11 @@
 #include <tbb/parallel_for.h>
 
 #include <cstddef>
-#include <stdexcept>
 #include <stop_token>
 
-namespace warpscope {
+#include "render/base/error.h"
 
-/// Thrown by long work whose stop token was set; whatever it was making is discarded.
-class OperationCancelled : public std::runtime_error {
- public:
-  OperationCancelled() : std::runtime_error("cancelled") {}
-};
+namespace warpscope {
 
 /// Calls body(begin, end) on pieces of [0, count) of about `grain` items, in parallel.
 template <class Body>

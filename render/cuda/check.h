@@ -4,7 +4,7 @@
 
 #include <cuda_runtime.h>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope::cuda {
 

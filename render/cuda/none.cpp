@@ -1,5 +1,5 @@
 // What a build without CUDA says when it is asked for CUDA.
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/cuda/gl_interop.h"
 #include "render/cuda/pinned_memory.h"

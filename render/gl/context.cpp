@@ -4,7 +4,7 @@
 
 #include <mutex>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope::gl {
 namespace {

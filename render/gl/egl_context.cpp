@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/gl/context.h"
 
 namespace warpscope::gl {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope::gl {
 

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope::gl {
 namespace {

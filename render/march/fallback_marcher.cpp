@@ -5,7 +5,7 @@
 #include <mutex>
 #include <type_traits>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {

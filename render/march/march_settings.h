@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "render/core/range.h"
+#include "render/base/range.h"
 
 namespace warpscope {
 

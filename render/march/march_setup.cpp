@@ -2,7 +2,7 @@
 // See march_setup.h.
 #include "render/march/march_setup.h"
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 

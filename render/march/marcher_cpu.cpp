@@ -7,8 +7,8 @@
 #include <mutex>
 #include <vector>
 
+#include "render/base/stopwatch.h"
 #include "render/core/parallel.h"
-#include "render/core/stopwatch.h"
 #include "render/march/compact.h"
 #include "render/march/march.h"
 #include "render/march/march_setup.h"

@@ -7,7 +7,7 @@
 
 #include <mutex>
 
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 #include "render/cuda/pinned_memory.h"
 #include "render/march/device_volume.h"
 #include "render/march/march_launch.h"

@@ -6,7 +6,7 @@
 #include <atomic>
 #include <string>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/core/parallel.h"
 #include "render/metrics/batches.h"
 #include "render/metrics/display_curve.h"

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {

@@ -2,7 +2,7 @@
 // See flip.h.
 #include "render/metrics/flip.h"
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/metrics/batches.h"
 #include "render/metrics/filters.h"
 #include "render/metrics/flip_formulas.h"

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/metrics/batches.h"
 #include "render/metrics/displayed.h"
 #include "render/metrics/holes.h"

@@ -13,8 +13,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 #include "render/volume/payload.h"
 #include "render/volume/volume_format.h"
 

@@ -17,8 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 #include "render/volume/volume_format.h"
 
 namespace warpscope {

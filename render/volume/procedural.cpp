@@ -4,7 +4,7 @@
 
 #include <new>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/volume/procedural_fields.h"
 
 namespace warpscope {

@@ -8,7 +8,7 @@
 #include <charconv>
 #include <regex>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {

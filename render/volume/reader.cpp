@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/volume/raw_reader.h"
 #include "render/volume/volume_format.h"
 #if WARPSCOPE_WITH_ITK

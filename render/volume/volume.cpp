@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/core/parallel.h"
 #include "render/volume/voxel_access.h"
 

@@ -2,7 +2,7 @@
 // See fallback_warp.h.
 #include "render/warp/fallback_warp.h"
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {

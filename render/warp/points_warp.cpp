@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/core/parallel.h"
 #include "render/gl/context.h"
 #include "render/gl/objects.h"

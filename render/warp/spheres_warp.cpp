@@ -2,7 +2,7 @@
 // See spheres_warp.h; the hierarchy and its traversal are in lbvh/.
 #include "render/warp/spheres_warp.h"
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/warp/lbvh/embree_tracer.h"
 #include "render/warp/lbvh/sphere_tracer.h"
 #include "render/warp/sphere_cloud_warp.h"

@@ -2,8 +2,8 @@
 // See warp.h. A new technique is one file pair and one line here.
 #include "render/warp/warp.h"
 
-#include "render/core/error.h"
-#include "render/core/nearest_name.h"
+#include "render/base/error.h"
+#include "render/base/nearest_name.h"
 #include "render/core/parallel.h"
 #include "render/cuda/devices.h"
 #include "render/warp/fallback_warp.h"

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "app/scene.h"
+#include "app/scene/scene.h"
 #include "render/codec/codec.h"
 #include "render/codec/jpeg.h"
 #include "render/march/marcher_cpu.h"

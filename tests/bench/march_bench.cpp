@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "app/scene.h"
+#include "app/scene/scene.h"
 #include "render/march/compact.h"
 #include "render/march/marcher_cpu.h"
 

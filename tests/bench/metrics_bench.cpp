@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "app/scene.h"
+#include "app/scene/scene.h"
 #include "render/march/marcher_cpu.h"
 #include "render/metrics/flip.h"
 #include "render/metrics/picture_errors.h"

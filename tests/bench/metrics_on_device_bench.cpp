@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "app/scene.h"
-#include "render/core/stopwatch.h"
+#include "app/scene/scene.h"
+#include "render/base/stopwatch.h"
 #include "render/cuda/devices.h"
 #include "render/march/marcher_cpu.h"
 #include "render/metrics/picture_errors.h"

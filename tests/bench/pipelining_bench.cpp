@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "app/hosting.h"
+#include "app/frames/scene_connection.h"
 #include "net/io_thread.h"
 #include "render/march/marcher_cpu.h"
 #include "tests/bench/bench_main.h"
@@ -31,7 +31,7 @@ struct Result {
 };
 
 Result measure(const Scene& scene, const TransportSettings& transport) {
-  const LoadedScene loaded = hostScene(std::make_shared<net::IoThread>(), scene, makeCpuMarcher(scene.volume, scene.transferFunction), transport, [] {}, {});
+  const ConnectedScene loaded = hostScene(std::make_shared<net::IoThread>(), scene, makeCpuMarcher(scene.volume, scene.transferFunction), transport, [] {}, {});
   const auto begin = std::chrono::steady_clock::now();
   std::optional<ServedFrame> shown;
   std::vector<double> ages;

@@ -1,8 +1,8 @@
 // Devices that fail: memory that runs out, a device that is lost in the middle of its work. The work goes on on the CPU.
-// Mirrors app/backend.h, render/march/fallback_marcher.h and render/cuda/check.h.
+// Mirrors app/frames/backend.h, render/march/fallback_marcher.h and render/cuda/check.h.
 #include <gtest/gtest.h>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/cuda/memory.h"
 #include "render/march/marcher_cuda.h"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/gl/context.h"
 #include "render/gl/objects.h"

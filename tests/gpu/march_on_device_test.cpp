@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/march/marcher_cpu.h"
 #include "tests/gpu/agreement.h"

@@ -9,9 +9,9 @@
 #include <random>
 #include <vector>
 
-#include "app/judge_worker.h"
-#include "app/scene.h"
-#include "render/core/error.h"
+#include "app/scene/scene.h"
+#include "app/session/judge_worker.h"
+#include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/march/marcher_cpu.h"
 #include "render/metrics/picture_errors.h"

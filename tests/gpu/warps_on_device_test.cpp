@@ -3,9 +3,8 @@
 // Mirrors render/warp/spheres_warp_cuda.h and splats_warp_cuda.h.
 #include <gtest/gtest.h>
 
-#include "app/picture.h"
-#include "render/core/error.h"
-#include "render/core/parallel.h"
+#include "app/picture/picture.h"
+#include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/march/marcher_cpu.h"
 #include "render/march/marcher_cuda.h"

@@ -22,7 +22,7 @@ SCENE = ["block", "--volume-size", "48x40x40"]
 MARGIN, CONTROLS, HEADER, FOOTER = 8, 268, 40, 370  # the footer from the heat map's legend down, whose parts change
 PLOT_BOTTOM, PLOT_HEIGHT = 44, 150  # the plot, from the window's lower edge up
 PLOT_LIST, PLOT_LEAST_FOR_LIST = 340, 640  # the list at its right, where there is room
-HOLD, SPHERES, MULTIHIT = bytes((0xb0, 0x89, 0x2f)), bytes((0x2b, 0x7d, 0xe0)), bytes((0x8a, 0x4f, 0xc7))  # their points, see app/technique_color.h
+HOLD, SPHERES, MULTIHIT = bytes((0xb0, 0x89, 0x2f)), bytes((0x2b, 0x7d, 0xe0)), bytes((0x8a, 0x4f, 0xc7))  # their points, see app/picture/technique_color.h
 
 
 class Failure(Exception):

@@ -5,8 +5,8 @@
 #include "render/core/ray_sphere.h"
 #include "render/cuda/pixel_tiles.cuh"
 #include "render/cuda/warp_reduce.cuh"
-#include "render/warp/device/earliest_hit.cuh"
 #include "render/warp/clusters/cluster_tree.h"
+#include "render/warp/device/earliest_hit.cuh"
 
 namespace warpscope {
 

@@ -2,7 +2,7 @@
 // See device_warp.h.
 #include "render/warp/device/device_warp.h"
 
-#include "render/core/parallel.h"
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {

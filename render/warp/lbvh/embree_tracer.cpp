@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {

@@ -10,7 +10,7 @@
 #include <array>
 #include <sstream>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {

@@ -7,7 +7,7 @@
 #include <bit>
 #include <string>
 
-#include "render/core/error.h"
+#include "render/base/error.h"
 #include "render/core/parallel.h"
 #include "render/warp/lbvh/ray_packet.h"
 #include "render/warp/splats/screen_bins.h"

@@ -1,0 +1,60 @@
+// What each stage takes on each backend: march, compaction, build, pictures. Every picture is checked before it is timed.
+// The protocol of Zellmann 2020, table 1: one frame from the first view, drawn in five views.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "app/experiment/measured.h"
+#include "app/scene/scene.h"
+#include "render/warp/warp.h"
+
+namespace warpscope {
+
+struct BenchmarkView {
+  Measured draw;  ///< camera to finished colours, in the memory of the backend that drew them
+  double framesPerSecond() const { return draw.medianMs > 0.0 ? 1000.0 / draw.medianMs : 0.0; }
+};
+
+struct TechniqueBenchmark {
+  const WarpDescriptor* technique = nullptr;
+  Measured upload;  ///< frame to the device's memory; 0 on the CPU
+  Measured build;
+  Measured firstPicture;  ///< frame in host memory to the first picture, by the host's clock
+  std::vector<BenchmarkView> views;
+};
+
+struct BackendBenchmark {
+  Backend backend = Backend::cpu;
+  size_t samples = 0;
+  size_t rawBytes = 0;   ///< of the samples, 12 each
+  size_t bytes = 0;      ///< of the samples on the wire, packed, colours as JPEG
+  Measured encode, decode;
+  Measured march, compact, copy;
+  Measured server;  ///< camera to samples in host memory, by the host's clock
+  std::vector<TechniqueBenchmark> techniques;
+};
+
+struct BenchmarkSettings {
+  MarchSettings march;
+  WarpSettings warp;
+  uint32_t width = 0;
+  uint32_t height = 0;
+  int runs = 50;
+  std::vector<Backend> backends;                    ///< cpu, cuda
+  std::vector<const WarpDescriptor*> techniques;    ///< that use frames
+};
+
+/// Steps that runBenchmark() tells `onStep` of.
+size_t benchmarkSteps(const BenchmarkSettings& settings);
+
+/// `resourcesOf` gives what techniques draw on for a backend. Throws InputError if a picture is wrong: a technique's colours in the
+/// server's own view have little to do with the volume's, or a CUDA device's samples are not those of the CPU. Else as marching and warping.
+std::vector<BackendBenchmark> runBenchmark(const Scene& scene, const BenchmarkSettings& settings,
+                                           const std::function<WarpResources(Backend)>& resourcesOf,
+                                           const std::function<void(const std::string&)>& onStep, const std::stop_token& stop);
+
+}  // namespace warpscope

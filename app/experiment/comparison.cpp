@@ -1,0 +1,131 @@
+// Running a comparison.
+// See comparison.h.
+#include "app/experiment/comparison.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+
+#include "render/base/error.h"
+#include "render/base/stopwatch.h"
+#include "render/metrics/holes.h"
+#include "render/metrics/picture_errors.h"
+
+namespace warpscope {
+namespace {
+
+/// Two decimals where they say something: 0.75, 1.25, 2, 12.5. Small factors keep two digits: 0.0042.
+std::string factorText(double factor) {
+  char text[48];
+  if (factor < 0.095) {
+    std::snprintf(text, sizeof text, "%.2g", factor);
+    return text;
+  }
+  std::snprintf(text, sizeof text, "%.2f", factor);
+  std::string shown = text;
+  shown.erase(shown.find_last_not_of('0') + 1);
+  if (shown.ends_with('.')) shown.pop_back();
+  return shown;
+}
+
+}  // namespace
+
+Comparison compareTechniques(const Scene& scene, const WarpResources& resources, const ComparisonSettings& settings,
+                             const std::function<void(const WarpDescriptor&, size_t, const WarpedImage&)>& onPicture,
+                             const std::function<void(const std::string&)>& onStep, const std::stop_token& stop) {
+  Comparison comparison;
+  for (const View& view : scene.views)
+    comparison.cameras.push_back(makeCamera(scene, view, settings.width, settings.height));
+  onStep("the server's frame");
+  comparison.served = settings.fetch(comparison.cameras.front(), settings.march, stop);
+  comparison.frame = comparison.served.frame;
+
+  // One technique after the other through all views would keep every reference; view by view keeps one.
+  struct Contender {
+    const WarpDescriptor* descriptor;
+    std::unique_ptr<Warp> warp;
+    double buildMs;
+    size_t bytes;
+  };
+  std::vector<Contender> contenders;
+  for (const WarpDescriptor& descriptor : warpRegistry()) {
+    Contender contender{&descriptor, makeWarp(descriptor, resources), 0.0, 0};
+    contender.warp->setFrame(comparison.frame, settings.warp, stop);  // warms up: memory, threads, shaders
+    contender.buildMs = milliseconds([&] { contender.warp->setFrame(comparison.frame, settings.warp, stop); });
+    if (descriptor.usesFrame)
+      contender.bytes = descriptor.name == "hold" ? pictureBytes(comparison.frame, scene.background, settings.codec) : comparison.served.bytes;
+    contenders.push_back(std::move(contender));
+  }
+
+  WarpedImage reference, image;
+  std::optional<PictureJudge> judge;  // of the view's reference, which comes first
+  for (size_t view = 0; view < scene.views.size(); ++view) {
+    for (const Contender& contender : contenders) {
+      onStep(std::string(contender.descriptor->name) + ", " + viewCaption(scene.views[view], scene.views.front()));
+      const bool isReference = !contender.descriptor->usesFrame;
+      WarpedImage& drawn = isReference ? reference : image;
+      const auto draw = [&] { contender.warp->draw(comparison.cameras[view], settings.warp, drawn, stop); };
+      std::vector<double> times;
+      if (!isReference) draw();
+      for (int i = 0; i < (isReference ? 1 : settings.draws); ++i) times.push_back(milliseconds(draw));
+      std::sort(times.begin(), times.end());
+
+      ComparisonRow row;
+      row.technique = contender.descriptor;
+      row.view = view;
+      if (isReference) {
+        judge.emplace(reference.color, scene.background);
+        row.psnrDb = std::numeric_limits<double>::infinity();
+        row.holeFraction = countHoles(reference, reference.color).fraction();
+      } else {
+        const PictureErrors errors = judge->errorsOf(drawn);
+        row.psnrDb = errors.psnrDb;
+        row.ssim = errors.ssim;
+        row.flip = errors.flip;
+        row.holeFraction = errors.holeFraction;
+      }
+      row.drawMs = times[times.size() / 2];
+      row.drawSpreadMs = times.back() - times.front();
+      row.buildMs = contender.buildMs;
+      row.bytes = contender.bytes;
+      row.draws = static_cast<int>(times.size());
+      comparison.rows.push_back(row);
+      onPicture(*contender.descriptor, view, drawn);
+    }
+  }
+  return comparison;
+}
+
+std::vector<Gain> gainsOf(const Comparison& comparison, std::string_view technique, std::string_view over) {
+  const auto rowOf = [&](const WarpDescriptor& descriptor, size_t view) -> const ComparisonRow& {
+    for (const ComparisonRow& row : comparison.rows)
+      if (row.technique == &descriptor && row.view == view) return row;
+    throw InputError("the comparison lacks " + std::string(descriptor.name));
+  };
+  std::vector<Gain> gains;
+  for (size_t view = 0; view < comparison.cameras.size(); ++view) {
+    const ComparisonRow &better = rowOf(findWarp(technique), view), &worse = rowOf(findWarp(over), view);
+    gains.push_back({view, better.psnrDb - worse.psnrDb, worse.flip - better.flip, worse.holeFraction - better.holeFraction});
+  }
+  return gains;
+}
+
+std::string viewCaption(const View& view, const View& first) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%g°", view.angleDeg - first.angleDeg);
+  std::string caption = text;
+  if (view.elevationDeg != first.elevationDeg) {
+    std::snprintf(text, sizeof text, ", %+g° up", view.elevationDeg - first.elevationDeg);
+    caption += text;
+  }
+  const double ratio = view.distance / first.distance;
+  if (std::abs(ratio - 1.0) > 1e-6) {
+    caption += ", " + factorText(ratio) + "× as far";
+  }
+  return caption;
+}
+
+}  // namespace warpscope

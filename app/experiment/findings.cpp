@@ -1,0 +1,182 @@
+// Fronts and the answer.
+// See findings.h.
+#include "app/experiment/findings.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <numeric>
+
+namespace warpscope {
+namespace {
+
+constexpr double kBudgetsMs[] = {1.0, 4.0, 16.0, 33.0};
+constexpr double kFlipGoals[] = {0.02, 0.05, 0.1};
+
+std::string whatOf(const Summary& summary) {
+  char text[160];
+  std::snprintf(text, sizeof text, "FLIP %.4f, holes %.1f %%, in %.3g ms", summary.flip, 100.0 * summary.holeFraction, summary.frameMs);
+  return text;
+}
+
+nlohmann::json toJson(const Summary& summary) {
+  nlohmann::json json = toJson(summary.configuration);
+  json["flip"] = summary.flip;
+  json["holeFraction"] = summary.holeFraction;
+  json["frameMs"] = summary.frameMs;
+  json["drawMs"] = summary.drawMs;
+  json["serverMs"] = summary.serverMs;
+  json["bytes"] = summary.bytes;
+  return json;
+}
+
+nlohmann::json orNull(const std::optional<Summary>& summary) { return summary ? toJson(*summary) : nlohmann::json(nullptr); }
+
+/// The least by `value` among the summaries that `may` be taken; of equals the faster.
+template <class May, class Value>
+std::optional<Summary> least(const std::vector<Summary>& summaries, const May& may, const Value& value) {
+  const Summary* best = nullptr;
+  for (const Summary& summary : summaries) {
+    if (!summary.configuration.technique->usesFrame || !may(summary)) continue;
+    if (best == nullptr || std::pair(value(summary), summary.frameMs) < std::pair(value(*best), best->frameMs)) best = &summary;
+  }
+  return best == nullptr ? std::nullopt : std::optional(*best);
+}
+
+}  // namespace
+
+std::vector<size_t> paretoFront(const std::vector<CostAndError>& points) {
+  std::vector<size_t> order(points.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return std::pair(points[a].cost, points[a].error) < std::pair(points[b].cost, points[b].error);
+  });
+  std::vector<size_t> front;
+  double error = std::numeric_limits<double>::infinity();
+  for (const size_t i : order) {
+    if (!(points[i].error < error)) continue;
+    error = points[i].error;
+    front.push_back(i);
+  }
+  return front;
+}
+
+std::vector<Summary> summariesOf(const std::vector<SweepRow>& rows) {
+  std::vector<Summary> summaries;
+  std::vector<size_t> counts;
+  std::map<std::string, size_t> places;
+  for (const SweepRow& row : rows) {
+    if (!row.link.empty()) continue;
+    const auto [place, isNew] = places.emplace(keyOf(row.configuration), summaries.size());
+    if (isNew) {
+      summaries.push_back({row.configuration, 0.0, 0.0, 0.0, 0.0, row.cost.serverMs(), row.cost.bytes});
+      counts.push_back(0);
+    }
+    Summary& summary = summaries[place->second];
+    ++counts[place->second];
+    summary.flip += row.errors.flip;
+    summary.holeFraction += row.errors.holeFraction;
+    summary.frameMs = std::max(summary.frameMs, row.frameMs());
+    summary.drawMs = std::max(summary.drawMs, row.draw.medianMs);
+  }
+  for (size_t i = 0; i < summaries.size(); ++i) {
+    summaries[i].flip /= static_cast<double>(counts[i]);
+    summaries[i].holeFraction /= static_cast<double>(counts[i]);
+  }
+  return summaries;
+}
+
+std::string nameAmong(const Configuration& configuration, const std::vector<Summary>& all) {
+  const auto tells = [&](const auto& isAnother) {
+    return std::any_of(all.begin(), all.end(), [&](const Summary& other) { return isAnother(other.configuration); });
+  };
+  const bool usesFrame = configuration.technique->usesFrame;
+  std::string name = labelOf(configuration);
+  if (usesFrame && tells([&](const Configuration& other) { return other.technique->usesFrame && other.serverSidePx != configuration.serverSidePx; }))
+    name += ", server's image of " + std::to_string(configuration.serverSidePx) + " px";
+  if (tells([&](const Configuration& other) { return other.march.step != configuration.march.step; }))
+    name += ", step " + numberText(configuration.march.step);
+  if (usesFrame && tells([&](const Configuration& other) { return other.technique->usesFrame && other.codec != configuration.codec; }))
+    name += ", " + codecWord(configuration.codec);
+  return name;
+}
+
+std::vector<size_t> frontOf(const std::vector<Summary>& summaries) {
+  std::vector<size_t> candidates;
+  std::vector<CostAndError> points;
+  for (size_t i = 0; i < summaries.size(); ++i)
+    if (summaries[i].configuration.technique->usesFrame) {
+      candidates.push_back(i);
+      points.push_back({summaries[i].frameMs, summaries[i].flip});
+    }
+  std::vector<size_t> front;
+  for (const size_t i : paretoFront(points)) front.push_back(candidates[i]);
+  return front;
+}
+
+Findings findingsOf(const std::vector<SweepRow>& rows) {
+  const std::vector<Summary> summaries = summariesOf(rows);
+  Findings findings;
+  const auto flipOf = [](const Summary& summary) { return summary.flip; };
+  const auto timeOf = [](const Summary& summary) { return summary.frameMs; };
+  for (const double budgetMs : kBudgetsMs)
+    findings.equalTime.push_back({budgetMs, least(summaries, [&](const Summary& summary) { return summary.frameMs <= budgetMs; }, flipOf)});
+  for (const double flip : kFlipGoals)
+    findings.equalError.push_back({flip, least(summaries, [&](const Summary& summary) { return summary.flip <= flip; }, timeOf)});
+  const auto coarseness = [](const Summary& summary) {
+    return std::pair(-static_cast<double>(summary.configuration.serverSidePx), summary.configuration.march.step);
+  };
+  findings.papersMethod = least(summaries, [](const Summary& summary) { return isPapersMethod(summary.configuration); }, coarseness);
+  findings.pointBaseline = least(summaries, [](const Summary& summary) { return isPointBaseline(summary.configuration); }, coarseness);
+  findings.least = least(summaries, [](const Summary&) { return true; }, flipOf);
+  for (const SweepRow& row : rows) {
+    if (!row.link.empty() || !row.configuration.technique->usesFrame) continue;
+    const auto place = std::find_if(findings.atAngles.begin(), findings.atAngles.end(),
+                                    [&](const Findings::AtAngle& other) { return other.angleDeg == row.angleDeg; });
+    if (place == findings.atAngles.end())
+      findings.atAngles.push_back({row.angleDeg, row.configuration, row.errors.flip});
+    else if (row.errors.flip < place->flip)
+      *place = {row.angleDeg, row.configuration, row.errors.flip};
+  }
+
+  std::string& answer = findings.answer;
+  for (const Findings::WithinTime& row : findings.equalTime) {
+    char within[48];
+    std::snprintf(within, sizeof within, "Within %g ms a frame ", row.budgetMs);
+    answer += within;
+    answer += row.best ? "use " + nameAmong(row.best->configuration, summaries) + ": " + whatOf(*row.best) + ".\n" : "nothing measured here gets ready.\n";
+  }
+  if (findings.least) answer += "Whatever it takes, " + nameAmong(findings.least->configuration, summaries) + ": " + whatOf(*findings.least) + ".\n";
+  for (const Findings::AtAngle& row : findings.atAngles) {
+    char at[64];
+    std::snprintf(at, sizeof at, "At %g degrees alone FLIP %.4f with ", row.angleDeg, row.flip);
+    answer += at + nameAmong(row.best, summaries) + ".\n";
+  }
+  if (findings.papersMethod)
+    answer += "The paper's method (" + nameAmong(findings.papersMethod->configuration, summaries) + "): " + whatOf(*findings.papersMethod) + ".\n";
+  if (findings.pointBaseline)
+    answer += "The 2012 method (" + nameAmong(findings.pointBaseline->configuration, summaries) + "): " + whatOf(*findings.pointBaseline) + ".\n";
+  return findings;
+}
+
+nlohmann::json toJson(const Findings& findings) {
+  nlohmann::json equalTime = nlohmann::json::array(), equalError = nlohmann::json::array();
+  for (const Findings::WithinTime& row : findings.equalTime) equalTime.push_back({{"budgetMs", row.budgetMs}, {"best", orNull(row.best)}});
+  for (const Findings::WithinError& row : findings.equalError) equalError.push_back({{"flip", row.flip}, {"fastest", orNull(row.fastest)}});
+  nlohmann::json atAngles = nlohmann::json::array();
+  for (const Findings::AtAngle& row : findings.atAngles) {
+    atAngles.push_back(toJson(row.best));
+    atAngles.back()["angleDeg"] = row.angleDeg;
+    atAngles.back()["flip"] = row.flip;
+  }
+  return {{"equalTime", equalTime},
+          {"atAngles", atAngles},
+          {"equalError", equalError},
+          {"papersMethod", orNull(findings.papersMethod)},
+          {"pointBaseline", orNull(findings.pointBaseline)},
+          {"least", orNull(findings.least)},
+          {"answer", findings.answer}};
+}
+
+}  // namespace warpscope

@@ -1,0 +1,298 @@
+// Writing the page.
+// See report.h.
+#include "app/experiment/report.h"
+
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include "app/picture/heat_map.h"
+#include "app/picture/picture.h"
+#include "app/picture/svg_plot.h"
+#include "app/picture/technique_color.h"
+
+namespace warpscope {
+namespace {
+
+constexpr uint32_t kCellPx = 240;
+
+const char* const kStyle = R"(
+:root{color-scheme:light dark;--ink:#1c2126;--dim:#69727b;--line:#d9dde1;--page:#fff;--mark:#f3f5f7}
+@media(prefers-color-scheme:dark){:root{--ink:#e6e9ec;--dim:#98a2ab;--line:#343b42;--page:#14181b;--mark:#1e2429}}
+body{font:15px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--page);max-width:1240px;margin:2em auto;padding:0 1.2em}
+h1{font-size:1.6em;margin:0}h2{font-size:1.15em;margin:2em 0 .4em}p{max-width:52em}
+.dim,figcaption{color:var(--dim)}.answer{border-left:4px solid #2b7de0;padding:.3em 1em;background:var(--mark)}.answer p{margin:.3em 0;max-width:none}
+table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.2em .7em;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
+th:first-child,td:first-child{text-align:left}th{font-weight:600;vertical-align:bottom}.wide{overflow-x:auto}
+#rows th{cursor:pointer;position:sticky;top:0;background:var(--page)}#rows td:first-child{white-space:normal}
+svg.plot{width:100%;height:auto;font:12px system-ui,sans-serif}svg text{fill:var(--ink)}
+.grid{stroke:var(--line)}.axis{stroke:var(--dim)}.ring{fill:none;stroke:var(--ink);stroke-width:1.4}
+.strip td{padding:.2em;text-align:center;vertical-align:top;font-size:.85em}.strip img{display:block;width:150px;height:auto}.strip tbody th{text-align:left;vertical-align:top}
+)";
+
+const char* const kScript = R"(
+document.querySelectorAll('#rows th').forEach((head,column)=>head.addEventListener('click',()=>{
+const body=document.querySelector('#rows tbody'),falls=head.dataset.order==='rises';
+document.querySelectorAll('#rows th').forEach(other=>delete other.dataset.order);head.dataset.order=falls?'falls':'rises';
+const value=row=>{const cell=row.cells[column];return cell.dataset.value===undefined?cell.textContent:+cell.dataset.value};
+[...body.rows].sort((a,b)=>{const x=value(a),y=value(b);return (x<y?-1:x>y?1:0)*(falls?-1:1)}).forEach(row=>body.append(row));}));
+)";
+
+std::string colorOf(const WarpDescriptor& technique) {
+  char text[8];
+  std::snprintf(text, sizeof text, "#%06x", static_cast<unsigned>(techniqueRgb(technique) & 0xffffff));
+  return text;
+}
+
+std::string format(const char* pattern, double value) {
+  char text[48];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+std::string milliseconds(double value) { return format(value < 9.95 ? "%.2f" : value < 99.5 ? "%.1f" : "%.0f", value); }
+std::string percent(double fraction) { return format("%.1f", 100.0 * fraction); }
+std::string angled(double degrees) { return format("%g°", degrees); }
+
+std::string base64(const std::string& bytes) {
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
+  const int length = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), reinterpret_cast<const unsigned char*>(bytes.data()),
+                                     static_cast<int>(bytes.size()));
+  text.resize(static_cast<size_t>(length));
+  return text;
+}
+
+std::string imageOf(const Image<Rgba8>& picture, const std::string& description) {
+  const uint32_t width = std::min(kCellPx, picture.width());
+  const uint32_t height = std::max<uint32_t>(1, static_cast<uint32_t>(uint64_t{picture.height()} * width / picture.width()));
+  return "<img alt=\"" + escaped(description) + "\" src=\"data:image/png;base64," + base64(encodePng(resized(picture, width, height))) + "\">";
+}
+
+std::string cell(const std::string& text) { return "<td>" + escaped(text) + "</td>"; }
+/// What is sorted by is the value, not its text.
+std::string cell(double value, const std::string& text) {
+  return "<td data-value=\"" + format("%.9g", std::isfinite(value) ? value : 1e9) + "\">" + escaped(text) + "</td>";
+}
+std::string header(std::initializer_list<const char*> names) {
+  std::string row = "<thead><tr>";
+  for (const char* name : names) row += "<th>" + escaped(name) + "</th>";
+  return row + "</tr></thead>";
+}
+
+std::string fullNameOf(const Configuration& configuration) {
+  std::string name = labelOf(configuration);
+  if (configuration.technique->usesFrame) name += ", " + std::to_string(configuration.serverSidePx) + " px, " + codecWord(configuration.codec);
+  return name + ", step " + numberText(configuration.march.step);
+}
+
+std::string titleOf(const Summary& summary) {
+  return fullNameOf(summary.configuration) + "\nFLIP " + format("%.4f", summary.flip) + ", holes " + percent(summary.holeFraction) + " %\n" +
+         milliseconds(summary.frameMs) + " ms a frame (draw " + milliseconds(summary.drawMs) + "), server " + milliseconds(summary.serverMs) +
+         " ms, " + format("%.0f", 1e-3 * static_cast<double>(summary.bytes)) + " kB";
+}
+
+std::string findingsTables(const Findings& findings) {
+  std::string html = "<div class=\"wide\"><table>" + header({"Within", "least error with", "FLIP", "holes %", "ms a frame", "draw ms"}) + "<tbody>";
+  const auto rest = [](const std::optional<Summary>& summary) {
+    if (!summary) return std::string("<td class=\"dim\">nothing that was measured</td><td></td><td></td><td></td><td></td></tr>");
+    return cell(fullNameOf(summary->configuration)) + cell(format("%.4f", summary->flip)) + cell(percent(summary->holeFraction)) +
+           cell(milliseconds(summary->frameMs)) + cell(milliseconds(summary->drawMs)) + "</tr>";
+  };
+  for (const Findings::WithinTime& row : findings.equalTime) html += "<tr>" + cell(format("%g ms", row.budgetMs)) + rest(row.best);
+  for (const Findings::WithinError& row : findings.equalError) html += "<tr>" + cell("FLIP " + format("%g", row.flip) + ", least time") + rest(row.fastest);
+  return html + "</tbody></table></div>";
+}
+
+Plot errorAgainst(const SweepReport& report, const std::string& label, bool marksFront, double (*value)(const Summary&)) {
+  Plot plot{{label, true}, {"FLIP, mean of the angles", true}, {}};
+  std::set<size_t> front;
+  if (marksFront) {
+    const std::vector<size_t> indices = frontOf(report.summaries);
+    front.insert(indices.begin(), indices.end());
+  }
+  for (const WarpDescriptor& technique : warpRegistry()) {
+    PlotSeries series{std::string(technique.name), colorOf(technique), {}};
+    for (size_t i = 0; i < report.summaries.size(); ++i) {
+      const Summary& summary = report.summaries[i];
+      if (summary.configuration.technique == &technique && value(summary) > 0.0 && summary.flip > 0.0)
+        series.points.push_back({value(summary), summary.flip, titleOf(summary), front.contains(i)});
+    }
+    if (!series.points.empty()) plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+Plot errorAgainstAngle(const SweepReport& report) {
+  Plot plot{{"angle between the frame's camera and the view, degrees", false}, {"FLIP", true}, {}};
+  for (const PictureStrip& strip : report.strips) {
+    if (!strip.configuration.technique->usesFrame) continue;
+    PlotSeries series{nameAmong(strip.configuration, report.summaries), colorOf(*strip.configuration.technique), {}, true, isPapersMethod(strip.configuration) || isPointBaseline(strip.configuration)};
+    for (const SweepRow& row : report.rows)
+      if (row.link.empty() && row.configuration == strip.configuration)
+        series.points.push_back({row.angleDeg, row.errors.flip,
+                                 fullNameOf(row.configuration) + "\n" + angled(row.angleDeg) + ": FLIP " + format("%.4f", row.errors.flip) + ", holes " +
+                                     percent(row.errors.holeFraction) + " %"});
+    std::sort(series.points.begin(), series.points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
+    plot.series.push_back(std::move(series));
+  }
+  PlotSeries floor{"step against half of it", "#7b8794", {}, true, true};
+  for (const SweepFloor& row : report.floors)
+    floor.points.push_back({row.angleDeg, row.errors.flip, "the ground truth against one of half its step\n" + angled(row.angleDeg) + ": FLIP " + format("%.5f", row.errors.flip)});
+  std::sort(floor.points.begin(), floor.points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
+  plot.series.push_back(std::move(floor));
+  return plot;
+}
+
+Plot errorBehindLinks(const SweepReport& report) {
+  Plot plot{{"age of the frame on show, ms", true}, {"FLIP while the camera moves", true}, {}};
+  for (const WarpDescriptor& technique : warpRegistry()) {
+    PlotSeries series{std::string(technique.name), colorOf(technique), {}};
+    for (const SweepRow& row : report.rows)
+      if (!row.link.empty() && row.configuration.technique == &technique)
+        series.points.push_back({row.ageMs, row.errors.flip,
+                                 fullNameOf(row.configuration) + " behind " + row.link + "\nFLIP " + format("%.4f", row.errors.flip) + ", " +
+                                     format("%.0f", row.ageMs) + " ms old, " + angled(std::round(10.0 * row.angleDeg) / 10.0) + " behind, " +
+                                     format("%.1f", row.framesPerSecond) + " frames/s"});
+    if (!series.points.empty()) plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+std::string stripsTable(const SweepReport& report) {
+  std::string html = "<div class=\"wide\"><table class=\"strip\"><thead><tr><th></th>";
+  if (report.strips.empty()) return "";
+  const auto& angles = report.head.at("plan").at("angles");
+  for (const auto& angle : angles) html += "<th>" + escaped(angled(angle.get<double>())) + "</th>";
+  html += "</tr></thead><tbody>";
+  for (const PictureStrip& strip : report.strips) {
+    const std::string name = fullNameOf(strip.configuration);
+    html += "<tr><th>" + escaped(nameAmong(strip.configuration, report.summaries)) + "</th>";
+    for (size_t i = 0; i < strip.pictures.size(); ++i) {
+      const SweepPicture& picture = strip.pictures[i];
+      html += "<td>" + imageOf(toScreen(picture.image, report.background), name + " at " + angled(angles.at(i).get<double>()));
+      if (strip.configuration.technique->usesFrame)
+        html += imageOf(heatMap(picture.flipMap, kHeatGain), "its FLIP") + "<span class=\"dim\">FLIP " + format("%.4f", picture.flip) + "</span>";
+      html += "</td>";
+    }
+    html += "</tr>";
+  }
+  return html + "</tbody></table></div>";
+}
+
+std::string rowsTable(const std::vector<SweepRow>& rows) {
+  std::string html = "<div class=\"wide\"><table id=\"rows\">" +
+                     header({"configuration", "angle or link", "FLIP", "PSNR dB", "linear dB", "SSIM", "holes %", "FLIP visible", "FLIP disoccluded",
+                             "kB", "server ms", "decode", "build", "draw", "± spread", "ms a frame", "age ms", "flicker"}) +
+                     "<tbody>\n";
+  const auto optional = [](const std::optional<double>& value, const char* pattern) {
+    return value ? cell(*value, format(pattern, *value)) : std::string("<td data-value=\"-1\"></td>");
+  };
+  for (const SweepRow& row : rows) {
+    const bool isStill = row.link.empty();
+    const auto decibels = [](double value) { return cell(value, std::isfinite(value) ? format("%.1f", value) : "equal"); };
+    html += "<tr>" + cell(fullNameOf(row.configuration)) + cell(row.angleDeg, isStill ? angled(row.angleDeg) : row.link) +
+            cell(row.errors.flip, format("%.4f", row.errors.flip)) + decibels(row.errors.psnrDb) + decibels(row.errors.psnrLinearDb) +
+            cell(row.errors.ssim, format("%.4f", row.errors.ssim)) + cell(row.errors.holeFraction, percent(row.errors.holeFraction)) +
+            optional(row.errors.flipVisible, "%.4f") + optional(row.errors.flipDisoccluded, "%.4f") +
+            cell(static_cast<double>(row.cost.bytes), format("%.0f", 1e-3 * static_cast<double>(row.cost.bytes))) +
+            cell(row.cost.serverMs(), milliseconds(row.cost.serverMs())) + cell(row.cost.decode.medianMs, milliseconds(row.cost.decode.medianMs)) +
+            cell(row.cost.build.medianMs, milliseconds(row.cost.build.medianMs)) + cell(row.draw.medianMs, milliseconds(row.draw.medianMs)) +
+            cell(row.draw.spreadMs, milliseconds(row.draw.spreadMs)) + cell(row.frameMs(), milliseconds(row.frameMs())) +
+            (isStill ? std::string("<td data-value=\"-1\"></td>") : cell(row.ageMs, format("%.0f", row.ageMs))) +
+            optional(row.flicker, "%.4f") + "</tr>\n";
+  }
+  return html + "</tbody></table></div>";
+}
+
+std::string headText(const nlohmann::json& head) {
+  const nlohmann::json& machine = head.at("machine");
+  std::string text = head.at("scene").get<std::string>() + ", pictures of " + std::to_string(head.at("width").get<uint32_t>()) + " x " +
+                     std::to_string(head.at("height").get<uint32_t>()) + " pixels; marched on " + machine.at("backend").get<std::string>();
+  for (const auto& device : machine.at("devices")) text += ", " + device.get<std::string>();
+  text += "; " + std::to_string(machine.at("threads").get<unsigned>()) + " threads";
+  if (const std::string openGl = machine.at("openGl").get<std::string>(); !openGl.empty()) text += "; OpenGL: " + openGl;
+  return text + "; warpscope " + head.at("version").get<std::string>() + ".";
+}
+
+std::string figure(const std::string& svg, const std::string& caption) {
+  return "<figure>" + svg + "<figcaption>" + escaped(caption) + "</figcaption></figure>\n";
+}
+
+}  // namespace
+
+std::vector<Configuration> shownConfigurations(const std::vector<Summary>& summaries, const Findings& findings) {
+  std::vector<Configuration> shown;
+  const auto add = [&](const Configuration& configuration) {
+    if (std::find(shown.begin(), shown.end(), configuration) == shown.end()) shown.push_back(configuration);
+  };
+  const auto addIf = [&](const std::optional<Summary>& summary) {
+    if (summary) add(summary->configuration);
+  };
+  for (const Summary& summary : summaries)
+    if (!summary.configuration.technique->usesFrame) {
+      add(summary.configuration);
+      break;
+    }
+  addIf(findings.pointBaseline);
+  addIf(findings.papersMethod);
+  for (const WarpDescriptor& technique : warpRegistry()) {
+    const Summary* best = nullptr;
+    for (const Summary& summary : summaries)
+      if (summary.configuration.technique == &technique && technique.usesFrame && (best == nullptr || summary.flip < best->flip)) best = &summary;
+    if (best != nullptr) add(best->configuration);
+  }
+  return shown;
+}
+
+std::string htmlOf(const SweepReport& report) {
+  const int draws = report.head.at("plan").at("draws").get<int>();
+  std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>" +
+                     escaped(report.title) + ": accuracy against time</title><style>" + kStyle + "</style></head><body>\n";
+  html += "<h1>" + escaped(report.title) + ": accuracy against time</h1>\n<p class=\"dim\">" + escaped(headText(report.head)) + "</p>\n";
+
+  html += "<div class=\"answer\">";
+  std::string line;
+  for (const char c : report.findings.answer) {
+    if (c != '\n') {
+      line += c;
+      continue;
+    }
+    html += "<p>" + escaped(line) + "</p>";
+    line.clear();
+  }
+  html += "</div>\n";
+  html += "<p>One frame from the first view, warped to the camera turned by each angle, against the volume marched for that camera. Errors are of "
+          "whole pictures, means over the angles (FLIP: 0 equal, 1 as different as can be); holes count as they are shown. <em>ms a frame</em> is "
+          "decoding, building and drawing in the slowest view: what a picture costs at the client if every frame is new. Work that several share is "
+          "charged to each. " + (draws > 1 ? "Medians of " + std::to_string(draws) + " runs" : std::string("Times of a run")) +
+          " after one that warmed up and does not count; the spread is between quartiles.</p>\n";
+
+  html += "<h2>At equal time, at equal error</h2>\n" + findingsTables(report.findings);
+  html += "<h2>Error against time</h2>\n" +
+          figure(svgOf(errorAgainst(report, "ms a frame", true, [](const Summary& summary) { return summary.frameMs; })),
+                 "Each point is a configuration; point at it for its name. Rings: the front, which nothing beats in both; the reference needs the volume "
+                 "and is not on it.");
+  html += "<h2>Error against angle</h2>\n" +
+          figure(svgOf(errorAgainstAngle(report)), "Dashed: the paper's method, that of 2012, and what marching itself is off by: the ground truth against "
+                                                   "one of half its step.");
+  html += "<h2>Error against bytes</h2>\n" +
+          figure(svgOf(errorAgainst(report, "bytes a frame", false, [](const Summary& summary) { return static_cast<double>(summary.bytes); })),
+                 "On the wire; for hold its picture alone, as viewers that stream images send it. Its times are those of a whole frame, with depths.");
+  const bool hasLinks = std::any_of(report.rows.begin(), report.rows.end(), [](const SweepRow& row) { return !row.link.empty(); });
+  if (hasLinks)
+    html += "<h2>Behind a link</h2>\n" +
+            figure(svgOf(errorBehindLinks(report)),
+                   "The camera turns at " + format("%g", report.head.at("plan").at("speedDegPerS").get<double>()) +
+                       " degrees a second; frames come through a simulated link in virtual time, with what the server and the client take as measured. "
+                       "Errors are against what should be on show at that instant, so that slow drawing counts as well; means over " +
+                       std::to_string(report.head.at("plan").at("instants").get<int>()) + " instants.");
+  html += "<h2>Pictures</h2>\n<p class=\"dim\">Beneath each picture its FLIP for each pixel, twice as bright: black is equal.</p>\n" + stripsTable(report);
+  html += "<h2>All rows</h2>\n<p class=\"dim\">A click on a heading sorts.</p>\n" + rowsTable(report.rows);
+  html += "<script>" + std::string(kScript) + "</script>\n</body></html>\n";
+  return html;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,362 @@
+// Running a sweep.
+// See sweep.h.
+#include "app/experiment/sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "app/experiment/ground_truth.h"
+#include "app/experiment/motion.h"
+#include "app/frames/frame_fetch.h"
+#include "render/base/error.h"
+#include "render/base/stopwatch.h"
+#include "render/metrics/flicker.h"
+
+namespace warpscope {
+namespace {
+
+/// Seconds from the motion's begin to the first instant that is looked at, by when the first frames are long there, and between instants:
+/// not in step with whole frames of any rate.
+constexpr double kLatestInstantS = 4096.0, kFramesBefore = 3.0;
+constexpr double kFirstInstantS = 2.0, kBetweenInstantsS = 0.6180339887;
+
+/// A frame as the client gets it, and what that took.
+struct Served {
+  SampleFramePtr frame;
+  SweepCost cost;
+};
+
+/// What `work` takes, after one run that warms up.
+template <class Work>
+Measured timed(int repeats, const Work& work) {
+  work();
+  std::vector<double> times;
+  for (int i = 0; i < repeats; ++i) times.push_back(milliseconds(work));
+  return measuredOf(times);
+}
+
+/// All that a frame of one camera depends on.
+struct FrameKind {
+  MarchSettings march;
+  uint32_t serverSidePx = 0;
+  CodecSettings codec;
+  bool operator==(const FrameKind&) const = default;
+};
+
+/// Serves frames through the codec; keeps the march of the last one, which the next codec shares.
+class Server {
+ public:
+  Server(MarcherPtr marcher, int repeats) : marcher_(std::move(marcher)), repeats_(repeats) {}
+
+  Served serve(const Camera& camera, const Configuration& configuration, const std::stop_token& stop) {
+    if (!marched_ || !(camera == camera_) || !(configuration.march == settings_)) march(camera, configuration.march, stop);
+    Served served;
+    served.cost = cost_;
+    std::vector<std::byte> payload;
+    served.cost.encode = timed(repeats_, [&] { payload = codec_.encode(*marched_, configuration.codec); });
+    served.cost.bytes = payload.size();
+    served.cost.samples = marched_->size();
+    auto decoded = std::make_shared<SampleFrame>(*marched_);
+    served.cost.decode = timed(repeats_, [&] {
+      if (const DecodeError error = codec_.decode(payload, marched_->size(), *decoded))
+        throw InputError("the program's own frame cannot be decoded: " + *error);
+    });
+    served.frame = std::move(decoded);
+    return served;
+  }
+
+  /// As above, without timing anything.
+  SampleFramePtr frame(const Camera& camera, const Configuration& configuration, const std::stop_token& stop) {
+    return fetchHere(marcher_, configuration.codec)(camera, configuration.march, stop).frame;
+  }
+
+ private:
+  void march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
+    std::vector<double> march, compact, copy;
+    for (int i = 0; i <= repeats_; ++i) {
+      marched_ = std::make_unique<SampleFrame>(marcher_->march(camera, settings, stop));
+      if (i == 0) continue;
+      march.push_back(marched_->timings.marchMs);
+      compact.push_back(marched_->timings.compactMs);
+      copy.push_back(marched_->timings.copyMs);
+    }
+    cost_ = {};
+    cost_.march = measuredOf(march);
+    cost_.compact = measuredOf(compact);
+    cost_.copy = measuredOf(copy);
+    camera_ = camera;
+    settings_ = settings;
+  }
+
+  const MarcherPtr marcher_;
+  const int repeats_;
+  FrameCodec codec_;
+  std::unique_ptr<SampleFrame> marched_;
+  Camera camera_;
+  MarchSettings settings_;
+  SweepCost cost_;
+};
+
+/// Means over instants: of errors by their squares where they are in decibels.
+class MeanErrors {
+ public:
+  void add(const PictureErrors& errors) {
+    ++count_;
+    sum_.ssim += errors.ssim;
+    sum_.flip += errors.flip;
+    sum_.holeFraction += errors.holeFraction;
+    square_ += squareOf(errors.psnrDb);
+    linearSquare_ += squareOf(errors.psnrLinearDb);
+  }
+  PictureErrors mean() const {
+    const double share = 1.0 / count_;
+    PictureErrors mean;
+    mean.ssim = sum_.ssim * share;
+    mean.flip = sum_.flip * share;
+    mean.holeFraction = sum_.holeFraction * share;
+    mean.psnrDb = -10.0 * std::log10(square_ * share);
+    mean.psnrLinearDb = -10.0 * std::log10(linearSquare_ * share);
+    return mean;
+  }
+
+ private:
+  static double squareOf(double decibels) { return std::pow(10.0, -0.1 * decibels); }
+
+  int count_ = 0;
+  PictureErrors sum_;
+  double square_ = 0.0, linearSquare_ = 0.0;
+};
+
+}  // namespace
+
+class Sweep::Run {
+ public:
+  Run(const Scene& scene, const WarpResources& resources, const SweepSettings& settings, const std::stop_token& stop)
+      : scene_(scene), resources_(resources), settings_(settings), stop_(stop), server_(resources.marcher, settings.plan.draws),
+        truth_(scene, resources.marcher, truthMarch(settings.plan), settings.width, settings.height) {}
+
+  std::vector<SweepRow> measure(const Configuration& configuration) {
+    const SweepPlan& plan = settings_.plan;
+    const WarpSettings warpSettings = configuration.warp(settings_.warp);
+    Warp& warp = warpOf(*configuration.technique);
+    SweepCost cost;
+    if (configuration.technique->usesFrame) {
+      const Served served = servedFor(configuration);
+      cost = served.cost;
+      if (configuration.technique->name == "hold") cost.bytes = pictureBytes(served.frame, scene_.background, configuration.codec);
+      cost.build = timed(plan.draws, [&] { warp.setFrame(served.frame, warpSettings, stop_); });
+    }
+    std::vector<SweepRow> rows;
+    for (const double angleDeg : plan.anglesDeg) {
+      const Truth& truth = truth_.at(angleDeg, stop_);
+      SweepRow row;
+      row.configuration = configuration;
+      row.angleDeg = angleDeg;
+      row.cost = cost;
+      row.draw = timed(plan.draws, [&] { drawForScreen(warp, truth.camera, warpSettings); });
+      row.draws = plan.draws;
+      warp.draw(truth.camera, warpSettings, image_, stop_);
+      const Seen& seen = truth_.seenAt(angleDeg, stop_);
+      row.errors = truth.judge.errorsOf(image_, &seen.visibility);
+      row.disoccludedFraction = seen.disoccludedFraction;
+      rows.push_back(row);
+    }
+    return rows;
+  }
+
+  /// `still`: the configuration's rows without a link.
+  std::vector<SweepRow> measureMoving(const Configuration& configuration, const SweepLink& link, const std::vector<SweepRow>& still) {
+    const SweepPlan& plan = settings_.plan;
+    const bool usesFrame = configuration.technique->usesFrame;
+    std::vector<double> draws;
+    for (const SweepRow& row : still) draws.push_back(row.draw.medianMs);
+
+    SweepRow row = still.front();
+    row.link = link.name;
+    row.draw = {measuredOf(draws).medianMs, 0.0};  // of other views: they tell nothing of the spread
+    MotionStages stages;
+    stages.serverMs = row.cost.serverMs();
+    stages.arrivalMs = row.cost.arrivalMs();
+    stages.drawMs = row.draw.medianMs;
+    stages.frameBytes = row.cost.bytes;
+    // Not before frames come steadily. Doubled until then, so that configurations share the truths of their instants.
+    double firstS = kFirstInstantS;
+    const auto isSteadyAt = [&](double timeS) {
+      const std::optional<double> firstFrameS = simulateMotion({timeS}, stages, link.settings).firstFrameS;
+      return firstFrameS && kFramesBefore * *firstFrameS <= timeS;
+    };
+    while (firstS < kLatestInstantS && !isSteadyAt(firstS)) firstS *= 2.0;
+    // Each instant, and the display's next picture.
+    std::vector<double> instantsS;
+    for (int i = 0; i < plan.instants; ++i) {
+      instantsS.push_back(firstS + kBetweenInstantsS * i);
+      instantsS.push_back(instantsS.back() + kDisplayPeriodS);
+    }
+    const Motion motion = simulateMotion(instantsS, stages, link.settings);
+
+    const WarpSettings warpSettings = configuration.warp(settings_.warp);
+    Warp& warp = warpOf(*configuration.technique);
+    MeanErrors errors;
+    double ageS = 0.0, flicker = 0.0;
+    std::optional<double> frameRequestedS;
+    for (size_t i = 0; i < motion.pictures.size(); i += 2) {
+      FlickerMeter meter(scene_.background);
+      for (const ShownPictureTimes& picture : {motion.pictures[i], motion.pictures[i + 1]}) {
+        if (usesFrame && (!picture.hasFrame || frameRequestedS != picture.requestedS)) {
+          frameRequestedS.reset();
+          SampleFramePtr frame;
+          if (picture.hasFrame) {
+            frameRequestedS = picture.requestedS;
+            frame = server_.frame(truth_.camera(plan.speedDegPerS * picture.requestedS, configuration.serverSidePx), configuration, stop_);
+          }
+          warp.setFrame(frame, warpSettings, stop_);
+        }
+        warp.draw(truth_.camera(plan.speedDegPerS * picture.drawnForS), warpSettings, image_, stop_);
+        const Truth& truth = truth_.at(plan.speedDegPerS * picture.shownS, stop_);
+        meter.add(image_.color, truth.color);
+        if (picture.shownS == motion.pictures[i].shownS) errors.add(truth.judge.errorsOf(image_));
+      }
+      const ShownPictureTimes& picture = motion.pictures[i];
+      ageS += picture.shownS - (usesFrame ? picture.requestedS : picture.drawnForS);
+      flicker += *meter.mean();
+    }
+    const double share = 1.0 / plan.instants;
+    row.errors = errors.mean();
+    row.ageMs = 1e3 * ageS * share;
+    row.angleDeg = plan.speedDegPerS * ageS * share;
+    row.flicker = flicker * share;
+    row.framesPerSecond = usesFrame ? motion.framesPerSecond : 0.0;
+    row.disoccludedFraction.reset();  // each instant has another frame
+    return {row};
+  }
+
+  SweepFloor floorAt(double angleDeg) { return {angleDeg, truth_.floorAt(angleDeg, stop_)}; }
+
+  std::vector<SweepPicture> pictures(const Configuration& configuration) {
+    Warp& warp = warpOf(*configuration.technique);
+    const WarpSettings warpSettings = configuration.warp(settings_.warp);
+    if (configuration.technique->usesFrame) {
+      const Camera camera = truth_.camera(0.0, configuration.serverSidePx);
+      warp.setFrame(server_.frame(camera, configuration, stop_), warpSettings, stop_);
+    }
+    std::vector<SweepPicture> pictures;
+    for (const double angleDeg : settings_.plan.anglesDeg) {
+      const Truth& truth = truth_.at(angleDeg, stop_);
+      SweepPicture& picture = pictures.emplace_back();
+      warp.draw(truth.camera, warpSettings, picture.image, stop_);
+      picture.flip = truth.judge.errorsOf(picture.image, nullptr, &picture.flipMap).flip;
+    }
+    return pictures;
+  }
+
+ private:
+  /// The truth has the finest step of all.
+  static MarchSettings truthMarch(const SweepPlan& plan) {
+    MarchSettings march = plan.base;
+    for (const float step : plan.steps) march.step = std::min(march.step, step);
+    return march;
+  }
+
+  /// Frames of one kind come one after the other.
+  Served servedFor(const Configuration& configuration) {
+    const FrameKind kind{configuration.march, configuration.serverSidePx, configuration.codec};
+    if (!last_.frame || !(kind == lastKind_)) last_ = server_.serve(truth_.camera(0.0, kind.serverSidePx), configuration, stop_);
+    lastKind_ = kind;
+    return last_;
+  }
+
+  Warp& warpOf(const WarpDescriptor& technique) {
+    std::unique_ptr<Warp>& warp = warps_[&technique];
+    if (!warp) warp = makeWarp(technique, resources_);
+    return *warp;
+  }
+
+  /// As a window would have it: left on the device if there is one.
+  void drawForScreen(Warp& warp, const Camera& camera, const WarpSettings& settings) {
+    if (!warp.drawForScreen(camera, settings, scene_.background, 0, stop_)) warp.draw(camera, settings, image_, stop_);
+  }
+
+  const Scene& scene_;
+  const WarpResources resources_;
+  const SweepSettings& settings_;
+  const std::stop_token stop_;
+  Server server_;
+  GroundTruth truth_;
+  std::map<const WarpDescriptor*, std::unique_ptr<Warp>> warps_;
+  Served last_;
+  FrameKind lastKind_;
+  WarpedImage image_;
+};
+
+std::string SweepUnit::name() const { return keyOf(configuration) + (link == nullptr ? std::string() : " behind " + link->name); }
+
+bool SweepUnit::hasRows(const std::vector<SweepRow>& rows, const SweepPlan& plan) const {
+  if (rows.size() != (link == nullptr ? plan.anglesDeg.size() : 1)) return false;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    if (keyOf(rows[i].configuration) != keyOf(configuration) || rows[i].link != (link == nullptr ? std::string() : link->name)) return false;
+    if (link == nullptr && rows[i].angleDeg != plan.anglesDeg[i]) return false;
+  }
+  return true;
+}
+
+std::vector<SweepUnit> unitsOf(const SweepPlan& plan) {
+  std::vector<SweepUnit> units;
+  for (const Configuration& configuration : configurationsOf(plan)) {
+    units.push_back({configuration, nullptr});
+    for (const SweepLink& link : plan.links) units.push_back({configuration, &link});
+  }
+  return units;
+}
+
+Sweep::Sweep(const Scene& scene, const WarpResources& resources, SweepSettings settings, std::stop_token stop)
+    : settings_(std::move(settings)), stop_(std::move(stop)), run_(std::make_unique<Run>(scene, resources, settings_, stop_)) {}
+
+Sweep::~Sweep() = default;
+
+std::vector<SweepUnit> Sweep::unfinished(const SweepJournal& journal) const {
+  std::vector<SweepUnit> units = unitsOf(settings_.plan);
+  std::erase_if(units, [&](const SweepUnit& unit) {
+    const std::vector<SweepRow>* done = journal.find(unit.name());
+    return done != nullptr && unit.hasRows(*done, settings_.plan);
+  });
+  return units;
+}
+
+std::vector<SweepRow> Sweep::run(SweepJournal& journal, const Step& onStep) {
+  // Configurations that take the same frame one after the other; those that stand still first, because the others need their times.
+  std::vector<SweepUnit> order = unfinished(journal);
+  const auto frameOf = [](const SweepUnit& unit) {
+    const Configuration& c = unit.configuration;
+    return std::tuple(unit.link != nullptr, c.serverSidePx, c.march.step, c.march.heuristic, c.march.radiusPolicy, c.march.radiusScale,
+                      c.march.threshold, codecWord(c.codec));
+  };
+  std::stable_sort(order.begin(), order.end(), [&](const SweepUnit& a, const SweepUnit& b) { return frameOf(a) < frameOf(b); });
+  for (const SweepUnit& unit : order) {
+    if (stop_.stop_requested()) throw OperationCancelled();
+    onStep(labelOf(unit.configuration) + (unit.link == nullptr ? std::string() : " behind " + unit.link->name));
+    if (unit.link == nullptr)
+      journal.add(unit.name(), run_->measure(unit.configuration));
+    else
+      journal.add(unit.name(), run_->measureMoving(unit.configuration, *unit.link, *journal.find(keyOf(unit.configuration))));
+  }
+
+  std::vector<SweepRow> rows;
+  for (const SweepUnit& unit : unitsOf(settings_.plan)) {
+    const std::vector<SweepRow>& ofUnit = *journal.find(unit.name());
+    rows.insert(rows.end(), ofUnit.begin(), ofUnit.end());
+  }
+  return rows;
+}
+
+std::vector<SweepFloor> Sweep::floors() {
+  std::vector<SweepFloor> floors;
+  for (const double angleDeg : settings_.plan.anglesDeg) floors.push_back(run_->floorAt(angleDeg));
+  return floors;
+}
+
+std::vector<SweepPicture> Sweep::pictures(const Configuration& configuration) { return run_->pictures(configuration); }
+
+}  // namespace warpscope

@@ -1,0 +1,77 @@
+// A worker that waits for the link, marches, and waits again.
+// See direct_frame_source.h.
+#include "app/frames/direct_frame_source.h"
+
+#include <mutex>
+
+#include "net/link_model.h"
+#include "net/messages.h"
+#include "render/base/newest_worker.h"
+
+namespace warpscope {
+namespace {
+
+struct Job {
+  FrameRequest request;
+  Clock::TimePoint sentAt;
+};
+
+class DirectFrameSource final : public FrameSource {
+ public:
+  DirectFrameSource(MarcherPtr marcher, Clock& clock, std::function<void()> onNews)
+      : marcher_(std::move(marcher)),
+        clock_(clock),
+        up_(net::LinkSettings{}, clock.now(), 0),
+        down_(net::LinkSettings{}, clock.now(), 1),
+        worker_([this] { return [this](const Job& job, ServedFrame& served, const std::stop_token& stop) { serve(job, served, stop); }; },
+                std::move(onNews)) {}
+
+  void post(const FrameRequest& request, Clock::TimePoint now) override { worker_.post({request, now}); }
+  std::optional<ServedFrame> tryTake() override { return worker_.tryTake(); }
+
+  void setTransport(const TransportSettings& transport) override {
+    const std::scoped_lock lock(mutex_);
+    if (transport.link.up != up_.settings()) up_.setSettings(transport.link.up, clock_.now());
+    if (transport.link.down != down_.settings()) down_.setSettings(transport.link.down, clock_.now());
+  }
+  SourceStatus status() const override { return {}; }
+  void requestStop() override { worker_.requestStop(); }
+  bool waitForEnd(std::chrono::steady_clock::time_point time) override { return worker_.waitForEnd(time); }
+
+ private:
+  void serve(const Job& job, ServedFrame& served, const std::stop_token& stop) {
+    served.requestId = job.request.id;
+    served.requestedAt = job.sentAt;
+    // What waited for its turn meanwhile does not wait again.
+    if (!clock_.waitUntil(arrival(up_, net::kRequestBytes, job.sentAt), stop)) throw OperationCancelled();
+    const Clock::TimePoint beganAt = clock_.now();
+    SampleFrame frame = marcher_->march(job.request.camera, job.request.settings, stop);
+    frame.requestId = job.request.id;
+    const Clock::TimePoint marchedAt = clock_.now();
+    if (!clock_.waitUntil(arrival(down_, net::kFrameHeadBytes + frame.sizeBytes(), marchedAt), stop)) throw OperationCancelled();
+    served.arrivedAt = clock_.now();
+    served.bytes = frame.sizeBytes();
+    served.latency = latencyOf(frame.timings);
+    served.latency.wireMs = millisecondsBetween(job.sentAt, beganAt) + millisecondsBetween(marchedAt, served.arrivedAt);
+    served.frame = std::make_shared<const SampleFrame>(std::move(frame));
+  }
+
+  Clock::TimePoint arrival(net::LinkModel& link, size_t bytes, Clock::TimePoint sentAt) {
+    const std::scoped_lock lock(mutex_);
+    return link.arrivalOf(bytes, sentAt);
+  }
+
+  const MarcherPtr marcher_;
+  Clock& clock_;
+  std::mutex mutex_;  // of the links
+  net::LinkModel up_, down_;
+  NewestWorker<Job, ServedFrame> worker_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> makeDirectFrameSource(MarcherPtr marcher, Clock& clock, std::function<void()> onNews) {
+  return std::make_unique<DirectFrameSource>(std::move(marcher), clock, std::move(onNews));
+}
+
+}  // namespace warpscope

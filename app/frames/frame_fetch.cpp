@@ -1,0 +1,76 @@
+// Serving and waiting.
+// See frame_fetch.h.
+#include "app/frames/frame_fetch.h"
+
+#include <thread>
+
+#include "app/picture/picture.h"
+#include "render/base/error.h"
+#include "render/base/stopwatch.h"
+#include "render/codec/jpeg.h"
+#include "render/warp/warp.h"
+
+namespace warpscope {
+namespace {
+
+/// A connection that is down for longer is given up.
+constexpr std::chrono::seconds kPatience(15);
+constexpr std::chrono::milliseconds kLookAgain(2);
+
+ServedFrame waitFor(FrameSource& source, uint64_t id, const std::stop_token& stop) {
+  auto connectedAt = std::chrono::steady_clock::now();
+  while (!stop.stop_requested()) {
+    if (std::optional<ServedFrame> served = source.tryTake(); served && served->requestId == id) {
+      if (!served->frame) throw InputError("the server: " + served->error);
+      return std::move(*served);
+    }
+    const auto now = std::chrono::steady_clock::now();
+    const SourceStatus status = source.status();
+    if (status.isConnected) connectedAt = now;
+    if (now - connectedAt > kPatience) throw InputError(status.sentence);
+    std::this_thread::sleep_for(kLookAgain);
+  }
+  throw OperationCancelled();
+}
+
+}  // namespace
+
+FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& coding) {
+  return [marcher = std::move(marcher), coding](const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
+    ServedFrame served;
+    served.requestedAt = std::chrono::steady_clock::now();
+    auto frame = std::make_shared<SampleFrame>(marcher->march(camera, settings, stop));
+    served.latency = latencyOf(frame->timings);
+    FrameCodec codec;
+    std::vector<std::byte> payload;
+    served.latency.encodeMs = milliseconds([&] { payload = codec.encode(*frame, coding); });
+    served.bytes = payload.size();
+    const size_t count = frame->size();
+    DecodeError error;
+    served.latency.decodeMs = milliseconds([&] { error = codec.decode(payload, count, *frame); });
+    if (error) throw InputError("the program's own frame cannot be decoded: " + *error);
+    served.frame = std::move(frame);
+    served.arrivedAt = std::chrono::steady_clock::now();
+    return served;
+  };
+}
+
+FrameFetch fetchFrom(FrameSourcePtr source) {
+  return [source = std::move(source), id = uint64_t{0}](const Camera& camera, const MarchSettings& settings,
+                                                       const std::stop_token& stop) mutable {
+    source->post({++id, camera, settings}, std::chrono::steady_clock::now());
+    return waitFor(*source, id, stop);
+  };
+}
+
+size_t pictureBytes(const SampleFramePtr& frame, const glm::vec3& background, const CodecSettings& codec) {
+  if (codec.format == PayloadFormat::packed && codec.color == ColorCoding::jpeg)
+    return encodeFramePicture(*frame, background, codec.jpegQuality).size();
+  const std::unique_ptr<Warp> hold = makeWarp(findWarp("hold"), {});
+  hold->setFrame(frame, {}, {});
+  WarpedImage image;
+  hold->draw(frame->camera, {}, image, {});
+  return encodePng(toScreen(image, background, 0)).size();
+}
+
+}  // namespace warpscope

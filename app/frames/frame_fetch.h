@@ -1,0 +1,27 @@
+// One frame as a client gets it, for commands that wait for it: marched here and sent through the codec, or asked of a server.
+// What a window does all the time is in frame_source.h.
+#pragma once
+
+#include <functional>
+#include <stop_token>
+
+#include "app/frames/frame_source.h"
+#include "render/core/color.h"
+#include "render/march/marcher.h"
+
+namespace warpscope {
+
+/// A frame from wherever it comes. Throws as marching and the network do.
+using FrameFetch = std::function<ServedFrame(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop)>;
+
+/// Marches here, encodes and decodes: the frame has whatever the codec makes of it, and its times and bytes.
+FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& codec);
+
+/// Asks `source`, and waits. Throws InputError with the connection's trouble if that does not end within some seconds.
+FrameFetch fetchFrom(FrameSourcePtr source);
+
+/// What a viewer that streams images would have been sent instead of the frame: its picture over `background` (linear RGB), coded as
+/// the codec codes colours: JPEG of its quality, or PNG.
+size_t pictureBytes(const SampleFramePtr& frame, const glm::vec3& background, const CodecSettings& codec);
+
+}  // namespace warpscope

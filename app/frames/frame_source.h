@@ -1,0 +1,99 @@
+// Where frames come from: one interface, whether the server is this program's own, another machine's, or a march without any network.
+// Newest wins: a request replaces one that has not left yet, a frame replaces one that nobody took.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "net/link_settings.h"
+#include "render/base/clock.h"
+#include "render/codec/codec.h"
+#include "render/march/sample_frame.h"
+
+namespace warpscope {
+
+struct FrameRequest {
+  uint64_t id = 0;  ///< greater than any before
+  Camera camera;
+  MarchSettings settings;
+};
+
+/// Where the time went from the moment that a frame was wanted until it could be built from: milliseconds, one stage after the other.
+struct FrameLatency {
+  double waitMs = 0.0;    ///< for requests before it that were under way
+  double wireMs = 0.0;    ///< there and back, what the network and the simulated link take
+  double queueMs = 0.0;   ///< at the server, for other clients' turns
+  double marchMs = 0.0;
+  double compactMs = 0.0;
+  double copyMs = 0.0;    ///< from the device to the host
+  double encodeMs = 0.0;
+  double decodeMs = 0.0;
+
+  double totalMs() const { return waitMs + wireMs + queueMs + marchMs + compactMs + copyMs + encodeMs + decodeMs; }
+};
+
+/// What the server's own stages took; the rest is 0.
+inline FrameLatency latencyOf(const ServerTimings& timings) {
+  FrameLatency latency;
+  latency.marchMs = timings.marchMs;
+  latency.compactMs = timings.compactMs;
+  latency.copyMs = timings.copyMs;
+  return latency;
+}
+
+struct ServedFrame {
+  uint64_t requestId = 0;
+  Clock::TimePoint requestedAt;  ///< when its camera was the current one
+  Clock::TimePoint arrivedAt;
+  SampleFramePtr frame;  ///< null if there is an error
+  FrameLatency latency;
+  size_t bytes = 0;      ///< of its payload on the wire
+  std::string error;
+};
+
+/// How frames travel; may change at any time.
+struct TransportSettings {
+  net::DuplexLinkSettings link;  ///< simulated on top of what is there
+  CodecSettings codec;
+  int depth = 1;                 ///< requests under way at a time, kDepthRange
+
+  bool operator==(const TransportSettings&) const = default;
+};
+
+inline constexpr Range kDepthRange{1, 16};
+
+struct SourceStatus {
+  bool isConnected = true;
+  std::string sentence;                  ///< why not; empty if it is
+  std::optional<Clock::TimePoint> next;  ///< when it is tried again
+  std::string where;                     ///< "127.0.0.1:4711"; empty without a network
+  double roundTripMs = 0.0;              ///< of the last heartbeat; 0 if there was none yet
+
+  bool operator==(const SourceStatus&) const = default;
+};
+
+/// Safe on any thread.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  /// Asks for a frame instead of the one asked for last, if that has not left yet. `now`: when its camera became the current one.
+  virtual void post(const FrameRequest& request, Clock::TimePoint now) = 0;
+  /// The newest answer that nobody took yet.
+  virtual std::optional<ServedFrame> tryTake() = 0;
+
+  virtual void setTransport(const TransportSettings& transport) = 0;
+  virtual SourceStatus status() const = 0;
+
+  /// Asks its threads to end without waiting for them; the destructor waits.
+  virtual void requestStop() = 0;
+  /// Waits until they have ended, but not beyond `time`. True if they have.
+  virtual bool waitForEnd(std::chrono::steady_clock::time_point time) = 0;
+};
+
+using FrameSourcePtr = std::shared_ptr<FrameSource>;
+
+}  // namespace warpscope

@@ -1,0 +1,168 @@
+// From the network's thread to the decoder's to whoever takes the frame.
+// See remote_frame_source.h.
+#include "app/frames/remote_frame_source.h"
+
+#include <condition_variable>
+#include <mutex>
+
+#include "app/frames/wire_fields.h"
+#include "net/address.h"
+#include "render/base/error.h"
+#include "render/base/newest_worker.h"
+#include "render/base/stopwatch.h"
+
+namespace warpscope {
+namespace {
+
+/// What came for one request: a frame to decode, or why there is none.
+struct Arrived {
+  std::shared_ptr<const net::Frame> frame;
+  net::FrameArrival arrival;
+  net::Failure failure;
+};
+
+class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
+ public:
+  RemoteFrameSource(std::shared_ptr<net::IoThread> io, const net::ClientSettings& settings, std::function<void()> onNews)
+      : onNews_(std::move(onNews)),
+        where_(net::toString(settings.address.where)),
+        transport_{.link = settings.link, .codec = {}, .depth = settings.depth},
+        status_{.isConnected = false, .sentence = {}, .next = {}, .where = where_},
+        decoder_([] {
+          auto codec = std::make_shared<FrameCodec>();
+          return [codec](const Arrived& arrived, ServedFrame& served, const std::stop_token&) { decode(arrived, served, *codec); };
+        }, onNews_),
+        client_(std::move(io), settings, *this) {}  // which may tell of a connection before this ends
+
+  /// Waits until there is a scene or it is known that there will be none.
+  net::SceneFields waitForScene(std::chrono::milliseconds patience, const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    const auto deadline = std::chrono::steady_clock::now() + patience;
+    changed_.wait_until(lock, stop, deadline, [&] { return scene_ || isRefused_; });
+    if (scene_) return *scene_;
+    if (stop.stop_requested()) throw OperationCancelled();
+    if (!status_.sentence.empty()) throw InputError(status_.sentence);
+    throw InputError(where_ + " does not answer");
+  }
+
+  void post(const FrameRequest& request, Clock::TimePoint) override {
+    net::FrameRequest asked;
+    asked.id = request.id;
+    asked.camera = toFields(request.camera);
+    asked.march = toFields(request.settings);
+    {
+      const std::scoped_lock lock(mutex_);
+      asked.codec = toFields(transport_.codec);
+    }
+    client_.request(asked);
+  }
+  std::optional<ServedFrame> tryTake() override { return decoder_.tryTake(); }
+
+  void setTransport(const TransportSettings& transport) override {
+    TransportSettings before;
+    {
+      const std::scoped_lock lock(mutex_);
+      before = std::exchange(transport_, transport);
+    }
+    if (before.link != transport.link) client_.setLink(transport.link);
+    if (before.depth != transport.depth) client_.setDepth(static_cast<uint16_t>(transport.depth));
+  }
+  SourceStatus status() const override {
+    const std::scoped_lock lock(mutex_);
+    return status_;
+  }
+  void requestStop() override { decoder_.requestStop(); }
+  bool waitForEnd(std::chrono::steady_clock::time_point time) override { return decoder_.waitForEnd(time); }
+
+ private:
+  void onState(const net::ConnectionState& state) override {
+    {
+      const std::scoped_lock lock(mutex_);
+      status_.isConnected = state.phase == net::ConnectionPhase::connected;
+      if (status_.isConnected) status_.sentence.clear();
+      if (!state.sentence.empty()) status_.sentence = state.sentence;  // stays on show while it is tried again
+      status_.next = state.next;
+      isRefused_ = state.phase == net::ConnectionPhase::refused;
+    }
+    changed_.notify_all();
+    onNews_();
+  }
+  void onScene(const net::SceneFields& scene) override {
+    {
+      const std::scoped_lock lock(mutex_);
+      // Frames of another scene would be shown with this one's cameras: who wants that one connects anew.
+      isOtherScene_ = scene_ && *scene_ != scene;
+      if (!scene_) scene_ = scene;
+    }
+    changed_.notify_all();
+  }
+  void onFrame(net::Frame frame, const net::FrameArrival& arrival) override {
+    if (isOtherScene()) {
+      onFailure({frame.head.id, where_ + " shows another scene now: connect anew to see it"});
+      return;
+    }
+    decoder_.post({std::make_shared<const net::Frame>(std::move(frame)), arrival, {}});
+  }
+  void onFailure(const net::Failure& failure) override { decoder_.post({nullptr, {}, failure}); }
+  void onRoundTrip(net::Duration roundTrip) override {
+    const std::scoped_lock lock(mutex_);
+    status_.roundTripMs = std::chrono::duration<double, std::milli>(roundTrip).count();
+  }
+
+  bool isOtherScene() const {
+    const std::scoped_lock lock(mutex_);
+    return isOtherScene_;
+  }
+
+  static void decode(const Arrived& arrived, ServedFrame& served, FrameCodec& codec) {
+    if (!arrived.frame) {
+      served.requestId = arrived.failure.id;
+      served.arrivedAt = std::chrono::steady_clock::now();
+      served.error = arrived.failure.sentence;
+      return;
+    }
+    const net::FrameHead& head = arrived.frame->head;
+    served.requestId = head.id;
+    served.requestedAt = arrived.arrival.requestedAt;
+    served.bytes = arrived.frame->payload.size();
+    auto frame = std::make_shared<SampleFrame>(frameFrom(head));
+    FrameLatency& latency = served.latency;
+    latency = latencyOf(frame->timings);
+    latency.decodeMs = milliseconds([&] {
+      if (const DecodeError error = codec.decode(arrived.frame->payload, head.sampleCount, *frame, decodeLimitsFor(frame->camera)))
+        throw InputError("the server's frame: " + *error);
+    });
+    const net::StageTimes& stages = head.stages;
+    latency.waitMs = millisecondsBetween(arrived.arrival.requestedAt, arrived.arrival.sentAt);
+    latency.queueMs = stages.queueMs;
+    latency.encodeMs = stages.encodeMs;
+    const double atServerMs = stages.queueMs + stages.marchMs + stages.compactMs + stages.copyMs + stages.encodeMs;
+    latency.wireMs = std::max(0.0, millisecondsBetween(arrived.arrival.sentAt, arrived.arrival.arrivedAt) - atServerMs);
+    served.frame = std::move(frame);
+    served.arrivedAt = std::chrono::steady_clock::now();
+  }
+
+  const std::function<void()> onNews_;
+  const std::string where_;
+  mutable std::mutex mutex_;  // of all before the decoder
+  std::condition_variable_any changed_;
+  TransportSettings transport_;
+  SourceStatus status_;
+  std::optional<net::SceneFields> scene_;
+  bool isOtherScene_ = false;
+  bool isRefused_ = false;
+  NewestWorker<Arrived, ServedFrame> decoder_;
+  net::Client client_;  // last: it tells all of the above
+};
+
+}  // namespace
+
+Connected connectFrameSource(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, std::function<void()> onNews,
+                             const std::stop_token& stop) {
+  const auto patience = settings.connectPatience;
+  auto source = std::make_unique<RemoteFrameSource>(std::move(io), settings, std::move(onNews));
+  net::SceneFields scene = source->waitForScene(patience, stop);
+  return {std::move(source), std::move(scene)};
+}
+
+}  // namespace warpscope

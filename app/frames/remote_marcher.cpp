@@ -1,0 +1,130 @@
+// One question, one answer.
+// See remote_marcher.h.
+#include "app/frames/remote_marcher.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "app/frames/wire_fields.h"
+#include "net/address.h"
+#include "render/base/error.h"
+
+namespace warpscope {
+namespace {
+
+using SteadyTime = std::chrono::steady_clock;
+
+class RemoteMarcher final : public Marcher, private net::ClientEvents {
+ public:
+  RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec, SteadyTime::duration patience)
+      : io_(std::move(io)), settings_(std::move(settings)), coding_(codec), patience_(patience) {}
+
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    const std::scoped_lock lock(callMutex_);
+    const net::Frame answer = ask(net::Wanted::samples, camera, settings, stop);
+    SampleFrame frame = frameFrom(answer.head);
+    if (const DecodeError error = codec_.decode(answer.payload, answer.head.sampleCount, frame, decodeLimitsFor(frame.camera)))
+      throw InputError("the server's frame: " + *error);
+    return frame;
+  }
+
+  void render(const Camera& camera, const MarchSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+    const std::scoped_lock lock(callMutex_);
+    const net::Frame answer = ask(net::Wanted::picture, camera, settings, stop);
+    image = decodeColors(answer.payload, camera.width, camera.height);
+  }
+
+  const VolumePtr& volume() const override { return none_; }
+  Backend backend() const override { return Backend::cpu; }
+  MarcherPtr twin() const override { return makeRemoteMarcher(io_, settings_, coding_, patience_); }
+
+ private:
+  net::Frame ask(net::Wanted wanted, const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
+    requireUsable(camera);
+    validate(settings);
+    net::FrameRequest request;
+    request.id = ++lastId_;
+    request.wanted = wanted;
+    request.camera = toFields(camera);
+    request.march = toFields(settings);
+    request.codec = toFields(coding_);
+    if (!client_) client_ = std::make_unique<net::Client>(io_, settings_, static_cast<net::ClientEvents&>(*this));
+    {
+      const std::scoped_lock lock(mutex_);
+      answer_.reset();
+      failure_.reset();
+      if (!isConnected_) lostAt_ = SteadyTime::now();
+    }
+    client_->request(request);
+    std::unique_lock lock(mutex_);
+    while (!answer_ && !failure_ && refusal_.empty()) {
+      // As long as there is a connection, the march may take its time. Without one, trying again is not the same as having one.
+      const SteadyTime::time_point end = (isConnected_ ? SteadyTime::now() : lostAt_) + patience_;
+      changed_.wait_until(lock, stop, end, [&, before = changes_] { return changes_ != before; });
+      if (stop.stop_requested()) throw OperationCancelled();
+      if (!isConnected_ && SteadyTime::now() >= lostAt_ + patience_)
+        throw InputError(trouble_.empty() ? net::toString(settings_.address.where) + " does not answer" : trouble_);
+    }
+    if (failure_) throw InputError("the server: " + failure_->sentence);
+    if (!answer_) throw InputError(refusal_);
+    net::Frame answer = std::move(*answer_);
+    if (answer.head.id != request.id || answer.head.wanted != wanted || answer.head.camera != request.camera)
+      throw InputError("the server answered something else than it was asked");
+    return answer;
+  }
+
+  template <class F>
+  void note(F&& f) {
+    {
+      const std::scoped_lock lock(mutex_);
+      f();
+      ++changes_;
+    }
+    changed_.notify_all();
+  }
+  void onState(const net::ConnectionState& state) override {
+    note([&] {
+      const bool wasConnected = std::exchange(isConnected_, state.phase == net::ConnectionPhase::connected);
+      if (wasConnected && !isConnected_) lostAt_ = SteadyTime::now();
+      if (!state.sentence.empty()) trouble_ = state.sentence;
+      if (state.phase == net::ConnectionPhase::refused) refusal_ = state.sentence;
+    });
+  }
+  void onScene(const net::SceneFields&) override {}
+  void onFrame(net::Frame frame, const net::FrameArrival&) override {
+    note([&] { answer_ = std::move(frame); });
+  }
+  void onFailure(const net::Failure& failure) override {
+    note([&] { failure_ = failure; });
+  }
+
+  const std::shared_ptr<net::IoThread> io_;
+  const net::ClientSettings settings_;
+  const CodecSettings coding_;
+  const SteadyTime::duration patience_;
+  const VolumePtr none_;
+  std::mutex callMutex_;  // of a whole call, and of the two below
+  FrameCodec codec_;
+  uint64_t lastId_ = 0;
+  std::mutex mutex_;  // of what the network's thread says
+  std::condition_variable_any changed_;
+  uint64_t changes_ = 0;
+  std::optional<net::Frame> answer_;
+  std::optional<net::Failure> failure_;
+  std::string refusal_, trouble_;
+  bool isConnected_ = false;
+  SteadyTime::time_point lostAt_{};  // or the call's begin, where there was no connection
+  std::unique_ptr<net::Client> client_;  // last: it tells all of the above
+};
+
+}  // namespace
+
+MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
+                             std::chrono::steady_clock::duration patience) {
+  return std::make_shared<RemoteMarcher>(std::move(io), std::move(settings), codec, patience);
+}
+
+}  // namespace warpscope

@@ -1,0 +1,222 @@
+// Field by field.
+// See wire_fields.h.
+#include "app/frames/wire_fields.h"
+
+#include <bit>
+#include <cmath>
+
+#include "render/base/error.h"
+#include "render/codec/zstd_section.h"
+
+namespace warpscope {
+namespace {
+
+std::array<float, 3> arrayOf(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+std::array<double, 3> arrayOf(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+glm::vec3 vec3Of(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
+glm::dvec3 dvec3Of(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
+
+/// The value at place `index` of a table of names.
+template <class Table>
+auto valueAt(const Table& table, uint8_t index, const char* what) {
+  if (index >= table.size()) throw InputError(std::string("the peer names ") + what + " that this program does not know");
+  return table[index].value;
+}
+
+template <class Table, class Value>
+uint8_t placeOf(const Table& table, Value value) {
+  uint8_t place = 0;
+  while (place < table.size() && table[place].value != value) ++place;
+  return place;
+}
+
+bool isDirection(const glm::dvec3& v) { return std::abs(glm::length(v) - 1.0) < 1e-3; }
+
+void requireFinite(double value) {
+  if (!std::isfinite(value)) throw InputError("the server's scene has numbers that are not finite");
+}
+
+/// Bytes of one plane are compressed together; a plane holds at most this many, which zstd_section.h takes.
+constexpr size_t kPlaneBytes = size_t{1} << 26;
+constexpr size_t kPlanes = sizeof(glm::vec4);
+
+}  // namespace
+
+net::CameraFields toFields(const Camera& camera) {
+  return {arrayOf(camera.eye), arrayOf(camera.right), arrayOf(camera.up), arrayOf(camera.forward),
+          camera.tanHalfFovY,  camera.width,          camera.height};
+}
+
+net::MarchFields toFields(const MarchSettings& s) {
+  return {placeOf(kHeuristics, s.heuristic), placeOf(kRadiusPolicies, s.radiusPolicy), s.radiusScale, s.step, s.contribution, s.threshold,
+          s.skipEmpty, s.terminateEarly};
+}
+
+net::CodecFields toFields(const CodecSettings& s) {
+  return {placeOf(kPayloadFormats, s.format), placeOf(kColorCodings, s.color), static_cast<uint8_t>(s.jpegQuality)};
+}
+
+net::SceneFields toFields(const Scene& scene) {
+  const VolumeGeometry& geometry = scene.geometry();
+  net::SceneFields fields;
+  fields.name = scene.name;
+  fields.title = scene.title;
+  fields.dims = {geometry.dims.x, geometry.dims.y, geometry.dims.z};
+  fields.spacing = arrayOf(geometry.spacing);
+  fields.origin = arrayOf(geometry.origin);
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) fields.direction[static_cast<size_t>(3 * column + row)] = geometry.direction[column][row];
+  fields.hasOrientation = geometry.hasOrientation;
+  fields.up = arrayOf(scene.up);
+  fields.front = arrayOf(scene.front);
+  fields.fovYDeg = scene.fovYDeg;
+  fields.background = arrayOf(scene.background);
+  for (const View& view : scene.views) {
+    if (fields.views.size() == net::kMaxViews) break;
+    fields.views.push_back({view.angleDeg, view.elevationDeg, view.distance, view.pan.x, view.pan.y});
+  }
+  fields.march = toFields(scene.march);
+  return fields;
+}
+
+Camera cameraFrom(const net::CameraFields& fields) {
+  Camera camera{vec3Of(fields.eye),     vec3Of(fields.right), vec3Of(fields.up), vec3Of(fields.forward),
+                fields.tanHalfFovY, fields.width,         fields.height};
+  requireUsable(camera);
+  return camera;
+}
+
+MarchSettings marchFrom(const net::MarchFields& fields) {
+  MarchSettings settings{valueAt(kHeuristics, fields.heuristic, "a heuristic"),
+                         valueAt(kRadiusPolicies, fields.radiusPolicy, "a radius policy"),
+                         fields.radiusScale,
+                         fields.step,
+                         fields.contribution,
+                         fields.threshold,
+                         fields.skipEmpty,
+                         fields.terminateEarly};
+  validate(settings);
+  return settings;
+}
+
+CodecSettings codecFrom(const net::CodecFields& fields) {
+  CodecSettings settings{valueAt(kPayloadFormats, fields.format, "a format"), valueAt(kColorCodings, fields.color, "a colour coding"),
+                         fields.quality};
+  validate(settings);
+  return settings;
+}
+
+Scene sceneFrom(const net::SceneFields& fields) {
+  Scene scene;
+  scene.name = fields.name;
+  scene.title = fields.title;
+  VolumeGeometry geometry;
+  geometry.dims = {fields.dims[0], fields.dims[1], fields.dims[2]};
+  geometry.spacing = dvec3Of(fields.spacing);
+  geometry.origin = dvec3Of(fields.origin);
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) geometry.direction[column][row] = fields.direction[static_cast<size_t>(3 * column + row)];
+  geometry.hasOrientation = fields.hasOrientation;
+  validate(geometry, VoxelType::uint8, "the server's scene");
+  for (int column = 0; column < 3; ++column)
+    if (!isDirection(geometry.direction[column])) throw InputError("the server's scene has axes that are none");
+  scene.elsewhere = geometry;
+  scene.up = dvec3Of(fields.up);
+  scene.front = dvec3Of(fields.front);
+  if (!(glm::length(glm::cross(scene.up, scene.front)) > 1e-6) || !std::isfinite(glm::length(scene.up) * glm::length(scene.front)))
+    throw InputError("the server's scene has directions that are none");
+  scene.fovYDeg = fields.fovYDeg;
+  if (!(scene.fovYDeg >= kFovYDegRange.lowest && scene.fovYDeg <= kFovYDegRange.highest))
+    throw InputError("the server's scene has no usable field of view");
+  scene.background = vec3Of(fields.background);
+  for (const float channel : fields.background)
+    if (!(channel >= 0.0f && channel <= 1.0f)) throw InputError("the server's scene has a background that is no colour");
+  for (const net::ViewFields& view : fields.views) {
+    for (const double number : {view.angleDeg, view.elevationDeg, view.distance, view.panRight, view.panUp}) requireFinite(number);
+    scene.views.push_back({view.angleDeg, view.elevationDeg, view.distance, {view.panRight, view.panUp}});
+  }
+  scene.march = marchFrom(fields.march);
+  return scene;
+}
+
+net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec) {
+  net::FrameHead head;
+  head.camera = toFields(frame.camera);
+  head.march = toFields(frame.settings);
+  head.codec = toFields(codec);
+  const Box& bounds = frame.quantization.bounds;
+  head.bounds = {bounds.lower.x, bounds.lower.y, bounds.lower.z, bounds.upper.x, bounds.upper.y, bounds.upper.z};
+  head.radiusUnit = frame.quantization.radiusUnit;
+  head.voxelRadius = frame.voxelRadius;
+  head.sampleCount = frame.size();
+  head.stages.marchMs = frame.timings.marchMs;
+  head.stages.compactMs = frame.timings.compactMs;
+  head.stages.copyMs = frame.timings.copyMs;
+  return head;
+}
+
+SampleFrame frameFrom(const net::FrameHead& head) {
+  SampleFrame frame;
+  frame.requestId = head.id;
+  frame.camera = cameraFrom(head.camera);
+  frame.settings = marchFrom(head.march);
+  const auto& b = head.bounds;
+  for (size_t axis = 0; axis < 3; ++axis)
+    if (!std::isfinite(b[axis]) || !std::isfinite(b[axis + 3]) || !(b[axis] <= b[axis + 3]))
+      throw InputError("the server's frame has bounds that are none");
+  frame.quantization.bounds = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+  frame.quantization.radiusUnit = head.radiusUnit;
+  int exponent = 0;
+  if (!(head.radiusUnit > 0.0f) || !std::isfinite(head.radiusUnit) || std::frexp(head.radiusUnit, &exponent) != 0.5f)
+    throw InputError("the server's frame has a unit of radii that is no power of two");
+  if (!(head.voxelRadius > 0.0f) || !std::isfinite(head.voxelRadius)) throw InputError("the server's frame has an impossible voxel radius");
+  frame.voxelRadius = head.voxelRadius;
+  frame.timings = {head.stages.marchMs, head.stages.compactMs, head.stages.copyMs};
+  return frame;
+}
+
+DecodeLimits decodeLimitsFor(const Camera& camera) {
+  constexpr size_t kLayers = 8;  // more samples than that for each pixel, no server sends
+  DecodeLimits limits;
+  limits.maxSamples = std::min(limits.maxSamples, kLayers * size_t{camera.width} * camera.height);
+  return limits;
+}
+
+std::vector<std::byte> encodeColors(const Image<glm::vec4>& image) {
+  const size_t pixels = size_t{image.width()} * image.height();
+  std::vector<std::byte> bytes;
+  std::vector<uint8_t> plane;
+  for (size_t begin = 0; begin < pixels; begin += kPlaneBytes) {
+    plane.resize(std::min(kPlaneBytes, pixels - begin));
+    for (size_t k = 0; k < kPlanes; ++k) {
+      for (size_t i = 0; i < plane.size(); ++i) {
+        const float channel = image.data()[begin + i][static_cast<int>(k / 4)];
+        plane[i] = static_cast<uint8_t>(std::bit_cast<uint32_t>(channel) >> (8 * (k % 4)));
+      }
+      appendSection(bytes, plane);
+    }
+  }
+  return bytes;
+}
+
+Image<glm::vec4> decodeColors(net::ByteView bytes, uint32_t width, uint32_t height) {
+  Image<glm::vec4> image(width, height);
+  const size_t pixels = size_t{width} * height;
+  ByteReader reader(bytes);
+  std::vector<uint8_t> plane;
+  for (size_t begin = 0; begin < pixels; begin += kPlaneBytes) {
+    plane.resize(std::min(kPlaneBytes, pixels - begin));
+    for (size_t k = 0; k < kPlanes; ++k) {
+      if (!takeSection(reader, plane)) throw InputError("the server's picture is damaged");
+      for (size_t i = 0; i < plane.size(); ++i) {
+        float& channel = image.data()[begin + i][static_cast<int>(k / 4)];
+        const uint32_t before = k % 4 == 0 ? 0u : std::bit_cast<uint32_t>(channel);
+        channel = std::bit_cast<float>(before | static_cast<uint32_t>(plane[i]) << (8 * (k % 4)));
+      }
+    }
+  }
+  if (reader.left() != 0) throw InputError("the server's picture is damaged");
+  return image;
+}
+
+}  // namespace warpscope

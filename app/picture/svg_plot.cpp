@@ -1,0 +1,101 @@
+// Axes, ticks, points.
+// See svg_plot.h.
+#include "app/picture/svg_plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "app/picture/plot_axis.h"
+
+namespace warpscope {
+namespace {
+
+constexpr double kPlotWidth = 506, kHeight = 420, kLeft = 64, kTop = 14, kBottom = 46;
+constexpr double kEnlarged = 1.26, kLeastLegend = 190, kLegendIndent = 28, kLetter = 6.6;  // of 12 px type, on average
+
+std::string numbered(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", value);
+  return text;
+}
+
+std::string textAt(double x, double y, const char* anchor, const std::string& text, const std::string& more = "") {
+  return "<text x=\"" + numbered(x) + "\" y=\"" + numbered(y) + "\" text-anchor=\"" + anchor + "\"" + more + ">" + escaped(text) + "</text>\n";
+}
+
+std::string lineFromTo(double x1, double y1, double x2, double y2, const char* kind) {
+  return "<line class=\"" + std::string(kind) + "\" x1=\"" + numbered(x1) + "\" y1=\"" + numbered(y1) + "\" x2=\"" + numbered(x2) + "\" y2=\"" +
+         numbered(y2) + "\"/>\n";
+}
+
+}  // namespace
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '<': result += "&lt;"; break;
+      case '>': result += "&gt;"; break;
+      case '&': result += "&amp;"; break;
+      case '"': result += "&quot;"; break;
+      case '\'': result += "&#39;"; break;
+      default: result += c;
+    }
+  }
+  return result;
+}
+
+std::string svgOf(const Plot& plot) {
+  const double right = kLeft + kPlotWidth, bottom = kHeight - kBottom;
+  double legendWidth = kLeastLegend;
+  for (const PlotSeries& series : plot.series) legendWidth = std::max(legendWidth, kLegendIndent + kLetter * static_cast<double>(series.name.size()));
+  AxisScale x(plot.x.isLogarithmic, kLeft, right), y(plot.y.isLogarithmic, bottom, kTop);
+  for (const PlotSeries& series : plot.series)
+    for (const PlotPoint& point : series.points) {
+      x.include(point.x);
+      y.include(point.y);
+    }
+  x.settle();
+  y.settle();
+
+  const double width = std::ceil(right + legendWidth);
+  std::string svg = "<svg class=\"plot\" style=\"max-width:" + tickText(std::round(kEnlarged * width)) + "px\" viewBox=\"0 0 " + tickText(width) + " " +
+                    tickText(kHeight) + "\" role=\"img\" aria-label=\"" +
+                    escaped(plot.y.label + " against " + plot.x.label) + "\">\n";
+  for (const double tick : x.ticks()) {
+    svg += lineFromTo(x.place(tick), kTop, x.place(tick), bottom, "grid");
+    svg += textAt(x.place(tick), bottom + 16, "middle", tickText(tick));
+  }
+  for (const double tick : y.ticks()) {
+    svg += lineFromTo(kLeft, y.place(tick), right, y.place(tick), "grid");
+    svg += textAt(kLeft - 6, y.place(tick) + 4, "end", tickText(tick));
+  }
+  svg += lineFromTo(kLeft, bottom, right, bottom, "axis") + lineFromTo(kLeft, kTop, kLeft, bottom, "axis");
+  svg += textAt(0.5 * (kLeft + right), kHeight - 8, "middle", plot.x.label);
+  const double middle = 0.5 * (kTop + bottom);
+  svg += textAt(14, middle, "middle", plot.y.label, " transform=\"rotate(-90 14 " + numbered(middle) + ")\"");
+
+  double legend = kTop + 8;
+  for (const PlotSeries& series : plot.series) {
+    const std::string color = escaped(series.color);
+    if (series.isLine && series.points.size() > 1) {
+      svg += "<polyline fill=\"none\" stroke=\"" + color + "\" stroke-width=\"1.6\"" + (series.isDashed ? " stroke-dasharray=\"5 4\"" : "") + " points=\"";
+      for (const PlotPoint& point : series.points) svg += numbered(x.place(point.x)) + "," + numbered(y.place(point.y)) + " ";
+      svg += "\"/>\n";
+    }
+    for (const PlotPoint& point : series.points) {
+      if (std::isnan(point.x) || std::isnan(point.y)) continue;
+      const std::string at = "cx=\"" + numbered(x.place(point.x)) + "\" cy=\"" + numbered(y.place(point.y)) + "\"";
+      if (point.isEmphasized) svg += "<circle class=\"ring\" " + at + " r=\"7.5\"/>\n";
+      svg += "<circle " + at + " r=\"3.6\" fill=\"" + color + "\"><title>" + escaped(point.title) + "</title></circle>\n";
+    }
+    if (series.name.empty()) continue;
+    svg += "<circle cx=\"" + numbered(right + 18) + "\" cy=\"" + numbered(legend - 4) + "\" r=\"4.5\" fill=\"" + color + "\"/>\n";
+    svg += textAt(right + kLegendIndent, legend, "start", series.name);
+    legend += 17;
+  }
+  return svg + "</svg>\n";
+}
+
+}  // namespace warpscope

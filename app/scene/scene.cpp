@@ -1,0 +1,303 @@
+// Reading scenes and placing cameras.
+// See scene.h.
+#include "app/scene/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "app/scene/auto_transfer_function.h"
+#include "app/scene/json_document.h"
+#include "app/shell/log.h"
+#include "render/base/error.h"
+#include "render/base/nearest_name.h"
+#include "render/base/stopwatch.h"
+#include "render/core/color.h"
+#include "render/core/image.h"
+#include "render/volume/procedural.h"
+#include "render/volume/reader.h"
+#include "scenes.h"
+
+namespace warpscope {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kAnyNumber = 1e300;
+
+glm::dvec3 readVector(const Node& node, double lowest, double highest) {
+  const std::vector<Node> elements = node.elements(3, 3);
+  return {elements[0].number(lowest, highest), elements[1].number(lowest, highest), elements[2].number(lowest, highest)};
+}
+
+glm::uvec3 readSize(const Node& node) {
+  const std::vector<Node> elements = node.elements(3, 3);
+  glm::uvec3 size;
+  for (int axis = 0; axis < 3; ++axis) size[axis] = static_cast<uint32_t>(elements[static_cast<size_t>(axis)].integer(1, 65536));
+  return size;
+}
+
+glm::dvec3 readDirection(const Node& node) {
+  const glm::dvec3 vector = readVector(node, -1e6, 1e6);
+  if (!(glm::length(vector) > 1e-9)) node.fail("must not be a zero vector");
+  return glm::normalize(vector);
+}
+
+/// Colours stand in files as sRGB, 0..1.
+glm::vec3 readColor(const Node& node) {
+  const glm::dvec3 color = readVector(node, 0.0, 1.0);
+  return {linearFromSrgb(static_cast<float>(color.r)), linearFromSrgb(static_cast<float>(color.g)),
+          linearFromSrgb(static_cast<float>(color.b))};
+}
+
+TransferFunction readTransferFunction(const Node& node) {
+  constexpr std::string_view kKeys[] = {"points"};
+  node.requireObject(kKeys);
+  TransferFunction function;
+  for (const Node& point : node.at("points").elements(1, 4096)) {
+    constexpr std::string_view kPointKeys[] = {"value", "color", "alpha"};
+    point.requireObject(kPointKeys);
+    const Node value = point.at("value");
+    function.points.push_back({value.number(-kAnyNumber, kAnyNumber), readColor(point.at("color")),
+                               static_cast<float>(point.at("alpha").number(0.0, 1.0))});
+    if (function.points.size() > 1 && function.points.back().value < function.points.end()[-2].value)
+      value.fail("must not be less than the point's before");
+  }
+  return function;
+}
+
+template <class Table>
+auto readName(const Node& node, const Table& table, std::string_view kind) {
+  const std::string name = node.string();
+  if (const auto* entry = findNamed(table, name)) return entry->value;
+  node.fail("holds an " + unknownNameIn(table, kind, name));
+}
+
+void readMarch(const Node& node, MarchSettings& march) {
+  constexpr std::string_view kKeys[] = {"step", "heuristic", "radius", "radiusScale", "threshold"};
+  node.requireObject(kKeys);
+  if (const auto step = node.find("step")) march.step = static_cast<float>(step->number(kStepRange));
+  if (const auto name = node.find("heuristic")) march.heuristic = readName(*name, kHeuristics, "heuristic");
+  if (const auto name = node.find("radius")) march.radiusPolicy = readName(*name, kRadiusPolicies, "radius policy");
+  if (const auto scale = node.find("radiusScale")) march.radiusScale = static_cast<float>(scale->number(kRadiusScaleRange));
+  if (const auto value = node.find("threshold")) march.threshold = static_cast<float>(value->number(kThresholdRange));
+}
+
+View readView(const Node& node) {
+  constexpr std::string_view kKeys[] = {"angleDeg", "elevationDeg", "distance", "pan"};
+  node.requireObject(kKeys);
+  View view;
+  if (const auto angle = node.find("angleDeg")) view.angleDeg = angle->number(-360.0, 360.0);
+  if (const auto elevation = node.find("elevationDeg")) view.elevationDeg = elevation->number(-90.0, 90.0);
+  if (const auto distance = node.find("distance")) view.distance = distance->number(1e-3, 1e3);
+  if (const auto pan = node.find("pan")) {
+    const std::vector<Node> elements = pan->elements(2, 2);
+    view.pan = {elements[0].number(-100.0, 100.0), elements[1].number(-100.0, 100.0)};
+  }
+  return view;
+}
+
+/// For volumes that are files.
+void refuseSize(const SceneOverrides& overrides) {
+  if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
+}
+
+VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverrides& overrides, const std::stop_token& stop) {
+  constexpr std::string_view kKeys[] = {"file", "spacing", "procedural", "size"};
+  node.requireObject(kKeys);
+  if (const auto procedural = node.find("procedural")) {
+    if (node.find("file")) procedural->fail("and 'file' exclude each other");
+    if (const auto spacing = node.find("spacing")) spacing->fail("is for raw files; the voxels of a procedural volume are cubes");
+    const std::string name = procedural->string();
+    const ProceduralVolume* known = findNamed(kProceduralVolumes, name);
+    if (known == nullptr) procedural->fail("holds an " + unknownNameIn(kProceduralVolumes, "procedural volume", name));
+    glm::uvec3 dims = known->defaultDims;
+    if (const auto size = node.find("size")) dims = readSize(*size);
+    return makeProceduralVolume(name, overrides.proceduralDims.value_or(dims), overrides.seed, stop);
+  }
+  refuseSize(overrides);
+  if (const auto size = node.find("size")) size->fail("is for procedural volumes; a file has its own size");
+  std::optional<glm::dvec3> spacing;
+  if (const auto given = node.find("spacing")) spacing = readVector(*given, 1e-12, 1e12);
+  const fs::path file = node.at("file").string();
+  return openVolume(file.is_absolute() ? file : folder / file, spacing, stop);
+}
+
+/// World axes of volumes that say nothing: y is up and the camera is where z grows. Patient axes (LPS): z is up, and the face
+/// looks at a camera in front.
+void setDefaultAxes(Scene& scene) {
+  if (!scene.volume->geometry().hasOrientation) return;
+  scene.up = {0.0, 0.0, 1.0};
+  scene.front = {0.0, -1.0, 0.0};
+}
+
+Scene readScene(const JsonDocument& document, const fs::path& folder, const SceneOverrides& overrides, const std::stop_token& stop) {
+  const Node root = document.root();
+  constexpr std::string_view kKeys[] = {"name", "title",   "volume",     "transferFunction", "up",
+                                        "front", "fovYDeg", "background", "views",            "march"};
+  root.requireObject(kKeys);
+  Scene scene;
+  const Node name = root.at("name");
+  scene.name = name.string();
+  if (scene.name.empty()) name.fail("must not be empty");
+  scene.title = root.find("title") ? root.at("title").string() : scene.name;
+  // Everything that is quick to check comes before the volume is made or opened.
+  if (const auto fov = root.find("fovYDeg")) scene.fovYDeg = fov->number(kFovYDegRange);
+  if (const auto color = root.find("background")) scene.background = readColor(*color);
+  if (const auto march = root.find("march")) readMarch(*march, scene.march);
+  if (const auto views = root.find("views"))
+    for (const Node& view : views->elements(1, 64)) scene.views.push_back(readView(view));
+  const auto function = root.find("transferFunction");
+  if (function) {
+    if (!function->isString())
+      scene.transferFunction = readTransferFunction(*function);
+    else if (function->string() != "auto")
+      function->fail("must be an object or \"auto\"");
+  }
+  const Node volume = root.at("volume");
+  if (overrides.volume) refuseSize(overrides);
+  scene.volume = overrides.volume ? openVolume(*overrides.volume, {}, stop) : readVolume(volume, folder, overrides, stop);
+  setDefaultAxes(scene);
+  const auto up = root.find("up"), front = root.find("front");
+  if (up) scene.up = readDirection(*up);
+  if (front) scene.front = readDirection(*front);
+  if (glm::length(glm::cross(scene.up, scene.front)) < 1e-3) {
+    if (!front) up->fail("and the direction that 'front' has by itself are parallel");
+    front->fail(up ? "and 'up' are parallel" : "and the direction that 'up' has by itself are parallel");
+  }
+  return scene;
+}
+
+Scene sceneOfVolume(const fs::path& path, const std::stop_token& stop) {
+  Scene scene;
+  scene.volume = openVolume(path, {}, stop);
+  scene.name = scene.volume->name();
+  scene.title = path.filename().string();
+  setDefaultAxes(scene);
+  return scene;
+}
+
+Scene openBySpec(const std::string& spec, const SceneOverrides& overrides, const std::stop_token& stop) {
+  for (const scenes::File& file : scenes::files())
+    if (file.name == spec + ".json")
+      return readScene(JsonDocument(file.content, "built-in scene " + spec), {}, overrides, stop);
+  requireScene(spec);
+  const fs::path path(spec);
+  if (path.extension() == ".json") return readScene(JsonDocument::fromFile(path), path.parent_path(), overrides, stop);
+  if (overrides.volume) throw UsageError("--volume replaces a scene's volume; '" + spec + "' is a volume itself");
+  refuseSize(overrides);
+  return sceneOfVolume(path, stop);
+}
+
+void logVolume(const Volume& volume, double openMs) {
+  const glm::uvec3& dims = volume.dims();
+  const VoxelStatistics& statistics = volume.statistics();
+  char text[192];
+  std::snprintf(text, sizeof text, ": %ux%ux%u voxels of %s, values %g to %g, %zu not finite; opened in %.0f ms", dims.x, dims.y, dims.z,
+                std::string(nameOf(volume.type())).c_str(), statistics.lowest, statistics.highest, statistics.nonFinite, openMs);
+  logDetail("volume " + volume.name() + text);
+}
+
+/// Whether any value between the least and the greatest has opacity; the function is linear between its points.
+bool showsAnyOf(const TransferFunction& function, const VoxelStatistics& statistics) {
+  return function.at(statistics.lowest).a > 0.0f || function.at(statistics.highest).a > 0.0f ||
+         std::any_of(function.points.begin(), function.points.end(), [&](const TransferPoint& point) {
+           return point.alpha > 0.0f && point.value >= statistics.lowest && point.value <= statistics.highest;
+         });
+}
+
+void warnIfInvisible(const Scene& scene) {
+  const VoxelStatistics& statistics = scene.volume->statistics();
+  const bool hasValues = statistics.nonFinite < scene.volume->voxelCount();
+  if (hasValues && showsAnyOf(scene.transferFunction, statistics)) return;
+  logWarning("nothing of the volume " + scene.volume->name() + " is visible with this transfer function" +
+             (hasValues ? "" : ": none of its values is finite"));
+}
+
+}  // namespace
+
+std::vector<BuiltinScene> builtinScenes() {
+  std::vector<BuiltinScene> all;
+  for (const scenes::File& file : scenes::files()) {
+    const JsonDocument document(file.content, std::string(file.name));
+    all.push_back({document.root().at("name").string(), document.root().at("title").string()});
+  }
+  return all;
+}
+
+std::vector<View> defaultViews() {
+  // The server's view shows three sides of a box; the others turn about it, nearer and farther.
+  return {{30.0, 20.0, 0.72}, {40.0, 20.0, 0.72}, {55.0, 20.0, 0.6}, {75.0, 20.0, 0.9}, {0.0, 20.0, 0.5}};
+}
+
+void requireScene(const std::string& spec) {
+  const std::vector<BuiltinScene> scenes = builtinScenes();
+  if (findNamed(scenes, spec) != nullptr) return;
+  const fs::path path(spec);
+  std::error_code error;
+  if (fs::exists(path, error)) return;
+  if (error) throw InputError(spec + ": cannot be looked at: " + error.message());
+  if (path.has_extension() || spec.find('/') != std::string::npos) throw InputError(spec + ": there is no such file");
+  throw UsageError(unknownNameIn(scenes, "scene", spec) + " (or a scene file, or a volume file)");
+}
+
+Scene openScene(const std::string& spec, const SceneOverrides& overrides, const std::stop_token& stop) {
+  Scene scene;
+  const double openMs = milliseconds([&] { scene = openBySpec(spec, overrides, stop); });
+  logVolume(*scene.volume, openMs);
+  if (overrides.transferFunction)
+    scene.transferFunction = readTransferFunction(JsonDocument::fromFile(*overrides.transferFunction).root());
+  if (scene.transferFunction.points.empty())
+    scene.transferFunction = autoTransferFunction(scene.volume->statistics());
+  warnIfInvisible(scene);
+  if (scene.views.empty()) scene.views = defaultViews();
+  if (overrides.fovYDeg) scene.fovYDeg = *overrides.fovYDeg;
+  return scene;
+}
+
+Camera makeCamera(const Scene& scene, const View& view, uint32_t width, uint32_t height) {
+  if (!(scene.fovYDeg > 0.0 && scene.fovYDeg < 180.0))
+    throw UsageError("the field of view must be more than 0 and less than 180 degrees");
+  if (width < 1 || height < 1 || width > kMaxImageSide || height > kMaxImageSide)
+    throw UsageError("an image of " + std::to_string(width) + "x" + std::to_string(height) + " pixels: 1 to " +
+                     std::to_string(kMaxImageSide) + " a side are possible");
+  const auto radians = [](double degrees) { return degrees * std::numbers::pi / 180.0; };
+  const double angle = radians(view.angleDeg);
+  const double elevation = radians(view.elevationDeg);
+
+  // World axes, right-handed, in double.
+  const glm::dvec3 up = glm::normalize(scene.up);
+  const glm::dvec3 sideways = glm::normalize(glm::cross(up, scene.front));
+  const glm::dvec3 front = glm::cross(sideways, up);
+  const glm::dvec3 horizontal = std::cos(angle) * front + std::sin(angle) * sideways;
+  const glm::dvec3 backward = std::cos(elevation) * horizontal + std::sin(elevation) * up;
+  const glm::dvec3 right = std::cos(angle) * sideways - std::sin(angle) * front;  // stays defined at the poles
+  const glm::dvec3 cameraUp = glm::cross(backward, right);
+
+  const double tanHalfFovY = std::tan(0.5 * radians(scene.fovYDeg));
+  const double radius = 0.5 * glm::length(glm::dvec3(scene.geometry().bounds().extent()));
+  // A sphere of that radius touches the border of the image's narrower side.
+  const double narrower = std::atan(tanHalfFovY * std::min(1.0, static_cast<double>(width) / height));
+  const double distance = view.distance * radius / std::sin(narrower);
+  // From farther away single precision could not tell one voxel from the next.
+  constexpr double kFarthest = 1 << 22;
+  if (distance > kFarthest)
+    throw UsageError("the camera would stand too far away: the field of view must be wider or the view's distance less");
+
+  // Directions only: volume space has the world's angles, its own origin and unit, and perhaps the other handedness.
+  const glm::dmat3 volumeFromWorld = glm::transpose(scene.geometry().direction);
+  const glm::dvec3 center = radius * (view.pan.x * right + view.pan.y * cameraUp);
+  Camera camera;
+  camera.eye = glm::vec3(volumeFromWorld * (center + distance * backward));
+  camera.right = glm::vec3(volumeFromWorld * right);
+  camera.up = glm::vec3(volumeFromWorld * cameraUp);
+  camera.forward = glm::vec3(volumeFromWorld * -backward);
+  camera.tanHalfFovY = static_cast<float>(tanHalfFovY);
+  camera.width = width;
+  camera.height = height;
+  if (!isUsable(camera)) throw UsageError("the view is not finite, or its field of view is too wide or too narrow");
+  return camera;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,76 @@
+// Judging what a panel drew.
+// See judge_worker.h.
+#include "app/session/judge_worker.h"
+
+#include "app/picture/heat_map.h"
+#include "app/shell/log.h"
+#include "render/base/error.h"
+#include "render/metrics/holes.h"
+#include "render/metrics/picture_judge_cuda.h"
+
+namespace warpscope {
+namespace {
+
+/// A device's judge with the ground truth that it holds.
+class DeviceJudge {
+ public:
+  PictureErrors errorsOf(const std::shared_ptr<const ReferenceImage>& reference, const WarpedImage& image, Image<float>& map) {
+    const glm::vec3& background = reference->job().background;
+    if (!judge_ || background != background_) {
+      judge_ = makeCudaPictureJudge(background);
+      background_ = background;
+      reference_.reset();
+    }
+    if (reference != reference_) {
+      reference_.reset();
+      judge_->setReference(reference->color());
+      reference_ = reference;
+    }
+    const DeviceErrors found = judge_->errorsOf(image.color, &map);
+    PictureErrors errors;
+    errors.psnrDb = found.psnrDb;
+    errors.psnrLinearDb = found.psnrLinearDb;
+    errors.ssim = found.ssim;
+    errors.flip = found.flip;
+    errors.holeFraction = countHoles(image, reference->color()).fraction();
+    return errors;
+  }
+
+ private:
+  std::unique_ptr<DevicePictureJudge> judge_;
+  glm::vec3 background_{0.0f};
+  std::shared_ptr<const ReferenceImage> reference_;
+};
+
+}  // namespace
+
+JudgeFunction makeJudge() {
+  return [device = std::make_shared<DeviceJudge>(), hasFailed = false](const std::shared_ptr<const ReferenceImage>& reference, const WarpedImage& image,
+                                                                       Image<float>& map) mutable {
+    if (!hasFailed && reference->job().marcher->backend() == Backend::cuda) {
+      try {
+        return device->errorsOf(reference, image, map);
+      } catch (const DeviceError& error) {
+        hasFailed = true;
+        device.reset();
+        logDetail(std::string("pictures are judged on the CPU: ") + error.what());
+      }
+    }
+    return reference->judge().errorsOf(image, nullptr, &map);
+  };
+}
+
+std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult) {
+  return std::make_unique<JudgeWorker>(
+      [maker = std::move(maker)]() -> JudgeWorker::Work {
+        return [judge = maker()](const JudgeJob& job, Judgement& judgement, const std::stop_token&) {
+          judgement.job = job;
+          Image<float> map;
+          judgement.errors = judge(job.drawn.job.reference, *job.drawn.judged, map);
+          judgement.heatMap.host = std::make_shared<const Image<Rgba8>>(heatMap(map, kHeatGain));
+        };
+      },
+      std::move(onResult));
+}
+
+}  // namespace warpscope

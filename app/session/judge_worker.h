@@ -1,0 +1,40 @@
+// A panel's judge: what its picture differs by from the ground truth, in figures and pixel by pixel.
+// In a thread of its own, because it takes longer than a picture does: what it is at work on never delays the next picture.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/experiment/configuration.h"
+#include "app/session/warp_worker.h"
+#include "render/base/newest_worker.h"
+
+namespace warpscope {
+
+struct JudgeJob {
+  WarpResult drawn;                            ///< with `judged` and its job's `reference`
+  std::optional<Configuration> configuration;  ///< that drew it, if it is known
+};
+
+struct Judgement {
+  JudgeJob job;            ///< that was done
+  PictureErrors errors;
+  ShownPicture heatMap;    ///< FLIP for each pixel, see heat_map.h; of the size of what was judged
+  std::string error;
+};
+
+using JudgeWorker = NewestWorker<JudgeJob, Judgement>;
+
+/// How pictures are judged: as PictureJudge::errorsOf does, with the map of FLIP left in the last parameter. Used from one thread.
+using JudgeFunction = std::function<PictureErrors(const std::shared_ptr<const ReferenceImage>&, const WarpedImage&, Image<float>&)>;
+/// Makes one for each worker, on its thread.
+using JudgeMaker = std::function<JudgeFunction()>;
+
+/// Judges on the CUDA device where the ground truth was marched on one, until the device fails; else on the CPU.
+JudgeFunction makeJudge();
+
+std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult);
+
+}  // namespace warpscope

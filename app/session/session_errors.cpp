@@ -1,0 +1,124 @@
+// The part of a session that finds out how wrong its pictures are: the ground truth, its judges, and what is kept of their findings.
+// See session.h.
+#include "app/experiment/auto_choice.h"
+#include "app/session/session.h"
+
+namespace warpscope {
+namespace {
+
+/// How long the camera must rest before the ground truth is marched.
+constexpr std::chrono::milliseconds kRest(150);
+/// Where it follows the moving camera: how often. Each costs the panels a drawing, and the CPU what judging takes.
+constexpr std::chrono::milliseconds kLivePeriod(200);
+
+/// What of the settings the reference depends on; the rest decides about samples only.
+MarchSettings referenceSettings(const MarchSettings& march) {
+  MarchSettings settings;
+  settings.step = march.step;
+  settings.contribution = march.contribution;
+  settings.skipEmpty = march.skipEmpty;
+  settings.terminateEarly = march.terminateEarly;
+  return settings;
+}
+
+/// Whether a picture of one is worth comparing with a ground truth of the other: nothing but the camera's place differs.
+bool differOnlyInPlace(const ReferenceJob& a, const ReferenceJob& b) {
+  ReferenceJob moved = a;
+  moved.camera = b.camera;
+  return moved == b && a.camera.width == b.camera.width && a.camera.height == b.camera.height;
+}
+
+}  // namespace
+
+ReferenceJob Session::wantedReference() const {
+  return {loaded_->display, cameraOfSize(pictureSize()), referenceSettings(knobs_.march), loaded_->scene.background};
+}
+
+bool Session::askReference(TimePoint now) {
+  ReferenceJob wanted = wantedReference();
+  if (wanted != referenceWanted_) {
+    const bool goesOn = isReferenceLive() && differOnlyInPlace(referenceWanted_, wanted);
+    referenceWanted_ = std::move(wanted);
+    movedAt_ = now;
+    if (!goesOn) {
+      referenceAsked_ = {};
+      reference_.reset();
+      referenceWorker_->cancel();
+    }
+  }
+  if (referenceAsked_ == referenceWanted_) return false;
+  const bool isTime = isReferenceLive() ? now - referenceAskedAt_ >= kLivePeriod : now - movedAt_ >= kRest;
+  if (!isTime) return true;  // the time passes without further events
+  referenceAsked_ = referenceWanted_;
+  referenceAskedAt_ = now;
+  referenceWorker_->post(referenceAsked_);
+  return true;
+}
+
+bool Session::takeReference() {
+  std::optional<ReferenceResult> result = referenceWorker_->tryTake();
+  if (!result) return false;
+  const bool isWanted = result->job == referenceAsked_ || (isReferenceLive() && differOnlyInPlace(result->job, referenceWanted_));
+  if (!isWanted) return false;
+  referenceError_ = std::move(result->error);
+  if (result->image) reference_ = std::move(result->image);
+  return true;
+}
+
+std::optional<Configuration> Session::configurationOf(const WarpJob& drawn) const {
+  const auto asked = drawn.frame ? askedFor_.find(drawn.frame->requestId) : askedFor_.end();
+  if (asked == askedFor_.end()) return std::nullopt;
+  Configuration configuration;
+  configuration.technique = drawn.technique;
+  configuration.march = asked->second.march;
+  configuration.serverSidePx = asked->second.serverSidePx;
+  configuration.codec = asked->second.codec;
+  configuration.pointSize = drawn.settings.pointSize;
+  configuration.hits = drawn.settings.hits;
+  return normalized(configuration);
+}
+
+void Session::judge(size_t index, WarpResult drawn) {
+  if (!drawn.judged) return;
+  judgeWorkers_[index]->post({std::move(drawn), panels_[index].configuration});
+}
+
+bool Session::areCurrent(const Panel& panel, const JudgeJob& job, TimePoint judgedAt, TimePoint now) const {
+  const WarpJob& drawn = job.drawn.job;
+  if (drawn.technique != panel.technique) return false;
+  if (drawn.reference->job() == referenceWanted_ && job.drawn.picture == panel.picture) return true;
+  return isReferenceLive() && differOnlyInPlace(drawn.reference->job(), referenceWanted_) && now - judgedAt < kLiveErrors;
+}
+
+bool Session::takeErrors(size_t index, TimePoint now) {
+  Panel& panel = panels_[index];
+  const bool wereCurrent = panel.errorsAreCurrent;
+  std::optional<Judgement> judgement = judgeWorkers_[index]->tryTake();
+  const bool isNew = judgement && areCurrent(panel, judgement->job, now, now);
+  if (isNew && !judgement->error.empty()) {
+    referenceError_ = std::move(judgement->error);
+  } else if (isNew) {
+    panel.errors = judgement->errors;
+    panel.heatMap = std::move(judgement->heatMap);
+    panel.history.add(now, panel.errors->flip);
+    const WarpJob& drawn = judgement->job.drawn.job;
+    if (judgement->job.configuration)
+      liveFront_.addError(*judgement->job.configuration, angleBetweenDeg(drawn.frame->camera, drawn.reference->job().camera), panel.errors->flip);
+    judged_[index] = Judged{std::move(judgement->job), now};
+  }
+  panel.errorsAreCurrent = judged_[index] && areCurrent(panel, judged_[index]->job, judged_[index]->at, now);
+  if (wereCurrent && !panel.errorsAreCurrent) panel.history.interrupt(now);
+  return isNew || wereCurrent != panel.errorsAreCurrent;
+}
+
+void Session::choose(size_t panel, const Configuration& configuration) {
+  const WarpDescriptor& technique = *configuration.technique;
+  setTechnique(panel, technique);
+  knobs_.march.step = configuration.march.step;
+  takeOver(configuration, knobs_.march, knobs_.warp);
+  if (!technique.usesFrame) return;
+  knobs_.serverSidePx = configuration.serverSidePx;
+  knobs_.transport.codec = configuration.codec;
+}
+
+}  // namespace warpscope

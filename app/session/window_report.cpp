@@ -1,0 +1,71 @@
+// Gathering gaps and ages, and their medians.
+// See window_report.h.
+#include "app/session/window_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "app/scene/json_document.h"
+
+namespace warpscope {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Null if there are none.
+Json medianAndLongest(std::vector<double> values) {
+  if (values.empty()) return nullptr;
+  std::sort(values.begin(), values.end());
+  return {{"median", values[values.size() / 2]}, {"longest", values.back()}};
+}
+
+Json toJson(const Panel& panel) {
+  if (!panel.picture || !panel.drawn->usesFrame) return nullptr;
+  const auto current = [&](double PictureErrors::*error) {
+    return panel.errorsAreCurrent && std::isfinite((*panel.errors).*error) ? Json((*panel.errors).*error) : Json(nullptr);
+  };
+  const FrameLatency& latency = panel.latency;
+  return {{"bytes", panel.frameBytes},        {"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},
+          {"queueMs", latency.queueMs},       {"marchMs", latency.marchMs},     {"compactMs", latency.compactMs},
+          {"copyMs", latency.copyMs},         {"encodeMs", latency.encodeMs},   {"decodeMs", latency.decodeMs},
+          {"buildMs", panel.buildMs},         {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs},
+          {"flip", current(&PictureErrors::flip)},
+          {"psnrDb", current(&PictureErrors::psnrDb)},
+          {"holeFraction", current(&PictureErrors::holeFraction)}};
+}
+
+Json toJson(const SourceStatus& status) {
+  return {{"where", status.where}, {"isConnected", status.isConnected}, {"sentence", status.sentence}, {"roundTripMs", status.roundTripMs}};
+}
+
+}  // namespace
+
+void WindowReport::add(const Session& session, Clock::TimePoint now, bool isMoving) {
+  if (isMoving && last_) gapsMs_.push_back(millisecondsBetween(*last_, now));
+  last_.reset();
+  if (isMoving) last_ = now;
+  // Both panels show the same frames; the age is the more recent one's, as far as one of them has any.
+  std::optional<double> ageMs;
+  for (size_t i = 0; i < kPanelCount; ++i)
+    if (const std::optional<double> age = session.ageMs(i, now)) ageMs = std::min(*age, ageMs.value_or(*age));
+  if (ageMs && *ageMs > 0.0) agesMs_.push_back(*ageMs);
+}
+
+std::string WindowReport::text(const Session& session, Clock::TimePoint now) const {
+  const double movingMs = std::accumulate(gapsMs_.begin(), gapsMs_.end(), 0.0);
+  Json panels = Json::array();
+  for (size_t i = 0; i < kPanelCount; ++i) panels.push_back(toJson(session.panel(i)));
+  const std::optional<SourceStatus> status = session.sourceStatus();
+  const std::optional<double> frameAge = session.frameAgeMs(now);
+  return textOf({{"framesPerSecond", movingMs > 0.0 ? Json(1e3 * static_cast<double>(gapsMs_.size()) / movingMs) : Json(nullptr)},
+                 {"gapMs", medianAndLongest(gapsMs_)},
+                 {"ageMs", medianAndLongest(agesMs_)},
+                 {"framesReceived", session.framesReceived()},
+                 {"lastFrameAgeMs", frameAge ? Json(*frameAge) : Json(nullptr)},
+                 {"panels", panels},
+                 {"server", status ? toJson(*status) : Json(nullptr)}});
+}
+
+}  // namespace warpscope

@@ -1,0 +1,27 @@
+// What a window was like to use, in figures: how often it drew, how old the frames on show were, where their time went.
+// For tests and measurements; README explains what is written.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/session/session.h"
+
+namespace warpscope {
+
+class WindowReport {
+ public:
+  /// Once for each frame of the display. `isMoving`: it draws at the display's rate because something moves or has just done so.
+  void add(const Session& session, Clock::TimePoint now, bool isMoving);
+
+  /// A JSON document about all that was added, and about the session as it is now.
+  std::string text(const Session& session, Clock::TimePoint now) const;
+
+ private:
+  std::vector<double> gapsMs_;  // between frames of the display while something moved
+  std::vector<double> agesMs_;  // of the frames on show, one for each frame of the display in which it was not of the current camera
+  std::optional<Clock::TimePoint> last_;  // nothing after a pause
+};
+
+}  // namespace warpscope

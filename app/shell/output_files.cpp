@@ -1,0 +1,287 @@
+// Writing, renaming, cleaning up.
+// See output_files.h.
+#include "app/shell/output_files.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <random>
+
+#if defined(_WIN32)
+#include <io.h>
+#else
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+#endif
+
+#include "render/base/error.h"
+
+namespace warpscope {
+namespace fs = std::filesystem;
+namespace {
+
+bool mayWrite(const fs::path& path) {
+#if defined(_WIN32)
+  constexpr int kWrite = 2;
+  return _waccess(path.c_str(), kWrite) == 0;
+#else
+  return access(path.c_str(), W_OK) == 0;
+#endif
+}
+
+constexpr std::string_view kPartial = ".partial-";  // before a unique suffix
+constexpr const char* kReplaced = ".replaced";      // what was there before, while files are put in place
+constexpr char kDigits[] = "0123456789abcdef";
+constexpr size_t kSuffixLength = 8;
+
+std::string uniqueSuffix() {
+  std::random_device random;
+  std::string suffix;
+  for (size_t i = 0; i < kSuffixLength; ++i) suffix += kDigits[random() % 16];
+  return suffix;
+}
+
+bool isStagingName(const std::string& name) {
+  return name.size() == kPartial.size() + kSuffixLength && name.starts_with(kPartial) &&
+         name.find_first_not_of(kDigits, kPartial.size()) == std::string::npos;
+}
+
+/// An open folder that this process alone has locked; -1 if another one has, or if that is not possible there. `waits`: until it is free.
+int lockFolder([[maybe_unused]] const fs::path& folder, [[maybe_unused]] bool waits) {
+#if !defined(_WIN32)
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+  if (file >= 0 && ::flock(file, waits ? LOCK_EX : LOCK_EX | LOCK_NB) == 0) return file;
+  if (file >= 0) ::close(file);
+#endif
+  return -1;
+}
+
+void unlockFolder([[maybe_unused]] int file) {
+#if !defined(_WIN32)
+  if (file >= 0) ::close(file);
+#endif
+}
+
+/// Removes what killed writers had gathered in `folder`: folders that nobody has locked. Those that hold what was there before stay.
+void removeAbandoned(const fs::path& folder) {
+  std::error_code ignored;
+  std::vector<fs::path> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (isStagingName(entry.path().filename().string())) found.push_back(entry.path());
+  for (const fs::path& staging : found) {
+    const int lock = lockFolder(staging, false);
+    if (lock < 0) continue;
+    if (!fs::exists(staging / kReplaced, ignored) || fs::is_empty(staging / kReplaced, ignored)) fs::remove_all(staging, ignored);
+    unlockFolder(lock);
+  }
+}
+
+/// The permissions of the file that `target` is; none if there is no such file.
+std::optional<fs::perms> permissionsOf(const fs::path& target) {
+  std::error_code error;
+  const fs::file_status status = fs::status(target, error);
+  return fs::is_regular_file(status) ? std::optional(status.permissions() & fs::perms::all) : std::nullopt;
+}
+
+/// `like`: permissions that the file gets before the first byte is in it.
+void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view bytes, std::optional<fs::perms> like = {},
+                const std::stop_token& stop = {}) {
+  constexpr size_t kPiece = 16 << 20;  // how often a stop is looked for
+  errno = 0;
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  if (file && like) {
+    std::error_code ignored;  // file systems without permissions
+    fs::permissions(path, *like, ignored);
+    errno = 0;
+  }
+  for (size_t at = 0; at < bytes.size() && file && !stop.stop_requested(); at += kPiece)
+    file.write(bytes.data() + at, static_cast<std::streamsize>(std::min(kPiece, bytes.size() - at)));
+  file.close();
+  if (file && !stop.stop_requested()) return;
+  const std::string reason = errno != 0 ? std::strerror(errno) : "unknown reason";
+  std::error_code ignored;
+  if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);
+  if (file) throw OperationCancelled();
+  throw InputError(shownAs.string() + ": cannot be written: " + reason);
+}
+
+/// A folder, or a file that its permissions protect, is not replaced, though the rights in its folder may suffice for that.
+void requireReplaceable(const fs::path& target, const fs::path& shownAs) {
+  std::error_code error;
+  if (fs::is_directory(target, error)) throw InputError(shownAs.string() + ": cannot be written: it is a folder");
+  if (fs::exists(target, error) && !mayWrite(target))
+    throw InputError(shownAs.string() + ": cannot be written: " + std::make_error_code(std::errc::permission_denied).message());
+}
+
+/// Where `path` leads to, through links; `path` itself if nothing is there. Throws InputError for what can never become a file.
+fs::path targetOf(const fs::path& path) {
+  if (path.empty()) throw InputError("the file to write has no name: it cannot be written");
+  if (!path.has_filename()) throw InputError(path.string() + ": cannot be written: it is a folder");
+  std::error_code error;
+  fs::path target = fs::weakly_canonical(path, error);
+  if (error) {
+    const std::string reason = error.message();
+    if (!fs::exists(path, error)) throw InputError(path.string() + ": cannot be written: " + reason);
+    target = path;  // there, but without a path of its own: a pipe behind /dev/stdout
+  }
+  requireReplaceable(target, path);
+  return target;
+}
+
+bool isDevice(const fs::path& target) {
+  std::error_code error;
+  return fs::exists(target, error) && !fs::is_regular_file(target, error);
+}
+
+fs::path partialOf(const fs::path& target) {
+  fs::path partial = target;
+  partial += std::string(kPartial) + uniqueSuffix();
+  return partial;
+}
+
+/// Files put in place one after the other, all of which can be taken back.
+class Moves {
+ public:
+  /// Moves `staged` to `target`; what is there becomes `kept`.
+  std::error_code put(const fs::path& staged, const fs::path& target, const fs::path& kept) {
+    std::error_code error;
+    Move move{target, kept, fs::exists(fs::symlink_status(target, error)), false};
+    if (fs::is_directory(target, error)) return std::make_error_code(std::errc::is_a_directory);
+    error.clear();
+    if (move.isKept) {
+      fs::create_hard_link(target, kept, error);  // so that there is no moment without the file
+      if (error) fs::rename(target, kept, error);  // on file systems without hard links
+      if (error) return error;
+    }
+    fs::rename(staged, target, error);
+    move.isPlaced = !error;
+    moves_.push_back(std::move(move));
+    return error;
+  }
+
+  /// Removes what was put in place, and what was there comes back. False if some of that could not be done.
+  bool undo() {
+    bool isUndone = true;
+    for (auto move = moves_.rbegin(); move != moves_.rend(); ++move) {
+      std::error_code error;
+      if (move->isKept)
+        fs::rename(move->kept, move->target, error);
+      else if (move->isPlaced)
+        fs::remove(move->target, error);
+      isUndone = isUndone && !error;
+    }
+    moves_.clear();
+    return isUndone;
+  }
+
+ private:
+  struct Move {
+    fs::path target, kept;
+    bool isKept, isPlaced;
+  };
+  std::vector<Move> moves_;
+};
+
+}  // namespace
+
+void requireWritable(const fs::path& path) {
+  const fs::path target = targetOf(path);
+  if (isDevice(target)) return;
+  const fs::path probe = partialOf(target);
+  writeBytes(probe, path, {});
+  std::error_code ignored;
+  fs::remove(probe, ignored);
+}
+
+void writeFileWhole(const fs::path& path, std::string_view bytes, const std::stop_token& stop) {
+  const fs::path target = targetOf(path);
+  if (stop.stop_requested()) throw OperationCancelled();
+  if (isDevice(target)) return writeBytes(target, path, bytes, {}, stop);
+  const fs::path partial = partialOf(target);
+  writeBytes(partial, path, bytes, permissionsOf(target), stop);
+  std::error_code error;
+  fs::rename(partial, target, error);
+  if (!error) return;
+  std::error_code ignored;
+  fs::remove(partial, ignored);
+  throw InputError(path.string() + ": cannot be written: " + error.message());
+}
+
+StagedFolder::StagedFolder(fs::path folder, const std::vector<std::string>& names) : folder_(std::move(folder)) {
+  if (folder_.empty()) throw InputError("the output folder has no name");
+  std::error_code error;
+  for (fs::path at = folder_; !at.empty() && !fs::exists(fs::symlink_status(at, error)); at = at.parent_path()) made_.insert(made_.begin(), at);
+  fs::create_directories(folder_, error);
+  if (!error && !fs::is_directory(folder_, error) && !error) error = std::make_error_code(std::errc::not_a_directory);
+  if (!error) {
+    removeAbandoned(folder_);
+    error = makeStaging();
+  }
+  try {
+    if (error) throw InputError(folder_.string() + ": cannot be used as output folder: " + error.message());
+    for (const std::string& name : names) requireReplaceable(folder_ / name, folder_ / name);
+  } catch (const InputError&) {
+    cleanUp();
+    throw;
+  }
+}
+
+StagedFolder::~StagedFolder() { cleanUp(); }
+
+std::error_code StagedFolder::makeStaging() {
+  std::error_code error;
+  // Another writer may take it for abandoned before it is locked, and remove it; then the next one is made.
+  for (int attempt = 0; attempt < 10; ++attempt) {
+    staging_ = partialOf(folder_ / "");
+    fs::create_directory(staging_, error);
+    if (error) break;
+    lock_ = lockFolder(staging_, true);
+    if (fs::exists(staging_)) return {};
+    unlockFolder(lock_);
+    lock_ = -1;
+    error = std::make_error_code(std::errc::device_or_resource_busy);
+  }
+  staging_.clear();
+  return error;
+}
+
+void StagedFolder::cleanUp() {
+  std::error_code ignored;
+  if (!staging_.empty()) fs::remove_all(staging_, ignored);
+  unlockFolder(lock_);
+  lock_ = -1;
+  for (auto it = made_.rbegin(); it != made_.rend(); ++it) fs::remove(*it, ignored);  // removes only empty folders
+}
+
+void StagedFolder::write(const std::string& name, std::string_view bytes) {
+  writeBytes(staging_ / name, folder_ / name, bytes, permissionsOf(folder_ / name));
+  const std::scoped_lock lock(mutex_);
+  std::erase(names_, name);
+  names_.push_back(name);
+}
+
+void StagedFolder::commit() {
+  for (const std::string& name : names_) requireReplaceable(folder_ / name, folder_ / name);
+  const fs::path replaced = staging_ / kReplaced;
+  std::error_code error;
+  fs::create_directory(replaced, error);
+  if (error) throw InputError(folder_.string() + ": cannot be used as output folder: " + error.message());
+  Moves moves;
+  for (const std::string& name : names_) {
+    error = moves.put(staging_ / name, folder_ / name, replaced / name);
+    if (!error) continue;
+    std::string reason = (folder_ / name).string() + ": cannot be written: " + error.message();
+    if (!moves.undo()) {
+      reason += "; files that were there before are now in " + replaced.string();
+      staging_.clear();
+    }
+    throw InputError(reason);
+  }
+  made_.clear();
+  fs::remove_all(staging_, error);
+}
+
+}  // namespace warpscope

@@ -1,0 +1,82 @@
+// Drawing the bar.
+// See progress.h.
+#include "app/shell/progress.h"
+
+#include <algorithm>
+
+#if defined(_WIN32)
+#include <io.h>
+#else
+#include <unistd.h>
+#endif
+
+namespace warpscope {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kDelay(1);
+constexpr std::chrono::milliseconds kPeriod(200);
+
+bool isTerminal(std::FILE* file) {
+#if defined(_WIN32)
+  return _isatty(_fileno(file)) != 0;
+#else
+  return isatty(fileno(file)) != 0;
+#endif
+}
+
+}  // namespace
+
+std::string remainingText(size_t done, size_t steps, double elapsedS) {
+  constexpr size_t kFewestDone = 3;
+  constexpr double kShortestS = 3.0;
+  if (done < kFewestDone || done >= steps || elapsedS < kShortestS) return "";
+  const double leftS = elapsedS * static_cast<double>(steps - done) / static_cast<double>(done);
+  char text[64];
+  if (leftS < 99.5)
+    std::snprintf(text, sizeof text, "about %.0f s left", std::max(1.0, leftS));
+  else
+    std::snprintf(text, sizeof text, "about %.0f min left", leftS / 60.0);
+  return text;
+}
+
+Progress::Progress(std::string title, size_t steps, bool quiet, std::FILE* terminal)
+    : title_(std::move(title)), steps_(std::max<size_t>(steps, 1)), terminal_(terminal) {
+  if (!quiet && isTerminal(terminal)) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+Progress::~Progress() {
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+}
+
+void Progress::step(const std::string& what) {
+  const std::scoped_lock lock(mutex_);
+  ++begun_;
+  what_ = what;
+}
+
+void Progress::run(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  bool isDrawn = false;
+  for (auto next = start_ + kDelay; !changed_.wait_until(lock, stop, next, [] { return false; }) && !stop.stop_requested();
+       next = steady_clock::now() + kPeriod) {
+    constexpr size_t kWidth = 24;
+    const size_t done = std::min(begun_ > 0 ? begun_ - 1 : 0, steps_);
+    const size_t filled = done * kWidth / steps_;
+    const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
+    const std::chrono::duration<double> elapsed = steady_clock::now() - start_;
+    const std::string remaining = remainingText(done, steps_, elapsed.count());
+    std::fprintf(terminal_, "\r\x1b[K%s [%s] %zu/%zu %s (%lld s%s%s)", title_.c_str(), bar.c_str(), done, steps_, what_.c_str(),
+                 static_cast<long long>(elapsed.count()), remaining.empty() ? "" : ", ", remaining.c_str());
+    std::fflush(terminal_);
+    isDrawn = true;
+  }
+  if (!isDrawn) return;
+  std::fputs("\r\x1b[K", terminal_);  // leaves the line empty for what is printed next
+  std::fflush(terminal_);
+}
+
+}  // namespace warpscope

@@ -1,0 +1,283 @@
+// Scenes that are served: over loopback by the program itself, and as somebody else's, whose voxels never come here.
+// Mirrors app/frames/scene_connection.h, frame_server.h, remote_frame_source.h, remote_marcher.h and wire_fields.h.
+#include "app/frames/scene_connection.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <semaphore>
+#include <thread>
+
+#include "app/frames/backend.h"
+#include "app/frames/frame_server.h"
+#include "app/frames/wire_fields.h"
+#include "headless.h"
+#include "net/wire.h"
+#include "render/base/error.h"
+
+namespace warpscope {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+TransportSettings lossless() {
+  TransportSettings transport;
+  transport.codec.color = ColorCoding::lossless;
+  return transport;
+}
+
+/// A server of a small scene, as `serve` starts it.
+class HostingTest : public ::testing::Test {
+ protected:
+  HostingTest() : scene_(smallScene("shells")), marcher_(makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction)) {
+    scene_.background = {0.25f, 0.5f, 0.75f};
+    restart({});
+  }
+  void restart(net::ServerSettings settings) {
+    server_.reset();
+    server_ = std::make_unique<FrameServer>(io_, scene_, marcher_, std::move(settings));
+  }
+  ConnectedScene connect(const TransportSettings& transport = lossless()) {
+    return connectScene(io_, server_->address(), transport, [this] { news_.release(); }, {});
+  }
+  std::optional<ServedFrame> next(FrameSource& source) {
+    const auto deadline = std::chrono::steady_clock::now() + seconds(30);
+    while (std::chrono::steady_clock::now() < deadline) {
+      if (std::optional<ServedFrame> served = source.tryTake()) return served;
+      news_.try_acquire_for(milliseconds(100));
+    }
+    return std::nullopt;
+  }
+  Camera camera(double turnDeg = 0.0) const {
+    View view = scene_.views.front();
+    view.angleDeg += turnDeg;
+    return makeCamera(scene_, view, 72, 56);
+  }
+
+  const std::shared_ptr<net::IoThread> io_ = std::make_shared<net::IoThread>();
+  Scene scene_;
+  MarcherPtr marcher_;
+  std::unique_ptr<FrameServer> server_;
+  std::counting_semaphore<> news_{0};
+};
+
+TEST_F(HostingTest, TheServersSceneMakesTheSameCameras) {
+  const ConnectedScene loaded = connect();
+  EXPECT_EQ(loaded.scene.volume, nullptr);
+  EXPECT_EQ(loaded.scene.name, scene_.name);
+  EXPECT_EQ(loaded.scene.title, scene_.title);
+  EXPECT_EQ(loaded.scene.views, scene_.views);
+  EXPECT_EQ(loaded.scene.march, scene_.march);
+  EXPECT_EQ(loaded.scene.background, scene_.background);
+  for (const View& view : scene_.views)
+    EXPECT_EQ(makeCamera(loaded.scene, view, 640, 480), makeCamera(scene_, view, 640, 480));
+}
+
+TEST_F(HostingTest, FramesAreTheMarchersBitForBit) {
+  const ConnectedScene loaded = connect();
+  uint64_t id = 0;
+  for (const auto& heuristic : kHeuristics) {
+    MarchSettings settings = scene_.march;
+    settings.heuristic = heuristic.value;
+    loaded.source->post({++id, camera(), settings}, std::chrono::steady_clock::now());
+    const std::optional<ServedFrame> served = next(*loaded.source);
+    ASSERT_TRUE(served && served->frame) << (served ? served->error : "nothing came");
+    const SampleFrame truth = marcher_->march(camera(), settings);
+    EXPECT_EQ(served->requestId, id);
+    EXPECT_TRUE(served->frame->samples == truth.samples) << heuristic.name;
+    EXPECT_TRUE(served->frame->colors == truth.colors) << heuristic.name;
+    EXPECT_EQ(served->frame->camera, truth.camera);
+    EXPECT_EQ(served->frame->settings, truth.settings);
+    EXPECT_EQ(served->frame->quantization, truth.quantization);
+    EXPECT_GT(served->bytes, 0u);
+    EXPECT_LT(served->bytes, truth.sizeBytes());
+    EXPECT_GT(served->latency.marchMs, 0.0);
+    EXPECT_GT(served->latency.encodeMs, 0.0);
+    EXPECT_GT(served->latency.decodeMs, 0.0);
+  }
+}
+
+TEST_F(HostingTest, GroundTruthIsTheMarchersBitForBit) {
+  const ConnectedScene loaded = connect();
+  Image<glm::vec4> here, there;
+  marcher_->render(camera(10.0), scene_.march, here);
+  loaded.display->render(camera(10.0), scene_.march, there);
+  EXPECT_TRUE(here == there);
+  const SampleFrame frame = loaded.display->march(camera(), scene_.march);
+  EXPECT_TRUE(frame.samples == marcher_->march(camera(), scene_.march).samples);
+  EXPECT_THROW(loaded.display->twin()->render(Camera{}, scene_.march, there), InputError);
+}
+
+TEST_F(HostingTest, ASimulatedLinkShowsInTheTimes) {
+  TransportSettings transport = lossless();
+  transport.link.up.delayMs = 40.0;
+  transport.link.down.delayMs = 80.0;
+  const ConnectedScene loaded = connect(transport);
+  const auto posted = std::chrono::steady_clock::now();
+  loaded.source->post({1, camera(), scene_.march}, posted);
+  const std::optional<ServedFrame> served = next(*loaded.source);
+  ASSERT_TRUE(served && served->frame);
+  EXPECT_GE(served->latency.wireMs, 119.0);
+  EXPECT_LT(served->latency.wireMs, 400.0);
+  // The stages are all of the time.
+  EXPECT_NEAR(served->latency.totalMs(), millisecondsBetween(posted, served->arrivedAt), 30.0);
+}
+
+TEST_F(HostingTest, ARequestThatCannotBeMarchedIsASentence) {
+  const ConnectedScene loaded = connect();
+  Camera broken = camera();
+  broken.eye.x = std::numeric_limits<float>::quiet_NaN();
+  loaded.source->post({1, broken, scene_.march}, std::chrono::steady_clock::now());
+  const std::optional<ServedFrame> served = next(*loaded.source);
+  ASSERT_TRUE(served);
+  EXPECT_FALSE(served->frame);
+  EXPECT_NE(served->error.find("camera"), std::string::npos) << served->error;
+  MarchSettings endless = scene_.march;
+  endless.step = 0.0f;
+  loaded.source->post({2, camera(), endless}, std::chrono::steady_clock::now());
+  const std::optional<ServedFrame> second = next(*loaded.source);
+  ASSERT_TRUE(second);
+  EXPECT_FALSE(second->error.empty());
+}
+
+TEST_F(HostingTest, FramesComeAgainWhenTheServerDoes) {
+  const ConnectedScene loaded = connect();
+  const net::HostPort where = server_->address().where;
+  loaded.source->post({1, camera(), scene_.march}, std::chrono::steady_clock::now());
+  ASSERT_TRUE(next(*loaded.source));
+  restart({.listen = where});
+  loaded.source->post({2, camera(5.0), scene_.march}, std::chrono::steady_clock::now());
+  const std::optional<ServedFrame> served = next(*loaded.source);
+  ASSERT_TRUE(served && served->frame);
+  EXPECT_EQ(served->requestId, 2u);
+  EXPECT_TRUE(loaded.source->status().isConnected);
+}
+
+TEST_F(HostingTest, AnotherSceneAtTheSameAddressIsSaidNotShown) {
+  const ConnectedScene loaded = connect();
+  const net::HostPort where = server_->address().where;
+  scene_ = smallScene("block");
+  marcher_ = makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction);
+  restart({.listen = where});
+  loaded.source->post({1, camera(), scene_.march}, std::chrono::steady_clock::now());
+  const std::optional<ServedFrame> served = next(*loaded.source);
+  ASSERT_TRUE(served);
+  EXPECT_NE(served->error.find("another scene"), std::string::npos) << served->error;
+}
+
+TEST_F(HostingTest, NobodyThereAndAWrongTokenAreSentences) {
+  const net::Address gone = server_->address();
+  restart({.identity = net::makeIdentity(), .token = net::Token::random()});
+  net::Address wrong = server_->address();
+  wrong.credentials->token = net::Token::random();
+  try {
+    connectScene(io_, wrong, {}, [] {}, {});
+    FAIL() << "the token was accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("does not accept this token"), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find(wrong.credentials->token.text()), std::string::npos);
+  }
+  server_.reset();
+  std::stop_source stop;
+  std::jthread stopper([&] {
+    std::this_thread::sleep_for(milliseconds(200));
+    stop.request_stop();
+  });
+  EXPECT_THROW(connectScene(io_, gone, {}, [] {}, stop.get_token()), OperationCancelled);  // it went on trying
+}
+
+TEST_F(HostingTest, EndsInTheMiddleOfAMarch) {
+  const ConnectedScene loaded = connect();
+  MarchSettings slow = scene_.march;
+  slow.step = 0.001f;
+  const Camera large = makeCamera(scene_, scene_.views.front(), 2048, 2048);
+  loaded.source->post({1, large, slow}, std::chrono::steady_clock::now());
+  std::this_thread::sleep_for(milliseconds(50));
+  const auto began = std::chrono::steady_clock::now();
+  server_.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - began, seconds(2));
+}
+
+TEST_F(HostingTest, NobodyWaitsForTheMarchOfAClientThatLeft) {
+  const ConnectedScene patient = connect();
+  {
+    const ConnectedScene leaving = connect();
+    MarchSettings slow = scene_.march;
+    slow.step = 0.001f;
+    leaving.source->post({1, makeCamera(scene_, scene_.views.front(), 4096, 4096), slow}, std::chrono::steady_clock::now());
+    std::this_thread::sleep_for(milliseconds(100));  // it marches
+  }
+  const auto began = std::chrono::steady_clock::now();
+  patient.source->post({1, camera(), scene_.march}, began);
+  const std::optional<ServedFrame> served = next(*patient.source);
+  ASSERT_TRUE(served && served->frame);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, seconds(5));  // the other march takes far longer
+}
+
+TEST(WireFields, EverythingComesBack) {
+  const Scene scene = smallScene("vessels");
+  const net::Bytes message = net::sceneMessage(toFields(scene));
+  const Scene back = sceneFrom(*net::readScene(net::ByteView(message).subspan(net::kMessageHeadBytes)));
+  EXPECT_EQ(toFields(back), toFields(scene));
+  for (const auto& policy : kRadiusPolicies) {
+    MarchSettings settings = scene.march;
+    settings.radiusPolicy = policy.value;
+    settings.skipEmpty = false;
+    EXPECT_EQ(marchFrom(toFields(settings)), settings);
+  }
+  for (const auto& coding : kColorCodings) {
+    const CodecSettings settings{PayloadFormat::raw, coding.value, 77};
+    EXPECT_EQ(codecFrom(toFields(settings)), settings);
+  }
+}
+
+TEST(WireFields, WhatIsImpossibleIsRefused) {
+  const Scene scene = smallScene("vessels");
+  const auto refused = [&](auto change) {
+    net::SceneFields fields = toFields(scene);
+    change(fields);
+    EXPECT_THROW(sceneFrom(fields), std::runtime_error);
+  };
+  refused([](auto& f) { f.dims[1] = 0; });
+  refused([](auto& f) { f.spacing[2] = -1.0; });
+  refused([](auto& f) { f.spacing[0] = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](auto& f) { f.direction[4] = 3.0; });
+  refused([](auto& f) { f.front = f.up; });
+  refused([](auto& f) { f.fovYDeg = 180.0; });
+  refused([](auto& f) { f.background[0] = std::numeric_limits<float>::infinity(); });
+  refused([](auto& f) { f.views[0].distance = std::numeric_limits<double>::infinity(); });
+  refused([](auto& f) { f.march.heuristic = 200; });
+  refused([](auto& f) { f.march.step = 0.0f; });
+
+  const SampleFrame frame = makeMarcher(Backend::cpu, scene.volume, scene.transferFunction)->march(makeCamera(scene, scene.views[0], 16, 16), scene.march);
+  const auto refusedFrame = [&](auto change) {
+    net::FrameHead head = headOf(frame, {});
+    EXPECT_NO_THROW(frameFrom(head));
+    change(head);
+    EXPECT_THROW(frameFrom(head), std::runtime_error);
+  };
+  refusedFrame([](auto& h) { h.radiusUnit = 3.0f; });
+  refusedFrame([](auto& h) { h.radiusUnit = 0.0f; });
+  refusedFrame([](auto& h) { h.voxelRadius = -1.0f; });
+  refusedFrame([](auto& h) { h.bounds[0] = h.bounds[3] + 1.0f; });
+  refusedFrame([](auto& h) { h.bounds[5] = std::numeric_limits<float>::infinity(); });
+  refusedFrame([](auto& h) { h.camera.width = 0; });
+  refusedFrame([](auto& h) { h.camera.tanHalfFovY = 0.0f; });
+}
+
+TEST(WireFields, ColoursOfEveryKindComeBackAndDamageIsRefused) {
+  Image<glm::vec4> image(37, 11);
+  for (size_t i = 0; i < image.size(); ++i)
+    image[i] = {static_cast<float>(i) * 1e-7f, -0.0f, i % 3 == 0 ? std::numeric_limits<float>::infinity() : 1.0f, 1.0f / static_cast<float>(i + 1)};
+  std::vector<std::byte> bytes = encodeColors(image);
+  EXPECT_TRUE(decodeColors(bytes, 37, 11) == image);
+  EXPECT_THROW(decodeColors(bytes, 38, 11), InputError);
+  EXPECT_THROW(decodeColors(bytes, 36, 11), InputError);
+  for (size_t cut = 0; cut < bytes.size(); cut += 7) EXPECT_THROW(decodeColors(std::span(bytes).first(cut), 37, 11), InputError);
+  bytes.push_back(std::byte{0});
+  EXPECT_THROW(decodeColors(bytes, 37, 11), InputError);
+}
+
+}  // namespace
+}  // namespace warpscope
