@@ -86,8 +86,8 @@ void expectAllHeuristicsAndPolicies(const VolumePtr& volume) {
   for (const auto& heuristic : kHeuristics)
     for (const auto& policy : kRadiusPolicies) {
       MarchSettings settings;
-      settings.heuristic = heuristic.value;
-      settings.radiusPolicy = policy.value;
+      settings.sample.heuristic = heuristic.value;
+      settings.sample.radiusPolicy = policy.value;
       const SampleFrame frame = marcher->march(cornerCamera(*volume, 160, 120), settings);
       ASSERT_GT(frame.size(), 1000u);
       const std::string what = std::string(heuristic.name) + " " + std::string(policy.name);
@@ -163,7 +163,7 @@ TEST(Codec, SamplesOnTheLatticeTakeFewBytes) {
   // What is measured at 1024x1024 is below 1; small pictures have more edges.
   for (const Heuristic heuristic : {Heuristic::entrance, Heuristic::exit, Heuristic::peak, Heuristic::gradient}) {
     MarchSettings settings;
-    settings.heuristic = heuristic;
+    settings.sample.heuristic = heuristic;
     const SampleFrame frame = marched(shells(), settings, 400, 400);
     EXPECT_LT(bytesPerSample(frame, kJpeg), 3.0) << nameOf(heuristic);
     EXPECT_GT(bytesPerSample(frame, kRaw), 12.0);
@@ -246,7 +246,7 @@ TEST(Codec, UnusableCamerasDoNotMatter) {
   frame.quantization.bounds = {glm::vec3(0.0f), glm::vec3(0.0f)};
   expectRoundTrips(frame, "flat");
   frame.quantization.bounds = {};
-  frame.settings.step = 0.0f;
+  frame.settings.render.step = 0.0f;
   frame.voxelRadius = std::nanf("");
   expectRoundTrips(frame, "bounds that hold nothing");
 }
@@ -255,7 +255,7 @@ RC_GTEST_PROP(Codec, RandomFramesComeBack, ()) {
   const auto width = *rc::gen::inRange<uint32_t>(1, 300), height = *rc::gen::inRange<uint32_t>(1, 300);
   const auto count = *rc::gen::inRange<size_t>(0, 5000);
   SampleFrame frame = garbageFrame(width, height, count, *rc::gen::arbitrary<uint32_t>());
-  frame.settings.radiusPolicy = *rc::gen::elementOf(std::vector{RadiusPolicy::voxel, RadiusPolicy::opacity, RadiusPolicy::pixel});
+  frame.settings.sample.radiusPolicy = *rc::gen::elementOf(std::vector{RadiusPolicy::voxel, RadiusPolicy::opacity, RadiusPolicy::pixel});
   for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) RC_ASSERT(roundTrip(frame, settings) == "");
 }
 
@@ -322,7 +322,7 @@ TEST(Codec, OneCodecServesFramesOfAllKinds) {
 
 TEST(Codec, ReceiversWithOtherHeadsFindOut) {
   MarchSettings settings;
-  settings.radiusPolicy = RadiusPolicy::pixel;
+  settings.sample.radiusPolicy = RadiusPolicy::pixel;
   const SampleFrame frame = marched(shells(), settings);
   const std::vector<std::byte> payload = FrameCodec().encode(frame, kLossless);
   const auto errorFor = [&](const auto& change, size_t count) {
@@ -339,8 +339,8 @@ TEST(Codec, ReceiversWithOtherHeadsFindOut) {
   EXPECT_NE(errorFor([](SampleFrame& head) { head.camera.width = 161; }, frame.size()), std::nullopt);
   EXPECT_NE(errorFor([](SampleFrame& head) { head.camera.height = 12; }, frame.size()), std::nullopt);
   EXPECT_NE(errorFor([](SampleFrame& head) { head.camera.tanHalfFovY = 0.0f; }, frame.size()), std::nullopt);
-  EXPECT_NE(errorFor([](SampleFrame& head) { head.settings.step = 0.25f; }, frame.size()), std::nullopt);
-  EXPECT_NE(errorFor([](SampleFrame& head) { head.settings.radiusPolicy = RadiusPolicy::constant; }, frame.size()), std::nullopt);
+  EXPECT_NE(errorFor([](SampleFrame& head) { head.settings.render.step = 0.25f; }, frame.size()), std::nullopt);
+  EXPECT_NE(errorFor([](SampleFrame& head) { head.settings.sample.radiusPolicy = RadiusPolicy::constant; }, frame.size()), std::nullopt);
   EXPECT_NE(errorFor([](SampleFrame& head) { head.quantization.bounds.upper *= 1.5f; }, frame.size()), std::nullopt);
 }
 

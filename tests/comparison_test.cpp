@@ -23,7 +23,7 @@ class CountingMarcher final : public Marcher {
     ++marches;
     return marcher_->march(camera, settings, stop);
   }
-  void render(const Camera& camera, const MarchSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
     ++renders;
     marcher_->render(camera, settings, image, stop);
   }
@@ -52,7 +52,7 @@ ComparisonSettings settingsFor(const Scene& scene, MarcherPtr marcher) {
   settings.codec.color = ColorCoding::lossless;
   settings.fetch = fetchHere(std::move(marcher), settings.codec);
   settings.march = scene.march;
-  settings.warp.reference = scene.march;
+  settings.warp.reference = scene.march.render;
   settings.width = 120;
   settings.height = 90;
   return settings;
@@ -109,7 +109,7 @@ TEST(Comparison, RowsSayWhatPicturesDrawnAnewSay) {
       const Camera camera = makeCamera(scene, scene.views[view], settings.width, settings.height);
       EXPECT_EQ(comparison.cameras[view], camera);
       Image<glm::vec4> reference;
-      stage.marcher().render(camera, scene.march, reference);
+      stage.marcher().render(camera, scene.march.render, reference);
       const WarpedImage image = stage.draw(technique, frame, camera);
       size_t shown = 0, holes = 0;
       for (size_t i = 0; i < reference.size(); ++i) {

@@ -35,7 +35,7 @@ class StubMarcher final : public Marcher {
     frame.camera = camera;
     return frame;
   }
-  void render(const Camera&, const MarchSettings&, Image<glm::vec4>&, const std::stop_token&) override {}
+  void render(const Camera&, const RenderSettings&, Image<glm::vec4>&, const std::stop_token&) override {}
   const VolumePtr& volume() const override { return volume_; }
   Backend backend() const override { return Backend::cpu; }
   MarcherPtr twin() const override { return nullptr; }  // nobody asks

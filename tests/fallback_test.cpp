@@ -30,7 +30,7 @@ class MadeUpMarcher final : public Marcher {
     frame.requestId = backend_ == Backend::cpu ? 1 : 2;
     return frame;
   }
-  void render(const Camera&, const MarchSettings&, Image<glm::vec4>& image, const std::stop_token&) override {
+  void render(const Camera&, const RenderSettings&, Image<glm::vec4>& image, const std::stop_token&) override {
     device_.use();
     image.resize(1, 1, glm::vec4(backend_ == Backend::cpu ? 1.0f : 2.0f));
   }

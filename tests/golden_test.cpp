@@ -51,7 +51,7 @@ TEST_P(Golden, EveryTechnique) {
   const SampleFramePtr frame = stage.frame(stage.camera(kSide, kSide), stage.scene().march);
   const Camera camera = stage.camera(kSide, kSide, kTurnDeg);
   WarpSettings settings;
-  settings.reference = stage.scene().march;
+  settings.reference = stage.scene().march.render;
   for (const WarpDescriptor& technique : warpRegistry()) {
     const Image<Rgba8> picture = toScreen(stage.draw(technique.name, frame, camera, settings), kBackground, kUncovered);
     const fs::path path = goldenPath(sceneName, technique.name);

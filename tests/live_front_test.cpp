@@ -14,7 +14,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 Configuration configured(const char* technique, float step = 0.5f) {
   Configuration configuration;
   configuration.technique = &findWarp(technique);
-  configuration.march.step = step;
+  configuration.march.render.step = step;
   configuration.serverSidePx = 512;
   return configuration;
 }
@@ -38,7 +38,7 @@ TEST(LiveFront, EqualWorkIsOnePoint) {
   LiveFront front;
   Configuration one = configured("points"), other = one;
   other.hits = 9;  // points depend on none
-  other.march.radiusPolicy = RadiusPolicy::opacity;
+  other.march.sample.radiusPolicy = RadiusPolicy::opacity;
   for (const Configuration& configuration : {one, other}) {
     front.addPicture(configuration, 1.0, 2.0);
     front.addError(configuration, 0.0, 0.25);
@@ -104,7 +104,7 @@ TEST(LiveFront, IsBoundedAndKeepsWhatHasAnError) {
   for (int i = 0; i < 1000; ++i) front.addPicture(configured("spheres", 1.0f + 0.001f * static_cast<float>(i)), 1.0, 1.0);  // a slider is dragged
   EXPECT_EQ(front.remembered(), LiveFront::kMostConfigurations);
   ASSERT_EQ(front.points().size(), 1u);
-  EXPECT_EQ(front.points()[0].configuration.march.step, 0.5f);
+  EXPECT_EQ(front.points()[0].configuration.march.render.step, 0.5f);
 
   for (int i = 0; i < 1000; ++i) {
     const Configuration configuration = configured("spheres", 10.0f + 0.01f * static_cast<float>(i));
@@ -113,7 +113,7 @@ TEST(LiveFront, IsBoundedAndKeepsWhatHasAnError) {
   }
   EXPECT_EQ(front.remembered(), LiveFront::kMostConfigurations);
   EXPECT_EQ(front.points().size(), LiveFront::kMostConfigurations);
-  for (const LiveFront::Point& point : front.points()) EXPECT_GT(point.configuration.march.step, 17.9f);  // the last ones
+  for (const LiveFront::Point& point : front.points()) EXPECT_GT(point.configuration.march.render.step, 17.9f);  // the last ones
   front.clear();
   EXPECT_EQ(front.remembered(), 0u);
   EXPECT_TRUE(front.points().empty());

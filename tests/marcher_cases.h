@@ -28,7 +28,7 @@ inline TransferFunction everywhere(float alpha) { return {{{0.0, glm::vec3(1.0f)
 
 inline Image<glm::vec4> rendered(Marcher& marcher, const Camera& camera, const MarchSettings& settings = {}) {
   Image<glm::vec4> image;
-  marcher.render(camera, settings, image);
+  marcher.render(camera, settings.render, image);
   return image;
 }
 

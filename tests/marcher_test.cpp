@@ -35,8 +35,8 @@ void expectBody(const Image<glm::vec4>& image, const Camera& camera, const Box& 
 TEST(CpuMarcher, AMillionNearlyTransparentSamples) {
   const VolumePtr volume = constantVolume(VoxelType::float32, {1000, 1, 1});
   MarchSettings settings;
-  settings.step = 1e-3f;
-  settings.skipEmpty = false;
+  settings.render.step = 1e-3f;
+  settings.render.skipEmpty = false;
   const Camera camera = lookingFrom({-501.0f, 0.0f, 0.0f}, {}, 1, 1, 1e-3f);
   const Image<glm::vec4> image = rendered(*makeCpuMarcher(volume, everywhere(1e-5f)), camera, settings);
   EXPECT_NEAR(image(0, 0).a, slab(1e-5, 1000.0), 1e-6);
@@ -47,9 +47,9 @@ TEST(CpuMarcher, HomogeneousBodyIsTheClosedFormAtEveryStep) {
   const MarcherPtr marcher = makeCpuMarcher(volume, everywhere(0.05f));
   const Camera camera = lookingFrom({15.0f, 11.0f, 17.0f}, {}, 48, 40);
   MarchSettings settings;
-  settings.terminateEarly = false;
+  settings.render.terminateEarly = false;
   for (const float step : {1.0f, 0.5f, 0.25f, 0.3f}) {
-    settings.step = step;
+    settings.render.step = step;
     expectBody(rendered(*marcher, camera, settings), camera, volume->bounds(), 0.05, "step " + std::to_string(step), 1.5e-6);
   }
 }
@@ -60,13 +60,13 @@ TEST(CpuMarcher, StoppingEarlyChangesNoDepthAndHardlyAColour) {
                                             {{{5.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {100.0, {0.1f, 0.5f, 1.0f}, 0.95f}}});
   const Camera camera = lookingFrom({50.0f, 30.0f, 45.0f}, {}, 64, 64);
   MarchSettings stop, go;
-  go.terminateEarly = false;
+  go.render.terminateEarly = false;
   const Image<glm::vec4> a = rendered(*marcher, camera, stop), b = rendered(*marcher, camera, go);
   EXPECT_FALSE(sameBits(a, b));  // or the test would show nothing
   for (size_t i = 0; i < a.size(); ++i)
-    for (int c = 0; c < 4; ++c) ASSERT_LE(std::abs(a[i][c] - b[i][c]), stop.contribution);
+    for (int c = 0; c < 4; ++c) ASSERT_LE(std::abs(a[i][c] - b[i][c]), stop.render.contribution);
   for (const auto& entry : kHeuristics) {
-    stop.heuristic = go.heuristic = entry.value;
+    stop.sample.heuristic = go.sample.heuristic = entry.value;
     const SampleFrame x = marcher->march(camera, stop), y = marcher->march(camera, go);
     EXPECT_GT(x.size(), 500u);
     EXPECT_TRUE(x.samples == y.samples) << entry.name;
@@ -102,7 +102,7 @@ TEST(CpuMarcher, NonFiniteVoxelsNeverSpread) {
   const TransferFunction function{{{0.0, {1.0f, 0.2f, 0.1f}, 0.01f}, {100.0, {0.1f, 0.5f, 1.0f}, 0.3f}}};
   const Camera camera = lookingFrom({30.0f, 20.0f, 25.0f}, {}, 96, 96);
   MarchSettings settings;
-  settings.terminateEarly = false;
+  settings.render.terminateEarly = false;
   for (const VoxelType type : {VoxelType::float32, VoxelType::float64}) {
     const auto volumeWith = [&](double first, double second) {
       return makeTestVolume(type, dims, [&](const glm::ivec3& p) {
@@ -145,7 +145,7 @@ TEST(CpuMarcher, NonFiniteVoxelsAreShownAsNothing) {
     // A layer of 6 of 20 voxels is missing: the body is shorter by 6.
     const VolumePtr layered = makeTestVolume(VoxelType::float64, {9, 9, 20}, [&](auto p) { return p.z >= 7 && p.z < 13 ? hole : 50.0; });
     MarchSettings settings;
-    settings.step = 0.01f;
+    settings.render.step = 0.01f;
     EXPECT_NEAR(rendered(*makeCpuMarcher(layered, everywhere(0.05f)), camera, settings)(4, 4).a, slab(0.05, 14.0), 1e-3);
   }
 }
@@ -178,7 +178,7 @@ TEST(CpuMarcher, ThinVolumes) {
       const std::string label = std::string(nameOf(type)) + " " + std::to_string(dims.x) + "x" + std::to_string(dims.y) + "x" + std::to_string(dims.z);
       const Camera camera = lookingFrom({14.0f, 8.0f, 12.0f}, {}, 32, 32, 0.7f);
       MarchSettings settings;
-      settings.terminateEarly = false;
+      settings.render.terminateEarly = false;
       expectBody(rendered(*makeCpuMarcher(volume, everywhere(0.2f)), camera, settings), camera, volume->bounds(), 0.2, label, 3e-6);
       EXPECT_GT(makeCpuMarcher(volume, everywhere(0.9f))->march(camera, settings).size(), 0u) << label;
     }
@@ -191,13 +191,13 @@ TEST(CpuMarcher, CamerasAnywhere) {
   const MarcherPtr marcher = makeCpuMarcher(volume, everywhere(0.04f));
   const Box& box = volume->bounds();
   MarchSettings settings;
-  settings.terminateEarly = false;
+  settings.render.terminateEarly = false;
   const auto check = [&](const glm::vec3& eye, const glm::vec3& at, const std::string& label) {
     const Camera camera = lookingFrom(eye, at, 31, 31);
     expectBody(rendered(*marcher, camera, settings), camera, box, 0.04, label, 2e-6);
     for (const auto& entry : kHeuristics) {
       MarchSettings deep = settings;
-      deep.heuristic = entry.value;
+      deep.sample.heuristic = entry.value;
       const SampleFrame frame = marcher->march(camera, deep);
       for (size_t i = 0; i < frame.size(); ++i) {
         const glm::vec3 center = frame.sphere(i).center;
@@ -228,11 +228,11 @@ TEST(CpuMarcher, AnEyeInAnOpaqueBodySeesItEverywhere) {
   const Camera camera = lookingFrom({1.0f, 2.0f, 3.0f}, {}, 40, 30);
   for (const auto& entry : kHeuristics) {
     MarchSettings settings;
-    settings.heuristic = entry.value;
+    settings.sample.heuristic = entry.value;
     const SampleFrame frame = marcher->march(camera, settings);
     ASSERT_EQ(frame.size(), 1200u) << entry.name;
     for (size_t i = 0; i < frame.size(); ++i) {
-      ASSERT_LE(glm::length(frame.sphere(i).center - camera.eye), settings.step + 1e-3f) << entry.name;
+      ASSERT_LE(glm::length(frame.sphere(i).center - camera.eye), settings.render.step + 1e-3f) << entry.name;
       ASSERT_EQ(frame.colors[i], 0xffffffffu);
     }
   }
@@ -244,8 +244,8 @@ TEST(CpuMarcher, DepthsAreFinerThan8Bits) {
   const MarcherPtr marcher = makeCpuMarcher(volume, {{{-31.0, glm::vec3(1.0f), 0.0f}, {-31.0, glm::vec3(1.0f), 1.0f}}});
   const Camera camera = lookingFrom({0.0f, 0.0f, 1000.0f}, {}, 64, 1, 0.01f / 64.0f * 2.0f);
   MarchSettings settings;
-  settings.heuristic = Heuristic::entrance;
-  settings.step = 1e-3f;
+  settings.sample.heuristic = Heuristic::entrance;
+  settings.render.step = 1e-3f;
   const SampleFrame frame = marcher->march(camera, settings);
   ASSERT_EQ(frame.size(), 64u);
   for (size_t i = 1; i < frame.size(); ++i) ASSERT_NE(frame.sphere(i).center.z, frame.sphere(i - 1).center.z);
@@ -271,9 +271,9 @@ TEST(CpuMarcher, FramesSayWhatTheyAreMadeFor) {
   const MarcherPtr marcher = makeCpuMarcher(constantVolume(VoxelType::uint8, {16, 12, 10}), everywhere(0.5f));
   const Camera camera = lookingFrom({30.0f, 10.0f, 20.0f}, {}, 50, 40);
   MarchSettings settings;
-  settings.heuristic = Heuristic::median;
+  settings.sample.heuristic = Heuristic::median;
   for (const auto& policy : kRadiusPolicies) {
-    settings.radiusPolicy = policy.value;
+    settings.sample.radiusPolicy = policy.value;
     const SampleFrame frame = marcher->march(camera, settings);
     EXPECT_EQ(frame.camera, camera);
     EXPECT_EQ(frame.settings, settings);
@@ -308,7 +308,7 @@ TEST(CpuMarcher, CancellingThrowsAndLeavesAMarcherThatWorks) {
 
   // In the middle of work that would take minutes.
   MarchSettings fine;
-  fine.step = 1e-3f;
+  fine.render.step = 1e-3f;
   const Camera large = lookingFrom({80.0f, 30.0f, 45.0f}, {}, 512, 512);
   std::stop_source source;
   std::jthread stopper([&] {
@@ -329,8 +329,9 @@ TEST(CpuMarcher, RefusesUnusableCamerasAndSettings) {
   EXPECT_THROW(marcher->render(bad, {}, image), InputError);
   const float nan = std::nanf("");
   for (const MarchSettings& settings :
-       {MarchSettings{.step = 0.0f}, MarchSettings{.step = nan}, MarchSettings{.contribution = 0.0f}, MarchSettings{.threshold = 2.0f},
-        MarchSettings{.radiusScale = -1.0f}})
+       {MarchSettings{.render = {.step = 0.0f}}, MarchSettings{.render = {.step = nan}}, MarchSettings{.render = {.contribution = 0.0f}},
+        MarchSettings{.sample = {.threshold = 2.0f}},
+        MarchSettings{.sample = {.radiusScale = -1.0f}}})
     EXPECT_THROW(marcher->march(good, settings), UsageError);
 }
 

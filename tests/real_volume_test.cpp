@@ -128,7 +128,7 @@ TEST(RealVolume, SpheresAreAtLeastAsGoodAsPointsOnTheEngine) {
   const SampleFramePtr frame = stage.frame(stage.camera(640, 640), stage.scene().march);
   const Camera turned = stage.camera(640, 640, 10.0);
   Image<glm::vec4> reference;
-  stage.marcher().render(turned, stage.scene().march, reference);
+  stage.marcher().render(turned, stage.scene().march.render, reference);
   const auto psnrDb = [&](std::string_view technique) {
     return psnrSrgb(stage.draw(technique, frame, turned).color, reference, stage.scene().background);
   };

@@ -79,7 +79,7 @@ TEST_F(HostingTest, FramesAreTheMarchersBitForBit) {
   uint64_t id = 0;
   for (const auto& heuristic : kHeuristics) {
     MarchSettings settings = scene_.march;
-    settings.heuristic = heuristic.value;
+    settings.sample.heuristic = heuristic.value;
     loaded.source->post({++id, camera(), settings}, std::chrono::steady_clock::now());
     const std::optional<ServedFrame> served = next(*loaded.source);
     ASSERT_TRUE(served && served->frame) << (served ? served->error : "nothing came");
@@ -101,12 +101,12 @@ TEST_F(HostingTest, FramesAreTheMarchersBitForBit) {
 TEST_F(HostingTest, GroundTruthIsTheMarchersBitForBit) {
   const ConnectedScene loaded = connect();
   Image<glm::vec4> here, there;
-  marcher_->render(camera(10.0), scene_.march, here);
-  loaded.display->render(camera(10.0), scene_.march, there);
+  marcher_->render(camera(10.0), scene_.march.render, here);
+  loaded.display->render(camera(10.0), scene_.march.render, there);
   EXPECT_TRUE(here == there);
   const SampleFrame frame = loaded.display->march(camera(), scene_.march);
   EXPECT_TRUE(frame.samples == marcher_->march(camera(), scene_.march).samples);
-  EXPECT_THROW(loaded.display->twin()->render(Camera{}, scene_.march, there), InputError);
+  EXPECT_THROW(loaded.display->twin()->render(Camera{}, scene_.march.render, there), InputError);
 }
 
 TEST_F(HostingTest, ASimulatedLinkShowsInTheTimes) {
@@ -134,7 +134,7 @@ TEST_F(HostingTest, ARequestThatCannotBeMarchedIsASentence) {
   EXPECT_FALSE(served->frame);
   EXPECT_NE(served->error.find("camera"), std::string::npos) << served->error;
   MarchSettings endless = scene_.march;
-  endless.step = 0.0f;
+  endless.render.step = 0.0f;
   loaded.source->post({2, camera(), endless}, std::chrono::steady_clock::now());
   const std::optional<ServedFrame> second = next(*loaded.source);
   ASSERT_TRUE(second);
@@ -190,7 +190,7 @@ TEST_F(HostingTest, NobodyThereAndAWrongTokenAreSentences) {
 TEST_F(HostingTest, EndsInTheMiddleOfAMarch) {
   const ConnectedScene loaded = connect();
   MarchSettings slow = scene_.march;
-  slow.step = 0.001f;
+  slow.render.step = 0.001f;
   const Camera large = makeCamera(scene_, scene_.views.front(), 2048, 2048);
   loaded.source->post({1, large, slow}, std::chrono::steady_clock::now());
   std::this_thread::sleep_for(milliseconds(50));
@@ -204,7 +204,7 @@ TEST_F(HostingTest, NobodyWaitsForTheMarchOfAClientThatLeft) {
   {
     const ConnectedScene leaving = connect();
     MarchSettings slow = scene_.march;
-    slow.step = 0.001f;
+    slow.render.step = 0.001f;
     leaving.source->post({1, makeCamera(scene_, scene_.views.front(), 4096, 4096), slow}, std::chrono::steady_clock::now());
     std::this_thread::sleep_for(milliseconds(100));  // it marches
   }
@@ -222,8 +222,8 @@ TEST(WireFields, EverythingComesBack) {
   EXPECT_EQ(toFields(back), toFields(scene));
   for (const auto& policy : kRadiusPolicies) {
     MarchSettings settings = scene.march;
-    settings.radiusPolicy = policy.value;
-    settings.skipEmpty = false;
+    settings.sample.radiusPolicy = policy.value;
+    settings.render.skipEmpty = false;
     EXPECT_EQ(marchFrom(toFields(settings)), settings);
   }
   for (const auto& coding : kColorCodings) {

@@ -79,11 +79,11 @@ TEST_F(SessionChoiceTest, WithoutASweepItIsWhatWasOnShow) {
 TEST_F(SessionChoiceTest, WhatWasNotMeasuredIsSaid) {
   ASSERT_TRUE(open("block"));
   Knobs knobs = session_.knobs();
-  knobs.march.heuristic = Heuristic::exit;
+  knobs.march.sample.heuristic = Heuristic::exit;
   session_.setKnobs(knobs);
   session_.setTechnique(0, findWarp("points"));
   std::vector<SweepRow> rows{rowOf("spheres", 0, 0.1, 1)};
-  rows[0].configuration.march.heuristic = Heuristic::entrance;
+  rows[0].configuration.march.sample.heuristic = Heuristic::entrance;
   session_.setFront(std::make_shared<const AutoChoice>(rows));
   session_.setAutomatic(0);
   ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn != nullptr && session_.panel(0).drawn->name == "splats"; }));

@@ -24,11 +24,11 @@ Redrawn redrawn(const Session& session, size_t panel) {
   WarpResources resources;
   resources.marcher = makeMarcher(Backend::cpu, scene.volume, scene.transferFunction);
   WarpSettings settings = session.knobs().warp;
-  settings.reference = session.knobs().march;
+  settings.reference = session.knobs().march.render;
   const std::unique_ptr<Warp> warp = makeWarp(*session.panel(panel).technique, resources);
   warp->setFrame(session.frame(), settings);
   warp->draw(camera, settings, result.image);
-  resources.marcher->render(camera, session.knobs().march, result.reference, {});
+  resources.marcher->render(camera, session.knobs().march.render, result.reference, {});
   return result;
 }
 
@@ -187,7 +187,7 @@ TEST_F(SessionErrorsTest, TheFrontHasAPointForEachConfigurationThatWasSeen) {
     EXPECT_EQ(point->buckets.front().fromDeg, 0.0);
     EXPECT_GT(point->frameMs, 0.0);
   }
-  EXPECT_EQ(session_.panel(1).configuration->march.heuristic, session_.knobs().march.heuristic);
+  EXPECT_EQ(session_.panel(1).configuration->march.sample.heuristic, session_.knobs().march.sample.heuristic);
 
   freeze(session_);
   turn(session_, 24.0);
@@ -199,7 +199,7 @@ TEST_F(SessionErrorsTest, TheFrontHasAPointForEachConfigurationThatWasSeen) {
 
   Knobs knobs = session_.knobs();
   knobs.isFrozen = false;
-  knobs.march.radiusPolicy = RadiusPolicy::constant;
+  knobs.march.sample.radiusPolicy = RadiusPolicy::constant;
   session_.setKnobs(knobs);
   ASSERT_TRUE(pumpUntil([&] { return session_.liveFront().points().size() == 3u; }));  // `hold` depends on no radius
 
@@ -218,10 +218,10 @@ TEST_F(SessionErrorsTest, AConfigurationThatIsChosenIsTakenOver) {
   Configuration wanted;
   wanted.technique = &findWarp("spheres");
   wanted.march = session_.knobs().march;
-  wanted.march.heuristic = Heuristic::median;
-  wanted.march.radiusPolicy = RadiusPolicy::pixel;
-  wanted.march.radiusScale = 2.0f;
-  wanted.march.step = 0.75f;
+  wanted.march.sample.heuristic = Heuristic::median;
+  wanted.march.sample.radiusPolicy = RadiusPolicy::pixel;
+  wanted.march.sample.radiusScale = 2.0f;
+  wanted.march.render.step = 0.75f;
   wanted.serverSidePx = 32;
   wanted.codec.color = ColorCoding::lossless;
   session_.choose(0, wanted);
@@ -232,8 +232,8 @@ TEST_F(SessionErrorsTest, AConfigurationThatIsChosenIsTakenOver) {
   Configuration points = normalized({&findWarp("points"), {}, 48, {}, 5, WarpSettings{}.hits});
   session_.choose(1, points);
   EXPECT_EQ(session_.knobs().warp.pointSize, 5);
-  EXPECT_EQ(session_.knobs().march.radiusPolicy, RadiusPolicy::pixel);
-  EXPECT_EQ(session_.knobs().march.radiusScale, 2.0f);
+  EXPECT_EQ(session_.knobs().march.sample.radiusPolicy, RadiusPolicy::pixel);
+  EXPECT_EQ(session_.knobs().march.sample.radiusScale, 2.0f);
   EXPECT_EQ(session_.knobs().serverSidePx, 48u);
   EXPECT_EQ(session_.panel(1).technique, &findWarp("points"));
 }

@@ -34,7 +34,7 @@ class FaultyMarcher final : public Marcher {
     if (faults_->march) throw InputError("the server is on fire");
     return sound_->march(camera, settings, stop);
   }
-  void render(const Camera& camera, const MarchSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
     if (faults_->render) throw InputError("no ground truth today");
     sound_->render(camera, settings, image, stop);
   }

@@ -127,7 +127,7 @@ TEST_F(SessionTest, AnotherSceneReplacesEverything) {
   ASSERT_TRUE(open("block"));
   const uint64_t before = session_.frame()->requestId;
   Knobs knobs = session_.knobs();
-  knobs.march.heuristic = Heuristic::exit;
+  knobs.march.sample.heuristic = Heuristic::exit;
   session_.setKnobs(knobs);
   session_.load(builtin("shells"));
   EXPECT_EQ(session_.loading(), "shells");
@@ -229,12 +229,12 @@ TEST_F(SessionTest, ASceneThatCannotBeOpenedIsASentence) {
 TEST_F(SessionTest, AServerThatFailsIsASentenceAndRecovers) {
   ASSERT_TRUE(open("block"));
   Knobs knobs = session_.knobs();
-  const float step = knobs.march.step;
-  knobs.march.step = 0.0f;
+  const float step = knobs.march.render.step;
+  knobs.march.render.step = 0.0f;
   session_.setKnobs(knobs);
   ASSERT_TRUE(pumpUntil([&] { return !session_.error().empty(); }));
   EXPECT_THAT(session_.error(), ::testing::HasSubstr("step"));
-  knobs.march.step = 2.0f * step;
+  knobs.march.render.step = 2.0f * step;
   session_.setKnobs(knobs);
   ASSERT_TRUE(settle());
   EXPECT_EQ(session_.error(), "");

@@ -41,11 +41,11 @@ void expectSkippingChangesNothing(const VolumePtr& volume, const TransferFunctio
   for (const float step : steps)
     for (size_t i = 0; i < cameras.size(); ++i) {
       MarchSettings with, without;
-      with.step = without.step = step;
-      without.skipEmpty = false;
+      with.render.step = without.render.step = step;
+      without.render.skipEmpty = false;
       ASSERT_TRUE(sameBits(rendered(*marcher, cameras[i], with), rendered(*marcher, cameras[i], without)))
           << label << ", camera " << i << ", step " << step;
-      with.heuristic = without.heuristic = Heuristic::expected;
+      with.sample.heuristic = without.sample.heuristic = Heuristic::expected;
       ASSERT_TRUE(sameFrame(marcher->march(cameras[i], with), marcher->march(cameras[i], without)))
           << label << ", camera " << i << ", step " << step;
     }
@@ -111,10 +111,10 @@ TEST(Skipping, LeavesOutMostOfAnEmptyVolume) {
   const VolumePtr volume = makeTestVolume(VoxelType::uint8, {512, 512, 64}, [](auto p) { return p.x + p.y + p.z == 0 ? 255.0 : 0.0; });
   const MarcherPtr marcher = makeCpuMarcher(volume, band(100.0, 256.0, 0.5f));
   MarchSettings settings;
-  settings.step = 0.05f;
+  settings.render.step = 0.05f;
   const Camera camera = lookingFrom({600.0f, 500.0f, 400.0f}, {}, 48, 48);
   const auto milliseconds = [&](bool skip) {
-    settings.skipEmpty = skip;
+    settings.render.skipEmpty = skip;
     double least = marcher->march(camera, settings).timings.marchMs;
     for (int i = 0; i < 2; ++i) least = std::min(least, marcher->march(camera, settings).timings.marchMs);
     return least;

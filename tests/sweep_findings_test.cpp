@@ -17,7 +17,7 @@ namespace {
 SweepRow rowOf(std::string_view technique, Heuristic heuristic, double angleDeg, double flip, double drawMs) {
   SweepRow row;
   row.configuration.technique = &findWarp(technique);
-  row.configuration.march.heuristic = heuristic;
+  row.configuration.march.sample.heuristic = heuristic;
   row.configuration.serverSidePx = 512;
   row.configuration = normalized(row.configuration);
   row.angleDeg = angleDeg;
@@ -119,8 +119,8 @@ TEST(Findings, NamesSayWhatTellsApart) {
   EXPECT_EQ(nameAmong(rows[0].configuration, summariesOf(rows)), "spheres, gradient, voxel, server's image of 512 px");
   EXPECT_EQ(nameAmong(rows[1].configuration, summariesOf(rows)), "hold, server's image of 512 px");
   EXPECT_EQ(nameAmong(rows[2].configuration, summariesOf(rows)), "reference");  // which needs no frame
-  rows.back().configuration.march.step *= 2.0f;
-  EXPECT_EQ(nameAmong(rows[2].configuration, summariesOf(rows)), "reference, step " + numberText(rows[2].configuration.march.step));
+  rows.back().configuration.march.render.step *= 2.0f;
+  EXPECT_EQ(nameAmong(rows[2].configuration, summariesOf(rows)), "reference, step " + numberText(rows[2].configuration.march.render.step));
   rows.back() = rows[0];
   rows.back().configuration.codec.color = ColorCoding::lossless;
   ASSERT_NE(rows.back().configuration.codec, rows[0].configuration.codec);

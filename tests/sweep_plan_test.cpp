@@ -51,21 +51,21 @@ std::string optionRefusal(std::string_view option, const std::string& text) {
 
 TEST(Configuration, WhatATechniqueDoesNotDependOnIsNotPartOfIt) {
   Configuration a = configurationOf("hold"), b = a;
-  b.march.heuristic = Heuristic::exit;
-  b.march.radiusPolicy = RadiusPolicy::pixel;
+  b.march.sample.heuristic = Heuristic::exit;
+  b.march.sample.radiusPolicy = RadiusPolicy::pixel;
   b.pointSize = 7;
   b.hits = 3;
   EXPECT_NE(a, b);
   EXPECT_EQ(normalized(a), normalized(b));
   EXPECT_EQ(keyOf(a), keyOf(b));
-  b.march.step = 1.0f;
+  b.march.render.step = 1.0f;
   EXPECT_NE(keyOf(a), keyOf(b));
 
   Configuration points = configurationOf("points"), larger = points;
   larger.pointSize = 3;
   EXPECT_NE(keyOf(points), keyOf(larger));
   larger = points;
-  larger.march.radiusScale = 2.0f;
+  larger.march.sample.radiusScale = 2.0f;
   EXPECT_EQ(keyOf(points), keyOf(larger));
 
   Configuration reference = configurationOf("reference"), smaller = reference;
@@ -82,9 +82,9 @@ TEST(Configuration, KeysTellApartWhateverDiffers) {
           for (const int size : {1, 2})
             for (const char* codec : {"raw", "lossless", "jpeg90", "jpeg95"}) {
               Configuration configuration = configurationOf(technique.name);
-              configuration.march.heuristic = heuristic.value;
-              configuration.march.radiusPolicy = radius.value;
-              configuration.march.radiusScale = scale;
+              configuration.march.sample.heuristic = heuristic.value;
+              configuration.march.sample.radiusPolicy = radius.value;
+              configuration.march.sample.radiusScale = scale;
               configuration.pointSize = configuration.hits = size;
               configuration.codec = codecOfWord(codec);
               all.push_back(normalized(configuration));
@@ -102,11 +102,11 @@ TEST(Configuration, KeysTellApartWhateverDiffers) {
 TEST(Configuration, ComesBackFromJson) {
   for (const WarpDescriptor& technique : warpRegistry()) {
     Configuration configuration = configurationOf(technique.name);
-    configuration.march.heuristic = Heuristic::relThreshold;
-    configuration.march.threshold = 0.625f;
-    configuration.march.radiusPolicy = RadiusPolicy::opacity;
-    configuration.march.radiusScale = 0.75f;
-    configuration.march.step = 0.25f;
+    configuration.march.sample.heuristic = Heuristic::relThreshold;
+    configuration.march.sample.threshold = 0.625f;
+    configuration.march.sample.radiusPolicy = RadiusPolicy::opacity;
+    configuration.march.sample.radiusScale = 0.75f;
+    configuration.march.render.step = 0.25f;
     configuration.pointSize = 5;
     configuration.hits = 7;
     configuration.codec = codecOfWord("jpeg80");
@@ -158,7 +158,7 @@ TEST(SweepPlan, BaselinesAreThereWhateverIsAskedFor) {
   EXPECT_TRUE(isPapersMethod(configurations[2]));
   EXPECT_TRUE(isPointBaseline(configurations[3]));
   EXPECT_EQ(configurations[2].serverSidePx, 128u);
-  EXPECT_EQ(configurations[2].march.step, 2.0f);
+  EXPECT_EQ(configurations[2].march.render.step, 2.0f);
 }
 
 TEST(SweepPlan, ComesBackFromJson) {

@@ -37,7 +37,7 @@ class SweepTest : public ::testing::Test {
     settings_.plan = smallPlan(stage_.scene());
     settings_.width = 96;
     settings_.height = 72;
-    settings_.warp.reference = stage_.scene().march;
+    settings_.warp.reference = stage_.scene().march.render;
   }
 
   TestFolder folder_;
@@ -93,7 +93,7 @@ TEST_F(SweepTest, ErrorsAreThoseOfThePictures) {
     const SampleFramePtr frame = stage_.frame(stage_.camera(96, 72), row.configuration.march);
     const Camera camera = stage_.camera(96, 72, row.angleDeg);
     WarpedImage truth;
-    stage_.marcher().render(camera, stage_.scene().march, truth.color);
+    stage_.marcher().render(camera, stage_.scene().march.render, truth.color);
     const WarpedImage image = stage_.draw(row.configuration.technique->name, frame, camera, row.configuration.warp(settings_.warp));
     const PictureErrors errors = PictureJudge(truth.color, stage_.scene().background).errorsOf(image);
     EXPECT_EQ(row.errors.flip, errors.flip) << keyOf(row.configuration) << row.angleDeg;
@@ -103,7 +103,7 @@ TEST_F(SweepTest, ErrorsAreThoseOfThePictures) {
   // Spheres and splats draw the same picture.
   const auto errorOf = [&](std::string_view technique) {
     return std::find_if(rows.begin(), rows.end(), [&](const SweepRow& row) {
-             return row.configuration.technique->name == technique && row.angleDeg == 20.0 && row.configuration.march.heuristic == Heuristic::median;
+             return row.configuration.technique->name == technique && row.angleDeg == 20.0 && row.configuration.march.sample.heuristic == Heuristic::median;
            })->errors.flip;
   };
   EXPECT_NEAR(errorOf("spheres"), errorOf("splats"), 1e-3);
@@ -190,7 +190,7 @@ TEST_F(SweepTest, AJournalIsAFile) {
 }
 
 TEST_F(SweepTest, TheTruthKnowsWhatWasHidden) {
-  GroundTruth truth(stage_.scene(), stage_.resources().marcher, stage_.scene().march, 96, 72);
+  GroundTruth truth(stage_.scene(), stage_.resources().marcher, stage_.scene().march.render, 96, 72);
   EXPECT_EQ(truth.seenAt(0.0, {}).disoccludedFraction, 0.0);
   EXPECT_GT(truth.seenAt(45.0, {}).disoccludedFraction, truth.seenAt(10.0, {}).disoccludedFraction);
   EXPECT_EQ(&truth.at(45.0, {}), &truth.at(45.0, {}));

@@ -160,7 +160,7 @@ TEST(Visibility, AMarchedVolumeIsKnownFromItsOwnViewAndLessFromOthers) {
   const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, blobs(dims, 7));
   const MarcherPtr marcher = makeCpuMarcher(volume, TransferFunction{{{20.0, glm::vec3(1.0f), 0.0f}, {60.0, glm::vec3(1.0f), 0.6f}}});
   MarchSettings settings;
-  settings.heuristic = Heuristic::gradient;
+  settings.sample.heuristic = Heuristic::gradient;
   const SampleFrame front = marcher->march(lookingAt(0.0f, 160, 160), settings);
   ASSERT_GT(front.size(), 2000u);
   EXPECT_EQ(count(visibilityOf(front, front), Visibility::disoccluded), 0u);

@@ -75,17 +75,17 @@ std::vector<VoxelCell<Voxel>> voxelCellsOf(const Voxel* voxels, const glm::ivec3
 Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunction& function, const Camera& camera,
                                         const MarchSettings& settings, bool byCells) {
   const MarchedVolume marched(VolumePtr(&volume, [](const Volume*) {}), function);
-  const BakedTransfer baked = bakeTransfer(marched, settings.step);
+  const BakedTransfer baked = bakeTransfer(marched, settings.render.step);
   Image<glm::vec4> image(camera.width, camera.height);
   const auto renderWith = [&](auto source, const auto& view) {
     for (uint32_t y = 0; y < camera.height; ++y)
       for (uint32_t x = 0; x < camera.width; ++x) {
         const Ray ray = pixelRay(camera, glm::vec2(x, y) + 0.5f);
         const RayLattice lattice =
-            makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.step);
+            makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.render.step);
         typename decltype(source)::type rayed(view, ray, lattice);
         RayColor color;
-        marchRay(lattice, 0, lattice.count, rayed, settings.contribution, stopBelow(settings), color,
+        marchRay(lattice, 0, lattice.count, rayed, settings.render.contribution, stopBelow(settings.render), color,
                  [](const CountingSample&) { return true; });
         image(x, y) = color.premultiplied();
       }
@@ -125,17 +125,17 @@ Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunc
 Image<glm::vec4> renderedOneByOne(const Volume& volume, const TransferFunction& function, const Camera& camera,
                                   const MarchSettings& settings) {
   const TransferTable table =
-      bakeTransferTable(function, volume.statistics().rangeLower, volume.statistics().rangeUpper, settings.step);
+      bakeTransferTable(function, volume.statistics().rangeLower, volume.statistics().rangeUpper, settings.render.step);
   Image<glm::vec4> image(camera.width, camera.height);
   visitVoxelType(volume.type(), [&](auto tag) {
     for (uint32_t y = 0; y < camera.height; ++y)
       for (uint32_t x = 0; x < camera.width; ++x) {
         const Ray ray = pixelRay(camera, glm::vec2(x, y) + 0.5f);
         const RayLattice lattice =
-            makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.step);
+            makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.render.step);
         ScalarSource<decltype(tag)> source{volume, table, ray, lattice};
         RayColor color;
-        marchRay(lattice, 0, lattice.count, source, settings.contribution, settings.terminateEarly ? settings.contribution : 0.0f,
+        marchRay(lattice, 0, lattice.count, source, settings.render.contribution, settings.render.terminateEarly ? settings.render.contribution : 0.0f,
                  color, [](const CountingSample&) { return true; });
         image(x, y) = color.premultiplied();
       }
@@ -163,7 +163,7 @@ TEST_P(VolumeSourceOf, BatchesAreTheScalarFormulaBitForBit) {
     const MarcherPtr marcher = makeCpuMarcher(volume, function);
     for (const float step : {0.5f, 0.37f}) {
       MarchSettings settings;
-      settings.step = step;
+      settings.render.step = step;
       for (const glm::vec3 eye : {glm::vec3(40.0f, 25.0f, 33.0f), glm::vec3(0.1f, 0.2f, 0.3f), glm::vec3(0.0f, 0.0f, -50.0f)}) {
         const Camera camera = lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 33, 29);
         SCOPED_TRACE(::testing::Message() << dims.x << "x" << dims.y << "x" << dims.z << ", step " << step);

@@ -20,7 +20,7 @@ namespace {
 
 MarchSettings withRadius(const Scene& scene, RadiusPolicy policy) {
   MarchSettings settings = scene.march;
-  settings.radiusPolicy = policy;
+  settings.sample.radiusPolicy = policy;
   return settings;
 }
 
@@ -165,7 +165,7 @@ TEST(Warp, ReferenceShowsTheServersColoursUpToRounding) {
   const Camera camera = stage.camera(160, 120);
   const SampleFramePtr frame = stage.frame(camera, stage.scene().march);
   WarpSettings settings;
-  settings.reference = stage.scene().march;
+  settings.reference = stage.scene().march.render;
   const WarpedImage reference = stage.draw("reference", nullptr, camera, settings);
   const Image<uint32_t> own = ownPixels(*frame);
   for (size_t i = 0; i < own.size(); ++i) {
@@ -313,7 +313,7 @@ TEST_P(WarpGl, DisocclusionsAreHolesAndNotBackground) {
       SCOPED_TRACE(std::string(technique) + " " + std::to_string(turn));
       const Camera turned = stage.camera(300, 300, turn);
       Image<glm::vec4> reference;
-      stage.marcher().render(turned, stage.scene().march, reference);
+      stage.marcher().render(turned, stage.scene().march.render, reference);
       const WarpedImage image = stage.draw(technique, frame, turned);
       const HoleCount count = countHoles(image, reference);
       size_t holes = 0, background = 0;
@@ -340,7 +340,7 @@ TEST_P(WarpGl, SpheresCloseHolesThatPointsLeave) {
   for (const double turn : {10.0, 25.0, 45.0}) {
     const Camera turned = stage.camera(side, side, turn);
     Image<glm::vec4> reference;
-    stage.marcher().render(turned, stage.scene().march, reference);
+    stage.marcher().render(turned, stage.scene().march.render, reference);
     const auto measure = [&](std::string_view technique) {
       const WarpedImage image = stage.draw(technique, frame, turned);
       return std::pair(psnrSrgb(image.color, reference, stage.scene().background), countHoles(image, reference).fraction());

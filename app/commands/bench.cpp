@@ -133,9 +133,9 @@ void bench(const BenchOptions& options) {
   report["scene"] = work.scene.name;
   report["width"] = work.width;
   report["height"] = work.height;
-  report["step"] = work.march.step;
-  report["heuristic"] = nameOf(work.march.heuristic);
-  report["radius"] = nameOf(work.march.radiusPolicy);
+  report["step"] = work.march.render.step;
+  report["heuristic"] = nameOf(work.march.sample.heuristic);
+  report["radius"] = nameOf(work.march.sample.radiusPolicy);
   report["runs"] = options.runs;
   report["version"] = WARPSCOPE_VERSION;
   report["backends"] = backends;

@@ -37,8 +37,8 @@ Json toJson(const ComparisonRow& row, const Comparison& comparison, const Comman
   const bool usesFrame = row.technique->usesFrame;
   const View& view = work.scene.views[row.view];
   return {{"technique", row.technique->name},
-          {"heuristic", usesFrame ? Json(nameOf(work.march.heuristic)) : Json(nullptr)},
-          {"radius", usesFrame ? Json(nameOf(work.march.radiusPolicy)) : Json(nullptr)},
+          {"heuristic", usesFrame ? Json(nameOf(work.march.sample.heuristic)) : Json(nullptr)},
+          {"radius", usesFrame ? Json(nameOf(work.march.sample.radiusPolicy)) : Json(nullptr)},
           {"view", row.view},
           {"angleDeg", view.angleDeg - work.scene.views.front().angleDeg},
           {"elevationDeg", view.elevationDeg},
@@ -72,8 +72,8 @@ Json toJson(const Comparison& comparison, const CommandContext& work, std::strin
   return {{"scene", work.scene.name},
           {"width", work.width},
           {"height", work.height},
-          {"step", work.march.step},
-          {"radiusScale", work.march.radiusScale},
+          {"step", work.march.render.step},
+          {"radiusScale", work.march.sample.radiusScale},
           {"pointSize", work.warp.pointSize},
           {"hits", work.warp.hits},
           {"backend", backend},
@@ -157,8 +157,8 @@ void compare(const CompareOptions& options) {
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
 
   Montage montage;
-  montage.title = work.scene.title + "  (" + std::string(nameOf(work.march.heuristic)) + ", " +
-                  std::string(nameOf(work.march.radiusPolicy)) + " radius)";
+  montage.title = work.scene.title + "  (" + std::string(nameOf(work.march.sample.heuristic)) + ", " +
+                  std::string(nameOf(work.march.sample.radiusPolicy)) + " radius)";
   for (const View& view : work.scene.views) montage.columns.push_back(viewCaption(view, work.scene.views.front()));
   for (const WarpDescriptor& technique : warpRegistry()) montage.rows.push_back({std::string(technique.label), {}});
 

@@ -164,10 +164,10 @@ Scene CheckedOptions::open(const std::stop_token& stop) const {
 
 void CheckedOptions::applyTo(Scene& served) const {
   MarchSettings& march = served.march;
-  march.heuristic = heuristic.value_or(march.heuristic);
-  march.radiusPolicy = radius.value_or(march.radiusPolicy);
-  march.step = step.value_or(march.step);
-  march.radiusScale = radiusScale.value_or(march.radiusScale);
+  march.sample.heuristic = heuristic.value_or(march.sample.heuristic);
+  march.sample.radiusPolicy = radius.value_or(march.sample.radiusPolicy);
+  march.render.step = step.value_or(march.render.step);
+  march.sample.radiusScale = radiusScale.value_or(march.sample.radiusScale);
   if (overrides.fovYDeg) served.fovYDeg = *overrides.fovYDeg;
 }
 
@@ -195,7 +195,8 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
   } else {
     work.scene = work.open(stop);
   }
-  work.march = work.warp.reference = work.scene.march;
+  work.march = work.scene.march;
+  work.warp.reference = work.march.render;
   return work;
 }
 

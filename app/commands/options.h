@@ -67,7 +67,7 @@ struct CheckedOptions {
 /// Checks every option, which is quick. Throws UsageError, or InputError for hardware that is not here.
 CheckedOptions check(const CommonOptions& options);
 
-/// What a command works with: what was asked for, and the scene. `warp.reference` is the scene's marching.
+/// What a command works with: what was asked for, and the scene. `warp.reference` is what the scene's picture is.
 struct CommandContext : CheckedOptions {
   Scene scene;
   MarchSettings march;  ///< the scene's, as asked for

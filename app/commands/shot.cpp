@@ -36,11 +36,11 @@ constexpr Range kViewAngleDegRange{-360.0, 360.0};
 
 /// What `auto` may choose: what was asked for stays.
 bool isAllowed(const Configuration& configuration, uint32_t sidePx, const ShotOptions& options, const CommandContext& work) {
-  if (configuration.serverSidePx != sidePx || configuration.march.step != work.march.step) return false;
+  if (configuration.serverSidePx != sidePx || configuration.march.render.step != work.march.render.step) return false;
   const WarpKnobs& knobs = configuration.technique->knobs;
-  if (!options.common.heuristic.empty() && knobs.depth && configuration.march.heuristic != work.march.heuristic) return false;
-  if (!options.common.radius.empty() && knobs.radius && configuration.march.radiusPolicy != work.march.radiusPolicy) return false;
-  if (options.common.radiusScale && knobs.radius && configuration.march.radiusScale != work.march.radiusScale) return false;
+  if (!options.common.heuristic.empty() && knobs.depth && configuration.march.sample.heuristic != work.march.sample.heuristic) return false;
+  if (!options.common.radius.empty() && knobs.radius && configuration.march.sample.radiusPolicy != work.march.sample.radiusPolicy) return false;
+  if (options.common.radiusScale && knobs.radius && configuration.march.sample.radiusScale != work.march.sample.radiusScale) return false;
   if (options.common.pointSize && knobs.pointSize && configuration.pointSize != *options.common.pointSize) return false;
   if (options.common.hits && knobs.hits && configuration.hits != *options.common.hits) return false;
   return true;
@@ -56,8 +56,8 @@ AutoChoice measuredFront(const ShotOptions& options, const CommandContext& work,
   }
   SweepSettings settings;
   settings.plan = quickPlan(work.march, work.width, work.height, options.viewAngleDeg);
-  if (!options.common.heuristic.empty()) settings.plan.heuristics = {work.march.heuristic};
-  if (!options.common.radius.empty()) settings.plan.radii = {work.march.radiusPolicy};
+  if (!options.common.heuristic.empty()) settings.plan.heuristics = {work.march.sample.heuristic};
+  if (!options.common.radius.empty()) settings.plan.radii = {work.march.sample.radiusPolicy};
   if (options.common.pointSize) settings.plan.pointSizes = {*options.common.pointSize};
   if (options.common.hits) settings.plan.hits = {*options.common.hits};
   settings.plan.codecs = {work.transport.codec};
@@ -133,8 +133,8 @@ void shoot(const ShotOptions& options) {
                                 {"bytes", served.bytes},
                                 {"transport", toJson(work.transport)},
                                 {"latency", frame ? toJson(served.latency) : nlohmann::json(nullptr)},
-                                {"heuristic", nameOf(work.march.heuristic)},
-                                {"radius", nameOf(work.march.radiusPolicy)}};
+                                {"heuristic", nameOf(work.march.sample.heuristic)},
+                                {"radius", nameOf(work.march.sample.radiusPolicy)}};
     if (choice)
       report["auto"] = {{"reason", choice->reason}, {"flip", choice->flip}, {"frameMs", choice->frameMs}, {"configuration", toJson(choice->configuration)}};
     std::cout << textOf(report);

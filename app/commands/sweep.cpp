@@ -38,10 +38,10 @@ SweepPlan planOf(const SweepOptions& options, const CommandContext& work) {
     applyPlanFile(document.root(), plan);
   }
   // What other commands take one of is one value of an axis here.
-  if (!options.common.heuristic.empty()) plan.heuristics = {work.march.heuristic};
-  if (!options.common.radius.empty()) plan.radii = {work.march.radiusPolicy};
-  if (options.common.radiusScale) plan.radiusScales = {work.march.radiusScale};
-  if (options.common.step) plan.steps = {work.march.step};
+  if (!options.common.heuristic.empty()) plan.heuristics = {work.march.sample.heuristic};
+  if (!options.common.radius.empty()) plan.radii = {work.march.sample.radiusPolicy};
+  if (options.common.radiusScale) plan.radiusScales = {work.march.sample.radiusScale};
+  if (options.common.step) plan.steps = {work.march.render.step};
   if (options.common.pointSize) plan.pointSizes = {*options.common.pointSize};
   if (options.common.hits) plan.hits = {*options.common.hits};
   for (const SweepAxis& axis : sweepAxes())
@@ -72,8 +72,8 @@ Json identityOf(const Json& head, const SweepOptions& options, const CommandCont
   identity["sceneSpec"] = work.sceneSpec;
   identity["files"] = {fileIdentity(work.sceneSpec), fileIdentity(common.volume), fileIdentity(common.transferFunction)};
   identity["gl"] = common.gl;
-  identity["threshold"] = work.march.threshold;
-  identity["contribution"] = work.march.contribution;
+  identity["threshold"] = work.march.sample.threshold;
+  identity["contribution"] = work.march.render.contribution;
   identity["machine"] = machineOf(backend, "");
   return identity;
 }

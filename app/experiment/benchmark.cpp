@@ -82,7 +82,7 @@ class TechniqueRun {
       : scene_(scene), settings_(settings), cameras_(cameras), stop_(stop), repeat_(settings.runs, stop) {}
 
   /// The reference in the server's own view.
-  void setReference(Marcher& marcher) { marcher.render(cameras_.front(), settings_.march, reference_, stop_); }
+  void setReference(Marcher& marcher) { marcher.render(cameras_.front(), settings_.march.render, reference_, stop_); }
 
   TechniqueBenchmark measure(const WarpDescriptor& technique, const WarpResources& resources, const SampleFramePtr& frame) {
     const std::unique_ptr<Warp> warp = makeWarp(technique, resources);

@@ -26,19 +26,19 @@ WarpSettings Configuration::warp(const WarpSettings& base) const {
   WarpSettings settings = base;
   settings.pointSize = pointSize;
   settings.hits = hits;
-  settings.reference = march;
+  settings.reference = march.render;
   return settings;
 }
 
 void takeOver(const Configuration& configuration, MarchSettings& march, WarpSettings& warp) {
   const WarpKnobs& knobs = configuration.technique->knobs;
   if (knobs.depth) {
-    march.heuristic = configuration.march.heuristic;
-    march.threshold = configuration.march.threshold;
+    march.sample.heuristic = configuration.march.sample.heuristic;
+    march.sample.threshold = configuration.march.sample.threshold;
   }
   if (knobs.radius) {
-    march.radiusPolicy = configuration.march.radiusPolicy;
-    march.radiusScale = configuration.march.radiusScale;
+    march.sample.radiusPolicy = configuration.march.sample.radiusPolicy;
+    march.sample.radiusScale = configuration.march.sample.radiusScale;
   }
   if (knobs.pointSize) warp.pointSize = configuration.pointSize;
   if (knobs.hits) warp.hits = configuration.hits;
@@ -48,12 +48,12 @@ Configuration normalized(Configuration configuration) {
   const WarpDescriptor& technique = *configuration.technique;
   const WarpKnobs& knobs = technique.knobs;
   if (!knobs.depth) {
-    configuration.march.heuristic = MarchSettings{}.heuristic;
-    configuration.march.threshold = MarchSettings{}.threshold;
+    configuration.march.sample.heuristic = SampleSettings{}.heuristic;
+    configuration.march.sample.threshold = SampleSettings{}.threshold;
   }
   if (!knobs.radius) {
-    configuration.march.radiusPolicy = MarchSettings{}.radiusPolicy;
-    configuration.march.radiusScale = MarchSettings{}.radiusScale;
+    configuration.march.sample.radiusPolicy = SampleSettings{}.radiusPolicy;
+    configuration.march.sample.radiusScale = SampleSettings{}.radiusScale;
   }
   if (!knobs.pointSize) configuration.pointSize = WarpSettings{}.pointSize;
   if (!knobs.hits) configuration.hits = WarpSettings{}.hits;
@@ -99,14 +99,14 @@ std::string keyOf(const Configuration& given) {
   const WarpKnobs& knobs = technique.knobs;
   std::string key(technique.name);
   if (knobs.depth) {
-    key += " " + std::string(nameOf(configuration.march.heuristic));
-    const bool hasThreshold = configuration.march.heuristic == Heuristic::threshold || configuration.march.heuristic == Heuristic::relThreshold;
-    if (hasThreshold) key += "=" + numberText(configuration.march.threshold);
+    key += " " + std::string(nameOf(configuration.march.sample.heuristic));
+    const bool hasThreshold = configuration.march.sample.heuristic == Heuristic::threshold || configuration.march.sample.heuristic == Heuristic::relThreshold;
+    if (hasThreshold) key += "=" + numberText(configuration.march.sample.threshold);
   }
-  if (knobs.radius) key += " " + std::string(nameOf(configuration.march.radiusPolicy)) + "*" + numberText(configuration.march.radiusScale);
+  if (knobs.radius) key += " " + std::string(nameOf(configuration.march.sample.radiusPolicy)) + "*" + numberText(configuration.march.sample.radiusScale);
   if (knobs.pointSize) key += " size=" + std::to_string(configuration.pointSize);
   if (knobs.hits) key += " hits=" + std::to_string(configuration.hits);
-  key += " step=" + numberText(configuration.march.step);
+  key += " step=" + numberText(configuration.march.render.step);
   if (technique.usesFrame) key += " side=" + std::to_string(configuration.serverSidePx) + " " + codecWord(configuration.codec);
   return key;
 }
@@ -117,10 +117,10 @@ std::string labelOf(const Configuration& given) {
   std::string label(configuration.technique->name);
   if (knobs.pointSize) label += " of " + std::to_string(configuration.pointSize) + " px";
   if (knobs.hits) label += " of " + std::to_string(configuration.hits);
-  if (knobs.depth) label += ", " + std::string(nameOf(configuration.march.heuristic));
+  if (knobs.depth) label += ", " + std::string(nameOf(configuration.march.sample.heuristic));
   if (knobs.radius) {
-    label += ", " + std::string(nameOf(configuration.march.radiusPolicy));
-    if (configuration.march.radiusScale != 1.0f) label += " x " + numberText(configuration.march.radiusScale);
+    label += ", " + std::string(nameOf(configuration.march.sample.radiusPolicy));
+    if (configuration.march.sample.radiusScale != 1.0f) label += " x " + numberText(configuration.march.sample.radiusScale);
   }
   return label;
 }
@@ -132,13 +132,13 @@ nlohmann::json toJson(const Configuration& given) {
   const WarpKnobs& knobs = technique.knobs;
   const auto orNull = [](bool depends, auto value) { return depends ? Json(value) : Json(nullptr); };
   return {{"technique", technique.name},
-          {"heuristic", orNull(knobs.depth, nameOf(configuration.march.heuristic))},
-          {"threshold", orNull(knobs.depth, configuration.march.threshold)},
-          {"radius", orNull(knobs.radius, nameOf(configuration.march.radiusPolicy))},
-          {"radiusScale", orNull(knobs.radius, configuration.march.radiusScale)},
+          {"heuristic", orNull(knobs.depth, nameOf(configuration.march.sample.heuristic))},
+          {"threshold", orNull(knobs.depth, configuration.march.sample.threshold)},
+          {"radius", orNull(knobs.radius, nameOf(configuration.march.sample.radiusPolicy))},
+          {"radiusScale", orNull(knobs.radius, configuration.march.sample.radiusScale)},
           {"pointSize", orNull(knobs.pointSize, configuration.pointSize)},
           {"hits", orNull(knobs.hits, configuration.hits)},
-          {"step", configuration.march.step},
+          {"step", configuration.march.render.step},
           {"serverSide", orNull(technique.usesFrame, configuration.serverSidePx)},
           {"codec", orNull(technique.usesFrame, codecWord(configuration.codec))}};
 }
@@ -153,13 +153,13 @@ Configuration configurationFrom(const Node& node, const MarchSettings& base) {
     const std::optional<Node> found = node.find(key);
     return found && !found->isNull() ? found : std::nullopt;
   };
-  if (const auto found = given("heuristic")) configuration.march.heuristic = valueNamed(*found, kHeuristics, "heuristic");
-  if (const auto found = given("threshold")) configuration.march.threshold = static_cast<float>(found->number(kThresholdRange));
-  if (const auto found = given("radius")) configuration.march.radiusPolicy = valueNamed(*found, kRadiusPolicies, "radius policy");
-  if (const auto found = given("radiusScale")) configuration.march.radiusScale = static_cast<float>(found->number(kRadiusScaleRange));
+  if (const auto found = given("heuristic")) configuration.march.sample.heuristic = valueNamed(*found, kHeuristics, "heuristic");
+  if (const auto found = given("threshold")) configuration.march.sample.threshold = static_cast<float>(found->number(kThresholdRange));
+  if (const auto found = given("radius")) configuration.march.sample.radiusPolicy = valueNamed(*found, kRadiusPolicies, "radius policy");
+  if (const auto found = given("radiusScale")) configuration.march.sample.radiusScale = static_cast<float>(found->number(kRadiusScaleRange));
   if (const auto found = given("pointSize")) configuration.pointSize = static_cast<int>(found->integer(1, 16));
   if (const auto found = given("hits")) configuration.hits = static_cast<int>(found->integer(1, kMaxHits));
-  if (const auto found = given("step")) configuration.march.step = static_cast<float>(found->number(kStepRange));
+  if (const auto found = given("step")) configuration.march.render.step = static_cast<float>(found->number(kStepRange));
   if (const auto found = given("serverSide")) configuration.serverSidePx = static_cast<uint32_t>(found->integer(1, kMaxImageSide));
   if (const auto found = given("codec")) {
     try {
@@ -173,12 +173,12 @@ Configuration configurationFrom(const Node& node, const MarchSettings& base) {
 
 bool isPapersMethod(const Configuration& configuration) {
   const MarchSettings& march = configuration.march;
-  return configuration.technique->name == "spheres" && march.heuristic == Heuristic::gradient && march.radiusPolicy == RadiusPolicy::voxel &&
-         march.radiusScale == 1.0f;
+  return configuration.technique->name == "spheres" && march.sample.heuristic == Heuristic::gradient && march.sample.radiusPolicy == RadiusPolicy::voxel &&
+         march.sample.radiusScale == 1.0f;
 }
 
 bool isPointBaseline(const Configuration& configuration) {
-  return configuration.technique->name == "points" && configuration.march.heuristic == Heuristic::median && configuration.pointSize == 2;
+  return configuration.technique->name == "points" && configuration.march.sample.heuristic == Heuristic::median && configuration.pointSize == 2;
 }
 
 }  // namespace warpscope

@@ -95,8 +95,8 @@ std::string nameAmong(const Configuration& configuration, const std::vector<Summ
   std::string name = labelOf(configuration);
   if (usesFrame && tells([&](const Configuration& other) { return other.technique->usesFrame && other.serverSidePx != configuration.serverSidePx; }))
     name += ", server's image of " + std::to_string(configuration.serverSidePx) + " px";
-  if (tells([&](const Configuration& other) { return other.march.step != configuration.march.step; }))
-    name += ", step " + numberText(configuration.march.step);
+  if (tells([&](const Configuration& other) { return other.march.render.step != configuration.march.render.step; }))
+    name += ", step " + numberText(configuration.march.render.step);
   if (usesFrame && tells([&](const Configuration& other) { return other.technique->usesFrame && other.codec != configuration.codec; }))
     name += ", " + codecWord(configuration.codec);
   return name;
@@ -125,7 +125,7 @@ Findings findingsOf(const std::vector<SweepRow>& rows) {
   for (const double flip : kFlipGoals)
     findings.equalError.push_back({flip, least(summaries, [&](const Summary& summary) { return summary.flip <= flip; }, timeOf)});
   const auto coarseness = [](const Summary& summary) {
-    return std::pair(-static_cast<double>(summary.configuration.serverSidePx), summary.configuration.march.step);
+    return std::pair(-static_cast<double>(summary.configuration.serverSidePx), summary.configuration.march.render.step);
   };
   findings.papersMethod = least(summaries, [](const Summary& summary) { return isPapersMethod(summary.configuration); }, coarseness);
   findings.pointBaseline = least(summaries, [](const Summary& summary) { return isPointBaseline(summary.configuration); }, coarseness);

@@ -6,9 +6,9 @@
 
 namespace warpscope {
 
-GroundTruth::GroundTruth(const Scene& scene, MarcherPtr marcher, const MarchSettings& march, uint32_t width, uint32_t height)
-    : scene_(scene), marcher_(std::move(marcher)), march_(march), sampled_(march), width_(width), height_(height) {
-  sampled_.heuristic = Heuristic::median;
+GroundTruth::GroundTruth(const Scene& scene, MarcherPtr marcher, const RenderSettings& render, uint32_t width, uint32_t height)
+    : scene_(scene), marcher_(std::move(marcher)), render_(render), sampled_{render, {}}, width_(width), height_(height) {
+  sampled_.sample.heuristic = Heuristic::median;
 }
 
 Camera GroundTruth::camera(double angleDeg, uint32_t sidePx) const {
@@ -26,7 +26,7 @@ const Truth& GroundTruth::at(double angleDeg, const std::stop_token& stop) {
   if (truth) return *truth;
   const Camera view = camera(angleDeg);
   Image<glm::vec4> color;
-  marcher_->render(view, march_, color, stop);
+  marcher_->render(view, render_, color, stop);
   PictureJudge judge(color, scene_.background);
   truth = std::make_unique<Truth>(Truth{view, std::move(color), std::move(judge)});
   return *truth;
@@ -44,8 +44,8 @@ const Seen& GroundTruth::seenAt(double angleDeg, const std::stop_token& stop) {
 
 PictureErrors GroundTruth::floorAt(double angleDeg, const std::stop_token& stop) {
   const Truth& truth = at(angleDeg, stop);
-  MarchSettings finer = march_;
-  finer.step = std::max(0.5f * march_.step, static_cast<float>(kStepRange.lowest));
+  RenderSettings finer = render_;
+  finer.step = std::max(0.5f * render_.step, static_cast<float>(kStepRange.lowest));
   WarpedImage image;
   marcher_->render(truth.camera, finer, image.color, stop);
   image.samples.reshape(image.color.width(), image.color.height());

@@ -26,8 +26,8 @@ struct Seen {
 
 class GroundTruth {
  public:
-  /// Pictures of `width` x `height`; `march` gives the step. The scene must outlive this.
-  GroundTruth(const Scene& scene, MarcherPtr marcher, const MarchSettings& march, uint32_t width, uint32_t height);
+  /// Pictures of `width` x `height`; `render`: what the truth is. The scene must outlive this.
+  GroundTruth(const Scene& scene, MarcherPtr marcher, const RenderSettings& render, uint32_t width, uint32_t height);
 
   /// The first view, turned by `angleDeg` about the vertical axis, as an image of which the longer side has `sidePx` pixels.
   Camera camera(double angleDeg, uint32_t sidePx) const;
@@ -44,7 +44,8 @@ class GroundTruth {
  private:
   const Scene& scene_;
   MarcherPtr marcher_;
-  MarchSettings march_, sampled_;
+  RenderSettings render_;
+  MarchSettings sampled_;  // for what the camera could see
   uint32_t width_, height_;
   std::map<double, std::unique_ptr<Truth>> truths_;
   std::map<double, Seen> seen_;

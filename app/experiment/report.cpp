@@ -85,7 +85,7 @@ std::string header(std::initializer_list<const char*> names) {
 std::string fullNameOf(const Configuration& configuration) {
   std::string name = labelOf(configuration);
   if (configuration.technique->usesFrame) name += ", " + std::to_string(configuration.serverSidePx) + " px, " + codecWord(configuration.codec);
-  return name + ", step " + numberText(configuration.march.step);
+  return name + ", step " + numberText(configuration.march.render.step);
 }
 
 std::string titleOf(const Summary& summary) {

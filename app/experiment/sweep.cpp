@@ -136,7 +136,7 @@ class Sweep::Run {
  public:
   Run(const Scene& scene, const WarpResources& resources, const SweepSettings& settings, const std::stop_token& stop)
       : scene_(scene), resources_(resources), settings_(settings), stop_(stop), server_(resources.marcher, settings.plan.draws),
-        truth_(scene, resources.marcher, truthMarch(settings.plan), settings.width, settings.height) {}
+        truth_(scene, resources.marcher, truthOf(settings.plan), settings.width, settings.height) {}
 
   std::vector<SweepRow> measure(const Configuration& configuration) {
     const SweepPlan& plan = settings_.plan;
@@ -254,10 +254,10 @@ class Sweep::Run {
 
  private:
   /// The truth has the finest step of all.
-  static MarchSettings truthMarch(const SweepPlan& plan) {
-    MarchSettings march = plan.base;
-    for (const float step : plan.steps) march.step = std::min(march.step, step);
-    return march;
+  static RenderSettings truthOf(const SweepPlan& plan) {
+    RenderSettings render = plan.base.render;
+    for (const float step : plan.steps) render.step = std::min(render.step, step);
+    return render;
   }
 
   /// Frames of one kind come one after the other.
@@ -330,8 +330,8 @@ std::vector<SweepRow> Sweep::run(SweepJournal& journal, const Step& onStep) {
   std::vector<SweepUnit> order = unfinished(journal);
   const auto frameOf = [](const SweepUnit& unit) {
     const Configuration& c = unit.configuration;
-    return std::tuple(unit.link != nullptr, c.serverSidePx, c.march.step, c.march.heuristic, c.march.radiusPolicy, c.march.radiusScale,
-                      c.march.threshold, codecWord(c.codec));
+    return std::tuple(unit.link != nullptr, c.serverSidePx, c.march.render.step, c.march.sample.heuristic, c.march.sample.radiusPolicy, c.march.sample.radiusScale,
+                      c.march.sample.threshold, codecWord(c.codec));
   };
   std::stable_sort(order.begin(), order.end(), [&](const SweepUnit& a, const SweepUnit& b) { return frameOf(a) < frameOf(b); });
   for (const SweepUnit& unit : order) {

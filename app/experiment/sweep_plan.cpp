@@ -128,10 +128,10 @@ SweepPlan defaultPlan(const MarchSettings& base, uint32_t width, uint32_t height
   for (const WarpDescriptor& technique : warpRegistry()) plan.techniques.push_back(&technique);
   plan.heuristics = {Heuristic::gradient, Heuristic::median, Heuristic::expected};
   plan.radii = {RadiusPolicy::voxel, RadiusPolicy::opacity};
-  plan.radiusScales = {base.radiusScale};
+  plan.radiusScales = {base.sample.radiusScale};
   plan.pointSizes = {1, 2, 3};
   plan.hits = {2};
-  plan.steps = {base.step};
+  plan.steps = {base.render.step};
   plan.serverSides = {std::max(width, height)};
   if (plan.serverSides[0] > 1) plan.serverSides.push_back(plan.serverSides[0] / 2);
   plan.codecs = {CodecSettings{}};
@@ -205,12 +205,12 @@ std::vector<Configuration> configurationsOf(const SweepPlan& plan) {
   };
   MarchSettings& march = configuration.march;
   each(plan.techniques, configuration.technique, [&] {
-    each(plan.heuristics, march.heuristic, [&] {
-      each(plan.radii, march.radiusPolicy, [&] {
-        each(plan.radiusScales, march.radiusScale, [&] {
+    each(plan.heuristics, march.sample.heuristic, [&] {
+      each(plan.radii, march.sample.radiusPolicy, [&] {
+        each(plan.radiusScales, march.sample.radiusScale, [&] {
           each(plan.pointSizes, configuration.pointSize, [&] {
             each(plan.hits, configuration.hits, [&] {
-              each(plan.steps, march.step, [&] {
+              each(plan.steps, march.render.step, [&] {
                 each(plan.serverSides, configuration.serverSidePx, [&] {
                   each(plan.codecs, configuration.codec, [&] { add(configuration); });
                 });
@@ -224,16 +224,16 @@ std::vector<Configuration> configurationsOf(const SweepPlan& plan) {
 
   Configuration baseline;
   baseline.march = plan.base;
-  baseline.march.step = plan.steps.front();
-  baseline.march.radiusScale = 1.0f;
-  baseline.march.radiusPolicy = RadiusPolicy::voxel;
+  baseline.march.render.step = plan.steps.front();
+  baseline.march.sample.radiusScale = 1.0f;
+  baseline.march.sample.radiusPolicy = RadiusPolicy::voxel;
   baseline.serverSidePx = *std::max_element(plan.serverSides.begin(), plan.serverSides.end());
   baseline.codec = plan.codecs.front();
   baseline.technique = &findWarp("spheres");
-  baseline.march.heuristic = Heuristic::gradient;
+  baseline.march.sample.heuristic = Heuristic::gradient;
   add(baseline);
   baseline.technique = &findWarp("points");
-  baseline.march.heuristic = Heuristic::median;
+  baseline.march.sample.heuristic = Heuristic::median;
   baseline.pointSize = 2;
   add(baseline);
   return configurations;

@@ -39,7 +39,7 @@ Answer answerTo(const net::FrameRequest& request, Marcher& marcher, FrameCodec& 
   answer.head.camera = request.camera;
   answer.head.march = request.march;
   answer.head.codec = request.codec;
-  answer.head.stages.marchMs = milliseconds([&] { marcher.render(camera, march, image, stop); });
+  answer.head.stages.marchMs = milliseconds([&] { marcher.render(camera, march.render, image, stop); });
   answer.head.stages.encodeMs = milliseconds([&] { answer.payload = encodeColors(image); });
   return answer;
 }

@@ -31,9 +31,9 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
     return frame;
   }
 
-  void render(const Camera& camera, const MarchSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
     const std::scoped_lock lock(callMutex_);
-    const net::Frame answer = ask(net::Wanted::picture, camera, settings, stop);
+    const net::Frame answer = ask(net::Wanted::picture, camera, {settings, {}}, stop);
     image = decodeColors(answer.payload, camera.width, camera.height);
   }
 

@@ -48,8 +48,8 @@ net::CameraFields toFields(const Camera& camera) {
 }
 
 net::MarchFields toFields(const MarchSettings& s) {
-  return {placeOf(kHeuristics, s.heuristic), placeOf(kRadiusPolicies, s.radiusPolicy), s.radiusScale, s.step, s.contribution, s.threshold,
-          s.skipEmpty, s.terminateEarly};
+  return {placeOf(kHeuristics, s.sample.heuristic), placeOf(kRadiusPolicies, s.sample.radiusPolicy), s.sample.radiusScale, s.render.step, s.render.contribution, s.sample.threshold,
+          s.render.skipEmpty, s.render.terminateEarly};
 }
 
 net::CodecFields toFields(const CodecSettings& s) {
@@ -87,14 +87,15 @@ Camera cameraFrom(const net::CameraFields& fields) {
 }
 
 MarchSettings marchFrom(const net::MarchFields& fields) {
-  MarchSettings settings{valueAt(kHeuristics, fields.heuristic, "a heuristic"),
-                         valueAt(kRadiusPolicies, fields.radiusPolicy, "a radius policy"),
-                         fields.radiusScale,
-                         fields.step,
-                         fields.contribution,
-                         fields.threshold,
-                         fields.skipEmpty,
-                         fields.terminateEarly};
+  MarchSettings settings;
+  settings.sample.heuristic = valueAt(kHeuristics, fields.heuristic, "a heuristic");
+  settings.sample.radiusPolicy = valueAt(kRadiusPolicies, fields.radiusPolicy, "a radius policy");
+  settings.sample.radiusScale = fields.radiusScale;
+  settings.sample.threshold = fields.threshold;
+  settings.render.step = fields.step;
+  settings.render.contribution = fields.contribution;
+  settings.render.skipEmpty = fields.skipEmpty;
+  settings.render.terminateEarly = fields.terminateEarly;
   validate(settings);
   return settings;
 }

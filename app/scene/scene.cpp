@@ -77,11 +77,11 @@ auto readName(const Node& node, const Table& table, std::string_view kind) {
 void readMarch(const Node& node, MarchSettings& march) {
   constexpr std::string_view kKeys[] = {"step", "heuristic", "radius", "radiusScale", "threshold"};
   node.requireObject(kKeys);
-  if (const auto step = node.find("step")) march.step = static_cast<float>(step->number(kStepRange));
-  if (const auto name = node.find("heuristic")) march.heuristic = readName(*name, kHeuristics, "heuristic");
-  if (const auto name = node.find("radius")) march.radiusPolicy = readName(*name, kRadiusPolicies, "radius policy");
-  if (const auto scale = node.find("radiusScale")) march.radiusScale = static_cast<float>(scale->number(kRadiusScaleRange));
-  if (const auto value = node.find("threshold")) march.threshold = static_cast<float>(value->number(kThresholdRange));
+  if (const auto step = node.find("step")) march.render.step = static_cast<float>(step->number(kStepRange));
+  if (const auto name = node.find("heuristic")) march.sample.heuristic = readName(*name, kHeuristics, "heuristic");
+  if (const auto name = node.find("radius")) march.sample.radiusPolicy = readName(*name, kRadiusPolicies, "radius policy");
+  if (const auto scale = node.find("radiusScale")) march.sample.radiusScale = static_cast<float>(scale->number(kRadiusScaleRange));
+  if (const auto value = node.find("threshold")) march.sample.threshold = static_cast<float>(value->number(kThresholdRange));
 }
 
 View readView(const Node& node) {

@@ -28,9 +28,9 @@ std::vector<SweepRow> rowsOf(const LiveFront& live) {
 bool fits(const Configuration& configuration, const MarchSettings& settings) {
   const WarpKnobs& knobs = configuration.technique->knobs;
   const MarchSettings& march = configuration.march;
-  if (march.step != settings.step) return false;
-  if (knobs.depth && (march.heuristic != settings.heuristic || march.threshold != settings.threshold)) return false;
-  return !knobs.radius || (march.radiusPolicy == settings.radiusPolicy && march.radiusScale == settings.radiusScale);
+  if (march.render.step != settings.render.step) return false;
+  if (knobs.depth && (march.sample.heuristic != settings.sample.heuristic || march.sample.threshold != settings.sample.threshold)) return false;
+  return !knobs.radius || (march.sample.radiusPolicy == settings.sample.radiusPolicy && march.sample.radiusScale == settings.sample.radiusScale);
 }
 
 }  // namespace

@@ -11,16 +11,6 @@ constexpr std::chrono::milliseconds kRest(150);
 /// Where it follows the moving camera: how often. Each costs the panels a drawing, and the CPU what judging takes.
 constexpr std::chrono::milliseconds kLivePeriod(200);
 
-/// What of the settings the reference depends on; the rest decides about samples only.
-MarchSettings referenceSettings(const MarchSettings& march) {
-  MarchSettings settings;
-  settings.step = march.step;
-  settings.contribution = march.contribution;
-  settings.skipEmpty = march.skipEmpty;
-  settings.terminateEarly = march.terminateEarly;
-  return settings;
-}
-
 /// Whether a picture of one is worth comparing with a ground truth of the other: nothing but the camera's place differs.
 bool differOnlyInPlace(const ReferenceJob& a, const ReferenceJob& b) {
   ReferenceJob moved = a;
@@ -31,7 +21,7 @@ bool differOnlyInPlace(const ReferenceJob& a, const ReferenceJob& b) {
 }  // namespace
 
 ReferenceJob Session::wantedReference() const {
-  return {loaded_->display, cameraOfSize(pictureSize()), referenceSettings(knobs_.march), loaded_->scene.background};
+  return {loaded_->display, cameraOfSize(pictureSize()), knobs_.march.render, loaded_->scene.background};
 }
 
 bool Session::askReference(TimePoint now) {
@@ -114,7 +104,7 @@ bool Session::takeErrors(size_t index, TimePoint now) {
 void Session::choose(size_t panel, const Configuration& configuration) {
   const WarpDescriptor& technique = *configuration.technique;
   setTechnique(panel, technique);
-  knobs_.march.step = configuration.march.step;
+  knobs_.march.render.step = configuration.march.render.step;
   takeOver(configuration, knobs_.march, knobs_.warp);
   if (!technique.usesFrame) return;
   knobs_.serverSidePx = configuration.serverSidePx;

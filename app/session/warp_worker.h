@@ -21,7 +21,7 @@ namespace warpscope {
 struct ReferenceJob {
   MarcherPtr marcher;
   Camera camera;
-  MarchSettings settings;
+  RenderSettings settings;
   glm::vec3 background{0.0f};  ///< linear RGB, that pictures are compared over
 
   bool operator==(const ReferenceJob&) const = default;

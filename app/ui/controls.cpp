@@ -16,10 +16,10 @@ constexpr uint32_t kMaxScreenPixels = 4;
 
 void drawServer(Session& session, Knobs& knobs, const Look& look) {
   heading("SERVER", look);
-  choice("Depth", kHeuristics, knobs.march.heuristic, "Which point of a ray stands for its pixel.", look);
-  choice("Radius", kRadiusPolicies, knobs.march.radiusPolicy, "How large a sample is.", look);
-  slider("Scale", knobs.march.radiusScale, {0.1f, 4.0f, "%.2f ×", true}, "Factor on the radius.", look);
-  slider("Step", knobs.march.step, {0.1f, 4.0f, "%.2f voxels", true}, "Distance of samples along a ray, in voxel edges.", look);
+  choice("Depth", kHeuristics, knobs.march.sample.heuristic, "Which point of a ray stands for its pixel.", look);
+  choice("Radius", kRadiusPolicies, knobs.march.sample.radiusPolicy, "How large a sample is.", look);
+  slider("Scale", knobs.march.sample.radiusScale, {0.1f, 4.0f, "%.2f ×", true}, "Factor on the radius.", look);
+  slider("Step", knobs.march.render.step, {0.1f, 4.0f, "%.2f voxels", true}, "Distance of samples along a ray, in voxel edges.", look);
 
   label("Image", look);
   beginHalves();

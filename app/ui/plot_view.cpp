@@ -30,7 +30,7 @@ std::string figures(double frameMs, double flip) { return durationText(frameMs) 
 
 /// What tells it from others, whatever others there are.
 std::string describe(const Configuration& configuration) {
-  std::string text = labelOf(configuration) + "\nstep " + formatted("%.3g", configuration.march.step, 0.0);
+  std::string text = labelOf(configuration) + "\nstep " + formatted("%.3g", configuration.march.render.step, 0.0);
   if (configuration.technique->usesFrame)
     text += ", server's image of " + std::to_string(configuration.serverSidePx) + " px, " + codecWord(configuration.codec);
   return text;

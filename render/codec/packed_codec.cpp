@@ -48,7 +48,7 @@ class Bands {
   size_t count_ = 0;
 };
 
-bool canPlace(const SampleFrame& frame) { return isUsable(frame.camera) && frame.settings.step > 0.0f && std::isfinite(frame.settings.step); }
+bool canPlace(const SampleFrame& frame) { return isUsable(frame.camera) && frame.settings.render.step > 0.0f && std::isfinite(frame.settings.render.step); }
 
 /// The pixel of each sample's centre, kNoSample where that is not in the picture.
 void findPixels(const SampleFrame& frame, TransferVector<uint32_t>& pixels) {

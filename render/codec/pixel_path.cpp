@@ -33,7 +33,7 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
   camera_ = frame.camera;
   quantization_ = frame.quantization;
   placement_ = placement;
-  step_ = frame.settings.step;
+  step_ = frame.settings.render.step;
   const size_t count = columns.size();
   x_.resize(count);
   y_.resize(count);

@@ -4,11 +4,19 @@
 
 namespace warpscope {
 
-void validate(const MarchSettings& settings) {
+void validate(const RenderSettings& settings) {
   requireRange(settings.step, kStepRange, "the step");
-  requireRange(settings.radiusScale, kRadiusScaleRange, "the radius scale");
   requireRange(settings.contribution, kContributionRange, "the least contribution");
+}
+
+void validate(const SampleSettings& settings) {
+  requireRange(settings.radiusScale, kRadiusScaleRange, "the radius scale");
   requireRange(settings.threshold, kThresholdRange, "the threshold");
+}
+
+void validate(const MarchSettings& settings) {
+  validate(settings.render);
+  validate(settings.sample);
 }
 
 }  // namespace warpscope

@@ -1,4 +1,4 @@
-// The server's knobs: which depth a ray reports, how large its sample is, how finely the ray is sampled.
+// The server's knobs, in two parts: what the picture is, and what is sent of it.
 // Heuristics after Zellmann, Aumueller, Lang 2012 and Zellmann 2020; radius policies are explained at each name.
 #pragma once
 
@@ -60,16 +60,30 @@ constexpr auto nameOf(const Table& table, decltype(table[0].value) value) {
 inline std::string_view nameOf(Heuristic heuristic) { return nameOf(kHeuristics, heuristic); }
 inline std::string_view nameOf(RadiusPolicy policy) { return nameOf(kRadiusPolicies, policy); }
 
-/// Everything that a march depends on besides the volume, its transfer function and the camera.
-struct MarchSettings {
+/// What the picture is: all that changes the colours which are rendered. Ground truth takes it whole.
+struct RenderSettings {
+  float step = 0.5f;                 ///< distance of samples along a ray, volume units (smallest voxel edges)
+  float contribution = 1.0f / 1024;  ///< least contribution that lets a sample count; marching stops at this transmittance
+  bool skipEmpty = true;             ///< leave out what the transfer function hides; never changes the picture
+  bool terminateEarly = true;        ///< stop where hardly any light is left; never changes a depth
+
+  bool operator==(const RenderSettings&) const = default;
+};
+
+/// What is sent of it: which points stand for a ray, and how large they are.
+struct SampleSettings {
   Heuristic heuristic = Heuristic::gradient;
+  float threshold = 0.8f;          ///< parameter of `threshold` and `rel-threshold`
   RadiusPolicy radiusPolicy = RadiusPolicy::voxel;
   float radiusScale = 1.0f;        ///< factor on the policy's radius
-  float step = 0.5f;               ///< distance of samples along a ray, volume units (smallest voxel edges)
-  float contribution = 1.0f / 1024;  ///< least contribution that lets a sample count; marching stops at this transmittance
-  float threshold = 0.8f;          ///< parameter of `threshold` and `rel-threshold`
-  bool skipEmpty = true;           ///< leave out what the transfer function hides; never changes the picture
-  bool terminateEarly = true;      ///< stop where hardly any light is left; never changes a depth
+
+  bool operator==(const SampleSettings&) const = default;
+};
+
+/// Everything that a march depends on besides the volume, its transfer function and the camera.
+struct MarchSettings {
+  RenderSettings render;
+  SampleSettings sample;
 
   bool operator==(const MarchSettings&) const = default;
 };
@@ -80,7 +94,9 @@ inline constexpr Range kRadiusScaleRange{1e-3, 1e3};
 inline constexpr Range kContributionRange{1e-6, 0.5};
 inline constexpr Range kThresholdRange{1e-3, 1.0};
 
-/// Throws UsageError naming the setting that is out of range.
+/// Each throws UsageError naming the setting that is out of range.
+void validate(const RenderSettings& settings);
+void validate(const SampleSettings& settings);
 void validate(const MarchSettings& settings);
 
 }  // namespace warpscope

@@ -16,14 +16,15 @@ BakedTransfer bakeTransfer(const MarchedVolume& marched, float step) {
   return baked;
 }
 
-void requireMarchable(const Volume& volume, const Camera& camera, const MarchSettings& settings) {
+void requireMarchable(const Volume& volume, const Camera& camera, const RenderSettings& settings) {
   validate(settings);
   requireUsable(camera);
   const double longest = glm::length(glm::dvec3(volume.bounds().extent()));
   if (longest / settings.step > kMaxSamplesPerRay) throw UsageError("the step is too small for a volume of this size");
 }
 
-SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const MarchSettings& settings) {
+SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings) {
+  validate(settings);
   SampleRule rule;
   rule.policy = settings.radiusPolicy;
   rule.voxelRadius = 0.5f * glm::length(volume.geometry().voxelEdges());

@@ -40,21 +40,21 @@ struct BakedTransfer {
 BakedTransfer bakeTransfer(const MarchedVolume& marched, float step);
 
 /// Throws UsageError for settings out of range, InputError for a camera that isUsable() refuses.
-void requireMarchable(const Volume& volume, const Camera& camera, const MarchSettings& settings);
+void requireMarchable(const Volume& volume, const Camera& camera, const RenderSettings& settings);
 
-/// How a frame of this volume seen by this camera sizes and quantises its samples.
-SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const MarchSettings& settings);
+/// How a frame of this volume seen by this camera sizes and quantises its samples. Throws UsageError for settings out of range.
+SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings);
 
 /// A frame without samples and timings.
 SampleFrame emptyFrame(const Camera& camera, const MarchSettings& settings, const SampleRule& rule);
 
 /// The rule that the frame's samples were made by.
 inline SampleRule sampleRuleOf(const SampleFrame& frame) {
-  return {frame.settings.radiusPolicy, frame.voxelRadius, frame.settings.radiusScale, frame.quantization};
+  return {frame.settings.sample.radiusPolicy, frame.voxelRadius, frame.settings.sample.radiusScale, frame.quantization};
 }
 
 /// Transmittance below which a ray ends.
-inline float stopBelow(const MarchSettings& settings) { return settings.terminateEarly ? settings.contribution : 0.0f; }
+inline float stopBelow(const RenderSettings& settings) { return settings.terminateEarly ? settings.contribution : 0.0f; }
 
 /// A view of `marched` whose pointers are for the caller to fill.
 template <class Voxel>

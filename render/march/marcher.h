@@ -27,7 +27,7 @@ class Marcher {
   virtual SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop = {}) = 0;
 
   /// The same rays' colours at full precision, linear and premultiplied: the ground truth of warping. Errors as for march().
-  virtual void render(const Camera& camera, const MarchSettings& settings, Image<glm::vec4>& image,
+  virtual void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image,
                       const std::stop_token& stop = {}) = 0;
 
   virtual const VolumePtr& volume() const = 0;

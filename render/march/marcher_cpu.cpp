@@ -46,18 +46,18 @@ class CpuMarcher final : public Marcher {
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
-    requireMarchable(*marched_->volume, camera, settings);
-    const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings);
+    requireMarchable(*marched_->volume, camera, settings.render);
+    const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
     SampleFrame frame = emptyFrame(camera, settings, rule);
 
     const auto marchStart = std::chrono::steady_clock::now();
     const size_t pixels = size_t{camera.width} * camera.height;
     denseSamples_.resize(pixels);
     denseColors_.resize(pixels);
-    const DepthFunction depthOfRay = depthFunctionOf(settings.heuristic);
-    forEachRay(camera, settings, stop,
+    const DepthFunction depthOfRay = depthFunctionOf(settings.sample.heuristic);
+    forEachRay(camera, settings.render, stop,
                [&](size_t pixel, const Ray& ray, const RayColor& color, const std::vector<CountingSample>& counting) {
-                 const DepthResult depth = depthOfRay(counting, settings.threshold);
+                 const DepthResult depth = depthOfRay(counting, settings.sample.threshold);
                  const glm::vec4 premultiplied = color.premultiplied();
                  denseSamples_[pixel] = packRaySample(rule, camera, ray, depth, premultiplied.a);
                  if (depth.hasDepth) denseColors_[pixel] = ColorTables::instance().encode(premultiplied);
@@ -70,7 +70,7 @@ class CpuMarcher final : public Marcher {
     return frame;
   }
 
-  void render(const Camera& camera, const MarchSettings& settings, Image<glm::vec4>& image,
+  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image,
               const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
     requireMarchable(*marched_->volume, camera, settings);
@@ -86,7 +86,7 @@ class CpuMarcher final : public Marcher {
   MarcherPtr twin() const override { return std::make_shared<CpuMarcher>(marched_); }
 
  private:
-  void forEachRay(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop,
+  void forEachRay(const Camera& camera, const RenderSettings& settings, const std::stop_token& stop,
                   const OnRay& onRay) {
     if (!baked_.isFor(settings.step)) baked_ = bakeTransfer(*marched_, settings.step);
     const Volume& volume = *marched_->volume;
@@ -105,7 +105,7 @@ class CpuMarcher final : public Marcher {
   }
 
   template <class Source, class View>
-  void marchTiles(const View& view, const Camera& camera, const MarchSettings& settings, const std::stop_token& stop,
+  void marchTiles(const View& view, const Camera& camera, const RenderSettings& settings, const std::stop_token& stop,
                   const OnRay& onRay) const {
     parallelForTiles(camera.width, camera.height, kTileSide, stop,
                      [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {

@@ -36,8 +36,8 @@ class CudaMarcher final : public Marcher {
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
-    requireMarchable(*marched_->volume, camera, settings);
-    const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings);
+    requireMarchable(*marched_->volume, camera, settings.render);
+    const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
     SampleFrame frame = emptyFrame(camera, settings, rule);
     const size_t pixels = size_t{camera.width} * camera.height;
     denseSamples_.reserve(pixels);
@@ -45,9 +45,9 @@ class CudaMarcher final : public Marcher {
     samples_.reserve(pixels);
     colors_.reserve(pixels);
 
-    bake(settings.step);
+    bake(settings.render.step);
     start_.record(stream_);
-    launch(camera, settings, stop, settings.heuristic, &rule);
+    launch(camera, settings.render, stop, &settings.sample, &rule);
     marchEnd_.record(stream_);
     compact(pixels);
     compacted_.record(stream_);
@@ -71,14 +71,14 @@ class CudaMarcher final : public Marcher {
     return frame;
   }
 
-  void render(const Camera& camera, const MarchSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
     requireMarchable(*marched_->volume, camera, settings);
     const size_t pixels = size_t{camera.width} * camera.height;
     image_.reserve(pixels);
     image.resize(camera.width, camera.height);
     bake(settings.step);
-    launch(camera, settings, stop, std::nullopt, nullptr);
+    launch(camera, settings, stop, nullptr, nullptr);
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(image.data(), image_.data(), pixels * sizeof(glm::vec4), cudaMemcpyDeviceToHost, stream_));
     stream_.synchronize();
     if (stop.stop_requested()) throw OperationCancelled();
@@ -100,8 +100,10 @@ class CudaMarcher final : public Marcher {
     bakedStep_ = step;
   }
 
-  void launch(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop, std::optional<Heuristic> heuristic,
+  /// Without `sample` and `rule` the rays' colours go to image_, with them samples to the dense buffers.
+  void launch(const Camera& camera, const RenderSettings& settings, const std::stop_token& stop, const SampleSettings* sample,
               const SampleRule* rule) {
+    const std::optional<Heuristic> heuristic = sample != nullptr ? std::optional(sample->heuristic) : std::nullopt;
     visitDeviceVoxels(*deviceVolume_, [&]<class Voxel, bool kHasHoles, bool kByCells>() {
       MarchJob<Voxel> job;
       job.view = makeVolumeView<Voxel>(*marched_);
@@ -115,7 +117,7 @@ class CudaMarcher final : public Marcher {
       job.step = settings.step;
       job.contribution = settings.contribution;
       job.stopBelow = stopBelow(settings);
-      job.threshold = settings.threshold;
+      if (sample != nullptr) job.threshold = sample->threshold;
       if (rule != nullptr) job.rule = *rule;
       job.colorTables = colorTables_.data();
       job.samples = denseSamples_.data();

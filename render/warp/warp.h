@@ -51,7 +51,7 @@ struct WarpSettings {
   int pointSize = 2;                                    ///< pixels, 1..16, for `points`
   SphereTracing sphereTracing = SphereTracing::automatic;    ///< for `spheres`
   int hits = 4;                                         ///< along a ray, 1..kMaxHits, for `multihit`
-  MarchSettings reference;                              ///< for `reference`
+  RenderSettings reference;                             ///< for `reference`
 
   bool operator==(const WarpSettings&) const = default;
 };

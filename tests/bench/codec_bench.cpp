@@ -26,7 +26,7 @@ SampleFrame marchFrame(const std::string& sceneName, Heuristic heuristic) {
   View view = scene.views.front();
   view.distance = 0.72f;  // the volume fills the picture
   MarchSettings settings;
-  settings.heuristic = heuristic;
+  settings.sample.heuristic = heuristic;
   return marcher->march(makeCamera(scene, view, kSide, kSide), settings);
 }
 

@@ -32,8 +32,8 @@ void march(benchmark::State& state) {
   const MarcherPtr marcher = makeCpuMarcher(scene.volume, scene.transferFunction);
   const Camera camera = makeCamera(scene, scene.views.front(), 1024, 1024);
   MarchSettings settings;
-  settings.heuristic = static_cast<Heuristic>(state.range(0));
-  state.SetLabel(scene.name + ", " + std::string(nameOf(settings.heuristic)));
+  settings.sample.heuristic = static_cast<Heuristic>(state.range(0));
+  state.SetLabel(scene.name + ", " + std::string(nameOf(settings.sample.heuristic)));
   size_t samples = marcher->march(camera, settings).size();  // warms up, and shows that there is a picture
   if (samples < 10000) state.SkipWithError("the picture is nearly empty");
   for (auto _ : state) samples = marcher->march(camera, settings).size();

@@ -52,8 +52,8 @@ const Views& views() {
     const Camera before = makeCamera(scene, scene.views.at(0), kSide, kSide), now = makeCamera(scene, scene.views.at(1), kSide, kSide);
     const MarchSettings settings;
     Views made{marcher->march(before, settings), marcher->march(now, settings), {}, {}};
-    marcher->render(before, settings, made.picture);
-    marcher->render(now, settings, made.truth);
+    marcher->render(before, settings.render, made.picture);
+    marcher->render(now, settings.render, made.truth);
     return made;
   }();
   return kViews;

@@ -20,9 +20,9 @@ SampleFrame headFrom(ByteReader& reader) {
   head.camera.height = 1u + reader.take<uint8_t>();
   head.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f};
   const auto choices = reader.take<uint8_t>();
-  head.settings.radiusPolicy = static_cast<RadiusPolicy>(choices & 3);
+  head.settings.sample.radiusPolicy = static_cast<RadiusPolicy>(choices & 3);
   if (choices & 4) head.camera.width *= 40;
-  if (choices & 8) head.settings.step = 0.01f;
+  if (choices & 8) head.settings.render.step = 0.01f;
   if (choices & 16) head.quantization.bounds.upper.x = -8.0f;
   return head;
 }

@@ -19,7 +19,7 @@ void writeSeed(const std::filesystem::path& path, const SampleFrame& frame, cons
   appendLittle(seed, static_cast<uint8_t>(settings.format));
   appendLittle(seed, static_cast<uint8_t>(frame.camera.width - 1));
   appendLittle(seed, static_cast<uint8_t>(frame.camera.height - 1));
-  appendLittle(seed, static_cast<uint8_t>(frame.settings.radiusPolicy));
+  appendLittle(seed, static_cast<uint8_t>(frame.settings.sample.radiusPolicy));
   appendLittle(seed, static_cast<uint16_t>(frame.size()));
   seed.insert(seed.end(), payload.begin() + 9, payload.end());
   std::ofstream file(path, std::ios::binary);
@@ -34,7 +34,7 @@ SampleFrame madeUp(uint32_t width, uint32_t height, uint32_t oneIn, bool isOnSte
   frame.camera.width = width;
   frame.camera.height = height;
   frame.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f};
-  frame.settings.radiusPolicy = static_cast<RadiusPolicy>(seed & 3);
+  frame.settings.sample.radiusPolicy = static_cast<RadiusPolicy>(seed & 3);
   for (uint32_t pixel = 0; pixel < width * height; ++pixel) {
     if (random() % oneIn != 0) continue;
     const Ray ray = pixelRay(frame.camera, {static_cast<float>(pixel % width) + 0.5f, static_cast<float>(pixel / width) + 0.5f});

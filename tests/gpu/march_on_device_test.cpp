@@ -41,8 +41,8 @@ TEST(MarchOnDevice, EveryHeuristicAndRadiusInEveryScene) {
           if (radius.value != RadiusPolicy::voxel && heuristic.value != Heuristic::gradient && heuristic.value != Heuristic::median) continue;
           SCOPED_TRACE(builtin.name + ", " + std::string(heuristic.name) + ", " + std::string(radius.name));
           MarchSettings settings = scene.march;
-          settings.heuristic = heuristic.value;
-          settings.radiusPolicy = radius.value;
+          settings.sample.heuristic = heuristic.value;
+          settings.sample.radiusPolicy = radius.value;
           pair.expectSame(camera, settings);
         }
     }
@@ -58,9 +58,9 @@ TEST(MarchOnDevice, SkippingAndEarlyEndsChangeNothing) {
     for (const bool ends : {false, true})
       for (const float step : {0.5f, 0.3f, 2.0f}) {
         MarchSettings settings = scene.march;
-        settings.skipEmpty = skips;
-        settings.terminateEarly = ends;
-        settings.step = step;
+        settings.render.skipEmpty = skips;
+        settings.render.terminateEarly = ends;
+        settings.render.step = step;
         pair.expectSame(camera, settings);
       }
 }
@@ -83,7 +83,7 @@ TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
         const Pair pair(scene);
         MarchSettings settings;
         for (const Heuristic heuristic : {Heuristic::gradient, Heuristic::expected, Heuristic::median}) {
-          settings.heuristic = heuristic;
+          settings.sample.heuristic = heuristic;
           for (const glm::vec3 eye : {glm::vec3(60.0f, 45.0f, 53.0f), glm::vec3(0.1f, 0.2f, 0.3f)})
             pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
         }
@@ -98,8 +98,8 @@ TEST(MarchOnDevice, ColoursAreTheCpus) {
     const Pair pair(scene);
     const Camera camera = makeCamera(scene, scene.views.back(), 255, 301);
     Image<glm::vec4> expected, actual;
-    pair.cpu->render(camera, scene.march, expected);
-    pair.cuda->render(camera, scene.march, actual);
+    pair.cpu->render(camera, scene.march.render, expected);
+    pair.cuda->render(camera, scene.march.render, actual);
     ASSERT_EQ(expected.size(), actual.size());
     size_t different = 0;
     for (size_t i = 0; i < expected.size(); ++i) {
@@ -136,7 +136,7 @@ TEST(MarchOnDevice, RefusesAndCancels) {
   EXPECT_THROW(marcher->march(camera, scene.march), InputError);
   camera = makeCamera(scene, scene.views.front(), 64, 64);
   MarchSettings settings = scene.march;
-  settings.step = 0.0f;
+  settings.render.step = 0.0f;
   EXPECT_THROW(marcher->march(camera, settings), UsageError);
   EXPECT_GT(marcher->march(camera, scene.march).size(), 100u);  // and goes on
 }

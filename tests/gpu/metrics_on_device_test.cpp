@@ -105,8 +105,8 @@ TEST(MetricsOnDevice, AgreeOnWarpedPictures) {
   const MarchSettings settings;
   const Camera before = makeCamera(scene, scene.views.at(0), 600, 401), now = makeCamera(scene, scene.views.at(1), 600, 401);
   Image<glm::vec4> reference, held;
-  marcher->render(now, settings, reference);
-  marcher->render(before, settings, held);
+  marcher->render(now, settings.render, reference);
+  marcher->render(before, settings.render, held);
   const auto judge = makeCudaPictureJudge(scene.background);
   judge->setReference(reference);
   Image<float> map;
@@ -162,7 +162,7 @@ TEST(JudgeOnDevice, FindsWhatTheCpuFinds) {
   const SampleFramePtr frame = stage.frame(stage.camera(180, 140), stage.scene().march);
   const JudgeFunction judge = makeJudge();
   for (const float grey : {0.0f, 0.25f}) {  // another background is another ground truth
-    const ReferenceJob job{stage.resources().marcher, camera, stage.scene().march, glm::vec3(grey)};
+    const ReferenceJob job{stage.resources().marcher, camera, stage.scene().march.render, glm::vec3(grey)};
     Image<glm::vec4> color;
     stage.marcher().render(camera, job.settings, color);
     const auto reference = std::make_shared<const ReferenceImage>(job, std::move(color));

@@ -31,7 +31,7 @@ TEST_P(RealVolumeOnDevice, EveryHeuristicAgrees) {
   for (const auto& heuristic : kHeuristics) {
     SCOPED_TRACE(std::string(heuristic.name));
     MarchSettings settings = scene.march;
-    settings.heuristic = heuristic.value;
+    settings.sample.heuristic = heuristic.value;
     const SampleFrame expected = onCpu->march(camera, settings);
     EXPECT_GT(expected.size(), 100000u);
     expectSameFrames(expected, onDevice->march(camera, settings), 1e-5);

@@ -89,7 +89,7 @@ TEST(WarpsOnDevice, FramesOfEveryScene) {
       SCOPED_TRACE(builtin.name + ", " + std::string(radius.name));
       const Scene scene = smallScene(builtin.name, 96);
       MarchSettings settings = scene.march;
-      settings.radiusPolicy = radius.value;
+      settings.sample.radiusPolicy = radius.value;
       const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
       const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, scene.views.front(), 400, 300), settings));
       ASSERT_GT(frame->size(), 1000u);
