@@ -93,13 +93,13 @@ TEST_P(Contexts, ATechniqueGoesThoughItsContextCannotBeMadeCurrent) {
   };
   EXPECT_TRUE(context.tryMakeCurrent());
   const int before = programs();
-  std::unique_ptr<Warp> warp = makePointsWarp(resources);
+  std::unique_ptr<Warp> warp = makeWarp(findWarp("points"), resources);
   EXPECT_EQ(programs(), before + 1);
   warp.reset();
   EXPECT_EQ(programs(), before);
 
   // Names that may be another context's by now are left alone.
-  warp = makePointsWarp(resources);
+  warp = makeWarp(findWarp("points"), resources);
   context.refuses = true;
   EXPECT_FALSE(context.tryMakeCurrent());
   warp.reset();

@@ -78,7 +78,7 @@ TEST(Holes, DisocclusionsStayOpen) {
   Image<glm::vec4> reference;
   resources.marcher->render(client, {}, reference);
 
-  const auto warp = makeSpheresWarp(resources);
+  const auto warp = makeWarp(findWarp("spheres"), resources);
   warp->setFrame(frame, {});
   WarpedImage image;
   warp->draw(client, {}, image);

@@ -1,6 +1,7 @@
 // Points, means, medians, the front and its bounds.
 // Mirrors app/experiment/live_front.h.
 #include "app/experiment/live_front.h"
+#include "render/warp/multihit_warp.h"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +38,7 @@ TEST(LiveFront, APointAppearsWithItsFirstError) {
 TEST(LiveFront, EqualWorkIsOnePoint) {
   LiveFront front;
   Configuration one = configured("points"), other = one;
-  other.hits = 9;  // points depend on none
+  other.knobs.set(kHitsKnob, 9);  // points depend on none
   other.march.sample.radiusPolicy = RadiusPolicy::opacity;
   for (const Configuration& configuration : {one, other}) {
     front.addPicture(configuration, 1.0, 2.0);

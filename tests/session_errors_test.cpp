@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "app/picture/heat_map.h"
+#include "render/warp/points_warp.h"
 #include "tests/session_fixture.h"
 
 namespace warpscope {
@@ -229,9 +230,10 @@ TEST_F(SessionErrorsTest, AConfigurationThatIsChosenIsTakenOver) {
   EXPECT_EQ(session_.frame()->camera.height, 32u);
 
   // What a technique does not depend on stays for the other panel.
-  Configuration points = normalized({&findWarp("points"), {}, 48, {}, 5, WarpSettings{}.hits});
+  Configuration points{&findWarp("points"), {}, 48, {}, {}};
+  points.knobs.set(kPointSizeKnob, 5);
   session_.choose(1, points);
-  EXPECT_EQ(session_.knobs().warp.pointSize, 5);
+  EXPECT_EQ(session_.knobs().warp.knobs.whole(kPointSizeKnob), 5);
   EXPECT_EQ(session_.knobs().march.sample.radiusPolicy, RadiusPolicy::pixel);
   EXPECT_EQ(session_.knobs().march.sample.radiusScale, 2.0f);
   EXPECT_EQ(session_.knobs().serverSidePx, 48u);

@@ -15,8 +15,12 @@ class BrokenWarp final : public Warp {
   void setFrame(SampleFramePtr, const WarpSettings&, const std::stop_token&) override {}
   void draw(const Camera&, const WarpSettings&, WarpedImage&, const std::stop_token&) override { throw InputError("out of paint"); }
 };
-constexpr WarpDescriptor kBroken{"broken", "Broken", "Fails.", true, false, {},
-                                 [](const WarpResources&) -> std::unique_ptr<Warp> { return std::make_unique<BrokenWarp>(); }};
+constexpr WarpDescriptor kBroken{
+    .name = "broken",
+    .label = "Broken",
+    .summary = "Fails.",
+    .make = [](const WarpResources&) -> std::unique_ptr<Warp> { return std::make_unique<BrokenWarp>(); },
+};
 
 TEST_F(SessionTest, BothPanelsShowTheNewestFrame) {
   ASSERT_TRUE(open("block"));

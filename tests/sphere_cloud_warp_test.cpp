@@ -9,6 +9,8 @@
 #include <limits>
 
 #include "render/core/ray_sphere.h"
+#include "render/warp/multihit_warp.h"
+#include "render/warp/spheres_warp.h"
 #include "tests/headless.h"
 
 namespace warpscope {
@@ -21,7 +23,7 @@ TEST(SphereCloudWarp, EmbreeAndLbvhSeeTheSameOnRealFrames) {
     for (const double turn : {0.0, 12.0, -40.0}) {
       const Camera camera = stage.camera(320, 240, turn);
       WarpSettings lbvh, embree;
-      embree.sphereTracing = SphereTracing::embree;
+      embree.knobs.set(kSphereTracingKnob, SphereTracing::embree);
       const WarpedImage a = stage.draw("spheres", frame, camera, lbvh);
       const WarpedImage b = stage.draw("spheres", frame, camera, embree);
       size_t different = 0;
@@ -69,7 +71,7 @@ TEST(SphereCloudWarp, SplatsAndOneHitShowWhatSpheresShow) {
       EXPECT_EQ(splats.samples, spheres.samples);
       EXPECT_EQ(splats.color, spheres.color);
       WarpSettings settings;
-      settings.hits = 1;
+      settings.knobs.set(kHitsKnob, 1);
       const WarpedImage oneHit = stage.draw("multihit", frame, camera, settings);
       EXPECT_EQ(oneHit.samples, spheres.samples);
       EXPECT_EQ(oneHit.color, spheres.color);

@@ -9,6 +9,8 @@
 #include <set>
 
 #include "render/base/error.h"
+#include "render/warp/multihit_warp.h"
+#include "render/warp/points_warp.h"
 
 namespace warpscope {
 namespace {
@@ -53,8 +55,8 @@ TEST(Configuration, WhatATechniqueDoesNotDependOnIsNotPartOfIt) {
   Configuration a = configurationOf("hold"), b = a;
   b.march.sample.heuristic = Heuristic::exit;
   b.march.sample.radiusPolicy = RadiusPolicy::pixel;
-  b.pointSize = 7;
-  b.hits = 3;
+  b.knobs.set(kPointSizeKnob, 7);
+  b.knobs.set(kHitsKnob, 3);
   EXPECT_NE(a, b);
   EXPECT_EQ(normalized(a), normalized(b));
   EXPECT_EQ(keyOf(a), keyOf(b));
@@ -62,7 +64,7 @@ TEST(Configuration, WhatATechniqueDoesNotDependOnIsNotPartOfIt) {
   EXPECT_NE(keyOf(a), keyOf(b));
 
   Configuration points = configurationOf("points"), larger = points;
-  larger.pointSize = 3;
+  larger.knobs.set(kPointSizeKnob, 3);
   EXPECT_NE(keyOf(points), keyOf(larger));
   larger = points;
   larger.march.sample.radiusScale = 2.0f;
@@ -85,7 +87,8 @@ TEST(Configuration, KeysTellApartWhateverDiffers) {
               configuration.march.sample.heuristic = heuristic.value;
               configuration.march.sample.radiusPolicy = radius.value;
               configuration.march.sample.radiusScale = scale;
-              configuration.pointSize = configuration.hits = size;
+              configuration.knobs.set(kPointSizeKnob, size);
+              configuration.knobs.set(kHitsKnob, size);
               configuration.codec = codecOfWord(codec);
               all.push_back(normalized(configuration));
             }
@@ -107,8 +110,8 @@ TEST(Configuration, ComesBackFromJson) {
     configuration.march.sample.radiusPolicy = RadiusPolicy::opacity;
     configuration.march.sample.radiusScale = 0.75f;
     configuration.march.render.step = 0.25f;
-    configuration.pointSize = 5;
-    configuration.hits = 7;
+    configuration.knobs.set(kPointSizeKnob, 5);
+    configuration.knobs.set(kHitsKnob, 7);
     configuration.codec = codecOfWord("jpeg80");
     const JsonDocument document(toJson(configuration).dump(), "row");
     EXPECT_EQ(configurationFrom(document.root(), {}), normalized(configuration)) << technique.name;
@@ -148,7 +151,7 @@ TEST(SweepPlan, TheDefaultHoldsEveryTechniqueAndBothBaselines) {
   EXPECT_TRUE(std::any_of(configurations.begin(), configurations.end(), isPointBaseline));
   std::set<std::string> keys;
   for (const Configuration& configuration : configurations) EXPECT_TRUE(keys.insert(keyOf(configuration)).second) << keyOf(configuration);
-  EXPECT_EQ(plan.serverSides, (std::vector<uint32_t>{640, 320}));
+  EXPECT_EQ(plan.values(kServerSideKnob), (std::vector<double>{640.0, 320.0}));
 }
 
 TEST(SweepPlan, BaselinesAreThereWhateverIsAskedFor) {
@@ -165,7 +168,7 @@ TEST(SweepPlan, ComesBackFromJson) {
   const SweepPlan plan = planOf(R"({"techniques": ["points", "splats"], "heuristics": ["exit"], "radii": "pixel", "radiusScales": [0.5, 2],
     "pointSizes": [4], "hits": 16, "steps": [0.125], "serverSides": [100], "codecs": ["raw", "jpeg50"], "angles": [-30, 0.5],
     "links": ["lan", "delay=100,rate=20M"], "speedDegPerS": 12.5, "instants": 7, "draws": 9})");
-  EXPECT_EQ(plan.radii, std::vector{RadiusPolicy::pixel});
+  EXPECT_EQ(plan.values(kRadiusKnob), std::vector{static_cast<double>(RadiusPolicy::pixel)});
   EXPECT_EQ(plan.links[1].settings.down.rateBitPerS, 20e6);
   EXPECT_EQ(planOf(toJson(plan).dump()), plan);
   EXPECT_TRUE(planOf(R"({"links": []})").links.empty());

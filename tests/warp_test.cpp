@@ -13,6 +13,9 @@
 #include "render/core/ray_sphere.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/psnr.h"
+#include "render/warp/multihit_warp.h"
+#include "render/warp/points_warp.h"
+#include "render/warp/spheres_warp.h"
 #include "tests/headless.h"
 
 namespace warpscope {
@@ -87,7 +90,7 @@ TEST_P(WarpGl, PointsShowEveryPixelItsOwnSample) {
       const Camera camera = stage.camera(size.x, size.y);
       const SampleFramePtr frame = stage.frame(camera, stage.scene().march);
       WarpSettings settings;
-      settings.pointSize = 1;
+      settings.knobs.set(kPointSizeKnob, 1);
       expectExactly(stage.draw("points", frame, camera, settings), ownPixels(*frame), *frame);
     }
   }
@@ -102,7 +105,7 @@ TEST(Warp, SpheresThatFitTheirPixelShowEveryPixelItsOwnSample) {
       const SampleFramePtr frame = stage.frame(camera, withRadius(stage.scene(), RadiusPolicy::pixel));
       for (const SphereTracing tracing : {SphereTracing::lbvh, SphereTracing::embree}) {
         WarpSettings settings;
-        settings.sphereTracing = tracing;
+        settings.knobs.set(kSphereTracingKnob, tracing);
         expectExactly(stage.draw("spheres", frame, camera, settings), ownPixels(*frame), *frame);
       }
     }
@@ -187,7 +190,7 @@ TEST_P(WarpGl, LargeImages) {
   ASSERT_GT(frame->size(), 200'000u);
   const Image<uint32_t> own = ownPixels(*frame);
   WarpSettings settings;
-  settings.pointSize = 1;
+  settings.knobs.set(kPointSizeKnob, 1);
   expectExactly(stage.draw("points", frame, camera, settings), own, *frame);
   if (GetParam() == gl::Platform::egl) expectExactly(stage.draw("hold", frame, camera), own, *frame);
 }
@@ -236,7 +239,7 @@ TEST_P(WarpGl, OfTwoSamplesAPixelTheNearerIsSeenInEitherOrder) {
       for (const float depth : {12.0f, 8.0f}) farFirst.push_back(at(depth));
     }
   WarpSettings settings;
-  settings.pointSize = 1;
+  settings.knobs.set(kPointSizeKnob, 1);
   for (const std::string_view technique : {"hold", "points", "spheres"})
     for (const uint32_t nearer : {0u, 1u}) {
       SCOPED_TRACE(std::string(technique) + (nearer == 0 ? ", nearer first" : ", farther first"));
@@ -257,7 +260,7 @@ TEST_P(WarpGl, NothingAtOrBehindTheEyeIsSeen) {
   for (const WarpDescriptor& technique : warpRegistry()) {
     if (!technique.usesFrame) continue;
     WarpSettings settings;
-    settings.pointSize = 16;
+    settings.knobs.set(kPointSizeKnob, 16);
     EXPECT_EQ(coveredPixels(stage.draw(technique.name, frame, camera, settings)), 0u) << technique.name;
   }
 }
@@ -432,18 +435,15 @@ TEST_P(WarpGl, WithoutAFrameNothingIsCovered) {
 
 TEST(Warp, SettingsOutOfRangeAreRefused) {
   WarpSettings settings;
-  for (const int size : {0, 17, -1}) {
-    settings.pointSize = size;
-    EXPECT_THROW(validate(settings), UsageError) << size;
+  for (const Knob* knob : {&kPointSizeKnob, &kHitsKnob}) {
+    for (const double value : {0.0, 17.0, -1.0, 2.5}) EXPECT_THROW(settings.knobs.set(*knob, value), UsageError) << knob->key << " " << value;
+    EXPECT_EQ(settings.knobs[*knob], knob->defaultValue);  // as it was
+    EXPECT_NO_THROW(settings.knobs.set(*knob, 16));
   }
-  settings.pointSize = 16;
+  EXPECT_THROW(settings.knobs.set(kSphereTracingKnob, 4), UsageError);
   EXPECT_NO_THROW(validate(settings));
-  for (const int hits : {0, 17, -1}) {
-    settings.hits = hits;
-    EXPECT_THROW(validate(settings), UsageError) << hits;
-  }
-  settings.hits = 16;
-  EXPECT_NO_THROW(validate(settings));
+  settings.reference.step = 0.0f;
+  EXPECT_THROW(validate(settings), UsageError);
 }
 
 TEST(Warp, NamesAreUniqueAndWrongOnesAreAnsweredWithTheNearest) {

@@ -9,6 +9,7 @@
 #include "app/commands/options.h"
 #include "app/experiment/benchmark.h"
 #include "app/scene/json_document.h"
+#include "app/scene/knob_json.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
@@ -133,9 +134,7 @@ void bench(const BenchOptions& options) {
   report["scene"] = work.scene.name;
   report["width"] = work.width;
   report["height"] = work.height;
-  report["step"] = work.march.render.step;
-  report["heuristic"] = nameOf(work.march.sample.heuristic);
-  report["radius"] = nameOf(work.march.sample.radiusPolicy);
+  report.update(toJson(work.march));
   report["runs"] = options.runs;
   report["version"] = WARPSCOPE_VERSION;
   report["backends"] = backends;

@@ -12,6 +12,7 @@
 #include "app/picture/montage.h"
 #include "app/picture/picture.h"
 #include "app/scene/json_document.h"
+#include "app/scene/knob_json.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/log.h"
 #include "app/shell/output_files.h"
@@ -69,13 +70,9 @@ Json verdictOf(const Comparison& comparison, const CommandContext& work) {
 Json toJson(const Comparison& comparison, const CommandContext& work, std::string_view backend, const std::string& context) {
   Json rows = Json::array();
   for (const ComparisonRow& row : comparison.rows) rows.push_back(toJson(row, comparison, work));
-  return {{"scene", work.scene.name},
+  Json json{{"scene", work.scene.name},
           {"width", work.width},
           {"height", work.height},
-          {"step", work.march.render.step},
-          {"radiusScale", work.march.sample.radiusScale},
-          {"pointSize", work.warp.pointSize},
-          {"hits", work.warp.hits},
           {"backend", backend},
           {"openGl", context},
           {"server", {{"marchMs", comparison.frame->timings.marchMs}, {"compactMs", comparison.frame->timings.compactMs}}},
@@ -85,6 +82,9 @@ Json toJson(const Comparison& comparison, const CommandContext& work, std::strin
           {"version", WARPSCOPE_VERSION},
           {"spheresAgainstPoints", verdictOf(comparison, work)},
           {"rows", rows}};
+  json.update(toJson(work.march));
+  for (const Knob* knob : warpKnobs()) json[std::string(knob->key)] = jsonOf(*knob, work.warp.knobs[*knob]);
+  return json;
 }
 
 std::string captionOf(const ComparisonRow& row) {
@@ -209,7 +209,7 @@ void addCompareCommand(CLI::App& program, std::function<void()>& chosen) {
   CLI::App* command = program.add_subcommand("compare", "Every technique in every view: pictures, a montage, metrics.json");
   addCommonOptions(*command, options->common);
   // Pictures that are compared and kept show what warping does, not what compressing colours does.
-  options->transport.color = nameOf(ColorCoding::lossless);
+  options->transport.otherwise.codec.color = ColorCoding::lossless;
   addTransportOptions(*command, options->transport);
   command->add_option("--out", options->out, "Folder to write to")->required();
   command->add_option("--cell", options->cellWidth, "Width of a picture in the montage, in pixels")->capture_default_str();

@@ -14,6 +14,7 @@
 #include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/volume/procedural.h"
+#include "render/warp/spheres_warp.h"
 
 namespace warpscope {
 namespace {
@@ -70,24 +71,19 @@ void logBackend(Backend backend) {
 }  // namespace
 
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
-  const std::string sceneDefault = "; default: the scene's";
   std::string scenes;
   for (const ProceduralVolume& volume : kProceduralVolumes) scenes += std::string(volume.name) + ", ";
   command.add_option("scene", options.scene, "A built-in scene (" + scenes + "default vessels), a scene file or a volume file");
   command.add_option("--volume", options.volume, "Replaces the scene's volume by this file");
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
   command.add_option("--tf", options.transferFunction, "Transfer function file (JSON)");
-  command.add_option("--heuristic", options.heuristic, "Which depth stands for a pixel: " + listOf(kHeuristics) + sceneDefault);
-  command.add_option("--radius", options.radius, "How large a sample is: " + listOf(kRadiusPolicies) + sceneDefault);
-  command.add_option("--radius-scale", options.radiusScale, "Factor on the radius, " + rangeText(kRadiusScaleRange) + sceneDefault);
-  command.add_option("--step", options.step, "Distance of samples along a ray, in voxels, " + rangeText(kStepRange) + sceneDefault);
-  command.add_option("--point-size", options.pointSize, "Pixels, 1 to 16, for points; default 2");
-  command.add_option("--hits", options.hits, "Samples blended along a ray, 1 to 16, for multihit; default 4");
-  command.add_option("--bvh", options.bvh, "Hierarchy that spheres are traced with: lbvh embree")->capture_default_str();
+  for (const MarchKnob& row : marchKnobs()) options.knobs.add(command, *row.knob, "the scene's");
+  for (const WarpDescriptor& technique : warpRegistry())
+    for (const Knob* knob : technique.knobs) options.knobs.add(command, *knob, textOf(*knob, knob->defaultValue), technique.name);
   command.add_option("--backend", options.backend, "auto cpu cuda")->capture_default_str();
   command.add_option("--gl", options.gl, "OpenGL without a window: auto egl osmesa")->capture_default_str();
   command.add_option("--size", options.size, "WxH of the pictures, in pixels")->capture_default_str();
-  command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees, " + rangeText(kFovYDegRange) + sceneDefault);
+  command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees, " + rangeText(kFovYDegRange) + "; default: the scene's");
   command.add_option("--uncovered", options.uncovered, "Colour (RRGGBB) of pixels that no sample covers; default transparent");
   command.add_option("--seed", options.seed, "Of what is random in the built-in volumes vessels and shells; default: 1");
   command.add_flag("--json", options.json, "One JSON document on standard output and nothing else");
@@ -120,19 +116,9 @@ CheckedOptions check(const CommonOptions& options) {
   checked.uncovered = parseColor(options.uncovered);
   checked.platform = choose("OpenGL platform", options.gl, kPlatforms);
   checked.backend = choose("backend", options.backend, kBackends);
-  checked.warp.sphereTracing = choose("hierarchy", options.bvh, kSphereTracings);
-  checked.warp.pointSize = options.pointSize.value_or(checked.warp.pointSize);
-  checked.warp.hits = options.hits.value_or(checked.warp.hits);
-  if (!options.heuristic.empty()) checked.heuristic = choose("heuristic", options.heuristic, kHeuristics);
-  if (!options.radius.empty()) checked.radius = choose("radius policy", options.radius, kRadiusPolicies);
-  if (options.step) {
-    requireRange(*options.step, kStepRange, "--step");  // as typed: in float 1e300 is infinite
-    checked.step = static_cast<float>(*options.step);
-  }
-  if (options.radiusScale) {
-    requireRange(*options.radiusScale, kRadiusScaleRange, "--radius-scale");
-    checked.radiusScale = static_cast<float>(*options.radiusScale);
-  }
+  checked.given = options.knobs.check();
+  for (const Knob* knob : warpKnobs())
+    if (const auto value = checked.given.find(*knob)) checked.warp.knobs.set(*knob, *value);
   if (options.fovYDeg) requireRange(*options.fovYDeg, kFovYDegRange, "--fov");
 
   if (options.seed) checked.overrides.seed = *options.seed;
@@ -145,9 +131,10 @@ CheckedOptions check(const CommonOptions& options) {
   }
   validate(checked.warp);
   const bool isOnDevice = checked.backend == Backend::cuda || (checked.backend == Backend::automatic && cuda::whyUnavailable().empty());
-  if (checked.warp.sphereTracing == SphereTracing::clusters && !isOnDevice)
+  const auto tracing = checked.warp.knobs.choice<SphereTracing>(kSphereTracingKnob);
+  if (tracing == SphereTracing::clusters && !isOnDevice)
     throw UsageError("--bvh clusters: this hierarchy is for CUDA devices; choose auto, lbvh or embree");
-  if (checked.warp.sphereTracing == SphereTracing::embree && isOnDevice)
+  if (tracing == SphereTracing::embree && isOnDevice)
     throw UsageError("--bvh embree: Embree traces on the CPU; add --backend cpu, or choose auto, lbvh or clusters");
   if (checked.backend == Backend::cuda)
     if (const std::string reason = cuda::whyUnavailable(); !reason.empty())
@@ -163,11 +150,8 @@ Scene CheckedOptions::open(const std::stop_token& stop) const {
 }
 
 void CheckedOptions::applyTo(Scene& served) const {
-  MarchSettings& march = served.march;
-  march.sample.heuristic = heuristic.value_or(march.sample.heuristic);
-  march.sample.radiusPolicy = radius.value_or(march.sample.radiusPolicy);
-  march.render.step = step.value_or(march.render.step);
-  march.sample.radiusScale = radiusScale.value_or(march.sample.radiusScale);
+  for (const MarchKnob& row : marchKnobs())
+    if (const auto value = given.find(*row.knob)) row.set(served.march, *value);
   if (overrides.fovYDeg) served.fovYDeg = *overrides.fovYDeg;
 }
 

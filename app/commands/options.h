@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "app/commands/knob_options.h"
 #include "app/commands/transport_options.h"
 #include "app/frames/backend.h"
 #include "app/frames/frame_fetch.h"
@@ -21,12 +22,11 @@ namespace warpscope {
 struct CommonOptions {
   std::optional<std::string> scene;  ///< default: kDefaultScene
   std::string volume, transferFunction, volumeSize;
-  std::string heuristic, radius;
-  std::string backend = "auto", gl = "auto", bvh = "auto";
+  KnobOptions knobs;  ///< of marching and of techniques
+  std::string backend = "auto", gl = "auto";
   std::string size = "1024x1024";
   std::string uncovered;
-  std::optional<double> fovYDeg, step, radiusScale;
-  std::optional<int> pointSize, hits;
+  std::optional<double> fovYDeg;
   std::optional<uint32_t> seed;
   bool json = false, quiet = false, verbose = false;
 
@@ -48,9 +48,7 @@ void requireValues(CLI::App& command);
 struct CheckedOptions {
   std::string sceneSpec;
   SceneOverrides overrides;
-  std::optional<Heuristic> heuristic;
-  std::optional<RadiusPolicy> radius;
-  std::optional<float> radiusScale, step;
+  GivenKnobs given;
   WarpSettings warp;
   uint32_t width = 0;
   uint32_t height = 0;

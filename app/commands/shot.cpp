@@ -10,6 +10,7 @@
 #include "app/experiment/sweep_file.h"
 #include "app/picture/picture.h"
 #include "app/scene/json_document.h"
+#include "app/scene/knob_json.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/log.h"
 #include "app/shell/output_files.h"
@@ -35,14 +36,16 @@ constexpr std::string_view kAuto = "auto";
 constexpr Range kViewAngleDegRange{-360.0, 360.0};
 
 /// What `auto` may choose: what was asked for stays.
-bool isAllowed(const Configuration& configuration, uint32_t sidePx, const ShotOptions& options, const CommandContext& work) {
-  if (configuration.serverSidePx != sidePx || configuration.march.render.step != work.march.render.step) return false;
-  const WarpKnobs& knobs = configuration.technique->knobs;
-  if (!options.common.heuristic.empty() && knobs.depth && configuration.march.sample.heuristic != work.march.sample.heuristic) return false;
-  if (!options.common.radius.empty() && knobs.radius && configuration.march.sample.radiusPolicy != work.march.sample.radiusPolicy) return false;
-  if (options.common.radiusScale && knobs.radius && configuration.march.sample.radiusScale != work.march.sample.radiusScale) return false;
-  if (options.common.pointSize && knobs.pointSize && configuration.pointSize != *options.common.pointSize) return false;
-  if (options.common.hits && knobs.hits && configuration.hits != *options.common.hits) return false;
+bool isAllowed(const Configuration& configuration, uint32_t sidePx, const CommandContext& work) {
+  Configuration scene;
+  scene.march = work.march;
+  if (configuration.serverSidePx != sidePx) return false;
+  for (const ConfigurationKnob& row : configurationKnobs()) {
+    if (!row.concerns(*configuration.technique)) continue;
+    const bool isOfPicture = row.knob().owner == KnobOwner::rendering;
+    const std::optional<double> asked = isOfPicture ? row.get(scene) : work.given.find(row.knob());
+    if (asked && row.get(configuration) != *asked) return false;
+  }
   return true;
 }
 
@@ -56,10 +59,8 @@ AutoChoice measuredFront(const ShotOptions& options, const CommandContext& work,
   }
   SweepSettings settings;
   settings.plan = quickPlan(work.march, work.width, work.height, options.viewAngleDeg);
-  if (!options.common.heuristic.empty()) settings.plan.heuristics = {work.march.sample.heuristic};
-  if (!options.common.radius.empty()) settings.plan.radii = {work.march.sample.radiusPolicy};
-  if (options.common.pointSize) settings.plan.pointSizes = {*options.common.pointSize};
-  if (options.common.hits) settings.plan.hits = {*options.common.hits};
+  for (const ConfigurationKnob& row : configurationKnobs())
+    if (const auto value = work.given.find(row.knob())) settings.plan.values(row.knob()) = {*value};
   settings.plan.codecs = {work.transport.codec};
   settings.width = work.width;
   settings.height = work.height;
@@ -74,7 +75,7 @@ AutoChoice::Choice chooseFor(const ShotOptions& options, CommandContext& work, H
   const double budgetMs = options.budgetMs.value_or(kDefaultBudgetMs);
   const AutoChoice front = measuredFront(options, work, headless, stop);
   const auto choice = front.choose(options.viewAngleDeg, budgetMs, [&](const Configuration& configuration) {
-    return isAllowed(configuration, front.largestSidePx(), options, work);
+    return isAllowed(configuration, front.largestSidePx(), work);
   });
   if (!choice) throw InputError(options.front + ": nothing was measured with the step, the heuristic, the radius and the sizes that were asked for");
   takeOver(choice->configuration, work.march, work.warp);
@@ -132,9 +133,8 @@ void shoot(const ShotOptions& options) {
                                 {"samples", frame ? frame->size() : 0},
                                 {"bytes", served.bytes},
                                 {"transport", toJson(work.transport)},
-                                {"latency", frame ? toJson(served.latency) : nlohmann::json(nullptr)},
-                                {"heuristic", nameOf(work.march.sample.heuristic)},
-                                {"radius", nameOf(work.march.sample.radiusPolicy)}};
+                                {"latency", frame ? toJson(served.latency) : nlohmann::json(nullptr)}};
+    report.update(toJson(work.march));
     if (choice)
       report["auto"] = {{"reason", choice->reason}, {"flip", choice->flip}, {"frameMs", choice->frameMs}, {"configuration", toJson(choice->configuration)}};
     std::cout << textOf(report);
@@ -150,7 +150,7 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
   CLI::App* command = program.add_subcommand("shot", "One picture, without a window");
   addCommonOptions(*command, options->common);
   // Pictures that are compared and kept show what warping does, not what compressing colours does.
-  options->transport.color = nameOf(ColorCoding::lossless);
+  options->transport.otherwise.codec.color = ColorCoding::lossless;
   addTransportOptions(*command, options->transport);
   std::string names;
   for (const WarpDescriptor& warp : warpRegistry()) names += (names.empty() ? "" : " ") + std::string(warp.name);

@@ -13,6 +13,7 @@
 #include "app/experiment/report.h"
 #include "app/experiment/sweep.h"
 #include "app/scene/json_document.h"
+#include "app/scene/knob_json.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/log.h"
 #include "app/shell/output_files.h"
@@ -38,12 +39,8 @@ SweepPlan planOf(const SweepOptions& options, const CommandContext& work) {
     applyPlanFile(document.root(), plan);
   }
   // What other commands take one of is one value of an axis here.
-  if (!options.common.heuristic.empty()) plan.heuristics = {work.march.sample.heuristic};
-  if (!options.common.radius.empty()) plan.radii = {work.march.sample.radiusPolicy};
-  if (options.common.radiusScale) plan.radiusScales = {work.march.sample.radiusScale};
-  if (options.common.step) plan.steps = {work.march.render.step};
-  if (options.common.pointSize) plan.pointSizes = {*options.common.pointSize};
-  if (options.common.hits) plan.hits = {*options.common.hits};
+  for (const ConfigurationKnob& row : configurationKnobs())
+    if (const auto value = work.given.find(row.knob())) plan.values(row.knob()) = {*value};
   for (const SweepAxis& axis : sweepAxes())
     if (const auto given = options.axes.find(axis.option); given != options.axes.end() && !given->second.empty())
       applyPlanOption(axis, given->second, plan);
@@ -72,8 +69,7 @@ Json identityOf(const Json& head, const SweepOptions& options, const CommandCont
   identity["sceneSpec"] = work.sceneSpec;
   identity["files"] = {fileIdentity(work.sceneSpec), fileIdentity(common.volume), fileIdentity(common.transferFunction)};
   identity["gl"] = common.gl;
-  identity["threshold"] = work.march.sample.threshold;
-  identity["contribution"] = work.march.render.contribution;
+  identity["march"] = toJson(work.march);
   identity["machine"] = machineOf(backend, "");
   return identity;
 }
@@ -93,8 +89,9 @@ void sweep(const SweepOptions& options) {
   Json head{{"scene", work.scene.name},   {"width", work.width},
             {"height", work.height},      {"plan", toJson(settings.plan)},
             {"volumeSeed", work.overrides.seed}, {"version", WARPSCOPE_VERSION},
-            {"fovYDeg", work.scene.fovYDeg},     {"volumeSize", options.common.volumeSize},
-            {"sphereTracing", nameOf(kSphereTracings, work.warp.sphereTracing)}};
+            {"fovYDeg", work.scene.fovYDeg},     {"volumeSize", options.common.volumeSize}};
+  for (const Knob* knob : warpKnobs())
+    if (knob->axis.key.empty()) head[std::string(knob->key)] = jsonOf(*knob, work.warp.knobs[*knob]);  // what no axis goes through
   SweepJournal journal(options.out, identityOf(head, options, work, backend), settings.plan.base);
   if (journal.found() > 0) logResult("going on with a sweep of which " + std::to_string(journal.found()) + " parts are done");
 

@@ -3,6 +3,8 @@
 #include "app/commands/transport_options.h"
 
 #include "app/commands/choose.h"
+#include "app/frames/transport_knobs.h"
+#include "app/scene/knob_json.h"
 #include "render/base/error.h"
 #include "render/base/range.h"
 
@@ -22,14 +24,11 @@ void addTransportOptions(CLI::App& command, TransportOptions& options) {
       "Link to simulate: " + listOf(net::linkPresets()) +
           ", or delay=MS,jitter=MS,rate=BIT/S,loss=P%,outage=MS/MS,seed=N; with up. or down. before a key for one direction");
   add("--delay-ms", options.delayMs, "Round trip to the server in milliseconds, in place of --link");
-  command.add_option("--codec", options.codec, "How samples travel: " + listOf(kPayloadFormats))->capture_default_str();
-  command.add_option("--color", options.color, "How their colours travel: " + listOf(kColorCodings))->capture_default_str();
-  command.add_option("--quality", options.quality, "Of jpeg, " + rangeText(kJpegQualityRange))->capture_default_str();
-  add("--depth", options.depth, "Requests under way at a time, " + rangeText(kDepthRange))->capture_default_str();
+  for (const auto& row : transportKnobs()) options.knobs.add(command, *row.knob, textOf(*row.knob, row.get(options.otherwise)));
 }
 
 TransportSettings transportOf(const TransportOptions& options) {
-  TransportSettings transport;
+  TransportSettings transport = options.otherwise;
   if (options.delayMs && !options.link.empty()) throw UsageError("--delay-ms and --link say the same: give one of them");
   if (options.delayMs) {
     requireRange(*options.delayMs, kDelayMsRange, "--delay-ms");
@@ -40,21 +39,16 @@ TransportSettings transportOf(const TransportOptions& options) {
   } catch (const net::LinkSettingsError& error) {
     throw UsageError("--link " + options.link.substr(0, 80) + ": " + error.what());
   }
-  transport.codec.format = choose("codec", options.codec, kPayloadFormats);
-  transport.codec.color = choose("colour coding", options.color, kColorCodings);
-  transport.codec.jpegQuality = options.quality;
-  requireRange(static_cast<double>(options.quality), kJpegQualityRange, "--quality");
-  requireRange(static_cast<double>(options.depth), kDepthRange, "--depth");
-  transport.depth = options.depth;
+  const GivenKnobs given = options.knobs.check();
+  for (const auto& row : transportKnobs())
+    if (const auto value = given.find(*row.knob)) row.set(transport, *value);
   return transport;
 }
 
 nlohmann::json toJson(const TransportSettings& transport) {
-  return {{"link", net::toString(transport.link)},
-          {"codec", nameOf(transport.codec.format)},
-          {"color", nameOf(transport.codec.color)},
-          {"quality", transport.codec.jpegQuality},
-          {"depth", transport.depth}};
+  nlohmann::json json{{"link", net::toString(transport.link)}};
+  for (const auto& row : transportKnobs()) json[std::string(row.knob->key)] = jsonOf(*row.knob, row.get(transport));
+  return json;
 }
 
 nlohmann::json toJson(const FrameLatency& latency) {
@@ -64,8 +58,9 @@ nlohmann::json toJson(const FrameLatency& latency) {
 }
 
 void requireServerFor(const TransportOptions& options) {
-  if (!options.given.empty() && options.connect.empty())
-    throw UsageError(options.given + " is about the way from a server, and frames are made here: add --connect URL, or leave it out");
+  const std::string given = options.knobs.has(kDepthKnob) ? std::string(kDepthKnob.option) : options.given;
+  if (!given.empty() && options.connect.empty())
+    throw UsageError(given + " is about the way from a server, and frames are made here: add --connect URL, or leave it out");
 }
 
 std::optional<net::Address> serverOf(const TransportOptions& options) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "app/commands/knob_options.h"
 #include "app/frames/frame_source.h"
 #include "net/address.h"
 
@@ -17,9 +18,8 @@ struct TransportOptions {
   std::string connect;
   std::string link;
   std::optional<double> delayMs;
-  std::string codec{nameOf(CodecSettings{}.format)}, color{nameOf(CodecSettings{}.color)};
-  int quality = CodecSettings{}.jpegQuality;
-  int depth = 1;
+  KnobOptions knobs;            ///< of transportKnobs()
+  TransportSettings otherwise;  ///< what holds where nothing is typed; set it before the options are added
   std::string given;  ///< one of those about how frames travel that was typed; empty without any
 };
 

@@ -8,6 +8,7 @@
 #include "render/base/stopwatch.h"
 #include "render/codec/codec.h"
 #include "render/metrics/psnr.h"
+#include "render/warp/spheres_warp.h"
 
 namespace warpscope {
 namespace {
@@ -135,7 +136,7 @@ class TechniqueRun {
     WarpResources onCpu = resources;
     onCpu.backend = Backend::cpu;
     WarpSettings cpuSettings = settings_.warp;
-    cpuSettings.sphereTracing = SphereTracing::automatic;
+    cpuSettings.knobs.set(kSphereTracingKnob, SphereTracing::automatic);
     const std::unique_ptr<Warp> truth = makeWarp(technique, onCpu);
     truth->setFrame(frame, cpuSettings, stop_);
     WarpedImage expected;

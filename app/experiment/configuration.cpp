@@ -2,61 +2,129 @@
 // See configuration.h.
 #include "app/experiment/configuration.h"
 
+#include <algorithm>
 #include <charconv>
 
+#include "app/scene/knob_json.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
-#include "render/warp/multihit/nearest_hits.h"
+#include "render/warp/points_warp.h"
 
 namespace warpscope {
 namespace {
 
 constexpr std::string_view kJpegWord = "jpeg";
 
-template <class Table>
-auto valueNamed(const Node& node, const Table& table, std::string_view kind) {
-  const std::string name = node.string();
-  if (const auto* entry = findNamed(table, name)) return entry->value;
-  node.fail(unknownNameIn(table, kind, name));
+/// The phrases of those knobs that `says` wants to hear of, techniques' own first.
+template <class Says>
+std::string phrasesOf(const Configuration& configuration, const Says& says) {
+  std::string own, others;
+  for (const ConfigurationKnob& row : configurationKnobs()) {
+    if (row.knob().phrase.empty() || !row.matters(configuration) || !says(row)) continue;
+    (row.isOfFrame() ? others : own) += phraseOf(row.knob(), row.get(configuration));
+  }
+  return own + others;
+}
+
+bool isInLabel(const ConfigurationKnob& row, const Configuration& configuration) {
+  switch (row.knob().naming) {
+    case KnobNaming::always: return true;
+    case KnobNaming::unlessDefault: return row.get(configuration) != row.knob().defaultValue;
+    case KnobNaming::whereDiffering: return false;
+  }
+  return true;
+}
+
+/// " key=value" of those knobs that matter and are wanted.
+template <class Wanted>
+std::string keysOf(const Configuration& configuration, const Wanted& wanted) {
+  std::string text;
+  for (const ConfigurationKnob& row : configurationKnobs())
+    if (wanted(row) && row.matters(configuration))
+      text += " " + std::string(row.knob().key) + "=" + textOf(row.knob(), row.get(configuration));
+  return text;
 }
 
 }  // namespace
 
+constinit const Knob kServerSideKnob{
+    .key = "serverSide",
+    .label = "Image",
+    .noun = "server's side",
+    .help = "Longer side of the server's image, in pixels: one ray for each",
+    .unit = " px",
+    .type = KnobType::whole,
+    .owner = KnobOwner::sampling,
+    .stale = KnobStage::march,
+    .range = kServerSideRange,
+    .track = {128.0, 2048.0},
+    .scale = KnobScale::logarithmic,
+    .axis = {"serverSides", "--server-sides", "Longer sides of the server's image, pixels"},
+    .phrase = ", server's image of {} px",
+    .naming = KnobNaming::whereDiffering,
+};
+
+double ConfigurationKnob::get(const Configuration& configuration) const {
+  if (march_ != nullptr) return march_->get(configuration.march);
+  return knob_ == &kServerSideKnob ? configuration.serverSidePx : configuration.knobs[*knob_];
+}
+
+void ConfigurationKnob::set(Configuration& configuration, double value) const {
+  if (march_ != nullptr)
+    march_->set(configuration.march, value);
+  else if (knob_ == &kServerSideKnob)
+    configuration.serverSidePx = static_cast<uint32_t>(value);
+  else
+    configuration.knobs.set(*knob_, value);
+}
+
+bool ConfigurationKnob::concerns(const WarpDescriptor& technique) const {
+  if (march_ != nullptr) return technique.dependsOn(*march_);
+  return knob_ == &kServerSideKnob ? technique.usesFrame : technique.has(*knob_);
+}
+
+bool ConfigurationKnob::matters(const Configuration& configuration) const {
+  return concerns(*configuration.technique) && (march_ == nullptr || march_->matters(configuration.march));
+}
+
+std::vector<ConfigurationKnob> configurationKnobs() {
+  std::vector<ConfigurationKnob> knobs;
+  const auto addMarch = [&](KnobOwner owner) {
+    for (const MarchKnob& row : marchKnobs())
+      if (row.knob->owner == owner && !row.knob->axis.key.empty()) knobs.emplace_back(*row.knob, &row);
+  };
+  addMarch(KnobOwner::sampling);
+  for (const Knob* knob : warpKnobs())
+    if (!knob->axis.key.empty()) knobs.emplace_back(*knob, nullptr);
+  addMarch(KnobOwner::rendering);
+  knobs.emplace_back(kServerSideKnob, nullptr);
+  return knobs;
+}
+
 WarpSettings Configuration::warp(const WarpSettings& base) const {
   WarpSettings settings = base;
-  settings.pointSize = pointSize;
-  settings.hits = hits;
+  for (const Knob* knob : technique->knobs)
+    if (!knob->axis.key.empty()) settings.knobs.set(*knob, knobs[*knob]);
   settings.reference = march.render;
   return settings;
 }
 
 void takeOver(const Configuration& configuration, MarchSettings& march, WarpSettings& warp) {
-  const WarpKnobs& knobs = configuration.technique->knobs;
-  if (knobs.depth) {
-    march.sample.heuristic = configuration.march.sample.heuristic;
-    march.sample.threshold = configuration.march.sample.threshold;
-  }
-  if (knobs.radius) {
-    march.sample.radiusPolicy = configuration.march.sample.radiusPolicy;
-    march.sample.radiusScale = configuration.march.sample.radiusScale;
-  }
-  if (knobs.pointSize) warp.pointSize = configuration.pointSize;
-  if (knobs.hits) warp.hits = configuration.hits;
+  const WarpDescriptor& technique = *configuration.technique;
+  for (const MarchKnob& row : marchKnobs())
+    if (row.knob->owner == KnobOwner::sampling && technique.dependsOn(row)) row.set(march, row.get(configuration.march));
+  for (const Knob* knob : technique.knobs)
+    if (!knob->axis.key.empty()) warp.knobs.set(*knob, configuration.knobs[*knob]);
 }
 
 Configuration normalized(Configuration configuration) {
   const WarpDescriptor& technique = *configuration.technique;
-  const WarpKnobs& knobs = technique.knobs;
-  if (!knobs.depth) {
-    configuration.march.sample.heuristic = SampleSettings{}.heuristic;
-    configuration.march.sample.threshold = SampleSettings{}.threshold;
-  }
-  if (!knobs.radius) {
-    configuration.march.sample.radiusPolicy = SampleSettings{}.radiusPolicy;
-    configuration.march.sample.radiusScale = SampleSettings{}.radiusScale;
-  }
-  if (!knobs.pointSize) configuration.pointSize = WarpSettings{}.pointSize;
-  if (!knobs.hits) configuration.hits = WarpSettings{}.hits;
+  for (const MarchKnob& row : marchKnobs())
+    if (!technique.dependsOn(row)) row.set(configuration.march, row.knob->defaultValue);
+  std::vector<const Knob*> swept;
+  for (const Knob* knob : technique.knobs)
+    if (!knob->axis.key.empty()) swept.push_back(knob);
+  configuration.knobs = configuration.knobs.only(swept);
   if (!technique.usesFrame) {
     configuration.serverSidePx = 0;
     configuration.codec = {};
@@ -95,52 +163,59 @@ CodecSettings codecOfWord(std::string_view word) {
 
 std::string keyOf(const Configuration& given) {
   const Configuration configuration = normalized(given);
-  const WarpDescriptor& technique = *configuration.technique;
-  const WarpKnobs& knobs = technique.knobs;
-  std::string key(technique.name);
-  if (knobs.depth) {
-    key += " " + std::string(nameOf(configuration.march.sample.heuristic));
-    const bool hasThreshold = configuration.march.sample.heuristic == Heuristic::threshold || configuration.march.sample.heuristic == Heuristic::relThreshold;
-    if (hasThreshold) key += "=" + numberText(configuration.march.sample.threshold);
-  }
-  if (knobs.radius) key += " " + std::string(nameOf(configuration.march.sample.radiusPolicy)) + "*" + numberText(configuration.march.sample.radiusScale);
-  if (knobs.pointSize) key += " size=" + std::to_string(configuration.pointSize);
-  if (knobs.hits) key += " hits=" + std::to_string(configuration.hits);
-  key += " step=" + numberText(configuration.march.render.step);
-  if (technique.usesFrame) key += " side=" + std::to_string(configuration.serverSidePx) + " " + codecWord(configuration.codec);
+  std::string key = std::string(configuration.technique->name) + keysOf(configuration, [](const ConfigurationKnob&) { return true; });
+  if (configuration.technique->usesFrame) key += " " + codecWord(configuration.codec);
   return key;
+}
+
+std::string frameKeyOf(const Configuration& configuration) {
+  return keysOf(configuration, [](const ConfigurationKnob& row) { return row.isOfFrame(); }) + " " + codecWord(configuration.codec);
 }
 
 std::string labelOf(const Configuration& given) {
   const Configuration configuration = normalized(given);
-  const WarpKnobs& knobs = configuration.technique->knobs;
-  std::string label(configuration.technique->name);
-  if (knobs.pointSize) label += " of " + std::to_string(configuration.pointSize) + " px";
-  if (knobs.hits) label += " of " + std::to_string(configuration.hits);
-  if (knobs.depth) label += ", " + std::string(nameOf(configuration.march.sample.heuristic));
-  if (knobs.radius) {
-    label += ", " + std::string(nameOf(configuration.march.sample.radiusPolicy));
-    if (configuration.march.sample.radiusScale != 1.0f) label += " x " + numberText(configuration.march.sample.radiusScale);
-  }
-  return label;
+  return std::string(configuration.technique->name) +
+         phrasesOf(configuration, [&](const ConfigurationKnob& row) { return isInLabel(row, configuration); });
+}
+
+std::string fullNameOf(const Configuration& given) {
+  const Configuration configuration = normalized(given);
+  std::string name = labelOf(configuration);
+  if (configuration.technique->usesFrame)
+    name += ", " + std::to_string(configuration.serverSidePx) + std::string(kServerSideKnob.unit) + ", " + codecWord(configuration.codec);
+  return name + phrasesOf(configuration, [&](const ConfigurationKnob& row) {
+           return row.knob().naming == KnobNaming::whereDiffering && &row.knob() != &kServerSideKnob;
+         });
+}
+
+std::string nameAmong(const Configuration& given, const std::vector<Configuration>& others) {
+  const Configuration configuration = normalized(given);
+  const bool usesFrame = configuration.technique->usesFrame;
+  const auto differs = [&](const ConfigurationKnob& row) {
+    return std::any_of(others.begin(), others.end(), [&](const Configuration& other) {
+      return row.matters(other) && row.get(other) != row.get(configuration);
+    });
+  };
+  std::string name = labelOf(configuration);
+  // The server's image before the rest: it says most.
+  for (const bool isServerSide : {true, false})
+    name += phrasesOf(configuration, [&](const ConfigurationKnob& row) {
+      return row.knob().naming == KnobNaming::whereDiffering && (&row.knob() == &kServerSideKnob) == isServerSide && differs(row);
+    });
+  const bool codecTells = usesFrame && std::any_of(others.begin(), others.end(), [&](const Configuration& other) {
+                            return other.technique->usesFrame && other.codec != configuration.codec;
+                          });
+  return codecTells ? name + ", " + codecWord(configuration.codec) : name;
 }
 
 nlohmann::json toJson(const Configuration& given) {
   using Json = nlohmann::json;
   const Configuration configuration = normalized(given);
   const WarpDescriptor& technique = *configuration.technique;
-  const WarpKnobs& knobs = technique.knobs;
-  const auto orNull = [](bool depends, auto value) { return depends ? Json(value) : Json(nullptr); };
-  return {{"technique", technique.name},
-          {"heuristic", orNull(knobs.depth, nameOf(configuration.march.sample.heuristic))},
-          {"threshold", orNull(knobs.depth, configuration.march.sample.threshold)},
-          {"radius", orNull(knobs.radius, nameOf(configuration.march.sample.radiusPolicy))},
-          {"radiusScale", orNull(knobs.radius, configuration.march.sample.radiusScale)},
-          {"pointSize", orNull(knobs.pointSize, configuration.pointSize)},
-          {"hits", orNull(knobs.hits, configuration.hits)},
-          {"step", configuration.march.render.step},
-          {"serverSide", orNull(technique.usesFrame, configuration.serverSidePx)},
-          {"codec", orNull(technique.usesFrame, codecWord(configuration.codec))}};
+  Json json{{"technique", technique.name}, {"codec", technique.usesFrame ? Json(codecWord(configuration.codec)) : Json(nullptr)}};
+  for (const ConfigurationKnob& row : configurationKnobs())
+    json[std::string(row.knob().key)] = row.concerns(technique) ? jsonOf(row.knob(), row.get(configuration)) : Json(nullptr);
+  return json;
 }
 
 Configuration configurationFrom(const Node& node, const MarchSettings& base) {
@@ -153,14 +228,8 @@ Configuration configurationFrom(const Node& node, const MarchSettings& base) {
     const std::optional<Node> found = node.find(key);
     return found && !found->isNull() ? found : std::nullopt;
   };
-  if (const auto found = given("heuristic")) configuration.march.sample.heuristic = valueNamed(*found, kHeuristics, "heuristic");
-  if (const auto found = given("threshold")) configuration.march.sample.threshold = static_cast<float>(found->number(kThresholdRange));
-  if (const auto found = given("radius")) configuration.march.sample.radiusPolicy = valueNamed(*found, kRadiusPolicies, "radius policy");
-  if (const auto found = given("radiusScale")) configuration.march.sample.radiusScale = static_cast<float>(found->number(kRadiusScaleRange));
-  if (const auto found = given("pointSize")) configuration.pointSize = static_cast<int>(found->integer(1, 16));
-  if (const auto found = given("hits")) configuration.hits = static_cast<int>(found->integer(1, kMaxHits));
-  if (const auto found = given("step")) configuration.march.render.step = static_cast<float>(found->number(kStepRange));
-  if (const auto found = given("serverSide")) configuration.serverSidePx = static_cast<uint32_t>(found->integer(1, kMaxImageSide));
+  for (const ConfigurationKnob& row : configurationKnobs())
+    if (const auto found = given(row.knob().key)) row.set(configuration, readKnob(*found, row.knob()));
   if (const auto found = given("codec")) {
     try {
       configuration.codec = codecOfWord(found->string());
@@ -172,13 +241,14 @@ Configuration configurationFrom(const Node& node, const MarchSettings& base) {
 }
 
 bool isPapersMethod(const Configuration& configuration) {
-  const MarchSettings& march = configuration.march;
-  return configuration.technique->name == "spheres" && march.sample.heuristic == Heuristic::gradient && march.sample.radiusPolicy == RadiusPolicy::voxel &&
-         march.sample.radiusScale == 1.0f;
+  const SampleSettings& sample = configuration.march.sample;
+  return configuration.technique->name == "spheres" && sample.heuristic == Heuristic::gradient && sample.radiusPolicy == RadiusPolicy::voxel &&
+         sample.radiusScale == 1.0f;
 }
 
 bool isPointBaseline(const Configuration& configuration) {
-  return configuration.technique->name == "points" && configuration.march.sample.heuristic == Heuristic::median && configuration.pointSize == 2;
+  return configuration.technique->name == "points" && configuration.march.sample.heuristic == Heuristic::median &&
+         configuration.knobs.whole(kPointSizeKnob) == 2;
 }
 
 }  // namespace warpscope

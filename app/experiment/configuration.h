@@ -1,11 +1,12 @@
 // One way to get from a volume to a picture: what the server does, how frames travel, what the client draws.
-// What sweeps measure, plots show and `auto` chooses among. The words are those of the command line.
+// What sweeps measure, plots show and `auto` chooses among. Its knobs are rows (render/base/knob.h): keys, names and JSON come from them.
 #pragma once
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "app/scene/json_document.h"
 #include "render/codec/codec.h"
@@ -18,25 +19,60 @@ struct Configuration {
   MarchSettings march;
   uint32_t serverSidePx = 0;  ///< longer side of the server's image
   CodecSettings codec;
-  int pointSize = WarpSettings{}.pointSize;
-  int hits = WarpSettings{}.hits;
+  KnobValues knobs;           ///< the technique's own
 
-  /// The client's knobs; ground truth is marched with `reference`.
+  /// The client's settings; ground truth is marched with `reference`.
   WarpSettings warp(const WarpSettings& base) const;
   bool operator==(const Configuration&) const = default;
 };
 
-/// Takes over those settings that its technique's picture depends on, but for the step, which every picture does.
+/// Longer side of the server's image, pixels.
+extern const Knob kServerSideKnob;
+
+/// A knob that configurations have, and where they hold it.
+class ConfigurationKnob {
+ public:
+  /// Of the marching, or (without a row) a technique's own, or kServerSideKnob.
+  ConfigurationKnob(const Knob& knob, const MarchKnob* march) : knob_(&knob), march_(march) {}
+
+  const Knob& knob() const { return *knob_; }
+  double get(const Configuration& configuration) const;
+  void set(Configuration& configuration, double value) const;
+  /// Whether the picture of the configuration's technique depends on it.
+  bool concerns(const WarpDescriptor& technique) const;
+  /// Whether it does, as the configuration's other knobs are set.
+  bool matters(const Configuration& configuration) const;
+  /// Whether it is part of what is sent: where samples lie, how large and how many they are.
+  bool isOfFrame() const { return march_ != nullptr || knob_ == &kServerSideKnob; }
+
+ private:
+  const Knob* knob_;
+  const MarchKnob* march_;
+};
+
+/// Those that sweeps go through, in the order in which they nest: samples, techniques' own, the marching, the server's image.
+std::vector<ConfigurationKnob> configurationKnobs();
+
+/// Takes over those settings that its technique's picture depends on, but for what the picture is (the step and the like), which every technique's does.
 void takeOver(const Configuration& configuration, MarchSettings& march, WarpSettings& warp);
 
 /// With what the technique's picture does not depend on set to its default, so that equal work is equal.
 Configuration normalized(Configuration configuration);
 
-/// All that tells it from others, in one line: "points median size=2 step=0.5 side=512 jpeg95". Equal for equal configurations only.
+/// All that tells it from others, in one line: "points pointSize=2 heuristic=median step=0.5 serverSide=512 jpeg95". Equal for equal configurations only.
 std::string keyOf(const Configuration& configuration);
+
+/// All that tells its frames from others', in one line.
+std::string frameKeyOf(const Configuration& configuration);
 
 /// As a person would name it among configurations of one sweep: "spheres, median, voxel".
 std::string labelOf(const Configuration& configuration);
+
+/// With all else that its pictures depend on: "spheres, median, voxel, 512 px, jpeg95, step 0.5".
+std::string fullNameOf(const Configuration& configuration);
+
+/// As labelOf, and whatever else tells it from any of `others`.
+std::string nameAmong(const Configuration& configuration, const std::vector<Configuration>& others);
 
 /// "raw", "lossless" (packed) or "jpeg95" (packed, of that quality): one word for what sweeps call a codec.
 std::string codecWord(const CodecSettings& codec);

@@ -88,18 +88,9 @@ std::vector<Summary> summariesOf(const std::vector<SweepRow>& rows) {
 }
 
 std::string nameAmong(const Configuration& configuration, const std::vector<Summary>& all) {
-  const auto tells = [&](const auto& isAnother) {
-    return std::any_of(all.begin(), all.end(), [&](const Summary& other) { return isAnother(other.configuration); });
-  };
-  const bool usesFrame = configuration.technique->usesFrame;
-  std::string name = labelOf(configuration);
-  if (usesFrame && tells([&](const Configuration& other) { return other.technique->usesFrame && other.serverSidePx != configuration.serverSidePx; }))
-    name += ", server's image of " + std::to_string(configuration.serverSidePx) + " px";
-  if (tells([&](const Configuration& other) { return other.march.render.step != configuration.march.render.step; }))
-    name += ", step " + numberText(configuration.march.render.step);
-  if (usesFrame && tells([&](const Configuration& other) { return other.technique->usesFrame && other.codec != configuration.codec; }))
-    name += ", " + codecWord(configuration.codec);
-  return name;
+  std::vector<Configuration> others;
+  for (const Summary& summary : all) others.push_back(summary.configuration);
+  return nameAmong(configuration, others);
 }
 
 std::vector<size_t> frontOf(const std::vector<Summary>& summaries) {

@@ -82,12 +82,6 @@ std::string header(std::initializer_list<const char*> names) {
   return row + "</tr></thead>";
 }
 
-std::string fullNameOf(const Configuration& configuration) {
-  std::string name = labelOf(configuration);
-  if (configuration.technique->usesFrame) name += ", " + std::to_string(configuration.serverSidePx) + " px, " + codecWord(configuration.codec);
-  return name + ", step " + numberText(configuration.march.render.step);
-}
-
 std::string titleOf(const Summary& summary) {
   return fullNameOf(summary.configuration) + "\nFLIP " + format("%.4f", summary.flip) + ", holes " + percent(summary.holeFraction) + " %\n" +
          milliseconds(summary.frameMs) + " ms a frame (draw " + milliseconds(summary.drawMs) + "), server " + milliseconds(summary.serverMs) +

@@ -256,7 +256,7 @@ class Sweep::Run {
   /// The truth has the finest step of all.
   static RenderSettings truthOf(const SweepPlan& plan) {
     RenderSettings render = plan.base.render;
-    for (const float step : plan.steps) render.step = std::min(render.step, step);
+    for (const double step : plan.values(kStepKnob)) render.step = std::min(render.step, static_cast<float>(step));
     return render;
   }
 
@@ -329,9 +329,7 @@ std::vector<SweepRow> Sweep::run(SweepJournal& journal, const Step& onStep) {
   // Configurations that take the same frame one after the other; those that stand still first, because the others need their times.
   std::vector<SweepUnit> order = unfinished(journal);
   const auto frameOf = [](const SweepUnit& unit) {
-    const Configuration& c = unit.configuration;
-    return std::tuple(unit.link != nullptr, c.serverSidePx, c.march.render.step, c.march.sample.heuristic, c.march.sample.radiusPolicy, c.march.sample.radiusScale,
-                      c.march.sample.threshold, codecWord(c.codec));
+    return std::pair(unit.link != nullptr, frameKeyOf(unit.configuration));
   };
   std::stable_sort(order.begin(), order.end(), [&](const SweepUnit& a, const SweepUnit& b) { return frameOf(a) < frameOf(b); });
   for (const SweepUnit& unit : order) {

@@ -6,11 +6,13 @@
 #include <charconv>
 #include <cmath>
 #include <set>
+#include <stdexcept>
 
+#include "app/scene/knob_json.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
 #include "render/base/range.h"
-#include "render/warp/multihit/nearest_hits.h"
+#include "render/warp/points_warp.h"
 
 namespace warpscope {
 namespace {
@@ -35,12 +37,6 @@ int wholeOf(const std::string& text, const Range& range, std::string_view name) 
   return static_cast<int>(number);
 }
 
-template <class Table>
-auto namedOf(const std::string& text, const Table& table, std::string_view kind) {
-  if (const auto* entry = findNamed(table, text)) return entry->value;
-  throw UsageError(unknownNameIn(table, kind, text));
-}
-
 SweepLink linkOf(const std::string& text) {
   try {
     return {text, net::parseLinkSettings(text)};
@@ -61,52 +57,12 @@ void replace(std::vector<Value>& values, std::span<const std::string> texts, con
 
 using Texts = std::span<const std::string>;
 
-constexpr SweepAxis kAxes[] = {
-    {"techniques", "--techniques", "Techniques, by name", ',', 64,
-     [](SweepPlan& plan, Texts texts) { replace(plan.techniques, texts, [](const std::string& text) { return &findWarp(text); }); }},
-    {"heuristics", "--heuristics", "Heuristics, by name", ',', 64,
-     [](SweepPlan& plan, Texts texts) {
-       replace(plan.heuristics, texts, [](const std::string& text) { return namedOf(text, kHeuristics, "heuristic"); });
-     }},
-    {"radii", "--radii", "Radius policies, by name", ',', 64,
-     [](SweepPlan& plan, Texts texts) {
-       replace(plan.radii, texts, [](const std::string& text) { return namedOf(text, kRadiusPolicies, "radius policy"); });
-     }},
-    {"radiusScales", "--radius-scales", "Factors on radii", ',', 64,
-     [](SweepPlan& plan, Texts texts) {
-       replace(plan.radiusScales, texts, [](const std::string& text) { return static_cast<float>(numberOf(text, kRadiusScaleRange, "a radius scale")); });
-     }},
-    {"pointSizes", "--point-sizes", "Sizes of points in pixels", ',', 64,
-     [](SweepPlan& plan, Texts texts) {
-       replace(plan.pointSizes, texts, [](const std::string& text) { return wholeOf(text, {1, 16}, "a point size"); });
-     }},
-    {"hits", "--hit-counts", "Samples blended along a ray", ',', 64,
-     [](SweepPlan& plan, Texts texts) {
-       replace(plan.hits, texts, [](const std::string& text) { return wholeOf(text, {1, kMaxHits}, "the hits along a ray"); });
-     }},
-    {"steps", "--steps", "Distances of samples along a ray, voxels", ',', 64,
-     [](SweepPlan& plan, Texts texts) {
-       replace(plan.steps, texts, [](const std::string& text) { return static_cast<float>(numberOf(text, kStepRange, "a step")); });
-     }},
-    {"serverSides", "--server-sides", "Longer sides of the server's image, pixels", ',', 64,
-     [](SweepPlan& plan, Texts texts) {
-       replace(plan.serverSides, texts, [](const std::string& text) { return static_cast<uint32_t>(wholeOf(text, kServerSideRange, "a server's side")); });
-     }},
-    {"codecs", "--codecs", "raw, lossless, jpeg1 to jpeg100", ',', 64,
-     [](SweepPlan& plan, Texts texts) { replace(plan.codecs, texts, [](const std::string& text) { return codecOfWord(text); }); }},
-    {"angles", "--angles", "Degrees that the camera is turned by, away from the frame's", ',', 256,
-     [](SweepPlan& plan, Texts texts) {
-       replace(plan.anglesDeg, texts, [](const std::string& text) { return numberOf(text, kAngleDegRange, "an angle"); });
-     }},
-    {"links", "--links", "Links behind which the camera moves, as --link, joined by ';'; none: no link, but each stage's own time", ';', 64,
-     [](SweepPlan& plan, Texts texts) { replace(plan.links, texts, linkOf); }},
-    {"speedDegPerS", "--speed", "Degrees a second of that motion", ',', 1,
-     [](SweepPlan& plan, Texts texts) { plan.speedDegPerS = numberOf(texts[0], kSpeedDegPerSRange, "the speed"); }},
-    {"instants", "--instants", "How many instants of the motion are looked at", ',', 1,
-     [](SweepPlan& plan, Texts texts) { plan.instants = wholeOf(texts[0], kInstantsRange, "the instants"); }},
-    {"draws", "--draws", "Draws that are timed, after one that is not", ',', 1,
-     [](SweepPlan& plan, Texts texts) { plan.draws = wholeOf(texts[0], kDrawsRange, "the draws"); }},
-};
+/// The axis of one knob.
+SweepAxis axisOf(const Knob& knob) {
+  return {knob.axis.key, knob.axis.option, knob.axis.help, ',', 64, [&knob](SweepPlan& plan, Texts texts) {
+            replace(plan.values(knob), texts, [&](const std::string& text) { return parseKnob(knob, text, "a " + std::string(knob.noun)); });
+          }};
+}
 
 template <class Value, class Write>
 nlohmann::json listed(const std::vector<Value>& values, const Write& write) {
@@ -116,24 +72,61 @@ nlohmann::json listed(const std::vector<Value>& values, const Write& write) {
 }
 
 constexpr auto kItself = [](const auto& value) { return value; };
-constexpr auto kItsName = [](const auto& value) { return nameOf(value); };
+
+/// The one of a technique's knob that comes closest to its default.
+double quickest(const KnobValuesAxis& axis) {
+  return *std::min_element(axis.values.begin(), axis.values.end(), [&](double a, double b) {
+    return std::abs(a - axis.knob->defaultValue) < std::abs(b - axis.knob->defaultValue);
+  });
+}
+
+template <class Plan>
+auto& valuesIn(Plan& plan, const Knob& knob) {
+  for (auto& axis : plan.knobs)
+    if (axis.knob == &knob) return axis.values;
+  throw std::logic_error("the plan has no axis of the knob " + std::string(knob.key));
+}
 
 }  // namespace
 
-std::span<const SweepAxis> sweepAxes() { return kAxes; }
+std::vector<double>& SweepPlan::values(const Knob& knob) { return valuesIn(*this, knob); }
+const std::vector<double>& SweepPlan::values(const Knob& knob) const { return valuesIn(*this, knob); }
+
+std::vector<SweepAxis> sweepAxes() {
+  std::vector<SweepAxis> axes{
+      {"techniques", "--techniques", "Techniques, by name", ',', 64, [](SweepPlan& plan, Texts texts) {
+         replace(plan.techniques, texts, [](const std::string& text) { return &findWarp(text); });
+       }}};
+  for (const ConfigurationKnob& row : configurationKnobs()) axes.push_back(axisOf(row.knob()));
+  axes.push_back({"codecs", "--codecs", "raw, lossless, jpeg1 to jpeg100", ',', 64,
+                  [](SweepPlan& plan, Texts texts) { replace(plan.codecs, texts, [](const std::string& text) { return codecOfWord(text); }); }});
+  axes.push_back({"angles", "--angles", "Degrees that the camera is turned by, away from the frame's", ',', 256, [](SweepPlan& plan, Texts texts) {
+                    replace(plan.anglesDeg, texts, [](const std::string& text) { return numberOf(text, kAngleDegRange, "an angle"); });
+                  }});
+  axes.push_back({"links", "--links", "Links behind which the camera moves, as --link, joined by ';'; none: no link, but each stage's own time", ';', 64,
+                  [](SweepPlan& plan, Texts texts) { replace(plan.links, texts, linkOf); }});
+  axes.push_back({"speedDegPerS", "--speed", "Degrees a second of that motion", ',', 1,
+                  [](SweepPlan& plan, Texts texts) { plan.speedDegPerS = numberOf(texts[0], kSpeedDegPerSRange, "the speed"); }});
+  axes.push_back({"instants", "--instants", "How many instants of the motion are looked at", ',', 1,
+                  [](SweepPlan& plan, Texts texts) { plan.instants = wholeOf(texts[0], kInstantsRange, "the instants"); }});
+  axes.push_back({"draws", "--draws", "Draws that are timed, after one that is not", ',', 1,
+                  [](SweepPlan& plan, Texts texts) { plan.draws = wholeOf(texts[0], kDrawsRange, "the draws"); }});
+  return axes;
+}
 
 SweepPlan defaultPlan(const MarchSettings& base, uint32_t width, uint32_t height) {
   SweepPlan plan;
   plan.base = base;
   for (const WarpDescriptor& technique : warpRegistry()) plan.techniques.push_back(&technique);
-  plan.heuristics = {Heuristic::gradient, Heuristic::median, Heuristic::expected};
-  plan.radii = {RadiusPolicy::voxel, RadiusPolicy::opacity};
-  plan.radiusScales = {base.sample.radiusScale};
-  plan.pointSizes = {1, 2, 3};
-  plan.hits = {2};
-  plan.steps = {base.render.step};
-  plan.serverSides = {std::max(width, height)};
-  if (plan.serverSides[0] > 1) plan.serverSides.push_back(plan.serverSides[0] / 2);
+  Configuration usual;
+  usual.march = base;
+  usual.serverSidePx = std::max(width, height);
+  for (const ConfigurationKnob& row : configurationKnobs()) {
+    const std::span<const double> swept = row.knob().axis.values;
+    plan.knobs.push_back({&row.knob(), {swept.begin(), swept.end()}});
+    if (swept.empty()) plan.knobs.back().values = {row.get(usual)};
+  }
+  if (usual.serverSidePx > 1) plan.values(kServerSideKnob).push_back(usual.serverSidePx / 2);
   plan.codecs = {CodecSettings{}};
   plan.anglesDeg = {0.0, 5.0, 10.0, 25.0, 45.0};
   plan.links = {linkOf("4g")};
@@ -143,8 +136,9 @@ SweepPlan defaultPlan(const MarchSettings& base, uint32_t width, uint32_t height
 SweepPlan quickPlan(const MarchSettings& base, uint32_t width, uint32_t height, double angleDeg) {
   SweepPlan plan = defaultPlan(base, width, height);
   std::erase_if(plan.techniques, [](const WarpDescriptor* technique) { return !technique->usesFrame; });
-  plan.serverSides.resize(1);
-  plan.pointSizes = {2};
+  plan.values(kServerSideKnob).resize(1);
+  for (KnobValuesAxis& axis : plan.knobs)
+    if (axis.knob->owner == KnobOwner::technique) axis.values = {quickest(axis)};
   plan.anglesDeg = {angleDeg};
   plan.links.clear();
   plan.draws = 2;
@@ -152,10 +146,11 @@ SweepPlan quickPlan(const MarchSettings& base, uint32_t width, uint32_t height, 
 }
 
 void applyPlanFile(const Node& root, SweepPlan& plan) {
+  const std::vector<SweepAxis> axes = sweepAxes();
   std::vector<std::string_view> keys;
-  for (const SweepAxis& axis : kAxes) keys.push_back(axis.key);
+  for (const SweepAxis& axis : axes) keys.push_back(axis.key);
   root.requireObject(keys);
-  for (const SweepAxis& axis : kAxes) {
+  for (const SweepAxis& axis : axes) {
     const std::optional<Node> node = root.find(axis.key);
     if (!node) continue;
     const auto textOf = [](const Node& value) { return value.isString() ? value.string() : numberText(value.number(-1e12, 1e12)); };
@@ -197,63 +192,57 @@ std::vector<Configuration> configurationsOf(const SweepPlan& plan) {
   };
   Configuration configuration;
   configuration.march = plan.base;
-  const auto each = [](const auto& values, auto& member, const auto& inner) {
-    for (const auto& value : values) {
-      member = value;
-      inner();
+  const std::vector<ConfigurationKnob> rows = configurationKnobs();
+  // Sets the knobs from the `place`-th on to each combination of their values, the last one turning fastest.
+  const std::function<void(size_t)> turn = [&](size_t place) {
+    if (place == rows.size()) {
+      for (const CodecSettings& codec : plan.codecs) {
+        configuration.codec = codec;
+        add(configuration);
+      }
+      return;
+    }
+    const ConfigurationKnob& row = rows[place];
+    if (!row.concerns(*configuration.technique)) return turn(place + 1);
+    for (const double value : plan.values(row.knob())) {
+      row.set(configuration, value);
+      turn(place + 1);
     }
   };
-  MarchSettings& march = configuration.march;
-  each(plan.techniques, configuration.technique, [&] {
-    each(plan.heuristics, march.sample.heuristic, [&] {
-      each(plan.radii, march.sample.radiusPolicy, [&] {
-        each(plan.radiusScales, march.sample.radiusScale, [&] {
-          each(plan.pointSizes, configuration.pointSize, [&] {
-            each(plan.hits, configuration.hits, [&] {
-              each(plan.steps, march.render.step, [&] {
-                each(plan.serverSides, configuration.serverSidePx, [&] {
-                  each(plan.codecs, configuration.codec, [&] { add(configuration); });
-                });
-              });
-            });
-          });
-        });
-      });
-    });
-  });
+  for (const WarpDescriptor* technique : plan.techniques) {
+    configuration.technique = technique;
+    turn(0);
+  }
 
   Configuration baseline;
   baseline.march = plan.base;
-  baseline.march.render.step = plan.steps.front();
+  baseline.march.render.step = static_cast<float>(plan.values(kStepKnob).front());
   baseline.march.sample.radiusScale = 1.0f;
   baseline.march.sample.radiusPolicy = RadiusPolicy::voxel;
-  baseline.serverSidePx = *std::max_element(plan.serverSides.begin(), plan.serverSides.end());
+  const std::vector<double>& sidesPx = plan.values(kServerSideKnob);
+  baseline.serverSidePx = static_cast<uint32_t>(*std::max_element(sidesPx.begin(), sidesPx.end()));
   baseline.codec = plan.codecs.front();
   baseline.technique = &findWarp("spheres");
   baseline.march.sample.heuristic = Heuristic::gradient;
   add(baseline);
   baseline.technique = &findWarp("points");
   baseline.march.sample.heuristic = Heuristic::median;
-  baseline.pointSize = 2;
+  baseline.knobs.set(kPointSizeKnob, 2.0);
   add(baseline);
   return configurations;
 }
 
 nlohmann::json toJson(const SweepPlan& plan) {
-  return {{"techniques", listed(plan.techniques, [](const WarpDescriptor* technique) { return technique->name; })},
-          {"heuristics", listed(plan.heuristics, kItsName)},
-          {"radii", listed(plan.radii, kItsName)},
-          {"radiusScales", listed(plan.radiusScales, kItself)},
-          {"pointSizes", listed(plan.pointSizes, kItself)},
-          {"hits", listed(plan.hits, kItself)},
-          {"steps", listed(plan.steps, kItself)},
-          {"serverSides", listed(plan.serverSides, kItself)},
-          {"codecs", listed(plan.codecs, codecWord)},
-          {"angles", listed(plan.anglesDeg, kItself)},
-          {"links", listed(plan.links, [](const SweepLink& link) { return link.name; })},
-          {"speedDegPerS", plan.speedDegPerS},
-          {"instants", plan.instants},
-          {"draws", plan.draws}};
+  nlohmann::json json{{"techniques", listed(plan.techniques, [](const WarpDescriptor* technique) { return technique->name; })},
+                      {"codecs", listed(plan.codecs, codecWord)},
+                      {"angles", listed(plan.anglesDeg, kItself)},
+                      {"links", listed(plan.links, [](const SweepLink& link) { return link.name; })},
+                      {"speedDegPerS", plan.speedDegPerS},
+                      {"instants", plan.instants},
+                      {"draws", plan.draws}};
+  for (const KnobValuesAxis& axis : plan.knobs)
+    json[std::string(axis.knob->axis.key)] = listed(axis.values, [&](double value) { return jsonOf(*axis.knob, value); });
+  return json;
 }
 
 }  // namespace warpscope

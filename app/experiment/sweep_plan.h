@@ -2,6 +2,7 @@
 // From a small JSON file, from the command line, or the default, which is meant to end within three minutes on two cores.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,16 +20,18 @@ struct SweepLink {
   bool operator==(const SweepLink&) const = default;
 };
 
+/// What a sweep goes through of one knob.
+struct KnobValuesAxis {
+  const Knob* knob = nullptr;
+  std::vector<double> values;  ///< at least one
+
+  bool operator==(const KnobValuesAxis&) const = default;
+};
+
 /// Every axis has at least one value, links alone may be empty.
 struct SweepPlan {
   std::vector<const WarpDescriptor*> techniques;
-  std::vector<Heuristic> heuristics;
-  std::vector<RadiusPolicy> radii;
-  std::vector<float> radiusScales;
-  std::vector<int> pointSizes;
-  std::vector<int> hits;
-  std::vector<float> steps;             ///< voxels
-  std::vector<uint32_t> serverSides;    ///< longer side of the server's image, pixels
+  std::vector<KnobValuesAxis> knobs;    ///< one for each of configurationKnobs(), in their order
   std::vector<CodecSettings> codecs;
   std::vector<double> anglesDeg;        ///< that the camera is turned by, away from the frame's
   std::vector<SweepLink> links;         ///< behind which the camera moves, in virtual time
@@ -36,6 +39,10 @@ struct SweepPlan {
   int instants = 3;                     ///< of the motion that are looked at
   int draws = 3;                        ///< that are timed, after one that is not
   MarchSettings base;                   ///< of the scene: what no axis names
+
+  /// Of one knob of configurationKnobs().
+  std::vector<double>& values(const Knob& knob);
+  const std::vector<double>& values(const Knob& knob) const;
 
   bool operator==(const SweepPlan&) const = default;
 };
@@ -51,12 +58,13 @@ struct SweepAxis {
   std::string_view key;     ///< in the file: "pointSizes"
   std::string_view option;  ///< on the command line: "--point-sizes"
   std::string_view help;
-  char separator;           ///< between values of the option
-  size_t most;              ///< values
+  char separator = ',';     ///< between values of the option
+  size_t most = 64;         ///< values
   /// Replaces the plan's values. Throws UsageError for one that is unknown or out of range.
-  void (*set)(SweepPlan& plan, std::span<const std::string> values);
+  std::function<void(SweepPlan& plan, std::span<const std::string> values)> set;
 };
-std::span<const SweepAxis> sweepAxes();
+/// Techniques first, then one for each of configurationKnobs(), then the rest.
+std::vector<SweepAxis> sweepAxes();
 
 /// Replaces what the file names. Throws InputError that names the file, the line and the key.
 void applyPlanFile(const Node& root, SweepPlan& plan);

@@ -129,19 +129,21 @@ std::vector<SweepRow> sweepRowsFrom(const Node& rows, const MarchSettings& base)
 }
 
 std::string csvOf(const std::vector<SweepRow>& rows) {
-  constexpr const char* kColumns[] = {
-      "technique", "heuristic", "threshold", "radius", "radiusScale", "pointSize", "hits", "step", "serverSide", "codec", "link", "angleDeg",
-      "ageMs", "framesPerSecond", "flicker", "flip", "psnrDb", "psnrLinearDb", "ssim", "holeFraction", "disoccludedFraction", "flipVisible",
-      "flipDisoccluded", "psnrVisibleDb", "psnrDisoccludedDb", "samples", "bytes", "marchMs", "marchSpreadMs", "compactMs", "compactSpreadMs",
-      "copyMs", "copySpreadMs", "encodeMs", "encodeSpreadMs", "serverMs", "decodeMs", "decodeSpreadMs", "buildMs", "buildSpreadMs", "drawMs",
-      "drawSpreadMs", "draws", "frameMs"};
+  // The configuration's columns: samples and techniques' own, then the rest of it.
+  std::vector<std::string_view> columns{"technique"};
+  for (const ConfigurationKnob& row : configurationKnobs()) columns.push_back(row.knob().key);
+  columns.insert(columns.end(),
+                 {"codec", "link", "angleDeg", "ageMs", "framesPerSecond", "flicker", "flip", "psnrDb", "psnrLinearDb", "ssim", "holeFraction",
+                  "disoccludedFraction", "flipVisible", "flipDisoccluded", "psnrVisibleDb", "psnrDisoccludedDb", "samples", "bytes", "marchMs",
+                  "marchSpreadMs", "compactMs", "compactSpreadMs", "copyMs", "copySpreadMs", "encodeMs", "encodeSpreadMs", "serverMs", "decodeMs",
+                  "decodeSpreadMs", "buildMs", "buildSpreadMs", "drawMs", "drawSpreadMs", "draws", "frameMs"});
   std::string text;
-  for (const char* column : kColumns) text += (text.empty() ? "" : ",") + std::string(column);
+  for (const std::string_view column : columns) text += (text.empty() ? "" : ",") + std::string(column);
   text += "\r\n";
   for (const SweepRow& row : rows) {
     const Json json = toJson(row);
     std::string line;
-    for (const char* column : kColumns) line += (column == kColumns[0] ? "" : ",") + csvField(json.at(column));
+    for (const std::string_view column : columns) line += (line.empty() ? "" : ",") + csvField(json.at(std::string(column)));
     text += line + "\r\n";
   }
   return text;

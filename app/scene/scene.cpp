@@ -9,12 +9,14 @@
 
 #include "app/scene/auto_transfer_function.h"
 #include "app/scene/json_document.h"
+#include "app/scene/knob_json.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
 #include "render/base/stopwatch.h"
 #include "render/core/color.h"
 #include "render/core/image.h"
+#include "render/march/march_knobs.h"
 #include "render/volume/procedural.h"
 #include "render/volume/reader.h"
 #include "scenes.h"
@@ -67,21 +69,12 @@ TransferFunction readTransferFunction(const Node& node) {
   return function;
 }
 
-template <class Table>
-auto readName(const Node& node, const Table& table, std::string_view kind) {
-  const std::string name = node.string();
-  if (const auto* entry = findNamed(table, name)) return entry->value;
-  node.fail("holds an " + unknownNameIn(table, kind, name));
-}
-
 void readMarch(const Node& node, MarchSettings& march) {
-  constexpr std::string_view kKeys[] = {"step", "heuristic", "radius", "radiusScale", "threshold"};
-  node.requireObject(kKeys);
-  if (const auto step = node.find("step")) march.render.step = static_cast<float>(step->number(kStepRange));
-  if (const auto name = node.find("heuristic")) march.sample.heuristic = readName(*name, kHeuristics, "heuristic");
-  if (const auto name = node.find("radius")) march.sample.radiusPolicy = readName(*name, kRadiusPolicies, "radius policy");
-  if (const auto scale = node.find("radiusScale")) march.sample.radiusScale = static_cast<float>(scale->number(kRadiusScaleRange));
-  if (const auto value = node.find("threshold")) march.sample.threshold = static_cast<float>(value->number(kThresholdRange));
+  std::vector<std::string_view> keys;
+  for (const MarchKnob& row : marchKnobs()) keys.push_back(row.knob->key);
+  node.requireObject(keys);
+  for (const MarchKnob& row : marchKnobs())
+    if (const auto given = node.find(row.knob->key)) row.set(march, readKnob(*given, *row.knob));
 }
 
 View readView(const Node& node) {

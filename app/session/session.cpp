@@ -226,9 +226,9 @@ bool Session::postJob(size_t index) {
   job.camera = cameraOfSize(pictureSize());
   job.settings = knobs_.warp;
   if (const std::optional<Configuration>& choice = panels_[index].choice) {
-    job.settings.pointSize = choice->pointSize;
-    job.settings.hits = choice->hits;
+    job.settings = choice->warp(job.settings);
   }
+  job.settings.knobs = job.settings.knobs.only(job.technique->knobs);  // others' do not make it draw
   job.settings.reference = referenceWanted_.settings;
   job.background = loaded_->scene.background;
   job.uncovered = knobs_.uncovered;

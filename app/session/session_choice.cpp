@@ -26,11 +26,9 @@ std::vector<SweepRow> rowsOf(const LiveFront& live) {
 
 /// Whether a frame that was marched with `settings` can be drawn as `configuration` was.
 bool fits(const Configuration& configuration, const MarchSettings& settings) {
-  const WarpKnobs& knobs = configuration.technique->knobs;
-  const MarchSettings& march = configuration.march;
-  if (march.render.step != settings.render.step) return false;
-  if (knobs.depth && (march.sample.heuristic != settings.sample.heuristic || march.sample.threshold != settings.sample.threshold)) return false;
-  return !knobs.radius || (march.sample.radiusPolicy == settings.sample.radiusPolicy && march.sample.radiusScale == settings.sample.radiusScale);
+  for (const MarchKnob& row : marchKnobs())
+    if (configuration.technique->dependsOn(row) && row.matters(settings) && row.get(configuration.march) != row.get(settings)) return false;
+  return true;
 }
 
 }  // namespace

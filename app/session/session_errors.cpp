@@ -63,8 +63,7 @@ std::optional<Configuration> Session::configurationOf(const WarpJob& drawn) cons
   configuration.march = asked->second.march;
   configuration.serverSidePx = asked->second.serverSidePx;
   configuration.codec = asked->second.codec;
-  configuration.pointSize = drawn.settings.pointSize;
-  configuration.hits = drawn.settings.hits;
+  configuration.knobs = drawn.settings.knobs;
   return normalized(configuration);
 }
 
@@ -104,7 +103,7 @@ bool Session::takeErrors(size_t index, TimePoint now) {
 void Session::choose(size_t panel, const Configuration& configuration) {
   const WarpDescriptor& technique = *configuration.technique;
   setTechnique(panel, technique);
-  knobs_.march.render.step = configuration.march.render.step;
+  knobs_.march.render = configuration.march.render;
   takeOver(configuration, knobs_.march, knobs_.warp);
   if (!technique.usesFrame) return;
   knobs_.serverSidePx = configuration.serverSidePx;

@@ -52,7 +52,7 @@ class Easel {
       resources_.marcher = job.marcher;
       warp_ = makeWarp(*job.technique, resources_);
     }
-    const bool isOtherBuild = job.frame != last_.frame || job.settings.sphereTracing != last_.settings.sphereTracing;
+    const bool isOtherBuild = job.frame != last_.frame || job.technique->isBuiltAnew(last_.settings.knobs, job.settings.knobs);
     if (isOtherWarp || isOtherBuild)
       buildMs_ = milliseconds([&] { warp_->setFrame(job.frame, job.settings, stop); });
     const bool isOtherView = isOtherWarp || isOtherBuild || job.camera != last_.camera || job.settings != last_.settings;

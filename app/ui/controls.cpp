@@ -6,7 +6,7 @@
 
 #include "app/ui/knob_parts.h"
 #include "app/ui/parts.h"
-#include "render/warp/multihit/nearest_hits.h"
+#include "render/march/march_knobs.h"
 
 namespace warpscope::ui {
 namespace {
@@ -16,18 +16,16 @@ constexpr uint32_t kMaxScreenPixels = 4;
 
 void drawServer(Session& session, Knobs& knobs, const Look& look) {
   heading("SERVER", look);
-  choice("Depth", kHeuristics, knobs.march.sample.heuristic, "Which point of a ray stands for its pixel.", look);
-  choice("Radius", kRadiusPolicies, knobs.march.sample.radiusPolicy, "How large a sample is.", look);
-  slider("Scale", knobs.march.sample.radiusScale, {0.1f, 4.0f, "%.2f ×", true}, "Factor on the radius.", look);
-  slider("Step", knobs.march.render.step, {0.1f, 4.0f, "%.2f voxels", true}, "Distance of samples along a ray, in voxel edges.", look);
+  for (const MarchKnob& row : marchKnobs())
+    if (row.matters(knobs.march)) knobWidget(row, knobs.march, look);
 
-  label("Image", look);
+  label(std::string(kServerSideKnob.label).c_str(), look);
   beginHalves();
   const glm::uvec2 size = session.serverSize();
   const auto sizeText = [](uint32_t side) { return std::to_string(side) + " px"; };
   const bool isOpen = ImGui::BeginCombo("##server image", sizeText(knobs.serverSidePx).c_str());
   if (!isOpen)
-    tooltip("Longer side of the server's image, in pixels: one ray for each. Now " + std::to_string(size.x) + " × " +
+    tooltip(std::string(kServerSideKnob.help) + ". Now " + std::to_string(size.x) + " × " +
                 std::to_string(size.y) + ".",
             look);
   if (isOpen) {
@@ -43,24 +41,10 @@ void drawServer(Session& session, Knobs& knobs, const Look& look) {
 
 void drawDisplay(const Session& session, Knobs& knobs, std::array<float, 3>& markColor, const Look& look) {
   heading("DISPLAY", look);
-  label("Points", look);
-  ImGui::SliderInt("##points", &knobs.warp.pointSize, 1, 16, "%d px", ImGuiSliderFlags_AlwaysClamp);
-  tooltip("Edge of a point of the technique Points, in pixels of its picture.", look);
-
-  label("Spheres", look);
-  const bool isTracingOpen = ImGui::BeginCombo("##tracing", std::string(nameOf(kSphereTracings, knobs.warp.sphereTracing)).c_str());
-  if (!isTracingOpen) tooltip("The hierarchy that the technique Spheres is traced with.", look);
-  if (isTracingOpen) {
-    for (const auto& tracing : kSphereTracings) {
-      if (ImGui::Selectable(std::string(tracing.name).c_str(), tracing.value == knobs.warp.sphereTracing)) knobs.warp.sphereTracing = tracing.value;
-      tooltip(std::string(tracing.summary), look);
-    }
-    ImGui::EndCombo();
+  for (const Knob* knob : warpKnobs()) {
+    double value = knobs.warp.knobs[*knob];
+    if (knobWidget(*knob, value, look)) knobs.warp.knobs.set(*knob, value);
   }
-
-  label("Hits", look);
-  ImGui::SliderInt("##hits", &knobs.warp.hits, 1, kMaxHits, "%d", ImGuiSliderFlags_AlwaysClamp);
-  tooltip("How many samples along each ray the technique Multihit blends, the nearest in front.", look);
 
   label("Pixels", look);
   const auto pixelsText = [](uint32_t pixels) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "app/ui/parts.h"
+#include "render/base/knob.h"
 
 namespace warpscope::ui {
 
@@ -29,21 +30,14 @@ inline void label(const char* text, const Look& look) {
   ImGui::SetNextItemWidth(-1.0f);
 }
 
-/// A choice among a table of NamedValue.
-template <class Table, class Value>
-void choice(const char* text, const Table& table, Value& value, const char* explanation, const Look& look) {
-  label(text, look);
-  ImGui::PushID(text);
-  const bool isOpen = ImGui::BeginCombo("##choice", std::string(nameOf(value)).c_str());
-  if (!isOpen) tooltip(explanation, look);
-  if (isOpen) {
-    for (const auto& entry : table) {
-      if (ImGui::Selectable(std::string(entry.name).c_str(), entry.value == value)) value = entry.value;
-      tooltip(std::string(entry.summary), look);
-    }
-    ImGui::EndCombo();
-  }
-  ImGui::PopID();
+/// The widget that a knob's row describes, with its label and what it does. True if `value` was changed. A knob without a label has none.
+bool knobWidget(const Knob& knob, double& value, const Look& look);
+
+/// As above, for what a row of a structure turns.
+template <class Settings>
+void knobWidget(const KnobRow<Settings>& row, Settings& settings, const Look& look) {
+  double value = row.get(settings);
+  if (knobWidget(*row.knob, value, look)) row.set(settings, value);
 }
 
 /// What a slider goes through, and how its value is written.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/frames/transport_knobs.h"
 #include "app/ui/knob_parts.h"
 #include "app/ui/parts.h"
 #include "net/link_settings.h"
@@ -88,20 +89,12 @@ void drawNetwork(Session& session, Knobs& knobs, const Look& look) {
   heading("NETWORK", look);
   TransportSettings& transport = knobs.transport;
   drawLink(transport.link, look);
-  choice("Format", kPayloadFormats, transport.codec.format, "How samples travel.", look);
-  if (transport.codec.format == PayloadFormat::packed) {
-    choice("Colours", kColorCodings, transport.codec.color, "How their colours travel.", look);
-    if (transport.codec.color == ColorCoding::jpeg) {
-      label("Quality", look);
-      ImGui::SliderInt("##quality", &transport.codec.jpegQuality, static_cast<int>(kJpegQualityRange.lowest),
-                       static_cast<int>(kJpegQualityRange.highest), "%d", ImGuiSliderFlags_AlwaysClamp);
-      tooltip("Of JPEG: 95 can hardly be told from the original (FLIP below 0.01).", look);
-    }
+  for (const auto& row : transportKnobs()) {
+    const bool isPacked = transport.codec.format == PayloadFormat::packed;
+    if (row.knob == &kColorKnob && !isPacked) continue;
+    if (row.knob == &kQualityKnob && !(isPacked && transport.codec.color == ColorCoding::jpeg)) continue;
+    knobWidget(row, transport, look);
   }
-  label("In flight", look);
-  ImGui::SliderInt("##depth", &transport.depth, static_cast<int>(kDepthRange.lowest), static_cast<int>(kDepthRange.highest), "%d",
-                   ImGuiSliderFlags_AlwaysClamp);
-  tooltip("Requests under way at a time. One is best against delay on narrow links; more fill long and wide ones.", look);
 
   const std::optional<SourceStatus> status = session.sourceStatus();
   if (!status || status->where.empty()) return;

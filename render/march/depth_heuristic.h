@@ -148,7 +148,8 @@ struct ProfileFold {
   }
 };
 
-// --- One type per heuristic: its fold, how to start it, how to read it. Two-pass ones say so and take the profile.
+// --- One type per heuristic: its fold, how to start it, how to read it. Two-pass ones say so and take the profile;
+// those that the knob `threshold` turns have a member kTakesThreshold.
 
 struct EntranceDepth {
   static constexpr bool kTwoPass = false;
@@ -184,6 +185,7 @@ using ExpectedDepth = OwnResultDepth<MomentsFold>;
 
 struct ThresholdDepth {
   static constexpr bool kTwoPass = false;
+  static constexpr bool kTakesThreshold = true;
   using Fold = CrossingFold;
   WARPSCOPE_HD static Fold start(float threshold, const ProfileFold&) { return {threshold}; }
   WARPSCOPE_HD static DepthResult result(const Fold& fold) { return fold.result(); }
@@ -191,6 +193,7 @@ struct ThresholdDepth {
 
 struct RelThresholdDepth {
   static constexpr bool kTwoPass = true;
+  static constexpr bool kTakesThreshold = true;
   using Fold = CrossingFold;
   WARPSCOPE_HD static Fold start(float threshold, const ProfileFold& ray) { return {threshold * ray.accumulatedEnd}; }
   WARPSCOPE_HD static DepthResult result(const Fold& fold) { return fold.result(); }

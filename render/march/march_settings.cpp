@@ -2,16 +2,24 @@
 // See march_settings.h.
 #include "render/march/march_settings.h"
 
+#include "render/march/march_knobs.h"
+
 namespace warpscope {
+namespace {
+
+void validateOwned(KnobOwner owner, const MarchSettings& settings) {
+  for (const MarchKnob& row : marchKnobs())
+    if (row.knob->owner == owner) validate(*row.knob, row.get(settings), "the " + std::string(row.knob->noun));
+}
+
+}  // namespace
 
 void validate(const RenderSettings& settings) {
-  requireRange(settings.step, kStepRange, "the step");
-  requireRange(settings.contribution, kContributionRange, "the least contribution");
+  validateOwned(KnobOwner::rendering, {settings, {}});
 }
 
 void validate(const SampleSettings& settings) {
-  requireRange(settings.radiusScale, kRadiusScaleRange, "the radius scale");
-  requireRange(settings.threshold, kThresholdRange, "the threshold");
+  validateOwned(KnobOwner::sampling, {{}, settings});
 }
 
 void validate(const MarchSettings& settings) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "render/base/named_value.h"
 #include "render/base/range.h"
 
 namespace warpscope {
@@ -21,13 +22,6 @@ enum class RadiusPolicy {
   constant,  ///< half the smallest voxel edge
   pixel,     ///< half the edge of a pixel at the sample's depth: a sphere that just fits into its pixel
   opacity,   ///< from `pixel` for a transparent pixel to `voxel` for an opaque one, by the pixel's opacity
-};
-
-template <class Enum>
-struct NamedValue {
-  Enum value;
-  std::string_view name;
-  std::string_view summary;
 };
 
 inline constexpr std::array<NamedValue<Heuristic>, 10> kHeuristics{{
@@ -49,13 +43,6 @@ inline constexpr std::array<NamedValue<RadiusPolicy>, 4> kRadiusPolicies{{
     {RadiusPolicy::pixel, "pixel", "half a pixel's edge at the sample's depth"},
     {RadiusPolicy::opacity, "opacity", "from pixel (transparent) to voxel (opaque) by the pixel's opacity"},
 }};
-
-template <class Table>
-constexpr auto nameOf(const Table& table, decltype(table[0].value) value) {
-  for (const auto& entry : table)
-    if (entry.value == value) return entry.name;
-  return std::string_view("?");
-}
 
 inline std::string_view nameOf(Heuristic heuristic) { return nameOf(kHeuristics, heuristic); }
 inline std::string_view nameOf(RadiusPolicy policy) { return nameOf(kRadiusPolicies, policy); }

@@ -40,8 +40,17 @@ class HoldWarp final : public Warp {
   Image<uint32_t> pixels_;  // sample seen in each pixel of the frame's own image
 };
 
+std::unique_ptr<Warp> makeHoldWarp(const WarpResources&) {
+  return std::make_unique<HoldWarp>();
+}
+
 }  // namespace
 
-std::unique_ptr<Warp> makeHoldWarp(const WarpResources&) { return std::make_unique<HoldWarp>(); }
+constinit const WarpDescriptor kHoldWarp{
+    .name = "hold",
+    .label = "Hold",
+    .summary = "the last image, not warped: what image-streaming viewers show",
+    .make = makeHoldWarp,
+};
 
 }  // namespace warpscope

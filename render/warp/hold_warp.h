@@ -6,6 +6,6 @@
 
 namespace warpscope {
 
-std::unique_ptr<Warp> makeHoldWarp(const WarpResources& resources);
+extern const WarpDescriptor kHoldWarp;
 
 }  // namespace warpscope

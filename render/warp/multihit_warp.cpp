@@ -4,6 +4,7 @@
 
 #include "render/warp/lbvh/lbvh_builder.h"
 #include "render/warp/multihit/multihit_trace.h"
+#include "render/warp/multihit/nearest_hits.h"
 #include "render/warp/multihit_warp_cuda.h"
 #include "render/warp/sphere_cloud_warp.h"
 
@@ -16,18 +17,46 @@ class MultihitWarp final : public SphereCloudWarp {
 
   void drawSpheres(const SampleFrame& frame, const Camera& camera, const WarpSettings& settings, WarpedImage& image,
                    const std::stop_token& stop) override {
-    traceNearestHits(lbvh_.view(), frame.colors, camera, settings.hits, image.samples, image.color, stop);
+    traceNearestHits(lbvh_.view(), frame.colors, camera, settings.knobs.whole(kHitsKnob), image.samples, image.color, stop);
   }
 
  private:
   Lbvh lbvh_;
 };
 
-}  // namespace
-
 std::unique_ptr<Warp> makeMultihitWarp(const WarpResources& resources) {
   if (resources.backend == Backend::cuda) return makeCudaMultihitWarp();
   return std::make_unique<MultihitWarp>();
 }
+
+constexpr double kSweptHits[] = {2.0};
+constexpr const Knob* kKnobs[] = {&kHitsKnob};
+
+}  // namespace
+
+constinit const Knob kHitsKnob{
+    .key = "hits",
+    .option = "--hits",
+    .label = "Hits",
+    .noun = "number of hits",
+    .help = "How many samples along each ray are blended, the nearest in front (Gribble, Naveros, Kerzner 2014)",
+    .type = KnobType::whole,
+    .stale = KnobStage::draw,
+    .range = {1.0, kMaxHits},
+    .track = {1.0, kMaxHits},
+    .defaultValue = 4.0,
+    .axis = {"hits", "--hit-counts", "Samples blended along a ray", kSweptHits},
+    .phrase = " of {}",
+};
+
+constinit const WarpDescriptor kMultihitWarp{
+    .name = "multihit",
+    .label = "Multihit",
+    .summary = "the nearest few spheres along each ray, blended",
+    .runsOnCuda = true,
+    .uses = {.depth = true, .radius = true},
+    .knobs = kKnobs,
+    .make = makeMultihitWarp,
+};
 
 }  // namespace warpscope

@@ -6,6 +6,9 @@
 
 namespace warpscope {
 
-std::unique_ptr<Warp> makeMultihitWarp(const WarpResources& resources);
+/// Samples blended along a ray, 1..kMaxHits.
+extern const Knob kHitsKnob;
+
+extern const WarpDescriptor kMultihitWarp;
 
 }  // namespace warpscope

@@ -9,6 +9,7 @@
 #include "render/warp/clusters/cluster_tree.h"
 #include "render/warp/device/device_warp.h"
 #include "render/warp/multihit/nearest_hits.h"
+#include "render/warp/multihit_warp.h"
 
 namespace warpscope {
 namespace {
@@ -68,7 +69,7 @@ class CudaMultihitWarp final : public DeviceWarp {
   void build(const DeviceFrameView& frame, const WarpSettings&, cudaStream_t stream) override { clusters_.build(frame, stream); }
   void trace(const DeviceFrameView& frame, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels,
              cudaStream_t stream) override {
-    kLaunches[static_cast<size_t>(settings.hits - 1)](clusters_.view(), camera, frame.colors, colorTables(), pixels, stream);
+    kLaunches[static_cast<size_t>(settings.knobs.whole(kHitsKnob) - 1)](clusters_.view(), camera, frame.colors, colorTables(), pixels, stream);
   }
 
   DeviceClusterTree clusters_;

@@ -66,7 +66,8 @@ class PointsWarp final : public Warp {
     requireUsable(camera);
     validate(settings);
     context_.makeCurrent();
-    if (static_cast<float>(settings.pointSize) > largestPoint_)
+    const float pointPx = settings.knobs.number(kPointSizeKnob);
+    if (pointPx > largestPoint_)
       throw InputError("this OpenGL driver draws points of at most " + std::to_string(largestPoint_) + " pixels");
     image.samples.resize(camera.width, camera.height, kNoSample);
     image.color.resize(camera.width, camera.height);
@@ -86,7 +87,7 @@ class PointsWarp final : public Warp {
     glUseProgram(program_.name());
     const glm::mat4 matrix = clipFromVolume(camera, kNearDepth);
     glUniformMatrix4fv(clipFromVolume_, 1, GL_FALSE, &matrix[0][0]);
-    glUniform1f(pointSize_, static_cast<GLfloat>(settings.pointSize));
+    glUniform1f(pointSize_, pointPx);
     glBindVertexArray(vertexArray_.name());
     for (size_t first = 0; first < frame_->size(); first += kPointsPerCall) {
       glDrawArrays(GL_POINTS, static_cast<GLint>(first), static_cast<GLsizei>(std::min(kPointsPerCall, frame_->size() - first)));
@@ -129,10 +130,38 @@ class PointsWarp final : public Warp {
   std::vector<glm::vec3> positions_;
 };
 
-}  // namespace
-
 std::unique_ptr<Warp> makePointsWarp(const WarpResources& resources) {
   return std::make_unique<PointsWarp>(resources.context());
 }
+
+constexpr double kSweptSizes[] = {1.0, 2.0, 3.0};
+constexpr const Knob* kKnobs[] = {&kPointSizeKnob};
+
+}  // namespace
+
+constinit const Knob kPointSizeKnob{
+    .key = "pointSize",
+    .option = "--point-size",
+    .label = "Points",
+    .noun = "point size",
+    .help = "Edge of a point in pixels of its picture (Zellmann, Aumueller, Lang 2012)",
+    .unit = " px",
+    .type = KnobType::whole,
+    .stale = KnobStage::draw,
+    .range = {1.0, 16.0},
+    .track = {1.0, 16.0},
+    .defaultValue = 2.0,
+    .axis = {"pointSizes", "--point-sizes", "Sizes of points in pixels", kSweptSizes},
+    .phrase = " of {} px",
+};
+
+constinit const WarpDescriptor kPointsWarp{
+    .name = "points",
+    .label = "Points",
+    .summary = "OpenGL points of a fixed size in pixels (2012)",
+    .uses = {.depth = true},
+    .knobs = kKnobs,
+    .make = makePointsWarp,
+};
 
 }  // namespace warpscope

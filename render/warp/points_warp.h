@@ -6,6 +6,9 @@
 
 namespace warpscope {
 
-std::unique_ptr<Warp> makePointsWarp(const WarpResources& resources);
+/// Edge of a point, pixels.
+extern const Knob kPointSizeKnob;
+
+extern const WarpDescriptor kPointsWarp;
 
 }  // namespace warpscope

@@ -21,10 +21,18 @@ class ReferenceWarp final : public Warp {
   MarcherPtr marcher_;
 };
 
-}  // namespace
-
 std::unique_ptr<Warp> makeReferenceWarp(const WarpResources& resources) {
   return std::make_unique<ReferenceWarp>(resources.marcher);
 }
+
+}  // namespace
+
+constinit const WarpDescriptor kReferenceWarp{
+    .name = "reference",
+    .label = "Reference",
+    .summary = "the volume marched at the current camera: the ground truth",
+    .usesFrame = false,
+    .make = makeReferenceWarp,
+};
 
 }  // namespace warpscope

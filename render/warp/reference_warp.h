@@ -6,6 +6,6 @@
 
 namespace warpscope {
 
-std::unique_ptr<Warp> makeReferenceWarp(const WarpResources& resources);
+extern const WarpDescriptor kReferenceWarp;
 
 }  // namespace warpscope

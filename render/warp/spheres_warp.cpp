@@ -11,24 +11,26 @@
 namespace warpscope {
 namespace {
 
+SphereTracing tracingOf(const WarpSettings& settings) { return settings.knobs.choice<SphereTracing>(kSphereTracingKnob); }
+
 class SpheresWarp final : public SphereCloudWarp {
  protected:
   void build(std::span<const Sphere> spheres, const WarpSettings& settings) override {
-    if (settings.sphereTracing == SphereTracing::clusters)
+    if (tracingOf(settings) == SphereTracing::clusters)
       throw UsageError("the hierarchy clusters is for CUDA devices: choose another, or --backend cuda");
-    if (!tracer_ || tracing_ != settings.sphereTracing) {
-      if (settings.sphereTracing == SphereTracing::embree)
+    if (!tracer_ || tracing_ != tracingOf(settings)) {
+      if (tracingOf(settings) == SphereTracing::embree)
         tracer_ = std::make_unique<EmbreeTracer>();
       else
         tracer_ = std::make_unique<LbvhTracer>();
-      tracing_ = settings.sphereTracing;
+      tracing_ = tracingOf(settings);
     }
     tracer_->build(spheres);
   }
 
   void drawSpheres(const SampleFrame& frame, const Camera& camera, const WarpSettings& settings, WarpedImage& image,
                    const std::stop_token& stop) override {
-    if (tracing_ != settings.sphereTracing) build(spheres(), settings);
+    if (tracing_ != tracingOf(settings)) build(spheres(), settings);
     tracer_->trace(camera, image.samples, nullptr, stop);
     resolveColors(frame, image.samples, image.color);
   }
@@ -38,11 +40,36 @@ class SpheresWarp final : public SphereCloudWarp {
   SphereTracing tracing_ = SphereTracing::automatic;
 };
 
-}  // namespace
-
 std::unique_ptr<Warp> makeSpheresWarp(const WarpResources& resources) {
   if (resources.backend == Backend::cuda) return makeCudaSpheresWarp();
   return std::make_unique<SpheresWarp>();
 }
+
+constexpr auto kTracingChoices = choicesOf(kSphereTracings);
+constexpr const Knob* kKnobs[] = {&kSphereTracingKnob};
+
+}  // namespace
+
+constinit const Knob kSphereTracingKnob{
+    .key = "sphereTracing",
+    .option = "--bvh",
+    .label = "Spheres",
+    .noun = "hierarchy",
+    .help = "The hierarchy that spheres are traced with",
+    .type = KnobType::choice,
+    .stale = KnobStage::build,
+    .defaultValue = static_cast<double>(SphereTracing::automatic),
+    .choices = kTracingChoices,
+};
+
+constinit const WarpDescriptor kSpheresWarp{
+    .name = "spheres",
+    .label = "Spheres",
+    .summary = "first hit of rays with spheres over an LBVH (2020)",
+    .runsOnCuda = true,
+    .uses = {.depth = true, .radius = true},
+    .knobs = kKnobs,
+    .make = makeSpheresWarp,
+};
 
 }  // namespace warpscope

@@ -2,10 +2,29 @@
 // Zellmann 2020, over a linear BVH (Karras 2012) or, as a check and baseline, Embree.
 #pragma once
 
+#include <array>
+
 #include "render/warp/warp.h"
 
 namespace warpscope {
 
-std::unique_ptr<Warp> makeSpheresWarp(const WarpResources& resources);
+enum class SphereTracing {
+  automatic,  ///< what is fastest where the technique runs: lbvh on the CPU, clusters on a CUDA device
+  lbvh,       ///< the binary hierarchy of Karras 2012
+  clusters,   ///< the hierarchy as wide as a warp, on CUDA devices only
+  embree,     ///< on the CPU only
+};
+
+inline constexpr std::array<NamedValue<SphereTracing>, 4> kSphereTracings{{
+    {SphereTracing::automatic, "auto", "what is fastest: lbvh on the CPU, clusters on a CUDA device"},
+    {SphereTracing::lbvh, "lbvh", "the binary hierarchy of Karras 2012"},
+    {SphereTracing::clusters, "clusters", "boxes of 32 neighbours each, as wide as a warp; CUDA only"},
+    {SphereTracing::embree, "embree", "Embree's; CPU only"},
+}};
+
+/// The hierarchy: a SphereTracing.
+extern const Knob kSphereTracingKnob;
+
+extern const WarpDescriptor kSpheresWarp;
 
 }  // namespace warpscope

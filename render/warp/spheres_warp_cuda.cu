@@ -5,6 +5,7 @@
 #include "render/warp/clusters/cluster_tree.h"
 #include "render/warp/device/device_warp.h"
 #include "render/warp/lbvh/device_lbvh.h"
+#include "render/warp/spheres_warp.h"
 
 namespace warpscope {
 namespace {
@@ -12,8 +13,9 @@ namespace {
 class CudaSpheresWarp final : public DeviceWarp {
  private:
   static bool usesLbvh(const WarpSettings& settings) {
-    if (settings.sphereTracing == SphereTracing::embree) throw UsageError("Embree traces on the CPU: choose --backend cpu, or another hierarchy");
-    return settings.sphereTracing == SphereTracing::lbvh;
+    const auto tracing = settings.knobs.choice<SphereTracing>(kSphereTracingKnob);
+    if (tracing == SphereTracing::embree) throw UsageError("Embree traces on the CPU: choose --backend cpu, or another hierarchy");
+    return tracing == SphereTracing::lbvh;
   }
 
   bool needsBuild(const WarpSettings& settings) const override { return usesLbvh(settings) != isLbvh_; }

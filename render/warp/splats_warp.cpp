@@ -23,11 +23,20 @@ class SplatsWarp final : public SphereCloudWarp {
   SplatTracer tracer_;
 };
 
-}  // namespace
-
 std::unique_ptr<Warp> makeSplatsWarp(const WarpResources& resources) {
   if (resources.backend == Backend::cuda) return makeCudaSplatsWarp();
   return std::make_unique<SplatsWarp>();
 }
+
+}  // namespace
+
+constinit const WarpDescriptor kSplatsWarp{
+    .name = "splats",
+    .label = "Splats",
+    .summary = "the picture of spheres without a hierarchy: each is intersected with the pixels that it may cover",
+    .runsOnCuda = true,
+    .uses = {.depth = true, .radius = true},
+    .make = makeSplatsWarp,
+};
 
 }  // namespace warpscope

@@ -6,6 +6,6 @@
 
 namespace warpscope {
 
-std::unique_ptr<Warp> makeSplatsWarp(const WarpResources& resources);
+extern const WarpDescriptor kSplatsWarp;
 
 }  // namespace warpscope

@@ -2,13 +2,15 @@
 // See warp.h. A new technique is one file pair and one line here.
 #include "render/warp/warp.h"
 
+#include <algorithm>
+#include <stdexcept>
+
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
 #include "render/core/parallel.h"
 #include "render/cuda/devices.h"
 #include "render/warp/fallback_warp.h"
 #include "render/warp/hold_warp.h"
-#include "render/warp/multihit/nearest_hits.h"
 #include "render/warp/multihit_warp.h"
 #include "render/warp/points_warp.h"
 #include "render/warp/reference_warp.h"
@@ -18,26 +20,71 @@
 namespace warpscope {
 namespace {
 
-constexpr WarpDescriptor kWarps[] = {
-    {"reference", "Reference", "the volume marched at the current camera: the ground truth", false, false, {}, makeReferenceWarp},
-    {"hold", "Hold", "the last image, not warped: what image-streaming viewers show", true, false, {}, makeHoldWarp},
-    {"points", "Points", "OpenGL points of a fixed size in pixels (2012)", true, false, {.depth = true, .pointSize = true},
-     makePointsWarp},
-    {"spheres", "Spheres", "first hit of rays with spheres over an LBVH (2020)", true, true, {.depth = true, .radius = true},
-     makeSpheresWarp},
-    {"splats", "Splats", "the picture of spheres without a hierarchy: each is intersected with the pixels that it may cover", true, true,
-     {.depth = true, .radius = true}, makeSplatsWarp},
-    {"multihit", "Multihit", "the nearest few spheres along each ray, blended", true, true,
-     {.depth = true, .radius = true, .hits = true}, makeMultihitWarp},
-};
+/// In the order in which they are shown.
+constexpr const WarpDescriptor* kWarps[] = {&kReferenceWarp, &kHoldWarp, &kPointsWarp, &kSpheresWarp, &kSplatsWarp, &kMultihitWarp};
+
+/// Descriptors stay where they are as long as there is room: others point to them.
+constexpr size_t kMostWarps = 64;
+
+std::vector<WarpDescriptor>& registered() {
+  static std::vector<WarpDescriptor> warps = [] {
+    std::vector<WarpDescriptor> all;
+    all.reserve(kMostWarps);
+    for (const WarpDescriptor* warp : kWarps) all.push_back(*warp);
+    return all;
+  }();
+  return warps;
+}
+
+/// Whether some knob has that key or option already.
+bool isKnobTaken(const Knob& knob) {
+  const auto clashes = [&](const Knob& other) { return other.key == knob.key || (!knob.option.empty() && other.option == knob.option); };
+  for (const MarchKnob& row : marchKnobs())
+    if (clashes(*row.knob)) return true;
+  const std::vector<const Knob*> known = warpKnobs();
+  return std::any_of(known.begin(), known.end(), [&](const Knob* other) { return clashes(*other); });
+}
 
 }  // namespace
 
-std::span<const WarpDescriptor> warpRegistry() { return kWarps; }
+bool WarpDescriptor::has(const Knob& knob) const { return std::find(knobs.begin(), knobs.end(), &knob) != knobs.end(); }
+
+bool WarpDescriptor::dependsOn(const MarchKnob& knob) const {
+  switch (knob.shapes) {
+    case FramePart::picture: return true;
+    case FramePart::depth: return uses.depth;
+    case FramePart::radius: return uses.radius;
+  }
+  return true;
+}
+
+bool WarpDescriptor::isBuiltAnew(const KnobValues& before, const KnobValues& now) const {
+  return std::any_of(knobs.begin(), knobs.end(), [&](const Knob* knob) { return knob->stale < KnobStage::draw && before[*knob] != now[*knob]; });
+}
+
+std::span<const WarpDescriptor> warpRegistry() { return registered(); }
+
+WarpRegistration::WarpRegistration(const WarpDescriptor& technique) : name_(technique.name) {
+  if (registered().size() == kMostWarps) throw std::logic_error("no room for another technique");
+  if (findNamed(registered(), technique.name) != nullptr) throw std::logic_error("there is a technique of this name already");
+  for (const Knob* knob : technique.knobs)
+    if (isKnobTaken(*knob)) throw std::logic_error("there is a knob of this key already: " + std::string(knob->key));
+  registered().push_back(technique);
+}
+
+WarpRegistration::~WarpRegistration() {
+  std::erase_if(registered(), [this](const WarpDescriptor& warp) { return warp.name == name_; });
+}
+
+std::vector<const Knob*> warpKnobs() {
+  std::vector<const Knob*> knobs;
+  for (const WarpDescriptor& warp : registered()) knobs.insert(knobs.end(), warp.knobs.begin(), warp.knobs.end());
+  return knobs;
+}
 
 const WarpDescriptor& findWarp(std::string_view name) {
-  if (const WarpDescriptor* warp = findNamed(kWarps, name)) return *warp;
-  throw UsageError(unknownNameIn(kWarps, "technique", name));
+  if (const WarpDescriptor* warp = findNamed(warpRegistry(), name)) return *warp;
+  throw UsageError(unknownNameIn(warpRegistry(), "technique", name));
 }
 
 std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResources& resources) {
@@ -51,13 +98,7 @@ std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResou
   return makeFallbackWarp([makeOn] { return makeOn(Backend::cuda); }, [makeOn] { return makeOn(Backend::cpu); }, resources.onFallback);
 }
 
-void validate(const WarpSettings& settings) {
-  if (settings.pointSize < 1 || settings.pointSize > 16)
-    throw UsageError("the point size must be between 1 and 16 pixels, not " + std::to_string(settings.pointSize));
-  if (settings.hits < 1 || settings.hits > kMaxHits)
-    throw UsageError("the hits along a ray must be between 1 and " + std::to_string(kMaxHits) + ", not " + std::to_string(settings.hits));
-  validate(settings.reference);
-}
+void validate(const WarpSettings& settings) { validate(settings.reference); }
 
 void resolveColors(const SampleFrame& frame, const Image<uint32_t>& samples, Image<glm::vec4>& color) {
   color.reshape(samples.width(), samples.height());

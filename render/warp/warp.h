@@ -2,7 +2,6 @@
 // The techniques compared by Zellmann 2020, and those added since; see each technique's header.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -10,10 +9,13 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "render/base/knob.h"
 #include "render/core/backend.h"
 #include "render/core/device_picture.h"
 #include "render/core/image.h"
+#include "render/march/march_knobs.h"
 #include "render/march/marcher.h"
 #include "render/march/sample_frame.h"
 
@@ -32,26 +34,10 @@ struct WarpedImage {
   Image<uint32_t> samples;  ///< index of the sample seen in each pixel, kNotASample or kNoSample
 };
 
-enum class SphereTracing {
-  automatic,  ///< what is fastest where the technique runs: lbvh on the CPU, clusters on a CUDA device
-  lbvh,       ///< the binary hierarchy of Karras 2012
-  clusters,   ///< the hierarchy as wide as a warp, on CUDA devices only
-  embree,     ///< on the CPU only
-};
-
-inline constexpr std::array<NamedValue<SphereTracing>, 4> kSphereTracings{{
-    {SphereTracing::automatic, "auto", "what is fastest: lbvh on the CPU, clusters on a CUDA device"},
-    {SphereTracing::lbvh, "lbvh", "the binary hierarchy of Karras 2012"},
-    {SphereTracing::clusters, "clusters", "boxes of 32 neighbours each, as wide as a warp; CUDA only"},
-    {SphereTracing::embree, "embree", "Embree's; CPU only"},
-}};
-
 /// The client's knobs.
 struct WarpSettings {
-  int pointSize = 2;                                    ///< pixels, 1..16, for `points`
-  SphereTracing sphereTracing = SphereTracing::automatic;    ///< for `spheres`
-  int hits = 4;                                         ///< along a ray, 1..kMaxHits, for `multihit`
-  RenderSettings reference;                             ///< for `reference`
+  KnobValues knobs;          ///< of the techniques; each reads its own
+  RenderSettings reference;  ///< what the ground truth is, for `reference`
 
   bool operator==(const WarpSettings&) const = default;
 };
@@ -95,26 +81,48 @@ class Warp {
   virtual std::optional<DeviceTimings> deviceTimings() const { return std::nullopt; }
 };
 
-/// What of a frame and of the client's knobs a technique's picture depends on, besides colours and cameras.
-struct WarpKnobs {
-  bool depth = false;   ///< the samples' depths, and with them the heuristic
-  bool radius = false;  ///< the samples' radii, and with them their policy
-  bool pointSize = false;
-  bool hits = false;
+/// What of a frame's samples a technique's picture depends on, besides their colours.
+struct SampleUse {
+  bool depth = false;
+  bool radius = false;
 };
 
+/// A technique, as its own file describes it.
 struct WarpDescriptor {
   std::string_view name;
   std::string_view label;    ///< as a person reads it
   std::string_view summary;  ///< one line for help texts
-  bool usesFrame;            ///< false for the reference, which needs no samples
-  bool runsOnCuda;           ///< its maker has an own way for the backend cuda
-  WarpKnobs knobs;
-  std::unique_ptr<Warp> (*make)(const WarpResources&);
+  bool usesFrame = true;     ///< false for the reference, which needs no samples
+  bool runsOnCuda = false;   ///< its maker has an own way for the backend cuda
+  SampleUse uses;
+  std::span<const Knob* const> knobs{};  ///< its own
+  std::unique_ptr<Warp> (*make)(const WarpResources&) = nullptr;
+
+  bool has(const Knob& knob) const;
+  /// Whether its picture changes with that knob of the marching.
+  bool dependsOn(const MarchKnob& knob) const;
+  /// Whether what it derived from a frame with `before` is of no use with `now`.
+  bool isBuiltAnew(const KnobValues& before, const KnobValues& now) const;
 };
 
 /// Every technique, in the order in which they are shown.
 std::span<const WarpDescriptor> warpRegistry();
+
+/// Adds a technique while it lives; not beside other threads. For extensions and tests: the program's own are lines of the registry.
+class WarpRegistration {
+ public:
+  /// Throws std::logic_error for a name or a knob's key that there is already, or where there is no room.
+  explicit WarpRegistration(const WarpDescriptor& technique);
+  ~WarpRegistration();
+  WarpRegistration(const WarpRegistration&) = delete;
+  WarpRegistration& operator=(const WarpRegistration&) = delete;
+
+ private:
+  const std::string_view name_;
+};
+
+/// Every technique's own knobs, in the order of the techniques.
+std::vector<const Knob*> warpKnobs();
 
 /// The named technique; throws UsageError that lists the nearest names.
 const WarpDescriptor& findWarp(std::string_view name);

@@ -12,6 +12,7 @@
 #include "render/warp/multihit/nearest_hits.h"
 #include "render/warp/multihit_warp.h"
 #include "render/warp/multihit_warp_cuda.h"
+#include "render/warp/spheres_warp.h"
 #include "render/warp/spheres_warp_cuda.h"
 #include "render/warp/splats_warp_cuda.h"
 #include "tests/gpu/agreement.h"
@@ -30,13 +31,13 @@ struct Contender {
 std::vector<Contender> contenders() {
   std::vector<Contender> all;
   WarpSettings settings;
-  settings.sphereTracing = SphereTracing::clusters;
+  settings.knobs.set(kSphereTracingKnob, SphereTracing::clusters);
   all.push_back({"clusters", makeCudaSpheresWarp(), settings});
-  settings.sphereTracing = SphereTracing::lbvh;
+  settings.knobs.set(kSphereTracingKnob, SphereTracing::lbvh);
   all.push_back({"lbvh", makeCudaSpheresWarp(), settings});
   all.push_back({"splats", makeCudaSplatsWarp(), {}});
   settings = {};
-  settings.hits = 1;
+  settings.knobs.set(kHitsKnob, 1);
   all.push_back({"multihit of one", makeCudaMultihitWarp(), settings});
   return all;
 }
@@ -116,7 +117,7 @@ TEST(WarpsOnDevice, CloudsOfEveryShapeAndSize) {
 
 TEST(WarpsOnDevice, SeveralHitsAreTheCpus) {
   WARPSCOPE_NEEDS_GPU();
-  const std::unique_ptr<Warp> onCpu = makeMultihitWarp({});
+  const std::unique_ptr<Warp> onCpu = makeWarp(findWarp("multihit"), {});
   const std::unique_ptr<Warp> onDevice = makeCudaMultihitWarp();
   for (const CloudShape shape : kCloudShapes) {
     SampleFramePtr frame = frameOf(makeCloud(shape, 20000, 100.0f, 11));
@@ -125,7 +126,7 @@ TEST(WarpsOnDevice, SeveralHitsAreTheCpus) {
     for (int hits = 1; hits <= kMaxHits; ++hits) {
       SCOPED_TRACE(::testing::Message() << "shape " << static_cast<int>(shape) << ", " << hits << " hits");
       WarpSettings settings;
-      settings.hits = hits;
+      settings.knobs.set(kHitsKnob, hits);
       WarpedImage expected, actual;
       onCpu->setFrame(translucent, settings);
       onDevice->setFrame(translucent, settings);
@@ -217,7 +218,7 @@ TEST(WarpsOnDevice, RefuseAndGoOn) {
 TEST(WarpsOnDevice, EmbreeIsForTheCpu) {
   WARPSCOPE_NEEDS_GPU();
   WarpSettings settings;
-  settings.sphereTracing = SphereTracing::embree;
+  settings.knobs.set(kSphereTracingKnob, SphereTracing::embree);
   EXPECT_THROW(makeCudaSpheresWarp()->setFrame(frameOf({}), settings), UsageError);
 }
 

@@ -1,0 +1,49 @@
+// Options from rows.
+// See knob_options.h.
+#include "app/commands/knob_options.h"
+
+namespace warpscope {
+namespace {
+
+const char* typeName(KnobType type) {
+  switch (type) {
+    case KnobType::number: return "FLOAT";
+    case KnobType::whole: return "INT";
+    case KnobType::choice: return "NAME";
+    case KnobType::flag: return "BOOL";
+  }
+  return "TEXT";
+}
+
+}  // namespace
+
+std::optional<double> GivenKnobs::find(const Knob& knob) const {
+  const auto found = values_.find(&knob);
+  return found == values_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::string helpOf(const Knob& knob, const std::string& otherwise, std::string_view owner) {
+  std::string help(knob.help);
+  help += (knob.type == KnobType::choice ? ": " : ", ") + valuesText(knob);
+  if (!owner.empty()) help += ", for " + std::string(owner);
+  return help + "; default: " + otherwise;
+}
+
+void KnobOptions::add(CLI::App& command, const Knob& knob, const std::string& otherwise, std::string_view owner) {
+  if (knob.option.empty()) return;
+  command.add_option(std::string(knob.option), typed_[&knob], helpOf(knob, otherwise, owner))->type_name(typeName(knob.type));
+}
+
+bool KnobOptions::has(const Knob& knob) const {
+  const auto typed = typed_.find(&knob);
+  return typed != typed_.end() && !typed->second.empty();
+}
+
+GivenKnobs KnobOptions::check() const {
+  GivenKnobs given;
+  for (const auto& [knob, text] : typed_)
+    if (!text.empty()) given.set(*knob, parseKnob(*knob, text, knob->option));
+  return given;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,43 @@
+// Options made from the rows of knobs: names, help, what is refused.
+// Typed texts are kept as they are until check() reads them, so that a number is judged as it was typed.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "render/base/knob.h"
+
+namespace warpscope {
+
+/// Values of those knobs that were given.
+class GivenKnobs {
+ public:
+  void set(const Knob& knob, double value) { values_[&knob] = value; }
+  /// Nothing for a knob that was not given.
+  std::optional<double> find(const Knob& knob) const;
+
+ private:
+  std::map<const Knob*, double> values_;
+};
+
+class KnobOptions {
+ public:
+  /// Adds the knob's option, if it has one. `otherwise`: what holds without it, for the help. `owner`: to what it belongs, likewise; may be empty.
+  void add(CLI::App& command, const Knob& knob, const std::string& otherwise, std::string_view owner = {});
+
+  /// Whether something was typed for it.
+  bool has(const Knob& knob) const;
+  /// Throws UsageError for a value that its knob cannot have; the sentence names the option.
+  GivenKnobs check() const;
+
+ private:
+  std::map<const Knob*, std::string> typed_;  // empty: not given
+};
+
+/// As the help says it: "Edge of a point in pixels, 1 to 16, for points; default: 2".
+std::string helpOf(const Knob& knob, const std::string& otherwise, std::string_view owner);
+
+}  // namespace warpscope

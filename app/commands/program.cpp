@@ -1,0 +1,137 @@
+// Finding the command, running it, and turning failures into one sentence and an exit code.
+// See program.h.
+#include "app/commands/program.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <iostream>
+#include <new>
+
+#include "app/commands/options.h"
+#include "app/ui/run_window.h"
+#include "render/base/error.h"
+#include "render/base/nearest_name.h"
+
+namespace warpscope {
+namespace {
+
+constexpr int kFailure = 1;
+constexpr int kUsage = 2;
+
+/// One line, whatever a file's name brings with it.
+int complain(std::string text, int code) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  std::cerr << "warpscope: " << text << '\n';
+  return code;
+}
+
+/// What is wrong with the command line, and whose help would tell.
+std::string sentenceOf(const CLI::ParseError& error, const CLI::App& program) {
+  const std::vector<CLI::App*> parsed = program.get_subcommands();
+  const CLI::App& command = parsed.empty() ? program : *parsed.front();
+  const std::string help = " (see warpscope " + (parsed.empty() ? "" : command.get_name() + " ") + "--help)";
+
+  // A word that nobody understood comes first: it may be why something else is missing.
+  const std::vector<std::string> extras = program.remaining(true);
+  const auto isOption = [](const std::string& word) { return word.starts_with('-'); };
+  auto extra = parsed.empty() ? extras.begin() : std::find_if(extras.begin(), extras.end(), isOption);
+  if (extra == extras.end()) extra = extras.begin();
+  std::vector<std::string> names;
+  if (extra != extras.end() && isOption(*extra)) {
+    for (const CLI::Option* option : command.get_options())
+      if (!option->get_lnames().empty()) names.push_back(option->get_lnames().front());
+    const std::string name = extra->substr(0, std::min<size_t>(extra->find('='), 80));
+    const std::string_view bare = std::string_view(name).substr(std::min(name.size(), name.find_first_not_of('-')));
+    const auto nearest = nearestName(bare, std::vector<std::string_view>(names.begin(), names.end()));
+    return "unknown option '" + name + "'" + (nearest ? "; did you mean '--" + std::string(*nearest) + "'?" : "") + help;
+  }
+  if (extra != extras.end() && parsed.empty()) {
+    for (const CLI::App* known : program.get_subcommands([](const CLI::App*) { return true; })) names.push_back(known->get_name());
+    return unknownName("command", *extra, std::vector<std::string_view>(names.begin(), names.end())) + help;
+  }
+  if (extra != extras.end()) return "unexpected '" + extra->substr(0, 80) + "'" + help;
+
+  const std::string text = error.what();
+  // The library says "--out: 1 required TEXT missing" and "--out: At Most 1 required but received 2".
+  if (const size_t at = text.find(": 1 required "); at != std::string::npos) return text.substr(0, at) + " needs a value" + help;
+  if (const size_t at = text.find(": At Most 1 "); at != std::string::npos) return text.substr(0, at) + " is given more than once" + help;
+  return text + help;
+}
+
+/// A pipe that nobody reads any more and a file that may not grow make writing fail, which is reported and cleaned up after, instead of
+/// ending the process where it is.
+void failInsteadOfDying() {
+#if defined(SIGPIPE)
+  std::signal(SIGPIPE, SIG_IGN);
+#endif
+#if defined(SIGXFSZ)
+  std::signal(SIGXFSZ, SIG_IGN);
+#endif
+}
+
+/// The window's OpenGL comes through GLX, that of its panels through EGL, each in threads of its own. GLVND, which sits between, lets the first
+/// driver that it hands a thread to write into its entry points, after which another cannot be current anywhere: NVIDIA's GLX locks NVIDIA's EGL
+/// out. This forbids it (libglvnd, README, "__GLVND_DISALLOW_PATCHING"); what the user has set stays. Before any thread.
+void shareOpenGlDispatch() {
+#if !defined(_WIN32)
+  setenv("__GLVND_DISALLOW_PATCHING", "1", 0);
+#endif
+}
+
+int run(int argc, char** argv) {
+  CLI::App program("warpscope shows what different ways of warping a remote volume rendering do to the picture, and what each costs.",
+                   "warpscope");
+  program.require_subcommand(0, 1);
+  program.set_version_flag("--version", WARPSCOPE_VERSION);
+  std::function<void()> chosen;
+  addViewCommand(program, chosen);
+  addServeCommand(program, chosen);
+  addShotCommand(program, chosen);
+  addCompareCommand(program, chosen);
+  addBenchCommand(program, chosen);
+  addSweepCommand(program, chosen);
+  addExportCommand(program, chosen);
+  addInfoCommand(program, chosen);
+  for (CLI::App* command : program.get_subcommands([](CLI::App*) { return true; })) requireValues(*command);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
+    return complain(sentenceOf(error, program), kUsage);
+  }
+  if (chosen) {
+    chosen();
+    if (!std::cout.flush()) throw InputError("standard output cannot be written to");
+    return 0;
+  }
+  try {
+    viewDefaultScene();
+  } catch (const NoDisplay&) {
+    std::cerr << "warpscope: no display here, so compare runs on the default scene into ./out\n";
+    compareDefaultScene("out");
+  }
+  return 0;
+}
+
+}  // namespace
+
+int runProgram(int argc, char** argv) {
+  failInsteadOfDying();
+  shareOpenGlDispatch();
+  try {
+    return run(argc, argv);
+  } catch (const UsageError& error) {
+    return complain(error.what(), kUsage);
+  } catch (const OperationCancelled&) {
+    return complain("stopped; nothing was written", kFailure);
+  } catch (const std::bad_alloc&) {
+    return complain("not enough memory", kFailure);
+  } catch (const std::exception& error) {
+    return complain(error.what(), kFailure);
+  }
+}
+
+}  // namespace warpscope

@@ -1,0 +1,83 @@
+// Rows of the transport's knobs.
+// See transport_knobs.h.
+#include "app/frames/transport_knobs.h"
+
+namespace warpscope {
+namespace {
+
+constexpr auto kFormatChoices = choicesOf(kPayloadFormats);
+constexpr auto kColorChoices = choicesOf(kColorCodings);
+constexpr CodecSettings kCodec;
+
+}  // namespace
+
+constinit const Knob kFormatKnob{
+    .key = "codec",
+    .option = "--codec",
+    .label = "Format",
+    .noun = "codec",
+    .help = "How samples travel",
+    .type = KnobType::choice,
+    .owner = KnobOwner::transport,
+    .stale = KnobStage::encode,
+    .defaultValue = static_cast<double>(kCodec.format),
+    .choices = kFormatChoices,
+};
+
+constinit const Knob kColorKnob{
+    .key = "color",
+    .option = "--color",
+    .label = "Colours",
+    .noun = "colour coding",
+    .help = "How their colours travel, packed",
+    .type = KnobType::choice,
+    .owner = KnobOwner::transport,
+    .stale = KnobStage::encode,
+    .defaultValue = static_cast<double>(kCodec.color),
+    .choices = kColorChoices,
+};
+
+constinit const Knob kQualityKnob{
+    .key = "quality",
+    .option = "--quality",
+    .label = "Quality",
+    .noun = "quality of JPEG",
+    .help = "Of JPEG: 95 can hardly be told from the original (FLIP below 0.01)",
+    .type = KnobType::whole,
+    .owner = KnobOwner::transport,
+    .stale = KnobStage::encode,
+    .range = kJpegQualityRange,
+    .track = kJpegQualityRange,
+    .defaultValue = kCodec.jpegQuality,
+};
+
+constinit const Knob kDepthKnob{
+    .key = "depth",
+    .option = "--depth",
+    .label = "In flight",
+    .noun = "number of requests under way",
+    .help = "Requests under way at a time: one is best against delay on narrow links, more fill long and wide ones",
+    .type = KnobType::whole,
+    .owner = KnobOwner::transport,
+    .stale = KnobStage::march,
+    .range = kDepthRange,
+    .track = kDepthRange,
+    .defaultValue = 1.0,
+};
+
+std::span<const KnobRow<TransportSettings>> transportKnobs() {
+  using Row = KnobRow<TransportSettings>;
+  static const Row kRows[] = {
+      {&kFormatKnob, [](const TransportSettings& s) { return static_cast<double>(s.codec.format); },
+       [](TransportSettings& s, double value) { s.codec.format = static_cast<PayloadFormat>(value); }},
+      {&kColorKnob, [](const TransportSettings& s) { return static_cast<double>(s.codec.color); },
+       [](TransportSettings& s, double value) { s.codec.color = static_cast<ColorCoding>(value); }},
+      {&kQualityKnob, [](const TransportSettings& s) { return double(s.codec.jpegQuality); },
+       [](TransportSettings& s, double value) { s.codec.jpegQuality = static_cast<int>(value); }},
+      {&kDepthKnob, [](const TransportSettings& s) { return double(s.depth); },
+       [](TransportSettings& s, double value) { s.depth = static_cast<int>(value); }},
+  };
+  return kRows;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,17 @@
+// The knobs of how frames travel: one row each.
+// TransportSettings holds the values. The simulated link has words of its own: net/link_settings.h.
+#pragma once
+
+#include <span>
+
+#include "app/frames/frame_source.h"
+#include "render/base/knob.h"
+
+namespace warpscope {
+
+/// Every row, in the order in which they are listed.
+std::span<const KnobRow<TransportSettings>> transportKnobs();
+
+extern const Knob kFormatKnob, kColorKnob, kQualityKnob, kDepthKnob;
+
+}  // namespace warpscope

@@ -1,0 +1,38 @@
+// Values of knobs from JSON and back.
+// See knob_json.h.
+#include "app/scene/knob_json.h"
+
+#include "render/base/error.h"
+#include "render/base/nearest_name.h"
+
+namespace warpscope {
+
+nlohmann::json jsonOf(const Knob& knob, double value) {
+  switch (knob.type) {
+    case KnobType::number: return static_cast<float>(value);
+    case KnobType::whole: return static_cast<int64_t>(value);
+    case KnobType::choice: return textOf(knob, value);
+    case KnobType::flag: return value != 0.0;
+  }
+  return nullptr;
+}
+
+double readKnob(const Node& node, const Knob& knob) {
+  switch (knob.type) {
+    case KnobType::number: return static_cast<float>(node.number(knob.range));
+    case KnobType::whole: return static_cast<double>(node.integer(static_cast<int64_t>(knob.range.lowest), static_cast<int64_t>(knob.range.highest)));
+    case KnobType::flag: return node.boolean() ? 1.0 : 0.0;
+    case KnobType::choice: break;
+  }
+  const std::string name = node.string();
+  if (findNamed(knob.choices, name) == nullptr) node.fail("holds an " + unknownNameIn(knob.choices, knob.noun, name));
+  return parseKnob(knob, name, knob.noun);
+}
+
+nlohmann::json toJson(const MarchSettings& settings) {
+  nlohmann::json json;
+  for (const MarchKnob& row : marchKnobs()) json[std::string(row.knob->key)] = jsonOf(*row.knob, row.get(settings));
+  return json;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,22 @@
+// Values of knobs as JSON: numbers, names, flags.
+// Which ones there are, and what they may be: render/base/knob.h.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "app/scene/json_document.h"
+#include "render/base/knob.h"
+#include "render/march/march_knobs.h"
+
+namespace warpscope {
+
+/// The value under the knob's type: a number, a whole number, a choice's name, true or false.
+nlohmann::json jsonOf(const Knob& knob, double value);
+
+/// Back. Throws InputError that names the file, the line and the key.
+double readKnob(const Node& node, const Knob& knob);
+
+/// All of a march's, under their keys.
+nlohmann::json toJson(const MarchSettings& settings);
+
+}  // namespace warpscope

@@ -1,0 +1,167 @@
+// Rows of the marching's knobs.
+// See march_knobs.h.
+#include "render/march/march_knobs.h"
+
+#include "render/march/depth_heuristic.h"
+
+namespace warpscope {
+namespace {
+
+constexpr auto kHeuristicChoices = choicesOf(kHeuristics);
+constexpr auto kRadiusChoices = choicesOf(kRadiusPolicies);
+
+constexpr double place(Heuristic heuristic) { return static_cast<double>(heuristic); }
+constexpr double place(RadiusPolicy policy) { return static_cast<double>(policy); }
+
+constexpr double kSweptHeuristics[] = {place(Heuristic::gradient), place(Heuristic::median), place(Heuristic::expected)};
+constexpr double kSweptRadii[] = {place(RadiusPolicy::voxel), place(RadiusPolicy::opacity)};
+
+constexpr RenderSettings kRender;
+constexpr SampleSettings kSample;
+
+constexpr bool always(const MarchSettings&) { return true; }
+
+bool hasThreshold(const MarchSettings& settings) {
+  return visitHeuristic(settings.sample.heuristic, []<class Depth>(Depth) { return requires { Depth::kTakesThreshold; }; });
+}
+
+}  // namespace
+
+constinit const Knob kStepKnob{.key = "step",
+                     .option = "--step",
+                     .label = "Step",
+                     .noun = "step",
+                     .help = "Distance of samples along a ray, in edges of the smallest voxel",
+                     .unit = " voxels",
+                     .owner = KnobOwner::rendering,
+                     .stale = KnobStage::march,
+                     .range = kStepRange,
+                     .track = {0.1, 4.0},
+                     .scale = KnobScale::logarithmic,
+                     .defaultValue = kRender.step,
+                     .axis = {"steps", "--steps", "Distances of samples along a ray, voxels"},
+                     .phrase = ", step {}",
+                     .naming = KnobNaming::whereDiffering};
+
+constinit const Knob kContributionKnob{.key = "contribution",
+                             .option = "--contribution",
+                             .noun = "least contribution",
+                             .help = "Least share of full opacity that lets a sample count; a ray ends where less light is left",
+                             .owner = KnobOwner::rendering,
+                             .stale = KnobStage::march,
+                             .range = kContributionRange,
+                             .track = kContributionRange,
+                             .scale = KnobScale::logarithmic,
+                             .defaultValue = kRender.contribution};
+
+constinit const Knob kSkipEmptyKnob{.key = "skipEmpty",
+                          .noun = "leaving out of what is empty",
+                          .help = "Leave out what the transfer function hides; never changes the picture",
+                          .type = KnobType::flag,
+                          .owner = KnobOwner::rendering,
+                          .stale = KnobStage::march,
+                          .defaultValue = kRender.skipEmpty};
+
+constinit const Knob kTerminateEarlyKnob{.key = "terminateEarly",
+                               .noun = "early end of rays",
+                               .help = "End a ray where hardly any light is left (Levoy 1990); never changes a depth",
+                               .type = KnobType::flag,
+                               .owner = KnobOwner::rendering,
+                               .stale = KnobStage::march,
+                               .defaultValue = kRender.terminateEarly};
+
+constinit const Knob kHeuristicKnob{.key = "heuristic",
+                          .option = "--heuristic",
+                          .label = "Depth",
+                          .noun = "heuristic",
+                          .help = "Which point of a ray stands for its pixel (Zellmann, Aumueller, Lang 2012)",
+                          .type = KnobType::choice,
+                          .owner = KnobOwner::sampling,
+                          .stale = KnobStage::march,
+                          .defaultValue = place(kSample.heuristic),
+                          .choices = kHeuristicChoices,
+                          .axis = {"heuristics", "--heuristics", "Heuristics, by name", kSweptHeuristics},
+                          .phrase = ", {}"};
+
+constinit const Knob kThresholdKnob{.key = "threshold",
+                          .option = "--threshold",
+                          .label = "Threshold",
+                          .noun = "threshold",
+                          .help = "Accumulated opacity at which the heuristics threshold and rel-threshold stop",
+                          .owner = KnobOwner::sampling,
+                          .stale = KnobStage::march,
+                          .range = kThresholdRange,
+                          .track = {0.05, 1.0},
+                          .defaultValue = kSample.threshold,
+                          .axis = {"thresholds", "--thresholds", "Opacities at which threshold and rel-threshold stop"},
+                          .phrase = " at {}",
+                          .naming = KnobNaming::unlessDefault};
+
+constinit const Knob kRadiusKnob{.key = "radius",
+                       .option = "--radius",
+                       .label = "Radius",
+                       .noun = "radius policy",
+                       .help = "How large a sample is (voxel: Zellmann 2020)",
+                       .type = KnobType::choice,
+                       .owner = KnobOwner::sampling,
+                       .stale = KnobStage::march,
+                       .defaultValue = place(kSample.radiusPolicy),
+                       .choices = kRadiusChoices,
+                       .axis = {"radii", "--radii", "Radius policies, by name", kSweptRadii},
+                       .phrase = ", {}"};
+
+constinit const Knob kRadiusScaleKnob{.key = "radiusScale",
+                            .option = "--radius-scale",
+                            .label = "Scale",
+                            .noun = "radius scale",
+                            .help = "Factor on the radius",
+                            .unit = " ×",
+                            .owner = KnobOwner::sampling,
+                            .stale = KnobStage::march,
+                            .range = kRadiusScaleRange,
+                            .track = {0.1, 4.0},
+                            .scale = KnobScale::logarithmic,
+                            .defaultValue = kSample.radiusScale,
+                            .axis = {"radiusScales", "--radius-scales", "Factors on radii"},
+                            .phrase = " x {}",
+                            .naming = KnobNaming::unlessDefault};
+
+std::span<const MarchKnob> marchKnobs() {
+  static const MarchKnob kRows[] = {
+      {{&kHeuristicKnob, [](const MarchSettings& s) { return place(s.sample.heuristic); },
+        [](MarchSettings& s, double value) { s.sample.heuristic = static_cast<Heuristic>(value); }},
+       FramePart::depth,
+       always},
+      {{&kThresholdKnob, [](const MarchSettings& s) { return double{s.sample.threshold}; },
+        [](MarchSettings& s, double value) { s.sample.threshold = static_cast<float>(value); }},
+       FramePart::depth,
+       hasThreshold},
+      {{&kRadiusKnob, [](const MarchSettings& s) { return place(s.sample.radiusPolicy); },
+        [](MarchSettings& s, double value) { s.sample.radiusPolicy = static_cast<RadiusPolicy>(value); }},
+       FramePart::radius,
+       always},
+      {{&kRadiusScaleKnob, [](const MarchSettings& s) { return double{s.sample.radiusScale}; },
+        [](MarchSettings& s, double value) { s.sample.radiusScale = static_cast<float>(value); }},
+       FramePart::radius,
+       always},
+      {{&kStepKnob, [](const MarchSettings& s) { return double{s.render.step}; },
+        [](MarchSettings& s, double value) { s.render.step = static_cast<float>(value); }},
+       FramePart::picture,
+       always},
+      {{&kContributionKnob, [](const MarchSettings& s) { return double{s.render.contribution}; },
+        [](MarchSettings& s, double value) { s.render.contribution = static_cast<float>(value); }},
+       FramePart::picture,
+       always},
+      {{&kSkipEmptyKnob, [](const MarchSettings& s) { return s.render.skipEmpty ? 1.0 : 0.0; },
+        [](MarchSettings& s, double value) { s.render.skipEmpty = value != 0.0; }},
+       FramePart::picture,
+       always},
+      {{&kTerminateEarlyKnob, [](const MarchSettings& s) { return s.render.terminateEarly ? 1.0 : 0.0; },
+        [](MarchSettings& s, double value) { s.render.terminateEarly = value != 0.0; }},
+       FramePart::picture,
+       always},
+  };
+  return kRows;
+}
+
+}  // namespace warpscope
