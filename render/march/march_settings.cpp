@@ -12,6 +12,7 @@ void validate(const RenderSettings& settings) {
 void validate(const SampleSettings& settings) {
   requireRange(settings.radiusScale, kRadiusScaleRange, "the radius scale");
   requireRange(settings.threshold, kThresholdRange, "the threshold");
+  requireRange(static_cast<double>(settings.samplesPerRay), kSamplesPerRayRange, "the number of samples a ray");
 }
 
 void validate(const MarchSettings& settings) {
