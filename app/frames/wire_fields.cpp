@@ -2,8 +2,11 @@
 // See wire_fields.h.
 #include "app/frames/wire_fields.h"
 
+#include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cmath>
+#include <concepts>
 
 #include "render/base/error.h"
 #include "render/codec/zstd_section.h"
@@ -36,6 +39,65 @@ void requireFinite(double value) {
   if (!std::isfinite(value)) throw InputError("the server's scene has numbers that are not finite");
 }
 
+// A march's settings as texts: numbers as numberText() writes them, choices by their names.
+
+std::string textOf(bool value) { return value ? "true" : "false"; }
+std::string textOf(int value) { return std::to_string(value); }
+std::string textOf(float value) { return numberText(value); }
+std::string textOf(Heuristic value) { return std::string(nameOf(value)); }
+std::string textOf(RadiusPolicy value) { return std::string(nameOf(value)); }
+
+/// False, with any value, if the text is not one of its kind from its first byte to its last.
+bool read(std::string_view text, bool& value) {
+  value = text == "true";
+  return value || text == "false";
+}
+template <class Number>
+  requires std::same_as<Number, int> || std::same_as<Number, float>
+bool read(std::string_view text, Number& value) {
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && stop == end;
+}
+template <class Table, class Value>
+bool readNamed(const Table& table, std::string_view text, Value& value) {
+  for (const auto& entry : table) {
+    if (entry.name != text) continue;
+    value = entry.value;
+    return true;
+  }
+  return false;
+}
+bool read(std::string_view text, Heuristic& value) { return readNamed(kHeuristics, text, value); }
+bool read(std::string_view text, RadiusPolicy& value) { return readNamed(kRadiusPolicies, text, value); }
+
+struct SettingRow {
+  std::string_view name;
+  std::string (*text)(const MarchSettings& settings);
+  bool (*read)(std::string_view text, MarchSettings& settings);
+};
+
+/// The setting that `kMember` finds in any MarchSettings.
+template <auto kMember>
+constexpr SettingRow settingRow(std::string_view name) {
+  return {name, [](const MarchSettings& settings) { return textOf(kMember(settings)); },
+          [](std::string_view text, MarchSettings& settings) { return read(text, kMember(settings)); }};
+}
+
+constexpr SettingRow kSettingRows[] = {
+    settingRow<[](auto& s) -> auto& { return s.render.step; }>("step"),
+    settingRow<[](auto& s) -> auto& { return s.render.contribution; }>("contribution"),
+    settingRow<[](auto& s) -> auto& { return s.render.skipEmpty; }>("skipEmpty"),
+    settingRow<[](auto& s) -> auto& { return s.render.terminateEarly; }>("terminateEarly"),
+    settingRow<[](auto& s) -> auto& { return s.sample.heuristic; }>("heuristic"),
+    settingRow<[](auto& s) -> auto& { return s.sample.threshold; }>("threshold"),
+    settingRow<[](auto& s) -> auto& { return s.sample.radiusPolicy; }>("radius"),
+    settingRow<[](auto& s) -> auto& { return s.sample.radiusScale; }>("radiusScale"),
+    settingRow<[](auto& s) -> auto& { return s.sample.samplesPerRay; }>("samplesPerRay"),
+};
+
+static_assert(net::kMaxPlanes == kMaxPlanes && net::kMaxPlaneName == kMaxPlaneName, "net/ knows of no samples, and has numbers of its own");
+
 /// Bytes of one plane are compressed together; a plane holds at most this many, which zstd_section.h takes.
 constexpr size_t kPlaneBytes = size_t{1} << 26;
 constexpr size_t kPlanes = sizeof(glm::vec4);
@@ -47,9 +109,10 @@ net::CameraFields toFields(const Camera& camera) {
           camera.tanHalfFovY,  camera.width,          camera.height};
 }
 
-net::MarchFields toFields(const MarchSettings& s) {
-  return {placeOf(kHeuristics, s.sample.heuristic), placeOf(kRadiusPolicies, s.sample.radiusPolicy), s.sample.radiusScale, s.render.step, s.render.contribution, s.sample.threshold,
-          s.render.skipEmpty, s.render.terminateEarly};
+net::SettingFields toFields(const MarchSettings& settings) {
+  net::SettingFields fields;
+  for (const SettingRow& row : kSettingRows) fields.push_back({std::string(row.name), row.text(settings)});
+  return fields;
 }
 
 net::CodecFields toFields(const CodecSettings& s) {
@@ -75,7 +138,7 @@ net::SceneFields toFields(const Scene& scene) {
     if (fields.views.size() == net::kMaxViews) break;
     fields.views.push_back({view.angleDeg, view.elevationDeg, view.distance, view.pan.x, view.pan.y});
   }
-  fields.march = toFields(scene.march);
+  fields.settings = toFields(scene.march);
   return fields;
 }
 
@@ -86,16 +149,14 @@ Camera cameraFrom(const net::CameraFields& fields) {
   return camera;
 }
 
-MarchSettings marchFrom(const net::MarchFields& fields) {
+MarchSettings marchFrom(const net::SettingFields& fields) {
   MarchSettings settings;
-  settings.sample.heuristic = valueAt(kHeuristics, fields.heuristic, "a heuristic");
-  settings.sample.radiusPolicy = valueAt(kRadiusPolicies, fields.radiusPolicy, "a radius policy");
-  settings.sample.radiusScale = fields.radiusScale;
-  settings.sample.threshold = fields.threshold;
-  settings.render.step = fields.step;
-  settings.render.contribution = fields.contribution;
-  settings.render.skipEmpty = fields.skipEmpty;
-  settings.render.terminateEarly = fields.terminateEarly;
+  for (const net::SettingField& field : fields) {
+    const auto row = std::ranges::find(kSettingRows, field.name, &SettingRow::name);
+    if (row == std::end(kSettingRows)) throw InputError("the peer names a setting \"" + field.name + "\" that this program does not know");
+    if (!row->read(field.value, settings))
+      throw InputError("the peer's setting \"" + field.name + "\" has a value that this program does not know: \"" + field.value + "\"");
+  }
   validate(settings);
   return settings;
 }
@@ -136,14 +197,14 @@ Scene sceneFrom(const net::SceneFields& fields) {
     for (const double number : {view.angleDeg, view.elevationDeg, view.distance, view.panRight, view.panUp}) requireFinite(number);
     scene.views.push_back({view.angleDeg, view.elevationDeg, view.distance, {view.panRight, view.panUp}});
   }
-  scene.march = marchFrom(fields.march);
+  scene.march = marchFrom(fields.settings);
   return scene;
 }
 
 net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec) {
   net::FrameHead head;
   head.camera = toFields(frame.camera);
-  head.march = toFields(frame.settings);
+  head.settings = toFields(frame.settings);
   head.codec = toFields(codec);
   const Box& bounds = frame.quantization.bounds;
   head.bounds = {bounds.lower.x, bounds.lower.y, bounds.lower.z, bounds.upper.x, bounds.upper.y, bounds.upper.z};
@@ -153,6 +214,7 @@ net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec) {
   head.stages.marchMs = frame.timings.marchMs;
   head.stages.compactMs = frame.timings.compactMs;
   head.stages.copyMs = frame.timings.copyMs;
+  for (const SamplePlane& plane : frame.planes) head.planes.push_back({plane.name, static_cast<uint8_t>(plane.element)});
   return head;
 }
 
@@ -160,7 +222,7 @@ SampleFrame frameFrom(const net::FrameHead& head) {
   SampleFrame frame;
   frame.requestId = head.id;
   frame.camera = cameraFrom(head.camera);
-  frame.settings = marchFrom(head.march);
+  frame.settings = marchFrom(head.settings);
   const auto& b = head.bounds;
   for (size_t axis = 0; axis < 3; ++axis)
     if (!std::isfinite(b[axis]) || !std::isfinite(b[axis + 3]) || !(b[axis] <= b[axis + 3]))
@@ -173,13 +235,15 @@ SampleFrame frameFrom(const net::FrameHead& head) {
   if (!(head.voxelRadius > 0.0f) || !std::isfinite(head.voxelRadius)) throw InputError("the server's frame has an impossible voxel radius");
   frame.voxelRadius = head.voxelRadius;
   frame.timings = {head.stages.marchMs, head.stages.compactMs, head.stages.copyMs};
+  // Elements that are not known are kept: who decodes skips their planes.
+  for (const net::PlaneFields& plane : head.planes) frame.planes.push_back({plane.name, static_cast<PlaneElement>(plane.element), {}});
   return frame;
 }
 
-DecodeLimits decodeLimitsFor(const Camera& camera) {
-  constexpr size_t kLayers = 8;  // more samples than that for each pixel, no server sends
+DecodeLimits decodeLimitsFor(const SampleFrame& frame) {
   DecodeLimits limits;
-  limits.maxSamples = std::min(limits.maxSamples, kLayers * size_t{camera.width} * camera.height);
+  const auto perRay = static_cast<size_t>(frame.settings.sample.samplesPerRay);
+  limits.maxSamples = std::min(limits.maxSamples, perRay * frame.camera.width * frame.camera.height);
   return limits;
 }
 
