@@ -340,7 +340,7 @@ Awaitable<void> Client::State::write(Channel& to) {
 Client::Client(std::shared_ptr<IoThread> io, ClientSettings settings, ClientEvents& events) : io_(std::move(io)) {
   requireValid(settings.link);
   settings.depth = std::clamp<uint16_t>(settings.depth, 1, kMaxDepth);
-  settings.maxFrameBytes = std::clamp<uint64_t>(settings.maxFrameBytes, kFrameHeadBytes, kMaxFrameBytes);
+  settings.maxFrameBytes = std::clamp<uint64_t>(settings.maxFrameBytes, kLeastFrameHeadBytes, kMaxFrameBytes);
   state_ = std::make_shared<State>(io_->context(), std::move(settings), events);
   hasEnded_ = state_->hasEnded.get_future();
   asio::co_spawn(

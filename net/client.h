@@ -20,7 +20,7 @@ struct ClientSettings {
   Address address{};
   DuplexLinkSettings link{};  ///< simulated on top of the real one
   uint16_t depth = 1;       ///< requests under way at a time, brought into 1..kMaxDepth
-  uint64_t maxFrameBytes = kMaxFrameBytes;           ///< brought into kFrameHeadBytes..kMaxFrameBytes
+  uint64_t maxFrameBytes = kMaxFrameBytes;           ///< brought into kLeastFrameHeadBytes..kMaxFrameBytes
   std::chrono::milliseconds connectPatience{10000};  ///< for connecting, TLS and the greetings; the simulated link's delay comes on top
   std::chrono::milliseconds firstPause{250};  ///< before connecting again; doubled until a connection is of use, by chance up to a half less
   std::chrono::milliseconds longestPause{8000};

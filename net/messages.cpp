@@ -3,6 +3,7 @@
 #include "net/messages.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "net/wire.h"
 
@@ -48,16 +49,55 @@ void cameraFields(Wire& wire, Camera& camera) {
   wire.number(camera.height);
 }
 
-template <class Wire, class March>
-void marchFields(Wire& wire, March& march) {
-  wire.number(march.heuristic);
-  wire.number(march.radiusPolicy);
-  wire.number(march.radiusScale);
-  wire.number(march.step);
-  wire.number(march.contribution);
-  wire.number(march.threshold);
-  flag(wire, march.skipEmpty);
-  flag(wire, march.terminateEarly);
+/// Whether `items` have names of 1 to `longest` bytes, no two the same.
+template <class Items>
+bool haveNames(const Items& items, size_t longest) {
+  for (auto item = items.begin(); item != items.end(); ++item) {
+    if (item->name.empty() || item->name.size() > longest) return false;
+    if (std::any_of(items.begin(), item, [&](const auto& other) { return other.name == item->name; })) return false;
+  }
+  return true;
+}
+
+/// A list of at most `most` named items: their number, and what `fields` writes or reads of each.
+template <class Item, class Fields>
+void namedList(WireWriter& wire, const std::vector<Item>& items, size_t most, size_t longest, const char* what, Fields fields) {
+  if (items.size() > most || !haveNames(items, longest))
+    throw std::invalid_argument("there must be at most " + std::to_string(most) + " " + what + ", each with a name of its own of 1 to " +
+                                std::to_string(longest) + " bytes");
+  wire.number(static_cast<uint8_t>(items.size()));
+  for (const Item& item : items) fields(wire, item);
+}
+template <class Item, class Fields>
+void namedList(WireReader& wire, std::vector<Item>& items, size_t most, size_t longest, const char*, Fields fields) {
+  uint8_t count;
+  wire.number(count);
+  if (count > most) wire.fail();
+  items.clear();
+  for (uint8_t i = 0; i < count && !wire.hasFailed(); ++i) fields(wire, items.emplace_back());
+  if (!haveNames(items, longest)) wire.fail();
+}
+
+void shortText(WireWriter& wire, const std::string& text, size_t longest) {
+  if (text.size() > longest) throw std::invalid_argument("\"" + text + "\" is longer than " + std::to_string(longest) + " bytes");
+  wire.text(text);
+}
+void shortText(WireReader& wire, std::string& text, size_t longest) { wire.text(text, longest); }
+
+template <class Wire, class Settings>
+void settingFields(Wire& wire, Settings& settings) {
+  namedList(wire, settings, kMaxSettings, kMaxSettingName, "settings", [](Wire& to, auto& setting) {
+    shortText(to, setting.name, kMaxSettingName);
+    shortText(to, setting.value, kMaxSettingValue);
+  });
+}
+
+template <class Wire, class Planes>
+void planeFields(Wire& wire, Planes& planes) {
+  namedList(wire, planes, kMaxPlanes, kMaxPlaneName, "planes", [](Wire& to, auto& plane) {
+    shortText(to, plane.name, kMaxPlaneName);
+    to.number(plane.element);
+  });
 }
 
 template <class Wire, class Codec>
@@ -73,7 +113,7 @@ void askedFields(Wire& wire, Message& message) {
   wire.number(message.id);
   choice(wire, message.wanted, Wanted::picture);
   cameraFields(wire, message.camera);
-  marchFields(wire, message.march);
+  settingFields(wire, message.settings);
   codecFields(wire, message.codec);
 }
 
@@ -94,6 +134,7 @@ void frameFields(Wire& wire, Head& head) {
   for (auto* stage : {&stages.queueMs, &stages.marchMs, &stages.compactMs, &stages.copyMs, &stages.encodeMs, &stages.sendMs})
     wire.number(*stage);
   wire.number(head.requestSentAtNs);
+  planeFields(wire, head.planes);
 }
 
 template <class Wire, class Scene>
@@ -107,7 +148,7 @@ void sceneNumbers(Wire& wire, Scene& scene) {
   wire.numbers(scene.front);
   wire.number(scene.fovYDeg);
   wire.numbers(scene.background);
-  marchFields(wire, scene.march);
+  settingFields(wire, scene.settings);
 }
 
 template <class Wire, class View>
@@ -194,7 +235,13 @@ Bytes requestMessage(const FrameRequest& request) {
 }
 
 Bytes frameMessage(const FrameHead& head, size_t payloadBytes) {
-  return messageOf(MessageType::frame, payloadBytes, [&](WireWriter& wire) { frameFields(wire, head); });
+  Bytes fields;
+  WireWriter fieldsWire(fields);
+  frameFields(fieldsWire, head);
+  return messageOf(MessageType::frame, payloadBytes, [&](WireWriter& wire) {
+    wire.number(static_cast<uint16_t>(kFrameHeadLengthBytes + fields.size()));
+    wire.bytes(fields);
+  });
 }
 
 Bytes failureMessage(const Failure& failure) {
@@ -239,7 +286,7 @@ std::optional<ClientHello> readClientHello(ByteView bytes) {
   else if (secret != std::array<uint8_t, Token::kBytes>{})
     return std::nullopt;
   if (hello.depth < 1 || hello.depth > kMaxDepth) return std::nullopt;
-  if (hello.maxFrameBytes < kFrameHeadBytes || hello.maxFrameBytes > kMaxFrameBytes) return std::nullopt;
+  if (hello.maxFrameBytes < kLeastFrameHeadBytes || hello.maxFrameBytes > kMaxFrameBytes) return std::nullopt;
   return ifComplete(wire, hello);
 }
 
@@ -302,8 +349,19 @@ std::optional<FrameRequest> readRequest(ByteView body) {
   return ifComplete(wire, request);
 }
 
+std::optional<size_t> readFrameHeadLength(ByteView bytes) {
+  WireReader wire(bytes);
+  uint16_t length;
+  wire.number(length);
+  if (length < kLeastFrameHeadBytes || length > kMaxFrameHeadBytes) return std::nullopt;
+  return ifComplete(wire, size_t{length});
+}
+
 std::optional<FrameHead> readFrameHead(ByteView bytes) {
   WireReader wire(bytes);
+  uint16_t length;
+  wire.number(length);
+  if (length != bytes.size()) return std::nullopt;
   FrameHead head;
   frameFields(wire, head);
   return ifComplete(wire, head);

@@ -17,15 +17,17 @@ namespace warpscope::net {
 /// The first bytes of both sides.
 inline constexpr std::array<uint8_t, 8> kMagic{'w', 'a', 'r', 'p', 's', 'c', 'o', 'p'};
 /// Sides of different versions do not talk to each other.
-inline constexpr uint16_t kProtocolVersion = 1;
+inline constexpr uint16_t kProtocolVersion = 2;
 
 /// What a side can do beyond the least; what both can is used.
 enum Capability : uint32_t {
   kCanPack = 1u << 0,      ///< frames in the format `packed`
   kCanJpeg = 1u << 1,      ///< colours as JPEG
   kCanPicture = 1u << 2,   ///< pictures at full precision, besides samples
+  kCanLayers = 1u << 3,    ///< several samples a ray
+  kCanPlanes = 1u << 4,    ///< planes of data for each sample, of which those that are not known are skipped
 };
-inline constexpr uint32_t kCapabilities = kCanPack | kCanJpeg | kCanPicture;
+inline constexpr uint32_t kCapabilities = kCanPack | kCanJpeg | kCanPicture | kCanLayers | kCanPlanes;
 
 // --- Limits. A length beyond them ends the connection before anything is allocated.
 
@@ -38,6 +40,11 @@ inline constexpr size_t kMaxFailureBytes = 4 << 10;
 inline constexpr uint64_t kMaxFrameBytes = uint64_t{1} << 30;  ///< what a client may agree to at most
 inline constexpr uint16_t kMaxDepth = 16;                      ///< requests that may be under way at a time
 inline constexpr size_t kMaxViews = 256;
+inline constexpr size_t kMaxSettings = 64;      ///< of a march
+inline constexpr size_t kMaxSettingName = 48;   ///< bytes, 1 at least
+inline constexpr size_t kMaxSettingValue = 64;  ///< bytes
+inline constexpr size_t kMaxPlanes = 16;        ///< of a frame
+inline constexpr size_t kMaxPlaneName = 32;     ///< bytes, 1 at least
 
 // --- The handshake: one message each, of fixed size.
 
@@ -99,14 +106,14 @@ struct CameraFields {
   bool operator==(const CameraFields&) const = default;
 };
 
-/// As MarchSettings (render/march/march_settings.h). Enumerations by their place.
-struct MarchFields {
-  uint8_t heuristic = 0, radiusPolicy = 0;
-  float radiusScale = 1.0f, step = 0.5f, contribution = 0.0f, threshold = 0.0f;
-  bool skipEmpty = true, terminateEarly = true;
+/// One setting of a march, by name. What there is, and what values mean, is the program's business.
+struct SettingField {
+  std::string name, value;  ///< at most kMaxSettingName and kMaxSettingValue bytes
 
-  bool operator==(const MarchFields&) const = default;
+  bool operator==(const SettingField&) const = default;
 };
+/// At most kMaxSettings, no two of the same name. What is not among them is as it is by itself.
+using SettingFields = std::vector<SettingField>;
 
 /// As CodecSettings (render/codec/codec.h).
 struct CodecFields {
@@ -133,7 +140,7 @@ struct SceneFields {
   double fovYDeg = 0.0;
   std::array<float, 3> background{};    ///< linear RGB
   std::vector<ViewFields> views;        ///< 1..kMaxViews
-  MarchFields march;
+  SettingFields settings;               ///< that a march begins with
 
   static constexpr size_t kMaxName = 1024;
   bool operator==(const SceneFields&) const = default;
@@ -148,7 +155,7 @@ struct FrameRequest {
   uint64_t id = 0;  ///< from 1 on, each greater than the one before
   Wanted wanted = Wanted::samples;
   CameraFields camera;
-  MarchFields march;
+  SettingFields settings;
   CodecFields codec;
   uint64_t sentAtNs = 0;  ///< the client's clock; comes back as it is
 
@@ -164,18 +171,27 @@ struct StageTimes {
   bool operator==(const StageTimes&) const = default;
 };
 
+/// As SamplePlane (render/march/sample_planes.h), without its values, which are in the payload.
+struct PlaneFields {
+  std::string name;     ///< at most kMaxPlaneName bytes
+  uint8_t element = 0;
+
+  bool operator==(const PlaneFields&) const = default;
+};
+
 /// What describes a frame's payload.
 struct FrameHead {
   uint64_t id = 0;  ///< the request's
   Wanted wanted = Wanted::samples;
   CameraFields camera;
-  MarchFields march;
+  SettingFields settings;
   CodecFields codec;
   std::array<float, 6> bounds{};  ///< of positions: lower, upper
   float radiusUnit = 1.0f, voxelRadius = 1.0f;
   uint64_t sampleCount = 0;
   StageTimes stages;
   uint64_t requestSentAtNs = 0;
+  std::vector<PlaneFields> planes;  ///< in the payload's order; at most kMaxPlanes, no two of the same name
 
   bool operator==(const FrameHead&) const = default;
 };
@@ -192,13 +208,18 @@ struct Failure {
   bool operator==(const Failure&) const = default;
 };
 
+// Sizes of bodies and heads that depend on how many settings and planes there are: without any, and with as many and as long ones as may be.
 inline constexpr size_t kCameraBytes = 13 * 4 + 2 * 4;
-inline constexpr size_t kMarchBytes = 2 + 4 * 4 + 2;
-inline constexpr size_t kRequestBytes = 8 + 1 + kCameraBytes + kMarchBytes + 3 + 8;
-inline constexpr size_t kFrameHeadBytes = 8 + 1 + kCameraBytes + kMarchBytes + 3 + 8 * 4 + 8 + 6 * 8 + 8;
+inline constexpr size_t kMaxSettingsBytes = kMaxSettings * (2 + kMaxSettingName + 2 + kMaxSettingValue);
+inline constexpr size_t kLeastRequestBytes = 8 + 1 + kCameraBytes + 1 + 3 + 8;
+inline constexpr size_t kMaxRequestBytes = kLeastRequestBytes + kMaxSettingsBytes;
+inline constexpr size_t kFrameHeadLengthBytes = 2;  ///< a frame's head begins with its length, these included
+inline constexpr size_t kLeastFrameHeadBytes = kFrameHeadLengthBytes + 8 + 1 + kCameraBytes + 1 + 3 + 8 * 4 + 8 + 6 * 8 + 8 + 1;
+inline constexpr size_t kMaxFrameHeadBytes = kLeastFrameHeadBytes + kMaxSettingsBytes + kMaxPlanes * (2 + kMaxPlaneName + 1);
 inline constexpr size_t kBeatBytes = 8;
 
-// --- Bytes of each. Writing appends; reading gives nothing for bytes that are not exactly one such message.
+// --- Bytes of each. Writing appends; reading gives nothing for bytes that are not exactly one such message. Settings and planes that no
+// reader would take are the program's mistake: then writing throws std::invalid_argument.
 
 using Bytes = std::vector<std::byte>;
 using ByteView = std::span<const std::byte>;
@@ -225,7 +246,9 @@ std::optional<ServerHello> readServerHello(ByteView bytes);
 std::optional<MessageHead> readMessageHead(ByteView bytes);
 std::optional<SceneFields> readScene(ByteView body);
 std::optional<FrameRequest> readRequest(ByteView body);
-/// Of a body's first kFrameHeadBytes.
+/// The length of a frame's head, of its first kFrameHeadLengthBytes; nothing if no head has that length.
+std::optional<size_t> readFrameHeadLength(ByteView bytes);
+/// Of all the head's bytes.
 std::optional<FrameHead> readFrameHead(ByteView bytes);
 std::optional<Failure> readFailure(ByteView body);
 std::optional<uint64_t> readBeat(ByteView body);

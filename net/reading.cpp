@@ -47,15 +47,20 @@ Awaitable<uint64_t> readBeatOf(Channel& channel, MessageHead head) {
 
 Awaitable<void> readFrame(Channel& channel, MessageHead head, uint64_t maxFrameBytes, FromServer& to) {
   const std::string& peer = channel.stream().peer();
-  if (head.bodyBytes > maxFrameBytes || head.bodyBytes < kFrameHeadBytes)
+  if (head.bodyBytes > maxFrameBytes || head.bodyBytes < kLeastFrameHeadBytes)
     throw ProtocolError(peer + " announced a frame of " + std::to_string(head.bodyBytes) + " bytes");
-  std::array<std::byte, kFrameHeadBytes> bytes;
-  co_await channel.read(bytes, "a frame's head");
+  std::array<std::byte, kMaxFrameHeadBytes> headBytes;
+  const std::span<std::byte> lengthBytes = std::span(headBytes).first(kFrameHeadLengthBytes);
+  co_await channel.read(lengthBytes, "a frame's head");
+  const std::optional<size_t> length = readFrameHeadLength(lengthBytes);
+  if (!length || *length > head.bodyBytes) throw ProtocolError(peer + " sent a damaged frame");
+  const std::span<std::byte> bytes = std::span(headBytes).first(*length);
+  co_await channel.read(bytes.subspan(kFrameHeadLengthBytes), "a frame's head");
   const TimePoint beganAt = std::chrono::steady_clock::now();
   const std::optional<FrameHead> frameHead = readFrameHead(bytes);
   if (!frameHead) throw ProtocolError(peer + " sent a damaged frame");
   if (!to.isAwaited(frameHead->id)) throw ProtocolError(peer + " answered what nobody asked");
-  const MessageHead rest{MessageType::frame, static_cast<uint32_t>(head.bodyBytes - kFrameHeadBytes)};
+  const MessageHead rest{MessageType::frame, static_cast<uint32_t>(head.bodyBytes - bytes.size())};
   Bytes payload = co_await channel.readBody(rest, rest.bodyBytes);
   Frame frame{*frameHead, std::move(payload)};
   to.onFrame(std::move(frame), beganAt);
@@ -80,7 +85,7 @@ Awaitable<void> readClient(Channel& channel, FromClient& to) {
     if (!head) co_return;
     switch (head->type) {
       case MessageType::request: {
-        const Bytes body = co_await channel.readBody(*head, kRequestBytes);
+        const Bytes body = co_await channel.readBody(*head, kMaxRequestBytes);
         const std::optional<FrameRequest> request = readRequest(body);
         if (!request) throw ProtocolError(peer + " sent a damaged request");
         if (!to.onRequest(*request)) throw ProtocolError(peer + " sent a request out of order");

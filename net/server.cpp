@@ -162,15 +162,15 @@ class Server::Session : public std::enable_shared_from_this<Session>, private Fr
       co_await channel_.write(next.bytes, "sending an answer");
       co_return;
     }
-    if (kFrameHeadBytes + next.bytes.size() > maxFrameBytes_) {
-      const Bytes message = failureMessage({next.frame->id, "the frame has " + std::to_string(next.bytes.size()) +
-                                                                " bytes, more than this client takes"});
-      co_await channel_.write(message, "sending an answer");
-      co_return;
-    }
     FrameHead head = *next.frame;
     head.stages.sendMs = millisecondsSince(next.readyAt);
     const Bytes message = frameMessage(head, next.bytes.size());
+    if (message.size() - kMessageHeadBytes + next.bytes.size() > maxFrameBytes_) {
+      const Bytes failure = failureMessage({next.frame->id, "the frame has " + std::to_string(next.bytes.size()) +
+                                                                " bytes, more than this client takes"});
+      co_await channel_.write(failure, "sending an answer");
+      co_return;
+    }
     co_await channel_.write(message, "sending a frame");
     co_await channel_.write(next.bytes, "sending a frame");
   }

@@ -9,7 +9,7 @@
 #include <semaphore>
 #include <vector>
 
-#include "net/messages.h"
+#include "app/frames/wire_fields.h"
 #include "render/base/error.h"
 
 namespace warpscope {
@@ -105,7 +105,9 @@ TEST_F(DirectFrameSourceTest, WithoutDelayOnlyTheMarchTakesTime) {
 
 TEST_F(DirectFrameSourceTest, ANarrowLinkTakesItsTimeForTheBytes) {
   TransportSettings transport;
-  transport.link.up.rateBitPerS = 8.0 * net::kRequestBytes * 100;  // a request takes 10 ms
+  net::FrameRequest request;
+  request.settings = toFields(MarchSettings{});
+  transport.link.up.rateBitPerS = 8.0 * static_cast<double>(net::requestMessage(request).size()) * 100;  // a request takes 10 ms
   source_->setTransport(transport);
   post(1);
   EXPECT_NEAR(millisecondsBetween(at(0), clock_.advanceToNextSleeper()), 10.0, 0.01);

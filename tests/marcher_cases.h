@@ -37,7 +37,7 @@ inline bool sameBits(const Image<glm::vec4>& a, const Image<glm::vec4>& b) {
 }
 
 inline bool sameFrame(const SampleFrame& a, const SampleFrame& b) {
-  return a.samples == b.samples && a.colors == b.colors && a.camera == b.camera && a.quantization == b.quantization;
+  return a.samples == b.samples && a.colors == b.colors && a.planes == b.planes && a.camera == b.camera && a.quantization == b.quantization;
 }
 
 /// Largest opacity in a picture; NaN if any component of it is not finite.

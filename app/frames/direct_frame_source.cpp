@@ -4,8 +4,8 @@
 
 #include <mutex>
 
+#include "app/frames/wire_fields.h"
 #include "net/link_model.h"
-#include "net/messages.h"
 #include "render/base/newest_worker.h"
 
 namespace warpscope {
@@ -15,6 +15,17 @@ struct Job {
   FrameRequest request;
   Clock::TimePoint sentAt;
 };
+
+/// What the request would take on the wire.
+size_t messageBytes(const FrameRequest& request) {
+  net::FrameRequest asked;
+  asked.camera = toFields(request.camera);
+  asked.settings = toFields(request.settings);
+  return net::requestMessage(asked).size();
+}
+
+/// What the frame would take in the format `raw`.
+size_t messageBytes(const SampleFrame& frame) { return net::frameMessage(headOf(frame, {}), 0).size() + frame.sizeBytes(); }
 
 class DirectFrameSource final : public FrameSource {
  public:
@@ -43,12 +54,12 @@ class DirectFrameSource final : public FrameSource {
     served.requestId = job.request.id;
     served.requestedAt = job.sentAt;
     // What waited for its turn meanwhile does not wait again.
-    if (!clock_.waitUntil(arrival(up_, net::kRequestBytes, job.sentAt), stop)) throw OperationCancelled();
+    if (!clock_.waitUntil(arrival(up_, messageBytes(job.request), job.sentAt), stop)) throw OperationCancelled();
     const Clock::TimePoint beganAt = clock_.now();
     SampleFrame frame = marcher_->march(job.request.camera, job.request.settings, stop);
     frame.requestId = job.request.id;
     const Clock::TimePoint marchedAt = clock_.now();
-    if (!clock_.waitUntil(arrival(down_, net::kFrameHeadBytes + frame.sizeBytes(), marchedAt), stop)) throw OperationCancelled();
+    if (!clock_.waitUntil(arrival(down_, messageBytes(frame), marchedAt), stop)) throw OperationCancelled();
     served.arrivedAt = clock_.now();
     served.bytes = frame.sizeBytes();
     served.latency = latencyOf(frame.timings);

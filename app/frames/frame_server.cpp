@@ -26,7 +26,7 @@ struct Answer {
 
 Answer answerTo(const net::FrameRequest& request, Marcher& marcher, FrameCodec& codec, const std::stop_token& stop) {
   const Camera camera = cameraFrom(request.camera);
-  const MarchSettings march = marchFrom(request.march);
+  const MarchSettings march = marchFrom(request.settings);
   const CodecSettings coding = codecFrom(request.codec);
   Answer answer;
   if (request.wanted == net::Wanted::samples) {
@@ -37,7 +37,7 @@ Answer answerTo(const net::FrameRequest& request, Marcher& marcher, FrameCodec& 
   }
   Image<glm::vec4> image;
   answer.head.camera = request.camera;
-  answer.head.march = request.march;
+  answer.head.settings = request.settings;
   answer.head.codec = request.codec;
   answer.head.stages.marchMs = milliseconds([&] { marcher.render(camera, march.render, image, stop); });
   answer.head.stages.encodeMs = milliseconds([&] { answer.payload = encodeColors(image); });

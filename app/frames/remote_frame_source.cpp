@@ -49,7 +49,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     net::FrameRequest asked;
     asked.id = request.id;
     asked.camera = toFields(request.camera);
-    asked.march = toFields(request.settings);
+    asked.settings = toFields(request.settings);
     {
       const std::scoped_lock lock(mutex_);
       asked.codec = toFields(transport_.codec);
@@ -129,7 +129,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     FrameLatency& latency = served.latency;
     latency = latencyOf(frame->timings);
     latency.decodeMs = milliseconds([&] {
-      if (const DecodeError error = codec.decode(arrived.frame->payload, head.sampleCount, *frame, decodeLimitsFor(frame->camera)))
+      if (const DecodeError error = codec.decode(arrived.frame->payload, head.sampleCount, *frame, decodeLimitsFor(*frame)))
         throw InputError("the server's frame: " + *error);
     });
     const net::StageTimes& stages = head.stages;

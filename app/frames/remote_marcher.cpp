@@ -26,7 +26,7 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
     const std::scoped_lock lock(callMutex_);
     const net::Frame answer = ask(net::Wanted::samples, camera, settings, stop);
     SampleFrame frame = frameFrom(answer.head);
-    if (const DecodeError error = codec_.decode(answer.payload, answer.head.sampleCount, frame, decodeLimitsFor(frame.camera)))
+    if (const DecodeError error = codec_.decode(answer.payload, answer.head.sampleCount, frame, decodeLimitsFor(frame)))
       throw InputError("the server's frame: " + *error);
     return frame;
   }
@@ -49,7 +49,7 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
     request.id = ++lastId_;
     request.wanted = wanted;
     request.camera = toFields(camera);
-    request.march = toFields(settings);
+    request.settings = toFields(settings);
     request.codec = toFields(coding_);
     if (!client_) client_ = std::make_unique<net::Client>(io_, settings_, static_cast<net::ClientEvents&>(*this));
     {

@@ -2,11 +2,13 @@
 // See wire_fields.h.
 #include "app/frames/wire_fields.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include "render/base/error.h"
 #include "render/codec/zstd_section.h"
+#include "render/march/march_knobs.h"
 
 namespace warpscope {
 namespace {
@@ -36,6 +38,8 @@ void requireFinite(double value) {
   if (!std::isfinite(value)) throw InputError("the server's scene has numbers that are not finite");
 }
 
+static_assert(net::kMaxPlanes == kMaxPlanes && net::kMaxPlaneName == kMaxPlaneName, "net/ knows of no samples, and has numbers of its own");
+
 /// Bytes of one plane are compressed together; a plane holds at most this many, which zstd_section.h takes.
 constexpr size_t kPlaneBytes = size_t{1} << 26;
 constexpr size_t kPlanes = sizeof(glm::vec4);
@@ -47,9 +51,10 @@ net::CameraFields toFields(const Camera& camera) {
           camera.tanHalfFovY,  camera.width,          camera.height};
 }
 
-net::MarchFields toFields(const MarchSettings& s) {
-  return {placeOf(kHeuristics, s.sample.heuristic), placeOf(kRadiusPolicies, s.sample.radiusPolicy), s.sample.radiusScale, s.render.step, s.render.contribution, s.sample.threshold,
-          s.render.skipEmpty, s.render.terminateEarly};
+net::SettingFields toFields(const MarchSettings& settings) {
+  net::SettingFields fields;
+  for (const MarchKnob& row : marchKnobs()) fields.push_back({std::string(row.knob->key), textOf(*row.knob, row.get(settings))});
+  return fields;
 }
 
 net::CodecFields toFields(const CodecSettings& s) {
@@ -75,7 +80,7 @@ net::SceneFields toFields(const Scene& scene) {
     if (fields.views.size() == net::kMaxViews) break;
     fields.views.push_back({view.angleDeg, view.elevationDeg, view.distance, view.pan.x, view.pan.y});
   }
-  fields.march = toFields(scene.march);
+  fields.settings = toFields(scene.march);
   return fields;
 }
 
@@ -86,16 +91,17 @@ Camera cameraFrom(const net::CameraFields& fields) {
   return camera;
 }
 
-MarchSettings marchFrom(const net::MarchFields& fields) {
+MarchSettings marchFrom(const net::SettingFields& fields) {
   MarchSettings settings;
-  settings.sample.heuristic = valueAt(kHeuristics, fields.heuristic, "a heuristic");
-  settings.sample.radiusPolicy = valueAt(kRadiusPolicies, fields.radiusPolicy, "a radius policy");
-  settings.sample.radiusScale = fields.radiusScale;
-  settings.sample.threshold = fields.threshold;
-  settings.render.step = fields.step;
-  settings.render.contribution = fields.contribution;
-  settings.render.skipEmpty = fields.skipEmpty;
-  settings.render.terminateEarly = fields.terminateEarly;
+  for (const net::SettingField& field : fields) {
+    const auto row = std::ranges::find_if(marchKnobs(), [&](const MarchKnob& known) { return known.knob->key == field.name; });
+    if (row == marchKnobs().end()) throw InputError("the peer names a setting \"" + field.name + "\" that this program does not know");
+    try {
+      row->set(settings, parseKnob(*row->knob, field.value, "the " + std::string(row->knob->noun)));
+    } catch (const UsageError& error) {
+      throw InputError("the peer's setting \"" + field.name + "\" has a value that this program does not know: " + error.what());
+    }
+  }
   validate(settings);
   return settings;
 }
@@ -136,14 +142,14 @@ Scene sceneFrom(const net::SceneFields& fields) {
     for (const double number : {view.angleDeg, view.elevationDeg, view.distance, view.panRight, view.panUp}) requireFinite(number);
     scene.views.push_back({view.angleDeg, view.elevationDeg, view.distance, {view.panRight, view.panUp}});
   }
-  scene.march = marchFrom(fields.march);
+  scene.march = marchFrom(fields.settings);
   return scene;
 }
 
 net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec) {
   net::FrameHead head;
   head.camera = toFields(frame.camera);
-  head.march = toFields(frame.settings);
+  head.settings = toFields(frame.settings);
   head.codec = toFields(codec);
   const Box& bounds = frame.quantization.bounds;
   head.bounds = {bounds.lower.x, bounds.lower.y, bounds.lower.z, bounds.upper.x, bounds.upper.y, bounds.upper.z};
@@ -153,6 +159,7 @@ net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec) {
   head.stages.marchMs = frame.timings.marchMs;
   head.stages.compactMs = frame.timings.compactMs;
   head.stages.copyMs = frame.timings.copyMs;
+  for (const SamplePlane& plane : frame.planes) head.planes.push_back({plane.name, static_cast<uint8_t>(plane.element)});
   return head;
 }
 
@@ -160,7 +167,7 @@ SampleFrame frameFrom(const net::FrameHead& head) {
   SampleFrame frame;
   frame.requestId = head.id;
   frame.camera = cameraFrom(head.camera);
-  frame.settings = marchFrom(head.march);
+  frame.settings = marchFrom(head.settings);
   const auto& b = head.bounds;
   for (size_t axis = 0; axis < 3; ++axis)
     if (!std::isfinite(b[axis]) || !std::isfinite(b[axis + 3]) || !(b[axis] <= b[axis + 3]))
@@ -173,13 +180,15 @@ SampleFrame frameFrom(const net::FrameHead& head) {
   if (!(head.voxelRadius > 0.0f) || !std::isfinite(head.voxelRadius)) throw InputError("the server's frame has an impossible voxel radius");
   frame.voxelRadius = head.voxelRadius;
   frame.timings = {head.stages.marchMs, head.stages.compactMs, head.stages.copyMs};
+  // Elements that are not known are kept: who decodes skips their planes.
+  for (const net::PlaneFields& plane : head.planes) frame.planes.push_back({plane.name, static_cast<PlaneElement>(plane.element), {}});
   return frame;
 }
 
-DecodeLimits decodeLimitsFor(const Camera& camera) {
-  constexpr size_t kLayers = 8;  // more samples than that for each pixel, no server sends
+DecodeLimits decodeLimitsFor(const SampleFrame& frame) {
   DecodeLimits limits;
-  limits.maxSamples = std::min(limits.maxSamples, kLayers * size_t{camera.width} * camera.height);
+  const auto perRay = static_cast<size_t>(frame.settings.sample.samplesPerRay);
+  limits.maxSamples = std::min(limits.maxSamples, perRay * frame.camera.width * frame.camera.height);
   return limits;
 }
 

@@ -14,22 +14,24 @@
 namespace warpscope {
 
 net::CameraFields toFields(const Camera& camera);
-net::MarchFields toFields(const MarchSettings& settings);
+/// Every setting of a march, by the names that JSON has for them.
+net::SettingFields toFields(const MarchSettings& settings);
 net::CodecFields toFields(const CodecSettings& settings);
 net::SceneFields toFields(const Scene& scene);
 
 Camera cameraFrom(const net::CameraFields& fields);
-MarchSettings marchFrom(const net::MarchFields& fields);
+/// What is not among the fields keeps its default; names and values that this program does not know are refused.
+MarchSettings marchFrom(const net::SettingFields& fields);
 CodecSettings codecFrom(const net::CodecFields& fields);
 /// A scene without a volume: its voxels stay with the server.
 Scene sceneFrom(const net::SceneFields& fields);
 
 /// What describes a frame, without its request's identity and the server's times of queueing and sending.
 net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec);
-/// A frame whose samples are still to be decoded.
+/// A frame whose samples, and the values of its planes, are still to be decoded.
 SampleFrame frameFrom(const net::FrameHead& head);
-/// What a decoder may accept for a frame of this camera.
-DecodeLimits decodeLimitsFor(const Camera& camera);
+/// What a decoder may accept for a frame of this camera and these settings.
+DecodeLimits decodeLimitsFor(const SampleFrame& frame);
 
 /// Colours at full precision as bytes, without loss: floats byte by byte of their planes, compressed.
 std::vector<std::byte> encodeColors(const Image<glm::vec4>& image);

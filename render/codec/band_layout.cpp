@@ -7,14 +7,12 @@
 
 namespace warpscope {
 
-void BandLayout::build(uint32_t width, uint32_t firstRow, uint32_t rowCount, std::span<const uint8_t> mask, std::span<const uint8_t> further) {
-  size_t covered = 0, extra = 0;
+void BandLayout::build(uint32_t width, uint32_t firstRow, uint32_t rowCount, std::span<const uint8_t> mask) {
+  size_t covered = 0;
   for (const uint8_t byte : mask) covered += static_cast<size_t>(std::popcount(byte));
-  for (const uint8_t count : further) extra += count;
-  columns.resize(covered + extra);
-  rows.resize(covered + extra);
-  neighbors.resize(covered + extra);
-  isFurther.assign(further.empty() ? 0 : covered + extra, 0);
+  columns.resize(covered);
+  rows.resize(covered);
+  neighbors.resize(covered);
   area = {width, rowCount, 0, 0};
   above_.assign(size_t{width} + 1, 0);
   current_.assign(size_t{width} + 1, 0);
@@ -24,9 +22,7 @@ void BandLayout::build(uint32_t width, uint32_t firstRow, uint32_t rowCount, std
   uint32_t* const column = columns.data();
   uint32_t* const rowOf = rows.data();
   Neighbors* const neighbor = neighbors.data();
-  const uint8_t* const more = further.empty() ? nullptr : further.data();
   uint32_t sample = 0;
-  size_t pixel = 0;
   for (uint32_t y = 0; y < rowCount; ++y) {
     const uint8_t* row = mask.data() + size_t{y} * rowBytes;
     std::fill(current_.begin(), current_.end(), 0u);
@@ -52,14 +48,6 @@ void BandLayout::build(uint32_t width, uint32_t firstRow, uint32_t rowCount, std
         lastX = x;
         lastSlot = ++sample;
         current[x + 1] = lastSlot;
-        if (more == nullptr) continue;
-        for (uint32_t left = more[pixel++]; left > 0; --left) {
-          column[sample] = x;
-          rowOf[sample] = firstRow + y;
-          neighbor[sample] = {sample, sample, sample};
-          isFurther[sample] = 1;
-          ++sample;
-        }
       }
     }
     if (!isEmpty) {

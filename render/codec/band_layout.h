@@ -1,4 +1,4 @@
-// Which pixels of a band have samples, and which samples are next to each other: what both sides derive from the same mask.
+// Which pixels of a band have a sample in one layer, and which samples are next to each other: what both sides derive from the same mask.
 // Missing neighbours are replaced by others, so that predictions need not ask.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace warpscope {
 
-/// Samples to predict from, as their number in the band plus one: slot 0 stands for none and holds a zero.
+/// Samples to predict from, as their number in the layer plus one: slot 0 stands for none and holds a zero.
 struct Neighbors {
   uint32_t west, north, northWest;
 };
@@ -26,17 +26,15 @@ struct CoveredArea {
 struct BandLayout {
   TransferVector<uint32_t> columns, rows;  ///< pixel of each sample; rows count from the picture's first
   TransferVector<Neighbors> neighbors;     ///< of each sample
-  TransferVector<uint8_t> isFurther;       ///< of each sample: it is not its pixel's first; empty if all are
   CoveredArea area;
 
   size_t size() const { return columns.size(); }
 
-  /// `mask` has a bit for each pixel of the band, the lowest first, whole bytes a row; `further` the number of further samples of each pixel
-  /// that has one, or nothing if none has.
-  void build(uint32_t width, uint32_t firstRow, uint32_t rowCount, std::span<const uint8_t> mask, std::span<const uint8_t> further);
+  /// `mask` has a bit for each pixel of the band, the lowest first, whole bytes a row.
+  void build(uint32_t width, uint32_t firstRow, uint32_t rowCount, std::span<const uint8_t> mask);
 
  private:
-  TransferVector<uint32_t> above_, current_;  // slot of each column's first sample, with one column more on the left
+  TransferVector<uint32_t> above_, current_;  // slot of each column's sample, with one column more on the left
 };
 
 /// Median of two neighbours and the plane through three.

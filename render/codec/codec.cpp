@@ -2,6 +2,9 @@
 // See codec.h. A new format is one file pair and one line here.
 #include "render/codec/codec.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "render/base/error.h"
 #include "render/codec/bytes.h"
 #include "render/codec/packed_codec.h"
@@ -20,6 +23,32 @@ constexpr size_t kHeadBytes = 9;
 /// The format is part of what is hashed.
 uint64_t hashOf(std::span<const std::byte> payload) {
   return hashBytes(payload.subspan(kHeadBytes), std::to_integer<uint64_t>(payload[0]));
+}
+
+/// Whether every sample begins a ray or is the next of the one before.
+bool countUp(std::span<const uint8_t> layers) {
+  for (size_t i = 0; i < layers.size(); ++i)
+    if (layers[i] != 0 && (i == 0 || layers[i] != layers[i - 1] + 1)) return false;
+  return true;
+}
+
+void requireConsistent(const SampleFrame& frame) {
+  if (frame.samples.size() != frame.colors.size()) throw InputError("a frame must have a colour for each sample");
+  if (frame.planes.size() > kMaxPlanes) throw InputError("a frame must have at most " + std::to_string(kMaxPlanes) + " planes");
+  for (const SamplePlane& plane : frame.planes) {
+    if (plane.name.empty() || plane.name.size() > kMaxPlaneName)
+      throw InputError("a plane's name must have 1 to " + std::to_string(kMaxPlaneName) + " bytes, not \"" + plane.name + "\"");
+    if (&plane != frame.plane(plane.name)) throw InputError("a frame must not have two planes named \"" + plane.name + "\"");
+    if (bytesOf(plane.element) == 0 || plane.values.size() != frame.size() * bytesOf(plane.element))
+      throw InputError("the frame's plane \"" + plane.name + "\" must have a value for each sample");
+  }
+  if (!countUp(frame.layers())) throw InputError("a frame's layers must count up along each ray, from 0");
+}
+
+void clear(SampleFrame& frame) {
+  frame.samples.clear();
+  frame.colors.clear();
+  for (SamplePlane& plane : frame.planes) plane.values.clear();
 }
 
 }  // namespace
@@ -47,20 +76,28 @@ Codec& FrameCodec::codecFor(PayloadFormat format) {
 
 std::vector<std::byte> FrameCodec::encode(const SampleFrame& frame, const CodecSettings& settings) {
   validate(settings);
-  if (frame.samples.size() != frame.colors.size()) throw InputError("a frame must have a colour for each sample");
+  requireConsistent(frame);
+  Codec& codec = codecFor(settings.format);
   std::vector<std::byte> payload;
   payload.reserve(lastBytes_ + lastBytes_ / 8);
   appendLittle(payload, static_cast<uint8_t>(settings.format));
   appendLittle(payload, uint64_t{0});
-  codecFor(settings.format).encode(frame, settings, payload);
+  for (const SamplePlane& plane : frame.planes) {
+    const size_t start = payload.size();
+    appendLittle(payload, uint32_t{0});
+    codec.encodePlane(frame, plane, payload);
+    const size_t length = payload.size() - start - sizeof(uint32_t);
+    if (length > std::numeric_limits<uint32_t>::max()) throw InputError("the frame's plane \"" + plane.name + "\" is too long");
+    storeLittle(payload.data() + start, static_cast<uint32_t>(length));
+  }
+  codec.encode(frame, settings, payload);
   sealPayload(payload);
   lastBytes_ = payload.size();
   return payload;
 }
 
 DecodeError FrameCodec::decode(std::span<const std::byte> payload, size_t count, SampleFrame& frame, const DecodeLimits& limits) {
-  frame.samples.clear();
-  frame.colors.clear();
+  clear(frame);
   if (payload.size() > limits.maxBytes)
     return "the payload has " + std::to_string(payload.size()) + " bytes, more than the " + std::to_string(limits.maxBytes) + " allowed";
   if (count > limits.maxSamples)
@@ -68,14 +105,35 @@ DecodeError FrameCodec::decode(std::span<const std::byte> payload, size_t count,
   if (payload.size() < kHeadBytes) return "the payload ends before its head does";
   const auto format = static_cast<PayloadFormat>(payload[0]);
   if (nameOf(format) == "?") return "the payload's format " + std::to_string(static_cast<int>(format)) + " is unknown";
-  ByteReader head(payload.subspan(1));
-  if (head.take<uint64_t>() != hashOf(payload)) return "the payload is damaged: its bytes do not match their hash";
-  DecodeError error = codecFor(format).decode(payload.subspan(kHeadBytes), count, frame);
-  if (error) {
-    frame.samples.clear();
-    frame.colors.clear();
-  }
+  ByteReader reader(payload.subspan(1));
+  if (reader.take<uint64_t>() != hashOf(payload)) return "the payload is damaged: its bytes do not match their hash";
+  DecodeError error = decodeBehindHead(codecFor(format), reader, count, frame);
+  if (error) clear(frame);
   return error;
+}
+
+DecodeError FrameCodec::decodeBehindHead(Codec& codec, ByteReader& reader, size_t count, SampleFrame& frame) {
+  planeBytes_.clear();
+  size_t kept = 0;
+  for (size_t i = 0; i < frame.planes.size(); ++i) {
+    const auto length = reader.take<uint32_t>();
+    const std::span<const std::byte> bytes = reader.take(length);
+    if (reader.ranOut()) return "the payload ends within its plane \"" + frame.planes[i].name + "\"";
+    if (!isKnown(frame.planes[i].name, frame.planes[i].element)) continue;
+    planeBytes_.push_back(bytes);
+    if (kept != i) frame.planes[kept] = std::move(frame.planes[i]);
+    ++kept;
+  }
+  frame.planes.resize(kept);
+  if (DecodeError error = codec.decode(reader.take(reader.left()), count, frame)) return error;
+  // The others' values may be predicted along layers.
+  for (const bool isLayers : {true, false})
+    for (size_t i = 0; i < kept; ++i) {
+      if ((frame.planes[i].name == kLayerPlane) != isLayers) continue;
+      if (DecodeError error = codec.decodePlane(planeBytes_[i], frame, frame.planes[i])) return error;
+      if (isLayers && !countUp(frame.layers())) return "the frame's layers do not count up along its rays";
+    }
+  return std::nullopt;
 }
 
 }  // namespace warpscope

@@ -1,6 +1,7 @@
 // A frame's samples and colours as bytes and back. What describes the frame (its camera, quantisation, settings, number of samples) travels
 // beside them and is known to whoever decodes: it may be relied on, so that it need not be said twice.
-// The layout is ours. A payload is: format (1 byte), a hash of all that follows (8 bytes), the format's own bytes. Numbers are little-endian.
+// The layout is ours. A payload is: format (1 byte), a hash of all that follows (8 bytes), for each plane of the frame, in order, its length
+// (4 bytes) and the format's bytes of it, then the format's bytes of samples and colours. Numbers are little-endian.
 //
 // Decoding takes nothing on trust. It never throws on bad input, refuses sizes before it allocates for them, and answers with the same
 // samples that were encoded, bit for bit, or with a sentence. The hash finds accidents; it does not keep out who means harm, whom every
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "render/base/range.h"
+#include "render/codec/bytes.h"
 #include "render/march/sample_frame.h"
 
 namespace warpscope {
@@ -27,7 +29,7 @@ enum class PayloadFormat : uint8_t {
 
 enum class ColorCoding : uint8_t {
   lossless,
-  jpeg,  ///< red, green and blue of each pixel's first sample; its alpha, and every other sample, without loss
+  jpeg,  ///< red, green and blue of samples in pixels' places; their alpha, and samples elsewhere, without loss
 };
 
 inline constexpr std::array<NamedValue<PayloadFormat>, 2> kPayloadFormats{{
@@ -58,7 +60,7 @@ void validate(const CodecSettings& settings);
 
 /// What a decoder accepts. Besides the frame it holds some tens of megabytes a thread, whatever a payload says.
 struct DecodeLimits {
-  size_t maxSamples = size_t{1} << 26;  ///< of 12 bytes each in memory
+  size_t maxSamples = size_t{1} << 26;  ///< of 12 bytes each in memory, and what planes that are known take
   size_t maxBytes = size_t{1} << 30;    ///< of a payload
 };
 
@@ -70,11 +72,16 @@ class Codec {
  public:
   virtual ~Codec() = default;
 
-  /// Appends the frame to `payload`.
+  /// Appends the frame's samples and colours to `payload`.
   virtual void encode(const SampleFrame& frame, const CodecSettings& settings, std::vector<std::byte>& payload) = 0;
+  /// Appends one of the frame's planes.
+  virtual void encodePlane(const SampleFrame& frame, const SamplePlane& plane, std::vector<std::byte>& payload) = 0;
 
-  /// Fills samples and colours of `frame`, whose other members are set, with `count` of them. `count` is within the limits.
+  /// Fills samples and colours of `frame`, whose other members are set, with `count` of them, and planes that follow from those. `count` is
+  /// within the limits.
   virtual DecodeError decode(std::span<const std::byte> bytes, size_t count, SampleFrame& frame) = 0;
+  /// Fills the values of one of the frame's planes, which is known (isKnown), after its samples; kLayerPlane before the others.
+  virtual DecodeError decodePlane(std::span<const std::byte> bytes, const SampleFrame& frame, SamplePlane& plane) = 0;
 };
 
 struct CodecDescriptor {
@@ -90,17 +97,21 @@ class FrameCodec {
  public:
   FrameCodec();
 
-  /// Throws UsageError for settings out of range, InputError for a frame whose samples and colours differ in number.
+  /// Throws UsageError for settings out of range, InputError for a frame whose samples, colours and planes differ in number, or whose planes
+  /// are not what sample_planes.h says.
   std::vector<std::byte> encode(const SampleFrame& frame, const CodecSettings& settings);
 
-  /// Fills samples and colours of `frame`, whose other members say what they were encoded with; there must be `count` of them. After an
-  /// error the frame has none.
+  /// Fills samples, colours and planes of `frame`, whose other members, the names and elements of its planes among them, say what they were
+  /// encoded with; there must be `count` of each. Planes that are not known (isKnown) are left out. After an error the frame has no samples.
   DecodeError decode(std::span<const std::byte> payload, size_t count, SampleFrame& frame, const DecodeLimits& limits = {});
 
  private:
   Codec& codecFor(PayloadFormat format);
+  /// Leaves planes out that are not known; may leave the frame half filled.
+  DecodeError decodeBehindHead(Codec& codec, ByteReader& reader, size_t count, SampleFrame& frame);
 
   std::vector<std::unique_ptr<Codec>> codecs_;  // in the registry's order, made when first asked for
+  std::vector<std::span<const std::byte>> planeBytes_;  // of the frame at work
   size_t lastBytes_ = 0;                        // of the last payload: the next will be about as long
 };
 

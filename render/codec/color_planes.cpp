@@ -49,24 +49,24 @@ struct AreaPlaces {
   size_t operator()(size_t i) const { return size_t{rows[i] - firstRow} * width + columns[i] - firstColumn; }
 };
 
-/// `isFurther`: samples that are not their pixel's first and have no place; none of them is if it is null.
-void toPicture(const Rgba8* colors, const uint8_t* isFurther, size_t count, const AreaPlaces& places, Rgba8* picture) {
+void toPicture(const Rgba8* colors, size_t count, const AreaPlaces& places, Rgba8* picture) {
   const AreaPlaces at = places;
-  for (size_t i = 0; i < count; ++i)
-    if (isFurther == nullptr || !isFurther[i]) picture[at(i)] = colors[i];
+  for (size_t i = 0; i < count; ++i) picture[at(i)] = colors[i];
 }
 
-void addFromPicture(const Rgba8* picture, const uint8_t* isFurther, size_t count, const AreaPlaces& places, Rgba8* colors) {
+void addFromPicture(const Rgba8* picture, size_t count, const AreaPlaces& places, Rgba8* colors) {
   const AreaPlaces at = places;
-  for (size_t i = 0; i < count; ++i)
-    if (isFurther == nullptr || !isFurther[i]) colors[i] |= picture[at(i)] & 0xffffffu;
+  for (size_t i = 0; i < count; ++i) colors[i] |= picture[at(i)] & 0xffffffu;
 }
 
-const uint8_t* furtherOf(const BandLayout& layout) { return layout.isFurther.empty() ? nullptr : layout.isFurther.data(); }
+/// The first sample whose red, green and blue are sent without loss; all that follow are as well. Those before are in the JPEG image.
+size_t firstLossless(const BandLayout& layout, ColorCoding coding) { return coding == ColorCoding::lossless ? 0 : layout.size(); }
 
-constexpr Neighbors lastOnly(size_t slot) {
-  const auto last = static_cast<uint32_t>(slot);
-  return {last, last, last};
+/// What the red, green and blue of sample i are predicted from: a stray from the one before it that is sent the same way.
+Neighbors neighborsOf(const BandLayout& layout, size_t i, size_t first) {
+  if (i < layout.size()) return layout.neighbors[i];
+  const auto before = static_cast<uint32_t>(i == first ? 0 : i);
+  return {before, before, before};
 }
 
 /// Gives pixels without samples the mean colour of their 8x8 block, so that they cost its transform nothing; blocks without samples the
@@ -103,13 +103,6 @@ void fillGaps(Rgba8* picture, const CoveredArea& area, const uint8_t* mask, uint
 
 }  // namespace
 
-void ColorPlanes::listLossless(const BandLayout& layout, size_t count, ColorCoding coding) {
-  lossless_.clear();
-  const size_t first = coding == ColorCoding::lossless || !layout.isFurther.empty() ? 0 : layout.size();
-  for (size_t i = first; i < count; ++i)
-    if (coding == ColorCoding::lossless || i >= layout.size() || layout.isFurther[i]) lossless_.push_back(static_cast<uint32_t>(i));
-}
-
 void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask,
                          uint32_t rowBytes, std::span<const Rgba8> colors, const CodecSettings& settings) {
   const size_t count = colors.size();
@@ -127,22 +120,20 @@ void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, 
     const CoveredArea& area = layout.area;
     if (!area.isEmpty()) {
       picture_.resize(size_t{area.width()} * area.height());
-      toPicture(colors.data(), furtherOf(layout), layout.size(), AreaPlaces(layout, firstRow), picture_.data());
+      toPicture(colors.data(), layout.size(), AreaPlaces(layout, firstRow), picture_.data());
       fillGaps(picture_.data(), area, mask.data() + size_t{area.y0} * rowBytes + area.x0 / 8, rowBytes);
       appendJpeg(out, picture_.data(), area.width(), area.height(), settings.jpegQuality);
     }
     storeLittle(out.data() + start, static_cast<uint32_t>(out.size() - start - 4));
   }
 
-  listLossless(layout, count, settings.color);
-  green_.resize(lossless_.size());
-  red_.resize(lossless_.size());
-  blue_.resize(lossless_.size());
-  for (size_t k = 0; k < lossless_.size(); ++k) {
-    const size_t i = lossless_[k];
-    const Neighbors from = settings.color == ColorCoding::lossless && i < layout.size() ? layout.neighbors[i]
-                           : k == 0                                                    ? lastOnly(0)
-                                                                                       : lastOnly(size_t{lossless_[k - 1]} + 1);
+  const size_t first = firstLossless(layout, settings.color);
+  green_.resize(count - first);
+  red_.resize(count - first);
+  blue_.resize(count - first);
+  for (size_t i = first; i < count; ++i) {
+    const size_t k = i - first;
+    const Neighbors from = neighborsOf(layout, i, first);
     const int32_t green = channel(colors[i], 8) - predictedChannel(slots_.data(), from, 8);
     green_[k] = static_cast<uint8_t>(green);
     red_[k] = static_cast<uint8_t>(channel(colors[i], 0) - predictedChannel(slots_.data(), from, 0) - green);
@@ -170,20 +161,18 @@ DecodeError ColorPlanes::take(ByteReader& reader, const BandLayout& layout, uint
     if (!area.isEmpty()) {
       picture_.resize(size_t{area.width()} * area.height());
       if (DecodeError error = readJpeg(jpeg, picture_.data(), area.width(), area.height())) return error;
-      addFromPicture(picture_.data(), furtherOf(layout), layout.size(), AreaPlaces(layout, firstRow), slots_.data() + 1);
+      addFromPicture(picture_.data(), layout.size(), AreaPlaces(layout, firstRow), slots_.data() + 1);
     }
   }
 
-  listLossless(layout, count, coding);
-  green_.resize(lossless_.size());
-  red_.resize(lossless_.size());
-  blue_.resize(lossless_.size());
+  const size_t first = firstLossless(layout, coding);
+  green_.resize(count - first);
+  red_.resize(count - first);
+  blue_.resize(count - first);
   if (!takeSection(reader, green_) || !takeSection(reader, red_) || !takeSection(reader, blue_)) return "the colours are damaged";
-  for (size_t k = 0; k < lossless_.size(); ++k) {
-    const size_t i = lossless_[k];
-    const Neighbors from = coding == ColorCoding::lossless && i < layout.size() ? layout.neighbors[i]
-                           : k == 0                                            ? lastOnly(0)
-                                                                               : lastOnly(size_t{lossless_[k - 1]} + 1);
+  for (size_t i = first; i < count; ++i) {
+    const size_t k = i - first;
+    const Neighbors from = neighborsOf(layout, i, first);
     const int32_t green = green_[k];
     const auto decoded = [&](int shift, int32_t difference) {
       return static_cast<Rgba8>((predictedChannel(slots_.data(), from, shift) + difference) & 255) << shift;

@@ -1,6 +1,6 @@
-// The colours of a band's samples as bytes.
-// Alpha: differences from its prediction. Red, green, blue without loss: the same, green's difference taken off the others'. With loss: those
-// of each pixel's first sample as a JPEG image of the area that they cover, the others without.
+// The colours of one layer of a band's samples as bytes.
+// Alpha: differences from its prediction. Red, green, blue without loss: the same, green's difference taken off the others'. With loss: as a
+// JPEG image of the area that the layer covers, those of strays without.
 //
 // Bytes: section of alpha, one byte a sample; with loss the JPEG's length (4) and the JPEG; sections of green, red, blue.
 #pragma once
@@ -25,11 +25,8 @@ class ColorPlanes {
   DecodeError take(ByteReader& reader, const BandLayout& layout, uint32_t firstRow, ColorCoding coding, std::span<Rgba8> colors);
 
  private:
-  void listLossless(const BandLayout& layout, size_t count, ColorCoding coding);
-
   TransferVector<uint8_t> alpha_, green_, red_, blue_;
-  TransferVector<Rgba8> slots_;        // colours, one place on
-  TransferVector<uint32_t> lossless_;  // samples whose red, green and blue are sent without loss
+  TransferVector<Rgba8> slots_;  // colours, one place on
   TransferVector<Rgba8> picture_;
 };
 

@@ -79,12 +79,12 @@ std::optional<std::string> readJpeg(std::span<const std::byte> jpeg, Rgba8* pixe
 
 std::vector<std::byte> encodeFramePicture(const SampleFrame& frame, const glm::vec3& background, int quality) {
   requireUsable(frame.camera);
-  const Image<uint32_t> seen = ownPicture(frame);
-  Image<Rgba8> picture(seen.width(), seen.height());
+  Image<glm::vec4> colors;
+  resolveRayColors(frame, ownPicture(frame), colors);
+  Image<Rgba8> picture(colors.width(), colors.height());
   const ColorTables& tables = ColorTables::instance();
-  parallelForRanges(seen.size(), 1 << 15, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i)
-      picture[i] = tables.encodeOver(seen[i] == kNoSample ? glm::vec4(0.0f) : tables.decode(frame.colors[seen[i]]), background);
+  parallelForRanges(colors.size(), 1 << 15, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) picture[i] = tables.encodeOver(colors[i], background);
   });
   std::vector<std::byte> jpeg;
   appendJpeg(jpeg, picture.data(), picture.width(), picture.height(), quality);

@@ -164,12 +164,19 @@ void takeRadii(const RadiusPrediction& radius, std::span<const uint8_t> tokens, 
 }  // namespace
 
 struct BandPacker::Buffers {
-  TransferVector<PackedSample> onPath, positions, strays;
-  TransferVector<Rgba8> colors;  // of samples on paths, then of strays
-  TransferVector<uint8_t> isStray, strayBytes;
-  TransferVector<uint32_t> covered;  // pixels
+  // Of a band:
+  TransferVector<PackedSample> onPath, strays;
+  TransferVector<Rgba8> pathColors, strayColors;
+  TransferVector<uint8_t> isStray, strayBytes, strayLayers;
   TransferVector<uint8_t> mask, changes, further;
-  TransferVector<uint8_t> tokens, deltas, radiusTokens, bitBytes;
+  // Of the pixels that a layer covers: which they are; where the pixel's first sample stands among those on paths; how many more it has behind
+  // this one.
+  TransferVector<uint32_t> covered, firsts;
+  TransferVector<uint8_t> behind;
+  // Of a layer:
+  TransferVector<PackedSample> samples, positions;
+  TransferVector<Rgba8> colors;  // and then of strays
+  TransferVector<uint8_t> layerMask, tokens, deltas, radiusTokens, bitBytes;
   TransferVector<int32_t> places;
   TransferVector<float> depths;
   BandLayout layout;
@@ -177,8 +184,18 @@ struct BandPacker::Buffers {
   PlaceTokens placeTokens;
   ColorPlanes colorPlanes;
 
-  /// Takes what is in no pixel's place out, and finds which pixels are covered and how often. `pixels` are of the samples.
-  void sortOut(const SampleFrame& frame, const BandRows& rows, size_t begin, std::span<const uint32_t> pixels, uint32_t rowBytes);
+  /// Takes what is in no pixel's place out, and finds which pixels are covered and how often. `pixels` are of the samples, which begin at
+  /// `begin`. True if a pixel has further samples.
+  bool sortOut(const SampleFrame& frame, size_t begin, std::span<const uint32_t> pixels);
+  /// Goes on to the next layer: leaves out the pixels that have no sample there. Fills layerMask. False if no pixel is left.
+  bool goBehind(uint32_t width, const BandRows& rows, uint32_t rowBytes);
+
+  /// Colours: of the samples, then of strays.
+  void packLayer(const SampleFrame& frame, const BandRows& rows, std::span<const uint8_t> itsMask, std::span<const PackedSample> itsSamples,
+                 std::span<const Rgba8> itsColors, const CodecSettings& settings, std::vector<std::byte>& out);
+  /// Fills `positions` and `colors`, the latter with those of so many strays behind.
+  DecodeError unpackLayer(ByteReader& reader, const SampleFrame& frame, const BandRows& rows, std::span<const uint8_t> itsMask, size_t strayCount,
+                          ColorCoding coding);
 };
 
 bool isAscending(std::span<const uint32_t> pixels) {
@@ -191,37 +208,105 @@ BandPacker::BandPacker() : buffers_(std::make_unique<Buffers>()) {}
 BandPacker::~BandPacker() = default;
 BandPacker::BandPacker(BandPacker&&) noexcept = default;
 
-void BandPacker::Buffers::sortOut(const SampleFrame& frame, const BandRows& rows, size_t begin, std::span<const uint32_t> pixels, uint32_t rowBytes) {
+bool BandPacker::Buffers::sortOut(const SampleFrame& frame, size_t begin, std::span<const uint32_t> pixels) {
   const size_t count = pixels.size();
-  const uint32_t width = frame.camera.width;
+  const std::span<const uint8_t> layers = frame.layers();
   onPath.resize(count);
-  colors.resize(count);
+  pathColors.resize(count);
+  covered.resize(count);
+  firsts.resize(count);
+  behind.resize(count);
   isStray.assign((count + 7) / 8, 0);
-  covered.clear();
-  size_t placed = 0;
-  bool anyFurther = false;
+  uint32_t placed = 0, last = kNoSample, rank = 0, deepest = 0;
+  size_t pixelCount = 0;
+  // Locals: what is written cannot be what is read then.
+  const PackedSample* const sample = frame.samples.data() + begin;
+  const Rgba8* const color = frame.colors.data() + begin;
+  PackedSample* const kept = onPath.data();
+  Rgba8* const keptColor = pathColors.data();
+  uint32_t* const pixelOf = covered.data();
+  uint32_t* const firstOf = firsts.data();
+  uint8_t* const furtherOf = behind.data();
   for (size_t i = 0; i < count; ++i) {
-    if (pixels[i] == kNoSample) {
+    const uint32_t pixel = pixels[i];
+    if (pixel == kNoSample) {
       isStray[i / 8] |= static_cast<uint8_t>(1u << i % 8);
-      strays.push_back(frame.samples[begin + i]);
+      strays.push_back(sample[i]);
+      strayColors.push_back(color[i]);
+      if (!layers.empty()) strayLayers.push_back(layers[begin + i]);
       continue;
     }
-    onPath[placed] = frame.samples[begin + i];
-    colors[placed++] = frame.colors[begin + i];
-    if (!covered.empty() && pixels[i] == covered.back()) {
-      ++further.back();
-      anyFurther = true;
-      continue;
-    }
-    covered.push_back(pixels[i]);
-    further.push_back(0);
+    kept[placed] = sample[i];
+    keptColor[placed] = color[i];
+    const bool isNext = pixel != last;
+    rank = isNext ? 0 : rank + 1;
+    deepest = std::max(deepest, rank);
+    pixelCount += isNext;
+    pixelOf[pixelCount - 1] = pixel;
+    firstOf[pixelCount - 1] = placed - rank;
+    furtherOf[pixelCount - 1] = static_cast<uint8_t>(rank);
+    last = pixel;
+    ++placed;
   }
-  if (!anyFurther) further.clear();
   onPath.resize(placed);
-  if (!strays.empty())
-    for (size_t i = 0, next = placed; i < count; ++i)
-      if (isStray[i / 8] >> i % 8 & 1) colors[next++] = frame.colors[begin + i];
-  setBits(covered, rows.first, width, rowBytes, mask.data());
+  pathColors.resize(placed);
+  covered.resize(pixelCount);
+  firsts.resize(pixelCount);
+  behind.resize(pixelCount);
+  return deepest > 0;
+}
+
+bool BandPacker::Buffers::goBehind(uint32_t width, const BandRows& rows, uint32_t rowBytes) {
+  size_t left = 0;
+  for (size_t j = 0; j < covered.size(); ++j) {
+    covered[left] = covered[j];
+    firsts[left] = firsts[j];
+    const uint8_t more = behind[j];
+    behind[left] = static_cast<uint8_t>(more - 1);
+    left += more > 0;
+  }
+  covered.resize(left);
+  firsts.resize(left);
+  behind.resize(left);
+  layerMask.assign(size_t{rowBytes} * rows.count, 0);
+  setBits(covered, rows.first, width, rowBytes, layerMask.data());
+  return left > 0;
+}
+
+void BandPacker::Buffers::packLayer(const SampleFrame& frame, const BandRows& rows, std::span<const uint8_t> itsMask,
+                                    std::span<const PackedSample> itsSamples, std::span<const Rgba8> itsColors, const CodecSettings& settings,
+                                    std::vector<std::byte>& out) {
+  const uint32_t width = rows.count > 0 ? frame.camera.width : 0;
+  layout.build(width, rows.first, rows.count, itsMask);
+  if (rows.count > 0) {
+    const size_t size = layout.size();
+    paths.aim(frame, rows.placement, layout.columns, layout.rows);
+    places.resize(size);
+    positions.resize(size);
+    depths.resize(size);
+    paths.locate(itsSamples, places);
+    paths.place(places, positions, depths);
+    tokens.resize(size);
+    deltas.resize(size);
+    radiusTokens.resize(size);
+    bitBytes.resize(size * (2 * kMostTokenBits + 2 * kEscapedBits + 7) / 8 + BitWriter::kSpareBytes);
+    BitWriter bits(bitBytes.data());
+    placeTokens.put(paths, layout, places, tokens, bits);
+    findDeltas(itsSamples, positions, deltas);
+    for (size_t i = 0; i < size; ++i) {
+      if (deltas[i] != kEscape) continue;
+      bits.put(static_cast<uint32_t>(itsSamples[i] & 0x7ffffffu), kEscapedBits);
+      bits.put(static_cast<uint32_t>(itsSamples[i] >> 27 & 0x7ffffffu), kEscapedBits);
+    }
+    putRadii(RadiusPrediction(frame), itsSamples, paths, depths, itsColors, radiusTokens, bits);
+    appendSection(out, tokens);
+    appendSection(out, deltas);
+    appendSection(out, radiusTokens);
+    const std::span<const uint8_t> written = bits.finish();
+    appendLittle(out, static_cast<uint32_t>(written.size()));
+    appendSection(out, written);
+  }
+  colorPlanes.append(out, layout, rows.first, itsMask, (width + 7) / 8, itsColors, settings);
 }
 
 void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t begin, size_t end, std::span<const uint32_t> pixels,
@@ -233,23 +318,27 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
   const std::span<const PackedSample> samples(frame.samples.data() + begin, count);
   std::span<const PackedSample> onPath = samples;
   std::span<const Rgba8> colors(frame.colors.data() + begin, count);
+  bool hasFurther = false;
 
   b.strays.clear();
-  b.further.clear();
+  b.strayColors.clear();
+  b.strayLayers.clear();
   b.mask.assign(size_t{rowBytes} * rows.count, 0);
   if (rows.count == 0) {
     b.isStray.assign((count + 7) / 8, 0);
     for (size_t i = 0; i < count; ++i) b.isStray[i / 8] |= static_cast<uint8_t>(1u << i % 8);
     b.strays.assign(samples.begin(), samples.end());
+    if (const std::span<const uint8_t> layers = frame.layers(); !layers.empty())
+      b.strayLayers.assign(layers.begin() + static_cast<ptrdiff_t>(begin), layers.begin() + static_cast<ptrdiff_t>(end));
     onPath = {};
   } else if (const auto itsPixels = pixels.subspan(begin, count); isAscending(itsPixels)) {
     setBits(itsPixels, rows.first, width, rowBytes, b.mask.data());
   } else {
-    b.sortOut(frame, rows, begin, itsPixels, rowBytes);
+    hasFurther = b.sortOut(frame, begin, itsPixels);
+    setBits(b.covered, rows.first, width, rowBytes, b.mask.data());
     onPath = b.onPath;
-    colors = b.colors;
+    colors = b.pathColors;
   }
-  const bool anyFurther = !b.further.empty();
 
   appendLittle(out, static_cast<uint32_t>(count));
   appendLittle(out, static_cast<uint32_t>(b.strays.size()));
@@ -261,49 +350,82 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
       for (size_t i = 0; i < b.strays.size(); ++i)
         b.strayBytes[byte * b.strays.size() + i] = static_cast<uint8_t>(b.strays[i] >> 8 * byte);
     appendSection(out, b.strayBytes);
+    if (!b.strayLayers.empty()) appendSection(out, b.strayLayers);
   }
-
-  b.layout.build(width, rows.first, rows.count, b.mask, b.further);
   if (rows.count > 0) {
     b.changes.resize(b.mask.size());
     std::copy_n(b.mask.begin(), rowBytes, b.changes.begin());
     for (size_t i = rowBytes; i < b.mask.size(); ++i) b.changes[i] = b.mask[i] ^ b.mask[i - rowBytes];
     appendSection(out, b.changes);
-    appendLittle(out, static_cast<uint8_t>(anyFurther));
-    if (anyFurther) appendSection(out, b.further);
-
-    const size_t size = b.layout.size();
-    b.paths.aim(frame, rows.placement, b.layout.columns, b.layout.rows);
-    b.places.resize(size);
-    b.positions.resize(size);
-    b.depths.resize(size);
-    b.paths.locate(onPath, b.places);
-    b.paths.place(b.places, b.positions, b.depths);
-    b.tokens.resize(size);
-    b.deltas.resize(size);
-    b.radiusTokens.resize(size);
-    b.bitBytes.resize(size * (2 * kMostTokenBits + 2 * kEscapedBits + 7) / 8 + BitWriter::kSpareBytes);
-    BitWriter bits(b.bitBytes.data());
-    b.placeTokens.put(b.paths, b.layout, b.places, b.tokens, bits);
-    findDeltas(onPath, b.positions, b.deltas);
-    for (size_t i = 0; i < size; ++i) {
-      if (b.deltas[i] != kEscape) continue;
-      bits.put(static_cast<uint32_t>(onPath[i] & 0x7ffffffu), kEscapedBits);
-      bits.put(static_cast<uint32_t>(onPath[i] >> 27 & 0x7ffffffu), kEscapedBits);
-    }
-    putRadii(RadiusPrediction(frame), onPath, b.paths, b.depths, colors, b.radiusTokens, bits);
-    appendSection(out, b.tokens);
-    appendSection(out, b.deltas);
-    appendSection(out, b.radiusTokens);
-    const std::span<const uint8_t> written = bits.finish();
-    appendLittle(out, static_cast<uint32_t>(written.size()));
-    appendSection(out, written);
+    appendLittle(out, static_cast<uint8_t>(hasFurther));
+    if (hasFurther) appendSection(out, b.behind);
   }
-  b.colorPlanes.append(out, b.layout, rows.first, b.mask, rowBytes, colors, settings);
+
+  if (!hasFurther) {
+    if (!b.strayColors.empty()) {
+      b.colors.assign(colors.begin(), colors.end());
+      b.colors.insert(b.colors.end(), b.strayColors.begin(), b.strayColors.end());
+      colors = b.colors;
+    }
+    b.packLayer(frame, rows, b.mask, onPath, colors, settings, out);
+    return;
+  }
+  std::span<const uint8_t> mask = b.mask;
+  for (uint32_t layer = 0; layer == 0 || b.goBehind(width, rows, rowBytes); ++layer) {
+    if (layer > 0) mask = b.layerMask;
+    const size_t size = b.covered.size();
+    b.samples.resize(size);
+    b.colors.resize(size);
+    for (size_t j = 0; j < size; ++j) {
+      b.samples[j] = onPath[b.firsts[j] + layer];
+      b.colors[j] = colors[b.firsts[j] + layer];
+    }
+    if (layer == 0) b.colors.insert(b.colors.end(), b.strayColors.begin(), b.strayColors.end());
+    b.packLayer(frame, rows, mask, b.samples, b.colors, settings, out);
+  }
+}
+
+DecodeError BandPacker::Buffers::unpackLayer(ByteReader& reader, const SampleFrame& frame, const BandRows& rows, std::span<const uint8_t> itsMask,
+                                             size_t strayCount, ColorCoding coding) {
+  layout.build(rows.count > 0 ? frame.camera.width : 0, rows.first, rows.count, itsMask);
+  const size_t size = layout.size();
+  BitReader bits({});
+  if (rows.count > 0) {
+    tokens.resize(size);
+    deltas.resize(size);
+    radiusTokens.resize(size);
+    if (!takeSection(reader, tokens) || !takeSection(reader, deltas) || !takeSection(reader, radiusTokens))
+      return "the depths of a band are damaged";
+    const auto bitLength = reader.take<uint32_t>();
+    // At most 30 bits for a token, of which there are two, and 54 for an escaped position.
+    if (bitLength > 16 * size) return "the depths of a band have more bits than they can use";
+    bitBytes.resize(bitLength);
+    if (!takeSection(reader, bitBytes)) return "the depths of a band are damaged";
+    bits = BitReader(bitBytes);
+    paths.aim(frame, rows.placement, layout.columns, layout.rows);
+    places.resize(size);
+    placeTokens.take(paths, layout, tokens, bits, places);
+    positions.resize(size);
+    depths.resize(size);
+    paths.place(places, positions, depths);
+    addDeltas(deltas, positions);
+    for (size_t i = 0; i < size; ++i) {
+      if (deltas[i] != kEscape) continue;
+      const uint64_t low = bits.take(kEscapedBits);
+      positions[i] = low | static_cast<uint64_t>(bits.take(kEscapedBits)) << kEscapedBits;
+    }
+  }
+  colors.resize(size + strayCount);
+  // Radii may follow from opacities, and their bits come before the colours' bytes: no other order would do for both.
+  if (DecodeError error = colorPlanes.take(reader, layout, rows.first, coding, colors)) return error;
+  if (size == 0) return std::nullopt;
+  takeRadii(RadiusPrediction(frame), radiusTokens, paths, depths, colors, positions, bits);
+  if (bits.ranOut()) return "the depths of a band end too early";
+  return std::nullopt;
 }
 
 DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFrame& frame, const BandRows& rows, ColorCoding coding,
-                               std::span<PackedSample> samples, std::span<Rgba8> colors) {
+                               std::span<PackedSample> samples, std::span<Rgba8> colors, std::span<uint8_t> layers) {
   Buffers& b = *buffers_;
   ByteReader reader(bytes);
   const size_t count = samples.size();
@@ -311,14 +433,17 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
   const size_t strayCount = reader.take<uint32_t>();
   const auto hash = reader.take<uint64_t>();
   if (reader.ranOut() || itsCount != count || strayCount > count) return "a band's numbers of samples contradict each other";
+  if (strayCount > kMaxBandStrays) return "a band has too many samples without place";
   const uint32_t width = rows.count > 0 ? frame.camera.width : 0;
   const uint32_t rowBytes = (width + 7) / 8;
 
-  b.isStray.assign((count + 7) / 8, 0);
   b.strays.resize(strayCount);
+  b.strayLayers.resize(layers.empty() ? 0 : strayCount);
   if (strayCount > 0) {
+    b.isStray.resize((count + 7) / 8);
     b.strayBytes.resize(strayCount * kWordBytes);
     if (!takeSection(reader, b.isStray) || !takeSection(reader, b.strayBytes)) return "a band's samples without place are damaged";
+    if (!layers.empty() && !takeSection(reader, b.strayLayers)) return "the layers of a band's samples without place are damaged";
     size_t marked = 0;
     for (size_t i = 0; i < count; ++i) marked += b.isStray[i / 8] >> i % 8 & 1;
     if (marked != strayCount) return "a band's samples without place are not as many as it says";
@@ -347,55 +472,62 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
   } else if (strayCount != count) {
     return "a band without pixels has samples in them";
   }
-  b.layout.build(width, rows.first, rows.count, b.mask, b.further);
+
+  // Layer 0 has the colours of strays, and is all there is unless pixels have further samples.
+  if (DecodeError error = b.unpackLayer(reader, frame, rows, b.mask, strayCount, coding)) return error;
   const size_t size = b.layout.size();
-
-  BitReader bits({});
-  if (rows.count > 0) {
-    b.tokens.resize(size);
-    b.deltas.resize(size);
-    b.radiusTokens.resize(size);
-    if (!takeSection(reader, b.tokens) || !takeSection(reader, b.deltas) || !takeSection(reader, b.radiusTokens))
-      return "the depths of a band are damaged";
-    const auto bitLength = reader.take<uint32_t>();
-    // At most 30 bits for a token, of which there are two, and 54 for an escaped position.
-    if (bitLength > 16 * size) return "the depths of a band have more bits than they can use";
-    b.bitBytes.resize(bitLength);
-    if (!takeSection(reader, b.bitBytes)) return "the depths of a band are damaged";
-    bits = BitReader(b.bitBytes);
-    b.paths.aim(frame, rows.placement, b.layout.columns, b.layout.rows);
-    b.places.resize(size);
-    b.placeTokens.take(b.paths, b.layout, b.tokens, bits, b.places);
-    b.positions.resize(size);
-    b.depths.resize(size);
-    b.paths.place(b.places, b.positions, b.depths);
-    addDeltas(b.deltas, b.positions);
-    for (size_t i = 0; i < size; ++i) {
-      if (b.deltas[i] != kEscape) continue;
-      const uint64_t low = bits.take(kEscapedBits);
-      b.positions[i] = low | static_cast<uint64_t>(bits.take(kEscapedBits)) << kEscapedBits;
-    }
+  b.strayColors.assign(b.colors.begin() + static_cast<ptrdiff_t>(size), b.colors.end());
+  // Samples on paths; straight to where they belong if no strays stand between them.
+  std::span<PackedSample> onPath = samples;
+  std::span<Rgba8> pathColors = colors;
+  if (strayCount > 0) {
+    b.onPath.resize(count - strayCount);
+    b.pathColors.resize(count - strayCount);
+    onPath = b.onPath;
+    pathColors = b.pathColors;
   }
-
-  b.colors.resize(count);
-  // Radii may follow from opacities, and their bits come before the colours' bytes: no other order would do for both.
-  if (DecodeError error = b.colorPlanes.take(reader, b.layout, rows.first, coding, b.colors)) return error;
-  if (reader.ranOut() || reader.left() > 0) return "a band is longer or shorter than it should be";
-  if (size > 0) {
-    takeRadii(RadiusPrediction(frame), b.radiusTokens, b.paths, b.depths, b.colors, b.positions, bits);
-    if (bits.ranOut()) return "the depths of a band end too early";
+  std::span<uint8_t> pathLayers;
+  if (!layers.empty()) {
+    std::fill(layers.begin(), layers.end(), uint8_t{0});
+    pathLayers = layers.first(count - strayCount);
   }
-
-  if (strayCount == 0) {
-    std::copy(b.positions.begin(), b.positions.begin() + static_cast<ptrdiff_t>(size), samples.begin());
-    std::copy(b.colors.begin(), b.colors.end(), colors.begin());
+  if (b.further.empty()) {
+    std::copy_n(b.positions.begin(), size, onPath.begin());
+    std::copy_n(b.colors.begin(), size, pathColors.begin());
   } else {
-    size_t onPath = 0, stray = 0;
-    for (size_t i = 0; i < count; ++i) {
+    b.covered.resize(size);
+    b.firsts.resize(size);
+    b.behind.assign(b.further.begin(), b.further.end());
+    uint32_t first = 0;
+    for (size_t j = 0; j < size; ++j) {
+      b.covered[j] = b.layout.rows[j] * width + b.layout.columns[j];
+      b.firsts[j] = first;
+      first += 1u + b.further[j];
+    }
+    uint32_t layer = 0;
+    do {
+      if (layer > 0)
+        if (DecodeError error = b.unpackLayer(reader, frame, rows, b.layerMask, 0, coding)) return error;
+      for (size_t j = 0; j < b.covered.size(); ++j) {
+        onPath[b.firsts[j] + layer] = b.positions[j];
+        pathColors[b.firsts[j] + layer] = b.colors[j];
+      }
+      if (!pathLayers.empty())
+        for (const uint32_t begin : b.firsts) pathLayers[begin + layer] = static_cast<uint8_t>(layer);
+      ++layer;
+    } while (b.goBehind(width, rows, rowBytes));
+  }
+  if (reader.ranOut() || reader.left() > 0) return "a band is longer or shorter than it should be";
+
+  if (strayCount > 0) {
+    // From the end: layers on paths move to where they belong within the same memory.
+    size_t path = count - strayCount, stray = strayCount;
+    for (size_t i = count; i-- > 0;) {
       const bool isStray = b.isStray[i / 8] >> i % 8 & 1;
-      samples[i] = isStray ? b.strays[stray] : b.positions[onPath];
-      colors[i] = b.colors[isStray ? size + stray : onPath];
-      ++(isStray ? stray : onPath);
+      --(isStray ? stray : path);
+      samples[i] = isStray ? b.strays[stray] : b.onPath[path];
+      colors[i] = isStray ? b.strayColors[stray] : b.pathColors[path];
+      if (!layers.empty()) layers[i] = isStray ? b.strayLayers[stray] : pathLayers[path];
     }
   }
   if (hashSamples(samples) != hash)

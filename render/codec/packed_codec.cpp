@@ -11,6 +11,7 @@
 
 #include "render/codec/bytes.h"
 #include "render/codec/packed_band.h"
+#include "render/codec/plane_coding.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
@@ -19,7 +20,6 @@ namespace {
 constexpr uint32_t kBandPixels = 1 << 17;
 constexpr size_t kLooseBandSamples = 1 << 16;
 constexpr size_t kGrain = 1 << 14;  // samples
-constexpr uint32_t kMostInPixel = 256;
 constexpr size_t kProbes = 256;
 
 /// How a frame is cut: whole rows, a multiple of a JPEG block's; or, where placement is loose, any samples.
@@ -36,8 +36,9 @@ class Bands {
   }
 
   size_t count() const { return count_; }
+  bool isLoose() const { return placement_ == Placement::loose; }
   BandRows rows(size_t band) const {
-    if (placement_ == Placement::loose) return {};
+    if (isLoose()) return {};
     const auto first = static_cast<uint32_t>(band) * rows_;
     return {placement_, first, std::min(rows_, height_ - first)};
   }
@@ -79,22 +80,56 @@ bool areAllAscending(std::span<const uint32_t> pixels) {
   return areAll;
 }
 
-/// Takes samples that are not in the order of pixels out of their pixels. Returns how many are left.
-size_t keepOrdered(TransferVector<uint32_t>& pixels) {
-  size_t kept = 0;
-  uint32_t last = 0, inPixel = 0;
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    const uint32_t pixel = pixels[i];
+/// Gives all samples of a ray the pixel of its farthest, whose direction quantisation changes least. `layers` is of all samples.
+void shareAlongRays(std::span<const uint8_t> layers, TransferVector<uint32_t>& pixels) {
+  parallelForRanges(pixels.size(), kGrain, [&](size_t begin, size_t end) {
+    const uint8_t* const layer = layers.data();
+    uint32_t* const pixel = pixels.data();
+    const size_t count = pixels.size();
+    // Rays belong to the range that they begin in.
+    while (begin < end && layer[begin] != 0) ++begin;
+    for (size_t first = begin; first < end;) {
+      size_t past = first + 1;
+      while (past < count && layer[past] != 0) ++past;
+      const uint32_t farthest = pixel[past - 1];
+      for (size_t i = first; i < past; ++i) pixel[i] = farthest;
+      first = past;
+    }
+  });
+}
+
+/// Whether every ray has a pixel, of its own and after the one before; in parallel. Without layers every sample is a ray.
+bool areRaysAscending(std::span<const uint32_t> pixels, std::span<const uint8_t> layers) {
+  if (layers.empty()) return areAllAscending(pixels);
+  std::atomic<bool> areAll = pixels.front() != kNoSample;
+  parallelForRanges(pixels.size() - 1, kGrain, [&](size_t begin, size_t end) {
+    bool isOutOfOrder = false;
+    for (size_t i = begin; i < end; ++i)
+      isOutOfOrder |= (pixels[i + 1] == kNoSample) | ((layers[i + 1] == 0) & (pixels[i] >= pixels[i + 1]));
+    if (isOutOfOrder) areAll = false;
+  });
+  return areAll;
+}
+
+/// Takes rays that are not in the order of pixels out of their pixels. Without layers every sample is a ray, and several may share a pixel.
+/// Returns how many samples are left.
+size_t keepOrdered(TransferVector<uint32_t>& pixels, std::span<const uint8_t> layers) {
+  size_t kept = 0, inPixel = 0;
+  uint32_t last = 0;
+  for (size_t first = 0, past = 0; first < pixels.size(); first = past) {
+    past = endOfRay(layers, first);
+    const uint32_t pixel = pixels[first];
     if (pixel == kNoSample) continue;
     // One that lies far ahead would put all that follow out of order: then it is the one that does not belong.
-    const bool isAhead = i + 1 < pixels.size() && pixels[i + 1] < pixel && pixels[i + 1] >= last;
-    if (pixel < last || isAhead || (pixel == last && inPixel == kMostInPixel)) {
-      pixels[i] = kNoSample;
+    const bool isAhead = past < pixels.size() && pixels[past] < pixel && pixels[past] >= last;
+    const bool isFull = pixel == last && inPixel > 0 && (!layers.empty() || inPixel == kMaxLayers);
+    if (pixel < last || isAhead || isFull) {
+      std::fill(pixels.begin() + static_cast<ptrdiff_t>(first), pixels.begin() + static_cast<ptrdiff_t>(past), kNoSample);
       continue;
     }
-    inPixel = pixel == last ? inPixel + 1 : 1;
+    inPixel = (pixel == last ? inPixel : 0) + (past - first);
     last = pixel;
-    ++kept;
+    kept += past - first;
   }
   return kept;
 }
@@ -104,9 +139,11 @@ class PackedCodec final : public Codec {
   void encode(const SampleFrame& frame, const CodecSettings& settings, std::vector<std::byte>& payload) override {
     Placement placement = Placement::loose;
     if (canPlace(frame) && frame.size() > 0) {
+      const std::span<const uint8_t> layers = frame.layers();
       findPixels(frame, pixels_);
-      isAscending_ = areAllAscending(pixels_);  // as marchers give them
-      if (isAscending_ || 2 * keepOrdered(pixels_) > frame.size()) placement = bestPlacement(frame);
+      if (!layers.empty()) shareAlongRays(layers, pixels_);
+      isInOrder_ = areRaysAscending(pixels_, layers);  // as marchers give them
+      if (isInOrder_ || 2 * keepOrdered(pixels_, layers) > frame.size()) placement = bestPlacement(frame);
     }
     Bands bands(frame.camera, placement, frame.size());
     if (!cut(frame, bands)) {
@@ -150,7 +187,7 @@ class PackedCodec final : public Codec {
     ends_.clear();
     for (size_t band = 0; band < bands.count(); ++band) {
       const size_t length = list.take<uint32_t>(), samples = list.take<uint32_t>();
-      if (samples > kMaxBandSamples) return "a band of the packed payload has too many samples";
+      if (samples > mostSamples(frame.camera, bands.rows(band))) return "a band of the packed payload has too many samples";
       if (length < kLeastBandBytes) return "a band of the packed payload is shorter than its head";
       starts_.push_back(starts_.back() + length);
       ends_.push_back((ends_.empty() ? 0 : ends_.back()) + samples);
@@ -160,6 +197,12 @@ class PackedCodec final : public Codec {
 
     frame.samples.resize(count);
     frame.colors.resize(count);
+    std::span<uint8_t> layers;
+    for (SamplePlane& plane : frame.planes) {
+      if (!isImplied(plane)) continue;
+      plane.values.resize(count);
+      layers = {reinterpret_cast<uint8_t*>(plane.values.data()), count};
+    }
     const std::span<const std::byte> all = reader.take(reader.left());
     std::mutex mutex;
     DecodeError firstError;
@@ -168,7 +211,8 @@ class PackedCodec final : public Codec {
       for (size_t band = begin; band < end; ++band) {
         const size_t from = band > 0 ? ends_[band - 1] : 0, samples = ends_[band] - from;
         DecodeError error = packers_.local().unpack(all.subspan(starts_[band], starts_[band + 1] - starts_[band]), frame, bands.rows(band), coding,
-                                                    {frame.samples.data() + from, samples}, {frame.colors.data() + from, samples});
+                                                    {frame.samples.data() + from, samples}, {frame.colors.data() + from, samples},
+                                                    layers.empty() ? layers : layers.subspan(from, samples));
         if (!error) continue;
         const std::scoped_lock lock(mutex);
         if (band >= firstErrorBand) continue;
@@ -179,7 +223,24 @@ class PackedCodec final : public Codec {
     return firstError;
   }
 
+  void encodePlane(const SampleFrame& frame, const SamplePlane& plane, std::vector<std::byte>& payload) override {
+    if (!isImplied(plane)) appendPlane(payload, plane, frame.layers());
+  }
+
+  DecodeError decodePlane(std::span<const std::byte> bytes, const SampleFrame& frame, SamplePlane& plane) override {
+    if (!isImplied(plane)) return takePlane(bytes, frame.size(), frame.layers(), plane);
+    if (!bytes.empty()) return "the plane \"" + plane.name + "\" of a packed payload has bytes";
+    return std::nullopt;
+  }
+
  private:
+  /// What the bands say already.
+  static bool isImplied(const SamplePlane& plane) { return plane.name == kLayerPlane && plane.element == PlaneElement::uint8; }
+
+  static size_t mostSamples(const Camera& camera, const BandRows& rows) {
+    return kMaxBandStrays + kMaxLayers * size_t{rows.count} * (rows.count > 0 ? camera.width : 0);
+  }
+
   /// Steps, if a look at some samples says that they lie on them.
   Placement bestPlacement(const SampleFrame& frame) const {
     TransferVector<uint32_t> columns, rows;
@@ -206,7 +267,7 @@ class PackedCodec final : public Codec {
     return Placement::axis;
   }
 
-  /// Sets ends_ to the end of each band's samples. False if a band would have too many.
+  /// Sets ends_ to the end of each band's samples. False if a band would have too many strays.
   bool cut(const SampleFrame& frame, const Bands& bands) {
     ends_.assign(bands.count(), frame.size());
     const size_t whole = bands.count();
@@ -218,7 +279,7 @@ class PackedCodec final : public Codec {
       const BandRows rows = bands.rows(band);
       const uint32_t endPixel = (rows.first + rows.count) * frame.camera.width;
       size_t at = band > 0 ? ends_[band - 1] : 0;
-      if (isAscending_) {
+      if (isInOrder_) {
         ends_[band] = static_cast<size_t>(std::lower_bound(pixels_.begin() + static_cast<ptrdiff_t>(at), pixels_.end(), endPixel) - pixels_.begin());
         continue;
       }
@@ -226,13 +287,16 @@ class PackedCodec final : public Codec {
       while (at < frame.size() && (pixels_[at] == kNoSample || pixels_[at] < endPixel)) ++at;
       ends_[band] = at;
     }
-    for (size_t band = 0; band < whole; ++band)
-      if (ends_[band] - (band > 0 ? ends_[band - 1] : 0) > kMaxBandSamples) return false;
+    if (isInOrder_ || bands.isLoose()) return true;
+    for (size_t band = 0; band < whole; ++band) {
+      const auto begin = pixels_.begin() + static_cast<ptrdiff_t>(band > 0 ? ends_[band - 1] : 0);
+      if (static_cast<size_t>(std::count(begin, pixels_.begin() + static_cast<ptrdiff_t>(ends_[band]), kNoSample)) > kMaxBandStrays) return false;
+    }
     return true;
   }
 
   TransferVector<uint32_t> pixels_;           // of each sample
-  bool isAscending_ = false;                  // pixels_
+  bool isInOrder_ = false;                    // pixels_: areRaysAscending()
   std::vector<size_t> starts_, ends_;         // of bands: first byte; sample after the last
   std::vector<std::vector<std::byte>> packed_;
   tbb::enumerable_thread_specific<BandPacker> packers_;

@@ -2,6 +2,7 @@
 // After an idea of Zellmann 2020, whose samples are quantised to 64 bits; that their pixels' rays say most of these is ours.
 //
 // Bytes: placement (1), colour coding (1), for each band its length (4) and number of samples (4), bands (packed_band.h).
+// Of planes: plane_coding.h. kLayerPlane has none: the numbers of samples a pixel say it.
 #pragma once
 
 #include "render/codec/codec.h"

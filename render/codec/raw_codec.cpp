@@ -1,4 +1,4 @@
-// 12 bytes a sample.
+// 12 bytes a sample, and what its planes take.
 // See raw_codec.h.
 #include "render/codec/raw_codec.h"
 
@@ -38,6 +38,19 @@ class RawCodec final : public Codec {
         frame.colors[i] = loadLittle<Rgba8>(place + 8);
       }
     });
+    return std::nullopt;
+  }
+
+  void encodePlane(const SampleFrame&, const SamplePlane& plane, std::vector<std::byte>& payload) override {
+    payload.insert(payload.end(), plane.values.begin(), plane.values.end());
+  }
+
+  DecodeError decodePlane(std::span<const std::byte> bytes, const SampleFrame& frame, SamplePlane& plane) override {
+    const size_t wanted = frame.size() * bytesOf(plane.element);
+    if (bytes.size() != wanted)
+      return "the plane \"" + plane.name + "\" of " + std::to_string(frame.size()) + " samples must have " + std::to_string(wanted) +
+             " bytes in a raw payload, not " + std::to_string(bytes.size());
+    plane.values.assign(bytes.begin(), bytes.end());
     return std::nullopt;
   }
 };

@@ -1,4 +1,4 @@
-// Samples as they are: 8 bytes of core/sample.h and 4 of colour each, little-endian, in order.
+// Samples as they are: 8 bytes of core/sample.h and 4 of colour each, little-endian, in order; planes value by value.
 // The seed format (Zellmann 2020), for comparison and for receivers without a decompressor.
 #pragma once
 

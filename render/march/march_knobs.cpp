@@ -126,6 +126,22 @@ constinit const Knob kRadiusScaleKnob{.key = "radiusScale",
                             .phrase = " x {}",
                             .naming = KnobNaming::unlessDefault};
 
+constinit const Knob kSamplesPerRayKnob{.key = "samplesPerRay",
+                                        .option = "--samples-per-ray",
+                                        .label = "Samples",
+                                        .noun = "number of samples a ray",
+                                        .help = "How many samples a ray yields at most: its opacity in so many equal parts, a sample each",
+                                        .unit = " a ray",
+                                        .type = KnobType::whole,
+                                        .owner = KnobOwner::sampling,
+                                        .stale = KnobStage::march,
+                                        .range = kSamplesPerRayRange,
+                                        .track = kSamplesPerRayRange,
+                                        .defaultValue = static_cast<double>(kSample.samplesPerRay),
+                                        .axis = {"sampleCounts", "--sample-counts", "Samples that a ray yields at most"},
+                                        .phrase = ", {} samples a ray",
+                                        .naming = KnobNaming::unlessDefault};
+
 std::span<const MarchKnob> marchKnobs() {
   static const MarchKnob kRows[] = {
       {{&kHeuristicKnob, [](const MarchSettings& s) { return place(s.sample.heuristic); },
@@ -143,6 +159,10 @@ std::span<const MarchKnob> marchKnobs() {
       {{&kRadiusScaleKnob, [](const MarchSettings& s) { return double{s.sample.radiusScale}; },
         [](MarchSettings& s, double value) { s.sample.radiusScale = static_cast<float>(value); }},
        FramePart::radius,
+       always},
+      {{&kSamplesPerRayKnob, [](const MarchSettings& s) { return static_cast<double>(s.sample.samplesPerRay); },
+        [](MarchSettings& s, double value) { s.sample.samplesPerRay = static_cast<int>(value); }},
+       FramePart::samples,
        always},
       {{&kStepKnob, [](const MarchSettings& s) { return double{s.render.step}; },
         [](MarchSettings& s, double value) { s.render.step = static_cast<float>(value); }},

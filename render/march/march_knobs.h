@@ -15,6 +15,7 @@ enum class FramePart {
   picture,  ///< all of it, and the ground truth too
   depth,    ///< where samples lie
   radius,   ///< how large they are
+  samples,  ///< how many there are, and with it all that is drawn of them
 };
 
 struct MarchKnob : KnobRow<MarchSettings> {
@@ -27,6 +28,6 @@ struct MarchKnob : KnobRow<MarchSettings> {
 std::span<const MarchKnob> marchKnobs();
 
 extern const Knob kStepKnob, kContributionKnob, kSkipEmptyKnob, kTerminateEarlyKnob;
-extern const Knob kHeuristicKnob, kThresholdKnob, kRadiusKnob, kRadiusScaleKnob;
+extern const Knob kHeuristicKnob, kThresholdKnob, kRadiusKnob, kRadiusScaleKnob, kSamplesPerRayKnob;
 
 }  // namespace warpscope

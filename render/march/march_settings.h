@@ -63,6 +63,7 @@ struct SampleSettings {
   float threshold = 0.8f;          ///< parameter of `threshold` and `rel-threshold`
   RadiusPolicy radiusPolicy = RadiusPolicy::voxel;
   float radiusScale = 1.0f;        ///< factor on the policy's radius
+  int samplesPerRay = 1;           ///< at most
 
   bool operator==(const SampleSettings&) const = default;
 };
@@ -80,6 +81,7 @@ inline constexpr Range kStepRange{1e-3, 1e3};
 inline constexpr Range kRadiusScaleRange{1e-3, 1e3};
 inline constexpr Range kContributionRange{1e-6, 0.5};
 inline constexpr Range kThresholdRange{1e-3, 1.0};
+inline constexpr Range kSamplesPerRayRange{1, 8};
 
 /// Each throws UsageError naming the setting that is out of range.
 void validate(const RenderSettings& settings);

@@ -1,5 +1,6 @@
-// Which of a frame's samples is seen in each pixel of the frame's own picture.
-// A frame does not say which pixel a sample came from, but its camera does; of several that share a pixel the nearest is seen.
+// What is seen in each pixel of a frame's own picture: the rays of its samples, and their colours.
+// A frame does not say which pixel a ray went through, but its camera does: the one that the ray's farthest sample lies in, whose direction
+// quantisation changes least. Of several rays that share a pixel the one whose first sample is nearest is seen.
 #pragma once
 
 #include "render/core/image.h"
@@ -7,7 +8,11 @@
 
 namespace warpscope {
 
-/// An image of the size of the frame's camera: index of the sample, kNoSample where there is none.
+/// An image of the size of the frame's camera: index of the first sample of the ray that is seen, kNoSample where there is none.
 Image<uint32_t> ownPicture(const SampleFrame& frame);
+
+/// Gives every pixel the colours of its ray's samples over one another, linear and premultiplied, 0 where there is none; resizes `color`.
+/// `rays` holds indices of rays' first samples, as ownPicture() does.
+void resolveRayColors(const SampleFrame& frame, const Image<uint32_t>& rays, Image<glm::vec4>& color);
 
 }  // namespace warpscope

@@ -1,14 +1,19 @@
 // What a server sends for one camera: the samples that its rays found, without the pixels that found nothing.
-// The format is explained in core/sample.h; frames keep no link to the pixel a sample came from but the order.
+// The format is explained in core/sample.h. A ray may have found several: they follow one another, near to far, and the plane `layer` says
+// which are of one ray. Without that plane every sample is its ray's only one. Frames keep no link to the pixel of a ray but the order.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "render/core/camera.h"
 #include "render/core/sample.h"
 #include "render/core/transfer_vector.h"
 #include "render/march/march_settings.h"
+#include "render/march/sample_planes.h"
 
 namespace warpscope {
 
@@ -27,14 +32,38 @@ struct SampleFrame {
   float voxelRadius = 1.0f;  ///< half the diagonal of a voxel, volume units: with the settings it tells how large a sample should be
   ServerTimings timings;
 
-  TransferVector<PackedSample> samples;  ///< in pixel order, row by row; no code is 0
-  TransferVector<Rgba8> colors;          ///< one for each sample
+  TransferVector<PackedSample> samples;  ///< in the order of their rays' pixels, row by row; near to far of a ray; no code is 0
+  TransferVector<Rgba8> colors;          ///< one for each sample: of several of a ray, those over one another are the ray's
+  std::vector<SamplePlane> planes;       ///< kLayerPlane among them if a ray has more than one sample
 
   size_t size() const { return samples.size(); }
   /// What the frame's samples take on the wire in this format.
-  size_t sizeBytes() const { return samples.size() * (sizeof(PackedSample) + sizeof(Rgba8)); }
+  size_t sizeBytes() const {
+    size_t bytes = samples.size() * (sizeof(PackedSample) + sizeof(Rgba8));
+    for (const SamplePlane& plane : planes) bytes += plane.values.size();
+    return bytes;
+  }
   Sphere sphere(size_t i) const { return unpackSample(samples[i], quantization); }
+  /// Null if the frame has none of that name.
+  const SamplePlane* plane(std::string_view name) const {
+    for (const SamplePlane& plane : planes)
+      if (plane.name == name) return &plane;
+    return nullptr;
+  }
+  /// The values of kLayerPlane; empty if every sample is its ray's only one.
+  std::span<const uint8_t> layers() const {
+    const SamplePlane* const plane = this->plane(kLayerPlane);
+    if (plane == nullptr || plane->element != PlaneElement::uint8) return {};
+    return {reinterpret_cast<const uint8_t*>(plane->values.data()), plane->values.size()};
+  }
 };
+
+/// One past the last sample of the ray whose first is `first`. `layers` as SampleFrame::layers() gives them.
+inline size_t endOfRay(std::span<const uint8_t> layers, size_t first) {
+  size_t end = first + 1;
+  while (end < layers.size() && layers[end] != 0) ++end;
+  return end;
+}
 
 using SampleFramePtr = std::shared_ptr<const SampleFrame>;
 

@@ -32,12 +32,12 @@ class HoldWarp final : public Warp {
         }
       }
     });
-    resolveColors(*frame_, image.samples, image.color);
+    resolveRayColors(*frame_, image.samples, image.color);
   }
 
  private:
   SampleFramePtr frame_;
-  Image<uint32_t> pixels_;  // sample seen in each pixel of the frame's own image
+  Image<uint32_t> pixels_;  // first sample of the ray seen in each pixel of the frame's own image
 };
 
 std::unique_ptr<Warp> makeHoldWarp(const WarpResources&) {

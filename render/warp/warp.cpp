@@ -54,6 +54,7 @@ bool WarpDescriptor::dependsOn(const MarchKnob& knob) const {
     case FramePart::picture: return true;
     case FramePart::depth: return uses.depth;
     case FramePart::radius: return uses.radius;
+    case FramePart::samples: return usesFrame;
   }
   return true;
 }

@@ -1,5 +1,5 @@
 // Payloads made up by libFuzzer: whatever they hold, decoding answers with a sentence or with as many samples as were asked for.
-// The first bytes choose format, camera and count; the hash is put right, so that what lies behind it is reached.
+// The first bytes choose format, camera, planes and count; the hash is put right, so that what lies behind it is reached.
 #include <cstdint>
 #include <cstdlib>
 #include <span>
@@ -24,6 +24,9 @@ SampleFrame headFrom(ByteReader& reader) {
   if (choices & 4) head.camera.width *= 40;
   if (choices & 8) head.settings.render.step = 0.01f;
   if (choices & 16) head.quantization.bounds.upper.x = -8.0f;
+  if (choices & 32) head.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, {}});
+  if (choices & 64) head.planes.push_back({"future", PlaneElement::uint16, {}});
+  if (choices & 128) head.planes.push_back({std::string(kExtentPlane), PlaneElement::float32, {}});
   return head;
 }
 
@@ -43,7 +46,15 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
 
   static FrameCodec codec;  // its buffers are used again, as in a session
   const DecodeError error = codec.decode(payload, count, frame, {size_t{1} << 16, size_t{1} << 20});
-  if (error ? error->empty() || !frame.samples.empty() || !frame.colors.empty() : frame.samples.size() != count || frame.colors.size() != count)
-    std::abort();
+  if (error && error->empty()) std::abort();
+  const size_t expected = error ? 0 : count;
+  if (frame.samples.size() != expected || frame.colors.size() != expected) std::abort();
+  for (const SamplePlane& plane : frame.planes) {
+    if (plane.values.size() != expected * bytesOf(plane.element)) std::abort();
+    if (!error && !isKnown(plane.name, plane.element)) std::abort();
+  }
+  const std::span<const uint8_t> layers = frame.layers();
+  for (size_t i = 0; i < layers.size(); ++i)
+    if (layers[i] != 0 && (i == 0 || layers[i] != layers[i - 1] + 1)) std::abort();
   return 0;
 }

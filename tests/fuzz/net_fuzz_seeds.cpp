@@ -52,11 +52,15 @@ int main(int argc, char** argv) {
   scene.name = "fish";
   scene.title = "A fish";
   scene.views.resize(2);
+  scene.settings = {{"step", "0.5"}, {"heuristic", "gradient"}, {"samplesPerRay", "4"}};
   FrameRequest first, second;
+  first.settings = scene.settings;
   first.id = 1;
   second.id = 2;
   FrameHead head;
   head.id = 1;
+  head.settings = scene.settings;
+  head.planes = {{"layer", 0}, {"extent", 2}, {"future", 200}};
   const Bytes failure = failureMessage({2, "sorry"}), beat = beatMessage(MessageType::ping, 7), pong = beatMessage(MessageType::pong, 7);
   const Bytes frame = frameMessage(head, 100) + Bytes(100, std::byte{7});
   Bytes anyHead;

@@ -39,7 +39,7 @@ Bytes headOf(MessageType type, uint32_t bodyBytes) {
 }
 
 TEST_F(FaultsClient, LengthsThatCannotBeEndTheConnection) {
-  for (const uint32_t length : {0u, static_cast<uint32_t>(kFrameHeadBytes) - 1, static_cast<uint32_t>(kMaxFrameBytes) + 1, 0xffffffffu})
+  for (const uint32_t length : {0u, static_cast<uint32_t>(kLeastFrameHeadBytes) - 1, static_cast<uint32_t>(kMaxFrameBytes) + 1, 0xffffffffu})
     EXPECT_THAT(sentenceAfter(headOf(MessageType::frame, length)), HasSubstr("announced a frame of " + std::to_string(length) + " bytes"));
   EXPECT_THAT(sentenceAfter(headOf(MessageType::frame, 1001), 1000), HasSubstr("announced a frame of 1001 bytes"));
   for (const uint32_t length : {static_cast<uint32_t>(kMaxFailureBytes) + 1, 0x80000000u, 0xffffffffu})
@@ -77,7 +77,7 @@ TEST_F(FaultsClient, LengthsAloneTakeNoMemory) {
   client_->request(requestOf(1));
   ASSERT_TRUE(nextRequest(socket));
   const size_t before = memoryBytes();
-  ASSERT_TRUE(socket.send(frameMessage(net::headOf(1), kMaxFrameBytes - kFrameHeadBytes) + Bytes(100'000)));
+  ASSERT_TRUE(socket.send(frameMessage(net::headOf(1), kMaxFrameBytes - kLeastFrameHeadBytes) + Bytes(100'000)));
   std::this_thread::sleep_for(50ms);
   if (!kIsSanitized) {
     EXPECT_LT(memoryBytes(), before + (4 << 20)) << "what is announced is not allocated before it comes";
@@ -92,7 +92,7 @@ TEST_F(FaultsClient, FramesThatNobodyAskedForEndTheConnection) {
   EXPECT_THAT(sentenceAfter(wholeFrame(1, 10) + wholeFrame(1, 10)), HasSubstr(wanted)) << "twice";
   EXPECT_THAT(sentenceAfter(wholeFrame(1, 10) + failureMessage({1, "no"})), HasSubstr(wanted));
   // Before its payload has come, of which there could be much.
-  EXPECT_THAT(sentenceAfter(frameMessage(net::headOf(2), kMaxFrameBytes - kFrameHeadBytes)), HasSubstr(wanted));
+  EXPECT_THAT(sentenceAfter(frameMessage(net::headOf(2), kMaxFrameBytes - kLeastFrameHeadBytes)), HasSubstr(wanted));
 }
 
 TEST_F(FaultsClient, AnswersInAnotherOrderEndTheConnection) {
@@ -264,7 +264,7 @@ TEST_F(FaultsClient, DepthsAreBroughtIntoTheirRange) {
   const std::optional<ClientHello> hello = readClientHello(socket.receive(kClientHelloBytes));
   ASSERT_TRUE(hello);
   EXPECT_EQ(hello->depth, 1);
-  EXPECT_EQ(hello->maxFrameBytes, kFrameHeadBytes);
+  EXPECT_EQ(hello->maxFrameBytes, kLeastFrameHeadBytes);
 }
 
 TEST_F(FaultsClient, MoreDepthTakesAnotherConnectionAtOnce) {

@@ -136,7 +136,7 @@ TEST_F(FaultsServer, LengthsThatCannotBeEndTheConnection) {
   const Answering answering(server, 10);
   const size_t before = memoryBytes();
   for (const MessageType type : {MessageType::request, MessageType::ping, MessageType::pong})
-    for (const uint32_t length : {0u, 7u, 9u, static_cast<uint32_t>(kRequestBytes) - 1, static_cast<uint32_t>(kRequestBytes) + 1, 1u << 30, 0x7fffffffu,
+    for (const uint32_t length : {0u, 7u, 9u, static_cast<uint32_t>(kLeastRequestBytes) - 1, static_cast<uint32_t>(kMaxRequestBytes) + 1, 1u << 30, 0x7fffffffu,
                                   0x80000000u, 0xffffffffu}) {
       BareSocket socket = greetedClient(server);
       ASSERT_TRUE(socket.isOpen());
@@ -218,7 +218,7 @@ TEST_F(FaultsServer, GarbageEndsTheConnection) {
     Bytes garbage(1 + random() % 3000);
     for (std::byte& byte : garbage) byte = static_cast<std::byte>(random());
     // In every other round behind a head that promises a request.
-    if (round % 2 == 0) garbage = headOf(MessageType::request, kRequestBytes) + garbage;
+    if (round % 2 == 0) garbage = headOf(MessageType::request, kLeastRequestBytes) + garbage;
     socket.send(garbage);
     socket.endWriting();
     EXPECT_TRUE(socket.isEnded());
