@@ -141,7 +141,7 @@ TEST(SweepRow, ComesBackFromJson) {
   row.errors.ssim = -0.5;
   row.errors.holeFraction = 0.0625;
   row.disoccludedFraction = 0.5;
-  row.cost = {1234, 5678, {1, 2}, {3, 4}, {5, 6}, {7, 8}, {9, 10}, {11, 12}};
+  row.cost = {1234, 5678, {1, 2}, {3, 4}, {5, 6}, {7, 8}, {9, 10}, {11, 12}, {13, 14}};
   for (const bool isMoving : {false, true}) {
     if (isMoving) {
       row.link = "delay=100";
@@ -153,10 +153,19 @@ TEST(SweepRow, ComesBackFromJson) {
     const nlohmann::json json = toJson(row);
     const JsonDocument document(json.dump(), "row");
     EXPECT_EQ(toJson(sweepRowFrom(document.root(), {})), json);
-    EXPECT_EQ(json["frameMs"], 9.0 + 11.0 + 3.0);
+    EXPECT_EQ(json["frameMs"], 9.0 + 11.0 + 13.0 + 3.0);
     EXPECT_EQ(json["serverMs"], 1.0 + 3.0 + 5.0 + 7.0);
     EXPECT_TRUE(json["psnrDb"].is_null());
   }
+}
+
+TEST(SweepRow, OfASweepThatCountedUploadsAsBuilds) {
+  nlohmann::json json = toJson(rowOf("spheres", Heuristic::gradient, 0.0, 0.1, 3.0));
+  json["buildMs"] = 5.0;
+  json.erase("uploadMs");
+  json.erase("uploadSpreadMs");
+  const JsonDocument document(json.dump(), "row");
+  EXPECT_EQ(sweepRowFrom(document.root(), {}).frameMs(), 8.0);
 }
 
 TEST(SweepRow, AsCsvHasAFieldForEachColumn) {

@@ -42,10 +42,10 @@ Json toJson(const TechniqueBenchmark& technique, const Scene& scene) {
                      {"drawSpreadMs", technique.views[i].draw.spreadMs},
                      {"fps", technique.views[i].framesPerSecond()}});
   return {{"technique", technique.technique->name},
-          {"buildMs", technique.build.medianMs},
-          {"buildSpreadMs", technique.build.spreadMs},
-          {"uploadMs", technique.upload.medianMs},
-          {"firstPictureMs", technique.firstPicture.medianMs},
+          {"buildMs", technique.first.build.build.medianMs},
+          {"buildSpreadMs", technique.first.build.build.spreadMs},
+          {"uploadMs", technique.first.build.upload.medianMs},
+          {"firstPictureMs", technique.first.firstPicture.medianMs},
           {"views", views}};
 }
 
@@ -54,17 +54,18 @@ Json toJson(const BackendBenchmark& result, const Scene& scene) {
   for (const TechniqueBenchmark& technique : result.techniques) techniques.push_back(toJson(technique, scene));
   Json json{{"device", deviceText(result.backend)},
             {"backend", nameOf(result.backend)},
-            {"samples", result.samples},
-            {"marchMs", result.march.medianMs},
-            {"marchSpreadMs", result.march.spreadMs},
-            {"compactMs", result.compact.medianMs},
-            {"compactSpreadMs", result.compact.spreadMs},
-            {"copyMs", result.copy.medianMs},
-            {"serverMs", result.server.medianMs},
-            {"encodeMs", result.encode.medianMs},
-            {"encodeSpreadMs", result.encode.spreadMs},
-            {"decodeMs", result.decode.medianMs},
-            {"bytes", result.bytes},
+            {"samples", result.samples()},
+            {"marchMs", result.march.march.medianMs},
+            {"marchSpreadMs", result.march.march.spreadMs},
+            {"compactMs", result.march.compact.medianMs},
+            {"compactSpreadMs", result.march.compact.spreadMs},
+            {"copyMs", result.march.copy.medianMs},
+            {"samplesMs", result.march.samples.medianMs},
+            {"serverMs", result.serverMs()},
+            {"encodeMs", result.coding.encode.medianMs},
+            {"encodeSpreadMs", result.coding.encode.spreadMs},
+            {"decodeMs", result.coding.decode.medianMs},
+            {"bytes", result.coding.bytes},
             {"rawBytes", result.rawBytes},
             {"techniques", techniques}};
   // What Table 1 holds, for the paper's method.
@@ -79,16 +80,16 @@ Json toJson(const BackendBenchmark& result, const Scene& scene) {
 
 void printResult(const BackendBenchmark& result, const Scene& scene) {
   std::fprintf(stderr, "\n%s (%s), %zu samples\n", std::string(nameOf(result.backend)).c_str(), deviceText(result.backend).c_str(),
-               result.samples);
-  std::fprintf(stderr, "  march %.3f ms, compaction %.3f ms, copy %.3f ms; camera to samples %.3f ms\n", result.march.medianMs,
-               result.compact.medianMs, result.copy.medianMs, result.server.medianMs);
+               result.samples());
+  std::fprintf(stderr, "  march %.3f ms, compaction %.3f ms, copy %.3f ms; camera to samples %.3f ms\n", result.march.march.medianMs,
+               result.march.compact.medianMs, result.march.copy.medianMs, result.march.samples.medianMs);
   std::fprintf(stderr, "  encoding on the CPU %.1f ms, decoding %.1f ms; %.2f MB on the wire, %.2f MB as samples of 12 bytes\n",
-               result.encode.medianMs, result.decode.medianMs, static_cast<double>(result.bytes) * 1e-6,
+               result.coding.encode.medianMs, result.coding.decode.medianMs, static_cast<double>(result.coding.bytes) * 1e-6,
                static_cast<double>(result.rawBytes) * 1e-6);
   std::fprintf(stderr, "  %-10s %9s %9s %9s   pictures a second in each view\n", "", "upload ms", "build ms", "first ms");
   for (const TechniqueBenchmark& technique : result.techniques) {
-    std::fprintf(stderr, "  %-10s %9.3f %9.3f %9.3f  ", std::string(technique.technique->name).c_str(), technique.upload.medianMs,
-                 technique.build.medianMs, technique.firstPicture.medianMs);
+    std::fprintf(stderr, "  %-10s %9.3f %9.3f %9.3f  ", std::string(technique.technique->name).c_str(), technique.first.build.upload.medianMs,
+                 technique.first.build.build.medianMs, technique.first.firstPicture.medianMs);
     for (const BenchmarkView& view : technique.views) std::fprintf(stderr, " %8.1f", view.framesPerSecond());
     std::fputc('\n', stderr);
   }

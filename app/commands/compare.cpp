@@ -48,10 +48,11 @@ Json toJson(const ComparisonRow& row, const Comparison& comparison, const Comman
           {"ssim", row.ssim},
           {"flip", row.flip},
           {"holeFraction", row.holeFraction},
-          {"drawMs", row.drawMs},
-          {"drawSpreadMs", row.drawSpreadMs},
+          {"drawMs", row.draw.medianMs},
+          {"drawSpreadMs", row.draw.spreadMs},
           {"draws", row.draws},
-          {"buildMs", row.buildMs},
+          {"uploadMs", row.build.upload.medianMs},
+          {"buildMs", row.build.build.medianMs},
           {"samples", usesFrame ? comparison.frame->size() : 0},
           {"bytes", row.bytes}};
 }
@@ -90,11 +91,11 @@ Json toJson(const Comparison& comparison, const CommandContext& work, std::strin
 std::string captionOf(const ComparisonRow& row) {
   char text[80];
   if (!row.technique->usesFrame)
-    std::snprintf(text, sizeof text, "%.0f ms", row.drawMs);
+    std::snprintf(text, sizeof text, "%.0f ms", row.draw.medianMs);
   else if (std::isfinite(row.psnrDb))
-    std::snprintf(text, sizeof text, "%.1f dB, holes %.1f %%, %.0f ms", row.psnrDb, 100.0 * row.holeFraction, row.drawMs);
+    std::snprintf(text, sizeof text, "%.1f dB, holes %.1f %%, %.0f ms", row.psnrDb, 100.0 * row.holeFraction, row.draw.medianMs);
   else
-    std::snprintf(text, sizeof text, "identical, %.0f ms", row.drawMs);
+    std::snprintf(text, sizeof text, "identical, %.0f ms", row.draw.medianMs);
   return text;
 }
 
@@ -117,9 +118,9 @@ void printTable(const Comparison& comparison, const Scene& scene) {
       if (row.technique != &technique) continue;
       char text[80];
       if (std::isfinite(row.psnrDb))
-        std::snprintf(text, sizeof text, "%.1f dB %5.1f %% %4.0f", row.psnrDb, 100.0 * row.holeFraction, row.drawMs);
+        std::snprintf(text, sizeof text, "%.1f dB %5.1f %% %4.0f", row.psnrDb, 100.0 * row.holeFraction, row.draw.medianMs);
       else
-        std::snprintf(text, sizeof text, "identical %5.1f %% %4.0f", 100.0 * row.holeFraction, row.drawMs);
+        std::snprintf(text, sizeof text, "identical %5.1f %% %4.0f", 100.0 * row.holeFraction, row.draw.medianMs);
       table += padded(text, kCell);
     }
   }

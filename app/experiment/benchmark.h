@@ -8,34 +8,32 @@
 #include <string>
 #include <vector>
 
-#include "app/experiment/measured.h"
+#include "app/experiment/measuring.h"
 #include "app/scene/scene.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
 
 struct BenchmarkView {
-  Measured draw;  ///< camera to finished colours, in the memory of the backend that drew them
+  Measured draw;
   double framesPerSecond() const { return draw.medianMs > 0.0 ? 1000.0 / draw.medianMs : 0.0; }
 };
 
 struct TechniqueBenchmark {
   const WarpDescriptor* technique = nullptr;
-  Measured upload;  ///< frame to the device's memory; 0 on the CPU
-  Measured build;
-  Measured firstPicture;  ///< frame in host memory to the first picture, by the host's clock
+  MeasuredFirstPicture first;
   std::vector<BenchmarkView> views;
 };
 
 struct BackendBenchmark {
   Backend backend = Backend::cpu;
-  size_t samples = 0;
-  size_t rawBytes = 0;   ///< of the samples, 12 each
-  size_t bytes = 0;      ///< of the samples on the wire, packed, colours as JPEG
-  Measured encode, decode;
-  Measured march, compact, copy;
-  Measured server;  ///< camera to samples in host memory, by the host's clock
+  MeasuredMarch march;
+  MeasuredCoding coding;  ///< packed, colours as JPEG
+  size_t rawBytes = 0;    ///< of the samples, 12 each
   std::vector<TechniqueBenchmark> techniques;
+
+  size_t samples() const { return march.frame->size(); }
+  double serverMs() const { return march.march.medianMs + march.compact.medianMs + march.copy.medianMs + coding.encode.medianMs; }
 };
 
 struct BenchmarkSettings {

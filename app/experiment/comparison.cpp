@@ -2,15 +2,12 @@
 // See comparison.h.
 #include "app/experiment/comparison.h"
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <optional>
 
 #include "render/base/error.h"
-#include "render/base/stopwatch.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/picture_errors.h"
 
@@ -47,14 +44,14 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
   struct Contender {
     const WarpDescriptor* descriptor;
     std::unique_ptr<Warp> warp;
-    double buildMs;
+    MeasuredBuild build;
     size_t bytes;
   };
+  const Measuring measuring(settings.draws, stop);
   std::vector<Contender> contenders;
   for (const WarpDescriptor& descriptor : warpRegistry()) {
-    Contender contender{&descriptor, makeWarp(descriptor, resources), 0.0, 0};
-    contender.warp->setFrame(comparison.frame, settings.warp, stop);  // warms up: memory, threads, shaders
-    contender.buildMs = milliseconds([&] { contender.warp->setFrame(comparison.frame, settings.warp, stop); });
+    Contender contender{&descriptor, makeWarp(descriptor, resources), {}, 0};
+    contender.build = measureBuild(measuring, *contender.warp, comparison.frame, settings.warp);
     if (descriptor.usesFrame)
       contender.bytes = descriptor.name == "hold" ? pictureBytes(comparison.frame, scene.background, settings.codec) : comparison.served.bytes;
     contenders.push_back(std::move(contender));
@@ -67,13 +64,14 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
       onStep(std::string(contender.descriptor->name) + ", " + viewCaption(scene.views[view], scene.views.front()));
       const bool isReference = !contender.descriptor->usesFrame;
       WarpedImage& drawn = isReference ? reference : image;
-      const auto draw = [&] { contender.warp->draw(comparison.cameras[view], settings.warp, drawn, stop); };
-      std::vector<double> times;
-      if (!isReference) draw();
-      for (int i = 0; i < (isReference ? 1 : settings.draws); ++i) times.push_back(milliseconds(draw));
-      std::sort(times.begin(), times.end());
+      const Drawing drawing{*contender.warp, settings.warp, scene.background};
+      const Camera& camera = comparison.cameras[view];
+      const MeasuredDraw measured = isReference ? drawOnce(drawing, camera, drawn, stop) : measureDraw(measuring, drawing, camera, drawn);
+      if (measured.isOnDevice) contender.warp->draw(camera, settings.warp, drawn, stop);
 
       ComparisonRow row;
+      row.draw = measured.draw;
+      row.draws = isReference ? 1 : settings.draws;
       row.technique = contender.descriptor;
       row.view = view;
       if (isReference) {
@@ -87,11 +85,8 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
         row.flip = errors.flip;
         row.holeFraction = errors.holeFraction;
       }
-      row.drawMs = times[times.size() / 2];
-      row.drawSpreadMs = times.back() - times.front();
-      row.buildMs = contender.buildMs;
+      row.build = contender.build;
       row.bytes = contender.bytes;
-      row.draws = static_cast<int>(times.size());
       comparison.rows.push_back(row);
       onPicture(*contender.descriptor, view, drawn);
     }

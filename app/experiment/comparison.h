@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/experiment/measuring.h"
 #include "app/frames/frame_fetch.h"
 #include "app/scene/scene.h"
 #include "render/warp/warp.h"
@@ -21,11 +22,10 @@ struct ComparisonRow {
   double ssim = 1.0;    ///< likewise; 1 if equal
   double flip = 0.0;    ///< likewise; 0 if equal
   double holeFraction = 0.0;
-  double drawMs = 0.0;       ///< median of `draws`, from the camera to colours in host memory
-  double drawSpreadMs = 0.0; ///< longest minus shortest
-  double buildMs = 0.0;      ///< of what the technique derives from a frame, once a frame
-  size_t bytes = 0;          ///< on the wire: the frame's payload; for `hold` what its picture alone would take; 0 without a frame
-  int draws = 0;
+  Measured draw;        ///< see MeasuredDraw
+  MeasuredBuild build;  ///< once a frame, so the same in all views
+  size_t bytes = 0;     ///< on the wire: the frame's payload; for `hold` what its picture alone would take; 0 without a frame
+  int draws = 0;        ///< that were timed
 };
 
 struct Comparison {
@@ -42,7 +42,7 @@ struct ComparisonSettings {
   CodecSettings codec;   ///< that it was sent with
   uint32_t width = 0;
   uint32_t height = 0;
-  int draws = 3;  ///< timed, after one that is not; the reference is drawn once, because the march of the frame has warmed it up
+  int draws = 3;  ///< timed, after one that is not, and builds likewise; the reference is drawn once: the march of the frame has warmed it up
 };
 
 /// Runs the comparison. `onPicture` gets each picture as it is made: views in order, techniques in the registry's order, the reference

@@ -8,6 +8,8 @@
 #include <map>
 #include <numeric>
 
+#include "app/experiment/averages.h"
+
 namespace warpscope {
 namespace {
 
@@ -64,25 +66,23 @@ std::vector<size_t> paretoFront(const std::vector<CostAndError>& points) {
 
 std::vector<Summary> summariesOf(const std::vector<SweepRow>& rows) {
   std::vector<Summary> summaries;
-  std::vector<size_t> counts;
+  std::vector<std::vector<AngleFigures>> angles;  // of each
   std::map<std::string, size_t> places;
   for (const SweepRow& row : rows) {
     if (!row.link.empty()) continue;
     const auto [place, isNew] = places.emplace(keyOf(row.configuration), summaries.size());
     if (isNew) {
       summaries.push_back({row.configuration, 0.0, 0.0, 0.0, 0.0, row.cost.serverMs(), row.cost.bytes});
-      counts.push_back(0);
+      angles.emplace_back();
     }
-    Summary& summary = summaries[place->second];
-    ++counts[place->second];
-    summary.flip += row.errors.flip;
-    summary.holeFraction += row.errors.holeFraction;
-    summary.frameMs = std::max(summary.frameMs, row.frameMs());
-    summary.drawMs = std::max(summary.drawMs, row.draw.medianMs);
+    angles[place->second].push_back({row.errors.flip, row.errors.holeFraction, row.frameMs(), row.draw.medianMs});
   }
   for (size_t i = 0; i < summaries.size(); ++i) {
-    summaries[i].flip /= static_cast<double>(counts[i]);
-    summaries[i].holeFraction /= static_cast<double>(counts[i]);
+    const AngleFigures over = overAngles(angles[i]);
+    summaries[i].flip = over.flip;
+    summaries[i].holeFraction = over.holeFraction;
+    summaries[i].frameMs = over.frameMs;
+    summaries[i].drawMs = over.drawMs;
   }
   return summaries;
 }

@@ -8,11 +8,12 @@
 #include <tuple>
 #include <utility>
 
+#include "app/experiment/averages.h"
 #include "app/experiment/ground_truth.h"
+#include "app/experiment/measuring.h"
 #include "app/experiment/motion.h"
 #include "app/frames/frame_fetch.h"
 #include "render/base/error.h"
-#include "render/base/stopwatch.h"
 #include "render/metrics/flicker.h"
 
 namespace warpscope {
@@ -29,15 +30,6 @@ struct Served {
   SweepCost cost;
 };
 
-/// What `work` takes, after one run that warms up.
-template <class Work>
-Measured timed(int repeats, const Work& work) {
-  work();
-  std::vector<double> times;
-  for (int i = 0; i < repeats; ++i) times.push_back(milliseconds(work));
-  return measuredOf(times);
-}
-
 /// All that a frame of one camera depends on.
 struct FrameKind {
   MarchSettings march;
@@ -49,85 +41,39 @@ struct FrameKind {
 /// Serves frames through the codec; keeps the march of the last one, which the next codec shares.
 class Server {
  public:
-  Server(MarcherPtr marcher, int repeats) : marcher_(std::move(marcher)), repeats_(repeats) {}
+  Server(MarcherPtr marcher, const Measuring& measuring) : marcher_(std::move(marcher)), measuring_(measuring) {}
 
-  Served serve(const Camera& camera, const Configuration& configuration, const std::stop_token& stop) {
-    if (!marched_ || !(camera == camera_) || !(configuration.march == settings_)) march(camera, configuration.march, stop);
+  Served serve(const Camera& camera, const Configuration& configuration) {
+    if (!marched_.frame || !(camera == camera_) || !(configuration.march == settings_)) {
+      marched_ = measureMarch(measuring_, *marcher_, camera, configuration.march);
+      camera_ = camera;
+      settings_ = configuration.march;
+    }
+    const MeasuredCoding coding = measureCoding(measuring_, codec_, marched_.frame, configuration.codec);
     Served served;
-    served.cost = cost_;
-    std::vector<std::byte> payload;
-    served.cost.encode = timed(repeats_, [&] { payload = codec_.encode(*marched_, configuration.codec); });
-    served.cost.bytes = payload.size();
-    served.cost.samples = marched_->size();
-    auto decoded = std::make_shared<SampleFrame>(*marched_);
-    served.cost.decode = timed(repeats_, [&] {
-      if (const DecodeError error = codec_.decode(payload, marched_->size(), *decoded))
-        throw InputError("the program's own frame cannot be decoded: " + *error);
-    });
-    served.frame = std::move(decoded);
+    served.frame = coding.frame;
+    served.cost.samples = coding.frame->size();
+    served.cost.bytes = coding.bytes;
+    served.cost.march = marched_.march;
+    served.cost.compact = marched_.compact;
+    served.cost.copy = marched_.copy;
+    served.cost.encode = coding.encode;
+    served.cost.decode = coding.decode;
     return served;
   }
 
   /// As above, without timing anything.
-  SampleFramePtr frame(const Camera& camera, const Configuration& configuration, const std::stop_token& stop) {
-    return fetchHere(marcher_, configuration.codec)(camera, configuration.march, stop).frame;
+  SampleFramePtr frame(const Camera& camera, const Configuration& configuration) {
+    return fetchHere(marcher_, configuration.codec)(camera, configuration.march, measuring_.withinRuns).frame;
   }
 
  private:
-  void march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
-    std::vector<double> march, compact, copy;
-    for (int i = 0; i <= repeats_; ++i) {
-      marched_ = std::make_unique<SampleFrame>(marcher_->march(camera, settings, stop));
-      if (i == 0) continue;
-      march.push_back(marched_->timings.marchMs);
-      compact.push_back(marched_->timings.compactMs);
-      copy.push_back(marched_->timings.copyMs);
-    }
-    cost_ = {};
-    cost_.march = measuredOf(march);
-    cost_.compact = measuredOf(compact);
-    cost_.copy = measuredOf(copy);
-    camera_ = camera;
-    settings_ = settings;
-  }
-
   const MarcherPtr marcher_;
-  const int repeats_;
+  const Measuring measuring_;
   FrameCodec codec_;
-  std::unique_ptr<SampleFrame> marched_;
+  MeasuredMarch marched_;
   Camera camera_;
   MarchSettings settings_;
-  SweepCost cost_;
-};
-
-/// Means over instants: of errors by their squares where they are in decibels.
-class MeanErrors {
- public:
-  void add(const PictureErrors& errors) {
-    ++count_;
-    sum_.ssim += errors.ssim;
-    sum_.flip += errors.flip;
-    sum_.holeFraction += errors.holeFraction;
-    square_ += squareOf(errors.psnrDb);
-    linearSquare_ += squareOf(errors.psnrLinearDb);
-  }
-  PictureErrors mean() const {
-    const double share = 1.0 / count_;
-    PictureErrors mean;
-    mean.ssim = sum_.ssim * share;
-    mean.flip = sum_.flip * share;
-    mean.holeFraction = sum_.holeFraction * share;
-    mean.psnrDb = -10.0 * std::log10(square_ * share);
-    mean.psnrLinearDb = -10.0 * std::log10(linearSquare_ * share);
-    return mean;
-  }
-
- private:
-  static double squareOf(double decibels) { return std::pow(10.0, -0.1 * decibels); }
-
-  int count_ = 0;
-  PictureErrors sum_;
-  double square_ = 0.0, linearSquare_ = 0.0;
 };
 
 }  // namespace
@@ -135,7 +81,7 @@ class MeanErrors {
 class Sweep::Run {
  public:
   Run(const Scene& scene, const WarpResources& resources, const SweepSettings& settings, const std::stop_token& stop)
-      : scene_(scene), resources_(resources), settings_(settings), stop_(stop), server_(resources.marcher, settings.plan.draws),
+      : scene_(scene), resources_(resources), settings_(settings), stop_(stop), measuring_(settings.plan.draws, stop), server_(resources.marcher, measuring_),
         truth_(scene, resources.marcher, truthOf(settings.plan), settings.width, settings.height) {}
 
   std::vector<SweepRow> measure(const Configuration& configuration) {
@@ -147,7 +93,9 @@ class Sweep::Run {
       const Served served = servedFor(configuration);
       cost = served.cost;
       if (configuration.technique->name == "hold") cost.bytes = pictureBytes(served.frame, scene_.background, configuration.codec);
-      cost.build = timed(plan.draws, [&] { warp.setFrame(served.frame, warpSettings, stop_); });
+      const MeasuredBuild build = measureBuild(measuring_, warp, served.frame, warpSettings);
+      cost.upload = build.upload;
+      cost.build = build.build;
     }
     std::vector<SweepRow> rows;
     for (const double angleDeg : plan.anglesDeg) {
@@ -156,9 +104,10 @@ class Sweep::Run {
       row.configuration = configuration;
       row.angleDeg = angleDeg;
       row.cost = cost;
-      row.draw = timed(plan.draws, [&] { drawForScreen(warp, truth.camera, warpSettings); });
+      const MeasuredDraw drawn = measureDraw(measuring_, {warp, warpSettings, scene_.background}, truth.camera, image_);
+      if (drawn.isOnDevice) warp.draw(truth.camera, warpSettings, image_, stop_);
+      row.draw = drawn.draw;
       row.draws = plan.draws;
-      warp.draw(truth.camera, warpSettings, image_, stop_);
       const Seen& seen = truth_.seenAt(angleDeg, stop_);
       row.errors = truth.judge.errorsOf(image_, &seen.visibility);
       row.disoccludedFraction = seen.disoccludedFraction;
@@ -210,7 +159,7 @@ class Sweep::Run {
           SampleFramePtr frame;
           if (picture.hasFrame) {
             frameRequestedS = picture.requestedS;
-            frame = server_.frame(truth_.camera(plan.speedDegPerS * picture.requestedS, configuration.serverSidePx), configuration, stop_);
+            frame = server_.frame(truth_.camera(plan.speedDegPerS * picture.requestedS, configuration.serverSidePx), configuration);
           }
           warp.setFrame(frame, warpSettings, stop_);
         }
@@ -240,7 +189,7 @@ class Sweep::Run {
     const WarpSettings warpSettings = configuration.warp(settings_.warp);
     if (configuration.technique->usesFrame) {
       const Camera camera = truth_.camera(0.0, configuration.serverSidePx);
-      warp.setFrame(server_.frame(camera, configuration, stop_), warpSettings, stop_);
+      warp.setFrame(server_.frame(camera, configuration), warpSettings, stop_);
     }
     std::vector<SweepPicture> pictures;
     for (const double angleDeg : settings_.plan.anglesDeg) {
@@ -263,7 +212,7 @@ class Sweep::Run {
   /// Frames of one kind come one after the other.
   Served servedFor(const Configuration& configuration) {
     const FrameKind kind{configuration.march, configuration.serverSidePx, configuration.codec};
-    if (!last_.frame || !(kind == lastKind_)) last_ = server_.serve(truth_.camera(0.0, kind.serverSidePx), configuration, stop_);
+    if (!last_.frame || !(kind == lastKind_)) last_ = server_.serve(truth_.camera(0.0, kind.serverSidePx), configuration);
     lastKind_ = kind;
     return last_;
   }
@@ -274,15 +223,11 @@ class Sweep::Run {
     return *warp;
   }
 
-  /// As a window would have it: left on the device if there is one.
-  void drawForScreen(Warp& warp, const Camera& camera, const WarpSettings& settings) {
-    if (!warp.drawForScreen(camera, settings, scene_.background, 0, stop_)) warp.draw(camera, settings, image_, stop_);
-  }
-
   const Scene& scene_;
   const WarpResources resources_;
   const SweepSettings& settings_;
   const std::stop_token stop_;
+  const Measuring measuring_;
   Server server_;
   GroundTruth truth_;
   std::map<const WarpDescriptor*, std::unique_ptr<Warp>> warps_;

@@ -81,6 +81,7 @@ Json toJson(const SweepRow& row) {
   append(json, "copy", row.cost.copy);
   append(json, "encode", row.cost.encode);
   append(json, "decode", row.cost.decode);
+  append(json, "upload", row.cost.upload);
   append(json, "build", row.cost.build);
   append(json, "draw", row.draw);
   json["draws"] = row.draws;
@@ -116,6 +117,7 @@ SweepRow sweepRowFrom(const Node& node, const MarchSettings& base) {
   row.cost.copy = measuredFrom(node, "copy");
   row.cost.encode = measuredFrom(node, "encode");
   row.cost.decode = measuredFrom(node, "decode");
+  if (node.find("uploadMs")) row.cost.upload = measuredFrom(node, "upload");  // sweeps without it count it as part of the build
   row.cost.build = measuredFrom(node, "build");
   row.draw = measuredFrom(node, "draw");
   row.draws = static_cast<int>(node.at("draws").integer(0, 1 << 20));
@@ -136,7 +138,7 @@ std::string csvOf(const std::vector<SweepRow>& rows) {
                  {"codec", "link", "angleDeg", "ageMs", "framesPerSecond", "flicker", "flip", "psnrDb", "psnrLinearDb", "ssim", "holeFraction",
                   "disoccludedFraction", "flipVisible", "flipDisoccluded", "psnrVisibleDb", "psnrDisoccludedDb", "samples", "bytes", "marchMs",
                   "marchSpreadMs", "compactMs", "compactSpreadMs", "copyMs", "copySpreadMs", "encodeMs", "encodeSpreadMs", "serverMs", "decodeMs",
-                  "decodeSpreadMs", "buildMs", "buildSpreadMs", "drawMs", "drawSpreadMs", "draws", "frameMs"});
+                  "decodeSpreadMs", "uploadMs", "uploadSpreadMs", "buildMs", "buildSpreadMs", "drawMs", "drawSpreadMs", "draws", "frameMs"});
   std::string text;
   for (const std::string_view column : columns) text += (text.empty() ? "" : ",") + std::string(column);
   text += "\r\n";

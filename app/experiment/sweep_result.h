@@ -18,10 +18,10 @@ struct SweepCost {
   size_t samples = 0;
   size_t bytes = 0;  ///< of the frame on the wire; for `hold` those of its picture alone
   Measured march, compact, copy, encode;  ///< at the server
-  Measured decode, build;                 ///< at the client, once a frame
+  Measured decode, build, upload;         ///< at the client, once a frame; see measuring.h
 
   double serverMs() const { return march.medianMs + compact.medianMs + copy.medianMs + encode.medianMs; }
-  double arrivalMs() const { return decode.medianMs + build.medianMs; }
+  double arrivalMs() const { return decode.medianMs + upload.medianMs + build.medianMs; }
 };
 
 /// One configuration, either with the camera turned by an angle or with a camera that moves behind a link.

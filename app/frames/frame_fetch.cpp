@@ -42,17 +42,26 @@ FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& coding) {
     auto frame = std::make_shared<SampleFrame>(marcher->march(camera, settings, stop));
     served.latency = latencyOf(frame->timings);
     FrameCodec codec;
-    std::vector<std::byte> payload;
-    served.latency.encodeMs = milliseconds([&] { payload = codec.encode(*frame, coding); });
-    served.bytes = payload.size();
-    const size_t count = frame->size();
-    DecodeError error;
-    served.latency.decodeMs = milliseconds([&] { error = codec.decode(payload, count, *frame); });
-    if (error) throw InputError("the program's own frame cannot be decoded: " + *error);
+    const CodecTrip trip = throughCodec(codec, *frame, coding, *frame);
+    served.latency.encodeMs = trip.encodeMs;
+    served.latency.decodeMs = trip.decodeMs;
+    served.bytes = trip.bytes;
     served.frame = std::move(frame);
     served.arrivedAt = std::chrono::steady_clock::now();
     return served;
   };
+}
+
+CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSettings& settings, SampleFrame& received) {
+  CodecTrip trip;
+  std::vector<std::byte> payload;
+  trip.encodeMs = milliseconds([&] { payload = codec.encode(sent, settings); });
+  trip.bytes = payload.size();
+  const size_t count = sent.size();
+  DecodeError error;
+  trip.decodeMs = milliseconds([&] { error = codec.decode(payload, count, received); });
+  if (error) throw InputError("the program's own frame cannot be decoded: " + *error);
+  return trip;
 }
 
 FrameFetch fetchFrom(FrameSourcePtr source) {

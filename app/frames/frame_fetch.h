@@ -17,6 +17,15 @@ using FrameFetch = std::function<ServedFrame(const Camera& camera, const MarchSe
 /// Marches here, encodes and decodes: the frame has whatever the codec makes of it, and its times and bytes.
 FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& codec);
 
+/// What one frame's way through the codec takes, by the host's clock.
+struct CodecTrip {
+  size_t bytes = 0;  ///< of the payload
+  double encodeMs = 0.0, decodeMs = 0.0;
+};
+/// Encodes `sent` and decodes it into `received`, which may be the same frame; its members other than samples and colours must be those of `sent`. Throws
+/// InputError if what was encoded cannot be decoded.
+CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSettings& settings, SampleFrame& received);
+
 /// Asks `source`, and waits. Throws InputError with the connection's trouble if that does not end within some seconds.
 FrameFetch fetchFrom(FrameSourcePtr source);
 

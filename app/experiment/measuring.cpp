@@ -1,0 +1,99 @@
+// Stages and their clocks.
+// See measuring.h.
+#include "app/experiment/measuring.h"
+
+#include "app/frames/frame_fetch.h"
+
+namespace warpscope {
+namespace {
+
+/// Takes the frame once: what uploading and building took.
+std::array<double, 2> builtMs(Warp& warp, const SampleFramePtr& frame, const WarpSettings& settings, const std::stop_token& stop) {
+  const double tookMs = milliseconds([&] { warp.setFrame(frame, settings, stop); });
+  const std::optional<DeviceTimings> timings = warp.deviceTimings();
+  return timings ? std::array{timings->uploadMs, timings->buildMs} : std::array{0.0, tookMs};
+}
+
+struct DrawnOnce {
+  double tookMs = 0.0;
+  bool isOnDevice = false;
+};
+
+DrawnOnce drawnOnce(const Drawing& drawing, const Camera& camera, WarpedImage& image, const std::stop_token& stop) {
+  DrawnOnce drawn;
+  drawn.tookMs = milliseconds([&] {
+    drawn.isOnDevice = drawing.warp.drawForScreen(camera, drawing.settings, drawing.background, 0, stop) != nullptr;
+    if (!drawn.isOnDevice) drawing.warp.draw(camera, drawing.settings, image, stop);
+  });
+  if (const std::optional<DeviceTimings> timings = drawing.warp.deviceTimings()) drawn.tookMs = timings->drawMs;
+  return drawn;
+}
+
+}  // namespace
+
+MeasuredMarch measureMarch(const Measuring& measuring, Marcher& marcher, const Camera& camera, const MarchSettings& settings) {
+  MeasuredMarch result;
+  const auto measured = measuring.parts([&] {
+    result.frame.reset();  // its memory is the next one's
+    SampleFrame made;
+    const double tookMs = milliseconds([&] { made = marcher.march(camera, settings, measuring.withinRuns); });
+    const ServerTimings timings = made.timings;
+    result.frame = std::make_shared<const SampleFrame>(std::move(made));
+    return std::array{timings.marchMs, timings.compactMs, timings.copyMs, tookMs};
+  });
+  result.march = measured[0];
+  result.compact = measured[1];
+  result.copy = measured[2];
+  result.samples = measured[3];
+  return result;
+}
+
+MeasuredCoding measureCoding(const Measuring& measuring, FrameCodec& codec, const SampleFramePtr& frame, const CodecSettings& settings) {
+  MeasuredCoding result;
+  auto received = std::make_shared<SampleFrame>(*frame);
+  const auto measured = measuring.parts([&] {
+    const CodecTrip trip = throughCodec(codec, *frame, settings, *received);
+    result.bytes = trip.bytes;
+    return std::array{trip.encodeMs, trip.decodeMs};
+  });
+  if (received->samples != frame->samples) throw InputError("the codec gives back other samples than it got");
+  result.frame = std::move(received);
+  result.encode = measured[0];
+  result.decode = measured[1];
+  return result;
+}
+
+MeasuredBuild measureBuild(const Measuring& measuring, Warp& warp, const SampleFramePtr& frame, const WarpSettings& settings) {
+  const auto measured = measuring.parts([&] { return builtMs(warp, frame, settings, measuring.withinRuns); });
+  return {measured[0], measured[1]};
+}
+
+MeasuredDraw drawOnce(const Drawing& drawing, const Camera& camera, WarpedImage& image, const std::stop_token& stop) {
+  const DrawnOnce drawn = drawnOnce(drawing, camera, image, stop);
+  return {measuredOf({drawn.tookMs}), drawn.isOnDevice};
+}
+
+MeasuredDraw measureDraw(const Measuring& measuring, const Drawing& drawing, const Camera& camera, WarpedImage& image) {
+  MeasuredDraw result;
+  result.draw = measuring.parts([&] {
+    const DrawnOnce drawn = drawnOnce(drawing, camera, image, measuring.withinRuns);
+    result.isOnDevice = drawn.isOnDevice;
+    return std::array{drawn.tookMs};
+  })[0];
+  return result;
+}
+
+MeasuredFirstPicture measureFirstPicture(const Measuring& measuring, const Drawing& drawing, const SampleFramePtr& frame, const Camera& camera,
+                                         WarpedImage& image) {
+  const auto measured = measuring.parts([&] {
+    std::array<double, 2> built{};
+    const double tookMs = milliseconds([&] {
+      built = builtMs(drawing.warp, frame, drawing.settings, measuring.withinRuns);
+      drawnOnce(drawing, camera, image, measuring.withinRuns);
+    });
+    return std::array{built[0], built[1], tookMs};
+  });
+  return {{measured[0], measured[1]}, measured[2]};
+}
+
+}  // namespace warpscope

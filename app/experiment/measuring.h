@@ -1,0 +1,105 @@
+// What a measurement is, for every command and for the window: one run that warms up and does not count, then several, of which the median and the
+// spread between the quartiles are kept. And what each stage is timed from and to.
+// After Hoefler, Belli: Scientific Benchmarking of Parallel Computing Systems, SC 2015, section 3: times are not normally distributed.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <stop_token>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "app/experiment/measured.h"
+#include "render/base/error.h"
+#include "render/base/stopwatch.h"
+#include "render/codec/codec.h"
+#include "render/warp/warp.h"
+
+namespace warpscope {
+
+/// How often work is done, and what ends it early.
+struct Measuring {
+  int runs = 3;                 ///< that count, at least 1
+  std::stop_token betweenRuns;  ///< looked at before each run: what is measured is never left half way
+  std::stop_token withinRuns;   ///< handed to marching and warping, which may then end half way
+
+  Measuring(int runs, const std::stop_token& stop) : runs(runs), betweenRuns(stop), withinRuns(stop) {}
+  /// Whatever is measured stays usable when `stop` ends it.
+  static Measuring inWholeRuns(int runs, const std::stop_token& stop) {
+    Measuring measuring(runs, stop);
+    measuring.withinRuns = {};
+    return measuring;
+  }
+
+  /// Calls `work`, which says in milliseconds what its parts took: an array. One Measured for each part. Throws OperationCancelled.
+  template <class Work>
+  auto parts(const Work& work) const {
+    constexpr size_t kParts = std::tuple_size_v<std::invoke_result_t<Work>>;
+    std::array<std::vector<double>, kParts> times;
+    for (int run = -1; run < runs; ++run) {
+      if (betweenRuns.stop_requested()) throw OperationCancelled();
+      const std::array<double, kParts> took = work();
+      for (size_t i = 0; run >= 0 && i < kParts; ++i) times[i].push_back(took[i]);
+    }
+    std::array<Measured, kParts> measured;
+    for (size_t i = 0; i < kParts; ++i) measured[i] = measuredOf(std::move(times[i]));
+    return measured;
+  }
+
+  /// What calling `work` takes by the host's clock.
+  template <class Work>
+  Measured time(const Work& work) const {
+    return parts([&] { return std::array{milliseconds(work)}; })[0];
+  }
+};
+
+/// A frame of a marcher.
+struct MeasuredMarch {
+  SampleFramePtr frame;           ///< the last
+  Measured march, compact, copy;  ///< the marcher's stages (ServerTimings); `copy` is from the device to the host, 0 on the CPU
+  Measured samples;               ///< camera to samples in host memory, by the host's clock
+};
+MeasuredMarch measureMarch(const Measuring& measuring, Marcher& marcher, const Camera& camera, const MarchSettings& settings);
+
+/// A frame's way through the codec, on the CPU.
+struct MeasuredCoding {
+  SampleFramePtr frame;  ///< as a client gets it
+  size_t bytes = 0;      ///< of its payload
+  Measured encode, decode;
+};
+/// Throws InputError if the codec does not give back the samples.
+MeasuredCoding measureCoding(const Measuring& measuring, FrameCodec& codec, const SampleFramePtr& frame, const CodecSettings& settings);
+
+/// A frame in host memory until a technique can draw it. On a device both are between events there, on the CPU by the host's clock.
+struct MeasuredBuild {
+  Measured upload;  ///< frame to the device's memory; 0 on the CPU
+  Measured build;   ///< what the technique derives from it (a hierarchy, a vertex buffer)
+};
+MeasuredBuild measureBuild(const Measuring& measuring, Warp& warp, const SampleFramePtr& frame, const WarpSettings& settings);
+
+/// How a technique draws for a display: over a background, left on the device if there is one.
+struct Drawing {
+  Warp& warp;
+  const WarpSettings& settings;
+  const glm::vec3& background;  ///< linear RGB
+};
+
+/// From the camera to finished colours in the memory of the backend that drew them: on a device between events there, on the CPU by the host's clock.
+struct MeasuredDraw {
+  Measured draw;
+  bool isOnDevice = false;  ///< the picture was left there; else the image that was handed over holds it
+};
+/// Draws once, for what is warm already and takes long.
+MeasuredDraw drawOnce(const Drawing& drawing, const Camera& camera, WarpedImage& image, const std::stop_token& stop);
+MeasuredDraw measureDraw(const Measuring& measuring, const Drawing& drawing, const Camera& camera, WarpedImage& image);
+
+/// A build with a draw after it.
+struct MeasuredFirstPicture {
+  MeasuredBuild build;
+  Measured firstPicture;  ///< frame in host memory to its first picture, by the host's clock
+};
+MeasuredFirstPicture measureFirstPicture(const Measuring& measuring, const Drawing& drawing, const SampleFramePtr& frame, const Camera& camera,
+                                         WarpedImage& image);
+
+}  // namespace warpscope
