@@ -7,6 +7,7 @@
 #include <random>
 
 #include "render/volume/procedural.h"
+#include "render/warp/multihit_warp.h"
 #include "render/warp/warp.h"
 #include "tests/layered_frames.h"
 #include "tests/marcher_cases.h"
@@ -158,7 +159,7 @@ TEST(OwnPicture, MultihitShowsItWhereSpheresFitIntoTheirPixels) {
   const Image<uint32_t> rays = ownPicture(*frame);
   resolveRayColors(*frame, rays, expected);
   WarpSettings settings;
-  settings.hits = 4;
+  settings.knobs.set(kHitsKnob, 4);
   const auto multihit = makeWarp(findWarp("multihit"), {});
   multihit->setFrame(frame, settings);
   WarpedImage image;

@@ -247,8 +247,21 @@ TEST(WireFields, WhatIsImpossibleIsRefused) {
   refused([](auto& f) { f.fovYDeg = 180.0; });
   refused([](auto& f) { f.background[0] = std::numeric_limits<float>::infinity(); });
   refused([](auto& f) { f.views[0].distance = std::numeric_limits<double>::infinity(); });
-  refused([](auto& f) { f.march.heuristic = 200; });
-  refused([](auto& f) { f.march.step = 0.0f; });
+  const auto refusedSetting = [&](const std::string& name, const std::string& value) {
+    refused([&](auto& f) {
+      for (auto& setting : f.settings)
+        if (setting.name == name) setting.value = value;
+    });
+  };
+  // Unknown choices are no choices of the first: they are refused.
+  refusedSetting("heuristic", "200");
+  refusedSetting("heuristic", "");
+  refusedSetting("radius", "voxels");
+  refusedSetting("step", "0");
+  refusedSetting("step", "nan");
+  refusedSetting("samplesPerRay", "1.5");
+  refusedSetting("skipEmpty", "maybe");
+  refused([](auto& f) { f.settings.push_back({"light", "on"}); });
 
   const SampleFrame frame = makeMarcher(Backend::cpu, scene.volume, scene.transferFunction)->march(makeCamera(scene, scene.views[0], 16, 16), scene.march);
   const auto refusedFrame = [&](auto change) {

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "app/commands/options.h"
+#include "app/commands/tables.h"
 #include "app/scene/json_document.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
@@ -119,10 +120,20 @@ void inform(const CommonOptions& options) {
 
 void addInfoCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<CommonOptions>();
+  auto table = std::make_shared<std::string>();
   CLI::App* command = program.add_subcommand("info", "Version, backends, devices, formats");
   command->add_flag("--json", options->json, "One JSON document on standard output");
+  std::string names;
+  for (const std::string_view name : tableNames()) names += " " + std::string(name);
+  command->add_option("--table", *table, "One table of what the program knows, as Markdown, and nothing else:" + names);
   addLogOptions(*command, *options);
-  command->callback([options, &chosen] { chosen = [options] { inform(*options); }; });
+  command->callback([options, table, &program, &chosen] {
+    chosen = [options, table, &program] {
+      if (!table->empty() && options->json) throw UsageError("--table and --json print different things: give one of them");
+      if (table->empty()) return inform(*options);
+      std::cout << tableText(*table, program);
+    };
+  });
 }
 
 }  // namespace warpscope

@@ -1,0 +1,136 @@
+// Tables of rows and registries.
+// See tables.h.
+#include "app/commands/tables.h"
+
+#include "app/experiment/configuration.h"
+#include "app/frames/transport_knobs.h"
+#include "net/link_settings.h"
+#include "render/base/error.h"
+#include "render/base/nearest_name.h"
+#include "render/march/march_knobs.h"
+#include "render/warp/warp.h"
+
+namespace warpscope {
+namespace {
+
+using Row = std::vector<std::string>;
+
+/// A bar would end the cell.
+std::string cell(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
+  return escaped;
+}
+
+std::string code(std::string_view text) { return text.empty() ? "" : "`" + std::string(text) + "`"; }
+
+std::string lines(const Row& head, const std::vector<Row>& rows) {
+  std::string text;
+  const auto add = [&](const Row& row) {
+    text += "|";
+    for (const std::string& value : row) text += value.empty() ? " |" : " " + cell(value) + " |";
+    text += "\n";
+  };
+  add(head);
+  text += "|";
+  for (size_t i = 0; i < head.size(); ++i) text += "---|";
+  text += "\n";
+  for (const Row& row : rows) add(row);
+  return text;
+}
+
+std::string_view ownerName(KnobOwner owner) {
+  switch (owner) {
+    case KnobOwner::rendering: return "what the picture is";
+    case KnobOwner::sampling: return "what is sent of it";
+    case KnobOwner::technique: return "technique";
+    case KnobOwner::effect: return "effect";
+    case KnobOwner::transport: return "how it travels";
+    case KnobOwner::display: return "display";
+  }
+  return "";
+}
+
+std::string_view stageName(KnobStage stage) {
+  switch (stage) {
+    case KnobStage::march: return "march";
+    case KnobStage::encode: return "encode";
+    case KnobStage::build: return "build";
+    case KnobStage::draw: return "draw";
+  }
+  return "";
+}
+
+Row knobRow(const Knob& knob, const std::string& owner) {
+  const std::string unit(knob.unit.substr(knob.unit.starts_with(' ') ? 1 : 0));
+  const bool hasDefault = &knob != &kServerSideKnob;
+  return {code(knob.key),
+          code(knob.option),
+          code(knob.axis.option),
+          std::string(knob.help),
+          valuesText(knob) + (unit.empty() ? "" : " " + unit),
+          hasDefault ? textOf(knob, knob.defaultValue) : "the pictures' longer side",
+          owner,
+          std::string(stageName(knob.stale))};
+}
+
+std::string knobTable(const CLI::App&) {
+  std::vector<Row> rows;
+  for (const MarchKnob& row : marchKnobs()) rows.push_back(knobRow(*row.knob, std::string(ownerName(row.knob->owner))));
+  rows.push_back(knobRow(kServerSideKnob, std::string(ownerName(kServerSideKnob.owner))));
+  for (const WarpDescriptor& technique : warpRegistry())
+    for (const Knob* knob : technique.knobs) rows.push_back(knobRow(*knob, code(technique.name)));
+  for (const auto& row : transportKnobs()) rows.push_back(knobRow(*row.knob, std::string(ownerName(row.knob->owner))));
+  return lines({"key", "option", "of a sweep", "what it does", "values", "default", "belongs to", "makes stale"}, rows);
+}
+
+std::string techniqueTable(const CLI::App&) {
+  std::vector<Row> rows;
+  for (const WarpDescriptor& technique : warpRegistry()) {
+    std::string knobs;
+    for (const Knob* knob : technique.knobs) knobs += (knobs.empty() ? "" : " ") + code(knob->option);
+    rows.push_back({code(technique.name), std::string(technique.summary), knobs, technique.runsOnCuda ? "CPU, CUDA" : technique.usesFrame ? "CPU" : "as it marches"});
+  }
+  return lines({"technique", "what it draws", "own knobs", "runs on"}, rows);
+}
+
+template <class Table>
+std::string choiceTable(const char* head, const Table& table) {
+  std::vector<Row> rows;
+  for (const auto& entry : table) rows.push_back({code(entry.name), std::string(entry.summary)});
+  return lines({head, "meaning"}, rows);
+}
+
+std::string heuristicTable(const CLI::App&) { return choiceTable("heuristic", kHeuristics); }
+std::string radiusTable(const CLI::App&) { return choiceTable("radius policy", kRadiusPolicies); }
+std::string linkTable(const CLI::App&) { return choiceTable("`--link`", net::linkPresets()); }
+
+std::string commandTable(const CLI::App& program) {
+  std::vector<Row> rows;
+  for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; }))
+    rows.push_back({code("warpscope " + command->get_name()), command->get_description()});
+  return lines({"command", "what it does"}, rows);
+}
+
+struct Table {
+  std::string_view name;
+  std::string (*text)(const CLI::App& program);
+};
+
+constexpr Table kTables[] = {{"commands", commandTable},     {"heuristics", heuristicTable}, {"knobs", knobTable},
+                             {"links", linkTable},           {"radii", radiusTable},         {"techniques", techniqueTable}};
+
+}  // namespace
+
+std::vector<std::string_view> tableNames() {
+  std::vector<std::string_view> names;
+  for (const Table& table : kTables) names.push_back(table.name);
+  return names;
+}
+
+std::string tableText(std::string_view name, const CLI::App& program) {
+  if (const Table* table = findNamed(kTables, name)) return table->text(program);
+  throw UsageError(unknownNameIn(kTables, "table", name));
+}
+
+}  // namespace warpscope
