@@ -272,7 +272,7 @@ TEST_F(Refusal, SceneFiles) {
   scene("range.json", ",\n  \"fovYDeg\": 180");
   refuse("range.json", {"range.json:4", "'fovYDeg'", "180"});
   scene("heuristic.json", ",\n  \"march\": {\"heuristic\": \"gradiant\"}");
-  refuse("heuristic.json", {"heuristic.json:4", "'march.sample.heuristic' holds an unknown heuristic 'gradiant'; did you mean 'gradient'?"});
+  refuse("heuristic.json", {"heuristic.json:4", "'march.heuristic' holds an unknown heuristic 'gradiant'; did you mean 'gradient'?"});
   scene("twice.json", ",\n  \"name\": \"b\"");
   refuse("twice.json", {"twice.json:4", "'name'", "twice"});
   scene("views.json", ",\n  \"views\": []");
@@ -280,7 +280,7 @@ TEST_F(Refusal, SceneFiles) {
   folder_.write("size.json", R"({"name": "mine", "volume": {"procedural": "block", "size": [8, 8.9, 8]}})");
   refuse("size.json", {"size.json:1", "'volume.size.1'", "whole number"});
   scene("step.json", ",\n  \"march\": {\"step\": 0.0009}");
-  refuse("step.json", {"step.json:4", "'march.render.step'", "0.001", "1000"});
+  refuse("step.json", {"step.json:4", "'march.step'", "0.001", "1000"});
   scene("axes.json", ",\n  \"up\": [0, 0, 2], \"front\": [0, 0, -1]");
   refuse("axes.json", {"axes.json:4", "'front' and 'up' are parallel"});
   scene("up.json", ",\n  \"up\": [0, 0, 2]");
