@@ -33,7 +33,7 @@ std::vector<CoreProbeInput> randomInputs(size_t count) {
     in.point = {symmetric(size), symmetric(0.5f * size), symmetric(size)};
     in.radius = size * unit(random);
     in.step = 0.25f + unit(random);
-    for (float& alpha : in.alphas) alpha = unit(random);
+    for (float& alpha : in.alphas) alpha = random() % 2 ? unit(random) : std::exp2(-40.0f * unit(random));
   }
   return inputs;
 }
@@ -67,6 +67,7 @@ TEST(CoreOnDevice, SameBitsAsHost) {
     ASSERT_EQ(host.tableIndex, dev.tableIndex);
     ASSERT_EQ(host.axisIndex, dev.axisIndex);
     ASSERT_TRUE(same(host.axisWeight, dev.axisWeight));
+    ASSERT_TRUE(same(host.partialOpacity, dev.partialOpacity)) << inputs[i].alphas[1] << " over " << inputs[i].alphas[2];
     hits += std::isfinite(host.sphereT);
   }
   EXPECT_GT(hits, inputs.size() / 100);  // the inputs exercise what they are meant to

@@ -44,6 +44,7 @@ struct CoreProbeResult {
   int tableIndex;
   int axisIndex;
   float axisWeight;
+  float partialOpacity;
 };
 
 template <class Depth>
@@ -90,6 +91,7 @@ WARPSCOPE_HD inline CoreProbeResult probeCore(const CoreProbeInput& in) {
   out.trilinear = trilinear(in.alphas, in.alphas[0], in.alphas[3], in.alphas[6]);
   out.tableIndex = transferIndex(out.trilinear);
   axisCell(in.point.x, axisEndsOf(100), out.axisIndex, out.axisWeight);
+  out.partialOpacity = correctOpacity(in.alphas[1], in.alphas[2]);
   return out;
 }
 
