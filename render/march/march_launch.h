@@ -6,6 +6,7 @@
 
 #include "render/core/color.h"
 #include "render/cuda/memory.h"
+#include "render/march/march.h"
 #include "render/march/sample_radius.h"
 #include "render/march/volume_view.h"
 
@@ -19,8 +20,7 @@ struct MarchJob {
   Box bounds;
   Camera camera;
   float step = 0.5f;
-  float contribution = 0.0f;
-  float stopBelow = 0.0f;
+  RayLimits limits;
   float threshold = 0.0f;
   uint32_t firstRow = 0;
   uint32_t endRow = 0;
@@ -31,8 +31,8 @@ struct MarchJob {
   glm::vec4* image = nullptr;
 };
 
-/// Marches samples by `heuristic`, or colours alone without one. The parameters: those of visitDeviceVoxels.
+/// Marches samples by `heuristic`, or colours alone without one; the light is the settings'. The parameters: those of visitDeviceVoxels.
 template <class Voxel, bool kHasHoles, bool kByCells>
-void launchMarch(const MarchJob<Voxel>& job, std::optional<Heuristic> heuristic, cudaStream_t stream);
+void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std::optional<Heuristic> heuristic, cudaStream_t stream);
 
 }  // namespace warpscope

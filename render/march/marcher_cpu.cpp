@@ -97,16 +97,19 @@ class CpuMarcher final : public Marcher {
       view.table = baked_.table.entries.data();
       view.tableAlpha = baked_.alphas.data();
       view.cells.distances = settings.skipEmpty ? baked_.emptyDistances.data() : nullptr;
-      if (std::is_floating_point_v<Voxel> && volume.statistics().nonFinite > 0)
-        marchTiles<VolumeSource<Voxel, true>>(view, camera, settings, stop, onRay);
-      else
-        marchTiles<VolumeSource<Voxel, false>>(view, camera, settings, stop, onRay);
+      visitLight(settings, [&](const auto& light) {
+        if (std::is_floating_point_v<Voxel> && volume.statistics().nonFinite > 0)
+          marchTiles<VolumeSource<Voxel, true>>(view, light, camera, settings, stop, onRay);
+        else
+          marchTiles<VolumeSource<Voxel, false>>(view, light, camera, settings, stop, onRay);
+      });
     });
   }
 
-  template <class Source, class View>
-  void marchTiles(const View& view, const Camera& camera, const RenderSettings& settings, const std::stop_token& stop,
+  template <class Source, class View, class Light>
+  void marchTiles(const View& view, const Light& light, const Camera& camera, const RenderSettings& settings, const std::stop_token& stop,
                   const OnRay& onRay) const {
+    const RayLimits limits = limitsOf(settings);
     parallelForTiles(camera.width, camera.height, kTileSide, stop,
                      [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
       std::vector<CountingSample> counting;
@@ -115,15 +118,14 @@ class CpuMarcher final : public Marcher {
           const Ray ray = pixelRay(camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
           const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), marched_->volume->bounds(), 0.0f,
                                                   std::numeric_limits<float>::infinity());
-          const RayLattice lattice = makeLattice(inside, settings.step);
-          Source source(view, ray, lattice);
+          const RayPath path{ray, makeLattice(inside, settings.step)};
+          Source source(view, ray, path.lattice);
           RayColor color;
           counting.clear();
-          marchRay(lattice, 0, lattice.count, source, settings.contribution, stopBelow(settings), color,
-                   [&](const CountingSample& sample) {
-                     counting.push_back(sample);
-                     return true;
-                   });
+          marchRay(path, 0, path.lattice.count, source, light, limits, color, [&](const CountingSample& sample) {
+            counting.push_back(sample);
+            return true;
+          });
           onRay(size_t{y} * camera.width + x, ray, color, counting);
         }
     });

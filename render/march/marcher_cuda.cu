@@ -115,8 +115,7 @@ class CudaMarcher final : public Marcher {
       job.bounds = marched_->volume->bounds();
       job.camera = camera;
       job.step = settings.step;
-      job.contribution = settings.contribution;
-      job.stopBelow = stopBelow(settings);
+      job.limits = limitsOf(settings);
       if (sample != nullptr) job.threshold = sample->threshold;
       if (rule != nullptr) job.rule = *rule;
       job.colorTables = colorTables_.data();
@@ -126,7 +125,7 @@ class CudaMarcher final : public Marcher {
       const uint32_t rows = std::max(1u, kRaysPerLaunch / camera.width);
       for (job.firstRow = 0; job.firstRow < camera.height; job.firstRow = job.endRow) {
         job.endRow = std::min(camera.height, job.firstRow + rows);
-        launchMarch<Voxel, kHasHoles, kByCells>(job, heuristic, stream_);
+        launchMarch<Voxel, kHasHoles, kByCells>(job, settings, heuristic, stream_);
         if (job.endRow == camera.height || !stop.stop_possible()) continue;
         stream_.synchronize();  // else every launch would be queued before the stop is seen
         if (stop.stop_requested()) throw OperationCancelled();
