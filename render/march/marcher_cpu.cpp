@@ -83,6 +83,7 @@ class CpuMarcher final : public Marcher {
 
   const VolumePtr& volume() const override { return marched_->volume; }
   Backend backend() const override { return Backend::cpu; }
+  MarcherCapabilities capabilities() const override { return {}; }
   MarcherPtr twin() const override { return std::make_shared<CpuMarcher>(marched_); }
 
  private:

@@ -86,6 +86,9 @@ class CudaMarcher final : public Marcher {
 
   const VolumePtr& volume() const override { return marched_->volume; }
   Backend backend() const override { return Backend::cuda; }
+  MarcherCapabilities capabilities() const override {
+    return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
+  }
   MarcherPtr twin() const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_); }
 
  private:
