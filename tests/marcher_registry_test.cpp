@@ -44,7 +44,7 @@ TEST(MarcherRegistry, NamesAreTheBackends) {
   EXPECT_THROW(
       {
         try {
-          findMarcher("cdua");
+          findMarcher("cuda1");
         } catch (const UsageError& error) {
           EXPECT_THAT(error.what(), HasSubstr("did you mean 'cuda'"));
           throw;
