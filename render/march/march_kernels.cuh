@@ -7,6 +7,7 @@
 #include "render/cuda/pixel_tiles.cuh"
 #include "render/march/march.h"
 #include "render/march/march_launch.h"
+#include "render/march/ray_samples.h"
 #include "render/march/volume_source_scalar.h"
 
 namespace warpscope {
@@ -55,6 +56,25 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8) marchSamples(const __gri
   job.colors[i] = job.colorTables->encode(color);
 }
 
+/// As marchSamples, for several samples a ray: job.slots places for each pixel, the first of them filled, near to far.
+template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads, 8) marchSeveralSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
+  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
+  const RayPath path = rayThrough(job, pixel);
+  const auto makeSource = [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); };
+  RaySamples found;
+  findSamples<Depth>(path, makeSource, light, job.limits, job.threshold, job.slots, found);
+  const size_t first = (size_t{pixel.y} * job.camera.width + pixel.x) * static_cast<size_t>(job.slots);
+  for (int slot = 0; slot < job.slots; ++slot) {
+    job.samples[first + slot] = 0;
+    if (slot >= found.size()) continue;
+    const RaySample& sample = found[slot];
+    job.samples[first + slot] = packRaySample(job.rule, job.camera, path.ray, sample.depth, sample.color.a);
+    job.colors[first + slot] = job.colorTables->encode(sample.color);
+  }
+}
+
 template <class Light, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads, 8) marchColors(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
@@ -73,7 +93,10 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std
     using Light = decltype(light);
     if (heuristic)
       visitHeuristic(*heuristic, [&](auto depth) {
-        marchSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+        if (job.slots == 1)
+          marchSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+        else
+          marchSeveralSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, light);
       });
     else
       marchColors<Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, light);

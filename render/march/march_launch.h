@@ -12,8 +12,8 @@
 
 namespace warpscope {
 
-/// Rows [firstRow, endRow) of an image. All pointers are to device memory; a pass writes either samples and colours or the image, one
-/// element for each pixel of the whole image.
+/// Rows [firstRow, endRow) of an image. All pointers are to device memory; a pass writes either samples and colours, `slots` elements for each
+/// pixel of the whole image, or the image, one for each.
 template <class Voxel>
 struct MarchJob {
   VolumeView<Voxel> view;
@@ -24,6 +24,7 @@ struct MarchJob {
   float threshold = 0.0f;
   uint32_t firstRow = 0;
   uint32_t endRow = 0;
+  int slots = 1;  ///< most samples of a ray
   SampleRule rule;
   const ColorTables* colorTables = nullptr;
   PackedSample* samples = nullptr;

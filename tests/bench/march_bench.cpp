@@ -60,7 +60,7 @@ void compaction(benchmark::State& state) {
   }
   SampleFrame frame;
   for (auto _ : state) {
-    compact(samples, colors, frame);
+    compact(samples, colors, 1, frame);
     benchmark::DoNotOptimize(frame.samples.data());
   }
   if (frame.size() != expected) state.SkipWithError("wrong count");

@@ -14,7 +14,7 @@ namespace warpscope {
 #define WARPSCOPE_NEEDS_GPU() \
   if (const std::string reason = cuda::whyUnavailable(); !reason.empty()) GTEST_SKIP() << "no GPU here: " << reason
 
-/// The frames' samples and colours are the same, bit for bit.
+/// The frames' samples, colours and planes are the same, bit for bit.
 inline void expectSameFrames(const SampleFrame& expected, const SampleFrame& actual) {
   ASSERT_EQ(expected.quantization, actual.quantization);
   ASSERT_EQ(actual.samples.size(), actual.colors.size());
@@ -26,6 +26,7 @@ inline void expectSameFrames(const SampleFrame& expected, const SampleFrame& act
   }
   EXPECT_EQ(differentSamples, 0u) << "of " << expected.size();
   EXPECT_EQ(differentColors, 0u) << "of " << expected.size();
+  EXPECT_TRUE(expected.planes == actual.planes);
 }
 
 }  // namespace warpscope

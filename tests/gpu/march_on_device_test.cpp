@@ -46,6 +46,36 @@ TEST(MarchOnDevice, EveryHeuristicAndRadiusInEveryScene) {
   }
 }
 
+TEST(MarchOnDevice, SeveralSamplesARayByEveryHeuristic) {
+  WARPSCOPE_NEEDS_GPU();
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Scene scene = smallScene(builtin.name, 96);
+    const Pair pair(scene);
+    const Camera camera = makeCamera(scene, scene.views.front(), 203, 157);
+    for (const auto& heuristic : kHeuristics)
+      for (const int samplesPerRay : {1, 2, 4, 8}) {
+        SCOPED_TRACE(builtin.name + ", " + std::string(heuristic.name) + ", " + std::to_string(samplesPerRay));
+        MarchSettings settings = scene.march;
+        settings.sample.heuristic = heuristic.value;
+        settings.sample.radiusPolicy = RadiusPolicy::opacity;
+        settings.sample.samplesPerRay = samplesPerRay;
+        pair.expectSame(camera, settings);
+      }
+  }
+}
+
+TEST(MarchOnDevice, FramesAfterOneOfSeveralSamplesARayAreAsBefore) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("shells", 64);
+  const Pair pair(scene);
+  const Camera camera = makeCamera(scene, scene.views.front(), 200, 200);
+  MarchSettings several = scene.march;
+  several.sample.samplesPerRay = 8;
+  const SampleFrame before = pair.cuda->march(camera, scene.march);
+  EXPECT_GT(pair.cuda->march(camera, several).size(), before.size());
+  expectSameFrames(before, pair.cuda->march(camera, scene.march));
+}
+
 TEST(MarchOnDevice, SkippingAndEarlyEndsChangeNothing) {
   WARPSCOPE_NEEDS_GPU();
   const Scene scene = smallScene("shells", 64);
