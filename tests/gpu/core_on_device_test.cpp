@@ -62,6 +62,9 @@ TEST(CoreOnDevice, SameBitsAsHost) {
     ASSERT_EQ(host.latticeCount, dev.latticeCount);
     ASSERT_TRUE(same(host.latticeLast, dev.latticeLast));
     for (int h = 0; h < 10; ++h) ASSERT_TRUE(same(host.depths[h], dev.depths[h])) << "heuristic " << h;
+    for (int h = 0; h < 10; ++h) ASSERT_TRUE(same(host.combinedDepths[h], dev.combinedDepths[h])) << "heuristic " << h << " in two pieces";
+    ASSERT_EQ(host.combinedColor, dev.combinedColor);
+    ASSERT_EQ(host.combinedTransmittance, dev.combinedTransmittance);
     ASSERT_TRUE(same(host.transmittance, dev.transmittance));
     ASSERT_TRUE(same(host.trilinear, dev.trilinear));
     ASSERT_EQ(host.tableIndex, dev.tableIndex);
