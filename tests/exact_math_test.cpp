@@ -20,10 +20,13 @@ using Exact = boost::multiprecision::cpp_bin_float_100;
 constexpr uint32_t kSeed = 30;
 constexpr float kLeast = std::numeric_limits<float>::denorm_min();
 
-/// Opacities of every magnitude from both ends of (0, 1), the ends' neighbours, and where the reduction of the argument changes.
+/// Opacities of every magnitude from both ends of (0, 1), the ends' neighbours, and where the reduction of the argument
+/// changes.
 std::vector<float> opacities(int random, std::mt19937& generator) {
-  std::vector<float> all{kLeast, std::numeric_limits<float>::min(), 1e-8f, 0.25f, 0.5f, 0.75f, std::nextafter(1.0f, 0.0f), 254.0f / 255.0f};
-  for (const float border : {0.292893219f, 0.646446609f, 0.5f, 0.823223305f, 0x1p-24f, 0x1p-29f, 0x1p-30f, 0x1p-53f, 0x1p-54f})
+  std::vector<float> all{kLeast, std::numeric_limits<float>::min(), 1e-8f,          0.25f, 0.5f,
+                         0.75f,  std::nextafter(1.0f, 0.0f),        254.0f / 255.0f};
+  for (const float border :
+       {0.292893219f, 0.646446609f, 0.5f, 0.823223305f, 0x1p-24f, 0x1p-29f, 0x1p-30f, 0x1p-53f, 0x1p-54f})
     for (const float toward : {0.0f, 1.0f}) all.push_back(std::nextafter(border, toward));
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   for (int i = 0; i < random; ++i) {
@@ -35,7 +38,9 @@ std::vector<float> opacities(int random, std::mt19937& generator) {
   return all;
 }
 
-double relativeError(double value, const Exact& truth) { return static_cast<double>(abs((Exact(value) - truth) / truth)); }
+double relativeError(double value, const Exact& truth) {
+  return static_cast<double>(abs((Exact(value) - truth) / truth));
+}
 
 TEST(ExactMath, LogarithmIsWithinItsErrorOfTheTruth) {
   std::mt19937 random(kSeed);
@@ -68,13 +73,15 @@ TEST(ExactMath, CorrectedOpacityIsTheNearestFloat) {
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   size_t undecided = 0, nearest = 0;
   for (const float alpha : opacities(700, random))
-    for (const float part : {1.0f, std::nextafter(1.0f, 0.0f), 0.5f, 1e-3f, kLeast, unit(random), std::exp2(-30.0f * unit(random)), 1000.0f * unit(random)}) {
+    for (const float part : {1.0f, std::nextafter(1.0f, 0.0f), 0.5f, 1e-3f, kLeast, unit(random),
+                             std::exp2(-30.0f * unit(random)), 1000.0f * unit(random)}) {
       const Exact truth = -expm1(Exact(part) * log1p(-Exact(alpha)));
       const Exact reach = truth * 3e-15;
       const float lowest = static_cast<float>(truth - reach), highest = static_cast<float>(truth + reach);
       const float corrected = correctOpacity(alpha, part);
       ASSERT_TRUE(corrected == lowest || corrected == highest)
-          << "seed " << kSeed + 2 << ": " << alpha << " over " << part << " gives " << corrected << ", not " << static_cast<float>(truth);
+          << "seed " << kSeed + 2 << ": " << alpha << " over " << part << " gives " << corrected << ", not "
+          << static_cast<float>(truth);
       (lowest == highest ? nearest : undecided) += 1;
     }
   EXPECT_GT(nearest, 10000u);
@@ -83,7 +90,8 @@ TEST(ExactMath, CorrectedOpacityIsTheNearestFloat) {
 
 TEST(ExactMath, AWholeStepIsLeftAsItIs) {
   std::mt19937 random(kSeed + 3);
-  for (const float alpha : opacities(10000, random)) ASSERT_EQ(correctOpacity(alpha, 1.0f), alpha) << "seed " << kSeed + 3;
+  for (const float alpha : opacities(10000, random))
+    ASSERT_EQ(correctOpacity(alpha, 1.0f), alpha) << "seed " << kSeed + 3;
   EXPECT_EQ(correctOpacity(1.0f, 1.0f), 1.0f);
   EXPECT_EQ(correctOpacity(1.0f, kLeast), 1.0f);
   EXPECT_EQ(correctOpacity(1.0f, 0.0f), 0.0f);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # Every compiler pass over this project's sources is told to round each operation as it is written.
-# Usage: floating_point_flags_test.py BUILD_FOLDER SOURCE_FOLDER. Reads the build's compile_commands.json; what each flag is for: CMakeLists.txt.
+# Usage: floating_point_flags_test.py BUILD_FOLDER SOURCE_FOLDER. What each flag is for: CMakeLists.txt.
 import json
 import pathlib
 import shlex
@@ -10,8 +10,8 @@ HOST = ["-ffp-contract=off"]
 # nvcc compiles a .cu file for the device itself and hands the host's part to another compiler.
 DEVICE = ["--fmad=false", "--prec-div=true", "--prec-sqrt=true", "--ftz=false", "-Xcompiler=-ffp-contract=off"]
 # Any of these would let a compiler round otherwise again.
-FORBIDDEN = ["-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-fassociative-math", "-freciprocal-math", "--use_fast_math", "-use_fast_math",
-             "-ffp-contract=fast", "-ffp-contract=on"]
+FORBIDDEN = ["-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-fassociative-math", "-freciprocal-math",
+             "--use_fast_math", "-use_fast_math", "-ffp-contract=fast", "-ffp-contract=on"]
 ROOMS = ["render/", "net/", "app/", "tests/"]
 
 

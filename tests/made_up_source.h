@@ -1,5 +1,5 @@
-// A march's source without a volume: samples with a given opacity each, all of one straight colour; and rays through it.
-// What a source is: render/march/march.h.
+// A march's source without a volume: samples with a given opacity each, all of one straight colour; and rays through
+// it. What a source is: render/march/march.h.
 #pragma once
 
 #include <cstdint>

@@ -25,18 +25,19 @@ struct Marched {
 };
 
 template <int kSize = 8, class Light = Unlit>
-Marched march(const RayLattice& lattice, const std::function<float(int)>& alphaAt, float stopBelow = 0.0f, std::vector<int> cuts = {},
-              const Light& light = {}) {
+Marched march(const RayLattice& lattice, const std::function<float(int)>& alphaAt, float stopBelow = 0.0f,
+              std::vector<int> cuts = {}, const Light& light = {}) {
   MadeUpSource<kSize> source{alphaAt, lattice.count - 1};
   Marched result;
   cuts.push_back(lattice.count);
   int begin = 0;
   for (const int end : cuts) {
     if (result.color.transmittance.value() < stopBelow) break;
-    marchRay(alongZ(lattice), begin, end, source, light, {kContribution, stopBelow}, result.color, [&](const CountingSample& sample) {
-      result.counting.push_back(sample);
-      return true;
-    });
+    marchRay(alongZ(lattice), begin, end, source, light, {kContribution, stopBelow}, result.color,
+             [&](const CountingSample& sample) {
+               result.counting.push_back(sample);
+               return true;
+             });
     begin = end;
   }
   return result;
@@ -205,8 +206,16 @@ TEST(Light, KnowsPlaceStepAndSource) {
     expected += through * alpha * (1.0 - z / 16.0);
     through *= 1.0 - alpha;
   }
-  EXPECT_NEAR(march(lattice, [](int) { return 0.25f; }, 0.0f, {}, light).color.color().r, expected, 1e-6);
-  EXPECT_NEAR(march<1>(lattice, [](int) { return 0.25f; }, 0.0f, {}, light).color.color().r, expected, 1e-6);
+  EXPECT_NEAR(march(
+                  lattice, [](int) { return 0.25f; }, 0.0f, {}, light)
+                  .color.color()
+                  .r,
+              expected, 1e-6);
+  EXPECT_NEAR(march<1>(
+                  lattice, [](int) { return 0.25f; }, 0.0f, {}, light)
+                  .color.color()
+                  .r,
+              expected, 1e-6);
 }
 
 TEST(Light, TodaysIsTheTransferFunctionsColour) {
@@ -249,7 +258,8 @@ TEST(RayLattice, CountsExactlyFarFromTheEyeWithTinySteps) {
   const RayLattice lattice = latticeOf(1e4f, 1.0f, 1e-4f);
   MadeUpSource<8> source{[&](int) { return ++samples, 0.0f; }, lattice.count - 1};
   RayColor color;
-  marchRay(alongZ(lattice), 0, lattice.count, source, Unlit{}, {kContribution, 0.0f}, color, [](const CountingSample&) { return true; });
+  marchRay(alongZ(lattice), 0, lattice.count, source, Unlit{}, {kContribution, 0.0f}, color,
+           [](const CountingSample&) { return true; });
   EXPECT_EQ(samples, lattice.count);  // it ends, and looks at each once
 }
 

@@ -1,5 +1,5 @@
-// Which marcher is made: the named one, the fastest that can be used, and what comes after one that fails; what each can do.
-// Mirrors render/march/marcher_registry.h and the capabilities of marcher.h.
+// Which marcher is made: the named one, the fastest that can be used, and what comes after one that fails; what each
+// can do. Mirrors render/march/marcher_registry.h and the capabilities of marcher.h.
 #include "render/march/marcher_registry.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,9 @@ std::string usable() { return {}; }
 std::string notHere() { return "it is not plugged in"; }
 
 // Under any name.
-MarcherPtr sound(VolumePtr volume, TransferFunction function) { return makeCpuMarcher(std::move(volume), std::move(function)); }
+MarcherPtr sound(VolumePtr volume, TransferFunction function) {
+  return makeCpuMarcher(std::move(volume), std::move(function));
+}
 MarcherPtr cannotBeMade(VolumePtr, TransferFunction) { throw DeviceError("out of memory"); }
 
 std::vector<std::string_view> namesFor(Backend backend, MarcherTable table) {
@@ -54,7 +56,8 @@ TEST(MarcherRegistry, NamesAreTheBackends) {
 }
 
 TEST(MarcherRegistry, AutomaticTakesTheFastestThatCanBeUsed) {
-  const MarcherDescriptor table[] = {{"cpu", "CPU", "slow", Backend::cpu, usable, sound}, {"cuda", "CUDA", "fast", Backend::cuda, usable, sound}};
+  const MarcherDescriptor table[] = {{"cpu", "CPU", "slow", Backend::cpu, usable, sound},
+                                     {"cuda", "CUDA", "fast", Backend::cuda, usable, sound}};
   EXPECT_EQ(namesFor(Backend::automatic, table), (std::vector<std::string_view>{"cuda", "cpu"}));
   EXPECT_EQ(namesFor(Backend::cpu, table), std::vector<std::string_view>{"cpu"});
   EXPECT_EQ(namesFor(Backend::cuda, table), std::vector<std::string_view>{"cuda"});
@@ -85,7 +88,8 @@ TEST(MarcherRegistry, OneThatFailsIsLeftForTheNextUnlessItWasNamed) {
   EXPECT_EQ(reasons, (std::vector<std::string>{"out of memory", "out of memory"}));
   EXPECT_EQ(marcher->backend(), Backend::cpu);
   EXPECT_GT(marcher->march(lookingFrom({20.0f, 5.0f, 9.0f}, {}, 32, 32), {}).size(), 10u);
-  EXPECT_THROW(makeMarcher(Backend::cuda, smallVolume(), everywhere(0.5f), note, MarcherTable(table).first(2)), DeviceError);
+  EXPECT_THROW(makeMarcher(Backend::cuda, smallVolume(), everywhere(0.5f), note, MarcherTable(table).first(2)),
+               DeviceError);
   EXPECT_EQ(reasons.size(), 2u);
 }
 

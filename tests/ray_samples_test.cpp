@@ -1,5 +1,5 @@
-// Several samples a ray: where it is cut, that its parts over one another are the ray, order, and that the marchers agree.
-// Mirrors render/march/ray_samples.h, and what the CPU's marcher and compact.h make of it.
+// Several samples a ray: where it is cut, that its parts over one another are the ray, order, and that the marchers
+// agree. Mirrors render/march/ray_samples.h, and what the CPU's marcher and compact.h make of it.
 #include "render/march/ray_samples.h"
 
 #include <gtest/gtest.h>
@@ -55,7 +55,8 @@ TestRay randomRay(std::mt19937& random) {
 template <class Depth>
 RaySamples samplesOf(const TestRay& ray, int count) {
   RaySamples found;
-  findSamples<Depth>(ray.path, [&] { return ray.source(); }, Unlit{}, kLimits, kThreshold, count, found);
+  findSamples<Depth>(
+      ray.path, [&] { return ray.source(); }, Unlit{}, kLimits, kThreshold, count, found);
   return found;
 }
 
@@ -127,9 +128,11 @@ TEST(RaySamples, WhatDoesNotCountStaysWithThePartInFront) {
 }
 
 class RaySamplesBy : public testing::TestWithParam<Heuristic> {};
-INSTANTIATE_TEST_SUITE_P(All, RaySamplesBy, testing::Values(Heuristic::entrance, Heuristic::exit, Heuristic::midpoint, Heuristic::threshold,
-                                                            Heuristic::peak, Heuristic::gradient, Heuristic::relThreshold, Heuristic::enExMean,
-                                                            Heuristic::median, Heuristic::expected),
+INSTANTIATE_TEST_SUITE_P(All, RaySamplesBy,
+                         testing::Values(Heuristic::entrance, Heuristic::exit, Heuristic::midpoint,
+                                         Heuristic::threshold, Heuristic::peak, Heuristic::gradient,
+                                         Heuristic::relThreshold, Heuristic::enExMean, Heuristic::median,
+                                         Heuristic::expected),
                          [](const auto& info) {
                            std::string name(nameOf(info.param));
                            std::erase(name, '-');
@@ -180,7 +183,9 @@ TEST_P(RaySamplesBy, PartsAreTheRayInOrderAndEachItsOwnDepth) {
           std::vector<CountingSample> own;
           double through = 1.0;
           const auto isInPart = [&](const CountingSample& sample) {
-            return part + 1 == count || sample.accumulatedBefore() < static_cast<float>(end) * (static_cast<float>(part + 1) / static_cast<float>(count));
+            return part + 1 == count ||
+                   sample.accumulatedBefore() <
+                       static_cast<float>(end) * (static_cast<float>(part + 1) / static_cast<float>(count));
           };
           for (; next < counting.size() && isInPart(counting[next]); ++next) {
             if (own.empty()) through = counting[next].transmittance;
@@ -242,7 +247,8 @@ TEST_P(RaySamplesBy, TheMarchersFramesCompositeBackToThePicture) {
         ASSERT_EQ(layers[i], i - first);
         sum = over(sum, decodeRgba8(frame.colors[i]));
         if (i > first) {
-          ASSERT_GE(glm::length(frame.sphere(i).center - camera.eye), glm::length(frame.sphere(i - 1).center - camera.eye) - 1e-3f);
+          ASSERT_GE(glm::length(frame.sphere(i).center - camera.eye),
+                    glm::length(frame.sphere(i - 1).center - camera.eye) - 1e-3f);
         }
       }
       const double error = glm::length(sum - decodeRgba8(single.colors[ray]));
@@ -279,15 +285,19 @@ TEST_P(RaySamplesBy, TheMarcherFindsWhatASampleAtATimeFinds) {
     for (uint32_t y = 0; y < camera.height; ++y)
       for (uint32_t x = 0; x < camera.width; ++x) {
         const Ray ray = pixelRay(camera, glm::vec2(x, y) + 0.5f);
-        const RayPath path{ray, makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume->bounds(), 0.0f, 1e30f), settings.render.step)};
+        const RayPath path{
+            ray, makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume->bounds(), 0.0f, 1e30f),
+                             settings.render.step)};
         RaySamples found;
         visitHeuristic(GetParam(), [&](auto depth) {
-          findSamples<decltype(depth)>(path, [&] { return ScalarVolumeSource<uint8_t, false, false>(view, ray, path.lattice); }, Unlit{},
-                                       limitsOf(settings.render), settings.sample.threshold, count, found);
+          findSamples<decltype(depth)>(
+              path, [&] { return ScalarVolumeSource<uint8_t, false, false>(view, ray, path.lattice); }, Unlit{},
+              limitsOf(settings.render), settings.sample.threshold, count, found);
         });
         for (int i = 0; i < found.size(); ++i, ++next) {
           ASSERT_LT(next, frame.size());
-          ASSERT_EQ(frame.samples[next], packRaySample(rule, camera, ray, found[i].depth, found[i].color.a)) << x << " " << y << ", " << i << " of " << count;
+          ASSERT_EQ(frame.samples[next], packRaySample(rule, camera, ray, found[i].depth, found[i].color.a))
+              << x << " " << y << ", " << i << " of " << count;
           ASSERT_EQ(frame.colors[next], ColorTables::instance().encode(found[i].color));
         }
       }

@@ -1,5 +1,5 @@
-// Rays put together from pieces: the whole's light and depth to rounding, whatever the cuts; combining is associative and has an identity.
-// Mirrors render/march/ray_state.h; every heuristic, with and without early ends.
+// Rays put together from pieces: the whole's light and depth to rounding, whatever the cuts; combining is associative
+// and has an identity. Mirrors render/march/ray_state.h; every heuristic, with and without early ends.
 #include "render/march/ray_state.h"
 
 #include <gtest/gtest.h>
@@ -68,8 +68,10 @@ std::vector<RayState<Depth>> statesOf(const TestRay& ray, const std::vector<int>
   for (size_t p = 0; p + 1 < cuts.size(); ++p) {
     MadeUpSource<8> source = sourceOf(ray);
     RayOpacity alone;
-    marchRay(ray.path, cuts[p], cuts[p + 1], source, ByPlace{}, {kContribution, 0.0f}, alone, [](const CountingSample&) { return true; });
-    states.push_back(marchPiece<Depth>(ray.path, cuts[p], cuts[p + 1], source, ByPlace{}, ray.limits, kThreshold, inFront[p]));
+    marchRay(ray.path, cuts[p], cuts[p + 1], source, ByPlace{}, {kContribution, 0.0f}, alone,
+             [](const CountingSample&) { return true; });
+    states.push_back(
+        marchPiece<Depth>(ray.path, cuts[p], cuts[p + 1], source, ByPlace{}, ray.limits, kThreshold, inFront[p]));
     inFront.push_back(Transmittance(inFront[p].exact() * alone.transmittance.exact()));
   }
   if constexpr (Depth::kTwoPass) {
@@ -77,7 +79,8 @@ std::vector<RayState<Depth>> statesOf(const TestRay& ray, const std::vector<int>
     for (const auto& state : states) profile = ProfileFold::combine(profile, state.profile);
     for (size_t p = 0; p + 1 < cuts.size(); ++p) {
       MadeUpSource<8> source = sourceOf(ray);
-      states[p].fold = marchPieceAgain<Depth>(ray.path, cuts[p], cuts[p + 1], source, ByPlace{}, ray.limits, kThreshold, inFront[p], profile);
+      states[p].fold = marchPieceAgain<Depth>(ray.path, cuts[p], cuts[p + 1], source, ByPlace{}, ray.limits, kThreshold,
+                                              inFront[p], profile);
     }
   }
   return states;
@@ -109,10 +112,11 @@ void expectTheWhole(const TestRay& ray, const RayState<Depth>& state) {
   MadeUpSource<8> source = sourceOf(ray);
   RayColor color;
   std::vector<CountingSample> counting;
-  marchRay(ray.path, 0, ray.path.lattice.count, source, ByPlace{}, ray.limits, color, [&](const CountingSample& sample) {
-    counting.push_back(sample);
-    return true;
-  });
+  marchRay(ray.path, 0, ray.path.lattice.count, source, ByPlace{}, ray.limits, color,
+           [&](const CountingSample& sample) {
+             counting.push_back(sample);
+             return true;
+           });
   ProfileFold profile;
   for (const CountingSample& sample : counting) profile.add(sample);
   RayState<Depth> whole;
@@ -126,9 +130,11 @@ void expectTheWhole(const TestRay& ray, const RayState<Depth>& state) {
 }
 
 class RayStateOf : public testing::TestWithParam<Heuristic> {};
-INSTANTIATE_TEST_SUITE_P(All, RayStateOf, testing::Values(Heuristic::entrance, Heuristic::exit, Heuristic::midpoint, Heuristic::threshold,
-                                                          Heuristic::peak, Heuristic::gradient, Heuristic::relThreshold, Heuristic::enExMean,
-                                                          Heuristic::median, Heuristic::expected),
+INSTANTIATE_TEST_SUITE_P(All, RayStateOf,
+                         testing::Values(Heuristic::entrance, Heuristic::exit, Heuristic::midpoint,
+                                         Heuristic::threshold, Heuristic::peak, Heuristic::gradient,
+                                         Heuristic::relThreshold, Heuristic::enExMean, Heuristic::median,
+                                         Heuristic::expected),
                          [](const auto& info) {
                            std::string name(nameOf(info.param));
                            std::erase(name, '-');
@@ -192,7 +198,8 @@ TEST(RayState, LightIsSeenThroughWhatLiesInFront) {
 TEST(RayState, BehindTheRaysEndNothingIsTaken) {
   const TestRay ray{alongZ(latticeOf(0.0f, 4.0f, 1.0f)), {0.5f, 0.5f, 0.5f, 0.5f}, {kContribution, kContribution}};
   MadeUpSource<8> source = sourceOf(ray);
-  const auto state = marchPiece<ThresholdDepth>(ray.path, 0, 4, source, Unlit{}, ray.limits, kThreshold, Transmittance(0.5 * kContribution));
+  const auto state = marchPiece<ThresholdDepth>(ray.path, 0, 4, source, Unlit{}, ray.limits, kThreshold,
+                                                Transmittance(0.5 * kContribution));
   EXPECT_EQ(state.light.color, glm::dvec3(0.0));
   EXPECT_EQ(state.light.transmittance, 1.0);
   EXPECT_FALSE(state.depth().hasDepth);

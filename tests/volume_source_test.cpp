@@ -85,7 +85,8 @@ Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunc
             makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.render.step);
         typename decltype(source)::type rayed(view, ray, lattice);
         RayColor color;
-        marchRay({ray, lattice}, 0, lattice.count, rayed, Unlit{}, limitsOf(settings.render), color, [](const CountingSample&) { return true; });
+        marchRay({ray, lattice}, 0, lattice.count, rayed, Unlit{}, limitsOf(settings.render), color,
+                 [](const CountingSample&) { return true; });
         image(x, y) = color.premultiplied();
       }
   };
@@ -134,7 +135,8 @@ Image<glm::vec4> renderedOneByOne(const Volume& volume, const TransferFunction& 
             makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.render.step);
         ScalarSource<decltype(tag)> source{volume, table, ray, lattice};
         RayColor color;
-        marchRay({ray, lattice}, 0, lattice.count, source, Unlit{}, limitsOf(settings.render), color, [](const CountingSample&) { return true; });
+        marchRay({ray, lattice}, 0, lattice.count, source, Unlit{}, limitsOf(settings.render), color,
+                 [](const CountingSample&) { return true; });
         image(x, y) = color.premultiplied();
       }
   });
@@ -207,7 +209,9 @@ struct ByGradient {
       glm::ivec3 before = voxel, after = voxel;
       --before[axis];
       ++after[axis];
-      const auto at = [&](const glm::ivec3& p) { return static_cast<float>(view.voxels[(p.z * view.dims.y + p.y) * view.dims.x + p.x]); };
+      const auto at = [&](const glm::ivec3& p) {
+        return static_cast<float>(view.voxels[(p.z * view.dims.y + p.y) * view.dims.x + p.x]);
+      };
       change[axis] = at(after) - at(before);
     }
     return sample.alpha * glm::abs(glm::normalize(change));
@@ -215,7 +219,8 @@ struct ByGradient {
 };
 
 TEST(VolumeSource, ALightMayReadTheVolumesGradient) {
-  const VolumePtr volume = makeTestVolume(VoxelType::uint8, glm::uvec3(12), [](const glm::ivec3& p) { return 20.0 + 10.0 * p.y; });
+  const VolumePtr volume =
+      makeTestVolume(VoxelType::uint8, glm::uvec3(12), [](const glm::ivec3& p) { return 20.0 + 10.0 * p.y; });
   const MarchedVolume marched(volume, {{{0.0, glm::vec3(1.0f), 0.1f}}});
   const BakedTransfer baked = bakeTransfer(marched, 0.5f);
   VolumeView<uint8_t> view = makeVolumeView<uint8_t>(marched);
@@ -223,10 +228,12 @@ TEST(VolumeSource, ALightMayReadTheVolumesGradient) {
   view.table = baked.table.entries.data();
   view.tableAlpha = baked.alphas.data();
   const Ray ray{{20.0f, 1.0f, 14.0f}, glm::normalize(glm::vec3(-20.0f, 0.5f, -14.0f))};
-  const RayPath path{ray, makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume->bounds(), 0.0f, 1e30f), 0.5f)};
+  const RayPath path{
+      ray, makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume->bounds(), 0.0f, 1e30f), 0.5f)};
   const auto colorBy = [&](auto source) {
     RayColor color;
-    marchRay(path, 0, path.lattice.count, source, ByGradient{}, {1.0f / 1024, 0.0f}, color, [](const CountingSample&) { return true; });
+    marchRay(path, 0, path.lattice.count, source, ByGradient{}, {1.0f / 1024, 0.0f}, color,
+             [](const CountingSample&) { return true; });
     return color.premultiplied();
   };
   const glm::vec4 color = colorBy(VolumeSource<uint8_t, false>(view, ray, path.lattice));

@@ -116,7 +116,8 @@ void bench(const BenchOptions& options) {
   settings.height = work.height;
   settings.runs = options.runs;
   // Automatic: all there are, side by side.
-  for (const MarcherDescriptor* marcher : marchersFor(work.backend)) settings.backends.insert(settings.backends.begin(), marcher->backend);
+  for (const MarcherDescriptor* marcher : marchersFor(work.backend))
+    settings.backends.insert(settings.backends.begin(), marcher->backend);
 
   std::unique_ptr<HeadlessResources> headless;
   const auto resourcesOf = [&](Backend backend) {

@@ -1,5 +1,5 @@
-// Logarithm and exponential of opacities from operations that every processor rounds alike, as its library's functions are not.
-// Series: Abramowitz, Stegun 1964, 4.1.27 (the logarithm by its odd series) and 4.2.1; argument reduction as usual (Muller 2016, chapter 11).
+// Logarithm and exponential of opacities from operations that every processor rounds alike, unlike libraries' functions.
+// Series: Abramowitz, Stegun 1964, 4.1.27 (odd terms alone) and 4.2.1; reduction of arguments: Muller 2016, chapter 11.
 #pragma once
 
 #include <cmath>
@@ -30,7 +30,8 @@ WARPSCOPE_HD inline double logOfOneMinus(float alpha) {
   const double rest = 1.0 - a;
   const double lost = (1.0 - rest) - a;  // what rounding took: rest + lost is 1 - alpha exactly
   int exponent = 0;
-  double mantissa = std::frexp(rest, &exponent);  // rest = mantissa * 2^exponent, mantissa brought to [sqrt(1/2), sqrt(2))
+  double mantissa =
+      std::frexp(rest, &exponent);  // rest = mantissa * 2^exponent, mantissa brought to [sqrt(1/2), sqrt(2))
   if (mantissa < kSqrtHalf) {
     mantissa *= 2.0;
     --exponent;
@@ -38,7 +39,8 @@ WARPSCOPE_HD inline double logOfOneMinus(float alpha) {
   // log(m) = 2 artanh(s) with |s| < 0.172: what follows the 10 terms is below 2^-53 of them.
   const double s = (mantissa - 1.0) / (mantissa + 1.0);
   const double square = s * s;
-  const double tail = square * polynomial(square, 1.0 / 3, 1.0 / 5, 1.0 / 7, 1.0 / 9, 1.0 / 11, 1.0 / 13, 1.0 / 15, 1.0 / 17, 1.0 / 19, 1.0 / 21);
+  const double tail = square * polynomial(square, 1.0 / 3, 1.0 / 5, 1.0 / 7, 1.0 / 9, 1.0 / 11, 1.0 / 13, 1.0 / 15,
+                                          1.0 / 17, 1.0 / 19, 1.0 / 21);
   const double ofMantissa = mulAdd(2.0 * s, tail, 2.0 * s) + lost / rest;
   return mulAdd(static_cast<double>(exponent), kLn2, ofMantissa);
 }
@@ -49,8 +51,8 @@ WARPSCOPE_HD inline double oneMinusExp(double y) {
   const double turns = std::floor(mulAdd(y, kLog2E, 0.5));
   const double r = mulAdd(turns, -kLn2, y);  // |r| <= ln(2) / 2: what follows the 14 terms is below 2^-53 of them
   const double ofRest =
-      r * polynomial(r, 1.0, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040, 1.0 / 40320, 1.0 / 362880, 1.0 / 3628800,
-                     1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800, 1.0 / 87178291200);
+      r * polynomial(r, 1.0, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040, 1.0 / 40320, 1.0 / 362880,
+                     1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800, 1.0 / 87178291200);
   const double power = std::ldexp(1.0, static_cast<int>(turns));
   return mulAdd(-power, ofRest, 1.0 - power);
 }

@@ -27,8 +27,9 @@ WARPSCOPE_HD inline float saturated(float a) {
   return minOf(maxOf(a, 0.0f), 1.0f);
 #endif
 }
-/// a * b + c in one rounding, by plain operations, for processors that have no instruction for it: the product is exact in double precision,
-/// and a sum that is not exact is made odd, so that rounding it once more gives what rounding once would (Boldo, Melquiond 2008).
+/// a * b + c in one rounding, by plain operations, for processors that have no instruction for it: the product is exact
+/// in double precision, and a sum that is not exact is made odd, so that rounding it once more gives what rounding once
+/// would (Boldo, Melquiond 2008).
 WARPSCOPE_HD inline float mulAddInDouble(float a, float b, float c) {
   const double product = static_cast<double>(a) * static_cast<double>(b);
   const double sum = product + static_cast<double>(c);
@@ -36,8 +37,8 @@ WARPSCOPE_HD inline float mulAddInDouble(float a, float b, float c) {
   const double lost = (product - fromProduct) + (static_cast<double>(c) - (sum - fromProduct));
   uint64_t bits;
   std::memcpy(&bits, &sum, sizeof bits);
-  const bool isInexact = lost > 0.0 || lost < 0.0;         // not where the sum is infinite
-  const bool isTooSmall = (lost > 0.0) == (sum > 0.0);     // the true sum is farther from 0
+  const bool isInexact = lost > 0.0 || lost < 0.0;      // not where the sum is infinite
+  const bool isTooSmall = (lost > 0.0) == (sum > 0.0);  // the true sum is farther from 0
   if (isInexact && (bits & 1) == 0) bits += isTooSmall ? uint64_t{1} : ~uint64_t{0};
   double odd;
   std::memcpy(&odd, &bits, sizeof odd);

@@ -14,8 +14,9 @@
 
 namespace warpscope {
 
-/// Light that a ray has gathered: a sum of sums. It is added up in float over a block of the lattice's samples, blocks in double, for the same
-/// reason as transmittance. Blocks are those of the lattice, so that it does not matter in which pieces a ray is marched.
+/// Light that a ray has gathered: a sum of sums. It is added up in float over a block of the lattice's samples, blocks
+/// in double, for the same reason as transmittance. Blocks are those of the lattice, so that it does not matter in
+/// which pieces a ray is marched.
 class LightSum {
  public:
   /// Takes the light of the lattice's i-th sample, whose colour (times its opacity) is seen through `transmittance`.
@@ -65,7 +66,8 @@ struct RayPath {
 /// Which samples count, and where rays end.
 struct RayLimits {
   float contribution = 0.0f;  ///< least contribution of a sample that counts
-  float stopBelow = 0.0f;     ///< transmittance below which a ray ends; 0: never. What follows cannot count as long as stopBelow <= contribution
+  float stopBelow = 0.0f;     ///< transmittance below which a ray ends; 0: never. What follows cannot count as long as
+                              ///< stopBelow <= contribution
 };
 
 /// Place of the lowest bit that is set; `bits` is not 0.
@@ -81,25 +83,27 @@ WARPSCOPE_HD inline int lowestBit(uint32_t bits) {
 ///
 /// `Source` tells what the samples look like, up to Source::kBatch at a time:
 ///   int skip(int i)                first sample >= i that may be visible
-///   uint32_t classify(int i, int n)   looks at samples i .. i + n - 1, n <= kBatch <= 32, none of them the lattice's last; bit k is set if
-///                                  the k-th has any opacity
+///   uint32_t classify(int i, int n)   looks at samples i .. i + n - 1, n <= kBatch <= 32, none of them
+///                                  the lattice's last; bit k is set if the k-th has any opacity
 ///   bool classifyLast()            looks at the lattice's last sample alone; true if it has any opacity
 ///   float alpha(int k)             opacity of the k-th that was looked at, corrected to the lattice's dt
 ///   glm::vec3 color(int k)         its colour times that opacity
-/// `light` turns that colour into the one that is seen: light.h. `ray` gathers; a RayColor, a RayOpacity or a RayPiece (ray_state.h).
-/// `sink` is called with a CountingSample for every sample whose contribution is at least the limits', near to far; if it returns
-/// false, the ray ends there, before that sample's light is added.
-/// Ends where transmittance falls below the limits'; `ray` must not come with less.
+/// `light` turns that colour into the one that is seen: light.h. `ray` gathers; a RayColor, a RayOpacity or a RayPiece
+/// (ray_state.h). `sink` is called with a CountingSample for every sample whose contribution is at least the limits',
+/// near to far; if it returns false, the ray ends there, before that sample's light is added. Ends where transmittance
+/// falls below the limits'; `ray` must not come with less.
 template <class Source, class Light, class Gathered, class Sink>
-WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Source& source, const Light& light, const RayLimits& limits,
-                                  Gathered& ray, Sink&& sink) {
+WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Source& source, const Light& light,
+                                  const RayLimits& limits, Gathered& ray, Sink&& sink) {
   const RayLattice& lattice = path.lattice;
   float through = ray.transmittance.value();
   // False where the ray ends. `k`: the sample's place among those that the source looked at.
   const auto pass = [&](int k, const ClassifiedSample& sample) {
     glm::vec3 color(0.0f);
     if constexpr (Gathered::kWantsColor) color = light.shade(sample, path.ray, source, k);
-    if (through * sample.alpha >= limits.contribution && !sink(CountingSample{sample.t, sample.ds, sample.alpha, through})) return false;
+    if (through * sample.alpha >= limits.contribution &&
+        !sink(CountingSample{sample.t, sample.ds, sample.alpha, through}))
+      return false;
     ray.add(sample.i, color, through);
     ray.transmittance.pass(sample.alpha);
     through = ray.transmittance.value();

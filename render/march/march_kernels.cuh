@@ -22,7 +22,8 @@ __device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel) {
 }
 
 template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, 8) marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
+__global__ void __launch_bounds__(kTileBlockThreads, 8)
+    marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const RayPath path = rayThrough(job, pixel);
@@ -58,11 +59,14 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8) marchSamples(const __gri
 
 /// As marchSamples, for several samples a ray: job.slots places for each pixel, the first of them filled, near to far.
 template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, 8) marchSeveralSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
+__global__ void __launch_bounds__(kTileBlockThreads, 8)
+    marchSeveralSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const RayPath path = rayThrough(job, pixel);
-  const auto makeSource = [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); };
+  const auto makeSource = [&] {
+    return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice);
+  };
   RaySamples found;
   findSamples<Depth>(path, makeSource, light, job.limits, job.threshold, job.slots, found);
   const size_t first = (size_t{pixel.y} * job.camera.width + pixel.x) * static_cast<size_t>(job.slots);
@@ -76,27 +80,32 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8) marchSeveralSamples(cons
 }
 
 template <class Light, class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, 8) marchColors(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
+__global__ void __launch_bounds__(kTileBlockThreads, 8)
+    marchColors(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const RayPath path = rayThrough(job, pixel);
   RayColor gathered;
   ScalarVolumeSource<Voxel, kHasHoles, kByCells> source(job.view, path.ray, path.lattice);
-  marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered, [](const CountingSample&) { return true; });
+  marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered,
+           [](const CountingSample&) { return true; });
   job.image[size_t{pixel.y} * job.camera.width + pixel.x] = gathered.premultiplied();
 }
 
 template <class Voxel, bool kHasHoles, bool kByCells>
-void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std::optional<Heuristic> heuristic, cudaStream_t stream) {
+void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std::optional<Heuristic> heuristic,
+                 cudaStream_t stream) {
   const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
   visitLight(settings, [&](auto light) {
     using Light = decltype(light);
     if (heuristic)
       visitHeuristic(*heuristic, [&](auto depth) {
         if (job.slots == 1)
-          marchSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+          marchSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells>
+              <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
         else
-          marchSeveralSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+          marchSeveralSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells>
+              <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
       });
     else
       marchColors<Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, light);

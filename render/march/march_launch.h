@@ -12,8 +12,8 @@
 
 namespace warpscope {
 
-/// Rows [firstRow, endRow) of an image. All pointers are to device memory; a pass writes either samples and colours, `slots` elements for each
-/// pixel of the whole image, or the image, one for each.
+/// Rows [firstRow, endRow) of an image. All pointers are to device memory; a pass writes either samples and colours,
+/// `slots` elements for each pixel of the whole image, or the image, one for each.
 template <class Voxel>
 struct MarchJob {
   VolumeView<Voxel> view;
@@ -32,8 +32,10 @@ struct MarchJob {
   glm::vec4* image = nullptr;
 };
 
-/// Marches samples by `heuristic`, or colours alone without one; the light is the settings'. The parameters: those of visitDeviceVoxels.
+/// Marches samples by `heuristic`, or colours alone without one; the light is the settings'. The parameters: those of
+/// visitDeviceVoxels.
 template <class Voxel, bool kHasHoles, bool kByCells>
-void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std::optional<Heuristic> heuristic, cudaStream_t stream);
+void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std::optional<Heuristic> heuristic,
+                 cudaStream_t stream);
 
 }  // namespace warpscope

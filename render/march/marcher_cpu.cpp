@@ -21,13 +21,14 @@ namespace {
 
 constexpr uint32_t kTileSide = 32;
 
-/// What becomes of a finished ray: its colour, and its samples where some are wanted. Behind one pointer, so that the loop over rays is compiled
-/// once a voxel type, not once a use.
+/// What becomes of a finished ray: its colour, and its samples where some are wanted. Behind one pointer, so that the
+/// loop over rays is compiled once a voxel type, not once a use.
 using OnRay = std::function<void(size_t pixel, const Ray&, const glm::vec4& premultiplied, const RaySamples&)>;
 
 using DepthFunction = DepthResult (*)(const std::vector<CountingSample>&, float threshold);
 
-/// Depth of a finished ray or part of one. `counting` holds every sample that counted: a second pass folds over them again.
+/// Depth of a finished ray or part of one. `counting` holds every sample that counted: a second pass folds over them
+/// again.
 template <class Depth>
 DepthResult depthOf(const std::vector<CountingSample>& counting, float threshold) {
   ProfileFold profile;
@@ -82,7 +83,9 @@ class CpuMarcher final : public Marcher {
     requireMarchable(*marched_->volume, camera, settings);
     image.resize(camera.width, camera.height);
     forEachRay(camera, settings, nullptr, stop,
-               [&](size_t pixel, const Ray&, const glm::vec4& premultiplied, const RaySamples&) { image[pixel] = premultiplied; });
+               [&](size_t pixel, const Ray&, const glm::vec4& premultiplied, const RaySamples&) {
+                 image[pixel] = premultiplied;
+               });
   }
 
   const VolumePtr& volume() const override { return marched_->volume; }
@@ -92,8 +95,8 @@ class CpuMarcher final : public Marcher {
 
  private:
   /// Finds samples where `sample` says how; colours alone if it is null.
-  void forEachRay(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample, const std::stop_token& stop,
-                  const OnRay& onRay) {
+  void forEachRay(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample,
+                  const std::stop_token& stop, const OnRay& onRay) {
     if (!baked_.isFor(settings.step)) baked_ = bakeTransfer(*marched_, settings.step);
     const Volume& volume = *marched_->volume;
     visitVoxelType(volume.type(), [&](auto voxelTag) {
@@ -113,8 +116,8 @@ class CpuMarcher final : public Marcher {
   }
 
   template <class Source, class View, class Light>
-  void marchTiles(const View& view, const Light& light, const Camera& camera, const RenderSettings& settings, const SampleSettings* sample,
-                  const std::stop_token& stop, const OnRay& onRay) const {
+  void marchTiles(const View& view, const Light& light, const Camera& camera, const RenderSettings& settings,
+                  const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) const {
     const RayLimits limits = limitsOf(settings);
     const DepthFunction depthOfSamples = sample != nullptr ? depthFunctionOf(sample->heuristic) : nullptr;
     parallelForTiles(camera.width, camera.height, kTileSide, stop,
@@ -149,8 +152,9 @@ class CpuMarcher final : public Marcher {
 
   /// Marches once more, part by part. `counting` has the ray's samples that count, and is used up.
   template <class Source, class View, class Light>
-  static void findParts(const View& view, const Light& light, const RayPath& path, const RayLimits& limits, const SampleSettings& settings,
-                        DepthFunction depthOfSamples, std::vector<CountingSample>& counting, RaySamples& found) {
+  static void findParts(const View& view, const Light& light, const RayPath& path, const RayLimits& limits,
+                        const SampleSettings& settings, DepthFunction depthOfSamples,
+                        std::vector<CountingSample>& counting, RaySamples& found) {
     const RayParts parts{counting.back().accumulatedAfter(), settings.samplesPerRay};
     counting.clear();
     Source source(view, path.ray, path.lattice);

@@ -2,10 +2,10 @@
 // See marcher_cuda.h. Compaction: CUB's DeviceSelect (single pass, order kept; Merrill, Garland 2016, decoupled look-back).
 #include "render/march/marcher_cuda.h"
 
-#include <cub/device/device_select.cuh>
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 #include <thrust/iterator/zip_iterator.h>
+#include <cub/device/device_select.cuh>
 
 #include <cstddef>
 #include <mutex>
@@ -160,14 +160,17 @@ class CudaMarcher final : public Marcher {
   void compact(size_t places, int slots) {
     const auto select = [&](const auto& in, const auto& out) {
       cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
-        return cub::DeviceSelect::If(memory, bytes, in, out, deviceCount_.data(), static_cast<int64_t>(places), HoldsSample{}, stream_);
+        return cub::DeviceSelect::If(memory, bytes, in, out, deviceCount_.data(), static_cast<int64_t>(places),
+                                     HoldsSample{}, stream_);
       });
     };
     if (slots == 1) {
-      select(thrust::make_zip_iterator(denseSamples_.data(), denseColors_.data()), thrust::make_zip_iterator(samples_.data(), colors_.data()));
+      select(thrust::make_zip_iterator(denseSamples_.data(), denseColors_.data()),
+             thrust::make_zip_iterator(samples_.data(), colors_.data()));
       return;
     }
-    const auto layers = thrust::make_transform_iterator(thrust::make_counting_iterator(uint64_t{0}), LayerOfPlace{static_cast<uint32_t>(slots)});
+    const auto layers = thrust::make_transform_iterator(thrust::make_counting_iterator(uint64_t{0}),
+                                                        LayerOfPlace{static_cast<uint32_t>(slots)});
     select(thrust::make_zip_iterator(denseSamples_.data(), denseColors_.data(), layers),
            thrust::make_zip_iterator(samples_.data(), colors_.data(), layers_.data()));
   }

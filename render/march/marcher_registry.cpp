@@ -24,9 +24,11 @@ constexpr MarcherDescriptor kMarchers[] = {
 using Makers = std::vector<std::function<MarcherPtr()>>;
 
 /// The first of the makers from `at` on, left for those behind it.
-MarcherPtr makeWithFallback(const Makers& makers, size_t at, const std::function<void(const std::string&)>& onFallback) {
+MarcherPtr makeWithFallback(const Makers& makers, size_t at,
+                            const std::function<void(const std::string&)>& onFallback) {
   if (at + 1 == makers.size()) return makers[at]();
-  return makeFallbackMarcher(makers[at], [=] { return makeWithFallback(makers, at + 1, onFallback); }, onFallback);
+  return makeFallbackMarcher(
+      makers[at], [=] { return makeWithFallback(makers, at + 1, onFallback); }, onFallback);
 }
 
 }  // namespace
@@ -47,9 +49,11 @@ std::vector<const MarcherDescriptor*> marchersFor(Backend backend, MarcherTable 
     if (const std::string reason = marcher.whyUnavailable(); reason.empty())
       usable.push_back(&marcher);
     else
-      reasons += (reasons.empty() ? "the backend " : "; the backend ") + std::string(marcher.name) + " cannot be used: " + reason;
+      reasons += (reasons.empty() ? "the backend " : "; the backend ") + std::string(marcher.name) +
+                 " cannot be used: " + reason;
   }
-  if (usable.empty()) throw DeviceError(reasons.empty() ? "there is no backend " + std::string(nameOf(backend)) : reasons);
+  if (usable.empty())
+    throw DeviceError(reasons.empty() ? "there is no backend " + std::string(nameOf(backend)) : reasons);
   return usable;
 }
 

@@ -1,6 +1,5 @@
-// A ray's samples, near to far: one, or one for each of several parts of equal share of the ray's opacity. For host and device.
-// Parts: the marks k/N of accumulated opacity, as the depth heuristics' thresholds; a part is seen as if nothing lay in front of it, so that
-// the parts' colours over one another (Porter, Duff 1984) are the ray's.
+// A ray's samples, near to far: one, or one for each of several parts of equal opacity. For host and device.
+// Parts end at the marks k/N of accumulated opacity; over one another they are the ray (Porter, Duff 1984).
 #pragma once
 
 #include "render/march/ray_state.h"
@@ -36,21 +35,23 @@ struct RayParts {
   float accumulatedEnd = 1.0f;  ///< opacity after the ray's last sample that counts
   int count = 1;
 
-  /// The part in which a sample begins, `before` being the opacity in front of it; never one before `part`, where the last sample that counted
-  /// began.
+  /// The part in which a sample begins, `before` being the opacity in front of it; never one before `part`, where the
+  /// last sample that counted began.
   WARPSCOPE_HD int partOf(float before, int part) const {
-    while (part + 1 < count && before >= accumulatedEnd * (static_cast<float>(part + 1) / static_cast<float>(count))) ++part;
+    while (part + 1 < count && before >= accumulatedEnd * (static_cast<float>(part + 1) / static_cast<float>(count)))
+      ++part;
     return part;
   }
 };
 
-/// Marches the whole path. A part begins with a sample that counts, and has what follows up to the next part's first; the first part has what
-/// lies in front as well. Parts without a sample that counts do not come up.
-/// `Piece` gathers a part: a RayPiece, or a PieceOpacity where depths alone are wanted. `onSample` gets every sample that counts, its
-/// transmittance from the part's beginning on; `onPart` the piece, where a part ends. The other parameters are marchRay's.
+/// Marches the whole path. A part begins with a sample that counts, and has what follows up to the next part's first;
+/// the first part has what lies in front as well. Parts without a sample that counts do not come up. `Piece` gathers a
+/// part: a RayPiece, or a PieceOpacity where depths alone are wanted. `onSample` gets every sample that counts, its
+/// transmittance from the part's beginning on; `onPart` the piece, where a part ends. The other parameters are
+/// marchRay's.
 template <class Piece, class Source, class Light, class OnSample, class OnPart>
-WARPSCOPE_HD inline void marchParts(const RayPath& path, Source& source, const Light& light, const RayLimits& limits, const RayParts& parts,
-                                    const OnSample& onSample, const OnPart& onPart) {
+WARPSCOPE_HD inline void marchParts(const RayPath& path, Source& source, const Light& light, const RayLimits& limits,
+                                    const RayParts& parts, const OnSample& onSample, const OnPart& onPart) {
   Piece piece;
   int part = 0;
   bool any = false;
@@ -68,11 +69,12 @@ WARPSCOPE_HD inline void marchParts(const RayPath& path, Source& source, const L
   if (any) onPart(piece);
 }
 
-/// Adds the path's samples by the heuristic `Depth`, one for each of up to `count` parts. `makeSource()` gives a source at the path's beginning:
-/// the path is marched twice, three times for a two-pass heuristic, and nothing is kept but the parts.
+/// Adds the path's samples by the heuristic `Depth`, one for each of up to `count` parts. `makeSource()` gives a source
+/// at the path's beginning: the path is marched twice, three times for a two-pass heuristic, and nothing is kept but
+/// the parts.
 template <class Depth, class MakeSource, class Light>
-WARPSCOPE_HD inline void findSamples(const RayPath& path, const MakeSource& makeSource, const Light& light, const RayLimits& limits,
-                                     float threshold, int count, RaySamples& found) {
+WARPSCOPE_HD inline void findSamples(const RayPath& path, const MakeSource& makeSource, const Light& light,
+                                     const RayLimits& limits, float threshold, int count, RaySamples& found) {
   ProfileFold whole;
   {
     RayOpacity opacity;

@@ -34,7 +34,8 @@ void march(benchmark::State& state) {
   MarchSettings settings;
   settings.sample.heuristic = static_cast<Heuristic>(state.range(0));
   settings.sample.samplesPerRay = static_cast<int>(state.range(1));
-  state.SetLabel(scene.name + ", " + std::string(nameOf(settings.sample.heuristic)) + ", " + std::to_string(settings.sample.samplesPerRay) + " a ray");
+  state.SetLabel(scene.name + ", " + std::string(nameOf(settings.sample.heuristic)) + ", " +
+                 std::to_string(settings.sample.samplesPerRay) + " a ray");
   size_t samples = marcher->march(camera, settings).size();  // warms up, and shows that there is a picture
   if (samples < 10000) state.SkipWithError("the picture is nearly empty");
   for (auto _ : state) samples = marcher->march(camera, settings).size();

@@ -77,7 +77,8 @@ WARPSCOPE_HD inline RayState<Depth> probeState(const CoreProbeInput& in) {
     for (int i = 0; i < 8; ++i) {
       RayState<Depth>& piece = pieces[i / 4];
       if (pass == 1 && i % 4 == 0) piece.fold = Depth::start(0.8f, profile);
-      const CountingSample sample{in.step * (static_cast<float>(i) + 0.5f), in.step, in.alphas[i], transmittance.value()};
+      const CountingSample sample{in.step * (static_cast<float>(i) + 0.5f), in.step, in.alphas[i],
+                                  transmittance.value()};
       if (pass == 0)
         profile.add(sample);
       else
@@ -87,7 +88,8 @@ WARPSCOPE_HD inline RayState<Depth> probeState(const CoreProbeInput& in) {
   }
   for (int i = 0; i < 8; ++i) {
     RayLight& light = pieces[i / 4].light;
-    light = RayLight::combine(light, {glm::dvec3(in.alphas[i]) * glm::dvec3(in.point), 1.0 - static_cast<double>(in.alphas[i])});
+    light = RayLight::combine(
+        light, {glm::dvec3(in.alphas[i]) * glm::dvec3(in.point), 1.0 - static_cast<double>(in.alphas[i])});
   }
   return RayState<Depth>::combine(pieces[0], pieces[1]);
 }
