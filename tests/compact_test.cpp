@@ -34,7 +34,7 @@ void expectCompacted(const std::vector<PackedSample>& samples, const std::vector
   SampleFrame frame;
   frame.samples.assign(3, 42);  // what an earlier frame left behind
   frame.colors.assign(5, 42);
-  compact(samples, colors, frame);
+  compact(samples, colors, 1, frame);
   EXPECT_TRUE(std::ranges::equal(frame.samples, keptSamples)) << label;
   EXPECT_TRUE(std::ranges::equal(frame.colors, keptColors)) << label;
 }
@@ -64,9 +64,9 @@ TEST(Compact, OneThreadGivesTheSame) {
   std::vector<Rgba8> colors;
   fill(200001, 0.3, 31, samples, colors);
   SampleFrame parallel, serial;
-  compact(samples, colors, parallel);
+  compact(samples, colors, 1, parallel);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  compact(samples, colors, serial);
+  compact(samples, colors, 1, serial);
   EXPECT_TRUE(parallel.samples == serial.samples);
   EXPECT_TRUE(parallel.colors == serial.colors);
 }
@@ -76,7 +76,7 @@ RC_GTEST_PROP(Compact, AgreesWithCopyIfAtAnySize, (uint32_t seed)) {
   std::vector<Rgba8> colors;
   fill(seed % 40000, (seed >> 16) / 65536.0, seed, samples, colors);
   SampleFrame frame;
-  compact(samples, colors, frame);
+  compact(samples, colors, 1, frame);
   std::erase_if(colors, [&](Rgba8 c) { return samples[c] >> 54 == 0; });
   std::erase_if(samples, [](PackedSample s) { return s >> 54 == 0; });
   RC_ASSERT(std::ranges::equal(frame.samples, samples));

@@ -38,6 +38,7 @@ class StubMarcher final : public Marcher {
   void render(const Camera&, const RenderSettings&, Image<glm::vec4>&, const std::stop_token&) override {}
   const VolumePtr& volume() const override { return volume_; }
   Backend backend() const override { return Backend::cpu; }
+  MarcherCapabilities capabilities() const override { return {}; }
   MarcherPtr twin() const override { return nullptr; }  // nobody asks
 
   std::vector<uint32_t> widths() const {

@@ -36,6 +36,9 @@ class MadeUpMarcher final : public Marcher {
   }
   const VolumePtr& volume() const override { return volume_; }
   Backend backend() const override { return backend_; }
+  MarcherCapabilities capabilities() const override {
+    return {.pace = backend_ == Backend::cpu ? MarchPace::afterRest : MarchPace::followsCamera};
+  }
   MarcherPtr twin() const override { return std::make_shared<MadeUpMarcher>(backend_, device_.failsAt); }
 
  private:
@@ -75,11 +78,13 @@ TEST(FallbackMarcher, GoesOnWithTheSecondFromTheFailureOn) {
   const MarcherPtr marcher =
       makeFallbackMarcher([] { return madeUp(Backend::cuda, 2); }, [] { return madeUp(Backend::cpu, kNever); }, notes.take());
   EXPECT_EQ(marcher->march({}, {}).requestId, 2u);
+  EXPECT_EQ(marcher->capabilities().pace, MarchPace::followsCamera);
   EXPECT_EQ(marcher->march({}, {}).requestId, 1u);  // the frame that failed is made all the same
   Image<glm::vec4> image;
   marcher->render({}, {}, image);
   EXPECT_EQ(image(0, 0).x, 1.0f);
   EXPECT_EQ(marcher->backend(), Backend::cpu);
+  EXPECT_EQ(marcher->capabilities().pace, MarchPace::afterRest);
   EXPECT_EQ(notes.reasons, std::vector<std::string>{"lost"});
 }
 

@@ -10,6 +10,8 @@
 #include <functional>
 #include <random>
 
+#include "made_up_source.h"
+
 namespace warpscope {
 namespace {
 
@@ -17,42 +19,21 @@ using Exact = boost::multiprecision::cpp_bin_float_100;
 
 constexpr float kContribution = 1.0f / 1024;
 
-/// Samples with a given opacity each, all of one straight colour.
-template <int kSize>
-struct MadeUpSource {
-  static constexpr int kBatch = kSize;
-  std::function<float(int)> alphaAt;
-  int last = 0;  ///< the lattice's
-  glm::vec3 straight{1.0f, 0.5f, 0.25f};
-  int first = 0;
-
-  int skip(int i) const { return i; }
-  uint32_t classify(int i, int n) {
-    first = i;
-    uint32_t visible = 0;
-    for (int k = 0; k < n; ++k) visible |= uint32_t{alphaAt(i + k) > 0.0f} << k;
-    return visible;
-  }
-  bool classifyLast() { return classify(last, 1) != 0; }
-  float alpha(int k) const { return alphaAt(first + k); }
-  glm::vec3 color(int k) const { return straight * alpha(k); }
-};
-
-RayLattice latticeOf(float t0, float length, float dt) { return makeLattice({t0, t0 + length}, dt); }
-
 struct Marched {
   RayColor color;
   std::vector<CountingSample> counting;
 };
 
-template <int kSize = 8>
-Marched march(const RayLattice& lattice, const std::function<float(int)>& alphaAt, float stopBelow = 0.0f, std::vector<int> cuts = {}) {
+template <int kSize = 8, class Light = Unlit>
+Marched march(const RayLattice& lattice, const std::function<float(int)>& alphaAt, float stopBelow = 0.0f,
+              std::vector<int> cuts = {}, const Light& light = {}) {
   MadeUpSource<kSize> source{alphaAt, lattice.count - 1};
   Marched result;
   cuts.push_back(lattice.count);
   int begin = 0;
   for (const int end : cuts) {
-    marchRay(lattice, begin, end, source, kContribution, stopBelow, result.color,
+    if (result.color.transmittance.value() < stopBelow) break;
+    marchRay(alongZ(lattice), begin, end, source, light, {kContribution, stopBelow}, result.color,
              [&](const CountingSample& sample) {
                result.counting.push_back(sample);
                return true;
@@ -180,6 +161,68 @@ TEST(MarchRay, EverySampleThatCountsIsReportedAndNoOther) {
   EXPECT_EQ(result.counting[2].t, 4.5f);
 }
 
+// --- Light: policies of this test alone, without a line of the march changed.
+
+/// Whatever the class, the opacity in red.
+struct Red {
+  template <class Source>
+  glm::vec3 shade(const ClassifiedSample& sample, const Ray&, const Source&, int) const {
+    return {sample.alpha, 0.0f, 0.0f};
+  }
+};
+
+/// Dims with the depth of the place, seen from a side; asks the source for what it looked at.
+struct DimsWithDepth {
+  float depth = 1.0f;  // at which nothing is left
+
+  template <class Source>
+  glm::vec3 shade(const ClassifiedSample& sample, const Ray& ray, const Source& source, int k) const {
+    EXPECT_EQ(source.first + k, sample.i);
+    EXPECT_EQ(glm::length(ray.direction), 1.0f);
+    return sample.color * (1.0f - ray.at(sample.t).z / depth);
+  }
+};
+
+TEST(Light, ColoursAreTheLightsAndNothingElseChanges) {
+  const auto profile = [](int i) { return i % 3 == 0 ? 0.0f : 0.125f + 0.01f * static_cast<float>(i % 7); };
+  const RayLattice lattice = latticeOf(2.0f, 40.3f, 1.0f);
+  const Marched unlit = march(lattice, profile, kContribution);
+  const Marched red = march(lattice, profile, kContribution, {}, Red{});
+  EXPECT_TRUE(sameSamples(unlit.counting, red.counting));
+  EXPECT_EQ(red.color.transmittance.exact(), unlit.color.transmittance.exact());
+  EXPECT_NEAR(red.color.premultiplied().r, red.color.premultiplied().a, 1e-6);
+  EXPECT_EQ(red.color.premultiplied().g, 0.0f);
+  EXPECT_EQ(red.color.premultiplied().b, 0.0f);
+}
+
+TEST(Light, KnowsPlaceStepAndSource) {
+  // The last step is a part of one, and counts with what is left of its opacity.
+  const RayLattice lattice = latticeOf(2.0f, 5.25f, 1.0f);
+  const DimsWithDepth light{16.0f};
+  double expected = 0.0, through = 1.0;
+  for (int i = 0; i < lattice.count; ++i) {
+    const double alpha = i + 1 < lattice.count ? 0.25 : -std::expm1(0.25 * std::log1p(-0.25));
+    const double z = i + 1 < lattice.count ? 2.5 + i : 7.125;
+    expected += through * alpha * (1.0 - z / 16.0);
+    through *= 1.0 - alpha;
+  }
+  EXPECT_NEAR(march(
+                  lattice, [](int) { return 0.25f; }, 0.0f, {}, light)
+                  .color.color()
+                  .r,
+              expected, 1e-6);
+  EXPECT_NEAR(march<1>(
+                  lattice, [](int) { return 0.25f; }, 0.0f, {}, light)
+                  .color.color()
+                  .r,
+              expected, 1e-6);
+}
+
+TEST(Light, TodaysIsTheTransferFunctionsColour) {
+  visitLight(RenderSettings{}, [](auto light) { EXPECT_TRUE((std::is_same_v<decltype(light), Unlit>)); });
+  EXPECT_TRUE(std::is_empty_v<Unlit>);
+}
+
 // --- The lattice.
 
 /// How many steps of dt cover the length, exactly.
@@ -215,7 +258,8 @@ TEST(RayLattice, CountsExactlyFarFromTheEyeWithTinySteps) {
   const RayLattice lattice = latticeOf(1e4f, 1.0f, 1e-4f);
   MadeUpSource<8> source{[&](int) { return ++samples, 0.0f; }, lattice.count - 1};
   RayColor color;
-  marchRay(lattice, 0, lattice.count, source, kContribution, 0.0f, color, [](const CountingSample&) { return true; });
+  marchRay(alongZ(lattice), 0, lattice.count, source, Unlit{}, {kContribution, 0.0f}, color,
+           [](const CountingSample&) { return true; });
   EXPECT_EQ(samples, lattice.count);  // it ends, and looks at each once
 }
 

@@ -98,8 +98,26 @@ TEST_F(HostingTest, FramesAreTheMarchersBitForBit) {
   }
 }
 
+TEST_F(HostingTest, SeveralSamplesARayComeAsTheMarcherFoundThem) {
+  const ConnectedScene loaded = connect();
+  MarchSettings settings = scene_.march;
+  settings.sample.samplesPerRay = 4;
+  loaded.source->post({1, camera(), settings}, std::chrono::steady_clock::now());
+  const std::optional<ServedFrame> served = next(*loaded.source);
+  ASSERT_TRUE(served && served->frame) << (served ? served->error : "nothing came");
+  const SampleFrame truth = marcher_->march(camera(), settings);
+  EXPECT_FALSE(truth.layers().empty());
+  EXPECT_TRUE(served->frame->samples == truth.samples);
+  EXPECT_TRUE(served->frame->colors == truth.colors);
+  EXPECT_TRUE(served->frame->planes == truth.planes);
+}
+
 TEST_F(HostingTest, GroundTruthIsTheMarchersBitForBit) {
   const ConnectedScene loaded = connect();
+  // Its volume is the server's: nobody here may count on it, or on pictures that follow the camera.
+  EXPECT_EQ(loaded.display->capabilities(),
+            (MarcherCapabilities{MarchPace::afterRest, VolumePlace::elsewhere, JudgePlace::host}));
+  EXPECT_EQ(loaded.display->volume(), nullptr);
   Image<glm::vec4> here, there;
   marcher_->render(camera(10.0), scene_.march.render, here);
   loaded.display->render(camera(10.0), scene_.march.render, there);

@@ -40,6 +40,11 @@ class FaultyMarcher final : public Marcher {
   }
   const VolumePtr& volume() const override { return sound_->volume(); }
   Backend backend() const override { return faults_->isCuda ? Backend::cuda : sound_->backend(); }
+  MarcherCapabilities capabilities() const override {
+    if (faults_->isCuda)
+      return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
+    return sound_->capabilities();
+  }
   MarcherPtr twin() const override { return std::make_shared<FaultyMarcher>(sound_->twin(), faults_); }
 
  private:

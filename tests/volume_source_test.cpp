@@ -85,7 +85,7 @@ Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunc
             makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.render.step);
         typename decltype(source)::type rayed(view, ray, lattice);
         RayColor color;
-        marchRay(lattice, 0, lattice.count, rayed, settings.render.contribution, stopBelow(settings.render), color,
+        marchRay({ray, lattice}, 0, lattice.count, rayed, Unlit{}, limitsOf(settings.render), color,
                  [](const CountingSample&) { return true; });
         image(x, y) = color.premultiplied();
       }
@@ -135,8 +135,8 @@ Image<glm::vec4> renderedOneByOne(const Volume& volume, const TransferFunction& 
             makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.render.step);
         ScalarSource<decltype(tag)> source{volume, table, ray, lattice};
         RayColor color;
-        marchRay(lattice, 0, lattice.count, source, settings.render.contribution, settings.render.terminateEarly ? settings.render.contribution : 0.0f,
-                 color, [](const CountingSample&) { return true; });
+        marchRay({ray, lattice}, 0, lattice.count, source, Unlit{}, limitsOf(settings.render), color,
+                 [](const CountingSample&) { return true; });
         image(x, y) = color.premultiplied();
       }
   });
@@ -193,6 +193,55 @@ TEST(VolumeSource, BatchesWithHolesAreTheScalarFormulaBitForBit) {
     for (const bool byCells : {false, true})
       EXPECT_TRUE(sameBits(image, renderedByScalarSource(*volume, colourful(), camera, {}, byCells))) << "by cells: " << byCells;
   }
+}
+
+// --- A light of this test alone, that reads the volume through either source.
+
+/// The direction in which values change, as a colour.
+struct ByGradient {
+  template <class Source>
+  glm::vec3 shade(const ClassifiedSample& sample, const Ray& ray, const Source& source, int) const {
+    const auto& view = source.view();
+    const glm::ivec3 place(view.voxelOrigin(ray) + sample.t * view.voxelDirection(ray) + 0.5f);
+    const glm::ivec3 voxel = glm::clamp(place, glm::ivec3(1), view.dims - 2);
+    glm::vec3 change(0.0f);
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::ivec3 before = voxel, after = voxel;
+      --before[axis];
+      ++after[axis];
+      const auto at = [&](const glm::ivec3& p) {
+        return static_cast<float>(view.voxels[(p.z * view.dims.y + p.y) * view.dims.x + p.x]);
+      };
+      change[axis] = at(after) - at(before);
+    }
+    return sample.alpha * glm::abs(glm::normalize(change));
+  }
+};
+
+TEST(VolumeSource, ALightMayReadTheVolumesGradient) {
+  const VolumePtr volume =
+      makeTestVolume(VoxelType::uint8, glm::uvec3(12), [](const glm::ivec3& p) { return 20.0 + 10.0 * p.y; });
+  const MarchedVolume marched(volume, {{{0.0, glm::vec3(1.0f), 0.1f}}});
+  const BakedTransfer baked = bakeTransfer(marched, 0.5f);
+  VolumeView<uint8_t> view = makeVolumeView<uint8_t>(marched);
+  view.voxels = volume->voxelsAs<uint8_t>();
+  view.table = baked.table.entries.data();
+  view.tableAlpha = baked.alphas.data();
+  const Ray ray{{20.0f, 1.0f, 14.0f}, glm::normalize(glm::vec3(-20.0f, 0.5f, -14.0f))};
+  const RayPath path{
+      ray, makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume->bounds(), 0.0f, 1e30f), 0.5f)};
+  const auto colorBy = [&](auto source) {
+    RayColor color;
+    marchRay(path, 0, path.lattice.count, source, ByGradient{}, {1.0f / 1024, 0.0f}, color,
+             [](const CountingSample&) { return true; });
+    return color.premultiplied();
+  };
+  const glm::vec4 color = colorBy(VolumeSource<uint8_t, false>(view, ray, path.lattice));
+  EXPECT_EQ(color.r, 0.0f);
+  EXPECT_EQ(color.b, 0.0f);
+  EXPECT_GT(color.a, 0.5f);
+  EXPECT_NEAR(color.g, color.a, 1e-6);
+  EXPECT_EQ(color, colorBy(ScalarVolumeSource<uint8_t, false, false>(view, ray, path.lattice)));
 }
 
 // --- Interpolation itself, against the definition in long double.

@@ -14,6 +14,7 @@
 #include "app/shell/progress.h"
 #include "render/base/error.h"
 #include "render/cuda/devices.h"
+#include "render/march/marcher_registry.h"
 
 namespace warpscope {
 namespace {
@@ -115,9 +116,8 @@ void bench(const BenchOptions& options) {
   settings.height = work.height;
   settings.runs = options.runs;
   // Automatic: all there are, side by side.
-  if (work.backend != Backend::cuda) settings.backends.push_back(Backend::cpu);
-  if (work.backend == Backend::cuda || (work.backend == Backend::automatic && cuda::whyUnavailable().empty()))
-    settings.backends.push_back(Backend::cuda);
+  for (const MarcherDescriptor* marcher : marchersFor(work.backend))
+    settings.backends.insert(settings.backends.begin(), marcher->backend);
 
   std::unique_ptr<HeadlessResources> headless;
   const auto resourcesOf = [&](Backend backend) {

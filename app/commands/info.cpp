@@ -12,6 +12,7 @@
 #include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/cuda/gl_interop.h"
+#include "render/march/marcher_registry.h"
 #include "render/volume/reader.h"
 
 namespace warpscope {
@@ -56,8 +57,9 @@ Json namesOf(const Table& table) {
 }
 
 Json describe() {
-  Json backends = Json::array({"cpu"});
-  if (cuda::whyUnavailable().empty()) backends.push_back("cuda");
+  Json backends = Json::array();
+  for (const MarcherDescriptor& marcher : marcherRegistry())
+    if (marcher.whyUnavailable().empty()) backends.push_back(marcher.name);
   Json scenes = Json::array();
   for (const BuiltinScene& scene : builtinScenes()) scenes.push_back({{"name", scene.name}, {"title", scene.title}});
   return {{"version", WARPSCOPE_VERSION},

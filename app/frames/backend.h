@@ -1,4 +1,4 @@
-// Choosing the hardware that marches, and saying when a choice had to be given up.
+// The hardware that marches, and saying when a choice had to be given up.
 // Backends: core/backend.h.
 #pragma once
 
@@ -9,8 +9,7 @@
 
 namespace warpscope {
 
-/// A marcher on the chosen backend; one that is automatic leaves a CUDA device that fails. Throws DeviceError with the reason if `backend`
-/// is cuda and it cannot be used.
+/// As makeMarcher() of render/march/marcher_registry.h; a fallback is reported as below.
 MarcherPtr makeMarcher(Backend backend, VolumePtr volume, TransferFunction transferFunction);
 
 /// Says on stderr, once for each reason, that the device failed and the CPU goes on.

@@ -39,6 +39,9 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
 
   const VolumePtr& volume() const override { return none_; }
   Backend backend() const override { return Backend::cpu; }
+  MarcherCapabilities capabilities() const override {
+    return {.pace = MarchPace::afterRest, .volume = VolumePlace::elsewhere, .judging = JudgePlace::host};
+  }
   MarcherPtr twin() const override { return makeRemoteMarcher(io_, settings_, coding_, patience_); }
 
  private:

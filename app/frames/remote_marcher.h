@@ -11,8 +11,8 @@
 
 namespace warpscope {
 
-/// Connects when it is first called. march() and render() throw as Marcher's do, InputError also for what the server or the network says, or if
-/// no connection stands for `patience`. volume() is null.
+/// Connects when it is first called. march() and render() throw as Marcher's do, InputError also for what the server or
+/// the network says, or if no connection stands for `patience`. Its volume is elsewhere.
 MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
                              std::chrono::steady_clock::duration patience);
 

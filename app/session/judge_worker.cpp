@@ -47,7 +47,7 @@ class DeviceJudge {
 JudgeFunction makeJudge() {
   return [device = std::make_shared<DeviceJudge>(), hasFailed = false](const std::shared_ptr<const ReferenceImage>& reference, const WarpedImage& image,
                                                                        Image<float>& map) mutable {
-    if (!hasFailed && reference->job().marcher->backend() == Backend::cuda) {
+    if (!hasFailed && reference->job().marcher->capabilities().judging == JudgePlace::cudaDevice) {
       try {
         return device->errorsOf(reference, image, map);
       } catch (const DeviceError& error) {

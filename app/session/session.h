@@ -125,8 +125,9 @@ class Session {
   const Panel& panel(size_t index) const { return panels_[index]; }
   /// Accuracy against time of what was on show since the scene was opened or the pictures' size changed last.
   const LiveFront& liveFront() const { return liveFront_; }
-  /// True where the ground truth is marched all the time: on a CUDA device. Elsewhere it is when the camera rests.
-  bool isReferenceLive() const { return loaded_ && loaded_->display->backend() == Backend::cuda; }
+  /// True where the ground truth is marched all the time, because the marcher is fast enough. Elsewhere it is when the
+  /// camera rests.
+  bool isReferenceLive() const { return loaded_ && loaded_->display->capabilities().pace == MarchPace::followsCamera; }
   /// The newest frame; null until there is one.
   const SampleFramePtr& frame() const { return frame_; }
   /// Of the connection to the server; nothing without a scene.

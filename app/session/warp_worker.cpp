@@ -114,7 +114,8 @@ void marchReference(const ReferenceJob& job, ReferenceResult& result, const std:
   Image<glm::vec4> color;
   job.marcher->render(job.camera, job.settings, color, stop);
   auto image = std::make_shared<const ReferenceImage>(job, std::move(color));
-  if (job.marcher->backend() == Backend::cpu) image->judge();  // here, and not in each panel's thread; a device has its own judges
+  if (job.marcher->capabilities().judging == JudgePlace::host)
+    image->judge();  // here, and not in each panel's thread; a device has its own judges
   result.image = std::move(image);
 }
 

@@ -5,6 +5,8 @@
 #include "render/core/host_device.h"
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 namespace warpscope {
 
@@ -25,14 +27,32 @@ WARPSCOPE_HD inline float saturated(float a) {
   return minOf(maxOf(a, 0.0f), 1.0f);
 #endif
 }
-/// a * b + c in one rounding, where the processor has an instruction for it (every CUDA device, x86 since 2013); else in two.
+/// a * b + c in one rounding, by plain operations, for processors that have no instruction for it: the product is exact
+/// in double precision, and a sum that is not exact is made odd, so that rounding it once more gives what rounding once
+/// would (Boldo, Melquiond 2008).
+WARPSCOPE_HD inline float mulAddInDouble(float a, float b, float c) {
+  const double product = static_cast<double>(a) * static_cast<double>(b);
+  const double sum = product + static_cast<double>(c);
+  const double fromProduct = sum - static_cast<double>(c);
+  const double lost = (product - fromProduct) + (static_cast<double>(c) - (sum - fromProduct));
+  uint64_t bits;
+  std::memcpy(&bits, &sum, sizeof bits);
+  const bool isInexact = lost > 0.0 || lost < 0.0;      // not where the sum is infinite
+  const bool isTooSmall = (lost > 0.0) == (sum > 0.0);  // the true sum is farther from 0
+  if (isInexact && (bits & 1) == 0) bits += isTooSmall ? uint64_t{1} : ~uint64_t{0};
+  double odd;
+  std::memcpy(&odd, &bits, sizeof odd);
+  return static_cast<float>(odd);
+}
+/// a * b + c in one rounding, everywhere.
 WARPSCOPE_HD inline float mulAdd(float a, float b, float c) {
 #if defined(__CUDA_ARCH__) || defined(__FMA__) || defined(__ARM_FEATURE_FMA)
   return std::fma(a, b, c);
 #else
-  return a * b + c;
+  return mulAddInDouble(a, b, c);  // the library's function would be called, and stand in the way of vectors
 #endif
 }
+WARPSCOPE_HD inline double mulAdd(double a, double b, double c) { return std::fma(a, b, c); }
 WARPSCOPE_HD inline float sqrtOf(float a) { return std::sqrt(a); }
 WARPSCOPE_HD inline float cbrtOf(float a) { return std::cbrt(a); }
 WARPSCOPE_HD inline float powOf(float a, float exponent) { return std::pow(a, exponent); }

@@ -22,8 +22,16 @@ namespace xsimd {
 inline batch<float> mulAdd(const batch<float>& a, const batch<float>& b, const batch<float>& c) {
 #if XSIMD_WITH_AVX512F
   return _mm512_fmadd_ps(a, b, c);  // xsimd 8 has no fma for these: its general one rounds twice, where one number at a time rounds once
-#else
+#elif defined(__FMA__) || defined(__ARM_FEATURE_FMA)
   return fma(a, b, c);
+#else
+  constexpr std::size_t lanes = batch<float>::size;  // xsimd's would round twice
+  alignas(64) float x[lanes], y[lanes], z[lanes];
+  a.store_aligned(x);
+  b.store_aligned(y);
+  c.store_aligned(z);
+  for (std::size_t i = 0; i < lanes; ++i) z[i] = warpscope::mulAdd(x[i], y[i], z[i]);
+  return batch<float>::load_aligned(z);
 #endif
 }
 inline batch<float> minOf(const batch<float>& a, const batch<float>& b) { return min(a, b); }

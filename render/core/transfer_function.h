@@ -1,20 +1,21 @@
 // Transfer functions: from a scalar to colour and opacity, and the baked, step-corrected table that marching reads.
-// Opacity correction for a step of ds volume units: 1 - (1 - a)^ds, computed as -expm1(ds * log1p(-a)) (cf. Engel et al., Real-Time
-// Volume Graphics, 2006, section 9.1).
+// Opacity correction for a step of ds volume units: 1 - (1 - a)^ds = -expm1(ds * log1p(-a)) (cf. Engel et al. 2006, 9.1).
 #pragma once
 
 #include <cmath>
 #include <vector>
 
+#include "render/core/exact_math.h"
 #include "render/core/numeric.h"
 
 namespace warpscope {
 
-/// Opacity of a piece of length `ds` of a medium whose opacity over unit length is `alpha`. alpha = 1 stays 1 for ds > 0.
-/// In double, so that functions which every processor rounds its own way give the same float.
+/// Opacity of a piece of length `ds` of a medium whose opacity over unit length is `alpha`. 1 stays 1 for ds > 0.
+/// The same float on every processor, and the nearest one unless the truth lies within 3e-15 of itself from the middle
+/// between two.
 WARPSCOPE_HD inline float correctOpacity(float alpha, float ds) {
   if (alpha >= 1.0f) return ds > 0.0f ? 1.0f : 0.0f;
-  return static_cast<float>(-std::expm1(static_cast<double>(ds) * std::log1p(-static_cast<double>(alpha))));
+  return static_cast<float>(oneMinusExp(static_cast<double>(ds) * logOfOneMinus(alpha)));
 }
 
 /// One corner of a piecewise linear transfer function. Two corners with the same value make a step: below it the first holds,

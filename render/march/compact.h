@@ -1,4 +1,4 @@
-// Leaves out the pixels that found nothing, in parallel and in order.
+// Leaves out the places that found nothing, in parallel and in order.
 // Count, scan, copy (cf. Blelloch 1990, section 1.3).
 #pragma once
 
@@ -8,7 +8,12 @@
 
 namespace warpscope {
 
-/// Copies the samples with a radius code other than 0, and their colours, to `frame`, keeping order. Both inputs have the same length.
-void compact(std::span<const PackedSample> samples, std::span<const Rgba8> colors, SampleFrame& frame);
+/// Copies the samples with a radius code other than 0, and their colours, to `frame`, keeping order. Both inputs have
+/// the same length: `slots` places for each ray, of which the first hold its samples near to far. The frame gets the
+/// plane kLayerPlane if a ray has several.
+void compact(std::span<const PackedSample> samples, std::span<const Rgba8> colors, size_t slots, SampleFrame& frame);
+
+/// Gives `frame` the plane kLayerPlane with `layers`, one for each sample, or none if all are 0.
+void setLayers(TransferVector<std::byte> layers, SampleFrame& frame);
 
 }  // namespace warpscope

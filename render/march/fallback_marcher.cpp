@@ -58,6 +58,7 @@ class FallbackMarcher final : public Marcher {
   }
   const VolumePtr& volume() const override { return volume_; }
   Backend backend() const override { return current()->backend(); }
+  MarcherCapabilities capabilities() const override { return current()->capabilities(); }
   MarcherPtr twin() const override {
     if (isSecond() || plan_->hasFailed()) return plan_->second();
     try {

@@ -7,34 +7,32 @@
 #include "render/cuda/pixel_tiles.cuh"
 #include "render/march/march.h"
 #include "render/march/march_launch.h"
+#include "render/march/ray_samples.h"
 #include "render/march/volume_source_scalar.h"
 
 namespace warpscope {
 
-struct PixelRay {
-  Ray ray;
-  RayLattice lattice;
-};
-
 template <class Job>
-__device__ inline PixelRay rayThrough(const Job& job, const PixelPlace& pixel) {
-  PixelRay through;
-  through.ray = rayOfPixel(job.camera, pixel);
-  const RayInterval inside = intersectBox(reciprocalOf(through.ray.origin, through.ray.direction), job.bounds, 0.0f, kNoHit);
-  through.lattice = makeLattice(inside, job.step);
-  return through;
+__device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel) {
+  RayPath path;
+  path.ray = rayOfPixel(job.camera, pixel);
+  const RayInterval inside = intersectBox(reciprocalOf(path.ray.origin, path.ray.direction), job.bounds, 0.0f, kNoHit);
+  path.lattice = makeLattice(inside, job.step);
+  return path;
 }
 
-template <class Depth, class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, 8) marchSamples(const __grid_constant__ MarchJob<Voxel> job) {
+template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads, 8)
+    marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
-  const auto [ray, lattice] = rayThrough(job, pixel);
+  const RayPath path = rayThrough(job, pixel);
+  const auto& [ray, lattice] = path;
   RayColor gathered;
   ProfileFold profile;
   auto fold = Depth::start(job.threshold, profile);
   ScalarVolumeSource<Voxel, kHasHoles, kByCells> source(job.view, ray, lattice);
-  marchRay(lattice, 0, lattice.count, source, job.contribution, job.stopBelow, gathered, [&](const CountingSample& sample) {
+  marchRay(path, 0, lattice.count, source, light, job.limits, gathered, [&](const CountingSample& sample) {
     if constexpr (Depth::kTwoPass)
       profile.add(sample);
     else
@@ -46,7 +44,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8) marchSamples(const __gri
       fold = Depth::start(job.threshold, profile);
       RayOpacity opacity;
       ScalarVolumeSource<Voxel, kHasHoles, kByCells> again(job.view, ray, lattice);
-      marchRay(lattice, 0, lattice.count, again, job.contribution, job.stopBelow, opacity, [&](const CountingSample& sample) {
+      marchRay(path, 0, lattice.count, again, light, job.limits, opacity, [&](const CountingSample& sample) {
         fold.add(sample);
         return !fold.crossed;
       });
@@ -59,25 +57,59 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8) marchSamples(const __gri
   job.colors[i] = job.colorTables->encode(color);
 }
 
-template <class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, 8) marchColors(const __grid_constant__ MarchJob<Voxel> job) {
+/// As marchSamples, for several samples a ray: job.slots places for each pixel, the first of them filled, near to far.
+template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads, 8)
+    marchSeveralSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
-  const auto [ray, lattice] = rayThrough(job, pixel);
+  const RayPath path = rayThrough(job, pixel);
+  const auto makeSource = [&] {
+    return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice);
+  };
+  RaySamples found;
+  findSamples<Depth>(path, makeSource, light, job.limits, job.threshold, job.slots, found);
+  const size_t first = (size_t{pixel.y} * job.camera.width + pixel.x) * static_cast<size_t>(job.slots);
+  for (int slot = 0; slot < job.slots; ++slot) {
+    job.samples[first + slot] = 0;
+    if (slot >= found.size()) continue;
+    const RaySample& sample = found[slot];
+    job.samples[first + slot] = packRaySample(job.rule, job.camera, path.ray, sample.depth, sample.color.a);
+    job.colors[first + slot] = job.colorTables->encode(sample.color);
+  }
+}
+
+template <class Light, class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads, 8)
+    marchColors(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
+  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
+  const RayPath path = rayThrough(job, pixel);
   RayColor gathered;
-  ScalarVolumeSource<Voxel, kHasHoles, kByCells> source(job.view, ray, lattice);
-  marchRay(lattice, 0, lattice.count, source, job.contribution, job.stopBelow, gathered,
+  ScalarVolumeSource<Voxel, kHasHoles, kByCells> source(job.view, path.ray, path.lattice);
+  marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered,
            [](const CountingSample&) { return true; });
   job.image[size_t{pixel.y} * job.camera.width + pixel.x] = gathered.premultiplied();
 }
 
 template <class Voxel, bool kHasHoles, bool kByCells>
-void launchMarch(const MarchJob<Voxel>& job, std::optional<Heuristic> heuristic, cudaStream_t stream) {
+void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std::optional<Heuristic> heuristic,
+                 cudaStream_t stream) {
   const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
-  if (heuristic)
-    visitHeuristic(*heuristic, [&](auto depth) { marchSamples<decltype(depth), Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job); });
-  else
-    marchColors<Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job);
+  visitLight(settings, [&](auto light) {
+    using Light = decltype(light);
+    if (heuristic)
+      visitHeuristic(*heuristic, [&](auto depth) {
+        if (job.slots == 1)
+          marchSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells>
+              <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+        else
+          marchSeveralSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells>
+              <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+      });
+    else
+      marchColors<Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+  });
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 

@@ -4,9 +4,13 @@
 
 namespace warpscope {
 
-template void launchMarch<UnitVoxel, false, true>(const MarchJob<UnitVoxel>&, std::optional<Heuristic>, cudaStream_t);
-template void launchMarch<UnitVoxel, false, false>(const MarchJob<UnitVoxel>&, std::optional<Heuristic>, cudaStream_t);
-template void launchMarch<UnitVoxel, true, true>(const MarchJob<UnitVoxel>&, std::optional<Heuristic>, cudaStream_t);
-template void launchMarch<UnitVoxel, true, false>(const MarchJob<UnitVoxel>&, std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<UnitVoxel, false, true>(const MarchJob<UnitVoxel>&, const RenderSettings&,
+                                                  std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<UnitVoxel, false, false>(const MarchJob<UnitVoxel>&, const RenderSettings&,
+                                                   std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<UnitVoxel, true, true>(const MarchJob<UnitVoxel>&, const RenderSettings&,
+                                                 std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<UnitVoxel, true, false>(const MarchJob<UnitVoxel>&, const RenderSettings&,
+                                                  std::optional<Heuristic>, cudaStream_t);
 
 }  // namespace warpscope

@@ -6,24 +6,25 @@
 
 #include "render/core/color.h"
 #include "render/cuda/memory.h"
+#include "render/march/march.h"
 #include "render/march/sample_radius.h"
 #include "render/march/volume_view.h"
 
 namespace warpscope {
 
-/// Rows [firstRow, endRow) of an image. All pointers are to device memory; a pass writes either samples and colours or the image, one
-/// element for each pixel of the whole image.
+/// Rows [firstRow, endRow) of an image. All pointers are to device memory; a pass writes either samples and colours,
+/// `slots` elements for each pixel of the whole image, or the image, one for each.
 template <class Voxel>
 struct MarchJob {
   VolumeView<Voxel> view;
   Box bounds;
   Camera camera;
   float step = 0.5f;
-  float contribution = 0.0f;
-  float stopBelow = 0.0f;
+  RayLimits limits;
   float threshold = 0.0f;
   uint32_t firstRow = 0;
   uint32_t endRow = 0;
+  int slots = 1;  ///< most samples of a ray
   SampleRule rule;
   const ColorTables* colorTables = nullptr;
   PackedSample* samples = nullptr;
@@ -31,8 +32,10 @@ struct MarchJob {
   glm::vec4* image = nullptr;
 };
 
-/// Marches samples by `heuristic`, or colours alone without one. The parameters: those of visitDeviceVoxels.
+/// Marches samples by `heuristic`, or colours alone without one; the light is the settings'. The parameters: those of
+/// visitDeviceVoxels.
 template <class Voxel, bool kHasHoles, bool kByCells>
-void launchMarch(const MarchJob<Voxel>& job, std::optional<Heuristic> heuristic, cudaStream_t stream);
+void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std::optional<Heuristic> heuristic,
+                 cudaStream_t stream);
 
 }  // namespace warpscope

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "render/march/march.h"
 #include "render/march/march_settings.h"
 #include "render/march/sample_frame.h"
 #include "render/march/sample_radius.h"
@@ -53,8 +54,9 @@ inline SampleRule sampleRuleOf(const SampleFrame& frame) {
   return {frame.settings.sample.radiusPolicy, frame.voxelRadius, frame.settings.sample.radiusScale, frame.quantization};
 }
 
-/// Transmittance below which a ray ends.
-inline float stopBelow(const RenderSettings& settings) { return settings.terminateEarly ? settings.contribution : 0.0f; }
+inline RayLimits limitsOf(const RenderSettings& settings) {
+  return {settings.contribution, settings.terminateEarly ? settings.contribution : 0.0f};
+}
 
 /// A view of `marched` whose pointers are for the caller to fill.
 template <class Voxel>

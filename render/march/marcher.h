@@ -17,6 +17,30 @@ namespace warpscope {
 class Marcher;
 using MarcherPtr = std::shared_ptr<Marcher>;
 
+/// Whether a marcher's pictures keep up with a camera that moves.
+enum class MarchPace {
+  afterRest,      ///< a picture takes so long that the ground truth waits until the camera rests
+  followsCamera,  ///< several pictures a second: the ground truth follows the camera
+};
+
+/// Where the volume is that a marcher marches.
+enum class VolumePlace {
+  elsewhere,  ///< in another process: volume() is null
+  here,       ///< in this one, all of it
+};
+
+/// Where a marcher's pictures are compared with others soonest.
+enum class JudgePlace { host, cudaDevice };
+
+/// What a marcher can do, for those who plan with it and need not know what it is.
+struct MarcherCapabilities {
+  MarchPace pace = MarchPace::afterRest;
+  VolumePlace volume = VolumePlace::here;
+  JudgePlace judging = JudgePlace::host;
+
+  bool operator==(const MarcherCapabilities&) const = default;
+};
+
 class Marcher {
  public:
   virtual ~Marcher() = default;
@@ -30,9 +54,12 @@ class Marcher {
   virtual void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image,
                       const std::stop_token& stop = {}) = 0;
 
+  /// Null where capabilities() say that it is elsewhere.
   virtual const VolumePtr& volume() const = 0;
-  /// Where it marches: cpu or cuda.
+  /// Where it marches, cpu or cuda: for reports. What depends on it asks for capabilities.
   virtual Backend backend() const = 0;
+  /// May change from call to call: a marcher may go on elsewhere when a device fails.
+  virtual MarcherCapabilities capabilities() const = 0;
 
   /// Another marcher of the same volume: it shares what never changes, and its calls do not wait for this one's.
   virtual MarcherPtr twin() const = 0;

@@ -12,6 +12,7 @@
 #include "render/march/compact.h"
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
+#include "render/march/ray_samples.h"
 #include "render/march/volume_source.h"
 
 namespace warpscope {
@@ -20,12 +21,14 @@ namespace {
 
 constexpr uint32_t kTileSide = 32;
 
-/// What becomes of a finished ray. Behind one pointer, so that the loop over rays is compiled once a voxel type, not once a use.
-using OnRay = std::function<void(size_t pixel, const Ray&, const RayColor&, const std::vector<CountingSample>&)>;
+/// What becomes of a finished ray: its colour, and its samples where some are wanted. Behind one pointer, so that the
+/// loop over rays is compiled once a voxel type, not once a use.
+using OnRay = std::function<void(size_t pixel, const Ray&, const glm::vec4& premultiplied, const RaySamples&)>;
 
 using DepthFunction = DepthResult (*)(const std::vector<CountingSample>&, float threshold);
 
-/// Depth of a finished ray. `counting` holds every sample that counted: a second pass folds over them again.
+/// Depth of a finished ray or part of one. `counting` holds every sample that counted: a second pass folds over them
+/// again.
 template <class Depth>
 DepthResult depthOf(const std::vector<CountingSample>& counting, float threshold) {
   ProfileFold profile;
@@ -51,21 +54,25 @@ class CpuMarcher final : public Marcher {
     SampleFrame frame = emptyFrame(camera, settings, rule);
 
     const auto marchStart = std::chrono::steady_clock::now();
-    const size_t pixels = size_t{camera.width} * camera.height;
-    denseSamples_.resize(pixels);
-    denseColors_.resize(pixels);
-    const DepthFunction depthOfRay = depthFunctionOf(settings.sample.heuristic);
-    forEachRay(camera, settings.render, stop,
-               [&](size_t pixel, const Ray& ray, const RayColor& color, const std::vector<CountingSample>& counting) {
-                 const DepthResult depth = depthOfRay(counting, settings.sample.threshold);
-                 const glm::vec4 premultiplied = color.premultiplied();
-                 denseSamples_[pixel] = packRaySample(rule, camera, ray, depth, premultiplied.a);
-                 if (depth.hasDepth) denseColors_[pixel] = ColorTables::instance().encode(premultiplied);
+    const auto slots = static_cast<size_t>(settings.sample.samplesPerRay);
+    const size_t places = size_t{camera.width} * camera.height * slots;
+    denseSamples_.resize(places);
+    denseColors_.resize(places);
+    forEachRay(camera, settings.render, &settings.sample, stop,
+               [&](size_t pixel, const Ray& ray, const glm::vec4&, const RaySamples& found) {
+                 for (size_t slot = 0; slot < slots; ++slot) {
+                   const size_t place = pixel * slots + slot;
+                   denseSamples_[place] = 0;
+                   if (static_cast<int>(slot) >= found.size()) continue;
+                   const RaySample& sample = found[static_cast<int>(slot)];
+                   denseSamples_[place] = packRaySample(rule, camera, ray, sample.depth, sample.color.a);
+                   denseColors_[place] = ColorTables::instance().encode(sample.color);
+                 }
                });
     frame.timings.marchMs = millisecondsSince(marchStart);
 
     const auto compactStart = std::chrono::steady_clock::now();
-    compact(denseSamples_, denseColors_, frame);
+    compact(denseSamples_, denseColors_, slots, frame);
     frame.timings.compactMs = millisecondsSince(compactStart);
     return frame;
   }
@@ -75,19 +82,21 @@ class CpuMarcher final : public Marcher {
     const std::scoped_lock lock(mutex_);
     requireMarchable(*marched_->volume, camera, settings);
     image.resize(camera.width, camera.height);
-    forEachRay(camera, settings, stop,
-               [&](size_t pixel, const Ray&, const RayColor& color, const std::vector<CountingSample>&) {
-                 image[pixel] = color.premultiplied();
+    forEachRay(camera, settings, nullptr, stop,
+               [&](size_t pixel, const Ray&, const glm::vec4& premultiplied, const RaySamples&) {
+                 image[pixel] = premultiplied;
                });
   }
 
   const VolumePtr& volume() const override { return marched_->volume; }
   Backend backend() const override { return Backend::cpu; }
+  MarcherCapabilities capabilities() const override { return {}; }
   MarcherPtr twin() const override { return std::make_shared<CpuMarcher>(marched_); }
 
  private:
-  void forEachRay(const Camera& camera, const RenderSettings& settings, const std::stop_token& stop,
-                  const OnRay& onRay) {
+  /// Finds samples where `sample` says how; colours alone if it is null.
+  void forEachRay(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample,
+                  const std::stop_token& stop, const OnRay& onRay) {
     if (!baked_.isFor(settings.step)) baked_ = bakeTransfer(*marched_, settings.step);
     const Volume& volume = *marched_->volume;
     visitVoxelType(volume.type(), [&](auto voxelTag) {
@@ -97,36 +106,64 @@ class CpuMarcher final : public Marcher {
       view.table = baked_.table.entries.data();
       view.tableAlpha = baked_.alphas.data();
       view.cells.distances = settings.skipEmpty ? baked_.emptyDistances.data() : nullptr;
-      if (std::is_floating_point_v<Voxel> && volume.statistics().nonFinite > 0)
-        marchTiles<VolumeSource<Voxel, true>>(view, camera, settings, stop, onRay);
-      else
-        marchTiles<VolumeSource<Voxel, false>>(view, camera, settings, stop, onRay);
+      visitLight(settings, [&](const auto& light) {
+        if (std::is_floating_point_v<Voxel> && volume.statistics().nonFinite > 0)
+          marchTiles<VolumeSource<Voxel, true>>(view, light, camera, settings, sample, stop, onRay);
+        else
+          marchTiles<VolumeSource<Voxel, false>>(view, light, camera, settings, sample, stop, onRay);
+      });
     });
   }
 
-  template <class Source, class View>
-  void marchTiles(const View& view, const Camera& camera, const RenderSettings& settings, const std::stop_token& stop,
-                  const OnRay& onRay) const {
+  template <class Source, class View, class Light>
+  void marchTiles(const View& view, const Light& light, const Camera& camera, const RenderSettings& settings,
+                  const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) const {
+    const RayLimits limits = limitsOf(settings);
+    const DepthFunction depthOfSamples = sample != nullptr ? depthFunctionOf(sample->heuristic) : nullptr;
     parallelForTiles(camera.width, camera.height, kTileSide, stop,
                      [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
       std::vector<CountingSample> counting;
+      RaySamples found;
       for (uint32_t y = y0; y < y1; ++y)
         for (uint32_t x = x0; x < x1; ++x) {
           const Ray ray = pixelRay(camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
           const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), marched_->volume->bounds(), 0.0f,
                                                   std::numeric_limits<float>::infinity());
-          const RayLattice lattice = makeLattice(inside, settings.step);
-          Source source(view, ray, lattice);
+          const RayPath path{ray, makeLattice(inside, settings.step)};
+          Source source(view, ray, path.lattice);
           RayColor color;
           counting.clear();
-          marchRay(lattice, 0, lattice.count, source, settings.contribution, stopBelow(settings), color,
-                   [&](const CountingSample& sample) {
-                     counting.push_back(sample);
-                     return true;
-                   });
-          onRay(size_t{y} * camera.width + x, ray, color, counting);
+          marchRay(path, 0, path.lattice.count, source, light, limits, color, [&](const CountingSample& sample) {
+            counting.push_back(sample);
+            return true;
+          });
+          const glm::vec4 premultiplied = color.premultiplied();
+          found.clear();
+          if (sample != nullptr && !counting.empty()) {
+            if (sample->samplesPerRay == 1 || counting.size() == 1)
+              found.add({depthOfSamples(counting, sample->threshold), premultiplied});
+            else
+              findParts<Source>(view, light, path, limits, *sample, depthOfSamples, counting, found);
+          }
+          onRay(size_t{y} * camera.width + x, ray, premultiplied, found);
         }
     });
+  }
+
+  /// Marches once more, part by part. `counting` has the ray's samples that count, and is used up.
+  template <class Source, class View, class Light>
+  static void findParts(const View& view, const Light& light, const RayPath& path, const RayLimits& limits,
+                        const SampleSettings& settings, DepthFunction depthOfSamples,
+                        std::vector<CountingSample>& counting, RaySamples& found) {
+    const RayParts parts{counting.back().accumulatedAfter(), settings.samplesPerRay};
+    counting.clear();
+    Source source(view, path.ray, path.lattice);
+    marchParts<RayPiece>(
+        path, source, light, limits, parts, [&](const CountingSample& sample) { counting.push_back(sample); },
+        [&](const RayPiece& piece) {
+          found.add({depthOfSamples(counting, settings.threshold), piece.premultiplied()});
+          counting.clear();
+        });
   }
 
   const MarchedVolumePtr marched_;

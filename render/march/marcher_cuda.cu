@@ -2,13 +2,17 @@
 // See marcher_cuda.h. Compaction: CUB's DeviceSelect (single pass, order kept; Merrill, Garland 2016, decoupled look-back).
 #include "render/march/marcher_cuda.h"
 
-#include <cub/device/device_select.cuh>
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/iterator/transform_iterator.h>
 #include <thrust/iterator/zip_iterator.h>
+#include <cub/device/device_select.cuh>
 
+#include <cstddef>
 #include <mutex>
 
 #include "render/base/error.h"
 #include "render/cuda/pinned_memory.h"
+#include "render/march/compact.h"
 #include "render/march/device_volume.h"
 #include "render/march/march_launch.h"
 #include "render/march/march_setup.h"
@@ -26,6 +30,12 @@ struct HoldsSample {
   }
 };
 
+/// How many of a ray's samples are in front of the one at a place.
+struct LayerOfPlace {
+  uint32_t slots;
+  __host__ __device__ std::byte operator()(uint64_t place) const { return static_cast<std::byte>(place % slots); }
+};
+
 class CudaMarcher final : public Marcher {
  public:
   CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume)
@@ -39,17 +49,19 @@ class CudaMarcher final : public Marcher {
     requireMarchable(*marched_->volume, camera, settings.render);
     const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
     SampleFrame frame = emptyFrame(camera, settings, rule);
-    const size_t pixels = size_t{camera.width} * camera.height;
-    denseSamples_.reserve(pixels);
-    denseColors_.reserve(pixels);
-    samples_.reserve(pixels);
-    colors_.reserve(pixels);
+    const int slots = settings.sample.samplesPerRay;
+    const size_t places = size_t{camera.width} * camera.height * static_cast<size_t>(slots);
+    denseSamples_.reserve(places);
+    denseColors_.reserve(places);
+    samples_.reserve(places);
+    colors_.reserve(places);
+    if (slots > 1) layers_.reserve(places);
 
     bake(settings.render.step);
     start_.record(stream_);
     launch(camera, settings.render, stop, &settings.sample, &rule);
     marchEnd_.record(stream_);
-    compact(pixels);
+    compact(places, slots);
     compacted_.record(stream_);
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(count_.data(), deviceCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
     stream_.synchronize();
@@ -63,8 +75,14 @@ class CudaMarcher final : public Marcher {
     copyStart_.record(stream_);
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(frame.samples.data(), samples_.data(), count * sizeof(PackedSample), cudaMemcpyDeviceToHost, stream_));
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(frame.colors.data(), colors_.data(), count * sizeof(Rgba8), cudaMemcpyDeviceToHost, stream_));
+    TransferVector<std::byte> layers{TransferAllocator<std::byte>(cuda::pinnedMemory())};
+    if (slots > 1) {
+      layers.resize(count);
+      WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(layers.data(), layers_.data(), count, cudaMemcpyDeviceToHost, stream_));
+    }
     copied_.record(stream_);
     stream_.synchronize();
+    setLayers(std::move(layers), frame);
     frame.timings.marchMs = marchEnd_.millisecondsSince(start_);
     frame.timings.compactMs = compacted_.millisecondsSince(marchEnd_);
     frame.timings.copyMs = copied_.millisecondsSince(copyStart_);
@@ -86,6 +104,9 @@ class CudaMarcher final : public Marcher {
 
   const VolumePtr& volume() const override { return marched_->volume; }
   Backend backend() const override { return Backend::cuda; }
+  MarcherCapabilities capabilities() const override {
+    return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
+  }
   MarcherPtr twin() const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_); }
 
  private:
@@ -115,9 +136,11 @@ class CudaMarcher final : public Marcher {
       job.bounds = marched_->volume->bounds();
       job.camera = camera;
       job.step = settings.step;
-      job.contribution = settings.contribution;
-      job.stopBelow = stopBelow(settings);
-      if (sample != nullptr) job.threshold = sample->threshold;
+      job.limits = limitsOf(settings);
+      if (sample != nullptr) {
+        job.threshold = sample->threshold;
+        job.slots = sample->samplesPerRay;
+      }
       if (rule != nullptr) job.rule = *rule;
       job.colorTables = colorTables_.data();
       job.samples = denseSamples_.data();
@@ -126,7 +149,7 @@ class CudaMarcher final : public Marcher {
       const uint32_t rows = std::max(1u, kRaysPerLaunch / camera.width);
       for (job.firstRow = 0; job.firstRow < camera.height; job.firstRow = job.endRow) {
         job.endRow = std::min(camera.height, job.firstRow + rows);
-        launchMarch<Voxel, kHasHoles, kByCells>(job, heuristic, stream_);
+        launchMarch<Voxel, kHasHoles, kByCells>(job, settings, heuristic, stream_);
         if (job.endRow == camera.height || !stop.stop_possible()) continue;
         stream_.synchronize();  // else every launch would be queued before the stop is seen
         if (stop.stop_requested()) throw OperationCancelled();
@@ -134,12 +157,22 @@ class CudaMarcher final : public Marcher {
     });
   }
 
-  void compact(size_t pixels) {
-    const auto in = thrust::make_zip_iterator(denseSamples_.data(), denseColors_.data());
-    const auto out = thrust::make_zip_iterator(samples_.data(), colors_.data());
-    cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
-      return cub::DeviceSelect::If(memory, bytes, in, out, deviceCount_.data(), static_cast<int64_t>(pixels), HoldsSample{}, stream_);
-    });
+  void compact(size_t places, int slots) {
+    const auto select = [&](const auto& in, const auto& out) {
+      cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
+        return cub::DeviceSelect::If(memory, bytes, in, out, deviceCount_.data(), static_cast<int64_t>(places),
+                                     HoldsSample{}, stream_);
+      });
+    };
+    if (slots == 1) {
+      select(thrust::make_zip_iterator(denseSamples_.data(), denseColors_.data()),
+             thrust::make_zip_iterator(samples_.data(), colors_.data()));
+      return;
+    }
+    const auto layers = thrust::make_transform_iterator(thrust::make_counting_iterator(uint64_t{0}),
+                                                        LayerOfPlace{static_cast<uint32_t>(slots)});
+    select(thrust::make_zip_iterator(denseSamples_.data(), denseColors_.data(), layers),
+           thrust::make_zip_iterator(samples_.data(), colors_.data(), layers_.data()));
   }
 
   const MarchedVolumePtr marched_;
@@ -155,6 +188,7 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<uint8_t> emptyDistances_;
   cuda::DeviceBuffer<PackedSample> denseSamples_, samples_;
   cuda::DeviceBuffer<Rgba8> denseColors_, colors_;
+  cuda::DeviceBuffer<std::byte> layers_;
   cuda::DeviceBuffer<glm::vec4> image_;
   cuda::DeviceBuffer<uint32_t> deviceCount_{1};
   cuda::PinnedValue<uint32_t> count_;

@@ -13,6 +13,7 @@ class Transmittance {
   WARPSCOPE_HD explicit Transmittance(double value) : value_(value) {}
 
   WARPSCOPE_HD float value() const { return static_cast<float>(value_); }
+  WARPSCOPE_HD double exact() const { return value_; }
   WARPSCOPE_HD float opacity() const { return static_cast<float>(1.0 - value_); }
 
   /// Passes a sample of opacity `alpha` in [0, 1].

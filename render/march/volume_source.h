@@ -71,6 +71,9 @@ class VolumeSource {
   float alpha(int k) const { return alpha_[k]; }
   glm::vec3 color(int k) const { return glm::vec3(view_.table[index_[k]]); }
 
+  /// The volume, for what a sample's light needs beside its class.
+  const VolumeView<Voxel>& view() const { return view_; }
+
  private:
   /// Looks at the samples at these distances; a bit is set for each that has opacity.
   uint32_t classifyAt(const FloatBatch& distance) {

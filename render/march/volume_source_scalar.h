@@ -42,6 +42,9 @@ class ScalarVolumeSource {
 #endif
   }
 
+  /// The volume, for what a sample's light needs beside its class.
+  WARPSCOPE_HD const VolumeView<Voxel>& view() const { return view_; }
+
  private:
   /// Looks at the i-th sample, at distance t.
   WARPSCOPE_HD void lookAt(int i, float t) {

@@ -33,16 +33,19 @@ void march(benchmark::State& state) {
   const Camera camera = makeCamera(scene, scene.views.front(), 1024, 1024);
   MarchSettings settings;
   settings.sample.heuristic = static_cast<Heuristic>(state.range(0));
-  state.SetLabel(scene.name + ", " + std::string(nameOf(settings.sample.heuristic)));
+  settings.sample.samplesPerRay = static_cast<int>(state.range(1));
+  state.SetLabel(scene.name + ", " + std::string(nameOf(settings.sample.heuristic)) + ", " +
+                 std::to_string(settings.sample.samplesPerRay) + " a ray");
   size_t samples = marcher->march(camera, settings).size();  // warms up, and shows that there is a picture
   if (samples < 10000) state.SkipWithError("the picture is nearly empty");
   for (auto _ : state) samples = marcher->march(camera, settings).size();
   state.counters["samples"] = static_cast<double>(samples);
 }
 BENCHMARK(march)
-    ->Arg(static_cast<int>(Heuristic::gradient))
-    ->Arg(static_cast<int>(Heuristic::relThreshold))
-    ->Arg(static_cast<int>(Heuristic::expected))
+    ->Args({static_cast<int>(Heuristic::gradient), 1})
+    ->Args({static_cast<int>(Heuristic::gradient), 4})
+    ->Args({static_cast<int>(Heuristic::relThreshold), 1})
+    ->Args({static_cast<int>(Heuristic::expected), 1})
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->UseRealTime();
@@ -60,7 +63,7 @@ void compaction(benchmark::State& state) {
   }
   SampleFrame frame;
   for (auto _ : state) {
-    compact(samples, colors, frame);
+    compact(samples, colors, 1, frame);
     benchmark::DoNotOptimize(frame.samples.data());
   }
   if (frame.size() != expected) state.SkipWithError("wrong count");

@@ -33,7 +33,7 @@ std::vector<CoreProbeInput> randomInputs(size_t count) {
     in.point = {symmetric(size), symmetric(0.5f * size), symmetric(size)};
     in.radius = size * unit(random);
     in.step = 0.25f + unit(random);
-    for (float& alpha : in.alphas) alpha = unit(random);
+    for (float& alpha : in.alphas) alpha = random() % 2 ? unit(random) : std::exp2(-40.0f * unit(random));
   }
   return inputs;
 }
@@ -62,11 +62,17 @@ TEST(CoreOnDevice, SameBitsAsHost) {
     ASSERT_EQ(host.latticeCount, dev.latticeCount);
     ASSERT_TRUE(same(host.latticeLast, dev.latticeLast));
     for (int h = 0; h < 10; ++h) ASSERT_TRUE(same(host.depths[h], dev.depths[h])) << "heuristic " << h;
+    for (int h = 0; h < 10; ++h)
+      ASSERT_TRUE(same(host.combinedDepths[h], dev.combinedDepths[h])) << "heuristic " << h << " in two pieces";
+    ASSERT_EQ(host.combinedColor, dev.combinedColor);
+    ASSERT_EQ(host.combinedTransmittance, dev.combinedTransmittance);
     ASSERT_TRUE(same(host.transmittance, dev.transmittance));
     ASSERT_TRUE(same(host.trilinear, dev.trilinear));
     ASSERT_EQ(host.tableIndex, dev.tableIndex);
     ASSERT_EQ(host.axisIndex, dev.axisIndex);
     ASSERT_TRUE(same(host.axisWeight, dev.axisWeight));
+    ASSERT_TRUE(same(host.partialOpacity, dev.partialOpacity))
+        << inputs[i].alphas[1] << " over " << inputs[i].alphas[2];
     hits += std::isfinite(host.sphereT);
   }
   EXPECT_GT(hits, inputs.size() / 100);  // the inputs exercise what they are meant to

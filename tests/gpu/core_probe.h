@@ -13,6 +13,7 @@
 #include "render/core/transfer_function.h"
 #include "render/march/depth_heuristic.h"
 #include "render/march/lattice.h"
+#include "render/march/ray_state.h"
 #include "render/march/transmittance.h"
 #include "render/volume/voxel_access.h"
 
@@ -44,6 +45,10 @@ struct CoreProbeResult {
   int tableIndex;
   int axisIndex;
   float axisWeight;
+  float partialOpacity;
+  float combinedDepths[10];
+  glm::dvec3 combinedColor;
+  double combinedTransmittance;
 };
 
 template <class Depth>
@@ -59,6 +64,34 @@ WARPSCOPE_HD inline float probeDepth(const CoreProbeInput& in) {
   auto fold = Depth::start(0.8f, profile);
   for (int i = 0; i < 8; ++i) fold.add(samples[i]);
   return Depth::result(fold).depth;
+}
+
+/// Two pieces of a ray, put together.
+template <class Depth>
+WARPSCOPE_HD inline RayState<Depth> probeState(const CoreProbeInput& in) {
+  ProfileFold profile;
+  RayState<Depth> pieces[2];
+  Transmittance transmittance;
+  for (int pass = 0; pass < 2; ++pass) {
+    transmittance = Transmittance();
+    for (int i = 0; i < 8; ++i) {
+      RayState<Depth>& piece = pieces[i / 4];
+      if (pass == 1 && i % 4 == 0) piece.fold = Depth::start(0.8f, profile);
+      const CountingSample sample{in.step * (static_cast<float>(i) + 0.5f), in.step, in.alphas[i],
+                                  transmittance.value()};
+      if (pass == 0)
+        profile.add(sample);
+      else
+        piece.fold.add(sample);
+      transmittance.pass(in.alphas[i]);
+    }
+  }
+  for (int i = 0; i < 8; ++i) {
+    RayLight& light = pieces[i / 4].light;
+    light = RayLight::combine(
+        light, {glm::dvec3(in.alphas[i]) * glm::dvec3(in.point), 1.0 - static_cast<double>(in.alphas[i])});
+  }
+  return RayState<Depth>::combine(pieces[0], pieces[1]);
 }
 
 WARPSCOPE_HD inline CoreProbeResult probeCore(const CoreProbeInput& in) {
@@ -90,6 +123,20 @@ WARPSCOPE_HD inline CoreProbeResult probeCore(const CoreProbeInput& in) {
   out.trilinear = trilinear(in.alphas, in.alphas[0], in.alphas[3], in.alphas[6]);
   out.tableIndex = transferIndex(out.trilinear);
   axisCell(in.point.x, axisEndsOf(100), out.axisIndex, out.axisWeight);
+  out.combinedDepths[0] = probeState<EntranceDepth>(in).depth().depth;
+  out.combinedDepths[1] = probeState<ExitDepth>(in).depth().depth;
+  out.combinedDepths[2] = probeState<MidpointDepth>(in).depth().depth;
+  out.combinedDepths[3] = probeState<ThresholdDepth>(in).depth().depth;
+  out.combinedDepths[4] = probeState<PeakDepth>(in).depth().depth;
+  out.combinedDepths[5] = probeState<GradientDepth>(in).depth().depth;
+  out.combinedDepths[6] = probeState<RelThresholdDepth>(in).depth().depth;
+  out.combinedDepths[7] = probeState<EnExMeanDepth>(in).depth().depth;
+  out.combinedDepths[8] = probeState<MedianDepth>(in).depth().depth;
+  out.combinedDepths[9] = probeState<ExpectedDepth>(in).depth().depth;
+  const RayLight combined = probeState<EntranceDepth>(in).light;
+  out.combinedColor = combined.color;
+  out.combinedTransmittance = combined.transmittance;
+  out.partialOpacity = correctOpacity(in.alphas[1], in.alphas[2]);
   return out;
 }
 

@@ -1,0 +1,101 @@
+// Logarithm, exponential and opacity correction against 100 digits, over all that opacities and parts of steps can be.
+// Mirrors render/core/exact_math.h, and what transfer_function.h makes of it.
+#include "render/core/exact_math.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "render/core/transfer_function.h"
+
+namespace warpscope {
+namespace {
+
+using Exact = boost::multiprecision::cpp_bin_float_100;
+
+constexpr uint32_t kSeed = 30;
+constexpr float kLeast = std::numeric_limits<float>::denorm_min();
+
+/// Opacities of every magnitude from both ends of (0, 1), the ends' neighbours, and where the reduction of the argument
+/// changes.
+std::vector<float> opacities(int random, std::mt19937& generator) {
+  std::vector<float> all{kLeast, std::numeric_limits<float>::min(), 1e-8f,          0.25f, 0.5f,
+                         0.75f,  std::nextafter(1.0f, 0.0f),        254.0f / 255.0f};
+  for (const float border :
+       {0.292893219f, 0.646446609f, 0.5f, 0.823223305f, 0x1p-24f, 0x1p-29f, 0x1p-30f, 0x1p-53f, 0x1p-54f})
+    for (const float toward : {0.0f, 1.0f}) all.push_back(std::nextafter(border, toward));
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  for (int i = 0; i < random; ++i) {
+    all.push_back(std::exp2(-149.0f * unit(generator)));
+    all.push_back(std::max(kLeast, 1.0f - std::exp2(-24.0f * unit(generator))));
+    all.push_back(std::max(kLeast, std::min(unit(generator), std::nextafter(1.0f, 0.0f))));
+  }
+  for (float& alpha : all) alpha = std::clamp(alpha, kLeast, std::nextafter(1.0f, 0.0f));
+  return all;
+}
+
+double relativeError(double value, const Exact& truth) {
+  return static_cast<double>(abs((Exact(value) - truth) / truth));
+}
+
+TEST(ExactMath, LogarithmIsWithinItsErrorOfTheTruth) {
+  std::mt19937 random(kSeed);
+  double worst = 0.0;
+  for (const float alpha : opacities(4000, random)) {
+    const double error = relativeError(logOfOneMinus(alpha), log1p(-Exact(alpha)));
+    ASSERT_LE(error, kExactMathError) << "seed " << kSeed << ": " << alpha;
+    worst = std::max(worst, error);
+  }
+  EXPECT_GT(worst, 0.0);
+  EXPECT_EQ(logOfOneMinus(0.0f), 0.0);
+}
+
+TEST(ExactMath, ExponentialIsWithinItsErrorOfTheTruth) {
+  std::mt19937 random(kSeed + 1);
+  std::uniform_real_distribution<double> exponent(-300.0, 14.0);
+  for (int i = 0; i < 12000; ++i) {
+    // Every magnitude; around each border between two turns; beyond the last bit.
+    const double y = i % 3 == 0   ? -std::exp2(exponent(random))
+                     : i % 3 == 1 ? -kLn2 * (0.5 + i % 60) * (1.0 + 1e-15 * (i % 7 - 3))
+                                  : -50.0 * std::generate_canonical<double, 53>(random);
+    ASSERT_LE(relativeError(oneMinusExp(y), -expm1(Exact(y))), kExactMathError) << "seed " << kSeed + 1 << ": " << y;
+  }
+  EXPECT_EQ(oneMinusExp(0.0), 0.0);
+  EXPECT_EQ(oneMinusExp(-std::numeric_limits<double>::infinity()), 1.0);
+}
+
+TEST(ExactMath, CorrectedOpacityIsTheNearestFloat) {
+  std::mt19937 random(kSeed + 2);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  size_t undecided = 0, nearest = 0;
+  for (const float alpha : opacities(700, random))
+    for (const float part : {1.0f, std::nextafter(1.0f, 0.0f), 0.5f, 1e-3f, kLeast, unit(random),
+                             std::exp2(-30.0f * unit(random)), 1000.0f * unit(random)}) {
+      const Exact truth = -expm1(Exact(part) * log1p(-Exact(alpha)));
+      const Exact reach = truth * 3e-15;
+      const float lowest = static_cast<float>(truth - reach), highest = static_cast<float>(truth + reach);
+      const float corrected = correctOpacity(alpha, part);
+      ASSERT_TRUE(corrected == lowest || corrected == highest)
+          << "seed " << kSeed + 2 << ": " << alpha << " over " << part << " gives " << corrected << ", not "
+          << static_cast<float>(truth);
+      (lowest == highest ? nearest : undecided) += 1;
+    }
+  EXPECT_GT(nearest, 10000u);
+  EXPECT_LT(undecided, nearest / 100);  // tiny opacities over half a step are ties; else 3e-15 would excuse too much
+}
+
+TEST(ExactMath, AWholeStepIsLeftAsItIs) {
+  std::mt19937 random(kSeed + 3);
+  for (const float alpha : opacities(10000, random))
+    ASSERT_EQ(correctOpacity(alpha, 1.0f), alpha) << "seed " << kSeed + 3;
+  EXPECT_EQ(correctOpacity(1.0f, 1.0f), 1.0f);
+  EXPECT_EQ(correctOpacity(1.0f, kLeast), 1.0f);
+  EXPECT_EQ(correctOpacity(1.0f, 0.0f), 0.0f);
+}
+
+}  // namespace
+}  // namespace warpscope

@@ -1,0 +1,37 @@
+// A march's source without a volume: samples with a given opacity each, all of one straight colour; and rays through
+// it. What a source is: render/march/march.h.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "render/march/march.h"
+
+namespace warpscope {
+
+template <int kSize>
+struct MadeUpSource {
+  static constexpr int kBatch = kSize;
+  std::function<float(int)> alphaAt;
+  int last = 0;  ///< the lattice's
+  glm::vec3 straight{1.0f, 0.5f, 0.25f};
+  int first = 0;
+
+  int skip(int i) const { return i; }
+  uint32_t classify(int i, int n) {
+    first = i;
+    uint32_t visible = 0;
+    for (int k = 0; k < n; ++k) visible |= uint32_t{alphaAt(i + k) > 0.0f} << k;
+    return visible;
+  }
+  bool classifyLast() { return classify(last, 1) != 0; }
+  float alpha(int k) const { return alphaAt(first + k); }
+  glm::vec3 color(int k) const { return straight * alpha(k); }
+};
+
+inline RayLattice latticeOf(float t0, float length, float dt) { return makeLattice({t0, t0 + length}, dt); }
+
+/// A ray from the origin; where it goes matters to lights alone.
+inline RayPath alongZ(const RayLattice& lattice) { return {{glm::vec3(0.0f), {0.0f, 0.0f, 1.0f}}, lattice}; }
+
+}  // namespace warpscope
