@@ -4,14 +4,16 @@
 
 #include <gmock/gmock.h>
 
-#include <limits>
+#include <cmath>
 
 #include "render/base/error.h"
 
 namespace warpscope {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
 
 /// Every setting another than by default.
 MarchSettings turned() {
@@ -49,19 +51,21 @@ TEST(WireFields, SettingsComeBack) {
       settings.sample.radiusPolicy = policy.value;
       EXPECT_EQ(marchFrom(toFields(settings)), settings) << heuristic.name << " " << policy.name;
     }
-  // Every float there is between the ends.
-  for (float step = 0.001f; step < 0.0011f; step = std::nextafter(step, 1.0f)) {
-    MarchSettings settings;
-    settings.render.step = step;
-    ASSERT_EQ(marchFrom(toFields(settings)), settings) << step;
+  // Floats keep every bit.
+  MarchSettings settings;
+  settings.render.step = 0.001f;
+  for (int i = 0; i < 5000; ++i) {
+    settings.render.step = std::nextafter(1.0007f * settings.render.step, 1000.0f);
+    ASSERT_EQ(marchFrom(toFields(settings)), settings) << settings.render.step;
   }
 }
 
 TEST(WireFields, SettingsHaveTheNamesOfTheOptions) {
-  const net::SettingFields expected{{"step", "0.1"},          {"contribution", "0.33333334"}, {"skipEmpty", "false"},
-                                    {"terminateEarly", "false"}, {"heuristic", "rel-threshold"}, {"threshold", "0.7"},
-                                    {"radius", "opacity"},    {"radiusScale", "1.7"},         {"samplesPerRay", "5"}};
-  EXPECT_EQ(toFields(turned()), expected);
+  const auto field = [](const char* name, const char* value) { return ::testing::FieldsAre(name, value); };
+  EXPECT_THAT(toFields(turned()),
+              UnorderedElementsAre(field("step", "0.1"), field("contribution", "0.33333334"), field("skipEmpty", "false"),
+                                   field("terminateEarly", "false"), field("heuristic", "rel-threshold"), field("threshold", "0.7"),
+                                   field("radius", "opacity"), field("radiusScale", "1.7"), field("samplesPerRay", "5")));
 }
 
 TEST(WireFields, SettingsThatAreNotSaidKeepTheirDefaults) {
@@ -74,19 +78,20 @@ TEST(WireFields, SettingsThatAreNotSaidKeepTheirDefaults) {
 TEST(WireFields, SettingsThatAreNotKnownAreRefused) {
   EXPECT_THAT(refusalOf({{"step", "1"}, {"shadows", "soft"}}), HasSubstr("setting \"shadows\""));
   EXPECT_THAT(refusalOf({{"Step", "1"}}), HasSubstr("setting \"Step\""));
-  EXPECT_THAT(refusalOf({{"heuristic", "best"}}), HasSubstr("\"heuristic\" has a value that this program does not know: \"best\""));
-  EXPECT_THAT(refusalOf({{"radius", "1"}}), HasSubstr("\"radius\""));
-  for (const char* value : {"", " ", "1 ", " 1", "+1", "0x1", "1,5", "one", "1e", "1.0.0", "1e999"})
-    EXPECT_THAT(refusalOf({{"step", value}}), HasSubstr("\"step\"")) << value;
-  EXPECT_THAT(refusalOf({{"step", std::string("1\0", 2)}}), HasSubstr("\"step\""));
-  for (const char* value : {"", "1.0", "4294967297", "2.", "two"}) EXPECT_THAT(refusalOf({{"samplesPerRay", value}}), HasSubstr("\"samplesPerRay\"")) << value;
-  for (const char* value : {"", "1", "True", "yes"}) EXPECT_THAT(refusalOf({{"skipEmpty", value}}), HasSubstr("\"skipEmpty\"")) << value;
+  EXPECT_THAT(refusalOf({{"heuristic", "best"}}), AllOf(HasSubstr("setting \"heuristic\""), HasSubstr("best")));
+  EXPECT_THAT(refusalOf({{"radius", "1"}}), HasSubstr("setting \"radius\""));
+  for (const char* value : {"", " ", "1 ", " 1", "0x1", "1,5", "one", "1e", "1.0.0", "1e999"})
+    EXPECT_THAT(refusalOf({{"step", value}}), HasSubstr("setting \"step\"")) << value;
+  EXPECT_THAT(refusalOf({{"step", std::string("1\0", 2)}}), HasSubstr("setting \"step\""));
+  for (const char* value : {"", "1.5", "two"}) EXPECT_THAT(refusalOf({{"samplesPerRay", value}}), HasSubstr("setting \"samplesPerRay\"")) << value;
+  for (const char* value : {"", "1", "True", "yes"}) EXPECT_THAT(refusalOf({{"skipEmpty", value}}), HasSubstr("setting \"skipEmpty\"")) << value;
 }
 
 TEST(WireFields, SettingsOutOfRangeAreRefused) {
-  for (const char* value : {"0", "-1", "nan", "inf", "1001", "1e-30"}) EXPECT_THAT(refusalOf({{"step", value}}), HasSubstr("the step must be")) << value;
-  for (const char* value : {"0", "9", "-1", "2147483647"})
-    EXPECT_THAT(refusalOf({{"samplesPerRay", value}}), HasSubstr("samples a ray must be between 1 and 8")) << value;
+  for (const char* value : {"0", "-1", "nan", "inf", "1001", "1e-30"})
+    EXPECT_THAT(refusalOf({{"step", value}}), AllOf(HasSubstr("setting \"step\""), HasSubstr("0.001"), HasSubstr("1000"))) << value;
+  for (const char* value : {"0", "9", "-1", "2147483647", "4294967297"})
+    EXPECT_THAT(refusalOf({{"samplesPerRay", value}}), AllOf(HasSubstr("setting \"samplesPerRay\""), HasSubstr("8"))) << value;
 }
 
 SampleFrame someFrame() {
