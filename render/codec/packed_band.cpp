@@ -176,7 +176,7 @@ struct BandPacker::Buffers {
   // Samples on paths, layer after layer, and where each layer begins.
   TransferVector<PackedSample> byLayer;
   TransferVector<Rgba8> colorsByLayer;
-  std::array<size_t, kMaxLayers> layerBegins;
+  std::array<size_t, kMaxLayers> layerBegins{};
   // Of a layer:
   TransferVector<PackedSample> positions;
   TransferVector<Rgba8> colors;  // and then of strays
