@@ -3,12 +3,14 @@
 #include "render/codec/codec.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 #include "render/base/error.h"
 #include "render/codec/bytes.h"
 #include "render/codec/packed_codec.h"
 #include "render/codec/raw_codec.h"
+#include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
@@ -27,9 +29,14 @@ uint64_t hashOf(std::span<const std::byte> payload) {
 
 /// Whether every sample begins a ray or is the next of the one before.
 bool countUp(std::span<const uint8_t> layers) {
-  for (size_t i = 0; i < layers.size(); ++i)
-    if (layers[i] != 0 && (i == 0 || layers[i] != layers[i - 1] + 1)) return false;
-  return true;
+  if (layers.empty()) return true;
+  std::atomic<bool> doAll = layers.front() == 0;
+  parallelForRanges(layers.size() - 1, 1 << 16, [&](size_t begin, size_t end) {
+    bool doesNot = false;
+    for (size_t i = begin; i < end; ++i) doesNot |= (layers[i + 1] != 0) & (layers[i + 1] != layers[i] + 1);
+    if (doesNot) doAll = false;
+  });
+  return doAll;
 }
 
 void requireConsistent(const SampleFrame& frame) {

@@ -62,9 +62,48 @@ void addFromPicture(const Rgba8* picture, size_t count, const AreaPlaces& places
 /// The first sample whose red, green and blue are sent without loss; all that follow are as well. Those before are in the JPEG image.
 size_t firstLossless(const BandLayout& layout, ColorCoding coding) { return coding == ColorCoding::lossless ? 0 : layout.size(); }
 
-/// What the red, green and blue of sample i are predicted from: a stray from the one before it that is sent the same way.
-Neighbors neighborsOf(const BandLayout& layout, size_t i, size_t first) {
-  if (i < layout.size()) return layout.neighbors[i];
+/// Differences of red, green and blue from their prediction, a plane each; green's is taken off the others'.
+struct ColorDifferences {
+  uint8_t* green;
+  uint8_t* red;
+  uint8_t* blue;
+};
+
+/// Of the samples [begin, end), predicted from `neighborsOf(i)`; `slots` are all samples' colours, one place on.
+template <class NeighborsOf>
+void putColors(const Rgba8* slots, size_t begin, size_t end, NeighborsOf neighborsOf, ColorDifferences out) {
+  for (size_t i = begin, k = 0; i < end; ++i, ++k) {
+    const Neighbors from = neighborsOf(i);
+    const Rgba8 color = slots[i + 1], west = slots[from.west], north = slots[from.north], northWest = slots[from.northWest];
+    const auto difference = [&](int shift) {
+      return channel(color, shift) - predicted(channel(west, shift), channel(north, shift), channel(northWest, shift));
+    };
+    const int32_t green = difference(8);
+    out.green[k] = static_cast<uint8_t>(green);
+    out.red[k] = static_cast<uint8_t>(difference(0) - green);
+    out.blue[k] = static_cast<uint8_t>(difference(16) - green);
+  }
+}
+
+/// Back: adds red, green and blue to slots that have their opacity alone.
+template <class NeighborsOf>
+void takeColors(ColorDifferences in, size_t begin, size_t end, NeighborsOf neighborsOf, Rgba8* slots) {
+  Rgba8 last = slots[begin];  // what slots[i] became, nearly always the western neighbour's: it need not come back from memory
+  for (size_t i = begin, k = 0; i < end; ++i, ++k) {
+    const Neighbors at = neighborsOf(i);
+    const Rgba8 west = at.west == i ? last : slots[at.west], north = slots[at.north], northWest = slots[at.northWest];
+    const int32_t green = in.green[k];
+    const auto decoded = [&](int shift, int32_t difference) {
+      const int32_t likely = predicted(channel(west, shift), channel(north, shift), channel(northWest, shift));
+      return static_cast<Rgba8>((likely + difference) & 255) << shift;
+    };
+    last = slots[i + 1] | decoded(8, green) | decoded(0, in.red[k] + green) | decoded(16, in.blue[k] + green);
+    slots[i + 1] = last;
+  }
+}
+
+/// A stray's: the one before it that is sent the same way, if it is not the first of those, which begin at `first`.
+constexpr Neighbors strayNeighbors(size_t i, size_t first) {
   const auto before = static_cast<uint32_t>(i == first ? 0 : i);
   return {before, before, before};
 }
@@ -131,14 +170,11 @@ void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, 
   green_.resize(count - first);
   red_.resize(count - first);
   blue_.resize(count - first);
-  for (size_t i = first; i < count; ++i) {
-    const size_t k = i - first;
-    const Neighbors from = neighborsOf(layout, i, first);
-    const int32_t green = channel(colors[i], 8) - predictedChannel(slots_.data(), from, 8);
-    green_[k] = static_cast<uint8_t>(green);
-    red_[k] = static_cast<uint8_t>(channel(colors[i], 0) - predictedChannel(slots_.data(), from, 0) - green);
-    blue_[k] = static_cast<uint8_t>(channel(colors[i], 16) - predictedChannel(slots_.data(), from, 16) - green);
-  }
+  const size_t strays = std::max(first, layout.size());
+  const Neighbors* const neighbors = layout.neighbors.data();
+  const auto differencesFrom = [&](size_t i) { return ColorDifferences{green_.data() + i - first, red_.data() + i - first, blue_.data() + i - first}; };
+  putColors(slots_.data(), first, strays, [neighbors](size_t i) { return neighbors[i]; }, differencesFrom(first));
+  putColors(slots_.data(), strays, count, [first](size_t i) { return strayNeighbors(i, first); }, differencesFrom(strays));
   appendSection(out, green_);
   appendSection(out, red_);
   appendSection(out, blue_);
@@ -170,15 +206,11 @@ DecodeError ColorPlanes::take(ByteReader& reader, const BandLayout& layout, uint
   red_.resize(count - first);
   blue_.resize(count - first);
   if (!takeSection(reader, green_) || !takeSection(reader, red_) || !takeSection(reader, blue_)) return "the colours are damaged";
-  for (size_t i = first; i < count; ++i) {
-    const size_t k = i - first;
-    const Neighbors from = neighborsOf(layout, i, first);
-    const int32_t green = green_[k];
-    const auto decoded = [&](int shift, int32_t difference) {
-      return static_cast<Rgba8>((predictedChannel(slots_.data(), from, shift) + difference) & 255) << shift;
-    };
-    slots_[i + 1] |= decoded(8, green) | decoded(0, red_[k] + green) | decoded(16, blue_[k] + green);
-  }
+  const size_t strays = std::max(first, layout.size());
+  const Neighbors* const neighbors = layout.neighbors.data();
+  const auto differencesFrom = [&](size_t i) { return ColorDifferences{green_.data() + i - first, red_.data() + i - first, blue_.data() + i - first}; };
+  takeColors(differencesFrom(first), first, strays, [neighbors](size_t i) { return neighbors[i]; }, slots_.data());
+  takeColors(differencesFrom(strays), strays, count, [first](size_t i) { return strayNeighbors(i, first); }, slots_.data());
   std::copy(slots_.begin() + 1, slots_.end(), colors.begin());
   return std::nullopt;
 }

@@ -167,14 +167,18 @@ struct BandPacker::Buffers {
   // Of a band:
   TransferVector<PackedSample> onPath, strays;
   TransferVector<Rgba8> pathColors, strayColors;
+  TransferVector<uint32_t> pathPixels;
   TransferVector<uint8_t> isStray, strayBytes, strayLayers;
   TransferVector<uint8_t> mask, changes, further;
-  // Of the pixels that a layer covers: which they are; where the pixel's first sample stands among those on paths; how many more it has behind
-  // this one.
-  TransferVector<uint32_t> covered, firsts;
+  // Of the pixels that a layer covers: which they are; how many more samples they have behind this one.
+  TransferVector<uint32_t> covered;
   TransferVector<uint8_t> behind;
+  // Samples on paths, layer after layer, and where each layer begins.
+  TransferVector<PackedSample> byLayer;
+  TransferVector<Rgba8> colorsByLayer;
+  std::array<size_t, kMaxLayers> layerBegins{};
   // Of a layer:
-  TransferVector<PackedSample> samples, positions;
+  TransferVector<PackedSample> positions;
   TransferVector<Rgba8> colors;  // and then of strays
   TransferVector<uint8_t> layerMask, tokens, deltas, radiusTokens, bitBytes;
   TransferVector<int32_t> places;
@@ -184,9 +188,12 @@ struct BandPacker::Buffers {
   PlaceTokens placeTokens;
   ColorPlanes colorPlanes;
 
-  /// Takes what is in no pixel's place out, and finds which pixels are covered and how often. `pixels` are of the samples, which begin at
-  /// `begin`. True if a pixel has further samples.
-  bool sortOut(const SampleFrame& frame, size_t begin, std::span<const uint32_t> pixels);
+  /// Tells samples without a pixel from those on paths. `pixels` are of the samples, which begin at `begin`.
+  void takeStraysOut(const SampleFrame& frame, size_t begin, std::span<const uint32_t> pixels);
+  /// Finds which pixels are covered and how often. `pixels` are of the samples on paths. True if a pixel has further samples.
+  bool findCovered(std::span<const uint32_t> pixels);
+  /// Fills byLayer and colorsByLayer with samples on paths, whose pixels these are.
+  void sortIntoLayers(std::span<const uint32_t> pixels, std::span<const PackedSample> itsSamples, std::span<const Rgba8> itsColors);
   /// Goes on to the next layer: leaves out the pixels that have no sample there. Fills layerMask. False if no pixel is left.
   bool goBehind(uint32_t width, const BandRows& rows, uint32_t rowBytes);
 
@@ -208,65 +215,92 @@ BandPacker::BandPacker() : buffers_(std::make_unique<Buffers>()) {}
 BandPacker::~BandPacker() = default;
 BandPacker::BandPacker(BandPacker&&) noexcept = default;
 
-bool BandPacker::Buffers::sortOut(const SampleFrame& frame, size_t begin, std::span<const uint32_t> pixels) {
+void BandPacker::Buffers::takeStraysOut(const SampleFrame& frame, size_t begin, std::span<const uint32_t> pixels) {
   const size_t count = pixels.size();
   const std::span<const uint8_t> layers = frame.layers();
   onPath.resize(count);
   pathColors.resize(count);
-  covered.resize(count);
-  firsts.resize(count);
-  behind.resize(count);
+  pathPixels.resize(count);
   isStray.assign((count + 7) / 8, 0);
-  uint32_t placed = 0, last = kNoSample, rank = 0, deepest = 0;
-  size_t pixelCount = 0;
-  // Locals: what is written cannot be what is read then.
-  const PackedSample* const sample = frame.samples.data() + begin;
-  const Rgba8* const color = frame.colors.data() + begin;
-  PackedSample* const kept = onPath.data();
-  Rgba8* const keptColor = pathColors.data();
-  uint32_t* const pixelOf = covered.data();
-  uint32_t* const firstOf = firsts.data();
-  uint8_t* const furtherOf = behind.data();
+  size_t placed = 0;
   for (size_t i = 0; i < count; ++i) {
-    const uint32_t pixel = pixels[i];
-    if (pixel == kNoSample) {
+    if (pixels[i] == kNoSample) {
       isStray[i / 8] |= static_cast<uint8_t>(1u << i % 8);
-      strays.push_back(sample[i]);
-      strayColors.push_back(color[i]);
+      strays.push_back(frame.samples[begin + i]);
+      strayColors.push_back(frame.colors[begin + i]);
       if (!layers.empty()) strayLayers.push_back(layers[begin + i]);
       continue;
     }
-    kept[placed] = sample[i];
-    keptColor[placed] = color[i];
-    const bool isNext = pixel != last;
-    rank = isNext ? 0 : rank + 1;
-    deepest = std::max(deepest, rank);
-    pixelCount += isNext;
-    pixelOf[pixelCount - 1] = pixel;
-    firstOf[pixelCount - 1] = placed - rank;
-    furtherOf[pixelCount - 1] = static_cast<uint8_t>(rank);
-    last = pixel;
-    ++placed;
+    onPath[placed] = frame.samples[begin + i];
+    pathColors[placed] = frame.colors[begin + i];
+    pathPixels[placed++] = pixels[i];
   }
   onPath.resize(placed);
   pathColors.resize(placed);
-  covered.resize(pixelCount);
-  firsts.resize(pixelCount);
-  behind.resize(pixelCount);
+  pathPixels.resize(placed);
+}
+
+bool BandPacker::Buffers::findCovered(std::span<const uint32_t> pixels) {
+  const size_t count = pixels.size();
+  covered.resize(count);
+  behind.resize(count);
+  // Locals: what is written cannot be what is read then.
+  uint32_t* const pixelOf = covered.data();
+  uint8_t* const furtherOf = behind.data();
+  uint32_t last = kNoSample, rank = 0, deepest = 0;
+  size_t found = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const uint32_t pixel = pixels[i];
+    const bool isNext = pixel != last;
+    rank = isNext ? 0 : rank + 1;
+    deepest = rank > deepest ? rank : deepest;
+    found += isNext;
+    pixelOf[found - 1] = pixel;
+    furtherOf[found - 1] = static_cast<uint8_t>(rank);
+    last = pixel;
+  }
+  covered.resize(found);
+  behind.resize(found);
   return deepest > 0;
+}
+
+void BandPacker::Buffers::sortIntoLayers(std::span<const uint32_t> pixels, std::span<const PackedSample> itsSamples, std::span<const Rgba8> itsColors) {
+  const size_t count = pixels.size();
+  byLayer.resize(count);
+  colorsByLayer.resize(count);
+  std::array<size_t, kMaxLayers + 1> sizes{};
+  for (const uint8_t deepest : behind) ++sizes[deepest];
+  for (size_t layer = kMaxLayers; layer-- > 0;) sizes[layer] += sizes[layer + 1];  // pixels that are at least as deep
+  size_t begin = 0;
+  for (size_t layer = 0; layer < kMaxLayers; ++layer) {
+    layerBegins[layer] = begin;
+    begin += sizes[layer];
+  }
+  std::array<size_t, kMaxLayers> next = layerBegins;
+  PackedSample* const sorted = byLayer.data();
+  Rgba8* const sortedColors = colorsByLayer.data();
+  const PackedSample* const sample = itsSamples.data();
+  const Rgba8* const color = itsColors.data();
+  uint32_t last = kNoSample, rank = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const uint32_t pixel = pixels[i];
+    rank = pixel != last ? 0 : rank + 1;
+    const size_t place = next[rank]++;
+    sorted[place] = sample[i];
+    sortedColors[place] = color[i];
+    last = pixel;
+  }
 }
 
 bool BandPacker::Buffers::goBehind(uint32_t width, const BandRows& rows, uint32_t rowBytes) {
   size_t left = 0;
   for (size_t j = 0; j < covered.size(); ++j) {
     covered[left] = covered[j];
-    firsts[left] = firsts[j];
     const uint8_t more = behind[j];
     behind[left] = static_cast<uint8_t>(more - 1);
     left += more > 0;
   }
   covered.resize(left);
-  firsts.resize(left);
   behind.resize(left);
   layerMask.assign(size_t{rowBytes} * rows.count, 0);
   setBits(covered, rows.first, width, rowBytes, layerMask.data());
@@ -334,10 +368,16 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
   } else if (const auto itsPixels = pixels.subspan(begin, count); isAscending(itsPixels)) {
     setBits(itsPixels, rows.first, width, rowBytes, b.mask.data());
   } else {
-    hasFurther = b.sortOut(frame, begin, itsPixels);
+    std::span<const uint32_t> pathPixels = itsPixels;
+    if (std::ranges::find(itsPixels, kNoSample) != itsPixels.end()) {
+      b.takeStraysOut(frame, begin, itsPixels);
+      onPath = b.onPath;
+      colors = b.pathColors;
+      pathPixels = b.pathPixels;
+    }
+    hasFurther = b.findCovered(pathPixels);
+    if (hasFurther) b.sortIntoLayers(pathPixels, onPath, colors);
     setBits(b.covered, rows.first, width, rowBytes, b.mask.data());
-    onPath = b.onPath;
-    colors = b.pathColors;
   }
 
   appendLittle(out, static_cast<uint32_t>(count));
@@ -373,15 +413,14 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
   std::span<const uint8_t> mask = b.mask;
   for (uint32_t layer = 0; layer == 0 || b.goBehind(width, rows, rowBytes); ++layer) {
     if (layer > 0) mask = b.layerMask;
-    const size_t size = b.covered.size();
-    b.samples.resize(size);
-    b.colors.resize(size);
-    for (size_t j = 0; j < size; ++j) {
-      b.samples[j] = onPath[b.firsts[j] + layer];
-      b.colors[j] = colors[b.firsts[j] + layer];
+    const size_t first = b.layerBegins[layer], size = b.covered.size();
+    colors = std::span(b.colorsByLayer).subspan(first, size);
+    if (layer == 0 && !b.strayColors.empty()) {
+      b.colors.assign(colors.begin(), colors.end());
+      b.colors.insert(b.colors.end(), b.strayColors.begin(), b.strayColors.end());
+      colors = b.colors;
     }
-    if (layer == 0) b.colors.insert(b.colors.end(), b.strayColors.begin(), b.strayColors.end());
-    b.packLayer(frame, rows, mask, b.samples, b.colors, settings, out);
+    b.packLayer(frame, rows, mask, std::span(b.byLayer).subspan(first, size), colors, settings, out);
   }
 }
 
@@ -496,26 +535,29 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
     std::copy_n(b.colors.begin(), size, pathColors.begin());
   } else {
     b.covered.resize(size);
-    b.firsts.resize(size);
+    for (size_t j = 0; j < size; ++j) b.covered[j] = b.layout.rows[j] * width + b.layout.columns[j];
     b.behind.assign(b.further.begin(), b.further.end());
-    uint32_t first = 0;
-    for (size_t j = 0; j < size; ++j) {
-      b.covered[j] = b.layout.rows[j] * width + b.layout.columns[j];
-      b.firsts[j] = first;
-      first += 1u + b.further[j];
-    }
-    uint32_t layer = 0;
+    b.byLayer.resize(onPath.size());
+    b.colorsByLayer.resize(onPath.size());
+    size_t layer = 0, begin = 0;
     do {
       if (layer > 0)
         if (DecodeError error = b.unpackLayer(reader, frame, rows, b.layerMask, 0, coding)) return error;
-      for (size_t j = 0; j < b.covered.size(); ++j) {
-        onPath[b.firsts[j] + layer] = b.positions[j];
-        pathColors[b.firsts[j] + layer] = b.colors[j];
-      }
-      if (!pathLayers.empty())
-        for (const uint32_t begin : b.firsts) pathLayers[begin + layer] = static_cast<uint8_t>(layer);
-      ++layer;
+      const auto to = static_cast<ptrdiff_t>(begin);
+      std::copy(b.positions.begin(), b.positions.end(), b.byLayer.begin() + to);
+      std::copy_n(b.colors.begin(), b.positions.size(), b.colorsByLayer.begin() + to);
+      b.layerBegins[layer++] = begin;
+      begin += b.positions.size();
     } while (b.goBehind(width, rows, rowBytes));
+    std::array<size_t, kMaxLayers> next = b.layerBegins;
+    size_t at = 0;
+    for (const uint32_t more : b.further)
+      for (uint32_t rank = 0; rank <= more; ++rank, ++at) {
+        const size_t place = next[rank]++;
+        onPath[at] = b.byLayer[place];
+        pathColors[at] = b.colorsByLayer[place];
+        if (!pathLayers.empty()) pathLayers[at] = static_cast<uint8_t>(rank);
+      }
   }
   if (reader.ranOut() || reader.left() > 0) return "a band is longer or shorter than it should be";
 

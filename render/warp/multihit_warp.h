@@ -1,4 +1,5 @@
-// The nearest few spheres along each ray, their colours over each other: what is translucent stays so.
+// The nearest few spheres along each ray, their colours over each other: what is translucent stays so. Several samples of a ray are as many
+// spheres: with fewer hits than those the farthest are missing.
 // Spheres over an LBVH as Zellmann 2020, hits as Gribble, Naveros, Kerzner 2014; see multihit/.
 #pragma once
 

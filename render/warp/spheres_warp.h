@@ -1,4 +1,4 @@
-// First hit of primary rays with one sphere per sample, the sample's colour, no shading.
+// First hit of primary rays with one sphere per sample, the sample's colour, no shading: of several samples of a ray the nearest hides the others.
 // Zellmann 2020, over a linear BVH (Karras 2012) or, as a check and baseline, Embree.
 #pragma once
 

@@ -43,6 +43,7 @@ class Client final : public FromServer {
   }
   void onFrame(Frame frame, TimePoint) override {
     require(frame.head.id == lastId_);
+    require(frame.head.planes.size() <= kMaxPlanes && frame.head.settings.size() <= kMaxSettings);
     // Memory follows what has come, not what was announced.
     require(frame.payload.size() <= inputBytes_ && frame.payload.capacity() <= 2 * inputBytes_ + kPieceBytes);
   }
@@ -72,7 +73,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     } else {
       if (!isGreeted) co_await receiveServerHello(channel.stream(), deadline);
       const SceneFields scene = co_await readFirstScene(channel);
-      require(!scene.views.empty() && scene.views.size() <= kMaxViews);
+      require(!scene.views.empty() && scene.views.size() <= kMaxViews && scene.settings.size() <= kMaxSettings);
       Client client(peer.bytes.size());
       co_await readServer(channel, kMaxFrameBytes, client);
     }

@@ -41,6 +41,7 @@ void check(uint8_t reader, ByteView bytes) {
       if (const auto head = readFrameHead(bytes)) {
         const Bytes message = frameMessage(*head, 0);
         requireSame({bodyOf(message).begin(), bodyOf(message).end()}, bytes);
+        if (readFrameHeadLength(bytes.first(kFrameHeadLengthBytes)) != bytes.size()) std::abort();
       }
       break;
     case 4:

@@ -38,9 +38,9 @@ TEST(FaultsGreeting, AClientOfAnotherProtocolIsToldSo) {
 }
 
 TEST(FaultsGreeting, AClientOfAnotherVersionIsToldSo) {
-  for (const uint16_t version : {uint16_t{0}, uint16_t{2}, uint16_t{0xffff}}) {
+  for (const uint16_t version : {uint16_t{0}, uint16_t{1}, uint16_t{kProtocolVersion + 1}, uint16_t{0xffff}}) {
     const Bytes hello = withNumber(toBytes(ServerHello{}), 8, version);
-    const std::string wanted = "speaks version " + std::to_string(version) + " of the protocol, this program version 1";
+    const std::string wanted = "speaks version " + std::to_string(version) + " of the protocol, this program version " + std::to_string(kProtocolVersion);
     EXPECT_THAT(sentenceAfter(hello, ConnectionPhase::refused), HasSubstr(wanted));
     EXPECT_THAT(sentenceAfter({hello.begin(), hello.begin() + kHelloHeadBytes}, ConnectionPhase::refused), HasSubstr(wanted));
   }
@@ -52,7 +52,7 @@ TEST(FaultsGreeting, EveryVerdictHasItsSentence) {
     made.verdict = verdict;
     return toBytes(made);
   };
-  EXPECT_THAT(sentenceAfter(hello(Verdict::otherVersion), ConnectionPhase::refused), HasSubstr("does not speak version 1"));
+  EXPECT_THAT(sentenceAfter(hello(Verdict::otherVersion), ConnectionPhase::refused), HasSubstr("does not speak version " + std::to_string(kProtocolVersion)));
   EXPECT_THAT(sentenceAfter(hello(Verdict::wrongToken), ConnectionPhase::refused), HasSubstr("does not accept this token"));
   EXPECT_THAT(sentenceAfter(hello(Verdict::full), ConnectionPhase::waiting), HasSubstr("no room for another client"));
   Bytes unknown = hello(Verdict::full);
