@@ -51,7 +51,7 @@ Awaitable<void> readFrame(Channel& channel, MessageHead head, uint64_t maxFrameB
     throw ProtocolError(peer + " announced a frame of " + std::to_string(head.bodyBytes) + " bytes");
   std::array<std::byte, kFrameHeadBytes> bytes;
   co_await channel.read(bytes, "a frame's head");
-  const TimePoint beganAt = std::chrono::steady_clock::now();
+  const TimePoint beganAt = channel.clock().now();
   const std::optional<FrameHead> frameHead = readFrameHead(bytes);
   if (!frameHead) throw ProtocolError(peer + " sent a damaged frame");
   if (!to.isAwaited(frameHead->id)) throw ProtocolError(peer + " answered what nobody asked");
