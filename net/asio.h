@@ -7,6 +7,8 @@
 #include <boost/asio.hpp>
 #include <chrono>
 
+#include "render/base/clock.h"
+
 namespace warpscope::net {
 
 namespace asio = boost::asio;
@@ -14,8 +16,8 @@ namespace asio = boost::asio;
 using boost::system::error_code;
 using boost::system::system_error;
 
-using TimePoint = std::chrono::steady_clock::time_point;
-using Duration = std::chrono::steady_clock::duration;
+using TimePoint = Clock::TimePoint;
+using Duration = Clock::Duration;
 
 /// What a coroutine of this room returns. It begins when it is awaited.
 template <class T = void>

@@ -9,7 +9,7 @@ namespace warpscope::net {
 Awaitable<void> Channel::read(std::span<std::byte> bytes, std::string what) {
   while (!bytes.empty()) {
     const size_t most = std::min(bytes.size(), kPieceBytes);
-    const size_t got = co_await withDeadline(*stream_, std::chrono::steady_clock::now() + patience_, what,
+    const size_t got = co_await withDeadline(*stream_, deadline(), what,
                                              stream_->readSome(asio::buffer(bytes.data(), most)));
     if (got == 0) throw system_error(asio::error::make_error_code(asio::error::eof), stream_->peer() + " ended in the middle of " + what);
     bytes = bytes.subspan(got);
@@ -18,7 +18,7 @@ Awaitable<void> Channel::read(std::span<std::byte> bytes, std::string what) {
 
 Awaitable<std::optional<MessageHead>> Channel::readHead() {
   std::array<std::byte, kMessageHeadBytes> bytes;
-  const size_t got = co_await withDeadline(*stream_, std::chrono::steady_clock::now() + patience_, "waiting for a message",
+  const size_t got = co_await withDeadline(*stream_, deadline(), "waiting for a message",
                                            stream_->readSome(asio::buffer(bytes)));
   if (got == 0) co_return std::nullopt;
   co_await read(std::span(bytes).subspan(got), "a message's head");
@@ -44,7 +44,7 @@ Awaitable<Bytes> Channel::readBody(MessageHead head, size_t largest) {
 Awaitable<void> Channel::write(ByteView bytes, std::string what) {
   while (!bytes.empty()) {
     const size_t most = std::min(bytes.size(), kPieceBytes);
-    co_await withDeadline(*stream_, std::chrono::steady_clock::now() + patience_, what,
+    co_await withDeadline(*stream_, deadline(), what,
                           stream_->write(asio::buffer(bytes.data(), most)));
     bytes = bytes.subspan(most);
   }

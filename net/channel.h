@@ -25,9 +25,11 @@ inline constexpr size_t kPieceBytes = 64 << 10;
 class Channel {
  public:
   /// `patience`: how long the other side may leave a read or a write without any progress.
-  Channel(std::unique_ptr<Stream> stream, Duration patience) : stream_(std::move(stream)), patience_(patience) {}
+  Channel(std::unique_ptr<Stream> stream, Duration patience)
+      : stream_(std::move(stream)), clock_(clockOf(stream_->executor())), patience_(patience) {}
 
   Stream& stream() { return *stream_; }
+  Clock& clock() const { return clock_; }
   void setPatience(Duration patience) { patience_ = patience; }
 
   /// Fills `bytes`. Throws system_error, also at an end.
@@ -41,7 +43,10 @@ class Channel {
   Awaitable<void> write(ByteView bytes, std::string what);
 
  private:
+  TimePoint deadline() const { return clock_.now() + patience_; }
+
   std::unique_ptr<Stream> stream_;
+  Clock& clock_;
   Duration patience_;
 };
 
@@ -70,15 +75,14 @@ class Signal {
   /// Until wake() or `time`.
   Awaitable<void> waitUntil(TimePoint time) {
     if (!isSet_) {
-      timer_.expires_at(time);
-      error_code ignored;
-      co_await timer_.async_wait(into(ignored));
+      timer_.setTo(time);
+      co_await timer_.wait();
     }
     isSet_ = false;
   }
 
  private:
-  asio::steady_timer timer_;
+  Timer timer_;
   bool isSet_ = false;
 };
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <future>
 #include <random>
+#include <stop_token>
 
 #include "net/channel.h"
 #include "net/linked_stream.h"
@@ -16,8 +16,6 @@
 
 namespace warpscope::net {
 namespace {
-
-TimePoint now() { return std::chrono::steady_clock::now(); }
 
 uint64_t nanosecondsOf(TimePoint time) {
   return static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count());
@@ -37,7 +35,7 @@ constexpr std::chrono::milliseconds kFarewellPatience{1000};
 Duration simulatedSilence(const LinkSettings& link) {
   double longestMs = link.delayMs + 4.0 * link.jitterMs + link.outageMs;
   if (link.trace && !link.trace->delaysMs.empty()) longestMs += std::ranges::max(link.trace->delaysMs);
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(longestMs));
+  return durationOfMs(longestMs);
 }
 Duration simulatedSilence(const DuplexLinkSettings& link) { return simulatedSilence(link.up) + simulatedSilence(link.down); }
 
@@ -49,11 +47,16 @@ struct Asked {
 
 }  // namespace
 
-/// Everything but `hasEnded` belongs to the I/O thread. Lives until the last coroutine has ended, which may be after the client's end:
+/// Everything but `ended` belongs to the I/O thread. Lives until the last coroutine has ended, which may be after the client's end:
 /// connecting is left to its deadline.
 struct Client::State : std::enable_shared_from_this<State>, private FromServer {
-  State(asio::io_context& theIo, ClientSettings theSettings, ClientEvents& theEvents)
-      : io(theIo), settings(std::move(theSettings)), events(theEvents), pause(io), wake(io.get_executor()) {}
+  State(IoThread& thread, ClientSettings theSettings, ClientEvents& theEvents)
+      : io(thread.context()),
+        clock(thread.clock()),
+        settings(std::move(theSettings)),
+        events(theEvents),
+        pause(io.get_executor()),
+        wake(io.get_executor()) {}
 
   Awaitable<void> run();
   Awaitable<void> converse();
@@ -77,12 +80,14 @@ struct Client::State : std::enable_shared_from_this<State>, private FromServer {
   void askAgain();
   void leave();
   Duration nextPause();
+  TimePoint now() const { return clock.now(); }
   Duration patience() const { return serverPatience + simulatedSilence(settings.link); }
 
   asio::io_context& io;  // which owns the coroutines, and they this
+  Clock& clock;
   ClientSettings settings;
   ClientEvents& events;
-  asio::steady_timer pause;
+  Timer pause;
   Signal wake;  // the writer
   // Of the connection, while there is one:
   Stream* stream = nullptr;      // that can be aborted
@@ -104,7 +109,7 @@ struct Client::State : std::enable_shared_from_this<State>, private FromServer {
   int attempts = 0;         // since it was connected
   int failures = 0;         // since a connection was of use
   bool isClosed = false;
-  std::promise<void> hasEnded;  // kept when run() has returned
+  std::stop_source ended;   // asked to stop when run() has returned
   std::minstd_rand dice{std::random_device{}()};
 };
 
@@ -112,7 +117,7 @@ Duration Client::State::nextPause() {
   const double doubled = static_cast<double>(settings.firstPause.count()) * std::exp2(std::clamp(failures - 1, 0, 20));
   const double most = std::min(doubled, static_cast<double>(settings.longestPause.count()));
   const double share = std::uniform_real_distribution<double>(0.5, 1.0)(dice);
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(share * most));
+  return durationOfMs(share * most);
 }
 
 void Client::State::askAgain() {
@@ -171,9 +176,8 @@ Awaitable<void> Client::State::run() {
     failures = isOfUse || hasLasted ? 1 : failures + 1;
     const TimePoint next = now() + nextPause();
     tell(ConnectionPhase::waiting, sentence, next);
-    pause.expires_at(next);
-    error_code ignored;
-    co_await pause.async_wait(into(ignored));
+    pause.setTo(next);
+    co_await pause.wait();
   }
 }
 
@@ -341,16 +345,15 @@ Client::Client(std::shared_ptr<IoThread> io, ClientSettings settings, ClientEven
   requireValid(settings.link);
   settings.depth = std::clamp<uint16_t>(settings.depth, 1, kMaxDepth);
   settings.maxFrameBytes = std::clamp<uint64_t>(settings.maxFrameBytes, kLeastFrameHeadBytes, kMaxFrameBytes);
-  state_ = std::make_shared<State>(io_->context(), std::move(settings), events);
-  hasEnded_ = state_->hasEnded.get_future();
+  state_ = std::make_shared<State>(*io_, std::move(settings), events);
   asio::co_spawn(
-      io_->context(), [state = state_] { return state->run(); }, [state = state_](const std::exception_ptr&) { state->hasEnded.set_value(); });
+      io_->context(), [state = state_] { return state->run(); }, [state = state_](const std::exception_ptr&) { state->ended.request_stop(); });
 }
 
 Client::~Client() { close(); }
 
 void Client::request(const FrameRequest& request) {
-  asio::post(io_->context(), [state = state_, asked = Asked{request, now(), {}}] {
+  asio::post(io_->context(), [state = state_, asked = Asked{request, io_->clock().now(), {}}] {
     if (asked.request.id <= state->newestId) return;
     state->newestId = asked.request.id;
     state->wanted = asked;
@@ -391,7 +394,7 @@ void Client::close() {
     return state->isTalking;
   });
   // What is sent last must leave before the thread that sends it may end.
-  if (isTalking) hasEnded_.wait_for(2 * kFarewellPatience);
+  if (isTalking) io_->clock().waitUntil(io_->clock().now() + 2 * kFarewellPatience, state_->ended.get_token());
 }
 
 }  // namespace warpscope::net

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -90,7 +89,6 @@ class Client {
   struct State;
   const std::shared_ptr<IoThread> io_;
   std::shared_ptr<State> state_;
-  std::shared_future<void> hasEnded_;  // once closed
 };
 
 }  // namespace warpscope::net

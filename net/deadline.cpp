@@ -10,7 +10,7 @@ struct Watchdog::State {
   State(const asio::any_io_executor& executor, TimePoint deadline, std::function<void()> action)
       : timer(executor, deadline), onExpiry(std::move(action)) {}
 
-  asio::steady_timer timer;
+  Timer timer;
   std::function<void()> onExpiry;  // empty once it was called or is no longer wanted
   bool hasExpired = false;
 };
@@ -18,8 +18,8 @@ struct Watchdog::State {
 Watchdog::Watchdog(const asio::any_io_executor& executor, TimePoint deadline, std::function<void()> onExpiry)
     : state_(std::make_shared<State>(executor, deadline, std::move(onExpiry))) {
   // The handler may already be queued when the watchdog goes: the state outlives it, the action does not.
-  state_->timer.async_wait([state = state_](const error_code& error) {
-    if (error || !state->onExpiry) return;
+  state_->timer.onEnd([state = state_](bool hasCome) {
+    if (!hasCome || !state->onExpiry) return;
     state->hasExpired = true;
     std::exchange(state->onExpiry, nullptr)();
   });
@@ -27,8 +27,7 @@ Watchdog::Watchdog(const asio::any_io_executor& executor, TimePoint deadline, st
 
 Watchdog::~Watchdog() {
   state_->onExpiry = nullptr;
-  error_code ignored;
-  state_->timer.cancel(ignored);
+  state_->timer.cancel();
 }
 
 bool Watchdog::hasExpired() const { return state_->hasExpired; }

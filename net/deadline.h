@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "net/asio.h"
 #include "net/stream.h"
+#include "net/timer.h"
 
 namespace warpscope::net {
 

@@ -6,13 +6,17 @@
 #include <future>
 #include <thread>
 
-#include "net/asio.h"
+#include "net/timer.h"
 
 namespace warpscope::net {
 
 class IoThread {
  public:
-  IoThread() : work_(asio::make_work_guard(context_)), thread_([this] { run(); }) {}
+  /// `clock`: of everything that waits on the thread; it must outlive it.
+  explicit IoThread(Clock& clock = steadyClock()) : clock_(clock), work_(asio::make_work_guard(context_)) {
+    setClock(context_, clock);
+    thread_ = std::thread([this] { run(); });
+  }
   /// Stops: what is still waited for is dropped.
   ~IoThread() {
     work_.reset();
@@ -23,6 +27,7 @@ class IoThread {
   IoThread& operator=(const IoThread&) = delete;
 
   asio::io_context& context() { return context_; }
+  Clock& clock() const { return clock_; }
 
   /// Calls `f` on the thread and waits for it. Throws what it throws. Not to be called on the thread itself.
   template <class F>
@@ -45,6 +50,7 @@ class IoThread {
     }
   }
 
+  Clock& clock_;
   asio::io_context context_{1};
   asio::executor_work_guard<asio::io_context::executor_type> work_;
   std::thread thread_;

@@ -17,8 +17,6 @@ constexpr double kLargestCapacityBytes = 64 << 20, kSmallestBufferBytes = 64 << 
 constexpr Duration kLeastProbe = milliseconds(10), kLeastTimeout = milliseconds(200), kLongestTimeout = std::chrono::seconds(60);
 constexpr int kMostRetransmissions = 15;  // as often as Linux tries (tcp_retries2)
 
-Duration durationOfMs(double ms) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(ms)); }
-
 Duration durationOfS(double s) {
   return Duration(static_cast<Duration::rep>(std::llround(s * static_cast<double>(Duration::period::den) / Duration::period::num)));
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "net/link_settings.h"
+#include "render/base/clock.h"
 
 namespace warpscope::net {
 
@@ -20,7 +21,7 @@ inline constexpr std::chrono::milliseconds kJitterHold{5};
 
 struct Segment {
   size_t sizeBytes;
-  std::chrono::steady_clock::time_point arrivesAt;
+  Clock::TimePoint arrivesAt;
 };
 
 /// In this order:
@@ -33,8 +34,8 @@ struct Segment {
 /// How a sender's own congestion control would slow down is not part of it.
 class LinkModel {
  public:
-  using TimePoint = std::chrono::steady_clock::time_point;
-  using Duration = std::chrono::steady_clock::duration;
+  using TimePoint = Clock::TimePoint;
+  using Duration = Clock::Duration;
 
   /// `start`: from when outages count. Models with different `stream` have different dice for the same seed. Throws LinkSettingsError.
   explicit LinkModel(LinkSettings settings, TimePoint start = {}, uint32_t stream = 0);

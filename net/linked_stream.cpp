@@ -8,32 +8,24 @@
 
 #include "net/byte_queue.h"
 #include "net/link_model.h"
+#include "net/timer.h"
 
 namespace warpscope::net {
 namespace {
 
 constexpr size_t kPieceBytes = 64 << 10;  // the most that is read at once
 
-TimePoint now() { return std::chrono::steady_clock::now(); }
-
-/// Wakes the one that waits, if there is one.
-void wake(asio::steady_timer& timer) {
-  error_code ignored;
-  timer.cancel(ignored);
-}
-
-/// Until the time has come, or somebody wakes us. One waits at a time.
-Awaitable<void> waitFor(asio::steady_timer& timer, TimePoint until) {
-  error_code ignored;
-  timer.expires_at(until);
-  co_await timer.async_wait(into(ignored));
+/// Until the time has come, or somebody cancels the timer. One waits at a time.
+Awaitable<void> waitFor(Timer& timer, TimePoint until) {
+  timer.setTo(until);
+  co_await timer.wait();
 }
 
 /// One direction: bytes, and when they arrive.
 class Line {
  public:
   Line(const asio::any_io_executor& executor, LinkSettings settings, uint32_t stream)
-      : model(std::move(settings), now(), stream), arrival(executor), room(executor) {}
+      : model(std::move(settings), clockOf(executor).now(), stream), arrival(executor), room(executor) {}
 
   bool isEmpty() const { return segments_.empty(); }
   size_t sizeBytes() const { return bytes_.size(); }
@@ -43,7 +35,7 @@ class Line {
   /// Of `size` bytes, taken from `buffers` after the first `skipped` of them, with `behind` more to follow.
   void push(std::span<const asio::const_buffer> buffers, size_t skipped, size_t size, size_t behind) {
     scratch_.clear();
-    model.send(size, now(), scratch_, behind);
+    model.send(size, arrival.clock().now(), scratch_, behind);
     segments_.insert(segments_.end(), scratch_.begin(), scratch_.end());
     for (const asio::const_buffer& buffer : buffers) {
       const asio::const_buffer part = asio::buffer(buffer + skipped, size);
@@ -51,7 +43,7 @@ class Line {
       bytes_.push(part);
       size -= part.size();
     }
-    wake(arrival);
+    arrival.cancel();
   }
   /// Something without bytes that arrives in its turn.
   void pushEnd() { push({}, 0, 0, 0); }
@@ -76,19 +68,19 @@ class Line {
       count -= taken;
       if (first.sizeBytes == 0) segments_.pop_front();
     }
-    wake(room);
+    room.cancel();
   }
 
   void clear() {
     bytes_.clear();
     segments_.clear();
-    wake(arrival);
-    wake(room);
+    arrival.cancel();
+    room.cancel();
   }
 
   LinkModel model;
-  asio::steady_timer arrival;  // waited for by who takes, woken by who sends
-  asio::steady_timer room;     // waited for by who sends, woken by who takes
+  Timer arrival;  // waited for by who takes, woken by who sends
+  Timer room;     // waited for by who sends, woken by who takes
   bool isPumping = false;
 
  private:
@@ -106,6 +98,7 @@ struct LinkedStream::State {
   State(std::unique_ptr<Stream> stream, DuplexLinkSettings wanted)
       : inner(std::move(stream)),
         settings(std::move(wanted)),
+        clock(clockOf(inner->executor())),
         up(inner->executor(), settings.up, kUpStream),
         down(inner->executor(), settings.down, kDownStream) {}
 
@@ -129,6 +122,7 @@ struct LinkedStream::State {
 
   const std::unique_ptr<Stream> inner;
   DuplexLinkSettings settings;
+  Clock& clock;
   Line up, down;
   bool isClosed = false;
   bool isReadingThrough = false;  // the reader waits in the inner stream
@@ -153,7 +147,7 @@ Awaitable<void> LinkedStream::State::pumpUp(std::shared_ptr<State> state) {
   Line& line = state->up;
   try {
     while (!state->isClosed && !line.isEmpty()) {
-      const size_t count = line.arrivedBytes(now(), kPieceBytes);
+      const size_t count = line.arrivedBytes(state->clock.now(), kPieceBytes);
       if (count == 0) {
         co_await waitFor(line.arrival, line.nextArrival());
         continue;
@@ -166,11 +160,11 @@ Awaitable<void> LinkedStream::State::pumpUp(std::shared_ptr<State> state) {
     }
   } catch (...) {
     state->writeError = std::current_exception();
-    state->writeErrorAt = state->down.model.arrivalOf(0, now());
+    state->writeErrorAt = state->down.model.arrivalOf(0, state->clock.now());
     line.clear();
   }
   line.isPumping = false;
-  wake(line.room);
+  line.room.cancel();
 }
 
 /// Runs until the inner stream ends, or until there is nothing left to simulate.
@@ -203,7 +197,7 @@ Awaitable<void> LinkedStream::State::pumpDown(std::shared_ptr<State> state) {
     }
   }
   line.isPumping = false;
-  wake(line.arrival);
+  line.arrival.cancel();
 }
 
 LinkedStream::LinkedStream(std::unique_ptr<Stream> inner, DuplexLinkSettings settings)
@@ -219,7 +213,7 @@ Awaitable<size_t> LinkedStream::readSome(asio::mutable_buffer buffer) {
   while (true) {
     state->requireOpen("reading from ");
     if (!line.isEmpty()) {
-      const TimePoint time = now();
+      const TimePoint time = state->clock.now();
       if (line.nextArrival() > time) {
         co_await waitFor(line.arrival, line.nextArrival());
         continue;
@@ -271,7 +265,7 @@ Awaitable<void> LinkedStream::write(std::span<const asio::const_buffer> buffers)
   while (done < size) {
     state->requireOpen("writing to ");
     if (state->writeError) {
-      if (now() >= state->writeErrorAt) std::rethrow_exception(state->writeError);
+      if (state->clock.now() >= state->writeErrorAt) std::rethrow_exception(state->writeError);
       co_return;  // into the void: nobody here can know yet
     }
     if (done == 0 && state->passesThrough(line, state->settings.up)) {
@@ -291,7 +285,7 @@ Awaitable<void> LinkedStream::write(std::span<const asio::const_buffer> buffers)
 
 Awaitable<void> LinkedStream::finish(TimePoint deadline) {
   const std::shared_ptr<State> state = state_;
-  while (state->up.isPumping && !state->isClosed && now() < deadline) co_await waitFor(state->up.room, deadline);
+  while (state->up.isPumping && !state->isClosed && state->clock.now() < deadline) co_await waitFor(state->up.room, deadline);
   if (!state->isClosed) co_await state->inner->finish(deadline);
   state->end(false);
 }
@@ -304,12 +298,12 @@ const std::string& LinkedStream::peer() const { return state_->inner->peer(); }
 void LinkedStream::setSettings(DuplexLinkSettings settings) {
   requireValid(settings);
   State& state = *state_;
-  const TimePoint time = now();
+  const TimePoint time = state.clock.now();
   if (settings.up != state.settings.up) state.up.model.setSettings(settings.up, time);
   if (settings.down != state.settings.down) state.down.model.setSettings(settings.down, time);
   state.settings = std::move(settings);
-  wake(state.up.room);  // there may be more of it now
-  wake(state.down.room);
+  state.up.room.cancel();  // there may be more of it now
+  state.down.room.cancel();
   if (!state.settings.down.isTransparent() && !state.isReadingThrough) State::startPumpingDown(state_);
 }
 

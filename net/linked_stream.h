@@ -1,4 +1,4 @@
-// A stream behind a simulated link: what is written and read through it takes the time that two LinkModels say, in real time.
+// A stream behind a simulated link: what is written and read through it takes the time that two LinkModels say.
 // It stands at one end of the connection and delays both directions, so that the other end needs to know nothing of it.
 #pragma once
 

@@ -56,7 +56,7 @@ Awaitable<void> readFrame(Channel& channel, MessageHead head, uint64_t maxFrameB
   if (!length || *length > head.bodyBytes) throw ProtocolError(peer + " sent a damaged frame");
   const std::span<std::byte> bytes = std::span(headBytes).first(*length);
   co_await channel.read(bytes.subspan(kFrameHeadLengthBytes), "a frame's head");
-  const TimePoint beganAt = std::chrono::steady_clock::now();
+  const TimePoint beganAt = channel.clock().now();
   const std::optional<FrameHead> frameHead = readFrameHead(bytes);
   if (!frameHead) throw ProtocolError(peer + " sent a damaged frame");
   if (!to.isAwaited(frameHead->id)) throw ProtocolError(peer + " answered what nobody asked");

@@ -15,10 +15,6 @@
 namespace warpscope::net {
 namespace {
 
-TimePoint now() { return std::chrono::steady_clock::now(); }
-
-double millisecondsSince(TimePoint time) { return std::chrono::duration<double, std::milli>(now() - time).count(); }
-
 /// What is on its way to a client.
 struct Outgoing {
   std::optional<FrameHead> frame;  ///< if it is one, whose head is written when its turn comes
@@ -44,8 +40,9 @@ std::string faultOf(const ServerSettings& settings) {
 
 /// What the server's threads share. Everything but the queue belongs to the I/O thread.
 struct Server::State : std::enable_shared_from_this<State> {
-  State(asio::io_context& theIo, ServerSettings theSettings)
-      : io(theIo),
+  State(IoThread& thread, ServerSettings theSettings)
+      : io(thread.context()),
+        clock(thread.clock()),
         settings(std::move(theSettings)),
         listener(io.get_executor(), settings.listen.host, settings.listen.port),
         sceneBytes(sceneMessage(settings.scene)) {}
@@ -65,6 +62,7 @@ struct Server::State : std::enable_shared_from_this<State> {
   void end();
 
   asio::io_context& io;
+  Clock& clock;
   const ServerSettings settings;
   TcpListener listener;
   const Bytes sceneBytes;
@@ -147,6 +145,8 @@ class Server::Session : public std::enable_shared_from_this<Session>, private Fr
   const Reason& reason() const { return reason_; }
 
  private:
+  TimePoint now() const { return server_->clock.now(); }
+
   bool onRequest(const FrameRequest& request) override {
     channel_.setPatience(server_->settings.patience);
     return server_->queue.put(id_, request, now());
@@ -163,7 +163,7 @@ class Server::Session : public std::enable_shared_from_this<Session>, private Fr
       co_return;
     }
     FrameHead head = *next.frame;
-    head.stages.sendMs = millisecondsSince(next.readyAt);
+    head.stages.sendMs = millisecondsBetween(next.readyAt, now());
     const Bytes message = frameMessage(head, next.bytes.size());
     if (message.size() - kMessageHeadBytes + next.bytes.size() > maxFrameBytes_) {
       const Bytes failure = failureMessage({next.frame->id, "the frame has " + std::to_string(next.bytes.size()) +
@@ -272,7 +272,7 @@ Awaitable<std::optional<ClientHello>> Server::State::greet(Stream& stream, TimeP
 
 Awaitable<void> Server::State::serve(uint64_t greeting, std::unique_ptr<TcpStream> tcp) {
   const std::string peer = tcp->peer();
-  const TimePoint deadline = now() + settings.greetingPatience;
+  const TimePoint deadline = clock.now() + settings.greetingPatience;
   std::unique_ptr<Stream> stream;
   std::optional<ClientHello> hello;
   std::string trouble;
@@ -326,7 +326,7 @@ Awaitable<void> Server::State::serve(uint64_t greeting, std::unique_ptr<TcpStrea
 Server::Server(std::shared_ptr<IoThread> io, ServerSettings settings) : io_(std::move(io)) {
   const std::string where = toString(settings.listen);
   if (const std::string fault = faultOf(settings); !fault.empty()) throw std::invalid_argument("cannot serve on " + where + ": " + fault);
-  state_ = io_->call([&] { return std::make_shared<State>(io_->context(), std::move(settings)); });
+  state_ = io_->call([&] { return std::make_shared<State>(*io_, std::move(settings)); });
   if (state_->settings.identity) state_->tls = makeServerContext(*state_->settings.identity);
   // Names may be looked up to anything.
   if (!state_->tls && !state_->listener.isLoopback())
@@ -355,14 +355,14 @@ void Server::stop() {
 RequestQueue& Server::requests() { return state_->queue; }
 
 void Server::answer(ClientId client, const FrameHead& head, Bytes payload) {
-  auto outgoing = std::make_shared<Outgoing>(Outgoing{head, std::move(payload), now()});
+  auto outgoing = std::make_shared<Outgoing>(Outgoing{head, std::move(payload), io_->clock().now()});
   asio::post(io_->context(), [state = state_, client, outgoing] {
     if (const auto found = state->sessions.find(client); found != state->sessions.end()) found->second->put(std::move(*outgoing));
   });
 }
 
 void Server::answer(ClientId client, Failure failure) {
-  auto outgoing = std::make_shared<Outgoing>(Outgoing{std::nullopt, failureMessage(failure), now()});
+  auto outgoing = std::make_shared<Outgoing>(Outgoing{std::nullopt, failureMessage(failure), io_->clock().now()});
   asio::post(io_->context(), [state = state_, client, outgoing] {
     if (const auto found = state->sessions.find(client); found != state->sessions.end()) found->second->put(std::move(*outgoing));
   });

@@ -76,7 +76,7 @@ tcp::endpoint listenOn(tcp::acceptor& acceptor, const tcp::endpoint& endpoint) {
 
 }  // namespace
 
-TcpStream::TcpStream(tcp::socket socket) : socket_(std::move(socket)), readDone_(socket_.get_executor(), TimePoint::max()) {
+TcpStream::TcpStream(tcp::socket socket) : socket_(std::move(socket)), readDone_(socket_.get_executor()) {
   setUp(socket_);
   error_code error;
   const tcp::endpoint remote = socket_.remote_endpoint(error);
@@ -113,7 +113,7 @@ Awaitable<void> TcpStream::finish(TimePoint deadline) {
   socket_.shutdown(tcp::socket::shutdown_send, error);
   // A socket that is closed with bytes unread resets the connection, and the peer would lose what is still on its way to it.
   const Watchdog watchdog(executor(), deadline, [this] { close(); });
-  while (isReading_ && !isClosed_) co_await readDone_.async_wait(into(error));
+  while (isReading_ && !isClosed_) co_await readDone_.wait();
   if (!hasEnded_ && !isClosed_) co_await dropUntilEnd();
   close();
 }
@@ -134,7 +134,7 @@ void TcpStream::close() noexcept {
   if (std::exchange(isClosed_, true)) return;
   error_code ignored;
   socket_.close(ignored);
-  readDone_.cancel(ignored);
+  readDone_.cancel();
 }
 
 void TcpStream::abort() noexcept {
@@ -151,7 +151,7 @@ Awaitable<std::unique_ptr<TcpStream>> connectTcp(asio::any_io_executor executor,
   error_code error = asio::error::host_not_found;
   bool hasExpired = false;
   for (size_t i = 0; i < addresses.size(); ++i) {
-    const TimePoint now = std::chrono::steady_clock::now();
+    const TimePoint now = clockOf(executor).now();
     const auto addressesLeft = static_cast<Duration::rep>(addresses.size() - i);
     tcp::socket socket(executor);
     const Watchdog watchdog(executor, now + (deadline - now) / addressesLeft, [&socket] {
@@ -213,16 +213,15 @@ Awaitable<std::unique_ptr<TcpStream>> TcpListener::accept(std::optional<TimePoin
 /// Waits without looking: what is missing shows only when the next connection is accepted.
 Awaitable<void> TcpListener::waitForDescriptors(const error_code& reason) {
   if (onShortage_) onShortage_("no connection can be accepted on " + address() + " for now: " + reason.message());
-  pause_.expires_after(nextPause_);
+  pause_.setTo(pause_.clock().now() + nextPause_);
   nextPause_ = std::min(2 * nextPause_, kLongestPause);
-  error_code ignored;
-  co_await pause_.async_wait(into(ignored));
+  co_await pause_.wait();
 }
 
 void TcpListener::close() noexcept {
   error_code ignored;
   acceptor_.close(ignored);
-  pause_.cancel(ignored);
+  pause_.cancel();
 }
 
 std::string TcpListener::address() const { return endpointText(endpoint_); }

@@ -9,6 +9,7 @@
 
 #include "net/lookup.h"
 #include "net/stream.h"
+#include "net/timer.h"
 
 namespace warpscope::net {
 
@@ -38,7 +39,7 @@ class TcpStream final : public Stream {
 
   asio::ip::tcp::socket socket_;
   std::string peer_;
-  asio::steady_timer readDone_;  // waited for by finish(), woken by the reader
+  Timer readDone_;  // waited for by finish(), woken by the reader
   bool isReading_ = false;
   bool hasEnded_ = false;  // Asio reports an end once: a second read would wait for ever
   bool isFinishing_ = false;
@@ -76,7 +77,7 @@ class TcpListener {
 
   asio::ip::tcp::acceptor acceptor_;
   asio::ip::tcp::endpoint endpoint_;
-  asio::steady_timer pause_;
+  Timer pause_;
   Duration nextPause_;
   std::function<void(const std::string&)> onShortage_;
 };

@@ -47,7 +47,7 @@ class DirectFrameSource final : public FrameSource {
   }
   SourceStatus status() const override { return {}; }
   void requestStop() override { worker_.requestStop(); }
-  bool waitForEnd(std::chrono::steady_clock::time_point time) override { return worker_.waitForEnd(time); }
+  bool waitForEnd(Clock::TimePoint time) override { return worker_.waitForEnd(time); }
 
  private:
   void serve(const Job& job, ServedFrame& served, const std::stop_token& stop) {

@@ -5,7 +5,6 @@
 #include <new>
 
 #include "app/frames/wire_fields.h"
-#include "render/base/clock.h"
 #include "render/base/error.h"
 #include "render/base/stopwatch.h"
 #include "render/codec/codec.h"
@@ -48,6 +47,7 @@ Answer answerTo(const net::FrameRequest& request, Marcher& marcher, FrameCodec& 
 
 FrameServer::FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, MarcherPtr marcher, net::ServerSettings settings)
     : marcher_(std::move(marcher)),
+      clock_(io->clock()),
       server_(std::move(io), withScene(std::move(settings), scene)),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
@@ -59,7 +59,7 @@ FrameServer::~FrameServer() {
 void FrameServer::run(const std::stop_token& stop) {
   FrameCodec codec;
   while (const std::optional<net::RequestJob> job = server_.requests().take(stop)) {
-    const double queueMs = millisecondsBetween(job->arrivedAt, std::chrono::steady_clock::now());
+    const double queueMs = millisecondsBetween(job->arrivedAt, clock_.now());
     // The others do not wait for a march whose client is gone.
     std::stop_source end;
     const std::stop_callback byServer(stop, [&end] { end.request_stop(); });

@@ -28,6 +28,7 @@ class FrameServer {
   void run(const std::stop_token& stop);
 
   const MarcherPtr marcher_;
+  Clock& clock_;  // of the I/O thread
   net::Server server_;
   std::jthread thread_;
 };

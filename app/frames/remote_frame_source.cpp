@@ -2,8 +2,8 @@
 // See remote_frame_source.h.
 #include "app/frames/remote_frame_source.h"
 
-#include <condition_variable>
 #include <mutex>
+#include <stop_token>
 
 #include "app/frames/wire_fields.h"
 #include "net/address.h"
@@ -25,20 +25,21 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
  public:
   RemoteFrameSource(std::shared_ptr<net::IoThread> io, const net::ClientSettings& settings, std::function<void()> onNews)
       : onNews_(std::move(onNews)),
+        clock_(io->clock()),
         where_(net::toString(settings.address.where)),
         transport_{.link = settings.link, .codec = {}, .depth = settings.depth},
         status_{.isConnected = false, .sentence = {}, .next = {}, .where = where_},
-        decoder_([] {
+        decoder_([this] {
           auto codec = std::make_shared<FrameCodec>();
-          return [codec](const Arrived& arrived, ServedFrame& served, const std::stop_token&) { decode(arrived, served, *codec); };
+          return [this, codec](const Arrived& arrived, ServedFrame& served, const std::stop_token&) { decode(arrived, served, *codec); };
         }, onNews_),
         client_(std::move(io), settings, *this) {}  // which may tell of a connection before this ends
 
   /// Waits until there is a scene or it is known that there will be none.
   net::SceneFields waitForScene(std::chrono::milliseconds patience, const std::stop_token& stop) {
-    std::unique_lock lock(mutex_);
-    const auto deadline = std::chrono::steady_clock::now() + patience;
-    changed_.wait_until(lock, stop, deadline, [&] { return scene_ || isRefused_; });
+    const std::stop_callback onStop(stop, [this] { decided_.request_stop(); });
+    clock_.waitUntil(clock_.now() + patience, decided_.get_token());
+    const std::scoped_lock lock(mutex_);
     if (scene_) return *scene_;
     if (stop.stop_requested()) throw OperationCancelled();
     if (!status_.sentence.empty()) throw InputError(status_.sentence);
@@ -72,7 +73,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     return status_;
   }
   void requestStop() override { decoder_.requestStop(); }
-  bool waitForEnd(std::chrono::steady_clock::time_point time) override { return decoder_.waitForEnd(time); }
+  bool waitForEnd(Clock::TimePoint time) override { return decoder_.waitForEnd(time); }
 
  private:
   void onState(const net::ConnectionState& state) override {
@@ -82,9 +83,8 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
       if (status_.isConnected) status_.sentence.clear();
       if (!state.sentence.empty()) status_.sentence = state.sentence;  // stays on show while it is tried again
       status_.next = state.next;
-      isRefused_ = state.phase == net::ConnectionPhase::refused;
     }
-    changed_.notify_all();
+    if (state.phase == net::ConnectionPhase::refused) decided_.request_stop();
     onNews_();
   }
   void onScene(const net::SceneFields& scene) override {
@@ -94,7 +94,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
       isOtherScene_ = scene_ && *scene_ != scene;
       if (!scene_) scene_ = scene;
     }
-    changed_.notify_all();
+    decided_.request_stop();
   }
   void onFrame(net::Frame frame, const net::FrameArrival& arrival) override {
     if (isOtherScene()) {
@@ -114,10 +114,10 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     return isOtherScene_;
   }
 
-  static void decode(const Arrived& arrived, ServedFrame& served, FrameCodec& codec) {
+  void decode(const Arrived& arrived, ServedFrame& served, FrameCodec& codec) const {
     if (!arrived.frame) {
       served.requestId = arrived.failure.id;
-      served.arrivedAt = std::chrono::steady_clock::now();
+      served.arrivedAt = clock_.now();
       served.error = arrived.failure.sentence;
       return;
     }
@@ -139,18 +139,18 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     const double atServerMs = stages.queueMs + stages.marchMs + stages.compactMs + stages.copyMs + stages.encodeMs;
     latency.wireMs = std::max(0.0, millisecondsBetween(arrived.arrival.sentAt, arrived.arrival.arrivedAt) - atServerMs);
     served.frame = std::move(frame);
-    served.arrivedAt = std::chrono::steady_clock::now();
+    served.arrivedAt = clock_.now();
   }
 
   const std::function<void()> onNews_;
+  Clock& clock_;  // of the I/O thread
   const std::string where_;
   mutable std::mutex mutex_;  // of all before the decoder
-  std::condition_variable_any changed_;
   TransportSettings transport_;
   SourceStatus status_;
   std::optional<net::SceneFields> scene_;
   bool isOtherScene_ = false;
-  bool isRefused_ = false;
+  std::stop_source decided_;  // asked to stop once there is a scene, or will be none, or nobody waits for it
   NewestWorker<Arrived, ServedFrame> decoder_;
   net::Client client_;  // last: it tells all of the above
 };

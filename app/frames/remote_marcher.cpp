@@ -2,10 +2,9 @@
 // See remote_marcher.h.
 #include "app/frames/remote_marcher.h"
 
-#include <chrono>
-#include <condition_variable>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <utility>
 
 #include "app/frames/wire_fields.h"
@@ -15,12 +14,10 @@
 namespace warpscope {
 namespace {
 
-using SteadyTime = std::chrono::steady_clock;
-
 class RemoteMarcher final : public Marcher, private net::ClientEvents {
  public:
-  RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec, SteadyTime::duration patience)
-      : io_(std::move(io)), settings_(std::move(settings)), coding_(codec), patience_(patience) {}
+  RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec, Clock::Duration patience)
+      : io_(std::move(io)), clock_(io_->clock()), settings_(std::move(settings)), coding_(codec), patience_(patience) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(callMutex_);
@@ -59,16 +56,23 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
       const std::scoped_lock lock(mutex_);
       answer_.reset();
       failure_.reset();
-      if (!isConnected_) lostAt_ = SteadyTime::now();
+      if (!isConnected_) lostAt_ = clock_.now();
     }
     client_->request(request);
     std::unique_lock lock(mutex_);
     while (!answer_ && !failure_ && refusal_.empty()) {
       // As long as there is a connection, the march may take its time. Without one, trying again is not the same as having one.
-      const SteadyTime::time_point end = (isConnected_ ? SteadyTime::now() : lostAt_) + patience_;
-      changed_.wait_until(lock, stop, end, [&, before = changes_] { return changes_ != before; });
+      const Clock::TimePoint end = (isConnected_ ? clock_.now() : lostAt_) + patience_;
+      changed_ = {};
+      const std::stop_token change = changed_.get_token();
+      lock.unlock();
+      {
+        const std::stop_callback onStop(stop, [this] { note([] {}); });
+        clock_.waitUntil(end, change);
+      }
+      lock.lock();
       if (stop.stop_requested()) throw OperationCancelled();
-      if (!isConnected_ && SteadyTime::now() >= lostAt_ + patience_)
+      if (!isConnected_ && clock_.now() >= lostAt_ + patience_)
         throw InputError(trouble_.empty() ? net::toString(settings_.address.where) + " does not answer" : trouble_);
     }
     if (failure_) throw InputError("the server: " + failure_->sentence);
@@ -81,17 +85,14 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
 
   template <class F>
   void note(F&& f) {
-    {
-      const std::scoped_lock lock(mutex_);
-      f();
-      ++changes_;
-    }
-    changed_.notify_all();
+    const std::scoped_lock lock(mutex_);
+    f();
+    changed_.request_stop();
   }
   void onState(const net::ConnectionState& state) override {
     note([&] {
       const bool wasConnected = std::exchange(isConnected_, state.phase == net::ConnectionPhase::connected);
-      if (wasConnected && !isConnected_) lostAt_ = SteadyTime::now();
+      if (wasConnected && !isConnected_) lostAt_ = clock_.now();
       if (!state.sentence.empty()) trouble_ = state.sentence;
       if (state.phase == net::ConnectionPhase::refused) refusal_ = state.sentence;
     });
@@ -105,28 +106,28 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   }
 
   const std::shared_ptr<net::IoThread> io_;
+  Clock& clock_;
   const net::ClientSettings settings_;
   const CodecSettings coding_;
-  const SteadyTime::duration patience_;
+  const Clock::Duration patience_;
   const VolumePtr none_;
   std::mutex callMutex_;  // of a whole call, and of the two below
   FrameCodec codec_;
   uint64_t lastId_ = 0;
   std::mutex mutex_;  // of what the network's thread says
-  std::condition_variable_any changed_;
-  uint64_t changes_ = 0;
+  std::stop_source changed_;  // asked to stop when any of the below has changed
   std::optional<net::Frame> answer_;
   std::optional<net::Failure> failure_;
   std::string refusal_, trouble_;
   bool isConnected_ = false;
-  SteadyTime::time_point lostAt_{};  // or the call's begin, where there was no connection
+  Clock::TimePoint lostAt_{};  // or the call's begin, where there was no connection
   std::unique_ptr<net::Client> client_;  // last: it tells all of the above
 };
 
 }  // namespace
 
 MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
-                             std::chrono::steady_clock::duration patience) {
+                             Clock::Duration patience) {
   return std::make_shared<RemoteMarcher>(std::move(io), std::move(settings), codec, patience);
 }
 

@@ -2,7 +2,6 @@
 // Calls wait for the answer. One connection each; a call that the network interrupts is asked again by it.
 #pragma once
 
-#include <chrono>
 #include <memory>
 
 #include "net/client.h"
@@ -14,6 +13,6 @@ namespace warpscope {
 /// Connects when it is first called. march() and render() throw as Marcher's do, InputError also for what the server or
 /// the network says, or if no connection stands for `patience`. Its volume is elsewhere.
 MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
-                             std::chrono::steady_clock::duration patience);
+                             Clock::Duration patience);
 
 }  // namespace warpscope

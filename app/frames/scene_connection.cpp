@@ -35,7 +35,7 @@ class HostedSource final : public FrameSource {
     server_->requestStop();
     source_->requestStop();
   }
-  bool waitForEnd(std::chrono::steady_clock::time_point time) override { return source_->waitForEnd(time); }
+  bool waitForEnd(Clock::TimePoint time) override { return source_->waitForEnd(time); }
 
  private:
   const std::unique_ptr<FrameServer> server_;

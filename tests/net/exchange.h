@@ -25,8 +25,11 @@ namespace warpscope::net {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
+// In real time: for hanging alone, and for tests that are about real time.
 inline TimePoint now() { return std::chrono::steady_clock::now(); }
 inline double secondsSince(TimePoint begin) { return std::chrono::duration<double>(now() - begin).count(); }
+/// Longer than anything takes that works, however busy the machine is.
+inline constexpr std::chrono::seconds kHang{60};
 
 inline SceneFields someScene() {
   SceneFields scene;
@@ -55,11 +58,74 @@ inline Bytes operator+(Bytes a, ByteView b) {
 
 /// Until `condition` holds; false if it does not in time.
 template <class Condition>
-bool comesTrue(Condition condition, Duration patience = 10s) {
+bool comesTrue(Condition condition, Duration patience = kHang) {
   for (const TimePoint limit = now() + patience; now() < limit; std::this_thread::sleep_for(1ms))
     if (condition()) return true;
   return condition();
 }
+
+/// What was ready on the thread has run, and what that made ready.
+inline void settle(IoThread& io) {
+  for (int i = 0; i < 32; ++i) io.call([] {});
+}
+
+/// Time as the test lets it pass: none by itself.
+class PassingTime {
+ public:
+  explicit PassingTime(VirtualClock& clock, std::shared_ptr<IoThread> io) : clock_(clock), io_(std::move(io)) {}
+
+  /// All of it at once, after which everything that it made ready has run.
+  void jump(Duration duration) const {
+    clock_.advance(duration);
+    settle(*io_);
+  }
+  /// Whether somebody comes to wait for the time that is `later` than now.
+  bool isAwaited(Duration later) const {
+    return comesTrue([&] { return clock_.hasSleeper(clock_.now() + later); });
+  }
+  /// Jumps there once somebody waits for it and all that is ready has run; false if nobody does.
+  bool jumpTo(Duration later) const {
+    const TimePoint time = clock_.now() + later;
+    if (!comesTrue([&] { return clock_.hasSleeper(time); })) return false;
+    settle(*io_);
+    jump(time - clock_.now());
+    return true;
+  }
+  /// From one time that somebody waits for to the next one.
+  void pass(Duration duration) const {
+    const TimePoint end = clock_.now() + duration;
+    do settle(*io_);
+    while (clock_.advanceToNextSleeper(end));
+    jump(end - clock_.now());
+  }
+  /// The same until `condition` holds. What nobody waits for within `horizon` does not come: deadlines, as opposed to links.
+  template <class Condition>
+  bool passUntil(Condition condition, Duration horizon = 1s) const {
+    return comesTrue([&] {
+      settle(*io_);
+      if (condition()) return true;
+      clock_.advanceToNextSleeper(clock_.now() + horizon);
+      return false;
+    });
+  }
+  /// Calls `f`, which waits for the clock, and lets time pass until it returns.
+  template <class F>
+  void passDuring(F f) const {
+    std::atomic<bool> hasReturned = false;
+    const std::jthread thread([&] {
+      f();
+      hasReturned = true;
+    });
+    while (!hasReturned) {
+      clock_.advanceToNextSleeper(clock_.now() + 1s);
+      std::this_thread::sleep_for(1ms);
+    }
+  }
+
+ private:
+  VirtualClock& clock_;
+  const std::shared_ptr<IoThread> io_;
+};
 
 /// Keeps what a client is told, and lets a test wait for it.
 class Witness : public ClientEvents {
@@ -76,7 +142,7 @@ class Witness : public ClientEvents {
   void onRoundTrip(Duration duration) override { note([&] { roundTrips.push_back(duration); }); }
 
   template <class Condition>
-  bool waitFor(Condition condition, Duration patience = 10s) {
+  bool waitFor(Condition condition, Duration patience = kHang) {
     std::unique_lock lock(mutex);
     return changed.wait_for(lock, patience, condition);
   }
@@ -86,10 +152,10 @@ class Witness : public ClientEvents {
   /// The sentence of the next state of that phase.
   std::string sentenceWhen(ConnectionPhase phase) {
     std::unique_lock lock(mutex);
-    if (!changed.wait_for(lock, 10s, [&] { return isIn(phase); })) return "no such phase came";
+    if (!changed.wait_for(lock, kHang, [&] { return isIn(phase); })) return "no such phase came";
     return states.back().sentence;
   }
-  std::optional<Frame> frameOf(uint64_t id, Duration patience = 10s) {
+  std::optional<Frame> frameOf(uint64_t id, Duration patience = kHang) {
     std::unique_lock lock(mutex);
     const auto find = [&] { return std::ranges::find(frames, id, [](const Frame& frame) { return frame.head.id; }); };
     if (!changed.wait_for(lock, patience, [&] { return find() != frames.end(); })) return std::nullopt;
@@ -173,7 +239,7 @@ class Notes {
   std::string all_;
 };
 
-/// A blocking socket whose every operation ends within `patience`.
+/// A blocking socket whose every operation ends within `patience`, in real time.
 class BareSocket {
  public:
   explicit BareSocket(int handle) : handle_(handle) {}
@@ -212,7 +278,7 @@ class BareSocket {
   void endWriting() { ::shutdown(handle_, SHUT_WR); }
 
   /// False if not all of it can be sent.
-  bool send(ByteView bytes, Duration patience = 10s) {
+  bool send(ByteView bytes, Duration patience = kHang) {
     const TimePoint limit = now() + patience;
     while (!bytes.empty()) {
       if (!wait(POLLOUT, limit)) return false;
@@ -228,7 +294,7 @@ class BareSocket {
     return true;
   }
   /// Fewer at an end, a reset, or when time is up.
-  Bytes receive(size_t size, Duration patience = 10s) {
+  Bytes receive(size_t size, Duration patience = kHang) {
     const TimePoint limit = now() + patience;
     Bytes bytes(size);
     size_t got = 0;
@@ -242,7 +308,7 @@ class BareSocket {
   }
   enum class End { none, clean, reset };
   /// How the peer ends the connection in time; what it sends meanwhile is dropped.
-  End end(Duration patience = 10s) {
+  End end(Duration patience = kHang) {
     const TimePoint limit = now() + patience;
     std::array<char, 65536> dropped;
     while (wait(POLLIN, limit)) {
@@ -252,14 +318,14 @@ class BareSocket {
     }
     return End::none;
   }
-  bool isEnded(Duration patience = 10s) { return end(patience) != End::none; }
+  bool isEnded(Duration patience = kHang) { return end(patience) != End::none; }
 
   /// The next message: its head and body.
   struct Message {
     MessageType type;
     Bytes body;
   };
-  std::optional<Message> receiveMessage(Duration patience = 10s) {
+  std::optional<Message> receiveMessage(Duration patience = kHang) {
     const std::optional<MessageHead> head = readMessageHead(receive(kMessageHeadBytes, patience));
     if (!head) return std::nullopt;
     Message message{head->type, receive(head->bodyBytes, patience)};
@@ -267,7 +333,7 @@ class BareSocket {
     return message;
   }
   /// The next message of a type.
-  std::optional<Bytes> receiveBody(MessageType type, Duration patience = 10s) {
+  std::optional<Bytes> receiveBody(MessageType type, Duration patience = kHang) {
     for (const TimePoint limit = now() + patience; now() < limit;) {
       const std::optional<Message> message = receiveMessage(limit - now());
       if (!message) return std::nullopt;
@@ -301,7 +367,7 @@ class BareListener {
   }
 
   /// Not open if nobody comes in time.
-  BareSocket accept(Duration patience = 10s) {
+  BareSocket accept(Duration patience = kHang) {
     pollfd waiting{socket_.handle(), POLLIN, 0};
     const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(patience).count();
     if (::poll(&waiting, 1, static_cast<int>(ms)) <= 0) return BareSocket(-1);
@@ -343,7 +409,7 @@ inline BareSocket greetedServer(BareListener& listener, uint16_t depth = 1, uint
   return socket;
 }
 
-inline std::optional<FrameRequest> nextRequest(BareSocket& socket, Duration patience = 10s) {
+inline std::optional<FrameRequest> nextRequest(BareSocket& socket, Duration patience = kHang) {
   const std::optional<Bytes> body = socket.receiveBody(MessageType::request, patience);
   return body ? readRequest(*body) : std::nullopt;
 }

@@ -1,4 +1,4 @@
-// Tests of coroutines: they run on one thread until all of them have ended, and a hang is a failure instead of a wait.
+// Tests of coroutines: they run on one thread until all of them have ended, in virtual time, and a hang is a failure instead of a wait.
 // Boost.Asio's co_spawn, with what is thrown handed to the test.
 #pragma once
 
@@ -16,13 +16,13 @@ namespace warpscope::net {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-inline TimePoint inTime(Duration duration) { return std::chrono::steady_clock::now() + duration; }
-
-/// Longer than anything takes that works.
-inline TimePoint never() { return inTime(seconds(30)); }
+/// A deadline for what is not to wait for one.
+inline TimePoint never() { return TimePoint::max(); }
 
 class IoTest : public testing::Test {
  protected:
+  IoTest() { setClock(io_, clock_); }
+
   /// Begins when run() is called. `work`: a lambda that returns Awaitable<void>; it is kept until it ends.
   template <class Work>
   void spawn(Work work) {
@@ -33,25 +33,46 @@ class IoTest : public testing::Test {
     });
   }
 
-  /// Until everything that was spawned has ended.
+  /// Until everything that was spawned has ended. The clock stands still but for pass(): the sockets below are real.
   void run() {
-    const TimePoint limit = inTime(seconds(60));
+    const auto limit = std::chrono::steady_clock::now() + seconds(60);  // of hanging
     io_.restart();
     while (running_ > 0 && !failure_ && io_.run_one_until(limit) > 0) {
     }
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-    ASSERT_EQ(running_, 0) << "coroutines that never ended";
+    expectAllEnded();
   }
-
   template <class Work>
   void run(Work work) {
     spawn(std::move(work));
     run();
   }
 
+  /// The same for what waits for nothing but the clock: it moves on to the next timer whenever there is nothing else to do.
+  void runThrough() {
+    io_.restart();
+    do {
+      io_.poll();
+      io_.restart();
+    } while (running_ > 0 && !failure_ && clock_.advanceToNextSleeper(kLatest));
+    expectAllEnded();
+  }
+  template <class Work>
+  void runThrough(Work work) {
+    spawn(std::move(work));
+    runThrough();
+  }
+
+  TimePoint inTime(Duration duration) const { return clock_.now() + duration; }
+  double msSince(TimePoint begin) const { return millisecondsBetween(begin, clock_.now()); }
   Awaitable<void> sleep(Duration duration) {
-    asio::steady_timer timer(io_, duration);
-    co_await timer.async_wait(asio::use_awaitable);
+    Timer timer(io_.get_executor(), inTime(duration));
+    co_await timer.wait();
+  }
+  /// Moves the clock on once everything that was ready has run, and goes on once what that made ready has.
+  Awaitable<void> pass(Duration duration) {
+    co_await settle();
+    clock_.advance(duration);
+    co_await settle();
   }
 
   struct Pair {
@@ -65,9 +86,20 @@ class IoTest : public testing::Test {
     co_return pair;
   }
 
+  VirtualClock clock_;
   asio::io_context io_{1};
 
  private:
+  static constexpr TimePoint kLatest = TimePoint(std::chrono::hours(1000));  // beyond it nobody waits for a time
+
+  Awaitable<void> settle() {
+    for (int i = 0; i < 32; ++i) co_await asio::post(io_, asio::use_awaitable);
+  }
+  void expectAllEnded() {
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    ASSERT_EQ(running_, 0) << "coroutines that never ended";
+  }
+
   int running_ = 0;
   std::exception_ptr failure_;
 };

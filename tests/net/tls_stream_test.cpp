@@ -165,11 +165,17 @@ TEST_F(TlsStreamTest, GarbageAfterTheHandshakeIsAnError) {
 TEST_F(TlsStreamTest, SilenceInTheHandshakeEndsAtTheDeadline) {
   run([&]() -> Awaitable<> {
     Pair tcp = co_await connectedPair();
-    const Thrown server = co_await failureOf(acceptTls(std::move(tcp.server), context_, inTime(milliseconds(30))));
+    Pair other = co_await connectedPair();
+    Thrown server, client;
+    spawn([&]() -> Awaitable<> { server = co_await failureOf(acceptTls(std::move(tcp.server), context_, inTime(milliseconds(30)))); });
+    spawn([&]() -> Awaitable<> {
+      client = co_await failureOf(openTls(std::move(other.client), identity_.fingerprint, inTime(milliseconds(30))));
+    });
+    co_await pass(milliseconds(29));
+    EXPECT_EQ(server.text + client.text, "") << "not before their time";
+    co_await pass(milliseconds(1));
     EXPECT_TRUE(server.isDeadline);
     EXPECT_THAT(server.text, StartsWith("TLS handshake with 127.0.0.1:"));
-    tcp = co_await connectedPair();
-    const Thrown client = co_await failureOf(openTls(std::move(tcp.client), identity_.fingerprint, inTime(milliseconds(30))));
     EXPECT_TRUE(client.isDeadline);
   });
 }
@@ -177,8 +183,12 @@ TEST_F(TlsStreamTest, SilenceInTheHandshakeEndsAtTheDeadline) {
 TEST_F(TlsStreamTest, APeerThatNeverReadsEndsAtTheDeadline) {
   TlsPair pair = shakeHands();
   run([&]() -> Awaitable<> {
-    const Thrown failure = co_await failureOf(
-        withDeadline(*pair.client, inTime(milliseconds(50)), "sending", writeText(*pair.client, std::string(64 << 20, 'x'))));
+    Thrown failure;
+    spawn([&]() -> Awaitable<> {
+      failure = co_await failureOf(
+          withDeadline(*pair.client, inTime(milliseconds(50)), "sending", writeText(*pair.client, std::string(64 << 20, 'x'))));
+    });
+    co_await pass(milliseconds(50));
     EXPECT_TRUE(failure.isDeadline);
   });
 }
@@ -192,7 +202,7 @@ TEST_F(TlsStreamTest, FinishingIsACleanEndAndLosesNothing) {
     co_await pair.client->finish(never());
   });
   spawn([&]() -> Awaitable<> {
-    co_await sleep(milliseconds(10));
+    co_await pass(milliseconds(10));
     got = co_await readToEnd(*pair.server);
     co_await pair.server->finish(never());
   });
@@ -214,7 +224,7 @@ TEST_F(TlsStreamTest, FinishingWhileAReaderWaits) {
     }
   });
   spawn([&]() -> Awaitable<> {
-    co_await sleep(milliseconds(5));
+    co_await pass(milliseconds(5));
     co_await pair.client->finish(never());
   });
   spawn([&]() -> Awaitable<> {
@@ -229,7 +239,17 @@ TEST_F(TlsStreamTest, FinishingWhileAReaderWaits) {
 
 TEST_F(TlsStreamTest, FinishingDoesNotWaitBeyondItsDeadline) {
   TlsPair pair = shakeHands();
-  run([&]() -> Awaitable<> { co_await pair.client->finish(inTime(milliseconds(30))); });
+  bool hasFinished = false;
+  spawn([&]() -> Awaitable<> {
+    co_await pair.client->finish(inTime(milliseconds(30)));
+    hasFinished = true;
+  });
+  run([&]() -> Awaitable<> {
+    co_await pass(milliseconds(29));
+    EXPECT_FALSE(hasFinished);
+    co_await pass(milliseconds(1));
+    EXPECT_TRUE(hasFinished);
+  });
 }
 
 TEST_F(TlsStreamTest, ATruncatedMessageIsAnError) {
@@ -270,7 +290,7 @@ TEST_F(TlsStreamTest, ClosingEndsWhatIsUnderWay) {
   spawn([&]() -> Awaitable<> { read = co_await failureOf(readText(*pair.client, 1)); });
   spawn([&]() -> Awaitable<> { write = co_await failureOf(writeText(*pair.client, std::string(64 << 20, 'x'))); });
   spawn([&]() -> Awaitable<> {
-    co_await sleep(milliseconds(20));
+    co_await pass(milliseconds(20));
     pair.client->close();
     pair.client->close();
   });
