@@ -159,5 +159,19 @@ TEST(Measuring, AMarchAndItsWayThroughTheCodec) {
   EXPECT_EQ(march.frame->colors, expected->colors);
 }
 
+TEST(Measuring, APictureIsDecodingBuildingAndDrawing) {
+  const Stage stage(smallScene("block"));
+  const Camera camera = stage.camera(64, 48);
+  const SampleFramePtr frame = stage.frame(camera, stage.scene().march);
+  const glm::vec3 background(0.0f);
+  const WarpSettings settings;
+  FakeWarp warp;
+  warp.isOnDevice = true;
+  FrameCodec codec;
+  const MeasuredPicture picture = measurePicture(Measuring(3, {}), {warp, settings, background}, codec, {}, frame, camera);
+  EXPECT_GT(picture.decode.medianMs, 0.0);
+  EXPECT_EQ(picture.frameMs(), picture.decode.medianMs + 3.0 + 30.0 + 300.0);
+}
+
 }  // namespace
 }  // namespace warpscope

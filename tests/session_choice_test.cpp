@@ -60,6 +60,7 @@ TEST_F(SessionChoiceTest, TakesWhatIsBestAtThisAngleWithinTheBudget) {
 
 TEST_F(SessionChoiceTest, WithoutASweepItIsWhatWasOnShow) {
   ASSERT_TRUE(open("block"));
+  ASSERT_TRUE(pumpUntil([&] { return session_.liveFront().points().size() == 2u; }));
   session_.setAutomatic(0);
   ASSERT_TRUE(settle());
   // hold and spheres were on show at this angle.

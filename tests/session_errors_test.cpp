@@ -177,13 +177,16 @@ TEST_F(SessionErrorsTest, WhereNoDeviceMarchesErrorsWaitUntilTheCameraRests) {
 
 TEST_F(SessionErrorsTest, TheFrontHasAPointForEachConfigurationThatWasSeen) {
   ASSERT_TRUE(open("block"));
-  ASSERT_EQ(session_.liveFront().points().size(), 2u);
+  const LiveFront& front = session_.liveFront();
+  ASSERT_TRUE(pumpUntil([&] { return front.points().size() == 2u; }));
   for (size_t i = 0; i < kPanelCount; ++i) {
-    const auto& points = session_.liveFront().points();
+    const auto& points = front.points();
     const auto point = std::find_if(points.begin(), points.end(), [&](const auto& one) { return one.configuration == *session_.panel(i).configuration; });
     ASSERT_NE(point, points.end()) << i;
     EXPECT_EQ(point->configuration.technique, session_.panel(i).technique);
     EXPECT_EQ(point->configuration.serverSidePx, 48u);
+    EXPECT_EQ(point->pictureSize, session_.pictureSize());
+    EXPECT_EQ(point->standing, LiveFront::Standing::ranked);
     EXPECT_DOUBLE_EQ(point->flip, session_.panel(i).errors->flip);
     EXPECT_EQ(point->buckets.front().fromDeg, 0.0);
     EXPECT_GT(point->frameMs, 0.0);
@@ -192,26 +195,90 @@ TEST_F(SessionErrorsTest, TheFrontHasAPointForEachConfigurationThatWasSeen) {
 
   freeze(session_);
   turn(session_, 24.0);
-  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).errorsAreCurrent && session_.panel(1).errorsAreCurrent; }));
-  for (const LiveFront::Point& point : session_.liveFront().points()) {
-    ASSERT_EQ(point.buckets.size(), 2u);
-    EXPECT_EQ(point.buckets[1].fromDeg, 22.5);
-  }
+  ASSERT_TRUE(pumpUntil([&] { return front.rankedAnglesDeg().size() == 2u; }));
+  EXPECT_EQ(front.rankedAnglesDeg(), (std::vector<double>{0.0, 22.5}));
+  for (const LiveFront::Point& point : front.points()) EXPECT_EQ(point.buckets.size(), 2u);
+
+  // All three can be compared where the third was seen.
+  session_.setTechnique(1, findWarp("splats"));
+  ASSERT_TRUE(pumpUntil([&] { return front.points().size() == 3u; }));
+  EXPECT_EQ(front.rankedAnglesDeg().size(), 1u);
+  EXPECT_EQ(front.rankedAnglesDeg().front(), 22.5);
 
   Knobs knobs = session_.knobs();
   knobs.isFrozen = false;
   knobs.march.sample.radiusPolicy = RadiusPolicy::constant;
   session_.setKnobs(knobs);
-  ASSERT_TRUE(pumpUntil([&] { return session_.liveFront().points().size() == 3u; }));  // `hold` depends on no radius
-
-  session_.setPanelSize({31, 29});
-  session_.update(clock_.now());
-  EXPECT_TRUE(session_.liveFront().points().empty());
-  ASSERT_TRUE(settle());
-  EXPECT_EQ(session_.liveFront().points().size(), 2u);
+  ASSERT_TRUE(pumpUntil([&] { return front.points().size() == 4u; }));  // `hold` depends on no radius
   session_.load(builtin("shells"));
   ASSERT_TRUE(pumpUntil([&] { return session_.scene()->name == "shells"; }));
-  EXPECT_TRUE(session_.liveFront().points().empty());
+  EXPECT_TRUE(front.points().empty());
+}
+
+TEST_F(SessionErrorsTest, PointsOutliveAnotherSizeOfThePictures) {
+  ASSERT_TRUE(open("block"));
+  const LiveFront& front = session_.liveFront();
+  ASSERT_TRUE(pumpUntil([&] { return front.front().size() > 0u && front.points().size() == 2u; }));
+  const std::vector<size_t> before = front.front();
+  const double flip = front.points()[1].flip;
+  session_.setPanelSize({31, 29});
+  session_.update(clock_.now());
+  ASSERT_EQ(front.points().size(), 2u);
+  for (const LiveFront::Point& point : front.points()) EXPECT_EQ(point.standing, LiveFront::Standing::otherSize);
+  EXPECT_TRUE(front.front().empty());
+  session_.setPanelSize(kPanelPx);
+  session_.update(clock_.now());
+  EXPECT_EQ(front.front(), before);  // at once
+  EXPECT_EQ(front.points()[1].flip, flip);
+}
+
+/// While anything else is at work, here the other panel's judge, no picture is timed: how long it took would say what ran beside it.
+TEST_F(SessionErrorsTest, PicturesAreTimedWhenNothingElseIsAtWork) {
+  std::atomic<bool> mayEnd = false;
+  std::atomic<int> begun = 0, done = 0;
+  SessionSettings stuck = settings();
+  stuck.makeJudge = [&]() -> JudgeFunction {
+    return [&](const std::shared_ptr<const ReferenceImage>& reference, const WarpedImage& image, Image<float>& map) {
+      const bool isFirst = begun++ == 0;
+      while (isFirst && !mayEnd) std::this_thread::sleep_for(milliseconds(1));
+      ++done;
+      return reference->judge().errorsOf(image, nullptr, &map);
+    };
+  };
+  Session session(stuck, [] {});
+  session.setPanelSize(kPanelPx);
+  session.load(builtin("block"));
+  EXPECT_TRUE(pumpUntil(session, [&] { return begun >= 2 && done >= 1 && (session.panel(0).errors || session.panel(1).errors); }));
+  const auto until = clock_.now() + milliseconds(1500);  // more than the quiet before a picture is timed
+  while (clock_.now() < until) {
+    session.update(clock_.now());
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  EXPECT_TRUE(session.liveFront().points().empty());
+  mayEnd = true;
+  EXPECT_TRUE(pumpUntil(session, [&] { return session.liveFront().points().size() == 2u; }));
+  EXPECT_TRUE(session.close(kPatience));
+}
+
+/// What moves is not timed, and what is being timed gives way at once.
+TEST_F(SessionErrorsTest, AMovingCameraIsNotHeldUpByTiming) {
+  Knobs knobs = session_.knobs();
+  knobs.serverSidePx = 320;
+  session_.setKnobs(knobs);
+  session_.setPanelSize({320, 320});  // so that timing takes a while
+  ASSERT_TRUE(open("block"));
+  for (int i = 0; i < 6; ++i) {
+    // At various moments after the rest: before, while and after pictures are timed.
+    const auto until = clock_.now() + milliseconds(750 + 15 * i);
+    while (clock_.now() < until) session_.update(clock_.now());
+    const ShownPicture before = session_.panel(1).picture;
+    turn(session_, 2.0);
+    ASSERT_TRUE(pumpUntil([&] { return session_.panel(1).picture != before; })) << i;
+    EXPECT_EQ(session_.panel(1).error, "");
+  }
+  ASSERT_TRUE(settle());
+  ASSERT_TRUE(pumpUntil([&] { return session_.liveFront().points().size() == 2u; }));
+  EXPECT_EQ(session_.error(), "");
 }
 
 TEST_F(SessionErrorsTest, AConfigurationThatIsChosenIsTakenOver) {

@@ -90,6 +90,27 @@ TEST(Findings, TheReferenceIsNeverTheAnswer) {
   EXPECT_THAT(findings.answer, testing::HasSubstr("The 2012 method (points of 2 px, median): FLIP 0.0900"));
 }
 
+TEST(Findings, TheHeadlineIsThePaperThe2012MethodAndTheBestInTime) {
+  std::vector<SweepRow> rows{rowOf("points", Heuristic::median, 0.0, 0.08, 3.0), rowOf("spheres", Heuristic::gradient, 0.0, 0.04, 14.0),
+                             rowOf("splats", Heuristic::expected, 0.0, 0.03, 30.0), rowOf("multihit", Heuristic::expected, 0.0, 0.01, 34.0)};
+  EXPECT_EQ(findingsOf(rows).headline,
+            "The paper's method (spheres, gradient, voxel) has FLIP 0.0400, holes 0.0 %, in 14 ms.\n"
+            "The method of 2012 (points of 2 px, median) has FLIP 0.0800, holes 0.0 %, in 3 ms: 100 % more error than the paper's.\n"
+            "The best within 33 ms a frame (splats, expected, voxel) has FLIP 0.0300, holes 0.0 %, in 30 ms: 25 % less error than the paper's, "
+            "62 % less error than that of 2012.\n");
+  rows[1].errors.flip = 0.02;
+  EXPECT_THAT(findingsOf(rows).headline, testing::EndsWith("\nNothing that was measured has less error within 33 ms a frame than the paper's method.\n"));
+  rows[0].errors.flip = 0.0195;
+  EXPECT_THAT(findingsOf(rows).headline, testing::HasSubstr("in 3 ms: 2.5 % less error than the paper's.\n"));
+  EXPECT_THAT(findingsOf(rows).headline, testing::EndsWith("within 33 ms a frame than the method of 2012.\n"));
+  rows[0].errors.flip = rows[1].errors.flip = 0.0;
+  EXPECT_THAT(findingsOf(rows).headline, testing::HasSubstr("in 3 ms: as much error as the paper's.\n"));
+  for (SweepRow& row : rows) row.draw.medianMs = 40.0;
+  EXPECT_THAT(findingsOf(rows).headline, testing::EndsWith("Nothing that was measured gets ready within 33 ms a frame.\n"));
+  EXPECT_EQ(findingsOf({}).headline, "The paper's method was not measured.\nThe method of 2012 was not measured.\n"
+                                     "Nothing that was measured gets ready within 33 ms a frame.\n");
+}
+
 TEST(Findings, EachAngleHasItsOwnWinner) {
   std::vector<SweepRow> rows{rowOf("hold", Heuristic::gradient, 0.0, 0.01, 1.0), rowOf("hold", Heuristic::gradient, 10.0, 0.2, 1.0),
                              rowOf("splats", Heuristic::median, 0.0, 0.03, 3.0), rowOf("splats", Heuristic::median, 10.0, 0.05, 3.0)};

@@ -209,6 +209,7 @@ TEST_F(SweepTest, TheReportHoldsWhatItShould) {
   report.floors = run.floors();
   report.summaries = summariesOf(report.rows);
   report.findings = findingsOf(report.rows);
+  report.links = settings_.plan.links;
   for (const Configuration& configuration : shownConfigurations(report.summaries, report.findings))
     report.strips.push_back({configuration, run.pictures(configuration)});
   report.head = {{"scene", "block"}, {"width", 96}, {"height", 72}, {"plan", toJson(settings_.plan)}, {"version", "1"},
@@ -228,6 +229,11 @@ TEST_F(SweepTest, TheReportHoldsWhatItShould) {
   EXPECT_EQ(count("<svg"), count("</svg>"));
   EXPECT_EQ(count("<img"), 2 * (2 * report.strips.size() - 1));  // a heat map beneath each but the reference
   EXPECT_EQ(count("<tr>"), count("</tr>"));
+  EXPECT_THAT(html, testing::HasSubstr("<strong>delay=100</strong>: 200 ms there and back</li>"));
+  std::istringstream headline(report.findings.headline);
+  size_t sentences = 0;
+  for (std::string sentence; std::getline(headline, sentence); ++sentences) EXPECT_THAT(html, testing::HasSubstr("<p>" + escaped(sentence) + "</p>"));
+  EXPECT_EQ(sentences, 3u);
   for (const SweepRow& row : report.rows) EXPECT_THAT(html, testing::HasSubstr(labelOf(row.configuration)));
 }
 
@@ -238,13 +244,31 @@ TEST(SvgPlot, ShowsPointsWhereTheyAre) {
   EXPECT_THAT(svg, testing::HasSubstr("<title>three</title>"));
   EXPECT_THAT(svg, testing::HasSubstr("class=\"ring\""));
   const auto placeOf = [&](const std::string& title, const std::string& axis) {
-    const size_t circle = svg.rfind("<circle", svg.find("<title>" + title));
+    const size_t circle = svg.find("<circle", svg.find("<title>" + title));
     const size_t at = svg.find(axis + "=\"", circle) + axis.size() + 2;
     return std::stod(svg.substr(at));
   };
   EXPECT_NEAR(placeOf("three", "cx"), 0.5 * (placeOf("one", "cx") + placeOf("two", "cx")), 0.02);  // logarithmic
   EXPECT_NEAR(placeOf("three", "cy"), 0.5 * (placeOf("one", "cy") + placeOf("two", "cy")), 0.02);
   EXPECT_GT(placeOf("one", "cy"), placeOf("two", "cy"));  // up is more
+}
+
+TEST(SvgPlot, PointsThatWouldHideEachOtherAreOneMark) {
+  const Plot plot{{"x", true}, {"y", true}, {{"a", "#aa0000", {{1.0, 1.0, "first"}, {1.001, 1.0, "second", true}, {100.0, 1.0, "alone"}}},
+                                             {"b", "#00bb00", {{1.0, 1.001, "third"}, {100.0, 100.0, "far"}}}}};
+  const std::string svg = svgOf(plot);
+  const auto count = [&](const std::string& what) {
+    size_t found = 0;
+    for (size_t at = svg.find(what); at != std::string::npos; at = svg.find(what, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("<g class=\"mark\">"), 3u);
+  EXPECT_THAT(svg, testing::HasSubstr("<title>first\n\nsecond\n\nthird</title>"));
+  EXPECT_EQ(count("class=\"count\""), 1u);
+  EXPECT_THAT(svg, testing::HasSubstr(">3</text>"));
+  EXPECT_EQ(count("<path fill=\"#aa0000\""), 1u);  // a sector for each colour, not for each point
+  EXPECT_EQ(count("<path fill=\"#00bb00\""), 1u);
+  EXPECT_EQ(count("class=\"ring\""), 1u);
 }
 
 TEST(SvgPlot, BearsWhatCannotBeShown) {

@@ -119,6 +119,7 @@ void sweep(const SweepOptions& options) {
   head["machine"] = machineOf(backend, headless.contextText());
   report.head = head;
   report.background = work.scene.background;
+  report.links = settings.plan.links;
   report.title = work.scene.title;
 
   Json document = head;

@@ -3,6 +3,7 @@
 #include "app/experiment/findings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <map>
@@ -13,7 +14,7 @@
 namespace warpscope {
 namespace {
 
-constexpr double kBudgetsMs[] = {1.0, 4.0, 16.0, 33.0};
+constexpr double kBudgetsMs[] = {1.0, 4.0, 16.0, kHeadlineBudgetMs};
 constexpr double kFlipGoals[] = {0.02, 0.05, 0.1};
 
 std::string whatOf(const Summary& summary) {
@@ -44,6 +45,38 @@ std::optional<Summary> least(const std::vector<Summary>& summaries, const May& m
     if (best == nullptr || std::pair(value(summary), summary.frameMs) < std::pair(value(*best), best->frameMs)) best = &summary;
   }
   return best == nullptr ? std::nullopt : std::optional(*best);
+}
+
+/// "12 % less error than", "as much error as": `value` against `other`.
+std::string errorAgainst(double value, double other) {
+  if (value == other) return "as much error as";
+  if (other == 0.0) return "more error than";
+  char text[64];
+  const double change = value / other - 1.0;
+  std::snprintf(text, sizeof text, std::abs(change) < 0.0995 ? "%.1f %% %s error than" : "%.0f %% %s error than", 100.0 * std::abs(change),
+                change < 0.0 ? "less" : "more");
+  return text;
+}
+
+/// The paper's method, that of 2012, and what is best in time: each as a sentence.
+std::string headlineOf(const Findings& findings, const std::vector<Summary>& summaries) {
+  const auto is = [&](const char* subject, const std::optional<Summary>& summary) {
+    return std::string(subject) + " (" + nameAmong(summary->configuration, summaries) + ") has " + whatOf(*summary);
+  };
+  std::string text;
+  const std::optional<Summary>&paper = findings.papersMethod, &points = findings.pointBaseline, &best = findings.bestInTime;
+  text += paper ? is("The paper's method", paper) + ".\n" : "The paper's method was not measured.\n";
+  text += points ? is("The method of 2012", points) : "The method of 2012 was not measured";
+  if (points && paper) text += ": " + errorAgainst(points->flip, paper->flip) + " the paper's";
+  text += ".\n";
+  char within[64];
+  std::snprintf(within, sizeof within, "within %g ms a frame", kHeadlineBudgetMs);
+  if (!best) return text + "Nothing that was measured gets ready " + within + ".\n";
+  const auto isBest = [&](const std::optional<Summary>& other) { return other && keyOf(other->configuration) == keyOf(best->configuration); };
+  if (isBest(paper) || isBest(points)) return text + "Nothing that was measured has less error " + within + " than " + (isBest(paper) ? "the paper's method" : "the method of 2012") + ".\n";
+  text += is((std::string("The best ") + within).c_str(), best);
+  if (paper) text += ": " + errorAgainst(best->flip, paper->flip) + " the paper's" + (points ? ", " + errorAgainst(best->flip, points->flip) + " that of 2012" : "");
+  return text + ".\n";
 }
 
 }  // namespace
@@ -120,6 +153,8 @@ Findings findingsOf(const std::vector<SweepRow>& rows) {
   };
   findings.papersMethod = least(summaries, [](const Summary& summary) { return isPapersMethod(summary.configuration); }, coarseness);
   findings.pointBaseline = least(summaries, [](const Summary& summary) { return isPointBaseline(summary.configuration); }, coarseness);
+  findings.bestInTime = least(summaries, [](const Summary& summary) { return summary.frameMs <= kHeadlineBudgetMs; }, flipOf);
+  findings.headline = headlineOf(findings, summaries);
   findings.least = least(summaries, [](const Summary&) { return true; }, flipOf);
   for (const SweepRow& row : rows) {
     if (!row.link.empty() || !row.configuration.technique->usesFrame) continue;

@@ -38,6 +38,9 @@ std::string nameAmong(const Configuration& configuration, const std::vector<Summ
 /// Indices of the summaries that nothing beats in time and error, among those that a client without the volume can draw.
 std::vector<size_t> frontOf(const std::vector<Summary>& summaries);
 
+/// About 30 pictures a second, each of a new frame.
+inline constexpr double kHeadlineBudgetMs = 33.0;
+
 struct Findings {
   struct WithinTime {
     double budgetMs = 0.0;
@@ -57,7 +60,9 @@ struct Findings {
   std::vector<AtAngle> atAngles;  ///< in the order of the rows
   /// Least: of all errors, whatever it takes. The baselines at the largest of the server's images and the finest step.
   std::optional<Summary> papersMethod, pointBaseline, least;
-  std::string answer;  ///< sentences, each on its own line
+  std::optional<Summary> bestInTime;  ///< least error within kHeadlineBudgetMs
+  std::string headline;  ///< the paper's method, that of 2012 and the best within kHeadlineBudgetMs: three sentences, each on its own line
+  std::string answer;    ///< sentences, each on its own line
 };
 
 /// `rows` that are behind a link are left out.

@@ -1,108 +1,166 @@
-// Medians of times, means of errors.
+// Blocks, medians of times, means of errors.
 // See live_front.h.
 #include "app/experiment/live_front.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "app/experiment/averages.h"
 #include "app/experiment/findings.h"
+#include "app/experiment/measured.h"
 
 namespace warpscope {
 namespace {
 
-/// Of the two in the middle the upper one, where their number is even.
-double medianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+static_assert(LiveFront::kBuckets <= 64, "a set of buckets is a word");
+
+size_t bucketOf(double angleDeg) {
+  return static_cast<size_t>(std::min(std::floor(std::abs(angleDeg) / LiveFront::kBucketDeg), static_cast<double>(LiveFront::kBuckets - 1)));
 }
 
-void putInRing(std::vector<double>& ring, size_t count, double value) {
-  if (ring.size() < LiveFront::kMostTimes)
-    ring.push_back(value);
-  else
-    ring[count % LiveFront::kMostTimes] = value;
+bool holds(uint64_t set, uint64_t part) { return (set & part) == part; }
+
+/// The angles to rank by, one bit each: those which the most comparisons rest on, given where each configuration was seen. Finding the best of all sets
+/// is hard (maximum biclique), so sets grow smaller greedily from each configuration's: by the one with which they keep the most. One alone is
+/// ranked by its own.
+uint64_t blockOf(const std::vector<uint64_t>& seen) {
+  if (seen.size() == 1) return seen.front();
+  uint64_t best = 0;
+  std::pair<size_t, int> bestRank{0, 0};  // comparisons, then angles
+  for (const uint64_t first : seen) {
+    for (uint64_t block = first; block != 0;) {
+      size_t members = 0;
+      uint64_t next = 0;
+      for (const uint64_t one : seen) {
+        if (holds(one, block))
+          ++members;
+        else if (std::popcount(one & block) > std::popcount(next))
+          next = one & block;
+      }
+      const std::pair rank{members * (members - 1) / 2 * static_cast<size_t>(std::popcount(block)), std::popcount(block)};
+      if (rank.first > 0 && rank > bestRank) {
+        bestRank = rank;
+        best = block;
+      }
+      block = next;
+    }
+  }
+  return best;
 }
 
 }  // namespace
 
-void LiveFront::addPicture(const Configuration& configuration, double arrivalMs, double drawMs) {
-  if (!std::isfinite(arrivalMs) || !std::isfinite(drawMs)) return;
-  const std::string key = keyOf(configuration);
-  Entry* entry = find(key);
-  if (entry == nullptr) {
-    makeRoom();
-    entries_.push_front({key, normalized(configuration), {}, {}, 0, {}, 0});
-    entry = &entries_.front();
-  }
-  putInRing(entry->arrivalsMs, entry->pictures, arrivalMs);
-  putInRing(entry->drawsMs, entry->pictures, drawMs);
-  ++entry->pictures;
-  if (entry->firstError > 0) refresh();
+void LiveFront::setPictureSize(const glm::uvec2& size) {
+  if (pictureSize_ == size) return;
+  pictureSize_ = size;
+  refresh();
 }
 
-void LiveFront::addError(const Configuration& configuration, double angleDeg, double flip) {
-  if (!std::isfinite(angleDeg) || !std::isfinite(flip)) return;
-  Entry* entry = find(keyOf(configuration));
-  if (entry == nullptr) return;
-  const double bucket = std::min(std::floor(std::abs(angleDeg) / kBucketDeg), static_cast<double>(kBuckets - 1));
-  Sum& sum = entry->buckets[static_cast<size_t>(bucket)];
-  sum.flip += flip;
-  ++sum.count;
-  ++errors_;
-  if (entry->firstError == 0) entry->firstError = errors_;
+void LiveFront::addError(const Configuration& configuration, const glm::uvec2& pictureSize, double angleDeg, double flip) {
+  if (!configuration.technique->usesFrame || !std::isfinite(angleDeg) || !std::isfinite(flip)) return;
+  Seen& seen = entryOf(configuration, pictureSize).buckets[bucketOf(angleDeg)];
+  seen.flipSum += flip;
+  ++seen.errors;
+  refresh();
+}
+
+void LiveFront::addTime(const Configuration& configuration, const glm::uvec2& pictureSize, double angleDeg, double frameMs) {
+  if (!configuration.technique->usesFrame || !std::isfinite(angleDeg) || !std::isfinite(frameMs)) return;
+  Seen& seen = entryOf(configuration, pictureSize).buckets[bucketOf(angleDeg)];
+  if (seen.framesMs.size() < kMostTimes)
+    seen.framesMs.push_back(frameMs);
+  else
+    seen.framesMs[seen.times % kMostTimes] = frameMs;
+  ++seen.times;
   refresh();
 }
 
 void LiveFront::clear() {
   entries_.clear();
-  errors_ = 0;
-  points_.clear();
-  front_.clear();
-}
-
-LiveFront::Entry* LiveFront::find(const std::string& key) {
-  const auto place = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
-  if (place == entries_.end()) return nullptr;
-  entries_.splice(entries_.begin(), entries_, place);
-  return &entries_.front();
-}
-
-void LiveFront::makeRoom() {
-  if (entries_.size() < kMostConfigurations) return;
-  // What is dropped is not the entry on show: that one was seen last.
-  const auto oldest = std::find_if(entries_.rbegin(), entries_.rend(), [](const Entry& entry) { return entry.firstError == 0; });
-  entries_.erase(oldest == entries_.rend() ? std::prev(entries_.end()) : std::prev(oldest.base()));
+  pointCount_ = 0;
   refresh();
 }
 
-LiveFront::Point LiveFront::pointOf(const Entry& entry) {
-  Point point{entry.configuration, medianOf(entry.arrivalsMs) + medianOf(entry.drawsMs), 0.0, {}};
-  for (const auto& [bucket, sum] : entry.buckets) {
-    const double mean = sum.flip / static_cast<double>(sum.count);
-    point.buckets.push_back({static_cast<double>(bucket) * kBucketDeg, mean, sum.count});
-    point.flip += mean;
+uint64_t LiveFront::Entry::completeBuckets() const {
+  uint64_t set = 0;
+  for (const auto& [bucket, seen] : buckets)
+    if (seen.isComplete()) set |= uint64_t{1} << bucket;
+  return set;
+}
+
+LiveFront::Entry& LiveFront::entryOf(const Configuration& configuration, const glm::uvec2& pictureSize) {
+  const std::string key = keyOf(configuration);
+  const auto place = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const Entry& entry) { return entry.pictureSize == pictureSize && entry.key == key; });
+  if (place != entries_.end()) {
+    entries_.splice(entries_.begin(), entries_, place);
+  } else {
+    makeRoom();
+    entries_.push_front({key, normalized(configuration), pictureSize, {}, 0});
   }
-  point.flip /= static_cast<double>(entry.buckets.size());
+  return entries_.front();
+}
+
+void LiveFront::makeRoom() {
+  if (entries_.size() < kMostSeen) return;
+  // What is dropped is not the entry on show: that one was seen last.
+  const auto oldest = std::find_if(entries_.rbegin(), entries_.rend(), [](const Entry& entry) { return entry.pointSince == 0; });
+  entries_.erase(oldest == entries_.rend() ? std::prev(entries_.end()) : std::prev(oldest.base()));
+}
+
+LiveFront::Point LiveFront::pointOf(const Entry& entry, uint64_t buckets) {
+  Point point{entry.configuration, entry.pictureSize, Standing::otherAngles, 0.0, 0.0, {}};
+  std::vector<AngleFigures> figures;
+  for (const auto& [bucket, seen] : entry.buckets) {
+    if (!seen.isComplete()) continue;
+    const double flip = seen.flipSum / static_cast<double>(seen.errors);
+    point.buckets.push_back({static_cast<double>(bucket) * kBucketDeg, flip, seen.errors, measuredOf(seen.framesMs).medianMs});
+    if (buckets >> bucket & 1) figures.push_back({flip, 0.0, point.buckets.back().frameMs, 0.0});
+  }
+  const AngleFigures over = overAngles(figures);
+  point.frameMs = over.frameMs;
+  point.flip = over.flip;
   return point;
 }
 
 void LiveFront::refresh() {
+  ++version_;
   std::vector<const Entry*> shown;
-  for (const Entry& entry : entries_)
-    if (entry.firstError > 0) shown.push_back(&entry);
-  std::sort(shown.begin(), shown.end(), [](const Entry* a, const Entry* b) { return a->firstError < b->firstError; });
+  const auto isShown = [&](const Entry& entry) {
+    return std::any_of(shown.begin(), shown.end(), [&](const Entry* other) { return other->key == entry.key; });
+  };
+  std::vector<uint64_t> seen;  // of those that may be ranked
+  for (Entry& entry : entries_) {
+    const uint64_t complete = entry.completeBuckets();
+    if (complete == 0) continue;
+    if (entry.pointSince == 0) entry.pointSince = ++pointCount_;
+    if (entry.pictureSize != pictureSize_) continue;
+    shown.push_back(&entry);
+    seen.push_back(complete);
+  }
+  for (const Entry& entry : entries_)  // the one seen last comes first
+    if (entry.pointSince > 0 && !isShown(entry)) shown.push_back(&entry);
+  std::sort(shown.begin(), shown.end(), [](const Entry* a, const Entry* b) { return a->pointSince < b->pointSince; });
+
+  const uint64_t block = seen.empty() ? 0 : blockOf(seen);
+  rankedAnglesDeg_.clear();
+  for (size_t bucket = 0; bucket < kBuckets; ++bucket)
+    if (block >> bucket & 1) rankedAnglesDeg_.push_back(static_cast<double>(bucket) * kBucketDeg);
   points_.clear();
-  std::vector<size_t> candidates;
+  std::vector<size_t> ranked;
   std::vector<CostAndError> costs;
   for (const Entry* entry : shown) {
-    points_.push_back(pointOf(*entry));
-    if (!entry->configuration.technique->usesFrame) continue;
-    candidates.push_back(points_.size() - 1);
-    costs.push_back({points_.back().frameMs, points_.back().flip});
+    const uint64_t complete = entry->completeBuckets();
+    const bool isOfSize = entry->pictureSize == pictureSize_, isRanked = isOfSize && block != 0 && holds(complete, block);
+    Point& point = points_.emplace_back(pointOf(*entry, isRanked ? block : complete));
+    point.standing = !isOfSize ? Standing::otherSize : isRanked ? Standing::ranked : Standing::otherAngles;
+    if (!isRanked) continue;
+    ranked.push_back(points_.size() - 1);
+    costs.push_back({point.frameMs, point.flip});
   }
   front_.clear();
-  for (const size_t i : paretoFront(costs)) front_.push_back(candidates[i]);
+  for (const size_t i : paretoFront(costs)) front_.push_back(ranked[i]);
 }
 
 }  // namespace warpscope

@@ -3,6 +3,7 @@
 #include "app/experiment/measuring.h"
 
 #include "app/frames/frame_fetch.h"
+#include "render/base/stopwatch.h"
 
 namespace warpscope {
 namespace {
@@ -30,6 +31,10 @@ DrawnOnce drawnOnce(const Drawing& drawing, const Camera& camera, WarpedImage& i
 }
 
 }  // namespace
+
+Measured Measuring::time(const std::function<void()>& work) const {
+  return parts([&] { return std::array{milliseconds(work)}; })[0];
+}
 
 MeasuredMarch measureMarch(const Measuring& measuring, Marcher& marcher, const Camera& camera, const MarchSettings& settings) {
   MeasuredMarch result;
@@ -94,6 +99,16 @@ MeasuredFirstPicture measureFirstPicture(const Measuring& measuring, const Drawi
     return std::array{built[0], built[1], tookMs};
   });
   return {{measured[0], measured[1]}, measured[2]};
+}
+
+MeasuredPicture measurePicture(const Measuring& measuring, const Drawing& drawing, FrameCodec& codec, const CodecSettings& coding,
+                               const SampleFramePtr& frame, const Camera& camera) {
+  MeasuredPicture picture;
+  picture.decode = measureCoding(measuring, codec, frame, coding).decode;
+  picture.build = measureBuild(measuring, drawing.warp, frame, drawing.settings);
+  WarpedImage image;
+  picture.draw = measureDraw(measuring, drawing, camera, image).draw;
+  return picture;
 }
 
 }  // namespace warpscope

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <stop_token>
 #include <tuple>
 #include <type_traits>
@@ -12,7 +13,6 @@
 
 #include "app/experiment/measured.h"
 #include "render/base/error.h"
-#include "render/base/stopwatch.h"
 #include "render/codec/codec.h"
 #include "render/warp/warp.h"
 
@@ -48,10 +48,7 @@ struct Measuring {
   }
 
   /// What calling `work` takes by the host's clock.
-  template <class Work>
-  Measured time(const Work& work) const {
-    return parts([&] { return std::array{milliseconds(work)}; })[0];
-  }
+  Measured time(const std::function<void()>& work) const;
 };
 
 /// A frame of a marcher.
@@ -101,5 +98,17 @@ struct MeasuredFirstPicture {
 };
 MeasuredFirstPicture measureFirstPicture(const Measuring& measuring, const Drawing& drawing, const SampleFramePtr& frame, const Camera& camera,
                                          WarpedImage& image);
+
+/// What a picture costs at the client if every frame is new.
+struct MeasuredPicture {
+  Measured decode;
+  MeasuredBuild build;
+  Measured draw;
+
+  double frameMs() const { return decode.medianMs + build.upload.medianMs + build.build.medianMs + draw.medianMs; }
+};
+/// `frame` is coded anew, to be decoded. The technique has it afterwards.
+MeasuredPicture measurePicture(const Measuring& measuring, const Drawing& drawing, FrameCodec& codec, const CodecSettings& coding,
+                               const SampleFramePtr& frame, const Camera& camera);
 
 }  // namespace warpscope

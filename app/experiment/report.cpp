@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <set>
+#include <sstream>
 
 #include "app/picture/heat_map.h"
 #include "app/picture/picture.h"
@@ -24,10 +25,12 @@ const char* const kStyle = R"(
 @media(prefers-color-scheme:dark){:root{--ink:#e6e9ec;--dim:#98a2ab;--line:#343b42;--page:#14181b;--mark:#1e2429}}
 body{font:15px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--page);max-width:1240px;margin:2em auto;padding:0 1.2em}
 h1{font-size:1.6em;margin:0}h2{font-size:1.15em;margin:2em 0 .4em}p{max-width:52em}
-.dim,figcaption{color:var(--dim)}.answer{border-left:4px solid #2b7de0;padding:.3em 1em;background:var(--mark)}.answer p{margin:.3em 0;max-width:none}
+.dim,figcaption{color:var(--dim)}.headline p{font-size:1.12em;margin:.25em 0}.answer{border-left:4px solid #2b7de0;padding:.3em 1em;background:var(--mark)}.answer p{margin:.3em 0;max-width:none}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.2em .7em;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
 th:first-child,td:first-child{text-align:left}th{font-weight:600;vertical-align:bottom}.wide{overflow-x:auto}
-#rows th{cursor:pointer;position:sticky;top:0;background:var(--page)}#rows td:first-child{white-space:normal}
+.all{margin-left:calc(min(0px,(100% - 100vw)/2 + 1.2em));width:calc(max(100%,100vw - 2.4em))}
+#rows{font-size:12.5px;margin:0 auto}#rows th,#rows td{padding:.2em .4em}#rows th{white-space:normal;cursor:pointer;position:sticky;top:0;background:var(--page)}
+#rows td:first-child{white-space:normal;min-width:16em}#rows td:nth-child(2){white-space:normal;overflow-wrap:anywhere;min-width:5em}
 svg.plot{width:100%;height:auto;font:12px system-ui,sans-serif}svg text{fill:var(--ink)}
 .grid{stroke:var(--line)}.axis{stroke:var(--dim)}.ring{fill:none;stroke:var(--ink);stroke-width:1.4}
 .strip td{padding:.2em;text-align:center;vertical-align:top;font-size:.85em}.strip img{display:block;width:150px;height:auto}.strip tbody th{text-align:left;vertical-align:top}
@@ -177,15 +180,16 @@ std::string stripsTable(const SweepReport& report) {
 }
 
 std::string rowsTable(const std::vector<SweepRow>& rows) {
-  std::string html = "<div class=\"wide\"><table id=\"rows\">" +
+  std::string html = "<div class=\"wide all\"><table id=\"rows\">" +
                      header({"configuration", "angle or link", "FLIP", "PSNR dB", "linear dB", "SSIM", "holes %", "FLIP visible", "FLIP disoccluded",
-                             "kB", "server ms", "decode", "build", "draw", "± spread", "ms a frame", "age ms", "flicker"}) +
+                             "kB", "server ms", "decode", "upload, build", "draw", "± spread", "ms a frame", "age ms", "flicker"}) +
                      "<tbody>\n";
   const auto optional = [](const std::optional<double>& value, const char* pattern) {
     return value ? cell(*value, format(pattern, *value)) : std::string("<td data-value=\"-1\"></td>");
   };
   for (const SweepRow& row : rows) {
     const bool isStill = row.link.empty();
+    const double builtMs = row.cost.upload.medianMs + row.cost.build.medianMs;
     const auto decibels = [](double value) { return cell(value, std::isfinite(value) ? format("%.1f", value) : "equal"); };
     html += "<tr>" + cell(fullNameOf(row.configuration)) + cell(row.angleDeg, isStill ? angled(row.angleDeg) : row.link) +
             cell(row.errors.flip, format("%.4f", row.errors.flip)) + decibels(row.errors.psnrDb) + decibels(row.errors.psnrLinearDb) +
@@ -193,7 +197,7 @@ std::string rowsTable(const std::vector<SweepRow>& rows) {
             optional(row.errors.flipVisible, "%.4f") + optional(row.errors.flipDisoccluded, "%.4f") +
             cell(static_cast<double>(row.cost.bytes), format("%.0f", 1e-3 * static_cast<double>(row.cost.bytes))) +
             cell(row.cost.serverMs(), milliseconds(row.cost.serverMs())) + cell(row.cost.decode.medianMs, milliseconds(row.cost.decode.medianMs)) +
-            cell(row.cost.build.medianMs, milliseconds(row.cost.build.medianMs)) + cell(row.draw.medianMs, milliseconds(row.draw.medianMs)) +
+            cell(builtMs, milliseconds(builtMs)) + cell(row.draw.medianMs, milliseconds(row.draw.medianMs)) +
             cell(row.draw.spreadMs, milliseconds(row.draw.spreadMs)) + cell(row.frameMs(), milliseconds(row.frameMs())) +
             (isStill ? std::string("<td data-value=\"-1\"></td>") : cell(row.ageMs, format("%.0f", row.ageMs))) +
             optional(row.flicker, "%.4f") + "</tr>\n";
@@ -209,6 +213,45 @@ std::string headText(const nlohmann::json& head) {
   text += "; " + std::to_string(machine.at("threads").get<unsigned>()) + " threads";
   if (const std::string openGl = machine.at("openGl").get<std::string>(); !openGl.empty()) text += "; OpenGL: " + openGl;
   return text + "; warpscope " + head.at("version").get<std::string>() + ".";
+}
+
+/// A block of that class with a paragraph for each line.
+std::string paragraphs(const char* kind, const std::string& lines) {
+  std::string html = "<div class=\"" + std::string(kind) + "\">";
+  std::istringstream text(lines);
+  for (std::string line; std::getline(text, line);) html += "<p>" + escaped(line) + "</p>";
+  return html + "</div>\n";
+}
+
+/// "up", "down" or both values of a link's two directions; empty where both are nothing.
+std::string bothWays(const net::DuplexLinkSettings& link, double net::LinkSettings::*member, const char* pattern, double scale) {
+  const double up = scale * (link.up.*member), down = scale * (link.down.*member);
+  if (up == 0.0 && down == 0.0) return "";
+  if (up == down) return format(pattern, up);
+  return (down == 0.0 ? "no limit" : format(pattern, down)) + " down, " + (up == 0.0 ? "no limit" : format(pattern, up)) + " up";
+}
+
+/// What a link does, in words: "50 ms there and back, ...".
+std::string meaningOf(const net::DuplexLinkSettings& link) {
+  std::string text;
+  const auto add = [&](const std::string& what, const std::string& more) {
+    if (!what.empty()) text += (text.empty() ? "" : "; ") + what + more;
+  };
+  const double roundTripMs = link.up.delayMs + link.down.delayMs;
+  add(roundTripMs > 0.0 ? format("%g ms", roundTripMs) : "", " there and back");
+  add(bothWays(link, &net::LinkSettings::jitterMs, "%g ms", 1.0), " of jitter");
+  if (link.up.trace || link.down.trace) add((link.down.trace ? link.down.trace : link.up.trace)->file, ": its delays");
+  add(bothWays(link, &net::LinkSettings::rateBitPerS, "%g Mbit/s", 1e-6), "");
+  add(bothWays(link, &net::LinkSettings::loss, "%g %%", 100.0), " of segments lost");
+  add(bothWays(link, &net::LinkSettings::outageMs, "%g ms", 1.0), " without anything every now and then");
+  return text.empty() ? "nothing is simulated" : text;
+}
+
+/// Every link by its name, and what it does.
+std::string linksList(const std::vector<SweepLink>& links) {
+  std::string html = "<ul class=\"links\">";
+  for (const SweepLink& link : links) html += "<li><strong>" + escaped(link.name) + "</strong>: " + escaped(meaningOf(link.settings)) + "</li>";
+  return html + "</ul>\n";
 }
 
 std::string figure(const std::string& svg, const std::string& caption) {
@@ -247,17 +290,7 @@ std::string htmlOf(const SweepReport& report) {
                      escaped(report.title) + ": accuracy against time</title><style>" + kStyle + "</style></head><body>\n";
   html += "<h1>" + escaped(report.title) + ": accuracy against time</h1>\n<p class=\"dim\">" + escaped(headText(report.head)) + "</p>\n";
 
-  html += "<div class=\"answer\">";
-  std::string line;
-  for (const char c : report.findings.answer) {
-    if (c != '\n') {
-      line += c;
-      continue;
-    }
-    html += "<p>" + escaped(line) + "</p>";
-    line.clear();
-  }
-  html += "</div>\n";
+  html += paragraphs("headline", report.findings.headline) + paragraphs("answer", report.findings.answer);
   html += "<p>One frame from the first view, warped to the camera turned by each angle, against the volume marched for that camera. Errors are of "
           "whole pictures, means over the angles (FLIP: 0 equal, 1 as different as can be); holes count as they are shown. <em>ms a frame</em> is "
           "decoding, building and drawing in the slowest view: what a picture costs at the client if every frame is new. Work that several share is "
@@ -265,24 +298,24 @@ std::string htmlOf(const SweepReport& report) {
           " after one that warmed up and does not count; the spread is between quartiles.</p>\n";
 
   html += "<h2>At equal time, at equal error</h2>\n" + findingsTables(report.findings);
+  constexpr const char* kShared = " Points at one place are one mark with their number.";
   html += "<h2>Error against time</h2>\n" +
           figure(svgOf(errorAgainst(report, "ms a frame", true, [](const Summary& summary) { return summary.frameMs; })),
                  "Each point is a configuration; point at it for its name. Rings: the front, which nothing beats in both; the reference needs the volume "
-                 "and is not on it.");
+                 "and is not on it." + std::string(kShared));
   html += "<h2>Error against angle</h2>\n" +
           figure(svgOf(errorAgainstAngle(report)), "Dashed: the paper's method, that of 2012, and what marching itself is off by: the ground truth against "
                                                    "one of half its step.");
   html += "<h2>Error against bytes</h2>\n" +
           figure(svgOf(errorAgainst(report, "bytes a frame", false, [](const Summary& summary) { return static_cast<double>(summary.bytes); })),
                  "On the wire; for hold its picture alone, as viewers that stream images send it. Its times are those of a whole frame, with depths.");
-  const bool hasLinks = std::any_of(report.rows.begin(), report.rows.end(), [](const SweepRow& row) { return !row.link.empty(); });
-  if (hasLinks)
-    html += "<h2>Behind a link</h2>\n" +
+  if (!report.links.empty())
+    html += "<h2>Behind a link</h2>\n" + linksList(report.links) +
             figure(svgOf(errorBehindLinks(report)),
                    "The camera turns at " + format("%g", report.head.at("plan").at("speedDegPerS").get<double>()) +
                        " degrees a second; frames come through a simulated link in virtual time, with what the server and the client take as measured. "
-                       "Errors are against what should be on show at that instant, so that slow drawing counts as well; means over " +
-                       std::to_string(report.head.at("plan").at("instants").get<int>()) + " instants.");
+                       "Errors are against what should be on show at that instant, so that slow drawing counts as well; means over the instants that were looked at: " +
+                       std::to_string(report.head.at("plan").at("instants").get<int>()) + ".");
   html += "<h2>Pictures</h2>\n<p class=\"dim\">Beneath each picture its FLIP for each pixel, twice as bright: black is equal.</p>\n" + stripsTable(report);
   html += "<h2>All rows</h2>\n<p class=\"dim\">A click on a heading sorts.</p>\n" + rowsTable(report.rows);
   html += "<script>" + std::string(kScript) + "</script>\n</body></html>\n";

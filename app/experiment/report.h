@@ -24,6 +24,7 @@ struct SweepReport {
   std::vector<SweepFloor> floors;
   std::vector<Summary> summaries;
   Findings findings;
+  std::vector<SweepLink> links;  ///< of the plan
   std::vector<PictureStrip> strips;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "app/picture/plot_axis.h"
 
@@ -13,6 +14,8 @@ namespace {
 
 constexpr double kPlotWidth = 506, kHeight = 420, kLeft = 64, kTop = 14, kBottom = 46;
 constexpr double kEnlarged = 1.26, kLeastLegend = 190, kLegendIndent = 28, kLetter = 6.6;  // of 12 px type, on average
+constexpr double kRadius = 3.6, kSharedRadius = 4.8;
+constexpr double kHidden = 2.0;  // points that are nearer to each other cannot be told apart
 
 std::string numbered(double value) {
   char text[32];
@@ -27,6 +30,48 @@ std::string textAt(double x, double y, const char* anchor, const std::string& te
 std::string lineFromTo(double x1, double y1, double x2, double y2, const char* kind) {
   return "<line class=\"" + std::string(kind) + "\" x1=\"" + numbered(x1) + "\" y1=\"" + numbered(y1) + "\" x2=\"" + numbered(x2) + "\" y2=\"" +
          numbered(y2) + "\"/>\n";
+}
+
+/// Points that stand at one place, in the order in which they came.
+struct Mark {
+  double x = 0.0, y = 0.0;
+  std::vector<std::string> colors;  ///< each once
+  std::string title;
+  size_t count = 0;
+  bool isEmphasized = false;
+};
+
+/// Adds a point to the mark that it would hide, if there is one.
+void add(const PlotPoint& point, const std::string& color, double x, double y, std::vector<Mark>& marks) {
+  auto mark = std::find_if(marks.begin(), marks.end(), [&](const Mark& other) { return std::hypot(other.x - x, other.y - y) < kHidden; });
+  if (mark == marks.end()) mark = marks.insert(marks.end(), {x, y, {}, "", 0, false});
+  if (std::find(mark->colors.begin(), mark->colors.end(), color) == mark->colors.end()) mark->colors.push_back(color);
+  mark->title += (mark->title.empty() ? "" : "\n\n") + point.title;
+  mark->isEmphasized |= point.isEmphasized;
+  ++mark->count;
+}
+
+/// A disc in as many equal sectors as there are colours, the first one's from the top.
+std::string disc(const Mark& mark, double radius) {
+  if (mark.colors.size() == 1)
+    return "<circle cx=\"" + numbered(mark.x) + "\" cy=\"" + numbered(mark.y) + "\" r=\"" + numbered(radius) + "\" fill=\"" + escaped(mark.colors[0]) + "\"/>";
+  std::string sectors;
+  const auto placeAt = [&](size_t i) {
+    const double turn = 2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(mark.colors.size());
+    return numbered(mark.x + radius * std::sin(turn)) + " " + numbered(mark.y - radius * std::cos(turn));
+  };
+  for (size_t i = 0; i < mark.colors.size(); ++i)
+    sectors += "<path fill=\"" + escaped(mark.colors[i]) + "\" d=\"M" + numbered(mark.x) + " " + numbered(mark.y) + "L" + placeAt(i) + "A" + numbered(radius) + " " +
+               numbered(radius) + " 0 0 1 " + placeAt(i + 1) + "Z\"/>";
+  return sectors;
+}
+
+std::string drawn(const Mark& mark) {
+  std::string svg;
+  if (mark.isEmphasized) svg += "<circle class=\"ring\" cx=\"" + numbered(mark.x) + "\" cy=\"" + numbered(mark.y) + "\" r=\"7.5\"/>\n";
+  svg += "<g class=\"mark\"><title>" + escaped(mark.title) + "</title>" + disc(mark, mark.count > 1 ? kSharedRadius : kRadius);
+  if (mark.count > 1) svg += textAt(mark.x + 7.0, mark.y - 5.0, "start", std::to_string(mark.count), " class=\"count\" font-size=\"9\"");
+  return svg + "</g>\n";
 }
 
 }  // namespace
@@ -77,6 +122,7 @@ std::string svgOf(const Plot& plot) {
   svg += textAt(14, middle, "middle", plot.y.label, " transform=\"rotate(-90 14 " + numbered(middle) + ")\"");
 
   double legend = kTop + 8;
+  std::vector<Mark> marks;
   for (const PlotSeries& series : plot.series) {
     const std::string color = escaped(series.color);
     if (series.isLine && series.points.size() > 1) {
@@ -84,17 +130,14 @@ std::string svgOf(const Plot& plot) {
       for (const PlotPoint& point : series.points) svg += numbered(x.place(point.x)) + "," + numbered(y.place(point.y)) + " ";
       svg += "\"/>\n";
     }
-    for (const PlotPoint& point : series.points) {
-      if (std::isnan(point.x) || std::isnan(point.y)) continue;
-      const std::string at = "cx=\"" + numbered(x.place(point.x)) + "\" cy=\"" + numbered(y.place(point.y)) + "\"";
-      if (point.isEmphasized) svg += "<circle class=\"ring\" " + at + " r=\"7.5\"/>\n";
-      svg += "<circle " + at + " r=\"3.6\" fill=\"" + color + "\"><title>" + escaped(point.title) + "</title></circle>\n";
-    }
+    for (const PlotPoint& point : series.points)
+      if (!std::isnan(point.x) && !std::isnan(point.y)) add(point, series.color, x.place(point.x), y.place(point.y), marks);
     if (series.name.empty()) continue;
     svg += "<circle cx=\"" + numbered(right + 18) + "\" cy=\"" + numbered(legend - 4) + "\" r=\"4.5\" fill=\"" + color + "\"/>\n";
     svg += textAt(right + kLegendIndent, legend, "start", series.name);
     legend += 17;
   }
+  for (const Mark& mark : marks) svg += drawn(mark);  // on all lines
   return svg + "</svg>\n";
 }
 

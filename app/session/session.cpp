@@ -50,6 +50,7 @@ void Session::useTechnique(size_t panel, const WarpDescriptor& technique) {
   if (panels_[panel].technique == &technique) return;
   panels_[panel].technique = &technique;
   panels_[panel].errorsAreCurrent = false;
+  stopTiming();
   warpWorkers_[panel]->cancel();  // its picture would not be shown long
   jobs_[panel] = {};
 }
@@ -75,7 +76,7 @@ bool Session::update(TimePoint now) {
   bool happened = takeScene();
   if (!loaded_ || panelSizePx_.x == 0 || panelSizePx_.y == 0) return happened;
   if (!placeCamera()) return true;
-  if (std::exchange(liveFrontSize_, pictureSize()) != pictureSize()) liveFront_.clear();
+  liveFront_.setPictureSize(pictureSize());
   happened |= takeFrame();
   happened |= ask(now);
   happened |= takeReference();
@@ -86,6 +87,8 @@ bool Session::update(TimePoint now) {
     if (panels_[i].isAutomatic) chooseTechnique(i);
     happened |= postJob(i);
   }
+  if (happened) quietSince_ = now;
+  timePictures(now);
   forgetOldRequests();
   return happened;
 }
@@ -121,6 +124,9 @@ bool Session::takeScene() {
   drawnIds_ = {};
   judged_ = {};
   liveFront_.clear();
+  timing_.reset();
+  timed_ = {};
+  isDrawing_ = {};
   for (size_t i = 0; i < kPanelCount; ++i) {
     jobs_[i] = {};
     Panel fresh;
@@ -173,11 +179,15 @@ bool Session::takeFrame() {
 bool Session::takePicture(size_t index) {
   std::optional<WarpResult> result = warpWorkers_[index]->tryTake();
   if (!result || result->job.marcher != loaded_->display) return false;
+  if (result->job.timedAs) {
+    takeTime(index, *result);
+    return true;
+  }
+  if (result->job == jobs_[index]) isDrawing_[index] = false;
   Panel& panel = panels_[index];
   drawnIds_[index] = result->requestId();
   panel.error = std::move(result->error);
   if (!result->picture) return true;
-  const bool isNew = panel.picture != result->picture;
   panel.picture = result->picture;
   panel.drawn = result->job.technique;
   panel.requestId = result->requestId();
@@ -189,9 +199,6 @@ bool Session::takePicture(size_t index) {
   panel.drawMs = result->drawMs;
   panel.displayMs = millisecondsBetween(result->finishedAt, std::chrono::steady_clock::now());
   panel.configuration = configurationOf(result->job);
-  const bool hasSize = glm::uvec2(panel.picture.width(), panel.picture.height()) == pictureSize();
-  if (isNew && result->isDrawn && panel.configuration && hasSize)
-    liveFront_.addPicture(*panel.configuration, panel.latency.decodeMs + panel.buildMs, panel.drawMs);
   judge(index, std::move(*result));
   return true;
 }
@@ -233,7 +240,9 @@ bool Session::postJob(size_t index) {
   job.background = loaded_->scene.background;
   job.uncovered = knobs_.uncovered;
   if (job == jobs_[index]) return false;
+  stopTiming();
   jobs_[index] = job;
+  isDrawing_[index] = true;
   warpWorkers_[index]->post(std::move(job));
   return true;
 }

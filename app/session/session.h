@@ -123,7 +123,7 @@ class Session {
   const View& view() const { return view_; }
   const Knobs& knobs() const { return knobs_; }
   const Panel& panel(size_t index) const { return panels_[index]; }
-  /// Accuracy against time of what was on show since the scene was opened or the pictures' size changed last.
+  /// Accuracy against time of what was on show since the scene was opened. Pictures are timed when everything has come to rest, one panel after the other.
   const LiveFront& liveFront() const { return liveFront_; }
   /// True where the ground truth is marched all the time, because the marcher is fast enough. Elsewhere it is when the
   /// camera rests.
@@ -186,6 +186,14 @@ class Session {
   void useTechnique(size_t index, const WarpDescriptor& technique);
   /// For a panel that chooses by itself.
   void chooseTechnique(size_t index);
+  /// True if nothing is under way, and what is on show is what was wanted and is judged: what is timed now is timed alone.
+  bool isAtRest() const;
+  bool isJudged(const Panel& panel, const JudgeJob& job) const;
+  /// After a while of quiet lets a panel time its picture, if it has not yet; the other waits.
+  void timePictures(TimePoint now);
+  /// Takes what a panel found.
+  void takeTime(size_t index, const WarpResult& result);
+  void stopTiming();
   /// Hands a picture to the panel's judge.
   void judge(size_t index, WarpResult drawn);
   /// Whether these errors may be shown for what the panel shows now.
@@ -239,12 +247,15 @@ class Session {
     Camera camera;
     double budgetMs = 0.0;
     std::shared_ptr<const AutoChoice> front;
-    uint64_t liveErrors = 0;
+    uint64_t liveFront = 0;  ///< LiveFront::version()
     bool operator==(const ChoiceInput&) const = default;
   };
   std::array<ChoiceInput, kPanelCount> choiceInputs_;
-  glm::uvec2 liveFrontSize_{0};  // of the pictures that it is about
-  std::array<WarpJob, kPanelCount> jobs_;  // last posted
+  std::array<WarpJob, kPanelCount> jobs_;        // last posted
+  std::array<bool, kPanelCount> isDrawing_{};  // that job is not answered yet
+  TimePoint quietSince_{};                       // when something happened last
+  std::optional<size_t> timing_;                 // the panel that times its picture
+  std::array<ShownPicture, kPanelCount> timed_;  // that each panel timed last
 
   // Last: their threads call onNews_.
   std::vector<std::future<void>> retired_;  // scenes that end

@@ -1,5 +1,5 @@
 // The part of a session that lets panels choose their technique by themselves.
-// See session.h and sweep/auto_choice.h.
+// See session.h and experiment/auto_choice.h.
 #include "app/session/session.h"
 
 namespace warpscope {
@@ -10,16 +10,17 @@ constexpr std::string_view kUnmeasured = "splats";
 /// How many times the error of the best a panel's technique may have and stay.
 constexpr double kWorthChanging = 1.1;
 
-/// What was on show, as rows of a sweep.
+/// What was on show at this size, as rows of a sweep. Whoever chooses takes each angle by itself: all points count, whether they are ranked or not.
 std::vector<SweepRow> rowsOf(const LiveFront& live) {
   std::vector<SweepRow> rows;
   for (const LiveFront::Point& point : live.points())
     for (const LiveFront::Bucket& bucket : point.buckets) {
+      if (point.standing == LiveFront::Standing::otherSize) continue;
       SweepRow& row = rows.emplace_back();
       row.configuration = point.configuration;
       row.angleDeg = bucket.fromDeg + 0.5 * LiveFront::kBucketDeg;
       row.errors.flip = bucket.flip;
-      row.draw.medianMs = point.frameMs;
+      row.draw.medianMs = bucket.frameMs;
     }
   return rows;
 }
@@ -39,7 +40,7 @@ void Session::chooseTechnique(size_t index) {
   if (!frame_) return;
   Panel& panel = panels_[index];
   const Camera camera = cameraOfSize(pictureSize());
-  ChoiceInput input{frame_, camera, knobs_.budgetMs, front_, front_ ? 0 : liveFront_.errorCount()};
+  ChoiceInput input{frame_, camera, knobs_.budgetMs, front_, front_ ? 0 : liveFront_.version()};
   if (input == choiceInputs_[index]) return;
   choiceInputs_[index] = std::move(input);
   const AutoChoice live(front_ ? std::vector<SweepRow>() : rowsOf(liveFront_));

@@ -7,10 +7,14 @@
 
 #include "app/picture/picture.h"
 #include "app/shell/log.h"
+#include "render/base/error.h"
 #include "render/base/stopwatch.h"
 
 namespace warpscope {
 namespace {
+
+/// Of a picture on show: some tenths of a second without a GPU.
+constexpr int kTimedRuns = 5;
 
 /// One technique at work, on the worker's thread.
 class Easel {
@@ -27,6 +31,7 @@ class Easel {
 
   void paint(const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
     result.job = job;
+    if (job.timedAs) return time(job, result, stop);
     try {
       prepare(job, stop);
       draw(job, stop);
@@ -45,6 +50,21 @@ class Easel {
   }
 
  private:
+  /// Does again what the last picture took, nothing of which is shown.
+  void time(const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
+    const bool isLast = warp_ && job.technique == last_.technique && job.frame == last_.frame && job.camera == last_.camera && job.settings == last_.settings;
+    if (!isLast) return;
+    try {
+      result.timed = measurePicture(Measuring::inWholeRuns(kTimedRuns, stop), {*warp_, job.settings, job.background}, codec_, *job.timedAs, job.frame,
+                                    job.camera);
+    } catch (const OperationCancelled&) {
+      throw;  // between two runs: the technique is whole
+    } catch (...) {
+      warp_.reset();
+      throw;
+    }
+  }
+
   void prepare(const WarpJob& job, const std::stop_token& stop) {
     const bool isOtherWarp = !warp_ || job.technique != last_.technique || job.marcher != last_.marcher;
     if (isOtherWarp) {
@@ -107,6 +127,7 @@ class Easel {
   ShownPicture picture_;
   double buildMs_ = 0.0;
   double drawMs_ = 0.0;
+  FrameCodec codec_;
 };
 
 void marchReference(const ReferenceJob& job, ReferenceResult& result, const std::stop_token& stop) {

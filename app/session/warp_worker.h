@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "app/experiment/measuring.h"
 #include "app/picture/shown_picture.h"
 #include "render/base/newest_worker.h"
 #include "render/core/color.h"
@@ -54,6 +55,9 @@ struct WarpJob {
   Rgba8 uncovered = 0;         ///< colour of pixels that no sample covers; 0: the background
   /// What the picture is to be judged against; null while there is none. Of the same size, but its camera may be an earlier one.
   std::shared_ptr<const ReferenceImage> reference;
+  /// Not to be drawn for the screen but to be timed, as the picture that is on show already; the frame came in that coding. Cancelling it costs nothing: the
+  /// technique stays as it is.
+  std::optional<CodecSettings> timedAs;
 
   bool operator==(const WarpJob&) const = default;
 };
@@ -68,6 +72,7 @@ struct WarpResult {
   /// What to judge: the frame as the reference's camera sees it. Null without a reference, and where that one's camera is an earlier one that was
   /// drawn already.
   std::shared_ptr<const WarpedImage> judged;
+  std::optional<MeasuredPicture> timed;  ///< of a job that was to be timed; nothing if its picture was not the last that was drawn
   std::string error;
 
   uint64_t requestId() const { return job.frame ? job.frame->requestId : 0; }

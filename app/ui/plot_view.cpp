@@ -36,11 +36,31 @@ std::string describe(const Configuration& configuration) {
   return text;
 }
 
-std::string describe(const LiveFront::Point& point) {
+std::string angleCount(size_t count) { return std::to_string(count) + (count == 1 ? " angle" : " angles"); }
+
+/// Where a point stands among the others, and why.
+std::string standingOf(const LiveFront::Point& point, const std::vector<double>& rankedDeg) {
+  switch (point.standing) {
+    case LiveFront::Standing::ranked: return "Mean of " + angleCount(rankedDeg.size()) + ", which all that are compared have in common.";
+    case LiveFront::Standing::otherSize:
+      return "Not compared: measured on pictures of " + std::to_string(point.pictureSize.x) + " x " + std::to_string(point.pictureSize.y) +
+             " pixels.\nIt is again where pictures have that size.";
+    case LiveFront::Standing::otherAngles: break;
+  }
+  if (rankedDeg.empty()) return "Not compared: no two were seen at the same angle yet.";
+  std::string missing;
+  for (const double fromDeg : rankedDeg)
+    if (std::none_of(point.buckets.begin(), point.buckets.end(), [&](const LiveFront::Bucket& bucket) { return bucket.fromDeg == fromDeg; }))
+      missing += (missing.empty() ? "" : ", ") + formatted("%g°", fromDeg, 0.0);
+  return "Not compared: the others were seen at " + missing + " as well.\nIt is once it has rested there too: freeze (F), turn, wait.";
+}
+
+std::string describe(const LiveFront::Point& point, const std::vector<double>& rankedDeg) {
   std::string text = describe(point.configuration) + "\n" + figures(point.frameMs, point.flip);
   for (const LiveFront::Bucket& bucket : point.buckets)
-    text += formatted("\n  FLIP %.4f at %g", bucket.flip, bucket.fromDeg) + formatted("° to %g°", bucket.fromDeg + LiveFront::kBucketDeg, 0.0);
-  return text;
+    text += formatted("\n  FLIP %.4f at %g", bucket.flip, bucket.fromDeg) + formatted("° to %g°", bucket.fromDeg + LiveFront::kBucketDeg, 0.0) + ", " +
+            durationText(bucket.frameMs);
+  return text + "\n" + standingOf(point, rankedDeg);
 }
 
 }  // namespace
@@ -78,7 +98,8 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
   };
   const LiveFront& live = session.liveFront();
   for (const LiveFront::Point& point : live.points()) {
-    add(point.configuration, point.frameMs, point.flip, describe(point));
+    add(point.configuration, point.frameMs, point.flip, describe(point, live.rankedAnglesDeg()));
+    shown.points.back().isDim = point.standing != LiveFront::Standing::ranked;
     for (size_t i = 0; i < kPanelCount; ++i)
       if (session.panel(i).configuration == point.configuration) shown.points.back().isMarked = true;
   }
@@ -101,9 +122,10 @@ void PlotView::drawHeader(const Look& look) {
   ImGui::PushStyleColor(ImGuiCol_Header, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
   isUnfolded_ = ImGui::CollapsingHeader("Error against time");
   ImGui::PopStyleColor();
-  tooltip("One point for each combination of technique and knobs that was on show and judged: milliseconds to decode, build and draw, and mean "
-          "FLIP over the angles at which it was seen. Rings: nothing is faster and better. White rims: on show now. Drop a sweep.json onto the "
-          "window for hollow points. Forgotten with another scene or another size of the pictures.",
+  tooltip("One point for each combination of technique and knobs that was on show while the view rested: milliseconds to decode, build and draw, and "
+          "FLIP. Points are compared at the angles between frame and view that they have in common: mean FLIP, and the slowest view. Faint: not compared, "
+          "because it was not seen at these angles or at this size of the pictures. Rings: nothing is faster and better. White rims: on show now. Drop a "
+          "sweep.json onto the window for hollow points. Forgotten with another scene.",
           look);
   std::string note = error_;
   if (note.empty() && sweep_) note = "hollow: " + sweep_->name + (sweep_->scene.empty() ? "" : " of " + sweep_->scene);
@@ -138,7 +160,9 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
     ImGui::SameLine(0.0f, look.px(8.0f));
     ImGui::BeginChild("front", {listWidth, room.y}, false);
     ImGui::PushFont(look.fonts.small);
-    ImGui::TextColored(kDimText, "Nothing beats these in time and error:");
+    const size_t angles = session.liveFront().rankedAnglesDeg().size();
+    const std::string where = angles == 0 ? "" : ", at " + angleCount(angles);
+    ImGui::TextColored(kDimText, "Nothing beats these in time and error%s:", where.c_str());
     for (const size_t i : shown.front) {
       const ScatterPoint& point = shown.points[i];
       ImGui::PushID(static_cast<int>(i));

@@ -12,6 +12,7 @@ namespace warpscope::ui {
 namespace {
 
 constexpr float kRadiusPx = 4.0f, kRingPx = 7.5f, kReachPx = 12.0f;  // at scale 1
+constexpr ImU32 kFaint = 80;  // of 255
 const ImVec4 kGrid{0.17f, 0.19f, 0.215f, 1.0f};
 
 /// The plot's frame: inside of it are points, left and beneath of it ticks and labels.
@@ -60,11 +61,12 @@ void drawTicks(ImDrawList& list, const AxisScale& x, const AxisScale& y, const F
 void drawPoint(ImDrawList& list, const ScatterPoint& point, const ImVec2& at, bool isHovered, const ScatterLook& look) {
   const float radius = (isHovered ? 1.3f : 1.0f) * kRadiusPx * look.scale, line = 1.4f * look.scale;
   if (point.isOnFront) list.AddCircle(at, kRingPx * look.scale, ImGui::GetColorU32(ImGuiCol_Text, 0.75f), 0, 1.2f * look.scale);
+  const ImU32 color = point.isDim ? (point.color & ~IM_COL32_A_MASK) | kFaint << IM_COL32_A_SHIFT : point.color;
   if (point.isHollow) {
-    list.AddCircle(at, radius, point.color, 0, line);
+    list.AddCircle(at, radius, color, 0, line);
     return;
   }
-  list.AddCircleFilled(at, radius, point.color);
+  list.AddCircleFilled(at, radius, color);
   if (point.isMarked) list.AddCircle(at, radius, IM_COL32_WHITE, 0, line);
 }
 
@@ -116,9 +118,10 @@ ScatterAnswer drawScatterPlot(const char* id, std::span<const ScatterPoint> poin
   if (isPressed) answer.clicked = answer.hovered;
 
   list.PushClipRect({frame.from.x - kRingPx * look.scale, frame.from.y}, {frame.to.x, frame.to.y + kRingPx * look.scale}, true);
-  for (const bool isMarked : {false, true})  // those on top
+  const auto layerOf = [](const ScatterPoint& point) { return point.isMarked ? 2 : point.isDim ? 0 : 1; };
+  for (int layer = 0; layer <= 2; ++layer)
     for (size_t i = 0; i < points.size(); ++i)
-      if (points[i].isMarked == isMarked && std::isfinite(points[i].x) && std::isfinite(points[i].y))
+      if (layerOf(points[i]) == layer && std::isfinite(points[i].x) && std::isfinite(points[i].y))
         drawPoint(list, points[i], placeOf(points[i]), answer.hovered == i, look);
   list.PopClipRect();
   if (answer.hovered) showLabel(points[*answer.hovered].label, look);

@@ -16,6 +16,7 @@ struct ScatterPoint {
   ImU32 color = 0;
   std::string label;       ///< shown while the pointer is near
   bool isHollow = false;
+  bool isDim = false;      ///< drawn faintly, beneath the others
   bool isOnFront = false;  ///< gets a ring
   bool isMarked = false;   ///< gets a white rim
 };
