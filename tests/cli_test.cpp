@@ -223,16 +223,16 @@ TEST_F(CommandLine, ShotWritesWhatTheNameSays) {
 
 /// Voxels of 1 x 1 x 100: no radius that is the same for all samples fits.
 TEST_F(CommandLine, VoxelsThatAreFarLongerThanWideAreWarnedAbout) {
-  folder_.write("long_8x8x8_uint8.raw", std::string(512, '\x7f'));
-  const auto errOf = [&](const char* spacing, const char* radius) {
-    return succeed({"shot", "long_8x8x8_uint8.raw", "--spacing", spacing, "--radius", radius, "-o", "a.png", "--size", "9x9"}).err;
+  const auto errOf = [&](const std::string& depth, const char* radius) {
+    folder_.write("long.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 8 8\nspacings: 1 1 " + depth + "\nencoding: raw\n\n" + std::string(512, '\x7f'));
+    return succeed({"shot", "long.nrrd", "--radius", radius, "-o", "a.png", "--size", "9x9"}).err;
   };
   const std::string said = "warning: the voxels' edges are 1 x 1 x 100: ";
-  EXPECT_THAT(errOf("1,1,100", "voxel"), HasSubstr(said + "spheres of half a voxel's diagonal are far larger than its short edges; --radius pixel"));
-  EXPECT_THAT(errOf("1,1,100", "constant"), HasSubstr(said + "spheres of half the shortest edge leave gaps along the long ones; --radius pixel"));
-  EXPECT_THAT(errOf("1,1,100", "opacity"), HasSubstr(said + "opaque samples' spheres, of half a voxel's diagonal"));
-  EXPECT_THAT(errOf("1,1,100", "pixel"), Not(HasSubstr("voxels' edges")));
-  EXPECT_THAT(errOf("1,1,2", "voxel"), Not(HasSubstr("voxels' edges"))) << "twice as long is not far longer";
+  EXPECT_THAT(errOf("100", "voxel"), testing::HasSubstr(said + "spheres of half a voxel's diagonal are far larger than its short edges; --radius pixel"));
+  EXPECT_THAT(errOf("100", "constant"), testing::HasSubstr(said + "spheres of half the shortest edge leave gaps along the long ones; --radius pixel"));
+  EXPECT_THAT(errOf("100", "opacity"), testing::HasSubstr(said + "opaque samples' spheres, of half a voxel's diagonal"));
+  EXPECT_THAT(errOf("100", "pixel"), testing::Not(testing::HasSubstr("voxels' edges")));
+  EXPECT_THAT(errOf("2", "voxel"), testing::Not(testing::HasSubstr("voxels' edges"))) << "twice as long is not far longer";
 }
 
 TEST_F(CommandLine, VolumesOfWhichNothingIsVisibleAreWarnedAbout) {
