@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <numeric>
 #include <optional>
@@ -150,28 +151,33 @@ void readSeed(LinkSettings& settings, std::string_view value) {
 std::string writeSeed(const LinkSettings& settings) { return settings.seed == LinkSettings().seed ? "" : std::to_string(settings.seed); }
 
 struct Key {
-  std::string_view name;
+  LinkKey text;
   void (*read)(LinkSettings&, std::string_view);
   std::string (*write)(const LinkSettings&);
   std::string_view nothing;  ///< the value that stands for `write` being empty
 };
 
 constexpr std::array<Key, 9> kKeys{{
-    {"delay", readDelay, writeDelay, "0"},
-    {"jitter", readJitter, writeJitter, "0"},
-    {"trace", readTraceKey, writeTrace, ""},
-    {"rate", readRate, writeRate, "0"},
-    {"burst", readBurst, writeBurst, "0"},
-    {"buffer", readBuffer, writeBuffer, "0"},
-    {"loss", readLoss, writeLoss, "0"},
-    {"outage", readOutage, writeOutage, "none"},
-    {"seed", readSeed, writeSeed, "1"},
+    {{"delay", "MS", "milliseconds that every byte takes one way"}, readDelay, writeDelay, "0"},
+    {{"jitter", "MS or normal:MS", "milliseconds by which the delay varies, evenly or with that standard deviation; at most the delay"},
+     readJitter, writeJitter, "0"},
+    {{"trace", "FILE", "recorded delays in milliseconds, one a line, played again and again on top of the delay"}, readTraceKey, writeTrace, ""},
+    {{"rate", "BIT/S", "bits a second that pass, with k, M or G for thousands, as 20M; 0 is unlimited"}, readRate, writeRate, "0"},
+    {{"burst", "BYTES", "bytes that may pass at once after a pause, as in a token bucket"}, readBurst, writeBurst, "0"},
+    {{"buffer", "BYTES", "bytes that wait before the rate's bottleneck; 0 is 100 ms at the rate, at least 64 KiB"}, readBuffer, writeBuffer, "0"},
+    {{"loss", "P%", "share of the segments that is lost, to 50 %; they come later, as TCP sends them again"}, readLoss, writeLoss, "0"},
+    {{"outage", "MS/MS or MS/~MS", "length of times without anything / from one's begin to the next one's, or the mean time between them"},
+     readOutage, writeOutage, "none"},
+    {{"seed", "N", "number that the dice of jitter, loss and outages begin with"}, readSeed, writeSeed, "1"},
 }};
+
+std::string_view nameOf(const LinkPreset& preset) { return preset.name; }
+std::string_view nameOf(const Key& key) { return key.text.name; }
 
 template <class Table>
 std::string namesIn(const Table& table) {
   std::string names;
-  for (const auto& entry : table) names += (names.empty() ? "" : " ") + std::string(entry.name);
+  for (const auto& entry : table) names += (names.empty() ? "" : " ") + std::string(nameOf(entry));
   return names;
 }
 
@@ -187,7 +193,7 @@ void readItem(DuplexLinkSettings& settings, std::string_view item) {
   const bool isUp = name.starts_with(kUp), isDown = name.starts_with(kDown);
   if (isUp) name.remove_prefix(kUp.size());
   if (isDown) name.remove_prefix(kDown.size());
-  const auto key = std::find_if(kKeys.begin(), kKeys.end(), [&](const Key& entry) { return entry.name == name; });
+  const auto key = std::find_if(kKeys.begin(), kKeys.end(), [&](const Key& entry) { return entry.text.name == name; });
   if (key == kKeys.end()) refuse("a link has no " + quoted(name) + "; known: " + namesIn(kKeys));
   if (!isDown) key->read(settings.up, value);
   if (isUp) return;
@@ -263,6 +269,21 @@ std::span<const LinkPreset> linkPresets() {
   return kPresets;
 }
 
+std::span<const LinkKey> linkKeys() {
+  static const auto kTexts = [] {
+    std::array<LinkKey, kKeys.size()> texts;
+    std::ranges::transform(kKeys, texts.begin(), &Key::text);
+    return texts;
+  }();
+  return kTexts;
+}
+
+std::string lossText(double loss) {
+  std::array<char, 32> text;
+  std::snprintf(text.data(), text.size(), "%.4g %%", loss * 100);
+  return text.data();
+}
+
 void requireValid(const LinkSettings& settings) {
   requireWithin(settings.delayMs, kDelayMs, "delay", " ms");
   requireWithin(settings.jitterMs, kJitterMs, "jitter", " ms");
@@ -314,7 +335,7 @@ std::string toString(const DuplexLinkSettings& settings) {
   std::string text;
   const auto add = [&](std::string_view direction, const Key& key, const std::string& value) {
     if (!text.empty()) text += ',';
-    text += std::string(direction) + std::string(key.name) + "=" + value;
+    text += std::string(direction) + std::string(key.text.name) + "=" + value;
   };
   for (const Key& key : kKeys) {
     const std::string up = key.write(settings.up), down = key.write(settings.down);

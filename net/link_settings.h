@@ -72,15 +72,26 @@ std::span<const LinkPreset> linkPresets();
 void requireValid(const LinkSettings& settings);
 void requireValid(const DuplexLinkSettings& settings);
 
+/// A key of parseLinkSettings(), for help and documents.
+struct LinkKey {
+  std::string_view name;
+  std::string_view form;  ///< of its value: "MS"
+  std::string_view help;  ///< one sentence, with its unit
+};
+
+/// All of them, in the order in which they are written.
+std::span<const LinkKey> linkKeys();
+
 /// Reads PRESET, or KEY=VALUE joined by commas, or both: "4g", "delay=100,jitter=10,rate=20M,loss=1%", "satellite,up.rate=2M".
-///   delay=MS  jitter=MS (uniform)  jitter=normal:MS  trace=FILE  rate=BIT/S  burst=BYTES  buffer=BYTES  loss=P%  seed=N
-///   outage=MS/MS (length/interval)  outage=MS/~MS (at random, the mean interval)
-/// Rates and bytes take k, M and G (powers of 1000). A key with `up.` or `down.` before it is for that direction alone. Throws
-/// LinkSettingsError.
+/// The keys are linkKeys(). Rates and bytes take k, M and G (powers of 1000). A key with `up.` or `down.` before it is for that direction
+/// alone. Throws LinkSettingsError.
 DuplexLinkSettings parseLinkSettings(std::string_view text);
 
 /// What parseLinkSettings() reads back: a preset's name, or keys and values.
 std::string toString(const DuplexLinkSettings& settings);
+
+/// As people read it, to four digits: "0.01 %".
+std::string lossText(double loss);
 
 /// One delay in milliseconds a line; empty lines and what follows a # are passed over. Throws LinkSettingsError naming file and line.
 std::shared_ptr<const DelayTrace> parseTrace(std::string_view text, const std::string& file);

@@ -119,12 +119,15 @@ TEST_F(CommandLine, ExportedSamplesLieInTheWorldsBounds) {
   const json report = document({"export", "v.nrrd", "--ply", "a.ply", "--json", "--size", "50x41"});
   const auto samples = report["samples"].get<size_t>();
   ASSERT_GT(samples, 50u);
+  ASSERT_TRUE(report["leftOut"].is_number_unsigned());
 
   const std::string bytes = folder_.read("a.ply");
   const std::string end = "end_header\n";
   const size_t body = bytes.find(end) + end.size();
   const std::string head = bytes.substr(0, body);
   EXPECT_THAT(head, testing::StartsWith("ply\nformat binary_little_endian 1.0\n"));
+  EXPECT_THAT(head, testing::HasSubstr("\ncomment axes: the axes that the volume's file states, z upwards\n"));
+  EXPECT_THAT(head, testing::HasSubstr("\ncomment units: x y z and radius are in the volume file's unit of length"));
   EXPECT_THAT(head, testing::HasSubstr("element vertex " + std::to_string(samples) + "\n"));
   size_t at = 0;
   for (const char* name : {"x", "y", "z", "radius", "red", "green", "blue", "alpha"}) {
@@ -136,6 +139,7 @@ TEST_F(CommandLine, ExportedSamplesLieInTheWorldsBounds) {
   ASSERT_EQ(bytes.size(), body + samples * kVertexBytes);
   double nearest = 1e300;
   for (size_t i = 0; i < samples; ++i) {
+    EXPECT_NE(bytes[body + (i + 1) * kVertexBytes - 1], '\0') << "opacity 0";
     double position[4];
     std::memcpy(position, bytes.data() + body + i * kVertexBytes, sizeof position);
     // Voxel x 0..19 runs along world y from -50 in steps of 3, voxel y along -x, voxel z along z; voxels reach half an edge further.

@@ -260,6 +260,11 @@ TEST_F(Refusal, WherePicturesGoIsCheckedBeforeTheWork) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
+TEST_F(Refusal, PicturesOfOtherKinds) {
+  for (const std::string file : {"a.bmp", "a.tiff", "a.jpg.txt"})
+    expectRefused({"shot", "-o", file}, kUsage, {"--out " + file + ": pictures are written as .png or .jpg, not as " + file.substr(file.rfind('.'))});
+}
+
 TEST_F(Refusal, SceneFiles) {
   const auto refuse = [&](const std::string& file, const std::vector<std::string>& reasons) { expectRefused(shot({file}), kFailure, reasons); };
   succeed({"shot", scene("right.json", ""), "-o", "right.png", "--size", "8x8"});

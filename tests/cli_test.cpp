@@ -209,6 +209,32 @@ TEST_F(CommandLine, VerboseSaysWhatIsDoneAndQuietNothing) {
 }
 
 /// A picture of nothing is a picture, but hardly what was wanted.
+TEST_F(CommandLine, ShotWritesWhatTheNameSays) {
+  const auto beginOf = [&](const std::string& file) {
+    succeed({"shot", "-o", file, "--size", "24x16", "--volume-size", "16x16x16"});
+    return folder_.read(file).substr(0, 4);
+  };
+  const std::string png = "\x89PNG", jpeg = "\xff\xd8\xff\xe0";
+  for (const char* file : {"a.png", "b.PNG", "without"}) EXPECT_EQ(beginOf(file), png) << file;
+  for (const char* file : {"a.jpg", "b.jpeg", "c.JPG"}) EXPECT_EQ(beginOf(file), jpeg) << file;
+  const std::string whole = folder_.read("a.jpg");
+  EXPECT_EQ(whole.substr(whole.size() - 2), "\xff\xd9") << "to its end";
+}
+
+/// Voxels of 1 x 1 x 100: no radius that is the same for all samples fits.
+TEST_F(CommandLine, VoxelsThatAreFarLongerThanWideAreWarnedAbout) {
+  const auto errOf = [&](const std::string& depth, const char* radius) {
+    folder_.write("long.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 8 8\nspacings: 1 1 " + depth + "\nencoding: raw\n\n" + std::string(512, '\x7f'));
+    return succeed({"shot", "long.nrrd", "--radius", radius, "-o", "a.png", "--size", "9x9"}).err;
+  };
+  const std::string said = "warning: the voxels' edges are 1 x 1 x 100: ";
+  EXPECT_THAT(errOf("100", "voxel"), testing::HasSubstr(said + "spheres of half a voxel's diagonal are far larger than its short edges; --radius pixel"));
+  EXPECT_THAT(errOf("100", "constant"), testing::HasSubstr(said + "spheres of half the shortest edge leave gaps along the long ones; --radius pixel"));
+  EXPECT_THAT(errOf("100", "opacity"), testing::HasSubstr(said + "opaque samples' spheres, of half a voxel's diagonal"));
+  EXPECT_THAT(errOf("100", "pixel"), testing::Not(testing::HasSubstr("voxels' edges")));
+  EXPECT_THAT(errOf("2", "voxel"), testing::Not(testing::HasSubstr("voxels' edges"))) << "twice as long is not far longer";
+}
+
 TEST_F(CommandLine, VolumesOfWhichNothingIsVisibleAreWarnedAbout) {
   const auto function = [&](const std::string& points) { folder_.write("tf.json", "{\"points\": [" + points + "]}"); };
   const auto point = [](const std::string& value, const std::string& alpha) {

@@ -9,6 +9,7 @@
 
 #include "app/commands/choose.h"
 #include "app/frames/scene_connection.h"
+#include "app/scene/voxel_shape.h"
 #include "app/shell/log.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
@@ -146,6 +147,7 @@ CheckedOptions check(const CommonOptions& options) {
 Scene CheckedOptions::open(const std::stop_token& stop) const {
   Scene opened = openScene(sceneSpec, overrides, stop);
   applyTo(opened);
+  if (const auto warning = radiusWarning(opened.volume->geometry(), opened.march.sample.radiusPolicy)) logWarning(*warning);
   return opened;
 }
 

@@ -1,6 +1,9 @@
 // `shot`: one picture without a window.
 // A frame from the scene's first view, warped to the camera turned about the volume's vertical axis.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -17,6 +20,8 @@
 #include "app/shell/progress.h"
 #include "render/base/error.h"
 #include "render/base/range.h"
+#include "render/codec/codec.h"
+#include "render/codec/jpeg.h"
 
 namespace warpscope {
 namespace {
@@ -32,6 +37,32 @@ struct ShotOptions {
 };
 
 constexpr std::string_view kAuto = "auto";
+
+enum class PictureFormat { png, jpeg };
+
+/// By the ending of the file's name; without one, PNG. Throws UsageError.
+PictureFormat formatOf(const std::string& file) {
+  std::string ending = std::filesystem::path(file).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  if (ending.empty() || ending == ".png") return PictureFormat::png;
+  if (ending == ".jpg" || ending == ".jpeg") return PictureFormat::jpeg;
+  throw UsageError("--out " + file + ": pictures are written as .png or .jpg, not as " + ending);
+}
+
+/// JPEG knows no transparency: it shows what a screen does.
+std::string encode(const WarpedImage& image, PictureFormat format, const CommandContext& work, const std::stop_token& stop) {
+  switch (format) {
+    case PictureFormat::png:
+      return encodePng(toPicture(image, work.uncovered), stop);
+    case PictureFormat::jpeg: {
+      const Image<Rgba8> picture = toScreen(image, work.scene.background, work.uncovered);
+      std::vector<std::byte> bytes;
+      appendJpeg(bytes, picture.data(), picture.width(), picture.height(), CodecSettings().jpegQuality);
+      return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    }
+  }
+  throw std::logic_error("a picture's format is none");
+}
 
 constexpr Range kViewAngleDegRange{-360.0, 360.0};
 
@@ -85,6 +116,7 @@ AutoChoice::Choice chooseFor(const ShotOptions& options, CommandContext& work, H
 
 void shoot(const ShotOptions& options) {
   requireRange(options.viewAngleDeg, kViewAngleDegRange, "--view-angle");
+  const PictureFormat format = formatOf(options.out);
   const bool isAutomatic = options.technique == kAuto;
   const WarpDescriptor* chosen = isAutomatic ? nullptr : &findWarp(options.technique);
   if (!isAutomatic && (options.budgetMs || !options.front.empty()))
@@ -123,7 +155,7 @@ void shoot(const ShotOptions& options) {
   if (frame) logFrame(*frame);
   logDetail("drew " + std::to_string(work.width) + "x" + std::to_string(work.height) + " pixels with " + std::string(descriptor.name));
   progress->step("the file");
-  writeFileWhole(options.out, encodePng(toPicture(image, work.uncovered), interrupt.token()), interrupt.token());
+  writeFileWhole(options.out, encode(image, format, work, interrupt.token()), interrupt.token());
   progress.reset();
 
   if (options.common.json) {
@@ -160,7 +192,7 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--view-angle", options->viewAngleDeg,
                       "Degrees that the camera turns about the vertical axis, " + rangeText(kViewAngleDegRange))
       ->capture_default_str();
-  command->add_option("-o,--out", options->out, "PNG file to write")->required();
+  command->add_option("-o,--out", options->out, "PNG or JPEG file to write, as its ending says: .png or .jpg")->required();
   command->callback([options, &chosen] { chosen = [options] { shoot(*options); }; });
 }
 

@@ -13,6 +13,15 @@ namespace {
 
 constexpr Range kDelayMsRange{0.0, 10000.0};
 
+/// What --link takes, from the tables that it is read by.
+std::string linkHelp() {
+  std::string keys;
+  for (const net::LinkKey& key : net::linkKeys())
+    keys += (keys.empty() ? "" : "; ") + std::string(key.name) + "=" + std::string(key.form) + ": " + std::string(key.help);
+  return "Link to simulate: " + listOf(net::linkPresets()) + "; or KEY=VALUE joined by commas; or a name and then those. With up. or down. before a key " +
+         "it is for one direction. " + keys;
+}
+
 }  // namespace
 
 void addTransportOptions(CLI::App& command, TransportOptions& options) {
@@ -20,9 +29,7 @@ void addTransportOptions(CLI::App& command, TransportOptions& options) {
   const auto add = [&](const std::string& name, auto& value, const std::string& description) {
     return command.add_option(name, value, description)->each([&options, name](const std::string&) { options.given = name; });
   };
-  add("--link", options.link,
-      "Link to simulate: " + listOf(net::linkPresets()) +
-          ", or delay=MS,jitter=MS,rate=BIT/S,loss=P%,outage=MS/MS,seed=N; with up. or down. before a key for one direction");
+  add("--link", options.link, linkHelp());
   add("--delay-ms", options.delayMs, "Round trip to the server in milliseconds, in place of --link");
   for (const auto& row : transportKnobs()) options.knobs.add(command, *row.knob, textOf(*row.knob, row.get(options.otherwise)));
 }

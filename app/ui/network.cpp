@@ -35,6 +35,13 @@ LinkKnobs knobsOf(const net::DuplexLinkSettings& link) {
 /// Bits a second, to a tenth of a Mbit; 0 is unlimited.
 double rateOf(float mbit) { return mbit < kLeastMbit ? 0.0 : std::round(mbit * 10.0f) / 10.0 * kMbit; }
 
+/// A share, to two digits of the percentage: no more than a slider can be set to.
+double lossOf(float percent) {
+  if (!(percent > 0.0f)) return 0.0;
+  const double unit = std::pow(10.0, std::floor(std::log10(percent)) - 1.0);
+  return std::round(percent / unit) * unit / 100.0;
+}
+
 /// `link` with what was edited; everything else of it stays.
 void apply(const LinkKnobs& before, const LinkKnobs& edited, net::DuplexLinkSettings& link) {
   for (net::LinkSettings* way : {&link.up, &link.down}) {
@@ -43,7 +50,7 @@ void apply(const LinkKnobs& before, const LinkKnobs& edited, net::DuplexLinkSett
       way->jitterMs = edited.jitterMs;
       way->jitter = edited.jitterMs > 0.0f ? net::Jitter::uniform : net::Jitter::none;
     }
-    if (edited.lossPercent != before.lossPercent) way->loss = edited.lossPercent / 100.0;
+    if (edited.lossPercent != before.lossPercent) way->loss = lossOf(edited.lossPercent);
   }
   if (edited.downMbit != before.downMbit) link.down.rateBitPerS = rateOf(edited.downMbit);
   if (edited.upMbit != before.upMbit) link.up.rateBitPerS = rateOf(edited.upMbit);
@@ -79,7 +86,9 @@ void drawLink(net::DuplexLinkSettings& link, const Look& look) {
   nextHalf();
   bareSlider("up", edited.upMbit, rateTrack(edited.upMbit, "↑ %.1f", "↑ any"),
              "How much passes from here to the server, in Mbit/s. All the way to the left: unlimited.", look);
-  slider("Loss", edited.lossPercent, {0.0f, 20.0f, "%.1f %%"}, "Segments that are lost and sent again, as TCP does.", look);
+  // As text, not as a format: its digits are those of the value. A slider without digits of its own begins at 0.001 %.
+  const std::string loss = net::lossText(link.down.loss) + "%";
+  slider("Loss", edited.lossPercent, {0.0f, 20.0f, loss.c_str(), true}, "Segments that are lost and sent again, as TCP does.", look);
   if (edited != before) apply(before, edited, link);
 }
 

@@ -25,6 +25,36 @@ std::string complaintOf(const Action& action) {
   return "";
 }
 
+/// The file that explains links to people says what the program says.
+TEST(LinkSettings, EveryKeyIsExplainedAndInTheReadme) {
+  std::ifstream file(WARPSCOPE_SOURCES "/net/README.md");
+  const std::string readme(std::istreambuf_iterator<char>(file), {});
+  ASSERT_FALSE(linkKeys().empty());
+  size_t at = 0;
+  for (const LinkKey& key : linkKeys()) {
+    SCOPED_TRACE(key.name);
+    EXPECT_FALSE(key.form.empty());
+    const std::string row = "| `" + std::string(key.name) + "` | " + std::string(key.form) + " | " + std::string(key.help) + " |\n";
+    const size_t found = readme.find(row, at);
+    ASSERT_NE(found, std::string::npos) << "net/README.md lacks, or has in another order: " << row;
+    at = found + row.size();
+  }
+  EXPECT_EQ(readme.compare(at, 1, "\n"), 0) << "net/README.md has more keys than there are";
+  // And those that are read are those that are explained.
+  const std::string known = complaintOf([] { parseLinkSettings("nonsense=1"); });
+  std::string names;
+  for (const LinkKey& key : linkKeys()) names += " " + std::string(key.name);
+  EXPECT_THAT(known, testing::EndsWith("; known:" + names));
+}
+
+TEST(LinkSettings, LossIsWrittenAsItIs) {
+  EXPECT_EQ(lossText(0.0), "0 %");
+  EXPECT_EQ(lossText(0.0001), "0.01 %");
+  EXPECT_EQ(lossText(0.00002), "0.002 %");
+  EXPECT_EQ(lossText(0.01234), "1.234 %");
+  EXPECT_EQ(lossText(0.5), "50 %");
+}
+
 TEST(LinkSettings, PresetsAreValidAndReadByName) {
   std::set<std::string_view> names;
   for (const LinkPreset& preset : linkPresets()) {
