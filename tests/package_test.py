@@ -36,6 +36,9 @@ def check_installation(prefix, version):
     # Nothing of the machine's settings: what is found, is found by what was installed.
     said = run(program, "--version", cwd="/", env={"PATH": "/usr/bin:/bin"})
     assert said.strip() == version, f"--version says {said.strip()!r}, not {version}"
+    dynamic = run("readelf", "--dynamic", program)
+    paths = re.findall(r"Library r(?:un)?path: \[(.*)\]", dynamic)
+    assert all(path.startswith("$ORIGIN/") for path in paths), f"the program looks for libraries in {paths}"
     return program
 
 

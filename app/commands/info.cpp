@@ -10,6 +10,7 @@
 #include "app/scene/json_document.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
+#include "render/core/instruction_set.h"
 #include "render/cuda/devices.h"
 #include "render/cuda/gl_interop.h"
 #include "render/march/marcher_registry.h"
@@ -65,6 +66,8 @@ Json describe() {
   return {{"version", WARPSCOPE_VERSION},
           {"backends", backends},
           {"cores", std::thread::hardware_concurrency()},
+          {"instructionSet", instructionSet()},
+          {"floatsInVector", floatsInVector()},
           {"openGl", {{"egl", describeGl(gl::Platform::egl)}, {"osmesa", describeGl(gl::Platform::osmesa)}}},
           {"cuda", describeCuda()},
           {"techniques", namesOf(warpRegistry())},
@@ -108,6 +111,7 @@ void inform(const CommonOptions& options) {
   std::cout << "warpscope " << WARPSCOPE_VERSION << '\n';
   printLine("backends", info["backends"]);
   printLine("cores", info["cores"]);
+  std::cout << "instruction set: " << instructionSet() << ", vectors of " << floatsInVector() << " floats\n";
   printGl("EGL", info["openGl"]["egl"]);
   printGl("OSMesa", info["openGl"]["osmesa"]);
   printLine("CUDA", info["cuda"].contains("unavailable") ? info["cuda"]["unavailable"] : info["cuda"]["devices"]);

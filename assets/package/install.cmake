@@ -1,9 +1,23 @@
 # What `cmake --install` puts where: the program, its man page, what the desktop knows of it, its documents. GNU's installation directories.
-# Nothing of it is read at run time but the program itself: scenes, shaders and fonts are compiled in.
+# Nothing of it is read at run time but the program itself, and in a portable build its library: scenes, shaders and fonts are compiled in.
 include(GNUInstallDirs)
 set(WARPSCOPE_PACKAGE_DIR ${CMAKE_CURRENT_LIST_DIR})
 
 install(TARGETS warpscope RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(WARPSCOPE_LEVELS)
+  # The program finds its library from where it is itself, so that the whole may be moved; the loader looks in glibc-hwcaps/ by itself. For
+  # libraries in lib/warpscope/ CPack would have ldconfig run, which is for public ones.
+  set(libraries ${CMAKE_INSTALL_LIBDIR}/warpscope/render)
+  file(RELATIVE_PATH librariesFromProgram /${CMAKE_INSTALL_BINDIR} /${libraries})
+  set_target_properties(warpscope PROPERTIES INSTALL_RPATH "$ORIGIN/${librariesFromProgram}")
+  install(TARGETS warpscope_render LIBRARY DESTINATION ${libraries})
+  if(WARPSCOPE_HAS_CUDA)
+    install(TARGETS warpscope_cuda LIBRARY DESTINATION ${libraries})
+  endif()
+  foreach(level IN LISTS WARPSCOPE_LEVELS)
+    install(TARGETS warpscope_render_${level} LIBRARY DESTINATION ${libraries}/glibc-hwcaps/${level})
+  endforeach()
+endif()
 install(FILES ${WARPSCOPE_PACKAGE_DIR}/warpscope.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
 install(FILES ${WARPSCOPE_PACKAGE_DIR}/warpscope.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps)
 install(FILES ${WARPSCOPE_PACKAGE_DIR}/copyright ${CMAKE_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
