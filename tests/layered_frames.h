@@ -43,8 +43,7 @@ inline SampleFrame marchLayers(Marcher& marcher, const Camera& camera, MarchSett
     for (const SampleFrame& front : fronts)
       along.emplace_back(glm::dot(front.sphere(ray).center - camera.eye, camera.forward), front.samples.at(ray));
     std::ranges::sort(along);
-    const auto repeated = std::ranges::unique(along);
-    along.erase(repeated.begin(), repeated.end());
+    along.erase(std::unique(along.begin(), along.end()), along.end());
     const Rgba8 color = fronts.front().colors[ray];
     const float clear = std::pow(1.0f - static_cast<float>(color >> 24) / 255.0f, 1.0f / static_cast<float>(along.size()));
     for (size_t k = 0; k < along.size(); ++k) {

@@ -67,6 +67,9 @@ struct ColorDifferences {
   uint8_t* green;
   uint8_t* red;
   uint8_t* blue;
+
+  /// Those of the k-th sample and all that follow.
+  ColorDifferences from(size_t k) const { return {green + k, red + k, blue + k}; }
 };
 
 /// Of the samples [begin, end), predicted from `neighborsOf(i)`; `slots` are all samples' colours, one place on.
@@ -172,9 +175,9 @@ void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, 
   blue_.resize(count - first);
   const size_t strays = std::max(first, layout.size());
   const Neighbors* const neighbors = layout.neighbors.data();
-  const auto differencesFrom = [&](size_t i) { return ColorDifferences{green_.data() + i - first, red_.data() + i - first, blue_.data() + i - first}; };
-  putColors(slots_.data(), first, strays, [neighbors](size_t i) { return neighbors[i]; }, differencesFrom(first));
-  putColors(slots_.data(), strays, count, [first](size_t i) { return strayNeighbors(i, first); }, differencesFrom(strays));
+  const ColorDifferences differences{green_.data(), red_.data(), blue_.data()};
+  putColors(slots_.data(), first, strays, [neighbors](size_t i) { return neighbors[i]; }, differences);
+  putColors(slots_.data(), strays, count, [first](size_t i) { return strayNeighbors(i, first); }, differences.from(strays - first));
   appendSection(out, green_);
   appendSection(out, red_);
   appendSection(out, blue_);
@@ -208,9 +211,9 @@ DecodeError ColorPlanes::take(ByteReader& reader, const BandLayout& layout, uint
   if (!takeSection(reader, green_) || !takeSection(reader, red_) || !takeSection(reader, blue_)) return "the colours are damaged";
   const size_t strays = std::max(first, layout.size());
   const Neighbors* const neighbors = layout.neighbors.data();
-  const auto differencesFrom = [&](size_t i) { return ColorDifferences{green_.data() + i - first, red_.data() + i - first, blue_.data() + i - first}; };
-  takeColors(differencesFrom(first), first, strays, [neighbors](size_t i) { return neighbors[i]; }, slots_.data());
-  takeColors(differencesFrom(strays), strays, count, [first](size_t i) { return strayNeighbors(i, first); }, slots_.data());
+  const ColorDifferences differences{green_.data(), red_.data(), blue_.data()};
+  takeColors(differences, first, strays, [neighbors](size_t i) { return neighbors[i]; }, slots_.data());
+  takeColors(differences.from(strays - first), strays, count, [first](size_t i) { return strayNeighbors(i, first); }, slots_.data());
   std::copy(slots_.begin() + 1, slots_.end(), colors.begin());
   return std::nullopt;
 }
