@@ -24,7 +24,7 @@ struct Measuring {
   std::stop_token betweenRuns;  ///< looked at before each run: what is measured is never left half way
   std::stop_token withinRuns;   ///< handed to marching and warping, which may then end half way
 
-  Measuring(int runs, const std::stop_token& stop) : runs(runs), betweenRuns(stop), withinRuns(stop) {}
+  Measuring(int runCount, const std::stop_token& stop) : runs(runCount), betweenRuns(stop), withinRuns(stop) {}
   /// Whatever is measured stays usable when `stop` ends it.
   static Measuring inWholeRuns(int runs, const std::stop_token& stop) {
     Measuring measuring(runs, stop);

@@ -66,11 +66,11 @@ struct KnobAxis {
 
 struct Knob {
   std::string_view key;      ///< in JSON, CSV, scene files and on the wire: "pointSize"
-  std::string_view option;   ///< on the command line: "--point-size"; empty: none
-  std::string_view label;    ///< beside its widget: "Points"; empty: it has none
+  std::string_view option{}; ///< on the command line: "--point-size"; empty: none
+  std::string_view label{};  ///< beside its widget: "Points"; empty: it has none
   std::string_view noun;     ///< in sentences: "point size"
   std::string_view help;     ///< one sentence without its full stop: what it does; where that is from
-  std::string_view unit;     ///< behind a value: " px"; with its blank, if there is to be one
+  std::string_view unit{};   ///< behind a value: " px"; with its blank, if there is to be one
   KnobType type = KnobType::number;
   KnobOwner owner = KnobOwner::technique;
   KnobStage stale = KnobStage::draw;
@@ -81,7 +81,7 @@ struct Knob {
   double defaultValue = 0.0;
   std::span<const KnobChoice> choices{};
   KnobAxis axis{};
-  std::string_view phrase;   ///< in a configuration's name, the value for {}: " of {} px"; empty: names leave it out
+  std::string_view phrase{}; ///< in a configuration's name, the value for {}: " of {} px"; empty: names leave it out
   KnobNaming naming = KnobNaming::always;
 };
 

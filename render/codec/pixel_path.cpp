@@ -179,12 +179,12 @@ void PixelPaths::place(std::span<const int32_t> places, std::span<PackedSample> 
     }
   };
   if (isHalf)
-    placeAll([](const RayLattice& lattice, int place, int last) {
-      const int first = glm::clamp(place >> 1, 0, last), second = glm::clamp(first + (place & 1), 0, last);
+    placeAll([](const RayLattice& lattice, int halves, int last) {
+      const int first = glm::clamp(halves >> 1, 0, last), second = glm::clamp(first + (halves & 1), 0, last);
       return 0.5f * (latticeDepth(lattice, first) + latticeDepth(lattice, second));
     });
   else
-    placeAll([](const RayLattice& lattice, int place, int last) { return latticeDepth(lattice, glm::clamp(place, 0, last)); });
+    placeAll([](const RayLattice& lattice, int i, int last) { return latticeDepth(lattice, glm::clamp(i, 0, last)); });
 }
 
 }  // namespace warpscope

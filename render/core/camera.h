@@ -26,13 +26,13 @@ struct Camera {
 static_assert(std::is_trivially_copyable_v<Camera>);
 
 /// Edge of a pixel on the image plane at distance 1 from the eye.
-WARPSCOPE_HD inline float pixelEdge(const Camera& camera) { return 2.0f * camera.tanHalfFovY / camera.height; }
+WARPSCOPE_HD inline float pixelEdge(const Camera& camera) { return 2.0f * camera.tanHalfFovY / static_cast<float>(camera.height); }
 
 /// The ray through the image point `pixel` (pixel centres at +0.5). Its direction has unit length.
 WARPSCOPE_HD inline Ray pixelRay(const Camera& camera, const glm::vec2& pixel) {
   const float edge = pixelEdge(camera);
-  const float x = (pixel.x - 0.5f * camera.width) * edge;
-  const float y = (0.5f * camera.height - pixel.y) * edge;
+  const float x = (pixel.x - 0.5f * static_cast<float>(camera.width)) * edge;
+  const float y = (0.5f * static_cast<float>(camera.height) - pixel.y) * edge;
   return {camera.eye, glm::normalize(camera.forward + x * camera.right + y * camera.up)};
 }
 
@@ -47,8 +47,8 @@ WARPSCOPE_HD inline Projection project(const Camera& camera, const glm::vec3& po
   const glm::vec3 offset = point - camera.eye;
   const float depth = glm::dot(offset, camera.forward);
   const float scale = 1.0f / (depth * pixelEdge(camera));
-  return {{0.5f * camera.width + glm::dot(offset, camera.right) * scale,
-           0.5f * camera.height - glm::dot(offset, camera.up) * scale},
+  return {{0.5f * static_cast<float>(camera.width) + glm::dot(offset, camera.right) * scale,
+           0.5f * static_cast<float>(camera.height) - glm::dot(offset, camera.up) * scale},
           depth};
 }
 
@@ -56,7 +56,7 @@ WARPSCOPE_HD inline Projection project(const Camera& camera, const glm::vec3& po
 /// infinity ("reverse Z": with a float depth buffer the resolution is relative to depth). Agrees with project().
 WARPSCOPE_HD inline glm::mat4 clipFromVolume(const Camera& camera, float nearDepth) {
   const float scaleY = 1.0f / camera.tanHalfFovY;
-  const float scaleX = scaleY * camera.height / camera.width;
+  const float scaleX = scaleY * static_cast<float>(camera.height) / static_cast<float>(camera.width);
   const glm::vec4 x(scaleX * camera.right, -scaleX * glm::dot(camera.right, camera.eye));
   const glm::vec4 y(scaleY * camera.up, -scaleY * glm::dot(camera.up, camera.eye));
   const glm::vec4 w(camera.forward, -glm::dot(camera.forward, camera.eye));

@@ -133,8 +133,8 @@ class CpuMarcher final : public Marcher {
           Source source(view, ray, path.lattice);
           RayColor color;
           counting.clear();
-          marchRay(path, 0, path.lattice.count, source, light, limits, color, [&](const CountingSample& sample) {
-            counting.push_back(sample);
+          marchRay(path, 0, path.lattice.count, source, light, limits, color, [&](const CountingSample& met) {
+            counting.push_back(met);
             return true;
           });
           const glm::vec4 premultiplied = color.premultiplied();

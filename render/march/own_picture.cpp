@@ -19,7 +19,7 @@ Image<uint32_t> ownPicture(const SampleFrame& frame) {
     const Projection farthest = end - first == 1 ? nearest : project(camera, frame.sphere(end - 1).center);
     if (!(nearest.forwardDepth > 0.0f) || !(farthest.forwardDepth > 0.0f)) continue;
     if (!(farthest.pixel.x >= 0.0f) || !(farthest.pixel.y >= 0.0f)) continue;
-    if (farthest.pixel.x >= camera.width || farthest.pixel.y >= camera.height) continue;
+    if (farthest.pixel.x >= static_cast<float>(camera.width) || farthest.pixel.y >= static_cast<float>(camera.height)) continue;
     const auto x = static_cast<uint32_t>(farthest.pixel.x), y = static_cast<uint32_t>(farthest.pixel.y);
     if (!(nearest.forwardDepth < depths(x, y))) continue;
     depths(x, y) = nearest.forwardDepth;

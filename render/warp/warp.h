@@ -94,7 +94,7 @@ struct WarpDescriptor {
   std::string_view summary;  ///< one line for help texts
   bool usesFrame = true;     ///< false for the reference, which needs no samples
   bool runsOnCuda = false;   ///< its maker has an own way for the backend cuda
-  SampleUse uses;
+  SampleUse uses{};
   std::span<const Knob* const> knobs{};  ///< its own
   std::unique_ptr<Warp> (*make)(const WarpResources&) = nullptr;
 

@@ -114,7 +114,7 @@ void EmbreeTracer::trace(const Camera& camera, Image<uint32_t>& ids, Image<float
       const uint32_t x = x0 + i % kPacketWidth;
       const uint32_t y = y0 + i / kPacketWidth;
       valid[i] = x < x1 && y < y1 ? -1 : 0;
-      const Ray ray = pixelRay(camera, {x + 0.5f, y + 0.5f});
+      const Ray ray = pixelRay(camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
       packet.ray.org_x[i] = ray.origin.x;
       packet.ray.org_y[i] = ray.origin.y;
       packet.ray.org_z[i] = ray.origin.z;

@@ -35,8 +35,8 @@ inline FloatPack laneNumbers() {
 /// Directions of pixelRay through the image points (pixelX, pixelY).
 inline Vec3Pack pixelDirections(const Camera& camera, FloatPack pixelX, FloatPack pixelY) {
   const float edge = pixelEdge(camera);
-  const FloatPack x = (pixelX - 0.5f * camera.width) * edge;
-  const FloatPack y = (0.5f * camera.height - pixelY) * edge;
+  const FloatPack x = (pixelX - 0.5f * static_cast<float>(camera.width)) * edge;
+  const FloatPack y = (0.5f * static_cast<float>(camera.height) - pixelY) * edge;
   const Vec3Pack v{camera.forward.x + x * camera.right.x + y * camera.up.x,
                    camera.forward.y + x * camera.right.y + y * camera.up.y,
                    camera.forward.z + x * camera.right.z + y * camera.up.z};

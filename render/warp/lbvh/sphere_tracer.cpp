@@ -27,7 +27,7 @@ void BruteForceTracer::trace(const Camera& camera, Image<uint32_t>& ids, Image<f
   parallelForTiles(camera.width, camera.height, 8, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
     for (uint32_t y = y0; y < y1; ++y) {
       for (uint32_t x = x0; x < x1; ++x) {
-        const Ray ray = pixelRay(camera, {x + 0.5f, y + 0.5f});
+        const Ray ray = pixelRay(camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
         float nearest = kNoHit;
         for (uint32_t id = 0; id < spheres_.size(); ++id) {
           const float t = intersectSphere(ray, spheres_[id].center, spheres_[id].radius);
