@@ -26,7 +26,7 @@ class SessionChoiceTest : public SessionTest {
     return std::make_shared<const AutoChoice>(rows);
   }
   void freeze() {
-    Knobs knobs = session_.knobs();
+    LiveSettings knobs = session_.knobs();
     knobs.isFrozen = true;
     session_.setKnobs(knobs);
   }
@@ -48,7 +48,7 @@ TEST_F(SessionChoiceTest, TakesWhatIsBestAtThisAngleWithinTheBudget) {
   ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn->name == "spheres"; }));
   EXPECT_THAT(session_.panel(0).choiceText, testing::HasSubstr("within 33 ms"));
 
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   knobs.budgetMs = 10.0;
   session_.setKnobs(knobs);
   ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn->name == "splats"; }));
@@ -69,7 +69,7 @@ TEST_F(SessionChoiceTest, WithoutASweepItIsWhatWasOnShow) {
       if (point.configuration.technique->name == technique) return point.flip;
     return 1.0;
   };
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   knobs.budgetMs = 10000.0;
   session_.setKnobs(knobs);
   ASSERT_TRUE(settle());
@@ -79,7 +79,7 @@ TEST_F(SessionChoiceTest, WithoutASweepItIsWhatWasOnShow) {
 
 TEST_F(SessionChoiceTest, WhatWasNotMeasuredIsSaid) {
   ASSERT_TRUE(open("block"));
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   knobs.march.sample.heuristic = Heuristic::exit;
   session_.setKnobs(knobs);
   session_.setTechnique(0, findWarp("points"));

@@ -34,7 +34,7 @@ Redrawn redrawn(const Session& session, size_t panel) {
 }
 
 void freeze(Session& session) {
-  Knobs knobs = session.knobs();
+  LiveSettings knobs = session.knobs();
   knobs.isFrozen = true;
   session.setKnobs(knobs);
 }
@@ -205,7 +205,7 @@ TEST_F(SessionErrorsTest, TheFrontHasAPointForEachConfigurationThatWasSeen) {
   EXPECT_EQ(front.rankedAnglesDeg().size(), 1u);
   EXPECT_EQ(front.rankedAnglesDeg().front(), 22.5);
 
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   knobs.isFrozen = false;
   knobs.march.sample.radiusPolicy = RadiusPolicy::constant;
   session_.setKnobs(knobs);
@@ -262,7 +262,7 @@ TEST_F(SessionErrorsTest, PicturesAreTimedWhenNothingElseIsAtWork) {
 
 /// What moves is not timed, and what is being timed gives way at once.
 TEST_F(SessionErrorsTest, AMovingCameraIsNotHeldUpByTiming) {
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   knobs.serverSidePx = 320;
   session_.setKnobs(knobs);
   session_.setPanelSize({320, 320});  // so that timing takes a while

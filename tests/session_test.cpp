@@ -56,7 +56,7 @@ TEST_F(SessionTest, AFrozenFrameStaysAndAges) {
   ASSERT_TRUE(open("block"));
   const SampleFramePtr frame = session_.frame();
   const double holesAtHome = session_.panel(1).errors->holeFraction;
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   knobs.isFrozen = true;
   session_.setKnobs(knobs);
   View view = session_.view();
@@ -82,7 +82,7 @@ TEST_F(SessionTest, AFrozenFrameStaysAndAges) {
 
 TEST_F(SessionTest, ComingBackToTheFramesCameraMakesItCurrentAgain) {
   ASSERT_TRUE(open("block"));
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   knobs.isFrozen = true;
   session_.setKnobs(knobs);
   const View home = session_.view();
@@ -121,7 +121,7 @@ TEST_F(SessionTest, TechniquesChangeOnePanel) {
 
 TEST_F(SessionTest, UncoveredPixelsGetTheirColor) {
   ASSERT_TRUE(open("block"));
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   knobs.uncovered = 0xffff00ffu;
   session_.setKnobs(knobs);
   ASSERT_TRUE(pumpUntil([&] { return (*session_.panel(1).picture.host)(0, 0) == 0xffff00ffu; }));
@@ -130,7 +130,7 @@ TEST_F(SessionTest, UncoveredPixelsGetTheirColor) {
 TEST_F(SessionTest, AnotherSceneReplacesEverything) {
   ASSERT_TRUE(open("block"));
   const uint64_t before = session_.frame()->requestId;
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   knobs.march.sample.heuristic = Heuristic::exit;
   session_.setKnobs(knobs);
   session_.load(builtin("shells"));
@@ -199,7 +199,7 @@ TEST_F(SessionTest, AStormOfSizesEndsWithTheLastOne) {
 
 TEST_F(SessionTest, TheStagesOfAFrameAreKnownWhereItIsShown) {
   ASSERT_TRUE(open("shells"));
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   knobs.transport.link.up.delayMs = 30.0;
   knobs.transport.link.down.delayMs = 30.0;
   session_.setKnobs(knobs);
@@ -232,7 +232,7 @@ TEST_F(SessionTest, ASceneThatCannotBeOpenedIsASentence) {
 
 TEST_F(SessionTest, AServerThatFailsIsASentenceAndRecovers) {
   ASSERT_TRUE(open("block"));
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   const float step = knobs.march.render.step;
   knobs.march.render.step = 0.0f;
   session_.setKnobs(knobs);
@@ -313,7 +313,7 @@ TEST_F(SessionTest, LargePanelsDrawCoarserPixelsUnlessToldOtherwise) {
   EXPECT_EQ(session_.screenPixels(), 1u);
   session_.setPanelSize({1900, 2000});
   EXPECT_GT(session_.screenPixels(), 1u);
-  Knobs knobs = session_.knobs();
+  LiveSettings knobs = session_.knobs();
   knobs.screenPixels = 1;
   session_.setKnobs(knobs);
   EXPECT_EQ(session_.pictureSize(), glm::uvec2(1900, 2000));

@@ -22,8 +22,8 @@
 
 namespace warpscope {
 
-/// What the user can turn.
-struct Knobs {
+/// What the user can turn while the window is open.
+struct LiveSettings {
   MarchSettings march;
   WarpSettings warp;               ///< its `reference` is not used: the reference follows `march`
   uint32_t serverSidePx = 512;     ///< longer side of the server's image
@@ -33,7 +33,7 @@ struct Knobs {
   Rgba8 uncovered = 0;             ///< 0: the scene's background
   double budgetMs = kDefaultBudgetMs;  ///< of a picture, for panels that choose by themselves
 
-  bool operator==(const Knobs&) const = default;
+  bool operator==(const LiveSettings&) const = default;
 };
 
 inline constexpr size_t kPanelCount = 2;
@@ -72,7 +72,7 @@ inline constexpr std::chrono::seconds kLiveErrors(1);
 struct SessionSettings {
   std::array<const WarpDescriptor*, kPanelCount> techniques{};
   std::array<bool, kPanelCount> isAutomatic{};  ///< which panels choose by themselves
-  Knobs knobs;  ///< `march` is replaced by each scene's
+  LiveSettings knobs;  ///< `march` is replaced by each scene's
   gl::Platform platform = gl::Platform::automatic;
   WarpResources resources;  ///< backend and onFallback; the rest is the session's
   JudgeMaker makeJudge = warpscope::makeJudge;
@@ -91,7 +91,7 @@ class Session {
   /// Gives up opening; the scene on show stays.
   void cancelLoad();
   void setView(const View& view) { view_ = view; }
-  void setKnobs(const Knobs& knobs) { knobs_ = knobs; }
+  void setKnobs(const LiveSettings& knobs) { knobs_ = knobs; }
   /// The panel does not choose by itself any more.
   void setTechnique(size_t panel, const WarpDescriptor& technique);
   /// Lets the panel choose: of a sweep that was handed over, or of what was on show so far. What the server does stays as the knobs say.
@@ -121,7 +121,7 @@ class Session {
   /// Why the last scene, view, frame or ground truth could not be had; empty if it could.
   const std::string& error() const;
   const View& view() const { return view_; }
-  const Knobs& knobs() const { return knobs_; }
+  const LiveSettings& knobs() const { return knobs_; }
   const Panel& panel(size_t index) const { return panels_[index]; }
   /// Accuracy against time of what was on show since the scene was opened. Pictures are timed when everything has come to rest, one panel after the other.
   const LiveFront& liveFront() const { return liveFront_; }
@@ -211,7 +211,7 @@ class Session {
   std::string loading_, loadError_, viewError_, serverError_, referenceError_;
   View view_, usableView_;
   Camera camera_;  // of the panels' pictures
-  Knobs knobs_;
+  LiveSettings knobs_;
   glm::uvec2 panelSizePx_{0};
   std::array<Panel, kPanelCount> panels_;
 

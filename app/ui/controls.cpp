@@ -14,7 +14,7 @@ namespace {
 constexpr std::array<uint32_t, 8> kServerSidesPx{128, 256, 384, 512, 768, 1024, 1536, 2048};
 constexpr uint32_t kMaxScreenPixels = 4;
 
-void drawServer(Session& session, Knobs& knobs, const Look& look) {
+void drawServer(Session& session, LiveSettings& knobs, const Look& look) {
   heading("SERVER", look);
   for (const MarchKnob& row : marchKnobs())
     if (row.matters(knobs.march)) knobWidget(row, knobs.march, look);
@@ -39,7 +39,7 @@ void drawServer(Session& session, Knobs& knobs, const Look& look) {
   tooltip("Ask the server for nothing more: its last frame stays, and can be looked at from elsewhere. Key F.", look);
 }
 
-void drawDisplay(const Session& session, Knobs& knobs, std::array<float, 3>& markColor, const Look& look) {
+void drawDisplay(const Session& session, LiveSettings& knobs, std::array<float, 3>& markColor, const Look& look) {
   heading("DISPLAY", look);
   for (const Knob* knob : warpKnobs()) {
     double value = knobs.warp.knobs[*knob];
@@ -97,7 +97,7 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(7.0f), look.px(3.0f)});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(4.0f)});
   drawScene(session, openScene, look);
-  Knobs knobs = session.knobs();
+  LiveSettings knobs = session.knobs();
   if (knobs.uncovered != 0)
     for (size_t i = 0; i < 3; ++i) markColor_[i] = static_cast<float>(knobs.uncovered >> (8 * i) & 255) / 255.0f;
   drawServer(session, knobs, look);

@@ -94,7 +94,7 @@ void drawLink(net::DuplexLinkSettings& link, const Look& look) {
 
 }  // namespace
 
-void drawNetwork(Session& session, Knobs& knobs, const Look& look) {
+void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
   heading("NETWORK", look);
   TransportSettings& transport = knobs.transport;
   drawLink(transport.link, look);

@@ -51,7 +51,7 @@ void drawTimeline(const Panel& panel, const Look& look);
 inline constexpr float kTimelinePx = 7.0f;  ///< its height at scale 1
 
 /// The part of the column of knobs that is about the network.
-void drawNetwork(Session& session, Knobs& knobs, const Look& look);
+void drawNetwork(Session& session, LiveSettings& knobs, const Look& look);
 
 /// What to say about a connection that does not stand; empty if it does.
 std::string connectionTrouble(const Session& session, const Look& look);

@@ -135,7 +135,7 @@ bool handleKeys(Window& window, Session& session, std::optional<size_t> panel) {
     if (key.isControl) continue;
     if (key.character == 'r') session.resetView();
     if (key.character == 'f') {
-      Knobs knobs = session.knobs();
+      LiveSettings knobs = session.knobs();
       knobs.isFrozen = !knobs.isFrozen;
       session.setKnobs(knobs);
     }

@@ -55,7 +55,7 @@ void drawHeatMapButton(Session& session, size_t index, const Look& look) {
 void drawBudget(Session& session, const Look& look) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(std::min(look.px(110.0f), std::max(look.px(30.0f), ImGui::GetContentRegionAvail().x)));
-  Knobs knobs = session.knobs();
+  LiveSettings knobs = session.knobs();
   float budgetMs = static_cast<float>(knobs.budgetMs);
   bareSlider("budget", budgetMs, {1.0f, 1000.0f, "%.0f ms", true}, "Budget: milliseconds that a new frame's picture may take (decoding, building, drawing).", look);
   if (budgetMs == static_cast<float>(knobs.budgetMs)) return;
