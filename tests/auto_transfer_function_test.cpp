@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "render/core/color.h"
 #include "render/volume/procedural.h"
 #include "test_volumes.h"
 
@@ -14,6 +16,15 @@ namespace warpscope {
 namespace {
 
 constexpr double kMax = std::numeric_limits<double>::max();
+
+/// Of linear RGB, as Rec. 709 weighs it.
+float luminance(const glm::vec3& color) { return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
+
+/// How far a colour is from grey: the spread of its channels as sRGB. Red, or any other colour that reads as a finding, has 0.5 and more.
+float chroma(const glm::vec3& color) {
+  const glm::vec3 srgb(srgbFromLinear(color.r), srgbFromLinear(color.g), srgbFromLinear(color.b));
+  return std::max({srgb.r, srgb.g, srgb.b}) - std::min({srgb.r, srgb.g, srgb.b});
+}
 
 void expectValid(const TransferFunction& function, const std::string& label) {
   ASSERT_FALSE(function.points.empty()) << label;
@@ -23,9 +34,11 @@ void expectValid(const TransferFunction& function, const std::string& label) {
     ASSERT_GE(point.alpha, 0.0f) << label;
     ASSERT_LE(point.alpha, 1.0f) << label;
     for (int c = 0; c < 3; ++c) ASSERT_TRUE(point.color[c] >= 0.0f && point.color[c] <= 1.0f) << label;
+    ASSERT_LT(chroma(point.color), 0.16f) << label;
     if (i > 0) {
       ASSERT_GE(point.value, function.points[i - 1].value) << label;
       ASSERT_GE(point.alpha, function.points[i - 1].alpha) << label;
+      ASSERT_GE(luminance(point.color), luminance(function.points[i - 1].color)) << label;
     }
   }
 }
@@ -68,6 +81,18 @@ TEST(AutoTransferFunction, TwoMaterialsAreToldApart) {
   for (int value = 0; value <= 30; ++value) EXPECT_EQ(function.at(value).a, 0.0f) << value;
   EXPECT_GT(function.at(140.0).a, 0.1f);
   EXPECT_GT(function.at(165.0).a, function.at(120.0).a);
+}
+
+TEST(AutoTransferFunction, TheRarestValuesAreTheLightest) {
+  VoxelStatistics statistics;
+  statistics.rangeUpper = 255.0;
+  statistics.histogram.fill(1000);
+  const TransferFunction function = autoTransferFunction(statistics);
+  for (size_t i = 2; i < function.points.size(); ++i) {  // the first two are one colour: where opacity begins, and where it has risen
+    EXPECT_GT(luminance(function.points[i].color), luminance(function.points[i - 1].color)) << i;
+    EXPECT_GT(function.points[i].alpha, function.points[i - 1].alpha) << i;
+  }
+  EXPECT_GT(luminance(function.at(255.0)), 0.8f);
 }
 
 TEST(AutoTransferFunction, VolumesOfOneValueAreFaintlyVisible) {

@@ -63,9 +63,10 @@ TransferFunction autoTransferFunction(const VoxelStatistics& statistics) {
     glm::vec3 color;
     float alpha;
   };
-  const Stop stops[] = {{0.10, srgb(0.72f, 0.44f, 0.30f), 0.06f}, {0.40, srgb(0.88f, 0.68f, 0.46f), 0.25f},
-                        {0.75, srgb(0.90f, 0.86f, 0.76f), 0.60f}, {0.95, srgb(0.94f, 0.94f, 0.94f), 0.80f},
-                        {0.995, srgb(0.85f, 0.25f, 0.16f), 0.95f}};
+  // Neutral, and lighter with every stop: a hue of its own at either end would read as a finding.
+  const Stop stops[] = {{0.10, srgb(0.31f, 0.37f, 0.45f), 0.06f}, {0.40, srgb(0.55f, 0.59f, 0.62f), 0.25f},
+                        {0.75, srgb(0.78f, 0.76f, 0.70f), 0.60f}, {0.95, srgb(0.91f, 0.88f, 0.80f), 0.80f},
+                        {0.995, srgb(0.98f, 0.96f, 0.91f), 0.95f}};
   TransferFunction function;
   // A blend of the ends, because the extent of a double volume may overflow.
   const auto valueAt = [&](double bin) { return std::lerp(lower, statistics.rangeUpper, bin / 256.0); };

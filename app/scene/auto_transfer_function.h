@@ -7,7 +7,8 @@
 
 namespace warpscope {
 
-/// Never empty. What lies below Otsu's threshold is transparent; above it opacity rises with the value's rank, from warm to light.
+/// Never empty. What lies below Otsu's threshold is transparent; above it opacity and lightness rise with the value's rank, from blue-grey to
+/// ivory.
 TransferFunction autoTransferFunction(const VoxelStatistics& statistics);
 
 }  // namespace warpscope
