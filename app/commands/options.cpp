@@ -111,9 +111,11 @@ void requireValues(CLI::App& command) {
 CheckedOptions check(const CommonOptions& options) {
   CheckedOptions checked;
   checked.sceneSpec = options.scene.value_or(std::string(kDefaultScene));
-  const std::vector<uint32_t> size = parseSize("--size", options.size, 2, kMaxImageSide);
-  checked.width = size[0];
-  checked.height = size[1];
+  if (!options.size.empty()) {
+    const std::vector<uint32_t> size = parseSize("--size", options.size, 2, kMaxImageSide);
+    checked.width = size[0];
+    checked.height = size[1];
+  }
   checked.uncovered = parseColor(options.uncovered);
   checked.platform = choose("OpenGL platform", options.gl, kPlatforms);
   checked.backend = choose("backend", options.backend, kBackends);

@@ -24,7 +24,7 @@ struct CommonOptions {
   std::string volume, transferFunction, volumeSize;
   KnobOptions knobs;  ///< of marching and of techniques
   std::string backend = "auto", gl = "auto";
-  std::string size = "1024x1024";
+  std::string size = "1024x1024";  ///< empty: none is asked for
   std::string uncovered;
   std::optional<double> fovYDeg;
   std::optional<uint32_t> seed;
@@ -50,7 +50,7 @@ struct CheckedOptions {
   SceneOverrides overrides;
   GivenKnobs given;
   WarpSettings warp;
-  uint32_t width = 0;
+  uint32_t width = 0;   ///< of the pictures, 0 where no size is asked for
   uint32_t height = 0;
   Rgba8 uncovered = 0;
   gl::Platform platform = gl::Platform::automatic;

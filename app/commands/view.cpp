@@ -16,6 +16,8 @@ namespace warpscope {
 namespace {
 
 struct ViewOptions {
+  ViewOptions() { common.size.clear(); }  // the window's, which goes by the screen unless it is given
+
   CommonOptions common;
   std::string left = "points", right = "spheres";
   TransportOptions transport;
@@ -59,6 +61,7 @@ void view(const ViewOptions& options) {
   settings.resources.backend = checked.backend;
   settings.resources.onFallback = reportFallback;
   WindowSettings window;
+  if (checked.width > 0) window.size = {checked.width, checked.height};
   window.uiScale = options.uiScale;
   window.screenshot = options.screenshot;
   window.screenshotAfterMs = options.screenshotAfterMs;
@@ -122,6 +125,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<ViewOptions>();
   CLI::App* command = program.add_subcommand("view", "The window: two techniques side by side, live");
   addCommonOptions(*command, options->common);
+  command->get_option("--size")->description("WxH of the window, in screen coordinates; default: 1280x800 times the screen's scale, or less on a small screen")->default_str("");
   std::string names;
   for (const WarpDescriptor& warp : warpRegistry()) names += (names.empty() ? "" : " ") + std::string(warp.name);
   names += ", or auto: what was measured to be best";

@@ -33,6 +33,7 @@ struct Look {
   float pixelsPerUnit = 1.0f;
   Session::TimePoint now;
   Hover* hover = nullptr;
+  bool isDoubleClicked = false;  ///< by the left button, since the last picture
 
   float px(float atScale1) const { return atScale1 * scale; }
 };

@@ -190,7 +190,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
       displayRate.clear();
     if (!settings.report.empty()) report.add(session, now, isMoving);
     mainView.draw(session, isMoving ? displayRate.perSecond(now) : 0.0,
-                  {window.fonts(), window.scale(), window.pixelsPerUnit(), now, &hover});
+                  {window.fonts(), window.scale(), window.pixelsPerUnit(), now, &hover, window.takeDoubleClick()});
     const bool goesOn = handleKeys(window, session, mainView.panelUnderPointer());
     if (const std::optional<std::string> file = window.takeDroppedFile()) mainView.open(*file, session);
     const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);
@@ -205,7 +205,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
 
 bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
                const std::stop_token& stop) {
-  ui::Window window("warpscope", settings.uiScale);
+  ui::Window window("warpscope", settings.uiScale, settings.size);
   std::unique_ptr<Session> session = makeSession([] { ui::Window::wake(); });
   WindowReport report;
   const Image<Rgba8> photograph = ui::runLoop({window, *session, openScene, clock, settings, report}, stop);

@@ -21,6 +21,7 @@ class NoDisplay : public InputError {
 };
 
 struct WindowSettings {
+  std::optional<glm::uvec2> size;    ///< in screen coordinates; default: 1280x800 times the scale, as far as the screen has room for it
   double uiScale = 0.0;              ///< size of everything, 1: that of a usual screen; 0: as the screen says
   std::filesystem::path screenshot;  ///< if not empty: a PNG of the window is written here, then the window closes
   double screenshotAfterMs = 3000.0;
@@ -33,7 +34,8 @@ using SessionMaker = std::function<std::unique_ptr<Session>(std::function<void()
 /// Opens a scene that the user has chosen.
 using SceneOpener = std::function<LoadJob(const std::string& spec)>;
 
-/// Opens the window and returns when it is closed or `stop` is set. Throws NoDisplay before anything was done, InputError if the
+/// Opens the window and returns when it is closed or `stop` is set. Throws NoDisplay before anything was done, UsageError for a size that is less
+/// than the window's parts need or more than the screens have, InputError if the
 /// screenshot or the report cannot be written or nothing can be shown on it. False if the session did not end in time (see Session::close); the session then lives on.
 bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
                const std::stop_token& stop);

@@ -90,7 +90,7 @@ void drawHeatMapLegend(const Panel& panel, const ImVec2& origin, const ImVec2& a
 }
 
 /// Lets the pointer move the camera. The item drawn last is the picture's area.
-void steer(Session& session, const ImVec2& area) {
+void steer(Session& session, const ImVec2& area, const Look& look) {
   const Scene* scene = session.scene();
   if (scene == nullptr) return;
   const ImGuiIO& io = ImGui::GetIO();
@@ -104,7 +104,7 @@ void steer(Session& session, const ImVec2& area) {
   }
   if (ImGui::IsItemHovered()) {
     if (io.MouseWheel != 0.0f) view = zoomed(view, io.MouseWheel);
-    if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) view = scene->views.front();
+    if (look.isDoubleClicked) view = scene->views.front();
   }
   session.setView(view);
 }
@@ -153,7 +153,7 @@ bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, cons
   const ImVec2 end{origin.x + area.x, origin.y + area.y};
   ImGui::InvisibleButton("picture", area,
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle);
-  steer(session, area);
+  steer(session, area, look);
 
   const Panel& panel = session.panel(index);
   ImDrawList* list = ImGui::GetWindowDrawList();

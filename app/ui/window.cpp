@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/ui/run_window.h"
+#include "render/base/error.h"
 
 namespace warpscope::ui {
 namespace {
@@ -20,6 +22,8 @@ constexpr int kWidth = 1280, kHeight = 800;           // at scale 1
 constexpr int kLeastWidth = 640, kLeastHeight = 420;  // at scale 1
 constexpr int kUsualRefreshHz = 60;
 constexpr double kIdlePeriodS = 0.5;  // ages go on counting
+/// What is told of sooner than this after asking for events had waited to be asked for.
+constexpr std::chrono::milliseconds kAtOnce(5);
 
 std::string lastGlfwError() {
   const char* text = nullptr;
@@ -34,6 +38,33 @@ int refreshHz() {
   GLFWmonitor* monitor = glfwGetPrimaryMonitor();
   const GLFWvidmode* mode = monitor != nullptr ? glfwGetVideoMode(monitor) : nullptr;
   return mode != nullptr && mode->refreshRate >= 20 ? mode->refreshRate : kUsualRefreshHz;
+}
+
+std::string sizeText(const glm::ivec2& size) { return std::to_string(size.x) + "x" + std::to_string(size.y); }
+
+/// What all screens cover together, in screen coordinates; (0, 0) where none is known.
+glm::ivec2 screensSize() {
+  int count = 0;
+  GLFWmonitor** const monitors = glfwGetMonitors(&count);
+  glm::ivec2 lower(std::numeric_limits<int>::max()), upper(std::numeric_limits<int>::lowest());
+  for (int i = 0; i < count; ++i) {
+    const GLFWvidmode* mode = glfwGetVideoMode(monitors[i]);
+    if (mode == nullptr) continue;
+    glm::ivec2 corner(0);
+    glfwGetMonitorPos(monitors[i], &corner.x, &corner.y);
+    lower = glm::min(lower, corner);
+    upper = glm::max(upper, corner + glm::ivec2(mode->width, mode->height));
+  }
+  return lower.x < upper.x ? upper - lower : glm::ivec2(0);
+}
+
+/// Throws UsageError for a window in which its parts have no room, or whose pixels no screen has: what they hold is undefined.
+void requireSize(const glm::ivec2& size, const glm::ivec2& least) {
+  if (size.x < least.x || size.y < least.y)
+    throw UsageError("a window of " + sizeText(size) + " is too small: its parts need " + sizeText(least) + " at this scale");
+  const glm::ivec2 most = screensSize();
+  if (most.x > 0 && (size.x > most.x || size.y > most.y))
+    throw UsageError("a window of " + sizeText(size) + " is too large: the screen has " + sizeText(most));
 }
 
 }  // namespace
@@ -55,8 +86,17 @@ struct WindowEvents {
     window.keyPresses_.push_back(press);
     if (key >= 0) window.pressedKeys_.push_back(key);
   }
-  static void onButton(GLFWwindow* glfw, int, int, int) { windowOf(glfw).hasInput_ = true; }
-  static void onMove(GLFWwindow* glfw, double, double) { windowOf(glfw).hasInput_ = true; }
+  static void onButton(GLFWwindow* glfw, int button, int action, int) {
+    Window& window = windowOf(glfw);
+    window.hasInput_ = true;
+    if (button != GLFW_MOUSE_BUTTON_LEFT || action != GLFW_PRESS) return;
+    const double reach = DoubleClick::kReachPx * window.scale_;
+    if (window.clicks_.press(window.momentOfEvent(), window.pointer_, reach)) window.isDoubleClicked_ = true;
+  }
+  static void onMove(GLFWwindow* glfw, double x, double y) {
+    windowOf(glfw).hasInput_ = true;
+    windowOf(glfw).pointer_ = {x, y};
+  }
   static void onScroll(GLFWwindow* glfw, double, double) { windowOf(glfw).hasInput_ = true; }
   static void onSize(GLFWwindow* glfw, int, int) { windowOf(glfw).hasInput_ = true; }
   static void onDrop(GLFWwindow* glfw, int count, const char** paths) {
@@ -65,7 +105,7 @@ struct WindowEvents {
   }
 };
 
-Window::Window(const std::string& title, double uiScale) : uiScale_(uiScale) {
+Window::Window(const std::string& title, double uiScale, const std::optional<glm::uvec2>& size) : uiScale_(uiScale) {
   if (glfwInit() != GLFW_TRUE) throw NoDisplay("no window can be opened here: " + lastGlfwError());
   try {
     open(title);
@@ -76,9 +116,17 @@ Window::Window(const std::string& title, double uiScale) : uiScale_(uiScale) {
     glfwTerminate();
     throw;
   }
+  try {
+    showAt(size);
+  } catch (...) {
+    close();
+    throw;
+  }
 }
 
-Window::~Window() {
+Window::~Window() { close(); }
+
+void Window::close() {
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplGlfw_Shutdown();
   ImGui::DestroyContext();
@@ -120,7 +168,9 @@ void Window::startImGui() {
   ImGui_ImplGlfw_InitForOpenGL(window_, true);
   ImGui_ImplOpenGL3_Init("#version 330 core");
   followScale(true);
+}
 
+void Window::showAt(const std::optional<glm::uvec2>& size) {
   // The usual size, as far as the screen has room for it.
   int x = 0, y = 0, width = 0, height = 0;
   if (GLFWmonitor* monitor = glfwGetPrimaryMonitor()) glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
@@ -128,10 +178,13 @@ void Window::startImGui() {
     const int wanted = static_cast<int>(std::lround(static_cast<float>(size) * scale_));
     return room > 0 ? std::min(wanted, room) : wanted;
   };
-  const int fittedWidth = fitted(kWidth, width), fittedHeight = fitted(kHeight, height);
-  glfwSetWindowSizeLimits(window_, fitted(kLeastWidth, width), fitted(kLeastHeight, height), GLFW_DONT_CARE, GLFW_DONT_CARE);
-  glfwSetWindowSize(window_, fittedWidth, fittedHeight);
-  if (width > 0) glfwSetWindowPos(window_, x + (width - fittedWidth) / 2, y + (height - fittedHeight) / 2);
+  const glm::ivec2 least(fitted(kLeastWidth, width), fitted(kLeastHeight, height));
+  if (size) requireSize(glm::ivec2(*size), least);
+  const glm::ivec2 chosen = size ? glm::ivec2(*size) : glm::ivec2(fitted(kWidth, width), fitted(kHeight, height));
+  glfwSetWindowSizeLimits(window_, least.x, least.y, GLFW_DONT_CARE, GLFW_DONT_CARE);
+  glfwSetWindowSize(window_, chosen.x, chosen.y);
+  // In the middle; a window that covers more than the work area begins where that does.
+  if (width > 0) glfwSetWindowPos(window_, x + std::max(0, width - chosen.x) / 2, y + std::max(0, height - chosen.y) / 2);
   glfwShowWindow(window_);
 }
 
@@ -160,12 +213,27 @@ bool Window::shouldClose() const { return glfwWindowShouldClose(window_) == GLFW
 void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
 void Window::waitForNextFrame(bool isMoving) {
-  if (!isMoving && !hasInput_) glfwWaitEventsTimeout(kIdlePeriodS);
+  if (!isMoving && !hasInput_) takeEvents(kIdlePeriodS);
   // Drivers without a screen to wait for swap at once; a little less than a period leaves the pace to those that do wait.
   const auto due = frameBegan_ + durationOfMs(900.0 / refreshHz());
-  glfwPollEvents();
+  takeEvents(0.0);
   for (auto now = Clock::TimePoint::clock::now(); now < due && !shouldClose(); now = Clock::TimePoint::clock::now())
-    glfwWaitEventsTimeout(std::chrono::duration<double>(due - now).count());
+    takeEvents(std::chrono::duration<double>(due - now).count());
+}
+
+void Window::takeEvents(double patienceS) {
+  askedForEvents_ = Clock::TimePoint::clock::now();
+  if (patienceS > 0.0)
+    glfwWaitEventsTimeout(patienceS);
+  else
+    glfwPollEvents();
+  tookEvents_ = Clock::TimePoint::clock::now();
+}
+
+Moment Window::momentOfEvent() const {
+  // GLFW does not say when an event happened. One that is waited for is told of as it comes; others came since GLFW was last asked.
+  const Clock::TimePoint now = Clock::TimePoint::clock::now();
+  return {now - askedForEvents_ < kAtOnce ? tookEvents_ : now, now};
 }
 
 void Window::wake() { glfwPostEmptyEvent(); }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/ui/double_click.h"
 #include "app/ui/texture.h"
 #include "app/ui/theme.h"
 #include "render/base/clock.h"
@@ -25,8 +26,9 @@ struct KeyPress {
 
 class Window {
  public:
-  /// `uiScale` 0 follows the screen's content scale. Throws NoDisplay if there is no screen or no OpenGL on it.
-  Window(const std::string& title, double uiScale);
+  /// `uiScale` 0 follows the screen's content scale; `size` is in screen coordinates, and without one the usual size is taken. Throws NoDisplay
+  /// if there is no screen or no OpenGL on it, UsageError for a size that is less than the window's parts need or more than the screens have.
+  Window(const std::string& title, double uiScale, const std::optional<glm::uvec2>& size);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -53,6 +55,8 @@ class Window {
   std::vector<KeyPress> takeKeyPresses() { return std::exchange(keyPresses_, {}); }
   /// The file that was dropped onto the window last, once.
   std::optional<std::string> takeDroppedFile() { return std::exchange(droppedFile_, std::nullopt); }
+  /// Whether the left button was pressed twice, quickly and at one place, since the last call.
+  bool takeDoubleClick() { return std::exchange(isDoubleClicked_, false); }
   /// True if the user did anything to the window since the last frame.
   bool hadInput() const { return hadInput_; }
 
@@ -61,8 +65,12 @@ class Window {
   void open(const std::string& title);
   void listen();
   void startImGui();
+  void showAt(const std::optional<glm::uvec2>& size);
+  void close();
   void followScale(bool isFirst);
   void holdShortKeys();
+  void takeEvents(double patienceS);
+  Moment momentOfEvent() const;
 
   const double uiScale_;
   GLFWwindow* window_ = nullptr;
@@ -72,6 +80,10 @@ class Window {
   float pixelsPerUnit_ = 1.0f;
   Clock::TimePoint frameBegan_{};
   bool hadInput_ = false, hasInput_ = false;
+  Clock::TimePoint askedForEvents_{}, tookEvents_{};  // when GLFW was last asked, and when it last returned
+  glm::dvec2 pointer_{0.0};                           // in screen coordinates
+  DoubleClick clicks_;
+  bool isDoubleClicked_ = false;
   std::vector<KeyPress> keyPresses_;
   std::vector<int> pressedKeys_, heldKeys_;  // GLFW's codes
   std::optional<std::string> droppedFile_;

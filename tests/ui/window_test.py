@@ -284,6 +284,12 @@ def use_the_window(executable, scale):
         program.key("r")
         program.wait_until("both panels back where they began", lambda: program.regions() == home)
 
+        program.drag(program.middle_of_panel(0), 1, [(int(20 * scale), int(6 * scale))] * 4)
+        program.changed(home, "a drag turns both again")
+        program.point(program.middle_of_panel(0))
+        program.display.run("xdotool", "click", "--repeat", "2", "--delay", "120", "1")
+        program.wait_until("both panels back after a double click", lambda: program.regions() == home)
+
         look_at_errors(program, home)
 
         program.point(program.middle_of_panel(0))
@@ -336,6 +342,29 @@ def photograph_a_sweep(folder, executable, photograph):
         raise Failure(f"a front without rows: exit code {result.returncode}, {result.stderr}")
 
 
+def size_of_photograph(folder, expected):
+    with open(os.path.join(folder, "window.png"), "rb") as file:
+        header = file.read(24)  # PNG: signature, length, "IHDR", width, height
+    size = (int.from_bytes(header[16:20], "big"), int.from_bytes(header[20:24], "big"))
+    if size != expected:
+        raise Failure(f"a photograph of {size} pixels instead of {expected}")
+
+
+def photograph_sizes(folder, photograph):
+    """--size is the window's, and refused where the window's parts or the screen have no room for it."""
+    result, is_there = photograph(SCENE, "--size", "900x610")
+    if result.returncode != 0 or not is_there:
+        raise Failure(f"a window of a size: exit code {result.returncode}, {result.stderr}")
+    size_of_photograph(folder, (900, 610))
+    os.remove(os.path.join(folder, "window.png"))
+    for size, reason in (("300x610", "a window of 300x610 is too small: its parts need 640x420"),
+                         ("1281x800", "a window of 1281x800 is too large: the screen has 1280x800"),
+                         ("20000x800", "--size 20000x800: give WxH, each 1 to 16384")):
+        result, is_there = photograph(SCENE, "--size", size)
+        if result.returncode != 2 or is_there or reason not in result.stderr:
+            raise Failure(f"a window of {size}: exit code {result.returncode}, {result.stderr}")
+
+
 def photograph_scenes(display, executable):
     """The program closes by itself after a photograph, and without one where there is nothing to photograph."""
     with tempfile.TemporaryDirectory() as folder:
@@ -350,6 +379,7 @@ def photograph_scenes(display, executable):
         result, is_there = photograph(SCENE)
         if result.returncode != 0 or not is_there:
             raise Failure(f"a photograph: exit code {result.returncode}, {result.stderr}")
+        size_of_photograph(folder, (1280, 800))
         os.remove(os.path.join(folder, "window.png"))
         with open(report, encoding="utf-8") as text:
             figures = json.load(text)
@@ -358,6 +388,7 @@ def photograph_scenes(display, executable):
         for key in ("flip", "psnrDb", "holeFraction"):  # null where the machine was too slow to find out
             if key not in figures["panels"][1]:
                 raise Failure(f"a report without {key}: {figures}")
+        photograph_sizes(folder, photograph)
         photograph_a_sweep(folder, executable, photograph)
         broken = os.path.join(folder, "broken_9x9x9_uint8.raw")
         with open(broken, "wb") as file:
