@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "app/scene/auto_transfer_function.h"
+#include "app/scene/fitting_view.h"
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
 #include "app/shell/log.h"
@@ -151,6 +152,8 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   const Node volume = root.at("volume");
   if (overrides.volume) refuseSize(overrides);
   scene.volume = overrides.volume ? openVolume(*overrides.volume, {}, stop) : readVolume(volume, folder, overrides, stop);
+  // Made for these views, as their golden images are; of a file nobody knows beforehand what it shows.
+  if (scene.views.empty() && !overrides.volume && volume.find("procedural")) scene.views = defaultViews();
   setDefaultAxes(scene);
   const auto up = root.find("up"), front = root.find("front");
   if (up) scene.up = readDirection(*up);
@@ -244,8 +247,8 @@ Scene openScene(const std::string& spec, const SceneOverrides& overrides, const 
   if (scene.transferFunction.points.empty())
     scene.transferFunction = autoTransferFunction(scene.volume->statistics());
   warnIfInvisible(scene);
-  if (scene.views.empty()) scene.views = defaultViews();
   if (overrides.fovYDeg) scene.fovYDeg = *overrides.fovYDeg;
+  if (scene.views.empty()) scene.views = fittingViews(scene, stop);
   return scene;
 }
 

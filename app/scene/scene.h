@@ -71,7 +71,7 @@ void requireScene(const std::string& spec);
 /// OperationCancelled if `stop` is set.
 Scene openScene(const std::string& spec, const SceneOverrides& overrides = {}, const std::stop_token& stop = {});
 
-/// The five views of a volume that brings none.
+/// Five views in which nearly any volume fills the picture; those of files are brought nearer or farther by fitting_view.h.
 std::vector<View> defaultViews();
 
 /// A camera of the scene. Throws UsageError for a field of view outside (0, 180) degrees, a size outside 1..kMaxImageSide, or a view
