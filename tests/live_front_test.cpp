@@ -270,5 +270,18 @@ TEST_F(LiveFrontTest, IsBoundedAndKeepsWhatIsAPoint) {
   EXPECT_TRUE(front_.rankedAnglesDeg().empty());
 }
 
+TEST_F(LiveFrontTest, TwoOnShowBothBecomePointsWhereMemoryIsFull) {
+  for (size_t i = 0; i < LiveFront::kMostSeen; ++i) see(configured("splats", 1.0f + static_cast<float>(i) / 256.0f), 0.0, 0.1, 1.0);
+  const Configuration left = configured("points"), right = configured("spheres");
+  // As panels do: the errors of both, then the times of both.
+  front_.addError(left, kSize, 0.0, 0.2);
+  front_.addError(right, kSize, 0.0, 0.3);
+  front_.addTime(left, kSize, 0.0, 2.0);
+  front_.addTime(right, kSize, 0.0, 3.0);
+  EXPECT_EQ(pointOf(left).frameMs, 2.0);
+  EXPECT_EQ(pointOf(right).frameMs, 3.0);
+  EXPECT_EQ(front_.remembered(), LiveFront::kMostSeen);
+}
+
 }  // namespace
 }  // namespace warpscope

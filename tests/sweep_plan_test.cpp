@@ -75,6 +75,15 @@ TEST(Configuration, WhatATechniqueDoesNotDependOnIsNotPartOfIt) {
   EXPECT_EQ(keyOf(reference), keyOf(smaller));
 }
 
+TEST(Configuration, AThresholdThatNobodyTakesTellsNothingApart) {
+  Configuration a = configurationOf("spheres"), b = a;
+  b.march.sample.threshold = 0.5f;
+  EXPECT_EQ(normalized(a), normalized(b));  // gradient takes none
+  a.march.sample.heuristic = b.march.sample.heuristic = Heuristic::threshold;
+  EXPECT_NE(normalized(a), normalized(b));
+  EXPECT_NE(keyOf(a), keyOf(b));
+}
+
 TEST(Configuration, KeysTellApartWhateverDiffers) {
   std::vector<Configuration> all;
   for (const WarpDescriptor& technique : warpRegistry())
@@ -162,6 +171,22 @@ TEST(SweepPlan, BaselinesAreThereWhateverIsAskedFor) {
   EXPECT_TRUE(isPointBaseline(configurations[3]));
   EXPECT_EQ(configurations[2].serverSidePx, 128u);
   EXPECT_EQ(configurations[2].march.render.step, 2.0f);
+}
+
+TEST(SweepPlan, BaselinesAreThePapersWhateverTheSceneSays) {
+  MarchSettings scene;
+  scene.sample.samplesPerRay = 4;
+  scene.sample.radiusScale = 2.0f;
+  scene.sample.radiusPolicy = RadiusPolicy::pixel;
+  SweepPlan plan = defaultPlan(scene, 64, 48);
+  for (const std::vector<double>& counts : {std::vector{4.0}, std::vector{1.0, 4.0}}) {
+    plan.values(kSamplesPerRayKnob) = counts;
+    plan.values(kServerSideKnob) = {64.0};
+    plan.values(kRadiusScaleKnob) = {1.0};
+    const std::vector<Configuration> configurations = configurationsOf(plan);
+    EXPECT_EQ(std::count_if(configurations.begin(), configurations.end(), isPapersMethod), 1);
+    EXPECT_EQ(std::count_if(configurations.begin(), configurations.end(), isPointBaseline), 1);
+  }
 }
 
 TEST(SweepPlan, ComesBackFromJson) {

@@ -26,7 +26,7 @@ using Json = nlohmann::json;
 
 struct CompareOptions {
   CommonOptions common;
-  TransportOptions transport;
+  TransportOptions transport = transportOfKeptPictures();
   std::string out;
   uint32_t cellWidth = 320;
 };
@@ -209,8 +209,6 @@ void addCompareCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command = program.add_subcommand("compare", "Every technique in every view: pictures, a montage, metrics.json");
   addCommonOptions(*command, options->common);
-  // Pictures that are compared and kept show what warping does, not what compressing colours does.
-  options->transport.otherwise.codec.color = ColorCoding::lossless;
   addTransportOptions(*command, options->transport);
   command->add_option("--out", options->out, "Folder to write to")->required();
   command->add_option("--cell", options->cellWidth, "Width of a picture in the montage, in pixels")->capture_default_str();

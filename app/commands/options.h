@@ -1,5 +1,5 @@
 // Options that several commands share, and what is made of them.
-// Names and meanings are the command line's contract; README lists them.
+// Names and meanings are the command line's contract; `--help` lists them.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -28,7 +28,7 @@ namespace {
 
 struct ShotOptions {
   CommonOptions common;
-  TransportOptions transport;
+  TransportOptions transport = transportOfKeptPictures();
   std::string technique = "spheres";
   double viewAngleDeg = 0.0;
   std::string out;
@@ -72,7 +72,7 @@ bool isAllowed(const Configuration& configuration, uint32_t sidePx, const Comman
   scene.march = work.march;
   if (configuration.serverSidePx != sidePx) return false;
   for (const ConfigurationKnob& row : configurationKnobs()) {
-    if (!row.concerns(*configuration.technique)) continue;
+    if (!row.matters(configuration)) continue;
     const bool isOfPicture = row.knob().owner == KnobOwner::rendering;
     const std::optional<double> asked = isOfPicture ? row.get(scene) : work.given.find(row.knob());
     if (asked && row.get(configuration) != *asked) return false;
@@ -108,7 +108,7 @@ AutoChoice::Choice chooseFor(const ShotOptions& options, CommandContext& work, H
   const auto choice = front.choose(options.viewAngleDeg, budgetMs, [&](const Configuration& configuration) {
     return isAllowed(configuration, front.largestSidePx(), work);
   });
-  if (!choice) throw InputError(options.front + ": nothing was measured with the step, the heuristic, the radius and the sizes that were asked for");
+  if (!choice) throw InputError((options.front.empty() ? std::string() : options.front + ": ") + "nothing was measured with the settings that were asked for");
   takeOver(choice->configuration, work.march, work.warp);
   logResult("auto: " + choice->reason);
   return *choice;
@@ -181,8 +181,6 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<ShotOptions>();
   CLI::App* command = program.add_subcommand("shot", "One picture, without a window");
   addCommonOptions(*command, options->common);
-  // Pictures that are compared and kept show what warping does, not what compressing colours does.
-  options->transport.otherwise.codec.color = ColorCoding::lossless;
   addTransportOptions(*command, options->transport);
   std::string names;
   for (const WarpDescriptor& warp : warpRegistry()) names += (names.empty() ? "" : " ") + std::string(warp.name);

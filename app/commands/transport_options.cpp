@@ -24,10 +24,16 @@ std::string linkHelp() {
 
 }  // namespace
 
+TransportOptions transportOfKeptPictures() {
+  TransportOptions options;
+  options.otherwise.codec.color = ColorCoding::lossless;
+  return options;
+}
+
 void addTransportOptions(CLI::App& command, TransportOptions& options) {
   command.add_option("--connect", options.connect, "URL of a server, as `warpscope serve` prints it: frames come from there");
   const auto add = [&](const std::string& name, auto& value, const std::string& description) {
-    return command.add_option(name, value, description)->each([&options, name](const std::string&) { options.given = name; });
+    return command.add_option(name, value, description)->each([&options, name](const std::string&) { options.givenOfLink = name; });
   };
   add("--link", options.link, linkHelp());
   add("--delay-ms", options.delayMs, "Round trip to the server in milliseconds, in place of --link");
@@ -65,7 +71,7 @@ nlohmann::json toJson(const FrameLatency& latency) {
 }
 
 void requireServerFor(const TransportOptions& options) {
-  const std::string given = options.knobs.has(kDepthKnob) ? std::string(kDepthKnob.option) : options.given;
+  const std::string given = options.knobs.has(kDepthKnob) ? std::string(kDepthKnob.option) : options.givenOfLink;
   if (!given.empty() && options.connect.empty())
     throw UsageError(given + " is about the way from a server, and frames are made here: add --connect URL, or leave it out");
 }

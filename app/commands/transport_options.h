@@ -20,10 +20,13 @@ struct TransportOptions {
   std::optional<double> delayMs;
   KnobOptions knobs;            ///< of transportKnobs()
   TransportSettings otherwise;  ///< what holds where nothing is typed; set it before the options are added
-  std::string given;  ///< one of those about how frames travel that was typed; empty without any
+  std::string givenOfLink;      ///< --link or --delay-ms, if one was typed
 };
 
-/// Adds --connect, --link, --codec, --color, --quality and --depth.
+/// Colours without loss where nothing else is typed: pictures that are compared and kept show what warping does, not what compressing colours does.
+TransportOptions transportOfKeptPictures();
+
+/// Adds --connect, --link, --delay-ms and an option for each of transportKnobs().
 void addTransportOptions(CLI::App& command, TransportOptions& options);
 
 /// Throws UsageError.

@@ -119,8 +119,9 @@ void takeOver(const Configuration& configuration, MarchSettings& march, WarpSett
 
 Configuration normalized(Configuration configuration) {
   const WarpDescriptor& technique = *configuration.technique;
+  const MarchSettings given = configuration.march;
   for (const MarchKnob& row : marchKnobs())
-    if (!technique.dependsOn(row)) row.set(configuration.march, row.knob->defaultValue);
+    if (!technique.dependsOn(row) || !row.matters(given)) row.set(configuration.march, row.knob->defaultValue);
   std::vector<const Knob*> swept;
   for (const Knob* knob : technique.knobs)
     if (!knob->axis.key.empty()) swept.push_back(knob);
@@ -243,11 +244,12 @@ Configuration configurationFrom(const Node& node, const MarchSettings& base) {
 bool isPapersMethod(const Configuration& configuration) {
   const SampleSettings& sample = configuration.march.sample;
   return configuration.technique->name == "spheres" && sample.heuristic == Heuristic::gradient && sample.radiusPolicy == RadiusPolicy::voxel &&
-         sample.radiusScale == 1.0f;
+         sample.radiusScale == 1.0f && sample.samplesPerRay == 1;
 }
 
 bool isPointBaseline(const Configuration& configuration) {
-  return configuration.technique->name == "points" && configuration.march.sample.heuristic == Heuristic::median &&
+  const SampleSettings& sample = configuration.march.sample;
+  return configuration.technique->name == "points" && sample.heuristic == Heuristic::median && sample.samplesPerRay == 1 &&
          configuration.knobs.whole(kPointSizeKnob) == 2;
 }
 

@@ -59,7 +59,8 @@ void takeOver(const Configuration& configuration, MarchSettings& march, WarpSett
 /// With what the technique's picture does not depend on set to its default, so that equal work is equal.
 Configuration normalized(Configuration configuration);
 
-/// All that tells it from others, in one line: "points pointSize=2 heuristic=median step=0.5 serverSide=512 jpeg95". Equal for equal configurations only.
+/// All that tells it from others of one sweep, in one line: "points heuristic=median pointSize=2 step=0.5 serverSide=512 jpeg95". Equal for those that
+/// differ in nothing that sweeps go through.
 std::string keyOf(const Configuration& configuration);
 
 /// All that tells its frames from others', in one line.

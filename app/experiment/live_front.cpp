@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 
 #include "app/experiment/averages.h"
 #include "app/experiment/findings.h"
@@ -12,6 +13,9 @@
 
 namespace warpscope {
 namespace {
+
+/// Panels, whose configurations were seen last.
+constexpr std::ptrdiff_t kOnShow = 2;
 
 static_assert(LiveFront::kBuckets <= 64, "a set of buckets is a word");
 
@@ -104,9 +108,9 @@ LiveFront::Entry& LiveFront::entryOf(const Configuration& configuration, const g
 
 void LiveFront::makeRoom() {
   if (entries_.size() < kMostSeen) return;
-  // What is dropped is not the entry on show: that one was seen last.
-  const auto oldest = std::find_if(entries_.rbegin(), entries_.rend(), [](const Entry& entry) { return entry.pointSince == 0; });
-  entries_.erase(oldest == entries_.rend() ? std::prev(entries_.end()) : std::prev(oldest.base()));
+  // What panels show was seen last and stays, so that it gets both its time and its error.
+  const auto oldest = std::find_if(entries_.rbegin(), std::prev(entries_.rend(), kOnShow), [](const Entry& entry) { return entry.pointSince == 0; });
+  entries_.erase(oldest == std::prev(entries_.rend(), kOnShow) ? std::prev(entries_.end()) : std::prev(oldest.base()));
 }
 
 LiveFront::Point LiveFront::pointOf(const Entry& entry, uint64_t buckets) {

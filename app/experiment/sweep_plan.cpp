@@ -73,8 +73,8 @@ nlohmann::json listed(const std::vector<Value>& values, const Write& write) {
 
 constexpr auto kItself = [](const auto& value) { return value; };
 
-/// The one of a technique's knob that comes closest to its default.
-double quickest(const KnobValuesAxis& axis) {
+/// The value that comes closest to the knob's default.
+double closestToDefault(const KnobValuesAxis& axis) {
   return *std::min_element(axis.values.begin(), axis.values.end(), [&](double a, double b) {
     return std::abs(a - axis.knob->defaultValue) < std::abs(b - axis.knob->defaultValue);
   });
@@ -138,7 +138,7 @@ SweepPlan quickPlan(const MarchSettings& base, uint32_t width, uint32_t height, 
   std::erase_if(plan.techniques, [](const WarpDescriptor* technique) { return !technique->usesFrame; });
   plan.values(kServerSideKnob).resize(1);
   for (KnobValuesAxis& axis : plan.knobs)
-    if (axis.knob->owner == KnobOwner::technique) axis.values = {quickest(axis)};
+    if (axis.knob->owner == KnobOwner::technique) axis.values = {closestToDefault(axis)};
   plan.anglesDeg = {angleDeg};
   plan.links.clear();
   plan.draws = 2;
@@ -217,8 +217,7 @@ std::vector<Configuration> configurationsOf(const SweepPlan& plan) {
   Configuration baseline;
   baseline.march = plan.base;
   baseline.march.render.step = static_cast<float>(plan.values(kStepKnob).front());
-  baseline.march.sample.radiusScale = 1.0f;
-  baseline.march.sample.radiusPolicy = RadiusPolicy::voxel;
+  baseline.march.sample = {};  // of the paper, whatever the scene says
   const std::vector<double>& sidesPx = plan.values(kServerSideKnob);
   baseline.serverSidePx = static_cast<uint32_t>(*std::max_element(sidesPx.begin(), sidesPx.end()));
   baseline.codec = plan.codecs.front();

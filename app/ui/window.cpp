@@ -174,8 +174,8 @@ void Window::showAt(const std::optional<glm::uvec2>& size) {
   // The usual size, as far as the screen has room for it.
   int x = 0, y = 0, width = 0, height = 0;
   if (GLFWmonitor* monitor = glfwGetPrimaryMonitor()) glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
-  const auto fitted = [&](int size, int room) {
-    const int wanted = static_cast<int>(std::lround(static_cast<float>(size) * scale_));
+  const auto fitted = [&](int length, int room) {
+    const int wanted = static_cast<int>(std::lround(static_cast<float>(length) * scale_));
     return room > 0 ? std::min(wanted, room) : wanted;
   };
   const glm::ivec2 least(fitted(kLeastWidth, width), fitted(kLeastHeight, height));

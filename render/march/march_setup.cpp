@@ -2,7 +2,10 @@
 // See march_setup.h.
 #include "render/march/march_setup.h"
 
+#include <string>
+
 #include "render/base/error.h"
+#include "render/core/image.h"
 
 namespace warpscope {
 
@@ -25,6 +28,12 @@ void requireMarchable(const Volume& volume, const Camera& camera, const RenderSe
 
 SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings) {
   validate(settings);
+  // Each ray has a place for each of its samples, 12 bytes of memory, before it is known how many there are.
+  constexpr uint64_t kMostPlaces = uint64_t{kMaxImageSide} * kMaxImageSide;
+  const uint64_t rays = uint64_t{camera.width} * camera.height;
+  if (rays * static_cast<uint64_t>(settings.samplesPerRay) > kMostPlaces)
+    throw UsageError("a picture of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + " pixels may have at most " +
+                     std::to_string(kMostPlaces / rays) + " samples a ray, not " + std::to_string(settings.samplesPerRay));
   SampleRule rule;
   rule.policy = settings.radiusPolicy;
   rule.voxelRadius = 0.5f * glm::length(volume.geometry().voxelEdges());
