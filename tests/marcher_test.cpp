@@ -329,15 +329,15 @@ TEST(CpuMarcher, RefusesUnusableCamerasAndSettings) {
   EXPECT_THROW(marcher->render(bad, {}, image), InputError);
   const float nan = std::nanf("");
   for (const MarchSettings& settings :
-       {MarchSettings{.render = {.step = 0.0f}}, MarchSettings{.render = {.step = nan}}, MarchSettings{.render = {.contribution = 0.0f}},
-        MarchSettings{.sample = {.threshold = 2.0f}},
-        MarchSettings{.sample = {.radiusScale = -1.0f}}, MarchSettings{.sample = {.samplesPerRay = 9}}})
+       {MarchSettings{.render = {.step = 0.0f}, .sample = {}}, MarchSettings{.render = {.step = nan}, .sample = {}}, MarchSettings{.render = {.contribution = 0.0f}, .sample = {}},
+        MarchSettings{.render = {}, .sample = {.threshold = 2.0f}},
+        MarchSettings{.render = {}, .sample = {.radiusScale = -1.0f}}, MarchSettings{.render = {}, .sample = {.samplesPerRay = 9}}})
     EXPECT_THROW(marcher->march(good, settings), UsageError);
   // Before memory is taken: the largest picture has room for one sample a ray.
   Camera large = good;
   large.width = large.height = kMaxImageSide;
   try {
-    marcher->march(large, {.sample = {.samplesPerRay = 8}});
+    marcher->march(large, {.render = {}, .sample = {.samplesPerRay = 8}});
     FAIL() << "26 GB were asked for";
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(), "a picture of 16384x16384 pixels may have at most 1 samples a ray, not 8");
