@@ -7,6 +7,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "app/commands/choose.h"
 #include "app/commands/options.h"
 #include "app/experiment/auto_choice.h"
 #include "app/experiment/sweep.h"
@@ -182,9 +183,7 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
   CLI::App* command = program.add_subcommand("shot", "One picture, without a window");
   addCommonOptions(*command, options->common);
   addTransportOptions(*command, options->transport);
-  std::string names;
-  for (const WarpDescriptor& warp : warpRegistry()) names += (names.empty() ? "" : " ") + std::string(warp.name);
-  command->add_option("--technique", options->technique, names + ", or auto: what was measured to be best")->capture_default_str();
+  command->add_option("--technique", options->technique, listOf(warpRegistry()) + ", or auto: what was measured to be best")->capture_default_str();
   command->add_option("--budget-ms", options->budgetMs, "Milliseconds that a picture may take, for auto, " + rangeText(kBudgetMsRange) + "; default 33");
   command->add_option("--front", options->front, "sweep.json that auto chooses by; without it, the choices are measured first");
   command->add_option("--view-angle", options->viewAngleDeg,

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "app/commands/choose.h"
 #include "app/commands/options.h"
 #include "app/frames/scene_connection.h"
 #include "app/shell/interrupt.h"
@@ -126,9 +127,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   CLI::App* command = program.add_subcommand("view", "The window: two techniques side by side, live");
   addCommonOptions(*command, options->common);
   command->get_option("--size")->description("WxH of the window, in screen coordinates; default: 1280x800 times the screen's scale, or less on a small screen")->default_str("");
-  std::string names;
-  for (const WarpDescriptor& warp : warpRegistry()) names += (names.empty() ? "" : " ") + std::string(warp.name);
-  names += ", or auto: what was measured to be best";
+  const std::string names = listOf(warpRegistry()) + ", or auto: what was measured to be best";
   command->add_option("--left", options->left, names)->capture_default_str();
   command->add_option("--right", options->right, names)->capture_default_str();
   command->add_option("--budget-ms", options->budgetMs, "Milliseconds that a picture may take, for auto, " + rangeText(kBudgetMsRange) + "; default 33");

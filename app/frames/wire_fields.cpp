@@ -102,8 +102,7 @@ MarchSettings marchFrom(const net::SettingFields& fields) {
       throw InputError("the peer's setting \"" + field.name + "\" has a value that this program does not know: " + error.what());
     }
   }
-  validate(settings);
-  return settings;
+  return settings;  // each was checked as it was read
 }
 
 CodecSettings codecFrom(const net::CodecFields& fields) {
