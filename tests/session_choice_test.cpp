@@ -1,5 +1,5 @@
 // Panels that choose their technique by themselves: what was measured to be best at this angle and within the budget, and why.
-// Mirrors app/session/session.h and app/experiment/auto_choice.h.
+// Mirrors app/session/technique_choice.h.
 #include <gtest/gtest.h>
 
 #include "tests/session_fixture.h"

@@ -1,5 +1,5 @@
 // How wrong a session's pictures are, live: figures, heat maps, histories, the front; and that finding out holds nothing up.
-// Mirrors the parts of app/session/session.h that app/session/session_errors.cpp holds. Threads are real, volumes and images tiny.
+// Mirrors app/session/live_ground_truth.h, the errors of app/session/live_panel.h and app/session/picture_timing.h. Threads are real, volumes and images tiny.
 #include <cmath>
 
 #include "app/picture/heat_map.h"
@@ -27,7 +27,7 @@ Redrawn redrawn(const Session& session, size_t panel) {
   WarpSettings settings = session.knobs().warp;
   settings.reference = session.knobs().march.render;
   const std::unique_ptr<Warp> warp = makeWarp(*session.panel(panel).technique, resources);
-  warp->setFrame(session.frame(), settings);
+  warp->setFrame(session.frames().newest(), settings);
   warp->draw(camera, settings, result.image);
   resources.marcher->render(camera, session.knobs().march.render, result.reference, {});
   return result;
@@ -151,7 +151,7 @@ TEST_F(SessionErrorsTest, TheHistoryHasAGapWhileTheCameraMoves) {
 TEST_F(SessionErrorsTest, WhereADeviceMarchesErrorsComeWhileTheCameraMoves) {
   faults_->isCuda = true;
   ASSERT_TRUE(open("block"));
-  EXPECT_TRUE(session_.isReferenceLive());
+  EXPECT_TRUE(session_.groundTruth().followsCamera());
   const size_t before = session_.panel(1).history.steps(clock_.now()).size();
   // Never at rest: every update sees another camera.
   ASSERT_TRUE(pumpUntil([&] {
@@ -165,7 +165,7 @@ TEST_F(SessionErrorsTest, WhereADeviceMarchesErrorsComeWhileTheCameraMoves) {
 
 TEST_F(SessionErrorsTest, WhereNoDeviceMarchesErrorsWaitUntilTheCameraRests) {
   ASSERT_TRUE(open("block"));
-  EXPECT_FALSE(session_.isReferenceLive());
+  EXPECT_FALSE(session_.groundTruth().followsCamera());
   const auto until = clock_.now() + milliseconds(500);
   while (clock_.now() < until) {
     move(1);
@@ -294,7 +294,7 @@ TEST_F(SessionErrorsTest, AConfigurationThatIsChosenIsTakenOver) {
   wanted.codec.color = ColorCoding::lossless;
   session_.choose(0, wanted);
   ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).configuration == normalized(wanted) && session_.panel(0).errorsAreCurrent; }));
-  EXPECT_EQ(session_.frame()->camera.height, 32u);
+  EXPECT_EQ(session_.frames().newest()->camera.height, 32u);
 
   // What a technique does not depend on stays for the other panel.
   Configuration points{&findWarp("points"), {}, 48, {}, {}};

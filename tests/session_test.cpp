@@ -27,11 +27,11 @@ TEST_F(SessionTest, BothPanelsShowTheNewestFrame) {
   ASSERT_NE(session_.scene(), nullptr);
   EXPECT_EQ(session_.scene()->name, "block");
   EXPECT_EQ(session_.loading(), "");
-  ASSERT_TRUE(session_.frame());
-  EXPECT_GT(session_.frame()->size(), 0u);
-  EXPECT_EQ(session_.frame()->camera.height, 48u);  // the longer side
+  ASSERT_TRUE(session_.frames().newest());
+  EXPECT_GT(session_.frames().newest()->size(), 0u);
+  EXPECT_EQ(session_.frames().newest()->camera.height, 48u);  // the longer side
   for (size_t i = 0; i < kPanelCount; ++i) {
-    EXPECT_EQ(session_.panel(i).requestId, session_.frame()->requestId);
+    EXPECT_EQ(session_.panel(i).requestId, session_.frames().newest()->requestId);
     EXPECT_EQ(session_.panel(i).picture.width(), kPanelPx.x);
     EXPECT_EQ(session_.panel(i).picture.height(), kPanelPx.y);
     EXPECT_EQ(session_.panel(i).error, "");
@@ -41,7 +41,7 @@ TEST_F(SessionTest, BothPanelsShowTheNewestFrame) {
 
 TEST_F(SessionTest, AMovementBringsANewFrameAndNewErrors) {
   ASSERT_TRUE(open("block"));
-  const uint64_t before = session_.frame()->requestId;
+  const uint64_t before = session_.frames().newest()->requestId;
   View view = session_.view();
   view.angleDeg += 30.0;
   session_.setView(view);
@@ -49,12 +49,12 @@ TEST_F(SessionTest, AMovementBringsANewFrameAndNewErrors) {
   EXPECT_FALSE(session_.panel(0).errorsAreCurrent);
   EXPECT_TRUE(session_.panel(0).errors.has_value());  // the last value stays, greyed
   ASSERT_TRUE(settle());
-  EXPECT_GT(session_.frame()->requestId, before);
+  EXPECT_GT(session_.frames().newest()->requestId, before);
 }
 
 TEST_F(SessionTest, AFrozenFrameStaysAndAges) {
   ASSERT_TRUE(open("block"));
-  const SampleFramePtr frame = session_.frame();
+  const SampleFramePtr frame = session_.frames().newest();
   const double holesAtHome = session_.panel(1).errors->holeFraction;
   LiveSettings knobs = session_.knobs();
   knobs.isFrozen = true;
@@ -71,13 +71,13 @@ TEST_F(SessionTest, AFrozenFrameStaysAndAges) {
   EXPECT_EQ(session_.ageMs(1, moved + milliseconds(100)), 100.0);  // since it was left first
 
   ASSERT_TRUE(pumpUntil([&] { return session_.panel(1).errorsAreCurrent; }));
-  EXPECT_EQ(session_.frame(), frame);
+  EXPECT_EQ(session_.frames().newest(), frame);
   EXPECT_GT(session_.panel(1).errors->holeFraction, holesAtHome);  // what was hidden is seen from here
 
   knobs.isFrozen = false;
   session_.setKnobs(knobs);
   ASSERT_TRUE(settle());
-  EXPECT_NE(session_.frame(), frame);
+  EXPECT_NE(session_.frames().newest(), frame);
 }
 
 TEST_F(SessionTest, ComingBackToTheFramesCameraMakesItCurrentAgain) {
@@ -129,7 +129,7 @@ TEST_F(SessionTest, UncoveredPixelsGetTheirColor) {
 
 TEST_F(SessionTest, AnotherSceneReplacesEverything) {
   ASSERT_TRUE(open("block"));
-  const uint64_t before = session_.frame()->requestId;
+  const uint64_t before = session_.frames().newest()->requestId;
   LiveSettings knobs = session_.knobs();
   knobs.march.sample.heuristic = Heuristic::exit;
   session_.setKnobs(knobs);
@@ -138,7 +138,7 @@ TEST_F(SessionTest, AnotherSceneReplacesEverything) {
   EXPECT_EQ(session_.scene()->name, "block");  // until the other one is there
   ASSERT_TRUE(pumpUntil([&] { return session_.scene()->name == "shells"; }));
   ASSERT_TRUE(settle());
-  EXPECT_GT(session_.frame()->requestId, before);
+  EXPECT_GT(session_.frames().newest()->requestId, before);
   EXPECT_EQ(session_.knobs().march, session_.scene()->march);
 }
 
@@ -194,7 +194,7 @@ TEST_F(SessionTest, AStormOfSizesEndsWithTheLastOne) {
     EXPECT_EQ(session_.panel(i).picture.width(), 57u);
     EXPECT_EQ(session_.panel(i).picture.height(), 33u);
   }
-  EXPECT_LE(session_.rememberedRequests(), 4u);
+  EXPECT_LE(session_.frames().remembered(), 4u);
 }
 
 TEST_F(SessionTest, TheStagesOfAFrameAreKnownWhereItIsShown) {
@@ -213,7 +213,7 @@ TEST_F(SessionTest, TheStagesOfAFrameAreKnownWhereItIsShown) {
   EXPECT_GT(panel.latency.encodeMs, 0.0);
   EXPECT_GT(panel.latency.decodeMs, 0.0);
   EXPECT_GT(panel.frameBytes, 0u);
-  EXPECT_EQ(panel.frameBytes, session_.frameBytes());
+  EXPECT_EQ(panel.frameBytes, session_.frames().bytesOfNewest());
   const std::optional<SourceStatus> status = session_.sourceStatus();
   ASSERT_TRUE(status);
   EXPECT_TRUE(status->isConnected) << status->sentence;
@@ -267,9 +267,9 @@ TEST_F(SessionTest, AServerThatKeepsFailingIsForgotten) {
   move(1);
   const Clock::TimePoint moved = clock_.now();
   move(4000);
-  ASSERT_TRUE(pumpUntil([&] { return !session_.isServerAtWork(); }));
+  ASSERT_TRUE(pumpUntil([&] { return !session_.frames().isUnderWay(); }));
   EXPECT_EQ(session_.error(), "the server is on fire");
-  EXPECT_LE(session_.rememberedRequests(), 2u);
+  EXPECT_LE(session_.frames().remembered(), 2u);
   EXPECT_EQ(ageBefore, 0.0);
   EXPECT_GE(*session_.ageMs(0, moved + seconds(1)), 1000.0);  // what is on show is still known to be old
 
@@ -282,11 +282,11 @@ TEST_F(SessionTest, ATechniqueThatKeepsFailingIsForgotten) {
   ASSERT_TRUE(open("block"));
   session_.setTechnique(1, kBroken);
   for (int i = 0; i < 40; ++i) {
-    const uint64_t before = session_.frame()->requestId;
+    const uint64_t before = session_.frames().newest()->requestId;
     move(100);
-    ASSERT_TRUE(pumpUntil([&] { return session_.frame()->requestId > before && !session_.isServerAtWork(); }));
+    ASSERT_TRUE(pumpUntil([&] { return session_.frames().newest()->requestId > before && !session_.frames().isUnderWay(); }));
   }
-  ASSERT_TRUE(pumpUntil([&] { return session_.rememberedRequests() <= 3; }));  // each panel's, and the newest
+  ASSERT_TRUE(pumpUntil([&] { return session_.frames().remembered() <= 3; }));  // each panel's, and the newest
   EXPECT_EQ(session_.panel(1).error, "out of paint");
   EXPECT_NE(session_.ageMs(1, clock_.now()), 0.0);  // its last picture is from long ago
   session_.setTechnique(1, findWarp("spheres"));

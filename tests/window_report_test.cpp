@@ -133,9 +133,9 @@ TEST_F(WindowReportTest, StagesAreThoseOfPanelsThatDrawFrames) {
   EXPECT_GT(panel.frameBytes, 0u);
   EXPECT_TRUE(figures["panels"][1].is_null()) << "the reference is drawn from no frame";
 
-  EXPECT_EQ(figures["framesReceived"], session_.framesReceived());
-  EXPECT_GE(session_.framesReceived(), 1u);
-  EXPECT_DOUBLE_EQ(figures["lastFrameAgeMs"], session_.frameAgeMs(now).value());
+  EXPECT_EQ(figures["framesReceived"], session_.frames().received());
+  EXPECT_GE(session_.frames().received(), 1u);
+  EXPECT_DOUBLE_EQ(figures["lastFrameAgeMs"], session_.frames().ageOfNewestMs(now).value());
   EXPECT_EQ(figures["server"]["isConnected"], true);
   EXPECT_EQ(figures["server"]["where"], session_.sourceStatus()->where);
   EXPECT_EQ(figures["server"]["sentence"], "");

@@ -58,11 +58,11 @@ std::string WindowReport::text(const Session& session, Clock::TimePoint now) con
   Json panels = Json::array();
   for (size_t i = 0; i < kPanelCount; ++i) panels.push_back(toJson(session.panel(i)));
   const std::optional<SourceStatus> status = session.sourceStatus();
-  const std::optional<double> frameAge = session.frameAgeMs(now);
+  const std::optional<double> frameAge = session.frames().ageOfNewestMs(now);
   return textOf({{"framesPerSecond", movingMs > 0.0 ? Json(1e3 * static_cast<double>(gapsMs_.size()) / movingMs) : Json(nullptr)},
                  {"gapMs", medianAndLongest(gapsMs_)},
                  {"ageMs", medianAndLongest(agesMs_)},
-                 {"framesReceived", session.framesReceived()},
+                 {"framesReceived", session.frames().received()},
                  {"lastFrameAgeMs", frameAge ? Json(*frameAge) : Json(nullptr)},
                  {"panels", panels},
                  {"server", status ? toJson(*status) : Json(nullptr)}});

@@ -124,7 +124,7 @@ std::string connectionTrouble(const Session& session, const Look& look) {
     const double waitMs = std::max(0.0, millisecondsBetween(look.now, *status->next));
     text += "; trying again in " + std::to_string(static_cast<int>(std::ceil(waitMs / 1e3))) + " s";
   }
-  if (const std::optional<double> age = session.frameAgeMs(look.now)) text += ". The frame on show is " + durationText(*age) + " old.";
+  if (const std::optional<double> age = session.frames().ageOfNewestMs(look.now)) text += ". The frame on show is " + durationText(*age) + " old.";
   return text;
 }
 

@@ -67,15 +67,15 @@ void drawStatusBar(const Session& session, double displayFramesPerSecond, const 
   } else {
     items.push_back("no scene yet");
   }
-  if (const SampleFramePtr& frame = session.frame()) {
+  if (const SampleFramePtr& frame = session.frames().newest()) {
     items.push_back(grouped(frame->size()) + " samples");
-    items.push_back(bytesText(session.frameBytes()) + " a frame");
-    const double rate = session.serverFramesPerSecond(look.now);
+    items.push_back(bytesText(session.frames().bytesOfNewest()) + " a frame");
+    const double rate = session.frames().perSecond(look.now);
     const std::optional<SourceStatus> status = session.sourceStatus();
     items.push_back("server " + durationText(frame->timings.marchMs + frame->timings.compactMs) +
                     (status && !status->isConnected ? std::string(", not connected")
                      : rate > 0.0                   ? ", " + format("%.1f frames/s", rate)
-                     : session.isServerAtWork()     ? std::string(", at work")
+                     : session.frames().isUnderWay()     ? std::string(", at work")
                                                     : std::string(", idle")));
   }
   const std::string display =

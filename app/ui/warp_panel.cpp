@@ -163,7 +163,7 @@ bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, cons
   if (!panel.error.empty())
     drawNote(panel.error, kErrorText, origin, area, look);
   else if (!panel.picture && session.scene() != nullptr)
-    drawNote(panel.technique->usesFrame && !session.frame() ? "waiting for the first frame" : "drawing", kDimText, origin, area, look);
+    drawNote(panel.technique->usesFrame && !session.frames().newest() ? "waiting for the first frame" : "drawing", kDimText, origin, area, look);
   else if (!panel.picture && !session.loading().empty())
     drawNote("opening " + session.loading(), kDimText, origin, area, look);
   if (panel.picture && panel.showsHeatMap) drawHeatMapLegend(panel, origin, area, look);

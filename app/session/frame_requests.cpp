@@ -1,0 +1,93 @@
+// The newest request, and those that are on show.
+// See frame_requests.h.
+#include "app/session/frame_requests.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace warpscope {
+
+void FrameRequests::begin(FrameSource& source, const TransportSettings& transport) {
+  source_ = &source;
+  transport_ = transport;
+  source_->setTransport(transport_);
+  wanted_.reset();
+  asked_.reset();
+  requests_.clear();
+  answeredId_ = requestId_;
+  frame_.reset();
+  error_.clear();
+}
+
+void FrameRequests::setTransport(const TransportSettings& transport) {
+  if (transport_ == transport) return;
+  transport_ = transport;
+  source_->setTransport(transport_);
+}
+
+bool FrameRequests::ask(const WantedFrame& wanted, bool isFrozen, TimePoint now) {
+  wanted_ = wanted;
+  const auto newest = requests_.find(requestId_);
+  if (isWhatIsWanted()) {
+    if (newest != requests_.end()) newest->second.outdatedAt.reset();  // the camera may have come back
+    return false;
+  }
+  if (newest != requests_.end() && !newest->second.outdatedAt) newest->second.outdatedAt = now;
+  if (isFrozen && frame_) return false;
+  asked_ = wanted_;
+  source_->post({++requestId_, wanted.camera, wanted.march}, now);
+  requests_[requestId_].asked = wanted;
+  return true;
+}
+
+bool FrameRequests::take() {
+  std::optional<ServedFrame> served = source_->tryTake();
+  if (!served) return false;
+  answeredId_ = served->requestId;
+  error_ = std::move(served->error);
+  if (!served->frame) return true;
+  frame_ = std::move(served->frame);
+  frameBytes_ = served->bytes;
+  frameArrivedAt_ = served->arrivedAt;
+  ++received_;
+  rate_.tick(served->arrivedAt);
+  if (const auto request = requests_.find(served->requestId); request != requests_.end())
+    request->second.arrival = Arrival{served->latency, served->bytes};
+  return true;
+}
+
+void FrameRequests::forgetOld(const std::function<bool(uint64_t)>& isOnShow) {
+  std::erase_if(requests_, [&](const auto& request) {
+    const uint64_t id = request.first;
+    const bool isUnderWayOrNewest = id > answeredId_ || (frame_ && id == frame_->requestId);
+    return !isUnderWayOrNewest && !isOnShow(id);
+  });
+}
+
+std::optional<double> FrameRequests::ageOfNewestMs(TimePoint now) const {
+  if (!frame_) return std::nullopt;
+  return std::max(0.0, millisecondsBetween(frameArrivedAt_, now));
+}
+
+double FrameRequests::ageMs(uint64_t requestId, TimePoint now) const {
+  if (requestId == requestId_ && isWhatIsWanted()) return 0.0;
+  const Request* request = find(requestId);
+  return request && request->outdatedAt ? millisecondsBetween(*request->outdatedAt, now) : 0.0;
+}
+
+std::optional<FrameRequests::Arrival> FrameRequests::arrivalOf(uint64_t requestId) const {
+  const Request* request = find(requestId);
+  return request ? request->arrival : std::nullopt;
+}
+
+std::optional<WantedFrame> FrameRequests::askedBy(uint64_t requestId) const {
+  const Request* request = find(requestId);
+  return request ? std::optional(request->asked) : std::nullopt;
+}
+
+const FrameRequests::Request* FrameRequests::find(uint64_t requestId) const {
+  const auto request = requests_.find(requestId);
+  return request == requests_.end() ? nullptr : &request->second;
+}
+
+}  // namespace warpscope

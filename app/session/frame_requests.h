@@ -1,0 +1,93 @@
+// Asks the server for frames of what is wanted now, takes the newest, and knows of each frame on show what it shows and since when that is outdated.
+// Bounded: it remembers no more requests than are under way or on show, however long it lasts.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "app/frames/frame_source.h"
+#include "app/session/rate_meter.h"
+
+namespace warpscope {
+
+/// What a frame should show, and how it should come.
+struct WantedFrame {
+  Camera camera;
+  MarchSettings march;
+  CodecSettings codec;
+  uint32_t serverSidePx = 0;  ///< longer side that the camera's size was made from
+
+  bool operator==(const WantedFrame&) const = default;
+};
+
+class FrameRequests {
+ public:
+  using TimePoint = Clock::TimePoint;
+
+  /// From now on frames come from `source`, which must stay until the next begin(). Frames from before are forgotten.
+  void begin(FrameSource& source, const TransportSettings& transport);
+
+  void setTransport(const TransportSettings& transport);
+  /// Asks for `wanted` if that is something else than what was asked for last. `isFrozen`: only if there is no frame yet. True if it asked.
+  bool ask(const WantedFrame& wanted, bool isFrozen, TimePoint now);
+  /// Collects an answer. True if there was one.
+  bool take();
+  /// Forgets requests that neither are under way nor on show, as `isOnShow` says.
+  void forgetOld(const std::function<bool(uint64_t requestId)>& isOnShow);
+
+  /// The newest frame; null until there is one.
+  const SampleFramePtr& newest() const { return frame_; }
+  /// Of the newest frame, on the wire.
+  size_t bytesOfNewest() const { return frameBytes_; }
+  /// How long ago the newest frame arrived; nothing without one.
+  std::optional<double> ageOfNewestMs(TimePoint now) const;
+  /// Of all sources.
+  size_t received() const { return received_; }
+  double perSecond(TimePoint now) const { return rate_.perSecond(now); }
+  /// Why the last frame could not be had; empty if it could.
+  const std::string& error() const { return error_; }
+  void dismissError() { error_.clear(); }
+
+  /// True while the newest request is not answered.
+  bool isUnderWay() const { return answeredId_ < requestId_; }
+  /// Whether the newest request asked for what is wanted now.
+  bool isWhatIsWanted() const { return asked_ == wanted_; }
+  /// For how long what the request asked for has not been wanted any more: 0 while it is.
+  double ageMs(uint64_t requestId, TimePoint now) const;
+
+  struct Arrival {
+    FrameLatency latency;
+    size_t bytes = 0;
+  };
+  /// Nothing of requests that are forgotten; of those under way no arrival.
+  std::optional<Arrival> arrivalOf(uint64_t requestId) const;
+  std::optional<WantedFrame> askedBy(uint64_t requestId) const;
+  size_t remembered() const { return requests_.size(); }
+
+ private:
+  struct Request {
+    WantedFrame asked;
+    std::optional<TimePoint> outdatedAt;  // when it stopped being what was wanted
+    std::optional<Arrival> arrival;
+  };
+  const Request* find(uint64_t requestId) const;
+
+  FrameSource* source_ = nullptr;
+  TransportSettings transport_;        // that the source was told last
+  std::optional<WantedFrame> wanted_;  // what the newest frame should show
+  std::optional<WantedFrame> asked_;   // what was asked for last
+  uint64_t requestId_ = 0;             // of that request
+  uint64_t answeredId_ = 0;            // the last that was answered, by a frame or an error
+  std::map<uint64_t, Request> requests_;
+  SampleFramePtr frame_;
+  size_t frameBytes_ = 0;
+  TimePoint frameArrivedAt_{};
+  size_t received_ = 0;
+  RateMeter rate_;
+  std::string error_;
+};
+
+}  // namespace warpscope

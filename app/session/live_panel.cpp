@@ -1,0 +1,129 @@
+// What comes back from a panel's threads, and whether it is still true.
+// See live_panel.h.
+#include "app/session/live_panel.h"
+
+#include <utility>
+
+#include "app/experiment/auto_choice.h"
+
+namespace warpscope {
+
+LivePanel::LivePanel(std::unique_ptr<WarpWorker> warp, std::unique_ptr<JudgeWorker> judge)
+    : warp_(std::move(warp)), judge_(std::move(judge)) {}
+
+void LivePanel::setChoice(std::optional<Configuration> choice, std::string text) {
+  shown_.choice = std::move(choice);
+  shown_.choiceText = std::move(text);
+}
+
+bool LivePanel::setTechnique(const WarpDescriptor& technique) {
+  if (shown_.technique == &technique) return false;
+  shown_.technique = &technique;
+  shown_.errorsAreCurrent = false;
+  warp_->cancel();  // its picture would not be shown long
+  job_ = {};
+  return true;
+}
+
+void LivePanel::clear() {
+  warp_->cancel();
+  judge_->cancel();
+  Panel fresh;
+  fresh.technique = shown_.technique;
+  fresh.isAutomatic = shown_.isAutomatic;
+  fresh.showsHeatMap = shown_.showsHeatMap;
+  shown_ = std::move(fresh);
+  job_ = {};
+  isDrawing_ = false;
+  drawnId_ = 0;
+  judged_.reset();
+  timed_ = {};
+}
+
+void LivePanel::post(WarpJob job) {
+  job_ = job;
+  isDrawing_ = true;
+  warp_->post(std::move(job));
+}
+
+void LivePanel::show(WarpResult drawn, const std::optional<FrameRequests::Arrival>& arrival, std::optional<Configuration> configuration) {
+  if (drawn.job == job_) isDrawing_ = false;
+  drawnId_ = drawn.requestId();
+  shown_.error = std::move(drawn.error);
+  if (!drawn.picture) return;
+  shown_.picture = drawn.picture;
+  shown_.drawn = drawn.job.technique;
+  shown_.requestId = drawn.requestId();
+  if (arrival) {
+    shown_.latency = arrival->latency;
+    shown_.frameBytes = arrival->bytes;
+  }
+  shown_.buildMs = drawn.buildMs;
+  shown_.drawMs = drawn.drawMs;
+  shown_.displayMs = millisecondsBetween(drawn.finishedAt, std::chrono::steady_clock::now());
+  shown_.configuration = std::move(configuration);
+  if (drawn.judged) judge_->post({std::move(drawn), shown_.configuration});
+}
+
+bool LivePanel::isJudged(const JudgeJob& job, const LiveGroundTruth& truth) const {
+  const WarpResult& drawn = job.drawn;
+  return drawn.job.technique == shown_.technique && drawn.job.reference->job() == truth.wanted() && drawn.picture == shown_.picture;
+}
+
+bool LivePanel::areCurrent(const Judged& judged, const LiveGroundTruth& truth, TimePoint now) const {
+  if (isJudged(judged.job, truth)) return true;
+  const WarpJob& drawn = judged.job.drawn.job;
+  if (drawn.technique != shown_.technique) return false;
+  return truth.followsCamera() && differOnlyInPlace(drawn.reference->job(), truth.wanted()) && now - judged.at < kLiveErrors;
+}
+
+LivePanel::ErrorNews LivePanel::takeErrors(const LiveGroundTruth& truth, TimePoint now) {
+  ErrorNews news;
+  const bool wereCurrent = shown_.errorsAreCurrent;
+  if (std::optional<Judgement> judgement = judge_->tryTake()) {
+    Judged judged{std::move(judgement->job), now};
+    news.happened = areCurrent(judged, truth, now);
+    if (news.happened && !judgement->error.empty()) {
+      news.error = std::move(judgement->error);
+    } else if (news.happened) {
+      shown_.errors = judgement->errors;
+      shown_.heatMap = std::move(judgement->heatMap);
+      shown_.history.add(now, shown_.errors->flip);
+      const Camera& camera = judged.job.drawn.job.reference->job().camera;
+      if (judged.job.configuration)
+        news.found = NewErrors{*judged.job.configuration, {camera.width, camera.height},
+                               angleBetweenDeg(judged.job.drawn.job.frame->camera, camera), shown_.errors->flip};
+      judged_ = std::move(judged);
+    }
+  }
+  shown_.errorsAreCurrent = judged_ && areCurrent(*judged_, truth, now);
+  if (wereCurrent && !shown_.errorsAreCurrent) shown_.history.interrupt(now);
+  news.happened |= wereCurrent != shown_.errorsAreCurrent;
+  return news;
+}
+
+bool LivePanel::mayShow(uint64_t requestId) const {
+  if (shown_.picture && requestId == shown_.requestId) return true;
+  return job_.frame && requestId >= drawnId_ && requestId <= job_.frame->requestId;
+}
+
+bool LivePanel::isAtRest(const LiveGroundTruth& truth) const {
+  return !isDrawing_ && (!shown_.error.empty() || (judged_ && isJudged(judged_->job, truth)));
+}
+
+bool LivePanel::wantsTime() const { return shown_.configuration && shown_.error.empty() && timed_ != shown_.picture; }
+
+void LivePanel::startTiming() {
+  WarpJob job = job_;
+  job.timedAs = shown_.configuration->codec;
+  warp_->post(std::move(job));
+}
+
+void LivePanel::requestStop() {
+  warp_->requestStop();
+  judge_->requestStop();
+}
+
+bool LivePanel::waitForEnd(std::chrono::steady_clock::time_point time) const { return warp_->waitForEnd(time) && judge_->waitForEnd(time); }
+
+}  // namespace warpscope

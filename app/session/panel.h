@@ -1,0 +1,49 @@
+// What one panel shows: a picture, which technique drew it from which frame, what that took, and how wrong it is.
+// State alone; live_panel.h fills it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "app/experiment/configuration.h"
+#include "app/frames/frame_source.h"
+#include "app/picture/shown_picture.h"
+#include "app/session/error_history.h"
+#include "render/metrics/picture_errors.h"
+
+namespace warpscope {
+
+inline constexpr size_t kPanelCount = 2;
+inline constexpr std::chrono::seconds kLiveErrors(1);
+
+struct Panel {
+  const WarpDescriptor* technique = nullptr;
+  ShownPicture picture;                         ///< none until the first is there; stays until the next
+  const WarpDescriptor* drawn = nullptr;        ///< the technique that drew it
+  uint64_t requestId = 0;                       ///< of the frame that it was drawn from
+  FrameLatency latency;                         ///< of that frame
+  size_t frameBytes = 0;                        ///< of that frame on the wire
+  double buildMs = 0.0;
+  double drawMs = 0.0;
+  double displayMs = 0.0;                       ///< from the picture's end until the display took it
+  std::optional<Configuration> configuration;   ///< that drew it; nothing while it is not known, or `drawn` uses no frames
+  std::string error;                            ///< empty if the last picture succeeded
+
+  bool isAutomatic = false;                     ///< `technique` is chosen for each picture by what was measured
+  std::optional<Configuration> choice;          ///< what was chosen; nothing if nothing fits
+  std::string choiceText;                       ///< what, and why: a sentence without its full stop
+
+  std::optional<PictureErrors> errors;  ///< the last that were found
+  /// They are those of the picture that is shown or, where the ground truth follows the moving camera (LiveGroundTruth::followsCamera), of one shown
+  /// less than kLiveErrors ago by the same technique.
+  bool errorsAreCurrent = false;
+  ShownPicture heatMap;                 ///< FLIP pixel by pixel, of `errors`
+  bool showsHeatMap = false;            ///< the user wants it instead of the picture
+  ErrorHistory history;                 ///< of FLIP
+
+  bool hasHeatMapOnShow() const { return showsHeatMap && errorsAreCurrent && heatMap; }
+};
+
+}  // namespace warpscope

@@ -1,0 +1,63 @@
+// One load at a time, and scenes that end.
+// See scene_opening.h.
+#include "app/session/scene_opening.h"
+
+#include <optional>
+#include <utility>
+
+namespace warpscope {
+
+SceneOpening::SceneOpening(const std::function<void()>& onNews)
+    : loader_(std::make_unique<Loader>(
+          [onNews]() -> Loader::Work {
+            return [onNews](const LoadJob& job, Result& result, const std::stop_token& stop) {
+              result.name = job.name;
+              result.scene = std::make_shared<const ConnectedScene>(job.open(onNews, stop));
+            };
+          },
+          onNews)) {}
+
+void SceneOpening::open(LoadJob job) {
+  cancel();
+  name_ = job.name;
+  error_.clear();
+  loader_->post(std::move(job));
+}
+
+void SceneOpening::cancel() {
+  loader_->cancel();
+  static_cast<void>(loader_->tryTake());  // what is there already is not wanted either
+  name_.clear();
+}
+
+SceneOpening::Outcome SceneOpening::take() {
+  std::optional<Result> result = loader_->tryTake();
+  if (!result || result->name != name_) return Outcome::nothing;
+  name_.clear();
+  error_ = std::move(result->error);
+  if (!result->scene) return Outcome::failed;
+  retire();
+  current_ = std::move(result->scene);
+  return Outcome::opened;
+}
+
+void SceneOpening::retire() {
+  std::erase_if(retired_, [](const std::future<void>& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+  if (!current_) return;
+  current_->source->requestStop();
+  retired_.push_back(std::async(std::launch::async, [scene = std::move(current_)]() mutable { scene.reset(); }));
+}
+
+void SceneOpening::requestStop() {
+  loader_->requestStop();
+  retire();
+}
+
+bool SceneOpening::waitForEnd(std::chrono::steady_clock::time_point time) const {
+  if (!loader_->waitForEnd(time)) return false;
+  for (const std::future<void>& scene : retired_)
+    if (scene.wait_until(time) != std::future_status::ready) return false;
+  return true;
+}
+
+}  // namespace warpscope
