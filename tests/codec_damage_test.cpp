@@ -8,6 +8,9 @@
 #include <memory_resource>
 #include <random>
 
+#include "render/base/error.h"
+#include "render/codec/pixel_path.h"
+#include "render/codec/zstd_section.h"
 #include "tests/codec_frames.h"
 
 namespace warpscope {
@@ -61,6 +64,54 @@ TEST(Codec, GarbageIsRefused) {
     if (!payload.empty()) payload[0] = static_cast<std::byte>(random() % 2);
     ASSERT_TRUE(survives(payload, frame));
     ASSERT_TRUE(survives(sealed(payload), frame));
+  }
+}
+
+/// What a peer could make up to keep a decoder busy: each layer is as much work as the first.
+TEST(Codec, MoreSamplesInAPixelThanARayMayHaveAreRefused) {
+  for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) {
+    std::vector<uint32_t> pixels(3, 20);
+    SampleFrame frame = withLayers(framedPixels(8, 8, pixels), pixels);
+    frame.settings.sample.samplesPerRay = 3;
+    const std::vector<std::byte> payload = FrameCodec().encode(frame, settings);
+    SampleFrame decoded = headOf(frame);
+    EXPECT_EQ(FrameCodec().decode(payload, frame.size(), decoded), std::nullopt);
+    for (const int fewer : {2, 1, 0, -1}) {
+      decoded = headOf(frame);
+      decoded.settings.sample.samplesPerRay = fewer;
+      EXPECT_NE(FrameCodec().decode(payload, frame.size(), decoded), std::nullopt) << fewer;
+      frame.settings.sample.samplesPerRay = fewer;
+      EXPECT_THROW(FrameCodec().encode(frame, settings), InputError) << fewer;
+    }
+  }
+  // A band whose front layer covers one pixel that has 255 further samples; its layers would follow.
+  for (const bool hasLayers : {false, true}) {
+    const std::vector<uint32_t> pixels(256, 20);
+    SampleFrame frame = framedPixels(8, 8, pixels);
+    frame.settings.sample.samplesPerRay = 8;
+    if (hasLayers) frame.planes.push_back(layerPlane({}));
+    std::vector<std::byte> band;
+    appendLittle(band, static_cast<uint32_t>(pixels.size()));
+    appendLittle(band, uint32_t{0});
+    appendLittle(band, uint64_t{0});
+    std::vector<uint8_t> mask(8, 0);
+    mask[2] = mask[3] = 1u << 4;  // each row changed by the row above
+    appendSection(band, mask);
+    appendLittle(band, uint8_t{1});
+    appendSection(band, std::vector<uint8_t>{255});
+    std::vector<std::byte> payload;
+    appendLittle(payload, static_cast<uint8_t>(PayloadFormat::packed));
+    appendLittle(payload, uint64_t{0});
+    if (hasLayers) appendLittle(payload, uint32_t{0});
+    appendLittle(payload, static_cast<uint8_t>(Placement::steps));
+    appendLittle(payload, static_cast<uint8_t>(ColorCoding::lossless));
+    appendLittle(payload, static_cast<uint32_t>(band.size()));
+    appendLittle(payload, static_cast<uint32_t>(pixels.size()));
+    payload.insert(payload.end(), band.begin(), band.end());
+    SampleFrame decoded = headOf(frame);
+    const DecodeError error = FrameCodec().decode(sealed(payload), pixels.size(), decoded);
+    ASSERT_TRUE(error.has_value());
+    EXPECT_NE(error->find("more samples in a pixel"), std::string::npos) << *error;
   }
 }
 

@@ -121,6 +121,7 @@ inline SampleFrame withLayers(SampleFrame frame, const std::vector<uint32_t>& pi
   for (size_t i = 0; i < pixels.size(); ++i)
     layers.push_back(i > 0 && pixels[i] == pixels[i - 1] ? static_cast<uint8_t>(layers.back() + 1) : uint8_t{0});
   frame.planes.push_back(layerPlane(layers));
+  frame.settings.sample.samplesPerRay = static_cast<int>(kSamplesPerRayRange.highest);
   return frame;
 }
 

@@ -8,11 +8,13 @@
 
 #include "render/core/sample.h"
 #include "render/core/transfer_vector.h"
+#include "render/march/march_settings.h"
 
 namespace warpscope {
 
-/// No band has more.
-inline constexpr size_t kMaxLayers = 256;
+/// No band has more: as many as a ray may have samples. Each costs a decoder about as much as the first, however few
+/// bytes say that it is there.
+inline constexpr auto kMaxLayers = static_cast<size_t>(kSamplesPerRayRange.highest);
 
 /// The rows of a picture that a mask has bits for, one for each pixel, the lowest first, whole bytes a row.
 struct MaskShape {

@@ -19,6 +19,12 @@ uint64_t hashSamples(std::span<const PackedSample> samples) {
   return hash.value();
 }
 
+/// Samples in one pixel. Where the frame does not say which are of one ray, those of several rays may be.
+size_t mostLayers(const SampleFrame& frame) {
+  if (frame.plane(kLayerPlane) == nullptr) return kMaxLayers;
+  return std::min(static_cast<size_t>(std::max(frame.settings.sample.samplesPerRay, 1)), kMaxLayers);
+}
+
 MaskShape shapeOf(const SampleFrame& frame, const BandRows& rows) {
   return rows.count > 0 ? MaskShape{frame.camera.width, rows.first, rows.count} : MaskShape{};
 }
@@ -40,8 +46,8 @@ struct BandPacker::Buffers {
     return colors;
   }
 
-  /// Fills `mask`, and `further` if there are such.
-  DecodeError takeMask(ByteReader& reader, const MaskShape& shape, size_t samplesOnPaths);
+  /// Fills `mask`, and `further` if there are such. No pixel has more than `mostLayers` samples.
+  DecodeError takeMask(ByteReader& reader, const MaskShape& shape, size_t samplesOnPaths, size_t mostLayers);
 };
 
 bool isAscending(std::span<const uint32_t> pixels) {
@@ -110,7 +116,8 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
                     settings);
 }
 
-DecodeError BandPacker::Buffers::takeMask(ByteReader& reader, const MaskShape& shape, size_t samplesOnPaths) {
+DecodeError BandPacker::Buffers::takeMask(ByteReader& reader, const MaskShape& shape, size_t samplesOnPaths,
+                                          size_t mostLayers) {
   const uint32_t rowBytes = shape.rowBytes(), unused = 8 * rowBytes - shape.width;
   if (!takeSection(reader, mask)) return "the mask of a band's pixels is damaged";
   for (size_t i = rowBytes; i < mask.size(); ++i) mask[i] ^= mask[i - rowBytes];
@@ -122,7 +129,12 @@ DecodeError BandPacker::Buffers::takeMask(ByteReader& reader, const MaskShape& s
     if (covered > samplesOnPaths) return "a band covers more pixels than it has samples";
     further.resize(covered);
     if (!takeSection(reader, further)) return "the numbers of samples a pixel are damaged";
-    for (const uint8_t more : further) furtherSamples += more;
+    uint8_t deepest = 0;
+    for (const uint8_t more : further) {
+      furtherSamples += more;
+      deepest = std::max(deepest, more);
+    }
+    if (deepest >= mostLayers) return "a band has more samples in a pixel than the frame's rays have";
   }
   if (covered + furtherSamples != samplesOnPaths) return "a band covers more or fewer pixels than it has samples";
   return std::nullopt;
@@ -146,7 +158,7 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
   b.mask.resize(shape.size());
   b.further.clear();
   if (rows.count > 0) {
-    if (DecodeError error = b.takeMask(reader, shape, count - strayCount)) return error;
+    if (DecodeError error = b.takeMask(reader, shape, count - strayCount, mostLayers(frame))) return error;
   } else if (strayCount != count) {
     return "a band without pixels has samples in them";
   }
