@@ -1,8 +1,6 @@
-// Counting, sorting, and back. Loops read and write through locals only: what they write cannot be what they read then.
-// See band_layers.h.
+// Counting, out of the order of pixels, and back. Loops read and write through locals only: what they write cannot be
+// what they read then. See band_layers.h.
 #include "render/codec/band_layers.h"
-
-#include <algorithm>
 
 namespace warpscope {
 
@@ -34,8 +32,10 @@ bool BandLayers::begin(std::span<const uint32_t> pixels) {
   layer_ = 0;
   covered_.resize(count);
   behind_.resize(count);
+  at_.resize(count);
   uint32_t* const pixelOf = covered_.data();
   uint8_t* const behindOf = behind_.data();
+  uint32_t* const atOf = at_.data();
   uint32_t last = kNoSample, rank = 0, deepest = 0;
   size_t found = 0;
   for (size_t i = 0; i < count; ++i) {
@@ -46,84 +46,82 @@ bool BandLayers::begin(std::span<const uint32_t> pixels) {
     found += isNext;
     pixelOf[found - 1] = pixel;
     behindOf[found - 1] = static_cast<uint8_t>(rank);
+    atOf[found - 1] = static_cast<uint32_t>(i) - rank;
     last = pixel;
   }
   covered_.resize(found);
   behind_.resize(found);
+  at_.resize(found);
   return deepest > 0;
 }
 
 void BandLayers::begin(std::span<const uint32_t> columns, std::span<const uint32_t> rows, uint32_t width,
-                       std::span<const uint8_t> further, size_t samples) {
+                       std::span<const uint8_t> further) {
+  const size_t count = columns.size();
   layer_ = 0;
-  covered_.resize(columns.size());
-  for (size_t j = 0; j < columns.size(); ++j) covered_[j] = rows[j] * width + columns[j];
+  covered_.resize(count);
   behind_.assign(further.begin(), further.end());
-  samples_.resize(samples);
-  colors_.resize(samples);
-  begins_[0] = 0;
+  at_.resize(count);
+  uint32_t at = 0;
+  for (size_t j = 0; j < count; ++j) {
+    covered_[j] = rows[j] * width + columns[j];
+    at_[j] = at;
+    at += 1u + further[j];
+  }
 }
 
 bool BandLayers::goBehind(const MaskShape& shape) {
+  const size_t count = covered_.size();
+  uint32_t* const pixelOf = covered_.data();
+  uint8_t* const behindOf = behind_.data();
+  uint32_t* const atOf = at_.data();
   size_t left = 0;
-  for (size_t j = 0; j < covered_.size(); ++j) {
-    covered_[left] = covered_[j];
-    const uint8_t more = behind_[j];
-    behind_[left] = static_cast<uint8_t>(more - 1);
+  for (size_t j = 0; j < count; ++j) {
+    const uint8_t more = behindOf[j];
+    pixelOf[left] = pixelOf[j];
+    atOf[left] = atOf[j] + 1;
+    behindOf[left] = static_cast<uint8_t>(more - 1);
     left += more > 0;
   }
   covered_.resize(left);
   behind_.resize(left);
+  at_.resize(left);
   mask_.assign(shape.size(), 0);
   setBits(covered_, shape, mask_);
   ++layer_;
   return left > 0;
 }
 
-void BandLayers::sort(std::span<const uint32_t> pixels, std::span<const PackedSample> samples,
-                      std::span<const Rgba8> colors) {
-  const size_t count = pixels.size();
+void BandLayers::gather(std::span<const PackedSample> samples, std::span<const Rgba8> colors) {
+  const size_t count = at_.size();
   samples_.resize(count);
   colors_.resize(count);
-  std::array<size_t, kMaxLayers + 1> sizes{};
-  for (const uint8_t deepest : behind_) ++sizes[deepest];
-  for (size_t layer = kMaxLayers; layer-- > 0;) sizes[layer] += sizes[layer + 1];  // pixels that are at least as deep
-  begins_[0] = 0;
-  for (size_t layer = 0; layer < kMaxLayers; ++layer) begins_[layer + 1] = begins_[layer] + sizes[layer];
-  std::array<size_t, kMaxLayers + 1> next = begins_;
-  PackedSample* const sorted = samples_.data();
-  Rgba8* const sortedColors = colors_.data();
+  const uint32_t* const at = at_.data();
   const PackedSample* const sample = samples.data();
   const Rgba8* const color = colors.data();
-  uint32_t last = kNoSample, rank = 0;
-  for (size_t i = 0; i < count; ++i) {
-    const uint32_t pixel = pixels[i];
-    rank = pixel != last ? 0 : rank + 1;
-    const size_t place = next[rank]++;
-    sorted[place] = sample[i];
-    sortedColors[place] = color[i];
-    last = pixel;
+  PackedSample* const itsSample = samples_.data();
+  Rgba8* const itsColor = colors_.data();
+  for (size_t j = 0; j < count; ++j) {
+    itsSample[j] = sample[at[j]];
+    itsColor[j] = color[at[j]];
   }
 }
 
-void BandLayers::put(std::span<const PackedSample> samples, std::span<const Rgba8> colors) {
-  const auto to = static_cast<std::ptrdiff_t>(begins_[layer_]);
-  std::copy(samples.begin(), samples.end(), samples_.begin() + to);
-  std::copy_n(colors.begin(), samples.size(), colors_.begin() + to);
-  begins_[layer_ + 1] = begins_[layer_] + samples.size();
-}
-
-void BandLayers::unsort(std::span<const uint8_t> further, std::span<PackedSample> samples, std::span<Rgba8> colors,
-                        std::span<uint8_t> layers) const {
-  std::array<size_t, kMaxLayers + 1> next = begins_;
-  size_t at = 0;
-  for (const uint32_t more : further)
-    for (uint32_t rank = 0; rank <= more; ++rank, ++at) {
-      const size_t place = next[rank]++;
-      samples[at] = samples_[place];
-      colors[at] = colors_[place];
-      if (!layers.empty()) layers[at] = static_cast<uint8_t>(rank);
-    }
+void BandLayers::scatter(std::span<const PackedSample> itsSamples, std::span<const Rgba8> itsColors,
+                         std::span<PackedSample> samples, std::span<Rgba8> colors, std::span<uint8_t> layers) const {
+  const size_t count = at_.size();
+  const uint32_t* const at = at_.data();
+  const PackedSample* const itsSample = itsSamples.data();
+  const Rgba8* const itsColor = itsColors.data();
+  PackedSample* const sample = samples.data();
+  Rgba8* const color = colors.data();
+  for (size_t j = 0; j < count; ++j) {
+    sample[at[j]] = itsSample[j];
+    color[at[j]] = itsColor[j];
+  }
+  if (layers.empty()) return;
+  uint8_t* const layer = layers.data();
+  for (size_t j = 0; j < count; ++j) layer[at[j]] = layer_;
 }
 
 }  // namespace warpscope

@@ -2,7 +2,6 @@
 // front.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
@@ -35,10 +34,9 @@ class BandLayers {
   /// Begins with the front layer of samples whose pixels these are; none is before the one in front of it, and none
   /// more than kMaxLayers times the same. True if a pixel has further samples.
   bool begin(std::span<const uint32_t> pixels);
-  /// The same, from the pixels that the front layer covers and how many further samples each of them has. Of as many
-  /// samples in all.
+  /// The same, from the pixels that the front layer covers and how many further samples each of them has.
   void begin(std::span<const uint32_t> columns, std::span<const uint32_t> rows, uint32_t width,
-             std::span<const uint8_t> further, size_t samples);
+             std::span<const uint8_t> further);
 
   /// The pixels that the layer at work covers, and how many samples each has behind it.
   std::span<const uint32_t> covered() const { return covered_; }
@@ -48,28 +46,23 @@ class BandLayers {
   /// Goes on to the next layer: leaves out the pixels that have no sample there. False if no pixel is left.
   bool goBehind(const MaskShape& shape);
 
-  /// Sorts samples into layers, while the front layer is at work. `pixels` are theirs.
-  void sort(std::span<const uint32_t> pixels, std::span<const PackedSample> samples, std::span<const Rgba8> colors);
-  /// What the layer at work has of them.
-  std::span<const PackedSample> samples() const {
-    return std::span(samples_).subspan(begins_[layer_], covered_.size());
-  }
-  std::span<const Rgba8> colors() const { return std::span(colors_).subspan(begins_[layer_], covered_.size()); }
-
-  /// Keeps what the layer at work has.
-  void put(std::span<const PackedSample> samples, std::span<const Rgba8> colors);
-  /// Gives all layers' samples back in the order of pixels, and which layer each is of, unless `layers` is empty.
-  void unsort(std::span<const uint8_t> further, std::span<PackedSample> samples, std::span<Rgba8> colors,
-              std::span<uint8_t> layers) const;
+  /// Fills samples() and colors() with those of the layer at work, out of all, which are in the order of pixels.
+  void gather(std::span<const PackedSample> samples, std::span<const Rgba8> colors);
+  std::span<const PackedSample> samples() const { return samples_; }
+  std::span<const Rgba8> colors() const { return colors_; }
+  /// Puts those of the layer at work among all, and says which layer they are of, unless `layers` is empty.
+  void scatter(std::span<const PackedSample> itsSamples, std::span<const Rgba8> itsColors,
+               std::span<PackedSample> samples, std::span<Rgba8> colors, std::span<uint8_t> layers) const;
 
  private:
-  size_t layer_ = 0;
+  uint8_t layer_ = 0;
+  // Of the pixels that the layer covers: which they are, how many samples are behind, where the layer's is among all.
   TransferVector<uint32_t> covered_;
-  TransferVector<uint8_t> behind_, mask_;
-  // Layer after layer, and where each begins.
+  TransferVector<uint8_t> behind_;
+  TransferVector<uint32_t> at_;
+  TransferVector<uint8_t> mask_;
   TransferVector<PackedSample> samples_;
   TransferVector<Rgba8> colors_;
-  std::array<size_t, kMaxLayers + 1> begins_{};
 };
 
 }  // namespace warpscope

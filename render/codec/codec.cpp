@@ -30,12 +30,19 @@ uint64_t hashOf(std::span<const std::byte> payload) {
 /// Whether every sample begins a ray or is the next of the one before, and none is one more than its ray may have.
 bool countUp(std::span<const uint8_t> layers, int samplesPerRay) {
   if (layers.empty()) return true;
+  if (samplesPerRay < 1) return false;
+  const auto last = static_cast<uint8_t>(std::min(samplesPerRay, 256) - 1);
   std::atomic<bool> doAll = layers.front() == 0;
   parallelForRanges(layers.size() - 1, 1 << 16, [&](size_t begin, size_t end) {
-    bool doesNot = false;
-    for (size_t i = begin; i < end; ++i)
-      doesNot |= ((layers[i + 1] != 0) & (layers[i + 1] != layers[i] + 1)) | (layers[i + 1] >= samplesPerRay);
-    if (doesNot) doAll = false;
+    // Bytes alone, in locals: many at once.
+    const uint8_t* const layer = layers.data();
+    const uint8_t most = last;
+    uint8_t faults = 0;
+    for (size_t i = begin; i < end; ++i) {
+      const uint8_t own = layer[i + 1], next = static_cast<uint8_t>(layer[i] + 1);
+      faults |= static_cast<uint8_t>((own != 0 && own != next) || own > most);
+    }
+    if (faults != 0) doAll = false;
   });
   return doAll;
 }

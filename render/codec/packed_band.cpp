@@ -87,7 +87,6 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
       pathPixels = b.strays.pathPixels();
     }
     hasFurther = b.layers.begin(pathPixels);
-    if (hasFurther) b.layers.sort(pathPixels, onPath, colors);
     setBits(b.layers.covered(), shape, b.mask);
   }
 
@@ -109,11 +108,14 @@ void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t beg
     b.packer.append(out, frame, rows.placement, shape, b.mask, onPath, b.withStrays(colors), settings);
     return;
   }
+  b.layers.gather(onPath, colors);
   b.packer.append(out, frame, rows.placement, shape, b.mask, b.layers.samples(), b.withStrays(b.layers.colors()),
                   settings);
-  while (b.layers.goBehind(shape))
+  while (b.layers.goBehind(shape)) {
+    b.layers.gather(onPath, colors);
     b.packer.append(out, frame, rows.placement, shape, b.layers.mask(), b.layers.samples(), b.layers.colors(),
                     settings);
+  }
 }
 
 DecodeError BandPacker::Buffers::takeMask(ByteReader& reader, const MaskShape& shape, size_t samplesOnPaths,
@@ -176,14 +178,13 @@ DecodeError BandPacker::unpack(std::span<const std::byte> bytes, const SampleFra
     std::copy_n(b.packer.colors().begin(), size, pathColors.begin());
     std::fill(pathLayers.begin(), pathLayers.end(), uint8_t{0});
   } else {
-    b.layers.begin(b.packer.columns(), b.packer.rows(), shape.width, b.further, onPath.size());
-    b.layers.put(b.packer.samples(), b.packer.colors());
+    b.layers.begin(b.packer.columns(), b.packer.rows(), shape.width, b.further);
+    b.layers.scatter(b.packer.samples(), b.packer.colors(), onPath, pathColors, pathLayers);
     while (b.layers.goBehind(shape)) {
       if (DecodeError error = b.packer.take(reader, frame, rows.placement, shape, b.layers.mask(), 0, coding))
         return error;
-      b.layers.put(b.packer.samples(), b.packer.colors());
+      b.layers.scatter(b.packer.samples(), b.packer.colors(), onPath, pathColors, pathLayers);
     }
-    b.layers.unsort(b.further, onPath, pathColors, pathLayers);
   }
   if (reader.ranOut() || reader.left() > 0) return "a band is longer or shorter than it should be";
   if (strayCount > 0) b.strays.merge(samples, colors, layers);
