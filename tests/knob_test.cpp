@@ -70,7 +70,8 @@ TEST(Knob, EveryRowSaysAllThatItsUsersNeed) {
     for (const KnobChoice& choice : knob->choices) EXPECT_FALSE(choice.name.empty() || choice.summary.empty());
     for (const double value : valuesOf(*knob)) EXPECT_NO_THROW(validate(*knob, value, "it")) << value;
     for (const double value : knob->axis.values) EXPECT_NO_THROW(validate(*knob, value, "it")) << value;
-    if (!knob->label.empty() && (knob->type == KnobType::number || knob->type == KnobType::whole)) {
+    // The server's side has widgets of its own: it is a part of the panels' size.
+    if (knob != &kServerSideKnob && !knob->label.empty() && (knob->type == KnobType::number || knob->type == KnobType::whole)) {
       EXPECT_LT(knob->track.lowest, knob->track.highest);
       EXPECT_GE(knob->track.lowest, knob->range.lowest);
       EXPECT_LE(knob->track.highest, knob->range.highest);
@@ -123,6 +124,26 @@ TEST(Knob, TheThresholdMattersToThoseHeuristicsThatTakeOne) {
       EXPECT_EQ(row.matters(settings), heuristic.name == "threshold" || heuristic.name == "rel-threshold") << heuristic.name;
     }
   }
+}
+
+TEST(Knob, ColoursAndQualityMatterWhereTheyTravel) {
+  const auto matters = [](const Knob& knob, const TransportSettings& settings) {
+    for (const TransportKnob& row : transportKnobs())
+      if (row.knob == &knob) return row.matters(settings);
+    ADD_FAILURE() << knob.key << " has no row";
+    return false;
+  };
+  TransportSettings settings;
+  for (const auto& format : kPayloadFormats)
+    for (const auto& color : kColorCodings) {
+      settings.codec.format = format.value;
+      settings.codec.color = color.value;
+      const bool isPacked = format.name == "packed";
+      EXPECT_TRUE(matters(kFormatKnob, settings));
+      EXPECT_TRUE(matters(kDepthKnob, settings));
+      EXPECT_EQ(matters(kColorKnob, settings), isPacked);
+      EXPECT_EQ(matters(kQualityKnob, settings), isPacked && color.name == "jpeg");
+    }
 }
 
 TEST(KnobValues, AreTheirDefaultsUntilTheyAreSet) {

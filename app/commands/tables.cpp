@@ -57,6 +57,7 @@ std::string_view stageName(KnobStage stage) {
     case KnobStage::encode: return "encode";
     case KnobStage::build: return "build";
     case KnobStage::draw: return "draw";
+    case KnobStage::nothing: return "nothing";
   }
   return "";
 }

@@ -57,8 +57,6 @@ constinit const Knob kServerSideKnob{
     .owner = KnobOwner::sampling,
     .stale = KnobStage::march,
     .range = kServerSideRange,
-    .track = {128.0, 2048.0},
-    .scale = KnobScale::logarithmic,
     .axis = {"serverSides", "--server-sides", "Longer sides of the server's image, pixels"},
     .phrase = ", server's image of {} px",
     .naming = KnobNaming::whereDiffering,
