@@ -5,10 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
 #include <set>
 
 #include "app/experiment/configuration.h"
 #include "app/frames/transport_knobs.h"
+#include "app/scene/knob_json.h"
 #include "render/base/error.h"
 #include "render/march/march_knobs.h"
 #include "render/warp/multihit_warp.h"
@@ -144,6 +146,22 @@ TEST(Knob, ColoursAndQualityMatterWhereTheyTravel) {
       EXPECT_EQ(matters(kColorKnob, settings), isPacked);
       EXPECT_EQ(matters(kQualityKnob, settings), isPacked && color.name == "jpeg");
     }
+}
+
+/// 0.8 is no float: the nearest is a little more.
+TEST(KnobJson, NumbersAreTheShortestThatReadBackAsTheSameFloat) {
+  EXPECT_EQ(jsonOf(kThresholdKnob, 0.8f).dump(), "0.8");
+  EXPECT_EQ(jsonOf(kThresholdKnob, 1.0f).dump(), "1.0");
+  EXPECT_EQ(jsonOf(kContributionKnob, 1.0f / 1024).dump(), "0.0009765625");
+  std::mt19937 random(11);
+  for (const Knob* knob : allKnobs()) {
+    if (knob->type != KnobType::number) continue;
+    std::uniform_real_distribution<double> values(knob->range.lowest, knob->range.highest);
+    for (int i = 0; i < 100; ++i) {
+      const auto value = static_cast<float>(values(random));
+      EXPECT_EQ(static_cast<float>(nlohmann::json::parse(jsonOf(*knob, value).dump()).get<double>()), value) << knob->key;
+    }
+  }
 }
 
 TEST(KnobValues, AreTheirDefaultsUntilTheyAreSet) {
