@@ -2,8 +2,6 @@
 // See band_strays.h.
 #include "render/codec/band_strays.h"
 
-#include <algorithm>
-
 #include "render/codec/zstd_section.h"
 
 namespace warpscope {
