@@ -11,6 +11,9 @@
 #include <numeric>
 #include <optional>
 
+#include "render/base/nearest_name.h"
+#include "render/base/range.h"
+
 namespace warpscope::net {
 namespace {
 
@@ -42,17 +45,14 @@ void requireWithin(double value, const Bounds& bounds, const std::string& name, 
          numberText(value));
 }
 
-std::optional<double> parseNumber(std::string_view text) {
-  double value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(value)) return std::nullopt;
-  return value;
+std::optional<double> finiteNumber(std::string_view text) {
+  const std::optional<double> value = parseNumber(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 double parseMs(std::string_view text, std::string_view key) {
   if (text.ends_with("ms")) text.remove_suffix(2);
-  if (const std::optional<double> value = parseNumber(text)) return *value;
+  if (const std::optional<double> value = finiteNumber(text)) return *value;
   refuse(std::string(key) + " must be a number of milliseconds, not " + quoted(text));
 }
 
@@ -68,7 +68,7 @@ double parseAmount(std::string_view text, std::string_view key, std::string_view
       digits.remove_suffix(1);
     }
   }
-  if (const std::optional<double> value = parseNumber(digits)) return *value * factor;
+  if (const std::optional<double> value = finiteNumber(digits)) return *value * factor;
   refuse(std::string(key) + " must be a number of " + std::string(unit) + ", as 20M, not " + quoted(text));
 }
 
@@ -76,7 +76,7 @@ std::string amountText(double value) {
   const std::string plain = numberText(value);
   for (const auto& [factor, prefix] : {std::pair(1e9, "G"), std::pair(1e6, "M"), std::pair(1e3, "k")}) {
     const std::string text = numberText(value / factor);
-    if (value >= factor && parseNumber(text).value_or(0) * factor == value && text.size() + 1 < plain.size()) return text + prefix;
+    if (value >= factor && finiteNumber(text).value_or(0) * factor == value && text.size() + 1 < plain.size()) return text + prefix;
   }
   return plain;
 }
@@ -113,14 +113,14 @@ std::string writeBuffer(const LinkSettings& settings) { return settings.bufferBy
 
 void readLoss(LinkSettings& settings, std::string_view value) {
   const bool isPercent = value.ends_with('%');
-  const std::optional<double> number = parseNumber(isPercent ? value.substr(0, value.size() - 1) : value);
+  const std::optional<double> number = finiteNumber(isPercent ? value.substr(0, value.size() - 1) : value);
   if (!number) refuse("loss must be a percentage, as 1%, or a fraction, as 0.01, not " + quoted(value));
   settings.loss = isPercent ? *number / 100 : *number;
 }
 std::string writeLoss(const LinkSettings& settings) {
   if (settings.loss == 0) return "";
   const std::string percent = numberText(settings.loss * 100);
-  return parseNumber(percent).value_or(0) / 100 == settings.loss ? percent + "%" : numberText(settings.loss);
+  return finiteNumber(percent).value_or(0) / 100 == settings.loss ? percent + "%" : numberText(settings.loss);
 }
 
 void readOutage(LinkSettings& settings, std::string_view value) {
@@ -171,22 +171,12 @@ constexpr std::array<Key, 9> kKeys{{
     {{"seed", "N", "number that the dice of jitter, loss and outages begin with"}, readSeed, writeSeed, "1"},
 }};
 
-std::string_view nameOf(const LinkPreset& preset) { return preset.name; }
-std::string_view nameOf(const Key& key) { return key.text.name; }
-
-template <class Table>
-std::string namesIn(const Table& table) {
-  std::string names;
-  for (const auto& entry : table) names += (names.empty() ? "" : " ") + std::string(nameOf(entry));
-  return names;
-}
-
 void readItem(DuplexLinkSettings& settings, std::string_view item) {
   constexpr std::string_view kUp = "up.", kDown = "down.";
   const size_t equals = item.find('=');
   if (equals == std::string_view::npos) {
-    refuse(quoted(item) + " is no KEY=VALUE, nor a link's name at the beginning; names: " + namesIn(linkPresets()) + "; keys: " +
-           namesIn(kKeys));
+    refuse(quoted(item) + " is no KEY=VALUE, nor a link's name at the beginning; names: " + listOf(linkPresets()) + "; keys: " +
+           listOf(linkKeys()));
   }
   std::string_view name = item.substr(0, equals);
   const std::string_view value = item.substr(equals + 1);
@@ -194,7 +184,7 @@ void readItem(DuplexLinkSettings& settings, std::string_view item) {
   if (isUp) name.remove_prefix(kUp.size());
   if (isDown) name.remove_prefix(kDown.size());
   const auto key = std::find_if(kKeys.begin(), kKeys.end(), [&](const Key& entry) { return entry.text.name == name; });
-  if (key == kKeys.end()) refuse("a link has no " + quoted(name) + "; known: " + namesIn(kKeys));
+  if (key == kKeys.end()) refuse("a link has no " + quoted(name) + "; known: " + listOf(linkKeys()));
   if (!isDown) key->read(settings.up, value);
   if (isUp) return;
   if (!isDown && name == "trace")
@@ -313,7 +303,7 @@ void requireValid(const DuplexLinkSettings& settings) {
 
 DuplexLinkSettings parseLinkSettings(std::string_view text) {
   DuplexLinkSettings settings;
-  if (text.empty()) refuse("a link must have a name or KEY=VALUE; names: " + namesIn(linkPresets()) + "; keys: " + namesIn(kKeys));
+  if (text.empty()) refuse("a link must have a name or KEY=VALUE; names: " + listOf(linkPresets()) + "; keys: " + listOf(linkKeys()));
   for (bool isFirst = true; !text.empty(); isFirst = false) {
     const size_t comma = std::min(text.find(','), text.size());
     const std::string_view item = text.substr(0, comma);
@@ -358,7 +348,7 @@ std::shared_ptr<const DelayTrace> parseTrace(std::string_view text, const std::s
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     line = line.substr(0, line.find_last_not_of(kBlank) + 1);
     if (line.empty()) continue;
-    const std::optional<double> delayMs = parseNumber(line);
+    const std::optional<double> delayMs = finiteNumber(line);
     if (!delayMs || *delayMs < kTraceMs.lowest || *delayMs > kTraceMs.highest) {
       refuse(file + ":" + std::to_string(number) + ": a line must be one delay from " + numberText(kTraceMs.lowest) + " to " +
              numberText(kTraceMs.highest) + " ms, not " + quoted(line));

@@ -5,10 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
 #include <set>
 
 #include "app/experiment/configuration.h"
 #include "app/frames/transport_knobs.h"
+#include "app/scene/knob_json.h"
 #include "render/base/error.h"
 #include "render/march/march_knobs.h"
 #include "render/warp/multihit_warp.h"
@@ -70,7 +72,8 @@ TEST(Knob, EveryRowSaysAllThatItsUsersNeed) {
     for (const KnobChoice& choice : knob->choices) EXPECT_FALSE(choice.name.empty() || choice.summary.empty());
     for (const double value : valuesOf(*knob)) EXPECT_NO_THROW(validate(*knob, value, "it")) << value;
     for (const double value : knob->axis.values) EXPECT_NO_THROW(validate(*knob, value, "it")) << value;
-    if (!knob->label.empty() && (knob->type == KnobType::number || knob->type == KnobType::whole)) {
+    // The server's side has widgets of its own: it is a part of the panels' size.
+    if (knob != &kServerSideKnob && !knob->label.empty() && (knob->type == KnobType::number || knob->type == KnobType::whole)) {
       EXPECT_LT(knob->track.lowest, knob->track.highest);
       EXPECT_GE(knob->track.lowest, knob->range.lowest);
       EXPECT_LE(knob->track.highest, knob->range.highest);
@@ -121,6 +124,42 @@ TEST(Knob, TheThresholdMattersToThoseHeuristicsThatTakeOne) {
       MarchSettings settings;
       settings.sample.heuristic = heuristic.value;
       EXPECT_EQ(row.matters(settings), heuristic.name == "threshold" || heuristic.name == "rel-threshold") << heuristic.name;
+    }
+  }
+}
+
+TEST(Knob, ColoursAndQualityMatterWhereTheyTravel) {
+  const auto matters = [](const Knob& knob, const TransportSettings& settings) {
+    for (const TransportKnob& row : transportKnobs())
+      if (row.knob == &knob) return row.matters(settings);
+    ADD_FAILURE() << knob.key << " has no row";
+    return false;
+  };
+  TransportSettings settings;
+  for (const auto& format : kPayloadFormats)
+    for (const auto& color : kColorCodings) {
+      settings.codec.format = format.value;
+      settings.codec.color = color.value;
+      const bool isPacked = format.name == "packed";
+      EXPECT_TRUE(matters(kFormatKnob, settings));
+      EXPECT_TRUE(matters(kDepthKnob, settings));
+      EXPECT_EQ(matters(kColorKnob, settings), isPacked);
+      EXPECT_EQ(matters(kQualityKnob, settings), isPacked && color.name == "jpeg");
+    }
+}
+
+/// 0.8 is no float: the nearest is a little more.
+TEST(KnobJson, NumbersAreTheShortestThatReadBackAsTheSameFloat) {
+  EXPECT_EQ(jsonOf(kThresholdKnob, 0.8f).dump(), "0.8");
+  EXPECT_EQ(jsonOf(kThresholdKnob, 1.0f).dump(), "1.0");
+  EXPECT_EQ(jsonOf(kContributionKnob, 1.0f / 1024).dump(), "0.0009765625");
+  std::mt19937 random(11);
+  for (const Knob* knob : allKnobs()) {
+    if (knob->type != KnobType::number) continue;
+    std::uniform_real_distribution<double> values(knob->range.lowest, knob->range.highest);
+    for (int i = 0; i < 100; ++i) {
+      const auto value = static_cast<float>(values(random));
+      EXPECT_EQ(static_cast<float>(nlohmann::json::parse(jsonOf(*knob, value).dump()).get<double>()), value) << knob->key;
     }
   }
 }

@@ -48,6 +48,19 @@ TEST(Range, ComplaintsNameTheKnobTheRangeAndTheValue) {
   EXPECT_EQ(complaint(-1e-300), "the knob must be between 1e-06 and 0.1, not -1e-300");
 }
 
+TEST(Range, NumbersAreAllOfTheirText) {
+  EXPECT_EQ(parseNumber("0.25"), 0.25);
+  EXPECT_EQ(parseNumber("-1e-3"), -1e-3);
+  for (const char* text : {"", " 1", "1 ", "1x", "+1", "0,5", "one"}) EXPECT_EQ(parseNumber(text), std::nullopt) << text;
+  EXPECT_EQ(requireNumber("4711", kRange, "the knob"), 4711.0);
+  try {
+    requireNumber("many", kRange, "the knob");
+    ADD_FAILURE();
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "'many' is no number; the knob must be 1e-06 to 0.1");
+  }
+}
+
 TEST(Range, TextsOfRanges) {
   EXPECT_EQ(rangeText({1e-3, 1e3}), "0.001 to 1000");
   EXPECT_EQ(rangeText({-360.0, 360.0}), "-360 to 360");

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "heuristic_cases.h"
 #include "made_up_source.h"
 #include "marcher_cases.h"
 #include "render/base/error.h"
@@ -113,6 +114,17 @@ TEST(RaySamples, AWallIsOneSampleAndNothingIsNone) {
   }
 }
 
+TEST(RaySamples, WhatWasFoundBeforeIsForgotten) {
+  RaySamples found = samplesOf<GradientDepth>(rayOf(std::vector<float>(40, 0.1f)), 8);
+  ASSERT_GT(found.size(), 1);
+  for (const std::vector<float>& alphas : {std::vector<float>{0.0f, 1.0f}, std::vector<float>{0.0f, 0.0f}}) {
+    const TestRay ray = rayOf(alphas);
+    findSamples<GradientDepth>(
+        ray.path, [&] { return ray.source(); }, Unlit{}, kLimits, kThreshold, 8, found);
+    EXPECT_EQ(found.size(), samplesOf<GradientDepth>(ray, 8).size());
+  }
+}
+
 TEST(RaySamples, WhatDoesNotCountStaysWithThePartInFront) {
   // Two walls of half the light, and a veil before, between and behind them that does not count.
   std::vector<float> alphas(30, 1e-4f);
@@ -128,16 +140,7 @@ TEST(RaySamples, WhatDoesNotCountStaysWithThePartInFront) {
 }
 
 class RaySamplesBy : public testing::TestWithParam<Heuristic> {};
-INSTANTIATE_TEST_SUITE_P(All, RaySamplesBy,
-                         testing::Values(Heuristic::entrance, Heuristic::exit, Heuristic::midpoint,
-                                         Heuristic::threshold, Heuristic::peak, Heuristic::gradient,
-                                         Heuristic::relThreshold, Heuristic::enExMean, Heuristic::median,
-                                         Heuristic::expected),
-                         [](const auto& info) {
-                           std::string name(nameOf(info.param));
-                           std::erase(name, '-');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(All, RaySamplesBy, testing::ValuesIn(everyHeuristic()), heuristicCase);
 
 TEST_P(RaySamplesBy, OneIsTheRaysOnlyOneToTheBit) {
   visitHeuristic(GetParam(), [](auto depth) {

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "heuristic_cases.h"
 #include "made_up_source.h"
 
 namespace warpscope {
@@ -130,16 +131,7 @@ void expectTheWhole(const TestRay& ray, const RayState<Depth>& state) {
 }
 
 class RayStateOf : public testing::TestWithParam<Heuristic> {};
-INSTANTIATE_TEST_SUITE_P(All, RayStateOf,
-                         testing::Values(Heuristic::entrance, Heuristic::exit, Heuristic::midpoint,
-                                         Heuristic::threshold, Heuristic::peak, Heuristic::gradient,
-                                         Heuristic::relThreshold, Heuristic::enExMean, Heuristic::median,
-                                         Heuristic::expected),
-                         [](const auto& info) {
-                           std::string name(nameOf(info.param));
-                           std::erase(name, '-');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(All, RayStateOf, testing::ValuesIn(everyHeuristic()), heuristicCase);
 
 TEST_P(RayStateOf, PiecesMakeTheWhole) {
   visitHeuristic(GetParam(), [&](auto depth) {

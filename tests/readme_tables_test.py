@@ -46,7 +46,7 @@ def main():
                 problems.append(f"{name}: a table is not what the program prints; run this test with --update")
         for option in sorted(set(re.findall(r"(?<![\w-])--[a-z][a-z0-9-]+", updated)) - options - FOREIGN):
             problems.append(f"{name}: no command knows {option}")
-    for table in ("commands", "heuristics", "knobs", "links", "radii", "techniques"):
+    for table in ("commands", "heuristics", "knobs", "link-keys", "links", "radii", "techniques"):
         if table not in seen:
             problems.append(f"no README has the table {table}")
     lines = (root / "README.md").read_text(encoding="utf-8").count("\n")

@@ -1,22 +1,13 @@
-// Options whose values have names: listing the names, and finding what was typed among them.
+// Options whose values have names: finding what was typed among them.
 // For tables of entries with `name` and `value`, as NamedValue.
 #pragma once
 
-#include <string>
 #include <string_view>
 
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
 
 namespace warpscope {
-
-/// "auto cpu cuda"
-template <class Table>
-std::string listOf(const Table& table) {
-  std::string text;
-  for (const auto& entry : table) text += (text.empty() ? "" : " ") + std::string(entry.name);
-  return text;
-}
 
 /// The value that `name` stands for. Throws UsageError, which says what `kind` of name it should be and proposes the nearest.
 template <class Table>

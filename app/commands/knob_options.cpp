@@ -15,18 +15,19 @@ const char* typeName(KnobType type) {
   return "TEXT";
 }
 
-}  // namespace
-
-std::optional<double> GivenKnobs::find(const Knob& knob) const {
-  const auto found = values_.find(&knob);
-  return found == values_.end() ? std::nullopt : std::optional(found->second);
-}
-
+/// "Edge of a point in pixels, 1 to 16, for points; default: 2".
 std::string helpOf(const Knob& knob, const std::string& otherwise, std::string_view owner) {
   std::string help(knob.help);
   help += (knob.type == KnobType::choice ? ": " : ", ") + valuesText(knob);
   if (!owner.empty()) help += ", for " + std::string(owner);
   return help + "; default: " + otherwise;
+}
+
+}  // namespace
+
+std::optional<double> GivenKnobs::find(const Knob& knob) const {
+  const auto found = values_.find(&knob);
+  return found == values_.end() ? std::nullopt : std::optional(found->second);
 }
 
 void KnobOptions::add(CLI::App& command, const Knob& knob, const std::string& otherwise, std::string_view owner) {

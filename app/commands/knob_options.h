@@ -37,7 +37,4 @@ class KnobOptions {
   std::map<const Knob*, std::string> typed_;  // empty: not given
 };
 
-/// As the help says it: "Edge of a point in pixels, 1 to 16, for points; default: 2".
-std::string helpOf(const Knob& knob, const std::string& otherwise, std::string_view owner);
-
 }  // namespace warpscope

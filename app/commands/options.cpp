@@ -3,7 +3,6 @@
 #include "app/commands/options.h"
 
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <vector>
 
@@ -13,7 +12,7 @@
 #include "app/shell/log.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
-#include "render/cuda/devices.h"
+#include "render/march/marcher_registry.h"
 #include "render/volume/procedural.h"
 #include "render/warp/spheres_warp.h"
 
@@ -58,15 +57,27 @@ Rgba8 parseColor(const std::string& text) {
   return (rgb >> 16 & 255) | (rgb & 0xff00) | (rgb & 255) << 16 | 0xff000000u;
 }
 
-constexpr Choice<Backend> kBackends[] = {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"cuda", Backend::cuda}};
 constexpr Choice<gl::Platform> kPlatforms[] = {
     {"auto", gl::Platform::automatic}, {"egl", gl::Platform::egl}, {"osmesa", gl::Platform::osmesa}};
 
+/// "auto", and every marcher by its name.
+std::vector<Choice<Backend>> backendChoices() {
+  std::vector<Choice<Backend>> choices{{nameOf(Backend::automatic), Backend::automatic}};
+  for (const MarcherDescriptor& marcher : marcherRegistry()) choices.push_back({marcher.name, marcher.backend});
+  return choices;
+}
+
+/// Where the marcher that comes first works. Throws DeviceError if there is none.
+Backend firstOf(Backend backend) { return marchersFor(backend).front()->backend; }
+
 void logBackend(Backend backend) {
   if (!isDetailLogged()) return;
-  const std::string reason = backend == Backend::automatic ? cuda::whyUnavailable() : std::string();
-  const bool isCpu = backend == Backend::cpu || !reason.empty();
-  logDetail(std::string("backend: ") + (isCpu ? "cpu" : "cuda") + (reason.empty() ? "" : ", because " + reason));
+  std::string reasons;
+  if (backend == Backend::automatic)
+    for (const MarcherDescriptor& marcher : marcherRegistry())
+      if (const std::string reason = marcher.whyUnavailable(); !reason.empty())
+        reasons += (reasons.empty() ? ", because " : "; ") + reason;
+  logDetail("backend: " + std::string(nameOf(firstOf(backend))) + reasons);
 }
 
 }  // namespace
@@ -81,7 +92,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   for (const MarchKnob& row : marchKnobs()) options.knobs.add(command, *row.knob, "the scene's");
   for (const WarpDescriptor& technique : warpRegistry())
     for (const Knob* knob : technique.knobs) options.knobs.add(command, *knob, textOf(*knob, knob->defaultValue), technique.name);
-  command.add_option("--backend", options.backend, "auto cpu cuda")->capture_default_str();
+  command.add_option("--backend", options.backend, listOf(backendChoices()))->capture_default_str();
   command.add_option("--gl", options.gl, "OpenGL without a window: auto egl osmesa")->capture_default_str();
   command.add_option("--size", options.size, "WxH of the pictures, in pixels")->capture_default_str();
   command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees, " + rangeText(kFovYDegRange) + "; default: the scene's");
@@ -118,7 +129,7 @@ CheckedOptions check(const CommonOptions& options) {
   }
   checked.uncovered = parseColor(options.uncovered);
   checked.platform = choose("OpenGL platform", options.gl, kPlatforms);
-  checked.backend = choose("backend", options.backend, kBackends);
+  checked.backend = choose("backend", options.backend, backendChoices());
   checked.given = options.knobs.check();
   for (const Knob* knob : warpKnobs())
     if (const auto value = checked.given.find(*knob)) checked.warp.knobs.set(*knob, *value);
@@ -133,15 +144,15 @@ CheckedOptions check(const CommonOptions& options) {
     checked.overrides.proceduralDims = {dims[0], dims[1], dims[2]};
   }
   validate(checked.warp);
-  const bool isOnDevice = checked.backend == Backend::cuda || (checked.backend == Backend::automatic && cuda::whyUnavailable().empty());
+  // One that was named and cannot be used is refused further down, after what was typed wrong.
+  const Backend first = checked.backend == Backend::automatic ? firstOf(checked.backend) : checked.backend;
+  const bool isOnDevice = first == Backend::cuda;
   const auto tracing = checked.warp.knobs.choice<SphereTracing>(kSphereTracingKnob);
   if (tracing == SphereTracing::clusters && !isOnDevice)
     throw UsageError("--bvh clusters: this hierarchy is for CUDA devices; choose auto, lbvh or embree");
   if (tracing == SphereTracing::embree && isOnDevice)
     throw UsageError("--bvh embree: Embree traces on the CPU; add --backend cpu, or choose auto, lbvh or clusters");
-  if (checked.backend == Backend::cuda)
-    if (const std::string reason = cuda::whyUnavailable(); !reason.empty())
-      throw DeviceError("the backend cuda cannot be used: " + reason);
+  firstOf(checked.backend);
   logBackend(checked.backend);
   return checked;
 }

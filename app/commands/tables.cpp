@@ -57,6 +57,7 @@ std::string_view stageName(KnobStage stage) {
     case KnobStage::encode: return "encode";
     case KnobStage::build: return "build";
     case KnobStage::draw: return "draw";
+    case KnobStage::nothing: return "nothing";
   }
   return "";
 }
@@ -103,6 +104,13 @@ std::string choiceTable(const char* head, const Table& table) {
 
 std::string heuristicTable(const CLI::App&) { return choiceTable("heuristic", kHeuristics); }
 std::string radiusTable(const CLI::App&) { return choiceTable("radius policy", kRadiusPolicies); }
+std::string linkKeyTable(const CLI::App&) {
+  std::vector<Row> rows;
+  for (const net::LinkKey& key : net::linkKeys())
+    rows.push_back({code(key.name), std::string(key.form), std::string(key.help)});
+  return lines({"key", "value", "what"}, rows);
+}
+
 std::string linkTable(const CLI::App&) { return choiceTable("`--link`", net::linkPresets()); }
 
 std::string commandTable(const CLI::App& program) {
@@ -118,7 +126,8 @@ struct Table {
 };
 
 constexpr Table kTables[] = {{"commands", commandTable},     {"heuristics", heuristicTable}, {"knobs", knobTable},
-                             {"links", linkTable},           {"radii", radiusTable},         {"techniques", techniqueTable}};
+                             {"link-keys", linkKeyTable},    {"links", linkTable},           {"radii", radiusTable},
+                             {"techniques", techniqueTable}};
 
 }  // namespace
 

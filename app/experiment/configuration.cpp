@@ -8,6 +8,7 @@
 #include "app/scene/knob_json.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
+#include "render/base/range.h"
 #include "render/warp/points_warp.h"
 
 namespace warpscope {
@@ -57,8 +58,6 @@ constinit const Knob kServerSideKnob{
     .owner = KnobOwner::sampling,
     .stale = KnobStage::march,
     .range = kServerSideRange,
-    .track = {128.0, 2048.0},
-    .scale = KnobScale::logarithmic,
     .axis = {"serverSides", "--server-sides", "Longer sides of the server's image, pixels"},
     .phrase = ", server's image of {} px",
     .naming = KnobNaming::whereDiffering,
@@ -139,6 +138,14 @@ std::string codecWord(const CodecSettings& codec) {
   return std::string(kJpegWord) + std::to_string(codec.jpegQuality);
 }
 
+std::string_view codecWords() {
+  static const std::string kWords = [] {
+    const std::string jpeg(kJpegWord);
+    return "raw, lossless, " + jpeg + numberText(kJpegQualityRange.lowest) + " to " + jpeg + numberText(kJpegQualityRange.highest);
+  }();
+  return kWords;
+}
+
 CodecSettings codecOfWord(std::string_view word) {
   CodecSettings codec;
   if (word == "raw") {
@@ -154,12 +161,12 @@ CodecSettings codecOfWord(std::string_view word) {
     const std::string_view digits = word.substr(kJpegWord.size());
     int quality = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), quality);
-    if (error == std::errc() && end == digits.data() + digits.size() && quality >= 1 && quality <= 100) {
+    if (error == std::errc() && end == digits.data() + digits.size() && quality >= kJpegQualityRange.lowest && quality <= kJpegQualityRange.highest) {
       codec.jpegQuality = quality;
       return codec;
     }
   }
-  throw UsageError("unknown codec '" + std::string(word.substr(0, 40)) + "'; known: raw, lossless, jpeg1 to jpeg100");
+  throw UsageError("unknown codec '" + std::string(word.substr(0, 40)) + "'; known: " + std::string(codecWords()));
 }
 
 std::string keyOf(const Configuration& given) {

@@ -79,6 +79,8 @@ std::string nameAmong(const Configuration& configuration, const std::vector<Conf
 std::string codecWord(const CodecSettings& codec);
 /// Back. Throws UsageError.
 CodecSettings codecOfWord(std::string_view word);
+/// Those words, for help and errors: "raw, lossless, jpeg1 to jpeg100".
+std::string_view codecWords();
 
 /// Its members under the names of metrics.json; what the technique does not depend on is null.
 nlohmann::json toJson(const Configuration& configuration);

@@ -3,14 +3,12 @@
 #include "app/experiment/sweep_plan.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <set>
 #include <stdexcept>
 
 #include "app/scene/knob_json.h"
 #include "render/base/error.h"
-#include "render/base/nearest_name.h"
 #include "render/base/range.h"
 #include "render/warp/points_warp.h"
 
@@ -23,10 +21,7 @@ constexpr Range kInstantsRange{1, 100};
 constexpr Range kDrawsRange{1, 1000};
 
 double numberOf(const std::string& text, const Range& range, std::string_view name) {
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size())
-    throw UsageError("'" + text.substr(0, 40) + "' is no number; " + std::string(name) + " must be " + rangeText(range));
+  const double number = requireNumber(text, range, name);
   requireRange(number, range, name);
   return number;
 }
@@ -98,7 +93,7 @@ std::vector<SweepAxis> sweepAxes() {
          replace(plan.techniques, texts, [](const std::string& text) { return &findWarp(text); });
        }}};
   for (const ConfigurationKnob& row : configurationKnobs()) axes.push_back(axisOf(row.knob()));
-  axes.push_back({"codecs", "--codecs", "raw, lossless, jpeg1 to jpeg100", ',', 64,
+  axes.push_back({"codecs", "--codecs", codecWords(), ',', 64,
                   [](SweepPlan& plan, Texts texts) { replace(plan.codecs, texts, [](const std::string& text) { return codecOfWord(text); }); }});
   axes.push_back({"angles", "--angles", "Degrees that the camera is turned by, away from the frame's", ',', 256, [](SweepPlan& plan, Texts texts) {
                     replace(plan.anglesDeg, texts, [](const std::string& text) { return numberOf(text, kAngleDegRange, "an angle"); });

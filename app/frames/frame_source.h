@@ -9,6 +9,7 @@
 #include <string>
 
 #include "net/link_settings.h"
+#include "net/messages.h"
 #include "render/base/clock.h"
 #include "render/codec/codec.h"
 #include "render/march/sample_frame.h"
@@ -54,16 +55,17 @@ struct ServedFrame {
   std::string error;
 };
 
+inline constexpr int kDefaultDepth = 1;
+inline constexpr Range kDepthRange{1, net::kMaxDepth};
+
 /// How frames travel; may change at any time.
 struct TransportSettings {
   net::DuplexLinkSettings link;  ///< simulated on top of what is there
   CodecSettings codec;
-  int depth = 1;                 ///< requests under way at a time, kDepthRange
+  int depth = kDefaultDepth;     ///< requests under way at a time, kDepthRange
 
   bool operator==(const TransportSettings&) const = default;
 };
-
-inline constexpr Range kDepthRange{1, 16};
 
 struct SourceStatus {
   bool isConnected = true;

@@ -9,6 +9,10 @@ constexpr auto kFormatChoices = choicesOf(kPayloadFormats);
 constexpr auto kColorChoices = choicesOf(kColorCodings);
 constexpr CodecSettings kCodec;
 
+bool always(const TransportSettings&) { return true; }
+bool isPacked(const TransportSettings& s) { return s.codec.format == PayloadFormat::packed; }
+bool isJpeg(const TransportSettings& s) { return isPacked(s) && s.codec.color == ColorCoding::jpeg; }
+
 }  // namespace
 
 constinit const Knob kFormatKnob{
@@ -59,23 +63,26 @@ constinit const Knob kDepthKnob{
     .help = "Requests under way at a time: one is best against delay on narrow links, more fill long and wide ones",
     .type = KnobType::whole,
     .owner = KnobOwner::transport,
-    .stale = KnobStage::march,
+    .stale = KnobStage::nothing,
     .range = kDepthRange,
     .track = kDepthRange,
-    .defaultValue = 1.0,
+    .defaultValue = kDefaultDepth,
 };
 
-std::span<const KnobRow<TransportSettings>> transportKnobs() {
-  using Row = KnobRow<TransportSettings>;
-  static const Row kRows[] = {
-      {&kFormatKnob, [](const TransportSettings& s) { return static_cast<double>(s.codec.format); },
-       [](TransportSettings& s, double value) { s.codec.format = static_cast<PayloadFormat>(value); }},
-      {&kColorKnob, [](const TransportSettings& s) { return static_cast<double>(s.codec.color); },
-       [](TransportSettings& s, double value) { s.codec.color = static_cast<ColorCoding>(value); }},
-      {&kQualityKnob, [](const TransportSettings& s) { return double(s.codec.jpegQuality); },
-       [](TransportSettings& s, double value) { s.codec.jpegQuality = static_cast<int>(value); }},
-      {&kDepthKnob, [](const TransportSettings& s) { return double(s.depth); },
-       [](TransportSettings& s, double value) { s.depth = static_cast<int>(value); }},
+std::span<const TransportKnob> transportKnobs() {
+  static const TransportKnob kRows[] = {
+      {{&kFormatKnob, [](const TransportSettings& s) { return static_cast<double>(s.codec.format); },
+        [](TransportSettings& s, double value) { s.codec.format = static_cast<PayloadFormat>(value); }},
+       always},
+      {{&kColorKnob, [](const TransportSettings& s) { return static_cast<double>(s.codec.color); },
+        [](TransportSettings& s, double value) { s.codec.color = static_cast<ColorCoding>(value); }},
+       isPacked},
+      {{&kQualityKnob, [](const TransportSettings& s) { return double(s.codec.jpegQuality); },
+        [](TransportSettings& s, double value) { s.codec.jpegQuality = static_cast<int>(value); }},
+       isJpeg},
+      {{&kDepthKnob, [](const TransportSettings& s) { return double(s.depth); },
+        [](TransportSettings& s, double value) { s.depth = static_cast<int>(value); }},
+       always},
   };
   return kRows;
 }

@@ -9,8 +9,13 @@
 
 namespace warpscope {
 
+struct TransportKnob : KnobRow<TransportSettings> {
+  /// Whether it changes anything as the others are set.
+  bool (*matters)(const TransportSettings&) = nullptr;
+};
+
 /// Every row, in the order in which they are listed.
-std::span<const KnobRow<TransportSettings>> transportKnobs();
+std::span<const TransportKnob> transportKnobs();
 
 extern const Knob kFormatKnob, kColorKnob, kQualityKnob, kDepthKnob;
 

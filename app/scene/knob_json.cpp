@@ -9,7 +9,8 @@ namespace warpscope {
 
 nlohmann::json jsonOf(const Knob& knob, double value) {
   switch (knob.type) {
-    case KnobType::number: return static_cast<float>(value);
+    // The nearest decimal that is the same in single precision: 0.8, not 0.800000011920929.
+    case KnobType::number: return parseNumber(textOf(knob, value)).value_or(value);
     case KnobType::whole: return static_cast<int64_t>(value);
     case KnobType::choice: return textOf(knob, value);
     case KnobType::flag: return value != 0.0;

@@ -98,12 +98,8 @@ void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
   heading("NETWORK", look);
   TransportSettings& transport = knobs.transport;
   drawLink(transport.link, look);
-  for (const auto& row : transportKnobs()) {
-    const bool isPacked = transport.codec.format == PayloadFormat::packed;
-    if (row.knob == &kColorKnob && !isPacked) continue;
-    if (row.knob == &kQualityKnob && !(isPacked && transport.codec.color == ColorCoding::jpeg)) continue;
-    knobWidget(row, transport, look);
-  }
+  for (const TransportKnob& row : transportKnobs())
+    if (row.matters(transport)) knobWidget(row, transport, look);
 
   const std::optional<SourceStatus> status = session.sourceStatus();
   if (!status || status->where.empty()) return;

@@ -3,7 +3,6 @@
 #include "render/base/knob.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
@@ -12,12 +11,6 @@ namespace warpscope {
 namespace {
 
 constexpr size_t kMostShown = 40;  // characters of what was typed
-
-/// Whether the whole of `text` is a number.
-bool readNumber(std::string_view text, double& number) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size();
-}
 
 bool isKnownChoice(const Knob& knob, double value) { return value >= 0.0 && value < static_cast<double>(knob.choices.size()) && value == std::floor(value); }
 
@@ -60,13 +53,11 @@ double parseKnob(const Knob& knob, std::string_view text, std::string_view name)
     if (const KnobChoice* choice = findNamed(knob.choices, text)) return static_cast<double>(choice - knob.choices.data());
     throw UsageError(unknownNameIn(knob.choices, knob.noun, text.substr(0, kMostShown)));
   }
-  double value = 0.0;
   if (knob.type == KnobType::flag) {
     if (text != "true" && text != "false") throw UsageError(std::string(name) + " must be true or false");
     return text == "true" ? 1.0 : 0.0;
   }
-  if (!readNumber(text, value))
-    throw UsageError("'" + std::string(text.substr(0, kMostShown)) + "' is no number; " + std::string(name) + " must be " + rangeText(knob.range));
+  const double value = requireNumber(text, knob.range, name);
   validate(knob, value, name);
   return knob.type == KnobType::number ? static_cast<double>(static_cast<float>(value)) : value;
 }
@@ -78,9 +69,7 @@ std::string valuesText(const Knob& knob) {
     case KnobType::flag: return "true or false";
     case KnobType::choice: break;
   }
-  std::string text;
-  for (const KnobChoice& choice : knob.choices) text += (text.empty() ? "" : " ") + std::string(choice.name);
-  return text;
+  return listOf(knob.choices);
 }
 
 std::string phraseOf(const Knob& knob, double value) {

@@ -27,8 +27,8 @@ enum class KnobType {
 /// To what it belongs.
 enum class KnobOwner { rendering, sampling, technique, effect, transport, display };
 
-/// The first of a picture's stages that has to be done again once it was turned.
-enum class KnobStage { march, encode, build, draw };
+/// The first of a picture's stages that has to be done again once it was turned; behind the stages, none of them.
+enum class KnobStage { march, encode, build, draw, nothing };
 
 /// How a slider's track is divided.
 enum class KnobScale { linear, logarithmic };

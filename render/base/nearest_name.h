@@ -28,6 +28,14 @@ auto findNamed(const Table& table, std::string_view name) -> decltype(&*std::beg
   return nullptr;
 }
 
+/// The table's names: "auto cpu cuda".
+template <class Table>
+std::string listOf(const Table& table) {
+  std::string text;
+  for (const auto& entry : table) text += (text.empty() ? "" : " ") + std::string(entry.name);
+  return text;
+}
+
 /// The sentence for a name that is not in the table.
 template <class Table>
 std::string unknownNameIn(const Table& table, std::string_view kind, std::string_view name) {

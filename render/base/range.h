@@ -3,6 +3,7 @@
 #pragma once
 
 #include <concepts>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,6 +17,12 @@ struct Range {
 /// The shortest decimal text that reads back as the same number.
 std::string numberText(double value);
 std::string numberText(float value);
+
+/// The number that all of `text` is, as C writes it; nothing if it is none.
+std::optional<double> parseNumber(std::string_view text);
+
+/// The same; throws UsageError "'TEXT' is no number; NAME must be LOWEST to HIGHEST". Whether it lies in `range` is not looked at.
+double requireNumber(std::string_view text, const Range& range, std::string_view name);
 
 /// "LOWEST to HIGHEST".
 std::string rangeText(const Range& range);

@@ -103,10 +103,15 @@ bool areRaysAscending(std::span<const uint32_t> pixels, std::span<const uint8_t>
   if (layers.empty()) return areAllAscending(pixels);
   std::atomic<bool> areAll = pixels.front() != kNoSample;
   parallelForRanges(pixels.size() - 1, kGrain, [&](size_t begin, size_t end) {
-    bool isOutOfOrder = false;
-    for (size_t i = begin; i < end; ++i)
-      isOutOfOrder |= (pixels[i + 1] == kNoSample) | ((layers[i + 1] == 0) & (pixels[i] >= pixels[i + 1]));
-    if (isOutOfOrder) areAll = false;
+    // Words alone, in locals: many at once.
+    const uint32_t* const pixel = pixels.data();
+    const uint8_t* const layer = layers.data();
+    uint32_t faults = 0;
+    for (size_t i = begin; i < end; ++i) {
+      const uint32_t begins = layer[i + 1] == 0 ? 1u : 0u, falls = pixel[i] >= pixel[i + 1] ? 1u : 0u;
+      faults |= (pixel[i + 1] == kNoSample ? 1u : 0u) | (begins & falls);
+    }
+    if (faults != 0) areAll = false;
   });
   return areAll;
 }

@@ -69,12 +69,13 @@ WARPSCOPE_HD inline void marchParts(const RayPath& path, Source& source, const L
   if (any) onPart(piece);
 }
 
-/// Adds the path's samples by the heuristic `Depth`, one for each of up to `count` parts. `makeSource()` gives a source
-/// at the path's beginning: the path is marched twice, three times for a two-pass heuristic, and nothing is kept but
-/// the parts.
+/// Makes `found` the path's samples by the heuristic `Depth`, one for each of up to `count` parts. `makeSource()` gives a
+/// source at the path's beginning: the path is marched twice, three times for a two-pass heuristic, and nothing is kept
+/// but the parts.
 template <class Depth, class MakeSource, class Light>
 WARPSCOPE_HD inline void findSamples(const RayPath& path, const MakeSource& makeSource, const Light& light,
                                      const RayLimits& limits, float threshold, int count, RaySamples& found) {
+  found.clear();
   ProfileFold whole;
   {
     RayOpacity opacity;

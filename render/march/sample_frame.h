@@ -50,7 +50,7 @@ struct SampleFrame {
       if (plane.name == name) return &plane;
     return nullptr;
   }
-  /// The values of kLayerPlane; empty if every sample is its ray's only one.
+  /// The values of kLayerPlane, all less than settings.sample.samplesPerRay; empty if every sample is its ray's only one.
   std::span<const uint8_t> layers() const {
     const SamplePlane* const plane = this->plane(kLayerPlane);
     if (plane == nullptr || plane->element != PlaneElement::uint8) return {};

@@ -1,6 +1,8 @@
-// Bytes a sample, and times of encoding and decoding, for each format, heuristic and colour coding, and for several samples a ray. Run by hand;
+// Bytes a sample, and times of encoding and decoding, for each format, heuristic and colour coding, and for several
+// samples a ray. Run by hand;
 // `--benchmark_filter` chooses.
-// Frames: the built-in shells, and the engine where WARPSCOPE_DATA names its folder. What comes back is checked before anything is timed.
+// Frames: the built-in shells, and the engine where WARPSCOPE_DATA names its folder. What comes back is checked before
+// anything is timed.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -22,21 +24,29 @@ namespace {
 
 constexpr uint32_t kSide = 1024;  // pixels
 
-/// Of one ray's samples, one by each heuristic.
-using Heuristics = std::vector<Heuristic>;
+/// What a ray's samples are: one by each heuristic, or as many parts of equal opacity, one by the only heuristic in
+/// each.
+struct Rays {
+  std::vector<Heuristic> heuristics;
+  int parts = 1;
 
-SampleFrame marchFrame(const std::string& sceneName, const Heuristics& heuristics) {
+  auto operator<=>(const Rays&) const = default;
+};
+
+SampleFrame marchFrame(const std::string& sceneName, const Rays& rays) {
   const Scene scene = openScene(sceneName);
   const MarcherPtr marcher = makeCpuMarcher(scene.volume, scene.transferFunction);
   View view = scene.views.front();
   view.distance = 0.72f;  // the volume fills the picture
-  return marchLayers(*marcher, makeCamera(scene, view, kSide, kSide), {}, heuristics);
+  MarchSettings settings;
+  settings.sample.samplesPerRay = rays.parts;
+  return marchLayers(*marcher, makeCamera(scene, view, kSide, kSide), settings, rays.heuristics);
 }
 
-const SampleFrame& frameOf(const std::string& scene, const Heuristics& heuristics) {
-  static std::map<std::pair<std::string, Heuristics>, SampleFrame> frames;
-  const auto key = std::pair(scene, heuristics);
-  if (!frames.contains(key)) frames.emplace(key, marchFrame(scene, heuristics));
+const SampleFrame& frameOf(const std::string& scene, const Rays& rays) {
+  static std::map<std::pair<std::string, Rays>, SampleFrame> frames;
+  const auto key = std::pair(scene, rays);
+  if (!frames.contains(key)) frames.emplace(key, marchFrame(scene, rays));
   return frames.at(key);
 }
 
@@ -53,22 +63,25 @@ double colorError(const SampleFrame& frame, const SampleFrame& decoded) {
   for (size_t i = 0; i < frame.size(); ++i)
     for (int shift = 0; shift < 24; shift += 8) {
       const double alpha = static_cast<double>(frame.colors[i] >> 24) / 255.0;
-      const double difference =
-          alpha * (static_cast<double>(frame.colors[i] >> shift & 255) - static_cast<double>(decoded.colors[i] >> shift & 255));
+      const double difference = alpha * (static_cast<double>(frame.colors[i] >> shift & 255) -
+                                         static_cast<double>(decoded.colors[i] >> shift & 255));
       sum += difference * difference;
     }
   return std::sqrt(sum / (3.0 * static_cast<double>(frame.size())));
 }
 
-void runCodec(benchmark::State& state, const std::string& scene, const Heuristics& heuristics, const CodecSettings& settings, bool decoding) {
-  const SampleFrame& frame = frameOf(scene, heuristics);
+void runCodec(benchmark::State& state, const std::string& scene, const Rays& rays, const CodecSettings& settings,
+              bool decoding) {
+  const SampleFrame& frame = frameOf(scene, rays);
   FrameCodec codec;
   const std::vector<std::byte> payload = codec.encode(frame, settings);
   SampleFrame decoded = headOf(frame);
   if (const DecodeError error = codec.decode(payload, frame.size(), decoded)) throw std::runtime_error(*error);
-  if (decoded.samples != frame.samples || decoded.planes != frame.planes) throw std::runtime_error("other samples came back");
+  if (decoded.samples != frame.samples || decoded.planes != frame.planes)
+    throw std::runtime_error("other samples came back");
   const double rms = colorError(frame, decoded);
-  if (settings.color == ColorCoding::lossless && decoded.colors != frame.colors) throw std::runtime_error("other colours came back");
+  if (settings.color == ColorCoding::lossless && decoded.colors != frame.colors)
+    throw std::runtime_error("other colours came back");
   for (auto _ : state) {
     if (decoding)
       benchmark::DoNotOptimize(codec.decode(payload, frame.size(), decoded));
@@ -76,44 +89,55 @@ void runCodec(benchmark::State& state, const std::string& scene, const Heuristic
       benchmark::DoNotOptimize(codec.encode(frame, settings).data());
   }
   state.counters["samples"] = static_cast<double>(frame.size());
-  state.counters["samplesPerS"] = benchmark::Counter(static_cast<double>(frame.size()), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["samplesPerS"] =
+      benchmark::Counter(static_cast<double>(frame.size()), benchmark::Counter::kIsIterationInvariantRate);
   state.counters["bytesPerSample"] = static_cast<double>(payload.size()) / static_cast<double>(frame.size());
   state.counters["psnrDb"] = rms > 0.0 ? 20.0 * std::log10(255.0 / rms) : INFINITY;
 }
 
 void runPicture(benchmark::State& state, const std::string& scene, int quality) {
-  const SampleFrame& frame = frameOf(scene, {Heuristic::gradient});
+  const SampleFrame& frame = frameOf(scene, {{Heuristic::gradient}});
   std::vector<std::byte> jpeg;
   for (auto _ : state) jpeg = encodeFramePicture(frame, glm::vec3(0.0f), quality);
   state.counters["bytes"] = static_cast<double>(jpeg.size());
 }
 
 void add(const std::string& scene, const std::string& path) {
-  const auto addFrame = [&](const Heuristics& heuristics, const std::string& frame, const CodecSettings& settings, const std::string& name) {
+  const auto addFrame = [&](const Rays& rays, const std::string& frame, const CodecSettings& settings,
+                            const std::string& name) {
     for (const bool decoding : {false, true})
-      benchmark::RegisterBenchmark((std::string(decoding ? "decode/" : "encode/") + scene + "/" + frame + "/" + name).c_str(),
-                                   [=](benchmark::State& state) { runCodec(state, path, heuristics, settings, decoding); })
+      benchmark::RegisterBenchmark(
+          (std::string(decoding ? "decode/" : "encode/") + scene + "/" + frame + "/" + name).c_str(),
+          [=](benchmark::State& state) { runCodec(state, path, rays, settings, decoding); })
           ->Unit(benchmark::kMillisecond)
           ->MeasureProcessCPUTime()
           ->UseRealTime();
   };
   const auto addOne = [&](Heuristic heuristic, const CodecSettings& settings, const std::string& name) {
-    addFrame({heuristic}, std::string(nameOf(heuristic)), settings, name);
+    addFrame({{heuristic}}, std::string(nameOf(heuristic)), settings, name);
   };
   addOne(Heuristic::gradient, {PayloadFormat::raw, ColorCoding::lossless, 90}, "raw");
   for (const auto& heuristic : kHeuristics) {
     addOne(heuristic.value, {PayloadFormat::packed, ColorCoding::lossless, 90}, "lossless");
     addOne(heuristic.value, {PayloadFormat::packed, ColorCoding::jpeg, 90}, "jpeg90");
   }
-  for (const int quality : {75, 85, 95}) addOne(Heuristic::gradient, {PayloadFormat::packed, ColorCoding::jpeg, quality}, "jpeg" + std::to_string(quality));
-  const Heuristics layers{Heuristic::gradient, Heuristic::entrance, Heuristic::exit, Heuristic::peak};
+  for (const int quality : {75, 85, 95})
+    addOne(Heuristic::gradient, {PayloadFormat::packed, ColorCoding::jpeg, quality}, "jpeg" + std::to_string(quality));
+  const std::vector<Heuristic> layers{Heuristic::gradient, Heuristic::entrance, Heuristic::exit, Heuristic::peak};
   for (const size_t count : {1, 2, 4}) {
-    const Heuristics some(layers.begin(), layers.begin() + static_cast<std::ptrdiff_t>(count));
+    const Rays some{{layers.begin(), layers.begin() + static_cast<std::ptrdiff_t>(count)}};
     const std::string name = "layers" + std::to_string(count);
     addFrame(some, name, {PayloadFormat::packed, ColorCoding::lossless, 90}, "lossless");
     addFrame(some, name, {PayloadFormat::packed, ColorCoding::jpeg, 90}, "jpeg90");
   }
-  benchmark::RegisterBenchmark(("picture/" + scene + "/jpeg90").c_str(), [=](benchmark::State& state) { runPicture(state, path, 90); })
+  for (const int parts : {2, 4, 8}) {
+    const Rays cut{{Heuristic::gradient}, parts};
+    const std::string name = "parts" + std::to_string(parts);
+    addFrame(cut, name, {PayloadFormat::packed, ColorCoding::lossless, 90}, "lossless");
+    addFrame(cut, name, {PayloadFormat::packed, ColorCoding::jpeg, 95}, "jpeg95");
+  }
+  benchmark::RegisterBenchmark(("picture/" + scene + "/jpeg90").c_str(),
+                               [=](benchmark::State& state) { runPicture(state, path, 90); })
       ->Unit(benchmark::kMillisecond)
       ->UseRealTime();
 }

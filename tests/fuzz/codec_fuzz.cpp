@@ -1,5 +1,5 @@
 // Payloads made up by libFuzzer: whatever they hold, decoding answers with a sentence or with as many samples as were asked for.
-// The first bytes choose format, camera, planes and count; the hash is put right, so that what lies behind it is reached.
+// The first bytes choose format, samples a ray, camera, planes and count; the hash is put right, so that what lies behind it is reached.
 #include <cstdint>
 #include <cstdlib>
 #include <span>
@@ -34,8 +34,10 @@ SampleFrame headFrom(ByteReader& reader) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   ByteReader reader(std::as_bytes(std::span(data, size)));
-  const auto format = static_cast<uint8_t>(reader.take<uint8_t>() & 1);
+  const auto first = reader.take<uint8_t>();
+  const auto format = static_cast<uint8_t>(first & 1);
   SampleFrame frame = headFrom(reader);
+  frame.settings.sample.samplesPerRay = 1 + (first >> 1 & 7);
   const size_t count = reader.take<uint16_t>();
   std::vector<std::byte> payload;
   appendLittle(payload, format);
@@ -55,6 +57,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   }
   const std::span<const uint8_t> layers = frame.layers();
   for (size_t i = 0; i < layers.size(); ++i)
-    if (layers[i] != 0 && (i == 0 || layers[i] != layers[i - 1] + 1)) std::abort();
+    if (layers[i] >= frame.settings.sample.samplesPerRay || (layers[i] != 0 && (i == 0 || layers[i] != layers[i - 1] + 1)))
+      std::abort();
   return 0;
 }

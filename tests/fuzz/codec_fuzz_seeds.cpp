@@ -13,11 +13,11 @@
 namespace warpscope {
 namespace {
 
-/// As codec_fuzz reads it: format, width and height less one, choices, count, payload without its head.
+/// As codec_fuzz reads it: format and samples a ray, width and height less one, choices, count, payload without its head.
 void writeSeed(const std::filesystem::path& path, const SampleFrame& frame, const CodecSettings& settings) {
   const std::vector<std::byte> payload = FrameCodec().encode(frame, settings);
   std::vector<std::byte> seed;
-  appendLittle(seed, static_cast<uint8_t>(settings.format));
+  appendLittle(seed, static_cast<uint8_t>(static_cast<int>(settings.format) | (frame.settings.sample.samplesPerRay - 1) << 1));
   appendLittle(seed, static_cast<uint8_t>(frame.camera.width - 1));
   appendLittle(seed, static_cast<uint8_t>(frame.camera.height - 1));
   uint32_t choices = static_cast<uint32_t>(frame.settings.sample.radiusPolicy);
@@ -40,6 +40,7 @@ SampleFrame madeUp(uint32_t width, uint32_t height, uint32_t oneIn, uint32_t lay
   frame.camera.height = height;
   frame.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f};
   frame.settings.sample.radiusPolicy = static_cast<RadiusPolicy>(seed & 3);
+  frame.settings.sample.samplesPerRay = static_cast<int>(layers);
   std::vector<uint8_t> places;
   for (uint32_t pixel = 0; pixel < width * height; ++pixel) {
     if (random() % oneIn != 0) continue;

@@ -1,0 +1,82 @@
+// Radii as expected, and what differs from that.
+// See radius_tokens.h.
+#include "render/codec/radius_tokens.h"
+
+#include <algorithm>
+
+#include "render/codec/zstd_section.h"
+#include "render/march/march_setup.h"
+
+namespace warpscope {
+namespace {
+
+/// What a sample's radius should be, from what else is known of it.
+class RadiusPrediction {
+ public:
+  explicit RadiusPrediction(const SampleFrame& frame)
+      : rule_(sampleRuleOf(frame)),
+        camera_(frame.camera),
+        isSame_(rule_.policy == RadiusPolicy::voxel || rule_.policy == RadiusPolicy::constant),
+        same_(code(1.0f, 1.0f, 0)) {}
+
+  uint32_t operator()(float depth, float cosine, Rgba8 color) const {
+    return isSame_ ? same_ : code(depth, cosine, color);
+  }
+  bool isSame() const { return isSame_; }
+  uint32_t same() const { return same_; }
+
+ private:
+  uint32_t code(float depth, float cosine, Rgba8 color) const {
+    const float opacity = static_cast<float>(color >> 24) / 255.0f;
+    return encodeRadius(sampleRadius(rule_, camera_, depth, cosine, opacity), rule_.quantization.radiusUnit);
+  }
+
+  SampleRule rule_;
+  const Camera& camera_;
+  bool isSame_;  // for all samples
+  uint32_t same_;
+};
+
+}  // namespace
+
+void putRadii(const SampleFrame& frame, const PixelPaths& paths, std::span<const PackedSample> samples,
+              std::span<const float> depths, std::span<const Rgba8> colors, std::span<uint8_t> tokens,
+              BitWriter& bits) {
+  const RadiusPrediction radius(frame);
+  const size_t count = tokens.size();
+  if (radius.isSame()) {
+    uint32_t differing = 0;
+    for (size_t i = 0; i < count; ++i) differing |= radiusCode(samples[i]) ^ radius.same();
+    if (differing == 0) {
+      std::fill(tokens.begin(), tokens.end(), uint8_t{0});
+      return;
+    }
+  }
+  for (size_t i = 0; i < count; ++i) {
+    const auto likely = static_cast<int32_t>(radius(depths[i], paths.cosine(i), colors[i]));
+    tokens[i] = putToken(zigzag(static_cast<int32_t>(radiusCode(samples[i])) - likely), bits);
+  }
+}
+
+void takeRadii(const SampleFrame& frame, const PixelPaths& paths, std::span<const uint8_t> tokens,
+               std::span<const float> depths, std::span<const Rgba8> colors, std::span<PackedSample> positions,
+               BitReader& bits) {
+  const RadiusPrediction radius(frame);
+  const size_t count = tokens.size();
+  PackedSample* const position = positions.data();
+  if (radius.isSame() && isZero(tokens)) {
+    const uint64_t code = static_cast<uint64_t>(radius.same() & kRadiusCodeMax) << kRadiusShift;
+    for (size_t i = 0; i < count; ++i) position[i] = (position[i] & kPositionMask) | code;
+    return;
+  }
+  BitReader take = bits;  // a local: what is written cannot be what it reads then
+  for (size_t i = 0; i < count; ++i) {
+    const auto likely = radius(depths[i], paths.cosine(i), colors[i]);
+    const uint32_t difference = static_cast<uint32_t>(unzigzag(takeToken(tokens[i], take)));
+    position[i] = (position[i] & kPositionMask) | static_cast<uint64_t>((likely + difference) & kRadiusCodeMax)
+                                                      << kRadiusShift;
+  }
+  bits = take;
+}
+
+}  // namespace warpscope
