@@ -68,6 +68,7 @@ Row knobRow(const Knob& knob, const std::string& owner) {
   return {code(knob.key),
           code(knob.option),
           code(knob.axis.option),
+          std::string(knob.label),
           std::string(knob.help),
           valuesText(knob) + (unit.empty() ? "" : " " + unit),
           hasDefault ? textOf(knob, knob.defaultValue) : "the pictures' longer side",
@@ -82,7 +83,7 @@ std::string knobTable(const CLI::App&) {
   for (const WarpDescriptor& technique : warpRegistry())
     for (const Knob* knob : technique.knobs) rows.push_back(knobRow(*knob, code(technique.name)));
   for (const auto& row : transportKnobs()) rows.push_back(knobRow(*row.knob, std::string(ownerName(row.knob->owner))));
-  return lines({"key", "option", "of a sweep", "what it does", "values", "default", "belongs to", "makes stale"}, rows);
+  return lines({"key", "option", "option of `sweep`", "in the window", "what it does", "values", "default", "belongs to", "makes stale"}, rows);
 }
 
 std::string techniqueTable(const CLI::App&) {
