@@ -175,8 +175,11 @@ void readItem(DuplexLinkSettings& settings, std::string_view item) {
   constexpr std::string_view kUp = "up.", kDown = "down.";
   const size_t equals = item.find('=');
   if (equals == std::string_view::npos) {
-    refuse(quoted(item) + " is no KEY=VALUE, nor a link's name at the beginning; names: " + listOf(linkPresets()) + "; keys: " +
-           listOf(linkKeys()));
+    std::vector<std::string_view> names;
+    for (const LinkPreset& preset : linkPresets()) names.push_back(preset.name);
+    const std::optional<std::string_view> nearest = nearestName(item, names);
+    refuse(quoted(item) + " is no KEY=VALUE, nor a link's name at the beginning" +
+           (nearest ? "; did you mean '" + std::string(*nearest) + "'? Names: " : "; names: ") + listOf(linkPresets()) + "; keys: " + listOf(linkKeys()));
   }
   std::string_view name = item.substr(0, equals);
   const std::string_view value = item.substr(equals + 1);

@@ -56,6 +56,8 @@ TEST(UnknownName, ProposesNothingThatIsFar) {
 TEST(UnknownName, TiesGoToTheFirst) {
   constexpr std::array<std::string_view, 2> known{"bat", "cat"};
   EXPECT_THAT(unknownName("x", "rat", known), testing::HasSubstr("did you mean 'bat'?"));
+  const std::string_view keys[] = {"front", "fovYDeg"};
+  EXPECT_THAT(unknownName("key", "fov", keys), testing::HasSubstr("did you mean 'fovYDeg'?"));
   constexpr std::array<std::string_view, 2> options{"tf", "out"};
   EXPECT_EQ(nearestName("otu", options), "out") << "unless another has the first letter";
 }

@@ -83,9 +83,7 @@ void logBackend(Backend backend) {
 }  // namespace
 
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
-  std::string scenes;
-  for (const ProceduralVolume& volume : kProceduralVolumes) scenes += std::string(volume.name) + ", ";
-  command.add_option("scene", options.scene, "A built-in scene (" + scenes + "default vessels), a scene file or a volume file");
+  command.add_option("scene", options.scene, "A built-in scene (" + listOf(kProceduralVolumes) + "; default: vessels), a scene file or a volume file");
   command.add_option("--volume", options.volume, "Replaces the scene's volume by this file");
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
   command.add_option("--tf", options.transferFunction, "Transfer function file (JSON)");

@@ -49,6 +49,7 @@ std::string sentenceOf(const CLI::ParseError& error, const CLI::App& program) {
     return "unknown option '" + name + "'" + (nearest ? "; did you mean '--" + std::string(*nearest) + "'?" : "") + help;
   }
   if (extra != extras.end() && parsed.empty()) {
+    if (*extra == "help") return "there is no command 'help': ask for warpscope --help, or COMMAND --help";
     for (const CLI::App* known : program.get_subcommands([](const CLI::App*) { return true; })) names.push_back(known->get_name());
     return unknownName("command", *extra, std::vector<std::string_view>(names.begin(), names.end())) + help;
   }

@@ -153,7 +153,7 @@ void addSweepCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--out", options->out, "Folder to write to")->required();
   command->add_option("--plan", options->plan, "JSON file with the axes' values; options below replace what it names");
   for (const SweepAxis& axis : sweepAxes())
-    command->add_option(std::string(axis.option), options->axes[axis.option], std::string(axis.help) + ", joined by '" + axis.separator + "'");
+    command->add_option(std::string(axis.option), options->axes[axis.option], std::string(axis.help) + (axis.most > 1 ? std::string(", joined by '") + axis.separator + "'" : ""));
   command->callback([options, &chosen] { chosen = [options] { sweep(*options); }; });
 }
 

@@ -98,7 +98,7 @@ std::vector<SweepAxis> sweepAxes() {
   axes.push_back({"angles", "--angles", "Degrees that the camera is turned by, away from the frame's", ',', 256, [](SweepPlan& plan, Texts texts) {
                     replace(plan.anglesDeg, texts, [](const std::string& text) { return numberOf(text, kAngleDegRange, "an angle"); });
                   }});
-  axes.push_back({"links", "--links", "Links behind which the camera moves, as --link, joined by ';'; none: no link, but each stage's own time", ';', 64,
+  axes.push_back({"links", "--links", "Links behind which the camera moves, as --link (none: no link, but each stage's own time)", ';', 64,
                   [](SweepPlan& plan, Texts texts) { replace(plan.links, texts, linkOf); }});
   axes.push_back({"speedDegPerS", "--speed", "Degrees a second of that motion", ',', 1,
                   [](SweepPlan& plan, Texts texts) { plan.speedDegPerS = numberOf(texts[0], kSpeedDegPerSRange, "the speed"); }});

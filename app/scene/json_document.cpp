@@ -233,7 +233,7 @@ void Node::requireObject(std::span<const std::string_view> known) const {
   if (!value_->is_object()) fail(std::string("must be an object, not ") + value_->type_name());
   for (const auto& [key, member] : value_->items())
     if (std::find(known.begin(), known.end(), key) == known.end())
-      child(key, member).fail("is not known here: " + unknownName("key", key, known));
+      child(key, member).fail("is not known here" + knownInstead(key, known));
 }
 
 std::optional<Node> Node::find(std::string_view key) const {

@@ -121,6 +121,8 @@ fs::path targetOf(const fs::path& path) {
   if (path.empty()) throw InputError("the file to write has no name: it cannot be written");
   if (!path.has_filename()) throw InputError(path.string() + ": cannot be written: it is a folder");
   std::error_code error;
+  if (const fs::path folder = path.parent_path(); !folder.empty() && fs::status(folder, error).type() == fs::file_type::not_found)
+    throw InputError(path.string() + ": cannot be written: there is no folder " + folder.string());
   fs::path target = fs::weakly_canonical(path, error);
   if (error) {
     const std::string reason = error.message();

@@ -29,7 +29,7 @@ void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
   const bool isOpen = ImGui::BeginCombo("##technique", shown.c_str());
   if (!isOpen) {
     const std::string explanation = panel.isAutomatic && !panel.choiceText.empty() ? panel.choiceText : std::string(technique.summary);
-    tooltip(explanation + ".\nKeys 1 to 9 choose a technique for the panel under the pointer, 0 lets it choose by itself.", look);
+    tooltip(explanation + ".\nKeys 1 to " + std::to_string(warpRegistry().size()) + " choose a technique for the panel under the pointer, 0 lets it choose by itself.", look);
   }
   if (!isOpen) return;
   if (ImGui::Selectable("0  Auto", panel.isAutomatic)) session.setAutomatic(index);

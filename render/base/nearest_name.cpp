@@ -33,7 +33,9 @@ std::optional<std::string_view> nearestName(std::string_view name, std::span<con
   std::optional<std::string_view> nearest;
   size_t least = 0;
   for (const std::string_view candidate : known) {
-    const size_t distance = editDistance(word, candidate), longer = std::max(word.size(), candidate.size());
+    // The beginning of a name is nearer to it than what differs in a letter.
+    const bool isBeginning = word.size() >= 2 && candidate.starts_with(word);
+    const size_t distance = isBeginning ? 1 : editDistance(word, candidate), longer = std::max(word.size(), candidate.size());
     if (distance >= longer || 2 * distance > longer + 1) continue;
     // Of two that are equally near the one with the same first letter: few mistype that.
     const size_t rank = 2 * distance + (word.substr(0, 1) == candidate.substr(0, 1) ? 0 : 1);
@@ -44,13 +46,16 @@ std::optional<std::string_view> nearestName(std::string_view name, std::span<con
   return nearest;
 }
 
-std::string unknownName(std::string_view kind, std::string_view name, std::span<const std::string_view> known) {
-  std::string text = "unknown " + std::string(kind) + " '" + std::string(name.substr(0, kLongestShown)) + "'";
-  if (known.empty()) return text;
+std::string knownInstead(std::string_view name, std::span<const std::string_view> known) {
+  if (known.empty()) return "";
   const std::optional<std::string_view> nearest = nearestName(name, known);
-  text += nearest ? "; did you mean '" + std::string(*nearest) + "'? Known:" : "; known:";
+  std::string text = nearest ? "; did you mean '" + std::string(*nearest) + "'? Known:" : "; known:";
   for (const std::string_view candidate : known) text += " " + std::string(candidate);
   return text;
+}
+
+std::string unknownName(std::string_view kind, std::string_view name, std::span<const std::string_view> known) {
+  return "unknown " + std::string(kind) + " '" + std::string(name.substr(0, kLongestShown)) + "'" + knownInstead(name, known);
 }
 
 }  // namespace warpscope

@@ -14,8 +14,11 @@ namespace warpscope {
 /// Least number of insertions, deletions and replacements that turn one into the other.
 size_t editDistance(std::string_view a, std::string_view b);
 
-/// The nearest of `known`; nothing if even that differs in more than about half the word.
+/// The nearest of `known`: one that begins so, or differs least; nothing if even that differs in more than about half the word.
 std::optional<std::string_view> nearestName(std::string_view name, std::span<const std::string_view> known);
+
+/// The end of a sentence about a name that is not known: `; did you mean 'NEAREST'? Known: ...` or, without a near name, `; known: ...`.
+std::string knownInstead(std::string_view name, std::span<const std::string_view> known);
 
 /// A sentence: `unknown KIND 'NAME'; did you mean 'NEAREST'? Known: ...`. Without a near name: `unknown KIND 'NAME'; known: ...`.
 std::string unknownName(std::string_view kind, std::string_view name, std::span<const std::string_view> known);

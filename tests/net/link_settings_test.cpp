@@ -104,7 +104,8 @@ TEST(LinkSettings, SaysWhatIsWrong) {
   };
   for (const auto& [text, complaint] : {
            Case{"", "a link must have a name or KEY=VALUE; names: none lan home-fibre"},
-           Case{"5g", "'5g' is no KEY=VALUE, nor a link's name at the beginning; names: none lan"},
+           Case{"5g", "'5g' is no KEY=VALUE, nor a link's name at the beginning; did you mean '4g'? Names: none lan"},
+           Case{"carrier-pigeon", "nor a link's name at the beginning; names: none lan"},
            Case{"delay=1,lan", "'lan' is no KEY=VALUE"},
            Case{"delya=1", "a link has no 'delya'; known: delay jitter trace"},
            Case{"up.=1", "a link has no ''"},
