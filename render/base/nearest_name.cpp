@@ -34,7 +34,7 @@ std::optional<std::string_view> nearestName(std::string_view name, std::span<con
   size_t least = 0;
   for (const std::string_view candidate : known) {
     // The beginning of a name is nearer to it than what differs in a letter.
-    const bool isBeginning = word.size() >= 2 && candidate.starts_with(word);
+    const bool isBeginning = word.size() >= 3 && candidate.starts_with(word);
     const size_t distance = isBeginning ? 1 : editDistance(word, candidate), longer = std::max(word.size(), candidate.size());
     if (distance >= longer || 2 * distance > longer + 1) continue;
     // Of two that are equally near the one with the same first letter: few mistype that.
