@@ -128,6 +128,8 @@ void frameFields(Wire& wire, Head& head) {
   askedFields(wire, head);
   wire.numbers(head.bounds);
   wire.number(head.radiusUnit);
+  wire.number(head.nearDepth);
+  wire.number(head.depthStep);
   wire.number(head.voxelRadius);
   wire.number(head.sampleCount);
   auto& stages = head.stages;

@@ -187,7 +187,9 @@ struct FrameHead {
   SettingFields settings;
   CodecFields codec;
   std::array<float, 6> bounds{};  ///< of positions: lower, upper
-  float radiusUnit = 1.0f, voxelRadius = 1.0f;
+  float radiusUnit = 1.0f;
+  float nearDepth = 0.0f, depthStep = 1.0f;  ///< forward depth at which depth codes begin, and of one of their steps
+  float voxelRadius = 1.0f;
   uint64_t sampleCount = 0;
   StageTimes stages;
   uint64_t requestSentAtNs = 0;
@@ -214,7 +216,7 @@ inline constexpr size_t kMaxSettingsBytes = kMaxSettings * (2 + kMaxSettingName 
 inline constexpr size_t kLeastRequestBytes = 8 + 1 + kCameraBytes + 1 + 3 + 8;
 inline constexpr size_t kMaxRequestBytes = kLeastRequestBytes + kMaxSettingsBytes;
 inline constexpr size_t kFrameHeadLengthBytes = 2;  ///< a frame's head begins with its length, these included
-inline constexpr size_t kLeastFrameHeadBytes = kFrameHeadLengthBytes + 8 + 1 + kCameraBytes + 1 + 3 + 8 * 4 + 8 + 6 * 8 + 8 + 1;
+inline constexpr size_t kLeastFrameHeadBytes = kFrameHeadLengthBytes + 8 + 1 + kCameraBytes + 1 + 3 + 10 * 4 + 8 + 6 * 8 + 8 + 1;
 inline constexpr size_t kMaxFrameHeadBytes = kLeastFrameHeadBytes + kMaxSettingsBytes + kMaxPlanes * (2 + kMaxPlaneName + 1);
 inline constexpr size_t kBeatBytes = 8;
 

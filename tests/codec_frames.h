@@ -12,6 +12,7 @@
 #include "render/codec/bytes.h"
 #include "render/codec/codec.h"
 #include "render/volume/procedural.h"
+#include "tests/frame_samples.h"
 #include "tests/layered_frames.h"
 #include "tests/marcher_cases.h"
 
@@ -87,29 +88,37 @@ inline const VolumePtr& shells() {
   return volume;
 }
 
-/// A frame of made-up samples: `random` in every bit of each of them.
-inline SampleFrame garbageFrame(uint32_t width, uint32_t height, size_t count, uint32_t seed) {
-  std::mt19937_64 random(seed);
+/// A frame without samples, of a picture of something 80 around the origin.
+inline SampleFrame emptyPicture(uint32_t width, uint32_t height) {
   SampleFrame frame;
   frame.camera = lookingFrom({30.0f, 20.0f, 40.0f}, {}, width, height);
-  frame.quantization = {{glm::vec3(-80.0f), glm::vec3(80.0f)}, 1.0f};  // holds whatever is in the picture up to 65 away
-  for (size_t i = 0; i < count; ++i) {
-    frame.samples.push_back(random());
-    frame.colors.push_back(static_cast<Rgba8>(random()));
-  }
+  frame.quantization = {{glm::vec3(-80.0f), glm::vec3(80.0f)}, 1.0f, 0.0f, 0x1p-11f};
   return frame;
 }
 
-/// Samples in the given pixels, in order, each near its pixel's ray.
+/// A frame of made-up samples, `count` or as many as there are pixels: `random` in every bit but those of the pixels.
+inline SampleFrame garbageFrame(uint32_t width, uint32_t height, size_t count, uint32_t seed) {
+  std::mt19937_64 random(seed);
+  SampleFrame frame = emptyPicture(width, height);
+  size_t left = size_t{width} * height;
+  for (uint32_t row = 0; row < height && count > 0; ++row)
+    for (uint32_t column = 0; column < width; ++column, --left) {
+      if (random() % left >= count) continue;
+      --count;
+      frame.samples.push_back((random() & ~PackedSample{kPixelKeyMask}) | pixelKey(column, row));
+      frame.colors.push_back(static_cast<Rgba8>(random()));
+    }
+  return frame;
+}
+
+/// Samples in the given pixels, in order.
 inline SampleFrame framedPixels(uint32_t width, uint32_t height, const std::vector<uint32_t>& pixels,
                                 uint32_t seed = 1) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<float> depth(43.0f, 65.0f);
-  SampleFrame frame = garbageFrame(width, height, 0, 0);
+  std::uniform_real_distribution<float> distance(43.0f, 65.0f);
+  SampleFrame frame = emptyPicture(width, height);
   for (const uint32_t pixel : pixels) {
-    const Ray ray =
-        pixelRay(frame.camera, {static_cast<float>(pixel % width) + 0.5f, static_cast<float>(pixel / width) + 0.5f});
-    frame.samples.push_back(packSample(ray.at(depth(random)), 0.8f, frame.quantization));
+    frame.samples.push_back(sampleOnRay(frame, pixel, distance(random), 0.8f));
     frame.colors.push_back(0xff000000u | random());
   }
   return frame;
@@ -137,14 +146,6 @@ inline SampleFrame withExtents(SampleFrame frame) {
 inline SampleFrame smallLayeredFrame() {
   constexpr Heuristic kHeuristicsOfIt[] = {Heuristic::entrance, Heuristic::gradient, Heuristic::exit};
   return withExtents(marchedLayers(shells(), kHeuristicsOfIt, {}, 20, 16));
-}
-
-/// The packed format gives the samples places along rays; it could send each as it is, which would come back too.
-inline bool isPlaced(const SampleFrame& frame) {
-  const std::vector<std::byte> payload = FrameCodec().encode(frame, kLossless);
-  ByteReader reader{std::span(payload).subspan(9)};
-  for (size_t plane = 0; plane < frame.planes.size(); ++plane) reader.take(reader.take<uint32_t>());
-  return reader.take<uint8_t>() != 0;
 }
 
 /// Decoding without a crash: an error, or `count` samples.

@@ -11,7 +11,7 @@ namespace {
 
 TEST(Codec, KnownPlanesComeBack) {
   for (const SampleFrame& frame :
-       {marched(shells(), {}), framedPixels(9, 9, {1, 1, 7}), garbageFrame(20, 30, 700, 2), garbageFrame(9, 9, 0, 0)})
+       {marched(shells(), {}), framedPixels(9, 9, {1, 2, 7}), garbageFrame(20, 30, 700, 2), garbageFrame(9, 9, 0, 0)})
     expectRoundTrips(withExtents(frame), std::to_string(frame.size()));
 }
 

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "render/base/error.h"
+#include "render/core/image.h"
 #include "render/volume/reader.h"
 #include "tests/codec_frames.h"
 #include "tests/real_data.h"
@@ -70,13 +71,12 @@ TEST(Codec, EmptyFramesComeBack) {
 
 TEST(Codec, SinglePixelsAndOddSizesComeBack) {
   expectRoundTrips(framedPixels(1, 1, {0}), "one pixel");
-  expectRoundTrips(framedPixels(1, 1, {0, 0, 0}), "one pixel, three samples");
+  expectRoundTrips(withLayers(framedPixels(1, 1, {0, 0, 0}), {0, 0, 0}), "one pixel, three samples");
   for (const auto& [width, height] :
        {std::pair(7u, 3u), std::pair(1u, 300u), std::pair(300u, 1u), std::pair(9u, 17u)}) {
     std::vector<uint32_t> all(width * height);
     for (uint32_t i = 0; i < all.size(); ++i) all[i] = i;
     const SampleFrame frame = framedPixels(width, height, all);
-    EXPECT_TRUE(isPlaced(frame)) << width;
     expectRoundTrips(frame, std::to_string(width));
   }
 }
@@ -88,7 +88,6 @@ TEST(Codec, LargeSparsePicturesComeBack) {
   while (pixels.back() < kSide * kSide - 40000) pixels.push_back(pixels.back() + 1 + random() % 20000);
   pixels.push_back(kSide * kSide - 1);
   const SampleFrame frame = framedPixels(kSide, kSide, pixels);
-  EXPECT_TRUE(isPlaced(frame));
   expectRoundTrips(frame, "sparse");
 }
 
@@ -99,31 +98,77 @@ TEST(Codec, AFullLargePlaneComesBack) {
   frame.samples.resize(count);
   frame.colors.assign(count, 0xff4080c0u);
   for (size_t i = 0; i < count; ++i) {
-    const Ray ray =
-        pixelRay(frame.camera, {static_cast<float>(i % kSide) + 0.5f, static_cast<float>(i / kSide) + 0.5f});
-    frame.samples[i] = packSample(ray.at(50.0f), 0.8f, frame.quantization);
+    frame.samples[i] = sampleOnRay(frame, static_cast<uint32_t>(i), 50.0f, 0.8f);
   }
-  EXPECT_TRUE(isPlaced(frame));
   EXPECT_EQ(roundTrip(frame, kJpeg), "");
 }
 
-TEST(Codec, FramesOutOfOrderComeBack) {
-  std::vector<uint32_t> pixels(64 * 64);
-  for (uint32_t i = 0; i < pixels.size(); ++i) pixels[i] = i;
-  const SampleFrame ordered = framedPixels(64, 64, pixels);
-  std::mt19937 random(3);
-  for (size_t i = 0; i < pixels.size(); i += 50) std::swap(pixels[i], pixels[random() % pixels.size()]);
-  EXPECT_TRUE(isPlaced(framedPixels(64, 64, pixels)));
-  expectRoundTrips(framedPixels(64, 64, pixels), "some");
-  std::shuffle(pixels.begin(), pixels.end(), random);
-  expectRoundTrips(framedPixels(64, 64, pixels), "all");
-  SampleFrame off = ordered;  // a few that no pixel sees, and a few without radius
-  for (size_t i = 0; i < off.size(); i += 97) off.samples[i] = i % 2 ? 0 : ~PackedSample{0};
-  expectRoundTrips(off, "strays");
+/// What a raw payload of this frame would be, whatever the frame.
+std::vector<std::byte> rawPayload(const SampleFrame& frame) {
+  std::vector<std::byte> payload;
+  appendLittle(payload, static_cast<uint8_t>(PayloadFormat::raw));
+  appendLittle(payload, uint64_t{0});
+  for (const SamplePlane& plane : frame.planes) {
+    appendLittle(payload, static_cast<uint32_t>(plane.values.size()));
+    payload.insert(payload.end(), plane.values.begin(), plane.values.end());
+  }
+  for (size_t i = 0; i < frame.size(); ++i) {
+    appendLittle(payload, frame.samples[i]);
+    appendLittle(payload, frame.colors[i]);
+  }
+  return sealed(payload);
+}
+
+bool isRefused(const SampleFrame& frame) {
+  bool refuses = true;
+  for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) {
+    try {
+      FrameCodec().encode(frame, settings);
+      refuses = false;
+    } catch (const InputError&) {
+    }
+  }
+  SampleFrame decoded = headOf(frame);
+  return refuses && FrameCodec().decode(rawPayload(frame), frame.size(), decoded) && decoded.samples.empty();
+}
+
+TEST(Codec, FramesOutOfOrderAreRefused) {
+  EXPECT_FALSE(isRefused(framedPixels(8, 8, {3, 4, 60})));
+  EXPECT_TRUE(isRefused(framedPixels(8, 8, {4, 3, 60})));
+  EXPECT_TRUE(isRefused(framedPixels(8, 8, {3, 60, 60})));
+  SampleFrame off = framedPixels(8, 8, {3, 4, 63});
+  off.camera.width = 7;  // the last is in column 7
+  EXPECT_TRUE(isRefused(off));
+  off.camera.width = 8;
+  EXPECT_FALSE(isRefused(off));
+  off.camera.height = 7;
+  EXPECT_TRUE(isRefused(off));
+  off.camera.height = 0;
+  EXPECT_TRUE(isRefused(off));
+  off.camera.height = kMaxImageSide + 1;
+  EXPECT_TRUE(isRefused(off));
+  off = framedPixels(8, 8, {7});  // alone, and outside
+  off.camera.width = 7;
+  EXPECT_TRUE(isRefused(off));
+}
+
+TEST(Codec, RaysThatAreNotInOnePixelEachAreRefused) {
+  const auto layered = [](std::vector<uint32_t> pixels, std::vector<uint8_t> layers) {
+    SampleFrame frame = framedPixels(8, 8, pixels);
+    frame.planes.push_back(layerPlane(layers));
+    frame.settings.sample.samplesPerRay = 4;
+    return frame;
+  };
+  EXPECT_FALSE(isRefused(layered({3, 3, 4}, {0, 1, 0})));
+  EXPECT_TRUE(isRefused(layered({3, 3, 4}, {0, 0, 0})));  // two rays in one pixel
+  EXPECT_TRUE(isRefused(layered({3, 4, 4}, {0, 1, 0})));  // a ray in two
+  EXPECT_TRUE(isRefused(layered({3, 4, 4}, {0, 1, 2})));
+  EXPECT_TRUE(isRefused(layered({4, 4, 3}, {0, 1, 0})));  // out of order
+  EXPECT_TRUE(isRefused(layered({3, 4, 5}, {0, 2, 0})));
 }
 
 TEST(Codec, UnusableCamerasDoNotMatter) {
-  SampleFrame frame = garbageFrame(50, 40, 3000, 5);
+  SampleFrame frame = garbageFrame(50, 40, 1500, 5);
   for (const float bad : {std::nanf(""), 0.0f, 1e30f}) {
     frame.camera.tanHalfFovY = bad;
     expectRoundTrips(frame, std::to_string(bad));
@@ -135,6 +180,13 @@ TEST(Codec, UnusableCamerasDoNotMatter) {
   frame.settings.render.step = 0.0f;
   frame.voxelRadius = std::nanf("");
   expectRoundTrips(frame, "bounds that hold nothing");
+  for (const float bad : {std::nanf(""), 0.0f, -1.0f, 1e-45f, 1e38f}) {
+    frame = marched(shells(), {}, 24, 20);
+    frame.quantization.nearDepth = bad;
+    expectRoundTrips(frame, "near depth " + std::to_string(bad));
+    frame.quantization.depthStep = bad;
+    expectRoundTrips(frame, "depth step " + std::to_string(bad));
+  }
 }
 
 RC_GTEST_PROP(Codec, RandomFramesComeBack, ()) {
@@ -152,11 +204,8 @@ RC_GTEST_PROP(Codec, RandomFramesInOrderComeBack, ()) {
   const auto oneIn = *rc::gen::inRange<uint32_t>(1, 40);
   std::mt19937 random(seed);
   std::vector<uint32_t> pixels;
-  for (uint32_t pixel = 0; pixel < width * height; ++pixel)
-    while (random() % oneIn == 0 && pixels.size() < 5000) {
-      pixels.push_back(pixel);
-      if (oneIn == 1 && random() % 2) break;
-    }
+  for (uint32_t pixel = 0; pixel < width * height && pixels.size() < 5000; ++pixel)
+    if (random() % oneIn == 0) pixels.push_back(pixel);
   const SampleFrame frame = framedPixels(width, height, pixels, seed);
   for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) RC_ASSERT(roundTrip(frame, settings) == "");
 }
@@ -199,8 +248,8 @@ TEST(Codec, OneCodecServesFramesOfAllKinds) {
   FrameCodec codec;
   for (int round = 0; round < 2; ++round)
     for (const SampleFrame& frame :
-         {marched(shells(), {}), garbageFrame(20, 30, 700, 2), smallLayeredFrame(), garbageFrame(9, 9, 0, 0),
-          framedPixels(5, 5, {1, 1, 7}), withLayers(framedPixels(5, 5, {1, 1, 7}), {1, 1, 7})})
+         {marched(shells(), {}), garbageFrame(20, 30, 500, 2), smallLayeredFrame(), garbageFrame(9, 9, 0, 0),
+          framedPixels(5, 5, {1, 2, 7}), withLayers(framedPixels(5, 5, {1, 1, 7}), {1, 1, 7})})
       for (const CodecSettings& settings : {kRaw, kLossless}) {
         SampleFrame decoded = headOf(frame);
         const std::vector<std::byte> payload = codec.encode(frame, settings);
@@ -234,6 +283,8 @@ TEST(Codec, ReceiversWithOtherHeadsFindOut) {
       errorFor([](SampleFrame& head) { head.settings.sample.radiusPolicy = RadiusPolicy::constant; }, frame.size()),
       std::nullopt);
   EXPECT_NE(errorFor([](SampleFrame& head) { head.quantization.bounds.upper *= 1.5f; }, frame.size()), std::nullopt);
+  EXPECT_NE(errorFor([](SampleFrame& head) { head.quantization.nearDepth *= 0.5f; }, frame.size()), std::nullopt);
+  EXPECT_NE(errorFor([](SampleFrame& head) { head.quantization.depthStep *= 2.0f; }, frame.size()), std::nullopt);
 }
 
 TEST(Codec, SettingsOutOfRangeAreRefused) {

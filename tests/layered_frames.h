@@ -41,7 +41,7 @@ inline SampleFrame marchLayers(Marcher& marcher, const Camera& camera, MarchSett
   for (size_t ray = 0; ray < fronts.front().size(); ++ray) {
     std::vector<std::pair<float, PackedSample>> along;
     for (const SampleFrame& front : fronts)
-      along.emplace_back(glm::dot(front.sphere(ray).center - camera.eye, camera.forward), front.samples.at(ray));
+      along.emplace_back(decodeDepth(depthCode(front.samples[ray]), front.quantization.depthStep), front.samples.at(ray));
     std::ranges::sort(along);
     along.erase(std::unique(along.begin(), along.end()), along.end());
     const Rgba8 color = fronts.front().colors[ray];

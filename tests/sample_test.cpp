@@ -16,74 +16,168 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Bounds as they occur: symmetric about 0, of any size; and a few that are not.
-std::vector<std::pair<float, float>> someBounds() {
-  return {{-0.5f, 0.5f}, {-64.0f, 64.0f}, {-88.0f, 88.0f}, {-3e4f, 3e4f}, {-3e10f, 3e10f}, {-1e-6f, 1e-6f},
-          {0.0f, 1.0f},  {0.1f, 0.7f},    {-10.0f, -3.0f}, {100.0f, 117.3f}};
-}
+/// Steps of depth as they occur, and far beyond.
+constexpr float kSteps[] = {1.0f, 0x1p-18f, 1e-3f, 0.0007123f, 3e10f, 1e-30f, 7e-12f};
 
-/// Rounding of the floats themselves, a few units in the last place of the larger bound.
-long double rounding(float lower, float upper) {
-  return 4.0L * 0x1p-24L * std::max(std::abs(static_cast<long double>(lower)), std::abs(static_cast<long double>(upper)));
-}
-
-TEST(SamplePosition, EndsAreExact) {
-  for (const auto& [lower, upper] : someBounds()) {
-    EXPECT_EQ(quantizeCoordinate(lower, lower, upper), 0u);
-    EXPECT_EQ(quantizeCoordinate(upper, lower, upper), kPositionMax);
-    EXPECT_EQ(dequantizeCoordinate(0, lower, upper), lower);
-    EXPECT_EQ(dequantizeCoordinate(kPositionMax, lower, upper), upper);
-  }
-}
-
-RC_GTEST_PROP(SamplePosition, AtMostHalfAStepOff, (uint32_t seed)) {
-  // The quotient's rounding, two units in the last place of 2^18 steps, may decide ties otherwise.
-  constexpr long double kFloatShare = 2.0L * 0x1p-24L * kPositionMax;
+RC_GTEST_PROP(SampleDepth, AtMostHalfAStepOff, (uint32_t seed)) {
   std::mt19937 random(seed);
-  for (const auto& [lower, upper] : someBounds()) {
-    const long double step = (static_cast<long double>(upper) - lower) / kPositionMax;
-    std::uniform_real_distribution<float> inside(lower, upper);
+  std::uniform_real_distribution<float> exponent(-2.0f, 25.9f);
+  for (const float step : kSteps)
     for (int i = 0; i < 300; ++i) {
-      const float value = std::min(inside(random), upper);
-      const float back = dequantizeCoordinate(quantizeCoordinate(value, lower, upper), lower, upper);
-      RC_ASSERT(std::abs(static_cast<long double>(back) - value) <= 0.5L * step + rounding(lower, upper) + kFloatShare * step);
+      const float behind = step * std::exp2(exponent(random));
+      const long double back = decodeDepth(encodeDepth(behind, step), step);
+      // The quotient is rounded, and what the code stands for.
+      RC_ASSERT(std::abs(back - behind) <= 0.5L * step + 0x1p-22L * behind);
+    }
+}
+
+TEST(SampleDepth, EveryCodeThatFramesHaveComesBack) {
+  for (const float step : kSteps) {
+    float before = -1.0f;
+    for (uint32_t code = 0; code <= 1u << 22; code += 1 + code / 1000) {
+      const float behind = decodeDepth(code, step);
+      ASSERT_EQ(encodeDepth(behind, step), code) << step;
+      ASSERT_GT(behind, before) << code;
+      before = behind;
+    }
+  }
+  // With a step that is a power of two all that floats can tell apart.
+  for (const uint32_t first : {1u << 22, 1u << 23, (1u << 24) - 1000})
+    for (uint32_t code = first; code < first + 1000; ++code) ASSERT_EQ(encodeDepth(decodeDepth(code, 0.25f), 0.25f), code);
+}
+
+TEST(SampleDepth, OutsideIsClampedAndNanIsNothing) {
+  for (const float behind : {0.0f, -0.0f, -1.0f, -kInfinity, kNan}) EXPECT_EQ(encodeDepth(behind, 0.5f), 0u) << behind;
+  for (const float behind : {0x1p26f, 3e38f, kInfinity}) {
+    EXPECT_LE(encodeDepth(behind, 1.0f), kDepthCodeMax) << behind;
+    EXPECT_GE(encodeDepth(behind, 1.0f), kDepthCodeMax - 3) << behind;
+  }
+  for (const float step : {0.0f, -1.0f, kNan, kInfinity}) EXPECT_LE(encodeDepth(3.0f, step), kDepthCodeMax) << step;
+}
+
+/// A camera that looks at the origin from `distance`, somewhere around it.
+Camera someCamera(std::mt19937& random, float distance, uint32_t width, uint32_t height) {
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  Camera camera;
+  camera.forward = glm::normalize(glm::vec3(unit(random), unit(random), unit(random)) + glm::vec3(0.0f, 0.0f, 1e-3f));
+  const glm::vec3 up = std::abs(camera.forward.y) > 0.9f ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+  camera.right = glm::normalize(glm::cross(camera.forward, up));
+  camera.up = glm::cross(camera.right, camera.forward);
+  camera.eye = -distance * camera.forward;
+  camera.tanHalfFovY = distance > 2.0f ? 1.0f / distance : 0.5f;
+  camera.width = width;
+  camera.height = height;
+  return camera;
+}
+
+RC_GTEST_PROP(SamplePosition, LiesOnItsPixelsRayAsPreciselyAsDeclared, (uint32_t seed)) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  for (const float size : {1e-3f, 1.0f, 300.0f})
+    for (const float distance : {0.05f, 0.7f, 3.0f, 1e3f, 1e5f, 4e6f}) {
+      const Box bounds{glm::vec3(-0.5f * size), glm::vec3(0.5f * size)};
+      const Camera camera = someCamera(random, distance * size, 1 + random() % 16384, 1 + random() % 16384);
+      const SampleQuantization q = quantizationFor(camera, bounds, 1.0f);
+      RC_ASSERT(isUsable(q));
+      const SampleGrid grid = makeSampleGrid(camera, q);
+      const DepthRange depths = depthRangeOf(camera, bounds);
+      const glm::dvec3 anchor = glm::dvec3(camera.eye) + static_cast<double>(q.nearDepth) * glm::dvec3(camera.forward);
+      const double edge = static_cast<double>(pixelEdge(camera));
+      for (int i = 0; i < 50; ++i) {
+        const auto column = static_cast<uint32_t>(random() % camera.width), row = static_cast<uint32_t>(random() % camera.height);
+        const float behind = unit(random) * (depths.farDepth - depths.nearDepth);
+        const PackedSample sample = packSample(column, row, behind, 0.25f, q);
+        RC_ASSERT(columnOf(sample) == column);
+        RC_ASSERT(rowOf(sample) == row);
+        const double stored = static_cast<double>(depthCode(sample)) * static_cast<double>(q.depthStep);
+        RC_ASSERT(std::abs(stored - behind) <= 0.51 * static_cast<double>(q.depthStep));
+        const glm::dvec3 across = (column + 0.5 - 0.5 * camera.width) * edge * glm::dvec3(camera.right) +
+                                  (0.5 * camera.height - row - 0.5) * edge * glm::dvec3(camera.up);
+        const double l = glm::length(across) * (static_cast<double>(q.nearDepth) + stored);
+        const glm::dvec3 expected = anchor + stored * glm::dvec3(camera.forward) + (static_cast<double>(q.nearDepth) + stored) * across;
+        const glm::vec3 position = grid.pixels.at(column, row, decodeDepth(depthCode(sample), q.depthStep));
+        const double bound = 0x1p-21 * (glm::length(anchor) + stored + l);
+        for (int axis = 0; axis < 3; ++axis) RC_ASSERT(std::abs(static_cast<double>(position[axis]) - expected[axis]) <= bound);
+        const Sphere sphere = unpackSample(sample, grid);
+        for (int axis = 0; axis < 3; ++axis) {
+          RC_ASSERT(sphere.center[axis] == std::clamp(position[axis], bounds.lower[axis], bounds.upper[axis]));
+        }
+      }
+    }
+}
+
+RC_GTEST_PROP(PixelGrid, NoRayBeginsBehindTheBoxsFrontUnlessTheEyeDoes, (uint32_t seed)) {
+  std::mt19937 random(seed);
+  for (const float distance : {0.0f, 0.3f, 0.9f, 2.0f, 1e3f, 1e5f, 4e6f}) {
+    const Box bounds{{-0.5f, -0.25f, -0.4f}, {0.5f, 0.25f, 0.4f}};
+    const Camera camera = someCamera(random, distance, 64, 48);
+    const DepthRange depths = depthRangeOf(camera, bounds);
+    const PixelGrid grid = makePixelGrid(camera, depths.nearDepth);
+    // Depth is a coordinate along axes that rounding has left not quite orthonormal.
+    const glm::dmat3 fromAxes = glm::inverse(glm::dmat3(camera.right, camera.up, camera.forward));
+    RC_ASSERT(depths.nearDepth >= 0.0f);
+    RC_ASSERT(depths.farDepth >= depths.nearDepth);
+    RC_ASSERT(depths.farDepth - depths.nearDepth <= 1.4f + 2.0f * 0x1p-23f * distance);
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 point(glm::vec3(corner & 1 ? bounds.upper.x : bounds.lower.x, corner & 2 ? bounds.upper.y : bounds.lower.y,
+                                       corner & 4 ? bounds.upper.z : bounds.lower.z));
+      RC_ASSERT((fromAxes * (point - glm::dvec3(camera.eye))).z <= static_cast<double>(depths.farDepth));
+      // From the rounded plane itself, where rays are.
+      if (depths.nearDepth > 0.0f) RC_ASSERT((fromAxes * (point - glm::dvec3(grid.anchor))).z >= 0.0);
+    }
+    const PixelRay ray = grid.ray(13, 40);
+    RC_ASSERT(ray.ray.direction == pixelRay(camera, {13.5f, 40.5f}).direction);
+    RC_ASSERT(std::abs(ray.cosine - glm::dot(ray.ray.direction, camera.forward)) < 1e-6f);
+    if (depths.nearDepth == 0.0f) RC_ASSERT(ray.ray.origin == camera.eye);
+  }
+}
+
+TEST(PixelGrid, BoxesThatAreNotInFrontHaveNoDepths) {
+  Camera camera;
+  camera.width = camera.height = 8;
+  EXPECT_EQ(depthRangeOf(camera, {}).farDepth, 0.0f);
+  const DepthRange behind = depthRangeOf(camera, {glm::vec3(2.0f), glm::vec3(3.0f)});
+  EXPECT_EQ(behind.nearDepth, 0.0f);
+  EXPECT_EQ(behind.farDepth, 0.0f);
+  EXPECT_TRUE(isUsable(quantizationFor(camera, {glm::vec3(2.0f), glm::vec3(3.0f)}, 1.0f)));
+  EXPECT_TRUE(isUsable(quantizationFor(camera, {glm::vec3(0.0f), glm::vec3(0.0f)}, 1.0f)));
+}
+
+TEST(SamplePosition, NeverOutsideTheBoundsWhateverTheBits) {
+  std::mt19937_64 random(5);
+  for (const float bad : {kNan, kInfinity, 0.0f, 1e38f, 1e-30f, 1.0f}) {
+    SampleGrid grid;
+    grid.pixels.anchor = glm::vec3(bad, 0.0f, -bad);
+    grid.pixels.edge = bad;
+    grid.pixels.nearDepth = bad;
+    grid.depthStep = bad;
+    grid.bounds = {{-4.0f, 2.0f, -8.0f}, {4.0f, 2.0f, 8.0f}};  // flat
+    for (int i = 0; i < 1000; ++i) {
+      const glm::vec3 position = unpackPosition(random(), grid);
+      for (int axis = 0; axis < 3; ++axis)
+        ASSERT_TRUE(position[axis] >= grid.bounds.lower[axis] && position[axis] <= grid.bounds.upper[axis]) << bad;
     }
   }
 }
 
-TEST(SamplePosition, EveryCodeComesBack) {
-  for (const auto& [lower, upper] : {std::pair{-64.0f, 64.0f}, {-0.5f, 0.5f}, {-90.5f, 90.5f}, {0.0f, 1.0f}}) {
-    float before = -kInfinity;
-    for (uint32_t code = 0; code <= kPositionMax; ++code) {
-      const float value = dequantizeCoordinate(code, lower, upper);
-      ASSERT_EQ(quantizeCoordinate(value, lower, upper), code) << lower << " " << upper;
-      ASSERT_GT(value, before) << code;
-      before = value;
-      const long double exact = lower + (static_cast<long double>(upper) - lower) * code / kPositionMax;
-      ASSERT_NEAR(static_cast<double>(value - exact), 0.0, static_cast<double>(rounding(lower, upper))) << code;
-    }
+TEST(SampleQuantization, WhatIsNoneIsNotUsable) {
+  const SampleQuantization good{{glm::vec3(-1.0f), glm::vec3(1.0f)}, 0.5f, 0.0f, 0.25f};
+  EXPECT_TRUE(isUsable(good));
+  const auto isUsableWith = [&](auto change) {
+    SampleQuantization q = good;
+    change(q);
+    return isUsable(q);
+  };
+  EXPECT_FALSE(isUsable(SampleQuantization{}));  // bounds that hold nothing
+  for (const float bad : {kNan, kInfinity, -1.0f}) {
+    EXPECT_FALSE(isUsableWith([&](auto& q) { q.nearDepth = bad; })) << bad;
+    EXPECT_FALSE(isUsableWith([&](auto& q) { q.depthStep = bad; })) << bad;
+    EXPECT_FALSE(isUsableWith([&](auto& q) { q.radiusUnit = bad; })) << bad;
   }
-}
-
-TEST(SamplePosition, OutsideIsClampedAndNanIsTheLowerBound) {
-  EXPECT_EQ(quantizeCoordinate(-1.001f, -1.0f, 1.0f), 0u);
-  EXPECT_EQ(quantizeCoordinate(1.001f, -1.0f, 1.0f), kPositionMax);
-  EXPECT_EQ(quantizeCoordinate(-kInfinity, -1.0f, 1.0f), 0u);
-  EXPECT_EQ(quantizeCoordinate(kInfinity, -1.0f, 1.0f), kPositionMax);
-  EXPECT_EQ(quantizeCoordinate(3e38f, -1.0f, 1.0f), kPositionMax);
-  EXPECT_EQ(quantizeCoordinate(kNan, -1.0f, 1.0f), 0u);
-}
-
-TEST(SamplePosition, AxisWithoutExtent) {
-  for (const float place : {0.0f, -2.5f, 1e7f}) {
-    EXPECT_EQ(quantizeCoordinate(place, place, place), 0u);
-    EXPECT_EQ(dequantizeCoordinate(0, place, place), place);
-  }
-  const SampleQuantization flat{{{-4.0f, 2.0f, -8.0f}, {4.0f, 2.0f, 8.0f}}, 1.0f};
-  const Sphere sphere = unpackSample(packSample({1.0f, 2.0f, -8.0f}, 0.5f, flat), flat);
-  EXPECT_NEAR(sphere.center.x, 1.0f, 8.0f / kPositionMax);
-  EXPECT_EQ(sphere.center.y, 2.0f);
-  EXPECT_EQ(sphere.center.z, -8.0f);
+  EXPECT_FALSE(isUsableWith([](auto& q) { q.depthStep = 0.0f; }));
+  EXPECT_FALSE(isUsableWith([](auto& q) { q.radiusUnit = 3.0f; }));
+  EXPECT_FALSE(isUsableWith([](auto& q) { q.bounds.lower.y = 2.0f; }));
+  EXPECT_FALSE(isUsableWith([](auto& q) { q.bounds.upper.y = kInfinity; }));
 }
 
 TEST(SampleRadius, AllCodesFollowTheDocumentedFormulaAndRiseAndComeBack) {
@@ -146,27 +240,27 @@ TEST(SampleRadius, UnitLeavesRoomForTheLargest) {
 }
 
 TEST(PackedSample, FieldsLieWhereTheHeaderSays) {
-  const SampleQuantization q{{glm::vec3(0.0f), glm::vec3(static_cast<float>(kPositionMax))}, 1.0f};
-  const PackedSample sample = packSample({1.0f, 2.0f, 3.0f}, 1.5f, q);
-  EXPECT_EQ(sample & kPositionMax, 1u);
-  EXPECT_EQ(sample >> 18 & kPositionMax, 2u);
-  EXPECT_EQ(sample >> 36 & kPositionMax, 3u);
+  const PackedSample sample = packSample(1, 2, 3.0f, 1.5f, SampleQuantization{});
+  EXPECT_EQ(sample & 0x3fff, 1u);
+  EXPECT_EQ(sample >> 14 & 0x3fff, 2u);
+  EXPECT_EQ(sample >> 28 & 0x3ffffff, 3u);
   EXPECT_EQ(sample >> 54, 15u << 6 | 32u);
   EXPECT_EQ(radiusCode(sample), 15u << 6 | 32u);
-  const PackedSample all = packSample(q.bounds.upper, 1e9f, q);
-  EXPECT_EQ(all, ~PackedSample{0});
-  EXPECT_EQ(unpackSample(all, q).center, q.bounds.upper);
-  EXPECT_EQ(radiusCode(packSample({kNan, kNan, kNan}, kNan, q)), 1u);
+  EXPECT_EQ(packCodes(16383, 16383, kDepthCodeMax, kRadiusCodeMax), ~PackedSample{0});
+  EXPECT_EQ(radiusCode(packSample(0, 0, kNan, kNan, SampleQuantization{})), 1u);
+  // Pixels as numbers rise in their order.
+  EXPECT_LT(pixelKey(16383, 4), pixelKey(0, 5));
+  EXPECT_EQ(pixelKey(sample), pixelKey(1, 2));
 }
 
 RC_GTEST_PROP(PackedSample, UnpackingIsTheInverseOfPacking, (uint32_t seed)) {
   std::mt19937_64 random(seed);
-  const SampleQuantization q{{{-88.0f, -64.0f, -3.5f}, {88.0f, 64.0f, 3.5f}}, 2.0f};
+  const SampleQuantization q{{{-88.0f, -64.0f, -3.5f}, {88.0f, 64.0f, 3.5f}}, 2.0f, 100.0f, 1e-3f};
   for (int i = 0; i < 100; ++i) {
-    PackedSample sample = random();
+    const PackedSample sample = random() & ~(PackedSample{15} << 50);  // 22 bits of depth
     if (radiusCode(sample) == 0) continue;
-    const Sphere sphere = unpackSample(sample, q);
-    RC_ASSERT(packSample(sphere.center, sphere.radius, q) == sample);
+    const float behind = decodeDepth(depthCode(sample), q.depthStep), radius = decodeRadius(radiusCode(sample), q.radiusUnit);
+    RC_ASSERT(packSample(columnOf(sample), rowOf(sample), behind, radius, q) == sample);
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "render/base/error.h"
 #include "render/march/marcher_cpu.h"
+#include "tests/frame_samples.h"
 #include "test_volumes.h"
 
 namespace warpscope {
@@ -49,14 +50,14 @@ Camera lookingAt(float angleDeg, uint32_t width, uint32_t height, float distance
 SampleFrame frameOf(const Camera& camera, const Surface& surface) {
   SampleFrame frame;
   frame.camera = camera;
-  frame.quantization = {{glm::vec3(-40.0f), glm::vec3(40.0f)}, 1.0f};
+  frame.quantization = {{glm::vec3(-40.0f), glm::vec3(40.0f)}, 1.0f, 0.0f, 0x1p-11f};
   frame.voxelRadius = 0.5f * std::sqrt(3.0f);
   for (uint32_t y = 0; y < camera.height; ++y)
     for (uint32_t x = 0; x < camera.width; ++x) {
       const Ray ray = pixelRay(camera, {x + 0.5f, y + 0.5f});
       const std::optional<float> t = surface(ray);
       if (!t) continue;
-      frame.samples.push_back(packSample(ray.at(*t), frame.voxelRadius, frame.quantization));
+      frame.samples.push_back(sampleOnRay(frame, y * camera.width + x, *t, frame.voxelRadius));
       frame.colors.push_back(~0u);
     }
   return frame;

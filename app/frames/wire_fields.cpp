@@ -153,6 +153,8 @@ net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec) {
   const Box& bounds = frame.quantization.bounds;
   head.bounds = {bounds.lower.x, bounds.lower.y, bounds.lower.z, bounds.upper.x, bounds.upper.y, bounds.upper.z};
   head.radiusUnit = frame.quantization.radiusUnit;
+  head.nearDepth = frame.quantization.nearDepth;
+  head.depthStep = frame.quantization.depthStep;
   head.voxelRadius = frame.voxelRadius;
   head.sampleCount = frame.size();
   head.stages.marchMs = frame.timings.marchMs;
@@ -168,14 +170,8 @@ SampleFrame frameFrom(const net::FrameHead& head) {
   frame.camera = cameraFrom(head.camera);
   frame.settings = marchFrom(head.settings);
   const auto& b = head.bounds;
-  for (size_t axis = 0; axis < 3; ++axis)
-    if (!std::isfinite(b[axis]) || !std::isfinite(b[axis + 3]) || !(b[axis] <= b[axis + 3]))
-      throw InputError("the server's frame has bounds that are none");
-  frame.quantization.bounds = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
-  frame.quantization.radiusUnit = head.radiusUnit;
-  int exponent = 0;
-  if (!(head.radiusUnit > 0.0f) || !std::isfinite(head.radiusUnit) || std::frexp(head.radiusUnit, &exponent) != 0.5f)
-    throw InputError("the server's frame has a unit of radii that is no power of two");
+  frame.quantization = {{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}}, head.radiusUnit, head.nearDepth, head.depthStep};
+  if (!isUsable(frame.quantization)) throw InputError("the server's frame has bounds, a unit of radii or depths that are none");
   if (!(head.voxelRadius > 0.0f) || !std::isfinite(head.voxelRadius)) throw InputError("the server's frame has an impossible voxel radius");
   frame.voxelRadius = head.voxelRadius;
   frame.timings = {head.stages.marchMs, head.stages.compactMs, head.stages.copyMs};

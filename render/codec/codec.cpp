@@ -10,6 +10,7 @@
 #include "render/codec/bytes.h"
 #include "render/codec/packed_codec.h"
 #include "render/codec/raw_codec.h"
+#include "render/core/image.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
@@ -47,6 +48,36 @@ bool countUp(std::span<const uint8_t> layers, int samplesPerRay) {
   return doAll;
 }
 
+/// Whether every sample is in a pixel of the picture, every ray in one after that of the ray before, and all samples of a ray in the same.
+/// Without layers every sample is a ray.
+bool areInOrder(const SampleFrame& frame) {
+  const Camera& camera = frame.camera;
+  if (frame.size() == 0) return true;
+  if (camera.width > kMaxImageSide || camera.height > kMaxImageSide) return false;
+  const std::span<const uint8_t> layers = frame.layers();
+  std::atomic<bool> areAll = columnOf(frame.samples.front()) < camera.width && rowOf(frame.samples.back()) < camera.height;
+  parallelForRanges(frame.size() - 1, 1 << 16, [&](size_t begin, size_t end) {
+    // Words alone, in locals: many at once.
+    const PackedSample* const sample = frame.samples.data();
+    const uint32_t width = camera.width;
+    uint32_t faults = 0;
+    if (layers.empty()) {
+      for (size_t i = begin; i < end; ++i) {
+        const uint32_t last = pixelKey(sample[i]), own = pixelKey(sample[i + 1]);
+        faults |= (own <= last ? 1u : 0u) | (columnOf(sample[i + 1]) >= width ? 1u : 0u);
+      }
+    } else {
+      const uint8_t* const layer = layers.data();
+      for (size_t i = begin; i < end; ++i) {
+        const uint32_t last = pixelKey(sample[i]), own = pixelKey(sample[i + 1]), begins = layer[i + 1] == 0 ? 1u : 0u;
+        faults |= (own < last + begins ? 1u : 0u) | ((begins ^ 1u) & (own != last ? 1u : 0u)) | (columnOf(sample[i + 1]) >= width ? 1u : 0u);
+      }
+    }
+    if (faults != 0) areAll = false;
+  });
+  return areAll;
+}
+
 void requireConsistent(const SampleFrame& frame) {
   if (frame.samples.size() != frame.colors.size()) throw InputError("a frame must have a colour for each sample");
   if (frame.planes.size() > kMaxPlanes) throw InputError("a frame must have at most " + std::to_string(kMaxPlanes) + " planes");
@@ -59,6 +90,7 @@ void requireConsistent(const SampleFrame& frame) {
   }
   if (!countUp(frame.layers(), frame.settings.sample.samplesPerRay))
     throw InputError("a frame's layers must count up along each ray, from 0, to less than its settings' samplesPerRay");
+  if (!areInOrder(frame)) throw InputError("a frame's rays must be in pixels of its picture, each in one of its own, in their order");
 }
 
 void clear(SampleFrame& frame) {
@@ -118,6 +150,9 @@ DecodeError FrameCodec::decode(std::span<const std::byte> payload, size_t count,
     return "the payload has " + std::to_string(payload.size()) + " bytes, more than the " + std::to_string(limits.maxBytes) + " allowed";
   if (count > limits.maxSamples)
     return "the frame has " + std::to_string(count) + " samples, more than the " + std::to_string(limits.maxSamples) + " allowed";
+  const Camera& camera = frame.camera;
+  if (count > 0 && (camera.width < 1 || camera.height < 1 || camera.width > kMaxImageSide || camera.height > kMaxImageSide))
+    return "the frame has samples but no usable picture";
   if (payload.size() < kHeadBytes) return "the payload ends before its head does";
   const auto format = static_cast<PayloadFormat>(payload[0]);
   if (nameOf(format) == "?") return "the payload's format " + std::to_string(static_cast<int>(format)) + " is unknown";
@@ -150,6 +185,7 @@ DecodeError FrameCodec::decodeBehindHead(Codec& codec, ByteReader& reader, size_
       if (isLayers && !countUp(frame.layers(), frame.settings.sample.samplesPerRay))
         return "the frame's layers do not count up along its rays, or its rays have more samples than it says";
     }
+  if (!areInOrder(frame)) return "the frame's samples are not in pixels of its picture, or not in the order of these";
   return std::nullopt;
 }
 

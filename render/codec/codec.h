@@ -29,7 +29,7 @@ enum class PayloadFormat : uint8_t {
 
 enum class ColorCoding : uint8_t {
   lossless,
-  jpeg,  ///< red, green and blue of samples in pixels' places; their alpha, and samples elsewhere, without loss
+  jpeg,  ///< red, green and blue in their pixels' places; alpha without loss
 };
 
 inline constexpr std::array<NamedValue<PayloadFormat>, 2> kPayloadFormats{{
@@ -97,12 +97,13 @@ class FrameCodec {
  public:
   FrameCodec();
 
-  /// Throws UsageError for settings out of range, InputError for a frame whose samples, colours and planes differ in number, or whose planes
-  /// are not what sample_planes.h says.
+  /// Throws UsageError for settings out of range, InputError for a frame whose samples, colours and planes differ in number, whose planes
+  /// are not what sample_planes.h says, or whose rays are not in pixels of the camera's picture, each in one of its own, in their order.
   std::vector<std::byte> encode(const SampleFrame& frame, const CodecSettings& settings);
 
   /// Fills samples, colours and planes of `frame`, whose other members, the names and elements of its planes among them, say what they were
-  /// encoded with; there must be `count` of each. Planes that are not known (isKnown) are left out. After an error the frame has no samples.
+  /// encoded with; there must be `count` of each. What comes back is in order as encode() wants it. Planes that are not known (isKnown) are
+  /// left out. After an error the frame has no samples.
   DecodeError decode(std::span<const std::byte> payload, size_t count, SampleFrame& frame, const DecodeLimits& limits = {});
 
  private:

@@ -59,56 +59,42 @@ void addFromPicture(const Rgba8* picture, size_t count, const AreaPlaces& places
   for (size_t i = 0; i < count; ++i) colors[i] |= picture[at(i)] & 0xffffffu;
 }
 
-/// The first sample whose red, green and blue are sent without loss; all that follow are as well. Those before are in the JPEG image.
-size_t firstLossless(const BandLayout& layout, ColorCoding coding) { return coding == ColorCoding::lossless ? 0 : layout.size(); }
-
 /// Differences of red, green and blue from their prediction, a plane each; green's is taken off the others'.
 struct ColorDifferences {
   uint8_t* green;
   uint8_t* red;
   uint8_t* blue;
-
-  /// Those of the k-th sample and all that follow.
-  ColorDifferences from(size_t k) const { return {green + k, red + k, blue + k}; }
 };
 
-/// Of the samples [begin, end), predicted from `neighborsOf(i)`; `slots` are all samples' colours, one place on.
-template <class NeighborsOf>
-void putColors(const Rgba8* slots, size_t begin, size_t end, NeighborsOf neighborsOf, ColorDifferences out) {
-  for (size_t i = begin, k = 0; i < end; ++i, ++k) {
-    const Neighbors from = neighborsOf(i);
+/// Of `count` samples; `slots` are their colours, one place on.
+void putColors(const Rgba8* slots, const Neighbors* neighbors, size_t count, ColorDifferences out) {
+  for (size_t i = 0; i < count; ++i) {
+    const Neighbors from = neighbors[i];
     const Rgba8 color = slots[i + 1], west = slots[from.west], north = slots[from.north], northWest = slots[from.northWest];
     const auto difference = [&](int shift) {
       return channel(color, shift) - predicted(channel(west, shift), channel(north, shift), channel(northWest, shift));
     };
     const int32_t green = difference(8);
-    out.green[k] = static_cast<uint8_t>(green);
-    out.red[k] = static_cast<uint8_t>(difference(0) - green);
-    out.blue[k] = static_cast<uint8_t>(difference(16) - green);
+    out.green[i] = static_cast<uint8_t>(green);
+    out.red[i] = static_cast<uint8_t>(difference(0) - green);
+    out.blue[i] = static_cast<uint8_t>(difference(16) - green);
   }
 }
 
 /// Back: adds red, green and blue to slots that have their opacity alone.
-template <class NeighborsOf>
-void takeColors(ColorDifferences in, size_t begin, size_t end, NeighborsOf neighborsOf, Rgba8* slots) {
-  Rgba8 last = slots[begin];  // what slots[i] became, nearly always the western neighbour's: it need not come back from memory
-  for (size_t i = begin, k = 0; i < end; ++i, ++k) {
-    const Neighbors at = neighborsOf(i);
+void takeColors(ColorDifferences in, const Neighbors* neighbors, size_t count, Rgba8* slots) {
+  Rgba8 last = slots[0];  // what slots[i] became, nearly always the western neighbour's: it need not come back from memory
+  for (size_t i = 0; i < count; ++i) {
+    const Neighbors at = neighbors[i];
     const Rgba8 west = at.west == i ? last : slots[at.west], north = slots[at.north], northWest = slots[at.northWest];
-    const int32_t green = in.green[k];
+    const int32_t green = in.green[i];
     const auto decoded = [&](int shift, int32_t difference) {
       const int32_t likely = predicted(channel(west, shift), channel(north, shift), channel(northWest, shift));
       return static_cast<Rgba8>((likely + difference) & 255) << shift;
     };
-    last = slots[i + 1] | decoded(8, green) | decoded(0, in.red[k] + green) | decoded(16, in.blue[k] + green);
+    last = slots[i + 1] | decoded(8, green) | decoded(0, in.red[i] + green) | decoded(16, in.blue[i] + green);
     slots[i + 1] = last;
   }
-}
-
-/// A stray's: the one before it that is sent the same way, if it is not the first of those, which begin at `first`.
-constexpr Neighbors strayNeighbors(size_t i, size_t first) {
-  const auto before = static_cast<uint32_t>(i == first ? 0 : i);
-  return {before, before, before};
 }
 
 /// Gives pixels without samples the mean colour of their 8x8 block, so that they cost its transform nothing; blocks without samples the
@@ -153,7 +139,6 @@ void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, 
   std::copy(colors.begin(), colors.end(), slots_.begin() + 1);
   alpha_.resize(count);
   putAlpha(slots_.data(), layout.neighbors.data(), layout.size(), alpha_.data());
-  for (size_t i = layout.size(); i < count; ++i) alpha_[i] = static_cast<uint8_t>(channel(colors[i], 24) - channel(slots_[i], 24));
   appendSection(out, alpha_);
 
   if (settings.color == ColorCoding::jpeg) {
@@ -167,17 +152,13 @@ void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, 
       appendJpeg(out, picture_.data(), area.width(), area.height(), settings.jpegQuality);
     }
     storeLittle(out.data() + start, static_cast<uint32_t>(out.size() - start - 4));
+    return;
   }
 
-  const size_t first = firstLossless(layout, settings.color);
-  green_.resize(count - first);
-  red_.resize(count - first);
-  blue_.resize(count - first);
-  const size_t strays = std::max(first, layout.size());
-  const Neighbors* const neighbors = layout.neighbors.data();
-  const ColorDifferences differences{green_.data(), red_.data(), blue_.data()};
-  putColors(slots_.data(), first, strays, [neighbors](size_t i) { return neighbors[i]; }, differences);
-  putColors(slots_.data(), strays, count, [first](size_t i) { return strayNeighbors(i, first); }, differences.from(strays - first));
+  green_.resize(count);
+  red_.resize(count);
+  blue_.resize(count);
+  putColors(slots_.data(), layout.neighbors.data(), count, {green_.data(), red_.data(), blue_.data()});
   appendSection(out, green_);
   appendSection(out, red_);
   appendSection(out, blue_);
@@ -190,7 +171,6 @@ DecodeError ColorPlanes::take(ByteReader& reader, const BandLayout& layout, uint
   slots_.resize(count + 1);
   slots_[0] = 0;
   takeAlpha(alpha_.data(), layout.neighbors.data(), layout.size(), slots_.data());
-  for (size_t i = layout.size(); i < count; ++i) slots_[i + 1] = static_cast<Rgba8>((alpha_[i] + channel(slots_[i], 24)) & 255) << 24;
 
   if (coding == ColorCoding::jpeg) {
     const auto length = reader.take<uint32_t>();
@@ -204,16 +184,13 @@ DecodeError ColorPlanes::take(ByteReader& reader, const BandLayout& layout, uint
     }
   }
 
-  const size_t first = firstLossless(layout, coding);
-  green_.resize(count - first);
-  red_.resize(count - first);
-  blue_.resize(count - first);
-  if (!takeSection(reader, green_) || !takeSection(reader, red_) || !takeSection(reader, blue_)) return "the colours are damaged";
-  const size_t strays = std::max(first, layout.size());
-  const Neighbors* const neighbors = layout.neighbors.data();
-  const ColorDifferences differences{green_.data(), red_.data(), blue_.data()};
-  takeColors(differences, first, strays, [neighbors](size_t i) { return neighbors[i]; }, slots_.data());
-  takeColors(differences.from(strays - first), strays, count, [first](size_t i) { return strayNeighbors(i, first); }, slots_.data());
+  if (coding == ColorCoding::lossless) {
+    green_.resize(count);
+    red_.resize(count);
+    blue_.resize(count);
+    if (!takeSection(reader, green_) || !takeSection(reader, red_) || !takeSection(reader, blue_)) return "the colours are damaged";
+    takeColors({green_.data(), red_.data(), blue_.data()}, layout.neighbors.data(), count, slots_.data());
+  }
   std::copy(slots_.begin() + 1, slots_.end(), colors.begin());
   return std::nullopt;
 }

@@ -1,8 +1,8 @@
 // The colours of one layer of a band's samples as bytes.
 // Alpha: differences from its prediction. Red, green, blue without loss: the same, green's difference taken off the others'. With loss: as a
-// JPEG image of the area that the layer covers, those of strays without.
+// JPEG image of the area that the layer covers.
 //
-// Bytes: section of alpha, one byte a sample; with loss the JPEG's length (4) and the JPEG; sections of green, red, blue.
+// Bytes: section of alpha, one byte a sample; with loss the JPEG's length (4) and the JPEG, else sections of green, red, blue.
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@
 
 namespace warpscope {
 
-/// Keeps its buffers. Colours: of the samples in the layout's order, then of `strays`.
+/// Keeps its buffers. Colours: of the samples in the layout's order.
 class ColorPlanes {
  public:
   /// `firstRow` is the band's; `mask` is what the layout was built from, `rowBytes` a row.

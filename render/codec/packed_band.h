@@ -1,14 +1,11 @@
-// Some rows of a frame's picture (or, for frames without order, some samples) as bytes: the unit that is packed and
-// unpacked at once. A pixel's samples are layers: its first belongs to layer 0, the next to layer 1. Each layer is
+// Some rows of a frame's picture as bytes: the unit that is packed and unpacked at once. A pixel's samples are layers: its first belongs to layer 0, the next to layer 1. Each layer is
 // packed by itself (layer_packer.h).
 //
 // A band's bytes:
-// - samples (4), strays (4): samples that have no place in the order of pixels and are sent as they are; a hash of all
-//   samples (8)
-// - strays, if there are any: band_strays.h
-// - if the band has rows, sections (zstd_section.h) whose lengths follow from what came before: which pixels have
-//   samples, a bit each, each row changed by the row above; behind a flag (1), how many further ones each of these has
-// - for each layer, from the front: layer_packer.h; the colours of strays are with those of the first
+// - samples (4); a hash of all samples (8)
+// - sections (zstd_section.h) whose lengths follow from what came before: which pixels have samples, a bit each, each
+//   row changed by the row above; behind a flag (1), how many further ones each of these has
+// - for each layer, from the front: layer_packer.h
 #pragma once
 
 #include <memory>
@@ -21,19 +18,15 @@
 
 namespace warpscope {
 
-/// More strays no band has; and no fewer bytes than its head.
-inline constexpr size_t kMaxBandStrays = size_t{1} << 20;
-inline constexpr size_t kLeastBandBytes = 16;
+/// No band has fewer bytes than its head.
+inline constexpr size_t kLeastBandBytes = 12;
 
-/// Which part of the picture a band is. Without rows: no part of it, all samples are strays.
+/// Which part of the picture a band is: `count` rows, at least 1.
 struct BandRows {
-  Placement placement = Placement::loose;
+  Placement placement = Placement::depth;
   uint32_t first = 0;
   uint32_t count = 0;
 };
-
-/// Whether every sample has a pixel, of its own and after the one before.
-bool isAscending(std::span<const uint32_t> pixels);
 
 /// Packs and unpacks bands, one at a time; keeps its buffers.
 class BandPacker {
@@ -42,11 +35,9 @@ class BandPacker {
   ~BandPacker();
   BandPacker(BandPacker&&) noexcept;
 
-  /// Appends the band whose samples are [begin, end) of the frame. pixels[i] is the pixel of sample i (row times width
-  /// plus column), which must be in the band, not before the one of the sample before, and at most kMaxLayers times the
-  /// same; kNoSample for strays. Where the frame has layers, a pixel's samples are those of one ray.
-  void pack(const SampleFrame& frame, const BandRows& rows, size_t begin, size_t end, std::span<const uint32_t> pixels,
-            const CodecSettings& settings, std::vector<std::byte>& out);
+  /// Appends the band whose samples are [begin, end) of the frame: those in its rows, of a frame that codec.h takes.
+  void pack(const SampleFrame& frame, const BandRows& rows, size_t begin, size_t end, const CodecSettings& settings,
+            std::vector<std::byte>& out);
 
   /// Fills samples and colours, which say how many there must be, and as many layers, or none if the frame does not say
   /// such. The frame gives camera, quantisation, settings.

@@ -1,5 +1,5 @@
 // Where samples lie along the rays of their pixels, as one integer each: what encoder and decoder compute alike from the frame's camera.
-// Both compute it with the functions that the marcher itself uses (pixelRay, intersectBox, makeLattice, quantizeCoordinate), so that a
+// Both compute it with the functions that the marcher itself uses (PixelGrid::ray, intersectBox, makeLattice, encodeDepth), so that a
 // marched sample is reproduced exactly, and any other nearly; what differs is sent beside.
 //
 // Relied on: additions, multiplications, divisions, square roots and fused multiply-adds of float and double round as IEEE 754 says, and
@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <span>
 
-#include "render/core/camera.h"
 #include "render/core/sample.h"
 #include "render/core/transfer_vector.h"
 #include "render/march/sample_frame.h"
@@ -19,12 +18,11 @@ namespace warpscope {
 
 /// What a sample's integer means.
 enum class Placement : uint8_t {
-  loose,      ///< nothing: samples are sent as they are
   steps,      ///< index on the ray's lattice
   halfSteps,  ///< the same in half steps: midpoints of two places on the lattice
-  axis,       ///< the coordinate along the axis that the ray runs through fastest; it gives the others nearly
+  depth,      ///< the depth code itself
 };
-inline constexpr uint32_t kPlacements = 4;
+inline constexpr uint32_t kPlacements = 3;
 
 /// Neighbouring samples are predicted from one another in fine units that do not depend on where a ray enters the volume.
 struct FineScale {
@@ -43,36 +41,27 @@ struct FineScale {
 /// What samples in pixels share, and the samples' rays; as arrays, for the compiler to work on several at once.
 class PixelPaths {
  public:
-  /// Rays through the centres of the pixels (columns[k], rows[k]). Any camera and quantisation will do; unusable ones give useless places.
+  /// Rays of the pixels (columns[k], rows[k]). Any camera and quantisation will do; unusable ones give useless places.
   void aim(const SampleFrame& frame, Placement placement, std::span<const uint32_t> columns, std::span<const uint32_t> rows);
 
   /// The integers whose places are nearest to the samples.
   void locate(std::span<const PackedSample> samples, std::span<int32_t> places) const;
 
-  /// The positions (54 bits, no radius) of the places, and their distance from the eye. Any integer will do.
-  void place(std::span<const int32_t> places, std::span<PackedSample> positions, std::span<float> depths) const;
+  /// The depth codes of the places. Any integer will do.
+  void place(std::span<const int32_t> places, std::span<uint32_t> depthCodes) const;
 
-  size_t size() const { return x_.size(); }
-  /// Cosine of the angle between ray k and the camera's axis.
-  float cosine(size_t k) const { return x_[k] * camera_.forward.x + y_[k] * camera_.forward.y + z_[k] * camera_.forward.z; }
-
+  size_t size() const { return origin_.size(); }
   FineScale fineScale() const { return {origin_.data(), fineBits_}; }
-  /// Places of different kinds cannot be compared.
-  std::span<const int32_t> kinds() const { return axis_; }
-  bool isOneKind() const { return isOneKind_; }
 
  private:
-  Camera camera_;
-  SampleQuantization quantization_;
-  Placement placement_ = Placement::loose;
-  float step_ = 1.0f;
+  Placement placement_ = Placement::depth;
+  float step_ = 1.0f, depthStep_ = 1.0f;
   int fineBits_ = 0;
-  bool isOneKind_ = true;
-  TransferVector<float> x_, y_, z_;     // direction
-  TransferVector<float> t0_, length_;   // the ray's lattice
+  TransferVector<float> fromX_, fromY_, fromZ_, x_, y_, z_;  // where rays begin, and their directions
+  TransferVector<float> cosine_;
+  TransferVector<float> t0_, length_;  // the ray's lattice
   TransferVector<int32_t> count_;
-  TransferVector<int32_t> origin_;      // of places, in fine units
-  TransferVector<int32_t> axis_;        // fastest, for Placement::axis; else 0
+  TransferVector<int32_t> origin_;  // of places, in fine units
 };
 
 }  // namespace warpscope

@@ -1,5 +1,5 @@
 // The places of a band's samples as tokens and bits: how they differ from what their neighbours make likely.
-// Prediction: see band_layout.h. Only neighbours of the same kind (PixelPaths::kinds) count.
+// Prediction: see band_layout.h.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +19,7 @@ class PlaceTokens {
   void take(const PixelPaths& paths, const BandLayout& layout, std::span<const uint8_t> tokens, BitReader& bits, std::span<int32_t> places);
 
  private:
-  /// Makes room for fine places, and fills kinds_ if there are several.
-  void prepare(const PixelPaths& paths);
-
-  // By slots, whose first is nobody's.
-  TransferVector<int32_t> fine_, kinds_;
+  TransferVector<int32_t> fine_;  // by slots, whose first is nobody's
   TransferVector<uint32_t> codes_;
 };
 

@@ -15,33 +15,29 @@ class RadiusPrediction {
  public:
   explicit RadiusPrediction(const SampleFrame& frame)
       : rule_(sampleRuleOf(frame)),
-        camera_(frame.camera),
+        edge_(pixelEdge(frame.camera)),
         isSame_(rule_.policy == RadiusPolicy::voxel || rule_.policy == RadiusPolicy::constant),
-        same_(code(1.0f, 1.0f, 0)) {}
+        same_(code(0, 0)) {}
 
-  uint32_t operator()(float depth, float cosine, Rgba8 color) const {
-    return isSame_ ? same_ : code(depth, cosine, color);
-  }
+  uint32_t operator()(PackedSample position, Rgba8 color) const { return isSame_ ? same_ : code(depthCode(position), color); }
   bool isSame() const { return isSame_; }
   uint32_t same() const { return same_; }
 
  private:
-  uint32_t code(float depth, float cosine, Rgba8 color) const {
-    const float opacity = static_cast<float>(color >> 24) / 255.0f;
-    return encodeRadius(sampleRadius(rule_, camera_, depth, cosine, opacity), rule_.quantization.radiusUnit);
+  uint32_t code(uint32_t depth, Rgba8 color) const {
+    return radiusCodeFor(rule_, edge_, depth, static_cast<float>(color >> 24) / 255.0f);
   }
 
   SampleRule rule_;
-  const Camera& camera_;
+  float edge_;
   bool isSame_;  // for all samples
   uint32_t same_;
 };
 
 }  // namespace
 
-void putRadii(const SampleFrame& frame, const PixelPaths& paths, std::span<const PackedSample> samples,
-              std::span<const float> depths, std::span<const Rgba8> colors, std::span<uint8_t> tokens,
-              BitWriter& bits) {
+void putRadii(const SampleFrame& frame, std::span<const PackedSample> samples, std::span<const Rgba8> colors,
+              std::span<uint8_t> tokens, BitWriter& bits) {
   const RadiusPrediction radius(frame);
   const size_t count = tokens.size();
   if (radius.isSame()) {
@@ -53,14 +49,13 @@ void putRadii(const SampleFrame& frame, const PixelPaths& paths, std::span<const
     }
   }
   for (size_t i = 0; i < count; ++i) {
-    const auto likely = static_cast<int32_t>(radius(depths[i], paths.cosine(i), colors[i]));
+    const auto likely = static_cast<int32_t>(radius(samples[i], colors[i]));
     tokens[i] = putToken(zigzag(static_cast<int32_t>(radiusCode(samples[i])) - likely), bits);
   }
 }
 
-void takeRadii(const SampleFrame& frame, const PixelPaths& paths, std::span<const uint8_t> tokens,
-               std::span<const float> depths, std::span<const Rgba8> colors, std::span<PackedSample> positions,
-               BitReader& bits) {
+void takeRadii(const SampleFrame& frame, std::span<const uint8_t> tokens, std::span<const Rgba8> colors,
+               std::span<PackedSample> positions, BitReader& bits) {
   const RadiusPrediction radius(frame);
   const size_t count = tokens.size();
   PackedSample* const position = positions.data();
@@ -71,7 +66,7 @@ void takeRadii(const SampleFrame& frame, const PixelPaths& paths, std::span<cons
   }
   BitReader take = bits;  // a local: what is written cannot be what it reads then
   for (size_t i = 0; i < count; ++i) {
-    const auto likely = radius(depths[i], paths.cosine(i), colors[i]);
+    const auto likely = radius(position[i], colors[i]);
     const uint32_t difference = static_cast<uint32_t>(unzigzag(takeToken(tokens[i], take)));
     position[i] = (position[i] & kPositionMask) | static_cast<uint64_t>((likely + difference) & kRadiusCodeMax)
                                                       << kRadiusShift;

@@ -5,20 +5,18 @@
 #include <cstdint>
 #include <span>
 
-#include "render/codec/pixel_path.h"
 #include "render/codec/tokens.h"
 #include "render/march/sample_frame.h"
 
 namespace warpscope {
 
-/// Fills `tokens`. All spans and paths are of the same samples.
-void putRadii(const SampleFrame& frame, const PixelPaths& paths, std::span<const PackedSample> samples,
-              std::span<const float> depths, std::span<const Rgba8> colors, std::span<uint8_t> tokens, BitWriter& bits);
+/// Fills `tokens`. All spans are of the same samples.
+void putRadii(const SampleFrame& frame, std::span<const PackedSample> samples, std::span<const Rgba8> colors,
+              std::span<uint8_t> tokens, BitWriter& bits);
 
 /// Puts radius codes into the upper bits of `positions`, whatever the tokens are. Of the colours only opacities are
 /// read.
-void takeRadii(const SampleFrame& frame, const PixelPaths& paths, std::span<const uint8_t> tokens,
-               std::span<const float> depths, std::span<const Rgba8> colors, std::span<PackedSample> positions,
-               BitReader& bits);
+void takeRadii(const SampleFrame& frame, std::span<const uint8_t> tokens, std::span<const Rgba8> colors,
+               std::span<PackedSample> positions, BitReader& bits);
 
 }  // namespace warpscope

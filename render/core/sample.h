@@ -1,10 +1,13 @@
 // One sample of the rendered volume: where a ray met something, how large that is, and its colour, in 64 + 32 bits.
-// The layout after Zellmann 2020 (position and radius quantised to 64 bits, RGBA8 beside); the bits and the radius code are ours.
+// After Zellmann 2020, whose samples are positions and radii quantised to 64 bits, RGBA8 beside. Deviation: a sample is a pixel and a depth
+// along that pixel's ray, so that it lies on the ray whatever the eye's place, where a position's steps may be coarser than a pixel.
 //
-//   bits  0..17  x      position quantised in the frame's bounds: 0 is the lower bound, 2^18 - 1 the upper one, both exact
-//   bits 18..35  y
-//   bits 36..53  z
+//   bits  0..13  column of the pixel
+//   bits 14..27  row
+//   bits 28..53  depth code: forward depth behind the frame's near plane, in steps of depthStep
 //   bits 54..63  radius code: 0 means "no sample"; else exponent (4 bits) and mantissa (6 bits) of (radius / radiusUnit)
+//
+// Column and row as one number rise in the order of a picture's pixels.
 //
 // A radius code c >= 1 stands for radiusUnit * 2^(e - 15) * (1 + m / 64) with e = c >> 6, m = c & 63: logarithmic to 1.6 %, 16
 // octaves that end just below 2 * radiusUnit, exact in float on every machine. Radii are rounded down, so that a sphere that just
@@ -17,15 +20,21 @@
 
 #include "render/core/box.h"
 #include "render/core/color.h"
+#include "render/core/numeric.h"
+#include "render/core/pixel_grid.h"
 
 namespace warpscope {
 
 using PackedSample = uint64_t;
 
-inline constexpr uint32_t kPositionBits = 18;
-inline constexpr uint32_t kPositionMax = (1u << kPositionBits) - 1;
+inline constexpr uint32_t kPixelBits = 14;  ///< of a column, and of a row
+inline constexpr uint32_t kDepthBits = 26;
+inline constexpr uint32_t kDepthCodeMax = (1u << kDepthBits) - 1;
 inline constexpr uint32_t kRadiusCodeMax = 1023;
-inline constexpr uint32_t kRadiusShift = 3 * kPositionBits;
+inline constexpr uint32_t kDepthShift = 2 * kPixelBits;
+inline constexpr uint32_t kRadiusShift = kDepthShift + kDepthBits;
+inline constexpr uint32_t kPixelKeyMask = (1u << kDepthShift) - 1;
+/// Pixel and depth.
 inline constexpr PackedSample kPositionMask = (PackedSample{1} << kRadiusShift) - 1;
 
 /// Stands where an image of sample ids has no sample.
@@ -33,29 +42,51 @@ inline constexpr uint32_t kNoSample = 0xffffffffu;
 
 /// What a frame says once about how its samples are quantised. Units: volume space.
 struct SampleQuantization {
-  Box bounds;               ///< finite; an axis may have zero extent
+  Box bounds;               ///< finite; an axis may have zero extent. No position lies outside
   float radiusUnit = 1.0f;  ///< a power of two; radii from radiusUnit / 32768 to just below 2 * radiusUnit can be told apart
+  float nearDepth = 0.0f;   ///< forward depth at which codes begin; finite, 0 or more
+  float depthStep = 1.0f;   ///< forward depth between two codes; finite, more than 0
 
   bool operator==(const SampleQuantization&) const = default;
 };
+
+/// True if the quantisation is what its members say.
+bool isUsable(const SampleQuantization& quantization);
+
+/// How samples of what lies in `bounds` are quantised, seen by a camera that isUsable(): about 2^18 steps of depth lie within the bounds. That is
+/// finer than heuristics find depths, and finer codes would be more bytes on the wire; the format has room for 2^26.
+SampleQuantization quantizationFor(const Camera& camera, const Box& bounds, float radiusUnit);
+
+/// What unpacking takes: made once for a frame, plain data, for host and device.
+struct SampleGrid {
+  PixelGrid pixels;
+  Box bounds;
+  float depthStep = 1.0f;
+  float radiusUnit = 1.0f;
+};
+
+/// The grid of a frame's camera and quantisation. Host only.
+inline SampleGrid makeSampleGrid(const Camera& camera, const SampleQuantization& quantization) {
+  return {makePixelGrid(camera, quantization.nearDepth), quantization.bounds, quantization.depthStep, quantization.radiusUnit};
+}
 
 struct Sphere {
   glm::vec3 center;
   float radius;
 };
 
-WARPSCOPE_HD inline uint32_t quantizeCoordinate(float value, float lower, float upper) {
-  const float extent = upper - lower;
-  if (!(extent > 0.0f)) return 0;  // nothing to tell apart on a flat axis
-  const float unit = (value - lower) / extent;
-  if (!(unit > 0.0f)) return 0;
-  return static_cast<uint32_t>(glm::min(unit, 1.0f) * static_cast<float>(kPositionMax) + 0.5f);
+/// The code nearest to the forward depth `behind` behind the near plane: within half a step of it, and 2^-24 of the depth. 0 for less and NaN;
+/// depths beyond the codes get one of the last. Of the codes below 2^22 each comes back from decodeDepth().
+WARPSCOPE_HD inline uint32_t encodeDepth(float behind, float depthStep) {
+  constexpr float kWhole = 0x1p23f;           // from here on floats have no halves
+  constexpr float kLargest = 0x1p26f - 4.0f;  // of the floats that are codes
+  const float steps = minOf(maxOf(behind / depthStep, 0.0f), kLargest);
+  return static_cast<uint32_t>(static_cast<int32_t>(steps < kWhole ? steps + 0.5f : steps));
 }
 
-WARPSCOPE_HD inline float dequantizeCoordinate(uint32_t code, float lower, float upper) {
-  // A blend of the ends instead of lower + code * step: exact at both.
-  const float unit = static_cast<float>(code) / static_cast<float>(kPositionMax);
-  return lower * (1.0f - unit) + upper * unit;
+/// In units of volume space.
+WARPSCOPE_HD inline float decodeDepth(uint32_t code, float depthStep) {
+  return static_cast<float>(static_cast<int32_t>(code)) * depthStep;
 }
 
 /// The code of `radius`, at least 1: the largest code whose radius is not greater (the smallest code below the range).
@@ -79,28 +110,34 @@ WARPSCOPE_HD inline float decodeRadius(uint32_t code, float radiusUnit) {
   return radiusUnit * std::ldexp(mantissa, static_cast<int>(code >> 6) - 15);
 }
 
-/// The bits of the position; those of the radius are 0.
-WARPSCOPE_HD inline PackedSample packPosition(const glm::vec3& position, const Box& bounds) {
-  const uint64_t x = quantizeCoordinate(position.x, bounds.lower.x, bounds.upper.x);
-  const uint64_t y = quantizeCoordinate(position.y, bounds.lower.y, bounds.upper.y);
-  const uint64_t z = quantizeCoordinate(position.z, bounds.lower.z, bounds.upper.z);
-  return x | y << 18 | z << 36;
-}
-
-WARPSCOPE_HD inline PackedSample packSample(const glm::vec3& position, float radius, const SampleQuantization& q) {
-  return packPosition(position, q.bounds) | static_cast<uint64_t>(encodeRadius(radius, q.radiusUnit)) << kRadiusShift;
-}
-
+WARPSCOPE_HD inline uint32_t columnOf(PackedSample sample) { return static_cast<uint32_t>(sample) & ((1u << kPixelBits) - 1); }
+WARPSCOPE_HD inline uint32_t rowOf(PackedSample sample) { return static_cast<uint32_t>(sample) >> kPixelBits & ((1u << kPixelBits) - 1); }
+/// Row and column as one number: of two pixels, the one that comes first in the picture has the smaller.
+WARPSCOPE_HD inline uint32_t pixelKey(PackedSample sample) { return static_cast<uint32_t>(sample) & kPixelKeyMask; }
+WARPSCOPE_HD inline uint32_t pixelKey(uint32_t column, uint32_t row) { return row << kPixelBits | column; }
+WARPSCOPE_HD inline uint32_t depthCode(PackedSample sample) { return static_cast<uint32_t>(sample >> kDepthShift) & kDepthCodeMax; }
 WARPSCOPE_HD inline uint32_t radiusCode(PackedSample sample) { return static_cast<uint32_t>(sample >> kRadiusShift); }
 
-WARPSCOPE_HD inline glm::vec3 unpackPosition(PackedSample sample, const Box& bounds) {
-  return {dequantizeCoordinate(static_cast<uint32_t>(sample) & kPositionMax, bounds.lower.x, bounds.upper.x),
-          dequantizeCoordinate(static_cast<uint32_t>(sample >> 18) & kPositionMax, bounds.lower.y, bounds.upper.y),
-          dequantizeCoordinate(static_cast<uint32_t>(sample >> 36) & kPositionMax, bounds.lower.z, bounds.upper.z)};
+/// Codes within their ranges, a pixel of at most 2^14 columns and rows.
+WARPSCOPE_HD inline PackedSample packCodes(uint32_t column, uint32_t row, uint32_t depth, uint32_t radius) {
+  return pixelKey(column, row) | static_cast<uint64_t>(depth) << kDepthShift | static_cast<uint64_t>(radius) << kRadiusShift;
 }
 
-WARPSCOPE_HD inline Sphere unpackSample(PackedSample sample, const SampleQuantization& q) {
-  return {unpackPosition(sample, q.bounds), decodeRadius(radiusCode(sample), q.radiusUnit)};
+/// A sample in a pixel, at the forward depth `behind` behind the near plane.
+WARPSCOPE_HD inline PackedSample packSample(uint32_t column, uint32_t row, float behind, float radius, const SampleQuantization& q) {
+  return packCodes(column, row, encodeDepth(behind, q.depthStep), encodeRadius(radius, q.radiusUnit));
+}
+
+/// On the ray of the sample's pixel, as precise as PixelGrid::at says; but never outside the bounds, whatever the bits and the grid are: what
+/// quantisation has put a half step outside lies on the border.
+WARPSCOPE_HD inline glm::vec3 unpackPosition(PackedSample sample, const SampleGrid& grid) {
+  const glm::vec3 position = grid.pixels.at(columnOf(sample), rowOf(sample), decodeDepth(depthCode(sample), grid.depthStep));
+  const auto inside = [&](int axis) { return minOf(maxOf(position[axis], grid.bounds.lower[axis]), grid.bounds.upper[axis]); };
+  return {inside(0), inside(1), inside(2)};
+}
+
+WARPSCOPE_HD inline Sphere unpackSample(PackedSample sample, const SampleGrid& grid) {
+  return {unpackPosition(sample, grid), decodeRadius(radiusCode(sample), grid.radiusUnit)};
 }
 
 /// The power of two that lets `largestRadius` be told apart from half of it. 1 if it is not a positive finite number.

@@ -18,7 +18,7 @@ SampleFrame headFrom(ByteReader& reader) {
   head.camera.eye = {3.0f, 2.0f, 40.0f};
   head.camera.width = 1u + reader.take<uint8_t>();
   head.camera.height = 1u + reader.take<uint8_t>();
-  head.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f};
+  head.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f, 24.0f, 0x1p-13f};
   const auto choices = reader.take<uint8_t>();
   head.settings.sample.radiusPolicy = static_cast<RadiusPolicy>(choices & 3);
   if (choices & 4) head.camera.width *= 40;
@@ -56,6 +56,16 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (!error && !isKnown(plane.name, plane.element)) std::abort();
   }
   const std::span<const uint8_t> layers = frame.layers();
+  const SampleGrid grid = frame.grid();
+  for (size_t i = 0; i < frame.size(); ++i) {
+    const PackedSample sample = frame.samples[i];
+    if (columnOf(sample) >= frame.camera.width || rowOf(sample) >= frame.camera.height) std::abort();
+    const bool isNext = i == 0 || layers.empty() || layers[i] == 0;
+    if (i > 0 && (isNext ? pixelKey(sample) <= pixelKey(frame.samples[i - 1]) : pixelKey(sample) != pixelKey(frame.samples[i - 1]))) std::abort();
+    const glm::vec3 center = unpackPosition(sample, grid);
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(center[axis] >= grid.bounds.lower[axis] && center[axis] <= grid.bounds.upper[axis])) std::abort();
+  }
   for (size_t i = 0; i < layers.size(); ++i)
     if (layers[i] >= frame.settings.sample.samplesPerRay || (layers[i] != 0 && (i == 0 || layers[i] != layers[i - 1] + 1)))
       std::abort();

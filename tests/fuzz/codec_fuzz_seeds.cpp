@@ -8,6 +8,7 @@
 
 #include "render/codec/bytes.h"
 #include "render/codec/codec.h"
+#include "tests/frame_samples.h"
 #include "tests/layered_frames.h"
 
 namespace warpscope {
@@ -31,23 +32,24 @@ void writeSeed(const std::filesystem::path& path, const SampleFrame& frame, cons
   file.write(reinterpret_cast<const char*>(seed.data()), static_cast<std::streamsize>(seed.size()));
 }
 
-/// One in `oneIn` pixels has samples, `layers` at most; some samples lie anywhere. Several have planes.
+/// One in `oneIn` pixels has samples, `layers` at most; some depths are anything. Several have planes.
 SampleFrame madeUp(uint32_t width, uint32_t height, uint32_t oneIn, uint32_t layers, bool isOnSteps, uint32_t seed) {
   std::mt19937 random(seed);
   SampleFrame frame;
   frame.camera.eye = {3.0f, 2.0f, 40.0f};
   frame.camera.width = width;
   frame.camera.height = height;
-  frame.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f};
+  frame.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f, 24.0f, 0x1p-13f};
   frame.settings.sample.radiusPolicy = static_cast<RadiusPolicy>(seed & 3);
   frame.settings.sample.samplesPerRay = static_cast<int>(layers);
   std::vector<uint8_t> places;
   for (uint32_t pixel = 0; pixel < width * height; ++pixel) {
     if (random() % oneIn != 0) continue;
-    const Ray ray = pixelRay(frame.camera, {static_cast<float>(pixel % width) + 0.5f, static_cast<float>(pixel / width) + 0.5f});
     for (uint32_t layer = 0, count = 1 + static_cast<uint32_t>(random()) % layers; layer < count; ++layer) {
       const float depth = 40.0f + static_cast<float>(layer) + (isOnSteps ? 0.25f : 1e-4f * static_cast<float>(random() % 10000));
-      frame.samples.push_back(random() % 50 == 0 ? random() : packSample(ray.at(depth), 0.8f, frame.quantization));
+      const PackedSample sample = sampleOnRay(frame, pixel, depth, 0.8f);
+      const auto anyDepth = static_cast<uint64_t>(random()) << 32;
+      frame.samples.push_back(random() % 50 == 0 ? anyDepth | pixelKey(sample) : sample);
       frame.colors.push_back(random());
       places.push_back(static_cast<uint8_t>(layer));
     }
