@@ -33,9 +33,17 @@ struct Truth {
   Exact tolerance;  // what rounding may do to a distance
 };
 
+/// As large as the sphere is seen.
+Exact seenFrom(const Ray& ray, const glm::vec3& center, float radius) {
+  const ExactVec toCenter = ExactVec(center) - ExactVec(ray.origin);
+  const Exact half = sqrt(dot(toCenter, toCenter)) / 2;
+  return half < radius ? half : Exact(radius);
+}
+
 /// What intersectSphere has to answer. It is undecided where the ray passes the surface, or starts from it, within
 /// rounding.
-Truth judge(const Ray& ray, const glm::vec3& center, float radius) {
+Truth judge(const Ray& ray, const glm::vec3& center, float wholeRadius) {
+  const Exact radius = seenFrom(ray, center, wholeRadius);
   const ExactVec toCenter = ExactVec(center) - ExactVec(ray.origin);
   const ExactVec direction(ray.direction);
   const ExactVec unit = direction * (1 / sqrt(dot(direction, direction)));
@@ -55,7 +63,7 @@ Exact distanceFromSurface(const Ray& ray, float t, const glm::vec3& center, floa
   const ExactVec direction(ray.direction);
   const ExactVec unit = direction * (1 / sqrt(dot(direction, direction)));
   const ExactVec offset = ExactVec(center) - ExactVec(ray.origin) - unit * Exact(t);
-  return abs(sqrt(dot(offset, offset)) - Exact(radius));
+  return abs(sqrt(dot(offset, offset)) - seenFrom(ray, center, radius));
 }
 
 float hitAlongZ(float offset, float distance, float radius) {
@@ -71,30 +79,36 @@ TEST(RaySphere, FarSphereIsHitInsideItsOutlineAndMissedOutside) {
 
 TEST(RaySphere, TangentHasOneDistance) { EXPECT_EQ(hitAlongZ(1.0f, 8.0f, 1.0f), 8.0f); }
 
-TEST(RaySphere, EyeInsideLooksThrough) {
-  EXPECT_EQ(hitAlongZ(0.0f, 0.0f, 1.0f), kNoHit);
-  EXPECT_EQ(hitAlongZ(0.0f, 0.5f, 1.0f), kNoHit);
+TEST(RaySphere, AnEyeInsideSeesTheSphereHalfwayToItsCentre) {
+  EXPECT_EQ(hitAlongZ(0.0f, 0.5f, 1.0f), 0.25f);
+  EXPECT_EQ(hitAlongZ(0.0f, 1.0f, 1.0f), 0.5f);    // on its surface
+  EXPECT_FLOAT_EQ(hitAlongZ(0.0f, 1.9f, 1.0f), 0.95f); // and near it
+  EXPECT_EQ(hitAlongZ(0.0f, 2.0f, 1.0f), 1.0f);
+  EXPECT_EQ(hitAlongZ(0.0f, 0.0f, 1.0f), kNoHit);  // there is no direction to see it in
   EXPECT_EQ(hitAlongZ(0.0f, -0.5f, 1.0f), kNoHit);
-}
-
-TEST(RaySphere, OriginOnTheSurfaceIsNoHit) {
-  EXPECT_EQ(hitAlongZ(0.0f, 1.0f, 1.0f), kNoHit);
   EXPECT_EQ(hitAlongZ(0.0f, -1.0f, 1.0f), kNoHit);
   EXPECT_EQ(hitAlongZ(1.0f, 0.0f, 1.0f), kNoHit);
+  // 30 degrees around its centre and no more.
+  for (const float degrees : {0.0f, 15.0f, 29.9f, 30.1f, 60.0f}) {
+    const float angle = glm::radians(degrees);
+    const float t = intersectSphere({{0.0f, 0.0f, 0.0f}, {std::sin(angle), 0.0f, std::cos(angle)}}, {0.0f, 0.0f, 0.01f}, 1.0f);
+    EXPECT_EQ(t < kNoHit, degrees < 30.0f) << degrees;
+  }
 }
 
-TEST(RaySphere, GrazingFromTheSurfaceStaysBeforeTheClosestPoint) {
+TEST(RaySphere, GrazingHitsStayBeforeTheClosestPoint) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
   for (int i = 0; i < 100000; ++i) {
-    // Origins on the unit sphere but for rounding, directions along its surface but for a little.
+    // Directions along the outline of what is seen but for a little, from any distance.
     const glm::vec3 normal = glm::normalize(glm::vec3(unit(random), unit(random), unit(random)));
     const glm::vec3 side = glm::normalize(glm::cross(normal, glm::vec3(unit(random), unit(random), unit(random))));
-    const float tilt = std::ldexp(unit(random), -static_cast<int>(random() % 40));
-    const Ray ray{normal, glm::normalize(side + tilt * normal)};
+    const float distance = std::exp2(8.0f * std::abs(unit(random)));
+    const float sine = std::min(0.5f, 1.0f / distance) * (1.0f + std::ldexp(unit(random), -static_cast<int>(random() % 24)));
+    const Ray ray{-distance * normal, glm::normalize(std::sqrt(1.0f - sine * sine) * normal + sine * side)};
     const float t = intersectSphere(ray, glm::vec3(0.0f), 1.0f);
     if (t == kNoHit) continue;
-    ASSERT_LE(t, glm::dot(-normal, ray.direction)) << "seed 5, ray " << i;
+    ASSERT_LE(t, glm::dot(-ray.origin, ray.direction)) << "seed 5, ray " << i;
   }
 }
 

@@ -11,6 +11,7 @@
 #include "render/core/ray_sphere.h"
 #include "render/warp/multihit_warp.h"
 #include "render/warp/spheres_warp.h"
+#include "tests/frame_samples.h"
 #include "tests/headless.h"
 
 namespace warpscope {
@@ -38,7 +39,7 @@ TEST(SphereCloudWarp, EmbreeAndLbvhSeeTheSameOnRealFrames) {
           for (int k = 0; k < 2; ++k) {
             t[k] = std::numeric_limits<double>::infinity();
             if (ids[k] == kNoSample) continue;
-            const Sphere sphere = frame->sphere(ids[k]);
+            const Sphere sphere = sphereOf(*frame, ids[k]);
             const glm::dvec3 direction = glm::normalize(glm::dvec3(ray.direction));
             const glm::dvec3 toCenter = glm::dvec3(sphere.center) - glm::dvec3(ray.origin);
             const double along = glm::dot(toCenter, direction);
@@ -85,6 +86,48 @@ TEST(SphereCloudWarp, SplatsAndOneHitShowWhatSpheresShow) {
       }
       EXPECT_EQ(less, 0u);
       EXPECT_GT(more, 100u);
+    }
+  }
+}
+
+/// Spheres that would hold the eye give way: the view from which a frame was marched is covered, and no technique shows another picture than the others.
+TEST(SphereCloudWarp, AnEyeInsideMatterSeesWhatIsAroundIt) {
+  for (const char* name : {"shells", "block"}) {
+    const Stage stage(smallScene(name, 64));
+    const Camera camera = makeCamera(stage.scene(), {30.0, 20.0, 0.05, {}}, 160, 120);
+    const SampleFramePtr frame = stage.frame(camera, stage.scene().march);
+    ASSERT_GT(frame->size(), camera.width * camera.height / 2);
+    for (const double turn : {0.0, 4.0, 180.0}) {
+      SCOPED_TRACE(std::string(name) + ", " + std::to_string(turn) + " degrees");
+      const Camera eye = makeCamera(stage.scene(), {30.0 + turn, 20.0, 0.05, {}}, 160, 120);
+      const WarpedImage spheres = stage.draw("spheres", frame, eye);
+      const auto covered = static_cast<size_t>(std::count_if(spheres.samples.begin(), spheres.samples.end(), [](uint32_t id) { return id != kNoSample; }));
+      if (turn == 0.0) EXPECT_GT(covered, 0.999 * static_cast<double>(frame->size()));
+      EXPECT_EQ(stage.draw("splats", frame, eye).samples, spheres.samples);
+      WarpSettings settings;
+      settings.knobs.set(kHitsKnob, 1);
+      EXPECT_EQ(stage.draw("multihit", frame, eye, settings).samples, spheres.samples);
+      settings.knobs.set(kSphereTracingKnob, SphereTracing::embree);
+      const WarpedImage embree = stage.draw("spheres", frame, eye, settings);
+      size_t different = 0;
+      for (size_t i = 0; i < spheres.samples.size(); ++i) different += embree.samples[i] != spheres.samples[i];
+      EXPECT_LT(different, spheres.samples.size() / 100);
+    }
+  }
+}
+
+/// What was built for one eye is not what another sees.
+TEST(SphereCloudWarp, AnEyeThatPassesThroughTheCloudSeesEachTimeWhatItSawAtFirst) {
+  const Stage stage(smallScene("shells", 48));
+  const SampleFramePtr frame = stage.frame(stage.camera(120, 90), stage.scene().march);
+  for (const char* technique : {"spheres", "multihit"}) {
+    const std::unique_ptr<Warp> warp = makeWarp(findWarp(technique), stage.resources());
+    warp->setFrame(frame, {});
+    for (const double distance : {0.7, 0.3, 0.1, 0.05, 0.3, 0.7}) {
+      const Camera camera = makeCamera(stage.scene(), {30.0, 20.0, distance, {}}, 100, 80);
+      WarpedImage image;
+      warp->draw(camera, {}, image);
+      EXPECT_EQ(image.samples, stage.draw(technique, frame, camera).samples) << technique << " from " << distance;
     }
   }
 }

@@ -12,13 +12,27 @@ namespace warpscope {
 /// Returned where there is no hit: compares greater than every distance.
 inline constexpr float kNoHit = std::numeric_limits<float>::infinity();
 
-/// By how much the eye is outside a sphere: squared distance of the centre less squared radius; the same for all rays from one origin.
-WARPSCOPE_HD inline float outsideSphere(const glm::vec3& toCenter, float radius) {
-  return glm::dot(toCenter, toCenter) - radius * radius;
+/// The radius of a sphere as an eye sees it that has the centre at this squared distance: at most half the distance, so that no eye is ever inside and
+/// no sphere fills more than 30 degrees around its centre. Where the eye comes close to samples they give way, each to its own direction, instead of
+/// hiding all others, or of being looked through where there is matter.
+WARPSCOPE_HD inline float seenRadius(float squaredDistance, float radius) {
+  return radius > 0.0f && 4.0f * radius * radius > squaredDistance ? 0.5f * std::sqrt(squaredDistance) : radius;
 }
 
-/// intersectSphere for the ray that leaves its origin in `direction` (unit); `toCenter` leads from there to the centre, and `outside` is
-/// outsideSphere of both.
+/// A sphere as all rays from one origin see it.
+struct SeenSphere {
+  float radius;   ///< seenRadius
+  float outside;  ///< squared distance of the centre less squared radius
+};
+
+WARPSCOPE_HD inline SeenSphere seenSphere(const glm::vec3& toCenter, float radius) {
+  const float squaredDistance = glm::dot(toCenter, toCenter);
+  const float seen = seenRadius(squaredDistance, radius);
+  return {seen, squaredDistance - seen * seen};
+}
+
+/// intersectSphere for the ray that leaves its origin in `direction` (unit); `toCenter` leads from there to the centre, `radius` and `outside` are
+/// those of seenSphere.
 WARPSCOPE_HD inline float intersectSphereFromOrigin(const glm::vec3& direction, const glm::vec3& toCenter, float radius, float outside) {
   const float along = glm::dot(toCenter, direction);
   if (!(along > 0.0f) || !(radius > 0.0f)) return kNoHit;
@@ -33,12 +47,12 @@ WARPSCOPE_HD inline float intersectSphereFromOrigin(const glm::vec3& direction, 
   return t > along ? along : t;
 }
 
-/// Distance along `ray` (unit direction) to where it enters the sphere, or kNoHit.
-/// A sphere that holds the origin, or whose surface does, is no hit: an eye inside a splat looks through it instead of seeing
-/// nothing but its colour. Spheres behind the origin and those with radius <= 0 are no hits. Never NaN for finite input.
+/// Distance along `ray` (unit direction) to where it enters the sphere, taken as large as it is seen (seenRadius), or kNoHit.
+/// Spheres around the origin itself, those behind it and those with radius <= 0 are no hits. Never NaN for finite input.
 WARPSCOPE_HD inline float intersectSphere(const Ray& ray, const glm::vec3& center, float radius) {
   const glm::vec3 toCenter = center - ray.origin;
-  return intersectSphereFromOrigin(ray.direction, toCenter, radius, outsideSphere(toCenter, radius));
+  const SeenSphere seen = seenSphere(toCenter, radius);
+  return intersectSphereFromOrigin(ray.direction, toCenter, seen.radius, seen.outside);
 }
 
 }  // namespace warpscope

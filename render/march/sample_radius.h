@@ -16,22 +16,33 @@ struct SampleRule {
   SampleQuantization quantization;
 };
 
-/// The radius of a sample at distance t along a ray, in volume units. `cosine` is the angle's between ray and camera axis.
-WARPSCOPE_HD inline float sampleRadius(const SampleRule& rule, const Camera& camera, float t, float cosine, float opacity) {
-  const float pixel = 0.5f * pixelEdge(camera) * t * cosine;
-  float radius = rule.voxelRadius;
-  if (rule.policy == RadiusPolicy::constant) radius = 0.5f;
+/// Largest radius of a sample, as a share of its forward depth from the eye that found it. Near that eye samples lie dense, and need not be as large as voxels
+/// to cover what is between them; larger ones would hide one another, and the eye would be inside of most.
+inline constexpr float kLargestRadiusByDepth = 1.0f / 32;
+
+/// The radius of a sample at a forward depth from the eye, in volume units.
+WARPSCOPE_HD inline float sampleRadius(const SampleRule& rule, float pixelEdge, float forwardDepth, float opacity) {
+  const float pixel = 0.5f * pixelEdge * forwardDepth;
+  const float largest = kLargestRadiusByDepth * forwardDepth;
+  float radius = minOf(rule.voxelRadius, largest);
+  if (rule.policy == RadiusPolicy::constant) radius = minOf(0.5f, largest);
   if (rule.policy == RadiusPolicy::pixel) radius = pixel;
-  if (rule.policy == RadiusPolicy::opacity) radius = glm::mix(glm::min(pixel, rule.voxelRadius), rule.voxelRadius, opacity);
+  if (rule.policy == RadiusPolicy::opacity) radius = glm::mix(glm::min(pixel, radius), radius, opacity);
   return radius * rule.scale;
 }
 
-/// A ray's sample; 0 where it has no depth.
-WARPSCOPE_HD inline PackedSample packRaySample(const SampleRule& rule, const Camera& camera, const Ray& ray, const DepthResult& depth,
-                                               float opacity) {
+/// The radius code of a sample with this depth code: what is known of it afterwards says it.
+WARPSCOPE_HD inline uint32_t radiusCodeFor(const SampleRule& rule, float pixelEdge, uint32_t depthCode, float opacity) {
+  const float depth = rule.quantization.nearDepth + decodeDepth(depthCode, rule.quantization.depthStep);
+  return encodeRadius(sampleRadius(rule, pixelEdge, depth, opacity), rule.quantization.radiusUnit);
+}
+
+/// The sample of the ray of a pixel; 0 where it has no depth. `pixels` are the grid of the frame's camera, `cosine` is the ray's.
+WARPSCOPE_HD inline PackedSample packRaySample(const SampleRule& rule, const PixelGrid& pixels, uint32_t column, uint32_t row,
+                                               float cosine, const DepthResult& depth, float opacity) {
   if (!depth.hasDepth) return 0;
-  const float radius = sampleRadius(rule, camera, depth.depth, glm::dot(ray.direction, camera.forward), opacity);
-  return packSample(ray.at(depth.depth), radius, rule.quantization);
+  const uint32_t code = encodeDepth(depth.depth * cosine, rule.quantization.depthStep);
+  return packCodes(column, row, code, radiusCodeFor(rule, pixels.edge, code, opacity));
 }
 
 }  // namespace warpscope

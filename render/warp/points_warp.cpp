@@ -54,8 +54,9 @@ class PointsWarp final : public Warp {
     buffer_ = {};
     if (!frame_ || frame_->size() == 0) return;
     positions_.resize(frame_->size());
+    const SampleGrid grid = frame_->grid();
     parallelForRanges(frame_->size(), 1 << 15, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) positions_[i] = frame_->sphere(i).center;
+      for (size_t i = begin; i < end; ++i) positions_[i] = unpackPosition(frame_->samples[i], grid);
     });
     buffer_ = gl::makeBuffer(positions_.data(), positions_.size() * sizeof(glm::vec3));
     glVertexArrayVertexBuffer(vertexArray_.name(), 0, buffer_.name(), 0, sizeof(glm::vec3));

@@ -82,7 +82,7 @@ struct ClusterWarpMemory {
   float depths[kMaxClusterLevels][kClusterWidth];  // of the open nodes' children; infinite for those that are done
   uint32_t firstChild[kMaxClusterLevels];
   float4 spheres[kClusterWidth];  // centre from the eye, and widenedSquare
-  float2 exact[kClusterWidth];    // radius, outsideSphere
+  float2 exact[kClusterWidth];    // of SeenSphere
 };
 
 /// Walks the tree for the tile of the calling warp, all of whose lanes must call, each for `kRays` pixels (see pixel_tiles.cuh) with their
@@ -124,8 +124,9 @@ __device__ inline void traceClusters(const ClusterTreeView& tree, const Camera& 
       const float distance = sqrtf(glm::dot(toCenter, toCenter));
       const float nearest = frustum.entryDistance(toCenter, sphere.w, distance);
       isNear = nearest <= farthest && nearest < kNoHit;  // farthest is infinite until all pixels have a hit
-      memory.spheres[lane] = {toCenter.x, toCenter.y, toCenter.z, widenedSquare(distance, sphere.w)};
-      memory.exact[lane] = {sphere.w, outsideSphere(toCenter, sphere.w)};
+      const SeenSphere seen = seenSphere(toCenter, sphere.w);
+      memory.spheres[lane] = {toCenter.x, toCenter.y, toCenter.z, widenedSquare(distance, seen.radius)};
+      memory.exact[lane] = {seen.radius, seen.outside};
     }
     uint32_t near = __ballot_sync(kAllLanes, isNear);
     if (near == 0) return;

@@ -22,7 +22,7 @@ __global__ void gatherClusters(DeviceFrameView frame, const uint32_t* ids, float
   const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
   Box box;
   if (i < frame.count) {
-    const Sphere sphere = unpackSample(frame.samples[ids[i]], frame.quantization);
+    const Sphere sphere = unpackSample(frame.samples[ids[i]], frame.grid);
     spheres[i] = {sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius};
     box = sphereBounds(sphere);
   }
@@ -93,8 +93,8 @@ __global__ void __launch_bounds__(kTileBlockThreads) traceNearest(const __grid_c
 void DeviceClusterTree::build(const DeviceFrameView& frame, cudaStream_t stream) {
   cloud_.build(frame, kCodeBits, stream);
   if (frame.count == 0) return;
-  center_ = frame.quantization.bounds.center();
-  typicalRadius_ = 1.5f * frame.quantization.radiusUnit;
+  center_ = frame.grid.bounds.center();
+  typicalRadius_ = 1.5f * frame.grid.radiusUnit;
   spheres_.reserve(frame.count);
   size_t boxes = 0;
   for (uint32_t n = frame.count; n > 1 || boxes == 0;) boxes += n = (n - 1) / kClusterWidth + 1;

@@ -14,7 +14,7 @@ void DeviceFrame::upload(const SampleFrame& frame, cudaStream_t stream) {
     throw InputError("a frame may have at most " + std::to_string(kMaxLbvhSpheres) + " samples, not " + std::to_string(frame.size()));
   samples_.upload(frame.samples, stream);
   colors_.upload(frame.colors, stream);
-  quantization_ = frame.quantization;
+  grid_ = frame.grid();
   count_ = static_cast<uint32_t>(frame.size());
 }
 

@@ -13,11 +13,11 @@ struct DeviceFrameView {
   const PackedSample* samples = nullptr;
   const Rgba8* colors = nullptr;
   uint32_t count = 0;
-  SampleQuantization quantization;
+  SampleGrid grid;
 
   /// At least the distance of any point of any sphere from the coordinates' origin: radii are below twice the unit, and add to each
   /// coordinate.
-  float reach() const { return reachOf(quantization.bounds) + 6.0f * quantization.radiusUnit; }
+  float reach() const { return reachOf(grid.bounds) + 6.0f * grid.radiusUnit; }
 };
 
 class DeviceFrame {
@@ -25,13 +25,13 @@ class DeviceFrame {
   /// Copies the frame's samples, in stream order; the frame must stay until the stream has got there. Throws InputError for more samples
   /// than a hierarchy can hold, DeviceError.
   void upload(const SampleFrame& frame, cudaStream_t stream);
-  DeviceFrameView view() const { return {samples_.data(), colors_.data(), count_, quantization_}; }
+  DeviceFrameView view() const { return {samples_.data(), colors_.data(), count_, grid_}; }
 
  private:
   cuda::DeviceBuffer<PackedSample> samples_;
   cuda::DeviceBuffer<Rgba8> colors_;
   uint32_t count_ = 0;
-  SampleQuantization quantization_;
+  SampleGrid grid_;
 };
 
 }  // namespace warpscope

@@ -26,7 +26,7 @@ __global__ void boundCenters(DeviceFrameView frame, uint32_t* bounds) {
   const uint32_t first = blockIdx.x * kThreads * kSamplesPerThread + threadIdx.x;
   for (unsigned k = 0; k < kSamplesPerThread; ++k) {
     const uint32_t i = first + k * kThreads;
-    if (i < frame.count) box.include(unpackSample(frame.samples[i], frame.quantization).center);
+    if (i < frame.count) box.include(unpackSample(frame.samples[i], frame.grid).center);
   }
   __shared__ uint32_t shared[6];
   if (threadIdx.x < 6) shared[threadIdx.x] = threadIdx.x < 3 ? 0xffffffffu : 0u;
@@ -47,7 +47,7 @@ __global__ void makeCodes(DeviceFrameView frame, const uint32_t* bounds, uint64_
   if (i >= frame.count) return;
   const Box centers{{floatOf(bounds[0]), floatOf(bounds[1]), floatOf(bounds[2])},
                     {floatOf(bounds[3]), floatOf(bounds[4]), floatOf(bounds[5])}};
-  codes[i] = mortonCodeOf(unpackSample(frame.samples[i], frame.quantization).center, centers);
+  codes[i] = mortonCodeOf(unpackSample(frame.samples[i], frame.grid).center, centers);
   ids[i] = i;
 }
 

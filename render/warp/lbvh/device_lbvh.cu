@@ -12,7 +12,7 @@ constexpr int kCodeBits = 63;
 
 __global__ void gatherSpheres(DeviceFrameView frame, const uint32_t* ids, Sphere* spheres) {
   const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
-  if (i < frame.count) spheres[i] = unpackSample(frame.samples[ids[i]], frame.quantization);
+  if (i < frame.count) spheres[i] = unpackSample(frame.samples[ids[i]], frame.grid);
 }
 
 __global__ void emitNodes(const uint64_t* codes, uint32_t count, LbvhNode* nodes, uint32_t* parents) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "render/base/error.h"
+#include "render/core/ray_sphere.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
@@ -27,7 +28,7 @@ struct PacketContext {
 };
 static_assert(std::is_standard_layout_v<PacketContext>);
 
-/// Rejects exits (the eye is inside) and, of equally near spheres, all but the one with the lowest id.
+/// Rejects exits (a ray may begin within rounding of a surface) and, of equally near spheres, all but the one with the lowest id.
 void filterHits(const RTCFilterFunctionNArguments* args) {
   auto& context = *reinterpret_cast<PacketContext*>(args->context);
   for (unsigned i = 0; i < args->N; ++i) {
@@ -78,8 +79,11 @@ EmbreeTracer::~EmbreeTracer() = default;
 
 void EmbreeTracer::build(std::span<const Sphere> spheres) {
   scene_.reset();
+  nearTracer_.reset();
+  spheres_.clear();
   validateSpheres(spheres);
   if (spheres.empty()) return;
+  spheres_.assign(spheres.begin(), spheres.end());
   std::unique_ptr<std::remove_pointer_t<RTCScene>, Release> scene(rtcNewScene(device_.get()));
   errors_->throwIfAny();
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
@@ -98,8 +102,25 @@ void EmbreeTracer::build(std::span<const Sphere> spheres) {
   scene_ = std::move(scene);
 }
 
+bool EmbreeTracer::isNear(const glm::vec3& eye) const {
+  return std::any_of(spheres_.begin(), spheres_.end(), [&](const Sphere& sphere) {
+    const glm::vec3 toCenter = sphere.center - eye;
+    return seenSphere(toCenter, sphere.radius).radius != sphere.radius;
+  });
+}
+
 void EmbreeTracer::trace(const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
                          const std::stop_token& stop) const {
+  if (isNear(camera.eye)) {
+    const std::lock_guard lock(mutex_);
+    if (!nearTracer_) {
+      auto tracer = std::make_unique<LbvhTracer>();
+      tracer->build(spheres_);
+      nearTracer_ = std::move(tracer);
+    }
+    nearTracer_->trace(camera, ids, depth, stop);
+    return;
+  }
   ids.resize(camera.width, camera.height, kNoSample);
   if (depth) depth->resize(camera.width, camera.height, kNoHit);
   if (!scene_) return;

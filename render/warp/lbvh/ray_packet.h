@@ -45,8 +45,8 @@ inline Vec3Pack pixelDirections(const Camera& camera, FloatPack pixelX, FloatPac
 }
 
 /// intersectSphere for rays from one origin; `toCenter` leads from there to the sphere's centre.
-inline FloatPack intersectSpherePack(const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
-  const float outside = glm::dot(toCenter, toCenter) - radius * radius;
+inline FloatPack intersectSpherePack(const Vec3Pack& direction, const glm::vec3& toCenter, float wholeRadius) {
+  const auto [radius, outside] = seenSphere(toCenter, wholeRadius);
   const FloatPack noHit(kNoHit);
   if (!(outside > 0.0f) || !(radius > 0.0f)) return noHit;
   const FloatPack along = toCenter.x * direction.x + toCenter.y * direction.y + toCenter.z * direction.z;

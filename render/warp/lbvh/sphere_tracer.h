@@ -23,8 +23,8 @@ class SphereTracer {
   virtual void build(std::span<const Sphere> spheres) = 0;
 
   /// For every pixel of `camera` (see isUsable) the id, that is the place in the cloud, of the first sphere along its
-  /// ray: of equally near ones the lowest, kNoSample where there is none. Spheres that hold the eye are not seen (see
-  /// intersectSphere). `depth`, unless null, takes the distance along the ray, kNoHit where there is none. Both images
+  /// ray: of equally near ones the lowest, kNoSample where there is none. Spheres near the eye are taken as large
+  /// as they are seen (see seenRadius). `depth`, unless null, takes the distance along the ray, kNoHit where there is none. Both images
   /// are resized to the camera's size. Throws OperationCancelled if `stop` is set; the images are then incomplete. Not
   /// to be called while building.
   virtual void trace(const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,

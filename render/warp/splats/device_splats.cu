@@ -50,10 +50,11 @@ struct Splat {
 __device__ Splat splatOf(const SplatJob& job, const Sphere& sphere, uint32_t id) {
   const glm::vec3 toCenter = sphere.center - job.camera.eye;
   const float distance = sqrtf(glm::dot(toCenter, toCenter));
-  return {{toCenter.x, toCenter.y, toCenter.z, widenedSquare(distance, sphere.radius)},
-          sphere.radius,
-          outsideSphere(toCenter, sphere.radius),
-          distance - sphere.radius - job.margin,
+  const SeenSphere seen = seenSphere(toCenter, sphere.radius);
+  return {{toCenter.x, toCenter.y, toCenter.z, widenedSquare(distance, seen.radius)},
+          seen.radius,
+          seen.outside,
+          distance - seen.radius - job.margin,
           id};
 }
 
@@ -103,7 +104,7 @@ __global__ void __launch_bounds__(kThreads) splatSamples(const __grid_constant__
   Sphere sphere{};
   PixelRect rect{0, 0, 0, 0};
   if (i < job.frame.count) {
-    sphere = unpackSample(job.frame.samples[i], job.frame.quantization);
+    sphere = unpackSample(job.frame.samples[i], job.frame.grid);
     rect = sphereFootprint(job.footprint, sphere);
   }
   const uint32_t area = areaOf(rect);
@@ -152,7 +153,7 @@ __global__ void __launch_bounds__(kThreads) splatLarge(const __grid_constant__ S
   for (uint64_t unit = blockIdx.x; unit < uint64_t{count} * bands; unit += gridDim.x) {
     const uint32_t id = job.large[unit / bands];
     const auto band = static_cast<uint32_t>(unit % bands);
-    const Sphere sphere = unpackSample(job.frame.samples[id], job.frame.quantization);
+    const Sphere sphere = unpackSample(job.frame.samples[id], job.frame.grid);
     const PixelRect rect = sphereFootprint(job.footprint, sphere);
     const Splat splat = splatOf(job, sphere, id);
     const auto rows = static_cast<uint32_t>(rect.y1 - rect.y0);

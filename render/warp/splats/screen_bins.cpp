@@ -47,7 +47,8 @@ void footprintsOf(const FootprintView& view, std::span<const Sphere> spheres, Sp
     bounds.x1.store_aligned(x1);
     bounds.y1.store_aligned(y1);
     const FloatBatch distance = sqrtOf(cx * cx + cy * cy + cz * cz);
-    const FloatBatch bound = distance - radius - FloatBatch(kNearestMargin) * (distance + radius);
+    const FloatBatch seen = minOf(radius, 0.5f * distance);  // seenRadius, but for rounding
+    const FloatBatch bound = distance - seen - FloatBatch(kNearestMargin) * (distance + radius);
     // Squares may overflow where distances do not.
     selected(distance < FloatBatch(kNoHit), bound, FloatBatch(0.0f)).store_aligned(nearest);
     for (size_t i = 0; i < count; ++i) {

@@ -121,10 +121,13 @@ WARPSCOPE_HD inline Real projected(const Real& x, const Real& y, const Real& z, 
 
 /// (x, y, z): from the eye to the centre.
 template <class Real>
-WARPSCOPE_HD inline auto boundsOf(const FootprintView& view, const Real& x, const Real& y, const Real& z, const Real& radius) {
+WARPSCOPE_HD inline auto boundsOf(const FootprintView& view, const Real& x, const Real& y, const Real& z, const Real& wholeRadius) {
   const Real zero(0.0f);
-  // The very question that intersectSphere asks, in the same words: is the eye outside?
-  const Real outside = x * x + y * y + z * z - radius * radius;
+  // What intersectSphere takes the sphere for, and asks: is the eye outside? In the same words.
+  const Real squaredDistance = x * x + y * y + z * z;
+  const auto isNear = (wholeRadius > zero) & (Real(4.0f) * wholeRadius * wholeRadius > squaredDistance);
+  const Real radius = selected(isNear, Real(0.5f) * sqrtOf(squaredDistance), wholeRadius);
+  const Real outside = squaredDistance - radius * radius;
   // One factor brings all lengths to about 1, so that no square leaves float's range.
   const Real sizeX = maxOf(x, -x), sizeY = maxOf(y, -y), sizeZ = maxOf(z, -z);
   const Real largest = maxOf(maxOf(sizeX, sizeY), maxOf(sizeZ, radius));
