@@ -1,4 +1,4 @@
-// Means, variances and covariance by separable filters, strip by strip.
+// Means, variances and squared differences by separable filters, strip by strip.
 // See ssim.h.
 #include "render/metrics/ssim.h"
 
@@ -14,17 +14,20 @@ const auto& window() {
   return kWindow;
 }
 
-/// Means of a plane's window, and of its squares'.
+/// Means of a plane's window less kSsimCenter, and variances.
 struct Moments {
   RowStrip values, squares;
   std::vector<float> means, variances;  ///< of the row last asked for
 
   void filter(const Image<float>& plane, uint32_t begin, uint32_t end) {
-    values.filter(plane, begin, end, kSsimRadius, window());
-    squares.filter(plane.width(), plane.height(), begin, end, kSsimRadius, window(), [&](uint32_t y, float* to) {
-      const float* const row = plane.row(y);
-      forBatches(plane.width(), [&]<class Real>(size_t x) { storeTo(to + x, loadAs<Real>(row + x) * loadAs<Real>(row + x)); });
-    });
+    const auto filterBy = [&](RowStrip& strip, const auto& valueOf) {
+      strip.filter(plane.width(), plane.height(), begin, end, kSsimRadius, window(), [&](uint32_t y, float* to) {
+        const float* const row = plane.row(y);
+        forBatches(plane.width(), [&]<class Real>(size_t x) { storeTo(to + x, valueOf(loadAs<Real>(row + x) - Real(kSsimCenter))); });
+      });
+    };
+    filterBy(values, [](const auto& value) { return value; });
+    filterBy(squares, [](const auto& value) { return value * value; });
     means.resize(rowStride(plane.width()));
     variances.resize(means.size());
   }
@@ -40,8 +43,8 @@ struct Moments {
 
 struct Scratch {
   Moments moments;
-  RowStrip products;
-  std::vector<float> covariances;
+  RowStrip differences;
+  std::vector<float> squaredDifferences;
 };
 
 }  // namespace
@@ -72,23 +75,26 @@ double SsimReference::similarity(const ColorPlanes& image) const {
     const Image<float>&values = image[c], &expected = (*reference_)[c];
     const Channel& channel = channels_[c];
     sum += sumOverStrips<Scratch>(height, [&](uint32_t begin, uint32_t end, Scratch& scratch) {
-      auto& [moments, products, covariances] = scratch;
+      auto& [moments, differences, squaredDifferences] = scratch;
       moments.filter(values, begin, end);
-      products.filter(width, height, begin, end, kSsimRadius, window(), [&](uint32_t y, float* to) {
+      differences.filter(width, height, begin, end, kSsimRadius, window(), [&](uint32_t y, float* to) {
         const float *const a = values.row(y), *const b = expected.row(y);
-        forBatches(width, [&]<class Real>(size_t x) { storeTo(to + x, loadAs<Real>(a + x) * loadAs<Real>(b + x)); });
+        forBatches(width, [&]<class Real>(size_t x) {
+          const Real apart = loadAs<Real>(a + x) - loadAs<Real>(b + x);
+          storeTo(to + x, apart * apart);
+        });
       });
-      covariances.resize(rowStride(width));
+      squaredDifferences.resize(rowStride(width));
       double strip = 0.0;
       for (uint32_t y = std::max(begin, marginY); y < std::min(end, height - marginY); ++y) {
         moments.atRow(y);
-        products.filterColumns(y, window(), covariances.data());
+        differences.filterColumns(y, window(), squaredDifferences.data());
         FloatBatch sums(0.0f);
         forBatches(width - 2 * marginX, [&]<class Real>(size_t i) {
           const size_t x = i + marginX;
           const Real meanA = loadAs<Real>(moments.means.data() + x), meanB = loadAs<Real>(channel.means.row(y) + x);
           const Real similarity = ssimOf(meanA, meanB, loadAs<Real>(moments.variances.data() + x), loadAs<Real>(channel.variances.row(y) + x),
-                                         loadAs<Real>(covariances.data() + x) - meanA * meanB);
+                                         loadAs<Real>(squaredDifferences.data() + x));
           if constexpr (std::is_same_v<Real, float>)
             strip += static_cast<double>(similarity);
           else

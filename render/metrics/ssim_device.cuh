@@ -30,8 +30,8 @@ __global__ void sumSimilarity(const float* a, const float* b, int width, int hei
     const auto x = static_cast<unsigned>(min(max(x0 + column - kSsimRadius, 0), width - 1));
     const auto y = static_cast<unsigned>(min(max(y0 + row - kSsimRadius, 0), height - 1));
     const size_t at = offset + size_t{y} * static_cast<unsigned>(width) + x;
-    valuesA[row][column] = a[at];
-    valuesB[row][column] = b[at];
+    valuesA[row][column] = a[at] - kSsimCenter;
+    valuesB[row][column] = b[at] - kSsimCenter;
   }
   __syncthreads();
   const int column = static_cast<int>(threadIdx.x);
@@ -44,7 +44,7 @@ __global__ void sumSimilarity(const float* a, const float* b, int width, int hei
       sums[1] = mulAdd(tap, vb, sums[1]);
       sums[2] = mulAdd(tap, va * va, sums[2]);
       sums[3] = mulAdd(tap, vb * vb, sums[3]);
-      sums[4] = mulAdd(tap, va * vb, sums[4]);
+      sums[4] = mulAdd(tap, (va - vb) * (va - vb), sums[4]);
     }
 #pragma unroll
     for (int k = 0; k < 5; ++k) filtered[k][row][column] = sums[k];
@@ -60,7 +60,7 @@ __global__ void sumSimilarity(const float* a, const float* b, int width, int hei
 #pragma unroll
       for (int k = 0; k < 5; ++k) means[k] = mulAdd(window.taps[j], filtered[k][row + j][column], means[k]);
     total += static_cast<double>(ssimOf(means[0], means[1], means[2] - means[0] * means[0], means[3] - means[1] * means[1],
-                                        means[4] - means[0] * means[1]));
+                                        means[4]));
   }
   total = blockSum(total);
   if (thread == 0) partials[(blockIdx.z * gridDim.y + blockIdx.y) * gridDim.x + blockIdx.x] = total;

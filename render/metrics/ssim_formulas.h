@@ -29,11 +29,19 @@ inline std::array<float, 2 * kSsimRadius + 1> ssimWindow() {
   return taps;
 }
 
-/// Of a window, from the means of both sides, their variances and their covariance, of values 0..1.
+/// Values 0..1 are taken relative to this one: their squares are then at most 1/4, and so is what rounding does to variances.
+inline constexpr float kSsimCenter = 0.5f;
+
+/// Of a window of values 0..1, from the means of both sides less kSsimCenter, their variances, and the mean of their squared differences. In [-1, 1]; 1 for
+/// sides that are equal. By differences of the sides: 1 - (a - b)^2 / (a^2 + b^2 + c1) is (2ab + c1) / (a^2 + b^2 + c1), and likewise for variances, but
+/// what rounding takes is a part of the dissimilarity instead of c2 = 0.0009.
 template <class Real>
-WARPSCOPE_HD inline Real ssimOf(const Real& meanA, const Real& meanB, const Real& varianceA, const Real& varianceB, const Real& covariance) {
-  const Real c1(0.01f * 0.01f), c2(0.03f * 0.03f), two(2.0f);
-  return (two * meanA * meanB + c1) * (two * covariance + c2) / ((meanA * meanA + meanB * meanB + c1) * (varianceA + varianceB + c2));
+WARPSCOPE_HD inline Real ssimOf(const Real& meanA, const Real& meanB, const Real& varianceA, const Real& varianceB, const Real& squaredDifference) {
+  const Real c1(0.01f * 0.01f), c2(0.03f * 0.03f), zero(0.0f), one(1.0f), center(kSsimCenter);
+  const Real apart = meanA - meanB, wholeA = meanA + center, wholeB = meanB + center;
+  const Real variances = maxOf(varianceA, zero) + maxOf(varianceB, zero);
+  const Real varianceApart = minOf(maxOf(squaredDifference - apart * apart, zero), variances + variances);
+  return (one - apart * apart / (wholeA * wholeA + wholeB * wholeB + c1)) * (one - varianceApart / (variances + c2));
 }
 
 }  // namespace warpscope

@@ -1,4 +1,4 @@
-// Samples are put back into their pixels by projecting them, then looked up.
+// Samples are looked up by their pixels.
 // See visibility.h.
 #include "render/metrics/visibility.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kSamplesPerPiece = 1 << 14;
 
-/// Coordinate of the pixel that holds an image position. Samples lie on their pixels' centres, up to quantisation: none is far outside.
+/// Coordinate of the pixel that holds an image position inside the picture.
 uint32_t pixelAt(float position, uint32_t count) {
   return static_cast<uint32_t>(std::clamp(std::floor(position), 0.0f, static_cast<float>(count - 1)));
 }
@@ -26,11 +26,11 @@ class PixelSamples {
       : width_(frame.camera.width), height_(frame.camera.height), ends_(size_t{width_} * height_ + 1), positions_(frame.size()) {
     std::vector<glm::vec3> positions(frame.size());
     std::vector<uint32_t> pixels(frame.size());
+    const SampleGrid grid = frame.grid();
     parallelForRanges(frame.size(), kSamplesPerPiece, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        positions[i] = frame.sphere(i).center;
-        const glm::vec2 pixel = project(frame.camera, positions[i]).pixel;
-        pixels[i] = pixelAt(pixel.y, height_) * width_ + pixelAt(pixel.x, width_);
+        positions[i] = unpackPosition(frame.samples[i], grid);
+        pixels[i] = std::min(rowOf(frame.samples[i]), height_ - 1) * width_ + std::min(columnOf(frame.samples[i]), width_ - 1);
       }
     });
     // Counting sort: ends_[p] is where the samples of pixel p begin, and after filling where they end.
@@ -54,10 +54,10 @@ class PixelSamples {
   std::vector<glm::vec3> positions_;
 };
 
-/// Largest distance between a position and what is stored of it, twice: a step of the quantisation along the diagonal.
-float quantizationStep(const SampleQuantization& quantization) {
-  if (quantization.bounds.isEmpty()) return 0.0f;
-  return glm::length(quantization.bounds.extent()) / static_cast<float>(kPositionMax);
+/// Largest distance between a position and what is stored of it, twice: a step of depth along the rays through the corners.
+float quantizationStep(const SampleFrame& frame) {
+  const PixelGrid& pixels = frame.grid().pixels;
+  return frame.quantization.depthStep * glm::length(glm::vec3(pixels.halfWidth * pixels.edge, pixels.halfHeight * pixels.edge, 1.0f));
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ Image<Visibility> visibilityOf(const SampleFrame& frame, const SampleFrame& refe
   requireUsable(reference.camera);
   const PixelSamples known(frame), wanted(reference);
   const float voxelDiagonal = 2.0f * std::max(frame.voxelRadius, reference.voxelRadius);
-  const float quantization = quantizationStep(frame.quantization) + quantizationStep(reference.quantization);
+  const float quantization = quantizationStep(frame) + quantizationStep(reference);
   const float diagonalOfPixel = std::sqrt(2.0f) * pixelEdge(frame.camera);
 
   const auto isKnown = [&](const glm::vec3& point) {
