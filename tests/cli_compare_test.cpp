@@ -16,6 +16,11 @@ using nlohmann::json;
 
 // --- compare
 
+TEST_F(CommandLine, CompareDrawsTheSameMontageEachTime) {
+  for (const char* out : {"first", "second"}) document(quick({"compare", "block", "--out", out, "--json"}));
+  EXPECT_EQ(folder_.read("first/montage.png"), folder_.read("second/montage.png"));
+}
+
 TEST_F(CommandLine, CompareWritesPicturesMontageAndMetrics) {
   const json report = document(quick({"compare", "block", "--out", "deep/out", "--json", "--heuristic", "median", "--radius", "pixel"}));
   EXPECT_EQ(json::parse(folder_.read("deep/out/metrics.json")), report);

@@ -40,10 +40,8 @@ int otsuThreshold(const std::array<size_t, 256>& histogram) {
 
 TransferFunction autoTransferFunction(const VoxelStatistics& statistics) {
   const double lower = statistics.rangeLower;
-  // Quotients first: the extent of a double volume may overflow.
-  const double binWidth = statistics.rangeUpper / 256.0 - statistics.rangeLower / 256.0;
   // A volume of one value shows as a faint body: it is all there is to see.
-  if (!(binWidth > 0.0)) return {{{lower, srgb(0.8f, 0.8f, 0.8f), 0.02f}}};
+  if (!(statistics.lowest < statistics.highest)) return {{{statistics.lowest, srgb(0.8f, 0.8f, 0.8f), 0.02f}}};
 
   const auto& histogram = statistics.histogram;
   const int threshold = otsuThreshold(histogram);
