@@ -22,7 +22,7 @@ Samples countingSamples(const std::vector<float>& alphas, float t0, float dt, fl
   Samples counting;
   Transmittance transmittance;
   for (size_t i = 0; i < alphas.size(); ++i) {
-    const CountingSample sample{t0 + (static_cast<float>(i) + 0.5f) * dt, dt, alphas[i], transmittance.value()};
+    const auto sample = CountingSample::behind(transmittance.exact(), t0 + (static_cast<float>(i) + 0.5f) * dt, dt, alphas[i]);
     if (sample.alpha > 0.0f && sample.contribution() >= contribution) counting.push_back(sample);
     transmittance.pass(alphas[i]);
   }
@@ -89,10 +89,10 @@ struct Answer {
 Answer naiveDepth(Heuristic heuristic, const std::vector<Row>& rows, long double threshold) {
   const auto exactly = [](long double t) { return Answer{t, t}; };
   const auto crossing = [&](long double tau) {
-    constexpr long double kRounding = 2.5e-7L;  // of 1 - T in float
-    const long double low = naiveCrossing(rows, tau - kRounding), high = naiveCrossing(rows, tau + kRounding);
+    const long double rounding = 2.5e-7L * tau + 1e-15L;  // of 1 - T in float, T in double
+    const long double low = naiveCrossing(rows, tau - rounding), high = naiveCrossing(rows, tau + rounding);
     const Row& last = rows.back();
-    if (std::abs(tau - last.after) <= kRounding)  // crossed at the last step's end, or never: then its middle
+    if (std::abs(tau - last.after) <= rounding)  // crossed at the last step's end, or never: then its middle
       return Answer{std::min(low, last.t), std::max(high, last.t + 0.5L * last.ds)};
     return Answer{low, high};
   };

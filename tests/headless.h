@@ -10,6 +10,7 @@
 #include "app/commands/options.h"
 #include "app/scene/scene.h"
 #include "render/warp/warp.h"
+#include "tests/frame_samples.h"
 
 namespace warpscope {
 
@@ -64,7 +65,7 @@ inline Image<uint32_t> ownPixels(const SampleFrame& frame) {
   Image<uint32_t> pixels(camera.width, camera.height, kNoSample);
   const double edge = 2.0 * camera.tanHalfFovY / camera.height;
   for (size_t i = 0; i < frame.size(); ++i) {
-    const glm::dvec3 offset = glm::dvec3(frame.sphere(i).center) - glm::dvec3(camera.eye);
+    const glm::dvec3 offset = glm::dvec3(sphereOf(frame, i).center) - glm::dvec3(camera.eye);
     const double depth = glm::dot(offset, glm::dvec3(camera.forward));
     if (!(depth > 0.0)) continue;
     const double x = 0.5 * camera.width + glm::dot(offset, glm::dvec3(camera.right)) / (depth * edge);

@@ -13,7 +13,7 @@ template <int kSize>
 struct MadeUpSource {
   static constexpr int kBatch = kSize;
   std::function<float(int)> alphaAt;
-  int last = 0;  ///< the lattice's
+  RayLattice lattice;
   glm::vec3 straight{1.0f, 0.5f, 0.25f};
   int first = 0;
 
@@ -24,8 +24,9 @@ struct MadeUpSource {
     for (int k = 0; k < n; ++k) visible |= uint32_t{alphaAt(i + k) > 0.0f} << k;
     return visible;
   }
-  bool classifyLast() { return classify(last, 1) != 0; }
+  bool classifyLast() { return classify(lattice.count - 1, 1) != 0; }
   float alpha(int k) const { return alphaAt(first + k); }
+  float unitAlpha(int k) const { return correctOpacity(alpha(k), 1.0f / lattice.dt); }
   glm::vec3 color(int k) const { return straight * alpha(k); }
 };
 

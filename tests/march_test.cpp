@@ -27,7 +27,7 @@ struct Marched {
 template <int kSize = 8, class Light = Unlit>
 Marched march(const RayLattice& lattice, const std::function<float(int)>& alphaAt, float stopBelow = 0.0f,
               std::vector<int> cuts = {}, const Light& light = {}) {
-  MadeUpSource<kSize> source{alphaAt, lattice.count - 1};
+  MadeUpSource<kSize> source{alphaAt, lattice};
   Marched result;
   cuts.push_back(lattice.count);
   int begin = 0;
@@ -256,7 +256,7 @@ TEST(RayLattice, CountsExactlyFarFromTheEyeWithTinySteps) {
   EXPECT_EQ(makeLattice({1e4f, 1e4f + 1.0f}, 1e-4f).count, exactCount(1.0f, 1e-4f));
   int samples = 0;
   const RayLattice lattice = latticeOf(1e4f, 1.0f, 1e-4f);
-  MadeUpSource<8> source{[&](int) { return ++samples, 0.0f; }, lattice.count - 1};
+  MadeUpSource<8> source{[&](int) { return ++samples, 0.0f; }, lattice};
   RayColor color;
   marchRay(alongZ(lattice), 0, lattice.count, source, Unlit{}, {kContribution, 0.0f}, color,
            [](const CountingSample&) { return true; });

@@ -11,6 +11,7 @@
 #include "marcher_cases.h"
 #include "render/base/error.h"
 #include "test_volumes.h"
+#include "tests/frame_samples.h"
 
 namespace warpscope {
 namespace {
@@ -200,7 +201,7 @@ TEST(CpuMarcher, CamerasAnywhere) {
       deep.sample.heuristic = entry.value;
       const SampleFrame frame = marcher->march(camera, deep);
       for (size_t i = 0; i < frame.size(); ++i) {
-        const glm::vec3 center = frame.sphere(i).center;
+        const glm::vec3 center = sphereOf(frame, i).center;
         ASSERT_TRUE(glm::all(glm::greaterThanEqual(center, box.lower)) && glm::all(glm::lessThanEqual(center, box.upper))) << label;
       }
     }
@@ -232,7 +233,7 @@ TEST(CpuMarcher, AnEyeInAnOpaqueBodySeesItEverywhere) {
     const SampleFrame frame = marcher->march(camera, settings);
     ASSERT_EQ(frame.size(), 1200u) << entry.name;
     for (size_t i = 0; i < frame.size(); ++i) {
-      ASSERT_LE(glm::length(frame.sphere(i).center - camera.eye), settings.render.step + 1e-3f) << entry.name;
+      ASSERT_LE(glm::length(sphereOf(frame, i).center - camera.eye), settings.render.step + 1e-3f) << entry.name;
       ASSERT_EQ(frame.colors[i], 0xffffffffu);
     }
   }
@@ -248,7 +249,7 @@ TEST(CpuMarcher, DepthsAreFinerThan8Bits) {
   settings.render.step = 1e-3f;
   const SampleFrame frame = marcher->march(camera, settings);
   ASSERT_EQ(frame.size(), 64u);
-  for (size_t i = 1; i < frame.size(); ++i) ASSERT_NE(frame.sphere(i).center.z, frame.sphere(i - 1).center.z);
+  for (size_t i = 1; i < frame.size(); ++i) ASSERT_NE(sphereOf(frame, i).center.z, sphereOf(frame, i - 1).center.z);
 }
 
 // --- The interface's promises.
@@ -282,7 +283,7 @@ TEST(CpuMarcher, FramesSayWhatTheyAreMadeFor) {
     EXPECT_EQ(frame.quantization.bounds, marcher->volume()->bounds());
     ASSERT_EQ(frame.samples.size(), frame.colors.size());
     for (size_t i = 0; i < frame.size(); ++i) {
-      const Sphere sphere = frame.sphere(i);
+      const Sphere sphere = sphereOf(frame, i);
       const double pixel = 0.5 * 2.0 * 0.4 / 40.0 * glm::dot(sphere.center - camera.eye, camera.forward);
       const double voxel = 0.5 * std::sqrt(3.0);
       double lowest = pixel, highest = pixel;

@@ -15,6 +15,7 @@
 #include "render/march/march_setup.h"
 #include "render/march/volume_source_scalar.h"
 #include "test_volumes.h"
+#include "tests/frame_samples.h"
 
 namespace warpscope {
 namespace {
@@ -28,7 +29,7 @@ struct TestRay {
   std::vector<float> alphas;
 
   MadeUpSource<1> source() const {
-    return {[this](int i) { return alphas[static_cast<size_t>(i)]; }, path.lattice.count - 1};
+    return {[this](int i) { return alphas[static_cast<size_t>(i)]; }, path.lattice};
   }
   RayColor color(std::vector<CountingSample>* counting = nullptr) const {
     RayColor gathered;
@@ -191,10 +192,10 @@ TEST_P(RaySamplesBy, PartsAreTheRayInOrderAndEachItsOwnDepth) {
                        static_cast<float>(end) * (static_cast<float>(part + 1) / static_cast<float>(count));
           };
           for (; next < counting.size() && isInPart(counting[next]); ++next) {
-            if (own.empty()) through = counting[next].transmittance;
-            own.push_back(counting[next]);
+            const CountingSample& met = counting[next];
+            if (own.empty()) through = 1.0 - static_cast<double>(met.accumulated);
             // What did not count before the first part's first sample is that part's.
-            own.back().transmittance = static_cast<float>(counting[next].transmittance / (place == 0 ? 1.0 : through));
+            own.push_back(CountingSample::behind((1.0 - static_cast<double>(met.accumulated)) / (place == 0 ? 1.0 : through), met.t, met.ds, met.alpha));
           }
           if (own.empty()) continue;
           ASSERT_LT(place, found.size());
@@ -250,8 +251,8 @@ TEST_P(RaySamplesBy, TheMarchersFramesCompositeBackToThePicture) {
         ASSERT_EQ(layers[i], i - first);
         sum = over(sum, decodeRgba8(frame.colors[i]));
         if (i > first) {
-          ASSERT_GE(glm::length(frame.sphere(i).center - camera.eye),
-                    glm::length(frame.sphere(i - 1).center - camera.eye) - 1e-3f);
+          ASSERT_GE(glm::length(sphereOf(frame, i).center - camera.eye),
+                    glm::length(sphereOf(frame, i - 1).center - camera.eye) - 1e-3f);
         }
       }
       const double error = glm::length(sum - decodeRgba8(single.colors[ray]));
@@ -276,18 +277,18 @@ TEST_P(RaySamplesBy, TheMarcherFindsWhatASampleAtATimeFinds) {
   const BakedTransfer baked = bakeTransfer(marched, settings.render.step);
   VolumeView<uint8_t> view = makeVolumeView<uint8_t>(marched);
   view.voxels = volume->voxelsAs<uint8_t>();
-  view.table = baked.table.entries.data();
-  view.tableAlpha = baked.alphas.data();
+  view.transfer = baked.table.lookup();
   view.cells.distances = baked.emptyDistances.data();
   const Camera camera = lookingFrom({50.0f, 30.0f, 45.0f}, {}, 31, 27);
   for (const int count : {1, 2, 4, 8}) {
     settings.sample.samplesPerRay = count;
     const SampleFrame frame = marcher->march(camera, settings);
     const SampleRule rule = sampleRuleOf(frame);
+    const PixelGrid pixels = makePixelGrid(camera, frame.quantization.nearDepth);
     size_t next = 0;
     for (uint32_t y = 0; y < camera.height; ++y)
       for (uint32_t x = 0; x < camera.width; ++x) {
-        const Ray ray = pixelRay(camera, glm::vec2(x, y) + 0.5f);
+        const auto [ray, cosine] = pixels.ray(x, y);
         const RayPath path{
             ray, makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume->bounds(), 0.0f, 1e30f),
                              settings.render.step)};
@@ -299,7 +300,7 @@ TEST_P(RaySamplesBy, TheMarcherFindsWhatASampleAtATimeFinds) {
         });
         for (int i = 0; i < found.size(); ++i, ++next) {
           ASSERT_LT(next, frame.size());
-          ASSERT_EQ(frame.samples[next], packRaySample(rule, camera, ray, found[i].depth, found[i].color.a))
+          ASSERT_EQ(frame.samples[next], packRaySample(rule, pixels, x, y, cosine, found[i].depth, found[i].color.a))
               << x << " " << y << ", " << i << " of " << count;
           ASSERT_EQ(frame.colors[next], ColorTables::instance().encode(found[i].color));
         }

@@ -50,7 +50,7 @@ TestRay randomRay(std::mt19937& random) {
 }
 
 MadeUpSource<8> sourceOf(const TestRay& ray) {
-  return {[&ray](int i) { return ray.alphas[static_cast<size_t>(i)]; }, ray.path.lattice.count - 1};
+  return {[&ray](int i) { return ray.alphas[static_cast<size_t>(i)]; }, ray.path.lattice};
 }
 
 /// Begins and ends of `pieces` pieces, some of them empty.

@@ -293,6 +293,11 @@ TEST(WireFields, WhatIsImpossibleIsRefused) {
   refusedFrame([](auto& h) { h.voxelRadius = -1.0f; });
   refusedFrame([](auto& h) { h.bounds[0] = h.bounds[3] + 1.0f; });
   refusedFrame([](auto& h) { h.bounds[5] = std::numeric_limits<float>::infinity(); });
+  for (const float bad : {-1.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    refusedFrame([bad](auto& h) { h.nearDepth = bad; });
+    refusedFrame([bad](auto& h) { h.depthStep = bad; });
+  }
+  refusedFrame([](auto& h) { h.depthStep = 0.0f; });
   refusedFrame([](auto& h) { h.camera.width = 0; });
   refusedFrame([](auto& h) { h.camera.tanHalfFovY = 0.0f; });
 }

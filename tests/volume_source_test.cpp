@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "marcher_cases.h"
+#include "render/core/pixel_grid.h"
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
 #include "render/march/volume_source_scalar.h"
@@ -24,13 +25,14 @@ struct ScalarSource {
   static constexpr int kBatch = 1;
   const Volume& volume;
   const TransferTable& table;
+  const ValueScale& scale;
   const Ray& ray;
   const RayLattice& lattice;
   glm::vec4 entry{0.0f};
+  float ofUnit = 0.0f;
 
   int skip(int i) const { return i; }
   uint32_t classify(int i, int) {
-    const ValueScale scale = valueScaleOf(volume.statistics());
     const glm::ivec3 n(volume.dims());
     const glm::vec3 perUnit = 1.0f / volume.geometry().voxelEdges();
     const glm::vec3 origin = (ray.origin - volume.bounds().lower) * perUnit - 0.5f;
@@ -49,11 +51,14 @@ struct ScalarSource {
     const float value = allFinite ? trilinear(corner, weight[0], weight[1], weight[2])
                                   : trilinearOfFinite(corner, weight[0], weight[1], weight[2]);
     if (std::isnan(value)) return 0;
-    entry = table.entries[transferIndex(unitFromInterpolant<Voxel>(value, scale))];
+    const auto place = static_cast<size_t>(table.lookup().entryOf(value));
+    entry = table.entries[place];
+    ofUnit = table.unitAlphas[place];
     return entry.a > 0.0f;
   }
   bool classifyLast() { return classify(lattice.count - 1, 1) != 0; }
   float alpha(int) const { return entry.a; }
+  float unitAlpha(int) const { return ofUnit; }
   glm::vec3 color(int) const { return glm::vec3(entry); }
 };
 
@@ -76,11 +81,12 @@ Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunc
                                         const MarchSettings& settings, bool byCells) {
   const MarchedVolume marched(VolumePtr(&volume, [](const Volume*) {}), function);
   const BakedTransfer baked = bakeTransfer(marched, settings.render.step);
+  const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, volume.bounds()).nearDepth);
   Image<glm::vec4> image(camera.width, camera.height);
   const auto renderWith = [&](auto source, const auto& view) {
     for (uint32_t y = 0; y < camera.height; ++y)
       for (uint32_t x = 0; x < camera.width; ++x) {
-        const Ray ray = pixelRay(camera, glm::vec2(x, y) + 0.5f);
+        const Ray ray = pixels.ray(x, y).ray;
         const RayLattice lattice =
             makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.render.step);
         typename decltype(source)::type rayed(view, ray, lattice);
@@ -92,19 +98,17 @@ Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunc
   };
   visitVoxelType(volume.type(), [&](auto tag) {
     using Voxel = decltype(tag);
-    using Kept = std::conditional_t<kNormalizeFirst<Voxel>, UnitVoxel, Voxel>;
+    using Kept = std::conditional_t<(sizeof(Voxel) > 2), InterpolantVoxel, Voxel>;
     std::vector<Kept> kept(volume.voxelCount());
-    const ValueScale scale = valueScaleOf(volume.statistics());
     for (size_t i = 0; i < kept.size(); ++i) {
-      if constexpr (kNormalizeFirst<Voxel>)
-        kept[i] = {unitFromVoxel(volume.voxelsAs<Voxel>()[i], scale)};
+      if constexpr (sizeof(Voxel) > 2)
+        kept[i] = {interpolant(volume.voxelsAs<Voxel>()[i], marched.scale)};
       else
         kept[i] = volume.voxelsAs<Voxel>()[i];
     }
     VolumeView<Kept> view = makeVolumeView<Kept>(marched);
     view.voxels = kept.data();
-    view.table = baked.table.entries.data();
-    view.tableAlpha = baked.alphas.data();
+    view.transfer = baked.table.lookup();
     view.cells.distances = baked.emptyDistances.data();
     std::vector<VoxelCell<Kept>> blends;
     if (byCells) {
@@ -124,16 +128,17 @@ Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunc
 
 Image<glm::vec4> renderedOneByOne(const Volume& volume, const TransferFunction& function, const Camera& camera,
                                   const MarchSettings& settings) {
-  const TransferTable table =
-      bakeTransferTable(function, volume.statistics().rangeLower, volume.statistics().rangeUpper, settings.render.step);
+  const ValueScale scale = valueScaleOf(volume.type(), volume.statistics(), function);
+  const TransferTable table = bakeTransferTable(function, volume, scale, settings.render.step);
+  const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, volume.bounds()).nearDepth);
   Image<glm::vec4> image(camera.width, camera.height);
   visitVoxelType(volume.type(), [&](auto tag) {
     for (uint32_t y = 0; y < camera.height; ++y)
       for (uint32_t x = 0; x < camera.width; ++x) {
-        const Ray ray = pixelRay(camera, glm::vec2(x, y) + 0.5f);
+        const Ray ray = pixels.ray(x, y).ray;
         const RayLattice lattice =
             makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume.bounds(), 0.0f, 1e30f), settings.render.step);
-        ScalarSource<decltype(tag)> source{volume, table, ray, lattice};
+        ScalarSource<decltype(tag)> source{volume, table, scale, ray, lattice};
         RayColor color;
         marchRay({ray, lattice}, 0, lattice.count, source, Unlit{}, limitsOf(settings.render), color,
                  [](const CountingSample&) { return true; });
@@ -225,8 +230,7 @@ TEST(VolumeSource, ALightMayReadTheVolumesGradient) {
   const BakedTransfer baked = bakeTransfer(marched, 0.5f);
   VolumeView<uint8_t> view = makeVolumeView<uint8_t>(marched);
   view.voxels = volume->voxelsAs<uint8_t>();
-  view.table = baked.table.entries.data();
-  view.tableAlpha = baked.alphas.data();
+  view.transfer = baked.table.lookup();
   const Ray ray{{20.0f, 1.0f, 14.0f}, glm::normalize(glm::vec3(-20.0f, 0.5f, -14.0f))};
   const RayPath path{
       ray, makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume->bounds(), 0.0f, 1e30f), 0.5f)};
@@ -285,21 +289,8 @@ TEST(VoxelAccess, MissingCornersShareTheirWeight) {
   EXPECT_TRUE(std::isnan(trilinearOfFinite(corner, 0.5f, 0.5f, 0.5f)));  // half of it is missing
   EXPECT_TRUE(std::isnan(trilinearOfFinite(corner, 0.25f, 0.5f, 0.5f)));
   EXPECT_EQ(trilinearOfFinite(corner, 1.0f, 0.0f, 0.0f), 10.0f);
-}
-
-TEST(VoxelAccess, FractionsOfTheRange) {
-  VoxelStatistics statistics;
-  statistics.rangeLower = -std::numeric_limits<double>::max();
-  statistics.rangeUpper = std::numeric_limits<double>::max();
-  EXPECT_EQ(unitFromVoxel(statistics.rangeLower, valueScaleOf(statistics)), 0.0f);
-  EXPECT_EQ(unitFromVoxel(0.0, valueScaleOf(statistics)), 0.5f);
-  EXPECT_EQ(unitFromVoxel(statistics.rangeUpper, valueScaleOf(statistics)), 1.0f);
-  statistics.rangeLower = 2147483600.0;
-  statistics.rangeUpper = 2147483647.0;  // float could not tell these apart
-  EXPECT_NEAR(unitFromVoxel(int32_t{2147483601}, valueScaleOf(statistics)), 1.0 / 47.0, 1e-7);
-  statistics.rangeLower = statistics.rangeUpper = 5.0;
-  EXPECT_EQ(unitFromVoxel(5.0f, valueScaleOf(statistics)), 0.0f);
-  EXPECT_EQ(unitFromVoxel(uint16_t{5}, valueScaleOf(statistics)), 0.0f);
+  const float equal[8] = {0.1f, nan, 0.1f, 0.1f, 0.1f, 0.1f, 0.1f, 0.1f};
+  for (float x = 0.0f; x <= 1.0f; x += 0.03125f) ASSERT_EQ(trilinearOfFinite(equal, x, 0.7f * x, 1.0f - x), 0.1f);
 }
 
 }  // namespace

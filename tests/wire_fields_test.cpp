@@ -98,7 +98,7 @@ SampleFrame someFrame() {
   SampleFrame frame;
   frame.camera.width = 20;
   frame.camera.height = 10;
-  frame.quantization = {{glm::vec3(-1.0f), glm::vec3(1.0f)}, 0.5f};
+  frame.quantization = {{glm::vec3(-1.0f), glm::vec3(1.0f)}, 0.5f, 3.0f, 0.25f};
   frame.settings = turned();
   frame.samples = {1, 2};
   frame.colors = {3, 4};

@@ -55,10 +55,11 @@ std::string toPly(const SampleFrame& frame, size_t seenCount, const VolumeGeomet
   // Doubles: world coordinates may be large where the volume is small.
   const glm::dvec3 center =
       geometry.origin + geometry.direction * (0.5 * (glm::dvec3(geometry.dims) - 1.0) * geometry.spacing);
+  const SampleGrid grid = frame.grid();
   for (size_t i = 0; i < frame.size(); ++i) {
     if (i % kSamplesPerLook == 0 && stop.stop_requested()) throw OperationCancelled();
     if (!isSeen(frame.colors[i])) continue;
-    const Sphere sphere = frame.sphere(i);
+    const Sphere sphere = unpackSample(frame.samples[i], grid);
     const glm::dvec3 world = center + geometry.direction * (geometry.unit() * glm::dvec3(sphere.center));
     for (int axis = 0; axis < 3; ++axis) appendLittleEndian(bytes, world[axis]);
     appendLittleEndian(bytes, geometry.unit() * sphere.radius);

@@ -20,11 +20,10 @@ constexpr double kNearest = 0.2;
 
 Box visibleBounds(const Volume& volume, const TransferFunction& function, const std::stop_token& stop) {
   if (stop.stop_requested()) throw OperationCancelled();
-  const Macrocells cells(volume);
+  const ValueScale scale = valueScaleOf(volume.type(), volume.statistics(), function);
+  const Macrocells cells(volume, scale);
   if (stop.stop_requested()) throw OperationCancelled();
-  const VoxelStatistics& statistics = volume.statistics();
-  const std::vector<uint8_t> distances =
-      cells.emptyDistances(bakeTransferTable(function, statistics.rangeLower, statistics.rangeUpper, 1.0f));
+  const std::vector<uint8_t> distances = cells.emptyDistances(bakeTransferTable(function, volume, scale, 1.0f));
   glm::ivec3 first(cells.dims()), last(-1);
   size_t i = 0;
   for (int z = 0; z < cells.dims().z; ++z)

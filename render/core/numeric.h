@@ -59,6 +59,14 @@ WARPSCOPE_HD inline float powOf(float a, float exponent) { return std::pow(a, ex
 WARPSCOPE_HD inline float absOf(float a) { return std::abs(a); }
 WARPSCOPE_HD inline float selected(bool condition, float ifTrue, float ifFalse) { return condition ? ifTrue : ifFalse; }
 WARPSCOPE_HD inline int truncated(float a) { return static_cast<int>(a); }
+/// `a` within [0, largest] without its fraction; 0 for NaN. `largest` < 2^24.
+WARPSCOPE_HD inline int truncatedWithin(float a, int largest) {
+#if defined(__CUDA_ARCH__)
+  return static_cast<int>(min(__float2uint_rz(a), static_cast<unsigned>(largest)));  // the conversion makes what is below 0, and NaN, 0
+#else
+  return static_cast<int>(minOf(maxOf(a, 0.0f), static_cast<float>(largest)));
+#endif
+}
 /// minOf(truncated(a), largest), for `a` in [0, 2^23).
 WARPSCOPE_HD inline int truncatedTo(float a, int largest) {
 #if defined(__CUDA_ARCH__)

@@ -46,6 +46,9 @@ inline batch<float> selected(const batch_bool<float>& condition, const batch<flo
   return select(condition, ifTrue, ifFalse);
 }
 inline batch<int32_t> truncated(const batch<float>& a) { return to_int(a); }
+inline batch<int32_t> truncatedWithin(const batch<float>& a, int largest) {
+  return to_int(min(max(a, batch<float>(0.0f)), batch<float>(static_cast<float>(largest))));
+}
 inline batch<int32_t> truncatedTo(const batch<float>& a, const batch<int32_t>& largest) { return min(truncated(a), largest); }
 inline batch<float> converted(const batch<int32_t>& a) { return to_float(a); }
 

@@ -1,4 +1,4 @@
-// Transfer functions: from a scalar to colour and opacity, and the baked, step-corrected table that marching reads.
+// Transfer functions: from a scalar to colour and opacity, as the user wrote them; and opacity over lengths.
 // Opacity correction for a step of ds volume units: 1 - (1 - a)^ds = -expm1(ds * log1p(-a)) (cf. Engel et al. 2006, 9.1).
 #pragma once
 
@@ -34,34 +34,10 @@ struct TransferFunction {
 
   /// Colour (straight, linear) and opacity at `value`.
   glm::vec4 at(double value) const;
+  /// What it comes to where values come to `value` from below: differs from at(value) at steps alone.
+  glm::vec4 below(double value) const;
 
   bool operator==(const TransferFunction&) const = default;
 };
-
-/// A transfer function sampled at kSize equidistant values over [lower, upper], corrected for one step length: entry i holds linear
-/// colour premultiplied by the corrected opacity, and that opacity. Reading is by nearest entry, so that a step stays a step.
-struct TransferTable {
-  static constexpr int kSize = 4096;
-
-  std::vector<glm::vec4> entries;   ///< kSize of them
-  std::vector<int> visibleBefore;   ///< kSize + 1: how many of the first i entries have any opacity
-  double lower = 0.0;               ///< value of entry 0
-  double upper = 1.0;               ///< value of the last entry
-  float step = 1.0f;                ///< volume units that the opacities are corrected for
-
-  /// True if any value in [lowest, highest] (fractions of the table's range, clamped) has opacity.
-  bool anyVisible(float lowest, float highest) const;
-};
-
-/// Index of the entry nearest to `unit`, a fraction of the table's range; clamps, and NaN gives entry 0, never one past the table.
-/// Float is float or a vector of floats.
-template <class Float>
-WARPSCOPE_HD inline auto transferIndex(const Float& unit) {
-  constexpr float last = TransferTable::kSize - 1;
-  return truncated(mulAdd(saturated(unit), Float(last), Float(0.5f)));
-}
-
-/// Bakes `function` over [lower, upper] for steps of `step` volume units. A range without extent gives a table of its one value.
-TransferTable bakeTransferTable(const TransferFunction& function, double lower, double upper, float step);
 
 }  // namespace warpscope

@@ -20,11 +20,17 @@ struct CountingSample {
   float ds = 0.0f;             ///< length of the step
   float alpha = 0.0f;          ///< opacity, corrected to the step
   float transmittance = 1.0f;  ///< T before the sample
+  float accumulated = 0.0f;    ///< 1 - T, which float could not tell from T where little light is taken
+
+  /// Behind what lets through that much.
+  WARPSCOPE_HD static CountingSample behind(double transmittance, float t, float ds, float alpha) {
+    return {t, ds, alpha, static_cast<float>(transmittance), static_cast<float>(1.0 - transmittance)};
+  }
 
   WARPSCOPE_HD float contribution() const { return alpha * transmittance; }
-  /// Accumulated opacity before and after the sample.
-  WARPSCOPE_HD float accumulatedBefore() const { return 1.0f - transmittance; }
-  WARPSCOPE_HD float accumulatedAfter() const { return 1.0f - transmittance * (1.0f - alpha); }
+  /// Accumulated opacity before and after the sample: precise to 2^-23 relative to itself, however little light is taken.
+  WARPSCOPE_HD float accumulatedBefore() const { return accumulated; }
+  WARPSCOPE_HD float accumulatedAfter() const { return alpha >= 1.0f ? 1.0f : minOf(mulAdd(transmittance, alpha, accumulated), 1.0f); }
 };
 
 /// A depth, or none where no sample counted.

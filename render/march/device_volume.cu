@@ -12,9 +12,9 @@ namespace {
 constexpr size_t kChunk = size_t{1} << 24;
 
 template <class Voxel>
-__global__ void toUnit(const Voxel* voxels, UnitVoxel* units, size_t count, ValueScale scale) {
+__global__ void toInterpolants(const Voxel* voxels, InterpolantVoxel* values, size_t count, ValueScale scale) {
   const size_t i = size_t{blockIdx.x} * blockDim.x + threadIdx.x;
-  if (i < count) units[i] = {unitFromVoxel(voxels[i], scale)};
+  if (i < count) values[i] = {interpolant(voxels[i], scale)};
 }
 
 template <class Voxel>
@@ -45,28 +45,28 @@ bool makeCells(const Voxel* voxels, const glm::ivec3& dims, cuda::DeviceBuffer<s
 
 }  // namespace
 
-DeviceVolume::DeviceVolume(const Volume& volume) : type_(volume.type()), hasHoles_(volume.statistics().nonFinite > 0) {
+DeviceVolume::DeviceVolume(const Volume& volume, const ValueScale& scale)
+    : type_(volume.type()), hasHoles_(volume.statistics().nonFinite > 0) {
   const size_t count = volume.voxelCount();
   const cuda::Stream stream;
   visitVoxelType(type_, [&](auto voxelTag) {
     using Voxel = decltype(voxelTag);
-    if constexpr (!kNormalizeFirst<Voxel>) {
+    if constexpr (sizeof(Voxel) <= 2) {
       bytes_ = cuda::DeviceBuffer<std::byte>(count * sizeof(Voxel));
       WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(bytes_.data(), volume.voxels(), count * sizeof(Voxel), cudaMemcpyHostToDevice, stream));
     } else {
-      bytes_ = cuda::DeviceBuffer<std::byte>(count * sizeof(UnitVoxel));
-      auto* units = reinterpret_cast<UnitVoxel*>(bytes_.data());
+      bytes_ = cuda::DeviceBuffer<std::byte>(count * sizeof(InterpolantVoxel));
+      auto* values = reinterpret_cast<InterpolantVoxel*>(bytes_.data());
       cuda::DeviceBuffer<Voxel> chunk(count < kChunk ? count : kChunk);
-      const ValueScale scale = valueScaleOf(volume.statistics());
       for (size_t first = 0; first < count; first += kChunk) {
         const size_t size = count - first < kChunk ? count - first : kChunk;
         chunk.upload({volume.voxelsAs<Voxel>() + first, size}, stream);
         constexpr unsigned kThreads = 256;
-        toUnit<<<cuda::blocksFor(size, kThreads), kThreads, 0, stream>>>(chunk.data(), units + first, size, scale);
+        toInterpolants<<<cuda::blocksFor(size, kThreads), kThreads, 0, stream>>>(chunk.data(), values + first, size, scale);
         WARPSCOPE_CUDA_CHECK_LAUNCH();
       }
     }
-    using Kept = std::conditional_t<kNormalizeFirst<Voxel>, UnitVoxel, Voxel>;
+    using Kept = std::conditional_t<(sizeof(Voxel) > 2), InterpolantVoxel, Voxel>;
     cuda::DeviceBuffer<std::byte> cells;
     isInCells_ = makeCells(reinterpret_cast<const Kept*>(bytes_.data()), glm::ivec3(volume.dims()), cells, stream);
     if (isInCells_) {

@@ -1,5 +1,5 @@
 // A volume in device memory. For .cu files and what they include.
-// 8- and 16-bit voxels stay as they are; wider ones become fractions of the volume's range (UnitVoxel), as interpolation wants them. Where
+// 8- and 16-bit voxels stay as they are; wider ones become interpolants (value_scale.h). Where
 // there is room for eight times the volume, it is kept as cells (VoxelCell): one wide load a sample instead of eight narrow ones.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace warpscope {
 class DeviceVolume {
  public:
   /// Copies the voxels to the current device. Throws DeviceError.
-  explicit DeviceVolume(const Volume& volume);
+  DeviceVolume(const Volume& volume, const ValueScale& scale);
 
   /// Cells may take at most this much memory; larger volumes are kept as voxels.
   static constexpr size_t kMostCellBytes = size_t{1} << 31;
@@ -52,7 +52,7 @@ void visitDeviceVoxels(const DeviceVolume& volume, F&& f) {
     case VoxelType::int8: return visit.template operator()<int8_t, false>();
     case VoxelType::uint16: return visit.template operator()<uint16_t, false>();
     case VoxelType::int16: return visit.template operator()<int16_t, false>();
-    default: return volume.hasHoles() ? visit.template operator()<UnitVoxel, true>() : visit.template operator()<UnitVoxel, false>();
+    default: return volume.hasHoles() ? visit.template operator()<InterpolantVoxel, true>() : visit.template operator()<InterpolantVoxel, false>();
   }
 }
 

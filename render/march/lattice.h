@@ -10,7 +10,7 @@
 namespace warpscope {
 
 struct RayLattice {
-  float t0 = 0.0f;      ///< where the ray enters, distance from the eye
+  float t0 = 0.0f;      ///< where the ray enters, distance from its beginning
   float length = 0.0f;  ///< of the part inside, >= 0
   float dt = 1.0f;      ///< step, > 0
   int count = 0;        ///< number of samples; the last step may be shorter than dt

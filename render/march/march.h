@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "render/core/ray.h"
-#include "render/core/transfer_function.h"
+#include "render/core/transfer_table.h"
 #include "render/march/depth_heuristic.h"
 #include "render/march/lattice.h"
 #include "render/march/light.h"
@@ -87,6 +87,7 @@ WARPSCOPE_HD inline int lowestBit(uint32_t bits) {
 ///                                  the lattice's last; bit k is set if the k-th has any opacity
 ///   bool classifyLast()            looks at the lattice's last sample alone; true if it has any opacity
 ///   float alpha(int k)             opacity of the k-th that was looked at, corrected to the lattice's dt
+///   float unitAlpha(int k)         the same over one unit of volume space
 ///   glm::vec3 color(int k)         its colour times that opacity
 /// `light` turns that colour into the one that is seen: light.h. `ray` gathers; a RayColor, a RayOpacity or a RayPiece
 /// (ray_state.h). `sink` is called with a CountingSample for every sample whose contribution is at least the limits',
@@ -102,7 +103,7 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
     glm::vec3 color(0.0f);
     if constexpr (Gathered::kWantsColor) color = light.shade(sample, path.ray, source, k);
     if (through * sample.alpha >= limits.contribution &&
-        !sink(CountingSample{sample.t, sample.ds, sample.alpha, through}))
+        !sink(CountingSample::behind(ray.transmittance.exact(), sample.t, sample.ds, sample.alpha)))
       return false;
     ray.add(sample.i, color, through);
     ray.transmittance.pass(sample.alpha);
@@ -122,10 +123,10 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
     i = source.skip(i + n);
   }
   if (i < end && source.classifyLast()) {
+    // From the opacity of a unit: that of a whole step may have become 1 in rounding, which tells nothing of a part of it.
     const float ds = lattice.stepLength(last);
-    const float whole = source.alpha(0);
-    const float alpha = correctOpacity(whole, ds / lattice.dt);
-    pass(0, {last, lattice.t(last), ds, alpha, source.color(0) * (alpha / whole)});
+    const float alpha = correctOpacity(source.unitAlpha(0), ds);
+    pass(0, {last, lattice.t(last), ds, alpha, source.color(0) * (alpha / source.alpha(0))});
   }
 }
 

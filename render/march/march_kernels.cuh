@@ -12,10 +12,13 @@
 
 namespace warpscope {
 
+/// The path of a pixel's ray, and its cosine.
 template <class Job>
-__device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel) {
+__device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel, float* cosine = nullptr) {
+  const PixelRay ofPixel = job.pixels.ray(pixel.x, pixel.y);
+  if (cosine != nullptr) *cosine = ofPixel.cosine;
   RayPath path;
-  path.ray = rayOfPixel(job.camera, pixel);
+  path.ray = ofPixel.ray;
   const RayInterval inside = intersectBox(reciprocalOf(path.ray.origin, path.ray.direction), job.bounds, 0.0f, kNoHit);
   path.lattice = makeLattice(inside, job.step);
   return path;
@@ -26,7 +29,8 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8)
     marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
-  const RayPath path = rayThrough(job, pixel);
+  float cosine;
+  const RayPath path = rayThrough(job, pixel, &cosine);
   const auto& [ray, lattice] = path;
   RayColor gathered;
   ProfileFold profile;
@@ -53,7 +57,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8)
   const DepthResult depth = Depth::result(fold);
   const glm::vec4 color = gathered.premultiplied();
   const size_t i = size_t{pixel.y} * job.camera.width + pixel.x;
-  job.samples[i] = packRaySample(job.rule, job.camera, ray, depth, color.a);
+  job.samples[i] = packRaySample(job.rule, job.pixels, pixel.x, pixel.y, cosine, depth, color.a);
   job.colors[i] = job.colorTables->encode(color);
 }
 
@@ -63,7 +67,8 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8)
     marchSeveralSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
-  const RayPath path = rayThrough(job, pixel);
+  float cosine;
+  const RayPath path = rayThrough(job, pixel, &cosine);
   const auto makeSource = [&] {
     return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice);
   };
@@ -74,7 +79,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8)
     job.samples[first + slot] = 0;
     if (slot >= found.size()) continue;
     const RaySample& sample = found[slot];
-    job.samples[first + slot] = packRaySample(job.rule, job.camera, path.ray, sample.depth, sample.color.a);
+    job.samples[first + slot] = packRaySample(job.rule, job.pixels, pixel.x, pixel.y, cosine, sample.depth, sample.color.a);
     job.colors[first + slot] = job.colorTables->encode(sample.color);
   }
 }

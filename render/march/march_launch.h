@@ -19,6 +19,7 @@ struct MarchJob {
   VolumeView<Voxel> view;
   Box bounds;
   Camera camera;
+  PixelGrid pixels;  ///< of the camera; its near plane is in front of the bounds
   float step = 0.5f;
   RayLimits limits;
   float threshold = 0.0f;

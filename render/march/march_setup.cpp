@@ -10,11 +10,8 @@
 namespace warpscope {
 
 BakedTransfer bakeTransfer(const MarchedVolume& marched, float step) {
-  const VoxelStatistics& statistics = marched.volume->statistics();
   BakedTransfer baked;
-  baked.table = bakeTransferTable(marched.transferFunction, statistics.rangeLower, statistics.rangeUpper, step);
-  baked.alphas.resize(TransferTable::kSize);
-  for (int i = 0; i < TransferTable::kSize; ++i) baked.alphas[i] = baked.table.entries[i].a;
+  baked.table = bakeTransferTable(marched.transferFunction, *marched.volume, marched.scale, step);
   baked.emptyDistances = marched.macrocells.emptyDistances(baked.table);
   return baked;
 }
@@ -40,7 +37,7 @@ SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const Sampl
   rule.scale = settings.radiusScale;
   const Box& bounds = volume.bounds();
   const float farthest = glm::length(camera.eye - bounds.center()) + 0.5f * glm::length(bounds.extent());
-  rule.quantization = {bounds, radiusUnitFor(sampleRadius(rule, camera, farthest, 1.0f, 1.0f))};
+  rule.quantization = quantizationFor(camera, bounds, radiusUnitFor(sampleRadius(rule, pixelEdge(camera), farthest, 1.0f)));
   return rule;
 }
 

@@ -19,10 +19,14 @@ namespace warpscope {
 /// A volume and how its values look: what marchers of the same scene share. Immutable.
 struct MarchedVolume {
   MarchedVolume(VolumePtr theVolume, TransferFunction theTransferFunction)
-      : volume(std::move(theVolume)), transferFunction(std::move(theTransferFunction)), macrocells(*volume) {}
+      : volume(std::move(theVolume)),
+        transferFunction(std::move(theTransferFunction)),
+        scale(valueScaleOf(volume->type(), volume->statistics(), transferFunction)),
+        macrocells(*volume, scale) {}
 
   VolumePtr volume;
   TransferFunction transferFunction;
+  ValueScale scale;
   Macrocells macrocells;
 };
 
@@ -31,7 +35,6 @@ using MarchedVolumePtr = std::shared_ptr<const MarchedVolume>;
 /// What is derived from the transfer function for one step length.
 struct BakedTransfer {
   TransferTable table;
-  std::vector<float> alphas;  ///< the table's
   std::vector<uint8_t> emptyDistances;
 
   /// True if this is what `step` needs.
@@ -65,7 +68,7 @@ VolumeView<Voxel> makeVolumeView(const MarchedVolume& marched) {
   VolumeView<Voxel> view;
   view.dims = glm::ivec3(volume.dims());
   for (int axis = 0; axis < 3; ++axis) view.ends[axis] = axisEndsOf(view.dims[axis]);
-  view.scale = valueScaleOf(volume.statistics());
+  view.scale = marched.scale;
   view.lower = volume.bounds().lower;
   view.voxelsPerUnit = 1.0f / volume.geometry().voxelEdges();
   view.cells.dims = marched.macrocells.dims();

@@ -23,7 +23,7 @@ constexpr uint32_t kTileSide = 32;
 
 /// What becomes of a finished ray: its colour, and its samples where some are wanted. Behind one pointer, so that the
 /// loop over rays is compiled once a voxel type, not once a use.
-using OnRay = std::function<void(size_t pixel, const Ray&, const glm::vec4& premultiplied, const RaySamples&)>;
+using OnRay = std::function<void(uint32_t x, uint32_t y, float cosine, const glm::vec4& premultiplied, const RaySamples&)>;
 
 using DepthFunction = DepthResult (*)(const std::vector<CountingSample>&, float threshold);
 
@@ -58,14 +58,16 @@ class CpuMarcher final : public Marcher {
     const size_t places = size_t{camera.width} * camera.height * slots;
     denseSamples_.resize(places);
     denseColors_.resize(places);
-    forEachRay(camera, settings.render, &settings.sample, stop,
-               [&](size_t pixel, const Ray& ray, const glm::vec4&, const RaySamples& found) {
+    const PixelGrid pixels = makePixelGrid(camera, rule.quantization.nearDepth);
+    forEachRay(camera, pixels, settings.render, &settings.sample, stop,
+               [&](uint32_t x, uint32_t y, float cosine, const glm::vec4&, const RaySamples& found) {
+                 const size_t pixel = size_t{y} * camera.width + x;
                  for (size_t slot = 0; slot < slots; ++slot) {
                    const size_t place = pixel * slots + slot;
                    denseSamples_[place] = 0;
                    if (static_cast<int>(slot) >= found.size()) continue;
                    const RaySample& sample = found[static_cast<int>(slot)];
-                   denseSamples_[place] = packRaySample(rule, camera, ray, sample.depth, sample.color.a);
+                   denseSamples_[place] = packRaySample(rule, pixels, x, y, cosine, sample.depth, sample.color.a);
                    denseColors_[place] = ColorTables::instance().encode(sample.color);
                  }
                });
@@ -82,9 +84,10 @@ class CpuMarcher final : public Marcher {
     const std::scoped_lock lock(mutex_);
     requireMarchable(*marched_->volume, camera, settings);
     image.resize(camera.width, camera.height);
-    forEachRay(camera, settings, nullptr, stop,
-               [&](size_t pixel, const Ray&, const glm::vec4& premultiplied, const RaySamples&) {
-                 image[pixel] = premultiplied;
+    const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, marched_->volume->bounds()).nearDepth);
+    forEachRay(camera, pixels, settings, nullptr, stop,
+               [&](uint32_t x, uint32_t y, float, const glm::vec4& premultiplied, const RaySamples&) {
+                 image(x, y) = premultiplied;
                });
   }
 
@@ -95,29 +98,29 @@ class CpuMarcher final : public Marcher {
 
  private:
   /// Finds samples where `sample` says how; colours alone if it is null.
-  void forEachRay(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample,
-                  const std::stop_token& stop, const OnRay& onRay) {
+  void forEachRay(const Camera& camera, const PixelGrid& pixels, const RenderSettings& settings,
+                  const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) {
     if (!baked_.isFor(settings.step)) baked_ = bakeTransfer(*marched_, settings.step);
     const Volume& volume = *marched_->volume;
     visitVoxelType(volume.type(), [&](auto voxelTag) {
       using Voxel = decltype(voxelTag);
       VolumeView<Voxel> view = makeVolumeView<Voxel>(*marched_);
       view.voxels = volume.voxelsAs<Voxel>();
-      view.table = baked_.table.entries.data();
-      view.tableAlpha = baked_.alphas.data();
+      view.transfer = baked_.table.lookup();
       view.cells.distances = settings.skipEmpty ? baked_.emptyDistances.data() : nullptr;
       visitLight(settings, [&](const auto& light) {
         if (std::is_floating_point_v<Voxel> && volume.statistics().nonFinite > 0)
-          marchTiles<VolumeSource<Voxel, true>>(view, light, camera, settings, sample, stop, onRay);
+          marchTiles<VolumeSource<Voxel, true>>(view, light, camera, pixels, settings, sample, stop, onRay);
         else
-          marchTiles<VolumeSource<Voxel, false>>(view, light, camera, settings, sample, stop, onRay);
+          marchTiles<VolumeSource<Voxel, false>>(view, light, camera, pixels, settings, sample, stop, onRay);
       });
     });
   }
 
   template <class Source, class View, class Light>
-  void marchTiles(const View& view, const Light& light, const Camera& camera, const RenderSettings& settings,
-                  const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) const {
+  void marchTiles(const View& view, const Light& light, const Camera& camera, const PixelGrid& pixels,
+                  const RenderSettings& settings, const SampleSettings* sample, const std::stop_token& stop,
+                  const OnRay& onRay) const {
     const RayLimits limits = limitsOf(settings);
     const DepthFunction depthOfSamples = sample != nullptr ? depthFunctionOf(sample->heuristic) : nullptr;
     parallelForTiles(camera.width, camera.height, kTileSide, stop,
@@ -126,7 +129,7 @@ class CpuMarcher final : public Marcher {
       RaySamples found;
       for (uint32_t y = y0; y < y1; ++y)
         for (uint32_t x = x0; x < x1; ++x) {
-          const Ray ray = pixelRay(camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+          const auto& [ray, cosine] = pixels.ray(x, y);
           const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), marched_->volume->bounds(), 0.0f,
                                                   std::numeric_limits<float>::infinity());
           const RayPath path{ray, makeLattice(inside, settings.step)};
@@ -145,7 +148,7 @@ class CpuMarcher final : public Marcher {
             else
               findParts<Source>(view, light, path, limits, *sample, depthOfSamples, counting, found);
           }
-          onRay(size_t{y} * camera.width + x, ray, premultiplied, found);
+          onRay(x, y, cosine, premultiplied, found);
         }
     });
   }

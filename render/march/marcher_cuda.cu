@@ -110,12 +110,22 @@ class CudaMarcher final : public Marcher {
   MarcherPtr twin() const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_); }
 
  private:
+  template <class T>
+  const T* uploaded(cuda::DeviceBuffer<T>& memory, const std::vector<T>& values) {
+    memory.upload(values, stream_);
+    return memory.data();
+  }
+
   void bake(float step) {
     if (bakedStep_ == step) return;
     const BakedTransfer baked = bakeTransfer(*marched_, step);
     bakedStep_ = 0.0f;
-    table_.upload(baked.table.entries, stream_);
-    alphas_.upload(baked.alphas, stream_);
+    transfer_ = baked.table.lookup();
+    transfer_.entries = uploaded(entries_, baked.table.entries);
+    transfer_.alphas = uploaded(alphas_, baked.table.alphas);
+    transfer_.unitAlphas = uploaded(unitAlphas_, baked.table.unitAlphas);
+    transfer_.refinements = uploaded(refinements_, baked.table.refinements);
+    transfer_.begins = uploaded(begins_, baked.table.begins);
     emptyDistances_.upload(baked.emptyDistances, stream_);
     stream_.synchronize();  // `baked` goes
     bakedStep_ = step;
@@ -130,11 +140,11 @@ class CudaMarcher final : public Marcher {
       job.view = makeVolumeView<Voxel>(*marched_);
       job.view.voxels = deviceVolume_->voxelsAs<Voxel>();
       job.view.blends = deviceVolume_->cellsAs<Voxel>();
-      job.view.table = table_.data();
-      job.view.tableAlpha = alphas_.data();
+      job.view.transfer = transfer_;
       job.view.cells.distances = settings.skipEmpty ? emptyDistances_.data() : nullptr;
       job.bounds = marched_->volume->bounds();
       job.camera = camera;
+      job.pixels = makePixelGrid(camera, depthRangeOf(camera, job.bounds).nearDepth);
       job.step = settings.step;
       job.limits = limitsOf(settings);
       if (sample != nullptr) {
@@ -182,9 +192,12 @@ class CudaMarcher final : public Marcher {
   cuda::Stream stream_;
   cuda::Event start_, marchEnd_, compacted_, copyStart_, copied_;
   cuda::DeviceBuffer<ColorTables> colorTables_;
-  float bakedStep_ = 0.0f;  // that the next three are for; 0: none
-  cuda::DeviceBuffer<glm::vec4> table_;
-  cuda::DeviceBuffer<float> alphas_;
+  float bakedStep_ = 0.0f;    // that the following are for; 0: none
+  TransferLookup transfer_;  // into the next five
+  cuda::DeviceBuffer<glm::vec4> entries_;
+  cuda::DeviceBuffer<float> alphas_, unitAlphas_;
+  cuda::DeviceBuffer<TransferRefinement> refinements_;
+  cuda::DeviceBuffer<float> begins_;
   cuda::DeviceBuffer<uint8_t> emptyDistances_;
   cuda::DeviceBuffer<PackedSample> denseSamples_, samples_;
   cuda::DeviceBuffer<Rgba8> denseColors_, colors_;
@@ -198,9 +211,9 @@ class CudaMarcher final : public Marcher {
 }  // namespace
 
 MarcherPtr makeCudaMarcher(VolumePtr volume, TransferFunction transferFunction) {
-  auto deviceVolume = std::make_shared<const DeviceVolume>(*volume);
-  return std::make_shared<CudaMarcher>(std::make_shared<MarchedVolume>(std::move(volume), std::move(transferFunction)),
-                                       std::move(deviceVolume));
+  auto marched = std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction));
+  auto deviceVolume = std::make_shared<const DeviceVolume>(*marched->volume, marched->scale);
+  return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume));
 }
 
 }  // namespace warpscope

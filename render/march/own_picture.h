@@ -1,6 +1,6 @@
 // What is seen in each pixel of a frame's own picture: the rays of its samples, and their colours.
-// A frame does not say which pixel a ray went through, but its camera does: the one that the ray's farthest sample lies in, whose direction
-// quantisation changes least. Of several rays that share a pixel the one whose first sample is nearest is seen.
+// Samples say which pixel their ray went through. Of several rays in one pixel, which no marcher makes, the one whose first sample is nearest is
+// seen.
 #pragma once
 
 #include "render/core/image.h"

@@ -63,7 +63,7 @@ WARPSCOPE_HD inline void marchParts(const RayPath& path, Source& source, const L
     }
     part = next;
     any = true;
-    onSample(CountingSample{sample.t, sample.ds, sample.alpha, piece.transmittance.alone().value()});
+    onSample(CountingSample::behind(piece.transmittance.alone().exact(), sample.t, sample.ds, sample.alpha));
     return true;
   });
   if (any) onPart(piece);

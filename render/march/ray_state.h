@@ -20,6 +20,7 @@ class PieceTransmittance {
 
   /// From the eye on: what counts, and where the ray ends, is decided by it.
   WARPSCOPE_HD float value() const { return whole_.value(); }
+  WARPSCOPE_HD double exact() const { return whole_.exact(); }
   WARPSCOPE_HD const Transmittance& alone() const { return alone_; }
   WARPSCOPE_HD void pass(float alpha) {
     whole_.pass(alpha);

@@ -1,6 +1,6 @@
 // What a server sends for one camera: the samples that its rays found, without the pixels that found nothing.
 // The format is explained in core/sample.h. A ray may have found several: they follow one another, near to far, and the plane `layer` says
-// which are of one ray. Without that plane every sample is its ray's only one. Frames keep no link to the pixel of a ray but the order.
+// which are of one ray. Without that plane every sample is its ray's only one. Each ray is the one through the centre of a pixel of its own.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct SampleFrame {
   float voxelRadius = 1.0f;  ///< half the diagonal of a voxel, volume units: with the settings it tells how large a sample should be
   ServerTimings timings;
 
-  TransferVector<PackedSample> samples;  ///< in the order of their rays' pixels, row by row; near to far of a ray; no code is 0
+  TransferVector<PackedSample> samples;  ///< pixels in the picture, row by row; near to far of a ray; no radius code is 0
   TransferVector<Rgba8> colors;          ///< one for each sample: of several of a ray, those over one another are the ray's
   std::vector<SamplePlane> planes;       ///< kLayerPlane among them if a ray has more than one sample
 
@@ -43,7 +43,8 @@ struct SampleFrame {
     for (const SamplePlane& plane : planes) bytes += plane.values.size();
     return bytes;
   }
-  Sphere sphere(size_t i) const { return unpackSample(samples[i], quantization); }
+  /// For unpackSample(): make it once, not for each sample.
+  SampleGrid grid() const { return makeSampleGrid(camera, quantization); }
   /// Null if the frame has none of that name.
   const SamplePlane* plane(std::string_view name) const {
     for (const SamplePlane& plane : planes)

@@ -10,7 +10,7 @@
 
 #include "render/core/ray.h"
 #include "render/core/simd.h"
-#include "render/core/transfer_function.h"
+#include "render/core/transfer_table.h"
 #include "render/march/empty_space.h"
 #include "render/march/lattice.h"
 #include "render/march/volume_view.h"
@@ -69,7 +69,8 @@ class VolumeSource {
   bool classifyLast() { return (classifyAt(FloatBatch(lattice_.t(lattice_.count - 1))) & 1) != 0; }
 
   float alpha(int k) const { return alpha_[k]; }
-  glm::vec3 color(int k) const { return glm::vec3(view_.table[index_[k]]); }
+  float unitAlpha(int k) const { return view_.transfer.unitAlphas[index_[k]]; }
+  glm::vec3 color(int k) const { return glm::vec3(view_.transfer.entries[index_[k]]); }
 
   /// The volume, for what a sample's light needs beside its class.
   const VolumeView<Voxel>& view() const { return view_; }
@@ -83,18 +84,37 @@ class VolumeSource {
       axisCell(mulAdd(distance, FloatBatch(direction_[axis]), FloatBatch(origin_[axis])), view_.ends[axis], index[axis], weight[axis]);
     const Voxel* places[kBatch];
     locate(index, places);
-    FloatBatch unit;
+    FloatBatch value;
     if constexpr (kHasHoles)
-      unit = blendFinite(places, weight);
+      value = blendFinite(places, weight);
     else
-      unit = unitFromInterpolant<Voxel>(blend(places, weight), view_.scale);
-    transferIndex(unit).store_aligned(index_);
-    uint32_t visible = 0;
+      value = blend(places, weight);
+    view_.transfer.binOf(value).store_aligned(index_);
+    uint32_t visible = 0, refined = 0;
     for (int k = 0; k < kBatch; ++k) {
-      alpha_[k] = view_.tableAlpha[index_[k]];
+      alpha_[k] = view_.transfer.alphas[index_[k]];
       bool shown = alpha_[k] > 0.0f;
-      if constexpr (kHasHoles) shown = shown && !missing_[k];
+      bool isRefined = alpha_[k] < 0.0f;
+      if constexpr (kHasHoles) {
+        shown = shown && !missing_[k];
+        isRefined = isRefined && !missing_[k];
+      }
       visible |= static_cast<uint32_t>(shown) << k;
+      refined |= static_cast<uint32_t>(isRefined) << k;
+    }
+    return refined == 0 ? visible : visible | refine(value, refined);
+  }
+
+  /// Tells the bins of these lanes apart further; a bit is set for each that has opacity.
+  uint32_t refine(const FloatBatch& value, uint32_t lanes) {
+    alignas(64) float values[kBatch];
+    value.store_aligned(values);
+    uint32_t visible = 0;
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int k = std::countr_zero(lanes);
+      index_[k] = view_.transfer.refined(alpha_[k], values[k]);
+      alpha_[k] = view_.transfer.alphas[index_[k]];
+      visible |= static_cast<uint32_t>(alpha_[k] > 0.0f) << k;
     }
     return visible;
   }
@@ -134,15 +154,15 @@ class VolumeSource {
   /// As blend, for voxels that may not be finite; notes where there is no value.
   FloatBatch blendFinite(const Voxel* const (&places)[kBatch], const FloatBatch (&weight)[3]) {
     alignas(64) float weights[3][kBatch];
-    alignas(64) float units[kBatch];
+    alignas(64) float values[kBatch];
     for (int axis = 0; axis < 3; ++axis) weight[axis].store_aligned(weights[axis]);
     for (int k = 0; k < kBatch; ++k) {
       float corner[8];
       for (int i = 0; i < 8; ++i) corner[i] = interpolant(places[k][offsets_[i]], view_.scale);
-      units[k] = unitFromInterpolant<Voxel>(trilinearOfFinite(corner, weights[0][k], weights[1][k], weights[2][k]), view_.scale);
-      missing_[k] = !isFiniteVoxel(units[k]);
+      values[k] = trilinearOfFinite(corner, weights[0][k], weights[1][k], weights[2][k]);
+      missing_[k] = !isFiniteVoxel(values[k]);
     }
-    return FloatBatch::load_aligned(units);
+    return FloatBatch::load_aligned(values);
   }
 
   const VolumeView<Voxel>& view_;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "render/core/ray.h"
-#include "render/core/transfer_function.h"
+#include "render/core/transfer_table.h"
 #include "render/march/empty_space.h"
 #include "render/march/volume_view.h"
 
@@ -33,12 +33,13 @@ class ScalarVolumeSource {
     return alpha_ > 0.0f;
   }
   WARPSCOPE_HD float alpha(int) const { return alpha_; }
+  WARPSCOPE_HD float unitAlpha(int) const { return view_.transfer.unitAlphas[index_]; }
   WARPSCOPE_HD glm::vec3 color(int) const {
 #if defined(__CUDA_ARCH__)
-    const float4 entry = reinterpret_cast<const float4*>(view_.table)[index_];  // one wide load; device memory is aligned
+    const float4 entry = reinterpret_cast<const float4*>(view_.transfer.entries)[index_];  // one wide load; device memory is aligned
     return {entry.x, entry.y, entry.z};
 #else
-    return glm::vec3(view_.table[index_]);
+    return glm::vec3(view_.transfer.entries[index_]);
 #endif
   }
 
@@ -73,8 +74,12 @@ class ScalarVolumeSource {
       load(index, corner);
       value = trilinear(corner, weight[0], weight[1], weight[2]);
     }
-    index_ = transferIndex(unitFromInterpolant<Voxel>(value, view_.scale));
-    alpha_ = view_.tableAlpha[index_];
+    index_ = view_.transfer.binOf(value);
+    alpha_ = view_.transfer.alphas[index_];
+    if (alpha_ < 0.0f) {
+      index_ = view_.transfer.refined(alpha_, value);
+      alpha_ = view_.transfer.alphas[index_];
+    }
   }
 
   WARPSCOPE_HD const VoxelCell<Voxel>& cellAt(const int (&index)[3]) const {

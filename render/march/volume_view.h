@@ -17,8 +17,7 @@ struct VolumeView {
   ValueScale scale;
   glm::vec3 lower{0.0f};          ///< volume-space position of the volume's lower corner
   glm::vec3 voxelsPerUnit{1.0f};  ///< along each axis
-  const glm::vec4* table = nullptr;
-  const float* tableAlpha = nullptr;  ///< the table's alphas alone, densely
+  TransferLookup transfer;
   EmptyCells cells;
 
   /// Voxel coordinates of a ray's origin, and voxels per unit of t.

@@ -10,7 +10,7 @@
 
 namespace warpscope {
 
-Macrocells::Macrocells(const Volume& volume) {
+Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) {
   const glm::ivec3 n(volume.dims());
   // Small cells skip more; in large volumes the map over them would take long to make.
   constexpr size_t kLargeVolume = size_t{1} << 27;
@@ -20,7 +20,6 @@ Macrocells::Macrocells(const Volume& volume) {
   visitVoxelType(volume.type(), [&](auto voxelTag) {
     using Voxel = decltype(voxelTag);
     const Voxel* voxels = volume.voxelsAs<Voxel>();
-    const ValueScale scale = valueScaleOf(volume.statistics());
     parallelForRanges(size_t(dims_.y) * dims_.z, 4, [&](size_t begin, size_t end) {
       for (size_t row = begin; row < end; ++row) {
         const int cy = static_cast<int>(row % dims_.y);
@@ -42,7 +41,7 @@ Macrocells::Macrocells(const Volume& volume) {
               }
             }
           if (any)
-            ranges_[row * dims_.x + cx] = {unitFromVoxel(lowest, scale), unitFromVoxel(highest, scale)};
+            ranges_[row * dims_.x + cx] = {interpolant(lowest, scale), interpolant(highest, scale)};
           else
             ranges_[row * dims_.x + cx] = {1.0f, 0.0f};
         }
@@ -52,11 +51,14 @@ Macrocells::Macrocells(const Volume& volume) {
 }
 
 std::vector<uint8_t> Macrocells::emptyDistances(const TransferTable& table) const {
-  // Interpolation may leave a cell's range by its rounding error, far less than this.
-  constexpr float kSlack = 1e-5f;
+  // Interpolation may leave a cell's range by its rounding: three blends of two roundings each, and with holes eight products, their sum and a quotient.
+  constexpr float kSlack = 0x1p-20f;
   std::vector<uint8_t> distances(ranges_.size());
-  for (size_t i = 0; i < ranges_.size(); ++i)
-    distances[i] = ranges_[i].x <= ranges_[i].y && table.anyVisible(ranges_[i].x - kSlack, ranges_[i].y + kSlack) ? 0 : 255;
+  for (size_t i = 0; i < ranges_.size(); ++i) {
+    const glm::vec2 range = ranges_[i];
+    const float slack = range.x < range.y ? kSlack * std::max(std::abs(range.x), std::abs(range.y)) : 0.0f;
+    distances[i] = range.x <= range.y && table.anyVisible(range.x - slack, range.y + slack) ? 0 : 255;
+  }
 
   const auto relax = [&](int x, int y, int z, int sign) {
     uint8_t& here = distances[(size_t(z) * dims_.y + y) * dims_.x + x];

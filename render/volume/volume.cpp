@@ -129,15 +129,17 @@ VoxelStatistics gatherStatistics(const T* voxels, size_t count, const std::stop_
   statistics.rangeLower = statistics.lowest;
   statistics.rangeUpper = statistics.highest;
 
-  // Halves, because the difference of the extremes of a double volume may overflow; and differences before the product,
-  // because values may be large beside their extent. An extent whose reciprocal overflows counts as none.
-  const double halfLower = 0.5 * statistics.rangeLower;
-  const double halfExtent = 0.5 * statistics.rangeUpper - halfLower;
-  const double scale = halfExtent > 0.0 && std::isfinite(256.0 / halfExtent) ? 256.0 / halfExtent : 0.0;
+  // Differences before the product, because values may be large beside their extent; halves where the extent overflows. Powers of two bring the extent of
+  // doubles to about 1: its reciprocal may overflow too.
+  const double before = std::isfinite(statistics.rangeUpper - statistics.rangeLower) ? 1.0 : 0.5;
+  const double extent = statistics.rangeUpper * before - statistics.rangeLower * before;
+  const int exponent = extent > 0.0 ? -std::ilogb(extent) : 0;
+  const double first = std::ldexp(1.0, exponent / 2), second = std::ldexp(1.0, exponent - exponent / 2);
+  const double binsPerExtent = extent > 0.0 ? 256.0 / (extent * first * second) : 0.0;
   statistics.histogram = gatherHistogram(count, stop, [&](Histogram& local, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       if (!isFiniteVoxel(voxels[i])) continue;
-      const double bin = (0.5 * static_cast<double>(voxels[i]) - halfLower) * scale;
+      const double bin = (static_cast<double>(voxels[i]) * before - statistics.rangeLower * before) * first * second * binsPerExtent;
       ++local[std::min<size_t>(static_cast<size_t>(bin), 255)];
     }
   });

@@ -1,4 +1,4 @@
-// Reading a volume's value at any place: conversion of voxels and trilinear interpolation, for host and device.
+// Reading a volume's value at any place: trilinear interpolation, for host and device. What becomes of a voxel first is in value_scale.h.
 // Voxel coordinates: voxel (i,j,k) has its centre at (i,j,k); beyond the outermost centres values are constant.
 // Non-finite voxels have no weight: the others share it, and where half of it or more is missing there is no value.
 #pragma once
@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "render/core/numeric.h"
-#include "render/volume/volume.h"
+#include "render/volume/value_scale.h"
 
 namespace warpscope {
 
@@ -19,62 +19,6 @@ WARPSCOPE_HD inline bool isFiniteVoxel(Voxel voxel) {
     return voxel - voxel == Voxel(0);
   else
     return true;
-}
-
-/// How values become fractions of the volume's range: (value - lower) * inverseExtent. inverseExtent is 0 for a range without extent, or
-/// with one so small that its reciprocal overflows.
-struct ValueScale {
-  double lower = 0.0;
-  double inverseExtent = 0.0;
-  // The same line through the range, for values that float holds: value * factor + offset.
-  float factor = 0.0f;
-  float offset = 0.0f;
-};
-
-inline ValueScale valueScaleOf(const VoxelStatistics& statistics) {
-  // Halves, because the extent of a double volume may overflow.
-  const double half = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower;
-  const double inverse = 0.5 / half;
-  const double inverseExtent = half > 0.0 && std::isfinite(2.0 * inverse) ? inverse : 0.0;
-  return {statistics.rangeLower, inverseExtent, static_cast<float>(inverseExtent),
-          static_cast<float>(-statistics.rangeLower * inverseExtent)};
-}
-
-/// True for voxel types whose values float cannot hold: they become fractions before interpolation instead of after it.
-template <class Voxel>
-inline constexpr bool kNormalizeFirst = sizeof(Voxel) >= 4;
-
-template <class Voxel>
-WARPSCOPE_HD inline float unitFromVoxel(Voxel voxel, const ValueScale& scale) {
-  if constexpr (kNormalizeFirst<Voxel>)
-    // Halves, because the difference of two doubles may overflow.
-    return static_cast<float>((0.5 * static_cast<double>(voxel) - 0.5 * scale.lower) * (2.0 * scale.inverseExtent));
-  else
-    return mulAdd(static_cast<float>(voxel), scale.factor, scale.offset);
-}
-
-/// What interpolation works on: the voxel itself where float holds it exactly, else its fraction of the range.
-template <class Voxel>
-WARPSCOPE_HD inline float interpolant(Voxel voxel, const ValueScale& scale) {
-  if constexpr (kNormalizeFirst<Voxel>)
-    return unitFromVoxel(voxel, scale);
-  else
-    return static_cast<float>(voxel);
-}
-
-/// A voxel that is a fraction of the volume's range already: what a device keeps of types whose values float cannot hold.
-struct UnitVoxel {
-  float unit;
-};
-WARPSCOPE_HD inline float interpolant(UnitVoxel voxel, const ValueScale&) { return voxel.unit; }
-
-/// Float is float or a vector of floats.
-template <class Voxel, class Float>
-WARPSCOPE_HD inline Float unitFromInterpolant(const Float& value, const ValueScale& scale) {
-  if constexpr (kNormalizeFirst<Voxel>)
-    return value;
-  else
-    return mulAdd(value, Float(scale.factor), Float(scale.offset));
 }
 
 /// The ends of an axis.
@@ -181,15 +125,18 @@ WARPSCOPE_HD inline float trilinearOfFinite(const float (&c)[8], float wx, float
   bool whole = true;
   for (int i = 0; i < 8; ++i) whole = whole && isFiniteVoxel(c[i]);
   if (whole) return trilinear(c, wx, wy, wz);
+  // Relative to one of them, so that equal values stay what they are.
+  float reference = 0.0f;
+  for (int i = 8; i-- > 0;) reference = isFiniteVoxel(c[i]) ? c[i] : reference;
   float sum = 0.0f;
   float weights = 0.0f;
   for (int i = 0; i < 8; ++i) {
     const float weight = (i & 1 ? wx : 1.0f - wx) * (i & 2 ? wy : 1.0f - wy) * (i & 4 ? wz : 1.0f - wz);
     if (!isFiniteVoxel(c[i])) continue;
-    sum += weight * c[i];
+    sum += weight * (c[i] - reference);
     weights += weight;
   }
-  return weights > 0.5f ? sum / weights : NAN;
+  return weights > 0.5f ? reference + sum / weights : NAN;
 }
 
 }  // namespace warpscope

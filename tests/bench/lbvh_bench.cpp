@@ -11,6 +11,7 @@
 #include "render/warp/lbvh/sphere_tracer.h"
 #include "render/warp/splats/splat_tracer.h"
 #include "render/warp/warp.h"
+#include "tests/frame_samples.h"
 #include "tests/sphere_clouds.h"
 
 namespace warpscope {
@@ -76,13 +77,8 @@ BENCHMARK(buildCloud<LbvhTracer>)->Unit(benchmark::kMillisecond)->MeasureProcess
 BENCHMARK(buildCloud<EmbreeTracer>)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 /// The cloud as a frame, every sample half transparent.
 SampleFramePtr cloudFrame() {
-  auto frame = std::make_shared<SampleFrame>();
-  for (const Sphere& sphere : frameCloud()) frame->quantization.bounds.include(sphere.center);
-  frame->quantization.radiusUnit = radiusUnitFor(frameCloud().front().radius);
-  for (const Sphere& sphere : frameCloud()) {
-    frame->samples.push_back(packSample(sphere.center, sphere.radius, frame->quantization));
-    frame->colors.push_back(0x80ffc040u);
-  }
+  auto frame = std::make_shared<SampleFrame>(frameOfCloud(frameCloud()));
+  frame->colors.assign(frame->size(), 0x80ffc040u);
   return frame;
 }
 

@@ -54,11 +54,11 @@ void compaction(benchmark::State& state) {
   constexpr size_t kPixels = 1 << 20;
   std::vector<PackedSample> samples(kPixels);
   std::vector<Rgba8> colors(kPixels, 0xff808080u);
-  SampleQuantization quantization{{glm::vec3(0.0f), glm::vec3(1.0f)}, 1.0f};
+  const SampleQuantization quantization;
   size_t expected = 0;
   for (size_t i = 0; i < kPixels; ++i) {
     if (i % 5 >= 3) continue;
-    samples[i] = packSample({0.5f, 0.5f, 0.5f}, 0.5f, quantization);
+    samples[i] = packSample(0, 0, 0.5f, 0.5f, quantization);
     ++expected;
   }
   SampleFrame frame;

@@ -29,6 +29,8 @@ std::vector<CoreProbeInput> randomInputs(size_t count) {
     in.camera.eye = -2.0f * size * in.camera.forward;
     in.camera.width = 1 + random() % 2000;
     in.camera.height = 1 + random() % 2000;
+    in.quantization = quantizationFor(in.camera, in.quantization.bounds, in.quantization.radiusUnit);
+    in.grid = makeSampleGrid(in.camera, in.quantization);
     in.pixel = {unit(random) * static_cast<float>(in.camera.width), unit(random) * static_cast<float>(in.camera.height)};
     in.point = {symmetric(size), symmetric(0.5f * size), symmetric(size)};
     in.radius = size * unit(random);
@@ -57,6 +59,8 @@ TEST(CoreOnDevice, SameBitsAsHost) {
     ASSERT_TRUE(same(host.interval.tNear, dev.interval.tNear) && same(host.interval.tFar, dev.interval.tFar));
     ASSERT_TRUE(same(host.projection.pixel.x, dev.projection.pixel.x) && same(host.projection.pixel.y, dev.projection.pixel.y));
     ASSERT_EQ(host.packed, dev.packed);
+    ASSERT_TRUE(same(host.pixelRay.ray.origin, dev.pixelRay.ray.origin) && same(host.pixelRay.ray.direction, dev.pixelRay.ray.direction) &&
+                same(host.pixelRay.cosine, dev.pixelRay.cosine));
     ASSERT_TRUE(same(host.unpacked.center, dev.unpacked.center) && same(host.unpacked.radius, dev.unpacked.radius));
     ASSERT_EQ(host.morton, dev.morton);
     ASSERT_EQ(host.latticeCount, dev.latticeCount);

@@ -10,7 +10,7 @@
 #include "render/core/morton.h"
 #include "render/core/ray_sphere.h"
 #include "render/core/sample.h"
-#include "render/core/transfer_function.h"
+#include "render/core/transfer_table.h"
 #include "render/march/depth_heuristic.h"
 #include "render/march/lattice.h"
 #include "render/march/ray_state.h"
@@ -27,10 +27,12 @@ struct CoreProbeInput {
   float step;
   float alphas[8];
   SampleQuantization quantization;
+  SampleGrid grid;
 };
 
 struct CoreProbeResult {
   Ray ray;
+  PixelRay pixelRay;
   float sphereT;
   RayInterval interval;
   Projection projection;
@@ -57,7 +59,7 @@ WARPSCOPE_HD inline float probeDepth(const CoreProbeInput& in) {
   CountingSample samples[8];
   Transmittance transmittance;
   for (int i = 0; i < 8; ++i) {
-    samples[i] = {in.step * (static_cast<float>(i) + 0.5f), in.step, in.alphas[i], transmittance.value()};
+    samples[i] = CountingSample::behind(transmittance.exact(), in.step * (static_cast<float>(i) + 0.5f), in.step, in.alphas[i]);
     transmittance.pass(in.alphas[i]);
     profile.add(samples[i]);
   }
@@ -77,8 +79,7 @@ WARPSCOPE_HD inline RayState<Depth> probeState(const CoreProbeInput& in) {
     for (int i = 0; i < 8; ++i) {
       RayState<Depth>& piece = pieces[i / 4];
       if (pass == 1 && i % 4 == 0) piece.fold = Depth::start(0.8f, profile);
-      const CountingSample sample{in.step * (static_cast<float>(i) + 0.5f), in.step, in.alphas[i],
-                                  transmittance.value()};
+      const auto sample = CountingSample::behind(transmittance.exact(), in.step * (static_cast<float>(i) + 0.5f), in.step, in.alphas[i]);
       if (pass == 0)
         profile.add(sample);
       else
@@ -100,8 +101,10 @@ WARPSCOPE_HD inline CoreProbeResult probeCore(const CoreProbeInput& in) {
   out.sphereT = intersectSphere(out.ray, in.point, in.radius);
   out.interval = intersectBox(reciprocalOf(out.ray.origin, out.ray.direction), in.quantization.bounds, 0.0f, kNoHit);
   out.projection = project(in.camera, in.point);
-  out.packed = packSample(in.point, in.radius, in.quantization);
-  out.unpacked = unpackSample(out.packed, in.quantization);
+  const auto column = static_cast<uint32_t>(in.pixel.x), row = static_cast<uint32_t>(in.pixel.y);
+  out.pixelRay = in.grid.pixels.ray(column, row);
+  out.packed = packSample(column, row, in.radius, in.radius, in.quantization);
+  out.unpacked = unpackSample(out.packed, in.grid);
   out.morton = mortonCode(static_cast<uint32_t>(out.packed) & 0x1fffff, static_cast<uint32_t>(out.packed >> 18) & 0x1fffff,
                           static_cast<uint32_t>(out.packed >> 36) & 0x1fffff);
   const RayLattice lattice = makeLattice(out.interval, in.step);
@@ -121,7 +124,11 @@ WARPSCOPE_HD inline CoreProbeResult probeCore(const CoreProbeInput& in) {
   for (int i = 0; i < 8; ++i) transmittance.pass(in.alphas[i]);
   out.transmittance = transmittance.value();
   out.trilinear = trilinear(in.alphas, in.alphas[0], in.alphas[3], in.alphas[6]);
-  out.tableIndex = transferIndex(out.trilinear);
+  TransferLookup table;
+  table.scale = 512.0f * in.step;
+  table.offset = -100.0f * in.alphas[1];
+  table.bins = 256;
+  out.tableIndex = table.binOf(out.trilinear);
   axisCell(in.point.x, axisEndsOf(100), out.axisIndex, out.axisWeight);
   out.combinedDepths[0] = probeState<EntranceDepth>(in).depth().depth;
   out.combinedDepths[1] = probeState<ExitDepth>(in).depth().depth;

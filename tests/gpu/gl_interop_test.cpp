@@ -9,6 +9,7 @@
 #include "render/gl/context.h"
 #include "render/gl/objects.h"
 #include "render/warp/splats_warp_cuda.h"
+#include "tests/frame_samples.h"
 #include "tests/gpu/agreement.h"
 #include "tests/sphere_clouds.h"
 
@@ -22,12 +23,8 @@ std::vector<Rgba8> pixelsOf(const DevicePicture& picture) {
 }
 
 SampleFramePtr cloudFrame() {
-  auto frame = std::make_shared<SampleFrame>();
-  frame->quantization = {{glm::vec3(-120.0f), glm::vec3(120.0f)}, 8.0f};
-  for (const Sphere& sphere : makeCloud(CloudShape::random, 2000, 100.0f, 9)) {
-    frame->samples.push_back(packSample(sphere.center, sphere.radius, frame->quantization));
-    frame->colors.push_back(static_cast<Rgba8>(0xff000000u | (frame->colors.size() * 2654435761u >> 8)));
-  }
+  auto frame = std::make_shared<SampleFrame>(frameOfCloud(makeCloud(CloudShape::random, 2000, 100.0f, 9)));
+  for (size_t i = 0; i < frame->size(); ++i) frame->colors[i] = static_cast<Rgba8>(0xff000000u | (i * 2654435761u >> 8));
   return frame;
 }
 

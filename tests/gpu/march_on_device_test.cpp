@@ -117,6 +117,36 @@ TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
       }
 }
 
+/// Bins of the transfer function's table that are told apart further, by a few pieces and by many.
+TEST(MarchOnDevice, StepsNeedlesAndOutliers) {
+  WARPSCOPE_NEEDS_GPU();
+  const glm::uvec3 dims(40, 36, 30);
+  const FieldFunction field = blobs(dims, 21);
+  const TransferFunction step{{{40.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {1.0f, 0.2f, 0.1f}, 0.4f}, {70.0, {0.1f, 0.9f, 0.3f}, 0.4f}, {70.0, {0.1f, 0.9f, 0.3f}, 0.02f}}};
+  const TransferFunction needle{{{0.0, {0.2f, 0.3f, 1.0f}, 0.0f},
+                                 {49.9, {0.2f, 0.3f, 1.0f}, 0.0f},
+                                 {50.0, {1.0f, 0.9f, 0.3f}, 0.9f},
+                                 {50.2, {0.1f, 0.2f, 0.3f}, 0.0f},
+                                 {1e6, {0.1f, 0.9f, 0.3f}, 0.1f}}};
+  for (const VoxelType type : kAllVoxelTypes)
+    for (const TransferFunction& function : {step, needle})
+      for (const bool hasOutlier : {false, true}) {
+        const bool isWide = sizeBytes(type) >= 4;
+        if (hasOutlier && !isWide) continue;
+        const VolumePtr volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) { return hasOutlier && p == glm::ivec3(3) ? 2e9 : field(p); });
+        Scene scene;
+        scene.volume = volume;
+        scene.transferFunction = function;
+        const Pair pair(scene);
+        for (const float stepLength : {0.5f, 3.7f}) {
+          SCOPED_TRACE(std::string(nameOf(type)) + (hasOutlier ? ", an outlier" : "") + ", step " + std::to_string(stepLength));
+          MarchSettings settings;
+          settings.render.step = stepLength;
+          pair.expectSame(lookingFrom({50.0f, 30.0f, 45.0f}, {}, 150, 130), settings);
+        }
+      }
+}
+
 TEST(MarchOnDevice, ColoursAreTheCpus) {
   WARPSCOPE_NEEDS_GPU();
   for (const BuiltinScene& builtin : builtinScenes()) {

@@ -15,6 +15,7 @@
 #include "render/warp/spheres_warp.h"
 #include "render/warp/spheres_warp_cuda.h"
 #include "render/warp/splats_warp_cuda.h"
+#include "tests/frame_samples.h"
 #include "tests/gpu/agreement.h"
 #include "tests/headless.h"
 #include "tests/sphere_clouds.h"
@@ -43,26 +44,15 @@ std::vector<Contender> contenders() {
 }
 
 SampleFramePtr frameOf(const std::vector<Sphere>& cloud) {
-  auto frame = std::make_shared<SampleFrame>();
-  Box bounds;
-  float largest = 0.0f;
-  for (const Sphere& sphere : cloud) {
-    bounds.include(sphere.center);
-    largest = std::max(largest, sphere.radius);
-  }
-  if (cloud.empty()) bounds = {glm::vec3(-1.0f), glm::vec3(1.0f)};
-  frame->quantization = {bounds, radiusUnitFor(largest)};
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    frame->samples.push_back(packSample(cloud[i].center, cloud[i].radius, frame->quantization));
-    frame->colors.push_back(static_cast<Rgba8>(0xff000000u | (i * 2654435761u >> 8)));
-  }
+  auto frame = std::make_shared<SampleFrame>(frameOfCloud(cloud));
+  for (size_t i = 0; i < cloud.size(); ++i) frame->colors[i] = static_cast<Rgba8>(0xff000000u | (i * 2654435761u >> 8));
   return frame;
 }
 
 /// Both sides take the same formulas through the same rounding, so there is nothing to allow for.
 void expectCpusIds(const SampleFramePtr& frame, const std::vector<Camera>& cameras, std::vector<Contender>& all) {
   std::vector<Sphere> spheres(frame->size());
-  for (size_t i = 0; i < spheres.size(); ++i) spheres[i] = frame->sphere(i);
+  for (size_t i = 0; i < spheres.size(); ++i) spheres[i] = sphereOf(*frame, i);
   LbvhTracer tracer;
   tracer.build(spheres);
   for (Contender& contender : all) contender.warp->setFrame(frame, contender.settings);

@@ -1,0 +1,235 @@
+// Which bins a table has, and the pieces of those that are too coarse.
+// See transfer_table.h.
+#include "render/core/transfer_table.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace warpscope {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+float leastFloatFrom(double value) {
+  const float near = static_cast<float>(value);
+  return static_cast<double>(near) < value ? std::nextafter(near, kInfinity) : near;
+}
+
+/// What a table holds of one place.
+struct Entry {
+  glm::vec4 color{0.0f};  ///< premultiplied, of a step
+  float unitAlpha = 0.0f;
+};
+
+bool areAlike(const Entry& a, const Entry& b) {
+  const glm::vec4 difference = glm::abs(a.color - b.color);
+  const float most = std::max({difference.r, difference.g, difference.b, difference.a, std::abs(a.unitAlpha - b.unitAlpha)});
+  return most <= TransferTable::kMostVariation && (a.color.a > 0.0f) == (b.color.a > 0.0f);
+}
+
+/// Borders of bins, in the function's units: bin 0 ends at the lower one, the last begins at the upper one. Without bins between them there is but one bin.
+struct Bins {
+  double lower = 0.0;
+  double upper = 0.0;
+  int inner = 0;     ///< those between the first and the last
+  int perWhole = 0;  ///< bins for a whole number's width; 0: numbers are not whole
+
+  int count() const { return inner == 0 ? 1 : inner + 2; }
+  double border(int i) const { return lower + (upper - lower) * i / inner; }  ///< i in 0..inner
+  double scale() const { return inner == 0 ? 0.0 : perWhole > 0 ? perWhole : inner / (upper - lower); }
+  double offset() const { return inner == 0 ? 0.0 : 1.0 - lower * scale(); }
+  /// By how much x * scale + offset in float may misplace x around a border.
+  double slack(int i) const { return perWhole > 0 ? 0.0 : (i + 1.0 + std::abs(offset())) * 0x1p-22 / scale(); }
+};
+
+bool sameLook(const TransferPoint& a, const TransferPoint& b) { return a.color == b.color && a.alpha == b.alpha; }
+
+/// Bins where the function changes, as far as the domain goes: beyond, one is enough.
+Bins binsFor(const TransferFunction& function, const TransferDomain& domain) {
+  const auto& points = function.points;
+  Bins bins;
+  bins.perWhole = domain.isWhole ? 1 : 0;
+  if (!points.empty()) {
+    size_t first = 0, last = points.size() - 1;
+    while (first < last && sameLook(points[first + 1], points[0])) ++first;
+    while (last > first && sameLook(points[last - 1], points.back())) --last;
+    const double lowest = domain.lower, highest = domain.upper;
+    bins.lower = std::clamp<double>(leastFloatFrom(points[first].value), lowest, highest);
+    bins.upper = std::clamp<double>(leastFloatFrom(points[last].value), lowest, highest);
+  }
+  constexpr double kMostOffset = 1 << 22;  // bins are told apart to a whole one up to there
+  if (domain.isWhole) {
+    // At least a whole number between the first and the last bin; as many bins for each as fit, and as leave the offset exact.
+    bins.lower = std::floor(bins.lower);
+    bins.upper = std::max(std::ceil(bins.upper), bins.lower + 1.0);
+    const double values = bins.upper - bins.lower;
+    while (2.0 * bins.perWhole * values <= TransferTable::kBins && 2.0 * bins.perWhole * std::abs(bins.lower) < kMostOffset) bins.perWhole *= 2;
+    bins.inner = static_cast<int>(values) * bins.perWhole;
+    return bins;
+  }
+  // One bin more on each side, so that a step at an end does not lie at the border of all that is beyond it; around a single step narrow ones. Where float
+  // cannot count bins, all is told apart by pieces.
+  const bool isOnePlace = !(bins.lower < bins.upper);
+  bins.inner = isOnePlace ? 2 : TransferTable::kBins;
+  const double width = isOnePlace ? std::max(std::abs(bins.lower), static_cast<double>(domain.upper) - static_cast<double>(domain.lower)) / TransferTable::kBins
+                                  : (bins.upper - bins.lower) / (TransferTable::kBins - 2);
+  bins.lower -= width;
+  bins.upper += width;
+  const bool canCount = width > 0.0 && bins.scale() <= std::numeric_limits<float>::max() && std::abs(bins.offset()) < kMostOffset;
+  if (!canCount) bins.inner = 0;
+  return bins;
+}
+
+class Baking {
+ public:
+  Baking(const TransferFunction& function, const TransferDomain& domain, float step)
+      : function_(function), bins_(binsFor(function, domain)) {
+    // Of those that may be met; interpolation may overshoot a domain's ends by its rounding.
+    const double margin = 1e-5 * std::max(std::abs(static_cast<double>(domain.lower)), std::abs(static_cast<double>(domain.upper)));
+    const auto addCorner = [&](float place, double value) {
+      if (!corners_.empty() && !(corners_.back() < place)) return;
+      corners_.push_back(place);
+      cornerValues_.push_back(value);
+    };
+    addCorner(domain.lower, static_cast<double>(domain.lower));  // pieces begin there, as at a corner
+    for (const TransferPoint& point : function.points) {
+      const float place = leastFloatFrom(point.value);
+      if (place > domain.upper + margin) break;
+      addCorner(place, point.value);
+    }
+    addCorner(domain.upper, static_cast<double>(domain.upper));
+    table_.step = step;
+    table_.scale = static_cast<float>(bins_.scale());
+    table_.offset = static_cast<float>(bins_.offset());
+    table_.bins = bins_.count();
+  }
+
+  TransferTable bake() {
+    table_.visibleBefore.assign(static_cast<size_t>(bins_.count()) + 1, 0);
+    for (int bin = 0; bin < bins_.count(); ++bin) addBin(bin);
+    for (const Entry& piece : pieces_) add(piece);
+    return std::move(table_);
+  }
+
+ private:
+  Entry entryOf(const glm::vec4& straight) const {
+    const float unitAlpha = std::clamp(straight.a, 0.0f, 1.0f);
+    const float alpha = correctOpacity(unitAlpha, table_.step);
+    return {{glm::vec3(straight) * alpha, alpha}, unitAlpha};
+  }
+  Entry from(double x) const { return entryOf(function_.at(x)); }
+  /// What floats below x come to. No float lies between a corner and its place.
+  Entry before(double x) const {
+    const auto corner = std::lower_bound(corners_.begin(), corners_.end(), x);
+    const bool isCorner = corner != corners_.end() && static_cast<double>(*corner) == x;
+    return entryOf(function_.below(isCorner ? cornerValues_[static_cast<size_t>(corner - corners_.begin())] : x));
+  }
+
+  void add(const Entry& entry) {
+    table_.entries.push_back(entry.color);
+    table_.alphas.push_back(entry.color.a);
+    table_.unitAlphas.push_back(entry.unitAlpha);
+  }
+
+  void addBin(int bin) {
+    const bool isFirst = bin == 0, isLast = bin == bins_.count() - 1;
+    // What may be looked up here: [begin, end).
+    const double begin = isFirst ? -std::numeric_limits<double>::infinity() : bins_.border(bin - 1) - bins_.slack(bin - 1);
+    const double end = isLast ? std::numeric_limits<double>::infinity() : bins_.border(bin) + bins_.slack(bin);
+    const Entry entry = isFirst ? before(bins_.lower) : isLast ? from(bins_.upper) : from(middleOf(bins_.border(bin - 1), bins_.border(bin)));
+    const auto inside = std::upper_bound(corners_.begin(), corners_.end(), begin);  // strictly
+    const auto outside = std::lower_bound(inside, corners_.end(), end);
+    bool isAlike = (isFirst || areAlike(entry, from(begin))) && (isLast || areAlike(entry, before(end)));
+    for (auto corner = inside; isAlike && corner != outside; ++corner) isAlike = areAlike(entry, from(*corner)) && areAlike(entry, before(*corner));
+    add(entry);
+    bool shows = entry.color.a > 0.0f;
+    if (!isAlike) {
+      const size_t first = pieces_.size();
+      double left = begin;
+      for (auto corner = inside; corner != outside; ++corner) {
+        if (left < *corner) addPieces(left, *corner);
+        left = *corner;
+      }
+      addPieces(left, end);
+      table_.refinements.push_back({static_cast<int32_t>(first), static_cast<int32_t>(pieces_.size() - first)});
+      table_.alphas.back() = -static_cast<float>(table_.refinements.size());
+      shows = std::any_of(pieces_.begin() + static_cast<std::ptrdiff_t>(first), pieces_.end(), [](const Entry& piece) { return piece.color.a > 0.0f; });
+    }
+    const auto i = static_cast<size_t>(bin);
+    table_.visibleBefore[i + 1] = table_.visibleBefore[i] + (shows ? 1 : 0);
+  }
+
+  /// Pieces of [left, right), where the function is linear.
+  void addPieces(double left, double right) {
+    const Entry first = from(left), last = before(right);
+    const double middle = left + (right - left) / 2;  // not finite beyond the ends, where the function is constant
+    const auto cut = static_cast<double>(static_cast<float>(middle));
+    const bool isDivisible = std::isfinite(middle) && cut > static_cast<double>(leastFloatFrom(left)) && cut < right;
+    if (isDivisible && !areAlike(first, last)) {
+      addPieces(left, cut);
+      addPieces(cut, right);
+      return;
+    }
+    // A piece that is no further divisible holds but one float, beyond the ends the function is constant.
+    if (!std::isfinite(left))
+      pieces_.push_back(last);
+    else if (std::isfinite(right) && isDivisible)
+      pieces_.push_back(from(middleOf(left, right)));
+    else
+      pieces_.push_back(from(leastFloatFrom(left)));
+    table_.begins.push_back(std::isfinite(left) ? leastFloatFrom(left) : -kInfinity);
+  }
+
+  /// Where a bin or piece is looked at: at a whole number if it holds one that may be looked up, else in its middle.
+  double middleOf(double left, double right) const {
+    const double whole = std::ceil(left);
+    return bins_.perWhole > 0 && whole < right ? whole : left + (right - left) / 2;
+  }
+
+  const TransferFunction& function_;
+  const Bins bins_;
+  std::vector<float> corners_;         // the function's, as floats, each once
+  std::vector<double> cornerValues_;  // as they were written
+  std::vector<Entry> pieces_;
+  TransferTable table_;
+};
+
+}  // namespace
+
+TransferLookup TransferTable::lookup() const {
+  TransferLookup lookup;
+  lookup.entries = entries.data();
+  lookup.alphas = alphas.data();
+  lookup.unitAlphas = unitAlphas.data();
+  lookup.refinements = refinements.data();
+  lookup.begins = begins.data();
+  lookup.scale = scale;
+  lookup.offset = offset;
+  lookup.bins = bins;
+  return lookup;
+}
+
+bool TransferTable::anyVisible(float lowest, float highest) const {
+  if (!(lowest <= highest)) return false;
+  const TransferLookup table = lookup();
+  const int first = table.binOf(lowest), last = table.binOf(highest);
+  const auto at = [](int i) { return static_cast<size_t>(i); };
+  if (last - first > 1 && visibleBefore[at(last)] > visibleBefore[at(first) + 1]) return true;
+  // Of the bins at the ends those pieces that are within.
+  for (const int bin : {first, last}) {
+    if (visibleBefore[at(bin) + 1] == visibleBefore[at(bin)]) continue;
+    if (!(alphas[at(bin)] < 0.0f)) return true;
+    const TransferRefinement& all = refinements[at(static_cast<int>(-alphas[at(bin)]) - 1)];
+    const int begin = bin == first ? table.refined(alphas[at(bin)], lowest) : bins + all.first;
+    const int end = bin == last ? table.refined(alphas[at(bin)], highest) + 1 : bins + all.first + all.count;
+    for (int entry = begin; entry < end; ++entry)
+      if (alphas[at(entry)] > 0.0f) return true;
+  }
+  return false;
+}
+
+TransferTable bakeTransferTable(const TransferFunction& function, const TransferDomain& domain, float step) {
+  return Baking(function, domain, step).bake();
+}
+
+}  // namespace warpscope

@@ -1,0 +1,16 @@
+// Kernels for voxels that are interpolants, with and without such as are not finite.
+// See march_kernels.cuh.
+#include "render/march/march_kernels.cuh"
+
+namespace warpscope {
+
+template void launchMarch<InterpolantVoxel, false, true>(const MarchJob<InterpolantVoxel>&, const RenderSettings&,
+                                                         std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<InterpolantVoxel, false, false>(const MarchJob<InterpolantVoxel>&, const RenderSettings&,
+                                                         std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<InterpolantVoxel, true, true>(const MarchJob<InterpolantVoxel>&, const RenderSettings&,
+                                                         std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<InterpolantVoxel, true, false>(const MarchJob<InterpolantVoxel>&, const RenderSettings&,
+                                                         std::optional<Heuristic>, cudaStream_t);
+
+}  // namespace warpscope
