@@ -54,7 +54,7 @@ TEST_F(CommandLine, HelpAndVersionSucceed) {
   std::istringstream words(succeed({"shot", "--help"}).out);
   std::string shot;
   for (std::string word; words >> word;) shot += word + " ";
-  for (const char* text : {"-360 to 360", "1 to 170; default: the scene's", "in edges of the smallest voxel, 0.001 to 1000; default: the scene's",
+  for (const char* text : {"-360 to 360", "0.001 to 170; default: the scene's", "in edges of the smallest voxel, 0.001 to 1000; default: the scene's",
                            "Factor on the radius, 0.001 to 1000; default: the scene's", "random in the built-in volumes vessels and shells"})
     EXPECT_THAT(shot, testing::HasSubstr(text));
 }

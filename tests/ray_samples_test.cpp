@@ -274,7 +274,7 @@ TEST_P(RaySamplesBy, TheMarcherFindsWhatASampleAtATimeFinds) {
   const MarchedVolume marched(volume, function);
   MarchSettings settings;
   settings.sample.heuristic = GetParam();
-  const BakedTransfer baked = bakeTransfer(marched, settings.render.step);
+  const BakedTransfer baked = bakeTransfer(marched, settings.render);
   VolumeView<uint8_t> view = makeVolumeView<uint8_t>(marched);
   view.voxels = volume->voxelsAs<uint8_t>();
   view.transfer = baked.table.lookup();

@@ -80,7 +80,7 @@ std::vector<VoxelCell<Voxel>> voxelCellsOf(const Voxel* voxels, const glm::ivec3
 Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunction& function, const Camera& camera,
                                         const MarchSettings& settings, bool byCells) {
   const MarchedVolume marched(VolumePtr(&volume, [](const Volume*) {}), function);
-  const BakedTransfer baked = bakeTransfer(marched, settings.render.step);
+  const BakedTransfer baked = bakeTransfer(marched, settings.render);
   const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, volume.bounds()).nearDepth);
   Image<glm::vec4> image(camera.width, camera.height);
   const auto renderWith = [&](auto source, const auto& view) {
@@ -227,7 +227,7 @@ TEST(VolumeSource, ALightMayReadTheVolumesGradient) {
   const VolumePtr volume =
       makeTestVolume(VoxelType::uint8, glm::uvec3(12), [](const glm::ivec3& p) { return 20.0 + 10.0 * p.y; });
   const MarchedVolume marched(volume, {{{0.0, glm::vec3(1.0f), 0.1f}}});
-  const BakedTransfer baked = bakeTransfer(marched, 0.5f);
+  const BakedTransfer baked = bakeTransfer(marched, {.step = 0.5f});
   VolumeView<uint8_t> view = makeVolumeView<uint8_t>(marched);
   view.voxels = volume->voxelsAs<uint8_t>();
   view.transfer = baked.table.lookup();

@@ -16,10 +16,10 @@ const char* typeName(KnobType type) {
 }
 
 /// "Edge of a point in pixels, 1 to 16, for points; default: 2".
-std::string helpOf(const Knob& knob, const std::string& otherwise, std::string_view owner) {
+std::string helpOf(const Knob& knob, const std::string& otherwise, std::span<const std::string_view> owners) {
   std::string help(knob.help);
   help += (knob.type == KnobType::choice ? ": " : ", ") + valuesText(knob);
-  if (!owner.empty()) help += ", for " + std::string(owner);
+  for (size_t i = 0; i < owners.size(); ++i) help += (i == 0 ? ", for " : " and ") + std::string(owners[i]);
   return help + "; default: " + otherwise;
 }
 
@@ -30,9 +30,10 @@ std::optional<double> GivenKnobs::find(const Knob& knob) const {
   return found == values_.end() ? std::nullopt : std::optional(found->second);
 }
 
-void KnobOptions::add(CLI::App& command, const Knob& knob, const std::string& otherwise, std::string_view owner) {
+void KnobOptions::add(CLI::App& command, const Knob& knob, const std::string& otherwise,
+                      std::span<const std::string_view> owners) {
   if (knob.option.empty()) return;
-  command.add_option(std::string(knob.option), typed_[&knob], helpOf(knob, otherwise, owner))->type_name(typeName(knob.type));
+  command.add_option(std::string(knob.option), typed_[&knob], helpOf(knob, otherwise, owners))->type_name(typeName(knob.type));
 }
 
 bool KnobOptions::has(const Knob& knob) const {

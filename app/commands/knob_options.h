@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -25,8 +26,8 @@ class GivenKnobs {
 
 class KnobOptions {
  public:
-  /// Adds the knob's option, if it has one. `otherwise`: what holds without it, for the help. `owner`: to what it belongs, likewise; may be empty.
-  void add(CLI::App& command, const Knob& knob, const std::string& otherwise, std::string_view owner = {});
+  /// Adds the knob's option, if it has one. `otherwise`: what holds without it, for the help. `owners`: to what it belongs, likewise; may be empty.
+  void add(CLI::App& command, const Knob& knob, const std::string& otherwise, std::span<const std::string_view> owners = {});
 
   /// Whether something was typed for it.
   bool has(const Knob& knob) const;

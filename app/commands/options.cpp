@@ -88,9 +88,8 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
   command.add_option("--tf", options.transferFunction, "Transfer function file (JSON)");
   for (const MarchKnob& row : marchKnobs()) options.knobs.add(command, *row.knob, "the scene's");
-  for (const WarpDescriptor& technique : warpRegistry())
-    for (const Knob* knob : technique.knobs) options.knobs.add(command, *knob, textOf(*knob, knob->defaultValue), technique.name);
-  command.add_option("--backend", options.backend, listOf(backendChoices()))->capture_default_str();
+  for (const Knob* knob : warpKnobs()) options.knobs.add(command, *knob, textOf(*knob, knob->defaultValue), ownersOf(*knob));
+  addBackendOption(command, options);
   command.add_option("--gl", options.gl, "OpenGL without a window: auto egl osmesa")->capture_default_str();
   command.add_option("--size", options.size, "WxH of the pictures, in pixels")->capture_default_str();
   command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees, " + rangeText(kFovYDegRange) + "; default: the scene's");
@@ -98,6 +97,10 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--seed", options.seed, "Of what is random in the built-in volumes vessels and shells; default: 1");
   command.add_flag("--json", options.json, "One JSON document on standard output and nothing else");
   addLogOptions(command, options);
+}
+
+void addBackendOption(CLI::App& command, CommonOptions& options) {
+  command.add_option("--backend", options.backend, listOf(backendChoices()))->capture_default_str();
 }
 
 void addLogOptions(CLI::App& command, CommonOptions& options) {

@@ -37,6 +37,9 @@ struct CommonOptions {
 /// Adds the scene and every shared option to a command.
 void addCommonOptions(CLI::App& command, CommonOptions& options);
 
+/// Adds --backend alone.
+void addBackendOption(CLI::App& command, CommonOptions& options);
+
 /// Adds --quiet and --verbose, and sets the log up by them once the command line is read.
 void addLogOptions(CLI::App& command, CommonOptions& options);
 
@@ -112,6 +115,7 @@ void addServeCommand(CLI::App& program, std::function<void()>& chosen);
 void addShotCommand(CLI::App& program, std::function<void()>& chosen);
 void addCompareCommand(CLI::App& program, std::function<void()>& chosen);
 void addBenchCommand(CLI::App& program, std::function<void()>& chosen);
+void addStabilityCommand(CLI::App& program, std::function<void()>& chosen);
 void addSweepCommand(CLI::App& program, std::function<void()>& chosen);
 void addExportCommand(CLI::App& program, std::function<void()>& chosen);
 void addInfoCommand(CLI::App& program, std::function<void()>& chosen);

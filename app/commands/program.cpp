@@ -94,6 +94,7 @@ int run(int argc, char** argv) {
   addCompareCommand(program, chosen);
   addBenchCommand(program, chosen);
   addSweepCommand(program, chosen);
+  addStabilityCommand(program, chosen);
   addExportCommand(program, chosen);
   addInfoCommand(program, chosen);
   for (CLI::App* command : program.get_subcommands([](CLI::App*) { return true; })) requireValues(*command);

@@ -80,8 +80,11 @@ std::string knobTable(const CLI::App&) {
   std::vector<Row> rows;
   for (const MarchKnob& row : marchKnobs()) rows.push_back(knobRow(*row.knob, std::string(ownerName(row.knob->owner))));
   rows.push_back(knobRow(kServerSideKnob, std::string(ownerName(kServerSideKnob.owner))));
-  for (const WarpDescriptor& technique : warpRegistry())
-    for (const Knob* knob : technique.knobs) rows.push_back(knobRow(*knob, code(technique.name)));
+  for (const Knob* knob : warpKnobs()) {
+    std::string owners;
+    for (const std::string_view owner : ownersOf(*knob)) owners += (owners.empty() ? "" : ", ") + code(owner);
+    rows.push_back(knobRow(*knob, owners));
+  }
   for (const auto& row : transportKnobs()) rows.push_back(knobRow(*row.knob, std::string(ownerName(row.knob->owner))));
   return lines({"key", "option", "option of `sweep`", "in the window", "what it does", "values", "default", "belongs to", "makes stale"}, rows);
 }

@@ -56,6 +56,7 @@ void view(const ViewOptions& options) {
   if (!options.screenshot.empty()) requireWritable(options.screenshot);
   if (!options.report.empty()) requireWritable(options.report);
   settings.knobs.warp = checked.warp;
+  settings.knobs.panelKnobs.fill(checked.warp.knobs);
   settings.knobs.transport = transport;
   settings.knobs.uncovered = checked.uncovered;
   settings.platform = checked.platform;

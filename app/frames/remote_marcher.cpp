@@ -29,6 +29,8 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   }
 
   void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+    if (settings.arithmetic != Arithmetic::stable)
+      throw UsageError("a server's volume is marched in stable arithmetic alone: textbook forms need it here");
     const std::scoped_lock lock(callMutex_);
     const net::Frame answer = ask(net::Wanted::picture, camera, {settings, {}}, stop);
     image = decodeColors(answer.payload, camera.width, camera.height);

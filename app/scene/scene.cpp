@@ -20,7 +20,9 @@
 #include "render/march/march_knobs.h"
 #include "render/volume/procedural.h"
 #include "render/volume/reader.h"
+#include "render/volume/torture_volume.h"
 #include "scenes.h"
+#include "torture_scenes.h"
 
 namespace warpscope {
 namespace {
@@ -28,6 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kAnyNumber = 1e300;
+constexpr std::string_view kTortureFolder = "torture/";
 
 glm::dvec3 readVector(const Node& node, double lowest, double highest) {
   const std::vector<Node> elements = node.elements(3, 3);
@@ -104,6 +107,12 @@ VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverri
     if (node.find("file")) procedural->fail("and 'file' exclude each other");
     if (const auto spacing = node.find("spacing")) spacing->fail("is for raw files; the voxels of a procedural volume are cubes");
     const std::string name = procedural->string();
+    if (name.starts_with("torture/")) {
+      if (const auto size = node.find("size")) size->fail("is not for torture volumes, which have their own");
+      if (overrides.proceduralDims) throw UsageError("--volume-size is not for torture volumes, which have their own size");
+      if (findNamed(kTortureVolumes, name) == nullptr) procedural->fail("holds an " + unknownNameIn(kTortureVolumes, "torture volume", name));
+      return makeTortureVolume(name, stop);
+    }
     const ProceduralVolume* known = findNamed(kProceduralVolumes, name);
     if (known == nullptr) procedural->fail("holds an " + unknownNameIn(kProceduralVolumes, "procedural volume", name));
     glm::uvec3 dims = known->defaultDims;
@@ -175,9 +184,14 @@ Scene sceneOfVolume(const fs::path& path, const std::stop_token& stop) {
 }
 
 Scene openBySpec(const std::string& spec, const SceneOverrides& overrides, const std::stop_token& stop) {
-  for (const scenes::File& file : scenes::files())
-    if (file.name == spec + ".json")
-      return readScene(JsonDocument(file.content, "built-in scene " + spec), {}, overrides, stop);
+  const auto openBuiltin = [&](const auto& files, const std::string& name) -> std::optional<Scene> {
+    for (const auto& file : files)
+      if (file.name == name + ".json") return readScene(JsonDocument(file.content, "built-in scene " + spec), {}, overrides, stop);
+    return std::nullopt;
+  };
+  if (auto scene = openBuiltin(scenes::files(), spec)) return std::move(*scene);
+  if (spec.starts_with(kTortureFolder))
+    if (auto scene = openBuiltin(torture_scenes::files(), spec.substr(kTortureFolder.size()))) return std::move(*scene);
   requireScene(spec);
   const fs::path path(spec);
   if (path.extension() == ".json") return readScene(JsonDocument::fromFile(path), path.parent_path(), overrides, stop);
@@ -211,16 +225,20 @@ void warnIfInvisible(const Scene& scene) {
              (hasValues ? "" : ": none of its values is finite"));
 }
 
-}  // namespace
-
-std::vector<BuiltinScene> builtinScenes() {
+template <class Files>
+std::vector<BuiltinScene> titlesOf(const Files& files) {
   std::vector<BuiltinScene> all;
-  for (const scenes::File& file : scenes::files()) {
+  for (const auto& file : files) {
     const JsonDocument document(file.content, std::string(file.name));
     all.push_back({document.root().at("name").string(), document.root().at("title").string()});
   }
   return all;
 }
+
+}  // namespace
+
+std::vector<BuiltinScene> builtinScenes() { return titlesOf(scenes::files()); }
+std::vector<BuiltinScene> tortureScenes() { return titlesOf(torture_scenes::files()); }
 
 std::vector<View> defaultViews() {
   // The server's view shows three sides of a box; the others turn about it, nearer and farther.
@@ -228,12 +246,13 @@ std::vector<View> defaultViews() {
 }
 
 void requireScene(const std::string& spec) {
-  const std::vector<BuiltinScene> scenes = builtinScenes();
-  if (findNamed(scenes, spec) != nullptr) return;
+  const std::vector<BuiltinScene> scenes = builtinScenes(), torture = tortureScenes();
+  if (findNamed(scenes, spec) != nullptr || findNamed(torture, spec) != nullptr) return;
   const fs::path path(spec);
   std::error_code error;
   if (fs::exists(path, error)) return;
   if (error) throw InputError(spec + ": cannot be looked at: " + error.message());
+  if (spec.starts_with(kTortureFolder) && !path.has_extension()) throw UsageError(unknownNameIn(torture, "scene", spec));
   if (path.has_extension() || spec.find('/') != std::string::npos) throw InputError(spec + ": there is no such file");
   throw UsageError(unknownNameIn(scenes, "scene", spec) + " (or a scene file, or a volume file)");
 }

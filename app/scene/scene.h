@@ -44,7 +44,7 @@ struct Scene {
 };
 
 /// Vertical fields of view that files and options may ask for.
-inline constexpr Range kFovYDegRange{1.0, 170.0};
+inline constexpr Range kFovYDegRange{0.001, 170.0};
 
 /// What the command line may replace in any scene.
 struct SceneOverrides {
@@ -63,6 +63,8 @@ struct BuiltinScene {
   std::string title;
 };
 std::vector<BuiltinScene> builtinScenes();
+/// Those that are hard on arithmetic: "torture/...".
+std::vector<BuiltinScene> tortureScenes();
 
 /// Throws what openScene would for a name that is neither built in nor a file that is there; quick.
 void requireScene(const std::string& spec);

@@ -38,6 +38,8 @@ void Session::choose(size_t panel, const Configuration& configuration) {
   setTechnique(panel, technique);
   knobs_.march.render = configuration.march.render;
   takeOver(configuration, knobs_.march, knobs_.warp);
+  for (const Knob* knob : technique.knobs)
+    if (knob->isOfPanel) knobs_.panelKnobs[panel].set(*knob, configuration.knobs[*knob]);
   if (!technique.usesFrame) return;
   knobs_.serverSidePx = configuration.serverSidePx;
   knobs_.transport.codec = configuration.codec;
@@ -74,7 +76,7 @@ bool Session::update(TimePoint now) {
     happened |= takePicture(panels_[i], i);
     happened |= takeErrors(panels_[i], now);
     if (panel(i).isAutomatic) chooseTechnique(panels_[i], choices_[i]);
-    happened |= postJob(panels_[i]);
+    happened |= postJob(i);
   }
   timing_.update(panels_, isAtRest(), happened, now);
   frames_.forgetOld([this](uint64_t id) { return std::any_of(panels_.begin(), panels_.end(), [&](const LivePanel& one) { return one.mayShow(id); }); });
@@ -133,7 +135,8 @@ void Session::chooseTechnique(LivePanel& panel, TechniqueChoice& choice) {
   useTechnique(panel, *made->technique);
 }
 
-bool Session::postJob(LivePanel& panel) {
+bool Session::postJob(size_t index) {
+  LivePanel& panel = panels_[index];
   const Panel& shown = panel.shown();
   WarpJob job;
   job.technique = shown.technique;
@@ -145,6 +148,8 @@ bool Session::postJob(LivePanel& panel) {
   job.marcher = opening_.current()->display;
   job.camera = view_.cameraOfSize(pictureSize());
   job.settings = shown.choice ? shown.choice->warp(knobs_.warp) : knobs_.warp;
+  for (const Knob* knob : job.technique->knobs)
+    if (knob->isOfPanel) job.settings.knobs.set(*knob, knobs_.panelKnobs[index][*knob]);
   job.settings.knobs = job.settings.knobs.only(job.technique->knobs);  // others' do not make it draw
   job.settings.reference = truth_.wanted().settings;
   job.background = scene()->background;

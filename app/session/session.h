@@ -27,6 +27,7 @@ namespace warpscope {
 struct LiveSettings {
   MarchSettings march;
   WarpSettings warp;               ///< its `reference` is not used: the reference follows `march`
+  std::array<KnobValues, kPanelCount> panelKnobs;  ///< of techniques' knobs those that each panel has for itself (Knob::isOfPanel)
   uint32_t serverSidePx = 512;     ///< longer side of the server's image
   uint32_t screenPixels = 0;       ///< edge, in screen pixels, of a pixel that the panels draw; 0: whatever keeps the display fluent
   TransportSettings transport;     ///< how frames travel from the server
@@ -111,7 +112,7 @@ class Session {
   bool takeScene();
   bool takePicture(LivePanel& panel, size_t index);
   bool takeErrors(LivePanel& panel, TimePoint now);
-  bool postJob(LivePanel& panel);
+  bool postJob(size_t index);
 
   void chooseTechnique(LivePanel& panel, TechniqueChoice& choice);
   void useTechnique(LivePanel& panel, const WarpDescriptor& technique);

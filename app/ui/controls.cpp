@@ -42,6 +42,7 @@ void drawServer(Session& session, LiveSettings& knobs, const Look& look) {
 void drawDisplay(const Session& session, LiveSettings& knobs, std::array<float, 3>& markColor, const Look& look) {
   heading("DISPLAY", look);
   for (const Knob* knob : warpKnobs()) {
+    if (knob->isOfPanel) continue;
     double value = knobs.warp.knobs[*knob];
     if (knobWidget(*knob, value, look)) knobs.warp.knobs.set(*knob, value);
   }
@@ -109,7 +110,7 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
 }
 
 void Controls::drawScene(Session& session, const SceneOpener& openScene, const Look& look) {
-  static const std::vector<BuiltinScene> kScenes = builtinScenes();
+  static const std::vector<BuiltinScene> kScenes = builtinScenes(), kTorture = tortureScenes();
   ImGui::PushFont(look.fonts.small);
   ImGui::TextColored(kAccent, "SCENE");
   ImGui::PopFont();
@@ -118,10 +119,13 @@ void Controls::drawScene(Session& session, const SceneOpener& openScene, const L
   const bool isOpen = ImGui::BeginCombo("##scene", shown != nullptr ? shown->name.c_str() : "–");
   if (!isOpen) tooltip("A built-in scene.", look);
   if (isOpen) {
-    for (const BuiltinScene& scene : kScenes) {
+    const auto offer = [&](const BuiltinScene& scene) {
       if (ImGui::Selectable(scene.name.c_str(), shown != nullptr && shown->name == scene.name)) session.load(openScene(scene.name));
       tooltip(scene.title, look);
-    }
+    };
+    for (const BuiltinScene& scene : kScenes) offer(scene);
+    ImGui::Separator();
+    for (const BuiltinScene& scene : kTorture) offer(scene);
     ImGui::EndCombo();
   }
   const float buttonWidth = look.px(56.0f);

@@ -58,6 +58,10 @@ bool knobWidget(const Knob& knob, double& value, const Look& look) {
   if (knob.label.empty()) return false;
   const std::string text(knob.label);
   label(text.c_str(), look);
+  return bareKnobWidget(knob, value, look);
+}
+
+bool bareKnobWidget(const Knob& knob, double& value, const Look& look) {
   ImGui::PushID(std::string(knob.key).c_str());
   bool isChanged = false;
   switch (knob.type) {

@@ -33,7 +33,10 @@ inline void label(const char* text, const Look& look) {
 /// The widget that a knob's row describes, with its label and what it does. True if `value` was changed. A knob without a label has none.
 bool knobWidget(const Knob& knob, double& value, const Look& look);
 
-/// As above, for what a row of a structure turns.
+/// The widget alone, of the width that was set for the next item.
+bool bareKnobWidget(const Knob& knob, double& value, const Look& look);
+
+/// As knobWidget, for what a row of a structure turns.
 template <class Settings>
 void knobWidget(const KnobRow<Settings>& row, Settings& settings, const Look& look) {
   double value = row.get(settings);

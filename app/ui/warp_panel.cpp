@@ -51,6 +51,19 @@ void drawHeatMapButton(Session& session, size_t index, const Look& look) {
   tooltip("Show where the picture differs from the ground truth, and by how much (FLIP), instead of the picture. Key H.", look);
 }
 
+/// What the technique has for each panel by itself.
+void drawPanelKnobs(Session& session, size_t index, const Look& look) {
+  LiveSettings knobs = session.knobs();
+  for (const Knob* knob : session.panel(index).technique->knobs) {
+    if (!knob->isOfPanel) continue;
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(std::min(look.px(96.0f), std::max(look.px(30.0f), ImGui::GetContentRegionAvail().x)));
+    double value = knobs.panelKnobs[index][*knob];
+    if (bareKnobWidget(*knob, value, look)) knobs.panelKnobs[index].set(*knob, value);
+  }
+  session.setKnobs(knobs);
+}
+
 /// For a panel that chooses by itself: how long a picture may take.
 void drawBudget(Session& session, const Look& look) {
   ImGui::SameLine();
@@ -142,6 +155,7 @@ void drawNote(const std::string& text, const ImVec4& color, const ImVec2& origin
 bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, const Look& look) {
   drawTechniqueChoice(session, index, look);
   drawHeatMapButton(session, index, look);
+  drawPanelKnobs(session, index, look);
   if (session.panel(index).isAutomatic) drawBudget(session, look);
 
   ImVec2 area = ImGui::GetContentRegionAvail();

@@ -10,46 +10,26 @@
 #include "render/march/depth_heuristic.h"
 #include "render/march/lattice.h"
 #include "render/march/light.h"
-#include "render/march/transmittance.h"
+#include "render/march/march_arithmetic.h"
 
 namespace warpscope {
 
-/// Light that a ray has gathered: a sum of sums. It is added up in float over a block of the lattice's samples, blocks
-/// in double, for the same reason as transmittance. Blocks are those of the lattice, so that it does not matter in
-/// which pieces a ray is marched.
-class LightSum {
+/// What a ray has gathered so far; carried from one segment of a ray to the next. By which arithmetic: march_arithmetic.h.
+template <class MarchPolicy>
+class GatheredColor : public MarchPolicy::LightSum {
  public:
-  /// Takes the light of the lattice's i-th sample, whose colour (times its opacity) is seen through `transmittance`.
-  WARPSCOPE_HD void add(int i, const glm::vec3& color, float through) {
-    if (i >> kBlockBits != block_) {
-      sum_ += glm::dvec3(ofBlock_);
-      ofBlock_ = glm::vec3(0.0f);
-      block_ = i >> kBlockBits;
-    }
-    for (int channel = 0; channel < 3; ++channel) ofBlock_[channel] = mulAdd(through, color[channel], ofBlock_[channel]);
-  }
-  WARPSCOPE_HD glm::dvec3 color() const { return sum_ + glm::dvec3(ofBlock_); }  ///< linear, premultiplied
-
- private:
-  static constexpr int kBlockBits = 4;
-
-  glm::dvec3 sum_{0.0};
-  glm::vec3 ofBlock_{0.0f};
-  int block_ = 0;
-};
-
-/// What a ray has gathered so far; carried from one segment of a ray to the next.
-class RayColor : public LightSum {
- public:
+  using March = MarchPolicy;
   static constexpr bool kWantsColor = true;
 
-  WARPSCOPE_HD glm::vec4 premultiplied() const { return {glm::vec3(color()), transmittance.opacity()}; }
+  WARPSCOPE_HD glm::vec4 premultiplied() const { return {glm::vec3(this->color()), transmittance.opacity()}; }
 
-  Transmittance transmittance;
+  typename March::Transmittance transmittance;
 };
+using RayColor = GatheredColor<StableMarch>;
 
 /// As RayColor, for a pass that wants depths only.
 struct RayOpacity {
+  using March = StableMarch;
   static constexpr bool kWantsColor = false;
 
   Transmittance transmittance;
@@ -89,6 +69,7 @@ WARPSCOPE_HD inline int lowestBit(uint32_t bits) {
 ///   float alpha(int k)             opacity of the k-th that was looked at, corrected to the lattice's dt
 ///   float unitAlpha(int k)         the same over one unit of volume space
 ///   glm::vec3 color(int k)         its colour times that opacity
+///   float t(int k)                 where it lies; for an arithmetic that does not place samples by their index alone
 /// `light` turns that colour into the one that is seen: light.h. `ray` gathers; a RayColor, a RayOpacity or a RayPiece
 /// (ray_state.h). `sink` is called with a CountingSample for every sample whose contribution is at least the limits',
 /// near to far; if it returns false, the ray ends there, before that sample's light is added. Ends where transmittance
@@ -96,7 +77,14 @@ WARPSCOPE_HD inline int lowestBit(uint32_t bits) {
 template <class Source, class Light, class Gathered, class Sink>
 WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Source& source, const Light& light,
                                   const RayLimits& limits, Gathered& ray, Sink&& sink) {
+  using March = typename Gathered::March;
   const RayLattice& lattice = path.lattice;
+  const auto wholePlaceOf = [&](int i, int k) {
+    if constexpr (March::kPlacesByIndex)
+      return lattice.tOfWholeStep(i);
+    else
+      return source.t(k);
+  };
   float through = ray.transmittance.value();
   // False where the ray ends. `k`: the sample's place among those that the source looked at.
   const auto pass = [&](int k, const ClassifiedSample& sample) {
@@ -118,14 +106,13 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
     const int n = wholeEnd - i < Source::kBatch ? wholeEnd - i : Source::kBatch;
     for (uint32_t visible = source.classify(i, n); visible != 0; visible &= visible - 1) {
       const int k = lowestBit(visible);
-      if (!pass(k, {i + k, lattice.tOfWholeStep(i + k), lattice.dt, source.alpha(k), source.color(k)})) return;
+      if (!pass(k, {i + k, wholePlaceOf(i + k, k), lattice.dt, source.alpha(k), source.color(k)})) return;
     }
     i = source.skip(i + n);
   }
   if (i < end && source.classifyLast()) {
-    // From the opacity of a unit: that of a whole step may have become 1 in rounding, which tells nothing of a part of it.
     const float ds = lattice.stepLength(last);
-    const float alpha = correctOpacity(source.unitAlpha(0), ds);
+    const float alpha = March::partOfStep(source, ds, lattice.dt);
     pass(0, {last, lattice.t(last), ds, alpha, source.color(0) * (alpha / source.alpha(0))});
   }
 }

@@ -84,14 +84,14 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8)
   }
 }
 
-template <class Light, class Voxel, bool kHasHoles, bool kByCells>
+template <class March, class Light, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads, 8)
     marchColors(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const RayPath path = rayThrough(job, pixel);
-  RayColor gathered;
-  ScalarVolumeSource<Voxel, kHasHoles, kByCells> source(job.view, path.ray, path.lattice);
+  GatheredColor<March> gathered;
+  ScalarVolumeSource<Voxel, kHasHoles, kByCells, March> source(job.view, path.ray, path.lattice);
   marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered,
            [](const CountingSample&) { return true; });
   job.image[size_t{pixel.y} * job.camera.width + pixel.x] = gathered.premultiplied();
@@ -113,7 +113,11 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std
               <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
       });
     else
-      marchColors<Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+      visitMarchArithmetic(settings.arithmetic, [&](auto march) {
+        using March = decltype(march);
+        marchColors<March, Light, Voxel, kHasHoles && March::kLeavesOutMissing, kByCells>
+            <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+      });
   });
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }

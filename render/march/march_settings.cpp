@@ -2,6 +2,7 @@
 // See march_settings.h.
 #include "render/march/march_settings.h"
 
+#include "render/base/error.h"
 #include "render/march/march_knobs.h"
 
 namespace warpscope {
@@ -25,6 +26,7 @@ void validate(const SampleSettings& settings) {
 void validate(const MarchSettings& settings) {
   validate(settings.render);
   validate(settings.sample);
+  if (settings.render.arithmetic != Arithmetic::stable) throw UsageError("samples are found in stable arithmetic alone");
 }
 
 }  // namespace warpscope

@@ -8,6 +8,7 @@
 
 #include "render/base/named_value.h"
 #include "render/base/range.h"
+#include "render/core/arithmetic.h"
 
 namespace warpscope {
 
@@ -53,6 +54,9 @@ struct RenderSettings {
   float contribution = 1.0f / 1024;  ///< least contribution that lets a sample count; marching stops at this transmittance
   bool skipEmpty = true;             ///< leave out what the transfer function hides; never changes the picture
   bool terminateEarly = true;        ///< stop where hardly any light is left; never changes a depth
+  /// Of pictures (Marcher::render). No knob of the marching: ground truth and samples are `stable`, and what is compared
+  /// with them asks for another.
+  Arithmetic arithmetic = Arithmetic::stable;
 
   bool operator==(const RenderSettings&) const = default;
 };

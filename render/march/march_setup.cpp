@@ -9,9 +9,11 @@
 
 namespace warpscope {
 
-BakedTransfer bakeTransfer(const MarchedVolume& marched, float step) {
+BakedTransfer bakeTransfer(const MarchedVolume& marched, const RenderSettings& settings) {
   BakedTransfer baked;
-  baked.table = bakeTransferTable(marched.transferFunction, *marched.volume, marched.scale, step);
+  baked.arithmetic = settings.arithmetic;
+  baked.table =
+      bakeTransferTable(marched.transferFunction, *marched.volume, marched.scale, settings.step, settings.arithmetic);
   baked.emptyDistances = marched.macrocells.emptyDistances(baked.table);
   return baked;
 }
@@ -21,6 +23,16 @@ void requireMarchable(const Volume& volume, const Camera& camera, const RenderSe
   requireUsable(camera);
   const double longest = glm::length(glm::dvec3(volume.bounds().extent()));
   if (longest / settings.step > kMaxSamplesPerRay) throw UsageError("the step is too small for a volume of this size");
+}
+
+void requireMarchable(const Volume& volume, const Camera& camera, const MarchSettings& settings) {
+  validate(settings);
+  requireMarchable(volume, camera, settings.render);
+}
+
+PixelGrid pixelsFor(const Volume& volume, const Camera& camera, const RenderSettings& settings) {
+  const bool fromEye = settings.arithmetic == Arithmetic::textbook;
+  return makePixelGrid(camera, fromEye ? 0.0f : depthRangeOf(camera, volume.bounds()).nearDepth);
 }
 
 SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings) {

@@ -32,19 +32,26 @@ struct MarchedVolume {
 
 using MarchedVolumePtr = std::shared_ptr<const MarchedVolume>;
 
-/// What is derived from the transfer function for one step length.
+/// What is derived from the transfer function for one step length and one arithmetic.
 struct BakedTransfer {
   TransferTable table;
+  Arithmetic arithmetic = Arithmetic::stable;
   std::vector<uint8_t> emptyDistances;
 
-  /// True if this is what `step` needs.
-  bool isFor(float step) const { return !table.entries.empty() && table.step == step; }
+  /// True if this is what a march by `settings` needs.
+  bool isFor(const RenderSettings& settings) const {
+    return !table.entries.empty() && table.step == settings.step && arithmetic == settings.arithmetic;
+  }
 };
 
-BakedTransfer bakeTransfer(const MarchedVolume& marched, float step);
+BakedTransfer bakeTransfer(const MarchedVolume& marched, const RenderSettings& settings);
 
-/// Throws UsageError for settings out of range, InputError for a camera that isUsable() refuses.
+/// Each throws UsageError for settings out of range, InputError for a camera that isUsable() refuses.
 void requireMarchable(const Volume& volume, const Camera& camera, const RenderSettings& settings);
+void requireMarchable(const Volume& volume, const Camera& camera, const MarchSettings& settings);
+
+/// The rays of a picture of the volume. Textbooks' begin at the eye.
+PixelGrid pixelsFor(const Volume& volume, const Camera& camera, const RenderSettings& settings);
 
 /// How a frame of this volume seen by this camera sizes and quantises its samples. Throws UsageError for settings out of range.
 SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings);

@@ -49,7 +49,7 @@ class CpuMarcher final : public Marcher {
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
-    requireMarchable(*marched_->volume, camera, settings.render);
+    requireMarchable(*marched_->volume, camera, settings);
     const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
     SampleFrame frame = emptyFrame(camera, settings, rule);
 
@@ -84,7 +84,7 @@ class CpuMarcher final : public Marcher {
     const std::scoped_lock lock(mutex_);
     requireMarchable(*marched_->volume, camera, settings);
     image.resize(camera.width, camera.height);
-    const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, marched_->volume->bounds()).nearDepth);
+    const PixelGrid pixels = pixelsFor(*marched_->volume, camera, settings);
     forEachRay(camera, pixels, settings, nullptr, stop,
                [&](uint32_t x, uint32_t y, float, const glm::vec4& premultiplied, const RaySamples&) {
                  image(x, y) = premultiplied;
@@ -100,7 +100,7 @@ class CpuMarcher final : public Marcher {
   /// Finds samples where `sample` says how; colours alone if it is null.
   void forEachRay(const Camera& camera, const PixelGrid& pixels, const RenderSettings& settings,
                   const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) {
-    if (!baked_.isFor(settings.step)) baked_ = bakeTransfer(*marched_, settings.step);
+    if (!baked_.isFor(settings)) baked_ = bakeTransfer(*marched_, settings);
     const Volume& volume = *marched_->volume;
     visitVoxelType(volume.type(), [&](auto voxelTag) {
       using Voxel = decltype(voxelTag);
@@ -109,10 +109,12 @@ class CpuMarcher final : public Marcher {
       view.transfer = baked_.table.lookup();
       view.cells.distances = settings.skipEmpty ? baked_.emptyDistances.data() : nullptr;
       visitLight(settings, [&](const auto& light) {
-        if (std::is_floating_point_v<Voxel> && volume.statistics().nonFinite > 0)
-          marchTiles<VolumeSource<Voxel, true>>(view, light, camera, pixels, settings, sample, stop, onRay);
-        else
-          marchTiles<VolumeSource<Voxel, false>>(view, light, camera, pixels, settings, sample, stop, onRay);
+        visitMarchArithmetic(settings.arithmetic, [&]<class March>(March) {
+          if (std::is_floating_point_v<Voxel> && March::kLeavesOutMissing && volume.statistics().nonFinite > 0)
+            marchTiles<VolumeSource<Voxel, March::kLeavesOutMissing, March>>(view, light, camera, pixels, settings, sample, stop, onRay);
+          else
+            marchTiles<VolumeSource<Voxel, false, March>>(view, light, camera, pixels, settings, sample, stop, onRay);
+        });
       });
     });
   }
@@ -134,7 +136,7 @@ class CpuMarcher final : public Marcher {
                                                   std::numeric_limits<float>::infinity());
           const RayPath path{ray, makeLattice(inside, settings.step)};
           Source source(view, ray, path.lattice);
-          RayColor color;
+          GatheredColor<typename Source::March> color;
           counting.clear();
           marchRay(path, 0, path.lattice.count, source, light, limits, color, [&](const CountingSample& met) {
             counting.push_back(met);
@@ -145,7 +147,7 @@ class CpuMarcher final : public Marcher {
           if (sample != nullptr && !counting.empty()) {
             if (sample->samplesPerRay == 1 || counting.size() == 1)
               found.add({depthOfSamples(counting, sample->threshold), premultiplied});
-            else
+            else if constexpr (std::is_same_v<typename Source::March, StableMarch>)  // as march() makes sure
               findParts<Source>(view, light, path, limits, *sample, depthOfSamples, counting, found);
           }
           onRay(x, y, cosine, premultiplied, found);

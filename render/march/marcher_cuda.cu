@@ -46,7 +46,7 @@ class CudaMarcher final : public Marcher {
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
-    requireMarchable(*marched_->volume, camera, settings.render);
+    requireMarchable(*marched_->volume, camera, settings);
     const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
     SampleFrame frame = emptyFrame(camera, settings, rule);
     const int slots = settings.sample.samplesPerRay;
@@ -57,7 +57,7 @@ class CudaMarcher final : public Marcher {
     colors_.reserve(places);
     if (slots > 1) layers_.reserve(places);
 
-    bake(settings.render.step);
+    bake(settings.render);
     start_.record(stream_);
     launch(camera, settings.render, stop, &settings.sample, &rule);
     marchEnd_.record(stream_);
@@ -95,7 +95,7 @@ class CudaMarcher final : public Marcher {
     const size_t pixels = size_t{camera.width} * camera.height;
     image_.reserve(pixels);
     image.resize(camera.width, camera.height);
-    bake(settings.step);
+    bake(settings);
     launch(camera, settings, stop, nullptr, nullptr);
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(image.data(), image_.data(), pixels * sizeof(glm::vec4), cudaMemcpyDeviceToHost, stream_));
     stream_.synchronize();
@@ -116,9 +116,9 @@ class CudaMarcher final : public Marcher {
     return memory.data();
   }
 
-  void bake(float step) {
-    if (bakedStep_ == step) return;
-    const BakedTransfer baked = bakeTransfer(*marched_, step);
+  void bake(const RenderSettings& settings) {
+    if (bakedStep_ == settings.step && bakedArithmetic_ == settings.arithmetic) return;
+    const BakedTransfer baked = bakeTransfer(*marched_, settings);
     bakedStep_ = 0.0f;
     transfer_ = baked.table.lookup();
     transfer_.entries = uploaded(entries_, baked.table.entries);
@@ -128,7 +128,8 @@ class CudaMarcher final : public Marcher {
     transfer_.begins = uploaded(begins_, baked.table.begins);
     emptyDistances_.upload(baked.emptyDistances, stream_);
     stream_.synchronize();  // `baked` goes
-    bakedStep_ = step;
+    bakedStep_ = settings.step;
+    bakedArithmetic_ = settings.arithmetic;
   }
 
   /// Without `sample` and `rule` the rays' colours go to image_, with them samples to the dense buffers.
@@ -144,7 +145,7 @@ class CudaMarcher final : public Marcher {
       job.view.cells.distances = settings.skipEmpty ? emptyDistances_.data() : nullptr;
       job.bounds = marched_->volume->bounds();
       job.camera = camera;
-      job.pixels = makePixelGrid(camera, depthRangeOf(camera, job.bounds).nearDepth);
+      job.pixels = pixelsFor(*marched_->volume, camera, settings);
       job.step = settings.step;
       job.limits = limitsOf(settings);
       if (sample != nullptr) {
@@ -193,6 +194,7 @@ class CudaMarcher final : public Marcher {
   cuda::Event start_, marchEnd_, compacted_, copyStart_, copied_;
   cuda::DeviceBuffer<ColorTables> colorTables_;
   float bakedStep_ = 0.0f;    // that the following are for; 0: none
+  Arithmetic bakedArithmetic_ = Arithmetic::stable;  // likewise
   TransferLookup transfer_;  // into the next five
   cuda::DeviceBuffer<glm::vec4> entries_;
   cuda::DeviceBuffer<float> alphas_, unitAlphas_;

@@ -37,6 +37,7 @@ class PieceTransmittance {
 /// What marchRay gathers of a piece.
 class RayPiece {
  public:
+  using March = StableMarch;
   static constexpr bool kWantsColor = true;
 
   WARPSCOPE_HD explicit RayPiece(Transmittance inFront = Transmittance()) : transmittance(inFront) {}
@@ -59,6 +60,7 @@ class RayPiece {
 
 /// As RayPiece, for a pass that wants depths only.
 struct PieceOpacity {
+  using March = StableMarch;
   static constexpr bool kWantsColor = false;
 
   PieceTransmittance transmittance;

@@ -12,7 +12,7 @@
 #include "render/core/simd.h"
 #include "render/core/transfer_table.h"
 #include "render/march/empty_space.h"
-#include "render/march/lattice.h"
+#include "render/march/march_arithmetic.h"
 #include "render/march/volume_view.h"
 #include "render/volume/voxel_access.h"
 
@@ -42,9 +42,10 @@ FloatBatch voxelsOf(const UintBatch& pairs) {
 }
 
 /// kHasHoles: some voxels are not finite and are left out of interpolation.
-template <class Voxel, bool kHasHoles>
+template <class Voxel, bool kHasHoles, class MarchPolicy = StableMarch>
 class VolumeSource {
  public:
+  using March = MarchPolicy;
   static constexpr int kBatch = kBatchLanes;
 
   VolumeSource(const VolumeView<Voxel>& view, const Ray& ray, const RayLattice& lattice)
@@ -52,6 +53,7 @@ class VolumeSource {
         lattice_(lattice),
         origin_(view.voxelOrigin(ray)),
         direction_(view.voxelDirection(ray)),
+        places_(lattice),
         emptySpace_(view.cells, origin_, direction_, view.dims, lattice) {
     const size_t dx = view.dims.x > 1 ? 1 : 0;
     const size_t dy = view.dims.y > 1 ? static_cast<size_t>(view.dims.x) : 0;
@@ -63,7 +65,11 @@ class VolumeSource {
 
   uint32_t classify(int i, int n) {
     alignas(64) float t[kBatch];
-    for (int k = 0; k < kBatch; ++k) t[k] = lattice_.tOfWholeStep(i + k);
+    if constexpr (March::kPlacesByIndex) {
+      for (int k = 0; k < kBatch; ++k) t[k] = lattice_.tOfWholeStep(i + k);
+    } else {
+      for (int k = 0; k < kBatch; ++k) t_[k] = t[k] = k < n ? places_.next(lattice_, i + k) : t[n - 1];
+    }
     return classifyAt(FloatBatch::load_aligned(t)) & ((uint32_t{2} << (n - 1)) - 1);
   }
   bool classifyLast() { return (classifyAt(FloatBatch(lattice_.t(lattice_.count - 1))) & 1) != 0; }
@@ -71,6 +77,7 @@ class VolumeSource {
   float alpha(int k) const { return alpha_[k]; }
   float unitAlpha(int k) const { return view_.transfer.unitAlphas[index_[k]]; }
   glm::vec3 color(int k) const { return glm::vec3(view_.transfer.entries[index_[k]]); }
+  float t(int k) const { return t_[k]; }
 
   /// The volume, for what a sample's light needs beside its class.
   const VolumeView<Voxel>& view() const { return view_; }
@@ -169,11 +176,13 @@ class VolumeSource {
   const RayLattice& lattice_;
   glm::vec3 origin_;     // in voxel coordinates
   glm::vec3 direction_;  // voxels per unit of t
+  typename March::Places places_;
   EmptySpace emptySpace_;
   size_t offsets_[8];    // from a voxel to those that are blended with it, x fastest
   alignas(64) int32_t index_[kBatch];
   float alpha_[kBatch];
   bool missing_[kBatch];
+  float t_[March::kPlacesByIndex ? 1 : kBatch];  // of what was looked at last
 };
 
 }  // namespace warpscope

@@ -5,14 +5,16 @@
 #include "render/core/ray.h"
 #include "render/core/transfer_table.h"
 #include "render/march/empty_space.h"
+#include "render/march/march_arithmetic.h"
 #include "render/march/volume_view.h"
 
 namespace warpscope {
 
 /// kHasHoles: some voxels are not finite and are left out of interpolation. kByCells: the view has cells to load from, not voxels.
-template <class Voxel, bool kHasHoles, bool kByCells>
+template <class Voxel, bool kHasHoles, bool kByCells, class MarchPolicy = StableMarch>
 class ScalarVolumeSource {
  public:
+  using March = MarchPolicy;
   static constexpr int kBatch = 1;
 
   WARPSCOPE_HD ScalarVolumeSource(const VolumeView<Voxel>& view, const Ray& ray, const RayLattice& lattice)
@@ -20,12 +22,15 @@ class ScalarVolumeSource {
         lattice_(lattice),
         origin_(view.voxelOrigin(ray)),
         direction_(view.voxelDirection(ray)),
+        places_(lattice),
         emptySpace_(view.cells, origin_, direction_, view.dims, lattice) {}
 
   WARPSCOPE_HD int skip(int i) const { return maxOf(i, leapTo_); }
 
   WARPSCOPE_HD uint32_t classify(int i, int) {
-    lookAt(i, lattice_.tOfWholeStep(i));
+    const float t = places_.next(lattice_, i);
+    if constexpr (!March::kPlacesByIndex) t_ = t;
+    lookAt(i, t);
     return alpha_ > 0.0f ? 1u : 0u;
   }
   WARPSCOPE_HD bool classifyLast() {
@@ -42,6 +47,8 @@ class ScalarVolumeSource {
     return glm::vec3(view_.transfer.entries[index_]);
 #endif
   }
+
+  WARPSCOPE_HD float t(int) const { return t_; }
 
   /// The volume, for what a sample's light needs beside its class.
   WARPSCOPE_HD const VolumeView<Voxel>& view() const { return view_; }
@@ -108,10 +115,12 @@ class ScalarVolumeSource {
   const RayLattice& lattice_;
   glm::vec3 origin_;     // in voxel coordinates
   glm::vec3 direction_;  // voxels per unit of t
+  typename March::Places places_;
   EmptySpace emptySpace_;
   int leapTo_ = 0;
   int index_ = 0;
   float alpha_ = 0.0f;  // of the sample that was looked at last
+  float t_ = 0.0f;      // likewise; unused where places go by index
 };
 
 }  // namespace warpscope

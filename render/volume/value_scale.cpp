@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/core/textbook_table.h"
+
 namespace warpscope {
 namespace {
 
@@ -40,7 +42,8 @@ ValueScale valueScaleOf(VoxelType type, const VoxelStatistics& statistics, const
   return scale;
 }
 
-TransferTable bakeTransferTable(const TransferFunction& function, const Volume& volume, const ValueScale& scale, float step) {
+TransferTable bakeTransferTable(const TransferFunction& function, const Volume& volume, const ValueScale& scale, float step,
+                                Arithmetic arithmetic) {
   const bool rounds = visitVoxelType(volume.type(), [](auto voxel) { return kRounds<decltype(voxel)>; });
   constexpr double kLargest = 0x1p126;
   TransferFunction ofInterpolants = function;
@@ -53,7 +56,8 @@ TransferTable bakeTransferTable(const TransferFunction& function, const Volume& 
   domain.lower = static_cast<float>(scale.interpolantOf(statistics.rangeLower));
   domain.upper = static_cast<float>(scale.interpolantOf(statistics.rangeUpper));
   domain.isWhole = sizeBytes(volume.type()) <= 2;
-  return bakeTransferTable(ofInterpolants, domain, step);
+  return arithmetic == Arithmetic::textbook ? bakeTextbookTable(ofInterpolants, domain, step)
+                                            : bakeTransferTable(ofInterpolants, domain, step);
 }
 
 }  // namespace warpscope

@@ -2,6 +2,8 @@
 // See reference_warp.h.
 #include "render/warp/reference_warp.h"
 
+#include "render/warp/arithmetic_knob.h"
+
 namespace warpscope {
 namespace {
 
@@ -13,7 +15,9 @@ class ReferenceWarp final : public Warp {
 
   void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image,
             const std::stop_token& stop) override {
-    marcher_->render(camera, settings.reference, image.color, stop);
+    RenderSettings wanted = settings.reference;
+    wanted.arithmetic = settings.knobs.choice<Arithmetic>(kArithmeticKnob);
+    marcher_->render(camera, wanted, image.color, stop);
     image.samples.resize(camera.width, camera.height, kNotASample);
   }
 
@@ -25,6 +29,8 @@ std::unique_ptr<Warp> makeReferenceWarp(const WarpResources& resources) {
   return std::make_unique<ReferenceWarp>(resources.marcher);
 }
 
+constexpr const Knob* kKnobs[] = {&kArithmeticKnob};
+
 }  // namespace
 
 constinit const WarpDescriptor kReferenceWarp{
@@ -32,6 +38,7 @@ constinit const WarpDescriptor kReferenceWarp{
     .label = "Reference",
     .summary = "the volume marched at the current camera: the ground truth",
     .usesFrame = false,
+    .knobs = kKnobs,
     .make = makeReferenceWarp,
 };
 

@@ -3,6 +3,7 @@
 #include "render/warp/spheres_warp.h"
 
 #include "render/base/error.h"
+#include "render/warp/arithmetic_knob.h"
 #include "render/warp/lbvh/embree_tracer.h"
 #include "render/warp/lbvh/sphere_tracer.h"
 #include "render/warp/sphere_cloud_warp.h"
@@ -12,32 +13,40 @@ namespace warpscope {
 namespace {
 
 SphereTracing tracingOf(const WarpSettings& settings) { return settings.knobs.choice<SphereTracing>(kSphereTracingKnob); }
+Arithmetic arithmeticOf(const WarpSettings& settings) { return settings.knobs.choice<Arithmetic>(kArithmeticKnob); }
 
 class SpheresWarp final : public SphereCloudWarp {
  protected:
   void build(std::span<const Sphere> spheres, const WarpSettings& settings) override {
     if (tracingOf(settings) == SphereTracing::clusters)
       throw UsageError("the hierarchy clusters is for CUDA devices: choose another, or --backend cuda");
-    if (!tracer_ || tracing_ != tracingOf(settings)) {
+    requireTraceable(settings);
+    if (!tracer_ || isOther(settings)) {
       if (tracingOf(settings) == SphereTracing::embree)
         tracer_ = std::make_unique<EmbreeTracer>();
       else
-        tracer_ = std::make_unique<LbvhTracer>();
+        tracer_ = std::make_unique<LbvhTracer>(arithmeticOf(settings));
       tracing_ = tracingOf(settings);
+      arithmetic_ = arithmeticOf(settings);
     }
     tracer_->build(spheres);
   }
 
   void drawSpheres(const SampleFrame& frame, const Camera& camera, const WarpSettings& settings, WarpedImage& image,
                    const std::stop_token& stop) override {
-    if (tracing_ != tracingOf(settings)) build(spheres(), settings);
+    if (isOther(settings)) build(spheres(), settings);
     tracer_->trace(camera, image.samples, nullptr, stop);
     resolveColors(frame, image.samples, image.color);
   }
 
  private:
+  bool isOther(const WarpSettings& settings) const {
+    return tracing_ != tracingOf(settings) || arithmetic_ != arithmeticOf(settings);
+  }
+
   std::unique_ptr<SphereTracer> tracer_;
   SphereTracing tracing_ = SphereTracing::automatic;
+  Arithmetic arithmetic_ = Arithmetic::stable;
 };
 
 std::unique_ptr<Warp> makeSpheresWarp(const WarpResources& resources) {
@@ -46,9 +55,15 @@ std::unique_ptr<Warp> makeSpheresWarp(const WarpResources& resources) {
 }
 
 constexpr auto kTracingChoices = choicesOf(kSphereTracings);
-constexpr const Knob* kKnobs[] = {&kSphereTracingKnob};
+constexpr const Knob* kKnobs[] = {&kSphereTracingKnob, &kArithmeticKnob};
 
 }  // namespace
+
+void requireTraceable(const WarpSettings& settings) {
+  const SphereTracing tracing = tracingOf(settings);
+  if (arithmeticOf(settings) == Arithmetic::textbook && tracing != SphereTracing::automatic && tracing != SphereTracing::lbvh)
+    throw UsageError("textbook arithmetic is for the hierarchy lbvh, not " + std::string(nameOf(kSphereTracings, tracing)));
+}
 
 constinit const Knob kSphereTracingKnob{
     .key = "sphereTracing",

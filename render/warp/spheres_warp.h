@@ -25,6 +25,9 @@ inline constexpr std::array<NamedValue<SphereTracing>, 4> kSphereTracings{{
 /// The hierarchy: a SphereTracing.
 extern const Knob kSphereTracingKnob;
 
+/// Throws UsageError where the settings ask for a hierarchy that does not know the arithmetic that they ask for.
+void requireTraceable(const WarpSettings& settings);
+
 extern const WarpDescriptor kSpheresWarp;
 
 }  // namespace warpscope

@@ -42,7 +42,7 @@ bool isKnobTaken(const Knob& knob) {
   for (const MarchKnob& row : marchKnobs())
     if (clashes(*row.knob)) return true;
   const std::vector<const Knob*> known = warpKnobs();
-  return std::any_of(known.begin(), known.end(), [&](const Knob* other) { return clashes(*other); });
+  return std::any_of(known.begin(), known.end(), [&](const Knob* other) { return other != &knob && clashes(*other); });
 }
 
 }  // namespace
@@ -79,8 +79,17 @@ WarpRegistration::~WarpRegistration() {
 
 std::vector<const Knob*> warpKnobs() {
   std::vector<const Knob*> knobs;
-  for (const WarpDescriptor& warp : registered()) knobs.insert(knobs.end(), warp.knobs.begin(), warp.knobs.end());
+  for (const WarpDescriptor& warp : registered())
+    for (const Knob* knob : warp.knobs)
+      if (std::find(knobs.begin(), knobs.end(), knob) == knobs.end()) knobs.push_back(knob);
   return knobs;
+}
+
+std::vector<std::string_view> ownersOf(const Knob& knob) {
+  std::vector<std::string_view> owners;
+  for (const WarpDescriptor& warp : registered())
+    if (warp.has(knob)) owners.push_back(warp.name);
+  return owners;
 }
 
 const WarpDescriptor& findWarp(std::string_view name) {

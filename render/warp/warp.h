@@ -111,7 +111,7 @@ std::span<const WarpDescriptor> warpRegistry();
 /// Adds a technique while it lives; not beside other threads. For extensions and tests: the program's own are lines of the registry.
 class WarpRegistration {
  public:
-  /// Throws std::logic_error for a name or a knob's key that there is already, or where there is no room.
+  /// Throws std::logic_error for a name, or the key of another knob, that there is already, or where there is no room.
   explicit WarpRegistration(const WarpDescriptor& technique);
   ~WarpRegistration();
   WarpRegistration(const WarpRegistration&) = delete;
@@ -121,8 +121,11 @@ class WarpRegistration {
   const std::string_view name_;
 };
 
-/// Every technique's own knobs, in the order of the techniques.
+/// Every technique's own knobs, in the order of the techniques; one of several techniques once.
 std::vector<const Knob*> warpKnobs();
+
+/// The names of the techniques whose own knob it is.
+std::vector<std::string_view> ownersOf(const Knob& knob);
 
 /// The named technique; throws UsageError that lists the nearest names.
 const WarpDescriptor& findWarp(std::string_view name);

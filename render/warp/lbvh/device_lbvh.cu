@@ -56,13 +56,14 @@ __global__ void boundNodes(const Sphere* spheres, uint32_t count, LbvhNode* node
   }
 }
 
+template <class Intersection>
 __global__ void __launch_bounds__(kTileBlockThreads) traceRays(const __grid_constant__ LbvhView view,
                                                                const __grid_constant__ Camera camera, uint32_t* ids, float* depth,
                                                                uint32_t* overflow) {
   const PixelPlace pixel = pixelOfThread(0);
   if (pixel.x >= camera.width || pixel.y >= camera.height) return;
   const Ray ray = rayOfPixel(camera, pixel);
-  const LbvhHit hit = closestHit(view, ray);
+  const LbvhHit hit = closestHit<Intersection>(view, ray);
   if (hit.overflow) *overflow = 1;
   const size_t i = size_t{pixel.y} * camera.width + pixel.x;
   ids[i] = hit.id;
@@ -89,8 +90,12 @@ void DeviceLbvh::build(const DeviceFrameView& frame, cudaStream_t stream) {
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
-void DeviceLbvh::trace(const Camera& camera, uint32_t* ids, float* depth, uint32_t* overflow, cudaStream_t stream) const {
-  traceRays<<<tileGrid(camera.width, camera.height), kTileBlockThreads, 0, stream>>>(view(), camera, ids, depth, overflow);
+void DeviceLbvh::trace(const Camera& camera, uint32_t* ids, float* depth, uint32_t* overflow, cudaStream_t stream,
+                       Arithmetic arithmetic) const {
+  visitSphereArithmetic(arithmetic, [&](auto policy) {
+    traceRays<decltype(policy)>
+        <<<tileGrid(camera.width, camera.height), kTileBlockThreads, 0, stream>>>(view(), camera, ids, depth, overflow);
+  });
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 

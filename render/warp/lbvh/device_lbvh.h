@@ -15,7 +15,8 @@ class DeviceLbvh {
 
   /// For every pixel of `camera` the first sample that its ray meets, as SphereTracer::trace; `depth` may be null. `overflow` becomes 1 if a
   /// traversal gave up.
-  void trace(const Camera& camera, uint32_t* ids, float* depth, uint32_t* overflow, cudaStream_t stream) const;
+  void trace(const Camera& camera, uint32_t* ids, float* depth, uint32_t* overflow, cudaStream_t stream,
+             Arithmetic arithmetic = Arithmetic::stable) const;
 
  private:
   SortedCloud cloud_;

@@ -12,7 +12,7 @@
 
 #include "render/core/box.h"
 #include "render/core/morton.h"
-#include "render/core/ray_sphere.h"
+#include "render/core/textbook_sphere.h"
 #include "render/core/sample.h"
 
 namespace warpscope {
@@ -219,10 +219,11 @@ struct LbvhHit {
 
 /// The first sphere along `ray` (unit direction); of equally near ones that with the lowest id. See intersectSphere for
 /// what is a hit.
+template <class Intersection = StableSphere>
 WARPSCOPE_HD inline LbvhHit closestHit(const LbvhView& view, const Ray& ray) {
   LbvhHit hit;
   hit.overflow = !visitAlongRay(view, ray, hit.t, [&](uint32_t i) {
-    const float t = intersectSphere(ray, view.spheres[i].center, view.spheres[i].radius);
+    const float t = Intersection::intersect(ray, view.spheres[i].center, view.spheres[i].radius);
     if (t < hit.t || (t == hit.t && t < kNoHit && view.ids[i] < hit.id)) {
       hit.t = t;
       hit.id = view.ids[i];

@@ -8,21 +8,23 @@
 namespace warpscope {
 
 void tracePackets(const LbvhView& view, const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
-                  const std::stop_token& stop) {
+                  const std::stop_token& stop, Arithmetic arithmetic) {
   ids.resize(camera.width, camera.height, kNoSample);
   if (depth) depth->resize(camera.width, camera.height, kNoHit);
   if (view.count == 0) return;
   const PacketScene scene = makePacketScene(view, camera);
-  parallelForTiles(camera.width, camera.height, kTileSide, stop,
-                   [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
-                     TileTracer<1> tile(scene, 1, x0, y0, x1, y1);
-                     tile.trace();
-                     for (uint32_t y = y0; y < y1; ++y)
-                       for (uint32_t x = x0; x < x1; ++x) {
-                         ids(x, y) = tile.id(0, x, y);
-                         if (depth) (*depth)(x, y) = tile.t(0, x, y);
-                       }
-                   });
+  visitSphereArithmetic(arithmetic, [&]<class Intersection>(Intersection) {
+    parallelForTiles(camera.width, camera.height, kTileSide, stop,
+                     [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
+                       TileTracer<1, Intersection> tile(scene, 1, x0, y0, x1, y1);
+                       tile.trace();
+                       for (uint32_t y = y0; y < y1; ++y)
+                         for (uint32_t x = x0; x < x1; ++x) {
+                           ids(x, y) = tile.id(0, x, y);
+                           if (depth) (*depth)(x, y) = tile.t(0, x, y);
+                         }
+                     });
+  });
 }
 
 }  // namespace warpscope

@@ -9,7 +9,7 @@
 
 #include "render/core/camera.h"
 #include "render/core/numeric.h"
-#include "render/core/ray_sphere.h"
+#include "render/core/textbook_sphere.h"
 
 namespace warpscope {
 
@@ -58,6 +58,24 @@ inline FloatPack intersectSpherePack(const Vec3Pack& direction, const glm::vec3&
   const FloatMask hit = (along > zero) & (discriminant >= zero);
   const FloatPack t = outside / (along + xsimd::sqrt(discriminant));
   return xsimd::select(hit, xsimd::select(t > along, along, t), noHit);
+}
+
+/// intersectSphereTextbook likewise.
+inline FloatPack intersectTextbookPack(const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
+  const FloatPack a = dot(direction, direction);
+  const FloatPack b = -2.0f * (toCenter.x * direction.x + toCenter.y * direction.y + toCenter.z * direction.z);
+  const FloatPack c(glm::dot(toCenter, toCenter) - radius * radius);
+  const FloatPack discriminant = b * b - 4.0f * a * c;
+  const FloatPack zero(0.0f), noHit(kNoHit);
+  const FloatPack t = (-b - xsimd::sqrt(xsimd::max(discriminant, zero))) / (2.0f * a);
+  return xsimd::select((discriminant >= zero) & (t > zero), t, noHit);
+}
+
+inline FloatPack intersectPack(StableSphere, const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
+  return intersectSpherePack(direction, toCenter, radius);
+}
+inline FloatPack intersectPack(TextbookSphere, const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
+  return intersectTextbookPack(direction, toCenter, radius);
 }
 
 /// What each ray has met: a distance, kNoHit where it has met nothing, and an id below 2^31, -1 where there is none.

@@ -11,7 +11,7 @@ void LbvhTracer::build(std::span<const Sphere> spheres) { lbvh_.build(spheres); 
 
 void LbvhTracer::trace(const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
                        const std::stop_token& stop) const {
-  tracePackets(lbvh_.view(), camera, ids, depth, stop);
+  tracePackets(lbvh_.view(), camera, ids, depth, stop, arithmetic_);
 }
 
 void BruteForceTracer::build(std::span<const Sphere> spheres) {

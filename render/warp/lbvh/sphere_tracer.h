@@ -34,6 +34,7 @@ class SphereTracer {
 /// Packets of rays through an LBVH.
 class LbvhTracer final : public SphereTracer {
  public:
+  explicit LbvhTracer(Arithmetic arithmetic = Arithmetic::stable) : arithmetic_(arithmetic) {}
   void build(std::span<const Sphere> spheres) override;
   void trace(const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
              const std::stop_token& stop) const override;
@@ -41,6 +42,7 @@ class LbvhTracer final : public SphereTracer {
   LbvhView view() const { return lbvh_.view(); }
 
  private:
+  const Arithmetic arithmetic_;
   Lbvh lbvh_;
 };
 

@@ -86,7 +86,7 @@ inline PacketScene makePacketScene(const LbvhView& view, const Camera& camera) {
 }
 
 /// Finds the first `hits` spheres along each ray, ordered by (distance, id): 1 <= hits <= Capacity.
-template <int Capacity>
+template <int Capacity, class Intersection = StableSphere>
 class TileTracer {
  public:
   TileTracer(const PacketScene& scene, int hits, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1)
@@ -220,7 +220,7 @@ class TileTracer {
   bool testGroup(uint32_t ray, const glm::vec3& toCenter, float radius, const IntPack& id) {
     const Vec3Pack direction{FloatPack::load_aligned(&directionX_[ray]), FloatPack::load_aligned(&directionY_[ray]),
                              FloatPack::load_aligned(&directionZ_[ray])};
-    HitPack hit{intersectSpherePack(direction, toCenter, radius), id};
+    HitPack hit{intersectPack(Intersection{}, direction, toCenter, radius), id};
     if (!xsimd::any(isNearer(hit, loadHit(last_, ray)))) return false;
     // Whatever the new hit displaces becomes the one to insert.
     for (int i = 0; i <= last_; ++i) {

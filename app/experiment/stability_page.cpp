@@ -1,0 +1,105 @@
+// A block for each case.
+// See stability_page.h.
+#include "app/experiment/stability_page.h"
+
+#include <cstdio>
+
+#include "app/picture/html_page.h"
+#include "app/picture/picture.h"
+#include "app/picture/svg_plot.h"
+
+namespace warpscope {
+namespace {
+
+constexpr uint32_t kPicturePx = 256;
+
+std::string format(const char* pattern, double value) {
+  char text[48];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+std::string timeText(double ms) { return format(ms < 0.0995 ? "%.3f" : ms < 9.95 ? "%.2f" : "%.0f", ms); }
+
+/// Small pictures are enlarged, pixel by pixel, so that they can be seen.
+Image<Rgba8> shown(const Image<glm::vec4>& picture, const glm::vec3& background) {
+  WarpedImage image;
+  image.color = picture;
+  image.samples.resize(picture.width(), picture.height(), kNotASample);
+  const Image<Rgba8> screen = toScreen(image, background);
+  const uint32_t factor = std::max(1u, kPicturePx / screen.width());
+  Image<Rgba8> enlarged(screen.width() * factor, screen.height() * factor);
+  for (uint32_t y = 0; y < enlarged.height(); ++y)
+    for (uint32_t x = 0; x < enlarged.width(); ++x) enlarged(x, y) = screen(x / factor, y / factor);
+  return enlarged;
+}
+
+std::string pictureCell(const Image<glm::vec4>& picture, const glm::vec3& background, const std::string& description) {
+  return "<td>" + imageTag(shown(picture, background), description, kPicturePx) + escaped(description) + "</td>";
+}
+
+std::string formCell(const StabilityForm& form) {
+  return "<td>" + errorText(form.worst) + "</td><td>" + format("%.2f", 100.0 * form.wrongShare) + " %</td><td>" +
+         timeText(form.time.medianMs) + "</td>";
+}
+
+std::string summaryTable(const std::vector<StabilityResult>& results) {
+  std::string html =
+      "<div class=\"wide\"><table><thead><tr><th rowspan=\"2\">case</th><th rowspan=\"2\">backend</th><th colspan=\"3\">stable</th>"
+      "<th colspan=\"3\">textbook</th><th rowspan=\"2\">bound of stable</th><th rowspan=\"2\">stability costs</th></tr><tr>";
+  for (int form = 0; form < 2; ++form) html += "<th>worst</th><th>wrong</th><th>ms</th>";
+  html += "</tr></thead><tbody>\n";
+  for (const StabilityResult& result : results) {
+    const StabilityCase& what = *result.what;
+    html += "<tr><td><a href=\"#" + escaped(std::string(what.name)) + "\">" + escaped(std::string(what.name)) + "</a></td><td>" +
+            std::string(nameOf(result.backend)) + "</td>" + formCell(result.stable) + formCell(result.textbook) + "<td>" +
+            errorText(what.bound) + " " + std::string(errorName(what.subject)) + (result.isStable() ? "" : " <strong>exceeded</strong>") +
+            "</td><td>" + format("%+.1f", result.costNs()) + " ns a pixel</td></tr>\n";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+}  // namespace
+
+std::string errorText(double value) { return value == 0.0 ? "0" : format("%.1e", value); }
+
+std::string_view errorName(StabilitySubject subject) {
+  switch (subject) {
+    case StabilitySubject::march: return "largest difference";
+    case StabilitySubject::spheres: return "share of wrong pixels";
+    case StabilitySubject::similarity: return "difference";
+  }
+  return "";
+}
+
+std::string stabilityPage(const std::vector<StabilityResult>& results, const std::string& machine) {
+  constexpr const char* kTitle = "Hard cases: stable arithmetic and the textbook's";
+  std::string html = pageHead(kTitle);
+  html += "<h1>" + escaped(kTitle) + "</h1>\n<p class=\"dim\">" + escaped(machine) + "</p>\n";
+  html += "<p>Each case is drawn in both forms and compared with the same picture in double precision. <em>worst</em> is the largest difference of a "
+          "colour channel or of opacity, from 0 to 1; <em>wrong</em> are pixels that differ by more than 1/255 or, where samples are spheres, that show "
+          "another sample than the first one along their ray. For SSIM, <em>worst</em> is the difference of the number. What stability costs is the difference of the two times: it says nothing where the "
+          "textbook's picture lacks what is slow to draw.</p>\n" +
+          summaryTable(results);
+  const StabilityCase* before = nullptr;
+  for (const StabilityResult& result : results) {
+    const StabilityCase& what = *result.what;
+    if (&what != before)
+      html += "<h2 id=\"" + escaped(std::string(what.name)) + "\">" + escaped(std::string(what.name)) + ": " + escaped(std::string(what.hazard)) +
+              "</h2>\n<p>" + (what.scene.empty() ? "" : "Scene <code>" + escaped(std::string(what.scene)) + "</code>. ") + "Textbook: " +
+              escaped(std::string(what.textbook)) + ". The stable form is bounded by " + errorText(what.bound) + ": " +
+              escaped(std::string(what.boundFrom)) + ".</p>\n";
+    before = &what;
+    if (result.exact.size() == 0) continue;
+    const auto caption = [&](const char* form, const StabilityForm& of) {
+      return std::string(form) + " on " + std::string(nameOf(result.backend)) + ": worst " + errorText(of.worst) + ", wrong " +
+             format("%.2f", 100.0 * of.wrongShare) + " %";
+    };
+    html += "<table class=\"strip\"><tbody><tr>" + pictureCell(result.exact, result.background, "exact") +
+            pictureCell(result.stable.picture, result.background, caption("stable", result.stable)) +
+            pictureCell(result.textbook.picture, result.background, caption("textbook", result.textbook)) + "</tr></tbody></table>\n";
+  }
+  return html + "</body></html>\n";
+}
+
+}  // namespace warpscope

@@ -1,0 +1,20 @@
+// The page of `stability`: every case with its pictures, the errors of both forms, the bound, and what stability costs.
+// One HTML file that needs nothing else.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/experiment/stability.h"
+
+namespace warpscope {
+
+/// "2.1e-07", or "0".
+std::string errorText(double value);
+/// What a case's error is of: "largest difference", "wrong pixels", "difference".
+std::string_view errorName(StabilitySubject subject);
+
+/// `machine`: on what it was run, in words.
+std::string stabilityPage(const std::vector<StabilityResult>& results, const std::string& machine);
+
+}  // namespace warpscope
