@@ -21,11 +21,12 @@ size_t opaqueOrNot(const Image<Rgba8>& image) {
 
 TEST_F(CommandLine, InfoListsWhatThereIs) {
   const json info = document({"info", "--json"});
-  for (const char* key : {"version", "backends", "openGl", "cuda", "techniques", "heuristics", "radiusPolicies", "scenes", "volumeFormats"})
+  for (const char* key : {"version", "backends", "openGl", "cuda", "techniques", "heuristics", "radiusPolicies", "scenes", "tortureScenes", "volumeFormats"})
     EXPECT_TRUE(info.contains(key)) << key;
   EXPECT_EQ(info["techniques"].size(), warpRegistry().size());
   EXPECT_EQ(info["heuristics"].size(), kHeuristics.size());
   EXPECT_EQ(info["scenes"].size(), builtinScenes().size());
+  EXPECT_EQ(info["tortureScenes"].size(), tortureScenes().size());
   EXPECT_EQ(info["volumeFormats"][0], ".raw");
   EXPECT_THAT(info["backends"], testing::Contains("cpu"));
   EXPECT_EQ(info["cuda"].contains("unavailable"), info["cuda"]["devices"].empty());

@@ -4,6 +4,7 @@
 
 #include <latch>
 
+#include "render/warp/arithmetic_knob.h"
 #include "tests/session_fixture.h"
 
 namespace warpscope {
@@ -97,6 +98,26 @@ TEST_F(SessionTest, ComingBackToTheFramesCameraMakesItCurrentAgain) {
   EXPECT_EQ(session_.ageMs(0, clock_.now() + seconds(1)), 0.0);
   EXPECT_EQ(session_.panel(0).errorsAreCurrent, session_.panel(0).picture == pictureAtHome);  // else they are measured anew
   EXPECT_TRUE(settle());
+}
+
+TEST_F(SessionTest, EachPanelHasItsOwnArithmetic) {
+  ASSERT_TRUE(open("block"));
+  session_.setTechnique(0, findWarp("reference"));
+  session_.setTechnique(1, findWarp("reference"));
+  LiveSettings knobs = session_.knobs();
+  ASSERT_TRUE(settle());
+  const auto turn = [&](Arithmetic arithmetic) {
+    const ShownPicture before = session_.panel(1).picture;
+    knobs.panelKnobs[1].set(kArithmeticKnob, arithmetic);
+    session_.setKnobs(knobs);
+    return pumpUntil([&] { return !(session_.panel(1).picture == before) && session_.panel(1).errorsAreCurrent; });
+  };
+  ASSERT_TRUE(turn(Arithmetic::textbook));
+  // The ground truth is stable, whatever a panel shows.
+  EXPECT_EQ(session_.panel(0).errors->flip, 0.0);
+  EXPECT_GT(session_.panel(1).errors->flip, 0.0);
+  ASSERT_TRUE(turn(Arithmetic::stable));
+  EXPECT_EQ(session_.panel(1).errors->flip, 0.0);
 }
 
 TEST_F(SessionTest, ATechniqueChosenBackAtOnceIsStillDrawn) {

@@ -4,16 +4,15 @@
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "app/commands/options.h"
 #include "app/experiment/benchmark.h"
+#include "app/frames/backend.h"
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
-#include "render/cuda/devices.h"
 #include "render/march/marcher_registry.h"
 
 namespace warpscope {
@@ -26,14 +25,6 @@ struct BenchOptions {
   std::vector<std::string> techniques;
   int runs = 50;
 };
-
-std::string deviceText(Backend backend) {
-  if (backend == Backend::cpu) return std::to_string(std::thread::hardware_concurrency()) + " CPU threads";
-  const cuda::DeviceReport report = cuda::listDevices();
-  if (report.devices.empty()) return "no device";
-  const cuda::Device& device = report.devices.front();
-  return device.name + ", CUDA driver " + report.driverVersion + ", " + std::to_string(device.clockMHz) + " MHz";
-}
 
 Json toJson(const TechniqueBenchmark& technique, const Scene& scene) {
   Json views = Json::array();

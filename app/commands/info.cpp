@@ -57,12 +57,16 @@ Json namesOf(const Table& table) {
   return names;
 }
 
+Json describe(const std::vector<BuiltinScene>& scenes) {
+  Json described = Json::array();
+  for (const BuiltinScene& scene : scenes) described.push_back({{"name", scene.name}, {"title", scene.title}});
+  return described;
+}
+
 Json describe() {
   Json backends = Json::array();
   for (const MarcherDescriptor& marcher : marcherRegistry())
     if (marcher.whyUnavailable().empty()) backends.push_back(marcher.name);
-  Json scenes = Json::array();
-  for (const BuiltinScene& scene : builtinScenes()) scenes.push_back({{"name", scene.name}, {"title", scene.title}});
   return {{"version", WARPSCOPE_VERSION},
           {"backends", backends},
           {"cores", std::thread::hardware_concurrency()},
@@ -73,7 +77,8 @@ Json describe() {
           {"techniques", namesOf(warpRegistry())},
           {"heuristics", namesOf(kHeuristics)},
           {"radiusPolicies", namesOf(kRadiusPolicies)},
-          {"scenes", scenes},
+          {"scenes", describe(builtinScenes())},
+          {"tortureScenes", describe(tortureScenes())},
           {"volumeFormats", supportedVolumeEndings()}};
 }
 
@@ -119,6 +124,7 @@ void inform(const CommonOptions& options) {
   printLine("heuristics", info["heuristics"]);
   printLine("radius policies", info["radiusPolicies"]);
   printLine("scenes", info["scenes"]);
+  printLine("scenes that are hard on arithmetic", info["tortureScenes"]);
   printLine("volume formats", info["volumeFormats"]);
 }
 

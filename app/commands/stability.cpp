@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "app/commands/options.h"
 #include "app/experiment/stability.h"
 #include "app/experiment/stability_page.h"
+#include "app/frames/backend.h"
 #include "app/picture/picture.h"
 #include "app/scene/json_document.h"
 #include "app/shell/interrupt.h"
@@ -113,8 +113,13 @@ void runStabilityCommand(const StabilityOptions& options) {
     writePictures(out, result, interrupt.token());
     if (!result.isStable()) exceeded += (exceeded.empty() ? "" : ", ") + std::string(result.what->name) + " on " + std::string(nameOf(result.backend));
   }
-  const Json report{{"version", WARPSCOPE_VERSION}, {"runs", options.runs}, {"cases", rows}};
-  std::string machine = "warpscope " WARPSCOPE_VERSION ", " + std::to_string(std::thread::hardware_concurrency()) + " CPU threads";
+  std::string machine = "warpscope " WARPSCOPE_VERSION;
+  Json devices = Json::array();
+  for (const Backend backend : settings.backends) {
+    devices.push_back(deviceText(backend));
+    machine += "; " + deviceText(backend);
+  }
+  const Json report{{"version", WARPSCOPE_VERSION}, {"devices", devices}, {"runs", options.runs}, {"cases", rows}};
   out.write("stability.html", stabilityPage(results, machine));
   out.write("stability.json", textOf(report));
   if (interrupt.token().stop_requested()) throw OperationCancelled();

@@ -35,7 +35,7 @@ constexpr StabilityCase kCases[] = {
     {"nan-sprinkled", kMarch, "torture/nan-sprinkled", "one voxel in a hundred is not a number",
      "what is blended with it is not a number either", 256, 1.0f, 0.05,
      "a sample within rounding of where half the weight is missing may have a value or none: its opacity"},
-    {"grazing-planes", kMarch, "torture/grazing-planes", "planes of one voxel, looked along",
+    {"grazing-planes", kMarch, "torture/grazing-planes", "planes of one voxel, looked along from three million voxels away",
      "distances counted from the eye", 256, 1.0f, 4e-3, "TransferTable::kMostVariation of a sample"},
     {"long-way", kMarch, "torture/long-way", "three hundred thousand steps to a thin wall", "t += dt", 24, 1.0f, 4e-3,
      "places along a ray: 2^-21 of its length"},

@@ -2,8 +2,11 @@
 // See stability_page.h.
 #include "app/experiment/stability_page.h"
 
+#include <cmath>
 #include <cstdio>
+#include <utility>
 
+#include "app/picture/heat_map.h"
 #include "app/picture/html_page.h"
 #include "app/picture/picture.h"
 #include "app/picture/svg_plot.h"
@@ -12,6 +15,7 @@ namespace warpscope {
 namespace {
 
 constexpr uint32_t kPicturePx = 256;
+constexpr float kErrorGain = 10.0f;
 
 std::string format(const char* pattern, double value) {
   char text[48];
@@ -22,20 +26,34 @@ std::string format(const char* pattern, double value) {
 std::string timeText(double ms) { return format(ms < 0.0995 ? "%.3f" : ms < 9.95 ? "%.2f" : "%.0f", ms); }
 
 /// Small pictures are enlarged, pixel by pixel, so that they can be seen.
+Image<Rgba8> enlarged(const Image<Rgba8>& picture) {
+  const uint32_t factor = std::max(1u, kPicturePx / picture.width());
+  Image<Rgba8> larger(picture.width() * factor, picture.height() * factor);
+  for (uint32_t y = 0; y < larger.height(); ++y)
+    for (uint32_t x = 0; x < larger.width(); ++x) larger(x, y) = picture(x / factor, y / factor);
+  return larger;
+}
+
 Image<Rgba8> shown(const Image<glm::vec4>& picture, const glm::vec3& background) {
   WarpedImage image;
   image.color = picture;
   image.samples.resize(picture.width(), picture.height(), kNotASample);
-  const Image<Rgba8> screen = toScreen(image, background);
-  const uint32_t factor = std::max(1u, kPicturePx / screen.width());
-  Image<Rgba8> enlarged(screen.width() * factor, screen.height() * factor);
-  for (uint32_t y = 0; y < enlarged.height(); ++y)
-    for (uint32_t x = 0; x < enlarged.width(); ++x) enlarged(x, y) = screen(x / factor, y / factor);
-  return enlarged;
+  return enlarged(toScreen(image, background));
 }
 
-std::string pictureCell(const Image<glm::vec4>& picture, const glm::vec3& background, const std::string& description) {
-  return "<td>" + imageTag(shown(picture, background), description, kPicturePx) + escaped(description) + "</td>";
+/// Largest difference of a channel or of opacity; kErrorGain makes 1 of one that is 1/kErrorGain.
+Image<Rgba8> errorMap(const Image<glm::vec4>& picture, const Image<glm::vec4>& exact) {
+  Image<float> errors(exact.width(), exact.height());
+  for (size_t i = 0; i < exact.size(); ++i) {
+    const glm::vec4 apart = glm::abs(picture[i] - exact[i]);
+    errors[i] = glm::max(glm::max(apart.r, apart.g), glm::max(apart.b, apart.a));
+    if (!std::isfinite(errors[i])) errors[i] = 1.0f;
+  }
+  return enlarged(heatMap(errors, kErrorGain));
+}
+
+std::string pictureCell(const Image<Rgba8>& picture, const std::string& description) {
+  return "<td>" + imageTag(picture, description, kPicturePx) + escaped(description) + "</td>";
 }
 
 std::string formCell(const StabilityForm& form) {
@@ -79,7 +97,7 @@ std::string stabilityPage(const std::vector<StabilityResult>& results, const std
   html += "<p>Each case is drawn in both forms and compared with the same picture in double precision. <em>worst</em> is the largest difference of a "
           "colour channel or of opacity, from 0 to 1; <em>wrong</em> are pixels that differ by more than 1/255 or, where samples are spheres, that show "
           "another sample than the first one along their ray. For SSIM, <em>worst</em> is the difference of the number. What stability costs is the difference of the two times: it says nothing where the "
-          "textbook's picture lacks what is slow to draw.</p>\n" +
+          "textbook's picture lacks what is slow to draw. Maps of errors are black where a picture is exact and brightest from 0.1 on.</p>\n" +
           summaryTable(results);
   const StabilityCase* before = nullptr;
   for (const StabilityResult& result : results) {
@@ -92,12 +110,14 @@ std::string stabilityPage(const std::vector<StabilityResult>& results, const std
     before = &what;
     if (result.exact.size() == 0) continue;
     const auto caption = [&](const char* form, const StabilityForm& of) {
-      return std::string(form) + " on " + std::string(nameOf(result.backend)) + ": worst " + errorText(of.worst) + ", wrong " +
-             format("%.2f", 100.0 * of.wrongShare) + " %";
+      return std::string(form) + ": worst " + errorText(of.worst) + ", wrong " + format("%.2f", 100.0 * of.wrongShare) + " %";
     };
-    html += "<table class=\"strip\"><tbody><tr>" + pictureCell(result.exact, result.background, "exact") +
-            pictureCell(result.stable.picture, result.background, caption("stable", result.stable)) +
-            pictureCell(result.textbook.picture, result.background, caption("textbook", result.textbook)) + "</tr></tbody></table>\n";
+    html += "<table class=\"strip case\"><tbody><tr><th>" + std::string(nameOf(result.backend)) + "</th>" +
+            pictureCell(shown(result.exact, result.background), "exact");
+    for (const auto& [name, form] : {std::pair("stable", &result.stable), std::pair("textbook", &result.textbook)})
+      html += pictureCell(shown(form->picture, result.background), caption(name, *form)) +
+              pictureCell(errorMap(form->picture, result.exact), std::string("error of ") + name);
+    html += "</tr></tbody></table>\n";
   }
   return html + "</body></html>\n";
 }

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <mutex>
 #include <set>
+#include <thread>
 
+#include "render/cuda/devices.h"
 #include "render/march/marcher_registry.h"
 
 namespace warpscope {
@@ -19,6 +21,14 @@ void reportFallback(const std::string& reason) {
   static std::set<std::string> reported;
   const std::scoped_lock lock(mutex);
   if (reported.insert(reason).second) std::fprintf(stderr, "warpscope: the GPU failed (%s); going on with the CPU\n", reason.c_str());
+}
+
+std::string deviceText(Backend backend) {
+  if (backend == Backend::cpu) return std::to_string(std::thread::hardware_concurrency()) + " CPU threads";
+  const cuda::DeviceReport report = cuda::listDevices();
+  if (report.devices.empty()) return "no device";
+  const cuda::Device& device = report.devices.front();
+  return device.name + ", CUDA driver " + report.driverVersion + ", " + std::to_string(device.clockMHz) + " MHz";
 }
 
 }  // namespace warpscope

@@ -12,6 +12,9 @@ namespace warpscope {
 /// As makeMarcher() of render/march/marcher_registry.h; a fallback is reported as below.
 MarcherPtr makeMarcher(Backend backend, VolumePtr volume, TransferFunction transferFunction);
 
+/// What works on that backend, in words: "16 CPU threads", or the first device and its driver.
+std::string deviceText(Backend backend);
+
 /// Says on stderr, once for each reason, that the device failed and the CPU goes on.
 void reportFallback(const std::string& reason);
 

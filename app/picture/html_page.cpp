@@ -25,7 +25,7 @@ th:first-child,td:first-child{text-align:left}th{font-weight:600;vertical-align:
 #rows td:first-child{white-space:normal;min-width:16em}#rows td:nth-child(2){white-space:normal;overflow-wrap:anywhere;min-width:5em}
 svg.plot{width:100%;height:auto;font:12px system-ui,sans-serif}svg text{fill:var(--ink)}
 .grid{stroke:var(--line)}.axis{stroke:var(--dim)}.ring{fill:none;stroke:var(--ink);stroke-width:1.4}
-.strip td{padding:.2em;text-align:center;vertical-align:top;font-size:.85em}.strip img{display:block;width:150px;height:auto}.strip tbody th{text-align:left;vertical-align:top}
+.strip td{padding:.2em;text-align:center;vertical-align:top;font-size:.85em}.strip img{display:block;width:150px;height:auto}.case img{width:210px}.strip tbody th{text-align:left;vertical-align:top}
 )";
 
 std::string base64(const std::string& bytes) {

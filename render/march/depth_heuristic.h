@@ -22,9 +22,13 @@ struct CountingSample {
   float transmittance = 1.0f;  ///< T before the sample
   float accumulated = 0.0f;    ///< 1 - T, which float could not tell from T where little light is taken
 
-  /// Behind what lets through that much.
+  /// Behind what lets through that much; `through` is the same as a float, which a march has already: on a device,
+  /// turning one into the other takes as long as ten multiplications.
+  WARPSCOPE_HD static CountingSample behind(double transmittance, float through, float t, float ds, float alpha) {
+    return {t, ds, alpha, through, static_cast<float>(1.0 - transmittance)};
+  }
   WARPSCOPE_HD static CountingSample behind(double transmittance, float t, float ds, float alpha) {
-    return {t, ds, alpha, static_cast<float>(transmittance), static_cast<float>(1.0 - transmittance)};
+    return behind(transmittance, static_cast<float>(transmittance), t, ds, alpha);
   }
 
   WARPSCOPE_HD float contribution() const { return alpha * transmittance; }

@@ -91,7 +91,7 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
     glm::vec3 color(0.0f);
     if constexpr (Gathered::kWantsColor) color = light.shade(sample, path.ray, source, k);
     if (through * sample.alpha >= limits.contribution &&
-        !sink(CountingSample::behind(ray.transmittance.exact(), sample.t, sample.ds, sample.alpha)))
+        !sink(CountingSample::behind(ray.transmittance.exact(), through, sample.t, sample.ds, sample.alpha)))
       return false;
     ray.add(sample.i, color, through);
     ray.transmittance.pass(sample.alpha);
