@@ -1,5 +1,5 @@
-// Logarithm, exponential and opacity correction against 100 digits, over all that opacities and parts of steps can be.
-// Mirrors render/core/exact_math.h, and what transfer_function.h makes of it.
+// Logarithm and exponential against 100 digits, over all that opacities can be. Opacity correction: stability/marching_test.cpp.
+// Mirrors render/core/exact_math.h.
 #include "render/core/exact_math.h"
 
 #include <gtest/gtest.h>
@@ -9,8 +9,6 @@
 #include <limits>
 #include <random>
 #include <vector>
-
-#include "render/core/transfer_function.h"
 
 namespace warpscope {
 namespace {
@@ -66,35 +64,6 @@ TEST(ExactMath, ExponentialIsWithinItsErrorOfTheTruth) {
   }
   EXPECT_EQ(oneMinusExp(0.0), 0.0);
   EXPECT_EQ(oneMinusExp(-std::numeric_limits<double>::infinity()), 1.0);
-}
-
-TEST(ExactMath, CorrectedOpacityIsTheNearestFloat) {
-  std::mt19937 random(kSeed + 2);
-  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  size_t undecided = 0, nearest = 0;
-  for (const float alpha : opacities(700, random))
-    for (const float part : {1.0f, std::nextafter(1.0f, 0.0f), 0.5f, 1e-3f, kLeast, unit(random),
-                             std::exp2(-30.0f * unit(random)), 1000.0f * unit(random)}) {
-      const Exact truth = -expm1(Exact(part) * log1p(-Exact(alpha)));
-      const Exact reach = truth * 3e-15;
-      const float lowest = static_cast<float>(truth - reach), highest = static_cast<float>(truth + reach);
-      const float corrected = correctOpacity(alpha, part);
-      ASSERT_TRUE(corrected == lowest || corrected == highest)
-          << "seed " << kSeed + 2 << ": " << alpha << " over " << part << " gives " << corrected << ", not "
-          << static_cast<float>(truth);
-      (lowest == highest ? nearest : undecided) += 1;
-    }
-  EXPECT_GT(nearest, 10000u);
-  EXPECT_LT(undecided, nearest / 100);  // tiny opacities over half a step are ties; else 3e-15 would excuse too much
-}
-
-TEST(ExactMath, AWholeStepIsLeftAsItIs) {
-  std::mt19937 random(kSeed + 3);
-  for (const float alpha : opacities(10000, random))
-    ASSERT_EQ(correctOpacity(alpha, 1.0f), alpha) << "seed " << kSeed + 3;
-  EXPECT_EQ(correctOpacity(1.0f, 1.0f), 1.0f);
-  EXPECT_EQ(correctOpacity(1.0f, kLeast), 1.0f);
-  EXPECT_EQ(correctOpacity(1.0f, 0.0f), 0.0f);
 }
 
 }  // namespace

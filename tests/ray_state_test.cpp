@@ -18,7 +18,6 @@ namespace {
 
 constexpr uint32_t kSeed = 2012;
 constexpr int kRays = 60;
-constexpr float kContribution = 1.0f / 1024;
 constexpr float kThreshold = 0.8f;
 
 /// A ray's opacities, from faint to opaque, with gaps; its colours differ from sample to sample.
