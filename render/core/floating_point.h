@@ -1,5 +1,5 @@
 // Where operations on floating-point numbers may be invalid, overflow or divide by zero, because what comes of it is asked for afterwards or
-// thrown away: such a place holds an ExceptionsExpected. In a build that traps them (preset `traps`) they pass there; elsewhere it is nothing.
+// thrown away. In a build that traps them (preset `traps`) they pass there; elsewhere this is nothing.
 #pragma once
 
 #if defined(WARPSCOPE_TRAPS)
@@ -8,22 +8,27 @@
 
 namespace warpscope {
 
-/// For the calling thread and its scope. The reason stands beside it.
-class ExceptionsExpected {
- public:
 #if defined(WARPSCOPE_TRAPS)
-  ExceptionsExpected() { std::feholdexcept(&environment_); }
-  ~ExceptionsExpected() { std::fesetenv(&environment_); }
-
- private:
-  std::fenv_t environment_;
-
- public:
-#else
-  ExceptionsExpected() {}  // not trivial: no warning of a variable that is not used
+/// Nothing of it is moved out of the call: compilers take arithmetic to be independent of the processor's settings.
+template <class Body>
+[[gnu::noipa]] auto called(const Body& body) {
+  return body();
+}
 #endif
-  ExceptionsExpected(const ExceptionsExpected&) = delete;
-  ExceptionsExpected& operator=(const ExceptionsExpected&) = delete;
-};
+
+/// What `body` returns. The reason stands beside it.
+template <class Body>
+inline auto exceptionsExpected(const Body& body) {
+#if defined(WARPSCOPE_TRAPS)
+  struct Held {
+    Held() { std::feholdexcept(&environment); }
+    ~Held() { std::fesetenv(&environment); }
+    std::fenv_t environment;
+  } held;
+  return called(body);
+#else
+  return body();
+#endif
+}
 
 }  // namespace warpscope
