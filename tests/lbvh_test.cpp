@@ -30,7 +30,7 @@ TEST(Lbvh, RadixSortIsStable) {
 TEST(Lbvh, AFullStackIsReported) {
   // A node that is its own child on both sides: no hierarchy, and the only way to overflow.
   const Box box{glm::vec3(-1.0f), glm::vec3(1.0f)};
-  const LbvhNode node{{box, box}, {0, 0}, 0, 1};
+  const LbvhNode node{{box, box}, {1.0f, 1.0f}, {0, 0}};
   const Sphere sphere{glm::vec3(0.0f), 1.0f};
   const uint32_t id = 0;
   EXPECT_TRUE(closestHit({&node, &sphere, &id, 2, 3.0f}, {{0.0f, 0.0f, 5.0f}, {0.0f, 0.0f, -1.0f}}).overflow);

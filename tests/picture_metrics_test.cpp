@@ -87,7 +87,8 @@ TEST(PictureMetrics, WhatCannotBeComparedIsRefused) {
 
 TEST(Filters, RowsAndColumnsAreTheSumsThatTheySayTheyAre) {
   // More rows than a strip has, and widths around those of vectors.
-  for (const auto& [width, height] : {std::pair(1, 1), std::pair(7, 5), std::pair(64, 33), std::pair(67, 70)}) {
+  for (const auto& size : {std::pair(1, 1), std::pair(7, 5), std::pair(64, 33), std::pair(67, 70)}) {
+    const int width = size.first, height = size.second;
     Image<float> image(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
     for (size_t i = 0; i < image.size(); ++i) image[i] = static_cast<float>((i * 37) % 11);
     const std::array<float, 5> along{0.1f, -0.4f, 0.7f, 0.25f, 2.0f};

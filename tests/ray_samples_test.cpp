@@ -288,7 +288,8 @@ TEST_P(RaySamplesBy, TheMarcherFindsWhatASampleAtATimeFinds) {
     size_t next = 0;
     for (uint32_t y = 0; y < camera.height; ++y)
       for (uint32_t x = 0; x < camera.width; ++x) {
-        const auto [ray, cosine] = pixels.ray(x, y);
+        const auto [pixelRay, cosine] = pixels.ray(x, y);
+        const Ray& ray = pixelRay;
         const RayPath path{
             ray, makeLattice(intersectBox(reciprocalOf(ray.origin, ray.direction), volume->bounds(), 0.0f, 1e30f),
                              settings.render.step)};

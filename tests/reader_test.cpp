@@ -20,15 +20,15 @@
 namespace warpscope {
 namespace {
 
+#if !WARPSCOPE_WITH_ITK
+TEST_F(Reader, SaysHowToGetItk) { expectRefused(write("a.nrrd", "NRRD0004"), "WARPSCOPE_WITH_ITK=ON"); }
+#else
+
 std::vector<int16_t> ramp(int16_t count) {
   std::vector<int16_t> values(static_cast<size_t>(count));
   for (int16_t i = 0; i < count; ++i) values[static_cast<size_t>(i)] = i;
   return values;
 }
-
-#if !WARPSCOPE_WITH_ITK
-TEST_F(Reader, SaysHowToGetItk) { expectRefused(write("a.nrrd", "NRRD0004"), "WARPSCOPE_WITH_ITK=ON"); }
-#else
 
 std::string gzip(const std::string& bytes) {
   z_stream stream{};

@@ -1,5 +1,5 @@
 // Clouds of spheres and cameras for tests and benchmarks of sphere tracing. Everything is determined by a seed.
-// Shapes that hierarchies find hard: random, planar, collinear, clustered, duplicate, and a frame's own samples.
+// Shapes that hierarchies find hard: random, planar, collinear, clustered, duplicate, dense, and a frame's own samples.
 #pragma once
 
 #include <array>
@@ -13,12 +13,12 @@
 
 namespace warpscope {
 
-enum class CloudShape { random, planar, collinear, clustered, duplicate };
+enum class CloudShape { random, planar, collinear, clustered, duplicate, dense };
 
 inline constexpr std::array kCloudShapes{CloudShape::random, CloudShape::planar, CloudShape::collinear,
-                                         CloudShape::clustered, CloudShape::duplicate};
+                                         CloudShape::clustered, CloudShape::duplicate, CloudShape::dense};
 
-/// `count` spheres of radius about `scale / 50`, within `scale` of the origin along every axis.
+/// `count` spheres of radius about `scale / 50` (dense: a quarter of `scale`), within `scale` of the origin along every axis.
 inline std::vector<Sphere> makeCloud(CloudShape shape, size_t count, float scale, uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
@@ -41,8 +41,13 @@ inline std::vector<Sphere> makeCloud(CloudShape shape, size_t count, float scale
       case CloudShape::duplicate:
         center = glm::round(3.0f * center) / 3.0f;
         break;
+      case CloudShape::dense:
+        // A bumpy sheet, as a surface seen by pixels that are much smaller than voxels.
+        center = {0.5f * center.x, 0.5f * center.y, 0.1f * std::sin(9.0f * center.x + 7.0f * center.y) + 0.01f * center.z};
+        break;
     }
-    const float radius = shape == CloudShape::duplicate ? 0.05f : 0.02f * (1.0f + 0.5f * unit(random));
+    float radius = shape == CloudShape::duplicate ? 0.05f : 0.02f * (1.0f + 0.5f * unit(random));
+    if (shape == CloudShape::dense) radius = i % 100 == 99 ? 0.05f : 0.25f;  // one size, but for a few
     cloud.push_back({scale * center, scale * radius});
   }
   return cloud;

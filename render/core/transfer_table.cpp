@@ -162,7 +162,8 @@ class Baking {
   /// Pieces of [left, right), where the function is linear.
   void addPieces(double left, double right) {
     const Entry first = from(left), last = before(right);
-    const double middle = left + (right - left) / 2;  // not finite beyond the ends, where the function is constant
+    // Beyond the ends the function is constant.
+    const double middle = std::isfinite(left) && std::isfinite(right) ? left + (right - left) / 2 : static_cast<double>(kInfinity);
     const auto cut = static_cast<double>(static_cast<float>(middle));
     const bool isDivisible = std::isfinite(middle) && cut > static_cast<double>(leastFloatFrom(left)) && cut < right;
     if (isDivisible && !areAlike(first, last)) {

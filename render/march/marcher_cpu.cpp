@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/base/stopwatch.h"
+#include "render/core/floating_point.h"
 #include "render/core/parallel.h"
 #include "render/march/compact.h"
 #include "render/march/march.h"
@@ -132,10 +133,12 @@ class CpuMarcher final : public Marcher {
       for (uint32_t y = y0; y < y1; ++y)
         for (uint32_t x = x0; x < x1; ++x) {
           const auto& [ray, cosine] = pixels.ray(x, y);
-          const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), marched_->volume->bounds(), 0.0f,
-                                                  std::numeric_limits<float>::infinity());
+          // Parallel to slabs, and in their planes: box.h says what comes of 1 / 0 and 0 * infinity.
+          const RayInterval inside = exceptionsExpected([&] {
+            return intersectBox(reciprocalOf(ray.origin, ray.direction), marched_->volume->bounds(), 0.0f, std::numeric_limits<float>::infinity());
+          });
           const RayPath path{ray, makeLattice(inside, settings.step)};
-          Source source(view, ray, path.lattice);
+          Source source = exceptionsExpected([&] { return Source(view, ray, path.lattice); });  // reciprocals again
           GatheredColor<typename Source::March> color;
           counting.clear();
           marchRay(path, 0, path.lattice.count, source, light, limits, color, [&](const CountingSample& met) {

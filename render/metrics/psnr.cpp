@@ -68,7 +68,8 @@ double psnrSrgb(const Image<glm::vec4>& image, const Image<glm::vec4>& reference
   std::atomic<bool> isFinite = true;
   const double squares = sumOverBlocks(image.size(), [&](size_t at, size_t count) {
     Block a, b;
-    if (!(a.fill(image.data() + at, count, background) & b.fill(reference.data() + at, count, background))) isFinite = false;
+    const bool isFiniteA = a.fill(image.data() + at, count, background), isFiniteB = b.fill(reference.data() + at, count, background);
+    if (!isFiniteA || !isFiniteB) isFinite = false;
     double sum = 0.0;
     for (int channel = 0; channel < 3; ++channel) sum += squaredDifference(a.srgb[channel], b.srgb[channel], count);
     return sum;

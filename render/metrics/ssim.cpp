@@ -75,7 +75,9 @@ double SsimReference::similarity(const ColorPlanes& image) const {
     const Image<float>&values = image[c], &expected = (*reference_)[c];
     const Channel& channel = channels_[c];
     sum += sumOverStrips<Scratch>(height, [&](uint32_t begin, uint32_t end, Scratch& scratch) {
-      auto& [moments, differences, squaredDifferences] = scratch;
+      Moments& moments = scratch.moments;
+      auto& differences = scratch.differences;
+      auto& squaredDifferences = scratch.squaredDifferences;
       moments.filter(values, begin, end);
       differences.filter(width, height, begin, end, kSsimRadius, window(), [&](uint32_t y, float* to) {
         const float *const a = values.row(y), *const b = expected.row(y);

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "render/base/error.h"
+#include "render/core/floating_point.h"
 #include "render/volume/raw_reader.h"
 #include "render/volume/volume_format.h"
 #if WARPSCOPE_WITH_ITK
@@ -58,7 +59,7 @@ VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm:
   if (*format == VolumeFormat::raw) return openRawVolume(path, spacing, stop);
 #if WARPSCOPE_WITH_ITK
   if (spacing) throw InputError(path.string() + ": states its voxel spacing itself; only raw volumes take another one");
-  return openItkVolume(path, stop);
+  return exceptionsExpected([&] { return openItkVolume(path, stop); });  // ITK's own
 #else
   throw InputError(path.string() +
                    ": this build reads raw volumes only; build with -DWARPSCOPE_WITH_ITK=ON for this format");

@@ -5,6 +5,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <cmath>
+#include <limits>
 
 #include "render/base/error.h"
 #include "render/core/parallel.h"
@@ -131,7 +132,8 @@ VoxelStatistics gatherStatistics(const T* voxels, size_t count, const std::stop_
 
   // Differences before the product, because values may be large beside their extent; halves where the extent overflows. Powers of two bring the extent of
   // doubles to about 1: its reciprocal may overflow too.
-  const double before = std::isfinite(statistics.rangeUpper - statistics.rangeLower) ? 1.0 : 0.5;
+  constexpr double kHalfOfAll = 0.5 * std::numeric_limits<double>::max();
+  const double before = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower <= kHalfOfAll ? 1.0 : 0.5;
   const double extent = statistics.rangeUpper * before - statistics.rangeLower * before;
   const int exponent = extent > 0.0 ? -std::ilogb(extent) : 0;
   const double first = std::ldexp(1.0, exponent / 2), second = std::ldexp(1.0, exponent - exponent / 2);

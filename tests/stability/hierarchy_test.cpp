@@ -34,6 +34,11 @@ uint32_t checkStructure(const Lbvh& lbvh) {
   for (uint32_t i = 0; i < view.count; ++i) EXPECT_EQ(ids[i], i) << "every sphere once";
   EXPECT_TRUE(std::is_sorted(codes, codes + view.count));
   uint32_t visitedNodes = 0, visitedLeaves = 0, deepest = 0;
+  const auto smallestRadius = [&](LeafRange range) {
+    float smallest = kNoHit;
+    for (uint32_t i = range.first; i <= range.last; ++i) smallest = std::min(smallest, view.spheres[i].radius);
+    return smallest;
+  };
   const std::function<Box(uint32_t, LeafRange, uint32_t)> visit = [&](uint32_t reference, LeafRange range,
                                                                       uint32_t depth) {
     if (reference & kLbvhLeafBit) {
@@ -44,11 +49,12 @@ uint32_t checkStructure(const Lbvh& lbvh) {
     ++visitedNodes;
     deepest = std::max(deepest, depth);
     const LbvhNode& node = view.nodes[reference];
-    EXPECT_EQ((LeafRange{node.first, node.last}), range);
     EXPECT_EQ(determineRange(codes, view.count, reference), range) << "a thread per node finds what the walk found";
     const uint32_t split = findSplit(codes, view.count, range);
     EXPECT_EQ(node.child[0], leftReference(range, split));
     EXPECT_EQ(node.child[1], rightReference(range, split));
+    EXPECT_EQ(node.smallestRadius[0], smallestRadius({range.first, split}));
+    EXPECT_EQ(node.smallestRadius[1], smallestRadius({split + 1, range.last}));
     EXPECT_EQ(node.bounds[0], visit(node.child[0], {range.first, split}, depth + 1));
     EXPECT_EQ(node.bounds[1], visit(node.child[1], {split + 1, range.last}, depth + 1));
     Box bounds = node.bounds[0];
@@ -118,6 +124,15 @@ void expectAllAgree(std::span<const Sphere> cloud, const Camera& camera) {
     }
   }
   EXPECT_EQ(firstDifference(camera, cloud, brute, tracedPicture<EmbreeTracer>(cloud, camera)), "");
+}
+
+TEST(Case23, DenseLargeSpheresAreToldApart) {
+  // What a sphere around a node leaves out must be nothing that a ray would have met first. Pictures of 200 pixels, of which a sphere covers 30.
+  for (const float scale : {1.0f, 0x1p-30f, 0x1p30f, 0x1p-50f, 3e15f}) {
+    SCOPED_TRACE(scale);
+    const auto cloud = makeCloud(CloudShape::dense, 3000, scale, 61);
+    for (const float distance : {3.0f, 0.6f}) expectAllAgree(cloud, orbitCamera(distance * scale, 25.0f, 200, 150));
+  }
 }
 
 TEST(Case19, EqualCodesAreToldApartByIndex) {

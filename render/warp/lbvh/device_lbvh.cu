@@ -22,8 +22,6 @@ __global__ void emitNodes(const uint64_t* codes, uint32_t count, LbvhNode* nodes
   const uint32_t split = findSplit(codes, count, range);
   const uint32_t children[2] = {leftReference(range, split), rightReference(range, split)};
   LbvhNode& node = nodes[i];
-  node.first = range.first;
-  node.last = range.last;
   for (int side = 0; side < 2; ++side) {
     const uint32_t child = children[side];
     node.child[side] = child;
@@ -36,10 +34,12 @@ __global__ void boundNodes(const Sphere* spheres, uint32_t count, LbvhNode* node
   const uint32_t leaf = blockIdx.x * kThreads + threadIdx.x;
   if (leaf >= count) return;
   Box box = sphereBounds(spheres[leaf]);
+  float smallestRadius = spheres[leaf].radius;
   uint32_t place = parents[count - 1 + leaf];
   for (;;) {
     const uint32_t parent = place / 2;
     nodes[parent].bounds[place % 2] = box;
+    nodes[parent].smallestRadius[place % 2] = smallestRadius;
     __threadfence();
     if (atomicAdd(&arrivals[parent], 1) == 0) return;  // the other child is not there yet, and will go on
     __threadfence();
@@ -51,6 +51,7 @@ __global__ void boundNodes(const Sphere* spheres, uint32_t count, LbvhNode* node
       sibling.upper[axis] = __ldcg(other + 3 + axis);
     }
     box.include(sibling);
+    smallestRadius = minOf(smallestRadius, __ldcg(&nodes[parent].smallestRadius[1 - place % 2]));
     if (parent == 0) return;
     place = parents[parent];
   }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "render/base/error.h"
+#include "render/core/floating_point.h"
 #include "render/core/ray_sphere.h"
 #include "render/core/parallel.h"
 
@@ -96,8 +97,10 @@ void EmbreeTracer::build(std::span<const Sphere> spheres) {
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(Sphere), spheres.size()));
   errors_->throwIfAny();
   std::copy(spheres.begin(), spheres.end(), vertices);
-  rtcCommitGeometry(geometry);
-  rtcCommitScene(scene.get());
+  exceptionsExpected([&] {
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene.get());
+  });
   errors_->throwIfAny();
   scene_ = std::move(scene);
 }
@@ -153,7 +156,7 @@ void EmbreeTracer::trace(const Camera& camera, Image<uint32_t>& ids, Image<float
       context.t[i] = kNoHit;
       context.id[i] = kNoSample;
     }
-    rtcIntersect8(valid, scene_.get(), &context.base, &packet);
+    exceptionsExpected([&] { rtcIntersect8(valid, scene_.get(), &context.base, &packet); });  // Embree's own
     for (uint32_t i = 0; i < kPacketRays; ++i) {
       if (valid[i] == 0 || packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
       const uint32_t x = x0 + i % kPacketWidth;

@@ -1,7 +1,7 @@
 // A linear bounding volume hierarchy over spheres: layout, construction rules and per-ray traversal, for host and
 // device. After Karras, "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees", HPG 2012, with
-// 63-bit codes, equal codes told apart by index (his section 4), and both children's boxes and the range of leaves kept
-// in the parent.
+// 63-bit codes, equal codes told apart by index (his section 4), and both children's boxes and smallest radii kept in
+// the parent.
 #pragma once
 
 #include "render/core/host_device.h"
@@ -33,9 +33,8 @@ inline constexpr uint32_t kMaxLbvhDepth = 63 + 31;
 /// leaves [first, last] are split after `s`, the left child is node or leaf s and the right one node or leaf s + 1.
 struct LbvhNode {
   Box bounds[2];      ///< of the left and the right child, rounded to nearest: queries widen them, see kLbvhMargin
+  float smallestRadius[2];  ///< of the spheres below the left and the right child
   uint32_t child[2];  ///< references
-  uint32_t first;     ///< first leaf below this node, in Morton order
-  uint32_t last;      ///< last one, inclusive
 };
 static_assert(sizeof(LbvhNode) == 64, "one cache line");
 
@@ -130,6 +129,13 @@ WARPSCOPE_HD inline uint32_t leftReference(LeafRange range, uint32_t split) {
 
 WARPSCOPE_HD inline uint32_t rightReference(LeafRange range, uint32_t split) {
   return split + 1 == range.last ? (split + 1) | kLbvhLeafBit : split + 1;
+}
+
+/// Radius of a sphere around the middle of a box with these half extents that holds all spheres within the box whose
+/// radii are at least `smallestRadius`. The farthest point of a sphere in the box's corner is |halfExtent - r| + r away,
+/// and the smaller r, the farther. Much smaller than the box where spheres are much larger than their distances.
+WARPSCOPE_HD inline float boundingRadius(const glm::vec3& halfExtent, float smallestRadius) {
+  return glm::length(glm::max(halfExtent - smallestRadius, glm::vec3(0.0f))) + smallestRadius;
 }
 
 // --- Traversal

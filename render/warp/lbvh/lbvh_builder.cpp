@@ -19,6 +19,10 @@ namespace {
 constexpr size_t kGrain = 16384;          // spheres a task looks at
 constexpr uint32_t kSerialLeaves = 2048;  // subtrees below this size are built by one task
 
+/// Above this many spheres, what only construction needs is given back before the nodes are made: then these lists together are far larger
+/// than what touching their pages anew costs with the next frame.
+constexpr size_t kKeptSpheres = size_t{1} << 22;
+
 constexpr int kDigitBits = 11;
 constexpr size_t kDigits = size_t{1} << kDigitBits;
 constexpr size_t kSortBlock = 65536;  // items whose digits are counted together
@@ -130,11 +134,11 @@ void Lbvh::build(std::span<const Sphere> spheres) {
       items_[i] = {mortonCodeOf(spheres[i].center, summary.centers), static_cast<uint32_t>(i)};
   });
   sortByCode(items_, scratch_);
+  if (count > kKeptSpheres) scratch_ = {};
 
   codes_.resize(count);
   spheres_.resize(count);
   ids_.resize(count);
-  nodes_.resize(count - 1);
   parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       codes_[i] = items_[i].code;
@@ -142,22 +146,29 @@ void Lbvh::build(std::span<const Sphere> spheres) {
       spheres_[i] = spheres[items_[i].index];
     }
   });
+  if (count > kKeptSpheres) items_ = {};
+  nodes_.resize(count - 1);
   if (count > 1) emitNode(0, {0, static_cast<uint32_t>(count - 1)});
 }
 
-Box Lbvh::emitChild(uint32_t reference, LeafRange range) {
-  return reference & kLbvhLeafBit ? sphereBounds(spheres_[range.first]) : emitNode(reference, range);
+Lbvh::Extent Lbvh::emitChild(uint32_t reference, LeafRange range) {
+  if (!(reference & kLbvhLeafBit)) return emitNode(reference, range);
+  const Sphere& sphere = spheres_[range.first];
+  return {sphereBounds(sphere), sphere.radius};
 }
 
-Box Lbvh::emitNode(uint32_t index, LeafRange range) {
+Lbvh::Extent Lbvh::emitNode(uint32_t index, LeafRange range) {
   LbvhNode& node = nodes_[index];
   const uint32_t split = findSplit(codes_.data(), static_cast<uint32_t>(codes_.size()), range);
   node.child[0] = leftReference(range, split);
   node.child[1] = rightReference(range, split);
-  node.first = range.first;
-  node.last = range.last;
-  const auto emitLeft = [&] { node.bounds[0] = emitChild(node.child[0], {range.first, split}); };
-  const auto emitRight = [&] { node.bounds[1] = emitChild(node.child[1], {split + 1, range.last}); };
+  const auto emit = [&](int side, LeafRange leaves) {
+    const Extent extent = emitChild(node.child[side], leaves);
+    node.bounds[side] = extent.bounds;
+    node.smallestRadius[side] = extent.smallestRadius;
+  };
+  const auto emitLeft = [&] { emit(0, {range.first, split}); };
+  const auto emitRight = [&] { emit(1, {split + 1, range.last}); };
   if (range.last - range.first < kSerialLeaves) {
     emitLeft();
     emitRight();
@@ -166,7 +177,7 @@ Box Lbvh::emitNode(uint32_t index, LeafRange range) {
   }
   Box bounds = node.bounds[0];
   bounds.include(node.bounds[1]);
-  return bounds;
+  return {bounds, std::min(node.smallestRadius[0], node.smallestRadius[1])};
 }
 
 LbvhView Lbvh::view() const {

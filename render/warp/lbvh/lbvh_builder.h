@@ -29,7 +29,7 @@ struct MortonItem {
 /// number of threads.
 void sortByCode(std::vector<MortonItem>& items, std::vector<MortonItem>& scratch);
 
-/// A hierarchy that owns its memory, and keeps it from one build to the next.
+/// A hierarchy that owns its memory, and keeps it from one build to the next, unless that would be gigabytes.
 class Lbvh {
  public:
   /// Replaces what was there. The result depends on the spheres and their order only, not on the number of threads.
@@ -43,8 +43,13 @@ class Lbvh {
   std::span<const uint64_t> codes() const { return codes_; }
 
  private:
-  Box emitNode(uint32_t node, LeafRange range);
-  Box emitChild(uint32_t reference, LeafRange range);
+  /// Of the spheres below a node.
+  struct Extent {
+    Box bounds;
+    float smallestRadius;
+  };
+  Extent emitNode(uint32_t node, LeafRange range);
+  Extent emitChild(uint32_t reference, LeafRange range);
 
   std::vector<LbvhNode> nodes_;
   std::vector<Sphere> spheres_;

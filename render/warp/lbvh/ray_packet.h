@@ -8,6 +8,7 @@
 #include <xsimd/xsimd.hpp>
 
 #include "render/core/camera.h"
+#include "render/core/floating_point.h"
 #include "render/core/numeric.h"
 #include "render/core/textbook_sphere.h"
 
@@ -56,8 +57,9 @@ inline FloatPack intersectSpherePack(const Vec3Pack& direction, const glm::vec3&
   const FloatPack zero(0.0f);
   // Where every lane misses, leaving early would cost more in mispredicted branches than it saves.
   const FloatMask hit = (along > zero) & (discriminant >= zero);
-  const FloatPack t = outside / (along + xsimd::sqrt(discriminant));
-  return xsimd::select(hit, xsimd::select(t > along, along, t), noHit);
+  // In lanes that miss, roots of negative numbers, and what is divided by them.
+  const FloatPack t = exceptionsExpected([&, outside = outside] { return outside / (along + xsimd::sqrt(discriminant)); });
+  return xsimd::select(hit, exceptionsExpected([&] { return xsimd::select(t > along, along, t); }), noHit);
 }
 
 /// intersectSphereTextbook likewise.

@@ -1,6 +1,7 @@
-// A tile of pixels walks the hierarchy of lbvh.h together; each sphere that it meets is intersected with the rows and columns that it may
-// cover. Host only. Frustum and packet traversal after Wald, Boulos, Shirley 2007 ("Ray Tracing Deformable Scenes using Dynamic Bounding
-// Volume Hierarchies"), but with planes through the eye instead of interval arithmetic; several hits as Gribble, Naveros, Kerzner 2014.
+// A tile of pixels walks the hierarchy of lbvh.h together; each sphere that it meets is intersected with the blocks of pixels that it may cover
+// and in which it may be the nearest. Host only. Frustum and packet traversal after Wald, Boulos, Shirley 2007 ("Ray Tracing Deformable Scenes
+// using Dynamic Bounding Volume Hierarchies"), but with planes through the eye instead of interval arithmetic, and with spheres around nodes,
+// as boxes cannot tell large spheres that lie dense from one another; several hits as Gribble, Naveros, Kerzner 2014.
 #pragma once
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "render/core/simd.h"
 #include "render/warp/lbvh/lbvh.h"
 #include "render/warp/lbvh/ray_packet.h"
 
@@ -18,14 +20,33 @@ namespace warpscope {
 
 inline constexpr uint32_t kTileSide = 16;  ///< pixels
 static_assert(kTileSide % kPackLanes == 0);
-inline constexpr uint32_t kGroupsInRow = kTileSide / kPackLanes;
-inline constexpr uint32_t kGroupMask = (1u << (kPackLanes - 1) << 1) - 1;
+static_assert(kTileSide % 4 == 0);
 
 /// Subtrees of at most this many spheres are not walked but tested one by one.
 inline constexpr uint32_t kLeafSpheres = 8;
 
 /// kLbvhMargin covers the exact test and the box test; directions, planes and their products add about as much again.
 inline constexpr float kPacketMargin = 2.0f * kLbvhMargin;
+
+/// Spheres with smaller radii are not told from others by where they bulge: squares of what is much smaller underflow.
+inline constexpr float kSmallestBulge = 0x1p-40f;
+
+/// A sphere around all that is looked at, as seen from the eye.
+struct Bulge {
+  float distance;  ///< of the centre from the eye
+  float radius;    ///< below the distance
+};
+
+/// At most the distance to the sphere along a ray that passes the centre at `offset` >= 0 or farther. Where a ray passes the middle of a sphere at
+/// some distance, the sphere's surface lies that much deeper: sqrt(D^2 - offset^2) - sqrt(R^2 - offset^2), which grows with the offset. For
+/// numbers and packs.
+template <class Real>
+inline Real bulgeDepth(const Bulge& bulge, const Real& offset) {
+  const Real zero(0.0f);
+  const Real squaredOffset = offset * offset;
+  return sqrtOf(maxOf(Real(bulge.distance * bulge.distance) - squaredOffset, zero)) -
+         sqrtOf(maxOf(Real(bulge.radius * bulge.radius) - squaredOffset, zero));
+}
 
 /// Unit normals of the planes through the eye and one column (or row) of pixel centres each.
 class PlaneFan {
@@ -92,15 +113,21 @@ class TileTracer {
   TileTracer(const PacketScene& scene, int hits, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1)
       : scene_(scene), last_(Capacity == 1 ? 0 : hits - 1), x0_(x0), y0_(y0) {
     const Camera& camera = scene.camera;
+    alignas(64) std::array<float, kPackLanes> laneX, laneY;
+    for (uint32_t lane = 0; lane < kPackLanes; ++lane) {
+      laneX[lane] = static_cast<float>(lane % kGroupWidth);
+      laneY[lane] = static_cast<float>(lane / kGroupWidth);
+    }
     for (uint32_t i = 0; i < kRays; i += kPackLanes) {
-      const FloatPack column = static_cast<float>(x0 + i % kTileSide) + laneNumbers();
-      const float row = static_cast<float>(y0 + i / kTileSide);
-      const Vec3Pack direction = pixelDirections(camera, column + 0.5f, FloatPack(row + 0.5f));
+      const uint32_t group = i / kPackLanes;
+      const FloatPack column = static_cast<float>(x0 + group % kGroupColumns * kGroupWidth) + FloatPack::load_aligned(laneX.data());
+      const FloatPack row = static_cast<float>(y0 + group / kGroupColumns * kGroupHeight) + FloatPack::load_aligned(laneY.data());
+      const Vec3Pack direction = pixelDirections(camera, column + 0.5f, row + 0.5f);
       direction.x.store_aligned(&directionX_[i]);
       direction.y.store_aligned(&directionY_[i]);
       direction.z.store_aligned(&directionZ_[i]);
       // Pixels outside the image are hit by nothing and never the farthest.
-      const FloatMask inside = (column < FloatPack(static_cast<float>(x1))) & FloatMask(row < static_cast<float>(y1));
+      const FloatMask inside = (column < FloatPack(static_cast<float>(x1))) & (row < FloatPack(static_cast<float>(y1)));
       for (int hit = 0; hit <= last_; ++hit)
         storeHit(hit, i, {xsimd::select(inside, FloatPack(kNoHit), FloatPack(-kNoHit)), IntPack(-1)});
       updateGroup(i);
@@ -118,6 +145,9 @@ class TileTracer {
       limit_[k] = -scene.margin;
     }
     limit_[kNearPlane] = -kNoHit;
+    // The ray of a corner is the farthest from the axis.
+    for (const uint32_t x : {x0, x1 - 1})
+      for (const uint32_t y : {y0, y1 - 1}) spread_ = std::max(spread_, spreadOf(axis_, directionOf(rayOf(x, y))));
   }
 
   /// The hierarchy must not be empty.
@@ -136,8 +166,8 @@ class TileTracer {
       } else {
         const LbvhNode& node = scene_.view.nodes[entry.reference];
         const uint32_t split = node.child[0] & ~kLbvhLeafBit;
-        Entry left{{node.first, split}, node.child[0], nearestDepth(node.bounds[0])};
-        Entry right{{split + 1, node.last}, node.child[1], nearestDepth(node.bounds[1])};
+        Entry left{{entry.range.first, split}, node.child[0], nearestDepth(node, 0)};
+        Entry right{{split + 1, entry.range.last}, node.child[1], nearestDepth(node, 1)};
         if (right.depth < left.depth) std::swap(left, right);
         if (right.depth < kNoHit) {
           if (size == stack.size()) throw std::logic_error("the sphere hierarchy is deeper than its keys allow");
@@ -161,13 +191,48 @@ class TileTracer {
 
  private:
   static constexpr uint32_t kRays = kTileSide * kTileSide;
+  // A pack holds a block of pixels: of all shapes the one that spheres tell apart best.
+  static constexpr uint32_t kGroupWidth = std::min(kPackLanes, 4u);
+  static constexpr uint32_t kGroupHeight = kPackLanes / kGroupWidth;
+  static constexpr uint32_t kGroupColumns = kTileSide / kGroupWidth;
+  static constexpr uint32_t kGroupRows = kTileSide / kGroupHeight;
   static constexpr uint32_t kGroups = kRays / kPackLanes;
-  static_assert(kGroups % kPackLanes == 0);
+  static_assert(kGroups % kPackLanes == 0 && kGroups <= 64);
+  /// Where a sphere may cover more groups than this, finding out in which of them it may be the nearest is worth it.
+  static constexpr int kFewGroups = 2;
   static constexpr uint32_t kPlanes = 5;
   static constexpr uint32_t kNearPlane = 4;
   static constexpr uint32_t kPaddedPlanes = (kPlanes + kPackLanes - 1) / kPackLanes * kPackLanes;
 
-  uint32_t rayOf(uint32_t x, uint32_t y) const { return (y - y0_) * kTileSide + x - x0_; }
+  uint32_t rayOf(uint32_t x, uint32_t y) const {
+    const uint32_t column = x - x0_, row = y - y0_;
+    return (row / kGroupHeight * kGroupColumns + column / kGroupWidth) * kPackLanes + row % kGroupHeight * kGroupWidth + column % kGroupWidth;
+  }
+
+  glm::vec3 directionOf(uint32_t ray) const { return {directionX_[ray], directionY_[ray], directionZ_[ray]}; }
+
+  /// The sine of the angle between two unit vectors, as large as it may be.
+  static float spreadOf(const glm::vec3& axis, const glm::vec3& direction) {
+    return glm::length(direction - glm::dot(axis, direction) * axis) + kPacketMargin;
+  }
+
+  /// At most the distance to anything below that child; kNoHit if no ray can meet any of it before what it has met.
+  float nearestDepth(const LbvhNode& node, int side) const {
+    const Box& box = node.bounds[side];
+    const float depth = nearestDepth(box);
+    const glm::vec3 halfExtent = 0.5f * (box.upper - box.lower);
+    const float largest = std::max({halfExtent.x, halfExtent.y, halfExtent.z});
+    // Around a node that is much larger than its spheres, a sphere tells nothing that the box does not.
+    if (depth == kNoHit || !(largest < 4.0f * node.smallestRadius[side]) || !(largest > kSmallestBulge)) return depth;
+    const glm::vec3 toMiddle = 0.5f * (box.lower + box.upper) - scene_.camera.eye;
+    const Bulge bulge{glm::length(toMiddle), boundingRadius(halfExtent, node.smallestRadius[side]) + scene_.margin};
+    if (!(bulge.radius < bulge.distance)) return depth;
+    // A ray at an angle to the axis passes by that much nearer: sin(a - b) >= sin(a) - sin(b) for a >= b.
+    const float offset = glm::length(toMiddle - glm::dot(toMiddle, axis_) * axis_) - bulge.distance * spread_ - scene_.margin;
+    if (offset > bulge.radius) return kNoHit;
+    const float bulgeNear = bulgeDepth(bulge, std::max(offset, 0.0f)) - scene_.margin;
+    return bulgeNear > farthest_ ? kNoHit : std::max(depth, bulgeNear);
+  }
 
   /// Along the tile's axis, at most the distance to anything in the box; kNoHit if no ray can meet the box before what
   /// it has met.
@@ -206,15 +271,59 @@ class TileTracer {
     if (nearest > farthest_) return false;
     const uint32_t columns = scene_.columns.near(x0_, toCenter, distance);
     if (columns == 0) return false;
+    uint64_t groups = groupsAt(columns, scene_.rows.near(y0_, toCenter, distance));
+    if (std::popcount(groups) > kFewGroups) groups &= groupsBehind(toCenter, nearest + distance, sphere.radius);
     const IntPack id(static_cast<int32_t>(scene_.view.ids[i]));
     bool closer = false;
-    for (uint32_t rows = scene_.rows.near(y0_, toCenter, distance); rows != 0; rows &= rows - 1) {
-      const uint32_t row = static_cast<uint32_t>(std::countr_zero(rows)) * kTileSide;
-      for (uint32_t group = 0; group < kGroupsInRow; ++group)
-        if (columns >> (group * kPackLanes) & kGroupMask && nearest <= groupFarthest_[row / kPackLanes + group])
-          closer |= testGroup(row + group * kPackLanes, toCenter, sphere.radius, id);
+    for (; groups != 0; groups &= groups - 1) {
+      const auto group = static_cast<uint32_t>(std::countr_zero(groups));
+      if (nearest <= groupFarthest_[group]) closer |= testGroup(group * kPackLanes, toCenter, sphere.radius, id);
     }
     return closer;
+  }
+
+  /// The groups that hold pixels of these columns and rows (bits), as bits.
+  static uint64_t groupsAt(uint32_t columns, uint32_t rows) {
+    uint64_t inRow = 0;
+    for (uint32_t column = 0; column < kGroupColumns; ++column)
+      inRow |= uint64_t{(columns >> (column * kGroupWidth) & ((1u << kGroupWidth) - 1)) != 0} << column;
+    uint64_t groups = 0;
+    for (uint32_t row = 0; row < kGroupRows; ++row)
+      if (rows >> (row * kGroupHeight) & ((1u << kGroupHeight) - 1)) groups |= inRow << (row * kGroupColumns);
+    return groups;
+  }
+
+  /// The groups in which a ray may meet the sphere before what it has met, as bits.
+  uint64_t groupsBehind(const glm::vec3& toCenter, float distance, float radius) {
+    const Bulge bulge{distance, std::min(radius, 0.5f * distance) + scene_.margin};  // what is seen of it: seenRadius
+    if (!(bulge.radius < bulge.distance) || !(bulge.radius > kSmallestBulge)) return ~uint64_t{0};
+    if (!hasBeams_) makeBeams();
+    uint64_t bits = 0;
+    for (uint32_t i = 0; i < kGroups; i += kPackLanes) {
+      const Vec3Pack axis{FloatPack::load_aligned(&beamX_[i]), FloatPack::load_aligned(&beamY_[i]), FloatPack::load_aligned(&beamZ_[i])};
+      const FloatPack along = axis.x * toCenter.x + axis.y * toCenter.y + axis.z * toCenter.z;
+      const Vec3Pack beside{toCenter.x - along * axis.x, toCenter.y - along * axis.y, toCenter.z - along * axis.z};
+      const FloatPack passed = xsimd::sqrt(dot(beside, beside)) - distance * FloatPack::load_aligned(&beamSpread_[i]) - scene_.margin;
+      const FloatPack nearest = bulgeDepth(bulge, xsimd::max(passed, FloatPack(0.0f))) - scene_.margin;
+      const FloatMask may = (passed <= FloatPack(bulge.radius)) & (nearest <= FloatPack::load_aligned(&groupFarthest_[i]));
+      bits |= uint64_t{laneBits(may)} << i;
+    }
+    return bits;
+  }
+
+  /// Of each group the ray through its middle, and how far its rays are from that.
+  void makeBeams() {
+    for (uint32_t group = 0; group < kGroups; ++group) {
+      const uint32_t first = group * kPackLanes, last = first + kPackLanes - 1;
+      const uint32_t firstEnd = first + kGroupWidth - 1, lastBegin = last + 1 - kGroupWidth;
+      const glm::vec3 axis = glm::normalize(directionOf(first) + directionOf(last));
+      beamX_[group] = axis.x;
+      beamY_[group] = axis.y;
+      beamZ_[group] = axis.z;
+      beamSpread_[group] = std::max({spreadOf(axis, directionOf(first)), spreadOf(axis, directionOf(last)),
+                                     spreadOf(axis, directionOf(firstEnd)), spreadOf(axis, directionOf(lastBegin))});
+    }
+    hasBeams_ = true;
   }
 
   bool testGroup(uint32_t ray, const glm::vec3& toCenter, float radius, const IntPack& id) {
@@ -251,12 +360,15 @@ class TileTracer {
   uint32_t x0_;
   uint32_t y0_;
   glm::vec3 axis_;
+  float spread_ = 0.0f;      // sine of the largest angle between a ray and the axis
   float farthest_ = kNoHit;  // of all rays' last hits
+  bool hasBeams_ = false;
   alignas(64) std::array<float, kPaddedPlanes> planeX_{}, planeY_{}, planeZ_{}, planeEye_{}, limit_{};
   alignas(64) std::array<float, kRays> directionX_, directionY_, directionZ_;
   alignas(64) std::array<std::array<float, kRays>, Capacity> t_;  // nearest hits first
   alignas(64) std::array<std::array<int32_t, kRays>, Capacity> id_;
   alignas(64) std::array<float, kGroups> groupFarthest_;  // of each group's last hits
+  alignas(64) std::array<float, kGroups> beamX_, beamY_, beamZ_, beamSpread_;  // see makeBeams
 };
 
 }  // namespace warpscope
