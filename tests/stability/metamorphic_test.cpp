@@ -355,7 +355,7 @@ TEST_P(MetamorphicBy, RaysInPiecesMakeTheSamePictureAndSamples) {
   MarchSettings settings;
   settings.sample.heuristic = GetParam();
   settings.render.step = 0.23f;
-  const BakedTransfer baked = bakeTransfer(marched, settings.render.step);
+  const BakedTransfer baked = bakeTransfer(marched, settings.render);
   VolumeView<uint8_t> view = makeVolumeView<uint8_t>(marched);
   view.voxels = volume->voxelsAs<uint8_t>();
   view.transfer = baked.table.lookup();
