@@ -203,6 +203,7 @@ TransferLookup TransferTable::lookup() const {
   lookup.alphas = alphas.data();
   lookup.unitAlphas = unitAlphas.data();
   lookup.refinements = refinements.data();
+  lookup.isRefined = !refinements.empty();
   lookup.begins = begins.data();
   lookup.scale = scale;
   lookup.offset = offset;

@@ -31,6 +31,7 @@ struct TransferLookup {
   const float* begins = nullptr;       ///< of each piece: the least x in it; ascending within a bin
   float scale = 0.0f;                  ///< bins for a unit of x
   float offset = 0.0f;                 ///< bins between that of 0 and the first
+  bool isRefined = false;              ///< any bin is: refinements are not empty
   int32_t bins = 1;                    ///< the first holds all below the second, the last all above the one before it
 
   /// The bin of x; NaN's is the first. Float is float or a vector of floats.

@@ -2,6 +2,8 @@
 // Warps are tiles of 8 x 4 pixels, whose rays stay together. Included by the march_kernels_*.cu alone, one for each kind of voxel.
 #pragma once
 
+#include <type_traits>
+
 #include "render/core/color.h"
 #include "render/core/ray_sphere.h"
 #include "render/cuda/pixel_tiles.cuh"
@@ -24,8 +26,13 @@ __device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel, fl
   return path;
 }
 
-template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, 8)
+/// Blocks of a multiprocessor that there are registers for. Measured on an H200: fewer registers make loops wait for
+/// constants, more leave too few rays to wait with. Bins that are refined take a call, and what it needs.
+template <bool kIsRefined>
+constexpr int kBlocksAtOnce = kIsRefined ? 7 : 6;
+
+template <class Depth, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<kIsRefined>)
     marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
@@ -35,7 +42,8 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8)
   RayColor gathered;
   ProfileFold profile;
   auto fold = Depth::start(job.threshold, profile);
-  ScalarVolumeSource<Voxel, kHasHoles, kByCells> source(job.view, ray, lattice);
+  using Source = ScalarVolumeSource<Voxel, kHasHoles, kByCells, StableMarch, kIsRefined>;
+  Source source(job.view, ray, lattice);
   marchRay(path, 0, lattice.count, source, light, job.limits, gathered, [&](const CountingSample& sample) {
     if constexpr (Depth::kTwoPass)
       profile.add(sample);
@@ -47,7 +55,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8)
     if (profile.any) {  // again, up to where the fold has what it wants
       fold = Depth::start(job.threshold, profile);
       RayOpacity opacity;
-      ScalarVolumeSource<Voxel, kHasHoles, kByCells> again(job.view, ray, lattice);
+      Source again(job.view, ray, lattice);
       marchRay(path, 0, lattice.count, again, light, job.limits, opacity, [&](const CountingSample& sample) {
         fold.add(sample);
         return !fold.crossed;
@@ -63,7 +71,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8)
 
 /// As marchSamples, for several samples a ray: job.slots places for each pixel, the first of them filled, near to far.
 template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, 8)
+__global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<true>)
     marchSeveralSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
@@ -84,14 +92,14 @@ __global__ void __launch_bounds__(kTileBlockThreads, 8)
   }
 }
 
-template <class March, class Light, class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, 8)
+template <class March, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<kIsRefined>)
     marchColors(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const RayPath path = rayThrough(job, pixel);
   GatheredColor<March> gathered;
-  ScalarVolumeSource<Voxel, kHasHoles, kByCells, March> source(job.view, path.ray, path.lattice);
+  ScalarVolumeSource<Voxel, kHasHoles, kByCells, March, kIsRefined> source(job.view, path.ray, path.lattice);
   marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered,
            [](const CountingSample&) { return true; });
   job.image[size_t{pixel.y} * job.camera.width + pixel.x] = gathered.premultiplied();
@@ -101,23 +109,30 @@ template <class Voxel, bool kHasHoles, bool kByCells>
 void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std::optional<Heuristic> heuristic,
                  cudaStream_t stream) {
   const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
+  const auto visitRefined = [&](auto&& f) { job.view.transfer.isRefined ? f(std::true_type{}) : f(std::false_type{}); };
   visitLight(settings, [&](auto light) {
     using Light = decltype(light);
-    if (heuristic)
+    if (heuristic) {
       visitHeuristic(*heuristic, [&](auto depth) {
-        if (job.slots == 1)
-          marchSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells>
+        using Depth = decltype(depth);
+        if (job.slots > 1)
+          marchSeveralSamples<Depth, Light, Voxel, kHasHoles, kByCells>
               <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
         else
-          marchSeveralSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells>
-              <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+          visitRefined([&](auto isRefined) {
+            marchSamples<Depth, Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells>
+                <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+          });
       });
-    else
-      visitMarchArithmetic(settings.arithmetic, [&](auto march) {
-        using March = decltype(march);
-        marchColors<March, Light, Voxel, kHasHoles && March::kLeavesOutMissing, kByCells>
+    } else if (settings.arithmetic == Arithmetic::textbook) {
+      marchColors<TextbookMarch, Light, false, Voxel, kHasHoles && TextbookMarch::kLeavesOutMissing, kByCells>
+          <<<grid, kTileBlockThreads, 0, stream>>>(job, light);  // the table of textbooks is never refined
+    } else {
+      visitRefined([&](auto isRefined) {
+        marchColors<StableMarch, Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells>
             <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
       });
+    }
   });
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }

@@ -11,7 +11,8 @@
 namespace warpscope {
 
 /// kHasHoles: some voxels are not finite and are left out of interpolation. kByCells: the view has cells to load from, not voxels.
-template <class Voxel, bool kHasHoles, bool kByCells, class MarchPolicy = StableMarch>
+/// kIsRefined: the table may have bins that are told apart further; asking costs a tenth of a march.
+template <class Voxel, bool kHasHoles, bool kByCells, class MarchPolicy = StableMarch, bool kIsRefined = true>
 class ScalarVolumeSource {
  public:
   using March = MarchPolicy;
@@ -83,10 +84,11 @@ class ScalarVolumeSource {
     }
     index_ = view_.transfer.binOf(value);
     alpha_ = view_.transfer.alphas[index_];
-    if (alpha_ < 0.0f) {
-      index_ = view_.transfer.refined(alpha_, value);
-      alpha_ = view_.transfer.alphas[index_];
-    }
+    if constexpr (kIsRefined)
+      if (alpha_ < 0.0f) {
+        index_ = view_.transfer.refined(alpha_, value);
+        alpha_ = view_.transfer.alphas[index_];
+      }
   }
 
   WARPSCOPE_HD const VoxelCell<Voxel>& cellAt(const int (&index)[3]) const {
