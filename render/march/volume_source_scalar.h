@@ -20,7 +20,7 @@ class ScalarVolumeSource {
         lattice_(lattice),
         origin_(view.voxelOrigin(ray)),
         direction_(view.voxelDirection(ray)),
-        emptySpace_(view.cells, origin_, direction_, view.dims, lattice) {}
+        emptySpace_(view.cells, origin_, direction_, lattice) {}
 
   WARPSCOPE_HD int skip(int i) const { return maxOf(i, leapTo_); }
 
