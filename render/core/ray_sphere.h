@@ -15,8 +15,8 @@ inline constexpr float kNoHit = std::numeric_limits<float>::infinity();
 /// What intersectSphere is off by, u = 2^-24: the point at t lies within the first of the surface, relative to the
 /// centre's distance and the radius seen; t itself is within the second, relative to t, for rays that pass within half
 /// the radius of the centre. (Near the outline the surface is nearly parallel to the ray, and t as good as the square
-/// root of the first.) To first order the roundings add up to 16u where all fall the same way; half of that is twice
-/// what millions of rays of all magnitudes have shown.
+/// root of the first.) To first order the roundings add up to 16u where all fall the same way; half of that is nearly
+/// twice what millions of rays of all magnitudes have shown.
 inline constexpr double kSphereSurfaceError = 8 * 0x1p-24;
 inline constexpr double kSphereDistanceError = 8 * 0x1p-24;
 

@@ -48,9 +48,10 @@ inline constexpr double kContributionError = 4.001 * 0x1p-24;
 /// and after a step carry 1 and 2u, a threshold that is a share of the end's 3u, the fraction of the step what their
 /// differences make of it. Then the place is rounded: by u of it and 2u of ds.
 inline constexpr double kCrossingError = 9.001 * 0x1p-24;
-/// Expected: for each sample and three besides, relative to the farthest one's distance, what the mean is off by; the
-/// spread by twice that. Each sample rounds the mean once, and weights carry a rounding for each sample before (West
-/// 1979 for why the spread does not cancel).
+/// Expected: for each sample and three besides, relative to the farthest one's distance, what the mean is off by: each
+/// sample rounds the mean once, and weights carry a rounding for each sample before. The square of the spread is off by
+/// twice that, times the distance from the first to the last: a spread that is nearly 0 beside the distance from the
+/// eye has half its digits.
 inline constexpr double kMeanErrorPerSample = 2.001 * 0x1p-24;
 
 /// First and last sample that counts; the base of entrance, exit, midpoint. The first two are exact, the midpoint is
