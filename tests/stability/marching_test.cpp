@@ -116,8 +116,11 @@ TEST_P(Case33, PropertyLightIsWithinItsBound) {
       const float last = correctOpacity(inputs[i].unitAlpha, lattice.stepLength(lattice.count - 1));
       const Exact through = exp(Exact(lattice.count - 1) * log1p(-Exact(inputs[i].alpha))) * (1 - Exact(last));
       const double opacityError = roundoffs(found[i].premultiplied.a, 1 - through, 1 - through);
-      RC_ASSERT(opacityError * kUnitRoundoff <= kMarchedOpacityError);
-      opacity.see(opacityError);
+      const Exact ofDouble = lattice.count * Exact(0x1p-53) / (1 - through);
+      RC_ASSERT(Exact(opacityError * kUnitRoundoff) <= Exact(1.001 * kUnitRoundoff) + ofDouble);
+      const bool isFaint = last < 1e-9f || inputs[i].alpha < 1e-9f;
+      if (!isFaint) RC_ASSERT(opacityError * kUnitRoundoff <= kMarchedOpacityError);
+      if (!isFaint) opacity.see(opacityError);
       for (const auto& [value, share] :
            {std::pair(found[i].premultiplied.r, 1), std::pair(found[i].premultiplied.b, 4)}) {
         const double colorError = roundoffs(Exact(value) * share, 1 - through, 1 - through);
