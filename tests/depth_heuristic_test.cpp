@@ -1,13 +1,11 @@
-// Every depth heuristic against a naive implementation of the table of definitions, in long double; and as a fold, cut anywhere.
-// Mirrors render/march/depth_heuristic.h; definitions after Zellmann, Aumueller, Lang 2012.
+// Depth heuristics: ties, single samples, none, and how crossings get better with the step. Their definitions: stability/folds_test.cpp.
+// Mirrors render/march/depth_heuristic.h.
 #include "render/march/depth_heuristic.h"
 
 #include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include "render/march/transmittance.h"
@@ -50,119 +48,6 @@ DepthResult foldedDepth(Heuristic heuristic, const Samples& samples, float thres
     }
     return Depth::result(whole);
   });
-}
-
-// --- The naive implementation. A sample as the table writes it: t_i, ds, alpha_i, T_i, w_i, A_i.
-
-struct Row {
-  long double t, ds, alpha, transmittance, w, after;
-};
-
-std::vector<Row> rowsOf(const std::vector<float>& alphas, float t0, float dt, float contribution, bool& undecided) {
-  std::vector<Row> rows;
-  long double transmittance = 1.0L;
-  for (size_t i = 0; i < alphas.size(); ++i) {
-    const long double alpha = alphas[i], w = alpha * transmittance;
-    if (std::abs(w - contribution) < 1e-6L * contribution) undecided = true;
-    if (w >= contribution)
-      rows.push_back({t0 + (i + 0.5L) * dt, dt, alpha, transmittance, w, 1.0L - transmittance * (1.0L - alpha)});
-    transmittance *= 1.0L - alpha;
-  }
-  return rows;
-}
-
-long double naiveCrossing(const std::vector<Row>& rows, long double tau) {
-  for (const Row& row : rows) {
-    if (row.after < tau) continue;
-    const long double before = 1.0L - row.transmittance;
-    const long double fraction = std::clamp((tau - before) / (row.after - before), 0.0L, 1.0L);
-    return row.t + (fraction - 0.5L) * row.ds;
-  }
-  return rows.back().t;
-}
-
-/// Lowest and highest answer that rounding can excuse.
-struct Answer {
-  long double lowest, highest, spread = 0.0L;
-};
-
-Answer naiveDepth(Heuristic heuristic, const std::vector<Row>& rows, long double threshold) {
-  const auto exactly = [](long double t) { return Answer{t, t}; };
-  const auto crossing = [&](long double tau) {
-    const long double rounding = 2.5e-7L * tau + 1e-15L;  // of 1 - T in float, T in double
-    const long double low = naiveCrossing(rows, tau - rounding), high = naiveCrossing(rows, tau + rounding);
-    const Row& last = rows.back();
-    if (std::abs(tau - last.after) <= rounding)  // crossed at the last step's end, or never: then its middle
-      return Answer{std::min(low, last.t), std::max(high, last.t + 0.5L * last.ds)};
-    return Answer{low, high};
-  };
-  const auto largest = [&](auto key) {
-    long double best = 0.0L;
-    for (const Row& row : rows) best = std::max(best, key(row));
-    Answer answer{1e30L, -1e30L};
-    for (const Row& row : rows)
-      if (key(row) >= best * (1.0L - 4e-7L)) answer = {std::min(answer.lowest, row.t), std::max(answer.highest, row.t)};
-    return answer;
-  };
-  const long double end = rows.back().after;
-  switch (heuristic) {
-    case Heuristic::entrance: return exactly(rows.front().t);
-    case Heuristic::exit: return exactly(rows.back().t);
-    case Heuristic::midpoint: return exactly((rows.front().t + rows.back().t) / 2.0L);
-    case Heuristic::threshold: return crossing(threshold);
-    case Heuristic::peak:
-      for (const Row& row : rows)
-        if (std::all_of(rows.begin(), rows.end(), [&](const Row& other) { return other.alpha <= row.alpha; })) return exactly(row.t);
-      break;
-    case Heuristic::gradient: return largest([](const Row& row) { return row.w; });
-    case Heuristic::relThreshold: return crossing(threshold * end);
-    case Heuristic::enExMean: return crossing((rows.front().alpha + rows.back().alpha) / 2.0L);
-    case Heuristic::median: return crossing(end / 2.0L);
-    case Heuristic::expected: break;
-  }
-  long double weight = 0.0L, sum = 0.0L, squares = 0.0L;
-  for (const Row& row : rows) weight += row.w, sum += row.w * row.t;
-  for (const Row& row : rows) squares += row.w * (row.t - sum / weight) * (row.t - sum / weight);
-  return {sum / weight, sum / weight, std::sqrt(squares / weight)};
-}
-
-std::vector<float> randomProfile(std::mt19937& random) {
-  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  const size_t count = 1 + random() % 200;
-  const float scale = std::exp2(-12.0f * unit(random));
-  std::vector<float> alphas(count);
-  for (float& alpha : alphas) {
-    const uint32_t kind = random() % 8;
-    alpha = kind < 3 ? 0.0f : std::min(1.0f, 2.0f * scale * unit(random));
-    if (kind == 7) alpha = scale;  // repeated values: ties
-  }
-  if (random() % 4 == 0) alphas[random() % count] = 1.0f;
-  return alphas;
-}
-
-RC_GTEST_PROP(DepthHeuristic, AgreesWithTheDefinitions, (uint32_t seed)) {
-  std::mt19937 random(seed);
-  for (int round = 0; round < 10; ++round) {
-    const std::vector<float> alphas = randomProfile(random);
-    const float t0 = static_cast<float>(random() % 1000) * 0.37f, dt = std::exp2(static_cast<float>(random() % 8) - 5.0f);
-    const float contribution = 1.0f / 1024, threshold = random() % 2 ? 0.8f : 0.3f;
-    bool undecided = false;
-    const std::vector<Row> rows = rowsOf(alphas, t0, dt, contribution, undecided);
-    if (undecided) continue;
-    const Samples samples = countingSamples(alphas, t0, dt, contribution);
-    RC_ASSERT(samples.size() == rows.size());
-    const long double rounding = 1e-6L * (t0 + dt * alphas.size());
-    for (const auto& entry : kHeuristics) {
-      const DepthResult result = foldedDepth(entry.value, samples, threshold);
-      RC_ASSERT(result.hasDepth == !rows.empty());
-      if (rows.empty()) continue;
-      const Answer truth = naiveDepth(entry.value, rows, threshold);
-      RC_LOG() << entry.name << ": " << result.depth << " in " << double(truth.lowest) << " .. " << double(truth.highest) << '\n';
-      RC_ASSERT(result.depth >= truth.lowest - rounding);
-      RC_ASSERT(result.depth <= truth.highest + rounding);
-      RC_ASSERT(std::abs(result.spread - truth.spread) <= 1e-4L * truth.spread + 2.0L * rounding);
-    }
-  }
 }
 
 TEST(DepthHeuristic, TiesGoToTheNearer) {
@@ -218,65 +103,6 @@ TEST(DepthHeuristic, NothingThatCountsIsAMiss) {
     EXPECT_FALSE(foldedDepth(entry.value, {}, 0.8f).hasDepth) << entry.name;
     EXPECT_FALSE(foldedDepth(entry.value, {}, 0.8f, {0, 0, 0}).hasDepth) << entry.name;
   }
-}
-
-// --- Folds.
-
-RC_GTEST_PROP(DepthHeuristic, TheSameDepthInOneTwoOrSevenSegments, (uint32_t seed)) {
-  std::mt19937 random(seed);
-  for (int round = 0; round < 10; ++round) {
-    const Samples samples = countingSamples(randomProfile(random), 3.0f, 0.5f, 1.0f / 1024);
-    for (const size_t pieces : {size_t{2}, size_t{7}}) {
-      std::vector<size_t> cuts;
-      for (size_t i = 0; i + 1 < pieces; ++i) cuts.push_back(random() % (samples.size() + 1));
-      std::sort(cuts.begin(), cuts.end());
-      for (const auto& entry : kHeuristics) {
-        const DepthResult whole = foldedDepth(entry.value, samples, 0.8f);
-        const DepthResult cut = foldedDepth(entry.value, samples, 0.8f, cuts);
-        RC_LOG() << entry.name << ": " << whole.depth << " " << cut.depth << '\n';
-        RC_ASSERT(cut.hasDepth == whole.hasDepth);
-        if (entry.value != Heuristic::expected) {
-          RC_ASSERT(cut.depth == whole.depth);
-          continue;
-        }
-        RC_ASSERT(std::abs(cut.depth - whole.depth) <= 1e-5f * std::max(1.0f, whole.depth));
-        RC_ASSERT(std::abs(cut.spread - whole.spread) <= 1e-4f * std::max(1.0f, whole.depth));
-      }
-    }
-  }
-}
-
-RC_GTEST_PROP(DepthHeuristic, CombiningIsAssociativeAndHasAnIdentity, (uint32_t seed)) {
-  std::mt19937 random(seed);
-  const Samples samples = countingSamples(randomProfile(random), 3.0f, 0.5f, 1.0f / 1024);
-  const size_t first = random() % (samples.size() + 1);
-  const size_t second = first + random() % (samples.size() - first + 1);
-  for (const auto& entry : kHeuristics)
-    visitHeuristic(entry.value, [&](auto depth) {
-      using Depth = decltype(depth);
-      using Fold = typename Depth::Fold;
-      ProfileFold ray;
-      for (const CountingSample& sample : samples) ray.add(sample);
-      const auto segment = [&](size_t begin, size_t end) {
-        Fold fold = Depth::start(0.8f, ray);
-        for (size_t i = begin; i < end; ++i) fold.add(samples[i]);
-        return fold;
-      };
-      const auto same = [&](const Fold& a, const Fold& b) {
-        const DepthResult x = Depth::result(a), y = Depth::result(b);
-        RC_ASSERT(x.hasDepth == y.hasDepth);
-        if (x.hasDepth) RC_ASSERT(std::abs(x.depth - y.depth) <= 1e-5f * std::max(1.0f, x.depth));
-        RC_ASSERT(std::abs(x.spread - y.spread) <= 1e-4f * std::max(1.0f, x.depth));
-      };
-      const Fold a = segment(0, first), b = segment(first, second), c = segment(second, samples.size());
-      same(Fold::combine(Fold::combine(a, b), c), Fold::combine(a, Fold::combine(b, c)));
-      // The identity, on either side; and what comes out can be gone on with.
-      for (Fold fold : {Fold::combine({}, a), Fold::combine(a, {})}) {
-        same(fold, a);
-        for (size_t i = first; i < samples.size(); ++i) fold.add(samples[i]);
-        same(fold, segment(0, samples.size()));
-      }
-    });
 }
 
 // --- Refinement: density k * t, so that A(t) = 1 - exp(-k t^2 / 2), and A = a lies at sqrt(-2 ln(1 - a) / k).

@@ -1,5 +1,5 @@
-// The hierarchy's sorting, its stack and its cancelling. What it has to get right of hard clouds: stability/hierarchy_test.cpp.
-// Mirrors render/warp/lbvh/lbvh.h, lbvh_builder.h and sphere_tracer.h.
+// The hierarchy's sorting, its stack and its cancelling. What it has to get right of hard clouds:
+// stability/hierarchy_test.cpp. Mirrors render/warp/lbvh/lbvh.h, lbvh_builder.h and sphere_tracer.h.
 #include "render/warp/lbvh/lbvh.h"
 
 #include <gtest/gtest.h>

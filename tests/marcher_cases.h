@@ -26,6 +26,11 @@ inline Camera lookingFrom(const glm::vec3& eye, const glm::vec3& at, uint32_t wi
 /// Opacity `alpha` over a unit, white, for every value.
 inline TransferFunction everywhere(float alpha) { return {{{0.0, glm::vec3(1.0f), alpha}}}; }
 
+/// Shows `from`..`to` and nothing else.
+inline TransferFunction band(double from, double to, float alpha) {
+  return {{{from, {1.0f, 0.3f, 0.1f}, 0.0f}, {from, {1.0f, 0.3f, 0.1f}, alpha}, {to, {0.1f, 0.3f, 1.0f}, alpha}, {to, glm::vec3(1.0f), 0.0f}}};
+}
+
 inline Image<glm::vec4> rendered(Marcher& marcher, const Camera& camera, const MarchSettings& settings = {}) {
   Image<glm::vec4> image;
   marcher.render(camera, settings.render, image);

@@ -1,4 +1,4 @@
-// Metrics of pictures against other implementations' figures for the same pictures, and what must hold of any pictures.
+// FLIP's map against another implementation's, and what must hold of any pictures. Means, identical and broken ones: stability/metrics_test.cpp.
 // Mirrors render/metrics/{flip,ssim,psnr,filters,display_curve}.h. The figures: metric_pictures.h.
 #include <gtest/gtest.h>
 
@@ -22,26 +22,12 @@ namespace {
 
 constexpr glm::vec3 kBlack(0.0f);
 
-TEST(PictureMetrics, FlipIsTheOracles) {
+TEST(PictureMetrics, TheFlipMapIsTheOracles) {
   const FlipResult result = flip(somePicture(0.35, true), somePicture(0.0, false), kBlack);
-  EXPECT_NEAR(result.mean, kOracleFlip, 1e-4);
   EXPECT_NEAR(result.map(48, 28), 0.9813824, 1e-3);
   EXPECT_NEAR(result.map(5, 5), 0.42010707, 1e-3);
   EXPECT_NEAR(result.map(95, 63), 0.42050844, 1e-3);  // the corner, where filters reach over the border
   EXPECT_NEAR(result.map(40, 20), 0.911862, 1e-3);
-}
-
-TEST(PictureMetrics, SsimAndPsnrAreTheOracles) {
-  EXPECT_NEAR(ssimSrgb(somePicture(0.35, true), somePicture(0.0, false), kBlack), kOracleSsim, 1e-5);
-  EXPECT_NEAR(psnrSrgb(somePicture(0.35, true), somePicture(0.0, false), kBlack), kOraclePsnrDb, 1e-4);
-}
-
-TEST(PictureMetrics, EqualPicturesDoNotDiffer) {
-  const Image<glm::vec4> image = somePicture(0.2, true);
-  const FlipResult result = flip(image, image, kBlack);
-  EXPECT_EQ(result.mean, 0.0);
-  for (const float value : result.map) ASSERT_EQ(value, 0.0f);
-  EXPECT_NEAR(ssimSrgb(image, image, kBlack), 1.0, 1e-6);
 }
 
 TEST(PictureMetrics, FlipDoesNotDependOnTheOrderAndStaysInRange) {

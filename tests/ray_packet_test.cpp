@@ -14,8 +14,10 @@ TEST(RayPacket, HoldsTheSameBitsAsOneRay) {
   checkProperty([] {
     for (const SphereCase& c : *rc::gen::container<std::vector<SphereCase>>(anySphereCase(-20, 20))) {
       const glm::vec3& d = c.ray.direction;
-      const FloatPack t = intersectSpherePack(Vec3Pack{FloatPack(d.x), FloatPack(d.y), FloatPack(d.z)}, c.center - c.ray.origin, c.radius);
-      for (uint32_t lane = 0; lane < kPackLanes; ++lane) RC_ASSERT(t.get(lane) == intersectSphere(c.ray, c.center, c.radius));
+      const FloatPack t = intersectSpherePack(Vec3Pack{FloatPack(d.x), FloatPack(d.y), FloatPack(d.z)},
+                                              c.center - c.ray.origin, c.radius);
+      for (uint32_t lane = 0; lane < kPackLanes; ++lane)
+        RC_ASSERT(t.get(lane) == intersectSphere(c.ray, c.center, c.radius));
     }
   });
 }

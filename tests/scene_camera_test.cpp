@@ -1,5 +1,5 @@
-// The scene's cameras at the poles, with impossible fields of view, and for volumes of any unit, place and
-// handedness in the world. Mirrors makeCamera of app/scene/scene.h; the world's geometry is worked out anew, in double.
+// The scene's cameras for volumes of any place and handedness in the world. Poles, impossible views: stability/camera_test.cpp.
+// Mirrors makeCamera of app/scene/scene.h; the world's geometry is worked out anew, in double.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,28 +33,6 @@ VolumeGeometry geometryOf(const glm::uvec3& dims, const glm::dvec3& spacing, con
 const glm::uvec3 kDims(24, 20, 6);
 
 Scene blobScene(const VolumeGeometry& geometry) { return sceneOf(makeTestVolume(VoxelType::uint8, geometry, blobs(kDims, 46))); }
-
-TEST(SceneCamera, UnitAndPlaceOfTheWorldChangeNothing) {
-  for (const glm::dvec3 spacing : {glm::dvec3(1.0), glm::dvec3(1.0, 1.0, 100.0), glm::dvec3(2.0, 3.0, 1.0)}) {
-    const Scene plain = blobScene(geometryOf(kDims, spacing));
-    const MarcherPtr plainMarcher = makeCpuMarcher(plain.volume, plain.transferFunction);
-    for (const double unit : {1e-9, 0x1p-30, 0.1, 1e6})
-      for (const glm::dvec3 origin : {glm::dvec3(0.0), glm::dvec3(1e7, -1e7, 1e7)}) {
-        const Scene other = blobScene(geometryOf(kDims, spacing * unit, origin));
-        ASSERT_EQ(other.volume->bounds(), plain.volume->bounds()) << unit;
-        for (const View& view : defaultViews()) {
-          const Camera camera = makeCamera(other, view, 40, 32);
-          ASSERT_EQ(camera, makeCamera(plain, view, 40, 32)) << unit;
-          if (view.angleDeg != 30.0) continue;
-          const MarcherPtr marcher = makeCpuMarcher(other.volume, other.transferFunction);
-          const Image<glm::vec4> image = rendered(*marcher, camera);
-          ASSERT_GT(largestAlpha(image), 0.3f);
-          ASSERT_TRUE(sameBits(image, rendered(*plainMarcher, camera))) << unit;
-          ASSERT_TRUE(sameFrame(marcher->march(camera, {}), plainMarcher->march(camera, {}))) << unit;
-        }
-      }
-  }
-}
 
 // --- The world seen by the scene's camera, worked out in the world.
 
@@ -144,43 +122,6 @@ TEST(SceneCamera, TheBoundingSphereJustFillsTheImageAtDistanceOne) {
     const double tangent = radius / std::sqrt(distance * distance - radius * radius);  // of the cone about the sphere
     EXPECT_NEAR(tangent / camera.tanHalfFovY, std::min(1.0, static_cast<double>(width) / height), 1e-5);
   }
-}
-
-TEST(SceneCamera, ThePolesAreViewsLikeAnyOther) {
-  const Scene scene = blobScene(geometryOf(kDims, glm::dvec3(1.0)));
-  for (const double elevation : {90.0, -90.0})
-    for (const double angle : {0.0, 30.0, -170.0}) {
-      const Camera pole = makeCamera(scene, {angle, elevation, 1.0, {}}, 64, 64);
-      EXPECT_TRUE(isUsable(pole));
-      EXPECT_NEAR(std::abs(pole.forward.y), 1.0f, 1e-6f);  // straight down, or up
-      // No jump on the way there.
-      const Camera nearly = makeCamera(scene, {angle, elevation * (1.0 - 1e-6), 1.0, {}}, 64, 64);
-      EXPECT_LT(glm::length(pole.right - nearly.right), 1e-4f);
-      EXPECT_LT(glm::length(pole.up - nearly.up), 1e-4f);
-      EXPECT_LT(glm::length(pole.eye - nearly.eye), 1e-2f);
-      const Image<glm::vec4> image = rendered(*makeCpuMarcher(scene.volume, scene.transferFunction), pole);
-      EXPECT_GT(largestAlpha(image), 0.1f);
-    }
-}
-
-TEST(SceneCamera, RefusesImpossibleViews) {
-  Scene scene = blobScene(geometryOf(kDims, glm::dvec3(1.0)));
-  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
-  for (const double fov : {0.0, -10.0, 180.0, 360.0, nan, inf, -inf, 1e-320, 179.999999999999}) {
-    scene.fovYDeg = fov;
-    EXPECT_THROW(makeCamera(scene, {}, 64, 64), UsageError) << fov;
-  }
-  scene.fovYDeg = 40.0;
-  for (const double wrong : {nan, inf, -inf}) {
-    EXPECT_THROW(makeCamera(scene, {wrong, 0.0, 1.0, {}}, 64, 64), UsageError);
-    EXPECT_THROW(makeCamera(scene, {0.0, wrong, 1.0, {}}, 64, 64), UsageError);
-    EXPECT_THROW(makeCamera(scene, {0.0, 0.0, wrong, {}}, 64, 64), UsageError);
-    EXPECT_THROW(makeCamera(scene, {0.0, 0.0, 1.0, {0.0, wrong}}, 64, 64), UsageError);
-  }
-  EXPECT_THROW(makeCamera(scene, {}, 0, 64), UsageError);
-  EXPECT_THROW(makeCamera(scene, {}, 64, 0xffffffffu), UsageError);
-  scene.front = 3.0 * scene.up;
-  EXPECT_THROW(makeCamera(scene, {}, 64, 64), UsageError);
 }
 
 }  // namespace

@@ -18,62 +18,15 @@
 #include "render/warp/spheres_warp.h"
 #include "tests/frame_samples.h"
 #include "tests/headless.h"
+#include "tests/warp_cases.h"
 
 namespace warpscope {
 namespace {
-
-MarchSettings withRadius(const Scene& scene, RadiusPolicy policy) {
-  MarchSettings settings = scene.march;
-  settings.sample.radiusPolicy = policy;
-  return settings;
-}
-
-/// Fails unless every pixel of `image` shows exactly the sample that `expected` names, in exactly its colour.
-void expectExactly(const WarpedImage& image, const Image<uint32_t>& expected, const SampleFrame& frame) {
-  ASSERT_EQ(image.samples.width(), expected.width());
-  ASSERT_EQ(image.samples.height(), expected.height());
-  size_t wrongSample = 0, wrongColor = 0, first = expected.size();
-  for (size_t i = 0; i < expected.size(); ++i) {
-    wrongSample += image.samples[i] != expected[i];
-    if (image.samples[i] != expected[i]) first = std::min(first, i);
-    const glm::vec4 color = expected[i] == kNoSample ? glm::vec4(0.0f) : decodeRgba8(frame.colors[expected[i]]);
-    wrongColor += image.color[i] != color;
-  }
-  EXPECT_EQ(wrongSample, 0u) << "of " << expected.size() << " pixels; the first is (" << first % expected.width() << ", "
-                             << first / expected.width() << ")";
-  EXPECT_EQ(wrongColor, 0u);
-}
-
-size_t coveredPixels(const WarpedImage& image) {
-  return static_cast<size_t>(
-      std::count_if(image.samples.begin(), image.samples.end(), [](uint32_t id) { return id != kNoSample; }));
-}
-
-/// A camera at `z`, looking along -z.
-Camera frontCamera(uint32_t width, uint32_t height, float z = 10.0f) {
-  Camera camera;
-  camera.eye = {0.0f, 0.0f, z};
-  camera.width = width;
-  camera.height = height;
-  return camera;
-}
-
-/// A frame of given spheres (frameOfSpheres), seen from z = 64, with pixels `cell` wide in the plane z = 0. Radii are powers of two.
-SampleFramePtr makeFrame(const std::vector<Sphere>& spheres, float cell = 0.25f, uint32_t side = 63) {
-  auto frame = std::make_shared<SampleFrame>(frameOfSpheres(spheres, 16.0f, cell, side, 64.0f));
-  for (size_t i = 0; i < spheres.size(); ++i) frame->colors[i] = 0xff000000u | static_cast<uint32_t>(40 + 40 * i);
-  return frame;
-}
-
-/// A stage for frames that no volume stands behind.
-Stage syntheticStage(gl::Platform platform = gl::Platform::automatic) { return Stage(smallScene("block", 16), platform); }
 
 // --- The server's own view
 
 class WarpGl : public OnPlatform {};
 INSTANTIATE_TEST_SUITE_P(Gl, WarpGl, bothPlatforms(), platformName);
-
-constexpr glm::uvec2 kOddSizes[] = {{333, 217}, {64, 301}, {1, 1}, {1, 77}, {129, 1}, {511, 512}};
 
 TEST_P(WarpGl, PointsShowEveryPixelItsOwnSample) {
   for (const BuiltinScene& builtin : builtinScenes()) {
@@ -85,34 +38,6 @@ TEST_P(WarpGl, PointsShowEveryPixelItsOwnSample) {
       WarpSettings settings;
       settings.knobs.set(kPointSizeKnob, 1);
       expectExactly(stage.draw("points", frame, camera, settings), ownPixels(*frame), *frame);
-    }
-  }
-}
-
-TEST(Warp, SpheresThatFitTheirPixelShowEveryPixelItsOwnSample) {
-  for (const BuiltinScene& builtin : builtinScenes()) {
-    const Stage stage(smallScene(builtin.name));
-    for (const glm::uvec2& size : kOddSizes) {
-      SCOPED_TRACE(builtin.name + " " + std::to_string(size.x) + "x" + std::to_string(size.y));
-      const Camera camera = stage.camera(size.x, size.y);
-      const SampleFramePtr frame = stage.frame(camera, withRadius(stage.scene(), RadiusPolicy::pixel));
-      for (const SphereTracing tracing : {SphereTracing::lbvh, SphereTracing::embree}) {
-        WarpSettings settings;
-        settings.knobs.set(kSphereTracingKnob, tracing);
-        expectExactly(stage.draw("spheres", frame, camera, settings), ownPixels(*frame), *frame);
-      }
-    }
-  }
-}
-
-TEST(Warp, HoldIsExactInItsOwnView) {
-  for (const BuiltinScene& builtin : builtinScenes()) {
-    const Stage stage(smallScene(builtin.name));
-    for (const glm::uvec2& size : kOddSizes) {
-      SCOPED_TRACE(builtin.name + " " + std::to_string(size.x) + "x" + std::to_string(size.y));
-      const Camera camera = stage.camera(size.x, size.y);
-      const SampleFramePtr frame = stage.frame(camera, stage.scene().march);
-      expectExactly(stage.draw("hold", frame, camera), ownPixels(*frame), *frame);
     }
   }
 }

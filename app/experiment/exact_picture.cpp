@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "render/core/parallel.h"
+#include "render/core/ray_sphere.h"
 
 namespace warpscope {
 namespace {
@@ -123,8 +124,8 @@ double distanceTo(const Sphere& sphere, const glm::dvec3& eye, const glm::dvec3&
   return along - std::sqrt((radius - beside) * (radius + beside));
 }
 
-/// By how much a sphere's radius may seem to differ, relative to its distance: eight roundings, as intersectSphere()'s declaration says.
-constexpr double kUndecided = 8.0 * 0x1p-24;
+/// By how much a sphere's radius may seem to differ, relative to its distance.
+constexpr double kUndecided = kSphereSurfaceError;
 
 }  // namespace
 

@@ -57,8 +57,13 @@ WARPSCOPE_HD inline void clipToSlab(RayInterval& interval, float origin, float i
   interval.tFar = t1 < interval.tFar ? t1 : interval.tFar;
 }
 
-/// Intersects the ray with `box` within [tMin, tMax] (tMax may be infinite). The ends are those of the true interval up to three roundings.
-/// Misses on empty, inverted and NaN boxes. A ray that lies in a face of the box hits it.
+/// What an end of intersectBox is off by, relative to itself: one rounding each of the reciprocal, the difference and
+/// their product.
+inline constexpr double kBoxDistanceError = 3.001 * 0x1p-24;
+
+/// Intersects the ray with `box` within [tMin, tMax] (tMax may be infinite). Its ends are those of the true interval
+/// within kBoxDistanceError each. Misses on empty, inverted and NaN boxes. A ray that lies in a face of the box hits
+/// it.
 WARPSCOPE_HD inline RayInterval intersectBox(const RayReciprocal& ray, const Box& box, float tMin, float tMax) {
   if (box.isEmpty()) return {};
   RayInterval interval{tMin, tMax};

@@ -28,7 +28,12 @@ static_assert(std::is_trivially_copyable_v<Camera>);
 /// Edge of a pixel on the image plane at distance 1 from the eye.
 WARPSCOPE_HD inline float pixelEdge(const Camera& camera) { return 2.0f * camera.tanHalfFovY / static_cast<float>(camera.height); }
 
-/// The ray through the image point `pixel` (pixel centres at +0.5). Its direction has unit length.
+/// What each component of pixelRay's direction is off by, at most: 3 roundings of the place on the image plane, 3 of
+/// what is added up there, and 6 of making it a unit, relative to 1; also by how much its length differs from 1.
+inline constexpr double kRayDirectionError = 12 * 0x1p-24;
+
+/// The ray through the image point `pixel` (pixel centres at +0.5). Its direction has unit length, both within
+/// kRayDirectionError.
 WARPSCOPE_HD inline Ray pixelRay(const Camera& camera, const glm::vec2& pixel) {
   const float edge = pixelEdge(camera);
   const float x = (pixel.x - 0.5f * static_cast<float>(camera.width)) * edge;
@@ -42,7 +47,15 @@ struct Projection {
   float forwardDepth = 0.0f;  ///< distance from the eye's plane; the point is visible only where this is positive
 };
 
-/// Projects `point`; `pixel` is meaningless where forwardDepth <= 0.
+/// What project() is off by, with d the point's distance from the eye, z its forward depth, e = pixelEdge() and q the
+/// pixel's distance from the image's centre along each axis: forwardDepth by 4u d (offset, products, sums; u = 2^-24),
+/// each coordinate of the pixel by kProjectError (d / z) (1 / e + q) and a u of the image's size. That is pixels where
+/// d / z is large: a point hardly in front of the eye's plane is anywhere at the border.
+inline constexpr double kForwardDepthError = 4.001 * 0x1p-24;
+inline constexpr double kProjectError = 8 * 0x1p-24;
+
+/// Projects `point`; `pixel` is meaningless where forwardDepth <= 0. As precise as kForwardDepthError and kProjectError
+/// say.
 WARPSCOPE_HD inline Projection project(const Camera& camera, const glm::vec3& point) {
   const glm::vec3 offset = point - camera.eye;
   const float depth = glm::dot(offset, camera.forward);
@@ -52,8 +65,15 @@ WARPSCOPE_HD inline Projection project(const Camera& camera, const glm::vec3& po
           depth};
 }
 
-/// Projection for rasterisers: clip coordinates with y up and depth z / w = nearDepth / forwardDepth in [0, 1], 1 at `nearDepth`, 0 at
-/// infinity ("reverse Z": with a float depth buffer the resolution is relative to depth). Agrees with project().
+/// What each clip coordinate is off by, relative to the distances of eye and point from the coordinates' origin, times
+/// its scale (1 / tanHalfFovY for y, for x times height / width, 1 for w): 7 roundings of the matrix's entries, 4 of
+/// the product. Unlike project() it cancels what eye and point have in common after rounding it: rasterisers are for
+/// eyes about as far away as the volume is large.
+inline constexpr double kClipError = 11.001 * 0x1p-24;
+
+/// Projection for rasterisers: clip coordinates with y up and depth z / w = nearDepth / forwardDepth in [0, 1], 1 at
+/// `nearDepth`, 0 at infinity ("reverse Z": with a float depth buffer the resolution is relative to depth). Agrees with
+/// project() within kClipError.
 WARPSCOPE_HD inline glm::mat4 clipFromVolume(const Camera& camera, float nearDepth) {
   const float scaleY = 1.0f / camera.tanHalfFovY;
   const float scaleX = scaleY * static_cast<float>(camera.height) / static_cast<float>(camera.width);

@@ -26,6 +26,9 @@ struct PixelRay {
   float cosine;  ///< forward depth behind the near plane for each unit along the ray
 };
 
+/// What PixelGrid::at is off by, relative to the size of what it adds up.
+inline constexpr double kPositionError = 0x1p-21;
+
 /// What the rays of a camera's pixels share. Made once for a picture; plain data, for host and device.
 struct PixelGrid {
   glm::vec3 anchor{0.0f};  ///< straight in front of the eye, on the near plane
@@ -51,8 +54,9 @@ struct PixelGrid {
 
   /// The point of the pixel's ray whose forward depth is that of the near plane and `behind` more.
   ///
-  /// Each coordinate is within 2^-21 (|anchor| + behind + l) of the point of the given camera and near plane in exact arithmetic, with l the
-  /// distance of the point from the camera's axis: no term of it grows with the distance of the eye alone.
+  /// Each coordinate is within kPositionError (|anchor| + behind + l) of the point of the given camera and near plane
+  /// in exact arithmetic, with l the distance of the point from the camera's axis: no term of it grows with the
+  /// distance of the eye alone.
   WARPSCOPE_HD glm::vec3 at(uint32_t column, uint32_t row, float behind) const {
     const glm::vec2 offset = offsetOf(column, row);
     return anchor + behind * forward + (nearDepth + behind) * (offset.x * right + offset.y * up);

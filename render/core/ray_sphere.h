@@ -12,6 +12,14 @@ namespace warpscope {
 /// Returned where there is no hit: compares greater than every distance.
 inline constexpr float kNoHit = std::numeric_limits<float>::infinity();
 
+/// What intersectSphere is off by, u = 2^-24: the point at t lies within the first of the surface, relative to the
+/// centre's distance and the radius seen; t itself is within the second, relative to t, for rays that pass within half
+/// the radius of the centre. (Near the outline the surface is nearly parallel to the ray, and t as good as the square
+/// root of the first.) To first order the roundings add up to 16u where all fall the same way; half of that is nearly
+/// twice what millions of rays of all magnitudes have shown.
+inline constexpr double kSphereSurfaceError = 8 * 0x1p-24;
+inline constexpr double kSphereDistanceError = 8 * 0x1p-24;
+
 /// The radius of a sphere as an eye sees it that has the centre at this squared distance: at most half the distance, so that no eye is ever inside and
 /// no sphere fills more than 30 degrees around its centre. Where the eye comes close to samples they give way, each to its own direction, instead of
 /// hiding all others, or of being looked through where there is matter.
@@ -47,8 +55,10 @@ WARPSCOPE_HD inline float intersectSphereFromOrigin(const glm::vec3& direction, 
   return t > along ? along : t;
 }
 
-/// Distance along `ray` (unit direction) to where it enters the sphere, taken as large as it is seen (seenRadius), or kNoHit.
-/// Spheres around the origin itself, those behind it and those with radius <= 0 are no hits. Never NaN for finite input.
+/// Distance along `ray` (unit direction) to where it enters the sphere, taken as large as it is seen (seenRadius), or
+/// kNoHit. Spheres around the origin itself, those behind it and those with radius <= 0 are no hits. Never NaN for
+/// finite input. As precise as kSphereSurfaceError and kSphereDistanceError say for distances and radii from 2^-50 to
+/// 2^57, whose squares are ordinary floats; beyond, spheres may be missed.
 WARPSCOPE_HD inline float intersectSphere(const Ray& ray, const glm::vec3& center, float radius) {
   const glm::vec3 toCenter = center - ray.origin;
   const SeenSphere seen = seenSphere(toCenter, radius);

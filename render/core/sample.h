@@ -75,8 +75,15 @@ struct Sphere {
   float radius;
 };
 
-/// The code nearest to the forward depth `behind` behind the near plane: within half a step of it, and 2^-24 of the depth. 0 for less and NaN;
-/// depths beyond the codes get one of the last. Of the codes below 2^22 each comes back from decodeDepth().
+/// What a depth comes back off by, beyond half a step, relative to itself: a rounding each of its number of steps, of
+/// the half that is added and of what the code stands for.
+inline constexpr double kDepthCodeError = 3.001 * 0x1p-24;
+/// What a radius within the codes' range comes back smaller by, relative to itself.
+inline constexpr double kRadiusCodeError = 1.0 / 64;
+
+/// The code nearest to the forward depth `behind` behind the near plane: within half a step of it, and kDepthCodeError.
+/// 0 for less and NaN; depths beyond the codes get one of the last. Of the codes below 2^22 each comes back from
+/// decodeDepth().
 WARPSCOPE_HD inline uint32_t encodeDepth(float behind, float depthStep) {
   constexpr float kWhole = 0x1p23f;           // from here on floats have no halves
   constexpr float kLargest = 0x1p26f - 4.0f;  // of the floats that are codes
@@ -89,7 +96,8 @@ WARPSCOPE_HD inline float decodeDepth(uint32_t code, float depthStep) {
   return static_cast<float>(static_cast<int32_t>(code)) * depthStep;
 }
 
-/// The code of `radius`, at least 1: the largest code whose radius is not greater (the smallest code below the range).
+/// The code of `radius`, at least 1: the largest code whose radius is not greater, by less than kRadiusCodeError (the
+/// smallest code below the range).
 WARPSCOPE_HD inline uint32_t encodeRadius(float radius, float radiusUnit) {
   const float relative = radius / radiusUnit;
   if (!(relative > 0.0f)) return 1;

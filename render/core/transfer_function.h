@@ -10,9 +10,14 @@
 
 namespace warpscope {
 
+/// How near to the middle between two floats correctOpacity may take either, relative to the truth; and what it is off
+/// by, which is what the nearest float may be off by.
+inline constexpr double kOpacityTie = 3e-15;
+inline constexpr double kOpacityError = 0x1p-24 + kOpacityTie;
+
 /// Opacity of a piece of length `ds` of a medium whose opacity over unit length is `alpha`. 1 stays 1 for ds > 0.
-/// The same float on every processor, and the nearest one unless the truth lies within 3e-15 of itself from the middle
-/// between two.
+/// The same float on every processor, and the nearest one unless the truth lies within kOpacityTie of itself from the
+/// middle between two.
 WARPSCOPE_HD inline float correctOpacity(float alpha, float ds) {
   if (alpha >= 1.0f) return ds > 0.0f ? 1.0f : 0.0f;
   return static_cast<float>(oneMinusExp(static_cast<double>(ds) * logOfOneMinus(alpha)));

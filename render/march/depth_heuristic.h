@@ -44,7 +44,22 @@ struct DepthResult {
   float spread = 0.0f;  ///< standard deviation of depth, where the heuristic knows it (expected); else 0
 };
 
-/// First and last sample that counts; the base of entrance, exit, midpoint.
+// What folds are off by, u = 2^-24, given the samples' places, lengths, opacities and the transmittance in double.
+/// Gradient: contributions are a product of a float and a rounded transmittance, so that the sample found contributes
+/// this much less than the largest, at most.
+inline constexpr double kContributionError = 4.001 * 0x1p-24;
+/// Crossings: where they are found, accumulated opacity is the threshold within this, relative to it. Opacities before
+/// and after a step carry 1 and 2u, a threshold that is a share of the end's 3u, the fraction of the step what their
+/// differences make of it. Then the place is rounded: by u of it and 2u of ds.
+inline constexpr double kCrossingError = 9.001 * 0x1p-24;
+/// Expected: for each sample and three besides, relative to the farthest one's distance, what the mean is off by: each
+/// sample rounds the mean once, and weights carry a rounding for each sample before. The square of the spread is off by
+/// twice that, times the distance from the first to the last: a spread that is nearly 0 beside the distance from the
+/// eye has half its digits.
+inline constexpr double kMeanErrorPerSample = 2.001 * 0x1p-24;
+
+/// First and last sample that counts; the base of entrance, exit, midpoint. The first two are exact, the midpoint is
+/// rounded once.
 struct ExtentFold {
   bool any = false;
   float first = 0.0f;
@@ -62,7 +77,8 @@ struct ExtentFold {
   }
 };
 
-/// The sample with the largest key: its opacity (peak) or its contribution (gradient).
+/// The sample with the largest key: its opacity (peak), which is exact, or its contribution (gradient), within
+/// kContributionError.
 template <bool kByContribution>
 struct LargestFold {
   bool any = false;
@@ -83,7 +99,8 @@ struct LargestFold {
   WARPSCOPE_HD DepthResult result() const { return {any, t, 0.0f}; }
 };
 
-/// Where accumulated opacity reaches `threshold`, refined linearly inside the step; the last sample if it never does.
+/// Where accumulated opacity reaches `threshold`, refined linearly inside the step, within kCrossingError; the last
+/// sample if it never does.
 struct CrossingFold {
   float threshold = 0.0f;  ///< a parameter, the same in every segment of a ray
   bool any = false;
@@ -111,8 +128,8 @@ struct CrossingFold {
   WARPSCOPE_HD DepthResult result() const { return {any, t, 0.0f}; }
 };
 
-/// Mean and spread of depth, weighted by contribution. Updating and combining after West 1979 and Chan, Golub, LeVeque 1979, which do
-/// not subtract large sums.
+/// Mean and spread of depth, weighted by contribution. Updating and combining after West 1979 and Chan, Golub, LeVeque
+/// 1979, which do not subtract large sums; within kMeanErrorPerSample.
 struct MomentsFold {
   float weight = 0.0f;
   float mean = 0.0f;

@@ -25,21 +25,31 @@ struct EmptyCells {
   }
 };
 
+/// How far beyond a sample's place leap() may see the border that the sample has not reached, relative to the far end
+/// of the ray and a step: such samples are looked at for themselves. With u = 2^-24, and all in the ray's own
+/// distances:
+///  - where the ray leaves the block: the difference, the reciprocal and their product are rounded, relative to where
+///    that is, at most t0 + length + dt: 3u;
+///  - as an index: the difference from t0, the reciprocal of dt, their product, the half and the margin are rounded,
+///    relative to length + dt: 5u;
+///  - where the sample is: kLatticeError of t0 + length, 3u.
+/// Places in cells add nothing, though they are rounded too: rounding never carries a place across a whole number, and
+/// a place on the border itself belongs to the cells on both sides of it (Macrocells).
+inline constexpr float kLeapMargin = 12 * 0x1p-24f;
+
 /// One ray's way through the cells.
 class EmptySpace {
  public:
   WARPSCOPE_HD EmptySpace() = default;
-  /// `origin` and `direction`: the ray in voxel coordinates, of a volume with `dims` voxels.
-  WARPSCOPE_HD EmptySpace(const EmptyCells& cells, const glm::vec3& origin, const glm::vec3& direction, const glm::ivec3& dims,
+  /// `origin` and `direction`: the ray in voxel coordinates.
+  WARPSCOPE_HD EmptySpace(const EmptyCells& cells, const glm::vec3& origin, const glm::vec3& direction,
                           const RayLattice& lattice)
       : cells_(cells),
         origin_(origin / static_cast<float>(cells.edge())),
         direction_(direction / static_cast<float>(cells.edge())),
         invDirection_(1.0f / (direction_ + 0.0f)),
         invStep_(1.0f / lattice.dt),
-        // What rounding may do to a place along the ray grows with the volume and with the distance from the eye.
-        margin_(1e-3f + 1e-6f * (static_cast<float>(glm::max(dims.x, glm::max(dims.y, dims.z))) + lattice.t0 + lattice.length) /
-                            lattice.dt) {}
+        margin_(kLeapMargin * ((lattice.t0 + lattice.length) / lattice.dt + 1.0f)) {}
 
   WARPSCOPE_HD bool isKnown() const { return cells_.distances != nullptr; }
 

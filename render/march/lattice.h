@@ -9,6 +9,12 @@
 
 namespace warpscope {
 
+/// What RayLattice::t is off by, relative to the far end t0 + length: at most 2 roundings of the index (none below
+/// 2^23) and one of the sum; of the last sample those of its step, of the difference and of the sum.
+inline constexpr double kLatticeError = 3.001 * 0x1p-24;
+/// What the last step's length is off by, relative to itself; all others are dt.
+inline constexpr double kLatticeStepError = 1.001 * 0x1p-24;
+
 struct RayLattice {
   float t0 = 0.0f;      ///< where the ray enters, distance from its beginning
   float length = 0.0f;  ///< of the part inside, >= 0
@@ -29,7 +35,9 @@ struct RayLattice {
 /// The most samples that a ray takes; a step so small that a volume would need more is refused before its march (requireMarchable).
 inline constexpr int kMaxSamplesPerRay = 1 << 30;
 
-/// The lattice over a ray's part inside a box; empty for a miss or an interval without extent.
+/// The lattice over a ray's part inside a box; empty for a miss or an interval without extent. It has exactly as many
+/// steps as cover the length, which is tFar - tNear in float: up to 2^29 of them a quotient of floats that is no whole
+/// number stays apart from it in double.
 WARPSCOPE_HD inline RayLattice makeLattice(const RayInterval& interval, float dt) {
   RayLattice lattice;
   lattice.dt = dt;

@@ -54,7 +54,7 @@ class VolumeSource {
         origin_(view.voxelOrigin(ray)),
         direction_(view.voxelDirection(ray)),
         places_(lattice),
-        emptySpace_(view.cells, origin_, direction_, view.dims, lattice) {
+        emptySpace_(view.cells, origin_, direction_, lattice) {
     const size_t dx = view.dims.x > 1 ? 1 : 0;
     const size_t dy = view.dims.y > 1 ? static_cast<size_t>(view.dims.x) : 0;
     const size_t dz = view.dims.z > 1 ? static_cast<size_t>(view.dims.x) * view.dims.y : 0;

@@ -24,7 +24,7 @@ class ScalarVolumeSource {
         origin_(view.voxelOrigin(ray)),
         direction_(view.voxelDirection(ray)),
         places_(lattice),
-        emptySpace_(view.cells, origin_, direction_, view.dims, lattice) {}
+        emptySpace_(view.cells, origin_, direction_, lattice) {}
 
   WARPSCOPE_HD int skip(int i) const { return maxOf(i, leapTo_); }
 

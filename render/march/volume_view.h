@@ -8,6 +8,11 @@
 
 namespace warpscope {
 
+/// What the place of a ray's point, mulAdd(t, voxelDirection, voxelOrigin), is off by along each axis, relative to the
+/// terms that it is the sum of: voxels from the volume's corner to the origin, the half, voxels along the ray. Origin
+/// less corner, times voxels per unit, less the half, and the sum itself.
+inline constexpr double kVoxelPlaceError = 4.001 * 0x1p-24;
+
 template <class Voxel>
 struct VolumeView {
   const Voxel* voxels = nullptr;            ///< x fastest, or null if there are
@@ -20,7 +25,7 @@ struct VolumeView {
   TransferLookup transfer;
   EmptyCells cells;
 
-  /// Voxel coordinates of a ray's origin, and voxels per unit of t.
+  /// Voxel coordinates of a ray's origin, and voxels per unit of t: as precise as kVoxelPlaceError says.
   WARPSCOPE_HD glm::vec3 voxelOrigin(const Ray& ray) const { return (ray.origin - lower) * voxelsPerUnit - 0.5f; }
   WARPSCOPE_HD glm::vec3 voxelDirection(const Ray& ray) const { return ray.direction * voxelsPerUnit; }
 };

@@ -13,6 +13,14 @@ namespace warpscope {
 /// Pixels per degree of the field of view: a display 0.7 m wide with 3840 pixels, seen from 0.7 m (the paper's default, about 67).
 inline constexpr float kFlipPixelsPerDegree = 3840.0f * 3.14159265f / 180.0f;
 
+/// What the mean differs by from what the authors' flip-evaluator says of the same pictures; their filters and ours are
+/// both float, cut off at 3 deviations.
+inline constexpr double kFlipError = 1e-4;
+/// What it is off by for pictures of one colour each, which filters leave as they are but for rounding. That of a* and b*,
+/// a few roundings of 500, is about 2e-4: to the power of 0.7, which is infinitely steep where colours hardly differ, and
+/// at 0.06 for each unit it becomes this.
+inline constexpr double kFlipErrorOfUniform = 2e-4;
+
 /// Throws InputError unless `pixelsPerDegree` is within 1..1000.
 void requireFlipResolution(float pixelsPerDegree);
 

@@ -9,9 +9,14 @@
 
 namespace warpscope {
 
-/// -1..1, 1 for equal images. Both are linear and premultiplied and of one size; `background` is linear. In images of fewer than 11 pixels a side
-/// windows reach over the border, where the outermost pixel goes on. Throws InputError if the sizes differ, an image is empty, or a pixel is not
-/// finite. Exactly 1 for equal images; off by 1.2e-4 at most (flat areas whose levels are far apart), by 2e-5 where levels differ by less than 0.1.
+/// What ssimSrgb is off by: at most (flat areas whose levels are far apart), and where levels differ by less than 0.1.
+inline constexpr double kSsimError = 1.2e-4;
+inline constexpr double kSsimErrorOfAlike = 2e-5;
+
+/// -1..1, 1 for equal images. Both are linear and premultiplied and of one size; `background` is linear. In images of
+/// fewer than 11 pixels a side windows reach over the border, where the outermost pixel goes on. Throws InputError if
+/// the sizes differ, an image is empty, or a pixel is not finite. Exactly 1 for equal images; as precise as kSsimError
+/// and kSsimErrorOfAlike say.
 double ssimSrgb(const Image<glm::vec4>& image, const Image<glm::vec4>& reference, const glm::vec3& background);
 
 /// The same for many images and one reference, whose means and variances are kept.

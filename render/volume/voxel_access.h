@@ -42,7 +42,12 @@ WARPSCOPE_HD inline Float lerp(const Float& a, const Float& b, const Float& weig
   return mulAdd(weight, b - a, a);
 }
 
-/// The eight values around a place, x fastest, blended.
+/// What trilinear() is off by, relative to the largest value's magnitude: along each of three axes two roundings of a
+/// difference that may be twice as large, weighted by at most 1, and one of the result. Equal values are blended
+/// exactly.
+inline constexpr double kTrilinearError = 9.001 * 0x1p-24;
+
+/// The eight values around a place, x fastest, blended: within kTrilinearError.
 template <class Float>
 WARPSCOPE_HD inline Float trilinear(const Float (&c)[8], const Float& wx, const Float& wy, const Float& wz) {
   const Float low = lerp(lerp(c[0], c[1], wx), lerp(c[2], c[3], wx), wy);

@@ -38,8 +38,9 @@ inline double roundoffs(const Exact& value, const Exact& truth, const Exact& sca
 
 enum class Verdict { hit, miss, undecided };
 
-/// Holds the real number that a formula stands for, and every number that the formula may become where each of its operations is rounded to
-/// float: ends are moved apart by a roundoff after each. What is certain of it is certain of both.
+/// Holds the real number that a formula stands for, and every number that the formula may become where each of its
+/// operations is rounded to float: ends are moved apart by a roundoff after each. What is certain of it is certain of
+/// both.
 struct Enclosure {
   double lower, upper;
 
@@ -56,10 +57,15 @@ struct Enclosure {
     const double off = count * kUnitRoundoff * std::max(std::abs(lower), std::abs(upper));
     return {lower - off, upper + off};
   }
-  friend Enclosure operator+(const Enclosure& a, const Enclosure& b) { return rounded(a.lower + b.lower, a.upper + b.upper); }
-  friend Enclosure operator-(const Enclosure& a, const Enclosure& b) { return rounded(a.lower - b.upper, a.upper - b.lower); }
+  friend Enclosure operator+(const Enclosure& a, const Enclosure& b) {
+    return rounded(a.lower + b.lower, a.upper + b.upper);
+  }
+  friend Enclosure operator-(const Enclosure& a, const Enclosure& b) {
+    return rounded(a.lower - b.upper, a.upper - b.lower);
+  }
   friend Enclosure operator*(const Enclosure& a, const Enclosure& b) {
-    const auto [least, greatest] = std::minmax({a.lower * b.lower, a.lower * b.upper, a.upper * b.lower, a.upper * b.upper});
+    const auto [least, greatest] =
+        std::minmax({a.lower * b.lower, a.lower * b.upper, a.upper * b.lower, a.upper * b.upper});
     return rounded(least, greatest);
   }
   Enclosure squared() const {
@@ -68,7 +74,9 @@ struct Enclosure {
   }
   Enclosure root() const { return rounded(std::sqrt(std::max(0.0, lower)), std::sqrt(std::max(0.0, upper))); }
   /// Either of two.
-  friend Enclosure hull(const Enclosure& a, const Enclosure& b) { return {std::min(a.lower, b.lower), std::max(a.upper, b.upper)}; }
+  friend Enclosure hull(const Enclosure& a, const Enclosure& b) {
+    return {std::min(a.lower, b.lower), std::max(a.upper, b.upper)};
+  }
 
   bool isPositive() const { return lower > 0.0; }
   bool isNegative() const { return upper < 0.0; }

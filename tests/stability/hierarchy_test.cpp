@@ -1,5 +1,6 @@
-// The hierarchy: cases 7, 11, 12 and 19 to 25. Structure by the paper's definitions; pictures by brute force, bit for bit, and by Embree but for rounding.
-// Mirrors render/warp/lbvh/lbvh.h and what draws by it; techniques on either backend.
+// The hierarchy: cases 7, 11, 12 and 19 to 25. Structure by the paper's definitions; pictures by brute force, bit for
+// bit, and by Embree but for rounding. Mirrors render/warp/lbvh/lbvh.h and what draws by it; techniques on either
+// backend.
 #include "render/warp/lbvh/lbvh.h"
 
 #include <gtest/gtest.h>
@@ -258,7 +259,8 @@ TEST(Case25, PropertyAllTracersAgreeOnAllClouds) {
     const auto cloud = makeCloud(shape, *rc::gen::inRange<size_t>(1, 300), scale, *rc::gen::arbitrary<uint32_t>());
     // From inside the cloud to far away, in images whose sides are no multiple of a tile's.
     const float distance = scale * *anyPositive(-3, 4);
-    Camera camera = orbitCamera(distance, static_cast<float>(*anyInteger(-180, 180)), *rc::gen::inRange(1u, 51u), *rc::gen::inRange(1u, 41u));
+    Camera camera = orbitCamera(distance, static_cast<float>(*anyInteger(-180, 180)), *rc::gen::inRange(1u, 51u),
+                                *rc::gen::inRange(1u, 41u));
     camera.tanHalfFovY = std::min(0.8f, 1.5f * scale / distance);
     if (*rc::gen::arbitrary<bool>()) camera.right = -camera.right;  // a left-handed volume
     expectAllAgree(cloud, camera);
@@ -308,15 +310,6 @@ TEST(Case12, IsTheSameForAnyNumberOfThreads) {
 
 // --- Techniques, on either backend: every pixel shows the sample that brute force finds.
 
-WARPSCOPE_CASE_ON_BACKENDS(Case12);
-WARPSCOPE_CASE_ON_BACKENDS(Case19);
-WARPSCOPE_CASE_ON_BACKENDS(Case20);
-WARPSCOPE_CASE_ON_BACKENDS(Case21);
-WARPSCOPE_CASE_ON_BACKENDS(Case22);
-WARPSCOPE_CASE_ON_BACKENDS(Case23);
-WARPSCOPE_CASE_ON_BACKENDS(Case24);
-WARPSCOPE_CASE_ON_BACKENDS(Case25);
-
 /// What draws samples as spheres, on a backend.
 std::vector<std::pair<std::string, WarpSettings>> sphereTechniques(Backend backend) {
   std::vector<std::pair<std::string, WarpSettings>> all{{"spheres", {}}, {"splats", {}}, {"multihit", {}}};
@@ -347,7 +340,9 @@ Image<uint32_t> expectBruteForce(Backend backend, const std::vector<Sphere>& clo
   return truth.ids;
 }
 
-size_t covered(const Image<uint32_t>& ids) { return ids.size() - static_cast<size_t>(std::count(ids.begin(), ids.end(), kNoSample)); }
+size_t covered(const Image<uint32_t>& ids) {
+  return ids.size() - static_cast<size_t>(std::count(ids.begin(), ids.end(), kNoSample));
+}
 
 TEST_P(Case12, OfIdenticalSpheresTheLowestIdWins) {
   const std::vector<Sphere> cloud(1000, Sphere{glm::vec3(0.0f), 1.0f});
@@ -375,19 +370,24 @@ TEST_P(Case19, IdenticalAndNestedCodes) {
 TEST_P(Case20, NoneOneAndTwoSpheres) {
   const std::vector<Sphere> cloud{{{0.0f, 0.0f, 0.0f}, 1.0f}, {{1.0f, 0.0f, 0.5f}, 1.0f}};
   for (size_t count = 0; count <= 2; ++count)
-    EXPECT_EQ(covered(expectBruteForce(GetParam(), {cloud.begin(), cloud.begin() + static_cast<ptrdiff_t>(count)}, orbitCamera(6.0f, 15.0f, 37, 23))) > 0, count > 0);
+    EXPECT_EQ(covered(expectBruteForce(GetParam(), {cloud.begin(), cloud.begin() + static_cast<ptrdiff_t>(count)},
+                                       orbitCamera(6.0f, 15.0f, 37, 23))) > 0,
+              count > 0);
   recordExact("techniques that draw spheres, of 0, 1, 2", "brute force", GetParam());
 }
 
 TEST_P(Case21, FlatAndLineClouds) {
   for (const CloudShape shape : {CloudShape::planar, CloudShape::collinear})
-    EXPECT_GT(covered(expectBruteForce(GetParam(), makeCloud(shape, 700, 10.0f, 21), orbitCamera(30.0f, 50.0f, 97, 65))), 20u);
+    EXPECT_GT(
+        covered(expectBruteForce(GetParam(), makeCloud(shape, 700, 10.0f, 21), orbitCamera(30.0f, 50.0f, 97, 65))),
+        20u);
   recordExact("techniques that draw spheres, on a plane and on a line", "brute force", GetParam());
 }
 
 TEST_P(Case22, PositionsOnTheBoundsMaximum) {
   std::vector<Sphere> cloud;
-  for (int corner = 0; corner < 8; ++corner) cloud.push_back({{corner & 1 ? 8.0f : -8.0f, corner & 2 ? 8.0f : -8.0f, corner & 4 ? 8.0f : -8.0f}, 1.0f});
+  for (int corner = 0; corner < 8; ++corner)
+    cloud.push_back({{corner & 1 ? 8.0f : -8.0f, corner & 2 ? 8.0f : -8.0f, corner & 4 ? 8.0f : -8.0f}, 1.0f});
   EXPECT_GT(covered(expectBruteForce(GetParam(), cloud, orbitCamera(60.0f, 33.0f, 97, 65))), 8u);
   recordExact("techniques that draw spheres, at the bounds' corners", "brute force", GetParam());
 }
@@ -401,7 +401,8 @@ TEST_P(Case23, ASphereLargerThanTheScene) {
 
 TEST_P(Case24, TenMillionSamples) {
   if (GetParam() == Backend::cpu) GTEST_SKIP() << "the test of the hierarchy itself, above, has as many";
-  expectBruteForce(GetParam(), makeCloud(CloudShape::random, 10'000'000, 1000.0f, 24), orbitCamera(3000.0f, 5.0f, 5, 3));
+  expectBruteForce(GetParam(), makeCloud(CloudShape::random, 10'000'000, 1000.0f, 24),
+                   orbitCamera(3000.0f, 5.0f, 5, 3));
   recordExact("Lbvh of 1e7 spheres: the picture", "brute force", GetParam());
 }
 
@@ -411,12 +412,14 @@ TEST_P(Case25, PropertyTechniquesFindWhatBruteForceFinds) {
     const float scale = *anyPositive(-13, 13);
     const auto cloud = makeCloud(shape, *rc::gen::inRange<size_t>(1, 300), scale, *rc::gen::arbitrary<uint32_t>());
     const float distance = scale * *anyPositive(-3, 4);
-    Camera camera = orbitCamera(distance, static_cast<float>(*anyInteger(-180, 180)), *rc::gen::inRange(1u, 51u), *rc::gen::inRange(1u, 41u));
+    Camera camera = orbitCamera(distance, static_cast<float>(*anyInteger(-180, 180)), *rc::gen::inRange(1u, 51u),
+                                *rc::gen::inRange(1u, 41u));
     camera.tanHalfFovY = std::min(0.8f, 1.5f * scale / distance);
     expectBruteForce(GetParam(), cloud, camera);
     RC_ASSERT(!testing::Test::HasFailure());
   });
-  recordExact("techniques that draw spheres, on random, planar, collinear, clustered, equal ones", "brute force", GetParam());
+  recordExact("techniques that draw spheres, on random, planar, collinear, clustered, equal ones", "brute force",
+              GetParam());
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-// Inputs of all magnitudes for properties: numbers whose logarithm is uniform, of either sign; directions, rays, spheres, boxes, cameras.
-// Claessen, Hughes 2000 ("QuickCheck"), by rapidcheck. Everything shrinks: numbers towards 1, places towards simple ones, lists to fewer.
+// Inputs of all magnitudes for properties: numbers whose logarithm is uniform, of either sign; directions, rays,
+// spheres, boxes, cameras. Claessen, Hughes 2000 ("QuickCheck"), by rapidcheck. Everything shrinks: numbers towards 1,
+// places towards simple ones, lists to fewer.
 #pragma once
 
 #include <rapidcheck.h>
@@ -37,28 +38,34 @@ inline rc::Gen<int> anyInteger(int least, int most) {
 
 /// 0..1 in 2^24 steps; shrinks towards 0.
 inline rc::Gen<float> anyFraction() {
-  return rc::gen::map(rc::gen::inRange<uint32_t>(0, (1u << 24) + 1), [](uint32_t steps) { return static_cast<float>(steps) * 0x1p-24f; });
+  return rc::gen::map(rc::gen::inRange<uint32_t>(0, (1u << 24) + 1),
+                      [](uint32_t steps) { return static_cast<float>(steps) * 0x1p-24f; });
 }
 
 /// 2^least to 2^(most + 1), positive.
 inline rc::Gen<float> anyPositive(int least = kLeastExponent, int most = kLargestExponent) {
-  return rc::gen::map(rc::gen::tuple(anyInteger(std::min(least, 0), std::max(most, 0)), rc::gen::inRange<uint32_t>(0, 1u << 23)),
-                      [=](const std::tuple<int, uint32_t>& parts) {
-                        const int exponent = std::clamp(std::get<0>(parts), least, most);
-                        return std::ldexp(1.0f + static_cast<float>(std::get<1>(parts)) * 0x1p-23f, exponent);
-                      });
+  return rc::gen::map(
+      rc::gen::tuple(anyInteger(std::min(least, 0), std::max(most, 0)), rc::gen::inRange<uint32_t>(0, 1u << 23)),
+      [=](const std::tuple<int, uint32_t>& parts) {
+        const int exponent = std::clamp(std::get<0>(parts), least, most);
+        return std::ldexp(1.0f + static_cast<float>(std::get<1>(parts)) * 0x1p-23f, exponent);
+      });
 }
 
 /// Of either sign.
 inline rc::Gen<float> anyNumber(int least = kLeastExponent, int most = kLargestExponent) {
   return rc::gen::map(rc::gen::tuple(anyPositive(least, most), rc::gen::arbitrary<bool>()),
-                      [](const std::tuple<float, bool>& parts) { return std::get<1>(parts) ? -std::get<0>(parts) : std::get<0>(parts); });
+                      [](const std::tuple<float, bool>& parts) {
+                        return std::get<1>(parts) ? -std::get<0>(parts) : std::get<0>(parts);
+                      });
 }
 
 /// Each coordinate of a magnitude of its own.
 inline rc::Gen<glm::vec3> anyVector(int least = kLeastExponent, int most = kLargestExponent) {
   return rc::gen::map(rc::gen::tuple(anyNumber(least, most), anyNumber(least, most), anyNumber(least, most)),
-                      [](const std::tuple<float, float, float>& v) { return glm::vec3(std::get<0>(v), std::get<1>(v), std::get<2>(v)); });
+                      [](const std::tuple<float, float, float>& v) {
+                        return glm::vec3(std::get<0>(v), std::get<1>(v), std::get<2>(v));
+                      });
 }
 
 /// Any way to look, axes among them; unit to the last bit of float.
@@ -77,20 +84,24 @@ struct SphereCase {
   float radius;
 };
 
-/// Most rays pass near the outline; eyes from inside the sphere to 2^17 radii away, `least` and `most` are the radius's exponents.
+/// Most rays pass near the outline; eyes from inside the sphere to 2^17 radii away, `least` and `most` are the radius's
+/// exponents.
 inline rc::Gen<SphereCase> anySphereCase(int least, int most) {
-  return rc::gen::map(rc::gen::tuple(anyPositive(least, most), anyPositive(-2, 16), anyDirection(), anyDirection(), anyDirection(),
-                                     rc::gen::tuple(rc::gen::inRange(0, 26), anyInteger(-64, 64), anyInteger(-4, 4))),
-                      [](const auto& parts) {
-                        const auto& [radius, radii, forward, to, from, pass] = parts;
-                        const auto& [closeness, off, far] = pass;
-                        const float distance = radius * radii;
-                        const float beside = 1.0f + std::ldexp(static_cast<float>(off) / 64.0f, -closeness);
-                        glm::vec3 side = glm::cross(forward, to);
-                        if (!(glm::dot(side, side) > 1e-6f)) side = glm::cross(forward, glm::vec3(forward.y, forward.z, -forward.x + 0.5f));
-                        const glm::vec3 origin = std::ldexp(distance, far) * from;
-                        return SphereCase{{origin, forward}, origin + distance * forward + beside * radius * glm::normalize(side), radius};
-                      });
+  return rc::gen::map(
+      rc::gen::tuple(anyPositive(least, most), anyPositive(-2, 16), anyDirection(), anyDirection(), anyDirection(),
+                     rc::gen::tuple(rc::gen::inRange(0, 26), anyInteger(-64, 64), anyInteger(-4, 4))),
+      [](const auto& parts) {
+        const auto& [radius, radii, forward, to, from, pass] = parts;
+        const auto& [closeness, off, far] = pass;
+        const float distance = radius * radii;
+        const float beside = 1.0f + std::ldexp(static_cast<float>(off) / 64.0f, -closeness);
+        glm::vec3 side = glm::cross(forward, to);
+        if (!(glm::dot(side, side) > 1e-6f))
+          side = glm::cross(forward, glm::vec3(forward.y, forward.z, -forward.x + 0.5f));
+        const glm::vec3 origin = std::ldexp(distance, far) * from;
+        return SphereCase{
+            {origin, forward}, origin + distance * forward + beside * radius * glm::normalize(side), radius};
+      });
 }
 
 /// A box, and a ray towards a point of it: a corner, on an edge, in a face or inside.
@@ -100,31 +111,40 @@ struct BoxCase {
 };
 
 inline rc::Gen<BoxCase> anyBoxCase(int least, int most) {
-  return rc::gen::map(rc::gen::tuple(anyVector(least, most), rc::gen::tuple(anyFraction(), anyFraction(), anyFraction()), anyPositive(-14, 6),
-                                     anyPositive(-14, 14), anyDirection(), rc::gen::tuple(rc::gen::inRange(0, 4), rc::gen::inRange(0, 4), rc::gen::inRange(0, 4))),
-                      [](const auto& parts) {
-                        const auto& [center, share, size, away, from, place] = parts;
-                        const float reach = glm::max(std::abs(center.x), glm::max(std::abs(center.y), std::abs(center.z)));
-                        const glm::vec3 half = size * reach * glm::vec3(std::get<0>(share), std::get<1>(share), std::get<2>(share));
-                        BoxCase result{center + away * reach * from, {}, {center - half, center + half}};
-                        const int at[3] = {std::get<0>(place), std::get<1>(place), std::get<2>(place)};
-                        glm::vec3 target;
-                        for (int axis = 0; axis < 3; ++axis)
-                          target[axis] = at[axis] == 0 ? center[axis] : at[axis] == 1 ? result.box.lower[axis] : at[axis] == 2 ? result.box.upper[axis] : center[axis] + 0.37f * half[axis];
-                        const glm::dvec3 towards = glm::dvec3(target) - glm::dvec3(result.origin);
-                        result.direction = towards == glm::dvec3(0.0) ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(glm::normalize(towards));
-                        return result;
-                      });
+  return rc::gen::map(
+      rc::gen::tuple(anyVector(least, most), rc::gen::tuple(anyFraction(), anyFraction(), anyFraction()),
+                     anyPositive(-14, 6), anyPositive(-14, 14), anyDirection(),
+                     rc::gen::tuple(rc::gen::inRange(0, 4), rc::gen::inRange(0, 4), rc::gen::inRange(0, 4))),
+      [](const auto& parts) {
+        const auto& [center, share, size, away, from, place] = parts;
+        const float reach = glm::max(std::abs(center.x), glm::max(std::abs(center.y), std::abs(center.z)));
+        const glm::vec3 half = size * reach * glm::vec3(std::get<0>(share), std::get<1>(share), std::get<2>(share));
+        BoxCase result{center + away * reach * from, {}, {center - half, center + half}};
+        const int at[3] = {std::get<0>(place), std::get<1>(place), std::get<2>(place)};
+        glm::vec3 target;
+        for (int axis = 0; axis < 3; ++axis)
+          target[axis] = at[axis] == 0   ? center[axis]
+                         : at[axis] == 1 ? result.box.lower[axis]
+                         : at[axis] == 2 ? result.box.upper[axis]
+                                         : center[axis] + 0.37f * half[axis];
+        const glm::dvec3 towards = glm::dvec3(target) - glm::dvec3(result.origin);
+        result.direction =
+            towards == glm::dvec3(0.0) ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(glm::normalize(towards));
+        return result;
+      });
 }
 
-/// Any place up to 2^`most`, direction, field of view, size, either handedness. Axes are unit and orthogonal up to rounding.
+/// Any place up to 2^`most`, direction, field of view, size, either handedness. Axes are unit and orthogonal up to
+/// rounding.
 inline rc::Gen<Camera> anyCamera(int least, int most) {
   return rc::gen::map(rc::gen::tuple(anyVector(least, most), anyDirection(), anyDirection(), anyPositive(-7, 3),
-                                     rc::gen::tuple(rc::gen::inRange(1u, 4097u), rc::gen::inRange(1u, 4097u), rc::gen::arbitrary<bool>())),
+                                     rc::gen::tuple(rc::gen::inRange(1u, 4097u), rc::gen::inRange(1u, 4097u),
+                                                    rc::gen::arbitrary<bool>())),
                       [](const auto& parts) {
                         const auto& [eye, forward, to, tangent, rest] = parts;
                         glm::dvec3 right = glm::cross(glm::dvec3(forward), glm::dvec3(to));
-                        if (!(glm::dot(right, right) > 1e-6)) right = glm::cross(glm::dvec3(forward), glm::dvec3(forward.y, forward.z, -forward.x + 0.5f));
+                        if (!(glm::dot(right, right) > 1e-6))
+                          right = glm::cross(glm::dvec3(forward), glm::dvec3(forward.y, forward.z, -forward.x + 0.5f));
                         right = glm::normalize(right);
                         Camera camera;
                         camera.eye = eye;
@@ -158,7 +178,8 @@ inline void showValue(const Camera& c, std::ostream& out) {
   showBits(out << "eye ", c.eye);
   showBits(out << ", right ", c.right);
   showBits(out << ", up ", c.up);
-  showBits(out << ", forward ", c.forward) << ", tangent " << std::hexfloat << c.tanHalfFovY << std::defaultfloat << ", " << c.width << "x" << c.height;
+  showBits(out << ", forward ", c.forward)
+      << ", tangent " << std::hexfloat << c.tanHalfFovY << std::defaultfloat << ", " << c.width << "x" << c.height;
 }
 
 }  // namespace warpscope

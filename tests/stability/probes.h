@@ -133,7 +133,9 @@ struct TrilinearProbe {
     glm::vec3 weight;
   };
   using Output = float;
-  WARPSCOPE_HD static Output evaluate(const Input& in) { return trilinear(in.corners, in.weight.x, in.weight.y, in.weight.z); }
+  WARPSCOPE_HD static Output evaluate(const Input& in) {
+    return trilinear(in.corners, in.weight.x, in.weight.y, in.weight.z);
+  }
 };
 
 /// The place of a ray's point in voxel coordinates.
@@ -189,7 +191,8 @@ struct MarchProbe {
     const RayPath path{{glm::vec3(0.0f), {0.0f, 0.0f, 1.0f}}, makeLattice({0.0f, in.length}, in.dt)};
     Homogeneous source{in.alpha, in.unitAlpha};
     RayColor color;
-    marchRay(path, 0, path.lattice.count, source, Unlit{}, {1.0f / 1024, in.stopBelow}, color, [](const CountingSample&) { return true; });
+    marchRay(path, 0, path.lattice.count, source, Unlit{}, {1.0f / 1024, in.stopBelow}, color,
+             [](const CountingSample&) { return true; });
     return {color.premultiplied(), color.transmittance.exact(), source.looked};
   }
 };
@@ -211,7 +214,8 @@ struct FoldProbe {
     double transmittance = 1.0;
     ProfileFold profile;
     for (int i = 0; i < in.count; ++i) {
-      samples[i] = CountingSample::behind(transmittance, mulAdd(static_cast<float>(i) + 0.5f, in.dt, in.t0), in.dt, in.alphas[i]);
+      samples[i] = CountingSample::behind(transmittance, mulAdd(static_cast<float>(i) + 0.5f, in.dt, in.t0), in.dt,
+                                          in.alphas[i]);
       transmittance *= 1.0 - static_cast<double>(in.alphas[i]);
       profile.add(samples[i]);
     }
@@ -239,8 +243,9 @@ struct FoldProbe {
   }
 };
 
-#define WARPSCOPE_FOR_EACH_PROBE(USE)                                                                             \
-  USE(SphereProbe) USE(BoxProbe) USE(CullProbe) USE(PixelRayProbe) USE(ProjectProbe) USE(SampleProbe)             \
-  USE(OpacityProbe) USE(LatticeProbe) USE(TrilinearProbe) USE(VoxelPlaceProbe) USE(MarchProbe) USE(FoldProbe)
+#define WARPSCOPE_FOR_EACH_PROBE(USE)                                                                  \
+  USE(SphereProbe)                                                                                     \
+  USE(BoxProbe) USE(CullProbe) USE(PixelRayProbe) USE(ProjectProbe) USE(SampleProbe) USE(OpacityProbe) \
+      USE(LatticeProbe) USE(TrilinearProbe) USE(VoxelPlaceProbe) USE(MarchProbe) USE(FoldProbe)
 
 }  // namespace warpscope

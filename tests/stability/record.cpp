@@ -36,8 +36,12 @@ void record(const Record& row) {
   }
   json& rows = rowsOfTests[name];
   if (rows.is_null()) rows = json::array();
-  json fresh{{"case", std::stoi(number[1])},     {"what", row.function}, {"unit", row.unit},
-             {"oracle", row.oracle},             {"bound", row.bound},   {"backend", std::string(nameOf(row.backend))},
+  json fresh{{"case", std::stoi(number[1])},
+             {"what", row.function},
+             {"unit", row.unit},
+             {"oracle", row.oracle},
+             {"bound", row.bound},
+             {"backend", std::string(nameOf(row.backend))},
              {"worst", std::isfinite(row.worst) ? json(row.worst) : json("infinite")}};
   const auto isSameRow = [&](const json& other) {
     return other["what"] == fresh["what"] && other["oracle"] == fresh["oracle"] && other["backend"] == fresh["backend"];

@@ -1,5 +1,5 @@
-// What a test of a hard case found: the worst error, beside the bound that it was held to. The rows of README.md's table.
-// A test's case is the number in its name, Case07 or On/Case07; table.py reads the files that are written.
+// What a test of a hard case found: the worst error, beside the bound that it was held to. The rows of README.md's
+// table. A test's case is the number in its name, Case07 or On/Case07; table.py reads the files that are written.
 #pragma once
 
 #include <cmath>
@@ -20,8 +20,8 @@ struct Record {
   Backend backend = Backend::cpu;
 };
 
-/// Expects that the worst error is within the bound, and where WARPSCOPE_STABILITY_RECORDS names a folder leaves the row there, in a file of the
-/// running test. Several rows of one test go into one file.
+/// Expects that the worst error is within the bound, and where WARPSCOPE_STABILITY_RECORDS names a folder leaves the
+/// row there, in a file of the running test. Several rows of one test go into one file.
 void record(const Record& row);
 
 /// Of a test that compares bits, values or verdicts: nothing of it may have failed.

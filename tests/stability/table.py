@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # The table of hard cases in README.md is what the tests found: the same rows, held to the same bounds.
 # The tests leave their rows in a folder, one JSON file a test: record.h.
-"""Usage: table.py check|update|clear RECORDS_FOLDER README. Exit codes: 0 done, 1 the table is not what was found, 2 usage.
+"""Usage: table.py check|update|clear RECORDS_FOLDER README.
+Exit codes: 0 done, 1 the table is not what was found, 2 usage.
 
-`clear` empties the folder before a run. Rows of a backend that was not run stay as they are in the README, as long as the CPU has
-a row of that case, function and oracle."""
+`clear` empties the folder before a run. Rows of a backend that was not run stay as they are in the README, as long as
+the CPU has a row of that case, function, oracle and bound."""
 import json
 import pathlib
 import re
@@ -90,16 +91,19 @@ def main():
     if what == "update":
         rows = sorted({**kept(written, found), **found}.values(), key=order)
         table = HEAD + "".join("| " + " | ".join(row) + " |\n" for row in rows)
-        fresh = re.sub(re.escape(BEGIN) + "(.*?)" + re.escape(END), lambda _: BEGIN + table + END, text, flags=re.DOTALL)
+        old = re.compile(re.escape(BEGIN) + "(.*?)" + re.escape(END), re.DOTALL)
+        fresh = old.sub(lambda _: BEGIN + table + END, text)
         page.write_text(fresh, encoding="utf-8")
         print(f"{len(rows)} rows, {len(found)} of them of this run")
         return 0
     problems = [f"not in the README: {' | '.join(found[k])}" for k in found if k not in written]
     stay = kept(written, found)
-    problems += [f"in the README, but no test found it: {' | '.join(written[k])}" for k in written if k not in found and k not in stay]
+    lost = [row for k, row in written.items() if k not in found and k not in stay]
+    problems += [f"in the README, but no test found it: {' | '.join(row)}" for row in lost]
     if problems:
         problems.append(f"after a run of all of them: python3 tests/stability/table.py update {folder} {page}")
-    print("\n".join(problems) if problems else f"{len(found)} rows are as {page.name} says, {len(stay)} of backends that are not here stay")
+    said = f"{len(found)} rows are as {page.name} says, {len(stay)} of backends that are not here stay"
+    print("\n".join(problems) if problems else said)
     return 1 if problems else 0
 
 
