@@ -25,7 +25,7 @@ namespace warpscope {
 namespace {
 
 /// Memory that could be had now, in GiB; 0 where the system does not say.
-double availableGiB() {
+[[maybe_unused]] double availableGiB() {
   std::ifstream file("/proc/meminfo");
   std::string word;
   while (file >> word)
