@@ -321,6 +321,19 @@ TEST(Lbvh, DenseLargeSpheresAreToldApart) {
   }
 }
 
+TEST(Lbvh, TilesMaySeeHalfOfTheWorld) {
+  // Pictures of few rows have wide pixels: the rays of one tile are up to 170 degrees apart.
+  for (uint32_t seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE(seed);
+    const CloudShape shape = kCloudShapes[seed % kCloudShapes.size()];
+    auto cloud = makeCloud(shape, 150, 1.0f, seed);
+    for (Sphere& sphere : cloud) sphere.radius *= 4.0f;
+    Camera camera = orbitCamera(0.3f + 0.05f * static_cast<float>(seed), 37.0f * static_cast<float>(seed), 3 + seed % 40, 1 + seed % 3);
+    camera.tanHalfFovY = 0.8f;
+    expectAllAgree(cloud, camera);
+  }
+}
+
 TEST(Lbvh, AFullStackIsReported) {
   // A node that is its own child on both sides: no hierarchy, and the only way to overflow.
   const Box box{glm::vec3(-1.0f), glm::vec3(1.0f)};

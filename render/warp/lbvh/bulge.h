@@ -39,9 +39,11 @@ inline Real bulgeDepth(const Bulge& bulge, const Real& offset) {
          sqrtOf(maxOf(Real(bulge.radius * bulge.radius) - squaredOffset, zero));
 }
 
-/// The sine of the angle between two unit vectors, as large as it may be.
+/// The sine of the angle between two unit vectors, as large as it may be; more than any where the angle is no acute one, as in tiles of pictures that
+/// see half of the world: nothing follows then.
 inline float spreadOf(const glm::vec3& axis, const glm::vec3& direction) {
-  return glm::length(direction - glm::dot(axis, direction) * axis) + kPacketMargin;
+  const float cosine = glm::dot(axis, direction);
+  return cosine > kPacketMargin ? glm::length(direction - cosine * axis) + kPacketMargin : 2.0f;
 }
 
 /// Of blocks of pixels the rays through their middles, and how far their rays are from those. A ray at an angle b to such an axis passes a point by
