@@ -9,9 +9,13 @@ import sys
 HOST = ["-ffp-contract=off"]
 # nvcc compiles a .cu file for the device itself and hands the host's part to another compiler.
 DEVICE = ["--fmad=false", "--prec-div=true", "--prec-sqrt=true", "--ftz=false", "-Xcompiler=-ffp-contract=off"]
-# Any of these would let a compiler round otherwise again.
-FORBIDDEN = ["-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-fassociative-math", "-freciprocal-math",
-             "--use_fast_math", "-use_fast_math", "-ffp-contract=fast", "-ffp-contract=on"]
+# Any of these would let a compiler round otherwise again, take NaN and infinity for impossible, or flush denormal numbers.
+FORBIDDEN = ["-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-fassociative-math", "-freciprocal-math", "-mrecip",
+             "-ffinite-math-only", "-fno-signed-zeros", "-mdaz-ftz", "-fcx-limited-range",
+             "-fexcess-precision=fast", "--use_fast_math", "-use_fast_math", "--fmad=true", "--ftz=true", "--prec-div=false",
+             "--prec-sqrt=false", "-ffp-contract=fast", "-ffp-contract=on"]
+# Linking with one of these adds start-up code that flushes denormal numbers (GCC's crtfastmath.o).
+FORBIDDEN_LINKING = ["-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-mdaz-ftz"]
 ROOMS = ["render/", "net/", "app/", "tests/"]
 
 
@@ -23,7 +27,7 @@ def faults_of(command, source):
 
 def main():
     build, sources = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
-    looked_at, faults = 0, []
+    looked_at, rooms, faults = 0, set(), []
     for entry in json.loads((build / "compile_commands.json").read_text()):
         path = pathlib.Path(entry["directory"], entry["file"]).resolve()
         if not path.is_relative_to(sources):
@@ -32,9 +36,17 @@ def main():
         if path.suffix not in (".cpp", ".cu") or path.is_relative_to(build) or not name.startswith(tuple(ROOMS)):
             continue
         looked_at += 1
+        rooms.add(name.split("/")[0] + "/")
         faults += [f"{name}: {fault}" for fault in faults_of(entry["command"], name)]
-    print("\n".join(faults) or f"{looked_at} sources are compiled to round as they are written")
-    return 1 if faults or looked_at < 100 else 0
+    linked = 0
+    for line in (build / "build.ninja").read_text().splitlines():
+        key, _, value = line.strip().partition(" = ")
+        if key in ("LINK_FLAGS", "FLAGS", "LINK_LIBRARIES"):
+            linked += key == "LINK_LIBRARIES"
+            faults += [f"build.ninja: links with {word}" for word in value.split() if word in FORBIDDEN_LINKING]
+    faults += [f"no source of {room} is compiled" for room in ROOMS if room not in rooms]
+    print("\n".join(faults) or f"{looked_at} sources are compiled, and {linked} programs and libraries linked, to round as they are written")
+    return 1 if faults or looked_at < 100 or linked < 5 else 0
 
 
 if __name__ == "__main__":

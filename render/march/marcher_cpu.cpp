@@ -132,7 +132,8 @@ class CpuMarcher final : public Marcher {
       RaySamples found;
       for (uint32_t y = y0; y < y1; ++y)
         for (uint32_t x = x0; x < x1; ++x) {
-          const auto& [ray, cosine] = pixels.ray(x, y);
+          const PixelRay pixel = pixels.ray(x, y);
+          const Ray& ray = pixel.ray;
           // Parallel to slabs, and in their planes: box.h says what comes of 1 / 0 and 0 * infinity.
           const RayInterval inside = exceptionsExpected([&] {
             return intersectBox(reciprocalOf(ray.origin, ray.direction), marched_->volume->bounds(), 0.0f, std::numeric_limits<float>::infinity());
@@ -153,7 +154,7 @@ class CpuMarcher final : public Marcher {
             else if constexpr (std::is_same_v<typename Source::March, StableMarch>)  // as march() makes sure
               findParts<Source>(view, light, path, limits, *sample, depthOfSamples, counting, found);
           }
-          onRay(x, y, cosine, premultiplied, found);
+          onRay(x, y, pixel.cosine, premultiplied, found);
         }
     });
   }

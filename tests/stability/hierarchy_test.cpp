@@ -128,11 +128,25 @@ void expectAllAgree(std::span<const Sphere> cloud, const Camera& camera) {
 }
 
 TEST(Case23, DenseLargeSpheresAreToldApart) {
-  // What a sphere around a node leaves out must be nothing that a ray would have met first. Pictures of 200 pixels, of which a sphere covers 30.
+  // What a sphere around a node leaves out must be nothing that a ray would have met first. A sphere covers 15 pixels of
+  // 100 from afar, all from close by.
   for (const float scale : {1.0f, 0x1p-30f, 0x1p30f, 0x1p-50f, 3e15f}) {
     SCOPED_TRACE(scale);
-    const auto cloud = makeCloud(CloudShape::dense, 3000, scale, 61);
-    for (const float distance : {3.0f, 0.6f}) expectAllAgree(cloud, orbitCamera(distance * scale, 25.0f, 200, 150));
+    const auto cloud = makeCloud(CloudShape::dense, 2000, scale, 61);
+    for (const float distance : {3.0f, 0.6f}) expectAllAgree(cloud, orbitCamera(distance * scale, 25.0f, 100, 75));
+  }
+}
+
+TEST(Case55, TilesMaySeeHalfOfTheWorld) {
+  // Pictures of few rows have wide pixels: the rays of one tile are up to 170 degrees apart.
+  for (uint32_t seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE(seed);
+    const CloudShape shape = kCloudShapes[seed % kCloudShapes.size()];
+    auto cloud = makeCloud(shape, 150, 1.0f, seed);
+    for (Sphere& sphere : cloud) sphere.radius *= 4.0f;
+    Camera camera = orbitCamera(0.3f + 0.05f * static_cast<float>(seed), 37.0f * static_cast<float>(seed), 3 + seed % 40, 1 + seed % 3);
+    camera.tanHalfFovY = 0.8f;
+    expectAllAgree(cloud, camera);
   }
 }
 

@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "render/core/simd.h"
+#include "render/warp/lbvh/bulge.h"
 #include "render/warp/lbvh/lbvh.h"
 #include "render/warp/lbvh/ray_packet.h"
 
@@ -24,29 +24,6 @@ static_assert(kTileSide % 4 == 0);
 
 /// Subtrees of at most this many spheres are not walked but tested one by one.
 inline constexpr uint32_t kLeafSpheres = 8;
-
-/// kLbvhMargin covers the exact test and the box test; directions, planes and their products add about as much again.
-inline constexpr float kPacketMargin = 2.0f * kLbvhMargin;
-
-/// Spheres with smaller radii are not told from others by where they bulge: squares of what is much smaller underflow.
-inline constexpr float kSmallestBulge = 0x1p-40f;
-
-/// A sphere around all that is looked at, as seen from the eye.
-struct Bulge {
-  float distance;  ///< of the centre from the eye
-  float radius;    ///< below the distance
-};
-
-/// At most the distance to the sphere along a ray that passes the centre at `offset` >= 0 or farther. Where a ray passes the middle of a sphere at
-/// some distance, the sphere's surface lies that much deeper: sqrt(D^2 - offset^2) - sqrt(R^2 - offset^2), which grows with the offset. For
-/// numbers and packs.
-template <class Real>
-inline Real bulgeDepth(const Bulge& bulge, const Real& offset) {
-  const Real zero(0.0f);
-  const Real squaredOffset = offset * offset;
-  return sqrtOf(maxOf(Real(bulge.distance * bulge.distance) - squaredOffset, zero)) -
-         sqrtOf(maxOf(Real(bulge.radius * bulge.radius) - squaredOffset, zero));
-}
 
 /// Unit normals of the planes through the eye and one column (or row) of pixel centres each.
 class PlaneFan {
@@ -211,11 +188,6 @@ class TileTracer {
 
   glm::vec3 directionOf(uint32_t ray) const { return {directionX_[ray], directionY_[ray], directionZ_[ray]}; }
 
-  /// The sine of the angle between two unit vectors, as large as it may be.
-  static float spreadOf(const glm::vec3& axis, const glm::vec3& direction) {
-    return glm::length(direction - glm::dot(axis, direction) * axis) + kPacketMargin;
-  }
-
   /// At most the distance to anything below that child; kNoHit if no ray can meet any of it before what it has met.
   float nearestDepth(const LbvhNode& node, int side) const {
     const Box& box = node.bounds[side];
@@ -223,11 +195,11 @@ class TileTracer {
     const glm::vec3 halfExtent = 0.5f * (box.upper - box.lower);
     const float largest = std::max({halfExtent.x, halfExtent.y, halfExtent.z});
     // Around a node that is much larger than its spheres, a sphere tells nothing that the box does not.
-    if (depth == kNoHit || !(largest < 4.0f * node.smallestRadius[side]) || !(largest > kSmallestBulge)) return depth;
+    if (depth == kNoHit || !(largest < 4.0f * node.smallestRadius[side])) return depth;
     const glm::vec3 toMiddle = 0.5f * (box.lower + box.upper) - scene_.camera.eye;
     const Bulge bulge{glm::length(toMiddle), boundingRadius(halfExtent, node.smallestRadius[side]) + scene_.margin};
-    if (!(bulge.radius < bulge.distance)) return depth;
-    // A ray at an angle to the axis passes by that much nearer: sin(a - b) >= sin(a) - sin(b) for a >= b.
+    if (!bulge.isTelling()) return depth;
+    // As Beams: the tile is one.
     const float offset = glm::length(toMiddle - glm::dot(toMiddle, axis_) * axis_) - bulge.distance * spread_ - scene_.margin;
     if (offset > bulge.radius) return kNoHit;
     const float bulgeNear = bulgeDepth(bulge, std::max(offset, 0.0f)) - scene_.margin;
@@ -296,32 +268,15 @@ class TileTracer {
   /// The groups in which a ray may meet the sphere before what it has met, as bits.
   uint64_t groupsBehind(const glm::vec3& toCenter, float distance, float radius) {
     const Bulge bulge{distance, std::min(radius, 0.5f * distance) + scene_.margin};  // what is seen of it: seenRadius
-    if (!(bulge.radius < bulge.distance) || !(bulge.radius > kSmallestBulge)) return ~uint64_t{0};
+    if (!bulge.isTelling()) return ~uint64_t{0};
     if (!hasBeams_) makeBeams();
-    uint64_t bits = 0;
-    for (uint32_t i = 0; i < kGroups; i += kPackLanes) {
-      const Vec3Pack axis{FloatPack::load_aligned(&beamX_[i]), FloatPack::load_aligned(&beamY_[i]), FloatPack::load_aligned(&beamZ_[i])};
-      const FloatPack along = axis.x * toCenter.x + axis.y * toCenter.y + axis.z * toCenter.z;
-      const Vec3Pack beside{toCenter.x - along * axis.x, toCenter.y - along * axis.y, toCenter.z - along * axis.z};
-      const FloatPack passed = xsimd::sqrt(dot(beside, beside)) - distance * FloatPack::load_aligned(&beamSpread_[i]) - scene_.margin;
-      const FloatPack nearest = bulgeDepth(bulge, xsimd::max(passed, FloatPack(0.0f))) - scene_.margin;
-      const FloatMask may = (passed <= FloatPack(bulge.radius)) & (nearest <= FloatPack::load_aligned(&groupFarthest_[i]));
-      bits |= uint64_t{laneBits(may)} << i;
-    }
-    return bits;
+    return beams_.behind(0, kGroups, toCenter, bulge, scene_.margin, groupFarthest_.data());
   }
 
-  /// Of each group the ray through its middle, and how far its rays are from that.
   void makeBeams() {
     for (uint32_t group = 0; group < kGroups; ++group) {
       const uint32_t first = group * kPackLanes, last = first + kPackLanes - 1;
-      const uint32_t firstEnd = first + kGroupWidth - 1, lastBegin = last + 1 - kGroupWidth;
-      const glm::vec3 axis = glm::normalize(directionOf(first) + directionOf(last));
-      beamX_[group] = axis.x;
-      beamY_[group] = axis.y;
-      beamZ_[group] = axis.z;
-      beamSpread_[group] = std::max({spreadOf(axis, directionOf(first)), spreadOf(axis, directionOf(last)),
-                                     spreadOf(axis, directionOf(firstEnd)), spreadOf(axis, directionOf(lastBegin))});
+      beams_.set(group, {directionOf(first), directionOf(first + kGroupWidth - 1), directionOf(last + 1 - kGroupWidth), directionOf(last)});
     }
     hasBeams_ = true;
   }
@@ -368,7 +323,7 @@ class TileTracer {
   alignas(64) std::array<std::array<float, kRays>, Capacity> t_;  // nearest hits first
   alignas(64) std::array<std::array<int32_t, kRays>, Capacity> id_;
   alignas(64) std::array<float, kGroups> groupFarthest_;  // of each group's last hits
-  alignas(64) std::array<float, kGroups> beamX_, beamY_, beamZ_, beamSpread_;  // see makeBeams
+  Beams<kGroups> beams_;  // once hasBeams_
 };
 
 }  // namespace warpscope
