@@ -92,6 +92,23 @@ void drawFrame(benchmark::State& state, const char* technique) {
   for (auto _ : state) warp->draw(camera, {}, image);
 }
 
+/// Pictures in which a sphere covers ever more pixels, and each has a sphere: 25 degrees from where the cloud was seen.
+template <class Tracer>
+void traceLarger(benchmark::State& state) {
+  const auto side = static_cast<uint32_t>(state.range(0));
+  Tracer tracer;
+  const auto cloud = makeFrameCloud(orbitCamera(kDistance, 0.0f, side, side), 1);
+  tracer.build(cloud);
+  Image<uint32_t> ids;
+  for (auto _ : state) tracer.trace(orbitCamera(kDistance, 25.0f, side, side), ids, nullptr, {});
+  state.counters["spheres"] = static_cast<double>(cloud.size());
+}
+
+void sides(benchmark::internal::Benchmark* bench) {
+  for (const int side : {1024, 2048, 4096, 8192}) bench->Arg(side);
+  bench->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime()->Iterations(1)->Repetitions(2);
+}
+
 void viewAngles(benchmark::internal::Benchmark* bench) {
   for (const int angleDeg : {0, 25, 60}) bench->Arg(angleDeg);
   bench->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
@@ -100,6 +117,8 @@ void viewAngles(benchmark::internal::Benchmark* bench) {
 BENCHMARK(traceCloud<LbvhTracer>)->Apply(viewAngles);
 BENCHMARK(traceCloud<EmbreeTracer>)->Apply(viewAngles);
 BENCHMARK(traceCloud<SplatTracer>)->Apply(viewAngles);
+BENCHMARK(traceLarger<LbvhTracer>)->Apply(sides);
+BENCHMARK(traceLarger<SplatTracer>)->Apply(sides);
 BENCHMARK_CAPTURE(drawFrame, spheres, "spheres")->Apply(viewAngles);
 BENCHMARK_CAPTURE(drawFrame, splats, "splats")->Apply(viewAngles);
 BENCHMARK_CAPTURE(drawFrame, multihit4, "multihit")->Apply(viewAngles);
