@@ -56,7 +56,7 @@ void view(const ViewOptions& options) {
   if (!options.screenshot.empty()) requireWritable(options.screenshot);
   if (!options.report.empty()) requireWritable(options.report);
   settings.knobs.warp = checked.warp;
-  settings.knobs.panelKnobs.fill(checked.warp.knobs);
+  settings.knobs.panelKnobs.back() = checked.warp.knobs;  // of the right panel: the left one is what it is compared with
   settings.knobs.transport = transport;
   settings.knobs.uncovered = checked.uncovered;
   settings.platform = checked.platform;
