@@ -21,11 +21,18 @@ struct Entry {
   float unitAlpha = 0.0f;
 };
 
-bool areAlike(const Entry& a, const Entry& b) {
+bool isShown(const Entry& entry) { return entry.color.a > 0.0f; }
+
+bool areNear(const Entry& a, const Entry& b) {
   const glm::vec4 difference = glm::abs(a.color - b.color);
   const float most = std::max({difference.r, difference.g, difference.b, difference.a, std::abs(a.unitAlpha - b.unitAlpha)});
-  return most <= TransferTable::kMostVariation && (a.color.a > 0.0f) == (b.color.a > 0.0f);
+  return most <= TransferTable::kMostVariation;
 }
+
+bool areAlike(const Entry& a, const Entry& b) { return areNear(a, b) && isShown(a) == isShown(b); }
+
+/// For what is come to but not met: what comes to nothing is something before.
+bool isAlikeBelow(const Entry& entry, const Entry& limit) { return areNear(entry, limit) && (isShown(entry) || !isShown(limit)); }
 
 /// Borders of bins, in the function's units: bin 0 ends at the lower one, the last begins at the upper one. Without bins between them there is but one bin.
 struct Bins {
@@ -136,13 +143,18 @@ class Baking {
     // What may be looked up here: [begin, end).
     const double begin = isFirst ? -std::numeric_limits<double>::infinity() : bins_.border(bin - 1) - bins_.slack(bin - 1);
     const double end = isLast ? std::numeric_limits<double>::infinity() : bins_.border(bin) + bins_.slack(bin);
-    const Entry entry = isFirst ? before(bins_.lower) : isLast ? from(bins_.upper) : from(middleOf(bins_.border(bin - 1), bins_.border(bin)));
+    Entry entry = isFirst ? before(bins_.lower) : isLast ? from(bins_.upper) : from(middleOf(bins_.border(bin - 1), bins_.border(bin)));
     const auto inside = std::upper_bound(corners_.begin(), corners_.end(), begin);  // strictly
     const auto outside = std::lower_bound(inside, corners_.end(), end);
-    bool isAlike = (isFirst || areAlike(entry, from(begin))) && (isLast || areAlike(entry, before(end)));
-    for (auto corner = inside; isAlike && corner != outside; ++corner) isAlike = areAlike(entry, from(*corner)) && areAlike(entry, before(*corner));
+    bool isAlike = (isFirst || areAlike(entry, from(begin))) && (isLast || isAlikeBelow(entry, before(end)));
+    for (auto corner = inside; isAlike && corner != outside; ++corner)
+      isAlike = areAlike(entry, from(*corner)) && isAlikeBelow(entry, before(*corner));
+    if (!isAlike && !isFirst && !isLast && isFoot(bin, begin, end)) {
+      isAlike = true;
+      entry = {};
+    }
     add(entry);
-    bool shows = entry.color.a > 0.0f;
+    bool shows = isShown(entry);
     if (!isAlike) {
       const size_t first = pieces_.size();
       double left = begin;
@@ -157,6 +169,41 @@ class Baking {
     }
     const auto i = static_cast<size_t>(bin);
     table_.visibleBefore[i + 1] = table_.visibleBefore[i] + (shows ? 1 : 0);
+  }
+
+  /// The most and the least opacity of a unit in [left, right), what is come to from below included, and whether it has steps there.
+  struct Extent {
+    float least = 1.0f, most = 0.0f;
+    float mostOfStep = 0.0f;  ///< opacity of the table's step
+    bool hasStep = false;
+  };
+  Extent extentOf(double left, double right) const {
+    Extent extent;
+    const auto include = [&](const Entry& entry) {
+      extent.least = std::min(extent.least, entry.unitAlpha);
+      extent.most = std::max(extent.most, entry.unitAlpha);
+      extent.mostOfStep = std::max(extent.mostOfStep, entry.color.a);
+    };
+    include(from(left));
+    include(before(right));
+    for (auto corner = std::upper_bound(corners_.begin(), corners_.end(), left); corner != corners_.end() && *corner < right; ++corner) {
+      const Entry above = from(*corner), below = before(*corner);
+      include(above);
+      include(below);
+      extent.hasStep = extent.hasStep || above.unitAlpha != below.unitAlpha;
+    }
+    return extent;
+  }
+
+  /// The foot of a ramp, in a bin that is neither the first nor the last: it rises out of nothing, by hardly anything, and goes on in the next bin.
+  bool isFoot(int bin, double begin, double end) const {
+    if (from(begin).unitAlpha > 0.0f) return false;
+    const Extent foot = extentOf(begin, end);
+    if (foot.hasStep || foot.most > TransferTable::kLeastShown || foot.mostOfStep > TransferTable::kMostVariation) return false;
+    if (!(before(end).unitAlpha > 0.0f)) return false;
+    const bool isLastNext = bin + 1 == bins_.count() - 1;
+    const Extent next = isLastNext ? Extent{from(bins_.upper).unitAlpha} : extentOf(end, bins_.border(bin + 1));
+    return next.least > 0.0f && from(end).unitAlpha > 0.0f;
   }
 
   /// Pieces of [left, right), where the function is linear.
