@@ -7,8 +7,9 @@
 #include <cmath>
 #include <string>
 
-#include "app/commands/options.h"
 #include "app/scene/scene.h"
+#include "render/gl/context.h"
+#include "render/march/marcher_registry.h"
 #include "render/warp/warp.h"
 #include "tests/frame_samples.h"
 
@@ -26,8 +27,16 @@ class Stage {
  public:
   explicit Stage(Scene scene, gl::Platform platform = gl::Platform::automatic, Backend backend = Backend::cpu)
       : scene_(std::move(scene)),
-        headless_(makeMarcher(backend, scene_.volume, scene_.transferFunction), platform, backend),
-        resources_(headless_.resources()) {}
+        resources_{makeMarcher(backend, scene_.volume, scene_.transferFunction, {}),
+                   [this, platform]() -> gl::Context& {
+                     if (!context_) context_ = gl::makeHeadlessContext(platform);
+                     context_->makeCurrent();
+                     return *context_;
+                   },
+                   backend,
+                   {}} {}
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
 
   const Scene& scene() const { return scene_; }
   const WarpResources& resources() const { return resources_; }
@@ -54,7 +63,7 @@ class Stage {
 
  private:
   Scene scene_;
-  HeadlessResources headless_;
+  std::unique_ptr<gl::Context> context_;
   WarpResources resources_;
 };
 

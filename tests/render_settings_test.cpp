@@ -3,6 +3,7 @@
 // Mirrors RenderSettings of render/march/march_settings.h.
 #include <mutex>
 
+#include "app/commands/options.h"
 #include "app/experiment/comparison.h"
 #include "app/experiment/sweep.h"
 #include "app/picture/picture.h"

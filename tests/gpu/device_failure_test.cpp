@@ -2,6 +2,7 @@
 // Mirrors app/frames/backend.h, render/march/fallback_marcher.h and render/cuda/check.h.
 #include <gtest/gtest.h>
 
+#include "app/frames/backend.h"
 #include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/cuda/memory.h"
