@@ -60,7 +60,9 @@ void marchOnALostDevice() {
   const Camera camera = stage.camera(100, 100);
   const SampleFramePtr before = stage.frame(camera, stage.scene().march);
   WarpSettings settings;
-  const std::unique_ptr<Warp> warp = makeWarp(findWarp("spheres"), stage.resources());
+  WarpResources resources = stage.resources();
+  resources.onFallback = reportFallback;
+  const std::unique_ptr<Warp> warp = makeWarp(findWarp("spheres"), resources);
   warp->setFrame(before, settings);
   WarpedImage first, second;
   warp->draw(camera, settings, first);

@@ -45,9 +45,9 @@ inline Vec3Pack pixelDirections(const Camera& camera, FloatPack pixelX, FloatPac
   return {v.x * inverseLength, v.y * inverseLength, v.z * inverseLength};
 }
 
-/// intersectSphere for rays from one origin; `toCenter` leads from there to the sphere's centre.
-inline FloatPack intersectSpherePack(const Vec3Pack& direction, const glm::vec3& toCenter, float wholeRadius) {
-  const auto [radius, outside] = seenSphere(toCenter, wholeRadius);
+/// intersectSphere for rays from one origin; `toCenter` leads from there to the sphere's centre, `seen` is what it seems.
+inline FloatPack intersectSpherePack(const Vec3Pack& direction, const glm::vec3& toCenter, const SeenSphere& seen) {
+  const auto [radius, outside] = seen;
   const FloatPack noHit(kNoHit);
   if (!(outside > 0.0f) || !(radius > 0.0f)) return noHit;
   const FloatPack along = toCenter.x * direction.x + toCenter.y * direction.y + toCenter.z * direction.z;
@@ -73,8 +73,16 @@ inline FloatPack intersectTextbookPack(const Vec3Pack& direction, const glm::vec
   return xsimd::select((discriminant >= zero) & (t > zero), t, noHit);
 }
 
-inline FloatPack intersectPack(StableSphere, const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
-  return intersectSpherePack(direction, toCenter, radius);
+inline FloatPack intersectSpherePack(const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
+  return intersectSpherePack(direction, toCenter, seenSphere(toCenter, radius));
+}
+
+/// What an arithmetic wants to know of a sphere, once for all rays from an origin.
+inline SeenSphere preparedFor(StableSphere, const glm::vec3& toCenter, float radius) { return seenSphere(toCenter, radius); }
+inline float preparedFor(TextbookSphere, const glm::vec3&, float radius) { return radius; }
+
+inline FloatPack intersectPack(StableSphere, const Vec3Pack& direction, const glm::vec3& toCenter, const SeenSphere& seen) {
+  return intersectSpherePack(direction, toCenter, seen);
 }
 inline FloatPack intersectPack(TextbookSphere, const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
   return intersectTextbookPack(direction, toCenter, radius);

@@ -246,10 +246,11 @@ class TileTracer {
     uint64_t groups = groupsAt(columns, scene_.rows.near(y0_, toCenter, distance));
     if (std::popcount(groups) > kFewGroups) groups &= groupsBehind(toCenter, nearest + distance, sphere.radius);
     const IntPack id(static_cast<int32_t>(scene_.view.ids[i]));
+    const auto prepared = preparedFor(Intersection{}, toCenter, sphere.radius);
     bool closer = false;
     for (; groups != 0; groups &= groups - 1) {
       const auto group = static_cast<uint32_t>(std::countr_zero(groups));
-      if (nearest <= groupFarthest_[group]) closer |= testGroup(group * kPackLanes, toCenter, sphere.radius, id);
+      if (nearest <= groupFarthest_[group]) closer |= testGroup(group * kPackLanes, toCenter, prepared, id);
     }
     return closer;
   }
@@ -281,10 +282,11 @@ class TileTracer {
     hasBeams_ = true;
   }
 
-  bool testGroup(uint32_t ray, const glm::vec3& toCenter, float radius, const IntPack& id) {
+  template <class Prepared>
+  bool testGroup(uint32_t ray, const glm::vec3& toCenter, const Prepared& sphere, const IntPack& id) {
     const Vec3Pack direction{FloatPack::load_aligned(&directionX_[ray]), FloatPack::load_aligned(&directionY_[ray]),
                              FloatPack::load_aligned(&directionZ_[ray])};
-    HitPack hit{intersectPack(Intersection{}, direction, toCenter, radius), id};
+    HitPack hit{intersectPack(Intersection{}, direction, toCenter, sphere), id};
     if (!xsimd::any(isNearer(hit, loadHit(last_, ray)))) return false;
     // Whatever the new hit displaces becomes the one to insert.
     for (int i = 0; i <= last_; ++i) {
