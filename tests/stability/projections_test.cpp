@@ -80,7 +80,8 @@ TEST_P(Case51, PropertyProjectionsAreWithinTheirBound) {
     for (const auto& [c, away] : *rc::gen::container<std::vector<std::pair<PixelCase, float>>>(
              rc::gen::pair(anyPixel(-10, 20), anyPositive(-10, 20)))) {
       const ExactVec direction = exactDirection(c.camera, c.pixel);
-      const auto at = [&](const Exact& eye, const Exact& d) { return static_cast<float>(eye + d * Exact(away)); };
+      const Exact distance(away);
+      const auto at = [&](const Exact& eye, const Exact& d) { return static_cast<float>(eye + d * distance); };
       const ExactVec eye(c.camera.eye);
       inputs.push_back({c.camera, {at(eye.x, direction.x), at(eye.y, direction.y), at(eye.z, direction.z)}, 1e-3f});
     }
