@@ -127,7 +127,7 @@ TEST_F(Refusal, NumbersOutOfRange) {
   const std::pair<Arguments, std::string> wrong[] = {
       {{"--view-angle", "nan"}, "--view-angle"},   {{"--view-angle", "inf"}, "--view-angle"}, {{"--view-angle", "361"}, "360"},
       {{"--view-angle", "left"}, "view-angle"},    {{"--fov", "0"}, "--fov"},                 {{"--fov", "180"}, "180"},
-      {{"--fov", "nan"}, "--fov"},                 {{"--fov", "-40"}, "--fov"},               {{"--fov", "1e-30"}, "1 and 170"},
+      {{"--fov", "nan"}, "--fov"},                 {{"--fov", "-40"}, "--fov"},               {{"--fov", "1e-30"}, "0.001 and 170"},
       {{"--size", "0x0"}, "--size 0x0"},           {{"--size", "100000x100000"}, "16384"},    {{"--size", "10"}, "WxH"},
       {{"--size", "axb"}, "WxH"},                  {{"--size", "10x"}, "WxH"},                {{"--size", "-10x10"}, "WxH"},
       {{"--size", "10x10x10"}, "WxH"},             {{"--size", "10x10 "}, "WxH"},             {{"--size", "4294967306x10"}, "WxH"},
@@ -139,9 +139,9 @@ TEST_F(Refusal, NumbersOutOfRange) {
       {{"--volume-size", "10x10"}, "XxYxZ"},       {{"--uncovered", "red"}, "RRGGBB"},        {{"--uncovered", "#1234567"}, "RRGGBB"},
   };
   for (const auto& [arguments, reason] : wrong) expectRefused(shot(arguments), kUsage, {reason});
-  for (const char* value : {"179.99", "170.0000001", "0.999"})
-    expectRefused(shot({"--fov", value}), kUsage, {std::string("--fov must be between 1 and 170, not ") + value});
-  for (const char* value : {"1", "170"}) succeed(quick({"shot", "-o", "/dev/null", "--fov", value}));
+  for (const char* value : {"179.99", "170.0000001", "0.000999"})
+    expectRefused(shot({"--fov", value}), kUsage, {std::string("--fov must be between 0.001 and 170, not ") + value});
+  for (const char* value : {"0.001", "170"}) succeed(quick({"shot", "-o", "/dev/null", "--fov", value}));
   // As typed, and not what is left of it in single precision.
   for (const char* option : {"--step", "--radius-scale"})
     for (const char* value : {"1e-300", "-1e-300", "1e+300", "0.0009999999999", "1000.0000001"})
