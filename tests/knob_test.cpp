@@ -13,6 +13,7 @@
 #include "app/scene/knob_json.h"
 #include "render/base/error.h"
 #include "render/march/march_knobs.h"
+#include "render/warp/arithmetic_knob.h"
 #include "render/warp/multihit_warp.h"
 #include "render/warp/points_warp.h"
 #include "render/warp/spheres_warp.h"
@@ -211,6 +212,16 @@ TEST(WarpRegistration, RefusesAKnobThatThereIsAlready) {
   technique.knobs = taken;
   EXPECT_THROW(WarpRegistration registration(technique), std::logic_error);
   EXPECT_THROW(findWarp("fog"), UsageError);
+}
+
+TEST(WarpRegistration, TakesAKnobThatSeveralTechniquesHave) {
+  static const Knob* const shared[] = {&kArithmeticKnob};
+  WarpDescriptor technique = extraTechnique();
+  technique.knobs = shared;
+  const WarpRegistration registration(technique);
+  EXPECT_THAT(ownersOf(kArithmeticKnob), testing::ElementsAre("reference", "spheres", "fog"));
+  const std::vector<const Knob*> knobs = warpKnobs();
+  EXPECT_EQ(std::count(knobs.begin(), knobs.end(), &kArithmeticKnob), 1);
 }
 
 TEST(Configuration, HasAnyTechniquesKnobs) {

@@ -74,7 +74,8 @@ struct Knob {
   KnobType type = KnobType::number;
   KnobOwner owner = KnobOwner::technique;
   KnobStage stale = KnobStage::draw;
-  bool isOfPanel = false;    ///< of a technique's: each panel of the window has its own value, to be compared side by side
+  /// Of techniques', several of which may have it: each panel of the window has its own value, to be compared side by side.
+  bool isOfPanel = false;
   Range range{0.0, 0.0};     ///< of a number
   Range track{0.0, 0.0};     ///< the part of it that a slider goes through
   KnobScale scale = KnobScale::linear;

@@ -42,7 +42,7 @@ bool isKnobTaken(const Knob& knob) {
   for (const MarchKnob& row : marchKnobs())
     if (clashes(*row.knob)) return true;
   const std::vector<const Knob*> known = warpKnobs();
-  return std::any_of(known.begin(), known.end(), [&](const Knob* other) { return other != &knob && clashes(*other); });
+  return std::any_of(known.begin(), known.end(), [&](const Knob* other) { return (other != &knob || !knob.isOfPanel) && clashes(*other); });
 }
 
 }  // namespace
