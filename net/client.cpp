@@ -70,6 +70,7 @@ struct Client::State : std::enable_shared_from_this<State>, private FromServer {
   void onFailure(const Failure& failure) override;
   void onPing(uint64_t number) override;
   void onPong(uint64_t number) override;
+  void onBusy(uint16_t others) override;
 
   void tell(ConnectionPhase phase, std::string sentence = {}, std::optional<TimePoint> next = {}) {
     if (isClosed) return;
@@ -310,6 +311,11 @@ void Client::State::onPong(uint64_t number) {
   if (found == pings.end()) return;
   pings.erase(pings.begin(), found + 1);
   if (!isClosed) events.onRoundTrip(std::chrono::nanoseconds(nanosecondsOf(now()) - number));
+}
+
+void Client::State::onBusy(uint16_t others) {
+  // It may have crossed with the answer.
+  if (!isClosed && !underWay.empty()) events.onBusy(others);
 }
 
 Awaitable<void> Client::State::write(Channel& to) {

@@ -61,6 +61,8 @@ class ClientEvents {
   virtual void onFailure(const Failure& failure) = 0;
   /// A round trip of a heartbeat: one when connected, and one each of the server's intervals.
   virtual void onRoundTrip(Duration) {}
+  /// The server works for so many other clients, while this one waits for an answer.
+  virtual void onBusy(uint16_t) {}
 };
 
 class Client {

@@ -257,6 +257,10 @@ Bytes beatMessage(MessageType pingOrPong, uint64_t number) {
   return messageOf(pingOrPong, 0, [&](WireWriter& wire) { wire.number(number); });
 }
 
+Bytes busyMessage(uint16_t others) {
+  return messageOf(MessageType::busy, 0, [&](WireWriter& wire) { wire.number(others); });
+}
+
 bool beginsLikeMagic(ByteView bytes) {
   const size_t count = std::min(bytes.size(), kMagic.size());
   return std::ranges::equal(bytes.first(count), std::as_bytes(std::span(kMagic)).first(count));
@@ -324,7 +328,7 @@ std::optional<MessageHead> readMessageHead(ByteView bytes) {
   wire.number(type);
   wire.numbers(zeros);
   wire.number(head.bodyBytes);
-  if (type < static_cast<uint8_t>(MessageType::scene) || type > static_cast<uint8_t>(MessageType::pong)) return std::nullopt;
+  if (type < static_cast<uint8_t>(MessageType::scene) || type > static_cast<uint8_t>(MessageType::busy)) return std::nullopt;
   if (zeros != std::array<uint8_t, 3>{}) return std::nullopt;
   head.type = static_cast<MessageType>(type);
   return ifComplete(wire, head);
@@ -382,6 +386,13 @@ std::optional<uint64_t> readBeat(ByteView body) {
   uint64_t number;
   wire.number(number);
   return ifComplete(wire, number);
+}
+
+std::optional<uint16_t> readBusy(ByteView body) {
+  WireReader wire(body);
+  uint16_t others;
+  wire.number(others);
+  return ifComplete(wire, others);
 }
 
 }  // namespace warpscope::net

@@ -26,8 +26,9 @@ enum Capability : uint32_t {
   kCanPicture = 1u << 2,   ///< pictures at full precision, besides samples
   kCanLayers = 1u << 3,    ///< several samples a ray
   kCanPlanes = 1u << 4,    ///< planes of data for each sample, of which those that are not known are skipped
+  kCanHearBusy = 1u << 5,  ///< of others that the server works for meanwhile: a message that is sent to no other client
 };
-inline constexpr uint32_t kCapabilities = kCanPack | kCanJpeg | kCanPicture | kCanLayers | kCanPlanes;
+inline constexpr uint32_t kCapabilities = kCanPack | kCanJpeg | kCanPicture | kCanLayers | kCanPlanes | kCanHearBusy;
 
 // --- Limits. A length beyond them ends the connection before anything is allocated.
 
@@ -88,6 +89,7 @@ enum class MessageType : uint8_t {
   failure = 4,  ///< server to client, the other answer
   ping = 5,     ///< client to server, to measure the round trip; server to client, when there is nothing else to say
   pong = 6,     ///< the answer
+  busy = 7,     ///< server to client that waits for an answer: the server works for others
 };
 
 struct MessageHead {
@@ -219,6 +221,7 @@ inline constexpr size_t kFrameHeadLengthBytes = 2;  ///< a frame's head begins w
 inline constexpr size_t kLeastFrameHeadBytes = kFrameHeadLengthBytes + 8 + 1 + kCameraBytes + 1 + 3 + 10 * 4 + 8 + 6 * 8 + 8 + 1;
 inline constexpr size_t kMaxFrameHeadBytes = kLeastFrameHeadBytes + kMaxSettingsBytes + kMaxPlanes * (2 + kMaxPlaneName + 1);
 inline constexpr size_t kBeatBytes = 8;
+inline constexpr size_t kBusyBytes = 2;
 
 // --- Bytes of each. Writing appends; reading gives nothing for bytes that are not exactly one such message. Settings and planes that no
 // reader would take are the program's mistake: then writing throws std::invalid_argument.
@@ -236,6 +239,8 @@ Bytes requestMessage(const FrameRequest& request);
 Bytes frameMessage(const FrameHead& head, size_t payloadBytes);
 Bytes failureMessage(const Failure& failure);
 Bytes beatMessage(MessageType pingOrPong, uint64_t number);
+/// For clients that can hear it (kCanHearBusy). `others`: how many clients it works for besides that one.
+Bytes busyMessage(uint16_t others);
 
 /// Whether the other side's bytes, as far as they have come, begin as this protocol does.
 bool beginsLikeMagic(ByteView bytes);
@@ -254,5 +259,6 @@ std::optional<size_t> readFrameHeadLength(ByteView bytes);
 std::optional<FrameHead> readFrameHead(ByteView bytes);
 std::optional<Failure> readFailure(ByteView body);
 std::optional<uint64_t> readBeat(ByteView body);
+std::optional<uint16_t> readBusy(ByteView body);
 
 }  // namespace warpscope::net

@@ -143,6 +143,13 @@ Awaitable<void> readServer(Channel& channel, uint64_t maxFrameBytes, FromServer&
         to.onPong(number);
         break;
       }
+      case MessageType::busy: {
+        const Bytes body = co_await channel.readBody(*head, kBusyBytes);
+        const std::optional<uint16_t> others = readBusy(body);
+        if (!others) throw ProtocolError(peer + " sent a damaged message");
+        to.onBusy(*others);
+        break;
+      }
       default:
         throw ProtocolError(peer + " sent a message that servers do not send");
     }

@@ -46,6 +46,7 @@ class FromServer {
   virtual void onFailure(const Failure& failure) = 0;
   virtual void onPing(uint64_t number) = 0;
   virtual void onPong(uint64_t number) = 0;
+  virtual void onBusy(uint16_t others) = 0;
 };
 
 /// The first message. Throws ProtocolError and whatever the channel throws.

@@ -4,6 +4,8 @@
 
 #include <charconv>
 #include <cstdio>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "app/commands/choose.h"
@@ -191,7 +193,10 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
     // Ground truth comes as it is, without what is simulated for frames; a server that is gone is given up.
     TransportSettings plain;
     plain.codec = work.transport.codec;
-    work.remote = connectMarcher(io, *server, plain);
+    work.sayBusy = [isSaid = std::make_shared<std::once_flag>()](uint16_t others) {
+      std::call_once(*isSaid, [&] { logWarning(busySentence(others)); });
+    };
+    work.remote = connectMarcher(io, *server, plain, work.sayBusy);
   } else {
     work.scene = work.open(stop);
   }
@@ -202,7 +207,7 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
 
 MarcherPtr CommandContext::marcher() const { return remote ? remote : makeMarcher(backend, scene.volume, scene.transferFunction); }
 
-FrameFetch CommandContext::fetch() const { return source ? fetchFrom(source) : fetchHere(marcher(), transport.codec); }
+FrameFetch CommandContext::fetch() const { return source ? fetchFrom(source, sayBusy) : fetchHere(marcher(), transport.codec); }
 
 void requireNoSceneOf(const CommonOptions& options) {
   const std::pair<const char*, bool> given[] = {{"a scene", options.scene.has_value()},

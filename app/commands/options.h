@@ -75,6 +75,7 @@ struct CommandContext : CheckedOptions {
   MarcherPtr remote;    ///< of a server's scene; null for a scene that was opened here
   FrameSourcePtr source;  ///< of a server's frames; null likewise
   TransportSettings transport;
+  std::function<void(uint16_t)> sayBusy{};  ///< that the server works for others; whoever asks says so once
 
   /// What marches the scene, there or on the chosen backend. Throws as makeMarcher() of app/frames/backend.h does.
   MarcherPtr marcher() const;

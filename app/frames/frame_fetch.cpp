@@ -17,7 +17,7 @@ namespace {
 constexpr std::chrono::seconds kPatience(15);
 constexpr std::chrono::milliseconds kLookAgain(2);
 
-ServedFrame waitFor(FrameSource& source, uint64_t id, const std::stop_token& stop) {
+ServedFrame waitFor(FrameSource& source, uint64_t id, const std::function<void(uint16_t)>& onBusy, const std::stop_token& stop) {
   auto connectedAt = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
     if (std::optional<ServedFrame> served = source.tryTake(); served && served->requestId == id) {
@@ -27,6 +27,7 @@ ServedFrame waitFor(FrameSource& source, uint64_t id, const std::stop_token& sto
     const auto now = std::chrono::steady_clock::now();
     const SourceStatus status = source.status();
     if (status.isConnected) connectedAt = now;
+    if (status.busyWith && onBusy) onBusy(*status.busyWith);
     if (now - connectedAt > kPatience) throw InputError(status.sentence);
     std::this_thread::sleep_for(kLookAgain);
   }
@@ -64,11 +65,11 @@ CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSe
   return trip;
 }
 
-FrameFetch fetchFrom(FrameSourcePtr source) {
-  return [source = std::move(source), id = uint64_t{0}](const Camera& camera, const MarchSettings& settings,
+FrameFetch fetchFrom(FrameSourcePtr source, std::function<void(uint16_t)> onBusy) {
+  return [source = std::move(source), onBusy = std::move(onBusy), id = uint64_t{0}](const Camera& camera, const MarchSettings& settings,
                                                        const std::stop_token& stop) mutable {
     source->post({++id, camera, settings}, std::chrono::steady_clock::now());
-    return waitFor(*source, id, stop);
+    return waitFor(*source, id, onBusy, stop);
   };
 }
 

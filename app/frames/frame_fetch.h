@@ -26,8 +26,9 @@ struct CodecTrip {
 /// InputError if what was encoded cannot be decoded.
 CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSettings& settings, SampleFrame& received);
 
-/// Asks `source`, and waits. Throws InputError with the connection's trouble if that does not end within some seconds.
-FrameFetch fetchFrom(FrameSourcePtr source);
+/// Asks `source`, and waits. Throws InputError with the connection's trouble if that does not end within some seconds. `onBusy`, if any, is
+/// called with the number of others that the server works for meanwhile, when it says so.
+FrameFetch fetchFrom(FrameSourcePtr source, std::function<void(uint16_t)> onBusy = {});
 
 /// What a viewer that streams images would have been sent instead of the frame: its picture over `background` (linear RGB), coded as
 /// the codec codes colours: JPEG of its quality, or PNG.

@@ -73,9 +73,13 @@ struct SourceStatus {
   std::optional<Clock::TimePoint> next;  ///< when it is tried again
   std::string where;                     ///< "127.0.0.1:4711"; empty without a network
   double roundTripMs = 0.0;              ///< of the last heartbeat; 0 if there was none yet
+  std::optional<uint16_t> busyWith{};    ///< others that the server works for, if it said so and has not answered since
 
   bool operator==(const SourceStatus&) const = default;
 };
+
+/// What is said of a server that is busy with so many others.
+std::string busySentence(uint16_t others);
 
 /// Safe on any thread.
 class FrameSource {

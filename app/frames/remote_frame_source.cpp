@@ -83,6 +83,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
       if (status_.isConnected) status_.sentence.clear();
       if (!state.sentence.empty()) status_.sentence = state.sentence;  // stays on show while it is tried again
       status_.next = state.next;
+      if (!status_.isConnected) status_.busyWith.reset();
     }
     if (state.phase == net::ConnectionPhase::refused) decided_.request_stop();
     onNews_();
@@ -97,18 +98,33 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     decided_.request_stop();
   }
   void onFrame(net::Frame frame, const net::FrameArrival& arrival) override {
+    noteAnswer();
     if (isOtherScene()) {
       onFailure({frame.head.id, where_ + " shows another scene now: connect anew to see it"});
       return;
     }
     decoder_.post({std::make_shared<const net::Frame>(std::move(frame)), arrival, {}});
   }
-  void onFailure(const net::Failure& failure) override { decoder_.post({nullptr, {}, failure}); }
+  void onFailure(const net::Failure& failure) override {
+    noteAnswer();
+    decoder_.post({nullptr, {}, failure});
+  }
+  void onBusy(uint16_t others) override {
+    {
+      const std::scoped_lock lock(mutex_);
+      if (std::exchange(status_.busyWith, others) == others) return;
+    }
+    onNews_();
+  }
   void onRoundTrip(net::Duration roundTrip) override {
     const std::scoped_lock lock(mutex_);
     status_.roundTripMs = std::chrono::duration<double, std::milli>(roundTrip).count();
   }
 
+  void noteAnswer() {
+    const std::scoped_lock lock(mutex_);
+    status_.busyWith.reset();
+  }
   bool isOtherScene() const {
     const std::scoped_lock lock(mutex_);
     return isOtherScene_;
@@ -156,6 +172,10 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
 };
 
 }  // namespace
+
+std::string busySentence(uint16_t others) {
+  return "the server is busy with " + std::to_string(others) + (others == 1 ? " other" : " others");
+}
 
 Connected connectFrameSource(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, std::function<void()> onNews,
                              const std::stop_token& stop) {

@@ -16,8 +16,9 @@ namespace {
 
 class RemoteMarcher final : public Marcher, private net::ClientEvents {
  public:
-  RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec, Clock::Duration patience)
-      : io_(std::move(io)), clock_(io_->clock()), settings_(std::move(settings)), coding_(codec), patience_(patience) {}
+  RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec, Clock::Duration patience,
+                std::function<void(uint16_t)> onBusy)
+      : io_(std::move(io)), clock_(io_->clock()), settings_(std::move(settings)), coding_(codec), patience_(patience), onBusy_(std::move(onBusy)) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(callMutex_);
@@ -41,7 +42,7 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   MarcherCapabilities capabilities() const override {
     return {.pace = MarchPace::afterRest, .volume = VolumePlace::elsewhere, .judging = JudgePlace::host};
   }
-  MarcherPtr twin() const override { return makeRemoteMarcher(io_, settings_, coding_, patience_); }
+  MarcherPtr twin() const override { return makeRemoteMarcher(io_, settings_, coding_, patience_, onBusy_); }
 
  private:
   net::Frame ask(net::Wanted wanted, const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
@@ -107,11 +108,16 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
     note([&] { failure_ = failure; });
   }
 
+  void onBusy(uint16_t others) override {
+    if (onBusy_) onBusy_(others);
+  }
+
   const std::shared_ptr<net::IoThread> io_;
   Clock& clock_;
   const net::ClientSettings settings_;
   const CodecSettings coding_;
   const Clock::Duration patience_;
+  const std::function<void(uint16_t)> onBusy_;
   const VolumePtr none_;
   std::mutex callMutex_;  // of a whole call, and of the two below
   FrameCodec codec_;
@@ -129,8 +135,8 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
 }  // namespace
 
 MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
-                             Clock::Duration patience) {
-  return std::make_shared<RemoteMarcher>(std::move(io), std::move(settings), codec, patience);
+                             Clock::Duration patience, std::function<void(uint16_t)> onBusy) {
+  return std::make_shared<RemoteMarcher>(std::move(io), std::move(settings), codec, patience, std::move(onBusy));
 }
 
 }  // namespace warpscope

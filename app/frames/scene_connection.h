@@ -28,6 +28,7 @@ ConnectedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Addres
                          std::function<void()> onNews, const std::stop_token& stop);
 
 /// What marches for frames that come as `transport` says, one after the other. See makeRemoteMarcher.
-MarcherPtr connectMarcher(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport);
+MarcherPtr connectMarcher(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport,
+                          std::function<void(uint16_t)> onBusy);
 
 }  // namespace warpscope

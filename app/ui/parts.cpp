@@ -78,6 +78,8 @@ void drawStatusBar(const Session& session, double displayFramesPerSecond, const 
                      : session.frames().isUnderWay()     ? std::string(", at work")
                                                     : std::string(", idle")));
   }
+  if (const std::optional<SourceStatus> status = session.sourceStatus(); status && status->busyWith)
+    items.insert(items.begin() + 1, busySentence(*status->busyWith));
   const std::string display =
       displayFramesPerSecond > 0.0 ? format("display %.0f frames/s", displayFramesPerSecond) : std::string("display idle");
 

@@ -50,6 +50,7 @@ class Client final : public FromServer {
   void onFailure(const Failure& failure) override { require(failure.id == lastId_ && failure.sentence.size() < kMaxFailureBytes); }
   void onPing(uint64_t) override {}
   void onPong(uint64_t) override {}
+  void onBusy(uint16_t) override {}
 
  private:
   const size_t inputBytes_;

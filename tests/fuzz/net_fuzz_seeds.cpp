@@ -70,9 +70,10 @@ int main(int argc, char** argv) {
   write("message_fuzz", byte(2) + bodyOf(requestMessage(first)));
   write("message_fuzz", byte(3) + bodyOf(frameMessage(head, 0)));
   write("message_fuzz", byte(4) + bodyOf(failure));
-  write("message_fuzz", byte(5) + bodyOf(beat));
+  write("message_fuzz", byte(5) + bodyOf(busyMessage(3)));
+  write("message_fuzz", byte(6) + bodyOf(beat));
 
-  const Bytes said = sceneMessage(scene) + beat + frame + pong + failure;
+  const Bytes said = sceneMessage(scene) + beat + busyMessage(3) + frame + pong + failure;
   const Bytes asked = beat + requestMessage(first) + requestMessage(second) + pong;
   for (const Bytes& pieces : {byte(0), byte(3) + byte(5) + byte(0) + byte(200)}) {
     write("frame_reader_fuzz", byte(0) + pieces + toBytes(serverHello) + said);

@@ -140,6 +140,7 @@ class Witness : public ClientEvents {
   }
   void onFailure(const Failure& failure) override { note([&] { failures.push_back(failure); }); }
   void onRoundTrip(Duration duration) override { note([&] { roundTrips.push_back(duration); }); }
+  void onBusy(uint16_t others) override { note([&] { busyWith.push_back(others); }); }
 
   template <class Condition>
   bool waitFor(Condition condition, Duration patience = kHang) {
@@ -184,6 +185,7 @@ class Witness : public ClientEvents {
   std::vector<FrameArrival> arrivals;
   std::vector<Failure> failures;
   std::vector<Duration> roundTrips;
+  std::vector<uint16_t> busyWith;
 
  private:
   template <class F>

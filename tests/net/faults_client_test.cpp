@@ -244,6 +244,21 @@ TEST_F(FaultsClient, HeartbeatsAreAnsweredAndOnesOwnAreMeasured) {
   EXPECT_EQ(witness_.roundTrips, std::vector<Duration>(5, 7ms)) << "once each";
 }
 
+TEST_F(FaultsClient, WhoWaitsIsToldOfABusyServer) {
+  connect();
+  BareSocket socket = greetedServer(listener_);
+  socket.send(busyMessage(9));  // nothing is waited for yet
+  socket.send(beatMessage(MessageType::ping, 1));
+  ASSERT_TRUE(socket.receiveBody(MessageType::pong)) << "it has read that";
+  client_->request(requestOf(1));
+  ASSERT_TRUE(nextRequest(socket));
+  socket.send(busyMessage(0) + busyMessage(63) + busyMessage(65535) + wholeFrame(1, 10));
+  ASSERT_TRUE(witness_.frameOf(1));
+  EXPECT_EQ(witness_.look([&] { return witness_.busyWith; }), (std::vector<uint16_t>{0, 63, 65535}));
+  EXPECT_THAT(sentenceAfter(headOf(MessageType::busy, 3)), HasSubstr("where 2 are the most"));
+  EXPECT_THAT(sentenceAfter(headOf(MessageType::busy, 1) + Bytes(1)), HasSubstr("sent a damaged message"));
+}
+
 TEST_F(FaultsClient, OfABurstOnlyTheNewestIsAsked) {
   connect({.depth = 2});
   BareSocket socket = greetedServer(listener_, 2);

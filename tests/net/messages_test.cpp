@@ -103,6 +103,7 @@ TEST(Messages, TheLayoutIsPinned) {
       "040000000f00000007000000000000000500736f727279");
   EXPECT_EQ(hexOf(beatMessage(MessageType::ping, 0x0807060504030201)), "05000000080000000102030405060708");
   EXPECT_EQ(hexOf(beatMessage(MessageType::pong, 1)), "06000000080000000100000000000000");
+  EXPECT_EQ(hexOf(busyMessage(0x0201)), "07000000020000000102");
 }
 
 TEST(Messages, TheSizesAreAsDeclared) {
@@ -119,6 +120,7 @@ TEST(Messages, TheSizesAreAsDeclared) {
   head.planes = mostPlanes();
   EXPECT_EQ(frameMessage(head, 0).size(), kMessageHeadBytes + kMaxFrameHeadBytes);
   EXPECT_EQ(beatMessage(MessageType::ping, 0).size(), kMessageHeadBytes + kBeatBytes);
+  EXPECT_EQ(busyMessage(0).size(), kMessageHeadBytes + kBusyBytes);
   SceneFields largest = someScene();
   largest.name = largest.title = std::string(2 * SceneFields::kMaxName, 'n');
   largest.views.resize(2 * kMaxViews);
@@ -184,6 +186,7 @@ TEST(Messages, RoundTripsGiveTheSame) {
         readFailure);
   check(Failure{}, bodyOf(failureMessage({})), readFailure);
   check(kMost, bodyOf(beatMessage(MessageType::pong, kMost)), readBeat);
+  check(uint16_t{0xfffe}, bodyOf(busyMessage(0xfffe)), readBusy);
 }
 
 TEST(Messages, NumbersThatAreNoneTravelAsTheyAre) {
@@ -213,6 +216,7 @@ std::vector<Kind> kinds() {
       {"frame", bodyOf(frameMessage(someFrameHead(), 1000)), [](ByteView bytes) { return readFrameHead(bytes).has_value(); }},
       {"failure", bodyOf(failureMessage({7, "sorry"})), [](ByteView bytes) { return readFailure(bytes).has_value(); }},
       {"beat", bodyOf(beatMessage(MessageType::ping, 7)), [](ByteView bytes) { return readBeat(bytes).has_value(); }},
+      {"busy", bodyOf(busyMessage(3)), [](ByteView bytes) { return readBusy(bytes).has_value(); }},
   };
 }
 
@@ -380,7 +384,7 @@ TEST(Messages, LengthsThatCannotBeAreNothing) {
   append(head, {MessageType::frame, 0xffffffff});
   ASSERT_TRUE(readMessageHead(head));  // a length alone is no fault: whoever reads the body says what is too much
   EXPECT_EQ(readMessageHead(head)->bodyBytes, 0xffffffffu);
-  for (const uint8_t type : {uint8_t{0}, uint8_t{7}, uint8_t{255}}) EXPECT_FALSE(readMessageHead(with(head, 0, type)));
+  for (const uint8_t type : {uint8_t{0}, uint8_t{8}, uint8_t{255}}) EXPECT_FALSE(readMessageHead(with(head, 0, type)));
   for (const size_t zero : {1, 2, 3}) EXPECT_FALSE(readMessageHead(with(head, zero, uint8_t{1})));
 }
 
