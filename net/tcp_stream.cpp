@@ -26,6 +26,16 @@ std::string endpointText(const tcp::endpoint& endpoint) {
   return endpoint.address().is_v6() ? "[" + address + "]:" + port : address + ":" + port;
 }
 
+/// Whoever has an address of IPv6 has a whole network of them.
+std::string networkText(const asio::ip::address& address) {
+  if (address.is_v4()) return address.to_string();
+  const asio::ip::address_v6 whole = address.to_v6();
+  if (whole.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, whole).to_string();
+  asio::ip::address_v6::bytes_type bytes = whole.to_bytes();
+  std::fill(bytes.begin() + bytes.size() / 2, bytes.end(), static_cast<unsigned char>(0));
+  return asio::ip::address_v6(bytes).to_string();
+}
+
 std::string hostText(const std::string& host, uint16_t port) {
   return (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + std::to_string(port);
 }
@@ -81,6 +91,19 @@ TcpStream::TcpStream(tcp::socket socket) : socket_(std::move(socket)), readDone_
   error_code error;
   const tcp::endpoint remote = socket_.remote_endpoint(error);
   peer_ = error ? "a peer that is gone" : endpointText(remote);  // it may leave before anybody looks
+  if (!error) network_ = networkText(remote.address());
+}
+
+Awaitable<void> TcpStream::waitReadable() {
+  error_code error = asio::error::operation_aborted;
+  if (!isClosed_) co_await socket_.async_wait(tcp::socket::wait_read, into(error));
+  if (isClosed_) error = asio::error::operation_aborted;
+  if (error) throw system_error(error, "reading from " + peer_);
+}
+
+void TcpStream::cancel() noexcept {
+  error_code ignored;
+  socket_.cancel(ignored);
 }
 
 Awaitable<size_t> TcpStream::readSome(asio::mutable_buffer buffer) {

@@ -30,6 +30,13 @@ class TcpStream final : public Stream {
   asio::any_io_executor executor() override { return socket_.get_executor(); }
   const std::string& peer() const override { return peer_; }
 
+  /// Until there is something to read, an end included.
+  Awaitable<void> waitReadable();
+  /// Ends what waits, with operation_aborted; the stream goes on.
+  void cancel() noexcept;
+  /// Who is counted as one: the address, of IPv6 the half that names a network. RFC 4291, section 2.5.
+  const std::string& network() const { return network_; }
+
   bool isClosed() const { return isClosed_; }
   /// For what is built on top of it.
   asio::ip::tcp::socket& socket() { return socket_; }
@@ -38,7 +45,7 @@ class TcpStream final : public Stream {
   Awaitable<void> dropUntilEnd();
 
   asio::ip::tcp::socket socket_;
-  std::string peer_;
+  std::string peer_, network_;
   Timer readDone_;  // waited for by finish(), woken by the reader
   bool isReading_ = false;
   bool hasEnded_ = false;  // Asio reports an end once: a second read would wait for ever
