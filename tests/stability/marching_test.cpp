@@ -296,7 +296,6 @@ TEST_P(Case36, PropertyLatticesCoverTheRayOnceAtAnyMagnitude) {
       lattices.push_back({{t0, t0 + length}, dt});
     }
     checkLattices(GetParam(), lattices, worst);
-    RC_ASSERT(!testing::Test::HasFailure());
   });
   record({"RayLattice::t", "100 digits", "u of its far end", worst.value(), kLatticeError / kUnitRoundoff, GetParam()});
 }
