@@ -136,9 +136,7 @@ TEST(SplatTracer, ManySpheresThatCoverMuchEach) {
 }
 
 TEST(SplatTracer, IsTheSameForAnyNumberOfThreads) {
-  auto cloud = makeCloud(CloudShape::duplicate, 100'000, 10.0f, 53);
-  const auto more = makeCloud(CloudShape::clustered, 100'000, 10.0f, 54);
-  cloud.insert(cloud.end(), more.begin(), more.end());
+  const std::vector<Sphere> cloud = makeCloudOfTies();
   const Camera camera = orbitCamera(15.0f, 33.0f, 328, 296);
   TracedPicture expected;
   for (const size_t threads : {1, 2, 7}) {
