@@ -75,10 +75,7 @@ std::string pictureName(const StabilityResult& result, std::string_view form) {
 void writePictures(StagedFolder& out, const StabilityResult& result, const std::stop_token& stop) {
   const auto write = [&](std::string_view form, const Image<glm::vec4>& picture) {
     if (picture.size() == 0) return;
-    WarpedImage image;
-    image.color = picture;
-    image.samples.resize(picture.width(), picture.height(), kNotASample);
-    out.write(pictureName(result, form), encodePng(toScreen(image, result.background), stop));
+    out.write(pictureName(result, form), encodePng(toScreen(picture, result.background), stop));
   };
   write("exact", result.exact);
   write("stable", result.stable.picture);

@@ -34,13 +34,6 @@ Image<Rgba8> enlarged(const Image<Rgba8>& picture) {
   return larger;
 }
 
-Image<Rgba8> shown(const Image<glm::vec4>& picture, const glm::vec3& background) {
-  WarpedImage image;
-  image.color = picture;
-  image.samples.resize(picture.width(), picture.height(), kNotASample);
-  return enlarged(toScreen(image, background));
-}
-
 /// Largest difference of a channel or of opacity; kErrorGain makes 1 of one that is 1/kErrorGain.
 Image<Rgba8> errorMap(const Image<glm::vec4>& picture, const Image<glm::vec4>& exact) {
   Image<float> errors(exact.width(), exact.height());
@@ -113,9 +106,9 @@ std::string stabilityPage(const std::vector<StabilityResult>& results, const std
       return std::string(form) + ": worst " + errorText(of.worst) + ", wrong " + format("%.2f", 100.0 * of.wrongShare) + " %";
     };
     html += "<table class=\"strip case\"><tbody><tr><th>" + std::string(nameOf(result.backend)) + "</th>" +
-            pictureCell(shown(result.exact, result.background), "exact");
+            pictureCell(enlarged(toScreen(result.exact, result.background)), "exact");
     for (const auto& [name, form] : {std::pair("stable", &result.stable), std::pair("textbook", &result.textbook)})
-      html += pictureCell(shown(form->picture, result.background), caption(name, *form)) +
+      html += pictureCell(enlarged(toScreen(form->picture, result.background)), caption(name, *form)) +
               pictureCell(errorMap(form->picture, result.exact), std::string("error of ") + name);
     html += "</tr></tbody></table>\n";
   }
