@@ -35,19 +35,10 @@ Json toJson(const StabilityForm& form) {
   return {{"worst", form.worst}, {"wrongShare", form.wrongShare}, {"drawMs", form.time.medianMs}, {"drawSpreadMs", form.time.spreadMs}};
 }
 
-std::string_view nameOf(StabilitySubject subject) {
-  switch (subject) {
-    case StabilitySubject::march: return "march";
-    case StabilitySubject::spheres: return "spheres";
-    case StabilitySubject::similarity: return "similarity";
-  }
-  return "";
-}
-
 Json toJson(const StabilityResult& result) {
   const StabilityCase& what = *result.what;
   return {{"case", what.name},
-          {"subject", nameOf(what.subject)},
+          {"subject", wordsOf(what.subject).name},
           {"scene", what.scene.empty() ? Json(nullptr) : Json(what.scene)},
           {"backend", nameOf(result.backend)},
           {"width", what.sidePx},

@@ -64,7 +64,7 @@ std::string summaryTable(const std::vector<StabilityResult>& results) {
     const StabilityCase& what = *result.what;
     html += "<tr><td><a href=\"#" + escaped(std::string(what.name)) + "\">" + escaped(std::string(what.name)) + "</a></td><td>" +
             std::string(nameOf(result.backend)) + "</td>" + formCell(result.stable) + formCell(result.textbook) + "<td>" +
-            errorText(what.bound) + " " + std::string(errorName(what.subject)) + (result.isStable() ? "" : " <strong>exceeded</strong>") +
+            errorText(what.bound) + " " + std::string(wordsOf(what.subject).error) + (result.isStable() ? "" : " <strong>exceeded</strong>") +
             "</td><td>" + format("%+.1f", result.costNs()) + " ns a pixel</td></tr>\n";
   }
   return html + "</tbody></table></div>\n";
@@ -73,15 +73,6 @@ std::string summaryTable(const std::vector<StabilityResult>& results) {
 }  // namespace
 
 std::string errorText(double value) { return value == 0.0 ? "0" : format("%.1e", value); }
-
-std::string_view errorName(StabilitySubject subject) {
-  switch (subject) {
-    case StabilitySubject::march: return "largest difference";
-    case StabilitySubject::spheres: return "share of wrong pixels";
-    case StabilitySubject::similarity: return "difference";
-  }
-  return "";
-}
 
 std::string stabilityPage(const std::vector<StabilityResult>& results, const std::string& machine) {
   constexpr const char* kTitle = "Hard cases: stable arithmetic and the textbook's";
