@@ -104,8 +104,9 @@ void runStabilityCommand(const StabilityOptions& options) {
   std::string machine = "warpscope " WARPSCOPE_VERSION;
   Json devices = Json::array();
   for (const Backend backend : settings.backends) {
-    devices.push_back(deviceText(backend));
-    machine += "; " + deviceText(backend);
+    const std::string device = deviceText(backend);
+    devices.push_back(device);
+    machine += "; " + device;
   }
   const Json report{{"version", WARPSCOPE_VERSION}, {"devices", devices}, {"runs", options.runs}, {"cases", rows}};
   out.write("stability.html", stabilityPage(results, machine));
