@@ -21,12 +21,13 @@ struct CloudCase {
   std::vector<Sphere> cloud() const { return makeCloud(shape, count, scale, seed); }
 };
 
-/// From inside the cloud to far away, in images whose sides are no multiple of a tile's; either handedness.
-inline rc::Gen<CloudCase> anyCloudCase() {
+/// From inside the cloud to far away, in images of up to `largest` whose sides are no multiple of a tile's; either
+/// handedness.
+inline rc::Gen<CloudCase> anyCloudCase(const glm::uvec2& largest = {50, 40}) {
   return rc::gen::map(rc::gen::tuple(rc::gen::elementOf(kCloudShapes), rc::gen::inRange<size_t>(1, 300),
                                      anyPositive(-13, 13), rc::gen::arbitrary<uint32_t>(), anyPositive(-3, 4),
-                                     rc::gen::tuple(anyInteger(-180, 180), rc::gen::inRange(1u, 51u),
-                                                    rc::gen::inRange(1u, 41u), rc::gen::arbitrary<bool>())),
+                                     rc::gen::tuple(anyInteger(-180, 180), rc::gen::inRange(1u, largest.x + 1),
+                                                    rc::gen::inRange(1u, largest.y + 1), rc::gen::arbitrary<bool>())),
                       [](const auto& parts) {
                         const auto& [shape, count, scale, seed, sizes, view] = parts;
                         const auto& [angleDeg, width, height, isLeftHanded] = view;
