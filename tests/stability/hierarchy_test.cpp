@@ -19,7 +19,7 @@
 #include "tests/frame_samples.h"
 #include "tests/sphere_clouds.h"
 #include "tests/stability/backends.h"
-#include "tests/stability/magnitudes.h"
+#include "tests/stability/cloud_cases.h"
 #include "tests/stability/record.h"
 #include "tests/traced_picture.h"
 
@@ -293,17 +293,8 @@ TEST(Case24, TenMillionSpheres) {
 
 TEST(Case25, PropertyAllTracersAgreeOnAllClouds) {
   checkProperty([] {
-    const CloudShape shape = *rc::gen::elementOf(kCloudShapes);
-    const float scale = *anyPositive(-13, 13);
-    const auto cloud = makeCloud(shape, *rc::gen::inRange<size_t>(1, 300), scale, *rc::gen::arbitrary<uint32_t>());
-    // From inside the cloud to far away, in images whose sides are no multiple of a tile's.
-    const float distance = scale * *anyPositive(-3, 4);
-    Camera camera = orbitCamera(distance, static_cast<float>(*anyInteger(-180, 180)), *rc::gen::inRange(1u, 51u),
-                                *rc::gen::inRange(1u, 41u));
-    camera.tanHalfFovY = std::min(0.8f, 1.5f * scale / distance);
-    if (*rc::gen::arbitrary<bool>()) camera.right = -camera.right;  // a left-handed volume
-    expectAllAgree(cloud, camera);
-    RC_ASSERT(!testing::Test::HasFailure());
+    const CloudCase c = *anyCloudCase();
+    expectAllAgree(c.cloud(), c.camera);
   });
   recordExact("packets, single rays, Embree on random, planar, collinear, clustered, equal spheres", "brute force");
 }
@@ -321,10 +312,7 @@ TEST(Case11, AgreesFarFromTheCoordinatesOrigin) {
 }
 
 TEST(Case12, IsTheSameForAnyNumberOfThreads) {
-  // Duplicates among them, so that ties are decided, and enough for several sort blocks.
-  auto cloud = makeCloud(CloudShape::duplicate, 100'000, 10.0f, 53);
-  const auto more = makeCloud(CloudShape::clustered, 100'000, 10.0f, 54);
-  cloud.insert(cloud.end(), more.begin(), more.end());
+  const std::vector<Sphere> cloud = makeCloudOfTies();
   const Camera camera = orbitCamera(30.0f, 33.0f, 128, 96);
   Lbvh expected;
   TracedPicture expectedPicture;
@@ -449,15 +437,8 @@ TEST_P(Case24, TenMillionSamples) {
 
 TEST_P(Case25, PropertyTechniquesFindWhatBruteForceFinds) {
   checkProperty([&] {
-    const CloudShape shape = *rc::gen::elementOf(kCloudShapes);
-    const float scale = *anyPositive(-13, 13);
-    const auto cloud = makeCloud(shape, *rc::gen::inRange<size_t>(1, 300), scale, *rc::gen::arbitrary<uint32_t>());
-    const float distance = scale * *anyPositive(-3, 4);
-    Camera camera = orbitCamera(distance, static_cast<float>(*anyInteger(-180, 180)), *rc::gen::inRange(1u, 51u),
-                                *rc::gen::inRange(1u, 41u));
-    camera.tanHalfFovY = std::min(0.8f, 1.5f * scale / distance);
-    expectBruteForce(GetParam(), cloud, camera);
-    RC_ASSERT(!testing::Test::HasFailure());
+    const CloudCase c = *anyCloudCase();
+    expectBruteForce(GetParam(), c.cloud(), c.camera);
   });
   recordExact("techniques that draw spheres, on random, planar, collinear, clustered, equal ones", "brute force",
               GetParam());
