@@ -122,7 +122,7 @@ void printTable(const Comparison& comparison, const Scene& scene) {
       table += padded(text, kCell);
     }
   }
-  std::fputs((table + "\n             (per view: PSNR, holes, ms a picture)\n").c_str(), stderr);
+  printLines(table + "\n             (per view: PSNR, holes, ms a picture)\n");
 }
 
 /// The question of Zellmann 2020, figure 3: do spheres beat points, and by how much?
