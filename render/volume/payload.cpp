@@ -11,6 +11,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -18,6 +19,8 @@
 #include <vector>
 
 #include "render/base/error.h"
+#include "render/base/input_file.h"
+#include "render/base/range.h"
 #include "render/volume/volume_format.h"
 
 namespace warpscope {
@@ -117,6 +120,27 @@ bool hasFiniteGeometry(const std::vector<unsigned char>& head, bool isTwo, bool 
   return isTwo ? areFinite(104, 4) && areFinite(352, 18) : areFinite(76, 4) && areFinite(256, 18);
 }
 
+/// Throws if the header's extensions, which ITK copies anew for each of them, are too many or too large. They follow the header in `file`, each behind
+/// its size and code, up to `endBytes` or the file's end; code that reads them ends at the first of a size that cannot be.
+void requireFewExtensions(const fs::path& path, const fs::path& file, uint64_t headerBytes, uint64_t endBytes, bool swap) {
+  constexpr size_t kHeadBytes = 8, kSmallest = 16;
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> stream(gzopen(file.string().c_str(), "rb"), gzclose);
+  std::vector<unsigned char> head(kHeadBytes);
+  const auto read = [&](unsigned count) { return stream && gzread(stream.get(), head.data(), count) == static_cast<int>(count); };
+  if (!stream || gzseek(stream.get(), static_cast<z_off_t>(headerBytes), SEEK_SET) < 0 || !read(4) || head[0] == 0) return;
+  uint64_t at = headerBytes + 4;
+  for (size_t count = 1; at + kSmallest <= endBytes && read(kHeadBytes); ++count) {
+    const auto sizeBytes = fieldAt<int32_t>(head, 0, swap);
+    if (sizeBytes < static_cast<int32_t>(kSmallest) || sizeBytes % 16 != 0) return;
+    at += static_cast<uint64_t>(sizeBytes);
+    if (at > endBytes) return;
+    if (count > kMaxExtensions || at > headerBytes + kMaxExtensionBytes)
+      fail(path, "its header has " + std::to_string(count) + " extensions or more, of " + std::to_string(at - headerBytes - 4) + " bytes so far; at most " +
+                     std::to_string(kMaxExtensions) + " and " + sizeText(kMaxExtensionBytes) + " are read");
+    if (gzseek(stream.get(), static_cast<z_off_t>(at), SEEK_SET) < 0) return;
+  }
+}
+
 Payload locateNifti(const fs::path& path) {
   // Of a pair, the .hdr holds the header and the .img the voxels.
   fs::path header = path, voxels = path;
@@ -156,6 +180,8 @@ Payload locateNifti(const fs::path& path) {
       isTwo ? static_cast<double>(fieldAt<int64_t>(head, 168, swap)) : fieldAt<float>(head, 108, swap);
   if (!(offset >= 0.0 && offset < 1e15)) fail(path, "its header states an impossible place of the voxels");
   Payload payload = wholeFile(voxels, static_cast<uint64_t>(isSingle ? std::max(offset, headerBytes + 4.0) : offset));
+  const uint64_t extensionsEnd = isSingle ? static_cast<uint64_t>(std::max(offset, headerBytes + 4.0)) : std::numeric_limits<uint64_t>::max();
+  requireFewExtensions(path, header, static_cast<uint64_t>(headerBytes), extensionsEnd, swap);
   const auto qform = isTwo ? fieldAt<int32_t>(head, 344, swap) : fieldAt<int16_t>(head, 252, swap);
   const auto sform = isTwo ? fieldAt<int32_t>(head, 348, swap) : fieldAt<int16_t>(head, 254, swap);
   payload.hasOrientation = qform > 0 || sform > 0;
@@ -205,15 +231,20 @@ class HeaderLines {
 struct TextHeader {
   std::map<std::string, std::string> fields;  // keys in lower case
   uint64_t endBytes = 0;                      // where the header stops
+  std::string excess;                         // what makes it too large to be read; empty if it is not
 };
 
 /// Reads lines up to an empty one, or up to and with the line of `lastKey`.
 TextHeader readTextHeader(const fs::path& path, char separator, const std::string& lastKey) {
-  constexpr size_t kMaxLines = 4096;
   HeaderLines lines(path);
   TextHeader header;
   std::string line;
-  for (size_t i = 0; i < kMaxLines && lines.next(line); ++i) {
+  for (size_t count = 1; lines.next(line); ++count) {
+    if (count > kMaxHeaderLines || lines.endBytes() > kMaxHeaderBytes) {
+      header.excess = "its header goes on after line " + std::to_string(count - 1) + ", byte " + std::to_string(lines.endBytes() - line.size() - 1) +
+                      "; at most " + std::to_string(kMaxHeaderLines) + " lines and " + sizeText(kMaxHeaderBytes) + " are read";
+      break;
+    }
     if (lastKey.empty() && trimmed(line).empty()) break;
     if (line[0] == '#') continue;
     const size_t at = line.find(separator);
@@ -245,10 +276,15 @@ Payload locateNrrd(const fs::path& path) {
   HeaderLines(path).next(magic);
   if (!magic.starts_with("NRRD000")) fail(path, "is no NRRD file: it does not begin with NRRD000");
   const TextHeader header = readTextHeader(path, ':', "");
+  if (!header.excess.empty()) fail(path, header.excess);
   const auto valueOf = [&](const char* key) {
     const auto field = header.fields.find(key);
     return field == header.fields.end() ? std::string() : lowered(field->second);
   };
+  std::istringstream sizes(valueOf("sizes"));
+  std::string side;
+  for (int axis = 1; sizes >> side; ++axis)  // a library that reads these without their sign would take them for huge
+    if (side.starts_with('-')) fail(path, "its header declares " + side.substr(0, 40) + " voxels along axis " + std::to_string(axis));
   Payload payload{.file = path, .offsetBytes = header.endBytes};
   const std::string encoding = valueOf("encoding");
   payload.encoding = encoding == "raw"                                                ? Encoding::plain
@@ -281,6 +317,7 @@ Payload locateNrrd(const fs::path& path) {
 Payload locateMetaImage(const fs::path& path) {
   const TextHeader header = readTextHeader(path, '=', "elementdatafile");
   const auto dataFile = header.fields.find("elementdatafile");
+  if (!header.excess.empty() && header.fields.contains("ndims") && header.fields.contains("dimsize")) fail(path, header.excess);
   if (!header.fields.contains("ndims") || !header.fields.contains("dimsize") || dataFile == header.fields.end())
     fail(path, "is no MetaImage file: its header lacks NDims, DimSize or ElementDataFile");
   std::istringstream sides(header.fields.at("dimsize"));
@@ -289,7 +326,7 @@ Payload locateMetaImage(const fs::path& path) {
     fail(path, "its header's DimSize and NDims do not agree");
   for (const double side : dims)
     if (!(side >= 1.0 && side <= 65536.0))
-      fail(path, "its header's DimSize must be between 1 and 65536 along every axis");
+      fail(path, "its header's DimSize must be between 1 and 65536 along every axis, not " + numberText(side));
   // MetaIO takes "nan" for the end of the line and reports it on stderr.
   const auto requireNumbers = [&](const char* key, size_t count) {
     const auto field = header.fields.find(key);
@@ -331,6 +368,9 @@ Payload locateVtk(const fs::path& path) {
     if (i == 0 && !text.starts_with("# vtk datafile"))
       fail(path, "is no VTK file: it does not begin with # vtk DataFile");
     if (text == "ascii") payload.encoding = Encoding::text;
+    if (text.starts_with("dimensions"))
+      if (const size_t minus = text.find('-'); minus != std::string::npos)
+        fail(path, "its header declares " + text.substr(minus, std::min<size_t>(40, text.find_first_of(" \t", minus) - minus)) + " voxels along an axis");
     const bool isTable = text.starts_with("lookup_table");
     if (isTable || text.starts_with("scalars")) payload.offsetBytes = lines.endBytes();
     if (isTable) break;
@@ -358,7 +398,11 @@ Payload locateMrc(const fs::path& path) {
   constexpr uint64_t kHeaderBytes = 1024;
   const std::vector<unsigned char> head = headOf(path, kHeaderBytes);
   if (head.size() < kHeaderBytes) fail(path, "is no MRC file: it ends before a header of 1024 bytes does");
-  const auto extendedBytes = fieldAt<int32_t>(head, 92, isMrcSwapped(head));  // NSYMBT
+  const bool swap = isMrcSwapped(head);
+  for (size_t axis = 0; axis < 3; ++axis)
+    if (const auto side = fieldAt<int32_t>(head, 4 * axis, swap); side < 1)
+      fail(path, "its header declares " + std::to_string(side) + " voxels along axis " + std::to_string(axis + 1));
+  const auto extendedBytes = fieldAt<int32_t>(head, 92, swap);  // NSYMBT
   if (extendedBytes < 0)
     fail(path, "its header declares an extended header of " + std::to_string(extendedBytes) + " bytes (NSYMBT); it is damaged");
   const Payload payload = wholeFile(path, kHeaderBytes + static_cast<uint64_t>(extendedBytes));
@@ -367,6 +411,9 @@ Payload locateMrc(const fs::path& path) {
   if (!error && payload.encoding == Encoding::plain && payload.offsetBytes > fileBytes)
     fail(path, "its header declares an extended header of " + std::to_string(extendedBytes) + " bytes (NSYMBT), but the file holds " +
                    std::to_string(fileBytes) + " in all; it is cut off or damaged");
+  if (static_cast<uint64_t>(extendedBytes) > kMaxExtensionBytes)
+    fail(path, "its header declares an extended header of " + std::to_string(extendedBytes) + " bytes (NSYMBT); at most " + sizeText(kMaxExtensionBytes) +
+                   " are read");
   return payload;
 }
 
@@ -448,18 +495,32 @@ Payload locatePayload(const fs::path& path) {
   return {.file = path};
 }
 
-void requirePayload(const fs::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes,
-                    const std::stop_token& stop) {
+namespace {
+
+std::string declaredText(uint64_t sizeBytes) { return "its header declares " + std::to_string(sizeBytes) + " bytes of voxels, but "; }
+
+}  // namespace
+
+void requirePlausible(const fs::path& path, const Payload& payload, uint64_t sizeBytes) {
   std::error_code error;
   const uint64_t fileBytes = fs::file_size(payload.file, error);
   if (error) fail(path, "its voxels in " + payload.file.string() + " cannot be read");
-  const std::string declared = "its header declares " + std::to_string(sizeBytes) + " bytes of voxels, but ";
   if (payload.encoding == Encoding::plain) {
     const uint64_t held = fileBytes - std::min(fileBytes, payload.offsetBytes);
     if (held < sizeBytes)
-      fail(path, declared + "the file holds " + std::to_string(held) + "; it is cut off or damaged");
+      fail(path, declaredText(sizeBytes) + "the file holds " + std::to_string(held) + "; it is cut off or damaged");
     return;
   }
+  if (payload.encoding == Encoding::text) return;
+  // Deflate packs at most 1032 bytes into one (zlib's technical details); other codings in use here stay below that,
+  // too.
+  constexpr uint64_t kMaxRatio = 1032;
+  if (sizeBytes / kMaxRatio > fileBytes)
+    fail(path, declaredText(sizeBytes) + "a file of " + std::to_string(fileBytes) + " bytes cannot hold that");
+}
+
+void requirePayload(const fs::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes, const std::stop_token& stop) {
+  requirePlausible(path, payload, sizeBytes);
   if (payload.encoding == Encoding::text) {
     const uint64_t held = countWords(payload, count, stop);
     if (held < count)
@@ -467,17 +528,12 @@ void requirePayload(const fs::path& path, const Payload& payload, uint64_t count
                      std::to_string(held) + " numbers; it is cut off or damaged");
     return;
   }
-  // Deflate packs at most 1032 bytes into one (zlib's technical details); other codings in use here stay below that,
-  // too.
-  constexpr uint64_t kMaxRatio = 1032;
-  if (sizeBytes / kMaxRatio > fileBytes)
-    fail(path, declared + "a file of " + std::to_string(fileBytes) + " bytes cannot hold that");
-  if (payload.encoding == Encoding::unchecked) return;
+  if (payload.encoding != Encoding::deflated) return;
   bool isWhole = false;
   const uint64_t needed = payload.skipBytes + sizeBytes;
   const uint64_t held = countInflated(payload, needed, stop, isWhole);
   if (held < needed)
-    fail(path, declared + "only " + std::to_string(held - std::min(held, payload.skipBytes)) +
+    fail(path, declaredText(sizeBytes) + "only " + std::to_string(held - std::min(held, payload.skipBytes)) +
                    " can be decompressed; it is cut off or damaged");
   if (!isWhole) fail(path, "its compressed voxels are damaged: the stream's end or checksum is wrong");
 }
