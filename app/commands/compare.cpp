@@ -210,12 +210,18 @@ void addCompareCommand(CLI::App& program, std::function<void()>& chosen) {
   addTransportOptions(*command, options->transport);
   command->add_option("--out", options->out, "Folder to write to")->required();
   command->add_option("--cell", options->cellWidth, "Width of a picture in the montage, in pixels")->capture_default_str();
-  command->callback([options, &chosen] { chosen = [options] { compare(*options); }; });
+  command->callback([options, &chosen] {
+    chosen = [options] {
+      completeConnect(options->transport, namesScene(options->common));
+      compare(*options);
+    };
+  });
 }
 
 void compareDefaultScene(const std::filesystem::path& out) {
   CompareOptions options;
   options.out = out.string();
+  completeConnect(options.transport, false);
   compare(options);
 }
 
