@@ -192,6 +192,22 @@ TEST_F(Reader, DetachedData) {
   }
 }
 
+/// A library that opens each of many files would wait for a pipe among them.
+TEST_F(Reader, VoxelsInSeveralFiles) {
+  constexpr size_t kSlice = 3 * 4 * sizeof(int16_t);
+  for (size_t i = 0; i < 5; ++i) write("slice" + std::to_string(i) + ".raw", kVoxels.substr(i * kSlice, kSlice));
+  const std::string list = "NRRD0004\n" + kNrrd + "encoding: raw\ndata file: LIST\n", pattern = "NRRD0004\n" + kNrrd + "encoding: raw\ndata file: ";
+  expectRamp(*openVolume(write("a.nhdr", list + "slice0.raw\nslice1.raw\nslice2.raw\nslice3.raw\nslice4.raw\n")));
+  expectRamp(*openVolume(write("b.nhdr", pattern + "slice%d.raw 0 4 1\n")));
+  expectRefused(write("gone.nhdr", list + "slice0.raw\nslice1.raw\ngone.raw\nslice3.raw\nslice4.raw\n"), "\"gone.raw\" is missing");
+  ASSERT_EQ(mkfifo((directory_ / "slice7.raw").c_str(), 0600), 0);
+  expectRefused(write("pipe.nhdr", list + "slice0.raw\nslice1.raw\nslice7.raw\nslice3.raw\nslice4.raw\n"), "\"slice7.raw\" is no regular file");
+  expectRefused(write("pattern.nhdr", pattern + "slice%01d.raw 7 3 -1\n"), "\"slice7.raw\" is no regular file");
+  expectRefused(write("many.nhdr", pattern + "slice%01d.raw 0 1000000000 1\n"), "more than 4096 data files");
+  for (const std::string wrong : {"slice%s.raw 0 4 1", "slice%d.raw 0 4 0", "slice%d.raw", "%n%n%d 0 1 1", "slice%99999d.raw 0 4 1"})
+    expectRefused(write("wrong.nhdr", pattern + wrong + "\n"), "known is NAME%03d.raw");
+}
+
 /// Editors that leave out the last line's end make such files.
 TEST_F(Reader, DetachedHeadersNeedNoLineEndAfterTheirLastLine) {
   write("voxels.raw", kVoxels);

@@ -257,7 +257,45 @@ TextHeader readTextHeader(const fs::path& path, char separator, const std::strin
   return header;
 }
 
-/// Sets the data file of a detached header; a list or a pattern of files is left unchecked.
+/// The shortest form in which a name is shown.
+std::string dataFileText(const std::string& name) {
+  constexpr size_t kLongestShown = 80;
+  return "its data file \"" + (name.size() > kLongestShown ? name.substr(0, kLongestShown) + "..." : name) + "\"";
+}
+
+/// The files that a NRRD header spreads its voxels over: those whose names follow the line "data file: LIST", or "NAME%03d.raw FIRST LAST STEP".
+std::vector<std::string> partsOf(const fs::path& path, const std::string& value) {
+  std::vector<std::string> names;
+  if (lowered(value).starts_with("list")) {
+    HeaderLines lines(path);
+    bool isListed = false;
+    for (std::string line; lines.next(line);) {
+      const std::string text = trimmed(line);
+      if (isListed && !text.empty()) names.push_back(text);
+      const std::string key = lowered(text);
+      isListed = isListed || key.starts_with("data file:") || key.starts_with("datafile:");
+    }
+    return names;
+  }
+  std::istringstream fields(value);
+  std::string name;
+  int32_t first = 0, last = 0, step = 0;
+  const size_t percent = value.find('%'), letter = value.find_first_not_of("0123456789", percent + 1);
+  const std::string digits = letter == std::string::npos ? "" : value.substr(percent + 1, letter - percent - 1);
+  if (!(fields >> name >> first >> last >> step) || letter >= name.size() || value[letter] != 'd' || digits.size() > 2 || step == 0 ||
+      name.find('%', letter) != std::string::npos)
+    fail(path, "its header names its data files as \"" + value.substr(0, 80) + "\"; known is NAME%03d.raw FIRST LAST STEP");
+  const size_t width = digits.empty() ? 0 : std::stoul(digits);
+  for (int64_t i = first; step > 0 ? i <= last : i >= last; i += step) {
+    if (names.size() == kMaxHeaderLines) fail(path, "its header names more than " + std::to_string(kMaxHeaderLines) + " data files, the most that are read");
+    std::string number = std::to_string(i);
+    if (number.size() < width) number.insert(0, width - number.size(), '0');
+    names.push_back(name.substr(0, percent) + number + name.substr(letter + 1));
+  }
+  return names;
+}
+
+/// Sets the data file of a detached header; false for a list or a pattern of files, whose sizes are left unchecked.
 bool followDetached(const fs::path& path, const std::string& name, Payload& payload) {
   if (lowered(name).starts_with("list") || name.find('%') != std::string::npos) {
     payload.encoding = Encoding::unchecked;
@@ -266,8 +304,7 @@ bool followDetached(const fs::path& path, const std::string& name, Payload& payl
   if (name.find('\0') != std::string::npos) fail(path, "its header has a zero byte in the name of its data file");
   payload.file = path.parent_path() / name;
   payload.offsetBytes = 0;
-  constexpr size_t kLongestShown = 80;
-  requirePart(path, payload.file, "its data file \"" + (name.size() > kLongestShown ? name.substr(0, kLongestShown) + "..." : name) + "\"");
+  requirePart(path, payload.file, dataFileText(name));
   return true;
 }
 
@@ -296,7 +333,10 @@ Payload locateNrrd(const fs::path& path) {
                            space == "ras" || space == "las" || space == "lps";
   for (const char* key : {"data file", "datafile"})
     if (const auto field = header.fields.find(key); field != header.fields.end())
-      if (!followDetached(path, field->second, payload)) return payload;
+      if (!followDetached(path, field->second, payload)) {
+        for (const std::string& name : partsOf(path, field->second)) requirePart(path, path.parent_path() / name, dataFileText(name));
+        return payload;
+      }
   // Skips make room for foreign headers; -1 means "the last bytes", for which a size check is all that is left.
   for (const char* key : {"line skip", "lineskip"})
     if (!valueOf(key).empty() && valueOf(key) != "0") payload.encoding = Encoding::unchecked;
