@@ -271,6 +271,8 @@ TEST_F(Reader, NiftiErrors) {
   expectRefused(write("int64.nii", header([](auto& n) { n.datatype = 1024, n.bitpix = 64; }) + noise(480)),
                 "datatype 1024");
   expectRefused(write("nan.nii", header([](auto& n) { n.sform = 1, n.rows[0] = NAN; }) + kVoxels), "not finite");
+  // Such an orientation keeps ITK's search for singular values going for ever.
+  expectRefused(write("endless.nii", header([](auto& n) { n.sform = 1, n.rows[0] = -4.0f, n.rows[1] = -4.15e34f; }) + kVoxels), "beyond 10^12");
   expectRefused(write("flat.nii", header([](auto& n) { n.sform = 1, n.rows.fill(0.0f); }) + kVoxels), "orthonormal");
 }
 
@@ -409,6 +411,16 @@ TEST_F(Reader, HeadersHaveLimits) {
   expectRefused(write("long.nrrd", nrrdHeader(nrrd + lines(":=" + std::string(60'000, 'v') + "\n", 18)) + kVoxels), "at most 4096 lines and 1 MiB are read");
   expectRefused(write("more.mha", meta + lines(" = v\n", 100'000) + "ElementDataFile = LOCAL\n" + kVoxels), "its header goes on after line 4096, byte");
   expectRefused(write("long.mha", meta + lines(" = " + std::string(60'000, 'v') + "\n", 18) + "ElementDataFile = LOCAL\n" + kVoxels), "1 MiB");
+
+  // MetaIO 5.2 writes beyond an array of 255 bytes.
+  EXPECT_NO_THROW(openVolume(write("key.mha", metaHeader(kMeta + std::string(kMaxKeyBytes - 1, 'k') + " = v\n") + kVoxels)));
+  for (const std::string& line : {std::string(300, 'k') + " = v\n", std::string(300, 'k') + "\n", '#' + std::string(5000, 'k') + " = v\n"})
+    expectRefused(write("key.mha", metaHeader(kMeta + line) + kVoxels), "bytes; at most 200 are read");
+  for (const std::string key : {"Comment", "Name", "ObjectSubType", "Foo"}) {
+    EXPECT_NO_THROW(openVolume(write("text.mha", metaHeader(kMeta + key + " = " + std::string(kMaxKeyBytes, 'v') + "\n") + kVoxels)));
+    expectRefused(write("text.mha", metaHeader(kMeta + key + " = " + std::string(300, 'v') + "\n") + kVoxels), "is a text of 300 bytes; at most 200 are read");
+    expectRefused(write("text.mha", metaHeader(kMeta + key + " = a\n" + key + " = " + std::string(300, '1') + "\n") + kVoxels), "is a text of 300 bytes");
+  }
 
   // A header of 348 bytes and extensions of 16 each.
   const auto extended = [](size_t count, int32_t sizeBytes) {

@@ -107,17 +107,19 @@ std::optional<VoxelType> niftiVoxelType(int16_t datatype) {
   }
 }
 
-/// The spacing and both forms of orientation, which ITK hands to code that aborts on NaN.
-bool hasFiniteGeometry(const std::vector<unsigned char>& head, bool isTwo, bool swap) {
-  const auto areFinite = [&](size_t offset, size_t count) {
-    for (size_t i = 0; i < count; ++i)
-      if (!std::isfinite(isTwo ? fieldAt<double>(head, offset + 8 * i, swap)
-                               : fieldAt<float>(head, offset + 4 * i, swap)))
-        return false;
+/// The spacing and both forms of orientation, which ITK hands to code that aborts on NaN, and whose search for singular values never ends where squares of
+/// these overflow.
+bool hasUsableGeometry(const std::vector<unsigned char>& head, bool isTwo, bool swap) {
+  constexpr double kLargest = 1e12;  // mm: beyond any volume
+  const auto areUsable = [&](size_t offset, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+      const double value = isTwo ? fieldAt<double>(head, offset + 8 * i, swap) : fieldAt<float>(head, offset + 4 * i, swap);
+      if (!(std::abs(value) <= kLargest)) return false;
+    }
     return true;
   };
   // pixdim[0..3], then quatern_b to srow_z.
-  return isTwo ? areFinite(104, 4) && areFinite(352, 18) : areFinite(76, 4) && areFinite(256, 18);
+  return isTwo ? areUsable(104, 4) && areUsable(352, 18) : areUsable(76, 4) && areUsable(256, 18);
 }
 
 /// Throws if the header's extensions, which ITK copies anew for each of them, are too many or too large. They follow the header in `file`, each behind
@@ -194,7 +196,7 @@ Payload locateNifti(const fs::path& path) {
                    "floating point are read");
   const double slope = isTwo ? fieldAt<double>(head, 176, swap) : fieldAt<float>(head, 112, swap);
   payload.isDescending = slope < 0.0;
-  if (!hasFiniteGeometry(head, isTwo, swap)) fail(path, "its header's voxel spacing or orientation is not finite");
+  if (!hasUsableGeometry(head, isTwo, swap)) fail(path, "its header's voxel spacing or orientation is not finite, or beyond 10^12");
   return payload;
 }
 
@@ -232,6 +234,8 @@ struct TextHeader {
   std::map<std::string, std::string> fields;  // keys in lower case
   uint64_t endBytes = 0;                      // where the header stops
   std::string excess;                         // what makes it too large to be read; empty if it is not
+  std::map<std::string, size_t> longest;      // bytes of each key's longest value: a key may be there several times
+  size_t longestKey = 0;                      // bytes before a separator, or of a line without one
 };
 
 /// Reads lines up to an empty one, or up to and with the line of `lastKey`.
@@ -246,11 +250,15 @@ TextHeader readTextHeader(const fs::path& path, char separator, const std::strin
       break;
     }
     if (lastKey.empty() && trimmed(line).empty()) break;
-    if (line[0] == '#') continue;
+    if (separator == ':' && line[0] == '#') continue;  // NRRD's comments
     const size_t at = line.find(separator);
+    header.longestKey = std::max(header.longestKey, std::min(at, line.size()));
     if (at == std::string::npos) continue;
     const std::string key = lowered(trimmed(line.substr(0, at)));
-    header.fields.emplace(key, trimmed(line.substr(at + 1)));
+    const std::string value = trimmed(line.substr(at + 1));
+    size_t& longest = header.longest[key];
+    longest = std::max(longest, value.size());
+    header.fields.emplace(key, value);
     if (!lastKey.empty() && key == lastKey) break;
   }
   header.endBytes = lines.endBytes();
@@ -360,6 +368,18 @@ Payload locateMetaImage(const fs::path& path) {
   if (!header.excess.empty() && header.fields.contains("ndims") && header.fields.contains("dimsize")) fail(path, header.excess);
   if (!header.fields.contains("ndims") || !header.fields.contains("dimsize") || dataFile == header.fields.end())
     fail(path, "is no MetaImage file: its header lacks NDims, DimSize or ElementDataFile");
+  if (header.longestKey > kMaxKeyBytes)
+    fail(path, "its header has a key of " + std::to_string(header.longestKey) + " bytes; at most " + std::to_string(kMaxKeyBytes) + " are read");
+  // Of what follows numbers are asked for, or a file's name.
+  const auto mayBeLong = [](const std::string& key) {
+    for (const char* known : {"elementdatafile", "dimsize", "elementspacing", "elementsize", "offset", "origin", "position", "centerofrotation", "transformmatrix",
+                              "rotation", "orientation"})
+      if (key == known) return true;
+    return false;
+  };
+  for (const auto& [key, sizeBytes] : header.longest)
+    if (sizeBytes > kMaxKeyBytes && !mayBeLong(key))
+      fail(path, "its header's " + key + " is a text of " + std::to_string(sizeBytes) + " bytes; at most " + std::to_string(kMaxKeyBytes) + " are read");
   std::istringstream sides(header.fields.at("dimsize"));
   std::vector<double> dims{std::istream_iterator<double>(sides), {}};
   if (std::to_string(dims.size()) != header.fields.at("ndims") || dims.empty() || dims.size() > 7)
