@@ -273,6 +273,8 @@ TEST_F(Reader, NiftiErrors) {
   expectRefused(write("nan.nii", header([](auto& n) { n.sform = 1, n.rows[0] = NAN; }) + kVoxels), "not finite");
   // Such an orientation keeps ITK's search for singular values going for ever.
   expectRefused(write("endless.nii", header([](auto& n) { n.sform = 1, n.rows[0] = -4.0f, n.rows[1] = -4.15e34f; }) + kVoxels), "beyond 10^12");
+  // Likewise, with a number that is hardly one.
+  expectRefused(write("denormal.nii", header([](auto& n) { n.sform = 1, n.rows[1] = 1.34e8f, n.rows[6] = 1e-43f; }) + kVoxels), "more than 10^46");
   expectRefused(write("flat.nii", header([](auto& n) { n.sform = 1, n.rows.fill(0.0f); }) + kVoxels), "orthonormal");
 }
 
@@ -412,15 +414,20 @@ TEST_F(Reader, HeadersHaveLimits) {
   expectRefused(write("more.mha", meta + lines(" = v\n", 100'000) + "ElementDataFile = LOCAL\n" + kVoxels), "its header goes on after line 4096, byte");
   expectRefused(write("long.mha", meta + lines(" = " + std::string(60'000, 'v') + "\n", 18) + "ElementDataFile = LOCAL\n" + kVoxels), "1 MiB");
 
-  // MetaIO 5.2 writes beyond an array of 255 bytes.
-  EXPECT_NO_THROW(openVolume(write("key.mha", metaHeader(kMeta + std::string(kMaxKeyBytes - 1, 'k') + " = v\n") + kVoxels)));
-  for (const std::string& line : {std::string(300, 'k') + " = v\n", std::string(300, 'k') + "\n", '#' + std::string(5000, 'k') + " = v\n"})
-    expectRefused(write("key.mha", metaHeader(kMeta + line) + kVoxels), "bytes; at most 200 are read");
-  for (const std::string key : {"Comment", "Name", "ObjectSubType", "Foo"}) {
-    EXPECT_NO_THROW(openVolume(write("text.mha", metaHeader(kMeta + key + " = " + std::string(kMaxKeyBytes, 'v') + "\n") + kVoxels)));
-    expectRefused(write("text.mha", metaHeader(kMeta + key + " = " + std::string(300, 'v') + "\n") + kVoxels), "is a text of 300 bytes; at most 200 are read");
-    expectRefused(write("text.mha", metaHeader(kMeta + key + " = a\n" + key + " = " + std::string(300, '1') + "\n") + kVoxels), "is a text of 300 bytes");
+  // MetaIO 5.2 writes beyond arrays of 255 bytes.
+  const auto meta300 = [&](const std::string& line) { return metaHeader(kMeta + line + "\n") + kVoxels; };
+  for (const std::string& key : {std::string("Comment"), std::string("Name"), std::string("ObjectSubType"), std::string(100, 'k')}) {
+    const std::string start = key + " = ";
+    EXPECT_NO_THROW(openVolume(write("text.mha", meta300(start + std::string(kMaxTextLine - start.size(), 'v')))));
+    for (const char filling : {'v', '1'})
+      expectRefused(write("text.mha", meta300(start + "a\n" + start + std::string(300, filling))), "bytes; at most 200 are read");
   }
+  for (const std::string& line : {std::string(300, 'k') + " = v", '#' + std::string(5000, 'k') + " = v", "Comment:" + std::string(150, 'k') + "=" + std::string(150, 'v')})
+    expectRefused(write("key.mha", meta300(line)), "bytes; at most 200 are read");
+  expectRefused(write("long.mha", meta300("TransformMatrix = 1 0 0 0 1 0 0 0 1\nTransformMatrix = 1 x" + std::string(300, 'x'))), "at most 200 are read");
+  EXPECT_NO_THROW(openVolume(write("matrix.mha", meta300("TransformMatrix = 1.0" + std::string(300, '0') + " 0 0 0 1 0 0 0 1"))));
+  // It would go on reading behind the voxels' begin.
+  expectRefused(write("joined.mha", "NDims = 3\nDimSize = 3 4 5\nElementType 2 MET_SHORT\nElementDataFile = LOCAL\n" + kVoxels), "a line without =: \"ElementType 2");
 
   // A header of 348 bytes and extensions of 16 each.
   const auto extended = [](size_t count, int32_t sizeBytes) {

@@ -51,8 +51,8 @@ std::optional<VoxelType> niftiVoxelType(int16_t datatype) {
   }
 }
 
-/// The spacing and both forms of orientation, which ITK hands to code that aborts on NaN, and whose search for singular values never ends where squares of
-/// these overflow.
+/// The spacing and both forms of orientation, which ITK hands to code that aborts on NaN, and to a search for singular values in floats that never ends where
+/// squares overflow, or where numbers that are hardly any (denormal) stand beside large ones.
 bool hasUsableGeometry(const std::vector<unsigned char>& head, bool isTwo, bool swap) {
   constexpr double kLargest = 1e12;  // mm: beyond any volume
   const auto areUsable = [&](size_t offset, size_t count) {
@@ -62,6 +62,14 @@ bool hasUsableGeometry(const std::vector<unsigned char>& head, bool isTwo, bool 
     }
     return true;
   };
+  double least = std::numeric_limits<double>::infinity(), largest = 0.0;
+  for (size_t i = 0; i < 12; ++i) {  // srow_x to srow_z: rows of a matrix, each with an offset behind
+    const double value = std::abs(isTwo ? fieldAt<double>(head, 400 + 8 * i, swap) : fieldAt<float>(head, 280 + 4 * i, swap));
+    if (i % 4 == 3 || value == 0.0) continue;
+    least = std::min(least, value);
+    largest = std::max(largest, value);
+  }
+  if (least < 1e-46 * largest) return false;
   // pixdim[0..3], then quatern_b to srow_z.
   return isTwo ? areUsable(104, 4) && areUsable(352, 18) : areUsable(76, 4) && areUsable(256, 18);
 }
@@ -157,7 +165,7 @@ Payload locateNifti(const fs::path& path) {
                    "floating point are read");
   const double slope = isTwo ? fieldAt<double>(head, 176, swap) : fieldAt<float>(head, 112, swap);
   payload.isDescending = slope < 0.0;
-  if (!hasUsableGeometry(head, isTwo, swap)) fail(path, "its header's voxel spacing or orientation is not finite, or beyond 10^12");
+  if (!hasUsableGeometry(head, isTwo, swap)) fail(path, "its header's voxel spacing or orientation is not finite, beyond 10^12, or ranges over more than 10^46");
   return payload;
 }
 

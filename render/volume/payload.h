@@ -16,7 +16,7 @@ namespace warpscope {
 /// What is read of a header: libraries take time with the square of some of these, and memory for all.
 inline constexpr size_t kMaxHeaderLines = 4096;             ///< NRRD, MetaImage
 inline constexpr uint64_t kMaxHeaderBytes = 1 << 20;        ///< NRRD, MetaImage
-inline constexpr size_t kMaxKeyBytes = 200;                 ///< MetaImage, whose library copies keys and texts to places of 255 bytes without a look
+inline constexpr size_t kMaxTextLine = 200;                 ///< MetaImage: bytes of a line with a text
 inline constexpr size_t kMaxExtensions = 4096;              ///< NIfTI
 inline constexpr uint64_t kMaxExtensionBytes = 16 << 20;    ///< of a NIfTI header's extensions together; of an MRC file's extended header
 
