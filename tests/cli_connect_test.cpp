@@ -324,7 +324,7 @@ TEST_F(Serving, FilesThatHoldNoAddress) {
   ASSERT_EQ(mkfifo(folder_.file("pipe").c_str(), 0600), 0);
   const std::pair<std::string, std::string> wrong[] = {
       {"empty", "empty: holds no URL"}, {"wrong", "wrong: "},          {"large", "large: is too large"}, {"pipe", "pipe: is no regular file"},
-      {".", "is a folder"},             {"gone", "gone: there is no"}, {"-", "standard input: holds no URL"}};
+      {".", "is a directory"},            {"gone", "gone: there is no"}, {"-", "standard input: holds no URL"}};
   for (const auto& [name, reason] : wrong) {
     for (Arguments command : {Arguments{"shot", "-o", "a.png"}, {"compare", "--out", "out"}, {"view"}}) {
       command.insert(command.end(), {"--url-file", name});

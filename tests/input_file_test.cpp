@@ -42,7 +42,7 @@ TEST_F(InputFile, IsReadWholeUpToItsLimit) {
 TEST_F(InputFile, WhatIsNoFileIsRefusedAtOnce) {
   ASSERT_EQ(mkfifo(folder_.file("pipe").c_str(), 0600), 0);
   EXPECT_THAT(complaint(folder_.file("pipe")), HasSubstr("pipe: is no regular file but a pipe"));
-  EXPECT_THAT(complaint(folder_.path()), HasSubstr(": is a folder, not a plan"));
+  EXPECT_THAT(complaint(folder_.path()), HasSubstr(": is a directory, not a plan"));
   EXPECT_THAT(complaint("/dev/zero"), HasSubstr("/dev/zero: is no regular file but a device"));
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

@@ -43,7 +43,7 @@ std::string readInputFile(const std::filesystem::path& path, uint64_t maxBytes, 
   if (file < 0) failOfSystem();
   struct stat status {};
   if (::fstat(file, &status) != 0) failOfSystem();
-  if (S_ISDIR(status.st_mode)) fail(path, "is a folder, not " + std::string(what));
+  if (S_ISDIR(status.st_mode)) fail(path, "is a directory, not " + std::string(what));
   if (!S_ISREG(status.st_mode)) fail(path, std::string("is no regular file but a ") + (S_ISFIFO(status.st_mode) ? "pipe" : "device"));
   const auto refuseSize = [&](uint64_t bytes) {
     fail(path, "is too large for " + std::string(what) + ": it holds " + std::to_string(bytes) + " bytes, at most " + sizeText(maxBytes) + " are read");
