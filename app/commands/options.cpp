@@ -14,6 +14,7 @@
 #include "app/shell/log.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
+#include "render/core/picture_size.h"
 #include "render/march/marcher_registry.h"
 #include "render/volume/procedural.h"
 #include "render/warp/spheres_warp.h"
@@ -127,6 +128,7 @@ CheckedOptions check(const CommonOptions& options) {
   checked.sceneSpec = options.scene.value_or(std::string(kDefaultScene));
   if (!options.size.empty()) {
     const std::vector<uint32_t> size = parseSize("--size", options.size, 2, kMaxImageSide);
+    if (!isPictureSize(size[0], size[1])) throw UsageError("--size " + options.size + ": pictures have " + pictureSizes());
     checked.width = size[0];
     checked.height = size[1];
   }

@@ -26,6 +26,7 @@ ServedFrame waitFor(FrameSource& source, uint64_t id, const std::function<void(u
     }
     const auto now = std::chrono::steady_clock::now();
     const SourceStatus status = source.status();
+    if (status.isRefused) throw InputError(status.sentence);
     if (status.isConnected) connectedAt = now;
     if (status.busyWith && onBusy) onBusy(*status.busyWith);
     if (now - connectedAt > kPatience) throw InputError(status.sentence);

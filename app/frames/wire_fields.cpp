@@ -3,10 +3,12 @@
 #include "app/frames/wire_fields.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
 #include "render/base/error.h"
+#include "render/core/parallel.h"
 #include "render/codec/zstd_section.h"
 #include "render/march/march_knobs.h"
 
@@ -43,6 +45,61 @@ static_assert(net::kMaxPlanes == kMaxPlanes && net::kMaxPlaneName == kMaxPlaneNa
 /// Bytes of one plane are compressed together; a plane holds at most this many, which zstd_section.h takes.
 constexpr size_t kPlaneBytes = size_t{1} << 26;
 constexpr size_t kPlanes = sizeof(glm::vec4);
+
+/// No length in a frame is greater, so that no position or radius in it is beyond what can be drawn (kMaxSphereCoordinate, 1e18); and no
+/// unit of radii is so small that radii vanish.
+constexpr float kLongest = 1e17f;
+constexpr float kSmallestUnit = 1e-30f;
+/// Milliseconds that a stage may take: a year.
+constexpr double kLongestStageMs = 3.2e10;
+
+void requireLengths(const SampleFrame& frame) {
+  const SampleQuantization& q = frame.quantization;
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(q.bounds.lower[axis]) > kLongest || std::abs(q.bounds.upper[axis]) > kLongest)
+      throw InputError("the server's frame has bounds beyond what can be drawn");
+  if (q.radiusUnit > kLongest || q.radiusUnit < kSmallestUnit || frame.voxelRadius > kLongest)
+    throw InputError("the server's frame has a unit of radii, or a voxel radius, with which nothing can be drawn");
+  if (q.nearDepth > kLongest || decodeDepth(kDepthCodeMax, q.depthStep) > kLongest)
+    throw InputError("the server's frame has depths beyond what can be drawn");
+}
+
+void requireAtMost(uint64_t value, uint64_t most, const char* what) {
+  if (value > most) throw InputError(std::to_string(value) + " " + what + ", where " + std::to_string(most) + " are the most");
+}
+
+/// Throws what is wrong.
+void requirePossible(const net::FrameHead& head, uint64_t payloadBytes) {
+  const net::StageTimes& stages = head.stages;
+  for (const double ms : {stages.queueMs, stages.marchMs, stages.compactMs, stages.copyMs, stages.encodeMs, stages.sendMs})
+    if (!(ms >= 0.0 && ms <= kLongestStageMs)) throw InputError("the server's frame has times that are none");
+  const Camera camera = cameraFrom(head.camera);
+  const CodecSettings coding = codecFrom(head.codec);
+  if (head.wanted == net::Wanted::picture) {
+    marchFrom(head.settings);
+    requireAtMost(head.sampleCount, 0, "samples in a picture");
+    requireAtMost(head.planes.size(), 0, "planes of samples in a picture");
+    requireAtMost(payloadBytes, mostColorBytes(camera.width, camera.height), "bytes for the picture");
+    return;
+  }
+  const SampleFrame frame = frameFrom(head);
+  requireLengths(frame);
+  const auto perRay = static_cast<uint64_t>(frame.settings.sample.samplesPerRay);
+  requireAtMost(head.sampleCount, perRay * camera.width * camera.height, "samples");
+  requireAtMost(payloadBytes, mostPayloadBytes(frame, head.sampleCount, coding), "bytes for the samples");
+}
+
+/// Nothing can be drawn of a sample without a radius. No marcher makes one; codecs carry it.
+bool haveRadii(const TransferVector<PackedSample>& samples) {
+  std::atomic<bool> haveAll = true;
+  parallelForRanges(samples.size(), 1 << 16, [&](size_t begin, size_t end) {
+    const PackedSample* const sample = samples.data();
+    bool isNone = false;
+    for (size_t i = begin; i < end; ++i) isNone |= radiusCode(sample[i]) == 0;
+    if (isNone) haveAll = false;
+  });
+  return haveAll;
+}
 
 }  // namespace
 
@@ -180,6 +237,25 @@ SampleFrame frameFrom(const net::FrameHead& head) {
   return frame;
 }
 
+std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) {
+  try {
+    requirePossible(head, payloadBytes);
+    return {};
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
+
+SampleFrame decodedFrom(const net::FrameHead& head, net::ByteView payload, FrameCodec& codec) {
+  SampleFrame frame = frameFrom(head);
+  if (payload.empty() || std::to_integer<uint8_t>(payload[0]) != static_cast<uint8_t>(codecFrom(head.codec).format))
+    throw InputError("the server's frame: the payload has another format than its head says");
+  if (const DecodeError error = codec.decode(payload, head.sampleCount, frame, decodeLimitsFor(frame)))
+    throw InputError("the server's frame: " + *error);
+  if (!haveRadii(frame.samples)) throw InputError("the server's frame has samples without a radius");
+  return frame;
+}
+
 DecodeLimits decodeLimitsFor(const SampleFrame& frame) {
   DecodeLimits limits;
   const auto perRay = static_cast<size_t>(frame.settings.sample.samplesPerRay);
@@ -202,6 +278,11 @@ std::vector<std::byte> encodeColors(const Image<glm::vec4>& image) {
     }
   }
   return bytes;
+}
+
+uint64_t mostColorBytes(uint32_t width, uint32_t height) {
+  const uint64_t pixels = uint64_t{width} * height, parts = (pixels + kPlaneBytes - 1) / kPlaneBytes;
+  return kPlanes * (pixels + parts * kSectionHeadBytes);
 }
 
 Image<glm::vec4> decodeColors(net::ByteView bytes, uint32_t width, uint32_t height) {
