@@ -69,8 +69,8 @@ struct DecodeLimits {
 using DecodeError = std::optional<std::string>;
 
 /// The most bytes that a payload has: for `count` samples of the picture, the settings and the planes of `frame`, whatever the samples
-/// are. Planes of elements that are not known count as kMostElementBytes a value. FrameCodec makes none that is longer, and random samples
-/// take more than a half of it (tests/codec_bounds_test.cpp).
+/// are. Planes of elements that are not known count as kMostElementBytes a value. FrameCodec makes none that is longer; noise takes all of it
+/// raw, more than half without loss, and more than 0.4 as JPEG.
 uint64_t mostPayloadBytes(const SampleFrame& frame, uint64_t count, const CodecSettings& settings);
 inline constexpr uint64_t kMostElementBytes = 8;
 
