@@ -205,6 +205,7 @@ Awaitable<void> Client::State::run() {
 }
 
 Awaitable<std::unique_ptr<Stream>> Client::State::open(TimePoint deadline) {
+  if (settings.opener) co_return settings.opener(io.get_executor());
   const HostPort& where = settings.address.where;
   Awaitable<std::unique_ptr<TcpStream>> connecting = connectTcp(io.get_executor(), where.host, where.port, deadline, settings.resolver);
   std::unique_ptr<TcpStream> tcp = co_await std::move(connecting);

@@ -12,6 +12,7 @@
 #include "net/link_settings.h"
 #include "net/lookup.h"
 #include "net/messages.h"
+#include "net/stream.h"
 
 namespace warpscope::net {
 
@@ -25,6 +26,8 @@ struct ClientSettings {
   std::chrono::milliseconds longestPause{8000};
   bool connectsAgain = true;
   Resolver resolver = resolveBySystem;  ///< of the server's name, in a thread of its own
+  /// If any, what is spoken over in place of TCP and TLS: a server in memory.
+  std::function<std::unique_ptr<Stream>(const asio::any_io_executor& executor)> opener{};
 };
 
 enum class ConnectionPhase {

@@ -36,8 +36,9 @@ uint8_t placeOf(const Table& table, Value value) {
 
 bool isDirection(const glm::dvec3& v) { return std::abs(glm::length(v) - 1.0) < 1e-3; }
 
-void requireFinite(double value) {
-  if (!std::isfinite(value)) throw InputError("the server's scene has numbers that are not finite");
+/// Nothing that a terminal or a window would take for more than text.
+bool isLine(const std::string& text) {
+  return std::ranges::none_of(text, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 0x7f; });
 }
 
 static_assert(net::kMaxPlanes == kMaxPlanes && net::kMaxPlaneName == kMaxPlaneName, "net/ knows of no samples, and has numbers of its own");
@@ -171,6 +172,7 @@ CodecSettings codecFrom(const net::CodecFields& fields) {
 
 Scene sceneFrom(const net::SceneFields& fields) {
   Scene scene;
+  if (fields.name.empty() || !isLine(fields.name) || !isLine(fields.title)) throw InputError("the server's scene has a name or a title that is none");
   scene.name = fields.name;
   scene.title = fields.title;
   VolumeGeometry geometry;
@@ -195,7 +197,11 @@ Scene sceneFrom(const net::SceneFields& fields) {
   for (const float channel : fields.background)
     if (!(channel >= 0.0f && channel <= 1.0f)) throw InputError("the server's scene has a background that is no colour");
   for (const net::ViewFields& view : fields.views) {
-    for (const double number : {view.angleDeg, view.elevationDeg, view.distance, view.panRight, view.panUp}) requireFinite(number);
+    // Written so that NaN fails. Files allow no more (scene.cpp), and fitting views moves cameras by less than the rest.
+    constexpr double kMostDeg = 1e6, kMostElevationDeg = 90.5, kMostDistance = 1e6, kMostPan = 1e6;
+    if (!(std::abs(view.angleDeg) <= kMostDeg && std::abs(view.elevationDeg) <= kMostElevationDeg && view.distance > 0.0 &&
+          view.distance <= kMostDistance && std::abs(view.panRight) <= kMostPan && std::abs(view.panUp) <= kMostPan))
+      throw InputError("the server's scene has a view that is none");
     scene.views.push_back({view.angleDeg, view.elevationDeg, view.distance, {view.panRight, view.panUp}});
   }
   scene.march = marchFrom(fields.settings);

@@ -16,7 +16,7 @@ if [ "$what" = build ]; then
         -DWARPSCOPE_FUZZ=ON -DWARPSCOPE_CUDA=OFF -DWARPSCOPE_TESTS=OFF -DWARPSCOPE_WITH_UI=OFF -DWARPSCOPE_WITH_ITK=OFF \
         -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)"
       cmake --build "$build" --target fuzzers
-      for part in codec net; do
+      for part in codec net session; do
         "$build/tests/fuzz/${part}_fuzz_seeds" "$build/seeds"
       done
       exit 0
@@ -30,7 +30,11 @@ if [ -e "$build/none" ]; then
   echo "Skipped: no clang with libFuzzer." && exit 77
 fi
 mkdir -p -- "$build/findings"
-# Frames are longer than messages.
-[ "$what" = codec_fuzz ] && longest=65536 || longest=4096
-exec "$build/tests/fuzz/$what" -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len="$longest" -timeout=10 -print_final_stats=1 \
+# Frames are longer than messages. What a client takes of a server is bounded by what it asked: pictures of 64 x 48 pixels.
+longest=4096 limits=
+case "$what" in
+  codec_fuzz) longest=65536 ;;
+  client_session_fuzz) longest=65536 limits="-malloc_limit_mb=64 -rss_limit_mb=1024" ;;
+esac
+exec "$build/tests/fuzz/$what" -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len="$longest" -timeout=10 -print_final_stats=1 $limits \
   -artifact_prefix="$build/findings/$what-" "$build/seeds/$what"
