@@ -1,5 +1,5 @@
-// Commands that connect to a server which lies: a sentence each that says so, exit code 1, at once, and no memory beyond their own.
-// Mirrors the rows of tests/README.md's table of attacks that a client answers for.
+// Commands that connect to a server which lies: a sentence each that says so, exit code 1, at once, and no memory
+// beyond their own. Mirrors the rows of tests/README.md's table of attacks that a client answers for.
 #include "app/frames/backend.h"
 #include "app/frames/wire_fields.h"
 #include "app/scene/scene.h"
@@ -35,7 +35,8 @@ class CliAttacks : public Serving {
   }
   void expectSaid(const AdversarialServer::Answer& answer, const std::string& reason) const {
     const AdversarialServer server(toFields(scene()), answer);
-    for (const Arguments& arguments : {shot(server.url()), Arguments{"compare", "--connect", server.url(), "--size", "40x30", "--out", "c"}}) {
+    for (const Arguments& arguments :
+         {shot(server.url()), Arguments{"compare", "--connect", server.url(), "--size", "40x30", "--out", "c"}}) {
       SCOPED_TRACE(arguments[0]);
       const ProgramResult result = run(arguments);
       EXPECT_EQ(result.code, kFailure) << result.err;
@@ -53,12 +54,15 @@ TEST_F(CliAttacks, InventedCamerasAreSaid) {
 }
 
 TEST_F(CliAttacks, AGibibyteOfZerosIsSaid) {
-  expectSaid(zerosAfter([](net::FrameHead&) {}, (size_t{1} << 30) - 10'000), "the server answered something else than it was asked: 10737");
+  expectSaid(zerosAfter([](net::FrameHead&) {}, (size_t{1} << 30) - 10'000),
+             "the server answered something else than it was asked: 10737");
 }
 
 TEST_F(CliAttacks, ImpossibleNumbersAreSaid) {
-  expectSaid(zerosAfter([](net::FrameHead& head) { head.sampleCount = 1u << 20; }, 1000), "1048576 samples, where 1200 are the most");
-  expectSaid(zerosAfter([](net::FrameHead& head) { head.radiusUnit = 0x1p120f; }, 1000), "the server's frame has a unit of radii");
+  expectSaid(zerosAfter([](net::FrameHead& head) { head.sampleCount = 1u << 20; }, 1000),
+             "1048576 samples, where 1200 are the most");
+  expectSaid(zerosAfter([](net::FrameHead& head) { head.radiusUnit = 0x1p120f; }, 1000),
+             "the server's frame has a unit of radii");
 }
 
 TEST_F(CliAttacks, ABusyServerIsSaidOnce) {
@@ -91,15 +95,20 @@ TEST_F(CliAttacks, ABusyServerIsSaidOnce) {
 }
 
 TEST_F(CliAttacks, AWindowShowsWhatTheServerDid) {
-  if (runShell("command -v xvfb-run", folder_.path()).code != 0) GTEST_SKIP() << "no xvfb-run (Debian: apt-get install xvfb)";
-  const AdversarialServer server(toFields(scene()), zerosAfter([](net::FrameHead& head) { head.camera.width = head.camera.height = 8192; }, 500'000));
-  const ProgramResult result =
-      runShell("xvfb-run -a \"$W\" view --connect " + server.url() + " --size 800x600 --screenshot w.png --after-ms 1500 --report r.json", folder_.path());
+  if (runShell("command -v xvfb-run", folder_.path()).code != 0)
+    GTEST_SKIP() << "no xvfb-run (Debian: apt-get install xvfb)";
+  const AdversarialServer server(
+      toFields(scene()),
+      zerosAfter([](net::FrameHead& head) { head.camera.width = head.camera.height = 8192; }, 500'000));
+  const ProgramResult result = runShell("xvfb-run -a \"$W\" view --connect " + server.url() +
+                                            " --size 800x600 --screenshot w.png --after-ms 1500 --report r.json",
+                                        folder_.path());
   ASSERT_EQ(result.code, kSuccess) << result.err;
   const nlohmann::json report = nlohmann::json::parse(folder_.read("r.json"));
   EXPECT_EQ(report["framesReceived"], 0);
   EXPECT_EQ(report["server"]["isConnected"], false);
-  EXPECT_THAT(report["server"]["sentence"].get<std::string>(), testing::HasSubstr("the server answered something else than it was asked: a size of 8192x8192"));
+  EXPECT_THAT(report["server"]["sentence"].get<std::string>(),
+              testing::HasSubstr("the server answered something else than it was asked: a size of 8192x8192"));
   EXPECT_EQ(server.connections(), 1) << "it came back, or marched what it cannot trust";
   if (!net::kIsSanitized) EXPECT_LT(result.peakKiB, kMostKiB);
 }

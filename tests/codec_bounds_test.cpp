@@ -1,5 +1,5 @@
-// How long payloads may be: no frame makes more bytes than mostPayloadBytes() says, and frames that cannot be compressed make more than
-// half of them, so that a client which goes by it takes every honest payload and few others.
+// How long payloads may be: no frame makes more bytes than mostPayloadBytes() says, and frames that cannot be
+// compressed make more than half of them, so that a client which goes by it takes every honest payload and few others.
 // Mirrors mostPayloadBytes() of render/codec/codec.h.
 #include <gtest/gtest.h>
 
@@ -34,7 +34,8 @@ constexpr CodecSettings kBestJpeg{PayloadFormat::packed, ColorCoding::jpeg, 100}
 
 /// The share of the bound that the frame's payload takes.
 double shareOf(const SampleFrame& frame, const CodecSettings& settings) {
-  return static_cast<double>(FrameCodec().encode(frame, settings).size()) / static_cast<double>(mostPayloadBytes(headOf(frame), frame.size(), settings));
+  return static_cast<double>(FrameCodec().encode(frame, settings).size()) /
+         static_cast<double>(mostPayloadBytes(headOf(frame), frame.size(), settings));
 }
 
 TEST(CodecBounds, NoiseTakesMoreThanHalfOfThemAndNoMoreThanAll) {
@@ -43,7 +44,9 @@ TEST(CodecBounds, NoiseTakesMoreThanHalfOfThemAndNoMoreThanAll) {
       for (const CodecSettings& settings : {kRaw, kLossless, kJpeg, kBestJpeg}) {
         const double share = shareOf(noise(width, height, perRay, 7), settings);
         EXPECT_LE(share, 1.0) << width << "x" << height << ", " << perRay << ", " << nameOf(settings.color);
-        EXPECT_GE(share, settings.format == PayloadFormat::raw ? 1.0 : settings.color == ColorCoding::jpeg ? 0.4 : 0.5)
+        EXPECT_GE(share, settings.format == PayloadFormat::raw ? 1.0
+                         : settings.color == ColorCoding::jpeg ? 0.4
+                                                               : 0.5)
             << width << "x" << height << ", " << perRay << ", " << nameOf(settings.color);
       }
 }
@@ -57,7 +60,8 @@ TEST(CodecBounds, NoFrameExceedsThem) {
     if (round % 5 == 0) frame.planes.clear();
     if (round % 5 == 0 && round % 2 != 0) continue;  // without layers there is one sample in a pixel
     for (const CodecSettings& settings : {kRaw, kLossless, kJpeg, kBestJpeg})
-      ASSERT_LE(shareOf(frame, settings), 1.0) << "round " << round << ", " << width << "x" << height << ", " << frame.size();
+      ASSERT_LE(shareOf(frame, settings), 1.0)
+          << "round " << round << ", " << width << "x" << height << ", " << frame.size();
   }
 }
 
@@ -67,8 +71,10 @@ TEST(CodecBounds, LoneSamplesInTheCornersStayWithinThem) {
     SampleFrame frame = noise(2, 1, perRay, 5);
     frame.camera.width = 1001;
     frame.camera.height = 777;
-    for (size_t i = perRay; i < 2 * perRay; ++i) frame.samples[i] = (frame.samples[i] & ~PackedSample{kPixelKeyMask}) | pixelKey(1000, 776);
-    for (const CodecSettings& settings : {kRaw, kLossless, kBestJpeg}) EXPECT_LE(shareOf(frame, settings), 1.0) << perRay;
+    for (size_t i = perRay; i < 2 * perRay; ++i)
+      frame.samples[i] = (frame.samples[i] & ~PackedSample{kPixelKeyMask}) | pixelKey(1000, 776);
+    for (const CodecSettings& settings : {kRaw, kLossless, kBestJpeg})
+      EXPECT_LE(shareOf(frame, settings), 1.0) << perRay;
   }
 }
 

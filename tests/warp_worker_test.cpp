@@ -29,12 +29,21 @@ TEST_P(WarpWorkerMemory, WhatOneLargeFrameTookIsGivenBack) {
   const Scene scene = smallScene("shells");
   const MarcherPtr marcher = makeMarcher(Backend::cpu, scene.volume, scene.transferFunction);
   std::counting_semaphore<> news(0);
-  const std::unique_ptr<WarpWorker> worker = makeWarpWorker(gl::Platform::automatic, {.marcher = {}, .context = {}, .backend = Backend::cpu, .onFallback = {}}, [&] { news.release(); });
+  const std::unique_ptr<WarpWorker> worker =
+      makeWarpWorker(gl::Platform::automatic, {.marcher = {}, .context = {}, .backend = Backend::cpu, .onFallback = {}},
+                     [&] { news.release(); });
   std::string error;
   const auto paint = [&](uint32_t width, uint32_t height) {
     const Camera camera = makeCamera(scene, scene.views.front(), width, height);
-    WarpJob job{.technique = &findWarp(GetParam()), .marcher = marcher, .frame = {}, .camera = camera, .settings = {}, .reference = {}, .timedAs = {}};
-    job.frame = std::make_shared<const SampleFrame>(marcher->twin()->march(camera, scene.march));  // what a marcher keeps is not the worker's
+    WarpJob job{.technique = &findWarp(GetParam()),
+                .marcher = marcher,
+                .frame = {},
+                .camera = camera,
+                .settings = {},
+                .reference = {},
+                .timedAs = {}};
+    job.frame = std::make_shared<const SampleFrame>(
+        marcher->twin()->march(camera, scene.march));  // what a marcher keeps is not the worker's
     worker->post(std::move(job));
     news.acquire();
     const std::optional<WarpResult> result = worker->tryTake();
@@ -53,7 +62,8 @@ TEST_P(WarpWorkerMemory, WhatOneLargeFrameTookIsGivenBack) {
   EXPECT_LT(heldBytes(), before + kMiB + kMiB / 2) << "of " << (kept - before) / kMiB << " MiB";
 }
 
-INSTANTIATE_TEST_SUITE_P(Techniques, WarpWorkerMemory, testing::Values("splats", "spheres", "multihit"), [](const auto& info) { return std::string(info.param); });
+INSTANTIATE_TEST_SUITE_P(Techniques, WarpWorkerMemory, testing::Values("splats", "spheres", "multihit"),
+                         [](const auto& info) { return std::string(info.param); });
 #endif
 
 }  // namespace

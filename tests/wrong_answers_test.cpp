@@ -1,6 +1,6 @@
-// Servers that answer something else than they were asked, and whoever takes their frames: the source behind a window and commands, and the
-// marcher behind ground truth. Each lie is a sentence, is not decoded, and ends the connection for good.
-// Mirrors faultOf() and decodedFrom() of app/frames/wire_fields.h, and their users.
+// Servers that answer something else than they were asked, and whoever takes their frames: the source behind a window
+// and commands, and the marcher behind ground truth. Each lie is a sentence, is not decoded, and ends the connection
+// for good. Mirrors faultOf() and decodedFrom() of app/frames/wire_fields.h, and their users.
 #include <gmock/gmock.h>
 
 #include <limits>
@@ -38,7 +38,8 @@ net::FrameHead honestHead(const net::FrameRequest& request, const SampleFrame& f
 
 class WrongAnswers : public testing::Test {
  protected:
-  WrongAnswers() : scene_(smallScene("shells")), marcher_(makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction)) {
+  WrongAnswers()
+      : scene_(smallScene("shells")), marcher_(makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction)) {
     camera_ = makeCamera(scene_, scene_.views.front(), 64, 48);
   }
 
@@ -106,15 +107,21 @@ TEST_F(WrongAnswers, AnInventedCameraIsNotDecoded) {
 
 TEST_F(WrongAnswers, OtherFramesSettingsAndCodecsAreNotDecoded) {
   expectAll([](net::FrameHead& head, net::Bytes&) { head.id += 1; }, "nobody waits for frame");
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.wanted = net::Wanted::picture; }, "a picture where samples were wanted");
+  expectAll([](net::FrameHead& head, net::Bytes&) { head.wanted = net::Wanted::picture; },
+            "a picture where samples were wanted");
   expectAll([](net::FrameHead& head, net::Bytes&) { head.codec.format = 0; }, "another codec");
-  expectAll([](net::FrameHead& head, net::Bytes&) { std::ranges::find(head.settings, "samplesPerRay", &net::SettingField::name)->value = "8"; },
-            "the setting samplesPerRay is not 1");
+  expectAll(
+      [](net::FrameHead& head, net::Bytes&) {
+        std::ranges::find(head.settings, "samplesPerRay", &net::SettingField::name)->value = "8";
+      },
+      "the setting samplesPerRay is not 1");
 }
 
 TEST_F(WrongAnswers, ImpossibleNumbersOfSamplesAndBytesAreNotRead) {
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.sampleCount = 64 * 48 + 1; }, "3073 samples, where 3072 are the most");
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.sampleCount = ~uint64_t{0}; }, "18446744073709551615 samples, where 3072 are the most");
+  expectAll([](net::FrameHead& head, net::Bytes&) { head.sampleCount = 64 * 48 + 1; },
+            "3073 samples, where 3072 are the most");
+  expectAll([](net::FrameHead& head, net::Bytes&) { head.sampleCount = ~uint64_t{0}; },
+            "18446744073709551615 samples, where 3072 are the most");
   // A gibibyte is announced, and zeros keep coming.
   const auto zeros = [&](BareSocket& to, const net::FrameRequest& request) {
     to.send(net::frameMessage(honestHead(request, marcher_->march(camera_, settings_)), net::kMaxFrameBytes - 10'000));
@@ -145,20 +152,27 @@ TEST_F(WrongAnswers, WhatNothingCanBeDrawnFromIsTheFramesFault) {
   };
   for (const auto& [number, values] : numbers)
     for (const float value : values)
-      EXPECT_THAT(faultAfter([&](net::FrameHead& head) { head.*number = value; }), HasSubstr("the server's frame has")) << value;
+      EXPECT_THAT(faultAfter([&](net::FrameHead& head) { head.*number = value; }), HasSubstr("the server's frame has"))
+          << value;
   for (const size_t place : {0, 5})
     for (const float value : {nan, infinite, -infinite, 1e30f, -1e30f})
-      EXPECT_THAT(faultAfter([&](net::FrameHead& head) { head.bounds[place] = value; }), HasSubstr("the server's frame has bounds")) << value;
+      EXPECT_THAT(faultAfter([&](net::FrameHead& head) { head.bounds[place] = value; }),
+                  HasSubstr("the server's frame has bounds"))
+          << value;
   for (const double value : {-1.0, double{nan}, double{infinite}, 1e300})
-    EXPECT_EQ(faultAfter([&](net::FrameHead& head) { head.stages.marchMs = value; }), "the server's frame has times that are none");
+    EXPECT_EQ(faultAfter([&](net::FrameHead& head) { head.stages.marchMs = value; }),
+              "the server's frame has times that are none");
   // Said as it is by every way in, before the payload has come.
-  expectAll([](net::FrameHead& head, net::Bytes&) { head.radiusUnit = 0x1p120f; }, "the server's frame has a unit of radii");
+  expectAll([](net::FrameHead& head, net::Bytes&) { head.radiusUnit = 0x1p120f; },
+            "the server's frame has a unit of radii");
 }
 
 TEST_F(WrongAnswers, WhatIsWrongInsideAPayloadIsASentence) {
-  expectAll([](net::FrameHead&, net::Bytes& payload) { payload[payload.size() / 2] ^= std::byte{1}; }, "the payload is damaged");
+  expectAll([](net::FrameHead&, net::Bytes& payload) { payload[payload.size() / 2] ^= std::byte{1}; },
+            "the payload is damaged");
   expectAll([](net::FrameHead&, net::Bytes& payload) { payload.clear(); }, "another format than its head says");
-  expectAll([](net::FrameHead&, net::Bytes& payload) { payload[0] = std::byte{0}; }, "another format than its head says");
+  expectAll([](net::FrameHead&, net::Bytes& payload) { payload[0] = std::byte{0}; },
+            "another format than its head says");
   expectAll(
       [&](net::FrameHead& head, net::Bytes& payload) {
         SampleFrame frame = marcher_->march(camera_, settings_);
@@ -184,13 +198,20 @@ TEST_F(WrongAnswers, PicturesAreJudgedAsFramesAre) {
     return sentenceOf([&] { marcher->render(camera_, settings_.render, image); });
   };
   EXPECT_EQ(sentence([](net::FrameHead&, net::Bytes&) {}), "it was taken");
-  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) { head.wanted = net::Wanted::samples; }), HasSubstr("samples where a picture was wanted"));
-  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) { head.camera.width = 8192; }), HasSubstr("a size of 8192x48 pixels, not 64x48"));
-  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) { head.sampleCount = 1; }), HasSubstr("1 samples in a picture, where 0 are the most"));
-  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) { head.planes = {{"extent", 2}}; }), HasSubstr("1 planes of samples in a picture"));
+  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) { head.wanted = net::Wanted::samples; }),
+              HasSubstr("samples where a picture was wanted"));
+  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) { head.camera.width = 8192; }),
+              HasSubstr("a size of 8192x48 pixels, not 64x48"));
+  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) { head.sampleCount = 1; }),
+              HasSubstr("1 samples in a picture, where 0 are the most"));
+  EXPECT_THAT(sentence([](net::FrameHead& head, net::Bytes&) {
+                head.planes = {{"extent", 2}};
+              }),
+              HasSubstr("1 planes of samples in a picture"));
   EXPECT_THAT(sentence([](net::FrameHead&, net::Bytes& payload) { payload.resize(16 * 64 * 48 + 16 * 4 + 1); }),
               HasSubstr("49217 bytes for the picture, where 49216 are the most"));
-  EXPECT_THAT(sentence([](net::FrameHead&, net::Bytes& payload) { payload.resize(16 * 64 * 48 + 16 * 4); }), HasSubstr("the server's picture is damaged"));
+  EXPECT_THAT(sentence([](net::FrameHead&, net::Bytes& payload) { payload.resize(16 * 64 * 48 + 16 * 4); }),
+              HasSubstr("the server's picture is damaged"));
 }
 
 TEST_F(WrongAnswers, PicturesOfNoiseAreWithinTheirBound) {
@@ -227,7 +248,8 @@ TEST_F(WrongAnswers, ABusyServerIsSaidAndForgottenWithTheAnswer) {
   EXPECT_EQ(busySentence(7), "the server is busy with 7 others");
 
   std::atomic<int> heard = 0;
-  const MarcherPtr marcher = connectMarcher(io_, server.address(), transport_, [&](uint16_t others) { heard += others; });
+  const MarcherPtr marcher =
+      connectMarcher(io_, server.address(), transport_, [&](uint16_t others) { heard += others; });
   marcher->march(camera_, settings_);
   EXPECT_EQ(heard, 7);
 }

@@ -1,6 +1,6 @@
-// A whole session of a client with a server made up by libFuzzer: greeting, scene, answers, through net::Client into scenes and frames.
-// Whatever the server says: nothing throws where it must not, nothing is taken that was not asked for, nothing is larger than what was.
-// The first byte: client_session.h. Then see memory_stream.h.
+// A whole session of a client with a server made up by libFuzzer: greeting, scene, answers, through net::Client into
+// scenes and frames. Whatever the server says: nothing throws where it must not, nothing is taken that was not asked
+// for, nothing is larger than what was. The first byte: client_session.h. Then see memory_stream.h.
 #include <cstdlib>
 #include <semaphore>
 
@@ -20,7 +20,8 @@ void require(bool condition) {
 /// What is read comes after what the client wants to write: its request is under way when the answer is there.
 class AnsweringStream final : public net::Stream {
  public:
-  AnsweringStream(const asio::any_io_executor& executor, const net::FuzzedPeer& peer) : inner_(executor, peer.bytes, peer.pieces) {}
+  AnsweringStream(const asio::any_io_executor& executor, const net::FuzzedPeer& peer)
+      : inner_(executor, peer.bytes, peer.pieces) {}
 
   using Stream::write;
   net::Awaitable<size_t> readSome(asio::mutable_buffer buffer) override {
@@ -104,7 +105,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   net::ClientSettings settings;
   settings.depth = 2;
   settings.connectsAgain = false;
-  settings.opener = [&peer](const asio::any_io_executor& executor) { return std::make_unique<AnsweringStream>(executor, peer); };
+  settings.opener = [&peer](const asio::any_io_executor& executor) {
+    return std::make_unique<AnsweringStream>(executor, peer);
+  };
   {
     net::Client client(io, settings, taker);
     client.request(asked.request(1));

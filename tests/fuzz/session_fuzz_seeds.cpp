@@ -23,7 +23,8 @@ SampleFrame madeUp(const AskedInFuzzing& asked) {
   std::vector<uint8_t> layers;
   for (uint32_t pixel = 0; pixel < asked.camera.width * asked.camera.height; pixel += 7)
     for (int k = 0; k < asked.settings.sample.samplesPerRay; ++k) {
-      frame.samples.push_back(packCodes(pixel % asked.camera.width, pixel / asked.camera.width, 1000 * pixel + static_cast<uint32_t>(k), 512));
+      frame.samples.push_back(packCodes(pixel % asked.camera.width, pixel / asked.camera.width,
+                                        1000 * pixel + static_cast<uint32_t>(k), 512));
       frame.colors.push_back(0x80000000u | pixel);
       layers.push_back(static_cast<uint8_t>(k));
     }

@@ -1,6 +1,6 @@
-// A server that greets as it should and then does what its test wants: lies, floods, drips. For tests of everything that takes a server's
-// frames: net::Client, the sources and marchers behind it, and the program.
-// Raw bytes over loopback; connections are served side by side, each in a thread of its own.
+// A server that greets as it should and then does what its test wants: lies, floods, drips. For tests of everything
+// that takes a server's frames: net::Client, the sources and marchers behind it, and the program. Raw bytes over
+// loopback; connections are served side by side, each in a thread of its own.
 #pragma once
 
 #include <functional>
@@ -28,7 +28,9 @@ class AdversarialServer {
   using Answer = std::function<bool(BareSocket& to, const FrameRequest& request)>;
 
   AdversarialServer(SceneFields scene, Answer answer)
-      : scene_(std::move(scene)), answer_(std::move(answer)), thread_([this](const std::stop_token& stop) { accept(stop); }) {}
+      : scene_(std::move(scene)),
+        answer_(std::move(answer)),
+        thread_([this](const std::stop_token& stop) { accept(stop); }) {}
 
   Address address() const { return listener_.address(); }
   std::string url() const { return "warp://127.0.0.1:" + std::to_string(listener_.port()); }
@@ -42,7 +44,8 @@ class AdversarialServer {
       BareSocket socket = listener_.accept(20ms);
       if (!socket.isOpen()) continue;
       ++connections_;
-      sessions.emplace_back([this, shared = std::make_shared<BareSocket>(std::move(socket))](const std::stop_token& end) { serve(*shared, end); });
+      sessions.emplace_back([this, shared = std::make_shared<BareSocket>(std::move(socket))](
+                                const std::stop_token& end) { serve(*shared, end); });
     }
   }
   void serve(BareSocket& socket, const std::stop_token& stop) const {

@@ -1,5 +1,6 @@
 // Servers that lie to a client: about what they answer, how long it is, and how much of it there is.
-// Mirrors "What a client promises" of net/README.md, as far as net/client.h keeps it; what frames mean is in ../wrong_answers_test.cpp.
+// Mirrors "What a client promises" of net/README.md, as far as net/client.h keeps it; what frames mean is in
+// ../wrong_answers_test.cpp.
 #include "tests/net/adversarial_server.h"
 
 namespace warpscope::net {
@@ -53,16 +54,21 @@ TEST_F(AttacksClient, AnswersToSomethingElseAreNotBelieved) {
   EXPECT_EQ(refusalOf([](FrameHead& h) { h.id = 2; }), wrong + "nobody waits for frame 2");
   EXPECT_EQ(refusalOf([](FrameHead& h) { h.id = 0; }), wrong + "nobody waits for frame 0");
   EXPECT_EQ(refusalOf([](FrameHead& h) { h.wanted = Wanted::picture; }), wrong + "a picture where samples were wanted");
-  EXPECT_EQ(refusalOf([](FrameHead& h) { h.camera.width = h.camera.height = 8192; }), wrong + "a size of 8192x8192 pixels, not 64x64");
+  EXPECT_EQ(refusalOf([](FrameHead& h) { h.camera.width = h.camera.height = 8192; }),
+            wrong + "a size of 8192x8192 pixels, not 64x64");
   EXPECT_EQ(refusalOf([](FrameHead& h) { h.camera.height = 63; }), wrong + "a size of 64x63 pixels, not 64x64");
   EXPECT_EQ(refusalOf([](FrameHead& h) { h.camera.eye[2] = 1.0f; }), wrong + "another camera");
   EXPECT_EQ(refusalOf([](FrameHead& h) { h.camera.tanHalfFovY = 0.7f; }), wrong + "another camera");
   EXPECT_EQ(refusalOf([](FrameHead& h) { h.settings[1].value = "8"; }), wrong + "the setting samplesPerRay is not 1");
-  EXPECT_EQ(refusalOf([](FrameHead& h) { h.settings.erase(h.settings.begin()); }), wrong + "the setting step is not 0.5");
+  EXPECT_EQ(refusalOf([](FrameHead& h) { h.settings.erase(h.settings.begin()); }),
+            wrong + "the setting step is not 0.5");
   EXPECT_EQ(refusalOf([](FrameHead& h) { h.codec.format = 0; }), wrong + "another codec");
   EXPECT_EQ(refusalOf([](FrameHead& h) { h.codec.quality = 1; }), wrong + "another codec");
   EXPECT_EQ(refusalOf([](FrameHead&) {}, 50'001), wrong + "too long") << "whoever takes frames judges them";
-  EXPECT_EQ(refusalOf([](const FrameRequest&) { return failureMessage({2, "sorry"}); }), wrong + "nobody waits for frame 2");
+  EXPECT_EQ(refusalOf([](const FrameRequest&) {
+              return failureMessage({2, "sorry"});
+            }),
+            wrong + "nobody waits for frame 2");
 }
 
 TEST_F(AttacksClient, WhatWasNotAskedAboutMayBeAdded) {
@@ -82,7 +88,9 @@ TEST_F(AttacksClient, WhatWasNotAskedAboutMayBeAdded) {
 
 TEST_F(AttacksClient, AGibibyteOfZerosIsNotRead) {
   Witness witness;
-  witness.judge = [](const FrameHead& head, uint64_t payloadBytes) { return payloadBytes > 100 * head.camera.width * head.camera.height ? "too long" : ""; };
+  witness.judge = [](const FrameHead& head, uint64_t payloadBytes) {
+    return payloadBytes > 100 * head.camera.width * head.camera.height ? "too long" : "";
+  };
   size_t sent = 0;
   std::atomic<bool> hasEnded = false;
   const AdversarialServer server(someScene(), [&](BareSocket& to, const FrameRequest& request) {
@@ -138,13 +146,16 @@ TEST_F(AttacksClient, FloodsOfSmallMessagesAreReadAndForgotten) {
   ASSERT_TRUE(request);
   Bytes flood;
   for (size_t i = 0; i < kMessages / 3; ++i)
-    flood = std::move(flood) + beatMessage(MessageType::ping, i) + beatMessage(MessageType::pong, ~uint64_t{i}) + busyMessage(0);
+    flood = std::move(flood) + beatMessage(MessageType::ping, i) + beatMessage(MessageType::pong, ~uint64_t{i}) +
+            busyMessage(0);
   const PeakMemory peak;
-  const std::jthread reader([&] { socket.receive(kMessages * (kMessageHeadBytes + kBeatBytes), 2s); });  // as slowly as it likes
+  const std::jthread reader(
+      [&] { socket.receive(kMessages * (kMessageHeadBytes + kBeatBytes), 2s); });  // as slowly as it likes
   ASSERT_TRUE(socket.send(flood + frameMessage(echoOf(*request), 10) + Bytes(10)));
   EXPECT_TRUE(witness.frameOf(1)) << "the frame behind them";
   EXPECT_TRUE(witness.look([&] { return witness.roundTrips.empty(); })) << "pongs for no ping measure nothing";
-  if (const auto grown = peak.grownBytes(); grown && !kIsSanitized) EXPECT_LT(*grown, 16 * kMiB) << "of which the test has " << flood.size();
+  if (const auto grown = peak.grownBytes(); grown && !kIsSanitized)
+    EXPECT_LT(*grown, 16 * kMiB) << "of which the test has " << flood.size();
 }
 
 TEST_F(AttacksClient, ADripIsProgressAndCanBeLeft) {
