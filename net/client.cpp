@@ -41,15 +41,19 @@ Duration simulatedSilence(const DuplexLinkSettings& link) { return simulatedSile
 
 /// What a frame says of itself that was asked otherwise; empty if nothing is. Texts of the server's are not repeated.
 std::string differenceOf(const FrameRequest& asked, const FrameHead& head) {
-  const auto sizeOf = [](const CameraFields& camera) { return std::to_string(camera.width) + "x" + std::to_string(camera.height); };
+  const auto sizeOf = [](const CameraFields& camera) {
+    return std::to_string(camera.width) + "x" + std::to_string(camera.height);
+  };
   if (head.wanted != asked.wanted)
-    return asked.wanted == Wanted::samples ? "a picture where samples were wanted" : "samples where a picture was wanted";
+    return asked.wanted == Wanted::samples ? "a picture where samples were wanted"
+                                           : "samples where a picture was wanted";
   if (head.camera.width != asked.camera.width || head.camera.height != asked.camera.height)
     return "a size of " + sizeOf(head.camera) + " pixels, not " + sizeOf(asked.camera);
   if (head.camera != asked.camera) return "another camera";
   for (const SettingField& setting : asked.settings) {
     const auto found = std::ranges::find(head.settings, setting.name, &SettingField::name);
-    if (found == head.settings.end() || found->value != setting.value) return "the setting " + setting.name + " is not " + setting.value;
+    if (found == head.settings.end() || found->value != setting.value)
+      return "the setting " + setting.name + " is not " + setting.value;
   }
   if (head.codec != asked.codec) return "another codec";
   return {};

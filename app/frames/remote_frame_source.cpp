@@ -23,16 +23,21 @@ struct Arrived {
 
 class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
  public:
-  RemoteFrameSource(std::shared_ptr<net::IoThread> io, const net::ClientSettings& settings, std::function<void()> onNews)
+  RemoteFrameSource(std::shared_ptr<net::IoThread> io, const net::ClientSettings& settings,
+                    std::function<void()> onNews)
       : onNews_(std::move(onNews)),
         clock_(io->clock()),
         where_(net::toString(settings.address.where)),
         transport_{.link = settings.link, .codec = {}, .depth = settings.depth},
         status_{.isConnected = false, .isRefused = false, .sentence = {}, .next = {}, .where = where_},
-        decoder_([this] {
-          auto codec = std::make_shared<FrameCodec>();
-          return [this, codec](const Arrived& arrived, ServedFrame& served, const std::stop_token&) { decode(arrived, served, *codec); };
-        }, onNews_),
+        decoder_(
+            [this] {
+              auto codec = std::make_shared<FrameCodec>();
+              return [this, codec](const Arrived& arrived, ServedFrame& served, const std::stop_token&) {
+                decode(arrived, served, *codec);
+              };
+            },
+            onNews_),
         client_(std::move(io), settings, *this) {}  // which may tell of a connection before this ends
 
   /// Waits until there is a scene or it is known that there will be none.
@@ -98,7 +103,9 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     }
     decided_.request_stop();
   }
-  std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) override { return warpscope::faultOf(head, payloadBytes); }
+  std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) override {
+    return warpscope::faultOf(head, payloadBytes);
+  }
   void onFrame(net::Frame frame, const net::FrameArrival& arrival) override {
     noteAnswer();
     if (isOtherScene()) {
@@ -144,8 +151,8 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     served.requestedAt = arrived.arrival.requestedAt;
     served.bytes = arrived.frame->payload.size();
     SampleFramePtr frame;
-    const double decodeMs =
-        milliseconds([&] { frame = std::make_shared<const SampleFrame>(decodedFrom(head, arrived.frame->payload, codec)); });
+    const double decodeMs = milliseconds(
+        [&] { frame = std::make_shared<const SampleFrame>(decodedFrom(head, arrived.frame->payload, codec)); });
     FrameLatency& latency = served.latency;
     latency = latencyOf(frame->timings);
     latency.decodeMs = decodeMs;

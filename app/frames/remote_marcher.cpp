@@ -16,9 +16,14 @@ namespace {
 
 class RemoteMarcher final : public Marcher, private net::ClientEvents {
  public:
-  RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec, Clock::Duration patience,
-                std::function<void(uint16_t)> onBusy)
-      : io_(std::move(io)), clock_(io_->clock()), settings_(std::move(settings)), coding_(codec), patience_(patience), onBusy_(std::move(onBusy)) {}
+  RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
+                Clock::Duration patience, std::function<void(uint16_t)> onBusy)
+      : io_(std::move(io)),
+        clock_(io_->clock()),
+        settings_(std::move(settings)),
+        coding_(codec),
+        patience_(patience),
+        onBusy_(std::move(onBusy)) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(callMutex_);
@@ -95,7 +100,9 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
     });
   }
   void onScene(const net::SceneFields&) override {}
-  std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) override { return warpscope::faultOf(head, payloadBytes); }
+  std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) override {
+    return warpscope::faultOf(head, payloadBytes);
+  }
   void onFrame(net::Frame frame, const net::FrameArrival&) override {
     note([&] { answer_ = std::move(frame); });
   }

@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "render/base/error.h"
-#include "render/core/parallel.h"
 #include "render/codec/zstd_section.h"
+#include "render/core/parallel.h"
 #include "render/march/march_knobs.h"
 
 namespace warpscope {
@@ -47,8 +47,8 @@ static_assert(net::kMaxPlanes == kMaxPlanes && net::kMaxPlaneName == kMaxPlaneNa
 constexpr size_t kPlaneBytes = size_t{1} << 26;
 constexpr size_t kPlanes = sizeof(glm::vec4);
 
-/// No length in a frame is greater, so that no position or radius in it is beyond what can be drawn (kMaxSphereCoordinate, 1e18); and no
-/// unit of radii is so small that radii vanish.
+/// No length in a frame is greater, so that no position or radius in it is beyond what can be drawn
+/// (kMaxSphereCoordinate, 1e18); and no unit of radii is so small that radii vanish.
 constexpr float kLongest = 1e17f;
 constexpr float kSmallestUnit = 1e-30f;
 /// Milliseconds that a stage may take: a year.
@@ -66,13 +66,15 @@ void requireLengths(const SampleFrame& frame) {
 }
 
 void requireAtMost(uint64_t value, uint64_t most, const char* what) {
-  if (value > most) throw InputError(std::to_string(value) + " " + what + ", where " + std::to_string(most) + " are the most");
+  if (value > most)
+    throw InputError(std::to_string(value) + " " + what + ", where " + std::to_string(most) + " are the most");
 }
 
 /// Throws what is wrong.
 void requirePossible(const net::FrameHead& head, uint64_t payloadBytes) {
   const net::StageTimes& stages = head.stages;
-  for (const double ms : {stages.queueMs, stages.marchMs, stages.compactMs, stages.copyMs, stages.encodeMs, stages.sendMs})
+  for (const double ms :
+       {stages.queueMs, stages.marchMs, stages.compactMs, stages.copyMs, stages.encodeMs, stages.sendMs})
     if (!(ms >= 0.0 && ms <= kLongestStageMs)) throw InputError("the server's frame has times that are none");
   const Camera camera = cameraFrom(head.camera);
   const CodecSettings coding = codecFrom(head.codec);
@@ -172,7 +174,8 @@ CodecSettings codecFrom(const net::CodecFields& fields) {
 
 Scene sceneFrom(const net::SceneFields& fields) {
   Scene scene;
-  if (fields.name.empty() || !isLine(fields.name) || !isLine(fields.title)) throw InputError("the server's scene has a name or a title that is none");
+  if (fields.name.empty() || !isLine(fields.name) || !isLine(fields.title))
+    throw InputError("the server's scene has a name or a title that is none");
   scene.name = fields.name;
   scene.title = fields.title;
   VolumeGeometry geometry;
@@ -197,10 +200,12 @@ Scene sceneFrom(const net::SceneFields& fields) {
   for (const float channel : fields.background)
     if (!(channel >= 0.0f && channel <= 1.0f)) throw InputError("the server's scene has a background that is no colour");
   for (const net::ViewFields& view : fields.views) {
-    // Written so that NaN fails. Files allow no more (scene.cpp), and fitting views moves cameras by less than the rest.
+    // Written so that NaN fails. Files allow no more (scene.cpp), and fitting views moves cameras by less than the
+    // rest.
     constexpr double kMostDeg = 1e6, kMostElevationDeg = 90.5, kMostDistance = 1e6, kMostPan = 1e6;
-    if (!(std::abs(view.angleDeg) <= kMostDeg && std::abs(view.elevationDeg) <= kMostElevationDeg && view.distance > 0.0 &&
-          view.distance <= kMostDistance && std::abs(view.panRight) <= kMostPan && std::abs(view.panUp) <= kMostPan))
+    if (!(std::abs(view.angleDeg) <= kMostDeg && std::abs(view.elevationDeg) <= kMostElevationDeg &&
+          view.distance > 0.0 && view.distance <= kMostDistance && std::abs(view.panRight) <= kMostPan &&
+          std::abs(view.panUp) <= kMostPan))
       throw InputError("the server's scene has a view that is none");
     scene.views.push_back({view.angleDeg, view.elevationDeg, view.distance, {view.panRight, view.panUp}});
   }

@@ -275,7 +275,8 @@ Camera makeCamera(const Scene& scene, const View& view, uint32_t width, uint32_t
   if (!(scene.fovYDeg > 0.0 && scene.fovYDeg < 180.0))
     throw UsageError("the field of view must be more than 0 and less than 180 degrees");
   if (!isPictureSize(width, height))
-    throw UsageError("an image of " + std::to_string(width) + "x" + std::to_string(height) + " pixels: " + pictureSizes() + " are possible");
+    throw UsageError("an image of " + std::to_string(width) + "x" + std::to_string(height) +
+                     " pixels: " + pictureSizes() + " are possible");
   const auto radians = [](double degrees) { return degrees * std::numbers::pi / 180.0; };
   const double angle = radians(view.angleDeg);
   const double elevation = radians(view.elevationDeg);

@@ -10,8 +10,8 @@
 #include "render/codec/bytes.h"
 #include "render/codec/packed_codec.h"
 #include "render/codec/raw_codec.h"
-#include "render/core/picture_size.h"
 #include "render/core/parallel.h"
+#include "render/core/picture_size.h"
 
 namespace warpscope {
 namespace {
@@ -107,7 +107,8 @@ void validate(const CodecSettings& settings) { requireRange(static_cast<double>(
 
 uint64_t mostPayloadBytes(const SampleFrame& frame, uint64_t count, const CodecSettings& settings) {
   const auto found = std::ranges::find(kCodecs, settings.format, &CodecDescriptor::format);
-  if (found == std::end(kCodecs)) throw UsageError("there is no payload format " + std::to_string(static_cast<int>(settings.format)));
+  if (found == std::end(kCodecs))
+    throw UsageError("there is no payload format " + std::to_string(static_cast<int>(settings.format)));
   uint64_t bytes = kHeadBytes + found->mostBytes(frame, count, settings);
   for (const SamplePlane& plane : frame.planes) bytes += sizeof(uint32_t) + found->mostPlaneBytes(plane, count);
   return bytes;
@@ -160,8 +161,7 @@ DecodeError FrameCodec::decode(std::span<const std::byte> payload, size_t count,
   if (count > limits.maxSamples)
     return "the frame has " + std::to_string(count) + " samples, more than the " + std::to_string(limits.maxSamples) + " allowed";
   const Camera& camera = frame.camera;
-  if (count > 0 && !isPictureSize(camera.width, camera.height))
-    return "the frame has samples but no usable picture";
+  if (count > 0 && !isPictureSize(camera.width, camera.height)) return "the frame has samples but no usable picture";
   if (payload.size() < kHeadBytes) return "the payload ends before its head does";
   const auto format = static_cast<PayloadFormat>(payload[0]);
   if (nameOf(format) == "?") return "the payload's format " + std::to_string(static_cast<int>(format)) + " is unknown";

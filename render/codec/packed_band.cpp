@@ -18,7 +18,9 @@ uint64_t hashSamples(std::span<const PackedSample> samples) {
   return hash.value();
 }
 
-MaskShape shapeOf(const SampleFrame& frame, const BandRows& rows) { return {frame.camera.width, rows.first, rows.count}; }
+MaskShape shapeOf(const SampleFrame& frame, const BandRows& rows) {
+  return {frame.camera.width, rows.first, rows.count};
+}
 
 }  // namespace
 

@@ -192,7 +192,8 @@ uint64_t mostPackedBytes(const SampleFrame& frame, uint64_t count, const CodecSe
   // All samples count for the first band, of whose fellows there is left what they take without any.
   uint64_t bytes = kHead;
   for (size_t band = 0; band < bands.count(); ++band)
-    bytes += kListed + BandPacker::mostBytes(frame.camera.width, bands.rows(band).count, band == 0 ? count : 0, layers, settings.color);
+    bytes += kListed + BandPacker::mostBytes(frame.camera.width, bands.rows(band).count, band == 0 ? count : 0, layers,
+                                             settings.color);
   return bytes;
 }
 

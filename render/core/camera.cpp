@@ -17,15 +17,17 @@ bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v
 
 bool isUsable(const Camera& camera) {
   return isFinite(camera.eye) && isUnit(camera.right) && isUnit(camera.up) && isUnit(camera.forward) &&
-         std::abs(glm::dot(camera.right, camera.up)) < 1e-3f && std::abs(glm::dot(camera.right, camera.forward)) < 1e-3f &&
+         std::abs(glm::dot(camera.right, camera.up)) < 1e-3f &&
+         std::abs(glm::dot(camera.right, camera.forward)) < 1e-3f &&
          std::abs(glm::dot(camera.up, camera.forward)) < 1e-3f && camera.tanHalfFovY > 0.0f &&
          camera.tanHalfFovY < 1e4f && isPictureSize(camera.width, camera.height);
 }
 
 void requireUsable(const Camera& camera) {
   if (!isUsable(camera))
-    throw InputError("the camera is not usable: it must be finite, with a field of view inside 0 to 180 degrees and an image of " +
-                     pictureSizes());
+    throw InputError(
+        "the camera is not usable: it must be finite, with a field of view inside 0 to 180 degrees and an image of " +
+        pictureSizes());
 }
 
 }  // namespace warpscope
