@@ -34,8 +34,9 @@ Awaitable<Bytes> Channel::readBody(MessageHead head, size_t largest) {
   Bytes body;
   while (body.size() < head.bodyBytes) {
     // As much again as has come, so that a length alone costs no memory.
-    const size_t have = body.size();
-    body.resize(std::min<size_t>(head.bodyBytes, std::max(2 * have, kPieceBytes)));
+    const size_t have = body.size(), wanted = std::min<size_t>(head.bodyBytes, std::max(2 * have, kPieceBytes));
+    body.reserve(wanted);  // no more than that, as resize() alone would
+    body.resize(wanted);
     co_await read(std::span(body).subspan(have), "a message");
   }
   co_return body;

@@ -39,6 +39,26 @@ Duration simulatedSilence(const LinkSettings& link) {
 }
 Duration simulatedSilence(const DuplexLinkSettings& link) { return simulatedSilence(link.up) + simulatedSilence(link.down); }
 
+/// What a frame says of itself that was asked otherwise; empty if nothing is. Texts of the server's are not repeated.
+std::string differenceOf(const FrameRequest& asked, const FrameHead& head) {
+  const auto sizeOf = [](const CameraFields& camera) {
+    return std::to_string(camera.width) + "x" + std::to_string(camera.height);
+  };
+  if (head.wanted != asked.wanted)
+    return asked.wanted == Wanted::samples ? "a picture where samples were wanted"
+                                           : "samples where a picture was wanted";
+  if (head.camera.width != asked.camera.width || head.camera.height != asked.camera.height)
+    return "a size of " + sizeOf(head.camera) + " pixels, not " + sizeOf(asked.camera);
+  if (head.camera != asked.camera) return "another camera";
+  for (const SettingField& setting : asked.settings) {
+    const auto found = std::ranges::find(head.settings, setting.name, &SettingField::name);
+    if (found == head.settings.end() || found->value != setting.value)
+      return "the setting " + setting.name + " is not " + setting.value;
+  }
+  if (head.codec != asked.codec) return "another codec";
+  return {};
+}
+
 struct Asked {
   FrameRequest request;
   TimePoint requestedAt;
@@ -65,7 +85,8 @@ struct Client::State : std::enable_shared_from_this<State>, private FromServer {
   Awaitable<void> talk(Channel& channel);
   Awaitable<void> write(Channel& channel);
 
-  bool isAwaited(uint64_t id) override;
+  std::string faultOf(const FrameHead& head, uint64_t payloadBytes) override;
+  std::string faultOf(const Failure& failure) override;
   void onFrame(Frame frame, TimePoint beganAt) override;
   void onFailure(const Failure& failure) override;
   void onPing(uint64_t number) override;
@@ -76,7 +97,9 @@ struct Client::State : std::enable_shared_from_this<State>, private FromServer {
     if (isClosed) return;
     events.onState({phase, std::move(sentence), now(), next, attempts});
   }
-  /// What is answered, from those under way: for isAwaited() only.
+  /// The request under way of that id.
+  std::deque<Asked>::iterator find(uint64_t id);
+  /// Of the request that is answered next, which faultOf() put first.
   Asked takeAsked();
   void askAgain();
   void leave();
@@ -153,6 +176,9 @@ Awaitable<void> Client::State::run() {
     } catch (const Refused& error) {
       sentence = error.what();
       isRefused = true;
+    } catch (const WrongAnswer& error) {
+      sentence = error.what();
+      isRefused = true;
     } catch (const FingerprintMismatch& error) {
       sentence = error.sentence();
       isRefused = true;
@@ -183,6 +209,7 @@ Awaitable<void> Client::State::run() {
 }
 
 Awaitable<std::unique_ptr<Stream>> Client::State::open(TimePoint deadline) {
+  if (settings.opener) co_return settings.opener(io.get_executor());
   const HostPort& where = settings.address.where;
   Awaitable<std::unique_ptr<TcpStream>> connecting = connectTcp(io.get_executor(), where.host, where.port, deadline, settings.resolver);
   std::unique_ptr<TcpStream> tcp = co_await std::move(connecting);
@@ -274,12 +301,26 @@ Awaitable<void> Client::State::talk(Channel& with) {
   if (reason.failure()) std::rethrow_exception(reason.failure());
 }
 
-bool Client::State::isAwaited(uint64_t id) {
-  // Answers come in the order of requests; those in between were replaced by newer ones and get none.
-  const auto found = std::ranges::find(underWay, id, [](const Asked& asked) { return asked.request.id; });
-  if (found == underWay.end()) return false;
+std::deque<Asked>::iterator Client::State::find(uint64_t id) {
+  return std::ranges::find(underWay, id, [](const Asked& asked) { return asked.request.id; });
+}
+
+// Answers come in the order of requests; those in between were replaced by newer ones and get none.
+
+std::string Client::State::faultOf(const FrameHead& head, uint64_t payloadBytes) {
+  const auto found = find(head.id);
+  if (isClosed || found == underWay.end()) return "nobody waits for frame " + std::to_string(head.id);
+  std::string fault = differenceOf(found->request, head);
+  if (fault.empty()) fault = events.faultOf(head, payloadBytes);
+  if (fault.empty()) underWay.erase(underWay.begin(), found);
+  return fault;
+}
+
+std::string Client::State::faultOf(const Failure& failure) {
+  const auto found = find(failure.id);
+  if (found == underWay.end()) return "nobody waits for frame " + std::to_string(failure.id);
   underWay.erase(underWay.begin(), found);
-  return true;
+  return {};
 }
 
 Asked Client::State::takeAsked() {

@@ -12,6 +12,7 @@
 #include "net/link_settings.h"
 #include "net/lookup.h"
 #include "net/messages.h"
+#include "net/stream.h"
 
 namespace warpscope::net {
 
@@ -25,13 +26,15 @@ struct ClientSettings {
   std::chrono::milliseconds longestPause{8000};
   bool connectsAgain = true;
   Resolver resolver = resolveBySystem;  ///< of the server's name, in a thread of its own
+  /// If any, what is spoken over in place of TCP and TLS: a server in memory.
+  std::function<std::unique_ptr<Stream>(const asio::any_io_executor& executor)> opener{};
 };
 
 enum class ConnectionPhase {
   connecting,
   connected,
   waiting,   ///< to connect again
-  refused,   ///< for good: the server is another one, speaks otherwise or does not take the token
+  refused,   ///< for good: the server is another one, speaks otherwise, does not take the token or answers what it was not asked
 };
 
 struct ConnectionState {
@@ -57,6 +60,9 @@ class ClientEvents {
   virtual void onState(const ConnectionState& state) = 0;
   /// After each connecting.
   virtual void onScene(const SceneFields& scene) = 0;
+  /// What is wrong with a frame of that head as an answer, with a payload of so many bytes; empty if nothing is. Asked when the head is there
+  /// and nothing of the payload; camera, settings and codec are known to be those of the request. What is wrong ends the connection for good.
+  virtual std::string faultOf(const FrameHead& head, uint64_t payloadBytes) = 0;
   virtual void onFrame(Frame frame, const FrameArrival& arrival) = 0;
   virtual void onFailure(const Failure& failure) = 0;
   /// A round trip of a heartbeat: one when connected, and one each of the server's intervals.

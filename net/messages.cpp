@@ -328,7 +328,8 @@ std::optional<MessageHead> readMessageHead(ByteView bytes) {
   wire.number(type);
   wire.numbers(zeros);
   wire.number(head.bodyBytes);
-  if (type < static_cast<uint8_t>(MessageType::scene) || type > static_cast<uint8_t>(MessageType::busy)) return std::nullopt;
+  if (type < static_cast<uint8_t>(MessageType::scene) || type > static_cast<uint8_t>(MessageType::busy))
+    return std::nullopt;
   if (zeros != std::array<uint8_t, 3>{}) return std::nullopt;
   head.type = static_cast<MessageType>(type);
   return ifComplete(wire, head);

@@ -59,8 +59,8 @@ Awaitable<void> readFrame(Channel& channel, MessageHead head, uint64_t maxFrameB
   const TimePoint beganAt = channel.clock().now();
   const std::optional<FrameHead> frameHead = readFrameHead(bytes);
   if (!frameHead) throw ProtocolError(peer + " sent a damaged frame");
-  if (!to.isAwaited(frameHead->id)) throw ProtocolError(peer + " answered what nobody asked");
   const MessageHead rest{MessageType::frame, static_cast<uint32_t>(head.bodyBytes - bytes.size())};
+  if (const std::string fault = to.faultOf(*frameHead, rest.bodyBytes); !fault.empty()) throw WrongAnswer(fault);
   Bytes payload = co_await channel.readBody(rest, rest.bodyBytes);
   Frame frame{*frameHead, std::move(payload)};
   to.onFrame(std::move(frame), beganAt);
@@ -129,7 +129,7 @@ Awaitable<void> readServer(Channel& channel, uint64_t maxFrameBytes, FromServer&
         const Bytes body = co_await channel.readBody(*head, kMaxFailureBytes);
         const std::optional<Failure> failure = readFailure(body);
         if (!failure) throw ProtocolError(peer + " sent a damaged message");
-        if (!to.isAwaited(failure->id)) throw ProtocolError(peer + " answered what nobody asked");
+        if (const std::string fault = to.faultOf(*failure); !fault.empty()) throw WrongAnswer(fault);
         to.onFailure(*failure);
         break;
       }

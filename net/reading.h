@@ -19,6 +19,12 @@ class ForeignPeer : public ProtocolError {
   bool speaksTls_;
 };
 
+/// An answer to something else than was asked: from a server that is not to be believed, nor asked again.
+class WrongAnswer : public ProtocolError {
+ public:
+  explicit WrongAnswer(const std::string& fault) : ProtocolError("the server answered something else than it was asked: " + fault) {}
+};
+
 /// The other side's greeting. One of another version is read no further than its version, and nothing else in it counts. Throws
 /// DeadlineExceeded, system_error, ForeignPeer, or ProtocolError for a damaged one.
 Awaitable<ClientHello> receiveClientHello(Stream& stream, TimePoint deadline);
@@ -40,8 +46,11 @@ Awaitable<void> readClient(Channel& channel, FromClient& to);
 class FromServer {
  public:
   virtual ~FromServer() = default;
-  /// Whether a frame or a failure for `id` may come now; if not, the connection ends before the frame is read.
-  virtual bool isAwaited(uint64_t id) = 0;
+  /// What is wrong with a frame of that head, and a payload of so many bytes, as the next answer; if anything is, the connection ends before
+  /// any of the payload is read. Empty if nothing is: then it comes next.
+  virtual std::string faultOf(const FrameHead& head, uint64_t payloadBytes) = 0;
+  /// The same for a failure.
+  virtual std::string faultOf(const Failure& failure) = 0;
   virtual void onFrame(Frame frame, TimePoint beganAt) = 0;
   virtual void onFailure(const Failure& failure) = 0;
   virtual void onPing(uint64_t number) = 0;
@@ -51,7 +60,7 @@ class FromServer {
 
 /// The first message. Throws ProtocolError and whatever the channel throws.
 Awaitable<SceneFields> readFirstScene(Channel& channel);
-/// All the others, until the server ends the connection. Throws ProtocolError and whatever the channel throws.
+/// All the others, until the server ends the connection. Throws WrongAnswer, ProtocolError and whatever the channel throws.
 Awaitable<void> readServer(Channel& channel, uint64_t maxFrameBytes, FromServer& to);
 
 }  // namespace warpscope::net

@@ -129,6 +129,7 @@ TEST_F(Refusal, NumbersOutOfRange) {
       {{"--view-angle", "left"}, "view-angle"},    {{"--fov", "0"}, "--fov"},                 {{"--fov", "180"}, "180"},
       {{"--fov", "nan"}, "--fov"},                 {{"--fov", "-40"}, "--fov"},               {{"--fov", "1e-30"}, "0.001 and 170"},
       {{"--size", "0x0"}, "--size 0x0"},           {{"--size", "100000x100000"}, "16384"},    {{"--size", "10"}, "WxH"},
+      {{"--size", "8193x8192"}, "67108864 in all"}, {{"--size", "16384x16384"}, "67108864 in all"},
       {{"--size", "axb"}, "WxH"},                  {{"--size", "10x"}, "WxH"},                {{"--size", "-10x10"}, "WxH"},
       {{"--size", "10x10x10"}, "WxH"},             {{"--size", "10x10 "}, "WxH"},             {{"--size", "4294967306x10"}, "WxH"},
       {{"--size", "x"}, "WxH"},                    {{"--point-size", "0"}, "1 and 16"},       {{"--point-size", "17"}, "1 and 16"},
@@ -252,11 +253,11 @@ TEST_F(Refusal, PlacesThatCannotBeWrittenTo) {
 }
 
 TEST_F(Refusal, WherePicturesGoIsCheckedBeforeTheWork) {
-  // 16384 x 16384 pixels would take minutes.
+  // 8192 x 8192 pixels would take minutes.
   const auto start = std::chrono::steady_clock::now();
-  expectRefused({"shot", "block", "-o", "missing/a.png", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"missing/a.png"});
+  expectRefused({"shot", "block", "-o", "missing/a.png", "--size", "8192x8192", "--volume-size", "8x8x8"}, kFailure, {"missing/a.png"});
   expectRefused({"view", "--screenshot", "missing/a.png", "--after-ms", "3600000"}, kFailure, {"missing/a.png: cannot be written"});
-  expectRefused({"export", "block", "--ply", "/proc/a.ply", "--size", "16384x16384", "--volume-size", "8x8x8"}, kFailure, {"/proc/a.ply"});
+  expectRefused({"export", "block", "--ply", "/proc/a.ply", "--size", "8192x8192", "--volume-size", "8x8x8"}, kFailure, {"/proc/a.ply"});
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 

@@ -85,14 +85,14 @@ TEST(CpuMarcher, RefusesUnusableCamerasAndSettings) {
         MarchSettings{.render = {}, .sample = {.threshold = 2.0f}},
         MarchSettings{.render = {}, .sample = {.radiusScale = -1.0f}}, MarchSettings{.render = {}, .sample = {.samplesPerRay = 9}}})
     EXPECT_THROW(marcher->march(good, settings), UsageError);
-  // Before memory is taken: the largest picture has room for one sample a ray.
+  // Before memory is taken: the largest picture has room for four samples a ray.
   Camera large = good;
-  large.width = large.height = kMaxImageSide;
+  large.width = large.height = 8192;
   try {
     marcher->march(large, {.render = {}, .sample = {.samplesPerRay = 8}});
-    FAIL() << "26 GB were asked for";
+    FAIL() << "6 GB were asked for";
   } catch (const UsageError& error) {
-    EXPECT_STREQ(error.what(), "a picture of 16384x16384 pixels may have at most 1 samples a ray, not 8");
+    EXPECT_STREQ(error.what(), "a picture of 8192x8192 pixels may have at most 4 samples a ray, not 8");
   }
 }
 

@@ -264,7 +264,17 @@ TEST(WireFields, WhatIsImpossibleIsRefused) {
   refused([](auto& f) { f.front = f.up; });
   refused([](auto& f) { f.fovYDeg = 180.0; });
   refused([](auto& f) { f.background[0] = std::numeric_limits<float>::infinity(); });
-  refused([](auto& f) { f.views[0].distance = std::numeric_limits<double>::infinity(); });
+  for (const double wrong : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), 0.0, -1.0, 1e300})
+    refused([wrong](auto& f) { f.views[0].distance = wrong; });
+  for (const double wrong : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), -1e300}) {
+    refused([wrong](auto& f) { f.views[0].angleDeg = wrong; });
+    refused([wrong](auto& f) { f.views[0].elevationDeg = wrong; });
+    refused([wrong](auto& f) { f.views[0].panRight = wrong; });
+    refused([wrong](auto& f) { f.views[0].panUp = wrong; });
+  }
+  refused([](auto& f) { f.name = ""; });
+  refused([](auto& f) { f.name = "a\nb"; });
+  refused([](auto& f) { f.title = "\x1b[2J"; });
   const auto refusedSetting = [&](const std::string& name, const std::string& value) {
     refused([&](auto& f) {
       for (auto& setting : f.settings)

@@ -14,6 +14,7 @@
 #include "app/shell/log.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
+#include "render/core/picture_size.h"
 #include "render/march/marcher_registry.h"
 #include "render/volume/procedural.h"
 #include "render/warp/spheres_warp.h"
@@ -127,6 +128,8 @@ CheckedOptions check(const CommonOptions& options) {
   checked.sceneSpec = options.scene.value_or(std::string(kDefaultScene));
   if (!options.size.empty()) {
     const std::vector<uint32_t> size = parseSize("--size", options.size, 2, kMaxImageSide);
+    if (!isPictureSize(size[0], size[1]))
+      throw UsageError("--size " + options.size + ": pictures have " + pictureSizes());
     checked.width = size[0];
     checked.height = size[1];
   }
@@ -207,7 +210,9 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
 
 MarcherPtr CommandContext::marcher() const { return remote ? remote : makeMarcher(backend, scene.volume, scene.transferFunction); }
 
-FrameFetch CommandContext::fetch() const { return source ? fetchFrom(source, sayBusy) : fetchHere(marcher(), transport.codec); }
+FrameFetch CommandContext::fetch() const {
+  return source ? fetchFrom(source, sayBusy) : fetchHere(marcher(), transport.codec);
+}
 
 namespace {
 

@@ -17,7 +17,8 @@ namespace {
 constexpr std::chrono::seconds kPatience(15);
 constexpr std::chrono::milliseconds kLookAgain(2);
 
-ServedFrame waitFor(FrameSource& source, uint64_t id, const std::function<void(uint16_t)>& onBusy, const std::stop_token& stop) {
+ServedFrame waitFor(FrameSource& source, uint64_t id, const std::function<void(uint16_t)>& onBusy,
+                    const std::stop_token& stop) {
   auto connectedAt = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
     if (std::optional<ServedFrame> served = source.tryTake(); served && served->requestId == id) {
@@ -26,6 +27,7 @@ ServedFrame waitFor(FrameSource& source, uint64_t id, const std::function<void(u
     }
     const auto now = std::chrono::steady_clock::now();
     const SourceStatus status = source.status();
+    if (status.isRefused) throw InputError(status.sentence);
     if (status.isConnected) connectedAt = now;
     if (status.busyWith && onBusy) onBusy(*status.busyWith);
     if (now - connectedAt > kPatience) throw InputError(status.sentence);
@@ -66,8 +68,8 @@ CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSe
 }
 
 FrameFetch fetchFrom(FrameSourcePtr source, std::function<void(uint16_t)> onBusy) {
-  return [source = std::move(source), onBusy = std::move(onBusy), id = uint64_t{0}](const Camera& camera, const MarchSettings& settings,
-                                                       const std::stop_token& stop) mutable {
+  return [source = std::move(source), onBusy = std::move(onBusy), id = uint64_t{0}](
+             const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) mutable {
     source->post({++id, camera, settings}, std::chrono::steady_clock::now());
     return waitFor(*source, id, onBusy, stop);
   };

@@ -69,6 +69,7 @@ struct TransportSettings {
 
 struct SourceStatus {
   bool isConnected = true;
+  bool isRefused = false;                ///< it is not, and never will be
   std::string sentence;                  ///< why not; empty if it is
   std::optional<Clock::TimePoint> next;  ///< when it is tried again
   std::string where;                     ///< "127.0.0.1:4711"; empty without a network

@@ -23,16 +23,21 @@ struct Arrived {
 
 class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
  public:
-  RemoteFrameSource(std::shared_ptr<net::IoThread> io, const net::ClientSettings& settings, std::function<void()> onNews)
+  RemoteFrameSource(std::shared_ptr<net::IoThread> io, const net::ClientSettings& settings,
+                    std::function<void()> onNews)
       : onNews_(std::move(onNews)),
         clock_(io->clock()),
         where_(net::toString(settings.address.where)),
         transport_{.link = settings.link, .codec = {}, .depth = settings.depth},
-        status_{.isConnected = false, .sentence = {}, .next = {}, .where = where_},
-        decoder_([this] {
-          auto codec = std::make_shared<FrameCodec>();
-          return [this, codec](const Arrived& arrived, ServedFrame& served, const std::stop_token&) { decode(arrived, served, *codec); };
-        }, onNews_),
+        status_{.isConnected = false, .isRefused = false, .sentence = {}, .next = {}, .where = where_},
+        decoder_(
+            [this] {
+              auto codec = std::make_shared<FrameCodec>();
+              return [this, codec](const Arrived& arrived, ServedFrame& served, const std::stop_token&) {
+                decode(arrived, served, *codec);
+              };
+            },
+            onNews_),
         client_(std::move(io), settings, *this) {}  // which may tell of a connection before this ends
 
   /// Waits until there is a scene or it is known that there will be none.
@@ -80,6 +85,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     {
       const std::scoped_lock lock(mutex_);
       status_.isConnected = state.phase == net::ConnectionPhase::connected;
+      status_.isRefused = state.phase == net::ConnectionPhase::refused;
       if (status_.isConnected) status_.sentence.clear();
       if (!state.sentence.empty()) status_.sentence = state.sentence;  // stays on show while it is tried again
       status_.next = state.next;
@@ -96,6 +102,9 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
       if (!scene_) scene_ = scene;
     }
     decided_.request_stop();
+  }
+  std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) override {
+    return warpscope::faultOf(head, payloadBytes);
   }
   void onFrame(net::Frame frame, const net::FrameArrival& arrival) override {
     noteAnswer();
@@ -141,13 +150,12 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     served.requestId = head.id;
     served.requestedAt = arrived.arrival.requestedAt;
     served.bytes = arrived.frame->payload.size();
-    auto frame = std::make_shared<SampleFrame>(frameFrom(head));
+    SampleFramePtr frame;
+    const double decodeMs = milliseconds(
+        [&] { frame = std::make_shared<const SampleFrame>(decodedFrom(head, arrived.frame->payload, codec)); });
     FrameLatency& latency = served.latency;
     latency = latencyOf(frame->timings);
-    latency.decodeMs = milliseconds([&] {
-      if (const DecodeError error = codec.decode(arrived.frame->payload, head.sampleCount, *frame, decodeLimitsFor(*frame)))
-        throw InputError("the server's frame: " + *error);
-    });
+    latency.decodeMs = decodeMs;
     const net::StageTimes& stages = head.stages;
     latency.waitMs = millisecondsBetween(arrived.arrival.requestedAt, arrived.arrival.sentAt);
     latency.queueMs = stages.queueMs;

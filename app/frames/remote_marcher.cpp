@@ -16,17 +16,19 @@ namespace {
 
 class RemoteMarcher final : public Marcher, private net::ClientEvents {
  public:
-  RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec, Clock::Duration patience,
-                std::function<void(uint16_t)> onBusy)
-      : io_(std::move(io)), clock_(io_->clock()), settings_(std::move(settings)), coding_(codec), patience_(patience), onBusy_(std::move(onBusy)) {}
+  RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
+                Clock::Duration patience, std::function<void(uint16_t)> onBusy)
+      : io_(std::move(io)),
+        clock_(io_->clock()),
+        settings_(std::move(settings)),
+        coding_(codec),
+        patience_(patience),
+        onBusy_(std::move(onBusy)) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(callMutex_);
     const net::Frame answer = ask(net::Wanted::samples, camera, settings, stop);
-    SampleFrame frame = frameFrom(answer.head);
-    if (const DecodeError error = codec_.decode(answer.payload, answer.head.sampleCount, frame, decodeLimitsFor(frame)))
-      throw InputError("the server's frame: " + *error);
-    return frame;
+    return decodedFrom(answer.head, answer.payload, codec_);
   }
 
   void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
@@ -81,10 +83,7 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
     }
     if (failure_) throw InputError("the server: " + failure_->sentence);
     if (!answer_) throw InputError(refusal_);
-    net::Frame answer = std::move(*answer_);
-    if (answer.head.id != request.id || answer.head.wanted != wanted || answer.head.camera != request.camera)
-      throw InputError("the server answered something else than it was asked");
-    return answer;
+    return std::move(*answer_);
   }
 
   template <class F>
@@ -102,6 +101,9 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
     });
   }
   void onScene(const net::SceneFields&) override {}
+  std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) override {
+    return warpscope::faultOf(head, payloadBytes);
+  }
   void onFrame(net::Frame frame, const net::FrameArrival&) override {
     note([&] { answer_ = std::move(frame); });
   }

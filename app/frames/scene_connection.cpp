@@ -67,8 +67,8 @@ ConnectedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Addres
           makeRemoteMarcher(io, clientSettings(address, {}), transport.codec, kLongerThanAnybodyWaits)};
 }
 
-MarcherPtr connectMarcher(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport,
-                          std::function<void(uint16_t)> onBusy) {
+MarcherPtr connectMarcher(std::shared_ptr<net::IoThread> io, const net::Address& address,
+                          const TransportSettings& transport, std::function<void(uint16_t)> onBusy) {
   const net::ClientSettings settings = clientSettings(address, transport);
   return makeRemoteMarcher(std::move(io), settings, transport.codec, settings.connectPatience, std::move(onBusy));
 }

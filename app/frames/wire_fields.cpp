@@ -3,11 +3,13 @@
 #include "app/frames/wire_fields.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
 #include "render/base/error.h"
 #include "render/codec/zstd_section.h"
+#include "render/core/parallel.h"
 #include "render/march/march_knobs.h"
 
 namespace warpscope {
@@ -34,8 +36,9 @@ uint8_t placeOf(const Table& table, Value value) {
 
 bool isDirection(const glm::dvec3& v) { return std::abs(glm::length(v) - 1.0) < 1e-3; }
 
-void requireFinite(double value) {
-  if (!std::isfinite(value)) throw InputError("the server's scene has numbers that are not finite");
+/// Nothing that a terminal or a window would take for more than text.
+bool isLine(const std::string& text) {
+  return std::ranges::none_of(text, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 0x7f; });
 }
 
 static_assert(net::kMaxPlanes == kMaxPlanes && net::kMaxPlaneName == kMaxPlaneName, "net/ knows of no samples, and has numbers of its own");
@@ -43,6 +46,63 @@ static_assert(net::kMaxPlanes == kMaxPlanes && net::kMaxPlaneName == kMaxPlaneNa
 /// Bytes of one plane are compressed together; a plane holds at most this many, which zstd_section.h takes.
 constexpr size_t kPlaneBytes = size_t{1} << 26;
 constexpr size_t kPlanes = sizeof(glm::vec4);
+
+/// No length in a frame is greater, so that no position or radius in it is beyond what can be drawn
+/// (kMaxSphereCoordinate, 1e18); and no unit of radii is so small that radii vanish.
+constexpr float kLongest = 1e17f;
+constexpr float kSmallestUnit = 1e-30f;
+/// Milliseconds that a stage may take: a year.
+constexpr double kLongestStageMs = 3.2e10;
+
+void requireLengths(const SampleFrame& frame) {
+  const SampleQuantization& q = frame.quantization;
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(q.bounds.lower[axis]) > kLongest || std::abs(q.bounds.upper[axis]) > kLongest)
+      throw InputError("the server's frame has bounds beyond what can be drawn");
+  if (q.radiusUnit > kLongest || q.radiusUnit < kSmallestUnit || frame.voxelRadius > kLongest)
+    throw InputError("the server's frame has a unit of radii, or a voxel radius, with which nothing can be drawn");
+  if (q.nearDepth > kLongest || decodeDepth(kDepthCodeMax, q.depthStep) > kLongest)
+    throw InputError("the server's frame has depths beyond what can be drawn");
+}
+
+void requireAtMost(uint64_t value, uint64_t most, const char* what) {
+  if (value > most)
+    throw InputError(std::to_string(value) + " " + what + ", where " + std::to_string(most) + " are the most");
+}
+
+/// Throws what is wrong.
+void requirePossible(const net::FrameHead& head, uint64_t payloadBytes) {
+  const net::StageTimes& stages = head.stages;
+  for (const double ms :
+       {stages.queueMs, stages.marchMs, stages.compactMs, stages.copyMs, stages.encodeMs, stages.sendMs})
+    if (!(ms >= 0.0 && ms <= kLongestStageMs)) throw InputError("the server's frame has times that are none");
+  const Camera camera = cameraFrom(head.camera);
+  const CodecSettings coding = codecFrom(head.codec);
+  if (head.wanted == net::Wanted::picture) {
+    marchFrom(head.settings);
+    requireAtMost(head.sampleCount, 0, "samples in a picture");
+    requireAtMost(head.planes.size(), 0, "planes of samples in a picture");
+    requireAtMost(payloadBytes, mostColorBytes(camera.width, camera.height), "bytes for the picture");
+    return;
+  }
+  const SampleFrame frame = frameFrom(head);
+  requireLengths(frame);
+  const auto perRay = static_cast<uint64_t>(frame.settings.sample.samplesPerRay);
+  requireAtMost(head.sampleCount, perRay * camera.width * camera.height, "samples");
+  requireAtMost(payloadBytes, mostPayloadBytes(frame, head.sampleCount, coding), "bytes for the samples");
+}
+
+/// Nothing can be drawn of a sample without a radius. No marcher makes one; codecs carry it.
+bool haveRadii(const TransferVector<PackedSample>& samples) {
+  std::atomic<bool> haveAll = true;
+  parallelForRanges(samples.size(), 1 << 16, [&](size_t begin, size_t end) {
+    const PackedSample* const sample = samples.data();
+    bool isNone = false;
+    for (size_t i = begin; i < end; ++i) isNone |= radiusCode(sample[i]) == 0;
+    if (isNone) haveAll = false;
+  });
+  return haveAll;
+}
 
 }  // namespace
 
@@ -114,6 +174,8 @@ CodecSettings codecFrom(const net::CodecFields& fields) {
 
 Scene sceneFrom(const net::SceneFields& fields) {
   Scene scene;
+  if (fields.name.empty() || !isLine(fields.name) || !isLine(fields.title))
+    throw InputError("the server's scene has a name or a title that is none");
   scene.name = fields.name;
   scene.title = fields.title;
   VolumeGeometry geometry;
@@ -138,7 +200,13 @@ Scene sceneFrom(const net::SceneFields& fields) {
   for (const float channel : fields.background)
     if (!(channel >= 0.0f && channel <= 1.0f)) throw InputError("the server's scene has a background that is no colour");
   for (const net::ViewFields& view : fields.views) {
-    for (const double number : {view.angleDeg, view.elevationDeg, view.distance, view.panRight, view.panUp}) requireFinite(number);
+    // Written so that NaN fails. Files allow no more (scene.cpp), and fitting views moves cameras by less than the
+    // rest.
+    constexpr double kMostDeg = 1e6, kMostElevationDeg = 90.5, kMostDistance = 1e6, kMostPan = 1e6;
+    if (!(std::abs(view.angleDeg) <= kMostDeg && std::abs(view.elevationDeg) <= kMostElevationDeg &&
+          view.distance > 0.0 && view.distance <= kMostDistance && std::abs(view.panRight) <= kMostPan &&
+          std::abs(view.panUp) <= kMostPan))
+      throw InputError("the server's scene has a view that is none");
     scene.views.push_back({view.angleDeg, view.elevationDeg, view.distance, {view.panRight, view.panUp}});
   }
   scene.march = marchFrom(fields.settings);
@@ -180,6 +248,25 @@ SampleFrame frameFrom(const net::FrameHead& head) {
   return frame;
 }
 
+std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) {
+  try {
+    requirePossible(head, payloadBytes);
+    return {};
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
+
+SampleFrame decodedFrom(const net::FrameHead& head, net::ByteView payload, FrameCodec& codec) {
+  SampleFrame frame = frameFrom(head);
+  if (payload.empty() || std::to_integer<uint8_t>(payload[0]) != static_cast<uint8_t>(codecFrom(head.codec).format))
+    throw InputError("the server's frame: the payload has another format than its head says");
+  if (const DecodeError error = codec.decode(payload, head.sampleCount, frame, decodeLimitsFor(frame)))
+    throw InputError("the server's frame: " + *error);
+  if (!haveRadii(frame.samples)) throw InputError("the server's frame has samples without a radius");
+  return frame;
+}
+
 DecodeLimits decodeLimitsFor(const SampleFrame& frame) {
   DecodeLimits limits;
   const auto perRay = static_cast<size_t>(frame.settings.sample.samplesPerRay);
@@ -202,6 +289,11 @@ std::vector<std::byte> encodeColors(const Image<glm::vec4>& image) {
     }
   }
   return bytes;
+}
+
+uint64_t mostColorBytes(uint32_t width, uint32_t height) {
+  const uint64_t pixels = uint64_t{width} * height, parts = (pixels + kPlaneBytes - 1) / kPlaneBytes;
+  return kPlanes * (pixels + parts * kSectionHeadBytes);
 }
 
 Image<glm::vec4> decodeColors(net::ByteView bytes, uint32_t width, uint32_t height) {

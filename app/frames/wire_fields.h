@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "app/scene/scene.h"
@@ -30,11 +31,18 @@ Scene sceneFrom(const net::SceneFields& fields);
 net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec);
 /// A frame whose samples, and the values of its planes, are still to be decoded.
 SampleFrame frameFrom(const net::FrameHead& head);
+/// What is wrong with a frame of that head and a payload of so many bytes; empty if nothing is. More samples than the camera's rays may have,
+/// numbers that nothing can be drawn from, or more bytes than any payload for them has. Whoever receives frames asks before a payload comes.
+std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes);
+/// The whole frame.
+SampleFrame decodedFrom(const net::FrameHead& head, net::ByteView payload, FrameCodec& codec);
 /// What a decoder may accept for a frame of this camera and these settings.
 DecodeLimits decodeLimitsFor(const SampleFrame& frame);
 
 /// Colours at full precision as bytes, without loss: floats byte by byte of their planes, compressed.
 std::vector<std::byte> encodeColors(const Image<glm::vec4>& image);
+/// What that makes of such an image at most.
+uint64_t mostColorBytes(uint32_t width, uint32_t height);
 /// Back, for an image of that size.
 Image<glm::vec4> decodeColors(net::ByteView bytes, uint32_t width, uint32_t height);
 

@@ -16,7 +16,7 @@
 #include "render/base/nearest_name.h"
 #include "render/base/stopwatch.h"
 #include "render/core/color.h"
-#include "render/core/image.h"
+#include "render/core/picture_size.h"
 #include "render/march/march_knobs.h"
 #include "render/volume/procedural.h"
 #include "render/volume/reader.h"
@@ -274,9 +274,9 @@ Scene openScene(const std::string& spec, const SceneOverrides& overrides, const 
 Camera makeCamera(const Scene& scene, const View& view, uint32_t width, uint32_t height) {
   if (!(scene.fovYDeg > 0.0 && scene.fovYDeg < 180.0))
     throw UsageError("the field of view must be more than 0 and less than 180 degrees");
-  if (width < 1 || height < 1 || width > kMaxImageSide || height > kMaxImageSide)
-    throw UsageError("an image of " + std::to_string(width) + "x" + std::to_string(height) + " pixels: 1 to " +
-                     std::to_string(kMaxImageSide) + " a side are possible");
+  if (!isPictureSize(width, height))
+    throw UsageError("an image of " + std::to_string(width) + "x" + std::to_string(height) +
+                     " pixels: " + pictureSizes() + " are possible");
   const auto radians = [](double degrees) { return degrees * std::numbers::pi / 180.0; };
   const double angle = radians(view.angleDeg);
   const double elevation = radians(view.elevationDeg);

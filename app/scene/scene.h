@@ -79,7 +79,7 @@ std::vector<View> defaultViews();
 /// A camera of the scene, computed in double and rounded once: each coordinate of the eye and component of an axis by
 /// 2^-24 of itself, and what 4e-15 makes of the eye's distance. That is at most 2^22 units of volume space: from
 /// farther away single precision could not tell one voxel from the next. Throws UsageError for a view from there, a field
-/// of view outside (0, 180) degrees, a size outside 1..kMaxImageSide, or a view that is not finite.
+/// of view outside (0, 180) degrees, a size that is no isPictureSize(), or a view that is not finite.
 Camera makeCamera(const Scene& scene, const View& view, uint32_t width, uint32_t height);
 
 }  // namespace warpscope

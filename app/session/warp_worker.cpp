@@ -8,6 +8,7 @@
 #include "app/picture/picture.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
+#include "render/base/recent_need.h"
 #include "render/base/stopwatch.h"
 
 namespace warpscope {
@@ -65,7 +66,21 @@ class Easel {
     }
   }
 
+  /// Whether what techniques and pictures keep for a frame as large as some earlier one is to go.
+  bool isOversized(const WarpJob& job) {
+    if (!job.frame || job.frame == last_.frame) return false;
+    return need_.exceedsRecent(job.frame->size() + size_t{job.camera.width} * job.camera.height);
+  }
+
   void prepare(const WarpJob& job, const std::stop_token& stop) {
+    if (isOversized(job)) {
+      warp_.reset();
+      image_ = std::make_shared<WarpedImage>();
+      isHandedOut_ = isInHostMemory_ = false;
+      picture_ = {};
+      last_.frame.reset();
+      giveBackFreedMemory();
+    }
     const bool isOtherWarp = !warp_ || job.technique != last_.technique || job.marcher != last_.marcher;
     if (isOtherWarp) {
       warp_.reset();
@@ -128,6 +143,7 @@ class Easel {
   double buildMs_ = 0.0;
   double drawMs_ = 0.0;
   FrameCodec codec_;
+  RecentNeed need_;  // of samples and pixels
 };
 
 void marchReference(const ReferenceJob& job, ReferenceResult& result, const std::stop_token& stop) {

@@ -37,7 +37,10 @@ Json toJson(const Panel& panel) {
 }
 
 Json toJson(const SourceStatus& status) {
-  return {{"where", status.where}, {"isConnected", status.isConnected}, {"sentence", status.sentence}, {"roundTripMs", status.roundTripMs},
+  return {{"where", status.where},
+          {"isConnected", status.isConnected},
+          {"sentence", status.sentence},
+          {"roundTripMs", status.roundTripMs},
           {"busyWith", status.busyWith ? Json(*status.busyWith) : Json(nullptr)}};
 }
 

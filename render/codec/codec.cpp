@@ -10,15 +10,15 @@
 #include "render/codec/bytes.h"
 #include "render/codec/packed_codec.h"
 #include "render/codec/raw_codec.h"
-#include "render/core/image.h"
 #include "render/core/parallel.h"
+#include "render/core/picture_size.h"
 
 namespace warpscope {
 namespace {
 
 constexpr CodecDescriptor kCodecs[] = {
-    {PayloadFormat::raw, makeRawCodec},
-    {PayloadFormat::packed, makePackedCodec},
+    {PayloadFormat::raw, makeRawCodec, mostRawBytes, mostRawPlaneBytes},
+    {PayloadFormat::packed, makePackedCodec, mostPackedBytes, mostPackedPlaneBytes},
 };
 
 constexpr size_t kHeadBytes = 9;
@@ -105,6 +105,15 @@ std::span<const CodecDescriptor> codecRegistry() { return kCodecs; }
 
 void validate(const CodecSettings& settings) { requireRange(static_cast<double>(settings.jpegQuality), kJpegQualityRange, "the JPEG quality"); }
 
+uint64_t mostPayloadBytes(const SampleFrame& frame, uint64_t count, const CodecSettings& settings) {
+  const auto found = std::ranges::find(kCodecs, settings.format, &CodecDescriptor::format);
+  if (found == std::end(kCodecs))
+    throw UsageError("there is no payload format " + std::to_string(static_cast<int>(settings.format)));
+  uint64_t bytes = kHeadBytes + found->mostBytes(frame, count, settings);
+  for (const SamplePlane& plane : frame.planes) bytes += sizeof(uint32_t) + found->mostPlaneBytes(plane, count);
+  return bytes;
+}
+
 void sealPayload(std::span<std::byte> payload) {
   if (payload.size() < kHeadBytes) return;
   const uint64_t hash = hashOf(payload);
@@ -141,6 +150,7 @@ std::vector<std::byte> FrameCodec::encode(const SampleFrame& frame, const CodecS
   codec.encode(frame, settings, payload);
   sealPayload(payload);
   lastBytes_ = payload.size();
+  noteNeed(frame, frame.size());
   return payload;
 }
 
@@ -151,8 +161,7 @@ DecodeError FrameCodec::decode(std::span<const std::byte> payload, size_t count,
   if (count > limits.maxSamples)
     return "the frame has " + std::to_string(count) + " samples, more than the " + std::to_string(limits.maxSamples) + " allowed";
   const Camera& camera = frame.camera;
-  if (count > 0 && (camera.width < 1 || camera.height < 1 || camera.width > kMaxImageSide || camera.height > kMaxImageSide))
-    return "the frame has samples but no usable picture";
+  if (count > 0 && !isPictureSize(camera.width, camera.height)) return "the frame has samples but no usable picture";
   if (payload.size() < kHeadBytes) return "the payload ends before its head does";
   const auto format = static_cast<PayloadFormat>(payload[0]);
   if (nameOf(format) == "?") return "the payload's format " + std::to_string(static_cast<int>(format)) + " is unknown";
@@ -160,7 +169,15 @@ DecodeError FrameCodec::decode(std::span<const std::byte> payload, size_t count,
   if (reader.take<uint64_t>() != hashOf(payload)) return "the payload is damaged: its bytes do not match their hash";
   DecodeError error = decodeBehindHead(codecFor(format), reader, count, frame);
   if (error) clear(frame);
+  noteNeed(frame, count);
   return error;
+}
+
+void FrameCodec::noteNeed(const SampleFrame& frame, size_t count) {
+  if (!need_.exceedsRecent(size_t{frame.camera.width} * frame.camera.height + count)) return;
+  for (std::unique_ptr<Codec>& codec : codecs_) codec.reset();
+  planeBytes_ = {};
+  giveBackFreedMemory();
 }
 
 DecodeError FrameCodec::decodeBehindHead(Codec& codec, ByteReader& reader, size_t count, SampleFrame& frame) {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "render/base/range.h"
+#include "render/base/recent_need.h"
 #include "render/codec/bytes.h"
 #include "render/march/sample_frame.h"
 
@@ -67,6 +68,12 @@ struct DecodeLimits {
 /// Nothing if all went well; else a sentence that says what was wrong.
 using DecodeError = std::optional<std::string>;
 
+/// The most bytes that a payload has: for `count` samples of the picture, the settings and the planes of `frame`, whatever the samples
+/// are. Planes of elements that are not known count as kMostElementBytes a value. FrameCodec makes none that is longer; noise takes all of it
+/// raw, more than half without loss, and more than 0.4 as JPEG.
+uint64_t mostPayloadBytes(const SampleFrame& frame, uint64_t count, const CodecSettings& settings);
+inline constexpr uint64_t kMostElementBytes = 8;
+
 /// One format. Keeps its buffers; used from one thread at a time, and works on all cores itself. The bytes do not depend on their number.
 class Codec {
  public:
@@ -87,12 +94,16 @@ class Codec {
 struct CodecDescriptor {
   PayloadFormat format;
   std::unique_ptr<Codec> (*make)();
+  /// The most bytes that encode(), and encodePlane() of one of its planes, append for `count` samples of such a frame.
+  uint64_t (*mostBytes)(const SampleFrame& frame, uint64_t count, const CodecSettings& settings);
+  uint64_t (*mostPlaneBytes)(const SamplePlane& plane, uint64_t count);
 };
 
 /// Every format.
 std::span<const CodecDescriptor> codecRegistry();
 
-/// Frames to payloads and back, in every format. Keeps buffers from frame to frame; one thread at a time.
+/// Frames to payloads and back, in every format. Keeps buffers from frame to frame, as many as the largest of the last frames needed
+/// (recent_need.h); one thread at a time.
 class FrameCodec {
  public:
   FrameCodec();
@@ -108,12 +119,15 @@ class FrameCodec {
 
  private:
   Codec& codecFor(PayloadFormat format);
+  /// What was worked at: gives buffers back that recent frames do not need.
+  void noteNeed(const SampleFrame& frame, size_t count);
   /// Leaves planes out that are not known; may leave the frame half filled.
   DecodeError decodeBehindHead(Codec& codec, ByteReader& reader, size_t count, SampleFrame& frame);
 
   std::vector<std::unique_ptr<Codec>> codecs_;  // in the registry's order, made when first asked for
   std::vector<std::span<const std::byte>> planeBytes_;  // of the frame at work
   size_t lastBytes_ = 0;                        // of the last payload: the next will be about as long
+  RecentNeed need_;                             // of pixels and samples
 };
 
 /// Makes the hash right, whatever the payload holds: for tests of what lies behind it. Nothing for less than a payload's head.

@@ -131,6 +131,13 @@ void fillGaps(Rgba8* picture, const CoveredArea& area, const uint8_t* mask, uint
 
 }  // namespace
 
+uint64_t ColorPlanes::mostBytes(uint32_t width, uint32_t rows, uint64_t samples, uint64_t layers, ColorCoding coding) {
+  constexpr uint64_t kColors = 3;
+  const uint64_t alpha = layers * kSectionHeadBytes + samples;
+  if (coding == ColorCoding::lossless) return alpha + kColors * (layers * kSectionHeadBytes + samples);
+  return alpha + layers * (sizeof(uint32_t) + mostJpegBytes((width + 7) / 8 * 8, rows));
+}
+
 void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask,
                          uint32_t rowBytes, std::span<const Rgba8> colors, const CodecSettings& settings) {
   const size_t count = colors.size();

@@ -17,6 +17,9 @@ namespace warpscope {
 /// Keeps its buffers. Colours: of the samples in the layout's order.
 class ColorPlanes {
  public:
+  /// The most bytes that append() appends for all layers of a band together, of which there are `layers` with `samples`.
+  static uint64_t mostBytes(uint32_t width, uint32_t rows, uint64_t samples, uint64_t layers, ColorCoding coding);
+
   /// `firstRow` is the band's; `mask` is what the layout was built from, `rowBytes` a row.
   void append(std::vector<std::byte>& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask, uint32_t rowBytes,
               std::span<const Rgba8> colors, const CodecSettings& settings);

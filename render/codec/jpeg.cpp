@@ -50,6 +50,10 @@ const unsigned char* bytesOf(std::span<const std::byte> jpeg) { return reinterpr
 
 }  // namespace
 
+uint64_t mostJpegBytes(uint32_t width, uint32_t height) {
+  return width < 1 || height < 1 ? 0 : tjBufSize(static_cast<int>(width), static_cast<int>(height), kSubsampling);
+}
+
 void appendJpeg(std::vector<std::byte>& out, const Rgba8* pixels, uint32_t width, uint32_t height, int quality) {
   const size_t start = out.size();
   unsigned long length = tjBufSize(static_cast<int>(width), static_cast<int>(height), kSubsampling);

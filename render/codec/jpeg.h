@@ -14,6 +14,9 @@
 
 namespace warpscope {
 
+/// What appendJpeg() appends at most; 0 for no pixels.
+uint64_t mostJpegBytes(uint32_t width, uint32_t height);
+
 /// Appends width x height pixels (both within kMaxImageSide, alpha ignored) as JPEG of that quality (1..100).
 void appendJpeg(std::vector<std::byte>& out, const Rgba8* pixels, uint32_t width, uint32_t height, int quality);
 

@@ -13,6 +13,14 @@ constexpr size_t kMostBits = 3 * kMostTokenBits;
 
 }  // namespace
 
+uint64_t LayerPacker::mostBytes(const MaskShape& shape, uint64_t samples, uint64_t layers, ColorCoding coding) {
+  constexpr uint64_t kTokens = 3;
+  const uint64_t bits = (samples * kMostBits + 7) / 8 + layers;  // each layer's are filled up to a byte
+  const uint64_t heads = kTokens * kSectionHeadBytes + sizeof(uint32_t) + kSectionHeadBytes;
+  return layers * heads + kTokens * samples + bits +
+         ColorPlanes::mostBytes(shape.width, shape.rowCount, samples, layers, coding);
+}
+
 void LayerPacker::append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement,
                          const MaskShape& shape, std::span<const uint8_t> mask, std::span<const PackedSample> samples,
                          std::span<const Rgba8> colors, const CodecSettings& settings) {

@@ -18,15 +18,16 @@ uint64_t hashSamples(std::span<const PackedSample> samples) {
   return hash.value();
 }
 
-/// Samples in one pixel.
+MaskShape shapeOf(const SampleFrame& frame, const BandRows& rows) {
+  return {frame.camera.width, rows.first, rows.count};
+}
+
+}  // namespace
+
 size_t mostLayers(const SampleFrame& frame) {
   if (frame.plane(kLayerPlane) == nullptr) return 1;
   return std::min(static_cast<size_t>(std::max(frame.settings.sample.samplesPerRay, 1)), kMaxLayers);
 }
-
-MaskShape shapeOf(const SampleFrame& frame, const BandRows& rows) { return {frame.camera.width, rows.first, rows.count}; }
-
-}  // namespace
 
 struct BandPacker::Buffers {
   BandLayers layers;
@@ -41,6 +42,13 @@ struct BandPacker::Buffers {
 BandPacker::BandPacker() : buffers_(std::make_unique<Buffers>()) {}
 BandPacker::~BandPacker() = default;
 BandPacker::BandPacker(BandPacker&&) noexcept = default;
+
+uint64_t BandPacker::mostBytes(uint32_t width, uint32_t rows, uint64_t samples, uint64_t layers, ColorCoding coding) {
+  const MaskShape shape{width, 0, rows};
+  const uint64_t mask = kSectionHeadBytes + shape.size() + 1;
+  const uint64_t further = layers > 1 ? kSectionHeadBytes + samples : 0;
+  return kLeastBandBytes + mask + further + LayerPacker::mostBytes(shape, samples, layers, coding);
+}
 
 void BandPacker::pack(const SampleFrame& frame, const BandRows& rows, size_t begin, size_t end,
                       const CodecSettings& settings, std::vector<std::byte>& out) {

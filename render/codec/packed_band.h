@@ -21,6 +21,9 @@ namespace warpscope {
 /// No band has fewer bytes than its head.
 inline constexpr size_t kLeastBandBytes = 12;
 
+/// Samples in one pixel of such a frame, at most.
+size_t mostLayers(const SampleFrame& frame);
+
 /// Which part of the picture a band is: `count` rows, at least 1.
 struct BandRows {
   Placement placement = Placement::depth;
@@ -34,6 +37,9 @@ class BandPacker {
   BandPacker();
   ~BandPacker();
   BandPacker(BandPacker&&) noexcept;
+
+  /// The most bytes of a band with so many samples, of which a pixel has at most `layers`.
+  static uint64_t mostBytes(uint32_t width, uint32_t rows, uint64_t samples, uint64_t layers, ColorCoding coding);
 
   /// Appends the band whose samples are [begin, end) of the frame: those in its rows, of a frame that codec.h takes.
   void pack(const SampleFrame& frame, const BandRows& rows, size_t begin, size_t end, const CodecSettings& settings,

@@ -11,6 +11,7 @@
 #include "render/codec/bytes.h"
 #include "render/codec/packed_band.h"
 #include "render/codec/plane_coding.h"
+#include "render/codec/zstd_section.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
@@ -45,6 +46,9 @@ class Bands {
 bool hasLattice(const SampleFrame& frame) {
   return isUsable(frame.camera) && frame.settings.render.step > 0.0f && std::isfinite(frame.settings.render.step);
 }
+
+/// What the bands already say.
+bool isImplied(const SamplePlane& plane) { return plane.name == kLayerPlane && plane.element == PlaneElement::uint8; }
 
 class PackedCodec final : public Codec {
  public:
@@ -135,9 +139,6 @@ class PackedCodec final : public Codec {
   }
 
  private:
-  /// What the bands say already.
-  static bool isImplied(const SamplePlane& plane) { return plane.name == kLayerPlane && plane.element == PlaneElement::uint8; }
-
   static size_t mostSamples(const Camera& camera, const BandRows& rows) {
     return kMaxLayers * size_t{rows.count} * camera.width;
   }
@@ -183,6 +184,25 @@ class PackedCodec final : public Codec {
 };
 
 }  // namespace
+
+uint64_t mostPackedBytes(const SampleFrame& frame, uint64_t count, const CodecSettings& settings) {
+  const Bands bands(frame.camera, Placement::depth, count);
+  constexpr uint64_t kHead = 2, kListed = 8;
+  const uint64_t layers = std::min<uint64_t>(mostLayers(frame), count);
+  // All samples count for the first band, of whose fellows there is left what they take without any.
+  uint64_t bytes = kHead;
+  for (size_t band = 0; band < bands.count(); ++band)
+    bytes += kListed + BandPacker::mostBytes(frame.camera.width, bands.rows(band).count, band == 0 ? count : 0, layers,
+                                             settings.color);
+  return bytes;
+}
+
+uint64_t mostPackedPlaneBytes(const SamplePlane& plane, uint64_t count) {
+  if (isImplied(plane)) return 0;
+  const uint64_t known = bytesOf(plane.element), valueBytes = known > 0 ? known : kMostElementBytes;
+  const uint64_t pieces = (count + kPlanePiece - 1) / kPlanePiece;
+  return pieces * (sizeof(uint32_t) + valueBytes * kSectionHeadBytes) + count * valueBytes;
+}
 
 std::unique_ptr<Codec> makePackedCodec() { return std::make_unique<PackedCodec>(); }
 

@@ -57,6 +57,13 @@ class RawCodec final : public Codec {
 
 }  // namespace
 
+uint64_t mostRawBytes(const SampleFrame&, uint64_t count, const CodecSettings&) { return count * kSampleBytes; }
+
+uint64_t mostRawPlaneBytes(const SamplePlane& plane, uint64_t count) {
+  const uint64_t known = bytesOf(plane.element);
+  return count * (known > 0 ? known : kMostElementBytes);
+}
+
 std::unique_ptr<Codec> makeRawCodec() { return std::make_unique<RawCodec>(); }
 
 }  // namespace warpscope

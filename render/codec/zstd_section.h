@@ -11,7 +11,10 @@
 
 namespace warpscope {
 
-/// Appends `bytes`, fewer than 2^29 of them.
+/// What a section has beside the bytes, if these cannot be compressed.
+inline constexpr size_t kSectionHeadBytes = 4;
+
+/// Appends `bytes`, fewer than 2^29 of them, as at most kSectionHeadBytes more.
 void appendSection(std::vector<std::byte>& out, std::span<const uint8_t> bytes);
 
 /// Fills `bytes`. False, with any content, if what is there is not a section of just that length; never writes past the end.

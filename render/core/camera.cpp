@@ -5,7 +5,7 @@
 #include <string>
 
 #include "render/base/error.h"
-#include "render/core/image.h"
+#include "render/core/picture_size.h"
 
 namespace warpscope {
 namespace {
@@ -17,16 +17,17 @@ bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v
 
 bool isUsable(const Camera& camera) {
   return isFinite(camera.eye) && isUnit(camera.right) && isUnit(camera.up) && isUnit(camera.forward) &&
-         std::abs(glm::dot(camera.right, camera.up)) < 1e-3f && std::abs(glm::dot(camera.right, camera.forward)) < 1e-3f &&
+         std::abs(glm::dot(camera.right, camera.up)) < 1e-3f &&
+         std::abs(glm::dot(camera.right, camera.forward)) < 1e-3f &&
          std::abs(glm::dot(camera.up, camera.forward)) < 1e-3f && camera.tanHalfFovY > 0.0f &&
-         camera.tanHalfFovY < 1e4f && camera.width >= 1 && camera.height >= 1 && camera.width <= kMaxImageSide &&
-         camera.height <= kMaxImageSide;
+         camera.tanHalfFovY < 1e4f && isPictureSize(camera.width, camera.height);
 }
 
 void requireUsable(const Camera& camera) {
   if (!isUsable(camera))
-    throw InputError("the camera is not usable: it must be finite, with a field of view inside 0 to 180 degrees and an image of 1 to " +
-                     std::to_string(kMaxImageSide) + " pixels a side");
+    throw InputError(
+        "the camera is not usable: it must be finite, with a field of view inside 0 to 180 degrees and an image of " +
+        pictureSizes());
 }
 
 }  // namespace warpscope

@@ -36,11 +36,11 @@ class Client final : public FromServer {
  public:
   explicit Client(size_t inputBytes) : inputBytes_(inputBytes) {}
 
-  bool isAwaited(uint64_t id) override {
-    if (id <= lastId_ || id > kLastId) return false;
-    lastId_ = id;
-    return true;
+  std::string faultOf(const FrameHead& head, uint64_t payloadBytes) override {
+    require(payloadBytes <= kMaxFrameBytes);
+    return faultOf(head.id);
   }
+  std::string faultOf(const Failure& failure) override { return faultOf(failure.id); }
   void onFrame(Frame frame, TimePoint) override {
     require(frame.head.id == lastId_);
     require(frame.head.planes.size() <= kMaxPlanes && frame.head.settings.size() <= kMaxSettings);
@@ -53,6 +53,12 @@ class Client final : public FromServer {
   void onBusy(uint16_t) override {}
 
  private:
+  std::string faultOf(uint64_t id) {
+    if (id <= lastId_ || id > kLastId) return "nobody waits for it";
+    lastId_ = id;
+    return {};
+  }
+
   const size_t inputBytes_;
   uint64_t lastId_ = 0;
 };

@@ -132,6 +132,7 @@ class Witness : public ClientEvents {
  public:
   void onState(const ConnectionState& state) override { note([&] { states.push_back(state); }); }
   void onScene(const SceneFields& scene) override { note([&] { scenes.push_back(scene); }); }
+  std::string faultOf(const FrameHead& head, uint64_t payloadBytes) override { return judge ? judge(head, payloadBytes) : std::string(); }
   void onFrame(Frame frame, const FrameArrival& arrival) override {
     note([&] {
       frames.push_back(std::move(frame));
@@ -177,6 +178,7 @@ class Witness : public ClientEvents {
     return static_cast<size_t>(std::ranges::count(states, phase, [](const ConnectionState& state) { return state.phase; }));
   }
 
+  std::function<std::string(const FrameHead&, uint64_t)> judge;  // of frames; set before a client begins
   std::mutex mutex;
   std::condition_variable changed;
   std::vector<ConnectionState> states;

@@ -16,14 +16,14 @@ class FaultsClient : public testing::Test {
     client_.emplace(io_, settings, witness_);
   }
   /// The sentence that a client ends with which has been greeted, asked for frame 1, and was sent `bytes`.
-  std::string sentenceAfter(const Bytes& bytes, uint64_t maxFrameBytes = kMaxFrameBytes) {
+  std::string sentenceAfter(const Bytes& bytes, uint64_t maxFrameBytes = kMaxFrameBytes, ConnectionPhase phase = ConnectionPhase::waiting) {
     Witness witness;
     Client client(io_, {.address = listener_.address(), .maxFrameBytes = maxFrameBytes}, witness);
     BareSocket socket = greetedServer(listener_);
     client.request(requestOf(1));
     EXPECT_TRUE(nextRequest(socket));
     EXPECT_TRUE(socket.send(bytes));
-    return witness.sentenceWhen(ConnectionPhase::waiting);
+    return witness.sentenceWhen(phase);
   }
 
   /// Until the client's pause before it connects again is over. `count`: of the pauses up to this one.
@@ -93,18 +93,19 @@ TEST_F(FaultsClient, LengthsAloneTakeNoMemory) {
   }
 }
 
-TEST_F(FaultsClient, FramesThatNobodyAskedForEndTheConnection) {
-  const std::string wanted = "answered what nobody asked";
-  EXPECT_THAT(sentenceAfter(wholeFrame(2, 10)), HasSubstr(wanted));
-  EXPECT_THAT(sentenceAfter(wholeFrame(0, 10)), HasSubstr(wanted));
-  EXPECT_THAT(sentenceAfter(failureMessage({2, "no"})), HasSubstr(wanted));
-  EXPECT_THAT(sentenceAfter(wholeFrame(1, 10) + wholeFrame(1, 10)), HasSubstr(wanted)) << "twice";
-  EXPECT_THAT(sentenceAfter(wholeFrame(1, 10) + failureMessage({1, "no"})), HasSubstr(wanted));
+TEST_F(FaultsClient, FramesThatNobodyAskedForEndItForGood) {
+  const std::string wanted = "answered something else than it was asked: nobody waits for frame ";
+  const auto refusalAfter = [&](const Bytes& bytes) { return sentenceAfter(bytes, kMaxFrameBytes, ConnectionPhase::refused); };
+  EXPECT_THAT(refusalAfter(wholeFrame(2, 10)), HasSubstr(wanted));
+  EXPECT_THAT(refusalAfter(wholeFrame(0, 10)), HasSubstr(wanted));
+  EXPECT_THAT(refusalAfter(failureMessage({2, "no"})), HasSubstr(wanted));
+  EXPECT_THAT(refusalAfter(wholeFrame(1, 10) + wholeFrame(1, 10)), HasSubstr(wanted)) << "twice";
+  EXPECT_THAT(refusalAfter(wholeFrame(1, 10) + failureMessage({1, "no"})), HasSubstr(wanted));
   // Before its payload has come, of which there could be much.
-  EXPECT_THAT(sentenceAfter(frameMessage(net::headOf(2), kMaxFrameBytes - kLeastFrameHeadBytes)), HasSubstr(wanted));
+  EXPECT_THAT(refusalAfter(frameMessage(net::headOf(2), kMaxFrameBytes - kLeastFrameHeadBytes)), HasSubstr(wanted));
 }
 
-TEST_F(FaultsClient, AnswersInAnotherOrderEndTheConnection) {
+TEST_F(FaultsClient, AnswersInAnotherOrderEndItForGood) {
   connect({.depth = 2});
   BareSocket socket = greetedServer(listener_, 2);
   client_->request(requestOf(1));
@@ -112,7 +113,7 @@ TEST_F(FaultsClient, AnswersInAnotherOrderEndTheConnection) {
   client_->request(requestOf(2));
   ASSERT_TRUE(nextRequest(socket));
   socket.send(wholeFrame(2, 10) + wholeFrame(1, 10));
-  EXPECT_THAT(witness_.sentenceWhen(ConnectionPhase::waiting), HasSubstr("answered what nobody asked"));
+  EXPECT_THAT(witness_.sentenceWhen(ConnectionPhase::refused), HasSubstr("nobody waits for frame 1"));
   EXPECT_EQ(witness_.frames.size(), 1u);
 }
 

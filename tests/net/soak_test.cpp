@@ -92,6 +92,7 @@ class Checking final : public ClientEvents {
     }
   }
   void onScene(const SceneFields& scene) override { wrong += !(scene == someScene()); }
+  std::string faultOf(const FrameHead&, uint64_t) override { return {}; }
   void onFrame(Frame frame, const FrameArrival& arrival) override {
     ++frames;
     bytes += frame.payload.size();

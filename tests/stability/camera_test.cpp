@@ -229,7 +229,12 @@ TEST(Case49, RefusesWhatCannotMakePictures) {
   EXPECT_TRUE(refuses([](Camera& c) { c.height = 0; }));
   EXPECT_TRUE(refuses([](Camera& c) { c.width = kMaxImageSide + 1; }));
   EXPECT_TRUE(refuses([](Camera& c) { c.height = 0xffffffffu; }));
-  EXPECT_FALSE(refuses([](Camera& c) { c.width = c.height = kMaxImageSide; }));
+  EXPECT_TRUE(refuses([](Camera& c) { c.width = c.height = kMaxImageSide; }));
+  EXPECT_TRUE(refuses([](Camera& c) { c.width = 8192, c.height = 8193; }));
+  EXPECT_TRUE(refuses([](Camera& c) { c.width = 4097, c.height = kMaxImageSide; }));
+  EXPECT_FALSE(refuses([](Camera& c) { c.width = c.height = 8192; }));
+  EXPECT_FALSE(refuses([](Camera& c) { c.width = 4096, c.height = kMaxImageSide; }));
+  EXPECT_FALSE(refuses([](Camera& c) { c.width = kMaxImageSide, c.height = 1; }));
   EXPECT_TRUE(refuses([](Camera& c) { c.forward = glm::vec3(0.0f); }));
   EXPECT_TRUE(refuses([](Camera& c) { c.forward *= 2.0f; }));
   EXPECT_TRUE(refuses([](Camera& c) { c.forward = c.up; }));
