@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "net/tcp_stream.h"
+
 namespace warpscope::net {
 namespace {
 
@@ -18,11 +20,7 @@ ip::address sourceOf(std::string_view peer) {
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   boost::system::error_code error;
   const ip::address address = ip::make_address(std::string(host), error);
-  if (error || !address.is_v6()) return address;  // of an error the unspecified one
-  if (address.to_v6().is_v4_mapped()) return ip::make_address_v4(ip::v4_mapped, address.to_v6());
-  ip::address_v6::bytes_type bytes = address.to_v6().to_bytes();
-  std::fill(bytes.begin() + 8, bytes.end(), static_cast<unsigned char>(0));
-  return ip::address_v6(bytes);
+  return networkOf(address);  // of an error the unspecified one
 }
 
 std::string secondsText(Clock::Duration duration) {

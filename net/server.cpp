@@ -8,6 +8,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "net/login_limiter.h"
 #include "net/reading.h"
 #include "net/server_session.h"
 #include "net/tcp_stream.h"
@@ -67,6 +68,8 @@ struct Server::State : std::enable_shared_from_this<State> {
   /// The hello of a client that may stay.
   Awaitable<std::optional<ClientHello>> greet(Stream& stream, TimePoint deadline, const std::string& network);
   Awaitable<void> turnAway(Stream& stream, TimePoint deadline, Verdict verdict, std::string why);
+  Awaitable<void> turnAwayWrongToken(Stream& stream, TimePoint deadline);
+  Awaitable<void> tellVerdict(Stream& stream, TimePoint deadline, Verdict verdict);
   Awaitable<void> reply(Stream& stream, TimePoint deadline, ServerHello hello);
   /// On any thread.
   void answer(ClientId client, Outgoing outgoing);
@@ -80,6 +83,7 @@ struct Server::State : std::enable_shared_from_this<State> {
   const Bytes sceneBytes;
   TlsStream::Context tls;
   RequestQueue queue;
+  LoginLimiter logins;
   std::map<ClientId, std::shared_ptr<ServerSession>> sessions;
   std::map<uint64_t, Greeting> greetings;
   uint64_t lastGreeting = 0;
@@ -122,6 +126,10 @@ Awaitable<void> Server::State::acceptAll() {
       continue;  // closed, or nothing that would come again
     }
     if (isStopped) break;
+    if (!logins.admits(tcp->peer(), clock.now())) {
+      tcp->abort();  // without a word: whoever has the right token tries again
+      continue;
+    }
     makeRoomForGreeting(*tcp);
     // Known from here on, so that stop() finds it even before its coroutine has begun.
     const uint64_t greeting = ++lastGreeting;
@@ -181,9 +189,18 @@ Awaitable<void> Server::State::reply(Stream& stream, TimePoint deadline, ServerH
   co_await withDeadline(stream, deadline, "answering the greeting", stream.write(asio::buffer(bytes)));
 }
 
-/// Says why, and sees to it that it arrives.
+Awaitable<void> Server::State::turnAwayWrongToken(Stream& stream, TimePoint deadline) {
+  if (const std::string line = logins.failed(stream.peer(), clock.now()); !line.empty()) note(line);
+  co_await tellVerdict(stream, deadline, Verdict::wrongToken);
+}
+
 Awaitable<void> Server::State::turnAway(Stream& stream, TimePoint deadline, Verdict verdict, std::string why) {
   note(stream.peer() + " turned away: " + why);
+  co_await tellVerdict(stream, deadline, verdict);
+}
+
+/// And sees to it that it arrives.
+Awaitable<void> Server::State::tellVerdict(Stream& stream, TimePoint deadline, Verdict verdict) {
   ServerHello answer;
   answer.verdict = verdict;
   co_await reply(stream, deadline, answer);
@@ -204,7 +221,7 @@ Awaitable<std::optional<ClientHello>> Server::State::greet(Stream& stream, TimeP
   else if (hello->version != kProtocolVersion)
     co_await turnAway(stream, deadline, Verdict::otherVersion, "version " + std::to_string(hello->version) + " of the protocol");
   else if (settings.token && !(hello->token && *hello->token == *settings.token))
-    co_await turnAway(stream, deadline, Verdict::wrongToken, "a wrong token");
+    co_await turnAwayWrongToken(stream, deadline);
   else if (!makeRoomForClient(network))
     co_await turnAway(stream, deadline, Verdict::full, "no room for another client");
   else
@@ -246,6 +263,7 @@ Awaitable<void> Server::State::serve(uint64_t id, std::unique_ptr<TcpStream> tcp
 Awaitable<void> Server::State::serveClient(std::unique_ptr<Stream> stream, const ClientHello& hello, const std::string& network) {
   const std::string peer = stream->peer();
   const TimePoint deadline = clock.now() + settings.greetingPatience;
+  if (settings.token) logins.succeeded(peer);
   ServerHello welcome;
   welcome.capabilities = kCapabilities & hello.capabilities;
   welcome.sessionId = ++lastClient;

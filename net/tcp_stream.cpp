@@ -26,16 +26,6 @@ std::string endpointText(const tcp::endpoint& endpoint) {
   return endpoint.address().is_v6() ? "[" + address + "]:" + port : address + ":" + port;
 }
 
-/// Whoever has an address of IPv6 has a whole network of them.
-std::string networkText(const asio::ip::address& address) {
-  if (address.is_v4()) return address.to_string();
-  const asio::ip::address_v6 whole = address.to_v6();
-  if (whole.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, whole).to_string();
-  asio::ip::address_v6::bytes_type bytes = whole.to_bytes();
-  std::fill(bytes.begin() + bytes.size() / 2, bytes.end(), static_cast<unsigned char>(0));
-  return asio::ip::address_v6(bytes).to_string();
-}
-
 std::string hostText(const std::string& host, uint16_t port) {
   return (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + std::to_string(port);
 }
@@ -86,12 +76,21 @@ tcp::endpoint listenOn(tcp::acceptor& acceptor, const tcp::endpoint& endpoint) {
 
 }  // namespace
 
+asio::ip::address networkOf(const asio::ip::address& address) {
+  if (address.is_v4()) return address;
+  const asio::ip::address_v6 whole = address.to_v6();
+  if (whole.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, whole);
+  asio::ip::address_v6::bytes_type bytes = whole.to_bytes();
+  std::fill(bytes.begin() + bytes.size() / 2, bytes.end(), static_cast<unsigned char>(0));
+  return asio::ip::address_v6(bytes);
+}
+
 TcpStream::TcpStream(tcp::socket socket) : socket_(std::move(socket)), readDone_(socket_.get_executor()) {
   setUp(socket_);
   error_code error;
   const tcp::endpoint remote = socket_.remote_endpoint(error);
   peer_ = error ? "a peer that is gone" : endpointText(remote);  // it may leave before anybody looks
-  if (!error) network_ = networkText(remote.address());
+  if (!error) network_ = networkOf(remote.address()).to_string();
 }
 
 Awaitable<void> TcpStream::waitReadable() {

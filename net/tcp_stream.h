@@ -16,6 +16,10 @@ namespace warpscope::net {
 /// How long a peer may leave what was sent to it unacknowledged before the connection is given up.
 inline constexpr std::chrono::seconds kPeerTimeout{20};
 
+/// Who is counted as one: an address of IPv4, and of IPv6 the half that names a network, as whoever has one of its addresses has them all.
+/// RFC 4291, section 2.5.
+asio::ip::address networkOf(const asio::ip::address& address);
+
 class TcpStream final : public Stream {
  public:
   /// Takes a connected socket, and sets it up: no delay for small writes (Nagle), keep-alive, kPeerTimeout.
@@ -34,7 +38,7 @@ class TcpStream final : public Stream {
   Awaitable<void> waitReadable();
   /// Ends what waits, with operation_aborted; the stream goes on.
   void cancel() noexcept;
-  /// Who is counted as one: the address, of IPv6 the half that names a network. RFC 4291, section 2.5.
+  /// The peer's networkOf, as a text.
   const std::string& network() const { return network_; }
 
   bool isClosed() const { return isClosed_; }

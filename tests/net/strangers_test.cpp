@@ -99,6 +99,25 @@ TEST_F(Strangers, OneAddressDoesNotTakeAllPlaces) {
   EXPECT_EQ(verdictFor(other), Verdict::welcome) << "though it was silent for longest";
 }
 
+TEST_F(Strangers, WhoGuessesTokensIsListenedToLessAndLess) {
+  Server& server = serve({.identity = makeIdentity(), .token = Token::random()});
+  Address wrong = server.address();
+  wrong.credentials->token = Token::random();
+  const auto isRefused = [&](const Address& address) {
+    Witness witness;
+    Client client(io_, {.address = address, .connectsAgain = false}, witness);
+    return witness.sentenceWhen(ConnectionPhase::refused);
+  };
+  for (int i = 0; i < 4; ++i) EXPECT_THAT(isRefused(wrong), HasSubstr("does not accept this token")) << i;
+  EXPECT_TRUE(notes_.has("127.0.0.1:")) << notes_.all();
+  EXPECT_TRUE(notes_.has("a wrong token, number 4 in a row; not listened to for 1 s")) << notes_.all();
+  EXPECT_THAT(isRefused(server.address()), Not(HasSubstr("token"))) << "not even who has the right one";
+  time_.jump(1s);
+  Witness witness;
+  Client client(io_, {.address = server.address()}, witness);
+  EXPECT_TRUE(witness.waitForConnection());
+}
+
 TEST_F(Strangers, TheLongestIdleClientMakesRoom) {
   Server& server = serve({.clients = {2, 2, 1s}});
   BareSocket first = greetedClient(server), second = greetedClient(server);
