@@ -36,7 +36,7 @@ TEST_F(Memory, OrWhatTheNarrowestGroupLeaves) {
   put("sys/fs/cgroup/outer/memory.current", "7000\n");
   EXPECT_EQ(available(), 3000u);
   // Pages of files are given back when they are needed.
-  put("sys/fs/cgroup/outer/memory.stat", "anon 4000\ninactive_file 2500\n");
+  put("sys/fs/cgroup/outer/memory.stat", "anon 4000\ninactive_file 2000\nactive_file 500\n");
   EXPECT_EQ(available(), 5500u);
   put("sys/fs/cgroup/outer/inner/memory.max", "3500\n");
   EXPECT_EQ(available(), 500u);

@@ -3,6 +3,7 @@
 #include "render/base/memory.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <fstream>
 
@@ -34,10 +35,11 @@ std::optional<uint64_t> numberBehind(const std::string& key, const fs::path& fil
 }
 
 struct GroupFiles {
-  const char *limit, *used, *cached;
+  const char *limit, *used;
+  std::array<const char*, 2> cached;  ///< keys of memory.stat
 };
-constexpr GroupFiles kVersion1{"memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file "};
-constexpr GroupFiles kVersion2{"memory.max", "memory.current", "inactive_file "};
+constexpr GroupFiles kVersion1{"memory.limit_in_bytes", "memory.usage_in_bytes", {"total_inactive_file ", "total_active_file "}};
+constexpr GroupFiles kVersion2{"memory.max", "memory.current", {"inactive_file ", "active_file "}};
 
 /// What `group`, a folder beneath `mount`, and those that it is in leave.
 std::optional<uint64_t> leftInGroups(const fs::path& mount, const fs::path& group, const GroupFiles& names) {
@@ -46,7 +48,8 @@ std::optional<uint64_t> leftInGroups(const fs::path& mount, const fs::path& grou
     const fs::path folder = mount / at;
     const auto limit = numberIn(folder / names.limit), used = numberIn(folder / names.used);
     if (limit && used) {
-      const uint64_t kept = *used - std::min(*used, numberBehind(names.cached, folder / "memory.stat").value_or(0));
+      uint64_t kept = *used;
+      for (const char* key : names.cached) kept -= std::min(kept, numberBehind(key, folder / "memory.stat").value_or(0));
       const uint64_t left = *limit - std::min(*limit, kept);
       least = std::min(least.value_or(left), left);
     }

@@ -33,14 +33,14 @@ mkdir -p -- "$build/findings"
 # Frames and headers of text are longer than messages.
 case $what in codec_fuzz | client_session_fuzz | nrrd_fuzz | meta_image_fuzz) longest=65536 ;; *) longest=4096 ;; esac
 # What is read may take neither more memory than this, sanitizers included, nor more seconds.
-set -- -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len="$longest" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=512 -print_final_stats=1 \
+set -- -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len="$longest" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
   -artifact_prefix="$build/findings/$what-"
 case $what in
   client_session_fuzz) set -- "$@" -malloc_limit_mb=64 -rss_limit_mb=1024 ;;  # a client asks for pictures of 64 x 48 pixels
   nrrd_fuzz | meta_image_fuzz | mrc_fuzz | nifti_fuzz)
     # ITK forgets some memory when it refuses a file. What it prints would reach a terminal: see volume_fuzz.cpp.
     export ASAN_OPTIONS="detect_leaks=0${ASAN_OPTIONS:+:$ASAN_OPTIONS}"
-    set -- "$@" -detect_leaks=0 -close_fd_mask=3
+    set -- "$@" -malloc_limit_mb=512 -detect_leaks=0 -close_fd_mask=3
     ;;
 esac
 exec "$build/tests/fuzz/$what" "$@" "$build/seeds/$what"
