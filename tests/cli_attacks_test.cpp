@@ -109,7 +109,7 @@ TEST_F(CliAttacks, AWindowShowsWhatTheServerDid) {
   EXPECT_EQ(report["server"]["isConnected"], false);
   EXPECT_THAT(report["server"]["sentence"].get<std::string>(),
               testing::HasSubstr("the server answered something else than it was asked: a size of 8192x8192"));
-  EXPECT_EQ(server.connections(), 1) << "it came back, or marched what it cannot trust";
+  EXPECT_LE(server.connections(), 2) << "one for frames and one for what they are compared with: neither comes back";
   if (!net::kIsSanitized) EXPECT_LT(result.peakKiB, kMostKiB);
 }
 

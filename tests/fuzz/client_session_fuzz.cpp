@@ -12,6 +12,7 @@
 namespace {
 
 using namespace warpscope;
+namespace asio = net::asio;
 
 void require(bool condition) {
   if (!condition) std::abort();
