@@ -315,7 +315,7 @@ std::optional<ServerHello> readServerHello(ByteView bytes) {
   const bool isWelcome = hello.verdict == Verdict::welcome;
   if (isWelcome && (hello.depth < 1 || hello.depth > kMaxDepth)) return std::nullopt;
   if (isWelcome && (hello.heartbeatMs < 1 || hello.heartbeatMs > kLongestMs || hello.patienceMs < hello.heartbeatMs ||
-                    hello.patienceMs > kLongestMs))
+                    hello.patienceMs < kLeastPatienceMs || hello.patienceMs > kLongestMs))
     return std::nullopt;
   return ifComplete(wire, hello);
 }

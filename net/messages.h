@@ -39,6 +39,7 @@ inline constexpr size_t kMessageHeadBytes = 8;
 inline constexpr size_t kMaxSceneBytes = 64 << 10;
 inline constexpr size_t kMaxFailureBytes = 4 << 10;
 inline constexpr uint64_t kMaxFrameBytes = uint64_t{1} << 30;  ///< what a client may agree to at most
+inline constexpr uint32_t kLeastPatienceMs = 1000;             ///< links and machines pause for as long now and then
 inline constexpr uint16_t kMaxDepth = 16;                      ///< requests that may be under way at a time
 inline constexpr size_t kMaxViews = 256;
 inline constexpr size_t kMaxSettings = 64;      ///< of a march

@@ -8,7 +8,6 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "net/login_limiter.h"
 #include "net/reading.h"
 #include "net/server_session.h"
 #include "net/tcp_stream.h"
@@ -30,6 +29,7 @@ std::string faultOf(const ServerSettings& settings) {
     return "1 to " + std::to_string(kMaxDepth) + " requests can be under way, not " + std::to_string(settings.maxDepth);
   if (settings.heartbeat < std::chrono::milliseconds(1) || settings.patience <= settings.heartbeat || settings.patience > kLongest)
     return "heartbeats need at least 1 ms, and patience more than a heartbeat and at most an hour";
+  if (settings.patience < std::chrono::milliseconds(kLeastPatienceMs)) return "patience is a second at least";
   return {};
 }
 
@@ -42,7 +42,8 @@ struct Server::State : std::enable_shared_from_this<State> {
         clock(thread.clock()),
         settings(std::move(theSettings)),
         listener(io.get_executor(), settings.listen.host, settings.listen.port),
-        sceneBytes(sceneMessage(settings.scene)) {}
+        sceneBytes(sceneMessage(settings.scene)),
+        logins(settings.loginLimits) {}
 
   void note(const std::string& text) const {
     if (settings.onNote) settings.onNote(text);
@@ -69,7 +70,6 @@ struct Server::State : std::enable_shared_from_this<State> {
   Awaitable<std::optional<ClientHello>> greet(Stream& stream, TimePoint deadline, const std::string& network);
   Awaitable<void> turnAway(Stream& stream, TimePoint deadline, Verdict verdict, std::string why);
   Awaitable<void> turnAwayWrongToken(Stream& stream, TimePoint deadline);
-  Awaitable<void> tellVerdict(Stream& stream, TimePoint deadline, Verdict verdict);
   Awaitable<void> reply(Stream& stream, TimePoint deadline, ServerHello hello);
   /// On any thread.
   void answer(ClientId client, Outgoing outgoing);
@@ -81,9 +81,9 @@ struct Server::State : std::enable_shared_from_this<State> {
   const ServerSettings settings;
   TcpListener listener;
   const Bytes sceneBytes;
+  LoginLimiter logins;
   TlsStream::Context tls;
   RequestQueue queue;
-  LoginLimiter logins;
   std::map<ClientId, std::shared_ptr<ServerSession>> sessions;
   std::map<uint64_t, Greeting> greetings;
   uint64_t lastGreeting = 0;
@@ -190,17 +190,14 @@ Awaitable<void> Server::State::reply(Stream& stream, TimePoint deadline, ServerH
 }
 
 Awaitable<void> Server::State::turnAwayWrongToken(Stream& stream, TimePoint deadline) {
-  if (const std::string line = logins.failed(stream.peer(), clock.now()); !line.empty()) note(line);
-  co_await tellVerdict(stream, deadline, Verdict::wrongToken);
+  const std::string line = logins.failed(stream.peer(), clock.now());
+  if (!line.empty() && settings.onWrongToken) settings.onWrongToken(line);
+  co_await turnAway(stream, deadline, Verdict::wrongToken, "a wrong token");
 }
 
+/// Says why, and sees to it that it arrives.
 Awaitable<void> Server::State::turnAway(Stream& stream, TimePoint deadline, Verdict verdict, std::string why) {
   note(stream.peer() + " turned away: " + why);
-  co_await tellVerdict(stream, deadline, verdict);
-}
-
-/// And sees to it that it arrives.
-Awaitable<void> Server::State::tellVerdict(Stream& stream, TimePoint deadline, Verdict verdict) {
   ServerHello answer;
   answer.verdict = verdict;
   co_await reply(stream, deadline, answer);

@@ -11,6 +11,7 @@
 #include "net/byte_budget.h"
 #include "net/certificate.h"
 #include "net/io_thread.h"
+#include "net/login_limiter.h"
 #include "net/places.h"
 #include "net/request_queue.h"
 
@@ -30,6 +31,8 @@ struct ServerSettings {
   std::chrono::milliseconds greetingPatience{10000};  ///< for TLS and the greetings together; and for a round trip more until the first message
   std::chrono::milliseconds heartbeat{2000};
   std::chrono::milliseconds patience{10000};          ///< without any progress; longer than a heartbeat
+  LoginLimits loginLimits{};         ///< of wrong tokens; who exceeds them is not listened to for a while
+  std::function<void(const std::string&)> onWrongToken{};  ///< with the address, a line now and then: see login_limiter.h; on the I/O thread
   std::function<void(const std::string&)> onNote{};    ///< what happens, for logs; on the I/O thread. Never holds a token
 };
 

@@ -8,6 +8,7 @@
 #include <array>
 
 #include "net/deadline.h"
+#include "net/tls_policy.h"
 
 namespace warpscope::net {
 namespace {
@@ -35,9 +36,7 @@ int verifyPin(X509_STORE_CTX* store, void* argument) {
 
 TlsStream::Context newContext(ssl::context::method side) {
   auto context = std::make_shared<ssl::context>(side);
-  if (SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_2_VERSION) != 1)
-    throw system_error(ssl::error::unspecified_system_error, "this OpenSSL cannot do TLS 1.2");
-  SSL_CTX_set_options(context->native_handle(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION);
+  if (!applyTlsPolicy(context->native_handle())) throw system_error(ssl::error::unspecified_system_error, "this OpenSSL cannot do TLS 1.2 with AEAD suites");
   return context;
 }
 

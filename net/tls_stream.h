@@ -1,4 +1,4 @@
-// TLS 1.2 or later over TCP: the server shows its certificate, the client accepts exactly the one whose fingerprint it was given.
+// TLS over TCP, as tls_policy.h says: the server shows its certificate, the client accepts exactly the one whose fingerprint it was given.
 // TLS 1.3: RFC 8446; 1.2: RFC 5246. No certificate authorities and no names: addresses carry the fingerprint (see address.h).
 #pragma once
 

@@ -234,5 +234,32 @@ TEST_F(Serving, TokensAreInNoLog) {
   EXPECT_THAT(result.err, testing::HasSubstr("wrong token"));
 }
 
+TEST_F(Serving, WrongTokensAreLoggedAndListenedToLessAndLess) {
+  RunningServer server({"block", "--volume-size", "24x22x20", "--secure"});
+  const Arguments wrong = shot(withOther(server.url(), "token=", kToken));
+  for (int i = 0; i < 4; ++i) expectRefused(wrong, kFailure, {"does not accept this token"});
+  // Not listened to for a second: both clients try again by themselves, and learn what they would have.
+  const auto start = std::chrono::steady_clock::now();
+  expectRefused(wrong, kFailure, {"does not accept this token"});
+  EXPECT_GE(std::chrono::steady_clock::now() - start, milliseconds(500));
+  succeed(shot(server.url()));
+  const std::string log = server.end().err;
+  EXPECT_THAT(log, testing::ContainsRegex("warning: 127.0.0.1:[0-9]+: a wrong token\n"));
+  EXPECT_THAT(log, testing::ContainsRegex("warning: 127.0.0.1:[0-9]+: a wrong token, number 4 in a row; not listened to for 1 s\n"));
+  EXPECT_THAT(log, testing::HasSubstr("number 5 in a row"));
+}
+
+TEST_F(Serving, OldTlsIsRefused) {
+  if (std::system("openssl version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no openssl here";
+  RunningServer server({"block", "--volume-size", "24x22x20", "--secure"});
+  const auto agrees = [&](const std::string& offer) {
+    const ProgramResult result = runShell("openssl s_client -brief " + offer + " -connect 127.0.0.1:" + server.port() + " < /dev/null 2>&1 | grep 'Protocol version'", folder_.path());
+    return result.out;
+  };
+  EXPECT_THAT(agrees(""), testing::HasSubstr("TLSv1.3"));
+  EXPECT_THAT(agrees("-tls1_2 -cipher ECDHE-ECDSA-AES128-GCM-SHA256"), testing::HasSubstr("TLSv1.2"));
+  for (const std::string offer : {"-tls1_2 -cipher ECDHE-ECDSA-AES128-SHA", "-tls1_2 -cipher ECDHE-ECDSA-AES256-SHA384", "-tls1_1 -cipher ALL:@SECLEVEL=0"}) EXPECT_EQ(agrees(offer), "") << offer;
+}
+
 }  // namespace
 }  // namespace warpscope

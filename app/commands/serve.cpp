@@ -80,6 +80,7 @@ net::ServerSettings settingsFor(const ServeOptions& options, const net::HostPort
   net::ServerSettings settings;
   settings.listen = listen;
   settings.onNote = logDetail;
+  settings.onWrongToken = logWarning;
   if (options.isSecure || !net::isLoopback(listen.host)) {
     settings.identity = net::loadOrMakeIdentity(identityFolder());
     settings.token = net::Token::random();

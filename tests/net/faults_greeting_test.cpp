@@ -391,6 +391,7 @@ TEST(FaultsGreeting, SettingsThatCannotBeAreRefused) {
   EXPECT_TRUE(isRefused({.scene = someScene(), .heartbeat = 0ms}));
   EXPECT_TRUE(isRefused({.scene = someScene(), .heartbeat = 100ms, .patience = 100ms}));
   EXPECT_TRUE(isRefused({.scene = someScene(), .patience = 2h}));
+  EXPECT_TRUE(isRefused({.scene = someScene(), .heartbeat = 100ms, .patience = 999ms}));
 }
 
 }  // namespace

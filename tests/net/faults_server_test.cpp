@@ -84,7 +84,7 @@ TEST_F(FaultsServer, SlowReadersTakeNoMemoryAndHoldUpNobody) {
 }
 
 TEST_F(FaultsServer, WhoPingsAndNeverReadsIsDropped) {
-  Server& server = serve({.heartbeat = 100ms, .patience = 500ms});
+  Server& server = serve({.heartbeat = 100ms, .patience = 1000ms});
   const Answering answering(server, 1 << 20);
   BareSocket socket = greetedClient(server, 1, 4096);
   const size_t before = memoryBytes();
@@ -101,10 +101,10 @@ TEST_F(FaultsServer, WhoPingsAndNeverReadsIsDropped) {
 }
 
 TEST_F(FaultsServer, SilentPeersAreDroppedInTime) {
-  Server& server = serve({.greetingPatience = 100ms, .heartbeat = 50ms, .patience = 300ms});
+  Server& server = serve({.greetingPatience = 100ms, .heartbeat = 50ms, .patience = 1000ms});
   BareSocket silent = greetedClient(server);
-  ASSERT_TRUE(time_.isAwaited(400ms));
-  time_.pass(399ms);
+  ASSERT_TRUE(time_.isAwaited(1100ms));
+  time_.pass(1099ms);
   EXPECT_EQ(server.requests().clientCount(), 1u) << "not before its patience ends";
   time_.pass(1ms);
   EXPECT_TRUE(silent.isEnded()) << "its heartbeats come, it answers none";
@@ -113,7 +113,7 @@ TEST_F(FaultsServer, SilentPeersAreDroppedInTime) {
 }
 
 TEST_F(FaultsServer, WhoAnswersHeartbeatsStays) {
-  Server& server = serve({.heartbeat = 50ms, .patience = 500ms});
+  Server& server = serve({.heartbeat = 50ms, .patience = 1000ms});
   BareSocket socket = greetedClient(server);
   ASSERT_TRUE(socket.send(beatMessage(MessageType::ping, 1)));  // after its first message a client has the usual patience
   ASSERT_TRUE(socket.receiveBody(MessageType::pong));
@@ -124,7 +124,7 @@ TEST_F(FaultsServer, WhoAnswersHeartbeatsStays) {
     ASSERT_TRUE(ping);
     settle(*io_);
     ASSERT_TRUE(socket.send(beatMessage(MessageType::pong, *readBeat(*ping))));
-    ASSERT_TRUE(time_.isAwaited(500ms)) << "it has read that";
+    ASSERT_TRUE(time_.isAwaited(1000ms)) << "it has read that";
   }
 }
 
@@ -176,7 +176,7 @@ TEST_F(FaultsServer, RequestsCutAtAnyByteEndTheConnection) {
 }
 
 TEST_F(FaultsServer, RequestsThatStopInTheMiddleEndAtTheDeadline) {
-  Server& server = serve({.greetingPatience = 100ms, .heartbeat = 50ms, .patience = 300ms});
+  Server& server = serve({.greetingPatience = 100ms, .heartbeat = 50ms, .patience = 1000ms});
   const Bytes request = requestMessage(requestOf(1));
   std::vector<BareSocket> sockets;
   for (const size_t size : {1, 7, 8, 9, 60, 107}) {
@@ -184,7 +184,7 @@ TEST_F(FaultsServer, RequestsThatStopInTheMiddleEndAtTheDeadline) {
     sockets.back().send(ByteView(request).first(size));
   }
   // Twice: what came late counts from when it came.
-  for (int i = 0; i < 2; ++i) time_.pass(400ms);
+  for (int i = 0; i < 2; ++i) time_.pass(1100ms);
   for (BareSocket& socket : sockets) EXPECT_TRUE(socket.isEnded());
   EXPECT_TRUE(isEmpty());
 }
@@ -250,7 +250,7 @@ TEST_F(FaultsServer, VanishingInTheMiddleOfAFrameLeavesNothing) {
 }
 
 TEST_F(FaultsServer, PeersThatVanishWithoutAWordAreDroppedInTime) {
-  Server& server = serve({.greetingPatience = 100ms, .heartbeat = 50ms, .patience = 300ms});
+  Server& server = serve({.greetingPatience = 100ms, .heartbeat = 50ms, .patience = 1000ms});
   BareSocket socket = greetedClient(server);
   // A socket under repair goes without a FIN, as a machine does that loses its power.
   const int on = 1;
@@ -258,8 +258,8 @@ TEST_F(FaultsServer, PeersThatVanishWithoutAWordAreDroppedInTime) {
     GTEST_SKIP() << "TCP_REPAIR is not permitted here (CAP_NET_ADMIN)";
   socket.close();
   // The kernel may answer the next heartbeat with a reset, since this machine itself is still there.
-  ASSERT_TRUE(time_.isAwaited(400ms));
-  time_.pass(400ms);
+  ASSERT_TRUE(time_.isAwaited(1100ms));
+  time_.pass(1100ms);
   EXPECT_TRUE(isEmpty());
 }
 

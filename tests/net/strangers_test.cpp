@@ -100,7 +100,8 @@ TEST_F(Strangers, OneAddressDoesNotTakeAllPlaces) {
 }
 
 TEST_F(Strangers, WhoGuessesTokensIsListenedToLessAndLess) {
-  Server& server = serve({.identity = makeIdentity(), .token = Token::random()});
+  Notes lines;
+  Server& server = serve({.identity = makeIdentity(), .token = Token::random(), .onWrongToken = lines.callback()});
   Address wrong = server.address();
   wrong.credentials->token = Token::random();
   const auto isRefused = [&](const Address& address) {
@@ -109,8 +110,8 @@ TEST_F(Strangers, WhoGuessesTokensIsListenedToLessAndLess) {
     return witness.sentenceWhen(ConnectionPhase::refused);
   };
   for (int i = 0; i < 4; ++i) EXPECT_THAT(isRefused(wrong), HasSubstr("does not accept this token")) << i;
-  EXPECT_TRUE(notes_.has("127.0.0.1:")) << notes_.all();
-  EXPECT_TRUE(notes_.has("a wrong token, number 4 in a row; not listened to for 1 s")) << notes_.all();
+  EXPECT_TRUE(lines.has("127.0.0.1:")) << lines.all();
+  EXPECT_TRUE(lines.has("a wrong token, number 4 in a row; not listened to for 1 s")) << lines.all();
   EXPECT_THAT(isRefused(server.address()), Not(HasSubstr("token"))) << "not even who has the right one";
   time_.jump(1s);
   Witness witness;
