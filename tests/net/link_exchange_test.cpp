@@ -69,7 +69,7 @@ TEST_F(LinkExchange, RoundTripsTakeTheDelayAndChangesTakeEffectAtOnce) {
 }
 
 TEST_F(LinkExchange, ADelayLongerThanPatienceIsNoSilence) {
-  connect("delay=700", 1, 2000, 100ms, 600ms);
+  connect("delay=1200", 1, 2000, 100ms, 1000ms);
   ASSERT_TRUE(time_.passUntil([&] { return witness_.look([&] { return !witness_.roundTrips.empty(); }); }));
   passBeats(100, 100ms);
   EXPECT_EQ(witness_.look([&] { return witness_.countOf(ConnectionPhase::waiting); }), 0u);
@@ -101,7 +101,7 @@ TEST_F(LinkExchange, SeveralUnderWayAreWorthTheDelay) {
 }
 
 TEST_F(LinkExchange, IdleConnectionsStay) {
-  connect("none", 1, 2000, 40ms, 800ms);
+  connect("none", 1, 2000, 40ms, 1000ms);
   ASSERT_TRUE(witness_.waitFor([&] { return !witness_.roundTrips.empty(); })) << "one at once";
   passBeats(500, 40ms);
   const std::scoped_lock lock(witness_.mutex);

@@ -277,13 +277,14 @@ TEST(Messages, GreetingsBeyondTheLimitsAreNothing) {
   EXPECT_FALSE(readClientHello(with(client, 24, uint8_t{2}))) << "a flag is 0 or 1";
   EXPECT_FALSE(readClientHello(with(client, 24, uint8_t{0}))) << "without a token its bytes are zeros";
 
-  const Bytes server = toBytes(ServerHello{kProtocolVersion, Verdict::welcome, 0, 1, 1, 100, 200});
+  const Bytes server = toBytes(ServerHello{kProtocolVersion, Verdict::welcome, 0, 1, 1, 100, 1000});
   EXPECT_TRUE(readServerHello(server));
   EXPECT_FALSE(readServerHello(with(server, 10, uint8_t{4}))) << "verdict";
   EXPECT_FALSE(readServerHello(with(server, 23, uint16_t{0}))) << "depth";
   EXPECT_FALSE(readServerHello(with(server, 23, uint16_t{kMaxDepth + 1}))) << "depth";
   EXPECT_FALSE(readServerHello(with(server, 25, uint32_t{0}))) << "heartbeat";
-  EXPECT_FALSE(readServerHello(with(server, 25, uint32_t{201}))) << "a heartbeat longer than patience";
+  EXPECT_FALSE(readServerHello(with(server, 25, uint32_t{1001}))) << "a heartbeat longer than patience";
+  EXPECT_FALSE(readServerHello(with(server, 29, uint32_t{999}))) << "patience";
   EXPECT_FALSE(readServerHello(with(server, 29, uint32_t{3'600'001}))) << "patience";
   EXPECT_FALSE(readServerHello(with(server, 29, uint32_t{0xffffffff}))) << "patience";
 }
