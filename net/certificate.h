@@ -1,5 +1,5 @@
 // The server's identity: a key and a self-signed certificate, made on first use and kept, so that clients know it again.
-// EC P-256 (FIPS 186-4) with SHA-256; X.509 v3 (RFC 5280). Clients pin the fingerprint, so names and dates in it decide nothing.
+// EC P-256 (FIPS 186-4) with SHA-256; X.509 v3 (RFC 5280). Clients pin the fingerprint, so names and dates in it decide nothing for them.
 #pragma once
 
 #include <filesystem>
@@ -26,8 +26,9 @@ struct Identity {
 Identity makeIdentity();
 
 /// The identity in `folder`/identity.pem: key and certificate in one file of mode 0600, so that they are there together or not at all.
-/// Without the file, makes the folder and the file; if several processes do so at once, all get the same. Throws CertificateError, also
-/// if others than the owner can read the file.
+/// Without the file, makes the folder and the file; if several processes do so at once, all get the same. Throws CertificateError with what helps: also if
+/// folder or file are not the user's own or not closed to others, for a link or a pipe in the file's place, a key that is weak, under a password or another
+/// certificate's, and a certificate whose dates have passed.
 Identity loadOrMakeIdentity(const std::filesystem::path& folder);
 
 }  // namespace warpscope::net

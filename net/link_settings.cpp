@@ -7,10 +7,11 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <numeric>
 #include <optional>
 
+#include "render/base/error.h"
+#include "render/base/input_file.h"
 #include "render/base/nearest_name.h"
 #include "render/base/range.h"
 
@@ -364,15 +365,12 @@ std::shared_ptr<const DelayTrace> parseTrace(std::string_view text, const std::s
 }
 
 std::shared_ptr<const DelayTrace> readTrace(const std::string& file) {
-  constexpr std::streamoff kLargest = 256 << 20;
-  std::ifstream stream(file, std::ios::binary | std::ios::ate);
-  const std::streamoff size = stream ? std::streamoff(stream.tellg()) : -1;
-  if (size < 0) refuse(file + ": cannot be read as a trace of delays");
-  if (size > kLargest) refuse(file + ": is too large for a trace of delays");
-  std::string text(static_cast<size_t>(size), '\0');
-  stream.seekg(0);
-  if (!stream.read(text.data(), size)) refuse(file + ": cannot be read as a trace of delays");
-  return parseTrace(text, file);
+  constexpr uint64_t kLargest = 256 << 20;
+  try {
+    return parseTrace(readInputFile(file, kLargest, "a trace of delays"), file);
+  } catch (const InputError& error) {
+    refuse(error.what());
+  }
 }
 
 }  // namespace warpscope::net

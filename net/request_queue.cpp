@@ -8,7 +8,7 @@ namespace warpscope::net {
 
 void RequestQueue::join(ClientId client, uint16_t depth) {
   const std::scoped_lock lock(mutex_);
-  clients_.push_back({client, std::max<uint16_t>(depth, 1), 0, 0, {}, {}});
+  clients_.push_back({.id = client, .depth = std::max<uint16_t>(depth, 1), .waiting = {}, .left = {}});
 }
 
 void RequestQueue::leave(ClientId client) {
@@ -41,21 +41,55 @@ std::optional<RequestJob> RequestQueue::take(const std::stop_token& stop) {
   Clients::iterator turn;
   changed_.wait(lock, stop, [&] { return (turn = next()) != clients_.end(); });
   if (stop.stop_requested()) return std::nullopt;
+  return give(turn);
+}
+
+std::optional<RequestJob> RequestQueue::take(const std::stop_token& stop, std::chrono::milliseconds patience) {
+  std::unique_lock lock(mutex_);
+  Clients::iterator turn;
+  if (!changed_.wait_for(lock, stop, patience, [&] { return (turn = next()) != clients_.end(); }) || stop.stop_requested()) return std::nullopt;
+  return give(turn);
+}
+
+RequestJob RequestQueue::give(Clients::iterator turn) {
   RequestJob job = std::move(turn->waiting.front());
   turn->waiting.pop_front();
   ++turn->atWork;
+  turn->isWorkedFor = true;
   clients_.splice(clients_.end(), clients_, turn);
   return job;
 }
 
-void RequestQueue::done(ClientId client) {
+void RequestQueue::finished(ClientId client, size_t answerBytes) {
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = find(client);
+    if (found == clients_.end()) return;
+    found->isWorkedFor = false;
+    found->waitingBytes += answerBytes;
+  }
+  changed_.notify_all();  // one alone might be about to stop
+}
+
+void RequestQueue::done(ClientId client, size_t answerBytes) {
   {
     const std::scoped_lock lock(mutex_);
     const auto found = find(client);
     if (found == clients_.end() || found->atWork == 0) return;
     --found->atWork;
+    found->waitingBytes -= std::min(found->waitingBytes, answerBytes);
   }
   changed_.notify_all();  // one alone might be about to stop
+}
+
+bool RequestQueue::isAwaited(ClientId client) const {
+  const std::scoped_lock lock(mutex_);
+  return std::ranges::any_of(clients_, [&](const Client& one) { return one.id == client && isAwaited(one); });
+}
+
+size_t RequestQueue::othersAwaited(ClientId client) const {
+  const std::scoped_lock lock(mutex_);
+  return static_cast<size_t>(std::ranges::count_if(clients_, [&](const Client& one) { return one.id != client && isAwaited(one); }));
 }
 
 size_t RequestQueue::clientCount() const {
@@ -75,7 +109,9 @@ RequestQueue::Clients::iterator RequestQueue::find(ClientId client) {
 
 RequestQueue::Clients::iterator RequestQueue::next() {
   return std::find_if(clients_.begin(), clients_.end(),
-                      [](const Client& one) { return !one.waiting.empty() && one.atWork < one.depth; });
+                      [](const Client& one) {
+                        return !one.waiting.empty() && !one.isWorkedFor && one.atWork < one.depth && one.waitingBytes < kMostWaitingBytes;
+                      });
 }
 
 }  // namespace warpscope::net

@@ -1,5 +1,5 @@
-// Who is served next: requests of many clients on one rendering thread, the newest of each, one client after the other.
-// Round robin (each client at most once a turn); nothing here grows with how often a client asks.
+// Who is served next: requests of many clients on a few rendering threads, the newest of each, one client after the other.
+// Round robin (each client at most once a turn); nothing here grows with how often a client asks, or with how slowly it reads.
 #pragma once
 
 #include <condition_variable>
@@ -25,6 +25,9 @@ struct RequestJob {
   std::stop_token hasLeft;  ///< set when the client leaves: nobody waits for the answer any more
 };
 
+/// Bytes of answers that wait to be written to a client, from which on it gets no further ones.
+inline constexpr size_t kMostWaitingBytes = size_t{32} << 20;
+
 /// Safe on any thread.
 class RequestQueue {
  public:
@@ -37,11 +40,19 @@ class RequestQueue {
   /// replaced: it gets no answer.
   bool put(ClientId client, const FrameRequest& request, TimePoint arrivedAt);
 
-  /// Waits for the next request; nothing if `stop` is set first.
+  /// Waits for the next request; nothing if `stop` is set first. Of one client, one is given out at a time: until finished().
   std::optional<RequestJob> take(const std::stop_token& stop);
-  /// The answer to one that was taken has left, or never will.
-  void done(ClientId client);
+  /// The same; nothing also if there is none within `patience`, in real time.
+  std::optional<RequestJob> take(const std::stop_token& stop, std::chrono::milliseconds patience);
+  /// Nobody works any more on the one that was taken: its answer is on its way, of so many bytes, or there will be none.
+  void finished(ClientId client, size_t answerBytes);
+  /// The answer to one that was finished has left, or never will.
+  void done(ClientId client, size_t answerBytes);
 
+  /// Whether anything that the client asked for is neither answered nor on its way.
+  bool isAwaited(ClientId client) const;
+  /// How many others wait for something, or have it made.
+  size_t othersAwaited(ClientId client) const;
   size_t clientCount() const;
   /// Of the client, waiting.
   size_t waitingCount(ClientId client) const;
@@ -51,7 +62,9 @@ class RequestQueue {
     ClientId id;
     uint16_t depth;
     uint64_t lastId = 0;
-    uint32_t atWork = 0;
+    uint32_t atWork = 0;     // given out, and not done
+    bool isWorkedFor = false;  // given out, and not finished
+    size_t waitingBytes = 0;   // of answers
     std::deque<RequestJob> waiting;
     std::stop_source left;
   };
@@ -59,6 +72,8 @@ class RequestQueue {
 
   Clients::iterator find(ClientId client);
   Clients::iterator next();
+  RequestJob give(Clients::iterator turn);
+  static bool isAwaited(const Client& client) { return client.isWorkedFor || !client.waiting.empty(); }
 
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;

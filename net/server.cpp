@@ -2,31 +2,28 @@
 // See server.h.
 #include "net/server.h"
 
+#include <array>
 #include <condition_variable>
-#include <deque>
 #include <map>
 #include <mutex>
 #include <stdexcept>
 
+#include "net/login_limiter.h"
 #include "net/reading.h"
+#include "net/server_session.h"
 #include "net/tcp_stream.h"
 #include "net/tls_stream.h"
 
 namespace warpscope::net {
 namespace {
 
-/// What is on its way to a client.
-struct Outgoing {
-  std::optional<FrameHead> frame;  ///< if it is one, whose head is written when its turn comes
-  Bytes bytes;                     ///< the payload, or the whole message
-  TimePoint readyAt;
-};
-
 /// What is wrong with the settings, or nothing.
 std::string faultOf(const ServerSettings& settings) {
   constexpr std::chrono::hours kLongest{1};
   if (settings.identity.has_value() != settings.token.has_value()) return "a certificate and a token go together";
   if (!settings.identity && !isLoopback(settings.listen.host)) return "others can reach it, which needs a certificate and a token";
+  for (const PlaceLimits& limits : {settings.clients, settings.greetings})
+    if (limits.most < 1 || limits.mostOfAnAddress < 1) return "there is no place for anybody";
   if (settings.scene.views.empty() || settings.scene.views.size() > kMaxViews)
     return "a scene has 1 to " + std::to_string(kMaxViews) + " views, not " + std::to_string(settings.scene.views.size());
   if (settings.maxDepth < 1 || settings.maxDepth > kMaxDepth)
@@ -51,13 +48,31 @@ struct Server::State : std::enable_shared_from_this<State> {
     if (settings.onNote) settings.onNote(text);
   }
 
+  /// A connection that has not shown yet who it is.
+  struct Greeting {
+    Stream* stream;
+    TcpStream* tcp;  ///< as long as no byte has come: it can be told in the clear
+    std::string network;
+    TimePoint since;
+    bool madeRoom = false;
+  };
+
   Awaitable<void> acceptAll();
+  void makeRoomForGreeting(const TcpStream& newcomer);
   Awaitable<void> serve(uint64_t greeting, std::unique_ptr<TcpStream> tcp);
+  Awaitable<void> serveClient(std::unique_ptr<Stream> stream, const ClientHello& hello, const std::string& network);
+  Awaitable<void> tellFull(TcpStream& tcp);
+  /// Whether there is a place for one more client of `network`; another one may have to go for it.
+  bool makeRoomForClient(const std::string& network);
   Awaitable<std::unique_ptr<Stream>> secured(std::unique_ptr<TcpStream> tcp, TimePoint deadline);
   /// The hello of a client that may stay.
-  Awaitable<std::optional<ClientHello>> greet(Stream& stream, TimePoint deadline);
+  Awaitable<std::optional<ClientHello>> greet(Stream& stream, TimePoint deadline, const std::string& network);
   Awaitable<void> turnAway(Stream& stream, TimePoint deadline, Verdict verdict, std::string why);
+  Awaitable<void> turnAwayWrongToken(Stream& stream, TimePoint deadline);
+  Awaitable<void> tellVerdict(Stream& stream, TimePoint deadline, Verdict verdict);
   Awaitable<void> reply(Stream& stream, TimePoint deadline, ServerHello hello);
+  /// On any thread.
+  void answer(ClientId client, Outgoing outgoing);
   void begin();
   void end();
 
@@ -68,8 +83,9 @@ struct Server::State : std::enable_shared_from_this<State> {
   const Bytes sceneBytes;
   TlsStream::Context tls;
   RequestQueue queue;
-  std::map<ClientId, std::shared_ptr<Session>> sessions;
-  std::map<uint64_t, Stream*> greetings;  // to be aborted when the server stops
+  LoginLimiter logins;
+  std::map<ClientId, std::shared_ptr<ServerSession>> sessions;
+  std::map<uint64_t, Greeting> greetings;
   uint64_t lastGreeting = 0;
   ClientId lastClient = 0;
   bool isStopped = false;
@@ -77,117 +93,6 @@ struct Server::State : std::enable_shared_from_this<State> {
   std::mutex mutex;  // of the number of coroutines that still run
   std::condition_variable ended;
   size_t running = 0;
-};
-
-/// One client that has been let in.
-class Server::Session : public std::enable_shared_from_this<Session>, private FromClient {
- public:
-  Session(std::shared_ptr<State> server, ClientId id, std::unique_ptr<Stream> stream, uint16_t depth, uint64_t maxFrameBytes)
-      : server_(std::move(server)),
-        id_(id),
-        // Its first message comes a round trip after the welcome, of which nothing is known yet.
-        channel_(std::move(stream), server_->settings.patience + server_->settings.greetingPatience),
-        depth_(depth),
-        maxFrameBytes_(maxFrameBytes),
-        wake_(channel_.stream().executor()),
-        writerEnd_(channel_.stream().executor()) {}
-
-  /// Reads until the client leaves; throws what made it end otherwise.
-  Awaitable<void> read() { return readClient(channel_, *this); }
-
-  /// Writes until the session is closed; throws what made it end otherwise.
-  Awaitable<void> write() {
-    co_await channel_.write(server_->sceneBytes, "sending the scene");
-    TimePoint lastSaid = now();
-    while (!isClosed_) {
-      if (pong_) {
-        const Bytes message = beatMessage(MessageType::pong, *std::exchange(pong_, std::nullopt));
-        co_await channel_.write(message, "sending a heartbeat");
-      } else if (!outgoing_.empty()) {
-        const Outgoing next = std::move(outgoing_.front());
-        outgoing_.pop_front();
-        co_await send(next);
-        server_->queue.done(id_);
-      } else if (now() - lastSaid >= server_->settings.heartbeat) {
-        const Bytes message = beatMessage(MessageType::ping, ++pings_);
-        co_await channel_.write(message, "sending a heartbeat");
-      } else {
-        co_await wake_.waitUntil(lastSaid + server_->settings.heartbeat);
-        continue;
-      }
-      lastSaid = now();
-    }
-  }
-
-  void put(Outgoing outgoing) {
-    // No more than `depth` requests are given out for a client, so no more answers can wait here.
-    if (!isClosed_ && outgoing_.size() < depth_) outgoing_.push_back(std::move(outgoing));
-    wake_.wake();
-  }
-
-  /// Ends both coroutines; null if that was the client's wish.
-  void close(const std::exception_ptr& why) {
-    reason_.add(why);
-    isClosed_ = true;
-    channel_.stream().abort();
-    wake_.wake();
-  }
-  void writerBegins() { isWriting_ = true; }
-  void writerEnds(const std::exception_ptr& why) {
-    close(why);
-    isWriting_ = false;
-    writerEnd_.wake();
-  }
-  Awaitable<void> untilWriterEnds() {
-    while (isWriting_) co_await writerEnd_.waitUntil(now() + std::chrono::seconds(1));
-  }
-  /// Known when both have ended.
-  const Reason& reason() const { return reason_; }
-
- private:
-  TimePoint now() const { return server_->clock.now(); }
-
-  bool onRequest(const FrameRequest& request) override {
-    channel_.setPatience(server_->settings.patience);
-    return server_->queue.put(id_, request, now());
-  }
-  void onPing(uint64_t number) override {
-    channel_.setPatience(server_->settings.patience);
-    pong_ = number;  // of several, the last: the answers cannot pile up
-    wake_.wake();
-  }
-
-  Awaitable<void> send(const Outgoing& next) {
-    if (!next.frame) {
-      co_await channel_.write(next.bytes, "sending an answer");
-      co_return;
-    }
-    FrameHead head = *next.frame;
-    head.stages.sendMs = millisecondsBetween(next.readyAt, now());
-    const Bytes message = frameMessage(head, next.bytes.size());
-    if (message.size() - kMessageHeadBytes + next.bytes.size() > maxFrameBytes_) {
-      const Bytes failure = failureMessage({next.frame->id, "the frame has " + std::to_string(next.bytes.size()) +
-                                                                " bytes, more than this client takes"});
-      co_await channel_.write(failure, "sending an answer");
-      co_return;
-    }
-    co_await channel_.write(message, "sending a frame");
-    co_await channel_.write(next.bytes, "sending a frame");
-  }
-
-  const std::shared_ptr<State> server_;
-  const ClientId id_;
-  Channel channel_;
-  const uint16_t depth_;
-  const uint64_t maxFrameBytes_;
-  Signal wake_;  // the writer
-  Signal writerEnd_;
-  std::deque<Outgoing> outgoing_;
-  std::optional<uint64_t> pong_;
-  uint64_t pings_ = 0;
-  bool isClosed_ = false;
-  bool isWriting_ = false;
-  Reason reason_;
 };
 
 void Server::State::begin() {
@@ -203,6 +108,15 @@ void Server::State::end() {
   ended.notify_all();
 }
 
+void Server::State::answer(ClientId client, Outgoing outgoing) {
+  outgoing.queuedBytes = outgoing.bytes.size();
+  queue.finished(client, outgoing.queuedBytes);  // before it may be done
+  auto shared = std::make_shared<Outgoing>(std::move(outgoing));
+  asio::post(io, [self = shared_from_this(), client, shared] {
+    if (const auto found = self->sessions.find(client); found != self->sessions.end()) found->second->put(std::move(*shared));
+  });
+}
+
 Awaitable<void> Server::State::acceptAll() {
   while (!isStopped) {
     std::unique_ptr<TcpStream> tcp;
@@ -212,14 +126,14 @@ Awaitable<void> Server::State::acceptAll() {
       continue;  // closed, or nothing that would come again
     }
     if (isStopped) break;
-    if (greetings.size() >= settings.maxGreetings) {
-      note(tcp->peer() + " turned away: too many connections that have not shown who they are");
-      tcp->abort();
+    if (!logins.admits(tcp->peer(), clock.now())) {
+      tcp->abort();  // without a word: whoever has the right token tries again
       continue;
     }
+    makeRoomForGreeting(*tcp);
     // Known from here on, so that stop() finds it even before its coroutine has begun.
     const uint64_t greeting = ++lastGreeting;
-    greetings[greeting] = tcp.get();
+    greetings[greeting] = {tcp.get(), tcp.get(), tcp->network(), clock.now()};
     begin();
     asio::co_spawn(
         io, [self = shared_from_this(), greeting, shared = std::make_shared<std::unique_ptr<TcpStream>>(std::move(tcp))]() {
@@ -227,6 +141,42 @@ Awaitable<void> Server::State::acceptAll() {
         },
         [self = shared_from_this()](const std::exception_ptr&) { self->end(); });
   }
+}
+
+/// Those that stay silent go first, the oldest before the others: whoever has just come has had no time to say anything.
+void Server::State::makeRoomForGreeting(const TcpStream& newcomer) {
+  std::vector<Occupant> occupants;
+  for (const auto& [id, greeting] : greetings)
+    if (!greeting.madeRoom) occupants.push_back({id, greeting.network, greeting.since, greeting.tcp != nullptr, false});
+  const Admission admission = admit(occupants, newcomer.network(), settings.greetings, clock.now());
+  if (!admission.whoGoes) return;
+  Greeting& goes = greetings.at(*admission.whoGoes);
+  goes.madeRoom = true;
+  if (goes.tcp != nullptr)
+    goes.tcp->cancel();  // its coroutine tells it why
+  else
+    goes.stream->abort();
+}
+
+bool Server::State::makeRoomForClient(const std::string& network) {
+  std::vector<Occupant> occupants;
+  for (const auto& [id, session] : sessions)
+    if (!session->isClosed()) occupants.push_back({id, session->network(), session->lastOfUse(), false, session->isInUse()});
+  const Admission admission = admit(occupants, network, settings.clients, clock.now());
+  if (admission.whoGoes) sessions.at(*admission.whoGoes)->close(std::make_exception_ptr(std::runtime_error("idle for longest, it made room for another client")));
+  return admission.isPossible;
+}
+
+/// As much as can be said to somebody who has said nothing. Over TLS that is a fatal alert, "user canceled": RFC 8446, section 6.1.
+Awaitable<void> Server::State::tellFull(TcpStream& tcp) {
+  constexpr std::chrono::milliseconds kPatience{500};
+  constexpr std::array<uint8_t, 7> kAlert{21, 3, 3, 0, 2, 2, 90};
+  ServerHello full;
+  full.verdict = Verdict::full;
+  const Bytes hello = toBytes(full);
+  const TimePoint deadline = clock.now() + kPatience;
+  co_await withDeadline(tcp, deadline, "refusing", tcp.write(tls ? asio::buffer(kAlert) : asio::buffer(hello)));
+  co_await tcp.finish(deadline);
 }
 
 Awaitable<std::unique_ptr<Stream>> Server::State::secured(std::unique_ptr<TcpStream> tcp, TimePoint deadline) {
@@ -239,16 +189,25 @@ Awaitable<void> Server::State::reply(Stream& stream, TimePoint deadline, ServerH
   co_await withDeadline(stream, deadline, "answering the greeting", stream.write(asio::buffer(bytes)));
 }
 
-/// Says why, and sees to it that it arrives.
+Awaitable<void> Server::State::turnAwayWrongToken(Stream& stream, TimePoint deadline) {
+  if (const std::string line = logins.failed(stream.peer(), clock.now()); !line.empty()) note(line);
+  co_await tellVerdict(stream, deadline, Verdict::wrongToken);
+}
+
 Awaitable<void> Server::State::turnAway(Stream& stream, TimePoint deadline, Verdict verdict, std::string why) {
   note(stream.peer() + " turned away: " + why);
+  co_await tellVerdict(stream, deadline, verdict);
+}
+
+/// And sees to it that it arrives.
+Awaitable<void> Server::State::tellVerdict(Stream& stream, TimePoint deadline, Verdict verdict) {
   ServerHello answer;
   answer.verdict = verdict;
   co_await reply(stream, deadline, answer);
   co_await stream.finish(deadline);
 }
 
-Awaitable<std::optional<ClientHello>> Server::State::greet(Stream& stream, TimePoint deadline) {
+Awaitable<std::optional<ClientHello>> Server::State::greet(Stream& stream, TimePoint deadline, const std::string& network) {
   std::optional<ClientHello> hello;
   std::string foreign;
   try {
@@ -262,40 +221,66 @@ Awaitable<std::optional<ClientHello>> Server::State::greet(Stream& stream, TimeP
   else if (hello->version != kProtocolVersion)
     co_await turnAway(stream, deadline, Verdict::otherVersion, "version " + std::to_string(hello->version) + " of the protocol");
   else if (settings.token && !(hello->token && *hello->token == *settings.token))
-    co_await turnAway(stream, deadline, Verdict::wrongToken, "a wrong token");
-  else if (sessions.size() >= settings.maxClients)
+    co_await turnAwayWrongToken(stream, deadline);
+  else if (!makeRoomForClient(network))
     co_await turnAway(stream, deadline, Verdict::full, "no room for another client");
   else
     co_return hello;
   co_return std::nullopt;
 }
 
-Awaitable<void> Server::State::serve(uint64_t greeting, std::unique_ptr<TcpStream> tcp) {
-  const std::string peer = tcp->peer();
-  const TimePoint deadline = clock.now() + settings.greetingPatience;
+Awaitable<void> Server::State::serve(uint64_t id, std::unique_ptr<TcpStream> tcp) {
+  const std::string peer = tcp->peer(), network = tcp->network();
+  const TimePoint accepted = clock.now(), deadline = accepted + settings.greetingPatience;
   std::unique_ptr<Stream> stream;
   std::optional<ClientHello> hello;
   std::string trouble;
   try {
+    co_await withDeadline(*tcp, accepted + std::min(settings.firstBytePatience, settings.greetingPatience), "waiting for the first byte", tcp->waitReadable());
+    greetings.at(id).tcp = nullptr;
     stream = co_await secured(std::move(tcp), deadline);
-    greetings[greeting] = stream.get();
-    hello = co_await greet(*stream, deadline);
+    greetings.at(id).stream = stream.get();
+    hello = co_await greet(*stream, deadline, network);
   } catch (const std::exception& error) {
     trouble = error.what();
   }
-  greetings.erase(greeting);
+  const bool madeRoom = greetings.at(id).madeRoom;
+  greetings.erase(id);
+  if (madeRoom) trouble = "too many connections have not shown who they are";
   if (!trouble.empty()) note(peer + " turned away: " + trouble);
-  if (!hello || isStopped) co_return;
+  if (isStopped) co_return;
+  if (madeRoom && tcp) {
+    try {
+      co_await tellFull(*tcp);
+    } catch (const system_error&) {
+      // It is gone already.
+    }
+    co_return;
+  }
+  if (hello) co_await serveClient(std::move(stream), *hello, network);
+}
 
+Awaitable<void> Server::State::serveClient(std::unique_ptr<Stream> stream, const ClientHello& hello, const std::string& network) {
+  const std::string peer = stream->peer();
+  const TimePoint deadline = clock.now() + settings.greetingPatience;
+  if (settings.token) logins.succeeded(peer);
   ServerHello welcome;
-  welcome.capabilities = kCapabilities & hello->capabilities;
+  welcome.capabilities = kCapabilities & hello.capabilities;
   welcome.sessionId = ++lastClient;
-  welcome.depth = std::min(hello->depth, settings.maxDepth);
+  welcome.depth = std::min(hello.depth, settings.maxDepth);
   welcome.heartbeatMs = static_cast<uint32_t>(settings.heartbeat.count());
   welcome.patienceMs = static_cast<uint32_t>(settings.patience.count());
   const ClientId id = lastClient;
   Stream& kept = *stream;
-  auto session = std::make_shared<Session>(shared_from_this(), id, std::move(stream), welcome.depth, hello->maxFrameBytes);
+  auto session = std::make_shared<ServerSession>(std::move(stream), network,
+                                                 SessionSettings{.id = id,
+                                                                 .depth = welcome.depth,
+                                                                 .maxFrameBytes = hello.maxFrameBytes,
+                                                                 .capabilities = welcome.capabilities,
+                                                                 .heartbeat = settings.heartbeat,
+                                                                 .patience = settings.patience,
+                                                                 .firstMessagePatience = settings.patience + settings.greetingPatience},
+                                                 queue, sceneBytes);
   sessions[id] = session;
   queue.join(id, welcome.depth);
   note(peer + " connected");
@@ -344,7 +329,7 @@ void Server::stop() {
   io_->call([state = state_.get()] {
     state->isStopped = true;
     state->listener.close();
-    for (const auto& [id, stream] : state->greetings) stream->abort();
+    for (const auto& [id, greeting] : state->greetings) greeting.stream->abort();
     const auto why = std::make_exception_ptr(std::runtime_error("the server stopped"));
     for (const auto& [id, session] : std::map(state->sessions)) session->close(why);
   });
@@ -354,17 +339,23 @@ void Server::stop() {
 
 RequestQueue& Server::requests() { return state_->queue; }
 
-void Server::answer(ClientId client, const FrameHead& head, Bytes payload) {
-  auto outgoing = std::make_shared<Outgoing>(Outgoing{head, std::move(payload), io_->clock().now()});
-  asio::post(io_->context(), [state = state_, client, outgoing] {
-    if (const auto found = state->sessions.find(client); found != state->sessions.end()) found->second->put(std::move(*outgoing));
-  });
+void Server::answer(ClientId client, const FrameHead& head, Bytes payload, ByteBudget::SharePtr share) {
+  state_->answer(client, {.frame = head, .bytes = std::move(payload), .readyAt = io_->clock().now(), .share = std::move(share)});
 }
 
 void Server::answer(ClientId client, Failure failure) {
-  auto outgoing = std::make_shared<Outgoing>(Outgoing{std::nullopt, failureMessage(failure), io_->clock().now()});
-  asio::post(io_->context(), [state = state_, client, outgoing] {
-    if (const auto found = state->sessions.find(client); found != state->sessions.end()) found->second->put(std::move(*outgoing));
+  state_->answer(client, {.frame = {}, .bytes = failureMessage(failure), .readyAt = io_->clock().now()});
+}
+
+void Server::makeRoom() {
+  asio::post(io_->context(), [state = state_] {
+    ServerSession* slowest = nullptr;
+    for (const auto& [id, session] : state->sessions)
+      if (!session->isClosed() && session->longestWait() >= kLongestWait && (slowest == nullptr || session->waitingBytes() > slowest->waitingBytes()))
+        slowest = session.get();
+    if (slowest == nullptr) return;
+    const std::string bytes = std::to_string(slowest->waitingBytes());
+    slowest->close(std::make_exception_ptr(std::runtime_error("it reads too slowly: " + bytes + " bytes wait for it, and memory is short")));
   });
 }
 

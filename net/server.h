@@ -8,8 +8,10 @@
 #include <string>
 
 #include "net/address.h"
+#include "net/byte_budget.h"
 #include "net/certificate.h"
 #include "net/io_thread.h"
+#include "net/places.h"
 #include "net/request_queue.h"
 
 namespace warpscope::net {
@@ -19,9 +21,12 @@ struct ServerSettings {
   std::optional<Identity> identity{};  ///< with it TLS; without it only loopback is listened on
   std::optional<Token> token{};        ///< that clients have to show; with an identity, and only then
   SceneFields scene{};                 ///< with 1..kMaxViews views
-  size_t maxClients = 64;
-  size_t maxGreetings = 32;          ///< connections that have not shown yet who they are
+  /// Of clients. Beyond it the longest idle one goes, as long as there is one.
+  PlaceLimits clients{.most = 64, .mostOfAnAddress = 48, .leastIdleness = std::chrono::seconds(1)};
+  /// Of connections that have not shown yet who they are. Beyond it the oldest one goes, first of those that have said nothing.
+  PlaceLimits greetings{.most = 512, .mostOfAnAddress = 256};
   uint16_t maxDepth = kMaxDepth;     ///< 1..kMaxDepth
+  std::chrono::milliseconds firstBytePatience{3000};  ///< for a connection's first byte
   std::chrono::milliseconds greetingPatience{10000};  ///< for TLS and the greetings together; and for a round trip more until the first message
   std::chrono::milliseconds heartbeat{2000};
   std::chrono::milliseconds patience{10000};          ///< without any progress; longer than a heartbeat
@@ -39,18 +44,24 @@ class Server {
   /// Listens no more and ends all connections; returns when they have ended.
   void stop();
 
-  /// What clients ask for. Whoever takes a request answers it, by one of the two below, each client's in the order in which they were taken.
+  /// What clients ask for. Whoever takes a request answers it, by one of the two below.
   RequestQueue& requests();
-  /// Safe on any thread; nothing happens if the client is gone. `head.stages.sendMs` is filled in here.
-  void answer(ClientId client, const FrameHead& head, Bytes payload);
+  /// Safe on any thread; nothing happens if the client is gone. `head.stages.sendMs` is filled in here. A frame larger than the client takes
+  /// becomes a failure that says so. `share` is given back once the payload has been sent or dropped; may be null.
+  void answer(ClientId client, const FrameHead& head, Bytes payload, ByteBudget::SharePtr share = nullptr);
   void answer(ClientId client, Failure failure);
+
+  /// Memory is short: parts with the client for which most waits, of those that have let an answer wait for kLongestWait; nothing if there is
+  /// none. Safe on any thread.
+  void makeRoom();
+  /// An honest reader takes an answer within it, or has few bytes waiting.
+  static constexpr std::chrono::seconds kLongestWait{2};
 
   uint16_t port() const;
   /// What clients connect to, with the fingerprint and the token.
   Address address() const;
 
  private:
-  class Session;
   struct State;
   const std::shared_ptr<IoThread> io_;
   std::shared_ptr<State> state_;

@@ -76,11 +76,33 @@ tcp::endpoint listenOn(tcp::acceptor& acceptor, const tcp::endpoint& endpoint) {
 
 }  // namespace
 
+asio::ip::address networkOf(const asio::ip::address& address) {
+  if (address.is_v4()) return address;
+  const asio::ip::address_v6 whole = address.to_v6();
+  if (whole.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, whole);
+  asio::ip::address_v6::bytes_type bytes = whole.to_bytes();
+  std::fill(bytes.begin() + bytes.size() / 2, bytes.end(), static_cast<unsigned char>(0));
+  return asio::ip::address_v6(bytes);
+}
+
 TcpStream::TcpStream(tcp::socket socket) : socket_(std::move(socket)), readDone_(socket_.get_executor()) {
   setUp(socket_);
   error_code error;
   const tcp::endpoint remote = socket_.remote_endpoint(error);
   peer_ = error ? "a peer that is gone" : endpointText(remote);  // it may leave before anybody looks
+  if (!error) network_ = networkOf(remote.address()).to_string();
+}
+
+Awaitable<void> TcpStream::waitReadable() {
+  error_code error = asio::error::operation_aborted;
+  if (!isClosed_) co_await socket_.async_wait(tcp::socket::wait_read, into(error));
+  if (isClosed_) error = asio::error::operation_aborted;
+  if (error) throw system_error(error, "reading from " + peer_);
+}
+
+void TcpStream::cancel() noexcept {
+  error_code ignored;
+  socket_.cancel(ignored);
 }
 
 Awaitable<size_t> TcpStream::readSome(asio::mutable_buffer buffer) {

@@ -16,6 +16,10 @@ namespace warpscope::net {
 /// How long a peer may leave what was sent to it unacknowledged before the connection is given up.
 inline constexpr std::chrono::seconds kPeerTimeout{20};
 
+/// Who is counted as one: an address of IPv4, and of IPv6 the half that names a network, as whoever has one of its addresses has them all.
+/// RFC 4291, section 2.5.
+asio::ip::address networkOf(const asio::ip::address& address);
+
 class TcpStream final : public Stream {
  public:
   /// Takes a connected socket, and sets it up: no delay for small writes (Nagle), keep-alive, kPeerTimeout.
@@ -30,6 +34,13 @@ class TcpStream final : public Stream {
   asio::any_io_executor executor() override { return socket_.get_executor(); }
   const std::string& peer() const override { return peer_; }
 
+  /// Until there is something to read, an end included.
+  Awaitable<void> waitReadable();
+  /// Ends what waits, with operation_aborted; the stream goes on.
+  void cancel() noexcept;
+  /// The peer's networkOf, as a text.
+  const std::string& network() const { return network_; }
+
   bool isClosed() const { return isClosed_; }
   /// For what is built on top of it.
   asio::ip::tcp::socket& socket() { return socket_; }
@@ -38,7 +49,7 @@ class TcpStream final : public Stream {
   Awaitable<void> dropUntilEnd();
 
   asio::ip::tcp::socket socket_;
-  std::string peer_;
+  std::string peer_, network_;
   Timer readDone_;  // waited for by finish(), woken by the reader
   bool isReading_ = false;
   bool hasEnded_ = false;  // Asio reports an end once: a second read would wait for ever

@@ -58,6 +58,11 @@ bool isNoTls(const error_code& error) {
   }
 }
 
+/// A server's fatal "user canceled": it has no place for this connection. RFC 8446, section 6.1.
+bool isFull(const error_code& error) {
+  return error.category() == asio::error::get_ssl_category() && ERR_GET_REASON(static_cast<unsigned long>(error.value())) == SSL_R_TLSV1_ALERT_USER_CANCELLED;
+}
+
 }  // namespace
 
 FingerprintMismatch::FingerprintMismatch(const std::string& peer, const Fingerprint& expected, const Fingerprint& shown)
@@ -89,6 +94,7 @@ class TlsHandshake {
       if (watchdog.hasExpired()) throw DeadlineExceeded("TLS handshake with " + stream.peer());
     }
     if (!error) co_return;
+    if (isFull(error)) throw std::runtime_error(stream.peer() + " has no room for another connection");
     const std::string what = "TLS handshake with " + stream.peer();
     if (!isNoTls(error)) throw system_error(error, what);
     if (side == ssl::stream_base::server) co_await sayThatThisIsTls(stream, deadline);
@@ -161,7 +167,7 @@ Awaitable<std::unique_ptr<TlsStream>> openTls(std::unique_ptr<TcpStream> tcp, Fi
   std::exception_ptr failure;
   try {
     co_await TlsHandshake::shakeHands(*stream, ssl::stream_base::client, deadline);
-  } catch (const system_error&) {
+  } catch (const std::exception&) {
     failure = std::current_exception();
   }
   SSL_CTX_set_cert_verify_callback(context->native_handle(), nullptr, nullptr);

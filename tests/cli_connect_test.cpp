@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
 #include "net/certificate.h"
 #include "tests/running_server.h"
@@ -264,12 +265,100 @@ TEST_F(Serving, IdentitiesThatCannotBeKept) {
 
   fs::create_directory(folder_.path() / "warpscope");
   const std::string identity = folder_.file("warpscope/identity.pem");
+  refuse({"XDG_DATA_HOME=" + folder_.path().string()}, {folder_.file("warpscope"), "others can look into", "chmod 700"});
+  fs::permissions(folder_.path() / "warpscope", fs::perms::owner_all);
   net::loadOrMakeIdentity(folder_.path() / "warpscope");
   fs::permissions(identity, fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
   refuse({"XDG_DATA_HOME=" + folder_.path().string()}, {identity, "others can read"});
   fs::permissions(identity, fs::perms::owner_read | fs::perms::owner_write);
   std::ofstream(identity) << "no key";
   refuse({"XDG_DATA_HOME=" + folder_.path().string()}, {identity});
+}
+
+/// Where others see the command lines of all, an address with its token comes another way.
+TEST_F(Serving, AddressesNeedNotStandOnTheCommandLine) {
+  RunningServer server({"block", "--volume-size", "24x22x20", "--secure"});
+  const std::string url = server.url();
+  const Arguments shot{"shot", "--size", "40x30", "-o", "a.png"};
+  const auto with = [&](const Arguments& more) {
+    Arguments arguments = shot;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  const auto expectDrawn = [&](const ProgramResult& result) {
+    EXPECT_EQ(result.code, kSuccess) << result.err;
+    EXPECT_TRUE(fs::remove(folder_.path() / "a.png"));
+  };
+  succeed(with({"block", "--volume-size", "24x22x20"}));
+  const std::string local = folder_.read("a.png");
+
+  fs::permissions(folder_.write("url", "\n  " + url + "\r\n"), fs::perms::owner_read | fs::perms::owner_write);
+  const ProgramResult fromFile = run(with({"--url-file", "url"}));
+  EXPECT_THAT(fromFile.err, testing::Not(testing::HasSubstr("open to others")));
+  EXPECT_EQ(folder_.read("a.png"), local);
+  expectDrawn(fromFile);
+  expectDrawn(run(shot, {"WARPSCOPE_URL=" + url}));
+  const std::string line = "shot --size 40x30 -o a.png ";
+  folder_.write("input", url + "\nmore\n");
+  for (const std::string how : {"--connect -", "--url-file -"}) expectDrawn(runShell("\"$W\" " + line + how + " < input", folder_.path()));
+  expectDrawn(runShell("\"$W\" compare --size 40x30 --out out --connect - < input && mv out/montage.png a.png && rm -r out", folder_.path()));
+
+  // What is nearer to the command wins; two at once are none.
+  expectDrawn(run(with({"--connect", url}), {"WARPSCOPE_URL=warp://127.0.0.1:1"}));
+  expectDrawn(run(with({"--url-file", "url"}), {"WARPSCOPE_URL=warp://127.0.0.1:1"}));
+  expectDrawn(run(with({"block", "--volume-size", "24x22x20"}), {"WARPSCOPE_URL=warp://127.0.0.1:1"}));
+  expectRefused(with({"--connect", url, "--url-file", "url"}), kUsage, {"--connect and --url-file"});
+  expectRefused(with({"block", "--url-file", "url"}), kUsage, {"leave out a scene"});
+
+  fs::permissions(folder_.path() / "url", fs::perms::others_read, fs::perm_options::add);
+  const ProgramResult open = run(with({"--url-file", "url"}));
+  EXPECT_THAT(open.err, testing::HasSubstr("warning: url is open to others"));
+  EXPECT_THAT(open.err, testing::HasSubstr("chmod 600 url"));
+  expectDrawn(open);
+}
+
+TEST_F(Serving, FilesThatHoldNoAddress) {
+  folder_.write("empty", "\n");
+  folder_.write("wrong", "warps://host:1/#fp=" + kFingerprint + "&token=secret");
+  folder_.write("large", std::string(5000, 'x'));
+  ASSERT_EQ(mkfifo(folder_.file("pipe").c_str(), 0600), 0);
+  const std::pair<std::string, std::string> wrong[] = {
+      {"empty", "empty: holds no URL"}, {"wrong", "wrong: "},          {"large", "large: is too large"}, {"pipe", "pipe: is no regular file"},
+      {".", "is a directory"},            {"gone", "gone: there is no"}, {"-", "standard input: holds no URL"}};
+  for (const auto& [name, reason] : wrong) {
+    for (Arguments command : {Arguments{"shot", "-o", "a.png"}, {"compare", "--out", "out"}, {"view"}}) {
+      command.insert(command.end(), {"--url-file", name});
+      if (name != "wrong") expectRefused(command, kFailure, {reason});
+    }
+  }
+  fs::permissions(folder_.path() / "wrong", fs::perms::owner_read);
+  expectRefused({"shot", "-o", "a.png", "--url-file", "wrong"}, kFailure, {"wrong: ", "the token"});
+  const ProgramResult result = run({"shot", "-o", "a.png"}, {"WARPSCOPE_URL=http://host"});
+  EXPECT_EQ(result.code, kUsage);
+  EXPECT_THAT(result.err, testing::StartsWith("warpscope: WARPSCOPE_URL: "));
+}
+
+/// Silence, and a link so slow that nothing of what is asked comes in time: at any stage the time ends the command, and nothing is left.
+TEST_F(Serving, AShotWaitsNoLongerThanItIsTold) {
+  RunningServer plain(kSmallScene);
+  const OtherServer silence("");
+  const std::string slow = "delay=2000";
+  for (const auto& [url, more] : std::vector<std::pair<std::string, Arguments>>{
+           {"warp://" + silence.where(), {}},                              // no greeting
+           {plain.plainUrl(), {"--link", slow}},                            // a scene that is late
+           {plain.plainUrl(), {"--delay-ms", "1500"}},                                                         // a frame that is
+           {plain.plainUrl(), {"--technique", "reference", "--size", "8192x8192", "--step", "0.001"}}}) {  // a picture that takes long
+    Arguments arguments{"shot", "--connect", url, "-o", "a.png", "--timeout", "2.5"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto start = std::chrono::steady_clock::now();
+    expectRefused(arguments, kFailure, {url.substr(7), "within 2.5 s (--timeout)"});
+    const auto took = std::chrono::steady_clock::now() - start;
+    EXPECT_GE(took, milliseconds(2500));
+    EXPECT_LT(took, seconds(6));
+  }
+  succeed(shot(plain.plainUrl(), {"--timeout", "60"}));
+  for (const std::string timeout : {"0.9", "0", "-1", "nan", "inf", "1e9"}) expectRefused(shot(plain.plainUrl(), {"--timeout", timeout}), kUsage, {"--timeout"});
+  expectRefused({"shot", "-o", "b.png", "--timeout", "5"}, kUsage, {"--timeout", "--connect"});
 }
 
 }  // namespace

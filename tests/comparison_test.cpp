@@ -30,7 +30,8 @@ class CountingMarcher final : public Marcher {
   const VolumePtr& volume() const override { return marcher_->volume(); }
   Backend backend() const override { return marcher_->backend(); }
   MarcherCapabilities capabilities() const override { return marcher_->capabilities(); }
-  MarcherPtr twin() const override { return marcher_->twin(); }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr turns) const override { return marcher_->twin(std::move(turns)); }
 
   std::atomic<int> marches = 0, renders = 0;
 

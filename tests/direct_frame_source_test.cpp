@@ -39,7 +39,7 @@ class StubMarcher final : public Marcher {
   const VolumePtr& volume() const override { return volume_; }
   Backend backend() const override { return Backend::cpu; }
   MarcherCapabilities capabilities() const override { return {}; }
-  MarcherPtr twin() const override { return nullptr; }  // nobody asks
+  MarcherPtr twin(TurnsPtr) const override { return nullptr; }  // nobody asks
 
   std::vector<uint32_t> widths() const {
     const std::scoped_lock lock(mutex_);

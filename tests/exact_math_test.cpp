@@ -4,11 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
-#include <vector>
+
+#include "tests/opacities.h"
 
 namespace warpscope {
 namespace {
@@ -16,25 +18,6 @@ namespace {
 using Exact = boost::multiprecision::cpp_bin_float_100;
 
 constexpr uint32_t kSeed = 30;
-constexpr float kLeast = std::numeric_limits<float>::denorm_min();
-
-/// Opacities of every magnitude from both ends of (0, 1), the ends' neighbours, and where the reduction of the argument
-/// changes.
-std::vector<float> opacities(int random, std::mt19937& generator) {
-  std::vector<float> all{kLeast, std::numeric_limits<float>::min(), 1e-8f,          0.25f, 0.5f,
-                         0.75f,  std::nextafter(1.0f, 0.0f),        254.0f / 255.0f};
-  for (const float border :
-       {0.292893219f, 0.646446609f, 0.5f, 0.823223305f, 0x1p-24f, 0x1p-29f, 0x1p-30f, 0x1p-53f, 0x1p-54f})
-    for (const float toward : {0.0f, 1.0f}) all.push_back(std::nextafter(border, toward));
-  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  for (int i = 0; i < random; ++i) {
-    all.push_back(std::exp2(-149.0f * unit(generator)));
-    all.push_back(std::max(kLeast, 1.0f - std::exp2(-24.0f * unit(generator))));
-    all.push_back(std::max(kLeast, std::min(unit(generator), std::nextafter(1.0f, 0.0f))));
-  }
-  for (float& alpha : all) alpha = std::clamp(alpha, kLeast, std::nextafter(1.0f, 0.0f));
-  return all;
-}
 
 double relativeError(double value, const Exact& truth) {
   return static_cast<double>(abs((Exact(value) - truth) / truth));

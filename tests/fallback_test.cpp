@@ -39,7 +39,8 @@ class MadeUpMarcher final : public Marcher {
   MarcherCapabilities capabilities() const override {
     return {.pace = backend_ == Backend::cpu ? MarchPace::afterRest : MarchPace::followsCamera};
   }
-  MarcherPtr twin() const override { return std::make_shared<MadeUpMarcher>(backend_, device_.failsAt); }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr) const override { return std::make_shared<MadeUpMarcher>(backend_, device_.failsAt); }
 
  private:
   const Backend backend_;

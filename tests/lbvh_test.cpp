@@ -33,7 +33,7 @@ TEST(Lbvh, AFullStackIsReported) {
   const LbvhNode node{{box, box}, {1.0f, 1.0f}, {0, 0}};
   const Sphere sphere{glm::vec3(0.0f), 1.0f};
   const uint32_t id = 0;
-  EXPECT_TRUE(closestHit({&node, &sphere, &id, 2, 3.0f}, {{0.0f, 0.0f, 5.0f}, {0.0f, 0.0f, -1.0f}}).overflow);
+  EXPECT_TRUE(closestHit(LbvhView{&node, &sphere, &id, 2, 3.0f}, {{0.0f, 0.0f, 5.0f}, {0.0f, 0.0f, -1.0f}}).overflow);
 }
 
 TEST(Lbvh, CancelledTracingThrows) {

@@ -35,6 +35,21 @@ TEST(Picture, WhatIsWrittenIsReadBack) {
   EXPECT_LT(encodePng(Image<Rgba8>(1024, 1024, 0xff112233u)).size(), 100'000u) << "flat pictures are small";
 }
 
+TEST(Picture, APictureWithoutSamplesIsShownAsAWarpedOneThatIsCovered) {
+  WarpedImage image;
+  image.color.resize(70, 41);
+  for (size_t i = 0; i < image.color.size(); ++i) {
+    const float alpha = static_cast<float>(i % 11) / 10.0f;
+    image.color[i] = {alpha * static_cast<float>(i % 7) / 6.0f, 0.5f * alpha, 0.25f * alpha, alpha};
+  }
+  image.samples.resize(70, 41, kNotASample);
+  const glm::vec3 background(0.1f, 0.4f, 0.9f);
+  const Image<Rgba8> shown = toScreen(image.color, background);
+  EXPECT_TRUE(shown == toScreen(image, background));
+  EXPECT_TRUE(shown == toScreen(image, background, 0xff00ffffu)) << "every pixel is covered";
+  EXPECT_FALSE(shown == toScreen(image.color, glm::vec3(0.0f)));
+}
+
 TEST(Picture, EncodingCanBeStoppedAndRefusesNothing) {
   std::stop_source source;
   source.request_stop();

@@ -18,6 +18,10 @@ class RealData {
       whyMissing_ = "set WARPSCOPE_DATA to the folder that holds " + name;
     else if (std::error_code ignored; !std::filesystem::exists(path_, ignored))
       whyMissing_ = path_.string() + " is not there; set WARPSCOPE_DATA to the folder that holds it";
+#if !WARPSCOPE_WITH_ITK
+    else if (!name.ends_with(".raw"))
+      whyMissing_ = "this build reads raw volumes only";
+#endif
   }
 
   const std::filesystem::path& path() const { return path_; }

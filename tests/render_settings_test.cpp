@@ -42,7 +42,8 @@ class LoggingMarcher final : public Marcher {
   const VolumePtr& volume() const override { return marcher_->volume(); }
   Backend backend() const override { return marcher_->backend(); }
   MarcherCapabilities capabilities() const override { return marcher_->capabilities(); }
-  MarcherPtr twin() const override { return std::make_shared<LoggingMarcher>(marcher_->twin(), log_); }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<LoggingMarcher>(marcher_->twin(std::move(turns)), log_); }
 
  private:
   const MarcherPtr marcher_;

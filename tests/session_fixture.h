@@ -45,7 +45,8 @@ class FaultyMarcher final : public Marcher {
       return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
     return sound_->capabilities();
   }
-  MarcherPtr twin() const override { return std::make_shared<FaultyMarcher>(sound_->twin(), faults_); }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<FaultyMarcher>(sound_->twin(std::move(turns)), faults_); }
 
  private:
   MarcherPtr sound_;

@@ -53,6 +53,14 @@ inline std::vector<Sphere> makeCloud(CloudShape shape, size_t count, float scale
   return cloud;
 }
 
+/// Enough for several blocks of a sort, with duplicates among them: ties have to be decided. Within 10 of the origin.
+inline std::vector<Sphere> makeCloudOfTies() {
+  auto cloud = makeCloud(CloudShape::duplicate, 100'000, 10.0f, 53);
+  const auto more = makeCloud(CloudShape::clustered, 100'000, 10.0f, 54);
+  cloud.insert(cloud.end(), more.begin(), more.end());
+  return cloud;
+}
+
 /// A camera at `distance` from the origin, which it looks at, `angleDeg` about the vertical axis and 20 degrees above
 /// the horizon.
 inline Camera orbitCamera(float distance, float angleDeg, uint32_t width, uint32_t height) {

@@ -4,7 +4,6 @@
 #include "render/warp/splats/splat_tracer.h"
 
 #include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "render/base/error.h"
 #include "render/warp/splats/screen_bins.h"
 #include "tests/sphere_clouds.h"
+#include "tests/stability/cloud_cases.h"
 #include "tests/traced_picture.h"
 
 namespace warpscope {
@@ -43,20 +43,15 @@ Camera inside(uint32_t width, uint32_t height) {
   return camera;
 }
 
-RC_GTEST_PROP(SplatTracer, EqualsTheOthersOnAllClouds, (uint32_t seed)) {
-  std::mt19937 random(seed);
-  const CloudShape shape = kCloudShapes[random() % kCloudShapes.size()];
-  const float scale = std::pow(10.0f, std::uniform_real_distribution<float>(-4.0f, 4.0f)(random));
-  auto cloud = makeCloud(shape, 1 + random() % 300, scale, seed);
-  // From points to spheres that hold most of the cloud.
-  const float size = std::pow(10.0f, std::uniform_real_distribution<float>(-3.0f, 1.5f)(random));
-  for (Sphere& sphere : cloud) sphere.radius *= random() % 4 == 0 ? size : 1.0f;
-  const float distance = scale * std::uniform_real_distribution<float>(0.0f, 20.0f)(random);
-  Camera camera = orbitCamera(distance, static_cast<float>(random() % 360), 1 + random() % 150, 1 + random() % 140);
-  camera.tanHalfFovY = std::min(0.8f, 1.5f * scale / std::max(distance, 0.1f * scale));
-  if (seed % 2 == 0) camera.right = -camera.right;  // a left-handed volume
-  expectSameAs(cloud, camera);
-  RC_ASSERT(!testing::Test::HasFailure());
+TEST(SplatTracer, EqualsTheOthersOnAllClouds) {
+  checkProperty([] {
+    const CloudCase c = *rc::gen::resize(rc::kNominalSize, anyCloudCase({150, 140}));  // large from the first on
+    // From points to spheres that hold most of the cloud.
+    const float size = *anyPositive(-10, 4);
+    auto cloud = c.cloud();
+    for (size_t i = 0; i < cloud.size(); i += 4) cloud[i].radius *= size;
+    expectSameAs(cloud, c.camera);
+  });
 }
 
 TEST(SplatTracer, HoldsNoneOneAndTwoSpheres) {
@@ -136,9 +131,7 @@ TEST(SplatTracer, ManySpheresThatCoverMuchEach) {
 }
 
 TEST(SplatTracer, IsTheSameForAnyNumberOfThreads) {
-  auto cloud = makeCloud(CloudShape::duplicate, 100'000, 10.0f, 53);
-  const auto more = makeCloud(CloudShape::clustered, 100'000, 10.0f, 54);
-  cloud.insert(cloud.end(), more.begin(), more.end());
+  const std::vector<Sphere> cloud = makeCloudOfTies();
   const Camera camera = orbitCamera(15.0f, 33.0f, 328, 296);
   TracedPicture expected;
   for (const size_t threads : {1, 2, 7}) {

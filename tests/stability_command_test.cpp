@@ -14,6 +14,7 @@
 #include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "tests/marcher_cases.h"
+#include "tests/ssim_truth.h"
 #include "tests/test_volumes.h"
 
 namespace warpscope {
@@ -89,6 +90,8 @@ TEST(TextbookSsim, IsTheSameNumberWhereNothingIsHard) {
       b(x, y) = a(x, y) + 0.1f * std::cos(1.3f * static_cast<float>(y));
     }
   const double exact = exactSsim(a, b);
+  const Levels levelsA(a.begin(), a.end()), levelsB(b.begin(), b.end());
+  EXPECT_NEAR(exact, static_cast<double>(ssimTruth(levelsA, levelsB, 40)), 1e-12);
   EXPECT_LT(exact, 0.99);
   EXPECT_NEAR(textbookSsim({a, a, a}, {b, b, b}), exact, 1e-5);
   EXPECT_NEAR(exactSsim(a, a), 1.0, 1e-14);

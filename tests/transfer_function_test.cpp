@@ -1,5 +1,5 @@
 // Opacity correction's ends, repeated points as steps. Opacities of all magnitudes: stability/marching_test.cpp.
-// The table that is baked: stability/classification_test.cpp.
+// The table that is baked: stability/transfer_table_test.cpp.
 // Mirrors render/core/transfer_function.h.
 #include "render/core/transfer_function.h"
 

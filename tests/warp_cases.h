@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "render/metrics/holes.h"
 #include "tests/frame_samples.h"
 #include "tests/headless.h"
 
@@ -41,6 +44,36 @@ inline void expectExactly(const WarpedImage& image, const Image<uint32_t>& expec
 inline size_t coveredPixels(const WarpedImage& image) {
   return static_cast<size_t>(
       std::count_if(image.samples.begin(), image.samples.end(), [](uint32_t id) { return id != kNoSample; }));
+}
+
+/// Fails unless the holes of each technique's pictures grow as the camera turns away from the frame's, are counted as
+/// the march says, and are left clear.
+inline void expectHolesGrowAndStayClear(const Stage& stage,
+                                        const std::vector<std::pair<std::string, WarpSettings>>& techniques) {
+  const SampleFramePtr frame = stage.frame(stage.camera(300, 300), stage.scene().march);
+  for (const auto& [name, settings] : techniques) {
+    double before = -1.0;
+    for (const double turn : {0.0, 10.0, 30.0, 60.0}) {
+      SCOPED_TRACE(name + " " + std::to_string(turn));
+      const Camera turned = stage.camera(300, 300, turn);
+      Image<glm::vec4> reference;
+      stage.marcher().render(turned, stage.scene().march.render, reference);
+      const WarpedImage image = stage.draw(name, frame, turned, settings);
+      const HoleCount count = countHoles(image, reference);
+      size_t holes = 0, background = 0;
+      for (size_t i = 0; i < reference.size(); ++i) {
+        if (image.samples[i] != kNoSample) continue;
+        ASSERT_EQ(image.color[i], glm::vec4(0.0f)) << "an uncovered pixel has a colour";
+        (reference[i].a >= 1.0f / 255.0f ? holes : background) += 1;
+      }
+      EXPECT_EQ(count.holes, holes);
+      EXPECT_GT(background, 1000u);
+      EXPECT_GT(count.fraction(), before) << "holes grow with the angle";
+      before = turn == 0.0 ? count.fraction() - 1e-9 : count.fraction();
+      EXPECT_TRUE(turn != 60.0 || count.fraction() > 0.05) << count.fraction();
+      EXPECT_TRUE(turn != 0.0 || count.fraction() < 0.02) << count.fraction();
+    }
+  }
 }
 
 /// A camera at `z`, looking along -z.

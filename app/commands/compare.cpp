@@ -122,7 +122,7 @@ void printTable(const Comparison& comparison, const Scene& scene) {
       table += padded(text, kCell);
     }
   }
-  std::fputs((table + "\n             (per view: PSNR, holes, ms a picture)\n").c_str(), stderr);
+  printLines(table + "\n             (per view: PSNR, holes, ms a picture)\n");
 }
 
 /// The question of Zellmann 2020, figure 3: do spheres beat points, and by how much?
@@ -210,12 +210,18 @@ void addCompareCommand(CLI::App& program, std::function<void()>& chosen) {
   addTransportOptions(*command, options->transport);
   command->add_option("--out", options->out, "Folder to write to")->required();
   command->add_option("--cell", options->cellWidth, "Width of a picture in the montage, in pixels")->capture_default_str();
-  command->callback([options, &chosen] { chosen = [options] { compare(*options); }; });
+  command->callback([options, &chosen] {
+    chosen = [options] {
+      completeConnect(options->transport, namesScene(options->common));
+      compare(*options);
+    };
+  });
 }
 
 void compareDefaultScene(const std::filesystem::path& out) {
   CompareOptions options;
   options.out = out.string();
+  completeConnect(options.transport, false);
   compare(options);
 }
 

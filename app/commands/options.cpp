@@ -214,14 +214,26 @@ FrameFetch CommandContext::fetch() const {
   return source ? fetchFrom(source, sayBusy) : fetchHere(marcher(), transport.codec);
 }
 
-void requireNoSceneOf(const CommonOptions& options) {
+namespace {
+
+/// What says something about a scene that is opened here; null if nothing does.
+const char* givenOfScene(const CommonOptions& options) {
   const std::pair<const char*, bool> given[] = {{"a scene", options.scene.has_value()},
                                                 {"--volume", !options.volume.empty()},
                                                 {"--volume-size", !options.volumeSize.empty()},
                                                 {"--seed", options.seed.has_value()},
                                                 {"--tf", !options.transferFunction.empty()}};
   for (const auto& [name, isGiven] : given)
-    if (isGiven) throw UsageError(std::string("--connect shows the server's scene: leave out ") + name);
+    if (isGiven) return name;
+  return nullptr;
+}
+
+}  // namespace
+
+bool namesScene(const CommonOptions& options) { return givenOfScene(options) != nullptr; }
+
+void requireNoSceneOf(const CommonOptions& options) {
+  if (const char* const name = givenOfScene(options)) throw UsageError(std::string("--connect shows the server's scene: leave out ") + name);
 }
 
 void logFrame(const SampleFrame& frame) {

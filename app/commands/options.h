@@ -89,6 +89,8 @@ CommandContext prepare(const CommonOptions& options, const std::stop_token& stop
 /// As above, but the scene may be a server's. Throws InputError with the reason if that cannot be had.
 CommandContext prepare(const CommonOptions& options, const TransportOptions& transport, const std::stop_token& stop);
 
+/// Whether an option asks for something about a scene that is opened here.
+bool namesScene(const CommonOptions& options);
 /// Throws UsageError if an option asks for something about a scene that is a server's.
 void requireNoSceneOf(const CommonOptions& options);
 

@@ -5,12 +5,15 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <new>
 
 #include "app/commands/options.h"
+#include "app/shell/log.h"
 #include "app/ui/run_window.h"
+#include "render/base/abandonable.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
 
@@ -21,10 +24,8 @@ constexpr int kFailure = 1;
 constexpr int kUsage = 2;
 
 /// One line, whatever a file's name brings with it.
-int complain(std::string text, int code) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < ' ') c = ' ';
-  std::cerr << "warpscope: " << text << '\n';
+int complain(const std::string& text, int code) {
+  printLine("warpscope: " + text);
   return code;
 }
 
@@ -112,17 +113,13 @@ int run(int argc, char** argv) {
   try {
     viewDefaultScene();
   } catch (const NoDisplay&) {
-    std::cerr << "warpscope: no display here, so compare runs on the default scene into ./out\n";
+    printLine("warpscope: no display here, so compare runs on the default scene into ./out");
     compareDefaultScene("out");
   }
   return 0;
 }
 
-}  // namespace
-
-int runProgram(int argc, char** argv) {
-  failInsteadOfDying();
-  shareOpenGlDispatch();
+int runToExitCode(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const UsageError& error) {
@@ -134,6 +131,19 @@ int runProgram(int argc, char** argv) {
   } catch (const std::exception& error) {
     return complain(error.what(), kFailure);
   }
+}
+
+}  // namespace
+
+int runProgram(int argc, char** argv) {
+  failInsteadOfDying();
+  shareOpenGlDispatch();
+  const int code = runToExitCode(argc, argv);
+  if (!isAnythingAbandoned()) return code;
+  // A reader that was left alone still uses what would be torn down now.
+  std::cout.flush();
+  std::fflush(nullptr);
+  std::_Exit(code);
 }
 
 }  // namespace warpscope

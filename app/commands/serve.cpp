@@ -1,6 +1,9 @@
 // `serve`: a scene's frames for clients elsewhere, without a window.
 // Loopback alone unless there are a certificate and a token; what is printed holds both, and is all that a client needs.
+#include <sys/resource.h>
+
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <condition_variable>
 #include <cstdlib>
 #include <filesystem>
@@ -29,6 +32,8 @@ struct ServeOptions {
   std::string listen = "127.0.0.1:4711";
   std::string portFile;
   bool isSecure = false;
+  double workSeconds = std::chrono::duration<double>(ServeLimits{}.work).count();
+  double memoryMiB = static_cast<double>(ServeLimits{}.memoryBytes >> 20);
 };
 
 /// Where the server's identity is kept. XDG Base Directory Specification.
@@ -47,6 +52,21 @@ std::string hostFor(const std::string& listened) {
   char name[256] = "";
   if (gethostname(name, sizeof name - 1) != 0 || *name == '\0') return "localhost";
   return name;
+}
+
+/// As many connections as there may be need descriptors; systems begin with a limit that is far below what they allow.
+void raiseFileLimit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= limit.rlim_max) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);  // without it, the server waits for descriptors where they are short
+}
+
+ServeLimits limitsFrom(const ServeOptions& options) {
+  ServeLimits limits;
+  limits.work = std::chrono::nanoseconds(std::llround(options.workSeconds * 1e9));
+  limits.memoryBytes = static_cast<size_t>(options.memoryMiB * (1 << 20));
+  return limits;
 }
 
 void waitForEnd(const std::stop_token& stop) {
@@ -78,8 +98,10 @@ void serve(const ServeOptions& options) {
   if (!options.portFile.empty()) requireWritable(options.portFile);
   net::ServerSettings settings = settingsFor(options, listen);
   const CommandContext work = prepare(options.common, interrupt.token());
+  raiseFileLimit();
   const auto io = std::make_shared<net::IoThread>();
-  FrameServer server(io, work.scene, makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), std::move(settings));
+  FrameServer server(io, work.scene, makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), std::move(settings),
+                     limitsFrom(options));
 
   net::Address address = server.address();
   address.where.host = hostFor(address.where.host);
@@ -105,6 +127,11 @@ void addServeCommand(CLI::App& program, std::function<void()>& chosen) {
       ->capture_default_str();
   command->add_option("--port-file", options->portFile, "File to write the port to once clients can connect");
   command->add_flag("--secure", options->isSecure, "TLS and a token also on loopback");
+  command->add_option("--work-limit", options->workSeconds, "Seconds of marching that a request may take")
+      ->check(CLI::Range(0.01, 1e6))
+      ->capture_default_str();
+  command->add_option("--memory-limit", options->memoryMiB, "MiB of memory for all frames that are made or sent; one gets at most a 16th of it. By itself half of the machine's, at most 8192")
+      ->check(CLI::Range(64.0, 1e7));
   command->callback([options, &chosen] { chosen = [options] { serve(*options); }; });
 }
 

@@ -19,6 +19,7 @@
 #include "app/shell/log.h"
 #include "app/shell/output_files.h"
 #include "app/shell/progress.h"
+#include "app/shell/time_limit.h"
 #include "render/base/error.h"
 #include "render/base/range.h"
 #include "render/codec/codec.h"
@@ -34,7 +35,7 @@ struct ShotOptions {
   double viewAngleDeg = 0.0;
   std::string out;
   std::string front;
-  std::optional<double> budgetMs;
+  std::optional<double> budgetMs, timeoutS;
 };
 
 constexpr std::string_view kAuto = "auto";
@@ -66,6 +67,7 @@ std::string encode(const WarpedImage& image, PictureFormat format, const Command
 }
 
 constexpr Range kViewAngleDegRange{-360.0, 360.0};
+constexpr Range kTimeoutSRange{1.0, 86400.0};
 
 /// What `auto` may choose: what was asked for stays.
 bool isAllowed(const Configuration& configuration, uint32_t sidePx, const CommandContext& work) {
@@ -115,7 +117,8 @@ AutoChoice::Choice chooseFor(const ShotOptions& options, CommandContext& work, H
   return *choice;
 }
 
-void shoot(const ShotOptions& options) {
+/// `limit`: of all that is had from a server.
+void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& limit) {
   requireRange(options.viewAngleDeg, kViewAngleDegRange, "--view-angle");
   const PictureFormat format = formatOf(options.out);
   const bool isAutomatic = options.technique == kAuto;
@@ -125,8 +128,7 @@ void shoot(const ShotOptions& options) {
   if (options.budgetMs) requireRange(*options.budgetMs, kBudgetMsRange, "--budget-ms");
   if (isAutomatic && options.front.empty() && !options.transport.connect.empty())
     throw UsageError("--technique auto measures its choices where the volume is: with --connect, give --front with the sweep.json of a sweep");
-  const Interrupt interrupt;
-  CommandContext work = prepare(options.common, options.transport, interrupt.token());
+  CommandContext work = prepare(options.common, options.transport, limit.token());
   requireWritable(options.out);
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
   std::optional<AutoChoice::Choice> choice;
@@ -146,13 +148,15 @@ void shoot(const ShotOptions& options) {
   ServedFrame served;
   if (descriptor.usesFrame) {
     progress->step("the server's frame");
-    served = work.fetch()(serverCamera, work.march, interrupt.token());
+    served = work.fetch()(serverCamera, work.march, limit.token());
   }
   const SampleFramePtr& frame = served.frame;
+  if (frame) limit.lift();  // what draws without a frame asks the server for the picture
   progress->step(std::string(descriptor.name));
-  warp->setFrame(frame, work.warp, interrupt.token());
+  warp->setFrame(frame, work.warp, limit.token());
   WarpedImage image;
-  warp->draw(camera, work.warp, image, interrupt.token());
+  warp->draw(camera, work.warp, image, limit.token());
+  limit.lift();
   if (frame) logFrame(*frame);
   logDetail("drew " + std::to_string(work.width) + "x" + std::to_string(work.height) + " pixels with " + std::string(descriptor.name));
   progress->step("the file");
@@ -176,6 +180,23 @@ void shoot(const ShotOptions& options) {
   }
 }
 
+void shootInTime(const ShotOptions& options) {
+  if (options.timeoutS) {
+    requireRange(*options.timeoutS, kTimeoutSRange, "--timeout");
+    if (options.transport.connect.empty())
+      throw UsageError("--timeout is about waiting for a server, and frames are made here: add --connect URL, or leave it out");
+  }
+  const Interrupt interrupt;
+  TimeLimit limit(options.timeoutS ? std::optional(std::chrono::duration<double>(*options.timeoutS)) : std::nullopt, interrupt.token());
+  try {
+    shoot(options, interrupt, limit);
+  } catch (const OperationCancelled&) {
+    if (!limit.isOver() || interrupt.token().stop_requested()) throw;
+    throw InputError(net::toString(serverOf(options.transport)->where) + " has not answered all that was asked within " + numberText(*options.timeoutS) +
+                     " s (--timeout); nothing was written");
+  }
+}
+
 }  // namespace
 
 void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
@@ -189,8 +210,15 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--view-angle", options->viewAngleDeg,
                       "Degrees that the camera turns about the vertical axis, " + rangeText(kViewAngleDegRange))
       ->capture_default_str();
+  command->add_option("--timeout", options->timeoutS,
+                      "Seconds that all answers of a server may take together, " + rangeText(kTimeoutSRange) + "; default: as long as it is there");
   command->add_option("-o,--out", options->out, "PNG or JPEG file to write, as its ending says: .png or .jpg")->required();
-  command->callback([options, &chosen] { chosen = [options] { shoot(*options); }; });
+  command->callback([options, &chosen] {
+    chosen = [options] {
+      completeConnect(options->transport, namesScene(options->common));
+      shootInTime(*options);
+    };
+  });
 }
 
 }  // namespace warpscope

@@ -35,19 +35,10 @@ Json toJson(const StabilityForm& form) {
   return {{"worst", form.worst}, {"wrongShare", form.wrongShare}, {"drawMs", form.time.medianMs}, {"drawSpreadMs", form.time.spreadMs}};
 }
 
-std::string_view nameOf(StabilitySubject subject) {
-  switch (subject) {
-    case StabilitySubject::march: return "march";
-    case StabilitySubject::spheres: return "spheres";
-    case StabilitySubject::similarity: return "similarity";
-  }
-  return "";
-}
-
 Json toJson(const StabilityResult& result) {
   const StabilityCase& what = *result.what;
   return {{"case", what.name},
-          {"subject", nameOf(what.subject)},
+          {"subject", wordsOf(what.subject).name},
           {"scene", what.scene.empty() ? Json(nullptr) : Json(what.scene)},
           {"backend", nameOf(result.backend)},
           {"width", what.sidePx},
@@ -75,10 +66,7 @@ std::string pictureName(const StabilityResult& result, std::string_view form) {
 void writePictures(StagedFolder& out, const StabilityResult& result, const std::stop_token& stop) {
   const auto write = [&](std::string_view form, const Image<glm::vec4>& picture) {
     if (picture.size() == 0) return;
-    WarpedImage image;
-    image.color = picture;
-    image.samples.resize(picture.width(), picture.height(), kNotASample);
-    out.write(pictureName(result, form), encodePng(toScreen(image, result.background), stop));
+    out.write(pictureName(result, form), encodePng(toScreen(picture, result.background), stop));
   };
   write("exact", result.exact);
   write("stable", result.stable.picture);
@@ -116,8 +104,9 @@ void runStabilityCommand(const StabilityOptions& options) {
   std::string machine = "warpscope " WARPSCOPE_VERSION;
   Json devices = Json::array();
   for (const Backend backend : settings.backends) {
-    devices.push_back(deviceText(backend));
-    machine += "; " + deviceText(backend);
+    const std::string device = deviceText(backend);
+    devices.push_back(device);
+    machine += "; " + device;
   }
   const Json report{{"version", WARPSCOPE_VERSION}, {"devices", devices}, {"runs", options.runs}, {"cases", rows}};
   out.write("stability.html", stabilityPage(results, machine));

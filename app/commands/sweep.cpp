@@ -138,7 +138,7 @@ void sweep(const SweepOptions& options) {
   if (options.common.json)
     std::cout << textOf(document);
   else if (!options.common.quiet) {
-    std::fputs(report.findings.answer.c_str(), stderr);
+    printLines(report.findings.answer);
     logResult("wrote sweep.csv, sweep.json and report.html to " + options.out);
   }
 }

@@ -2,10 +2,16 @@
 // See transport_options.h.
 #include "app/commands/transport_options.h"
 
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
 #include "app/commands/choose.h"
 #include "app/frames/transport_knobs.h"
 #include "app/scene/knob_json.h"
+#include "app/shell/log.h"
 #include "render/base/error.h"
+#include "render/base/input_file.h"
 #include "render/base/range.h"
 
 namespace warpscope {
@@ -22,6 +28,29 @@ std::string linkHelp() {
          "it is for one direction. " + keys;
 }
 
+constexpr const char* kUrlVariable = "WARPSCOPE_URL";
+constexpr size_t kLongestUrl = 4096;
+
+std::string trimmed(const std::string& text) {
+  constexpr const char* kBlanks = " \t\r\n";
+  const size_t first = text.find_first_not_of(kBlanks);
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
+}
+
+std::string firstLineOfInput() {
+  std::string line;
+  for (int c; line.size() <= kLongestUrl && (c = std::getchar()) != EOF && c != '\n';) line += static_cast<char>(c);
+  if (line.size() > kLongestUrl) throw InputError("standard input: its first line is too long for the URL of a server");
+  return trimmed(line);
+}
+
+void warnOfOthers(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto others = std::filesystem::perms::group_all | std::filesystem::perms::others_all;
+  if (const auto status = std::filesystem::status(file, error); !error && (status.permissions() & others) != std::filesystem::perms::none)
+    logWarning(file.string() + " is open to others, who can see the server's pictures with what it holds; close it with: chmod 600 " + file.string());
+}
+
 }  // namespace
 
 TransportOptions transportOfKeptPictures() {
@@ -31,13 +60,35 @@ TransportOptions transportOfKeptPictures() {
 }
 
 void addTransportOptions(CLI::App& command, TransportOptions& options) {
-  command.add_option("--connect", options.connect, "URL of a server, as `warpscope serve` prints it: frames come from there");
+  command.add_option("--connect", options.connect, "URL of a server, as `warpscope serve` prints it: frames come from there; - reads it from standard input");
+  command.add_option("--url-file", options.urlFile,
+                     "File that holds such a URL, which then stands on no command line; without either and without a scene: WARPSCOPE_URL in the environment");
   const auto add = [&](const std::string& name, auto& value, const std::string& description) {
     return command.add_option(name, value, description)->each([&options, name](const std::string&) { options.givenOfLink = name; });
   };
   add("--link", options.link, linkHelp());
   add("--delay-ms", options.delayMs, "Round trip to the server in milliseconds, in place of --link");
   for (const auto& row : transportKnobs()) options.knobs.add(command, *row.knob, textOf(*row.knob, row.get(options.otherwise)));
+}
+
+void completeConnect(TransportOptions& options, bool namesScene) {
+  if (!options.connect.empty() && !options.urlFile.empty()) throw UsageError("--connect and --url-file say the same: give one of them");
+  const char* const given = std::getenv(kUrlVariable);
+  if (options.connect == "-" || options.urlFile == "-") {
+    options.urlFrom = "standard input";
+    options.connect = firstLineOfInput();
+  } else if (!options.urlFile.empty()) {
+    options.urlFrom = options.urlFile;
+    options.connect = trimmed(readInputFile(options.urlFile, kLongestUrl, "the URL of a server"));
+  } else if (options.connect.empty() && !namesScene && given != nullptr) {
+    options.urlFrom = kUrlVariable;
+    options.connect = given;
+    return;
+  } else {
+    return;
+  }
+  if (options.connect.empty()) throw InputError(options.urlFrom + ": holds no URL of a server, as `warpscope serve` prints it");
+  if (options.urlFrom == options.urlFile) warnOfOthers(options.urlFile);
 }
 
 TransportSettings transportOf(const TransportOptions& options) {
@@ -81,7 +132,9 @@ std::optional<net::Address> serverOf(const TransportOptions& options) {
   try {
     return net::parseAddress(options.connect);
   } catch (const net::AddressError& error) {
-    throw UsageError(std::string("--connect: ") + error.what());
+    const std::string reason = options.urlFrom + ": " + error.what();
+    if (options.urlFrom == kUrlVariable || options.urlFrom == "--connect") throw UsageError(reason);
+    throw InputError(reason);
   }
 }
 

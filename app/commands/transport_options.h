@@ -15,7 +15,8 @@ namespace warpscope {
 
 /// As typed; checked by the functions below.
 struct TransportOptions {
-  std::string connect;
+  std::string connect, urlFile;
+  std::string urlFrom = "--connect";  ///< what `connect` came from: see completeConnect
   std::string link;
   std::optional<double> delayMs;
   KnobOptions knobs;            ///< of transportKnobs()
@@ -26,8 +27,13 @@ struct TransportOptions {
 /// Colours without loss where nothing else is typed: pictures that are compared and kept show what warping does, not what compressing colours does.
 TransportOptions transportOfKeptPictures();
 
-/// Adds --connect, --link, --delay-ms and an option for each of transportKnobs().
+/// Adds --connect, --url-file, --link, --delay-ms and an option for each of transportKnobs().
 void addTransportOptions(CLI::App& command, TransportOptions& options);
+
+/// Command lines are public on a machine that several people use, so that a URL with its token may come another way: sets `connect` from --url-file, from
+/// standard input (-), or, where neither is given and `namesScene` is false, from WARPSCOPE_URL in the environment. Throws UsageError for two at once,
+/// InputError for a file that cannot be read.
+void completeConnect(TransportOptions& options, bool namesScene);
 
 /// Throws UsageError.
 TransportSettings transportOf(const TransportOptions& options);
@@ -37,7 +43,7 @@ nlohmann::json toJson(const FrameLatency& latency);
 
 /// For commands that make their own frames without a server: throws UsageError if there is none, but an option about the way from it.
 void requireServerFor(const TransportOptions& options);
-/// The server to connect to, if one was named. Throws UsageError.
+/// The server to connect to, if one was named. Throws UsageError, or InputError if the URL was in a file. Comes after completeConnect.
 std::optional<net::Address> serverOf(const TransportOptions& options);
 
 }  // namespace warpscope

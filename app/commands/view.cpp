@@ -121,7 +121,11 @@ void view(const ViewOptions& options) {
 
 }  // namespace
 
-void viewDefaultScene() { view({}); }
+void viewDefaultScene() {
+  ViewOptions options;
+  completeConnect(options.transport, false);
+  view(options);
+}
 
 void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<ViewOptions>();
@@ -142,6 +146,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   command->callback([options, &chosen] {
     chosen = [options] {
       try {
+        completeConnect(options->transport, namesScene(options->common));
         view(*options);
       } catch (const NoDisplay& error) {
         throw InputError(error.what() + std::string("; compare and shot work without a display"));

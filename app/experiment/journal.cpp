@@ -7,10 +7,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
 #include "app/shell/log.h"
 #include "render/base/error.h"
@@ -31,7 +30,10 @@ SweepJournal::SweepJournal(const fs::path& folder, const nlohmann::json& identit
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
-  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0666);  // nothing to wait for in a file
+  // Nothing is waited for in a file; and a link, which anybody may leave in a folder that others write to, is not followed.
+  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW, 0666);
+  if (file_ < 0 && errno == ELOOP)
+    throw InputError(path_.string() + ": is a symbolic link, which is not followed: what is done so far is kept in a file of that name; remove the link");
   if (file_ < 0) throw InputError(path_.string() + ": cannot be written: " + std::strerror(errno));
   if (struct stat status{}; ::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode))
     throw InputError(path_.string() + ": is no file, so what is done cannot be kept there");
@@ -45,9 +47,15 @@ SweepJournal::~SweepJournal() {
 }
 
 void SweepJournal::read(const std::string& identity, const MarchSettings& base) {
-  std::ifstream stream(path_, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw InputError(path_.string() + ": cannot be read");
+  std::string text;
+  std::array<char, 1 << 16> piece;
+  while (true) {  // what is open, not what has the name by now
+    const ssize_t count = ::read(file_, piece.data(), piece.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw InputError(path_.string() + ": cannot be read: " + std::strerror(errno));
+    if (count == 0) break;
+    text.append(piece.data(), static_cast<size_t>(count));
+  }
   size_t at = 0;
   size_t kept = 0;
   bool isFirst = true;

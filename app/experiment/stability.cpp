@@ -19,6 +19,13 @@ namespace {
 constexpr StabilitySubject kMarch = StabilitySubject::march, kSpheres = StabilitySubject::spheres,
                            kSimilarity = StabilitySubject::similarity;
 
+constexpr StabilityWords kWords[] = {  // in the order of StabilitySubject
+    {"march", "largest difference"},
+    {"spheres", "share of wrong pixels"},
+    {"similarity", "difference"},
+};
+static_assert(std::size(kWords) == static_cast<size_t>(StabilitySubject::similarity) + 1);
+
 constexpr StabilityCase kCases[] = {
     {"far-origin", kMarch, "torture/far-origin", "the volume lies at 1e7 mm",
      "none: rays are in the volume's own space in both", 256, 1.0f, 4e-3, "TransferTable::kMostVariation of a sample"},
@@ -162,6 +169,8 @@ void runSimilarity(StabilityResult& result, const StabilitySettings& settings) {
 }
 
 }  // namespace
+
+const StabilityWords& wordsOf(StabilitySubject subject) { return kWords[static_cast<size_t>(subject)]; }
 
 std::span<const StabilityCase> stabilityCases() { return kCases; }
 

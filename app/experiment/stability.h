@@ -24,6 +24,12 @@ enum class StabilitySubject {
   similarity,  ///< SSIM of two flat pictures
 };
 
+struct StabilityWords {
+  std::string_view name;
+  std::string_view error;  ///< what a case's error is of
+};
+const StabilityWords& wordsOf(StabilitySubject subject);
+
 struct StabilityCase {
   std::string_view name;
   StabilitySubject subject = StabilitySubject::march;

@@ -34,13 +34,6 @@ Image<Rgba8> enlarged(const Image<Rgba8>& picture) {
   return larger;
 }
 
-Image<Rgba8> shown(const Image<glm::vec4>& picture, const glm::vec3& background) {
-  WarpedImage image;
-  image.color = picture;
-  image.samples.resize(picture.width(), picture.height(), kNotASample);
-  return enlarged(toScreen(image, background));
-}
-
 /// Largest difference of a channel or of opacity; kErrorGain makes 1 of one that is 1/kErrorGain.
 Image<Rgba8> errorMap(const Image<glm::vec4>& picture, const Image<glm::vec4>& exact) {
   Image<float> errors(exact.width(), exact.height());
@@ -71,7 +64,7 @@ std::string summaryTable(const std::vector<StabilityResult>& results) {
     const StabilityCase& what = *result.what;
     html += "<tr><td><a href=\"#" + escaped(std::string(what.name)) + "\">" + escaped(std::string(what.name)) + "</a></td><td>" +
             std::string(nameOf(result.backend)) + "</td>" + formCell(result.stable) + formCell(result.textbook) + "<td>" +
-            errorText(what.bound) + " " + std::string(errorName(what.subject)) + (result.isStable() ? "" : " <strong>exceeded</strong>") +
+            errorText(what.bound) + " " + std::string(wordsOf(what.subject).error) + (result.isStable() ? "" : " <strong>exceeded</strong>") +
             "</td><td>" + format("%+.1f", result.costNs()) + " ns a pixel</td></tr>\n";
   }
   return html + "</tbody></table></div>\n";
@@ -80,15 +73,6 @@ std::string summaryTable(const std::vector<StabilityResult>& results) {
 }  // namespace
 
 std::string errorText(double value) { return value == 0.0 ? "0" : format("%.1e", value); }
-
-std::string_view errorName(StabilitySubject subject) {
-  switch (subject) {
-    case StabilitySubject::march: return "largest difference";
-    case StabilitySubject::spheres: return "share of wrong pixels";
-    case StabilitySubject::similarity: return "difference";
-  }
-  return "";
-}
 
 std::string stabilityPage(const std::vector<StabilityResult>& results, const std::string& machine) {
   constexpr const char* kTitle = "Hard cases: stable arithmetic and the textbook's";
@@ -113,9 +97,9 @@ std::string stabilityPage(const std::vector<StabilityResult>& results, const std
       return std::string(form) + ": worst " + errorText(of.worst) + ", wrong " + format("%.2f", 100.0 * of.wrongShare) + " %";
     };
     html += "<table class=\"strip case\"><tbody><tr><th>" + std::string(nameOf(result.backend)) + "</th>" +
-            pictureCell(shown(result.exact, result.background), "exact");
+            pictureCell(enlarged(toScreen(result.exact, result.background)), "exact");
     for (const auto& [name, form] : {std::pair("stable", &result.stable), std::pair("textbook", &result.textbook)})
-      html += pictureCell(shown(form->picture, result.background), caption(name, *form)) +
+      html += pictureCell(enlarged(toScreen(form->picture, result.background)), caption(name, *form)) +
               pictureCell(errorMap(form->picture, result.exact), std::string("error of ") + name);
     html += "</tr></tbody></table>\n";
   }

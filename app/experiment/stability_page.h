@@ -11,8 +11,6 @@ namespace warpscope {
 
 /// "2.1e-07", or "0".
 std::string errorText(double value);
-/// What a case's error is of: "largest difference", "wrong pixels", "difference".
-std::string_view errorName(StabilitySubject subject);
 
 /// `machine`: on what it was run, in words.
 std::string stabilityPage(const std::vector<StabilityResult>& results, const std::string& machine);

@@ -10,7 +10,7 @@ namespace {
 /// Nothing if the file is no JSON.
 std::optional<JsonDocument> documentIn(const std::filesystem::path& path) {
   try {
-    return JsonDocument::fromFile(path);
+    return JsonDocument::fromFile(path, JsonDocument::kLargestMeasured);
   } catch (const InputError&) {
     return std::nullopt;
   }
@@ -32,7 +32,7 @@ std::optional<SweepFile> sweepIn(const JsonDocument& document, const std::filesy
 }  // namespace
 
 std::optional<SweepFile> readSweepFile(const std::filesystem::path& path) {
-  const JsonDocument document = JsonDocument::fromFile(path);
+  const JsonDocument document = JsonDocument::fromFile(path, JsonDocument::kLargestMeasured);
   return sweepIn(document, path);
 }
 

@@ -2,11 +2,11 @@
 // See backend.h.
 #include "app/frames/backend.h"
 
-#include <cstdio>
 #include <mutex>
 #include <set>
 #include <thread>
 
+#include "app/shell/log.h"
 #include "render/cuda/devices.h"
 #include "render/march/marcher_registry.h"
 
@@ -20,7 +20,7 @@ void reportFallback(const std::string& reason) {
   static std::mutex mutex;
   static std::set<std::string> reported;
   const std::scoped_lock lock(mutex);
-  if (reported.insert(reason).second) std::fprintf(stderr, "warpscope: the GPU failed (%s); going on with the CPU\n", reason.c_str());
+  if (reported.insert(reason).second) printLine("warpscope: the GPU failed (" + reason + "); going on with the CPU");
 }
 
 std::string deviceText(Backend backend) {

@@ -1,7 +1,13 @@
-// One request after the other.
+// A lane for each client that waits: a thread with a marcher and a codec, which are given back when they are not needed.
 // See frame_server.h.
 #include "app/frames/frame_server.h"
 
+#include <malloc.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <new>
 
 #include "app/frames/wire_fields.h"
@@ -12,73 +18,224 @@
 namespace warpscope {
 namespace {
 
+// What a lane keeps from one request to the next is given back after a pause, or when it was far too much for so many in a row.
+constexpr std::chrono::milliseconds kKeptFor{2000};
+constexpr int kMostSmallerJobs = 16;
+constexpr size_t kFarTooMuch = 4;
+
+// Bytes of a sample or a pixel, from march to encoded bytes: what marcher, frame and codec hold at the same time, as measured.
+constexpr size_t kBytesOfSample = 40;
+constexpr size_t kBytesOfPicturePixel = 64;
+constexpr size_t kLeastBytes = size_t{1} << 20;
+
+constexpr std::chrono::milliseconds kMemoryPatience{500};
+
 net::ServerSettings withScene(net::ServerSettings settings, const Scene& scene) {
   settings.scene = toFields(scene);
   return settings;
 }
 
-/// A frame that answers `request`, but for who asked and when.
-struct Answer {
-  net::FrameHead head;
-  net::Bytes payload;
-};
+std::string sizeText(double width, double height) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.0fx%.0f", std::max(1.0, std::floor(width)), std::max(1.0, std::floor(height)));
+  return text;
+}
 
-Answer answerTo(const net::FrameRequest& request, Marcher& marcher, FrameCodec& codec, const std::stop_token& stop) {
-  const Camera camera = cameraFrom(request.camera);
-  const MarchSettings march = marchFrom(request.settings);
-  const CodecSettings coding = codecFrom(request.codec);
-  Answer answer;
-  if (request.wanted == net::Wanted::samples) {
-    const SampleFrame frame = marcher.march(camera, march, stop);
-    answer.head = headOf(frame, coding);
-    answer.head.stages.encodeMs = milliseconds([&] { answer.payload = codec.encode(frame, coding); });
-    return answer;
-  }
-  Image<glm::vec4> image;
-  answer.head.camera = request.camera;
-  answer.head.settings = request.settings;
-  answer.head.codec = request.codec;
-  answer.head.stages.marchMs = milliseconds([&] { marcher.render(camera, march.render, image, stop); });
-  answer.head.stages.encodeMs = milliseconds([&] { answer.payload = encodeColors(image); });
-  return answer;
+std::string mebibytes(size_t bytes) { return std::to_string((bytes + (size_t{1} << 20) - 1) >> 20) + " MiB"; }
+
+/// Waiting for turns is waiting, wherever in the march it was.
+void takeTurnsFrom(net::StageTimes& stages, double waitedMs) {
+  stages.marchMs = std::max(0.0, stages.marchMs - waitedMs);
+  stages.queueMs += waitedMs;
+}
+
+/// What the client is told of a march that takes too long, with what would fit.
+std::string sentenceFor(const WorkLimitExceeded& error, const Camera& camera, const MarchSettings& settings) {
+  const double share = std::max(error.share(), 1e-9), side = std::sqrt(share);
+  char text[256];
+  std::snprintf(text, sizeof text, "%s at a step of %.3g takes longer than the %.3g s of marching that the server gives a request: a step of %.2g would fit, or %s",
+                sizeText(camera.width, camera.height).c_str(), static_cast<double>(settings.render.step),
+                std::chrono::duration<double>(error.limit()).count(), static_cast<double>(settings.render.step) / share,
+                sizeText(camera.width * side, camera.height * side).c_str());
+  return text;
 }
 
 }  // namespace
 
-FrameServer::FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, MarcherPtr marcher, net::ServerSettings settings)
-    : marcher_(std::move(marcher)),
-      clock_(io->clock()),
-      server_(std::move(io), withScene(std::move(settings), scene)),
-      thread_([this](const std::stop_token& stop) { run(stop); }) {}
-
-FrameServer::~FrameServer() {
-  thread_.request_stop();
-  server_.stop();
+size_t ServeLimits::defaultMemoryBytes() {
+  const long pages = sysconf(_SC_PHYS_PAGES), pageBytes = sysconf(_SC_PAGESIZE);
+  const size_t machine = pages > 0 && pageBytes > 0 ? static_cast<size_t>(pages) * static_cast<size_t>(pageBytes) : size_t{4} << 30;
+  return std::min(machine / 2, size_t{8} << 30);
 }
 
-void FrameServer::run(const std::stop_token& stop) {
-  FrameCodec codec;
-  while (const std::optional<net::RequestJob> job = server_.requests().take(stop)) {
-    const double queueMs = millisecondsBetween(job->arrivedAt, clock_.now());
-    // The others do not wait for a march whose client is gone.
-    std::stop_source end;
-    const std::stop_callback byServer(stop, [&end] { end.request_stop(); });
-    const std::stop_callback byClient(job->hasLeft, [&end] { end.request_stop(); });
-    try {
-      Answer answer = answerTo(job->request, *marcher_, codec, end.get_token());
-      answer.head.id = job->request.id;
-      answer.head.wanted = job->request.wanted;
-      answer.head.requestSentAtNs = job->request.sentAtNs;
-      answer.head.stages.queueMs = queueMs;
-      server_.answer(job->client, answer.head, std::move(answer.payload));
-    } catch (const OperationCancelled&) {
-      if (stop.stop_requested()) return;
-    } catch (const std::bad_alloc&) {
-      server_.answer(job->client, net::Failure{job->request.id, "the server has not enough memory for this"});
-    } catch (const std::exception& error) {
-      server_.answer(job->client, net::Failure{job->request.id, error.what()});
-    }
+size_t memoryFor(const Camera& camera, const MarchSettings& settings, net::Wanted wanted) {
+  const size_t pixels = size_t{camera.width} * camera.height;
+  if (wanted == net::Wanted::picture) return kLeastBytes + pixels * kBytesOfPicturePixel;
+  return kLeastBytes + pixels * static_cast<size_t>(settings.sample.samplesPerRay) * kBytesOfSample;
+}
+
+/// What one thread works with.
+class FrameServer::Lane {
+ public:
+  Lane(const MarcherPtr& marcher, const TurnsPtr& turns) : origin_(marcher), turns_(turns ? turns->sibling() : nullptr) {}
+
+  /// For a request of so many bytes.
+  void prepare(size_t bytes) {
+    smaller_ = bytes * kFarTooMuch < bytes_ ? smaller_ + 1 : 0;
+    if (smaller_ >= kMostSmallerJobs) giveBack();
+    bytes_ = std::max(bytes_, bytes);
+    if (!marcher_) marcher_ = origin_->twin(turns_);
+    if (!codec_) codec_ = std::make_unique<FrameCodec>();
   }
+  void giveBack() {
+    marcher_.reset();
+    codec_.reset();
+    bytes_ = 0;
+    smaller_ = 0;
+    malloc_trim(0);  // glibc keeps what a thread has freed
+  }
+  bool holdsAnything() const { return bytes_ > 0; }
+
+  Marcher& marcher() { return *marcher_; }
+  /// For turns, since the last call.
+  double exchangeWaitedMs() { return turns_ ? std::chrono::duration<double, std::milli>(turns_->exchangeWaited()).count() : 0.0; }
+  FrameCodec& codec() { return *codec_; }
+
+ private:
+  const MarcherPtr origin_;
+  const TurnsPtr turns_;
+  MarcherPtr marcher_;
+  std::unique_ptr<FrameCodec> codec_;
+  size_t bytes_ = 0;
+  int smaller_ = 0;  // requests in a row that needed far less
+};
+
+/// A frame that answers a request, but for who asked and when.
+struct FrameServer::Answer {
+  net::FrameHead head;
+  net::Bytes payload;
+  net::ByteBudget::SharePtr share;
+};
+
+FrameServer::FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, MarcherPtr marcher, net::ServerSettings settings,
+                         std::optional<ServeLimits> limits)
+    : marcher_(std::move(marcher)),
+      clock_(io->clock()),
+      turns_(limits ? std::make_shared<Turns>(TurnSettings{.limit = limits->work}) : nullptr),
+      budget_(limits ? std::make_unique<net::ByteBudget>(limits->memoryBytes) : nullptr),
+      server_(std::move(io), withScene(settings, scene)),
+      mostLanes_(limits ? settings.clients.most : 1) {
+  startLane();
+}
+
+FrameServer::~FrameServer() {
+  requestStop();
+  server_.stop();
+  std::vector<std::thread> lanes;
+  {
+    const std::scoped_lock lock(mutex_);
+    isEnding_ = true;
+    lanes.swap(lanes_);
+  }
+  for (std::thread& lane : lanes) lane.join();
+}
+
+void FrameServer::startLane() {
+  const std::scoped_lock lock(mutex_);
+  if (isEnding_ || idle_ > 0 || lanes_.size() >= mostLanes_) return;
+  ++idle_;
+  lanes_.emplace_back([this] { run(); });
+}
+
+void FrameServer::run() {
+  Lane lane(marcher_, turns_);
+  const std::stop_token stop = stop_.get_token();
+  while (!stop.stop_requested()) {
+    const std::optional<net::RequestJob> job =
+        lane.holdsAnything() ? server_.requests().take(stop, kKeptFor) : server_.requests().take(stop);
+    if (!job) {
+      lane.giveBack();
+      continue;
+    }
+    {
+      const std::scoped_lock lock(mutex_);
+      --idle_;
+    }
+    startLane();  // for whoever asks meanwhile
+    answer(*job, lane);
+    const std::scoped_lock lock(mutex_);
+    ++idle_;
+  }
+}
+
+void FrameServer::answer(const net::RequestJob& job, Lane& lane) {
+  const double queueMs = millisecondsBetween(job.arrivedAt, clock_.now());
+  // The others do not wait for a march whose client is gone.
+  std::stop_source end;
+  const std::stop_callback byServer(stop_.get_token(), [&end] { end.request_stop(); });
+  const std::stop_callback byClient(job.hasLeft, [&end] { end.request_stop(); });
+  try {
+    Answer answer = answerTo(job, lane, end.get_token());
+    answer.head.id = job.request.id;
+    answer.head.wanted = job.request.wanted;
+    answer.head.requestSentAtNs = job.request.sentAtNs;
+    answer.head.stages.queueMs += queueMs;
+    server_.answer(job.client, answer.head, std::move(answer.payload), std::move(answer.share));
+  } catch (const OperationCancelled&) {
+    // The client or the server is gone: nobody waits.
+  } catch (const std::bad_alloc&) {
+    server_.answer(job.client, net::Failure{job.request.id, "the server has not enough memory for this"});
+  } catch (const std::exception& error) {
+    server_.answer(job.client, net::Failure{job.request.id, error.what()});
+  }
+}
+
+/// Waits for it; null without limits.
+net::ByteBudget::SharePtr FrameServer::memoryOf(const Camera& camera, size_t bytes, const std::stop_token& stop) {
+  if (!budget_) return nullptr;
+  if (bytes > budget_->largest()) {
+    const double side = std::sqrt(static_cast<double>(budget_->largest()) / static_cast<double>(bytes));
+    throw InputError(sizeText(camera.width, camera.height) + " takes about " + mebibytes(bytes) + " of the server's memory, and it gives a request at most " +
+                     mebibytes(budget_->largest()) + ": " + sizeText(camera.width * side, camera.height * side) + " would fit");
+  }
+  while (!stop.stop_requested()) {
+    if (net::ByteBudget::SharePtr share = budget_->take(bytes, stop, kMemoryPatience)) return share;
+    server_.makeRoom();
+  }
+  throw OperationCancelled();
+}
+
+FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane, const std::stop_token& stop) {
+  const net::FrameRequest& request = job.request;
+  const Camera camera = cameraFrom(request.camera);
+  const MarchSettings march = marchFrom(request.settings);
+  const CodecSettings coding = codecFrom(request.codec);
+  const size_t bytes = memoryFor(camera, march, request.wanted);
+  Answer answer;
+  answer.share = memoryOf(camera, bytes, stop);
+  lane.prepare(bytes);
+  lane.exchangeWaitedMs();
+  try {
+    if (request.wanted == net::Wanted::samples) {
+      const SampleFrame frame = lane.marcher().march(camera, march, stop);
+      answer.head = headOf(frame, coding);
+      takeTurnsFrom(answer.head.stages, lane.exchangeWaitedMs());
+      answer.head.stages.encodeMs = milliseconds([&] { answer.payload = lane.codec().encode(frame, coding); });
+    } else {
+      Image<glm::vec4> image;
+      answer.head.camera = request.camera;
+      answer.head.settings = request.settings;
+      answer.head.codec = request.codec;
+      answer.head.stages.marchMs = milliseconds([&] { lane.marcher().render(camera, march.render, image, stop); });
+      takeTurnsFrom(answer.head.stages, lane.exchangeWaitedMs());
+      answer.head.stages.encodeMs = milliseconds([&] { answer.payload = encodeColors(image); });
+    }
+  } catch (const WorkLimitExceeded& error) {
+    throw InputError(sentenceFor(error, camera, march));
+  }
+  answer.payload.shrink_to_fit();
+  if (answer.share) answer.share->shrinkTo(answer.payload.size());
+  return answer;
 }
 
 }  // namespace warpscope

@@ -1,36 +1,69 @@
-// The program's server: one scene, one rendering thread, as many clients as the network lets in.
-// Marches what clients ask for, newest first and in turns, and sends it encoded as each of them wants it.
+// The program's server: one scene, a thread for each client that waits, as many clients as the network lets in.
+// Marches what clients ask for, newest first and in turns, and sends it encoded as each of them wants it. No request takes more of the
+// machine than it may: marches take turns of some milliseconds (turns.h), memory is handed out (byte_budget.h).
 #pragma once
 
+#include <chrono>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <thread>
+#include <vector>
 
 #include "app/scene/scene.h"
+#include "net/byte_budget.h"
 #include "net/server.h"
 #include "render/march/marcher.h"
 
 namespace warpscope {
 
+/// What strangers' requests may take. Without them, a server works for its own process.
+struct ServeLimits {
+  std::chrono::nanoseconds work = std::chrono::seconds(60);  ///< of marching, for one request; waiting for turns does not count
+  size_t memoryBytes = defaultMemoryBytes();                 ///< of frames from their march until they are sent, in all; see ByteBudget
+
+  /// Half of the machine's, at most 8 GiB.
+  static size_t defaultMemoryBytes();
+};
+
+/// Memory that a request takes at the most, from its march to its encoded bytes.
+size_t memoryFor(const Camera& camera, const MarchSettings& settings, net::Wanted wanted);
+
 class FrameServer {
  public:
   /// Serves `scene`, which `marcher` marches. `settings.scene` is filled in here. Throws as net::Server does.
-  FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, MarcherPtr marcher, net::ServerSettings settings);
-  /// Ends all connections and waits for the march at work, which stops early.
+  FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, MarcherPtr marcher, net::ServerSettings settings,
+              std::optional<ServeLimits> limits = {});
+  /// Ends all connections and waits for the marches at work, which stop early.
   ~FrameServer();
 
   net::Address address() const { return server_.address(); }
   uint16_t port() const { return server_.port(); }
 
-  /// Asks the rendering thread to end, without waiting for it.
-  void requestStop() { thread_.request_stop(); }
+  /// Asks the rendering threads to end, without waiting for them.
+  void requestStop() { stop_.request_stop(); }
 
  private:
-  void run(const std::stop_token& stop);
+  class Lane;
+  struct Answer;
+
+  void startLane();
+  void run();
+  void answer(const net::RequestJob& job, Lane& lane);
+  Answer answerTo(const net::RequestJob& job, Lane& lane, const std::stop_token& stop);
+  net::ByteBudget::SharePtr memoryOf(const Camera& camera, size_t bytes, const std::stop_token& stop);
 
   const MarcherPtr marcher_;
   Clock& clock_;  // of the I/O thread
+  const TurnsPtr turns_;  // null without limits
+  const std::unique_ptr<net::ByteBudget> budget_;  // likewise
   net::Server server_;
-  std::jthread thread_;
+  const size_t mostLanes_;
+  std::stop_source stop_;
+  std::mutex mutex_;  // of the following
+  std::vector<std::thread> lanes_;
+  size_t idle_ = 0;
+  bool isEnding_ = false;
 };
 
 }  // namespace warpscope

@@ -44,7 +44,8 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   MarcherCapabilities capabilities() const override {
     return {.pace = MarchPace::afterRest, .volume = VolumePlace::elsewhere, .judging = JudgePlace::host};
   }
-  MarcherPtr twin() const override { return makeRemoteMarcher(io_, settings_, coding_, patience_, onBusy_); }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr) const override { return makeRemoteMarcher(io_, settings_, coding_, patience_, onBusy_); }
 
  private:
   net::Frame ask(net::Wanted wanted, const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {

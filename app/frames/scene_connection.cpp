@@ -47,7 +47,7 @@ class HostedSource final : public FrameSource {
 ConnectedScene hostScene(std::shared_ptr<net::IoThread> io, Scene scene, const MarcherPtr& marcher, const TransportSettings& transport,
                       std::function<void()> onNews, const std::stop_token& stop) {
   net::ServerSettings settings;
-  settings.maxClients = 1;
+  settings.clients = {.most = 1, .mostOfAnAddress = 1, .leastIdleness = net::Duration::max()};  // strangers do not take its place
   settings.onNote = [](const std::string& text) { logDetail("the program's own server: " + text); };
   auto server = std::make_unique<FrameServer>(io, scene, marcher, settings);
   Connected connected = connectFrameSource(io, clientSettings(server->address(), transport), std::move(onNews), stop);

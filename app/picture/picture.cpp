@@ -11,14 +11,21 @@
 namespace warpscope {
 namespace {
 
+/// A picture of `perPixel(i)`.
 template <class PerPixel>
-Image<Rgba8> convert(const WarpedImage& image, Rgba8 uncovered, const PerPixel& perPixel) {
-  Image<Rgba8> picture(image.color.width(), image.color.height());
+Image<Rgba8> convert(uint32_t width, uint32_t height, const PerPixel& perPixel) {
+  Image<Rgba8> picture(width, height);
   parallelForRanges(picture.size(), 1 << 15, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i)
-      picture[i] = uncovered != 0 && image.samples[i] == kNoSample ? uncovered : perPixel(image.color[i]);
+    for (size_t i = begin; i < end; ++i) picture[i] = perPixel(i);
   });
   return picture;
+}
+
+template <class PerColor>
+Image<Rgba8> convert(const WarpedImage& image, Rgba8 uncovered, const PerColor& perColor) {
+  return convert(image.color.width(), image.color.height(), [&](size_t i) {
+    return uncovered != 0 && image.samples[i] == kNoSample ? uncovered : perColor(image.color[i]);
+  });
 }
 
 }  // namespace
@@ -32,6 +39,11 @@ Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, Rgb
   const ColorTables& tables = ColorTables::instance();
   return convert(image, uncovered | (uncovered != 0 ? 0xff000000u : 0u),
                  [&](const glm::vec4& color) { return tables.encodeOver(color, background); });
+}
+
+Image<Rgba8> toScreen(const Image<glm::vec4>& color, const glm::vec3& background) {
+  const ColorTables& tables = ColorTables::instance();
+  return convert(color.width(), color.height(), [&](size_t i) { return tables.encodeOver(color[i], background); });
 }
 
 std::string encodePng(const Image<Rgba8>& picture, const std::stop_token& stop) {

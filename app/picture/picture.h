@@ -19,6 +19,9 @@ Image<Rgba8> toPicture(const WarpedImage& image, Rgba8 uncovered = 0);
 /// Composited over an opaque background (linear RGB): what a screen shows. Pixels that nothing covers show `uncovered` if it is not 0.
 Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, Rgba8 uncovered = 0);
 
+/// The same of a picture that stands for itself: no samples lie behind it.
+Image<Rgba8> toScreen(const Image<glm::vec4>& color, const glm::vec3& background);
+
 /// The bytes of a PNG file. Throws OperationCancelled if `stop` is set before it begins; InputError for an empty picture.
 std::string encodePng(const Image<Rgba8>& picture, const std::stop_token& stop = {});
 

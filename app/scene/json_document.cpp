@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include "render/base/error.h"
+#include "render/base/input_file.h"
 #include "render/base/nearest_name.h"
+#include "render/base/printable.h"
 
 namespace warpscope {
 namespace {
@@ -194,7 +194,10 @@ std::string displayName(std::span<const std::string> path) {
 
 }  // namespace
 
-std::string textOf(const Json& document) { return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string textOf(const Json& document) {
+  // Beyond ASCII only in strings, where an escape means the same; the library writes out no more than C0.
+  return printableJson(document.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
+}
 
 JsonDocument::JsonDocument(std::string_view text, std::string source) : text_(text), source_(std::move(source)) {
   int line = 1;
@@ -202,16 +205,8 @@ JsonDocument::JsonDocument(std::string_view text, std::string source) : text_(te
   walk(text_, line, sax);
 }
 
-JsonDocument JsonDocument::fromFile(const std::filesystem::path& path) {
-  constexpr uintmax_t kLargest = 256 << 20;  // a sweep of a quarter of a million rows
-  std::error_code error;
-  const uintmax_t sizeBytes = std::filesystem::file_size(path, error);
-  if (error) throw InputError(path.string() + ": cannot be read: " + error.message());
-  if (sizeBytes > kLargest) throw InputError(path.string() + ": too large for a JSON file of this program (256 MiB)");
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) throw InputError(path.string() + ": cannot be read");
-  return JsonDocument(text, path.string());
+JsonDocument JsonDocument::fromFile(const std::filesystem::path& path, uint64_t maxBytes) {
+  return JsonDocument(readInputFile(path, maxBytes, "a JSON file of this kind"), path.string());
 }
 
 Node JsonDocument::root() const { return Node(*this, value_, {}); }

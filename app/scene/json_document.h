@@ -14,7 +14,8 @@
 
 namespace warpscope {
 
-/// A document as the program prints it: indented, a line end at its end. Bytes that are not UTF-8 (in names of files) are replaced.
+/// A document as the program prints it: indented, a line end at its end. Bytes that are not UTF-8 (in names of files) are replaced, and characters
+/// that a terminal would obey are written as \u....
 std::string textOf(const nlohmann::json& document);
 
 /// A parsed text, and the means to say on which line of it a key or an element begins.
@@ -22,8 +23,10 @@ class JsonDocument {
  public:
   /// Parses `text`; `source` names it in complaints. Throws InputError.
   JsonDocument(std::string_view text, std::string source);
-  /// Reads and parses a file of at most 256 MiB. Throws InputError.
-  static JsonDocument fromFile(const std::filesystem::path& path);
+  /// Reads and parses a regular file of at most `maxBytes`: what a person writes, or kLargestMeasured for what was measured. Throws InputError.
+  static JsonDocument fromFile(const std::filesystem::path& path, uint64_t maxBytes = kLargestWritten);
+  static constexpr uint64_t kLargestWritten = 16 << 20;
+  static constexpr uint64_t kLargestMeasured = 256 << 20;  ///< a sweep of a quarter of a million rows
 
   class Node root() const;
 

@@ -107,7 +107,7 @@ VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverri
     if (node.find("file")) procedural->fail("and 'file' exclude each other");
     if (const auto spacing = node.find("spacing")) spacing->fail("is for raw files; the voxels of a procedural volume are cubes");
     const std::string name = procedural->string();
-    if (name.starts_with("torture/")) {
+    if (name.starts_with(kTortureFolder)) {
       if (const auto size = node.find("size")) size->fail("is not for torture volumes, which have their own");
       if (overrides.proceduralDims) throw UsageError("--volume-size is not for torture volumes, which have their own size");
       if (findNamed(kTortureVolumes, name) == nullptr) procedural->fail("holds an " + unknownNameIn(kTortureVolumes, "torture volume", name));

@@ -6,25 +6,29 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <csignal>
 #include <system_error>
 #include <thread>
 #include <vector>
 
+#include "app/shell/log.h"
 #include "render/base/error.h"
 
 namespace warpscope {
 
 namespace {
 
-constexpr std::chrono::seconds kPatience(2);
+constexpr std::chrono::milliseconds kBounce(250);  // of a key
+constexpr std::chrono::seconds kMoment(1);         // that ending may take without a word
 
 }  // namespace
 
 struct Interrupt::State {
   boost::asio::io_context context;
   boost::asio::signal_set signals{context};
+  boost::asio::steady_timer announcement{context};
   std::vector<int> numbers{SIGINT, SIGTERM};
   std::stop_source source;
   std::chrono::steady_clock::time_point firstAt;
@@ -46,7 +50,11 @@ struct Interrupt::State {
       if (!source.stop_requested()) {
         firstAt = now;
         source.request_stop();
-      } else if (now - firstAt >= kPatience) {
+        announcement.expires_after(kMoment);
+        announcement.async_wait([](const boost::system::error_code& cancelled) {
+          if (!cancelled) printLine("warpscope: stopping takes a while; press Ctrl-C again to end at once");
+        });
+      } else if (now - firstAt >= kBounce) {
         signals.clear();
         std::raise(number);  // its usual effect
       }

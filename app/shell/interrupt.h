@@ -7,8 +7,10 @@
 
 namespace warpscope {
 
-/// While it lives, an interrupt requests a stop instead of ending the process. So do more of them, until the first has had two seconds:
-/// the next then ends the process at once. After a stop no interrupt has an effect any more: one object serves a process until its end.
+/// While it lives, an interrupt requests a stop instead of ending the process; the next one ends the process at once. Those that follow within a
+/// quarter of a second count as the first: a key that bounces, or a launcher that passes on what the terminal has sent already. If ending takes longer
+/// than a second, a line on standard error says what the next one will do. After a stop no interrupt has an effect any more: one object serves a process
+/// until its end.
 class Interrupt {
  public:
   /// Throws InputError if the system has nothing left to listen with.

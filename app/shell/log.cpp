@@ -5,7 +5,10 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <cstdio>
 #include <memory>
+
+#include "render/base/printable.h"
 
 namespace warpscope {
 namespace {
@@ -21,11 +24,7 @@ spdlog::logger& logger() {
   return *instance;
 }
 
-void say(spdlog::level::level_enum level, std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < ' ') c = ' ';
-  logger().log(level, spdlog::string_view_t(text));
-}
+void say(spdlog::level::level_enum level, const std::string& text) { logger().log(level, spdlog::string_view_t(printable(text))); }
 
 }  // namespace
 
@@ -39,6 +38,13 @@ void logWarning(const std::string& text) { say(spdlog::level::warn, "warning: " 
 
 void logDetail(const std::string& text) {
   if (isDetailLogged()) say(spdlog::level::debug, text);
+}
+
+void printLine(const std::string& text) { printLines(printable(text) + "\n"); }
+
+void printLines(const std::string& text) {
+  std::fputs(printableLines(text).c_str(), stderr);
+  std::fflush(stderr);
 }
 
 bool isDetailLogged() { return logger().should_log(spdlog::level::debug); }

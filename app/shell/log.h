@@ -1,5 +1,5 @@
 // What the program says about its work. Standard error only: standard output belongs to results.
-// Through spdlog, behind functions that keep its headers out of the rest; main.cpp says what made a command fail.
+// Through spdlog, behind functions that keep its headers out of the rest. All of them make texts printable: see render/base/printable.h.
 #pragma once
 
 #include <string>
@@ -17,6 +17,10 @@ void logWarning(const std::string& text);
 
 /// What --verbose asks for: what is used, what is read, how long it takes.
 void logDetail(const std::string& text);
+
+/// What is said even if `isQuiet`: what made a command fail, and answers for people beside a file for machines. One line; several, each with its end.
+void printLine(const std::string& text);
+void printLines(const std::string& text);
 
 /// Whether logDetail says anything: to be asked before a text that takes work.
 bool isDetailLogged();

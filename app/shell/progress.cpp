@@ -10,6 +10,8 @@
 #include <unistd.h>
 #endif
 
+#include "render/base/printable.h"
+
 namespace warpscope {
 namespace {
 
@@ -69,7 +71,7 @@ void Progress::run(const std::stop_token& stop) {
     const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
     const std::chrono::duration<double> elapsed = steady_clock::now() - start_;
     const std::string remaining = remainingText(done, steps_, elapsed.count());
-    std::fprintf(terminal_, "\r\x1b[K%s [%s] %zu/%zu %s (%lld s%s%s)", title_.c_str(), bar.c_str(), done, steps_, what_.c_str(),
+    std::fprintf(terminal_, "\r\x1b[K%s [%s] %zu/%zu %s (%lld s%s%s)", title_.c_str(), bar.c_str(), done, steps_, printable(what_).c_str(),
                  static_cast<long long>(elapsed.count()), remaining.empty() ? "" : ", ", remaining.c_str());
     std::fflush(terminal_);
     isDrawn = true;

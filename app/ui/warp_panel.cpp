@@ -54,14 +54,17 @@ void drawHeatMapButton(Session& session, size_t index, const Look& look) {
 /// What the technique has for each panel by itself.
 void drawPanelKnobs(Session& session, size_t index, const Look& look) {
   LiveSettings knobs = session.knobs();
+  bool isChanged = false;
   for (const Knob* knob : session.panel(index).technique->knobs) {
     if (!knob->isOfPanel) continue;
     ImGui::SameLine();
     ImGui::SetNextItemWidth(std::min(look.px(96.0f), std::max(look.px(30.0f), ImGui::GetContentRegionAvail().x)));
     double value = knobs.panelKnobs[index][*knob];
-    if (bareKnobWidget(*knob, value, look)) knobs.panelKnobs[index].set(*knob, value);
+    if (!bareKnobWidget(*knob, value, look)) continue;
+    knobs.panelKnobs[index].set(*knob, value);
+    isChanged = true;
   }
-  session.setKnobs(knobs);
+  if (isChanged) session.setKnobs(knobs);
 }
 
 /// For a panel that chooses by itself: how long a picture may take.

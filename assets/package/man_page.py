@@ -13,7 +13,8 @@ EXIT_STATUS = [("0", "Success."), ("1", "Failure: one line on standard error say
 ENVIRONMENT = [
     ("DISPLAY, WAYLAND_DISPLAY", "Where the window opens. Without a display, warpscope without a command writes the comparison of the default scene to ./out."),
     ("XDG_DATA_HOME", "The certificate that serve makes on first use is kept in the folder warpscope in there; without the variable, in "
-     "~/.local/share/warpscope."),
+     "~/.local/share/warpscope. The folder and what is in it belong to the user and are closed to others."),
+    ("WARPSCOPE_URL", "The URL of a server that view, shot and compare take frames from where neither --connect, --url-file nor a scene is given."),
 ]
 EXAMPLES = [
     ("warpscope view shells", "Opens a built-in scene in the window."),

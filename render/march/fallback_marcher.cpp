@@ -28,10 +28,11 @@ class Plan {
     }
     if (onFallback_) onFallback_(reason);
   }
-  MarcherPtr second() {
+  MarcherPtr second(const TurnsPtr& turns) {
     const std::scoped_lock lock(mutex_);
-    if (second_) return second_->twin();
-    return second_ = makeSecond_();
+    if (second_) return second_->twin(turns);
+    second_ = makeSecond_();
+    return turns ? second_->twin(turns) : second_;
   }
 
  private:
@@ -45,7 +46,8 @@ class Plan {
 class FallbackMarcher final : public Marcher {
  public:
   /// `first` is null where it could not be made.
-  FallbackMarcher(MarcherPtr first, std::shared_ptr<Plan> plan) : plan_(std::move(plan)), marcher_(std::move(first)) {
+  FallbackMarcher(MarcherPtr first, std::shared_ptr<Plan> plan, TurnsPtr turns)
+      : plan_(std::move(plan)), turns_(std::move(turns)), marcher_(std::move(first)) {
     if (!marcher_) leave();
     volume_ = marcher_->volume();
   }
@@ -59,13 +61,14 @@ class FallbackMarcher final : public Marcher {
   const VolumePtr& volume() const override { return volume_; }
   Backend backend() const override { return current()->backend(); }
   MarcherCapabilities capabilities() const override { return current()->capabilities(); }
-  MarcherPtr twin() const override {
-    if (isSecond() || plan_->hasFailed()) return plan_->second();
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr turns) const override {
+    if (isSecond() || plan_->hasFailed()) return plan_->second(turns);
     try {
-      return std::make_shared<FallbackMarcher>(current()->twin(), plan_);
+      return std::make_shared<FallbackMarcher>(current()->twin(turns), plan_, turns);
     } catch (const DeviceError& error) {
       plan_->fail(error.what());
-      return plan_->second();
+      return plan_->second(turns);
     }
   }
 
@@ -95,11 +98,12 @@ class FallbackMarcher final : public Marcher {
   void leave() {
     const std::scoped_lock lock(mutex_);
     if (isSecond_) return;
-    marcher_ = plan_->second();
+    marcher_ = plan_->second(turns_);
     isSecond_ = true;
   }
 
   const std::shared_ptr<Plan> plan_;
+  const TurnsPtr turns_;
   VolumePtr volume_;
   mutable std::mutex mutex_;
   MarcherPtr marcher_;
@@ -117,7 +121,7 @@ MarcherPtr makeFallbackMarcher(const std::function<MarcherPtr()>& makeFirst, std
   } catch (const DeviceError& error) {
     plan->fail(error.what());
   }
-  return std::make_shared<FallbackMarcher>(std::move(first), std::move(plan));
+  return std::make_shared<FallbackMarcher>(std::move(first), std::move(plan), nullptr);
 }
 
 }  // namespace warpscope

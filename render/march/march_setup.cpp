@@ -30,6 +30,12 @@ void requireMarchable(const Volume& volume, const Camera& camera, const MarchSet
   requireMarchable(volume, camera, settings.render);
 }
 
+std::shared_ptr<const BakedTransfer> MarchedVolume::bakedFor(const RenderSettings& settings) const {
+  const std::scoped_lock lock(mutex_);
+  if (!baked_ || !baked_->isFor(settings)) baked_ = std::make_shared<const BakedTransfer>(bakeTransfer(*this, settings));
+  return baked_;
+}
+
 PixelGrid pixelsFor(const Volume& volume, const Camera& camera, const RenderSettings& settings) {
   const bool fromEye = settings.arithmetic == Arithmetic::textbook;
   return makePixelGrid(camera, fromEye ? 0.0f : depthRangeOf(camera, volume.bounds()).nearDepth);

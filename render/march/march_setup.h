@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "render/march/march.h"
@@ -16,7 +17,9 @@
 
 namespace warpscope {
 
-/// A volume and how its values look: what marchers of the same scene share. Immutable.
+struct BakedTransfer;
+
+/// A volume and how its values look: what marchers of the same scene share. Nothing that can be seen of it changes.
 struct MarchedVolume {
   MarchedVolume(VolumePtr theVolume, TransferFunction theTransferFunction)
       : volume(std::move(theVolume)),
@@ -24,10 +27,17 @@ struct MarchedVolume {
         scale(valueScaleOf(volume->type(), volume->statistics(), transferFunction)),
         macrocells(*volume, scale) {}
 
+  /// bakeTransfer, kept for whoever asks for the same next. Safe on any thread.
+  std::shared_ptr<const BakedTransfer> bakedFor(const RenderSettings& settings) const;
+
   VolumePtr volume;
   TransferFunction transferFunction;
   ValueScale scale;
   Macrocells macrocells;
+
+ private:
+  mutable std::mutex mutex_;
+  mutable std::shared_ptr<const BakedTransfer> baked_;  // the last one that was asked for
 };
 
 using MarchedVolumePtr = std::shared_ptr<const MarchedVolume>;

@@ -7,6 +7,7 @@
 
 #include "render/core/backend.h"
 #include "render/core/image.h"
+#include "render/core/turns.h"
 #include "render/core/transfer_function.h"
 #include "render/march/march_settings.h"
 #include "render/march/sample_frame.h"
@@ -61,8 +62,10 @@ class Marcher {
   /// May change from call to call: a marcher may go on elsewhere when a device fails.
   virtual MarcherCapabilities capabilities() const = 0;
 
-  /// Another marcher of the same volume: it shares what never changes, and its calls do not wait for this one's.
-  virtual MarcherPtr twin() const = 0;
+  /// Another marcher of the same volume: it shares what never changes, and its calls do not wait for this one's. Where there are `turns`,
+  /// it marches in those alone, and its calls throw WorkLimitExceeded where they take longer than those allow.
+  virtual MarcherPtr twin(TurnsPtr turns) const = 0;
+  MarcherPtr twin() const { return twin(nullptr); }
 };
 
 }  // namespace warpscope

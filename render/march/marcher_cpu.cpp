@@ -3,6 +3,7 @@
 #include "render/march/marcher_cpu.h"
 
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <mutex>
 #include <vector>
@@ -21,6 +22,16 @@ namespace warpscope {
 namespace {
 
 constexpr uint32_t kTileSide = 32;
+
+/// Samples along the rays of a tile, at most, where marches take turns: some milliseconds on a core.
+constexpr double kMostStepsOfTile = 1u << 22;
+
+/// As large as they may be: small ones cost little, but something.
+uint32_t tileSideFor(const Volume& volume, const RenderSettings& settings) {
+  const Box& bounds = volume.bounds();
+  const double stepsOfRay = glm::length(bounds.upper - bounds.lower) / settings.step + 1.0;
+  return static_cast<uint32_t>(std::clamp(std::sqrt(kMostStepsOfTile / stepsOfRay), 1.0, static_cast<double>(kTileSide)));
+}
 
 /// What becomes of a finished ray: its colour, and its samples where some are wanted. Behind one pointer, so that the
 /// loop over rays is compiled once a voxel type, not once a use.
@@ -46,7 +57,7 @@ DepthFunction depthFunctionOf(Heuristic heuristic) {
 
 class CpuMarcher final : public Marcher {
  public:
-  explicit CpuMarcher(MarchedVolumePtr marched) : marched_(std::move(marched)) {}
+  CpuMarcher(MarchedVolumePtr marched, TurnsPtr turns) : marched_(std::move(marched)), turns_(std::move(turns)) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
@@ -95,20 +106,21 @@ class CpuMarcher final : public Marcher {
   const VolumePtr& volume() const override { return marched_->volume; }
   Backend backend() const override { return Backend::cpu; }
   MarcherCapabilities capabilities() const override { return {}; }
-  MarcherPtr twin() const override { return std::make_shared<CpuMarcher>(marched_); }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CpuMarcher>(marched_, std::move(turns)); }
 
  private:
   /// Finds samples where `sample` says how; colours alone if it is null.
   void forEachRay(const Camera& camera, const PixelGrid& pixels, const RenderSettings& settings,
                   const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) {
-    if (!baked_.isFor(settings)) baked_ = bakeTransfer(*marched_, settings);
+    if (!baked_ || !baked_->isFor(settings)) baked_ = marched_->bakedFor(settings);
     const Volume& volume = *marched_->volume;
     visitVoxelType(volume.type(), [&](auto voxelTag) {
       using Voxel = decltype(voxelTag);
       VolumeView<Voxel> view = makeVolumeView<Voxel>(*marched_);
       view.voxels = volume.voxelsAs<Voxel>();
-      view.transfer = baked_.table.lookup();
-      view.cells.distances = settings.skipEmpty ? baked_.emptyDistances.data() : nullptr;
+      view.transfer = baked_->table.lookup();
+      view.cells.distances = settings.skipEmpty ? baked_->emptyDistances.data() : nullptr;
       visitLight(settings, [&](const auto& light) {
         visitMarchArithmetic(settings.arithmetic, [&]<class March>(March) {
           if (std::is_floating_point_v<Voxel> && March::kLeavesOutMissing && volume.statistics().nonFinite > 0)
@@ -126,8 +138,9 @@ class CpuMarcher final : public Marcher {
                   const OnRay& onRay) const {
     const RayLimits limits = limitsOf(settings);
     const DepthFunction depthOfSamples = sample != nullptr ? depthFunctionOf(sample->heuristic) : nullptr;
-    parallelForTiles(camera.width, camera.height, kTileSide, stop,
-                     [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
+    TurnsOfJob turns(turns_.get());
+    const uint32_t side = turns.areLimited() ? tileSideFor(*marched_->volume, settings) : kTileSide;
+    parallelForTiles(camera.width, camera.height, side, stop, turns, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
       std::vector<CountingSample> counting;
       RaySamples found;
       for (uint32_t y = y0; y < y1; ++y)
@@ -176,9 +189,10 @@ class CpuMarcher final : public Marcher {
   }
 
   const MarchedVolumePtr marched_;
+  const TurnsPtr turns_;
 
   std::mutex mutex_;  // of everything below
-  BakedTransfer baked_;
+  std::shared_ptr<const BakedTransfer> baked_;
   std::vector<PackedSample> denseSamples_;
   std::vector<Rgba8> denseColors_;
 };
@@ -186,7 +200,7 @@ class CpuMarcher final : public Marcher {
 }  // namespace
 
 MarcherPtr makeCpuMarcher(VolumePtr volume, TransferFunction transferFunction) {
-  return std::make_shared<CpuMarcher>(std::make_shared<MarchedVolume>(std::move(volume), std::move(transferFunction)));
+  return std::make_shared<CpuMarcher>(std::make_shared<MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);
 }
 
 }  // namespace warpscope

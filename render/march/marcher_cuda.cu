@@ -7,6 +7,8 @@
 #include <thrust/iterator/zip_iterator.h>
 #include <cub/device/device_select.cuh>
 
+#include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <mutex>
 
@@ -22,6 +24,8 @@ namespace {
 
 /// Rays between looks at the stop token.
 constexpr uint32_t kRaysPerLaunch = 1u << 22;
+/// Samples along the rays of a launch, at most, where marches take turns: some milliseconds.
+constexpr double kMostStepsOfLaunch = 1u << 28;
 
 struct HoldsSample {
   template <class SampleAndColor>
@@ -38,8 +42,8 @@ struct LayerOfPlace {
 
 class CudaMarcher final : public Marcher {
  public:
-  CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume)
-      : marched_(std::move(marched)), deviceVolume_(std::move(deviceVolume)) {
+  CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume, TurnsPtr turns)
+      : marched_(std::move(marched)), deviceVolume_(std::move(deviceVolume)), turns_(std::move(turns)) {
     colorTables_.upload({&ColorTables::instance(), 1}, stream_);
     stream_.synchronize();
   }
@@ -107,7 +111,8 @@ class CudaMarcher final : public Marcher {
   MarcherCapabilities capabilities() const override {
     return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
   }
-  MarcherPtr twin() const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_); }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_, std::move(turns)); }
 
  private:
   template <class T>
@@ -118,7 +123,8 @@ class CudaMarcher final : public Marcher {
 
   void bake(const RenderSettings& settings) {
     if (bakedStep_ == settings.step && bakedArithmetic_ == settings.arithmetic) return;
-    const BakedTransfer baked = bakeTransfer(*marched_, settings);
+    const std::shared_ptr<const BakedTransfer> shared = marched_->bakedFor(settings);
+    const BakedTransfer& baked = *shared;
     bakedStep_ = 0.0f;
     transfer_ = baked.table.lookup();
     transfer_.entries = uploaded(entries_, baked.table.entries);
@@ -157,15 +163,41 @@ class CudaMarcher final : public Marcher {
       job.samples = denseSamples_.data();
       job.colors = denseColors_.data();
       job.image = image_.data();
-      const uint32_t rows = std::max(1u, kRaysPerLaunch / camera.width);
-      for (job.firstRow = 0; job.firstRow < camera.height; job.firstRow = job.endRow) {
+      const uint32_t rows = rowsOfLaunch(camera, settings);
+      const auto launchRows = [&] {
+        job.firstRow = job.endRow;
         job.endRow = std::min(camera.height, job.firstRow + rows);
         launchMarch<Voxel, kHasHoles, kByCells>(job, settings, heuristic, stream_);
+      };
+      TurnsOfJob turns(turns_.get());
+      const auto launchUntil = [&](std::chrono::steady_clock::time_point end) {
+        while (job.endRow < camera.height && !stop.stop_requested() && std::chrono::steady_clock::now() < end) {
+          launchRows();
+          stream_.synchronize();  // a turn is the device's time
+        }
+        return job.endRow == camera.height;
+      };
+      if (turns.areLimited()) {
+        while (!turns.work(stop, launchUntil, [&] { return static_cast<double>(job.endRow) / camera.height; })) {
+        }
+        return;
+      }
+      while (job.endRow < camera.height) {
+        launchRows();
         if (job.endRow == camera.height || !stop.stop_possible()) continue;
         stream_.synchronize();  // else every launch would be queued before the stop is seen
         if (stop.stop_requested()) throw OperationCancelled();
       }
     });
+  }
+
+  uint32_t rowsOfLaunch(const Camera& camera, const RenderSettings& settings) const {
+    double rays = kRaysPerLaunch;
+    if (turns_) {
+      const Box& bounds = marched_->volume->bounds();
+      rays = std::min(rays, kMostStepsOfLaunch * settings.step / glm::length(bounds.upper - bounds.lower));
+    }
+    return std::max(1u, static_cast<uint32_t>(rays / camera.width));
   }
 
   void compact(size_t places, int slots) {
@@ -188,6 +220,7 @@ class CudaMarcher final : public Marcher {
 
   const MarchedVolumePtr marched_;
   const std::shared_ptr<const DeviceVolume> deviceVolume_;
+  const TurnsPtr turns_;
 
   std::mutex mutex_;  // of everything below
   cuda::Stream stream_;
@@ -215,7 +248,7 @@ class CudaMarcher final : public Marcher {
 MarcherPtr makeCudaMarcher(VolumePtr volume, TransferFunction transferFunction) {
   auto marched = std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction));
   auto deviceVolume = std::make_shared<const DeviceVolume>(*marched->volume, marched->scale);
-  return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume));
+  return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume), nullptr);
 }
 
 }  // namespace warpscope

@@ -10,26 +10,84 @@
 #include <itkOutputWindow.h>
 #include <itkVTKImageIO.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <iostream>
+#include <mutex>
 #include <new>
+#include <streambuf>
+#include <string_view>
 
 #include "render/base/error.h"
+#include "render/base/memory.h"
 #include "render/volume/payload.h"
 #include "render/volume/volume_format.h"
 
 namespace warpscope {
 namespace {
 
-/// ITK's warnings: swallowed, because what matters of them comes back as an exception.
-class SilentOutputWindow : public itk::OutputWindow {
+/// What ITK and the libraries behind it say beside their exceptions, on the thread that reads.
+class Murmur {
  public:
-  using Self = SilentOutputWindow;
+  Murmur() { heard() = &text_; }
+  ~Murmur() { heard() = nullptr; }
+  Murmur(const Murmur&) = delete;
+  Murmur& operator=(const Murmur&) = delete;
+
+  const std::string& text() const { return text_; }
+
+  /// Keeps what is said on a thread that listens; false on any other.
+  static bool note(std::string_view said) {
+    constexpr size_t kEnough = 1024;
+    std::string* const text = heard();
+    if (text != nullptr) text->append(said.substr(0, kEnough - std::min(kEnough, text->size())));
+    return text != nullptr;
+  }
+
+ private:
+  static std::string*& heard() {
+    thread_local std::string* text = nullptr;
+    return text;
+  }
+  std::string text_;
+};
+
+class NotingOutputWindow : public itk::OutputWindow {
+ public:
+  using Self = NotingOutputWindow;
   using Superclass = itk::OutputWindow;
   using Pointer = itk::SmartPointer<Self>;
   itkFactorylessNewMacro(Self);
-  itkTypeMacro(SilentOutputWindow, itk::OutputWindow);
-  void DisplayText(const char*) override {}
+  itkTypeMacro(NotingOutputWindow, itk::OutputWindow);
+  void DisplayText(const char* text) override { Murmur::note(text); }
 };
+
+/// In place of a stream's own buffer: MetaIO says on std::cerr and std::cout what it does not like. Other threads' words go where they did.
+class NotingBuffer : public std::streambuf {
+ public:
+  explicit NotingBuffer(std::ostream& stream) : before_(stream.rdbuf(this)) {}
+
+ protected:
+  std::streamsize xsputn(const char* text, std::streamsize count) override {
+    return Murmur::note({text, static_cast<size_t>(count)}) ? count : before_->sputn(text, count);
+  }
+  int_type overflow(int_type c) override {
+    if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+    const char one = traits_type::to_char_type(c);
+    return Murmur::note({&one, 1}) ? c : before_->sputc(one);
+  }
+  int sync() override { return before_->pubsync(); }
+
+ private:
+  std::streambuf* const before_;
+};
+
+void listen() {
+  itk::OutputWindow::SetInstance(NotingOutputWindow::New());
+  itk::Object::SetGlobalWarningDisplay(false);
+  // Never destroyed: the streams outlive everything.
+  for (std::ostream* stream : {&std::cerr, &std::cout, &std::clog}) new NotingBuffer(*stream);
+}
 
 /// The reader is picked here and not by ITK's factories: those must be registered at start-up in every program that
 /// links them.
@@ -97,6 +155,9 @@ VolumeGeometry geometryOf(const itk::ImageIOBase& io, const std::string& source)
   VolumeGeometry geometry;
   for (unsigned axis = 0; axis < axes; ++axis) {
     const itk::SizeValueType side = io.GetDimensions(axis);
+    // Where ITK has lost the sign.
+    if (const auto asWritten = static_cast<int64_t>(side); asWritten < 0)
+      throw InputError(source + ": its header declares " + std::to_string(asWritten) + " voxels along axis " + std::to_string(axis + 1));
     if (axis >= 3 && side > 1)
       throw InputError(source + ": has " + std::to_string(axes) + " axes; only single 3D volumes are read");
     if (axis >= 3) continue;
@@ -159,7 +220,12 @@ VolumePtr readItkVolume(const std::filesystem::path& path, const std::stop_token
   VolumeGeometry geometry = geometryOf(*io, source);
   geometry.hasOrientation = payload.hasOrientation;
   const size_t count = validate(geometry, type, source);
-  requirePayload(path, payload, count, count * sizeBytes(payload.storedType.value_or(type)), stop);
+  const uint64_t storedBytes = count * sizeBytes(payload.storedType.value_or(type));
+  requirePlausible(path, payload, storedBytes);
+  // The library behind NIfTI reads into memory of its own first.
+  const bool isReadTwice = dynamic_cast<itk::NiftiImageIO*>(io.GetPointer()) != nullptr;
+  requireMemory(count * sizeBytes(type) + (isReadTwice ? storedBytes : 0), source + ": it");
+  requirePayload(path, payload, count, storedBytes, stop);
 
   // Pages of zeros come for free from the system; memory as it was found would show where ITK stops early without a
   // word.
@@ -175,15 +241,18 @@ VolumePtr readItkVolume(const std::filesystem::path& path, const std::stop_token
   return std::make_shared<Volume>(path.filename().string(), type, geometry, voxels, voxels.get(), stop);
 }
 
+/// The reason that an exception gives, and what was said besides.
+std::string reasonOf(const char* what, const Murmur& murmur) {
+  const std::string reason = firstSentence(what), said = firstSentence(murmur.text().c_str());
+  return said.empty() ? reason : reason + " (" + said + ")";
+}
+
 }  // namespace
 
 VolumePtr openItkVolume(const std::filesystem::path& path, const std::stop_token& stop) {
-  static const bool kIsSilent = [] {
-    itk::OutputWindow::SetInstance(SilentOutputWindow::New());
-    itk::Object::SetGlobalWarningDisplay(false);
-    return true;
-  }();
-  static_cast<void>(kIsSilent);
+  static std::once_flag listening;
+  std::call_once(listening, listen);
+  const Murmur murmur;
   try {
     return readItkVolume(path, stop);
   } catch (const InputError&) {
@@ -193,9 +262,9 @@ VolumePtr openItkVolume(const std::filesystem::path& path, const std::stop_token
   } catch (const std::bad_alloc&) {
     throw InputError(path.string() + ": does not fit into this machine's memory");
   } catch (const itk::ExceptionObject& error) {
-    throw InputError(path.string() + ": cannot be read: " + firstSentence(error.GetDescription()));
+    throw InputError(path.string() + ": cannot be read: " + reasonOf(error.GetDescription(), murmur));
   } catch (const std::exception& error) {
-    throw InputError(path.string() + ": cannot be read: " + firstSentence(error.what()));
+    throw InputError(path.string() + ": cannot be read: " + reasonOf(error.what(), murmur));
   }
 }
 

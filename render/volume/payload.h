@@ -13,6 +13,13 @@
 
 namespace warpscope {
 
+/// What is read of a header: libraries take time with the square of some of these, and memory for all.
+inline constexpr size_t kMaxHeaderLines = 4096;             ///< NRRD, MetaImage
+inline constexpr uint64_t kMaxHeaderBytes = 1 << 20;        ///< NRRD, MetaImage
+inline constexpr size_t kMaxTextLine = 200;                 ///< MetaImage: bytes of a line with a text
+inline constexpr size_t kMaxExtensions = 4096;              ///< NIfTI
+inline constexpr uint64_t kMaxExtensionBytes = 16 << 20;    ///< of a NIfTI header's extensions together; of an MRC file's extended header
+
 /// Where a file keeps its voxels.
 struct Payload {
   enum class Encoding {
@@ -31,8 +38,11 @@ struct Payload {
 };
 
 /// Finds the voxels of `path` by its header. Throws InputError where the header is not one of the format that the name
-/// promises, or names a data file that is not there.
+/// promises, is larger than the limits above, or names a data file that is not there.
 Payload locatePayload(const std::filesystem::path& path);
+
+/// Throws InputError if the size of the file alone tells that it cannot hold `sizeBytes` bytes of voxels.
+void requirePlausible(const std::filesystem::path& path, const Payload& payload, uint64_t sizeBytes);
 
 /// Throws InputError, naming `path`, unless `payload` holds at least `sizeBytes` bytes of voxels (`count` of them).
 /// Decompresses a compressed payload once, in small pieces, to its end or until enough is there, and checks it for

@@ -5,6 +5,7 @@
 #include <new>
 
 #include "render/base/error.h"
+#include "render/base/memory.h"
 #include "render/volume/procedural_fields.h"
 
 namespace warpscope {
@@ -58,6 +59,7 @@ VolumePtr makeProceduralVolume(std::string_view name, const glm::uvec3& dims, ui
   geometry.dims = dims;
   const std::string source(name);
   const size_t count = validate(geometry, VoxelType::uint8, source);
+  requireMemory(count, source + ": " + std::to_string(dims.x) + "x" + std::to_string(dims.y) + "x" + std::to_string(dims.z) + " voxels: it");
   std::shared_ptr<uint8_t[]> voxels;
   try {
     voxels = std::make_shared_for_overwrite<uint8_t[]>(count);

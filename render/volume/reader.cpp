@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "render/base/abandonable.h"
 #include "render/base/error.h"
 #include "render/core/floating_point.h"
 #include "render/volume/raw_reader.h"
@@ -56,10 +57,10 @@ VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm:
     for (const std::string& ending : supportedVolumeEndings()) known += " " + ending;
     throw InputError(path.string() + ": its ending is not that of a volume; known are" + known);
   }
-  if (*format == VolumeFormat::raw) return openRawVolume(path, spacing, stop);
+  if (*format == VolumeFormat::raw) return abandonable([=] { return openRawVolume(path, spacing, stop); }, stop);
 #if WARPSCOPE_WITH_ITK
   if (spacing) throw InputError(path.string() + ": states its voxel spacing itself; only raw volumes take another one");
-  return exceptionsExpected([&] { return openItkVolume(path, stop); });  // ITK's own
+  return abandonable([=] { return exceptionsExpected([&] { return openItkVolume(path, stop); }); }, stop);  // the exceptions are ITK's own
 #else
   throw InputError(path.string() +
                    ": this build reads raw volumes only; build with -DWARPSCOPE_WITH_ITK=ON for this format");

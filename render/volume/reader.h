@@ -23,8 +23,8 @@ struct RawName {
 std::optional<RawName> parseRawName(const std::filesystem::path& path);
 
 /// Opens any supported volume. A raw file is mapped, not read; `spacing` (raw only) replaces 1 1 1.
-/// Throws InputError that says what is wrong with the file and what would be right; OperationCancelled if `stop` is set, which is looked at
-/// all the time but while ITK reads.
+/// Throws InputError that says what is wrong with the file and what would be right; OperationCancelled soon after `stop` is set: whatever is
+/// reading then is left alone (render/base/abandonable.h).
 VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing = {}, const std::stop_token& stop = {});
 
 /// File name endings that openVolume takes in this build, with the dot; `.raw` first.

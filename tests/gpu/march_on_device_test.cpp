@@ -177,6 +177,25 @@ TEST(MarchOnDevice, TwinsAgreeAndOutliveTheFirst) {
   EXPECT_TRUE(frame.samples == again.samples && frame.colors == again.colors);
 }
 
+TEST(MarchOnDevice, InTurnsItIsTheSameAndEndsAtItsLimit) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("shells", 64);
+  const MarcherPtr whole = makeCudaMarcher(scene.volume, scene.transferFunction);
+  const MarcherPtr inTurns = whole->twin(std::make_shared<Turns>());
+  const Camera camera = makeCamera(scene, scene.views.front(), 500, 400);
+  MarchSettings settings = scene.march;
+  for (const float step : {0.5f, 0.01f}) {  // launches are smaller where there are many steps
+    settings.render.step = step;
+    const SampleFrame a = whole->march(camera, settings), b = inTurns->march(camera, settings);
+    EXPECT_TRUE(a.samples == b.samples && a.colors == b.colors) << step;
+  }
+  settings.render.skipEmpty = settings.render.terminateEarly = false;
+  settings.render.step = 0.001f;
+  const MarcherPtr limited = whole->twin(std::make_shared<Turns>(TurnSettings{.limit = std::chrono::milliseconds(2)}));
+  EXPECT_THROW(limited->march(makeCamera(scene, scene.views.front(), 2048, 2048), settings), WorkLimitExceeded);
+  EXPECT_GT(limited->march(camera, scene.march).size(), 1000u);
+}
+
 TEST(MarchOnDevice, RefusesAndCancels) {
   WARPSCOPE_NEEDS_GPU();
   const Scene scene = smallScene("block", 48);

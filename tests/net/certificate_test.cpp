@@ -70,7 +70,14 @@ TEST_F(CertificateTest, NobodyElseCanReadTheKey) {
   EXPECT_EQ(count, 1u) << "something was left beside the file";
 
   ASSERT_EQ(chmod(file().c_str(), 0640), 0);
-  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": others can read or change this key; chmod 600 it"));
+  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": others can read or change this key; close it to them with: chmod 600 '" + file().string() + "'"));
+  ASSERT_EQ(chmod(file().c_str(), 0600), 0);
+  for (const mode_t mode : {mode_t{0750}, mode_t{0701}, mode_t{0720}}) {
+    ASSERT_EQ(chmod(root_.c_str(), mode), 0);
+    EXPECT_THAT(complaint(), HasSubstr(root_.string() + ": others can look into this folder, where the server's key is; close it to them with: chmod 700 '" + root_.string() + "'"));
+  }
+  ASSERT_EQ(chmod(root_.c_str(), 0700), 0);
+  EXPECT_EQ(complaint(), "");
 }
 
 TEST_F(CertificateTest, IsP256WithADateAndNoAuthority) {
@@ -118,6 +125,56 @@ TEST_F(CertificateTest, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT(complaint(), HasSubstr("is too large"));
   replaceContent(identity.keyPem + identity.certificatePem);
   EXPECT_EQ(complaint(), "");
+}
+
+TEST_F(CertificateTest, SaysWhatHelpsAgainstOtherPeoplesKeys) {
+  const auto identityOf = [&](const std::string& commands) {
+    const std::string folder = root_.string();
+    const int code = std::system(("cd '" + folder + "' && (" + commands + ") > /dev/null 2>&1 && cat key.pem certificate.pem > identity.pem && rm key.pem certificate.pem").c_str());
+    return code == 0;
+  };
+  if (std::system("openssl version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no openssl here";
+  loadOrMakeIdentity(root_);
+  const std::string request = "openssl req -x509 -subj /CN=a -key key.pem -out certificate.pem";
+  ASSERT_TRUE(identityOf("openssl genrsa -out key.pem 2048 && " + request));
+  EXPECT_EQ(complaint(), "");
+  ASSERT_TRUE(identityOf("openssl genrsa -out key.pem 512 && " + request));
+  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": holds a key of 512 bits, which can be broken; RSA needs 2048"));
+  ASSERT_TRUE(identityOf("openssl genpkey -algorithm EC -pkeyopt ec_paramgen_curve:P-256 -out key.pem && " + request + " && openssl pkey -in key.pem -aes256 "
+                         "-passout pass:secret -out locked.pem && mv locked.pem key.pem"));
+  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": holds a private key under a password"));
+  ASSERT_TRUE(identityOf("openssl genpkey -algorithm EC -pkeyopt ec_paramgen_curve:P-256 -out key.pem && openssl req -new -subj /CN=a -key key.pem -out request.pem && "
+                         "openssl x509 -req -in request.pem -signkey key.pem -days -1 -out certificate.pem; rm -f request.pem; test -s certificate.pem"));
+  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": holds a certificate that has expired on "));
+  for (const char* text : {"remove the file to have a new identity made"}) EXPECT_THAT(complaint(), HasSubstr(text));
+}
+
+/// Neither waited for nor followed.
+TEST_F(CertificateTest, TakesARegularFileAlone) {
+  const Identity identity = loadOrMakeIdentity(root_);
+  const fs::path elsewhere = root_ / "elsewhere.pem";
+  fs::rename(file(), elsewhere);
+  fs::create_symlink(elsewhere, file());
+  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": is a symbolic link, which is not followed"));
+  fs::remove(file());
+  ASSERT_EQ(mkfifo(file().c_str(), 0600), 0);
+  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": cannot be used as identity: it is no regular file"));
+  fs::remove(file());
+  fs::create_directory(file());
+  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": cannot be used as identity: it is no regular file"));
+  fs::remove(file());
+  fs::rename(elsewhere, file());
+  EXPECT_EQ(loadOrMakeIdentity(root_).fingerprint, identity.fingerprint);
+}
+
+TEST_F(CertificateTest, BelongsToTheUser) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give files away";
+  loadOrMakeIdentity(root_);
+  ASSERT_EQ(chown(file().c_str(), 12345, gid_t(-1)), 0);
+  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": belongs to another user (12345), who can change the key in it; make it yours with: chown 0 '"));
+  ASSERT_EQ(chown(file().c_str(), 0, gid_t(-1)), 0);
+  ASSERT_EQ(chown(root_.c_str(), 12345, gid_t(-1)), 0);
+  EXPECT_THAT(complaint(), HasSubstr(root_.string() + ": belongs to another user (12345)"));
 }
 
 TEST_F(CertificateTest, SaysWhereItCannotBeKept) {

@@ -254,9 +254,14 @@ class BareSocket {
   }
   ~BareSocket() { close(); }
 
-  /// Connected to the port of this machine. `receiveBytes`: of the socket's buffer.
-  static BareSocket connect(uint16_t port, int receiveBytes = 0) {
+  /// Connected to the port of this machine. `receiveBytes`: of the socket's buffer. `from`: the last byte of the client's own address,
+  /// 127.0.0.`from`, so that a test can have clients of several.
+  static BareSocket connect(uint16_t port, int receiveBytes = 0, uint8_t from = 1) {
     BareSocket made(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    sockaddr_in own{};
+    own.sin_family = AF_INET;
+    own.sin_addr.s_addr = htonl(INADDR_LOOPBACK - 1 + from);
+    if (from != 1 && ::bind(made.handle_, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) made.close();
     if (receiveBytes > 0) setsockopt(made.handle_, SOL_SOCKET, SO_RCVBUF, &receiveBytes, sizeof receiveBytes);
     const int yes = 1;
     setsockopt(made.handle_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
@@ -336,6 +341,20 @@ class BareSocket {
     if (message.body.size() != head->bodyBytes) return std::nullopt;
     return message;
   }
+  /// The next frame, of which nothing is kept; false if it does not come whole.
+  bool skipFrame(Duration patience = kHang) {
+    const TimePoint limit = now() + patience;
+    while (true) {
+      const std::optional<MessageHead> head = readMessageHead(receive(kMessageHeadBytes, limit - now()));
+      if (!head) return false;
+      for (size_t left = head->bodyBytes; left > 0;) {
+        const size_t got = receive(std::min<size_t>(left, 65536), limit - now()).size();
+        if (got == 0) return false;
+        left -= got;
+      }
+      if (head->type == MessageType::frame) return true;
+    }
+  }
   /// The next message of a type.
   std::optional<Bytes> receiveBody(MessageType type, Duration patience = kHang) {
     for (const TimePoint limit = now() + patience; now() < limit;) {
@@ -386,14 +405,18 @@ class BareListener {
 };
 
 /// A client of bare bytes that has been greeted and has its scene.
-inline BareSocket greetedClient(const Server& server, uint16_t depth = 1, int receiveBytes = 0) {
-  BareSocket socket = BareSocket::connect(server.port(), receiveBytes);
+inline BareSocket greetedClientAt(uint16_t port, uint16_t depth = 1, int receiveBytes = 0, uint8_t from = 1) {
+  BareSocket socket = BareSocket::connect(port, receiveBytes, from);
   ClientHello hello;
   hello.depth = depth;
   socket.send(toBytes(hello));
   const std::optional<ServerHello> answer = readServerHello(socket.receive(kServerHelloBytes));
   if (!answer || answer->verdict != Verdict::welcome || !socket.receiveBody(MessageType::scene)) socket.close();
   return socket;
+}
+
+inline BareSocket greetedClient(const Server& server, uint16_t depth = 1, int receiveBytes = 0, uint8_t from = 1) {
+  return greetedClientAt(server.port(), depth, receiveBytes, from);
 }
 
 /// What a server says first.

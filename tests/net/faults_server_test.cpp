@@ -288,7 +288,7 @@ TEST_F(FaultsServer, AThousandConnectionsLeaveNothing) {
 }
 
 TEST_F(FaultsServer, EveryoneOfACrowdIsServedAndTheNextOneWaits) {
-  Server& server = serve({.maxClients = 64});
+  Server& server = serve({.clients = {64, 64, 1h}});
   std::map<ClientId, int> served;
   std::atomic<bool> mayAnswer = false;
   std::jthread answering([&](const std::stop_token& stop) {

@@ -128,7 +128,7 @@ TEST(LinkSettings, SaysWhatIsWrong) {
            Case{"outage=50/50", "a link's outage must be shorter than its interval (50 ms)"},
            Case{"outage=0/50", "a link's outage must be between 1"},
            Case{"seed=-1", "seed must be a whole number"},
-           Case{"trace=/no/such/file", "/no/such/file: cannot be read as a trace of delays"},
+           Case{"trace=/no/such/file", "/no/such/file: there is no such file"},
        })
     EXPECT_THAT(complaintOf([&] { parseLinkSettings(text); }), HasSubstr(complaint)) << text;
 }

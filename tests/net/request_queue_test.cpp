@@ -27,6 +27,7 @@ std::optional<RequestJob> takeNow(RequestQueue& queue) {
   std::optional<RequestJob> job = queue.take({});
   queue.leave(kLast);
   if (job && job->client == kLast) return std::nullopt;
+  if (job) queue.finished(job->client, 0);
   return job;
 }
 
@@ -42,6 +43,7 @@ TEST(RequestQueue, EachClientHasItsTurn) {
       ASSERT_TRUE(job);
       EXPECT_EQ(job->client, client);
       EXPECT_EQ(job->request.id, id);
+      queue.finished(client, 0);
     }
 }
 
@@ -57,7 +59,8 @@ TEST(RequestQueue, WhoAsksMoreIsNotServedMore) {
     const std::optional<RequestJob> job = queue.take(stop.get_token());
     ASSERT_TRUE(job);
     ++served[job->client];
-    queue.done(job->client);
+    queue.finished(job->client, 0);
+    queue.done(job->client, 0);
   }
   for (const auto& [client, count] : served) EXPECT_EQ(count, 20) << client;
   EXPECT_EQ(served.size(), 64u);
@@ -86,12 +89,12 @@ TEST(RequestQueue, NoMoreThanDepthAreGivenOut) {
   }
   EXPECT_EQ(queue.waitingCount(1), 2u);
   EXPECT_FALSE(takeNow(queue)) << "two are at work";
-  queue.done(1);
+  queue.done(1, 0);
   EXPECT_EQ(takeNow(queue)->request.id, 3u);
   EXPECT_FALSE(takeNow(queue));
-  queue.done(1);
-  queue.done(1);
-  queue.done(1);  // one too many does nothing
+  queue.done(1, 0);
+  queue.done(1, 0);
+  queue.done(1, 0);  // one too many does nothing
   EXPECT_EQ(takeNow(queue)->request.id, 4u);
 }
 
@@ -109,6 +112,53 @@ TEST(RequestQueue, IdsThatDoNotGrowAreRefused) {
   EXPECT_FALSE(put(queue, 2, 1)) << "nobody";
 }
 
+TEST(RequestQueue, OneOfAClientIsWorkedOnAtATime) {
+  RequestQueue queue;
+  queue.join(1, 4);
+  queue.join(2, 4);
+  for (const ClientId client : {1, 2})
+    for (uint64_t id = 1; id <= 2; ++id) put(queue, client, id);
+  std::stop_source stop;
+  EXPECT_EQ(queue.take(stop.get_token())->client, 1u);
+  EXPECT_EQ(queue.take(stop.get_token())->client, 2u);
+  EXPECT_FALSE(queue.take(stop.get_token(), 1ms));
+  queue.finished(2, 100);
+  EXPECT_EQ(queue.take(stop.get_token(), 60s)->client, 2u) << "its answer may wait";
+}
+
+TEST(RequestQueue, WhoReadsSlowlyGetsNoMore) {
+  RequestQueue queue;
+  queue.join(1, 16);
+  for (uint64_t id = 1; id <= 4; ++id) put(queue, 1, id);
+  std::stop_source stop;
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(queue.take(stop.get_token(), 60s));
+    queue.finished(1, kMostWaitingBytes / 2);
+  }
+  EXPECT_FALSE(queue.take(stop.get_token(), 1ms)) << "as much waits as may";
+  EXPECT_TRUE(queue.isAwaited(1));
+  queue.done(1, kMostWaitingBytes / 2);
+  EXPECT_TRUE(queue.take(stop.get_token(), 60s));
+  queue.finished(1, 1);
+}
+
+TEST(RequestQueue, TellsWhoElseIsServed) {
+  RequestQueue queue;
+  for (const ClientId client : {1, 2, 3}) queue.join(client, 1);
+  EXPECT_FALSE(queue.isAwaited(1));
+  put(queue, 1, 1);
+  put(queue, 2, 1);
+  EXPECT_TRUE(queue.isAwaited(1));
+  EXPECT_EQ(queue.othersAwaited(1), 1u);
+  EXPECT_EQ(queue.othersAwaited(3), 2u);
+  std::stop_source stop;
+  ASSERT_EQ(queue.take(stop.get_token())->client, 1u);
+  EXPECT_TRUE(queue.isAwaited(1)) << "it is being made";
+  queue.finished(1, 10);
+  EXPECT_FALSE(queue.isAwaited(1)) << "it is on its way";
+  EXPECT_EQ(queue.othersAwaited(3), 1u);
+}
+
 TEST(RequestQueue, LeavingForgets) {
   RequestQueue queue;
   queue.join(1, 1);
@@ -121,7 +171,7 @@ TEST(RequestQueue, LeavingForgets) {
   queue.leave(1);
   EXPECT_EQ(queue.clientCount(), 1u);
   EXPECT_EQ(queue.waitingCount(1), 0u);
-  queue.done(1);  // of what was at work
+  queue.done(1, 0);  // of what was at work
   EXPECT_EQ(takeNow(queue)->client, 2u);
   EXPECT_FALSE(takeNow(queue));
 }
@@ -171,7 +221,8 @@ TEST(RequestQueue, ManyThreadsAtOnce) {
     takers.emplace_back([&](const std::stop_token& stop) {
       while (const std::optional<RequestJob> job = queue.take(stop)) {
         ++served;
-        queue.done(job->client);
+        queue.finished(job->client, 0);
+        queue.done(job->client, 0);
       }
     });
   {

@@ -123,7 +123,7 @@ TEST(Soak, ManyClientsOverBadLinks) {
   {
     const auto io = std::make_shared<IoThread>();
     Notes notes;
-    Server server(io, {.scene = someScene(), .maxClients = 16, .heartbeat = 100ms, .patience = 3s});
+    Server server(io, {.scene = someScene(), .clients = {16, 16}, .heartbeat = 100ms, .patience = 3s});
     std::jthread answering([&](const std::stop_token& stop) {
       while (const std::optional<RequestJob> job = server.requests().take(stop)) {
         FrameHead head = headOf(job->request.id);

@@ -19,7 +19,7 @@
 #include "tests/frame_samples.h"
 #include "tests/sphere_clouds.h"
 #include "tests/stability/backends.h"
-#include "tests/stability/magnitudes.h"
+#include "tests/stability/cloud_cases.h"
 #include "tests/stability/record.h"
 #include "tests/traced_picture.h"
 
@@ -27,44 +27,69 @@ namespace warpscope {
 namespace {
 
 /// Checks everything that traversal relies on and returns the number of inner nodes on the longest path.
-uint32_t checkStructure(const Lbvh& lbvh) {
-  const LbvhView view = lbvh.view();
-  const uint64_t* codes = lbvh.codes().data();
+uint32_t checkStructure(const Lbvh& lbvh, std::span<const Sphere> cloud) {
+  const GroupedLbvhView view = lbvh.view();
   std::vector<uint32_t> ids(view.ids, view.ids + view.count);
   std::sort(ids.begin(), ids.end());
   for (uint32_t i = 0; i < view.count; ++i) EXPECT_EQ(ids[i], i) << "every sphere once";
-  EXPECT_TRUE(std::is_sorted(codes, codes + view.count));
+  Box centers;
+  for (const Sphere& sphere : cloud) centers.include(sphere.center);
+  std::vector<uint64_t> all;  // the code of every sphere
+  for (uint32_t i = 0; i < view.count; ++i) all.push_back(mortonCodeOf(view.spheres[i].center, centers));
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
+
+  // Leaves are the largest subtrees of no more than so many spheres.
+  const uint64_t* codes = lbvh.codes().data();
+  uint32_t leaf = 0;
+  const std::function<void(MortonRange)> expectLeaves = [&](MortonRange spheres) {
+    if (spheres.last - spheres.first >= kLeafSpheres) {
+      const uint32_t split = findSplit(all.data(), view.count, spheres);
+      expectLeaves({spheres.first, split});
+      expectLeaves({split + 1, spheres.last});
+      return;
+    }
+    ASSERT_LT(leaf, view.leaves);
+    EXPECT_EQ(codes[leaf], all[spheres.first]);
+    EXPECT_EQ(view.spheresOf(leaf++), spheres);
+  };
+  if (view.count > 0) expectLeaves({0, view.count - 1});
+  EXPECT_EQ(leaf, view.leafCount());
+
   uint32_t visitedNodes = 0, visitedLeaves = 0, deepest = 0;
-  const auto smallestRadius = [&](LeafRange range) {
+  const auto smallestRadius = [&](MortonRange leaves) {
     float smallest = kNoHit;
-    for (uint32_t i = range.first; i <= range.last; ++i) smallest = std::min(smallest, view.spheres[i].radius);
+    for (uint32_t i = view.spheresOf(leaves.first).first; i <= view.spheresOf(leaves.last).last; ++i)
+      smallest = std::min(smallest, view.spheres[i].radius);
     return smallest;
   };
-  const std::function<Box(uint32_t, LeafRange, uint32_t)> visit = [&](uint32_t reference, LeafRange range,
-                                                                      uint32_t depth) {
+  const std::function<Box(uint32_t, MortonRange, uint32_t)> visit = [&](uint32_t reference, MortonRange leaves,
+                                                                        uint32_t depth) {
+    Box bounds;
     if (reference & kLbvhLeafBit) {
-      EXPECT_EQ(range, (LeafRange{visitedLeaves, visitedLeaves}));
-      EXPECT_EQ(reference & ~kLbvhLeafBit, visitedLeaves++);
-      return sphereBounds(view.spheres[range.first]);
+      EXPECT_EQ(leaves, (MortonRange{visitedLeaves, visitedLeaves}));
+      EXPECT_EQ(reference & ~kLbvhLeafBit, visitedLeaves);
+      const MortonRange spheres = view.spheresOf(visitedLeaves++);
+      for (uint32_t i = spheres.first; i <= spheres.last; ++i) bounds.include(sphereBounds(view.spheres[i]));
+      return bounds;
     }
     ++visitedNodes;
     deepest = std::max(deepest, depth);
     const LbvhNode& node = view.nodes[reference];
-    EXPECT_EQ(determineRange(codes, view.count, reference), range) << "a thread per node finds what the walk found";
-    const uint32_t split = findSplit(codes, view.count, range);
-    EXPECT_EQ(node.child[0], leftReference(range, split));
-    EXPECT_EQ(node.child[1], rightReference(range, split));
-    EXPECT_EQ(node.smallestRadius[0], smallestRadius({range.first, split}));
-    EXPECT_EQ(node.smallestRadius[1], smallestRadius({split + 1, range.last}));
-    EXPECT_EQ(node.bounds[0], visit(node.child[0], {range.first, split}, depth + 1));
-    EXPECT_EQ(node.bounds[1], visit(node.child[1], {split + 1, range.last}, depth + 1));
-    Box bounds = node.bounds[0];
+    EXPECT_EQ(determineRange(codes, view.leaves, reference), leaves) << "a thread per node finds what the walk found";
+    const uint32_t split = findSplit(codes, view.leaves, leaves);
+    EXPECT_EQ(node.child[0], leftReference(leaves, split));
+    EXPECT_EQ(node.child[1], rightReference(leaves, split));
+    EXPECT_EQ(node.smallestRadius[0], smallestRadius({leaves.first, split}));
+    EXPECT_EQ(node.smallestRadius[1], smallestRadius({split + 1, leaves.last}));
+    EXPECT_EQ(node.bounds[0], visit(node.child[0], {leaves.first, split}, depth + 1));
+    EXPECT_EQ(node.bounds[1], visit(node.child[1], {split + 1, leaves.last}, depth + 1));
+    bounds = node.bounds[0];
     bounds.include(node.bounds[1]);
     return bounds;
   };
-  if (view.count > 1) visit(0, {0, view.count - 1}, 1);
-  EXPECT_EQ(visitedNodes, view.count > 1 ? view.count - 1 : 0);
-  EXPECT_EQ(visitedLeaves, view.count > 1 ? view.count : 0);
+  if (view.leaves > 1) visit(0, {0, view.leaves - 1}, 1);
+  EXPECT_EQ(visitedNodes, view.leaves > 1 ? view.leaves - 1 : 0);
+  EXPECT_EQ(visitedLeaves, view.leaves > 1 ? view.leaves : 0);
   EXPECT_LE(deepest, kMaxLbvhDepth);
   return deepest;
 }
@@ -154,7 +179,7 @@ TEST(Case19, EqualCodesAreToldApartByIndex) {
   const std::vector<Sphere> cloud(1000, Sphere{{1.0f, 2.0f, 3.0f}, 0.5f});
   Lbvh lbvh;
   lbvh.build(cloud);
-  EXPECT_LE(checkStructure(lbvh), 10u) << "indices below 1024 make a balanced tree";
+  EXPECT_LE(checkStructure(lbvh, cloud), 7u) << "125 leaves of 8 make a balanced tree";
   const TracedPicture seen = tracedPicture<LbvhTracer>(cloud, orbitCamera(20.0f, 30.0f, 33, 21));
   for (const uint32_t id : seen.ids) EXPECT_TRUE(id == 0 || id == kNoSample) << "the lowest id wins";
   recordExact("Lbvh of 1000 identical spheres: nodes, boxes, depth", "Karras 2012");
@@ -173,7 +198,7 @@ TEST(Case19, NestedCodesStayWithinTheStack) {
   cloud.resize(cloud.size() + 4096, Sphere{glm::vec3(0.0f), 1.0f});
   Lbvh lbvh;
   lbvh.build(cloud);
-  EXPECT_GT(checkStructure(lbvh), 60u);
+  EXPECT_GT(checkStructure(lbvh, cloud), 60u);
   expectAllAgree(cloud, orbitCamera(64.0f, 10.0f, 16, 16));
   recordExact("Lbvh of nested codes: the picture", "brute force");
 }
@@ -185,7 +210,7 @@ TEST(Case20, HoldsNoneOneAndTwoSpheres) {
     Lbvh lbvh;
     lbvh.build(std::span(cloud).first(count));
     EXPECT_EQ(lbvh.view().count, count);
-    checkStructure(lbvh);
+    checkStructure(lbvh, std::span(cloud).first(count));
     expectAllAgree(std::span(cloud).first(count), orbitCamera(6.0f, 15.0f, 37, 23));
   }
   recordExact("Lbvh of 0, 1, 2 spheres: the picture", "brute force");
@@ -245,7 +270,7 @@ TEST(Case23, OneSphereLargerThanAllTogether) {
   cloud.insert(cloud.begin() + 1000, Sphere{{0.0f, 0.0f, -1e4f}, 9998.5f});
   Lbvh lbvh;
   lbvh.build(cloud);
-  checkStructure(lbvh);
+  checkStructure(lbvh, cloud);
   expectAllAgree(cloud, orbitCamera(3.0f, 40.0f, 96, 64));
   recordExact("Lbvh, one sphere larger than all: the picture", "brute force");
 }
@@ -268,17 +293,8 @@ TEST(Case24, TenMillionSpheres) {
 
 TEST(Case25, PropertyAllTracersAgreeOnAllClouds) {
   checkProperty([] {
-    const CloudShape shape = *rc::gen::elementOf(kCloudShapes);
-    const float scale = *anyPositive(-13, 13);
-    const auto cloud = makeCloud(shape, *rc::gen::inRange<size_t>(1, 300), scale, *rc::gen::arbitrary<uint32_t>());
-    // From inside the cloud to far away, in images whose sides are no multiple of a tile's.
-    const float distance = scale * *anyPositive(-3, 4);
-    Camera camera = orbitCamera(distance, static_cast<float>(*anyInteger(-180, 180)), *rc::gen::inRange(1u, 51u),
-                                *rc::gen::inRange(1u, 41u));
-    camera.tanHalfFovY = std::min(0.8f, 1.5f * scale / distance);
-    if (*rc::gen::arbitrary<bool>()) camera.right = -camera.right;  // a left-handed volume
-    expectAllAgree(cloud, camera);
-    RC_ASSERT(!testing::Test::HasFailure());
+    const CloudCase c = *anyCloudCase();
+    expectAllAgree(c.cloud(), c.camera);
   });
   recordExact("packets, single rays, Embree on random, planar, collinear, clustered, equal spheres", "brute force");
 }
@@ -296,10 +312,7 @@ TEST(Case11, AgreesFarFromTheCoordinatesOrigin) {
 }
 
 TEST(Case12, IsTheSameForAnyNumberOfThreads) {
-  // Duplicates among them, so that ties are decided, and enough for several sort blocks.
-  auto cloud = makeCloud(CloudShape::duplicate, 100'000, 10.0f, 53);
-  const auto more = makeCloud(CloudShape::clustered, 100'000, 10.0f, 54);
-  cloud.insert(cloud.end(), more.begin(), more.end());
+  const std::vector<Sphere> cloud = makeCloudOfTies();
   const Camera camera = orbitCamera(30.0f, 33.0f, 128, 96);
   Lbvh expected;
   TracedPicture expectedPicture;
@@ -313,8 +326,10 @@ TEST(Case12, IsTheSameForAnyNumberOfThreads) {
       expectedPicture = seen;
       continue;
     }
-    const LbvhView a = expected.view(), b = lbvh.view();
-    EXPECT_EQ(std::memcmp(a.nodes, b.nodes, (a.count - 1) * sizeof(LbvhNode)), 0);
+    const GroupedLbvhView a = expected.view(), b = lbvh.view();
+    ASSERT_EQ(a.leaves, b.leaves);
+    EXPECT_EQ(std::memcmp(a.nodes, b.nodes, (a.leaves - 1) * sizeof(LbvhNode)), 0);
+    EXPECT_EQ(std::memcmp(a.leafFirst, b.leafFirst, (a.leaves + 1) * sizeof(uint32_t)), 0);
     EXPECT_EQ(std::memcmp(a.ids, b.ids, a.count * sizeof(uint32_t)), 0);
     EXPECT_EQ(seen.ids, expectedPicture.ids);
     EXPECT_EQ(seen.depth, expectedPicture.depth);
@@ -422,15 +437,8 @@ TEST_P(Case24, TenMillionSamples) {
 
 TEST_P(Case25, PropertyTechniquesFindWhatBruteForceFinds) {
   checkProperty([&] {
-    const CloudShape shape = *rc::gen::elementOf(kCloudShapes);
-    const float scale = *anyPositive(-13, 13);
-    const auto cloud = makeCloud(shape, *rc::gen::inRange<size_t>(1, 300), scale, *rc::gen::arbitrary<uint32_t>());
-    const float distance = scale * *anyPositive(-3, 4);
-    Camera camera = orbitCamera(distance, static_cast<float>(*anyInteger(-180, 180)), *rc::gen::inRange(1u, 51u),
-                                *rc::gen::inRange(1u, 41u));
-    camera.tanHalfFovY = std::min(0.8f, 1.5f * scale / distance);
-    expectBruteForce(GetParam(), cloud, camera);
-    RC_ASSERT(!testing::Test::HasFailure());
+    const CloudCase c = *anyCloudCase();
+    expectBruteForce(GetParam(), c.cloud(), c.camera);
   });
   recordExact("techniques that draw spheres, on random, planar, collinear, clustered, equal ones", "brute force",
               GetParam());

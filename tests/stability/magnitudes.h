@@ -3,6 +3,7 @@
 // places towards simple ones, lists to fewer.
 #pragma once
 
+#include <gtest/gtest-spi.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
 
@@ -19,9 +20,20 @@
 namespace warpscope {
 
 /// A property of the running test: rc::check for GoogleTest, which prints the seed and the least counterexample.
+/// What EXPECT and ASSERT find in it is found of this input alone. Left to GoogleTest, the first failure would stay the
+/// test's, every smaller input would look like another one, and the least of all would be printed.
 template <class Property>
-void checkProperty(Property&& property) {
-  rc::detail::checkGTest(std::forward<Property>(property));
+void checkProperty(const Property& property) {
+  rc::detail::checkGTest([&] {
+    testing::TestPartResultArray found;
+    {
+      const testing::ScopedFakeTestPartResultReporter reporter(
+          testing::ScopedFakeTestPartResultReporter::INTERCEPT_ALL_THREADS, &found);
+      property();
+    }
+    for (int i = 0; i < found.size(); ++i)
+      if (found.GetTestPartResult(i).failed()) RC_FAIL(found.GetTestPartResult(i).message());
+  });
 }
 
 /// Exponents of 1e-30 and 1e30.

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "tests/made_up_source.h"
+#include "tests/opacities.h"
 #include "tests/stability/backends.h"
 #include "tests/stability/device_probe.h"
 #include "tests/stability/exact.h"
@@ -295,30 +296,11 @@ TEST_P(Case36, PropertyLatticesCoverTheRayOnceAtAnyMagnitude) {
       lattices.push_back({{t0, t0 + length}, dt});
     }
     checkLattices(GetParam(), lattices, worst);
-    RC_ASSERT(!testing::Test::HasFailure());
   });
   record({"RayLattice::t", "100 digits", "u of its far end", worst.value(), kLatticeError / kUnitRoundoff, GetParam()});
 }
 
 // --- Parts of steps.
-
-/// Opacities of every magnitude from both ends of (0, 1), the ends' neighbours, and where the reduction of the argument
-/// changes.
-std::vector<float> opacities(int random, std::mt19937& generator) {
-  std::vector<float> all{kLeastFloat, std::numeric_limits<float>::min(), 1e-8f,          0.25f, 0.5f,
-                         0.75f,       std::nextafter(1.0f, 0.0f),        254.0f / 255.0f};
-  for (const float border :
-       {0.292893219f, 0.646446609f, 0.5f, 0.823223305f, 0x1p-24f, 0x1p-29f, 0x1p-30f, 0x1p-53f, 0x1p-54f})
-    for (const float toward : {0.0f, 1.0f}) all.push_back(std::nextafter(border, toward));
-  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  for (int i = 0; i < random; ++i) {
-    all.push_back(std::exp2(-149.0f * unit(generator)));
-    all.push_back(std::max(kLeastFloat, 1.0f - std::exp2(-24.0f * unit(generator))));
-    all.push_back(std::max(kLeastFloat, std::min(unit(generator), std::nextafter(1.0f, 0.0f))));
-  }
-  for (float& alpha : all) alpha = std::clamp(alpha, kLeastFloat, std::nextafter(1.0f, 0.0f));
-  return all;
-}
 
 TEST_P(Case37, CorrectedOpacityIsTheNearestFloat) {
   std::mt19937 random(32);

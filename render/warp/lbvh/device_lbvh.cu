@@ -18,7 +18,7 @@ __global__ void gatherSpheres(DeviceFrameView frame, const uint32_t* ids, Sphere
 __global__ void emitNodes(const uint64_t* codes, uint32_t count, LbvhNode* nodes, uint32_t* parents) {
   const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
   if (i + 1 >= count) return;
-  const LeafRange range = determineRange(codes, count, i);
+  const MortonRange range = determineRange(codes, count, i);
   const uint32_t split = findSplit(codes, count, range);
   const uint32_t children[2] = {leftReference(range, split), rightReference(range, split)};
   LbvhNode& node = nodes[i];

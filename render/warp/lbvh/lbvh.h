@@ -21,7 +21,7 @@ namespace warpscope {
 inline constexpr uint32_t kMaxLbvhSpheres = 0x7fffffffu;
 
 /// Set in a reference to a leaf; the other bits are the leaf's place in Morton order. Without it they are a node's
-/// index.
+/// index. A leaf is one sphere, or a few: see LbvhView and GroupedLbvhView.
 inline constexpr uint32_t kLbvhLeafBit = 0x80000000u;
 
 /// Along a path the common prefix of a node's leaves grows with every node: it takes at most the 63 lengths of a code
@@ -29,7 +29,7 @@ inline constexpr uint32_t kLbvhLeafBit = 0x80000000u;
 /// than this.
 inline constexpr uint32_t kMaxLbvhDepth = 63 + 31;
 
-/// An inner node. Node 0 is the root and a hierarchy of n >= 2 spheres has n - 1 nodes. As in the paper, where a node's
+/// An inner node. Node 0 is the root and a hierarchy of n >= 2 leaves has n - 1 nodes. As in the paper, where a node's
 /// leaves [first, last] are split after `s`, the left child is node or leaf s and the right one node or leaf s + 1.
 struct LbvhNode {
   Box bounds[2];      ///< of the left and the right child, rounded to nearest: queries widen them, see kLbvhMargin
@@ -38,13 +38,33 @@ struct LbvhNode {
 };
 static_assert(sizeof(LbvhNode) == 64, "one cache line");
 
-/// A hierarchy as traversal sees it. The memory is another's, on whichever side the traversal runs.
+/// A run of leaves or spheres in Morton order: first..last, both inclusive.
+struct MortonRange {
+  uint32_t first;
+  uint32_t last;
+  bool operator==(const MortonRange&) const = default;
+};
+
+/// A hierarchy as traversal sees it, with one sphere a leaf. The memory is another's, on whichever side the traversal runs.
 struct LbvhView {
-  const LbvhNode* nodes = nullptr;  ///< count - 1
+  const LbvhNode* nodes = nullptr;  ///< one less than leaves
   const Sphere* spheres = nullptr;  ///< count, in Morton order
   const uint32_t* ids = nullptr;    ///< count: each sphere's place in the cloud that was built
   uint32_t count = 0;
   float reach = 0.0f;  ///< at least the distance of any point of any sphere from the coordinates' origin
+
+  WARPSCOPE_HD uint32_t leafCount() const { return count; }
+  WARPSCOPE_HD MortonRange spheresOf(uint32_t leaf) const { return {leaf, leaf}; }
+};
+
+/// As LbvhView, but each largest subtree of at most so many spheres as its builder chose is one leaf: nodes, by far the largest part of a
+/// hierarchy, are a quarter to an eighth as many.
+struct GroupedLbvhView : LbvhView {
+  const uint32_t* leafFirst = nullptr;  ///< leaves + 1: the place of each leaf's first sphere, then count
+  uint32_t leaves = 0;
+
+  WARPSCOPE_HD uint32_t leafCount() const { return leaves; }
+  WARPSCOPE_HD MortonRange spheresOf(uint32_t leaf) const { return {leafFirst[leaf], leafFirst[leaf + 1] - 1}; }
 };
 
 // --- Construction
@@ -89,15 +109,8 @@ WARPSCOPE_HD inline int commonPrefix(const uint64_t* codes, int64_t count, int64
   return 64 + leadingZeros(static_cast<uint64_t>(i ^ j)) - 32;
 }
 
-/// Leaves first..last, both inclusive.
-struct LeafRange {
-  uint32_t first;
-  uint32_t last;
-  bool operator==(const LeafRange&) const = default;
-};
-
 /// The leaves below inner node i (Karras 2012, figure 4, first half).
-WARPSCOPE_HD inline LeafRange determineRange(const uint64_t* codes, uint32_t count, uint32_t node) {
+WARPSCOPE_HD inline MortonRange determineRange(const uint64_t* codes, uint32_t count, uint32_t node) {
   const int64_t i = node;
   // The range extends to the side of the neighbour that shares more.
   const int64_t direction = commonPrefix(codes, count, i, i + 1) > commonPrefix(codes, count, i, i - 1) ? 1 : -1;
@@ -108,11 +121,11 @@ WARPSCOPE_HD inline LeafRange determineRange(const uint64_t* codes, uint32_t cou
   for (int64_t step = limit / 2; step >= 1; step /= 2)
     if (commonPrefix(codes, count, i, i + (length + step) * direction) > siblingPrefix) length += step;
   const auto other = static_cast<uint32_t>(i + length * direction);
-  return direction > 0 ? LeafRange{node, other} : LeafRange{other, node};
+  return direction > 0 ? MortonRange{node, other} : MortonRange{other, node};
 }
 
 /// The last leaf of the left child of the node over first < last (Karras 2012, figure 4, second half).
-WARPSCOPE_HD inline uint32_t findSplit(const uint64_t* codes, uint32_t count, LeafRange range) {
+WARPSCOPE_HD inline uint32_t findSplit(const uint64_t* codes, uint32_t count, MortonRange range) {
   const int nodePrefix = commonPrefix(codes, count, range.first, range.last);
   uint32_t split = range.first;
   uint32_t step = range.last - range.first;
@@ -123,11 +136,11 @@ WARPSCOPE_HD inline uint32_t findSplit(const uint64_t* codes, uint32_t count, Le
   return split;
 }
 
-WARPSCOPE_HD inline uint32_t leftReference(LeafRange range, uint32_t split) {
+WARPSCOPE_HD inline uint32_t leftReference(MortonRange range, uint32_t split) {
   return split == range.first ? split | kLbvhLeafBit : split;
 }
 
-WARPSCOPE_HD inline uint32_t rightReference(LeafRange range, uint32_t split) {
+WARPSCOPE_HD inline uint32_t rightReference(MortonRange range, uint32_t split) {
   return split + 1 == range.last ? (split + 1) | kLbvhLeafBit : split + 1;
 }
 
@@ -179,20 +192,21 @@ WARPSCOPE_HD inline float entryDistance(const LbvhRay& ray, const Box& box, floa
 }
 
 /// Calls visit(i) for every sphere (i: its place in Morton order) whose leaf `ray` may meet within [0, tMax], nearer
-/// subtrees first. `visit` may lower tMax, which is looked at again before each node. Returns false if the stack
+/// subtrees first. `View` is one of the two above. `visit` may lower tMax, which is looked at again before each node. Returns false if the stack
 /// overflowed: the result is then incomplete and must not be used. That cannot happen with nodes built by the rules
 /// above.
-template <class Visit>
-WARPSCOPE_HD inline bool visitAlongRay(const LbvhView& view, const Ray& ray, const float& tMax, Visit&& visit) {
+template <class View, class Visit>
+WARPSCOPE_HD inline bool visitAlongRay(const View& view, const Ray& ray, const float& tMax, Visit&& visit) {
   if (view.count == 0) return true;
   const LbvhRay query = lbvhRayOf(ray, view.reach);
   uint32_t stack[kMaxLbvhDepth];
   float stackEntry[kMaxLbvhDepth];
   uint32_t size = 0;
-  uint32_t reference = view.count == 1 ? kLbvhLeafBit : 0;
+  uint32_t reference = view.leafCount() == 1 ? kLbvhLeafBit : 0;
   for (;;) {
     if (reference & kLbvhLeafBit) {
-      visit(reference & ~kLbvhLeafBit);
+      const MortonRange leaf = view.spheresOf(reference & ~kLbvhLeafBit);
+      for (uint32_t i = leaf.first; i <= leaf.last; ++i) visit(i);
     } else {
       const LbvhNode& node = view.nodes[reference];
       const float left = entryDistance(query, node.bounds[0], tMax);
@@ -225,8 +239,8 @@ struct LbvhHit {
 
 /// The first sphere along `ray` (unit direction); of equally near ones that with the lowest id. See intersectSphere for
 /// what is a hit.
-template <class Intersection = StableSphere>
-WARPSCOPE_HD inline LbvhHit closestHit(const LbvhView& view, const Ray& ray) {
+template <class Intersection = StableSphere, class View>
+WARPSCOPE_HD inline LbvhHit closestHit(const View& view, const Ray& ray) {
   LbvhHit hit;
   hit.overflow = !visitAlongRay(view, ray, hit.t, [&](uint32_t i) {
     const float t = Intersection::intersect(ray, view.spheres[i].center, view.spheres[i].radius);

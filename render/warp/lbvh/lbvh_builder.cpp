@@ -17,7 +17,7 @@ namespace warpscope {
 namespace {
 
 constexpr size_t kGrain = 16384;          // spheres a task looks at
-constexpr uint32_t kSerialLeaves = 2048;  // subtrees below this size are built by one task
+constexpr uint32_t kSerialSpheres = 2048;  // subtrees below this size are built by one task
 
 /// Above this many spheres, what only construction needs is given back before the nodes are made: then these lists together are far larger
 /// than what touching their pages anew costs with the next frame.
@@ -137,39 +137,86 @@ void Lbvh::build(std::span<const Sphere> spheres) {
   if (count > kKeptSpheres) scratch_ = {};
 
   codes_.resize(count);
-  spheres_.resize(count);
   ids_.resize(count);
   parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       codes_[i] = items_[i].code;
       ids_[i] = items_[i].index;
-      spheres_[i] = spheres[items_[i].index];
     }
   });
   if (count > kKeptSpheres) items_ = {};
-  nodes_.resize(count - 1);
-  if (count > 1) emitNode(0, {0, static_cast<uint32_t>(count - 1)});
+  spheres_.resize(count);
+  parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) spheres_[i] = spheres[ids_[i]];
+  });
+  findLeaves();
+  const size_t leaves = codes_.size();
+  nodes_.resize(leaves - 1);
+  if (leaves > 1) emitNode(0, {0, static_cast<uint32_t>(leaves - 1)});
 }
 
-Lbvh::Extent Lbvh::emitChild(uint32_t reference, LeafRange range) {
-  if (!(reference & kLbvhLeafBit)) return emitNode(reference, range);
-  const Sphere& sphere = spheres_[range.first];
-  return {sphereBounds(sphere), sphere.radius};
+/// Keeps the codes of the leaves' first spheres only: where those are told apart, so are the leaves.
+void Lbvh::findLeaves() {
+  const size_t count = codes_.size();
+  isLeafFirst_.assign(count, 0);
+  markLeaves({0, static_cast<uint32_t>(count - 1)});
+  leafFirst_.clear();
+  for (size_t i = 0; i < count; ++i) {
+    if (!isLeafFirst_[i]) continue;
+    codes_[leafFirst_.size()] = codes_[i];
+    leafFirst_.push_back(static_cast<uint32_t>(i));
+  }
+  codes_.resize(leafFirst_.size());
+  leafFirst_.push_back(static_cast<uint32_t>(count));
+  if (count <= kKeptSpheres) return;
+  codes_.shrink_to_fit();
+  isLeafFirst_ = {};
 }
 
-Lbvh::Extent Lbvh::emitNode(uint32_t index, LeafRange range) {
+void Lbvh::markLeaves(MortonRange spheres) {
+  const uint32_t count = spheres.last - spheres.first + 1;
+  if (count <= kLeafSpheres) {
+    isLeafFirst_[spheres.first] = 1;
+    return;
+  }
+  const uint32_t split = findSplit(codes_.data(), static_cast<uint32_t>(codes_.size()), spheres);
+  const auto markLeft = [&] { markLeaves({spheres.first, split}); };
+  const auto markRight = [&] { markLeaves({split + 1, spheres.last}); };
+  if (count <= kSerialSpheres) {
+    markLeft();
+    markRight();
+  } else {
+    tbb::parallel_invoke(markLeft, markRight);
+  }
+}
+
+Lbvh::Extent Lbvh::extentOf(uint32_t leaf) const {
+  const MortonRange range = view().spheresOf(leaf);
+  Extent extent{sphereBounds(spheres_[range.first]), spheres_[range.first].radius};
+  for (uint32_t i = range.first + 1; i <= range.last; ++i) {
+    extent.bounds.include(sphereBounds(spheres_[i]));
+    extent.smallestRadius = std::min(extent.smallestRadius, spheres_[i].radius);
+  }
+  return extent;
+}
+
+Lbvh::Extent Lbvh::emitChild(uint32_t reference, MortonRange leaves) {
+  return reference & kLbvhLeafBit ? extentOf(leaves.first) : emitNode(reference, leaves);
+}
+
+Lbvh::Extent Lbvh::emitNode(uint32_t index, MortonRange leaves) {
   LbvhNode& node = nodes_[index];
-  const uint32_t split = findSplit(codes_.data(), static_cast<uint32_t>(codes_.size()), range);
-  node.child[0] = leftReference(range, split);
-  node.child[1] = rightReference(range, split);
-  const auto emit = [&](int side, LeafRange leaves) {
-    const Extent extent = emitChild(node.child[side], leaves);
+  const uint32_t split = findSplit(codes_.data(), static_cast<uint32_t>(codes_.size()), leaves);
+  node.child[0] = leftReference(leaves, split);
+  node.child[1] = rightReference(leaves, split);
+  const auto emit = [&](int side, MortonRange below) {
+    const Extent extent = emitChild(node.child[side], below);
     node.bounds[side] = extent.bounds;
     node.smallestRadius[side] = extent.smallestRadius;
   };
-  const auto emitLeft = [&] { emit(0, {range.first, split}); };
-  const auto emitRight = [&] { emit(1, {split + 1, range.last}); };
-  if (range.last - range.first < kSerialLeaves) {
+  const auto emitLeft = [&] { emit(0, {leaves.first, split}); };
+  const auto emitRight = [&] { emit(1, {split + 1, leaves.last}); };
+  if (leaves.last - leaves.first < kSerialSpheres / kLeafSpheres) {
     emitLeft();
     emitRight();
   } else {
@@ -180,8 +227,10 @@ Lbvh::Extent Lbvh::emitNode(uint32_t index, LeafRange range) {
   return {bounds, std::min(node.smallestRadius[0], node.smallestRadius[1])};
 }
 
-LbvhView Lbvh::view() const {
-  return {nodes_.data(), spheres_.data(), ids_.data(), static_cast<uint32_t>(ids_.size()), reach_};
+GroupedLbvhView Lbvh::view() const {
+  const size_t leaves = codes_.size();
+  return {{nodes_.data(), spheres_.data(), ids_.data(), static_cast<uint32_t>(ids_.size()), reach_}, leafFirst_.data(),
+          static_cast<uint32_t>(leaves)};
 }
 
 }  // namespace warpscope

@@ -1,7 +1,7 @@
 // Builds the hierarchy of lbvh.h on all cores of the host.
 // After Karras 2012, section 4; codes are sorted by a least-significant-digit radix sort (Knuth, TAOCP 3,
 // section 5.2.5), and as boxes need a walk over the tree anyway, that walk finds the ranges too instead of one thread a
-// node.
+// node. Small subtrees are leaves, which saves most of the nodes.
 #pragma once
 
 #include <cstdint>
@@ -29,6 +29,9 @@ struct MortonItem {
 /// number of threads.
 void sortByCode(std::vector<MortonItem>& items, std::vector<MortonItem>& scratch);
 
+/// Subtrees of at most this many spheres are leaves: packets of rays test them one by one.
+inline constexpr uint32_t kLeafSpheres = 8;
+
 /// A hierarchy that owns its memory, and keeps it from one build to the next, unless that would be gigabytes.
 class Lbvh {
  public:
@@ -37,9 +40,9 @@ class Lbvh {
   void build(std::span<const Sphere> spheres);
 
   /// Valid until the next build.
-  LbvhView view() const;
+  GroupedLbvhView view() const;
 
-  /// Codes in sorted order, as construction used them.
+  /// Of each leaf's first sphere, in sorted order, as construction used them.
   std::span<const uint64_t> codes() const { return codes_; }
 
  private:
@@ -48,13 +51,18 @@ class Lbvh {
     Box bounds;
     float smallestRadius;
   };
-  Extent emitNode(uint32_t node, LeafRange range);
-  Extent emitChild(uint32_t reference, LeafRange range);
+  void findLeaves();
+  void markLeaves(MortonRange spheres);
+  Extent emitNode(uint32_t node, MortonRange leaves);
+  Extent emitChild(uint32_t reference, MortonRange leaves);
+  Extent extentOf(uint32_t leaf) const;
 
   std::vector<LbvhNode> nodes_;
+  std::vector<uint32_t> leafFirst_;
   std::vector<Sphere> spheres_;
   std::vector<uint32_t> ids_;
-  std::vector<uint64_t> codes_;
+  std::vector<uint64_t> codes_;  // of all spheres until the leaves are known
+  std::vector<uint8_t> isLeafFirst_;
   float reach_ = 0.0f;
   std::vector<MortonItem> items_;
   std::vector<MortonItem> scratch_;

@@ -7,7 +7,7 @@
 
 namespace warpscope {
 
-void tracePackets(const LbvhView& view, const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
+void tracePackets(const GroupedLbvhView& view, const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
                   const std::stop_token& stop, Arithmetic arithmetic) {
   ids.resize(camera.width, camera.height, kNoSample);
   if (depth) depth->resize(camera.width, camera.height, kNoHit);

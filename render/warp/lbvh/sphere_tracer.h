@@ -39,7 +39,7 @@ class LbvhTracer final : public SphereTracer {
   void trace(const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
              const std::stop_token& stop) const override;
 
-  LbvhView view() const { return lbvh_.view(); }
+  GroupedLbvhView view() const { return lbvh_.view(); }
 
  private:
   const Arithmetic arithmetic_;

@@ -22,9 +22,6 @@ inline constexpr uint32_t kTileSide = 16;  ///< pixels
 static_assert(kTileSide % kPackLanes == 0);
 static_assert(kTileSide % 4 == 0);
 
-/// Subtrees of at most this many spheres are not walked but tested one by one.
-inline constexpr uint32_t kLeafSpheres = 8;
-
 /// Unit normals of the planes through the eye and one column (or row) of pixel centres each.
 class PlaneFan {
  public:
@@ -64,14 +61,14 @@ class PlaneFan {
 
 /// What all tiles of a picture share. The view and the camera stay where they are.
 struct PacketScene {
-  const LbvhView& view;
+  const GroupedLbvhView& view;
   const Camera& camera;
   PlaneFan columns;
   PlaneFan rows;
   float margin;
 };
 
-inline PacketScene makePacketScene(const LbvhView& view, const Camera& camera) {
+inline PacketScene makePacketScene(const GroupedLbvhView& view, const Camera& camera) {
   const glm::dvec3 right(camera.right), up(camera.up), forward(camera.forward);
   const double edge = pixelEdge(camera);
   const glm::vec3 eye = glm::abs(camera.eye);
@@ -130,21 +127,19 @@ class TileTracer {
   /// The hierarchy must not be empty.
   void trace() {
     struct Entry {
-      LeafRange range;
       uint32_t reference;
       float depth;
     };
     std::array<Entry, kMaxLbvhDepth> stack;
     uint32_t size = 0;
-    Entry entry{{0, scene_.view.count - 1}, 0, 0.0f};
+    Entry entry{scene_.view.leafCount() == 1 ? kLbvhLeafBit : 0, 0.0f};
     for (;;) {
-      if (entry.range.last - entry.range.first < kLeafSpheres) {
-        testSpheres(entry.range);
+      if (entry.reference & kLbvhLeafBit) {
+        testSpheres(scene_.view.spheresOf(entry.reference & ~kLbvhLeafBit));
       } else {
         const LbvhNode& node = scene_.view.nodes[entry.reference];
-        const uint32_t split = node.child[0] & ~kLbvhLeafBit;
-        Entry left{{entry.range.first, split}, node.child[0], nearestDepth(node, 0)};
-        Entry right{{split + 1, entry.range.last}, node.child[1], nearestDepth(node, 1)};
+        Entry left{node.child[0], nearestDepth(node, 0)};
+        Entry right{node.child[1], nearestDepth(node, 1)};
         if (right.depth < left.depth) std::swap(left, right);
         if (right.depth < kNoHit) {
           if (size == stack.size()) throw std::logic_error("the sphere hierarchy is deeper than its keys allow");
@@ -223,7 +218,7 @@ class TileTracer {
     return -farthestCorner[kNearPlane] - scene_.margin;
   }
 
-  void testSpheres(LeafRange range) {
+  void testSpheres(MortonRange range) {
     bool closer = false;
     for (uint32_t i = range.first; i <= range.last; ++i) closer |= testSphere(i);
     if (!closer) return;

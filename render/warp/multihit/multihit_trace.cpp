@@ -12,7 +12,7 @@ namespace warpscope {
 namespace {
 
 template <int Capacity>
-void traceTiles(const LbvhView& view, std::span<const Rgba8> colors, const Camera& camera, int hits, Image<uint32_t>& ids,
+void traceTiles(const GroupedLbvhView& view, std::span<const Rgba8> colors, const Camera& camera, int hits, Image<uint32_t>& ids,
                 Image<glm::vec4>& color, const std::stop_token& stop) {
   const ColorTables& tables = ColorTables::instance();
   const PacketScene scene = makePacketScene(view, camera);
@@ -36,7 +36,7 @@ void traceTiles(const LbvhView& view, std::span<const Rgba8> colors, const Camer
 
 }  // namespace
 
-void traceNearestHits(const LbvhView& view, std::span<const Rgba8> colors, const Camera& camera, int hits, Image<uint32_t>& ids,
+void traceNearestHits(const GroupedLbvhView& view, std::span<const Rgba8> colors, const Camera& camera, int hits, Image<uint32_t>& ids,
                       Image<glm::vec4>& color, const std::stop_token& stop) {
   if (hits < 1 || hits > kMaxHits)
     throw std::invalid_argument("hits must be 1 to " + std::to_string(kMaxHits) + ", not " + std::to_string(hits));

@@ -18,7 +18,7 @@ namespace warpscope {
 /// (distance, id): `ids` takes the first one's id, kNoSample where there is none, and `color` their colours over each other, the nearest in
 /// front, 0 where there is none. `colors` has one entry for each sphere of the cloud that was built. Both images take the camera's size.
 /// Throws OperationCancelled if `stop` is set; the images are then incomplete.
-void traceNearestHits(const LbvhView& view, std::span<const Rgba8> colors, const Camera& camera, int hits, Image<uint32_t>& ids,
+void traceNearestHits(const GroupedLbvhView& view, std::span<const Rgba8> colors, const Camera& camera, int hits, Image<uint32_t>& ids,
                       Image<glm::vec4>& color, const std::stop_token& stop);
 
 }  // namespace warpscope

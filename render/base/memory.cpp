@@ -1,0 +1,87 @@
+// Reading what the kernel says.
+// See memory.h.
+#include "render/base/memory.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+
+#include "render/base/error.h"
+#include "render/base/input_file.h"
+
+namespace warpscope {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The number that a file begins with; nothing where there is none, as in "max".
+std::optional<uint64_t> numberIn(const fs::path& file) {
+  std::ifstream stream(file);
+  uint64_t number = 0;
+  return stream >> number ? std::optional(number) : std::nullopt;
+}
+
+/// The number behind `key` in a file of lines "key number".
+std::optional<uint64_t> numberBehind(const std::string& key, const fs::path& file) {
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);)
+    if (line.starts_with(key)) {
+      const size_t at = line.find_first_of("0123456789", key.size());
+      uint64_t number = 0;
+      if (at != std::string::npos && std::from_chars(line.data() + at, line.data() + line.size(), number).ec == std::errc()) return number;
+    }
+  return std::nullopt;
+}
+
+struct GroupFiles {
+  const char *limit, *used;
+  std::array<const char*, 2> cached;  ///< keys of memory.stat
+};
+constexpr GroupFiles kVersion1{"memory.limit_in_bytes", "memory.usage_in_bytes", {"total_inactive_file ", "total_active_file "}};
+constexpr GroupFiles kVersion2{"memory.max", "memory.current", {"inactive_file ", "active_file "}};
+
+/// What `group`, a folder beneath `mount`, and those that it is in leave.
+std::optional<uint64_t> leftInGroups(const fs::path& mount, const fs::path& group, const GroupFiles& names) {
+  std::optional<uint64_t> least;
+  for (fs::path at = group.relative_path();; at = at.parent_path()) {
+    const fs::path folder = mount / at;
+    const auto limit = numberIn(folder / names.limit), used = numberIn(folder / names.used);
+    if (limit && used) {
+      uint64_t kept = *used;
+      for (const char* key : names.cached) kept -= std::min(kept, numberBehind(key, folder / "memory.stat").value_or(0));
+      const uint64_t left = *limit - std::min(*limit, kept);
+      least = std::min(least.value_or(left), left);
+    }
+    if (at.empty()) return least;
+  }
+}
+
+}  // namespace
+
+std::optional<uint64_t> availableMemoryBytes(const fs::path& root) {
+  std::optional<uint64_t> least;
+  const auto take = [&](std::optional<uint64_t> bytes) {
+    if (bytes) least = std::min(least.value_or(*bytes), *bytes);
+  };
+  if (const auto kibibytes = numberBehind("MemAvailable:", root / "proc/meminfo")) take(*kibibytes * 1024);
+  std::ifstream groups(root / "proc/self/cgroup");
+  // Lines "0::/group" of version 2, "4:memory,other:/group" of version 1.
+  for (std::string line; std::getline(groups, line);) {
+    const size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (first == std::string::npos || second == std::string::npos) continue;
+    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const fs::path group = line.substr(second + 1);
+    if (controllers == ",,") take(leftInGroups(root / "sys/fs/cgroup", group, kVersion2));
+    if (controllers.find(",memory,") != std::string::npos) take(leftInGroups(root / "sys/fs/cgroup/memory", group, kVersion1));
+  }
+  return least;
+}
+
+void requireMemory(uint64_t bytes, const std::string& what) {
+  const std::optional<uint64_t> free = availableMemoryBytes();
+  if (free && *free < bytes)
+    throw InputError(what + " needs " + sizeText(bytes) + " of memory, and " + sizeText(*free) + " are free; it does not fit into this machine's memory");
+}
+
+}  // namespace warpscope

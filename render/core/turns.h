@@ -1,0 +1,114 @@
+// Who may march now, where several want to: one at a time, a slice of time each, in the order in which they asked.
+// A ticket lock (Mellor-Crummey, Scott 1991) whose tickets can be handed back; slices as in round-robin scheduling (Kleinrock 1964).
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+
+#include "render/base/error.h"
+
+namespace warpscope {
+
+/// A march that would take longer than it may.
+class WorkLimitExceeded : public InputError {
+ public:
+  /// `share`: how much of it, 0..1, would have fitted, as far as can be told.
+  WorkLimitExceeded(std::chrono::nanoseconds limit, double share);
+
+  std::chrono::nanoseconds limit() const { return limit_; }
+  double share() const { return share_; }
+
+ private:
+  std::chrono::nanoseconds limit_;
+  double share_;
+};
+
+struct TurnSettings {
+  std::chrono::nanoseconds slice = std::chrono::milliseconds(8);  ///< of one turn; what is begun within it is finished
+  std::chrono::nanoseconds limit{0};                              ///< of all turns of a job together; 0 is none
+};
+
+/// Safe on any thread.
+class Turns {
+ public:
+  explicit Turns(TurnSettings settings = {}) : settings_(settings), row_(std::make_shared<Row>()) {}
+  /// Another one of the same row: who has a turn by either, has it alone.
+  std::shared_ptr<Turns> sibling() const { return std::shared_ptr<Turns>(new Turns(settings_, row_)); }
+
+  /// Ends when it goes.
+  class Turn {
+   public:
+    explicit Turn(Turns& turns) : turns_(turns) {}
+    ~Turn() { turns_.end(); }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    Turns& turns_;
+  };
+
+  /// Waits for it. Throws OperationCancelled if `stop` is set first.
+  Turn take(const std::stop_token& stop);
+
+  const TurnSettings& settings() const { return settings_; }
+  /// Jobs that wait for a turn.
+  size_t waiting() const;
+  /// How long take() has waited by this one since the last call.
+  std::chrono::nanoseconds exchangeWaited() { return std::chrono::nanoseconds(waitedNs_.exchange(0)); }
+
+ private:
+  struct Row {
+    std::mutex mutex;
+    std::condition_variable_any changed;
+    std::deque<uint64_t> tickets;  // of those that wait, the first one first
+    uint64_t lastTicket = 0;
+    bool isTaken = false;
+  };
+
+  Turns(TurnSettings settings, std::shared_ptr<Row> row) : settings_(settings), row_(std::move(row)) {}
+  void end();
+
+  const TurnSettings settings_;
+  const std::shared_ptr<Row> row_;
+  std::atomic<int64_t> waitedNs_ = 0;
+};
+
+using TurnsPtr = std::shared_ptr<Turns>;
+
+/// What one job has used of its time. Without turns it may go on.
+class TurnsOfJob {
+ public:
+  /// `turns` may be null, and outlives this.
+  explicit TurnsOfJob(Turns* turns) : turns_(turns) {}
+
+  bool areLimited() const { return turns_ != nullptr; }
+
+  /// Calls work(end) in a turn, which should return soon after `end`; true once it says that all is done. `done`: what share of the job is
+  /// done after that, 0..1. Throws OperationCancelled, or WorkLimitExceeded where the job takes, or clearly will take, longer than it may.
+  template <class Work, class Done>
+  bool work(const std::stop_token& stop, const Work& work, const Done& done) {
+    bool isDone;
+    {
+      const Turns::Turn turn = turns_->take(stop);
+      const auto begin = std::chrono::steady_clock::now();
+      isDone = work(begin + turns_->settings().slice);
+      used_ += std::chrono::steady_clock::now() - begin;
+    }
+    if (!isDone) requireTime(done());
+    return isDone;
+  }
+
+ private:
+  void requireTime(double done) const;
+
+  Turns* turns_;
+  std::chrono::nanoseconds used_{0};
+};
+
+}  // namespace warpscope

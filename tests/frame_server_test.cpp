@@ -1,0 +1,145 @@
+// What strangers' requests may take: time in turns, memory from a budget, and what is given back; with heavy clients, slow readers and honest ones.
+// Mirrors app/frames/frame_server.h.
+#include "app/frames/frame_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "app/frames/remote_marcher.h"
+#include "app/frames/wire_fields.h"
+#include "headless.h"
+#include "render/base/error.h"
+#include "tests/net/exchange.h"
+
+namespace warpscope {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string refusalOf(Marcher& marcher, const Camera& camera, const MarchSettings& settings) {
+  try {
+    marcher.march(camera, settings);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no refusal";
+}
+
+class FrameServerTest : public ::testing::Test {
+ protected:
+  FrameServer& serve(ServeLimits limits) {
+    server_ = std::make_unique<FrameServer>(io_, scene_, makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {}), net::ServerSettings{}, limits);
+    return *server_;
+  }
+  MarcherPtr client() {
+    net::ClientSettings settings;
+    settings.address = server_->address();
+    CodecSettings raw;
+    raw.format = PayloadFormat::raw;
+    return makeRemoteMarcher(io_, settings, raw, 60s);
+  }
+  Camera camera(uint32_t width, uint32_t height) const { return makeCamera(scene_, scene_.views.front(), width, height); }
+  /// More than any machine does in a test.
+  MarchSettings endless() const {
+    MarchSettings settings = scene_.march;
+    settings.render.step = 0.001f;
+    settings.render.skipEmpty = settings.render.terminateEarly = false;
+    return settings;
+  }
+
+  const std::shared_ptr<net::IoThread> io_ = std::make_shared<net::IoThread>();
+  Scene scene_ = smallScene("shells");
+  std::unique_ptr<FrameServer> server_;
+};
+
+TEST_F(FrameServerTest, HeavyClientsHoldUpNobody) {
+  serve({.work = 1h});
+  std::vector<std::jthread> heavy;
+  for (int i = 0; i < 15; ++i)
+    heavy.emplace_back([this](const std::stop_token& stop) {
+      EXPECT_THROW(client()->march(camera(512, 512), endless(), stop), OperationCancelled);
+    });
+  const MarcherPtr honest = client();
+  honest->march(camera(64, 48), scene_.march);  // it is connected
+  std::this_thread::sleep_for(1s);              // and so are the others
+  double slowest = 0.0;
+  for (int i = 0; i < 10; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    const SampleFrame frame = honest->march(camera(64, 48), scene_.march);
+    slowest = std::max(slowest, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    EXPECT_GT(frame.size(), 0u);
+  }
+  RecordProperty("slowestMs", std::to_string(1e3 * slowest));
+  EXPECT_LT(slowest, 2.0) << "a turn comes after 15 slices of 8 ms";
+  for (std::jthread& client : heavy) client.request_stop();
+}
+
+TEST_F(FrameServerTest, AMarchThatTakesTooLongIsRefusedWithWhatWouldFit) {
+  serve({.work = 50ms});
+  const MarcherPtr client = this->client();
+  EXPECT_THAT(refusalOf(*client, camera(512, 512), endless()),
+              AllOf(HasSubstr("512x512 at a step of 0.001 takes longer than the 0.05 s of marching that the server gives a request"), HasSubstr("would fit, or ")));
+  EXPECT_GT(client->march(camera(32, 24), scene_.march).size(), 0u) << "the connection goes on";
+}
+
+TEST_F(FrameServerTest, AFrameThatTakesTooMuchMemoryIsRefusedWithWhatWouldFit) {
+  serve({.memoryBytes = size_t{256} << 20});
+  const MarcherPtr client = this->client();
+  EXPECT_THAT(refusalOf(*client, camera(1024, 1024), scene_.march), AllOf(HasSubstr("1024x1024 takes about 41 MiB"), HasSubstr("at most 16 MiB"), HasSubstr("would fit")));
+  EXPECT_GT(client->march(camera(600, 600), scene_.march).size(), 0u);
+}
+
+TEST_F(FrameServerTest, SlowReadersTakeNoMoreThanThereIs) {
+  constexpr size_t kMemory = size_t{256} << 20;
+  serve({.memoryBytes = kMemory});
+  net::FrameRequest request;
+  request.camera = toFields(camera(512, 512));
+  request.settings = toFields(scene_.march);
+  request.wanted = net::Wanted::picture;
+  const size_t before = net::memoryBytes();
+  std::vector<net::BareSocket> slow;
+  for (int i = 0; i < 48; ++i) {
+    net::BareSocket socket = net::BareSocket::connect(server_->port(), 4096);
+    net::ClientHello hello;
+    hello.depth = 16;
+    socket.send(net::toBytes(hello));
+    for (request.id = 1; request.id <= 16; ++request.id) socket.send(net::requestMessage(request));
+    slow.push_back(std::move(socket));
+  }
+  size_t most = 0;
+  for (int i = 0; i < 40; ++i) {
+    most = std::max(most, net::memoryBytes());
+    std::this_thread::sleep_for(50ms);
+  }
+  const MarcherPtr honest = client();
+  EXPECT_GT(honest->march(camera(64, 48), scene_.march).size(), 0u);
+  most = std::max(most, net::memoryBytes());
+  if (!net::kIsSanitized) {
+    EXPECT_LT(most, before + kMemory + (size_t{64} << 20)) << "besides, sockets and threads";
+  }
+}
+
+TEST_F(FrameServerTest, WhatALargeFrameTookIsGivenBack) {
+  serve({});
+  net::FrameRequest request;
+  const auto served = [&](uint32_t side) {  // its bytes are dropped here as they come
+    net::BareSocket socket = net::greetedClientAt(server_->port());
+    request.id = 1;
+    request.camera = toFields(camera(side, side));
+    request.settings = toFields(scene_.march);
+    socket.send(net::requestMessage(request));
+    return socket.skipFrame();
+  };
+  ASSERT_TRUE(served(64));
+  const size_t before = net::memoryBytes();
+  ASSERT_TRUE(served(3000));
+  if (net::kIsSanitized) return;
+  EXPECT_TRUE(net::comesTrue([&] { return net::memoryBytes() < before + (size_t{32} << 20); }, 20s)) << (net::memoryBytes() - before) / 1048576 << " MiB more";
+}
+
+}  // namespace
+}  // namespace warpscope

@@ -1,0 +1,72 @@
+// What is left of the machine's memory, from folders that look like a kernel's.
+// Mirrors render/base/memory.h.
+#include "render/base/memory.h"
+
+#include <gmock/gmock.h>
+
+#include "render/base/error.h"
+#include "tests/test_folder.h"
+
+namespace warpscope {
+namespace {
+
+class Memory : public testing::Test {
+ protected:
+  void put(const std::string& name, const std::string& text) const {
+    std::filesystem::create_directories((folder_.path() / name).parent_path());
+    folder_.write(name, text);
+  }
+  std::optional<uint64_t> available() const { return availableMemoryBytes(folder_.path()); }
+  const TestFolder folder_;
+};
+
+TEST_F(Memory, IsWhatTheMachineHasLeft) {
+  EXPECT_EQ(available(), std::nullopt);
+  put("proc/meminfo", "MemTotal:       32000000 kB\nMemFree:         1000000 kB\nMemAvailable:    8000000 kB\n");
+  EXPECT_EQ(available(), uint64_t{8000000} * 1024);
+}
+
+TEST_F(Memory, OrWhatTheNarrowestGroupLeaves) {
+  put("proc/meminfo", "MemAvailable:    8000000 kB\n");
+  put("proc/self/cgroup", "0::/outer/inner\n");
+  put("sys/fs/cgroup/outer/inner/memory.max", "max\n");
+  put("sys/fs/cgroup/outer/inner/memory.current", "3000\n");
+  EXPECT_EQ(available(), uint64_t{8000000} * 1024);
+  put("sys/fs/cgroup/outer/memory.max", "10000\n");
+  put("sys/fs/cgroup/outer/memory.current", "7000\n");
+  EXPECT_EQ(available(), 3000u);
+  // Pages of files are given back when they are needed.
+  put("sys/fs/cgroup/outer/memory.stat", "anon 4000\ninactive_file 2000\nactive_file 500\n");
+  EXPECT_EQ(available(), 5500u);
+  put("sys/fs/cgroup/outer/inner/memory.max", "3500\n");
+  EXPECT_EQ(available(), 500u);
+  put("sys/fs/cgroup/outer/inner/memory.current", "4000\n");  // a limit that was lowered
+  EXPECT_EQ(available(), 0u);
+}
+
+TEST_F(Memory, GroupsOfVersion1AreKnownAsWell) {
+  put("proc/meminfo", "MemAvailable:    8000000 kB\n");
+  put("proc/self/cgroup", "5:cpu,cpuacct:/job\n4:hugetlb,memory:/job\n0::/\n");
+  put("sys/fs/cgroup/memory/job/memory.limit_in_bytes", "9223372036854771712\n");
+  put("sys/fs/cgroup/memory/job/memory.usage_in_bytes", "5000\n");
+  EXPECT_EQ(available(), uint64_t{8000000} * 1024);
+  put("sys/fs/cgroup/memory/job/memory.limit_in_bytes", "20000\n");
+  put("sys/fs/cgroup/memory/job/memory.stat", "cache 4000\ntotal_inactive_file 1000\n");
+  EXPECT_EQ(available(), 16000u);
+}
+
+TEST(RequireMemory, SaysWhatIsNeededAndWhatIsThere) {
+  ASSERT_TRUE(availableMemoryBytes()) << "this system does not say what it has";
+  EXPECT_NO_THROW(requireMemory(1 << 20, "a"));
+  std::string text;
+  try {
+    requireMemory(uint64_t{3} << 50, "a.nrrd:");
+  } catch (const InputError& error) {
+    text = error.what();
+  }
+  EXPECT_THAT(text, testing::StartsWith("a.nrrd: needs 3 PiB of memory, and "));
+  EXPECT_THAT(text, testing::HasSubstr("are free"));
+}
+
+}  // namespace
+}  // namespace warpscope

@@ -1,0 +1,109 @@
+// What is handed out never exceeds the whole, the small never wait for the large, and who gives up leaves no trace.
+// Mirrors net/byte_budget.h.
+#include "net/byte_budget.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+namespace warpscope::net {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr size_t kAll = 12800;
+constexpr size_t kLarge = kAll / 16, kSmall = kAll / 128;
+
+TEST(ByteBudget, GivesUntilNothingIsLeft) {
+  ByteBudget budget(kAll);
+  std::vector<ByteBudget::SharePtr> shares;
+  for (int i = 0; i < 8; ++i) shares.push_back(budget.take(kLarge, {}, 0ms));
+  for (const auto& share : shares) EXPECT_TRUE(share);
+  EXPECT_FALSE(budget.take(kLarge, {}, 1ms)) << "half of it is for what is small";
+  for (int i = 0; i < 64; ++i) shares.push_back(budget.take(kSmall, {}, 0ms));
+  EXPECT_EQ(budget.taken(), kAll);
+  EXPECT_FALSE(budget.take(1, {}, 1ms));
+  shares.clear();
+  EXPECT_EQ(budget.taken(), 0u);
+}
+
+TEST(ByteBudget, NobodyGetsMoreThanAPart) {
+  ByteBudget budget(kAll);
+  EXPECT_EQ(budget.largest(), kLarge);
+  EXPECT_THROW(budget.take(kLarge + 1, {}, 0ms), std::invalid_argument);
+  EXPECT_EQ(budget.taken(), 0u);
+}
+
+TEST(ByteBudget, WhatShrinksMakesRoom) {
+  ByteBudget budget(kAll);
+  std::vector<ByteBudget::SharePtr> shares;
+  for (int i = 0; i < 8; ++i) shares.push_back(budget.take(kLarge, {}, 0ms));
+  shares[0]->shrinkTo(10);
+  shares[0]->shrinkTo(1000);  // does not grow
+  EXPECT_EQ(shares[0]->bytes(), 10u);
+  EXPECT_EQ(budget.taken(), 7 * kLarge + 10);
+  EXPECT_TRUE(budget.take(kLarge - 10, {}, 0ms));
+}
+
+TEST(ByteBudget, FirstComeFirstServed) {
+  ByteBudget budget(kAll);
+  std::vector<ByteBudget::SharePtr> shares;
+  for (int i = 0; i < 8; ++i) shares.push_back(budget.take(kLarge, {}, 0ms));
+  std::atomic<int> order = 0;
+  int first = 0, second = 0;
+  std::jthread large([&] {
+    const auto share = budget.take(kLarge, {}, 60s);
+    first = ++order;
+  });
+  std::this_thread::sleep_for(20ms);  // it waits, most likely
+  std::jthread lessLarge([&] {
+    const auto share = budget.take(kSmall + 1, {}, 60s);
+    second = ++order;
+  });
+  std::this_thread::sleep_for(20ms);
+  shares[0]->shrinkTo(kLarge - kSmall - 1);
+  EXPECT_FALSE(budget.take(kSmall + 1, {}, 20ms)) << "there is room for it, but not for those before it";
+  EXPECT_EQ(order, 0);
+  shares.clear();
+  large.join();
+  lessLarge.join();
+  EXPECT_EQ(order, 2);
+  EXPECT_LT(first, second);
+}
+
+TEST(ByteBudget, AStopEndsTheWait) {
+  ByteBudget budget(kAll);
+  std::vector<ByteBudget::SharePtr> shares;
+  for (int i = 0; i < 8; ++i) shares.push_back(budget.take(kLarge, {}, 0ms));
+  std::jthread waiter([&](const std::stop_token& stop) { EXPECT_FALSE(budget.take(kLarge, stop, 60s)); });
+  waiter.request_stop();
+  waiter.join();
+  shares.clear();
+  EXPECT_TRUE(budget.take(kLarge, {}, 0ms)) << "it left the row";
+}
+
+TEST(ByteBudget, ManyThreadsNeverTakeTooMuch) {
+  ByteBudget budget(kAll);
+  std::atomic<size_t> most = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (size_t i = 0; i < 8; ++i)
+      threads.emplace_back([&, i] {
+        for (size_t round = 0; round < 300; ++round) {
+          const auto share = budget.take(1 + (i * 37 + round * 101) % kLarge, {}, 60s);
+          ASSERT_TRUE(share);
+          const size_t taken = budget.taken();
+          for (size_t seen = most; taken > seen && !most.compare_exchange_weak(seen, taken);) {
+          }
+          share->shrinkTo(share->bytes() / 2);
+        }
+      });
+  }
+  EXPECT_LE(most, kAll);
+  EXPECT_EQ(budget.taken(), 0u);
+}
+
+}  // namespace
+}  // namespace warpscope::net
