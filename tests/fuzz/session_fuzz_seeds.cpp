@@ -83,6 +83,11 @@ int main(int argc, char** argv) {
     head.camera = request.camera;
     head.settings = request.settings;
     head.codec = request.codec;
+    // A seed that is refused leads nowhere.
+    if (const std::string fault = faultOf(head, payload.size()); !fault.empty() || sceneFrom(someScene()).views.empty()) {
+      std::fprintf(stderr, "session_fuzz_seeds: %s\n", fault.c_str());
+      return 1;
+    }
     add(said, net::frameMessage(head, payload.size()));
     add(said, payload);
     add(said, net::failureMessage({2, "sorry"}));
