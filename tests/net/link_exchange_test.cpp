@@ -69,9 +69,9 @@ TEST_F(LinkExchange, RoundTripsTakeTheDelayAndChangesTakeEffectAtOnce) {
 }
 
 TEST_F(LinkExchange, ADelayLongerThanPatienceIsNoSilence) {
-  connect("delay=1200", 1, 2000, 100ms, 1000ms);
+  connect("delay=950", 1, 2000, 150ms, 1000ms);  // there and back
   ASSERT_TRUE(time_.passUntil([&] { return witness_.look([&] { return !witness_.roundTrips.empty(); }); }));
-  passBeats(100, 100ms);
+  passBeats(100, 150ms);
   EXPECT_EQ(witness_.look([&] { return witness_.countOf(ConnectionPhase::waiting); }), 0u);
   EXPECT_TRUE(witness_.look([&] { return witness_.isConnected(); }));
 }
