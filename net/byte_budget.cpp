@@ -7,26 +7,44 @@
 
 namespace warpscope::net {
 
-ByteBudget::SharePtr ByteBudget::take(size_t bytes, const std::stop_token& stop, std::chrono::milliseconds patience) {
+/// Whoever takes so many bytes waits in this one.
+std::deque<uint64_t>& ByteBudget::rowFor(size_t bytes) {
   if (bytes > largest())
     throw std::invalid_argument(std::to_string(bytes) + " bytes, where " + std::to_string(largest()) + " are the most");
-  const bool small = isSmall(bytes);
-  std::unique_lock lock(mutex_);
-  std::deque<uint64_t>& row = rows_[small ? 1 : 0];
-  const uint64_t ticket = ++lastTicket_;
-  row.push_back(ticket);
-  const bool isTurn = changed_.wait_for(lock, stop, patience, [&] {
-    return row.front() == ticket && taken_ + bytes <= bytes_ && (small || takenByLarge_ + bytes <= bytes_ / 2);
-  });
-  std::erase(row, ticket);
-  const bool isGiven = isTurn && !stop.stop_requested();
-  if (isGiven) {
-    taken_ += bytes;
-    if (!small) takenByLarge_ += bytes;
+  return rows_[isSmall(bytes) ? 1 : 0];
+}
+
+/// With the mutex held.
+ByteBudget::SharePtr ByteBudget::give(size_t bytes) {
+  taken_ += bytes;
+  if (!isSmall(bytes)) takenByLarge_ += bytes;
+  return std::make_shared<Share>(*this, bytes);
+}
+
+ByteBudget::SharePtr ByteBudget::take(size_t bytes, const std::stop_token& stop) {
+  std::deque<uint64_t>& row = rowFor(bytes);
+  SharePtr share;
+  {
+    std::unique_lock lock(mutex_);
+    const uint64_t ticket = ++lastTicket_;
+    row.push_back(ticket);
+    changed_.wait(lock, stop, [&] { return row.front() == ticket && hasRoom(bytes); });
+    std::erase(row, ticket);
+    if (!stop.stop_requested()) share = give(bytes);
   }
-  lock.unlock();
   changed_.notify_all();  // there is another first one
-  return isGiven ? std::make_shared<Share>(*this, bytes) : nullptr;
+  return share;
+}
+
+ByteBudget::SharePtr ByteBudget::tryTake(size_t bytes) {
+  const std::deque<uint64_t>& row = rowFor(bytes);
+  const std::scoped_lock lock(mutex_);
+  return row.empty() && hasRoom(bytes) ? give(bytes) : nullptr;
+}
+
+bool ByteBudget::isShort() const {
+  const std::scoped_lock lock(mutex_);
+  return !rows_[0].empty() || !rows_[1].empty();
 }
 
 void ByteBudget::giveBack(size_t bytes, bool isSmall) {

@@ -4,12 +4,11 @@
 
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
 #include <stop_token>
-
-#include "net/timer.h"
 
 namespace warpscope::net {
 
@@ -43,14 +42,20 @@ class ByteBudget {
   };
   using SharePtr = std::shared_ptr<Share>;
 
-  /// Waits until there are `bytes`, at most largest() (std::invalid_argument otherwise). Null once `stop` is set, or `patience` is over: then it
-  /// has lost its place in the row.
-  SharePtr take(size_t bytes, const std::stop_token& stop, std::chrono::milliseconds patience);
+  /// Waits until there are `bytes`, at most largest() (std::invalid_argument otherwise). Null once `stop` is set.
+  SharePtr take(size_t bytes, const std::stop_token& stop);
+  /// Null if there are none at once, or others wait for some.
+  SharePtr tryTake(size_t bytes);
 
+  /// Whether somebody waits.
+  bool isShort() const;
   size_t taken() const;
 
  private:
   bool isSmall(size_t bytes) const { return bytes <= bytes_ / kSmallParts; }
+  bool hasRoom(size_t bytes) const { return taken_ + bytes <= bytes_ && (isSmall(bytes) || takenByLarge_ + bytes <= bytes_ / 2); }
+  std::deque<uint64_t>& rowFor(size_t bytes);
+  SharePtr give(size_t bytes);
   void giveBack(size_t bytes, bool isSmall);
 
   const size_t bytes_;

@@ -41,17 +41,6 @@ std::optional<RequestJob> RequestQueue::take(const std::stop_token& stop) {
   Clients::iterator turn;
   changed_.wait(lock, stop, [&] { return (turn = next()) != clients_.end(); });
   if (stop.stop_requested()) return std::nullopt;
-  return give(turn);
-}
-
-std::optional<RequestJob> RequestQueue::take(const std::stop_token& stop, std::chrono::milliseconds patience) {
-  std::unique_lock lock(mutex_);
-  Clients::iterator turn;
-  if (!changed_.wait_for(lock, stop, patience, [&] { return (turn = next()) != clients_.end(); }) || stop.stop_requested()) return std::nullopt;
-  return give(turn);
-}
-
-RequestJob RequestQueue::give(Clients::iterator turn) {
   RequestJob job = std::move(turn->waiting.front());
   turn->waiting.pop_front();
   ++turn->atWork;

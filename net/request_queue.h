@@ -42,8 +42,6 @@ class RequestQueue {
 
   /// Waits for the next request; nothing if `stop` is set first. Of one client, one is given out at a time: until finished().
   std::optional<RequestJob> take(const std::stop_token& stop);
-  /// The same; nothing also if there is none within `patience`, in real time.
-  std::optional<RequestJob> take(const std::stop_token& stop, std::chrono::milliseconds patience);
   /// Nobody works any more on the one that was taken: its answer is on its way, of so many bytes, or there will be none.
   void finished(ClientId client, size_t answerBytes);
   /// The answer to one that was finished has left, or never will.
@@ -72,7 +70,6 @@ class RequestQueue {
 
   Clients::iterator find(ClientId client);
   Clients::iterator next();
-  RequestJob give(Clients::iterator turn);
   static bool isAwaited(const Client& client) { return client.isWorkedFor || !client.waiting.empty(); }
 
   mutable std::mutex mutex_;

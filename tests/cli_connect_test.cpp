@@ -347,7 +347,7 @@ TEST_F(Serving, AShotWaitsNoLongerThanItIsTold) {
            {"warp://" + silence.where(), {}},                              // no greeting
            {plain.plainUrl(), {"--link", slow}},                            // a scene that is late
            {plain.plainUrl(), {"--delay-ms", "1500"}},                                                         // a frame that is
-           {plain.plainUrl(), {"--technique", "reference", "--size", "8192x8192", "--step", "0.001"}}}) {  // a picture that takes long
+           {plain.plainUrl(), {"--technique", "reference", "--size", "2048x2048", "--step", "0.001"}}}) {  // a picture that takes long
     Arguments arguments{"shot", "--connect", url, "-o", "a.png", "--timeout", "2.5"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto start = std::chrono::steady_clock::now();

@@ -2,7 +2,6 @@
 // See frame_server.h.
 #include "app/frames/frame_server.h"
 
-#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 
 #include "app/frames/wire_fields.h"
 #include "render/base/error.h"
+#include "render/base/recent_need.h"
 #include "render/base/stopwatch.h"
 #include "render/codec/codec.h"
 
@@ -28,7 +28,7 @@ constexpr size_t kBytesOfSample = 40;
 constexpr size_t kBytesOfPicturePixel = 64;
 constexpr size_t kLeastBytes = size_t{1} << 20;
 
-constexpr std::chrono::milliseconds kMemoryPatience{500};
+constexpr std::chrono::milliseconds kHousekeeping{500};  // between looks at what is kept and what is short
 
 net::ServerSettings withScene(net::ServerSettings settings, const Scene& scene) {
   settings.scene = toFields(scene);
@@ -74,10 +74,13 @@ size_t memoryFor(const Camera& camera, const MarchSettings& settings, net::Wante
   return kLeastBytes + pixels * static_cast<size_t>(settings.sample.samplesPerRay) * kBytesOfSample;
 }
 
-/// What one thread works with.
+/// What one thread works with. Others may look at it while it rests.
 class FrameServer::Lane {
  public:
   Lane(const MarcherPtr& marcher, const TurnsPtr& turns) : origin_(marcher), turns_(turns ? turns->sibling() : nullptr) {}
+
+  /// Held while it works.
+  std::mutex& mutex() { return mutex_; }
 
   /// For a request of so many bytes.
   void prepare(size_t bytes) {
@@ -87,27 +90,34 @@ class FrameServer::Lane {
     if (!marcher_) marcher_ = origin_->twin(turns_);
     if (!codec_) codec_ = std::make_unique<FrameCodec>();
   }
+  void rest(Clock::TimePoint now) { restsSince_ = now; }
+  void giveBackIfRested(Clock::TimePoint now) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (lock && bytes_ > 0 && now - restsSince_ >= kKeptFor) giveBack();
+  }
+
+  Marcher& marcher() { return *marcher_; }
+  FrameCodec& codec() { return *codec_; }
+  /// For turns, since the last call.
+  double exchangeWaitedMs() { return turns_ ? std::chrono::duration<double, std::milli>(turns_->exchangeWaited()).count() : 0.0; }
+
+ private:
   void giveBack() {
     marcher_.reset();
     codec_.reset();
     bytes_ = 0;
     smaller_ = 0;
-    malloc_trim(0);  // glibc keeps what a thread has freed
+    giveBackFreedMemory();
   }
-  bool holdsAnything() const { return bytes_ > 0; }
 
-  Marcher& marcher() { return *marcher_; }
-  /// For turns, since the last call.
-  double exchangeWaitedMs() { return turns_ ? std::chrono::duration<double, std::milli>(turns_->exchangeWaited()).count() : 0.0; }
-  FrameCodec& codec() { return *codec_; }
-
- private:
   const MarcherPtr origin_;
   const TurnsPtr turns_;
+  std::mutex mutex_;  // of the following
   MarcherPtr marcher_;
   std::unique_ptr<FrameCodec> codec_;
   size_t bytes_ = 0;
   int smaller_ = 0;  // requests in a row that needed far less
+  Clock::TimePoint restsSince_{};
 };
 
 /// A frame that answers a request, but for who asked and when.
@@ -126,45 +136,52 @@ FrameServer::FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, 
       server_(std::move(io), withScene(settings, scene)),
       mostLanes_(limits ? settings.clients.most : 1) {
   startLane();
+  const std::scoped_lock lock(mutex_);
+  threads_.emplace_back([this] { keepHouse(); });
 }
 
 FrameServer::~FrameServer() {
   requestStop();
   server_.stop();
-  std::vector<std::thread> lanes;
+  std::vector<std::thread> threads;
   {
     const std::scoped_lock lock(mutex_);
     isEnding_ = true;
-    lanes.swap(lanes_);
+    threads.swap(threads_);
   }
-  for (std::thread& lane : lanes) lane.join();
+  for (std::thread& thread : threads) thread.join();
 }
 
 void FrameServer::startLane() {
   const std::scoped_lock lock(mutex_);
   if (isEnding_ || idle_ > 0 || lanes_.size() >= mostLanes_) return;
   ++idle_;
-  lanes_.emplace_back([this] { run(); });
+  Lane& lane = *lanes_.emplace_back(std::make_unique<Lane>(marcher_, turns_));
+  threads_.emplace_back([this, &lane] { run(lane); });
 }
 
-void FrameServer::run() {
-  Lane lane(marcher_, turns_);
-  const std::stop_token stop = stop_.get_token();
-  while (!stop.stop_requested()) {
-    const std::optional<net::RequestJob> job =
-        lane.holdsAnything() ? server_.requests().take(stop, kKeptFor) : server_.requests().take(stop);
-    if (!job) {
-      lane.giveBack();
-      continue;
-    }
+void FrameServer::run(Lane& lane) {
+  while (const std::optional<net::RequestJob> job = server_.requests().take(stop_.get_token())) {
     {
       const std::scoped_lock lock(mutex_);
       --idle_;
     }
     startLane();  // for whoever asks meanwhile
-    answer(*job, lane);
+    {
+      const std::scoped_lock working(lane.mutex());
+      answer(*job, lane);
+      lane.rest(clock_.now());
+    }
     const std::scoped_lock lock(mutex_);
     ++idle_;
+  }
+}
+
+void FrameServer::keepHouse() {
+  while (clock_.waitUntil(clock_.now() + kHousekeeping, stop_.get_token())) {
+    if (budget_ && budget_->isShort()) server_.makeRoom();
+    const std::scoped_lock lock(mutex_);
+    for (const std::unique_ptr<Lane>& lane : lanes_) lane->giveBackIfRested(clock_.now());
   }
 }
 
@@ -198,10 +215,7 @@ net::ByteBudget::SharePtr FrameServer::memoryOf(const Camera& camera, size_t byt
     throw InputError(sizeText(camera.width, camera.height) + " takes about " + mebibytes(bytes) + " of the server's memory, and it gives a request at most " +
                      mebibytes(budget_->largest()) + ": " + sizeText(camera.width * side, camera.height * side) + " would fit");
   }
-  while (!stop.stop_requested()) {
-    if (net::ByteBudget::SharePtr share = budget_->take(bytes, stop, kMemoryPatience)) return share;
-    server_.makeRoom();
-  }
+  if (net::ByteBudget::SharePtr share = budget_->take(bytes, stop)) return share;
   throw OperationCancelled();
 }
 

@@ -48,7 +48,8 @@ class FrameServer {
   struct Answer;
 
   void startLane();
-  void run();
+  void run(Lane& lane);
+  void keepHouse();
   void answer(const net::RequestJob& job, Lane& lane);
   Answer answerTo(const net::RequestJob& job, Lane& lane, const std::stop_token& stop);
   net::ByteBudget::SharePtr memoryOf(const Camera& camera, size_t bytes, const std::stop_token& stop);
@@ -61,7 +62,8 @@ class FrameServer {
   const size_t mostLanes_;
   std::stop_source stop_;
   std::mutex mutex_;  // of the following
-  std::vector<std::thread> lanes_;
+  std::vector<std::unique_ptr<Lane>> lanes_;
+  std::vector<std::thread> threads_;  // of the lanes, and the one that keeps house
   size_t idle_ = 0;
   bool isEnding_ = false;
 };

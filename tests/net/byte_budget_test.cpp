@@ -19,12 +19,12 @@ constexpr size_t kLarge = kAll / 16, kSmall = kAll / 128;
 TEST(ByteBudget, GivesUntilNothingIsLeft) {
   ByteBudget budget(kAll);
   std::vector<ByteBudget::SharePtr> shares;
-  for (int i = 0; i < 8; ++i) shares.push_back(budget.take(kLarge, {}, 0ms));
+  for (int i = 0; i < 8; ++i) shares.push_back(budget.tryTake(kLarge));
   for (const auto& share : shares) EXPECT_TRUE(share);
-  EXPECT_FALSE(budget.take(kLarge, {}, 1ms)) << "half of it is for what is small";
-  for (int i = 0; i < 64; ++i) shares.push_back(budget.take(kSmall, {}, 0ms));
+  EXPECT_FALSE(budget.tryTake(kLarge)) << "half of it is for what is small";
+  for (int i = 0; i < 64; ++i) shares.push_back(budget.tryTake(kSmall));
   EXPECT_EQ(budget.taken(), kAll);
-  EXPECT_FALSE(budget.take(1, {}, 1ms));
+  EXPECT_FALSE(budget.tryTake(1));
   shares.clear();
   EXPECT_EQ(budget.taken(), 0u);
 }
@@ -32,39 +32,39 @@ TEST(ByteBudget, GivesUntilNothingIsLeft) {
 TEST(ByteBudget, NobodyGetsMoreThanAPart) {
   ByteBudget budget(kAll);
   EXPECT_EQ(budget.largest(), kLarge);
-  EXPECT_THROW(budget.take(kLarge + 1, {}, 0ms), std::invalid_argument);
+  EXPECT_THROW(budget.tryTake(kLarge + 1), std::invalid_argument);
   EXPECT_EQ(budget.taken(), 0u);
 }
 
 TEST(ByteBudget, WhatShrinksMakesRoom) {
   ByteBudget budget(kAll);
   std::vector<ByteBudget::SharePtr> shares;
-  for (int i = 0; i < 8; ++i) shares.push_back(budget.take(kLarge, {}, 0ms));
+  for (int i = 0; i < 8; ++i) shares.push_back(budget.tryTake(kLarge));
   shares[0]->shrinkTo(10);
   shares[0]->shrinkTo(1000);  // does not grow
   EXPECT_EQ(shares[0]->bytes(), 10u);
   EXPECT_EQ(budget.taken(), 7 * kLarge + 10);
-  EXPECT_TRUE(budget.take(kLarge - 10, {}, 0ms));
+  EXPECT_TRUE(budget.tryTake(kLarge - 10));
 }
 
 TEST(ByteBudget, FirstComeFirstServed) {
   ByteBudget budget(kAll);
   std::vector<ByteBudget::SharePtr> shares;
-  for (int i = 0; i < 8; ++i) shares.push_back(budget.take(kLarge, {}, 0ms));
+  for (int i = 0; i < 8; ++i) shares.push_back(budget.tryTake(kLarge));
   std::atomic<int> order = 0;
   int first = 0, second = 0;
   std::jthread large([&] {
-    const auto share = budget.take(kLarge, {}, 60s);
+    const auto share = budget.take(kLarge, {});
     first = ++order;
   });
   std::this_thread::sleep_for(20ms);  // it waits, most likely
   std::jthread lessLarge([&] {
-    const auto share = budget.take(kSmall + 1, {}, 60s);
+    const auto share = budget.take(kSmall + 1, {});
     second = ++order;
   });
   std::this_thread::sleep_for(20ms);
   shares[0]->shrinkTo(kLarge - kSmall - 1);
-  EXPECT_FALSE(budget.take(kSmall + 1, {}, 20ms)) << "there is room for it, but not for those before it";
+  EXPECT_FALSE(budget.tryTake(kSmall + 1)) << "there is room for it, but not for those before it";
   EXPECT_EQ(order, 0);
   shares.clear();
   large.join();
@@ -76,12 +76,12 @@ TEST(ByteBudget, FirstComeFirstServed) {
 TEST(ByteBudget, AStopEndsTheWait) {
   ByteBudget budget(kAll);
   std::vector<ByteBudget::SharePtr> shares;
-  for (int i = 0; i < 8; ++i) shares.push_back(budget.take(kLarge, {}, 0ms));
-  std::jthread waiter([&](const std::stop_token& stop) { EXPECT_FALSE(budget.take(kLarge, stop, 60s)); });
+  for (int i = 0; i < 8; ++i) shares.push_back(budget.tryTake(kLarge));
+  std::jthread waiter([&](const std::stop_token& stop) { EXPECT_FALSE(budget.take(kLarge, stop)); });
   waiter.request_stop();
   waiter.join();
   shares.clear();
-  EXPECT_TRUE(budget.take(kLarge, {}, 0ms)) << "it left the row";
+  EXPECT_TRUE(budget.tryTake(kLarge)) << "it left the row";
 }
 
 TEST(ByteBudget, ManyThreadsNeverTakeTooMuch) {
@@ -92,7 +92,7 @@ TEST(ByteBudget, ManyThreadsNeverTakeTooMuch) {
     for (size_t i = 0; i < 8; ++i)
       threads.emplace_back([&, i] {
         for (size_t round = 0; round < 300; ++round) {
-          const auto share = budget.take(1 + (i * 37 + round * 101) % kLarge, {}, 60s);
+          const auto share = budget.take(1 + (i * 37 + round * 101) % kLarge, {});
           ASSERT_TRUE(share);
           const size_t taken = budget.taken();
           for (size_t seen = most; taken > seen && !most.compare_exchange_weak(seen, taken);) {

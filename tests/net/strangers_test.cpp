@@ -178,7 +178,7 @@ TEST_F(Strangers, TheSlowestReaderGoesWhereMemoryIsShort) {
   ByteBudget budget(size_t{1} << 30);
   const auto answerWith = [&](size_t bytes) {
     const std::optional<RequestJob> job = server.requests().take({});
-    server.answer(job->client, headOf(job->request.id), Bytes(bytes), budget.take(bytes, {}, 0ms));
+    server.answer(job->client, headOf(job->request.id), Bytes(bytes), budget.tryTake(bytes));
   };
   std::vector<BareSocket> slow;
   for (const size_t megabytes : {20, 40, 30}) {
