@@ -86,7 +86,9 @@ Awaitable<void> ServerSession::untilWriterEnds() {
   while (isWriting_) co_await writerEnd_.waitUntil(now() + std::chrono::seconds(1));
 }
 
-bool ServerSession::isInUse() const { return queue_.isAwaited(settings_.id) || (!outgoing_.empty() && longestWait() < Server::kLongestWait); }
+bool ServerSession::isInUse() const {
+  return longestWait() < Server::kLongestWait && (queue_.isAwaited(settings_.id) || !outgoing_.empty());
+}
 
 Duration ServerSession::longestWait() const { return outgoing_.empty() ? Duration(0) : now() - outgoing_.front().readyAt; }
 

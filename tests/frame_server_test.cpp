@@ -103,8 +103,8 @@ TEST_F(FrameServerTest, SlowReadersTakeNoMoreThanThereIs) {
   request.codec = toFields(CodecSettings{});
   const size_t before = net::memoryBytes();
   std::vector<net::BareSocket> slow;
-  for (int i = 0; i < 48; ++i) {
-    net::BareSocket socket = net::BareSocket::connect(server_->port(), 4096);
+  for (int i = 0; i < 64; ++i) {  // all places there are
+    net::BareSocket socket = net::BareSocket::connect(server_->port(), 4096, i < 40 ? 1 : 2);
     net::ClientHello hello;
     hello.depth = 16;
     socket.send(net::toBytes(hello));

@@ -23,7 +23,7 @@ constexpr std::chrono::milliseconds kKeptFor{2000};
 constexpr int kMostSmallerJobs = 16;
 constexpr size_t kFarTooMuch = 4;
 
-// Bytes of a sample or a pixel, from march to encoded bytes: what marcher, frame and codec hold at the same time, as measured.
+// Bytes of a sample or a pixel that marcher, frame and codec hold at the same time, at the most; seen where `block` fills most of a picture: 25 and 24.
 constexpr size_t kBytesOfSample = 40;
 constexpr size_t kBytesOfPicturePixel = 64;
 constexpr size_t kLeastBytes = size_t{1} << 20;

@@ -138,6 +138,22 @@ TEST_F(Strangers, TheLongestIdleClientMakesRoom) {
   EXPECT_EQ(first.end(10ms), BareSocket::End::none);
 }
 
+TEST_F(Strangers, WhoLeavesAnswersUnreadHoldsNoPlace) {
+  Server& server = serve({.clients = {1, 1, 1s}});
+  BareSocket slow = greetedClient(server, 2, 4096);
+  for (uint64_t id = 1; id <= 2; ++id) slow.send(requestMessage(requestOf(id)));
+  const std::optional<RequestJob> job = server.requests().take({});
+  server.answer(job->client, headOf(1), Bytes(size_t{20} << 20));
+  settle(*io_);
+  time_.jump(Server::kLongestWait - 1ms);
+  BareSocket early = BareSocket::connect(server.port());
+  early.send(toBytes(ClientHello{}));
+  EXPECT_EQ(verdictFor(early), Verdict::full) << "it may still take it";
+  time_.jump(1ms);
+  EXPECT_TRUE(greetedClient(server).isOpen());
+  EXPECT_TRUE(slow.isEnded());
+}
+
 TEST_F(Strangers, AnAddressWithAsManyClientsAsItMayHaveReplacesItsOwn) {
   Server& server = serve({.clients = {8, 2, 0s}});
   BareSocket other = greetedClient(server, 1, 0, 3);
@@ -200,15 +216,23 @@ TEST_F(Strangers, TheSlowestReaderGoesWhereMemoryIsShort) {
   EXPECT_TRUE(comesTrue([&] { return budget.taken() == 0; })) << "given back with the connection";
 }
 
-/// In real time, and with as many sockets as that takes.
-TEST(StrangersInRealTime, AThousandSilentConnectionsAndAFloodHoldUpNobody) {
+/// In real time, and with as many sockets as that takes; in the clear and over TLS.
+class StrangersInRealTime : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Over, StrangersInRealTime, testing::Bool(), [](const auto& over) { return over.param ? "Tls" : "Tcp"; });
+
+TEST_P(StrangersInRealTime, AThousandSilentConnectionsAndAFloodHoldUpNobody) {
   rlimit files{};
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &files), 0);
   files.rlim_cur = files.rlim_max;
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &files), 0);
   if (files.rlim_max < 4096) GTEST_SKIP() << "this takes more descriptors than " << files.rlim_max;
   const auto io = std::make_shared<IoThread>();
-  Server server(io, {.scene = someScene()});
+  ServerSettings settings{.scene = someScene()};
+  if (GetParam()) {
+    settings.identity = makeIdentity();
+    settings.token = Token::random();
+  }
+  Server server(io, settings);
   const Answering answering(server, 1000);
   std::vector<BareSocket> idle;
   for (int i = 0; i < 1000; ++i) idle.push_back(BareSocket::connect(server.port()));
