@@ -275,6 +275,11 @@ TEST_F(Reader, NiftiErrors) {
   expectRefused(write("endless.nii", header([](auto& n) { n.sform = 1, n.rows[0] = -4.0f, n.rows[1] = -4.15e34f; }) + kVoxels), "beyond 10^12");
   // Likewise, with a number that is hardly one.
   expectRefused(write("denormal.nii", header([](auto& n) { n.sform = 1, n.rows[1] = 1.34e8f, n.rows[6] = 1e-43f; }) + kVoxels), "more than 10^46");
+  // Of both versions: the library would go by fields that nobody has looked at.
+  std::string both = Nifti{}.header();
+  both.resize(544);
+  both.replace(0, 7, std::string("\x1c\x02\0\0n+2", 7));
+  expectRefused(write("both.nii", both + kVoxels), "signatures of two versions");
   expectRefused(write("flat.nii", header([](auto& n) { n.sform = 1, n.rows.fill(0.0f); }) + kVoxels), "orthonormal");
 }
 

@@ -129,7 +129,10 @@ Payload locateNifti(const fs::path& path) {
   if (headerBytes != 348 && headerBytes != 540) fail(path, "is no NIfTI file: its header has the wrong size");
   const bool isTwo = headerBytes == 540;
   if (isTwo && head.size() < 540) fail(path, "is no NIfTI file: it ends before a header of 540 bytes does");
-  const std::string magic(reinterpret_cast<const char*>(head.data()) + (isTwo ? 4 : 344), 3);
+  const auto signatureAt = [&](size_t offset) { return std::string(reinterpret_cast<const char*>(head.data()) + offset, 3); };
+  const std::string magic = signatureAt(isTwo ? 4 : 344), other = signatureAt(isTwo ? 344 : 4);
+  // ITK's library goes by the signature of the first version wherever it finds one, and by other fields then than are looked at here.
+  if (other == (isTwo ? "n+1" : "n+2") || other == (isTwo ? "ni1" : "ni2")) fail(path, "is no NIfTI file: its header has the signatures of two versions");
   const bool isSingle = magic == (isTwo ? "n+2" : "n+1"), isPair = magic == (isTwo ? "ni2" : "ni1");
   if (!isSingle && !isPair)
     fail(path, "is no NIfTI file: its header lacks the format's signature n+1, ni1, n+2 or ni2");

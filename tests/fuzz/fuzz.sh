@@ -33,7 +33,8 @@ mkdir -p -- "$build/findings"
 # Frames and headers of text are longer than messages.
 case $what in codec_fuzz | client_session_fuzz | nrrd_fuzz | meta_image_fuzz) longest=65536 ;; *) longest=4096 ;; esac
 # What is read may take neither more memory than this, sanitizers included, nor more seconds.
-set -- -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len="$longest" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
+# What is found is a failure: by itself libFuzzer exits with 77 and 70, and 77 says that a test was skipped.
+set -- -error_exitcode=1 -timeout_exitcode=1 -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len="$longest" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
   -artifact_prefix="$build/findings/$what-"
 case $what in
   client_session_fuzz) set -- "$@" -malloc_limit_mb=64 -rss_limit_mb=1024 ;;  # a client asks for pictures of 64 x 48 pixels
