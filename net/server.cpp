@@ -33,6 +33,8 @@ std::string faultOf(const ServerSettings& settings) {
   return {};
 }
 
+constexpr size_t kMostFarewells = 64;
+
 }  // namespace
 
 /// What the server's threads share. Everything but the queue belongs to the I/O thread.
@@ -87,6 +89,7 @@ struct Server::State : std::enable_shared_from_this<State> {
   std::map<ClientId, std::shared_ptr<ServerSession>> sessions;
   std::map<uint64_t, Greeting> greetings;
   uint64_t lastGreeting = 0;
+  size_t farewells = 0;  // that are told why they go; others go without a word
   ClientId lastClient = 0;
   bool isStopped = false;
 
@@ -246,12 +249,14 @@ Awaitable<void> Server::State::serve(uint64_t id, std::unique_ptr<TcpStream> tcp
   if (madeRoom) trouble = "too many connections have not shown who they are";
   if (!trouble.empty()) note(peer + " turned away: " + trouble);
   if (isStopped) co_return;
-  if (madeRoom && tcp) {
+  if (madeRoom && tcp && farewells < kMostFarewells) {
+    ++farewells;
     try {
       co_await tellFull(*tcp);
     } catch (const system_error&) {
       // It is gone already.
     }
+    --farewells;
     co_return;
   }
   if (hello) co_await serveClient(std::move(stream), *hello, network);

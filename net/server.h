@@ -59,6 +59,8 @@ class Server {
   void makeRoom();
   /// An honest reader takes an answer within it, or has few bytes waiting.
   static constexpr std::chrono::seconds kLongestWait{2};
+  /// Who waits for one answer for longer than this keeps no place where others need it.
+  static constexpr std::chrono::seconds kLongestUse{10};
 
   uint16_t port() const;
   /// What clients connect to, with the fingerprint and the token.

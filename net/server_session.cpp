@@ -18,7 +18,8 @@ ServerSession::ServerSession(std::unique_ptr<Stream> stream, std::string network
       wake_(channel_.stream().executor()),
       writerEnd_(channel_.stream().executor()),
       lastBusy_(now()),
-      lastOfUse_(now()) {}
+      lastOfUse_(now()),
+      awaitedSince_(lastOfUse_) {}
 
 Awaitable<void> ServerSession::write() {
   co_await channel_.write(scene_, "sending the scene");
@@ -57,6 +58,7 @@ void ServerSession::put(Outgoing outgoing) {
   if (isClosed_ || outgoing_.size() >= settings_.depth) return;
   outgoing_.push_back(fitting(std::move(outgoing)));
   waitingBytes_ += outgoing_.back().bytes.size();
+  awaitedSince_ = now();
   wake_.wake();
 }
 
@@ -87,7 +89,8 @@ Awaitable<void> ServerSession::untilWriterEnds() {
 }
 
 bool ServerSession::isInUse() const {
-  return longestWait() < Server::kLongestWait && (queue_.isAwaited(settings_.id) || !outgoing_.empty());
+  if (longestWait() >= Server::kLongestWait) return false;
+  return !outgoing_.empty() || (queue_.isAwaited(settings_.id) && now() - awaitedSince_ < Server::kLongestUse);
 }
 
 Duration ServerSession::longestWait() const { return outgoing_.empty() ? Duration(0) : now() - outgoing_.front().readyAt; }
@@ -95,7 +98,7 @@ Duration ServerSession::longestWait() const { return outgoing_.empty() ? Duratio
 bool ServerSession::onRequest(const FrameRequest& request) {
   channel_.setPatience(settings_.patience);
   lastOfUse_ = now();
-  if (!queue_.isAwaited(settings_.id)) lastBusy_ = now();
+  if (!queue_.isAwaited(settings_.id)) lastBusy_ = awaitedSince_ = now();
   wake_.wake();
   return queue_.put(settings_.id, request, now());
 }

@@ -56,7 +56,7 @@ class ServerSession : private FromClient {
   const std::string& network() const { return network_; }
   /// When it last asked for something or was sent something.
   TimePoint lastOfUse() const { return lastOfUse_; }
-  /// It waits for an answer, or takes one at an honest pace.
+  /// It waits for an answer, though not for all too long, or takes one at an honest pace.
   bool isInUse() const;
   /// Of answers that have not been written whole: their bytes, and how long the oldest of them waits.
   size_t waitingBytes() const { return waitingBytes_; }
@@ -84,6 +84,7 @@ class ServerSession : private FromClient {
   std::optional<uint64_t> pong_;
   uint64_t pings_ = 0;
   TimePoint lastOfUse_;
+  TimePoint awaitedSince_;  // where it waits: since it asked, or was given the answer before
   bool isClosed_ = false;
   bool isWriting_ = false;
   Reason reason_;

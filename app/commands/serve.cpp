@@ -63,6 +63,8 @@ void raiseFileLimit() {
 }
 
 ServeLimits limitsFrom(const ServeOptions& options) {
+  requireRange(options.workSeconds, Range{0.01, 1e6}, "--work-limit");
+  requireRange(options.memoryMiB, Range{64.0, 1e7}, "--memory-limit");
   ServeLimits limits;
   limits.work = std::chrono::nanoseconds(std::llround(options.workSeconds * 1e9));
   limits.memoryBytes = static_cast<size_t>(options.memoryMiB * (1 << 20));
@@ -95,6 +97,7 @@ void serve(const ServeOptions& options) {
   } catch (const net::AddressError& error) {
     throw UsageError(std::string("--listen: ") + error.what());
   }
+  const ServeLimits limits = limitsFrom(options);
   const Interrupt interrupt;
   if (!options.portFile.empty()) requireWritable(options.portFile);
   net::ServerSettings settings = settingsFor(options, listen);
@@ -102,7 +105,7 @@ void serve(const ServeOptions& options) {
   raiseFileLimit();
   const auto io = std::make_shared<net::IoThread>();
   FrameServer server(io, work.scene, makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), std::move(settings),
-                     limitsFrom(options));
+                     limits);
 
   net::Address address = server.address();
   address.where.host = hostFor(address.where.host);
@@ -129,10 +132,8 @@ void addServeCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--port-file", options->portFile, "File to write the port to once clients can connect");
   command->add_flag("--secure", options->isSecure, "TLS and a token also on loopback");
   command->add_option("--work-limit", options->workSeconds, "Seconds of marching that a request may take")
-      ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
-  command->add_option("--memory-limit", options->memoryMiB, "MiB of memory for all frames that are made or sent; one gets at most a 16th of it. By itself half of the machine's, at most 8192")
-      ->check(CLI::Range(64.0, 1e7));
+  command->add_option("--memory-limit", options->memoryMiB, "MiB of memory for all frames that are made or sent; one gets at most a 16th of it. By itself half of the machine's, at most 8192");
   command->callback([options, &chosen] { chosen = [options] { serve(*options); }; });
 }
 

@@ -131,8 +131,9 @@ Payload locateNifti(const fs::path& path) {
   if (isTwo && head.size() < 540) fail(path, "is no NIfTI file: it ends before a header of 540 bytes does");
   const auto signatureAt = [&](size_t offset) { return std::string(reinterpret_cast<const char*>(head.data()) + offset, 3); };
   const std::string magic = signatureAt(isTwo ? 4 : 344), other = signatureAt(isTwo ? 344 : 4);
-  // ITK's library goes by the signature of the first version wherever it finds one, and by other fields then than are looked at here.
-  if (other == (isTwo ? "n+1" : "n+2") || other == (isTwo ? "ni1" : "ni2")) fail(path, "is no NIfTI file: its header has the signatures of two versions");
+  // ITK's library goes by what looks like a signature, of any version, in the first version's place, and by other fields then than are looked at here.
+  if (other[0] == 'n' && (other[1] == '+' || other[1] == 'i') && other[2] >= '1' && other[2] <= '9')
+    fail(path, "is no NIfTI file: its header has the signatures of two versions");
   const bool isSingle = magic == (isTwo ? "n+2" : "n+1"), isPair = magic == (isTwo ? "ni2" : "ni1");
   if (!isSingle && !isPair)
     fail(path, "is no NIfTI file: its header lacks the format's signature n+1, ni1, n+2 or ni2");

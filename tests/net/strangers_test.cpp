@@ -154,6 +154,20 @@ TEST_F(Strangers, WhoLeavesAnswersUnreadHoldsNoPlace) {
   EXPECT_TRUE(slow.isEnded());
 }
 
+TEST_F(Strangers, WhoseRequestTakesAllTooLongHoldsNoPlace) {
+  Server& server = serve({.clients = {1, 1, 1s}, .patience = 60s});
+  BareSocket heavy = greetedClient(server);
+  heavy.send(requestMessage(requestOf(1)));
+  ASSERT_TRUE(server.requests().take({}));  // and nothing comes of it
+  time_.jump(Server::kLongestUse - 1ms);
+  BareSocket early = BareSocket::connect(server.port());
+  early.send(toBytes(ClientHello{}));
+  EXPECT_EQ(verdictFor(early), Verdict::full);
+  time_.jump(1ms);
+  EXPECT_TRUE(greetedClient(server).isOpen());
+  EXPECT_TRUE(heavy.isEnded());
+}
+
 TEST_F(Strangers, AnAddressWithAsManyClientsAsItMayHaveReplacesItsOwn) {
   Server& server = serve({.clients = {8, 2, 0s}});
   BareSocket other = greetedClient(server, 1, 0, 3);
