@@ -178,7 +178,7 @@ TEST_F(AttacksClient, ADripIsProgressAndCanBeLeft) {
   if (const auto grown = peak.grownBytes(); grown && !kIsSanitized) EXPECT_LT(*grown, 4 * kMiB);
   const TimePoint before = clock_.now();
   time.passDuring([&] { client.reset(); });
-  EXPECT_LE(clock_.now() - before, 3s) << "whoever leaves waits for nothing of it";
+  EXPECT_LT(clock_.now() - before, 5s) << "whoever leaves waits for nothing of it";
 }
 
 }  // namespace
