@@ -433,6 +433,9 @@ TEST_F(Reader, HeadersHaveLimits) {
   EXPECT_NO_THROW(openVolume(write("matrix.mha", meta300("TransformMatrix = 1.0" + std::string(300, '0') + " 0 0 0 1 0 0 0 1"))));
   // It would go on reading behind the voxels' begin.
   expectRefused(write("joined.mha", "NDims = 3\nDimSize = 3 4 5\nElementType 2 MET_SHORT\nElementDataFile = LOCAL\n" + kVoxels), "a line without =: \"ElementType 2");
+  // Of two the library takes the second, of which nothing was checked: -3 axes made it read numbers for an hour.
+  expectRefused(write("twice.mha", "NDims = 3\nDimSize = 3 4 5\nNDims = -3\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" + kVoxels),
+                "has ndims twice");
 
   // A header of 348 bytes and extensions of 16 each.
   const auto extended = [](size_t count, int32_t sizeBytes) {

@@ -60,6 +60,7 @@ struct TextHeader {
   uint64_t endBytes = 0;                      // where the header stops
   std::string excess;                         // what makes it too large to be read; empty if it is not
   std::vector<std::string> lines;             // all of them
+  std::string repeated;                       // a key that comes twice, not being a comment; empty if there is none
 };
 
 /// Reads lines up to an empty one, or up to and with the line of `lastKey`.
@@ -79,7 +80,7 @@ TextHeader readTextHeader(const fs::path& path, char separator, const std::strin
     const size_t at = line.find(separator);
     if (at == std::string::npos) continue;
     const std::string key = lowered(trimmed(line.substr(0, at)));
-    header.fields.emplace(key, trimmed(line.substr(at + 1)));
+    if (!header.fields.emplace(key, trimmed(line.substr(at + 1))).second && key != "comment") header.repeated = key;
     if (!lastKey.empty() && key == lastKey) break;
   }
   header.endBytes = lines.endBytes();
@@ -206,6 +207,9 @@ Payload locateMetaImage(const fs::path& path) {
   if (!header.fields.contains("ndims") || !header.fields.contains("dimsize") || dataFile == header.fields.end())
     fail(path, "is no MetaImage file: its header lacks NDims, DimSize or ElementDataFile");
   for (const std::string& line : header.lines) requireBorne(path, line);
+  // Of two the library takes the second, or both.
+  if (!header.repeated.empty())
+    fail(path, "its header has " + header.repeated.substr(0, 40) + " twice");
   std::istringstream sides(header.fields.at("dimsize"));
   std::vector<double> dims{std::istream_iterator<double>(sides), {}};
   if (std::to_string(dims.size()) != header.fields.at("ndims") || dims.empty() || dims.size() > 7)

@@ -1,5 +1,6 @@
 #!/bin/sh
 # Builds the fuzzers, or runs one of them for WARPSCOPE_FUZZ_S seconds (10): fuzz.sh SOURCES BUILD build|FUZZER
+# Its dice begin with WARPSCOPE_FUZZ_SEED (1), so that a run can be repeated; 0 is another beginning each time, for long runs.
 # Exit code 77: there is no clang with libFuzzer, so nothing was tested.
 set -eu
 sources=$1 build=$2 what=$3
@@ -34,7 +35,7 @@ mkdir -p -- "$build/findings"
 case $what in codec_fuzz | client_session_fuzz | nrrd_fuzz | meta_image_fuzz) longest=65536 ;; *) longest=4096 ;; esac
 # What is read may take neither more memory than this, sanitizers included, nor more seconds.
 # What is found is a failure: by itself libFuzzer exits with 77 and 70, and 77 says that a test was skipped.
-set -- -error_exitcode=1 -timeout_exitcode=1 -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -max_len="$longest" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
+set -- -error_exitcode=1 -timeout_exitcode=1 -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -seed="${WARPSCOPE_FUZZ_SEED:-1}" -max_len="$longest" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
   -artifact_prefix="$build/findings/$what-"
 case $what in
   client_session_fuzz) set -- "$@" -malloc_limit_mb=64 -rss_limit_mb=1024 ;;  # a client asks for pictures of 64 x 48 pixels
