@@ -61,6 +61,9 @@ class FallbackMarcher final : public Marcher {
   const VolumePtr& volume() const override { return volume_; }
   Backend backend() const override { return current()->backend(); }
   MarcherCapabilities capabilities() const override { return current()->capabilities(); }
+  std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
+    return current()->plan(settings, sample);
+  }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override {
     if (isSecond() || plan_->hasFailed()) return plan_->second(turns);

@@ -2,6 +2,7 @@
 // See march_setup.h.
 #include "render/march/march_setup.h"
 
+#include <algorithm>
 #include <string>
 
 #include "render/base/error.h"
@@ -15,7 +16,21 @@ BakedTransfer bakeTransfer(const MarchedVolume& marched, const RenderSettings& s
   baked.table =
       bakeTransferTable(marched.transferFunction, *marched.volume, marched.scale, settings.step, settings.arithmetic);
   baked.emptyDistances = marched.macrocells.emptyDistances(baked.table);
+  baked.visibleCells = static_cast<size_t>(std::ranges::count(baked.emptyDistances, 0));
+  for (const float alpha : baked.table.alphas) baked.mostOpacity = std::max(baked.mostOpacity, alpha);
   return baked;
+}
+
+EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, const RenderSettings& settings,
+                   const std::optional<SampleSettings>& sample) {
+  PlannedScene scene;
+  scene.cells = marched.macrocells.count();
+  scene.visibleCells = baked.visibleCells;
+  scene.missingVoxels = marched.volume->statistics().nonFinite;
+  scene.isRefined = !baked.table.refinements.empty();
+  scene.mostOpacity = baked.mostOpacity;
+  scene.mostSamples = glm::length(glm::dvec3(marched.volume->bounds().extent())) / settings.step + 2.0;
+  return EffectPlan(scene, settings, sample);
 }
 
 void requireMarchable(const Volume& volume, const Camera& camera, const RenderSettings& settings) {

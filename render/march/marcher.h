@@ -3,12 +3,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <stop_token>
 
 #include "render/core/backend.h"
 #include "render/core/image.h"
 #include "render/core/turns.h"
 #include "render/core/transfer_function.h"
+#include "render/effects/effect_plan.h"
 #include "render/march/march_settings.h"
 #include "render/march/sample_frame.h"
 #include "render/volume/volume.h"
@@ -61,6 +63,9 @@ class Marcher {
   virtual Backend backend() const = 0;
   /// May change from call to call: a marcher may go on elsewhere when a device fails.
   virtual MarcherCapabilities capabilities() const = 0;
+
+  /// What it has to do for a picture, or a frame of such samples; nothing where another process plans. Throws UsageError for settings out of range.
+  virtual std::optional<EffectPlan> plan(const RenderSettings&, const std::optional<SampleSettings>&) const { return std::nullopt; }
 
   /// Another marcher of the same volume: it shares what never changes, and its calls do not wait for this one's. Where there are `turns`,
   /// it marches in those alone, and its calls throw WorkLimitExceeded where they take longer than those allow.

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <optional>
 
 #include "render/base/error.h"
 #include "render/cuda/pinned_memory.h"
@@ -61,9 +62,12 @@ class CudaMarcher final : public Marcher {
     colors_.reserve(places);
     if (slots > 1) layers_.reserve(places);
 
-    bake(settings.render);
+    bake(settings.render, settings.sample);
     start_.record(stream_);
-    launch(camera, settings.render, stop, &settings.sample, &rule);
+    if (plan_->has(PlanStage::march))
+      launch(camera, settings.render, stop, &settings.sample, &rule);
+    else
+      WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(denseSamples_.data(), 0, places * sizeof(PackedSample), stream_));
     marchEnd_.record(stream_);
     compact(places, slots);
     compacted_.record(stream_);
@@ -99,8 +103,11 @@ class CudaMarcher final : public Marcher {
     const size_t pixels = size_t{camera.width} * camera.height;
     image_.reserve(pixels);
     image.resize(camera.width, camera.height);
-    bake(settings);
-    launch(camera, settings, stop, nullptr, nullptr);
+    bake(settings, std::nullopt);
+    if (plan_->has(PlanStage::march))
+      launch(camera, settings, stop, nullptr, nullptr);
+    else
+      WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(image_.data(), 0, pixels * sizeof(glm::vec4), stream_));
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(image.data(), image_.data(), pixels * sizeof(glm::vec4), cudaMemcpyDeviceToHost, stream_));
     stream_.synchronize();
     if (stop.stop_requested()) throw OperationCancelled();
@@ -110,6 +117,9 @@ class CudaMarcher final : public Marcher {
   Backend backend() const override { return Backend::cuda; }
   MarcherCapabilities capabilities() const override {
     return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
+  }
+  std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
+    return planFor(*marched_, *marched_->bakedFor(settings), settings, sample);
   }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_, std::move(turns)); }
@@ -121,10 +131,11 @@ class CudaMarcher final : public Marcher {
     return memory.data();
   }
 
-  void bake(const RenderSettings& settings) {
-    if (bakedStep_ == settings.step && bakedArithmetic_ == settings.arithmetic) return;
+  void bake(const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
     const std::shared_ptr<const BakedTransfer> shared = marched_->bakedFor(settings);
     const BakedTransfer& baked = *shared;
+    plan_ = planFor(*marched_, baked, settings, sample);
+    if (bakedStep_ == settings.step && bakedArithmetic_ == settings.arithmetic) return;
     bakedStep_ = 0.0f;
     transfer_ = baked.table.lookup();
     transfer_.entries = uploaded(entries_, baked.table.entries);
@@ -148,12 +159,12 @@ class CudaMarcher final : public Marcher {
       job.view.voxels = deviceVolume_->voxelsAs<Voxel>();
       job.view.blends = deviceVolume_->cellsAs<Voxel>();
       job.view.transfer = transfer_;
-      job.view.cells.distances = settings.skipEmpty ? emptyDistances_.data() : nullptr;
+      job.view.cells.distances = plan_->has(PlanStage::skipping) ? emptyDistances_.data() : nullptr;
       job.bounds = marched_->volume->bounds();
       job.camera = camera;
       job.pixels = pixelsFor(*marched_->volume, camera, settings);
       job.step = settings.step;
-      job.limits = limitsOf(settings);
+      job.limits = limitsOf(settings, *plan_);
       if (sample != nullptr) {
         job.threshold = sample->threshold;
         job.slots = sample->samplesPerRay;
@@ -164,10 +175,11 @@ class CudaMarcher final : public Marcher {
       job.colors = denseColors_.data();
       job.image = image_.data();
       const uint32_t rows = rowsOfLaunch(camera, settings);
+      const ShadingSetup shading = shadingFor(*marched_, camera, settings);
       const auto launchRows = [&] {
         job.firstRow = job.endRow;
         job.endRow = std::min(camera.height, job.firstRow + rows);
-        launchMarch<Voxel, kHasHoles, kByCells>(job, settings, heuristic, stream_);
+        launchMarch<Voxel, kHasHoles, kByCells>(job, settings, shading, heuristic, stream_);
       };
       TurnsOfJob turns(turns_.get());
       const auto launchUntil = [&](std::chrono::steady_clock::time_point end) {
@@ -228,6 +240,7 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<ColorTables> colorTables_;
   float bakedStep_ = 0.0f;    // that the following are for; 0: none
   Arithmetic bakedArithmetic_ = Arithmetic::stable;  // likewise
+  std::optional<EffectPlan> plan_;  // of what is marched
   TransferLookup transfer_;  // into the next five
   cuda::DeviceBuffer<glm::vec4> entries_;
   cuda::DeviceBuffer<float> alphas_, unitAlphas_;
