@@ -9,11 +9,20 @@
 
 namespace warpscope {
 
-BakedTransfer bakeTransfer(const MarchedVolume& marched, const RenderSettings& settings) {
+namespace {
+
+BakedTransfer bakeTable(const MarchedVolume& marched, const RenderSettings& settings) {
   BakedTransfer baked;
   baked.arithmetic = settings.arithmetic;
   baked.table =
       bakeTransferTable(marched.transferFunction, *marched.volume, marched.scale, settings.step, settings.arithmetic);
+  return baked;
+}
+
+}  // namespace
+
+BakedTransfer bakeTransfer(const MarchedVolume& marched, const RenderSettings& settings) {
+  BakedTransfer baked = bakeTable(marched, settings);
   baked.emptyDistances = marched.macrocells.emptyDistances(baked.table);
   return baked;
 }
@@ -32,7 +41,14 @@ void requireMarchable(const Volume& volume, const Camera& camera, const MarchSet
 
 std::shared_ptr<const BakedTransfer> MarchedVolume::bakedFor(const RenderSettings& settings) const {
   const std::scoped_lock lock(mutex_);
-  if (!baked_ || !baked_->isFor(settings)) baked_ = std::make_shared<const BakedTransfer>(bakeTransfer(*this, settings));
+  if (!baked_ || !baked_->isFor(settings) || baked_->emptyDistances.empty())
+    baked_ = std::make_shared<const BakedTransfer>(bakeTransfer(*this, settings));
+  return baked_;
+}
+
+std::shared_ptr<const BakedTransfer> MarchedVolume::tableFor(const RenderSettings& settings) const {
+  const std::scoped_lock lock(mutex_);
+  if (!baked_ || !baked_->isFor(settings)) baked_ = std::make_shared<const BakedTransfer>(bakeTable(*this, settings));
   return baked_;
 }
 

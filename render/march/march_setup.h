@@ -26,9 +26,17 @@ struct MarchedVolume {
         transferFunction(std::move(theTransferFunction)),
         scale(valueScaleOf(volume->type(), volume->statistics(), transferFunction)),
         macrocells(*volume, scale) {}
+  /// The same volume by another function. Reads no voxels; shares what does not depend on the function.
+  MarchedVolume(const MarchedVolume& other, TransferFunction theTransferFunction)
+      : volume(other.volume),
+        transferFunction(std::move(theTransferFunction)),
+        scale(valueScaleOf(volume->type(), volume->statistics(), transferFunction)),
+        macrocells(other.macrocells.scaledBy(scale)) {}
 
   /// bakeTransfer, kept for whoever asks for the same next. Safe on any thread.
   std::shared_ptr<const BakedTransfer> bakedFor(const RenderSettings& settings) const;
+  /// The same, for those who find empty cells elsewhere: emptyDistances may be missing.
+  std::shared_ptr<const BakedTransfer> tableFor(const RenderSettings& settings) const;
 
   VolumePtr volume;
   TransferFunction transferFunction;
@@ -46,7 +54,7 @@ using MarchedVolumePtr = std::shared_ptr<const MarchedVolume>;
 struct BakedTransfer {
   TransferTable table;
   Arithmetic arithmetic = Arithmetic::stable;
-  std::vector<uint8_t> emptyDistances;
+  std::vector<uint8_t> emptyDistances;  ///< empty where nobody asked for them
 
   /// True if this is what a march by `settings` needs.
   bool isFor(const RenderSettings& settings) const {

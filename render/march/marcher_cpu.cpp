@@ -108,6 +108,9 @@ class CpuMarcher final : public Marcher {
   MarcherCapabilities capabilities() const override { return {}; }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CpuMarcher>(marched_, std::move(turns)); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    return std::make_shared<CpuMarcher>(std::make_shared<const MarchedVolume>(*marched_, std::move(function)), turns_);
+  }
 
  private:
   /// Finds samples where `sample` says how; colours alone if it is null.

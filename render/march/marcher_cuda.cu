@@ -14,7 +14,9 @@
 
 #include "render/base/error.h"
 #include "render/cuda/pinned_memory.h"
+#include "render/core/visible_bins.h"
 #include "render/march/compact.h"
+#include "render/march/device_cells.h"
 #include "render/march/device_volume.h"
 #include "render/march/march_launch.h"
 #include "render/march/march_setup.h"
@@ -42,8 +44,8 @@ struct LayerOfPlace {
 
 class CudaMarcher final : public Marcher {
  public:
-  CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume, TurnsPtr turns)
-      : marched_(std::move(marched)), deviceVolume_(std::move(deviceVolume)), turns_(std::move(turns)) {
+  CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume, std::shared_ptr<const DeviceCells> deviceCells, TurnsPtr turns)
+      : marched_(std::move(marched)), deviceVolume_(std::move(deviceVolume)), deviceCells_(std::move(deviceCells)), turns_(std::move(turns)) {
     colorTables_.upload({&ColorTables::instance(), 1}, stream_);
     stream_.synchronize();
   }
@@ -112,7 +114,19 @@ class CudaMarcher final : public Marcher {
     return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
   }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_, std::move(turns)); }
+  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_, deviceCells_, std::move(turns)); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    auto marched = std::make_shared<const MarchedVolume>(*marched_, std::move(function));
+    // What the device holds depends on the values' scale alone.
+    if (marched->macrocells.sharesRangesWith(marched_->macrocells))
+      return std::make_shared<CudaMarcher>(std::move(marched), deviceVolume_, deviceCells_, turns_);
+    return makeFor(std::move(marched), turns_);
+  }
+  static MarcherPtr makeFor(MarchedVolumePtr marched, TurnsPtr turns) {
+    auto deviceVolume = std::make_shared<const DeviceVolume>(*marched->volume, marched->scale);
+    auto deviceCells = std::make_shared<const DeviceCells>(marched->macrocells);
+    return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume), std::move(deviceCells), std::move(turns));
+  }
 
  private:
   template <class T>
@@ -123,7 +137,7 @@ class CudaMarcher final : public Marcher {
 
   void bake(const RenderSettings& settings) {
     if (bakedStep_ == settings.step && bakedArithmetic_ == settings.arithmetic) return;
-    const std::shared_ptr<const BakedTransfer> shared = marched_->bakedFor(settings);
+    const std::shared_ptr<const BakedTransfer> shared = marched_->tableFor(settings);
     const BakedTransfer& baked = *shared;
     bakedStep_ = 0.0f;
     transfer_ = baked.table.lookup();
@@ -132,7 +146,8 @@ class CudaMarcher final : public Marcher {
     transfer_.unitAlphas = uploaded(unitAlphas_, baked.table.unitAlphas);
     transfer_.refinements = uploaded(refinements_, baked.table.refinements);
     transfer_.begins = uploaded(begins_, baked.table.begins);
-    emptyDistances_.upload(baked.emptyDistances, stream_);
+    const std::vector<int32_t> next = nextVisibleBins(baked.table);
+    deviceCells_->findDistances({transfer_, uploaded(nextVisible_, next)}, emptyDistances_, cellScratch_, stream_);
     stream_.synchronize();  // `baked` goes
     bakedStep_ = settings.step;
     bakedArithmetic_ = settings.arithmetic;
@@ -220,6 +235,7 @@ class CudaMarcher final : public Marcher {
 
   const MarchedVolumePtr marched_;
   const std::shared_ptr<const DeviceVolume> deviceVolume_;
+  const std::shared_ptr<const DeviceCells> deviceCells_;
   const TurnsPtr turns_;
 
   std::mutex mutex_;  // of everything below
@@ -233,7 +249,8 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<float> alphas_, unitAlphas_;
   cuda::DeviceBuffer<TransferRefinement> refinements_;
   cuda::DeviceBuffer<float> begins_;
-  cuda::DeviceBuffer<uint8_t> emptyDistances_;
+  cuda::DeviceBuffer<int32_t> nextVisible_;
+  cuda::DeviceBuffer<uint8_t> emptyDistances_, cellScratch_;
   cuda::DeviceBuffer<PackedSample> denseSamples_, samples_;
   cuda::DeviceBuffer<Rgba8> denseColors_, colors_;
   cuda::DeviceBuffer<std::byte> layers_;
@@ -246,9 +263,7 @@ class CudaMarcher final : public Marcher {
 }  // namespace
 
 MarcherPtr makeCudaMarcher(VolumePtr volume, TransferFunction transferFunction) {
-  auto marched = std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction));
-  auto deviceVolume = std::make_shared<const DeviceVolume>(*marched->volume, marched->scale);
-  return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume), nullptr);
+  return CudaMarcher::makeFor(std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);
 }
 
 }  // namespace warpscope
