@@ -44,6 +44,9 @@ class LoggingMarcher final : public Marcher {
   MarcherCapabilities capabilities() const override { return marcher_->capabilities(); }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<LoggingMarcher>(marcher_->twin(std::move(turns)), log_); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    return std::make_shared<LoggingMarcher>(marcher_->withTransferFunction(std::move(function)), log_);
+  }
 
  private:
   const MarcherPtr marcher_;

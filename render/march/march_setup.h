@@ -29,9 +29,17 @@ struct MarchedVolume {
         transferFunction(std::move(theTransferFunction)),
         scale(valueScaleOf(volume->type(), volume->statistics(), transferFunction)),
         macrocells(*volume, scale) {}
+  /// The same volume by another function. Reads no voxels; shares what does not depend on the function.
+  MarchedVolume(const MarchedVolume& other, TransferFunction theTransferFunction)
+      : volume(other.volume),
+        transferFunction(std::move(theTransferFunction)),
+        scale(valueScaleOf(volume->type(), volume->statistics(), transferFunction)),
+        macrocells(other.macrocells.scaledBy(scale)) {}
 
   /// bakeTransfer, kept for whoever asks for the same next. Safe on any thread.
   std::shared_ptr<const BakedTransfer> bakedFor(const RenderSettings& settings) const;
+  /// The same, for those who find empty cells elsewhere: emptyDistances may be missing.
+  std::shared_ptr<const BakedTransfer> tableFor(const RenderSettings& settings) const;
 
   VolumePtr volume;
   TransferFunction transferFunction;
@@ -49,9 +57,9 @@ using MarchedVolumePtr = std::shared_ptr<const MarchedVolume>;
 struct BakedTransfer {
   TransferTable table;
   Arithmetic arithmetic = Arithmetic::stable;
-  std::vector<uint8_t> emptyDistances;
-  size_t visibleCells = 0;   ///< at a distance of 0
-  float mostOpacity = 0.0f;  ///< of a sample
+  float mostOpacity = 0.0f;             ///< of a sample
+  std::vector<uint8_t> emptyDistances;  ///< empty where nobody asked for them
+  size_t visibleCells = 0;              ///< at a distance of 0, likewise
 
   /// True if this is what a march by `settings` needs.
   bool isFor(const RenderSettings& settings) const {
@@ -68,8 +76,8 @@ void requireMarchable(const Volume& volume, const Camera& camera, const MarchSet
 /// The rays of a picture of the volume. Textbooks' begin at the eye.
 PixelGrid pixelsFor(const Volume& volume, const Camera& camera, const RenderSettings& settings);
 
-/// What of it has to be done. `sample`: what is sent, or nothing where the picture alone is wanted.
-EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, const RenderSettings& settings,
+/// What of it has to be done. `visibleCells`: those in which something is shown. `sample`: what is sent, or nothing where the picture alone is wanted.
+EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, size_t visibleCells, const RenderSettings& settings,
                    const std::optional<SampleSettings>& sample);
 
 /// The light of a picture.

@@ -1,5 +1,5 @@
 // What marches a volume: one interface, one implementation per backend.
-// A marcher is bound to a volume and a transfer function and keeps what it derives from them.
+// A marcher is bound to a volume and a transfer function and keeps what it derives from them; for another function it makes another marcher.
 #pragma once
 
 #include <memory>
@@ -35,11 +35,18 @@ enum class VolumePlace {
 /// Where a marcher's pictures are compared with others soonest.
 enum class JudgePlace { host, cudaDevice };
 
+/// Whether a marcher can be asked for one of another transfer function.
+enum class FunctionChange {
+  refused,   ///< the transfer function is another's to choose
+  followed,  ///< in far less time than a marcher takes that is made anew
+};
+
 /// What a marcher can do, for those who plan with it and need not know what it is.
 struct MarcherCapabilities {
   MarchPace pace = MarchPace::afterRest;
   VolumePlace volume = VolumePlace::here;
   JudgePlace judging = JudgePlace::host;
+  FunctionChange functionChange = FunctionChange::followed;
 
   bool operator==(const MarcherCapabilities&) const = default;
 };
@@ -71,6 +78,11 @@ class Marcher {
   /// it marches in those alone, and its calls throw WorkLimitExceeded where they take longer than those allow.
   virtual MarcherPtr twin(TurnsPtr turns) const = 0;
   MarcherPtr twin() const { return twin(nullptr); }
+
+  /// Another marcher of the same volume in the same turns, by another transfer function: it shares whatever does not depend on the function, and so do
+  /// those that come of it; its calls do not wait for this one's. Its pictures are those of a marcher that was made with the function.
+  /// Throws UsageError, with the reason, where capabilities() say that it is refused.
+  virtual MarcherPtr withTransferFunction(TransferFunction function) const = 0;
 };
 
 }  // namespace warpscope

@@ -108,17 +108,22 @@ class CpuMarcher final : public Marcher {
   Backend backend() const override { return Backend::cpu; }
   MarcherCapabilities capabilities() const override { return {}; }
   std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
-    return planFor(*marched_, *marched_->bakedFor(settings), settings, sample);
+    validate(settings);
+    const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
+    return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
   }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CpuMarcher>(marched_, std::move(turns)); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    return std::make_shared<CpuMarcher>(std::make_shared<const MarchedVolume>(*marched_, std::move(function)), turns_);
+  }
 
  private:
   /// Finds samples where `sample` says how; colours alone if it is null.
   void forEachRay(const Camera& camera, const PixelGrid& pixels, const RenderSettings& settings,
                   const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) {
     if (!baked_ || !baked_->isFor(settings)) baked_ = marched_->bakedFor(settings);
-    const EffectPlan plan = planFor(*marched_, *baked_, settings, sample != nullptr ? std::optional(*sample) : std::nullopt);
+    const EffectPlan plan = planFor(*marched_, *baked_, baked_->visibleCells, settings, sample != nullptr ? std::optional(*sample) : std::nullopt);
     if (!plan.has(PlanStage::march)) {
       for (uint32_t y = 0; y < camera.height; ++y)
         for (uint32_t x = 0; x < camera.width; ++x) onRay(x, y, 1.0f, glm::vec4(0.0f), {});

@@ -5,6 +5,7 @@
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 #include <thrust/iterator/zip_iterator.h>
+#include <cub/device/device_reduce.cuh>
 #include <cub/device/device_select.cuh>
 
 #include <algorithm>
@@ -15,7 +16,9 @@
 
 #include "render/base/error.h"
 #include "render/cuda/pinned_memory.h"
+#include "render/core/visible_bins.h"
 #include "render/march/compact.h"
+#include "render/march/device_cells.h"
 #include "render/march/device_volume.h"
 #include "render/march/march_launch.h"
 #include "render/march/march_setup.h"
@@ -41,10 +44,15 @@ struct LayerOfPlace {
   __host__ __device__ std::byte operator()(uint64_t place) const { return static_cast<std::byte>(place % slots); }
 };
 
+/// Of a cell, by its distance to what is visible.
+struct IsVisible {
+  __host__ __device__ uint32_t operator()(uint8_t distance) const { return distance == 0 ? 1 : 0; }
+};
+
 class CudaMarcher final : public Marcher {
  public:
-  CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume, TurnsPtr turns)
-      : marched_(std::move(marched)), deviceVolume_(std::move(deviceVolume)), turns_(std::move(turns)) {
+  CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume, std::shared_ptr<const DeviceCells> deviceCells, TurnsPtr turns)
+      : marched_(std::move(marched)), deviceVolume_(std::move(deviceVolume)), deviceCells_(std::move(deviceCells)), turns_(std::move(turns)) {
     colorTables_.upload({&ColorTables::instance(), 1}, stream_);
     stream_.synchronize();
   }
@@ -119,10 +127,24 @@ class CudaMarcher final : public Marcher {
     return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
   }
   std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
-    return planFor(*marched_, *marched_->bakedFor(settings), settings, sample);
+    validate(settings);
+    const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
+    return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
   }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_, std::move(turns)); }
+  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_, deviceCells_, std::move(turns)); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    auto marched = std::make_shared<const MarchedVolume>(*marched_, std::move(function));
+    // What the device holds depends on the values' scale alone.
+    if (marched->macrocells.sharesRangesWith(marched_->macrocells))
+      return std::make_shared<CudaMarcher>(std::move(marched), deviceVolume_, deviceCells_, turns_);
+    return makeFor(std::move(marched), turns_);
+  }
+  static MarcherPtr makeFor(MarchedVolumePtr marched, TurnsPtr turns) {
+    auto deviceVolume = std::make_shared<const DeviceVolume>(*marched->volume, marched->scale);
+    auto deviceCells = std::make_shared<const DeviceCells>(marched->macrocells);
+    return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume), std::move(deviceCells), std::move(turns));
+  }
 
  private:
   template <class T>
@@ -131,11 +153,14 @@ class CudaMarcher final : public Marcher {
     return memory.data();
   }
 
+  /// Makes the plan, and what it takes of the transfer function.
   void bake(const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
-    const std::shared_ptr<const BakedTransfer> shared = marched_->bakedFor(settings);
-    const BakedTransfer& baked = *shared;
-    plan_ = planFor(*marched_, baked, settings, sample);
-    if (bakedStep_ == settings.step && bakedArithmetic_ == settings.arithmetic) return;
+    const std::shared_ptr<const BakedTransfer> baked = marched_->tableFor(settings);
+    if (bakedStep_ != settings.step || bakedArithmetic_ != settings.arithmetic) upload(*baked, settings);
+    plan_ = planFor(*marched_, *baked, visibleCells_, settings, sample);
+  }
+
+  void upload(const BakedTransfer& baked, const RenderSettings& settings) {
     bakedStep_ = 0.0f;
     transfer_ = baked.table.lookup();
     transfer_.entries = uploaded(entries_, baked.table.entries);
@@ -143,8 +168,15 @@ class CudaMarcher final : public Marcher {
     transfer_.unitAlphas = uploaded(unitAlphas_, baked.table.unitAlphas);
     transfer_.refinements = uploaded(refinements_, baked.table.refinements);
     transfer_.begins = uploaded(begins_, baked.table.begins);
-    emptyDistances_.upload(baked.emptyDistances, stream_);
+    const std::vector<int32_t> next = nextVisibleBins(baked.table);
+    deviceCells_->findDistances({transfer_, uploaded(nextVisible_, next)}, emptyDistances_, cellScratch_, stream_);
+    const auto visible = thrust::make_transform_iterator(emptyDistances_.data(), IsVisible{});
+    cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
+      return cub::DeviceReduce::Sum(memory, bytes, visible, deviceCount_.data(), static_cast<int64_t>(deviceCells_->count()), stream_);
+    });
+    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(count_.data(), deviceCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
     stream_.synchronize();  // `baked` goes
+    visibleCells_ = *count_;
     bakedStep_ = settings.step;
     bakedArithmetic_ = settings.arithmetic;
   }
@@ -232,6 +264,7 @@ class CudaMarcher final : public Marcher {
 
   const MarchedVolumePtr marched_;
   const std::shared_ptr<const DeviceVolume> deviceVolume_;
+  const std::shared_ptr<const DeviceCells> deviceCells_;
   const TurnsPtr turns_;
 
   std::mutex mutex_;  // of everything below
@@ -241,12 +274,14 @@ class CudaMarcher final : public Marcher {
   float bakedStep_ = 0.0f;    // that the following are for; 0: none
   Arithmetic bakedArithmetic_ = Arithmetic::stable;  // likewise
   std::optional<EffectPlan> plan_;  // of what is marched
+  size_t visibleCells_ = 0;
   TransferLookup transfer_;  // into the next five
   cuda::DeviceBuffer<glm::vec4> entries_;
   cuda::DeviceBuffer<float> alphas_, unitAlphas_;
   cuda::DeviceBuffer<TransferRefinement> refinements_;
   cuda::DeviceBuffer<float> begins_;
-  cuda::DeviceBuffer<uint8_t> emptyDistances_;
+  cuda::DeviceBuffer<int32_t> nextVisible_;
+  cuda::DeviceBuffer<uint8_t> emptyDistances_, cellScratch_;
   cuda::DeviceBuffer<PackedSample> denseSamples_, samples_;
   cuda::DeviceBuffer<Rgba8> denseColors_, colors_;
   cuda::DeviceBuffer<std::byte> layers_;
@@ -259,9 +294,7 @@ class CudaMarcher final : public Marcher {
 }  // namespace
 
 MarcherPtr makeCudaMarcher(VolumePtr volume, TransferFunction transferFunction) {
-  auto marched = std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction));
-  auto deviceVolume = std::make_shared<const DeviceVolume>(*marched->volume, marched->scale);
-  return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume), nullptr);
+  return CudaMarcher::makeFor(std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);
 }
 
 }  // namespace warpscope

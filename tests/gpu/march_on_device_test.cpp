@@ -212,6 +212,29 @@ TEST(MarchOnDevice, TwinsAgreeAndOutliveTheFirst) {
   EXPECT_TRUE(frame.samples == again.samples && frame.colors == again.colors);
 }
 
+TEST(MarchOnDevice, FollowsAnotherTransferFunction) {
+  WARPSCOPE_NEEDS_GPU();
+  const glm::uvec3 dims(60, 44, 52);
+  for (const VoxelType type : kAllVoxelTypes) {
+    SCOPED_TRACE(nameOf(type));
+    const VolumePtr volume = makeTestVolume(type, dims, blobs(dims, 5));
+    const Camera camera = lookingFrom({90.0f, 40.0f, 60.0f}, {}, 160, 120);
+    MarcherPtr marcher = makeCudaMarcher(volume, band(30.0, 50.0, 0.4f));
+    EXPECT_EQ(marcher->capabilities().functionChange, FunctionChange::followed);
+    const MarcherPtr first = marcher;
+    const SampleFrame before = first->march(camera, {});
+    for (const double from : {10.0, 55.0, 40.0}) {
+      const TransferFunction function = band(from, from + 25.0, 0.2f);
+      marcher = marcher->withTransferFunction(function);
+      const MarcherPtr cpu = makeCpuMarcher(volume, function);
+      expectSameFrames(cpu->march(camera, {}), marcher->march(camera, {}));
+      EXPECT_TRUE(sameBits(rendered(*marcher, camera), rendered(*cpu, camera)));
+    }
+    expectSameFrames(before, first->march(camera, {}));
+    EXPECT_GT(before.size(), 500u);
+  }
+}
+
 TEST(MarchOnDevice, InTurnsItIsTheSameAndEndsAtItsLimit) {
   WARPSCOPE_NEEDS_GPU();
   const Scene scene = smallScene("shells", 64);
