@@ -55,6 +55,17 @@ TEST(EffectPlan, WhereEverythingIsHiddenNothingIsMarched) {
   EXPECT_THAT(stagesIn(planOf(lit(), hidden)), testing::IsEmpty());
 }
 
+TEST(EffectPlan, CuttingIsInWhereSomethingCuts) {
+  RenderSettings settings;
+  settings.effects.clip.slab.depth = 5.0f;
+  EXPECT_FALSE(planOf(settings).has(PlanStage::clip)) << "a slab without thickness is none";
+  settings.effects.clip.slab.thickness = 1.0f;
+  EXPECT_EQ(planOf(settings)[PlanStage::clip].reason, "a slab");
+  settings.effects.clip.planes = parseClipPlanes("1,0,0,0 0,1,0,0", "it");
+  settings.effects.clip.box = parseClipBox("0,0,0,1,1,0.5", "it");
+  EXPECT_EQ(planOf(settings)[PlanStage::clip].reason, "2 planes, a box, a slab");
+}
+
 TEST(EffectPlan, SkippingNeedsSomethingToSkip) {
   PlannedScene full = kScene;
   full.visibleCells = full.cells;

@@ -68,6 +68,9 @@ MarchSettings turned() {
   for (const MarchKnob& row : marchKnobs())
     if (isOfPicture(row)) row.set(settings, otherValue(*row.knob));
   settings.render.effects.lights = parseLights("camera:1,2,3@0.5 world:1,0,0", "it");
+  settings.render.effects.clip.slab = {.thickness = 20.0f, .depth = 1.0f};
+  settings.render.effects.clip.planes = parseClipPlanes("1,1,0,-3", "it");
+  settings.render.effects.clip.box = parseClipBox("0,0,0.1,1,0.95,1", "it");
   return settings;
 }
 

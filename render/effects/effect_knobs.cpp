@@ -11,11 +11,13 @@ bool isLit(const MarchSettings& settings) { return settings.render.effects.shadi
 bool hasHighlights(const MarchSettings& settings) { return isLit(settings) && settings.render.effects.shading.specular > 0.0f; }
 constexpr bool always(const MarchSettings&) { return true; }
 
-/// A row for a float of the effects.
-template <auto kPart, auto kMember>
-constexpr MarchKnob row(const Knob& knob, bool (*matters)(const MarchSettings&)) {
-  return {{&knob, [](const MarchSettings& s) { return double{s.render.effects.*kPart.*kMember}; },
-           [](MarchSettings& s, double value) { s.render.effects.*kPart.*kMember = static_cast<float>(value); }},
+bool hasSlab(const MarchSettings& settings) { return settings.render.effects.clip.slab.thickness > 0.0f; }
+
+/// A row for a float of the effects: `Member` says where it is.
+template <class Member>
+constexpr MarchKnob row(const Knob& knob, Member, bool (*matters)(const MarchSettings&)) {
+  return {{&knob, [](const MarchSettings& s) { return double{Member()(s.render.effects)}; },
+           [](MarchSettings& s, double value) { Member()(s.render.effects) = static_cast<float>(value); }},
           FramePart::picture,
           matters};
 }
@@ -85,13 +87,41 @@ constinit const Knob kExponentKnob{.key = "exponent",
                                    .decimals = 0,
                                    .defaultValue = kShading.exponent};
 
+constinit const Knob kSlabKnob{.key = "slab",
+                               .option = "--slab",
+                               .label = "Slab",
+                               .noun = "thickness of the slab",
+                               .help = "Thickness of what is kept between two planes across the view, in edges of the smallest voxel; 0: no slab",
+                               .unit = " voxels",
+                               .owner = KnobOwner::effect,
+                               .stale = KnobStage::march,
+                               .range = {0.0, 1e6},
+                               .track = {0.0, 256.0},
+                               .decimals = 0,
+                               .defaultValue = 0.0};
+
+constinit const Knob kSlabDepthKnob{.key = "slabDepth",
+                                    .option = "--slab-depth",
+                                    .label = "Slab's depth",
+                                    .noun = "depth of the slab",
+                                    .help = "How far the slab's middle is behind the volume's centre, in edges of the smallest voxel",
+                                    .unit = " voxels",
+                                    .owner = KnobOwner::effect,
+                                    .stale = KnobStage::march,
+                                    .range = {-1e6, 1e6},
+                                    .track = {-256.0, 256.0},
+                                    .decimals = 0,
+                                    .defaultValue = 0.0};
+
 std::span<const MarchKnob> effectKnobs() {
   static constexpr MarchKnob kRows[] = {
-      row<&Effects::shading, &Shading::strength>(kShadingKnob, always),
-      row<&Effects::shading, &Shading::ambient>(kAmbientKnob, isLit),
-      row<&Effects::shading, &Shading::diffuse>(kDiffuseKnob, isLit),
-      row<&Effects::shading, &Shading::specular>(kSpecularKnob, isLit),
-      row<&Effects::shading, &Shading::exponent>(kExponentKnob, hasHighlights),
+      row(kShadingKnob, [](auto& effects) -> auto& { return effects.shading.strength; }, always),
+      row(kAmbientKnob, [](auto& effects) -> auto& { return effects.shading.ambient; }, isLit),
+      row(kDiffuseKnob, [](auto& effects) -> auto& { return effects.shading.diffuse; }, isLit),
+      row(kSpecularKnob, [](auto& effects) -> auto& { return effects.shading.specular; }, isLit),
+      row(kExponentKnob, [](auto& effects) -> auto& { return effects.shading.exponent; }, hasHighlights),
+      row(kSlabKnob, [](auto& effects) -> auto& { return effects.clip.slab.thickness; }, always),
+      row(kSlabDepthKnob, [](auto& effects) -> auto& { return effects.clip.slab.depth; }, hasSlab),
   };
   return kRows;
 }
@@ -102,6 +132,14 @@ std::span<const MarchText> effectTexts() {
        "KIND[:X,Y,Z][@STRENGTH] of headlight, camera, world, point; up to 4 with blanks between them; none",
        [](const MarchSettings& s) { return textOf(s.render.effects.lights); },
        [](MarchSettings& s, std::string_view text, std::string_view name) { s.render.effects.lights = parseLights(text, name); }, isLit},
+      {"clipPlanes", "--clip-planes", "Cut by", "clip planes", "Planes that cut the volume: kept is what lies at least so far from its centre along a direction of the world",
+       "X,Y,Z,DISTANCE, in the file's units; up to 6 with blanks between them; none",
+       [](const MarchSettings& s) { return textOf(s.render.effects.clip.planes); },
+       [](MarchSettings& s, std::string_view text, std::string_view name) { s.render.effects.clip.planes = parseClipPlanes(text, name); }, always},
+      {"clipBox", "--clip-box", "Cut to", "clip box", "The part of the volume that is kept, along its own axes",
+       "X0,Y0,Z0,X1,Y1,Z1, each 0 to 1; none",
+       [](const MarchSettings& s) { return textOf(s.render.effects.clip.box); },
+       [](MarchSettings& s, std::string_view text, std::string_view name) { s.render.effects.clip.box = parseClipBox(text, name); }, always},
   };
   return kTexts;
 }

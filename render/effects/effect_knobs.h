@@ -10,5 +10,6 @@ std::span<const MarchKnob> effectKnobs();
 std::span<const MarchText> effectTexts();
 
 extern const Knob kShadingKnob, kAmbientKnob, kDiffuseKnob, kSpecularKnob, kExponentKnob;
+extern const Knob kSlabKnob, kSlabDepthKnob;
 
 }  // namespace warpscope

@@ -28,6 +28,15 @@ PlannedStage planEarlyEnd(const PlannedScene& scene, const RenderSettings& setti
   return in("rays may end at a transmittance of " + numberText(settings.contribution));
 }
 
+std::string clippedBy(const Clip& clip) {
+  std::string text;
+  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  if (clip.planes.size() > 0) add(std::to_string(clip.planes.size()) + (clip.planes.size() == 1 ? " plane" : " planes"));
+  if (clip.box != ClipBox{}) add("a box");
+  if (clip.slab.thickness > 0.0f) add("a slab");
+  return text;  // empty if nothing is cut off
+}
+
 bool isTwoPass(Heuristic heuristic) {
   return visitHeuristic(heuristic, []<class Depth>(Depth) { return Depth::kTwoPass; });
 }
@@ -41,6 +50,8 @@ EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings
     return;
   }
   at(PlanStage::march) = in(std::to_string(scene.visibleCells) + " cells show something");
+  const std::string cut = clippedBy(settings.effects.clip);
+  at(PlanStage::clip) = cut.empty() ? out("nothing is cut off") : in(cut);
   at(PlanStage::skipping) = planSkipping(scene, settings);
   at(PlanStage::missingVoxels) =
       scene.missingVoxels > 0 ? in(std::to_string(scene.missingVoxels) + " voxels are not finite") : out("all voxels are finite");

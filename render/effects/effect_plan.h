@@ -14,6 +14,7 @@ namespace warpscope {
 /// In the order in which a sample meets them.
 enum class PlanStage {
   march,          ///< rays at all
+  clip,           ///< of rays to what is kept
   skipping,       ///< of cells that show nothing
   missingVoxels,  ///< leaving voxels out of interpolation that are not finite
   refinement,     ///< telling bins of the transfer function apart further
@@ -34,8 +35,9 @@ struct StageDescriptor {
 };
 
 /// Every stage, in their order.
-inline constexpr std::array<StageDescriptor, 12> kStages{{
+inline constexpr std::array<StageDescriptor, 13> kStages{{
     {PlanStage::march, "march", "rays through the volume"},
+    {PlanStage::clip, "clip", "cutting rays to what is kept"},
     {PlanStage::skipping, "skipping", "leaping over cells that show nothing"},
     {PlanStage::missingVoxels, "missing-voxels", "leaving out voxels that are not finite"},
     {PlanStage::refinement, "refinement", "telling entries of the transfer table apart further"},

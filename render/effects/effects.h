@@ -2,6 +2,7 @@
 // Which of them have work to do for a picture: effect_plan.h.
 #pragma once
 
+#include "render/effects/clip_settings.h"
 #include "render/effects/lights.h"
 
 namespace warpscope {
@@ -20,6 +21,7 @@ struct Shading {
 struct Effects {
   Shading shading;
   Lights lights = defaultLights();
+  Clip clip{};
 
   bool operator==(const Effects&) const = default;
 };

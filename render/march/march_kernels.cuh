@@ -21,8 +21,8 @@ __device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel, fl
   if (cosine != nullptr) *cosine = ofPixel.cosine;
   RayPath path;
   path.ray = ofPixel.ray;
-  const RayInterval inside = intersectBox(reciprocalOf(path.ray.origin, path.ray.direction), job.bounds, 0.0f, kNoHit);
-  path.lattice = makeLattice(inside, job.step);
+  const RayInterval inside = intersectBox(reciprocalOf(path.ray.origin, path.ray.direction), job.clip.bounds, 0.0f, kNoHit);
+  path.lattice = makeLattice(clipped(job.clip, path.ray, inside), job.step);
   return path;
 }
 

@@ -6,6 +6,7 @@
 
 #include "render/core/color.h"
 #include "render/cuda/memory.h"
+#include "render/effects/clip.h"
 #include "render/effects/shading.h"
 #include "render/march/march.h"
 #include "render/march/sample_radius.h"
@@ -18,7 +19,7 @@ namespace warpscope {
 template <class Voxel>
 struct MarchJob {
   VolumeView<Voxel> view;
-  Box bounds;
+  ClipSetup clip;
   Camera camera;
   PixelGrid pixels;  ///< of the camera; its near plane is in front of the bounds
   float step = 0.5f;

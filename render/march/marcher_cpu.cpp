@@ -11,6 +11,7 @@
 #include "render/base/stopwatch.h"
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
+#include "render/effects/clip.h"
 #include "render/effects/shading.h"
 #include "render/march/compact.h"
 #include "render/march/march.h"
@@ -152,6 +153,7 @@ class CpuMarcher final : public Marcher {
                   const RenderSettings& settings, const EffectPlan& plan, const SampleSettings* sample,
                   const std::stop_token& stop, const OnRay& onRay) const {
     const RayLimits limits = limitsOf(settings, plan);
+    const ClipSetup clip = prepareClip(settings.effects.clip, *marched_->volume, camera);
     const DepthFunction depthOfSamples = sample != nullptr ? depthFunctionOf(sample->heuristic) : nullptr;
     TurnsOfJob turns(turns_.get());
     const uint32_t side = turns.areLimited() ? tileSideFor(*marched_->volume, settings) : kTileSide;
@@ -164,9 +166,9 @@ class CpuMarcher final : public Marcher {
           const Ray& ray = pixel.ray;
           // Parallel to slabs, and in their planes: box.h says what comes of 1 / 0 and 0 * infinity.
           const RayInterval inside = exceptionsExpected([&] {
-            return intersectBox(reciprocalOf(ray.origin, ray.direction), marched_->volume->bounds(), 0.0f, std::numeric_limits<float>::infinity());
+            return intersectBox(reciprocalOf(ray.origin, ray.direction), clip.bounds, 0.0f, std::numeric_limits<float>::infinity());
           });
-          const RayPath path{ray, makeLattice(inside, settings.step)};
+          const RayPath path{ray, makeLattice(clipped(clip, ray, inside), settings.step)};
           Source source = exceptionsExpected([&] { return Source(view, ray, path.lattice); });  // reciprocals again
           GatheredColor<typename Source::March> color;
           counting.clear();

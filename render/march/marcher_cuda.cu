@@ -192,7 +192,7 @@ class CudaMarcher final : public Marcher {
       job.view.blends = deviceVolume_->cellsAs<Voxel>();
       job.view.transfer = transfer_;
       job.view.cells.distances = plan_->has(PlanStage::skipping) ? emptyDistances_.data() : nullptr;
-      job.bounds = marched_->volume->bounds();
+      job.clip = prepareClip(settings.effects.clip, *marched_->volume, camera);
       job.camera = camera;
       job.pixels = pixelsFor(*marched_->volume, camera, settings);
       job.step = settings.step;

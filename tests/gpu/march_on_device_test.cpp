@@ -124,6 +124,24 @@ TEST(MarchOnDevice, LitByEveryHeuristicAndLight) {
   }
 }
 
+TEST(MarchOnDevice, CutByPlanesBoxesAndSlabs) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("vessels", 64);
+  const Pair pair(scene);
+  for (const View& view : {scene.views.front(), scene.views.back()}) {
+    const Camera camera = makeCamera(scene, view, 203, 157);
+    for (const char* planes : {"none", "1,0.3,-0.2,3", "1,0,0,-20 -1,0,0,-20 0,1,0,-20 0,-1,0,-20 0,0,1,-20 0.1,0,-1,-20"})
+      for (const char* box : {"none", "0.2,0,0.1,0.9,0.7,0.6"})
+        for (const float thickness : {0.0f, 11.0f}) {
+          SCOPED_TRACE(::testing::Message() << planes << " and " << box << " and " << thickness);
+          MarchSettings settings = scene.march;
+          settings.render.effects.clip = {parseClipPlanes(planes, "it"), parseClipBox(box, "it"), {.thickness = thickness, .depth = -3.0f}};
+          pair.expectSame(camera, settings);
+          EXPECT_TRUE(sameBits(rendered(*pair.cpu, camera, settings), rendered(*pair.cuda, camera, settings)));
+        }
+  }
+}
+
 TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
   WARPSCOPE_NEEDS_GPU();
   const TransferFunction function{{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
