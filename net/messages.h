@@ -44,7 +44,7 @@ inline constexpr uint16_t kMaxDepth = 16;                      ///< requests tha
 inline constexpr size_t kMaxViews = 256;
 inline constexpr size_t kMaxSettings = 64;      ///< of a march
 inline constexpr size_t kMaxSettingName = 48;   ///< bytes, 1 at least
-inline constexpr size_t kMaxSettingValue = 64;  ///< bytes
+inline constexpr size_t kMaxSettingValue = 512;  ///< bytes; lists are long
 inline constexpr size_t kMaxPlanes = 16;        ///< of a frame
 inline constexpr size_t kMaxPlaneName = 32;     ///< bytes, 1 at least
 

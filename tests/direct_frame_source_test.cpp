@@ -40,6 +40,7 @@ class StubMarcher final : public Marcher {
   Backend backend() const override { return Backend::cpu; }
   MarcherCapabilities capabilities() const override { return {}; }
   MarcherPtr twin(TurnsPtr) const override { return nullptr; }  // nobody asks
+  MarcherPtr withTransferFunction(TransferFunction) const override { return nullptr; }  // likewise
 
   std::vector<uint32_t> widths() const {
     const std::scoped_lock lock(mutex_);

@@ -21,13 +21,13 @@ struct FailingDevice {
 
 class MadeUpMarcher final : public Marcher {
  public:
-  MadeUpMarcher(Backend backend, int failsAt) : backend_(backend), device_{failsAt} {}
+  MadeUpMarcher(Backend backend, int failsAt, size_t points = 0) : backend_(backend), device_{failsAt}, points_(points) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings&, const std::stop_token&) override {
     device_.use();
     SampleFrame frame;
     frame.camera = camera;
-    frame.requestId = backend_ == Backend::cpu ? 1 : 2;
+    frame.requestId = (backend_ == Backend::cpu ? 1 : 2) + 10 * points_;
     return frame;
   }
   void render(const Camera&, const RenderSettings&, Image<glm::vec4>& image, const std::stop_token&) override {
@@ -40,11 +40,16 @@ class MadeUpMarcher final : public Marcher {
     return {.pace = backend_ == Backend::cpu ? MarchPace::afterRest : MarchPace::followsCamera};
   }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr) const override { return std::make_shared<MadeUpMarcher>(backend_, device_.failsAt); }
+  MarcherPtr twin(TurnsPtr) const override { return std::make_shared<MadeUpMarcher>(backend_, device_.failsAt, points_); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    if (device_.failsAt <= 0) throw DeviceError("no memory for another");
+    return std::make_shared<MadeUpMarcher>(backend_, device_.failsAt, function.points.size());
+  }
 
  private:
   const Backend backend_;
   FailingDevice device_;
+  const size_t points_;  // of the transfer function
   VolumePtr volume_;
 };
 
@@ -108,6 +113,42 @@ TEST(FallbackMarcher, TwinsLeaveTogetherAndTellOnce) {
   EXPECT_EQ(second->march({}, {}).requestId, 1u);
   EXPECT_EQ(first->twin()->backend(), Backend::cpu);
   EXPECT_EQ(notes.reasons.size(), 1u);
+}
+
+TransferFunction functionOf(size_t points) { return {std::vector<TransferPoint>(points)}; }
+
+TEST(FallbackMarcher, OtherTransferFunctionsLeaveTogetherAndGoOnByTheirs) {
+  Notes notes;
+  int secondsMade = 0;
+  const MarcherPtr first = makeFallbackMarcher([] { return madeUp(Backend::cuda, 2); },
+                                               [&] {
+                                                 ++secondsMade;
+                                                 return madeUp(Backend::cpu, kNever);
+                                               },
+                                               notes.take());
+  const MarcherPtr other = first->withTransferFunction(functionOf(3));
+  EXPECT_EQ(other->march({}, {}).requestId, 32u);
+  EXPECT_EQ(first->march({}, {}).requestId, 2u);
+  const MarcherPtr third = other->withTransferFunction(functionOf(4));
+  EXPECT_EQ(third->march({}, {}).requestId, 42u);
+  EXPECT_EQ(secondsMade, 0);
+  EXPECT_EQ(other->march({}, {}).requestId, 31u);  // the device is lost
+  EXPECT_EQ(third->march({}, {}).requestId, 41u);
+  EXPECT_EQ(third->twin()->march({}, {}).requestId, 41u);
+  EXPECT_EQ(first->march({}, {}).requestId, 1u);
+  EXPECT_EQ(first->withTransferFunction(functionOf(5))->march({}, {}).requestId, 51u);
+  EXPECT_EQ(other->withTransferFunction(functionOf(6))->backend(), Backend::cpu);
+  EXPECT_EQ(secondsMade, 1);
+  EXPECT_EQ(notes.reasons, std::vector<std::string>{"lost"});
+}
+
+TEST(FallbackMarcher, ADeviceThatCannotTakeAnotherTransferFunctionIsLeft) {
+  Notes notes;
+  const MarcherPtr first =
+      makeFallbackMarcher([] { return madeUp(Backend::cuda, 0); }, [] { return madeUp(Backend::cpu, kNever); }, notes.take());
+  EXPECT_EQ(first->withTransferFunction(functionOf(3))->march({}, {}).requestId, 31u);
+  EXPECT_EQ(first->march({}, {}).requestId, 1u);
+  EXPECT_EQ(notes.reasons, std::vector<std::string>{"no memory for another"});
 }
 
 TEST(FallbackMarcher, OtherErrorsAndTheSecondsAreTheCallers) {

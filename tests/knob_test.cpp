@@ -118,6 +118,25 @@ TEST(Knob, RowsOfTheMarchHoldWhatIsSet) {
     }
 }
 
+TEST(Knob, ListsComeBackAndAreRefusedByName) {
+  for (const MarchText& text : marchTexts()) {
+    MarchSettings settings;
+    const std::string byItself = text.get(settings);
+    text.set(settings, byItself, "it");
+    EXPECT_EQ(settings, MarchSettings{}) << text.key;
+    try {
+      text.set(settings, "\x1b]no such thing", "--it");
+      ADD_FAILURE() << text.key << " was set";
+    } catch (const UsageError& error) {
+      EXPECT_THAT(error.what(), testing::StartsWith("--it"));
+      EXPECT_EQ(settings, MarchSettings{});
+    }
+    EXPECT_EQ(findMarchText(text.key), &text);
+    for (const MarchKnob& row : marchKnobs()) EXPECT_NE(row.knob->key, text.key);
+  }
+  EXPECT_EQ(findMarchText("step"), nullptr);
+}
+
 TEST(Knob, TheThresholdMattersToThoseHeuristicsThatTakeOne) {
   for (const MarchKnob& row : marchKnobs()) {
     if (row.knob != &kThresholdKnob) continue;

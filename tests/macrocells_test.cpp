@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "render/core/visible_bins.h"
 #include "render/volume/voxel_access.h"
 #include "test_volumes.h"
 
@@ -45,7 +46,7 @@ void expectRanges(const Volume& volume, const std::string& label) {
   const ValueScale scale = scaleFor(volume, {});
   const glm::ivec3 n(volume.dims());
   ASSERT_EQ(cells.dims(), (n + cells.edge() - 1) / cells.edge()) << label;
-  ASSERT_EQ(cells.count(), cells.ranges().size());
+  ASSERT_EQ(cells.count(), size_t(cells.dims().x) * cells.dims().y * cells.dims().z);
   for (size_t i = 0; i < cells.count(); ++i) {
     const glm::ivec3 first = cellAt(cells, i) * cells.edge();
     double lowest = kInfinity, highest = -kInfinity;
@@ -58,7 +59,7 @@ void expectRanges(const Volume& volume, const std::string& label) {
             lowest = std::min(lowest, v);
             highest = std::max(highest, v);
           });
-    const glm::vec2 range = cells.ranges()[i];
+    const glm::vec2 range = cells.range(i);
     if (lowest > highest) {
       ASSERT_GT(range.x, range.y) << label << ", cell " << i;
       continue;
@@ -99,6 +100,12 @@ TEST(Macrocells, NonFiniteVoxelsAreLeftOut) {
   }
 }
 
+/// Whether a cell shows something, by the table's own answer.
+bool isVisible(const TransferTable& table, const glm::vec2& range) {
+  const float slack = range.x < range.y ? kRangeSlack * std::max(std::abs(range.x), std::abs(range.y)) : 0.0f;
+  return range.x <= range.y && table.anyVisible(range.x - slack, range.y + slack);
+}
+
 void expectDistances(const Volume& volume, const TransferFunction& function, const std::string& label) {
   const Macrocells cells = cellsFor(volume, function);
   const TransferTable table = tableFor(volume, function);
@@ -114,8 +121,9 @@ void expectDistances(const Volume& volume, const TransferFunction& function, con
       nearest = std::min(nearest, std::max(apart.x, std::max(apart.y, apart.z)));
     }
     ASSERT_EQ(int{distances[i]}, nearest) << label << ", cell " << i;
+    ASSERT_EQ(distances[i] == 0, isVisible(table, cells.range(i))) << label << ", cell " << i;
     // Every cell that holds something visible says so; the converse may fail within the slack only.
-    const glm::vec2 range = cells.ranges()[i];
+    const glm::vec2 range = cells.range(i);
     if (table.anyVisible(range.x, range.y)) {
       ASSERT_EQ(distances[i], 0) << label << ", cell " << i;
     }
@@ -152,6 +160,51 @@ TEST(Macrocells, NothingAndEverythingVisible) {
     ASSERT_EQ(distance, 255);
   for (const uint8_t distance : cellsOf(*volume).emptyDistances(tableFor(*volume, {{{0.0, glm::vec3(1.0f), 0.1f}}})))
     ASSERT_EQ(distance, 0);
+}
+
+/// Ramps and steps over the values of blobs, some in bins that have to be told apart further.
+TransferFunction someFunction(std::mt19937& random, double factor) {
+  TransferFunction function;
+  double value = -10.0;
+  for (int i = 0; i < 8; ++i) {
+    if (random() % 3 > 0) value += random() % 2 ? 1e-3 * static_cast<double>(random() % 1000) : static_cast<double>(random() % 30);
+    function.points.push_back({value * factor, glm::vec3(0.5f), random() % 2 ? 0.0f : 0.1f * static_cast<float>(random() % 10)});
+  }
+  return function;
+}
+
+RC_GTEST_PROP(Macrocells, EveryTypeShowsWhatItsTableSays, (uint32_t seed)) {
+  std::mt19937 random(seed);
+  const glm::uvec3 dims(1 + random() % 70, 1 + random() % 20, 1 + random() % 20);
+  const VoxelType type = kAllVoxelTypes[random() % kAllVoxelTypes.size()];
+  const bool isFloat = type == VoxelType::float32 || type == VoxelType::float64;
+  const double factor = isFloat ? 1e-3 : 1.0;
+  const FieldFunction field = blobs(dims, seed);
+  const VolumePtr volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) {
+    return isFloat && (p.x + 3 * p.y + 7 * p.z) % 11 < 3 && p.x > 5 ? kNan : field(p) * factor;
+  });
+  expectDistances(*volume, someFunction(random, factor), "seed " + std::to_string(seed) + ", " + std::string(nameOf(type)));
+  RC_ASSERT(!testing::Test::HasFailure());
+}
+
+TEST(Macrocells, FollowAnotherScale) {
+  const glm::uvec3 dims(21, 14, 9);
+  const FieldFunction field = blobs(dims, 8);
+  for (const VoxelType type : kAllVoxelTypes) {
+    const bool isFloat = type == VoxelType::float32 || type == VoxelType::float64;
+    const VolumePtr volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) { return p.x < 5 && isFloat ? kNan : 20.0 + field(p); });
+    const TransferFunction first = shownFrom(25.0), second = shownFrom(70.0);
+    const Macrocells cells = cellsFor(*volume, first), fresh = cellsFor(*volume, second);
+    const Macrocells scaled = cells.scaledBy(scaleFor(*volume, second));
+    ASSERT_EQ(scaled.dims(), fresh.dims());
+    for (size_t i = 0; i < fresh.count(); ++i) ASSERT_EQ(scaled.range(i), fresh.range(i)) << nameOf(type) << ", cell " << i;
+    // Where voxels become interpolants by an origin, and there alone, there is something to make anew.
+    const bool hasOrigin = type == VoxelType::int32 || type == VoxelType::uint32 || type == VoxelType::float64;
+    EXPECT_EQ(scaled.sharesRangesWith(cells), !hasOrigin) << nameOf(type);
+    EXPECT_TRUE(cells.scaledBy(scaleFor(*volume, first)).sharesRangesWith(cells)) << nameOf(type);
+    const Macrocells back = scaled.scaledBy(scaleFor(*volume, first));
+    for (size_t i = 0; i < cells.count(); ++i) ASSERT_EQ(back.range(i), cells.range(i)) << nameOf(type) << ", cell " << i;
+  }
 }
 
 TEST(Macrocells, TheSmallestValuesThereAre) {

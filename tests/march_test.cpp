@@ -78,10 +78,5 @@ TEST(Light, KnowsPlaceStepAndSource) {
               expected, 1e-6);
 }
 
-TEST(Light, TodaysIsTheTransferFunctionsColour) {
-  visitLight(RenderSettings{}, [](auto light) { EXPECT_TRUE((std::is_same_v<decltype(light), Unlit>)); });
-  EXPECT_TRUE(std::is_empty_v<Unlit>);
-}
-
 }  // namespace
 }  // namespace warpscope

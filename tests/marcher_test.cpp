@@ -71,6 +71,41 @@ TEST(CpuMarcher, CancellingThrowsAndLeavesAMarcherThatWorks) {
   EXPECT_TRUE(sameFrame(marcher->march(small, {}), before));
 }
 
+TEST(CpuMarcher, AnotherTransferFunctionIsAMarcherMadeWithIt) {
+  const glm::uvec3 dims(40, 30, 36);
+  const Camera camera = lookingFrom({70.0f, 30.0f, 45.0f}, {}, 60, 50);
+  for (const VoxelType type : kAllVoxelTypes) {
+    SCOPED_TRACE(nameOf(type));
+    const bool isFloat = type == VoxelType::float32 || type == VoxelType::float64;
+    const FieldFunction field = blobs(dims, 5);
+    const VolumePtr volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) { return isFloat && p.x % 9 == 0 ? std::nan("") : field(p); });
+    const MarcherPtr first = makeCpuMarcher(volume, band(30.0, 50.0, 0.4f));
+    const SampleFrame before = first->march(camera, {});
+    ASSERT_GT(before.size(), 100u);
+    MarcherPtr marcher = first;
+    for (const double from : {10.0, 55.0, 40.0}) {  // one from the other: origins of values come and go
+      const TransferFunction function = band(from, from + 25.0, 0.2f);
+      marcher = marcher->withTransferFunction(function);
+      const MarcherPtr fresh = makeCpuMarcher(volume, function);
+      EXPECT_TRUE(sameFrame(marcher->march(camera, {}), fresh->march(camera, {}))) << from;
+      EXPECT_TRUE(sameBits(rendered(*marcher, camera), rendered(*fresh, camera))) << from;
+      EXPECT_FALSE(sameBits(rendered(*marcher, camera), rendered(*first, camera))) << from;
+      EXPECT_EQ(marcher->volume(), volume);
+    }
+    EXPECT_TRUE(sameFrame(first->march(camera, {}), before));
+  }
+}
+
+TEST(CpuMarcher, AnotherTransferFunctionKeepsItsTurns) {
+  const glm::uvec3 dims(64, 64, 64);
+  const MarcherPtr whole = makeCpuMarcher(makeTestVolume(VoxelType::uint8, dims, blobs(dims, 1)), everywhere(0.5f));
+  const MarcherPtr limited = whole->twin(std::make_shared<Turns>(TurnSettings{.slice = std::chrono::milliseconds(1), .limit = std::chrono::milliseconds(2)}));
+  MarchSettings fine;
+  fine.render.step = 1e-3f;
+  const Camera large = lookingFrom({80.0f, 30.0f, 45.0f}, {}, 256, 256);
+  EXPECT_THROW(limited->withTransferFunction(everywhere(0.001f))->march(large, fine), WorkLimitExceeded);
+}
+
 TEST(CpuMarcher, RefusesUnusableCamerasAndSettings) {
   const MarcherPtr marcher = makeCpuMarcher(constantVolume(VoxelType::uint8, {4, 4, 4}), everywhere(0.5f));
   const Camera good = lookingFrom({8.0f, 0.0f, 0.0f}, {}, 4, 4);

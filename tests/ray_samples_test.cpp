@@ -57,8 +57,8 @@ TestRay randomRay(std::mt19937& random) {
 template <class Depth>
 RaySamples samplesOf(const TestRay& ray, int count) {
   RaySamples found;
-  findSamples<Depth>(
-      ray.path, [&] { return ray.source(); }, Unlit{}, kLimits, kThreshold, count, found);
+  findSamples(
+      Depth{}, ray.path, [&] { return ray.source(); }, Unlit{}, kLimits, kThreshold, count, found);
   return found;
 }
 
@@ -120,8 +120,8 @@ TEST(RaySamples, WhatWasFoundBeforeIsForgotten) {
   ASSERT_GT(found.size(), 1);
   for (const std::vector<float>& alphas : {std::vector<float>{0.0f, 1.0f}, std::vector<float>{0.0f, 0.0f}}) {
     const TestRay ray = rayOf(alphas);
-    findSamples<GradientDepth>(
-        ray.path, [&] { return ray.source(); }, Unlit{}, kLimits, kThreshold, 8, found);
+    findSamples(
+      GradientDepth{}, ray.path, [&] { return ray.source(); }, Unlit{}, kLimits, kThreshold, 8, found);
     EXPECT_EQ(found.size(), samplesOf<GradientDepth>(ray, 8).size());
   }
 }
@@ -295,8 +295,8 @@ TEST_P(RaySamplesBy, TheMarcherFindsWhatASampleAtATimeFinds) {
                              settings.render.step)};
         RaySamples found;
         visitHeuristic(GetParam(), [&](auto depth) {
-          findSamples<decltype(depth)>(
-              path, [&] { return ScalarVolumeSource<uint8_t, false, false>(view, ray, path.lattice); }, Unlit{},
+          findSamples(
+              depth, path, [&] { return ScalarVolumeSource<uint8_t, false, false>(view, ray, path.lattice); }, Unlit{},
               limitsOf(settings.render), settings.sample.threshold, count, found);
         });
         for (int i = 0; i < found.size(); ++i, ++next) {

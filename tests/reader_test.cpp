@@ -314,7 +314,7 @@ TEST_F(Reader, NrrdErrors) {
   expectRefused(write("type.nrrd", nrrdHeader("type: quux\ndimension: 3\nsizes: 3 4 5\nencoding: raw\n") + kVoxels),
                 "quux");
   expectRefused(write("sides.nrrd", nrrdHeader("type: short\ndimension: 3\nsizes: 3 x 5\nencoding: raw\n") + kVoxels),
-                "cannot be read");
+                "declares x voxels along axis 2");
   expectRefused(
       write("int64.nrrd",
             nrrdHeader("type: int64\ndimension: 3\nsizes: 3 4 5\nendian: little\nencoding: raw\n") + noise(480)),
@@ -433,6 +433,9 @@ TEST_F(Reader, HeadersHaveLimits) {
   EXPECT_NO_THROW(openVolume(write("matrix.mha", meta300("TransformMatrix = 1.0" + std::string(300, '0') + " 0 0 0 1 0 0 0 1"))));
   // It would go on reading behind the voxels' begin.
   expectRefused(write("joined.mha", "NDims = 3\nDimSize = 3 4 5\nElementType 2 MET_SHORT\nElementDataFile = LOCAL\n" + kVoxels), "a line without =: \"ElementType 2");
+  // A key with a zero byte is another key for the library.
+  expectRefused(write("zero.mha", std::string("NDims\0 = 20\nNDims = 3\nDimSize = 3 4 5\nElementType = MET_SHORT\nElementDataFile = LOCAL\n", 86) + kVoxels),
+                "its header has a zero byte");
   // Of two the library takes the second, of which nothing was checked: -3 axes made it read numbers for an hour.
   expectRefused(write("twice.mha", "NDims = 3\nDimSize = 3 4 5\nNDims = -3\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" + kVoxels),
                 "has ndims twice");
@@ -461,6 +464,9 @@ TEST_F(Reader, HeadersHaveLimits) {
 }
 
 TEST_F(Reader, NegativeSizesAreCalledWhatTheyAre) {
+  // More than a library's integer holds.
+  for (const char* side : {"49000000000000004089650035136921601e", "1e3", "123456789"})
+    expectRefused(write("a.nrrd", nrrdHeader("type: short\ndimension: 3\nsizes: 3 " + std::string(side) + " 5\nencoding: raw\n") + kVoxels), "voxels along axis 2");
   expectRefused(write("a.nrrd", nrrdHeader("type: short\ndimension: 3\nsizes: 3 -16 5\nencoding: raw\n") + kVoxels), "declares -16 voxels along axis 2");
   expectRefused(write("a.mha", metaHeader("DimSize = -16 4 5\nElementType = MET_SHORT\n") + kVoxels), "not -16");
   std::string mrc = mrcHeader(0, false, true) + noise(64);

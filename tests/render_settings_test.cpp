@@ -44,6 +44,9 @@ class LoggingMarcher final : public Marcher {
   MarcherCapabilities capabilities() const override { return marcher_->capabilities(); }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<LoggingMarcher>(marcher_->twin(std::move(turns)), log_); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    return std::make_shared<LoggingMarcher>(marcher_->withTransferFunction(std::move(function)), log_);
+  }
 
  private:
   const MarcherPtr marcher_;
@@ -54,14 +57,17 @@ class LoggingMarcher final : public Marcher {
 double otherValue(const Knob& knob) {
   if (knob.type == KnobType::flag) return 1.0 - knob.defaultValue;
   if (knob.type == KnobType::choice) return knob.defaultValue == 0.0 ? 1.0 : 0.0;
-  return std::min(knob.range.highest, 3.0 * knob.defaultValue);
+  return knob.defaultValue == 0.0 ? knob.range.highest : std::min(knob.range.highest, 3.0 * knob.defaultValue);
 }
+
+bool isOfPicture(const MarchKnob& row) { return row.knob->owner == KnobOwner::rendering || row.knob->owner == KnobOwner::effect; }
 
 /// Every render knob turned.
 MarchSettings turned() {
   MarchSettings settings;
   for (const MarchKnob& row : marchKnobs())
-    if (row.knob->owner == KnobOwner::rendering) row.set(settings, otherValue(*row.knob));
+    if (isOfPicture(row)) row.set(settings, otherValue(*row.knob));
+  settings.render.effects.lights = parseLights("camera:1,2,3@0.5 world:1,0,0", "it");
   return settings;
 }
 
@@ -95,7 +101,7 @@ class RenderSettingsTest : public SessionTest {
 
 TEST_F(RenderSettingsTest, EveryKnobIsTurnedAndThePictureIsAnother) {
   for (const MarchKnob& row : marchKnobs())
-    if (row.knob->owner == KnobOwner::rendering) EXPECT_NE(row.get(scene_.march), row.knob->defaultValue) << row.knob->key;
+    if (isOfPicture(row)) EXPECT_NE(row.get(scene_.march), row.knob->defaultValue) << row.knob->key;
   EXPECT_NE(truth(camera(48, 40), scene_.march.render), truth(camera(48, 40), {}));
 }
 

@@ -116,7 +116,8 @@ TEST_F(HostingTest, GroundTruthIsTheMarchersBitForBit) {
   const ConnectedScene loaded = connect();
   // Its volume is the server's: nobody here may count on it, or on pictures that follow the camera.
   EXPECT_EQ(loaded.display->capabilities(),
-            (MarcherCapabilities{MarchPace::afterRest, VolumePlace::elsewhere, JudgePlace::host}));
+            (MarcherCapabilities{MarchPace::afterRest, VolumePlace::elsewhere, JudgePlace::host, FunctionChange::refused}));
+  EXPECT_THROW(loaded.display->withTransferFunction(scene_.transferFunction), UsageError);
   EXPECT_EQ(loaded.display->volume(), nullptr);
   Image<glm::vec4> here, there;
   marcher_->render(camera(10.0), scene_.march.render, here);

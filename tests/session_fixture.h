@@ -47,6 +47,9 @@ class FaultyMarcher final : public Marcher {
   }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<FaultyMarcher>(sound_->twin(std::move(turns)), faults_); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    return std::make_shared<FaultyMarcher>(sound_->withTransferFunction(std::move(function)), faults_);
+  }
 
  private:
   MarcherPtr sound_;

@@ -91,6 +91,9 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
   command.add_option("--tf", options.transferFunction, "Transfer function file (JSON)");
   for (const MarchKnob& row : marchKnobs()) options.knobs.add(command, *row.knob, "the scene's");
+  for (const MarchText& text : marchTexts())
+    command.add_option(std::string(text.option), options.texts[&text], std::string(text.help) + ": " + std::string(text.values) + "; default: the scene's")
+        ->type_name("TEXT");
   for (const Knob* knob : warpKnobs()) options.knobs.add(command, *knob, textOf(*knob, knob->defaultValue), ownersOf(*knob));
   addBackendOption(command, options);
   command.add_option("--gl", options.gl, "OpenGL without a window: auto egl osmesa")->capture_default_str();
@@ -137,6 +140,12 @@ CheckedOptions check(const CommonOptions& options) {
   checked.platform = choose("OpenGL platform", options.gl, kPlatforms);
   checked.backend = choose("backend", options.backend, backendChoices());
   checked.given = options.knobs.check();
+  for (const auto& [text, typed] : options.texts) {
+    if (!typed) continue;
+    MarchSettings trial;
+    text->set(trial, *typed, text->option);
+    checked.givenTexts[text] = *typed;
+  }
   for (const Knob* knob : warpKnobs())
     if (const auto value = checked.given.find(*knob)) checked.warp.knobs.set(*knob, *value);
   if (options.fovYDeg) requireRange(*options.fovYDeg, kFovYDegRange, "--fov");
@@ -173,6 +182,7 @@ Scene CheckedOptions::open(const std::stop_token& stop) const {
 void CheckedOptions::applyTo(Scene& served) const {
   for (const MarchKnob& row : marchKnobs())
     if (const auto value = given.find(*row.knob)) row.set(served.march, *value);
+  for (const auto& [text, value] : givenTexts) text->set(served.march, value, text->option);
   if (overrides.fovYDeg) served.fovYDeg = *overrides.fovYDeg;
 }
 

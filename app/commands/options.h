@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -14,6 +15,7 @@
 #include "app/frames/frame_fetch.h"
 #include "app/scene/scene.h"
 #include "render/gl/context.h"
+#include "render/march/march_knobs.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
@@ -23,6 +25,7 @@ struct CommonOptions {
   std::optional<std::string> scene;  ///< default: kDefaultScene
   std::string volume, transferFunction, volumeSize;
   KnobOptions knobs;  ///< of marching and of techniques
+  std::map<const MarchText*, std::optional<std::string>> texts;  ///< likewise, those that are lists
   std::string backend = "auto", gl = "auto";
   std::string size = "1024x1024";  ///< empty: none is asked for
   std::string uncovered;
@@ -52,6 +55,7 @@ struct CheckedOptions {
   std::string sceneSpec;
   SceneOverrides overrides;
   GivenKnobs given;
+  std::map<const MarchText*, std::string> givenTexts;  ///< read once, so that what is wrong was said
   WarpSettings warp;
   uint32_t width = 0;   ///< of the pictures, 0 where no size is asked for
   uint32_t height = 0;
@@ -118,6 +122,7 @@ void addServeCommand(CLI::App& program, std::function<void()>& chosen);
 void addShotCommand(CLI::App& program, std::function<void()>& chosen);
 void addCompareCommand(CLI::App& program, std::function<void()>& chosen);
 void addBenchCommand(CLI::App& program, std::function<void()>& chosen);
+void addPlanCommand(CLI::App& program, std::function<void()>& chosen);
 void addStabilityCommand(CLI::App& program, std::function<void()>& chosen);
 void addSweepCommand(CLI::App& program, std::function<void()>& chosen);
 void addExportCommand(CLI::App& program, std::function<void()>& chosen);

@@ -94,6 +94,7 @@ int run(int argc, char** argv) {
   addShotCommand(program, chosen);
   addCompareCommand(program, chosen);
   addBenchCommand(program, chosen);
+  addPlanCommand(program, chosen);
   addSweepCommand(program, chosen);
   addStabilityCommand(program, chosen);
   addExportCommand(program, chosen);

@@ -76,7 +76,7 @@ bool isAllowed(const Configuration& configuration, uint32_t sidePx, const Comman
   if (configuration.serverSidePx != sidePx) return false;
   for (const ConfigurationKnob& row : configurationKnobs()) {
     if (!row.matters(configuration)) continue;
-    const bool isOfPicture = row.knob().owner == KnobOwner::rendering;
+    const bool isOfPicture = row.knob().owner == KnobOwner::rendering || row.knob().owner == KnobOwner::effect;
     const std::optional<double> asked = isOfPicture ? row.get(scene) : work.given.find(row.knob());
     if (asked && row.get(configuration) != *asked) return false;
   }

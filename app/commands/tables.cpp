@@ -79,6 +79,9 @@ Row knobRow(const Knob& knob, const std::string& owner) {
 std::string knobTable(const CLI::App&) {
   std::vector<Row> rows;
   for (const MarchKnob& row : marchKnobs()) rows.push_back(knobRow(*row.knob, std::string(ownerName(row.knob->owner))));
+  for (const MarchText& text : marchTexts())
+    rows.push_back({code(text.key), code(text.option), "", std::string(text.label), std::string(text.help), std::string(text.values),
+                    text.get(MarchSettings{}), std::string(ownerName(KnobOwner::effect)), std::string(stageName(KnobStage::march))});
   rows.push_back(knobRow(kServerSideKnob, std::string(ownerName(kServerSideKnob.owner))));
   for (const Knob* knob : warpKnobs()) {
     std::string owners;

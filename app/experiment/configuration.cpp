@@ -96,6 +96,7 @@ std::vector<ConfigurationKnob> configurationKnobs() {
   for (const Knob* knob : warpKnobs())
     if (!knob->axis.key.empty()) knobs.emplace_back(*knob, nullptr);
   addMarch(KnobOwner::rendering);
+  addMarch(KnobOwner::effect);
   knobs.emplace_back(kServerSideKnob, nullptr);
   return knobs;
 }

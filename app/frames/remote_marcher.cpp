@@ -42,10 +42,13 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   const VolumePtr& volume() const override { return none_; }
   Backend backend() const override { return Backend::cpu; }
   MarcherCapabilities capabilities() const override {
-    return {.pace = MarchPace::afterRest, .volume = VolumePlace::elsewhere, .judging = JudgePlace::host};
+    return {.pace = MarchPace::afterRest, .volume = VolumePlace::elsewhere, .judging = JudgePlace::host, .functionChange = FunctionChange::refused};
   }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr) const override { return makeRemoteMarcher(io_, settings_, coding_, patience_, onBusy_); }
+  MarcherPtr withTransferFunction(TransferFunction) const override {
+    throw UsageError("a server chooses the transfer function of its volume: its clients cannot have another");
+  }
 
  private:
   net::Frame ask(net::Wanted wanted, const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {

@@ -113,7 +113,13 @@ net::CameraFields toFields(const Camera& camera) {
 
 net::SettingFields toFields(const MarchSettings& settings) {
   net::SettingFields fields;
-  for (const MarchKnob& row : marchKnobs()) fields.push_back({std::string(row.knob->key), textOf(*row.knob, row.get(settings))});
+  // Of effects only what is not as it is by itself: a peer that knows fewer can have what needs no more.
+  for (const MarchKnob& row : marchKnobs())
+    if (const double value = row.get(settings); row.knob->owner != KnobOwner::effect || value != row.knob->defaultValue)
+      fields.push_back({std::string(row.knob->key), textOf(*row.knob, value)});
+  static const MarchSettings kDefaults;
+  for (const MarchText& text : marchTexts())
+    if (const std::string value = text.get(settings); value != text.get(kDefaults)) fields.push_back({std::string(text.key), value});
   return fields;
 }
 
@@ -154,10 +160,14 @@ Camera cameraFrom(const net::CameraFields& fields) {
 MarchSettings marchFrom(const net::SettingFields& fields) {
   MarchSettings settings;
   for (const net::SettingField& field : fields) {
+    const MarchText* const text = findMarchText(field.name);
     const auto row = std::ranges::find_if(marchKnobs(), [&](const MarchKnob& known) { return known.knob->key == field.name; });
-    if (row == marchKnobs().end()) throw InputError("the peer names a setting \"" + field.name + "\" that this program does not know");
+    if (text == nullptr && row == marchKnobs().end()) throw InputError("the peer names a setting \"" + field.name + "\" that this program does not know");
     try {
-      row->set(settings, parseKnob(*row->knob, field.value, "the " + std::string(row->knob->noun)));
+      if (text != nullptr)
+        text->set(settings, field.value, "the " + std::string(text->noun));
+      else
+        row->set(settings, parseKnob(*row->knob, field.value, "the " + std::string(row->knob->noun)));
     } catch (const UsageError& error) {
       throw InputError("the peer's setting \"" + field.name + "\" has a value that this program does not know: " + error.what());
     }

@@ -30,9 +30,19 @@ double readKnob(const Node& node, const Knob& knob) {
   return parseKnob(knob, name, knob.noun);
 }
 
+void readText(const Node& node, const MarchText& text, MarchSettings& settings) {
+  const std::string value = node.string();
+  try {
+    text.set(settings, value, "its " + std::string(text.noun));
+  } catch (const UsageError& error) {
+    node.fail(std::string("holds what is no list of ") + std::string(text.noun) + ": " + error.what());
+  }
+}
+
 nlohmann::json toJson(const MarchSettings& settings) {
   nlohmann::json json;
   for (const MarchKnob& row : marchKnobs()) json[std::string(row.knob->key)] = jsonOf(*row.knob, row.get(settings));
+  for (const MarchText& text : marchTexts()) json[std::string(text.key)] = text.get(settings);
   return json;
 }
 

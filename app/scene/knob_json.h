@@ -16,6 +16,9 @@ nlohmann::json jsonOf(const Knob& knob, double value);
 /// Back. Throws InputError that names the file, the line and the key.
 double readKnob(const Node& node, const Knob& knob);
 
+/// Sets what the node holds as text. Throws InputError that names the file, the line and the key.
+void readText(const Node& node, const MarchText& text, MarchSettings& settings);
+
 /// All of a march's, under their keys.
 nlohmann::json toJson(const MarchSettings& settings);
 

@@ -76,9 +76,12 @@ TransferFunction readTransferFunction(const Node& node) {
 void readMarch(const Node& node, MarchSettings& march) {
   std::vector<std::string_view> keys;
   for (const MarchKnob& row : marchKnobs()) keys.push_back(row.knob->key);
+  for (const MarchText& text : marchTexts()) keys.push_back(text.key);
   node.requireObject(keys);
   for (const MarchKnob& row : marchKnobs())
     if (const auto given = node.find(row.knob->key)) row.set(march, readKnob(*given, *row.knob));
+  for (const MarchText& text : marchTexts())
+    if (const auto given = node.find(text.key)) readText(*given, text, march);
 }
 
 View readView(const Node& node) {
@@ -179,6 +182,7 @@ Scene sceneOfVolume(const fs::path& path, const std::stop_token& stop) {
   scene.volume = openVolume(path, {}, stop);
   scene.name = scene.volume->name();
   scene.title = path.filename().string();
+  scene.march.render.effects.shading.strength = 1.0f;  // surfaces in scans are seen by their light
   setDefaultAxes(scene);
   return scene;
 }

@@ -17,7 +17,7 @@ constexpr uint32_t kMaxScreenPixels = 4;
 void drawServer(Session& session, LiveSettings& knobs, const Look& look) {
   heading("SERVER", look);
   for (const MarchKnob& row : marchKnobs())
-    if (row.matters(knobs.march)) knobWidget(row, knobs.march, look);
+    if (row.knob->owner != KnobOwner::effect && row.matters(knobs.march)) knobWidget(row, knobs.march, look);
 
   label(std::string(kServerSideKnob.label).c_str(), look);
   beginHalves();
@@ -102,6 +102,7 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
   if (knobs.uncovered != 0)
     for (size_t i = 0; i < 3; ++i) markColor_[i] = static_cast<float>(knobs.uncovered >> (8 * i) & 255) / 255.0f;
   drawServer(session, knobs, look);
+  effects_.draw(knobs.march, look);
   drawNetwork(session, knobs, look);
   drawDisplay(session, knobs, markColor_, look);
   session.setKnobs(knobs);

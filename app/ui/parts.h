@@ -5,12 +5,14 @@
 #include <imgui.h>
 
 #include <array>
+#include <map>
 #include <string>
 
 #include "app/session/session.h"
 #include "app/ui/run_window.h"
 #include "app/ui/texture.h"
 #include "app/ui/theme.h"
+#include "render/march/march_knobs.h"
 
 namespace warpscope::ui {
 
@@ -57,6 +59,22 @@ void drawNetwork(Session& session, LiveSettings& knobs, const Look& look);
 /// What to say about a connection that does not stand; empty if it does.
 std::string connectionTrouble(const Session& session, const Look& look);
 
+/// What a scene asks for beside emission and absorption. A list that is typed is taken once it is left; what is wrong with it stands below it.
+class EffectKnobs {
+ public:
+  void draw(MarchSettings& settings, const Look& look);
+
+ private:
+  struct Typed {
+    std::array<char, 512> text{};
+    bool isActive = false;
+    std::string refusal;  // empty where the text is the setting
+  };
+  void drawText(const MarchText& text, MarchSettings& settings, const Look& look);
+
+  std::map<const MarchText*, Typed> typed_;
+};
+
 /// The column of knobs.
 class Controls {
  public:
@@ -65,6 +83,7 @@ class Controls {
  private:
   void drawScene(Session& session, const SceneOpener& openScene, const Look& look);
 
+  EffectKnobs effects_;
   std::array<char, 1024> path_{};
   std::array<float, 3> markColor_{1.0f, 0.0f, 0.78f};  // sRGB
 };

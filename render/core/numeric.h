@@ -77,5 +77,16 @@ WARPSCOPE_HD inline int truncatedTo(float a, int largest) {
 #endif
 }
 WARPSCOPE_HD inline float converted(int a) { return static_cast<float>(a); }
+/// A float's bits as an integer, and back.
+WARPSCOPE_HD inline int32_t bitsOf(float a) {
+  int32_t bits;
+  std::memcpy(&bits, &a, sizeof bits);
+  return bits;
+}
+WARPSCOPE_HD inline float floatOfBits(int32_t bits) {
+  float a;
+  std::memcpy(&a, &bits, sizeof a);
+  return a;
+}
 
 }  // namespace warpscope

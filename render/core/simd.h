@@ -51,5 +51,7 @@ inline batch<int32_t> truncatedWithin(const batch<float>& a, int largest) {
 }
 inline batch<int32_t> truncatedTo(const batch<float>& a, const batch<int32_t>& largest) { return min(truncated(a), largest); }
 inline batch<float> converted(const batch<int32_t>& a) { return to_float(a); }
+inline batch<int32_t> bitsOf(const batch<float>& a) { return bitwise_cast<batch<int32_t>>(a); }
+inline batch<float> floatOfBits(const batch<int32_t>& bits) { return bitwise_cast<batch<float>>(bits); }
 
 }  // namespace xsimd

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "render/core/parallel.h"
+
 namespace warpscope {
 namespace {
 
@@ -112,9 +114,33 @@ class Baking {
   }
 
   TransferTable bake() {
-    table_.visibleBefore.assign(static_cast<size_t>(bins_.count()) + 1, 0);
-    for (int bin = 0; bin < bins_.count(); ++bin) addBin(bin);
-    for (const Entry& piece : pieces_) add(piece);
+    const auto count = static_cast<size_t>(bins_.count());
+    table_.entries.resize(count);
+    table_.alphas.resize(count);
+    table_.unitAlphas.resize(count);
+    std::vector<uint8_t> isAlike(count);
+    // Bins one by one take what a table takes: of 16-bit numbers there are as many as of these.
+    constexpr size_t kBinsAtOnce = 1024;
+    parallelForRanges(count, kBinsAtOnce, [&](size_t begin, size_t end) {
+      Recent recent(*this);
+      for (size_t i = begin; i < end; ++i) {
+        Entry entry;
+        isAlike[i] = lookAtBin(static_cast<int>(i), recent, entry);
+        table_.entries[i] = entry.color;
+        table_.alphas[i] = entry.color.a;
+        table_.unitAlphas[i] = entry.unitAlpha;
+      }
+    });
+    table_.visibleBefore.resize(count + 1);
+    for (size_t i = 0; i < count; ++i) {
+      const bool shows = isAlike[i] ? table_.alphas[i] > 0.0f : refineBin(static_cast<int>(i));
+      table_.visibleBefore[i + 1] = table_.visibleBefore[i] + (shows ? 1 : 0);
+    }
+    for (const Entry& piece : pieces_) {
+      table_.entries.push_back(piece.color);
+      table_.alphas.push_back(piece.color.a);
+      table_.unitAlphas.push_back(piece.unitAlpha);
+    }
     return std::move(table_);
   }
 
@@ -132,43 +158,75 @@ class Baking {
     return entryOf(function_.below(isCorner ? cornerValues_[static_cast<size_t>(corner - corners_.begin())] : x));
   }
 
-  void add(const Entry& entry) {
-    table_.entries.push_back(entry.color);
-    table_.alphas.push_back(entry.color.a);
-    table_.unitAlphas.push_back(entry.unitAlpha);
+  /// from() and before(), which remembers the last places: where bins meet, and at whole numbers, the next bin asks for what this one was told.
+  class Recent {
+   public:
+    explicit Recent(const Baking& baking) : baking_(baking) {}
+    Entry from(double x) {
+      if (x == places_[0]) return entries_[0];
+      if (x == places_[1]) return entries_[1];
+      places_[oldest_] = x;
+      entries_[oldest_] = baking_.from(x);
+      oldest_ ^= 1;
+      return entries_[oldest_ ^ 1];
+    }
+    Entry before(double x) {
+      // The same, but where something begins: at a corner's place, and at its value.
+      const auto& points = baking_.function_.points;
+      const auto point = std::lower_bound(points.begin(), points.end(), x, [](const TransferPoint& p, double v) { return p.value < v; });
+      const bool isValue = point != points.end() && point->value == x;
+      const auto corner = std::lower_bound(baking_.corners_.begin(), baking_.corners_.end(), x);
+      const bool isPlace = corner != baking_.corners_.end() && static_cast<double>(*corner) == x;
+      return isValue || isPlace ? baking_.before(x) : from(x);
+    }
+
+   private:
+    const Baking& baking_;
+    double places_[2] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+    Entry entries_[2];
+    int oldest_ = 0;
+  };
+
+  /// What may be looked up in a bin: [begin, end).
+  struct Extents {
+    double begin, end;
+  };
+  Extents extentsOf(int bin) const {
+    constexpr double kNoEnd = std::numeric_limits<double>::infinity();
+    return {bin == 0 ? -kNoEnd : bins_.border(bin - 1) - bins_.slack(bin - 1), bin == bins_.count() - 1 ? kNoEnd : bins_.border(bin) + bins_.slack(bin)};
   }
 
-  void addBin(int bin) {
+  /// Whether `entry`, a bin's, stands for all of it.
+  bool lookAtBin(int bin, Recent& recent, Entry& entry) const {
     const bool isFirst = bin == 0, isLast = bin == bins_.count() - 1;
-    // What may be looked up here: [begin, end).
-    const double begin = isFirst ? -std::numeric_limits<double>::infinity() : bins_.border(bin - 1) - bins_.slack(bin - 1);
-    const double end = isLast ? std::numeric_limits<double>::infinity() : bins_.border(bin) + bins_.slack(bin);
-    Entry entry = isFirst ? before(bins_.lower) : isLast ? from(bins_.upper) : from(middleOf(bins_.border(bin - 1), bins_.border(bin)));
-    const auto inside = std::upper_bound(corners_.begin(), corners_.end(), begin);  // strictly
-    const auto outside = std::lower_bound(inside, corners_.end(), end);
-    bool isAlike = (isFirst || areAlike(entry, from(begin))) && (isLast || isAlikeBelow(entry, before(end)));
-    for (auto corner = inside; isAlike && corner != outside; ++corner)
-      isAlike = areAlike(entry, from(*corner)) && isAlikeBelow(entry, before(*corner));
-    if (!isAlike && !isFirst && !isLast && isFoot(bin, begin, end)) {
-      isAlike = true;
-      entry = {};
+    const auto [begin, end] = extentsOf(bin);
+    entry = isFirst  ? recent.before(bins_.lower)
+            : isLast ? recent.from(bins_.upper)
+                     : recent.from(middleOf(bins_.border(bin - 1), bins_.border(bin)));
+    bool isAlike = (isFirst || areAlike(entry, recent.from(begin))) && (isLast || isAlikeBelow(entry, recent.before(end)));
+    if (isAlike) {
+      const auto inside = std::upper_bound(corners_.begin(), corners_.end(), begin);  // strictly
+      for (auto corner = inside; isAlike && corner != corners_.end() && *corner < end; ++corner)
+        isAlike = areAlike(entry, from(*corner)) && isAlikeBelow(entry, before(*corner));
     }
-    add(entry);
-    bool shows = isShown(entry);
-    if (!isAlike) {
-      const size_t first = pieces_.size();
-      double left = begin;
-      for (auto corner = inside; corner != outside; ++corner) {
-        if (left < *corner) addPieces(left, *corner);
-        left = *corner;
-      }
-      addPieces(left, end);
-      table_.refinements.push_back({static_cast<int32_t>(first), static_cast<int32_t>(pieces_.size() - first)});
-      table_.alphas.back() = -static_cast<float>(table_.refinements.size());
-      shows = std::any_of(pieces_.begin() + static_cast<std::ptrdiff_t>(first), pieces_.end(), [](const Entry& piece) { return piece.color.a > 0.0f; });
+    if (isAlike || isFirst || isLast || !isFoot(bin, begin, end)) return isAlike;
+    entry = {};
+    return true;
+  }
+
+  /// Tells a bin apart further; true if it shows something.
+  bool refineBin(int bin) {
+    const auto [begin, end] = extentsOf(bin);
+    const size_t first = pieces_.size();
+    double left = begin;
+    for (auto corner = std::upper_bound(corners_.begin(), corners_.end(), begin); corner != corners_.end() && *corner < end; ++corner) {
+      if (left < *corner) addPieces(left, *corner);
+      left = *corner;
     }
-    const auto i = static_cast<size_t>(bin);
-    table_.visibleBefore[i + 1] = table_.visibleBefore[i] + (shows ? 1 : 0);
+    addPieces(left, end);
+    table_.refinements.push_back({static_cast<int32_t>(first), static_cast<int32_t>(pieces_.size() - first)});
+    table_.alphas[static_cast<size_t>(bin)] = -static_cast<float>(table_.refinements.size());
+    return std::any_of(pieces_.begin() + static_cast<std::ptrdiff_t>(first), pieces_.end(), isShown);
   }
 
   /// The most and the least opacity of a unit in [left, right), what is come to from below included, and whether it has steps there.

@@ -240,6 +240,85 @@ struct MedianDepth {
   WARPSCOPE_HD static DepthResult result(const Fold& fold) { return fold.result(); }
 };
 
+/// Any heuristic of one pass, or of two, chosen when it is used: for marches whose samples are dear enough that a choice at each does not matter,
+/// and that would be compiled once a heuristic otherwise. The same folds.
+template <bool kTwo>
+struct AnyDepth {
+  static constexpr bool kTwoPass = kTwo;
+  Heuristic heuristic = kTwo ? Heuristic::median : Heuristic::gradient;
+
+  /// The one of the other folds that the heuristic has, in as much memory as the largest of them.
+  struct Fold {
+    Heuristic heuristic = Heuristic::gradient;
+    bool any = false;
+    bool crossed = false;
+    float values[3] = {0.0f, 0.0f, 0.0f};
+
+    WARPSCOPE_HD void add(const CountingSample& sample) {
+      if constexpr (kTwo) {
+        addToCrossing(sample);
+      } else {
+        switch (heuristic) {
+          case Heuristic::threshold: addToCrossing(sample); return;
+          case Heuristic::peak: addToLargest<false>(sample); return;
+          case Heuristic::gradient: addToLargest<true>(sample); return;
+          case Heuristic::expected: {
+            MomentsFold fold{values[0], values[1], values[2]};
+            fold.add(sample);
+            values[0] = fold.weight, values[1] = fold.mean, values[2] = fold.squares;
+            return;
+          }
+          default: {
+            ExtentFold fold{any, values[0], values[1]};
+            fold.add(sample);
+            any = fold.any, values[0] = fold.first, values[1] = fold.last;
+            return;
+          }
+        }
+      }
+    }
+
+   private:
+    WARPSCOPE_HD void addToCrossing(const CountingSample& sample) {
+      CrossingFold fold{values[2], any, crossed, values[0]};
+      fold.add(sample);
+      any = fold.any, crossed = fold.crossed, values[0] = fold.t;
+    }
+    template <bool kByContribution>
+    WARPSCOPE_HD void addToLargest(const CountingSample& sample) {
+      LargestFold<kByContribution> fold{any, values[0], values[1]};
+      fold.add(sample);
+      any = fold.any, values[0] = fold.key, values[1] = fold.t;
+    }
+  };
+
+  WARPSCOPE_HD Fold start(float threshold, const ProfileFold& ray) const {
+    Fold fold{heuristic};
+    switch (heuristic) {
+      case Heuristic::threshold: fold.values[2] = ThresholdDepth::start(threshold, ray).threshold; break;
+      case Heuristic::relThreshold: fold.values[2] = RelThresholdDepth::start(threshold, ray).threshold; break;
+      case Heuristic::enExMean: fold.values[2] = EnExMeanDepth::start(threshold, ray).threshold; break;
+      case Heuristic::median: fold.values[2] = MedianDepth::start(threshold, ray).threshold; break;
+      default: break;
+    }
+    return fold;
+  }
+  WARPSCOPE_HD DepthResult result(const Fold& fold) const {
+    const float(&values)[3] = fold.values;
+    if constexpr (kTwo) return {fold.any, values[0], 0.0f};
+    const ExtentFold extent{fold.any, values[0], values[1]};
+    const MomentsFold moments{values[0], values[1], values[2]};
+    switch (heuristic) {
+      case Heuristic::entrance: return EntranceDepth::result(extent);
+      case Heuristic::exit: return ExitDepth::result(extent);
+      case Heuristic::midpoint: return MidpointDepth::result(extent);
+      case Heuristic::expected: return moments.result();
+      case Heuristic::threshold: return {fold.any, values[0], 0.0f};
+      default: return {fold.any, values[1], 0.0f};
+    }
+  }
+};
+
 /// Calls `f` with the heuristic's type.
 template <class F>
 decltype(auto) visitHeuristic(Heuristic heuristic, F&& f) {
@@ -256,6 +335,14 @@ decltype(auto) visitHeuristic(Heuristic heuristic, F&& f) {
     case Heuristic::expected: break;
   }
   return f(ExpectedDepth{});
+}
+
+/// Calls `f` with the heuristic as one of the two types for any.
+template <class F>
+decltype(auto) visitAnyHeuristic(Heuristic heuristic, F&& f) {
+  const bool isTwoPass = visitHeuristic(heuristic, []<class Depth>(Depth) { return Depth::kTwoPass; });
+  if (isTwoPass) return f(AnyDepth<true>{heuristic});
+  return f(AnyDepth<false>{heuristic});
 }
 
 }  // namespace warpscope

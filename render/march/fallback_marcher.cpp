@@ -3,6 +3,7 @@
 #include "render/march/fallback_marcher.h"
 
 #include <mutex>
+#include <optional>
 #include <type_traits>
 
 #include "render/base/error.h"
@@ -10,11 +11,11 @@
 namespace warpscope {
 namespace {
 
-/// What twins share.
-class Plan {
+/// What all marchers of a volume share: the first's failure, and the second.
+class Fallback {
  public:
-  Plan(std::function<MarcherPtr()> makeSecond, std::function<void(const std::string&)> onFallback)
-      : makeSecond_(std::move(makeSecond)), onFallback_(std::move(onFallback)) {}
+  Fallback(std::function<MarcherPtr()> makeSecond, std::function<void(const std::string&)> onFallback)
+      : onFallback_(std::move(onFallback)), makeSecond_(std::move(makeSecond)) {}
 
   bool hasFailed() const {
     const std::scoped_lock lock(mutex_);
@@ -28,19 +29,44 @@ class Plan {
     }
     if (onFallback_) onFallback_(reason);
   }
-  MarcherPtr second(const TurnsPtr& turns) {
-    const std::scoped_lock lock(mutex_);
-    if (second_) return second_->twin(turns);
-    second_ = makeSecond_();
-    return turns ? second_->twin(turns) : second_;
+  /// The second, by the transfer function that it was made with.
+  MarcherPtr second() {
+    const std::scoped_lock lock(secondMutex_);
+    if (!second_) second_ = makeSecond_();
+    return second_;
   }
 
  private:
   mutable std::mutex mutex_;
   bool hasFailed_ = false;
+  const std::function<void(const std::string&)> onFallback_;
+  std::mutex secondMutex_;  // of the second alone: making one takes long
   MarcherPtr second_;
   const std::function<MarcherPtr()> makeSecond_;
-  const std::function<void(const std::string&)> onFallback_;
+};
+
+/// What twins share.
+class Plan {
+ public:
+  /// Without a function, that which the second is made with.
+  explicit Plan(std::shared_ptr<Fallback> fallback, std::optional<TransferFunction> function = {})
+      : fallback_(std::move(fallback)), function_(std::move(function)) {}
+
+  bool hasFailed() const { return fallback_->hasFailed(); }
+  void fail(const std::string& reason) { fallback_->fail(reason); }
+  MarcherPtr second(const TurnsPtr& turns) {
+    const std::scoped_lock lock(mutex_);
+    const bool isFirstUse = !second_;
+    if (isFirstUse) second_ = function_ ? fallback_->second()->withTransferFunction(*function_) : fallback_->second();
+    return isFirstUse && !turns ? second_ : second_->twin(turns);
+  }
+  std::shared_ptr<Plan> with(TransferFunction function) const { return std::make_shared<Plan>(fallback_, std::move(function)); }
+
+ private:
+  const std::shared_ptr<Fallback> fallback_;
+  const std::optional<TransferFunction> function_;
+  std::mutex mutex_;
+  MarcherPtr second_;
 };
 
 class FallbackMarcher final : public Marcher {
@@ -61,6 +87,9 @@ class FallbackMarcher final : public Marcher {
   const VolumePtr& volume() const override { return volume_; }
   Backend backend() const override { return current()->backend(); }
   MarcherCapabilities capabilities() const override { return current()->capabilities(); }
+  std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
+    return current()->plan(settings, sample);
+  }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override {
     if (isSecond() || plan_->hasFailed()) return plan_->second(turns);
@@ -69,6 +98,16 @@ class FallbackMarcher final : public Marcher {
     } catch (const DeviceError& error) {
       plan_->fail(error.what());
       return plan_->second(turns);
+    }
+  }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    std::shared_ptr<Plan> plan = plan_->with(function);
+    if (isSecond() || plan->hasFailed()) return plan->second(turns_);
+    try {
+      return std::make_shared<FallbackMarcher>(current()->withTransferFunction(std::move(function)), plan, turns_);
+    } catch (const DeviceError& error) {
+      plan->fail(error.what());
+      return plan->second(turns_);
     }
   }
 
@@ -114,7 +153,7 @@ class FallbackMarcher final : public Marcher {
 
 MarcherPtr makeFallbackMarcher(const std::function<MarcherPtr()>& makeFirst, std::function<MarcherPtr()> makeSecond,
                                std::function<void(const std::string&)> onFallback) {
-  auto plan = std::make_shared<Plan>(std::move(makeSecond), std::move(onFallback));
+  auto plan = std::make_shared<Plan>(std::make_shared<Fallback>(std::move(makeSecond), std::move(onFallback)));
   MarcherPtr first;
   try {
     first = makeFirst();

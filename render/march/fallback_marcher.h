@@ -10,7 +10,7 @@
 namespace warpscope {
 
 /// Marches with `makeFirst()` and, from the first DeviceError on, its making included, with `makeSecond()`, which is not made before.
-/// `onFallback` (may be empty) is told the reason once, on the thread that met it; twins leave together.
+/// `onFallback` (may be empty) is told the reason once, on the thread that met it; twins, and those of other transfer functions, leave together.
 MarcherPtr makeFallbackMarcher(const std::function<MarcherPtr()>& makeFirst, std::function<MarcherPtr()> makeSecond,
                                std::function<void(const std::string& reason)> onFallback);
 

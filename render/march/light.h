@@ -2,8 +2,10 @@
 // A policy known at compile time, which costs nothing where it does nothing (cf. Engel et al. 2006, chapter 5).
 #pragma once
 
+#include <cstdint>
+
 #include "render/core/ray.h"
-#include "render/march/march_settings.h"
+#include "render/core/host_device.h"
 
 namespace warpscope {
 
@@ -22,7 +24,7 @@ struct ClassifiedSample {
 /// opacity; opacity stays what it is. `ray.at(sample.t)` is the sample's place in volume space, `ray.direction` has
 /// unit length. `source` is what the march reads the volume through (march.h): `source.view()` has the voxels, for
 /// gradients. `k` is the sample's place among those that the source looked at. A light may hold what is the same for
-/// all rays of a picture, by value: it is copied to the device as it is.
+/// all rays of a picture, by value: it is copied to the device as it is. The one other light: render/effects/shading.h.
 struct Unlit {
   template <class Source>
   WARPSCOPE_HD glm::vec3 shade(const ClassifiedSample& sample, const Ray&, const Source&, int /*k*/) const {
@@ -30,10 +32,18 @@ struct Unlit {
   }
 };
 
-/// Calls `f` with the light that the settings ask for: one line for each light.
-template <class F>
-decltype(auto) visitLight(const RenderSettings&, F&& f) {
-  return f(Unlit{});
-}
+/// How a march asks a light: sample by sample. A source that looks at many samples at once may have it asked for all of them (shading_batch.h).
+template <class Light, class Source>
+struct LightOnSource {
+  const Light& light;
+
+  /// Called once the source has looked at samples i + k of the path's lattice, of which bit k of `visible` is set.
+  template <class Path>
+  WARPSCOPE_HD void look(const Path&, const Source&, int /*i*/, uint32_t /*visible*/) {}
+  /// Of a sample among those.
+  WARPSCOPE_HD glm::vec3 shade(const ClassifiedSample& sample, const Ray& ray, const Source& source, int k) const {
+    return light.shade(sample, ray, source, k);
+  }
+};
 
 }  // namespace warpscope

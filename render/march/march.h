@@ -92,10 +92,11 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
       return source.t(k);
   };
   float through = ray.transmittance.value();
+  LightOnSource<Light, Source> lighting{light};
   // False where the ray ends. `k`: the sample's place among those that the source looked at.
-  const auto pass = [&](int k, const ClassifiedSample& sample) {
+  const auto pass = [&](const ClassifiedSample& sample, const auto& shade) {
     glm::vec3 color(0.0f);
-    if constexpr (Gathered::kWantsColor) color = light.shade(sample, path.ray, source, k);
+    if constexpr (Gathered::kWantsColor) color = shade(sample);
     if (through * sample.alpha >= limits.contribution &&
         !sink(CountingSample::behind(ray.transmittance.exact(), through, sample.t, sample.ds, sample.alpha)))
       return false;
@@ -110,16 +111,22 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
   int i = source.skip(begin);
   while (i < wholeEnd) {
     const int n = wholeEnd - i < Source::kBatch ? wholeEnd - i : Source::kBatch;
-    for (uint32_t visible = source.classify(i, n); visible != 0; visible &= visible - 1) {
+    uint32_t visible = source.classify(i, n);
+    if constexpr (Gathered::kWantsColor)
+      if (visible != 0) lighting.look(path, source, i, visible);
+    for (; visible != 0; visible &= visible - 1) {
       const int k = lowestBit(visible);
-      if (!pass(k, {i + k, wholePlaceOf(i + k, k), lattice.dt, source.alpha(k), source.color(k)})) return;
+      if (!pass({i + k, wholePlaceOf(i + k, k), lattice.dt, source.alpha(k), source.color(k)},
+                [&](const ClassifiedSample& sample) { return lighting.shade(sample, path.ray, source, k); }))
+        return;
     }
     i = source.skip(i + n);
   }
   if (i < end && source.classifyLast()) {
     const float ds = lattice.stepLength(last);
     const float alpha = March::partOfStep(source, ds, lattice.dt);
-    pass(0, {last, lattice.t(last), ds, alpha, source.color(0) * (alpha / source.alpha(0))});
+    pass({last, lattice.t(last), ds, alpha, source.color(0) * (alpha / source.alpha(0))},
+         [&](const ClassifiedSample& sample) { return light.shade(sample, path.ray, source, 0); });
   }
 }
 

@@ -33,7 +33,7 @@ constexpr int kBlocksAtOnce = kIsRefined ? 7 : 6;
 
 template <class Depth, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<kIsRefined>)
-    marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
+    marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
@@ -41,7 +41,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<kIsRefined>)
   const auto& [ray, lattice] = path;
   RayColor gathered;
   ProfileFold profile;
-  auto fold = Depth::start(job.threshold, profile);
+  auto fold = depth.start(job.threshold, profile);
   using Source = ScalarVolumeSource<Voxel, kHasHoles, kByCells, StableMarch, kIsRefined>;
   Source source(job.view, ray, lattice);
   marchRay(path, 0, lattice.count, source, light, job.limits, gathered, [&](const CountingSample& sample) {
@@ -53,7 +53,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<kIsRefined>)
   });
   if constexpr (Depth::kTwoPass) {
     if (profile.any) {  // again, up to where the fold has what it wants
-      fold = Depth::start(job.threshold, profile);
+      fold = depth.start(job.threshold, profile);
       RayOpacity opacity;
       Source again(job.view, ray, lattice);
       marchRay(path, 0, lattice.count, again, light, job.limits, opacity, [&](const CountingSample& sample) {
@@ -62,17 +62,17 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<kIsRefined>)
       });
     }
   }
-  const DepthResult depth = Depth::result(fold);
+  const DepthResult found = depth.result(fold);
   const glm::vec4 color = gathered.premultiplied();
   const size_t i = size_t{pixel.y} * job.camera.width + pixel.x;
-  job.samples[i] = packRaySample(job.rule, job.pixels, pixel.x, pixel.y, cosine, depth, color.a);
+  job.samples[i] = packRaySample(job.rule, job.pixels, pixel.x, pixel.y, cosine, found, color.a);
   job.colors[i] = job.colorTables->encode(color);
 }
 
 /// As marchSamples, for several samples a ray: job.slots places for each pixel, the first of them filled, near to far.
 template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<true>)
-    marchSeveralSamples(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
+    marchSeveralSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
@@ -81,7 +81,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<true>)
     return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice);
   };
   RaySamples found;
-  findSamples<Depth>(path, makeSource, light, job.limits, job.threshold, job.slots, found);
+  findSamples(depth, path, makeSource, light, job.limits, job.threshold, job.slots, found);
   const size_t first = (size_t{pixel.y} * job.camera.width + pixel.x) * static_cast<size_t>(job.slots);
   for (int slot = 0; slot < job.slots; ++slot) {
     job.samples[first + slot] = 0;
@@ -94,7 +94,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<true>)
 
 template <class March, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<kIsRefined>)
-    marchColors(const __grid_constant__ MarchJob<Voxel> job, const Light light) {
+    marchColors(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const RayPath path = rayThrough(job, pixel);
@@ -105,23 +105,33 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<kIsRefined>)
   job.image[size_t{pixel.y} * job.camera.width + pixel.x] = gathered.premultiplied();
 }
 
+/// How many kernels there are for a kind of voxel: one a heuristic where nothing is lit, with and without bins that are refined; where matter is lit,
+/// one for those of one pass and one for those of two, bins refined or not: compiled for each heuristic they would take three times as long, and the
+/// choice is lost beside the gradient.
 template <class Voxel, bool kHasHoles, bool kByCells>
-void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std::optional<Heuristic> heuristic,
-                 cudaStream_t stream) {
+void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, const ShadingSetup& shading,
+                 std::optional<Heuristic> heuristic, cudaStream_t stream) {
   const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
-  const auto visitRefined = [&](auto&& f) { job.view.transfer.isRefined ? f(std::true_type{}) : f(std::false_type{}); };
-  visitLight(settings, [&](auto light) {
+  visitLight(shading, [&](auto light) {
     using Light = decltype(light);
+    constexpr bool kIsLit = !std::is_same_v<Light, Unlit>;
+    const auto visitRefined = [&](auto&& f) { kIsLit || job.view.transfer.isRefined ? f(std::true_type{}) : f(std::bool_constant<kIsLit>{}); };
+    const auto visitDepth = [&](auto&& f) {
+      if constexpr (kIsLit)
+        visitAnyHeuristic(*heuristic, f);
+      else
+        visitHeuristic(*heuristic, f);
+    };
     if (heuristic) {
-      visitHeuristic(*heuristic, [&](auto depth) {
+      visitDepth([&](auto depth) {
         using Depth = decltype(depth);
         if (job.slots > 1)
           marchSeveralSamples<Depth, Light, Voxel, kHasHoles, kByCells>
-              <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+              <<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
         else
           visitRefined([&](auto isRefined) {
             marchSamples<Depth, Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells>
-                <<<grid, kTileBlockThreads, 0, stream>>>(job, light);
+                <<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
           });
       });
     } else if (settings.arithmetic == Arithmetic::textbook) {

@@ -4,13 +4,13 @@
 
 namespace warpscope {
 
-template void launchMarch<int16_t, false, true>(const MarchJob<int16_t>&, const RenderSettings&,
-                                                std::optional<Heuristic>, cudaStream_t);
-template void launchMarch<int16_t, false, false>(const MarchJob<int16_t>&, const RenderSettings&,
-                                                 std::optional<Heuristic>, cudaStream_t);
-template void launchMarch<uint16_t, false, true>(const MarchJob<uint16_t>&, const RenderSettings&,
-                                                 std::optional<Heuristic>, cudaStream_t);
-template void launchMarch<uint16_t, false, false>(const MarchJob<uint16_t>&, const RenderSettings&,
-                                                  std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<int16_t, false, true>(const MarchJob<int16_t>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<int16_t, false, false>(const MarchJob<int16_t>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<uint16_t, false, true>(const MarchJob<uint16_t>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<uint16_t, false, false>(const MarchJob<uint16_t>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
 
 }  // namespace warpscope

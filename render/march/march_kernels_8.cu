@@ -4,13 +4,13 @@
 
 namespace warpscope {
 
-template void launchMarch<int8_t, false, true>(const MarchJob<int8_t>&, const RenderSettings&, std::optional<Heuristic>,
-                                               cudaStream_t);
-template void launchMarch<int8_t, false, false>(const MarchJob<int8_t>&, const RenderSettings&,
-                                                std::optional<Heuristic>, cudaStream_t);
-template void launchMarch<uint8_t, false, true>(const MarchJob<uint8_t>&, const RenderSettings&,
-                                                std::optional<Heuristic>, cudaStream_t);
-template void launchMarch<uint8_t, false, false>(const MarchJob<uint8_t>&, const RenderSettings&,
-                                                 std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<int8_t, false, true>(const MarchJob<int8_t>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<int8_t, false, false>(const MarchJob<int8_t>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<uint8_t, false, true>(const MarchJob<uint8_t>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<uint8_t, false, false>(const MarchJob<uint8_t>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
 
 }  // namespace warpscope

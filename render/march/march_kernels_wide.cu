@@ -4,13 +4,13 @@
 
 namespace warpscope {
 
-template void launchMarch<InterpolantVoxel, false, true>(const MarchJob<InterpolantVoxel>&, const RenderSettings&,
-                                                         std::optional<Heuristic>, cudaStream_t);
-template void launchMarch<InterpolantVoxel, false, false>(const MarchJob<InterpolantVoxel>&, const RenderSettings&,
-                                                         std::optional<Heuristic>, cudaStream_t);
-template void launchMarch<InterpolantVoxel, true, true>(const MarchJob<InterpolantVoxel>&, const RenderSettings&,
-                                                         std::optional<Heuristic>, cudaStream_t);
-template void launchMarch<InterpolantVoxel, true, false>(const MarchJob<InterpolantVoxel>&, const RenderSettings&,
-                                                         std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<InterpolantVoxel, false, true>(const MarchJob<InterpolantVoxel>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<InterpolantVoxel, false, false>(const MarchJob<InterpolantVoxel>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<InterpolantVoxel, true, true>(const MarchJob<InterpolantVoxel>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<InterpolantVoxel, true, false>(const MarchJob<InterpolantVoxel>&, const RenderSettings&, const ShadingSetup&,
+                     std::optional<Heuristic>, cudaStream_t);
 
 }  // namespace warpscope

@@ -2,6 +2,10 @@
 // See march_knobs.h.
 #include "render/march/march_knobs.h"
 
+#include <algorithm>
+#include <vector>
+
+#include "render/effects/effect_knobs.h"
 #include "render/march/depth_heuristic.h"
 
 namespace warpscope {
@@ -142,46 +146,65 @@ constinit const Knob kSamplesPerRayKnob{.key = "samplesPerRay",
                                         .phrase = ", {} samples a ray",
                                         .naming = KnobNaming::unlessDefault};
 
+namespace {
+
+const MarchKnob kOwnRows[] = {
+    {{&kHeuristicKnob, [](const MarchSettings& s) { return place(s.sample.heuristic); },
+      [](MarchSettings& s, double value) { s.sample.heuristic = static_cast<Heuristic>(value); }},
+     FramePart::depth,
+     always},
+    {{&kThresholdKnob, [](const MarchSettings& s) { return double{s.sample.threshold}; },
+      [](MarchSettings& s, double value) { s.sample.threshold = static_cast<float>(value); }},
+     FramePart::depth,
+     hasThreshold},
+    {{&kRadiusKnob, [](const MarchSettings& s) { return place(s.sample.radiusPolicy); },
+      [](MarchSettings& s, double value) { s.sample.radiusPolicy = static_cast<RadiusPolicy>(value); }},
+     FramePart::radius,
+     always},
+    {{&kRadiusScaleKnob, [](const MarchSettings& s) { return double{s.sample.radiusScale}; },
+      [](MarchSettings& s, double value) { s.sample.radiusScale = static_cast<float>(value); }},
+     FramePart::radius,
+     always},
+    {{&kSamplesPerRayKnob, [](const MarchSettings& s) { return static_cast<double>(s.sample.samplesPerRay); },
+      [](MarchSettings& s, double value) { s.sample.samplesPerRay = static_cast<int>(value); }},
+     FramePart::samples,
+     always},
+    {{&kStepKnob, [](const MarchSettings& s) { return double{s.render.step}; },
+      [](MarchSettings& s, double value) { s.render.step = static_cast<float>(value); }},
+     FramePart::picture,
+     always},
+    {{&kContributionKnob, [](const MarchSettings& s) { return double{s.render.contribution}; },
+      [](MarchSettings& s, double value) { s.render.contribution = static_cast<float>(value); }},
+     FramePart::picture,
+     always},
+    {{&kSkipEmptyKnob, [](const MarchSettings& s) { return s.render.skipEmpty ? 1.0 : 0.0; },
+      [](MarchSettings& s, double value) { s.render.skipEmpty = value != 0.0; }},
+     FramePart::picture,
+     always},
+    {{&kTerminateEarlyKnob, [](const MarchSettings& s) { return s.render.terminateEarly ? 1.0 : 0.0; },
+      [](MarchSettings& s, double value) { s.render.terminateEarly = value != 0.0; }},
+     FramePart::picture,
+     always},
+};
+
+}  // namespace
+
 std::span<const MarchKnob> marchKnobs() {
-  static const MarchKnob kRows[] = {
-      {{&kHeuristicKnob, [](const MarchSettings& s) { return place(s.sample.heuristic); },
-        [](MarchSettings& s, double value) { s.sample.heuristic = static_cast<Heuristic>(value); }},
-       FramePart::depth,
-       always},
-      {{&kThresholdKnob, [](const MarchSettings& s) { return double{s.sample.threshold}; },
-        [](MarchSettings& s, double value) { s.sample.threshold = static_cast<float>(value); }},
-       FramePart::depth,
-       hasThreshold},
-      {{&kRadiusKnob, [](const MarchSettings& s) { return place(s.sample.radiusPolicy); },
-        [](MarchSettings& s, double value) { s.sample.radiusPolicy = static_cast<RadiusPolicy>(value); }},
-       FramePart::radius,
-       always},
-      {{&kRadiusScaleKnob, [](const MarchSettings& s) { return double{s.sample.radiusScale}; },
-        [](MarchSettings& s, double value) { s.sample.radiusScale = static_cast<float>(value); }},
-       FramePart::radius,
-       always},
-      {{&kSamplesPerRayKnob, [](const MarchSettings& s) { return static_cast<double>(s.sample.samplesPerRay); },
-        [](MarchSettings& s, double value) { s.sample.samplesPerRay = static_cast<int>(value); }},
-       FramePart::samples,
-       always},
-      {{&kStepKnob, [](const MarchSettings& s) { return double{s.render.step}; },
-        [](MarchSettings& s, double value) { s.render.step = static_cast<float>(value); }},
-       FramePart::picture,
-       always},
-      {{&kContributionKnob, [](const MarchSettings& s) { return double{s.render.contribution}; },
-        [](MarchSettings& s, double value) { s.render.contribution = static_cast<float>(value); }},
-       FramePart::picture,
-       always},
-      {{&kSkipEmptyKnob, [](const MarchSettings& s) { return s.render.skipEmpty ? 1.0 : 0.0; },
-        [](MarchSettings& s, double value) { s.render.skipEmpty = value != 0.0; }},
-       FramePart::picture,
-       always},
-      {{&kTerminateEarlyKnob, [](const MarchSettings& s) { return s.render.terminateEarly ? 1.0 : 0.0; },
-        [](MarchSettings& s, double value) { s.render.terminateEarly = value != 0.0; }},
-       FramePart::picture,
-       always},
-  };
+  static const std::vector<MarchKnob> kRows = [] {
+    std::vector<MarchKnob> rows(std::begin(kOwnRows), std::end(kOwnRows));
+    const std::span<const MarchKnob> ofEffects = effectKnobs();
+    rows.insert(rows.end(), ofEffects.begin(), ofEffects.end());
+    return rows;
+  }();
   return kRows;
+}
+
+std::span<const MarchText> marchTexts() { return effectTexts(); }
+
+const MarchText* findMarchText(std::string_view key) {
+  for (const MarchText& text : marchTexts())
+    if (text.key == key) return &text;
+  return nullptr;
 }
 
 }  // namespace warpscope

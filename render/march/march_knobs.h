@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "render/base/knob.h"
@@ -26,6 +27,26 @@ struct MarchKnob : KnobRow<MarchSettings> {
 
 /// Every row, in the order in which they are listed.
 std::span<const MarchKnob> marchKnobs();
+
+/// A setting that is no number but a list: lights, planes, values. Written as one text everywhere, described once like a knob.
+struct MarchText {
+  std::string_view key;     ///< in JSON, scene files and on the wire
+  std::string_view option;  ///< on the command line
+  std::string_view label;   ///< beside its field in the window
+  std::string_view noun;    ///< in sentences
+  std::string_view help;    ///< one sentence without its full stop
+  std::string_view values;  ///< what may be written, as help texts and tables say it
+  std::string (*get)(const MarchSettings&) = nullptr;
+  /// Throws UsageError that begins with `name` and says what is wrong; the settings are then as they were.
+  void (*set)(MarchSettings&, std::string_view text, std::string_view name) = nullptr;
+  bool (*matters)(const MarchSettings&) = nullptr;  ///< whether it changes anything as the others are set
+};
+
+/// Every one, in the order in which they are listed. They shape the picture, like knobs of effects.
+std::span<const MarchText> marchTexts();
+
+/// The one of that key; null if there is none.
+const MarchText* findMarchText(std::string_view key);
 
 extern const Knob kStepKnob, kContributionKnob, kSkipEmptyKnob, kTerminateEarlyKnob;
 extern const Knob kHeuristicKnob, kThresholdKnob, kRadiusKnob, kRadiusScaleKnob, kSamplesPerRayKnob;

@@ -6,6 +6,7 @@
 
 #include "render/core/color.h"
 #include "render/cuda/memory.h"
+#include "render/effects/shading.h"
 #include "render/march/march.h"
 #include "render/march/sample_radius.h"
 #include "render/march/volume_view.h"
@@ -33,10 +34,10 @@ struct MarchJob {
   glm::vec4* image = nullptr;
 };
 
-/// Marches samples by `heuristic`, or colours alone without one; the light is the settings'. The parameters: those of
+/// Marches samples by `heuristic`, or colours alone without one, in the light of `shading`. The parameters: those of
 /// visitDeviceVoxels.
 template <class Voxel, bool kHasHoles, bool kByCells>
-void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, std::optional<Heuristic> heuristic,
-                 cudaStream_t stream);
+void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, const ShadingSetup& shading,
+                 std::optional<Heuristic> heuristic, cudaStream_t stream);
 
 }  // namespace warpscope

@@ -17,6 +17,7 @@ void validateOwned(KnobOwner owner, const MarchSettings& settings) {
 
 void validate(const RenderSettings& settings) {
   validateOwned(KnobOwner::rendering, {settings, {}});
+  validateOwned(KnobOwner::effect, {settings, {}});
 }
 
 void validate(const SampleSettings& settings) {

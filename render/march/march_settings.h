@@ -9,6 +9,7 @@
 #include "render/base/named_value.h"
 #include "render/base/range.h"
 #include "render/core/arithmetic.h"
+#include "render/effects/effects.h"
 
 namespace warpscope {
 
@@ -57,6 +58,7 @@ struct RenderSettings {
   /// Of pictures (Marcher::render). No knob of the marching: ground truth and samples are `stable`, and what is compared
   /// with them asks for another.
   Arithmetic arithmetic = Arithmetic::stable;
+  Effects effects{};                 ///< each out by itself
 
   bool operator==(const RenderSettings&) const = default;
 };

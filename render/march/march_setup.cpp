@@ -2,6 +2,7 @@
 // See march_setup.h.
 #include "render/march/march_setup.h"
 
+#include <algorithm>
 #include <string>
 
 #include "render/base/error.h"
@@ -9,13 +10,36 @@
 
 namespace warpscope {
 
-BakedTransfer bakeTransfer(const MarchedVolume& marched, const RenderSettings& settings) {
+namespace {
+
+BakedTransfer bakeTable(const MarchedVolume& marched, const RenderSettings& settings) {
   BakedTransfer baked;
   baked.arithmetic = settings.arithmetic;
   baked.table =
       bakeTransferTable(marched.transferFunction, *marched.volume, marched.scale, settings.step, settings.arithmetic);
-  baked.emptyDistances = marched.macrocells.emptyDistances(baked.table);
+  for (const float alpha : baked.table.alphas) baked.mostOpacity = std::max(baked.mostOpacity, alpha);
   return baked;
+}
+
+}  // namespace
+
+BakedTransfer bakeTransfer(const MarchedVolume& marched, const RenderSettings& settings) {
+  BakedTransfer baked = bakeTable(marched, settings);
+  baked.emptyDistances = marched.macrocells.emptyDistances(baked.table);
+  baked.visibleCells = static_cast<size_t>(std::ranges::count(baked.emptyDistances, 0));
+  return baked;
+}
+
+EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, size_t visibleCells, const RenderSettings& settings,
+                   const std::optional<SampleSettings>& sample) {
+  PlannedScene scene;
+  scene.cells = marched.macrocells.count();
+  scene.visibleCells = visibleCells;
+  scene.missingVoxels = marched.volume->statistics().nonFinite;
+  scene.isRefined = !baked.table.refinements.empty();
+  scene.mostOpacity = baked.mostOpacity;
+  scene.mostSamples = glm::length(glm::dvec3(marched.volume->bounds().extent())) / settings.step + 2.0;
+  return EffectPlan(scene, settings, sample);
 }
 
 void requireMarchable(const Volume& volume, const Camera& camera, const RenderSettings& settings) {
@@ -32,7 +56,14 @@ void requireMarchable(const Volume& volume, const Camera& camera, const MarchSet
 
 std::shared_ptr<const BakedTransfer> MarchedVolume::bakedFor(const RenderSettings& settings) const {
   const std::scoped_lock lock(mutex_);
-  if (!baked_ || !baked_->isFor(settings)) baked_ = std::make_shared<const BakedTransfer>(bakeTransfer(*this, settings));
+  if (!baked_ || !baked_->isFor(settings) || baked_->emptyDistances.empty())
+    baked_ = std::make_shared<const BakedTransfer>(bakeTransfer(*this, settings));
+  return baked_;
+}
+
+std::shared_ptr<const BakedTransfer> MarchedVolume::tableFor(const RenderSettings& settings) const {
+  const std::scoped_lock lock(mutex_);
+  if (!baked_ || !baked_->isFor(settings)) baked_ = std::make_shared<const BakedTransfer>(bakeTable(*this, settings));
   return baked_;
 }
 

@@ -6,8 +6,11 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
+#include "render/effects/effect_plan.h"
+#include "render/effects/shading_setup.h"
 #include "render/march/march.h"
 #include "render/march/march_settings.h"
 #include "render/march/sample_frame.h"
@@ -26,9 +29,17 @@ struct MarchedVolume {
         transferFunction(std::move(theTransferFunction)),
         scale(valueScaleOf(volume->type(), volume->statistics(), transferFunction)),
         macrocells(*volume, scale) {}
+  /// The same volume by another function. Reads no voxels; shares what does not depend on the function.
+  MarchedVolume(const MarchedVolume& other, TransferFunction theTransferFunction)
+      : volume(other.volume),
+        transferFunction(std::move(theTransferFunction)),
+        scale(valueScaleOf(volume->type(), volume->statistics(), transferFunction)),
+        macrocells(other.macrocells.scaledBy(scale)) {}
 
   /// bakeTransfer, kept for whoever asks for the same next. Safe on any thread.
   std::shared_ptr<const BakedTransfer> bakedFor(const RenderSettings& settings) const;
+  /// The same, for those who find empty cells elsewhere: emptyDistances may be missing.
+  std::shared_ptr<const BakedTransfer> tableFor(const RenderSettings& settings) const;
 
   VolumePtr volume;
   TransferFunction transferFunction;
@@ -46,7 +57,9 @@ using MarchedVolumePtr = std::shared_ptr<const MarchedVolume>;
 struct BakedTransfer {
   TransferTable table;
   Arithmetic arithmetic = Arithmetic::stable;
-  std::vector<uint8_t> emptyDistances;
+  float mostOpacity = 0.0f;             ///< of a sample
+  std::vector<uint8_t> emptyDistances;  ///< empty where nobody asked for them
+  size_t visibleCells = 0;              ///< at a distance of 0, likewise
 
   /// True if this is what a march by `settings` needs.
   bool isFor(const RenderSettings& settings) const {
@@ -63,6 +76,15 @@ void requireMarchable(const Volume& volume, const Camera& camera, const MarchSet
 /// The rays of a picture of the volume. Textbooks' begin at the eye.
 PixelGrid pixelsFor(const Volume& volume, const Camera& camera, const RenderSettings& settings);
 
+/// What of it has to be done. `visibleCells`: those in which something is shown. `sample`: what is sent, or nothing where the picture alone is wanted.
+EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, size_t visibleCells, const RenderSettings& settings,
+                   const std::optional<SampleSettings>& sample);
+
+/// The light of a picture.
+inline ShadingSetup shadingFor(const MarchedVolume& marched, const Camera& camera, const RenderSettings& settings) {
+  return prepareShading(settings.effects.shading, settings.effects.lights, *marched.volume, marched.scale, camera);
+}
+
 /// How a frame of this volume seen by this camera sizes and quantises its samples. Throws UsageError for settings out of range.
 SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings);
 
@@ -76,6 +98,10 @@ inline SampleRule sampleRuleOf(const SampleFrame& frame) {
 
 inline RayLimits limitsOf(const RenderSettings& settings) {
   return {settings.contribution, settings.terminateEarly ? settings.contribution : 0.0f};
+}
+/// As far as the plan needs them.
+inline RayLimits limitsOf(const RenderSettings& settings, const EffectPlan& plan) {
+  return {settings.contribution, plan.has(PlanStage::earlyEnd) ? settings.contribution : 0.0f};
 }
 
 /// A view of `marched` whose pointers are for the caller to fill.

@@ -1,14 +1,16 @@
 // What marches a volume: one interface, one implementation per backend.
-// A marcher is bound to a volume and a transfer function and keeps what it derives from them.
+// A marcher is bound to a volume and a transfer function and keeps what it derives from them; for another function it makes another marcher.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <stop_token>
 
 #include "render/core/backend.h"
 #include "render/core/image.h"
 #include "render/core/turns.h"
 #include "render/core/transfer_function.h"
+#include "render/effects/effect_plan.h"
 #include "render/march/march_settings.h"
 #include "render/march/sample_frame.h"
 #include "render/volume/volume.h"
@@ -33,11 +35,18 @@ enum class VolumePlace {
 /// Where a marcher's pictures are compared with others soonest.
 enum class JudgePlace { host, cudaDevice };
 
+/// Whether a marcher can be asked for one of another transfer function.
+enum class FunctionChange {
+  refused,   ///< the transfer function is another's to choose
+  followed,  ///< in far less time than a marcher takes that is made anew
+};
+
 /// What a marcher can do, for those who plan with it and need not know what it is.
 struct MarcherCapabilities {
   MarchPace pace = MarchPace::afterRest;
   VolumePlace volume = VolumePlace::here;
   JudgePlace judging = JudgePlace::host;
+  FunctionChange functionChange = FunctionChange::followed;
 
   bool operator==(const MarcherCapabilities&) const = default;
 };
@@ -62,10 +71,18 @@ class Marcher {
   /// May change from call to call: a marcher may go on elsewhere when a device fails.
   virtual MarcherCapabilities capabilities() const = 0;
 
+  /// What it has to do for a picture, or a frame of such samples; nothing where another process plans. Throws UsageError for settings out of range.
+  virtual std::optional<EffectPlan> plan(const RenderSettings&, const std::optional<SampleSettings>&) const { return std::nullopt; }
+
   /// Another marcher of the same volume: it shares what never changes, and its calls do not wait for this one's. Where there are `turns`,
   /// it marches in those alone, and its calls throw WorkLimitExceeded where they take longer than those allow.
   virtual MarcherPtr twin(TurnsPtr turns) const = 0;
   MarcherPtr twin() const { return twin(nullptr); }
+
+  /// Another marcher of the same volume in the same turns, by another transfer function: it shares whatever does not depend on the function, and so do
+  /// those that come of it; its calls do not wait for this one's. Its pictures are those of a marcher that was made with the function.
+  /// Throws UsageError, with the reason, where capabilities() say that it is refused.
+  virtual MarcherPtr withTransferFunction(TransferFunction function) const = 0;
 };
 
 }  // namespace warpscope

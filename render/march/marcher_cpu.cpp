@@ -14,6 +14,7 @@
 #include "render/base/stopwatch.h"
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
+#include "render/effects/shading.h"
 #include "render/march/compact.h"
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
@@ -110,36 +111,49 @@ class CpuMarcher final : public Marcher {
   const VolumePtr& volume() const override { return marched_->volume; }
   Backend backend() const override { return Backend::cpu; }
   MarcherCapabilities capabilities() const override { return {}; }
+  std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
+    validate(settings);
+    const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
+    return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
+  }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CpuMarcher>(marched_, std::move(turns)); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    return std::make_shared<CpuMarcher>(std::make_shared<const MarchedVolume>(*marched_, std::move(function)), turns_);
+  }
 
  private:
   /// Finds samples where `sample` says how; colours alone if it is null.
   void forEachRay(const Camera& camera, const PixelGrid& pixels, const RenderSettings& settings,
                   const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) {
     if (!baked_ || !baked_->isFor(settings)) baked_ = marched_->bakedFor(settings);
-    const std::optional<VisibleBlocks> blocks = visibleBlocks(camera, pixels, settings);
+    const EffectPlan plan = planFor(*marched_, *baked_, baked_->visibleCells, settings, sample != nullptr ? std::optional(*sample) : std::nullopt);
+    if (!plan.has(PlanStage::march)) {
+      for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) onRay(x, y, 1.0f, glm::vec4(0.0f), {});
+      return;
+    }
+    const std::optional<VisibleBlocks> blocks = plan.has(PlanStage::skipping) ? std::optional(visibleBlocks(camera, pixels)) : std::nullopt;
     const Volume& volume = *marched_->volume;
     visitVoxelType(volume.type(), [&](auto voxelTag) {
       using Voxel = decltype(voxelTag);
       VolumeView<Voxel> view = makeVolumeView<Voxel>(*marched_);
       view.voxels = volume.voxelsAs<Voxel>();
       view.transfer = baked_->table.lookup();
-      view.cells.distances = settings.skipEmpty ? baked_->emptyDistances.data() : nullptr;
-      visitLight(settings, [&](const auto& light) {
+      view.cells.distances = plan.has(PlanStage::skipping) ? baked_->emptyDistances.data() : nullptr;
+      visitLight(shadingFor(*marched_, camera, settings), [&](const auto& light) {
         visitMarchArithmetic(settings.arithmetic, [&]<class March>(March) {
-          if (std::is_floating_point_v<Voxel> && March::kLeavesOutMissing && volume.statistics().nonFinite > 0)
-            marchTiles<VolumeSource<Voxel, March::kLeavesOutMissing, March>>(view, light, camera, pixels, settings, blocks, sample, stop, onRay);
+          if (std::is_floating_point_v<Voxel> && March::kLeavesOutMissing && plan.has(PlanStage::missingVoxels))
+            marchTiles<VolumeSource<Voxel, March::kLeavesOutMissing, March>>(view, light, camera, pixels, settings, plan, blocks, sample, stop, onRay);
           else
-            marchTiles<VolumeSource<Voxel, false, March>>(view, light, camera, pixels, settings, blocks, sample, stop, onRay);
+            marchTiles<VolumeSource<Voxel, false, March>>(view, light, camera, pixels, settings, plan, blocks, sample, stop, onRay);
         });
       });
     });
   }
 
-  /// What the picture's rays can see of what is visible at all; nothing where empty space is not skipped.
-  std::optional<VisibleBlocks> visibleBlocks(const Camera& camera, const PixelGrid& pixels, const RenderSettings& settings) {
-    if (!settings.skipEmpty) return std::nullopt;
+  /// What the picture's rays can see of what is visible at all.
+  VisibleBlocks visibleBlocks(const Camera& camera, const PixelGrid& pixels) {
     const Volume& volume = *marched_->volume;
     if (surfaceOf_ != baked_) {
       EmptyCells cells;
@@ -154,9 +168,9 @@ class CpuMarcher final : public Marcher {
 
   template <class Source, class View, class Light>
   void marchTiles(const View& view, const Light& light, const Camera& camera, const PixelGrid& pixels,
-                  const RenderSettings& settings, const std::optional<VisibleBlocks>& blocks, const SampleSettings* sample,
-                  const std::stop_token& stop, const OnRay& onRay) const {
-    const RayLimits limits = limitsOf(settings);
+                  const RenderSettings& settings, const EffectPlan& plan, const std::optional<VisibleBlocks>& blocks,
+                  const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) const {
+    const RayLimits limits = limitsOf(settings, plan);
     const DepthFunction depthOfSamples = sample != nullptr ? depthFunctionOf(sample->heuristic) : nullptr;
     TurnsOfJob turns(turns_.get());
     const uint32_t side = turns.areLimited() ? tileSideFor(*marched_->volume, settings) : kTileSide;

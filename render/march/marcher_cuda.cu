@@ -5,16 +5,20 @@
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 #include <thrust/iterator/zip_iterator.h>
+#include <cub/device/device_reduce.cuh>
 #include <cub/device/device_select.cuh>
 
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <optional>
 
 #include "render/base/error.h"
 #include "render/cuda/pinned_memory.h"
+#include "render/core/visible_bins.h"
 #include "render/march/compact.h"
+#include "render/march/device_cells.h"
 #include "render/march/device_volume.h"
 #include "render/march/march_launch.h"
 #include "render/march/march_setup.h"
@@ -40,10 +44,15 @@ struct LayerOfPlace {
   __host__ __device__ std::byte operator()(uint64_t place) const { return static_cast<std::byte>(place % slots); }
 };
 
+/// Of a cell, by its distance to what is visible.
+struct IsVisible {
+  __host__ __device__ uint32_t operator()(uint8_t distance) const { return distance == 0 ? 1 : 0; }
+};
+
 class CudaMarcher final : public Marcher {
  public:
-  CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume, TurnsPtr turns)
-      : marched_(std::move(marched)), deviceVolume_(std::move(deviceVolume)), turns_(std::move(turns)) {
+  CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume, std::shared_ptr<const DeviceCells> deviceCells, TurnsPtr turns)
+      : marched_(std::move(marched)), deviceVolume_(std::move(deviceVolume)), deviceCells_(std::move(deviceCells)), turns_(std::move(turns)) {
     colorTables_.upload({&ColorTables::instance(), 1}, stream_);
     stream_.synchronize();
   }
@@ -61,9 +70,12 @@ class CudaMarcher final : public Marcher {
     colors_.reserve(places);
     if (slots > 1) layers_.reserve(places);
 
-    bake(settings.render);
+    bake(settings.render, settings.sample);
     start_.record(stream_);
-    launch(camera, settings.render, stop, &settings.sample, &rule);
+    if (plan_->has(PlanStage::march))
+      launch(camera, settings.render, stop, &settings.sample, &rule);
+    else
+      WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(denseSamples_.data(), 0, places * sizeof(PackedSample), stream_));
     marchEnd_.record(stream_);
     compact(places, slots);
     compacted_.record(stream_);
@@ -99,8 +111,11 @@ class CudaMarcher final : public Marcher {
     const size_t pixels = size_t{camera.width} * camera.height;
     image_.reserve(pixels);
     image.resize(camera.width, camera.height);
-    bake(settings);
-    launch(camera, settings, stop, nullptr, nullptr);
+    bake(settings, std::nullopt);
+    if (plan_->has(PlanStage::march))
+      launch(camera, settings, stop, nullptr, nullptr);
+    else
+      WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(image_.data(), 0, pixels * sizeof(glm::vec4), stream_));
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(image.data(), image_.data(), pixels * sizeof(glm::vec4), cudaMemcpyDeviceToHost, stream_));
     stream_.synchronize();
     if (stop.stop_requested()) throw OperationCancelled();
@@ -111,8 +126,25 @@ class CudaMarcher final : public Marcher {
   MarcherCapabilities capabilities() const override {
     return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
   }
+  std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
+    validate(settings);
+    const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
+    return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
+  }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_, std::move(turns)); }
+  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_, deviceCells_, std::move(turns)); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    auto marched = std::make_shared<const MarchedVolume>(*marched_, std::move(function));
+    // What the device holds depends on the values' scale alone.
+    if (marched->macrocells.sharesRangesWith(marched_->macrocells))
+      return std::make_shared<CudaMarcher>(std::move(marched), deviceVolume_, deviceCells_, turns_);
+    return makeFor(std::move(marched), turns_);
+  }
+  static MarcherPtr makeFor(MarchedVolumePtr marched, TurnsPtr turns) {
+    auto deviceVolume = std::make_shared<const DeviceVolume>(*marched->volume, marched->scale);
+    auto deviceCells = std::make_shared<const DeviceCells>(marched->macrocells);
+    return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume), std::move(deviceCells), std::move(turns));
+  }
 
  private:
   template <class T>
@@ -121,10 +153,14 @@ class CudaMarcher final : public Marcher {
     return memory.data();
   }
 
-  void bake(const RenderSettings& settings) {
-    if (bakedStep_ == settings.step && bakedArithmetic_ == settings.arithmetic) return;
-    const std::shared_ptr<const BakedTransfer> shared = marched_->bakedFor(settings);
-    const BakedTransfer& baked = *shared;
+  /// Makes the plan, and what it takes of the transfer function.
+  void bake(const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
+    const std::shared_ptr<const BakedTransfer> baked = marched_->tableFor(settings);
+    if (bakedStep_ != settings.step || bakedArithmetic_ != settings.arithmetic) upload(*baked, settings);
+    plan_ = planFor(*marched_, *baked, visibleCells_, settings, sample);
+  }
+
+  void upload(const BakedTransfer& baked, const RenderSettings& settings) {
     bakedStep_ = 0.0f;
     transfer_ = baked.table.lookup();
     transfer_.entries = uploaded(entries_, baked.table.entries);
@@ -132,8 +168,15 @@ class CudaMarcher final : public Marcher {
     transfer_.unitAlphas = uploaded(unitAlphas_, baked.table.unitAlphas);
     transfer_.refinements = uploaded(refinements_, baked.table.refinements);
     transfer_.begins = uploaded(begins_, baked.table.begins);
-    emptyDistances_.upload(baked.emptyDistances, stream_);
+    const std::vector<int32_t> next = nextVisibleBins(baked.table);
+    deviceCells_->findDistances({transfer_, uploaded(nextVisible_, next)}, emptyDistances_, cellScratch_, stream_);
+    const auto visible = thrust::make_transform_iterator(emptyDistances_.data(), IsVisible{});
+    cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
+      return cub::DeviceReduce::Sum(memory, bytes, visible, deviceCount_.data(), static_cast<int64_t>(deviceCells_->count()), stream_);
+    });
+    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(count_.data(), deviceCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
     stream_.synchronize();  // `baked` goes
+    visibleCells_ = *count_;
     bakedStep_ = settings.step;
     bakedArithmetic_ = settings.arithmetic;
   }
@@ -148,12 +191,12 @@ class CudaMarcher final : public Marcher {
       job.view.voxels = deviceVolume_->voxelsAs<Voxel>();
       job.view.blends = deviceVolume_->cellsAs<Voxel>();
       job.view.transfer = transfer_;
-      job.view.cells.distances = settings.skipEmpty ? emptyDistances_.data() : nullptr;
+      job.view.cells.distances = plan_->has(PlanStage::skipping) ? emptyDistances_.data() : nullptr;
       job.bounds = marched_->volume->bounds();
       job.camera = camera;
       job.pixels = pixelsFor(*marched_->volume, camera, settings);
       job.step = settings.step;
-      job.limits = limitsOf(settings);
+      job.limits = limitsOf(settings, *plan_);
       if (sample != nullptr) {
         job.threshold = sample->threshold;
         job.slots = sample->samplesPerRay;
@@ -164,10 +207,11 @@ class CudaMarcher final : public Marcher {
       job.colors = denseColors_.data();
       job.image = image_.data();
       const uint32_t rows = rowsOfLaunch(camera, settings);
+      const ShadingSetup shading = shadingFor(*marched_, camera, settings);
       const auto launchRows = [&] {
         job.firstRow = job.endRow;
         job.endRow = std::min(camera.height, job.firstRow + rows);
-        launchMarch<Voxel, kHasHoles, kByCells>(job, settings, heuristic, stream_);
+        launchMarch<Voxel, kHasHoles, kByCells>(job, settings, shading, heuristic, stream_);
       };
       TurnsOfJob turns(turns_.get());
       const auto launchUntil = [&](std::chrono::steady_clock::time_point end) {
@@ -220,6 +264,7 @@ class CudaMarcher final : public Marcher {
 
   const MarchedVolumePtr marched_;
   const std::shared_ptr<const DeviceVolume> deviceVolume_;
+  const std::shared_ptr<const DeviceCells> deviceCells_;
   const TurnsPtr turns_;
 
   std::mutex mutex_;  // of everything below
@@ -228,12 +273,15 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<ColorTables> colorTables_;
   float bakedStep_ = 0.0f;    // that the following are for; 0: none
   Arithmetic bakedArithmetic_ = Arithmetic::stable;  // likewise
+  std::optional<EffectPlan> plan_;  // of what is marched
+  size_t visibleCells_ = 0;
   TransferLookup transfer_;  // into the next five
   cuda::DeviceBuffer<glm::vec4> entries_;
   cuda::DeviceBuffer<float> alphas_, unitAlphas_;
   cuda::DeviceBuffer<TransferRefinement> refinements_;
   cuda::DeviceBuffer<float> begins_;
-  cuda::DeviceBuffer<uint8_t> emptyDistances_;
+  cuda::DeviceBuffer<int32_t> nextVisible_;
+  cuda::DeviceBuffer<uint8_t> emptyDistances_, cellScratch_;
   cuda::DeviceBuffer<PackedSample> denseSamples_, samples_;
   cuda::DeviceBuffer<Rgba8> denseColors_, colors_;
   cuda::DeviceBuffer<std::byte> layers_;
@@ -246,9 +294,7 @@ class CudaMarcher final : public Marcher {
 }  // namespace
 
 MarcherPtr makeCudaMarcher(VolumePtr volume, TransferFunction transferFunction) {
-  auto marched = std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction));
-  auto deviceVolume = std::make_shared<const DeviceVolume>(*marched->volume, marched->scale);
-  return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume), nullptr);
+  return CudaMarcher::makeFor(std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);
 }
 
 }  // namespace warpscope

@@ -69,11 +69,11 @@ WARPSCOPE_HD inline void marchParts(const RayPath& path, Source& source, const L
   if (any) onPart(piece);
 }
 
-/// Makes `found` the path's samples by the heuristic `Depth`, one for each of up to `count` parts. `makeSource()` gives a
+/// Makes `found` the path's samples by the heuristic `depth`, one for each of up to `count` parts. `makeSource()` gives a
 /// source at the path's beginning: the path is marched twice, three times for a two-pass heuristic, and nothing is kept
 /// but the parts.
 template <class Depth, class MakeSource, class Light>
-WARPSCOPE_HD inline void findSamples(const RayPath& path, const MakeSource& makeSource, const Light& light,
+WARPSCOPE_HD inline void findSamples(const Depth& depth, const RayPath& path, const MakeSource& makeSource, const Light& light,
                                      const RayLimits& limits, float threshold, int count, RaySamples& found) {
   found.clear();
   ProfileFold whole;
@@ -88,7 +88,7 @@ WARPSCOPE_HD inline void findSamples(const RayPath& path, const MakeSource& make
   if (!whole.any) return;
   const RayParts parts{whole.accumulatedEnd, count};
   ProfileFold profiles[Depth::kTwoPass ? kMaxRaySamples : 1];
-  auto fold = Depth::start(threshold, ProfileFold{});
+  auto fold = depth.start(threshold, ProfileFold{});
   {
     auto source = makeSource();
     marchParts<RayPiece>(
@@ -100,19 +100,19 @@ WARPSCOPE_HD inline void findSamples(const RayPath& path, const MakeSource& make
             fold.add(sample);
         },
         [&](const RayPiece& piece) {
-          found.add({Depth::result(fold), piece.premultiplied()});
-          fold = Depth::start(threshold, ProfileFold{});
+          found.add({depth.result(fold), piece.premultiplied()});
+          fold = depth.start(threshold, ProfileFold{});
         });
   }
   if constexpr (Depth::kTwoPass) {
     int part = 0;
-    fold = Depth::start(threshold, profiles[0]);
+    fold = depth.start(threshold, profiles[0]);
     auto source = makeSource();
     marchParts<PieceOpacity>(
         path, source, light, limits, parts, [&](const CountingSample& sample) { fold.add(sample); },
         [&](const PieceOpacity&) {
-          found[part].depth = Depth::result(fold);
-          if (++part < found.size()) fold = Depth::start(threshold, profiles[part]);
+          found[part].depth = depth.result(fold);
+          if (++part < found.size()) fold = depth.start(threshold, profiles[part]);
         });
   }
 }

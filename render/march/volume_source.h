@@ -12,6 +12,7 @@
 #include "render/core/simd.h"
 #include "render/core/simd_lanes.h"
 #include "render/core/transfer_table.h"
+#include "render/effects/shading_batch.h"
 #include "render/march/empty_space.h"
 #include "render/march/march_arithmetic.h"
 #include "render/march/volume_view.h"
@@ -48,6 +49,8 @@ class VolumeSource {
  public:
   using March = MarchPolicy;
   static constexpr int kBatch = kBatchLanes;
+  static constexpr bool kLoadsCells = false;
+  static constexpr bool kLeavesOutHoles = kHasHoles;
 
   VolumeSource(const VolumeView<Voxel>& view, const Ray& ray, const RayLattice& lattice)
       : view_(view),
@@ -182,6 +185,20 @@ class VolumeSource {
   alignas(64) float alpha_[kBatch];
   uint32_t missing_ = 0;  // bit k: the k-th has no value
   float t_[March::kPlacesByIndex ? 1 : kBatch];  // of what was looked at last
+};
+
+/// Shaded a batch at a time.
+template <class Voxel, bool kHasHoles>
+struct LightOnSource<Lit, VolumeSource<Voxel, kHasHoles, StableMarch>> {
+  using Source = VolumeSource<Voxel, kHasHoles, StableMarch>;
+  const Lit& light;
+  LitBatch<Source> batch{};
+
+  template <class Path>
+  void look(const Path& path, const Source& source, int i, uint32_t visible) {
+    batch.look(light.setup, source.view(), path.ray, path.lattice, i, visible);
+  }
+  glm::vec3 shade(const ClassifiedSample& sample, const Ray&, const Source&, int k) const { return batch.shade(sample, k); }
 };
 
 }  // namespace warpscope

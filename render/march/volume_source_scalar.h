@@ -17,6 +17,8 @@ class ScalarVolumeSource {
  public:
   using March = MarchPolicy;
   static constexpr int kBatch = 1;
+  static constexpr bool kLoadsCells = kByCells;
+  static constexpr bool kLeavesOutHoles = kHasHoles;
 
   WARPSCOPE_HD ScalarVolumeSource(const VolumeView<Voxel>& view, const Ray& ray, const RayLattice& lattice)
       : view_(view),

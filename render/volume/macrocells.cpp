@@ -1,24 +1,66 @@
-// Value ranges of cells and the distance map over them.
-// See macrocells.h. The distance map is the two-pass chamfer of Rosenfeld, Pfaltz 1966, exact for the Chebyshev metric.
+// Value ranges of cells, and which of them show something.
+// See macrocells.h; the distances are cell_distances.h's.
 #include "render/volume/macrocells.h"
 
 #include <algorithm>
-#include <cmath>
+#include <tuple>
 
 #include "render/core/parallel.h"
+#include "render/core/simd.h"
+#include "render/core/visible_bins.h"
+#include "render/volume/cell_distances.h"
 #include "render/volume/voxel_access.h"
 
 namespace warpscope {
+namespace {
 
-Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) {
+/// Writes CellDistances' marks of `count` cells. Reads up to a vector beyond them.
+void markVisible(const VisibleBins& bins, const float* lowest, const float* highest, int count, uint8_t* marks) {
+  constexpr int kLanes = kBatchLanes;
+  alignas(64) int32_t first[kLanes], codes[kLanes], found[kLanes];
+  for (int begin = 0; begin < count; begin += kLanes) {
+    // As anyVisibleBetween.
+    const FloatBatch low = FloatBatch::load_unaligned(lowest + begin), high = FloatBatch::load_unaligned(highest + begin);
+    const FloatBatch slack = selected(low < high, FloatBatch(kRangeSlack) * maxOf(absOf(low), absOf(high)), FloatBatch(0.0f));
+    const IntBatch firstBin = bins.table.binOf(low - slack);
+    // In front of all bins where a cell has no finite voxel.
+    const IntBatch lastBin = bins.table.binOf(high + slack) - truncated(selected(low > high, FloatBatch(static_cast<float>(bins.table.bins)), FloatBatch(0.0f)));
+    firstBin.store_aligned(first);
+    for (int k = 0; k < kLanes; ++k) codes[k] = bins.next[first[k]];
+    const IntBatch code = IntBatch::load_aligned(codes);
+    const IntBatch bin = code >> 1;
+    const auto isVisible = bin <= lastBin;
+    const auto isUncertain = isVisible & ((code & IntBatch(1)) == IntBatch(1)) & ((bin == firstBin) | (bin == lastBin));
+    select(isVisible, IntBatch(CellDistances::kMarked), IntBatch(CellDistances::kUnmarked)).store_aligned(found);
+    const int lanes = std::min(kLanes, count - begin);
+    if (xsimd::any(isUncertain))
+      for (int k = 0; k < lanes; ++k)
+        found[k] = anyVisibleBetween(bins, lowest[begin + k], highest[begin + k]) ? CellDistances::kMarked : CellDistances::kUnmarked;
+    if (lanes == kLanes)
+      for (int k = 0; k < kLanes; ++k) marks[begin + k] = static_cast<uint8_t>(found[k]);
+    else
+      for (int k = 0; k < lanes; ++k) marks[begin + k] = static_cast<uint8_t>(found[k]);
+  }
+}
+
+/// What a cell of no finite voxel has: the first is greater.
+constexpr int kNoLowest = 1, kNoHighest = 0;
+
+}  // namespace
+
+Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(volume.type()), scale_(scale) {
   const glm::ivec3 n(volume.dims());
   // Small cells skip more; in large volumes the map over them would take long to make.
   constexpr size_t kLargeVolume = size_t{1} << 27;
   edge_ = volume.voxelCount() < kLargeVolume ? 4 : 8;
   dims_ = (n + edge_ - 1) / edge_;
-  ranges_.resize(size_t(dims_.x) * dims_.y * dims_.z);
-  visitVoxelType(volume.type(), [&](auto voxelTag) {
+  visitVoxelType(type_, [&](auto voxelTag) {
     using Voxel = decltype(voxelTag);
+    using Number = std::conditional_t<kRounds<Voxel>, double, float>;
+    const size_t padded = count() + kBatchLanes;
+    auto ranges = std::make_shared<Ranges<Number>>();
+    ranges->lowest.assign(padded, Number(kNoLowest));
+    ranges->highest.assign(padded, Number(kNoHighest));
     const Voxel* voxels = volume.voxelsAs<Voxel>();
     parallelForRanges(size_t(dims_.y) * dims_.z, 4, [&](size_t begin, size_t end) {
       for (size_t row = begin; row < end; ++row) {
@@ -40,47 +82,70 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) {
                 highest = std::max(highest, line[x]);
               }
             }
-          if (any)
-            ranges_[row * dims_.x + cx] = {interpolant(lowest, scale), interpolant(highest, scale)};
-          else
-            ranges_[row * dims_.x + cx] = {1.0f, 0.0f};
+          if (!any) continue;
+          const size_t cell = row * dims_.x + cx;
+          if constexpr (kRounds<Voxel>) {
+            ranges->lowest[cell] = static_cast<double>(lowest);
+            ranges->highest[cell] = static_cast<double>(highest);
+          } else {
+            ranges->lowest[cell] = interpolant(lowest, scale);
+            ranges->highest[cell] = interpolant(highest, scale);
+          }
         }
       }
     });
+    if constexpr (kRounds<Voxel>) {
+      ofVoxels_ = std::move(ranges);
+      findRanges();
+    } else {
+      ranges_ = std::move(ranges);
+    }
   });
 }
 
-std::vector<uint8_t> Macrocells::emptyDistances(const TransferTable& table) const {
-  // Interpolation may leave a cell's range by its rounding: three blends of two roundings each, and with holes eight products, their sum and a quotient.
-  constexpr float kSlack = 0x1p-20f;
-  std::vector<uint8_t> distances(ranges_.size());
-  for (size_t i = 0; i < ranges_.size(); ++i) {
-    const glm::vec2 range = ranges_[i];
-    const float slack = range.x < range.y ? kSlack * std::max(std::abs(range.x), std::abs(range.y)) : 0.0f;
-    distances[i] = range.x <= range.y && table.anyVisible(range.x - slack, range.y + slack) ? 0 : 255;
-  }
+void Macrocells::findRanges() {
+  auto ranges = std::make_shared<Ranges<float>>();
+  const size_t padded = ofVoxels_->lowest.size();
+  ranges->lowest.assign(padded, float(kNoLowest));
+  ranges->highest.assign(padded, float(kNoHighest));
+  visitVoxelType(type_, [&](auto voxelTag) {
+    using Voxel = decltype(voxelTag);
+    constexpr size_t kCells = 1 << 14;
+    parallelForRanges(count(), kCells, [&](size_t begin, size_t end) {
+      for (size_t cell = begin; cell < end; ++cell) {
+        const double lowest = ofVoxels_->lowest[cell], highest = ofVoxels_->highest[cell];
+        if (lowest > highest) continue;
+        ranges->lowest[cell] = interpolant(static_cast<Voxel>(lowest), scale_);
+        ranges->highest[cell] = interpolant(static_cast<Voxel>(highest), scale_);
+      }
+    });
+  });
+  ranges_ = std::move(ranges);
+}
 
-  const auto relax = [&](int x, int y, int z, int sign) {
-    uint8_t& here = distances[(size_t(z) * dims_.y + y) * dims_.x + x];
-    if (here == 0) return;
-    int nearest = here;
-    // The 13 neighbours that the sweep has passed already.
-    for (int dz = -1; dz <= 0; ++dz)
-      for (int dy = -1; dy <= (dz < 0 ? 1 : 0); ++dy)
-        for (int dx = -1; dx <= (dz < 0 || dy < 0 ? 1 : -1); ++dx) {
-          const int nx = x + sign * dx, ny = y + sign * dy, nz = z + sign * dz;
-          if (nx < 0 || ny < 0 || nz < 0 || nx >= dims_.x || ny >= dims_.y || nz >= dims_.z) continue;
-          nearest = std::min(nearest, distances[(size_t(nz) * dims_.y + ny) * dims_.x + nx] + 1);
-        }
-    here = static_cast<uint8_t>(nearest);
-  };
-  for (int z = 0; z < dims_.z; ++z)
-    for (int y = 0; y < dims_.y; ++y)
-      for (int x = 0; x < dims_.x; ++x) relax(x, y, z, 1);
-  for (int z = dims_.z - 1; z >= 0; --z)
-    for (int y = dims_.y - 1; y >= 0; --y)
-      for (int x = dims_.x - 1; x >= 0; --x) relax(x, y, z, -1);
-  return distances;
+Macrocells Macrocells::scaledBy(const ValueScale& scale) const {
+  Macrocells scaled = *this;
+  const auto all = [](const ValueScale& s) { return std::tie(s.origin, s.before, s.first, s.second); };
+  if (all(scale) == all(scale_) || !ofVoxels_) return scaled;
+  scaled.scale_ = scale;
+  scaled.findRanges();
+  return scaled;
+}
+
+std::vector<uint8_t> Macrocells::emptyDistances(const TransferTable& table) const {
+  const std::vector<int32_t> next = nextVisibleBins(table);
+  const VisibleBins bins{table.lookup(), next.data()};
+  CellDistances distances(dims_);
+  parallelForRanges(static_cast<size_t>(dims_.z), 1, [&](size_t begin, size_t end) {
+    for (int z = static_cast<int>(begin); z < static_cast<int>(end); ++z) {
+      for (int y = 0; y < dims_.y; ++y) {
+        const size_t row = (static_cast<size_t>(z) * dims_.y + y) * dims_.x;
+        markVisible(bins, lowest() + row, highest() + row, dims_.x, distances.row(y, z));
+      }
+      distances.spreadInPlane(z);
+    }
+  });
+  return distances.take();
 }
 
 }  // namespace warpscope

@@ -152,6 +152,16 @@ void requireBorne(const fs::path& path, const std::string& line) {
                  " are read, but of vectors and matrices");
 }
 
+/// Throws for a header with characters that no text has: a library takes a zero byte for the end of a key.
+void requireTextual(const fs::path& path, const TextHeader& header) {
+  for (const std::string& line : header.lines)
+    for (const char c : line)
+      if (c >= 0 && c < ' ' && c != '\t' && c != '\r') fail(path, c == 0 ? "its header has a zero byte" : "its header has a control character, of code " + std::to_string(static_cast<int>(c)));
+}
+
+/// Digits of the number of voxels along an axis, at most: 10^8 - 1 of them.
+constexpr size_t kMostSideDigits = 8;
+
 }  // namespace
 
 Payload locateNrrd(const fs::path& path) {
@@ -164,10 +174,13 @@ Payload locateNrrd(const fs::path& path) {
     const auto field = header.fields.find(key);
     return field == header.fields.end() ? std::string() : lowered(field->second);
   };
+  requireTextual(path, header);
   std::istringstream sizes(valueOf("sizes"));
   std::string side;
-  for (int axis = 1; sizes >> side; ++axis)  // a library that reads these without their sign would take them for huge
-    if (side.starts_with('-')) fail(path, "its header declares " + side.substr(0, 40) + " voxels along axis " + std::to_string(axis));
+  // The library reads these without a sign, and with more digits than it has room for.
+  for (int axis = 1; sizes >> side; ++axis)
+    if (side.find_first_not_of("0123456789") != std::string::npos || side.size() > kMostSideDigits)
+      fail(path, "its header declares " + side.substr(0, 40) + " voxels along axis " + std::to_string(axis));
   Payload payload{.file = path, .offsetBytes = header.endBytes};
   const std::string encoding = valueOf("encoding");
   payload.encoding = encoding == "raw"                                                ? Encoding::plain
@@ -206,6 +219,7 @@ Payload locateMetaImage(const fs::path& path) {
   if (!header.excess.empty() && header.fields.contains("ndims") && header.fields.contains("dimsize")) fail(path, header.excess);
   if (!header.fields.contains("ndims") || !header.fields.contains("dimsize") || dataFile == header.fields.end())
     fail(path, "is no MetaImage file: its header lacks NDims, DimSize or ElementDataFile");
+  requireTextual(path, header);
   for (const std::string& line : header.lines) requireBorne(path, line);
   // Of two the library takes the second, or both.
   if (!header.repeated.empty())

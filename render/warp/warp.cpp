@@ -41,6 +41,8 @@ bool isKnobTaken(const Knob& knob) {
   const auto clashes = [&](const Knob& other) { return other.key == knob.key || (!knob.option.empty() && other.option == knob.option); };
   for (const MarchKnob& row : marchKnobs())
     if (clashes(*row.knob)) return true;
+  for (const MarchText& text : marchTexts())
+    if (text.key == knob.key || text.option == knob.option) return true;
   const std::vector<const Knob*> known = warpKnobs();
   return std::any_of(known.begin(), known.end(), [&](const Knob* other) { return (other != &knob || !knob.isOfPanel) && clashes(*other); });
 }

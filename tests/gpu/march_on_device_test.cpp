@@ -92,6 +92,38 @@ TEST(MarchOnDevice, SkippingAndEarlyEndsChangeNothing) {
       }
 }
 
+TEST(MarchOnDevice, LitByEveryHeuristicAndLight) {
+  WARPSCOPE_NEEDS_GPU();
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Scene scene = smallScene(builtin.name, 64);
+    const Pair pair(scene);
+    const Camera camera = makeCamera(scene, scene.views.front(), 203, 157);
+    const auto expectSame = [&](const MarchSettings& settings) {
+      pair.expectSame(camera, settings);
+      EXPECT_TRUE(sameBits(rendered(*pair.cpu, camera, settings), rendered(*pair.cuda, camera, settings)));
+    };
+    MarchSettings lit = scene.march;
+    lit.render.effects.shading.strength = 1.0f;
+    for (const auto& heuristic : kHeuristics)
+      for (const int samplesPerRay : {1, 4}) {
+        SCOPED_TRACE(builtin.name + ", " + std::string(heuristic.name) + ", " + std::to_string(samplesPerRay));
+        MarchSettings settings = lit;
+        settings.sample.heuristic = heuristic.value;
+        settings.sample.samplesPerRay = samplesPerRay;
+        expectSame(settings);
+      }
+    for (const char* lights : {"none", "camera:-1,2,1@1.5", "world:1,0.3,-2 headlight@0.2", "point:3,70,20 point:31.5,31.5,31.5 camera:0,0,-1"})
+      for (const float specular : {0.0f, 0.7f}) {
+        SCOPED_TRACE(builtin.name + ", " + lights);
+        MarchSettings settings = lit;
+        settings.render.effects.lights = parseLights(lights, "it");
+        settings.render.effects.shading.specular = specular;
+        settings.render.effects.shading.strength = 0.75f;
+        expectSame(settings);
+      }
+  }
+}
+
 TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
   WARPSCOPE_NEEDS_GPU();
   const TransferFunction function{{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
@@ -111,8 +143,11 @@ TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
         MarchSettings settings;
         for (const Heuristic heuristic : {Heuristic::gradient, Heuristic::expected, Heuristic::median}) {
           settings.sample.heuristic = heuristic;
-          for (const glm::vec3 eye : {glm::vec3(60.0f, 45.0f, 53.0f), glm::vec3(0.1f, 0.2f, 0.3f)})
-            pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
+          for (const float shading : {0.0f, 1.0f})
+            for (const glm::vec3 eye : {glm::vec3(60.0f, 45.0f, 53.0f), glm::vec3(0.1f, 0.2f, 0.3f)}) {
+              settings.render.effects.shading.strength = shading;
+              pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
+            }
         }
       }
 }
@@ -177,6 +212,29 @@ TEST(MarchOnDevice, TwinsAgreeAndOutliveTheFirst) {
   EXPECT_TRUE(frame.samples == again.samples && frame.colors == again.colors);
 }
 
+TEST(MarchOnDevice, FollowsAnotherTransferFunction) {
+  WARPSCOPE_NEEDS_GPU();
+  const glm::uvec3 dims(60, 44, 52);
+  for (const VoxelType type : kAllVoxelTypes) {
+    SCOPED_TRACE(nameOf(type));
+    const VolumePtr volume = makeTestVolume(type, dims, blobs(dims, 5));
+    const Camera camera = lookingFrom({90.0f, 40.0f, 60.0f}, {}, 160, 120);
+    MarcherPtr marcher = makeCudaMarcher(volume, band(30.0, 50.0, 0.4f));
+    EXPECT_EQ(marcher->capabilities().functionChange, FunctionChange::followed);
+    const MarcherPtr first = marcher;
+    const SampleFrame before = first->march(camera, {});
+    for (const double from : {10.0, 55.0, 40.0}) {
+      const TransferFunction function = band(from, from + 25.0, 0.2f);
+      marcher = marcher->withTransferFunction(function);
+      const MarcherPtr cpu = makeCpuMarcher(volume, function);
+      expectSameFrames(cpu->march(camera, {}), marcher->march(camera, {}));
+      EXPECT_TRUE(sameBits(rendered(*marcher, camera), rendered(*cpu, camera)));
+    }
+    expectSameFrames(before, first->march(camera, {}));
+    EXPECT_GT(before.size(), 500u);
+  }
+}
+
 TEST(MarchOnDevice, InTurnsItIsTheSameAndEndsAtItsLimit) {
   WARPSCOPE_NEEDS_GPU();
   const Scene scene = smallScene("shells", 64);
@@ -220,6 +278,18 @@ TEST(MarchOnDevice, NothingToSeeGivesNoSamples) {
   Camera camera = makeCamera(scene, scene.views.front(), 64, 64);
   camera.forward = -camera.forward;
   EXPECT_EQ(marcher->march(camera, scene.march).size(), 0u);
+}
+
+TEST(MarchOnDevice, WhereEverythingIsHiddenNothingIsMarched) {
+  WARPSCOPE_NEEDS_GPU();
+  Scene scene = smallScene("block", 48);
+  const Camera camera = makeCamera(scene, scene.views.front(), 64, 48);
+  EXPECT_GT(makeCudaMarcher(scene.volume, scene.transferFunction)->march(camera, scene.march).size(), 0u);
+  for (TransferPoint& point : scene.transferFunction.points) point.alpha = 0.0f;
+  const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+  EXPECT_FALSE(marcher->plan(scene.march.render, scene.march.sample)->has(PlanStage::march));
+  EXPECT_EQ(marcher->march(camera, scene.march).size(), 0u);
+  EXPECT_EQ(largestAlpha(rendered(*marcher, camera, scene.march)), 0.0f);
 }
 
 }  // namespace

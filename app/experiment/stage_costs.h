@@ -1,0 +1,28 @@
+// What the stages of a plan cost on the machine at hand: a march as planned and one without a stage, in turns, compared pair by pair.
+// Pairs, because what disturbs the one disturbs the other: Hoefler, Belli 2015, section 3.2.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <stop_token>
+#include <vector>
+
+#include "app/experiment/measured.h"
+#include "render/march/marcher.h"
+
+namespace warpscope {
+
+/// The settings with one stage left out; nothing where a stage cannot be left out by itself.
+std::optional<MarchSettings> without(PlanStage stage, const MarchSettings& settings);
+
+/// Milliseconds.
+struct StageCosts {
+  Measured march;                   ///< the whole, as planned
+  std::map<PlanStage, Measured> added;  ///< by each stage that is in and can be left out: below 0 where it saves
+};
+
+/// `runs` marches for each stage and as many without it, after one that does not count. Throws OperationCancelled.
+StageCosts measureStages(Marcher& marcher, const Camera& camera, const MarchSettings& settings, const EffectPlan& plan, int runs,
+                         const std::function<void(std::string_view stage)>& onStage, const std::stop_token& stop);
+
+}  // namespace warpscope

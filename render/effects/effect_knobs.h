@@ -1,0 +1,14 @@
+// The knobs of effects, gathered: each effect brings its own.
+// march_knobs.h lists them with the march's.
+#pragma once
+
+#include "render/march/march_knobs.h"
+
+namespace warpscope {
+
+std::span<const MarchKnob> effectKnobs();
+std::span<const MarchText> effectTexts();
+
+extern const Knob kShadingKnob, kAmbientKnob, kDiffuseKnob, kSpecularKnob, kExponentKnob;
+
+}  // namespace warpscope

@@ -1,0 +1,79 @@
+// The rules of the plan: one for each stage, after those that it depends on.
+// See effect_plan.h.
+#include "render/effects/effect_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/base/range.h"
+#include "render/march/depth_heuristic.h"
+
+namespace warpscope {
+namespace {
+
+PlannedStage in(std::string reason) { return {true, std::move(reason)}; }
+PlannedStage out(std::string reason) { return {false, std::move(reason)}; }
+
+PlannedStage planSkipping(const PlannedScene& scene, const RenderSettings& settings) {
+  if (!settings.skipEmpty) return out("it is switched off");
+  if (scene.visibleCells == scene.cells) return out("every cell shows something");
+  return in(std::to_string(scene.cells - scene.visibleCells) + " of " + std::to_string(scene.cells) + " cells show nothing");
+}
+
+PlannedStage planEarlyEnd(const PlannedScene& scene, const RenderSettings& settings) {
+  if (!settings.terminateEarly) return out("it is switched off");
+  // The least that can be left behind a whole ray; twice, since it is rounded on the way.
+  const double left = std::exp2(scene.mostSamples * std::log2(std::max(0.0, 1.0 - double{scene.mostOpacity})));
+  if (left > 2.0 * double{settings.contribution}) return out("no ray is so long that hardly any light is left");
+  return in("rays may end at a transmittance of " + numberText(settings.contribution));
+}
+
+bool isTwoPass(Heuristic heuristic) {
+  return visitHeuristic(heuristic, []<class Depth>(Depth) { return Depth::kTwoPass; });
+}
+
+}  // namespace
+
+EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
+  const Shading& shading = settings.effects.shading;
+  if (scene.visibleCells == 0) {
+    for (PlannedStage& stage : stages_) stage = out("the transfer function hides everything");
+    return;
+  }
+  at(PlanStage::march) = in(std::to_string(scene.visibleCells) + " cells show something");
+  at(PlanStage::skipping) = planSkipping(scene, settings);
+  at(PlanStage::missingVoxels) =
+      scene.missingVoxels > 0 ? in(std::to_string(scene.missingVoxels) + " voxels are not finite") : out("all voxels are finite");
+  at(PlanStage::refinement) = scene.isRefined ? in("the transfer function changes faster than its table's entries") : out("the table's entries are fine enough");
+  at(PlanStage::correction) = settings.step == 1.0f ? out("the step is the one that opacities are given for") : in("the step is " + numberText(settings.step));
+  at(PlanStage::earlyEnd) = planEarlyEnd(scene, settings);
+
+  const auto lights = std::ranges::count_if(settings.effects.lights, [](const Light& light) { return light.strength > 0.0f; });
+  const auto besideEye =
+      std::ranges::count_if(settings.effects.lights, [](const Light& light) { return light.strength > 0.0f && light.kind != LightKind::headlight; });
+  if (!(shading.strength > 0.0f)) {
+    for (const PlanStage stage : {PlanStage::gradient, PlanStage::diffuse, PlanStage::specular, PlanStage::halfVector}) at(stage) = out("nothing is lit: shading is 0");
+  } else {
+    at(PlanStage::gradient) = in("matter is lit");
+    const bool isDiffuse = lights > 0 && shading.diffuse > 0.0f;
+    at(PlanStage::diffuse) = in(isDiffuse ? std::to_string(lights) + (lights == 1 ? " light" : " lights") : "ambient light alone");
+    at(PlanStage::specular) = lights == 0              ? out("there is no light")
+                          : shading.specular > 0.0f ? in("specular light is " + numberText(shading.specular))
+                                                    : out("specular light is 0");
+    at(PlanStage::halfVector) = !has(PlanStage::specular) ? out("there are no highlights")
+                            : besideEye == 0      ? out("the light is at the eye: the half vector is the viewer's")
+                                                  : in(std::to_string(besideEye) + (besideEye == 1 ? " light is" : " lights are") + " not at the eye");
+  }
+
+  const std::string pictureAlone = "no samples are wanted";
+  if (!sample) {
+    at(PlanStage::secondPass) = out(pictureAlone);
+    at(PlanStage::severalSamples) = out(pictureAlone);
+    return;
+  }
+  const std::string heuristic(nameOf(sample->heuristic));
+  at(PlanStage::secondPass) = isTwoPass(sample->heuristic) ? in(heuristic + " compares with the ray's final opacity") : out(heuristic + " is known after one pass");
+  at(PlanStage::severalSamples) = sample->samplesPerRay > 1 ? in("up to " + std::to_string(sample->samplesPerRay) + " samples a ray") : out("one sample a ray");
+}
+
+}  // namespace warpscope

@@ -1,0 +1,81 @@
+// What a march has to do for one picture: the smallest set of stages that can change a pixel, each with the reason for which it is in or out. As data,
+// so that marchers go by it, tests hold it to account and people read it.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "render/march/march_settings.h"
+
+namespace warpscope {
+
+/// In the order in which a sample meets them.
+enum class PlanStage {
+  march,          ///< rays at all
+  skipping,       ///< of cells that show nothing
+  missingVoxels,  ///< leaving voxels out of interpolation that are not finite
+  refinement,     ///< telling bins of the transfer function apart further
+  correction,     ///< of opacities to the step
+  gradient,       ///< at samples that are seen
+  diffuse,        ///< light that surfaces send everywhere
+  specular,       ///< and where they mirror a light
+  halfVector,     ///< between eye and light
+  earlyEnd,       ///< of rays
+  secondPass,     ///< of a heuristic that wants to know the whole ray first
+  severalSamples, ///< the ray's parts once more, one after the other
+};
+
+struct StageDescriptor {
+  PlanStage stage;
+  std::string_view name;     ///< as the command line and JSON say it
+  std::string_view summary;  ///< what it is
+};
+
+/// Every stage, in their order.
+inline constexpr std::array<StageDescriptor, 12> kStages{{
+    {PlanStage::march, "march", "rays through the volume"},
+    {PlanStage::skipping, "skipping", "leaping over cells that show nothing"},
+    {PlanStage::missingVoxels, "missing-voxels", "leaving out voxels that are not finite"},
+    {PlanStage::refinement, "refinement", "telling entries of the transfer table apart further"},
+    {PlanStage::correction, "correction", "opacity corrected to the step"},
+    {PlanStage::gradient, "gradient", "central differences where a sample is seen"},
+    {PlanStage::diffuse, "diffuse", "ambient and diffuse light"},
+    {PlanStage::specular, "specular", "highlights"},
+    {PlanStage::halfVector, "half-vector", "the half vector of each sample and light"},
+    {PlanStage::earlyEnd, "early-end", "ending rays where hardly any light is left"},
+    {PlanStage::secondPass, "second-pass", "marching again once the ray's whole opacity is known"},
+    {PlanStage::severalSamples, "several-samples", "marching again for the samples of a ray's parts"},
+}};
+
+struct PlannedStage {
+  bool isIn = false;
+  std::string reason;  ///< why: half a sentence
+};
+
+/// What of a volume and its transfer function a plan wants to know.
+struct PlannedScene {
+  size_t cells = 0;          ///< of empty space skipping
+  size_t visibleCells = 0;   ///< those in which something is shown
+  size_t missingVoxels = 0;  ///< not finite
+  bool isRefined = false;    ///< the transfer table has pieces
+  float mostOpacity = 1.0f;  ///< of a sample
+  double mostSamples = 0.0;  ///< along a ray
+};
+
+class EffectPlan {
+ public:
+  /// `sample`: what is sent, or nothing where the picture alone is wanted.
+  EffectPlan(const PlannedScene& scene, const RenderSettings& settings, const std::optional<SampleSettings>& sample);
+
+  bool has(PlanStage stage) const { return (*this)[stage].isIn; }
+  const PlannedStage& operator[](PlanStage stage) const { return stages_[static_cast<size_t>(stage)]; }
+
+ private:
+  PlannedStage& at(PlanStage stage) { return stages_[static_cast<size_t>(stage)]; }
+
+  std::array<PlannedStage, kStages.size()> stages_;
+};
+
+}  // namespace warpscope

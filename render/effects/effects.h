@@ -1,0 +1,27 @@
+// What a scene asks for beyond emission and absorption: the effects that change its picture, each out unless it is asked for.
+// Which of them have work to do for a picture: effect_plan.h.
+#pragma once
+
+#include "render/effects/lights.h"
+
+namespace warpscope {
+
+/// How matter looks in light (shading.h). With strength 0 it shines by itself, as the transfer function says.
+struct Shading {
+  float strength = 0.0f;  ///< 0..1, from unlit to lit
+  float ambient = 0.25f;  ///< share of its colour that it has in any light
+  float diffuse = 0.75f;  ///< share that it has more where it faces a light of strength 1
+  float specular = 0.2f;  ///< white that it has more where it mirrors one
+  float exponent = 20.0f; ///< the greater, the smaller and sharper highlights are
+
+  bool operator==(const Shading&) const = default;
+};
+
+struct Effects {
+  Shading shading;
+  Lights lights = defaultLights();
+
+  bool operator==(const Effects&) const = default;
+};
+
+}  // namespace warpscope

@@ -1,0 +1,133 @@
+// Light that surfaces within a volume send back: ambient, diffuse and specular, two-sided, from the gradient. For host and device.
+// Phong 1975 with the half vector of Blinn 1977 ("Models of light reflection for computer synthesized pictures"); normals of volumes after Levoy 1988.
+#pragma once
+
+#include <cstdint>
+
+#include "render/core/numeric.h"
+#include "render/core/ray.h"
+#include "render/effects/effects.h"
+#include "render/effects/gradient.h"
+#include "render/march/light.h"
+
+namespace warpscope {
+
+/// As the formulas want it: in volume space.
+struct PreparedLight {
+  LightKind kind = LightKind::headlight;  ///< `camera` and `world` are the same here
+  glm::vec3 vector{0.0f};                 ///< unit, towards the light; of a point light its place
+  float strength = 1.0f;
+};
+
+/// What is the same for all samples of a picture.
+struct ShadingSetup {
+  Shading shading;
+  /// Squared gradient below which there is no surface: what rounding of the volume's values to its type's steps can make of a constant.
+  float noiseSquared = 0.0f;
+  /// Of gradients as they are read, interpolants a voxel: turns them into volume space, and into what can be squared.
+  glm::vec3 gradientScale{1.0f};
+  int lightCount = 0;
+  PreparedLight lights[Lights::kMost];
+};
+
+/// x^exponent for x in [0, 1] and exponent > 0, the same bits on every processor: within 2e-6 of 1 of the truth. By logarithm and power to the base 2,
+/// in series (exact_math.h names them). Float is float or a vector of floats.
+template <class Float>
+WARPSCOPE_HD inline Float powerOfCosine(const Float& x, float exponent) {
+  // x = mantissa * 2^power, mantissa in [sqrt(1/2), sqrt(2)).
+  constexpr int32_t kRoot = 0x3f3504f3;
+  const auto bits = bitsOf(minOf(maxOf(x, Float(0x1p-64f)), Float(1.0f)));
+  const auto power = (bits - kRoot) >> 23;
+  const Float mantissa = floatOfBits(bits - (power << 23));
+  const Float s = (mantissa - Float(1.0f)) / (mantissa + Float(1.0f)), square = s * s;  // |s| < 0.172: what follows is below 5e-8
+  const Float series =
+      mulAdd(mulAdd(mulAdd(Float(0.412198583f), square, Float(0.577078016f)), square, Float(0.961796694f)), square, Float(2.88539008f));
+  const Float y = maxOf(Float(exponent) * mulAdd(s, series, converted(power)), Float(-126.0f));
+  const auto whole = truncated(y - Float(0.5f));  // rounds to the nearest, since y < 0
+  const Float r = y - converted(whole);
+  Float result = mulAdd(Float(1.54035304e-4f), r, Float(1.33335581e-3f));
+  for (const float coefficient : {9.61812911e-3f, 5.55041087e-2f, 0.240226507f, 0.693147181f, 1.0f}) result = mulAdd(result, r, Float(coefficient));
+  return selected(y > Float(-126.0f), result * floatOfBits((whole + 127) << 23), Float(0.0f));
+}
+
+/// What light makes of a colour c of opacity a, premultiplied: kept * c + white * a.
+template <class Float>
+struct LightFactors {
+  Float kept, white;
+};
+
+template <class Float>
+WARPSCOPE_HD inline Float dot3(const Float (&a)[3], const Float (&b)[3]) {
+  return mulAdd(a[2], b[2], mulAdd(a[1], b[1], a[0] * b[0]));
+}
+
+/// `gradient`: as gradientOf() gives it. `toEye`: unit vector. `place`: in volume space; for point lights alone.
+template <class Float>
+WARPSCOPE_HD inline LightFactors<Float> lightFactors(const ShadingSetup& setup, const Float (&gradient)[3], const Float (&toEye)[3], const Float (&place)[3]) {
+  const Float kZero(0.0f), kOne(1.0f);
+  const Shading& shading = setup.shading;
+  const Float scaled[3] = {gradient[0] * Float(setup.gradientScale.x), gradient[1] * Float(setup.gradientScale.y), gradient[2] * Float(setup.gradientScale.z)};
+  const Float squared = dot3(scaled, scaled);
+  const auto isSurface = squared > Float(setup.noiseSquared);
+  const Float toUnit = kOne / sqrtOf(selected(isSurface, squared, kOne));
+  const Float normal[3] = {scaled[0] * toUnit, scaled[1] * toUnit, scaled[2] * toUnit};
+  const Float facingEye = absOf(dot3(normal, toEye));
+  const bool hasHighlights = shading.specular > 0.0f;
+  Float diffuse(shading.ambient), specular = kZero;
+  for (int i = 0; i < setup.lightCount; ++i) {
+    const PreparedLight& light = setup.lights[i];
+    const float diffuseStrength = light.strength * shading.diffuse, specularStrength = light.strength * shading.specular;
+    if (light.kind == LightKind::headlight) {  // its direction is the viewer's, and so is the half vector
+      diffuse = mulAdd(Float(diffuseStrength), facingEye, diffuse);
+      if (hasHighlights) specular = mulAdd(Float(specularStrength), powerOfCosine(facingEye, shading.exponent), specular);
+      continue;
+    }
+    Float toLight[3] = {Float(light.vector.x), Float(light.vector.y), Float(light.vector.z)};
+    Float strength = kOne;
+    if (light.kind == LightKind::point) {
+      for (int axis = 0; axis < 3; ++axis) toLight[axis] = toLight[axis] - place[axis];
+      const Float distanceSquared = dot3(toLight, toLight);
+      const auto isOutside = distanceSquared > kZero;  // else the light is in the sample, and everywhere around it
+      const Float toUnitLight = kOne / sqrtOf(selected(isOutside, distanceSquared, kOne));
+      for (int axis = 0; axis < 3; ++axis) toLight[axis] = toLight[axis] * toUnitLight;
+      strength = selected(isOutside, kOne, kZero);
+    }
+    diffuse = mulAdd(Float(diffuseStrength) * strength, absOf(dot3(normal, toLight)), diffuse);
+    if (!hasHighlights) continue;
+    const Float half[3] = {toLight[0] + toEye[0], toLight[1] + toEye[1], toLight[2] + toEye[2]};
+    const Float halfSquared = dot3(half, half);
+    const auto isHalf = halfSquared > Float(1e-12f);  // else the light is opposite the eye
+    const Float mirrored = absOf(dot3(normal, half)) / sqrtOf(selected(isHalf, halfSquared, kOne));
+    specular = mulAdd(Float(specularStrength) * strength, selected(isHalf, powerOfCosine(mirrored, shading.exponent), kZero), specular);
+  }
+  const float strength = shading.strength;
+  return {selected(isSurface, mulAdd(Float(strength), diffuse, Float(1.0f - strength)), kOne), selected(isSurface, Float(strength) * specular, kZero)};
+}
+
+/// Colours lit by the setup's lights (light.h says what a light is).
+struct Lit {
+  ShadingSetup setup;
+
+  template <class Source>
+  WARPSCOPE_HD glm::vec3 shade(const ClassifiedSample& sample, const Ray& ray, const Source& source, int /*k*/) const {
+    float gradient[3];
+    gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, sample.t, gradient);
+    const float toEye[3] = {-ray.direction.x, -ray.direction.y, -ray.direction.z};
+    const float place[3] = {mulAdd(sample.t, ray.direction.x, ray.origin.x), mulAdd(sample.t, ray.direction.y, ray.origin.y),
+                            mulAdd(sample.t, ray.direction.z, ray.origin.z)};
+    const LightFactors<float> factors = lightFactors(setup, gradient, toEye, place);
+    return lit(factors.kept, factors.white, sample);
+  }
+  WARPSCOPE_HD static glm::vec3 lit(float kept, float white, const ClassifiedSample& sample) {
+    return kept * sample.color + glm::vec3(white * sample.alpha);
+  }
+};
+
+/// Calls `f` with the light that the setup asks for: one line for each.
+template <class F>
+decltype(auto) visitLight(const ShadingSetup& setup, F&& f) {
+  if (!(setup.shading.strength > 0.0f)) return f(Unlit{});
+  return f(Lit{setup});
+}
+
+}  // namespace warpscope
