@@ -2,10 +2,13 @@
 // See marcher_cpu.h.
 #include "render/march/marcher_cpu.h"
 
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "render/base/stopwatch.h"
@@ -17,6 +20,7 @@
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
 #include "render/march/ray_samples.h"
+#include "render/march/visible_blocks.h"
 #include "render/march/volume_source.h"
 
 namespace warpscope {
@@ -130,6 +134,7 @@ class CpuMarcher final : public Marcher {
         for (uint32_t x = 0; x < camera.width; ++x) onRay(x, y, 1.0f, glm::vec4(0.0f), {});
       return;
     }
+    const std::optional<VisibleBlocks> blocks = plan.has(PlanStage::skipping) ? std::optional(visibleBlocks(camera, pixels)) : std::nullopt;
     const Volume& volume = *marched_->volume;
     visitVoxelType(volume.type(), [&](auto voxelTag) {
       using Voxel = decltype(voxelTag);
@@ -140,18 +145,32 @@ class CpuMarcher final : public Marcher {
       visitLight(shadingFor(*marched_, camera, settings), [&](const auto& light) {
         visitMarchArithmetic(settings.arithmetic, [&]<class March>(March) {
           if (std::is_floating_point_v<Voxel> && March::kLeavesOutMissing && plan.has(PlanStage::missingVoxels))
-            marchTiles<VolumeSource<Voxel, March::kLeavesOutMissing, March>>(view, light, camera, pixels, settings, plan, sample, stop, onRay);
+            marchTiles<VolumeSource<Voxel, March::kLeavesOutMissing, March>>(view, light, camera, pixels, settings, plan, blocks, sample, stop, onRay);
           else
-            marchTiles<VolumeSource<Voxel, false, March>>(view, light, camera, pixels, settings, plan, sample, stop, onRay);
+            marchTiles<VolumeSource<Voxel, false, March>>(view, light, camera, pixels, settings, plan, blocks, sample, stop, onRay);
         });
       });
     });
   }
 
+  /// What the picture's rays can see of what is visible at all.
+  VisibleBlocks visibleBlocks(const Camera& camera, const PixelGrid& pixels) {
+    const Volume& volume = *marched_->volume;
+    if (surfaceOf_ != baked_) {
+      EmptyCells cells;
+      cells.distances = baked_->emptyDistances.data();
+      cells.dims = marched_->macrocells.dims();
+      cells.edgeBits = std::countr_zero(static_cast<uint32_t>(marched_->macrocells.edge()));
+      surface_ = visibleSurface(cells, glm::ivec3(volume.dims()));
+      surfaceOf_ = baked_;
+    }
+    return VisibleBlocks(pixels, camera.width, camera.height, surface_, volume.bounds().lower, volume.geometry().voxelEdges());
+  }
+
   template <class Source, class View, class Light>
   void marchTiles(const View& view, const Light& light, const Camera& camera, const PixelGrid& pixels,
-                  const RenderSettings& settings, const EffectPlan& plan, const SampleSettings* sample,
-                  const std::stop_token& stop, const OnRay& onRay) const {
+                  const RenderSettings& settings, const EffectPlan& plan, const std::optional<VisibleBlocks>& blocks,
+                  const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) const {
     const RayLimits limits = limitsOf(settings, plan);
     const ClipSetup clip = prepareClip(settings.effects.clip, *marched_->volume, camera);
     const DepthFunction depthOfSamples = sample != nullptr ? depthFunctionOf(sample->heuristic) : nullptr;
@@ -160,8 +179,15 @@ class CpuMarcher final : public Marcher {
     parallelForTiles(camera.width, camera.height, side, stop, turns, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
       std::vector<CountingSample> counting;
       RaySamples found;
+      const VisibleDepths everything{0.0f, std::numeric_limits<float>::infinity()};
       for (uint32_t y = y0; y < y1; ++y)
         for (uint32_t x = x0; x < x1; ++x) {
+          const VisibleDepths depths = blocks ? blocks->at(x, y) : everything;
+          if (depths.isEmpty()) {
+            found.clear();
+            onRay(x, y, 1.0f, glm::vec4(0.0f), found);
+            continue;
+          }
           const PixelRay pixel = pixels.ray(x, y);
           const Ray& ray = pixel.ray;
           // Parallel to slabs, and in their planes: box.h says what comes of 1 / 0 and 0 * infinity.
@@ -172,8 +198,9 @@ class CpuMarcher final : public Marcher {
           Source source = exceptionsExpected([&] { return Source(view, ray, path.lattice); });  // reciprocals again
           GatheredColor<typename Source::March> color;
           counting.clear();
-          marchRay(path, 0, path.lattice.count, source, light, limits, color, [&](const CountingSample& met) {
-            counting.push_back(met);
+          const SampleSpan span = samplesBetween(depths, pixel.cosine, path.lattice);
+          marchRay(path, span.begin, span.end, source, light, limits, color, [&](const CountingSample& met) {
+            if (sample != nullptr) counting.push_back(met);
             return true;
           });
           const glm::vec4 premultiplied = color.premultiplied();
@@ -210,6 +237,8 @@ class CpuMarcher final : public Marcher {
 
   std::mutex mutex_;  // of everything below
   std::shared_ptr<const BakedTransfer> baked_;
+  std::shared_ptr<const BakedTransfer> surfaceOf_;  // whose surface that is
+  std::vector<Box> surface_;
   std::vector<PackedSample> denseSamples_;
   std::vector<Rgba8> denseColors_;
 };

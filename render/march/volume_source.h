@@ -10,6 +10,7 @@
 
 #include "render/core/ray.h"
 #include "render/core/simd.h"
+#include "render/core/simd_lanes.h"
 #include "render/core/transfer_table.h"
 #include "render/effects/shading_batch.h"
 #include "render/march/empty_space.h"
@@ -99,18 +100,14 @@ class VolumeSource {
       value = blendFinite(places, weight);
     else
       value = blend(places, weight);
-    view_.transfer.binOf(value).store_aligned(index_);
-    uint32_t visible = 0, refined = 0;
-    for (int k = 0; k < kBatch; ++k) {
-      alpha_[k] = view_.transfer.alphas[index_[k]];
-      bool shown = alpha_[k] > 0.0f;
-      bool isRefined = alpha_[k] < 0.0f;
-      if constexpr (kHasHoles) {
-        shown = shown && !missing_[k];
-        isRefined = isRefined && !missing_[k];
-      }
-      visible |= static_cast<uint32_t>(shown) << k;
-      refined |= static_cast<uint32_t>(isRefined) << k;
+    const IntBatch bin = view_.transfer.binOf(value);
+    bin.store_aligned(index_);
+    const FloatBatch alpha = gathered(view_.transfer.alphas, bin);
+    alpha.store_aligned(alpha_);
+    uint32_t visible = bitsOf(alpha > FloatBatch(0.0f)), refined = bitsOf(alpha < FloatBatch(0.0f));
+    if constexpr (kHasHoles) {
+      visible &= ~missing_;
+      refined &= ~missing_;
     }
     return refined == 0 ? visible : visible | refine(value, refined);
   }
@@ -165,13 +162,15 @@ class VolumeSource {
   FloatBatch blendFinite(const Voxel* const (&places)[kBatch], const FloatBatch (&weight)[3]) {
     alignas(64) float weights[3][kBatch];
     alignas(64) float values[kBatch];
+    uint32_t missing = 0;
     for (int axis = 0; axis < 3; ++axis) weight[axis].store_aligned(weights[axis]);
     for (int k = 0; k < kBatch; ++k) {
       float corner[8];
       for (int i = 0; i < 8; ++i) corner[i] = interpolant(places[k][offsets_[i]], view_.scale);
       values[k] = trilinearOfFinite(corner, weights[0][k], weights[1][k], weights[2][k]);
-      missing_[k] = !isFiniteVoxel(values[k]);
+      missing |= static_cast<uint32_t>(!isFiniteVoxel(values[k])) << k;
     }
+    missing_ = missing;
     return FloatBatch::load_aligned(values);
   }
 
@@ -183,8 +182,8 @@ class VolumeSource {
   EmptySpace emptySpace_;
   size_t offsets_[8];    // from a voxel to those that are blended with it, x fastest
   alignas(64) int32_t index_[kBatch];
-  float alpha_[kBatch];
-  bool missing_[kBatch];
+  alignas(64) float alpha_[kBatch];
+  uint32_t missing_ = 0;  // bit k: the k-th has no value
   float t_[March::kPlacesByIndex ? 1 : kBatch];  // of what was looked at last
 };
 
