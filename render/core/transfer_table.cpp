@@ -147,7 +147,7 @@ class Baking {
  private:
   Entry entryOf(const glm::vec4& straight) const {
     const float unitAlpha = std::clamp(straight.a, 0.0f, 1.0f);
-    const float alpha = correctOpacity(unitAlpha, table_.step);
+    const float alpha = unitAlpha == 0.0f ? 0.0f : correctOpacity(unitAlpha, table_.step);  // nothing stays nothing, and is most of many functions
     return {{glm::vec3(straight) * alpha, alpha}, unitAlpha};
   }
   Entry from(double x) const { return entryOf(function_.at(x)); }

@@ -3,6 +3,7 @@
 #include "render/volume/macrocells.h"
 
 #include <algorithm>
+#include <cstring>
 #include <tuple>
 
 #include "render/core/parallel.h"
@@ -14,32 +15,38 @@
 namespace warpscope {
 namespace {
 
-/// Writes CellDistances' marks of `count` cells. Reads up to a vector beyond them.
+/// Whether cells show something, as anyVisibleBetween: CellDistances' marks, a lane each.
+IntBatch marksOf(const VisibleBins& bins, const float* lowest, const float* highest) {
+  const FloatBatch low = FloatBatch::load_unaligned(lowest), high = FloatBatch::load_unaligned(highest);
+  const FloatBatch zero(0.0f), beyond(static_cast<float>(bins.table.bins));
+  const FloatBatch slack = selected(low < high, FloatBatch(kRangeSlack) * maxOf(absOf(low), absOf(high)), zero);
+  const IntBatch first = bins.table.binOf(low - slack);
+  // In front of all bins where a cell has no finite voxel.
+  const IntBatch last = bins.table.binOf(high + slack) - truncated(selected(low > high, beyond, zero));
+  const IntBatch code = IntBatch::gather(bins.next, first);
+  const IntBatch bin = code >> 1;
+  const IntBatch visible(CellDistances::kMarked), hidden(CellDistances::kUnmarked);
+  const auto isVisible = bin <= last;
+  const IntBatch marks = select(isVisible, visible, hidden);
+  const auto isUncertain = isVisible & ((code & IntBatch(1)) == IntBatch(1)) & ((bin == first) | (bin == last));
+  if (!xsimd::any(isUncertain)) return marks;
+  alignas(64) int32_t lanes[kBatchLanes];
+  for (int k = 0; k < kBatchLanes; ++k)
+    lanes[k] = anyVisibleBetween(bins, lowest[k], highest[k]) ? CellDistances::kMarked : CellDistances::kUnmarked;
+  return IntBatch::load_aligned(lanes);
+}
+
+/// Cells that are looked at at once, four vectors of them.
+constexpr int kCellsAtOnce = 4 * kBatchLanes;
+
+/// Writes CellDistances' marks of `count` cells. Reads up to kCellsAtOnce beyond them.
 void markVisible(const VisibleBins& bins, const float* lowest, const float* highest, int count, uint8_t* marks) {
-  constexpr int kLanes = kBatchLanes;
-  alignas(64) int32_t first[kLanes], codes[kLanes], found[kLanes];
-  for (int begin = 0; begin < count; begin += kLanes) {
-    // As anyVisibleBetween.
-    const FloatBatch low = FloatBatch::load_unaligned(lowest + begin), high = FloatBatch::load_unaligned(highest + begin);
-    const FloatBatch slack = selected(low < high, FloatBatch(kRangeSlack) * maxOf(absOf(low), absOf(high)), FloatBatch(0.0f));
-    const IntBatch firstBin = bins.table.binOf(low - slack);
-    // In front of all bins where a cell has no finite voxel.
-    const IntBatch lastBin = bins.table.binOf(high + slack) - truncated(selected(low > high, FloatBatch(static_cast<float>(bins.table.bins)), FloatBatch(0.0f)));
-    firstBin.store_aligned(first);
-    for (int k = 0; k < kLanes; ++k) codes[k] = bins.next[first[k]];
-    const IntBatch code = IntBatch::load_aligned(codes);
-    const IntBatch bin = code >> 1;
-    const auto isVisible = bin <= lastBin;
-    const auto isUncertain = isVisible & ((code & IntBatch(1)) == IntBatch(1)) & ((bin == firstBin) | (bin == lastBin));
-    select(isVisible, IntBatch(CellDistances::kMarked), IntBatch(CellDistances::kUnmarked)).store_aligned(found);
-    const int lanes = std::min(kLanes, count - begin);
-    if (xsimd::any(isUncertain))
-      for (int k = 0; k < lanes; ++k)
-        found[k] = anyVisibleBetween(bins, lowest[begin + k], highest[begin + k]) ? CellDistances::kMarked : CellDistances::kUnmarked;
-    if (lanes == kLanes)
-      for (int k = 0; k < kLanes; ++k) marks[begin + k] = static_cast<uint8_t>(found[k]);
-    else
-      for (int k = 0; k < lanes; ++k) marks[begin + k] = static_cast<uint8_t>(found[k]);
+  for (int begin = 0; begin < count; begin += kCellsAtOnce) {
+    alignas(64) int32_t wide[kCellsAtOnce];
+    uint8_t narrow[kCellsAtOnce];
+    for (int i = 0; i < kCellsAtOnce; i += kBatchLanes) marksOf(bins, lowest + begin + i, highest + begin + i).store_aligned(wide + i);
+    for (int i = 0; i < kCellsAtOnce; ++i) narrow[i] = static_cast<uint8_t>(wide[i]);
+    std::memcpy(marks + begin, narrow, static_cast<size_t>(std::min(kCellsAtOnce, count - begin)));
   }
 }
 
@@ -57,7 +64,7 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
   visitVoxelType(type_, [&](auto voxelTag) {
     using Voxel = decltype(voxelTag);
     using Number = std::conditional_t<kRounds<Voxel>, double, float>;
-    const size_t padded = count() + kBatchLanes;
+    const size_t padded = count() + kCellsAtOnce;
     auto ranges = std::make_shared<Ranges<Number>>();
     ranges->lowest.assign(padded, Number(kNoLowest));
     ranges->highest.assign(padded, Number(kNoHighest));
