@@ -28,7 +28,8 @@ Json toJson(const Panel& panel) {
     return panel.errorsAreCurrent && std::isfinite((*panel.errors).*error) ? Json((*panel.errors).*error) : Json(nullptr);
   };
   const FrameLatency& latency = panel.latency;
-  return {{"bytes", panel.frameBytes},        {"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},
+  return {{"leftOut", panel.leftOut},
+          {"bytes", panel.frameBytes},        {"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},
           {"queueMs", latency.queueMs},       {"marchMs", latency.marchMs},     {"compactMs", latency.compactMs},
           {"copyMs", latency.copyMs},         {"encodeMs", latency.encodeMs},   {"decodeMs", latency.decodeMs},
           {"buildMs", panel.buildMs},         {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs},
