@@ -39,8 +39,16 @@ Duration simulatedSilence(const LinkSettings& link) {
 }
 Duration simulatedSilence(const DuplexLinkSettings& link) { return simulatedSilence(link.up) + simulatedSilence(link.down); }
 
+std::string differenceOf(const SettingFields& asked, const SettingFields& answered) {
+  for (const SettingField& setting : asked) {
+    const auto found = std::ranges::find(answered, setting.name, &SettingField::name);
+    if (found == answered.end() || found->value != setting.value) return "the setting " + setting.name + " is not " + setting.value;
+  }
+  return {};
+}
+
 /// What a frame says of itself that was asked otherwise; empty if nothing is. Texts of the server's are not repeated.
-std::string differenceOf(const FrameRequest& asked, const FrameHead& head) {
+std::string differenceOf(const FrameRequest& asked, const FrameHead& head, ClientEvents& events) {
   const auto sizeOf = [](const CameraFields& camera) {
     return std::to_string(camera.width) + "x" + std::to_string(camera.height);
   };
@@ -50,11 +58,7 @@ std::string differenceOf(const FrameRequest& asked, const FrameHead& head) {
   if (head.camera.width != asked.camera.width || head.camera.height != asked.camera.height)
     return "a size of " + sizeOf(head.camera) + " pixels, not " + sizeOf(asked.camera);
   if (head.camera != asked.camera) return "another camera";
-  for (const SettingField& setting : asked.settings) {
-    const auto found = std::ranges::find(head.settings, setting.name, &SettingField::name);
-    if (found == head.settings.end() || found->value != setting.value)
-      return "the setting " + setting.name + " is not " + setting.value;
-  }
+  if (std::string fault = differenceOf(asked.settings, head.settings); !fault.empty() && !events.admits(asked.settings, head.settings)) return fault;
   if (head.codec != asked.codec) return "another codec";
   return {};
 }
@@ -66,6 +70,8 @@ struct Asked {
 };
 
 }  // namespace
+
+bool ClientEvents::admits(const SettingFields&, const SettingFields&) { return false; }
 
 /// Everything but `ended` belongs to the I/O thread. Lives until the last coroutine has ended, which may be after the client's end:
 /// connecting is left to its deadline.
@@ -310,7 +316,7 @@ std::deque<Asked>::iterator Client::State::find(uint64_t id) {
 std::string Client::State::faultOf(const FrameHead& head, uint64_t payloadBytes) {
   const auto found = find(head.id);
   if (isClosed || found == underWay.end()) return "nobody waits for frame " + std::to_string(head.id);
-  std::string fault = differenceOf(found->request, head);
+  std::string fault = differenceOf(found->request, head, events);
   if (fault.empty()) fault = events.faultOf(head, payloadBytes);
   if (fault.empty()) underWay.erase(underWay.begin(), found);
   return fault;

@@ -61,8 +61,11 @@ class ClientEvents {
   /// After each connecting.
   virtual void onScene(const SceneFields& scene) = 0;
   /// What is wrong with a frame of that head as an answer, with a payload of so many bytes; empty if nothing is. Asked when the head is there
-  /// and nothing of the payload; camera, settings and codec are known to be those of the request. What is wrong ends the connection for good.
+  /// and nothing of the payload; camera, settings (but for those that admits() lets
+  /// pass) and codec are known to be those of the request. What is wrong ends the connection for good.
   virtual std::string faultOf(const FrameHead& head, uint64_t payloadBytes) = 0;
+  /// Whether a frame of settings that differ from those asked for is an answer nevertheless.
+  virtual bool admits(const SettingFields& asked, const SettingFields& answered);
   virtual void onFrame(Frame frame, const FrameArrival& arrival) = 0;
   virtual void onFailure(const Failure& failure) = 0;
   /// A round trip of a heartbeat: one when connected, and one each of the server's intervals.

@@ -19,20 +19,22 @@ using std::chrono::milliseconds;
 
 Clock::TimePoint at(int ms) { return Clock::TimePoint(milliseconds(ms)); }
 
-/// A marcher that takes virtual time and finds nothing.
+/// A marcher that takes virtual time, less at greater steps, and finds nothing.
 class StubMarcher final : public Marcher {
  public:
   StubMarcher(Clock& clock, milliseconds duration) : clock_(clock), duration_(duration) {}
 
-  SampleFrame march(const Camera& camera, const MarchSettings&, const std::stop_token& stop) override {
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     {
       const std::scoped_lock lock(mutex_);
       widths_.push_back(camera.width);
     }
-    if (!clock_.waitUntil(clock_.now() + duration_, stop)) throw OperationCancelled();
+    const double share = MarchSettings{}.render.step / static_cast<double>(settings.render.step);
+    if (!clock_.waitUntil(clock_.now() + durationOfMs(share * static_cast<double>(duration_.count())), stop)) throw OperationCancelled();
     if (fails) throw InputError("the volume is gone");
     SampleFrame frame;
     frame.camera = camera;
+    frame.settings = settings;
     return frame;
   }
   void render(const Camera&, const RenderSettings&, Image<glm::vec4>&, const std::stop_token&) override {}
@@ -128,6 +130,32 @@ TEST_F(DirectFrameSourceTest, OneIsInFlightOneIsPendingAndTheNewestWins) {
   EXPECT_EQ(clock_.advanceToNextSleeper(), at(210));
   EXPECT_EQ(nextFrame().requestId, 50u);
   EXPECT_THAT(marcher_->widths(), ::testing::ElementsAre(1u, 50u));
+}
+
+TEST_F(DirectFrameSourceTest, AMovingCameraIsMarchedCoarserWhereThatIsWantedAndInFullAtRest) {
+  TransportSettings transport;
+  transport.serverMs = 10;
+  source_->setTransport(transport);
+  const auto ask = [&](uint64_t id, float eye) {
+    FrameRequest request;
+    request.id = id;
+    request.camera.eye.x = eye;
+    request.camera.width = request.camera.height = 100;
+    source_->post(request, clock_.now());
+    clock_.advanceToNextSleeper();
+    return nextFrame();
+  };
+  const ServedFrame first = ask(1, 1.0f);
+  EXPECT_EQ(first.frame->settings, MarchSettings{}) << "nobody knows yet whether it moves";
+  EXPECT_EQ(first.arrivedAt, at(30));
+  const ServedFrame moving = ask(2, 2.0f);
+  EXPECT_FLOAT_EQ(moving.frame->settings.render.step, 1.5f);
+  EXPECT_NEAR(millisecondsBetween(at(40), moving.arrivedAt), 0.0, 0.01);
+  EXPECT_FLOAT_EQ(ask(3, 3.0f).frame->settings.render.step, 1.5f);
+  EXPECT_EQ(ask(4, 3.0f).frame->settings, MarchSettings{});
+  EXPECT_FLOAT_EQ(ask(5, 4.0f).frame->settings.render.step, 1.5f);
+  source_->setTransport({});
+  EXPECT_EQ(ask(6, 5.0f).frame->settings, MarchSettings{});
 }
 
 TEST_F(DirectFrameSourceTest, ErrorsArriveAsText) {

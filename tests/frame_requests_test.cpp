@@ -118,6 +118,94 @@ TEST_F(FrameRequestsTest, AnErrorIsAnAnswerAndLeavesTheFrame) {
   EXPECT_EQ(frames_.error(), "");
 }
 
+class CoarseFrames : public FrameRequestsTest {
+ protected:
+  /// An answer that was marched at that step.
+  void answerAt(float step, uint64_t id) {
+    ServedFrame served;
+    served.requestId = id;
+    served.arrivedAt = now_;
+    auto frame = std::make_shared<SampleFrame>();
+    frame->requestId = id;
+    frame->settings.render.step = step;
+    served.frame = std::move(frame);
+    source_.answer = std::move(served);
+    ASSERT_TRUE(frames_.take());
+  }
+};
+
+TEST_F(CoarseFrames, AreAskedForOnceMoreWhenTheCameraRests) {
+  ask(1);
+  answerAt(0.5f, 1);
+  EXPECT_FALSE(frames_.isToBeRefined());
+  ask(2);
+  EXPECT_FALSE(frames_.isToBeRefined()) << "it is not there yet";
+  answerAt(1.5f, 2);
+  EXPECT_TRUE(frames_.isToBeRefined());
+  EXPECT_TRUE(ask(2)) << "time passes";
+  EXPECT_EQ(source_.posted.size(), 2u);
+  now_ += FrameRequests::kRest - milliseconds(1);
+  EXPECT_TRUE(ask(2));
+  EXPECT_EQ(source_.posted.size(), 2u);
+  now_ += milliseconds(1);
+  EXPECT_TRUE(ask(2));
+  ASSERT_EQ(source_.posted.size(), 3u);
+  EXPECT_EQ(source_.posted[2].id, 3u);
+  EXPECT_EQ(source_.posted[2].camera, source_.posted[1].camera);
+  EXPECT_EQ(source_.posted[2].settings, source_.posted[1].settings) << "in full";
+  EXPECT_TRUE(frames_.isUnderWay());
+  EXPECT_EQ(frames_.ageMs(2, now_), 0.0) << "what is on show is of the camera of now";
+  answerAt(0.5f, 3);
+  EXPECT_FALSE(frames_.isToBeRefined());
+  EXPECT_FALSE(ask(2));
+}
+
+TEST_F(CoarseFrames, AreLeftWhereTheCameraGoesOn) {
+  ask(1);
+  answerAt(1.5f, 1);
+  for (int i = 2; i < 20; ++i) {
+    now_ += milliseconds(100);
+    EXPECT_TRUE(ask(static_cast<float>(i)));
+    EXPECT_EQ(source_.posted.size(), static_cast<size_t>(i));
+    answerAt(1.5f, static_cast<uint64_t>(i));
+    EXPECT_TRUE(ask(static_cast<float>(i)));
+    EXPECT_EQ(source_.posted.size(), static_cast<size_t>(i)) << "it has not rested";
+  }
+}
+
+TEST_F(CoarseFrames, AreAskedForOnceAndNoMore) {
+  ask(1);
+  answerAt(1.5f, 1);
+  now_ += FrameRequests::kRest;
+  EXPECT_TRUE(ask(1));
+  answerAt(1.5f, 2);  // a server that does not refine
+  now_ += FrameRequests::kRest;
+  EXPECT_FALSE(frames_.isToBeRefined());
+  EXPECT_FALSE(ask(1));
+  EXPECT_EQ(source_.posted.size(), 2u);
+  ask(2);
+  answerAt(1.5f, 3);
+  now_ += FrameRequests::kRest;
+  EXPECT_TRUE(ask(2)) << "another camera, another chance";
+  EXPECT_EQ(source_.posted.size(), 4u);
+}
+
+TEST_F(CoarseFrames, StayWhereNothingIsAskedAnyMore) {
+  ask(1);
+  answerAt(1.5f, 1);
+  now_ += FrameRequests::kRest;
+  EXPECT_FALSE(ask(1, true));
+  EXPECT_FALSE(frames_.isToBeRefined()) << "frozen";
+  EXPECT_TRUE(ask(1, false));
+  EXPECT_EQ(source_.posted.size(), 2u);
+}
+
+TEST_F(CoarseFrames, AFinerStepIsNoneOfThem) {
+  ask(1);
+  answerAt(0.25f, 1);
+  EXPECT_FALSE(frames_.isToBeRefined());
+}
+
 TEST_F(FrameRequestsTest, RemembersWhatIsOnShowOrUnderWayAlone) {
   for (int i = 1; i <= 100; ++i) ask(static_cast<float>(i));
   answer(98);

@@ -5,12 +5,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <atomic>
 #include <thread>
 
+#include "app/frames/frame_fetch.h"
+#include "app/frames/remote_frame_source.h"
 #include "app/frames/remote_marcher.h"
 #include "app/frames/wire_fields.h"
 #include "headless.h"
 #include "render/base/error.h"
+#include "render/core/parallel.h"
 #include "tests/net/exchange.h"
 
 namespace warpscope {
@@ -91,6 +98,64 @@ TEST_F(FrameServerTest, AFrameThatTakesTooMuchMemoryIsRefusedWithWhatWouldFit) {
   const MarcherPtr client = this->client();
   EXPECT_THAT(refusalOf(*client, camera(1024, 1024), scene_.march), AllOf(HasSubstr("1024x1024 takes about 41 MiB"), HasSubstr("at most 16 MiB"), HasSubstr("would fit")));
   EXPECT_GT(client->march(camera(600, 600), scene_.march).size(), 0u);
+}
+
+/// Marches as another, and looks where its loops run.
+class WatchedMarcher final : public Marcher {
+ public:
+  WatchedMarcher(MarcherPtr inner, std::shared_ptr<std::atomic<int>> nice) : inner_(std::move(inner)), nice_(std::move(nice)) {}
+
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    parallelForRanges(8, 1, [&](size_t, size_t) { *nice_ = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); });
+    return inner_->march(camera, settings, stop);
+  }
+  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+    inner_->render(camera, settings, image, stop);
+  }
+  const VolumePtr& volume() const override { return inner_->volume(); }
+  Backend backend() const override { return inner_->backend(); }
+  MarcherCapabilities capabilities() const override { return inner_->capabilities(); }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<WatchedMarcher>(inner_->twin(turns), nice_); }
+
+ private:
+  const MarcherPtr inner_;
+  const std::shared_ptr<std::atomic<int>> nice_;
+};
+
+TEST_F(FrameServerTest, ItsOwnProcessGoesFirst) {
+  const int here = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
+  if (here >= 19) GTEST_SKIP() << "nothing stands behind nice 19";
+  const auto nice = std::make_shared<std::atomic<int>>(here - 1);
+  const auto watched = std::make_shared<WatchedMarcher>(makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {}), nice);
+  server_ = std::make_unique<FrameServer>(io_, scene_, watched, net::ServerSettings{});
+  EXPECT_GT(client()->march(camera(64, 48), scene_.march).size(), 0u);
+  EXPECT_GT(*nice, here);
+  server_ = std::make_unique<FrameServer>(io_, scene_, watched, net::ServerSettings{}, ServeLimits{});
+  EXPECT_GT(client()->march(camera(64, 48), scene_.march).size(), 0u);
+  EXPECT_EQ(*nice, here) << "a server of its own has nobody to let go first";
+}
+
+TEST_F(FrameServerTest, AMovingCameraIsMarchedCoarserWhereThatIsWantedAndInFullAtRest) {
+  serve({});
+  net::ClientSettings settings;
+  settings.address = server_->address();
+  const std::shared_ptr<FrameSource> source = connectFrameSource(io_, settings, [] {}, {}).source;
+  TransportSettings transport;
+  transport.serverMs = 1;  // less than any march of so fine a step takes
+  source->setTransport(transport);
+  MarchSettings fine = scene_.march;
+  fine.render.step = 0.01f;
+  fine.render.skipEmpty = fine.render.terminateEarly = false;
+  const FrameFetch fetch = fetchFrom(source);
+  const auto stepOf = [&](uint32_t height) { return fetch(camera(256, height), fine, {}).frame->settings.render.step; };
+  EXPECT_EQ(stepOf(200), 0.01f) << "nobody knows yet whether it moves";
+  EXPECT_GT(stepOf(201), 0.011f);
+  EXPECT_GT(stepOf(202), 0.011f);
+  EXPECT_EQ(stepOf(202), 0.01f) << "refined";
+  transport.serverMs = 0;
+  source->setTransport(transport);
+  EXPECT_EQ(stepOf(203), 0.01f);
 }
 
 TEST_F(FrameServerTest, SlowReadersTakeNoMoreThanThereIs) {

@@ -127,7 +127,8 @@ TEST_F(WindowReportTest, StagesAreThoseOfPanelsThatDrawFrames) {
       {"waitMs", latency.waitMs}, {"wireMs", latency.wireMs},       {"queueMs", latency.queueMs},   {"marchMs", latency.marchMs},
       {"copyMs", latency.copyMs}, {"compactMs", latency.compactMs}, {"encodeMs", latency.encodeMs}, {"decodeMs", latency.decodeMs},
       {"buildMs", panel.buildMs}, {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs}};
-  EXPECT_EQ(stages.size(), expected.size() + 4);  // bytes and errors
+  EXPECT_EQ(stages.size(), expected.size() + 5);  // bytes, errors, and what was left out
+  EXPECT_EQ(stages["leftOut"], "");
   for (const auto& [key, value] : expected) EXPECT_DOUBLE_EQ(stages[key], value) << key;
   EXPECT_EQ(stages["bytes"], panel.frameBytes);
   EXPECT_GT(panel.frameBytes, 0u);

@@ -68,6 +68,20 @@ TEST(WireFields, SettingsHaveTheNamesOfTheOptions) {
                                    field("radius", "opacity"), field("radiusScale", "1.7"), field("samplesPerRay", "5")));
 }
 
+TEST(WireFields, WhatAFrameMayTakeIsSaidWhereItIsAnything) {
+  const MarchSettings march;
+  EXPECT_EQ(toFields(march, 0), toFields(march)) << "servers that do not know it refuse what names it";
+  net::SettingFields fields = toFields(march, 40);
+  EXPECT_EQ(serverMsFrom(fields), 40);
+  EXPECT_EQ(marchFrom(fields), march);
+  EXPECT_EQ(serverMsFrom(toFields(march)), 0);
+  for (const char* wrong : {"-1", "1.5", "10001", "nan", ""}) {
+    fields.back().value = wrong;
+    EXPECT_THROW(serverMsFrom(fields), InputError) << wrong;
+    EXPECT_THROW(marchFrom(fields), InputError) << wrong;
+  }
+}
+
 TEST(WireFields, SettingsThatAreNotSaidKeepTheirDefaults) {
   EXPECT_EQ(marchFrom({}), MarchSettings{});
   MarchSettings settings;

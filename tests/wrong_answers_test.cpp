@@ -117,6 +117,53 @@ TEST_F(WrongAnswers, OtherFramesSettingsAndCodecsAreNotDecoded) {
       "the setting samplesPerRay is not 1");
 }
 
+void setOf(net::FrameHead& head, std::string_view name, const std::string& value) {
+  const auto found = std::ranges::find(head.settings, name, &net::SettingField::name);
+  if (found == head.settings.end())
+    head.settings.push_back({std::string(name), value});
+  else
+    found->value = value;
+}
+
+TEST_F(WrongAnswers, ACoarserStepIsTakenFromThoseAloneThatWereAllowedIt) {
+  const auto withStep = [](const char* step) { return [step](net::FrameHead& head, net::Bytes&) { setOf(head, "step", step); }; };
+  expectAll(withStep("1.5"), "the setting step is not 0.5");
+  transport_.serverMs = 40;
+  // The source behind windows and commands says so; what marches ground truth does not, and takes nothing else.
+  const auto answers = [&](const std::function<void(net::FrameHead&, net::Bytes&)>& change) { return sentences(change).front(); };
+  for (const float step : {1.5f, 2.0f}) {
+    const auto marched = [&](BareSocket& to, const net::FrameRequest& request) {
+      MarchSettings coarser = settings_;
+      coarser.render.step = step;
+      const SampleFrame frame = marcher_->march(camera_, coarser);
+      net::FrameHead head = honestHead(request, frame);
+      head.settings = headOf(frame, codecFrom(request.codec), serverMsFrom(request.settings)).settings;
+      const net::Bytes payload = FrameCodec().encode(frame, codecFrom(request.codec));
+      return to.send(net::frameMessage(head, payload.size())) && to.send(payload);
+    };
+    EXPECT_EQ(sentences(marched).front(), "it was taken") << step;
+  }
+  EXPECT_THAT(answers(withStep("1.5")), HasSubstr("other camera or settings than the sender's")) << "said, and not done";
+  EXPECT_THAT(sentences(withStep("1.5"))[1], HasSubstr("the setting step is not 0.5"));
+  for (const char* step : {"0.25", "2.01", "1000", "nan", "-1", "", "coarse"})
+    EXPECT_THAT(answers(withStep(step)), HasSubstr("the setting step is not 0.5")) << step;
+  EXPECT_THAT(answers([](net::FrameHead& head, net::Bytes&) {
+                setOf(head, "step", "1.5");
+                setOf(head, "contribution", "0.25");
+              }),
+              HasSubstr("is not"));
+  EXPECT_THAT(answers([](net::FrameHead& head, net::Bytes&) { setOf(head, "heuristic", "exit"); }), HasSubstr("the setting heuristic is not gradient"));
+  for (const char* allowed : {"0", "41", "many"})
+    EXPECT_THAT(answers([&](net::FrameHead& head, net::Bytes&) {
+                  setOf(head, "step", "1.5");
+                  setOf(head, "serverMs", allowed);
+                }),
+                HasSubstr("is not"))
+        << allowed;
+  EXPECT_THAT(answers([](net::FrameHead& head, net::Bytes&) { std::erase_if(head.settings, [](const auto& field) { return field.name == "serverMs"; }); }),
+              HasSubstr("the setting serverMs is not 40"));
+}
+
 TEST_F(WrongAnswers, ImpossibleNumbersOfSamplesAndBytesAreNotRead) {
   expectAll([](net::FrameHead& head, net::Bytes&) { head.sampleCount = 64 * 48 + 1; },
             "3073 samples, where 3072 are the most");

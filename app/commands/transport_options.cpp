@@ -122,7 +122,9 @@ nlohmann::json toJson(const FrameLatency& latency) {
 }
 
 void requireServerFor(const TransportOptions& options) {
-  const std::string given = options.knobs.has(kDepthKnob) ? std::string(kDepthKnob.option) : options.givenOfLink;
+  std::string given = options.givenOfLink;
+  for (const Knob* knob : {&kServerMsKnob, &kDepthKnob})
+    if (options.knobs.has(*knob)) given = knob->option;
   if (!given.empty() && options.connect.empty())
     throw UsageError(given + " is about the way from a server, and frames are made here: add --connect URL, or leave it out");
 }

@@ -2,8 +2,10 @@
 // See direct_frame_source.h.
 #include "app/frames/direct_frame_source.h"
 
+#include <atomic>
 #include <mutex>
 
+#include "app/frames/server_pace.h"
 #include "app/frames/wire_fields.h"
 #include "net/link_model.h"
 #include "render/base/newest_worker.h"
@@ -44,6 +46,7 @@ class DirectFrameSource final : public FrameSource {
     const std::scoped_lock lock(mutex_);
     if (transport.link.up != up_.settings()) up_.setSettings(transport.link.up, clock_.now());
     if (transport.link.down != down_.settings()) down_.setSettings(transport.link.down, clock_.now());
+    serverMs_ = transport.serverMs;
   }
   SourceStatus status() const override { return {}; }
   void requestStop() override { worker_.requestStop(); }
@@ -56,9 +59,12 @@ class DirectFrameSource final : public FrameSource {
     // What waited for its turn meanwhile does not wait again.
     if (!clock_.waitUntil(arrival(up_, messageBytes(job.request), job.sentAt), stop)) throw OperationCancelled();
     const Clock::TimePoint beganAt = clock_.now();
-    SampleFrame frame = marcher_->march(job.request.camera, job.request.settings, stop);
+    const int serverMs = serverMs_;
+    const MarchSettings settings = serverMs > 0 ? pace_.settingsFor(job.request.camera, job.request.settings, serverMs, beganAt) : job.request.settings;
+    SampleFrame frame = marcher_->march(job.request.camera, settings, stop);
     frame.requestId = job.request.id;
     const Clock::TimePoint marchedAt = clock_.now();
+    if (serverMs > 0) pace_.note(job.request.camera, settings, millisecondsBetween(beganAt, marchedAt), marchedAt);
     if (!clock_.waitUntil(arrival(down_, messageBytes(frame), marchedAt), stop)) throw OperationCancelled();
     served.arrivedAt = clock_.now();
     served.bytes = frame.sizeBytes();
@@ -76,6 +82,8 @@ class DirectFrameSource final : public FrameSource {
   Clock& clock_;
   std::mutex mutex_;  // of the links
   net::LinkModel up_, down_;
+  std::atomic<int> serverMs_ = 0;
+  ServerPace pace_;  // of the worker's thread
   NewestWorker<Job, ServedFrame> worker_;
 };
 

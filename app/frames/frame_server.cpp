@@ -133,6 +133,7 @@ FrameServer::FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, 
       clock_(io->clock()),
       turns_(limits ? std::make_shared<Turns>(TurnSettings{.limit = limits->work}) : nullptr),
       budget_(limits ? std::make_unique<net::ByteBudget>(limits->memoryBytes) : nullptr),
+      crew_(limits ? nullptr : std::make_unique<Crew>()),
       server_(std::move(io), withScene(settings, scene)),
       mostLanes_(limits ? settings.clients.most : 1) {
   startLane();
@@ -161,6 +162,7 @@ void FrameServer::startLane() {
 }
 
 void FrameServer::run(Lane& lane) {
+  const Crew::Shift shift(crew_.get());
   while (const std::optional<net::RequestJob> job = server_.requests().take(stop_.get_token())) {
     {
       const std::scoped_lock lock(mutex_);
@@ -182,6 +184,7 @@ void FrameServer::keepHouse() {
     if (budget_ && budget_->isShort()) server_.makeRoom();
     const std::scoped_lock lock(mutex_);
     for (const std::unique_ptr<Lane>& lane : lanes_) lane->giveBackIfRested(clock_.now());
+    std::erase_if(paces_, [](const auto& of) { return of.second.hasLeft.stop_requested(); });
   }
 }
 
@@ -219,6 +222,13 @@ net::ByteBudget::SharePtr FrameServer::memoryOf(const Camera& camera, size_t byt
   throw OperationCancelled();
 }
 
+std::shared_ptr<ServerPace> FrameServer::paceOf(const net::RequestJob& job) {
+  const std::scoped_lock lock(mutex_);
+  PaceOfClient& of = paces_[job.client];
+  if (!of.pace) of = {job.hasLeft, std::make_shared<ServerPace>()};
+  return of.pace;
+}
+
 FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane, const std::stop_token& stop) {
   const net::FrameRequest& request = job.request;
   const Camera camera = cameraFrom(request.camera);
@@ -231,10 +241,14 @@ FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane
   lane.exchangeWaitedMs();
   try {
     if (request.wanted == net::Wanted::samples) {
-      const SampleFrame frame = lane.marcher().march(camera, march, stop);
-      answer.head = headOf(frame, coding);
+      const int serverMs = serverMsFrom(request.settings);
+      const std::shared_ptr<ServerPace> pace = serverMs > 0 ? paceOf(job) : nullptr;
+      const SampleFrame frame = lane.marcher().march(camera, pace ? pace->settingsFor(camera, march, serverMs, job.arrivedAt) : march, stop);
+      answer.head = headOf(frame, coding, serverMs);
       takeTurnsFrom(answer.head.stages, lane.exchangeWaitedMs());
       answer.head.stages.encodeMs = milliseconds([&] { answer.payload = lane.codec().encode(frame, coding); });
+      const net::StageTimes& took = answer.head.stages;
+      if (pace) pace->note(camera, frame.settings, took.marchMs + took.compactMs + took.copyMs + took.encodeMs, clock_.now());
     } else {
       Image<glm::vec4> image;
       answer.head.camera = request.camera;

@@ -1,23 +1,27 @@
 // The program's server: one scene, a thread for each client that waits, as many clients as the network lets in.
 // Marches what clients ask for, newest first and in turns, and sends it encoded as each of them wants it. No request takes more of the
-// machine than it may: marches take turns of some milliseconds (turns.h), memory is handed out (byte_budget.h).
+// machine than it may: marches take turns of some milliseconds (turns.h), memory is handed out (byte_budget.h). What serves its own process works on
+// threads that let that one's go first (crew.h).
 #pragma once
 
 #include <chrono>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
 #include <vector>
 
+#include "app/frames/server_pace.h"
 #include "app/scene/scene.h"
 #include "net/byte_budget.h"
 #include "net/server.h"
+#include "render/core/crew.h"
 #include "render/march/marcher.h"
 
 namespace warpscope {
 
-/// What strangers' requests may take. Without them, a server works for its own process.
+/// What strangers' requests may take. Without them, a server works for its own process, whose display goes first.
 struct ServeLimits {
   std::chrono::nanoseconds work = std::chrono::seconds(60);  ///< of marching, for one request; waiting for turns does not count
   size_t memoryBytes = defaultMemoryBytes();                 ///< of frames from their march until they are sent, in all; see ByteBudget
@@ -52,18 +56,25 @@ class FrameServer {
   void keepHouse();
   void answer(const net::RequestJob& job, Lane& lane);
   Answer answerTo(const net::RequestJob& job, Lane& lane, const std::stop_token& stop);
+  std::shared_ptr<ServerPace> paceOf(const net::RequestJob& job);
   net::ByteBudget::SharePtr memoryOf(const Camera& camera, size_t bytes, const std::stop_token& stop);
 
   const MarcherPtr marcher_;
   Clock& clock_;  // of the I/O thread
   const TurnsPtr turns_;  // null without limits
   const std::unique_ptr<net::ByteBudget> budget_;  // likewise
+  const std::unique_ptr<Crew> crew_;               // null with limits
   net::Server server_;
   const size_t mostLanes_;
   std::stop_source stop_;
   std::mutex mutex_;  // of the following
   std::vector<std::unique_ptr<Lane>> lanes_;
   std::vector<std::thread> threads_;  // of the lanes, and the one that keeps house
+  struct PaceOfClient {
+    std::stop_token hasLeft;
+    std::shared_ptr<ServerPace> pace;  // of whoever works for that client, one at a time
+  };
+  std::map<net::ClientId, PaceOfClient> paces_;  // of those that asked for one
   size_t idle_ = 0;
   bool isEnding_ = false;
 };

@@ -58,11 +58,14 @@ struct ServedFrame {
 inline constexpr int kDefaultDepth = 1;
 inline constexpr Range kDepthRange{1, net::kMaxDepth};
 
-/// How frames travel; may change at any time.
+inline constexpr Range kServerMsRange{0, 10000};
+
+/// How frames travel, and how soon they are wanted; may change at any time.
 struct TransportSettings {
   net::DuplexLinkSettings link;  ///< simulated on top of what is there
   CodecSettings codec;
   int depth = kDefaultDepth;     ///< requests under way at a time, kDepthRange
+  int serverMs = 0;              ///< milliseconds that a frame may take the server while the camera moves, kServerMsRange; 0: as long as it takes
 
   bool operator==(const TransportSettings&) const = default;
 };

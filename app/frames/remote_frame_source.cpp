@@ -55,9 +55,9 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     net::FrameRequest asked;
     asked.id = request.id;
     asked.camera = toFields(request.camera);
-    asked.settings = toFields(request.settings);
     {
       const std::scoped_lock lock(mutex_);
+      asked.settings = toFields(request.settings, transport_.serverMs);
       asked.codec = toFields(transport_.codec);
     }
     client_.request(asked);
@@ -106,6 +106,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
   std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) override {
     return warpscope::faultOf(head, payloadBytes);
   }
+  bool admits(const net::SettingFields& asked, const net::SettingFields& answered) override { return warpscope::admits(asked, answered); }
   void onFrame(net::Frame frame, const net::FrameArrival& arrival) override {
     noteAnswer();
     if (isOtherScene()) {

@@ -69,6 +69,21 @@ constinit const Knob kDepthKnob{
     .defaultValue = kDefaultDepth,
 };
 
+constinit const Knob kServerMsKnob{
+    .key = "serverMs",
+    .option = "--server-ms",
+    .label = "Moving",
+    .noun = "milliseconds of a frame while the camera moves",
+    .help = "Milliseconds that a frame may take the server while the camera moves: it marches coarser then, and refines at rest; 0: never coarser",
+    .unit = " ms",
+    .type = KnobType::whole,
+    .owner = KnobOwner::transport,
+    .stale = KnobStage::march,
+    .range = kServerMsRange,
+    .track = {0.0, 500.0},
+    .defaultValue = 0.0,
+};
+
 std::span<const TransportKnob> transportKnobs() {
   static const TransportKnob kRows[] = {
       {{&kFormatKnob, [](const TransportSettings& s) { return static_cast<double>(s.codec.format); },
@@ -82,6 +97,9 @@ std::span<const TransportKnob> transportKnobs() {
        isJpeg},
       {{&kDepthKnob, [](const TransportSettings& s) { return double(s.depth); },
         [](TransportSettings& s, double value) { s.depth = static_cast<int>(value); }},
+       always},
+      {{&kServerMsKnob, [](const TransportSettings& s) { return static_cast<double>(s.serverMs); },
+        [](TransportSettings& s, double value) { s.serverMs = static_cast<int>(value); }},
        always},
   };
   return kRows;

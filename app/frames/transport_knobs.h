@@ -17,6 +17,6 @@ struct TransportKnob : KnobRow<TransportSettings> {
 /// Every row, in the order in which they are listed.
 std::span<const TransportKnob> transportKnobs();
 
-extern const Knob kFormatKnob, kColorKnob, kQualityKnob, kDepthKnob;
+extern const Knob kFormatKnob, kColorKnob, kQualityKnob, kDepthKnob, kServerMsKnob;
 
 }  // namespace warpscope

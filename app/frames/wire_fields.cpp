@@ -7,6 +7,8 @@
 #include <bit>
 #include <cmath>
 
+#include "app/frames/coarsening.h"
+#include "app/frames/transport_knobs.h"
 #include "render/base/error.h"
 #include "render/codec/zstd_section.h"
 #include "render/core/parallel.h"
@@ -123,6 +125,12 @@ net::SettingFields toFields(const MarchSettings& settings) {
   return fields;
 }
 
+net::SettingFields toFields(const MarchSettings& settings, int serverMs) {
+  net::SettingFields fields = toFields(settings);
+  if (serverMs > 0) fields.push_back({std::string(kServerMsKnob.key), textOf(kServerMsKnob, serverMs)});
+  return fields;
+}
+
 net::CodecFields toFields(const CodecSettings& s) {
   return {placeOf(kPayloadFormats, s.format), placeOf(kColorCodings, s.color), static_cast<uint8_t>(s.jpegQuality)};
 }
@@ -157,17 +165,46 @@ Camera cameraFrom(const net::CameraFields& fields) {
   return camera;
 }
 
+namespace {
+
+double valueOf(const Knob& knob, const net::SettingField& field) {
+  try {
+    return parseKnob(knob, field.value, "the " + std::string(knob.noun));
+  } catch (const UsageError& error) {
+    throw InputError("the peer's setting \"" + field.name + "\" has a value that this program does not know: " + error.what());
+  }
+}
+
+}  // namespace
+
+int serverMsFrom(const net::SettingFields& fields) {
+  const auto found = std::ranges::find(fields, kServerMsKnob.key, &net::SettingField::name);
+  return found == fields.end() ? 0 : static_cast<int>(valueOf(kServerMsKnob, *found));
+}
+
+bool admits(const net::SettingFields& asked, const net::SettingFields& answered) {
+  try {
+    const int serverMs = serverMsFrom(asked);
+    return serverMs > 0 && serverMsFrom(answered) == serverMs && isCoarsened(marchFrom(asked), marchFrom(answered));
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 MarchSettings marchFrom(const net::SettingFields& fields) {
   MarchSettings settings;
+  serverMsFrom(fields);
   for (const net::SettingField& field : fields) {
+    if (field.name == kServerMsKnob.key) continue;
     const MarchText* const text = findMarchText(field.name);
     const auto row = std::ranges::find_if(marchKnobs(), [&](const MarchKnob& known) { return known.knob->key == field.name; });
     if (text == nullptr && row == marchKnobs().end()) throw InputError("the peer names a setting \"" + field.name + "\" that this program does not know");
+    if (text == nullptr) {
+      row->set(settings, valueOf(*row->knob, field));
+      continue;
+    }
     try {
-      if (text != nullptr)
-        text->set(settings, field.value, "the " + std::string(text->noun));
-      else
-        row->set(settings, parseKnob(*row->knob, field.value, "the " + std::string(row->knob->noun)));
+      text->set(settings, field.value, "the " + std::string(text->noun));
     } catch (const UsageError& error) {
       throw InputError("the peer's setting \"" + field.name + "\" has a value that this program does not know: " + error.what());
     }
@@ -223,10 +260,10 @@ Scene sceneFrom(const net::SceneFields& fields) {
   return scene;
 }
 
-net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec) {
+net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec, int serverMs) {
   net::FrameHead head;
   head.camera = toFields(frame.camera);
-  head.settings = toFields(frame.settings);
+  head.settings = toFields(frame.settings, serverMs);
   head.codec = toFields(codec);
   const Box& bounds = frame.quantization.bounds;
   head.bounds = {bounds.lower.x, bounds.lower.y, bounds.lower.z, bounds.upper.x, bounds.upper.y, bounds.upper.z};

@@ -17,18 +17,25 @@ namespace warpscope {
 net::CameraFields toFields(const Camera& camera);
 /// Every setting of a march, by the names that JSON has for them.
 net::SettingFields toFields(const MarchSettings& settings);
+/// The same, and by the knob's name the milliseconds that a frame may take while the camera moves (TransportSettings::serverMs). 0 is left out: servers
+/// that do not know it refuse what names it.
+net::SettingFields toFields(const MarchSettings& settings, int serverMs);
 net::CodecFields toFields(const CodecSettings& settings);
 net::SceneFields toFields(const Scene& scene);
 
 Camera cameraFrom(const net::CameraFields& fields);
 /// What is not among the fields keeps its default; names and values that this program does not know are refused.
 MarchSettings marchFrom(const net::SettingFields& fields);
+/// Of a request's settings; 0 where there are none.
+int serverMsFrom(const net::SettingFields& fields);
 CodecSettings codecFrom(const net::CodecFields& fields);
 /// A scene without a volume: its voxels stay with the server.
 Scene sceneFrom(const net::SceneFields& fields);
 
-/// What describes a frame, without its request's identity and the server's times of queueing and sending.
-net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec);
+/// What describes a frame, without its request's identity and the server's times of queueing and sending. `serverMs`: that of the request.
+net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec, int serverMs = 0);
+/// Whether a frame marched as `answered` is an answer to `asked`, although they differ: see isCoarsened(), and only where the request allowed it.
+bool admits(const net::SettingFields& asked, const net::SettingFields& answered);
 /// A frame whose samples, and the values of its planes, are still to be decoded.
 SampleFrame frameFrom(const net::FrameHead& head);
 /// What is wrong with a frame of that head and a payload of so many bytes; empty if nothing is. More samples than the camera's rays may have,

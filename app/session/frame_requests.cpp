@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/frames/coarsening.h"
+
 namespace warpscope {
 
 void FrameRequests::begin(FrameSource& source, const TransportSettings& transport) {
@@ -27,17 +29,33 @@ void FrameRequests::setTransport(const TransportSettings& transport) {
 
 bool FrameRequests::ask(const WantedFrame& wanted, bool isFrozen, TimePoint now) {
   wanted_ = wanted;
+  isFrozen_ = isFrozen;
   const auto newest = requests_.find(requestId_);
   if (isWhatIsWanted()) {
     if (newest != requests_.end()) newest->second.outdatedAt.reset();  // the camera may have come back
-    return false;
+    if (!isToBeRefined()) return false;
+    if (now - wantedSince_ < kRest) return true;  // the time passes without further events
+    isRefined_ = true;
+    post(wanted, now);
+    return true;
   }
   if (newest != requests_.end() && !newest->second.outdatedAt) newest->second.outdatedAt = now;
   if (isFrozen && frame_) return false;
   asked_ = wanted_;
+  wantedSince_ = now;
+  isRefined_ = false;
+  post(wanted, now);
+  return true;
+}
+
+void FrameRequests::post(const WantedFrame& wanted, TimePoint now) {
   source_->post({++requestId_, wanted.camera, wanted.march}, now);
   requests_[requestId_].asked = wanted;
-  return true;
+}
+
+bool FrameRequests::isToBeRefined() const {
+  if (isFrozen_ || isRefined_ || isUnderWay() || !isWhatIsWanted() || !frame_ || frame_->requestId != requestId_) return false;
+  return isCoarsened(asked_->march, frame_->settings);
 }
 
 bool FrameRequests::take() {

@@ -26,12 +26,15 @@ struct WantedFrame {
 class FrameRequests {
  public:
   using TimePoint = Clock::TimePoint;
+  static constexpr std::chrono::milliseconds kRest{150};
 
   /// From now on frames come from `source`, which must stay until the next begin(). Frames from before are forgotten.
   void begin(FrameSource& source, const TransportSettings& transport);
 
   void setTransport(const TransportSettings& transport);
-  /// Asks for `wanted` if that is something else than what was asked for last. `isFrozen`: only if there is no frame yet. True if it asked.
+  /// Asks for `wanted` if that is something else than what was asked for last. `isFrozen`: only if there is no frame yet. Asks once more where the answer
+  /// was marched coarser than it was wanted (coarsening.h), as soon as nothing else has been wanted for kRest: a camera that rests is shown in full.
+  /// True if it asked, or waits for that time.
   bool ask(const WantedFrame& wanted, bool isFrozen, TimePoint now);
   /// Collects an answer. True if there was one.
   bool take();
@@ -55,6 +58,8 @@ class FrameRequests {
   bool isUnderWay() const { return answeredId_ < requestId_; }
   /// Whether the newest request asked for what is wanted now.
   bool isWhatIsWanted() const { return asked_ == wanted_; }
+  /// Whether the newest frame, which is of what is wanted, was marched coarser, and will be asked for once more.
+  bool isToBeRefined() const;
   /// For how long what the request asked for has not been wanted any more: 0 while it is.
   double ageMs(uint64_t requestId, TimePoint now) const;
 
@@ -74,12 +79,16 @@ class FrameRequests {
     std::optional<Arrival> arrival;
   };
   const Request* find(uint64_t requestId) const;
+  void post(const WantedFrame& wanted, TimePoint now);
 
   FrameSource* source_ = nullptr;
   TransportSettings transport_;        // that the source was told last
   std::optional<WantedFrame> wanted_;  // what the newest frame should show
   std::optional<WantedFrame> asked_;   // what was asked for last
   uint64_t requestId_ = 0;             // of that request
+  TimePoint wantedSince_{};            // when it was asked for first
+  bool isRefined_ = false;             // it was asked for once more
+  bool isFrozen_ = false;
   uint64_t answeredId_ = 0;            // the last that was answered, by a frame or an error
   std::map<uint64_t, Request> requests_;
   SampleFramePtr frame_;

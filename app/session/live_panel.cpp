@@ -46,7 +46,7 @@ void LivePanel::post(WarpJob job) {
   warp_->post(std::move(job));
 }
 
-void LivePanel::show(WarpResult drawn, const std::optional<FrameRequests::Arrival>& arrival, std::optional<Configuration> configuration) {
+void LivePanel::show(WarpResult drawn, const std::optional<FrameRequests::Arrival>& arrival, std::optional<Configuration> configuration, std::string leftOut) {
   if (drawn.job == job_) isDrawing_ = false;
   drawnId_ = drawn.requestId();
   shown_.error = std::move(drawn.error);
@@ -54,6 +54,7 @@ void LivePanel::show(WarpResult drawn, const std::optional<FrameRequests::Arriva
   shown_.picture = drawn.picture;
   shown_.drawn = drawn.job.technique;
   shown_.requestId = drawn.requestId();
+  shown_.leftOut = std::move(leftOut);
   if (arrival) {
     shown_.latency = arrival->latency;
     shown_.frameBytes = arrival->bytes;

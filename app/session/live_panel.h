@@ -36,8 +36,9 @@ class LivePanel {
   void post(WarpJob job);
   /// Collects a picture, or the time that one took; nothing if there is none.
   std::optional<WarpResult> take() { return warp_->tryTake(); }
-  /// Takes over a picture for the screen, drawn from a frame that came so, and has it judged if its job wanted that.
-  void show(WarpResult drawn, const std::optional<FrameRequests::Arrival>& arrival, std::optional<Configuration> configuration);
+  /// Takes over a picture for the screen, drawn from a frame that came so, and has it judged if its job wanted that. `leftOut`: see Panel.
+  void show(WarpResult drawn, const std::optional<FrameRequests::Arrival>& arrival, std::optional<Configuration> configuration,
+            std::string leftOut);
 
   /// Errors that were found since the last call and that may be shown.
   struct NewErrors {

@@ -29,6 +29,7 @@ struct Panel {
   double drawMs = 0.0;
   double displayMs = 0.0;                       ///< from the picture's end until the display took it
   std::optional<Configuration> configuration;   ///< that drew it; nothing while it is not known, or `drawn` uses no frames
+  std::string leftOut;                          ///< how that frame's march was coarser than what was asked for, because the camera moved; mostly empty
   std::string error;                            ///< empty if the last picture succeeded
 
   bool isAutomatic = false;                     ///< `technique` is chosen for each picture by what was measured

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/frames/coarsening.h"
+
 namespace warpscope {
 
 Session::Session(const SessionSettings& settings, const std::function<void()>& onNews) : opening_(onNews), truth_(onNews) {
@@ -107,7 +109,9 @@ bool Session::takePicture(LivePanel& panel, size_t index) {
   }
   const auto arrival = frames_.arrivalOf(result->requestId());
   auto configuration = configurationOf(result->job);
-  panel.show(std::move(*result), arrival, std::move(configuration));
+  const std::optional<WantedFrame> asked = frames_.askedBy(result->requestId());
+  std::string leftOut = result->job.frame && asked ? coarseningText(asked->march, result->job.frame->settings) : "";
+  panel.show(std::move(*result), arrival, std::move(configuration), std::move(leftOut));
   return true;
 }
 
@@ -162,7 +166,7 @@ bool Session::postJob(size_t index) {
 
 std::optional<Configuration> Session::configurationOf(const WarpJob& drawn) const {
   const std::optional<WantedFrame> asked = drawn.frame ? frames_.askedBy(drawn.frame->requestId) : std::nullopt;
-  if (!asked) return std::nullopt;
+  if (!asked || isCoarsened(asked->march, drawn.frame->settings)) return std::nullopt;  // nobody chose it
   Configuration configuration;
   configuration.technique = drawn.technique;
   configuration.march = asked->march;
@@ -173,7 +177,7 @@ std::optional<Configuration> Session::configurationOf(const WarpJob& drawn) cons
 }
 
 bool Session::isAtRest() const {
-  const bool isServerAtRest = !frames_.isUnderWay() && (frames_.isWhatIsWanted() || knobs_.isFrozen);
+  const bool isServerAtRest = !frames_.isUnderWay() && !frames_.isToBeRefined() && (frames_.isWhatIsWanted() || knobs_.isFrozen);
   if (!loading().empty() || !isServerAtRest || !truth_.isAsked()) return false;
   return std::all_of(panels_.begin(), panels_.end(), [this](const LivePanel& panel) { return panel.isAtRest(truth_); });
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <utility>
 
 #include "app/scene/json_document.h"
 
@@ -27,7 +28,8 @@ Json toJson(const Panel& panel) {
     return panel.errorsAreCurrent && std::isfinite((*panel.errors).*error) ? Json((*panel.errors).*error) : Json(nullptr);
   };
   const FrameLatency& latency = panel.latency;
-  return {{"bytes", panel.frameBytes},        {"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},
+  return {{"leftOut", panel.leftOut},
+          {"bytes", panel.frameBytes},        {"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},
           {"queueMs", latency.queueMs},       {"marchMs", latency.marchMs},     {"compactMs", latency.compactMs},
           {"copyMs", latency.copyMs},         {"encodeMs", latency.encodeMs},   {"decodeMs", latency.decodeMs},
           {"buildMs", panel.buildMs},         {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs},
@@ -50,6 +52,13 @@ void WindowReport::add(const Session& session, Clock::TimePoint now, bool isMovi
   if (isMoving && last_) gapsMs_.push_back(millisecondsBetween(*last_, now));
   last_.reset();
   if (isMoving) last_ = now;
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    const ShownPicture& picture = session.panel(i).picture;
+    if (!(shown_[i] == picture) && isMoving) ++pictures_[i];
+    shown_[i] = picture;
+  }
+  if (const SampleFramePtr& frame = session.frames().newest(); frame && std::exchange(newestId_, frame->requestId) != frame->requestId && isMoving)
+    marchesMs_.push_back(frame->timings.marchMs);
   // Both panels show the same frames; the age is the more recent one's, as far as one of them has any.
   std::optional<double> ageMs;
   for (size_t i = 0; i < kPanelCount; ++i)
@@ -61,11 +70,16 @@ std::string WindowReport::text(const Session& session, Clock::TimePoint now) con
   const double movingMs = std::accumulate(gapsMs_.begin(), gapsMs_.end(), 0.0);
   Json panels = Json::array();
   for (size_t i = 0; i < kPanelCount; ++i) panels.push_back(toJson(session.panel(i)));
+  const auto perSecond = [&](size_t count) { return movingMs > 0.0 ? Json(1e3 * static_cast<double>(count) / movingMs) : Json(nullptr); };
+  Json pictures = Json::array();
+  for (const size_t count : pictures_) pictures.push_back(perSecond(count));
   const std::optional<SourceStatus> status = session.sourceStatus();
   const std::optional<double> frameAge = session.frames().ageOfNewestMs(now);
-  return textOf({{"framesPerSecond", movingMs > 0.0 ? Json(1e3 * static_cast<double>(gapsMs_.size()) / movingMs) : Json(nullptr)},
+  return textOf({{"framesPerSecond", perSecond(gapsMs_.size())},
+                 {"picturesPerSecond", pictures},
                  {"gapMs", medianAndLongest(gapsMs_)},
                  {"ageMs", medianAndLongest(agesMs_)},
+                 {"movingMarchMs", medianAndLongest(marchesMs_)},
                  {"framesReceived", session.frames().received()},
                  {"lastFrameAgeMs", frameAge ? Json(*frameAge) : Json(nullptr)},
                  {"panels", panels},

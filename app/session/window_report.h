@@ -2,6 +2,7 @@
 // For tests and measurements; README explains what is written.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,10 @@ class WindowReport {
  private:
   std::vector<double> gapsMs_;  // between frames of the display while something moved
   std::vector<double> agesMs_;  // of the frames on show, one for each frame of the display in which it was not of the current camera
+  std::vector<double> marchesMs_;  // of the frames that came while something moved
+  uint64_t newestId_ = 0;          // of these
+  std::array<size_t, kPanelCount> pictures_{};    // that a panel showed anew meanwhile
+  std::array<ShownPicture, kPanelCount> shown_{};  // last, by each
   std::optional<Clock::TimePoint> last_;  // nothing after a pause
 };
 

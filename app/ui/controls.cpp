@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "app/frames/transport_knobs.h"
 #include "app/ui/knob_parts.h"
 #include "app/ui/parts.h"
 #include "render/march/march_knobs.h"
@@ -18,6 +19,8 @@ void drawServer(Session& session, LiveSettings& knobs, const Look& look) {
   heading("SERVER", look);
   for (const MarchKnob& row : marchKnobs())
     if (row.knob->owner != KnobOwner::effect && row.matters(knobs.march)) knobWidget(row, knobs.march, look);
+  for (const TransportKnob& row : transportKnobs())
+    if (row.knob == &kServerMsKnob) knobWidget(row, knobs.transport, look);
 
   label(std::string(kServerSideKnob.label).c_str(), look);
   beginHalves();

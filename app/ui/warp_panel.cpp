@@ -142,6 +142,19 @@ void drawPicture(const Session& session, const Panel& panel, PictureTexture& tex
                                        {from.x + zoom * pictureWidth, from.y + zoom * pictureHeight});
 }
 
+/// What the frame was marched without, in the upper left corner of the picture.
+void drawLeftOut(const std::string& leftOut, const ImVec2& origin, const Look& look) {
+  const std::string text = "moving: " + leftOut;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  ImGui::PushFont(look.fonts.small);
+  const float margin = look.px(6.0f);
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str()), at{origin.x + 2.0f * margin, origin.y + 1.5f * margin};
+  list->AddRectFilled({at.x - margin, at.y - 0.5f * margin}, {at.x + size.x + margin, at.y + size.y + 0.5f * margin},
+                      ImGui::GetColorU32({0.0f, 0.0f, 0.0f, 0.7f}), look.px(3.0f));
+  list->AddText(at, ImGui::GetColorU32(kDimText), text.c_str());
+  ImGui::PopFont();
+}
+
 void drawNote(const std::string& text, const ImVec4& color, const ImVec2& origin, const ImVec2& area, const Look& look) {
   const float wrap = std::max(look.px(80.0f), area.x - look.px(24.0f));
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
@@ -183,6 +196,7 @@ bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, cons
     drawNote(panel.technique->usesFrame && !session.frames().newest() ? "waiting for the first frame" : "drawing", kDimText, origin, area, look);
   else if (!panel.picture && !session.loading().empty())
     drawNote("opening " + session.loading(), kDimText, origin, area, look);
+  if (panel.picture && !panel.leftOut.empty()) drawLeftOut(panel.leftOut, origin, look);
   if (panel.picture && panel.showsHeatMap) drawHeatMapLegend(panel, origin, area, look);
   list->PopClipRect();
 

@@ -1,4 +1,5 @@
 // Loops over ranges on all cores, by oneTBB. The one place that says how work is cut.
+// Whoever works with a Crew has its loops run on that one's threads instead; see crew.h.
 // Cancelling: a stop token is looked at before every piece; see OperationCancelled.
 #pragma once
 
@@ -12,6 +13,7 @@
 #include <stop_token>
 
 #include "render/base/error.h"
+#include "render/core/crew.h"
 #include "render/core/turns.h"
 
 namespace warpscope {
@@ -19,6 +21,13 @@ namespace warpscope {
 /// Calls body(begin, end) on pieces of [0, count) of about `grain` items, in parallel.
 template <class Body>
 void parallelForRanges(size_t count, size_t grain, const Body& body) {
+  if (Crew* const crew = Crew::ofThisThread()) {
+    std::atomic<size_t> next = 0;
+    crew->run([&] {
+      for (size_t begin; (begin = next.fetch_add(grain, std::memory_order_relaxed)) < count;) body(begin, std::min(begin + grain, count));
+    });
+    return;
+  }
   tbb::parallel_for(tbb::blocked_range<size_t>(0, count, grain),
                     [&](const tbb::blocked_range<size_t>& range) { body(range.begin(), range.end()); });
 }
@@ -37,7 +46,8 @@ template <class Body>
 void parallelForInTurns(size_t count, TurnsOfJob& turns, const std::stop_token& stop, const Body& body) {
   std::atomic<size_t> next = 0;
   const auto workUntil = [&](std::chrono::steady_clock::time_point end) {
-    const auto lanes = static_cast<size_t>(std::max(1, tbb::this_task_arena::max_concurrency()));
+    const Crew* const crew = Crew::ofThisThread();
+    const size_t lanes = crew ? crew->size() : static_cast<size_t>(std::max(1, tbb::this_task_arena::max_concurrency()));
     parallelForRanges(lanes, 1, [&](size_t, size_t) {
       while (!stop.stop_requested() && std::chrono::steady_clock::now() < end) {
         const size_t i = next.fetch_add(1, std::memory_order_relaxed);

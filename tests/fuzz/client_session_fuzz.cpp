@@ -60,6 +60,7 @@ class Taker final : public net::ClientEvents {
     require(head.camera == toFields(asked_.camera) && head.wanted == asked_.wanted);
     return warpscope::faultOf(head, payloadBytes);
   }
+  bool admits(const net::SettingFields& asked, const net::SettingFields& answered) override { return warpscope::admits(asked, answered); }
   void onFrame(net::Frame frame, const net::FrameArrival&) override {
     constexpr size_t kMostBytes = 1 << 20;  // of 64 x 48 pixels with three samples each and sixteen planes
     require(frame.payload.size() <= kMostBytes && frame.payload.capacity() <= kMostBytes);

@@ -1,0 +1,100 @@
+// One job at a time, which every thread takes part in.
+// See crew.h.
+#include "render/core/crew.h"
+
+#include <sys/resource.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace warpscope {
+namespace {
+
+/// Of a core that a usual thread wants as well it gets three tenths (sched(7): each step is a factor of 1.25), and the usual one does not wait for it. Less
+/// would let a march stand still while pictures are drawn all the time; tests/bench/README.md has figures.
+constexpr int kNice = 4;
+
+/// The calling thread's. Where the system refuses, the thread stays as it is: it works as well, and others wait for it.
+void letOthersGoFirst() {
+  const auto self = static_cast<id_t>(gettid());
+  setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kNice);
+}
+
+thread_local Crew* crewOfThisThread = nullptr;
+
+}  // namespace
+
+Crew::Shift::Shift(Crew* crew) : before_(std::exchange(crewOfThisThread, crew)) {}
+Crew::Shift::~Shift() { crewOfThisThread = before_; }
+Crew* Crew::ofThisThread() { return crewOfThisThread; }
+
+struct Crew::State {
+  ~State() {
+    {
+      const std::scoped_lock lock(mutex);
+      isEnding = true;
+    }
+    changed.notify_all();
+    threads.clear();  // also where only some could be started
+  }
+
+  void work() {
+    letOthersGoFirst();
+    std::unique_lock lock(mutex);
+    for (size_t done = 0;;) {
+      changed.wait(lock, [&] { return isEnding || job > done; });
+      if (isEnding) return;
+      done = job;
+      lock.unlock();
+      std::exception_ptr thrown;
+      try {
+        (*body)();
+      } catch (...) {
+        thrown = std::current_exception();
+      }
+      lock.lock();
+      if (thrown && !failure) failure = thrown;
+      if (--atWork == 0) changed.notify_all();
+    }
+  }
+
+  std::mutex running;  // of one caller
+  std::mutex mutex;    // of the following
+  std::condition_variable changed;
+  const std::function<void()>* body = nullptr;
+  size_t job = 0;  // how many there have been
+  size_t atWork = 0;
+  bool isEnding = false;
+  std::exception_ptr failure;
+  std::vector<std::jthread> threads;
+};
+
+Crew::Crew(size_t threads) : state_(std::make_unique<State>()) {
+  if (threads == 0) threads = static_cast<size_t>(std::max(1, tbb::this_task_arena::max_concurrency()));
+  for (size_t i = 0; i < threads; ++i) state_->threads.emplace_back([state = state_.get()] { state->work(); });
+}
+
+Crew::~Crew() = default;
+
+size_t Crew::size() const { return state_->threads.size(); }
+
+void Crew::run(const std::function<void()>& body) {
+  const std::scoped_lock one(state_->running);
+  std::unique_lock lock(state_->mutex);
+  state_->body = &body;
+  state_->atWork = state_->threads.size();
+  ++state_->job;
+  state_->changed.notify_all();
+  state_->changed.wait(lock, [&] { return state_->atWork == 0; });
+  state_->body = nullptr;
+  if (const std::exception_ptr failure = std::exchange(state_->failure, nullptr)) std::rethrow_exception(failure);
+}
+
+}  // namespace warpscope

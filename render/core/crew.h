@@ -1,0 +1,43 @@
+// Threads that work for somebody who must not be in the way: the system lets every other thread of the program go first.
+// POSIX nice values, which Linux keeps for each thread (setpriority(2), "C library/kernel differences").
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace warpscope {
+
+class Crew {
+ public:
+  /// While there is one, loops of the thread that made it (parallel.h) run on `crew`, which outlives it; null: on all cores, as ever.
+  class Shift {
+   public:
+    explicit Shift(Crew* crew);
+    ~Shift();
+    Shift(const Shift&) = delete;
+    Shift& operator=(const Shift&) = delete;
+
+   private:
+    Crew* const before_;
+  };
+  /// Null where loops run on all cores.
+  static Crew* ofThisThread();
+
+  /// As many threads as loops run on otherwise, or `threads`.
+  explicit Crew(size_t threads = 0);
+  ~Crew();
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+
+  size_t size() const;
+
+  /// Calls `body` on each of the threads at the same time, and returns when all calls have. One caller after the other. Throws what the first of them threw.
+  void run(const std::function<void()>& body);
+
+ private:
+  struct State;
+  const std::unique_ptr<State> state_;
+};
+
+}  // namespace warpscope
