@@ -62,7 +62,8 @@ TEST(CellDistances, OfNoMarksAndOfNothingElse) {
   const glm::ivec3 dims(33, 5, 4);
   expectPlain(dims, {}, "none");
   Marks all;
-  for (int i = 0; i < dims.x * dims.y * dims.z; ++i) all.push_back({i % dims.x, i / dims.x % dims.y, i / (dims.x * dims.y)});
+  for (int i = 0; i < dims.x * dims.y * dims.z; ++i)
+    all.push_back({i % dims.x, i / dims.x % dims.y, i / (dims.x * dims.y)});
   expectPlain(dims, all, "all");
   expectPlain(glm::ivec3(1), {}, "one cell");
   expectPlain(glm::ivec3(1), {glm::ivec3(0)}, "one marked cell");

@@ -32,7 +32,9 @@ class CountingMarcher final : public Marcher {
   MarcherCapabilities capabilities() const override { return marcher_->capabilities(); }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return marcher_->twin(std::move(turns)); }
-  MarcherPtr withTransferFunction(TransferFunction function) const override { return marcher_->withTransferFunction(std::move(function)); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    return marcher_->withTransferFunction(std::move(function));
+  }
 
   std::atomic<int> marches = 0, renders = 0;
 

@@ -21,7 +21,8 @@ struct FailingDevice {
 
 class MadeUpMarcher final : public Marcher {
  public:
-  MadeUpMarcher(Backend backend, int failsAt, size_t points = 0) : backend_(backend), device_{failsAt}, points_(points) {}
+  MadeUpMarcher(Backend backend, int failsAt, size_t points = 0)
+      : backend_(backend), device_{failsAt}, points_(points) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings&, const std::stop_token&) override {
     device_.use();
@@ -40,7 +41,9 @@ class MadeUpMarcher final : public Marcher {
     return {.pace = backend_ == Backend::cpu ? MarchPace::afterRest : MarchPace::followsCamera};
   }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr) const override { return std::make_shared<MadeUpMarcher>(backend_, device_.failsAt, points_); }
+  MarcherPtr twin(TurnsPtr) const override {
+    return std::make_shared<MadeUpMarcher>(backend_, device_.failsAt, points_);
+  }
   MarcherPtr withTransferFunction(TransferFunction function) const override {
     if (device_.failsAt <= 0) throw DeviceError("no memory for another");
     return std::make_shared<MadeUpMarcher>(backend_, device_.failsAt, function.points.size());
@@ -144,8 +147,8 @@ TEST(FallbackMarcher, OtherTransferFunctionsLeaveTogetherAndGoOnByTheirs) {
 
 TEST(FallbackMarcher, ADeviceThatCannotTakeAnotherTransferFunctionIsLeft) {
   Notes notes;
-  const MarcherPtr first =
-      makeFallbackMarcher([] { return madeUp(Backend::cuda, 0); }, [] { return madeUp(Backend::cpu, kNever); }, notes.take());
+  const MarcherPtr first = makeFallbackMarcher([] { return madeUp(Backend::cuda, 0); },
+                                               [] { return madeUp(Backend::cpu, kNever); }, notes.take());
   EXPECT_EQ(first->withTransferFunction(functionOf(3))->march({}, {}).requestId, 31u);
   EXPECT_EQ(first->march({}, {}).requestId, 1u);
   EXPECT_EQ(notes.reasons, std::vector<std::string>{"no memory for another"});

@@ -167,8 +167,10 @@ TransferFunction someFunction(std::mt19937& random, double factor) {
   TransferFunction function;
   double value = -10.0;
   for (int i = 0; i < 8; ++i) {
-    if (random() % 3 > 0) value += random() % 2 ? 1e-3 * static_cast<double>(random() % 1000) : static_cast<double>(random() % 30);
-    function.points.push_back({value * factor, glm::vec3(0.5f), random() % 2 ? 0.0f : 0.1f * static_cast<float>(random() % 10)});
+    if (random() % 3 > 0)
+      value += random() % 2 ? 1e-3 * static_cast<double>(random() % 1000) : static_cast<double>(random() % 30);
+    function.points.push_back(
+        {value * factor, glm::vec3(0.5f), random() % 2 ? 0.0f : 0.1f * static_cast<float>(random() % 10)});
   }
   return function;
 }
@@ -183,7 +185,8 @@ RC_GTEST_PROP(Macrocells, EveryTypeShowsWhatItsTableSays, (uint32_t seed)) {
   const VolumePtr volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) {
     return isFloat && (p.x + 3 * p.y + 7 * p.z) % 11 < 3 && p.x > 5 ? kNan : field(p) * factor;
   });
-  expectDistances(*volume, someFunction(random, factor), "seed " + std::to_string(seed) + ", " + std::string(nameOf(type)));
+  expectDistances(*volume, someFunction(random, factor),
+                  "seed " + std::to_string(seed) + ", " + std::string(nameOf(type)));
   RC_ASSERT(!testing::Test::HasFailure());
 }
 
@@ -192,18 +195,21 @@ TEST(Macrocells, FollowAnotherScale) {
   const FieldFunction field = blobs(dims, 8);
   for (const VoxelType type : kAllVoxelTypes) {
     const bool isFloat = type == VoxelType::float32 || type == VoxelType::float64;
-    const VolumePtr volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) { return p.x < 5 && isFloat ? kNan : 20.0 + field(p); });
+    const VolumePtr volume =
+        makeTestVolume(type, dims, [&](const glm::ivec3& p) { return p.x < 5 && isFloat ? kNan : 20.0 + field(p); });
     const TransferFunction first = shownFrom(25.0), second = shownFrom(70.0);
     const Macrocells cells = cellsFor(*volume, first), fresh = cellsFor(*volume, second);
     const Macrocells scaled = cells.scaledBy(scaleFor(*volume, second));
     ASSERT_EQ(scaled.dims(), fresh.dims());
-    for (size_t i = 0; i < fresh.count(); ++i) ASSERT_EQ(scaled.range(i), fresh.range(i)) << nameOf(type) << ", cell " << i;
+    for (size_t i = 0; i < fresh.count(); ++i)
+      ASSERT_EQ(scaled.range(i), fresh.range(i)) << nameOf(type) << ", cell " << i;
     // Where voxels become interpolants by an origin, and there alone, there is something to make anew.
     const bool hasOrigin = type == VoxelType::int32 || type == VoxelType::uint32 || type == VoxelType::float64;
     EXPECT_EQ(scaled.sharesRangesWith(cells), !hasOrigin) << nameOf(type);
     EXPECT_TRUE(cells.scaledBy(scaleFor(*volume, first)).sharesRangesWith(cells)) << nameOf(type);
     const Macrocells back = scaled.scaledBy(scaleFor(*volume, first));
-    for (size_t i = 0; i < cells.count(); ++i) ASSERT_EQ(back.range(i), cells.range(i)) << nameOf(type) << ", cell " << i;
+    for (size_t i = 0; i < cells.count(); ++i)
+      ASSERT_EQ(back.range(i), cells.range(i)) << nameOf(type) << ", cell " << i;
   }
 }
 

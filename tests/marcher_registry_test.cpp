@@ -95,7 +95,8 @@ TEST(MarcherRegistry, OneThatFailsIsLeftForTheNextUnlessItWasNamed) {
 
 TEST(MarcherCapabilities, OfTheCpusMarcher) {
   const MarcherPtr marcher = makeMarcher(Backend::cpu, smallVolume(), everywhere(0.5f), {});
-  EXPECT_EQ(marcher->capabilities(), (MarcherCapabilities{MarchPace::afterRest, VolumePlace::here, JudgePlace::host, FunctionChange::followed}));
+  EXPECT_EQ(marcher->capabilities(),
+            (MarcherCapabilities{MarchPace::afterRest, VolumePlace::here, JudgePlace::host, FunctionChange::followed}));
   EXPECT_NE(marcher->volume(), nullptr);
   EXPECT_EQ(marcher->twin()->capabilities(), marcher->capabilities());
 }

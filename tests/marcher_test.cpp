@@ -78,7 +78,8 @@ TEST(CpuMarcher, AnotherTransferFunctionIsAMarcherMadeWithIt) {
     SCOPED_TRACE(nameOf(type));
     const bool isFloat = type == VoxelType::float32 || type == VoxelType::float64;
     const FieldFunction field = blobs(dims, 5);
-    const VolumePtr volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) { return isFloat && p.x % 9 == 0 ? std::nan("") : field(p); });
+    const VolumePtr volume = makeTestVolume(
+        type, dims, [&](const glm::ivec3& p) { return isFloat && p.x % 9 == 0 ? std::nan("") : field(p); });
     const MarcherPtr first = makeCpuMarcher(volume, band(30.0, 50.0, 0.4f));
     const SampleFrame before = first->march(camera, {});
     ASSERT_GT(before.size(), 100u);
@@ -99,7 +100,8 @@ TEST(CpuMarcher, AnotherTransferFunctionIsAMarcherMadeWithIt) {
 TEST(CpuMarcher, AnotherTransferFunctionKeepsItsTurns) {
   const glm::uvec3 dims(64, 64, 64);
   const MarcherPtr whole = makeCpuMarcher(makeTestVolume(VoxelType::uint8, dims, blobs(dims, 1)), everywhere(0.5f));
-  const MarcherPtr limited = whole->twin(std::make_shared<Turns>(TurnSettings{.slice = std::chrono::milliseconds(1), .limit = std::chrono::milliseconds(2)}));
+  const MarcherPtr limited = whole->twin(std::make_shared<Turns>(
+      TurnSettings{.slice = std::chrono::milliseconds(1), .limit = std::chrono::milliseconds(2)}));
   MarchSettings fine;
   fine.render.step = 1e-3f;
   const Camera large = lookingFrom({80.0f, 30.0f, 45.0f}, {}, 256, 256);

@@ -1,5 +1,5 @@
-// Whether an interval shows something, against the table's own answer, for functions with steps, spikes and feet in bins of their own.
-// Mirrors render/core/visible_bins.h.
+// Whether an interval shows something, against the table's own answer, for functions with steps, spikes and feet in
+// bins of their own. Mirrors render/core/visible_bins.h.
 #include "render/core/visible_bins.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,8 @@ TransferFunction someFunction(std::mt19937& random, double lower, double upper, 
   TransferFunction function;
   for (const double x : places) {
     const float alphas[] = {0.0f, 0.0f, 0.0f, 1e-5f, 0.02f, 0.7f, 1.0f};
-    function.points.push_back({x, glm::vec3(0.25f * static_cast<float>(random() % 5)), alphas[random() % std::size(alphas)]});
+    function.points.push_back(
+        {x, glm::vec3(0.25f * static_cast<float>(random() % 5)), alphas[random() % std::size(alphas)]});
   }
   if (function.points.empty()) function.points.push_back({0.0, glm::vec3(1.0f), random() % 2 ? 0.5f : 0.0f});
   return function;
@@ -34,7 +35,8 @@ TransferFunction someFunction(std::mt19937& random, double lower, double upper, 
 float someEnd(std::mt19937& random, const TransferTable& table, const TransferDomain& domain) {
   float x = domain.lower + (domain.upper - domain.lower) * static_cast<float>(random() % 1001) / 1000.0f;
   if (random() % 2 && !table.begins.empty()) x = table.begins[random() % table.begins.size()];
-  if (random() % 8 == 0 && table.scale > 0.0f) x = (static_cast<float>(random() % table.bins) - table.offset) / table.scale;
+  if (random() % 8 == 0 && table.scale > 0.0f)
+    x = (static_cast<float>(random() % table.bins) - table.offset) / table.scale;
   const int away = static_cast<int>(random() % 5) - 2;
   for (int i = 0; i < std::abs(away); ++i) x = std::nextafter(x, away < 0 ? -INFINITY : INFINITY);
   return x;
@@ -49,14 +51,19 @@ void expectPlain(const TransferTable& table, const TransferDomain& domain, std::
     ASSERT_EQ(bins.any(b, a), table.anyVisible(b, a)) << b << " to " << a;
   }
   for (const float end : {-INFINITY, domain.lower, domain.upper, INFINITY})
-    for (const float other : {-INFINITY, domain.lower, domain.upper, INFINITY}) ASSERT_EQ(bins.any(end, other), table.anyVisible(end, other));
+    for (const float other : {-INFINITY, domain.lower, domain.upper, INFINITY})
+      ASSERT_EQ(bins.any(end, other), table.anyVisible(end, other));
   ASSERT_FALSE(bins.any(NAN, domain.upper));
   ASSERT_FALSE(bins.any(domain.lower, NAN));
 }
 
 RC_GTEST_PROP(VisibleBins, AnswerAsTheTableDoes, (uint32_t seed)) {
   std::mt19937 random(seed);
-  const TransferDomain domains[] = {{0.0f, 255.0f, true}, {-32768.0f, 32767.0f, true}, {0.0f, 1.0f, false}, {-3e5f, 7e8f, false}, {5.0f, 5.0f, false}};
+  const TransferDomain domains[] = {{0.0f, 255.0f, true},
+                                    {-32768.0f, 32767.0f, true},
+                                    {0.0f, 1.0f, false},
+                                    {-3e5f, 7e8f, false},
+                                    {5.0f, 5.0f, false}};
   const TransferDomain domain = domains[random() % std::size(domains)];
   const TransferFunction function = someFunction(random, domain.lower, domain.upper, domain.isWhole);
   const float step = random() % 2 ? 0.5f : 3.0f;

@@ -42,7 +42,10 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   const VolumePtr& volume() const override { return none_; }
   Backend backend() const override { return Backend::cpu; }
   MarcherCapabilities capabilities() const override {
-    return {.pace = MarchPace::afterRest, .volume = VolumePlace::elsewhere, .judging = JudgePlace::host, .functionChange = FunctionChange::refused};
+    return {.pace = MarchPace::afterRest,
+            .volume = VolumePlace::elsewhere,
+            .judging = JudgePlace::host,
+            .functionChange = FunctionChange::refused};
   }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr) const override { return makeRemoteMarcher(io_, settings_, coding_, patience_, onBusy_); }

@@ -147,7 +147,8 @@ class Baking {
  private:
   Entry entryOf(const glm::vec4& straight) const {
     const float unitAlpha = std::clamp(straight.a, 0.0f, 1.0f);
-    const float alpha = unitAlpha == 0.0f ? 0.0f : correctOpacity(unitAlpha, table_.step);  // nothing stays nothing, and is most of many functions
+    // Nothing stays nothing, and is most of many functions.
+    const float alpha = unitAlpha == 0.0f ? 0.0f : correctOpacity(unitAlpha, table_.step);
     return {{glm::vec3(straight) * alpha, alpha}, unitAlpha};
   }
   Entry from(double x) const { return entryOf(function_.at(x)); }
@@ -158,7 +159,8 @@ class Baking {
     return entryOf(function_.below(isCorner ? cornerValues_[static_cast<size_t>(corner - corners_.begin())] : x));
   }
 
-  /// from() and before(), which remembers the last places: where bins meet, and at whole numbers, the next bin asks for what this one was told.
+  /// from() and before(), which remembers the last places: where bins meet, and at whole numbers, the next bin asks for
+  /// what this one was told.
   class Recent {
    public:
     explicit Recent(const Baking& baking) : baking_(baking) {}
@@ -173,7 +175,8 @@ class Baking {
     Entry before(double x) {
       // The same, but where something begins: at a corner's place, and at its value.
       const auto& points = baking_.function_.points;
-      const auto point = std::lower_bound(points.begin(), points.end(), x, [](const TransferPoint& p, double v) { return p.value < v; });
+      const auto point = std::lower_bound(points.begin(), points.end(), x,
+                                          [](const TransferPoint& p, double v) { return p.value < v; });
       const bool isValue = point != points.end() && point->value == x;
       const auto corner = std::lower_bound(baking_.corners_.begin(), baking_.corners_.end(), x);
       const bool isPlace = corner != baking_.corners_.end() && static_cast<double>(*corner) == x;
@@ -193,7 +196,8 @@ class Baking {
   };
   Extents extentsOf(int bin) const {
     constexpr double kNoEnd = std::numeric_limits<double>::infinity();
-    return {bin == 0 ? -kNoEnd : bins_.border(bin - 1) - bins_.slack(bin - 1), bin == bins_.count() - 1 ? kNoEnd : bins_.border(bin) + bins_.slack(bin)};
+    return {bin == 0 ? -kNoEnd : bins_.border(bin - 1) - bins_.slack(bin - 1),
+            bin == bins_.count() - 1 ? kNoEnd : bins_.border(bin) + bins_.slack(bin)};
   }
 
   /// Whether `entry`, a bin's, stands for all of it.
@@ -203,7 +207,8 @@ class Baking {
     entry = isFirst  ? recent.before(bins_.lower)
             : isLast ? recent.from(bins_.upper)
                      : recent.from(middleOf(bins_.border(bin - 1), bins_.border(bin)));
-    bool isAlike = (isFirst || areAlike(entry, recent.from(begin))) && (isLast || isAlikeBelow(entry, recent.before(end)));
+    bool isAlike =
+        (isFirst || areAlike(entry, recent.from(begin))) && (isLast || isAlikeBelow(entry, recent.before(end)));
     if (isAlike) {
       const auto inside = std::upper_bound(corners_.begin(), corners_.end(), begin);  // strictly
       for (auto corner = inside; isAlike && corner != corners_.end() && *corner < end; ++corner)
@@ -219,7 +224,8 @@ class Baking {
     const auto [begin, end] = extentsOf(bin);
     const size_t first = pieces_.size();
     double left = begin;
-    for (auto corner = std::upper_bound(corners_.begin(), corners_.end(), begin); corner != corners_.end() && *corner < end; ++corner) {
+    for (auto corner = std::upper_bound(corners_.begin(), corners_.end(), begin);
+         corner != corners_.end() && *corner < end; ++corner) {
       if (left < *corner) addPieces(left, *corner);
       left = *corner;
     }

@@ -9,8 +9,8 @@
 
 namespace warpscope {
 
-/// For each bin of `table` the least one from it on that shows anything, TransferTable::bins if there is none: twice its index, and one more where it is
-/// refined and only some of its pieces show something.
+/// For each bin of `table` the least one from it on that shows anything, TransferTable::bins if there is none: twice
+/// its index, and one more where it is refined and only some of its pieces show something.
 std::vector<int32_t> nextVisibleBins(const TransferTable& table);
 
 /// The memory is another's.
@@ -46,10 +46,12 @@ struct VisibleBins {
   }
 };
 
-/// Interpolation may leave a cell's range by its rounding: three blends of two roundings each, and with holes eight products, their sum and a quotient.
+/// Interpolation may leave a cell's range by its rounding: three blends of two roundings each, and with holes eight
+/// products, their sum and a quotient.
 inline constexpr float kRangeSlack = 0x1p-20f;
 
-/// Whether what is interpolated between voxels from `lowest` to `highest`, of which there are none if the first is greater, may show anything.
+/// Whether what is interpolated between voxels from `lowest` to `highest`, of which there are none if the first is
+/// greater, may show anything.
 WARPSCOPE_HD inline bool anyVisibleBetween(const VisibleBins& bins, float lowest, float highest) {
   const float slack = lowest < highest ? kRangeSlack * maxOf(absOf(lowest), absOf(highest)) : 0.0f;
   return lowest <= highest && bins.any(lowest - slack, highest + slack);

@@ -1,6 +1,7 @@
 // A cell a thread: what it shows, then the distances axis by axis.
-// See device_cells.h. The Chebyshev distance is the least, over the cells along one axis, of the greater of the way there and the distance within the other axes
-// (as Saito, Toriwaki 1994, for squared Euclidean ones): looked for outwards, and no farther than what is found already.
+// See device_cells.h. The Chebyshev distance is the least, over the cells along one axis, of the greater of the way
+// there and the distance within the other axes (as Saito, Toriwaki 1994, for squared Euclidean ones): looked for
+// outwards, and no farther than what is found already.
 #include "render/march/device_cells.h"
 
 namespace warpscope {
@@ -9,7 +10,8 @@ namespace {
 constexpr unsigned kThreads = 256;
 constexpr uint8_t kVisible = 0, kFarthest = 255;
 
-__global__ void markVisible(const VisibleBins bins, const float* lowest, const float* highest, size_t count, uint8_t* marks) {
+__global__ void markVisible(const VisibleBins bins, const float* lowest, const float* highest, size_t count,
+                            uint8_t* marks) {
   const size_t i = size_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (i < count) marks[i] = anyVisibleBetween(bins, lowest[i], highest[i]) ? kVisible : kFarthest;
 }
@@ -39,8 +41,8 @@ DeviceCells::DeviceCells(const Macrocells& cells) : dims_(cells.dims()) {
   stream.synchronize();
 }
 
-void DeviceCells::findDistances(const VisibleBins& bins, cuda::DeviceBuffer<uint8_t>& distances, cuda::DeviceBuffer<uint8_t>& scratch,
-                                cudaStream_t stream) const {
+void DeviceCells::findDistances(const VisibleBins& bins, cuda::DeviceBuffer<uint8_t>& distances,
+                                cuda::DeviceBuffer<uint8_t>& scratch, cudaStream_t stream) const {
   distances.reserve(count());
   scratch.reserve(count());
   const unsigned blocks = cuda::blocksFor(count(), kThreads);

@@ -1,4 +1,4 @@
-// Cells' value ranges in device memory, and which of them a transfer function leaves empty. For .cu files and what they include.
+// Cells' value ranges in device memory, and which of them a function leaves empty. For .cu files and what they include.
 // Mirrors Macrocells::emptyDistances: the same bytes.
 #pragma once
 
@@ -13,8 +13,10 @@ class DeviceCells {
   /// Copies the ranges to the current device. Throws DeviceError.
   explicit DeviceCells(const Macrocells& cells);
 
-  /// Macrocells::emptyDistances to the front of `distances`, when the stream has got there. `bins` are of the device's memory; `scratch` is overwritten.
-  void findDistances(const VisibleBins& bins, cuda::DeviceBuffer<uint8_t>& distances, cuda::DeviceBuffer<uint8_t>& scratch, cudaStream_t stream) const;
+  /// Macrocells::emptyDistances to the front of `distances`, when the stream has got there. `bins` are of the device's
+  /// memory; `scratch` is overwritten.
+  void findDistances(const VisibleBins& bins, cuda::DeviceBuffer<uint8_t>& distances,
+                     cuda::DeviceBuffer<uint8_t>& scratch, cudaStream_t stream) const;
 
   size_t count() const { return static_cast<size_t>(dims_.x) * dims_.y * dims_.z; }
 

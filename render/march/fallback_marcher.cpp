@@ -60,7 +60,9 @@ class Plan {
     if (isFirstUse) second_ = function_ ? fallback_->second()->withTransferFunction(*function_) : fallback_->second();
     return isFirstUse && !turns ? second_ : second_->twin(turns);
   }
-  std::shared_ptr<Plan> with(TransferFunction function) const { return std::make_shared<Plan>(fallback_, std::move(function)); }
+  std::shared_ptr<Plan> with(TransferFunction function) const {
+    return std::make_shared<Plan>(fallback_, std::move(function));
+  }
 
  private:
   const std::shared_ptr<Fallback> fallback_;

@@ -51,8 +51,12 @@ struct IsVisible {
 
 class CudaMarcher final : public Marcher {
  public:
-  CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume, std::shared_ptr<const DeviceCells> deviceCells, TurnsPtr turns)
-      : marched_(std::move(marched)), deviceVolume_(std::move(deviceVolume)), deviceCells_(std::move(deviceCells)), turns_(std::move(turns)) {
+  CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume,
+              std::shared_ptr<const DeviceCells> deviceCells, TurnsPtr turns)
+      : marched_(std::move(marched)),
+        deviceVolume_(std::move(deviceVolume)),
+        deviceCells_(std::move(deviceCells)),
+        turns_(std::move(turns)) {
     colorTables_.upload({&ColorTables::instance(), 1}, stream_);
     stream_.synchronize();
   }
@@ -132,7 +136,9 @@ class CudaMarcher final : public Marcher {
     return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
   }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CudaMarcher>(marched_, deviceVolume_, deviceCells_, std::move(turns)); }
+  MarcherPtr twin(TurnsPtr turns) const override {
+    return std::make_shared<CudaMarcher>(marched_, deviceVolume_, deviceCells_, std::move(turns));
+  }
   MarcherPtr withTransferFunction(TransferFunction function) const override {
     auto marched = std::make_shared<const MarchedVolume>(*marched_, std::move(function));
     // What the device holds depends on the values' scale alone.
@@ -143,7 +149,8 @@ class CudaMarcher final : public Marcher {
   static MarcherPtr makeFor(MarchedVolumePtr marched, TurnsPtr turns) {
     auto deviceVolume = std::make_shared<const DeviceVolume>(*marched->volume, marched->scale);
     auto deviceCells = std::make_shared<const DeviceCells>(marched->macrocells);
-    return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume), std::move(deviceCells), std::move(turns));
+    return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume), std::move(deviceCells),
+                                         std::move(turns));
   }
 
  private:
@@ -294,7 +301,8 @@ class CudaMarcher final : public Marcher {
 }  // namespace
 
 MarcherPtr makeCudaMarcher(VolumePtr volume, TransferFunction transferFunction) {
-  return CudaMarcher::makeFor(std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);
+  return CudaMarcher::makeFor(std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction)),
+                              nullptr);
 }
 
 }  // namespace warpscope

@@ -1,5 +1,6 @@
 // Vectors of bytes over rows.
-// See cell_distances.h. Every value is at all times a bound from above of a distance: what is read after it was improved is right as well.
+// See cell_distances.h. Every value is at all times a bound from above of a distance: what is read after it was
+// improved is right as well.
 #include "render/volume/cell_distances.h"
 
 #include <algorithm>
@@ -15,13 +16,16 @@ constexpr size_t kBytes = ByteBatch::size;
 
 ByteBatch load(const uint8_t* at) { return ByteBatch::load_unaligned(at); }
 /// One step farther, at most 255.
-ByteBatch farther(const ByteBatch& distance, int steps) { return xsimd::sadd(distance, ByteBatch(static_cast<uint8_t>(steps))); }
+ByteBatch farther(const ByteBatch& distance, int steps) {
+  return xsimd::sadd(distance, ByteBatch(static_cast<uint8_t>(steps)));
+}
 /// The nearest of each cell and its two neighbours along the row.
 ByteBatch nearestOfThree(const uint8_t* at) { return min(min(load(at - 1), load(at)), load(at + 1)); }
 
 /// From one row to its neighbour.
 void spreadToRow(const uint8_t* from, uint8_t* to, size_t width) {
-  for (size_t x = 0; x < width; x += kBytes) min(load(to + x), farther(nearestOfThree(from + x), 1)).store_unaligned(to + x);
+  for (size_t x = 0; x < width; x += kBytes)
+    min(load(to + x), farther(nearestOfThree(from + x), 1)).store_unaligned(to + x);
 }
 
 }  // namespace
@@ -69,7 +73,8 @@ std::vector<uint8_t> CellDistances::take() {
   for (int z = dims_.z; z-- > 0;) {
     if (z + 1 < dims_.z) spreadFromPlane(z + 1, z);
     for (int y = 0; y < dims_.y; ++y)
-      std::memcpy(distances.data() + (static_cast<size_t>(z) * dims_.y + y) * dims_.x, row(y, z), static_cast<size_t>(dims_.x));
+      std::memcpy(distances.data() + (static_cast<size_t>(z) * dims_.y + y) * dims_.x, row(y, z),
+                  static_cast<size_t>(dims_.x));
   }
   return distances;
 }

@@ -1,5 +1,5 @@
-// How far each cell of a grid is from the nearest that is marked, in every direction alike: the Chebyshev distance, up to 255.
-// Two sweeps an axis (Rosenfeld, Pfaltz 1966), exact for this metric. Along rows by doubled shifts, across them a vector of cells at a time. Host only.
+// How far each cell of a grid is from the nearest that is marked, diagonals too (Chebyshev), up to 255. Host only.
+// Two sweeps an axis (Rosenfeld, Pfaltz 1966), exact for this metric, by vectors of cells; rows by doubled shifts.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,8 @@
 
 namespace warpscope {
 
-/// Marks go in by rows, distances come out. In this order: mark all rows of a plane and spread it, in any order of planes and on any threads; then take().
+/// Marks go in by rows, distances come out. In this order: mark all rows of a plane and spread it, in any order of
+/// planes and on any threads; then take().
 class CellDistances {
  public:
   static constexpr uint8_t kMarked = 0, kUnmarked = 255;

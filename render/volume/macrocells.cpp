@@ -44,7 +44,8 @@ void markVisible(const VisibleBins& bins, const float* lowest, const float* high
   for (int begin = 0; begin < count; begin += kCellsAtOnce) {
     alignas(64) int32_t wide[kCellsAtOnce];
     uint8_t narrow[kCellsAtOnce];
-    for (int i = 0; i < kCellsAtOnce; i += kBatchLanes) marksOf(bins, lowest + begin + i, highest + begin + i).store_aligned(wide + i);
+    for (int i = 0; i < kCellsAtOnce; i += kBatchLanes)
+      marksOf(bins, lowest + begin + i, highest + begin + i).store_aligned(wide + i);
     for (int i = 0; i < kCellsAtOnce; ++i) narrow[i] = static_cast<uint8_t>(wide[i]);
     std::memcpy(marks + begin, narrow, static_cast<size_t>(std::min(kCellsAtOnce, count - begin)));
   }

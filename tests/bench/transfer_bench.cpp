@@ -1,5 +1,6 @@
 // From a new transfer function to what a march by it needs: its table, and which cells it leaves empty. Run by hand.
-// Volumes of 256^3 voxels of three types, each with a function that shows some of it; what comes of changes is checked against a marcher that is made anew.
+// Volumes of 256^3 voxels of three types, each with a function that shows some of it; what comes of changes is checked
+// against a marcher that is made anew.
 #include <benchmark/benchmark.h>
 
 #include "app/scene/scene.h"
@@ -22,7 +23,8 @@ VolumePtr volumeOf(VoxelType type) {
       const double lower = shells->statistics().rangeLower, upper = shells->statistics().rangeUpper;
       const double factor = (std::is_floating_point_v<To> ? 1.0 : 65535.0) / (upper - lower);
       auto voxels = std::make_shared<std::vector<To>>(shells->voxelCount());
-      for (size_t i = 0; i < voxels->size(); ++i) (*voxels)[i] = static_cast<To>((static_cast<double>(source[i]) - lower) * factor);
+      for (size_t i = 0; i < voxels->size(); ++i)
+        (*voxels)[i] = static_cast<To>((static_cast<double>(source[i]) - lower) * factor);
       return std::make_shared<Volume>("shells", type, shells->geometry(), voxels, voxels->data());
     });
   });
@@ -57,7 +59,8 @@ Case& caseOf(int64_t type) {
 void table(benchmark::State& state) {
   const Case& c = caseOf(state.range(0));
   state.SetLabel(std::string(nameOf(c.volume->type())));
-  for (auto _ : state) benchmark::DoNotOptimize(bakeTransferTable(c.marched.transferFunction, *c.volume, c.marched.scale, 0.5f));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(bakeTransferTable(c.marched.transferFunction, *c.volume, c.marched.scale, 0.5f));
 }
 BENCHMARK(table)->DenseRange(0, 2)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 
@@ -84,7 +87,8 @@ void newFunction(benchmark::State& state, const MarcherDescriptor& descriptor) {
     marcher->render(camera, {}, image);
   }
   descriptor.make(c.volume, functionFor(*c.volume, 1e-3 * (change % 50)))->render(camera, {}, expected);
-  if (!(image == expected) || !(image(0, 0).a > 0.0f)) state.SkipWithError("not the picture of a marcher that was made with the function");
+  if (!(image == expected) || !(image(0, 0).a > 0.0f))
+    state.SkipWithError("not the picture of a marcher that was made with the function");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The device's empty cells against the CPU's, byte for byte: every voxel type, functions of ramps, steps and spikes, grids of every shape.
-// Mirrors render/march/device_cells.h.
+// The device's empty cells against the CPU's, byte for byte: every voxel type, functions of ramps, steps and spikes,
+// grids of every shape. Mirrors render/march/device_cells.h.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,8 +27,10 @@ TransferFunction someFunction(std::mt19937& random, double factor) {
   TransferFunction function;
   double value = -10.0;
   for (int i = 0; i < 10; ++i) {
-    if (random() % 3 > 0) value += random() % 2 ? 1e-3 * static_cast<double>(random() % 1000) : static_cast<double>(random() % 30);
-    function.points.push_back({value * factor, glm::vec3(0.5f), random() % 3 ? 0.0f : 0.1f * static_cast<float>(random() % 10)});
+    if (random() % 3 > 0)
+      value += random() % 2 ? 1e-3 * static_cast<double>(random() % 1000) : static_cast<double>(random() % 30);
+    function.points.push_back(
+        {value * factor, glm::vec3(0.5f), random() % 3 ? 0.0f : 0.1f * static_cast<float>(random() % 10)});
   }
   return function;
 }
@@ -66,11 +68,14 @@ TEST(CellsOnDevice, DistancesSaturateAlongEveryAxis) {
   for (int axis = 0; axis < 3; ++axis) {
     glm::uvec3 dims(6);
     dims[axis] = 2400;
-    const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, [&](const glm::ivec3& p) { return p[axis] == 40 && p[(axis + 1) % 3] == 0 ? 255.0 : 0.0; });
+    const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, [&](const glm::ivec3& p) {
+      return p[axis] == 40 && p[(axis + 1) % 3] == 0 ? 255.0 : 0.0;
+    });
     const TransferFunction function{{{100.0, glm::vec3(1.0f), 0.0f}, {100.0, glm::vec3(1.0f), 0.5f}}};
     const ValueScale scale = valueScaleOf(volume->type(), volume->statistics(), function);
     expectSame({*volume, scale}, bakeTransferTable(function, *volume, scale, 0.5f), "axis " + std::to_string(axis));
-    expectSame({*volume, scale}, bakeTransferTable({{{0.0, glm::vec3(1.0f), 0.0f}}}, *volume, scale, 0.5f), "nothing, axis " + std::to_string(axis));
+    expectSame({*volume, scale}, bakeTransferTable({{{0.0, glm::vec3(1.0f), 0.0f}}}, *volume, scale, 0.5f),
+               "nothing, axis " + std::to_string(axis));
   }
 }
 
