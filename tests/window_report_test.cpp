@@ -96,6 +96,56 @@ TEST_F(WindowReportTest, AgesAreThoseOfFramesOfAnotherCamera) {
   EXPECT_DOUBLE_EQ(figures["ageMs"]["longest"], 30.0);
 }
 
+TEST_F(WindowReportTest, PicturesAndMarchesAreThoseWhileSomethingMoves) {
+  open();
+  report_.add(session_, start_, false);  // what was there before does not count
+  EXPECT_TRUE(report(start_)["movingMarchMs"].is_null());
+  EXPECT_EQ(report(start_)["picturesPerSecond"], json::array({nullptr, nullptr}));
+  for (int i = 0; i <= 4; ++i) report_.add(session_, start_ + milliseconds(250 * i), true);
+  EXPECT_TRUE(report(start_)["movingMarchMs"].is_null()) << "no frame came";
+  EXPECT_EQ(report(start_)["picturesPerSecond"], json::array({0.0, 0.0}));
+
+  View view = session_.view();
+  view.angleDeg += 20.0;
+  session_.setView(view);
+  const uint64_t before = session_.panel(0).requestId;
+  for (const auto limit = clock_.now() + std::chrono::seconds(60); clock_.now() < limit && session_.panel(0).requestId == before;
+       std::this_thread::sleep_for(milliseconds(1)))
+    session_.update(clock_.now());
+  report_.add(session_, start_ + milliseconds(2000), true);
+  const json figures = report(start_ + milliseconds(2000));
+  EXPECT_DOUBLE_EQ(figures["movingMarchMs"]["median"], session_.frames().newest()->timings.marchMs);
+  EXPECT_DOUBLE_EQ(figures["picturesPerSecond"][0], 0.5) << "one in two seconds, however many there were between two looks";
+}
+
+TEST_F(WindowReportTest, WhatAMovingCameraLeavesOutIsSaidAndComesBackAtRest) {
+  open();
+  LiveSettings knobs = session_.knobs();
+  knobs.march.render.step = 0.002f;  // more than a millisecond on any machine
+  knobs.march.render.skipEmpty = knobs.march.render.terminateEarly = false;
+  knobs.transport.serverMs = 1;
+  session_.setKnobs(knobs);
+  const auto updateUntil = [&](const auto& isSo, double turnDeg) {
+    for (const auto limit = clock_.now() + std::chrono::seconds(60); clock_.now() < limit && !isSo(); std::this_thread::sleep_for(milliseconds(1))) {
+      View view = session_.view();
+      view.angleDeg += turnDeg;
+      session_.setView(view);
+      session_.update(clock_.now());
+    }
+    return isSo();
+  };
+  const Panel& panel = session_.panel(0);
+  ASSERT_TRUE(updateUntil([&] { return !panel.leftOut.empty(); }, 0.5));
+  EXPECT_THAT(panel.leftOut, testing::HasSubstr("instead of 0.002"));
+  EXPECT_EQ(report(clock_.now())["panels"][0]["leftOut"], panel.leftOut);
+  EXPECT_FALSE(panel.configuration) << "nobody chose that step: it gets no point in the plot";
+  ASSERT_TRUE(updateUntil([&] { return panel.leftOut.empty() && panel.errorsAreCurrent && session_.ageMs(0, clock_.now()) == 0.0; }, 0.0));
+  EXPECT_EQ(session_.frames().newest()->settings, knobs.march);
+  ASSERT_TRUE(panel.configuration);
+  EXPECT_EQ(panel.configuration->march, knobs.march);
+  EXPECT_EQ(session_.groundTruth().image()->job().settings, knobs.march.render);
+}
+
 TEST_F(WindowReportTest, ErrorsAreThoseOfThePictureOnShow) {
   open();
   const Panel& panel = session_.panel(0);
