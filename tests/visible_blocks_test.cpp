@@ -110,6 +110,12 @@ TEST(VisibleBlocks, SurfacesHaveNoInnerCellsAndNotTooManyBoxes) {
   std::mt19937 random(17);
   const VisibleCells solid(random, {64, 64, 64}, 2.0f, glm::vec3(0.0f), glm::vec3(1.0f));
   EXPECT_EQ(visibleSurface(solid.cells, solid.voxels).size(), 16u * 16 * 16 - 14 * 14 * 14);
+  VisibleCells inside(random, {64, 64, 64}, 0.0f, glm::vec3(0.0f), glm::vec3(1.0f));
+  for (int i = 0; i < 16 * 16 * 16; ++i) {
+    const glm::ivec3 cell(i % 16, i / 16 % 16, i / 256);
+    if (glm::all(glm::greaterThanEqual(cell, glm::ivec3(4))) && glm::all(glm::lessThan(cell, glm::ivec3(12)))) inside.distances[static_cast<size_t>(i)] = 0;
+  }
+  EXPECT_EQ(visibleSurface(inside.cells, inside.voxels).size(), 8u * 8 * 8 - 6 * 6 * 6);
   const VisibleCells noise(random, {400, 400, 400}, 0.5f, glm::vec3(0.0f), glm::vec3(1.0f));
   const std::vector<Box> boxes = visibleSurface(noise.cells, noise.voxels);
   EXPECT_LE(boxes.size(), size_t{1} << 15);
