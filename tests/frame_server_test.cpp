@@ -117,6 +117,9 @@ class WatchedMarcher final : public Marcher {
   MarcherCapabilities capabilities() const override { return inner_->capabilities(); }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<WatchedMarcher>(inner_->twin(turns), nice_); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    return std::make_shared<WatchedMarcher>(inner_->withTransferFunction(std::move(function)), nice_);
+  }
 
  private:
   const MarcherPtr inner_;
