@@ -61,7 +61,7 @@ class Vtk:
         import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  what makes windows
         import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
         from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
-        from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume, vtkVolumeProperty
+        from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkLight, vtkRenderer, vtkRenderWindow, vtkVolume, vtkVolumeProperty
         from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
         from vtkmodules.util.numpy_support import numpy_to_vtk
 
@@ -113,7 +113,10 @@ class Vtk:
         self.window.SetSize(side, side)
         self.window.AddRenderer(renderer)
         renderer.AddVolume(actor)
-        renderer.AutomaticLightCreationOn()  # a headlight
+        headlight = vtkLight()
+        headlight.SetLightTypeToHeadlight()
+        headlight.SetAmbientColor(1.0, 1.0, 1.0)  # black unless it is set: then there is no ambient light
+        renderer.AddLight(headlight)
         vtkCamera = renderer.GetActiveCamera()
         eye, forward, up = (numpy.array(camera[key]) for key in ("eye", "forward", "up"))
         self.isMirrored = numpy.dot(numpy.cross(forward, up), camera["right"]) < 0
@@ -181,7 +184,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         march = {"step": options.step}
         if light:
-            march |= {"shading": 1} | light
+            march |= {"shading": 1, "lights": "camera:0,0,1"} | light  # VTK takes one direction of light and view for the whole picture
         scene = os.path.join(folder, "scene.json")
         with open(scene, "w", encoding="utf-8") as file:
             json.dump({"name": "vtk", "volume": {"file": os.path.abspath(options.volume)}, "march": march}, file)
