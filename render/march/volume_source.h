@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <type_traits>
 
 #include "render/core/ray.h"
@@ -16,37 +15,16 @@
 #include "render/march/empty_space.h"
 #include "render/march/march_arithmetic.h"
 #include "render/march/volume_view.h"
+#include "render/march/voxel_words.h"
 #include "render/volume/voxel_access.h"
 
 namespace warpscope {
-
-/// Two neighbouring voxels of a small type are read as one integer: half the loads.
-template <class Voxel>
-inline constexpr bool kHasPairs = sizeof(Voxel) <= 2;
-
-template <class Voxel>
-uint32_t loadPair(const Voxel* p) {
-  std::conditional_t<sizeof(Voxel) == 1, uint16_t, uint32_t> pair;
-  std::memcpy(&pair, p, sizeof pair);
-  return pair;
-}
-
-/// The first (kHigh: second) voxels of pairs as numbers, with their sign.
-template <class Voxel, bool kHigh>
-FloatBatch voxelsOf(const UintBatch& pairs) {
-  constexpr int bits = 8 * sizeof(Voxel);
-  constexpr bool upper = kHigh == (std::endian::native == std::endian::little);
-  const IntBatch top = xsimd::batch_cast<int32_t>(pairs << (upper ? 32 - 2 * bits : 32 - bits));
-  if constexpr (std::is_signed_v<Voxel>)
-    return xsimd::to_float(top >> (32 - bits));
-  else
-    return xsimd::to_float(xsimd::batch_cast<int32_t>(xsimd::batch_cast<uint32_t>(top) >> (32 - bits)));
-}
 
 /// kHasHoles: some voxels are not finite and are left out of interpolation.
 template <class Voxel, bool kHasHoles, class MarchPolicy = StableMarch>
 class VolumeSource {
  public:
+  using VoxelType = Voxel;
   using March = MarchPolicy;
   static constexpr int kBatch = kBatchLanes;
   static constexpr bool kLoadsCells = false;
@@ -142,11 +120,11 @@ class VolumeSource {
       if constexpr (kHasPairs<Voxel>) {
         alignas(64) uint32_t pairs[4][kBatch];
         for (int k = 0; k < kBatch; ++k)
-          for (int row = 0; row < 4; ++row) pairs[row][k] = loadPair(places[k] + offsets_[2 * row]);
+          for (int row = 0; row < 4; ++row) pairs[row][k] = loadWord<2>(places[k] + offsets_[2 * row]);
         for (int row = 0; row < 4; ++row) {
           const UintBatch pair = UintBatch::load_aligned(pairs[row]);
-          corner[2 * row] = voxelsOf<Voxel, false>(pair);
-          corner[2 * row + 1] = voxelsOf<Voxel, true>(pair);
+          corner[2 * row] = voxelsOf<Voxel, 2, 0>(pair);
+          corner[2 * row + 1] = voxelsOf<Voxel, 2, 1>(pair);
         }
       }
     } else {
