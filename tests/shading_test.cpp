@@ -101,8 +101,21 @@ TEST(Gradient, LeavesOutWhatIsNotFinite) {
   }
 }
 
+TEST(Shading, ReciprocalRootsAreWithinTheirBound) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> mantissa(1.0f, 4.0f);
+  double worst = 0.0;
+  for (int power = -100; power <= 98; power += 2)
+    for (int i = 0; i < 2000; ++i) {
+      const float x = std::ldexp(mantissa(random), power);
+      worst = std::max(worst, std::abs(double{reciprocalRoot(x)} * std::sqrt(double{x}) - 1.0));
+    }
+  EXPECT_LE(worst, kReciprocalRootError);
+  EXPECT_GE(worst, 0.25 * kReciprocalRootError);  // the bound says something
+}
+
 TEST(Shading, PowersOfCosinesAreTheLibrarys) {
-  for (const float exponent : {1.0f, 2.5f, 20.0f, 200.0f, 1000.0f})
+  for (const float exponent : {1.0f, 2.5f, 20.0f, 31.0f, 32.0f, 33.0f, 200.0f, 1000.0f})
     for (int i = 0; i <= 20000; ++i) {
       const float x = static_cast<float>(i) / 20000.0f;
       EXPECT_NEAR(powerOfCosine(x, exponent), std::pow(static_cast<double>(x), static_cast<double>(exponent)), 2e-6) << x << "^" << exponent;

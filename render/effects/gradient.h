@@ -41,22 +41,31 @@ WARPSCOPE_HD inline void gradientOf(const GradientStencil<Float>& s, const Float
   }
 }
 
-/// Reads the stencil of the cell at `index`. Outside the volume the outermost voxels count once more.
+/// A cell's corners, or those of small voxels raised: gradients are made of differences alone.
+template <class Voxel>
+WARPSCOPE_HD inline void readCorners(const VoxelCell<Voxel>& cell, const ValueScale& scale, float (&corners)[8]) {
+  if constexpr (kIsRaised<Voxel>)
+    raisedCorners(cell, corners);
+  else
+    for (int i = 0; i < 8; ++i) corners[i] = interpolant(cell.corners[i], scale);
+}
+
+/// Reads the stencil of the cell at `index`; all its values may be off by the same. Outside the volume the outermost voxels count once more.
 template <bool kByCells, class Voxel>
 WARPSCOPE_HD inline void loadStencil(const VolumeView<Voxel>& view, const int (&index)[3], GradientStencil<float>& s) {
   if constexpr (kByCells) {
-    const size_t cellsX = static_cast<size_t>(view.ends[0].lastCell) + 1;
-    const size_t stride[3] = {1, cellsX, cellsX * (static_cast<size_t>(view.ends[1].lastCell) + 1)};
-    const VoxelCell<Voxel>* const cell =
-        view.blends + (static_cast<size_t>(index[2]) * stride[2] + static_cast<size_t>(index[1]) * stride[1] + static_cast<size_t>(index[0]));
-    const VoxelCell<Voxel> own = *cell;
-    for (int i = 0; i < 8; ++i) s.own[i] = interpolant(own.corners[i], view.scale);
+    // There are never as many cells as 2^32: device_volume.h keeps larger volumes as voxels.
+    const uint32_t cellsX = static_cast<uint32_t>(view.ends[0].lastCell) + 1;
+    const uint32_t stride[3] = {1, cellsX, cellsX * (static_cast<uint32_t>(view.ends[1].lastCell) + 1)};
+    const uint32_t own = static_cast<uint32_t>(index[2]) * stride[2] + static_cast<uint32_t>(index[1]) * stride[1] + static_cast<uint32_t>(index[0]);
+    readCorners(view.blends[own], view.scale, s.own);
     for (int axis = 0; axis < 3; ++axis) {
-      const VoxelCell<Voxel> before = index[axis] > 0 ? cell[-static_cast<ptrdiff_t>(stride[axis])] : own;
-      const VoxelCell<Voxel> behind = index[axis] < view.ends[axis].lastCell ? cell[stride[axis]] : own;
+      float before[8], behind[8];
+      readCorners(view.blends[index[axis] > 0 ? own - stride[axis] : own], view.scale, before);
+      readCorners(view.blends[index[axis] < view.ends[axis].lastCell ? own + stride[axis] : own], view.scale, behind);
       for (int corner = 0; corner < 4; ++corner) {
-        s.below[axis][corner] = interpolant(before.corners[cornerAcross(axis, corner, 0)], view.scale);
-        s.above[axis][corner] = interpolant(behind.corners[cornerAcross(axis, corner, 1)], view.scale);
+        s.below[axis][corner] = before[cornerAcross(axis, corner, 0)];
+        s.above[axis][corner] = behind[cornerAcross(axis, corner, 1)];
       }
     }
   } else {
@@ -94,18 +103,22 @@ WARPSCOPE_HD inline void replaceMissing(GradientStencil<float>& s) {
     }
 }
 
-/// The gradient where a ray is at distance `t`, along the volume's axes, interpolants a voxel. With kHasHoles differences over a voxel that is
-/// not finite are 0.
+/// The gradient at a place, along the volume's axes, interpolants a voxel. With kHasHoles differences over a voxel that is not finite are 0.
+template <bool kByCells, bool kHasHoles, class Voxel>
+WARPSCOPE_HD inline void gradientIn(const VolumeView<Voxel>& view, const SampleCell& cell, float (&gradient)[3]) {
+  GradientStencil<float> stencil;
+  loadStencil<kByCells>(view, cell.index, stencil);
+  if constexpr (kHasHoles) replaceMissing(stencil);
+  gradientOf(stencil, cell.weight, gradient);
+}
+
+/// The same where a ray is at distance `t`.
 template <bool kByCells, bool kHasHoles, class Voxel>
 WARPSCOPE_HD inline void gradientAt(const VolumeView<Voxel>& view, const Ray& ray, float t, float (&gradient)[3]) {
   const glm::vec3 origin = view.voxelOrigin(ray), direction = view.voxelDirection(ray);
-  int index[3];
-  float weight[3];
-  for (int axis = 0; axis < 3; ++axis) axisCell(mulAdd(t, direction[axis], origin[axis]), view.ends[axis], index[axis], weight[axis]);
-  GradientStencil<float> stencil;
-  loadStencil<kByCells>(view, index, stencil);
-  if constexpr (kHasHoles) replaceMissing(stencil);
-  gradientOf(stencil, weight, gradient);
+  SampleCell cell;
+  for (int axis = 0; axis < 3; ++axis) axisCell(mulAdd(t, direction[axis], origin[axis]), view.ends[axis], cell.index[axis], cell.weight[axis]);
+  gradientIn<kByCells, kHasHoles>(view, cell, gradient);
 }
 
 }  // namespace warpscope

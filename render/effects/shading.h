@@ -22,7 +22,7 @@ struct PreparedLight {
 /// What is the same for all samples of a picture.
 struct ShadingSetup {
   Shading shading;
-  /// Squared gradient below which there is no surface: what rounding of the volume's values to its type's steps can make of a constant.
+  /// Squared gradient below which there is no surface: what rounding of the volume's values to its type's steps can make of a constant; at least 2^-100.
   float noiseSquared = 0.0f;
   /// Of gradients as they are read, interpolants a voxel: turns them into volume space, and into what can be squared.
   glm::vec3 gradientScale{1.0f};
@@ -30,10 +30,22 @@ struct ShadingSetup {
   PreparedLight lights[Lights::kMost];
 };
 
-/// x^exponent for x in [0, 1] and exponent > 0, the same bits on every processor: within 2e-6 of 1 of the truth. By logarithm and power to the base 2,
-/// in series (exact_math.h names them). Float is float or a vector of floats.
+/// Exponents up to which powerOfCosine() multiplies: roundings grow with the exponent.
+inline constexpr float kMostMultiplied = 32.0f;
+
+/// x^exponent for x in [0, 1] and exponent > 0, the same bits on every processor: within 2e-6 of 1 of the truth. By squaring where the exponent is a
+/// small whole number, else by logarithm and power to the base 2, in series (exact_math.h names them). Float is float or a vector of floats.
 template <class Float>
 WARPSCOPE_HD inline Float powerOfCosine(const Float& x, float exponent) {
+  if (exponent <= kMostMultiplied && exponent == static_cast<float>(static_cast<int>(exponent))) {
+    Float square = minOf(x, Float(1.0f)), power(1.0f);
+    const int whole = static_cast<int>(exponent);
+    for (int bit = 1; bit <= static_cast<int>(kMostMultiplied); bit *= 2) {  // unrolled
+      if (whole & bit) power = power * square;
+      square = square * square;
+    }
+    return power;
+  }
   // x = mantissa * 2^power, mantissa in [sqrt(1/2), sqrt(2)).
   constexpr int32_t kRoot = 0x3f3504f3;
   const auto bits = bitsOf(minOf(maxOf(x, Float(0x1p-64f)), Float(1.0f)));
@@ -48,6 +60,17 @@ WARPSCOPE_HD inline Float powerOfCosine(const Float& x, float exponent) {
   Float result = mulAdd(Float(1.54035304e-4f), r, Float(1.33335581e-3f));
   for (const float coefficient : {9.61812911e-3f, 5.55041087e-2f, 0.240226507f, 0.693147181f, 1.0f}) result = mulAdd(result, r, Float(coefficient));
   return selected(y > Float(-126.0f), result * floatOfBits((whole + 127) << 23), Float(0.0f));
+}
+
+/// 1 / sqrt(x) for x in [2^-100, 2^100], the same bits on every processor: within kReciprocalRootError, relative to itself. From a first guess by the
+/// float's bits (Blinn 1997, "Floating-point tricks") by Newton's steps; in a fraction of the time of a root and a division that are rounded rightly.
+inline constexpr double kReciprocalRootError = 4 * 0x1p-24;
+template <class Float>
+WARPSCOPE_HD inline Float reciprocalRoot(const Float& x) {
+  Float y = floatOfBits(0x5f375a86 - (bitsOf(x) >> 1));
+  const Float half = Float(-0.5f) * x;
+  for (int step = 0; step < 3; ++step) y = y * mulAdd(half * y, y, Float(1.5f));
+  return y;
 }
 
 /// What light makes of a colour c of opacity a, premultiplied: kept * c + white * a.
@@ -69,9 +92,8 @@ WARPSCOPE_HD inline LightFactors<Float> lightFactors(const ShadingSetup& setup, 
   const Float scaled[3] = {gradient[0] * Float(setup.gradientScale.x), gradient[1] * Float(setup.gradientScale.y), gradient[2] * Float(setup.gradientScale.z)};
   const Float squared = dot3(scaled, scaled);
   const auto isSurface = squared > Float(setup.noiseSquared);
-  const Float toUnit = kOne / sqrtOf(selected(isSurface, squared, kOne));
-  const Float normal[3] = {scaled[0] * toUnit, scaled[1] * toUnit, scaled[2] * toUnit};
-  const Float facingEye = absOf(dot3(normal, toEye));
+  const Float toUnit = reciprocalRoot(selected(isSurface, squared, kOne));
+  const Float facingEye = absOf(dot3(scaled, toEye)) * toUnit;
   const bool hasHighlights = shading.specular > 0.0f;
   Float diffuse(shading.ambient), specular = kZero;
   for (int i = 0; i < setup.lightCount; ++i) {
@@ -87,17 +109,17 @@ WARPSCOPE_HD inline LightFactors<Float> lightFactors(const ShadingSetup& setup, 
     if (light.kind == LightKind::point) {
       for (int axis = 0; axis < 3; ++axis) toLight[axis] = toLight[axis] - place[axis];
       const Float distanceSquared = dot3(toLight, toLight);
-      const auto isOutside = distanceSquared > kZero;  // else the light is in the sample, and everywhere around it
-      const Float toUnitLight = kOne / sqrtOf(selected(isOutside, distanceSquared, kOne));
+      const auto isOutside = distanceSquared > Float(0x1p-100f);  // else the light is in the sample, and everywhere around it
+      const Float toUnitLight = reciprocalRoot(selected(isOutside, distanceSquared, kOne));
       for (int axis = 0; axis < 3; ++axis) toLight[axis] = toLight[axis] * toUnitLight;
       strength = selected(isOutside, kOne, kZero);
     }
-    diffuse = mulAdd(Float(diffuseStrength) * strength, absOf(dot3(normal, toLight)), diffuse);
+    diffuse = mulAdd(Float(diffuseStrength) * strength, absOf(dot3(scaled, toLight)) * toUnit, diffuse);
     if (!hasHighlights) continue;
     const Float half[3] = {toLight[0] + toEye[0], toLight[1] + toEye[1], toLight[2] + toEye[2]};
     const Float halfSquared = dot3(half, half);
     const auto isHalf = halfSquared > Float(1e-12f);  // else the light is opposite the eye
-    const Float mirrored = absOf(dot3(normal, half)) / sqrtOf(selected(isHalf, halfSquared, kOne));
+    const Float mirrored = absOf(dot3(scaled, half)) * toUnit * reciprocalRoot(selected(isHalf, halfSquared, kOne));
     specular = mulAdd(Float(specularStrength) * strength, selected(isHalf, powerOfCosine(mirrored, shading.exponent), kZero), specular);
   }
   const float strength = shading.strength;
@@ -111,7 +133,10 @@ struct Lit {
   template <class Source>
   WARPSCOPE_HD glm::vec3 shade(const ClassifiedSample& sample, const Ray& ray, const Source& source, int /*k*/) const {
     float gradient[3];
-    gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, sample.t, gradient);
+    if constexpr (requires { source.cell(); })
+      gradientIn<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), source.cell(), gradient);
+    else
+      gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, sample.t, gradient);
     const float toEye[3] = {-ray.direction.x, -ray.direction.y, -ray.direction.z};
     const float place[3] = {mulAdd(sample.t, ray.direction.x, ray.origin.x), mulAdd(sample.t, ray.direction.y, ray.origin.y),
                             mulAdd(sample.t, ray.direction.z, ray.origin.z)};

@@ -50,7 +50,7 @@ ShadingSetup prepareShading(const Shading& shading, const Lights& lights, const 
   setup.gradientScale = glm::vec3(scaled);
   // Two values, each off by half a step at most, half of whose difference is taken; along three axes.
   const double noise = 0.5 * quantumOf(volume, scale) * glm::length(scaled);
-  setup.noiseSquared = static_cast<float>(noise * noise);
+  setup.noiseSquared = std::max(static_cast<float>(noise * noise), 0x1p-100f);
   return setup;
 }
 

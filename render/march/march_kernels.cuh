@@ -28,11 +28,12 @@ __device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel, fl
 
 /// Blocks of a multiprocessor that there are registers for. Measured on an H200: fewer registers make loops wait for
 /// constants, more leave too few rays to wait with. Bins that are refined take a call, and what it needs.
-template <bool kIsRefined>
-constexpr int kBlocksAtOnce = kIsRefined ? 7 : 6;
+/// Gradients and what is made of them want more registers.
+template <class Light, bool kIsRefined>
+constexpr int kBlocksAtOnce = !std::is_same_v<Light, Unlit> ? 5 : kIsRefined ? 7 : 6;
 
 template <class Depth, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<kIsRefined>)
+__global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRefined>))
     marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
@@ -71,7 +72,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<kIsRefined>)
 
 /// As marchSamples, for several samples a ray: job.slots places for each pixel, the first of them filled, near to far.
 template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<true>)
+__global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, true>))
     marchSeveralSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
@@ -93,7 +94,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<true>)
 }
 
 template <class March, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<kIsRefined>)
+__global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRefined>))
     marchColors(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;

@@ -55,12 +55,14 @@ class ScalarVolumeSource {
 
   /// The volume, for what a sample's light needs beside its class.
   WARPSCOPE_HD const VolumeView<Voxel>& view() const { return view_; }
+  /// Where the sample is that was looked at last.
+  WARPSCOPE_HD const SampleCell& cell() const { return cell_; }
 
  private:
   /// Looks at the i-th sample, at distance t.
   WARPSCOPE_HD void lookAt(int i, float t) {
-    int index[3];
-    float weight[3];
+    int(&index)[3] = cell_.index;
+    float(&weight)[3] = cell_.weight;
     for (int axis = 0; axis < 3; ++axis)
       axisCell(mulAdd(t, direction_[axis], origin_[axis]), view_.ends[axis], index[axis], weight[axis]);
     // One place for both: rays beside each other leap and look in the same turns of the loop. What is visible is not asked again.
@@ -121,6 +123,7 @@ class ScalarVolumeSource {
   glm::vec3 direction_;  // voxels per unit of t
   typename March::Places places_;
   EmptySpace emptySpace_;
+  SampleCell cell_;  // of the sample that was looked at last
   int leapTo_ = 0;
   int index_ = 0;
   float alpha_ = 0.0f;  // of the sample that was looked at last

@@ -61,43 +61,57 @@ struct alignas(sizeof(Voxel) * 8 < 16 ? sizeof(Voxel) * 8 : 16) VoxelCell {
   Voxel corners[8];
 };
 
+/// Whether voxels are read byte by byte: a device has no instruction that turns a byte inside a word into a float, but one that puts it behind the
+/// exponent of 2^23. What is too much then is the same for all of them, and differences are exact.
+template <class Voxel>
+#if defined(__CUDA_ARCH__)
+inline constexpr bool kIsRaised = std::is_integral_v<Voxel> && sizeof(Voxel) <= 2;
+#else
+inline constexpr bool kIsRaised = false;
+#endif
+
+/// What raisedCorners() add to a voxel.
+template <class Voxel>
+inline constexpr float kRaise = 8388608.0f + (std::is_signed_v<Voxel> ? static_cast<float>(1u << (8 * sizeof(Voxel) - 1)) : 0.0f);
+
+/// A cell's corners, each more than it is by kRaise.
+template <class Voxel>
+WARPSCOPE_HD inline void raisedCorners(const VoxelCell<Voxel>& cell, float (&raised)[8]) {
+#if defined(__CUDA_ARCH__)
+  constexpr uint32_t half = std::is_signed_v<Voxel> ? 1u << (8 * sizeof(Voxel) - 1) : 0u;  // signed ones are moved up, so that none is below 0
+  constexpr uint32_t halves = sizeof(Voxel) == 1 ? half * 0x01010101u : half * 0x00010001u;
+  constexpr uint32_t kWords = 2 * sizeof(Voxel);
+  struct alignas(alignof(VoxelCell<Voxel>)) Words {
+    uint32_t word[kWords];
+  };
+  const Words words = reinterpret_cast<const Words&>(cell);  // one wide load
+  for (uint32_t i = 0; i < 8; ++i) {
+    // Which bytes go where: the voxel's own lowest, then zeros, then 0x4b, the exponent.
+    const uint32_t selector = sizeof(Voxel) == 1 ? 0x7440u + i % 4 : i % 2 == 0 ? 0x7410u : 0x7432u;
+    raised[i] = __uint_as_float(__byte_perm(words.word[i * kWords / 8] ^ halves, 0x4b000000u, selector));
+  }
+#else
+  for (int i = 0; i < 8; ++i) raised[i] = static_cast<float>(cell.corners[i]) + kRaise<Voxel>;
+#endif
+}
+
 /// Along x, the values at a cell's lower corners and how much each rises towards its upper neighbour.
 struct CellPairs {
   float lower[4];
   float rise[4];
 };
 
-/// A cell's corners as interpolation wants them: the differences that lerp() takes, taken once. A device has no instruction that turns a byte
-/// inside a word into a float, but one that puts it behind the exponent of 2^23: what is too much is taken away exactly.
+/// A cell's corners as interpolation wants them: the differences that lerp() takes, taken once.
 template <class Voxel>
 WARPSCOPE_HD inline CellPairs pairsOf(const VoxelCell<Voxel>& cell, const ValueScale& scale) {
   CellPairs pairs;
-#if defined(__CUDA_ARCH__)
-  constexpr bool byBytes = std::is_integral_v<Voxel> && sizeof(Voxel) <= 2;
-#else
-  constexpr bool byBytes = false;
-#endif
-  if constexpr (byBytes) {
-#if defined(__CUDA_ARCH__)
-    constexpr bool isSigned = std::is_signed_v<Voxel>;
-    constexpr uint32_t half = isSigned ? 1u << (8 * sizeof(Voxel) - 1) : 0u;  // signed ones are moved up, so that none is below 0
-    constexpr uint32_t halves = sizeof(Voxel) == 1 ? half * 0x01010101u : half * 0x00010001u;
-    constexpr uint32_t kWords = 2 * sizeof(Voxel);
-    struct alignas(alignof(VoxelCell<Voxel>)) Words {
-      uint32_t word[kWords];
-    };
-    const Words words = reinterpret_cast<const Words&>(cell);  // one wide load
+  if constexpr (kIsRaised<Voxel>) {
     float raised[8];
-    for (uint32_t i = 0; i < 8; ++i) {
-      // Which bytes go where: the voxel's own lowest, then zeros, then 0x4b, the exponent.
-      const uint32_t selector = sizeof(Voxel) == 1 ? 0x7440u + i % 4 : i % 2 == 0 ? 0x7410u : 0x7432u;
-      raised[i] = __uint_as_float(__byte_perm(words.word[i * kWords / 8] ^ halves, 0x4b000000u, selector));
-    }
+    raisedCorners(cell, raised);
     for (int i = 0; i < 4; ++i) {
-      pairs.lower[i] = raised[2 * i] - (8388608.0f + static_cast<float>(half));
+      pairs.lower[i] = raised[2 * i] - kRaise<Voxel>;
       pairs.rise[i] = raised[2 * i + 1] - raised[2 * i];
     }
-#endif
   } else {
     for (int i = 0; i < 4; ++i) {
       pairs.lower[i] = interpolant(cell.corners[2 * i], scale);
@@ -106,6 +120,12 @@ WARPSCOPE_HD inline CellPairs pairsOf(const VoxelCell<Voxel>& cell, const ValueS
   }
   return pairs;
 }
+
+/// Where a sample lies: the cell, and its upper corners' weights.
+struct SampleCell {
+  int index[3] = {};
+  float weight[3] = {};
+};
 
 /// trilinear() of a cell, bit for bit.
 WARPSCOPE_HD inline float trilinear(const CellPairs& cell, float wx, float wy, float wz) {
