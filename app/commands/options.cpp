@@ -88,6 +88,7 @@ void logBackend(Backend backend) {
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("scene", options.scene, "A built-in scene (" + listOf(kProceduralVolumes) + "; default: vessels), a scene file or a volume file");
   command.add_option("--volume", options.volume, "Replaces the scene's volume by this file");
+  command.add_option("--mask", options.mask, "Crops the volume to where this one, with as many voxels, is not 0");
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
   command.add_option("--tf", options.transferFunction, "Transfer function file (JSON)");
   for (const MarchKnob& row : marchKnobs()) options.knobs.add(command, *row.knob, "the scene's");
@@ -153,6 +154,7 @@ CheckedOptions check(const CommonOptions& options) {
   if (options.seed) checked.overrides.seed = *options.seed;
   checked.overrides.fovYDeg = options.fovYDeg;
   if (!options.volume.empty()) checked.overrides.volume = options.volume;
+  if (!options.mask.empty()) checked.overrides.mask = options.mask;
   if (!options.transferFunction.empty()) checked.overrides.transferFunction = options.transferFunction;
   if (!options.volumeSize.empty()) {
     const std::vector<uint32_t> dims = parseSize("--volume-size", options.volumeSize, 3, 65536);
@@ -230,6 +232,7 @@ namespace {
 const char* givenOfScene(const CommonOptions& options) {
   const std::pair<const char*, bool> given[] = {{"a scene", options.scene.has_value()},
                                                 {"--volume", !options.volume.empty()},
+                                                {"--mask", !options.mask.empty()},
                                                 {"--volume-size", !options.volumeSize.empty()},
                                                 {"--seed", options.seed.has_value()},
                                                 {"--tf", !options.transferFunction.empty()}};

@@ -23,7 +23,7 @@ namespace warpscope {
 /// As typed; checked by the functions below.
 struct CommonOptions {
   std::optional<std::string> scene;  ///< default: kDefaultScene
-  std::string volume, transferFunction, volumeSize;
+  std::string volume, mask, transferFunction, volumeSize;
   KnobOptions knobs;  ///< of marching and of techniques
   std::map<const MarchText*, std::optional<std::string>> texts;  ///< likewise, those that are lists
   std::string backend = "auto", gl = "auto";

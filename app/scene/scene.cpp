@@ -18,6 +18,7 @@
 #include "render/core/color.h"
 #include "render/core/picture_size.h"
 #include "render/march/march_knobs.h"
+#include "render/volume/masked_volume.h"
 #include "render/volume/procedural.h"
 #include "render/volume/reader.h"
 #include "render/volume/torture_volume.h"
@@ -141,7 +142,7 @@ void setDefaultAxes(Scene& scene) {
 Scene readScene(const JsonDocument& document, const fs::path& folder, const SceneOverrides& overrides, const std::stop_token& stop) {
   const Node root = document.root();
   constexpr std::string_view kKeys[] = {"name", "title",   "volume",     "transferFunction", "up",
-                                        "front", "fovYDeg", "background", "views",            "march"};
+                                        "front", "fovYDeg", "background", "views",            "march", "mask"};
   root.requireObject(kKeys);
   Scene scene;
   const Node name = root.at("name");
@@ -164,6 +165,12 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   const Node volume = root.at("volume");
   if (overrides.volume) refuseSize(overrides);
   scene.volume = overrides.volume ? openVolume(*overrides.volume, {}, stop) : readVolume(volume, folder, overrides, stop);
+  if (const auto mask = root.find("mask"); mask && !overrides.mask) {
+    constexpr std::string_view kMaskKeys[] = {"file"};
+    mask->requireObject(kMaskKeys);
+    const fs::path file = mask->at("file").string();
+    scene.volume = masked(*scene.volume, *openVolume(file.is_absolute() ? file : folder / file, {}, stop), stop);
+  }
   // Made for these views, as their golden images are; of a file nobody knows beforehand what it shows.
   if (scene.views.empty() && !overrides.volume && volume.find("procedural")) scene.views = defaultViews();
   setDefaultAxes(scene);
@@ -264,6 +271,7 @@ void requireScene(const std::string& spec) {
 Scene openScene(const std::string& spec, const SceneOverrides& overrides, const std::stop_token& stop) {
   Scene scene;
   const double openMs = milliseconds([&] { scene = openBySpec(spec, overrides, stop); });
+  if (overrides.mask) scene.volume = masked(*scene.volume, *openVolume(*overrides.mask, {}, stop), stop);
   logVolume(*scene.volume, openMs);
   if (overrides.transferFunction)
     scene.transferFunction = readTransferFunction(JsonDocument::fromFile(*overrides.transferFunction).root());

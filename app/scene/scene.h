@@ -49,6 +49,7 @@ inline constexpr Range kFovYDegRange{0.001, 170.0};
 /// What the command line may replace in any scene.
 struct SceneOverrides {
   std::optional<std::filesystem::path> volume;
+  std::optional<std::filesystem::path> mask;  ///< of the volume: what it is 0 at is cropped (masked_volume.h)
   std::optional<std::filesystem::path> transferFunction;
   std::optional<glm::uvec3> proceduralDims;
   std::optional<double> fovYDeg;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/effects/jitter.h"
 #include "render/march/lattice.h"
 
 namespace warpscope {
@@ -64,6 +65,7 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
     fromZ[k] = origin.z;
   }
   const float step = step_;
+  const Jitter jitter = jitterFor(frame.settings.render);
   const float finePerUnit = static_cast<float>(1 << kStepFineBits) / step;
   float* const t0s = t0_.data();
   float* const lengths = length_.data();
@@ -85,7 +87,7 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
   }
   for (size_t k = 0; k < count; ++k) {
     const RayLattice lattice = makeLattice({t0s[k], lengths[k]}, step);
-    t0s[k] = lattice.t0;
+    t0s[k] = lattice.t0 + jitter.shiftOf(column[k], row[k]);
     lengths[k] = lattice.length;
     counts[k] = lattice.count;
     origins[k] = clamped(lattice.t0 * finePerUnit + 0.5f, 1 << 24);

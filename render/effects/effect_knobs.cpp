@@ -113,6 +113,17 @@ constinit const Knob kSlabDepthKnob{.key = "slabDepth",
                                     .decimals = 0,
                                     .defaultValue = 0.0};
 
+constinit const Knob kJitterKnob{.key = "jitter",
+                                 .option = "--jitter",
+                                 .label = "Jitter",
+                                 .noun = "jitter",
+                                 .help = "How far a pixel's samples are moved along its ray, of half a step: noise instead of rings; 0: not at all",
+                                 .owner = KnobOwner::effect,
+                                 .stale = KnobStage::march,
+                                 .range = {0.0, 1.0},
+                                 .track = {0.0, 1.0},
+                                 .defaultValue = 0.0};
+
 std::span<const MarchKnob> effectKnobs() {
   static constexpr MarchKnob kRows[] = {
       row(kShadingKnob, [](auto& effects) -> auto& { return effects.shading.strength; }, always),
@@ -122,6 +133,7 @@ std::span<const MarchKnob> effectKnobs() {
       row(kExponentKnob, [](auto& effects) -> auto& { return effects.shading.exponent; }, hasHighlights),
       row(kSlabKnob, [](auto& effects) -> auto& { return effects.clip.slab.thickness; }, always),
       row(kSlabDepthKnob, [](auto& effects) -> auto& { return effects.clip.slab.depth; }, hasSlab),
+      row(kJitterKnob, [](auto& effects) -> auto& { return effects.jitter; }, always),
   };
   return kRows;
 }

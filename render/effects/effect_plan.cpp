@@ -52,6 +52,7 @@ EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings
   at(PlanStage::march) = in(std::to_string(scene.visibleCells) + " cells show something");
   const std::string cut = clippedBy(settings.effects.clip);
   at(PlanStage::clip) = cut.empty() ? out("nothing is cut off") : in(cut);
+  at(PlanStage::jitter) = settings.effects.jitter > 0.0f ? in("jitter is " + numberText(settings.effects.jitter)) : out("samples begin where rays enter");
   at(PlanStage::skipping) = planSkipping(scene, settings);
   at(PlanStage::missingVoxels) =
       scene.missingVoxels > 0 ? in(std::to_string(scene.missingVoxels) + " voxels are not finite") : out("all voxels are finite");

@@ -14,6 +14,7 @@ namespace warpscope {
 /// In the order in which a sample meets them.
 enum class PlanStage {
   march,          ///< rays at all
+  jitter,         ///< of the places of samples
   clip,           ///< of rays to what is kept
   skipping,       ///< of cells that show nothing
   missingVoxels,  ///< leaving voxels out of interpolation that are not finite
@@ -35,8 +36,9 @@ struct StageDescriptor {
 };
 
 /// Every stage, in their order.
-inline constexpr std::array<StageDescriptor, 13> kStages{{
+inline constexpr std::array<StageDescriptor, 14> kStages{{
     {PlanStage::march, "march", "rays through the volume"},
+    {PlanStage::jitter, "jitter", "moving each ray's samples by noise"},
     {PlanStage::clip, "clip", "cutting rays to what is kept"},
     {PlanStage::skipping, "skipping", "leaping over cells that show nothing"},
     {PlanStage::missingVoxels, "missing-voxels", "leaving out voxels that are not finite"},

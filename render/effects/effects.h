@@ -22,6 +22,7 @@ struct Effects {
   Shading shading;
   Lights lights = defaultLights();
   Clip clip{};
+  float jitter = 0.0f;  ///< 0..1, of half a step: how far a pixel's samples are moved along its ray (jitter.h)
 
   bool operator==(const Effects&) const = default;
 };

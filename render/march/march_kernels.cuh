@@ -23,6 +23,7 @@ __device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel, fl
   path.ray = ofPixel.ray;
   const RayInterval inside = intersectBox(reciprocalOf(path.ray.origin, path.ray.direction), job.clip.bounds, 0.0f, kNoHit);
   path.lattice = makeLattice(clipped(job.clip, path.ray, inside), job.step);
+  path.lattice.t0 += job.jitter.shiftOf(pixel.x, pixel.y);
   return path;
 }
 

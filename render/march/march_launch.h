@@ -7,6 +7,7 @@
 #include "render/core/color.h"
 #include "render/cuda/memory.h"
 #include "render/effects/clip.h"
+#include "render/effects/jitter.h"
 #include "render/effects/shading.h"
 #include "render/march/march.h"
 #include "render/march/sample_radius.h"
@@ -20,6 +21,7 @@ template <class Voxel>
 struct MarchJob {
   VolumeView<Voxel> view;
   ClipSetup clip;
+  Jitter jitter;  ///< its noise on the device
   Camera camera;
   PixelGrid pixels;  ///< of the camera; its near plane is in front of the bounds
   float step = 0.5f;

@@ -15,6 +15,7 @@
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
 #include "render/effects/clip.h"
+#include "render/effects/jitter.h"
 #include "render/effects/shading.h"
 #include "render/march/compact.h"
 #include "render/march/march.h"
@@ -172,6 +173,7 @@ class CpuMarcher final : public Marcher {
                   const RenderSettings& settings, const EffectPlan& plan, const std::optional<VisibleBlocks>& blocks,
                   const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) const {
     const RayLimits limits = limitsOf(settings, plan);
+    const Jitter jitter = plan.has(PlanStage::jitter) ? jitterFor(settings) : Jitter{};
     const ClipSetup clip = prepareClip(settings.effects.clip, *marched_->volume, camera);
     const DepthFunction depthOfSamples = sample != nullptr ? depthFunctionOf(sample->heuristic) : nullptr;
     TurnsOfJob turns(turns_.get());
@@ -194,7 +196,8 @@ class CpuMarcher final : public Marcher {
           const RayInterval inside = exceptionsExpected([&] {
             return intersectBox(reciprocalOf(ray.origin, ray.direction), clip.bounds, 0.0f, std::numeric_limits<float>::infinity());
           });
-          const RayPath path{ray, makeLattice(clipped(clip, ray, inside), settings.step)};
+          RayPath path{ray, makeLattice(clipped(clip, ray, inside), settings.step)};
+          path.lattice.t0 += jitter.shiftOf(x, y);
           Source source = exceptionsExpected([&] { return Source(view, ray, path.lattice); });  // reciprocals again
           GatheredColor<typename Source::March> color;
           counting.clear();

@@ -200,6 +200,11 @@ class CudaMarcher final : public Marcher {
       job.view.transfer = transfer_;
       job.view.cells.distances = plan_->has(PlanStage::skipping) ? emptyDistances_.data() : nullptr;
       job.clip = prepareClip(settings.effects.clip, *marched_->volume, camera);
+      if (plan_->has(PlanStage::jitter)) {
+        job.jitter = jitterFor(settings);
+        if (noise_.data() == nullptr) noise_.upload(blueNoise(), stream_);
+        job.jitter.noise = noise_.data();
+      }
       job.camera = camera;
       job.pixels = pixelsFor(*marched_->volume, camera, settings);
       job.step = settings.step;
@@ -293,6 +298,7 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<Rgba8> denseColors_, colors_;
   cuda::DeviceBuffer<std::byte> layers_;
   cuda::DeviceBuffer<glm::vec4> image_;
+  cuda::DeviceBuffer<float> noise_;  // of jitter, once there is some
   cuda::DeviceBuffer<uint32_t> deviceCount_{1};
   cuda::PinnedValue<uint32_t> count_;
   cuda::Scratch scratch_;

@@ -142,6 +142,22 @@ TEST(MarchOnDevice, CutByPlanesBoxesAndSlabs) {
   }
 }
 
+TEST(MarchOnDevice, WithSamplesMovedByNoise) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("shells", 64);
+  const Pair pair(scene);
+  const Camera camera = makeCamera(scene, scene.views.front(), 203, 157);
+  for (const float jitter : {0.0f, 0.3f, 1.0f, 0.0f})
+    for (const float shading : {0.0f, 1.0f}) {
+      SCOPED_TRACE(::testing::Message() << jitter << " and shading " << shading);
+      MarchSettings settings = scene.march;
+      settings.render.effects.jitter = jitter;
+      settings.render.effects.shading.strength = shading;
+      pair.expectSame(camera, settings);
+      EXPECT_TRUE(sameBits(rendered(*pair.cpu, camera, settings), rendered(*pair.cuda, camera, settings)));
+    }
+}
+
 TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
   WARPSCOPE_NEEDS_GPU();
   const TransferFunction function{{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
