@@ -14,6 +14,8 @@ namespace warpscope {
 /// In the order in which a sample meets them.
 enum class PlanStage {
   march,          ///< rays at all
+  maximum,        ///< of the values along a ray
+  surfaces,       ///< that a ray crosses
   clip,           ///< of rays to what is kept
   skipping,       ///< of cells that show nothing
   missingVoxels,  ///< leaving voxels out of interpolation that are not finite
@@ -35,8 +37,10 @@ struct StageDescriptor {
 };
 
 /// Every stage, in their order.
-inline constexpr std::array<StageDescriptor, 13> kStages{{
+inline constexpr std::array<StageDescriptor, 15> kStages{{
     {PlanStage::march, "march", "rays through the volume"},
+    {PlanStage::maximum, "maximum", "the greatest value along a ray"},
+    {PlanStage::surfaces, "surfaces", "where rays cross iso-values"},
     {PlanStage::clip, "clip", "cutting rays to what is kept"},
     {PlanStage::skipping, "skipping", "leaping over cells that show nothing"},
     {PlanStage::missingVoxels, "missing-voxels", "leaving out voxels that are not finite"},
