@@ -150,6 +150,8 @@ TEST(EffectPlan, SurfacesHaveNeitherThicknessNorFinerColours) {
   EXPECT_EQ(planOf(settings)[PlanStage::surfaces].reason, "2 values") << "one of opacity 0 is not looked for";
   settings.effects.shading.strength = 0.0f;
   EXPECT_FALSE(planOf(settings).has(PlanStage::gradient));
+  settings.effects.isoValues = parseIsoValues("10 20@0 30", "it");
+  EXPECT_FALSE(planOf(settings).has(PlanStage::earlyEnd)) << "an opaque surface ends its ray by itself";
   refined.visibleCells = 0;
   EXPECT_EQ(planOf(settings, refined)[PlanStage::march].reason, "no surface runs through any cell");
   EXPECT_FALSE(planOf({}).has(PlanStage::surfaces));

@@ -28,23 +28,20 @@ TEST(Isosurface, PlanesAreWhereTheyAre) {
     const ModeRays<float, false> rays(volume, settings);
     int crossings = 0;
     for (const Ray& ray : raysThrough(20.0f, 400, 3)) {
-      const RayLattice lattice = rays.pathOf(ray).lattice;
-      std::vector<double> expected;
       // Beyond the outermost voxels' middles the field is constant: inside them alone it is the plane's.
-      bool isClear = true;
+      const RayPath path = rays.pathOf(ray, 0.5f);
+      const double enters = double{path.lattice.t0}, leaves = enters + double{path.lattice.length}, along = glm::dot(slope, glm::dvec3(ray.direction));
+      if (std::abs(along) < 1.0 || path.lattice.count == 0) continue;  // hardly any slope along the ray, and rounding decides
+      std::vector<double> expected;
+      bool isAtAnEnd = false;
       for (const double value : {-20.5, 31.25}) {
-        const double along = glm::dot(slope, glm::dvec3(ray.direction));
         const double t = (value - glm::dot(slope, glm::dvec3(ray.origin))) / along;
-        const glm::dvec3 place = glm::abs(glm::dvec3(ray.origin) + t * glm::dvec3(ray.direction));
-        const glm::dvec3 middle = 0.5 * (glm::dvec3(kDims) - 1.0);
-        const double room = std::min({middle.x - place.x, middle.y - place.y, middle.z - place.z});
-        const bool isAhead = t > double{lattice.t0};
-        if (std::abs(room) < 0.01 || room < 0.0 || std::abs(t - double{lattice.t0}) < 0.01) isClear = isClear && room < -1.0;
-        if (room > 0.0 && isAhead) expected.push_back(t);
+        isAtAnEnd = isAtAnEnd || std::min(std::abs(t - enters), std::abs(t - leaves)) < 1e-2;
+        if (t > enters && t < leaves) expected.push_back(t);
       }
-      if (!isClear) continue;
+      if (isAtAnEnd) continue;
       std::ranges::sort(expected);
-      const std::vector<CountingSample> met = rays.surfacesAlong(ray);
+      const std::vector<CountingSample> met = rays.surfacesAlong(path);
       // One that is opaque ends the ray.
       ASSERT_LE(met.size(), expected.size());
       if (!expected.empty()) ASSERT_FALSE(met.empty());
@@ -84,7 +81,7 @@ void expectByBruteForce(VoxelType type, const FieldFunction& field, float step, 
   settings.skipEmpty = skips;
   const ModeRays<Voxel, kHasHoles> rays(makeTestVolume(type, kDims, field), settings);
   int crossings = 0, lost = 0;
-  for (const Ray& ray : raysThrough(33.0f, 200, 9)) {
+  for (const Ray& ray : raysThrough(33.0f, 500, 9)) {
     const RayLattice lattice = rays.pathOf(ray).lattice;
     const std::vector<CountingSample> met = rays.surfacesAlong(ray);
     EXPECT_TRUE(std::ranges::is_sorted(met, {}, &CountingSample::t));
@@ -171,7 +168,7 @@ TEST(Isosurface, LeavingOutCellsChangesNoBit) {
       if (hasHoles && type != VoxelType::float32 && type != VoxelType::float64) continue;
       const FieldFunction field = blobs(kDims, 11);
       const MarcherPtr marcher = makeCpuMarcher(makeTestVolume(type, kDims, hasHoles ? withHoles(field) : field), everywhere(0.0f));
-      for (const char* values : {"1", "50", "100", "30@0.5 60@0.3 90@0.9"})
+      for (const char* values : {"1", "50", "80", "30@0.5 60@0.3 75@0.9"})
         for (const glm::vec3 eye : {glm::vec3(60.0f, 45.0f, 53.0f), glm::vec3(0.1f, 0.2f, 0.3f)})
           for (const float step : {0.5f, 0.37f, 7.0f})
             for (const char* planes : {"none", "1,0.3,-0.2,3 0,0,1,-9"}) {

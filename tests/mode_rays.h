@@ -28,15 +28,19 @@ struct ModeRays {
     view.cells.distances = plan.has(PlanStage::skipping) ? baked.emptyDistances.data() : nullptr;
   }
 
-  RayPath pathOf(const Ray& ray) const {
+  /// The part of a ray that is in the volume, at least `inset` behind its border.
+  RayPath pathOf(const Ray& ray, float inset = 0.0f) const {
+    Box bounds = marched.volume->bounds();
+    bounds.lower += inset;
+    bounds.upper -= inset;
     const RayInterval inside = exceptionsExpected(
-        [&] { return intersectBox(reciprocalOf(ray.origin, ray.direction), marched.volume->bounds(), 0.0f, std::numeric_limits<float>::infinity()); });
+        [&] { return intersectBox(reciprocalOf(ray.origin, ray.direction), bounds, 0.0f, std::numeric_limits<float>::infinity()); });
     return {ray, makeLattice(inside, settings.step)};
   }
 
   /// Every surface along the ray that counts, near to far.
-  std::vector<CountingSample> surfacesAlong(const Ray& ray) const {
-    const RayPath path = pathOf(ray);
+  std::vector<CountingSample> surfacesAlong(const Ray& ray) const { return surfacesAlong(pathOf(ray)); }
+  std::vector<CountingSample> surfacesAlong(const RayPath& path) const {
     const ModeView<Voxel, IsosurfaceSetup> modeView{view, baked.surfaces};
     auto source = exceptionsExpected([&] { return IsosurfaceSource<Voxel, kHasHoles, false>(modeView, path.ray, path.lattice); });
     std::vector<CountingSample> met;

@@ -25,6 +25,8 @@ PlannedStage planSkipping(const PlannedScene& scene, const RenderSettings& setti
 
 PlannedStage planEarlyEnd(const PlannedScene& scene, const RenderSettings& settings) {
   if (!settings.terminateEarly) return out("it is switched off");
+  if (settings.effects.mode == RenderMode::isosurface && std::ranges::none_of(settings.effects.isoValues, [](const IsoValue& value) { return value.opacity > 0.0f && value.opacity < 1.0f; }))
+    return out("every surface is opaque and ends its ray by itself");
   if (settings.effects.mode == RenderMode::isosurface) return in("rays may end at a transmittance of " + numberText(settings.contribution));
   // The least that can be left behind a whole ray; twice, since it is rounded on the way.
   const double left = std::exp2(scene.mostSamples * std::log2(std::max(0.0, 1.0 - double{scene.mostOpacity})));
