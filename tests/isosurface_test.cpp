@@ -1,5 +1,6 @@
-// Surfaces where the field crosses their values: planes and balls in closed form, any field by brute force in double; their order, opacity, light; and what
-// leaving out cells without any changes: nothing. Mirrors render/effects/isosurface.h and isosurface_setup.h.
+// Surfaces where the field crosses their values: planes and balls in closed form, any field by brute force in double;
+// their order, opacity, light; and what leaving out cells without any changes: nothing. Mirrors
+// render/effects/isosurface.h and isosurface_setup.h.
 #include "render/effects/isosurface.h"
 
 #include <gmock/gmock.h>
@@ -7,6 +8,7 @@
 
 #include "mode_rays.h"
 #include "render/base/error.h"
+#include "render/march/ray_samples.h"
 
 namespace warpscope {
 namespace {
@@ -21,7 +23,9 @@ FieldFunction withHoles(const FieldFunction& field) {
 TEST(Isosurface, PlanesAreWhereTheyAre) {
   // 10 a voxel along a slanted direction: trilinear interpolation of it is exact.
   const glm::dvec3 slope(7.0, -3.0, 5.0);
-  const VolumePtr volume = makeTestVolume(VoxelType::float32, kDims, [&](const glm::ivec3& p) { return glm::dot(slope, glm::dvec3(p) - 0.5 * (glm::dvec3(kDims) - 1.0)); });
+  const VolumePtr volume = makeTestVolume(VoxelType::float32, kDims, [&](const glm::ivec3& p) {
+    return glm::dot(slope, glm::dvec3(p) - 0.5 * (glm::dvec3(kDims) - 1.0));
+  });
   for (const float step : {0.25f, 0.5f, 3.0f, 20.0f}) {
     RenderSettings settings = inMode(RenderMode::isosurface, "-20.5 31.25@0.5");
     settings.step = step;
@@ -30,8 +34,10 @@ TEST(Isosurface, PlanesAreWhereTheyAre) {
     for (const Ray& ray : raysThrough(20.0f, 400, 3)) {
       // Beyond the outermost voxels' middles the field is constant: inside them alone it is the plane's.
       const RayPath path = rays.pathOf(ray, 0.5f);
-      const double enters = double{path.lattice.t0}, leaves = enters + double{path.lattice.length}, along = glm::dot(slope, glm::dvec3(ray.direction));
-      if (std::abs(along) < 1.0 || path.lattice.count == 0) continue;  // hardly any slope along the ray, and rounding decides
+      const double enters = double{path.lattice.t0}, leaves = enters + double{path.lattice.length},
+                   along = glm::dot(slope, glm::dvec3(ray.direction));
+      if (std::abs(along) < 1.0 || path.lattice.count == 0)
+        continue;  // hardly any slope along the ray, and rounding decides
       std::vector<double> expected;
       bool isAtAnEnd = false;
       for (const double value : {-20.5, 31.25}) {
@@ -53,9 +59,12 @@ TEST(Isosurface, PlanesAreWhereTheyAre) {
 }
 
 TEST(Isosurface, BallsAreAsLargeAsTheyAre) {
-  // The squared distance from the middle, of which interpolation is off by at most a quarter of a voxel's edge squared along each axis.
+  // The squared distance from the middle, of which interpolation is off by at most a quarter of a voxel's edge squared
+  // along each axis.
   const glm::dvec3 middle = 0.5 * (glm::dvec3(kDims) - 1.0);
-  const VolumePtr volume = makeTestVolume(VoxelType::float32, kDims, [&](const glm::ivec3& p) { return glm::dot(glm::dvec3(p) - middle, glm::dvec3(p) - middle); });
+  const VolumePtr volume = makeTestVolume(VoxelType::float32, kDims, [&](const glm::ivec3& p) {
+    return glm::dot(glm::dvec3(p) - middle, glm::dvec3(p) - middle);
+  });
   const ModeRays<float, false> rays(volume, inMode(RenderMode::isosurface, "144@0.5"));
   int crossings = 0;
   for (const Ray& ray : raysThrough(20.0f, 400, 4)) {
@@ -73,7 +82,8 @@ TEST(Isosurface, BallsAreAsLargeAsTheyAre) {
   EXPECT_NEAR(met[1].t - met[0].t, 24.0, 0.1);
 }
 
-/// Every interval of the lattice whose ends lie on different sides has a surface in it, where the field changes sides within the tolerance; no other has one.
+/// Every interval of the lattice whose ends lie on different sides has a surface in it, where the field changes sides
+/// within the tolerance; no other has one.
 template <class Voxel, bool kHasHoles>
 void expectByBruteForce(VoxelType type, const FieldFunction& field, float step, bool skips) {
   RenderSettings settings = inMode(RenderMode::isosurface, "33.3@0.1 70@0.2 10.5@0.1");
@@ -87,8 +97,11 @@ void expectByBruteForce(VoxelType type, const FieldFunction& field, float step, 
     EXPECT_TRUE(std::ranges::is_sorted(met, {}, &CountingSample::t));
     size_t next = 0;
     for (int i = 0; i <= lattice.count && lattice.count > 0; ++i) {
-      const auto placeOf = [&](int k) { return k < 0 ? lattice.t0 : k < lattice.count ? lattice.t(k) : lattice.t0 + lattice.length; };
-      const double a = double{placeOf(i - 1)}, b = double{placeOf(i)}, atA = rays.valueAt(ray, a), atB = rays.valueAt(ray, b);
+      const auto placeOf = [&](int k) {
+        return k < 0 ? lattice.t0 : k < lattice.count ? lattice.t(k) : lattice.t0 + lattice.length;
+      };
+      const double a = double{placeOf(i - 1)}, b = double{placeOf(i)}, atA = rays.valueAt(ray, a),
+                   atB = rays.valueAt(ray, b);
       int expected = 0, uncertain = 0;
       for (const double value : {33.3, 70.0, 10.5}) {
         if (std::isfinite(atA) && std::isfinite(atB)) expected += (atA >= value) != (atB >= value) ? 1 : 0;
@@ -159,7 +172,8 @@ TEST(Isosurface, RootsAreFoundInFewLooks) {
   EXPECT_LE(most, 3 * 11);  // a step of one unit, halved until it is below the tolerance
   float crossing = 0.0f;
   EXPECT_FALSE(crossingBetween([](float) { return std::nanf(""); }, 5.0f, 0.0f, 1.0f, 1.0f, 9.0f, crossing));
-  EXPECT_TRUE(crossingBetween([](float t) { return t; }, 1e6f + 0.5f, 1e6f, 1e6f, 1e6f + 2.0f, 1e6f + 2.0f, crossing)) << "floats are farther apart than the tolerance";
+  EXPECT_TRUE(crossingBetween([](float t) { return t; }, 1e6f + 0.5f, 1e6f, 1e6f, 1e6f + 2.0f, 1e6f + 2.0f, crossing))
+      << "floats are farther apart than the tolerance";
 }
 
 TEST(Isosurface, LeavingOutCellsChangesNoBit) {
@@ -167,7 +181,8 @@ TEST(Isosurface, LeavingOutCellsChangesNoBit) {
     for (const bool hasHoles : {false, true}) {
       if (hasHoles && type != VoxelType::float32 && type != VoxelType::float64) continue;
       const FieldFunction field = blobs(kDims, 11);
-      const MarcherPtr marcher = makeCpuMarcher(makeTestVolume(type, kDims, hasHoles ? withHoles(field) : field), everywhere(0.0f));
+      const MarcherPtr marcher =
+          makeCpuMarcher(makeTestVolume(type, kDims, hasHoles ? withHoles(field) : field), everywhere(0.0f));
       for (const char* values : {"1", "50", "80", "30@0.5 60@0.3 75@0.9"})
         for (const glm::vec3 eye : {glm::vec3(60.0f, 45.0f, 53.0f), glm::vec3(0.1f, 0.2f, 0.3f)})
           for (const float step : {0.5f, 0.37f, 7.0f})
@@ -175,21 +190,61 @@ TEST(Isosurface, LeavingOutCellsChangesNoBit) {
               MarchSettings settings = marchInMode(RenderMode::isosurface, values);
               settings.render.step = step;
               settings.render.effects.clip.planes = parseClipPlanes(planes, "it");
-              EXPECT_TRUE(isTheSameSkipped(*marcher, lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 45, 35), settings)) << nameOf(type) << hasHoles << " " << values << " " << step;
+              EXPECT_TRUE(isTheSameSkipped(*marcher, lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 45, 35), settings))
+                  << nameOf(type) << hasHoles << " " << values << " " << step;
             }
     }
+}
+
+/// As a device reads a volume, and as it finds samples: in passes, without keeping any.
+TEST(Isosurface, CellsAndPassesGiveTheSameBits) {
+  const ModeRays<uint16_t, false> rays(makeTestVolume(VoxelType::uint16, kDims, blobs(kDims, 15)),
+                                       inMode(RenderMode::isosurface, "30@0.5 60@0.3 75@0.9"));
+  const std::vector<VoxelCell<uint16_t>> cells = cellsOf(rays.view);
+  VolumeView<uint16_t> byCells = rays.view;
+  byCells.voxels = nullptr;
+  byCells.blends = cells.data();
+  const RayLimits limits{1e-3f, 1e-3f};
+  int several = 0;
+  for (const Ray& ray : raysThrough(33.0f, 300, 16)) {
+    const RayPath path = rays.pathOf(ray);
+    const auto byVoxels = [&] {
+      return IsosurfaceSource<uint16_t, false, false>({rays.view, rays.baked.surfaces}, path.ray, path.lattice);
+    };
+    const auto asCells = [&] {
+      return IsosurfaceSource<uint16_t, false, true>({byCells, rays.baked.surfaces}, path.ray, path.lattice);
+    };
+    visitHeuristic(Heuristic::median, [&](auto depth) {
+      RaySamples a, b;
+      exceptionsExpected([&] {
+        findSamples(depth, path, byVoxels, Unlit{}, limits, 0.5f, 4, a),
+            findSamples(AnyDepth<true>{Heuristic::median}, path, asCells, Unlit{}, limits, 0.5f, 4, b);
+      });
+      ASSERT_EQ(a.size(), b.size());
+      for (int i = 0; i < a.size(); ++i) {
+        EXPECT_EQ(a[i].depth.depth, b[i].depth.depth);
+        EXPECT_EQ(a[i].color, b[i].color);
+      }
+      several += a.size() > 1 ? 1 : 0;
+    });
+  }
+  EXPECT_GT(several, 20);
 }
 
 // --- What is seen of them.
 
 /// Values that are the distance from the middle, in voxels.
 VolumePtr onion() {
-  return makeTestVolume(VoxelType::float32, {41, 41, 41}, [](const glm::ivec3& p) { return glm::length(glm::dvec3(p) - 20.0); });
+  return makeTestVolume(VoxelType::float32, {41, 41, 41},
+                        [](const glm::ivec3& p) { return glm::length(glm::dvec3(p) - 20.0); });
 }
-const TransferFunction kColors{{{0.0, {1.0f, 0.0f, 0.5f}, 0.0f}, {20.0, {0.0f, 1.0f, 0.5f}, 0.0f}}};  // opaque nowhere: surfaces have their own opacity
+const TransferFunction kColors{{{0.0, {1.0f, 0.0f, 0.5f}, 0.0f},
+                                {20.0, {0.0f, 1.0f, 0.5f}, 0.0f}}};  // opaque nowhere: surfaces have their own opacity
 const Camera kFront = lookingFrom({0.0f, 0.0f, 60.0f}, glm::vec3(0.0f), 41, 41, 0.25f);
 
-glm::vec4 middleOf(const MarchSettings& settings) { return rendered(*makeCpuMarcher(onion(), kColors), kFront, settings)(20, 20); }
+glm::vec4 middleOf(const MarchSettings& settings) {
+  return rendered(*makeCpuMarcher(onion(), kColors), kFront, settings)(20, 20);
+}
 
 TEST(Isosurface, HaveTheFunctionsColourAndTheirOwnOpacity) {
   const glm::vec4 opaque = middleOf(marchInMode(RenderMode::isosurface, "15"));
@@ -245,24 +300,29 @@ TEST(Isosurface, HeuristicsFoldOverSurfaces) {
 TEST(Isosurface, CutOffIsCutOff) {
   MarchSettings settings = marchInMode(RenderMode::isosurface, "15");
   settings.sample.heuristic = Heuristic::entrance;
-  settings.render.effects.clip.planes = parseClipPlanes("0,0,-1,-3", "it");  // the front half is gone: the back's inside is seen
-  const SampleFrame frame = makeCpuMarcher(onion(), kColors)->march(lookingFrom({0.0f, 0.0f, 60.0f}, glm::vec3(0.0f), 1, 1, 1e-4f), settings);
+  settings.render.effects.clip.planes =
+      parseClipPlanes("0,0,-1,-3", "it");  // the front half is gone: the back's inside is seen
+  const SampleFrame frame =
+      makeCpuMarcher(onion(), kColors)->march(lookingFrom({0.0f, 0.0f, 60.0f}, glm::vec3(0.0f), 1, 1, 1e-4f), settings);
   ASSERT_EQ(frame.size(), 1u);
   EXPECT_NEAR(unpackPosition(frame.samples[0], frame.grid()).z, -15.0f, 1e-2f);
 }
 
 TEST(Isosurface, NoSurfaceInConstantVolumesAndSingleVoxels) {
   for (const glm::uvec3 dims : {glm::uvec3(1), glm::uvec3(5, 1, 1), glm::uvec3(9, 9, 9)}) {
-    const MarcherPtr marcher = makeCpuMarcher(makeTestVolume(VoxelType::uint8, dims, [](const glm::ivec3&) { return 7.0; }), everywhere(1.0f));
+    const MarcherPtr marcher =
+        makeCpuMarcher(makeTestVolume(VoxelType::uint8, dims, [](const glm::ivec3&) { return 7.0; }), everywhere(1.0f));
     const MarchSettings settings = marchInMode(RenderMode::isosurface, "7");
     const Camera camera = lookingFrom({15.0f, 3.0f, 16.0f}, glm::vec3(0.0f), 40, 30);
     EXPECT_EQ(largestAlpha(rendered(*marcher, camera, settings)), 0.0f);
     EXPECT_EQ(marcher->march(camera, settings).size(), 0u);
     EXPECT_FALSE(marcher->plan(settings.render, std::nullopt)->has(PlanStage::march));
   }
-  const MarcherPtr line = makeCpuMarcher(makeTestVolume(VoxelType::uint8, {5, 1, 1}, [](const glm::ivec3& p) { return 10.0 * p.x; }), everywhere(1.0f));
+  const MarcherPtr line = makeCpuMarcher(
+      makeTestVolume(VoxelType::uint8, {5, 1, 1}, [](const glm::ivec3& p) { return 10.0 * p.x; }), everywhere(1.0f));
   const Camera along = lookingFrom({20.0f, 0.0f, 0.0f}, glm::vec3(0.0f), 11, 11, 0.05f);
-  EXPECT_EQ(rendered(*line, along, marchInMode(RenderMode::isosurface, "15"))(5, 5).a, 1.0f) << "voxels in a line have surfaces across it";
+  EXPECT_EQ(rendered(*line, along, marchInMode(RenderMode::isosurface, "15"))(5, 5).a, 1.0f)
+      << "voxels in a line have surfaces across it";
 }
 
 TEST(Isosurface, TextsComeBackAndWhatIsWrongIsSaid) {
@@ -291,15 +351,20 @@ TEST(Isosurface, TextsComeBackAndWhatIsWrongIsSaid) {
     EXPECT_EQ(refusal([&] { marcher->plan(settings.render, std::nullopt); }), why);
     return why;
   };
-  EXPECT_EQ(marched("none"), "the mode isosurface wants the values of its surfaces: --isovalues \"VALUE[@OPACITY] ...\"");
-  EXPECT_THAT(marched("5 -1"), testing::MatchesRegex("the iso-value -1 lies outside the volume's range, 0 to 34\\.64.*"));
+  EXPECT_EQ(marched("none"),
+            "the mode isosurface wants the values of its surfaces: --isovalues \"VALUE[@OPACITY] ...\"");
+  EXPECT_THAT(marched("5 -1"),
+              testing::MatchesRegex("the iso-value -1 lies outside the volume's range, 0 to 34\\.64.*"));
   EXPECT_THAT(marched("40@0"), testing::StartsWith("the iso-value 40 lies outside"));
   EXPECT_EQ(marched("0"), "accepted");
   MarchSettings unused = marchInMode(RenderMode::composite, "1000");
   EXPECT_EQ(refusal([&] { marcher->march(kFront, unused); }), "accepted") << "what is not looked for is not looked at";
   RenderSettings textbook = inMode(RenderMode::mip);
   textbook.arithmetic = Arithmetic::textbook;
-  EXPECT_THAT(refusal([&] { rendered(*marcher, kFront, {textbook, {}}); }), testing::HasSubstr("mip has no textbook arithmetic"));
+  EXPECT_THAT(refusal([&] {
+                rendered(*marcher, kFront, {textbook, {}});
+              }),
+              testing::HasSubstr("mip has no textbook arithmetic"));
 }
 
 }  // namespace

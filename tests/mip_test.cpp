@@ -1,5 +1,5 @@
-// The greatest value along rays against the definition in double, what is seen of it, and what leaving out cells that cannot have it changes: nothing.
-// Mirrors render/effects/mip.h.
+// The greatest value along rays against the definition in double, what is seen of it, and what leaving out cells that
+// cannot have it changes: nothing. Mirrors render/effects/mip.h.
 #include "render/effects/mip.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,8 @@ void expectGreatest(VoxelType type, const FieldFunction& field, bool skips) {
   for (const Ray& ray : raysThrough(33.0f, 300, 7)) {
     const RayLattice lattice = rays.pathOf(ray).lattice;
     double greatest = -1.0;
-    for (int i = 0; i < lattice.count; ++i) greatest = std::max(greatest, rays.valueAt(ray, static_cast<double>(lattice.t(i))));  // not where it is NaN
+    for (int i = 0; i < lattice.count; ++i)
+      greatest = std::max(greatest, rays.valueAt(ray, static_cast<double>(lattice.t(i))));  // not where it is NaN
     const GreatestValue found = rays.greatestAlong(ray);
     ASSERT_EQ(found.any, greatest >= 0.0);
     if (!found.any) continue;
@@ -46,17 +47,40 @@ TEST(Mip, FindsTheGreatestOfTheLatticesValues) {
   }
 }
 
+TEST(Mip, CellsAndVoxelsAgreeBitForBit) {
+  const ModeRays<uint8_t, false> rays(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 15)),
+                                      inMode(RenderMode::mip), kRamp);
+  const std::vector<VoxelCell<uint8_t>> cells = cellsOf(rays.view);
+  VolumeView<uint8_t> byCells = rays.view;
+  byCells.voxels = nullptr;
+  byCells.blends = cells.data();
+  for (const Ray& ray : raysThrough(33.0f, 300, 17)) {
+    const RayPath path = rays.pathOf(ray);
+    const auto source = exceptionsExpected([&] {
+      return MipSource<uint8_t, false, true>({byCells, rays.greatest}, path.ray, path.lattice);
+    });
+    const GreatestValue a = rays.greatestAlong(ray), b = source.find(0, path.lattice.count);
+    EXPECT_EQ(a.any, b.any);
+    EXPECT_EQ(a.value, b.value);
+    EXPECT_EQ(a.t, b.t);
+  }
+}
+
 TEST(Mip, OfEqualValuesTheNearest) {
   for (const bool skips : {false, true}) {
     RenderSettings settings = inMode(RenderMode::mip);
     settings.skipEmpty = skips;
     // Two walls of the same value.
-    const ModeRays<uint8_t, false> rays(makeTestVolume(VoxelType::uint8, kDims, [](const glm::ivec3& p) { return p.z == 6 || p.z == 25 ? 90.0 : 10.0; }), settings, kRamp);
+    const ModeRays<uint8_t, false> rays(
+        makeTestVolume(VoxelType::uint8, kDims,
+                       [](const glm::ivec3& p) { return p.z == 6 || p.z == 25 ? 90.0 : 10.0; }),
+        settings, kRamp);
     const Ray ray{{0.3f, 0.2f, -50.0f}, {0.0f, 0.0f, 1.0f}};
     const GreatestValue found = rays.greatestAlong(ray);
     const float wall = 50.0f + 6.5f - 16.5f;  // the middle of the voxel of z = 6
     EXPECT_NEAR(found.t, wall, 0.25f + 1e-4f);
-    const ModeRays<uint8_t, false> flat(makeTestVolume(VoxelType::uint8, kDims, [](const glm::ivec3&) { return 42.0; }), settings, kRamp);
+    const ModeRays<uint8_t, false> flat(makeTestVolume(VoxelType::uint8, kDims, [](const glm::ivec3&) { return 42.0; }),
+                                        settings, kRamp);
     EXPECT_EQ(flat.greatestAlong(ray).i, 0) << "everywhere the same";
     EXPECT_EQ(flat.greatestAlong(ray).value, 42.0f);
   }
@@ -79,7 +103,8 @@ TEST(Mip, ShowsTheFunctionAtTheGreatestValue) {
         const GreatestValue found = rays.greatestAlong(pixels.ray(x, y).ray);
         const glm::vec4 straight = found.any ? kRamp.at(static_cast<double>(found.value)) : glm::vec4(0.0f);
         const glm::vec4 expected(glm::vec3(straight) * straight.a, straight.a);
-        for (int channel = 0; channel < 4; ++channel) EXPECT_NEAR(image(x, y)[channel], expected[channel], TransferTable::kMostVariation) << x << " " << y;
+        for (int channel = 0; channel < 4; ++channel)
+          EXPECT_NEAR(image(x, y)[channel], expected[channel], TransferTable::kMostVariation) << x << " " << y;
         seen += found.any ? 1 : 0;
       }
     EXPECT_GT(seen, 500);
@@ -87,7 +112,10 @@ TEST(Mip, ShowsTheFunctionAtTheGreatestValue) {
 }
 
 TEST(Mip, LeavingOutCellsChangesNoBit) {
-  const TransferFunction functions[] = {kRamp, band(40.0, 60.0, 0.3f), band(95.0, 200.0, 0.7f), {{{20.0, glm::vec3(1.0f), 0.0f}, {90.0, glm::vec3(0.5f), 0.004f}}}};
+  const TransferFunction functions[] = {kRamp,
+                                        band(40.0, 60.0, 0.3f),
+                                        band(95.0, 200.0, 0.7f),
+                                        {{{20.0, glm::vec3(1.0f), 0.0f}, {90.0, glm::vec3(0.5f), 0.004f}}}};
   for (const VoxelType type : kAllVoxelTypes)
     for (const bool hasHoles : {false, true}) {
       if (hasHoles && type != VoxelType::float32 && type != VoxelType::float64) continue;
@@ -101,7 +129,8 @@ TEST(Mip, LeavingOutCellsChangesNoBit) {
               MarchSettings settings = marchInMode(RenderMode::mip);
               settings.render.step = step;
               settings.render.effects.clip.planes = parseClipPlanes(planes, "it");
-              EXPECT_TRUE(isTheSameSkipped(*marcher, lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 45, 35), settings)) << nameOf(type) << " " << hasHoles << " " << step;
+              EXPECT_TRUE(isTheSameSkipped(*marcher, lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 45, 35), settings))
+                  << nameOf(type) << " " << hasHoles << " " << step;
             }
       }
     }
@@ -137,11 +166,14 @@ TEST(Mip, IsNotLitAndDoesNotCareForTheStepsOpacity) {
 
 TEST(Mip, AGreatestValueThatIsHiddenHidesItsRay) {
   // A wall of 90 with one of 50 in front of it; 50 alone is shown.
-  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kDims, [](const glm::ivec3& p) { return p.z == 20 ? (p.x < 20 ? 90.0 : 0.0) : p.z == 30 ? 50.0 : 0.0; });
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kDims, [](const glm::ivec3& p) {
+    return p.z == 20 ? (p.x < 20 ? 90.0 : 0.0) : p.z == 30 ? 50.0 : 0.0;
+  });
   const MarcherPtr marcher = makeCpuMarcher(volume, band(45.0, 55.0, 0.5f));
   MarchSettings settings = marchInMode(RenderMode::mip);
   settings.render.step = 0.01f;  // so that one lies at the voxel's middle, nearly
-  const Image<glm::vec4> image = rendered(*marcher, lookingFrom({0.0f, 0.0f, 400.0f}, glm::vec3(0.0f), 40, 40, 0.045f), settings);
+  const Image<glm::vec4> image =
+      rendered(*marcher, lookingFrom({0.0f, 0.0f, 400.0f}, glm::vec3(0.0f), 40, 40, 0.045f), settings);
   EXPECT_EQ(image(8, 20).a, 0.0f);
   EXPECT_NEAR(image(32, 20).a, 0.5f, 1e-2f);
 }
@@ -149,7 +181,8 @@ TEST(Mip, AGreatestValueThatIsHiddenHidesItsRay) {
 TEST(Mip, NothingConstantAndSingleVoxels) {
   const Camera camera = lookingFrom({5.0f, 3.0f, 6.0f}, glm::vec3(0.0f), 40, 30);
   const auto alphaOf = [&](const glm::uvec3& dims, double value, const TransferFunction& function) {
-    const MarcherPtr marcher = makeCpuMarcher(makeTestVolume(VoxelType::float32, dims, [=](const glm::ivec3&) { return value; }), function);
+    const MarcherPtr marcher =
+        makeCpuMarcher(makeTestVolume(VoxelType::float32, dims, [=](const glm::ivec3&) { return value; }), function);
     EXPECT_TRUE(isTheSameSkipped(*marcher, camera, marchInMode(RenderMode::mip)));
     return largestAlpha(rendered(*marcher, camera, marchInMode(RenderMode::mip)));
   };

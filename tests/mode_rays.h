@@ -33,8 +33,10 @@ struct ModeRays {
     Box bounds = marched.volume->bounds();
     bounds.lower += inset;
     bounds.upper -= inset;
-    const RayInterval inside = exceptionsExpected(
-        [&] { return intersectBox(reciprocalOf(ray.origin, ray.direction), bounds, 0.0f, std::numeric_limits<float>::infinity()); });
+    const RayInterval inside = exceptionsExpected([&] {
+      return intersectBox(reciprocalOf(ray.origin, ray.direction), bounds, 0.0f,
+                          std::numeric_limits<float>::infinity());
+    });
     return {ray, makeLattice(inside, settings.step)};
   }
 
@@ -42,7 +44,8 @@ struct ModeRays {
   std::vector<CountingSample> surfacesAlong(const Ray& ray) const { return surfacesAlong(pathOf(ray)); }
   std::vector<CountingSample> surfacesAlong(const RayPath& path) const {
     const ModeView<Voxel, IsosurfaceSetup> modeView{view, baked.surfaces};
-    auto source = exceptionsExpected([&] { return IsosurfaceSource<Voxel, kHasHoles, false>(modeView, path.ray, path.lattice); });
+    auto source =
+        exceptionsExpected([&] { return IsosurfaceSource<Voxel, kHasHoles, false>(modeView, path.ray, path.lattice); });
     std::vector<CountingSample> met;
     RayColor color;
     marchRay(path, 0, path.lattice.count, source, Unlit{}, {1e-6f, 0.0f}, color, [&](const CountingSample& sample) {
@@ -55,13 +58,15 @@ struct ModeRays {
   GreatestValue greatestAlong(const Ray& ray) const {
     const RayPath path = pathOf(ray);
     const ModeView<Voxel, MipSetup> modeView{view, greatest};
-    return exceptionsExpected([&] { return MipSource<Voxel, kHasHoles, false>(modeView, path.ray, path.lattice); }).find(0, path.lattice.count);
+    return exceptionsExpected([&] { return MipSource<Voxel, kHasHoles, false>(modeView, path.ray, path.lattice); })
+        .find(0, path.lattice.count);
   }
 
   /// The interpolated value at volume coordinates, by the definition; NaN where there is none.
   double valueAt(const glm::dvec3& place) const {
     const glm::dvec3 last = glm::dvec3(view.dims - 1);
-    const glm::dvec3 p = glm::clamp((place - glm::dvec3(view.lower)) * glm::dvec3(view.voxelsPerUnit) - 0.5, glm::dvec3(0.0), last);
+    const glm::dvec3 p =
+        glm::clamp((place - glm::dvec3(view.lower)) * glm::dvec3(view.voxelsPerUnit) - 0.5, glm::dvec3(0.0), last);
     const glm::ivec3 low = glm::min(glm::ivec3(p), glm::max(view.dims - 2, glm::ivec3(0)));
     double sum = 0.0, weights = 0.0;
     for (int corner = 0; corner < 8; ++corner) {
@@ -69,14 +74,17 @@ struct ModeRays {
       double weight = 1.0;
       for (int axis = 0; axis < 3; ++axis) weight *= upper[axis] ? p[axis] - low[axis] : 1.0 - (p[axis] - low[axis]);
       const glm::ivec3 v = glm::min(low + upper, view.dims - 1);
-      const auto voxel = static_cast<double>(view.voxels[(static_cast<size_t>(v.z) * view.dims.y + v.y) * view.dims.x + v.x]);
+      const auto voxel =
+          static_cast<double>(view.voxels[(static_cast<size_t>(v.z) * view.dims.y + v.y) * view.dims.x + v.x]);
       if (!std::isfinite(voxel)) continue;
       sum += weight * voxel;
       weights += weight;
     }
     return weights > 0.5 ? sum / weights : std::nan("");
   }
-  double valueAt(const Ray& ray, double t) const { return valueAt(glm::dvec3(ray.origin) + t * glm::dvec3(ray.direction)); }
+  double valueAt(const Ray& ray, double t) const {
+    return valueAt(glm::dvec3(ray.origin) + t * glm::dvec3(ray.direction));
+  }
 
   MarchedVolume marched;
   RenderSettings settings;
@@ -85,6 +93,16 @@ struct ModeRays {
   VolumeView<Voxel> view;
   MipSetup greatest;
 };
+
+/// The cells that devices keep a volume in.
+template <class Voxel>
+std::vector<VoxelCell<Voxel>> cellsOf(const VolumeView<Voxel>& view) {
+  std::vector<VoxelCell<Voxel>> cells;
+  for (int z = 0; z <= view.ends[2].lastCell; ++z)
+    for (int y = 0; y <= view.ends[1].lastCell; ++y)
+      for (int x = 0; x <= view.ends[0].lastCell; ++x) cells.push_back(voxelCellAt(view.voxels, view.dims, {x, y, z}));
+  return cells;
+}
 
 /// Rays from all around, through a cube of that edge about the centre, and from inside it.
 inline std::vector<Ray> raysThrough(float edge, int count, uint32_t seed) {
@@ -106,7 +124,9 @@ inline RenderSettings inMode(RenderMode mode, std::string_view isoValues = "none
   settings.effects.isoValues = parseIsoValues(isoValues, "it");
   return settings;
 }
-inline MarchSettings marchInMode(RenderMode mode, std::string_view isoValues = "none") { return {inMode(mode, isoValues), {}}; }
+inline MarchSettings marchInMode(RenderMode mode, std::string_view isoValues = "none") {
+  return {inMode(mode, isoValues), {}};
+}
 
 /// Pictures and frames are the same with and without what leaves work out.
 inline bool isTheSameSkipped(Marcher& marcher, const Camera& camera, MarchSettings settings) {

@@ -25,7 +25,8 @@ PlannedStage planSkipping(const PlannedScene& scene, const RenderSettings& setti
 
 PlannedStage planEarlyEnd(const PlannedScene& scene, const RenderSettings& settings) {
   if (!settings.terminateEarly) return out("it is switched off");
-  if (settings.effects.mode == RenderMode::isosurface && std::ranges::none_of(settings.effects.isoValues, [](const IsoValue& value) { return value.opacity > 0.0f && value.opacity < 1.0f; }))
+  if (settings.effects.mode == RenderMode::isosurface &&
+      std::ranges::none_of(settings.effects.isoValues, [](const IsoValue& value) { return value.opacity > 0.0f && value.opacity < 1.0f; }))
     return out("every surface is opaque and ends its ray by itself");
   if (settings.effects.mode == RenderMode::isosurface) return in("rays may end at a transmittance of " + numberText(settings.contribution));
   // The least that can be left behind a whole ray; twice, since it is rounded on the way.
@@ -70,7 +71,8 @@ EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings
   }
   const RenderMode mode = settings.effects.mode;
   at(PlanStage::march) = in(std::to_string(scene.visibleCells) + " cells show something");
-  at(PlanStage::maximum) = mode == RenderMode::mip ? in("it stands for its ray, and every heuristic gives its depth") : out("the mode is " + std::string(nameOf(mode)));
+  at(PlanStage::maximum) =
+      mode == RenderMode::mip ? in("it stands for its ray, and every heuristic gives its depth") : out("the mode is " + std::string(nameOf(mode)));
   const auto surfaces = std::ranges::count_if(settings.effects.isoValues, [](const IsoValue& value) { return value.opacity > 0.0f; });
   at(PlanStage::surfaces) =
       mode == RenderMode::isosurface ? in(std::to_string(surfaces) + (surfaces == 1 ? " value" : " values")) : out("the mode is " + std::string(nameOf(mode)));

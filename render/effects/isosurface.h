@@ -13,9 +13,9 @@ namespace warpscope {
 inline constexpr float kSurfaceTolerance = 0x1p-10f;
 
 struct Isosurface {
-  float value = 0.0f;    ///< an interpolant
-  float opacity = 1.0f;  ///< > 0
-  glm::vec3 color{0.0f}; ///< linear, times the opacity
+  float value = 0.0f;     ///< an interpolant
+  float opacity = 1.0f;   ///< > 0
+  glm::vec3 color{0.0f};  ///< linear, times the opacity
 };
 
 /// What is the same for all rays of a picture.

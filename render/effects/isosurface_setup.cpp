@@ -31,7 +31,8 @@ IsosurfaceSetup prepareIsosurfaces(const IsoValues& values, const TransferFuncti
   IsosurfaceSetup setup;
   for (const IsoValue& value : values)
     if (value.opacity > 0.0f)
-      setup.surfaces[setup.count++] = {static_cast<float>(scale.interpolantOf(value.value)), value.opacity, value.opacity * glm::vec3(function.at(value.value))};
+      setup.surfaces[setup.count++] = {static_cast<float>(scale.interpolantOf(value.value)), value.opacity,
+                                       value.opacity * glm::vec3(function.at(value.value))};
   return setup;
 }
 

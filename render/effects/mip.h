@@ -1,6 +1,5 @@
 // The greatest value along a ray (maximum intensity projection), and what is seen of it. For host and device.
-// Wallis, Miller, Lerner, Kleerup 1989; cells of which no value can be the greatest are leapt over, after Mroz, Hauser, Groeller 2000 ("Interactive high-quality
-// maximum intensity projection"). A greatest value is no length of matter: its opacity is the function's over one unit, whatever the step, as VTK has it.
+// Wallis, Miller, Lerner, Kleerup 1989; cells of which no value can be the greatest are leapt over, after Mroz, Hauser, Groeller 2000.
 #pragma once
 
 #include "render/core/visible_bins.h"
@@ -28,6 +27,17 @@ struct GreatestValue {
   int i = 0;       ///< sample of the ray's lattice: the nearest of those that have the value
   float t = 0.0f;  ///< where it lies
 };
+
+/// Whether no value in a macrocell is greater than what a ray has met, or it makes no difference which is.
+WARPSCOPE_HD inline bool isBeaten(const MipSetup& setup, const EmptyCells& cells, const glm::ivec3& cell, const GreatestValue& greatest) {
+  const uint32_t row = static_cast<uint32_t>(cell.z) * static_cast<uint32_t>(cells.dims.y) + static_cast<uint32_t>(cell.y);
+  const uint32_t place = row * static_cast<uint32_t>(cells.dims.x) + static_cast<uint32_t>(cell.x);
+  const float low = setup.lowest[place], high = setup.highest[place];
+  if (low > high) return true;  // it has no value
+  // As anyVisibleBetween() has it.
+  const float most = low < high ? high + kRangeSlack * maxOf(absOf(low), absOf(high)) : high;
+  return (greatest.any && most <= greatest.value) || most < setup.leastShown;
+}
 
 /// A source for marchRay() below.
 template <class Voxel, bool kHasHoles, bool kByCells>
@@ -67,13 +77,7 @@ class MipSource {
   WARPSCOPE_HD int next(int i, const int (&index)[3], const GreatestValue& greatest) const {
     const EmptyCells& cells = view().cells;
     const glm::ivec3 cell(index[0] >> cells.edgeBits, index[1] >> cells.edgeBits, index[2] >> cells.edgeBits);
-    const uint32_t row = static_cast<uint32_t>(cell.z) * static_cast<uint32_t>(cells.dims.y) + static_cast<uint32_t>(cell.y);
-    const uint32_t place = row * static_cast<uint32_t>(cells.dims.x) + static_cast<uint32_t>(cell.x);
-    const float low = setup_.lowest[place], high = setup_.highest[place];
-    // As anyVisibleBetween() has it. A cell without any value has a range that is none, and is left as well.
-    const float most = low < high ? high + kRangeSlack * maxOf(absOf(low), absOf(high)) : high;
-    const bool isBeaten = low > high || (greatest.any && most <= greatest.value) || most < setup_.leastShown;
-    return isBeaten ? emptySpace_.leap(i, cell, 1, lattice_) : i + 1;
+    return isBeaten(setup_, cells, cell, greatest) ? emptySpace_.leap(i, cell, 1, lattice_) : i + 1;
   }
 
   ValueReader<Voxel, kHasHoles, kByCells> reader_;
@@ -82,13 +86,11 @@ class MipSource {
   EmptySpace emptySpace_;
 };
 
-/// march.h's, for rays of which the greatest value alone is seen: one sample, without light and without length.
-template <class Voxel, bool kHasHoles, bool kByCells, class Light, class Gathered, class Sink>
-WARPSCOPE_HD inline void marchRay(const RayPath&, int begin, int end, MipSource<Voxel, kHasHoles, kByCells>& source, const Light&, const RayLimits& limits,
-                                  Gathered& ray, Sink&& sink) {
-  const GreatestValue found = source.find(begin, end);
+/// What is seen of a ray's greatest value: one sample, without light. It is no length of matter: its opacity is the function's over one unit, whatever the
+/// step, as in VTK, which leaves out its correction in this mode.
+template <class Gathered, class Sink>
+WARPSCOPE_HD inline void passGreatest(const GreatestValue& found, const TransferLookup& transfer, const RayLimits& limits, Gathered& ray, Sink&& sink) {
   if (!found.any) return;
-  const TransferLookup& transfer = source.view().transfer;
   const int entry = transfer.entryOf(found.value);
   const float ofStep = transfer.alphas[entry], alpha = transfer.unitAlphas[entry];
   if (!(ofStep > 0.0f)) return;
@@ -96,6 +98,13 @@ WARPSCOPE_HD inline void marchRay(const RayPath&, int begin, int end, MipSource<
   if (through * alpha >= limits.contribution && !sink(CountingSample::behind(ray.transmittance.exact(), through, found.t, 0.0f, alpha))) return;
   if constexpr (Gathered::kWantsColor) ray.add(found.i, glm::vec3(transfer.entries[entry]) * (alpha / ofStep), through);
   ray.transmittance.pass(alpha);
+}
+
+/// march.h's, for rays of which the greatest value alone is seen.
+template <class Voxel, bool kHasHoles, bool kByCells, class Light, class Gathered, class Sink>
+WARPSCOPE_HD inline void marchRay(const RayPath&, int begin, int end, MipSource<Voxel, kHasHoles, kByCells>& source, const Light&, const RayLimits& limits,
+                                  Gathered& ray, Sink&& sink) {
+  passGreatest(source.find(begin, end), source.view().transfer, limits, ray, sink);
 }
 
 }  // namespace warpscope

@@ -44,8 +44,7 @@ std::string textOf(const IsoValues& values) {
 IsoValues parseIsoValues(std::string_view text, std::string_view name) {
   IsoValues values;
   for (const std::string_view word : settingWords(text)) {
-    if (values.size() == IsoValues::kMost)
-      throw UsageError(std::string(name) + ": at most " + std::to_string(IsoValues::kMost) + " values are possible");
+    if (values.size() == IsoValues::kMost) throw UsageError(std::string(name) + ": at most " + std::to_string(IsoValues::kMost) + " values are possible");
     values.add(parseIsoValue(word, name));
   }
   return values;

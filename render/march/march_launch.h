@@ -49,6 +49,7 @@ void launchMip(const MarchJob<Voxel>& job, const MipSetup& setup, std::optional<
 
 /// As launchMarch, for rays that see surfaces.
 template <class Voxel, bool kHasHoles, bool kByCells>
-void launchIsosurfaces(const MarchJob<Voxel>& job, const IsosurfaceSetup& setup, const ShadingSetup& shading, std::optional<Heuristic> heuristic, cudaStream_t stream);
+void launchIsosurfaces(const MarchJob<Voxel>& job, const IsosurfaceSetup& setup, const ShadingSetup& shading, std::optional<Heuristic> heuristic,
+                       cudaStream_t stream);
 
 }  // namespace warpscope

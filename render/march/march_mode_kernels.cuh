@@ -65,7 +65,8 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   const RayPath path = rayThrough(job, pixel, &cosine);
   const ModeView<Voxel, typename Source::Setup> view{job.view, setup};
   RaySamples found;
-  findSamples(depth, path, [&] { return Source(view, path.ray, path.lattice); }, light, job.limits, job.threshold, job.slots, found);
+  findSamples(
+      depth, path, [&] { return Source(view, path.ray, path.lattice); }, light, job.limits, job.threshold, job.slots, found);
   const size_t first = (size_t{pixel.y} * job.camera.width + pixel.x) * static_cast<size_t>(job.slots);
   for (int slot = 0; slot < job.slots; ++slot) {
     job.samples[first + slot] = 0;

@@ -5,12 +5,16 @@
 namespace warpscope {
 
 template void launchMip<int8_t, false, true>(const MarchJob<int8_t>&, const MipSetup&, std::optional<Heuristic>, cudaStream_t);
-template void launchIsosurfaces<int8_t, false, true>(const MarchJob<int8_t>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t);
+template void launchIsosurfaces<int8_t, false, true>(const MarchJob<int8_t>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>,
+                                                     cudaStream_t);
 template void launchMip<int8_t, false, false>(const MarchJob<int8_t>&, const MipSetup&, std::optional<Heuristic>, cudaStream_t);
-template void launchIsosurfaces<int8_t, false, false>(const MarchJob<int8_t>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t);
+template void launchIsosurfaces<int8_t, false, false>(const MarchJob<int8_t>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>,
+                                                      cudaStream_t);
 template void launchMip<uint8_t, false, true>(const MarchJob<uint8_t>&, const MipSetup&, std::optional<Heuristic>, cudaStream_t);
-template void launchIsosurfaces<uint8_t, false, true>(const MarchJob<uint8_t>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t);
+template void launchIsosurfaces<uint8_t, false, true>(const MarchJob<uint8_t>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>,
+                                                      cudaStream_t);
 template void launchMip<uint8_t, false, false>(const MarchJob<uint8_t>&, const MipSetup&, std::optional<Heuristic>, cudaStream_t);
-template void launchIsosurfaces<uint8_t, false, false>(const MarchJob<uint8_t>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t);
+template void launchIsosurfaces<uint8_t, false, false>(const MarchJob<uint8_t>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>,
+                                                       cudaStream_t);
 
 }  // namespace warpscope

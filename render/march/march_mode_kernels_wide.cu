@@ -5,12 +5,16 @@
 namespace warpscope {
 
 template void launchMip<InterpolantVoxel, false, true>(const MarchJob<InterpolantVoxel>&, const MipSetup&, std::optional<Heuristic>, cudaStream_t);
-template void launchIsosurfaces<InterpolantVoxel, false, true>(const MarchJob<InterpolantVoxel>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t);
+template void launchIsosurfaces<InterpolantVoxel, false, true>(const MarchJob<InterpolantVoxel>&, const IsosurfaceSetup&, const ShadingSetup&,
+                                                               std::optional<Heuristic>, cudaStream_t);
 template void launchMip<InterpolantVoxel, false, false>(const MarchJob<InterpolantVoxel>&, const MipSetup&, std::optional<Heuristic>, cudaStream_t);
-template void launchIsosurfaces<InterpolantVoxel, false, false>(const MarchJob<InterpolantVoxel>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t);
+template void launchIsosurfaces<InterpolantVoxel, false, false>(const MarchJob<InterpolantVoxel>&, const IsosurfaceSetup&, const ShadingSetup&,
+                                                                std::optional<Heuristic>, cudaStream_t);
 template void launchMip<InterpolantVoxel, true, true>(const MarchJob<InterpolantVoxel>&, const MipSetup&, std::optional<Heuristic>, cudaStream_t);
-template void launchIsosurfaces<InterpolantVoxel, true, true>(const MarchJob<InterpolantVoxel>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t);
+template void launchIsosurfaces<InterpolantVoxel, true, true>(const MarchJob<InterpolantVoxel>&, const IsosurfaceSetup&, const ShadingSetup&,
+                                                              std::optional<Heuristic>, cudaStream_t);
 template void launchMip<InterpolantVoxel, true, false>(const MarchJob<InterpolantVoxel>&, const MipSetup&, std::optional<Heuristic>, cudaStream_t);
-template void launchIsosurfaces<InterpolantVoxel, true, false>(const MarchJob<InterpolantVoxel>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t);
+template void launchIsosurfaces<InterpolantVoxel, true, false>(const MarchJob<InterpolantVoxel>&, const IsosurfaceSetup&, const ShadingSetup&,
+                                                               std::optional<Heuristic>, cudaStream_t);
 
 }  // namespace warpscope

@@ -27,8 +27,8 @@ BakedTransfer bakeTable(const MarchedVolume& marched, const RenderSettings& sett
 
 BakedTransfer bakeTransfer(const MarchedVolume& marched, const RenderSettings& settings) {
   BakedTransfer baked = bakeTable(marched, settings);
-  baked.emptyDistances = settings.effects.mode == RenderMode::isosurface ? surfaceDistances(marched.macrocells, baked.surfaces)
-                                                                         : marched.macrocells.emptyDistances(baked.table);
+  baked.emptyDistances =
+      settings.effects.mode == RenderMode::isosurface ? surfaceDistances(marched.macrocells, baked.surfaces) : marched.macrocells.emptyDistances(baked.table);
   baked.visibleCells = static_cast<size_t>(std::ranges::count(baked.emptyDistances, 0));
   return baked;
 }
@@ -88,7 +88,8 @@ MipSetup mipFor(const MarchedVolume& marched, const TransferTable& table, const 
   if (!plan.has(PlanStage::skipping)) return setup;
   setup.highest = marched.macrocells.highest();
   setup.lowest = marched.macrocells.lowest();
-  setup.leastShown = leastShownValue(table.lookup(), static_cast<int>(std::ranges::find_if(table.visibleBefore, [](int32_t bins) { return bins > 0; }) - table.visibleBefore.begin()) - 1);
+  setup.leastShown = leastShownValue(
+      table.lookup(), static_cast<int>(std::ranges::find_if(table.visibleBefore, [](int32_t bins) { return bins > 0; }) - table.visibleBefore.begin()) - 1);
   return setup;
 }
 

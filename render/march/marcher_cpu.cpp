@@ -16,7 +16,7 @@
 #include "render/core/parallel.h"
 #include "render/effects/clip.h"
 #include "render/effects/isosurface.h"
-#include "render/effects/mip.h"
+#include "render/effects/mip_batch.h"
 #include "render/effects/shading.h"
 #include "render/march/compact.h"
 #include "render/march/march.h"
@@ -69,7 +69,8 @@ SampleSpan spanFor(const VisibleDepths& depths, float cosine, const RayLattice& 
   if constexpr (requires { Source::kTakesWholeRays; }) return {0, lattice.count};
   const SampleSpan span = samplesBetween(depths, cosine, lattice);
   // A surface lies between two samples, or an end of the ray and one; either may be on the far side of the depths.
-  if constexpr (requires { requires std::is_same_v<typename Source::Setup, IsosurfaceSetup>; }) return {std::max(span.begin - 2, 0), std::min(span.end + 2, lattice.count)};
+  if constexpr (requires { requires std::is_same_v<typename Source::Setup, IsosurfaceSetup>; })
+    return {std::max(span.begin - 2, 0), std::min(span.end + 2, lattice.count)};
   return span;
 }
 
@@ -155,18 +156,20 @@ class CpuMarcher final : public Marcher {
       view.transfer = baked_->table.lookup();
       view.cells.distances = plan.has(PlanStage::skipping) ? baked_->emptyDistances.data() : nullptr;
       const auto visitHoles = [&](auto&& f) {
-        std::is_floating_point_v<Voxel> && plan.has(PlanStage::missingVoxels) ? f(std::bool_constant<std::is_floating_point_v<Voxel>>{}) : f(std::false_type{});
+        std::is_floating_point_v<Voxel>&& plan.has(PlanStage::missingVoxels) ? f(std::bool_constant<std::is_floating_point_v<Voxel>>{}) : f(std::false_type{});
       };
       if (settings.effects.mode == RenderMode::mip) {
         const MipSetup greatest = mipFor(*marched_, baked_->table, plan);
         return visitHoles([&]<class HasHoles>(HasHoles) {
-          marchTiles<MipSource<Voxel, HasHoles::value, false>>(ModeView<Voxel, MipSetup>{view, greatest}, Unlit{}, camera, pixels, settings, plan, blocks, sample, stop, onRay);
+          marchTiles<MipBatchSource<Voxel, HasHoles::value>>(ModeView<Voxel, MipSetup>{view, greatest}, Unlit{}, camera, pixels, settings, plan, blocks, sample,
+                                                             stop, onRay);
         });
       }
       if (settings.effects.mode == RenderMode::isosurface)
         return visitLight(shadingFor(*marched_, camera, settings), [&](const auto& light) {
           visitHoles([&]<class HasHoles>(HasHoles) {
-            marchTiles<IsosurfaceSource<Voxel, HasHoles::value, false>>(ModeView<Voxel, IsosurfaceSetup>{view, baked_->surfaces}, light, camera, pixels, settings, plan, blocks, sample, stop, onRay);
+            marchTiles<IsosurfaceSource<Voxel, HasHoles::value, false>>(ModeView<Voxel, IsosurfaceSetup>{view, baked_->surfaces}, light, camera, pixels,
+                                                                        settings, plan, blocks, sample, stop, onRay);
           });
         });
       visitLight(shadingFor(*marched_, camera, settings), [&](const auto& light) {

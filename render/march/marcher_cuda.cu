@@ -241,9 +241,15 @@ class CudaMarcher final : public Marcher {
         job.firstRow = job.endRow;
         job.endRow = std::min(camera.height, job.firstRow + rows);
         switch (settings.effects.mode) {
-          case RenderMode::composite: launchMarch<Voxel, kHasHoles, kByCells>(job, settings, shading, heuristic, stream_); break;
-          case RenderMode::mip: launchMip<Voxel, kHasHoles, kByCells>(job, greatest_, heuristic, stream_); break;
-          case RenderMode::isosurface: launchIsosurfaces<Voxel, kHasHoles, kByCells>(job, surfaces_, shading, heuristic, stream_); break;
+          case RenderMode::composite:
+            launchMarch<Voxel, kHasHoles, kByCells>(job, settings, shading, heuristic, stream_);
+            break;
+          case RenderMode::mip:
+            launchMip<Voxel, kHasHoles, kByCells>(job, greatest_, heuristic, stream_);
+            break;
+          case RenderMode::isosurface:
+            launchIsosurfaces<Voxel, kHasHoles, kByCells>(job, surfaces_, shading, heuristic, stream_);
+            break;
         }
       };
       TurnsOfJob turns(turns_.get());

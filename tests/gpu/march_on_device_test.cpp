@@ -153,12 +153,14 @@ TEST(MarchOnDevice, OtherModesInEveryScene) {
     const std::string several = at(0.3) + "@0.25 " + at(0.6) + "@0.5 " + at(0.9);
     for (const View& view : {scene.views.front(), scene.views.back()}) {
       const Camera camera = makeCamera(scene, view, 203, 157);
-      for (const auto& [mode, values] : {std::pair(RenderMode::mip, std::string("none")), std::pair(RenderMode::isosurface, at(0.5)), std::pair(RenderMode::isosurface, several)})
+      for (const auto& [mode, values] :
+           {std::pair(RenderMode::mip, std::string("none")), std::pair(RenderMode::isosurface, at(0.5)), std::pair(RenderMode::isosurface, several)})
         for (const auto& heuristic : kHeuristics)
           for (const int samplesPerRay : {1, 4})
             for (const bool skips : {true, false})
               for (const float shading : {0.0f, 0.75f}) {
-                SCOPED_TRACE(builtin.name + ", " + std::string(nameOf(mode)) + " " + values + ", " + std::string(heuristic.name) + ", " + std::to_string(samplesPerRay));
+                SCOPED_TRACE(builtin.name + ", " + std::string(nameOf(mode)) + " " + values + ", " + std::string(heuristic.name) + ", " +
+                             std::to_string(samplesPerRay));
                 MarchSettings settings = scene.march;
                 settings.render.effects.mode = mode;
                 settings.render.effects.isoValues = parseIsoValues(values, "it");
