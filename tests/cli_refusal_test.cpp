@@ -150,6 +150,24 @@ TEST_F(Refusal, NumbersOutOfRange) {
   for (const char* width : {"15", "0", "4097", "wide"}) expectRefused({"compare", "--out", "o", "--cell", width}, kUsage, {"--cell"});
 }
 
+TEST_F(Refusal, SurfacesThatAreNone) {
+  const Arguments block{"block", "--volume-size", "9x8x7", "--mode", "isosurface"};
+  const auto with = [&](const Arguments& more) {
+    Arguments arguments = block;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  expectRefused(shot(block), kUsage, {"wants the values of its surfaces", "--isovalues"});
+  expectRefused(shot(with({"--isovalues", "100 70000"})), kUsage, {"the iso-value 70000 lies outside the volume's range, 0 to "});
+  expectRefused(shot(with({"--isovalues", "100@2"})), kUsage, {"--isovalues", "between 0 and 1"});
+  expectRefused(shot(with({"--isovalues", "1 2 3 4 5"})), kUsage, {"at most 4 values"});
+  Arguments plan = with({"--isovalues", "70000"});
+  plan.insert(plan.begin(), "plan");
+  expectRefused(plan, kUsage, {"70000"});
+  expectRefused(shot({scene("surfaces.json", ", \"march\": {\"mode\": \"isosurface\"}")}), kUsage, {"wants the values of its surfaces"});
+  succeed(quick({"shot", "block", "-o", "/dev/null", "--mode", "isosurface", "--isovalues", "100"}));
+}
+
 TEST_F(Refusal, UnknownNamesAreAnsweredWithTheNearest) {
   const std::pair<Arguments, std::vector<std::string>> wrong[] = {
       {{"--technique", "sphere"}, {"technique", "sphere", "spheres"}},

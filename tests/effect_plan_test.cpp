@@ -122,6 +122,42 @@ TEST(EffectPlan, PassesAreTheHeuristics) {
   EXPECT_TRUE(EffectPlan(kScene, {}, SampleSettings{.samplesPerRay = 2}).has(PlanStage::severalSamples));
 }
 
+TEST(EffectPlan, AGreatestValueIsNeitherLitNorFoldedOver) {
+  RenderSettings settings = lit("camera:1,0,0");
+  settings.effects.mode = RenderMode::mip;
+  SampleSettings sample{.heuristic = Heuristic::median, .samplesPerRay = 4};
+  const EffectPlan plan(kScene, settings, sample);
+  EXPECT_THAT(stagesIn(plan), testing::UnorderedElementsAre("march", "maximum", "skipping"));
+  EXPECT_THAT(plan[PlanStage::maximum].reason, testing::HasSubstr("every heuristic gives its depth"));
+  for (const StageDescriptor& stage : kStages) EXPECT_FALSE(plan[stage.stage].reason.empty()) << stage.name;
+  PlannedScene full = kScene;
+  full.visibleCells = full.cells;
+  EXPECT_TRUE(planOf(settings, full).has(PlanStage::skipping)) << "of cells that have no greater value, whatever they show";
+  settings.skipEmpty = false;
+  EXPECT_FALSE(planOf(settings).has(PlanStage::skipping));
+  EXPECT_FALSE(planOf({}).has(PlanStage::maximum));
+}
+
+TEST(EffectPlan, SurfacesHaveNeitherThicknessNorFinerColours) {
+  RenderSettings settings = lit();
+  settings.effects.mode = RenderMode::isosurface;
+  settings.effects.isoValues = parseIsoValues("10 20@0 30@0.5", "it");
+  PlannedScene refined = kScene;
+  refined.isRefined = true;
+  refined.mostOpacity = 0.0f;
+  EXPECT_THAT(stagesIn(planOf(settings, refined)),
+              testing::UnorderedElementsAre("march", "surfaces", "skipping", "gradient", "diffuse", "specular", "early-end"));
+  EXPECT_EQ(planOf(settings)[PlanStage::surfaces].reason, "2 values") << "one of opacity 0 is not looked for";
+  settings.effects.shading.strength = 0.0f;
+  EXPECT_FALSE(planOf(settings).has(PlanStage::gradient));
+  settings.effects.isoValues = parseIsoValues("10 20@0 30", "it");
+  EXPECT_FALSE(planOf(settings).has(PlanStage::earlyEnd)) << "an opaque surface ends its ray by itself";
+  refined.visibleCells = 0;
+  EXPECT_EQ(planOf(settings, refined)[PlanStage::march].reason, "no surface runs through any cell");
+  EXPECT_FALSE(planOf({}).has(PlanStage::surfaces));
+  EXPECT_TRUE(EffectPlan(kScene, settings, SampleSettings{.samplesPerRay = 2}).has(PlanStage::severalSamples));
+}
+
 // --- Marchers go by it.
 
 TEST(EffectPlan, WhatAMarcherPlansIsWhatItsSceneHas) {

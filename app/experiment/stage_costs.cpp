@@ -25,6 +25,8 @@ std::optional<MarchSettings> without(PlanStage stage, const MarchSettings& setti
     case PlanStage::secondPass: left.sample.heuristic = Heuristic::gradient; return left;
     case PlanStage::severalSamples: left.sample.samplesPerRay = 1; return left;
     case PlanStage::march:
+    case PlanStage::maximum:
+    case PlanStage::surfaces:
     case PlanStage::missingVoxels:
     case PlanStage::refinement:
     case PlanStage::correction:

@@ -11,6 +11,9 @@ bool isLit(const MarchSettings& settings) { return settings.render.effects.shadi
 bool hasHighlights(const MarchSettings& settings) { return isLit(settings) && settings.render.effects.shading.specular > 0.0f; }
 constexpr bool always(const MarchSettings&) { return true; }
 
+constexpr auto kModeChoices = choicesOf(kRenderModes);
+bool hasSurfaces(const MarchSettings& settings) { return settings.render.effects.mode == RenderMode::isosurface; }
+
 bool hasSlab(const MarchSettings& settings) { return settings.render.effects.clip.slab.thickness > 0.0f; }
 
 /// A row for a float of the effects: `Member` says where it is.
@@ -23,6 +26,17 @@ constexpr MarchKnob row(const Knob& knob, Member, bool (*matters)(const MarchSet
 }
 
 }  // namespace
+
+constinit const Knob kModeKnob{.key = "mode",
+                               .option = "--mode",
+                               .label = "Mode",
+                               .noun = "mode of rendering",
+                               .help = "What a ray makes of the values along it",
+                               .type = KnobType::choice,
+                               .owner = KnobOwner::effect,
+                               .stale = KnobStage::march,
+                               .defaultValue = static_cast<double>(RenderMode::composite),
+                               .choices = kModeChoices};
 
 constinit const Knob kShadingKnob{.key = "shading",
                                   .option = "--shading",
@@ -126,6 +140,10 @@ constinit const Knob kJitterKnob{.key = "jitter",
 
 std::span<const MarchKnob> effectKnobs() {
   static constexpr MarchKnob kRows[] = {
+      {{&kModeKnob, [](const MarchSettings& s) { return static_cast<double>(s.render.effects.mode); },
+        [](MarchSettings& s, double value) { s.render.effects.mode = static_cast<RenderMode>(value); }},
+       FramePart::picture,
+       always},
       row(kShadingKnob, [](auto& effects) -> auto& { return effects.shading.strength; }, always),
       row(kAmbientKnob, [](auto& effects) -> auto& { return effects.shading.ambient; }, isLit),
       row(kDiffuseKnob, [](auto& effects) -> auto& { return effects.shading.diffuse; }, isLit),
@@ -152,6 +170,10 @@ std::span<const MarchText> effectTexts() {
        "X0,Y0,Z0,X1,Y1,Z1, each 0 to 1; none",
        [](const MarchSettings& s) { return textOf(s.render.effects.clip.box); },
        [](MarchSettings& s, std::string_view text, std::string_view name) { s.render.effects.clip.box = parseClipBox(text, name); }, always},
+      {"isovalues", "--isovalues", "Iso-values", "iso-values", "Values whose surfaces are shown by the mode isosurface",
+       "VALUE[@OPACITY], in the file's units; up to 4 with blanks between them; none",
+       [](const MarchSettings& s) { return textOf(s.render.effects.isoValues); },
+       [](MarchSettings& s, std::string_view text, std::string_view name) { s.render.effects.isoValues = parseIsoValues(text, name); }, hasSurfaces},
   };
   return kTexts;
 }

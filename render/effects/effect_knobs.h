@@ -10,6 +10,7 @@ std::span<const MarchKnob> effectKnobs();
 std::span<const MarchText> effectTexts();
 
 extern const Knob kShadingKnob, kAmbientKnob, kDiffuseKnob, kSpecularKnob, kExponentKnob;
+extern const Knob kModeKnob;
 extern const Knob kSlabKnob, kSlabDepthKnob;
 
 }  // namespace warpscope

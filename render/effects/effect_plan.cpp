@@ -3,7 +3,9 @@
 #include "render/effects/effect_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "render/base/range.h"
 #include "render/march/depth_heuristic.h"
@@ -16,12 +18,17 @@ PlannedStage out(std::string reason) { return {false, std::move(reason)}; }
 
 PlannedStage planSkipping(const PlannedScene& scene, const RenderSettings& settings) {
   if (!settings.skipEmpty) return out("it is switched off");
+  if (settings.effects.mode == RenderMode::mip) return in("cells whose values are no greater than what a ray has met are left out");
   if (scene.visibleCells == scene.cells) return out("every cell shows something");
   return in(std::to_string(scene.cells - scene.visibleCells) + " of " + std::to_string(scene.cells) + " cells show nothing");
 }
 
 PlannedStage planEarlyEnd(const PlannedScene& scene, const RenderSettings& settings) {
   if (!settings.terminateEarly) return out("it is switched off");
+  if (settings.effects.mode == RenderMode::isosurface &&
+      std::ranges::none_of(settings.effects.isoValues, [](const IsoValue& value) { return value.opacity > 0.0f && value.opacity < 1.0f; }))
+    return out("every surface is opaque and ends its ray by itself");
+  if (settings.effects.mode == RenderMode::isosurface) return in("rays may end at a transmittance of " + numberText(settings.contribution));
   // The least that can be left behind a whole ray; twice, since it is rounded on the way.
   const double left = std::exp2(scene.mostSamples * std::log2(std::max(0.0, 1.0 - double{scene.mostOpacity})));
   if (left > 2.0 * double{settings.contribution}) return out("no ray is so long that hardly any light is left");
@@ -37,6 +44,18 @@ std::string clippedBy(const Clip& clip) {
   return text;  // empty if nothing is cut off
 }
 
+/// Why stages are out that make no difference to a greatest value.
+constexpr std::array<std::pair<PlanStage, std::string_view>, 8> kOutOfMaximum{{
+    {PlanStage::correction, "a greatest value has the opacity of one unit"},
+    {PlanStage::gradient, "a greatest value is not lit"},
+    {PlanStage::diffuse, "a greatest value is not lit"},
+    {PlanStage::specular, "a greatest value is not lit"},
+    {PlanStage::halfVector, "a greatest value is not lit"},
+    {PlanStage::earlyEnd, "the greatest value may be the last"},
+    {PlanStage::secondPass, "the depth is the greatest value's, by every heuristic"},
+    {PlanStage::severalSamples, "a ray has one greatest value"},
+}};
+
 bool isTwoPass(Heuristic heuristic) {
   return visitHeuristic(heuristic, []<class Depth>(Depth) { return Depth::kTwoPass; });
 }
@@ -46,10 +65,17 @@ bool isTwoPass(Heuristic heuristic) {
 EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
   const Shading& shading = settings.effects.shading;
   if (scene.visibleCells == 0) {
-    for (PlannedStage& stage : stages_) stage = out("the transfer function hides everything");
+    const char* const why = settings.effects.mode == RenderMode::isosurface ? "no surface runs through any cell" : "the transfer function hides everything";
+    for (PlannedStage& stage : stages_) stage = out(why);
     return;
   }
+  const RenderMode mode = settings.effects.mode;
   at(PlanStage::march) = in(std::to_string(scene.visibleCells) + " cells show something");
+  at(PlanStage::maximum) =
+      mode == RenderMode::mip ? in("it stands for its ray, and every heuristic gives its depth") : out("the mode is " + std::string(nameOf(mode)));
+  const auto surfaces = std::ranges::count_if(settings.effects.isoValues, [](const IsoValue& value) { return value.opacity > 0.0f; });
+  at(PlanStage::surfaces) =
+      mode == RenderMode::isosurface ? in(std::to_string(surfaces) + (surfaces == 1 ? " value" : " values")) : out("the mode is " + std::string(nameOf(mode)));
   const std::string cut = clippedBy(settings.effects.clip);
   at(PlanStage::clip) = cut.empty() ? out("nothing is cut off") : in(cut);
   at(PlanStage::jitter) = settings.effects.jitter > 0.0f ? in("jitter is " + numberText(settings.effects.jitter)) : out("samples begin where rays enter");
@@ -59,6 +85,14 @@ EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings
   at(PlanStage::refinement) = scene.isRefined ? in("the transfer function changes faster than its table's entries") : out("the table's entries are fine enough");
   at(PlanStage::correction) = settings.step == 1.0f ? out("the step is the one that opacities are given for") : in("the step is " + numberText(settings.step));
   at(PlanStage::earlyEnd) = planEarlyEnd(scene, settings);
+  if (mode == RenderMode::mip) {
+    for (const auto& [stage, reason] : kOutOfMaximum) at(stage) = out(std::string(reason));
+    return;
+  }
+  if (mode == RenderMode::isosurface) {
+    at(PlanStage::refinement) = out("a surface's colour is that of its value");
+    at(PlanStage::correction) = out("a surface has no thickness");
+  }
 
   const auto lights = std::ranges::count_if(settings.effects.lights, [](const Light& light) { return light.strength > 0.0f; });
   const auto besideEye =

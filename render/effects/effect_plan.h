@@ -15,6 +15,8 @@ namespace warpscope {
 enum class PlanStage {
   march,          ///< rays at all
   jitter,         ///< of the places of samples
+  maximum,        ///< of the values along a ray
+  surfaces,       ///< that a ray crosses
   clip,           ///< of rays to what is kept
   skipping,       ///< of cells that show nothing
   missingVoxels,  ///< leaving voxels out of interpolation that are not finite
@@ -36,9 +38,11 @@ struct StageDescriptor {
 };
 
 /// Every stage, in their order.
-inline constexpr std::array<StageDescriptor, 14> kStages{{
+inline constexpr std::array<StageDescriptor, 16> kStages{{
     {PlanStage::march, "march", "rays through the volume"},
     {PlanStage::jitter, "jitter", "moving each ray's samples by noise"},
+    {PlanStage::maximum, "maximum", "the greatest value along a ray"},
+    {PlanStage::surfaces, "surfaces", "where rays cross iso-values"},
     {PlanStage::clip, "clip", "cutting rays to what is kept"},
     {PlanStage::skipping, "skipping", "leaping over cells that show nothing"},
     {PlanStage::missingVoxels, "missing-voxels", "leaving out voxels that are not finite"},

@@ -4,6 +4,7 @@
 
 #include "render/effects/clip_settings.h"
 #include "render/effects/lights.h"
+#include "render/effects/mode_settings.h"
 
 namespace warpscope {
 
@@ -19,6 +20,8 @@ struct Shading {
 };
 
 struct Effects {
+  RenderMode mode = RenderMode::composite;
+  IsoValues isoValues{};  ///< of the mode isosurface
   Shading shading;
   Lights lights = defaultLights();
   Clip clip{};

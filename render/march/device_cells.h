@@ -18,6 +18,10 @@ class DeviceCells {
   void findDistances(const VisibleBins& bins, cuda::DeviceBuffer<uint8_t>& distances,
                      cuda::DeviceBuffer<uint8_t>& scratch, cudaStream_t stream) const;
 
+  /// In device memory, as Macrocells has them.
+  const float* lowest() const { return lowest_.data(); }
+  const float* highest() const { return highest_.data(); }
+
   size_t count() const { return static_cast<size_t>(dims_.x) * dims_.y * dims_.z; }
 
  private:

@@ -8,6 +8,8 @@
 #include "render/cuda/memory.h"
 #include "render/effects/clip.h"
 #include "render/effects/jitter.h"
+#include "render/effects/isosurface.h"
+#include "render/effects/mip.h"
 #include "render/effects/shading.h"
 #include "render/march/march.h"
 #include "render/march/sample_radius.h"
@@ -42,5 +44,14 @@ struct MarchJob {
 template <class Voxel, bool kHasHoles, bool kByCells>
 void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, const ShadingSetup& shading,
                  std::optional<Heuristic> heuristic, cudaStream_t stream);
+
+/// As launchMarch, for rays of which the greatest value alone is seen. Its depth is every heuristic's: only whether there is one matters.
+template <class Voxel, bool kHasHoles, bool kByCells>
+void launchMip(const MarchJob<Voxel>& job, const MipSetup& setup, std::optional<Heuristic> heuristic, cudaStream_t stream);
+
+/// As launchMarch, for rays that see surfaces.
+template <class Voxel, bool kHasHoles, bool kByCells>
+void launchIsosurfaces(const MarchJob<Voxel>& job, const IsosurfaceSetup& setup, const ShadingSetup& shading, std::optional<Heuristic> heuristic,
+                       cudaStream_t stream);
 
 }  // namespace warpscope

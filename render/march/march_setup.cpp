@@ -15,6 +15,8 @@ namespace {
 BakedTransfer bakeTable(const MarchedVolume& marched, const RenderSettings& settings) {
   BakedTransfer baked;
   baked.arithmetic = settings.arithmetic;
+  baked.isoValues = isoValuesOf(settings);
+  baked.surfaces = prepareIsosurfaces(baked.isoValues, marched.transferFunction, marched.scale);
   baked.table =
       bakeTransferTable(marched.transferFunction, *marched.volume, marched.scale, settings.step, settings.arithmetic);
   for (const float alpha : baked.table.alphas) baked.mostOpacity = std::max(baked.mostOpacity, alpha);
@@ -25,7 +27,8 @@ BakedTransfer bakeTable(const MarchedVolume& marched, const RenderSettings& sett
 
 BakedTransfer bakeTransfer(const MarchedVolume& marched, const RenderSettings& settings) {
   BakedTransfer baked = bakeTable(marched, settings);
-  baked.emptyDistances = marched.macrocells.emptyDistances(baked.table);
+  baked.emptyDistances =
+      settings.effects.mode == RenderMode::isosurface ? surfaceDistances(marched.macrocells, baked.surfaces) : marched.macrocells.emptyDistances(baked.table);
   baked.visibleCells = static_cast<size_t>(std::ranges::count(baked.emptyDistances, 0));
   return baked;
 }
@@ -42,8 +45,16 @@ EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, siz
   return EffectPlan(scene, settings, sample);
 }
 
-void requireMarchable(const Volume& volume, const Camera& camera, const RenderSettings& settings) {
+void requireFitting(const Volume& volume, const RenderSettings& settings) {
   validate(settings);
+  const RenderMode mode = settings.effects.mode;
+  if (mode != RenderMode::composite && settings.arithmetic != Arithmetic::stable)
+    throw UsageError("the mode " + std::string(nameOf(mode)) + " has no textbook arithmetic; only " + std::string(nameOf(RenderMode::composite)) + " has");
+  if (mode == RenderMode::isosurface) requireIsoValues(settings.effects.isoValues, volume);
+}
+
+void requireMarchable(const Volume& volume, const Camera& camera, const RenderSettings& settings) {
+  requireFitting(volume, settings);
   requireUsable(camera);
   const double longest = glm::length(glm::dvec3(volume.bounds().extent()));
   if (longest / settings.step > kMaxSamplesPerRay) throw UsageError("the step is too small for a volume of this size");
@@ -70,6 +81,16 @@ std::shared_ptr<const BakedTransfer> MarchedVolume::tableFor(const RenderSetting
 PixelGrid pixelsFor(const Volume& volume, const Camera& camera, const RenderSettings& settings) {
   const bool fromEye = settings.arithmetic == Arithmetic::textbook;
   return makePixelGrid(camera, fromEye ? 0.0f : depthRangeOf(camera, volume.bounds()).nearDepth);
+}
+
+MipSetup mipFor(const MarchedVolume& marched, const TransferTable& table, const EffectPlan& plan) {
+  MipSetup setup;
+  if (!plan.has(PlanStage::skipping)) return setup;
+  setup.highest = marched.macrocells.highest();
+  setup.lowest = marched.macrocells.lowest();
+  setup.leastShown = leastShownValue(
+      table.lookup(), static_cast<int>(std::ranges::find_if(table.visibleBefore, [](int32_t bins) { return bins > 0; }) - table.visibleBefore.begin()) - 1);
+  return setup;
 }
 
 SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings) {

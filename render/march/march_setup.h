@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "render/effects/effect_plan.h"
+#include "render/effects/isosurface_setup.h"
+#include "render/effects/mip.h"
 #include "render/effects/shading_setup.h"
 #include "render/march/march.h"
 #include "render/march/march_settings.h"
@@ -21,6 +23,11 @@
 namespace warpscope {
 
 struct BakedTransfer;
+
+/// Of surfaces that are looked for: none in other modes.
+inline IsoValues isoValuesOf(const RenderSettings& settings) {
+  return settings.effects.mode == RenderMode::isosurface ? settings.effects.isoValues : IsoValues();
+}
 
 /// A volume and how its values look: what marchers of the same scene share. Nothing that can be seen of it changes.
 struct MarchedVolume {
@@ -60,14 +67,19 @@ struct BakedTransfer {
   float mostOpacity = 0.0f;             ///< of a sample
   std::vector<uint8_t> emptyDistances;  ///< empty where nobody asked for them
   size_t visibleCells = 0;              ///< at a distance of 0, likewise
+  IsosurfaceSetup surfaces;             ///< where there are any, distances are those to them
+  IsoValues isoValues;                  ///< of these
 
   /// True if this is what a march by `settings` needs.
   bool isFor(const RenderSettings& settings) const {
-    return !table.entries.empty() && table.step == settings.step && arithmetic == settings.arithmetic;
+    return !table.entries.empty() && table.step == settings.step && arithmetic == settings.arithmetic && isoValues == isoValuesOf(settings);
   }
 };
 
 BakedTransfer bakeTransfer(const MarchedVolume& marched, const RenderSettings& settings);
+
+/// Whatever settings ask of a volume. Throws UsageError.
+void requireFitting(const Volume& volume, const RenderSettings& settings);
 
 /// Each throws UsageError for settings out of range, InputError for a camera that isUsable() refuses.
 void requireMarchable(const Volume& volume, const Camera& camera, const RenderSettings& settings);
@@ -84,6 +96,9 @@ EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, siz
 inline ShadingSetup shadingFor(const MarchedVolume& marched, const Camera& camera, const RenderSettings& settings) {
   return prepareShading(settings.effects.shading, settings.effects.lights, *marched.volume, marched.scale, camera);
 }
+
+/// How a ray finds its greatest value, by memory of the host.
+MipSetup mipFor(const MarchedVolume& marched, const TransferTable& table, const EffectPlan& plan);
 
 /// How a frame of this volume seen by this camera sizes and quantises its samples. Throws UsageError for settings out of range.
 SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings);

@@ -16,6 +16,8 @@
 #include "render/core/parallel.h"
 #include "render/effects/clip.h"
 #include "render/effects/jitter.h"
+#include "render/effects/isosurface.h"
+#include "render/effects/mip_batch.h"
 #include "render/effects/shading.h"
 #include "render/march/compact.h"
 #include "render/march/march.h"
@@ -60,6 +62,17 @@ DepthResult depthOf(const std::vector<CountingSample>& counting, float threshold
 
 DepthFunction depthFunctionOf(Heuristic heuristic) {
   return visitHeuristic(heuristic, [](auto depth) -> DepthFunction { return depthOf<decltype(depth)>; });
+}
+
+/// The samples that `Source` has to look at for what lies between the depths.
+template <class Source>
+SampleSpan spanFor(const VisibleDepths& depths, float cosine, const RayLattice& lattice) {
+  if constexpr (requires { Source::kTakesWholeRays; }) return {0, lattice.count};
+  const SampleSpan span = samplesBetween(depths, cosine, lattice);
+  // A surface lies between two samples, or an end of the ray and one; either may be on the far side of the depths.
+  if constexpr (requires { requires std::is_same_v<typename Source::Setup, IsosurfaceSetup>; })
+    return {std::max(span.begin - 2, 0), std::min(span.end + 2, lattice.count)};
+  return span;
 }
 
 class CpuMarcher final : public Marcher {
@@ -114,7 +127,7 @@ class CpuMarcher final : public Marcher {
   Backend backend() const override { return Backend::cpu; }
   MarcherCapabilities capabilities() const override { return {}; }
   std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
-    validate(settings);
+    requireFitting(*marched_->volume, settings);
     const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
     return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
   }
@@ -143,6 +156,23 @@ class CpuMarcher final : public Marcher {
       view.voxels = volume.voxelsAs<Voxel>();
       view.transfer = baked_->table.lookup();
       view.cells.distances = plan.has(PlanStage::skipping) ? baked_->emptyDistances.data() : nullptr;
+      const auto visitHoles = [&](auto&& f) {
+        std::is_floating_point_v<Voxel>&& plan.has(PlanStage::missingVoxels) ? f(std::bool_constant<std::is_floating_point_v<Voxel>>{}) : f(std::false_type{});
+      };
+      if (settings.effects.mode == RenderMode::mip) {
+        const MipSetup greatest = mipFor(*marched_, baked_->table, plan);
+        return visitHoles([&]<class HasHoles>(HasHoles) {
+          marchTiles<MipBatchSource<Voxel, HasHoles::value>>(ModeView<Voxel, MipSetup>{view, greatest}, Unlit{}, camera, pixels, settings, plan, blocks, sample,
+                                                             stop, onRay);
+        });
+      }
+      if (settings.effects.mode == RenderMode::isosurface)
+        return visitLight(shadingFor(*marched_, camera, settings), [&](const auto& light) {
+          visitHoles([&]<class HasHoles>(HasHoles) {
+            marchTiles<IsosurfaceSource<Voxel, HasHoles::value, false>>(ModeView<Voxel, IsosurfaceSetup>{view, baked_->surfaces}, light, camera, pixels,
+                                                                        settings, plan, blocks, sample, stop, onRay);
+          });
+        });
       visitLight(shadingFor(*marched_, camera, settings), [&](const auto& light) {
         visitMarchArithmetic(settings.arithmetic, [&]<class March>(March) {
           if (std::is_floating_point_v<Voxel> && March::kLeavesOutMissing && plan.has(PlanStage::missingVoxels))
@@ -201,7 +231,7 @@ class CpuMarcher final : public Marcher {
           Source source = exceptionsExpected([&] { return Source(view, ray, path.lattice); });  // reciprocals again
           GatheredColor<typename Source::March> color;
           counting.clear();
-          const SampleSpan span = samplesBetween(depths, pixel.cosine, path.lattice);
+          const SampleSpan span = spanFor<Source>(depths, pixel.cosine, path.lattice);
           marchRay(path, span.begin, span.end, source, light, limits, color, [&](const CountingSample& met) {
             if (sample != nullptr) counting.push_back(met);
             return true;

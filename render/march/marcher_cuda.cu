@@ -131,7 +131,7 @@ class CudaMarcher final : public Marcher {
     return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
   }
   std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
-    validate(settings);
+    requireFitting(*marched_->volume, settings);
     const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
     return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
   }
@@ -162,9 +162,16 @@ class CudaMarcher final : public Marcher {
 
   /// Makes the plan, and what it takes of the transfer function.
   void bake(const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
-    const std::shared_ptr<const BakedTransfer> baked = marched_->tableFor(settings);
-    if (bakedStep_ != settings.step || bakedArithmetic_ != settings.arithmetic) upload(*baked, settings);
+    const bool hasSurfaces = settings.effects.mode == RenderMode::isosurface;
+    const std::shared_ptr<const BakedTransfer> baked = hasSurfaces ? marched_->bakedFor(settings) : marched_->tableFor(settings);
+    if (bakedStep_ != settings.step || bakedArithmetic_ != settings.arithmetic || bakedIsoValues_ != baked->isoValues) upload(*baked, settings);
     plan_ = planFor(*marched_, *baked, visibleCells_, settings, sample);
+    surfaces_ = baked->surfaces;
+    if (settings.effects.mode != RenderMode::mip) return;
+    greatest_ = mipFor(*marched_, baked->table, *plan_);
+    if (greatest_.highest == nullptr) return;
+    greatest_.highest = deviceCells_->highest();
+    greatest_.lowest = deviceCells_->lowest();
   }
 
   void upload(const BakedTransfer& baked, const RenderSettings& settings) {
@@ -175,6 +182,23 @@ class CudaMarcher final : public Marcher {
     transfer_.unitAlphas = uploaded(unitAlphas_, baked.table.unitAlphas);
     transfer_.refinements = uploaded(refinements_, baked.table.refinements);
     transfer_.begins = uploaded(begins_, baked.table.begins);
+    if (baked.isoValues.size() > 0)
+      uploadSurfaces(baked);
+    else
+      findVisible(baked);
+    bakedStep_ = settings.step;
+    bakedArithmetic_ = settings.arithmetic;
+    bakedIsoValues_ = baked.isoValues;
+  }
+
+  /// Cells that surfaces run through are few to find, and the host's plan wants them as well.
+  void uploadSurfaces(const BakedTransfer& baked) {
+    uploaded(emptyDistances_, baked.emptyDistances);
+    stream_.synchronize();  // `baked` goes
+    visibleCells_ = baked.visibleCells;
+  }
+
+  void findVisible(const BakedTransfer& baked) {
     const std::vector<int32_t> next = nextVisibleBins(baked.table);
     deviceCells_->findDistances({transfer_, uploaded(nextVisible_, next)}, emptyDistances_, cellScratch_, stream_);
     const auto visible = thrust::make_transform_iterator(emptyDistances_.data(), IsVisible{});
@@ -184,8 +208,6 @@ class CudaMarcher final : public Marcher {
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(count_.data(), deviceCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
     stream_.synchronize();  // `baked` goes
     visibleCells_ = *count_;
-    bakedStep_ = settings.step;
-    bakedArithmetic_ = settings.arithmetic;
   }
 
   /// Without `sample` and `rule` the rays' colours go to image_, with them samples to the dense buffers.
@@ -223,7 +245,17 @@ class CudaMarcher final : public Marcher {
       const auto launchRows = [&] {
         job.firstRow = job.endRow;
         job.endRow = std::min(camera.height, job.firstRow + rows);
-        launchMarch<Voxel, kHasHoles, kByCells>(job, settings, shading, heuristic, stream_);
+        switch (settings.effects.mode) {
+          case RenderMode::composite:
+            launchMarch<Voxel, kHasHoles, kByCells>(job, settings, shading, heuristic, stream_);
+            break;
+          case RenderMode::mip:
+            launchMip<Voxel, kHasHoles, kByCells>(job, greatest_, heuristic, stream_);
+            break;
+          case RenderMode::isosurface:
+            launchIsosurfaces<Voxel, kHasHoles, kByCells>(job, surfaces_, shading, heuristic, stream_);
+            break;
+        }
       };
       TurnsOfJob turns(turns_.get());
       const auto launchUntil = [&](std::chrono::steady_clock::time_point end) {
@@ -285,7 +317,10 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<ColorTables> colorTables_;
   float bakedStep_ = 0.0f;    // that the following are for; 0: none
   Arithmetic bakedArithmetic_ = Arithmetic::stable;  // likewise
+  IsoValues bakedIsoValues_;                         // likewise
   std::optional<EffectPlan> plan_;  // of what is marched
+  MipSetup greatest_;               // where that is the mode: by device memory
+  IsosurfaceSetup surfaces_;
   size_t visibleCells_ = 0;
   TransferLookup transfer_;  // into the next five
   cuda::DeviceBuffer<glm::vec4> entries_;

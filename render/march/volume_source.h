@@ -56,6 +56,19 @@ class VolumeSource {
   }
   bool classifyLast() { return (classifyAt(FloatBatch(lattice_.t(lattice_.count - 1))) & 1) != 0; }
 
+  /// What is interpolated at samples i .. i + kBatch - 1, the lattice's last taken for a whole step, and beyond it where the ray would be; not finite
+  /// where there is no value. And at the last one.
+  FloatBatch values(int i) {
+    alignas(64) float t[kBatch];
+    for (int k = 0; k < kBatch; ++k) t[k] = lattice_.tOfWholeStep(i + k);
+    return valuesAt(FloatBatch::load_aligned(t));
+  }
+  float valueOfLast() {
+    alignas(64) float value[kBatch];
+    valuesAt(FloatBatch(lattice_.t(lattice_.count - 1))).store_aligned(value);
+    return value[0];
+  }
+
   float alpha(int k) const { return alpha_[k]; }
   float unitAlpha(int k) const { return view_.transfer.unitAlphas[index_[k]]; }
   glm::vec3 color(int k) const { return glm::vec3(view_.transfer.entries[index_[k]]); }
@@ -65,19 +78,22 @@ class VolumeSource {
   const VolumeView<Voxel>& view() const { return view_; }
 
  private:
-  /// Looks at the samples at these distances; a bit is set for each that has opacity.
-  uint32_t classifyAt(const FloatBatch& distance) {
+  FloatBatch valuesAt(const FloatBatch& distance) {
     IntBatch index[3];
     FloatBatch weight[3];
     for (int axis = 0; axis < 3; ++axis)
       axisCell(mulAdd(distance, FloatBatch(direction_[axis]), FloatBatch(origin_[axis])), view_.ends[axis], index[axis], weight[axis]);
     const Voxel* places[kBatch];
     locate(index, places);
-    FloatBatch value;
     if constexpr (kHasHoles)
-      value = blendFinite(places, weight);
+      return blendFinite(places, weight);
     else
-      value = blend(places, weight);
+      return blend(places, weight);
+  }
+
+  /// Looks at the samples at these distances; a bit is set for each that has opacity.
+  uint32_t classifyAt(const FloatBatch& distance) {
+    const FloatBatch value = valuesAt(distance);
     const IntBatch bin = view_.transfer.binOf(value);
     bin.store_aligned(index_);
     const FloatBatch alpha = gathered(view_.transfer.alphas, bin);

@@ -6,7 +6,7 @@
 #include "render/core/transfer_table.h"
 #include "render/march/empty_space.h"
 #include "render/march/march_arithmetic.h"
-#include "render/march/volume_view.h"
+#include "render/march/value_reader.h"
 
 namespace warpscope {
 
@@ -70,22 +70,12 @@ class ScalarVolumeSource {
       leapTo_ = emptySpace_.leapFromVoxel(i, index, lattice_);
       if (leapTo_ > i) return;
     }
-    float value;
-    if constexpr (kHasHoles) {
-      float corner[8];
-      load(index, corner);
-      value = trilinearOfFinite(corner, weight[0], weight[1], weight[2]);
+    const float value = valueAt<kByCells, kHasHoles>(view_, index, weight);
+    if constexpr (kHasHoles)
       if (!isFiniteVoxel(value)) {
         alpha_ = 0.0f;
         return;
       }
-    } else if constexpr (kByCells) {
-      value = trilinear(pairsOf(cellAt(index), view_.scale), weight[0], weight[1], weight[2]);
-    } else {
-      float corner[8];
-      load(index, corner);
-      value = trilinear(corner, weight[0], weight[1], weight[2]);
-    }
     index_ = view_.transfer.binOf(value);
     alpha_ = view_.transfer.alphas[index_];
     if constexpr (kIsRefined)
@@ -93,28 +83,6 @@ class ScalarVolumeSource {
         index_ = view_.transfer.refined(alpha_, value);
         alpha_ = view_.transfer.alphas[index_];
       }
-  }
-
-  WARPSCOPE_HD const VoxelCell<Voxel>& cellAt(const int (&index)[3]) const {
-    // There are never as many cells as 2^32: device_volume.h keeps larger volumes as voxels.
-    const uint32_t row = static_cast<uint32_t>(index[2]) * static_cast<uint32_t>(view_.ends[1].lastCell + 1) + static_cast<uint32_t>(index[1]);
-    return view_.blends[row * static_cast<uint32_t>(view_.ends[0].lastCell + 1) + static_cast<uint32_t>(index[0])];
-  }
-
-  /// The values around a place, x fastest.
-  WARPSCOPE_HD void load(const int (&index)[3], float (&corner)[8]) const {
-    if constexpr (kByCells) {
-      const VoxelCell<Voxel>& cell = cellAt(index);
-      for (int i = 0; i < 8; ++i) corner[i] = interpolant(cell.corners[i], view_.scale);
-    } else {
-      // From a voxel to the next along each axis, where there is one.
-      const glm::ivec3& dims = view_.dims;
-      const size_t strideZ = static_cast<size_t>(dims.x) * static_cast<size_t>(dims.y);
-      const size_t dx = dims.x > 1 ? 1 : 0, dy = dims.y > 1 ? static_cast<size_t>(dims.x) : 0, dz = dims.z > 1 ? strideZ : 0;
-      const Voxel* first = view_.voxels + (static_cast<size_t>(index[2]) * strideZ +
-                                           static_cast<size_t>(index[1]) * static_cast<uint32_t>(dims.x) + static_cast<size_t>(index[0]));
-      for (int i = 0; i < 8; ++i) corner[i] = interpolant(first[(i & 1 ? dx : 0) + (i & 2 ? dy : 0) + (i & 4 ? dz : 0)], view_.scale);
-    }
   }
 
   const VolumeView<Voxel>& view_;

@@ -158,6 +158,75 @@ TEST(MarchOnDevice, WithSamplesMovedByNoise) {
     }
 }
 
+/// Greatest values and surfaces, by every heuristic and with everything that they may meet.
+TEST(MarchOnDevice, OtherModesInEveryScene) {
+  WARPSCOPE_NEEDS_GPU();
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Scene scene = smallScene(builtin.name, 64);
+    const Pair pair(scene);
+    const VoxelStatistics& statistics = scene.volume->statistics();
+    const auto at = [&](double share) { return numberText(statistics.lowest + share * (statistics.highest - statistics.lowest)); };
+    const std::string several = at(0.3) + "@0.25 " + at(0.6) + "@0.5 " + at(0.9);
+    for (const View& view : {scene.views.front(), scene.views.back()}) {
+      const Camera camera = makeCamera(scene, view, 203, 157);
+      for (const auto& [mode, values] :
+           {std::pair(RenderMode::mip, std::string("none")), std::pair(RenderMode::isosurface, at(0.5)), std::pair(RenderMode::isosurface, several)})
+        for (const auto& heuristic : kHeuristics)
+          for (const int samplesPerRay : {1, 4})
+            for (const bool skips : {true, false})
+              for (const float shading : {0.0f, 0.75f}) {
+                SCOPED_TRACE(builtin.name + ", " + std::string(nameOf(mode)) + " " + values + ", " + std::string(heuristic.name) + ", " +
+                             std::to_string(samplesPerRay));
+                MarchSettings settings = scene.march;
+                settings.render.effects.mode = mode;
+                settings.render.effects.isoValues = parseIsoValues(values, "it");
+                settings.render.effects.shading.strength = shading;
+                settings.render.skipEmpty = skips;
+                settings.sample.heuristic = heuristic.value;
+                settings.sample.samplesPerRay = samplesPerRay;
+                pair.expectSame(camera, settings);
+                if (heuristic.value != Heuristic::gradient || samplesPerRay != 1) continue;
+                for (const char* planes : {"none", "1,0.3,-0.2,3"}) {
+                  settings.render.effects.clip.planes = parseClipPlanes(planes, "it");
+                  EXPECT_TRUE(sameBits(rendered(*pair.cpu, camera, settings), rendered(*pair.cuda, camera, settings)));
+                }
+              }
+      // A marcher goes from mode to mode, and back.
+      const SampleFrame before = pair.cuda->march(camera, scene.march);
+      expectSameFrames(pair.cpu->march(camera, scene.march), before);
+    }
+  }
+}
+
+TEST(MarchOnDevice, OtherModesOfEveryVoxelTypeWithAndWithoutHoles) {
+  WARPSCOPE_NEEDS_GPU();
+  const TransferFunction function{{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
+  for (const VoxelType type : kAllVoxelTypes)
+    for (const glm::uvec3 dims : {glm::uvec3(40, 33, 29), glm::uvec3(1, 20, 20), glm::uvec3(20, 1, 1), glm::uvec3(1)})
+      for (const bool hasHoles : {false, true}) {
+        if (hasHoles && type != VoxelType::float32 && type != VoxelType::float64) continue;
+        SCOPED_TRACE(::testing::Message() << nameOf(type) << ", " << dims.x << "x" << dims.y << "x" << dims.z << ", holes " << hasHoles);
+        const FieldFunction field = blobs(dims, 4);
+        Scene scene;
+        scene.volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) {
+          if (hasHoles && (p.x * 7 + p.y * 5 + p.z * 3) % 11 == 5) return std::nan("");
+          return dims.x * dims.y * dims.z < 1000 ? static_cast<double>((p.x * 31 + p.y * 17 + p.z * 13 + 60) % 101) : field(p);
+        });
+        scene.transferFunction = function;
+        const Pair pair(scene);
+        for (const RenderMode mode : {RenderMode::mip, RenderMode::isosurface})
+          for (const float step : {0.5f, 6.0f})
+            for (const glm::vec3 eye : {glm::vec3(60.0f, 45.0f, 53.0f), glm::vec3(0.1f, 0.2f, 0.3f)}) {
+              MarchSettings settings;
+              settings.render.step = step;
+              settings.render.effects.mode = mode;
+              settings.render.effects.shading.strength = 0.5f;
+              settings.render.effects.isoValues = parseIsoValues("60@0.5", "it");
+              pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
+            }
+      }
+}
+
 TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
   WARPSCOPE_NEEDS_GPU();
   const TransferFunction function{{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
