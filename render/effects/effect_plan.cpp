@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "render/base/range.h"
+#include "render/effects/light_volume.h"
 #include "render/march/depth_heuristic.h"
 
 namespace warpscope {
@@ -35,6 +36,26 @@ std::string clippedBy(const Clip& clip) {
   if (clip.box != ClipBox{}) add("a box");
   if (clip.slab.thickness > 0.0f) add("a slab");
   return text;  // empty if nothing is cut off
+}
+
+/// How many lights of those that shine and are not at the eye go with the camera.
+long lightsOfCamera(const Lights& lights) {
+  return std::ranges::count_if(lights, [](const Light& light) { return light.strength > 0.0f && light.kind == LightKind::camera; });
+}
+
+PlannedStage planShadows(const Effects& effects, long besideEye) {
+  if (!(effects.shadows.strength > 0.0f)) return out("the strength of shadows is 0");
+  if (!(effects.shading.strength > 0.0f)) return out("nothing is lit: shading is 0");
+  if (besideEye == 0) return out("the light is at the eye, which sees none of its shadows");
+  if (!(effects.shading.diffuse > 0.0f || effects.shading.specular > 0.0f)) return out("there is no diffuse and no specular light");
+  return in(std::to_string(besideEye) + (besideEye == 1 ? " light casts" : " lights cast") + " them");
+}
+
+PlannedStage planOcclusion(const Effects& effects) {
+  if (!(effects.shadows.occlusion > 0.0f)) return out("the strength of ambient occlusion is 0");
+  if (!(effects.shading.strength > 0.0f)) return out("nothing is lit: shading is 0");
+  if (!(effects.shading.ambient > 0.0f)) return out("there is no ambient light");
+  return in("matter within " + numberText(effects.shadows.occlusionRadius) + " voxels takes ambient light");
 }
 
 bool isTwoPass(Heuristic heuristic) {
@@ -74,6 +95,19 @@ EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings
     at(PlanStage::halfVector) = !has(PlanStage::specular) ? out("there are no highlights")
                             : besideEye == 0      ? out("the light is at the eye: the half vector is the viewer's")
                                                   : in(std::to_string(besideEye) + (besideEye == 1 ? " light is" : " lights are") + " not at the eye");
+  }
+
+  at(PlanStage::shadows) = planShadows(settings.effects, besideEye);
+  at(PlanStage::occlusion) = planOcclusion(settings.effects);
+  const bool casts = has(PlanStage::shadows);
+  const int channels = (casts ? static_cast<int>(besideEye) : 0) + (has(PlanStage::occlusion) ? 1 : 0);
+  if (channels == 0) {
+    at(PlanStage::lightVolume) = out("there are no shadows and no occlusion");
+  } else {
+    const LightVolume volume = lightVolumeLayout(scene.dims, channels, settings.effects.shadows.gridEdge);
+    at(PlanStage::lightVolume) =
+        in("a place every " + numberText(volume.edge) + " voxels, " + std::to_string(volume.dims.x) + "x" + std::to_string(volume.dims.y) + "x" +
+           std::to_string(volume.dims.z) + (casts && lightsOfCamera(settings.effects.lights) > 0 ? "; made anew when the camera moves, since a light goes with it" : "; kept while the camera moves"));
   }
 
   const std::string pictureAlone = "no samples are wanted";

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "render/effects/effect_plan.h"
+#include "render/effects/light_volume_march.h"
 #include "render/effects/shading_setup.h"
 #include "render/march/march.h"
 #include "render/march/march_settings.h"
@@ -84,6 +85,11 @@ EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, siz
 inline ShadingSetup shadingFor(const MarchedVolume& marched, const Camera& camera, const RenderSettings& settings) {
   return prepareShading(settings.effects.shading, settings.effects.lights, *marched.volume, marched.scale, camera);
 }
+
+/// What the values of the picture's light volume are found out by; without channels where the plan has none. Its values are for the caller to fill.
+LightVolumeJob lightVolumeFor(const MarchedVolume& marched, const Camera& camera, const RenderSettings& settings, const EffectPlan& plan);
+/// Equal where the values are, of one marched volume.
+std::vector<float> lightVolumeKey(const LightVolumeJob& job, const RenderSettings& settings, const EffectPlan& plan);
 
 /// How a frame of this volume seen by this camera sizes and quantises its samples. Throws UsageError for settings out of range.
 SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings);
