@@ -128,9 +128,9 @@ TEST(Shading, PowersOfCosinesAreTheLibrarys) {
 
 TEST(Shading, WithoutStrengthIsNoLight) {
   ShadingSetup setup;
-  visitLight(setup, [](auto light) { EXPECT_TRUE((std::is_same_v<decltype(light), Unlit>)); });
+  visitLight(setup, LightVolume{}, [](auto light) { EXPECT_TRUE((std::is_same_v<decltype(light), Unlit>)); });
   setup.shading.strength = 0.5f;
-  visitLight(setup, [](auto light) { EXPECT_TRUE((std::is_same_v<decltype(light), Lit>)); });
+  visitLight(setup, LightVolume{}, [](auto light) { EXPECT_TRUE((std::is_same_v<decltype(light), Lit>)); });
 }
 
 // --- Pictures.

@@ -21,6 +21,8 @@ std::optional<MarchSettings> without(PlanStage stage, const MarchSettings& setti
     case PlanStage::gradient: left.render.effects.shading.strength = 0.0f; return left;
     case PlanStage::clip: left.render.effects.clip = {}; return left;
     case PlanStage::jitter: left.render.effects.jitter = 0.0f; return left;
+    case PlanStage::shadows: left.render.effects.shadows.strength = 0.0f; return left;
+    case PlanStage::occlusion: left.render.effects.shadows.occlusion = 0.0f; return left;
     case PlanStage::specular: left.render.effects.shading.specular = 0.0f; return left;
     case PlanStage::secondPass: left.sample.heuristic = Heuristic::gradient; return left;
     case PlanStage::severalSamples: left.sample.samplesPerRay = 1; return left;
@@ -31,6 +33,7 @@ std::optional<MarchSettings> without(PlanStage stage, const MarchSettings& setti
     case PlanStage::refinement:
     case PlanStage::correction:
     case PlanStage::diffuse:
+    case PlanStage::lightVolume:
     case PlanStage::halfVector: break;
   }
   return std::nullopt;

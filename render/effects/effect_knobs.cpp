@@ -6,9 +6,12 @@ namespace warpscope {
 namespace {
 
 constexpr Shading kShading;
+constexpr Shadows kShadows;
 
 bool isLit(const MarchSettings& settings) { return settings.render.effects.shading.strength > 0.0f; }
 bool hasHighlights(const MarchSettings& settings) { return isLit(settings) && settings.render.effects.shading.specular > 0.0f; }
+bool isOccluded(const MarchSettings& settings) { return isLit(settings) && settings.render.effects.shadows.occlusion > 0.0f; }
+bool hasLightVolume(const MarchSettings& settings) { return isOccluded(settings) || (isLit(settings) && settings.render.effects.shadows.strength > 0.0f); }
 constexpr bool always(const MarchSettings&) { return true; }
 
 constexpr auto kModeChoices = choicesOf(kRenderModes);
@@ -101,6 +104,54 @@ constinit const Knob kExponentKnob{.key = "exponent",
                                    .decimals = 0,
                                    .defaultValue = kShading.exponent};
 
+constinit const Knob kShadowsKnob{.key = "shadows",
+                                  .option = "--shadows",
+                                  .label = "Shadows",
+                                  .noun = "strength of shadows",
+                                  .help = "How much of the light of camera, world and point lights the matter before them takes; 0: no shadows",
+                                  .owner = KnobOwner::effect,
+                                  .stale = KnobStage::march,
+                                  .range = {0.0, 1.0},
+                                  .track = {0.0, 1.0},
+                                  .defaultValue = kShadows.strength};
+
+constinit const Knob kOcclusionKnob{.key = "occlusion",
+                                    .option = "--occlusion",
+                                    .label = "Occlusion",
+                                    .noun = "strength of ambient occlusion",
+                                    .help = "How much of the ambient light the matter around takes; 0: no occlusion",
+                                    .owner = KnobOwner::effect,
+                                    .stale = KnobStage::march,
+                                    .range = {0.0, 1.0},
+                                    .track = {0.0, 1.0},
+                                    .defaultValue = kShadows.occlusion};
+
+constinit const Knob kOcclusionRadiusKnob{.key = "occlusionRadius",
+                                          .option = "--occlusion-radius",
+                                          .label = "Occlusion's radius",
+                                          .noun = "radius of ambient occlusion",
+                                          .help = "How far matter takes ambient light away, in edges of the smallest voxel",
+                                          .unit = " voxels",
+                                          .owner = KnobOwner::effect,
+                                          .stale = KnobStage::march,
+                                          .range = {1.0, 256.0},
+                                          .track = {1.0, 64.0},
+                                          .decimals = 0,
+                                          .defaultValue = kShadows.occlusionRadius};
+
+constinit const Knob kLightGridKnob{.key = "lightGrid",
+                                    .option = "--light-grid",
+                                    .label = "Light's grid",
+                                    .noun = "edge of the light's grid",
+                                    .help = "Voxels between the places at which shadows and occlusion are found out",
+                                    .unit = " voxels",
+                                    .owner = KnobOwner::effect,
+                                    .stale = KnobStage::march,
+                                    .range = {1.0, 64.0},
+                                    .track = {1.0, 16.0},
+                                    .decimals = 0,
+                                    .defaultValue = kShadows.gridEdge};
+
 constinit const Knob kSlabKnob{.key = "slab",
                                .option = "--slab",
                                .label = "Slab",
@@ -149,6 +200,10 @@ std::span<const MarchKnob> effectKnobs() {
       row(kDiffuseKnob, [](auto& effects) -> auto& { return effects.shading.diffuse; }, isLit),
       row(kSpecularKnob, [](auto& effects) -> auto& { return effects.shading.specular; }, isLit),
       row(kExponentKnob, [](auto& effects) -> auto& { return effects.shading.exponent; }, hasHighlights),
+      row(kShadowsKnob, [](auto& effects) -> auto& { return effects.shadows.strength; }, isLit),
+      row(kOcclusionKnob, [](auto& effects) -> auto& { return effects.shadows.occlusion; }, isLit),
+      row(kOcclusionRadiusKnob, [](auto& effects) -> auto& { return effects.shadows.occlusionRadius; }, isOccluded),
+      row(kLightGridKnob, [](auto& effects) -> auto& { return effects.shadows.gridEdge; }, hasLightVolume),
       row(kSlabKnob, [](auto& effects) -> auto& { return effects.clip.slab.thickness; }, always),
       row(kSlabDepthKnob, [](auto& effects) -> auto& { return effects.clip.slab.depth; }, hasSlab),
       row(kJitterKnob, [](auto& effects) -> auto& { return effects.jitter; }, always),

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "render/base/range.h"
+#include "render/effects/light_volume.h"
 #include "render/march/depth_heuristic.h"
 
 namespace warpscope {
@@ -45,16 +46,41 @@ std::string clippedBy(const Clip& clip) {
 }
 
 /// Why stages are out that make no difference to a greatest value.
-constexpr std::array<std::pair<PlanStage, std::string_view>, 8> kOutOfMaximum{{
+constexpr std::array<std::pair<PlanStage, std::string_view>, 11> kOutOfMaximum{{
     {PlanStage::correction, "a greatest value has the opacity of one unit"},
     {PlanStage::gradient, "a greatest value is not lit"},
     {PlanStage::diffuse, "a greatest value is not lit"},
     {PlanStage::specular, "a greatest value is not lit"},
     {PlanStage::halfVector, "a greatest value is not lit"},
+    {PlanStage::shadows, "a greatest value is not lit"},
+    {PlanStage::occlusion, "a greatest value is not lit"},
+    {PlanStage::lightVolume, "a greatest value is not lit"},
     {PlanStage::earlyEnd, "the greatest value may be the last"},
     {PlanStage::secondPass, "the depth is the greatest value's, by every heuristic"},
     {PlanStage::severalSamples, "a ray has one greatest value"},
 }};
+
+/// How many lights of those that shine and are not at the eye go with the camera.
+long lightsOfCamera(const Lights& lights) {
+  return std::ranges::count_if(lights, [](const Light& light) { return light.strength > 0.0f && light.kind == LightKind::camera; });
+}
+
+PlannedStage planShadows(const Effects& effects, long besideEye) {
+  if (effects.mode == RenderMode::isosurface) return out("a light volume is of what is composited, not of surfaces");
+  if (!(effects.shadows.strength > 0.0f)) return out("the strength of shadows is 0");
+  if (!(effects.shading.strength > 0.0f)) return out("nothing is lit: shading is 0");
+  if (besideEye == 0) return out("the light is at the eye, which sees none of its shadows");
+  if (!(effects.shading.diffuse > 0.0f || effects.shading.specular > 0.0f)) return out("there is no diffuse and no specular light");
+  return in(std::to_string(besideEye) + (besideEye == 1 ? " light casts" : " lights cast") + " them");
+}
+
+PlannedStage planOcclusion(const Effects& effects) {
+  if (effects.mode == RenderMode::isosurface) return out("a light volume is of what is composited, not of surfaces");
+  if (!(effects.shadows.occlusion > 0.0f)) return out("the strength of ambient occlusion is 0");
+  if (!(effects.shading.strength > 0.0f)) return out("nothing is lit: shading is 0");
+  if (!(effects.shading.ambient > 0.0f)) return out("there is no ambient light");
+  return in("matter within " + numberText(effects.shadows.occlusionRadius) + " voxels takes ambient light");
+}
 
 bool isTwoPass(Heuristic heuristic) {
   return visitHeuristic(heuristic, []<class Depth>(Depth) { return Depth::kTwoPass; });
@@ -109,6 +135,19 @@ EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings
     at(PlanStage::halfVector) = !has(PlanStage::specular) ? out("there are no highlights")
                             : besideEye == 0      ? out("the light is at the eye: the half vector is the viewer's")
                                                   : in(std::to_string(besideEye) + (besideEye == 1 ? " light is" : " lights are") + " not at the eye");
+  }
+
+  at(PlanStage::shadows) = planShadows(settings.effects, besideEye);
+  at(PlanStage::occlusion) = planOcclusion(settings.effects);
+  const bool casts = has(PlanStage::shadows);
+  const int channels = (casts ? static_cast<int>(besideEye) : 0) + (has(PlanStage::occlusion) ? 1 : 0);
+  if (channels == 0) {
+    at(PlanStage::lightVolume) = out("there are no shadows and no occlusion");
+  } else {
+    const LightVolume volume = lightVolumeLayout(scene.dims, channels, settings.effects.shadows.gridEdge);
+    at(PlanStage::lightVolume) =
+        in("a place every " + numberText(volume.edge) + " voxels, " + std::to_string(volume.dims.x) + "x" + std::to_string(volume.dims.y) + "x" +
+           std::to_string(volume.dims.z) + (casts && lightsOfCamera(settings.effects.lights) > 0 ? "; made anew when the camera moves, since a light goes with it" : "; kept while the camera moves"));
   }
 
   const std::string pictureAlone = "no samples are wanted";

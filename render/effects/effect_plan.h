@@ -26,6 +26,9 @@ enum class PlanStage {
   diffuse,        ///< light that surfaces send everywhere
   specular,       ///< and where they mirror a light
   halfVector,     ///< between eye and light
+  shadows,        ///< of matter before lights
+  occlusion,      ///< of ambient light
+  lightVolume,    ///< the grid that both are read from
   earlyEnd,       ///< of rays
   secondPass,     ///< of a heuristic that wants to know the whole ray first
   severalSamples, ///< the ray's parts once more, one after the other
@@ -52,6 +55,9 @@ inline constexpr std::array<StageDescriptor, 16> kStages{{
     {PlanStage::diffuse, "diffuse", "ambient and diffuse light"},
     {PlanStage::specular, "specular", "highlights"},
     {PlanStage::halfVector, "half-vector", "the half vector of each sample and light"},
+    {PlanStage::shadows, "shadows", "light that matter keeps from a sample"},
+    {PlanStage::occlusion, "ambient-occlusion", "ambient light that matter around keeps from a sample"},
+    {PlanStage::lightVolume, "light-volume", "finding out at places of a grid how much light arrives"},
     {PlanStage::earlyEnd, "early-end", "ending rays where hardly any light is left"},
     {PlanStage::secondPass, "second-pass", "marching again once the ray's whole opacity is known"},
     {PlanStage::severalSamples, "several-samples", "marching again for the samples of a ray's parts"},
@@ -70,6 +76,7 @@ struct PlannedScene {
   bool isRefined = false;    ///< the transfer table has pieces
   float mostOpacity = 1.0f;  ///< of a sample
   double mostSamples = 0.0;  ///< along a ray
+  glm::uvec3 dims{1};        ///< voxels
 };
 
 class EffectPlan {

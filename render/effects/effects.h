@@ -19,10 +19,21 @@ struct Shading {
   bool operator==(const Shading&) const = default;
 };
 
+/// What stands in the light's way (light_volume.h): in lit scenes alone.
+struct Shadows {
+  float strength = 0.0f;         ///< 0..1: share of each light beside the eye that matter before it may take
+  float occlusion = 0.0f;        ///< 0..1: share of the ambient light that matter around may take
+  float occlusionRadius = 8.0f;  ///< how far around, in edges of the smallest voxel
+  float gridEdge = 2.0f;         ///< between the places at which that is found out, in voxels; greater where memory asks for it
+
+  bool operator==(const Shadows&) const = default;
+};
+
 struct Effects {
   RenderMode mode = RenderMode::composite;
   IsoValues isoValues{};  ///< of the mode isosurface
   Shading shading;
+  Shadows shadows;
   Lights lights = defaultLights();
   Clip clip{};
   float jitter = 0.0f;  ///< 0..1, of half a step: how far a pixel's samples are moved along its ray (jitter.h)

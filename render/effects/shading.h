@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "render/core/numeric.h"
 #include "render/core/ray.h"
 #include "render/effects/effects.h"
 #include "render/effects/gradient.h"
+#include "render/effects/light_volume.h"
 #include "render/march/light.h"
 
 namespace warpscope {
@@ -84,9 +86,15 @@ WARPSCOPE_HD inline Float dot3(const Float (&a)[3], const Float (&b)[3]) {
   return mulAdd(a[2], b[2], mulAdd(a[1], b[1], a[0] * b[0]));
 }
 
-/// `gradient`: as gradientOf() gives it. `toEye`: unit vector. `place`: in volume space; for point lights alone.
-template <class Float>
-WARPSCOPE_HD inline LightFactors<Float> lightFactors(const ShadingSetup& setup, const Float (&gradient)[3], const Float (&toEye)[3], const Float (&place)[3]) {
+/// Nothing stands in the light's way.
+struct AllLight {};
+
+/// `gradient`: as gradientOf() gives it. `toEye`: unit vector. `place`: in volume space; for point lights alone. `arriving`: AllLight, or a function
+/// that tells by how much the i-th light is multiplied there, and ambient light for i = -1.
+template <class Float, class Arriving = AllLight>
+WARPSCOPE_HD inline LightFactors<Float> lightFactors(const ShadingSetup& setup, const Float (&gradient)[3], const Float (&toEye)[3], const Float (&place)[3],
+                                                     const Arriving& arriving = {}) {
+  constexpr bool kIsShadowed = !std::is_same_v<Arriving, AllLight>;
   const Float kZero(0.0f), kOne(1.0f);
   const Shading& shading = setup.shading;
   const Float scaled[3] = {gradient[0] * Float(setup.gradientScale.x), gradient[1] * Float(setup.gradientScale.y), gradient[2] * Float(setup.gradientScale.z)};
@@ -96,6 +104,7 @@ WARPSCOPE_HD inline LightFactors<Float> lightFactors(const ShadingSetup& setup, 
   const Float facingEye = absOf(dot3(scaled, toEye)) * toUnit;
   const bool hasHighlights = shading.specular > 0.0f;
   Float diffuse(shading.ambient), specular = kZero;
+  if constexpr (kIsShadowed) diffuse = diffuse * arriving(-1);
   for (int i = 0; i < setup.lightCount; ++i) {
     const PreparedLight& light = setup.lights[i];
     const float diffuseStrength = light.strength * shading.diffuse, specularStrength = light.strength * shading.specular;
@@ -114,6 +123,7 @@ WARPSCOPE_HD inline LightFactors<Float> lightFactors(const ShadingSetup& setup, 
       for (int axis = 0; axis < 3; ++axis) toLight[axis] = toLight[axis] * toUnitLight;
       strength = selected(isOutside, kOne, kZero);
     }
+    if constexpr (kIsShadowed) strength = strength * arriving(i);
     diffuse = mulAdd(Float(diffuseStrength) * strength, absOf(dot3(scaled, toLight)) * toUnit, diffuse);
     if (!hasHighlights) continue;
     const Float half[3] = {toLight[0] + toEye[0], toLight[1] + toEye[1], toLight[2] + toEye[2]};
@@ -148,11 +158,63 @@ struct Lit {
   }
 };
 
-/// Calls `f` with the light that the setup asks for: one line for each.
+/// `towards` becomes the unit vector from `place` to a point light, which is so far away; 0 if it is there, and any vector.
+WARPSCOPE_HD inline float unitTowards(const PreparedLight& light, const glm::vec3& place, glm::vec3& towards) {
+  const float way[3] = {light.vector.x - place.x, light.vector.y - place.y, light.vector.z - place.z};
+  const float squared = dot3(way, way);
+  if (!(squared > 0.0f)) return 0.0f;
+  const float distance = sqrtOf(squared), toUnit = 1.0f / distance;
+  towards = {way[0] * toUnit, way[1] * toUnit, way[2] * toUnit};
+  return distance;
+}
+
+/// Lit, as far as light arrives.
+struct ShadowedLit {
+  ShadingSetup setup;
+  LightVolume volume;
+
+  /// By how much the i-th light is multiplied at a place, in volume space and in voxels; ambient light for i = -1. Of a light what arrives one edge of the
+  /// grid before the sample is taken: a surface would lie in the shadow of the matter that it is made of otherwise. What is nearer casts none.
+  template <class View>
+  WARPSCOPE_HD float arriving(int i, const View& view, const float (&place)[3], const float (&voxel)[3]) const {
+    if (i < 0) return volume.ofAmbient < 0 ? 1.0f : LightVolume::factorOf(volume.at(volume.ofAmbient, voxel), volume.occlusionStrength);
+    if (volume.ofLight[i] < 0) return 1.0f;
+    const PreparedLight& light = setup.lights[i];
+    glm::vec3 toLight = light.vector;
+    float ahead = volume.edge;
+    if (light.kind == LightKind::point) ahead = minOf(unitTowards(light, {place[0], place[1], place[2]}, toLight), ahead);
+    float before[3];
+    for (int axis = 0; axis < 3; ++axis) before[axis] = ahead > 0.0f ? mulAdd(toLight[axis] * ahead, view.voxelsPerUnit[axis], voxel[axis]) : voxel[axis];
+    return LightVolume::factorOf(volume.at(volume.ofLight[i], before), volume.shadowStrength);
+  }
+
+  template <class Source>
+  WARPSCOPE_HD glm::vec3 shade(const ClassifiedSample& sample, const Ray& ray, const Source& source, int /*k*/) const {
+    float gradient[3];
+    gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, sample.t, gradient);
+    const glm::vec3 origin = source.view().voxelOrigin(ray), direction = source.view().voxelDirection(ray);
+    const float toEye[3] = {-ray.direction.x, -ray.direction.y, -ray.direction.z};
+    float place[3], voxel[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      place[axis] = mulAdd(sample.t, ray.direction[axis], ray.origin[axis]);
+      voxel[axis] = mulAdd(sample.t, direction[axis], origin[axis]);
+    }
+    const LightFactors<float> factors = lightFactors(setup, gradient, toEye, place, [&](int i) { return arriving(i, source.view(), place, voxel); });
+    return Lit::lit(factors.kept, factors.white, sample);
+  }
+};
+
+/// Calls `f` with the light that the setup asks for, of those that nothing stands in the way of.
 template <class F>
 decltype(auto) visitLight(const ShadingSetup& setup, F&& f) {
   if (!(setup.shading.strength > 0.0f)) return f(Unlit{});
   return f(Lit{setup});
+}
+/// Of all: one line for each. `volume`: with channels where something stands in the light's way.
+template <class F>
+decltype(auto) visitLight(const ShadingSetup& setup, const LightVolume& volume, F&& f) {
+  if (setup.shading.strength > 0.0f && volume.channels > 0) return f(ShadowedLit{setup, volume});
+  return visitLight(setup, f);
 }
 
 }  // namespace warpscope

@@ -8,8 +8,8 @@
 
 namespace warpscope {
 
-/// What light makes of the samples that a source has looked at.
-template <class Source>
+/// What light, Lit or ShadowedLit, makes of the samples that a source has looked at.
+template <class Light, class Source>
 class LitBatch {
  public:
   static constexpr int kLanes = Source::kBatch;
@@ -18,7 +18,7 @@ class LitBatch {
   LitBatch() {}  // a ray that meets nothing has nothing to set
 
   /// Looks at samples i + k of the lattice, of which bit k of `visible` is set; none of them is the last.
-  void look(const ShadingSetup& setup, const VolumeView<typename Source::VoxelType>& view, const Ray& ray, const RayLattice& lattice, int i, uint32_t visible) {
+  void look(const Light& light, const VolumeView<typename Source::VoxelType>& view, const Ray& ray, const RayLattice& lattice, int i, uint32_t visible) {
     alignas(64) float t[kLanes];
     for (int k = 0; k < kLanes; ++k) t[k] = lattice.tOfWholeStep(i + k);
     const FloatBatch distance = FloatBatch::load_aligned(t);
@@ -37,7 +37,26 @@ class LitBatch {
       toEye[axis] = FloatBatch(-ray.direction[axis]);
       place[axis] = mulAdd(distance, FloatBatch(ray.direction[axis]), FloatBatch(ray.origin[axis]));
     }
-    const LightFactors<FloatBatch> factors = lightFactors(setup, gradient, toEye, place);
+    const LightFactors<FloatBatch> factors = [&] {
+      if constexpr (std::is_same_v<Light, Lit>) {
+        return lightFactors(light.setup, gradient, toEye, place);
+      } else {
+        alignas(64) float places[3][kLanes], voxels[3][kLanes];
+        for (int axis = 0; axis < 3; ++axis) {
+          place[axis].store_aligned(places[axis]);
+          mulAdd(distance, FloatBatch(direction[axis]), FloatBatch(origin[axis])).store_aligned(voxels[axis]);
+        }
+        return lightFactors(light.setup, gradient, toEye, place, [&](int which) {
+          if (which < 0 ? light.volume.ofAmbient < 0 : light.volume.ofLight[which] < 0) return FloatBatch(1.0f);
+          alignas(64) float arriving[kLanes] = {};  // of lanes that nobody sees: none
+          for (uint32_t lanes = visible; lanes != 0; lanes &= lanes - 1) {
+            const int k = std::countr_zero(lanes);
+            arriving[k] = light.arriving(which, view, {places[0][k], places[1][k], places[2][k]}, {voxels[0][k], voxels[1][k], voxels[2][k]});
+          }
+          return FloatBatch::load_aligned(arriving);
+        });
+      }
+    }();
     factors.kept.store_aligned(kept_);
     factors.white.store_aligned(white_);
   }

@@ -24,7 +24,7 @@ struct ClassifiedSample {
 /// opacity; opacity stays what it is. `ray.at(sample.t)` is the sample's place in volume space, `ray.direction` has
 /// unit length. `source` is what the march reads the volume through (march.h): `source.view()` has the voxels, for
 /// gradients. `k` is the sample's place among those that the source looked at. A light may hold what is the same for
-/// all rays of a picture, by value: it is copied to the device as it is. The one other light: render/effects/shading.h.
+/// all rays of a picture, by value: it is copied to the device as it is. The other lights: render/effects/shading.h.
 struct Unlit {
   template <class Source>
   WARPSCOPE_HD glm::vec3 shade(const ClassifiedSample& sample, const Ray&, const Source&, int /*k*/) const {

@@ -107,14 +107,29 @@ __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRe
   job.image[size_t{pixel.y} * job.camera.width + pixel.x] = gathered.premultiplied();
 }
 
-/// How many kernels there are for a kind of voxel: one a heuristic where nothing is lit, with and without bins that are refined; where matter is lit,
-/// one for those of one pass and one for those of two, bins refined or not: compiled for each heuristic they would take three times as long, and the
+/// A place a thread: those beside each other go the same way.
+template <class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(128) fillLightVolume(const __grid_constant__ LightVolumeJob job, const __grid_constant__ VolumeView<Voxel> view, size_t first,
+                                                       size_t end, uint16_t* values) {
+  const size_t place = first + size_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (place < end) fillPlace<ScalarVolumeSource<Voxel, kHasHoles, kByCells>>(job, view, place, values);
+}
+
+template <class Voxel, bool kHasHoles, bool kByCells>
+void launchLightVolume(const LightVolumeJob& job, const VolumeView<Voxel>& view, size_t first, size_t end, uint16_t* values, cudaStream_t stream) {
+  constexpr unsigned kThreads = 128;
+  fillLightVolume<Voxel, kHasHoles, kByCells><<<cuda::blocksFor(end - first, kThreads), kThreads, 0, stream>>>(job, view, first, end, values);
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+}
+
+/// How many kernels there are for a kind of voxel: one a heuristic where nothing is lit, with and without bins that are refined; where matter is lit, with
+/// shadows and without them, one for those of one pass and one for those of two, bins refined or not: compiled for each heuristic they would take three times as long, and the
 /// choice is lost beside the gradient.
 template <class Voxel, bool kHasHoles, bool kByCells>
-void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, const ShadingSetup& shading,
+void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, const ShadingSetup& shading, const LightVolume& lightVolume,
                  std::optional<Heuristic> heuristic, cudaStream_t stream) {
   const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
-  visitLight(shading, [&](auto light) {
+  visitLight(shading, lightVolume, [&](auto light) {
     using Light = decltype(light);
     constexpr bool kIsLit = !std::is_same_v<Light, Unlit>;
     const auto visitRefined = [&](auto&& f) { kIsLit || job.view.transfer.isRefined ? f(std::true_type{}) : f(std::bool_constant<kIsLit>{}); };

@@ -10,6 +10,7 @@
 #include "render/effects/jitter.h"
 #include "render/effects/isosurface.h"
 #include "render/effects/mip.h"
+#include "render/effects/light_volume_march.h"
 #include "render/effects/shading.h"
 #include "render/march/march.h"
 #include "render/march/sample_radius.h"
@@ -39,10 +40,10 @@ struct MarchJob {
   glm::vec4* image = nullptr;
 };
 
-/// Marches samples by `heuristic`, or colours alone without one, in the light of `shading`. The parameters: those of
+/// Marches samples by `heuristic`, or colours alone without one, in the light of `shading`, as far as `lightVolume` lets it through. The parameters: those of
 /// visitDeviceVoxels.
 template <class Voxel, bool kHasHoles, bool kByCells>
-void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, const ShadingSetup& shading,
+void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, const ShadingSetup& shading, const LightVolume& lightVolume,
                  std::optional<Heuristic> heuristic, cudaStream_t stream);
 
 /// As launchMarch, for rays of which the greatest value alone is seen. Its depth is every heuristic's: only whether there is one matters.
@@ -53,5 +54,8 @@ void launchMip(const MarchJob<Voxel>& job, const MipSetup& setup, std::optional<
 template <class Voxel, bool kHasHoles, bool kByCells>
 void launchIsosurfaces(const MarchJob<Voxel>& job, const IsosurfaceSetup& setup, const ShadingSetup& shading, std::optional<Heuristic> heuristic,
                        cudaStream_t stream);
+/// Finds out places [first, end) of a light volume, whose values these are in device memory.
+template <class Voxel, bool kHasHoles, bool kByCells>
+void launchLightVolume(const LightVolumeJob& job, const VolumeView<Voxel>& view, size_t first, size_t end, uint16_t* values, cudaStream_t stream);
 
 }  // namespace warpscope

@@ -41,8 +41,54 @@ EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, siz
   scene.missingVoxels = marched.volume->statistics().nonFinite;
   scene.isRefined = !baked.table.refinements.empty();
   scene.mostOpacity = baked.mostOpacity;
+  scene.dims = marched.volume->dims();
   scene.mostSamples = glm::length(glm::dvec3(marched.volume->bounds().extent())) / settings.step + 2.0;
   return EffectPlan(scene, settings, sample);
+}
+
+LightVolumeJob lightVolumeFor(const MarchedVolume& marched, const Camera& camera, const RenderSettings& settings, const EffectPlan& plan) {
+  LightVolumeJob job;
+  if (!plan.has(PlanStage::lightVolume)) return job;
+  const Volume& volume = *marched.volume;
+  const Shadows& shadows = settings.effects.shadows;
+  job.shading = shadingFor(marched, camera, settings);
+  int ofLight[Lights::kMost], channels = 0;
+  for (int i = 0; i < static_cast<int>(Lights::kMost); ++i) {
+    const bool casts = plan.has(PlanStage::shadows) && i < job.shading.lightCount && job.shading.lights[i].kind != LightKind::headlight;
+    ofLight[i] = casts ? channels++ : -1;
+  }
+  const int ofAmbient = plan.has(PlanStage::occlusion) ? channels++ : -1;
+  job.volume = lightVolumeLayout(volume.dims(), channels, shadows.gridEdge);
+  std::ranges::copy(ofLight, job.volume.ofLight);
+  job.volume.ofAmbient = ofAmbient;
+  job.volume.shadowStrength = shadows.strength;
+  job.volume.occlusionStrength = shadows.occlusion;
+  job.volume.radius = shadows.occlusionRadius;
+  job.clip = prepareClip(settings.effects.clip, volume, camera);
+  job.lower = volume.bounds().lower;
+  job.voxelEdges = glm::vec3(volume.geometry().voxelEdges());
+  job.step = settings.step;
+  return job;
+}
+
+std::vector<float> lightVolumeKey(const LightVolumeJob& job, const RenderSettings& settings, const EffectPlan& plan) {
+  const LightVolume& volume = job.volume;
+  std::vector<float> key{volume.edge, static_cast<float>(volume.channels), job.step, settings.arithmetic == Arithmetic::textbook ? 1.0f : 0.0f,
+                         plan.has(PlanStage::skipping) ? 1.0f : 0.0f};
+  const auto add = [&](const glm::vec3& v) { key.insert(key.end(), {v.x, v.y, v.z}); };
+  key.push_back(volume.ofAmbient >= 0 ? volume.radius : 0.0f);
+  for (int i = 0; i < job.shading.lightCount; ++i) {
+    if (volume.ofLight[i] < 0) continue;
+    key.push_back(job.shading.lights[i].kind == LightKind::point ? 1.0f : 0.0f);
+    add(job.shading.lights[i].vector);
+  }
+  add(job.clip.bounds.lower);
+  add(job.clip.bounds.upper);
+  for (int i = 0; i < job.clip.count; ++i) {
+    add(job.clip.planes[i].normal);
+    key.push_back(job.clip.planes[i].offset);
+  }
+  return key;
 }
 
 void requireFitting(const Volume& volume, const RenderSettings& settings) {

@@ -12,6 +12,7 @@
 #include "render/effects/effect_plan.h"
 #include "render/effects/isosurface_setup.h"
 #include "render/effects/mip.h"
+#include "render/effects/light_volume_march.h"
 #include "render/effects/shading_setup.h"
 #include "render/march/march.h"
 #include "render/march/march_settings.h"
@@ -99,6 +100,10 @@ inline ShadingSetup shadingFor(const MarchedVolume& marched, const Camera& camer
 
 /// How a ray finds its greatest value, by memory of the host.
 MipSetup mipFor(const MarchedVolume& marched, const TransferTable& table, const EffectPlan& plan);
+/// What the values of the picture's light volume are found out by; without channels where the plan has none. Its values are for the caller to fill.
+LightVolumeJob lightVolumeFor(const MarchedVolume& marched, const Camera& camera, const RenderSettings& settings, const EffectPlan& plan);
+/// Equal where the values are, of one marched volume.
+std::vector<float> lightVolumeKey(const LightVolumeJob& job, const RenderSettings& settings, const EffectPlan& plan);
 
 /// How a frame of this volume seen by this camera sizes and quantises its samples. Throws UsageError for settings out of range.
 SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings);

@@ -173,7 +173,8 @@ class CpuMarcher final : public Marcher {
                                                                         settings, plan, blocks, sample, stop, onRay);
           });
         });
-      visitLight(shadingFor(*marched_, camera, settings), [&](const auto& light) {
+      const LightVolume lightVolume = filledLightVolume(view, camera, settings, plan, stop);
+      visitLight(shadingFor(*marched_, camera, settings), lightVolume, [&](const auto& light) {
         visitMarchArithmetic(settings.arithmetic, [&]<class March>(March) {
           if (std::is_floating_point_v<Voxel> && March::kLeavesOutMissing && plan.has(PlanStage::missingVoxels))
             marchTiles<VolumeSource<Voxel, March::kLeavesOutMissing, March>>(view, light, camera, pixels, settings, plan, blocks, sample, stop, onRay);
@@ -182,6 +183,36 @@ class CpuMarcher final : public Marcher {
         });
       });
     });
+  }
+
+  /// What arrives of the lights: of the last picture, or found out anew.
+  template <class Voxel>
+  LightVolume filledLightVolume(const VolumeView<Voxel>& view, const Camera& camera, const RenderSettings& settings, const EffectPlan& plan,
+                                const std::stop_token& stop) {
+    LightVolumeJob job = lightVolumeFor(*marched_, camera, settings, plan);
+    if (job.volume.channels == 0) return job.volume;
+    if (std::vector<float> key = lightVolumeKey(job, settings, plan); key != lightKey_) {
+      lightKey_.clear();  // what follows may be stopped
+      lightValues_.resize(job.volume.places() * static_cast<size_t>(job.volume.channels));
+      const size_t length = static_cast<size_t>(job.volume.dims.x);
+      const auto fill = [&](size_t row) {
+        for (size_t i = row * length; i < (row + 1) * length; ++i) {
+          if (std::is_floating_point_v<Voxel> && plan.has(PlanStage::missingVoxels))
+            fillPlace<VolumeSource<Voxel, true>>(job, view, i, lightValues_.data());
+          else
+            fillPlace<VolumeSource<Voxel, false>>(job, view, i, lightValues_.data());
+        }
+      };
+      TurnsOfJob turns(turns_.get());
+      const auto columns = static_cast<uint32_t>(job.volume.dims.y);
+      parallelForTiles(columns, static_cast<uint32_t>(job.volume.dims.z), 2, stop, turns, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
+        for (uint32_t y = y0; y < y1; ++y)
+          for (uint32_t x = x0; x < x1; ++x) fill(size_t{y} * columns + x);
+      });
+      lightKey_ = std::move(key);
+    }
+    job.volume.values = lightValues_.data();
+    return job.volume;
   }
 
   /// What the picture's rays can see of what is visible at all.
@@ -272,6 +303,8 @@ class CpuMarcher final : public Marcher {
   std::shared_ptr<const BakedTransfer> baked_;
   std::shared_ptr<const BakedTransfer> surfaceOf_;  // whose surface that is
   std::vector<Box> surface_;
+  std::vector<float> lightKey_;        // of what the following are for; empty: nothing
+  std::vector<uint16_t> lightValues_;
   std::vector<PackedSample> denseSamples_;
   std::vector<Rgba8> denseColors_;
 };

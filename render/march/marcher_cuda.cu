@@ -31,6 +31,9 @@ constexpr uint32_t kRaysPerLaunch = 1u << 22;
 /// Samples along the rays of a launch, at most, where marches take turns: some milliseconds.
 constexpr double kMostStepsOfLaunch = 1u << 28;
 
+/// Places of a light volume between looks at the stop token.
+constexpr size_t kPlacesPerLaunch = 1u << 19;
+
 struct HoldsSample {
   template <class SampleAndColor>
   __device__ bool operator()(const SampleAndColor& element) const {
@@ -242,12 +245,13 @@ class CudaMarcher final : public Marcher {
       job.image = image_.data();
       const uint32_t rows = rowsOfLaunch(camera, settings);
       const ShadingSetup shading = shadingFor(*marched_, camera, settings);
+      const LightVolume lightVolume = filledLightVolume<Voxel, kHasHoles, kByCells>(job.view, camera, settings, stop);
       const auto launchRows = [&] {
         job.firstRow = job.endRow;
         job.endRow = std::min(camera.height, job.firstRow + rows);
         switch (settings.effects.mode) {
           case RenderMode::composite:
-            launchMarch<Voxel, kHasHoles, kByCells>(job, settings, shading, heuristic, stream_);
+            launchMarch<Voxel, kHasHoles, kByCells>(job, settings, shading, lightVolume, heuristic, stream_);
             break;
           case RenderMode::mip:
             launchMip<Voxel, kHasHoles, kByCells>(job, greatest_, heuristic, stream_);
@@ -277,6 +281,45 @@ class CudaMarcher final : public Marcher {
         if (stop.stop_requested()) throw OperationCancelled();
       }
     });
+  }
+
+  /// What arrives of the lights: of the last picture, or found out anew.
+  template <class Voxel, bool kHasHoles, bool kByCells>
+  LightVolume filledLightVolume(const VolumeView<Voxel>& view, const Camera& camera, const RenderSettings& settings, const std::stop_token& stop) {
+    LightVolumeJob job = lightVolumeFor(*marched_, camera, settings, *plan_);
+    if (job.volume.channels == 0) return job.volume;
+    if (std::vector<float> key = lightVolumeKey(job, settings, *plan_); key != lightKey_) {
+      lightKey_.clear();  // what follows may be stopped
+      const size_t places = job.volume.places();
+      lightValues_.reserve(places * static_cast<size_t>(job.volume.channels));
+      size_t done = 0;
+      const auto launchSome = [&] {
+        const size_t end = std::min(places, done + kPlacesPerLaunch);
+        launchLightVolume<Voxel, kHasHoles, kByCells>(job, view, done, end, lightValues_.data(), stream_);
+        done = end;
+      };
+      TurnsOfJob turns(turns_.get());
+      const auto launchUntil = [&](std::chrono::steady_clock::time_point end) {
+        while (done < places && !stop.stop_requested() && std::chrono::steady_clock::now() < end) {
+          launchSome();
+          stream_.synchronize();  // a turn is the device's time
+        }
+        return done == places || stop.stop_requested();
+      };
+      if (turns.areLimited()) {
+        while (!turns.work(stop, launchUntil, [&] { return static_cast<double>(done) / static_cast<double>(places); })) {
+        }
+      } else {
+        while (done < places && !stop.stop_requested()) {
+          launchSome();
+          if (stop.stop_possible()) stream_.synchronize();  // else every launch would be queued before the stop is seen
+        }
+      }
+      if (stop.stop_requested()) throw OperationCancelled();
+      lightKey_ = std::move(key);
+    }
+    job.volume.values = lightValues_.data();
+    return job.volume;
   }
 
   uint32_t rowsOfLaunch(const Camera& camera, const RenderSettings& settings) const {
@@ -322,6 +365,8 @@ class CudaMarcher final : public Marcher {
   MipSetup greatest_;               // where that is the mode: by device memory
   IsosurfaceSetup surfaces_;
   size_t visibleCells_ = 0;
+  std::vector<float> lightKey_;  // of what the following are for; empty: nothing
+  cuda::DeviceBuffer<uint16_t> lightValues_;
   TransferLookup transfer_;  // into the next five
   cuda::DeviceBuffer<glm::vec4> entries_;
   cuda::DeviceBuffer<float> alphas_, unitAlphas_;

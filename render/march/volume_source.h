@@ -182,17 +182,20 @@ class VolumeSource {
 };
 
 /// Shaded a batch at a time.
-template <class Voxel, bool kHasHoles>
-struct LightOnSource<Lit, VolumeSource<Voxel, kHasHoles, StableMarch>> {
-  using Source = VolumeSource<Voxel, kHasHoles, StableMarch>;
-  const Lit& light;
-  LitBatch<Source> batch{};
+template <class Light, class Source>
+struct BatchedLight {
+  const Light& light;
+  LitBatch<Light, Source> batch{};
 
   template <class Path>
   void look(const Path& path, const Source& source, int i, uint32_t visible) {
-    batch.look(light.setup, source.view(), path.ray, path.lattice, i, visible);
+    batch.look(light, source.view(), path.ray, path.lattice, i, visible);
   }
   glm::vec3 shade(const ClassifiedSample& sample, const Ray&, const Source&, int k) const { return batch.shade(sample, k); }
 };
+template <class Voxel, bool kHasHoles>
+struct LightOnSource<Lit, VolumeSource<Voxel, kHasHoles, StableMarch>> : BatchedLight<Lit, VolumeSource<Voxel, kHasHoles, StableMarch>> {};
+template <class Voxel, bool kHasHoles>
+struct LightOnSource<ShadowedLit, VolumeSource<Voxel, kHasHoles, StableMarch>> : BatchedLight<ShadowedLit, VolumeSource<Voxel, kHasHoles, StableMarch>> {};
 
 }  // namespace warpscope

@@ -124,6 +124,43 @@ TEST(MarchOnDevice, LitByEveryHeuristicAndLight) {
   }
 }
 
+TEST(MarchOnDevice, ShadowsAndOcclusion) {
+  WARPSCOPE_NEEDS_GPU();
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Scene scene = smallScene(builtin.name, 64);
+    const Pair pair(scene);
+    const Camera camera = makeCamera(scene, scene.views.front(), 203, 157);
+    const auto expectSame = [&](const MarchSettings& settings) {
+      pair.expectSame(camera, settings);
+      EXPECT_TRUE(sameBits(rendered(*pair.cpu, camera, settings), rendered(*pair.cuda, camera, settings)));
+    };
+    MarchSettings shadowed = scene.march;
+    shadowed.render.effects.shading.strength = 1.0f;
+    shadowed.render.effects.shadows = {.strength = 0.8f, .occlusion = 0.7f, .occlusionRadius = 5.0f};
+    shadowed.render.effects.lights = parseLights("world:1,0.3,-2 headlight@0.2", "it");
+    for (const auto& heuristic : kHeuristics)
+      for (const int samplesPerRay : {1, 4}) {
+        SCOPED_TRACE(builtin.name + ", " + std::string(heuristic.name) + ", " + std::to_string(samplesPerRay));
+        MarchSettings settings = shadowed;
+        settings.sample.heuristic = heuristic.value;
+        settings.sample.samplesPerRay = samplesPerRay;
+        expectSame(settings);
+      }
+    for (const char* lights : {"none", "camera:-1,2,1@1.5", "point:3,70,20 point:31.5,31.5,31.5 camera:0,0,-1 world:0,1,0"})
+      for (const float edge : {1.0f, 2.5f}) {
+        SCOPED_TRACE(builtin.name + ", " + lights);
+        MarchSettings settings = shadowed;
+        settings.render.effects.lights = parseLights(lights, "it");
+        settings.render.effects.shadows.gridEdge = edge;
+        expectSame(settings);
+        settings.render.skipEmpty = false;
+        expectSame(settings);
+        settings.render.effects.clip.planes = parseClipPlanes("1,0.5,0,-3", "it");
+        expectSame(settings);
+      }
+  }
+}
+
 TEST(MarchOnDevice, CutByPlanesBoxesAndSlabs) {
   WARPSCOPE_NEEDS_GPU();
   const Scene scene = smallScene("vessels", 64);
@@ -249,6 +286,7 @@ TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
           for (const float shading : {0.0f, 1.0f})
             for (const glm::vec3 eye : {glm::vec3(60.0f, 45.0f, 53.0f), glm::vec3(0.1f, 0.2f, 0.3f)}) {
               settings.render.effects.shading.strength = shading;
+              settings.render.effects.shadows.occlusion = eye.x < 1.0f ? 1.0f : 0.0f;
               pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
             }
         }
