@@ -41,50 +41,110 @@ bool isTwoPass(Heuristic heuristic) {
   return visitHeuristic(heuristic, []<class Depth>(Depth) { return Depth::kTwoPass; });
 }
 
+/// What a rule is asked about.
+struct PlanQuestion {
+  const PlannedScene& scene;
+  const RenderSettings& settings;
+  const std::optional<SampleSettings>& sample;
+  const EffectPlan& plan;  ///< of the stages before this one
+
+  const Shading& shading() const { return settings.effects.shading; }
+  /// How many shine, of those that `isCounted`.
+  template <class F>
+  std::ptrdiff_t lights(F&& isCounted) const {
+    return std::ranges::count_if(settings.effects.lights, [&](const Light& light) { return light.strength > 0.0f && isCounted(light); });
+  }
+  std::ptrdiff_t lights() const {
+    return lights([](const Light&) { return true; });
+  }
+};
+
+constexpr const char* kNothingLit = "nothing is lit: shading is 0";
+constexpr const char* kPictureAlone = "no samples are wanted";
+
+std::string countOf(std::ptrdiff_t count, const char* one, const char* several) { return std::to_string(count) + (count == 1 ? one : several); }
+
+struct PlanRule {
+  PlanStage stage;
+  PlannedStage (*plan)(const PlanQuestion&);
+};
+
+/// One for each stage, in their order.
+constexpr std::array<PlanRule, kStages.size()> kRules{{
+    {PlanStage::march, [](const PlanQuestion& q) { return in(std::to_string(q.scene.visibleCells) + " cells show something"); }},
+    {PlanStage::clip,
+     [](const PlanQuestion& q) {
+       const std::string cut = clippedBy(q.settings.effects.clip);
+       return cut.empty() ? out("nothing is cut off") : in(cut);
+     }},
+    {PlanStage::skipping, [](const PlanQuestion& q) { return planSkipping(q.scene, q.settings); }},
+    {PlanStage::missingVoxels,
+     [](const PlanQuestion& q) {
+       return q.scene.missingVoxels > 0 ? in(std::to_string(q.scene.missingVoxels) + " voxels are not finite") : out("all voxels are finite");
+     }},
+    {PlanStage::refinement,
+     [](const PlanQuestion& q) {
+       return q.scene.isRefined ? in("the transfer function changes faster than its table's entries") : out("the table's entries are fine enough");
+     }},
+    {PlanStage::correction,
+     [](const PlanQuestion& q) {
+       return q.settings.step == 1.0f ? out("the step is the one that opacities are given for") : in("the step is " + numberText(q.settings.step));
+     }},
+    {PlanStage::gradient, [](const PlanQuestion& q) { return q.shading().strength > 0.0f ? in("matter is lit") : out(kNothingLit); }},
+    {PlanStage::diffuse,
+     [](const PlanQuestion& q) {
+       if (!q.plan.has(PlanStage::gradient)) return out(kNothingLit);
+       if (q.lights() == 0) return out("ambient light alone: there is no light");
+       if (!(q.shading().diffuse > 0.0f)) return out("ambient light alone: diffuse light is 0");
+       return in(countOf(q.lights(), " light", " lights"));
+     }},
+    {PlanStage::specular,
+     [](const PlanQuestion& q) {
+       if (!q.plan.has(PlanStage::gradient)) return out(kNothingLit);
+       if (q.lights() == 0) return out("there is no light");
+       return q.shading().specular > 0.0f ? in("specular light is " + numberText(q.shading().specular)) : out("specular light is 0");
+     }},
+    {PlanStage::halfVector,
+     [](const PlanQuestion& q) {
+       if (!q.plan.has(PlanStage::gradient)) return out(kNothingLit);
+       if (!q.plan.has(PlanStage::specular)) return out("there are no highlights");
+       const auto besideEye = q.lights([](const Light& light) { return light.kind != LightKind::headlight; });
+       if (besideEye == 0) return out("the light is at the eye: the half vector is the viewer's");
+       return in(countOf(besideEye, " light is", " lights are") + " not at the eye");
+     }},
+    {PlanStage::earlyEnd, [](const PlanQuestion& q) { return planEarlyEnd(q.scene, q.settings); }},
+    {PlanStage::secondPass,
+     [](const PlanQuestion& q) {
+       if (!q.sample) return out(kPictureAlone);
+       const std::string heuristic(nameOf(q.sample->heuristic));
+       return isTwoPass(q.sample->heuristic) ? in(heuristic + " compares with the ray's final opacity") : out(heuristic + " is known after one pass");
+     }},
+    {PlanStage::severalSamples,
+     [](const PlanQuestion& q) {
+       if (!q.sample) return out(kPictureAlone);
+       return q.sample->samplesPerRay > 1 ? in("up to " + std::to_string(q.sample->samplesPerRay) + " samples a ray") : out("one sample a ray");
+     }},
+}};
+
+constexpr bool areInOrder() {
+  for (size_t i = 0; i < kRules.size(); ++i)
+    if (kRules[i].stage != kStages[i].stage || static_cast<size_t>(kRules[i].stage) != i || kRules[i].plan == nullptr) return false;
+  return true;
+}
+static_assert(areInOrder(), "each stage has a row and a rule, in the order of PlanStage");
+
 }  // namespace
 
-EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
-  const Shading& shading = settings.effects.shading;
-  if (scene.visibleCells == 0) {
+EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings, const std::optional<SampleSettings>& sample,
+                       const std::optional<DecidedStage>& decided) {
+  const auto isDecided = [&](PlanStage stage) { return decided && decided->stage == stage; };
+  if (scene.visibleCells == 0 && !isDecided(PlanStage::march)) {
     for (PlannedStage& stage : stages_) stage = out("the transfer function hides everything");
     return;
   }
-  at(PlanStage::march) = in(std::to_string(scene.visibleCells) + " cells show something");
-  const std::string cut = clippedBy(settings.effects.clip);
-  at(PlanStage::clip) = cut.empty() ? out("nothing is cut off") : in(cut);
-  at(PlanStage::skipping) = planSkipping(scene, settings);
-  at(PlanStage::missingVoxels) =
-      scene.missingVoxels > 0 ? in(std::to_string(scene.missingVoxels) + " voxels are not finite") : out("all voxels are finite");
-  at(PlanStage::refinement) = scene.isRefined ? in("the transfer function changes faster than its table's entries") : out("the table's entries are fine enough");
-  at(PlanStage::correction) = settings.step == 1.0f ? out("the step is the one that opacities are given for") : in("the step is " + numberText(settings.step));
-  at(PlanStage::earlyEnd) = planEarlyEnd(scene, settings);
-
-  const auto lights = std::ranges::count_if(settings.effects.lights, [](const Light& light) { return light.strength > 0.0f; });
-  const auto besideEye =
-      std::ranges::count_if(settings.effects.lights, [](const Light& light) { return light.strength > 0.0f && light.kind != LightKind::headlight; });
-  if (!(shading.strength > 0.0f)) {
-    for (const PlanStage stage : {PlanStage::gradient, PlanStage::diffuse, PlanStage::specular, PlanStage::halfVector}) at(stage) = out("nothing is lit: shading is 0");
-  } else {
-    at(PlanStage::gradient) = in("matter is lit");
-    const bool isDiffuse = lights > 0 && shading.diffuse > 0.0f;
-    at(PlanStage::diffuse) = in(isDiffuse ? std::to_string(lights) + (lights == 1 ? " light" : " lights") : "ambient light alone");
-    at(PlanStage::specular) = lights == 0              ? out("there is no light")
-                          : shading.specular > 0.0f ? in("specular light is " + numberText(shading.specular))
-                                                    : out("specular light is 0");
-    at(PlanStage::halfVector) = !has(PlanStage::specular) ? out("there are no highlights")
-                            : besideEye == 0      ? out("the light is at the eye: the half vector is the viewer's")
-                                                  : in(std::to_string(besideEye) + (besideEye == 1 ? " light is" : " lights are") + " not at the eye");
-  }
-
-  const std::string pictureAlone = "no samples are wanted";
-  if (!sample) {
-    at(PlanStage::secondPass) = out(pictureAlone);
-    at(PlanStage::severalSamples) = out(pictureAlone);
-    return;
-  }
-  const std::string heuristic(nameOf(sample->heuristic));
-  at(PlanStage::secondPass) = isTwoPass(sample->heuristic) ? in(heuristic + " compares with the ray's final opacity") : out(heuristic + " is known after one pass");
-  at(PlanStage::severalSamples) = sample->samplesPerRay > 1 ? in("up to " + std::to_string(sample->samplesPerRay) + " samples a ray") : out("one sample a ray");
+  const PlanQuestion question{scene, settings, sample, *this};
+  for (const PlanRule& rule : kRules)
+    stages_[static_cast<size_t>(rule.stage)] = isDecided(rule.stage) ? PlannedStage{decided->isIn, "it was decided"} : rule.plan(question);
 }
 
 }  // namespace warpscope

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 
+#include "render/core/counters.h"
 #include "render/core/simd.h"
 #include "render/effects/shading.h"
 
@@ -28,6 +29,8 @@ class LitBatch {
       std::memset(below_, 0, sizeof below_);
       std::memset(above_, 0, sizeof above_);
     }
+    WARPSCOPE_COUNT(gradients, std::popcount(visible));
+    WARPSCOPE_COUNT(voxels, 32 * std::popcount(visible));
     alignas(64) float t[kLanes];
     for (int k = 0; k < kLanes; ++k) t[k] = lattice.tOfWholeStep(i + k);
     const FloatBatch distance = FloatBatch::load_aligned(t);

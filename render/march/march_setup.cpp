@@ -39,7 +39,11 @@ EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, siz
   scene.isRefined = !baked.table.refinements.empty();
   scene.mostOpacity = baked.mostOpacity;
   scene.mostSamples = glm::length(glm::dvec3(marched.volume->bounds().extent())) / settings.step + 2.0;
+#if WARPSCOPE_COUNTERS
+  return EffectPlan(scene, settings, sample, decidedStage);
+#else
   return EffectPlan(scene, settings, sample);
+#endif
 }
 
 void requireMarchable(const Volume& volume, const Camera& camera, const RenderSettings& settings) {
