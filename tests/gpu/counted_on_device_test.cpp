@@ -55,7 +55,8 @@ std::vector<CountedCase> casesOfBytes() {
 }
 INSTANTIATE_TEST_SUITE_P(Stages, CountedOnDevice, testing::ValuesIn(casesOfBytes()), nameOfCase);
 
-TEST_F(CountedOnDevice, RaysThatTheFirstPassDecidesAreNotMarchedAgain) {
+TEST(CountersOnDevice, RaysThatTheFirstPassDecidesAreNotMarchedAgain) {
+  if (const std::string reason = cuda::whyUnavailable(); !reason.empty()) GTEST_SKIP() << "no GPU here: " << reason;
   for (const Heuristic heuristic : {Heuristic::relThreshold, Heuristic::enExMean, Heuristic::median}) {
     CountedScene opaque;
     opaque.opacity = 1.0f;
