@@ -138,6 +138,28 @@ TEST_F(CommandLine, BenchOfChosenTechniquesAsText) {
   EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("spheres")));
 }
 
+TEST_F(CommandLine, BenchMeasuresEffectsAloneTogetherAndLeftOut) {
+  const json report = document(quick({"bench", "block", "--backend", "cpu", "--runs", "3", "--effects", "--shading", "0.5", "--json"}, "96x64"));
+  ASSERT_EQ(report["backends"].size(), 1u);
+  const json& cpu = report["backends"][0];
+  EXPECT_EQ(cpu["backend"], "cpu");
+  EXPECT_GT(cpu["noneMs"].get<double>(), 0.0);
+  EXPECT_GT(cpu["allMs"].get<double>(), 0.0);
+  std::vector<std::string> names;
+  for (const json& effect : cpu["effects"]) {
+    names.push_back(effect["effect"]);
+    EXPECT_EQ(effect["isExample"], names.back() != "shading");
+    for (const char* key : {"marchMs", "leftOutMs"}) EXPECT_GT(effect[key].get<double>(), 0.0) << key;
+    for (const char* key : {"marchSpreadMs", "addsMs", "addsSpreadMs", "leftOutSpreadMs", "savesMs", "savesSpreadMs"}) EXPECT_TRUE(effect.contains(key)) << key;
+  }
+  EXPECT_THAT(names, testing::IsSupersetOf({"shading", "clip-planes", "clip-box", "slab"}));
+
+  EXPECT_THAT(succeed(quick({"bench", "block", "--backend", "cpu", "--runs", "1", "--effects"}, "64x64")).err, testing::HasSubstr("all but shading"));
+  const ProgramResult refused = run(quick({"bench", "block", "--effects", "--technique", "splats"}, "64x64"));
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, testing::HasSubstr("--effects measures marches: it takes no --technique"));
+}
+
 TEST_F(CommandLine, UncoveredPixelsTakeTheColourThatIsAskedFor) {
   succeed(quick({"shot", "block", "--view-angle", "40", "-o", "plain.png"}));
   succeed(quick({"shot", "block", "--view-angle", "40", "-o", "marked.png", "--uncovered", "#12ab34"}));

@@ -9,6 +9,7 @@
 
 #include "headless.h"
 #include "marcher_cases.h"
+#include "render/core/counters.h"
 #include "render/march/march_setup.h"
 #include "test_volumes.h"
 
@@ -108,6 +109,11 @@ TEST(EffectPlan, LightComesPieceByPiece) {
   dull.effects.shading.specular = 0.0f;
   EXPECT_FALSE(planOf(dull).has(PlanStage::specular));
   EXPECT_FALSE(planOf(dull).has(PlanStage::halfVector));
+  EXPECT_FALSE(planOf(lit("none")).has(PlanStage::diffuse));
+  RenderSettings flat = lit("camera:1,0,0");
+  flat.effects.shading.diffuse = 0.0f;
+  EXPECT_FALSE(planOf(flat).has(PlanStage::diffuse));
+  EXPECT_TRUE(planOf(flat).has(PlanStage::halfVector));
   EXPECT_FALSE(planOf(lit("none")).has(PlanStage::specular));
   EXPECT_TRUE(planOf(lit("none")).has(PlanStage::gradient)) << "ambient light is less than its own";
 }
@@ -156,6 +162,17 @@ TEST(EffectPlan, SurfacesHaveNeitherThicknessNorFinerColours) {
   EXPECT_EQ(planOf(settings, refined)[PlanStage::march].reason, "no surface runs through any cell");
   EXPECT_FALSE(planOf({}).has(PlanStage::surfaces));
   EXPECT_TRUE(EffectPlan(kScene, settings, SampleSettings{.samplesPerRay = 2}).has(PlanStage::severalSamples));
+}
+
+#if !WARPSCOPE_COUNTERS
+#define WARPSCOPE_TEXT_OF(...) #__VA_ARGS__
+#define WARPSCOPE_EXPANDED(...) WARPSCOPE_TEXT_OF(__VA_ARGS__)
+TEST(EffectPlan, CountersAreNoCodeHere) { EXPECT_STREQ(WARPSCOPE_EXPANDED(WARPSCOPE_COUNT(voxels, 8)), "static_cast<void>(0)"); }
+#endif
+
+TEST(EffectPlan, AStageCanBeDecidedForTests) {
+  for (const StageDescriptor& stage : kStages)
+    for (const bool isIn : {false, true}) EXPECT_EQ(EffectPlan(kScene, lit(), SampleSettings{}, DecidedStage{stage.stage, isIn}).has(stage.stage), isIn) << stage.name;
 }
 
 // --- Marchers go by it.

@@ -126,10 +126,10 @@ TEST(Shading, PowersOfCosinesAreTheLibrarys) {
   EXPECT_LE(powerOfCosine(std::nextafter(1.0f, 0.0f), 1000.0f), 1.0f);
 }
 
-TEST(Shading, WithoutStrengthIsNoLight) {
+TEST(Shading, WhatIsNotLitHasNoLight) {
   ShadingSetup setup;
   visitLight(setup, LightVolume{}, [](auto light) { EXPECT_TRUE((std::is_same_v<decltype(light), Unlit>)); });
-  setup.shading.strength = 0.5f;
+  setup.isLit = true;
   visitLight(setup, LightVolume{}, [](auto light) { EXPECT_TRUE((std::is_same_v<decltype(light), Lit>)); });
 }
 

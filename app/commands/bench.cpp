@@ -7,6 +7,7 @@
 
 #include "app/commands/options.h"
 #include "app/experiment/benchmark.h"
+#include "app/experiment/effect_costs.h"
 #include "app/frames/backend.h"
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
@@ -24,6 +25,7 @@ struct BenchOptions {
   CommonOptions common;
   std::vector<std::string> techniques;
   int runs = 50;
+  bool measuresEffects = false;
 };
 
 Json toJson(const TechniqueBenchmark& technique, const Scene& scene) {
@@ -90,8 +92,80 @@ void printResult(const BackendBenchmark& result, const Scene& scene) {
   std::fputc('\n', stderr);
 }
 
+Json toJson(const EffectCosts& costs) {
+  Json effects = Json::array();
+  for (const EffectCost& cost : costs.effects)
+    effects.push_back({{"effect", cost.effect->name},
+                       {"isExample", cost.isExample},
+                       {"marchMs", cost.alone.medianMs},
+                       {"marchSpreadMs", cost.alone.spreadMs},
+                       {"addsMs", cost.adds.medianMs},
+                       {"addsSpreadMs", cost.adds.spreadMs},
+                       {"leftOutMs", cost.leftOut.medianMs},
+                       {"leftOutSpreadMs", cost.leftOut.spreadMs},
+                       {"savesMs", cost.saves.medianMs},
+                       {"savesSpreadMs", cost.saves.spreadMs}});
+  return {{"noneMs", costs.none.medianMs},    {"noneSpreadMs", costs.none.spreadMs},     {"allMs", costs.all.medianMs}, {"allSpreadMs", costs.all.spreadMs},
+          {"addsMs", costs.allAdd.medianMs}, {"addsSpreadMs", costs.allAdd.spreadMs}, {"effects", effects}};
+}
+
+void printCosts(const EffectCosts& costs) {
+  const auto line = [](const char* what, const Measured& march, const Measured& difference, const char* note) {
+    std::fprintf(stderr, "  %-22s %9.3f ms ±%-7.3f %+9.3f ms ±%-7.3f %s\n", what, march.medianMs, 0.5 * march.spreadMs, difference.medianMs,
+                 0.5 * difference.spreadMs, note);
+  };
+  std::fprintf(stderr, "  %-22s %9.3f ms ±%.3f\n", "no effect", costs.none.medianMs, 0.5 * costs.none.spreadMs);
+  for (const EffectCost& cost : costs.effects)
+    line((std::string(cost.effect->name) + " alone").c_str(), cost.alone, cost.adds,
+         cost.isExample ? ("an example: " + std::string(cost.effect->example)).c_str() : "");
+  line("all", costs.all, costs.allAdd, "");
+  for (const EffectCost& cost : costs.effects) {
+    const Measured saved{-cost.saves.medianMs, cost.saves.spreadMs};
+    line(("all but " + std::string(cost.effect->name)).c_str(), cost.leftOut, saved, "");
+  }
+}
+
+/// Each effect alone, all of them, all but one; on every backend.
+void benchEffects(const BenchOptions& options) {
+  if (!options.techniques.empty()) throw UsageError("--effects measures marches: it takes no --technique");
+  const Interrupt interrupt;
+  const CommandContext work = prepare(options.common, interrupt.token());
+  const Camera camera = makeCamera(work.scene, work.scene.views.front(), work.width, work.height);
+  const auto marchers = marchersFor(work.backend);
+  Json backends = Json::array();
+  Progress progress("bench", effectSteps(options.runs) * marchers.size(), !options.common.showsProgress());
+  std::vector<std::pair<Backend, EffectCosts>> results;
+  for (const MarcherDescriptor* descriptor : marchers) {
+    const MarcherPtr marcher = makeMarcher(descriptor->backend, work.scene.volume, work.scene.transferFunction);
+    const std::string backend(nameOf(marcher->backend()));
+    results.emplace_back(marcher->backend(), measureEffects(*marcher, camera, work.march, options.runs, [&] { progress.step(backend); }, interrupt.token()));
+    Json json = toJson(results.back().second);
+    json["backend"] = backend;
+    json["device"] = deviceText(marcher->backend());
+    backends.push_back(json);
+  }
+  if (!options.common.json) {
+    if (options.common.quiet) return;
+    for (const auto& [backend, costs] : results) {
+      std::fprintf(stderr, "\n%s (%s), %s, %ux%u: a march, and what it takes more\n", std::string(nameOf(backend)).c_str(), deviceText(backend).c_str(),
+                   work.scene.name.c_str(), work.width, work.height);
+      printCosts(costs);
+    }
+    return;
+  }
+  Json report = toJson(work.march);
+  report["scene"] = work.scene.name;
+  report["width"] = work.width;
+  report["height"] = work.height;
+  report["runs"] = options.runs;
+  report["backends"] = backends;
+  report["version"] = WARPSCOPE_VERSION;
+  std::cout << textOf(report);
+}
+
 void bench(const BenchOptions& options) {
   if (options.runs < 1 || options.runs > 100000) throw UsageError("--runs must be between 1 and 100000");
+  if (options.measuresEffects) return benchEffects(options);
   BenchmarkSettings settings;
   for (const std::string& name : options.techniques) settings.techniques.push_back(&findWarp(name));
   if (settings.techniques.empty())
@@ -144,6 +218,8 @@ void addBenchCommand(CLI::App& program, std::function<void()>& chosen) {
   addCommonOptions(*command, options->common);
   command->add_option("--technique", options->techniques, "Technique to measure; may be given several times; default: all that draw frames");
   command->add_option("--runs", options->runs, "Times that everything is measured, after a warm-up")->capture_default_str();
+  command->add_flag("--effects", options->measuresEffects,
+                    "Measure effects instead: no effect, each alone, all together, all but each; an example of each that the scene has not");
   command->callback([options, &chosen] { chosen = [options] { bench(*options); }; });
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "render/core/counters.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
@@ -147,8 +148,10 @@ class Baking {
  private:
   Entry entryOf(const glm::vec4& straight) const {
     const float unitAlpha = std::clamp(straight.a, 0.0f, 1.0f);
-    // Nothing stays nothing, and is most of many functions.
-    const float alpha = unitAlpha == 0.0f ? 0.0f : correctOpacity(unitAlpha, table_.step);
+    // Nothing stays nothing, and is most of many functions; over a unit, opacity is what it is.
+    const bool isCorrected = unitAlpha != 0.0f && table_.step != 1.0f;
+    if (isCorrected) WARPSCOPE_COUNT(corrections, 1);
+    const float alpha = isCorrected ? correctOpacity(unitAlpha, table_.step) : unitAlpha;
     return {{glm::vec3(straight) * alpha, alpha}, unitAlpha};
   }
   Entry from(double x) const { return entryOf(function_.at(x)); }

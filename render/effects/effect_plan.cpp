@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "render/base/range.h"
+#include "render/effects/jitter.h"
 #include "render/effects/light_volume.h"
 #include "render/march/depth_heuristic.h"
 
@@ -46,7 +47,7 @@ std::string clippedBy(const Clip& clip) {
 }
 
 /// Why stages are out that make no difference to a greatest value.
-constexpr std::array<std::pair<PlanStage, std::string_view>, 11> kOutOfMaximum{{
+constexpr std::array<std::pair<PlanStage, const char*>, 11> kOutOfMaximum{{
     {PlanStage::correction, "a greatest value has the opacity of one unit"},
     {PlanStage::gradient, "a greatest value is not lit"},
     {PlanStage::diffuse, "a greatest value is not lit"},
@@ -60,105 +61,180 @@ constexpr std::array<std::pair<PlanStage, std::string_view>, 11> kOutOfMaximum{{
     {PlanStage::severalSamples, "a ray has one greatest value"},
 }};
 
-/// How many lights of those that shine and are not at the eye go with the camera.
-long lightsOfCamera(const Lights& lights) {
-  return std::ranges::count_if(lights, [](const Light& light) { return light.strength > 0.0f && light.kind == LightKind::camera; });
-}
-
-PlannedStage planShadows(const Effects& effects, long besideEye) {
-  if (effects.mode == RenderMode::isosurface) return out("a light volume is of what is composited, not of surfaces");
-  if (!(effects.shadows.strength > 0.0f)) return out("the strength of shadows is 0");
-  if (!(effects.shading.strength > 0.0f)) return out("nothing is lit: shading is 0");
-  if (besideEye == 0) return out("the light is at the eye, which sees none of its shadows");
-  if (!(effects.shading.diffuse > 0.0f || effects.shading.specular > 0.0f)) return out("there is no diffuse and no specular light");
-  return in(std::to_string(besideEye) + (besideEye == 1 ? " light casts" : " lights cast") + " them");
-}
-
-PlannedStage planOcclusion(const Effects& effects) {
-  if (effects.mode == RenderMode::isosurface) return out("a light volume is of what is composited, not of surfaces");
-  if (!(effects.shadows.occlusion > 0.0f)) return out("the strength of ambient occlusion is 0");
-  if (!(effects.shading.strength > 0.0f)) return out("nothing is lit: shading is 0");
-  if (!(effects.shading.ambient > 0.0f)) return out("there is no ambient light");
-  return in("matter within " + numberText(effects.shadows.occlusionRadius) + " voxels takes ambient light");
+/// Null for stages that may.
+const char* whyNotOfMaximum(PlanStage stage) {
+  for (const auto& [left, why] : kOutOfMaximum)
+    if (left == stage) return why;
+  return nullptr;
 }
 
 bool isTwoPass(Heuristic heuristic) {
   return visitHeuristic(heuristic, []<class Depth>(Depth) { return Depth::kTwoPass; });
 }
 
+/// What a rule is asked about.
+struct PlanQuestion {
+  const PlannedScene& scene;
+  const RenderSettings& settings;
+  const std::optional<SampleSettings>& sample;
+  const EffectPlan& plan;  ///< of the stages before this one
+
+  const Shading& shading() const { return settings.effects.shading; }
+  /// How many shine, of those that `isCounted`.
+  template <class F>
+  std::ptrdiff_t lights(F&& isCounted) const {
+    return std::ranges::count_if(settings.effects.lights, [&](const Light& light) { return light.strength > 0.0f && isCounted(light); });
+  }
+  std::ptrdiff_t lights() const {
+    return lights([](const Light&) { return true; });
+  }
+  std::ptrdiff_t lightsBesideEye() const {
+    return lights([](const Light& light) { return light.kind != LightKind::headlight; });
+  }
+  bool hasMode(RenderMode mode) const { return settings.effects.mode == mode; }
+};
+
+constexpr const char* kNothingLit = "nothing is lit: shading is 0";
+constexpr const char* kOfComposites = "a light volume is of what is composited, not of surfaces";
+constexpr const char* kPictureAlone = "no samples are wanted";
+
+std::string countOf(std::ptrdiff_t count, const char* one, const char* several) { return std::to_string(count) + (count == 1 ? one : several); }
+
+/// Why what another mode does is out.
+std::string modeOf(const PlanQuestion& q) { return "the mode is " + std::string(nameOf(q.settings.effects.mode)); }
+
+struct PlanRule {
+  PlanStage stage;
+  PlannedStage (*plan)(const PlanQuestion&);
+};
+
+/// One for each stage, in their order.
+constexpr std::array<PlanRule, kStages.size()> kRules{{
+    {PlanStage::march, [](const PlanQuestion& q) { return in(std::to_string(q.scene.visibleCells) + " cells show something"); }},
+    {PlanStage::jitter,
+     [](const PlanQuestion& q) {
+       return isJittered(q.settings) ? in("jitter is " + numberText(q.settings.effects.jitter)) : out("samples begin where rays enter");
+     }},
+    {PlanStage::maximum,
+     [](const PlanQuestion& q) {
+       return q.hasMode(RenderMode::mip) ? in("it stands for its ray, and every heuristic gives its depth") : out(modeOf(q));
+     }},
+    {PlanStage::surfaces,
+     [](const PlanQuestion& q) {
+       if (!q.hasMode(RenderMode::isosurface)) return out(modeOf(q));
+       return in(countOf(std::ranges::count_if(q.settings.effects.isoValues, [](const IsoValue& value) { return value.opacity > 0.0f; }), " value", " values"));
+     }},
+    {PlanStage::clip,
+     [](const PlanQuestion& q) {
+       const std::string cut = clippedBy(q.settings.effects.clip);
+       return cut.empty() ? out("nothing is cut off") : in(cut);
+     }},
+    {PlanStage::skipping, [](const PlanQuestion& q) { return planSkipping(q.scene, q.settings); }},
+    {PlanStage::missingVoxels,
+     [](const PlanQuestion& q) {
+       return q.scene.missingVoxels > 0 ? in(std::to_string(q.scene.missingVoxels) + " voxels are not finite") : out("all voxels are finite");
+     }},
+    {PlanStage::refinement,
+     [](const PlanQuestion& q) {
+       if (q.hasMode(RenderMode::isosurface)) return out("a surface's colour is that of its value");
+       return q.scene.isRefined ? in("the transfer function changes faster than its table's entries") : out("the table's entries are fine enough");
+     }},
+    {PlanStage::correction,
+     [](const PlanQuestion& q) {
+       if (q.hasMode(RenderMode::isosurface)) return out("a surface has no thickness");
+       return q.settings.step == 1.0f ? out("the step is the one that opacities are given for") : in("the step is " + numberText(q.settings.step));
+     }},
+    {PlanStage::gradient, [](const PlanQuestion& q) { return q.shading().strength > 0.0f ? in("matter is lit") : out(kNothingLit); }},
+    {PlanStage::diffuse,
+     [](const PlanQuestion& q) {
+       if (!q.plan.has(PlanStage::gradient)) return out(kNothingLit);
+       if (q.lights() == 0) return out("ambient light alone: there is no light");
+       if (!(q.shading().diffuse > 0.0f)) return out("ambient light alone: diffuse light is 0");
+       return in(countOf(q.lights(), " light", " lights"));
+     }},
+    {PlanStage::specular,
+     [](const PlanQuestion& q) {
+       if (!q.plan.has(PlanStage::gradient)) return out(kNothingLit);
+       if (q.lights() == 0) return out("there is no light");
+       return q.shading().specular > 0.0f ? in("specular light is " + numberText(q.shading().specular)) : out("specular light is 0");
+     }},
+    {PlanStage::halfVector,
+     [](const PlanQuestion& q) {
+       if (!q.plan.has(PlanStage::gradient)) return out(kNothingLit);
+       if (!q.plan.has(PlanStage::specular)) return out("there are no highlights");
+       const auto besideEye = q.lightsBesideEye();
+       if (besideEye == 0) return out("the light is at the eye: the half vector is the viewer's");
+       return in(countOf(besideEye, " light is", " lights are") + " not at the eye");
+     }},
+    {PlanStage::shadows,
+     [](const PlanQuestion& q) {
+       if (!(q.settings.effects.shadows.strength > 0.0f)) return out("the strength of shadows is 0");
+       if (!q.plan.has(PlanStage::gradient)) return out(kNothingLit);
+       if (q.hasMode(RenderMode::isosurface)) return out(kOfComposites);
+       if (q.lightsBesideEye() == 0) return out("the light is at the eye, which sees none of its shadows");
+       if (!q.plan.has(PlanStage::diffuse) && !q.plan.has(PlanStage::specular)) return out("there is no diffuse and no specular light");
+       return in(countOf(q.lightsBesideEye(), " light casts", " lights cast") + " them");
+     }},
+    {PlanStage::occlusion,
+     [](const PlanQuestion& q) {
+       const Shadows& shadows = q.settings.effects.shadows;
+       if (!(shadows.occlusion > 0.0f)) return out("the strength of ambient occlusion is 0");
+       if (!q.plan.has(PlanStage::gradient)) return out(kNothingLit);
+       if (q.hasMode(RenderMode::isosurface)) return out(kOfComposites);
+       if (!(q.shading().ambient > 0.0f)) return out("there is no ambient light");
+       return in("matter within " + numberText(shadows.occlusionRadius) + " voxels takes ambient light");
+     }},
+    {PlanStage::lightVolume,
+     [](const PlanQuestion& q) {
+       const bool casts = q.plan.has(PlanStage::shadows);
+       const int channels = (casts ? static_cast<int>(q.lightsBesideEye()) : 0) + (q.plan.has(PlanStage::occlusion) ? 1 : 0);
+       if (channels == 0) return out("there are no shadows and no occlusion");
+       const LightVolume volume = lightVolumeLayout(q.scene.dims, channels, q.settings.effects.shadows.gridEdge);
+       const bool goesWithCamera = casts && q.lights([](const Light& light) { return light.kind == LightKind::camera; }) > 0;
+       return in("a place every " + numberText(volume.edge) + " voxels, " + std::to_string(volume.dims.x) + "x" + std::to_string(volume.dims.y) + "x" +
+                 std::to_string(volume.dims.z) + (goesWithCamera ? "; made anew when the camera moves, since a light goes with it" : "; kept while the camera moves"));
+     }},
+    {PlanStage::earlyEnd, [](const PlanQuestion& q) { return planEarlyEnd(q.scene, q.settings); }},
+    {PlanStage::secondPass,
+     [](const PlanQuestion& q) {
+       if (!q.sample) return out(kPictureAlone);
+       const std::string heuristic(nameOf(q.sample->heuristic));
+       return isTwoPass(q.sample->heuristic) ? in(heuristic + " compares with the ray's final opacity") : out(heuristic + " is known after one pass");
+     }},
+    {PlanStage::severalSamples,
+     [](const PlanQuestion& q) {
+       if (!q.sample) return out(kPictureAlone);
+       return q.sample->samplesPerRay > 1 ? in("up to " + std::to_string(q.sample->samplesPerRay) + " samples a ray") : out("one sample a ray");
+     }},
+}};
+
+constexpr bool areInOrder() {
+  for (size_t i = 0; i < kRules.size(); ++i)
+    if (kRules[i].stage != kStages[i].stage || static_cast<size_t>(kRules[i].stage) != i || kRules[i].plan == nullptr) return false;
+  return true;
+}
+static_assert(areInOrder(), "each stage has a row and a rule, in the order of PlanStage");
+
 }  // namespace
 
-EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
-  const Shading& shading = settings.effects.shading;
-  if (scene.visibleCells == 0) {
-    const char* const why = settings.effects.mode == RenderMode::isosurface ? "no surface runs through any cell" : "the transfer function hides everything";
+EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings, const std::optional<SampleSettings>& sample,
+                       const std::optional<DecidedStage>& decided) {
+  const auto isDecided = [&](PlanStage stage) { return decided && decided->stage == stage; };
+  const RenderMode mode = settings.effects.mode;
+  if (scene.visibleCells == 0 && !isDecided(PlanStage::march)) {
+    const char* const why = mode == RenderMode::isosurface ? "no surface runs through any cell" : "the transfer function hides everything";
     for (PlannedStage& stage : stages_) stage = out(why);
     return;
   }
-  const RenderMode mode = settings.effects.mode;
-  at(PlanStage::march) = in(std::to_string(scene.visibleCells) + " cells show something");
-  at(PlanStage::maximum) =
-      mode == RenderMode::mip ? in("it stands for its ray, and every heuristic gives its depth") : out("the mode is " + std::string(nameOf(mode)));
-  const auto surfaces = std::ranges::count_if(settings.effects.isoValues, [](const IsoValue& value) { return value.opacity > 0.0f; });
-  at(PlanStage::surfaces) =
-      mode == RenderMode::isosurface ? in(std::to_string(surfaces) + (surfaces == 1 ? " value" : " values")) : out("the mode is " + std::string(nameOf(mode)));
-  const std::string cut = clippedBy(settings.effects.clip);
-  at(PlanStage::clip) = cut.empty() ? out("nothing is cut off") : in(cut);
-  at(PlanStage::jitter) = settings.effects.jitter > 0.0f ? in("jitter is " + numberText(settings.effects.jitter)) : out("samples begin where rays enter");
-  at(PlanStage::skipping) = planSkipping(scene, settings);
-  at(PlanStage::missingVoxels) =
-      scene.missingVoxels > 0 ? in(std::to_string(scene.missingVoxels) + " voxels are not finite") : out("all voxels are finite");
-  at(PlanStage::refinement) = scene.isRefined ? in("the transfer function changes faster than its table's entries") : out("the table's entries are fine enough");
-  at(PlanStage::correction) = settings.step == 1.0f ? out("the step is the one that opacities are given for") : in("the step is " + numberText(settings.step));
-  at(PlanStage::earlyEnd) = planEarlyEnd(scene, settings);
-  if (mode == RenderMode::mip) {
-    for (const auto& [stage, reason] : kOutOfMaximum) at(stage) = out(std::string(reason));
-    return;
+  const PlanQuestion question{scene, settings, sample, *this};
+  for (const PlanRule& rule : kRules) {
+    PlannedStage& stage = stages_[static_cast<size_t>(rule.stage)];
+    const char* const notOfMaximum = mode == RenderMode::mip ? whyNotOfMaximum(rule.stage) : nullptr;
+    if (isDecided(rule.stage))
+      stage = {decided->isIn, "it was decided"};
+    else
+      stage = notOfMaximum != nullptr ? out(notOfMaximum) : rule.plan(question);
   }
-  if (mode == RenderMode::isosurface) {
-    at(PlanStage::refinement) = out("a surface's colour is that of its value");
-    at(PlanStage::correction) = out("a surface has no thickness");
-  }
-
-  const auto lights = std::ranges::count_if(settings.effects.lights, [](const Light& light) { return light.strength > 0.0f; });
-  const auto besideEye =
-      std::ranges::count_if(settings.effects.lights, [](const Light& light) { return light.strength > 0.0f && light.kind != LightKind::headlight; });
-  if (!(shading.strength > 0.0f)) {
-    for (const PlanStage stage : {PlanStage::gradient, PlanStage::diffuse, PlanStage::specular, PlanStage::halfVector}) at(stage) = out("nothing is lit: shading is 0");
-  } else {
-    at(PlanStage::gradient) = in("matter is lit");
-    const bool isDiffuse = lights > 0 && shading.diffuse > 0.0f;
-    at(PlanStage::diffuse) = in(isDiffuse ? std::to_string(lights) + (lights == 1 ? " light" : " lights") : "ambient light alone");
-    at(PlanStage::specular) = lights == 0              ? out("there is no light")
-                          : shading.specular > 0.0f ? in("specular light is " + numberText(shading.specular))
-                                                    : out("specular light is 0");
-    at(PlanStage::halfVector) = !has(PlanStage::specular) ? out("there are no highlights")
-                            : besideEye == 0      ? out("the light is at the eye: the half vector is the viewer's")
-                                                  : in(std::to_string(besideEye) + (besideEye == 1 ? " light is" : " lights are") + " not at the eye");
-  }
-
-  at(PlanStage::shadows) = planShadows(settings.effects, besideEye);
-  at(PlanStage::occlusion) = planOcclusion(settings.effects);
-  const bool casts = has(PlanStage::shadows);
-  const int channels = (casts ? static_cast<int>(besideEye) : 0) + (has(PlanStage::occlusion) ? 1 : 0);
-  if (channels == 0) {
-    at(PlanStage::lightVolume) = out("there are no shadows and no occlusion");
-  } else {
-    const LightVolume volume = lightVolumeLayout(scene.dims, channels, settings.effects.shadows.gridEdge);
-    at(PlanStage::lightVolume) =
-        in("a place every " + numberText(volume.edge) + " voxels, " + std::to_string(volume.dims.x) + "x" + std::to_string(volume.dims.y) + "x" +
-           std::to_string(volume.dims.z) + (casts && lightsOfCamera(settings.effects.lights) > 0 ? "; made anew when the camera moves, since a light goes with it" : "; kept while the camera moves"));
-  }
-
-  const std::string pictureAlone = "no samples are wanted";
-  if (!sample) {
-    at(PlanStage::secondPass) = out(pictureAlone);
-    at(PlanStage::severalSamples) = out(pictureAlone);
-    return;
-  }
-  const std::string heuristic(nameOf(sample->heuristic));
-  at(PlanStage::secondPass) = isTwoPass(sample->heuristic) ? in(heuristic + " compares with the ray's final opacity") : out(heuristic + " is known after one pass");
-  at(PlanStage::severalSamples) = sample->samplesPerRay > 1 ? in("up to " + std::to_string(sample->samplesPerRay) + " samples a ray") : out("one sample a ray");
 }
 
 }  // namespace warpscope

@@ -41,7 +41,7 @@ struct StageDescriptor {
 };
 
 /// Every stage, in their order.
-inline constexpr std::array<StageDescriptor, 16> kStages{{
+inline constexpr std::array<StageDescriptor, 19> kStages{{
     {PlanStage::march, "march", "rays through the volume"},
     {PlanStage::jitter, "jitter", "moving each ray's samples by noise"},
     {PlanStage::maximum, "maximum", "the greatest value along a ray"},
@@ -52,7 +52,7 @@ inline constexpr std::array<StageDescriptor, 16> kStages{{
     {PlanStage::refinement, "refinement", "telling entries of the transfer table apart further"},
     {PlanStage::correction, "correction", "opacity corrected to the step"},
     {PlanStage::gradient, "gradient", "central differences where a sample is seen"},
-    {PlanStage::diffuse, "diffuse", "ambient and diffuse light"},
+    {PlanStage::diffuse, "diffuse", "light that surfaces send everywhere, beside the ambient"},
     {PlanStage::specular, "specular", "highlights"},
     {PlanStage::halfVector, "half-vector", "the half vector of each sample and light"},
     {PlanStage::shadows, "shadows", "light that matter keeps from a sample"},
@@ -79,17 +79,22 @@ struct PlannedScene {
   glm::uvec3 dims{1};        ///< voxels
 };
 
+/// A stage that is in or out whatever its rule says: for tests, which see by it that no rule is idle.
+struct DecidedStage {
+  PlanStage stage;
+  bool isIn;
+};
+
 class EffectPlan {
  public:
   /// `sample`: what is sent, or nothing where the picture alone is wanted.
-  EffectPlan(const PlannedScene& scene, const RenderSettings& settings, const std::optional<SampleSettings>& sample);
+  EffectPlan(const PlannedScene& scene, const RenderSettings& settings, const std::optional<SampleSettings>& sample,
+             const std::optional<DecidedStage>& decided = std::nullopt);
 
   bool has(PlanStage stage) const { return (*this)[stage].isIn; }
   const PlannedStage& operator[](PlanStage stage) const { return stages_[static_cast<size_t>(stage)]; }
 
  private:
-  PlannedStage& at(PlanStage stage) { return stages_[static_cast<size_t>(stage)]; }
-
   std::array<PlannedStage, kStages.size()> stages_;
 };
 

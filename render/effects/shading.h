@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "render/core/counters.h"
 #include "render/core/numeric.h"
 #include "render/core/ray.h"
 #include "render/effects/effects.h"
@@ -24,6 +25,10 @@ struct PreparedLight {
 /// What is the same for all samples of a picture.
 struct ShadingSetup {
   Shading shading;
+  bool isLit = false;           ///< by whatever light: without, no gradient
+  bool hasDiffuse = false;      ///< beside ambient light
+  bool hasHighlights = false;
+  bool hasHalfVectors = false;  ///< of lights that are not at the eye
   /// Squared gradient below which there is no surface: what rounding of the volume's values to its type's steps can make of a constant; at least 2^-100.
   float noiseSquared = 0.0f;
   /// Of gradients as they are read, interpolants a voxel: turns them into volume space, and into what can be squared.
@@ -102,15 +107,19 @@ WARPSCOPE_HD inline LightFactors<Float> lightFactors(const ShadingSetup& setup, 
   const auto isSurface = squared > Float(setup.noiseSquared);
   const Float toUnit = reciprocalRoot(selected(isSurface, squared, kOne));
   const Float facingEye = absOf(dot3(scaled, toEye)) * toUnit;
-  const bool hasHighlights = shading.specular > 0.0f;
   Float diffuse(shading.ambient), specular = kZero;
   if constexpr (kIsShadowed) diffuse = diffuse * arriving(-1);
   for (int i = 0; i < setup.lightCount; ++i) {
     const PreparedLight& light = setup.lights[i];
     const float diffuseStrength = light.strength * shading.diffuse, specularStrength = light.strength * shading.specular;
     if (light.kind == LightKind::headlight) {  // its direction is the viewer's, and so is the half vector
-      diffuse = mulAdd(Float(diffuseStrength), facingEye, diffuse);
-      if (hasHighlights) specular = mulAdd(Float(specularStrength), powerOfCosine(facingEye, shading.exponent), specular);
+      if (setup.hasDiffuse) {
+        WARPSCOPE_COUNT(diffuse, 1);
+        diffuse = mulAdd(Float(diffuseStrength), facingEye, diffuse);
+      }
+      if (!setup.hasHighlights) continue;
+      WARPSCOPE_COUNT(highlights, 1);
+      specular = mulAdd(Float(specularStrength), powerOfCosine(facingEye, shading.exponent), specular);
       continue;
     }
     Float toLight[3] = {Float(light.vector.x), Float(light.vector.y), Float(light.vector.z)};
@@ -124,8 +133,13 @@ WARPSCOPE_HD inline LightFactors<Float> lightFactors(const ShadingSetup& setup, 
       strength = selected(isOutside, kOne, kZero);
     }
     if constexpr (kIsShadowed) strength = strength * arriving(i);
-    diffuse = mulAdd(Float(diffuseStrength) * strength, absOf(dot3(scaled, toLight)) * toUnit, diffuse);
-    if (!hasHighlights) continue;
+    if (setup.hasDiffuse) {
+      WARPSCOPE_COUNT(diffuse, 1);
+      diffuse = mulAdd(Float(diffuseStrength) * strength, absOf(dot3(scaled, toLight)) * toUnit, diffuse);
+    }
+    if (!setup.hasHalfVectors) continue;
+    WARPSCOPE_COUNT(halfVectors, 1);
+    WARPSCOPE_COUNT(highlights, 1);
     const Float half[3] = {toLight[0] + toEye[0], toLight[1] + toEye[1], toLight[2] + toEye[2]};
     const Float halfSquared = dot3(half, half);
     const auto isHalf = halfSquared > Float(1e-12f);  // else the light is opposite the eye
@@ -142,6 +156,8 @@ struct Lit {
 
   template <class Source>
   WARPSCOPE_HD glm::vec3 shade(const ClassifiedSample& sample, const Ray& ray, const Source& source, int /*k*/) const {
+    WARPSCOPE_COUNT(gradients, 1);
+    WARPSCOPE_COUNT(voxels, 32);
     float gradient[3];
     if constexpr (requires { source.cell(); })
       gradientIn<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), source.cell(), gradient);
@@ -207,13 +223,13 @@ struct ShadowedLit {
 /// Calls `f` with the light that the setup asks for, of those that nothing stands in the way of.
 template <class F>
 decltype(auto) visitLight(const ShadingSetup& setup, F&& f) {
-  if (!(setup.shading.strength > 0.0f)) return f(Unlit{});
+  if (!setup.isLit) return f(Unlit{});
   return f(Lit{setup});
 }
 /// Of all: one line for each. `volume`: with channels where something stands in the light's way.
 template <class F>
 decltype(auto) visitLight(const ShadingSetup& setup, const LightVolume& volume, F&& f) {
-  if (setup.shading.strength > 0.0f && volume.channels > 0) return f(ShadowedLit{setup, volume});
+  if (setup.isLit && volume.channels > 0) return f(ShadowedLit{setup, volume});
   return visitLight(setup, f);
 }
 

@@ -2,6 +2,9 @@
 // The formulas of shading.h, so that both give the same bits.
 #pragma once
 
+#include <bit>
+
+#include "render/core/counters.h"
 #include "render/core/simd.h"
 #include "render/effects/gradient_batch.h"
 #include "render/effects/shading.h"
@@ -19,6 +22,8 @@ class LitBatch {
 
   /// Looks at samples i + k of the lattice, of which bit k of `visible` is set; none of them is the last.
   void look(const Light& light, const VolumeView<typename Source::VoxelType>& view, const Ray& ray, const RayLattice& lattice, int i, uint32_t visible) {
+    WARPSCOPE_COUNT(gradients, std::popcount(visible));
+    WARPSCOPE_COUNT(voxels, 32 * std::popcount(visible));
     alignas(64) float t[kLanes];
     for (int k = 0; k < kLanes; ++k) t[k] = lattice.tOfWholeStep(i + k);
     const FloatBatch distance = FloatBatch::load_aligned(t);

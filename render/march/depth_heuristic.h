@@ -175,6 +175,31 @@ struct ProfileFold {
   }
 };
 
+/// The first of two passes: the profile, and whether the second can be left out.
+struct FirstPass {
+  ProfileFold profile;
+  CountingSample first;  ///< of those that count
+  bool isAlone = true;   ///< it is the only one
+
+  WARPSCOPE_HD void add(const CountingSample& sample) {
+    if (profile.any)
+      isAlone = false;
+    else
+      first = sample;
+    profile.add(sample);
+  }
+  /// True if the ray's first sample decides: then `fold`, which has been started with the profile, has what all samples would have made of it.
+  template <class Fold>
+  WARPSCOPE_HD bool decides(Fold& fold) const {
+    if (!profile.any) return true;
+    Fold alone = fold;
+    alone.add(first);
+    if (!alone.crossed && !isAlone) return false;
+    fold = alone;
+    return true;
+  }
+};
+
 // --- One type per heuristic: its fold, how to start it, how to read it. Two-pass ones say so and take the profile;
 // those that the knob `threshold` turns have a member kTakesThreshold.
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "render/core/counters.h"
 #include "render/core/numeric.h"
 #include "render/march/lattice.h"
 
@@ -74,6 +75,7 @@ class EmptySpace {
   WARPSCOPE_HD int leap(int i, const glm::ivec3& cell, int distance, const RayLattice& lattice) const {
     // Everything less than `distance` cells away is empty: go on where the ray leaves that block. What lies within rounding of the
     // block's border is looked at for itself.
+    WARPSCOPE_COUNT(leaps, 1);
     float exit = lattice.t0 + lattice.length + lattice.dt;
     for (int axis = 0; axis < 3; ++axis) {
       const int bound = cell[axis] + (direction_[axis] < 0.0f ? 1 - distance : distance);

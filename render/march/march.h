@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "render/core/counters.h"
 #include "render/core/ray.h"
 #include "render/core/transfer_table.h"
 #include "render/march/depth_heuristic.h"
@@ -103,7 +104,9 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
     ray.add(sample.i, color, through);
     ray.transmittance.pass(sample.alpha);
     through = ray.transmittance.value();
-    return !(through < limits.stopBelow);
+    const bool ends = through < limits.stopBelow;
+    if (ends) WARPSCOPE_COUNT(earlyEnds, 1);
+    return !ends;
   };
 
   const int last = lattice.count - 1;  // may be a part of a step: dealt with for itself, so that the others need not ask

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "render/core/color.h"
+#include "render/core/counters.h"
 #include "render/core/ray_sphere.h"
 #include "render/cuda/pixel_tiles.cuh"
 #include "render/march/march.h"
@@ -22,7 +23,9 @@ __device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel, fl
   RayPath path;
   path.ray = ofPixel.ray;
   const RayInterval inside = intersectBox(reciprocalOf(path.ray.origin, path.ray.direction), job.clip.bounds, 0.0f, kNoHit);
-  path.lattice = makeLattice(clipped(job.clip, path.ray, inside), job.step);
+  WARPSCOPE_COUNT(rays, 1);
+  if (job.isClipped) WARPSCOPE_COUNT(clippedRays, 1);
+  path.lattice = makeLattice(job.isClipped ? clipped(job.clip, path.ray, inside) : inside, job.step);
   path.lattice.t0 += job.jitter.shiftOf(pixel.x, pixel.y);
   return path;
 }
@@ -42,20 +45,21 @@ __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRe
   const RayPath path = rayThrough(job, pixel, &cosine);
   const auto& [ray, lattice] = path;
   RayColor gathered;
-  ProfileFold profile;
-  auto fold = depth.start(job.threshold, profile);
+  std::conditional_t<Depth::kTwoPass, FirstPass, ProfileFold> first;
+  auto fold = depth.start(job.threshold, ProfileFold{});
   using Source = ScalarVolumeSource<Voxel, kHasHoles, kByCells, StableMarch, kIsRefined>;
   Source source(job.view, ray, lattice);
   marchRay(path, 0, lattice.count, source, light, job.limits, gathered, [&](const CountingSample& sample) {
     if constexpr (Depth::kTwoPass)
-      profile.add(sample);
+      first.add(sample);
     else
       fold.add(sample);
     return true;
   });
   if constexpr (Depth::kTwoPass) {
-    if (profile.any) {  // again, up to where the fold has what it wants
-      fold = depth.start(job.threshold, profile);
+    fold = depth.start(job.threshold, first.profile);
+    if (!first.decides(fold) && job.hasSecondPass) {  // again, up to where the fold has what it wants
+      WARPSCOPE_COUNT(secondPasses, 1);
       RayOpacity opacity;
       Source again(job.view, ray, lattice);
       marchRay(path, 0, lattice.count, again, light, job.limits, opacity, [&](const CountingSample& sample) {
@@ -82,6 +86,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, true>
   const auto makeSource = [&] {
     return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice);
   };
+  WARPSCOPE_COUNT(dividedRays, 1);
   RaySamples found;
   findSamples(depth, path, makeSource, light, job.limits, job.threshold, job.slots, found);
   const size_t first = (size_t{pixel.y} * job.camera.width + pixel.x) * static_cast<size_t>(job.slots);
@@ -106,6 +111,19 @@ __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRe
            [](const CountingSample&) { return true; });
   job.image[size_t{pixel.y} * job.camera.width + pixel.x] = gathered.premultiplied();
 }
+
+#if WARPSCOPE_COUNTERS
+/// Adds what this file's kernels have counted to the host's. A function of each file: the counts are.
+static void handOverDeviceCounts(cudaStream_t stream) {
+  unsigned long long counted[kCounters];
+  static const unsigned long long kNone[kCounters] = {};
+  WARPSCOPE_CUDA_CHECK(cudaMemcpyFromSymbolAsync(counted, deviceCounts, sizeof counted, 0, cudaMemcpyDeviceToHost, stream));
+  WARPSCOPE_CUDA_CHECK(cudaMemcpyToSymbolAsync(deviceCounts, kNone, sizeof kNone, 0, cudaMemcpyHostToDevice, stream));
+  WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream));
+  for (size_t i = 0; i < kCounters; ++i)
+    if (counted[i] != 0) HostCounts::instance().add(static_cast<Counter>(i), counted[i]);
+}
+#endif
 
 /// A place a thread: those beside each other go the same way.
 template <class Voxel, bool kHasHoles, bool kByCells>
@@ -142,7 +160,7 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, con
     if (heuristic) {
       visitDepth([&](auto depth) {
         using Depth = decltype(depth);
-        if (job.slots > 1)
+        if (job.isDivided)
           marchSeveralSamples<Depth, Light, Voxel, kHasHoles, kByCells>
               <<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
         else
@@ -162,6 +180,9 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, con
     }
   });
   WARPSCOPE_CUDA_CHECK_LAUNCH();
+#if WARPSCOPE_COUNTERS
+  handOverDeviceCounts(stream);
+#endif
 }
 
 }  // namespace warpscope

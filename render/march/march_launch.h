@@ -33,6 +33,10 @@ struct MarchJob {
   uint32_t firstRow = 0;
   uint32_t endRow = 0;
   int slots = 1;  ///< most samples of a ray
+  // What the plan has.
+  bool isClipped = false;
+  bool hasSecondPass = false;
+  bool isDivided = false;  ///< rays, for several samples
   SampleRule rule;
   const ColorTables* colorTables = nullptr;
   PackedSample* samples = nullptr;

@@ -10,7 +10,7 @@ namespace warpscope {
 struct LitIfAny : Lit {
   template <class Source>
   WARPSCOPE_HD glm::vec3 shade(const ClassifiedSample& sample, const Ray& ray, const Source& source, int k) const {
-    return setup.shading.strength > 0.0f ? Lit::shade(sample, ray, source, k) : sample.color;
+    return setup.isLit ? Lit::shade(sample, ray, source, k) : sample.color;
   }
 };
 

@@ -43,7 +43,11 @@ EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, siz
   scene.mostOpacity = baked.mostOpacity;
   scene.dims = marched.volume->dims();
   scene.mostSamples = glm::length(glm::dvec3(marched.volume->bounds().extent())) / settings.step + 2.0;
+#if WARPSCOPE_COUNTERS
+  return EffectPlan(scene, settings, sample, decidedStage);
+#else
   return EffectPlan(scene, settings, sample);
+#endif
 }
 
 LightVolumeJob lightVolumeFor(const MarchedVolume& marched, const Camera& camera, const RenderSettings& settings, const EffectPlan& plan) {
@@ -51,7 +55,7 @@ LightVolumeJob lightVolumeFor(const MarchedVolume& marched, const Camera& camera
   if (!plan.has(PlanStage::lightVolume)) return job;
   const Volume& volume = *marched.volume;
   const Shadows& shadows = settings.effects.shadows;
-  job.shading = shadingFor(marched, camera, settings);
+  job.shading = shadingFor(marched, camera, settings, plan);
   int ofLight[Lights::kMost], channels = 0;
   for (int i = 0; i < static_cast<int>(Lights::kMost); ++i) {
     const bool casts = plan.has(PlanStage::shadows) && i < job.shading.lightCount && job.shading.lights[i].kind != LightKind::headlight;

@@ -93,9 +93,14 @@ PixelGrid pixelsFor(const Volume& volume, const Camera& camera, const RenderSett
 EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, size_t visibleCells, const RenderSettings& settings,
                    const std::optional<SampleSettings>& sample);
 
-/// The light of a picture.
-inline ShadingSetup shadingFor(const MarchedVolume& marched, const Camera& camera, const RenderSettings& settings) {
-  return prepareShading(settings.effects.shading, settings.effects.lights, *marched.volume, marched.scale, camera);
+/// The light of a picture, as far as the plan has it.
+inline ShadingSetup shadingFor(const MarchedVolume& marched, const Camera& camera, const RenderSettings& settings, const EffectPlan& plan) {
+  ShadingSetup setup = prepareShading(settings.effects.shading, settings.effects.lights, *marched.volume, marched.scale, camera);
+  setup.isLit = plan.has(PlanStage::gradient);
+  setup.hasDiffuse = plan.has(PlanStage::diffuse);
+  setup.hasHighlights = plan.has(PlanStage::specular);
+  setup.hasHalfVectors = plan.has(PlanStage::halfVector);
+  return setup;
 }
 
 /// How a ray finds its greatest value, by memory of the host.
@@ -104,6 +109,10 @@ MipSetup mipFor(const MarchedVolume& marched, const TransferTable& table, const 
 LightVolumeJob lightVolumeFor(const MarchedVolume& marched, const Camera& camera, const RenderSettings& settings, const EffectPlan& plan);
 /// Equal where the values are, of one marched volume.
 std::vector<float> lightVolumeKey(const LightVolumeJob& job, const RenderSettings& settings, const EffectPlan& plan);
+#if WARPSCOPE_COUNTERS
+/// What every plan of a marcher has decided, for tests.
+inline std::optional<DecidedStage> decidedStage;
+#endif
 
 /// How a frame of this volume seen by this camera sizes and quantises its samples. Throws UsageError for settings out of range.
 SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "render/base/stopwatch.h"
+#include "render/core/counters.h"
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
 #include "render/effects/clip.h"
@@ -50,18 +51,29 @@ using DepthFunction = DepthResult (*)(const std::vector<CountingSample>&, float 
 
 /// Depth of a finished ray or part of one. `counting` holds every sample that counted: a second pass folds over them
 /// again.
-template <class Depth>
+template <class Depth, bool kHasSecondPass>
 DepthResult depthOf(const std::vector<CountingSample>& counting, float threshold) {
-  ProfileFold profile;
-  if constexpr (Depth::kTwoPass)
-    for (const CountingSample& sample : counting) profile.add(sample);
-  auto fold = Depth::start(threshold, profile);
-  for (const CountingSample& sample : counting) fold.add(sample);
-  return Depth::result(fold);
+  if constexpr (Depth::kTwoPass) {
+    FirstPass pass;
+    for (const CountingSample& sample : counting) pass.add(sample);
+    auto fold = Depth::start(threshold, pass.profile);
+    if (!pass.decides(fold) && kHasSecondPass) {
+      WARPSCOPE_COUNT(secondPasses, 1);
+      for (const CountingSample& sample : counting) fold.add(sample);
+    }
+    return Depth::result(fold);
+  } else {
+    auto fold = Depth::start(threshold, ProfileFold{});
+    for (const CountingSample& sample : counting) fold.add(sample);
+    return Depth::result(fold);
+  }
 }
 
-DepthFunction depthFunctionOf(Heuristic heuristic) {
-  return visitHeuristic(heuristic, [](auto depth) -> DepthFunction { return depthOf<decltype(depth)>; });
+DepthFunction depthFunctionOf(Heuristic heuristic, bool hasSecondPass) {
+  return visitHeuristic(heuristic, [&](auto depth) -> DepthFunction {
+    using Depth = decltype(depth);
+    return hasSecondPass ? depthOf<Depth, true> : depthOf<Depth, false>;
+  });
 }
 
 /// The samples that `Source` has to look at for what lies between the depths.
@@ -155,6 +167,7 @@ class CpuMarcher final : public Marcher {
       VolumeView<Voxel> view = makeVolumeView<Voxel>(*marched_);
       view.voxels = volume.voxelsAs<Voxel>();
       view.transfer = baked_->table.lookup();
+      view.transfer.isRefined = plan.has(PlanStage::refinement);
       view.cells.distances = plan.has(PlanStage::skipping) ? baked_->emptyDistances.data() : nullptr;
       const auto visitHoles = [&](auto&& f) {
         std::is_floating_point_v<Voxel>&& plan.has(PlanStage::missingVoxels) ? f(std::bool_constant<std::is_floating_point_v<Voxel>>{}) : f(std::false_type{});
@@ -167,14 +180,14 @@ class CpuMarcher final : public Marcher {
         });
       }
       if (settings.effects.mode == RenderMode::isosurface)
-        return visitLight(shadingFor(*marched_, camera, settings), [&](const auto& light) {
+        return visitLight(shadingFor(*marched_, camera, settings, plan), [&](const auto& light) {
           visitHoles([&]<class HasHoles>(HasHoles) {
             marchTiles<IsosurfaceSource<Voxel, HasHoles::value, false>>(ModeView<Voxel, IsosurfaceSetup>{view, baked_->surfaces}, light, camera, pixels,
                                                                         settings, plan, blocks, sample, stop, onRay);
           });
         });
       const LightVolume lightVolume = filledLightVolume(view, camera, settings, plan, stop);
-      visitLight(shadingFor(*marched_, camera, settings), lightVolume, [&](const auto& light) {
+      visitLight(shadingFor(*marched_, camera, settings, plan), lightVolume, [&](const auto& light) {
         visitMarchArithmetic(settings.arithmetic, [&]<class March>(March) {
           if (std::is_floating_point_v<Voxel> && March::kLeavesOutMissing && plan.has(PlanStage::missingVoxels))
             marchTiles<VolumeSource<Voxel, March::kLeavesOutMissing, March>>(view, light, camera, pixels, settings, plan, blocks, sample, stop, onRay);
@@ -236,7 +249,8 @@ class CpuMarcher final : public Marcher {
     const RayLimits limits = limitsOf(settings, plan);
     const Jitter jitter = plan.has(PlanStage::jitter) ? jitterFor(settings) : Jitter{};
     const ClipSetup clip = prepareClip(settings.effects.clip, *marched_->volume, camera);
-    const DepthFunction depthOfSamples = sample != nullptr ? depthFunctionOf(sample->heuristic) : nullptr;
+    const bool isClipped = plan.has(PlanStage::clip), isDivided = plan.has(PlanStage::severalSamples);
+    const DepthFunction depthOfSamples = sample != nullptr ? depthFunctionOf(sample->heuristic, plan.has(PlanStage::secondPass)) : nullptr;
     TurnsOfJob turns(turns_.get());
     const uint32_t side = turns.areLimited() ? tileSideFor(*marched_->volume, settings) : kTileSide;
     parallelForTiles(camera.width, camera.height, side, stop, turns, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
@@ -245,6 +259,7 @@ class CpuMarcher final : public Marcher {
       const VisibleDepths everything{0.0f, std::numeric_limits<float>::infinity()};
       for (uint32_t y = y0; y < y1; ++y)
         for (uint32_t x = x0; x < x1; ++x) {
+          WARPSCOPE_COUNT(rays, 1);
           const VisibleDepths depths = blocks ? blocks->at(x, y) : everything;
           if (depths.isEmpty()) {
             found.clear();
@@ -257,7 +272,8 @@ class CpuMarcher final : public Marcher {
           const RayInterval inside = exceptionsExpected([&] {
             return intersectBox(reciprocalOf(ray.origin, ray.direction), clip.bounds, 0.0f, std::numeric_limits<float>::infinity());
           });
-          RayPath path{ray, makeLattice(clipped(clip, ray, inside), settings.step)};
+          if (isClipped) WARPSCOPE_COUNT(clippedRays, 1);
+          RayPath path{ray, makeLattice(isClipped ? clipped(clip, ray, inside) : inside, settings.step)};
           path.lattice.t0 += jitter.shiftOf(x, y);
           Source source = exceptionsExpected([&] { return Source(view, ray, path.lattice); });  // reciprocals again
           GatheredColor<typename Source::March> color;
@@ -270,7 +286,7 @@ class CpuMarcher final : public Marcher {
           const glm::vec4 premultiplied = color.premultiplied();
           found.clear();
           if (sample != nullptr && !counting.empty()) {
-            if (sample->samplesPerRay == 1 || counting.size() == 1)
+            if (!isDivided || counting.size() == 1)
               found.add({depthOfSamples(counting, sample->threshold), premultiplied});
             else if constexpr (std::is_same_v<typename Source::March, StableMarch>)  // as march() makes sure
               findParts<Source>(view, light, path, limits, *sample, depthOfSamples, counting, found);
@@ -285,6 +301,7 @@ class CpuMarcher final : public Marcher {
   static void findParts(const View& view, const Light& light, const RayPath& path, const RayLimits& limits,
                         const SampleSettings& settings, DepthFunction depthOfSamples,
                         std::vector<CountingSample>& counting, RaySamples& found) {
+    WARPSCOPE_COUNT(dividedRays, 1);
     const RayParts parts{counting.back().accumulatedAfter(), settings.samplesPerRay};
     counting.clear();
     Source source(view, path.ray, path.lattice);

@@ -223,6 +223,7 @@ class CudaMarcher final : public Marcher {
       job.view.voxels = deviceVolume_->voxelsAs<Voxel>();
       job.view.blends = deviceVolume_->cellsAs<Voxel>();
       job.view.transfer = transfer_;
+      job.view.transfer.isRefined = plan_->has(PlanStage::refinement);
       job.view.cells.distances = plan_->has(PlanStage::skipping) ? emptyDistances_.data() : nullptr;
       job.clip = prepareClip(settings.effects.clip, *marched_->volume, camera);
       if (plan_->has(PlanStage::jitter)) {
@@ -233,6 +234,9 @@ class CudaMarcher final : public Marcher {
       job.camera = camera;
       job.pixels = pixelsFor(*marched_->volume, camera, settings);
       job.step = settings.step;
+      job.isClipped = plan_->has(PlanStage::clip);
+      job.hasSecondPass = plan_->has(PlanStage::secondPass);
+      job.isDivided = plan_->has(PlanStage::severalSamples);
       job.limits = limitsOf(settings, *plan_);
       if (sample != nullptr) {
         job.threshold = sample->threshold;
@@ -244,7 +248,7 @@ class CudaMarcher final : public Marcher {
       job.colors = denseColors_.data();
       job.image = image_.data();
       const uint32_t rows = rowsOfLaunch(camera, settings);
-      const ShadingSetup shading = shadingFor(*marched_, camera, settings);
+      const ShadingSetup shading = shadingFor(*marched_, camera, settings, *plan_);
       const LightVolume lightVolume = filledLightVolume<Voxel, kHasHoles, kByCells>(job.view, camera, settings, stop);
       const auto launchRows = [&] {
         job.firstRow = job.endRow;

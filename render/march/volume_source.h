@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "render/core/counters.h"
 #include "render/core/ray.h"
 #include "render/core/simd.h"
 #include "render/core/simd_lanes.h"
@@ -79,6 +80,9 @@ class VolumeSource {
 
  private:
   FloatBatch valuesAt(const FloatBatch& distance) {
+    WARPSCOPE_COUNT(samples, kBatch);
+    WARPSCOPE_COUNT(voxels, 8 * kBatch);
+    if constexpr (kHasHoles) WARPSCOPE_COUNT(finiteChecks, kBatch);
     IntBatch index[3];
     FloatBatch weight[3];
     for (int axis = 0; axis < 3; ++axis)
@@ -108,11 +112,13 @@ class VolumeSource {
 
   /// Tells the bins of these lanes apart further; a bit is set for each that has opacity.
   uint32_t refine(const FloatBatch& value, uint32_t lanes) {
+    if (!view_.transfer.isRefined) return 0;
     alignas(64) float values[kBatch];
     value.store_aligned(values);
     uint32_t visible = 0;
     for (; lanes != 0; lanes &= lanes - 1) {
       const int k = std::countr_zero(lanes);
+      WARPSCOPE_COUNT(refinements, 1);
       index_[k] = view_.transfer.refined(alpha_[k], values[k]);
       alpha_[k] = view_.transfer.alphas[index_[k]];
       visible |= static_cast<uint32_t>(alpha_[k] > 0.0f) << k;

@@ -2,6 +2,7 @@
 // The same formulas in the same order as volume_source.h, so that both give the same bits.
 #pragma once
 
+#include "render/core/counters.h"
 #include "render/core/ray.h"
 #include "render/core/transfer_table.h"
 #include "render/march/empty_space.h"
@@ -70,6 +71,9 @@ class ScalarVolumeSource {
       leapTo_ = emptySpace_.leapFromVoxel(i, index, lattice_);
       if (leapTo_ > i) return;
     }
+    WARPSCOPE_COUNT(samples, 1);
+    WARPSCOPE_COUNT(voxels, 8);
+    if constexpr (kHasHoles) WARPSCOPE_COUNT(finiteChecks, 1);
     const float value = valueAt<kByCells, kHasHoles>(view_, index, weight);
     if constexpr (kHasHoles)
       if (!isFiniteVoxel(value)) {
@@ -80,6 +84,7 @@ class ScalarVolumeSource {
     alpha_ = view_.transfer.alphas[index_];
     if constexpr (kIsRefined)
       if (alpha_ < 0.0f) {
+        WARPSCOPE_COUNT(refinements, 1);
         index_ = view_.transfer.refined(alpha_, value);
         alpha_ = view_.transfer.alphas[index_];
       }

@@ -1,0 +1,35 @@
+// Kernels with counters, for voxels of one type, kept in cells: compiling them for all takes minutes.
+// See render/march/march_kernels.cuh.
+#include "render/march/march_kernels.cuh"
+
+#include "render/base/error.h"
+
+namespace warpscope {
+
+template void launchMarch<uint8_t, false, true>(const MarchJob<uint8_t>&, const RenderSettings&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t);
+
+namespace {
+
+[[noreturn]] void refuse() { throw InputError("kernels with counters march volumes of uint8 in cells alone"); }
+
+}  // namespace
+
+#define WARPSCOPE_NO_KERNELS(Voxel, kHasHoles, kByCells)                                                                          \
+  template <>                                                                                                                     \
+  void launchMarch<Voxel, kHasHoles, kByCells>(const MarchJob<Voxel>&, const RenderSettings&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t) { \
+    refuse();                                                                                                                     \
+  }
+WARPSCOPE_NO_KERNELS(uint8_t, false, false)
+WARPSCOPE_NO_KERNELS(int8_t, false, true)
+WARPSCOPE_NO_KERNELS(int8_t, false, false)
+WARPSCOPE_NO_KERNELS(uint16_t, false, true)
+WARPSCOPE_NO_KERNELS(uint16_t, false, false)
+WARPSCOPE_NO_KERNELS(int16_t, false, true)
+WARPSCOPE_NO_KERNELS(int16_t, false, false)
+WARPSCOPE_NO_KERNELS(InterpolantVoxel, false, true)
+WARPSCOPE_NO_KERNELS(InterpolantVoxel, false, false)
+WARPSCOPE_NO_KERNELS(InterpolantVoxel, true, true)
+WARPSCOPE_NO_KERNELS(InterpolantVoxel, true, false)
+#undef WARPSCOPE_NO_KERNELS
+
+}  // namespace warpscope
