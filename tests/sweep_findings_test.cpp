@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 
+#include "app/experiment/effect_findings.h"
 #include "app/experiment/motion.h"
 
 namespace warpscope {
@@ -52,6 +53,24 @@ TEST(ParetoFront, IsWhatNothingDominates) {
 TEST(ParetoFront, LeavesOutWhatIsNoNumber) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(paretoFront({{1.0, nan}, {2.0, 0.5}}), std::vector<size_t>{1});
+}
+
+SweepRow litRow(std::string_view technique, float shading, double flip, double marchMs) {
+  SweepRow row = rowOf(technique, Heuristic::gradient, 0.0, flip, 1.0);
+  row.configuration.march.render.effects.shading.strength = shading;
+  row.cost.marchMs = marchMs;
+  return row;
+}
+
+TEST(EffectSentences, SayWhatAnEffectCostsAndAdds) {
+  const std::vector<SweepRow> rows{litRow("spheres", 0.0f, 0.05, 10.0), litRow("spheres", 0.5f, 0.055, 21.0), litRow("spheres", 1.0f, 0.06, 21.0),
+                                   litRow("points", 0.0f, 0.25, 10.0),  litRow("points", 1.0f, 0.2, 19.0)};
+  EXPECT_EQ(effectSentences(summariesOf(rows)),
+            "Shading at 1 instead of 0: the server takes 20 ms instead of 10; spheres is off by +0.0100 (FLIP 0.0600 instead of 0.0500), points is off by -0.0500 (FLIP 0.2000 instead of 0.2500).\n");
+  EXPECT_THAT(findingsOf(rows).answer, testing::HasSubstr("Shading at 1 instead of 0"));
+  EXPECT_EQ(effectSentences({}), "");
+  EXPECT_EQ(effectSentences(summariesOf({rows[0], rows[3]})), "") << "no effect was turned";
+  EXPECT_EQ(effectSentences(summariesOf({rows[0], rows[4]})), "") << "they differ in more than the effect";
 }
 
 TEST(Summaries, AreOverAnglesAndLeaveLinksOut) {

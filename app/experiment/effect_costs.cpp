@@ -2,17 +2,31 @@
 // See effect_costs.h.
 #include "app/experiment/effect_costs.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <optional>
 
 #include "render/base/error.h"
 
 namespace warpscope {
 namespace {
 
-constexpr std::array<MeasuredEffect, 4> kEffects{{
+constexpr std::array<MeasuredEffect, 7> kEffects{{
     {"shading", "by a light at the eye", [](const Effects& effects) { return effects.shading.strength > 0.0f; },
      [](Effects& effects) { effects.shading.strength = 0.0f; }, [](Effects& effects, const Volume&) { effects.shading.strength = 1.0f; }},
+    {"shadows", "of a light at the upper left", [](const Effects& effects) { return effects.shadows.strength > 0.0f; },
+     [](Effects& effects) { effects.shadows.strength = 0.0f; },
+     [](Effects& effects, const Volume&) {
+       effects.shadows.strength = 1.0f;
+       if (std::ranges::all_of(effects.lights, [](const Light& light) { return light.kind == LightKind::headlight; }))  // whose shadows nobody sees
+         effects.lights = parseLights("camera:-1,1,1", "the example");
+     },
+     "shading"},
+    {"occlusion", "of ambient light", [](const Effects& effects) { return effects.shadows.occlusion > 0.0f; },
+     [](Effects& effects) { effects.shadows.occlusion = 0.0f; }, [](Effects& effects, const Volume&) { effects.shadows.occlusion = 1.0f; }, "shading"},
+    {"jitter", "of half a step", [](const Effects& effects) { return effects.jitter > 0.0f; },
+     [](Effects& effects) { effects.jitter = 0.0f; }, [](Effects& effects, const Volume&) { effects.jitter = 1.0f; }},
     {"clip-planes", "through the centre", [](const Effects& effects) { return effects.clip.planes.size() > 0; },
      [](Effects& effects) { effects.clip.planes = {}; },
      [](Effects& effects, const Volume&) { effects.clip.planes.add({glm::vec3(1.0f, 0.0f, 0.0f), 0.0f}); }},
@@ -26,6 +40,13 @@ constexpr std::array<MeasuredEffect, 4> kEffects{{
        effects.clip.slab.thickness = 0.5f * glm::max(extent.x, glm::max(extent.y, extent.z));
      }},
 }};
+
+/// Of the effect without which this one does nothing, its place; nothing if there is none.
+std::optional<size_t> neededBy(const MeasuredEffect& effect) {
+  for (size_t i = 0; i < kEffects.size(); ++i)
+    if (kEffects[i].name == effect.needs) return i;
+  return std::nullopt;
+}
 
 /// A march that is timed, round after round.
 struct Timed {
@@ -58,14 +79,18 @@ EffectCosts measureEffects(Marcher& marcher, const Camera& camera, const MarchSe
   for (const MeasuredEffect& effect : kEffects) {
     alone.push_back(all);
     for (const MeasuredEffect& other : kEffects)
-      if (&other != &effect) other.leaveOut(alone.back().settings.render.effects);
+      if (&other != &effect && other.name != effect.needs) other.leaveOut(alone.back().settings.render.effects);
     leftOut.push_back(all);
     effect.leaveOut(leftOut.back().settings.render.effects);
   }
 
+  const auto beforeAlone = [&](size_t i) -> const Timed& {
+    const auto needed = neededBy(kEffects[i]);
+    return needed ? alone[*needed] : none;
+  };
   Image<glm::vec4> plain, changed;
-  marcher.render(camera, none.settings.render, plain, stop);
   for (size_t i = 0; i < kEffects.size(); ++i) {
+    marcher.render(camera, beforeAlone(i).settings.render, plain, stop);
     marcher.render(camera, alone[i].settings.render, changed, stop);
     if (std::memcmp(plain.data(), changed.data(), plain.size() * sizeof(glm::vec4)) == 0)
       throw InputError(std::string(kEffects[i].name) + " does not change this picture; nothing was timed");
@@ -85,7 +110,7 @@ EffectCosts measureEffects(Marcher& marcher, const Camera& camera, const MarchSe
 
   EffectCosts costs{measuredOf(none.ms), measuredOf(all.ms), measuredOf(differences(all, none)), {}};
   for (size_t i = 0; i < kEffects.size(); ++i)
-    costs.effects.push_back({&kEffects[i], !kEffects[i].isOn(settings.render.effects), measuredOf(alone[i].ms), measuredOf(differences(alone[i], none)),
+    costs.effects.push_back({&kEffects[i], !kEffects[i].isOn(settings.render.effects), measuredOf(alone[i].ms), measuredOf(differences(alone[i], beforeAlone(i))),
                              measuredOf(leftOut[i].ms), measuredOf(differences(all, leftOut[i]))});
   return costs;
 }

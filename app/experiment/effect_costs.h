@@ -20,6 +20,7 @@ struct MeasuredEffect {
   bool (*isOn)(const Effects&);
   void (*leaveOut)(Effects&);
   void (*set)(Effects&, const Volume&);  ///< to the example
+  std::string_view needs = {};           ///< the effect without which this one does nothing
 };
 
 /// Every effect that scenes can ask for: one row each.
@@ -29,8 +30,8 @@ std::span<const MeasuredEffect> measuredEffects();
 struct EffectCost {
   const MeasuredEffect* effect = nullptr;
   bool isExample = false;  ///< the scene has none
-  Measured alone;          ///< a march with this effect and no other
-  Measured adds;           ///< what it takes more than one without any: below 0 where it saves
+  Measured alone;          ///< a march with this effect and no other but what it needs
+  Measured adds;           ///< what it takes more than one without this one: below 0 where it saves
   Measured leftOut;        ///< a march with all the others
   Measured saves;          ///< what one with all takes more than that
 };

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "app/experiment/averages.h"
+#include "app/experiment/effect_findings.h"
 
 namespace warpscope {
 namespace {
@@ -179,6 +180,7 @@ Findings findingsOf(const std::vector<SweepRow>& rows) {
     std::snprintf(at, sizeof at, "At %g degrees alone FLIP %.4f with ", row.angleDeg, row.flip);
     answer += at + nameAmong(row.best, summaries) + ".\n";
   }
+  answer += effectSentences(summaries);
   if (findings.papersMethod)
     answer += "The paper's method (" + nameAmong(findings.papersMethod->configuration, summaries) + "): " + whatOf(*findings.papersMethod) + ".\n";
   if (findings.pointBaseline)

@@ -113,7 +113,10 @@ constinit const Knob kShadowsKnob{.key = "shadows",
                                   .stale = KnobStage::march,
                                   .range = {0.0, 1.0},
                                   .track = {0.0, 1.0},
-                                  .defaultValue = kShadows.strength};
+                                  .defaultValue = kShadows.strength,
+                                  .axis = {"shadowStrengths", "--shadow-strengths", "Strengths of shadows"},
+                                  .phrase = ", shadows {}",
+                                  .naming = KnobNaming::whereDiffering};
 
 constinit const Knob kOcclusionKnob{.key = "occlusion",
                                     .option = "--occlusion",
@@ -124,7 +127,10 @@ constinit const Knob kOcclusionKnob{.key = "occlusion",
                                     .stale = KnobStage::march,
                                     .range = {0.0, 1.0},
                                     .track = {0.0, 1.0},
-                                    .defaultValue = kShadows.occlusion};
+                                    .defaultValue = kShadows.occlusion,
+                                    .axis = {"occlusions", "--occlusions", "Strengths of ambient occlusion"},
+                                    .phrase = ", occlusion {}",
+                                    .naming = KnobNaming::whereDiffering};
 
 constinit const Knob kOcclusionRadiusKnob{.key = "occlusionRadius",
                                           .option = "--occlusion-radius",
@@ -187,7 +193,10 @@ constinit const Knob kJitterKnob{.key = "jitter",
                                  .stale = KnobStage::march,
                                  .range = {0.0, 1.0},
                                  .track = {0.0, 1.0},
-                                 .defaultValue = 0.0};
+                                 .defaultValue = 0.0,
+                                 .axis = {"jitters", "--jitters", "Strengths of jitter"},
+                                 .phrase = ", jitter {}",
+                                 .naming = KnobNaming::whereDiffering};
 
 std::span<const MarchKnob> effectKnobs() {
   static constexpr MarchKnob kRows[] = {
