@@ -182,8 +182,8 @@ TEST(LightVolume, FourteenDirectionsStandForAll) {
       }
   RecordProperty("mean", std::to_string(sum / places));
   RecordProperty("largest", std::to_string(largest));
-  EXPECT_LE(sum / places, 0.03);
-  EXPECT_LE(largest, 0.12);
+  EXPECT_LE(sum / places, 0.007);  // 0.0046
+  EXPECT_LE(largest, 0.035);       // 0.0227
   EXPECT_GE(largest, 1e-4) << "or nothing was compared";
 }
 
