@@ -348,6 +348,9 @@ TEST(Shadows, ThePlanSaysWhyTheyAreInOrOut) {
   EXPECT_EQ(reason(shadowedBy("camera:1,0,0", 1.0f), PlanStage::lightVolume),
             "a place every 2 voxels, 129x129x65; made anew when the camera moves, since a light goes with it");
   EXPECT_TRUE(planOf(shadowedBy("none", 0.0f, 1.0f)).has(PlanStage::occlusion));
+  MarchSettings slab = shadowedBy("world:1,0,0", 1.0f);
+  slab.render.effects.clip.slab.thickness = 9.0f;
+  EXPECT_EQ(reason(slab, PlanStage::lightVolume), "a place every 2 voxels, 129x129x65; made anew when the camera moves, since the slab goes with it");
 }
 
 }  // namespace

@@ -105,9 +105,11 @@ EffectPlan::EffectPlan(const PlannedScene& scene, const RenderSettings& settings
     at(PlanStage::lightVolume) = out("there are no shadows and no occlusion");
   } else {
     const LightVolume volume = lightVolumeLayout(scene.dims, channels, settings.effects.shadows.gridEdge);
-    at(PlanStage::lightVolume) =
-        in("a place every " + numberText(volume.edge) + " voxels, " + std::to_string(volume.dims.x) + "x" + std::to_string(volume.dims.y) + "x" +
-           std::to_string(volume.dims.z) + (casts && lightsOfCamera(settings.effects.lights) > 0 ? "; made anew when the camera moves, since a light goes with it" : "; kept while the camera moves"));
+    const char* const lasts = casts && lightsOfCamera(settings.effects.lights) > 0 ? "made anew when the camera moves, since a light goes with it"
+                              : settings.effects.clip.slab.thickness > 0.0f         ? "made anew when the camera moves, since the slab goes with it"
+                                                                                    : "kept while the camera moves";
+    at(PlanStage::lightVolume) = in("a place every " + numberText(volume.edge) + " voxels, " + std::to_string(volume.dims.x) + "x" + std::to_string(volume.dims.y) + "x" +
+                                    std::to_string(volume.dims.z) + "; " + lasts);
   }
 
   const std::string pictureAlone = "no samples are wanted";
