@@ -46,7 +46,7 @@ void print(const EffectPlan& plan, const StageCosts& costs) {
       std::snprintf(text, sizeof text, "%+9.2f ms ±%.2f", found->second.medianMs, 0.5 * found->second.spreadMs);
       cost = text;
     }
-    std::printf("%-3s  %-15s %-19s %s\n", plan.has(stage.stage) ? "in" : "out", std::string(stage.name).c_str(), cost.c_str(),
+    std::printf("%-3s  %-17s %-19s %s\n", plan.has(stage.stage) ? "in" : "out", std::string(stage.name).c_str(), cost.c_str(),
                 plan[stage.stage].reason.c_str());
   }
 }

@@ -191,8 +191,11 @@ constexpr std::array<PlanRule, kStages.size()> kRules{{
        if (channels == 0) return out("there are no shadows and no occlusion");
        const LightVolume volume = lightVolumeLayout(q.scene.dims, channels, q.settings.effects.shadows.gridEdge);
        const bool goesWithCamera = casts && q.lights([](const Light& light) { return light.kind == LightKind::camera; }) > 0;
+       const char* const lasts = goesWithCamera                                       ? "made anew when the camera moves, since a light goes with it"
+                                 : q.settings.effects.clip.slab.thickness > 0.0f ? "made anew when the camera moves, since the slab goes with it"
+                                                                                 : "kept while the camera moves";
        return in("a place every " + numberText(volume.edge) + " voxels, " + std::to_string(volume.dims.x) + "x" + std::to_string(volume.dims.y) + "x" +
-                 std::to_string(volume.dims.z) + (goesWithCamera ? "; made anew when the camera moves, since a light goes with it" : "; kept while the camera moves"));
+                 std::to_string(volume.dims.z) + "; " + lasts);
      }},
     {PlanStage::earlyEnd, [](const PlanQuestion& q) { return planEarlyEnd(q.scene, q.settings); }},
     {PlanStage::secondPass,
