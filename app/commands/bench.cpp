@@ -117,11 +117,11 @@ void printCosts(const EffectCosts& costs) {
   std::fprintf(stderr, "  %-22s %9.3f ms ±%.3f\n", "no effect", costs.none.medianMs, 0.5 * costs.none.spreadMs);
   for (const EffectCost& cost : costs.effects)
     line((std::string(cost.effect->name) + " alone").c_str(), cost.alone, cost.adds,
-         cost.isExample ? ("an example: " + std::string(cost.effect->example)).c_str() : "");
-  line("all", costs.all, costs.allAdd, "");
+         (cost.isExample ? "than none; an example: " + std::string(cost.effect->example) : std::string("than none")).c_str());
+  line("all", costs.all, costs.allAdd, "than none");
   for (const EffectCost& cost : costs.effects) {
     const Measured saved{-cost.saves.medianMs, cost.saves.spreadMs};
-    line(("all but " + std::string(cost.effect->name)).c_str(), cost.leftOut, saved, "");
+    line(("all but " + std::string(cost.effect->name)).c_str(), cost.leftOut, saved, "than all");
   }
 }
 
