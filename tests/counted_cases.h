@@ -64,7 +64,7 @@ struct CountedCase {
   Counter counter;
   CountedScene without, with;
   bool isWork = true;       ///< the stage, decided in where it is not needed, does something; else its being left out is seen where it is
-  bool isAskedOf = true;    ///< by marches; else by what they are given: the table is baked by the step
+  bool isAskedOf = true;    ///< by marches; else by what they are given: the table is baked by the step, and modes are the settings'
 };
 
 inline std::string nameOfCase(const testing::TestParamInfo<CountedCase>& info) {
@@ -81,6 +81,13 @@ inline CountedScene litScene(std::string_view lights, const Shading& shading = {
   return scene;
 }
 
+inline CountedScene shadowed(float strength, float occlusion) {
+  CountedScene scene = litScene("camera:1,1,1");
+  scene.settings.render.effects.shadows.strength = strength;
+  scene.settings.render.effects.shadows.occlusion = occlusion;
+  return scene;
+}
+
 inline std::vector<CountedCase> countedCases() {
   const CountedScene plain;
   const auto changed = [&](auto&& change) {
@@ -91,6 +98,12 @@ inline std::vector<CountedCase> countedCases() {
   const auto render = [&](auto member, auto value) { return changed([&](CountedScene& s) { s.settings.render.*member = value; }); };
   return {
       {PlanStage::march, Counter::samples, changed([](CountedScene& s) { s.opacity = 0.0f; }), plain, false},
+      {PlanStage::jitter, Counter::movedRays, plain, changed([](CountedScene& s) { s.settings.render.effects.jitter = 1.0f; }), false},
+      {PlanStage::maximum, Counter::maxima, plain, changed([](CountedScene& s) { s.settings.render.effects.mode = RenderMode::mip; }), false, false},
+      {PlanStage::surfaces, Counter::surfaces, plain, changed([](CountedScene& s) {
+         s.settings.render.effects.mode = RenderMode::isosurface;
+         s.settings.render.effects.isoValues = parseIsoValues("50", "it");
+       }), false, false},
       {PlanStage::clip, Counter::clippedRays, plain,
        changed([](CountedScene& s) { s.settings.render.effects.clip.planes = parseClipPlanes("1,0.2,0,0", "it"); })},
       {PlanStage::skipping, Counter::leaps, render(&RenderSettings::skipEmpty, false), plain},
@@ -103,6 +116,9 @@ inline std::vector<CountedCase> countedCases() {
       {PlanStage::diffuse, Counter::diffuse, litScene("headlight", {.strength = 1.0f, .diffuse = 0.0f}), litScene("headlight")},
       {PlanStage::specular, Counter::highlights, litScene("headlight", {.strength = 1.0f, .specular = 0.0f}), litScene("headlight")},
       {PlanStage::halfVector, Counter::halfVectors, litScene("camera:1,1,1", {.strength = 1.0f, .specular = 0.0f}), litScene("camera:1,1,1")},
+      {PlanStage::shadows, Counter::secondaryRays, litScene("camera:1,1,1"), shadowed(1.0f, 0.0f)},
+      {PlanStage::occlusion, Counter::secondaryRays, litScene("camera:1,1,1"), shadowed(0.0f, 1.0f)},
+      {PlanStage::lightVolume, Counter::secondaryRays, litScene("camera:1,1,1"), shadowed(0.5f, 0.5f), false},
       {PlanStage::earlyEnd, Counter::earlyEnds, changed([](CountedScene& s) { s.opacity = 0.9f, s.settings.render.terminateEarly = false; }),
        changed([](CountedScene& s) { s.opacity = 0.9f; })},
       {PlanStage::secondPass, Counter::secondPasses, plain, changed([](CountedScene& s) { s.settings.sample.heuristic = Heuristic::median; }), false},
@@ -115,7 +131,11 @@ inline std::vector<CountedScene> scenesWithoutStrength() {
   CountedScene unlit = litScene("point:1,2,3@9 world:1,0,0", {.strength = 0.0f, .ambient = 4.0f, .diffuse = 3.0f, .specular = 2.0f, .exponent = 7.0f});
   CountedScene uncut;
   uncut.settings.render.effects.clip.slab.depth = 5.0f;
-  return {unlit, uncut};
+  CountedScene unshadowed;
+  unshadowed.settings.render.effects.shadows = {.occlusionRadius = 3.0f, .gridEdge = 1.0f};
+  CountedScene composited;
+  composited.settings.render.effects.isoValues = parseIsoValues("50", "it");
+  return {unlit, uncut, unshadowed, composited};
 }
 
 }  // namespace warpscope

@@ -33,11 +33,15 @@ enum class Counter {
   secondPasses,   ///< of rays: marches on a device, folds over stored samples on the CPU
   dividedRays,    ///< that were marched again part by part
   secondaryRays,  ///< towards lights and through occluders
+  movedRays,      ///< by jitter
+  maxima,         ///< of rays
+  surfaces,       ///< that rays met
 };
-inline constexpr size_t kCounters = static_cast<size_t>(Counter::secondaryRays) + 1;
+inline constexpr size_t kCounters = static_cast<size_t>(Counter::surfaces) + 1;
 inline constexpr std::array<std::string_view, kCounters> kCounterNames{
     "rays",      "clippedRays", "samples",    "voxels",      "leaps",     "finiteChecks", "refinements", "corrections",
-    "gradients", "diffuse",     "highlights", "halfVectors", "earlyEnds", "secondPasses", "dividedRays", "secondaryRays"};
+    "gradients", "diffuse",     "highlights", "halfVectors", "earlyEnds", "secondPasses", "dividedRays", "secondaryRays",
+    "movedRays",   "maxima",      "surfaces"};
 
 /// What was counted.
 struct Counts {

@@ -3,6 +3,7 @@
 // these do not halve the interval, bisection (after Dekker 1969): no more than three values for each halving.
 #pragma once
 
+#include "render/core/counters.h"
 #include "render/march/march.h"
 #include "render/march/value_reader.h"
 
@@ -136,6 +137,7 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Isosu
       }
       for (int s = 0; s < found; ++s) {
         const Isosurface& surface = setup.surfaces[order[s]];
+        WARPSCOPE_COUNT(surfaces, 1);
         glm::vec3 color(0.0f);
         if constexpr (Gathered::kWantsColor) color = light.shade({i, places[s], 0.0f, surface.opacity, surface.color}, path.ray, source, 0);
         if (through * surface.opacity >= limits.contribution &&

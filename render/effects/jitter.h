@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "render/core/counters.h"
 #include "render/core/host_device.h"
 #include "render/march/march_settings.h"
 
@@ -22,7 +23,9 @@ struct Jitter {
 
   /// How far a pixel's samples are moved along its ray.
   WARPSCOPE_HD float shiftOf(uint32_t x, uint32_t y) const {
-    return noise == nullptr ? 0.0f : noise[y % kNoiseSide * kNoiseSide + x % kNoiseSide] * reach;
+    if (noise == nullptr) return 0.0f;
+    WARPSCOPE_COUNT(movedRays, 1);
+    return noise[y % kNoiseSide * kNoiseSide + x % kNoiseSide] * reach;
   }
 };
 

@@ -2,6 +2,7 @@
 // Directions of ambient light: Lebedev 1976, 14 points, exact for polynomials of degree 5 on the sphere.
 #pragma once
 
+#include "render/core/counters.h"
 #include "render/core/floating_point.h"
 #include "render/effects/clip.h"
 #include "render/effects/light_volume.h"
@@ -41,6 +42,7 @@ WARPSCOPE_HD inline float lightAlong(const LightVolumeJob& job, const View& view
   Source source = exceptionsExpected(makeSource);
 #endif
   RayOpacity gathered;
+  WARPSCOPE_COUNT(secondaryRays, 1);
   marchRay(path, 0, path.lattice.count, source, Unlit{}, RayLimits{2.0f, LightVolumeJob::kLeastLight}, gathered,
            [](const CountingSample&) { return true; });  // none contributes 2: none counts
   return gathered.transmittance.value();

@@ -2,6 +2,7 @@
 // Wallis, Miller, Lerner, Kleerup 1989; cells of which no value can be the greatest are leapt over, after Mroz, Hauser, Groeller 2000.
 #pragma once
 
+#include "render/core/counters.h"
 #include "render/core/visible_bins.h"
 #include "render/march/march.h"
 #include "render/march/value_reader.h"
@@ -91,6 +92,7 @@ class MipSource {
 template <class Gathered, class Sink>
 WARPSCOPE_HD inline void passGreatest(const GreatestValue& found, const TransferLookup& transfer, const RayLimits& limits, Gathered& ray, Sink&& sink) {
   if (!found.any) return;
+  WARPSCOPE_COUNT(maxima, 1);
   const int entry = transfer.entryOf(found.value);
   const float ofStep = transfer.alphas[entry], alpha = transfer.unitAlphas[entry];
   if (!(ofStep > 0.0f)) return;

@@ -138,6 +138,9 @@ void launchLightVolume(const LightVolumeJob& job, const VolumeView<Voxel>& view,
   constexpr unsigned kThreads = 128;
   fillLightVolume<Voxel, kHasHoles, kByCells><<<cuda::blocksFor(end - first, kThreads), kThreads, 0, stream>>>(job, view, first, end, values);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
+#if WARPSCOPE_COUNTERS
+  handOverDeviceCounts(stream);
+#endif
 }
 
 /// How many kernels there are for a kind of voxel: one a heuristic where nothing is lit, with and without bins that are refined; where matter is lit, with

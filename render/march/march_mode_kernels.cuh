@@ -98,6 +98,9 @@ void launchMip(const MarchJob<Voxel>& job, const MipSetup& setup, std::optional<
   else
     marchModeColors<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, Unlit{});
   WARPSCOPE_CUDA_CHECK_LAUNCH();
+#if WARPSCOPE_COUNTERS
+  handOverDeviceCounts(stream);
+#endif
 }
 
 template <class Voxel, bool kHasHoles, bool kByCells>
@@ -116,6 +119,9 @@ void launchIsosurfaces(const MarchJob<Voxel>& job, const IsosurfaceSetup& setup,
   else
     marchModeColors<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, light);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
+#if WARPSCOPE_COUNTERS
+  handOverDeviceCounts(stream);
+#endif
 }
 
 }  // namespace warpscope

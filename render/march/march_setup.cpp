@@ -62,6 +62,7 @@ LightVolumeJob lightVolumeFor(const MarchedVolume& marched, const Camera& camera
     ofLight[i] = casts ? channels++ : -1;
   }
   const int ofAmbient = plan.has(PlanStage::occlusion) ? channels++ : -1;
+  if (channels == 0) return job;
   job.volume = lightVolumeLayout(volume.dims(), channels, shadows.gridEdge);
   std::ranges::copy(ofLight, job.volume.ofLight);
   job.volume.ofAmbient = ofAmbient;

@@ -1,12 +1,16 @@
 // Kernels with counters, for voxels of one type, kept in cells: compiling them for all takes minutes.
-// See render/march/march_kernels.cuh.
-#include "render/march/march_kernels.cuh"
+// See render/march/march_kernels.cuh and march_mode_kernels.cuh.
+#include "render/march/march_mode_kernels.cuh"
 
 #include "render/base/error.h"
 
 namespace warpscope {
 
-template void launchMarch<uint8_t, false, true>(const MarchJob<uint8_t>&, const RenderSettings&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t);
+template void launchMarch<uint8_t, false, true>(const MarchJob<uint8_t>&, const RenderSettings&, const ShadingSetup&, const LightVolume&, std::optional<Heuristic>,
+                                                cudaStream_t);
+template void launchLightVolume<uint8_t, false, true>(const LightVolumeJob&, const VolumeView<uint8_t>&, size_t, size_t, uint16_t*, cudaStream_t);
+template void launchMip<uint8_t, false, true>(const MarchJob<uint8_t>&, const MipSetup&, std::optional<Heuristic>, cudaStream_t);
+template void launchIsosurfaces<uint8_t, false, true>(const MarchJob<uint8_t>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t);
 
 namespace {
 
@@ -14,10 +18,24 @@ namespace {
 
 }  // namespace
 
-#define WARPSCOPE_NO_KERNELS(Voxel, kHasHoles, kByCells)                                                                          \
-  template <>                                                                                                                     \
-  void launchMarch<Voxel, kHasHoles, kByCells>(const MarchJob<Voxel>&, const RenderSettings&, const ShadingSetup&, std::optional<Heuristic>, cudaStream_t) { \
-    refuse();                                                                                                                     \
+#define WARPSCOPE_NO_KERNELS(Voxel, kHasHoles, kByCells)                                                                                                 \
+  template <>                                                                                                                                            \
+  void launchMarch<Voxel, kHasHoles, kByCells>(const MarchJob<Voxel>&, const RenderSettings&, const ShadingSetup&, const LightVolume&,                      \
+                                               std::optional<Heuristic>, cudaStream_t) {                                                                  \
+    refuse();                                                                                                                                            \
+  }                                                                                                                                                      \
+  template <>                                                                                                                                            \
+  void launchLightVolume<Voxel, kHasHoles, kByCells>(const LightVolumeJob&, const VolumeView<Voxel>&, size_t, size_t, uint16_t*, cudaStream_t) {           \
+    refuse();                                                                                                                                            \
+  }                                                                                                                                                      \
+  template <>                                                                                                                                            \
+  void launchMip<Voxel, kHasHoles, kByCells>(const MarchJob<Voxel>&, const MipSetup&, std::optional<Heuristic>, cudaStream_t) {                            \
+    refuse();                                                                                                                                            \
+  }                                                                                                                                                      \
+  template <>                                                                                                                                            \
+  void launchIsosurfaces<Voxel, kHasHoles, kByCells>(const MarchJob<Voxel>&, const IsosurfaceSetup&, const ShadingSetup&, std::optional<Heuristic>,          \
+                                                     cudaStream_t) {                                                                                     \
+    refuse();                                                                                                                                            \
   }
 WARPSCOPE_NO_KERNELS(uint8_t, false, false)
 WARPSCOPE_NO_KERNELS(int8_t, false, true)
