@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <vector>
 
@@ -38,7 +39,8 @@ TEST(BlueNoise, HasEachValueOnceAndNoneNearItsLike) {
   for (size_t i = 0; i < sorted.size(); ++i) EXPECT_EQ(sorted[i], (static_cast<float>(i) + 0.5f) / 4096.0f - 0.5f);
   std::vector<float> white = sorted;
   std::ranges::shuffle(white, std::mt19937(3));
-  for (const uint32_t side : {2u, 3u, 5u, 8u}) EXPECT_LT(varianceOfMeans(noise, side), 0.25 * varianceOfMeans(white, side)) << side;
+  for (const auto& [side, share] : {std::pair(2u, 0.4), std::pair(3u, 0.2), std::pair(5u, 0.1), std::pair(8u, 0.05)})
+    EXPECT_LT(varianceOfMeans(noise, side), share * varianceOfMeans(white, side)) << side;
 }
 
 Scene coarseScene(const char* name, float jitter) {
@@ -61,7 +63,8 @@ std::vector<double> smoothed(const Image<glm::vec4>& picture) {
 }
 
 TEST(Jitter, MakesOfRingsWhatTheEyeAverages) {
-  for (const char* name : {"shells", "marschner-lobb"}) {
+  // Of marschner-lobb's error most is what steps of four voxels do to its waves, wherever they begin.
+  for (const auto& [name, share] : {std::pair("shells", 0.7), std::pair("marschner-lobb", 0.9)}) {
     const auto pictureAt = [&](float step, float jitter) {
       Scene scene = coarseScene(name, jitter);
       scene.march.render.step = step;
@@ -73,7 +76,7 @@ TEST(Jitter, MakesOfRingsWhatTheEyeAverages) {
       for (size_t i = 0; i < truth.size(); ++i) sum += std::pow(picture[i] - truth[i], 2);
       return std::sqrt(sum / static_cast<double>(truth.size()));
     };
-    EXPECT_LT(errorOf(noise), 0.7 * errorOf(rings)) << name << ": " << errorOf(noise) << " and " << errorOf(rings);
+    EXPECT_LT(errorOf(noise), share * errorOf(rings)) << name << ": " << errorOf(noise) << " and " << errorOf(rings);
   }
 }
 
@@ -101,14 +104,17 @@ TEST(Jitter, SamplesStayWithinHalfAStepOfWhereTheyWere) {
   const SampleFrame before = marcher->march(camera, scene.march);
   scene.march.render.effects.jitter = 1.0f;
   const SampleFrame after = marcher->march(camera, scene.march);
-  // On flat faces of opaque matter the first sample counts, wherever in the first step it lies.
-  size_t near = 0;
-  ASSERT_EQ(before.size(), after.size());
-  for (size_t i = 0; i < before.size(); ++i) {
-    const float moved = decodeDepth(depthCode(after.samples[i]), after.quantization.depthStep) - decodeDepth(depthCode(before.samples[i]), before.quantization.depthStep);
-    near += std::abs(moved) <= 1.0f + 4.0f * before.quantization.depthStep;
+  std::map<uint64_t, float> depths;
+  for (const PackedSample sample : before.samples) depths[pixelKey(sample)] = decodeDepth(depthCode(sample), before.quantization.depthStep);
+  size_t met = 0, near = 0;
+  for (const PackedSample sample : after.samples) {
+    const auto there = depths.find(pixelKey(sample));
+    if (there == depths.end()) continue;
+    ++met;
+    near += std::abs(decodeDepth(depthCode(sample), after.quantization.depthStep) - there->second) <= 1.0f + 4.0f * before.quantization.depthStep;
   }
-  EXPECT_GT(near, before.size() * 9 / 10);
+  EXPECT_GT(met, before.size() * 99 / 100);
+  EXPECT_GT(near, met * 9 / 10) << "where the first sample counts, and most of them do on flat faces";
 }
 
 TEST(Jitter, FramesAreCodedAsWellAsOthers) {

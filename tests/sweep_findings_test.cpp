@@ -58,7 +58,7 @@ TEST(ParetoFront, LeavesOutWhatIsNoNumber) {
 SweepRow litRow(std::string_view technique, float shading, double flip, double marchMs) {
   SweepRow row = rowOf(technique, Heuristic::gradient, 0.0, flip, 1.0);
   row.configuration.march.render.effects.shading.strength = shading;
-  row.cost.marchMs = marchMs;
+  row.cost.march = {marchMs, 0.0};
   return row;
 }
 

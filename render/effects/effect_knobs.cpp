@@ -116,7 +116,7 @@ constinit const Knob kShadowsKnob{.key = "shadows",
                                   .defaultValue = kShadows.strength,
                                   .axis = {"shadowStrengths", "--shadow-strengths", "Strengths of shadows"},
                                   .phrase = ", shadows {}",
-                                  .naming = KnobNaming::whereDiffering};
+                                  .naming = KnobNaming::unlessDefault};
 
 constinit const Knob kOcclusionKnob{.key = "occlusion",
                                     .option = "--occlusion",
@@ -130,7 +130,7 @@ constinit const Knob kOcclusionKnob{.key = "occlusion",
                                     .defaultValue = kShadows.occlusion,
                                     .axis = {"occlusions", "--occlusions", "Strengths of ambient occlusion"},
                                     .phrase = ", occlusion {}",
-                                    .naming = KnobNaming::whereDiffering};
+                                    .naming = KnobNaming::unlessDefault};
 
 constinit const Knob kOcclusionRadiusKnob{.key = "occlusionRadius",
                                           .option = "--occlusion-radius",
@@ -196,7 +196,7 @@ constinit const Knob kJitterKnob{.key = "jitter",
                                  .defaultValue = 0.0,
                                  .axis = {"jitters", "--jitters", "Strengths of jitter"},
                                  .phrase = ", jitter {}",
-                                 .naming = KnobNaming::whereDiffering};
+                                 .naming = KnobNaming::unlessDefault};
 
 std::span<const MarchKnob> effectKnobs() {
   static constexpr MarchKnob kRows[] = {
