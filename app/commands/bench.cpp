@@ -115,9 +115,11 @@ void printCosts(const EffectCosts& costs) {
                  0.5 * difference.spreadMs, note);
   };
   std::fprintf(stderr, "  %-22s %9.3f ms ±%.3f\n", "no effect", costs.none.medianMs, 0.5 * costs.none.spreadMs);
-  for (const EffectCost& cost : costs.effects)
+  for (const EffectCost& cost : costs.effects) {
+    const std::string than = "than " + (cost.effect->needs.empty() ? "none" : std::string(cost.effect->needs) + " alone");
     line((std::string(cost.effect->name) + " alone").c_str(), cost.alone, cost.adds,
-         (cost.isExample ? "than none; an example: " + std::string(cost.effect->example) : std::string("than none")).c_str());
+         (than + (cost.isExample ? "; an example: " + std::string(cost.effect->example) : "")).c_str());
+  }
   line("all", costs.all, costs.allAdd, "than none");
   for (const EffectCost& cost : costs.effects) {
     const Measured saved{-cost.saves.medianMs, cost.saves.spreadMs};
