@@ -131,6 +131,10 @@ VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverri
   return openVolume(file.is_absolute() ? file : folder / file, spacing, stop);
 }
 
+void crop(Scene& scene, const fs::path& mask, const std::stop_token& stop) {
+  scene.volume = masked(*scene.volume, *openVolume(mask, {}, stop), stop);
+}
+
 /// World axes of volumes that say nothing: y is up and the camera is where z grows. Patient axes (LPS): z is up, and the face
 /// looks at a camera in front.
 void setDefaultAxes(Scene& scene) {
@@ -169,7 +173,7 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
     constexpr std::string_view kMaskKeys[] = {"file"};
     mask->requireObject(kMaskKeys);
     const fs::path file = mask->at("file").string();
-    scene.volume = masked(*scene.volume, *openVolume(file.is_absolute() ? file : folder / file, {}, stop), stop);
+    crop(scene, file.is_absolute() ? file : folder / file, stop);
   }
   // Made for these views, as their golden images are; of a file nobody knows beforehand what it shows.
   if (scene.views.empty() && !overrides.volume && volume.find("procedural")) scene.views = defaultViews();
@@ -271,7 +275,7 @@ void requireScene(const std::string& spec) {
 Scene openScene(const std::string& spec, const SceneOverrides& overrides, const std::stop_token& stop) {
   Scene scene;
   const double openMs = milliseconds([&] { scene = openBySpec(spec, overrides, stop); });
-  if (overrides.mask) scene.volume = masked(*scene.volume, *openVolume(*overrides.mask, {}, stop), stop);
+  if (overrides.mask) crop(scene, *overrides.mask, stop);
   logVolume(*scene.volume, openMs);
   if (overrides.transferFunction)
     scene.transferFunction = readTransferFunction(JsonDocument::fromFile(*overrides.transferFunction).root());

@@ -10,27 +10,21 @@
 namespace warpscope {
 
 std::string textOf(const ClipPlanes& planes) {
-  std::string text;
-  for (const ClipPlane& plane : planes) {
+  return textOfList(planes, [](const ClipPlane& plane) {
     const float numbers[] = {plane.normal.x, plane.normal.y, plane.normal.z, plane.distance};
-    text += (text.empty() ? "" : " ") + textOfNumbers(numbers);
-  }
-  return text.empty() ? "none" : text;
+    return textOfNumbers(numbers);
+  });
 }
 
 ClipPlanes parseClipPlanes(std::string_view text, std::string_view name) {
   constexpr Range kRange{-ClipPlanes::kFarthest, ClipPlanes::kFarthest};
-  ClipPlanes planes;
-  for (const std::string_view word : settingWords(text)) {
-    if (planes.size() == ClipPlanes::kMost)
-      throw UsageError(std::string(name) + ": at most " + std::to_string(ClipPlanes::kMost) + " planes are possible");
+  return parseList<ClipPlanes>(text, name, "planes", [&](std::string_view word) -> ClipPlane {
     const std::string what = std::string(name) + ": " + quotedSetting(word);
     float numbers[4];
     parseNumbers(word, numbers, kRange, what);
     if (!(std::hypot(numbers[0], numbers[1], numbers[2]) > 1e-9f)) throw UsageError(what + ": a plane's normal must not be a zero vector");
-    planes.add({{numbers[0], numbers[1], numbers[2]}, numbers[3]});
-  }
-  return planes;
+    return {{numbers[0], numbers[1], numbers[2]}, numbers[3]};
+  });
 }
 
 std::string textOf(const ClipBox& box) {

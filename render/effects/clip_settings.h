@@ -2,12 +2,12 @@
 // See clip.h.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <string>
 #include <string_view>
 
 #include <glm/vec3.hpp>
+
+#include "render/base/short_list.h"
 
 namespace warpscope {
 
@@ -19,24 +19,9 @@ struct ClipPlane {
   bool operator==(const ClipPlane&) const = default;
 };
 
-/// At most kMost of them: what is in front of all is kept.
-class ClipPlanes {
- public:
-  static constexpr size_t kMost = 6;
+/// What is in front of all is kept.
+struct ClipPlanes : ShortList<ClipPlane, 6> {
   static constexpr float kFarthest = 1e12f;  ///< no number of a plane is greater
-
-  constexpr ClipPlanes() = default;
-
-  const ClipPlane* begin() const { return planes_.data(); }
-  const ClipPlane* end() const { return planes_.data() + size_; }
-  size_t size() const { return size_; }
-  void add(const ClipPlane& plane) { planes_.at(size_++) = plane; }
-
-  bool operator==(const ClipPlanes&) const = default;
-
- private:
-  std::array<ClipPlane, kMost> planes_{};  // those beyond size_ are defaults
-  size_t size_ = 0;
 };
 
 /// The part of the volume that is kept, along its own axes: 0 to 1 is all of it.

@@ -54,10 +54,9 @@ WARPSCOPE_HD inline void readCorners(const VoxelCell<Voxel>& cell, const ValueSc
 template <bool kByCells, class Voxel>
 WARPSCOPE_HD inline void loadStencil(const VolumeView<Voxel>& view, const int (&index)[3], GradientStencil<float>& s) {
   if constexpr (kByCells) {
-    // There are never as many cells as 2^32: device_volume.h keeps larger volumes as voxels.
-    const uint32_t cellsX = static_cast<uint32_t>(view.ends[0].lastCell) + 1;
-    const uint32_t stride[3] = {1, cellsX, cellsX * (static_cast<uint32_t>(view.ends[1].lastCell) + 1)};
-    const uint32_t own = static_cast<uint32_t>(index[2]) * stride[2] + static_cast<uint32_t>(index[1]) * stride[1] + static_cast<uint32_t>(index[0]);
+    const uint32_t cellsX = static_cast<uint32_t>(view.ends[0].lastCell + 1);
+    const uint32_t stride[3] = {1, cellsX, cellsX * static_cast<uint32_t>(view.ends[1].lastCell + 1)};
+    const uint32_t own = view.cellPlace(index);
     readCorners(view.blends[own], view.scale, s.own);
     for (int axis = 0; axis < 3; ++axis) {
       float before[8], behind[8];

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "render/core/counters.h"
+#include "render/effects/mode_settings.h"
 #include "render/march/march.h"
 #include "render/march/value_reader.h"
 
@@ -21,7 +22,7 @@ struct Isosurface {
 
 /// What is the same for all rays of a picture.
 struct IsosurfaceSetup {
-  static constexpr int kMost = 4;  ///< IsoValues::kMost
+  static constexpr int kMost = static_cast<int>(IsoValues::kMost);
 
   int count = 0;
   Isosurface surfaces[kMost];

@@ -26,13 +26,7 @@ std::string textOf(const Light& light) {
 Light parseLight(std::string_view text, std::string_view name) {
   const std::string what = std::string(name) + ": " + quotedSetting(text);
   Light light;
-  const size_t at = text.find('@');
-  if (at != std::string_view::npos) {
-    const std::string ofStrength = what + ": the strength";
-    light.strength = static_cast<float>(requireNumber(text.substr(at + 1), kStrengthRange, ofStrength));
-    requireRange(light.strength, kStrengthRange, ofStrength);
-    text = text.substr(0, at);
-  }
+  light.strength = takeShare(text, light.strength, kStrengthRange, what + ": the strength");
   const size_t colon = text.find(':');
   const auto* kind = findNamed(kLightKinds, text.substr(0, colon));
   if (kind == nullptr) throw UsageError(std::string(name) + ": " + unknownNameIn(kLightKinds, "light", text.substr(0, colon).substr(0, 40)));
@@ -52,19 +46,11 @@ Light parseLight(std::string_view text, std::string_view name) {
 }  // namespace
 
 std::string textOf(const Lights& lights) {
-  std::string text;
-  for (const Light& light : lights) text += (text.empty() ? "" : " ") + textOf(light);
-  return text.empty() ? "none" : text;
+  return textOfList(lights, [](const Light& light) { return textOf(light); });
 }
 
 Lights parseLights(std::string_view text, std::string_view name) {
-  Lights lights;
-  for (const std::string_view word : settingWords(text)) {
-    if (lights.size() == Lights::kMost)
-      throw UsageError(std::string(name) + ": at most " + std::to_string(Lights::kMost) + " lights are possible");
-    lights.add(parseLight(word, name));
-  }
-  return lights;
+  return parseList<Lights>(text, name, "lights", [&](std::string_view word) { return parseLight(word, name); });
 }
 
 }  // namespace warpscope

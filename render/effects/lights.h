@@ -3,13 +3,13 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <string>
 #include <string_view>
 
 #include <glm/vec3.hpp>
 
 #include "render/base/named_value.h"
+#include "render/base/short_list.h"
 
 namespace warpscope {
 
@@ -35,26 +35,11 @@ struct Light {
   bool operator==(const Light&) const = default;
 };
 
-/// The lights of a scene, at most kMost; without any there is ambient light alone.
-class Lights {
- public:
-  static constexpr size_t kMost = 4;
+/// The lights of a scene; without any there is ambient light alone.
+struct Lights : ShortList<Light, 4> {
   static constexpr float kMostStrength = 16.0f;
   /// No component of a direction or place is greater.
   static constexpr float kFarthest = 1e12f;
-
-  constexpr Lights() = default;
-
-  const Light* begin() const { return lights_.data(); }
-  const Light* end() const { return lights_.data() + size_; }
-  size_t size() const { return size_; }
-  constexpr void add(const Light& light) { lights_.at(size_++) = light; }
-
-  bool operator==(const Lights&) const = default;
-
- private:
-  std::array<Light, kMost> lights_{};  // those beyond size_ are defaults
-  size_t size_ = 0;
 };
 
 /// "headlight" alone.

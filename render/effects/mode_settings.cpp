@@ -17,13 +17,7 @@ constexpr Range kOpacityRange{0.0, 1.0};
 IsoValue parseIsoValue(std::string_view text, std::string_view name) {
   const std::string what = std::string(name) + ": " + quotedSetting(text);
   IsoValue value;
-  const size_t at = text.find('@');
-  if (at != std::string_view::npos) {
-    const std::string ofOpacity = what + ": the opacity";
-    value.opacity = static_cast<float>(requireNumber(text.substr(at + 1), kOpacityRange, ofOpacity));
-    requireRange(value.opacity, kOpacityRange, ofOpacity);
-    text = text.substr(0, at);
-  }
+  value.opacity = takeShare(text, value.opacity, kOpacityRange, what + ": the opacity");
   const std::optional<double> number = parseNumber(text);
   if (!number || !(*number >= kValueRange.lowest && *number <= kValueRange.highest)) throw UsageError(what + ": a value must be a finite number");
   value.value = *number;
@@ -33,21 +27,13 @@ IsoValue parseIsoValue(std::string_view text, std::string_view name) {
 }  // namespace
 
 std::string textOf(const IsoValues& values) {
-  std::string text;
-  for (const IsoValue& value : values) {
-    text += (text.empty() ? "" : " ") + numberText(value.value);
-    if (value.opacity != 1.0f) text += "@" + numberText(value.opacity);
-  }
-  return text.empty() ? "none" : text;
+  return textOfList(values, [](const IsoValue& value) {
+    return numberText(value.value) + (value.opacity != 1.0f ? "@" + numberText(value.opacity) : "");
+  });
 }
 
 IsoValues parseIsoValues(std::string_view text, std::string_view name) {
-  IsoValues values;
-  for (const std::string_view word : settingWords(text)) {
-    if (values.size() == IsoValues::kMost) throw UsageError(std::string(name) + ": at most " + std::to_string(IsoValues::kMost) + " values are possible");
-    values.add(parseIsoValue(word, name));
-  }
-  return values;
+  return parseList<IsoValues>(text, name, "values", [&](std::string_view word) { return parseIsoValue(word, name); });
 }
 
 }  // namespace warpscope

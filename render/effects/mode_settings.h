@@ -3,11 +3,11 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <string>
 #include <string_view>
 
 #include "render/base/named_value.h"
+#include "render/base/short_list.h"
 
 namespace warpscope {
 
@@ -31,24 +31,7 @@ struct IsoValue {
   bool operator==(const IsoValue&) const = default;
 };
 
-/// At most kMost.
-class IsoValues {
- public:
-  static constexpr size_t kMost = 4;
-
-  constexpr IsoValues() = default;
-
-  const IsoValue* begin() const { return values_.data(); }
-  const IsoValue* end() const { return values_.data() + size_; }
-  size_t size() const { return size_; }
-  void add(const IsoValue& value) { values_.at(size_++) = value; }
-
-  bool operator==(const IsoValues&) const = default;
-
- private:
-  std::array<IsoValue, kMost> values_{};  // those beyond size_ are defaults
-  size_t size_ = 0;
-};
+using IsoValues = ShortList<IsoValue, 4>;
 
 /// "300 1200@0.5": VALUE[@OPACITY] with blanks between values; "none" for none. Reads back as the same.
 std::string textOf(const IsoValues& values);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "render/base/error.h"
 #include "render/base/printable.h"
 
 namespace warpscope {
@@ -45,6 +44,15 @@ void parseNumbers(std::string_view text, std::span<float> numbers, const Range& 
     requireRange(number, range, what + ": each number");
     text.remove_prefix(std::min(comma + 1, text.size()));
   }
+}
+
+float takeShare(std::string_view& text, float absent, const Range& range, const std::string& what) {
+  const size_t at = text.find('@');
+  if (at == std::string_view::npos) return absent;
+  const auto share = static_cast<float>(requireNumber(text.substr(at + 1), range, what));
+  requireRange(share, range, what);
+  text = text.substr(0, at);
+  return share;
 }
 
 std::string quotedSetting(std::string_view text) {

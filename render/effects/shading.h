@@ -150,6 +150,15 @@ WARPSCOPE_HD inline LightFactors<Float> lightFactors(const ShadingSetup& setup, 
   return {selected(isSurface, mulAdd(Float(strength), diffuse, Float(1.0f - strength)), kOne), selected(isSurface, Float(strength) * specular, kZero)};
 }
 
+/// As gradientAt(), of a sample that the source has looked at, at distance `t`: a source that knows its cell is not asked to find it again.
+template <class Source>
+WARPSCOPE_HD inline void gradientOfSample(const Source& source, const Ray& ray, float t, float (&gradient)[3]) {
+  if constexpr (requires { source.cell(); })
+    gradientIn<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), source.cell(), gradient);
+  else
+    gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, t, gradient);
+}
+
 /// Colours lit by the setup's lights (light.h says what a light is).
 struct Lit {
   ShadingSetup setup;
@@ -159,10 +168,7 @@ struct Lit {
     WARPSCOPE_COUNT(gradients, 1);
     WARPSCOPE_COUNT(voxels, 32);
     float gradient[3];
-    if constexpr (requires { source.cell(); })
-      gradientIn<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), source.cell(), gradient);
-    else
-      gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, sample.t, gradient);
+    gradientOfSample(source, ray, sample.t, gradient);
     const float toEye[3] = {-ray.direction.x, -ray.direction.y, -ray.direction.z};
     const float place[3] = {mulAdd(sample.t, ray.direction.x, ray.origin.x), mulAdd(sample.t, ray.direction.y, ray.origin.y),
                             mulAdd(sample.t, ray.direction.z, ray.origin.z)};
@@ -207,7 +213,7 @@ struct ShadowedLit {
   template <class Source>
   WARPSCOPE_HD glm::vec3 shade(const ClassifiedSample& sample, const Ray& ray, const Source& source, int /*k*/) const {
     float gradient[3];
-    gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, sample.t, gradient);
+    gradientOfSample(source, ray, sample.t, gradient);
     const glm::vec3 origin = source.view().voxelOrigin(ray), direction = source.view().voxelDirection(ray);
     const float toEye[3] = {-ray.direction.x, -ray.direction.y, -ray.direction.z};
     float place[3], voxel[3];

@@ -36,20 +36,14 @@ __device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel, fl
 template <class Light, bool kIsRefined>
 constexpr int kBlocksAtOnce = !std::is_same_v<Light, Unlit> ? 5 : kIsRefined ? 7 : 6;
 
-template <class Depth, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
-__global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRefined>))
-    marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
-  if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
-  float cosine;
-  const RayPath path = rayThrough(job, pixel, &cosine);
-  const auto& [ray, lattice] = path;
-  RayColor gathered;
+/// The depth of a ray's only sample; `gathered` becomes the ray's light. `makeSource()` gives a source at the path's beginning.
+template <class Job, class Depth, class MakeSource, class Light>
+__device__ inline DepthResult depthOfRay(const Job& job, const RayPath& path, const Depth& depth, const MakeSource& makeSource, const Light& light,
+                                         RayColor& gathered) {
   std::conditional_t<Depth::kTwoPass, FirstPass, ProfileFold> first;
   auto fold = depth.start(job.threshold, ProfileFold{});
-  using Source = ScalarVolumeSource<Voxel, kHasHoles, kByCells, StableMarch, kIsRefined>;
-  Source source(job.view, ray, lattice);
-  marchRay(path, 0, lattice.count, source, light, job.limits, gathered, [&](const CountingSample& sample) {
+  auto source = makeSource();
+  marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered, [&](const CountingSample& sample) {
     if constexpr (Depth::kTwoPass)
       first.add(sample);
     else
@@ -61,18 +55,44 @@ __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRe
     if (!first.decides(fold) && job.hasSecondPass) {  // again, up to where the fold has what it wants
       WARPSCOPE_COUNT(secondPasses, 1);
       RayOpacity opacity;
-      Source again(job.view, ray, lattice);
-      marchRay(path, 0, lattice.count, again, light, job.limits, opacity, [&](const CountingSample& sample) {
+      auto again = makeSource();
+      marchRay(path, 0, path.lattice.count, again, light, job.limits, opacity, [&](const CountingSample& sample) {
         fold.add(sample);
         return !fold.crossed;
       });
     }
   }
-  const DepthResult found = depth.result(fold);
-  const glm::vec4 color = gathered.premultiplied();
-  const size_t i = size_t{pixel.y} * job.camera.width + pixel.x;
-  job.samples[i] = packRaySample(job.rule, job.pixels, pixel.x, pixel.y, cosine, found, color.a);
-  job.colors[i] = job.colorTables->encode(color);
+  return depth.result(fold);
+}
+
+template <class Job>
+__device__ inline void storeSample(const Job& job, const PixelPlace& pixel, float cosine, size_t place, const DepthResult& depth, const glm::vec4& color) {
+  job.samples[place] = packRaySample(job.rule, job.pixels, pixel.x, pixel.y, cosine, depth, color.a);
+  job.colors[place] = job.colorTables->encode(color);
+}
+
+/// Into the pixel's job.slots places, the first of them filled.
+template <class Job>
+__device__ inline void storeSamples(const Job& job, const PixelPlace& pixel, float cosine, const RaySamples& found) {
+  const size_t first = (size_t{pixel.y} * job.camera.width + pixel.x) * static_cast<size_t>(job.slots);
+  for (int slot = 0; slot < job.slots; ++slot) {
+    job.samples[first + slot] = 0;
+    if (slot < found.size()) storeSample(job, pixel, cosine, first + slot, found[slot].depth, found[slot].color);
+  }
+}
+
+template <class Depth, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRefined>))
+    marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
+  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
+  float cosine;
+  const RayPath path = rayThrough(job, pixel, &cosine);
+  using Source = ScalarVolumeSource<Voxel, kHasHoles, kByCells, StableMarch, kIsRefined>;
+  RayColor gathered;
+  const DepthResult found = depthOfRay(
+      job, path, depth, [&] { return Source(job.view, path.ray, path.lattice); }, light, gathered);
+  storeSample(job, pixel, cosine, size_t{pixel.y} * job.camera.width + pixel.x, found, gathered.premultiplied());
 }
 
 /// As marchSamples, for several samples a ray: job.slots places for each pixel, the first of them filled, near to far.
@@ -89,14 +109,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, true>
   WARPSCOPE_COUNT(dividedRays, 1);
   RaySamples found;
   findSamples(depth, path, makeSource, light, job.limits, job.threshold, job.slots, found);
-  const size_t first = (size_t{pixel.y} * job.camera.width + pixel.x) * static_cast<size_t>(job.slots);
-  for (int slot = 0; slot < job.slots; ++slot) {
-    job.samples[first + slot] = 0;
-    if (slot >= found.size()) continue;
-    const RaySample& sample = found[slot];
-    job.samples[first + slot] = packRaySample(job.rule, job.pixels, pixel.x, pixel.y, cosine, sample.depth, sample.color.a);
-    job.colors[first + slot] = job.colorTables->encode(sample.color);
-  }
+  storeSamples(job, pixel, cosine, found);
 }
 
 template <class March, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>

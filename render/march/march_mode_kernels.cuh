@@ -25,32 +25,10 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   const RayPath path = rayThrough(job, pixel, &cosine);
   const ModeView<Voxel, typename Source::Setup> view{job.view, setup};
   RayColor gathered;
-  ProfileFold profile;
-  auto fold = depth.start(job.threshold, profile);
-  Source source(view, path.ray, path.lattice);
-  marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered, [&](const CountingSample& sample) {
-    if constexpr (Depth::kTwoPass)
-      profile.add(sample);
-    else
-      fold.add(sample);
-    return true;
-  });
-  if constexpr (Depth::kTwoPass) {
-    if (profile.any) {  // again, up to where the fold has what it wants
-      fold = depth.start(job.threshold, profile);
-      RayOpacity opacity;
-      Source again(view, path.ray, path.lattice);
-      marchRay(path, 0, path.lattice.count, again, light, job.limits, opacity, [&](const CountingSample& sample) {
-        fold.add(sample);
-        return !fold.crossed;
-      });
-    }
-  }
-  const DepthResult found = depth.result(fold);
-  const glm::vec4 color = gathered.premultiplied();
+  const DepthResult found = depthOfRay(
+      job, path, depth, [&] { return Source(view, path.ray, path.lattice); }, light, gathered);
   const size_t first = (size_t{pixel.y} * job.camera.width + pixel.x) * static_cast<size_t>(job.slots);
-  job.samples[first] = packRaySample(job.rule, job.pixels, pixel.x, pixel.y, cosine, found, color.a);
-  job.colors[first] = job.colorTables->encode(color);
+  storeSample(job, pixel, cosine, first, found, gathered.premultiplied());
   for (int slot = 1; slot < job.slots; ++slot) job.samples[first + slot] = 0;
 }
 
@@ -67,14 +45,7 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   RaySamples found;
   findSamples(
       depth, path, [&] { return Source(view, path.ray, path.lattice); }, light, job.limits, job.threshold, job.slots, found);
-  const size_t first = (size_t{pixel.y} * job.camera.width + pixel.x) * static_cast<size_t>(job.slots);
-  for (int slot = 0; slot < job.slots; ++slot) {
-    job.samples[first + slot] = 0;
-    if (slot >= found.size()) continue;
-    const RaySample& sample = found[slot];
-    job.samples[first + slot] = packRaySample(job.rule, job.pixels, pixel.x, pixel.y, cosine, sample.depth, sample.color.a);
-    job.colors[first + slot] = job.colorTables->encode(sample.color);
-  }
+  storeSamples(job, pixel, cosine, found);
 }
 
 template <class Source, class Light, class Voxel>

@@ -150,6 +150,15 @@ class CpuMarcher final : public Marcher {
   }
 
  private:
+  /// Calls `f` with whether voxels that are not finite have to be left out: std::true_type or std::false_type.
+  template <class Voxel, class F>
+  static void visitHoles(const EffectPlan& plan, F&& f) {
+    if (std::is_floating_point_v<Voxel> && plan.has(PlanStage::missingVoxels))
+      f(std::bool_constant<std::is_floating_point_v<Voxel>>{});
+    else
+      f(std::false_type{});
+  }
+
   /// Finds samples where `sample` says how; colours alone if it is null.
   void forEachRay(const Camera& camera, const PixelGrid& pixels, const RenderSettings& settings,
                   const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) {
@@ -169,19 +178,16 @@ class CpuMarcher final : public Marcher {
       view.transfer = baked_->table.lookup();
       view.transfer.isRefined = plan.has(PlanStage::refinement);
       view.cells.distances = plan.has(PlanStage::skipping) ? baked_->emptyDistances.data() : nullptr;
-      const auto visitHoles = [&](auto&& f) {
-        std::is_floating_point_v<Voxel>&& plan.has(PlanStage::missingVoxels) ? f(std::bool_constant<std::is_floating_point_v<Voxel>>{}) : f(std::false_type{});
-      };
       if (settings.effects.mode == RenderMode::mip) {
         const MipSetup greatest = mipFor(*marched_, baked_->table, plan);
-        return visitHoles([&]<class HasHoles>(HasHoles) {
+        return visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {
           marchTiles<MipBatchSource<Voxel, HasHoles::value>>(ModeView<Voxel, MipSetup>{view, greatest}, Unlit{}, camera, pixels, settings, plan, blocks, sample,
                                                              stop, onRay);
         });
       }
       if (settings.effects.mode == RenderMode::isosurface)
         return visitLight(shadingFor(*marched_, camera, settings, plan), [&](const auto& light) {
-          visitHoles([&]<class HasHoles>(HasHoles) {
+          visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {
             marchTiles<IsosurfaceSource<Voxel, HasHoles::value, false>>(ModeView<Voxel, IsosurfaceSetup>{view, baked_->surfaces}, light, camera, pixels,
                                                                         settings, plan, blocks, sample, stop, onRay);
           });
@@ -189,10 +195,10 @@ class CpuMarcher final : public Marcher {
       const LightVolume lightVolume = filledLightVolume(view, camera, settings, plan, stop);
       visitLight(shadingFor(*marched_, camera, settings, plan), lightVolume, [&](const auto& light) {
         visitMarchArithmetic(settings.arithmetic, [&]<class March>(March) {
-          if (std::is_floating_point_v<Voxel> && March::kLeavesOutMissing && plan.has(PlanStage::missingVoxels))
-            marchTiles<VolumeSource<Voxel, March::kLeavesOutMissing, March>>(view, light, camera, pixels, settings, plan, blocks, sample, stop, onRay);
-          else
-            marchTiles<VolumeSource<Voxel, false, March>>(view, light, camera, pixels, settings, plan, blocks, sample, stop, onRay);
+          visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {
+            marchTiles<VolumeSource<Voxel, HasHoles::value && March::kLeavesOutMissing, March>>(view, light, camera, pixels, settings, plan, blocks, sample,
+                                                                                                stop, onRay);
+          });
         });
       });
     });
@@ -209,12 +215,9 @@ class CpuMarcher final : public Marcher {
       lightValues_.resize(job.volume.places() * static_cast<size_t>(job.volume.channels));
       const size_t length = static_cast<size_t>(job.volume.dims.x);
       const auto fill = [&](size_t row) {
-        for (size_t i = row * length; i < (row + 1) * length; ++i) {
-          if (std::is_floating_point_v<Voxel> && plan.has(PlanStage::missingVoxels))
-            fillPlace<VolumeSource<Voxel, true>>(job, view, i, lightValues_.data());
-          else
-            fillPlace<VolumeSource<Voxel, false>>(job, view, i, lightValues_.data());
-        }
+        visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {
+          for (size_t i = row * length; i < (row + 1) * length; ++i) fillPlace<VolumeSource<Voxel, HasHoles::value>>(job, view, i, lightValues_.data());
+        });
       };
       TurnsOfJob turns(turns_.get());
       const auto columns = static_cast<uint32_t>(job.volume.dims.y);

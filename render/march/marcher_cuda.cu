@@ -265,26 +265,33 @@ class CudaMarcher final : public Marcher {
             break;
         }
       };
-      TurnsOfJob turns(turns_.get());
+      launchAll(stop, launchRows, [&] { return static_cast<double>(job.endRow) / camera.height; });
+    });
+  }
+
+  /// Calls `launchNext` until `done()` is 1: what share of the job has been launched, 0..1. In turns where there are any. Throws OperationCancelled.
+  template <class LaunchNext, class Done>
+  void launchAll(const std::stop_token& stop, const LaunchNext& launchNext, const Done& done) {
+    const auto isDone = [&] { return !(done() < 1.0); };
+    TurnsOfJob turns(turns_.get());
+    if (turns.areLimited()) {
       const auto launchUntil = [&](std::chrono::steady_clock::time_point end) {
-        while (job.endRow < camera.height && !stop.stop_requested() && std::chrono::steady_clock::now() < end) {
-          launchRows();
+        while (!isDone() && !stop.stop_requested() && std::chrono::steady_clock::now() < end) {
+          launchNext();
           stream_.synchronize();  // a turn is the device's time
         }
-        return job.endRow == camera.height;
+        return isDone();
       };
-      if (turns.areLimited()) {
-        while (!turns.work(stop, launchUntil, [&] { return static_cast<double>(job.endRow) / camera.height; })) {
-        }
-        return;
+      while (!turns.work(stop, launchUntil, done)) {
       }
-      while (job.endRow < camera.height) {
-        launchRows();
-        if (job.endRow == camera.height || !stop.stop_possible()) continue;
-        stream_.synchronize();  // else every launch would be queued before the stop is seen
-        if (stop.stop_requested()) throw OperationCancelled();
-      }
-    });
+      return;
+    }
+    while (!isDone()) {
+      launchNext();
+      if (isDone() || !stop.stop_possible()) continue;
+      stream_.synchronize();  // else every launch would be queued before the stop is seen
+      if (stop.stop_requested()) throw OperationCancelled();
+    }
   }
 
   /// What arrives of the lights: of the last picture, or found out anew.
@@ -302,24 +309,7 @@ class CudaMarcher final : public Marcher {
         launchLightVolume<Voxel, kHasHoles, kByCells>(job, view, done, end, lightValues_.data(), stream_);
         done = end;
       };
-      TurnsOfJob turns(turns_.get());
-      const auto launchUntil = [&](std::chrono::steady_clock::time_point end) {
-        while (done < places && !stop.stop_requested() && std::chrono::steady_clock::now() < end) {
-          launchSome();
-          stream_.synchronize();  // a turn is the device's time
-        }
-        return done == places || stop.stop_requested();
-      };
-      if (turns.areLimited()) {
-        while (!turns.work(stop, launchUntil, [&] { return static_cast<double>(done) / static_cast<double>(places); })) {
-        }
-      } else {
-        while (done < places && !stop.stop_requested()) {
-          launchSome();
-          if (stop.stop_possible()) stream_.synchronize();  // else every launch would be queued before the stop is seen
-        }
-      }
-      if (stop.stop_requested()) throw OperationCancelled();
+      launchAll(stop, launchSome, [&] { return static_cast<double>(done) / static_cast<double>(places); });
       lightKey_ = std::move(key);
     }
     job.volume.values = lightValues_.data();

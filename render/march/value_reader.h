@@ -11,9 +11,7 @@ namespace warpscope {
 
 template <class Voxel>
 WARPSCOPE_HD inline const VoxelCell<Voxel>& cellAt(const VolumeView<Voxel>& view, const int (&index)[3]) {
-  // There are never as many cells as 2^32: device_volume.h keeps larger volumes as voxels.
-  const uint32_t row = static_cast<uint32_t>(index[2]) * static_cast<uint32_t>(view.ends[1].lastCell + 1) + static_cast<uint32_t>(index[1]);
-  return view.blends[row * static_cast<uint32_t>(view.ends[0].lastCell + 1) + static_cast<uint32_t>(index[0])];
+  return view.blends[view.cellPlace(index)];
 }
 
 /// The values around a place, x fastest.

@@ -2,6 +2,8 @@
 // Positions are turned into voxel coordinates as voxel_access.h defines them.
 #pragma once
 
+#include <cstdint>
+
 #include "render/core/ray.h"
 #include "render/march/empty_space.h"
 #include "render/volume/voxel_access.h"
@@ -28,6 +30,11 @@ struct VolumeView {
   /// Voxel coordinates of a ray's origin, and voxels per unit of t: as precise as kVoxelPlaceError says.
   WARPSCOPE_HD glm::vec3 voxelOrigin(const Ray& ray) const { return (ray.origin - lower) * voxelsPerUnit - 0.5f; }
   WARPSCOPE_HD glm::vec3 voxelDirection(const Ray& ray) const { return ray.direction * voxelsPerUnit; }
+  /// Among `blends`, of the cell whose lower voxel is `index`. There are never as many cells as 2^32: device_volume.h keeps larger volumes as voxels.
+  WARPSCOPE_HD uint32_t cellPlace(const int (&index)[3]) const {
+    const uint32_t row = static_cast<uint32_t>(index[2]) * static_cast<uint32_t>(ends[1].lastCell + 1) + static_cast<uint32_t>(index[1]);
+    return row * static_cast<uint32_t>(ends[0].lastCell + 1) + static_cast<uint32_t>(index[0]);
+  }
 };
 
 }  // namespace warpscope

@@ -235,8 +235,10 @@ TEST(MarchOnDevice, OtherModesInEveryScene) {
   }
 }
 
-TEST(MarchOnDevice, OtherModesOfEveryVoxelTypeWithAndWithoutHoles) {
-  WARPSCOPE_NEEDS_GPU();
+/// Calls `check` with a pair of marchers for volumes of every voxel type, wide, flat, thin and of one voxel, with and without holes: voxels whose
+/// number modulo 11 is `hole`.
+template <class Check>
+void forEveryVoxelType(int hole, const Check& check) {
   const TransferFunction function{{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
   for (const VoxelType type : kAllVoxelTypes)
     for (const glm::uvec3 dims : {glm::uvec3(40, 33, 29), glm::uvec3(1, 20, 20), glm::uvec3(20, 1, 1), glm::uvec3(1)})
@@ -246,51 +248,46 @@ TEST(MarchOnDevice, OtherModesOfEveryVoxelTypeWithAndWithoutHoles) {
         const FieldFunction field = blobs(dims, 4);
         Scene scene;
         scene.volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) {
-          if (hasHoles && (p.x * 7 + p.y * 5 + p.z * 3) % 11 == 5) return std::nan("");
+          if (hasHoles && (p.x * 7 + p.y * 5 + p.z * 3) % 11 == hole) return std::nan("");
           return dims.x * dims.y * dims.z < 1000 ? static_cast<double>((p.x * 31 + p.y * 17 + p.z * 13 + 60) % 101) : field(p);
         });
         scene.transferFunction = function;
-        const Pair pair(scene);
-        for (const RenderMode mode : {RenderMode::mip, RenderMode::isosurface})
-          for (const float step : {0.5f, 6.0f})
-            for (const glm::vec3 eye : {glm::vec3(60.0f, 45.0f, 53.0f), glm::vec3(0.1f, 0.2f, 0.3f)}) {
-              MarchSettings settings;
-              settings.render.step = step;
-              settings.render.effects.mode = mode;
-              settings.render.effects.shading.strength = 0.5f;
-              settings.render.effects.isoValues = parseIsoValues("60@0.5", "it");
-              pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
-            }
+        check(Pair(scene));
       }
+}
+
+constexpr glm::vec3 kOutside(60.0f, 45.0f, 53.0f), kInside(0.1f, 0.2f, 0.3f);
+
+TEST(MarchOnDevice, OtherModesOfEveryVoxelTypeWithAndWithoutHoles) {
+  WARPSCOPE_NEEDS_GPU();
+  forEveryVoxelType(5, [](const Pair& pair) {
+    for (const RenderMode mode : {RenderMode::mip, RenderMode::isosurface})
+      for (const float step : {0.5f, 6.0f})
+        for (const glm::vec3& eye : {kOutside, kInside}) {
+          MarchSettings settings;
+          settings.render.step = step;
+          settings.render.effects.mode = mode;
+          settings.render.effects.shading.strength = 0.5f;
+          settings.render.effects.isoValues = parseIsoValues("60@0.5", "it");
+          pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
+        }
+  });
 }
 
 TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
   WARPSCOPE_NEEDS_GPU();
-  const TransferFunction function{{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
-  for (const VoxelType type : kAllVoxelTypes)
-    for (const glm::uvec3 dims : {glm::uvec3(40, 33, 29), glm::uvec3(1, 20, 20), glm::uvec3(20, 1, 1), glm::uvec3(1)})
-      for (const bool hasHoles : {false, true}) {
-        if (hasHoles && type != VoxelType::float32 && type != VoxelType::float64) continue;
-        SCOPED_TRACE(::testing::Message() << nameOf(type) << ", " << dims.x << "x" << dims.y << "x" << dims.z << ", holes " << hasHoles);
-        const FieldFunction field = blobs(dims, 4);
-        Scene scene;
-        scene.volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) {
-          if (hasHoles && (p.x * 7 + p.y * 5 + p.z * 3) % 11 == 0) return std::nan("");
-          return dims.x * dims.y * dims.z < 1000 ? static_cast<double>((p.x * 31 + p.y * 17 + p.z * 13 + 60) % 101) : field(p);
-        });
-        scene.transferFunction = function;
-        const Pair pair(scene);
-        MarchSettings settings;
-        for (const Heuristic heuristic : {Heuristic::gradient, Heuristic::expected, Heuristic::median}) {
-          settings.sample.heuristic = heuristic;
-          for (const float shading : {0.0f, 1.0f})
-            for (const glm::vec3 eye : {glm::vec3(60.0f, 45.0f, 53.0f), glm::vec3(0.1f, 0.2f, 0.3f)}) {
-              settings.render.effects.shading.strength = shading;
-              settings.render.effects.shadows.occlusion = eye.x < 1.0f ? 1.0f : 0.0f;
-              pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
-            }
+  forEveryVoxelType(0, [](const Pair& pair) {
+    MarchSettings settings;
+    for (const Heuristic heuristic : {Heuristic::gradient, Heuristic::expected, Heuristic::median}) {
+      settings.sample.heuristic = heuristic;
+      for (const float shading : {0.0f, 1.0f})
+        for (const glm::vec3& eye : {kOutside, kInside}) {
+          settings.render.effects.shading.strength = shading;
+          settings.render.effects.shadows.occlusion = eye == kInside ? 1.0f : 0.0f;
+          pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
         }
-      }
+    }
+  });
 }
 
 /// Bins of the transfer function's table that are told apart further, by a few pieces and by many.
