@@ -41,7 +41,7 @@ class Paper {
     ImGui::NewFrame();
     ImGui::SetNextWindowSize({300.0f, 780.0f});
     ImGui::Begin("column");
-    ImGui::LogToClipboard();
+    ImGui::LogToClipboard(0);  // folded up stays folded up
     draw();
     ImGui::LogFinish();
     ImGui::End();
@@ -102,6 +102,23 @@ TEST_F(Column, LeavesOutWhatDoesNotMatter) {
   knobs.march.sample.heuristic = Heuristic::threshold;
   session_.setKnobs(knobs);
   EXPECT_THAT(text(), testing::HasSubstr("Threshold"));
+}
+
+TEST_F(Column, SaysOfEveryStageWhetherItIsInAndWhy) {
+  ASSERT_TRUE(open("block"));
+  ASSERT_TRUE(pumpUntil([&] { return session_.plan().isKnown(); }));
+  EXPECT_THAT(text(), testing::Not(testing::HasSubstr("early-end")));  // folded up
+  session_.setShowsPlan(true);
+  const std::string before = text();
+  EXPECT_THAT(before, testing::HasSubstr("What each costs is measured when all rests."));
+  for (const StageDescriptor& stage : kStages) {
+    const PlannedStage& planned = (*session_.plan().plan())[stage.stage];
+    EXPECT_THAT(before, testing::HasSubstr(std::string(stage.name)));
+    EXPECT_THAT(before, testing::HasSubstr((planned.isIn ? "in: " : "out: ") + planned.reason.substr(0, 12)));
+  }
+  EXPECT_TRUE(session_.showsPlan());
+  ASSERT_TRUE(pumpUntil([&] { return session_.plan().areCurrent(); }));
+  EXPECT_THAT(text(), testing::HasSubstr("by each stage so much of it:"));
 }
 
 }  // namespace

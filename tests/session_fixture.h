@@ -21,7 +21,7 @@ inline constexpr seconds kPatience(60);  // far more than anything here takes, e
 
 /// What a marcher with faults refuses at the moment, and what it passes for.
 struct Faults {
-  std::atomic<bool> march = false, render = false;
+  std::atomic<bool> march = false, render = false, plansElsewhere = false;
   std::atomic<bool> isCuda = false;
 };
 
@@ -44,6 +44,9 @@ class FaultyMarcher final : public Marcher {
     if (faults_->isCuda)
       return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
     return sound_->capabilities();
+  }
+  std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
+    return faults_->plansElsewhere ? std::nullopt : sound_->plan(settings, sample);
   }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<FaultyMarcher>(sound_->twin(std::move(turns)), faults_); }

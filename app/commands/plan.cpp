@@ -7,7 +7,7 @@
 
 #include "app/commands/choose.h"
 #include "app/commands/options.h"
-#include "app/experiment/stage_costs.h"
+#include "app/experiment/plan_json.h"
 #include "app/frames/backend.h"
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
@@ -25,25 +25,12 @@ struct PlanOptions {
   int runs = 5;
 };
 
-Json jsonOf(const EffectPlan& plan, const StageCosts& costs) {
-  Json stages = Json::array();
-  for (const StageDescriptor& stage : kStages) {
-    Json entry{{"stage", stage.name}, {"summary", stage.summary}, {"in", plan.has(stage.stage)}, {"reason", plan[stage.stage].reason}};
-    if (const auto cost = costs.added.find(stage.stage); cost != costs.added.end()) {
-      entry["addsMs"] = cost->second.medianMs;
-      entry["addsSpreadMs"] = cost->second.spreadMs;
-    }
-    stages.push_back(entry);
-  }
-  return stages;
-}
-
 void print(const EffectPlan& plan, const StageCosts& costs) {
   for (const StageDescriptor& stage : kStages) {
     std::string cost;
-    if (const auto found = costs.added.find(stage.stage); found != costs.added.end()) {
+    if (const Measured* added = costs.of(stage.stage)) {
       char text[48];
-      std::snprintf(text, sizeof text, "%+9.2f ms ±%.2f", found->second.medianMs, 0.5 * found->second.spreadMs);
+      std::snprintf(text, sizeof text, "%+9.2f ms ±%.2f", added->medianMs, 0.5 * added->spreadMs);
       cost = text;
     }
     std::printf("%-3s  %-17s %-19s %s\n", plan.has(stage.stage) ? "in" : "out", std::string(stage.name).c_str(), cost.c_str(),
@@ -77,7 +64,7 @@ void planScene(const PlanOptions& options) {
     report["runs"] = options.runs;
     report["marchMs"] = costs.march.medianMs;
     report["marchSpreadMs"] = costs.march.spreadMs;
-    report["stages"] = jsonOf(*plan, costs);
+    report["stages"] = toJson(*plan, &costs);
     report["version"] = WARPSCOPE_VERSION;
     std::cout << textOf(report);
     return;

@@ -19,6 +19,12 @@ std::optional<MarchSettings> without(PlanStage stage, const MarchSettings& setti
 struct StageCosts {
   Measured march;                   ///< the whole, as planned
   std::map<PlanStage, Measured> added;  ///< by each stage that is in and can be left out: below 0 where it saves
+
+  /// Null where it was not measured.
+  const Measured* of(PlanStage stage) const {
+    const auto found = added.find(stage);
+    return found != added.end() ? &found->second : nullptr;
+  }
 };
 
 /// `runs` marches for each stage and as many without it, after one that does not count. Throws OperationCancelled.

@@ -2,6 +2,8 @@
 // See picture_timing.h.
 #include "app/session/picture_timing.h"
 
+#include <algorithm>
+
 namespace warpscope {
 namespace {
 
@@ -18,6 +20,10 @@ void PictureTiming::update(std::span<LivePanel> panels, bool isAtRest, bool happ
     timing_ = i;
     panels[i].startTiming();
   }
+}
+
+bool PictureTiming::isOver(std::span<const LivePanel> panels, TimePoint now) const {
+  return !timing_ && now - quietSince_ >= kQuiet && std::ranges::none_of(panels, &LivePanel::wantsTime);
 }
 
 bool PictureTiming::finish(size_t panel) {

@@ -9,7 +9,7 @@
 
 namespace warpscope {
 
-Session::Session(const SessionSettings& settings, const std::function<void()>& onNews) : opening_(onNews), truth_(onNews) {
+Session::Session(const SessionSettings& settings, const std::function<void()>& onNews) : opening_(onNews), truth_(onNews), plan_(onNews) {
   setKnobs(settings.knobs);
   for (size_t i = 0; i < kPanelCount; ++i) {
     LivePanel& panel = panels_.emplace_back(makeWarpWorker(settings.platform, settings.resources, onNews),
@@ -80,7 +80,10 @@ bool Session::update(TimePoint now) {
     if (panel(i).isAutomatic) chooseTechnique(panels_[i], choices_[i]);
     happened |= postJob(i);
   }
+  if (const SampleFramePtr& frame = frames_.newest()) happened |= plan_.follow(opening_.current()->display, *frame);
+  happened |= plan_.take();
   timing_.update(panels_, isAtRest(), happened, now);
+  plan_.measure(showsPlan_ && timing_.isOver(panels_, now));
   frames_.forgetOld([this](uint64_t id) { return std::any_of(panels_.begin(), panels_.end(), [&](const LivePanel& one) { return one.mayShow(id); }); });
   return happened;
 }
@@ -89,6 +92,7 @@ bool Session::takeScene() {
   const SceneOpening::Outcome outcome = opening_.take();
   if (outcome != SceneOpening::Outcome::opened) return outcome != SceneOpening::Outcome::nothing;
   truth_.clear();
+  plan_.clear();
   for (LivePanel& panel : panels_) panel.clear();
   for (TechniqueChoice& choice : choices_) choice.clear();
   frames_.begin(*opening_.current()->source, knobs_.transport);
@@ -186,8 +190,9 @@ bool Session::close(std::chrono::milliseconds patience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
   opening_.requestStop();
   truth_.requestStop();
+  plan_.requestStop();
   for (LivePanel& panel : panels_) panel.requestStop();
-  return opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) &&
+  return opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) && plan_.waitForEnd(deadline) &&
          std::all_of(panels_.begin(), panels_.end(), [&](const LivePanel& panel) { return panel.waitForEnd(deadline); });
 }
 

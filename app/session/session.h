@@ -1,6 +1,6 @@
 // Everything that the window shows, without the window: the scene, the camera, the knobs, two panels, and the threads that serve them.
 // The window reads the state and returns edits; update() hands work to the threads and collects what they made. What is done lies in the parts:
-// scene_opening, live_view, frame_requests, live_ground_truth, live_panel, technique_choice, picture_timing.
+// scene_opening, live_view, frame_requests, live_ground_truth, live_panel, live_plan, technique_choice, picture_timing.
 #pragma once
 
 #include <array>
@@ -16,6 +16,7 @@
 #include "app/session/frame_requests.h"
 #include "app/session/live_ground_truth.h"
 #include "app/session/live_panel.h"
+#include "app/session/live_plan.h"
 #include "app/session/live_view.h"
 #include "app/session/picture_timing.h"
 #include "app/session/scene_opening.h"
@@ -68,6 +69,8 @@ class Session {
   /// A sweep to choose by; null for none.
   void setFront(std::shared_ptr<const AutoChoice> front) { front_ = std::move(front); }
   void setShowsHeatMap(size_t panel, bool shows) { panels_[panel].setShowsHeatMap(shows); }
+  /// Whether somebody looks at what the stages of the march cost: it is measured only then.
+  void setShowsPlan(bool shows) { showsPlan_ = shows; }
   /// Takes over that configuration's technique for the panel, and the knobs that it depends on for all.
   void choose(size_t panel, const Configuration& configuration);
   /// Area for each panel's picture, in screen pixels.
@@ -97,6 +100,9 @@ class Session {
   /// Frames, and how they come.
   const FrameRequests& frames() const { return frames_; }
   const LiveGroundTruth& groundTruth() const { return truth_; }
+  /// What the newest frame's march has to do, and what that costs.
+  const LivePlan& plan() const { return plan_; }
+  bool showsPlan() const { return showsPlan_; }
   /// Of the connection to the server; nothing without a scene.
   std::optional<SourceStatus> sourceStatus() const;
   /// Size of the panels' pictures and of the server's images; 0 until a panel has a size.
@@ -126,6 +132,8 @@ class Session {
   SceneOpening opening_;
   FrameRequests frames_;
   LiveGroundTruth truth_;
+  LivePlan plan_;
+  bool showsPlan_ = false;
   std::vector<LivePanel> panels_;
   std::array<TechniqueChoice, kPanelCount> choices_;
   PictureTiming timing_;

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "app/experiment/plan_json.h"
 #include "app/scene/json_document.h"
 
 namespace warpscope {
@@ -44,6 +45,14 @@ Json toJson(const SourceStatus& status) {
           {"sentence", status.sentence},
           {"roundTripMs", status.roundTripMs},
           {"busyWith", status.busyWith ? Json(*status.busyWith) : Json(nullptr)}};
+}
+
+/// Null where the plan is not known.
+Json toJson(const LivePlan& plan) {
+  if (!plan.plan()) return nullptr;
+  const bool isMeasured = plan.areCurrent();
+  return {{"marchMs", isMeasured ? Json(plan.costs()->march.medianMs) : Json(nullptr)},
+          {"stages", toJson(*plan.plan(), isMeasured ? &*plan.costs() : nullptr)}};
 }
 
 }  // namespace
@@ -83,6 +92,7 @@ std::string WindowReport::text(const Session& session, Clock::TimePoint now) con
                  {"framesReceived", session.frames().received()},
                  {"lastFrameAgeMs", frameAge ? Json(*frameAge) : Json(nullptr)},
                  {"panels", panels},
+                 {"plan", toJson(session.plan())},
                  {"server", status ? toJson(*status) : Json(nullptr)}});
 }
 

@@ -106,6 +106,7 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
     for (size_t i = 0; i < 3; ++i) markColor_[i] = static_cast<float>(knobs.uncovered >> (8 * i) & 255) / 255.0f;
   drawServer(session, knobs, look);
   effects_.draw(knobs.march, look);
+  plan_.draw(session, look);
   drawNetwork(session, knobs, look);
   drawDisplay(session, knobs, markColor_, look);
   session.setKnobs(knobs);

@@ -75,6 +75,15 @@ class EffectKnobs {
   std::map<const MarchText*, Typed> typed_;
 };
 
+/// Each stage of the newest frame's march: in or out, why, and what it costs. Folded up until somebody wants to know.
+class PlanList {
+ public:
+  void draw(Session& session, const Look& look);
+
+ private:
+  bool wasOpen_ = false;
+};
+
 /// The column of knobs.
 class Controls {
  public:
@@ -84,6 +93,7 @@ class Controls {
   void drawScene(Session& session, const SceneOpener& openScene, const Look& look);
 
   EffectKnobs effects_;
+  PlanList plan_;
   std::array<char, 1024> path_{};
   std::array<float, 3> markColor_{1.0f, 0.0f, 0.78f};  // sRGB
 };

@@ -139,6 +139,7 @@ bool handleKeys(Window& window, Session& session, std::optional<size_t> panel) {
       knobs.isFrozen = !knobs.isFrozen;
       session.setKnobs(knobs);
     }
+    if (key.character == 'e') session.setShowsPlan(!session.showsPlan());
     if (key.character == '0' && panel) session.setAutomatic(*panel);
     if (key.character == 'h' && panel) session.setShowsHeatMap(*panel, !session.panel(*panel).showsHeatMap);
     const size_t number = static_cast<size_t>(key.character - '1');

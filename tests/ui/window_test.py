@@ -158,6 +158,12 @@ class Program:
         picture = Picture(self.display, self.window)
         return [picture.region(box) for box in self.panels(picture)]
 
+    def column(self):
+        """The column of knobs."""
+        picture = Picture(self.display, self.window)
+        s = self.scale
+        return picture.region((int(picture.width - s * CONTROLS), int(s * MARGIN), int(picture.width - s * MARGIN), int(picture.height - s * PLOT_BOTTOM)))
+
     def middle_of_panel(self, index):
         x0, y0, x1, y1 = self.panels(Picture(self.display, self.window))[index]
         return (x0 + x1) // 2, (y0 + y1) // 2
@@ -265,6 +271,21 @@ def look_at_errors(program, home):
     program.wait_until("both panels as they were", lambda: program.regions() == home)
 
 
+def look_at_plan(program, home):
+    """What a frame takes, which scrolls into sight: another column, the same pictures."""
+    def is_another(column):
+        now = program.column()
+        return sum(now[i:i + 3] != column[i:i + 3] for i in range(0, len(now), 3 * 7)) > len(now) / 3 / 7 / 20  # more than a figure that changed
+    before = program.column()
+    program.key("e")
+    program.wait_until("the stages of a frame", lambda: is_another(before))
+    if program.settled() != home:
+        raise Failure("the pictures changed with a look at the stages of a frame")
+    stages = program.column()
+    program.key("e")
+    program.wait_until("the stages gone", lambda: is_another(stages))
+
+
 def use_the_window(executable, scale):
     """Everything a hand does, at one content scale."""
     screen, smaller = ((1280, 800), (900, 600)) if scale == 1.0 else ((1800, 1200), (1500, 1000))
@@ -291,6 +312,7 @@ def use_the_window(executable, scale):
         program.wait_until("both panels back after a double click", lambda: program.regions() == home)
 
         look_at_errors(program, home)
+        look_at_plan(program, home)
 
         program.point(program.middle_of_panel(0))
         program.key("3")  # points
