@@ -48,11 +48,10 @@ bool ByteBudget::isShort() const {
 }
 
 void ByteBudget::giveBack(size_t bytes, bool isSmall) {
-  {
-    const std::scoped_lock lock(mutex_);
-    taken_ -= bytes;
-    if (!isSmall) takenByLarge_ -= bytes;
-  }
+  // Under the lock: who sees by taken() that all is back may end this at once.
+  const std::scoped_lock lock(mutex_);
+  taken_ -= bytes;
+  if (!isSmall) takenByLarge_ -= bytes;
   changed_.notify_all();
 }
 

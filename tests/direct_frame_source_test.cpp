@@ -30,11 +30,13 @@ class StubMarcher final : public Marcher {
       widths_.push_back(camera.width);
     }
     const double share = MarchSettings{}.render.step / static_cast<double>(settings.render.step);
-    if (!clock_.waitUntil(clock_.now() + durationOfMs(share * static_cast<double>(duration_.count())), stop)) throw OperationCancelled();
+    const double ms = share * static_cast<double>(duration_.count());
+    if (!clock_.waitUntil(clock_.now() + durationOfMs(ms), stop)) throw OperationCancelled();
     if (fails) throw InputError("the volume is gone");
     SampleFrame frame;
     frame.camera = camera;
     frame.settings = settings;
+    frame.timings.marchMs = ms;
     return frame;
   }
   void render(const Camera&, const RenderSettings&, Image<glm::vec4>&, const std::stop_token&) override {}
@@ -134,7 +136,7 @@ TEST_F(DirectFrameSourceTest, OneIsInFlightOneIsPendingAndTheNewestWins) {
 
 TEST_F(DirectFrameSourceTest, AMovingCameraIsMarchedCoarserWhereThatIsWantedAndInFullAtRest) {
   TransportSettings transport;
-  transport.serverMs = 10;
+  transport.server.movingMs = 10;
   source_->setTransport(transport);
   const auto ask = [&](uint64_t id, float eye) {
     FrameRequest request;
@@ -156,6 +158,39 @@ TEST_F(DirectFrameSourceTest, AMovingCameraIsMarchedCoarserWhereThatIsWantedAndI
   EXPECT_FLOAT_EQ(ask(5, 4.0f).frame->settings.render.step, 1.5f);
   source_->setTransport({});
   EXPECT_EQ(ask(6, 5.0f).frame->settings, MarchSettings{});
+}
+
+TEST_F(DirectFrameSourceTest, AProcessorThatOthersUseTakesLongerAndOneThatNobodyUsesDoesNot) {
+  TransportSettings transport;
+  transport.server.loadPercent = 75;
+  source_->setTransport(transport);
+  post(1);
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(30));   // marched
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(120));  // by a quarter of the processor
+  const ServedFrame loaded = nextFrame();
+  EXPECT_EQ(loaded.arrivedAt, at(120));
+  EXPECT_EQ(loaded.latency.marchMs, 120.0);
+  EXPECT_EQ(loaded.latency.wireMs, 0.0);
+  source_->setTransport({});
+  post(2);
+  EXPECT_EQ(clock_.advanceToNextSleeper(), at(150));
+  EXPECT_EQ(nextFrame().arrivedAt, at(150));
+}
+
+TEST_F(DirectFrameSourceTest, ALoadedServerIsPacedByWhatItsFramesTake) {
+  TransportSettings transport;
+  transport.server = {.movingMs = 30, .loadPercent = 50};
+  source_->setTransport(transport);
+  for (uint64_t id = 1; id <= 3; ++id) {
+    FrameRequest request;
+    request.id = id;
+    request.camera.eye.x = static_cast<float>(id);
+    request.camera.width = request.camera.height = 100;
+    source_->post(request, clock_.now());
+    clock_.advanceToNextSleeper();
+    clock_.advanceToNextSleeper();
+    EXPECT_FLOAT_EQ(nextFrame().frame->settings.render.step, id == 1 ? 0.5f : 1.0f);  // the first took 60 ms
+  }
 }
 
 TEST_F(DirectFrameSourceTest, ErrorsArriveAsText) {

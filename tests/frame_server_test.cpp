@@ -145,7 +145,7 @@ TEST_F(FrameServerTest, AMovingCameraIsMarchedCoarserWhereThatIsWantedAndInFullA
   settings.address = server_->address();
   const std::shared_ptr<FrameSource> source = connectFrameSource(io_, settings, [] {}, {}).source;
   TransportSettings transport;
-  transport.serverMs = 1;  // less than any march of so fine a step takes
+  transport.server.movingMs = 1;  // less than any march of so fine a step takes
   source->setTransport(transport);
   MarchSettings fine = scene_.march;
   fine.render.step = 0.01f;
@@ -156,9 +156,28 @@ TEST_F(FrameServerTest, AMovingCameraIsMarchedCoarserWhereThatIsWantedAndInFullA
   EXPECT_GT(stepOf(201), 0.011f);
   EXPECT_GT(stepOf(202), 0.011f);
   EXPECT_EQ(stepOf(202), 0.01f) << "refined";
-  transport.serverMs = 0;
+  transport.server.movingMs = 0;
   source->setTransport(transport);
   EXPECT_EQ(stepOf(203), 0.01f);
+}
+
+TEST_F(FrameServerTest, AProcessorThatOthersUseTakesAsMuchLongerAsItSays) {
+  serve({});
+  net::ClientSettings settings;
+  settings.address = server_->address();
+  const std::shared_ptr<FrameSource> source = connectFrameSource(io_, settings, [] {}, {}).source;
+  const FrameFetch fetch = fetchFrom(source);
+  const ServedFrame alone = fetch(camera(300, 300), scene_.march, {});
+  TransportSettings transport;
+  transport.server.loadPercent = 90;
+  source->setTransport(transport);
+  const ServedFrame loaded = fetch(camera(300, 300), scene_.march, {});
+  const FrameLatency& took = loaded.latency;
+  const double atServerMs = took.marchMs + took.compactMs + took.copyMs + took.encodeMs;
+  EXPECT_GE(millisecondsBetween(loaded.requestedAt, loaded.arrivedAt), atServerMs) << "it says that it took longer than it did";
+  EXPECT_GT(atServerMs, 2.0 * (alone.latency.marchMs + alone.latency.compactMs + alone.latency.encodeMs)) << "10 times, but for what else is at work here";
+  EXPECT_EQ(loaded.frame->settings, alone.frame->settings);
+  EXPECT_THAT(loaded.frame->samples, testing::ElementsAreArray(alone.frame->samples));
 }
 
 TEST_F(FrameServerTest, SlowReadersTakeNoMoreThanThereIs) {

@@ -123,7 +123,7 @@ TEST_F(WindowReportTest, WhatAMovingCameraLeavesOutIsSaidAndComesBackAtRest) {
   LiveSettings knobs = session_.knobs();
   knobs.march.render.step = 0.002f;  // more than a millisecond on any machine
   knobs.march.render.skipEmpty = knobs.march.render.terminateEarly = false;
-  knobs.transport.serverMs = 1;
+  knobs.transport.server.movingMs = 1;
   session_.setKnobs(knobs);
   const auto updateUntil = [&](const auto& isSo, double turnDeg) {
     for (const auto limit = clock_.now() + std::chrono::seconds(60); clock_.now() < limit && !isSo(); std::this_thread::sleep_for(milliseconds(1))) {

@@ -68,17 +68,20 @@ TEST(WireFields, SettingsHaveTheNamesOfTheOptions) {
                                    field("radius", "opacity"), field("radiusScale", "1.7"), field("samplesPerRay", "5")));
 }
 
-TEST(WireFields, WhatAFrameMayTakeIsSaidWhereItIsAnything) {
+TEST(WireFields, WhatIsAskedOfTheServerIsSaidWhereItIsAnything) {
   const MarchSettings march;
-  EXPECT_EQ(toFields(march, 0), toFields(march)) << "servers that do not know it refuse what names it";
-  net::SettingFields fields = toFields(march, 40);
-  EXPECT_EQ(serverMsFrom(fields), 40);
-  EXPECT_EQ(marchFrom(fields), march);
-  EXPECT_EQ(serverMsFrom(toFields(march)), 0);
-  for (const char* wrong : {"-1", "1.5", "10001", "nan", ""}) {
-    fields.back().value = wrong;
-    EXPECT_THROW(serverMsFrom(fields), InputError) << wrong;
-    EXPECT_THROW(marchFrom(fields), InputError) << wrong;
+  EXPECT_EQ(toFields(march, ServerWishes{}), toFields(march)) << "servers that do not know it refuse what names it";
+  EXPECT_EQ(wishesFrom(toFields(march)), ServerWishes{});
+  for (const auto& [wishes, most] : {std::pair(ServerWishes{.movingMs = 40}, "10001"), std::pair(ServerWishes{.loadPercent = 75}, "91")}) {
+    net::SettingFields fields = toFields(march, wishes);
+    EXPECT_EQ(fields.size(), toFields(march).size() + 1);
+    EXPECT_EQ(wishesFrom(fields), wishes);
+    EXPECT_EQ(marchFrom(fields), march);
+    for (const char* wrong : {"-1", "1.5", most, "nan", ""}) {
+      fields.back().value = wrong;
+      EXPECT_THROW(wishesFrom(fields), InputError) << wrong;
+      EXPECT_THROW(marchFrom(fields), InputError) << wrong;
+    }
   }
 }
 

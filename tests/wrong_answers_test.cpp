@@ -128,7 +128,7 @@ void setOf(net::FrameHead& head, std::string_view name, const std::string& value
 TEST_F(WrongAnswers, ACoarserStepIsTakenFromThoseAloneThatWereAllowedIt) {
   const auto withStep = [](const char* step) { return [step](net::FrameHead& head, net::Bytes&) { setOf(head, "step", step); }; };
   expectAll(withStep("1.5"), "the setting step is not 0.5");
-  transport_.serverMs = 40;
+  transport_.server.movingMs = 40;
   // The source behind windows and commands says so; what marches ground truth does not, and takes nothing else.
   const auto answers = [&](const std::function<void(net::FrameHead&, net::Bytes&)>& change) { return sentences(change).front(); };
   for (const float step : {1.5f, 2.0f}) {
@@ -137,7 +137,7 @@ TEST_F(WrongAnswers, ACoarserStepIsTakenFromThoseAloneThatWereAllowedIt) {
       coarser.render.step = step;
       const SampleFrame frame = marcher_->march(camera_, coarser);
       net::FrameHead head = honestHead(request, frame);
-      head.settings = headOf(frame, codecFrom(request.codec), serverMsFrom(request.settings)).settings;
+      head.settings = headOf(frame, codecFrom(request.codec), wishesFrom(request.settings)).settings;
       const net::Bytes payload = FrameCodec().encode(frame, codecFrom(request.codec));
       return to.send(net::frameMessage(head, payload.size())) && to.send(payload);
     };

@@ -123,8 +123,8 @@ nlohmann::json toJson(const FrameLatency& latency) {
 
 void requireServerFor(const TransportOptions& options) {
   std::string given = options.givenOfLink;
-  for (const Knob* knob : {&kServerMsKnob, &kDepthKnob})
-    if (options.knobs.has(*knob)) given = knob->option;
+  for (const TransportKnob& row : transportKnobs())
+    if ((row.isOfServer || row.knob == &kDepthKnob) && options.knobs.has(*row.knob)) given = row.knob->option;
   if (!given.empty() && options.connect.empty())
     throw UsageError(given + " is about the way from a server, and frames are made here: add --connect URL, or leave it out");
 }

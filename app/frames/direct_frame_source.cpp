@@ -2,9 +2,9 @@
 // See direct_frame_source.h.
 #include "app/frames/direct_frame_source.h"
 
-#include <atomic>
 #include <mutex>
 
+#include "app/frames/server_load.h"
 #include "app/frames/server_pace.h"
 #include "app/frames/wire_fields.h"
 #include "net/link_model.h"
@@ -46,7 +46,7 @@ class DirectFrameSource final : public FrameSource {
     const std::scoped_lock lock(mutex_);
     if (transport.link.up != up_.settings()) up_.setSettings(transport.link.up, clock_.now());
     if (transport.link.down != down_.settings()) down_.setSettings(transport.link.down, clock_.now());
-    serverMs_ = transport.serverMs;
+    wishes_ = transport.server;
   }
   SourceStatus status() const override { return {}; }
   void requestStop() override { worker_.requestStop(); }
@@ -59,12 +59,18 @@ class DirectFrameSource final : public FrameSource {
     // What waited for its turn meanwhile does not wait again.
     if (!clock_.waitUntil(arrival(up_, messageBytes(job.request), job.sentAt), stop)) throw OperationCancelled();
     const Clock::TimePoint beganAt = clock_.now();
-    const int serverMs = serverMs_;
-    const MarchSettings settings = serverMs > 0 ? pace_.settingsFor(job.request.camera, job.request.settings, serverMs, beganAt) : job.request.settings;
+    const ServerWishes wishes = [this] {
+      const std::scoped_lock lock(mutex_);
+      return wishes_;
+    }();
+    const bool isPaced = wishes.movingMs > 0;
+    const MarchSettings settings = isPaced ? pace_.settingsFor(job.request.camera, job.request.settings, wishes.movingMs, beganAt) : job.request.settings;
     SampleFrame frame = marcher_->march(job.request.camera, settings, stop);
     frame.requestId = job.request.id;
+    ServerTimings& took = frame.timings;
+    if (wishes.loadPercent > 0) shareProcessor({&took.marchMs, &took.compactMs, &took.copyMs}, wishes.loadPercent, clock_, stop);
     const Clock::TimePoint marchedAt = clock_.now();
-    if (serverMs > 0) pace_.note(job.request.camera, settings, millisecondsBetween(beganAt, marchedAt), marchedAt);
+    if (isPaced) pace_.note(job.request.camera, settings, millisecondsBetween(beganAt, marchedAt), marchedAt);
     if (!clock_.waitUntil(arrival(down_, messageBytes(frame), marchedAt), stop)) throw OperationCancelled();
     served.arrivedAt = clock_.now();
     served.bytes = frame.sizeBytes();
@@ -80,9 +86,9 @@ class DirectFrameSource final : public FrameSource {
 
   const MarcherPtr marcher_;
   Clock& clock_;
-  std::mutex mutex_;  // of the links
+  std::mutex mutex_;  // of the links and the wishes
   net::LinkModel up_, down_;
-  std::atomic<int> serverMs_ = 0;
+  ServerWishes wishes_;
   ServerPace pace_;  // of the worker's thread
   NewestWorker<Job, ServedFrame> worker_;
 };

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <new>
 
+#include "app/frames/server_load.h"
 #include "app/frames/wire_fields.h"
 #include "render/base/error.h"
 #include "render/base/recent_need.h"
@@ -241,13 +242,14 @@ FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane
   lane.exchangeWaitedMs();
   try {
     if (request.wanted == net::Wanted::samples) {
-      const int serverMs = serverMsFrom(request.settings);
-      const std::shared_ptr<ServerPace> pace = serverMs > 0 ? paceOf(job) : nullptr;
-      const SampleFrame frame = lane.marcher().march(camera, pace ? pace->settingsFor(camera, march, serverMs, job.arrivedAt) : march, stop);
-      answer.head = headOf(frame, coding, serverMs);
+      const ServerWishes wishes = wishesFrom(request.settings);
+      const std::shared_ptr<ServerPace> pace = wishes.movingMs > 0 ? paceOf(job) : nullptr;
+      const SampleFrame frame = lane.marcher().march(camera, pace ? pace->settingsFor(camera, march, wishes.movingMs, job.arrivedAt) : march, stop);
+      answer.head = headOf(frame, coding, wishes);
       takeTurnsFrom(answer.head.stages, lane.exchangeWaitedMs());
       answer.head.stages.encodeMs = milliseconds([&] { answer.payload = lane.codec().encode(frame, coding); });
-      const net::StageTimes& took = answer.head.stages;
+      net::StageTimes& took = answer.head.stages;
+      if (wishes.loadPercent > 0) shareProcessor({&took.marchMs, &took.compactMs, &took.copyMs, &took.encodeMs}, wishes.loadPercent, clock_, stop);
       if (pace) pace->note(camera, frame.settings, took.marchMs + took.compactMs + took.copyMs + took.encodeMs, clock_.now());
     } else {
       Image<glm::vec4> image;

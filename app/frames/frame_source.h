@@ -59,13 +59,22 @@ inline constexpr int kDefaultDepth = 1;
 inline constexpr Range kDepthRange{1, net::kMaxDepth};
 
 inline constexpr Range kServerMsRange{0, 10000};
+inline constexpr Range kServerLoadRange{0, 90};
+
+/// What is asked of a server beside what its frames show.
+struct ServerWishes {
+  int movingMs = 0;     ///< milliseconds that a frame may take it while the camera moves, kServerMsRange; 0: as long as it takes
+  int loadPercent = 0;  ///< of its processor that others are to take, simulated, kServerLoadRange
+
+  bool operator==(const ServerWishes&) const = default;
+};
 
 /// How frames travel, and how soon they are wanted; may change at any time.
 struct TransportSettings {
   net::DuplexLinkSettings link;  ///< simulated on top of what is there
   CodecSettings codec;
   int depth = kDefaultDepth;     ///< requests under way at a time, kDepthRange
-  int serverMs = 0;              ///< milliseconds that a frame may take the server while the camera moves, kServerMsRange; 0: as long as it takes
+  ServerWishes server = {};
 
   bool operator==(const TransportSettings&) const = default;
 };

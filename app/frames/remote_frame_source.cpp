@@ -57,7 +57,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     asked.camera = toFields(request.camera);
     {
       const std::scoped_lock lock(mutex_);
-      asked.settings = toFields(request.settings, transport_.serverMs);
+      asked.settings = toFields(request.settings, transport_.server);
       asked.codec = toFields(transport_.codec);
     }
     client_.request(asked);

@@ -84,6 +84,31 @@ constinit const Knob kServerMsKnob{
     .defaultValue = 0.0,
 };
 
+constinit const Knob kServerLoadKnob{
+    .key = "serverLoad",
+    .option = "--server-load",
+    .label = "Load",
+    .noun = "load of the server's processor",
+    .help = "Share of the server's processor that others take, simulated: all that it does for a frame takes so much longer; 0: it is this client's alone",
+    .unit = " %",
+    .type = KnobType::whole,
+    .owner = KnobOwner::transport,
+    .stale = KnobStage::nothing,
+    .range = kServerLoadRange,
+    .track = kServerLoadRange,
+    .defaultValue = 0.0,
+};
+
+std::span<const KnobRow<ServerWishes>> serverKnobs() {
+  static const KnobRow<ServerWishes> kRows[] = {
+      {&kServerMsKnob, [](const ServerWishes& s) { return static_cast<double>(s.movingMs); },
+       [](ServerWishes& s, double value) { s.movingMs = static_cast<int>(value); }},
+      {&kServerLoadKnob, [](const ServerWishes& s) { return static_cast<double>(s.loadPercent); },
+       [](ServerWishes& s, double value) { s.loadPercent = static_cast<int>(value); }},
+  };
+  return kRows;
+}
+
 std::span<const TransportKnob> transportKnobs() {
   static const TransportKnob kRows[] = {
       {{&kFormatKnob, [](const TransportSettings& s) { return static_cast<double>(s.codec.format); },
@@ -98,9 +123,14 @@ std::span<const TransportKnob> transportKnobs() {
       {{&kDepthKnob, [](const TransportSettings& s) { return double(s.depth); },
         [](TransportSettings& s, double value) { s.depth = static_cast<int>(value); }},
        always},
-      {{&kServerMsKnob, [](const TransportSettings& s) { return static_cast<double>(s.serverMs); },
-        [](TransportSettings& s, double value) { s.serverMs = static_cast<int>(value); }},
-       always},
+      {{&kServerMsKnob, [](const TransportSettings& s) { return static_cast<double>(s.server.movingMs); },
+        [](TransportSettings& s, double value) { s.server.movingMs = static_cast<int>(value); }},
+       always,
+       true},
+      {{&kServerLoadKnob, [](const TransportSettings& s) { return static_cast<double>(s.server.loadPercent); },
+        [](TransportSettings& s, double value) { s.server.loadPercent = static_cast<int>(value); }},
+       always,
+       true},
   };
   return kRows;
 }

@@ -12,11 +12,15 @@ namespace warpscope {
 struct TransportKnob : KnobRow<TransportSettings> {
   /// Whether it changes anything as the others are set.
   bool (*matters)(const TransportSettings&) = nullptr;
+  bool isOfServer = false;  ///< not of the way from there
 };
 
 /// Every row, in the order in which they are listed.
 std::span<const TransportKnob> transportKnobs();
 
-extern const Knob kFormatKnob, kColorKnob, kQualityKnob, kDepthKnob, kServerMsKnob;
+/// Of those what a server is asked for with every frame: rows of the wishes alone.
+std::span<const KnobRow<ServerWishes>> serverKnobs();
+
+extern const Knob kFormatKnob, kColorKnob, kQualityKnob, kDepthKnob, kServerMsKnob, kServerLoadKnob;
 
 }  // namespace warpscope

@@ -125,9 +125,10 @@ net::SettingFields toFields(const MarchSettings& settings) {
   return fields;
 }
 
-net::SettingFields toFields(const MarchSettings& settings, int serverMs) {
+net::SettingFields toFields(const MarchSettings& settings, const ServerWishes& wishes) {
   net::SettingFields fields = toFields(settings);
-  if (serverMs > 0) fields.push_back({std::string(kServerMsKnob.key), textOf(kServerMsKnob, serverMs)});
+  for (const auto& row : serverKnobs())
+    if (const double value = row.get(wishes); value != 0.0) fields.push_back({std::string(row.knob->key), textOf(*row.knob, value)});
   return fields;
 }
 
@@ -177,15 +178,17 @@ double valueOf(const Knob& knob, const net::SettingField& field) {
 
 }  // namespace
 
-int serverMsFrom(const net::SettingFields& fields) {
-  const auto found = std::ranges::find(fields, kServerMsKnob.key, &net::SettingField::name);
-  return found == fields.end() ? 0 : static_cast<int>(valueOf(kServerMsKnob, *found));
+ServerWishes wishesFrom(const net::SettingFields& fields) {
+  ServerWishes wishes;
+  for (const auto& row : serverKnobs())
+    if (const auto found = std::ranges::find(fields, row.knob->key, &net::SettingField::name); found != fields.end()) row.set(wishes, valueOf(*row.knob, *found));
+  return wishes;
 }
 
 bool admits(const net::SettingFields& asked, const net::SettingFields& answered) {
   try {
-    const int serverMs = serverMsFrom(asked);
-    return serverMs > 0 && serverMsFrom(answered) == serverMs && isCoarsened(marchFrom(asked), marchFrom(answered));
+    const ServerWishes wishes = wishesFrom(asked);
+    return wishes.movingMs > 0 && wishesFrom(answered) == wishes && isCoarsened(marchFrom(asked), marchFrom(answered));
   } catch (const InputError&) {
     return false;
   }
@@ -193,9 +196,9 @@ bool admits(const net::SettingFields& asked, const net::SettingFields& answered)
 
 MarchSettings marchFrom(const net::SettingFields& fields) {
   MarchSettings settings;
-  serverMsFrom(fields);
+  wishesFrom(fields);
   for (const net::SettingField& field : fields) {
-    if (field.name == kServerMsKnob.key) continue;
+    if (std::ranges::any_of(serverKnobs(), [&](const auto& wish) { return wish.knob->key == field.name; })) continue;
     const MarchText* const text = findMarchText(field.name);
     const auto row = std::ranges::find_if(marchKnobs(), [&](const MarchKnob& known) { return known.knob->key == field.name; });
     if (text == nullptr && row == marchKnobs().end()) throw InputError("the peer names a setting \"" + field.name + "\" that this program does not know");
@@ -260,10 +263,10 @@ Scene sceneFrom(const net::SceneFields& fields) {
   return scene;
 }
 
-net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec, int serverMs) {
+net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec, const ServerWishes& wishes) {
   net::FrameHead head;
   head.camera = toFields(frame.camera);
-  head.settings = toFields(frame.settings, serverMs);
+  head.settings = toFields(frame.settings, wishes);
   head.codec = toFields(codec);
   const Box& bounds = frame.quantization.bounds;
   head.bounds = {bounds.lower.x, bounds.lower.y, bounds.lower.z, bounds.upper.x, bounds.upper.y, bounds.upper.z};

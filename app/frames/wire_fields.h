@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/frames/frame_source.h"
 #include "app/scene/scene.h"
 #include "net/messages.h"
 #include "render/codec/codec.h"
@@ -17,9 +18,8 @@ namespace warpscope {
 net::CameraFields toFields(const Camera& camera);
 /// Every setting of a march, by the names that JSON has for them.
 net::SettingFields toFields(const MarchSettings& settings);
-/// The same, and by the knob's name the milliseconds that a frame may take while the camera moves (TransportSettings::serverMs). 0 is left out: servers
-/// that do not know it refuse what names it.
-net::SettingFields toFields(const MarchSettings& settings, int serverMs);
+/// The same, and by their knobs' names what else is asked of the server. What is 0 is left out: servers that do not know it refuse what names it.
+net::SettingFields toFields(const MarchSettings& settings, const ServerWishes& wishes);
 net::CodecFields toFields(const CodecSettings& settings);
 net::SceneFields toFields(const Scene& scene);
 
@@ -27,13 +27,13 @@ Camera cameraFrom(const net::CameraFields& fields);
 /// What is not among the fields keeps its default; names and values that this program does not know are refused.
 MarchSettings marchFrom(const net::SettingFields& fields);
 /// Of a request's settings; 0 where there are none.
-int serverMsFrom(const net::SettingFields& fields);
+ServerWishes wishesFrom(const net::SettingFields& fields);
 CodecSettings codecFrom(const net::CodecFields& fields);
 /// A scene without a volume: its voxels stay with the server.
 Scene sceneFrom(const net::SceneFields& fields);
 
-/// What describes a frame, without its request's identity and the server's times of queueing and sending. `serverMs`: that of the request.
-net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec, int serverMs = 0);
+/// What describes a frame, without its request's identity and the server's times of queueing and sending. `wishes`: those of the request.
+net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec, const ServerWishes& wishes = {});
 /// Whether a frame marched as `answered` is an answer to `asked`, although they differ: see isCoarsened(), and only where the request allowed it.
 bool admits(const net::SettingFields& asked, const net::SettingFields& answered);
 /// A frame whose samples, and the values of its planes, are still to be decoded.

@@ -20,7 +20,7 @@ void drawServer(Session& session, LiveSettings& knobs, const Look& look) {
   for (const MarchKnob& row : marchKnobs())
     if (row.knob->owner != KnobOwner::effect && row.matters(knobs.march)) knobWidget(row, knobs.march, look);
   for (const TransportKnob& row : transportKnobs())
-    if (row.knob == &kServerMsKnob) knobWidget(row, knobs.transport, look);
+    if (row.isOfServer) knobWidget(row, knobs.transport, look);
 
   label(std::string(kServerSideKnob.label).c_str(), look);
   beginHalves();

@@ -99,7 +99,7 @@ void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
   TransportSettings& transport = knobs.transport;
   drawLink(transport.link, look);
   for (const TransportKnob& row : transportKnobs())
-    if (row.knob != &kServerMsKnob && row.matters(transport)) knobWidget(row, transport, look);  // that one stands with the server's
+    if (!row.isOfServer && row.matters(transport)) knobWidget(row, transport, look);
 
   const std::optional<SourceStatus> status = session.sourceStatus();
   if (!status || status->where.empty()) return;

@@ -179,7 +179,7 @@ TEST_F(FaultsServer, RequestsThatStopInTheMiddleEndAtTheDeadline) {
   Server& server = serve({.greetingPatience = 100ms, .heartbeat = 50ms, .patience = 1000ms});
   const Bytes request = requestMessage(requestOf(1));
   std::vector<BareSocket> sockets;
-  for (const size_t size : {1, 7, 8, 9, 60, 107}) {
+  for (const size_t size : {size_t{1}, size_t{7}, size_t{8}, size_t{9}, size_t{60}, request.size() - 1}) {
     sockets.push_back(greetedClient(server));
     sockets.back().send(ByteView(request).first(size));
   }
