@@ -109,6 +109,7 @@ inline std::vector<CountedCase> countedCases() {
       {PlanStage::skipping, Counter::leaps, render(&RenderSettings::skipEmpty, false), plain},
       {PlanStage::missingVoxels, Counter::finiteChecks, changed([](CountedScene& s) { s.type = VoxelType::float32; }),
        changed([](CountedScene& s) { s.type = VoxelType::float32, s.hasHoles = true; })},
+      {PlanStage::segments, Counter::segments, plain, changed([](CountedScene& s) { s.settings.render.effects.preIntegration = true; }), false},
       {PlanStage::refinement, Counter::refinements, changed([](CountedScene& s) { s.type = VoxelType::float32; }),
        changed([](CountedScene& s) { s.type = VoxelType::float32, s.isSteep = true; }), false},
       {PlanStage::correction, Counter::corrections, render(&RenderSettings::step, 1.0f), plain, false, false},

@@ -12,7 +12,7 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<MeasuredEffect, 7> kEffects{{
+constexpr std::array<MeasuredEffect, 8> kEffects{{
     {"shading", "by a light at the eye", [](const Effects& effects) { return effects.shading.strength > 0.0f; },
      [](Effects& effects) { effects.shading.strength = 0.0f; }, [](Effects& effects, const Volume&) { effects.shading.strength = 1.0f; }},
     {"shadows", "of a light at the upper left", [](const Effects& effects) { return effects.shadows.strength > 0.0f; },
@@ -27,6 +27,8 @@ constexpr std::array<MeasuredEffect, 7> kEffects{{
      [](Effects& effects) { effects.shadows.occlusion = 0.0f; }, [](Effects& effects, const Volume&) { effects.shadows.occlusion = 1.0f; }, "shading"},
     {"jitter", "of half a step", [](const Effects& effects) { return effects.jitter > 0.0f; },
      [](Effects& effects) { effects.jitter = 0.0f; }, [](Effects& effects, const Volume&) { effects.jitter = 1.0f; }},
+    {"pre-integration", "of steps", [](const Effects& effects) { return effects.preIntegration; },
+     [](Effects& effects) { effects.preIntegration = false; }, [](Effects& effects, const Volume&) { effects.preIntegration = true; }},
     {"clip-planes", "through the centre", [](const Effects& effects) { return effects.clip.planes.size() > 0; },
      [](Effects& effects) { effects.clip.planes = {}; },
      [](Effects& effects, const Volume&) { effects.clip.planes.add({glm::vec3(1.0f, 0.0f, 0.0f), 0.0f}); }},

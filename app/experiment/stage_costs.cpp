@@ -20,6 +20,7 @@ std::optional<MarchSettings> without(PlanStage stage, const MarchSettings& setti
     case PlanStage::earlyEnd: left.render.terminateEarly = false; return left;
     case PlanStage::gradient: left.render.effects.shading.strength = 0.0f; return left;
     case PlanStage::clip: left.render.effects.clip = {}; return left;
+    case PlanStage::segments: left.render.effects.preIntegration = false; return left;
     case PlanStage::jitter: left.render.effects.jitter = 0.0f; return left;
     case PlanStage::shadows: left.render.effects.shadows.strength = 0.0f; return left;
     case PlanStage::occlusion: left.render.effects.shadows.occlusion = 0.0f; return left;

@@ -36,12 +36,13 @@ enum class Counter {
   movedRays,      ///< by jitter
   maxima,         ///< of rays
   surfaces,       ///< that rays met
+  segments,       ///< steps that were classified by their ends
 };
-inline constexpr size_t kCounters = static_cast<size_t>(Counter::surfaces) + 1;
+inline constexpr size_t kCounters = static_cast<size_t>(Counter::segments) + 1;
 inline constexpr std::array<std::string_view, kCounters> kCounterNames{
     "rays",      "clippedRays", "samples",    "voxels",      "leaps",     "finiteChecks", "refinements", "corrections",
     "gradients", "diffuse",     "highlights", "halfVectors", "earlyEnds", "secondPasses", "dividedRays", "secondaryRays",
-    "movedRays",   "maxima",      "surfaces"};
+    "movedRays",   "maxima",      "surfaces",    "segments"};
 
 /// What was counted.
 struct Counts {

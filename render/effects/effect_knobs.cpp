@@ -198,6 +198,16 @@ constinit const Knob kJitterKnob{.key = "jitter",
                                  .phrase = ", jitter {}",
                                  .naming = KnobNaming::unlessDefault};
 
+constinit const Knob kPreIntegrationKnob{.key = "preIntegration",
+                                         .option = "--pre-integration",
+                                         .label = "Pre-integrated",
+                                         .noun = "pre-integrated classification",
+                                         .help = "Classify each step by the values at both of its ends instead of the one in its middle (Engel, Kraus, Ertl 2001)",
+                                         .type = KnobType::flag,
+                                         .owner = KnobOwner::effect,
+                                         .stale = KnobStage::march,
+                                         .defaultValue = 0.0};
+
 std::span<const MarchKnob> effectKnobs() {
   static constexpr MarchKnob kRows[] = {
       {{&kModeKnob, [](const MarchSettings& s) { return static_cast<double>(s.render.effects.mode); },
@@ -216,6 +226,10 @@ std::span<const MarchKnob> effectKnobs() {
       row(kSlabKnob, [](auto& effects) -> auto& { return effects.clip.slab.thickness; }, always),
       row(kSlabDepthKnob, [](auto& effects) -> auto& { return effects.clip.slab.depth; }, hasSlab),
       row(kJitterKnob, [](auto& effects) -> auto& { return effects.jitter; }, always),
+      {{&kPreIntegrationKnob, [](const MarchSettings& s) { return s.render.effects.preIntegration ? 1.0 : 0.0; },
+        [](MarchSettings& s, double value) { s.render.effects.preIntegration = value != 0.0; }},
+       FramePart::picture,
+       always},
   };
   return kRows;
 }

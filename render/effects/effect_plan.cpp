@@ -134,8 +134,17 @@ constexpr std::array<PlanRule, kStages.size()> kRules{{
      [](const PlanQuestion& q) {
        return q.scene.missingVoxels > 0 ? in(std::to_string(q.scene.missingVoxels) + " voxels are not finite") : out("all voxels are finite");
      }},
+    {PlanStage::segments,
+     [](const PlanQuestion& q) {
+       if (!q.settings.effects.preIntegration) return out("a step is classified by the value in its middle");
+       if (!q.hasMode(RenderMode::composite)) return out(modeOf(q));
+       // Between a value and none there is no straight way.
+       if (q.plan.has(PlanStage::missingVoxels)) return out("voxels are missing: steps are classified by the value in their middle");
+       return in("a step is classified by the values at its ends");
+     }},
     {PlanStage::refinement,
      [](const PlanQuestion& q) {
+       if (q.plan.has(PlanStage::segments)) return out("steps are looked up between their ends' values");
        if (q.hasMode(RenderMode::isosurface)) return out("a surface's colour is that of its value");
        return q.scene.isRefined ? in("the transfer function changes faster than its table's entries") : out("the table's entries are fine enough");
      }},

@@ -20,6 +20,7 @@ enum class PlanStage {
   clip,           ///< of rays to what is kept
   skipping,       ///< of cells that show nothing
   missingVoxels,  ///< leaving voxels out of interpolation that are not finite
+  segments,       ///< classifying what lies between the ends of a step
   refinement,     ///< telling bins of the transfer function apart further
   correction,     ///< of opacities to the step
   gradient,       ///< at samples that are seen
@@ -41,7 +42,7 @@ struct StageDescriptor {
 };
 
 /// Every stage, in their order.
-inline constexpr std::array<StageDescriptor, 19> kStages{{
+inline constexpr std::array<StageDescriptor, 20> kStages{{
     {PlanStage::march, "march", "rays through the volume"},
     {PlanStage::jitter, "jitter", "moving each ray's samples by noise"},
     {PlanStage::maximum, "maximum", "the greatest value along a ray"},
@@ -49,6 +50,7 @@ inline constexpr std::array<StageDescriptor, 19> kStages{{
     {PlanStage::clip, "clip", "cutting rays to what is kept"},
     {PlanStage::skipping, "skipping", "leaping over cells that show nothing"},
     {PlanStage::missingVoxels, "missing-voxels", "leaving out voxels that are not finite"},
+    {PlanStage::segments, "pre-integration", "classifying steps by the values at both ends"},
     {PlanStage::refinement, "refinement", "telling entries of the transfer table apart further"},
     {PlanStage::correction, "correction", "opacity corrected to the step"},
     {PlanStage::gradient, "gradient", "central differences where a sample is seen"},

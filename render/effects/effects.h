@@ -36,6 +36,7 @@ struct Effects {
   Shadows shadows;
   Lights lights = defaultLights();
   Clip clip{};
+  bool preIntegration = false;  ///< steps are classified by the values at their ends (segment_table.h), not by the one in their middle
   float jitter = 0.0f;  ///< 0..1, of half a step: how far a pixel's samples are moved along its ray (jitter.h)
 
   bool operator==(const Effects&) const = default;

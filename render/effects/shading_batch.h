@@ -15,8 +15,8 @@ namespace warpscope {
 template <class Light, class Source>
 class LitBatch {
  public:
-  static constexpr int kLanes = Source::kBatch;
-  static_assert(kLanes == kBatchLanes);
+  static constexpr int kLanes = kBatchLanes;
+  static_assert(Source::kBatch <= kLanes);
 
   LitBatch() {}  // a ray that meets nothing has nothing to set
 

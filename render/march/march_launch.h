@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "render/core/color.h"
+#include "render/core/segment_table.h"
 #include "render/cuda/memory.h"
 #include "render/effects/clip.h"
 #include "render/effects/jitter.h"
@@ -58,6 +59,11 @@ void launchMip(const MarchJob<Voxel>& job, const MipSetup& setup, std::optional<
 template <class Voxel, bool kHasHoles, bool kByCells>
 void launchIsosurfaces(const MarchJob<Voxel>& job, const IsosurfaceSetup& setup, const ShadingSetup& shading, std::optional<Heuristic> heuristic,
                        cudaStream_t stream);
+/// As launchMarch, for steps that are classified by the values at their ends.
+template <class Voxel, bool kByCells>
+void launchSegments(const MarchJob<Voxel>& job, const SegmentLookup& segments, const ShadingSetup& shading, const LightVolume& lightVolume,
+                    std::optional<Heuristic> heuristic, cudaStream_t stream);
+
 /// Finds out places [first, end) of a light volume, whose values these are in device memory.
 template <class Voxel, bool kHasHoles, bool kByCells>
 void launchLightVolume(const LightVolumeJob& job, const VolumeView<Voxel>& view, size_t first, size_t end, uint16_t* values, cudaStream_t stream);

@@ -20,6 +20,10 @@ BakedTransfer bakeTable(const MarchedVolume& marched, const RenderSettings& sett
   baked.table =
       bakeTransferTable(marched.transferFunction, *marched.volume, marched.scale, settings.step, settings.arithmetic);
   for (const float alpha : baked.table.alphas) baked.mostOpacity = std::max(baked.mostOpacity, alpha);
+  if (!wantsSegments(settings)) return baked;
+  baked.segments = bakeSegmentTable(marched.transferFunction, *marched.volume, marched.scale, settings.step);
+  baked.visibleSegments = visibleBySegments(baked.segments);
+  baked.mostOpacity = std::max(baked.mostOpacity, baked.segments.mostOpacity);
   return baked;
 }
 
@@ -28,7 +32,7 @@ BakedTransfer bakeTable(const MarchedVolume& marched, const RenderSettings& sett
 BakedTransfer bakeTransfer(const MarchedVolume& marched, const RenderSettings& settings) {
   BakedTransfer baked = bakeTable(marched, settings);
   baked.emptyDistances =
-      settings.effects.mode == RenderMode::isosurface ? surfaceDistances(marched.macrocells, baked.surfaces) : marched.macrocells.emptyDistances(baked.table);
+      settings.effects.mode == RenderMode::isosurface ? surfaceDistances(marched.macrocells, baked.surfaces) : marched.macrocells.emptyDistances(baked.visible());
   baked.visibleCells = static_cast<size_t>(std::ranges::count(baked.emptyDistances, 0));
   return baked;
 }
@@ -99,6 +103,7 @@ std::vector<float> lightVolumeKey(const LightVolumeJob& job, const RenderSetting
 void requireFitting(const Volume& volume, const RenderSettings& settings) {
   validate(settings);
   const RenderMode mode = settings.effects.mode;
+  if (wantsSegments(settings) && settings.arithmetic != Arithmetic::stable) throw UsageError("pre-integrated classification has no textbook arithmetic");
   if (mode != RenderMode::composite && settings.arithmetic != Arithmetic::stable)
     throw UsageError("the mode " + std::string(nameOf(mode)) + " has no textbook arithmetic; only " + std::string(nameOf(RenderMode::composite)) + " has");
   if (mode == RenderMode::isosurface) requireIsoValues(settings.effects.isoValues, volume);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "render/core/segment_table.h"
 #include "render/effects/effect_plan.h"
 #include "render/effects/isosurface_setup.h"
 #include "render/effects/mip.h"
@@ -29,6 +30,9 @@ struct BakedTransfer;
 inline IsoValues isoValuesOf(const RenderSettings& settings) {
   return settings.effects.mode == RenderMode::isosurface ? settings.effects.isoValues : IsoValues();
 }
+
+/// Whether a march by these settings classifies steps by their ends, if the volume lets it.
+inline bool wantsSegments(const RenderSettings& settings) { return settings.effects.preIntegration && settings.effects.mode == RenderMode::composite; }
 
 /// A volume and how its values look: what marchers of the same scene share. Nothing that can be seen of it changes.
 struct MarchedVolume {
@@ -70,10 +74,17 @@ struct BakedTransfer {
   size_t visibleCells = 0;              ///< at a distance of 0, likewise
   IsosurfaceSetup surfaces;             ///< where there are any, distances are those to them
   IsoValues isoValues;                  ///< of these
+  SegmentTable segments;                ///< where steps are classified by their ends, else without nodes
+  TransferTable visibleSegments;        ///< likewise: what shows anything by them
+
+  bool hasSegments() const { return segments.nodes > 0; }
+  /// What cells show anything by.
+  const TransferTable& visible() const { return hasSegments() ? visibleSegments : table; }
 
   /// True if this is what a march by `settings` needs.
   bool isFor(const RenderSettings& settings) const {
-    return !table.entries.empty() && table.step == settings.step && arithmetic == settings.arithmetic && isoValues == isoValuesOf(settings);
+    return !table.entries.empty() && table.step == settings.step && arithmetic == settings.arithmetic && isoValues == isoValuesOf(settings) &&
+           hasSegments() == wantsSegments(settings);
   }
 };
 

@@ -19,6 +19,7 @@
 #include "render/effects/jitter.h"
 #include "render/effects/isosurface.h"
 #include "render/effects/mip_batch.h"
+#include "render/effects/segment_batch_source.h"
 #include "render/effects/shading.h"
 #include "render/march/compact.h"
 #include "render/march/march.h"
@@ -81,8 +82,8 @@ template <class Source>
 SampleSpan spanFor(const VisibleDepths& depths, float cosine, const RayLattice& lattice) {
   if constexpr (requires { Source::kTakesWholeRays; }) return {0, lattice.count};
   const SampleSpan span = samplesBetween(depths, cosine, lattice);
-  // A surface lies between two samples, or an end of the ray and one; either may be on the far side of the depths.
-  if constexpr (requires { requires std::is_same_v<typename Source::Setup, IsosurfaceSetup>; })
+  // What lies between two samples, or an end of the ray and one, may have either of them on the far side of the depths.
+  if constexpr (requires { typename Source::Setup; })
     return {std::max(span.begin - 2, 0), std::min(span.end + 2, lattice.count)};
   return span;
 }
@@ -193,6 +194,12 @@ class CpuMarcher final : public Marcher {
           });
         });
       const LightVolume lightVolume = filledLightVolume(view, camera, settings, plan, stop);
+      if (plan.has(PlanStage::segments) && baked_->hasSegments())
+        return visitLight(shadingFor(*marched_, camera, settings, plan), lightVolume, [&](const auto& light) {
+          const SegmentLookup segments = baked_->segments.lookup();
+          marchTiles<SegmentBatchSource<Voxel>>(ModeView<Voxel, SegmentLookup>{view, segments}, light, camera, pixels, settings, plan, blocks, sample, stop,
+                                                onRay);
+        });
       visitLight(shadingFor(*marched_, camera, settings, plan), lightVolume, [&](const auto& light) {
         visitMarchArithmetic(settings.arithmetic, [&]<class March>(March) {
           visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {

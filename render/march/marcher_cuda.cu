@@ -167,7 +167,9 @@ class CudaMarcher final : public Marcher {
   void bake(const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
     const bool hasSurfaces = settings.effects.mode == RenderMode::isosurface;
     const std::shared_ptr<const BakedTransfer> baked = hasSurfaces ? marched_->bakedFor(settings) : marched_->tableFor(settings);
-    if (bakedStep_ != settings.step || bakedArithmetic_ != settings.arithmetic || bakedIsoValues_ != baked->isoValues) upload(*baked, settings);
+    const bool isUploaded = bakedStep_ == settings.step && bakedArithmetic_ == settings.arithmetic && bakedIsoValues_ == baked->isoValues &&
+                            (segments_.nodes > 0) == baked->hasSegments();
+    if (!isUploaded) upload(*baked, settings);
     plan_ = planFor(*marched_, *baked, visibleCells_, settings, sample);
     surfaces_ = baked->surfaces;
     if (settings.effects.mode != RenderMode::mip) return;
@@ -185,6 +187,13 @@ class CudaMarcher final : public Marcher {
     transfer_.unitAlphas = uploaded(unitAlphas_, baked.table.unitAlphas);
     transfer_.refinements = uploaded(refinements_, baked.table.refinements);
     transfer_.begins = uploaded(begins_, baked.table.begins);
+    segments_ = {.nodes = 0};
+    if (baked.hasSegments()) {
+      segments_ = baked.segments.lookup();
+      segments_.entries = uploaded(segmentEntries_, baked.segments.entries);
+      segments_.alphas = uploaded(segmentAlphas_, baked.segments.alphas);
+      segments_.unitAlphas = uploaded(segmentUnitAlphas_, baked.segments.unitAlphas);
+    }
     if (baked.isoValues.size() > 0)
       uploadSurfaces(baked);
     else
@@ -202,8 +211,13 @@ class CudaMarcher final : public Marcher {
   }
 
   void findVisible(const BakedTransfer& baked) {
-    const std::vector<int32_t> next = nextVisibleBins(baked.table);
-    deviceCells_->findDistances({transfer_, uploaded(nextVisible_, next)}, emptyDistances_, cellScratch_, stream_);
+    const std::vector<int32_t> next = nextVisibleBins(baked.visible());
+    TransferLookup visibleBins = transfer_;
+    if (baked.hasSegments()) {
+      visibleBins = baked.visibleSegments.lookup();
+      visibleBins.alphas = uploaded(visibleAlphas_, baked.visibleSegments.alphas);
+    }
+    deviceCells_->findDistances({visibleBins, uploaded(nextVisible_, next)}, emptyDistances_, cellScratch_, stream_);
     const auto visible = thrust::make_transform_iterator(emptyDistances_.data(), IsVisible{});
     cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
       return cub::DeviceReduce::Sum(memory, bytes, visible, deviceCount_.data(), static_cast<int64_t>(deviceCells_->count()), stream_);
@@ -255,6 +269,11 @@ class CudaMarcher final : public Marcher {
         job.endRow = std::min(camera.height, job.firstRow + rows);
         switch (settings.effects.mode) {
           case RenderMode::composite:
+            if constexpr (!kHasHoles)
+              if (plan_->has(PlanStage::segments) && segments_.nodes > 0) {
+                launchSegments<Voxel, kByCells>(job, segments_, shading, lightVolume, heuristic, stream_);
+                break;
+              }
             launchMarch<Voxel, kHasHoles, kByCells>(job, settings, shading, lightVolume, heuristic, stream_);
             break;
           case RenderMode::mip:
@@ -366,6 +385,10 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<float> alphas_, unitAlphas_;
   cuda::DeviceBuffer<TransferRefinement> refinements_;
   cuda::DeviceBuffer<float> begins_;
+  SegmentLookup segments_{.nodes = 0};  // into the next three; without nodes there are none
+  cuda::DeviceBuffer<glm::vec4> segmentEntries_;
+  cuda::DeviceBuffer<float> segmentAlphas_, segmentUnitAlphas_;
+  cuda::DeviceBuffer<float> visibleAlphas_;
   cuda::DeviceBuffer<int32_t> nextVisible_;
   cuda::DeviceBuffer<uint8_t> emptyDistances_, cellScratch_;
   cuda::DeviceBuffer<PackedSample> denseSamples_, samples_;

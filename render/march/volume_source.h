@@ -64,21 +64,6 @@ class VolumeSource {
     for (int k = 0; k < kBatch; ++k) t[k] = lattice_.tOfWholeStep(i + k);
     return valuesAt(FloatBatch::load_aligned(t));
   }
-  float valueOfLast() {
-    alignas(64) float value[kBatch];
-    valuesAt(FloatBatch(lattice_.t(lattice_.count - 1))).store_aligned(value);
-    return value[0];
-  }
-
-  float alpha(int k) const { return alpha_[k]; }
-  float unitAlpha(int k) const { return view_.transfer.unitAlphas[index_[k]]; }
-  glm::vec3 color(int k) const { return glm::vec3(view_.transfer.entries[index_[k]]); }
-  float t(int k) const { return t_[k]; }
-
-  /// The volume, for what a sample's light needs beside its class.
-  const VolumeView<Voxel>& view() const { return view_; }
-
- private:
   FloatBatch valuesAt(const FloatBatch& distance) {
     WARPSCOPE_COUNT(samples, kBatch);
     WARPSCOPE_COUNT(voxels, 8 * kBatch);
@@ -94,7 +79,21 @@ class VolumeSource {
     else
       return blend(places, weight);
   }
+  float valueOfLast() {
+    alignas(64) float value[kBatch];
+    valuesAt(FloatBatch(lattice_.t(lattice_.count - 1))).store_aligned(value);
+    return value[0];
+  }
 
+  float alpha(int k) const { return alpha_[k]; }
+  float unitAlpha(int k) const { return view_.transfer.unitAlphas[index_[k]]; }
+  glm::vec3 color(int k) const { return glm::vec3(view_.transfer.entries[index_[k]]); }
+  float t(int k) const { return t_[k]; }
+
+  /// The volume, for what a sample's light needs beside its class.
+  const VolumeView<Voxel>& view() const { return view_; }
+
+ private:
   /// Looks at the samples at these distances; a bit is set for each that has opacity.
   uint32_t classifyAt(const FloatBatch& distance) {
     const FloatBatch value = valuesAt(distance);

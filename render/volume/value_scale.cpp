@@ -17,6 +17,25 @@ int exponentFor(double largest, int least, int most) {
   return std::clamp(exponent, least, most) - exponent;
 }
 
+TransferFunction functionOfInterpolants(TransferFunction function, const Volume& volume, const ValueScale& scale) {
+  const bool rounds = visitVoxelType(volume.type(), [](auto voxel) { return kRounds<decltype(voxel)>; });
+  constexpr double kLargest = 0x1p126;
+  for (TransferPoint& point : function.points) {
+    point.value = std::clamp(scale.interpolantOf(point.value), -kLargest, kLargest);
+    if (rounds) point.value = static_cast<double>(static_cast<float>(point.value));  // as voxels of that value are
+  }
+  return function;
+}
+
+TransferDomain domainOf(const Volume& volume, const ValueScale& scale) {
+  const VoxelStatistics& statistics = volume.statistics();
+  TransferDomain domain;
+  domain.lower = static_cast<float>(scale.interpolantOf(statistics.rangeLower));
+  domain.upper = static_cast<float>(scale.interpolantOf(statistics.rangeUpper));
+  domain.isWhole = sizeBytes(volume.type()) <= 2;
+  return domain;
+}
+
 }  // namespace
 
 ValueScale valueScaleOf(VoxelType type, const VoxelStatistics& statistics, const TransferFunction& function) {
@@ -44,20 +63,14 @@ ValueScale valueScaleOf(VoxelType type, const VoxelStatistics& statistics, const
 
 TransferTable bakeTransferTable(const TransferFunction& function, const Volume& volume, const ValueScale& scale, float step,
                                 Arithmetic arithmetic) {
-  const bool rounds = visitVoxelType(volume.type(), [](auto voxel) { return kRounds<decltype(voxel)>; });
-  constexpr double kLargest = 0x1p126;
-  TransferFunction ofInterpolants = function;
-  for (TransferPoint& point : ofInterpolants.points) {
-    point.value = std::clamp(scale.interpolantOf(point.value), -kLargest, kLargest);
-    if (rounds) point.value = static_cast<double>(static_cast<float>(point.value));  // as voxels of that value are
-  }
-  const VoxelStatistics& statistics = volume.statistics();
-  TransferDomain domain;
-  domain.lower = static_cast<float>(scale.interpolantOf(statistics.rangeLower));
-  domain.upper = static_cast<float>(scale.interpolantOf(statistics.rangeUpper));
-  domain.isWhole = sizeBytes(volume.type()) <= 2;
+  const TransferFunction ofInterpolants = functionOfInterpolants(function, volume, scale);
+  const TransferDomain domain = domainOf(volume, scale);
   return arithmetic == Arithmetic::textbook ? bakeTextbookTable(ofInterpolants, domain, step)
                                             : bakeTransferTable(ofInterpolants, domain, step);
+}
+
+SegmentTable bakeSegmentTable(const TransferFunction& function, const Volume& volume, const ValueScale& scale, float step) {
+  return bakeSegmentTable(functionOfInterpolants(function, volume, scale), domainOf(volume, scale), step);
 }
 
 }  // namespace warpscope

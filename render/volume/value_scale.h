@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "render/core/arithmetic.h"
+#include "render/core/segment_table.h"
 #include "render/core/transfer_table.h"
 #include "render/volume/volume.h"
 
@@ -28,6 +29,7 @@ ValueScale valueScaleOf(VoxelType type, const VoxelStatistics& statistics, const
 /// Bakes a function of the volume's values into a table of their interpolants, for steps of `step` volume units.
 TransferTable bakeTransferTable(const TransferFunction& function, const Volume& volume, const ValueScale& scale, float step,
                                 Arithmetic arithmetic = Arithmetic::stable);
+SegmentTable bakeSegmentTable(const TransferFunction& function, const Volume& volume, const ValueScale& scale, float step);
 
 /// True for voxel types whose values float cannot hold: on a device they are kept as interpolants.
 template <class Voxel>

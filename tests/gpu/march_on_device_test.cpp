@@ -124,6 +124,33 @@ TEST(MarchOnDevice, LitByEveryHeuristicAndLight) {
   }
 }
 
+TEST(MarchOnDevice, PreIntegratedByEveryHeuristicAndLight) {
+  WARPSCOPE_NEEDS_GPU();
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Scene scene = smallScene(builtin.name, 64);
+    const Pair pair(scene);
+    const Camera camera = makeCamera(scene, scene.views.front(), 203, 157);
+    MarchSettings settings = scene.march;
+    settings.render.effects.preIntegration = true;
+    for (const float step : {0.5f, 1.0f, 3.0f})
+      for (const bool skips : {false, true})
+        for (const float shading : {0.0f, 1.0f})
+          for (const int samplesPerRay : {1, 4})
+            for (const Heuristic heuristic : {Heuristic::gradient, Heuristic::median}) {
+              SCOPED_TRACE(::testing::Message() << builtin.name << ", step " << step << ", " << skips << ", shading " << shading);
+              settings.render.step = step;
+              settings.render.skipEmpty = skips;
+              settings.render.effects.shading.strength = shading;
+              settings.render.effects.shadows = {.strength = step > 2.0f ? 0.8f : 0.0f};
+              settings.render.effects.lights = parseLights("world:1,0.3,-2 headlight@0.2", "it");
+              settings.sample.heuristic = heuristic;
+              settings.sample.samplesPerRay = samplesPerRay;
+              pair.expectSame(camera, settings);
+              EXPECT_TRUE(sameBits(rendered(*pair.cpu, camera, settings), rendered(*pair.cuda, camera, settings)));
+            }
+  }
+}
+
 TEST(MarchOnDevice, ShadowsAndOcclusion) {
   WARPSCOPE_NEEDS_GPU();
   for (const BuiltinScene& builtin : builtinScenes()) {
@@ -271,6 +298,20 @@ TEST(MarchOnDevice, OtherModesOfEveryVoxelTypeWithAndWithoutHoles) {
           settings.render.effects.isoValues = parseIsoValues("60@0.5", "it");
           pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
         }
+  });
+}
+
+TEST(MarchOnDevice, PreIntegratedOfEveryVoxelTypeWithAndWithoutHoles) {
+  WARPSCOPE_NEEDS_GPU();
+  forEveryVoxelType(7, [](const Pair& pair) {
+    for (const float step : {0.5f, 2.0f})
+      for (const glm::vec3& eye : {kOutside, kInside}) {
+        MarchSettings settings;
+        settings.render.step = step;
+        settings.render.effects.preIntegration = true;
+        settings.render.effects.shading.strength = 0.5f;
+        pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
+      }
   });
 }
 

@@ -1,0 +1,32 @@
+// Kernels of steps that are classified by the values at their ends: the loop of march.h with the source of segment_source.h, one ray a thread.
+// Five kernels for each light and kind of voxel: heuristics are chosen at a sample that counts, not compiled.
+#pragma once
+
+#include "render/effects/segment_source.h"
+#include "render/march/march_mode_kernels.cuh"
+
+namespace warpscope {
+
+template <class Voxel, bool kByCells>
+void launchSegments(const MarchJob<Voxel>& job, const SegmentLookup& segments, const ShadingSetup& shading, const LightVolume& lightVolume,
+                    std::optional<Heuristic> heuristic, cudaStream_t stream) {
+  const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
+  using Source = SegmentSource<Voxel, kByCells>;
+  visitLight(shading, lightVolume, [&](auto light) {
+    if (heuristic)
+      visitAnyHeuristic(*heuristic, [&](auto depth) {
+        if (job.isDivided)
+          marchSeveralModeSamples<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, segments, depth, light);
+        else
+          marchModeSamples<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, segments, depth, light);
+      });
+    else
+      marchModeColors<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, segments, light);
+  });
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+#if WARPSCOPE_COUNTERS
+  handOverDeviceCounts(stream);
+#endif
+}
+
+}  // namespace warpscope
