@@ -200,7 +200,7 @@ constinit const Knob kJitterKnob{.key = "jitter",
 
 constinit const Knob kPreIntegrationKnob{.key = "preIntegration",
                                          .option = "--pre-integration",
-                                         .label = "Pre-integrated",
+                                         .label = "Integrated",
                                          .noun = "pre-integrated classification",
                                          .help = "Classify each step by the values at both of its ends instead of the one in its middle (Engel, Kraus, Ertl 2001)",
                                          .type = KnobType::flag,
