@@ -16,6 +16,14 @@ std::string spreadText(const Measured& measured) {
   return "median " + addedText(measured.medianMs) + ", half of the runs within " + durationText(measured.spreadMs);
 }
 
+void drawSmall(const ImVec4& color, const std::string& text, const Look& look) {
+  ImGui::PushFont(look.fonts.small);
+  ImGui::PushTextWrapPos(0.0f);
+  ImGui::TextColored(color, "%s", text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::PopFont();
+}
+
 void drawStage(const StageDescriptor& stage, const PlannedStage& planned, const Measured* cost, bool isCurrent, const Look& look) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float right = at.x + ImGui::GetContentRegionAvail().x, radius = look.px(3.5f), line = ImGui::GetTextLineHeight();
@@ -42,11 +50,7 @@ void drawStage(const StageDescriptor& stage, const PlannedStage& planned, const 
     else
       ImGui::TextColored(kFaintText, "%s", text.c_str());
   }
-  ImGui::PushFont(look.fonts.small);
-  ImGui::PushTextWrapPos(0.0f);
-  ImGui::TextColored(kDimText, "%s: %s", planned.isIn ? "in" : "out", planned.reason.c_str());
-  ImGui::PopTextWrapPos();
-  ImGui::PopFont();
+  drawSmall(kDimText, (planned.isIn ? "in: " : "out: ") + planned.reason, look);
   ImGui::EndGroup();
   std::string help = "The stage " + name + ": " + std::string(stage.summary) + ".";
   if (cost != nullptr)
@@ -55,21 +59,14 @@ void drawStage(const StageDescriptor& stage, const PlannedStage& planned, const 
   ImGui::Unindent(look.px(14.0f));
 }
 
-/// How it stands with the figures.
-std::string figuresText(const LivePlan& plan) {
+/// How it stands with the plan and its figures.
+std::string standingText(const LivePlan& plan) {
   if (!plan.error().empty()) return plan.error();
+  if (!plan.plan()) return plan.isKnown() ? "The server plans: `warpscope plan` says it there." : "No frame yet.";
   if (plan.isMeasuring()) return "Measuring: marches with and without each stage.";
   if (!plan.costs()) return "What each costs is measured when all rests.";
   return "The march took " + durationText(plan.costs()->march.medianMs) + " on this machine, by each stage so much of it" +
          (plan.areCurrent() ? ":" : " (at an earlier camera):");
-}
-
-void drawSmall(const ImVec4& color, const std::string& text, const Look& look) {
-  ImGui::PushFont(look.fonts.small);
-  ImGui::PushTextWrapPos(0.0f);
-  ImGui::TextColored(color, "%s", text.c_str());
-  ImGui::PopTextWrapPos();
-  ImGui::PopFont();
 }
 
 }  // namespace
@@ -85,13 +82,8 @@ void PlanList::draw(Session& session, const Look& look) {
   wasOpen_ = isOpen;
   if (!isOpen) return;
   const LivePlan& plan = session.plan();
-  if (!plan.plan()) {
-    const bool isElsewhere = plan.isKnown() && plan.error().empty();
-    drawSmall(plan.error().empty() ? kDimText : kErrorText,
-              !plan.error().empty() ? plan.error() : isElsewhere ? "The server plans: `warpscope plan` says it there." : "No frame yet.", look);
-    return;
-  }
-  drawSmall(plan.error().empty() ? kDimText : kErrorText, figuresText(plan), look);
+  drawSmall(plan.error().empty() ? kDimText : kErrorText, standingText(plan), look);
+  if (!plan.plan()) return;
   for (const bool isIn : {true, false})
     for (const StageDescriptor& stage : kStages) {
       const PlannedStage& planned = (*plan.plan())[stage.stage];
