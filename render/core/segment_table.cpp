@@ -36,6 +36,9 @@ Medium mediumOf(const glm::dvec4& straight) {
   return {extinction, extinction * glm::dvec3(straight)};
 }
 
+/// What a piece of it sends that holds back `alpha`.
+glm::dvec3 lightOf(const Medium& medium, double alpha) { return medium.extinction > 0.0 ? medium.emission * (alpha / medium.extinction) : glm::dvec3(0.0); }
+
 /// Integral over values from `a` to `b`, between which the function is linear: Gauss and Legendre's rule of four points.
 Medium integralOf(const glm::dvec4& atA, const glm::dvec4& atB, double width) {
   constexpr double kPlaces[4] = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813, 0.93056815579702629};
@@ -145,8 +148,7 @@ class Baking {
 
   Entry entryOf(const Medium& medium) const {
     const double alpha = -std::expm1(-medium.extinction * static_cast<double>(step_));
-    const glm::dvec3 color = medium.extinction > 0.0 ? medium.emission * (alpha / medium.extinction) : glm::dvec3(0.0);
-    return {glm::vec4(glm::dvec4(color, alpha)), static_cast<float>(-std::expm1(-medium.extinction))};
+    return {glm::vec4(glm::dvec4(lightOf(medium, alpha), alpha)), static_cast<float>(-std::expm1(-medium.extinction))};
   }
 
   /// A step from node a to a greater one, and the way back.
@@ -162,7 +164,7 @@ class Baking {
       const size_t end = a + (b - a) * k / pieces;
       const Medium piece = difference(begin, end);
       const double left = std::exp(-piece.extinction / width * static_cast<double>(step_));
-      const glm::dvec3 color = piece.extinction > 0.0 ? piece.emission * ((1.0 - left) / piece.extinction) : glm::dvec3(0.0);
+      const glm::dvec3 color = lightOf(piece, 1.0 - left);
       forth += through * color;   // behind what is before it
       back = color + left * back;  // before it
       through *= left;
@@ -199,10 +201,10 @@ SegmentTable bakeSegmentTable(const TransferFunction& function, const TransferDo
 }
 
 TransferTable visibleBySegments(const SegmentTable& segments) {
-  // Whether steps between a node and the next show anything: what is below and above is as constant as the function.
+  // Whether steps between a node and the next show anything, forth as well as back.
   const auto shows = [&](int node) {
     const auto at = [&](int front, int back) { return segments.alphas[static_cast<size_t>(front * segments.nodes + back)] > 0.0f; };
-    return at(node, node) || at(node, node + 1) || at(node + 1, node) || at(node + 1, node + 1);
+    return at(node, node) || at(node, node + 1) || at(node + 1, node + 1);
   };
   const auto showsBetween = [&](int begin, int end) {
     for (int node = std::max(begin, 0); node < std::min(end, segments.nodes - 1); ++node)
