@@ -60,19 +60,48 @@ class Display:
 
 
 class Picture:
-    """A photograph of a window: rows of RGB bytes."""
+    """A photograph: rows of RGB bytes, of a PPM file's bytes."""
 
-    def __init__(self, display, window):
-        ppm = display.run("import", "-silent", "-window", window, "-depth", "8", "ppm:-").stdout
+    def __init__(self, ppm):
         fields = ppm.split(maxsplit=4)[:4]
         if len(fields) < 4 or fields[0] != b"P6":
             raise Failure("the window could not be photographed")
         self.width, self.height = int(fields[1]), int(fields[2])
         self.pixels = ppm[-3 * self.width * self.height:]
 
+    @staticmethod
+    def of_window(display, window):
+        return Picture(display.run("import", "-silent", "-window", window, "-depth", "8", "ppm:-").stdout)
+
+    @staticmethod
+    def of_file(path):
+        return Picture(subprocess.run(["convert", path, "-depth", "8", "ppm:-"], capture_output=True, check=True).stdout)
+
     def region(self, box):
         x0, y0, x1, y1 = box
         return b"".join(self.pixels[3 * (y * self.width + x0):3 * (y * self.width + x1)] for y in range(y0, y1))
+
+
+def plot_box(picture, scale=1.0):
+    """Where points of the plot are."""
+    bottom = int(picture.height - scale * PLOT_BOTTOM)
+    room = picture.width / scale - CONTROLS - 5 * MARGIN
+    right = 2 * MARGIN + room - (PLOT_LIST if room >= PLOT_LEAST_FOR_LIST else 0)
+    return int(scale * 2 * MARGIN), int(bottom - scale * PLOT_HEIGHT), int(scale * right), bottom
+
+
+def shows_a_ring(picture, colour):
+    """True if the plot has a thin, smoothed line of that colour: whole pixels of it depend on where it falls, tinted ones do not."""
+    region = picture.region(plot_box(picture))
+    grey = min(colour)
+    tint = [channel - grey for channel in colour]
+    size = sum(channel * channel for channel in tint)
+
+    def is_tinted(pixel):
+        own = [channel - min(pixel) for channel in pixel]
+        along = sum(a * b for a, b in zip(own, tint)) / size
+        return along > 0.25 and sum((a - along * b) ** 2 for a, b in zip(own, tint)) < 0.05 * along * along * size
+    return sum(is_tinted(region[i:i + 3]) for i in range(0, len(region), 3)) >= 12
 
 
 def centre_of(picture, box, colour):
@@ -141,31 +170,23 @@ class Program:
             boxes.append((int(left + s * 12), int(s * (MARGIN + HEADER)), int(left + panel - s * 12), int(picture.height - s * FOOTER)))
         return boxes
 
-    def plot(self, picture):
-        """Where points of the plot are."""
-        s = self.scale
-        bottom = int(picture.height - s * PLOT_BOTTOM)
-        room = picture.width / s - CONTROLS - 5 * MARGIN
-        right = 2 * MARGIN + room - (PLOT_LIST if room >= PLOT_LEAST_FOR_LIST else 0)
-        return int(s * 2 * MARGIN), int(bottom - s * PLOT_HEIGHT), int(s * right), bottom
-
     def point_of(self, colour):
         """Where the plot has points of that colour, or None."""
-        picture = Picture(self.display, self.window)
-        return centre_of(picture, self.plot(picture), colour)
+        picture = Picture.of_window(self.display, self.window)
+        return centre_of(picture, plot_box(picture, self.scale), colour)
 
     def regions(self):
-        picture = Picture(self.display, self.window)
+        picture = Picture.of_window(self.display, self.window)
         return [picture.region(box) for box in self.panels(picture)]
 
     def column(self):
         """The column of knobs."""
-        picture = Picture(self.display, self.window)
+        picture = Picture.of_window(self.display, self.window)
         s = self.scale
         return picture.region((int(picture.width - s * CONTROLS), int(s * MARGIN), int(picture.width - s * MARGIN), int(picture.height - s * PLOT_BOTTOM)))
 
     def middle_of_panel(self, index):
-        x0, y0, x1, y1 = self.panels(Picture(self.display, self.window))[index]
+        x0, y0, x1, y1 = self.panels(Picture.of_window(self.display, self.window))[index]
         return (x0 + x1) // 2, (y0 + y1) // 2
 
     def wait_for_panels(self, what):
@@ -322,7 +343,7 @@ def use_the_window(executable, scale):
             raise Failure("the right panel changed with the left one's technique")
 
         program.display.run("xdotool", "windowsize", program.window, str(smaller[0]), str(smaller[1]))
-        program.wait_until("the new size", lambda: Picture(display, program.window).width == smaller[0])
+        program.wait_until("the new size", lambda: Picture.of_window(display, program.window).width == smaller[0])
         program.wait_for_panels("both panels show something after a change of size")
 
         program.key("ctrl+q")
@@ -352,8 +373,9 @@ def photograph_a_sweep(folder, executable, photograph):
     result, is_there = photograph(SCENE, "--front", os.path.join(sweep, "sweep.json"))
     if result.returncode != 0 or not is_there:
         raise Failure(f"a photograph with a sweep: exit code {result.returncode}, {result.stderr}")
-    pixels = subprocess.run(["convert", os.path.join(folder, "window.png"), "-depth", "8", "rgb:-"], capture_output=True, check=True).stdout
-    if sum(pixels[i:i + 3] == MULTIHIT for i in range(0, len(pixels), 3)) < 3:  # a circle's line
+    if not shows_a_ring(Picture.of_file(os.path.join(folder, "window.png")), MULTIHIT):
+        if "WARPSCOPE_TEST_ARTIFACTS" in os.environ:
+            shutil.copy(os.path.join(folder, "window.png"), os.path.join(os.environ["WARPSCOPE_TEST_ARTIFACTS"], "window-sweeps-point.png"))
         raise Failure("the sweep's point is not in the window")
     os.remove(os.path.join(folder, "window.png"))
     no_sweep = os.path.join(folder, "none.json")
