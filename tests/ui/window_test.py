@@ -22,7 +22,7 @@ SCENE = ["block", "--volume-size", "48x40x40"]
 MARGIN, CONTROLS, HEADER, FOOTER = 8, 268, 40, 370  # the footer from the heat map's legend down, whose parts change
 PLOT_BOTTOM, PLOT_HEIGHT = 44, 150  # the plot, from the window's lower edge up
 PLOT_LIST, PLOT_LEAST_FOR_LIST = 340, 640  # the list at its right, where there is room
-HOLD, SPHERES, MULTIHIT = bytes((0xb0, 0x89, 0x2f)), bytes((0x2b, 0x7d, 0xe0)), bytes((0x8a, 0x4f, 0xc7))  # their points, see app/picture/technique_color.h
+HOLD, SPHERES = bytes((0xb0, 0x89, 0x2f)), bytes((0x2b, 0x7d, 0xe0))  # their points, see app/picture/technique_color.h
 
 
 class Failure(Exception):
@@ -365,15 +365,15 @@ def begin_catching_signals(program):
 
 
 def photograph_a_sweep(folder, executable, photograph):
-    """Points of a sweep that was run before, and what is said of a file that is none."""
+    """Points of a sweep that was run before, and what is said of a file that is none. What every sweep has besides, spheres and points, is elsewhere."""
     sweep = os.path.join(folder, "sweep")
-    subprocess.run([executable, "sweep", *SCENE, "--out", sweep, "--size", "48x48", "--quiet", "--techniques", "multihit", "--heuristics", "median",
-                    "--radii", "voxel", "--hit-counts", "2", "--steps", "1", "--server-sides", "48", "--codecs", "raw", "--angles", "10"],
+    subprocess.run([executable, "sweep", *SCENE, "--out", sweep, "--size", "48x48", "--quiet", "--techniques", "hold", "--heuristics", "median",
+                    "--steps", "1", "--server-sides", "48", "--codecs", "raw", "--angles", "10"],
                    capture_output=True, timeout=PATIENCE_S, check=True)
     result, is_there = photograph(SCENE, "--front", os.path.join(sweep, "sweep.json"))
     if result.returncode != 0 or not is_there:
         raise Failure(f"a photograph with a sweep: exit code {result.returncode}, {result.stderr}")
-    if not shows_a_ring(Picture.of_file(os.path.join(folder, "window.png")), MULTIHIT):
+    if not shows_a_ring(Picture.of_file(os.path.join(folder, "window.png")), HOLD):
         if "WARPSCOPE_TEST_ARTIFACTS" in os.environ:
             shutil.copy(os.path.join(folder, "window.png"), os.path.join(os.environ["WARPSCOPE_TEST_ARTIFACTS"], "window-sweeps-point.png"))
         raise Failure("the sweep's point is not in the window")
