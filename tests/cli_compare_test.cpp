@@ -1,9 +1,12 @@
 // `compare` and `export` through the built program: pictures, montage, metrics, tables, and samples as points.
 // The contract is in README.
+#include <algorithm>
 #include <cstring>
 #include <set>
 #include <sstream>
 
+#include "app/picture/heat_map.h"
+#include "app/picture/picture.h"
 #include "app/scene/scene.h"
 #include "render/warp/warp.h"
 #include "tests/cli.h"
@@ -159,6 +162,46 @@ TEST_F(CommandLine, ExportedSamplesLieInTheWorldsBounds) {
   // Only voxels from x = 15 on are visible: nothing lies before half a voxel below the one before that.
   EXPECT_GT(nearest, -50.0 + 14.0 * 3 - 1e-3);
   EXPECT_LT(nearest, -50.0 + 15.5 * 3);
+}
+
+TEST_F(CommandLine, ExportedSamplesSayHowUncertainTheirDepthIs) {
+  const Arguments block{"export", "block", "--volume-size", "24x20x20", "--size", "50x41", "--step", "0.5", "--json"};
+  const auto with = [&](Arguments more) {
+    more.insert(more.begin(), block.begin(), block.end());
+    return document(more);
+  };
+  const json report = with({"--ply", "a.ply", "--spread-map", "a.png"});
+  const std::string bytes = folder_.read("a.ply");
+  const std::string end = "end_header\n";
+  const size_t body = bytes.find(end) + end.size();
+  EXPECT_THAT(bytes.substr(0, body), testing::HasSubstr("property double radius\nproperty double spread\nproperty uchar red\n"));
+  EXPECT_THAT(bytes.substr(0, body), testing::HasSubstr("comment units: x y z radius and spread are in"));
+  constexpr size_t kVertexBytes = 5 * 8 + 4;
+  const auto samples = report["samples"].get<size_t>();
+  ASSERT_EQ(bytes.size(), body + samples * kVertexBytes);
+  double most = 0.0, sum = 0.0;
+  for (size_t i = 0; i < samples; ++i) {
+    double spread;
+    std::memcpy(&spread, bytes.data() + body + i * kVertexBytes + 4 * 8, sizeof spread);
+    EXPECT_GE(spread, 0.0);
+    most = std::max(most, spread);
+    sum += spread;
+  }
+  EXPECT_GT(most, 0.5);
+  EXPECT_NEAR(report["mostSpread"].get<double>(), most, 1e-6);
+  if (report["leftOut"] == 0) EXPECT_NEAR(report["meanSpread"].get<double>(), sum / static_cast<double>(samples), 1e-4);
+  const Image<Rgba8> map = readPng(folder_.path() / "a.png");
+  EXPECT_EQ(map.width(), 50u);
+  EXPECT_EQ(map.height(), 41u);
+  EXPECT_TRUE(std::ranges::count(map, heatColor(1.0f)) > 0) << "the greatest spread is the brightest";
+
+  // The map alone implies them; they change nothing else.
+  with({"--spread-map", "b.png"});
+  EXPECT_EQ(folder_.read("b.png"), folder_.read("a.png"));
+  with({"--ply", "plain.ply"});
+  with({"--ply", "asked.ply", "--spread", "true"});
+  EXPECT_EQ(folder_.read("asked.ply"), bytes);
+  EXPECT_LT(folder_.read("plain.ply").size(), bytes.size());
 }
 
 }  // namespace

@@ -188,7 +188,6 @@ TEST_F(Refusal, OptionsThatAreMissingOrUnknown) {
   const std::pair<Arguments, std::string> wrong[] = {
       {{"shot"}, "--out"},
       {{"compare"}, "--out"},
-      {{"export"}, "--ply"},
       {{"shot", "-o"}, "--out"},
       {{"shot", "-o", "a.png", "--bogus"}, "--bogus"},
       {{"shot", "-o", "a.png", "block", "shells"}, "shells"},
@@ -227,6 +226,9 @@ TEST_F(Refusal, OptionsWithoutTheirValue) {
       {{"shot", "-o", "a.png", "--size"}, "--size needs a value"},
       {{"compare", "--out", ""}, "--out needs a value"},
       {{"compare", "--out", "--quiet"}, "--out needs a value"},
+      {{"export"}, "give --ply, --spread-map or both"},
+      {{"export", "--spread-map", ""}, "--spread-map needs a value"},
+      {{"export", "--ply", "a", "--spread-map", "a"}, "--ply and --spread-map are the same file: a"},
       {{"export", "--ply", "--size"}, "--ply needs a value"},
       {{"export", "--ply", ""}, "--ply needs a value"},
       {{"view", "--screenshot", ""}, "--screenshot needs a value"},

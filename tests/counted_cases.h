@@ -124,6 +124,7 @@ inline std::vector<CountedCase> countedCases() {
        changed([](CountedScene& s) { s.opacity = 0.9f; })},
       {PlanStage::secondPass, Counter::secondPasses, plain, changed([](CountedScene& s) { s.settings.sample.heuristic = Heuristic::median; }), false},
       {PlanStage::severalSamples, Counter::dividedRays, plain, changed([](CountedScene& s) { s.settings.sample.samplesPerRay = 4; })},
+      {PlanStage::spread, Counter::spreads, plain, changed([](CountedScene& s) { s.settings.sample.sendsSpread = true; })},
   };
 }
 

@@ -37,12 +37,13 @@ enum class Counter {
   maxima,         ///< of rays
   surfaces,       ///< that rays met
   segments,       ///< steps that were classified by their ends
+  spreads,        ///< of depth, one for each sample that is sent
 };
-inline constexpr size_t kCounters = static_cast<size_t>(Counter::segments) + 1;
+inline constexpr size_t kCounters = static_cast<size_t>(Counter::spreads) + 1;
 inline constexpr std::array<std::string_view, kCounters> kCounterNames{
     "rays",      "clippedRays", "samples",    "voxels",      "leaps",     "finiteChecks", "refinements", "corrections",
     "gradients", "diffuse",     "highlights", "halfVectors", "earlyEnds", "secondPasses", "dividedRays", "secondaryRays",
-    "movedRays",   "maxima",      "surfaces",    "segments"};
+    "movedRays",   "maxima",      "surfaces",    "segments",     "spreads"};
 
 /// What was counted.
 struct Counts {

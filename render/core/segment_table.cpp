@@ -89,16 +89,13 @@ class Baking {
   }
 
   void layNodes(const TransferDomain& domain) {
-    const auto& points = function_.points;
     double lower = static_cast<double>(domain.lower), upper = static_cast<double>(domain.upper);
     if (!(lower < upper)) upper = lower + std::max(1.0, std::abs(lower)) * 1e-3;  // a volume of one value
     const double lowest = lower, highest = upper;
-    if (!points.empty()) {
-      size_t first = 0, last = points.size() - 1;
-      while (first < last && areAlike(points[first + 1], points[0])) ++first;
-      while (last > first && areAlike(points[last - 1], points.back())) --last;
-      lower = std::clamp(points[first].value, lowest, highest);
-      upper = std::clamp(points[last].value, lowest, highest);
+    if (!function_.points.empty()) {
+      const auto [first, last] = function_.changingValues();
+      lower = std::clamp(first, lowest, highest);
+      upper = std::clamp(last, lowest, highest);
     }
     // A node more on each side, so that a step at an end is not blended with all that is beyond.
     int inner = SegmentTable::kInner;
@@ -119,7 +116,6 @@ class Baking {
     addStretch(2, upper, highest, hasAbove ? SegmentTable::kOuter : 0);
     places_.push_back(hasAbove ? highest : upper);
   }
-  static bool areAlike(const TransferPoint& a, const TransferPoint& b) { return a.color == b.color && a.alpha == b.alpha; }
   void addStretch(int which, double begin, double end, int count) {
     if (count == 0) return;
     SegmentLookup::Stretch& stretch = table_.stretches[which];
@@ -229,8 +225,7 @@ TransferTable visibleBySegments(const SegmentTable& segments) {
   }
   table.entries.assign(table.alphas.size(), glm::vec4(0.0f));
   table.unitAlphas = table.alphas;
-  table.visibleBefore.push_back(0);
-  for (const float alpha : table.alphas) table.visibleBefore.push_back(table.visibleBefore.back() + (alpha > 0.0f ? 1 : 0));
+  table.countVisible();
   return table;
 }
 

@@ -17,7 +17,6 @@ TransferTable bakeTextbookTable(const TransferFunction& function, const Transfer
     table.scale = static_cast<float>(kEntries) / width;
     table.offset = -domain.lower * table.scale;
   }
-  table.visibleBefore.push_back(0);
   for (int i = 0; i < kEntries; ++i) {
     const float share = static_cast<float>(i) / static_cast<float>(kEntries - 1);
     const glm::vec4 straight = function.at(static_cast<double>(domain.lower + share * width));
@@ -26,8 +25,8 @@ TransferTable bakeTextbookTable(const TransferFunction& function, const Transfer
     table.entries.emplace_back(glm::vec3(straight) * alpha, alpha);
     table.alphas.push_back(alpha);
     table.unitAlphas.push_back(unitAlpha);
-    table.visibleBefore.push_back(table.visibleBefore.back() + (alpha > 0.0f ? 1 : 0));
   }
+  table.countVisible();
   return table;
 }
 

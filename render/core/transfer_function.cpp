@@ -38,4 +38,12 @@ glm::vec4 TransferFunction::below(double value) const {
                  value);
 }
 
+std::pair<double, double> TransferFunction::changingValues() const {
+  const auto sameLook = [](const TransferPoint& a, const TransferPoint& b) { return a.color == b.color && a.alpha == b.alpha; };
+  size_t first = 0, last = points.size() - 1;
+  while (first < last && sameLook(points[first + 1], points.front())) ++first;
+  while (last > first && sameLook(points[last - 1], points.back())) --last;
+  return {points[first].value, points[last].value};
+}
+
 }  // namespace warpscope

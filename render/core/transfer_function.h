@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "render/core/exact_math.h"
@@ -41,6 +42,8 @@ struct TransferFunction {
   glm::vec4 at(double value) const;
   /// What it comes to where values come to `value` from below: differs from at(value) at steps alone.
   glm::vec4 below(double value) const;
+  /// First and last value between which it changes; there is at least one point.
+  std::pair<double, double> changingValues() const;
 
   bool operator==(const TransferFunction&) const = default;
 };

@@ -52,20 +52,15 @@ struct Bins {
   double slack(int i) const { return perWhole > 0 ? 0.0 : (i + 1.0 + std::abs(offset())) * 0x1p-22 / scale(); }
 };
 
-bool sameLook(const TransferPoint& a, const TransferPoint& b) { return a.color == b.color && a.alpha == b.alpha; }
-
 /// Bins where the function changes, as far as the domain goes: beyond, one is enough.
 Bins binsFor(const TransferFunction& function, const TransferDomain& domain) {
-  const auto& points = function.points;
   Bins bins;
   bins.perWhole = domain.isWhole ? 1 : 0;
-  if (!points.empty()) {
-    size_t first = 0, last = points.size() - 1;
-    while (first < last && sameLook(points[first + 1], points[0])) ++first;
-    while (last > first && sameLook(points[last - 1], points.back())) --last;
+  if (!function.points.empty()) {
+    const auto [first, last] = function.changingValues();
     const double lowest = domain.lower, highest = domain.upper;
-    bins.lower = std::clamp<double>(leastFloatFrom(points[first].value), lowest, highest);
-    bins.upper = std::clamp<double>(leastFloatFrom(points[last].value), lowest, highest);
+    bins.lower = std::clamp<double>(leastFloatFrom(first), lowest, highest);
+    bins.upper = std::clamp<double>(leastFloatFrom(last), lowest, highest);
   }
   constexpr double kMostOffset = 1 << 22;  // bins are told apart to a whole one up to there
   if (domain.isWhole) {
@@ -323,6 +318,11 @@ TransferLookup TransferTable::lookup() const {
   lookup.offset = offset;
   lookup.bins = bins;
   return lookup;
+}
+
+void TransferTable::countVisible() {
+  visibleBefore.assign(1, 0);
+  for (const float alpha : alphas) visibleBefore.push_back(visibleBefore.back() + (alpha > 0.0f ? 1 : 0));
 }
 
 bool TransferTable::anyVisible(float lowest, float highest) const {

@@ -90,6 +90,8 @@ struct TransferTable {
   TransferLookup lookup() const;
   /// True if any x in [lowest, highest] may have opacity; false only if none has.
   bool anyVisible(float lowest, float highest) const;
+  /// Makes visibleBefore from `alphas`, of a table without refinements.
+  void countVisible();
 };
 
 /// Bakes `function` over the domain, for steps of `step` volume units. Its corners are taken as the least floats that are not below them.

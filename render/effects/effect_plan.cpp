@@ -47,7 +47,7 @@ std::string clippedBy(const Clip& clip) {
 }
 
 /// Why stages are out that make no difference to a greatest value.
-constexpr std::array<std::pair<PlanStage, const char*>, 11> kOutOfMaximum{{
+constexpr std::array<std::pair<PlanStage, const char*>, 12> kOutOfMaximum{{
     {PlanStage::correction, "a greatest value has the opacity of one unit"},
     {PlanStage::gradient, "a greatest value is not lit"},
     {PlanStage::diffuse, "a greatest value is not lit"},
@@ -59,6 +59,7 @@ constexpr std::array<std::pair<PlanStage, const char*>, 11> kOutOfMaximum{{
     {PlanStage::earlyEnd, "the greatest value may be the last"},
     {PlanStage::secondPass, "the depth is the greatest value's, by every heuristic"},
     {PlanStage::severalSamples, "a ray has one greatest value"},
+    {PlanStage::spread, "the depth is the greatest value's, and certain"},
 }};
 
 /// Null for stages that may.
@@ -217,6 +218,11 @@ constexpr std::array<PlanRule, kStages.size()> kRules{{
      [](const PlanQuestion& q) {
        if (!q.sample) return out(kPictureAlone);
        return q.sample->samplesPerRay > 1 ? in("up to " + std::to_string(q.sample->samplesPerRay) + " samples a ray") : out("one sample a ray");
+     }},
+    {PlanStage::spread,
+     [](const PlanQuestion& q) {
+       if (!q.sample) return out(kPictureAlone);
+       return q.sample->sendsSpread ? in("samples are sent with the spread of their depth") : out("nobody asked for it");
      }},
 }};
 

@@ -33,6 +33,7 @@ enum class PlanStage {
   earlyEnd,       ///< of rays
   secondPass,     ///< of a heuristic that wants to know the whole ray first
   severalSamples, ///< the ray's parts once more, one after the other
+  spread,         ///< of depth about what stands for it
 };
 
 struct StageDescriptor {
@@ -42,7 +43,7 @@ struct StageDescriptor {
 };
 
 /// Every stage, in their order.
-inline constexpr std::array<StageDescriptor, 20> kStages{{
+inline constexpr std::array<StageDescriptor, 21> kStages{{
     {PlanStage::march, "march", "rays through the volume"},
     {PlanStage::jitter, "jitter", "moving each ray's samples by noise"},
     {PlanStage::maximum, "maximum", "the greatest value along a ray"},
@@ -63,6 +64,7 @@ inline constexpr std::array<StageDescriptor, 20> kStages{{
     {PlanStage::earlyEnd, "early-end", "ending rays where hardly any light is left"},
     {PlanStage::secondPass, "second-pass", "marching again once the ray's whole opacity is known"},
     {PlanStage::severalSamples, "several-samples", "marching again for the samples of a ray's parts"},
+    {PlanStage::spread, "spread", "how far each sample's depth is spread along its ray"},
 }};
 
 struct PlannedStage {

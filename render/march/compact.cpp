@@ -3,19 +3,50 @@
 #include "render/march/compact.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 #include <vector>
 
 #include "render/core/parallel.h"
 
 namespace warpscope {
 
+namespace {
+
+void dropPlane(std::string_view name, SampleFrame& frame) {
+  std::erase_if(frame.planes, [&](const SamplePlane& plane) { return plane.name == name; });
+}
+
+/// A float's sign and exponent and 7 bits of its fraction are its upper half; carries go where they should, and infinity is far.
+float roundedSpread(float spread) { return std::bit_cast<float>((std::bit_cast<uint32_t>(spread) + 0x8000u) & 0xffff0000u); }
+
+}  // namespace
+
+void setSpreads(TransferVector<std::byte> spreads, SampleFrame& frame) {
+  dropPlane(kSpreadPlane, frame);
+  parallelForRanges(spreads.size() / sizeof(float), 1 << 16, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      std::byte* const place = spreads.data() + i * sizeof(float);
+      float spread;
+      std::memcpy(&spread, place, sizeof spread);
+      spread = roundedSpread(spread);
+      std::memcpy(place, &spread, sizeof spread);
+    }
+  });
+  frame.planes.push_back({std::string(kSpreadPlane), PlaneElement::float32, std::move(spreads)});
+}
+
 void setLayers(TransferVector<std::byte> layers, SampleFrame& frame) {
-  std::erase_if(frame.planes, [](const SamplePlane& plane) { return plane.name == kLayerPlane; });
+  dropPlane(kLayerPlane, frame);
   if (std::all_of(layers.begin(), layers.end(), [](std::byte layer) { return layer == std::byte{0}; })) return;
   frame.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, std::move(layers)});
 }
 
 void compact(std::span<const PackedSample> samples, std::span<const Rgba8> colors, size_t slots, SampleFrame& frame) {
+  compact(samples, colors, {}, slots, frame);
+}
+
+void compact(std::span<const PackedSample> samples, std::span<const Rgba8> colors, std::span<const float> spreads, size_t slots, SampleFrame& frame) {
   constexpr size_t kBlock = 1 << 14;
   const size_t blocks = (samples.size() + kBlock - 1) / kBlock;
   std::vector<size_t> offsets(blocks + 1, 0);
@@ -32,6 +63,8 @@ void compact(std::span<const PackedSample> samples, std::span<const Rgba8> color
   frame.colors.resize(offsets[blocks]);
   TransferVector<std::byte> layers;
   if (slots > 1) layers.resize(offsets[blocks]);
+  TransferVector<std::byte> keptSpreads;
+  if (!spreads.empty()) keptSpreads.resize(offsets[blocks] * sizeof(float));
   parallelForRanges(blocks, 1, [&](size_t begin, size_t end) {
     for (size_t block = begin; block < end; ++block) {
       const size_t last = std::min(samples.size(), (block + 1) * kBlock);
@@ -41,11 +74,13 @@ void compact(std::span<const PackedSample> samples, std::span<const Rgba8> color
         frame.samples[out] = samples[i];
         frame.colors[out] = colors[i];
         if (slots > 1) layers[out] = static_cast<std::byte>(i % slots);
+        if (!spreads.empty()) std::memcpy(keptSpreads.data() + out * sizeof(float), &spreads[i], sizeof(float));
         ++out;
       }
     }
   });
   setLayers(std::move(layers), frame);
+  if (!spreads.empty()) setSpreads(std::move(keptSpreads), frame);
 }
 
 }  // namespace warpscope

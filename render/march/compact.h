@@ -12,8 +12,14 @@ namespace warpscope {
 /// the same length: `slots` places for each ray, of which the first hold its samples near to far. The frame gets the
 /// plane kLayerPlane if a ray has several.
 void compact(std::span<const PackedSample> samples, std::span<const Rgba8> colors, size_t slots, SampleFrame& frame);
+/// As that; the frame gets the plane kSpreadPlane of `spreads` as well, as long as the others.
+void compact(std::span<const PackedSample> samples, std::span<const Rgba8> colors, std::span<const float> spreads, size_t slots, SampleFrame& frame);
 
 /// Gives `frame` the plane kLayerPlane with `layers`, one for each sample, or none if all are 0.
 void setLayers(TransferVector<std::byte> layers, SampleFrame& frame);
+
+/// Gives `frame` the plane kSpreadPlane with `spreads`, a float for each sample, rounded to 8 significant bits (within 2^-8 of each): what is less than a
+/// 256th of an uncertainty is noise, and would take more bytes on the wire than all else of a sample.
+void setSpreads(TransferVector<std::byte> spreads, SampleFrame& frame);
 
 }  // namespace warpscope

@@ -81,6 +81,43 @@ __device__ inline void storeSamples(const Job& job, const PixelPlace& pixel, flo
   }
 }
 
+/// How far the depths of a ray's samples are spread, into the places of those samples: a march of its own, in which nothing is lit and no depth is
+/// chosen, so that no other kernel has to be compiled with and without. `makeSource()` gives a source at the path's beginning.
+template <class Job, class MakeSource>
+__device__ inline void storeSpreads(const Job& job, const PixelPlace& pixel, const RayPath& path, const MakeSource& makeSource) {
+  size_t place = (size_t{pixel.y} * job.camera.width + pixel.x) * static_cast<size_t>(job.slots);
+  MomentsFold moments;
+  const auto store = [&] {
+    WARPSCOPE_COUNT(spreads, 1);
+    job.spreads[place++] = moments.result().spread;
+    moments = {};
+  };
+  ProfileFold whole;
+  {
+    RayOpacity opacity;
+    auto source = makeSource();
+    marchRay(path, 0, path.lattice.count, source, Unlit{}, job.limits, opacity, [&](const CountingSample& sample) {
+      whole.add(sample);
+      if (job.slots == 1) moments.add(sample);
+      return true;
+    });
+  }
+  if (!whole.any) return;
+  if (job.slots == 1) return store();
+  auto source = makeSource();
+  marchParts<PieceOpacity>(
+      path, source, Unlit{}, job.limits, RayParts{whole.accumulatedEnd, job.slots}, [&](const CountingSample& sample) { moments.add(sample); },
+      [&](const PieceOpacity&) { store(); });
+}
+
+template <class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads) marchSpreads(const __grid_constant__ MarchJob<Voxel> job) {
+  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
+  const RayPath path = rayThrough(job, pixel);
+  storeSpreads(job, pixel, path, [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); });
+}
+
 template <class Depth, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRefined>))
     marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
@@ -195,6 +232,7 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, con
       });
     }
   });
+  if (heuristic && job.spreads != nullptr) marchSpreads<Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 #if WARPSCOPE_COUNTERS
   handOverDeviceCounts(stream);

@@ -146,6 +146,15 @@ constinit const Knob kSamplesPerRayKnob{.key = "samplesPerRay",
                                         .phrase = ", {} samples a ray",
                                         .naming = KnobNaming::unlessDefault};
 
+constinit const Knob kSpreadKnob{.key = "spread",
+                                 .option = "--spread",
+                                 .noun = "spread of depth",
+                                 .help = "Send with each sample how uncertain its depth is: the standard deviation of depth along its ray, by contribution",
+                                 .type = KnobType::flag,
+                                 .owner = KnobOwner::sampling,
+                                 .stale = KnobStage::march,
+                                 .defaultValue = kSample.sendsSpread};
+
 namespace {
 
 const MarchKnob kOwnRows[] = {
@@ -168,6 +177,10 @@ const MarchKnob kOwnRows[] = {
     {{&kSamplesPerRayKnob, [](const MarchSettings& s) { return static_cast<double>(s.sample.samplesPerRay); },
       [](MarchSettings& s, double value) { s.sample.samplesPerRay = static_cast<int>(value); }},
      FramePart::samples,
+     always},
+    {{&kSpreadKnob, [](const MarchSettings& s) { return s.sample.sendsSpread ? 1.0 : 0.0; },
+      [](MarchSettings& s, double value) { s.sample.sendsSpread = value != 0.0; }},
+     FramePart::planes,
      always},
     {{&kStepKnob, [](const MarchSettings& s) { return double{s.render.step}; },
       [](MarchSettings& s, double value) { s.render.step = static_cast<float>(value); }},

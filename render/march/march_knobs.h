@@ -17,6 +17,7 @@ enum class FramePart {
   depth,    ///< where samples lie
   radius,   ///< how large they are
   samples,  ///< how many there are, and with it all that is drawn of them
+  planes,   ///< what is said of them besides
 };
 
 struct MarchKnob : KnobRow<MarchSettings> {
@@ -49,6 +50,6 @@ std::span<const MarchText> marchTexts();
 const MarchText* findMarchText(std::string_view key);
 
 extern const Knob kStepKnob, kContributionKnob, kSkipEmptyKnob, kTerminateEarlyKnob;
-extern const Knob kHeuristicKnob, kThresholdKnob, kRadiusKnob, kRadiusScaleKnob, kSamplesPerRayKnob;
+extern const Knob kHeuristicKnob, kThresholdKnob, kRadiusKnob, kRadiusScaleKnob, kSamplesPerRayKnob, kSpreadKnob;
 
 }  // namespace warpscope

@@ -42,6 +42,7 @@ struct MarchJob {
   const ColorTables* colorTables = nullptr;
   PackedSample* samples = nullptr;
   Rgba8* colors = nullptr;
+  float* spreads = nullptr;  ///< of depth, as many as samples; null where nobody wants them
   glm::vec4* image = nullptr;
 };
 

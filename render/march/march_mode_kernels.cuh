@@ -48,6 +48,17 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   storeSamples(job, pixel, cosine, found);
 }
 
+/// As marchSpreads.
+template <class Source, class Voxel>
+__global__ void __launch_bounds__(kTileBlockThreads)
+    marchModeSpreads(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ typename Source::Setup setup) {
+  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
+  const RayPath path = rayThrough(job, pixel);
+  const ModeView<Voxel, typename Source::Setup> view{job.view, setup};
+  storeSpreads(job, pixel, path, [&] { return Source(view, path.ray, path.lattice); });
+}
+
 template <class Source, class Light, class Voxel>
 __global__ void __launch_bounds__(kTileBlockThreads)
     marchModeColors(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ typename Source::Setup setup, const __grid_constant__ Light light) {
@@ -89,6 +100,7 @@ void launchIsosurfaces(const MarchJob<Voxel>& job, const IsosurfaceSetup& setup,
     });
   else
     marchModeColors<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, light);
+  if (heuristic && job.spreads != nullptr) marchModeSpreads<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 #if WARPSCOPE_COUNTERS
   handOverDeviceCounts(stream);

@@ -23,6 +23,7 @@ void launchSegments(const MarchJob<Voxel>& job, const SegmentLookup& segments, c
     else
       marchModeColors<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, segments, light);
   });
+  if (heuristic && job.spreads != nullptr) marchModeSpreads<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, segments);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 #if WARPSCOPE_COUNTERS
   handOverDeviceCounts(stream);

@@ -70,6 +70,7 @@ struct SampleSettings {
   RadiusPolicy radiusPolicy = RadiusPolicy::voxel;
   float radiusScale = 1.0f;        ///< factor on the policy's radius
   int samplesPerRay = 1;           ///< at most
+  bool sendsSpread = false;        ///< of each sample how far its depth is spread along its ray: kSpreadPlane
 
   bool operator==(const SampleSettings&) const = default;
 };

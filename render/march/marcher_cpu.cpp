@@ -70,12 +70,33 @@ DepthResult depthOf(const std::vector<CountingSample>& counting, float threshold
   }
 }
 
+/// Of the same samples, whatever depth stands for them.
+float spreadOf(const std::vector<CountingSample>& counting) {
+  WARPSCOPE_COUNT(spreads, 1);
+  MomentsFold fold;
+  for (const CountingSample& sample : counting) fold.add(sample);
+  return fold.result().spread;
+}
+
 DepthFunction depthFunctionOf(Heuristic heuristic, bool hasSecondPass) {
   return visitHeuristic(heuristic, [&](auto depth) -> DepthFunction {
     using Depth = decltype(depth);
     return hasSecondPass ? depthOf<Depth, true> : depthOf<Depth, false>;
   });
 }
+
+/// What stands for samples that count, and how far they are spread about it if the plan has that.
+struct DepthOfSamples {
+  DepthFunction depth = nullptr;
+  float threshold = 0.0f;
+  bool hasSpread = false;
+
+  DepthResult operator()(const std::vector<CountingSample>& counting) const {
+    DepthResult result = depth(counting, threshold);
+    if (hasSpread) result.spread = spreadOf(counting);
+    return result;
+  }
+};
 
 /// The samples that `Source` has to look at for what lies between the depths.
 template <class Source>
@@ -103,6 +124,7 @@ class CpuMarcher final : public Marcher {
     const size_t places = size_t{camera.width} * camera.height * slots;
     denseSamples_.resize(places);
     denseColors_.resize(places);
+    denseSpreads_.resize(settings.sample.sendsSpread ? places : 0);
     const PixelGrid pixels = makePixelGrid(camera, rule.quantization.nearDepth);
     forEachRay(camera, pixels, settings.render, &settings.sample, stop,
                [&](uint32_t x, uint32_t y, float cosine, const glm::vec4&, const RaySamples& found) {
@@ -114,12 +136,13 @@ class CpuMarcher final : public Marcher {
                    const RaySample& sample = found[static_cast<int>(slot)];
                    denseSamples_[place] = packRaySample(rule, pixels, x, y, cosine, sample.depth, sample.color.a);
                    denseColors_[place] = ColorTables::instance().encode(sample.color);
+                   if (!denseSpreads_.empty()) denseSpreads_[place] = sample.depth.spread;
                  }
                });
     frame.timings.marchMs = millisecondsSince(marchStart);
 
     const auto compactStart = std::chrono::steady_clock::now();
-    compact(denseSamples_, denseColors_, slots, frame);
+    compact(denseSamples_, denseColors_, denseSpreads_, slots, frame);
     frame.timings.compactMs = millisecondsSince(compactStart);
     return frame;
   }
@@ -260,7 +283,9 @@ class CpuMarcher final : public Marcher {
     const Jitter jitter = plan.has(PlanStage::jitter) ? jitterFor(settings) : Jitter{};
     const ClipSetup clip = prepareClip(settings.effects.clip, *marched_->volume, camera);
     const bool isClipped = plan.has(PlanStage::clip), isDivided = plan.has(PlanStage::severalSamples);
-    const DepthFunction depthOfSamples = sample != nullptr ? depthFunctionOf(sample->heuristic, plan.has(PlanStage::secondPass)) : nullptr;
+    DepthOfSamples depthOfSamples;
+    if (sample != nullptr)
+      depthOfSamples = {depthFunctionOf(sample->heuristic, plan.has(PlanStage::secondPass)), sample->threshold, plan.has(PlanStage::spread)};
     TurnsOfJob turns(turns_.get());
     const uint32_t side = turns.areLimited() ? tileSideFor(*marched_->volume, settings) : kTileSide;
     parallelForTiles(camera.width, camera.height, side, stop, turns, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
@@ -297,9 +322,9 @@ class CpuMarcher final : public Marcher {
           found.clear();
           if (sample != nullptr && !counting.empty()) {
             if (!isDivided || counting.size() == 1)
-              found.add({depthOfSamples(counting, sample->threshold), premultiplied});
+              found.add({depthOfSamples(counting), premultiplied});
             else if constexpr (std::is_same_v<typename Source::March, StableMarch>)  // as march() makes sure
-              findParts<Source>(view, light, path, limits, *sample, depthOfSamples, counting, found);
+              findParts<Source>(view, light, path, limits, sample->samplesPerRay, depthOfSamples, counting, found);
           }
           onRay(x, y, pixel.cosine, premultiplied, found);
         }
@@ -309,16 +334,16 @@ class CpuMarcher final : public Marcher {
   /// Marches once more, part by part. `counting` has the ray's samples that count, and is used up.
   template <class Source, class View, class Light>
   static void findParts(const View& view, const Light& light, const RayPath& path, const RayLimits& limits,
-                        const SampleSettings& settings, DepthFunction depthOfSamples,
+                        int samplesPerRay, const DepthOfSamples& depthOfSamples,
                         std::vector<CountingSample>& counting, RaySamples& found) {
     WARPSCOPE_COUNT(dividedRays, 1);
-    const RayParts parts{counting.back().accumulatedAfter(), settings.samplesPerRay};
+    const RayParts parts{counting.back().accumulatedAfter(), samplesPerRay};
     counting.clear();
     Source source(view, path.ray, path.lattice);
     marchParts<RayPiece>(
         path, source, light, limits, parts, [&](const CountingSample& sample) { counting.push_back(sample); },
         [&](const RayPiece& piece) {
-          found.add({depthOfSamples(counting, settings.threshold), piece.premultiplied()});
+          found.add({depthOfSamples(counting), piece.premultiplied()});
           counting.clear();
         });
   }
@@ -334,6 +359,7 @@ class CpuMarcher final : public Marcher {
   std::vector<uint16_t> lightValues_;
   std::vector<PackedSample> denseSamples_;
   std::vector<Rgba8> denseColors_;
+  std::vector<float> denseSpreads_;  // empty where nobody wants any
 };
 
 }  // namespace

@@ -34,10 +34,15 @@ constexpr double kMostStepsOfLaunch = 1u << 28;
 /// Places of a light volume between looks at the stop token.
 constexpr size_t kPlacesPerLaunch = 1u << 19;
 
+/// Of a place.
+struct IsKept {
+  __host__ __device__ bool operator()(PackedSample sample) const { return radiusCode(sample) != 0; }
+};
+
 struct HoldsSample {
   template <class SampleAndColor>
   __device__ bool operator()(const SampleAndColor& element) const {
-    return radiusCode(thrust::get<0>(element)) != 0;
+    return IsKept{}(thrust::get<0>(element));
   }
 };
 
@@ -76,6 +81,11 @@ class CudaMarcher final : public Marcher {
     samples_.reserve(places);
     colors_.reserve(places);
     if (slots > 1) layers_.reserve(places);
+    const bool sendsSpread = settings.sample.sendsSpread;
+    if (sendsSpread) {
+      denseSpreads_.reserve(places);
+      spreads_.reserve(places);
+    }
 
     bake(settings.render, settings.sample);
     start_.record(stream_);
@@ -83,8 +93,10 @@ class CudaMarcher final : public Marcher {
       launch(camera, settings.render, stop, &settings.sample, &rule);
     else
       WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(denseSamples_.data(), 0, places * sizeof(PackedSample), stream_));
+    if (sendsSpread && !plan_->has(PlanStage::spread)) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(denseSpreads_.data(), 0, places * sizeof(float), stream_));
     marchEnd_.record(stream_);
     compact(places, slots);
+    if (sendsSpread) compactSpreads(places);
     compacted_.record(stream_);
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(count_.data(), deviceCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
     stream_.synchronize();
@@ -103,9 +115,15 @@ class CudaMarcher final : public Marcher {
       layers.resize(count);
       WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(layers.data(), layers_.data(), count, cudaMemcpyDeviceToHost, stream_));
     }
+    TransferVector<std::byte> spreads{TransferAllocator<std::byte>(cuda::pinnedMemory())};
+    if (sendsSpread) {
+      spreads.resize(count * sizeof(float));
+      WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(spreads.data(), spreads_.data(), spreads.size(), cudaMemcpyDeviceToHost, stream_));
+    }
     copied_.record(stream_);
     stream_.synchronize();
     setLayers(std::move(layers), frame);
+    if (sendsSpread) setSpreads(std::move(spreads), frame);
     frame.timings.marchMs = marchEnd_.millisecondsSince(start_);
     frame.timings.compactMs = compacted_.millisecondsSince(marchEnd_);
     frame.timings.copyMs = copied_.millisecondsSince(copyStart_);
@@ -260,6 +278,7 @@ class CudaMarcher final : public Marcher {
       job.colorTables = colorTables_.data();
       job.samples = denseSamples_.data();
       job.colors = denseColors_.data();
+      job.spreads = plan_->has(PlanStage::spread) ? denseSpreads_.data() : nullptr;
       job.image = image_.data();
       const uint32_t rows = rowsOfLaunch(camera, settings);
       const ShadingSetup shading = shadingFor(*marched_, camera, settings, *plan_);
@@ -362,6 +381,15 @@ class CudaMarcher final : public Marcher {
            thrust::make_zip_iterator(samples_.data(), colors_.data(), layers_.data()));
   }
 
+  /// After compact(): those of the samples that were kept.
+  void compactSpreads(size_t places) {
+    const auto isKept = thrust::make_transform_iterator(denseSamples_.data(), IsKept{});
+    cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
+      return cub::DeviceSelect::Flagged(memory, bytes, denseSpreads_.data(), isKept, spreads_.data(), deviceCount_.data(), static_cast<int64_t>(places),
+                                        stream_);
+    });
+  }
+
   const MarchedVolumePtr marched_;
   const std::shared_ptr<const DeviceVolume> deviceVolume_;
   const std::shared_ptr<const DeviceCells> deviceCells_;
@@ -394,6 +422,7 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<PackedSample> denseSamples_, samples_;
   cuda::DeviceBuffer<Rgba8> denseColors_, colors_;
   cuda::DeviceBuffer<std::byte> layers_;
+  cuda::DeviceBuffer<float> denseSpreads_, spreads_;
   cuda::DeviceBuffer<glm::vec4> image_;
   cuda::DeviceBuffer<float> noise_;  // of jitter, once there is some
   cuda::DeviceBuffer<uint32_t> deviceCount_{1};

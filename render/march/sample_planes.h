@@ -45,11 +45,13 @@ struct KnownPlane {
 
 inline constexpr std::string_view kLayerPlane = "layer";
 inline constexpr std::string_view kExtentPlane = "extent";
+inline constexpr std::string_view kSpreadPlane = "spread";
 
 /// Every plane that this program reads. A new one is one line here.
-inline constexpr std::array<KnownPlane, 2> kKnownPlanes{{
+inline constexpr std::array<KnownPlane, 3> kKnownPlanes{{
     {kLayerPlane, PlaneElement::uint8, "", "how many samples of the same ray are in front: 0 begins a ray, each further one counts up by 1"},
     {kExtentPlane, PlaneElement::float32, "volume units", "length along the ray that the sample stands for"},
+    {kSpreadPlane, PlaneElement::float32, "volume units", "standard deviation of depth along the ray about its mean, by contribution, in 8 significant bits: how uncertain the depth is"},
 }};
 
 /// A plane of that name whose values are of another kind is not known either.

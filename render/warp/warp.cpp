@@ -57,6 +57,7 @@ bool WarpDescriptor::dependsOn(const MarchKnob& knob) const {
     case FramePart::depth: return uses.depth;
     case FramePart::radius: return uses.radius;
     case FramePart::samples: return usesFrame;
+    case FramePart::planes: return false;  // that a knob asks for; none is drawn by them
   }
   return true;
 }

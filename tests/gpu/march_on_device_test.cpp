@@ -315,6 +315,27 @@ TEST(MarchOnDevice, PreIntegratedOfEveryVoxelTypeWithAndWithoutHoles) {
   });
 }
 
+/// How far depths are spread: one sample a ray and several, in every mode, lit or not.
+TEST(MarchOnDevice, SpreadsOfDepthOfEveryVoxelTypeWithAndWithoutHoles) {
+  WARPSCOPE_NEEDS_GPU();
+  forEveryVoxelType(3, [](const Pair& pair) {
+    for (const RenderMode mode : {RenderMode::composite, RenderMode::mip, RenderMode::isosurface})
+      for (const bool integrates : {false, true})
+        for (const int samplesPerRay : {1, 3})
+          for (const Heuristic heuristic : {Heuristic::gradient, Heuristic::expected, Heuristic::median}) {
+            MarchSettings settings;
+            settings.sample.sendsSpread = true;
+            settings.sample.samplesPerRay = samplesPerRay;
+            settings.sample.heuristic = heuristic;
+            settings.render.effects.mode = mode;
+            settings.render.effects.preIntegration = integrates;
+            settings.render.effects.shading.strength = heuristic == Heuristic::median ? 1.0f : 0.0f;
+            settings.render.effects.isoValues = parseIsoValues("60@0.5 40@0.5", "it");
+            pair.expectSame(lookingFrom(kOutside, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
+          }
+  });
+}
+
 TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
   WARPSCOPE_NEEDS_GPU();
   forEveryVoxelType(0, [](const Pair& pair) {
