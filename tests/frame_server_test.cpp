@@ -11,6 +11,7 @@
 #include <atomic>
 #include <thread>
 
+#include "app/frames/coarsening.h"
 #include "app/frames/frame_fetch.h"
 #include "app/frames/remote_frame_source.h"
 #include "app/frames/remote_marcher.h"
@@ -159,6 +160,48 @@ TEST_F(FrameServerTest, AMovingCameraIsMarchedCoarserWhereThatIsWantedAndInFullA
   transport.server.movingMs = 0;
   source->setTransport(transport);
   EXPECT_EQ(stepOf(203), 0.01f);
+}
+
+TEST_F(FrameServerTest, WhereCoarseIsNotEnoughDearEffectsGoUntilTheCameraRests) {
+  serve({});
+  net::ClientSettings settings;
+  settings.address = server_->address();
+  const std::shared_ptr<FrameSource> source = connectFrameSource(io_, settings, [] {}, {}).source;
+  TransportSettings transport;
+  transport.server.movingMs = 1;
+  source->setTransport(transport);
+  MarchSettings lit = scene_.march;
+  lit.render.step = 0.05f;
+  lit.render.effects.shading.strength = 1.0f;
+  lit.render.effects.lights = parseLights("camera:1,1,1", "it");
+  lit.render.effects.shadows.strength = 1.0f;
+  const FrameFetch fetch = fetchFrom(source);
+  const auto marchedAt = [&](uint32_t height) { return fetch(camera(128, height), lit, {}).frame->settings; };
+  EXPECT_EQ(marchedAt(100), lit);
+  for (uint32_t height = 101; height < 108; ++height) marchedAt(height);
+  const MarchSettings moving = marchedAt(108);
+  EXPECT_TRUE(isCoarsened(lit, moving));
+  EXPECT_EQ(moving.render.effects.shadows.strength, 0.0f);
+  EXPECT_EQ(moving.render.effects.shading.strength, 0.0f);
+  EXPECT_EQ(marchedAt(108), lit) << "refined";
+}
+
+TEST_F(FrameServerTest, SpreadsOfDepthTravelAsTheyWereMarched) {
+  serve({});
+  net::ClientSettings settings;
+  settings.address = server_->address();
+  const std::shared_ptr<FrameSource> source = connectFrameSource(io_, settings, [] {}, {}).source;
+  const FrameFetch fetch = fetchFrom(source);
+  MarchSettings asked = scene_.march;
+  asked.sample.sendsSpread = true;
+  const MarcherPtr marcher = makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {});
+  for (const int samplesPerRay : {1, 3}) {
+    asked.sample.samplesPerRay = samplesPerRay;
+    const ServedFrame served = fetch(camera(90, 80), asked, {});
+    const SampleFrame expected = marcher->march(camera(90, 80), asked);
+    ASSERT_NE(served.frame->plane(kSpreadPlane), nullptr);
+    EXPECT_EQ(*served.frame->plane(kSpreadPlane), *expected.plane(kSpreadPlane));
+  }
 }
 
 TEST_F(FrameServerTest, AProcessorThatOthersUseTakesAsMuchLongerAsItSays) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -129,6 +130,90 @@ TEST(CoarseningRule, TimesThatAreNoneAreSurvived) {
   EXPECT_LE(rule.factorFor(kPixels, kStep, 1e-9), kMostCoarsening);
 }
 
+/// What marches take by how many groups of effects are left out; the settings have two.
+struct CostOfGroups {
+  std::vector<Cost> costs;
+  double at(double step, int leftOut) const { return costs[static_cast<size_t>(leftOut)].at(step); }
+};
+
+MarchSettings shadowed() {
+  MarchSettings asked;
+  asked.render.effects.shading.strength = 1.0f;
+  asked.render.effects.shadows.strength = 0.5f;
+  return asked;
+}
+
+/// A motion of so many frames after a rest, in which one frame is marched in full.
+std::vector<Coarsening> move(LeavingOutRule& rule, const CostOfGroups& cost, double targetMs, int frames, std::vector<double>* took = nullptr) {
+  const MarchSettings asked = shadowed();
+  rule.noteAtRest(kPixels, asked, cost.at(kStep, 0));
+  std::vector<Coarsening> chosen;
+  for (int i = 0; i < frames; ++i) {
+    chosen.push_back(rule.choose(kPixels, asked, targetMs));
+    const double ms = cost.at(kStep * chosen.back().factor, chosen.back().leftOut);
+    rule.noteMoving(kPixels, asked, chosen.back(), ms);
+    if (took) took->push_back(ms);
+  }
+  return chosen;
+}
+
+TEST(LeavingOutRule, NothingGoesWhereTheStepIsEnough) {
+  LeavingOutRule rule;
+  for (int motion = 0; motion < 10; ++motion)
+    for (const Coarsening& coarsening : move(rule, CostOfGroups{{{10.0, 50.0}, {5.0, 20.0}, {5.0, 10.0}}}, 50.0, 30)) EXPECT_EQ(coarsening.leftOut, 0);
+}
+
+TEST(LeavingOutRule, WhatStepsCannotDoLeavingOutDoes) {
+  // In full 300 ms, of which steps can save 75; without the first group 100, of which they can save 75.
+  const CostOfGroups cost{{{200.0, 50.0}, {25.0, 37.5}, {10.0, 20.0}}};
+  LeavingOutRule rule;
+  std::vector<double> took;
+  const std::vector<Coarsening> chosen = move(rule, cost, 60.0, 40, &took);
+  EXPECT_EQ(chosen.front().leftOut, 0) << "not before it is known";
+  EXPECT_EQ(chosen.back().leftOut, 1) << "no more than is needed";
+  for (size_t i = 1; i < chosen.size(); ++i) EXPECT_GE(chosen[i].leftOut, chosen[i - 1].leftOut) << "to and fro, at " << i;
+  EXPECT_EQ(chosen[3].leftOut, 1) << "slow";
+  EXPECT_NEAR(took.back(), 60.0, 0.17 * 60.0);
+  EXPECT_LT(chosen.back().factor, kMostCoarsening) << "steps need not be as coarse any more";
+}
+
+TEST(LeavingOutRule, AllGoesWhereNothingIsEnough) {
+  const CostOfGroups cost{{{200.0, 50.0}, {150.0, 40.0}, {100.0, 30.0}}};
+  LeavingOutRule rule;
+  const std::vector<Coarsening> chosen = move(rule, cost, 20.0, 20);
+  EXPECT_EQ(chosen.back(), (Coarsening{kMostCoarsening, 2}));
+}
+
+TEST(LeavingOutRule, MotionsAfterOneAnotherSeldomTryAgain) {
+  const CostOfGroups cost{{{200.0, 50.0}, {25.0, 37.5}, {10.0, 20.0}}};
+  LeavingOutRule rule;
+  move(rule, cost, 60.0, 20);
+  int slow = 0;
+  constexpr int kMotions = 40;
+  for (int motion = 0; motion < kMotions; ++motion) {
+    const std::vector<Coarsening> chosen = move(rule, cost, 60.0, 20);
+    for (size_t i = 1; i < chosen.size(); ++i) EXPECT_GE(chosen[i].leftOut, chosen[i - 1].leftOut);
+    slow += static_cast<int>(std::count_if(chosen.begin(), chosen.end(), [](const Coarsening& c) { return c.leftOut == 0; }));
+  }
+  EXPECT_LE(slow, kMotions / 2);
+  EXPECT_GT(slow, 0) << "for good";
+}
+
+TEST(LeavingOutRule, ComesBackWhenTheLoadIsGone) {
+  LeavingOutRule rule;
+  EXPECT_EQ((move(rule, {{{400.0, 100.0}, {50.0, 75.0}, {20.0, 40.0}}}, 60.0, 20).back().leftOut), 2);
+  const CostOfGroups light{{{20.0, 50.0}, {5.0, 37.5}, {2.0, 20.0}}};  // a fifth and less
+  int motions = 0;
+  while (move(rule, light, 60.0, 20).back().leftOut > 0) ASSERT_LT(++motions, 5);
+  EXPECT_LE(motions, 1);
+}
+
+TEST(LeavingOutRule, OtherSettingsAreOtherMarches) {
+  LeavingOutRule rule;
+  move(rule, {{{200.0, 50.0}, {150.0, 40.0}, {100.0, 30.0}}}, 20.0, 20);
+  EXPECT_EQ(rule.choose(kPixels, MarchSettings{}, 20.0), Coarsening{});
+}
+
 class ServerPaceTest : public testing::Test {
  protected:
   static Camera from(float x) {
@@ -143,7 +228,7 @@ class ServerPaceTest : public testing::Test {
     const MarchSettings marched = pace_.settingsFor(from(x), asked_, 50.0, now_);
     const double tookMs = 50.0 / marched.render.step;
     now_ += std::chrono::microseconds(static_cast<int64_t>(1e3 * tookMs));
-    pace_.note(from(x), marched, tookMs, now_);
+    pace_.note(from(x), asked_, marched, tookMs, now_);
     return marched.render.step;
   }
 
@@ -168,34 +253,49 @@ TEST_F(ServerPaceTest, AMarchThatTakesLongDoesNotLookLikeARest) {
   EXPECT_FLOAT_EQ(stepFor(2, 100), static_cast<float>(0.01 * kMostCoarsening));
 }
 
+TEST_F(ServerPaceTest, EffectsComeBackWhenTheCameraRests) {
+  asked_ = shadowed();
+  const auto marchedFrom = [&](float x, int afterMs) {
+    now_ += milliseconds(afterMs);
+    const MarchSettings marched = pace_.settingsFor(from(x), asked_, 20.0, now_);
+    now_ += milliseconds(100);
+    pace_.note(from(x), asked_, marched, marched.render.effects.shadows.strength > 0.0f ? 100.0 : 10.0, now_);
+    return marched;
+  };
+  EXPECT_EQ(marchedFrom(1, 0), asked_);
+  for (const float x : {2.0f, 3.0f, 4.0f}) marchedFrom(x, 5);
+  EXPECT_EQ(marchedFrom(5, 5).render.effects.shadows.strength, 0.0f);
+  EXPECT_EQ(marchedFrom(5, 5), asked_) << "asked for again";
+}
+
 TEST(Coarsening, TheStepGrowsAndStaysInItsRange) {
   MarchSettings asked;
   asked.sample.threshold = 0.3f;
-  EXPECT_EQ(coarsened(asked, 1.0), asked);
-  EXPECT_EQ(coarsened(asked, 0.1), asked);
-  EXPECT_EQ(coarsened(asked, std::nan("")), asked);
+  EXPECT_EQ(coarsened(asked, {1.0}), asked);
+  EXPECT_EQ(coarsened(asked, {0.1}), asked);
+  EXPECT_EQ(coarsened(asked, {std::nan("")}), asked);
   MarchSettings expected = asked;
   expected.render.step = 1.25f;
-  EXPECT_EQ(coarsened(asked, 2.5), expected);
-  EXPECT_EQ(coarsened(asked, 1e9).render.step, static_cast<float>(0.5 * kMostCoarsening));
+  EXPECT_EQ(coarsened(asked, {2.5}), expected);
+  EXPECT_EQ(coarsened(asked, {1e9}).render.step, static_cast<float>(0.5 * kMostCoarsening));
   asked.render.step = 900.0f;
-  EXPECT_EQ(coarsened(asked, 4.0).render.step, 1000.0f);
-  EXPECT_NO_THROW(validate(coarsened(asked, 4.0)));
+  EXPECT_EQ(coarsened(asked, {4.0}).render.step, 1000.0f);
+  EXPECT_NO_THROW(validate(coarsened(asked, {4.0})));
 }
 
 TEST(Coarsening, IsToldFromEverythingElse) {
   MarchSettings asked;
   EXPECT_FALSE(isCoarsened(asked, asked));
   for (const double factor : {1.0001, 1.5, 2.0, 3.7, 4.0, 50.0}) {
-    const MarchSettings marched = coarsened(asked, factor);
+    const MarchSettings marched = coarsened(asked, {factor});
     EXPECT_TRUE(isCoarsened(asked, marched)) << factor;
-    EXPECT_NEAR(coarseningOf(asked, marched), std::min(factor, kMostCoarsening), 1e-6);
+    EXPECT_NEAR(coarseningOf(asked, marched)->factor, std::min(factor, kMostCoarsening), 1e-6);
     EXPECT_FALSE(isCoarsened(marched, asked)) << "finer than asked for";
   }
-  MarchSettings other = coarsened(asked, 2.0);
+  MarchSettings other = coarsened(asked, {2.0});
   other.sample.heuristic = Heuristic::exit;
   EXPECT_FALSE(isCoarsened(asked, other));
-  other = coarsened(asked, 2.0);
+  other = coarsened(asked, {2.0});
   other.render.contribution *= 2.0f;
   EXPECT_FALSE(isCoarsened(asked, other));
   other = asked;
@@ -205,10 +305,42 @@ TEST(Coarsening, IsToldFromEverythingElse) {
   EXPECT_FALSE(isCoarsened(asked, other));
 }
 
+TEST(Coarsening, EffectsGoTheDearestFirst) {
+  MarchSettings asked = shadowed();
+  asked.render.effects.shadows.occlusion = 0.3f;
+  asked.render.effects.preIntegration = true;
+  EXPECT_EQ(mostLeftOut(asked), 2);
+  MarchSettings expected = asked;
+  expected.render.effects.shadows.strength = expected.render.effects.shadows.occlusion = 0.0f;
+  expected.render.effects.preIntegration = false;
+  EXPECT_EQ((coarsened(asked, {1.0, 1})), expected);
+  expected.render.effects.shading.strength = 0.0f;
+  EXPECT_EQ((coarsened(asked, {1.0, 2})), expected);
+  EXPECT_EQ((coarsened(asked, {1.0, 99})), expected);
+  expected.render.step = 1.0f;
+  EXPECT_EQ((coarsened(asked, {2.0, 2})), expected);
+  for (const int leftOut : {0, 1, 2})
+    for (const double factor : {1.0, 2.0}) {
+      EXPECT_EQ((coarseningOf(asked, coarsened(asked, {factor, leftOut}))), (Coarsening{factor, leftOut}));
+      EXPECT_EQ((isCoarsened(asked, coarsened(asked, {factor, leftOut}))), leftOut > 0 || factor > 1.0);
+    }
+  MarchSettings other = asked;
+  other.render.effects.shading.strength = 0.0f;  // the last before the first
+  EXPECT_EQ(coarseningOf(asked, other), std::nullopt);
+
+  asked.render.effects = {};
+  EXPECT_EQ(mostLeftOut(asked), 0);
+  asked.render.effects.shading.strength = 1.0f;
+  EXPECT_EQ(mostLeftOut(asked), 1) << "groups that nothing is in do not count";
+  EXPECT_EQ((coarsened(asked, {1.0, 1})), MarchSettings{});
+}
+
 TEST(Coarsening, SaysWhatItLeavesOut) {
-  const MarchSettings asked;
+  MarchSettings asked;
   EXPECT_EQ(coarseningText(asked, asked), "");
-  EXPECT_EQ(coarseningText(asked, coarsened(asked, 2.4)), "step 1.2 instead of 0.5");
+  EXPECT_EQ(coarseningText(asked, coarsened(asked, {2.4})), "step 1.2 instead of 0.5");
+  asked = shadowed();
+  EXPECT_EQ((coarseningText(asked, coarsened(asked, {2.0, 2}))), "step 1 instead of 0.5, strength of shading 0 instead of 1, strength of shadows 0 instead of 0.5");
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ class DirectFrameSource final : public FrameSource {
     ServerTimings& took = frame.timings;
     if (wishes.loadPercent > 0) shareProcessor({&took.marchMs, &took.compactMs, &took.copyMs}, wishes.loadPercent, clock_, stop);
     const Clock::TimePoint marchedAt = clock_.now();
-    if (isPaced) pace_.note(job.request.camera, settings, millisecondsBetween(beganAt, marchedAt), marchedAt);
+    if (isPaced) pace_.note(job.request.camera, job.request.settings, settings, millisecondsBetween(beganAt, marchedAt), marchedAt);
     if (!clock_.waitUntil(arrival(down_, messageBytes(frame), marchedAt), stop)) throw OperationCancelled();
     served.arrivedAt = clock_.now();
     served.bytes = frame.sizeBytes();

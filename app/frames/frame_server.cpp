@@ -26,6 +26,7 @@ constexpr size_t kFarTooMuch = 4;
 
 // Bytes of a sample or a pixel that marcher, frame and codec hold at the same time, at the most; seen where `block` fills most of a picture: 25 and 24.
 constexpr size_t kBytesOfSample = 40;
+constexpr size_t kBytesOfSpread = 16;  // likewise, where samples come with one: dense, kept, in planes of bytes, and coded
 constexpr size_t kBytesOfPicturePixel = 64;
 constexpr size_t kLeastBytes = size_t{1} << 20;
 
@@ -72,7 +73,8 @@ size_t ServeLimits::defaultMemoryBytes() {
 size_t memoryFor(const Camera& camera, const MarchSettings& settings, net::Wanted wanted) {
   const size_t pixels = size_t{camera.width} * camera.height;
   if (wanted == net::Wanted::picture) return kLeastBytes + pixels * kBytesOfPicturePixel;
-  return kLeastBytes + pixels * static_cast<size_t>(settings.sample.samplesPerRay) * kBytesOfSample;
+  const size_t bytesOfSample = kBytesOfSample + (settings.sample.sendsSpread ? kBytesOfSpread : 0);
+  return kLeastBytes + pixels * static_cast<size_t>(settings.sample.samplesPerRay) * bytesOfSample;
 }
 
 /// What one thread works with. Others may look at it while it rests.
@@ -250,7 +252,7 @@ FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane
       answer.head.stages.encodeMs = milliseconds([&] { answer.payload = lane.codec().encode(frame, coding); });
       net::StageTimes& took = answer.head.stages;
       if (wishes.loadPercent > 0) shareProcessor({&took.marchMs, &took.compactMs, &took.copyMs, &took.encodeMs}, wishes.loadPercent, clock_, stop);
-      if (pace) pace->note(camera, frame.settings, took.marchMs + took.compactMs + took.copyMs + took.encodeMs, clock_.now());
+      if (pace) pace->note(camera, march, frame.settings, took.marchMs + took.compactMs + took.copyMs + took.encodeMs, clock_.now());
     } else {
       Image<glm::vec4> image;
       answer.head.camera = request.camera;

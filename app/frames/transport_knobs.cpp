@@ -74,7 +74,7 @@ constinit const Knob kServerMsKnob{
     .option = "--server-ms",
     .label = "Moving",
     .noun = "milliseconds of a frame while the camera moves",
-    .help = "Milliseconds that a frame may take the server while the camera moves: it marches coarser then, and refines at rest; 0: never coarser",
+    .help = "Milliseconds that a frame may take the server while the camera moves: it marches coarser then, and without shadows and light if need be, and refines at rest; 0: always in full",
     .unit = " ms",
     .type = KnobType::whole,
     .owner = KnobOwner::transport,

@@ -115,9 +115,10 @@ net::CameraFields toFields(const Camera& camera) {
 
 net::SettingFields toFields(const MarchSettings& settings) {
   net::SettingFields fields;
-  // Of effects only what is not as it is by itself: a peer that knows fewer can have what needs no more.
+  // Of effects, and of what a frame may say besides, only what is not as it is by itself: a peer that knows fewer can have what needs no more.
+  const auto isExtra = [](const MarchKnob& row) { return row.knob->owner == KnobOwner::effect || row.shapes == FramePart::planes; };
   for (const MarchKnob& row : marchKnobs())
-    if (const double value = row.get(settings); row.knob->owner != KnobOwner::effect || value != row.knob->defaultValue)
+    if (const double value = row.get(settings); !isExtra(row) || value != row.knob->defaultValue)
       fields.push_back({std::string(row.knob->key), textOf(*row.knob, value)});
   static const MarchSettings kDefaults;
   for (const MarchText& text : marchTexts())
