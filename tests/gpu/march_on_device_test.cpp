@@ -330,7 +330,7 @@ TEST(MarchOnDevice, SpreadsOfDepthOfEveryVoxelTypeWithAndWithoutHoles) {
             settings.render.effects.mode = mode;
             settings.render.effects.preIntegration = integrates;
             settings.render.effects.shading.strength = heuristic == Heuristic::median ? 1.0f : 0.0f;
-            settings.render.effects.isoValues = parseIsoValues("60@0.5 40@0.5", "it");
+            settings.render.effects.isoValues = parseIsoValues("60@0.5", "it");
             pair.expectSame(lookingFrom(kOutside, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
           }
   });
