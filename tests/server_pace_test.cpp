@@ -340,7 +340,9 @@ TEST(Coarsening, SaysWhatItLeavesOut) {
   EXPECT_EQ(coarseningText(asked, asked), "");
   EXPECT_EQ(coarseningText(asked, coarsened(asked, {2.4})), "step 1.2 instead of 0.5");
   asked = shadowed();
-  EXPECT_EQ((coarseningText(asked, coarsened(asked, {2.0, 2}))), "step 1 instead of 0.5, strength of shading 0 instead of 1, strength of shadows 0 instead of 0.5");
+  EXPECT_EQ((coarseningText(asked, coarsened(asked, {2.0, 2}))), "step 1 instead of 0.5, without shading, shadows");
+  asked.render.effects.preIntegration = true;
+  EXPECT_EQ(coarseningText(asked, coarsened(asked, {1.0, 1})), "without shadows, pre-integration");
 }
 
 }  // namespace

@@ -83,13 +83,17 @@ bool isCoarsened(const MarchSettings& asked, const MarchSettings& marched) {
 }
 
 std::string coarseningText(const MarchSettings& asked, const MarchSettings& marched) {
-  std::string text;
+  std::string text, without;
   for (const MarchKnob& row : marchKnobs()) {
     const double before = row.get(asked), after = row.get(marched);
     if (before == after) continue;
+    if (row.knob->owner == KnobOwner::effect && after == 0.0) {
+      without += (without.empty() ? "without " : ", ") + std::string(row.knob->option.substr(2));  // its name, behind two hyphens
+      continue;
+    }
     text += (text.empty() ? "" : ", ") + std::string(row.knob->noun) + " " + shortText(*row.knob, after) + " instead of " + shortText(*row.knob, before);
   }
-  return text;
+  return text.empty() || without.empty() ? text + without : text + ", " + without;
 }
 
 }  // namespace warpscope

@@ -33,7 +33,7 @@ std::optional<Coarsening> coarseningOf(const MarchSettings& asked, const MarchSe
 /// Whether `marched` is what coarsened() makes of `asked`, and something else than that.
 bool isCoarsened(const MarchSettings& asked, const MarchSettings& marched);
 
-/// "step 1.2 instead of 0.5, strength of shadows 0 instead of 1"; empty where nothing differs.
+/// "step 1.2 instead of 0.5, without shadows, shading"; empty where nothing differs.
 std::string coarseningText(const MarchSettings& asked, const MarchSettings& marched);
 
 }  // namespace warpscope
