@@ -50,10 +50,12 @@ void LivePanel::show(WarpResult drawn, const std::optional<FrameRequests::Arriva
   if (drawn.job == job_) isDrawing_ = false;
   drawnId_ = drawn.requestId();
   shown_.error = std::move(drawn.error);
+  shown_.counts = drawn.counts;
   if (!drawn.picture) return;
   shown_.picture = drawn.picture;
   shown_.drawn = drawn.job.technique;
   shown_.requestId = drawn.requestId();
+  shown_.shortcut = shortcutText(drawn.plan.way());
   shown_.leftOut = std::move(leftOut);
   if (arrival) {
     shown_.latency = arrival->latency;

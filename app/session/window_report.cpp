@@ -30,6 +30,7 @@ Json toJson(const Panel& panel) {
   };
   const FrameLatency& latency = panel.latency;
   return {{"leftOut", panel.leftOut},
+          {"shortcut", panel.shortcut},
           {"bytes", panel.frameBytes},        {"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},
           {"queueMs", latency.queueMs},       {"marchMs", latency.marchMs},     {"compactMs", latency.compactMs},
           {"copyMs", latency.copyMs},         {"encodeMs", latency.encodeMs},   {"decodeMs", latency.decodeMs},
@@ -37,6 +38,10 @@ Json toJson(const Panel& panel) {
           {"flip", current(&PictureErrors::flip)},
           {"psnrDb", current(&PictureErrors::psnrDb)},
           {"holeFraction", current(&PictureErrors::holeFraction)}};
+}
+
+Json toJson(const WarpCounts& counts) {
+  return {{"made", counts.made}, {"builds", counts.builds}, {"draws", counts.draws}, {"drawsToJudge", counts.drawsToJudge}, {"shortcuts", counts.shortcuts}};
 }
 
 Json toJson(const SourceStatus& status) {
@@ -77,8 +82,11 @@ void WindowReport::add(const Session& session, Clock::TimePoint now, bool isMovi
 
 std::string WindowReport::text(const Session& session, Clock::TimePoint now) const {
   const double movingMs = std::accumulate(gapsMs_.begin(), gapsMs_.end(), 0.0);
-  Json panels = Json::array();
-  for (size_t i = 0; i < kPanelCount; ++i) panels.push_back(toJson(session.panel(i)));
+  Json panels = Json::array(), work = Json::array();
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    panels.push_back(toJson(session.panel(i)));
+    work.push_back(toJson(session.panel(i).counts));
+  }
   const auto perSecond = [&](size_t count) { return movingMs > 0.0 ? Json(1e3 * static_cast<double>(count) / movingMs) : Json(nullptr); };
   Json pictures = Json::array();
   for (const size_t count : pictures_) pictures.push_back(perSecond(count));
@@ -92,6 +100,7 @@ std::string WindowReport::text(const Session& session, Clock::TimePoint now) con
                  {"framesReceived", session.frames().received()},
                  {"lastFrameAgeMs", frameAge ? Json(*frameAge) : Json(nullptr)},
                  {"panels", panels},
+                 {"work", work},
                  {"plan", toJson(session.plan())},
                  {"server", status ? toJson(*status) : Json(nullptr)}});
 }
