@@ -61,6 +61,8 @@ TEST_F(WindowReportTest, WithoutASceneThereIsNothingToTell) {
   }
   EXPECT_EQ(figures["framesReceived"], 0);
   EXPECT_EQ(figures["panels"], json::array({nullptr, nullptr}));
+  const json nothing{{"made", 0}, {"builds", 0}, {"draws", 0}, {"drawsToJudge", 0}, {"shortcuts", 0}};
+  EXPECT_EQ(figures["work"], json::array({nothing, nothing}));
 }
 
 TEST_F(WindowReportTest, GapsAreThoseWhileSomethingMoves) {
@@ -164,6 +166,31 @@ TEST_F(WindowReportTest, ErrorsAreThoseOfThePictureOnShow) {
     ASSERT_TRUE(moving.contains(key)) << key;
     EXPECT_TRUE(moving[key].is_null()) << key << ": that of an earlier camera";
   }
+}
+
+TEST_F(WindowReportTest, WorkIsWhatPanelsDidSinceTheSceneWasOpened) {
+  open();
+  const auto count = [&](size_t panel, const char* key) { return report(clock_.now())["work"][panel][key].get<uint64_t>(); };
+  EXPECT_EQ(report(clock_.now())["panels"][0]["shortcut"], "");
+  for (const size_t panel : {0, 1}) {
+    EXPECT_EQ(count(panel, "made"), 1u);
+    EXPECT_EQ(count(panel, "shortcuts"), 0u);
+    EXPECT_GE(count(panel, "draws"), 1u);
+  }
+  EXPECT_EQ(count(0, "builds"), 1u) << "of one frame";
+  EXPECT_EQ(count(1, "builds"), 0u) << "the reference draws from none";
+
+  const uint64_t draws = count(0, "draws");
+  LiveSettings knobs = session_.knobs();
+  knobs.takesShortcuts = true;
+  session_.setKnobs(knobs);
+  for (const auto limit = clock_.now() + std::chrono::seconds(60); clock_.now() < limit && session_.panel(0).shortcut.empty();
+       std::this_thread::sleep_for(milliseconds(1)))
+    session_.update(clock_.now());
+  EXPECT_EQ(report(clock_.now())["panels"][0]["shortcut"], "the frame's picture, turned: no depth");
+  EXPECT_EQ(count(0, "shortcuts"), 1u);
+  EXPECT_EQ(count(0, "draws"), draws);
+  EXPECT_EQ(count(1, "shortcuts"), 0u);
 }
 
 TEST_F(WindowReportTest, StagesAreThoseOfPanelsThatDrawFrames) {

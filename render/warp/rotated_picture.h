@@ -15,9 +15,9 @@ WarpedImage ownImageOf(const SampleFrame& frame);
 /// one. `image` gets the size of `camera` and is another one than `own`.
 ///
 /// Colours are interpolated linearly between the centres of the picture's pixels, premultiplied, since what is between two rays is between their light:
-/// the nearest one would move edges by up to half a pixel (FLIP of a picture a quarter larger: 0.010 instead of 0.019, by the test). A pixel without a sample is one in which nothing is seen, and counts as that; towards the
-/// border the outermost centres stay. The id is that of the nearest covered one of the centres that were mixed. What has none, or lies outside the
-/// picture or behind its eye, is covered by nothing.
+/// the nearest one would move edges by up to half a pixel (FLIP of a picture a quarter larger, by the test: 0.010 instead of 0.019). A pixel without a
+/// sample is one in which nothing is seen, and counts as that; towards the border the outermost centres stay. The id is that of the nearest covered one
+/// of the centres that were mixed. What has none, or lies outside the picture or behind its eye, is covered by nothing.
 ///
 /// Within 1/2000 of a pixel of the place that the two cameras, as they are given, mean, wherever the eye is, which is not looked at; for fields of view
 /// of a millionth of a degree and more.
