@@ -61,7 +61,7 @@ TEST_F(WindowReportTest, WithoutASceneThereIsNothingToTell) {
   }
   EXPECT_EQ(figures["framesReceived"], 0);
   EXPECT_EQ(figures["panels"], json::array({nullptr, nullptr}));
-  const json nothing{{"made", 0}, {"builds", 0}, {"draws", 0}, {"drawsToJudge", 0}, {"shortcuts", 0}};
+  const json nothing{{"made", 0}, {"builds", 0}, {"draws", 0}, {"drawsToJudge", 0}, {"shortcuts", 0}, {"stages", json::array()}};
   EXPECT_EQ(figures["work"], json::array({nothing, nothing}));
 }
 
@@ -180,6 +180,12 @@ TEST_F(WindowReportTest, WorkIsWhatPanelsDidSinceTheSceneWasOpened) {
   EXPECT_EQ(count(0, "builds"), 1u) << "of one frame";
   EXPECT_EQ(count(1, "builds"), 0u) << "the reference draws from none";
 
+  const json stages = report(clock_.now())["work"][0]["stages"];
+  ASSERT_EQ(stages.size(), kPictureStages.size());
+  EXPECT_EQ(stages[0]["stage"], "own-picture");
+  EXPECT_EQ(stages[0]["in"], false);
+  EXPECT_EQ(stages[0]["reason"], "shortcuts are switched off: the technique is shown");
+
   const uint64_t draws = count(0, "draws");
   LiveSettings knobs = session_.knobs();
   knobs.takesShortcuts = true;
@@ -189,6 +195,7 @@ TEST_F(WindowReportTest, WorkIsWhatPanelsDidSinceTheSceneWasOpened) {
     session_.update(clock_.now());
   EXPECT_EQ(report(clock_.now())["panels"][0]["shortcut"], "the frame's picture, turned: no depth");
   EXPECT_EQ(count(0, "shortcuts"), 1u);
+  EXPECT_EQ(report(clock_.now())["work"][0]["stages"][1]["in"], true);
   EXPECT_EQ(count(0, "draws"), draws);
   EXPECT_EQ(count(1, "shortcuts"), 0u);
 }

@@ -56,6 +56,7 @@ void LivePanel::show(WarpResult drawn, const std::optional<FrameRequests::Arriva
   shown_.drawn = drawn.job.technique;
   shown_.requestId = drawn.requestId();
   shown_.shortcut = shortcutText(drawn.plan.way());
+  shown_.plan = drawn.plan;
   shown_.leftOut = std::move(leftOut);
   if (arrival) {
     shown_.latency = arrival->latency;

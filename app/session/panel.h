@@ -31,7 +31,8 @@ struct Panel {
   double displayMs = 0.0;                       ///< from the picture's end until the display took it
   std::optional<Configuration> configuration;   ///< that drew it; nothing while it is not known, `drawn` uses no frames, or a shortcut took its place
   std::string shortcut;                         ///< where the picture is from if no technique drew it: shortcutText(); mostly empty
-  WarpCounts counts;                            ///< what its worker did since the scene was opened
+  PicturePlan plan;                             ///< of what its worker did last
+  WarpCounts counts;                            ///< what it did since the scene was opened
   std::string leftOut;                          ///< how that frame's march was coarser than what was asked for, because the camera moved; mostly empty
   std::string error;                            ///< empty if the last picture succeeded
 

@@ -40,8 +40,19 @@ Json toJson(const Panel& panel) {
           {"holeFraction", current(&PictureErrors::holeFraction)}};
 }
 
-Json toJson(const WarpCounts& counts) {
-  return {{"made", counts.made}, {"builds", counts.builds}, {"draws", counts.draws}, {"drawsToJudge", counts.drawsToJudge}, {"shortcuts", counts.shortcuts}};
+/// What a panel's worker did since the scene was opened, and which stages of its plan were in last.
+Json workOf(const Panel& panel) {
+  Json stages = Json::array();
+  if (panel.picture)
+    for (const PictureStageDescriptor& stage : kPictureStages)
+      stages.push_back({{"stage", stage.name}, {"summary", stage.summary}, {"in", panel.plan.has(stage.stage)}, {"reason", panel.plan[stage.stage].reason}});
+  const WarpCounts& counts = panel.counts;
+  return {{"made", counts.made},
+          {"builds", counts.builds},
+          {"draws", counts.draws},
+          {"drawsToJudge", counts.drawsToJudge},
+          {"shortcuts", counts.shortcuts},
+          {"stages", stages}};
 }
 
 Json toJson(const SourceStatus& status) {
@@ -85,7 +96,7 @@ std::string WindowReport::text(const Session& session, Clock::TimePoint now) con
   Json panels = Json::array(), work = Json::array();
   for (size_t i = 0; i < kPanelCount; ++i) {
     panels.push_back(toJson(session.panel(i)));
-    work.push_back(toJson(session.panel(i).counts));
+    work.push_back(workOf(session.panel(i)));
   }
   const auto perSecond = [&](size_t count) { return movingMs > 0.0 ? Json(1e3 * static_cast<double>(count) / movingMs) : Json(nullptr); };
   Json pictures = Json::array();
