@@ -64,7 +64,6 @@ EaselState after(const WarpJob& job) {
   }
   state.hasPicture = true;
   state.way = way;
-  state.drawnBy = job.technique;
   state.frame = job.frame;
   state.camera = job.camera;
   state.settings = job.settings;
@@ -189,6 +188,18 @@ TEST_F(PicturePlanTest, ShortcutsAreForFramesAndForWhoWantsThem) {
   EXPECT_FALSE(WarpJob{}.takesShortcuts);
 }
 
+TEST_F(PicturePlanTest, WhatTheTechniqueDrewForTheSameCameraIsNoShortcut) {
+  for (const auto& [camera, name] : {std::pair(someCamera(), "own-picture"), std::pair(turned(someCamera(), 1.0f), "rotation")}) {
+    const WarpJob job = shortcut(camera);
+    WarpJob off = job;
+    off.takesShortcuts = false;
+    EXPECT_THAT(stagesIn({after(off), job}), testing::ElementsAre(name, "to-screen"));
+    EaselState without = after(job);
+    without.hasPicture = false;
+    EXPECT_THAT(stagesIn({without, job}), testing::ElementsAre(name, "to-screen"));
+  }
+}
+
 /// Another technique or another knob shows the same: nothing is done until the camera leaves.
 TEST_F(PicturePlanTest, WhileAShortcutIsOnShowTheTechniqueIsNotAtWork) {
   for (const Camera& camera : {someCamera(), zoomed(someCamera())}) {
@@ -216,6 +227,9 @@ TEST_F(PicturePlanTest, WhatIsBuiltOutlivesAShortcut) {
   EaselState last = after(job_);
   last.way = PictureWay::ownPicture;
   last.camera = job_.camera;
+  EXPECT_THAT(stagesIn({last, job_}), testing::ElementsAre("draw", "to-screen"));
+  last = after(job_);
+  last.hasPicture = false;  // it was built, and drew nothing
   EXPECT_THAT(stagesIn({last, job_}), testing::ElementsAre("draw", "to-screen"));
 }
 
@@ -274,6 +288,7 @@ TEST_F(PicturePlanTest, WhatDrawsFromNoFrameIsNotBuilt) {
   job.technique = &findWarp("reference");
   job.frame.reset();
   EXPECT_THAT(stagesIn({{}, job}), testing::ElementsAre("technique", "draw", "to-screen"));
+  EXPECT_THAT(stagesIn({after(job_), job}), testing::ElementsAre("technique", "draw", "to-screen")) << "another one drew what this camera sees";
   EXPECT_THAT(stagesIn({after(job), job}), testing::IsEmpty());
   WarpJob finer = job;
   finer.settings.reference.step = 0.25f;

@@ -28,8 +28,10 @@ struct PictureQuestion {
     if (!job.takesShortcuts) return "shortcuts are switched off: the technique is shown";
     return {};
   }
-  bool isFramesCamera() const { return job.frame && job.camera == job.frame->camera; }
-  bool isFramesEye() const { return job.frame && job.camera.eye == job.frame->camera.eye; }
+  // Where there is a frame:
+  bool isFramesCamera() const { return job.camera == job.frame->camera; }
+  bool isFramesEye() const { return job.camera.eye == job.frame->camera.eye; }
+
   bool isShortcut() const { return plan.way() != PictureWay::technique; }
   /// Whether the last picture came the same way, and shows that frame to that camera.
   bool isOfSameView() const {
@@ -85,7 +87,7 @@ constexpr std::array<PictureRule, kPictureStages.size()> kRules{{
        if (q.isShortcut()) return out(kShortcut);
        if (q.plan.has(PictureStage::technique)) return in("the technique is new");
        if (q.plan.has(PictureStage::build)) return in("what it draws from is new");
-       if (!q.last.hasPicture || q.last.way != PictureWay::technique || q.last.drawnBy != q.job.technique) return in("it has drawn nothing of this yet");
+       if (!q.last.hasPicture || q.last.way != PictureWay::technique) return in("it has drawn nothing of this yet");
        if (q.last.camera != q.job.camera) return in("the camera moved");
        if (q.last.settings != q.job.settings) return in("a knob was turned that it draws by");
        if (q.last.isOnDevice && q.isBehindChanged()) return in("the device that drew it put it over another colour");

@@ -65,7 +65,6 @@ struct EaselState {
 
   bool hasPicture = false;
   PictureWay way = PictureWay::technique;  ///< of that picture, as all that follows
-  const WarpDescriptor* drawnBy = nullptr;
   SampleFramePtr frame;
   Camera camera;
   WarpSettings settings;

@@ -61,7 +61,7 @@ class Easel {
  private:
   /// Does again what the last picture took, nothing of which is shown.
   void time(const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
-    const bool isLast = warp_ && state_.hasPicture && state_.way == PictureWay::technique && job.technique == state_.drawnBy && job.frame == state_.frame &&
+    const bool isLast = warp_ && state_.hasPicture && state_.way == PictureWay::technique && job.technique == state_.technique && job.frame == state_.frame &&
                         job.camera == state_.camera && job.settings == state_.settings;
     if (!isLast) return;
     try {
@@ -112,7 +112,6 @@ class Easel {
 
     state_.hasPicture = true;
     state_.way = plan.way();
-    state_.drawnBy = job.technique;
     state_.frame = job.frame;
     state_.camera = job.camera;
     state_.settings = job.settings;
