@@ -1,5 +1,5 @@
-// A frame's own picture, turned about its eye: every pixel's place against long double, and the whole against the volume marched for that camera.
-// Mirrors render/warp/rotated_picture.h.
+// A frame's own picture, turned about its eye: every pixel's place against long double, and the whole against the
+// volume marched for that camera. Mirrors render/warp/rotated_picture.h.
 #include "render/warp/rotated_picture.h"
 
 #include <gtest/gtest.h>
@@ -12,22 +12,10 @@
 #include "render/metrics/flip.h"
 #include "tests/headless.h"
 #include "tests/marcher_cases.h"
+#include "tests/moved_cameras.h"
 
 namespace warpscope {
 namespace {
-
-/// About its own eye, to the right and up.
-Camera turned(Camera camera, float rightDeg, float upDeg) {
-  const auto mix = [](glm::vec3& a, glm::vec3& b, float degrees) {
-    const float angle = glm::radians(degrees), c = std::cos(angle), s = std::sin(angle);
-    const glm::vec3 first = a, second = b;
-    a = glm::normalize(c * first + s * second);
-    b = glm::normalize(c * second - s * first);
-  };
-  mix(camera.forward, camera.right, rightDeg);
-  mix(camera.forward, camera.up, upDeg);
-  return camera;
-}
 
 /// Red is the column, green the row, of a picture without holes.
 WarpedImage coordinates(const Camera& camera) {
@@ -50,13 +38,15 @@ struct Place {
 /// By the conventions of core/camera.h: the direction of a pixel, in coordinates along another camera's axes.
 Place placeIn(const Camera& from, const Camera& camera, uint32_t column, uint32_t row) {
   using Vec = glm::vec<3, long double>;
-  const long double edge = 2.0L * camera.tanHalfFovY / camera.height, edgeOfFrom = 2.0L * from.tanHalfFovY / from.height;
+  const long double edge = 2.0L * camera.tanHalfFovY / camera.height,
+                    edgeOfFrom = 2.0L * from.tanHalfFovY / from.height;
   const Vec direction = Vec(camera.forward) + (column + 0.5L - 0.5L * camera.width) * edge * Vec(camera.right) +
                         (0.5L * camera.height - (row + 0.5L)) * edge * Vec(camera.up);
   // Cramer's rule: the axes may be off by roundings.
   const Vec right(from.right), up(from.up), forward(from.forward);
   const long double whole = glm::dot(right, glm::cross(up, forward));
-  const long double x = glm::dot(direction, glm::cross(up, forward)) / whole, y = glm::dot(right, glm::cross(direction, forward)) / whole,
+  const long double x = glm::dot(direction, glm::cross(up, forward)) / whole,
+                    y = glm::dot(right, glm::cross(direction, forward)) / whole,
                     z = glm::dot(right, glm::cross(up, direction)) / whole;
   return {0.5L * from.width + x / (z * edgeOfFrom), 0.5L * from.height - y / (z * edgeOfFrom), z > 0.0L};
 }
@@ -84,14 +74,16 @@ TEST(RotatedPicture, EveryPixelShowsWhatLiesInItsDirection) {
         const bool isCovered = image.samples(x, y) != kNoSample;
         covered += isCovered;
         const long double inside = std::min({place.x, from.width - place.x, place.y, from.height - place.y});
-        if (std::abs(inside) > kTolerance || !place.isInFront) ASSERT_EQ(isCovered, place.isInFront && inside > 0.0L) << "seed " << seed;
+        if (std::abs(inside) > kTolerance || !place.isInFront)
+          ASSERT_EQ(isCovered, place.isInFront && inside > 0.0L) << "seed " << seed;
         if (!isCovered) {
           ASSERT_EQ(image.color(x, y), glm::vec4(0.0f));
           continue;
         }
         const long double column = std::clamp<long double>(place.x - 0.5L, 0.0L, from.width - 1.0L);
         const long double row = std::clamp<long double>(place.y - 0.5L, 0.0L, from.height - 1.0L);
-        ASSERT_NEAR(static_cast<double>(image.color(x, y).r), static_cast<double>(column), 1.0 / 2000) << "seed " << seed;
+        ASSERT_NEAR(static_cast<double>(image.color(x, y).r), static_cast<double>(column), 1.0 / 2000)
+            << "seed " << seed;
         ASSERT_NEAR(static_cast<double>(image.color(x, y).g), static_cast<double>(row), 1.0 / 2000) << "seed " << seed;
         ASSERT_NEAR(image.color(x, y).a, 1.0f, 1e-6f);
         const uint32_t sample = image.samples(x, y);
@@ -103,7 +95,8 @@ TEST(RotatedPicture, EveryPixelShowsWhatLiesInItsDirection) {
 }
 
 TEST(RotatedPicture, TheSameCameraShowsTheSameAndTheEyeDoesNotMatter) {
-  for (const Camera& from : {lookingFrom({3.0f, 2.0f, 40.0f}, {}, 41, 30), turned(lookingFrom({3.0f, 2.0f, 40.0f}, {}, 128, 128, 1.2f), 13.0f, -7.0f)}) {
+  for (const Camera& from : {lookingFrom({3.0f, 2.0f, 40.0f}, {}, 41, 30),
+                             turned(lookingFrom({3.0f, 2.0f, 40.0f}, {}, 128, 128, 1.2f), 13.0f, -7.0f)}) {
     WarpedImage own = coordinates(from);
     own.samples(7, 5) = kNoSample;
     own.color(7, 5) = glm::vec4(0.0f);
@@ -171,10 +164,12 @@ TEST(RotatedPicture, WhereNothingIsSeenCountsAsNothing) {
   drawRotated(own, from, camera, image);
   for (uint32_t y = 0; y < 40; ++y)
     for (uint32_t x = 0; x < 40; ++x) {
-      const float awayX = std::abs((static_cast<float>(x) + 0.5f) / 8.0f - 2.5f), awayY = std::abs((static_cast<float>(y) + 0.5f) / 8.0f - 2.5f);
+      const float awayX = std::abs((static_cast<float>(x) + 0.5f) / 8.0f - 2.5f),
+                  awayY = std::abs((static_cast<float>(y) + 0.5f) / 8.0f - 2.5f);
       const float share = std::max(0.0f, 1.0f - awayX) * std::max(0.0f, 1.0f - awayY);
       ASSERT_EQ(image.samples(x, y), share > 0.0f ? 77u : kNoSample);
-      for (int channel = 0; channel < 4; ++channel) ASSERT_NEAR(image.color(x, y)[channel], share * own.color(2, 2)[channel], 1e-6f);
+      for (int channel = 0; channel < 4; ++channel)
+        ASSERT_NEAR(image.color(x, y)[channel], share * own.color(2, 2)[channel], 1e-6f);
     }
 }
 
@@ -191,15 +186,19 @@ TEST(RotatedPicture, RefusesUnusableCamerasAndEndsWhenItIsTold) {
   EXPECT_THROW(drawRotated(own, from, from, image, stop.get_token()), OperationCancelled);
 }
 
-/// The volume marched for the turned camera is the truth; what streaming viewers show meanwhile is what has to be beaten.
+/// The volume marched for the turned camera is the truth; what streaming viewers show meanwhile is what has to be
+/// beaten.
 TEST(RotatedPicture, IsWhatTheVolumeLooksLikeFromThere) {
   struct Turn {
     const char* name;
     float rightDeg, upDeg, zoom;
     uint32_t width, height;
   };
-  constexpr Turn kTurns[] = {{"right", 4.0f, 0.0f, 1.0f, 120, 100}, {"up", 0.0f, -3.0f, 1.0f, 120, 100}, {"nearer", 0.0f, 0.0f, 0.7f, 120, 100},
-                             {"larger", 0.0f, 0.0f, 1.0f, 150, 125}, {"all", 3.0f, 2.0f, 0.9f, 97, 81}};
+  constexpr Turn kTurns[] = {{"right", 4.0f, 0.0f, 1.0f, 120, 100},
+                             {"up", 0.0f, -3.0f, 1.0f, 120, 100},
+                             {"nearer", 0.0f, 0.0f, 0.7f, 120, 100},
+                             {"larger", 0.0f, 0.0f, 1.0f, 150, 125},
+                             {"all", 3.0f, 2.0f, 0.9f, 97, 81}};
   for (const char* name : {"block", "shells"}) {
     const Stage stage(smallScene(name));
     Camera from = stage.camera(120, 100);
@@ -214,7 +213,8 @@ TEST(RotatedPicture, IsWhatTheVolumeLooksLikeFromThere) {
       const Image<glm::vec4> truth = rendered(stage.marcher(), camera, stage.scene().march);
       WarpedImage image;
       drawRotated(own, from, camera, image);
-      const double error = flip(image.color, truth, {}).mean, held = flip(stage.draw("hold", frame, camera).color, truth, {}).mean;
+      const double error = flip(image.color, truth, {}).mean,
+                   held = flip(stage.draw("hold", frame, camera).color, truth, {}).mean;
       // Where no direction is another, `hold` shows the nearest pixel, and is wrong by that alone.
       const bool isMoved = turn.rightDeg != 0.0f || turn.upDeg != 0.0f || turn.zoom != 1.0f;
       EXPECT_LT(error, (isMoved ? 0.1 : 0.6) * held) << name << ", " << turn.name;

@@ -61,7 +61,8 @@ TEST_F(WindowReportTest, WithoutASceneThereIsNothingToTell) {
   }
   EXPECT_EQ(figures["framesReceived"], 0);
   EXPECT_EQ(figures["panels"], json::array({nullptr, nullptr}));
-  const json nothing{{"made", 0}, {"builds", 0}, {"draws", 0}, {"drawsToJudge", 0}, {"shortcuts", 0}, {"stages", json::array()}};
+  const json nothing{{"made", 0},         {"builds", 0},         {"draws", 0},
+                     {"drawsToJudge", 0}, {"shortcutsTaken", 0}, {"stages", json::array()}};
   EXPECT_EQ(figures["work"], json::array({nothing, nothing}));
 }
 
@@ -170,11 +171,13 @@ TEST_F(WindowReportTest, ErrorsAreThoseOfThePictureOnShow) {
 
 TEST_F(WindowReportTest, WorkIsWhatPanelsDidSinceTheSceneWasOpened) {
   open();
-  const auto count = [&](size_t panel, const char* key) { return report(clock_.now())["work"][panel][key].get<uint64_t>(); };
+  const auto count = [&](size_t panel, const char* key) {
+    return report(clock_.now())["work"][panel][key].get<uint64_t>();
+  };
   EXPECT_EQ(report(clock_.now())["panels"][0]["shortcut"], "");
   for (const size_t panel : {0, 1}) {
     EXPECT_EQ(count(panel, "made"), 1u);
-    EXPECT_EQ(count(panel, "shortcuts"), 0u);
+    EXPECT_EQ(count(panel, "shortcutsTaken"), 0u);
     EXPECT_GE(count(panel, "draws"), 1u);
   }
   EXPECT_EQ(count(0, "builds"), 1u) << "of one frame";
@@ -190,14 +193,14 @@ TEST_F(WindowReportTest, WorkIsWhatPanelsDidSinceTheSceneWasOpened) {
   LiveSettings knobs = session_.knobs();
   knobs.takesShortcuts = true;
   session_.setKnobs(knobs);
-  for (const auto limit = clock_.now() + std::chrono::seconds(60); clock_.now() < limit && session_.panel(0).shortcut.empty();
-       std::this_thread::sleep_for(milliseconds(1)))
+  const auto limit = clock_.now() + std::chrono::seconds(60);
+  for (; clock_.now() < limit && session_.panel(0).shortcut.empty(); std::this_thread::sleep_for(milliseconds(1)))
     session_.update(clock_.now());
   EXPECT_EQ(report(clock_.now())["panels"][0]["shortcut"], "the frame's picture, turned: no depth");
-  EXPECT_EQ(count(0, "shortcuts"), 1u);
+  EXPECT_EQ(count(0, "shortcutsTaken"), 1u);
   EXPECT_EQ(report(clock_.now())["work"][0]["stages"][1]["in"], true);
   EXPECT_EQ(count(0, "draws"), draws);
-  EXPECT_EQ(count(1, "shortcuts"), 0u);
+  EXPECT_EQ(count(1, "shortcutsTaken"), 0u);
 }
 
 TEST_F(WindowReportTest, StagesAreThoseOfPanelsThatDrawFrames) {

@@ -60,7 +60,8 @@ void view(const ViewOptions& options) {
   settings.knobs.panelKnobs.back() = checked.warp.knobs;  // of the right panel: the left one is what it is compared with
   settings.knobs.transport = transport;
   settings.knobs.uncovered = checked.uncovered;
-  settings.knobs.takesShortcuts = options.ownKnobs.check().find(kShortcutsKnob).value_or(kShortcutsKnob.defaultValue) != 0.0;
+  const std::optional<double> shortcuts = options.ownKnobs.check().find(kShortcutsKnob);
+  settings.knobs.takesShortcuts = shortcuts.value_or(kShortcutsKnob.defaultValue) != 0.0;
   settings.platform = checked.platform;
   settings.resources.backend = checked.backend;
   settings.resources.onFallback = reportFallback;

@@ -80,7 +80,8 @@ class DirectFrameSource final : public FrameSource {
     served.frame = std::make_shared<const SampleFrame>(std::move(frame));
   }
 
-  /// Waits until what was sent has crossed the link. One that simulates nothing is not asked: no message is made up to be measured, nobody waits.
+  /// Waits until what was sent has crossed the link. One that simulates nothing is not asked: no message is made up to
+  /// be measured, and nobody waits.
   template <class Message>
   void cross(net::LinkModel& link, const Message& message, Clock::TimePoint sentAt, const std::stop_token& stop) {
     const auto arrivesAt = [&]() -> std::optional<Clock::TimePoint> {

@@ -29,8 +29,8 @@ struct Panel {
   double buildMs = 0.0;
   double drawMs = 0.0;
   double displayMs = 0.0;                       ///< from the picture's end until the display took it
-  std::optional<Configuration> configuration;   ///< that drew it; nothing while it is not known, `drawn` uses no frames, or a shortcut took its place
-  std::string shortcut;                         ///< where the picture is from if no technique drew it: shortcutText(); mostly empty
+  std::optional<Configuration> configuration;   ///< that drew it; nothing if not known, without frames, and for shortcuts
+  std::string shortcut;                         ///< shortcutText() where no technique drew the picture; mostly empty
   PicturePlan plan;                             ///< of what its worker did last
   WarpCounts counts;                            ///< what it did since the scene was opened
   std::string leftOut;                          ///< how that frame's march was coarser than what was asked for, because the camera moved; mostly empty

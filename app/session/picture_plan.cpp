@@ -79,7 +79,8 @@ constexpr std::array<PictureRule, kPictureStages.size()> kRules{{
        if (!q.job.technique->usesFrame) return out(q.name() + " draws from no frame");
        if (q.plan.has(PictureStage::technique)) return in("the technique is new");
        if (!q.last.isBuilt || q.last.built != q.job.frame) return in("the frame is new");
-       if (q.job.technique->isBuiltAnew(q.last.builtWith, q.job.settings.knobs)) return in("a knob was turned that it is built by");
+       if (q.job.technique->isBuiltAnew(q.last.builtWith, q.job.settings.knobs))
+         return in("a knob was turned that it is built by");
        return out("the frame is the one that it was built from");
      }},
     {PictureStage::draw,
@@ -111,7 +112,9 @@ constexpr std::array<PictureRule, kPictureStages.size()> kRules{{
 
 constexpr bool areInOrder() {
   for (size_t i = 0; i < kRules.size(); ++i)
-    if (kRules[i].stage != kPictureStages[i].stage || static_cast<size_t>(kRules[i].stage) != i || kRules[i].plan == nullptr) return false;
+    if (kRules[i].stage != kPictureStages[i].stage || static_cast<size_t>(kRules[i].stage) != i ||
+        kRules[i].plan == nullptr)
+      return false;
   return true;
 }
 static_assert(areInOrder(), "each stage has a row and a rule, in the order of PictureStage");
@@ -123,7 +126,9 @@ constinit const Knob kShortcutsKnob{
     .option = "--shortcuts",
     .label = "Shortcuts",
     .noun = "shortcuts",
-    .help = "Where the eye is the frame's, show the frame's own picture, turned if need be, instead of drawing by the technique",
+    .help =
+        "Where the eye is the frame's, show the frame's own picture, turned if need be, instead of drawing by the "
+        "technique",
     .type = KnobType::flag,
     .owner = KnobOwner::display,
     .stale = KnobStage::draw,
@@ -132,9 +137,12 @@ constinit const Knob kShortcutsKnob{
 
 std::string_view shortcutText(PictureWay way) {
   switch (way) {
-    case PictureWay::technique: return "";
-    case PictureWay::ownPicture: return "the frame's own picture";
-    case PictureWay::rotation: return "the frame's picture, turned: no depth";
+    case PictureWay::technique:
+      return "";
+    case PictureWay::ownPicture:
+      return "the frame's own picture";
+    case PictureWay::rotation:
+      return "the frame's picture, turned: no depth";
   }
   return "";
 }

@@ -1,5 +1,6 @@
-// What a panel has to do for its next picture: the smallest set of stages after what it did last, each with the reason for which it is in or out. As data,
-// so that its worker goes by it, tests hold it to account and people read it. For the march: render/effects/effect_plan.h.
+// What a panel has to do for its next picture: the smallest set of stages after what it did last, each with the reason
+// for which it is in or out. As data, so that its worker goes by it, tests hold it to account and people read it. For
+// the march: render/effects/effect_plan.h.
 #pragma once
 
 #include <array>
@@ -13,7 +14,8 @@
 
 namespace warpscope {
 
-/// Whether shortcuts may take a technique's place. Off unless the window's user wants them: what is compared is what techniques draw.
+/// Whether shortcuts may take a technique's place. Off unless the window's user wants them: what is compared is what
+/// techniques draw.
 extern const Knob kShortcutsKnob;
 
 /// Where a picture comes from.
@@ -59,9 +61,9 @@ struct EaselState {
   const WarpDescriptor* technique = nullptr;  ///< that is made; null: none is
   MarcherPtr marcher;                         ///< that it was made with
 
-  bool isBuilt = false;   ///< it was given a frame:
+  bool isBuilt = false;  ///< it was given a frame:
   SampleFramePtr built;
-  KnobValues builtWith;   ///< the techniques' knobs at that time
+  KnobValues builtWith;  ///< the techniques' knobs at that time
 
   bool hasPicture = false;
   PictureWay way = PictureWay::technique;  ///< of that picture, as all that follows

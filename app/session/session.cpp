@@ -170,7 +170,7 @@ bool Session::postJob(size_t index) {
 }
 
 std::optional<Configuration> Session::configurationOf(const WarpResult& result) const {
-  if (result.plan.way() != PictureWay::technique) return std::nullopt;  // whatever the technique is, it is not what is seen
+  if (result.plan.way() != PictureWay::technique) return std::nullopt;  // the technique is not what is seen
   const WarpJob& drawn = result.job;
   const std::optional<WantedFrame> asked = drawn.frame ? frames_.askedBy(drawn.frame->requestId) : std::nullopt;
   if (!asked || isCoarsened(asked->march, drawn.frame->settings)) return std::nullopt;  // nobody chose it

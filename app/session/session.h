@@ -34,7 +34,7 @@ struct LiveSettings {
   TransportSettings transport;     ///< how frames travel from the server
   bool isFrozen = false;           ///< the server is asked for nothing: its last frame stays
   Rgba8 uncovered = 0;             ///< 0: the scene's background
-  bool takesShortcuts = false;     ///< panels show the frame itself where that is enough (picture_plan.h) instead of what techniques draw
+  bool takesShortcuts = false;     ///< where the frame itself is enough, panels show that: picture_plan.h
   double budgetMs = kDefaultBudgetMs;  ///< of a picture, for panels that choose by themselves
 
   bool operator==(const LiveSettings&) const = default;

@@ -49,11 +49,13 @@ struct WarpJob {
   WarpSettings settings;
   glm::vec3 background{0.0f};  ///< linear RGB
   Rgba8 uncovered = 0;         ///< colour of pixels that no sample covers; 0: the background
-  bool takesShortcuts = false;  ///< of a picture that the frame itself shows, instead of the technique's (picture_plan.h)
-  /// What the picture is to be judged against; null while there is none. Of the same size, but its camera may be an earlier one.
+  bool takesShortcuts =
+      false;  ///< of a picture that the frame itself shows, instead of the technique's (picture_plan.h)
+  /// What the picture is to be judged against; null while there is none. Of the same size, but its camera may be an
+  /// earlier one.
   std::shared_ptr<const ReferenceImage> reference;
-  /// Not to be drawn for the screen but to be timed, as the picture that is on show already; the frame came in that coding. Cancelling it costs nothing: the
-  /// technique stays as it is.
+  /// Not to be drawn for the screen but to be timed, as the picture that is on show already; the frame came in that
+  /// coding. Cancelling it costs nothing: the technique stays as it is.
   std::optional<CodecSettings> timedAs;
 
   bool operator==(const WarpJob&) const = default;

@@ -61,8 +61,9 @@ class Easel {
  private:
   /// Does again what the last picture took, nothing of which is shown.
   void time(const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
-    const bool isLast = warp_ && state_.hasPicture && state_.way == PictureWay::technique && job.technique == state_.technique && job.frame == state_.frame &&
-                        job.camera == state_.camera && job.settings == state_.settings;
+    const bool isLast = warp_ && state_.hasPicture && state_.way == PictureWay::technique &&
+                        job.technique == state_.technique && job.frame == state_.frame && job.camera == state_.camera &&
+                        job.settings == state_.settings;
     if (!isLast) return;
     try {
       result.timed = measurePicture(Measuring::inWholeRuns(kTimedRuns, stop), {*warp_, job.settings, job.background}, codec_, *job.timedAs, job.frame,
@@ -108,7 +109,8 @@ class Easel {
     if (plan.has(PictureStage::toScreen)) picture_ = {};
     if (plan.has(PictureStage::draw)) draw(job, stop);
     if (plan.has(PictureStage::ownPicture) || plan.has(PictureStage::rotation)) takeShortcut(plan.way(), job, stop);
-    if (plan.has(PictureStage::toScreen) && !picture_) picture_.host = std::make_shared<const Image<Rgba8>>(toScreen(*image_, job.background, job.uncovered));
+    if (plan.has(PictureStage::toScreen) && !picture_)
+      picture_.host = std::make_shared<const Image<Rgba8>>(toScreen(*image_, job.background, job.uncovered));
 
     state_.hasPicture = true;
     state_.way = plan.way();

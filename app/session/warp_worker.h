@@ -22,7 +22,7 @@ struct WarpCounts {
   uint64_t made = 0;          ///< techniques
   uint64_t builds = 0;        ///< what a technique derives from a frame
   uint64_t draws = 0;         ///< by a technique, for pictures on show
-  uint64_t drawsToJudge = 0;  ///< by a technique, of what nobody sees: for the ground truth's camera, or once more from a device's memory
+  uint64_t drawsToJudge = 0;  ///< by a technique, for nobody to see: to the ground truth's camera, or to host memory
   uint64_t shortcuts = 0;     ///< the frame's own picture, as it is or turned
 
   bool operator==(const WarpCounts&) const = default;

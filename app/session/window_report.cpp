@@ -45,13 +45,16 @@ Json workOf(const Panel& panel) {
   Json stages = Json::array();
   if (panel.picture)
     for (const PictureStageDescriptor& stage : kPictureStages)
-      stages.push_back({{"stage", stage.name}, {"summary", stage.summary}, {"in", panel.plan.has(stage.stage)}, {"reason", panel.plan[stage.stage].reason}});
+      stages.push_back({{"stage", stage.name},
+                        {"summary", stage.summary},
+                        {"in", panel.plan.has(stage.stage)},
+                        {"reason", panel.plan[stage.stage].reason}});
   const WarpCounts& counts = panel.counts;
   return {{"made", counts.made},
           {"builds", counts.builds},
           {"draws", counts.draws},
           {"drawsToJudge", counts.drawsToJudge},
-          {"shortcuts", counts.shortcuts},
+          {"shortcutsTaken", counts.shortcuts},
           {"stages", stages}};
 }
 

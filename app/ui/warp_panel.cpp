@@ -202,7 +202,8 @@ bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, cons
     drawNote(panel.technique->usesFrame && !session.frames().newest() ? "waiting for the first frame" : "drawing", kDimText, origin, area, look);
   else if (!panel.picture && !session.loading().empty())
     drawNote("opening " + session.loading(), kDimText, origin, area, look);
-  if (const std::string text = reservations(panel); panel.picture && !text.empty()) drawReservations(text, origin, look);
+  const std::string reserved = reservations(panel);
+  if (panel.picture && !reserved.empty()) drawReservations(reserved, origin, look);
   if (panel.picture && panel.showsHeatMap) drawHeatMapLegend(panel, origin, area, look);
   list->PopClipRect();
 

@@ -11,7 +11,9 @@
 namespace warpscope {
 namespace {
 
-glm::dmat3 basisOf(const Camera& camera) { return {glm::dvec3(camera.right), glm::dvec3(camera.up), glm::dvec3(camera.forward)}; }
+glm::dmat3 basisOf(const Camera& camera) {
+  return {glm::dvec3(camera.right), glm::dvec3(camera.up), glm::dvec3(camera.forward)};
+}
 
 /// From the image's centre to its edges, on the plane at distance 1 from the eye.
 glm::dvec2 halfExtentOf(const Camera& camera) {
@@ -25,7 +27,8 @@ struct Between {
   float share;
 };
 
-/// Shares are so fine: a centre that is met but for rounding is met, so that its neighbours, which may be uncovered, have no share.
+/// Shares are so fine: a centre that is met but for rounding is met, so that its neighbours, which may be uncovered,
+/// have no share.
 constexpr double kShares = 1024.0;
 
 /// `place` in pixels, centres at +0.5, from 0 to `count`.
@@ -67,12 +70,14 @@ WarpedImage ownImageOf(const SampleFrame& frame) {
   return image;
 }
 
-void drawRotated(const WarpedImage& own, const Camera& from, const Camera& camera, WarpedImage& image, const std::stop_token& stop) {
+void drawRotated(const WarpedImage& own, const Camera& from, const Camera& camera, WarpedImage& image,
+                 const std::stop_token& stop) {
   requireUsable(camera);
   requireUsable(from);
   image.samples.reshape(camera.width, camera.height);
   image.color.reshape(camera.width, camera.height);
-  // The inverse and not the transpose: bases are orthonormal but for rounding, and equal ones are to give equal directions.
+  // The inverse and not the transpose: bases are orthonormal but for rounding, and equal ones are to give equal
+  // directions.
   const glm::dmat3 fromOfCamera = glm::inverse(basisOf(from)) * basisOf(camera);
   const glm::dvec2 half = halfExtentOf(camera), halfOfFrom = halfExtentOf(from);
   const glm::dvec2 sizeOfFrom(from.width, from.height);
@@ -85,7 +90,8 @@ void drawRotated(const WarpedImage& own, const Camera& from, const Camera& camer
         const glm::dvec3 direction = fromOfCamera * glm::dvec3(x, y, 1.0);
         const double placeX = 0.5 * sizeOfFrom.x * (1.0 + direction.x / (direction.z * halfOfFrom.x));
         const double placeY = 0.5 * sizeOfFrom.y * (1.0 - direction.y / (direction.z * halfOfFrom.y));
-        const bool isSeen = direction.z > 0.0 && placeX >= 0.0 && placeX <= sizeOfFrom.x && placeY >= 0.0 && placeY <= sizeOfFrom.y;
+        const bool isSeen =
+            direction.z > 0.0 && placeX >= 0.0 && placeX <= sizeOfFrom.x && placeY >= 0.0 && placeY <= sizeOfFrom.y;
         const Mixed mixed = isSeen ? mixedAt(own, placeX, placeY) : Mixed{};
         const size_t pixel = row * camera.width + column;
         image.color[pixel] = mixed.color;
