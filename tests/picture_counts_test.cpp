@@ -9,10 +9,12 @@
 #include <semaphore>
 
 #include "app/frames/backend.h"
+#include "app/picture/picture.h"
 #include "app/session/warp_worker.h"
 #include "render/march/own_picture.h"
 #include "render/warp/arithmetic_knob.h"
 #include "render/warp/points_warp.h"
+#include "render/warp/rotated_picture.h"
 #include "tests/headless.h"
 #include "tests/marcher_cases.h"
 #include "tests/moved_cameras.h"
@@ -167,7 +169,9 @@ TEST_F(PictureCounts, TheOwnCameraTakesNoTechniqueUntilItIsLeft) {
   job_.camera = elsewhere;
   EXPECT_EQ(paint(job_).counts, (WarpCounts{.made = 1, .builds = 1, .draws = 1, .shortcuts = 1}));
   job_.camera = home_;
-  EXPECT_EQ(paint(job_).counts, (WarpCounts{.made = 1, .builds = 1, .draws = 1, .shortcuts = 2}));
+  const WarpResult back = paint(job_);
+  EXPECT_EQ(back.counts, (WarpCounts{.made = 1, .builds = 1, .draws = 1, .shortcuts = 2}));
+  EXPECT_EQ(back.buildMs, 0.0) << "what is on show was not built";
   job_.camera = elsewhere;
   EXPECT_EQ(paint(job_).counts, (WarpCounts{.made = 1, .builds = 1, .draws = 2, .shortcuts = 2}))
       << "what was built is still there";
@@ -199,6 +203,23 @@ TEST_F(PictureCounts, TheOwnCameraShowsTheFramesPictureBitForBit) {
   paint(job_);
   EXPECT_TRUE(sameBits(own.judged->color, color));
   EXPECT_TRUE(sameBits(rotated.judged->color, kept.color));
+}
+
+/// What is kept of a frame to be turned is that frame's, and stays as it is while it is on show and while it is turned.
+TEST_F(PictureCounts, ATurnIsOfTheFrameAtHand) {
+  job_.takesShortcuts = true;
+  for (const float turnDeg : {0.0f, 20.0f}) {
+    const Camera home = stage_.camera(40, 56, turnDeg);
+    job_.frame = stage_.frame(home, stage_.scene().march);
+    for (const Camera& camera : {home, turned(home, 3.0f), home, turned(home, -4.0f)}) {
+      job_.camera = camera;
+      WarpedImage expected;
+      drawRotated(ownImageOf(*job_.frame), home, camera, expected);
+      const WarpResult result = paint(job_);
+      ASSERT_TRUE(result.picture.host);
+      EXPECT_TRUE(*result.picture.host == toScreen(expected, job_.background)) << turnDeg;
+    }
+  }
 }
 
 TEST_F(PictureCounts, ATurnTakesNoTechnique) {

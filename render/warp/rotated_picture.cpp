@@ -49,7 +49,7 @@ Mixed mixedAt(const WarpedImage& own, double column, double row) {
   float most = 0.0f;
   const auto add = [&](uint32_t atX, uint32_t atY, float weight) {
     const uint32_t sample = own.samples(atX, atY);
-    if (sample == kNoSample || !(weight > 0.0f)) return;
+    if (sample == kNoSample) return;
     mixed.color += weight * own.color(atX, atY);
     if (weight > most) mixed.sample = sample;
     most = std::max(most, weight);
