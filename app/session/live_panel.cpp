@@ -77,7 +77,7 @@ bool LivePanel::isJudged(const JudgeJob& job, const LiveGroundTruth& truth) cons
 bool LivePanel::areCurrent(const Judged& judged, const LiveGroundTruth& truth, TimePoint now) const {
   if (isJudged(judged.job, truth)) return true;
   const WarpJob& drawn = judged.job.drawn.job;
-  if (drawn.technique != shown_.technique) return false;
+  if (drawn.technique != shown_.technique || judged.job.drawn.plan.way() != shown_.plan.way()) return false;
   return truth.followsCamera() && differOnlyInPlace(drawn.reference->job(), truth.wanted()) && now - judged.at < kLiveErrors;
 }
 

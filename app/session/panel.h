@@ -42,7 +42,7 @@ struct Panel {
 
   std::optional<PictureErrors> errors;  ///< the last that were found
   /// They are those of the picture that is shown or, where the ground truth follows the moving camera (LiveGroundTruth::followsCamera), of one shown
-  /// less than kLiveErrors ago by the same technique.
+  /// less than kLiveErrors ago by the same technique, or instead of it by the same shortcut.
   bool errorsAreCurrent = false;
   ShownPicture heatMap;                 ///< FLIP pixel by pixel, of `errors`
   bool showsHeatMap = false;            ///< the user wants it instead of the picture

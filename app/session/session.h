@@ -127,7 +127,7 @@ class Session {
   bool isAtRest() const;
   void takeTime(size_t index, const WarpResult& result);
   /// Nothing where it is not known, or where no configuration did it: it gets no point in the plot.
-  std::optional<Configuration> configurationOf(const WarpResult& drawn) const;
+  std::optional<Configuration> configurationOf(const WarpResult& result) const;
 
   LiveSettings knobs_;
   LiveView view_;
