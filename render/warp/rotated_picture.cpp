@@ -15,10 +15,11 @@ glm::dmat3 basisOf(const Camera& camera) {
   return {glm::dvec3(camera.right), glm::dvec3(camera.up), glm::dvec3(camera.forward)};
 }
 
-/// From the image's centre to its edges, on the plane at distance 1 from the eye.
-glm::dvec2 halfExtentOf(const Camera& camera) {
-  const double y = camera.tanHalfFovY;
-  return {y * camera.width / camera.height, y};
+/// From coordinates along right and up on the plane at distance 1 from the eye to pixels, of the image's size.
+glm::dmat3 pixelFromPlane(const Camera& camera) {
+  const double halfWidth = 0.5 * camera.width, halfHeight = 0.5 * camera.height;
+  const double perUnit = halfHeight / camera.tanHalfFovY;
+  return {glm::dvec3(perUnit, 0.0, 0.0), glm::dvec3(0.0, -perUnit, 0.0), glm::dvec3(halfWidth, halfHeight, 1.0)};
 }
 
 /// Two neighbours along one axis, and how much the second one counts.
@@ -29,13 +30,14 @@ struct Between {
 
 /// Shares are so fine: a centre that is met but for rounding is met, so that its neighbours, which may be uncovered,
 /// have no share.
-constexpr double kShares = 1024.0;
+constexpr uint32_t kShares = 1024;
 
 /// `place` in pixels, centres at +0.5, from 0 to `count`.
 Between betweenCentres(double place, uint32_t count) {
-  const double centre = std::round(std::clamp(place - 0.5, 0.0, static_cast<double>(count - 1)) * kShares) / kShares;
-  const auto first = static_cast<uint32_t>(centre);
-  return {first, std::min(first + 1, count - 1), static_cast<float>(centre - first)};
+  const double centre = std::clamp(place - 0.5, 0.0, static_cast<double>(count - 1));
+  const auto shares = static_cast<uint32_t>(centre * kShares + 0.5);
+  const uint32_t first = shares / kShares;
+  return {first, std::min(first + 1, count - 1), static_cast<float>(shares % kShares) / kShares};
 }
 
 struct Mixed {
@@ -78,21 +80,17 @@ void drawRotated(const WarpedImage& own, const Camera& from, const Camera& camer
   image.color.reshape(camera.width, camera.height);
   // The inverse and not the transpose: bases are orthonormal but for rounding, and equal ones are to give equal
   // directions.
-  const glm::dmat3 fromOfCamera = glm::inverse(basisOf(from)) * basisOf(camera);
-  const glm::dvec2 half = halfExtentOf(camera), halfOfFrom = halfExtentOf(from);
-  const glm::dvec2 sizeOfFrom(from.width, from.height);
+  const glm::dmat3 ownFromPixel =
+      pixelFromPlane(from) * glm::inverse(basisOf(from)) * basisOf(camera) * glm::inverse(pixelFromPlane(camera));
   constexpr size_t kRows = 8;
   parallelForRanges(camera.height, kRows, stop, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {
-      const double y = half.y * (1.0 - (2.0 * static_cast<double>(row) + 1.0) / camera.height);
+      const glm::dvec3 first = ownFromPixel * glm::dvec3(0.5, static_cast<double>(row) + 0.5, 1.0);
       for (uint32_t column = 0; column < camera.width; ++column) {
-        const double x = half.x * ((2.0 * column + 1.0) / camera.width - 1.0);
-        const glm::dvec3 direction = fromOfCamera * glm::dvec3(x, y, 1.0);
-        const double placeX = 0.5 * sizeOfFrom.x * (1.0 + direction.x / (direction.z * halfOfFrom.x));
-        const double placeY = 0.5 * sizeOfFrom.y * (1.0 - direction.y / (direction.z * halfOfFrom.y));
-        const bool isSeen =
-            direction.z > 0.0 && placeX >= 0.0 && placeX <= sizeOfFrom.x && placeY >= 0.0 && placeY <= sizeOfFrom.y;
-        const Mixed mixed = isSeen ? mixedAt(own, placeX, placeY) : Mixed{};
+        const glm::dvec3 scaled = first + static_cast<double>(column) * ownFromPixel[0];
+        const double x = scaled.x / scaled.z, y = scaled.y / scaled.z;
+        const bool isSeen = scaled.z > 0.0 && x >= 0.0 && x <= from.width && y >= 0.0 && y <= from.height;
+        const Mixed mixed = isSeen ? mixedAt(own, x, y) : Mixed{};
         const size_t pixel = row * camera.width + column;
         image.color[pixel] = mixed.color;
         image.samples[pixel] = mixed.sample;
