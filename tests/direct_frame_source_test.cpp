@@ -109,6 +109,45 @@ TEST_F(DirectFrameSourceTest, WithoutDelayOnlyTheMarchTakesTime) {
   EXPECT_EQ(nextFrame().arrivedAt, at(30));
 }
 
+/// Passes everything on, and counts who waits.
+class CountingClock final : public Clock {
+ public:
+  explicit CountingClock(Clock& clock) : clock_(clock) {}
+  TimePoint now() const override { return clock_.now(); }
+  bool waitUntil(TimePoint time, const std::stop_token& stop) override {
+    ++waits;
+    return clock_.waitUntil(time, stop);
+  }
+  std::atomic<int> waits = 0;
+
+ private:
+  Clock& clock_;
+};
+
+TEST_F(DirectFrameSourceTest, ALinkThatSimulatesNothingIsNotInTheWay) {
+  CountingClock clock(clock_);
+  const auto source = makeDirectFrameSource(marcher_, clock, [this] { news_.release(); });
+  uint64_t id = 0;
+  const auto waitsWith = [&](std::string_view link) {
+    TransportSettings transport;
+    transport.link = net::parseLinkSettings(link);
+    source->setTransport(transport);
+    const int before = clock.waits;
+    FrameRequest request;
+    request.id = ++id;
+    source->post(request, clock_.now());
+    while (!news_.try_acquire()) clock_.advanceToNextSleeper(clock_.now() + std::chrono::seconds(1));
+    const std::optional<ServedFrame> served = source->tryTake();
+    EXPECT_TRUE(served && served->frame);
+    return clock.waits - before;
+  };
+  EXPECT_EQ(waitsWith("none"), 0);
+  EXPECT_EQ(waitsWith("up.delay=10"), 1);
+  EXPECT_EQ(waitsWith("down.delay=10"), 1);
+  EXPECT_EQ(waitsWith("down.rate=40M,up.rate=40M"), 2);
+  EXPECT_EQ(waitsWith("none"), 0) << "again";
+}
+
 TEST_F(DirectFrameSourceTest, ANarrowLinkTakesItsTimeForTheBytes) {
   TransportSettings transport;
   net::FrameRequest request;

@@ -92,6 +92,7 @@ TEST_F(Column, HasAWidgetForEveryKnobThatHasALabel) {
     if (!row.knob->label.empty() && row.matters(session_.knobs().march)) EXPECT_THAT(shown, testing::HasSubstr(std::string(row.knob->label)));
   for (const Knob* knob : warpKnobs())
     if (!knob->isOfPanel) EXPECT_THAT(shown, testing::HasSubstr(std::string(knob->label)));
+  EXPECT_THAT(shown, testing::HasSubstr(std::string(kShortcutsKnob.label)));
   for (const char* words : {"Fog's tint", "none", "0.25"}) EXPECT_THAT(shown, testing::HasSubstr(words));
 }
 

@@ -163,6 +163,30 @@ TEST_F(SessionErrorsTest, WhereADeviceMarchesErrorsComeWhileTheCameraMoves) {
   EXPECT_EQ(session_.error(), "");
 }
 
+/// What a shortcut was wrong by says nothing of what the technique draws a moment later.
+TEST_F(SessionErrorsTest, ErrorsOfAShortcutAreNotThoseOfTheTechnique) {
+  faults_->isCuda = true;
+  LiveSettings knobs = session_.knobs();
+  knobs.takesShortcuts = true;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(open("block"));
+  const Panel& panel = session_.panel(1);
+  for (int i = 0; i < 5; ++i) {
+    knobs = session_.knobs();
+    knobs.isFrozen = true;
+    session_.setKnobs(knobs);
+    ASSERT_NE(panel.shortcut, "");
+    const double ofShortcut = panel.errors->flip;
+    turn(session_, 10.0);
+    ASSERT_TRUE(pumpUntil([&] { return panel.shortcut.empty(); }));
+    EXPECT_TRUE(!panel.errorsAreCurrent || panel.errors->flip != ofShortcut);
+    knobs.isFrozen = false;
+    session_.setKnobs(knobs);
+    ASSERT_TRUE(pumpUntil([&] { return !panel.shortcut.empty() && panel.errorsAreCurrent; }));
+    ASSERT_TRUE(settle());
+  }
+}
+
 TEST_F(SessionErrorsTest, WhereNoDeviceMarchesErrorsWaitUntilTheCameraRests) {
   ASSERT_TRUE(open("block"));
   EXPECT_FALSE(session_.groundTruth().followsCamera());

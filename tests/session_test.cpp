@@ -100,6 +100,67 @@ TEST_F(SessionTest, ComingBackToTheFramesCameraMakesItCurrentAgain) {
   EXPECT_TRUE(settle());
 }
 
+/// Both shortcuts, in a session that takes them: what panels say of their pictures, and what they did.
+TEST_F(SessionTest, ShortcutsTakeTheTechniquesPlaceAndSaySo) {
+  LiveSettings knobs = session_.knobs();
+  ASSERT_FALSE(knobs.takesShortcuts) << "off unless somebody wants them";
+  knobs.takesShortcuts = true;
+  knobs.transport.codec.color = ColorCoding::lossless;
+  knobs.serverSidePx = kPanelPx.y;  // the server's image is as large as the panels' pictures
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(open("block"));
+  const auto shown = [&](size_t i) -> const Panel& { return session_.panel(i); };
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    EXPECT_EQ(shown(i).shortcut, "the frame's own picture");
+    EXPECT_EQ(shown(i).counts, (WarpCounts{.shortcuts = shown(i).counts.shortcuts})) << "no technique was at work";
+    EXPECT_GE(shown(i).counts.shortcuts, 1u);
+    EXPECT_FALSE(shown(i).configuration) << "nobody's point in the plot";
+    EXPECT_LT(shown(i).errors->flip, 0.01) << "that of 8 bits";
+  }
+  EXPECT_TRUE(shown(0).errors->flip == shown(1).errors->flip);
+  // Nothing happens any more, and nothing is timed: longer than it takes until pictures are (PictureTiming).
+  const std::array<WarpCounts, kPanelCount> counts{shown(0).counts, shown(1).counts};
+  const auto rest = clock_.now() + milliseconds(1200);
+  ASSERT_TRUE(pumpUntil([&] { return clock_.now() > rest; }));
+  for (size_t i = 0; i < kPanelCount; ++i) EXPECT_EQ(shown(i).counts, counts[i]);
+  EXPECT_EQ(session_.liveFront().remembered(), 0u);
+
+  // An image of another size has the same eye.
+  knobs = session_.knobs();
+  knobs.serverSidePx = 48;
+  session_.setKnobs(knobs);
+  const std::string turnedText(shortcutText(PictureWay::rotation));
+  ASSERT_TRUE(pumpUntil([&] { return shown(0).shortcut == turnedText && shown(1).shortcut == turnedText; }));
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(shown(1).counts.draws, 0u);
+
+  // A camera elsewhere wants the techniques.
+  knobs.isFrozen = true;
+  session_.setKnobs(knobs);
+  View view = session_.view();
+  for (int i = 0; i < 3; ++i) {
+    view.angleDeg += 5.0;
+    session_.setView(view);
+    const uint64_t draws = shown(1).counts.draws;
+    ASSERT_TRUE(pumpUntil([&] { return shown(1).counts.draws > draws && shown(1).errorsAreCurrent; }));
+    EXPECT_EQ(shown(1).shortcut, "");
+  }
+  EXPECT_EQ(shown(1).counts.made, 1u);
+  EXPECT_EQ(shown(1).counts.builds, 1u);
+  EXPECT_EQ(shown(1).counts.draws, 3u);
+  EXPECT_TRUE(shown(1).configuration);
+  EXPECT_GT(session_.liveFront().remembered(), 0u);
+  knobs = session_.knobs();
+  knobs.isFrozen = knobs.takesShortcuts = false;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return shown(0).configuration && shown(1).configuration; }));
+  // Counts are a scene's.
+  ASSERT_TRUE(open("shells"));
+  EXPECT_LT(shown(1).counts.builds, 3u);
+  EXPECT_EQ(shown(1).counts.made, 1u);
+  EXPECT_EQ(shown(1).counts.shortcuts, 0u);
+}
+
 TEST_F(SessionTest, EachPanelHasItsOwnArithmetic) {
   ASSERT_TRUE(open("block"));
   session_.setTechnique(0, findWarp("reference"));

@@ -61,6 +61,9 @@ TEST_F(WindowReportTest, WithoutASceneThereIsNothingToTell) {
   }
   EXPECT_EQ(figures["framesReceived"], 0);
   EXPECT_EQ(figures["panels"], json::array({nullptr, nullptr}));
+  const json nothing{{"made", 0},         {"builds", 0},         {"draws", 0},
+                     {"drawsToJudge", 0}, {"shortcutsTaken", 0}, {"stages", json::array()}};
+  EXPECT_EQ(figures["work"], json::array({nothing, nothing}));
 }
 
 TEST_F(WindowReportTest, GapsAreThoseWhileSomethingMoves) {
@@ -166,6 +169,40 @@ TEST_F(WindowReportTest, ErrorsAreThoseOfThePictureOnShow) {
   }
 }
 
+TEST_F(WindowReportTest, WorkIsWhatPanelsDidSinceTheSceneWasOpened) {
+  open();
+  const auto count = [&](size_t panel, const char* key) {
+    return report(clock_.now())["work"][panel][key].get<uint64_t>();
+  };
+  EXPECT_EQ(report(clock_.now())["panels"][0]["shortcut"], "");
+  for (const size_t panel : {0, 1}) {
+    EXPECT_EQ(count(panel, "made"), 1u);
+    EXPECT_EQ(count(panel, "shortcutsTaken"), 0u);
+    EXPECT_GE(count(panel, "draws"), 1u);
+  }
+  EXPECT_EQ(count(0, "builds"), 1u) << "of one frame";
+  EXPECT_EQ(count(1, "builds"), 0u) << "the reference draws from none";
+
+  const json stages = report(clock_.now())["work"][0]["stages"];
+  ASSERT_EQ(stages.size(), kPictureStages.size());
+  EXPECT_EQ(stages[0]["stage"], "own-picture");
+  EXPECT_EQ(stages[0]["in"], false);
+  EXPECT_EQ(stages[0]["reason"], "shortcuts are switched off: the technique is shown");
+
+  const uint64_t draws = count(0, "draws");
+  LiveSettings knobs = session_.knobs();
+  knobs.takesShortcuts = true;
+  session_.setKnobs(knobs);
+  const auto limit = clock_.now() + std::chrono::seconds(60);
+  for (; clock_.now() < limit && session_.panel(0).shortcut.empty(); std::this_thread::sleep_for(milliseconds(1)))
+    session_.update(clock_.now());
+  EXPECT_EQ(report(clock_.now())["panels"][0]["shortcut"], "the frame's picture, turned: no depth");
+  EXPECT_EQ(count(0, "shortcutsTaken"), 1u);
+  EXPECT_EQ(report(clock_.now())["work"][0]["stages"][1]["in"], true);
+  EXPECT_EQ(count(0, "draws"), draws);
+  EXPECT_EQ(count(1, "shortcutsTaken"), 0u);
+}
+
 TEST_F(WindowReportTest, StagesAreThoseOfPanelsThatDrawFrames) {
   open();
   const Clock::TimePoint now = clock_.now();
@@ -177,7 +214,7 @@ TEST_F(WindowReportTest, StagesAreThoseOfPanelsThatDrawFrames) {
       {"waitMs", latency.waitMs}, {"wireMs", latency.wireMs},       {"queueMs", latency.queueMs},   {"marchMs", latency.marchMs},
       {"copyMs", latency.copyMs}, {"compactMs", latency.compactMs}, {"encodeMs", latency.encodeMs}, {"decodeMs", latency.decodeMs},
       {"buildMs", panel.buildMs}, {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs}};
-  EXPECT_EQ(stages.size(), expected.size() + 5);  // bytes, errors, and what was left out
+  EXPECT_EQ(stages.size(), expected.size() + 6);  // bytes, errors, what was left out, and a shortcut
   EXPECT_EQ(stages["leftOut"], "");
   for (const auto& [key, value] : expected) EXPECT_DOUBLE_EQ(stages[key], value) << key;
   EXPECT_EQ(stages["bytes"], panel.frameBytes);

@@ -4,6 +4,7 @@
 
 #include "app/experiment/configuration.h"
 #include "app/frames/transport_knobs.h"
+#include "app/session/picture_plan.h"
 #include "net/link_settings.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
@@ -89,6 +90,7 @@ std::string knobTable(const CLI::App&) {
     rows.push_back(knobRow(*knob, owners));
   }
   for (const auto& row : transportKnobs()) rows.push_back(knobRow(*row.knob, std::string(ownerName(row.knob->owner))));
+  rows.push_back(knobRow(kShortcutsKnob, std::string(ownerName(kShortcutsKnob.owner))));
   return lines({"key", "option", "option of `sweep`", "in the window", "what it does", "values", "default", "belongs to", "makes stale"}, rows);
 }
 

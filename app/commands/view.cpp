@@ -28,6 +28,7 @@ struct ViewOptions {
   std::string report;
   std::string front;
   std::optional<double> budgetMs;
+  KnobOptions ownKnobs;  ///< that the window alone has
 };
 
 constexpr Range kUiScaleRange{0.5, 4.0};
@@ -59,6 +60,8 @@ void view(const ViewOptions& options) {
   settings.knobs.panelKnobs.back() = checked.warp.knobs;  // of the right panel: the left one is what it is compared with
   settings.knobs.transport = transport;
   settings.knobs.uncovered = checked.uncovered;
+  const std::optional<double> shortcuts = options.ownKnobs.check().find(kShortcutsKnob);
+  settings.knobs.takesShortcuts = shortcuts.value_or(kShortcutsKnob.defaultValue) != 0.0;
   settings.platform = checked.platform;
   settings.resources.backend = checked.backend;
   settings.resources.onFallback = reportFallback;
@@ -137,6 +140,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--right", options->right, names)->capture_default_str();
   command->add_option("--budget-ms", options->budgetMs, "Milliseconds that a picture may take, for auto, " + rangeText(kBudgetMsRange) + "; default 33");
   addTransportOptions(*command, options->transport);
+  options->ownKnobs.add(*command, kShortcutsKnob, textOf(kShortcutsKnob, kShortcutsKnob.defaultValue));
   command->add_option("--ui-scale", options->uiScale, "Size of everything, 0.5 to 4; default: as the screen says");
   command->add_option("--screenshot", options->screenshot, "PNG file to write the window's picture to; then the window closes");
   command->add_option("--after-ms", options->screenshotAfterMs, "When the screenshot is taken, in milliseconds after the start")

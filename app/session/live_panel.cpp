@@ -50,10 +50,13 @@ void LivePanel::show(WarpResult drawn, const std::optional<FrameRequests::Arriva
   if (drawn.job == job_) isDrawing_ = false;
   drawnId_ = drawn.requestId();
   shown_.error = std::move(drawn.error);
+  shown_.counts = drawn.counts;
   if (!drawn.picture) return;
   shown_.picture = drawn.picture;
   shown_.drawn = drawn.job.technique;
   shown_.requestId = drawn.requestId();
+  shown_.shortcut = shortcutText(drawn.plan.way());
+  shown_.plan = drawn.plan;
   shown_.leftOut = std::move(leftOut);
   if (arrival) {
     shown_.latency = arrival->latency;
@@ -74,7 +77,7 @@ bool LivePanel::isJudged(const JudgeJob& job, const LiveGroundTruth& truth) cons
 bool LivePanel::areCurrent(const Judged& judged, const LiveGroundTruth& truth, TimePoint now) const {
   if (isJudged(judged.job, truth)) return true;
   const WarpJob& drawn = judged.job.drawn.job;
-  if (drawn.technique != shown_.technique) return false;
+  if (drawn.technique != shown_.technique || judged.job.drawn.plan.way() != shown_.plan.way()) return false;
   return truth.followsCamera() && differOnlyInPlace(drawn.reference->job(), truth.wanted()) && now - judged.at < kLiveErrors;
 }
 

@@ -11,6 +11,7 @@
 #include "app/frames/frame_source.h"
 #include "app/picture/shown_picture.h"
 #include "app/session/error_history.h"
+#include "app/session/warp_worker.h"
 #include "render/metrics/picture_errors.h"
 
 namespace warpscope {
@@ -21,14 +22,17 @@ inline constexpr std::chrono::seconds kLiveErrors(1);
 struct Panel {
   const WarpDescriptor* technique = nullptr;
   ShownPicture picture;                         ///< none until the first is there; stays until the next
-  const WarpDescriptor* drawn = nullptr;        ///< the technique that drew it
+  const WarpDescriptor* drawn = nullptr;        ///< the technique that drew it, or whose place a shortcut took
   uint64_t requestId = 0;                       ///< of the frame that it was drawn from
   FrameLatency latency;                         ///< of that frame
   size_t frameBytes = 0;                        ///< of that frame on the wire
   double buildMs = 0.0;
   double drawMs = 0.0;
   double displayMs = 0.0;                       ///< from the picture's end until the display took it
-  std::optional<Configuration> configuration;   ///< that drew it; nothing while it is not known, or `drawn` uses no frames
+  std::optional<Configuration> configuration;   ///< that drew it; nothing if not known, without frames, and for shortcuts
+  std::string shortcut;                         ///< shortcutText() where no technique drew the picture; mostly empty
+  PicturePlan plan;                             ///< of what its worker did last
+  WarpCounts counts;                            ///< what it did since the scene was opened
   std::string leftOut;                          ///< how that frame's march was coarser than what was asked for, because the camera moved; mostly empty
   std::string error;                            ///< empty if the last picture succeeded
 
@@ -38,7 +42,7 @@ struct Panel {
 
   std::optional<PictureErrors> errors;  ///< the last that were found
   /// They are those of the picture that is shown or, where the ground truth follows the moving camera (LiveGroundTruth::followsCamera), of one shown
-  /// less than kLiveErrors ago by the same technique.
+  /// less than kLiveErrors ago by the same technique, or instead of it by the same shortcut.
   bool errorsAreCurrent = false;
   ShownPicture heatMap;                 ///< FLIP pixel by pixel, of `errors`
   bool showsHeatMap = false;            ///< the user wants it instead of the picture

@@ -112,7 +112,7 @@ bool Session::takePicture(LivePanel& panel, size_t index) {
     return true;
   }
   const auto arrival = frames_.arrivalOf(result->requestId());
-  auto configuration = configurationOf(result->job);
+  auto configuration = configurationOf(*result);
   const std::optional<WantedFrame> asked = frames_.askedBy(result->requestId());
   std::string leftOut = result->job.frame && asked ? coarseningText(asked->march, result->job.frame->settings) : "";
   panel.show(std::move(*result), arrival, std::move(configuration), std::move(leftOut));
@@ -162,13 +162,16 @@ bool Session::postJob(size_t index) {
   job.settings.reference = truth_.wanted().settings;
   job.background = scene()->background;
   job.uncovered = knobs_.uncovered;
+  job.takesShortcuts = knobs_.takesShortcuts && job.technique->usesFrame;
   if (!panel.isNew(job)) return false;
   timing_.stop(panels_);
   panel.post(std::move(job));
   return true;
 }
 
-std::optional<Configuration> Session::configurationOf(const WarpJob& drawn) const {
+std::optional<Configuration> Session::configurationOf(const WarpResult& result) const {
+  if (result.plan.way() != PictureWay::technique) return std::nullopt;  // the technique is not what is seen
+  const WarpJob& drawn = result.job;
   const std::optional<WantedFrame> asked = drawn.frame ? frames_.askedBy(drawn.frame->requestId) : std::nullopt;
   if (!asked || isCoarsened(asked->march, drawn.frame->settings)) return std::nullopt;  // nobody chose it
   Configuration configuration;

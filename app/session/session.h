@@ -34,6 +34,7 @@ struct LiveSettings {
   TransportSettings transport;     ///< how frames travel from the server
   bool isFrozen = false;           ///< the server is asked for nothing: its last frame stays
   Rgba8 uncovered = 0;             ///< 0: the scene's background
+  bool takesShortcuts = false;     ///< where the frame itself is enough, panels show that: picture_plan.h
   double budgetMs = kDefaultBudgetMs;  ///< of a picture, for panels that choose by themselves
 
   bool operator==(const LiveSettings&) const = default;
@@ -125,7 +126,8 @@ class Session {
   /// True if nothing is under way, and what is on show is what was wanted and is judged: what is timed now is timed alone.
   bool isAtRest() const;
   void takeTime(size_t index, const WarpResult& result);
-  std::optional<Configuration> configurationOf(const WarpJob& drawn) const;
+  /// Nothing where it is not known, or where no configuration did it: it gets no point in the plot.
+  std::optional<Configuration> configurationOf(const WarpResult& result) const;
 
   LiveSettings knobs_;
   LiveView view_;

@@ -1,4 +1,4 @@
-// Drawing only what changed since the last job.
+// Drawing only what changed since the last job, as the plan says.
 // See warp_worker.h.
 #include "app/session/warp_worker.h"
 
@@ -10,6 +10,7 @@
 #include "render/base/error.h"
 #include "render/base/recent_need.h"
 #include "render/base/stopwatch.h"
+#include "render/warp/rotated_picture.h"
 
 namespace warpscope {
 namespace {
@@ -32,28 +33,37 @@ class Easel {
 
   void paint(const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
     result.job = job;
+    if (std::exchange(countedFor_, job.marcher) != job.marcher) counts_ = {};
+    result.counts = counts_;
     if (job.timedAs) return time(job, result, stop);
+    if (isOversized(job)) {
+      forget();
+      giveBackFreedMemory();
+    }
+    result.plan = PicturePlan(state_, job);
     try {
-      prepare(job, stop);
-      draw(job, stop);
+      follow(result.plan, job, stop);
     } catch (...) {
-      warp_.reset();  // it may be half way between two frames
-      picture_ = {};
+      forget();  // the technique may be half way between two frames
+      result.counts = counts_;
       throw;
     }
+    result.counts = counts_;
     result.picture = picture_;
-    result.isDrawn = std::exchange(isDrawn_, false);
-    result.buildMs = buildMs_;
+    result.buildMs = result.plan.way() == PictureWay::technique ? buildMs_ : 0.0;
     result.drawMs = drawMs_;
     result.finishedAt = std::chrono::steady_clock::now();
-    const bool isOtherReference = std::exchange(reference_, job.reference) != job.reference;
-    if (job.reference) result.judged = imageToJudge(job, isOtherReference, stop);
+    if (result.plan.has(PictureStage::judge)) result.judged = imageToJudge(job, stop);
+    state_.reference = job.reference;
+    result.counts = counts_;
   }
 
  private:
   /// Does again what the last picture took, nothing of which is shown.
   void time(const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
-    const bool isLast = warp_ && job.technique == last_.technique && job.frame == last_.frame && job.camera == last_.camera && job.settings == last_.settings;
+    const bool isLast = warp_ && state_.hasPicture && state_.way == PictureWay::technique &&
+                        job.technique == state_.technique && job.frame == state_.frame && job.camera == state_.camera &&
+                        job.settings == state_.settings;
     if (!isLast) return;
     try {
       result.timed = measurePicture(Measuring::inWholeRuns(kTimedRuns, stop), {*warp_, job.settings, job.background}, codec_, *job.timedAs, job.frame,
@@ -61,69 +71,118 @@ class Easel {
     } catch (const OperationCancelled&) {
       throw;  // between two runs: the technique is whole
     } catch (...) {
-      warp_.reset();
+      forgetTechnique();
       throw;
     }
   }
 
   /// Whether what techniques and pictures keep for a frame as large as some earlier one is to go.
   bool isOversized(const WarpJob& job) {
-    if (!job.frame || job.frame == last_.frame) return false;
+    if (!job.frame || job.frame == state_.frame) return false;
     return need_.exceedsRecent(job.frame->size() + size_t{job.camera.width} * job.camera.height);
   }
 
-  void prepare(const WarpJob& job, const std::stop_token& stop) {
-    if (isOversized(job)) {
-      warp_.reset();
-      image_ = std::make_shared<WarpedImage>();
-      isHandedOut_ = isInHostMemory_ = false;
-      picture_ = {};
-      last_.frame.reset();
-      giveBackFreedMemory();
-    }
-    const bool isOtherWarp = !warp_ || job.technique != last_.technique || job.marcher != last_.marcher;
-    if (isOtherWarp) {
-      warp_.reset();
-      resources_.marcher = job.marcher;
-      warp_ = makeWarp(*job.technique, resources_);
-    }
-    const bool isOtherBuild = job.frame != last_.frame || job.technique->isBuiltAnew(last_.settings.knobs, job.settings.knobs);
-    if (isOtherWarp || isOtherBuild)
-      buildMs_ = milliseconds([&] { warp_->setFrame(job.frame, job.settings, stop); });
-    const bool isOtherView = isOtherWarp || isOtherBuild || job.camera != last_.camera || job.settings != last_.settings;
-    if (isOtherView) isInHostMemory_ = false;
-    if (isOtherView || job.background != last_.background || job.uncovered != last_.uncovered) picture_ = {};
-    last_ = job;
-    last_.reference.reset();
+  void forgetTechnique() {
+    warp_.reset();
+    resources_.marcher.reset();
+    state_.technique = nullptr;
+    state_.marcher.reset();
+    state_.isBuilt = false;
+    state_.built.reset();
+  }
+
+  void forget() {
+    forgetTechnique();
+    state_ = {};
+    picture_ = {};
+    own_.reset();
+    image_ = std::make_shared<WarpedImage>();
+    isHandedOut_ = isInHostMemory_ = false;
+  }
+
+  void follow(const PicturePlan& plan, const WarpJob& job, const std::stop_token& stop) {
+    // What is not the job's only holds memory, whether or not another one is made in its place.
+    if (state_.technique != job.technique || state_.marcher != job.marcher) forgetTechnique();
+    if (state_.frame != job.frame || !job.takesShortcuts) own_.reset();
+    if (plan.has(PictureStage::technique)) make(job);
+    if (plan.has(PictureStage::build)) build(job, stop);
+    if (plan.has(PictureStage::toScreen)) picture_ = {};
+    if (plan.has(PictureStage::draw)) draw(job, stop);
+    if (plan.has(PictureStage::ownPicture) || plan.has(PictureStage::rotation)) takeShortcut(plan.way(), job, stop);
+    if (plan.has(PictureStage::toScreen) && !picture_)
+      picture_.host = std::make_shared<const Image<Rgba8>>(toScreen(*image_, job.background, job.uncovered));
+
+    state_.hasPicture = true;
+    state_.way = plan.way();
+    state_.frame = job.frame;
+    state_.camera = job.camera;
+    state_.settings = job.settings;
+    state_.background = job.background;
+    state_.uncovered = job.uncovered;
+    state_.isOnDevice = picture_.device != nullptr;
+  }
+
+  void make(const WarpJob& job) {
+    ++counts_.made;
+    resources_.marcher = job.marcher;
+    warp_ = makeWarp(*job.technique, resources_);
+    state_.technique = job.technique;
+    state_.marcher = job.marcher;
+  }
+
+  void build(const WarpJob& job, const std::stop_token& stop) {
+    ++counts_.builds;
+    buildMs_ = milliseconds([&] { warp_->setFrame(job.frame, job.settings, stop); });
+    state_.isBuilt = true;
+    state_.built = job.frame;
+    state_.builtWith = job.settings.knobs;
   }
 
   void draw(const WarpJob& job, const std::stop_token& stop) {
-    if (picture_) return;
-    const bool isThere = isInHostMemory_;
-    const double tookMs = milliseconds([&] {
+    ++counts_.draws;
+    isInHostMemory_ = false;
+    drawMs_ = milliseconds([&] {
       picture_.device = warp_->drawForScreen(job.camera, job.settings, job.background, job.uncovered, stop);
       if (!picture_) drawToHost(job, stop);
     });
-    isDrawn_ = picture_ || !isThere;
-    if (isDrawn_) drawMs_ = tookMs;
-    if (!picture_) picture_.host = std::make_shared<const Image<Rgba8>>(toScreen(*image_, job.background, job.uncovered));
   }
 
   void drawToHost(const WarpJob& job, const std::stop_token& stop) {
-    if (isInHostMemory_) return;
-    if (isHandedOut_) image_ = std::make_shared<WarpedImage>();  // somebody may still look at the last
-    isHandedOut_ = false;
-    warp_->draw(job.camera, job.settings, *image_, stop);
+    warp_->draw(job.camera, job.settings, newImage(), stop);
     isInHostMemory_ = true;
   }
 
-  std::shared_ptr<const WarpedImage> imageToJudge(const WarpJob& job, bool isOtherReference, const std::stop_token& stop) {
+  void takeShortcut(PictureWay way, const WarpJob& job, const std::stop_token& stop) {
+    ++counts_.shortcuts;
+    isInHostMemory_ = false;
+    drawMs_ = milliseconds([&] {
+      if (!own_) own_ = std::make_shared<WarpedImage>(ownImageOf(*job.frame));
+      if (way == PictureWay::rotation) {
+        drawRotated(*own_, job.frame->camera, job.camera, newImage(), stop);
+      } else {
+        image_ = own_;
+        isHandedOut_ = true;  // it stays as it is, to be turned
+      }
+    });
+    isInHostMemory_ = true;
+  }
+
+  /// To be drawn to. Somebody may still look at the last.
+  WarpedImage& newImage() {
+    if (std::exchange(isHandedOut_, false)) image_ = std::make_shared<WarpedImage>();
+    return *image_;
+  }
+
+  std::shared_ptr<const WarpedImage> imageToJudge(const WarpJob& job, const std::stop_token& stop) {
     if (job.reference->job().camera == job.camera) {
-      drawToHost(job, stop);
+      if (!isInHostMemory_) {
+        ++counts_.drawsToJudge;
+        drawToHost(job, stop);
+      }
       isHandedOut_ = true;
       return image_;
     }
-    if (!isOtherReference) return nullptr;
+    ++counts_.drawsToJudge;
     auto image = std::make_shared<WarpedImage>();
     warp_->draw(job.reference->job().camera, job.settings, *image, stop);
     return image;
@@ -133,15 +192,16 @@ class Easel {
   WarpResources resources_;
   std::unique_ptr<gl::Context> context_;  // outlives the warp, whose objects are in it
   std::unique_ptr<Warp> warp_;
-  WarpJob last_;
+  EaselState state_;
   std::shared_ptr<WarpedImage> image_ = std::make_shared<WarpedImage>();
-  bool isDrawn_ = false;         // since the last result
   bool isInHostMemory_ = false;  // image_ is what picture_ shows
-  bool isHandedOut_ = false;     // image_ is in a result, and must stay as it is
-  std::shared_ptr<const ReferenceImage> reference_;  // of the last job
+  bool isHandedOut_ = false;     // image_ is in a result, or own_, and must stay as it is
+  std::shared_ptr<WarpedImage> own_;  // of the state's frame; null until a shortcut wants it
   ShownPicture picture_;
   double buildMs_ = 0.0;
   double drawMs_ = 0.0;
+  WarpCounts counts_;
+  MarcherPtr countedFor_;
   FrameCodec codec_;
   RecentNeed need_;  // of samples and pixels
 };

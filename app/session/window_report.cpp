@@ -30,6 +30,7 @@ Json toJson(const Panel& panel) {
   };
   const FrameLatency& latency = panel.latency;
   return {{"leftOut", panel.leftOut},
+          {"shortcut", panel.shortcut},
           {"bytes", panel.frameBytes},        {"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},
           {"queueMs", latency.queueMs},       {"marchMs", latency.marchMs},     {"compactMs", latency.compactMs},
           {"copyMs", latency.copyMs},         {"encodeMs", latency.encodeMs},   {"decodeMs", latency.decodeMs},
@@ -37,6 +38,24 @@ Json toJson(const Panel& panel) {
           {"flip", current(&PictureErrors::flip)},
           {"psnrDb", current(&PictureErrors::psnrDb)},
           {"holeFraction", current(&PictureErrors::holeFraction)}};
+}
+
+/// What a panel's worker did since the scene was opened, and which stages of its plan were in last.
+Json workOf(const Panel& panel) {
+  Json stages = Json::array();
+  if (panel.picture)
+    for (const PictureStageDescriptor& stage : kPictureStages)
+      stages.push_back({{"stage", stage.name},
+                        {"summary", stage.summary},
+                        {"in", panel.plan.has(stage.stage)},
+                        {"reason", panel.plan[stage.stage].reason}});
+  const WarpCounts& counts = panel.counts;
+  return {{"made", counts.made},
+          {"builds", counts.builds},
+          {"draws", counts.draws},
+          {"drawsToJudge", counts.drawsToJudge},
+          {"shortcutsTaken", counts.shortcuts},
+          {"stages", stages}};
 }
 
 Json toJson(const SourceStatus& status) {
@@ -77,8 +96,11 @@ void WindowReport::add(const Session& session, Clock::TimePoint now, bool isMovi
 
 std::string WindowReport::text(const Session& session, Clock::TimePoint now) const {
   const double movingMs = std::accumulate(gapsMs_.begin(), gapsMs_.end(), 0.0);
-  Json panels = Json::array();
-  for (size_t i = 0; i < kPanelCount; ++i) panels.push_back(toJson(session.panel(i)));
+  Json panels = Json::array(), work = Json::array();
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    panels.push_back(toJson(session.panel(i)));
+    work.push_back(workOf(session.panel(i)));
+  }
   const auto perSecond = [&](size_t count) { return movingMs > 0.0 ? Json(1e3 * static_cast<double>(count) / movingMs) : Json(nullptr); };
   Json pictures = Json::array();
   for (const size_t count : pictures_) pictures.push_back(perSecond(count));
@@ -92,6 +114,7 @@ std::string WindowReport::text(const Session& session, Clock::TimePoint now) con
                  {"framesReceived", session.frames().received()},
                  {"lastFrameAgeMs", frameAge ? Json(*frameAge) : Json(nullptr)},
                  {"panels", panels},
+                 {"work", work},
                  {"plan", toJson(session.plan())},
                  {"server", status ? toJson(*status) : Json(nullptr)}});
 }

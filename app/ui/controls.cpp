@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/frames/transport_knobs.h"
+#include "app/session/picture_plan.h"
 #include "app/ui/knob_parts.h"
 #include "app/ui/parts.h"
 #include "render/march/march_knobs.h"
@@ -49,6 +50,9 @@ void drawDisplay(const Session& session, LiveSettings& knobs, std::array<float, 
     double value = knobs.warp.knobs[*knob];
     if (knobWidget(*knob, value, look)) knobs.warp.knobs.set(*knob, value);
   }
+
+  double takesShortcuts = knobs.takesShortcuts ? 1.0 : 0.0;
+  if (knobWidget(kShortcutsKnob, takesShortcuts, look)) knobs.takesShortcuts = takesShortcuts != 0.0;
 
   label("Pixels", look);
   const auto pixelsText = [](uint32_t pixels) {

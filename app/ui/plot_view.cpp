@@ -151,7 +151,9 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
   ScatterLook plot;
   plot.xLabel = "ms a frame";
   plot.yLabel = "FLIP";
-  plot.emptyText = session.scene() != nullptr ? "points come when the view rests" : "";
+  if (session.scene() != nullptr)
+    plot.emptyText = session.knobs().takesShortcuts ? "shortcuts are no points: freeze and turn, or switch them off"
+                                                    : "points come when the view rests";
   plot.small = look.fonts.small;
   plot.scale = look.scale;
   const float plotWidth = hasList ? room.x - listWidth - look.px(8.0f) : room.x;

@@ -142,9 +142,15 @@ void drawPicture(const Session& session, const Panel& panel, PictureTexture& tex
                                        {from.x + zoom * pictureWidth, from.y + zoom * pictureHeight});
 }
 
-/// What the frame was marched without, in the upper left corner of the picture.
-void drawLeftOut(const std::string& leftOut, const ImVec2& origin, const Look& look) {
-  const std::string text = "moving: " + leftOut;
+/// What the picture is if it is not the technique's, and what its frame was marched without; empty for most.
+std::string reservations(const Panel& panel) {
+  std::string text = panel.shortcut;
+  if (!panel.leftOut.empty()) text += (text.empty() ? "moving: " : "; moving: ") + panel.leftOut;
+  return text;
+}
+
+/// In the upper left corner of the picture.
+void drawReservations(const std::string& text, const ImVec2& origin, const Look& look) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImGui::PushFont(look.fonts.small);
   const float margin = look.px(6.0f);
@@ -196,7 +202,8 @@ bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, cons
     drawNote(panel.technique->usesFrame && !session.frames().newest() ? "waiting for the first frame" : "drawing", kDimText, origin, area, look);
   else if (!panel.picture && !session.loading().empty())
     drawNote("opening " + session.loading(), kDimText, origin, area, look);
-  if (panel.picture && !panel.leftOut.empty()) drawLeftOut(panel.leftOut, origin, look);
+  const std::string reserved = reservations(panel);
+  if (panel.picture && !reserved.empty()) drawReservations(reserved, origin, look);
   if (panel.picture && panel.showsHeatMap) drawHeatMapLegend(panel, origin, area, look);
   list->PopClipRect();
 
