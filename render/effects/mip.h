@@ -9,11 +9,22 @@
 
 namespace warpscope {
 
+struct GreatestValue {
+  bool any = false;
+  float value = 0.0f;
+  int i = 0;       ///< sample of the ray's lattice: the nearest of those that have the value
+  float t = 0.0f;  ///< where it lies
+};
+
 /// What is the same for all rays of a picture. The memory is another's.
 struct MipSetup {
   const float* highest = nullptr;  ///< Macrocells::highest(), or null: nothing is leapt over
   const float* lowest = nullptr;   ///< and Macrocells::lowest()
   float leastShown = -INFINITY;    ///< no value below it is shown: rays need not find out which of those is the greatest
+  bool hidesBelow = false;         ///< nor is any shown that is in a cell which shows nothing: all that is hidden lies below all that is shown
+
+  /// Cells around one that need not be looked into, as EmptyCells::distance(): 0 if the cell itself may have the greatest value.
+  WARPSCOPE_HD int leapable(const EmptyCells& cells, const glm::ivec3& cell, const GreatestValue& greatest) const;
 };
 
 /// A value below which `table` shows none: a bin less than the least shown, and what bins' borders are off by.
@@ -21,13 +32,6 @@ WARPSCOPE_HD inline float leastShownValue(const TransferLookup& table, int first
   if (firstVisibleBin <= 0 || !(table.scale > 0.0f)) return -INFINITY;
   return (static_cast<float>(firstVisibleBin - 1) - 0x1p-20f * absOf(table.offset) - table.offset) / table.scale;
 }
-
-struct GreatestValue {
-  bool any = false;
-  float value = 0.0f;
-  int i = 0;       ///< sample of the ray's lattice: the nearest of those that have the value
-  float t = 0.0f;  ///< where it lies
-};
 
 /// Whether no value in a macrocell is greater than what a ray has met, or it makes no difference which is.
 WARPSCOPE_HD inline bool isBeaten(const MipSetup& setup, const EmptyCells& cells, const glm::ivec3& cell, const GreatestValue& greatest) {
@@ -38,6 +42,11 @@ WARPSCOPE_HD inline bool isBeaten(const MipSetup& setup, const EmptyCells& cells
   // As anyVisibleBetween() has it.
   const float most = low < high ? high + kRangeSlack * maxOf(absOf(low), absOf(high)) : high;
   return (greatest.any && most <= greatest.value) || most < setup.leastShown;
+}
+
+WARPSCOPE_HD inline int MipSetup::leapable(const EmptyCells& cells, const glm::ivec3& cell, const GreatestValue& greatest) const {
+  const int distance = hidesBelow ? cells.distance(cell) : 0;
+  return distance > 0 ? distance : isBeaten(*this, cells, cell, greatest) ? 1 : 0;
 }
 
 /// A source for marchRay() below.
@@ -78,7 +87,8 @@ class MipSource {
   WARPSCOPE_HD int next(int i, const int (&index)[3], const GreatestValue& greatest) const {
     const EmptyCells& cells = view().cells;
     const glm::ivec3 cell(index[0] >> cells.edgeBits, index[1] >> cells.edgeBits, index[2] >> cells.edgeBits);
-    return isBeaten(setup_, cells, cell, greatest) ? emptySpace_.leap(i, cell, 1, lattice_) : i + 1;
+    const int distance = setup_.leapable(cells, cell, greatest);
+    return distance > 0 ? emptySpace_.leap(i, cell, distance, lattice_) : i + 1;
   }
 
   ValueReader<Voxel, kHasHoles, kByCells> reader_;

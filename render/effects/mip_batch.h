@@ -25,9 +25,7 @@ class MipBatchSource {
       : source_(view.volume, ray, lattice),
         lattice_(lattice),
         setup_(view.setup),
-        origin_(view.volume.voxelOrigin(ray)),
-        direction_(view.volume.voxelDirection(ray)),
-        emptySpace_(view.volume.cells, origin_, direction_, lattice) {}
+        emptySpace_(view.volume.cells, view.volume.voxelOrigin(ray), view.volume.voxelDirection(ray), lattice) {}
 
   /// Among samples [begin, end) of the lattice, as MipSource::find.
   GreatestValue find(int begin, int end) {
@@ -52,6 +50,7 @@ class MipBatchSource {
       i = skip(i + n, greatest);
     }
     if (i == last && end == lattice_.count) take(source_.valueOfLast(), last, greatest);
+    if (greatest.any) greatest.t = lattice_.t(greatest.i);
     return greatest;
   }
 
@@ -60,24 +59,17 @@ class MipBatchSource {
  private:
   void take(float value, int i, GreatestValue& greatest) const {
     if (kHasHoles && !isFiniteVoxel(value)) return;
-    if (!greatest.any || value > greatest.value) greatest = {true, value, i, lattice_.t(i)};
+    if (!greatest.any || value > greatest.value) greatest = {true, value, i};
   }
 
   /// The first sample from the i-th on that may have a greater value; the lattice's count if there is none.
   int skip(int i, const GreatestValue& greatest) const {
     if (setup_.highest == nullptr) return i;
-    const EmptyCells& cells = view().cells;
     while (i < lattice_.count) {
-      const float t = lattice_.t(i);
-      glm::ivec3 cell;
-      for (int axis = 0; axis < 3; ++axis) {
-        int index;
-        float weight;
-        axisCell(mulAdd(t, direction_[axis], origin_[axis]), view().ends[axis], index, weight);
-        cell[axis] = index >> cells.edgeBits;
-      }
-      if (!isBeaten(setup_, cells, cell, greatest)) return i;
-      i = emptySpace_.leap(i, cell, 1, lattice_);
+      const glm::ivec3 cell = emptySpace_.cellAt(lattice_.t(i));
+      const int distance = setup_.leapable(view().cells, cell, greatest);
+      if (distance == 0) return i;
+      i = emptySpace_.leap(i, cell, distance, lattice_);
     }
     return i;
   }
@@ -85,8 +77,6 @@ class MipBatchSource {
   VolumeSource<Voxel, kHasHoles> source_;
   const RayLattice& lattice_;
   const MipSetup& setup_;
-  glm::vec3 origin_;     // in voxel coordinates
-  glm::vec3 direction_;  // voxels per unit of t
   EmptySpace emptySpace_;
 };
 

@@ -58,17 +58,22 @@ class EmptySpace {
   WARPSCOPE_HD int skip(int i, const RayLattice& lattice) const {
     if (!isKnown()) return i;
     while (i < lattice.count) {
-      const float t = lattice.t(i);
-      glm::ivec3 cell;
-      for (int axis = 0; axis < 3; ++axis) {
-        const float place = mulAdd(t, direction_[axis], origin_[axis]);  // the very place that is sampled: edges are powers of two
-        cell[axis] = minOf(truncated(maxOf(place, 0.0f)), cells_.dims[axis] - 1);
-      }
+      const glm::ivec3 cell = cellAt(lattice.t(i));
       const int distance = cells_.distance(cell);
       if (distance == 0) return i;
       i = leap(i, cell, distance, lattice);
     }
     return i;
+  }
+
+  /// The cell of a place on the ray.
+  WARPSCOPE_HD glm::ivec3 cellAt(float t) const {
+    glm::ivec3 cell;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float place = mulAdd(t, direction_[axis], origin_[axis]);  // the very place that is sampled: edges are powers of two
+      cell[axis] = minOf(truncated(maxOf(place, 0.0f)), cells_.dims[axis] - 1);
+    }
+    return cell;
   }
 
   /// The first sample beyond the i-th that may be visible, or the lattice's count, where the i-th lies in `cell` at a distance > 0.

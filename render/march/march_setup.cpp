@@ -144,8 +144,9 @@ MipSetup mipFor(const MarchedVolume& marched, const TransferTable& table, const 
   if (!plan.has(PlanStage::skipping)) return setup;
   setup.highest = marched.macrocells.highest();
   setup.lowest = marched.macrocells.lowest();
-  setup.leastShown = leastShownValue(
-      table.lookup(), static_cast<int>(std::ranges::find_if(table.visibleBefore, [](int32_t bins) { return bins > 0; }) - table.visibleBefore.begin()) - 1);
+  const auto first = std::ranges::find_if(table.visibleBefore, [](int32_t bins) { return bins > 0; });
+  setup.leastShown = leastShownValue(table.lookup(), static_cast<int>(first - table.visibleBefore.begin()) - 1);
+  setup.hidesBelow = table.visibleBefore.back() == table.visibleBefore.end() - first;  // as many bins as there are from the first one on
   return setup;
 }
 
