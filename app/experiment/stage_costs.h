@@ -1,5 +1,6 @@
 // What the stages of a plan cost on the machine at hand: a march as planned and one without a stage, in turns, compared pair by pair.
-// Pairs, because what disturbs the one disturbs the other: Hoefler, Belli 2015, section 3.2.
+// Pairs, because what disturbs the one disturbs the other: Hoefler, Belli 2015, section 3.2. The camera moves a little from pair to pair, as it does while
+// somebody waits for frames.
 #pragma once
 
 #include <functional>
@@ -27,7 +28,8 @@ struct StageCosts {
   }
 };
 
-/// `runs` marches for each stage and as many without it, after one that does not count. Throws OperationCancelled.
+/// `runs` marches for each stage and as many without it, after one that does not count; each pair from a camera turned by a thousandth, so that a light
+/// volume that goes with the camera is made anew. Throws OperationCancelled.
 StageCosts measureStages(Marcher& marcher, const Camera& camera, const MarchSettings& settings, const EffectPlan& plan, int runs,
                          const std::function<void(std::string_view stage)>& onStage, const std::stop_token& stop);
 
