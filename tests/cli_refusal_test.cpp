@@ -229,6 +229,7 @@ TEST_F(Refusal, OptionsWithoutTheirValue) {
       {{"export"}, "give --ply, --spread-map or both"},
       {{"export", "--spread-map", ""}, "--spread-map needs a value"},
       {{"export", "--ply", "a", "--spread-map", "a"}, "--ply and --spread-map are the same file: a"},
+      {{"export", "--ply", "a", "--spread-map", "./b/../a"}, "--ply and --spread-map are the same file: a"},
       {{"export", "--ply", "--size"}, "--ply needs a value"},
       {{"export", "--ply", ""}, "--ply needs a value"},
       {{"view", "--screenshot", ""}, "--screenshot needs a value"},

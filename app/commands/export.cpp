@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -101,6 +102,13 @@ SpreadPicture pictureSpreads(const SampleFrame& frame, double unit, const std::s
   return picture;
 }
 
+/// However they are written, and whatever links lead there.
+bool isSameFile(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code ignored;  // what cannot be looked at cannot be written to, which is said then
+  const auto placeOf = [&](const std::filesystem::path& path) { return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored); };
+  return !a.empty() && !b.empty() && placeOf(a) == placeOf(b);
+}
+
 std::string shortText(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);
@@ -109,7 +117,7 @@ std::string shortText(double value) {
 
 void exportSamples(const ExportOptions& options) {
   if (options.ply.empty() && options.spreadMap.empty()) throw UsageError("give --ply, --spread-map or both");
-  if (options.ply == options.spreadMap) throw UsageError("--ply and --spread-map are the same file: " + printable(options.ply));
+  if (isSameFile(options.ply, options.spreadMap)) throw UsageError("--ply and --spread-map are the same file: " + printable(options.ply));
   const Interrupt interrupt;
   CommandContext work = prepare(options.common, interrupt.token());
   for (const std::string& file : {options.ply, options.spreadMap})
