@@ -39,6 +39,7 @@ std::optional<MarchSettings> without(PlanStage stage, const MarchSettings& setti
     case PlanStage::secondPass: left.sample.heuristic = Heuristic::gradient; return left;
     case PlanStage::severalSamples: left.sample.samplesPerRay = 1; return left;
     case PlanStage::spread: left.sample.sendsSpread = false; return left;
+    case PlanStage::raySegments: left.sample.segments = 0; return left;
     case PlanStage::march:
     case PlanStage::maximum:
     case PlanStage::surfaces:

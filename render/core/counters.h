@@ -38,12 +38,14 @@ enum class Counter {
   surfaces,       ///< that rays met
   segments,       ///< steps that were classified by their ends
   spreads,        ///< of depth, one for each sample that is sent
+  segmentedRays,  ///< whose samples were merged into segments
 };
-inline constexpr size_t kCounters = static_cast<size_t>(Counter::spreads) + 1;
+inline constexpr size_t kCounters = static_cast<size_t>(Counter::segmentedRays) + 1;
 inline constexpr std::array<std::string_view, kCounters> kCounterNames{
     "rays",      "clippedRays", "samples",    "voxels",      "leaps",     "finiteChecks", "refinements", "corrections",
     "gradients", "diffuse",     "highlights", "halfVectors", "earlyEnds", "secondPasses", "dividedRays", "secondaryRays",
-    "movedRays",   "maxima",      "surfaces",    "segments",     "spreads"};
+    "movedRays",   "maxima",      "surfaces",    "segments",     "spreads",
+    "segmentedRays"};
 
 /// What was counted.
 struct Counts {

@@ -224,6 +224,11 @@ constexpr std::array<PlanRule, kStages.size()> kRules{{
        if (!q.sample) return out(kPictureAlone);
        return q.sample->sendsSpread ? in("samples are sent with the spread of their depth") : out("nobody asked for it");
      }},
+    {PlanStage::raySegments,
+     [](const PlanQuestion& q) {
+       if (!q.sample) return out(kPictureAlone);
+       return q.sample->segments > 0 ? in("up to " + std::to_string(q.sample->segments) + " segments a ray") : out("nobody asked for any");
+     }},
 }};
 
 constexpr bool areInOrder() {

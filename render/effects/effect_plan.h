@@ -34,6 +34,7 @@ enum class PlanStage {
   secondPass,     ///< of a heuristic that wants to know the whole ray first
   severalSamples, ///< the ray's parts once more, one after the other
   spread,         ///< of depth about what stands for it
+  raySegments,    ///< that a ray's samples are merged into
 };
 
 struct StageDescriptor {
@@ -43,7 +44,7 @@ struct StageDescriptor {
 };
 
 /// Every stage, in their order.
-inline constexpr std::array<StageDescriptor, 21> kStages{{
+inline constexpr std::array<StageDescriptor, 22> kStages{{
     {PlanStage::march, "march", "rays through the volume"},
     {PlanStage::jitter, "jitter", "moving each ray's samples by noise"},
     {PlanStage::maximum, "maximum", "the greatest value along a ray"},
@@ -65,6 +66,7 @@ inline constexpr std::array<StageDescriptor, 21> kStages{{
     {PlanStage::secondPass, "second-pass", "marching again once the ray's whole opacity is known"},
     {PlanStage::severalSamples, "several-samples", "marching again for the samples of a ray's parts"},
     {PlanStage::spread, "spread", "how far each sample's depth is spread along its ray"},
+    {PlanStage::raySegments, "ray-segments", "merging each ray's samples into segments"},
 }};
 
 struct PlannedStage {

@@ -42,6 +42,32 @@ void setLayers(TransferVector<std::byte> layers, SampleFrame& frame) {
   frame.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, std::move(layers)});
 }
 
+void compact(const DenseSegments& dense, FrameSegments& segments) {
+  segments.rays = dense.rays;
+  constexpr size_t kBlock = 1 << 12;
+  const size_t blocks = (dense.rays.size() + kBlock - 1) / kBlock;
+  std::vector<size_t> offsets(blocks + 1, 0);
+  const auto endOf = [&](size_t block) { return std::min(dense.rays.size(), (block + 1) * kBlock); };
+  parallelForRanges(blocks, 1, [&](size_t begin, size_t end) {
+    for (size_t block = begin; block < end; ++block)
+      for (size_t pixel = block * kBlock; pixel < endOf(block); ++pixel) offsets[block + 1] += static_cast<size_t>(dense.rays[pixel].count());
+  });
+  for (size_t block = 0; block < blocks; ++block) offsets[block + 1] += offsets[block];
+  segments.depths.resize(offsets[blocks]);
+  segments.colors.resize(offsets[blocks]);
+  parallelForRanges(blocks, 1, [&](size_t begin, size_t end) {
+    for (size_t block = begin; block < end; ++block) {
+      size_t out = offsets[block];
+      for (size_t pixel = block * kBlock; pixel < endOf(block); ++pixel)
+        for (int i = 0; i < dense.rays[pixel].count(); ++i, ++out) {
+          const size_t place = pixel * static_cast<size_t>(dense.slots) + static_cast<size_t>(i);
+          segments.depths[out] = dense.depths[place];
+          segments.colors[out] = dense.colors[place];
+        }
+    }
+  });
+}
+
 void compact(std::span<const PackedSample> samples, std::span<const Rgba8> colors, size_t slots, SampleFrame& frame) {
   compact(samples, colors, {}, slots, frame);
 }

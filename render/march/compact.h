@@ -15,6 +15,24 @@ void compact(std::span<const PackedSample> samples, std::span<const Rgba8> color
 /// As that; the frame gets the plane kSpreadPlane of `spreads` as well, as long as the others.
 void compact(std::span<const PackedSample> samples, std::span<const Rgba8> colors, std::span<const float> spreads, size_t slots, SampleFrame& frame);
 
+/// Segments of a picture's rays as a march leaves them: places of their own for each pixel, of which the first are filled.
+struct DenseSegments {
+  int slots = 0;  ///< for each pixel; 0: nobody wants any
+  TransferVector<RaySegmentCount> rays;
+  TransferVector<SegmentDepths> depths;
+  TransferVector<Rgba8> colors;
+
+  void resize(size_t pixels, int slotsOfPixel) {
+    slots = slotsOfPixel;
+    rays.resize(slots > 0 ? pixels : 0);
+    depths.resize(pixels * static_cast<size_t>(slots));
+    colors.resize(pixels * static_cast<size_t>(slots));
+  }
+};
+
+/// Makes `segments` those that are there, pixel by pixel.
+void compact(const DenseSegments& dense, FrameSegments& segments);
+
 /// Gives `frame` the plane kLayerPlane with `layers`, one for each sample, or none if all are 0.
 void setLayers(TransferVector<std::byte> layers, SampleFrame& frame);
 

@@ -22,6 +22,8 @@ class GatheredColor : public MarchPolicy::LightSum {
   using March = MarchPolicy;
   static constexpr bool kWantsColor = true;
 
+  /// Takes a sample, whose colour as it is seen (times its opacity) is seen through `through`.
+  WARPSCOPE_HD void add(const ClassifiedSample& sample, const glm::vec3& color, float through) { MarchPolicy::LightSum::add(sample.i, color, through); }
   WARPSCOPE_HD glm::vec4 premultiplied() const { return {glm::vec3(this->color()), transmittance.opacity()}; }
 
   typename March::Transmittance transmittance;
@@ -35,7 +37,7 @@ struct RayOpacity {
 
   Transmittance transmittance;
 
-  WARPSCOPE_HD void add(int, const glm::vec3&, float) {}
+  WARPSCOPE_HD void add(const ClassifiedSample&, const glm::vec3&, float) {}
 };
 
 /// A ray, and where along it the volume is sampled.
@@ -101,7 +103,7 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
     if (through * sample.alpha >= limits.contribution &&
         !sink(CountingSample::behind(ray.transmittance.exact(), through, sample.t, sample.ds, sample.alpha)))
       return false;
-    ray.add(sample.i, color, through);
+    ray.add(sample, color, through);
     ray.transmittance.pass(sample.alpha);
     through = ray.transmittance.value();
     const bool ends = through < limits.stopBelow;

@@ -155,6 +155,22 @@ constinit const Knob kSpreadKnob{.key = "spread",
                                  .stale = KnobStage::march,
                                  .defaultValue = kSample.sendsSpread};
 
+constinit const Knob kSegmentsKnob{.key = "segments",
+                                   .option = "--segments",
+                                   .label = "Segments",
+                                   .noun = "number of segments a ray",
+                                   .help = "Segments of each ray that are sent beside its samples, at most: where light comes from along it, for the technique segments",
+                                   .unit = " a ray",
+                                   .type = KnobType::whole,
+                                   .owner = KnobOwner::sampling,
+                                   .stale = KnobStage::march,
+                                   .range = kSegmentsRange,
+                                   .track = kSegmentsRange,
+                                   .defaultValue = static_cast<double>(kSample.segments),
+                                   .axis = {"segmentCounts", "--segment-counts", "Segments of a ray that are sent at most"},
+                                   .phrase = ", {} segments a ray",
+                                   .naming = KnobNaming::unlessDefault};
+
 namespace {
 
 const MarchKnob kOwnRows[] = {
@@ -181,6 +197,10 @@ const MarchKnob kOwnRows[] = {
     {{&kSpreadKnob, [](const MarchSettings& s) { return s.sample.sendsSpread ? 1.0 : 0.0; },
       [](MarchSettings& s, double value) { s.sample.sendsSpread = value != 0.0; }},
      FramePart::planes,
+     always},
+    {{&kSegmentsKnob, [](const MarchSettings& s) { return static_cast<double>(s.sample.segments); },
+      [](MarchSettings& s, double value) { s.sample.segments = static_cast<int>(value); }},
+     FramePart::segments,
      always},
     {{&kStepKnob, [](const MarchSettings& s) { return double{s.render.step}; },
       [](MarchSettings& s, double value) { s.render.step = static_cast<float>(value); }},

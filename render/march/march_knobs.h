@@ -18,6 +18,7 @@ enum class FramePart {
   radius,   ///< how large they are
   samples,  ///< how many there are, and with it all that is drawn of them
   planes,   ///< what is said of them besides
+  segments, ///< what is said of rays besides samples
 };
 
 struct MarchKnob : KnobRow<MarchSettings> {
@@ -50,6 +51,6 @@ std::span<const MarchText> marchTexts();
 const MarchText* findMarchText(std::string_view key);
 
 extern const Knob kStepKnob, kContributionKnob, kSkipEmptyKnob, kTerminateEarlyKnob;
-extern const Knob kHeuristicKnob, kThresholdKnob, kRadiusKnob, kRadiusScaleKnob, kSamplesPerRayKnob, kSpreadKnob;
+extern const Knob kHeuristicKnob, kThresholdKnob, kRadiusKnob, kRadiusScaleKnob, kSamplesPerRayKnob, kSpreadKnob, kSegmentsKnob;
 
 }  // namespace warpscope

@@ -71,6 +71,7 @@ struct SampleSettings {
   float radiusScale = 1.0f;        ///< factor on the policy's radius
   int samplesPerRay = 1;           ///< at most
   bool sendsSpread = false;        ///< of each sample how far its depth is spread along its ray: kSpreadPlane
+  int segments = 0;                ///< of a ray that are sent beside its samples, at most (frame_segments.h); 0: none
 
   bool operator==(const SampleSettings&) const = default;
 };
@@ -89,6 +90,7 @@ inline constexpr Range kRadiusScaleRange{1e-3, 1e3};
 inline constexpr Range kContributionRange{1e-6, 0.5};
 inline constexpr Range kThresholdRange{1e-3, 1.0};
 inline constexpr Range kSamplesPerRayRange{1, 8};
+inline constexpr Range kSegmentsRange{0, 16};
 
 /// Each throws UsageError naming the setting that is out of range.
 void validate(const RenderSettings& settings);

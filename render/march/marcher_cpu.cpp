@@ -44,9 +44,17 @@ uint32_t tileSideFor(const Volume& volume, const RenderSettings& settings) {
   return static_cast<uint32_t>(std::clamp(std::sqrt(kMostStepsOfTile / stepsOfRay), 1.0, static_cast<double>(kTileSide)));
 }
 
-/// What becomes of a finished ray: its colour, and its samples where some are wanted. Behind one pointer, so that the
-/// loop over rays is compiled once a voxel type, not once a use.
-using OnRay = std::function<void(uint32_t x, uint32_t y, float cosine, const glm::vec4& premultiplied, const RaySamples&)>;
+/// What becomes of a finished ray: its colour, and its samples and segments where some are wanted. Behind one pointer, so
+/// that the loop over rays is compiled once a voxel type, not once a use.
+struct FinishedRay {
+  uint32_t x = 0, y = 0;
+  float cosine = 1.0f;
+  glm::vec4 premultiplied{0.0f};
+  const RaySamples* samples = nullptr;
+  const SegmentMerger* segments = nullptr;  ///< null where none are wanted
+  bool isEnded = false;                     ///< hardly any light was left
+};
+using OnRay = std::function<void(const FinishedRay&)>;
 
 using DepthFunction = DepthResult (*)(const std::vector<CountingSample>&, float threshold);
 
@@ -109,6 +117,18 @@ SampleSpan spanFor(const VisibleDepths& depths, float cosine, const RayLattice& 
   return span;
 }
 
+/// The ray's segments into its pixel's places; their number.
+RaySegmentCount storeSegments(const SampleRule& rule, const FinishedRay& ray, DenseSegments& dense, size_t pixel) {
+  if (ray.segments == nullptr) return {};
+  SegmentEncoder encoder(ColorTables::instance(), rule.quantization, ray.cosine);
+  int count = 0;
+  for (int i = 0; i < ray.segments->size(); ++i) {
+    const size_t place = pixel * static_cast<size_t>(dense.slots) + static_cast<size_t>(count);
+    if (encoder.encode((*ray.segments)[i], dense.depths[place], dense.colors[place])) ++count;
+  }
+  return {count, ray.isEnded};
+}
+
 class CpuMarcher final : public Marcher {
  public:
   CpuMarcher(MarchedVolumePtr marched, TurnsPtr turns) : marched_(std::move(marched)), turns_(std::move(turns)) {}
@@ -126,23 +146,27 @@ class CpuMarcher final : public Marcher {
     denseColors_.resize(places);
     denseSpreads_.resize(settings.sample.sendsSpread ? places : 0);
     const PixelGrid pixels = makePixelGrid(camera, rule.quantization.nearDepth);
-    forEachRay(camera, pixels, settings.render, &settings.sample, stop,
-               [&](uint32_t x, uint32_t y, float cosine, const glm::vec4&, const RaySamples& found) {
-                 const size_t pixel = size_t{y} * camera.width + x;
-                 for (size_t slot = 0; slot < slots; ++slot) {
-                   const size_t place = pixel * slots + slot;
-                   denseSamples_[place] = 0;
-                   if (static_cast<int>(slot) >= found.size()) continue;
-                   const RaySample& sample = found[static_cast<int>(slot)];
-                   denseSamples_[place] = packRaySample(rule, pixels, x, y, cosine, sample.depth, sample.color.a);
-                   denseColors_[place] = ColorTables::instance().encode(sample.color);
-                   if (!denseSpreads_.empty()) denseSpreads_[place] = sample.depth.spread;
-                 }
-               });
+    DenseSegments& segments = denseSegments_;
+    segments.resize(size_t{camera.width} * camera.height, settings.sample.segments);
+    forEachRay(camera, pixels, settings.render, &settings.sample, stop, [&](const FinishedRay& ray) {
+      const size_t pixel = size_t{ray.y} * camera.width + ray.x;
+      const int found = ray.samples != nullptr ? ray.samples->size() : 0;
+      for (size_t slot = 0; slot < slots; ++slot) {
+        const size_t place = pixel * slots + slot;
+        denseSamples_[place] = 0;
+        if (static_cast<int>(slot) >= found) continue;
+        const RaySample& sample = (*ray.samples)[static_cast<int>(slot)];
+        denseSamples_[place] = packRaySample(rule, pixels, ray.x, ray.y, ray.cosine, sample.depth, sample.color.a);
+        denseColors_[place] = ColorTables::instance().encode(sample.color);
+        if (!denseSpreads_.empty()) denseSpreads_[place] = sample.depth.spread;
+      }
+      if (segments.slots > 0) segments.rays[pixel] = storeSegments(rule, ray, segments, pixel);
+    });
     frame.timings.marchMs = millisecondsSince(marchStart);
 
     const auto compactStart = std::chrono::steady_clock::now();
     compact(denseSamples_, denseColors_, denseSpreads_, slots, frame);
+    if (segments.slots > 0) compact(segments, frame.segments);
     frame.timings.compactMs = millisecondsSince(compactStart);
     return frame;
   }
@@ -153,10 +177,7 @@ class CpuMarcher final : public Marcher {
     requireMarchable(*marched_->volume, camera, settings);
     image.resize(camera.width, camera.height);
     const PixelGrid pixels = pixelsFor(*marched_->volume, camera, settings);
-    forEachRay(camera, pixels, settings, nullptr, stop,
-               [&](uint32_t x, uint32_t y, float, const glm::vec4& premultiplied, const RaySamples&) {
-                 image(x, y) = premultiplied;
-               });
+    forEachRay(camera, pixels, settings, nullptr, stop, [&](const FinishedRay& ray) { image(ray.x, ray.y) = ray.premultiplied; });
   }
 
   const VolumePtr& volume() const override { return marched_->volume; }
@@ -190,7 +211,7 @@ class CpuMarcher final : public Marcher {
     const EffectPlan plan = planFor(*marched_, *baked_, baked_->visibleCells, settings, sample != nullptr ? std::optional(*sample) : std::nullopt);
     if (!plan.has(PlanStage::march)) {
       for (uint32_t y = 0; y < camera.height; ++y)
-        for (uint32_t x = 0; x < camera.width; ++x) onRay(x, y, 1.0f, glm::vec4(0.0f), {});
+        for (uint32_t x = 0; x < camera.width; ++x) onRay({x, y});
       return;
     }
     const std::optional<VisibleBlocks> blocks = plan.has(PlanStage::skipping) ? std::optional(visibleBlocks(camera, pixels)) : std::nullopt;
@@ -286,11 +307,13 @@ class CpuMarcher final : public Marcher {
     DepthOfSamples depthOfSamples;
     if (sample != nullptr)
       depthOfSamples = {depthFunctionOf(sample->heuristic, plan.has(PlanStage::secondPass)), sample->threshold, plan.has(PlanStage::spread)};
+    const int mostSegments = sample != nullptr && plan.has(PlanStage::raySegments) ? sample->segments : 0;
     TurnsOfJob turns(turns_.get());
     const uint32_t side = turns.areLimited() ? tileSideFor(*marched_->volume, settings) : kTileSide;
     parallelForTiles(camera.width, camera.height, side, stop, turns, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
       std::vector<CountingSample> counting;
       RaySamples found;
+      SegmentMerger segments;
       const VisibleDepths everything{0.0f, std::numeric_limits<float>::infinity()};
       for (uint32_t y = y0; y < y1; ++y)
         for (uint32_t x = x0; x < x1; ++x) {
@@ -298,7 +321,7 @@ class CpuMarcher final : public Marcher {
           const VisibleDepths depths = blocks ? blocks->at(x, y) : everything;
           if (depths.isEmpty()) {
             found.clear();
-            onRay(x, y, 1.0f, glm::vec4(0.0f), found);
+            onRay({x, y});
             continue;
           }
           const PixelRay pixel = pixels.ray(x, y);
@@ -311,14 +334,31 @@ class CpuMarcher final : public Marcher {
           RayPath path{ray, makeLattice(isClipped ? clipped(clip, ray, inside) : inside, settings.step)};
           path.lattice.t0 += jitter.shiftOf(x, y);
           Source source = exceptionsExpected([&] { return Source(view, ray, path.lattice); });  // reciprocals again
-          GatheredColor<typename Source::March> color;
           counting.clear();
+          FinishedRay finished{x, y, pixel.cosine};
           const SampleSpan span = spanFor<Source>(depths, pixel.cosine, path.lattice);
-          marchRay(path, span.begin, span.end, source, light, limits, color, [&](const CountingSample& met) {
-            if (sample != nullptr) counting.push_back(met);
-            return true;
-          });
-          const glm::vec4 premultiplied = color.premultiplied();
+          const auto marchInto = [&](auto&& color) {
+            marchRay(path, span.begin, span.end, source, light, limits, color, [&](const CountingSample& met) {
+              if (sample != nullptr) counting.push_back(met);
+              return true;
+            });
+            finished.premultiplied = color.premultiplied();
+            finished.isEnded = color.transmittance.value() < limits.stopBelow;
+          };
+          if constexpr (std::is_same_v<typename Source::March, StableMarch>) {
+            if (mostSegments > 0) {
+              WARPSCOPE_COUNT(segmentedRays, 1);
+              segments.clear();
+              marchInto(SegmentedColor<StableMarch>(segments));
+              segments.reduceTo(mostSegments);
+              finished.segments = &segments;
+            } else {
+              marchInto(GatheredColor<StableMarch>());
+            }
+          } else {
+            marchInto(GatheredColor<typename Source::March>());
+          }
+          const glm::vec4& premultiplied = finished.premultiplied;
           found.clear();
           if (sample != nullptr && !counting.empty()) {
             if (!isDivided || counting.size() == 1)
@@ -326,7 +366,8 @@ class CpuMarcher final : public Marcher {
             else if constexpr (std::is_same_v<typename Source::March, StableMarch>)  // as march() makes sure
               findParts<Source>(view, light, path, limits, sample->samplesPerRay, depthOfSamples, counting, found);
           }
-          onRay(x, y, pixel.cosine, premultiplied, found);
+          finished.samples = &found;
+          onRay(finished);
         }
     });
   }
@@ -360,6 +401,7 @@ class CpuMarcher final : public Marcher {
   std::vector<PackedSample> denseSamples_;
   std::vector<Rgba8> denseColors_;
   std::vector<float> denseSpreads_;  // empty where nobody wants any
+  DenseSegments denseSegments_;      // likewise
 };
 
 }  // namespace

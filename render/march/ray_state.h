@@ -42,7 +42,7 @@ class RayPiece {
 
   WARPSCOPE_HD explicit RayPiece(Transmittance inFront = Transmittance()) : transmittance(inFront) {}
 
-  WARPSCOPE_HD void add(int i, const glm::vec3& color, float) { light_.add(i, color, transmittance.alone().value()); }
+  WARPSCOPE_HD void add(const ClassifiedSample& sample, const glm::vec3& color, float) { light_.add(sample.i, color, transmittance.alone().value()); }
   /// Linear, premultiplied, as if nothing lay in front.
   WARPSCOPE_HD glm::dvec3 color() const { return light_.color(); }
   WARPSCOPE_HD glm::vec4 premultiplied() const { return {glm::vec3(color()), transmittance.alone().opacity()}; }
@@ -65,7 +65,7 @@ struct PieceOpacity {
 
   PieceTransmittance transmittance;
 
-  WARPSCOPE_HD void add(int, const glm::vec3&, float) {}
+  WARPSCOPE_HD void add(const ClassifiedSample&, const glm::vec3&, float) {}
   WARPSCOPE_HD void restart() { transmittance.restart(); }
 };
 

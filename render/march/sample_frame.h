@@ -12,6 +12,7 @@
 #include "render/core/camera.h"
 #include "render/core/sample.h"
 #include "render/core/transfer_vector.h"
+#include "render/march/frame_segments.h"
 #include "render/march/march_settings.h"
 #include "render/march/sample_planes.h"
 
@@ -35,13 +36,14 @@ struct SampleFrame {
   TransferVector<PackedSample> samples;  ///< pixels in the picture, row by row; near to far of a ray; no radius code is 0
   TransferVector<Rgba8> colors;          ///< one for each sample: of several of a ray, those over one another are the ray's
   std::vector<SamplePlane> planes;       ///< kLayerPlane among them if a ray has more than one sample
+  FrameSegments segments;                ///< of the same rays, where the settings ask for some
 
   size_t size() const { return samples.size(); }
   /// What the frame's samples take on the wire in this format.
   size_t sizeBytes() const {
     size_t bytes = samples.size() * (sizeof(PackedSample) + sizeof(Rgba8));
     for (const SamplePlane& plane : planes) bytes += plane.values.size();
-    return bytes;
+    return bytes + segments.sizeBytes();
   }
   /// For unpackSample(): make it once, not for each sample.
   SampleGrid grid() const { return makeSampleGrid(camera, quantization); }

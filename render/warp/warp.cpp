@@ -14,6 +14,7 @@
 #include "render/warp/multihit_warp.h"
 #include "render/warp/points_warp.h"
 #include "render/warp/reference_warp.h"
+#include "render/warp/segments_warp.h"
 #include "render/warp/spheres_warp.h"
 #include "render/warp/splats_warp.h"
 
@@ -21,7 +22,7 @@ namespace warpscope {
 namespace {
 
 /// In the order in which they are shown.
-constexpr const WarpDescriptor* kWarps[] = {&kReferenceWarp, &kHoldWarp, &kPointsWarp, &kSpheresWarp, &kSplatsWarp, &kMultihitWarp};
+constexpr const WarpDescriptor* kWarps[] = {&kReferenceWarp, &kHoldWarp, &kPointsWarp, &kSpheresWarp, &kSplatsWarp, &kMultihitWarp, &kSegmentsWarp};
 
 /// Descriptors stay where they are as long as there is room: others point to them.
 constexpr size_t kMostWarps = 64;
@@ -58,6 +59,7 @@ bool WarpDescriptor::dependsOn(const MarchKnob& knob) const {
     case FramePart::radius: return uses.radius;
     case FramePart::samples: return usesFrame;
     case FramePart::planes: return false;  // that a knob asks for; none is drawn by them
+    case FramePart::segments: return uses.segments;
   }
   return true;
 }

@@ -85,6 +85,7 @@ class Warp {
 struct SampleUse {
   bool depth = false;
   bool radius = false;
+  bool segments = false;
 };
 
 /// A technique, as its own file describes it.

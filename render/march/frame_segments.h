@@ -1,0 +1,95 @@
+// The segments of a frame's rays: what a pixel says of its ray beside one depth. After the volumetric depth images of Frey, Sadlo, Ertl 2013.
+// A segment lies between two forward depths of its pixel's ray and is taken as homogeneous; a ray's are near to far and do not overlap. Colours over one
+// another are the ray's. In front of a ray's end, between its segments, nothing is; behind it nothing is known.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <span>
+
+#include "render/core/color.h"
+#include "render/core/sample.h"
+#include "render/core/transfer_vector.h"
+#include "render/march/ray_segments.h"
+
+namespace warpscope {
+
+/// Where a segment lies: depth codes of its frame's quantisation (sample.h), begin <= end. One whose codes are equal is as thin as codes can tell.
+struct SegmentDepths {
+  uint32_t begin = 0;
+  uint32_t end = 0;
+
+  bool operator==(const SegmentDepths&) const = default;
+};
+
+/// What a pixel's ray has, in a byte: how many segments, and whether it ended behind the last of them (else it was followed until it left the volume).
+class RaySegmentCount {
+ public:
+  WARPSCOPE_HD RaySegmentCount() = default;
+  WARPSCOPE_HD RaySegmentCount(int count, bool isEnded) : bits_(static_cast<uint8_t>(count | (isEnded ? kEnded : 0))) {}
+  WARPSCOPE_HD static RaySegmentCount ofBits(uint8_t bits) {
+    RaySegmentCount count;
+    count.bits_ = bits;
+    return count;
+  }
+
+  WARPSCOPE_HD int count() const { return bits_ & kCountMask; }
+  WARPSCOPE_HD bool isEnded() const { return (bits_ & kEnded) != 0; }
+  WARPSCOPE_HD uint8_t bits() const { return bits_; }
+  bool operator==(const RaySegmentCount&) const = default;
+
+ private:
+  static constexpr uint8_t kEnded = 0x80, kCountMask = 0x1f;
+  uint8_t bits_ = 0;
+};
+
+/// Of a frame.
+struct FrameSegments {
+  TransferVector<RaySegmentCount> rays;  ///< one for each pixel of the frame's picture, row by row; empty where the frame has no segments
+  TransferVector<SegmentDepths> depths;   ///< of all rays, one ray after the other
+  TransferVector<Rgba8> colors;          ///< as many
+
+  bool empty() const { return rays.empty(); }
+  size_t size() const { return depths.size(); }
+  /// In memory, and on the wire in the format raw.
+  size_t sizeBytes() const { return rays.size() + depths.size() * (sizeof(SegmentDepths) + sizeof(Rgba8)); }
+};
+
+/// Opacity of a segment whose code is that of full opacity: what is left behind it is what a ray ends at by default, and the logarithm is finite.
+inline constexpr float kMostSegmentOpacity = 1.0f - 1.0f / 1024;
+
+/// A ray's segments as codes. Colours and opacities are rounded to 8 bits so that what all up to one show over one another is off by less than a code of
+/// what that one alone contributes: each is given what rounding has left of those in front of it. For host and device.
+class SegmentEncoder {
+ public:
+  WARPSCOPE_HD SegmentEncoder(const ColorTables& tables, const SampleQuantization& quantization, float cosine)
+      : tables_(tables), depthStep_(quantization.depthStep), cosine_(cosine) {}
+
+  /// False if it shows nothing in 8 bits: then what it has is given to the next, and it is not to be sent.
+  WARPSCOPE_HD bool encode(const RaySegment& segment, SegmentDepths& depths, Rgba8& color) {
+    // What all up to this one come to, exactly; then what this one has to be for that.
+    for (int channel = 0; channel < 3; ++channel) color_[channel] = mulAdd(through_, segment.color[channel], color_[channel]);
+    through_ *= 1.0f - segment.opacity;
+    if (!(sentThrough_ > 0.0f)) return false;
+    const float share = 1.0f / sentThrough_;
+    glm::vec4 wanted((color_ - sentColor_) * share, 1.0f - through_ * share);
+    const uint32_t opacity = quantizeUnorm8(wanted.a);
+    if (opacity == 0) return false;
+    wanted.a = static_cast<float>(opacity) / 255.0f;
+    color = tables_.encode(wanted);
+    const glm::vec4 sent = tables_.decode(color);
+    for (int channel = 0; channel < 3; ++channel) sentColor_[channel] = mulAdd(sentThrough_, sent[channel], sentColor_[channel]);
+    sentThrough_ *= 1.0f - sent.a;
+    depths.begin = encodeDepth(segment.begin * cosine_, depthStep_);
+    depths.end = encodeDepth(segment.end * cosine_, depthStep_);
+    return true;
+  }
+
+ private:
+  const ColorTables& tables_;
+  float depthStep_, cosine_;
+  glm::vec3 color_{0.0f}, sentColor_{0.0f};  // of all so far
+  float through_ = 1.0f, sentThrough_ = 1.0f;
+};
+
+}  // namespace warpscope

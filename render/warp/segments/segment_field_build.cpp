@@ -1,0 +1,98 @@
+// Offsets, extinctions, tiles.
+// See segment_field_build.h.
+#include "render/warp/segments/segment_field_build.h"
+
+#include <cmath>
+
+#include "render/core/parallel.h"
+
+namespace warpscope {
+namespace {
+
+constexpr size_t kRowsAtOnce = 16;
+
+}  // namespace
+
+void BuiltSegmentField::build(const SampleFrame& frame) {
+  const FrameSegments& segments = frame.segments;
+  if (segments.empty()) {
+    width_ = height_ = 0;
+    return;
+  }
+  width_ = static_cast<int>(frame.camera.width);
+  height_ = static_cast<int>(frame.camera.height);
+  pixels_ = makePixelGrid(frame.camera, frame.quantization.nearDepth);
+  const size_t pixels = segments.rays.size();
+  first_.resize(pixels + 1);
+  segments_.resize(segments.size());
+  ofPixels_.resize(pixels);
+  uint32_t at = 0;
+  first_[0] = 0;
+  for (size_t i = 0; i < pixels; ++i) {
+    at += static_cast<uint32_t>(segments.rays[i].count());
+    first_[i + 1] = at | (segments.rays[i].isEnded() ? SegmentField::kEndedBit : 0);
+  }
+  const ColorTables& tables = ColorTables::instance();
+  const float step = frame.quantization.depthStep;
+  const auto width = static_cast<size_t>(width_);
+  parallelForRanges(static_cast<size_t>(height_), kRowsAtOnce, [&](size_t beginRow, size_t endRow) {
+    for (size_t y = beginRow; y < endRow; ++y)
+      for (size_t x = 0; x < width; ++x) {
+        const size_t pixel = y * width + x;
+        const uint32_t begin = first_[pixel] & ~SegmentField::kEndedBit, end = first_[pixel + 1] & ~SegmentField::kEndedBit;
+        const bool isEnded = (first_[pixel + 1] & SegmentField::kEndedBit) != 0;
+        FieldTile& tile = ofPixels_[pixel];
+        tile = {};
+        if (begin < end) {
+          const float cosine = pixels_.ray(static_cast<uint32_t>(x), static_cast<uint32_t>(y)).cosine;
+          for (uint32_t i = begin; i < end; ++i) {
+            const SegmentDepths& depths = segments.depths[i];
+            const glm::vec4 color = tables.decode(segments.colors[i]);
+            FieldSegment& out = segments_[i];
+            out.begin = decodeDepth(depths.begin, step);
+            out.end = decodeDepth(depths.end > depths.begin ? depths.end : depths.begin + 1, step);
+            out.extinction = -std::log1p(-minOf(color.a, kMostSegmentOpacity)) * cosine / (out.end - out.begin);
+            out.color = color.a > 0.0f ? glm::vec3(color) / color.a : glm::vec3(0.0f);
+          }
+          tile.nearestBegin = segments_[begin].begin;
+          tile.farthestEnd = segments_[end - 1].end;
+        }
+        const float unknown = isEnded ? (begin < end ? tile.farthestEnd : 0.0f) : std::numeric_limits<float>::infinity();
+        tile.nearestUnknown = tile.farthestUnknown = unknown;
+      }
+  });
+  // Cell (x, y) is between pixels x - 1 and x, y - 1 and y; about a pixel's centre, where cells are that, it is the pixel (x, y): both are in.
+  for (int level = 0; level < kFieldLevels; ++level) {
+    const int shift = kFieldShift[level], edge = 1 << shift;
+    const int columns = (width_ >> shift) + 1, rows = (height_ >> shift) + 1;
+    tileColumns_[level] = columns;
+    tiles_[level].resize(static_cast<size_t>(columns) * static_cast<size_t>(rows));
+    parallelForRanges(static_cast<size_t>(rows), 1, [&](size_t beginRow, size_t endRow) {
+      for (size_t row = beginRow; row < endRow; ++row)
+        for (int column = 0; column < columns; ++column) {
+          FieldTile all;
+          const int y0 = maxOf((static_cast<int>(row) << shift) - 1, 0), y1 = minOf((static_cast<int>(row) << shift) + edge, height_);
+          const int x0 = maxOf((column << shift) - 1, 0), x1 = minOf((column << shift) + edge, width_);
+          for (int y = y0; y < y1; ++y)
+            for (int x = x0; x < x1; ++x) all.include(ofPixels_[static_cast<size_t>(y) * width + static_cast<size_t>(x)]);
+          tiles_[level][row * static_cast<size_t>(columns) + static_cast<size_t>(column)] = all;
+        }
+    });
+  }
+}
+
+SegmentField BuiltSegmentField::field() const {
+  SegmentField field;
+  field.pixels = pixels_;
+  field.width = width_;
+  field.height = height_;
+  field.first = first_.data();
+  field.segments = segments_.data();
+  for (int level = 0; level < kFieldLevels; ++level) {
+    field.tiles[level] = tiles_[level].data();
+    field.tileColumns[level] = tileColumns_[level];
+  }
+  return field;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,29 @@
+// Makes what rays walk through of a frame's segments. On the host.
+// Tiles: the minima and maxima of depth pyramids (Tevs, Ihrke, Seidel 2008), over cells instead of pixels.
+#pragma once
+
+#include <vector>
+
+#include "render/march/sample_frame.h"
+#include "render/warp/segments/segment_field.h"
+
+namespace warpscope {
+
+class BuiltSegmentField {
+ public:
+  /// Of the frame's segments; nothing for a frame without.
+  void build(const SampleFrame& frame);
+  /// By pointers into this.
+  SegmentField field() const;
+
+ private:
+  PixelGrid pixels_;
+  int width_ = 0, height_ = 0;
+  std::vector<uint32_t> first_;
+  std::vector<FieldSegment> segments_;
+  std::vector<FieldTile> ofPixels_;
+  std::vector<FieldTile> tiles_[kFieldLevels];
+  int tileColumns_[kFieldLevels] = {};
+};
+
+}  // namespace warpscope

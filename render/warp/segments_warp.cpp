@@ -1,0 +1,101 @@
+// A walk for each pixel, in tiles on all cores.
+// See segments_warp.h.
+#include "render/warp/segments_warp.h"
+
+#include "render/core/floating_point.h"
+#include "render/core/parallel.h"
+#include "render/warp/segments/segment_field_build.h"
+#include "render/warp/segments/segment_walk.h"
+
+namespace warpscope {
+namespace {
+
+/// What lies between the rays of pixels.
+enum class Between { nearest, linear };
+constexpr std::array<NamedValue<Between>, 2> kBetweens{{
+    {Between::nearest, "nearest", "what the nearest pixel has"},
+    {Between::linear, "linear", "what the four pixels about it have, blended"},
+}};
+constexpr auto kBetweenChoices = choicesOf(kBetweens);
+
+}  // namespace
+
+constinit const Knob kBetweenKnob{.key = "between",
+                                  .option = "--between",
+                                  .label = "Between",
+                                  .noun = "filling between rays",
+                                  .help = "What lies between the rays of a frame's pixels",
+                                  .type = KnobType::choice,
+                                  .isOfPanel = true,
+                                  .defaultValue = static_cast<double>(Between::linear),
+                                  .choices = kBetweenChoices,
+                                  .axis = {"betweens", "--betweens", "What lies between pixels' rays, by name"},
+                                  .phrase = ", {}",
+                                  .naming = KnobNaming::unlessDefault};
+
+namespace {
+
+constexpr uint32_t kTileSide = 32;
+
+class SegmentsWarp final : public Warp {
+ public:
+  void setFrame(SampleFramePtr frame, const WarpSettings&, const std::stop_token&) override {
+    frame_ = std::move(frame);
+    if (frame_) built_.build(*frame_);
+  }
+
+  void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) override {
+    requireUsable(camera);
+    image.samples.resize(camera.width, camera.height, kNoSample);
+    image.color.resize(camera.width, camera.height);
+    if (!frame_ || frame_->segments.empty()) return;
+    if (settings.knobs.choice<Between>(kBetweenKnob) == Between::linear)
+      drawRays<true>(camera, image, stop);
+    else
+      drawRays<false>(camera, image, stop);
+  }
+
+ private:
+  template <bool kIsLinear>
+  void drawRays(const Camera& camera, WarpedImage& image, const std::stop_token& stop) const {
+    const SegmentField field = built_.field();
+    const Box& bounds = frame_->quantization.bounds;
+    const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, bounds).nearDepth);
+    const RenderSettings& marched = frame_->settings.render;
+    const float stopBelow = marched.terminateEarly ? marched.contribution : 0.0f;
+    parallelForTiles(camera.width, camera.height, kTileSide, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
+      for (uint32_t y = y0; y < y1; ++y)
+        for (uint32_t x = x0; x < x1; ++x) {
+          const Ray ray = pixels.ray(x, y).ray;
+          const WalkedRay walked = exceptionsExpected([&] {
+            const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), bounds, 0.0f, std::numeric_limits<float>::infinity());
+            if (inside.isMiss()) return WalkedRay{};
+            return walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, stopBelow, NoFill{});
+          });
+          const float opacity = 1.0f - walked.through;
+          image.color(x, y) = glm::vec4(walked.color, opacity);
+          if (opacity > 0.0f) image.samples(x, y) = kNotASample;
+        }
+    });
+  }
+
+  SampleFramePtr frame_;
+  BuiltSegmentField built_;
+};
+
+std::unique_ptr<Warp> makeSegmentsWarp(const WarpResources&) { return std::make_unique<SegmentsWarp>(); }
+
+constexpr const Knob* kKnobs[] = {&kBetweenKnob};
+
+}  // namespace
+
+constinit const WarpDescriptor kSegmentsWarp{
+    .name = "segments",
+    .label = "Segments",
+    .summary = "stretches of each ray instead of one point, met again by the rays of the new camera",
+    .uses = {.segments = true},
+    .knobs = kKnobs,
+    .make = makeSegmentsWarp,
+};
+
+}  // namespace warpscope
