@@ -66,15 +66,17 @@ class SegmentEncoder {
       : tables_(tables), depthStep_(quantization.depthStep), cosine_(cosine) {}
 
   /// False if it shows nothing in 8 bits: then what it has is given to the next, and it is not to be sent.
-  WARPSCOPE_HD bool encode(const RaySegment& segment, SegmentDepths& depths, Rgba8& color) {
+  /// Of a segment that has others behind it 1 of 255 is left to pass, so that those have something to show.
+  WARPSCOPE_HD bool encode(const RaySegment& segment, bool isLast, SegmentDepths& depths, Rgba8& color) {
     // What all up to this one come to, exactly; then what this one has to be for that.
     for (int channel = 0; channel < 3; ++channel) color_[channel] = mulAdd(through_, segment.color[channel], color_[channel]);
     through_ *= 1.0f - segment.opacity;
     if (!(sentThrough_ > 0.0f)) return false;
     const float share = 1.0f / sentThrough_;
     glm::vec4 wanted((color_ - sentColor_) * share, 1.0f - through_ * share);
-    const uint32_t opacity = quantizeUnorm8(wanted.a);
+    uint32_t opacity = quantizeUnorm8(wanted.a);
     if (opacity == 0) return false;
+    if (!isLast && opacity == 255) opacity = 254;
     wanted.a = static_cast<float>(opacity) / 255.0f;
     color = tables_.encode(wanted);
     const glm::vec4 sent = tables_.decode(color);

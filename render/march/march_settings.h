@@ -71,6 +71,7 @@ struct SampleSettings {
   float radiusScale = 1.0f;        ///< factor on the policy's radius
   int samplesPerRay = 1;           ///< at most
   bool sendsSpread = false;        ///< of each sample how far its depth is spread along its ray: kSpreadPlane
+  int proxy = 0;                   ///< voxels along the longest edge of a coarse copy of the volume (proxy.h) that goes with frames; 0: none
   int segments = 0;                ///< of a ray that are sent beside its samples, at most (frame_segments.h); 0: none
 
   bool operator==(const SampleSettings&) const = default;

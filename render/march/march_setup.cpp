@@ -134,6 +134,15 @@ std::shared_ptr<const BakedTransfer> MarchedVolume::tableFor(const RenderSetting
   return baked_;
 }
 
+ProxyScenePtr MarchedVolume::proxyFor(int longest, const std::stop_token& stop) const {
+  const std::scoped_lock lock(mutex_);
+  if (!proxy_ || proxyLongest_ != longest) {
+    proxy_ = std::make_shared<const ProxyScene>(makeProxy(*volume, longest, stop), transferFunction);
+    proxyLongest_ = longest;
+  }
+  return proxy_;
+}
+
 PixelGrid pixelsFor(const Volume& volume, const Camera& camera, const RenderSettings& settings) {
   const bool fromEye = settings.arithmetic == Arithmetic::textbook;
   return makePixelGrid(camera, fromEye ? 0.0f : depthRangeOf(camera, volume.bounds()).nearDepth);

@@ -53,6 +53,9 @@ struct MarchedVolume {
   /// The same, for those who find empty cells elsewhere: emptyDistances may be missing.
   std::shared_ptr<const BakedTransfer> tableFor(const RenderSettings& settings) const;
 
+  /// The coarse copy with so many voxels along its longest edge, by the same function; kept for whoever asks for the same next. Safe on any thread.
+  ProxyScenePtr proxyFor(int longest, const std::stop_token& stop) const;
+
   VolumePtr volume;
   TransferFunction transferFunction;
   ValueScale scale;
@@ -61,6 +64,8 @@ struct MarchedVolume {
  private:
   mutable std::mutex mutex_;
   mutable std::shared_ptr<const BakedTransfer> baked_;  // the last one that was asked for
+  mutable ProxyScenePtr proxy_;                         // likewise
+  mutable int proxyLongest_ = 0;
 };
 
 using MarchedVolumePtr = std::shared_ptr<const MarchedVolume>;

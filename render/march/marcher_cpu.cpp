@@ -122,9 +122,11 @@ RaySegmentCount storeSegments(const SampleRule& rule, const FinishedRay& ray, De
   if (ray.segments == nullptr) return {};
   SegmentEncoder encoder(ColorTables::instance(), rule.quantization, ray.cosine);
   int count = 0;
-  for (int i = 0; i < ray.segments->size(); ++i) {
+  const SegmentMerger& found = *ray.segments;
+  for (int i = found.first(); i != SegmentMerger::kNone; i = found.behind(i)) {
     const size_t place = pixel * static_cast<size_t>(dense.slots) + static_cast<size_t>(count);
-    if (encoder.encode((*ray.segments)[i], dense.depths[place], dense.colors[place])) ++count;
+    const bool isLast = found.behind(i) == SegmentMerger::kNone;
+    if (encoder.encode(found[i], isLast, dense.depths[place], dense.colors[place])) ++count;
   }
   return {count, ray.isEnded};
 }
@@ -167,6 +169,7 @@ class CpuMarcher final : public Marcher {
     const auto compactStart = std::chrono::steady_clock::now();
     compact(denseSamples_, denseColors_, denseSpreads_, slots, frame);
     if (segments.slots > 0) compact(segments, frame.segments);
+    if (settings.sample.proxy > 0) frame.proxy = marched_->proxyFor(settings.sample.proxy, stop);
     frame.timings.compactMs = millisecondsSince(compactStart);
     return frame;
   }

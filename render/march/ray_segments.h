@@ -12,6 +12,9 @@
 // extinction's integral up to a^3 / 12 and needs no logarithm.
 #pragma once
 
+#include <cstdint>
+#include <cstring>
+
 #include "render/march/march.h"
 
 namespace warpscope {
@@ -27,37 +30,31 @@ struct RaySegment {
   glm::vec3 color{0.0f};  ///< linear, premultiplied, as if nothing lay in front
 
   WARPSCOPE_HD float contribution() const { return through * opacity; }
-  WARPSCOPE_HD float center() const { return 0.5f * (begin + end); }
-  /// Optical depth by length, about; 0 where there is no length, as with surfaces: those beside each other are told apart by the gap between them.
-  WARPSCOPE_HD float density() const {
-    const float length = end - begin;
-    return length > 0.0f ? opacity / ((1.0f - 0.5f * opacity) * length) : 0.0f;
-  }
+  WARPSCOPE_HD float length() const { return end - begin; }
 };
 
-/// Both as one. `back` follows `front`.
-WARPSCOPE_HD inline RaySegment merged(const RaySegment& front, const RaySegment& back) {
+/// `front` becomes both. `back` follows it.
+WARPSCOPE_HD inline void mergeInto(RaySegment& front, const RaySegment& back) {
   const float rest = 1.0f - front.opacity;
-  RaySegment both;
-  both.begin = front.begin;
-  both.end = back.end;
-  both.opacity = mulAdd(rest, back.opacity, front.opacity);
-  both.through = front.through;
-  for (int channel = 0; channel < 3; ++channel) both.color[channel] = mulAdd(rest, back.color[channel], front.color[channel]);
-  return both;
+  front.end = back.end;
+  front.opacity = mulAdd(rest, back.opacity, front.opacity);
+  for (int channel = 0; channel < 3; ++channel) front.color[channel] = mulAdd(rest, back.color[channel], front.color[channel]);
 }
 
-/// What merging the two would cost; 0 or more.
+/// What merging the two would cost; 0 or more. As the file's head has it, by one division.
 WARPSCOPE_HD inline float mergeCost(const RaySegment& front, const RaySegment& back) {
-  const float a = front.contribution(), b = back.contribution();
-  if (!(a > 0.0f) || !(b > 0.0f)) return 0.0f;
-  const float ofBoth = a * b / (a + b);
-  const float distance = back.center() - front.center(), gap = maxOf(back.begin - front.end, 0.0f);
-  const float densityA = front.density(), densityB = back.density(), densities = densityA + densityB;
-  const float unlike = densities > 0.0f ? absOf(densityA - densityB) / densities : 0.0f;
-  const glm::vec3 colorA = front.color * (1.0f / front.opacity), colorB = back.color * (1.0f / back.opacity);
-  const float otherColor = maxOf(maxOf(absOf(colorA.x - colorB.x), absOf(colorA.y - colorB.y)), absOf(colorA.z - colorB.z));
-  return ofBoth * (distance * (unlike + otherColor) + gap);
+  const float a = front.contribution(), b = back.contribution(), both = a * b;
+  if (!(both > 0.0f)) return 0.0f;
+  const float twiceDistance = (back.begin - front.begin) + (back.end - front.end), gap = back.begin - front.end;
+  const float densityA = front.opacity * (back.length() * mulAdd(back.opacity, -0.5f, 1.0f));
+  const float densityB = back.opacity * (front.length() * mulAdd(front.opacity, -0.5f, 1.0f));
+  float otherColor = 0.0f;
+  for (int channel = 0; channel < 3; ++channel)
+    otherColor = maxOf(otherColor, absOf(front.color[channel] * back.opacity - back.color[channel] * front.opacity));
+  // Surfaces have no length: they are told apart by the gap between them.
+  const float densities = densityA + densityB, unlike = densities > 0.0f ? absOf(densityA - densityB) : 0.0f, whole = densities > 0.0f ? densities : 1.0f;
+  const float distance = 0.5f * twiceDistance, rest = mulAdd(front.through * back.through * otherColor, distance, both * maxOf(gap, 0.0f));
+  return mulAdd(both * distance, unlike, rest * whole) / (whole * (a + b));
 }
 
 /// Segments of the ray that is marched, few at any time: when there is no room for another, the two are merged for which that costs least.
@@ -65,58 +62,116 @@ class SegmentMerger {
  public:
   /// Segments that are kept until the ray has ended.
   static constexpr int kRoom = 16;
+  /// Behind the last one.
+  static constexpr int kNone = -1;
+
+  WARPSCOPE_HD SegmentMerger() { clear(); }
+  WARPSCOPE_HD void clear() {
+    size_ = 0;
+    tail_ = kNone;
+    lastMerged_ = 0;
+    isTailRenewed_ = true;
+    for (uint32_t& cost : costs_) cost = kNever;
+  }
 
   WARPSCOPE_HD int size() const { return size_; }
+  /// The nearest, and the one behind one; kNone if there is none.
+  WARPSCOPE_HD int first() const { return size_ > 0 ? 0 : kNone; }  // nothing is merged into what lies behind it
+  WARPSCOPE_HD int behind(int i) const { return i == tail_ ? kNone : next_[i]; }
   WARPSCOPE_HD const RaySegment& operator[](int i) const { return segments_[i]; }
-  WARPSCOPE_HD void clear() { size_ = 0; }
 
   /// What comes next along the ray.
   WARPSCOPE_HD void add(const RaySegment& next) {
+    int place = size_;
     if (size_ > 0) {
-      const float cost = mergeCost(segments_[size_ - 1], next);
+      uint32_t cost = bitsOfCost(mergeCost(segments_[tail_], next));
       if (size_ == kRoom) {
+        // What costs no more than the last merge is merged without a look at the others, which cost no less then: along smooth rays nearly every sample.
+        if (cost <= lastMerged_) return mergeIntoTail(next);
+        renewTail();
         const int cheapest = cheapestPair();
-        if (!(costs_[cheapest] < cost)) {
-          segments_[size_ - 1] = merged(segments_[size_ - 1], next);
-          costs_[size_ - 2] = mergeCost(segments_[size_ - 2], segments_[size_ - 1]);
-          return;
+        if (cost <= costs_[cheapest]) {
+          lastMerged_ = cost;
+          return mergeIntoTail(next);
         }
-        mergePair(cheapest);
-        // The last one may have become another.
-        costs_[size_ - 1] = cheapest == size_ - 1 ? mergeCost(segments_[size_ - 1], next) : cost;
-      } else {
-        costs_[size_ - 1] = cost;
+        lastMerged_ = costs_[cheapest];
+        const bool changesTail = next_[cheapest] == tail_;
+        place = mergePair(cheapest);
+        if (changesTail) cost = bitsOfCost(mergeCost(segments_[tail_], next));
       }
+      costs_[tail_] = cost;
+      next_[tail_] = static_cast<int8_t>(place);
+      before_[place] = static_cast<int8_t>(tail_);
     }
-    segments_[size_++] = next;
+    segments_[place] = next;
+    costs_[place] = kNever;
+    tail_ = place;
+    ++size_;
   }
 
   /// Merges until no more than `most`, at least 1, are left.
   WARPSCOPE_HD void reduceTo(int most) {
+    if (size_ > most) renewTail();
     while (size_ > most) mergePair(cheapestPair());
   }
 
  private:
-  /// The first of the two that cost least; of equal ones the nearest.
+  static constexpr uint32_t kNever = 0xffffffffu;
+
+  /// Of numbers that are not negative, in their order.
+  WARPSCOPE_HD static uint32_t bitsOfCost(float cost) {
+    uint32_t bits;
+    std::memcpy(&bits, &cost, sizeof bits);
+    return bits;
+  }
+
+  /// The first of the two that cost least; of equal ones the one in the lowest place.
   WARPSCOPE_HD int cheapestPair() const {
+    uint32_t least = kNever;
+    for (int i = 0; i < kRoom; ++i) least = costs_[i] < least ? costs_[i] : least;
     int cheapest = 0;
-    for (int i = 1; i + 1 < size_; ++i)
-      if (costs_[i] < costs_[cheapest]) cheapest = i;
+    while (costs_[cheapest] != least) ++cheapest;
     return cheapest;
   }
 
-  WARPSCOPE_HD void mergePair(int first) {
-    segments_[first] = merged(segments_[first], segments_[first + 1]);
+  WARPSCOPE_HD void renewCost(int i) { costs_[i] = bitsOfCost(mergeCost(segments_[i], segments_[next_[i]])); }
+
+  WARPSCOPE_HD void mergeIntoTail(const RaySegment& next) {
+    mergeInto(segments_[tail_], next);
+    isTailRenewed_ = false;
+  }
+
+  /// What merging the last two costs, if the last one has grown.
+  WARPSCOPE_HD void renewTail() {
+    if (!isTailRenewed_ && size_ > 1) renewCost(before_[tail_]);
+    isTailRenewed_ = true;
+  }
+
+  /// Returns the place that has become free.
+  WARPSCOPE_HD int mergePair(int first) {
+    const int second = next_[first];
+    mergeInto(segments_[first], segments_[second]);
+    costs_[second] = kNever;
+    if (second == tail_) {
+      tail_ = first;
+      costs_[first] = kNever;
+    } else {
+      next_[first] = next_[second];
+      before_[next_[first]] = static_cast<int8_t>(first);
+      renewCost(first);
+    }
+    if (first != 0) renewCost(before_[first]);
     --size_;
-    for (int i = first + 1; i < size_; ++i) segments_[i] = segments_[i + 1];
-    for (int i = first; i + 1 < size_; ++i) costs_[i] = costs_[i + 1];
-    if (first > 0) costs_[first - 1] = mergeCost(segments_[first - 1], segments_[first]);
-    if (first + 1 < size_) costs_[first] = mergeCost(segments_[first], segments_[first + 1]);
+    return second;
   }
 
   int size_ = 0;
+  int tail_ = kNone;
+  uint32_t lastMerged_ = 0;     // what the last merge but those into the tail cost
+  bool isTailRenewed_ = true;  // the cost of merging the last two is that of how they are
   RaySegment segments_[kRoom];
-  float costs_[kRoom];  // of merging each with the next
+  uint32_t costs_[kRoom];  // of merging each with the one behind it; kNever for the last and where there is none
+  int8_t next_[kRoom], before_[kRoom];
 };
 
 /// What marchRay gathers where segments are wanted beside the ray's light.

@@ -45,7 +45,8 @@ size_t validate(const VolumeGeometry& geometry, VoxelType type, const std::strin
       throw InputError(source + ": voxel spacing and origin must be finite, and spacing positive");
   // Beyond this the shortest edge is nothing beside the longest in the floats of volume space.
   constexpr double kMaxAnisotropy = 1e6;
-  if (glm::max(geometry.spacing.x, glm::max(geometry.spacing.y, geometry.spacing.z)) > kMaxAnisotropy * geometry.unit())
+  const glm::dvec3& edges = geometry.spacing;
+  if (glm::max(edges.x, glm::max(edges.y, edges.z)) > kMaxAnisotropy * glm::min(edges.x, glm::min(edges.y, edges.z)))
     throw InputError(source + ": one voxel edge is more than a million times another; check the file's voxel spacing");
   // Lengths and angles each: a determinant of 1 would let sheared axes pass.
   const glm::dmat3 gram = glm::transpose(geometry.direction) * geometry.direction;

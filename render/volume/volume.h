@@ -45,9 +45,11 @@ struct VolumeGeometry {
   glm::dmat3 direction{1.0};       ///< columns: unit world directions of the grid's axes; may be left-handed
   bool hasOrientation = false;     ///< the file states patient or world axes (+z up); otherwise +y is taken to be up
 
-  /// Smallest voxel edge: one unit of volume space, in world units.
-  double unit() const { return glm::min(spacing.x, glm::min(spacing.y, spacing.z)); }
-  /// Voxel edges in volume space; the smallest is 1.
+  double unitEdge = 0.0;           ///< of a copy with other voxels, the unit of the volume that it is of; 0: its own
+
+  /// One unit of volume space, in world units: the smallest voxel edge, unless it is another's.
+  double unit() const { return unitEdge > 0.0 ? unitEdge : glm::min(spacing.x, glm::min(spacing.y, spacing.z)); }
+  /// Voxel edges in volume space; the smallest is 1, unless the unit is another's.
   glm::vec3 voxelEdges() const { return glm::vec3(spacing / unit()); }
   /// The box that the voxels fill, in volume space: symmetric about 0.
   Box bounds() const;

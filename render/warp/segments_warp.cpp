@@ -4,6 +4,7 @@
 
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
+#include "render/warp/proxy_fill.h"
 #include "render/warp/segments/segment_field_build.h"
 #include "render/warp/segments/segment_walk.h"
 
@@ -57,7 +58,18 @@ class SegmentsWarp final : public Warp {
 
  private:
   template <bool kIsLinear>
-  void drawRays(const Camera& camera, WarpedImage& image, const std::stop_token& stop) const {
+  void drawRays(const Camera& camera, WarpedImage& image, const std::stop_token& stop) {
+    if (!frame_->proxy) return drawRays<kIsLinear>(camera, image, stop, [](WalkedRay&, const Ray&, float, float) {});
+    fill_.visit(*frame_->proxy, frame_->settings.render, camera, [&](const auto& march) {
+      drawRays<kIsLinear>(camera, image, stop, [&](WalkedRay& walked, const Ray& ray, float tNear, float tFar) {
+        const RayLight light = march(ray, tNear, tFar, walked.through);
+        walked.pass(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance));
+      });
+    });
+  }
+
+  template <bool kIsLinear, class Fill>
+  void drawRays(const Camera& camera, WarpedImage& image, const std::stop_token& stop, const Fill& fill) const {
     const SegmentField field = built_.field();
     const Box& bounds = frame_->quantization.bounds;
     const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, bounds).nearDepth);
@@ -70,7 +82,7 @@ class SegmentsWarp final : public Warp {
           const WalkedRay walked = exceptionsExpected([&] {
             const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), bounds, 0.0f, std::numeric_limits<float>::infinity());
             if (inside.isMiss()) return WalkedRay{};
-            return walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, stopBelow, NoFill{});
+            return walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, stopBelow, [&](WalkedRay& ofRay, float tNear, float tFar) { fill(ofRay, ray, tNear, tFar); });
           });
           const float opacity = 1.0f - walked.through;
           image.color(x, y) = glm::vec4(walked.color, opacity);
@@ -81,6 +93,7 @@ class SegmentsWarp final : public Warp {
 
   SampleFramePtr frame_;
   BuiltSegmentField built_;
+  ProxyFill fill_;
 };
 
 std::unique_ptr<Warp> makeSegmentsWarp(const WarpResources&) { return std::make_unique<SegmentsWarp>(); }
