@@ -38,11 +38,23 @@ PreparedLight prepare(const Light& light, const VolumeGeometry& geometry, const 
 
 }  // namespace
 
-ShadingSetup prepareShading(const Shading& shading, const Lights& lights, const Volume& volume, const ValueScale& scale, const Camera& camera) {
+ShadingSetup prepareLights(const Shading& shading, const Lights& lights, const VolumeGeometry& geometry, const Camera& camera) {
   ShadingSetup setup;
   setup.shading = shading;
-  for (const Light& light : lights)
-    if (light.strength > 0.0f) setup.lights[setup.lightCount++] = prepare(light, volume.geometry(), camera);
+  setup.isLit = shading.strength > 0.0f;
+  setup.hasDiffuse = shading.diffuse > 0.0f;
+  setup.hasHighlights = shading.specular > 0.0f;
+  for (const Light& light : lights) {
+    if (!(light.strength > 0.0f)) continue;
+    setup.lights[setup.lightCount++] = prepare(light, geometry, camera);
+    setup.hasHalfVectors = setup.hasHalfVectors || (setup.hasHighlights && light.kind != LightKind::headlight);
+  }
+  setup.noiseSquared = 0x1p-100f;
+  return setup;
+}
+
+ShadingSetup prepareShading(const Shading& shading, const Lights& lights, const Volume& volume, const ValueScale& scale, const Camera& camera) {
+  ShadingSetup setup = prepareLights(shading, lights, volume.geometry(), camera);
   const VoxelStatistics& statistics = volume.statistics();
   const double range = scale.interpolantOf(statistics.highest) - scale.interpolantOf(statistics.lowest);
   const double power = range > 0.0 && std::isfinite(range) ? std::exp2(-std::ceil(std::log2(range))) : 1.0;

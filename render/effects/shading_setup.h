@@ -12,4 +12,7 @@ namespace warpscope {
 /// For a picture of the volume, whose interpolants are those of `scale`.
 ShadingSetup prepareShading(const Shading& shading, const Lights& lights, const Volume& volume, const ValueScale& scale, const Camera& camera);
 
+/// The same of normals, for places of a volume of that geometry, where they are known without its voxels: gradients of any length, nothing of them noise.
+ShadingSetup prepareLights(const Shading& shading, const Lights& lights, const VolumeGeometry& geometry, const Camera& camera);
+
 }  // namespace warpscope

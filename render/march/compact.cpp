@@ -55,6 +55,7 @@ void compact(const DenseSegments& dense, FrameSegments& segments) {
   for (size_t block = 0; block < blocks; ++block) offsets[block + 1] += offsets[block];
   segments.depths.resize(offsets[blocks]);
   segments.colors.resize(offsets[blocks]);
+  segments.normals.resize(dense.normals.empty() ? 0 : offsets[blocks]);
   parallelForRanges(blocks, 1, [&](size_t begin, size_t end) {
     for (size_t block = begin; block < end; ++block) {
       size_t out = offsets[block];
@@ -63,6 +64,7 @@ void compact(const DenseSegments& dense, FrameSegments& segments) {
           const size_t place = pixel * static_cast<size_t>(dense.slots) + static_cast<size_t>(i);
           segments.depths[out] = dense.depths[place];
           segments.colors[out] = dense.colors[place];
+          if (!dense.normals.empty()) segments.normals[out] = dense.normals[place];
         }
     }
   });

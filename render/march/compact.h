@@ -21,12 +21,14 @@ struct DenseSegments {
   TransferVector<RaySegmentCount> rays;
   TransferVector<SegmentDepths> depths;
   TransferVector<Rgba8> colors;
+  TransferVector<NormalCode> normals;  ///< none where nobody wants any
 
-  void resize(size_t pixels, int slotsOfPixel) {
+  void resize(size_t pixels, int slotsOfPixel, bool hasNormals) {
     slots = slotsOfPixel;
     rays.resize(slots > 0 ? pixels : 0);
     depths.resize(pixels * static_cast<size_t>(slots));
     colors.resize(pixels * static_cast<size_t>(slots));
+    normals.resize(hasNormals ? pixels * static_cast<size_t>(slots) : 0);
   }
 };
 

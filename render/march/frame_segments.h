@@ -8,6 +8,7 @@
 #include <span>
 
 #include "render/core/color.h"
+#include "render/core/normal_code.h"
 #include "render/core/sample.h"
 #include "render/core/transfer_vector.h"
 #include "render/march/ray_segments.h"
@@ -48,11 +49,12 @@ struct FrameSegments {
   TransferVector<RaySegmentCount> rays;  ///< one for each pixel of the frame's picture, row by row; empty where the frame has no segments
   TransferVector<SegmentDepths> depths;   ///< of all rays, one ray after the other
   TransferVector<Rgba8> colors;          ///< as many
+  TransferVector<NormalCode> normals;    ///< as many, where what light makes of a place depends on the eye (relight.h); else none
 
   bool empty() const { return rays.empty(); }
   size_t size() const { return depths.size(); }
   /// In memory, and on the wire in the format raw.
-  size_t sizeBytes() const { return rays.size() + depths.size() * (sizeof(SegmentDepths) + sizeof(Rgba8)); }
+  size_t sizeBytes() const { return rays.size() + depths.size() * (sizeof(SegmentDepths) + sizeof(Rgba8)) + normals.size() * sizeof(NormalCode); }
 };
 
 /// Opacity of a segment whose code is that of full opacity: what is left behind it is what a ray ends at by default, and the logarithm is finite.

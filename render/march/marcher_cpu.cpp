@@ -20,6 +20,7 @@
 #include "render/effects/isosurface.h"
 #include "render/effects/mip_batch.h"
 #include "render/effects/segment_batch_source.h"
+#include "render/effects/relight.h"
 #include "render/effects/shading.h"
 #include "render/march/compact.h"
 #include "render/march/march.h"
@@ -52,6 +53,7 @@ struct FinishedRay {
   glm::vec4 premultiplied{0.0f};
   const RaySamples* samples = nullptr;
   const SegmentMerger* segments = nullptr;  ///< null where none are wanted
+  const NormalCode* normals = nullptr;      ///< of segments, by their places; null where none are wanted
   bool isEnded = false;                     ///< hardly any light was left
 };
 using OnRay = std::function<void(const FinishedRay&)>;
@@ -126,7 +128,9 @@ RaySegmentCount storeSegments(const SampleRule& rule, const FinishedRay& ray, De
   for (int i = found.first(); i != SegmentMerger::kNone; i = found.behind(i)) {
     const size_t place = pixel * static_cast<size_t>(dense.slots) + static_cast<size_t>(count);
     const bool isLast = found.behind(i) == SegmentMerger::kNone;
-    if (encoder.encode(found[i], isLast, dense.depths[place], dense.colors[place])) ++count;
+    if (!encoder.encode(found[i], isLast, dense.depths[place], dense.colors[place])) continue;
+    if (!dense.normals.empty()) dense.normals[place] = ray.normals != nullptr ? ray.normals[i] : NormalCode{0};
+    ++count;
   }
   return {count, ray.isEnded};
 }
@@ -149,7 +153,7 @@ class CpuMarcher final : public Marcher {
     denseSpreads_.resize(settings.sample.sendsSpread ? places : 0);
     const PixelGrid pixels = makePixelGrid(camera, rule.quantization.nearDepth);
     DenseSegments& segments = denseSegments_;
-    segments.resize(size_t{camera.width} * camera.height, settings.sample.segments);
+    segments.resize(size_t{camera.width} * camera.height, settings.sample.segments, wantsNormals(camera, settings));
     forEachRay(camera, pixels, settings.render, &settings.sample, stop, [&](const FinishedRay& ray) {
       const size_t pixel = size_t{ray.y} * camera.width + ray.x;
       const int found = ray.samples != nullptr ? ray.samples->size() : 0;
@@ -299,6 +303,14 @@ class CpuMarcher final : public Marcher {
     return VisibleBlocks(pixels, camera.width, camera.height, surface_, volume.bounds().lower, volume.geometry().voxelEdges());
   }
 
+  /// Whether the light of a frame of these settings changes with the eye.
+  bool wantsNormals(const Camera& camera, const MarchSettings& settings) {
+    if (settings.sample.segments == 0) return false;
+    if (!baked_ || !baked_->isFor(settings.render)) baked_ = marched_->bakedFor(settings.render);
+    const EffectPlan plan = planFor(*marched_, *baked_, baked_->visibleCells, settings.render, settings.sample);
+    return plan.has(PlanStage::raySegments) && dependsOnEye(shadingFor(*marched_, camera, settings.render, plan));
+  }
+
   template <class Source, class View, class Light>
   void marchTiles(const View& view, const Light& light, const Camera& camera, const PixelGrid& pixels,
                   const RenderSettings& settings, const EffectPlan& plan, const std::optional<VisibleBlocks>& blocks,
@@ -317,6 +329,7 @@ class CpuMarcher final : public Marcher {
       std::vector<CountingSample> counting;
       RaySamples found;
       SegmentMerger segments;
+      NormalCode normals[SegmentMerger::kRoom];
       const VisibleDepths everything{0.0f, std::numeric_limits<float>::infinity()};
       for (uint32_t y = y0; y < y1; ++y)
         for (uint32_t x = x0; x < x1; ++x) {
@@ -355,6 +368,15 @@ class CpuMarcher final : public Marcher {
               marchInto(SegmentedColor<StableMarch>(segments));
               segments.reduceTo(mostSegments);
               finished.segments = &segments;
+              if constexpr (requires { light.setup.isLit; })
+                if (dependsOnEye(light.setup)) {
+                  for (int i = segments.first(); i != SegmentMerger::kNone; i = segments.behind(i)) {
+                    float gradient[3];
+                    gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, placeToLight(segments[i]), gradient);
+                    normals[i] = normalOf(light.setup, gradient);
+                  }
+                  finished.normals = normals;
+                }
             } else {
               marchInto(GatheredColor<StableMarch>());
             }

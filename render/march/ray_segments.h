@@ -33,6 +33,12 @@ struct RaySegment {
   WARPSCOPE_HD float length() const { return end - begin; }
 };
 
+/// Where between its ends a segment of that opacity lets half of its light through from in front, about: a share of its length (within 0.07).
+WARPSCOPE_HD inline float placeOfHalf(float opacity) { return mulAdd(opacity * opacity, -0.375f, 0.5f); }
+
+/// Where on the ray a segment's light is taken to be.
+WARPSCOPE_HD inline float placeToLight(const RaySegment& segment) { return mulAdd(placeOfHalf(segment.opacity), segment.length(), segment.begin); }
+
 /// `front` becomes both. `back` follows it.
 WARPSCOPE_HD inline void mergeInto(RaySegment& front, const RaySegment& back) {
   const float rest = 1.0f - front.opacity;

@@ -50,6 +50,7 @@ class SegmentsWarp final : public Warp {
     image.samples.resize(camera.width, camera.height, kNoSample);
     image.color.resize(camera.width, camera.height);
     if (!frame_ || frame_->segments.empty()) return;
+    built_.relight(*frame_, camera);
     if (settings.knobs.choice<Between>(kBetweenKnob) == Between::linear)
       drawRays<true>(camera, image, stop);
     else

@@ -5,13 +5,58 @@
 #include <cmath>
 
 #include "render/core/parallel.h"
+#include "render/effects/relight.h"
+#include "render/effects/shading_setup.h"
+#include "render/march/march_setup.h"
 
 namespace warpscope {
 namespace {
 
 constexpr size_t kRowsAtOnce = 16;
 
+/// The lights of a frame's scene as a camera has them. Those of the world are where the copy of the volume says; without it the volume's axes are the world's.
+ShadingSetup lightsOf(const SampleFrame& frame, const Camera& camera) {
+  const Effects& effects = frame.settings.render.effects;
+  return prepareLights(effects.shading, effects.lights, frame.proxy ? frame.proxy->proxy().volume->geometry() : VolumeGeometry{}, camera);
+}
+
+/// Calls f(segment, place) for all of them, in parallel; places in volume space.
+template <class F>
+void forEachSegment(const SampleFrame& frame, const F& f) {
+  const FrameSegments& segments = frame.segments;
+  const PixelGrid pixels = makePixelGrid(frame.camera, frame.quantization.nearDepth);
+  const float step = frame.quantization.depthStep;
+  const uint32_t width = frame.camera.width;
+  std::vector<size_t> begins(frame.camera.height + 1, 0);
+  for (size_t y = 0; y < frame.camera.height; ++y) {
+    begins[y + 1] = begins[y];
+    for (size_t x = 0; x < width; ++x) begins[y + 1] += static_cast<size_t>(segments.rays[y * width + x].count());
+  }
+  parallelForRanges(frame.camera.height, kRowsAtOnce, [&](size_t beginRow, size_t endRow) {
+    for (size_t y = beginRow; y < endRow; ++y) {
+      size_t at = begins[y];
+      for (uint32_t x = 0; x < width; ++x)
+        for (int i = 0; i < segments.rays[y * width + x].count(); ++i, ++at) {
+          const SegmentDepths& depths = segments.depths[at];
+          const float begin = decodeDepth(depths.begin, step), end = decodeDepth(depths.end, step);
+          const float opacity = static_cast<float>(segments.colors[at] >> 24) / 255.0f;
+          f(at, pixels.at(x, static_cast<uint32_t>(y), mulAdd(placeOfHalf(opacity), end - begin, begin)));
+        }
+    }
+  });
+}
+
 }  // namespace
+
+void BuiltSegmentField::relight(const SampleFrame& frame, const Camera& camera) {
+  if (unlit_.empty()) return;
+  const ShadingSetup lights = lightsOf(frame, camera);
+  forEachSegment(frame, [&](size_t i, const glm::vec3& place) {
+    const NormalCode normal = frame.segments.normals[i];
+    if (normal == 0) return;
+    segments_[i].color = glm::max(relit(factorsOf(lights, normal, glm::normalize(camera.eye - place), place), unlit_[i]), glm::vec3(0.0f));
+  });
+}
 
 void BuiltSegmentField::build(const SampleFrame& frame) {
   const FrameSegments& segments = frame.segments;
@@ -61,6 +106,15 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
         tile.nearestUnknown = tile.farthestUnknown = unknown;
       }
   });
+  unlit_.clear();
+  if (!segments.normals.empty()) {
+    unlit_.resize(segments.size());
+    const ShadingSetup lights = lightsOf(frame, frame.camera);
+    forEachSegment(frame, [&](size_t i, const glm::vec3& place) {
+      const NormalCode normal = segments.normals[i];
+      if (normal != 0) unlit_[i] = unlit(factorsOf(lights, normal, glm::normalize(frame.camera.eye - place), place), segments_[i].color);
+    });
+  }
   // Cell (x, y) is between pixels x - 1 and x, y - 1 and y; about a pixel's centre, where cells are that, it is the pixel (x, y): both are in.
   for (int level = 0; level < kFieldLevels; ++level) {
     const int shift = kFieldShift[level], edge = 1 << shift;

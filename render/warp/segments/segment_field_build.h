@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "render/effects/shading.h"
 #include "render/march/sample_frame.h"
 #include "render/warp/segments/segment_field.h"
 
@@ -13,6 +14,8 @@ class BuiltSegmentField {
  public:
   /// Of the frame's segments; nothing for a frame without.
   void build(const SampleFrame& frame);
+  /// Lights the segments for another camera, where the frame says what their normals are.
+  void relight(const SampleFrame& frame, const Camera& camera);
   /// By pointers into this.
   SegmentField field() const;
 
@@ -21,6 +24,7 @@ class BuiltSegmentField {
   int width_ = 0, height_ = 0;
   std::vector<uint32_t> first_;
   std::vector<FieldSegment> segments_;
+  std::vector<glm::vec3> unlit_;  // colours of segments without light; empty where light does not depend on the eye
   std::vector<FieldTile> ofPixels_;
   std::vector<FieldTile> tiles_[kFieldLevels];
   int tileColumns_[kFieldLevels] = {};

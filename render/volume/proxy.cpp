@@ -1,0 +1,111 @@
+// Weighted means, in parallel over slices.
+// See proxy.h.
+#include "render/volume/proxy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/core/parallel.h"
+
+namespace warpscope {
+namespace {
+
+/// What of the volume's voxels lies in the copy's, along an axis.
+struct Coverage {
+  uint32_t first = 0;
+  std::vector<float> weights;
+};
+
+std::vector<Coverage> coveragesOf(uint32_t fine, uint32_t coarse) {
+  std::vector<Coverage> all(coarse);
+  const double ratio = static_cast<double>(fine) / coarse;
+  for (uint32_t i = 0; i < coarse; ++i) {
+    const double begin = i * ratio, end = (i + 1) * ratio;
+    all[i].first = static_cast<uint32_t>(begin);
+    for (uint32_t voxel = all[i].first; voxel < fine && voxel < end; ++voxel)
+      all[i].weights.push_back(static_cast<float>(std::min(end, voxel + 1.0) - std::max(begin, static_cast<double>(voxel))));
+  }
+  return all;
+}
+
+glm::uvec3 dimsFor(const VolumeGeometry& geometry, int longest) {
+  const glm::dvec3 extent = glm::dvec3(geometry.dims) * geometry.spacing;
+  const double edge = std::max({extent.x, extent.y, extent.z}) / longest;
+  glm::uvec3 dims;
+  for (int axis = 0; axis < 3; ++axis) dims[axis] = std::clamp(static_cast<uint32_t>(std::lround(extent[axis] / edge)), 1u, geometry.dims[axis]);
+  return dims;
+}
+
+}  // namespace
+
+Proxy makeProxy(const Volume& volume, int longest, const std::stop_token& stop) {
+  const VolumeGeometry& fine = volume.geometry();
+  VolumeGeometry geometry = fine;
+  geometry.dims = dimsFor(fine, longest);
+  geometry.unitEdge = fine.unit();
+  geometry.spacing = fine.spacing * glm::dvec3(fine.dims) / glm::dvec3(geometry.dims);
+  const glm::dvec3 shift = 0.5 * (geometry.spacing - fine.spacing);
+  geometry.origin = fine.origin + fine.direction * shift;
+
+  const VoxelStatistics& statistics = volume.statistics();
+  Proxy proxy;
+  proxy.scale.hasMissing = statistics.nonFinite > 0;
+  proxy.scale.lowest = statistics.rangeLower;
+  const double codes = proxy.scale.hasMissing ? 254.0 : 255.0;
+  const double range = statistics.rangeUpper - statistics.rangeLower;
+  proxy.scale.perCode = range > 0.0 ? range / codes : 1.0;
+
+  const std::vector<Coverage> alongX = coveragesOf(fine.dims.x, geometry.dims.x), alongY = coveragesOf(fine.dims.y, geometry.dims.y),
+                              alongZ = coveragesOf(fine.dims.z, geometry.dims.z);
+  auto voxels = std::make_shared<std::vector<uint8_t>>(size_t{geometry.dims.x} * geometry.dims.y * geometry.dims.z);
+  const ProxyScale scale = proxy.scale;
+  visitVoxelType(volume.type(), [&](auto tag) {
+    using Voxel = decltype(tag);
+    const Voxel* const in = volume.voxelsAs<Voxel>();
+    const size_t strideY = fine.dims.x, strideZ = strideY * fine.dims.y;
+    parallelForRanges(size_t{geometry.dims.z} * geometry.dims.y, 1, stop, [&](size_t beginRow, size_t endRow) {
+      for (size_t row = beginRow; row < endRow; ++row) {
+        const Coverage& ofY = alongY[row % geometry.dims.y];
+        const Coverage& ofZ = alongZ[row / geometry.dims.y];
+        for (uint32_t x = 0; x < geometry.dims.x; ++x) {
+          const Coverage& ofX = alongX[x];
+          double sum = 0.0, weights = 0.0;
+          for (size_t k = 0; k < ofZ.weights.size(); ++k)
+            for (size_t j = 0; j < ofY.weights.size(); ++j) {
+              const Voxel* const line = in + (ofZ.first + k) * strideZ + (ofY.first + j) * strideY + ofX.first;
+              const double ofLine = static_cast<double>(ofZ.weights[k]) * static_cast<double>(ofY.weights[j]);
+              for (size_t i = 0; i < ofX.weights.size(); ++i) {
+                const double value = static_cast<double>(line[i]);
+                if (!std::isfinite(value)) continue;
+                const double weight = ofLine * static_cast<double>(ofX.weights[i]);
+                sum += weight * value;
+                weights += weight;
+              }
+            }
+          uint8_t code = 0;
+          if (weights > 0.0) code = static_cast<uint8_t>(std::lround(std::clamp(scale.codeOf(sum / weights), scale.hasMissing ? 1.0 : 0.0, 255.0)));
+          (*voxels)[row * geometry.dims.x + x] = code;
+        }
+      }
+    });
+  });
+  const void* const data = voxels->data();
+  proxy.volume = std::make_shared<const Volume>(volume.name(), VoxelType::uint8, geometry, std::move(voxels), data, stop);
+  return proxy;
+}
+
+TransferFunction functionOfCodes(const TransferFunction& function, const ProxyScale& scale) {
+  TransferFunction ofCodes = function;
+  for (TransferPoint& point : ofCodes.points) point.value = scale.codeOf(point.value);
+  if (!scale.hasMissing) return ofCodes;
+  // Nothing below the first code that is a value: interpolation towards what is missing fades out.
+  std::vector<TransferPoint> points{{0.0, function.at(scale.lowest), 0.0f}, {0.5, function.at(scale.lowest), 0.0f}};
+  const glm::vec4 first = ofCodes.at(0.5);
+  points.push_back({0.5, glm::vec3(first), first.a});
+  for (const TransferPoint& point : ofCodes.points)
+    if (point.value > 0.5) points.push_back(point);
+  ofCodes.points = std::move(points);
+  return ofCodes;
+}
+
+}  // namespace warpscope

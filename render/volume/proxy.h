@@ -1,0 +1,37 @@
+// A coarse copy of a volume for those who have none: filtered, 8 bits a voxel, few enough to be sent with a picture.
+// A box filter, each voxel weighted by what of it lies in the copy's (cf. Williams 1983, "Pyramidal parametrics"). It has the volume's bounds and unit of
+// volume space, so that rays, lights and cuts of the one are those of the other.
+#pragma once
+
+#include "render/base/range.h"
+#include "render/core/transfer_function.h"
+#include "render/volume/volume.h"
+
+namespace warpscope {
+
+/// Voxels along its longest edge; 0: none.
+inline constexpr Range kProxyRange{0, 256};
+
+/// What the codes of a copy stand for.
+struct ProxyScale {
+  double lowest = 0.0;      ///< value of the first code
+  double perCode = 1.0;     ///< values from one code to the next, > 0
+  bool hasMissing = false;  ///< the code 0 is no value: voxels there were missing. Values begin at code 1
+
+  bool operator==(const ProxyScale&) const = default;
+  double codeOf(double value) const { return (value - lowest) / perCode + (hasMissing ? 1.0 : 0.0); }
+};
+
+struct Proxy {
+  VolumePtr volume;  ///< of 8 bits
+  ProxyScale scale;
+};
+
+/// The copy has `longest` voxels along the volume's longest edge and as nearly cubic ones as that allows, along no axis more than the volume has. Voxels that
+/// are not finite are left out; where there is no other, the copy has none. Throws OperationCancelled if `stop` is set.
+Proxy makeProxy(const Volume& volume, int longest, const std::stop_token& stop = {});
+
+/// `function`, of the volume's values, as one of the copy's codes.
+TransferFunction functionOfCodes(const TransferFunction& function, const ProxyScale& scale);
+
+}  // namespace warpscope
