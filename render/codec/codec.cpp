@@ -10,6 +10,7 @@
 #include "render/codec/bytes.h"
 #include "render/codec/packed_codec.h"
 #include "render/codec/raw_codec.h"
+#include "render/codec/segment_coding.h"
 #include "render/core/parallel.h"
 #include "render/core/picture_size.h"
 
@@ -90,6 +91,7 @@ void requireConsistent(const SampleFrame& frame) {
   }
   if (!countUp(frame.layers(), frame.settings.sample.samplesPerRay))
     throw InputError("a frame's layers must count up along each ray, from 0, to less than its settings' samplesPerRay");
+  requireConsistentSegments(frame);
   if (!areInOrder(frame)) throw InputError("a frame's rays must be in pixels of its picture, each in one of its own, in their order");
 }
 
@@ -97,6 +99,7 @@ void clear(SampleFrame& frame) {
   frame.samples.clear();
   frame.colors.clear();
   for (SamplePlane& plane : frame.planes) plane.values.clear();
+  frame.segments = {};
 }
 
 }  // namespace
@@ -111,6 +114,7 @@ uint64_t mostPayloadBytes(const SampleFrame& frame, uint64_t count, const CodecS
     throw UsageError("there is no payload format " + std::to_string(static_cast<int>(settings.format)));
   uint64_t bytes = kHeadBytes + found->mostBytes(frame, count, settings);
   for (const SamplePlane& plane : frame.planes) bytes += sizeof(uint32_t) + found->mostPlaneBytes(plane, count);
+  if (frame.settings.sample.segments > 0) bytes += sizeof(uint32_t) + mostSegmentBytes(frame.camera, frame.settings, settings);
   return bytes;
 }
 
@@ -120,7 +124,10 @@ void sealPayload(std::span<std::byte> payload) {
   for (size_t i = 0; i < 8; ++i) payload[1 + i] = static_cast<std::byte>(hash >> 8 * i);
 }
 
-FrameCodec::FrameCodec() : codecs_(std::size(kCodecs)) {}
+FrameCodec::FrameCodec() : codecs_(std::size(kCodecs)), segments_(std::make_unique<SegmentCoder>()) {}
+FrameCodec::~FrameCodec() = default;
+FrameCodec::FrameCodec(FrameCodec&&) noexcept = default;
+FrameCodec& FrameCodec::operator=(FrameCodec&&) noexcept = default;
 
 Codec& FrameCodec::codecFor(PayloadFormat format) {
   for (size_t i = 0; i < codecs_.size(); ++i) {
@@ -147,6 +154,14 @@ std::vector<std::byte> FrameCodec::encode(const SampleFrame& frame, const CodecS
     if (length > std::numeric_limits<uint32_t>::max()) throw InputError("the frame's plane \"" + plane.name + "\" is too long");
     storeLittle(payload.data() + start, static_cast<uint32_t>(length));
   }
+  if (frame.settings.sample.segments > 0) {
+    const size_t start = payload.size();
+    appendLittle(payload, uint32_t{0});
+    segments_->append(payload, frame, settings);
+    const size_t length = payload.size() - start - sizeof(uint32_t);
+    if (length > std::numeric_limits<uint32_t>::max()) throw InputError("the frame's segments are too long");
+    storeLittle(payload.data() + start, static_cast<uint32_t>(length));
+  }
   codec.encode(frame, settings, payload);
   sealPayload(payload);
   lastBytes_ = payload.size();
@@ -161,13 +176,13 @@ DecodeError FrameCodec::decode(std::span<const std::byte> payload, size_t count,
   if (count > limits.maxSamples)
     return "the frame has " + std::to_string(count) + " samples, more than the " + std::to_string(limits.maxSamples) + " allowed";
   const Camera& camera = frame.camera;
-  if (count > 0 && !isPictureSize(camera.width, camera.height)) return "the frame has samples but no usable picture";
+  if ((count > 0 || frame.settings.sample.segments > 0) && !isPictureSize(camera.width, camera.height)) return "the frame has samples but no usable picture";
   if (payload.size() < kHeadBytes) return "the payload ends before its head does";
   const auto format = static_cast<PayloadFormat>(payload[0]);
   if (nameOf(format) == "?") return "the payload's format " + std::to_string(static_cast<int>(format)) + " is unknown";
   ByteReader reader(payload.subspan(1));
   if (reader.take<uint64_t>() != hashOf(payload)) return "the payload is damaged: its bytes do not match their hash";
-  DecodeError error = decodeBehindHead(codecFor(format), reader, count, frame);
+  DecodeError error = decodeBehindHead(format, reader, count, frame, limits);
   if (error) clear(frame);
   noteNeed(frame, count);
   return error;
@@ -176,11 +191,13 @@ DecodeError FrameCodec::decode(std::span<const std::byte> payload, size_t count,
 void FrameCodec::noteNeed(const SampleFrame& frame, size_t count) {
   if (!need_.exceedsRecent(size_t{frame.camera.width} * frame.camera.height + count)) return;
   for (std::unique_ptr<Codec>& codec : codecs_) codec.reset();
+  segments_->forget();
   planeBytes_ = {};
   giveBackFreedMemory();
 }
 
-DecodeError FrameCodec::decodeBehindHead(Codec& codec, ByteReader& reader, size_t count, SampleFrame& frame) {
+DecodeError FrameCodec::decodeBehindHead(PayloadFormat format, ByteReader& reader, size_t count, SampleFrame& frame, const DecodeLimits& limits) {
+  Codec& codec = codecFor(format);
   planeBytes_.clear();
   size_t kept = 0;
   for (size_t i = 0; i < frame.planes.size(); ++i) {
@@ -193,6 +210,12 @@ DecodeError FrameCodec::decodeBehindHead(Codec& codec, ByteReader& reader, size_
     ++kept;
   }
   frame.planes.resize(kept);
+  if (frame.settings.sample.segments > 0) {
+    const auto length = reader.take<uint32_t>();
+    const std::span<const std::byte> bytes = reader.take(length);
+    if (reader.ranOut()) return "the payload ends within its segments";
+    if (DecodeError error = segments_->take(bytes, format, limits.maxSamples, frame)) return error;
+  }
   if (DecodeError error = codec.decode(reader.take(reader.left()), count, frame)) return error;
   // The others' values may be predicted along layers.
   for (const bool isLayers : {true, false})

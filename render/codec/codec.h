@@ -1,7 +1,8 @@
 // A frame's samples and colours as bytes and back. What describes the frame (its camera, quantisation, settings, number of samples) travels
 // beside them and is known to whoever decodes: it may be relied on, so that it need not be said twice.
 // The layout is ours. A payload is: format (1 byte), a hash of all that follows (8 bytes), for each plane of the frame, in order, its length
-// (4 bytes) and the format's bytes of it, then the format's bytes of samples and colours. Numbers are little-endian.
+// (4 bytes) and the format's bytes of it, likewise the segments where the settings ask for some, then the format's bytes of samples and colours. Numbers are
+// little-endian.
 //
 // Decoding takes nothing on trust. It never throws on bad input, refuses sizes before it allocates for them, and answers with the same
 // samples that were encoded, bit for bit, or with a sentence. The hash finds accidents; it does not keep out who means harm, whom every
@@ -102,11 +103,16 @@ struct CodecDescriptor {
 /// Every format.
 std::span<const CodecDescriptor> codecRegistry();
 
+class SegmentCoder;
+
 /// Frames to payloads and back, in every format. Keeps buffers from frame to frame, as many as the largest of the last frames needed
 /// (recent_need.h); one thread at a time.
 class FrameCodec {
  public:
   FrameCodec();
+  ~FrameCodec();
+  FrameCodec(FrameCodec&&) noexcept;
+  FrameCodec& operator=(FrameCodec&&) noexcept;
 
   /// Throws UsageError for settings out of range, InputError for a frame whose samples, colours and planes differ in number, whose planes
   /// are not what sample_planes.h says, or whose rays are not in pixels of the camera's picture, each in one of its own, in their order.
@@ -122,9 +128,10 @@ class FrameCodec {
   /// What was worked at: gives buffers back that recent frames do not need.
   void noteNeed(const SampleFrame& frame, size_t count);
   /// Leaves planes out that are not known; may leave the frame half filled.
-  DecodeError decodeBehindHead(Codec& codec, ByteReader& reader, size_t count, SampleFrame& frame);
+  DecodeError decodeBehindHead(PayloadFormat format, ByteReader& reader, size_t count, SampleFrame& frame, const DecodeLimits& limits);
 
   std::vector<std::unique_ptr<Codec>> codecs_;  // in the registry's order, made when first asked for
+  std::unique_ptr<SegmentCoder> segments_;
   std::vector<std::span<const std::byte>> planeBytes_;  // of the frame at work
   size_t lastBytes_ = 0;                        // of the last payload: the next will be about as long
   RecentNeed need_;                             // of pixels and samples

@@ -39,7 +39,7 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
     std::fill(origin_.begin(), origin_.end(), 0);
     return;
   }
-  fineBits_ = placement == Placement::steps ? kStepFineBits : kStepFineBits - 1;
+  fineBits_ = placement == Placement::halfSteps ? kStepFineBits - 1 : kStepFineBits;
   for (auto* values : {&fromX_, &fromY_, &fromZ_, &x_, &y_, &z_, &cosine_, &t0_, &length_}) values->resize(count);
   count_.resize(count);
   // Loops read and write through locals only: what they write cannot be what they read then.
@@ -116,6 +116,25 @@ void PixelPaths::locate(std::span<const PackedSample> samples, std::span<int32_t
   }
 }
 
+void PixelPaths::locateBorders(std::span<const uint32_t> depthCodes, std::span<int32_t> places) const {
+  const size_t count = depthCodes.size();
+  const uint32_t* const code = depthCodes.data();
+  int32_t* const out = places.data();
+  const float perStep = 1.0f / step_, depthStep = depthStep_;
+  const float* const cosines = cosine_.data();
+  const float* const t0s = t0_.data();
+  const float* const lengths = length_.data();
+  const int32_t* const counts = count_.data();
+  for (size_t k = 0; k < count; ++k) {
+    const float t = decodeDepth(code[k], depthStep) / cosines[k];
+    const int last = glm::min(counts[k], kMaxSamplesPerRay / 2);
+    // The last border may be less than a step behind the one before it.
+    const float behind = t - t0s[k], part = 0.5f * (static_cast<float>(last - 1) * step_ + lengths[k]);
+    const int place = clamped(behind * perStep + 0.5f, last);
+    out[k] = behind > part ? last : glm::min(place, glm::max(last - 1, 0));
+  }
+}
+
 void PixelPaths::place(std::span<const int32_t> places, std::span<uint32_t> depthCodes) const {
   const size_t count = places.size();
   const int32_t* const place = places.data();
@@ -135,6 +154,11 @@ void PixelPaths::place(std::span<const int32_t> places, std::span<uint32_t> dept
       out[k] = encodeDepth(depthOf(lattice, place[k], glm::max(lattice.count - 1, 0)) * cosines[k], depthStep);
     }
   };
+  if (placement_ == kBorders)
+    return placeAll([](const RayLattice& lattice, int i, int last) {
+      const float inside = std::fma(static_cast<float>(glm::clamp(i, 0, last)), lattice.dt, lattice.t0);
+      return i > last ? lattice.t0 + lattice.length : inside;
+    });
   if (placement_ == Placement::halfSteps)
     placeAll([](const RayLattice& lattice, int halves, int last) {
       const int first = glm::clamp(halves >> 1, 0, last), second = glm::clamp(first + (halves & 1), 0, last);

@@ -22,7 +22,9 @@ enum class Placement : uint8_t {
   halfSteps,  ///< the same in half steps: midpoints of two places on the lattice
   depth,      ///< the depth code itself
 };
-inline constexpr uint32_t kPlacements = 3;
+inline constexpr uint32_t kPlacements = 3;  ///< of samples
+/// Of segments: steps begin and end at places that are index on the ray's lattice; the last one at its far end.
+inline constexpr auto kBorders = static_cast<Placement>(kPlacements);
 
 /// Neighbouring samples are predicted from one another in fine units that do not depend on where a ray enters the volume.
 struct FineScale {
@@ -46,6 +48,8 @@ class PixelPaths {
 
   /// The integers whose places are nearest to the samples.
   void locate(std::span<const PackedSample> samples, std::span<int32_t> places) const;
+  /// The same of borders, from their depth codes.
+  void locateBorders(std::span<const uint32_t> depthCodes, std::span<int32_t> places) const;
 
   /// The depth codes of the places. Any integer will do.
   void place(std::span<const int32_t> places, std::span<uint32_t> depthCodes) const;

@@ -27,6 +27,8 @@ struct RayLattice {
   }
   /// As t(), for a sample that is not the last.
   WARPSCOPE_HD float tOfWholeStep(int i) const { return mulAdd(static_cast<float>(i) + 0.5f, dt, t0); }
+  /// Where step i begins and the one in front of it ends, for i up to count; as precise as t().
+  WARPSCOPE_HD float border(int i) const { return i < count ? mulAdd(static_cast<float>(i), dt, t0) : t0 + length; }
   WARPSCOPE_HD float t(int i) const {
     return i + 1 < count ? tOfWholeStep(i) : t0 + (length - 0.5f * stepLength(i));
   }

@@ -365,7 +365,7 @@ class CpuMarcher final : public Marcher {
             if (mostSegments > 0) {
               WARPSCOPE_COUNT(segmentedRays, 1);
               segments.clear();
-              marchInto(SegmentedColor<StableMarch>(segments));
+              marchInto(SegmentedColor<StableMarch>(segments, path.lattice));
               segments.reduceTo(mostSegments);
               finished.segments = &segments;
               if constexpr (requires { light.setup.isLit; })

@@ -184,15 +184,17 @@ class SegmentMerger {
 template <class MarchPolicy>
 class SegmentedColor : public GatheredColor<MarchPolicy> {
  public:
-  WARPSCOPE_HD explicit SegmentedColor(SegmentMerger& segments) : segments_(segments) {}
+  WARPSCOPE_HD SegmentedColor(SegmentMerger& segments, const RayLattice& lattice) : segments_(segments), lattice_(lattice) {}
 
   WARPSCOPE_HD void add(const ClassifiedSample& sample, const glm::vec3& color, float through) {
     GatheredColor<MarchPolicy>::add(sample, color, through);
-    segments_.add({sample.t - 0.5f * sample.ds, sample.t + 0.5f * sample.ds, sample.alpha, through, color});
+    const bool isStep = sample.ds > 0.0f;  // else a surface, or a value without length
+    segments_.add({isStep ? lattice_.border(sample.i) : sample.t, isStep ? lattice_.border(sample.i + 1) : sample.t, sample.alpha, through, color});
   }
 
  private:
   SegmentMerger& segments_;
+  const RayLattice& lattice_;
 };
 
 }  // namespace warpscope

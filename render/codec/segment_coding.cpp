@@ -1,0 +1,508 @@
+// Bands of layers of segments.
+// See segment_coding.h.
+#include "render/codec/segment_coding.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+
+#include "render/base/error.h"
+#include "render/codec/band_layers.h"
+#include "render/codec/band_layout.h"
+#include "render/codec/color_planes.h"
+#include "render/codec/jpeg.h"
+#include "render/codec/pixel_path.h"
+#include "render/codec/tokens.h"
+#include "render/codec/zstd_section.h"
+#include "render/core/parallel.h"
+
+namespace warpscope {
+namespace {
+
+constexpr uint32_t kBandPixels = 1 << 17;
+constexpr size_t kHeadBytes = 3, kListedBytes = 8, kProbes = 256;
+constexpr uint64_t kRawSegmentBytes = sizeof(SegmentDepths) + sizeof(Rgba8);
+
+struct Bands {
+  uint32_t height = 0, rows = 1;
+  size_t count = 0;
+
+  explicit Bands(const Camera& camera) : height(camera.height), rows(std::max(kBandPixels / std::max(camera.width, 1u) / 16, 1u) * 16) {
+    count = (height + rows - 1) / rows;
+  }
+  MaskShape shape(const Camera& camera, size_t band) const {
+    const auto first = static_cast<uint32_t>(band) * rows;
+    return {camera.width, first, std::min(rows, height - first)};
+  }
+};
+
+bool hasLattice(const SampleFrame& frame) {
+  return isUsable(frame.camera) && frame.settings.render.step > 0.0f && std::isfinite(frame.settings.render.step);
+}
+
+/// Whether rays have the lattice that the frame's settings say, by a look at some of them.
+Placement bestPlacement(const SampleFrame& frame) {
+  const FrameSegments& segments = frame.segments;
+  if (!hasLattice(frame) || segments.size() == 0) return Placement::depth;
+  TransferVector<uint32_t> columns, rows, codes;
+  const size_t stride = std::max(segments.rays.size() / kProbes, size_t{1});
+  size_t at = 0;
+  for (size_t pixel = 0; pixel < segments.rays.size(); ++pixel) {
+    if (pixel % stride == 0 && segments.rays[pixel].count() > 0) {
+      columns.push_back(static_cast<uint32_t>(pixel % frame.camera.width));
+      rows.push_back(static_cast<uint32_t>(pixel / frame.camera.width));
+      codes.push_back(segments.depths[at].begin);
+    }
+    at += static_cast<size_t>(segments.rays[pixel].count());
+  }
+  PixelPaths paths;
+  paths.aim(frame, kBorders, columns, rows);
+  TransferVector<int32_t> places(codes.size());
+  TransferVector<uint32_t> likely(codes.size());
+  paths.locateBorders(codes, places);
+  paths.place(places, likely);
+  size_t near = 0;
+  for (size_t k = 0; k < codes.size(); ++k) near += codes[k] + 1 - likely[k] <= 2;  // a code beside it is rounding
+  return near * 8 >= codes.size() * 7 ? kBorders : Placement::depth;
+}
+
+/// A layer of a band at work: one segment of each pixel that has so many. Keeps its buffers.
+class SegmentBand {
+ public:
+  /// Segments [begin, ...) are the band's, ray after ray.
+  void pack(const SampleFrame& frame, Placement placement, const MaskShape& shape, size_t begin, const CodecSettings& settings, std::vector<std::byte>& out) {
+    const FrameSegments& segments = frame.segments;
+    const size_t firstPixel = size_t{shape.firstRow} * shape.width, pixels = size_t{shape.rowCount} * shape.width;
+    bytes_.resize(pixels);
+    starts_.resize(pixels);
+    int layers = 0;
+    size_t at = begin;
+    for (size_t i = 0; i < pixels; ++i) {
+      const RaySegmentCount ray = segments.rays[firstPixel + i];
+      bytes_[i] = ray.bits();
+      starts_[i] = static_cast<uint32_t>(at - begin);
+      layers = std::max(layers, ray.count());
+      at += static_cast<size_t>(ray.count());
+    }
+    changeByWest(shape.width);
+    appendSection(out, bytes_);
+    ends_.assign(pixels, 0);
+    for (int layer = 0; layer < layers; ++layer) {
+      lay(shape, [&](size_t i) { return segments.rays[firstPixel + i].count() > layer; });
+      const size_t size = layout_.size();
+      gather(shape, size, [&](size_t k, size_t pixel) {
+        const size_t segment = begin + starts_[pixel] + static_cast<size_t>(layer);
+        codes_[k] = segments.depths[segment].begin;
+        endCodes_[k] = segments.depths[segment].end;
+        colors_[k] = segments.colors[segment];
+        if (!segments.normals.empty()) normals_[k] = segments.normals[segment];
+      });
+      paths_.aim(frame, placement, layout_.columns, layout_.rows);
+      bitBytes_.resize((size * kMostBits + 7) / 8 + BitWriter::kSpareBytes);
+      BitWriter bits(bitBytes_.data());
+      putDepths(size, layer, bits);
+      for (const TransferVector<uint8_t>* tokens : {&beginTokens_, &endTokens_, &beginRests_, &endRests_}) appendSection(out, *tokens);
+      const std::span<const uint8_t> written = bits.finish();
+      appendLittle(out, static_cast<uint32_t>(written.size()));
+      appendSection(out, written);
+      colorPlanes_.append(out, layout_, shape.firstRow, mask_, shape.rowBytes(), colors_, settings);
+      if (!segments.normals.empty()) appendNormals(size, out);
+    }
+  }
+
+  /// Fills the band's part of the frame's segments. The rays' bytes are known, and so is how many segments they have.
+  DecodeError unpack(ByteReader& reader, Placement placement, const MaskShape& shape, ColorCoding coding, size_t begin, SampleFrame& frame) {
+    FrameSegments& segments = frame.segments;
+    const size_t firstPixel = size_t{shape.firstRow} * shape.width, pixels = size_t{shape.rowCount} * shape.width;
+    starts_.resize(pixels);
+    int layers = 0;
+    size_t at = begin;
+    for (size_t i = 0; i < pixels; ++i) {
+      const RaySegmentCount ray = segments.rays[firstPixel + i];
+      starts_[i] = static_cast<uint32_t>(at - begin);
+      layers = std::max(layers, ray.count());
+      at += static_cast<size_t>(ray.count());
+    }
+    ends_.assign(pixels, 0);
+    for (int layer = 0; layer < layers; ++layer) {
+      lay(shape, [&](size_t i) { return segments.rays[firstPixel + i].count() > layer; });
+      const size_t size = layout_.size();
+      gather(shape, size, [](size_t, size_t) {});
+      paths_.aim(frame, placement, layout_.columns, layout_.rows);
+      for (TransferVector<uint8_t>* tokens : {&beginTokens_, &endTokens_, &beginRests_, &endRests_}) {
+        tokens->resize(size);
+        if (!takeSection(reader, *tokens)) return "the depths of segments are damaged";
+      }
+      const auto bitLength = reader.take<uint32_t>();
+      if (bitLength > (size * kMostBits + 7) / 8 + 1) return "the depths of segments have more bits than they can use";
+      bitBytes_.resize(bitLength);
+      if (!takeSection(reader, bitBytes_)) return "the depths of segments are damaged";
+      BitReader bits(bitBytes_);
+      takeDepths(size, layer, bits);
+      if (bits.ranOut()) return "the depths of segments end too early";
+      if (DecodeError error = colorPlanes_.take(reader, layout_, shape.firstRow, coding, colors_)) return error;
+      if (!segments.normals.empty() && !takeNormals(reader, size)) return "the normals of segments are damaged";
+      for (size_t k = 0; k < size; ++k) {
+        const size_t segment = begin + starts_[pixelOf_[k]] + static_cast<size_t>(layer);
+        segments.depths[segment] = {codes_[k], endCodes_[k]};
+        segments.colors[segment] = colors_[k];
+        if (!segments.normals.empty()) segments.normals[segment] = normals_[k];
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// Fills the band's rays.
+  bool takeRays(ByteReader& reader, const MaskShape& shape, std::span<RaySegmentCount> rays) {
+    bytes_.resize(rays.size());
+    if (!takeSection(reader, bytes_)) return false;
+    for (size_t row = 0; row < shape.rowCount; ++row) {
+      uint8_t west = 0;
+      for (size_t x = 0; x < shape.width; ++x) {
+        const size_t i = row * shape.width + x;
+        west = static_cast<uint8_t>(bytes_[i] ^ west);
+        rays[i] = RaySegmentCount::ofBits(west);
+      }
+    }
+    return true;
+  }
+
+  static constexpr size_t kMostBits = 4 * kMostTokenBits;
+
+ private:
+  void changeByWest(uint32_t width) {
+    for (size_t row = 0; row < bytes_.size(); row += width) {
+      uint8_t west = 0;
+      for (size_t i = row; i < row + width; ++i) {
+        const uint8_t own = bytes_[i];
+        bytes_[i] = static_cast<uint8_t>(own ^ west);
+        west = own;
+      }
+    }
+  }
+
+  template <class Has>
+  void lay(const MaskShape& shape, const Has& has) {
+    mask_.assign(shape.size(), 0);
+    for (uint32_t row = 0; row < shape.rowCount; ++row)
+      for (uint32_t x = 0; x < shape.width; ++x)
+        if (has(size_t{row} * shape.width + x)) mask_[size_t{row} * shape.rowBytes() + x / 8] |= static_cast<uint8_t>(1u << x % 8);
+    layout_.build(shape.width, shape.firstRow, shape.rowCount, mask_);
+  }
+
+  /// f(k, pixel of the band) for the layer's segments.
+  template <class F>
+  void gather(const MaskShape& shape, size_t size, const F& f) {
+    pixelOf_.resize(size);
+    codes_.resize(size);
+    endCodes_.resize(size);
+    colors_.resize(size);
+    normals_.resize(size);
+    for (size_t k = 0; k < size; ++k) {
+      pixelOf_[k] = (layout_.rows[k] - shape.firstRow) * shape.width + layout_.columns[k];
+      f(k, pixelOf_[k]);
+    }
+  }
+
+  void putDepths(size_t size, int layer, BitWriter& bits) {
+    places_.resize(size);
+    endPlaces_.resize(size);
+    if (paths_.fineScale().bits > 0) {
+      paths_.locateBorders(codes_, places_);
+      paths_.locateBorders(endCodes_, endPlaces_);
+    } else {
+      std::ranges::copy(codes_, places_.begin());
+      std::ranges::copy(endCodes_, endPlaces_.begin());
+    }
+    for (TransferVector<uint8_t>* tokens : {&beginTokens_, &endTokens_, &beginRests_, &endRests_}) tokens->resize(size);
+    forEachPlace(size, layer, [&](size_t k, int32_t likely, TransferVector<int32_t>& places, bool isEnd) {
+      (isEnd ? endTokens_ : beginTokens_)[k] = putToken(zigzag(wrapped(places[k], likely)), bits);
+    });
+    // What the marcher's rounding and other rays' lattices make of it.
+    const auto putRests = [&](const TransferVector<int32_t>& places, const TransferVector<uint32_t>& codes, TransferVector<uint8_t>& rests) {
+      likely_.resize(size);
+      paths_.place(places, likely_);
+      for (size_t k = 0; k < size; ++k) rests[k] = putToken(zigzag(static_cast<int32_t>(codes[k] - likely_[k])), bits);
+    };
+    putRests(places_, codes_, beginRests_);
+    putRests(endPlaces_, endCodes_, endRests_);
+  }
+
+  void takeDepths(size_t size, int layer, BitReader& bits) {
+    places_.resize(size);
+    endPlaces_.resize(size);
+    forEachPlace(size, layer, [&](size_t k, int32_t likely, TransferVector<int32_t>& places, bool isEnd) {
+      const int32_t difference = unzigzag(takeToken((isEnd ? endTokens_ : beginTokens_)[k], bits));
+      places[k] = static_cast<int32_t>(static_cast<uint32_t>(likely) + static_cast<uint32_t>(difference));
+    });
+    const auto takeRests = [&](const TransferVector<int32_t>& places, TransferVector<uint32_t>& codes, const TransferVector<uint8_t>& rests) {
+      paths_.place(places, codes);
+      for (size_t k = 0; k < size; ++k) codes[k] = (codes[k] + static_cast<uint32_t>(unzigzag(takeToken(rests[k], bits)))) & kDepthCodeMax;
+    };
+    takeRests(places_, codes_, beginRests_);
+    takeRests(endPlaces_, endCodes_, endRests_);
+  }
+
+  static int32_t wrapped(int32_t value, int32_t likely) { return static_cast<int32_t>(static_cast<uint32_t>(value) - static_cast<uint32_t>(likely)); }
+
+  /// f(k, what is likely, places, whether they are ends) for the beginnings of all, which it knows or sets; then for their ends. Of the first layer a
+  /// beginning is predicted from those beside it, of others the gap from the end in front; an end from those beside it, as far behind its beginning.
+  template <class F>
+  void forEachPlace(size_t size, int layer, const F& f) {
+    const FineScale scale = paths_.fineScale();
+    const Neighbors* const neighbors = layout_.neighbors.data();
+    fine_.resize(size + 1);
+    fine_[0] = 0;
+    for (size_t k = 0; k < size; ++k) {
+      const Neighbors from = neighbors[k];
+      const int32_t likelyFine = predicted(fine_[from.west], fine_[from.north], fine_[from.northWest]);
+      if (layer == 0) {
+        f(k, scale.placeOf(k, likelyFine), places_, false);
+        fine_[k + 1] = scale.fineOf(k, places_[k]);
+      } else {
+        const int32_t front = ends_[pixelOf_[k]];
+        f(k, static_cast<int32_t>(static_cast<uint32_t>(front) + static_cast<uint32_t>(likelyFine)), places_, false);
+        fine_[k + 1] = wrapped(places_[k], front);
+      }
+    }
+    for (size_t k = 0; k < size; ++k) {
+      const Neighbors from = neighbors[k];
+      const int32_t likely = scale.placeOf(k, predicted(fine_[from.west], fine_[from.north], fine_[from.northWest]));
+      f(k, likely, endPlaces_, true);
+      fine_[k + 1] = scale.fineOf(k, endPlaces_[k]);
+      ends_[pixelOf_[k]] = endPlaces_[k];
+    }
+  }
+
+  void appendNormals(size_t size, std::vector<std::byte>& out) {
+    for (const int shift : {0, 8}) {
+      bytes_.resize(size);
+      fine_.resize(size + 1);
+      fine_[0] = 0;
+      for (size_t k = 0; k < size; ++k) {
+        const Neighbors from = layout_.neighbors[k];
+        const int32_t own = normals_[k] >> shift & 255;
+        bytes_[k] = static_cast<uint8_t>(own - predicted(fine_[from.west], fine_[from.north], fine_[from.northWest]));
+        fine_[k + 1] = own;
+      }
+      appendSection(out, bytes_);
+    }
+  }
+
+  bool takeNormals(ByteReader& reader, size_t size) {
+    std::ranges::fill(normals_, NormalCode{0});
+    for (const int shift : {0, 8}) {
+      bytes_.resize(size);
+      if (!takeSection(reader, bytes_)) return false;
+      fine_.resize(size + 1);
+      fine_[0] = 0;
+      for (size_t k = 0; k < size; ++k) {
+        const Neighbors from = layout_.neighbors[k];
+        const int32_t own = (bytes_[k] + predicted(fine_[from.west], fine_[from.north], fine_[from.northWest])) & 255;
+        normals_[k] = static_cast<NormalCode>(normals_[k] | own << shift);
+        fine_[k + 1] = own;
+      }
+    }
+    return true;
+  }
+
+  BandLayout layout_;
+  PixelPaths paths_;
+  ColorPlanes colorPlanes_;
+  TransferVector<uint8_t> bytes_, mask_, beginTokens_, endTokens_, beginRests_, endRests_, bitBytes_;
+  TransferVector<uint32_t> starts_, pixelOf_, codes_, endCodes_, likely_;
+  TransferVector<int32_t> places_, endPlaces_, fine_;
+  std::vector<int32_t> ends_;  // of the pixel's segment of the layer in front
+  TransferVector<Rgba8> colors_;
+  TransferVector<NormalCode> normals_;
+};
+
+uint64_t hashOf(const FrameSegments& segments) {
+  uint64_t hash = hashBytes(std::as_bytes(std::span(segments.rays)), 1);
+  hash = hashBytes(std::as_bytes(std::span(segments.depths)), hash);
+  return hashBytes(std::as_bytes(std::span(segments.normals)), hash);
+}
+
+size_t countOf(std::span<const RaySegmentCount> rays) {
+  size_t count = 0;
+  for (const RaySegmentCount ray : rays) count += static_cast<size_t>(ray.count());
+  return count;
+}
+
+/// Nothing, or what is wrong.
+DecodeError whyInconsistent(const SampleFrame& frame) {
+  const FrameSegments& segments = frame.segments;
+  const int most = frame.settings.sample.segments;
+  const size_t pixels = size_t{frame.camera.width} * frame.camera.height;
+  if (segments.rays.size() != (most > 0 ? pixels : 0)) return "a frame must say of each pixel how many segments it has if its settings ask for some, else of none";
+  if (countOf(segments.rays) != segments.size()) return "a frame must have as many segments as its pixels say";
+  if (segments.colors.size() != segments.size()) return "a frame must have a colour for each segment";
+  if (!segments.normals.empty() && segments.normals.size() != segments.size()) return "a frame must have a normal for each segment, or none";
+  size_t at = 0;
+  for (const RaySegmentCount ray : segments.rays) {
+    if (ray.count() > most || (ray.bits() & 0x60) != 0) return "a pixel of a frame has more segments than its settings ask for";
+    uint32_t last = 0;
+    for (int i = 0; i < ray.count(); ++i, ++at) {
+      const SegmentDepths& depths = segments.depths[at];
+      if (depths.begin < last || depths.end < depths.begin || depths.end > kDepthCodeMax) return "the segments of a pixel must be near to far";
+      last = depths.end;
+    }
+  }
+  return std::nullopt;
+}
+
+void appendRaw(std::vector<std::byte>& out, const FrameSegments& segments) {
+  const size_t start = out.size();
+  out.resize(start + segments.sizeBytes());
+  std::byte* at = out.data() + start;
+  for (const RaySegmentCount ray : segments.rays) *at++ = static_cast<std::byte>(ray.bits());
+  for (size_t i = 0; i < segments.size(); ++i, at += kRawSegmentBytes) {
+    storeLittle(at, segments.depths[i].begin);
+    storeLittle(at + 4, segments.depths[i].end);
+    storeLittle(at + 8, segments.colors[i]);
+  }
+  for (const NormalCode normal : segments.normals) {
+    storeLittle(at, normal);
+    at += sizeof(NormalCode);
+  }
+}
+
+DecodeError takeRaw(ByteReader& reader, bool hasNormals, size_t most, SampleFrame& frame) {
+  FrameSegments& segments = frame.segments;
+  const std::span<const std::byte> rays = reader.take(segments.rays.size());
+  if (reader.ranOut()) return "the segments end within what rays have";
+  for (size_t i = 0; i < rays.size(); ++i) segments.rays[i] = RaySegmentCount::ofBits(std::to_integer<uint8_t>(rays[i]));
+  const size_t count = countOf(segments.rays);
+  if (count > most) return "the frame has more segments than are allowed";
+  if (reader.left() != count * (kRawSegmentBytes + (hasNormals ? sizeof(NormalCode) : 0))) return "the segments have another length than their rays say";
+  segments.depths.resize(count);
+  segments.colors.resize(count);
+  segments.normals.resize(hasNormals ? count : 0);
+  for (size_t i = 0; i < count; ++i) {
+    segments.depths[i].begin = reader.take<uint32_t>();
+    segments.depths[i].end = reader.take<uint32_t>();
+    segments.colors[i] = reader.take<Rgba8>();
+  }
+  for (NormalCode& normal : segments.normals) normal = reader.take<NormalCode>();
+  return std::nullopt;
+}
+
+}  // namespace
+
+struct SegmentCoder::Buffers {
+  tbb::enumerable_thread_specific<SegmentBand> bands;
+};
+
+SegmentCoder::SegmentCoder() : buffers_(std::make_unique<Buffers>()) {}
+SegmentCoder::~SegmentCoder() = default;
+void SegmentCoder::forget() { buffers_->bands.clear(); }
+
+uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, const CodecSettings& settings) {
+  if (marched.sample.segments == 0) return 0;
+  const uint64_t pixels = uint64_t{camera.width} * camera.height, layers = static_cast<uint64_t>(marched.sample.segments), segments = pixels * layers;
+  const uint64_t raw = kHeadBytes + pixels + segments * (kRawSegmentBytes + sizeof(NormalCode));
+  if (settings.format == PayloadFormat::raw) return raw;
+  const Bands bands(camera);
+  constexpr uint64_t kTokens = 4, kNormals = 2;
+  uint64_t bytes = kHeadBytes + sizeof(uint64_t);
+  for (size_t band = 0; band < bands.count; ++band) {
+    const uint64_t rows = bands.shape(camera, band).rowCount, own = rows * camera.width * layers;
+    bytes += kListedBytes + kSectionHeadBytes + rows * camera.width + layers * ((kTokens + 1 + kNormals) * kSectionHeadBytes + sizeof(uint32_t) + 1) +
+             own * (kTokens + kNormals) + (own * SegmentBand::kMostBits + 7) / 8 + ColorPlanes::mostBytes(camera.width, static_cast<uint32_t>(rows), own, layers, settings.color);
+  }
+  return bytes;
+}
+
+void requireConsistentSegments(const SampleFrame& frame) {
+  if (DecodeError error = whyInconsistent(frame)) throw InputError(*error);
+}
+
+void SegmentCoder::append(std::vector<std::byte>& out, const SampleFrame& frame, const CodecSettings& settings) {
+  const FrameSegments& segments = frame.segments;
+  const bool isPacked = settings.format == PayloadFormat::packed;
+  const Placement placement = isPacked ? bestPlacement(frame) : Placement::depth;
+  appendLittle(out, static_cast<uint8_t>(placement));
+  appendLittle(out, static_cast<uint8_t>(settings.color));
+  appendLittle(out, static_cast<uint8_t>(segments.normals.empty() ? 0 : 1));
+  if (!isPacked) return appendRaw(out, segments);
+  const Bands bands(frame.camera);
+  std::vector<size_t> begins(bands.count + 1, 0);
+  for (size_t band = 0; band < bands.count; ++band) {
+    const MaskShape shape = bands.shape(frame.camera, band);
+    begins[band + 1] = begins[band] + countOf(std::span(segments.rays).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width));
+  }
+  std::vector<std::vector<std::byte>> packed(bands.count);
+  parallelForRanges(bands.count, 1, [&](size_t from, size_t to) {
+    for (size_t band = from; band < to; ++band)
+      buffers_->bands.local().pack(frame, placement, bands.shape(frame.camera, band), begins[band], settings, packed[band]);
+  });
+  appendLittle(out, hashOf(segments));
+  for (const std::vector<std::byte>& band : packed) appendLittle(out, static_cast<uint32_t>(band.size()));
+  for (const std::vector<std::byte>& band : packed) out.insert(out.end(), band.begin(), band.end());
+}
+
+DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat format, size_t most, SampleFrame& frame) {
+  FrameSegments& segments = frame.segments;
+  segments = {};
+  ByteReader reader(bytes);
+  const auto placement = static_cast<Placement>(reader.take<uint8_t>());
+  const auto coding = static_cast<ColorCoding>(reader.take<uint8_t>());
+  const auto hasNormals = reader.take<uint8_t>();
+  if (reader.ranOut()) return "the segments end before their head does";
+  if ((placement != Placement::depth && placement != kBorders) || nameOf(coding) == "?" || hasNormals > 1) return "the segments have an unknown head";
+  if (placement != Placement::depth && !hasLattice(frame)) return "the segments need a usable camera and step";
+  segments.rays.resize(size_t{frame.camera.width} * frame.camera.height);
+  if (format == PayloadFormat::raw) {
+    if (DecodeError error = takeRaw(reader, hasNormals == 1, most, frame)) return error;
+    return whyInconsistent(frame);
+  }
+  const Bands bands(frame.camera);
+  const auto hash = reader.take<uint64_t>();
+  std::vector<ByteReader> readers;
+  std::vector<size_t> lengths;
+  for (size_t band = 0; band < bands.count; ++band) lengths.push_back(reader.take<uint32_t>());
+  if (reader.ranOut()) return "the segments end within their list of bands";
+  for (const size_t length : lengths) readers.emplace_back(reader.take(length));
+  if (reader.ranOut() || reader.left() > 0) return "the bands of the segments have other lengths than their list says";
+  std::vector<DecodeError> errors(bands.count);
+  parallelForRanges(bands.count, 1, [&](size_t from, size_t to) {
+    for (size_t band = from; band < to; ++band) {
+      const MaskShape shape = bands.shape(frame.camera, band);
+      const auto rays = std::span(segments.rays).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width);
+      if (!buffers_->bands.local().takeRays(readers[band], shape, rays)) errors[band] = "what rays have of segments is damaged";
+    }
+  });
+  const auto firstError = [&]() -> DecodeError {
+    for (const DecodeError& error : errors)
+      if (error) return error;
+    return std::nullopt;
+  };
+  if (DecodeError error = firstError()) return error;
+  for (const RaySegmentCount ray : segments.rays)
+    if (ray.count() > frame.settings.sample.segments) return "a pixel of a frame has more segments than its settings ask for";
+  std::vector<size_t> begins(bands.count + 1, 0);
+  for (size_t band = 0; band < bands.count; ++band) {
+    const MaskShape shape = bands.shape(frame.camera, band);
+    begins[band + 1] = begins[band] + countOf(std::span(segments.rays).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width));
+  }
+  const size_t count = begins.back();
+  if (count > most) return "the frame has more segments than are allowed";
+  segments.depths.resize(count);
+  segments.colors.resize(count);
+  segments.normals.resize(hasNormals == 1 ? count : 0);
+  parallelForRanges(bands.count, 1, [&](size_t from, size_t to) {
+    for (size_t band = from; band < to; ++band) {
+      errors[band] = buffers_->bands.local().unpack(readers[band], placement, bands.shape(frame.camera, band), coding, begins[band], frame);
+      if (!errors[band] && (readers[band].ranOut() || readers[band].left() > 0)) errors[band] = "a band of segments is longer or shorter than it should be";
+    }
+  });
+  if (DecodeError error = firstError()) return error;
+  if (hashOf(segments) != hash)
+    return "the segments are not those that were sent: other camera or settings than the sender's, or a machine that rounds differently";
+  return whyInconsistent(frame);
+}
+
+}  // namespace warpscope

@@ -1,0 +1,47 @@
+// The segments of a frame's rays as bytes, for both formats.
+//
+// Raw: for each pixel its byte (frame_segments.h), then for each segment its two depth codes and its colour (4 bytes each), then, where there are some, their
+// normals (2 each).
+// Packed: bands of rows, each by itself, a band in layers: the first segment of every pixel, then the second ... Where segments begin and end is predicted from
+// the same of the pixels beside: borders of the ray's steps as the marcher has them (pixel_path.h), or depth codes where rays are not those; a segment that
+// begins where the one in front ends takes next to nothing. Colours: color_planes.h. Normals: differences of both of their parts.
+// Before both: what a byte says of the rest (how depths are placed, how colours travel, whether there are normals).
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "render/codec/codec.h"
+
+namespace warpscope {
+
+/// The most bytes that either format takes for the segments of a frame with that camera and those settings, whatever they are; 0 where the settings ask for
+/// none.
+uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, const CodecSettings& settings);
+
+/// Throws InputError for segments that are not what frame_segments.h says, or more in a pixel than the settings ask for. A frame whose settings ask for some has
+/// a count for each pixel of its picture.
+void requireConsistentSegments(const SampleFrame& frame);
+
+/// Keeps its buffers; one thread at a time, and works on all cores itself.
+class SegmentCoder {
+ public:
+  SegmentCoder();
+  ~SegmentCoder();
+
+  /// Appends the frame's segments, which are consistent.
+  void append(std::vector<std::byte>& out, const SampleFrame& frame, const CodecSettings& settings);
+
+  /// Fills the frame's segments, at most `most`; its camera (whose picture has a usable size), quantisation and settings are known.
+  DecodeError take(std::span<const std::byte> bytes, PayloadFormat format, size_t most, SampleFrame& frame);
+
+  /// Gives buffers back.
+  void forget();
+
+ private:
+  struct Buffers;
+  std::unique_ptr<Buffers> buffers_;
+};
+
+}  // namespace warpscope
