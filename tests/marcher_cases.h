@@ -42,7 +42,9 @@ inline bool sameBits(const Image<glm::vec4>& a, const Image<glm::vec4>& b) {
 }
 
 inline bool sameFrame(const SampleFrame& a, const SampleFrame& b) {
-  return a.samples == b.samples && a.colors == b.colors && a.planes == b.planes && a.camera == b.camera && a.quantization == b.quantization;
+  const bool haveSameSegments = a.segments.rays == b.segments.rays && a.segments.depths == b.segments.depths && a.segments.colors == b.segments.colors &&
+                                a.segments.normals == b.segments.normals;
+  return a.samples == b.samples && a.colors == b.colors && a.planes == b.planes && a.camera == b.camera && a.quantization == b.quantization && haveSameSegments;
 }
 
 /// Largest opacity in a picture; NaN if any component of it is not finite.

@@ -54,7 +54,8 @@ Json toJson(const ComparisonRow& row, const Comparison& comparison, const Comman
           {"uploadMs", row.build.upload.medianMs},
           {"buildMs", row.build.build.medianMs},
           {"samples", usesFrame ? comparison.frame->size() : 0},
-          {"bytes", row.bytes}};
+          {"bytes", row.bytes},
+          {"proxyBytes", row.proxyBytes}};
 }
 
 Json verdictOf(const Comparison& comparison, const CommandContext& work) {

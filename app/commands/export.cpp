@@ -122,6 +122,7 @@ void exportSamples(const ExportOptions& options) {
   CommandContext work = prepare(options.common, interrupt.token());
   for (const std::string& file : {options.ply, options.spreadMap})
     if (!file.empty()) requireWritable(file);
+  work.march = neededBy({}, work.march);
   if (!options.spreadMap.empty()) work.march.sample.sendsSpread = true;
   auto progress = std::make_unique<Progress>("export", 2, !options.common.showsProgress());
   progress->step("the server's frame");

@@ -148,6 +148,7 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
   ServedFrame served;
   if (descriptor.usesFrame) {
     progress->step("the server's frame");
+    work.march = neededBy(std::array{&descriptor}, work.march);
     served = work.fetch()(serverCamera, work.march, limit.token());
   }
   const SampleFramePtr& frame = served.frame;

@@ -46,6 +46,7 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
     std::unique_ptr<Warp> warp;
     MeasuredBuild build;
     size_t bytes;
+    size_t proxyBytes = 0;
   };
   const Measuring measuring(settings.draws, stop);
   std::vector<Contender> contenders;
@@ -53,7 +54,9 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
     Contender contender{&descriptor, makeWarp(descriptor, resources), {}, 0};
     contender.build = measureBuild(measuring, *contender.warp, comparison.frame, settings.warp);
     if (descriptor.usesFrame)
-      contender.bytes = descriptor.name == "hold" ? pictureBytes(comparison.frame, scene.background, settings.codec) : comparison.served.bytes;
+      contender.bytes = descriptor.name == "hold" ? pictureBytes(comparison.frame, scene.background, settings.codec)
+                                                  : bytesFor(descriptor, comparison.frame, comparison.served.bytes, settings.codec);
+    if (descriptor.uses.proxy) contender.proxyBytes = comparison.served.proxyBytes;
     contenders.push_back(std::move(contender));
   }
 
@@ -87,6 +90,7 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
       }
       row.build = contender.build;
       row.bytes = contender.bytes;
+      row.proxyBytes = contender.proxyBytes;
       comparison.rows.push_back(row);
       onPicture(*contender.descriptor, view, drawn);
     }

@@ -24,7 +24,8 @@ struct ComparisonRow {
   double holeFraction = 0.0;
   Measured draw;        ///< see MeasuredDraw
   MeasuredBuild build;  ///< once a frame, so the same in all views
-  size_t bytes = 0;     ///< on the wire: the frame's payload; for `hold` what its picture alone would take; 0 without a frame
+  size_t bytes = 0;     ///< on the wire: what the technique draws of the frame; for `hold` what its picture alone would take; 0 without a frame
+  size_t proxyBytes = 0;  ///< once a scene: the copy of the volume, where the technique draws it
   int draws = 0;        ///< that were timed
 };
 

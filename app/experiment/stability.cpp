@@ -121,7 +121,7 @@ void runMarch(StabilityResult& result, const Scene& scene, const StabilitySettin
 
 void runSpheres(StabilityResult& result, const Scene& scene, const StabilitySettings& settings, const std::stop_token& stop) {
   const uint32_t side = result.what->sidePx;
-  MarchSettings march = scene.march;
+  MarchSettings march = neededBy({}, scene.march);
   march.sample.radiusScale = result.what->radiusScale;
   const MarcherPtr marcher = makeMarcher(Backend::cpu, scene.volume, scene.transferFunction);  // the same samples for all
   const auto frame = std::make_shared<const SampleFrame>(marcher->march(makeCamera(scene, scene.views.front(), side, side), march, stop));

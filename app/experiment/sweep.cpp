@@ -92,7 +92,8 @@ class Sweep::Run {
     if (configuration.technique->usesFrame) {
       const Served served = servedFor(configuration);
       cost = served.cost;
-      if (configuration.technique->name == "hold") cost.bytes = pictureBytes(served.frame, scene_.background, configuration.codec);
+      cost.bytes = configuration.technique->name == "hold" ? pictureBytes(served.frame, scene_.background, configuration.codec)
+                                                           : bytesFor(*configuration.technique, served.frame, cost.bytes, configuration.codec);
       const MeasuredBuild build = measureBuild(measuring_, warp, served.frame, warpSettings);
       cost.upload = build.upload;
       cost.build = build.build;

@@ -8,6 +8,7 @@
 #include "render/base/error.h"
 #include "render/base/stopwatch.h"
 #include "render/codec/jpeg.h"
+#include "render/codec/proxy_coding.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
@@ -49,6 +50,7 @@ FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& coding) {
     served.latency.encodeMs = trip.encodeMs;
     served.latency.decodeMs = trip.decodeMs;
     served.bytes = trip.bytes;
+    served.proxyBytes = trip.proxyBytes;
     served.frame = std::move(frame);
     served.arrivedAt = std::chrono::steady_clock::now();
     return served;
@@ -59,12 +61,25 @@ CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSe
   CodecTrip trip;
   std::vector<std::byte> payload;
   trip.encodeMs = milliseconds([&] { payload = codec.encode(sent, settings); });
-  trip.bytes = payload.size();
+  trip.proxyBytes = proxyBytesOf(sent);
+  trip.bytes = payload.size() - trip.proxyBytes;
   const size_t count = sent.size();
   DecodeError error;
   trip.decodeMs = milliseconds([&] { error = codec.decode(payload, count, received); });
   if (error) throw InputError("the program's own frame cannot be decoded: " + *error);
   return trip;
+}
+
+size_t bytesFor(const WarpDescriptor& technique, const SampleFramePtr& frame, size_t bytes, const CodecSettings& codec) {
+  if (frame->segments.empty()) return bytes;
+  SampleFrame samples = *frame;
+  samples.segments = {};
+  samples.proxy.reset();
+  samples.settings.sample.segments = samples.settings.sample.proxy = 0;
+  const size_t ofSamples = FrameCodec().encode(samples, codec).size();
+  const bool usesSamples = !technique.uses.segments || technique.uses.depth || technique.uses.radius;
+  if (!technique.uses.segments) return ofSamples;
+  return usesSamples ? bytes : bytes - std::min(bytes, ofSamples);
 }
 
 FrameFetch fetchFrom(FrameSourcePtr source, std::function<void(uint16_t)> onBusy) {

@@ -8,6 +8,7 @@
 #include "app/frames/frame_source.h"
 #include "render/core/color.h"
 #include "render/march/marcher.h"
+#include "render/warp/warp.h"
 
 namespace warpscope {
 
@@ -19,12 +20,16 @@ FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& codec);
 
 /// What one frame's way through the codec takes, by the host's clock.
 struct CodecTrip {
-  size_t bytes = 0;  ///< of the payload
+  size_t bytes = 0;  ///< of the payload, without the copy of the volume
+  size_t proxyBytes = 0;  ///< of that
   double encodeMs = 0.0, decodeMs = 0.0;
 };
 /// Encodes `sent` and decodes it into `received`, which may be the same frame; its members other than samples and colours must be those of `sent`. Throws
 /// InputError if what was encoded cannot be decoded.
 CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSettings& settings, SampleFrame& received);
+
+/// What of a frame's bytes, without the copy of the volume, a technique needs: those of the samples, of the segments, or of both. `bytes` are all of them.
+size_t bytesFor(const WarpDescriptor& technique, const SampleFramePtr& frame, size_t bytes, const CodecSettings& codec);
 
 /// Asks `source`, and waits. Throws InputError with the connection's trouble if that does not end within some seconds. `onBusy`, if any, is
 /// called with the number of others that the server works for meanwhile, when it says so.

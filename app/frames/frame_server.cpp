@@ -74,7 +74,11 @@ size_t memoryFor(const Camera& camera, const MarchSettings& settings, net::Wante
   const size_t pixels = size_t{camera.width} * camera.height;
   if (wanted == net::Wanted::picture) return kLeastBytes + pixels * kBytesOfPicturePixel;
   const size_t bytesOfSample = kBytesOfSample + (settings.sample.sendsSpread ? kBytesOfSpread : 0);
-  return kLeastBytes + pixels * static_cast<size_t>(settings.sample.samplesPerRay) * bytesOfSample;
+  // Segments as they are marched, as they are sent, and packed.
+  const size_t bytesOfSegment = 3 * (sizeof(SegmentDepths) + sizeof(Rgba8) + sizeof(NormalCode));
+  const size_t segments = pixels * static_cast<size_t>(settings.sample.segments) * bytesOfSegment;
+  const auto edge = static_cast<size_t>(settings.sample.proxy);
+  return kLeastBytes + pixels * static_cast<size_t>(settings.sample.samplesPerRay) * bytesOfSample + segments + 4 * edge * edge * edge;
 }
 
 /// What one thread works with. Others may look at it while it rests.

@@ -10,6 +10,7 @@
 #include "render/base/error.h"
 #include "render/base/newest_worker.h"
 #include "render/base/stopwatch.h"
+#include "render/codec/proxy_coding.h"
 
 namespace warpscope {
 namespace {
@@ -57,7 +58,10 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     asked.camera = toFields(request.camera);
     {
       const std::scoped_lock lock(mutex_);
-      asked.settings = toFields(request.settings, transport_.server);
+      MarchSettings settings = request.settings;
+      wantedLongest_ = settings.sample.proxy;
+      if (proxy_ && proxyLongest_ == wantedLongest_) settings.sample.proxy = 0;  // it is here already
+      asked.settings = toFields(settings, transport_.server);
       asked.codec = toFields(transport_.codec);
     }
     client_.request(asked);
@@ -131,6 +135,18 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     status_.roundTripMs = std::chrono::duration<double, std::milli>(roundTrip).count();
   }
 
+  /// The copy of the volume comes once, and goes with every frame from then on.
+  void keepProxy(SampleFrame& frame) {
+    const std::scoped_lock lock(mutex_);
+    if (frame.proxy) {
+      proxy_ = frame.proxy;
+      proxyLongest_ = frame.settings.sample.proxy;
+    } else if (proxy_ && proxyLongest_ == wantedLongest_) {
+      frame.proxy = proxy_;
+      frame.settings.sample.proxy = proxyLongest_;
+    }
+  }
+
   void noteAnswer() {
     const std::scoped_lock lock(mutex_);
     status_.busyWith.reset();
@@ -140,7 +156,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     return isOtherScene_;
   }
 
-  void decode(const Arrived& arrived, ServedFrame& served, FrameCodec& codec) const {
+  void decode(const Arrived& arrived, ServedFrame& served, FrameCodec& codec) {
     if (!arrived.frame) {
       served.requestId = arrived.failure.id;
       served.arrivedAt = clock_.now();
@@ -151,9 +167,11 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     served.requestId = head.id;
     served.requestedAt = arrived.arrival.requestedAt;
     served.bytes = arrived.frame->payload.size();
-    SampleFramePtr frame;
-    const double decodeMs = milliseconds(
-        [&] { frame = std::make_shared<const SampleFrame>(decodedFrom(head, arrived.frame->payload, codec)); });
+    auto frame = std::make_shared<SampleFrame>();
+    const double decodeMs = milliseconds([&] { *frame = decodedFrom(head, arrived.frame->payload, codec); });
+    served.proxyBytes = proxyBytesOf(*frame);
+    served.bytes -= std::min(served.proxyBytes, served.bytes);
+    keepProxy(*frame);
     FrameLatency& latency = served.latency;
     latency = latencyOf(frame->timings);
     latency.decodeMs = decodeMs;
@@ -175,6 +193,8 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
   SourceStatus status_;
   std::optional<net::SceneFields> scene_;
   bool isOtherScene_ = false;
+  ProxyPtr proxy_;  // that came last; null: none
+  int proxyLongest_ = 0, wantedLongest_ = 0;
   std::stop_source decided_;  // asked to stop once there is a scene, or will be none, or nobody waits for it
   NewestWorker<Arrived, ServedFrame> decoder_;
   net::Client client_;  // last: it tells all of the above

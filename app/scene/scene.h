@@ -27,6 +27,14 @@ struct View {
   bool operator==(const View&) const = default;
 };
 
+/// Scenes' settings unless they say others: frames have segments and a copy of the volume for the techniques that draw them (neededBy).
+inline MarchSettings defaultMarch() {
+  MarchSettings march;
+  march.sample.segments = 4;
+  march.sample.proxy = 64;
+  return march;
+}
+
 struct Scene {
   std::string name;
   std::string title;
@@ -38,7 +46,7 @@ struct Scene {
   double fovYDeg = 40.0;
   glm::vec3 background{0.0f};  ///< linear RGB, behind everything that is transparent
   std::vector<View> views;     ///< at least one; the first is the server's
-  MarchSettings march;
+  MarchSettings march = defaultMarch();
 
   const VolumeGeometry& geometry() const { return volume ? volume->geometry() : elsewhere; }
 };

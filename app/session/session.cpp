@@ -71,7 +71,9 @@ bool Session::update(TimePoint now) {
   liveFront_.setPictureSize(pictureSize());
   happened |= frames_.take();
   frames_.setTransport(knobs_.transport);
-  happened |= frames_.ask({view_.cameraOfSize(serverSize()), knobs_.march, knobs_.transport.codec, knobs_.serverSidePx}, knobs_.isFrozen, now);
+  std::vector<const WarpDescriptor*> techniques;
+  for (const LivePanel& one : panels_) techniques.push_back(one.shown().technique);
+  happened |= frames_.ask({view_.cameraOfSize(serverSize()), neededBy(techniques, knobs_.march), knobs_.transport.codec, knobs_.serverSidePx}, knobs_.isFrozen, now);
   happened |= truth_.take();
   happened |= truth_.follow({opening_.current()->display, view_.cameraOfSize(pictureSize()), knobs_.march.render, scene()->background}, now);
   for (size_t i = 0; i < kPanelCount; ++i) {

@@ -9,6 +9,7 @@
 #include "render/base/error.h"
 #include "render/codec/bytes.h"
 #include "render/codec/packed_codec.h"
+#include "render/codec/proxy_coding.h"
 #include "render/codec/raw_codec.h"
 #include "render/codec/segment_coding.h"
 #include "render/core/parallel.h"
@@ -92,6 +93,7 @@ void requireConsistent(const SampleFrame& frame) {
   if (!countUp(frame.layers(), frame.settings.sample.samplesPerRay))
     throw InputError("a frame's layers must count up along each ray, from 0, to less than its settings' samplesPerRay");
   requireConsistentSegments(frame);
+  if (frame.settings.sample.proxy > 0 && !frame.proxy) throw InputError("a frame whose settings ask for a copy of the volume must have one");
   if (!areInOrder(frame)) throw InputError("a frame's rays must be in pixels of its picture, each in one of its own, in their order");
 }
 
@@ -100,6 +102,7 @@ void clear(SampleFrame& frame) {
   frame.colors.clear();
   for (SamplePlane& plane : frame.planes) plane.values.clear();
   frame.segments = {};
+  frame.proxy.reset();
 }
 
 }  // namespace
@@ -114,7 +117,9 @@ uint64_t mostPayloadBytes(const SampleFrame& frame, uint64_t count, const CodecS
     throw UsageError("there is no payload format " + std::to_string(static_cast<int>(settings.format)));
   uint64_t bytes = kHeadBytes + found->mostBytes(frame, count, settings);
   for (const SamplePlane& plane : frame.planes) bytes += sizeof(uint32_t) + found->mostPlaneBytes(plane, count);
-  if (frame.settings.sample.segments > 0) bytes += sizeof(uint32_t) + mostSegmentBytes(frame.camera, frame.settings, settings);
+  const SampleSettings& sample = frame.settings.sample;
+  if (sample.segments > 0) bytes += sizeof(uint32_t) + mostSegmentBytes(frame.camera, frame.settings, settings);
+  if (sample.proxy > 0) bytes += sizeof(uint32_t) + mostProxyBytes(sample.proxy);
   return bytes;
 }
 
@@ -146,22 +151,18 @@ std::vector<std::byte> FrameCodec::encode(const SampleFrame& frame, const CodecS
   payload.reserve(lastBytes_ + lastBytes_ / 8);
   appendLittle(payload, static_cast<uint8_t>(settings.format));
   appendLittle(payload, uint64_t{0});
-  for (const SamplePlane& plane : frame.planes) {
+  // Behind its length.
+  const auto appendPart = [&](const std::string& what, const auto& append) {
     const size_t start = payload.size();
     appendLittle(payload, uint32_t{0});
-    codec.encodePlane(frame, plane, payload);
+    append();
     const size_t length = payload.size() - start - sizeof(uint32_t);
-    if (length > std::numeric_limits<uint32_t>::max()) throw InputError("the frame's plane \"" + plane.name + "\" is too long");
+    if (length > std::numeric_limits<uint32_t>::max()) throw InputError("the frame's " + what + " is too long");
     storeLittle(payload.data() + start, static_cast<uint32_t>(length));
-  }
-  if (frame.settings.sample.segments > 0) {
-    const size_t start = payload.size();
-    appendLittle(payload, uint32_t{0});
-    segments_->append(payload, frame, settings);
-    const size_t length = payload.size() - start - sizeof(uint32_t);
-    if (length > std::numeric_limits<uint32_t>::max()) throw InputError("the frame's segments are too long");
-    storeLittle(payload.data() + start, static_cast<uint32_t>(length));
-  }
+  };
+  for (const SamplePlane& plane : frame.planes) appendPart("plane \"" + plane.name + "\"", [&] { codec.encodePlane(frame, plane, payload); });
+  if (frame.settings.sample.segments > 0) appendPart("list of segments", [&] { segments_->append(payload, frame, settings); });
+  if (frame.settings.sample.proxy > 0) appendPart("copy of the volume", [&] { appendProxy(payload, *frame.proxy); });
   codec.encode(frame, settings, payload);
   sealPayload(payload);
   lastBytes_ = payload.size();
@@ -214,7 +215,14 @@ DecodeError FrameCodec::decodeBehindHead(PayloadFormat format, ByteReader& reade
     const auto length = reader.take<uint32_t>();
     const std::span<const std::byte> bytes = reader.take(length);
     if (reader.ranOut()) return "the payload ends within its segments";
-    if (DecodeError error = segments_->take(bytes, format, limits.maxSamples, frame)) return error;
+    if (DecodeError error = segments_->take(bytes, format, limits.maxSegments, frame)) return error;
+  }
+  frame.proxy.reset();
+  if (const int longest = frame.settings.sample.proxy; longest > 0) {
+    const auto length = reader.take<uint32_t>();
+    const std::span<const std::byte> bytes = reader.take(length);
+    if (reader.ranOut()) return "the payload ends within its copy of the volume";
+    if (DecodeError error = takeProxy(bytes, longest, frame.proxy)) return error;
   }
   if (DecodeError error = codec.decode(reader.take(reader.left()), count, frame)) return error;
   // The others' values may be predicted along layers.

@@ -1,7 +1,7 @@
 // A frame's samples and colours as bytes and back. What describes the frame (its camera, quantisation, settings, number of samples) travels
 // beside them and is known to whoever decodes: it may be relied on, so that it need not be said twice.
 // The layout is ours. A payload is: format (1 byte), a hash of all that follows (8 bytes), for each plane of the frame, in order, its length
-// (4 bytes) and the format's bytes of it, likewise the segments where the settings ask for some, then the format's bytes of samples and colours. Numbers are
+// (4 bytes) and the format's bytes of it, likewise the segments and the copy of the volume where the settings ask for them, then the format's bytes of samples and colours. Numbers are
 // little-endian.
 //
 // Decoding takes nothing on trust. It never throws on bad input, refuses sizes before it allocates for them, and answers with the same
@@ -63,6 +63,7 @@ void validate(const CodecSettings& settings);
 /// What a decoder accepts. Besides the frame it holds some tens of megabytes a thread, whatever a payload says.
 struct DecodeLimits {
   size_t maxSamples = size_t{1} << 26;  ///< of 12 bytes each in memory, and what planes that are known take
+  size_t maxSegments = size_t{1} << 28; ///< likewise, of 14 bytes
   size_t maxBytes = size_t{1} << 30;    ///< of a payload
 };
 

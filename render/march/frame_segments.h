@@ -96,4 +96,25 @@ class SegmentEncoder {
   float through_ = 1.0f, sentThrough_ = 1.0f;
 };
 
+/// Where a pixel's segments go: as many places as the settings ask for segments. `normals` may be null.
+struct SegmentSlots {
+  SegmentDepths* depths = nullptr;
+  Rgba8* colors = nullptr;
+  NormalCode* normals = nullptr;
+};
+
+/// Stores a ray's segments, near to far, and says how many there are. `normalOf(i)` is the normal of the segment in place i. For host and device.
+template <class NormalOf>
+WARPSCOPE_HD inline RaySegmentCount storeSegments(const SegmentMerger& found, bool isEnded, SegmentEncoder encoder, const SegmentSlots& slots,
+                                                  const NormalOf& normalOf) {
+  int count = 0;
+  for (int i = found.first(); i != SegmentMerger::kNone; i = found.behind(i)) {
+    const bool isLast = found.behind(i) == SegmentMerger::kNone;
+    if (!encoder.encode(found[i], isLast, slots.depths[count], slots.colors[count])) continue;
+    if (slots.normals != nullptr) slots.normals[count] = normalOf(i);
+    ++count;
+  }
+  return {count, isEnded};
+}
+
 }  // namespace warpscope

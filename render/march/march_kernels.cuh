@@ -8,6 +8,7 @@
 #include "render/core/counters.h"
 #include "render/core/ray_sphere.h"
 #include "render/cuda/pixel_tiles.cuh"
+#include "render/effects/relight.h"
 #include "render/march/march.h"
 #include "render/march/march_launch.h"
 #include "render/march/ray_samples.h"
@@ -108,6 +109,41 @@ __device__ inline void storeSpreads(const Job& job, const PixelPlace& pixel, con
   marchParts<PieceOpacity>(
       path, source, Unlit{}, job.limits, RayParts{whole.accumulatedEnd, job.slots}, [&](const CountingSample& sample) { moments.add(sample); },
       [&](const PieceOpacity&) { store(); });
+}
+
+/// The ray's segments: a march of its own, in the picture's light. `makeSource()` gives a source at the path's beginning.
+template <class Job, class MakeSource, class Light>
+__device__ inline void storeRaySegments(const Job& job, const PixelPlace& pixel, const RayPath& path, float cosine, const MakeSource& makeSource,
+                                        const Light& light) {
+  WARPSCOPE_COUNT(segmentedRays, 1);
+  SegmentMerger found;
+  SegmentedColor<StableMarch> gathered(found, path.lattice);
+  auto source = makeSource();
+  marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered, [](const CountingSample&) { return true; });
+  found.reduceTo(job.segmentSlots);
+  const size_t place = size_t{pixel.y} * job.camera.width + pixel.x, first = place * static_cast<size_t>(job.segmentSlots);
+  const SegmentSlots slots{job.segments.depths + first, job.segments.colors + first, job.segments.normals != nullptr ? job.segments.normals + first : nullptr};
+  const bool isEnded = gathered.transmittance.value() < job.limits.stopBelow;
+  const SegmentEncoder encoder(*job.colorTables, job.rule.quantization, cosine);
+  job.segmentCounts[place] = storeSegments(found, isEnded, encoder, slots, [&](int i) {
+    if constexpr (requires { light.setup.isLit; }) {
+      using Source = decltype(source);
+      float gradient[3];
+      gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), path.ray, placeToLight(found[i]), gradient);
+      return normalOf(light.setup, gradient);
+    } else {
+      return NormalCode{0};
+    }
+  });
+}
+
+template <class Light, class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads) marchRaySegments(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ Light light) {
+  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
+  float cosine;
+  const RayPath path = rayThrough(job, pixel, &cosine);
+  storeRaySegments(job, pixel, path, cosine, [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); }, light);
 }
 
 template <class Voxel, bool kHasHoles, bool kByCells>
@@ -233,6 +269,9 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, con
     }
   });
   if (heuristic && job.spreads != nullptr) marchSpreads<Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job);
+  if (heuristic && job.segmentSlots > 0)
+    visitLight(shading, lightVolume,
+               [&](auto light) { marchRaySegments<decltype(light), Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, light); });
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 #if WARPSCOPE_COUNTERS
   handOverDeviceCounts(stream);

@@ -171,6 +171,22 @@ constinit const Knob kSegmentsKnob{.key = "segments",
                                    .phrase = ", {} segments a ray",
                                    .naming = KnobNaming::unlessDefault};
 
+constinit const Knob kProxyKnob{.key = "proxy",
+                                .option = "--proxy",
+                                .label = "Proxy",
+                                .noun = "size of the volume's copy",
+                                .help = "Voxels along the longest edge of a coarse copy of the volume that is sent once, for what no frame has seen; 0: none",
+                                .unit = " voxels",
+                                .type = KnobType::whole,
+                                .owner = KnobOwner::sampling,
+                                .stale = KnobStage::march,
+                                .range = kProxyRange,
+                                .track = kProxyRange,
+                                .defaultValue = static_cast<double>(kSample.proxy),
+                                .axis = {"proxySizes", "--proxy-sizes", "Voxels along the longest edge of the volume's copy"},
+                                .phrase = ", a copy of {} voxels",
+                                .naming = KnobNaming::unlessDefault};
+
 namespace {
 
 const MarchKnob kOwnRows[] = {
@@ -201,6 +217,10 @@ const MarchKnob kOwnRows[] = {
     {{&kSegmentsKnob, [](const MarchSettings& s) { return static_cast<double>(s.sample.segments); },
       [](MarchSettings& s, double value) { s.sample.segments = static_cast<int>(value); }},
      FramePart::segments,
+     always},
+    {{&kProxyKnob, [](const MarchSettings& s) { return static_cast<double>(s.sample.proxy); },
+      [](MarchSettings& s, double value) { s.sample.proxy = static_cast<int>(value); }},
+     FramePart::proxy,
      always},
     {{&kStepKnob, [](const MarchSettings& s) { return double{s.render.step}; },
       [](MarchSettings& s, double value) { s.render.step = static_cast<float>(value); }},

@@ -19,6 +19,7 @@ enum class FramePart {
   samples,  ///< how many there are, and with it all that is drawn of them
   planes,   ///< what is said of them besides
   segments, ///< what is said of rays besides samples
+  proxy,    ///< what is known where no frame has seen anything
 };
 
 struct MarchKnob : KnobRow<MarchSettings> {
@@ -51,6 +52,6 @@ std::span<const MarchText> marchTexts();
 const MarchText* findMarchText(std::string_view key);
 
 extern const Knob kStepKnob, kContributionKnob, kSkipEmptyKnob, kTerminateEarlyKnob;
-extern const Knob kHeuristicKnob, kThresholdKnob, kRadiusKnob, kRadiusScaleKnob, kSamplesPerRayKnob, kSpreadKnob, kSegmentsKnob;
+extern const Knob kHeuristicKnob, kThresholdKnob, kRadiusKnob, kRadiusScaleKnob, kSamplesPerRayKnob, kSpreadKnob, kSegmentsKnob, kProxyKnob;
 
 }  // namespace warpscope

@@ -13,6 +13,7 @@
 #include "render/effects/mip.h"
 #include "render/effects/light_volume_march.h"
 #include "render/effects/shading.h"
+#include "render/march/frame_segments.h"
 #include "render/march/march.h"
 #include "render/march/sample_radius.h"
 #include "render/march/volume_view.h"
@@ -44,6 +45,10 @@ struct MarchJob {
   Rgba8* colors = nullptr;
   float* spreads = nullptr;  ///< of depth, as many as samples; null where nobody wants them
   glm::vec4* image = nullptr;
+  // Of the ray's segments: those of the pixel begin at its number times segmentSlots.
+  int segmentSlots = 0;  ///< for each pixel; 0: nobody wants any
+  RaySegmentCount* segmentCounts = nullptr;  ///< one for each pixel
+  SegmentSlots segments;                     ///< of the first pixel
 };
 
 /// Marches samples by `heuristic`, or colours alone without one, in the light of `shading`, as far as `lightVolume` lets it through. The parameters: those of

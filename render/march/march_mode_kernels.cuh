@@ -59,6 +59,18 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   storeSpreads(job, pixel, path, [&] { return Source(view, path.ray, path.lattice); });
 }
 
+/// As marchRaySegments.
+template <class Source, class Light, class Voxel>
+__global__ void __launch_bounds__(kTileBlockThreads)
+    marchModeSegments(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ typename Source::Setup setup, const __grid_constant__ Light light) {
+  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
+  float cosine;
+  const RayPath path = rayThrough(job, pixel, &cosine);
+  const ModeView<Voxel, typename Source::Setup> view{job.view, setup};
+  storeRaySegments(job, pixel, path, cosine, [&] { return Source(view, path.ray, path.lattice); }, light);
+}
+
 template <class Source, class Light, class Voxel>
 __global__ void __launch_bounds__(kTileBlockThreads)
     marchModeColors(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ typename Source::Setup setup, const __grid_constant__ Light light) {
@@ -79,6 +91,7 @@ void launchMip(const MarchJob<Voxel>& job, const MipSetup& setup, std::optional<
     marchModeSamples<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, EntranceDepth{}, Unlit{});  // the first is the only one
   else
     marchModeColors<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, Unlit{});
+  if (heuristic && job.segmentSlots > 0) marchModeSegments<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, Unlit{});
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 #if WARPSCOPE_COUNTERS
   handOverDeviceCounts(stream);
@@ -101,6 +114,7 @@ void launchIsosurfaces(const MarchJob<Voxel>& job, const IsosurfaceSetup& setup,
   else
     marchModeColors<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, light);
   if (heuristic && job.spreads != nullptr) marchModeSpreads<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup);
+  if (heuristic && job.segmentSlots > 0) marchModeSegments<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, light);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 #if WARPSCOPE_COUNTERS
   handOverDeviceCounts(stream);

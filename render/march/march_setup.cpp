@@ -134,10 +134,10 @@ std::shared_ptr<const BakedTransfer> MarchedVolume::tableFor(const RenderSetting
   return baked_;
 }
 
-ProxyScenePtr MarchedVolume::proxyFor(int longest, const std::stop_token& stop) const {
+ProxyPtr MarchedVolume::proxyFor(int longest, const std::stop_token& stop) const {
   const std::scoped_lock lock(mutex_);
   if (!proxy_ || proxyLongest_ != longest) {
-    proxy_ = std::make_shared<const ProxyScene>(makeProxy(*volume, longest, stop), transferFunction);
+    proxy_ = std::make_shared<const Proxy>(makeProxy(*volume, transferFunction, longest, stop));
     proxyLongest_ = longest;
   }
   return proxy_;

@@ -54,7 +54,7 @@ struct MarchedVolume {
   std::shared_ptr<const BakedTransfer> tableFor(const RenderSettings& settings) const;
 
   /// The coarse copy with so many voxels along its longest edge, by the same function; kept for whoever asks for the same next. Safe on any thread.
-  ProxyScenePtr proxyFor(int longest, const std::stop_token& stop) const;
+  ProxyPtr proxyFor(int longest, const std::stop_token& stop) const;
 
   VolumePtr volume;
   TransferFunction transferFunction;
@@ -64,7 +64,7 @@ struct MarchedVolume {
  private:
   mutable std::mutex mutex_;
   mutable std::shared_ptr<const BakedTransfer> baked_;  // the last one that was asked for
-  mutable ProxyScenePtr proxy_;                         // likewise
+  mutable ProxyPtr proxy_;                         // likewise
   mutable int proxyLongest_ = 0;
 };
 

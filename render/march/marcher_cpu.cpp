@@ -122,17 +122,10 @@ SampleSpan spanFor(const VisibleDepths& depths, float cosine, const RayLattice& 
 /// The ray's segments into its pixel's places; their number.
 RaySegmentCount storeSegments(const SampleRule& rule, const FinishedRay& ray, DenseSegments& dense, size_t pixel) {
   if (ray.segments == nullptr) return {};
-  SegmentEncoder encoder(ColorTables::instance(), rule.quantization, ray.cosine);
-  int count = 0;
-  const SegmentMerger& found = *ray.segments;
-  for (int i = found.first(); i != SegmentMerger::kNone; i = found.behind(i)) {
-    const size_t place = pixel * static_cast<size_t>(dense.slots) + static_cast<size_t>(count);
-    const bool isLast = found.behind(i) == SegmentMerger::kNone;
-    if (!encoder.encode(found[i], isLast, dense.depths[place], dense.colors[place])) continue;
-    if (!dense.normals.empty()) dense.normals[place] = ray.normals != nullptr ? ray.normals[i] : NormalCode{0};
-    ++count;
-  }
-  return {count, ray.isEnded};
+  const SegmentEncoder encoder(ColorTables::instance(), rule.quantization, ray.cosine);
+  const size_t first = pixel * static_cast<size_t>(dense.slots);
+  const SegmentSlots slots{dense.depths.data() + first, dense.colors.data() + first, dense.normals.empty() ? nullptr : dense.normals.data() + first};
+  return storeSegments(*ray.segments, ray.isEnded, encoder, slots, [&](int i) { return ray.normals != nullptr ? ray.normals[i] : NormalCode{0}; });
 }
 
 class CpuMarcher final : public Marcher {

@@ -19,6 +19,8 @@
 #include "render/core/visible_bins.h"
 #include "render/march/compact.h"
 #include "render/march/device_cells.h"
+#include "render/march/device_segments.h"
+#include "render/effects/relight.h"
 #include "render/march/device_volume.h"
 #include "render/march/march_launch.h"
 #include "render/march/march_setup.h"
@@ -88,7 +90,11 @@ class CudaMarcher final : public Marcher {
     }
 
     bake(settings.render, settings.sample);
+    const bool hasSegments = settings.sample.segments > 0;
+    raySegments_.reserve(size_t{camera.width} * camera.height, settings.sample.segments,
+                             plan_->has(PlanStage::raySegments) && dependsOnEye(shadingFor(*marched_, camera, settings.render, *plan_)));
     start_.record(stream_);
+    if (!plan_->has(PlanStage::march) || !plan_->has(PlanStage::raySegments)) raySegments_.clear(stream_);
     if (plan_->has(PlanStage::march))
       launch(camera, settings.render, stop, &settings.sample, &rule);
     else
@@ -97,6 +103,7 @@ class CudaMarcher final : public Marcher {
     marchEnd_.record(stream_);
     compact(places, slots);
     if (sendsSpread) compactSpreads(places);
+    raySegments_.compact(stream_);
     compacted_.record(stream_);
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(count_.data(), deviceCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
     stream_.synchronize();
@@ -120,8 +127,10 @@ class CudaMarcher final : public Marcher {
       spreads.resize(count * sizeof(float));
       WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(spreads.data(), spreads_.data(), spreads.size(), cudaMemcpyDeviceToHost, stream_));
     }
+    if (hasSegments) raySegments_.copyTo(frame.segments, stream_);
     copied_.record(stream_);
     stream_.synchronize();
+    if (settings.sample.proxy > 0) frame.proxy = marched_->proxyFor(settings.sample.proxy, stop);
     setLayers(std::move(layers), frame);
     if (sendsSpread) setSpreads(std::move(spreads), frame);
     frame.timings.marchMs = marchEnd_.millisecondsSince(start_);
@@ -280,6 +289,7 @@ class CudaMarcher final : public Marcher {
       job.colors = denseColors_.data();
       job.spreads = plan_->has(PlanStage::spread) ? denseSpreads_.data() : nullptr;
       job.image = image_.data();
+      if (sample != nullptr && plan_->has(PlanStage::raySegments)) raySegments_.giveTo(job);
       const uint32_t rows = rowsOfLaunch(camera, settings);
       const ShadingSetup shading = shadingFor(*marched_, camera, settings, *plan_);
       const LightVolume lightVolume = filledLightVolume<Voxel, kHasHoles, kByCells>(job.view, camera, settings, stop);
@@ -423,6 +433,7 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<Rgba8> denseColors_, colors_;
   cuda::DeviceBuffer<std::byte> layers_;
   cuda::DeviceBuffer<float> denseSpreads_, spreads_;
+  DeviceSegments raySegments_;
   cuda::DeviceBuffer<glm::vec4> image_;
   cuda::DeviceBuffer<float> noise_;  // of jitter, once there is some
   cuda::DeviceBuffer<uint32_t> deviceCount_{1};

@@ -14,8 +14,8 @@
 #include "render/core/transfer_vector.h"
 #include "render/march/frame_segments.h"
 #include "render/march/march_settings.h"
-#include "render/march/proxy_scene.h"
 #include "render/march/sample_planes.h"
+#include "render/volume/proxy.h"
 
 namespace warpscope {
 
@@ -38,7 +38,7 @@ struct SampleFrame {
   TransferVector<Rgba8> colors;          ///< one for each sample: of several of a ray, those over one another are the ray's
   std::vector<SamplePlane> planes;       ///< kLayerPlane among them if a ray has more than one sample
   FrameSegments segments;                ///< of the same rays, where the settings ask for some
-  ProxyScenePtr proxy;                   ///< what the frame is of, coarsely: the same object for all frames of a scene; null where nobody asked for it
+  ProxyPtr proxy;                        ///< what the frame is of, coarsely: the same object for all frames of a scene; null where nobody asked for it
 
   size_t size() const { return samples.size(); }
   /// What the frame's samples take on the wire in this format.

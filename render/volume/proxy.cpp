@@ -38,7 +38,7 @@ glm::uvec3 dimsFor(const VolumeGeometry& geometry, int longest) {
 
 }  // namespace
 
-Proxy makeProxy(const Volume& volume, int longest, const std::stop_token& stop) {
+Proxy makeProxy(const Volume& volume, const TransferFunction& function, int longest, const std::stop_token& stop) {
   const VolumeGeometry& fine = volume.geometry();
   VolumeGeometry geometry = fine;
   geometry.dims = dimsFor(fine, longest);
@@ -49,6 +49,7 @@ Proxy makeProxy(const Volume& volume, int longest, const std::stop_token& stop) 
 
   const VoxelStatistics& statistics = volume.statistics();
   Proxy proxy;
+  proxy.function = function;
   proxy.scale.hasMissing = statistics.nonFinite > 0;
   proxy.scale.lowest = statistics.rangeLower;
   const double codes = proxy.scale.hasMissing ? 254.0 : 255.0;
@@ -94,7 +95,9 @@ Proxy makeProxy(const Volume& volume, int longest, const std::stop_token& stop) 
   return proxy;
 }
 
-TransferFunction functionOfCodes(const TransferFunction& function, const ProxyScale& scale) {
+TransferFunction functionOfCodes(const Proxy& proxy) {
+  const TransferFunction& function = proxy.function;
+  const ProxyScale& scale = proxy.scale;
   TransferFunction ofCodes = function;
   for (TransferPoint& point : ofCodes.points) point.value = scale.codeOf(point.value);
   if (!scale.hasMissing) return ofCodes;

@@ -3,14 +3,10 @@
 // volume space, so that rays, lights and cuts of the one are those of the other.
 #pragma once
 
-#include "render/base/range.h"
 #include "render/core/transfer_function.h"
 #include "render/volume/volume.h"
 
 namespace warpscope {
-
-/// Voxels along its longest edge; 0: none.
-inline constexpr Range kProxyRange{0, 256};
 
 /// What the codes of a copy stand for.
 struct ProxyScale {
@@ -25,13 +21,18 @@ struct ProxyScale {
 struct Proxy {
   VolumePtr volume;  ///< of 8 bits
   ProxyScale scale;
+  TransferFunction function;  ///< of the values that codes stand for
+
+  /// Of its voxels.
+  size_t sizeBytes() const { return volume->sizeBytes(); }
 };
+using ProxyPtr = std::shared_ptr<const Proxy>;
 
 /// The copy has `longest` voxels along the volume's longest edge and as nearly cubic ones as that allows, along no axis more than the volume has. Voxels that
 /// are not finite are left out; where there is no other, the copy has none. Throws OperationCancelled if `stop` is set.
-Proxy makeProxy(const Volume& volume, int longest, const std::stop_token& stop = {});
+Proxy makeProxy(const Volume& volume, const TransferFunction& function, int longest, const std::stop_token& stop = {});
 
-/// `function`, of the volume's values, as one of the copy's codes.
-TransferFunction functionOfCodes(const TransferFunction& function, const ProxyScale& scale);
+/// Its function as one of codes.
+TransferFunction functionOfCodes(const Proxy& proxy);
 
 }  // namespace warpscope

@@ -1,4 +1,5 @@
 // How pictures of a frame go on where the frame knows nothing: through the coarse copy of the volume that came with it. On the host.
+// The copy is marched as the volume is, by the same formulas (march/proxy_march.h), with a longer step.
 #pragma once
 
 #include "render/march/march_setup.h"
@@ -7,25 +8,33 @@
 
 namespace warpscope {
 
-/// Keeps what a copy's pictures are marched by, from picture to picture.
+/// Keeps what pictures of a copy are marched by, from picture to picture. One thread at a time.
 class ProxyFill {
  public:
-  /// Calls f(march) with the ProxyMarch of `proxy` seen by `camera`, for pictures by `settings`, which are those of the volume.
+  /// Calls f(march) with the ProxyMarch of `proxy` seen by `camera`, where pictures of the volume are by `settings`.
   template <class F>
-  decltype(auto) visit(const ProxyScene& proxy, const RenderSettings& settings, const Camera& camera, F&& f) {
-    const RenderSettings own = proxy.settingsFor(settings);
-    const MarchedVolume& marched = *proxy.marched();
-    const std::shared_ptr<const BakedTransfer> baked = marched.bakedFor(own);
-    const EffectPlan plan = planFor(marched, *baked, baked->visibleCells, own, std::nullopt);
-    VolumeView<uint8_t> view = makeVolumeView<uint8_t>(marched);
-    view.voxels = marched.volume->voxelsAs<uint8_t>();
+  decltype(auto) visit(const ProxyPtr& proxy, const RenderSettings& settings, const Camera& camera, F&& f) {
+    take(proxy);
+    const RenderSettings own = settingsFor(settings);
+    const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(own);
+    const EffectPlan plan = planFor(*marched_, *baked, baked->visibleCells, own, std::nullopt);
+    VolumeView<uint8_t> view = makeVolumeView<uint8_t>(*marched_);
+    view.voxels = marched_->volume->voxelsAs<uint8_t>();
     view.transfer = baked->table.lookup();
     view.cells.distances = baked->emptyDistances.data();
-    return visitLight(shadingFor(marched, camera, own, plan), [&](const auto& light) {
-      return f(ProxyMarch<std::decay_t<decltype(light)>>{view, light, prepareClip(own.effects.clip, *marched.volume, camera), limitsOf(own, plan), own.step,
+    return visitLight(shadingFor(*marched_, camera, own, plan), [&](const auto& light) {
+      return f(ProxyMarch<std::decay_t<decltype(light)>>{view, light, prepareClip(own.effects.clip, *marched_->volume, camera), limitsOf(own, plan), own.step,
                                                          plan.has(PlanStage::clip)});
     });
   }
+
+ private:
+  void take(const ProxyPtr& proxy);
+  /// Half of the copy's shortest voxel edge is step enough, and what is not worth its time is left out.
+  RenderSettings settingsFor(const RenderSettings& settings) const;
+
+  ProxyPtr proxy_;
+  MarchedVolumePtr marched_;  // of it
 };
 
 }  // namespace warpscope

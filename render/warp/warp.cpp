@@ -60,6 +60,7 @@ bool WarpDescriptor::dependsOn(const MarchKnob& knob) const {
     case FramePart::samples: return usesFrame;
     case FramePart::planes: return false;  // that a knob asks for; none is drawn by them
     case FramePart::segments: return uses.segments;
+    case FramePart::proxy: return uses.proxy;
   }
   return true;
 }
@@ -111,6 +112,14 @@ std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResou
   if (resources.backend != Backend::automatic) return makeOn(resources.backend);
   if (!cuda::whyUnavailable().empty()) return makeOn(Backend::cpu);
   return makeFallbackWarp([makeOn] { return makeOn(Backend::cuda); }, [makeOn] { return makeOn(Backend::cpu); }, resources.onFallback);
+}
+
+MarchSettings neededBy(std::span<const WarpDescriptor* const> techniques, MarchSettings settings) {
+  for (const MarchKnob& row : marchKnobs()) {
+    if (row.shapes != FramePart::segments && row.shapes != FramePart::proxy) continue;
+    if (std::ranges::none_of(techniques, [&](const WarpDescriptor* technique) { return technique->dependsOn(row); })) row.set(settings, row.knob->defaultValue);
+  }
+  return settings;
 }
 
 void validate(const WarpSettings& settings) { validate(settings.reference); }

@@ -86,6 +86,7 @@ struct SampleUse {
   bool depth = false;
   bool radius = false;
   bool segments = false;
+  bool proxy = false;
 };
 
 /// A technique, as its own file describes it.
@@ -134,6 +135,9 @@ const WarpDescriptor& findWarp(std::string_view name);
 /// Makes a technique on the backend that `resources` name: where that is automatic, on a CUDA device if there is one, and on the CPU from
 /// the moment that the device fails, which `onFallback` is then told, once, with the reason. Throws as the technique's maker does.
 std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResources& resources);
+
+/// `settings` without the parts of frames that none of the techniques draws: segments, and the copy of the volume.
+MarchSettings neededBy(std::span<const WarpDescriptor* const> techniques, MarchSettings settings);
 
 /// Throws UsageError naming the setting that is out of range.
 void validate(const WarpSettings& settings);

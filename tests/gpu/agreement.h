@@ -27,6 +27,13 @@ inline void expectSameFrames(const SampleFrame& expected, const SampleFrame& act
   EXPECT_EQ(differentSamples, 0u) << "of " << expected.size();
   EXPECT_EQ(differentColors, 0u) << "of " << expected.size();
   EXPECT_TRUE(expected.planes == actual.planes);
+  const FrameSegments& a = expected.segments;
+  const FrameSegments& b = actual.segments;
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_TRUE(a.rays == b.rays);
+  EXPECT_TRUE(a.depths == b.depths);
+  EXPECT_TRUE(a.colors == b.colors);
+  EXPECT_TRUE(a.normals == b.normals);
 }
 
 }  // namespace warpscope

@@ -336,6 +336,28 @@ TEST(MarchOnDevice, SpreadsOfDepthOfEveryVoxelTypeWithAndWithoutHoles) {
   });
 }
 
+/// Segments of rays, in every mode, lit or not, cut or not.
+TEST(MarchOnDevice, SegmentsOfEveryVoxelTypeWithAndWithoutHoles) {
+  WARPSCOPE_NEEDS_GPU();
+  forEveryVoxelType(9, [](const Pair& pair) {
+    for (const RenderMode mode : {RenderMode::composite, RenderMode::mip, RenderMode::isosurface})
+      for (const bool integrates : {false, true})
+        for (const int segments : {1, 4, 16})
+          for (const float shading : {0.0f, 1.0f}) {
+            MarchSettings settings;
+            settings.sample.segments = segments;
+            settings.render.effects.mode = mode;
+            settings.render.effects.preIntegration = integrates;
+            settings.render.effects.shading.strength = shading;
+            settings.render.effects.shadows.occlusion = segments == 4 ? 1.0f : 0.0f;
+            settings.render.effects.isoValues = parseIsoValues("60@0.5", "it");
+            settings.render.effects.jitter = segments == 1 ? 0.7f : 0.0f;
+            if (segments == 16) settings.render.effects.clip.planes = parseClipPlanes("1,0.2,0,0", "it");
+            for (const glm::vec3& eye : {kOutside, kInside}) pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
+          }
+  });
+}
+
 TEST(MarchOnDevice, EveryVoxelTypeWithAndWithoutHoles) {
   WARPSCOPE_NEEDS_GPU();
   forEveryVoxelType(0, [](const Pair& pair) {

@@ -17,7 +17,7 @@ constexpr size_t kRowsAtOnce = 16;
 /// The lights of a frame's scene as a camera has them. Those of the world are where the copy of the volume says; without it the volume's axes are the world's.
 ShadingSetup lightsOf(const SampleFrame& frame, const Camera& camera) {
   const Effects& effects = frame.settings.render.effects;
-  return prepareLights(effects.shading, effects.lights, frame.proxy ? frame.proxy->proxy().volume->geometry() : VolumeGeometry{}, camera);
+  return prepareLights(effects.shading, effects.lights, frame.proxy ? frame.proxy->volume->geometry() : VolumeGeometry{}, camera);
 }
 
 /// Calls f(segment, place) for all of them, in parallel; places in volume space.

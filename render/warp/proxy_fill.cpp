@@ -1,0 +1,24 @@
+// The copy as a marched volume.
+// See proxy_fill.h.
+#include "render/warp/proxy_fill.h"
+
+#include <algorithm>
+
+namespace warpscope {
+
+void ProxyFill::take(const ProxyPtr& proxy) {
+  if (proxy == proxy_) return;
+  marched_ = std::make_shared<const MarchedVolume>(proxy->volume, functionOfCodes(*proxy));
+  proxy_ = proxy;
+}
+
+RenderSettings ProxyFill::settingsFor(const RenderSettings& settings) const {
+  const glm::vec3 edges = proxy_->volume->geometry().voxelEdges();
+  RenderSettings own = settings;
+  own.step = std::max(settings.step, 0.5f * std::min({edges.x, edges.y, edges.z}));
+  own.effects.jitter = 0.0f;
+  own.effects.preIntegration = false;
+  return own;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,210 @@
+// Merging a ray's samples into segments: against the closed form, against the cheapest merges found by looking at all, and what rounding to codes leaves.
+// Mirrors render/march/ray_segments.h and render/march/frame_segments.h.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "render/core/opacity.h"
+#include "render/march/frame_segments.h"
+#include "render/march/ray_segments.h"
+
+namespace warpscope {
+namespace {
+
+std::vector<RaySegment> listOf(const SegmentMerger& merger) {
+  std::vector<RaySegment> all;
+  for (int i = merger.first(); i != SegmentMerger::kNone; i = merger.behind(i)) all.push_back(merger[i]);
+  return all;
+}
+
+/// Steps of a ray with these opacities and colours, one after the other from t on.
+std::vector<RaySegment> stepsOf(const std::vector<std::pair<float, glm::vec3>>& samples, float t, float dt) {
+  std::vector<RaySegment> steps;
+  double through = 1.0;
+  for (const auto& [opacity, color] : samples) {
+    if (opacity > 0.0f) steps.push_back({t, t + dt, opacity, static_cast<float>(through), color * opacity});
+    through *= 1.0 - static_cast<double>(opacity);
+    t += dt;
+  }
+  return steps;
+}
+
+struct Whole {
+  glm::dvec3 color{0.0};
+  double through = 1.0;
+};
+template <class Segments>
+Whole overAll(const Segments& segments) {
+  Whole whole;
+  for (const RaySegment& segment : segments) {
+    whole.color += whole.through * glm::dvec3(segment.color);
+    whole.through *= 1.0 - static_cast<double>(segment.opacity);
+  }
+  return whole;
+}
+
+std::vector<RaySegment> randomSteps(std::mt19937& random, int count) {
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  std::vector<std::pair<float, glm::vec3>> samples;
+  float opacity = 0.0f;
+  glm::vec3 color(0.5f);
+  for (int i = 0; i < count; ++i) {
+    if (unit(random) < 0.15f) opacity = unit(random) < 0.4f ? 0.0f : std::pow(unit(random), 4.0f);
+    if (unit(random) < 0.2f) color = {unit(random), unit(random), unit(random)};
+    samples.push_back({opacity, color});
+  }
+  return stepsOf(samples, 3.0f, 0.5f);
+}
+
+TEST(RaySegments, AThousandSamplesMergedToOneAreTheClosedForm) {
+  for (const float opacity : {1e-8f, 1e-4f, 0.004f}) {
+    SegmentMerger merger;
+    for (const RaySegment& step : stepsOf(std::vector(1000, std::pair(opacity, glm::vec3(0.25f, 0.5f, 1.0f))), 2.0f, 0.25f)) merger.add(step);
+    merger.reduceTo(1);
+    ASSERT_EQ(merger.size(), 1);
+    const RaySegment& only = merger[merger.first()];
+    const double expected = -std::expm1(1000.0 * std::log1p(-static_cast<double>(opacity)));
+    EXPECT_NEAR(static_cast<double>(only.opacity), expected, 1e-4 * expected) << opacity;
+    for (int channel = 0; channel < 3; ++channel)
+      EXPECT_NEAR(static_cast<double>(only.color[channel]), expected * static_cast<double>(glm::vec3(0.25f, 0.5f, 1.0f)[channel]), 1e-4 * expected);
+    EXPECT_EQ(only.begin, 2.0f);
+    EXPECT_EQ(only.end, 252.0f);
+  }
+}
+
+TEST(RaySegments, KeepLightAndOpacityHoweverTheyAreMerged) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 300; ++round) {
+    const std::vector<RaySegment> steps = randomSteps(random, 1 + round % 120);
+    const Whole expected = overAll(steps);
+    for (const int most : {1, 2, 4, 16}) {
+      SegmentMerger merger;
+      for (const RaySegment& step : steps) merger.add(step);
+      merger.reduceTo(most);
+      EXPECT_LE(merger.size(), most);
+      EXPECT_EQ(merger.size() == 0, steps.empty());
+      const std::vector<RaySegment> segments = listOf(merger);
+      const Whole found = overAll(segments);
+      EXPECT_NEAR(found.through, expected.through, 2e-5) << round;
+      for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(found.color[channel], expected.color[channel], 2e-5) << round;
+      for (size_t i = 0; i < segments.size(); ++i) {
+        EXPECT_LT(segments[i].begin, segments[i].end);
+        if (i > 0) EXPECT_LE(segments[i - 1].end, segments[i].begin);
+      }
+    }
+  }
+}
+
+TEST(RaySegments, NoMoreThanTheRayHasAreMade) {
+  SegmentMerger merger;
+  for (const RaySegment& step : stepsOf({{0.2f, glm::vec3(1.0f)}, {0.0f, glm::vec3(1.0f)}, {0.3f, glm::vec3(0.5f)}}, 0.0f, 1.0f)) merger.add(step);
+  merger.reduceTo(16);
+  EXPECT_EQ(merger.size(), 2);
+}
+
+/// While there is room for all, each merge is the one that costs least.
+TEST(RaySegments, TheCheapestPairIsMergedFirst) {
+  std::mt19937 random(11);
+  for (int round = 0; round < 200; ++round) {
+    std::vector<RaySegment> all = randomSteps(random, 16);
+    if (all.size() > SegmentMerger::kRoom) continue;
+    SegmentMerger merger;
+    for (const RaySegment& step : all) merger.add(step);
+    merger.reduceTo(3);
+    while (all.size() > 3) {
+      size_t cheapest = 0;
+      for (size_t i = 1; i + 1 < all.size(); ++i)
+        if (mergeCost(all[i], all[i + 1]) < mergeCost(all[cheapest], all[cheapest + 1])) cheapest = i;
+      mergeInto(all[cheapest], all[cheapest + 1]);
+      all.erase(all.begin() + static_cast<ptrdiff_t>(cheapest) + 1);
+    }
+    const std::vector<RaySegment> found = listOf(merger);
+    ASSERT_EQ(found.size(), all.size());
+    for (size_t i = 0; i < all.size(); ++i) {
+      EXPECT_EQ(found[i].begin, all[i].begin) << round;
+      EXPECT_EQ(found[i].end, all[i].end) << round;
+    }
+  }
+}
+
+TEST(RaySegments, WhatIsAlikeCostsNothingAndGapsCost) {
+  const RaySegment a{0.0f, 2.0f, 0.5f, 1.0f, glm::vec3(0.25f)};
+  const RaySegment same{2.0f, 4.0f, 0.5f, 0.5f, glm::vec3(0.25f)}, apart{5.0f, 7.0f, 0.5f, 0.5f, glm::vec3(0.25f)}, red{2.0f, 4.0f, 0.5f, 0.5f, {0.5f, 0.0f, 0.0f}},
+      dense{2.0f, 2.5f, 0.5f, 0.5f, glm::vec3(0.25f)}, hidden{5.0f, 7.0f, 0.5f, 0.0f, glm::vec3(0.25f)};
+  EXPECT_LT(mergeCost(a, same), 1e-6f);
+  EXPECT_GT(mergeCost(a, apart), 0.1f);
+  EXPECT_GT(mergeCost(a, red), 0.05f);
+  EXPECT_GT(mergeCost(a, dense), 0.05f);
+  EXPECT_EQ(mergeCost(a, hidden), 0.0f);
+}
+
+/// Surfaces have no length, opacity 1 ends everything.
+TEST(RaySegments, OfNoLengthAndOfFullOpacity) {
+  SegmentMerger merger;
+  float through = 1.0f;
+  for (int i = 0; i < 40; ++i) {
+    merger.add({static_cast<float>(i), static_cast<float>(i), 0.1f, through, glm::vec3(0.1f)});
+    through *= 0.9f;
+  }
+  merger.add({40.0f, 40.5f, 1.0f, through, glm::vec3(1.0f)});
+  merger.reduceTo(4);
+  const Whole whole = overAll(listOf(merger));
+  EXPECT_EQ(whole.through, 0.0);
+  EXPECT_NEAR(whole.color.x, 1.0, 1e-5);
+}
+
+TEST(FrameSegments, RoundedToCodesTheyShowWhatTheRayShows) {
+  const ColorTables& tables = ColorTables::instance();
+  std::mt19937 random(23);
+  SampleQuantization quantization;
+  quantization.depthStep = 1.0f / 512;
+  double worst = 0.0;
+  for (int round = 0; round < 2000; ++round) {
+    const std::vector<RaySegment> steps = randomSteps(random, 100);
+    SegmentMerger merger;
+    for (const RaySegment& step : steps) merger.add(step);
+    const Whole expected = overAll(listOf(merger));
+    merger.reduceTo(1 + round % 16);
+    std::vector<SegmentDepths> depths(16);
+    std::vector<Rgba8> colors(16);
+    const RaySegmentCount count = storeSegments(merger, false, SegmentEncoder(tables, quantization, 0.8f), {depths.data(), colors.data(), nullptr},
+                                                [](int) { return NormalCode{0}; });
+    glm::dvec3 color(0.0);
+    double through = 1.0;
+    for (int i = 0; i < count.count(); ++i) {
+      const glm::vec4 decoded = tables.decode(colors[static_cast<size_t>(i)]);
+      color += through * glm::dvec3(decoded);
+      through *= 1.0 - static_cast<double>(decoded.a);
+      EXPECT_LE(depths[static_cast<size_t>(i)].begin, depths[static_cast<size_t>(i)].end);
+      if (i > 0) EXPECT_LE(depths[static_cast<size_t>(i) - 1].end, depths[static_cast<size_t>(i)].begin);
+    }
+    EXPECT_NEAR(through, expected.through, 0.51 / 255) << round;
+    const double opacity = 1.0 - through;
+    for (int channel = 0; channel < 3; ++channel) {
+      // Half a code of the colour, where the sRGB curve is steepest, and what opacity is off by.
+      const double difference = std::abs(color[channel] - expected.color[channel]);
+      worst = std::max(worst, difference);
+      EXPECT_LT(difference, opacity * 0.5 / 255 * 2.4 + 1.0 / 255) << round;
+    }
+  }
+  RecordProperty("worst", std::to_string(worst));
+}
+
+TEST(Opacity, OfAnOpticalDepthIsOneMinusItsExponential) {
+  double worst = 0.0;
+  for (double depth = 1e-12; depth < 100.0; depth *= 1.001) {
+    const auto given = static_cast<float>(depth);
+    const double expected = -std::expm1(-static_cast<double>(given));
+    worst = std::max(worst, std::abs(static_cast<double>(opacityOf(given)) - expected) / expected);
+  }
+  EXPECT_LT(worst, kDepthOpacityError);
+  EXPECT_EQ(opacityOf(0.0f), 0.0f);
+  EXPECT_EQ(opacityOf(-1.0f), 0.0f);
+  EXPECT_EQ(opacityOf(NAN), 0.0f);
+  EXPECT_EQ(opacityOf(INFINITY), 1.0f);
+}
+
+}  // namespace
+}  // namespace warpscope

@@ -1,0 +1,305 @@
+// Rays through segments of another camera's pixels: random frames against brute force in double, every pixel's frustum against every ray; and eyes and rays
+// that are hard to tell apart.
+// Mirrors render/warp/segments/: segment_walk.h, segment_field.h, segment_field_build.h.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "marcher_cases.h"
+#include "render/warp/segments/segment_field_build.h"
+#include "render/warp/segments/segment_walk.h"
+
+namespace warpscope {
+namespace {
+
+const Box kBounds{glm::vec3(-10.0f), glm::vec3(10.0f)};
+
+/// A frame of segments in random places, without samples.
+SampleFrame randomFrame(const Camera& camera, uint32_t seed, int most = 4) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  SampleFrame frame;
+  frame.camera = camera;
+  frame.quantization = quantizationFor(camera, kBounds, 1.0f);
+  frame.settings.sample.segments = most;
+  const DepthRange range = depthRangeOf(camera, kBounds);
+  const float depth = range.farDepth - range.nearDepth;
+  for (size_t i = 0; i < size_t{camera.width} * camera.height; ++i) {
+    const int count = static_cast<int>(unit(random) * static_cast<float>(most + 1));
+    frame.segments.rays.push_back({count, unit(random) < 0.5f});
+    std::vector<float> ends;
+    for (int k = 0; k < 2 * count; ++k) ends.push_back(unit(random) * depth);
+    std::ranges::sort(ends);
+    for (int k = 0; k < count; ++k) {
+      frame.segments.depths.push_back({encodeDepth(ends[static_cast<size_t>(2 * k)], frame.quantization.depthStep),
+                                       encodeDepth(ends[static_cast<size_t>(2 * k + 1)], frame.quantization.depthStep)});
+      frame.segments.colors.push_back(static_cast<Rgba8>(random()));
+    }
+  }
+  return frame;
+}
+
+struct Expected {
+  glm::dvec3 color{0.0};
+  double through = 1.0;
+  double unknown = 0.0;  // length
+};
+
+/// What pixel (x, y) has at a forward depth: in double, from the frame alone.
+struct PixelContent {
+  double extinction = 0.0;
+  glm::dvec3 color{0.0};
+  bool isKnown = true;
+};
+class Content {
+ public:
+  explicit Content(const SampleFrame& frame) : frame_(frame) {
+    size_t at = 0;
+    for (const RaySegmentCount ray : frame.segments.rays) {
+      first_.push_back(at);
+      at += static_cast<size_t>(ray.count());
+    }
+  }
+  PixelContent at(int x, int y, double depth) const {
+    const Camera& camera = frame_.camera;
+    const size_t pixel = static_cast<size_t>(y) * camera.width + static_cast<size_t>(x);
+    const RaySegmentCount ray = frame_.segments.rays[pixel];
+    const double step = static_cast<double>(frame_.quantization.depthStep), edge = static_cast<double>(pixelEdge(camera));
+    const double u = (x + 0.5 - 0.5 * camera.width) * edge, v = (0.5 * camera.height - (y + 0.5)) * edge;
+    const double cosine = 1.0 / std::sqrt(1.0 + u * u + v * v);
+    PixelContent content;
+    double last = 0.0;
+    for (int i = 0; i < ray.count(); ++i) {
+      const SegmentDepths& depths = frame_.segments.depths[first_[pixel] + static_cast<size_t>(i)];
+      const double begin = depths.begin * step, end = std::max(depths.end, depths.begin + 1) * step;
+      last = end;
+      if (depth < begin || depth >= end) continue;
+      const glm::dvec4 color(decodeRgba8(frame_.segments.colors[first_[pixel] + static_cast<size_t>(i)]));
+      const double opacity = std::min(color.a, static_cast<double>(kMostSegmentOpacity));
+      content.extinction = -std::log1p(-opacity) * cosine / (end - begin);
+      if (color.a > 0.0) content.color = glm::dvec3(color) / color.a;
+    }
+    content.isKnown = !ray.isEnded() || depth < last;
+    return content;
+  }
+
+ private:
+  const SampleFrame& frame_;
+  std::vector<size_t> first_;
+};
+
+/// By many small steps along the ray, each of which asks the pixels that it is between.
+Expected bruteForce(const SampleFrame& frame, const Ray& ray, double tNear, double tFar, bool isLinear, int steps) {
+  const Content content(frame);
+  const Camera& camera = frame.camera;
+  const glm::dvec3 eye(camera.eye), right(camera.right), up(camera.up), forward(camera.forward);
+  const double edge = static_cast<double>(pixelEdge(camera)), width = camera.width, height = camera.height;
+  Expected expected;
+  const double dt = (tFar - tNear) / steps;
+  for (int i = 0; i < steps; ++i) {
+    const double t = tNear + (i + 0.5) * dt;
+    const glm::dvec3 p = glm::dvec3(ray.origin) + t * glm::dvec3(ray.direction) - eye;
+    const double z = glm::dot(p, forward);
+    const double x = 0.5 * width + glm::dot(p, right) / (z * edge), y = 0.5 * height - glm::dot(p, up) / (z * edge);
+    if (!(z > 0.0) || x < 0.0 || y < 0.0 || x >= width || y >= height) {
+      expected.unknown += dt;
+      continue;
+    }
+    const double depth = z - static_cast<double>(frame.quantization.nearDepth);
+    double known = 0.0, extinction = 0.0;
+    glm::dvec3 emission(0.0);
+    const auto add = [&](int column, int row, double weight) {
+      const PixelContent pixel = content.at(std::clamp(column, 0, static_cast<int>(width) - 1), std::clamp(row, 0, static_cast<int>(height) - 1), depth);
+      if (!pixel.isKnown || !(weight > 0.0)) return;
+      known += weight;
+      extinction += weight * pixel.extinction;
+      emission += weight * pixel.extinction * pixel.color;
+    };
+    if (isLinear) {
+      const double u = x - 0.5, v = y - 0.5;
+      const int column = static_cast<int>(std::floor(u)), row = static_cast<int>(std::floor(v));
+      const double a = u - column, b = v - row;
+      add(column, row, (1 - a) * (1 - b));
+      add(column + 1, row, a * (1 - b));
+      add(column, row + 1, (1 - a) * b);
+      add(column + 1, row + 1, a * b);
+    } else {
+      add(static_cast<int>(x), static_cast<int>(y), 1.0);
+    }
+    if (!(known > 0.0)) {
+      expected.unknown += dt;
+      continue;
+    }
+    const double opacity = -std::expm1(-extinction / known * dt);
+    if (extinction > 0.0) expected.color += expected.through * opacity * emission / extinction;
+    expected.through *= 1.0 - opacity;
+  }
+  return expected;
+}
+
+struct Found {
+  WalkedRay walked;
+  double unknown = 0.0;
+  int pieces = 0;
+};
+
+Found walk(const SampleFrame& frame, const Ray& ray, float tNear, float tFar, bool isLinear) {
+  BuiltSegmentField built;
+  built.build(frame);
+  Found found;
+  float last = tNear;
+  const auto note = [&](WalkedRay&, float from, float to) {
+    EXPECT_GE(from, last - 1e-4f);  // front to back
+    EXPECT_LE(from, to);
+    last = to;
+    found.unknown += static_cast<double>(to) - static_cast<double>(from);
+    ++found.pieces;
+  };
+  found.walked = isLinear ? walkSegments<true>(built.field(), ray, tNear, tFar, 0.0f, note) : walkSegments<false>(built.field(), ray, tNear, tFar, 0.0f, note);
+  return found;
+}
+
+/// Every pixel's ray of `camera`, as techniques make them.
+void expectLikeBruteForce(const SampleFrame& frame, const Camera& camera, const char* what, double tolerance = 0.012) {
+  const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, kBounds).nearDepth);
+  for (uint32_t y = 0; y < camera.height; ++y)
+    for (uint32_t x = 0; x < camera.width; ++x) {
+      const Ray ray = pixels.ray(x, y).ray;
+      const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kBounds, 0.0f, INFINITY);
+      if (inside.isMiss()) continue;
+      for (const bool isLinear : {false, true}) {
+        const Found found = walk(frame, ray, inside.tNear, inside.tFar, isLinear);
+        const Expected expected = bruteForce(frame, ray, static_cast<double>(inside.tNear), static_cast<double>(inside.tFar), isLinear, 4000);
+        const double length = static_cast<double>(inside.tFar) - static_cast<double>(inside.tNear);
+        ASSERT_NEAR(static_cast<double>(found.walked.through), expected.through, tolerance) << what << " at " << x << ", " << y << (isLinear ? " linear" : "");
+        for (int channel = 0; channel < 3; ++channel) ASSERT_NEAR(static_cast<double>(found.walked.color[channel]), expected.color[channel], tolerance) << what;
+        ASSERT_NEAR(found.unknown, expected.unknown, 0.004 * length + 1e-3) << what << " at " << x << ", " << y << (isLinear ? " linear" : "");
+      }
+    }
+}
+
+const Camera kServer = lookingFrom({3.0f, 4.0f, 30.0f}, {0.5f, 0.2f, 0.0f}, 13, 9, 0.4f);
+
+TEST(SegmentWalk, RandomFramesAreMetAsByBruteForce) {
+  int round = 0;
+  for (const glm::vec3& eye : {glm::vec3(4.0f, 4.0f, 30.0f), glm::vec3(20.0f, 5.0f, 22.0f), glm::vec3(30.0f, 2.0f, 1.0f), glm::vec3(-9.0f, -25.0f, -14.0f),
+                               glm::vec3(2.0f, 1.0f, -28.0f)})
+    for (const uint32_t side : {13u, 130u}) {
+      Camera server = kServer;
+      server.width = side;
+      server.height = side * 9 / 13;
+      expectLikeBruteForce(randomFrame(server, static_cast<uint32_t>(++round)), lookingFrom(eye, glm::vec3(0.0f), 7, 5, 0.45f), "an eye outside");
+    }
+}
+
+TEST(SegmentWalk, FromInsideTheOldFrustumAndBesideItAndBehindTheOldEye) {
+  for (const glm::vec3& eye : {glm::vec3(1.0f, 2.0f, 6.0f), glm::vec3(9.0f, -8.0f, 3.0f), glm::vec3(5.0f, 6.0f, 50.0f), glm::vec3(0.0f, 0.0f, -8.0f)})
+    expectLikeBruteForce(randomFrame(kServer, 5), lookingFrom(eye, {0.3f, 0.1f, 0.0f}, 6, 6, 0.9f), "an eye inside");
+}
+
+TEST(SegmentWalk, AServerInsideTheVolumeAndWithAWiderView) {
+  const Camera inside = lookingFrom({2.0f, 1.0f, 3.0f}, {-4.0f, 0.0f, -9.0f}, 21, 17, 1.2f);
+  for (const glm::vec3& eye : {glm::vec3(2.1f, 1.0f, 3.0f), glm::vec3(25.0f, 3.0f, 9.0f), glm::vec3(-6.0f, 1.0f, -5.0f)})
+    expectLikeBruteForce(randomFrame(inside, 9), lookingFrom(eye, glm::vec3(0.0f), 6, 5, 0.6f), "a server inside", 0.02);
+}
+
+TEST(SegmentWalk, AFrameOfOnePixel) {
+  Camera one = kServer;
+  one.width = one.height = 1;
+  for (uint32_t seed = 0; seed < 6; ++seed)
+    expectLikeBruteForce(randomFrame(one, seed, 16), lookingFrom({12.0f, 3.0f, 26.0f}, glm::vec3(0.0f), 5, 5, 0.45f), "one pixel");
+}
+
+/// What the frame's own camera sees, whatever lies beside: its segments over one another.
+TEST(SegmentWalk, TheServersOwnViewIsTheFrames) {
+  for (const float farAway : {30.0f, 3e3f, 3e5f}) {
+    Camera server = lookingFrom(farAway * glm::normalize(glm::vec3(3.0f, 4.0f, 30.0f)), {0.5f, 0.2f, 0.0f}, 40, 30, 14.0f / farAway);
+    const SampleFrame frame = randomFrame(server, 3);
+    const PixelGrid pixels = makePixelGrid(server, depthRangeOf(server, kBounds).nearDepth);
+    size_t at = 0;
+    for (uint32_t y = 0; y < server.height; ++y)
+      for (uint32_t x = 0; x < server.width; ++x) {
+        const int count = frame.segments.rays[size_t{y} * server.width + x].count();
+        glm::dvec3 color(0.0);
+        double through = 1.0;
+        for (int i = 0; i < count; ++i) {
+          const glm::dvec4 segment(decodeRgba8(frame.segments.colors[at + static_cast<size_t>(i)]));
+          color += through * glm::dvec3(segment);
+          through *= 1.0 - segment.a;
+        }
+        at += static_cast<size_t>(count);
+        const Ray ray = pixels.ray(x, y).ray;
+        // All that has depth codes, which may be more than the bounds: what is seen does not end with them here.
+        for (const bool isLinear : {false, true}) {
+          const Found found = walk(frame, ray, 0.0f, 60.0f, isLinear);
+          EXPECT_NEAR(static_cast<double>(found.walked.through), through, 0.006) << x << ", " << y << ", from " << farAway << (isLinear ? " linear" : "");
+          for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(static_cast<double>(found.walked.color[channel]), color[channel], 0.006);
+        }
+      }
+  }
+}
+
+/// Through corners and along edges of pixels, whichever pixel those are counted to: nothing is lost and nothing counts twice.
+TEST(SegmentWalk, AlongEdgesAndThroughCorners) {
+  SampleFrame frame;
+  frame.camera = lookingFrom({0.0f, 0.0f, 30.0f}, glm::vec3(0.0f), 8, 8, 0.4f);
+  frame.quantization = quantizationFor(frame.camera, kBounds, 1.0f);
+  frame.settings.sample.segments = 1;
+  const DepthRange range = depthRangeOf(frame.camera, kBounds);
+  const auto last = encodeDepth(range.farDepth - range.nearDepth, frame.quantization.depthStep);
+  for (int i = 0; i < 64; ++i) {
+    frame.segments.rays.push_back({1, false});
+    frame.segments.depths.push_back({0, last});
+    frame.segments.colors.push_back(0x80ffffffu);
+  }
+  // All of space in front of the eye has the same extinction but for the pixels' cosines.
+  for (const glm::vec3& direction : {glm::vec3(0.0f, 0.0f, -1.0f), glm::vec3(1.0f, 0.0f, 0.0f), glm::vec3(1.0f, 1.0f, 0.0f), glm::vec3(0.0f, 1.0f, -1.0f),
+                                     glm::vec3(0.3f, 0.0f, -1.0f), glm::vec3(0.0f, 1.0f, 0.0f)})
+    for (const glm::vec3& through : {glm::vec3(0.0f), glm::vec3(0.0f, 1.5f, 0.0f), glm::vec3(3.0f, 3.0f, 0.0f)}) {
+      const Ray ray{through - 8.0f * glm::normalize(direction), glm::normalize(direction)};
+      for (const bool isLinear : {false, true}) {
+        const Found found = walk(frame, ray, 0.0f, 16.0f, isLinear);
+        const Expected expected = bruteForce(frame, ray, 0.0, 16.0, isLinear, 8000);
+        EXPECT_NEAR(static_cast<double>(found.walked.through), expected.through, 2e-3);
+        EXPECT_NEAR(found.unknown, expected.unknown, 0.02);
+      }
+    }
+}
+
+TEST(SegmentWalk, AnEyeAtInfinityMeetsWhatOneFarAwayMeets) {
+  const SampleFrame frame = randomFrame(kServer, 21);
+  const glm::vec3 towards = glm::normalize(glm::vec3(1.0f, 0.3f, 2.0f));
+  const auto seenFrom = [&](float distance) { return lookingFrom(distance * towards, glm::vec3(0.0f), 9, 9, 14.0f / distance); };
+  const auto pictureOf = [&](const Camera& camera) {
+    const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, kBounds).nearDepth);
+    std::vector<float> all;
+    for (uint32_t y = 0; y < camera.height; ++y)
+      for (uint32_t x = 0; x < camera.width; ++x) {
+        const Ray ray = pixels.ray(x, y).ray;
+        const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kBounds, 0.0f, INFINITY);
+        all.push_back(inside.isMiss() ? 1.0f : walk(frame, ray, inside.tNear, inside.tFar, true).walked.through);
+      }
+    return all;
+  };
+  const std::vector<float> far = pictureOf(seenFrom(1e5f)), farther = pictureOf(seenFrom(4e6f));
+  for (size_t i = 0; i < far.size(); ++i) EXPECT_NEAR(far[i], farther[i], 0.02f) << i;
+}
+
+TEST(SegmentWalk, WithoutSegmentsAllIsKnownToBeEmptyOrUnknown) {
+  SampleFrame frame;
+  frame.camera = kServer;
+  frame.quantization = quantizationFor(kServer, kBounds, 1.0f);
+  frame.settings.sample.segments = 2;
+  frame.segments.rays.assign(13 * 9, RaySegmentCount{});
+  const Found found = walk(frame, {{0.0f, 0.0f, 20.0f}, {0.0f, 0.0f, -1.0f}}, 10.0f, 30.0f, true);
+  EXPECT_EQ(found.walked.through, 1.0f);
+  EXPECT_NEAR(found.unknown, 0.0, 1e-3);
+  const Found beside = walk(frame, {{-100.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}}, 0.0f, 5.0f, true);
+  EXPECT_NEAR(beside.unknown, 5.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace warpscope

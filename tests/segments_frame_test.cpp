@@ -1,0 +1,351 @@
+// Segments from the march to the picture: what marchers find, the codec's way and back, damage, the technique in the server's own view and beside it, light for
+// another camera, and the coarse copy of the volume.
+// Mirrors render/codec/segment_coding.h, render/codec/proxy_coding.h, render/volume/proxy.h, render/effects/relight.h and render/warp/segments_warp.h.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "marcher_cases.h"
+#include "render/base/error.h"
+#include "render/codec/codec.h"
+#include "render/codec/proxy_coding.h"
+#include "render/effects/relight.h"
+#include "render/metrics/psnr.h"
+#include "render/volume/proxy.h"
+#include "render/warp/warp.h"
+#include "test_volumes.h"
+
+namespace warpscope {
+namespace {
+
+const glm::uvec3 kDims(48, 44, 40);
+
+TransferFunction colorful(float alpha) {
+  return {{{15.0, {0.2f, 0.4f, 1.0f}, 0.0f}, {40.0, {0.9f, 0.8f, 0.3f}, 0.3f * alpha}, {80.0, {1.0f, 0.3f, 0.1f}, alpha}}};
+}
+
+MarcherPtr blobMarcher(float alpha = 0.5f, VoxelType type = VoxelType::uint8) {
+  return makeCpuMarcher(makeTestVolume(type, kDims, blobs(kDims, 11)), colorful(alpha));
+}
+
+MarchSettings segmented(int segments, int proxy = 0) {
+  MarchSettings settings;
+  settings.sample.segments = segments;
+  settings.sample.proxy = proxy;
+  return settings;
+}
+
+const Camera kServer = lookingFrom({30.0f, 25.0f, 75.0f}, glm::vec3(0.0f), 160, 120, 0.45f);
+
+WarpedImage warped(const SampleFramePtr& frame, const Camera& camera, std::string_view technique = "segments") {
+  WarpResources resources;
+  const std::unique_ptr<Warp> warp = findWarp(technique).make(resources);
+  WarpSettings settings;
+  warp->setFrame(frame, settings);
+  WarpedImage image;
+  warp->draw(camera, settings, image);
+  return image;
+}
+
+double psnrAgainst(Marcher& marcher, const MarchSettings& settings, const Camera& camera, const WarpedImage& image) {
+  Image<glm::vec4> reference;
+  marcher.render(camera, settings.render, reference);
+  return psnrSrgb(image.color, reference, glm::vec3(0.0f));
+}
+
+SampleFramePtr marched(const MarcherPtr& marcher, const MarchSettings& settings, const Camera& camera = kServer) {
+  return std::make_shared<const SampleFrame>(marcher->march(camera, settings));
+}
+
+bool sameSegments(const FrameSegments& a, const FrameSegments& b) {
+  return a.rays == b.rays && a.depths == b.depths && a.colors == b.colors && a.normals == b.normals;
+}
+
+SampleFrame headOf(const SampleFrame& frame) {
+  SampleFrame head;
+  head.camera = frame.camera;
+  head.quantization = frame.quantization;
+  head.settings = frame.settings;
+  head.voxelRadius = frame.voxelRadius;
+  head.planes = frame.planes;
+  return head;
+}
+
+TEST(SegmentsOfAMarch, AreAsManyAsWereAskedForAndLeaveSamplesAlone) {
+  const MarcherPtr marcher = blobMarcher();
+  const SampleFrame without = marcher->march(kServer, segmented(0));
+  EXPECT_TRUE(without.segments.empty());
+  for (const int most : {1, 3, 16}) {
+    const SampleFrame frame = marcher->march(kServer, segmented(most));
+    EXPECT_EQ(frame.samples, without.samples);
+    EXPECT_EQ(frame.colors, without.colors);
+    ASSERT_EQ(frame.segments.rays.size(), size_t{160} * 120);
+    int highest = 0;
+    size_t covered = 0;
+    for (const RaySegmentCount ray : frame.segments.rays) {
+      highest = std::max(highest, ray.count());
+      covered += ray.count() > 0;
+    }
+    EXPECT_EQ(highest, most);
+    EXPECT_GE(covered, frame.size());
+    EXPECT_TRUE(frame.segments.normals.empty());  // nothing is lit
+  }
+}
+
+TEST(SegmentsOfAMarch, RaysThatEndSayThatTheyDid) {
+  const MarcherPtr marcher = blobMarcher(1.0f);
+  MarchSettings settings = segmented(2);
+  const auto ended = [](const SampleFrame& frame) {
+    return std::ranges::count_if(frame.segments.rays, [](RaySegmentCount ray) { return ray.isEnded(); });
+  };
+  EXPECT_GT(ended(marcher->march(kServer, settings)), 1000);
+  settings.render.terminateEarly = false;
+  EXPECT_EQ(ended(marcher->march(kServer, settings)), 0);
+}
+
+TEST(SegmentsOfAMarch, EveryModeHasSome) {
+  for (const RenderMode mode : {RenderMode::composite, RenderMode::mip, RenderMode::isosurface}) {
+    MarchSettings settings = segmented(4);
+    settings.render.effects.mode = mode;
+    settings.render.effects.isoValues = parseIsoValues("50@0.5", "it");
+    const MarcherPtr marcher = blobMarcher();
+    const SampleFramePtr frame = marched(marcher, settings);
+    EXPECT_GT(frame->segments.size(), 1000u);
+    // Own pictures are the frame's, up to 8 bits.
+    EXPECT_GT(psnrAgainst(*marcher, settings, kServer, warped(frame, kServer)), 50.0) << static_cast<int>(mode);
+  }
+}
+
+TEST(SegmentCodec, ComesBackInEveryFormatFromEveryKindOfMarch) {
+  for (const VoxelType type : {VoxelType::uint8, VoxelType::float32})
+    for (const float shading : {0.0f, 1.0f})
+      for (const char* clip : {"none", "1,0.2,0,0"}) {
+        MarchSettings settings = segmented(5, 16);
+        settings.render.effects.shading.strength = shading;
+        settings.render.effects.jitter = 0.5f;
+        settings.render.effects.clip.planes = parseClipPlanes(clip, "it");
+        const SampleFrame frame = blobMarcher(0.6f, type)->march(kServer, settings);
+        EXPECT_EQ(frame.segments.normals.empty(), shading == 0.0f);
+        for (const PayloadFormat format : {PayloadFormat::raw, PayloadFormat::packed}) {
+          FrameCodec codec;
+          CodecSettings coding;
+          coding.format = format;
+          coding.color = ColorCoding::lossless;
+          const std::vector<std::byte> payload = codec.encode(frame, coding);
+          EXPECT_LE(payload.size(), mostPayloadBytes(frame, frame.size(), coding));
+          SampleFrame back = headOf(frame);
+          ASSERT_EQ(codec.decode(payload, frame.size(), back), std::nullopt);
+          EXPECT_TRUE(sameSegments(back.segments, frame.segments));
+          EXPECT_EQ(back.samples, frame.samples);
+          ASSERT_TRUE(back.proxy);
+          EXPECT_EQ(back.proxy->function, frame.proxy->function);
+          EXPECT_EQ(back.proxy->scale, frame.proxy->scale);
+          EXPECT_EQ(back.proxy->volume->bounds().upper, frame.proxy->volume->bounds().upper);
+          EXPECT_TRUE(std::equal(back.proxy->volume->voxelsAs<uint8_t>(), back.proxy->volume->voxelsAs<uint8_t>() + back.proxy->volume->voxelCount(),
+                                 frame.proxy->volume->voxelsAs<uint8_t>()));
+        }
+      }
+}
+
+TEST(SegmentCodec, TakesFewBytesForWhatLiesOnTheLattice) {
+  const SampleFrame frame = blobMarcher()->march(kServer, segmented(4));
+  FrameCodec codec;
+  CodecSettings coding;
+  coding.color = ColorCoding::lossless;
+  const SampleFrame plain = blobMarcher()->march(kServer, segmented(0));
+  const size_t bytes = codec.encode(frame, coding).size() - codec.encode(plain, coding).size();
+  EXPECT_LT(static_cast<double>(bytes), 5.0 * static_cast<double>(frame.segments.size()));
+}
+
+TEST(SegmentCodec, JpegKeepsDepthsAndOpacities) {
+  const SampleFrame frame = blobMarcher()->march(kServer, segmented(3));
+  FrameCodec codec;
+  const std::vector<std::byte> payload = codec.encode(frame, {});
+  SampleFrame back = headOf(frame);
+  ASSERT_EQ(codec.decode(payload, frame.size(), back), std::nullopt);
+  EXPECT_EQ(back.segments.depths, frame.segments.depths);
+  ASSERT_EQ(back.segments.colors.size(), frame.segments.colors.size());
+  for (size_t i = 0; i < back.segments.colors.size(); ++i) EXPECT_EQ(back.segments.colors[i] >> 24, frame.segments.colors[i] >> 24);
+}
+
+TEST(SegmentCodec, DamageIsFoundAndNothingIsTakenOnTrust) {
+  const SampleFrame frame = blobMarcher()->march(lookingFrom({30.0f, 25.0f, 75.0f}, glm::vec3(0.0f), 40, 30, 0.45f), segmented(3, 8));
+  std::mt19937 random(3);
+  for (const PayloadFormat format : {PayloadFormat::raw, PayloadFormat::packed}) {
+    FrameCodec codec;
+    CodecSettings coding;
+    coding.format = format;
+    const std::vector<std::byte> payload = codec.encode(frame, coding);
+    size_t refused = 0;
+    for (int round = 0; round < 600; ++round) {
+      std::vector<std::byte> damaged = payload;
+      if (round % 3 == 0)
+        damaged.resize(9 + random() % (damaged.size() - 9));
+      else
+        for (int k = 0; k < 3; ++k) damaged[9 + random() % (damaged.size() - 9)] = static_cast<std::byte>(random());
+      sealPayload(damaged);  // who means harm would
+      SampleFrame back = headOf(frame);
+      const DecodeError error = codec.decode(damaged, frame.size(), back);
+      if (error) {
+        ++refused;
+        EXPECT_FALSE(error->empty());
+        EXPECT_TRUE(back.segments.empty());
+      } else {
+        // What is let through can be drawn.
+        const auto drawn = std::make_shared<const SampleFrame>(std::move(back));
+        const WarpedImage image = warped(drawn, lookingFrom({50.0f, 5.0f, 65.0f}, glm::vec3(0.0f), 20, 15, 0.45f));
+        for (const glm::vec4& color : image.color) EXPECT_TRUE(std::isfinite(color.r + color.g + color.b + color.a));
+      }
+    }
+    EXPECT_GT(refused, 250u);
+    DecodeLimits few;
+    few.maxSegments = 10;
+    SampleFrame back = headOf(frame);
+    EXPECT_NE(codec.decode(payload, frame.size(), back, few), std::nullopt);
+  }
+}
+
+TEST(SegmentCodec, FramesThatAreNoneAreRefused) {
+  const SampleFrame frame = blobMarcher()->march(kServer, segmented(3));
+  const auto expectRefused = [&](const auto& change) {
+    SampleFrame wrong = frame;
+    change(wrong);
+    EXPECT_THROW(FrameCodec().encode(wrong, {}), InputError);
+  };
+  expectRefused([](SampleFrame& f) { f.segments.rays.pop_back(); });
+  expectRefused([](SampleFrame& f) { f.segments.depths.pop_back(); });
+  expectRefused([](SampleFrame& f) { f.segments.colors.pop_back(); });
+  expectRefused([](SampleFrame& f) { f.segments.normals.resize(3); });
+  expectRefused([](SampleFrame& f) { f.segments.depths[0].end = 0, f.segments.depths[0].begin = 9; });
+  expectRefused([](SampleFrame& f) { f.segments.depths.back().end = kDepthCodeMax + 1; });
+  expectRefused([](SampleFrame& f) { f.settings.sample.segments = 2; });
+  expectRefused([](SampleFrame& f) { f.settings.sample.segments = 0; });
+  expectRefused([](SampleFrame& f) { f.settings.sample.proxy = 8; });
+}
+
+TEST(SegmentsWarp, TheServersOwnViewIsTheFramesToACodeValue) {
+  for (const float alpha : {0.05f, 0.5f, 1.0f})
+    for (const float shading : {0.0f, 1.0f})
+      for (const int most : {1, 4, 16}) {
+        const MarcherPtr marcher = blobMarcher(alpha);
+        MarchSettings settings = segmented(most, 16);
+        settings.render.effects.shading.strength = shading;
+        const SampleFramePtr frame = marched(marcher, settings);
+        const WarpedImage image = warped(frame, kServer), held = warped(frame, kServer, "hold");
+        const ColorTables& tables = ColorTables::instance();
+        size_t different = 0;
+        for (size_t i = 0; i < image.color.size(); ++i) {
+          const Rgba8 a = tables.encodeOver(image.color[i], glm::vec3(0.0f)), b = tables.encodeOver(held.color[i], glm::vec3(0.0f));
+          for (const int shift : {0, 8, 16}) different += std::abs(static_cast<int>(a >> shift & 255) - static_cast<int>(b >> shift & 255)) > 1;
+        }
+        EXPECT_LT(different, image.color.size() / 200) << alpha << ", " << shading << ", " << most;
+        EXPECT_GT(psnrAgainst(*marcher, settings, kServer, image), 50.0) << alpha << ", " << shading << ", " << most;
+      }
+}
+
+TEST(SegmentsWarp, BesideItIsFarBetterThanSpheres) {
+  const Camera beside = lookingFrom({43.0f, 25.0f, 68.0f}, glm::vec3(0.0f), 160, 120, 0.45f);
+  for (const float alpha : {0.05f, 0.5f}) {
+    const MarcherPtr marcher = blobMarcher(alpha);
+    const MarchSettings settings = segmented(8, 24);
+    const SampleFramePtr frame = marched(marcher, settings);
+    EXPECT_GT(psnrAgainst(*marcher, settings, beside, warped(frame, beside)), psnrAgainst(*marcher, settings, beside, warped(frame, beside, "spheres")) + 8.0);
+  }
+}
+
+TEST(SegmentsWarp, LightGoesWithTheCamera) {
+  const Camera beside = lookingFrom({70.0f, 25.0f, 40.0f}, glm::vec3(0.0f), 160, 120, 0.45f);
+  const MarcherPtr marcher = blobMarcher(0.9f);
+  MarchSettings settings = segmented(4, 24);
+  settings.render.effects.shading.strength = 1.0f;
+  auto frame = std::make_shared<SampleFrame>(marcher->march(kServer, settings));
+  ASSERT_EQ(frame->segments.normals.size(), frame->segments.size());
+  const double with = psnrAgainst(*marcher, settings, beside, warped(frame, beside));
+  auto without = std::make_shared<SampleFrame>(*frame);
+  without->segments.normals.clear();
+  EXPECT_GT(with, psnrAgainst(*marcher, settings, beside, warped(without, beside)) + 1.5);
+  // Lights of the world that shine evenly have no need of normals.
+  settings.render.effects.lights = parseLights("world:1,1,1", "it");
+  settings.render.effects.shading.specular = 0.0f;
+  EXPECT_TRUE(marcher->march(kServer, settings).segments.normals.empty());
+}
+
+TEST(SegmentsWarp, WhatNoFrameHasSeenComesFromTheCopy) {
+  const Camera behind = lookingFrom({-40.0f, 10.0f, -70.0f}, glm::vec3(0.0f), 160, 120, 0.45f);
+  const MarcherPtr marcher = blobMarcher(1.0f);
+  const MarchSettings with = segmented(4, 32), without = segmented(4);
+  const double filled = psnrAgainst(*marcher, with, behind, warped(marched(marcher, with), behind));
+  EXPECT_GT(filled, psnrAgainst(*marcher, without, behind, warped(marched(marcher, without), behind)) + 3.0);
+}
+
+TEST(SegmentsWarp, AFrameWithoutSegmentsCoversNothing) {
+  const WarpedImage image = warped(marched(blobMarcher(), segmented(0)), kServer);
+  for (const uint32_t id : image.samples) EXPECT_EQ(id, kNoSample);
+}
+
+TEST(Normals, ComeBackWithinABitOverADegreeWithoutTheirSign) {
+  std::mt19937 random(5);
+  std::normal_distribution<float> normal;
+  double worst = 0.0;
+  for (int i = 0; i < 20000; ++i) {
+    const glm::vec3 v = glm::normalize(glm::vec3(normal(random), normal(random), normal(random)));
+    const NormalCode code = encodeNormal(v * 37.0f);
+    ASSERT_NE(code, 0);
+    EXPECT_EQ(encodeNormal(-v), code);
+    const double cosine = std::abs(static_cast<double>(glm::dot(glm::normalize(decodeNormal(code)), v)));
+    worst = std::max(worst, std::acos(std::min(cosine, 1.0)) * 180.0 / 3.14159265358979);
+  }
+  EXPECT_LT(worst, 0.8);
+  EXPECT_EQ(encodeNormal(glm::vec3(0.0f)), 0);
+  EXPECT_EQ(decodeNormal(0), glm::vec3(0.0f));
+}
+
+TEST(Proxy, HoldsMeansOfWhatLiesInEachVoxel) {
+  const VolumePtr volume = makeTestVolume(VoxelType::uint16, {8, 6, 4}, [](const glm::ivec3& p) { return p.x * 100.0 + p.y * 10.0 + p.z; });
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 4);
+  ASSERT_EQ(proxy.volume->dims(), glm::uvec3(4, 3, 2));
+  EXPECT_EQ(proxy.volume->bounds().upper, volume->bounds().upper);
+  for (uint32_t z = 0; z < 2; ++z)
+    for (uint32_t y = 0; y < 3; ++y)
+      for (uint32_t x = 0; x < 4; ++x) {
+        const double mean = (2.0 * x + 0.5) * 100.0 + (2.0 * y + 0.5) * 10.0 + 2.0 * z + 0.5;
+        const double code = proxy.volume->voxelsAs<uint8_t>()[x + 4 * (y + 3 * z)];
+        EXPECT_NEAR(proxy.scale.lowest + code * proxy.scale.perCode, mean, 0.5 * proxy.scale.perCode + 1e-9);
+      }
+}
+
+TEST(Proxy, OfUnevenSizesKeepsTheSumOfValues) {
+  const glm::uvec3 dims(31, 17, 23);
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, blobs(dims, 4));
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 9);
+  double fine = 0.0, coarse = 0.0;
+  for (size_t i = 0; i < volume->voxelCount(); ++i) fine += volume->voxelsAs<uint8_t>()[i];
+  for (size_t i = 0; i < proxy.volume->voxelCount(); ++i) coarse += proxy.volume->voxelsAs<uint8_t>()[i];
+  EXPECT_NEAR(coarse / static_cast<double>(proxy.volume->voxelCount()), fine / static_cast<double>(volume->voxelCount()), 0.3);
+}
+
+TEST(Proxy, LeavesOutWhatIsMissing) {
+  const VolumePtr volume = makeTestVolume(VoxelType::float32, {4, 4, 4}, [](const glm::ivec3& p) { return p.x < 2 ? std::nan("") : p.y < 2 ? 10.0 : 20.0; });
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 2);
+  ASSERT_TRUE(proxy.scale.hasMissing);
+  EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[0], 0);
+  EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[1], 1);
+  EXPECT_EQ(proxy.volume->voxelsAs<uint8_t>()[3], 255);
+  const TransferFunction codes = functionOfCodes(proxy);
+  EXPECT_EQ(codes.at(0.0).a, 0.0f);
+  EXPECT_EQ(codes.at(1.0).a, 0.5f);
+}
+
+/// Filtered as finely as the volume is, it is the volume.
+TEST(Proxy, OfAllVoxelsGivesTheVolumesPicture) {
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 11));
+  const Proxy proxy = makeProxy(*volume, colorful(0.5f), 48);
+  ASSERT_EQ(proxy.volume->dims(), kDims);
+  const MarcherPtr ofVolume = makeCpuMarcher(volume, colorful(0.5f)), ofCopy = makeCpuMarcher(proxy.volume, functionOfCodes(proxy));
+  EXPECT_GT(psnrSrgb(rendered(*ofCopy, kServer), rendered(*ofVolume, kServer), glm::vec3(0.0f)), 45.0);
+}
+
+}  // namespace
+}  // namespace warpscope
