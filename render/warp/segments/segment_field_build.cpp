@@ -39,7 +39,7 @@ void forEachSegment(const SampleFrame& frame, const F& f) {
         for (int i = 0; i < segments.rays[y * width + x].count(); ++i, ++at) {
           const SegmentDepths& depths = segments.depths[at];
           const float begin = decodeDepth(depths.begin, step), end = decodeDepth(depths.end, step);
-          const float opacity = static_cast<float>(segments.colors[at] >> 24) / 255.0f;
+          const float opacity = segmentOpacity(segments.colors[at]);
           f(at, pixels.at(x, static_cast<uint32_t>(y), mulAdd(placeOfHalf(opacity), end - begin, begin)));
         }
     }
@@ -92,7 +92,7 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
           const float cosine = pixels_.ray(static_cast<uint32_t>(x), static_cast<uint32_t>(y)).cosine;
           for (uint32_t i = begin; i < end; ++i) {
             const SegmentDepths& depths = segments.depths[i];
-            const glm::vec4 color = tables.decode(segments.colors[i]);
+            const glm::vec4 color = segmentColor(tables, segments.colors[i]);
             FieldSegment& out = segments_[i];
             out.begin = decodeDepth(depths.begin, step);
             out.end = decodeDepth(depths.end > depths.begin ? depths.end : depths.begin + 1, step);

@@ -120,6 +120,7 @@ WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, flo
     }
   } else {
     state.until = -kInfinity;
+    state.isKnown = begin < end || !isEnded;
     for (uint32_t i = end; i > begin; --i) {
       const FieldSegment& segment = field.segments[i - 1];
       if (!(segment.begin < depth)) continue;
@@ -132,6 +133,9 @@ WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, flo
   }
   return state;
 }
+
+/// Pixels that know what is at a place, but have less weight there, are not asked: what a frame shows would depend on where its rays end otherwise.
+inline constexpr float kLeastKnown = 1.0f / 64;
 
 /// Walks the part [tNear, tFar] of a ray. `kIsLinear`: between the centres of pixels what they have is blended, of those that know; else each pixel's is the
 /// same all over its frustum. `fill(walked, tNear, tFar)` passes what is not known. Ends where less than `stopBelow` is left.
@@ -155,7 +159,6 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
 
   const float length = line.t1 - line.t0;
   const bool isRising = line.depths > 0.0f;
-  // Between these two depths a cell's beginning and end are the same in single precision.
   const int columns = field.width + (kIsLinear ? 1 : 0), rows = field.height + (kIsLinear ? 1 : 0);
   const float perX = 1.0f / line.dx, perY = 1.0f / line.dy;  // infinite where there is no way
   int x = minOf(maxOf(static_cast<int>(line.x0), 0), columns - 1), y = minOf(maxOf(static_cast<int>(line.y0), 0), rows - 1);
@@ -216,7 +219,7 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
     const float sOut = minOf(maxOf(minOf(sx, sy), s), 1.0f);
     const float fOut = line.inSpace(sOut);
     const float depthOut = line.depthAt(fOut);
-    float depth = line.depthAt(f);
+    float depth = line.depthAt(f), from = s;
     // Pieces of the cell in which nothing changes.
     int pixel[4];
     if constexpr (kIsLinear) {
@@ -238,9 +241,14 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
       if (!isLast) fNext = minOf(maxOf((until - line.depth0) / line.depths, f), fOut);
       float weights[kPixels];
       if constexpr (kIsLinear) {
-        const float middle = line.inPicture(0.5f * (f + fNext));
+        // Means over the piece: of a product of two that go straight, the product of their means and a twelfth of that of their growths.
+        const float to = isLast ? sOut : line.inPicture(fNext), middle = 0.5f * (from + to), way = to - from;
         const float u = saturated(mulAdd(middle, line.dx, line.x0) - static_cast<float>(x)), v = saturated(mulAdd(middle, line.dy, line.y0) - static_cast<float>(y));
-        weights[0] = (1.0f - u) * (1.0f - v), weights[1] = u * (1.0f - v), weights[2] = (1.0f - u) * v, weights[3] = u * v;
+        weights[3] = mulAdd(u, v, (line.dx * way) * (line.dy * way) * (1.0f / 12));
+        weights[1] = maxOf(u - weights[3], 0.0f);
+        weights[2] = maxOf(v - weights[3], 0.0f);
+        weights[0] = maxOf(1.0f - u - weights[2], 0.0f);
+        from = to;
       } else {
         weights[0] = 1.0f;
       }
@@ -254,7 +262,7 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
         extinction += own;
         emission += own * states[i].active->color;
       }
-      if (!(known > 0.0f)) {
+      if (known < kLeastKnown) {
         if (unknownFrom < 0.0f) unknownFrom = f;
       } else {
         passUnknownUntil(f);
