@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "render/core/opacity.h"
-#include "render/march/frame_segments.h"
+#include "render/march/segment_encoder.h"
 #include "render/march/ray_segments.h"
 
 namespace warpscope {

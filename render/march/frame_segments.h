@@ -11,7 +11,6 @@
 #include "render/core/normal_code.h"
 #include "render/core/sample.h"
 #include "render/core/transfer_vector.h"
-#include "render/march/ray_segments.h"
 
 namespace warpscope {
 
@@ -57,6 +56,9 @@ struct FrameSegments {
   size_t sizeBytes() const { return rays.size() + depths.size() * (sizeof(SegmentDepths) + sizeof(Rgba8)) + normals.size() * sizeof(NormalCode); }
 };
 
+/// Where between its ends a segment of that opacity lets half of its light through from in front, about: a share of its length (within 0.07).
+WARPSCOPE_HD inline float placeOfHalf(float opacity) { return mulAdd(opacity * opacity, -0.375f, 0.5f); }
+
 /// Opacity of a segment whose code is that of full opacity: what is left behind it is what a ray ends at by default, and the logarithm is finite.
 inline constexpr float kMostSegmentOpacity = 1.0f - 1.0f / 1024;
 
@@ -81,62 +83,11 @@ WARPSCOPE_HD inline glm::vec4 segmentColor(const ColorTables& tables, Rgba8 code
   return {straight.x * opacity, straight.y * opacity, straight.z * opacity, opacity};
 }
 
-/// A ray's segments as codes. Colours and opacities are rounded to 8 bits each so that what all up to one show over one another is off by less than a code of
-/// what that one alone contributes: each is given what rounding has left of those in front of it. For host and device.
-class SegmentEncoder {
- public:
-  WARPSCOPE_HD SegmentEncoder(const ColorTables& tables, const SampleQuantization& quantization, float cosine)
-      : tables_(tables), depthStep_(quantization.depthStep), cosine_(cosine) {}
-
-  /// False if it shows nothing in 8 bits: then what it has is given to the next, and it is not to be sent.
-  /// Of a segment that has others behind it something is left to pass, so that those have something to show.
-  WARPSCOPE_HD bool encode(const RaySegment& segment, bool isLast, SegmentDepths& depths, Rgba8& color) {
-    // What all up to this one come to, exactly; then what this one has to be for that.
-    for (int channel = 0; channel < 3; ++channel) color_[channel] = mulAdd(through_, segment.color[channel], color_[channel]);
-    through_ *= 1.0f - segment.opacity;
-    if (!(sentThrough_ > 0.0f)) return false;
-    const float share = 1.0f / sentThrough_;
-    glm::vec4 wanted((color_ - sentColor_) * share, 1.0f - through_ * share);
-    uint32_t opacity = segmentOpacityCode(minOf(wanted.a, 1.0f));
-    if (opacity == 0) return false;
-    if (!isLast && opacity == 255) opacity = 254;
-    const float straight = 1.0f / segmentOpacity(opacity << 24);
-    color = tables_.encodeChannel(wanted.r * straight) | tables_.encodeChannel(wanted.g * straight) << 8 | tables_.encodeChannel(wanted.b * straight) << 16 |
-            opacity << 24;
-    const glm::vec4 sent = segmentColor(tables_, color);
-    for (int channel = 0; channel < 3; ++channel) sentColor_[channel] = mulAdd(sentThrough_, sent[channel], sentColor_[channel]);
-    sentThrough_ *= 1.0f - sent.a;
-    depths.begin = encodeDepth(segment.begin * cosine_, depthStep_);
-    depths.end = encodeDepth(segment.end * cosine_, depthStep_);
-    return true;
-  }
-
- private:
-  const ColorTables& tables_;
-  float depthStep_, cosine_;
-  glm::vec3 color_{0.0f}, sentColor_{0.0f};  // of all so far
-  float through_ = 1.0f, sentThrough_ = 1.0f;
-};
-
 /// Where a pixel's segments go: as many places as the settings ask for segments. `normals` may be null.
 struct SegmentSlots {
   SegmentDepths* depths = nullptr;
   Rgba8* colors = nullptr;
   NormalCode* normals = nullptr;
 };
-
-/// Stores a ray's segments, near to far, and says how many there are. `normalOf(i)` is the normal of the segment in place i. For host and device.
-template <class NormalOf>
-WARPSCOPE_HD inline RaySegmentCount storeSegments(const SegmentMerger& found, bool isEnded, SegmentEncoder encoder, const SegmentSlots& slots,
-                                                  const NormalOf& normalOf) {
-  int count = 0;
-  for (int i = found.first(); i != SegmentMerger::kNone; i = found.behind(i)) {
-    const bool isLast = found.behind(i) == SegmentMerger::kNone;
-    if (!encoder.encode(found[i], isLast, slots.depths[count], slots.colors[count])) continue;
-    if (slots.normals != nullptr) slots.normals[count] = normalOf(i);
-    ++count;
-  }
-  return {count, isEnded};
-}
 
 }  // namespace warpscope

@@ -12,6 +12,7 @@
 #include "render/march/march.h"
 #include "render/march/march_launch.h"
 #include "render/march/ray_samples.h"
+#include "render/march/segment_encoder.h"
 #include "render/march/volume_source_scalar.h"
 
 namespace warpscope {

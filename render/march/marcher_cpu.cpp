@@ -26,6 +26,7 @@
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
 #include "render/march/ray_samples.h"
+#include "render/march/segment_encoder.h"
 #include "render/march/visible_blocks.h"
 #include "render/march/volume_source.h"
 

@@ -4,23 +4,23 @@
 // A segment has the light and the opacity of all the samples that became it, as seen from the ray's beginning with nothing in front: segments over one another
 // are the ray (Porter, Duff 1984), however they were merged. What is lost is where within the segment they were.
 //
-// The cost of merging two neighbours is what another camera would see of that: light is moved along the ray, and from an angle beside it.
-//   moved = h * (|density_a - density_b| / (density_a + density_b) * distance of the centres + gap)
-//   colour = h * distance of the centres * difference of the straight colours, the largest of three channels
-// with h the harmonic mean of what the two contribute to the picture (transmittance in front times opacity): what hardly contributes may go anywhere. Where both
-// are equally dense, no gap lies between and colours are alike, nothing is lost. Density is opacity by length, the opacity a as a / (1 - a / 2), which is the
-// extinction's integral up to a^3 / 12 and needs no logarithm.
+// The cost of merging two neighbours is how far light is moved along the ray, which from an angle is beside it, and how much of it changes colour:
+//   moved: the integral along the ray of how much of the optical depth in front of a place changes (the earth mover's distance of both distributions: Rubner,
+//     Tomasi, Guibas 1998), times the light that both send for each unit of it. Of two that lie side by side, equally dense, it is 0; a gap between them
+//     counts by all that it is filled with, not by what lies on its smaller side. Optical depth is taken as a / (1 - a / 2), a being the opacity: right up to
+//     a^3 / 12, and without a logarithm.
+//   recoloured: a b / (a + b) times the difference of the straight colours (the largest of three channels) times half of the merged segment's length, a and b
+//     being what both contribute to the picture: transmittance in front times opacity.
+// Both are light times length.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
 
+#include "render/march/frame_segments.h"
 #include "render/march/march.h"
 
 namespace warpscope {
-
-/// The most that settings may ask for.
-inline constexpr int kMaxRaySegments = static_cast<int>(kSegmentsRange.highest);
 
 /// A stretch of a ray. Distances along the ray from its beginning, volume units.
 struct RaySegment {
@@ -33,9 +33,6 @@ struct RaySegment {
   WARPSCOPE_HD float length() const { return end - begin; }
 };
 
-/// Where between its ends a segment of that opacity lets half of its light through from in front, about: a share of its length (within 0.07).
-WARPSCOPE_HD inline float placeOfHalf(float opacity) { return mulAdd(opacity * opacity, -0.375f, 0.5f); }
-
 /// Where on the ray a segment's light is taken to be.
 WARPSCOPE_HD inline float placeToLight(const RaySegment& segment) { return mulAdd(placeOfHalf(segment.opacity), segment.length(), segment.begin); }
 
@@ -47,20 +44,23 @@ WARPSCOPE_HD inline void mergeInto(RaySegment& front, const RaySegment& back) {
   for (int channel = 0; channel < 3; ++channel) front.color[channel] = mulAdd(rest, back.color[channel], front.color[channel]);
 }
 
-/// What merging the two would cost; 0 or more. As the file's head has it, by one division.
+/// What merging the two would cost; 0 or more.
 WARPSCOPE_HD inline float mergeCost(const RaySegment& front, const RaySegment& back) {
-  const float a = front.contribution(), b = back.contribution(), both = a * b;
-  if (!(both > 0.0f)) return 0.0f;
-  const float twiceDistance = (back.begin - front.begin) + (back.end - front.end), gap = back.begin - front.end;
-  const float densityA = front.opacity * (back.length() * mulAdd(back.opacity, -0.5f, 1.0f));
-  const float densityB = back.opacity * (front.length() * mulAdd(front.opacity, -0.5f, 1.0f));
+  const float a = front.contribution(), b = back.contribution(), length = back.end - front.begin;
+  if (!(a > 0.0f) || !(b > 0.0f) || !(length > 0.0f)) return 0.0f;
+  const float lengthA = front.end - front.begin, lengthB = back.end - back.begin, gap = back.begin - front.end;
+  // Optical depths, about, in a unit in which they need no division.
+  const float depthA = front.opacity * mulAdd(back.opacity, -0.5f, 1.0f), depthB = back.opacity * mulAdd(front.opacity, -0.5f, 1.0f), depth = depthA + depthB;
+  // What is in front of a place, before less after: at the gap's beginning and at its end.
+  const float density = depth / length, atGap = mulAdd(density, -lengthA, depthA), behindGap = mulAdd(density, lengthB, -depthB);
+  const float first = absOf(atGap), second = absOf(behindGap), both = first + second;
+  float moved = 0.5f * mulAdd(first, lengthA, second * lengthB);
+  if (gap > 0.0f) moved = mulAdd(atGap * behindGap < 0.0f ? 0.5f * mulAdd(first, first, second * second) / both : 0.5f * both, gap, moved);
   float otherColor = 0.0f;
   for (int channel = 0; channel < 3; ++channel)
     otherColor = maxOf(otherColor, absOf(front.color[channel] * back.opacity - back.color[channel] * front.opacity));
-  // Surfaces have no length: they are told apart by the gap between them.
-  const float densities = densityA + densityB, unlike = densities > 0.0f ? absOf(densityA - densityB) : 0.0f, whole = densities > 0.0f ? densities : 1.0f;
-  const float distance = 0.5f * twiceDistance, rest = mulAdd(front.through * back.through * otherColor, distance, both * maxOf(gap, 0.0f));
-  return mulAdd(both * distance, unlike, rest * whole) / (whole * (a + b));
+  const float light = a + b;
+  return mulAdd(moved, light / depth, front.through * back.through * otherColor * (0.5f * length) / light);
 }
 
 /// Segments of the ray that is marched, few at any time: when there is no room for another, the two are merged for which that costs least.
