@@ -7,24 +7,13 @@
 #include "render/base/error.h"
 #include "render/cuda/devices.h"
 #include "render/march/marcher_cpu.h"
-#include "tests/gpu/agreement.h"
+#include "tests/gpu/march_pairs.h"
 #include "tests/headless.h"
 #include "tests/marcher_cases.h"
 #include "tests/test_volumes.h"
 
 namespace warpscope {
 namespace {
-
-struct Pair {
-  explicit Pair(const Scene& scene)
-      : cpu(makeCpuMarcher(scene.volume, scene.transferFunction)), cuda(makeCudaMarcher(scene.volume, scene.transferFunction)) {}
-  MarcherPtr cpu, cuda;
-
-  void expectSame(const Camera& camera, const MarchSettings& settings) const {
-    const SampleFrame expected = cpu->march(camera, settings);
-    expectSameFrames(expected, cuda->march(camera, settings));
-  }
-};
 
 TEST(MarchOnDevice, EveryHeuristicAndRadiusInEveryScene) {
   WARPSCOPE_NEEDS_GPU();
@@ -262,29 +251,6 @@ TEST(MarchOnDevice, OtherModesInEveryScene) {
   }
 }
 
-/// Calls `check` with a pair of marchers for volumes of every voxel type, wide, flat, thin and of one voxel, with and without holes: voxels whose
-/// number modulo 11 is `hole`.
-template <class Check>
-void forEveryVoxelType(int hole, const Check& check) {
-  const TransferFunction function{{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
-  for (const VoxelType type : kAllVoxelTypes)
-    for (const glm::uvec3 dims : {glm::uvec3(40, 33, 29), glm::uvec3(1, 20, 20), glm::uvec3(20, 1, 1), glm::uvec3(1)})
-      for (const bool hasHoles : {false, true}) {
-        if (hasHoles && type != VoxelType::float32 && type != VoxelType::float64) continue;
-        SCOPED_TRACE(::testing::Message() << nameOf(type) << ", " << dims.x << "x" << dims.y << "x" << dims.z << ", holes " << hasHoles);
-        const FieldFunction field = blobs(dims, 4);
-        Scene scene;
-        scene.volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) {
-          if (hasHoles && (p.x * 7 + p.y * 5 + p.z * 3) % 11 == hole) return std::nan("");
-          return dims.x * dims.y * dims.z < 1000 ? static_cast<double>((p.x * 31 + p.y * 17 + p.z * 13 + 60) % 101) : field(p);
-        });
-        scene.transferFunction = function;
-        check(Pair(scene));
-      }
-}
-
-constexpr glm::vec3 kOutside(60.0f, 45.0f, 53.0f), kInside(0.1f, 0.2f, 0.3f);
-
 TEST(MarchOnDevice, OtherModesOfEveryVoxelTypeWithAndWithoutHoles) {
   WARPSCOPE_NEEDS_GPU();
   forEveryVoxelType(5, [](const Pair& pair) {
@@ -332,28 +298,6 @@ TEST(MarchOnDevice, SpreadsOfDepthOfEveryVoxelTypeWithAndWithoutHoles) {
             settings.render.effects.shading.strength = heuristic == Heuristic::median ? 1.0f : 0.0f;
             settings.render.effects.isoValues = parseIsoValues("60@0.5", "it");
             pair.expectSame(lookingFrom(kOutside, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
-          }
-  });
-}
-
-/// Segments of rays, in every mode, lit or not, cut or not.
-TEST(MarchOnDevice, SegmentsOfEveryVoxelTypeWithAndWithoutHoles) {
-  WARPSCOPE_NEEDS_GPU();
-  forEveryVoxelType(9, [](const Pair& pair) {
-    for (const RenderMode mode : {RenderMode::composite, RenderMode::mip, RenderMode::isosurface})
-      for (const bool integrates : {false, true})
-        for (const int segments : {1, 4, 16})
-          for (const float shading : {0.0f, 1.0f}) {
-            MarchSettings settings;
-            settings.sample.segments = segments;
-            settings.render.effects.mode = mode;
-            settings.render.effects.preIntegration = integrates;
-            settings.render.effects.shading.strength = shading;
-            settings.render.effects.shadows.occlusion = segments == 4 ? 1.0f : 0.0f;
-            settings.render.effects.isoValues = parseIsoValues("60@0.5", "it");
-            settings.render.effects.jitter = segments == 1 ? 0.7f : 0.0f;
-            if (segments == 16) settings.render.effects.clip.planes = parseClipPlanes("1,0.2,0,0", "it");
-            for (const glm::vec3& eye : {kOutside, kInside}) pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
           }
   });
 }

@@ -1,0 +1,222 @@
+// Layers of segments.
+// See segment_band.h.
+#include "render/codec/segment_band.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "render/codec/zstd_section.h"
+
+namespace warpscope {
+namespace {
+
+int32_t wrapped(int32_t value, int32_t likely) { return static_cast<int32_t>(static_cast<uint32_t>(value) - static_cast<uint32_t>(likely)); }
+
+}  // namespace
+
+/// Where each ray's segments begin; how many layers there are.
+int SegmentBand::startRays(std::span<const RaySegmentCount> rays) {
+  starts_.resize(rays.size());
+  ends_.assign(rays.size(), 0);
+  int layers = 0;
+  uint32_t at = 0;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    starts_[i] = at;
+    layers = std::max(layers, rays[i].count());
+    at += static_cast<uint32_t>(rays[i].count());
+  }
+  return layers;
+}
+
+/// Makes room for the segments of a layer, and says which pixels they are of.
+void SegmentBand::lay(const MaskShape& shape, std::span<const RaySegmentCount> rays, int layer) {
+  mask_.assign(shape.size(), 0);
+  for (uint32_t row = 0; row < shape.rowCount; ++row)
+    for (uint32_t x = 0; x < shape.width; ++x)
+      if (rays[size_t{row} * shape.width + x].count() > layer) mask_[size_t{row} * shape.rowBytes() + x / 8] |= static_cast<uint8_t>(1u << x % 8);
+  layout_.build(shape.width, shape.firstRow, shape.rowCount, mask_);
+  const size_t size = layout_.size();
+  pixelOf_.resize(size);
+  codes_.resize(size);
+  endCodes_.resize(size);
+  colors_.resize(size);
+  normals_.resize(size);
+  for (size_t k = 0; k < size; ++k) pixelOf_[k] = (layout_.rows[k] - shape.firstRow) * shape.width + layout_.columns[k];
+}
+
+void SegmentBand::pack(const SampleFrame& frame, Placement placement, const MaskShape& shape, size_t begin, const CodecSettings& settings, std::vector<std::byte>& out) {
+  const FrameSegments& segments = frame.segments;
+  const auto rays = std::span(segments.rays).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width);
+  const int layers = startRays(rays);
+  bytes_.resize(rays.size());
+  for (size_t i = 0; i < rays.size(); ++i) bytes_[i] = static_cast<uint8_t>(rays[i].bits() ^ (i % shape.width > 0 ? rays[i - 1].bits() : 0));
+  appendSection(out, bytes_);
+  for (int layer = 0; layer < layers; ++layer) {
+    lay(shape, rays, layer);
+    const size_t size = layout_.size();
+    for (size_t k = 0; k < size; ++k) {
+      const size_t segment = begin + starts_[pixelOf_[k]] + static_cast<size_t>(layer);
+      codes_[k] = segments.depths[segment].begin;
+      endCodes_[k] = segments.depths[segment].end;
+      colors_[k] = segments.colors[segment];
+      if (!segments.normals.empty()) normals_[k] = segments.normals[segment];
+    }
+    paths_.aim(frame, placement, layout_.columns, layout_.rows);
+    bitBytes_.resize((size * kMostBits + 7) / 8 + BitWriter::kSpareBytes);
+    BitWriter bits(bitBytes_.data());
+    putDepths(size, layer, bits);
+    for (const TransferVector<uint8_t>* tokens : {&beginTokens_, &endTokens_, &beginRests_, &endRests_}) appendSection(out, *tokens);
+    const std::span<const uint8_t> written = bits.finish();
+    appendLittle(out, static_cast<uint32_t>(written.size()));
+    appendSection(out, written);
+    colorPlanes_.append(out, layout_, shape.firstRow, mask_, shape.rowBytes(), colors_, settings);
+    if (!segments.normals.empty()) appendNormals(size, out);
+  }
+}
+
+bool SegmentBand::takeRays(ByteReader& reader, const MaskShape& shape, std::span<RaySegmentCount> rays) {
+  bytes_.resize(rays.size());
+  if (!takeSection(reader, bytes_)) return false;
+  for (size_t row = 0; row < shape.rowCount; ++row) {
+    uint8_t west = 0;
+    for (size_t x = 0; x < shape.width; ++x) {
+      const size_t i = row * shape.width + x;
+      west = static_cast<uint8_t>(bytes_[i] ^ west);
+      rays[i] = RaySegmentCount::ofBits(west);
+    }
+  }
+  return true;
+}
+
+DecodeError SegmentBand::unpack(ByteReader& reader, Placement placement, const MaskShape& shape, ColorCoding coding, size_t begin, SampleFrame& frame) {
+  FrameSegments& segments = frame.segments;
+  const auto rays = std::span(std::as_const(segments.rays)).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width);
+  const int layers = startRays(rays);
+  for (int layer = 0; layer < layers; ++layer) {
+    lay(shape, rays, layer);
+    const size_t size = layout_.size();
+    paths_.aim(frame, placement, layout_.columns, layout_.rows);
+    for (TransferVector<uint8_t>* tokens : {&beginTokens_, &endTokens_, &beginRests_, &endRests_}) {
+      tokens->resize(size);
+      if (!takeSection(reader, *tokens)) return "the depths of segments are damaged";
+    }
+    const auto bitLength = reader.take<uint32_t>();
+    if (bitLength > (size * kMostBits + 7) / 8 + 1) return "the depths of segments have more bits than they can use";
+    bitBytes_.resize(bitLength);
+    if (!takeSection(reader, bitBytes_)) return "the depths of segments are damaged";
+    BitReader bits(bitBytes_);
+    takeDepths(size, layer, bits);
+    if (bits.ranOut()) return "the depths of segments end too early";
+    if (DecodeError error = colorPlanes_.take(reader, layout_, shape.firstRow, coding, colors_)) return error;
+    if (!segments.normals.empty() && !takeNormals(reader, size)) return "the normals of segments are damaged";
+    for (size_t k = 0; k < size; ++k) {
+      const size_t segment = begin + starts_[pixelOf_[k]] + static_cast<size_t>(layer);
+      segments.depths[segment] = {codes_[k], endCodes_[k]};
+      segments.colors[segment] = colors_[k];
+      if (!segments.normals.empty()) segments.normals[segment] = normals_[k];
+    }
+  }
+  return std::nullopt;
+}
+
+/// f(k, what is likely, places, whether they are ends) for the beginnings of all, which it knows or sets; then for their ends. Of the first layer a
+/// beginning is predicted from those beside it, of others the gap from the end in front; an end from those beside it, as far behind its beginning.
+template <class F>
+void SegmentBand::forEachPlace(size_t size, int layer, const F& f) {
+  const FineScale scale = paths_.fineScale();
+  const Neighbors* const neighbors = layout_.neighbors.data();
+  fine_.resize(size + 1);
+  fine_[0] = 0;
+  for (size_t k = 0; k < size; ++k) {
+    const Neighbors from = neighbors[k];
+    const int32_t likelyFine = predicted(fine_[from.west], fine_[from.north], fine_[from.northWest]);
+    if (layer == 0) {
+      f(k, scale.placeOf(k, likelyFine), places_, false);
+      fine_[k + 1] = scale.fineOf(k, places_[k]);
+    } else {
+      const int32_t front = ends_[pixelOf_[k]];
+      f(k, static_cast<int32_t>(static_cast<uint32_t>(front) + static_cast<uint32_t>(likelyFine)), places_, false);
+      fine_[k + 1] = wrapped(places_[k], front);
+    }
+  }
+  for (size_t k = 0; k < size; ++k) {
+    const Neighbors from = neighbors[k];
+    const int32_t likely = scale.placeOf(k, predicted(fine_[from.west], fine_[from.north], fine_[from.northWest]));
+    f(k, likely, endPlaces_, true);
+    fine_[k + 1] = scale.fineOf(k, endPlaces_[k]);
+    ends_[pixelOf_[k]] = endPlaces_[k];
+  }
+}
+
+void SegmentBand::putDepths(size_t size, int layer, BitWriter& bits) {
+  places_.resize(size);
+  endPlaces_.resize(size);
+  if (paths_.fineScale().bits > 0) {
+    paths_.locateBorders(codes_, places_);
+    paths_.locateBorders(endCodes_, endPlaces_);
+  } else {
+    std::ranges::copy(codes_, places_.begin());
+    std::ranges::copy(endCodes_, endPlaces_.begin());
+  }
+  for (TransferVector<uint8_t>* tokens : {&beginTokens_, &endTokens_, &beginRests_, &endRests_}) tokens->resize(size);
+  forEachPlace(size, layer, [&](size_t k, int32_t likely, TransferVector<int32_t>& places, bool isEnd) {
+    (isEnd ? endTokens_ : beginTokens_)[k] = putToken(zigzag(wrapped(places[k], likely)), bits);
+  });
+  // What the marcher's rounding and other rays' lattices make of it.
+  const auto putRests = [&](const TransferVector<int32_t>& places, const TransferVector<uint32_t>& codes, TransferVector<uint8_t>& rests) {
+    likely_.resize(size);
+    paths_.place(places, likely_);
+    for (size_t k = 0; k < size; ++k) rests[k] = putToken(zigzag(static_cast<int32_t>(codes[k] - likely_[k])), bits);
+  };
+  putRests(places_, codes_, beginRests_);
+  putRests(endPlaces_, endCodes_, endRests_);
+}
+
+void SegmentBand::takeDepths(size_t size, int layer, BitReader& bits) {
+  places_.resize(size);
+  endPlaces_.resize(size);
+  forEachPlace(size, layer, [&](size_t k, int32_t likely, TransferVector<int32_t>& places, bool isEnd) {
+    const int32_t difference = unzigzag(takeToken((isEnd ? endTokens_ : beginTokens_)[k], bits));
+    places[k] = static_cast<int32_t>(static_cast<uint32_t>(likely) + static_cast<uint32_t>(difference));
+  });
+  const auto takeRests = [&](const TransferVector<int32_t>& places, TransferVector<uint32_t>& codes, const TransferVector<uint8_t>& rests) {
+    paths_.place(places, codes);
+    for (size_t k = 0; k < size; ++k) codes[k] = (codes[k] + static_cast<uint32_t>(unzigzag(takeToken(rests[k], bits)))) & kDepthCodeMax;
+  };
+  takeRests(places_, codes_, beginRests_);
+  takeRests(endPlaces_, endCodes_, endRests_);
+}
+
+void SegmentBand::appendNormals(size_t size, std::vector<std::byte>& out) {
+  for (const int shift : {0, 8}) {
+    bytes_.resize(size);
+    fine_.resize(size + 1);
+    fine_[0] = 0;
+    for (size_t k = 0; k < size; ++k) {
+      const Neighbors from = layout_.neighbors[k];
+      const int32_t own = normals_[k] >> shift & 255;
+      bytes_[k] = static_cast<uint8_t>(own - predicted(fine_[from.west], fine_[from.north], fine_[from.northWest]));
+      fine_[k + 1] = own;
+    }
+    appendSection(out, bytes_);
+  }
+}
+
+bool SegmentBand::takeNormals(ByteReader& reader, size_t size) {
+  std::ranges::fill(normals_, NormalCode{0});
+  for (const int shift : {0, 8}) {
+    bytes_.resize(size);
+    if (!takeSection(reader, bytes_)) return false;
+    fine_.resize(size + 1);
+    fine_[0] = 0;
+    for (size_t k = 0; k < size; ++k) {
+      const Neighbors from = layout_.neighbors[k];
+      const int32_t own = (bytes_[k] + predicted(fine_[from.west], fine_[from.north], fine_[from.northWest])) & 255;
+      normals_[k] = static_cast<NormalCode>(normals_[k] | own << shift);
+      fine_[k + 1] = own;
+    }
+  }
+  return true;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,60 @@
+// Segments of a device's march against those of the CPU's.
+// Mirrors render/march/device_segments.h.
+#include <gtest/gtest.h>
+
+#include "render/cuda/devices.h"
+#include "tests/gpu/march_pairs.h"
+
+namespace warpscope {
+namespace {
+
+/// Segments of rays, in every mode, lit or not, cut or not.
+TEST(SegmentsOnDevice, OfEveryVoxelTypeWithAndWithoutHoles) {
+  WARPSCOPE_NEEDS_GPU();
+  forEveryVoxelType(9, [](const Pair& pair) {
+    for (const RenderMode mode : {RenderMode::composite, RenderMode::mip, RenderMode::isosurface})
+      for (const bool integrates : {false, true})
+        for (const int segments : {1, 4, 16})
+          for (const float shading : {0.0f, 1.0f}) {
+            MarchSettings settings;
+            settings.sample.segments = segments;
+            settings.render.effects.mode = mode;
+            settings.render.effects.preIntegration = integrates;
+            settings.render.effects.shading.strength = shading;
+            settings.render.effects.shadows.occlusion = segments == 4 ? 1.0f : 0.0f;
+            settings.render.effects.isoValues = parseIsoValues("60@0.5", "it");
+            settings.render.effects.jitter = segments == 1 ? 0.7f : 0.0f;
+            if (segments == 16) settings.render.effects.clip.planes = parseClipPlanes("1,0.2,0,0", "it");
+            for (const glm::vec3& eye : {kOutside, kInside}) pair.expectSame(lookingFrom(eye, {0.5f, 0.0f, 0.0f}, 90, 70), settings);
+          }
+  });
+}
+
+TEST(SegmentsOnDevice, OfEverySceneAtManyNumbers) {
+  WARPSCOPE_NEEDS_GPU();
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Scene scene = smallScene(builtin.name, 96);
+    const Pair pair(scene);
+    const Camera camera = makeCamera(scene, scene.views.front(), 203, 157);
+    for (const int segments : {1, 2, 4, 8, 16}) {
+      MarchSettings settings = scene.march;
+      settings.sample.segments = segments;
+      pair.expectSame(camera, settings);
+    }
+  }
+}
+
+/// Settings that leave nothing to be seen, and such that leave rays without an end.
+TEST(SegmentsOnDevice, OfNothingAndOfRaysThatDoNotEnd) {
+  WARPSCOPE_NEEDS_GPU();
+  Scene scene = smallScene("shells", 64);
+  MarchSettings settings = scene.march;
+  settings.sample.segments = 3;
+  settings.render.terminateEarly = false;
+  Pair(scene).expectSame(makeCamera(scene, scene.views.front(), 90, 70), settings);
+  for (TransferPoint& point : scene.transferFunction.points) point.alpha = 0.0f;
+  Pair(scene).expectSame(makeCamera(scene, scene.views.front(), 90, 70), settings);
+}
+
+}  // namespace
+}  // namespace warpscope
