@@ -125,7 +125,7 @@ inline std::vector<CountedCase> countedCases() {
       {PlanStage::secondPass, Counter::secondPasses, plain, changed([](CountedScene& s) { s.settings.sample.heuristic = Heuristic::median; }), false},
       {PlanStage::severalSamples, Counter::dividedRays, plain, changed([](CountedScene& s) { s.settings.sample.samplesPerRay = 4; })},
       {PlanStage::spread, Counter::spreads, plain, changed([](CountedScene& s) { s.settings.sample.sendsSpread = true; })},
-      {PlanStage::raySegments, Counter::segmentedRays, plain, changed([](CountedScene& s) { s.settings.sample.segments = 3; })},
+      {PlanStage::raySegments, Counter::segmentedRays, plain, changed([](CountedScene& s) { s.settings.sample.segments = 3; }), false},
   };
 }
 

@@ -60,7 +60,11 @@ class FrameServerTest : public ::testing::Test {
   }
 
   const std::shared_ptr<net::IoThread> io_ = std::make_shared<net::IoThread>();
-  Scene scene_ = smallScene("shells");
+  Scene scene_ = [] {
+    Scene scene = smallScene("shells");
+    scene.march = neededBy({}, scene.march);  // samples alone
+    return scene;
+  }();
   std::unique_ptr<FrameServer> server_;
 };
 

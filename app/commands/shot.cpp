@@ -149,6 +149,7 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
   if (descriptor.usesFrame) {
     progress->step("the server's frame");
     work.march = neededBy(std::array{&descriptor}, work.march);
+    if (descriptor.uses.segments && work.march.sample.segments == 0) throw UsageError("--technique " + std::string(descriptor.name) + " draws segments: --segments must be at least 1");
     served = work.fetch()(serverCamera, work.march, limit.token());
   }
   const SampleFramePtr& frame = served.frame;

@@ -63,8 +63,8 @@ void validate(const CodecSettings& settings);
 /// What a decoder accepts. Besides the frame it holds some tens of megabytes a thread, whatever a payload says.
 struct DecodeLimits {
   size_t maxSamples = size_t{1} << 26;  ///< of 12 bytes each in memory, and what planes that are known take
-  size_t maxSegments = size_t{1} << 28; ///< likewise, of 14 bytes
   size_t maxBytes = size_t{1} << 30;    ///< of a payload
+  size_t maxSegments = size_t{1} << 28; ///< of 14 bytes each in memory
 };
 
 /// Nothing if all went well; else a sentence that says what was wrong.

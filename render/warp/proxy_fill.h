@@ -11,7 +11,7 @@ namespace warpscope {
 /// Keeps what pictures of a copy are marched by, from picture to picture. One thread at a time.
 class ProxyFill {
  public:
-  /// Calls f(march) with the ProxyMarch of `proxy` seen by `camera`, where pictures of the volume are by `settings`.
+  /// Calls f(march, baked) with the ProxyMarch of `proxy` seen by `camera`, where pictures of the volume are by `settings`, and what it points into.
   template <class F>
   decltype(auto) visit(const ProxyPtr& proxy, const RenderSettings& settings, const Camera& camera, F&& f) {
     take(proxy);
@@ -24,7 +24,8 @@ class ProxyFill {
     view.cells.distances = baked->emptyDistances.data();
     return visitLight(shadingFor(*marched_, camera, own, plan), [&](const auto& light) {
       return f(ProxyMarch<std::decay_t<decltype(light)>>{view, light, prepareClip(own.effects.clip, *marched_->volume, camera), limitsOf(own, plan), own.step,
-                                                         plan.has(PlanStage::clip)});
+                                                         plan.has(PlanStage::clip)},
+               *baked);
     });
   }
 

@@ -7,12 +7,11 @@
 #include "render/warp/proxy_fill.h"
 #include "render/warp/segments/segment_field_build.h"
 #include "render/warp/segments/segment_walk.h"
+#include "render/warp/segments_warp_cuda.h"
 
 namespace warpscope {
 namespace {
 
-/// What lies between the rays of pixels.
-enum class Between { nearest, linear };
 constexpr std::array<NamedValue<Between>, 2> kBetweens{{
     {Between::nearest, "nearest", "what the nearest pixel has"},
     {Between::linear, "linear", "what the four pixels about it have, blended"},
@@ -61,7 +60,7 @@ class SegmentsWarp final : public Warp {
   template <bool kIsLinear>
   void drawRays(const Camera& camera, WarpedImage& image, const std::stop_token& stop) {
     if (!frame_->proxy) return drawRays<kIsLinear>(camera, image, stop, [](WalkedRay&, const Ray&, float, float) {});
-    fill_.visit(frame_->proxy, frame_->settings.render, camera, [&](const auto& march) {
+    fill_.visit(frame_->proxy, frame_->settings.render, camera, [&](const auto& march, const BakedTransfer&) {
       drawRays<kIsLinear>(camera, image, stop, [&](WalkedRay& walked, const Ray& ray, float tNear, float tFar) {
         const RayLight light = march(ray, tNear, tFar, walked.through);
         walked.pass(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance));
@@ -97,7 +96,10 @@ class SegmentsWarp final : public Warp {
   ProxyFill fill_;
 };
 
-std::unique_ptr<Warp> makeSegmentsWarp(const WarpResources&) { return std::make_unique<SegmentsWarp>(); }
+std::unique_ptr<Warp> makeSegmentsWarp(const WarpResources& resources) {
+  if (resources.backend == Backend::cuda) return makeCudaSegmentsWarp();
+  return std::make_unique<SegmentsWarp>();
+}
 
 constexpr const Knob* kKnobs[] = {&kBetweenKnob};
 
@@ -107,6 +109,7 @@ constinit const WarpDescriptor kSegmentsWarp{
     .name = "segments",
     .label = "Segments",
     .summary = "stretches of each ray instead of one point, met again by the rays of the new camera",
+    .runsOnCuda = true,
     .uses = {.segments = true, .proxy = true},
     .knobs = kKnobs,
     .make = makeSegmentsWarp,

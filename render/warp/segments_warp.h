@@ -6,6 +6,10 @@
 
 namespace warpscope {
 
+/// What lies between the rays of pixels.
+enum class Between { nearest, linear };
+extern const Knob kBetweenKnob;
+
 extern const WarpDescriptor kSegmentsWarp;
 
 }  // namespace warpscope

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "render/cuda/devices.h"
+#include "render/warp/segments_warp.h"
 #include "tests/gpu/march_pairs.h"
 
 namespace warpscope {
@@ -54,6 +55,42 @@ TEST(SegmentsOnDevice, OfNothingAndOfRaysThatDoNotEnd) {
   Pair(scene).expectSame(makeCamera(scene, scene.views.front(), 90, 70), settings);
   for (TransferPoint& point : scene.transferFunction.points) point.alpha = 0.0f;
   Pair(scene).expectSame(makeCamera(scene, scene.views.front(), 90, 70), settings);
+}
+
+/// Walks and light, with the copy of the volume and without, on frames of both.
+TEST(SegmentsOnDevice, PicturesAreTheCpusBitForBit) {
+  WARPSCOPE_NEEDS_GPU();
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Scene scene = smallScene(builtin.name, 96);
+    const Pair pair(scene);
+    for (const int proxy : {0, 32})
+      for (const float shading : {0.0f, 1.0f}) {
+        MarchSettings settings = scene.march;
+        settings.sample.segments = 4;
+        settings.sample.proxy = proxy;
+        settings.render.effects.shading.strength = shading;
+        const auto frame = std::make_shared<const SampleFrame>(pair.cpu->march(makeCamera(scene, scene.views.front(), 300, 220), settings));
+        WarpResources resources;
+        const std::unique_ptr<Warp> onCpu = findWarp("segments").make(resources);
+        resources.backend = Backend::cuda;
+        const std::unique_ptr<Warp> onDevice = findWarp("segments").make(resources);
+        for (const double between : {0.0, 1.0}) {
+          WarpSettings drawn;
+          drawn.knobs.set(kBetweenKnob, between);
+          onCpu->setFrame(frame, drawn);
+          onDevice->setFrame(frame, drawn);
+          for (const View& view : scene.views) {
+            SCOPED_TRACE(::testing::Message() << builtin.name << ", copy " << proxy << ", shading " << shading << ", between " << between << ", " << view.angleDeg);
+            const Camera camera = makeCamera(scene, view, 203, 157);
+            WarpedImage expected, actual;
+            onCpu->draw(camera, drawn, expected);
+            onDevice->draw(camera, drawn, actual);
+            EXPECT_EQ(expected.samples, actual.samples);
+            EXPECT_TRUE(sameBits(expected.color, actual.color));
+          }
+        }
+      }
+  }
 }
 
 }  // namespace

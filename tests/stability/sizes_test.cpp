@@ -76,6 +76,7 @@ void expectOwnPictures(uint32_t width, uint32_t height, float distance, float ta
   MarchSettings settings;
   settings.sample.heuristic = Heuristic::entrance;
   settings.sample.radiusPolicy = RadiusPolicy::pixel;
+  settings.sample.segments = 1;
   const Camera camera = lookingFrom(distance * glm::normalize(glm::vec3(0.3f, 0.2f, 1.0f)), {}, width, height, tanHalfFovY);
   const auto frame = std::make_shared<SampleFrame>(marcher->march(camera, settings));
   ASSERT_GE(frame->size(), atLeast);
@@ -100,6 +101,10 @@ void expectOwnPictures(uint32_t width, uint32_t height, float distance, float ta
       }
     if (!technique.usesFrame) {
       EXPECT_EQ(covered, frame->size());
+    } else if (technique.uses.segments) {
+      // Where a ray grazes a corner for less than codes can tell, it may miss what lies there.
+      EXPECT_LE(covered, frame->size());
+      EXPECT_GE((covered + 1) * 100'000, frame->size() * 99'999);
     } else if (technique.name == "points") {
       // Two pixels wide: they cover neighbours, beyond the outline as well.
       EXPECT_GE(covered, frame->size());

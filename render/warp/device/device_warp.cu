@@ -42,7 +42,7 @@ void DeviceWarp::setFrame(SampleFramePtr frame, const WarpSettings& settings, co
   frame_ = nullptr;
   if (!frame) return;
   begin_.record(stream_);
-  deviceFrame_.upload(*frame, stream_);
+  upload(*frame, stream_);
   middle_.record(stream_);
   build(deviceFrame_.view(), settings, stream_);
   end_.record(stream_);

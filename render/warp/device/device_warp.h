@@ -28,6 +28,8 @@ class DeviceWarp : public Warp {
   std::optional<DeviceTimings> deviceTimings() const final { return timings_; }
 
  protected:
+  /// Copies of the frame what drawing needs, in stream order: its samples, unless a technique draws others.
+  virtual void upload(const SampleFrame& frame, cudaStream_t stream) { deviceFrame_.upload(frame, stream); }
   /// Derives from the frame what drawing needs, in stream order.
   virtual void build(const DeviceFrameView& frame, const WarpSettings& settings, cudaStream_t stream) = 0;
   /// Writes every pixel, in stream order.

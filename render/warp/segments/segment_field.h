@@ -33,7 +33,7 @@ struct FieldTile {
 
 /// Edges of tiles, in cells, as powers of two; the first are the smallest.
 inline constexpr int kFieldLevels = 2;
-inline constexpr int kFieldShift[kFieldLevels] = {3, 6};
+WARPSCOPE_HD constexpr int fieldShift(int level) { return 3 * (level + 1); }
 
 /// All of them, by pointers to where they are.
 ///

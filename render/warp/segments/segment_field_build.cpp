@@ -5,9 +5,8 @@
 #include <cmath>
 
 #include "render/core/parallel.h"
-#include "render/effects/relight.h"
 #include "render/effects/shading_setup.h"
-#include "render/march/march_setup.h"
+#include "render/warp/segments/segment_light.h"
 
 namespace warpscope {
 namespace {
@@ -20,41 +19,29 @@ ShadingSetup lightsOf(const SampleFrame& frame, const Camera& camera) {
   return prepareLights(effects.shading, effects.lights, frame.proxy ? frame.proxy->volume->geometry() : VolumeGeometry{}, camera);
 }
 
-/// Calls f(segment, place) for all of them, in parallel; places in volume space.
+}  // namespace
+
+ShadingSetup BuiltSegmentField::lightsFor(const SampleFrame& frame, const Camera& camera) { return lightsOf(frame, camera); }
+
+/// Calls f(segment, its number, column, row) for all that have a normal, in parallel.
 template <class F>
-void forEachSegment(const SampleFrame& frame, const F& f) {
-  const FrameSegments& segments = frame.segments;
-  const PixelGrid pixels = makePixelGrid(frame.camera, frame.quantization.nearDepth);
-  const float step = frame.quantization.depthStep;
-  const uint32_t width = frame.camera.width;
-  std::vector<size_t> begins(frame.camera.height + 1, 0);
-  for (size_t y = 0; y < frame.camera.height; ++y) {
-    begins[y + 1] = begins[y];
-    for (size_t x = 0; x < width; ++x) begins[y + 1] += static_cast<size_t>(segments.rays[y * width + x].count());
-  }
-  parallelForRanges(frame.camera.height, kRowsAtOnce, [&](size_t beginRow, size_t endRow) {
-    for (size_t y = beginRow; y < endRow; ++y) {
-      size_t at = begins[y];
-      for (uint32_t x = 0; x < width; ++x)
-        for (int i = 0; i < segments.rays[y * width + x].count(); ++i, ++at) {
-          const SegmentDepths& depths = segments.depths[at];
-          const float begin = decodeDepth(depths.begin, step), end = decodeDepth(depths.end, step);
-          const float opacity = segmentOpacity(segments.colors[at]);
-          f(at, pixels.at(x, static_cast<uint32_t>(y), mulAdd(placeOfHalf(opacity), end - begin, begin)));
-        }
-    }
+void BuiltSegmentField::forEachLit(const SampleFrame& frame, const F& f) {
+  const auto width = static_cast<size_t>(width_);
+  parallelForRanges(static_cast<size_t>(height_), kRowsAtOnce, [&](size_t beginRow, size_t endRow) {
+    for (size_t y = beginRow; y < endRow; ++y)
+      for (size_t x = 0; x < width; ++x) {
+        const size_t pixel = y * width + x;
+        for (uint32_t i = first_[pixel] & ~SegmentField::kEndedBit; i < (first_[pixel + 1] & ~SegmentField::kEndedBit); ++i)
+          if (frame.segments.normals[i] != 0) f(segments_[i], i, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+      }
   });
 }
-
-}  // namespace
 
 void BuiltSegmentField::relight(const SampleFrame& frame, const Camera& camera) {
   if (unlit_.empty()) return;
   const ShadingSetup lights = lightsOf(frame, camera);
-  forEachSegment(frame, [&](size_t i, const glm::vec3& place) {
-    const NormalCode normal = frame.segments.normals[i];
-    if (normal == 0) return;
-    segments_[i].color = glm::max(relit(factorsOf(lights, normal, glm::normalize(camera.eye - place), place), unlit_[i]), glm::vec3(0.0f));
+  forEachLit(frame, [&](FieldSegment& segment, size_t i, uint32_t x, uint32_t y) {
+    segment.color = relitColor(lightOf(segment, frame.segments.normals[i], pixels_, x, y, lights, camera.eye), unlit_[i]);
   });
 }
 
@@ -110,14 +97,13 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
   if (!segments.normals.empty()) {
     unlit_.resize(segments.size());
     const ShadingSetup lights = lightsOf(frame, frame.camera);
-    forEachSegment(frame, [&](size_t i, const glm::vec3& place) {
-      const NormalCode normal = segments.normals[i];
-      if (normal != 0) unlit_[i] = unlit(factorsOf(lights, normal, glm::normalize(frame.camera.eye - place), place), segments_[i].color);
+    forEachLit(frame, [&](FieldSegment& segment, size_t i, uint32_t x, uint32_t y) {
+      unlit_[i] = warpscope::unlit(lightOf(segment, segments.normals[i], pixels_, x, y, lights, frame.camera.eye), segment.color);
     });
   }
   // Cell (x, y) is between pixels x - 1 and x, y - 1 and y; about a pixel's centre, where cells are that, it is the pixel (x, y): both are in.
   for (int level = 0; level < kFieldLevels; ++level) {
-    const int shift = kFieldShift[level], edge = 1 << shift;
+    const int shift = fieldShift(level), edge = 1 << shift;
     const int columns = (width_ >> shift) + 1, rows = (height_ >> shift) + 1;
     tileColumns_[level] = columns;
     tiles_[level].resize(static_cast<size_t>(columns) * static_cast<size_t>(rows));

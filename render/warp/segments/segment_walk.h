@@ -170,10 +170,10 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
 
   while (s < 1.0f) {
     // Tiles that nothing is in, or nothing known.
-    if ((x >> kFieldShift[0]) != tileX || (y >> kFieldShift[0]) != tileY) {
+    if ((x >> fieldShift(0)) != tileX || (y >> fieldShift(0)) != tileY) {
       bool hasLeapt = false;
       for (int level = kFieldLevels - 1; level >= 0; --level) {
-        const int shift = kFieldShift[level], tx = x >> shift, ty = y >> shift;
+        const int shift = fieldShift(level), tx = x >> shift, ty = y >> shift;
         const float borderX = static_cast<float>((line.dx > 0.0f ? tx + 1 : tx) << shift), borderY = static_cast<float>((line.dy > 0.0f ? ty + 1 : ty) << shift);
         const float sx = crossing(borderX, line.x0, line.dx, perX), sy = crossing(borderY, line.y0, line.dy, perY);
         const float out = minOf(maxOf(minOf(sx, sy), s), 1.0f);
@@ -210,8 +210,8 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
         if (x < 0 || y < 0 || x >= columns || y >= rows) break;
         continue;
       }
-      tileX = x >> kFieldShift[0];
-      tileY = y >> kFieldShift[0];
+      tileX = x >> fieldShift(0);
+      tileY = y >> fieldShift(0);
     }
 
     const float sx = crossing(static_cast<float>(line.dx > 0.0f ? x + 1 : x), line.x0, line.dx, perX);
