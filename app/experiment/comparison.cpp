@@ -49,13 +49,14 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
     size_t proxyBytes = 0;
   };
   const Measuring measuring(settings.draws, stop);
+  const size_t bytes = comparison.served.bytes, sampleBytes = sampleBytesOf(*comparison.frame, bytes, settings.codec);
   std::vector<Contender> contenders;
   for (const WarpDescriptor& descriptor : warpRegistry()) {
     Contender contender{&descriptor, makeWarp(descriptor, resources), {}, 0};
     contender.build = measureBuild(measuring, *contender.warp, comparison.frame, settings.warp);
     if (descriptor.usesFrame)
       contender.bytes = descriptor.name == "hold" ? pictureBytes(comparison.frame, scene.background, settings.codec)
-                                                  : bytesFor(descriptor, comparison.frame, comparison.served.bytes, settings.codec);
+                                                  : bytesFor(descriptor, bytes, sampleBytes);
     if (descriptor.uses.proxy) contender.proxyBytes = comparison.served.proxyBytes;
     contenders.push_back(std::move(contender));
   }

@@ -70,16 +70,13 @@ CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSe
   return trip;
 }
 
-size_t bytesFor(const WarpDescriptor& technique, const SampleFramePtr& frame, size_t bytes, const CodecSettings& codec) {
-  if (frame->segments.empty()) return bytes;
-  SampleFrame samples = *frame;
+size_t sampleBytesOf(const SampleFrame& frame, size_t bytes, const CodecSettings& codec) {
+  if (frame.segments.empty()) return bytes;
+  SampleFrame samples = frame;
   samples.segments = {};
   samples.proxy.reset();
-  samples.settings.sample.segments = samples.settings.sample.proxy = 0;
-  const size_t ofSamples = FrameCodec().encode(samples, codec).size();
-  const bool usesSamples = !technique.uses.segments || technique.uses.depth || technique.uses.radius;
-  if (!technique.uses.segments) return ofSamples;
-  return usesSamples ? bytes : bytes - std::min(bytes, ofSamples);
+  samples.settings = neededBy({}, samples.settings);
+  return std::min(FrameCodec().encode(samples, codec).size(), bytes);
 }
 
 FrameFetch fetchFrom(FrameSourcePtr source, std::function<void(uint16_t)> onBusy) {

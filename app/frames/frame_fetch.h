@@ -28,8 +28,12 @@ struct CodecTrip {
 /// InputError if what was encoded cannot be decoded.
 CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSettings& settings, SampleFrame& received);
 
-/// What of a frame's bytes, without the copy of the volume, a technique needs: those of the samples, of the segments, or of both. `bytes` are all of them.
-size_t bytesFor(const WarpDescriptor& technique, const SampleFramePtr& frame, size_t bytes, const CodecSettings& codec);
+/// What a frame's samples would take alone, without segments and copy of the volume. `bytes`: all but that copy. Encodes the frame anew if it has segments.
+size_t sampleBytesOf(const SampleFrame& frame, size_t bytes, const CodecSettings& codec);
+/// What a technique draws of a frame of so many bytes, of which those are the samples': these, or the segments.
+inline size_t bytesFor(const WarpDescriptor& technique, size_t bytes, size_t sampleBytes) {
+  return technique.uses.segments ? bytes - sampleBytes : sampleBytes;
+}
 
 /// Asks `source`, and waits. Throws InputError with the connection's trouble if that does not end within some seconds. `onBusy`, if any, is
 /// called with the number of others that the server works for meanwhile, when it says so.

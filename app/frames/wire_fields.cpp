@@ -116,7 +116,9 @@ net::CameraFields toFields(const Camera& camera) {
 net::SettingFields toFields(const MarchSettings& settings) {
   net::SettingFields fields;
   // Of effects, and of what a frame may say besides, only what is not as it is by itself: a peer that knows fewer can have what needs no more.
-  const auto isExtra = [](const MarchKnob& row) { return row.knob->owner == KnobOwner::effect || row.shapes == FramePart::planes || row.shapes == FramePart::segments || row.shapes == FramePart::proxy; };
+  const auto isExtra = [](const MarchKnob& row) {
+    return row.knob->owner == KnobOwner::effect || row.shapes == FramePart::planes || row.shapes == FramePart::segments || row.shapes == FramePart::proxy;
+  };
   for (const MarchKnob& row : marchKnobs())
     if (const double value = row.get(settings); !isExtra(row) || value != row.knob->defaultValue)
       fields.push_back({std::string(row.knob->key), textOf(*row.knob, value)});

@@ -10,6 +10,7 @@
 
 #include "render/codec/bytes.h"
 #include "render/codec/packed_band.h"
+#include "render/codec/picture_bands.h"
 #include "render/codec/plane_coding.h"
 #include "render/codec/zstd_section.h"
 #include "render/core/parallel.h"
@@ -17,35 +18,22 @@
 namespace warpscope {
 namespace {
 
-constexpr uint32_t kBandPixels = 1 << 17;
 constexpr size_t kProbes = 256;
 
-/// How a frame is cut: whole rows, a multiple of a JPEG block's. A frame without samples has no bands.
+/// How a frame is cut. One without samples has no bands.
 class Bands {
  public:
   Bands(const Camera& camera, Placement placement, size_t samples) : placement_(placement) {
-    if (samples == 0) return;
-    height_ = camera.height;
-    rows_ = std::max(kBandPixels / camera.width / 16, 1u) * 16;
-    count_ = (height_ + rows_ - 1) / rows_;
+    if (samples > 0) bands_ = PictureBands(camera);
   }
 
-  size_t count() const { return count_; }
-  BandRows rows(size_t band) const {
-    const auto first = static_cast<uint32_t>(band) * rows_;
-    return {placement_, first, std::min(rows_, height_ - first)};
-  }
+  size_t count() const { return bands_.count(); }
+  BandRows rows(size_t band) const { return {placement_, bands_.firstRow(band), bands_.rowCount(band)}; }
 
  private:
   Placement placement_;
-  uint32_t height_ = 0, rows_ = 0;
-  size_t count_ = 0;
+  PictureBands bands_;
 };
-
-/// Whether rays have a lattice.
-bool hasLattice(const SampleFrame& frame) {
-  return isUsable(frame.camera) && frame.settings.render.step > 0.0f && std::isfinite(frame.settings.render.step);
-}
 
 /// What the bands already say.
 bool isImplied(const SamplePlane& plane) { return plane.name == kLayerPlane && plane.element == PlaneElement::uint8; }

@@ -28,6 +28,10 @@ inline int clamped(float value, int largest) {
 
 }  // namespace
 
+bool hasLattice(const SampleFrame& frame) {
+  return isUsable(frame.camera) && frame.settings.render.step > 0.0f && std::isfinite(frame.settings.render.step);
+}
+
 void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<const uint32_t> columns, std::span<const uint32_t> rows) {
   placement_ = placement;
   step_ = frame.settings.render.step;

@@ -26,6 +26,9 @@ inline constexpr uint32_t kPlacements = 3;  ///< of samples
 /// Of segments: steps begin and end at places that are index on the ray's lattice; the last one at its far end.
 inline constexpr auto kBorders = static_cast<Placement>(kPlacements);
 
+/// Whether the rays of a frame's pixels have a lattice: else there is Placement::depth alone.
+bool hasLattice(const SampleFrame& frame);
+
 /// Neighbouring samples are predicted from one another in fine units that do not depend on where a ray enters the volume.
 struct FineScale {
   const int32_t* origins;  ///< of places, in fine units

@@ -11,6 +11,7 @@
 
 #include "render/base/error.h"
 #include "render/codec/color_planes.h"
+#include "render/codec/picture_bands.h"
 #include "render/codec/segment_band.h"
 #include "render/codec/zstd_section.h"
 #include "render/core/parallel.h"
@@ -18,26 +19,10 @@
 namespace warpscope {
 namespace {
 
-constexpr uint32_t kBandPixels = 1 << 17;
 constexpr size_t kHeadBytes = 3, kListedBytes = 8, kProbes = 256;
 constexpr uint64_t kRawSegmentBytes = sizeof(SegmentDepths) + sizeof(Rgba8);
 
-struct Bands {
-  uint32_t height = 0, rows = 1;
-  size_t count = 0;
-
-  explicit Bands(const Camera& camera) : height(camera.height), rows(std::max(kBandPixels / std::max(camera.width, 1u) / 16, 1u) * 16) {
-    count = (height + rows - 1) / rows;
-  }
-  MaskShape shape(const Camera& camera, size_t band) const {
-    const auto first = static_cast<uint32_t>(band) * rows;
-    return {camera.width, first, std::min(rows, height - first)};
-  }
-};
-
-bool hasLattice(const SampleFrame& frame) {
-  return isUsable(frame.camera) && frame.settings.render.step > 0.0f && std::isfinite(frame.settings.render.step);
-}
+MaskShape shapeOf(const PictureBands& bands, const Camera& camera, size_t band) { return {camera.width, bands.firstRow(band), bands.rowCount(band)}; }
 
 /// Whether rays have the lattice that the frame's settings say, by a look at some of them.
 Placement bestPlacement(const SampleFrame& frame) {
@@ -75,6 +60,20 @@ size_t countOf(std::span<const RaySegmentCount> rays) {
   size_t count = 0;
   for (const RaySegmentCount ray : rays) count += static_cast<size_t>(ray.count());
   return count;
+}
+
+std::span<const RaySegmentCount> raysOf(const SampleFrame& frame, const MaskShape& shape) {
+  return std::span(frame.segments.rays).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width);
+}
+
+/// Where each band's segments begin among all, and where the last one's end. Rays are known.
+std::vector<size_t> beginsOf(const PictureBands& bands, const SampleFrame& frame) {
+  std::vector<size_t> begins(bands.count() + 1, 0);
+  for (size_t band = 0; band < bands.count(); ++band) {
+    const MaskShape shape = shapeOf(bands, frame.camera, band);
+    begins[band + 1] = begins[band] + countOf(raysOf(frame, shape));
+  }
+  return begins;
 }
 
 /// Nothing, or what is wrong.
@@ -150,11 +149,11 @@ uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, co
   const uint64_t pixels = uint64_t{camera.width} * camera.height, layers = static_cast<uint64_t>(marched.sample.segments), segments = pixels * layers;
   const uint64_t raw = kHeadBytes + pixels + segments * (kRawSegmentBytes + sizeof(NormalCode));
   if (settings.format == PayloadFormat::raw) return raw;
-  const Bands bands(camera);
+  const PictureBands bands(camera);
   constexpr uint64_t kTokens = 4, kNormals = 2;
   uint64_t bytes = kHeadBytes + sizeof(uint64_t);
-  for (size_t band = 0; band < bands.count; ++band) {
-    const uint64_t rows = bands.shape(camera, band).rowCount, own = rows * camera.width * layers;
+  for (size_t band = 0; band < bands.count(); ++band) {
+    const uint64_t rows = shapeOf(bands, camera, band).rowCount, own = rows * camera.width * layers;
     bytes += kListedBytes + kSectionHeadBytes + rows * camera.width + layers * ((kTokens + 1 + kNormals) * kSectionHeadBytes + sizeof(uint32_t) + 1) +
              own * (kTokens + kNormals) + (own * SegmentBand::kMostBits + 7) / 8 + ColorPlanes::mostBytes(camera.width, static_cast<uint32_t>(rows), own, layers, settings.color);
   }
@@ -173,16 +172,12 @@ void SegmentCoder::append(std::vector<std::byte>& out, const SampleFrame& frame,
   appendLittle(out, static_cast<uint8_t>(settings.color));
   appendLittle(out, static_cast<uint8_t>(segments.normals.empty() ? 0 : 1));
   if (!isPacked) return appendRaw(out, segments);
-  const Bands bands(frame.camera);
-  std::vector<size_t> begins(bands.count + 1, 0);
-  for (size_t band = 0; band < bands.count; ++band) {
-    const MaskShape shape = bands.shape(frame.camera, band);
-    begins[band + 1] = begins[band] + countOf(std::span(segments.rays).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width));
-  }
-  std::vector<std::vector<std::byte>> packed(bands.count);
-  parallelForRanges(bands.count, 1, [&](size_t from, size_t to) {
+  const PictureBands bands(frame.camera);
+  const std::vector<size_t> begins = beginsOf(bands, frame);
+  std::vector<std::vector<std::byte>> packed(bands.count());
+  parallelForRanges(bands.count(), 1, [&](size_t from, size_t to) {
     for (size_t band = from; band < to; ++band)
-      buffers_->bands.local().pack(frame, placement, bands.shape(frame.camera, band), begins[band], settings, packed[band]);
+      buffers_->bands.local().pack(frame, placement, shapeOf(bands, frame.camera, band), begins[band], settings, packed[band]);
   });
   appendLittle(out, hashOf(segments));
   for (const std::vector<std::byte>& band : packed) appendLittle(out, static_cast<uint32_t>(band.size()));
@@ -204,18 +199,18 @@ DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat f
     if (DecodeError error = takeRaw(reader, hasNormals == 1, most, frame)) return error;
     return whyInconsistent(frame);
   }
-  const Bands bands(frame.camera);
+  const PictureBands bands(frame.camera);
   const auto hash = reader.take<uint64_t>();
   std::vector<ByteReader> readers;
   std::vector<size_t> lengths;
-  for (size_t band = 0; band < bands.count; ++band) lengths.push_back(reader.take<uint32_t>());
+  for (size_t band = 0; band < bands.count(); ++band) lengths.push_back(reader.take<uint32_t>());
   if (reader.ranOut()) return "the segments end within their list of bands";
   for (const size_t length : lengths) readers.emplace_back(reader.take(length));
   if (reader.ranOut() || reader.left() > 0) return "the bands of the segments have other lengths than their list says";
-  std::vector<DecodeError> errors(bands.count);
-  parallelForRanges(bands.count, 1, [&](size_t from, size_t to) {
+  std::vector<DecodeError> errors(bands.count());
+  parallelForRanges(bands.count(), 1, [&](size_t from, size_t to) {
     for (size_t band = from; band < to; ++band) {
-      const MaskShape shape = bands.shape(frame.camera, band);
+      const MaskShape shape = shapeOf(bands, frame.camera, band);
       const auto rays = std::span(segments.rays).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width);
       if (!buffers_->bands.local().takeRays(readers[band], shape, rays)) errors[band] = "what rays have of segments is damaged";
     }
@@ -228,19 +223,15 @@ DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat f
   if (DecodeError error = firstError()) return error;
   for (const RaySegmentCount ray : segments.rays)
     if (ray.count() > frame.settings.sample.segments) return "a pixel of a frame has more segments than its settings ask for";
-  std::vector<size_t> begins(bands.count + 1, 0);
-  for (size_t band = 0; band < bands.count; ++band) {
-    const MaskShape shape = bands.shape(frame.camera, band);
-    begins[band + 1] = begins[band] + countOf(std::span(segments.rays).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width));
-  }
+  const std::vector<size_t> begins = beginsOf(bands, frame);
   const size_t count = begins.back();
   if (count > most) return "the frame has more segments than are allowed";
   segments.depths.resize(count);
   segments.colors.resize(count);
   segments.normals.resize(hasNormals == 1 ? count : 0);
-  parallelForRanges(bands.count, 1, [&](size_t from, size_t to) {
+  parallelForRanges(bands.count(), 1, [&](size_t from, size_t to) {
     for (size_t band = from; band < to; ++band) {
-      errors[band] = buffers_->bands.local().unpack(readers[band], placement, bands.shape(frame.camera, band), coding, begins[band], frame);
+      errors[band] = buffers_->bands.local().unpack(readers[band], placement, shapeOf(bands, frame.camera, band), coding, begins[band], frame);
       if (!errors[band] && (readers[band].ranOut() || readers[band].left() > 0)) errors[band] = "a band of segments is longer or shorter than it should be";
     }
   });

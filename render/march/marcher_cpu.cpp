@@ -205,11 +205,16 @@ class CpuMarcher final : public Marcher {
       f(std::false_type{});
   }
 
+  /// What there is to do; baked_ is then what it takes.
+  EffectPlan bakedPlan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
+    if (!baked_ || !baked_->isFor(settings)) baked_ = marched_->bakedFor(settings);
+    return planFor(*marched_, *baked_, baked_->visibleCells, settings, sample);
+  }
+
   /// Finds samples where `sample` says how; colours alone if it is null.
   void forEachRay(const Camera& camera, const PixelGrid& pixels, const RenderSettings& settings,
                   const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) {
-    if (!baked_ || !baked_->isFor(settings)) baked_ = marched_->bakedFor(settings);
-    const EffectPlan plan = planFor(*marched_, *baked_, baked_->visibleCells, settings, sample != nullptr ? std::optional(*sample) : std::nullopt);
+    const EffectPlan plan = bakedPlan(settings, sample != nullptr ? std::optional(*sample) : std::nullopt);
     if (!plan.has(PlanStage::march)) {
       for (uint32_t y = 0; y < camera.height; ++y)
         for (uint32_t x = 0; x < camera.width; ++x) onRay({x, y});
@@ -300,8 +305,7 @@ class CpuMarcher final : public Marcher {
   /// Whether the light of a frame of these settings changes with the eye.
   bool wantsNormals(const Camera& camera, const MarchSettings& settings) {
     if (settings.sample.segments == 0) return false;
-    if (!baked_ || !baked_->isFor(settings.render)) baked_ = marched_->bakedFor(settings.render);
-    const EffectPlan plan = planFor(*marched_, *baked_, baked_->visibleCells, settings.render, settings.sample);
+    const EffectPlan plan = bakedPlan(settings.render, settings.sample);
     return plan.has(PlanStage::raySegments) && dependsOnEye(shadingFor(*marched_, camera, settings.render, plan));
   }
 

@@ -25,7 +25,7 @@ class ProxyFill {
     return visitLight(shadingFor(*marched_, camera, own, plan), [&](const auto& light) {
       return f(ProxyMarch<std::decay_t<decltype(light)>>{view, light, prepareClip(own.effects.clip, *marched_->volume, camera), limitsOf(own, plan), own.step,
                                                          plan.has(PlanStage::clip)},
-               *baked);
+               baked);
     });
   }
 

@@ -60,7 +60,7 @@ class SegmentsWarp final : public Warp {
   template <bool kIsLinear>
   void drawRays(const Camera& camera, WarpedImage& image, const std::stop_token& stop) {
     if (!frame_->proxy) return drawRays<kIsLinear>(camera, image, stop, [](WalkedRay&, const Ray&, float, float) {});
-    fill_.visit(frame_->proxy, frame_->settings.render, camera, [&](const auto& march, const BakedTransfer&) {
+    fill_.visit(frame_->proxy, frame_->settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
       drawRays<kIsLinear>(camera, image, stop, [&](WalkedRay& walked, const Ray& ray, float tNear, float tFar) {
         const RayLight light = march(ray, tNear, tFar, walked.through);
         walked.pass(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance));

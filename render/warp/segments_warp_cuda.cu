@@ -67,18 +67,17 @@ class DeviceProxy {
  public:
   /// Calls f(march) with `march`, which ProxyFill gave, by pointers to copies of what it points to.
   template <class March, class F>
-  void visit(const ProxyPtr& proxy, March march, const BakedTransfer& baked, cudaStream_t stream, const F& f) {
+  void visit(const ProxyPtr& proxy, March march, const std::shared_ptr<const BakedTransfer>& baked, cudaStream_t stream, const F& f) {
     if (proxy != proxy_) voxels_.upload({proxy->volume->voxelsAs<uint8_t>(), proxy->volume->voxelCount()}, stream);
     proxy_ = proxy;
-    if (&baked != baked_ || step_ != march.step) {
-      entries_.upload(baked.table.entries, stream);
-      alphas_.upload(baked.table.alphas, stream);
-      unitAlphas_.upload(baked.table.unitAlphas, stream);
-      refinements_.upload(baked.table.refinements, stream);
-      begins_.upload(baked.table.begins, stream);
-      distances_.upload(baked.emptyDistances, stream);
-      baked_ = &baked;
-      step_ = march.step;
+    if (baked != baked_) {
+      entries_.upload(baked->table.entries, stream);
+      alphas_.upload(baked->table.alphas, stream);
+      unitAlphas_.upload(baked->table.unitAlphas, stream);
+      refinements_.upload(baked->table.refinements, stream);
+      begins_.upload(baked->table.begins, stream);
+      distances_.upload(baked->emptyDistances, stream);
+      baked_ = baked;
     }
     march.view.voxels = voxels_.data();
     march.view.transfer.entries = entries_.data();
@@ -89,12 +88,10 @@ class DeviceProxy {
     march.view.cells.distances = distances_.data();
     f(march);
   }
-  void forget() { proxy_ = nullptr, baked_ = nullptr; }
 
  private:
-  ProxyPtr proxy_;                         // whose voxels these are
-  const BakedTransfer* baked_ = nullptr;  // that the others are of
-  float step_ = 0.0f;
+  ProxyPtr proxy_;                              // whose voxels these are
+  std::shared_ptr<const BakedTransfer> baked_;  // that the others are of
   cuda::DeviceBuffer<uint8_t> voxels_, distances_;
   cuda::DeviceBuffer<glm::vec4> entries_;
   cuda::DeviceBuffer<float> alphas_, unitAlphas_, begins_;
@@ -112,8 +109,6 @@ class CudaSegmentsWarp final : public DeviceWarp {
     for (int level = 0; level < kFieldLevels; ++level) tiles_[level].upload(built_.tiles(level), stream);
     unlit_.upload(built_.unlit(), stream);
     normals_.upload(frame.segments.normals, stream);
-    if (frame.proxy != proxy_) deviceProxy_.forget();
-    proxy_ = frame.proxy;
     head_ = headOf(frame);
   }
   void build(const DeviceFrameView&, const WarpSettings&, cudaStream_t) override {}
@@ -150,8 +145,8 @@ class CudaSegmentsWarp final : public DeviceWarp {
         walkPixels<false><<<grid, kTileBlockThreads, 0, stream>>>(picture, march, pixels);
       WARPSCOPE_CUDA_CHECK_LAUNCH();
     };
-    if (!proxy_) return walk(NoMarch{});
-    fill_.visit(proxy_, marched, camera, [&](const auto& march, const BakedTransfer& baked) { deviceProxy_.visit(proxy_, march, baked, stream, walk); });
+    if (!head_.proxy) return walk(NoMarch{});
+    fill_.visit(head_.proxy, marched, camera, [&](const auto& march, const auto& baked) { deviceProxy_.visit(head_.proxy, march, baked, stream, walk); });
   }
 
   /// The frame without what it holds.
@@ -166,7 +161,6 @@ class CudaSegmentsWarp final : public DeviceWarp {
 
   SampleFrame head_;
   BuiltSegmentField built_;
-  ProxyPtr proxy_;
   ProxyFill fill_;
   DeviceProxy deviceProxy_;
   cuda::DeviceBuffer<uint32_t> first_;

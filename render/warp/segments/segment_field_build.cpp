@@ -13,15 +13,12 @@ namespace {
 
 constexpr size_t kRowsAtOnce = 16;
 
-/// The lights of a frame's scene as a camera has them. Those of the world are where the copy of the volume says; without it the volume's axes are the world's.
-ShadingSetup lightsOf(const SampleFrame& frame, const Camera& camera) {
+}  // namespace
+
+ShadingSetup BuiltSegmentField::lightsFor(const SampleFrame& frame, const Camera& camera) {
   const Effects& effects = frame.settings.render.effects;
   return prepareLights(effects.shading, effects.lights, frame.proxy ? frame.proxy->volume->geometry() : VolumeGeometry{}, camera);
 }
-
-}  // namespace
-
-ShadingSetup BuiltSegmentField::lightsFor(const SampleFrame& frame, const Camera& camera) { return lightsOf(frame, camera); }
 
 /// Calls f(segment, its number, column, row) for all that have a normal, in parallel.
 template <class F>
@@ -39,7 +36,7 @@ void BuiltSegmentField::forEachLit(const SampleFrame& frame, const F& f) {
 
 void BuiltSegmentField::relight(const SampleFrame& frame, const Camera& camera) {
   if (unlit_.empty()) return;
-  const ShadingSetup lights = lightsOf(frame, camera);
+  const ShadingSetup lights = lightsFor(frame, camera);
   forEachLit(frame, [&](FieldSegment& segment, size_t i, uint32_t x, uint32_t y) {
     segment.color = relitColor(lightOf(segment, frame.segments.normals[i], pixels_, x, y, lights, camera.eye), unlit_[i]);
   });
@@ -96,14 +93,18 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
   unlit_.clear();
   if (!segments.normals.empty()) {
     unlit_.resize(segments.size());
-    const ShadingSetup lights = lightsOf(frame, frame.camera);
+    const ShadingSetup lights = lightsFor(frame, frame.camera);
     forEachLit(frame, [&](FieldSegment& segment, size_t i, uint32_t x, uint32_t y) {
       unlit_[i] = warpscope::unlit(lightOf(segment, segments.normals[i], pixels_, x, y, lights, frame.camera.eye), segment.color);
     });
   }
   // Cell (x, y) is between pixels x - 1 and x, y - 1 and y; about a pixel's centre, where cells are that, it is the pixel (x, y): both are in.
   for (int level = 0; level < kFieldLevels; ++level) {
-    const int shift = fieldShift(level), edge = 1 << shift;
+    // Of pixels, or of the level's before, which have all pixels of theirs.
+    const bool isOfPixels = level == 0;
+    const std::vector<FieldTile>& parts = isOfPixels ? ofPixels_ : tiles_[level - 1];
+    const int partColumns = isOfPixels ? width_ : tileColumns_[level - 1], partRows = static_cast<int>(parts.size()) / partColumns;
+    const int shift = fieldShift(level), edge = 1 << (isOfPixels ? shift : shift - fieldShift(level - 1)), before = isOfPixels ? 1 : 0;
     const int columns = (width_ >> shift) + 1, rows = (height_ >> shift) + 1;
     tileColumns_[level] = columns;
     tiles_[level].resize(static_cast<size_t>(columns) * static_cast<size_t>(rows));
@@ -111,10 +112,10 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
       for (size_t row = beginRow; row < endRow; ++row)
         for (int column = 0; column < columns; ++column) {
           FieldTile all;
-          const int y0 = maxOf((static_cast<int>(row) << shift) - 1, 0), y1 = minOf((static_cast<int>(row) << shift) + edge, height_);
-          const int x0 = maxOf((column << shift) - 1, 0), x1 = minOf((column << shift) + edge, width_);
-          for (int y = y0; y < y1; ++y)
-            for (int x = x0; x < x1; ++x) all.include(ofPixels_[static_cast<size_t>(y) * width + static_cast<size_t>(x)]);
+          const int firstY = static_cast<int>(row) * edge, firstX = column * edge;
+          for (int y = maxOf(firstY - before, 0); y < minOf(firstY + edge, partRows); ++y)
+            for (int x = maxOf(firstX - before, 0); x < minOf(firstX + edge, partColumns); ++x)
+              all.include(parts[static_cast<size_t>(y) * static_cast<size_t>(partColumns) + static_cast<size_t>(x)]);
           tiles_[level][row * static_cast<size_t>(columns) + static_cast<size_t>(column)] = all;
         }
     });

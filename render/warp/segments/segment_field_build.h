@@ -25,7 +25,8 @@ class BuiltSegmentField {
   const std::vector<FieldTile>& tiles(int level) const { return tiles_[level]; }
   /// Colours of segments without light; empty where light does not depend on the eye.
   const std::vector<glm::vec3>& unlit() const { return unlit_; }
-  /// The lights of the frame's scene as a camera has them.
+  /// The lights of the frame's scene as a camera has them. Those of the world are where the copy of the volume says; without it the volume's axes are the
+  /// world's.
   static ShadingSetup lightsFor(const SampleFrame& frame, const Camera& camera);
 
  private:

@@ -23,11 +23,6 @@ struct WalkedRay {
   }
 };
 
-/// Makes nothing of what is not known.
-struct NoFill {
-  WARPSCOPE_HD void operator()(WalkedRay&, float /*tNear*/, float /*tFar*/) const {}
-};
-
 /// A ray's way through the old frustum.
 struct FieldLine {
   float t0 = 0.0f, t1 = 0.0f;   ///< where the ray comes in and goes out; t1 <= t0 where it does not
