@@ -180,13 +180,14 @@ TEST(FrameSegments, RoundedToCodesTheyShowWhatTheRayShows) {
       EXPECT_LE(depths[static_cast<size_t>(i)].begin, depths[static_cast<size_t>(i)].end);
       if (i > 0) EXPECT_LE(depths[static_cast<size_t>(i) - 1].end, depths[static_cast<size_t>(i)].begin);
     }
-    EXPECT_NEAR(through, expected.through, 1.01 / 255) << round;
+    // A code, and what a segment was not given because it has hardly any opacity itself.
+    EXPECT_NEAR(through, expected.through, 1.5 / 255) << round;
     const double opacity = 1.0 - through;
     for (int channel = 0; channel < 3; ++channel) {
       // Half a code of the colour, where the sRGB curve is steepest, and what opacity is off by.
       const double difference = std::abs(color[channel] - expected.color[channel]);
       worst = std::max(worst, difference);
-      EXPECT_LT(difference, opacity * 0.5 / 255 * 2.4 + 1.0 / 255) << round;
+      EXPECT_LT(difference, opacity * 0.5 / 255 * 2.4 + 1.5 / 255) << round;
     }
   }
   RecordProperty("worst", std::to_string(worst));

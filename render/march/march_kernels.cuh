@@ -13,6 +13,7 @@
 #include "render/march/march_launch.h"
 #include "render/march/ray_samples.h"
 #include "render/march/segment_encoder.h"
+#include "render/march/shared_mergers.cuh"
 #include "render/march/volume_source_scalar.h"
 
 namespace warpscope {
@@ -39,9 +40,9 @@ template <class Light, bool kIsRefined>
 constexpr int kBlocksAtOnce = !std::is_same_v<Light, Unlit> ? 5 : kIsRefined ? 7 : 6;
 
 /// The depth of a ray's only sample; `gathered` becomes the ray's light. `makeSource()` gives a source at the path's beginning.
-template <class Job, class Depth, class MakeSource, class Light>
+template <class Job, class Depth, class MakeSource, class Light, class Gathered>
 __device__ inline DepthResult depthOfRay(const Job& job, const RayPath& path, const Depth& depth, const MakeSource& makeSource, const Light& light,
-                                         RayColor& gathered) {
+                                         Gathered& gathered) {
   std::conditional_t<Depth::kTwoPass, FirstPass, ProfileFold> first;
   auto fold = depth.start(job.threshold, ProfileFold{});
   auto source = makeSource();
@@ -112,23 +113,17 @@ __device__ inline void storeSpreads(const Job& job, const PixelPlace& pixel, con
       [&](const PieceOpacity&) { store(); });
 }
 
-/// The ray's segments: a march of its own, in the picture's light. `makeSource()` gives a source at the path's beginning.
-template <class Job, class MakeSource, class Light>
-__device__ inline void storeRaySegments(const Job& job, const PixelPlace& pixel, const RayPath& path, float cosine, const MakeSource& makeSource,
-                                        const Light& light) {
+/// Segments that a march has found, into the pixel's places. `source` is any of the ray's path.
+template <class Job, class Source, class Light>
+__device__ inline void storeFoundSegments(const Job& job, const PixelPlace& pixel, const RayPath& path, float cosine, SharedSegmentMerger& found, bool isEnded,
+                                          const Source& source, const Light& light) {
   WARPSCOPE_COUNT(segmentedRays, 1);
-  SegmentMerger found;
-  SegmentedColor<StableMarch> gathered(found, path.lattice);
-  auto source = makeSource();
-  marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered, [](const CountingSample&) { return true; });
   found.reduceTo(job.segmentSlots);
   const size_t place = size_t{pixel.y} * job.camera.width + pixel.x, first = place * static_cast<size_t>(job.segmentSlots);
   const SegmentSlots slots{job.segments.depths + first, job.segments.colors + first, job.segments.normals != nullptr ? job.segments.normals + first : nullptr};
-  const bool isEnded = gathered.transmittance.value() < job.limits.stopBelow;
   const SegmentEncoder encoder(*job.colorTables, job.rule.quantization, cosine);
   job.segmentCounts[place] = storeSegments(found, isEnded, encoder, slots, [&](int i) {
     if constexpr (requires { light.setup.isLit; }) {
-      using Source = decltype(source);
       float gradient[3];
       gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), path.ray, placeToLight(found[i]), gradient);
       return normalOf(light.setup, gradient);
@@ -138,6 +133,17 @@ __device__ inline void storeRaySegments(const Job& job, const PixelPlace& pixel,
   });
 }
 
+/// The ray's segments: a march of its own, in the picture's light, beside one that found the samples. `makeSource()` gives a source at the path's beginning.
+template <class Job, class MakeSource, class Light>
+__device__ inline void storeRaySegments(const Job& job, const PixelPlace& pixel, const RayPath& path, float cosine, const MakeSource& makeSource,
+                                        const Light& light) {
+  SharedSegmentMerger found;
+  SegmentedColor<StableMarch, SharedSegmentMerger> gathered(found, path.lattice);
+  auto source = makeSource();
+  marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered, [](const CountingSample&) { return true; });
+  storeFoundSegments(job, pixel, path, cosine, found, gathered.transmittance.value() < job.limits.stopBelow, source, light);
+}
+
 template <class Light, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads) marchRaySegments(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ Light light) {
   const PixelPlace pixel = pixelOfThread(job.firstRow);
@@ -145,6 +151,22 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchRaySegments(const __gr
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
   storeRaySegments(job, pixel, path, cosine, [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); }, light);
+}
+
+/// The pixel's only sample and its ray's segments, in one march.
+template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
+__global__ void __launch_bounds__(kTileBlockThreads)
+    marchSegmentedSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
+  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
+  float cosine;
+  const RayPath path = rayThrough(job, pixel, &cosine);
+  const auto makeSource = [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); };
+  SharedSegmentMerger segments;
+  SegmentedColor<StableMarch, SharedSegmentMerger> gathered(segments, path.lattice);
+  const DepthResult found = depthOfRay(job, path, depth, makeSource, light, gathered);
+  storeSample(job, pixel, cosine, size_t{pixel.y} * job.camera.width + pixel.x, found, gathered.premultiplied());
+  storeFoundSegments(job, pixel, path, cosine, segments, gathered.transmittance.value() < job.limits.stopBelow, makeSource(), light);
 }
 
 template <class Voxel, bool kHasHoles, bool kByCells>
@@ -247,7 +269,11 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, con
       else
         visitHeuristic(*heuristic, f);
     };
-    if (heuristic) {
+    if (heuristic && job.segmentSlots > 0 && !job.isDivided) {
+      visitAnyHeuristic(*heuristic, [&](auto depth) {
+        launchWithMergers(marchSegmentedSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells>, grid, stream, job, depth, light);
+      });
+    } else if (heuristic) {
       visitDepth([&](auto depth) {
         using Depth = decltype(depth);
         if (job.isDivided)
@@ -270,9 +296,9 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, con
     }
   });
   if (heuristic && job.spreads != nullptr) marchSpreads<Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job);
-  if (heuristic && job.segmentSlots > 0)
+  if (heuristic && job.segmentSlots > 0 && job.isDivided)
     visitLight(shading, lightVolume,
-               [&](auto light) { marchRaySegments<decltype(light), Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, light); });
+               [&](auto light) { launchWithMergers(marchRaySegments<decltype(light), Voxel, kHasHoles, kByCells>, grid, stream, job, light); });
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 #if WARPSCOPE_COUNTERS
   handOverDeviceCounts(stream);

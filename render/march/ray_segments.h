@@ -63,55 +63,84 @@ WARPSCOPE_HD inline float mergeCost(const RaySegment& front, const RaySegment& b
   return mulAdd(moved, light / depth, front.through * back.through * otherColor * (0.5f * length) / light);
 }
 
+/// Where a merger keeps what it holds: by default in itself. `kRoom` places for segments, and for what merging each with the one behind it costs.
+class OwnMergerMemory {
+ public:
+  static constexpr int kRoom = 16;
+
+  WARPSCOPE_HD RaySegment segment(int i) const { return segments_[i]; }
+  WARPSCOPE_HD void setSegment(int i, const RaySegment& segment) { segments_[i] = segment; }
+  WARPSCOPE_HD uint32_t cost(int i) const { return costs_[i]; }
+  WARPSCOPE_HD void setCost(int i, uint32_t cost) { costs_[i] = cost; }
+
+ private:
+  RaySegment segments_[kRoom];
+  uint32_t costs_[kRoom];
+};
+
+/// The order of up to 16 places, four bits each: in a register, where an array that is indexed would be in memory.
+class PlaceList {
+ public:
+  WARPSCOPE_HD int operator[](int i) const { return static_cast<int>(bits_ >> (4 * i) & 15); }
+  WARPSCOPE_HD void set(int i, int place) { bits_ = (bits_ & ~(uint64_t{15} << (4 * i))) | static_cast<uint64_t>(place) << (4 * i); }
+
+ private:
+  uint64_t bits_ = 0;
+};
+
 /// Segments of the ray that is marched, few at any time: when there is no room for another, the two are merged for which that costs least.
-class SegmentMerger {
+template <class Memory>
+class BasicSegmentMerger {
  public:
   /// Segments that are kept until the ray has ended.
-  static constexpr int kRoom = 16;
+  static constexpr int kRoom = Memory::kRoom;
+  static_assert(kRoom <= 16);  // PlaceList
   /// Behind the last one.
   static constexpr int kNone = -1;
 
-  WARPSCOPE_HD SegmentMerger() { clear(); }
+  WARPSCOPE_HD explicit BasicSegmentMerger(const Memory& memory = {}) : memory_(memory) { clear(); }
   WARPSCOPE_HD void clear() {
     size_ = 0;
-    tail_ = kNone;
+    tailPlace_ = kNone;
     lastMerged_ = 0;
     isTailRenewed_ = true;
-    for (uint32_t& cost : costs_) cost = kNever;
+    for (int i = 0; i < kRoom; ++i) memory_.setCost(i, kNever);
   }
 
   WARPSCOPE_HD int size() const { return size_; }
   /// The nearest, and the one behind one; kNone if there is none.
   WARPSCOPE_HD int first() const { return size_ > 0 ? 0 : kNone; }  // nothing is merged into what lies behind it
-  WARPSCOPE_HD int behind(int i) const { return i == tail_ ? kNone : next_[i]; }
-  WARPSCOPE_HD const RaySegment& operator[](int i) const { return segments_[i]; }
+  WARPSCOPE_HD int behind(int i) const { return i == tailPlace_ ? kNone : next_[i]; }
+  WARPSCOPE_HD RaySegment operator[](int i) const { return i == tailPlace_ ? tail_ : memory_.segment(i); }
 
   /// What comes next along the ray.
   WARPSCOPE_HD void add(const RaySegment& next) {
     int place = size_;
     if (size_ > 0) {
-      uint32_t cost = bitsOfCost(mergeCost(segments_[tail_], next));
+      uint32_t cost = bitsOfCost(mergeCost(tail_, next));
       if (size_ == kRoom) {
         // What costs no more than the last merge is merged without a look at the others, which cost no less then: along smooth rays nearly every sample.
         if (cost <= lastMerged_) return mergeIntoTail(next);
         renewTail();
         const int cheapest = cheapestPair();
-        if (cost <= costs_[cheapest]) {
+        const uint32_t least = memory_.cost(cheapest);
+        if (cost <= least) {
           lastMerged_ = cost;
           return mergeIntoTail(next);
         }
-        lastMerged_ = costs_[cheapest];
-        const bool changesTail = next_[cheapest] == tail_;
+        lastMerged_ = least;
+        const bool changesTail = next_[cheapest] == tailPlace_;
         place = mergePair(cheapest);
-        if (changesTail) cost = bitsOfCost(mergeCost(segments_[tail_], next));
+        if (changesTail) cost = bitsOfCost(mergeCost(tail_, next));
       }
-      costs_[tail_] = cost;
-      next_[tail_] = static_cast<int8_t>(place);
-      before_[place] = static_cast<int8_t>(tail_);
+      memory_.setSegment(tailPlace_, tail_);
+      memory_.setCost(tailPlace_, cost);
+      next_.set(tailPlace_, place);
+      before_.set(place, tailPlace_);
     }
-    segments_[place] = next;
-    costs_[place] = kNever;
-    tail_ = place;
+    memory_.setCost(place, kNever);
+    tail_ = next;
+    tailPlace_ = place;
     ++size_;
   }
 
@@ -134,36 +163,42 @@ class SegmentMerger {
   /// The first of the two that cost least; of equal ones the one in the lowest place.
   WARPSCOPE_HD int cheapestPair() const {
     uint32_t least = kNever;
-    for (int i = 0; i < kRoom; ++i) least = costs_[i] < least ? costs_[i] : least;
     int cheapest = 0;
-    while (costs_[cheapest] != least) ++cheapest;
+    for (int i = 0; i < kRoom; ++i) {
+      const uint32_t cost = memory_.cost(i);
+      cheapest = cost < least ? i : cheapest;
+      least = cost < least ? cost : least;
+    }
     return cheapest;
   }
 
-  WARPSCOPE_HD void renewCost(int i) { costs_[i] = bitsOfCost(mergeCost(segments_[i], segments_[next_[i]])); }
+  WARPSCOPE_HD void renewCost(int i) { memory_.setCost(i, bitsOfCost(mergeCost(memory_.segment(i), (*this)[next_[i]]))); }
 
   WARPSCOPE_HD void mergeIntoTail(const RaySegment& next) {
-    mergeInto(segments_[tail_], next);
+    mergeInto(tail_, next);
     isTailRenewed_ = false;
   }
 
   /// What merging the last two costs, if the last one has grown.
   WARPSCOPE_HD void renewTail() {
-    if (!isTailRenewed_ && size_ > 1) renewCost(before_[tail_]);
+    if (!isTailRenewed_ && size_ > 1) renewCost(before_[tailPlace_]);
     isTailRenewed_ = true;
   }
 
   /// Returns the place that has become free.
   WARPSCOPE_HD int mergePair(int first) {
     const int second = next_[first];
-    mergeInto(segments_[first], segments_[second]);
-    costs_[second] = kNever;
-    if (second == tail_) {
-      tail_ = first;
-      costs_[first] = kNever;
+    RaySegment both = memory_.segment(first);
+    mergeInto(both, (*this)[second]);
+    memory_.setCost(second, kNever);
+    if (second == tailPlace_) {
+      tail_ = both;
+      tailPlace_ = first;
+      memory_.setCost(first, kNever);
     } else {
-      next_[first] = next_[second];
-      before_[next_[first]] = static_cast<int8_t>(first);
+      memory_.setSegment(first, both);
+      next_.set(first, next_[second]);
+      before_.set(next_[first], first);
       renewCost(first);
     }
     if (first != 0) renewCost(before_[first]);
@@ -171,20 +206,22 @@ class SegmentMerger {
     return second;
   }
 
+  Memory memory_;       // of all but the last one, whose cost is kNever; costs of places that hold none are that as well
   int size_ = 0;
-  int tail_ = kNone;
+  int tailPlace_ = kNone;
+  RaySegment tail_;     // the last one, most of what comes is merged into
   uint32_t lastMerged_ = 0;     // what the last merge but those into the tail cost
   bool isTailRenewed_ = true;  // the cost of merging the last two is that of how they are
-  RaySegment segments_[kRoom];
-  uint32_t costs_[kRoom];  // of merging each with the one behind it; kNever for the last and where there is none
-  int8_t next_[kRoom], before_[kRoom];
+  PlaceList next_, before_;
 };
 
+using SegmentMerger = BasicSegmentMerger<OwnMergerMemory>;
+
 /// What marchRay gathers where segments are wanted beside the ray's light.
-template <class MarchPolicy>
+template <class MarchPolicy, class Merger = SegmentMerger>
 class SegmentedColor : public GatheredColor<MarchPolicy> {
  public:
-  WARPSCOPE_HD SegmentedColor(SegmentMerger& segments, const RayLattice& lattice) : segments_(segments), lattice_(lattice) {}
+  WARPSCOPE_HD SegmentedColor(Merger& segments, const RayLattice& lattice) : segments_(segments), lattice_(lattice) {}
 
   WARPSCOPE_HD void add(const ClassifiedSample& sample, const glm::vec3& color, float through) {
     GatheredColor<MarchPolicy>::add(sample, color, through);
@@ -193,7 +230,7 @@ class SegmentedColor : public GatheredColor<MarchPolicy> {
   }
 
  private:
-  SegmentMerger& segments_;
+  Merger& segments_;
   const RayLattice& lattice_;
 };
 

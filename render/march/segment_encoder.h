@@ -22,7 +22,12 @@ class SegmentEncoder {
     through_ *= 1.0f - segment.opacity;
     if (!(sentThrough_ > 0.0f)) return false;
     const float share = 1.0f / sentThrough_;
-    glm::vec4 wanted((color_ - sentColor_) * share, 1.0f - through_ * share);
+    // No further from what it is than half of its opacity: else a segment of hardly any is given all that rounding has left, and a hue of its own.
+    const float most = 0.5f * segment.opacity;
+    glm::vec4 wanted(0.0f);
+    for (int channel = 0; channel < 3; ++channel)
+      wanted[channel] = within((color_[channel] - sentColor_[channel]) * share, segment.color[channel] - most, segment.color[channel] + most);
+    wanted.a = within(1.0f - through_ * share, segment.opacity - most, segment.opacity + most);
     uint32_t opacity = segmentOpacityCode(minOf(wanted.a, 1.0f));
     if (opacity == 0) return false;
     if (!isLast && opacity == 255) opacity = 254;
@@ -38,6 +43,8 @@ class SegmentEncoder {
   }
 
  private:
+  WARPSCOPE_HD static float within(float value, float least, float greatest) { return minOf(maxOf(value, least), greatest); }
+
   const ColorTables& tables_;
   float depthStep_, cosine_;
   glm::vec3 color_{0.0f}, sentColor_{0.0f};  // of all so far
@@ -45,12 +52,12 @@ class SegmentEncoder {
 };
 
 /// Stores a ray's segments, near to far, and says how many there are. `normalOf(i)` is the normal of the segment in place i. For host and device.
-template <class NormalOf>
-WARPSCOPE_HD inline RaySegmentCount storeSegments(const SegmentMerger& found, bool isEnded, SegmentEncoder encoder, const SegmentSlots& slots,
+template <class Merger, class NormalOf>
+WARPSCOPE_HD inline RaySegmentCount storeSegments(const Merger& found, bool isEnded, SegmentEncoder encoder, const SegmentSlots& slots,
                                                   const NormalOf& normalOf) {
   int count = 0;
-  for (int i = found.first(); i != SegmentMerger::kNone; i = found.behind(i)) {
-    const bool isLast = found.behind(i) == SegmentMerger::kNone;
+  for (int i = found.first(); i != Merger::kNone; i = found.behind(i)) {
+    const bool isLast = found.behind(i) == Merger::kNone;
     if (!encoder.encode(found[i], isLast, slots.depths[count], slots.colors[count])) continue;
     if (slots.normals != nullptr) slots.normals[count] = normalOf(i);
     ++count;
