@@ -25,7 +25,7 @@ TEST_F(CommandLine, CompareDrawsTheSameMontageEachTime) {
 }
 
 TEST_F(CommandLine, CompareWritesPicturesMontageAndMetrics) {
-  const json report = document(quick({"compare", "block", "--out", "deep/out", "--json", "--heuristic", "median", "--radius", "pixel"}));
+  const json report = document(quick({"compare", "block", "--out", "deep/out", "--json", "--heuristic", "median", "--radius", "pixel", "--proxy", "5"}));
   EXPECT_EQ(json::parse(folder_.read("deep/out/metrics.json")), report);
 
   const size_t views = openScene("block").views.size();
@@ -45,7 +45,7 @@ TEST_F(CommandLine, CompareWritesPicturesMontageAndMetrics) {
   ASSERT_EQ(report["rows"].size(), views * warpRegistry().size());
   std::set<std::pair<std::string, size_t>> seen;
   for (const json& row : report["rows"]) {
-    for (const char* key : {"technique", "heuristic", "radius", "view", "angleDeg", "psnrDb", "ssim", "flip", "holeFraction", "drawMs",
+    for (const char* key : {"technique", "heuristic", "radius", "view", "angleDeg", "psnrDb", "ssim", "flip", "holeFraction", "filledFraction", "drawMs",
                             "buildMs", "samples", "bytes"})
       EXPECT_TRUE(row.contains(key)) << key;
     const auto& technique = findWarp(row["technique"].get<std::string>());
@@ -60,7 +60,7 @@ TEST_F(CommandLine, CompareWritesPicturesMontageAndMetrics) {
       EXPECT_EQ(row["heuristic"], "median");
       EXPECT_EQ(row["radius"], "pixel");
       EXPECT_GT(row["samples"].get<size_t>(), 0u);
-      EXPECT_GT(row["bytes"].get<size_t>(), 0u);
+      EXPECT_GT(row["bytes"].get<size_t>() + row["proxyBytes"].get<size_t>(), 0u);
       EXPECT_TRUE(row["psnrDb"].is_number());
     } else {
       // Identical to itself: infinite, which JSON writes as null.
@@ -71,7 +71,7 @@ TEST_F(CommandLine, CompareWritesPicturesMontageAndMetrics) {
 }
 
 TEST_F(CommandLine, CompareShowsATableAsWideForEveryTechnique) {
-  const std::string table = succeed(quick({"compare", "block", "--out", "out"})).err;
+  const std::string table = succeed(quick({"compare", "block", "--out", "out", "--proxy", "5"})).err;
   std::istringstream lines(table);
   std::string line;
   const auto width = [](const std::string& text) { return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }); };

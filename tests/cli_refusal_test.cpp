@@ -138,6 +138,9 @@ TEST_F(Refusal, NumbersOutOfRange) {
       {{"--step", "1e-9"}, "not 1e-09"},               {{"--step", "-1"}, "step"},                {{"--radius-scale", "0"}, "--radius-scale"},
       {{"--seed", "-1"}, "seed"},                  {{"--seed", "99999999999"}, "seed"},       {{"--volume-size", "0x1x1"}, "XxYxZ"},
       {{"--volume-size", "10x10"}, "XxYxZ"},       {{"--uncovered", "red"}, "RRGGBB"},        {{"--uncovered", "#1234567"}, "RRGGBB"},
+      {{"--filled", "green"}, "--filled green"},   {{"--fill", "poxy"}, "did you mean 'proxy'"},  {{"--keep", "0"}, "--keep"},
+      {{"--keep", "9"}, "1 and 8"},                {{"--mesh-cut", "0"}, "--mesh-cut"},           {{"--picture-plane", "near"}, "middle"},
+      {{"--fill", "proxy", "--proxy", "0"}, "--proxy is 0"}, {{"--technique", "proxy", "--proxy", "0"}, "more than 0"},
   };
   for (const auto& [arguments, reason] : wrong) expectRefused(shot(arguments), kUsage, {reason});
   for (const char* value : {"179.99", "170.0000001", "0.000999"})

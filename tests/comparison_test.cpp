@@ -97,7 +97,8 @@ TEST(Comparison, RowsSayWhatPicturesDrawnAnewSay) {
     EXPECT_GT(row.draw.medianMs, 0.0) << i;
     EXPECT_EQ(row.draw.spreadMs > 0.0, row.technique->usesFrame) << i;  // one draw has none
     EXPECT_EQ(row.build.upload, Measured{}) << i;                       // nothing leaves the host
-    EXPECT_EQ(row.bytes > 0, row.technique->usesFrame) << i;
+    EXPECT_EQ(row.bytes > 0, row.technique->usesFrame && row.technique->name != "proxy") << i;
+    EXPECT_EQ(row.proxyBytes > 0, row.technique->uses.proxy) << i;
     if (row.technique->usesFrame) continue;
     EXPECT_TRUE(std::isinf(row.psnrDb)) << i;
     EXPECT_EQ(row.holeFraction, 0.0) << i;

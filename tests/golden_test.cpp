@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr uint32_t kSide = 192;
 constexpr double kTurnDeg = 15.0;
 constexpr glm::vec3 kBackground{0.03f};
-constexpr Rgba8 kUncovered = 0xff502030u;
+constexpr PixelMarks kMarks{.uncovered = 0xff502030u};
 
 fs::path goldenPath(const std::string& scene, std::string_view technique) {
   return fs::path(WARPSCOPE_GOLDEN_FOLDER) / (scene + "-" + std::string(technique) + ".png");
@@ -53,7 +53,7 @@ TEST_P(Golden, EveryTechnique) {
   WarpSettings settings;
   settings.reference = stage.scene().march.render;
   for (const WarpDescriptor& technique : warpRegistry()) {
-    const Image<Rgba8> picture = toScreen(stage.draw(technique.name, frame, camera, settings), kBackground, kUncovered);
+    const Image<Rgba8> picture = toScreen(stage.draw(technique.name, frame, camera, settings), kBackground, kMarks);
     const fs::path path = goldenPath(sceneName, technique.name);
     if (isUpdatingGolden()) {
       fs::create_directories(path.parent_path());
@@ -110,8 +110,8 @@ TEST(GoldenComparison, WrongPicturesAreFarOutsideTheTolerance) {
       for (Rgba8& pixel : exchanged) pixel = (pixel & 0xff00ff00u) | (pixel & 255) << 16 | (pixel >> 16 & 255);
       EXPECT_FALSE(comparePictures(exchanged, picture).isTolerable());
     }
-  // Techniques are told apart: none passes for another, but for splats, whose picture is that of spheres by definition.
-  const auto pictureOf = [](const WarpDescriptor& technique) { return technique.name == "splats" ? "spheres" : technique.name; };
+  // Techniques are told apart: none passes for another, but for splats and sprites, whose picture is that of spheres by definition.
+  const auto pictureOf = [](const WarpDescriptor& technique) { return technique.name == "splats" || technique.name == "sprites" ? "spheres" : technique.name; };
   for (const std::string& scene : sceneNames())
     for (const WarpDescriptor& a : warpRegistry())
       for (const WarpDescriptor& b : warpRegistry())

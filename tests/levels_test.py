@@ -15,7 +15,7 @@ LIBRARY = "libwarpscope_render.so"
 # What the processor must have for a level, as /proc/cpuinfo calls it.
 NEEDS = {"x86-64-v2": ["sse4_2", "popcnt"], "x86-64-v3": ["avx2", "fma", "bmi2", "f16c", "movbe"],
          "x86-64-v4": ["avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"]}
-PICTURES = [["--technique", technique, "--view-angle", "20"] for technique in ("reference", "hold", "points", "spheres", "splats", "multihit")]
+PICTURES = [["--technique", technique, "--view-angle", "20"] for technique in ("reference", "hold", "points", "spheres", "splats", "multihit", "rotate", "segments", "proxy")]
 SCENES = [["vessels"], ["marschner-lobb", "--heuristic", "expected"], ["shells", "--radius", "opacity", "--step", "0.37"]]
 
 

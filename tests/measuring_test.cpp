@@ -35,7 +35,7 @@ class FakeWarp final : public Warp {
     image.color.resize(3, 2);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  DevicePicturePtr drawForScreen(const Camera&, const WarpSettings&, const glm::vec3&, Rgba8, const std::stop_token&) override {
+  DevicePicturePtr drawForScreen(const Camera&, const WarpSettings&, const glm::vec3&, const PixelMarks&, const std::stop_token&) override {
     if (!isOnDevice) return nullptr;
     ++screens;
     device.drawMs = 100.0 * screens;

@@ -60,7 +60,7 @@ class CountedWarp final : public Warp {
     ++calls().draws;
     warp_->draw(camera, settings, image, stop);
   }
-  DevicePicturePtr drawForScreen(const Camera& camera, const WarpSettings&, const glm::vec3&, Rgba8,
+  DevicePicturePtr drawForScreen(const Camera& camera, const WarpSettings&, const glm::vec3&, const PixelMarks&,
                                  const std::stop_token&) override {
     if (!calls().isOnDevice) return nullptr;
     ++calls().draws;

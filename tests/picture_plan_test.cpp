@@ -45,7 +45,7 @@ EaselState after(const WarpJob& job) {
   state.camera = job.camera;
   state.settings = job.settings;
   state.background = job.background;
-  state.uncovered = job.uncovered;
+  state.marks = job.marks;
   state.reference = job.reference;
   return state;
 }
@@ -284,7 +284,7 @@ TEST_F(PicturePlanTest, WhatDrawsFromNoFrameIsNotBuilt) {
 TEST_F(PicturePlanTest, AnotherBackgroundDrawsNothingWhereTheColoursAreInTheHostsMemory) {
   WarpJob lighter = job_, marked = job_;
   lighter.background = glm::vec3(0.5f);
-  marked.uncovered = 0xff0000ffu;
+  marked.marks.uncovered = 0xff0000ffu;
   for (const WarpJob& job : {lighter, marked}) {
     EXPECT_THAT(stagesIn({after(job_), job}), testing::ElementsAre("to-screen"));
     EaselState onDevice = after(job_);

@@ -46,7 +46,7 @@ TEST(Picture, APictureWithoutSamplesIsShownAsAWarpedOneThatIsCovered) {
   const glm::vec3 background(0.1f, 0.4f, 0.9f);
   const Image<Rgba8> shown = toScreen(image.color, background);
   EXPECT_TRUE(shown == toScreen(image, background));
-  EXPECT_TRUE(shown == toScreen(image, background, 0xff00ffffu)) << "every pixel is covered";
+  EXPECT_TRUE(shown == toScreen(image, background, {.uncovered = 0xff00ffffu})) << "every pixel is covered";
   EXPECT_FALSE(shown == toScreen(image.color, glm::vec3(0.0f)));
 }
 

@@ -204,7 +204,7 @@ TEST_F(SessionTest, TechniquesChangeOnePanel) {
 TEST_F(SessionTest, UncoveredPixelsGetTheirColor) {
   ASSERT_TRUE(open("block"));
   LiveSettings knobs = session_.knobs();
-  knobs.uncovered = 0xffff00ffu;
+  knobs.marks.uncovered = 0xffff00ffu;
   session_.setKnobs(knobs);
   ASSERT_TRUE(pumpUntil([&] { return (*session_.panel(1).picture.host)(0, 0) == 0xffff00ffu; }));
 }

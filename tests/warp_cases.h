@@ -41,6 +41,11 @@ inline void expectExactly(const WarpedImage& image, const Image<uint32_t>& expec
   EXPECT_EQ(wrongColor, 0u);
 }
 
+/// Whether each pixel shows one of the frame's samples: some techniques blend them.
+inline bool showsSamplesAsTheyAre(const WarpDescriptor& technique) {
+  return technique.drawsSamples() && technique.name != "mesh" && technique.name != "rotate";
+}
+
 inline size_t coveredPixels(const WarpedImage& image) {
   return static_cast<size_t>(
       std::count_if(image.samples.begin(), image.samples.end(), [](uint32_t id) { return id != kNoSample; }));

@@ -118,7 +118,7 @@ TEST_P(WarpGl, FramesOfNoneOneAndTwoSamples) {
   const Camera camera = frontCamera(65, 33);
   const std::vector<Sphere> spheres{{{0.0f, 0.0f, 0.0f}, 0.25f}, {{2.0f, 1.0f, 0.0f}, 0.25f}};
   for (const WarpDescriptor& technique : warpRegistry()) {
-    if (!technique.usesFrame || technique.uses.segments) continue;  // these frames have samples alone
+    if (!showsSamplesAsTheyAre(technique)) continue;
     for (size_t count = 0; count <= 2; ++count) {
       SCOPED_TRACE(std::string(technique.name) + " " + std::to_string(count));
       const SampleFramePtr frame = makeFrame({spheres.begin(), spheres.begin() + static_cast<ptrdiff_t>(count)});
@@ -178,7 +178,7 @@ TEST_P(WarpGl, NothingAtOrBehindTheEyeIsSeen) {
                          {{0.0f, 0.0f, 12.0f}, 1.0f}, {{0.5f, -0.5f, 30.0f}, 1.0f}, {{100.0f, 0.0f, 11.0f}, 1.0f}},
                 1.0f / 32.0f, 8191);
   for (const WarpDescriptor& technique : warpRegistry()) {
-    if (!technique.usesFrame || technique.name == "hold") continue;  // hold shows what the frame's own camera sees
+    if (!technique.uses.depth) continue;  // others show what the frame's own camera sees
     WarpSettings settings;
     settings.knobs.set(kPointSizeKnob, 16);
     EXPECT_EQ(coveredPixels(stage.draw(technique.name, frame, camera, settings)), 0u) << technique.name;
@@ -190,7 +190,7 @@ TEST(Warp, SpheresAroundTheEyeAreSeenHalfwayToTheirCentres) {
   const Stage stage = syntheticStage();
   const Camera camera = frontCamera(64, 64);
   const SampleFramePtr frame = makeFrame({{{0.0f, 0.0f, 9.5f}, 2.0f}, {{0.0f, 0.0f, 0.0f}, 4.0f}});
-  for (const char* technique : {"spheres", "splats", "multihit"}) {
+  for (const char* technique : {"spheres", "splats", "multihit", "sprites"}) {
     const WarpedImage image = stage.draw(technique, frame, camera);
     EXPECT_EQ(image.samples(32, 32), 0u) << technique;
     EXPECT_EQ(image.samples, stage.draw("spheres", frame, camera).samples) << technique;
@@ -209,7 +209,7 @@ TEST_P(WarpGl, OfEqualDepthsTheLowerIdIsSeenWhateverTheThreads) {
   const SampleFramePtr frame = makeFrame(spheres);
   const uint32_t originals = 25 * 25;
   for (const WarpDescriptor& technique : warpRegistry()) {
-    if (!technique.usesFrame || technique.uses.segments) continue;  // these frames have samples alone
+    if (!showsSamplesAsTheyAre(technique)) continue;
     WarpedImage first;
     for (const size_t threads : {1, 2, 5}) {
       SCOPED_TRACE(std::string(technique.name) + ", " + std::to_string(threads) + " threads");
@@ -310,7 +310,7 @@ TEST_P(WarpGl, WithoutAFrameNothingIsCovered) {
   const Camera camera = frontCamera(33, 21);
   const SampleFramePtr frame = makeFrame({{{0.0f, 0.0f, 0.0f}, 1.0f}});
   for (const WarpDescriptor& technique : warpRegistry()) {
-    if (!technique.usesFrame || technique.uses.segments) continue;  // these frames have samples alone
+    if (!technique.drawsSamples()) continue;  // these frames have nothing else
     SCOPED_TRACE(technique.name);
     const std::unique_ptr<Warp> warp = technique.make(stage.resources());
     WarpedImage image;

@@ -40,6 +40,7 @@ TEST_P(WarpWorkerMemory, WhatOneLargeFrameTookIsGivenBack) {
                 .frame = {},
                 .camera = camera,
                 .settings = {},
+                .marks = {},
                 .reference = {},
                 .timedAs = {}};
     job.frame = std::make_shared<const SampleFrame>(

@@ -215,7 +215,7 @@ TEST_F(WindowReportTest, StagesAreThoseOfPanelsThatDrawFrames) {
       {"waitMs", latency.waitMs}, {"wireMs", latency.wireMs},       {"queueMs", latency.queueMs},   {"marchMs", latency.marchMs},
       {"copyMs", latency.copyMs}, {"compactMs", latency.compactMs}, {"encodeMs", latency.encodeMs}, {"decodeMs", latency.decodeMs},
       {"buildMs", panel.buildMs}, {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs}};
-  EXPECT_EQ(stages.size(), expected.size() + 6);  // bytes, errors, what was left out, and a shortcut
+  EXPECT_EQ(stages.size(), expected.size() + 7);  // bytes, errors, what was left out, and a shortcut
   EXPECT_EQ(stages["leftOut"], "");
   for (const auto& [key, value] : expected) EXPECT_DOUBLE_EQ(stages[key], value) << key;
   EXPECT_EQ(stages["bytes"], panel.frameBytes);

@@ -48,6 +48,7 @@ Json toJson(const ComparisonRow& row, const Comparison& comparison, const Comman
           {"ssim", row.ssim},
           {"flip", row.flip},
           {"holeFraction", row.holeFraction},
+          {"filledFraction", row.filledFraction},
           {"drawMs", row.draw.medianMs},
           {"drawSpreadMs", row.draw.spreadMs},
           {"draws", row.draws},
@@ -176,8 +177,8 @@ void compare(const CompareOptions& options) {
     comparison = compareTechniques(
         work.scene, headless.resources(), settings,
         [&](const WarpDescriptor& technique, size_t view, const WarpedImage& image) {
-          out.write(nameOf(technique, view), encodePng(toPicture(image, work.uncovered), interrupt.token()));
-          Image<Rgba8> screen = toScreen(image, work.scene.background, work.uncovered);
+          out.write(nameOf(technique, view), encodePng(toPicture(image, work.marks), interrupt.token()));
+          Image<Rgba8> screen = toScreen(image, work.scene.background, work.marks);
           const uint32_t width = std::min(options.cellWidth, work.width);
           const uint32_t height = std::max<uint32_t>(1, static_cast<uint32_t>(uint64_t{work.height} * width / work.width));
           montage.rows[static_cast<size_t>(&technique - warpRegistry().data())].cells.push_back({resized(screen, width, height), ""});

@@ -17,6 +17,7 @@
 #include "render/core/picture_size.h"
 #include "render/march/marcher_registry.h"
 #include "render/volume/procedural.h"
+#include "render/warp/fill.h"
 #include "render/warp/spheres_warp.h"
 
 namespace warpscope {
@@ -49,14 +50,14 @@ std::vector<uint32_t> parseSize(const std::string& option, const std::string& te
   return numbers;
 }
 
-Rgba8 parseColor(const std::string& text) {
+Rgba8 parseColor(const std::string& option, const std::string& text) {
   if (text.empty() || text == "transparent") return 0;
   uint32_t rgb = 0;
   const char* const digits = text.data() + (text[0] == '#' ? 1 : 0);
   const char* const end = text.data() + text.size();
   const auto [next, error] = std::from_chars(digits, end, rgb, 16);
   if (error != std::errc() || next != end || end - digits != 6)
-    throw UsageError("--uncovered " + text.substr(0, 40) + ": give a colour as RRGGBB in hexadecimal, or transparent");
+    throw UsageError(option + " " + text.substr(0, 40) + ": give a colour as RRGGBB in hexadecimal, or transparent");
   return (rgb >> 16 & 255) | (rgb & 0xff00) | (rgb & 255) << 16 | 0xff000000u;
 }
 
@@ -101,6 +102,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--size", options.size, "WxH of the pictures, in pixels")->capture_default_str();
   command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees, " + rangeText(kFovYDegRange) + "; default: the scene's");
   command.add_option("--uncovered", options.uncovered, "Colour (RRGGBB) of pixels that no sample covers; default transparent");
+  command.add_option("--filled", options.filled, "Colour (RRGGBB) of pixels that --fill filled; default: as they were filled");
   command.add_option("--seed", options.seed, "Of what is random in the built-in volumes vessels and shells; default: 1");
   command.add_flag("--json", options.json, "One JSON document on standard output and nothing else");
   addLogOptions(command, options);
@@ -137,7 +139,7 @@ CheckedOptions check(const CommonOptions& options) {
     checked.width = size[0];
     checked.height = size[1];
   }
-  checked.uncovered = parseColor(options.uncovered);
+  checked.marks = {parseColor("--uncovered", options.uncovered), parseColor("--filled", options.filled)};
   checked.platform = choose("OpenGL platform", options.gl, kPlatforms);
   checked.backend = choose("backend", options.backend, backendChoices());
   checked.given = options.knobs.check();
@@ -161,6 +163,8 @@ CheckedOptions check(const CommonOptions& options) {
     checked.overrides.proceduralDims = {dims[0], dims[1], dims[2]};
   }
   validate(checked.warp);
+  if (checked.warp.knobs.choice<Fill>(kFillKnob) == Fill::proxy && checked.given.find(kProxyKnob) == 0.0)
+    throw UsageError("--fill proxy: there is nothing to fill gaps with where --proxy is 0");
   // One that was named and cannot be used is refused further down, after what was typed wrong.
   const Backend first = checked.backend == Backend::automatic ? firstOf(checked.backend) : checked.backend;
   const bool isOnDevice = first == Backend::cuda;

@@ -28,7 +28,7 @@ struct CommonOptions {
   std::map<const MarchText*, std::optional<std::string>> texts;  ///< likewise, those that are lists
   std::string backend = "auto", gl = "auto";
   std::string size = "1024x1024";  ///< empty: none is asked for
-  std::string uncovered;
+  std::string uncovered, filled;
   std::optional<double> fovYDeg;
   std::optional<uint32_t> seed;
   bool json = false, quiet = false, verbose = false;
@@ -59,7 +59,7 @@ struct CheckedOptions {
   WarpSettings warp;
   uint32_t width = 0;   ///< of the pictures, 0 where no size is asked for
   uint32_t height = 0;
-  Rgba8 uncovered = 0;
+  PixelMarks marks;
   gl::Platform platform = gl::Platform::automatic;
   Backend backend = Backend::automatic;
 

@@ -24,6 +24,7 @@
 #include "render/base/range.h"
 #include "render/codec/codec.h"
 #include "render/codec/jpeg.h"
+#include "render/warp/fill.h"
 
 namespace warpscope {
 namespace {
@@ -55,9 +56,9 @@ PictureFormat formatOf(const std::string& file) {
 std::string encode(const WarpedImage& image, PictureFormat format, const CommandContext& work, const std::stop_token& stop) {
   switch (format) {
     case PictureFormat::png:
-      return encodePng(toPicture(image, work.uncovered), stop);
+      return encodePng(toPicture(image, work.marks), stop);
     case PictureFormat::jpeg: {
-      const Image<Rgba8> picture = toScreen(image, work.scene.background, work.uncovered);
+      const Image<Rgba8> picture = toScreen(image, work.scene.background, work.marks);
       std::vector<std::byte> bytes;
       appendJpeg(bytes, picture.data(), picture.width(), picture.height(), CodecSettings().jpegQuality);
       return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -148,8 +149,10 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
   ServedFrame served;
   if (descriptor.usesFrame) {
     progress->step("the server's frame");
-    work.march = neededBy(std::array{&descriptor}, work.march);
+    work.march = neededBy(std::array{TechniqueInUse{&descriptor, work.warp.knobs}}, work.march);
     if (descriptor.uses.segments && work.march.sample.segments == 0) throw UsageError("--technique " + std::string(descriptor.name) + " draws segments: --segments must be at least 1");
+    if (drawsProxy(descriptor, work.warp.knobs) && !descriptor.uses.segments && work.march.sample.proxy == 0)
+      throw UsageError("--technique " + std::string(descriptor.name) + " draws the volume's copy here: --proxy must be more than 0");
     served = work.fetch()(serverCamera, work.march, limit.token());
   }
   const SampleFramePtr& frame = served.frame;

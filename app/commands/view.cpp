@@ -20,7 +20,7 @@ struct ViewOptions {
   ViewOptions() { common.size.clear(); }  // the window's, which goes by the screen unless it is given
 
   CommonOptions common;
-  std::string left = "points", right = "spheres";
+  std::string left = "points", right = "segments";
   TransportOptions transport;
   double uiScale = 0.0;
   std::string screenshot;
@@ -59,7 +59,7 @@ void view(const ViewOptions& options) {
   settings.knobs.warp = checked.warp;
   settings.knobs.panelKnobs.back() = checked.warp.knobs;  // of the right panel: the left one is what it is compared with
   settings.knobs.transport = transport;
-  settings.knobs.uncovered = checked.uncovered;
+  settings.knobs.marks = checked.marks;
   const std::optional<double> shortcuts = options.ownKnobs.check().find(kShortcutsKnob);
   settings.knobs.takesShortcuts = shortcuts.value_or(kShortcutsKnob.defaultValue) != 0.0;
   settings.platform = checked.platform;

@@ -30,6 +30,7 @@ void MeanErrors::add(const PictureErrors& errors) {
   sum_.ssim += errors.ssim;
   sum_.flip += errors.flip;
   sum_.holeFraction += errors.holeFraction;
+  sum_.filledFraction += errors.filledFraction;
   square_ += squareOf(errors.psnrDb);
   linearSquare_ += squareOf(errors.psnrLinearDb);
 }
@@ -40,6 +41,7 @@ PictureErrors MeanErrors::mean() const {
   mean.ssim = sum_.ssim * share;
   mean.flip = sum_.flip * share;
   mean.holeFraction = sum_.holeFraction * share;
+  mean.filledFraction = sum_.filledFraction * share;
   mean.psnrDb = -10.0 * std::log10(square_ * share);
   mean.psnrLinearDb = -10.0 * std::log10(linearSquare_ * share);
   return mean;

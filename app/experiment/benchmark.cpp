@@ -95,12 +95,12 @@ std::vector<BackendBenchmark> runBenchmark(const Scene& scene, const BenchmarkSe
     run.setReference(*resources.marcher);
     // What the samples' march is timed without.
     const auto frameFor = [&](const WarpDescriptor& technique) {
-      return std::make_shared<const SampleFrame>(resources.marcher->march(cameras.front(), neededBy(std::array{&technique}, settings.march), stop));
+      return std::make_shared<const SampleFrame>(resources.marcher->march(cameras.front(), neededBy(std::array{TechniqueInUse{&technique, settings.warp.knobs}}, settings.march), stop));
     };
     for (const WarpDescriptor* technique : settings.techniques) {
       onStep(std::string(nameOf(backend)) + ", " + std::string(technique->name));
       if (backend == Backend::cuda && !technique->runsOnCuda) continue;
-      const bool needsMore = !(neededBy(std::array{technique}, settings.march) == frame->settings);
+      const bool needsMore = !(neededBy(std::array{TechniqueInUse{technique, settings.warp.knobs}}, settings.march) == frame->settings);
       result.techniques.push_back(run.measure(*technique, resources, needsMore ? frameFor(*technique) : frame));
     }
   }

@@ -10,6 +10,7 @@
 #include "render/base/error.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/picture_errors.h"
+#include "render/warp/fill.h"
 
 namespace warpscope {
 namespace {
@@ -55,9 +56,9 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
     Contender contender{&descriptor, makeWarp(descriptor, resources), {}, 0};
     contender.build = measureBuild(measuring, *contender.warp, comparison.frame, settings.warp);
     if (descriptor.usesFrame)
-      contender.bytes = descriptor.name == "hold" ? pictureBytes(comparison.frame, scene.background, settings.codec)
-                                                  : bytesFor(descriptor, bytes, sampleBytes);
-    if (descriptor.uses.proxy) contender.proxyBytes = comparison.served.proxyBytes;
+      contender.bytes = drawsPictureAlone(descriptor) ? pictureBytes(comparison.frame, scene.background, settings.codec)
+                                                      : bytesFor(descriptor, bytes, sampleBytes);
+    if (drawsProxy(descriptor, settings.warp.knobs)) contender.proxyBytes = comparison.served.proxyBytes;
     contenders.push_back(std::move(contender));
   }
 
@@ -88,6 +89,7 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
         row.ssim = errors.ssim;
         row.flip = errors.flip;
         row.holeFraction = errors.holeFraction;
+        row.filledFraction = errors.filledFraction;
       }
       row.build = contender.build;
       row.bytes = contender.bytes;

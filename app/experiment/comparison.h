@@ -22,6 +22,7 @@ struct ComparisonRow {
   double ssim = 1.0;    ///< likewise; 1 if equal
   double flip = 0.0;    ///< likewise; 0 if equal
   double holeFraction = 0.0;
+  double filledFraction = 0.0;
   Measured draw;        ///< see MeasuredDraw
   MeasuredBuild build;  ///< once a frame, so the same in all views
   size_t bytes = 0;     ///< on the wire: what the technique draws of the frame; for `hold` what its picture alone would take; 0 without a frame

@@ -9,6 +9,7 @@
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
 #include "render/base/range.h"
+#include "render/warp/fill.h"
 #include "render/warp/points_warp.h"
 
 namespace warpscope {
@@ -78,12 +79,13 @@ void ConfigurationKnob::set(Configuration& configuration, double value) const {
 }
 
 bool ConfigurationKnob::concerns(const WarpDescriptor& technique) const {
-  if (march_ != nullptr) return technique.dependsOn(*march_);
+  if (march_ != nullptr) return technique.dependsOn(*march_) || (march_->shapes == FramePart::proxy && technique.has(kFillKnob));
   return knob_ == &kServerSideKnob ? technique.usesFrame : technique.has(*knob_);
 }
 
 bool ConfigurationKnob::matters(const Configuration& configuration) const {
-  return concerns(*configuration.technique) && (march_ == nullptr || march_->matters(configuration.march));
+  if (march_ == nullptr) return concerns(*configuration.technique);
+  return configuration.technique->dependsOn(*march_, configuration.knobs) && march_->matters(configuration.march);
 }
 
 std::vector<ConfigurationKnob> configurationKnobs() {
@@ -112,7 +114,7 @@ WarpSettings Configuration::warp(const WarpSettings& base) const {
 void takeOver(const Configuration& configuration, MarchSettings& march, WarpSettings& warp) {
   const WarpDescriptor& technique = *configuration.technique;
   for (const MarchKnob& row : marchKnobs())
-    if (row.knob->owner == KnobOwner::sampling && technique.dependsOn(row)) row.set(march, row.get(configuration.march));
+    if (row.knob->owner == KnobOwner::sampling && technique.dependsOn(row, configuration.knobs)) row.set(march, row.get(configuration.march));
   for (const Knob* knob : technique.knobs)
     if (!knob->axis.key.empty()) warp.knobs.set(*knob, configuration.knobs[*knob]);
 }
@@ -121,7 +123,7 @@ Configuration normalized(Configuration configuration) {
   const WarpDescriptor& technique = *configuration.technique;
   const MarchSettings given = configuration.march;
   for (const MarchKnob& row : marchKnobs())
-    if (!technique.dependsOn(row) || !row.matters(given)) row.set(configuration.march, row.knob->defaultValue);
+    if (!technique.dependsOn(row, configuration.knobs) || !row.matters(given)) row.set(configuration.march, row.knob->defaultValue);
   std::vector<const Knob*> swept;
   for (const Knob* knob : technique.knobs)
     if (!knob->axis.key.empty()) swept.push_back(knob);

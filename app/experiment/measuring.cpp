@@ -23,7 +23,7 @@ struct DrawnOnce {
 DrawnOnce drawnOnce(const Drawing& drawing, const Camera& camera, WarpedImage& image, const std::stop_token& stop) {
   DrawnOnce drawn;
   drawn.tookMs = milliseconds([&] {
-    drawn.isOnDevice = drawing.warp.drawForScreen(camera, drawing.settings, drawing.background, 0, stop) != nullptr;
+    drawn.isOnDevice = drawing.warp.drawForScreen(camera, drawing.settings, drawing.background, {}, stop) != nullptr;
     if (!drawn.isOnDevice) drawing.warp.draw(camera, drawing.settings, image, stop);
   });
   if (const std::optional<DeviceTimings> timings = drawing.warp.deviceTimings()) drawn.tookMs = timings->drawMs;

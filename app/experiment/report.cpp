@@ -148,7 +148,7 @@ std::string stripsTable(const SweepReport& report) {
 
 std::string rowsTable(const std::vector<SweepRow>& rows) {
   std::string html = "<div class=\"wide all\"><table id=\"rows\">" +
-                     header({"configuration", "angle or link", "FLIP", "PSNR dB", "linear dB", "SSIM", "holes %", "FLIP visible", "FLIP disoccluded",
+                     header({"configuration", "angle or link", "FLIP", "PSNR dB", "linear dB", "SSIM", "holes %", "guesses %", "FLIP visible", "FLIP disoccluded",
                              "kB", "server ms", "decode", "upload, build", "draw", "± spread", "ms a frame", "age ms", "flicker"}) +
                      "<tbody>\n";
   const auto optional = [](const std::optional<double>& value, const char* pattern) {
@@ -160,7 +160,7 @@ std::string rowsTable(const std::vector<SweepRow>& rows) {
     const auto decibels = [](double value) { return cell(value, std::isfinite(value) ? format("%.1f", value) : "equal"); };
     html += "<tr>" + cell(fullNameOf(row.configuration)) + cell(row.angleDeg, isStill ? angled(row.angleDeg) : row.link) +
             cell(row.errors.flip, format("%.4f", row.errors.flip)) + decibels(row.errors.psnrDb) + decibels(row.errors.psnrLinearDb) +
-            cell(row.errors.ssim, format("%.4f", row.errors.ssim)) + cell(row.errors.holeFraction, percent(row.errors.holeFraction)) +
+            cell(row.errors.ssim, format("%.4f", row.errors.ssim)) + cell(row.errors.holeFraction, percent(row.errors.holeFraction)) + cell(row.errors.filledFraction, percent(row.errors.filledFraction)) +
             optional(row.errors.flipVisible, "%.4f") + optional(row.errors.flipDisoccluded, "%.4f") +
             cell(static_cast<double>(row.cost.bytes), format("%.0f", 1e-3 * static_cast<double>(row.cost.bytes))) +
             cell(row.cost.serverMs(), milliseconds(row.cost.serverMs())) + cell(row.cost.decode.medianMs, milliseconds(row.cost.decode.medianMs)) +

@@ -92,7 +92,7 @@ class Sweep::Run {
     if (configuration.technique->usesFrame) {
       const Served served = servedFor(configuration);
       cost = served.cost;
-      cost.bytes = configuration.technique->name == "hold" ? pictureBytes(served.frame, scene_.background, configuration.codec)
+      cost.bytes = drawsPictureAlone(*configuration.technique) ? pictureBytes(served.frame, scene_.background, configuration.codec)
                                                            : bytesFor(*configuration.technique, cost.bytes, sampleBytesOf(*served.frame, cost.bytes, configuration.codec));
       const MeasuredBuild build = measureBuild(measuring_, warp, served.frame, warpSettings);
       cost.upload = build.upload;

@@ -56,7 +56,8 @@ Json toJson(const PictureErrors& errors) {
           {"flipDisoccluded", orNull(errors.flipDisoccluded)},
           {"psnrVisibleDb", orNull(errors.psnrVisibleDb)},
           {"psnrDisoccludedDb", orNull(errors.psnrDisoccludedDb)},
-          {"holeFraction", errors.holeFraction}};
+          {"holeFraction", errors.holeFraction},
+          {"filledFraction", errors.filledFraction}};
 }
 
 Json toJson(const SweepFloor& floor) {
@@ -110,6 +111,7 @@ SweepRow sweepRowFrom(const Node& node, const MarchSettings& base) {
   row.errors.psnrVisibleDb = optionalFrom(node.at("psnrVisibleDb"));
   row.errors.psnrDisoccludedDb = optionalFrom(node.at("psnrDisoccludedDb"));
   row.errors.holeFraction = node.at("holeFraction").number(0.0, 1.0);
+  if (const auto filled = node.find("filledFraction")) row.errors.filledFraction = filled->number(0.0, 1.0);  // not in older files
   row.cost.samples = static_cast<size_t>(node.at("samples").integer(0, int64_t{1} << 40));
   row.cost.bytes = static_cast<size_t>(node.at("bytes").integer(0, int64_t{1} << 33));  // more than any frame takes
   row.cost.march = measuredFrom(node, "march");
@@ -135,7 +137,7 @@ std::string csvOf(const std::vector<SweepRow>& rows) {
   std::vector<std::string_view> columns{"technique"};
   for (const ConfigurationKnob& row : configurationKnobs()) columns.push_back(row.knob().key);
   columns.insert(columns.end(),
-                 {"codec", "link", "angleDeg", "ageMs", "framesPerSecond", "flicker", "flip", "psnrDb", "psnrLinearDb", "ssim", "holeFraction",
+                 {"codec", "link", "angleDeg", "ageMs", "framesPerSecond", "flicker", "flip", "psnrDb", "psnrLinearDb", "ssim", "holeFraction", "filledFraction",
                   "disoccludedFraction", "flipVisible", "flipDisoccluded", "psnrVisibleDb", "psnrDisoccludedDb", "samples", "bytes", "marchMs",
                   "marchSpreadMs", "compactMs", "compactSpreadMs", "copyMs", "copySpreadMs", "encodeMs", "encodeSpreadMs", "serverMs", "decodeMs",
                   "decodeSpreadMs", "uploadMs", "uploadSpreadMs", "buildMs", "buildSpreadMs", "drawMs", "drawSpreadMs", "draws", "frameMs"});

@@ -94,7 +94,7 @@ size_t pictureBytes(const SampleFramePtr& frame, const glm::vec3& background, co
   hold->setFrame(frame, {}, {});
   WarpedImage image;
   hold->draw(frame->camera, {}, image, {});
-  return encodePng(toScreen(image, background, 0)).size();
+  return encodePng(toScreen(image, background)).size();
 }
 
 }  // namespace warpscope

@@ -30,9 +30,15 @@ CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSe
 
 /// What a frame's samples would take alone, without segments and copy of the volume. `bytes`: all but that copy. Encodes the frame anew if it has segments.
 size_t sampleBytesOf(const SampleFrame& frame, size_t bytes, const CodecSettings& codec);
-/// What a technique draws of a frame of so many bytes, of which those are the samples': these, or the segments.
+/// What a technique draws of a frame of so many bytes, of which those are the samples': these, or the segments, or neither.
 inline size_t bytesFor(const WarpDescriptor& technique, size_t bytes, size_t sampleBytes) {
-  return technique.uses.segments ? bytes - sampleBytes : sampleBytes;
+  if (technique.uses.segments) return bytes - sampleBytes;
+  return technique.uses.proxy ? 0 : sampleBytes;
+}
+/// Whether a technique could draw the same from the frame's picture: then it is charged for pictureBytes.
+inline bool drawsPictureAlone(const WarpDescriptor& technique) {
+  const SampleUse& uses = technique.uses;
+  return technique.usesFrame && !uses.depth && !uses.segments && !uses.proxy;
 }
 
 /// Asks `source`, and waits. Throws InputError with the connection's trouble if that does not end within some seconds. `onBusy`, if any, is

@@ -22,23 +22,23 @@ Image<Rgba8> convert(uint32_t width, uint32_t height, const PerPixel& perPixel) 
 }
 
 template <class PerColor>
-Image<Rgba8> convert(const WarpedImage& image, Rgba8 uncovered, const PerColor& perColor) {
+Image<Rgba8> convert(const WarpedImage& image, const PixelMarks& marks, const PerColor& perColor) {
   return convert(image.color.width(), image.color.height(), [&](size_t i) {
-    return uncovered != 0 && image.samples[i] == kNoSample ? uncovered : perColor(image.color[i]);
+    const Rgba8 mark = marks.of(image.samples[i]);
+    return mark != 0 ? mark : perColor(image.color[i]);
   });
 }
 
 }  // namespace
 
-Image<Rgba8> toPicture(const WarpedImage& image, Rgba8 uncovered) {
+Image<Rgba8> toPicture(const WarpedImage& image, const PixelMarks& marks) {
   const ColorTables& tables = ColorTables::instance();
-  return convert(image, uncovered, [&](const glm::vec4& color) { return tables.encode(color); });
+  return convert(image, marks, [&](const glm::vec4& color) { return tables.encode(color); });
 }
 
-Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, Rgba8 uncovered) {
+Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, const PixelMarks& marks) {
   const ColorTables& tables = ColorTables::instance();
-  return convert(image, uncovered | (uncovered != 0 ? 0xff000000u : 0u),
-                 [&](const glm::vec4& color) { return tables.encodeOver(color, background); });
+  return convert(image, marks, [&](const glm::vec4& color) { return tables.encodeOver(color, background); });
 }
 
 Image<Rgba8> toScreen(const Image<glm::vec4>& color, const glm::vec3& background) {

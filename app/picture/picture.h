@@ -13,11 +13,11 @@
 
 namespace warpscope {
 
-/// What a warped image becomes: pixels that nothing covers get `uncovered` (0: transparent).
-Image<Rgba8> toPicture(const WarpedImage& image, Rgba8 uncovered = 0);
+/// What a warped image becomes: pixels that nothing covers are transparent, unless they are marked.
+Image<Rgba8> toPicture(const WarpedImage& image, const PixelMarks& marks = {});
 
-/// Composited over an opaque background (linear RGB): what a screen shows. Pixels that nothing covers show `uncovered` if it is not 0.
-Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, Rgba8 uncovered = 0);
+/// Composited over an opaque background (linear RGB): what a screen shows. With marks.
+Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, const PixelMarks& marks = {});
 
 /// The same of a picture that stands for itself: no samples lie behind it.
 Image<Rgba8> toScreen(const Image<glm::vec4>& color, const glm::vec3& background);

@@ -32,7 +32,9 @@ class DeviceJudge {
     errors.psnrLinearDb = found.psnrLinearDb;
     errors.ssim = found.ssim;
     errors.flip = found.flip;
-    errors.holeFraction = countHoles(image, reference->color()).fraction();
+    const HoleCount holes = countHoles(image, reference->color());
+    errors.holeFraction = holes.fraction();
+    errors.filledFraction = holes.filledFraction();
     return errors;
   }
 

@@ -37,7 +37,7 @@ struct PictureQuestion {
   bool isOfSameView() const {
     return last.hasPicture && last.way == plan.way() && last.frame == job.frame && last.camera == job.camera;
   }
-  bool isBehindChanged() const { return last.background != job.background || last.uncovered != job.uncovered; }
+  bool isBehindChanged() const { return last.background != job.background || last.marks != job.marks; }
 };
 
 PictureWay wayOf(const PictureQuestion& q) {

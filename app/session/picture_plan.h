@@ -71,7 +71,7 @@ struct EaselState {
   Camera camera;
   WarpSettings settings;
   glm::vec3 background{0.0f};
-  Rgba8 uncovered = 0;
+  PixelMarks marks;
   bool isOnDevice = false;  ///< which put it over its background as it drew
 
   std::shared_ptr<const ReferenceImage> reference;  ///< that was judged against last

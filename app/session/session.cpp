@@ -71,8 +71,8 @@ bool Session::update(TimePoint now) {
   liveFront_.setPictureSize(pictureSize());
   happened |= frames_.take();
   frames_.setTransport(knobs_.transport);
-  std::vector<const WarpDescriptor*> techniques;
-  for (const LivePanel& one : panels_) techniques.push_back(one.shown().technique);
+  std::vector<TechniqueInUse> techniques;
+  for (size_t i = 0; i < kPanelCount; ++i) techniques.push_back({panel(i).technique, warpSettingsOf(i).knobs});
   happened |= frames_.ask({view_.cameraOfSize(serverSize()), neededBy(techniques, knobs_.march), knobs_.transport.codec, knobs_.serverSidePx}, knobs_.isFrozen, now);
   happened |= truth_.take();
   happened |= truth_.follow({opening_.current()->display, view_.cameraOfSize(pictureSize()), knobs_.march.render, scene()->background}, now);
@@ -145,6 +145,15 @@ void Session::chooseTechnique(LivePanel& panel, TechniqueChoice& choice) {
   useTechnique(panel, *made->technique);
 }
 
+WarpSettings Session::warpSettingsOf(size_t index) const {
+  const Panel& shown = panel(index);
+  WarpSettings settings = shown.choice ? shown.choice->warp(knobs_.warp) : knobs_.warp;
+  for (const Knob* knob : shown.technique->knobs)
+    if (knob->isOfPanel) settings.knobs.set(*knob, knobs_.panelKnobs[index][*knob]);
+  settings.knobs = settings.knobs.only(shown.technique->knobs);  // others' do not make it draw
+  return settings;
+}
+
 bool Session::postJob(size_t index) {
   LivePanel& panel = panels_[index];
   const Panel& shown = panel.shown();
@@ -157,13 +166,10 @@ bool Session::postJob(size_t index) {
   job.reference = truth_.image();
   job.marcher = opening_.current()->display;
   job.camera = view_.cameraOfSize(pictureSize());
-  job.settings = shown.choice ? shown.choice->warp(knobs_.warp) : knobs_.warp;
-  for (const Knob* knob : job.technique->knobs)
-    if (knob->isOfPanel) job.settings.knobs.set(*knob, knobs_.panelKnobs[index][*knob]);
-  job.settings.knobs = job.settings.knobs.only(job.technique->knobs);  // others' do not make it draw
+  job.settings = warpSettingsOf(index);
   job.settings.reference = truth_.wanted().settings;
   job.background = scene()->background;
-  job.uncovered = knobs_.uncovered;
+  job.marks = knobs_.marks;
   job.takesShortcuts = knobs_.takesShortcuts && job.technique->usesFrame;
   if (!panel.isNew(job)) return false;
   timing_.stop(panels_);

@@ -33,7 +33,7 @@ struct LiveSettings {
   uint32_t screenPixels = 0;       ///< edge, in screen pixels, of a pixel that the panels draw; 0: whatever keeps the display fluent
   TransportSettings transport;     ///< how frames travel from the server
   bool isFrozen = false;           ///< the server is asked for nothing: its last frame stays
-  Rgba8 uncovered = 0;             ///< 0: the scene's background
+  PixelMarks marks;
   bool takesShortcuts = false;     ///< where the frame itself is enough, panels show that: picture_plan.h
   double budgetMs = kDefaultBudgetMs;  ///< of a picture, for panels that choose by themselves
 
@@ -120,6 +120,8 @@ class Session {
   bool takePicture(LivePanel& panel, size_t index);
   bool takeErrors(LivePanel& panel, TimePoint now);
   bool postJob(size_t index);
+  /// Of the technique that a panel shows.
+  WarpSettings warpSettingsOf(size_t panel) const;
 
   void chooseTechnique(LivePanel& panel, TechniqueChoice& choice);
   void useTechnique(LivePanel& panel, const WarpDescriptor& technique);

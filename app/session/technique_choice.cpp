@@ -32,7 +32,7 @@ std::vector<SweepRow> rowsOf(const LiveFront& live) {
 /// Whether a frame that was marched with `settings` can be drawn as `configuration` was.
 bool fits(const Configuration& configuration, const MarchSettings& settings) {
   for (const MarchKnob& row : marchKnobs())
-    if (configuration.technique->dependsOn(row) && row.matters(settings) && row.get(configuration.march) != row.get(settings)) return false;
+    if (configuration.technique->dependsOn(row, configuration.knobs) && row.matters(settings) && row.get(configuration.march) != row.get(settings)) return false;
   return true;
 }
 

@@ -48,7 +48,7 @@ struct WarpJob {
   Camera camera;
   WarpSettings settings;
   glm::vec3 background{0.0f};  ///< linear RGB
-  Rgba8 uncovered = 0;         ///< colour of pixels that no sample covers; 0: the background
+  PixelMarks marks;
   bool takesShortcuts =
       false;  ///< of a picture that the frame itself shows, instead of the technique's (picture_plan.h)
   /// What the picture is to be judged against; null while there is none. Of the same size, but its camera may be an

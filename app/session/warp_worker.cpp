@@ -110,7 +110,7 @@ class Easel {
     if (plan.has(PictureStage::draw)) draw(job, stop);
     if (plan.has(PictureStage::ownPicture) || plan.has(PictureStage::rotation)) takeShortcut(plan.way(), job, stop);
     if (plan.has(PictureStage::toScreen) && !picture_)
-      picture_.host = std::make_shared<const Image<Rgba8>>(toScreen(*image_, job.background, job.uncovered));
+      picture_.host = std::make_shared<const Image<Rgba8>>(toScreen(*image_, job.background, job.marks));
 
     state_.hasPicture = true;
     state_.way = plan.way();
@@ -118,7 +118,7 @@ class Easel {
     state_.camera = job.camera;
     state_.settings = job.settings;
     state_.background = job.background;
-    state_.uncovered = job.uncovered;
+    state_.marks = job.marks;
     state_.isOnDevice = picture_.device != nullptr;
   }
 
@@ -142,7 +142,7 @@ class Easel {
     ++counts_.draws;
     isInHostMemory_ = false;
     drawMs_ = milliseconds([&] {
-      picture_.device = warp_->drawForScreen(job.camera, job.settings, job.background, job.uncovered, stop);
+      picture_.device = warp_->drawForScreen(job.camera, job.settings, job.background, job.marks, stop);
       if (!picture_) drawToHost(job, stop);
     });
   }

@@ -37,7 +37,8 @@ Json toJson(const Panel& panel) {
           {"buildMs", panel.buildMs},         {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs},
           {"flip", current(&PictureErrors::flip)},
           {"psnrDb", current(&PictureErrors::psnrDb)},
-          {"holeFraction", current(&PictureErrors::holeFraction)}};
+          {"holeFraction", current(&PictureErrors::holeFraction)},
+          {"filledFraction", current(&PictureErrors::filledFraction)}};
 }
 
 /// What a panel's worker did since the scene was opened, and which stages of its plan were in last.

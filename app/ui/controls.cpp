@@ -43,7 +43,21 @@ void drawServer(Session& session, LiveSettings& knobs, const Look& look) {
   tooltip("Ask the server for nothing more: its last frame stays, and can be looked at from elsewhere. Key F.", look);
 }
 
-void drawDisplay(const Session& session, LiveSettings& knobs, std::array<float, 3>& markColor, const Look& look) {
+/// A checkbox and a colour, which is kept while it is not used.
+void markWidget(const char* name, Rgba8& mark, std::array<float, 3>& color, const std::string& what, const Look& look) {
+  bool isMarked = mark != 0;
+  ImGui::PushID(name);
+  ImGui::Checkbox(name, &isMarked);
+  tooltip("Show " + what + " in a colour.", look);
+  ImGui::SameLine();
+  ImGui::ColorEdit3("##color", color.data(), ImGuiColorEditFlags_NoInputs);
+  tooltip("The colour of " + what + ".", look);
+  ImGui::PopID();
+  const auto code = [](float channel) { return quantizeUnorm8(channel); };
+  mark = isMarked ? code(color[0]) | code(color[1]) << 8 | code(color[2]) << 16 | 0xff000000u : 0u;
+}
+
+void drawDisplay(const Session& session, LiveSettings& knobs, MarkColors& markColors, const Look& look) {
   heading("DISPLAY", look);
   for (const Knob* knob : warpKnobs()) {
     if (knob->isOfPanel) continue;
@@ -71,16 +85,10 @@ void drawDisplay(const Session& session, LiveSettings& knobs, std::array<float, 
     ImGui::EndCombo();
   }
 
-  label("Uncovered", look);
-  bool isMarked = knobs.uncovered != 0;
-  ImGui::Checkbox("##marked", &isMarked);
-  tooltip("Show pixels that no sample covers in a colour instead of the background.", look);
+  label("Mark", look);
+  markWidget("Holes", knobs.marks.uncovered, markColors.uncovered, "pixels that nothing covers", look);
   ImGui::SameLine();
-  ImGui::ColorEdit3("##mark color", markColor.data(), ImGuiColorEditFlags_NoInputs);
-  tooltip("The colour of uncovered pixels.", look);
-  const auto code = [](float channel) { return quantizeUnorm8(channel); };
-  knobs.uncovered =
-      isMarked ? code(markColor[0]) | code(markColor[1]) << 8 | code(markColor[2]) << 16 | 0xff000000u : 0u;
+  markWidget("Guesses", knobs.marks.filled, markColors.filled, "pixels that show a guess, because no frame says anything about them", look);
 }
 
 void drawCamera(Session& session, const Look& look) {
@@ -106,13 +114,12 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(4.0f)});
   drawScene(session, openScene, look);
   LiveSettings knobs = session.knobs();
-  if (knobs.uncovered != 0)
-    for (size_t i = 0; i < 3; ++i) markColor_[i] = static_cast<float>(knobs.uncovered >> (8 * i) & 255) / 255.0f;
+  markColors_.take(knobs.marks);
   drawServer(session, knobs, look);
   effects_.draw(knobs.march, look);
   plan_.draw(session, look);
   drawNetwork(session, knobs, look);
-  drawDisplay(session, knobs, markColor_, look);
+  drawDisplay(session, knobs, markColors_, look);
   session.setKnobs(knobs);
   drawCamera(session, look);
   ImGui::PopStyleVar(2);

@@ -84,6 +84,20 @@ class PlanList {
   bool wasOpen_ = false;
 };
 
+/// Colours that pixels are marked with, or will be when somebody wants that: sRGB.
+struct MarkColors {
+  std::array<float, 3> uncovered{1.0f, 0.0f, 0.78f}, filled{0.0f, 0.85f, 1.0f};
+
+  /// Takes over those that are in use.
+  void take(const PixelMarks& marks) {
+    const auto takeOne = [](Rgba8 mark, std::array<float, 3>& color) {
+      for (size_t i = 0; mark != 0 && i < 3; ++i) color[i] = static_cast<float>(mark >> (8 * i) & 255) / 255.0f;
+    };
+    takeOne(marks.uncovered, uncovered);
+    takeOne(marks.filled, filled);
+  }
+};
+
 /// The column of knobs.
 class Controls {
  public:
@@ -95,7 +109,7 @@ class Controls {
   EffectKnobs effects_;
   PlanList plan_;
   std::array<char, 1024> path_{};
-  std::array<float, 3> markColor_{1.0f, 0.0f, 0.78f};  // sRGB
+  MarkColors markColors_;
 };
 
 /// Scene, samples, rates: one line.

@@ -6,6 +6,7 @@
 #include "render/march/marcher_cuda.h"
 #include "render/metrics/picture_judge_cuda.h"
 #include "render/warp/multihit_warp_cuda.h"
+#include "render/warp/proxy_warp_cuda.h"
 #include "render/warp/spheres_warp_cuda.h"
 #include "render/warp/segments_warp_cuda.h"
 #include "render/warp/splats_warp_cuda.h"
@@ -31,6 +32,7 @@ std::pmr::memory_resource* pinnedMemory() { refuse(); }
 MarcherPtr makeCudaMarcher(VolumePtr, TransferFunction) { refuse(); }
 std::unique_ptr<DevicePictureJudge> makeCudaPictureJudge(const glm::vec3&, float) { refuse(); }
 std::unique_ptr<Warp> makeCudaMultihitWarp() { refuse(); }
+std::unique_ptr<Warp> makeCudaProxyWarp() { refuse(); }
 std::unique_ptr<Warp> makeCudaSpheresWarp() { refuse(); }
 std::unique_ptr<Warp> makeCudaSegmentsWarp() { refuse(); }
 std::unique_ptr<Warp> makeCudaSplatsWarp() { refuse(); }

@@ -29,6 +29,12 @@ class Context {
   std::string version() const;
 };
 
+/// Makes it current, and returns it: for those whose members are made in it.
+inline Context& current(Context& context) {
+  context.makeCurrent();
+  return context;
+}
+
 /// Makes a context and makes it current. Throws InputError that says what was tried and what each answered.
 std::unique_ptr<Context> makeHeadlessContext(Platform platform = Platform::automatic);
 

@@ -16,12 +16,14 @@ struct ProxyMarch {
   Light light;
   ClipSetup clip;
   RayLimits limits;
+  Box bounds;  ///< of the copy: no piece is longer than that, whatever a frame says of its own
   float step = 1.0f;
   bool isClipped = false;
 
   /// What the part [tNear, tFar] of the ray sends and lets through, behind what lets `through` pass.
   WARPSCOPE_HD RayLight operator()(const Ray& ray, float tNear, float tFar, float through) const {
-    RayInterval interval{tNear, tFar};
+    RayInterval interval = intersectBox(reciprocalOf(ray.origin, ray.direction), bounds, tNear, tFar);
+    if (interval.isMiss()) return {};
     if (isClipped) interval = clipped(clip, ray, interval);
     const RayPath path{ray, makeLattice(interval, step)};
     if (path.lattice.count == 0) return {};

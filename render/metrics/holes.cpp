@@ -17,6 +17,7 @@ HoleCount countHoles(const WarpedImage& image, const Image<glm::vec4>& reference
     if (reference[i].a < kShownAlpha) continue;
     ++count.shown;
     count.holes += image.samples[i] == kNoSample;
+    count.filled += image.samples[i] == kFilled;
   }
   return count;
 }

@@ -84,7 +84,9 @@ PictureErrors PictureJudge::errorsOf(const WarpedImage& image, const Image<Visib
   Image<float> ownMap;
   Image<float>& flipMap = map ? *map : ownMap;
   errors.flip = known.flip.difference(planes.linear, flipMap);
-  errors.holeFraction = countHoles(image, known.reference).fraction();
+  const HoleCount holes = countHoles(image, known.reference);
+  errors.holeFraction = holes.fraction();
+  errors.filledFraction = holes.filledFraction();
   if (!mask) return errors;
 
   const Shares shares = sharesOf(planes, known.planes, flipMap, *mask);

@@ -18,6 +18,7 @@ struct PictureErrors {
   double ssim = 0.0;          ///< -1..1; 1: equal
   double flip = 0.0;          ///< mean, 0..1; 0: equal
   double holeFraction = 0.0;  ///< 0..1, see holes.h
+  double filledFraction = 0.0;  ///< likewise
 
   /// Over the pixels of one kind; nothing without a mask or without such pixels. FLIP is the mean of the whole picture's map there.
   std::optional<double> flipVisible, flipDisoccluded;

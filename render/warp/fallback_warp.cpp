@@ -26,10 +26,10 @@ class FallbackWarp final : public Warp {
   void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) override {
     attempt(settings, stop, [&] { warp_->draw(camera, settings, image, stop); });
   }
-  DevicePicturePtr drawForScreen(const Camera& camera, const WarpSettings& settings, const glm::vec3& background, Rgba8 uncovered,
+  DevicePicturePtr drawForScreen(const Camera& camera, const WarpSettings& settings, const glm::vec3& background, const PixelMarks& marks,
                                  const std::stop_token& stop) override {
     DevicePicturePtr picture;
-    attempt(settings, stop, [&] { picture = warp_->drawForScreen(camera, settings, background, uncovered, stop); });
+    attempt(settings, stop, [&] { picture = warp_->drawForScreen(camera, settings, background, marks, stop); });
     return picture;
   }
   std::optional<DeviceTimings> deviceTimings() const override { return warp_->deviceTimings(); }

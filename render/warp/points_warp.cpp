@@ -7,6 +7,7 @@
 
 #include "render/base/error.h"
 #include "render/core/parallel.h"
+#include "render/gl/canvas.h"
 #include "render/gl/context.h"
 #include "render/gl/objects.h"
 #include "shaders.h"
@@ -22,8 +23,7 @@ constexpr size_t kPointsPerCall = 1 << 20;
 
 class PointsWarp final : public Warp {
  public:
-  explicit PointsWarp(gl::Context& context) : context_(context) {
-    context_.makeCurrent();
+  explicit PointsWarp(gl::Context& context) : context_(gl::current(context)) {
     program_ = gl::makeProgram("points", shaders::find("points.vert"), shaders::find("points.frag"));
     clipFromVolume_ = glGetUniformLocation(program_.name(), "clipFromVolume");
     pointSize_ = glGetUniformLocation(program_.name(), "pointSize");
@@ -34,18 +34,13 @@ class PointsWarp final : public Warp {
     GLfloat range[2] = {1.0f, 1.0f};
     glGetFloatv(GL_POINT_SIZE_RANGE, range);
     largestPoint_ = range[1];
-    GLint side = 0;
-    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
-    largestSide_ = static_cast<uint32_t>(side);
   }
   ~PointsWarp() override {
     if (context_.tryMakeCurrent()) return;
     program_.abandon();
     vertexArray_.abandon();
     buffer_.abandon();
-    seen_.abandon();
-    depth_.abandon();
-    framebuffer_.abandon();
+    canvas_.abandon();
   }
 
   void setFrame(SampleFramePtr frame, const WarpSettings&, const std::stop_token&) override {
@@ -73,18 +68,8 @@ class PointsWarp final : public Warp {
     image.samples.resize(camera.width, camera.height, kNoSample);
     image.color.resize(camera.width, camera.height);
     if (!buffer_) return;
-    prepareTarget(camera.width, camera.height);
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-    glViewport(0, 0, static_cast<GLsizei>(camera.width), static_cast<GLsizei>(camera.height));
-    const GLuint nothing[4] = {kNoSample, 0, 0, 0};
-    const GLfloat farthest = 0.0f;
-    glClearNamedFramebufferuiv(framebuffer_.name(), GL_COLOR, 0, nothing);
-    glClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &farthest);
+    canvas_.begin(camera.width, camera.height, kNoSample);
     glEnable(GL_PROGRAM_POINT_SIZE);
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_GREATER);  // reversed; of equal depths the first drawn, the lower id, stays
-    // Rows upside down, so that row 0 of what is read back is the top row.
-    glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
     glUseProgram(program_.name());
     const glm::mat4 matrix = clipFromVolume(camera, kNearDepth);
     glUniformMatrix4fv(clipFromVolume_, 1, GL_FALSE, &matrix[0][0]);
@@ -95,38 +80,20 @@ class PointsWarp final : public Warp {
       if (first + kPointsPerCall < frame_->size() && stop.stop_possible()) glFinish();  // a software rasteriser takes its time
       if (stop.stop_requested()) throw OperationCancelled();
     }
-    glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    glReadPixels(0, 0, static_cast<GLsizei>(camera.width), static_cast<GLsizei>(camera.height), GL_RED_INTEGER,
-                 GL_UNSIGNED_INT, image.samples.data());
+    canvas_.read(image.samples);
     gl::check("drawing points");
     resolveColors(*frame_, image.samples, image.color);
   }
 
  private:
-  void prepareTarget(uint32_t width, uint32_t height) {
-    if (framebuffer_ && width == width_ && height == height_) return;
-    if (width > largestSide_ || height > largestSide_)
-      throw InputError("this OpenGL driver draws images of at most " + std::to_string(largestSide_) + " pixels a side");
-    framebuffer_ = {};
-    seen_ = gl::makeTexture2D(GL_R32UI, width, height);
-    depth_ = gl::makeTexture2D(GL_DEPTH_COMPONENT32F, width, height);
-    framebuffer_ = gl::makeFramebuffer(seen_, depth_);
-    width_ = width;
-    height_ = height;
-  }
-
   gl::Context& context_;
   gl::Program program_;
   gl::VertexArray vertexArray_;
   gl::Buffer buffer_;
-  gl::Texture seen_, depth_;
-  gl::Framebuffer framebuffer_;
+  gl::Canvas canvas_{GL_R32UI};
   GLint clipFromVolume_ = -1;
   GLint pointSize_ = -1;
   GLfloat largestPoint_ = 1.0f;
-  uint32_t largestSide_ = 0;
-  uint32_t width_ = 0;
-  uint32_t height_ = 0;
   SampleFramePtr frame_;
   std::vector<glm::vec3> positions_;
 };
@@ -160,6 +127,7 @@ constinit const WarpDescriptor kPointsWarp{
     .name = "points",
     .label = "Points",
     .summary = "OpenGL points of a fixed size in pixels (2012)",
+    .usesOpenGl = true,
     .uses = {.depth = true},
     .knobs = kKnobs,
     .make = makePointsWarp,

@@ -2,6 +2,11 @@
 // The copy is marched as the volume is, by the same formulas (march/proxy_march.h), with a longer step.
 #pragma once
 
+#include <limits>
+#include <stop_token>
+
+#include "render/core/floating_point.h"
+#include "render/core/parallel.h"
 #include "render/march/march_setup.h"
 #include "render/march/proxy_march.h"
 #include "render/march/sample_frame.h"
@@ -23,9 +28,24 @@ class ProxyFill {
     view.transfer = baked->table.lookup();
     view.cells.distances = baked->emptyDistances.data();
     return visitLight(shadingFor(*marched_, camera, own, plan), [&](const auto& light) {
-      return f(ProxyMarch<std::decay_t<decltype(light)>>{view, light, prepareClip(own.effects.clip, *marched_->volume, camera), limitsOf(own, plan), own.step,
+      return f(ProxyMarch<std::decay_t<decltype(light)>>{view, light, prepareClip(own.effects.clip, *marched_->volume, camera), limitsOf(own, plan), marched_->volume->bounds(), own.step,
                                                          plan.has(PlanStage::clip)},
                baked);
+    });
+  }
+
+  /// Calls f(x, y, lightOf) for each pixel of `camera`, in parallel; lightOf() is what the frame's copy alone shows there: linear, premultiplied. Throws
+  /// OperationCancelled if `stop` is set.
+  template <class F>
+  void drawRays(const SampleFrame& frame, const Camera& camera, const std::stop_token& stop, const F& f) {
+    visit(frame.proxy, frame.settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
+      const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, march.bounds).nearDepth);
+      constexpr uint32_t kTileSide = 32;
+      parallelForTiles(camera.width, camera.height, kTileSide, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
+        for (uint32_t y = y0; y < y1; ++y)
+          for (uint32_t x = x0; x < x1; ++x)
+            f(x, y, [&] { return exceptionsExpected([&] { return march(pixels.ray(x, y).ray, 0.0f, std::numeric_limits<float>::infinity(), 1.0f).premultiplied(); }); });
+      });
     });
   }
 

@@ -22,6 +22,17 @@ glm::dmat3 pixelFromPlane(const Camera& camera) {
   return {glm::dvec3(perUnit, 0.0, 0.0), glm::dvec3(0.0, -perUnit, 0.0), glm::dvec3(halfWidth, halfHeight, 1.0)};
 }
 
+/// From a direction of `camera` to that in which `from` sees the point where it meets the plane, on whose side of its eye; without changing its sign where
+/// the plane is in front of both.
+glm::dmat3 seenOnPlane(const Camera& from, const Camera& camera, double nearness) {
+  if (!(nearness > 0.0)) return glm::dmat3(1.0);
+  // The point is eye + s direction with 1 / s = (direction . forward) / depth, depth being that of the plane from `camera`: all of it times depth / s.
+  const glm::dvec3 offset = glm::dvec3(camera.eye) - glm::dvec3(from.eye), forward(from.forward);
+  const double rest = 1.0 - nearness * glm::dot(offset, forward);
+  const glm::dmat3 seen = rest * glm::dmat3(1.0) + glm::outerProduct(nearness * offset, forward);
+  return rest < 0.0 ? -seen : seen;
+}
+
 /// Two neighbours along one axis, and how much the second one counts.
 struct Between {
   uint32_t first, second;
@@ -73,7 +84,7 @@ WarpedImage ownImageOf(const SampleFrame& frame) {
 }
 
 void drawRotated(const WarpedImage& own, const Camera& from, const Camera& camera, WarpedImage& image,
-                 const std::stop_token& stop) {
+                 const std::stop_token& stop, double nearness) {
   requireUsable(camera);
   requireUsable(from);
   image.samples.reshape(camera.width, camera.height);
@@ -81,7 +92,7 @@ void drawRotated(const WarpedImage& own, const Camera& from, const Camera& camer
   // The inverse and not the transpose: bases are orthonormal but for rounding, and equal ones are to give equal
   // directions.
   const glm::dmat3 ownFromPixel =
-      pixelFromPlane(from) * glm::inverse(basisOf(from)) * basisOf(camera) * glm::inverse(pixelFromPlane(camera));
+      pixelFromPlane(from) * glm::inverse(basisOf(from)) * seenOnPlane(from, camera, nearness) * basisOf(camera) * glm::inverse(pixelFromPlane(camera));
   constexpr size_t kRows = 8;
   parallelForRanges(camera.height, kRows, stop, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {

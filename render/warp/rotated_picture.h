@@ -21,10 +21,13 @@ WarpedImage ownImageOf(const SampleFrame& frame);
 /// as that; towards the border the outermost centres stay. The id is that of the nearest covered one of the centres
 /// that were mixed. What has none, or lies outside the picture or behind its eye, is covered by nothing.
 ///
+/// With a `nearness` above 0 the eyes may be two: the picture is taken to lie on the plane at forward depth 1 / nearness of its own camera, seen from before
+/// or behind.
+///
 /// Within 1/2000 of a pixel of the place that the two cameras, as they are given, mean, wherever the eye is, which is
-/// not looked at; for fields of view of a millionth of a degree and more. Throws InputError for an unusable camera,
+/// not looked at where `nearness` is 0; for fields of view of a millionth of a degree and more. Throws InputError for an unusable camera,
 /// OperationCancelled if `stop` is set.
 void drawRotated(const WarpedImage& own, const Camera& from, const Camera& camera, WarpedImage& image,
-                 const std::stop_token& stop = {});
+                 const std::stop_token& stop = {}, double nearness = 0.0);
 
 }  // namespace warpscope

@@ -4,6 +4,7 @@
 
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
+#include "render/warp/fill.h"
 #include "render/warp/proxy_fill.h"
 #include "render/warp/segments/segment_field_build.h"
 #include "render/warp/segments/segment_walk.h"
@@ -51,19 +52,19 @@ class SegmentsWarp final : public Warp {
     if (!frame_ || frame_->segments.empty()) return;
     built_.relight(*frame_, camera);
     if (settings.knobs.choice<Between>(kBetweenKnob) == Between::linear)
-      drawRays<true>(camera, image, stop);
+      drawRays<true>(camera, settings, image, stop);
     else
-      drawRays<false>(camera, image, stop);
+      drawRays<false>(camera, settings, image, stop);
   }
 
  private:
   template <bool kIsLinear>
-  void drawRays(const Camera& camera, WarpedImage& image, const std::stop_token& stop) {
-    if (!frame_->proxy) return drawRays<kIsLinear>(camera, image, stop, [](WalkedRay&, const Ray&, float, float) {});
+  void drawRays(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) {
+    if (!frame_->proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) return drawRays<kIsLinear>(camera, image, stop, [](WalkedRay&, const Ray&, float, float) {});
     fill_.visit(frame_->proxy, frame_->settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
       drawRays<kIsLinear>(camera, image, stop, [&](WalkedRay& walked, const Ray& ray, float tNear, float tFar) {
         const RayLight light = march(ray, tNear, tFar, walked.through);
-        walked.pass(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance));
+        walked.guess(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance));
       });
     });
   }
@@ -84,9 +85,8 @@ class SegmentsWarp final : public Warp {
             if (inside.isMiss()) return WalkedRay{};
             return walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, stopBelow, [&](WalkedRay& ofRay, float tNear, float tFar) { fill(ofRay, ray, tNear, tFar); });
           });
-          const float opacity = 1.0f - walked.through;
-          image.color(x, y) = glm::vec4(walked.color, opacity);
-          if (opacity > 0.0f) image.samples(x, y) = kNotASample;
+          image.color(x, y) = walked.seen();
+          image.samples(x, y) = walked.id();
         }
     });
   }

@@ -3,26 +3,46 @@
 #include "render/warp/warp.h"
 
 #include <algorithm>
+#include <deque>
 #include <stdexcept>
 
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
 #include "render/core/parallel.h"
 #include "render/cuda/devices.h"
+#include "render/warp/completed_warp.h"
 #include "render/warp/fallback_warp.h"
+#include "render/warp/fill.h"
 #include "render/warp/hold_warp.h"
+#include "render/warp/kept_frames.h"
+#include "render/warp/mesh_warp.h"
 #include "render/warp/multihit_warp.h"
 #include "render/warp/points_warp.h"
+#include "render/warp/proxy_warp.h"
 #include "render/warp/reference_warp.h"
+#include "render/warp/rotate_warp.h"
 #include "render/warp/segments_warp.h"
 #include "render/warp/spheres_warp.h"
 #include "render/warp/splats_warp.h"
+#include "render/warp/sprites_warp.h"
 
 namespace warpscope {
 namespace {
 
 /// In the order in which they are shown.
-constexpr const WarpDescriptor* kWarps[] = {&kReferenceWarp, &kHoldWarp, &kPointsWarp, &kSpheresWarp, &kSplatsWarp, &kMultihitWarp, &kSegmentsWarp};
+constexpr const WarpDescriptor* kWarps[] = {&kReferenceWarp, &kHoldWarp,     &kRotateWarp, &kPointsWarp,   &kSpritesWarp, &kSpheresWarp,
+                                            &kSplatsWarp,    &kMultihitWarp, &kMeshWarp,   &kSegmentsWarp, &kProxyWarp};
+
+/// `technique` with the knobs of all that leave gaps, if it does.
+WarpDescriptor completed(WarpDescriptor technique) {
+  if (!leavesGaps(technique)) return technique;
+  static std::deque<std::vector<const Knob*>> lists;  // stay where they are
+  std::vector<const Knob*>& knobs = lists.emplace_back(technique.knobs.begin(), technique.knobs.end());
+  knobs.push_back(&kFillKnob);
+  knobs.push_back(&kKeepKnob);
+  technique.knobs = knobs;
+  return technique;
+}
 
 /// Descriptors stay where they are as long as there is room: others point to them.
 constexpr size_t kMostWarps = 64;
@@ -31,7 +51,7 @@ std::vector<WarpDescriptor>& registered() {
   static std::vector<WarpDescriptor> warps = [] {
     std::vector<WarpDescriptor> all;
     all.reserve(kMostWarps);
-    for (const WarpDescriptor* warp : kWarps) all.push_back(*warp);
+    for (const WarpDescriptor* warp : kWarps) all.push_back(completed(*warp));
     return all;
   }();
   return warps;
@@ -52,7 +72,7 @@ bool isKnobTaken(const Knob& knob) {
 
 bool WarpDescriptor::has(const Knob& knob) const { return std::find(knobs.begin(), knobs.end(), &knob) != knobs.end(); }
 
-bool WarpDescriptor::dependsOn(const MarchKnob& knob) const {
+bool WarpDescriptor::dependsOn(const MarchKnob& knob, const KnobValues& own) const {
   switch (knob.shapes) {
     case FramePart::picture: return true;
     case FramePart::depth: return uses.depth;
@@ -60,7 +80,7 @@ bool WarpDescriptor::dependsOn(const MarchKnob& knob) const {
     case FramePart::samples: return usesFrame;
     case FramePart::planes: return false;  // that a knob asks for; none is drawn by them
     case FramePart::segments: return uses.segments;
-    case FramePart::proxy: return uses.proxy;
+    case FramePart::proxy: return drawsProxy(*this, own);
   }
   return true;
 }
@@ -76,7 +96,7 @@ WarpRegistration::WarpRegistration(const WarpDescriptor& technique) : name_(tech
   if (findNamed(registered(), technique.name) != nullptr) throw std::logic_error("there is a technique of this name already");
   for (const Knob* knob : technique.knobs)
     if (isKnobTaken(*knob)) throw std::logic_error("there is a knob of this key already: " + std::string(knob->key));
-  registered().push_back(technique);
+  registered().push_back(completed(technique));
 }
 
 WarpRegistration::~WarpRegistration() {
@@ -109,15 +129,19 @@ std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResou
     bound.backend = backend;
     return descriptor.make(bound);
   };
-  if (resources.backend != Backend::automatic) return makeOn(resources.backend);
-  if (!cuda::whyUnavailable().empty()) return makeOn(Backend::cpu);
-  return makeFallbackWarp([makeOn] { return makeOn(Backend::cuda); }, [makeOn] { return makeOn(Backend::cpu); }, resources.onFallback);
+  const auto make = [backend = resources.backend, onFallback = resources.onFallback, makeOn] {
+    if (backend != Backend::automatic) return makeOn(backend);
+    if (!cuda::whyUnavailable().empty()) return makeOn(Backend::cpu);
+    return makeFallbackWarp([makeOn] { return makeOn(Backend::cuda); }, [makeOn] { return makeOn(Backend::cpu); }, onFallback);
+  };
+  return leavesGaps(descriptor) ? makeCompletedWarp(descriptor, make) : make();
 }
 
-MarchSettings neededBy(std::span<const WarpDescriptor* const> techniques, MarchSettings settings) {
+MarchSettings neededBy(std::span<const TechniqueInUse> techniques, MarchSettings settings) {
   for (const MarchKnob& row : marchKnobs()) {
     if (row.shapes != FramePart::segments && row.shapes != FramePart::proxy) continue;
-    if (std::ranges::none_of(techniques, [&](const WarpDescriptor* technique) { return technique->dependsOn(row); })) row.set(settings, row.knob->defaultValue);
+    if (std::ranges::none_of(techniques, [&](const TechniqueInUse& one) { return one.technique->dependsOn(row, one.knobs); }))
+      row.set(settings, row.knob->defaultValue);
   }
   return settings;
 }

@@ -27,11 +27,26 @@ class Context;
 
 /// Id of pixels that show something that is not one of the frame's samples (the reference).
 inline constexpr uint32_t kNotASample = 0xfffffffeu;
+/// Id of pixels that show something which no frame has: a guess (fill.h).
+inline constexpr uint32_t kFilled = 0xfffffffdu;
 
 /// A warped picture. Pixels that nothing covers are kept apart: their id is kNoSample and their colour is 0.
 struct WarpedImage {
   Image<glm::vec4> color;   ///< linear, premultiplied
-  Image<uint32_t> samples;  ///< index of the sample seen in each pixel, kNotASample or kNoSample
+  Image<uint32_t> samples;  ///< index of the sample seen in each pixel, kNotASample, kFilled or kNoSample
+};
+
+/// Colours that show how pixels came about; 0: as they are.
+struct PixelMarks {
+  Rgba8 uncovered = 0;  ///< of pixels that nothing covers
+  Rgba8 filled = 0;     ///< of those that show a guess
+
+  bool operator==(const PixelMarks&) const = default;
+  /// The colour of a pixel with that id, opaque; 0: as it is. For host and device.
+  WARPSCOPE_HD Rgba8 of(uint32_t sample) const {
+    const Rgba8 mark = sample == kNoSample ? uncovered : sample == kFilled ? filled : 0;
+    return mark != 0 ? mark | 0xff000000u : 0;
+  }
 };
 
 /// The client's knobs.
@@ -70,9 +85,9 @@ class Warp {
   virtual void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image,
                     const std::stop_token& stop = {}) = 0;
 
-  /// As draw, but composited over an opaque background (linear RGB) and left on the device that drew it; pixels that nothing covers show
-  /// `uncovered` if it is not 0. Null where the technique draws to host memory, or has no frame: draw() is the way then.
-  virtual DevicePicturePtr drawForScreen(const Camera&, const WarpSettings&, const glm::vec3& /*background*/, Rgba8 /*uncovered*/,
+  /// As draw, but composited over an opaque background (linear RGB), with marks, and left on the device that drew it. Null where the technique draws to
+  /// host memory, or has no frame: draw() is the way then.
+  virtual DevicePicturePtr drawForScreen(const Camera&, const WarpSettings&, const glm::vec3& /*background*/, const PixelMarks&,
                                          const std::stop_token& = {}) {
     return nullptr;
   }
@@ -96,13 +111,16 @@ struct WarpDescriptor {
   std::string_view summary;  ///< one line for help texts
   bool usesFrame = true;     ///< false for the reference, which needs no samples
   bool runsOnCuda = false;   ///< its maker has an own way for the backend cuda
+  bool usesOpenGl = false;   ///< its maker asks for a context
   SampleUse uses{};
-  std::span<const Knob* const> knobs{};  ///< its own
+  std::span<const Knob* const> knobs{};  ///< its own; the registry adds those of all that leave gaps (fill.h, kept_frames.h)
   std::unique_ptr<Warp> (*make)(const WarpResources&) = nullptr;
 
   bool has(const Knob& knob) const;
-  /// Whether its picture changes with that knob of the marching.
-  bool dependsOn(const MarchKnob& knob) const;
+  /// Whether what it shows are a frame's samples, and nothing else that a frame may have.
+  bool drawsSamples() const { return usesFrame && !uses.segments && !uses.proxy; }
+  /// Whether its picture changes with that knob of the marching, where its own are set so.
+  bool dependsOn(const MarchKnob& knob, const KnobValues& own = {}) const;
   /// Whether what it derived from a frame with `before` is of no use with `now`.
   bool isBuiltAnew(const KnobValues& before, const KnobValues& now) const;
 };
@@ -136,8 +154,14 @@ const WarpDescriptor& findWarp(std::string_view name);
 /// the moment that the device fails, which `onFallback` is then told, once, with the reason. Throws as the technique's maker does.
 std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResources& resources);
 
+/// A technique, and how its knobs are set.
+struct TechniqueInUse {
+  const WarpDescriptor* technique = nullptr;
+  KnobValues knobs;
+};
+
 /// `settings` without the parts of frames that none of the techniques draws: segments, and the copy of the volume.
-MarchSettings neededBy(std::span<const WarpDescriptor* const> techniques, MarchSettings settings);
+MarchSettings neededBy(std::span<const TechniqueInUse> techniques, MarchSettings settings);
 
 /// Throws UsageError naming the setting that is out of range.
 void validate(const WarpSettings& settings);

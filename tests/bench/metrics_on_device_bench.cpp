@@ -63,7 +63,7 @@ void run() {
   warp->setFrame(std::make_shared<SampleFrame>(marcher->march(before, {})), {});
   WarpedImage drawn;
   warp->draw(now, {}, drawn);
-  const DevicePicturePtr shown = warp->drawForScreen(now, {}, scene.background, 0);
+  const DevicePicturePtr shown = warp->drawForScreen(now, {}, scene.background, {});
 
   const auto judge = makeCudaPictureJudge(scene.background);
   judge->setReference(reference);

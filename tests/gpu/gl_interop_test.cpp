@@ -39,7 +39,7 @@ TEST(GlInterop, TexturesShowThePicture) {
   const gl::Texture texture = gl::makeTexture2D(GL_RGBA8, 193, 161);
   cuda::InteropTexture interop(texture.name(), 193, 161);
   for (const float angle : {0.0f, 40.0f}) {
-    const DevicePicturePtr picture = warp->drawForScreen(orbitCamera(300.0f, angle, 193, 161), {}, glm::vec3(0.2f), 0);
+    const DevicePicturePtr picture = warp->drawForScreen(orbitCamera(300.0f, angle, 193, 161), {}, glm::vec3(0.2f), {});
     ASSERT_NE(picture, nullptr);
     interop.show(*picture);
     const std::vector<Rgba8> expected = pixelsOf(*picture);
@@ -47,7 +47,7 @@ TEST(GlInterop, TexturesShowThePicture) {
     glGetTextureImage(texture.name(), 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(seen.size() * sizeof(Rgba8)), seen.data());
     EXPECT_EQ(seen, expected);
   }
-  const DevicePicturePtr other = warp->drawForScreen(orbitCamera(300.0f, 0.0f, 64, 64), {}, glm::vec3(0.2f), 0);
+  const DevicePicturePtr other = warp->drawForScreen(orbitCamera(300.0f, 0.0f, 64, 64), {}, glm::vec3(0.2f), {});
   EXPECT_THROW(interop.show(*other), InputError);
 }
 

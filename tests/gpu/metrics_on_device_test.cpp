@@ -121,7 +121,7 @@ TEST(MetricsOnDevice, AgreeOnWarpedPictures) {
   expectAgreement(errors, map, drawn.color, reference, scene.background);
 
   // As the screen shows it: eight bits, which the CPU gets decoded.
-  const DevicePicturePtr shown = warp->drawForScreen(now, {}, scene.background, 0);
+  const DevicePicturePtr shown = warp->drawForScreen(now, {}, scene.background, {});
   ASSERT_TRUE(shown);
   std::vector<Rgba8> codes(size_t{shown->width()} * shown->height());
   shown->download(codes);

@@ -149,16 +149,16 @@ TEST(WarpsOnDevice, TheScreensPictureIsTheHosts) {
   const glm::vec3 background(0.1f, 0.02f, 0.3f);
   for (Contender& contender : contenders()) {
     SCOPED_TRACE(contender.name);
-    EXPECT_EQ(contender.warp->drawForScreen(camera, contender.settings, background, 0), nullptr);  // no frame yet
+    EXPECT_EQ(contender.warp->drawForScreen(camera, contender.settings, background, {}), nullptr);  // no frame yet
     contender.warp->setFrame(frame, contender.settings);
     WarpedImage image;
     contender.warp->draw(camera, contender.settings, image);
     for (const Rgba8 uncovered : {0u, 0xffff00ffu}) {
-      const DevicePicturePtr picture = contender.warp->drawForScreen(camera, contender.settings, background, uncovered);
+      const DevicePicturePtr picture = contender.warp->drawForScreen(camera, contender.settings, background, {.uncovered = uncovered});
       ASSERT_NE(picture, nullptr);
       Image<Rgba8> downloaded(picture->width(), picture->height());
       picture->download({downloaded.data(), downloaded.size()});
-      EXPECT_TRUE(downloaded == toScreen(image, background, uncovered));
+      EXPECT_TRUE(downloaded == toScreen(image, background, {.uncovered = uncovered}));
     }
     ASSERT_TRUE(contender.warp->deviceTimings());
     EXPECT_GT(contender.warp->deviceTimings()->drawMs, 0.0);
@@ -170,7 +170,7 @@ TEST(WarpsOnDevice, PicturesThatAreStillShownAreNotDrawnInto) {
   for (Contender& contender : contenders()) {
     contender.warp->setFrame(frameOf(makeCloud(CloudShape::random, 3000, 100.0f, 5)), contender.settings);
     const auto drawn = [&](float angle) {
-      return contender.warp->drawForScreen(orbitCamera(300.0f, angle, 90, 80), contender.settings, {}, 0);
+      return contender.warp->drawForScreen(orbitCamera(300.0f, angle, 90, 80), contender.settings, {}, {});
     };
     const auto pixelsOf = [](const DevicePicturePtr& picture) {
       std::vector<Rgba8> pixels(size_t{picture->width()} * picture->height());

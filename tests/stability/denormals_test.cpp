@@ -54,7 +54,7 @@ Drawn drawn(const VolumePtr& volume, const TransferFunction& function) {
   WarpResources resources;
   resources.marcher = marcher;
   for (const WarpDescriptor& technique : warpRegistry()) {
-    if (technique.name == "points") continue;
+    if (technique.usesOpenGl) continue;
     const std::unique_ptr<Warp> warp = makeWarp(technique, resources);
     warp->setFrame(drawn.frame, {});
     warp->draw(lookingFrom({31.0f, 8.0f, 22.0f}, {}, 67, 51), {}, drawn.pictures.emplace_back());

@@ -21,12 +21,13 @@ __global__ void resolve(DeviceFrameView frame, const ColorTables* tables, Device
 
 template <bool kBlends>
 __global__ void compose(DeviceFrameView frame, const ColorTables* tables, DevicePixels pixels, size_t count, glm::vec3 background,
-                        Rgba8 uncovered, Rgba8* picture) {
+                        PixelMarks marks, Rgba8* picture) {
   const size_t i = size_t{blockIdx.x} * kThreads + threadIdx.x;
   if (i >= count) return;
   const uint32_t sample = pixels.samples[i];
-  if (uncovered != 0 && sample == kNoSample)
-    picture[i] = uncovered | 0xff000000u;
+  const Rgba8 mark = marks.of(sample);
+  if (mark != 0)
+    picture[i] = mark;
   else
     picture[i] = tables->encodeOver(kBlends ? pixels.color[i] : colorOf(frame, *tables, sample), background);
 }
@@ -50,6 +51,13 @@ void DeviceWarp::setFrame(SampleFramePtr frame, const WarpSettings& settings, co
   timings_.uploadMs = middle_.millisecondsSince(begin_);
   timings_.buildMs = end_.millisecondsSince(middle_);
   frame_ = std::move(frame);
+}
+
+void DeviceWarp::clearPixels(const Camera& camera, const DevicePixels& pixels, cudaStream_t stream) {
+  const size_t count = size_t{camera.width} * camera.height;
+  static_assert(kNoSample == 0xffffffffu);
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(pixels.samples, 0xff, count * sizeof(uint32_t), stream));
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(pixels.color, 0, count * sizeof(glm::vec4), stream));
 }
 
 void DeviceWarp::rebuild(const WarpSettings& settings) {
@@ -101,7 +109,7 @@ void DeviceWarp::draw(const Camera& camera, const WarpSettings& settings, Warped
 }
 
 DevicePicturePtr DeviceWarp::drawForScreen(const Camera& camera, const WarpSettings& settings, const glm::vec3& background,
-                                           Rgba8 uncovered, const std::stop_token& stop) {
+                                           const PixelMarks& marks, const std::stop_token& stop) {
   requireUsable(camera);
   validate(settings);
   if (!frame_) return nullptr;
@@ -116,7 +124,7 @@ DevicePicturePtr DeviceWarp::drawForScreen(const Camera& camera, const WarpSetti
   traceInto(pixels, camera, settings);
   const auto kernel = blends() ? compose<true> : compose<false>;
   kernel<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream_>>>(deviceFrame_.view(), colorTables_.data(), pixels, count, background,
-                                                                     uncovered, picture->data());
+                                                                     marks, picture->data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   end_.record(stream_);
   stream_.synchronize();

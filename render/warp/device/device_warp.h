@@ -23,7 +23,7 @@ class DeviceWarp : public Warp {
 
   void setFrame(SampleFramePtr frame, const WarpSettings& settings, const std::stop_token& stop) final;
   void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) final;
-  DevicePicturePtr drawForScreen(const Camera& camera, const WarpSettings& settings, const glm::vec3& background, Rgba8 uncovered,
+  DevicePicturePtr drawForScreen(const Camera& camera, const WarpSettings& settings, const glm::vec3& background, const PixelMarks& marks,
                                  const std::stop_token& stop) final;
   std::optional<DeviceTimings> deviceTimings() const final { return timings_; }
 
@@ -41,6 +41,8 @@ class DeviceWarp : public Warp {
   virtual bool needsBuild(const WarpSettings&) const { return false; }
   /// True if trace() writes colours; else they are the samples' own.
   virtual bool blends() const { return false; }
+  /// Nothing anywhere, in stream order; for those that blend.
+  static void clearPixels(const Camera& camera, const DevicePixels& pixels, cudaStream_t stream);
   /// In device memory.
   const ColorTables* colorTables() const { return colorTables_.data(); }
 

@@ -9,15 +9,15 @@
 
 namespace warpscope {
 
-/// A segment of a pixel. Forward depths behind the frame's near plane, volume units.
-struct FieldSegment {
+/// Where a segment of a pixel lies, and how dense it is: what walks look for; its colour lies elsewhere. One load on a device. Forward depths behind the
+/// frame's near plane, volume units.
+struct alignas(16) FieldSegment {
   float begin = 0.0f, end = 0.0f;  ///< begin < end
   float extinction = 0.0f;         ///< optical depth by length, along any line
-  glm::vec3 color{0.0f};           ///< linear, of what is opaque: emission is this times the extinction
 };
 
 /// What lies in a square of pixels, so that it can be leapt over. Depths as in FieldSegment.
-struct FieldTile {
+struct alignas(16) FieldTile {
   float nearestBegin = std::numeric_limits<float>::infinity();
   float farthestEnd = -std::numeric_limits<float>::infinity();
   float nearestUnknown = std::numeric_limits<float>::infinity();  ///< depth from which on something is not known
@@ -44,6 +44,7 @@ struct SegmentField {
   int width = 0, height = 0;
   const uint32_t* first = nullptr;         ///< for each pixel and one more, where its segments begin; kEndedBit is set where the ray before it ended
   const FieldSegment* segments = nullptr;
+  const glm::vec3* colors = nullptr;  ///< of the segments: linear, of what is opaque: emission is this times the extinction
   const FieldTile* tiles[kFieldLevels] = {};
   int tileColumns[kFieldLevels] = {};
 

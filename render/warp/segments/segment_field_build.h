@@ -10,6 +10,10 @@
 
 namespace warpscope {
 
+/// The lights of the frame's scene as a camera has them. Those of the world are where the copy of the volume says; without it the volume's axes are the
+/// world's.
+ShadingSetup segmentLightsFor(const SampleFrame& frame, const Camera& camera);
+
 class BuiltSegmentField {
  public:
   /// Of the frame's segments; nothing for a frame without.
@@ -19,16 +23,6 @@ class BuiltSegmentField {
   /// By pointers into this.
   SegmentField field() const;
 
-  // What field() points to, for copies of it.
-  const std::vector<uint32_t>& first() const { return first_; }
-  const std::vector<FieldSegment>& segments() const { return segments_; }
-  const std::vector<FieldTile>& tiles(int level) const { return tiles_[level]; }
-  /// Colours of segments without light; empty where light does not depend on the eye.
-  const std::vector<glm::vec3>& unlit() const { return unlit_; }
-  /// The lights of the frame's scene as a camera has them. Those of the world are where the copy of the volume says; without it the volume's axes are the
-  /// world's.
-  static ShadingSetup lightsFor(const SampleFrame& frame, const Camera& camera);
-
  private:
   template <class F>
   void forEachLit(const SampleFrame& frame, const F& f);
@@ -37,10 +31,10 @@ class BuiltSegmentField {
   int width_ = 0, height_ = 0;
   std::vector<uint32_t> first_;
   std::vector<FieldSegment> segments_;
-  std::vector<glm::vec3> unlit_;
+  std::vector<glm::vec3> colors_;
+  std::vector<glm::vec3> unlit_;  // colours without light; empty where light does not depend on the eye
   std::vector<FieldTile> ofPixels_;
   std::vector<FieldTile> tiles_[kFieldLevels];
-  int tileColumns_[kFieldLevels] = {};
 };
 
 }  // namespace warpscope

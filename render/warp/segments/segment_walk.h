@@ -8,6 +8,7 @@
 #include "render/core/box.h"
 #include "render/core/opacity.h"
 #include "render/core/ray.h"
+#include "render/warp/warp.h"
 #include "render/warp/segments/segment_field.h"
 
 namespace warpscope {
@@ -16,11 +17,22 @@ namespace warpscope {
 struct WalkedRay {
   glm::vec3 color{0.0f};  ///< linear, premultiplied
   float through = 1.0f;   ///< what is left of light from behind
+  float guessed = 0.0f;   ///< the part of the opacity that what is not known was given
 
   WARPSCOPE_HD void pass(const glm::vec3& itsColor, float itsOpacity) {
     for (int channel = 0; channel < 3; ++channel) color[channel] = mulAdd(through, itsColor[channel], color[channel]);
     through *= 1.0f - itsOpacity;
   }
+  /// As pass, for light that no frame says anything about.
+  WARPSCOPE_HD void guess(const glm::vec3& itsColor, float itsOpacity) {
+    guessed = mulAdd(through, itsOpacity, guessed);
+    pass(itsColor, itsOpacity);
+  }
+
+  WARPSCOPE_HD glm::vec4 seen() const { return {color, 1.0f - through}; }
+  /// What its pixel is: a guess where that can be seen.
+  WARPSCOPE_HD uint32_t id() const { return !(through < 1.0f) ? kNoSample : guessed >= kSeenGuess ? kFilled : kNotASample; }
+  static constexpr float kSeenGuess = 1.0f / 32;
 };
 
 /// A ray's way through the old frustum.
@@ -89,7 +101,10 @@ WARPSCOPE_HD inline FieldLine makeFieldLine(const SegmentField& field, const Ray
 
 /// What a pixel has at a depth on a line, and up to which depth that holds.
 struct PixelState {
-  const FieldSegment* active = nullptr;
+  static constexpr uint32_t kNone = 0xffffffffu;
+
+  uint32_t active = kNone;  ///< number of the segment that it is in
+  float extinction = 0.0f;  ///< of that
   bool isKnown = true;
   float until = 0.0f;
 };
@@ -105,11 +120,11 @@ WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, flo
     state.until = kInfinity;
     state.isKnown = !isEnded;
     for (uint32_t i = begin; i < end; ++i) {
-      const FieldSegment& segment = field.segments[i];
+      const FieldSegment segment = field.segments[i];
       if (!(depth < segment.end)) continue;
       state.isKnown = true;
       const bool isInside = segment.begin <= depth;
-      state.active = isInside ? &segment : nullptr;
+      if (isInside) state.active = i, state.extinction = segment.extinction;
       state.until = isInside ? segment.end : segment.begin;
       break;
     }
@@ -117,10 +132,10 @@ WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, flo
     state.until = -kInfinity;
     state.isKnown = begin < end || !isEnded;
     for (uint32_t i = end; i > begin; --i) {
-      const FieldSegment& segment = field.segments[i - 1];
+      const FieldSegment segment = field.segments[i - 1];
       if (!(segment.begin < depth)) continue;
       const bool isInside = depth <= segment.end;
-      state.active = isInside ? &segment : nullptr;
+      if (isInside) state.active = i - 1, state.extinction = segment.extinction;
       state.until = isInside ? segment.begin : segment.end;
       state.isKnown = isInside || !(isEnded && i == end);
       break;
@@ -155,6 +170,7 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
   const float length = line.t1 - line.t0;
   const bool isRising = line.depths > 0.0f;
   const int columns = field.width + (kIsLinear ? 1 : 0), rows = field.height + (kIsLinear ? 1 : 0);
+  const float perDepth = 1.0f / line.depths;  // used where depths change alone
   const float perX = 1.0f / line.dx, perY = 1.0f / line.dy;  // infinite where there is no way
   int x = minOf(maxOf(static_cast<int>(line.x0), 0), columns - 1), y = minOf(maxOf(static_cast<int>(line.y0), 0), rows - 1);
   int tileX = -1, tileY = -1;  // that was looked at last
@@ -164,8 +180,9 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
   };
 
   while (s < 1.0f) {
-    // Tiles that nothing is in, or nothing known.
-    if ((x >> fieldShift(0)) != tileX || (y >> fieldShift(0)) != tileY) {
+    // Tiles that nothing is in, or nothing known. All of them before the next cell: on a device rays that leap do not wait for those that do not (Aila, Laine
+    // 2009).
+    while ((x >> fieldShift(0)) != tileX || (y >> fieldShift(0)) != tileY) {
       bool hasLeapt = false;
       for (int level = kFieldLevels - 1; level >= 0; --level) {
         const int shift = fieldShift(level), tx = x >> shift, ty = y >> shift;
@@ -201,13 +218,17 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
         break;
       }
       if (hasLeapt) {
+        if (!(s < 1.0f) || x < 0 || y < 0 || x >= columns || y >= rows) {
+          s = 1.0f;
+          break;
+        }
         tileX = tileY = -1;
-        if (x < 0 || y < 0 || x >= columns || y >= rows) break;
-        continue;
+      } else {
+        tileX = x >> fieldShift(0);
+        tileY = y >> fieldShift(0);
       }
-      tileX = x >> fieldShift(0);
-      tileY = y >> fieldShift(0);
     }
+    if (!(s < 1.0f)) break;
 
     const float sx = crossing(static_cast<float>(line.dx > 0.0f ? x + 1 : x), line.x0, line.dx, perX);
     const float sy = crossing(static_cast<float>(line.dy > 0.0f ? y + 1 : y), line.y0, line.dy, perY);
@@ -233,7 +254,7 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
       }
       const bool isLast = isRising ? !(until < depthOut) : !(until > depthOut);
       float fNext = fOut;
-      if (!isLast) fNext = minOf(maxOf((until - line.depth0) / line.depths, f), fOut);
+      if (!isLast) fNext = minOf(maxOf((until - line.depth0) * perDepth, f), fOut);
       float weights[kPixels];
       if constexpr (kIsLinear) {
         // Means over the piece: of a product of two that go straight, the product of their means and a twelfth of that of their growths.
@@ -252,10 +273,10 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
       for (int i = 0; i < kPixels; ++i) {
         if (!states[i].isKnown) continue;
         known += weights[i];
-        if (states[i].active == nullptr) continue;
-        const float own = weights[i] * states[i].active->extinction;
+        if (states[i].active == PixelState::kNone) continue;
+        const float own = weights[i] * states[i].extinction;
         extinction += own;
-        emission += own * states[i].active->color;
+        emission += own * field.colors[states[i].active];
       }
       if (known < kLeastKnown) {
         if (unknownFrom < 0.0f) unknownFrom = f;

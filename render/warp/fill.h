@@ -1,0 +1,23 @@
+// What pixels show that a technique covers with nothing of its frame: the knob of every technique that leaves gaps.
+// The coarse copy of the volume (proxy_fill.h), or what lies about a gap (pull_push.h).
+#pragma once
+
+#include "render/base/knob.h"
+
+namespace warpscope {
+
+struct WarpDescriptor;
+
+enum class Fill { automatic, none, proxy, pullPush };
+extern const Knob kFillKnob;
+
+/// Whether there are places of which a technique's frames do not say what is there, and for which it could be asked of others.
+bool leavesGaps(const WarpDescriptor& technique);
+
+/// How gaps of that technique are filled with its knobs set so; never `automatic`.
+Fill fillOf(const WarpDescriptor& technique, const KnobValues& knobs);
+
+/// Whether its picture depends on the copy of the volume then.
+bool drawsProxy(const WarpDescriptor& technique, const KnobValues& knobs);
+
+}  // namespace warpscope

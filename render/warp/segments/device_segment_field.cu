@@ -1,0 +1,157 @@
+// A scan, a thread a pixel, a thread a tile.
+// See device_segment_field.h.
+#include "render/warp/segments/device_segment_field.h"
+
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/iterator/transform_iterator.h>
+#include <cub/device/device_scan.cuh>
+
+#include "render/cuda/pixel_tiles.cuh"
+#include "render/warp/segments/segment_field_build.h"
+#include "render/warp/segments/segment_light.h"
+
+namespace warpscope {
+namespace {
+
+/// Of each pixel; none behind the last.
+struct NumberAt {
+  const RaySegmentCount* rays;
+  size_t pixels;
+  __host__ __device__ uint32_t operator()(size_t i) const { return i < pixels ? static_cast<uint32_t>(rays[i].count()) : 0; }
+};
+
+constexpr unsigned kThreads = 256;
+
+__global__ void __launch_bounds__(kThreads) markEnds(const RaySegmentCount* rays, size_t pixels, uint32_t* first) {
+  const size_t i = size_t{blockIdx.x} * kThreads + threadIdx.x;
+  if (i < pixels && rays[i].isEnded()) first[i + 1] |= SegmentField::kEndedBit;
+}
+
+/// A thread a pixel of the frame, as all below it.
+__global__ void __launch_bounds__(kTileBlockThreads)
+    fillField(const __grid_constant__ PixelGrid pixels, uint32_t width, uint32_t height, const uint32_t* first, const SegmentDepths* depths, const Rgba8* codes,
+              const ColorTables* tables, const OpticalDepths* opticalDepths, float step, FieldSegment* segments, glm::vec3* colors, FieldTile* ofPixels) {
+  const PixelPlace pixel = pixelOfThread(0);
+  if (pixel.x >= width || pixel.y >= height) return;
+  const size_t at = size_t{pixel.y} * width + pixel.x;
+  const uint32_t begin = first[at] & ~SegmentField::kEndedBit, next = first[at + 1], end = next & ~SegmentField::kEndedBit;
+  const float cosine = begin < end ? pixels.ray(pixel.x, pixel.y).cosine : 1.0f;
+  for (uint32_t i = begin; i < end; ++i) {
+    segments[i] = fieldSegmentOf(depths[i], codes[i], *opticalDepths, step, cosine);
+    colors[i] = fieldColorOf(*tables, codes[i]);
+  }
+  ofPixels[at] = tileOf(segments + begin, end - begin, (next & SegmentField::kEndedBit) != 0);
+}
+
+__global__ void __launch_bounds__(kThreads) fillTiles(const FieldTile* parts, int partColumns, int partRows, int level, int columns, int rows, FieldTile* tiles) {
+  const int i = static_cast<int>(blockIdx.x * kThreads + threadIdx.x);
+  if (i < columns * rows) tiles[i] = tileOf(parts, partColumns, partRows, level, i % columns, i / columns);
+}
+
+/// `to`: colours without the light (kUnlights), or in it.
+template <bool kUnlights>
+__global__ void __launch_bounds__(kTileBlockThreads)
+    lightPixels(const __grid_constant__ SegmentField field, const glm::vec3* from, const NormalCode* normals, const __grid_constant__ ShadingSetup lights,
+                glm::vec3 eye, glm::vec3* to) {
+  const PixelPlace pixel = pixelOfThread(0);
+  if (pixel.x >= static_cast<uint32_t>(field.width) || pixel.y >= static_cast<uint32_t>(field.height)) return;
+  const size_t at = size_t{pixel.y} * static_cast<size_t>(field.width) + pixel.x;
+  for (uint32_t i = field.first[at] & ~SegmentField::kEndedBit; i < (field.first[at + 1] & ~SegmentField::kEndedBit); ++i) {
+    if (normals[i] == 0) continue;
+    const LightFactors<float> factors = lightOf(field.segments[i], normals[i], field.pixels, pixel.x, pixel.y, lights, eye);
+    to[i] = kUnlights ? unlit(factors, from[i]) : relitColor(factors, from[i]);
+  }
+}
+
+/// The frame without what it holds.
+SampleFrame headOf(const SampleFrame& frame) {
+  SampleFrame head;
+  head.camera = frame.camera;
+  head.quantization = frame.quantization;
+  head.settings = frame.settings;
+  head.proxy = frame.proxy;
+  return head;
+}
+
+}  // namespace
+
+void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
+  head_ = headOf(frame);
+  const FrameSegments& segments = frame.segments;
+  width_ = segments.empty() ? 0 : static_cast<int>(frame.camera.width);
+  height_ = segments.empty() ? 0 : static_cast<int>(frame.camera.height);
+  hasNormals_ = !segments.normals.empty();
+  if (empty()) return;
+  if (opticalDepths_.data() == nullptr) {
+    const OpticalDepths depths = opticalDepths();
+    opticalDepths_.upload({&depths, 1}, stream);
+    WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream));  // `depths` goes
+  }
+  pixels_ = makePixelGrid(frame.camera, frame.quantization.nearDepth);
+  rays_.upload(segments.rays, stream);
+  depths_.upload(segments.depths, stream);
+  codes_.upload(segments.colors, stream);
+  normals_.upload(segments.normals, stream);
+  first_.reserve(segments.rays.size() + 1);
+  // At least one place, so that there is memory to point to.
+  segments_.reserve(segments.size() + 1);
+  colors_.reserve(segments.size() + 1);
+  if (hasNormals_) unlit_.reserve(segments.size() + 1);
+  ofPixels_.reserve(segments.rays.size());
+  for (int level = 0; level < kFieldLevels; ++level)
+    tiles_[level].reserve(static_cast<size_t>(tilesAlong(width_, level)) * static_cast<size_t>(tilesAlong(height_, level)));
+}
+
+void DeviceSegmentField::build(const ColorTables* tables, cudaStream_t stream) {
+  if (empty()) return;
+  const size_t pixels = static_cast<size_t>(width_) * static_cast<size_t>(height_);
+  const auto numbers = thrust::make_transform_iterator(thrust::counting_iterator<size_t>(0), NumberAt{rays_.data(), pixels});
+  cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
+    return cub::DeviceScan::ExclusiveSum(memory, bytes, numbers, first_.data(), static_cast<int64_t>(pixels + 1), stream);
+  });
+  markEnds<<<cuda::blocksFor(pixels, kThreads), kThreads, 0, stream>>>(rays_.data(), pixels, first_.data());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  const auto width = static_cast<uint32_t>(width_), height = static_cast<uint32_t>(height_);
+  fillField<<<tileGrid(width, height), kTileBlockThreads, 0, stream>>>(pixels_, width, height, first_.data(), depths_.data(), codes_.data(), tables,
+                                                                       opticalDepths_.data(), head_.quantization.depthStep, segments_.data(), colors_.data(),
+                                                                       ofPixels_.data());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  for (int level = 0; level < kFieldLevels; ++level) {
+    const bool isOfPixels = level == 0;
+    const int columns = tilesAlong(width_, level), rows = tilesAlong(height_, level);
+    fillTiles<<<cuda::blocksFor(static_cast<size_t>(columns) * static_cast<size_t>(rows), kThreads), kThreads, 0, stream>>>(
+        isOfPixels ? ofPixels_.data() : tiles_[level - 1].data(), isOfPixels ? width_ : tilesAlong(width_, level - 1),
+        isOfPixels ? height_ : tilesAlong(height_, level - 1), level, columns, rows, tiles_[level].data());
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+  }
+  light<true>(head_.camera, stream);
+}
+
+void DeviceSegmentField::relight(const Camera& camera, cudaStream_t stream) { light<false>(camera, stream); }
+
+template <bool kUnlights>
+void DeviceSegmentField::light(const Camera& camera, cudaStream_t stream) {
+  if (empty() || !hasNormals_) return;
+  const auto width = static_cast<uint32_t>(width_), height = static_cast<uint32_t>(height_);
+  lightPixels<kUnlights><<<tileGrid(width, height), kTileBlockThreads, 0, stream>>>(field(), kUnlights ? colors_.data() : unlit_.data(), normals_.data(),
+                                                                                    segmentLightsFor(head_, camera), camera.eye,
+                                                                                    kUnlights ? unlit_.data() : colors_.data());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+}
+
+SegmentField DeviceSegmentField::field() const {
+  SegmentField field;
+  field.pixels = pixels_;
+  field.width = width_;
+  field.height = height_;
+  field.first = first_.data();
+  field.segments = segments_.data();
+  field.colors = colors_.data();
+  for (int level = 0; level < kFieldLevels; ++level) {
+    field.tiles[level] = tiles_[level].data();
+    field.tileColumns[level] = tilesAlong(width_, level);
+  }
+  return field;
+}
+
+}  // namespace warpscope

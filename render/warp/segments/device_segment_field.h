@@ -1,0 +1,47 @@
+// A frame's segments as rays walk through them, made on a CUDA device. For .cu files and what they include.
+// The same numbers as segment_field_build.h's: by the formulas of segment_field_parts.h.
+#pragma once
+
+#include "render/core/color.h"
+#include "render/cuda/memory.h"
+#include "render/march/sample_frame.h"
+#include "render/warp/segments/segment_field_parts.h"
+
+namespace warpscope {
+
+/// Keeps its buffers. Works in one stream.
+class DeviceSegmentField {
+ public:
+  /// Copies the frame's segments, in stream order; the frame must stay until the stream has got there. Throws DeviceError.
+  void upload(const SampleFrame& frame, cudaStream_t stream);
+  /// Derives the field from what was copied; `tables` are the colours' in device memory.
+  void build(const ColorTables* tables, cudaStream_t stream);
+  /// Lights the segments for another camera, where the frame says what their normals are.
+  void relight(const Camera& camera, cudaStream_t stream);
+
+  /// Of the frame that was copied last, without what it holds.
+  const SampleFrame& head() const { return head_; }
+  bool empty() const { return width_ == 0; }
+  SegmentField field() const;
+
+ private:
+  template <bool kUnlights>
+  void light(const Camera& camera, cudaStream_t stream);
+
+  SampleFrame head_;
+  PixelGrid pixels_;
+  int width_ = 0, height_ = 0;
+  bool hasNormals_ = false;
+  cuda::DeviceBuffer<OpticalDepths> opticalDepths_;
+  cuda::DeviceBuffer<RaySegmentCount> rays_;
+  cuda::DeviceBuffer<SegmentDepths> depths_;
+  cuda::DeviceBuffer<Rgba8> codes_;
+  cuda::DeviceBuffer<NormalCode> normals_;
+  cuda::DeviceBuffer<uint32_t> first_;
+  cuda::DeviceBuffer<FieldSegment> segments_;
+  cuda::DeviceBuffer<glm::vec3> colors_, unlit_;
+  cuda::DeviceBuffer<FieldTile> ofPixels_, tiles_[kFieldLevels];
+  cuda::Scratch scratch_;
+};
+
+}  // namespace warpscope
