@@ -57,6 +57,24 @@ TEST_F(SweepCommand, TakesItsPlanFromAFileAndJsonGoesToStdout) {
   EXPECT_EQ(json::parse(folder_.read("out/sweep.json")), sweep);
 }
 
+TEST_F(SweepCommand, BoundsAreThereWhereTheyAreAskedFor) {
+  folder_.write("plan.json", R"({"techniques": ["spheres"], "angles": [0, 25], "links": [], "draws": 1})");
+  const json sweep = document(quick({"sweep", "block", "--out", "out", "--json", "--oracle", "--plan", "plan.json"}));
+  ASSERT_EQ(sweep["bounds"].size(), 4u);
+  const auto boundOf = [&](std::string_view name, double angleDeg) {
+    for (const json& bound : sweep["bounds"])
+      if (bound["bound"] == name && bound["angleDeg"] == angleDeg) return bound;
+    return json();
+  };
+  EXPECT_LT(boundOf("perfect-warp", 0.0)["flip"].get<double>(), boundOf("perfect-warp", 25.0)["flip"].get<double>());
+  EXPECT_LT(boundOf("perfect-warp", 25.0)["flip"].get<double>(), boundOf("best-dot", 25.0)["flip"].get<double>());
+  const std::string report = folder_.read("out/report.html");
+  EXPECT_NE(report.find("one dot a ray, wherever it helps"), std::string::npos);
+  EXPECT_NE(report.find("all that the frame saw, right"), std::string::npos);
+  const json without = document(quick({"sweep", "block", "--out", "plain", "--json", "--plan", "plan.json"}));
+  EXPECT_FALSE(without.contains("bounds"));
+}
+
 TEST_F(SweepCommand, OneOfAKindIsAnAxisOfOne) {
   const json sweep = document(quick({"sweep", "block", "--out", "out", "--json", "--heuristic", "exit", "--radius", "pixel", "--point-size", "4", "--techniques",
                                      "points,splats", "--links", "none", "--angles", "3", "--draws", "1"}));

@@ -29,6 +29,7 @@ using Json = nlohmann::json;
 struct SweepOptions {
   CommonOptions common;
   std::string out, plan;
+  bool hasOracle = false;
   std::map<std::string_view, std::string> axes;  // by option, as typed; empty: not given
 };
 
@@ -98,7 +99,7 @@ void sweep(const SweepOptions& options) {
   Sweep run(work.scene, headless.resources(), settings, interrupt.token());
   SweepReport report;
   try {
-    Progress progress("sweep", run.unfinished(journal).size() + 2, !options.common.showsProgress());
+    Progress progress("sweep", run.unfinished(journal).size() + 2 + (options.hasOracle ? 1 : 0), !options.common.showsProgress());
     const auto step = [&](const std::string& what) {
       logDetail(what);
       progress.step(what);
@@ -106,6 +107,10 @@ void sweep(const SweepOptions& options) {
     report.rows = run.run(journal, step);
     step("the ground truth's own error");
     report.floors = run.floors();
+    if (options.hasOracle) {
+      step("bounds: what one dot a ray could show, and a perfect warp");
+      report.bounds = run.bounds();
+    }
     step("pictures for the report");
     report.summaries = summariesOf(report.rows);
     report.findings = findingsOf(report.rows);
@@ -127,6 +132,10 @@ void sweep(const SweepOptions& options) {
   for (const SweepRow& row : report.rows) document["rows"].push_back(toJson(row));
   document["floors"] = Json::array();
   for (const SweepFloor& floor : report.floors) document["floors"].push_back(toJson(floor));
+  if (options.hasOracle) {
+    document["bounds"] = Json::array();
+    for (const SweepBound& bound : report.bounds) document["bounds"].push_back(toJson(bound));
+  }
   document["findings"] = toJson(report.findings);
   out.write("sweep.csv", csvOf(report.rows));
   out.write("report.html", htmlOf(report));
@@ -152,6 +161,8 @@ void addSweepCommand(CLI::App& program, std::function<void()>& chosen) {
   addCommonOptions(*command, options->common);
   command->add_option("--out", options->out, "Folder to write to")->required();
   command->add_option("--plan", options->plan, "JSON file with the axes' values; options below replace what it names");
+  command->add_flag("--oracle", options->hasOracle,
+                    "Bounds as well: what no choice of one depth a ray can beat, and the volume itself wherever the frame knows it");
   for (const SweepAxis& axis : sweepAxes())
     command->add_option(std::string(axis.option), options->axes[axis.option], std::string(axis.help) + (axis.most > 1 ? std::string(", joined by '") + axis.separator + "'" : ""));
   command->callback([options, &chosen] { chosen = [options] { sweep(*options); }; });

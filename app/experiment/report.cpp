@@ -107,6 +107,16 @@ Plot errorAgainstAngle(const SweepReport& report) {
     floor.points.push_back({row.angleDeg, row.errors.flip, "the ground truth against one of half its step\n" + angled(row.angleDeg) + ": FLIP " + format("%.5f", row.errors.flip)});
   std::sort(floor.points.begin(), floor.points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
   plot.series.push_back(std::move(floor));
+  for (const SweepBound::Kind kind : {SweepBound::Kind::bestDot, SweepBound::Kind::perfectWarp}) {
+    PlotSeries bound{std::string(labelOf(kind)), kind == SweepBound::Kind::bestDot ? "#a8842c" : "#3f8f6b", {}, true, true};
+    for (const SweepBound& row : report.bounds)
+      if (row.kind == kind)
+        bound.points.push_back({row.angleDeg, row.errors.flip,
+                                std::string(labelOf(kind)) + "\n" + angled(row.angleDeg) + ": FLIP " + format("%.4f", row.errors.flip) + ", " +
+                                    format("%.1f", row.errors.psnrDb) + " dB, holes " + percent(row.errors.holeFraction) + " %"});
+    std::sort(bound.points.begin(), bound.points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
+    if (!bound.points.empty()) plot.series.push_back(std::move(bound));
+  }
   return plot;
 }
 

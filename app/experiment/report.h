@@ -22,6 +22,7 @@ struct SweepReport {
   glm::vec3 background{0.0f};  ///< linear RGB
   std::vector<SweepRow> rows;
   std::vector<SweepFloor> floors;
+  std::vector<SweepBound> bounds;  ///< of both kinds; may be empty
   std::vector<Summary> summaries;
   Findings findings;
   std::vector<SweepLink> links;  ///< of the plan

@@ -10,6 +10,7 @@
 
 #include "app/experiment/averages.h"
 #include "app/experiment/ground_truth.h"
+#include "app/experiment/oracle.h"
 #include "app/experiment/measuring.h"
 #include "app/experiment/motion.h"
 #include "app/frames/frame_fetch.h"
@@ -185,6 +186,31 @@ class Sweep::Run {
 
   SweepFloor floorAt(double angleDeg) { return {angleDeg, truth_.floorAt(angleDeg, stop_)}; }
 
+  std::vector<SweepBound> bounds() {
+    const SweepPlan& plan = settings_.plan;
+    Configuration configuration;
+    configuration.technique = &findWarp("spheres");
+    configuration.march.render = truthOf(plan);
+    configuration.march.sample.segments = 16;
+    configuration.codec.format = PayloadFormat::raw;
+    configuration.codec.color = ColorCoding::lossless;
+    double sidePx = 1.0;
+    for (const double side : plan.values(kServerSideKnob)) sidePx = std::max(sidePx, side);
+    configuration.serverSidePx = static_cast<uint32_t>(sidePx);
+    const SampleFramePtr frame = server_.frame(truth_.camera(0.0, configuration.serverSidePx), configuration);
+    const glm::uvec3& dims = scene_.volume->geometry().dims;
+    const auto whole = std::make_shared<const Proxy>(makeProxy(*scene_.volume, scene_.transferFunction, static_cast<int>(std::max({dims.x, dims.y, dims.z})), stop_));
+    std::vector<SweepBound> bounds;
+    for (const double angleDeg : plan.anglesDeg) {
+      const Truth& truth = truth_.at(angleDeg, stop_);
+      const Seen& seen = truth_.seenAt(angleDeg, stop_);
+      const WarpedImage dots = bestDots(*frame, truth.camera, truth.color, scene_.background, stop_);
+      bounds.push_back({SweepBound::Kind::bestDot, angleDeg, truth.judge.errorsOf(dots, &seen.visibility)});
+      bounds.push_back({SweepBound::Kind::perfectWarp, angleDeg, truth.judge.errorsOf(perfectlyWarped(*frame, whole, truth.camera, stop_), &seen.visibility)});
+    }
+    return bounds;
+  }
+
   std::vector<SweepPicture> pictures(const Configuration& configuration) {
     Warp& warp = warpOf(*configuration.technique);
     const WarpSettings warpSettings = configuration.warp(settings_.warp);
@@ -294,6 +320,8 @@ std::vector<SweepRow> Sweep::run(SweepJournal& journal, const Step& onStep) {
   }
   return rows;
 }
+
+std::vector<SweepBound> Sweep::bounds() { return run_->bounds(); }
 
 std::vector<SweepFloor> Sweep::floors() {
   std::vector<SweepFloor> floors;

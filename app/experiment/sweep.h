@@ -59,6 +59,9 @@ class Sweep {
   /// For each of the plan's angles.
   std::vector<SweepFloor> floors();
 
+  /// Both kinds for each of the plan's angles, of frames of the plan's largest image. Takes its time.
+  std::vector<SweepBound> bounds();
+
   /// For each of the plan's angles.
   std::vector<SweepPicture> pictures(const Configuration& configuration);
 

@@ -66,6 +66,18 @@ Json toJson(const SweepFloor& floor) {
   return json;
 }
 
+std::string_view nameOf(SweepBound::Kind kind) { return kind == SweepBound::Kind::bestDot ? "best-dot" : "perfect-warp"; }
+std::string_view labelOf(SweepBound::Kind kind) {
+  return kind == SweepBound::Kind::bestDot ? "one dot a ray, wherever it helps" : "all that the frame saw, right";
+}
+
+Json toJson(const SweepBound& bound) {
+  Json json = toJson(bound.errors);
+  json["bound"] = nameOf(bound.kind);
+  json["angleDeg"] = bound.angleDeg;
+  return json;
+}
+
 Json toJson(const SweepRow& row) {
   Json json = toJson(row.configuration);
   json.update(toJson(row.errors));

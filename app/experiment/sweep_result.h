@@ -48,7 +48,19 @@ struct SweepFloor {
   PictureErrors errors;
 };
 
+/// What warps of one frame could reach at an angle: oracle.h.
+struct SweepBound {
+  enum class Kind { bestDot, perfectWarp };
+  Kind kind = Kind::bestDot;
+  double angleDeg = 0.0;
+  PictureErrors errors;
+};
+/// "best-dot", and as a person reads it.
+std::string_view nameOf(SweepBound::Kind kind);
+std::string_view labelOf(SweepBound::Kind kind);
+
 nlohmann::json toJson(const SweepRow& row);
+nlohmann::json toJson(const SweepBound& bound);
 nlohmann::json toJson(const SweepFloor& floor);
 nlohmann::json toJson(const PictureErrors& errors);
 /// Back; see configurationFrom. Throws InputError.

@@ -55,10 +55,14 @@ void drawHeatMapButton(Session& session, size_t index, const Look& look) {
 void drawPanelKnobs(Session& session, size_t index, const Look& look) {
   LiveSettings knobs = session.knobs();
   bool isChanged = false;
-  for (const Knob* knob : session.panel(index).technique->knobs) {
+  const std::span<const Knob* const> all = session.panel(index).technique->knobs;
+  auto left = static_cast<float>(std::ranges::count_if(all, &Knob::isOfPanel));  // that share the room
+  for (const Knob* knob : all) {
     if (!knob->isOfPanel) continue;
     ImGui::SameLine();
-    ImGui::SetNextItemWidth(std::min(look.px(96.0f), std::max(look.px(30.0f), ImGui::GetContentRegionAvail().x)));
+    const float room = (ImGui::GetContentRegionAvail().x - (left - 1.0f) * ImGui::GetStyle().ItemSpacing.x) / left;
+    ImGui::SetNextItemWidth(std::clamp(room, look.px(30.0f), look.px(96.0f)));
+    left -= 1.0f;
     double value = knobs.panelKnobs[index][*knob];
     if (!bareKnobWidget(*knob, value, look)) continue;
     knobs.panelKnobs[index].set(*knob, value);

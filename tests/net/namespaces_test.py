@@ -18,6 +18,8 @@ SERVER_IP, CLIENT_IP = "10.177.1.1", "10.177.1.2"
 RATE_BIT_PER_S = 20e6
 ROUND_TRIP_MS = 200.0       # simulated, on top of the link's own
 SCENE = ["vessels", "--volume-size", "96x96x96"]
+# Frames of samples alone: small ones arrive within one round trip, whatever the windows of TCP.
+PANELS = ["--left", "points", "--right", "spheres"]
 SERVER_PATIENCE_S = 10.0    # net/server.h
 CLIENT_PATIENCE_S = 10.4    # the server's, and twice the simulated round trip
 BANNER = (82, 33, 31)       # kErrorBackground of app/ui/theme.h
@@ -158,7 +160,7 @@ def shows_vessels(region):
 
 
 def attached(machines, executable, server, *more):
-    return machines.on(machines.client, [executable, "view", "--connect", server.url, "--link", f"delay={ROUND_TRIP_MS / 2:.0f}", *more])
+    return machines.on(machines.client, [executable, "view", *PANELS, "--connect", server.url, "--link", f"delay={ROUND_TRIP_MS / 2:.0f}", *more])
 
 
 def has_banner(program):
@@ -219,7 +221,7 @@ def require_figures(local, remote):
 
 def move_the_camera(machines, executable, display, server, folder):
     for attempt in range(1, ATTEMPTS + 1):
-        local = figures_of(display, [executable, "view", *SCENE], folder, "local")
+        local = figures_of(display, [executable, "view", *PANELS, *SCENE], folder, "local")
         remote = figures_of(display, attached(machines, executable, server), folder, "attached")
         try:
             require_figures(local, remote)

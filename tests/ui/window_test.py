@@ -288,7 +288,7 @@ def look_at_errors(program, home):
     program.display.run("xdotool", "click", "1")
     program.wait_until("the technique that was clicked on in the panel that was used last", lambda: program.regions()[1] != home[1])
     program.point(program.middle_of_panel(1))
-    program.key("4")  # spheres
+    program.key("6")  # spheres
     program.wait_until("both panels as they were", lambda: program.regions() == home)
 
 
@@ -336,7 +336,7 @@ def use_the_window(executable, scale):
         look_at_plan(program, home)
 
         program.point(program.middle_of_panel(0))
-        program.key("3")  # points
+        program.key("4")  # points
         program.wait_until("another technique in the left panel", lambda: program.regions()[0] != home[0])
         if program.settled()[1] != home[1]:
             program.keep_photograph("the right panel keeps its technique")

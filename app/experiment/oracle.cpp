@@ -1,0 +1,122 @@
+// Lines through the frame's picture, and marches of what it knows.
+// See oracle.h.
+#include "app/experiment/oracle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "render/base/error.h"
+#include "render/core/color.h"
+#include "render/core/floating_point.h"
+#include "render/core/parallel.h"
+#include "render/march/own_picture.h"
+#include "render/warp/proxy_fill.h"
+#include "render/warp/segments/segment_field_build.h"
+#include "render/warp/segments/segment_walk.h"
+
+namespace warpscope {
+namespace {
+
+/// Of a line through the frame's picture, in each pixel.
+constexpr float kLooksPerPixel = 2.0f;
+
+/// Sum of three channels' squares, of codes as displayed.
+int differenceOf(Rgba8 a, Rgba8 b) {
+  int sum = 0;
+  for (int shift = 0; shift < 24; shift += 8) {
+    const int difference = static_cast<int>(a >> shift & 255) - static_cast<int>(b >> shift & 255);
+    sum += difference * difference;
+  }
+  return sum;
+}
+
+/// Calls f(x, y, ray) for each pixel of `camera`, in parallel.
+template <class F>
+void forEachRay(const Camera& camera, const Box& bounds, const std::stop_token& stop, const F& f) {
+  const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, bounds).nearDepth);
+  parallelForRanges(camera.height, 1, stop, [&](size_t beginRow, size_t endRow) {
+    for (auto y = static_cast<uint32_t>(beginRow); y < endRow; ++y)
+      for (uint32_t x = 0; x < camera.width; ++x) exceptionsExpected([&] { f(x, y, pixels.ray(x, y).ray); });
+  });
+  if (stop.stop_requested()) throw OperationCancelled();
+}
+
+RayInterval insideOf(const Box& bounds, const Ray& ray) {
+  return intersectBox(reciprocalOf(ray.origin, ray.direction), bounds, 0.0f, std::numeric_limits<float>::infinity());
+}
+
+}  // namespace
+
+WarpedImage bestDots(const SampleFrame& frame, const Camera& camera, const Image<glm::vec4>& truth, const glm::vec3& background, const std::stop_token& stop) {
+  BuiltSegmentField built;
+  built.build(frame);
+  const SegmentField field = built.field();
+  const Image<uint32_t> own = ownPicture(frame);
+  const ColorTables& tables = ColorTables::instance();
+  Image<Rgba8> shown(own.width(), own.height());
+  for (size_t i = 0; i < own.size(); ++i)
+    if (own[i] != kNoSample) shown[i] = tables.encodeOver(tables.decode(frame.colors[own[i]]), background);
+  const Rgba8 nothing = tables.encodeOver(glm::vec4(0.0f), background);
+  WarpedImage image;
+  image.samples.resize(camera.width, camera.height, kNoSample);
+  const Box& bounds = frame.quantization.bounds;
+  forEachRay(camera, bounds, stop, [&](uint32_t x, uint32_t y, const Ray& ray) {
+    const RayInterval inside = insideOf(bounds, ray);
+    if (inside.isMiss()) return;
+    const FieldLine line = makeFieldLine(field, ray, inside.tNear, inside.tFar, 0.0f);
+    if (!(line.t0 < line.t1)) return;
+    const Rgba8 wanted = tables.encodeOver(truth(x, y), background);
+    int least = differenceOf(nothing, wanted);
+    const auto looks = static_cast<int>(kLooksPerPixel * std::max(std::abs(line.dx), std::abs(line.dy))) + 1;
+    float depth = line.depthAt(0.0f);
+    for (int k = 0; k < looks && least > 0; ++k) {
+      const float middle = (static_cast<float>(k) + 0.5f) / static_cast<float>(looks), next = line.depthAt(line.inSpace(static_cast<float>(k + 1) / static_cast<float>(looks)));
+      const float nearest = std::min(depth, next), farthest = std::max(depth, next);
+      depth = next;
+      const auto column = static_cast<uint32_t>(std::clamp(static_cast<int>(line.x0 + middle * line.dx), 0, field.width - 1));
+      const auto row = static_cast<uint32_t>(std::clamp(static_cast<int>(line.y0 + middle * line.dy), 0, field.height - 1));
+      const size_t pixel = size_t{row} * own.width() + column;
+      const uint32_t begin = field.first[pixel] & ~SegmentField::kEndedBit, end = field.first[pixel + 1] & ~SegmentField::kEndedBit;
+      if (own[pixel] == kNoSample || begin == end || farthest < field.segments[begin].begin || nearest > field.segments[end - 1].end) continue;
+      const int difference = differenceOf(shown[pixel], wanted);
+      if (difference >= least) continue;
+      least = difference;
+      image.samples(x, y) = own[pixel];
+    }
+  });
+  resolveColors(frame, image.samples, image.color);
+  return image;
+}
+
+WarpedImage perfectlyWarped(const SampleFrame& frame, const ProxyPtr& whole, const Camera& camera, const std::stop_token& stop) {
+  BuiltSegmentField built;
+  built.build(frame);
+  const SegmentField field = built.field();
+  WarpedImage image;
+  image.samples.resize(camera.width, camera.height, kNoSample);
+  image.color.resize(camera.width, camera.height);
+  ProxyFill fill;
+  fill.visit(whole, frame.settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
+    forEachRay(camera, march.bounds, stop, [&](uint32_t x, uint32_t y, const Ray& ray) {
+      const RayInterval inside = insideOf(march.bounds, ray);
+      if (inside.isMiss()) return;
+      WalkedRay seen;
+      float known = inside.tNear;  // from here on
+      const auto marchTo = [&](float t) {
+        const RayLight light = march(ray, known, t, seen.through);
+        seen.pass(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance));
+      };
+      walkSegments<false>(field, ray, inside.tNear, inside.tFar, 0.0f, [&](WalkedRay&, float from, float to) {
+        if (from > known) marchTo(from);
+        known = to;
+      });
+      if (inside.tFar > known) marchTo(inside.tFar);
+      image.color(x, y) = seen.seen();
+      if (seen.through < 1.0f) image.samples(x, y) = kNotASample;
+    });
+  });
+  return image;
+}
+
+}  // namespace warpscope
