@@ -44,7 +44,7 @@ TEST_F(OracleTest, NoHeuristicBeatsTheBestDots) {
     stage_.marcher().render(camera, march_.render, reference);
     const auto psnrOf = [&](const WarpedImage& image) { return psnrSrgb(image.color, reference, glm::vec3(0.0f)); };
     const SampleFramePtr frame = stage_.frame(stage_.camera(128, 128), march_);
-    const WarpedImage best = bestDots(*frame, camera, reference, glm::vec3(0.0f), {});
+    const WarpedImage best = Oracle(frame, nullptr, glm::vec3(0.0f)).bestDots(camera, reference, {});
     for (const auto& heuristic : kHeuristics) {
       MarchSettings march = march_;
       march.sample.heuristic = heuristic.value;
@@ -67,12 +67,13 @@ TEST_F(OracleTest, StoppedOrWithoutSegmentsItKnowsNothing) {
   const Image<glm::vec4> truth(64, 64, glm::vec4(0.5f));
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_THROW(bestDots(frame, stage_.camera(64, 64), truth, glm::vec3(0.0f), stop.get_token()), OperationCancelled);
+  const auto known = [](const SampleFrame& of) { return Oracle(std::make_shared<SampleFrame>(of), nullptr, glm::vec3(0.0f)); };
+  EXPECT_THROW(known(frame).bestDots(stage_.camera(64, 64), truth, stop.get_token()), OperationCancelled);
   for (RaySegmentCount& ray : frame.segments.rays) ray = {0, true};
   frame.segments.depths.clear();
   frame.segments.colors.clear();
   frame.segments.normals.clear();
-  for (const uint32_t id : bestDots(frame, stage_.camera(64, 64), truth, glm::vec3(0.0f), {}).samples) ASSERT_EQ(id, kNoSample);
+  for (const uint32_t id : known(frame).bestDots(stage_.camera(64, 64), truth, {}).samples) ASSERT_EQ(id, kNoSample);
 }
 
 TEST_F(OracleTest, APerfectWarpIsTheVolumeWhereTheFrameKnowsIt) {
@@ -83,7 +84,7 @@ TEST_F(OracleTest, APerfectWarpIsTheVolumeWhereTheFrameKnowsIt) {
     const Camera camera = stage_.camera(128, 128, turnDeg);
     Image<glm::vec4> reference;
     stage_.marcher().render(camera, march_.render, reference);
-    const WarpedImage image = perfectlyWarped(*frame, whole, camera, {});
+    const WarpedImage image = Oracle(frame, whole, glm::vec3(0.0f)).perfectlyWarped(camera, {});
     const double psnr = psnrSrgb(image.color, reference, glm::vec3(0.0f));
     EXPECT_GT(psnr, turnDeg == 0.0 ? 38.0 : turnDeg == 30.0 ? 20.0 : 5.0) << turnDeg;
     EXPECT_LT(psnr, before);
@@ -98,7 +99,7 @@ TEST_F(OracleTest, APerfectWarpIsTheVolumeWhereTheFrameKnowsIt) {
   const auto all = std::make_shared<const Proxy>(makeProxy(*thin.volume, thin.transferFunction, 40));
   Image<glm::vec4> reference;
   stage.marcher().render(stage.camera(128, 128, 60.0), march_.render, reference);
-  EXPECT_GT(psnrSrgb(perfectlyWarped(*seenThrough, all, stage.camera(128, 128, 60.0), {}).color, reference, glm::vec3(0.0f)), 40.0);
+  EXPECT_GT(psnrSrgb(Oracle(seenThrough, all, glm::vec3(0.0f)).perfectlyWarped(stage.camera(128, 128, 60.0), {}).color, reference, glm::vec3(0.0f)), 40.0);
 }
 
 }  // namespace

@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "render/base/error.h"
 #include "render/core/color.h"
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
 #include "render/march/own_picture.h"
-#include "render/warp/proxy_fill.h"
-#include "render/warp/segments/segment_field_build.h"
 #include "render/warp/segments/segment_walk.h"
 
 namespace warpscope {
@@ -48,25 +47,27 @@ RayInterval insideOf(const Box& bounds, const Ray& ray) {
 
 }  // namespace
 
-WarpedImage bestDots(const SampleFrame& frame, const Camera& camera, const Image<glm::vec4>& truth, const glm::vec3& background, const std::stop_token& stop) {
-  BuiltSegmentField built;
-  built.build(frame);
-  const SegmentField field = built.field();
-  const Image<uint32_t> own = ownPicture(frame);
+Oracle::Oracle(SampleFramePtr frame, ProxyPtr whole, const glm::vec3& background)
+    : frame_(std::move(frame)), whole_(std::move(whole)), background_(background), own_(ownPicture(*frame_)), shown_(own_.width(), own_.height()) {
+  built_.build(*frame_);
   const ColorTables& tables = ColorTables::instance();
-  Image<Rgba8> shown(own.width(), own.height());
-  for (size_t i = 0; i < own.size(); ++i)
-    if (own[i] != kNoSample) shown[i] = tables.encodeOver(tables.decode(frame.colors[own[i]]), background);
-  const Rgba8 nothing = tables.encodeOver(glm::vec4(0.0f), background);
+  for (size_t i = 0; i < own_.size(); ++i)
+    if (own_[i] != kNoSample) shown_[i] = tables.encodeOver(tables.decode(frame_->colors[own_[i]]), background_);
+}
+
+WarpedImage Oracle::bestDots(const Camera& camera, const Image<glm::vec4>& truth, const std::stop_token& stop) const {
+  const SegmentField field = built_.field();
+  const ColorTables& tables = ColorTables::instance();
+  const Rgba8 nothing = tables.encodeOver(glm::vec4(0.0f), background_);
   WarpedImage image;
   image.samples.resize(camera.width, camera.height, kNoSample);
-  const Box& bounds = frame.quantization.bounds;
+  const Box& bounds = frame_->quantization.bounds;
   forEachRay(camera, bounds, stop, [&](uint32_t x, uint32_t y, const Ray& ray) {
     const RayInterval inside = insideOf(bounds, ray);
     if (inside.isMiss()) return;
     const FieldLine line = makeFieldLine(field, ray, inside.tNear, inside.tFar, 0.0f);
     if (!(line.t0 < line.t1)) return;
-    const Rgba8 wanted = tables.encodeOver(truth(x, y), background);
+    const Rgba8 wanted = tables.encodeOver(truth(x, y), background_);
     int least = differenceOf(nothing, wanted);
     const auto looks = static_cast<int>(kLooksPerPixel * std::max(std::abs(line.dx), std::abs(line.dy))) + 1;
     float depth = line.depthAt(0.0f);
@@ -76,28 +77,25 @@ WarpedImage bestDots(const SampleFrame& frame, const Camera& camera, const Image
       depth = next;
       const auto column = static_cast<uint32_t>(std::clamp(static_cast<int>(line.x0 + middle * line.dx), 0, field.width - 1));
       const auto row = static_cast<uint32_t>(std::clamp(static_cast<int>(line.y0 + middle * line.dy), 0, field.height - 1));
-      const size_t pixel = size_t{row} * own.width() + column;
+      const size_t pixel = size_t{row} * own_.width() + column;
       const uint32_t begin = field.first[pixel] & ~SegmentField::kEndedBit, end = field.first[pixel + 1] & ~SegmentField::kEndedBit;
-      if (own[pixel] == kNoSample || begin == end || farthest < field.segments[begin].begin || nearest > field.segments[end - 1].end) continue;
-      const int difference = differenceOf(shown[pixel], wanted);
+      if (own_[pixel] == kNoSample || begin == end || farthest < field.segments[begin].begin || nearest > field.segments[end - 1].end) continue;
+      const int difference = differenceOf(shown_[pixel], wanted);
       if (difference >= least) continue;
       least = difference;
-      image.samples(x, y) = own[pixel];
+      image.samples(x, y) = own_[pixel];
     }
   });
-  resolveColors(frame, image.samples, image.color);
+  resolveColors(*frame_, image.samples, image.color);
   return image;
 }
 
-WarpedImage perfectlyWarped(const SampleFrame& frame, const ProxyPtr& whole, const Camera& camera, const std::stop_token& stop) {
-  BuiltSegmentField built;
-  built.build(frame);
-  const SegmentField field = built.field();
+WarpedImage Oracle::perfectlyWarped(const Camera& camera, const std::stop_token& stop) {
+  const SegmentField field = built_.field();
   WarpedImage image;
   image.samples.resize(camera.width, camera.height, kNoSample);
   image.color.resize(camera.width, camera.height);
-  ProxyFill fill;
-  fill.visit(whole, frame.settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
+  fill_.visit(whole_, frame_->settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
     forEachRay(camera, march.bounds, stop, [&](uint32_t x, uint32_t y, const Ray& ray) {
       const RayInterval inside = insideOf(march.bounds, ray);
       if (inside.isMiss()) return;

@@ -7,18 +7,36 @@
 
 #include "render/march/sample_frame.h"
 #include "render/volume/proxy.h"
+#include "render/warp/proxy_fill.h"
+#include "render/warp/segments/segment_field_build.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
 
-/// For each pixel of `camera`, whose true colours are `truth` (linear, premultiplied, of its size), what is least different from them as displayed over
-/// `background` (linear RGB): the colour of a sample whose ray passes the pixel between the begin of its first segment and the end of its last, or nothing. No
-/// choice of one depth a sample can do better, for dots as large as their pixels: here a sample may be seen in several pixels at once. Of a frame with one
-/// sample and some segments a ray. Throws OperationCancelled if `stop` is set.
-WarpedImage bestDots(const SampleFrame& frame, const Camera& camera, const Image<glm::vec4>& truth, const glm::vec3& background, const std::stop_token& stop);
+/// What is known of a frame and its volume, made once for all cameras. One thread at a time.
+class Oracle {
+ public:
+  /// `whole`: a copy of the volume in full size, which has 256 values (proxy.h). The frame has one sample and some segments a ray, and its settings say how it is
+  /// marched. `background`: linear RGB.
+  Oracle(SampleFramePtr frame, ProxyPtr whole, const glm::vec3& background);
 
-/// What another camera sees of the volume where the frame knows it: inside of its view, in front of its rays' ends. The volume is that of `whole`, a copy in full
-/// size, which has 256 values (proxy.h); the frame has segments, and its settings say how it is marched. Throws OperationCancelled if `stop` is set.
-WarpedImage perfectlyWarped(const SampleFrame& frame, const ProxyPtr& whole, const Camera& camera, const std::stop_token& stop);
+  /// For each pixel of `camera`, whose true colours are `truth` (linear, premultiplied, of its size), what is least different from them as displayed over the
+  /// background: the colour of a sample whose ray passes the pixel between the begin of its first segment and the end of its last, or nothing. No choice of one
+  /// depth a sample can do better, for dots as large as their pixels: here a sample may be seen in several pixels at once. Throws OperationCancelled if `stop` is
+  /// set.
+  WarpedImage bestDots(const Camera& camera, const Image<glm::vec4>& truth, const std::stop_token& stop) const;
+
+  /// What another camera sees of the volume where the frame knows it: inside of its view, in front of its rays' ends. Throws OperationCancelled if `stop` is set.
+  WarpedImage perfectlyWarped(const Camera& camera, const std::stop_token& stop);
+
+ private:
+  const SampleFramePtr frame_;
+  const ProxyPtr whole_;
+  const glm::vec3 background_;
+  BuiltSegmentField built_;
+  Image<uint32_t> own_;  // sample of each of the frame's pixels
+  Image<Rgba8> shown_;   // its colour as displayed
+  ProxyFill fill_;
+};
 
 }  // namespace warpscope

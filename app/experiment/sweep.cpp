@@ -200,13 +200,14 @@ class Sweep::Run {
     const SampleFramePtr frame = server_.frame(truth_.camera(0.0, configuration.serverSidePx), configuration);
     const glm::uvec3& dims = scene_.volume->geometry().dims;
     const auto whole = std::make_shared<const Proxy>(makeProxy(*scene_.volume, scene_.transferFunction, static_cast<int>(std::max({dims.x, dims.y, dims.z})), stop_));
+    Oracle oracle(frame, whole, scene_.background);
     std::vector<SweepBound> bounds;
     for (const double angleDeg : plan.anglesDeg) {
       const Truth& truth = truth_.at(angleDeg, stop_);
       const Seen& seen = truth_.seenAt(angleDeg, stop_);
-      const WarpedImage dots = bestDots(*frame, truth.camera, truth.color, scene_.background, stop_);
+      const WarpedImage dots = oracle.bestDots(truth.camera, truth.color, stop_);
       bounds.push_back({SweepBound::Kind::bestDot, angleDeg, truth.judge.errorsOf(dots, &seen.visibility)});
-      bounds.push_back({SweepBound::Kind::perfectWarp, angleDeg, truth.judge.errorsOf(perfectlyWarped(*frame, whole, truth.camera, stop_), &seen.visibility)});
+      bounds.push_back({SweepBound::Kind::perfectWarp, angleDeg, truth.judge.errorsOf(oracle.perfectlyWarped(truth.camera, stop_), &seen.visibility)});
     }
     return bounds;
   }

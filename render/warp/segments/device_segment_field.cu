@@ -99,7 +99,7 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
   if (hasNormals_) unlit_.reserve(segments.size() + 1);
   ofPixels_.reserve(segments.rays.size());
   for (int level = 0; level < kFieldLevels; ++level)
-    tiles_[level].reserve(static_cast<size_t>(tilesAlong(width_, level)) * static_cast<size_t>(tilesAlong(height_, level)));
+    tiles_[level].reserve(tileLevel(width_, height_, level).count());
 }
 
 void DeviceSegmentField::build(const ColorTables* tables, cudaStream_t stream) {
@@ -117,11 +117,9 @@ void DeviceSegmentField::build(const ColorTables* tables, cudaStream_t stream) {
                                                                        ofPixels_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   for (int level = 0; level < kFieldLevels; ++level) {
-    const bool isOfPixels = level == 0;
-    const int columns = tilesAlong(width_, level), rows = tilesAlong(height_, level);
-    fillTiles<<<cuda::blocksFor(static_cast<size_t>(columns) * static_cast<size_t>(rows), kThreads), kThreads, 0, stream>>>(
-        isOfPixels ? ofPixels_.data() : tiles_[level - 1].data(), isOfPixels ? width_ : tilesAlong(width_, level - 1),
-        isOfPixels ? height_ : tilesAlong(height_, level - 1), level, columns, rows, tiles_[level].data());
+    const TileLevel size = tileLevel(width_, height_, level);
+    fillTiles<<<cuda::blocksFor(size.count(), kThreads), kThreads, 0, stream>>>(level == 0 ? ofPixels_.data() : tiles_[level - 1].data(), size.partColumns,
+                                                                                size.partRows, level, size.columns, size.rows, tiles_[level].data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }
   light<true>(head_.camera, stream);
@@ -139,19 +137,6 @@ void DeviceSegmentField::light(const Camera& camera, cudaStream_t stream) {
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
-SegmentField DeviceSegmentField::field() const {
-  SegmentField field;
-  field.pixels = pixels_;
-  field.width = width_;
-  field.height = height_;
-  field.first = first_.data();
-  field.segments = segments_.data();
-  field.colors = colors_.data();
-  for (int level = 0; level < kFieldLevels; ++level) {
-    field.tiles[level] = tiles_[level].data();
-    field.tileColumns[level] = tilesAlong(width_, level);
-  }
-  return field;
-}
+SegmentField DeviceSegmentField::field() const { return fieldOf(pixels_, width_, height_, first_, segments_, colors_, tiles_); }
 
 }  // namespace warpscope

@@ -86,31 +86,17 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
   }
   for (int level = 0; level < kFieldLevels; ++level) {
     const std::vector<FieldTile>& parts = level == 0 ? ofPixels_ : tiles_[level - 1];
-    const int partColumns = level == 0 ? width_ : tilesAlong(width_, level - 1), partRows = level == 0 ? height_ : tilesAlong(height_, level - 1);
-    const int columns = tilesAlong(width_, level), rows = tilesAlong(height_, level);
-    tiles_[level].resize(static_cast<size_t>(columns) * static_cast<size_t>(rows));
-    parallelForRanges(static_cast<size_t>(rows), 1, [&](size_t beginRow, size_t endRow) {
+    const TileLevel size = tileLevel(width_, height_, level);
+    tiles_[level].resize(size.count());
+    parallelForRanges(static_cast<size_t>(size.rows), 1, [&](size_t beginRow, size_t endRow) {
       for (size_t row = beginRow; row < endRow; ++row)
-        for (int column = 0; column < columns; ++column)
-          tiles_[level][row * static_cast<size_t>(columns) + static_cast<size_t>(column)] =
-              tileOf(parts.data(), partColumns, partRows, level, column, static_cast<int>(row));
+        for (int column = 0; column < size.columns; ++column)
+          tiles_[level][row * static_cast<size_t>(size.columns) + static_cast<size_t>(column)] =
+              tileOf(parts.data(), size.partColumns, size.partRows, level, column, static_cast<int>(row));
     });
   }
 }
 
-SegmentField BuiltSegmentField::field() const {
-  SegmentField field;
-  field.pixels = pixels_;
-  field.width = width_;
-  field.height = height_;
-  field.first = first_.data();
-  field.segments = segments_.data();
-  field.colors = colors_.data();
-  for (int level = 0; level < kFieldLevels; ++level) {
-    field.tiles[level] = tiles_[level].data();
-    field.tileColumns[level] = tilesAlong(width_, level);
-  }
-  return field;
-}
+SegmentField BuiltSegmentField::field() const { return fieldOf(pixels_, width_, height_, first_, segments_, colors_, tiles_); }
 
 }  // namespace warpscope

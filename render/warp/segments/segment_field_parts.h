@@ -47,6 +47,28 @@ WARPSCOPE_HD inline FieldTile tileOf(const FieldSegment* segments, uint32_t coun
 /// How many tiles of a level there are along an axis with so many pixels.
 WARPSCOPE_HD constexpr int tilesAlong(int pixels, int level) { return (pixels >> fieldShift(level)) + 1; }
 
+/// A level of tiles and the parts that it has, along both axes: pixels, or tiles of the level before.
+struct TileLevel {
+  int columns, rows, partColumns, partRows;
+
+  size_t count() const { return static_cast<size_t>(columns) * static_cast<size_t>(rows); }
+};
+inline TileLevel tileLevel(int width, int height, int level) {
+  return {tilesAlong(width, level), tilesAlong(height, level), level == 0 ? width : tilesAlong(width, level - 1), level == 0 ? height : tilesAlong(height, level - 1)};
+}
+
+/// By pointers into arrays of the host or of a device.
+template <class Firsts, class Segments, class Colors, class Tiles>
+SegmentField fieldOf(const PixelGrid& pixels, int width, int height, const Firsts& first, const Segments& segments, const Colors& colors,
+                     const Tiles (&tiles)[kFieldLevels]) {
+  SegmentField field{.pixels = pixels, .width = width, .height = height, .first = first.data(), .segments = segments.data(), .colors = colors.data()};
+  for (int level = 0; level < kFieldLevels; ++level) {
+    field.tiles[level] = tiles[level].data();
+    field.tileColumns[level] = tilesAlong(width, level);
+  }
+  return field;
+}
+
 /// The tile (column, row) of a level of the parts it has: of pixels, or of tiles of the level before. Cell (x, y) is between pixels x - 1 and x, y - 1 and
 /// y; about a pixel's centre, where cells are that, it is the pixel (x, y): both are in.
 WARPSCOPE_HD inline FieldTile tileOf(const FieldTile* parts, int partColumns, int partRows, int level, int column, int row) {
