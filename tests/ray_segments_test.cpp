@@ -155,31 +155,37 @@ TEST(RaySegments, OfNoLengthAndOfFullOpacity) {
   EXPECT_NEAR(whole.color.x, 1.0, 1e-5);
 }
 
-TEST(FrameSegments, RoundedToCodesTheyShowWhatTheRayShows) {
+/// Of rays whose straight colours are at most `brightest`.
+void expectCodesToShowWhatRaysShow(bool hasNormals, float brightest) {
   const ColorTables& tables = ColorTables::instance();
   std::mt19937 random(23);
   SampleQuantization quantization;
   quantization.depthStep = 1.0f / 512;
   double worst = 0.0;
   for (int round = 0; round < 2000; ++round) {
-    const std::vector<RaySegment> steps = randomSteps(random, 100);
+    std::vector<RaySegment> steps = randomSteps(random, 100);
     SegmentMerger merger;
-    for (const RaySegment& step : steps) merger.add(step);
+    for (RaySegment& step : steps) {
+      step.color *= brightest;
+      merger.add(step);
+    }
     const Whole expected = overAll(listOf(merger));
     merger.reduceTo(1 + round % 16);
     std::vector<SegmentDepths> depths(16);
     std::vector<Rgba8> colors(16);
-    const RaySegmentCount count = storeSegments(merger, false, SegmentEncoder(tables, quantization, 0.8f), {depths.data(), colors.data(), nullptr},
+    const RaySegmentCount count = storeSegments(merger, false, SegmentEncoder(tables, quantization, 0.8f, hasNormals), {depths.data(), colors.data(), nullptr},
                                                 [](int) { return NormalCode{0}; });
     glm::dvec3 color(0.0);
     double through = 1.0;
     for (int i = 0; i < count.count(); ++i) {
-      const glm::vec4 decoded = segmentColor(tables, colors[static_cast<size_t>(i)]);
+      const glm::vec4 decoded = segmentColor(tables, colors[static_cast<size_t>(i)], segmentColorScale(hasNormals));
       color += through * glm::dvec3(decoded);
       through *= 1.0 - static_cast<double>(decoded.a);
       EXPECT_LE(depths[static_cast<size_t>(i)].begin, depths[static_cast<size_t>(i)].end);
       if (i > 0) EXPECT_LE(depths[static_cast<size_t>(i) - 1].end, depths[static_cast<size_t>(i)].begin);
     }
+    // Where colours are scaled their codes are farther apart.
+    const double apart = 1.0 / static_cast<double>(segmentColorScale(hasNormals));
     // A code, and what a segment was not given because it has hardly any opacity itself.
     EXPECT_NEAR(through, expected.through, 1.5 / 255) << round;
     const double opacity = 1.0 - through;
@@ -187,11 +193,16 @@ TEST(FrameSegments, RoundedToCodesTheyShowWhatTheRayShows) {
       // Half a code of the colour, where the sRGB curve is steepest, and what opacity is off by.
       const double difference = std::abs(color[channel] - expected.color[channel]);
       worst = std::max(worst, difference);
-      EXPECT_LT(difference, opacity * 0.5 / 255 * 2.4 + 1.5 / 255) << round;
+      EXPECT_LT(difference, opacity * apart * 0.5 / 255 * 2.4 + apart * 1.5 / 255) << round;
     }
   }
-  RecordProperty("worst", std::to_string(worst));
+  testing::Test::RecordProperty("worst", std::to_string(worst));
 }
+
+TEST(FrameSegments, RoundedToCodesTheyShowWhatTheRayShows) { expectCodesToShowWhatRaysShow(false, 1.0f); }
+
+/// Highlights add to what is white.
+TEST(FrameSegments, WhereTheyAreLitTheyMayBeBrighterThanWhite) { expectCodesToShowWhatRaysShow(true, 2.0f); }
 
 TEST(Opacity, OfAnOpticalDepthIsOneMinusItsExponential) {
   double worst = 0.0;

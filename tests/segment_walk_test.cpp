@@ -276,6 +276,35 @@ TEST(SegmentWalk, AlongEdgesAndThroughCorners) {
     }
 }
 
+/// As thin as codes can tell, and one behind the other: however short they are, rays meet all that they have.
+TEST(SegmentWalk, ThinSegmentsAreAsOpaqueAsTheySay) {
+  for (const float farAway : {30.0f, 3e3f, 3e5f}) {
+    SampleFrame frame;
+    frame.camera = lookingFrom({0.0f, 0.0f, farAway}, glm::vec3(0.0f), 8, 8, 14.0f / farAway);
+    frame.quantization = quantizationFor(frame.camera, kBounds, 1.0f);
+    frame.settings.sample.segments = 3;
+    const DepthRange range = depthRangeOf(frame.camera, kBounds);
+    const uint32_t middle = encodeDepth(0.5f * (range.farDepth - range.nearDepth), frame.quantization.depthStep);
+    double expected = 1.0;
+    for (int i = 0; i < 64; ++i) {
+      frame.segments.rays.push_back({3, false});
+      for (const uint32_t code : {middle, middle, middle + 3}) {
+        frame.segments.depths.push_back({code, code});
+        frame.segments.colors.push_back(0x90ffffffu);
+      }
+    }
+    for (int i = 0; i < 3; ++i) expected *= 1.0 - static_cast<double>(segmentOpacity(0x90ffffffu));
+    const PixelGrid own = makePixelGrid(frame.camera, range.nearDepth);
+    for (const bool isLinear : {false, true}) {
+      EXPECT_NEAR(static_cast<double>(walk(frame, own.ray(3, 4).ray, 0.0f, 40.0f, isLinear).walked.through), expected, 0.004) << farAway;
+      // From beside: a layer that is met at an angle is passed for longer. Pixels' rays from far away are nearly the axis.
+      const glm::vec3 aslant = glm::normalize(glm::vec3(0.6f, 0.0f, -0.8f));
+      const double through = static_cast<double>(walk(frame, {-12.0f * aslant, aslant}, 0.0f, 24.0f, isLinear).walked.through);
+      EXPECT_NEAR(through, std::pow(expected, 1.0 / 0.8), 0.006) << farAway;
+    }
+  }
+}
+
 /// Of four pixels that lie about a ray, those that have ended in front of a place are not asked what is there.
 TEST(SegmentWalk, BetweenPixelsThoseThatKnowSayWhatIsThere) {
   SampleFrame frame;

@@ -70,9 +70,10 @@ WarpedImage Oracle::bestDots(const Camera& camera, const Image<glm::vec4>& truth
     const Rgba8 wanted = tables.encodeOver(truth(x, y), background_);
     int least = differenceOf(nothing, wanted);
     const auto looks = static_cast<int>(kLooksPerPixel * std::max(std::abs(line.dx), std::abs(line.dy))) + 1;
-    float depth = line.depthAt(0.0f);
+    float depth = line.depthAt(line.begin);
     for (int k = 0; k < looks && least > 0; ++k) {
-      const float middle = (static_cast<float>(k) + 0.5f) / static_cast<float>(looks), next = line.depthAt(line.inSpace(static_cast<float>(k + 1) / static_cast<float>(looks)));
+      const float middle = line.begin + (static_cast<float>(k) + 0.5f) / static_cast<float>(looks);
+      const float next = line.depthAt(line.begin + static_cast<float>(k + 1) / static_cast<float>(looks));
       const float nearest = std::min(depth, next), farthest = std::max(depth, next);
       depth = next;
       const auto column = static_cast<uint32_t>(std::clamp(static_cast<int>(line.x0 + middle * line.dx), 0, field.width - 1));

@@ -47,7 +47,7 @@ class RaySegmentCount {
 struct FrameSegments {
   TransferVector<RaySegmentCount> rays;  ///< one for each pixel of the frame's picture, row by row; empty where the frame has no segments
   TransferVector<SegmentDepths> depths;   ///< of all rays, one ray after the other
-  TransferVector<Rgba8> colors;          ///< as many
+  TransferVector<Rgba8> colors;          ///< as many; see segmentColor() and segmentColorScale()
   TransferVector<NormalCode> normals;    ///< as many, where what light makes of a place depends on the eye (relight.h); else none
 
   bool empty() const { return rays.empty(); }
@@ -76,11 +76,18 @@ WARPSCOPE_HD inline uint32_t segmentOpacityCode(float opacity) {
   const float below = segmentOpacity((code - 1) << 24), own = segmentOpacity(code << 24);
   return absOf(opacity - below) < absOf(own - opacity) ? code - 1 : code;
 }
+/// What colours of segments that have normals (0 among them) are multiplied by before they are encoded: what highlights add may be more than white.
+inline constexpr float kLitScale = 0.5f;
+WARPSCOPE_HD constexpr float segmentColorScale(bool hasNormals) { return hasNormals ? kLitScale : 1.0f; }
+
+/// Linear, of what is opaque. `scale`: segmentColorScale().
+WARPSCOPE_HD inline glm::vec3 straightSegmentColor(const ColorTables& tables, Rgba8 code, float scale = 1.0f) {
+  return glm::vec3(tables.decode(code | 0xff000000u)) * (1.0f / scale);
+}
 /// Linear, premultiplied.
-WARPSCOPE_HD inline glm::vec4 segmentColor(const ColorTables& tables, Rgba8 code) {
-  const glm::vec4 straight = tables.decode(code | 0xff000000u);
+WARPSCOPE_HD inline glm::vec4 segmentColor(const ColorTables& tables, Rgba8 code, float scale = 1.0f) {
   const float opacity = segmentOpacity(code);
-  return {straight.x * opacity, straight.y * opacity, straight.z * opacity, opacity};
+  return {opacity * straightSegmentColor(tables, code, scale), opacity};
 }
 
 /// Where a pixel's segments go: as many places as the settings ask for segments. `normals` may be null.

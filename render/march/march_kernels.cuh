@@ -121,7 +121,7 @@ __device__ inline void storeFoundSegments(const Job& job, const PixelPlace& pixe
   found.reduceTo(job.segmentSlots);
   const size_t place = size_t{pixel.y} * job.camera.width + pixel.x, first = place * static_cast<size_t>(job.segmentSlots);
   const SegmentSlots slots{job.segments.depths + first, job.segments.colors + first, job.segments.normals != nullptr ? job.segments.normals + first : nullptr};
-  const SegmentEncoder encoder(*job.colorTables, job.rule.quantization, cosine);
+  const SegmentEncoder encoder(*job.colorTables, job.rule.quantization, cosine, job.segments.normals != nullptr);
   job.segmentCounts[place] = storeSegments(found, isEnded, encoder, slots, [&](int i) {
     if constexpr (requires { light.setup.isLit; }) {
       float gradient[3];

@@ -123,7 +123,7 @@ SampleSpan spanFor(const VisibleDepths& depths, float cosine, const RayLattice& 
 /// The ray's segments into its pixel's places; their number.
 RaySegmentCount storeSegments(const SampleRule& rule, const FinishedRay& ray, DenseSegments& dense, size_t pixel) {
   if (ray.segments == nullptr) return {};
-  const SegmentEncoder encoder(ColorTables::instance(), rule.quantization, ray.cosine);
+  const SegmentEncoder encoder(ColorTables::instance(), rule.quantization, ray.cosine, !dense.normals.empty());
   const size_t first = pixel * static_cast<size_t>(dense.slots);
   const SegmentSlots slots{dense.depths.data() + first, dense.colors.data() + first, dense.normals.empty() ? nullptr : dense.normals.data() + first};
   return storeSegments(*ray.segments, ray.isEnded, encoder, slots, [&](int i) { return ray.normals != nullptr ? ray.normals[i] : NormalCode{0}; });

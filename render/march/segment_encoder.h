@@ -11,8 +11,9 @@ namespace warpscope {
 /// what that one alone contributes: each is given what rounding has left of those in front of it. For host and device.
 class SegmentEncoder {
  public:
-  WARPSCOPE_HD SegmentEncoder(const ColorTables& tables, const SampleQuantization& quantization, float cosine)
-      : tables_(tables), depthStep_(quantization.depthStep), cosine_(cosine) {}
+  /// `hasNormals`: normals are sent with what is encoded.
+  WARPSCOPE_HD SegmentEncoder(const ColorTables& tables, const SampleQuantization& quantization, float cosine, bool hasNormals)
+      : tables_(tables), depthStep_(quantization.depthStep), cosine_(cosine), colorScale_(segmentColorScale(hasNormals)) {}
 
   /// False if it shows nothing in 8 bits: then what it has is given to the next, and it is not to be sent.
   /// Of a segment that has others behind it something is left to pass, so that those have something to show.
@@ -31,10 +32,10 @@ class SegmentEncoder {
     uint32_t opacity = segmentOpacityCode(minOf(wanted.a, 1.0f));
     if (opacity == 0) return false;
     if (!isLast && opacity == 255) opacity = 254;
-    const float straight = 1.0f / segmentOpacity(opacity << 24);
+    const float straight = colorScale_ / segmentOpacity(opacity << 24);
     color = tables_.encodeChannel(wanted.r * straight) | tables_.encodeChannel(wanted.g * straight) << 8 | tables_.encodeChannel(wanted.b * straight) << 16 |
             opacity << 24;
-    const glm::vec4 sent = segmentColor(tables_, color);
+    const glm::vec4 sent = segmentColor(tables_, color, colorScale_);
     for (int channel = 0; channel < 3; ++channel) sentColor_[channel] = mulAdd(sentThrough_, sent[channel], sentColor_[channel]);
     sentThrough_ *= 1.0f - sent.a;
     depths.begin = encodeDepth(segment.begin * cosine_, depthStep_);
@@ -46,7 +47,7 @@ class SegmentEncoder {
   WARPSCOPE_HD static float within(float value, float least, float greatest) { return minOf(maxOf(value, least), greatest); }
 
   const ColorTables& tables_;
-  float depthStep_, cosine_;
+  float depthStep_, cosine_, colorScale_;
   glm::vec3 color_{0.0f}, sentColor_{0.0f};  // of all so far
   float through_ = 1.0f, sentThrough_ = 1.0f;
 };

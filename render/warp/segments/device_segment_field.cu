@@ -30,15 +30,16 @@ __global__ void __launch_bounds__(kThreads) markEnds(const RaySegmentCount* rays
 /// A thread a pixel of the frame, as all below it.
 __global__ void __launch_bounds__(kTileBlockThreads)
     fillField(const __grid_constant__ PixelGrid pixels, uint32_t width, uint32_t height, const uint32_t* first, const SegmentDepths* depths, const Rgba8* codes,
-              const ColorTables* tables, const OpticalDepths* opticalDepths, float step, FieldSegment* segments, glm::vec3* colors, FieldTile* ofPixels) {
+              const ColorTables* tables, const OpticalDepths* opticalDepths, const __grid_constant__ FieldDepths fieldDepths, float colorScale, FieldSegment* segments, glm::vec3* colors, FieldTile* ofPixels) {
   const PixelPlace pixel = pixelOfThread(0);
   if (pixel.x >= width || pixel.y >= height) return;
   const size_t at = size_t{pixel.y} * width + pixel.x;
   const uint32_t begin = first[at] & ~SegmentField::kEndedBit, next = first[at + 1], end = next & ~SegmentField::kEndedBit;
   const float cosine = begin < end ? pixels.ray(pixel.x, pixel.y).cosine : 1.0f;
+  FieldSegmentsOfPixel ofPixel(fieldDepths, *opticalDepths, cosine);
   for (uint32_t i = begin; i < end; ++i) {
-    segments[i] = fieldSegmentOf(depths[i], codes[i], *opticalDepths, step, cosine);
-    colors[i] = fieldColorOf(*tables, codes[i]);
+    segments[i] = ofPixel.next(depths[i], codes[i]);
+    colors[i] = straightSegmentColor(*tables, codes[i], colorScale);
   }
   ofPixels[at] = tileOf(segments + begin, end - begin, (next & SegmentField::kEndedBit) != 0);
 }
@@ -88,6 +89,7 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
     WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream));  // `depths` goes
   }
   pixels_ = makePixelGrid(frame.camera, frame.quantization.nearDepth);
+  fieldDepths_ = fieldDepthsOf(frame.quantization);
   rays_.upload(segments.rays, stream);
   depths_.upload(segments.depths, stream);
   codes_.upload(segments.colors, stream);
@@ -113,7 +115,7 @@ void DeviceSegmentField::build(const ColorTables* tables, cudaStream_t stream) {
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   const auto width = static_cast<uint32_t>(width_), height = static_cast<uint32_t>(height_);
   fillField<<<tileGrid(width, height), kTileBlockThreads, 0, stream>>>(pixels_, width, height, first_.data(), depths_.data(), codes_.data(), tables,
-                                                                       opticalDepths_.data(), head_.quantization.depthStep, segments_.data(), colors_.data(),
+                                                                       opticalDepths_.data(), fieldDepths_, segmentColorScale(hasNormals_), segments_.data(), colors_.data(),
                                                                        ofPixels_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   for (int level = 0; level < kFieldLevels; ++level) {
@@ -137,6 +139,6 @@ void DeviceSegmentField::light(const Camera& camera, cudaStream_t stream) {
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
-SegmentField DeviceSegmentField::field() const { return fieldOf(pixels_, width_, height_, first_, segments_, colors_, tiles_); }
+SegmentField DeviceSegmentField::field() const { return fieldOf(pixels_, fieldDepths_.picture, width_, height_, first_, segments_, colors_, tiles_); }
 
 }  // namespace warpscope

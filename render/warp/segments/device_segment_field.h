@@ -30,6 +30,7 @@ class DeviceSegmentField {
 
   SampleFrame head_;
   PixelGrid pixels_;
+  FieldDepths fieldDepths_;
   int width_ = 0, height_ = 0;
   bool hasNormals_ = false;
   cuda::DeviceBuffer<OpticalDepths> opticalDepths_;

@@ -5,23 +5,36 @@
 #include <cstdint>
 #include <limits>
 
+#include "render/core/numeric.h"
 #include "render/core/pixel_grid.h"
 
 namespace warpscope {
 
-/// Where a segment of a pixel lies, and how dense it is: what walks look for; its colour lies elsewhere. One load on a device. Forward depths behind the
-/// frame's near plane, volume units.
-struct alignas(16) FieldSegment {
-  float begin = 0.0f, end = 0.0f;  ///< begin < end
-  float extinction = 0.0f;         ///< optical depth by length, along any line
+/// Depths in which lines in space go straight along their lines in the picture, as window depths do: affine in 1 / forward depth. Counted so that neither an eye
+/// far away nor one inside of what is seen costs bits: around a forward depth that is not nearer than the near plane nor than an eighth of what is seen is long.
+struct PictureDepths {
+  float nearDepth = 0.0f;  ///< forward depth of the near plane
+  float reference = 1.0f;  ///< forward depth whose picture depth is 0; at least nearDepth, more than 0
+
+  /// Of a forward depth behind the near plane (volume units), more than -nearDepth; grows with it.
+  WARPSCOPE_HD float of(float behind) const { return reference * (behind + (nearDepth - reference)) / (nearDepth + behind); }
+  /// The forward depth behind the near plane.
+  WARPSCOPE_HD float behind(float depth) const { return mulAdd(nearDepth, depth, reference * (reference - nearDepth)) / (reference - depth); }
 };
 
-/// What lies in a square of pixels, so that it can be leapt over. Depths as in FieldSegment.
+/// Where a segment of a pixel lies, and how dense it is: what walks look for; its colour lies elsewhere. One load on a device.
+struct alignas(16) FieldSegment {
+  float begin = 0.0f, end = 0.0f;  ///< picture depths, begin < end
+  float extinction = 0.0f;         ///< optical depth by length, along any line
+  float place = 0.0f;              ///< where it is lit: forward depth behind the near plane
+};
+
+/// What lies in a square of pixels, so that it can be leapt over. Picture depths.
 struct alignas(16) FieldTile {
   float nearestBegin = std::numeric_limits<float>::infinity();
   float farthestEnd = -std::numeric_limits<float>::infinity();
-  float nearestUnknown = std::numeric_limits<float>::infinity();  ///< depth from which on something is not known
-  float farthestUnknown = -std::numeric_limits<float>::infinity();  ///< depth from which on nothing is
+  float nearestUnknown = std::numeric_limits<float>::infinity();    ///< from which on something is not known
+  float farthestUnknown = -std::numeric_limits<float>::infinity();  ///< from which on nothing is
 
   WARPSCOPE_HD void include(const FieldTile& other) {
     nearestBegin = minOf(nearestBegin, other.nearestBegin);
@@ -31,9 +44,10 @@ struct alignas(16) FieldTile {
   }
 };
 
-/// Edges of tiles, in cells, as powers of two; the first are the smallest.
-inline constexpr int kFieldLevels = 2;
-WARPSCOPE_HD constexpr int fieldShift(int level) { return 3 * (level + 1); }
+/// Edges of tiles, in cells, as powers of two; the first are single cells.
+inline constexpr int kFieldLevels = 4;
+inline constexpr int kFieldLevelShift = 2;
+WARPSCOPE_HD constexpr int fieldShift(int level) { return kFieldLevelShift * level; }
 
 /// All of them, by pointers to where they are.
 ///
@@ -41,6 +55,7 @@ WARPSCOPE_HD constexpr int fieldShift(int level) { return 3 * (level + 1); }
 /// picture's corner and the first pixel's centre.
 struct SegmentField {
   PixelGrid pixels;  ///< of the frame's camera
+  PictureDepths depths;
   int width = 0, height = 0;
   const uint32_t* first = nullptr;         ///< for each pixel and one more, where its segments begin; kEndedBit is set where the ray before it ended
   const FieldSegment* segments = nullptr;

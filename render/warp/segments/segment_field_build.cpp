@@ -62,7 +62,9 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
   }
   const ColorTables& tables = ColorTables::instance();
   static const OpticalDepths kDepths = opticalDepths();
-  const float step = frame.quantization.depthStep;
+  const FieldDepths depths = fieldDepthsOf(frame.quantization);
+  depths_ = depths.picture;
+  const float scale = segmentColorScale(!segments.normals.empty());
   const auto width = static_cast<size_t>(width_);
   parallelForRanges(static_cast<size_t>(height_), kRowsAtOnce, [&](size_t beginRow, size_t endRow) {
     for (size_t y = beginRow; y < endRow; ++y)
@@ -70,9 +72,10 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
         const size_t pixel = y * width + x;
         const uint32_t begin = first_[pixel] & ~SegmentField::kEndedBit, end = first_[pixel + 1] & ~SegmentField::kEndedBit;
         const float cosine = begin < end ? pixels_.ray(static_cast<uint32_t>(x), static_cast<uint32_t>(y)).cosine : 1.0f;
+        FieldSegmentsOfPixel ofPixel(depths, kDepths, cosine);
         for (uint32_t i = begin; i < end; ++i) {
-          segments_[i] = fieldSegmentOf(segments.depths[i], segments.colors[i], kDepths, step, cosine);
-          colors_[i] = fieldColorOf(tables, segments.colors[i]);
+          segments_[i] = ofPixel.next(segments.depths[i], segments.colors[i]);
+          colors_[i] = straightSegmentColor(tables, segments.colors[i], scale);
         }
         ofPixels_[pixel] = tileOf(segments_.data() + begin, end - begin, (first_[pixel + 1] & SegmentField::kEndedBit) != 0);
       }
@@ -97,6 +100,6 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
   }
 }
 
-SegmentField BuiltSegmentField::field() const { return fieldOf(pixels_, width_, height_, first_, segments_, colors_, tiles_); }
+SegmentField BuiltSegmentField::field() const { return fieldOf(pixels_, depths_, width_, height_, first_, segments_, colors_, tiles_); }
 
 }  // namespace warpscope

@@ -28,6 +28,7 @@ class BuiltSegmentField {
   void forEachLit(const SampleFrame& frame, const F& f);
 
   PixelGrid pixels_;
+  PictureDepths depths_;
   int width_ = 0, height_ = 0;
   std::vector<uint32_t> first_;
   std::vector<FieldSegment> segments_;

@@ -19,19 +19,41 @@ inline OpticalDepths opticalDepths() {
   return depths;
 }
 
-/// `cosine` of the pixel's ray; `step`: of the frame's depth codes.
-WARPSCOPE_HD inline FieldSegment fieldSegmentOf(const SegmentDepths& codes, Rgba8 color, const OpticalDepths& depths, float step, float cosine) {
-  FieldSegment segment;
-  segment.begin = decodeDepth(codes.begin, step);
-  segment.end = decodeDepth(codes.end > codes.begin ? codes.end : codes.begin + 1, step);
-  segment.extinction = depths.of[color >> 24] * cosine / (segment.end - segment.begin);
-  return segment;
+/// What a frame's camera and codes say of where its segments lie.
+struct FieldDepths {
+  PictureDepths picture;
+  float step = 1.0f;   ///< forward depth between two codes
+  float least = 1.0f;  ///< forward depth that is the shortest a segment may be: what is shorter is made as long, since walks could not tell how long it is
+};
+inline FieldDepths fieldDepthsOf(const SampleQuantization& quantization) {
+  const float span = decodeDepth(1u << 18, quantization.depthStep);  // about: quantizationFor()
+  return {{quantization.nearDepth, maxOf(quantization.nearDepth, span * 0x1p-3f)}, quantization.depthStep, span * 0x1p-14f};
 }
 
-WARPSCOPE_HD inline glm::vec3 fieldColorOf(const ColorTables& tables, Rgba8 code) {
-  const glm::vec4 color = segmentColor(tables, code);
-  return color.w > 0.0f ? glm::vec3(color) / color.w : glm::vec3(0.0f);
-}
+/// Makes segments of one pixel's codes, near to far.
+class FieldSegmentsOfPixel {
+ public:
+  /// `cosine` of the pixel's ray.
+  WARPSCOPE_HD FieldSegmentsOfPixel(const FieldDepths& depths, const OpticalDepths& opticalDepths, float cosine)
+      : depths_(depths), opticalDepths_(opticalDepths), cosine_(cosine) {}
+
+  WARPSCOPE_HD FieldSegment next(const SegmentDepths& codes, Rgba8 color) {
+    const float begin = maxOf(decodeDepth(codes.begin, depths_.step), last_);
+    last_ = maxOf(decodeDepth(codes.end, depths_.step), begin + depths_.least);
+    FieldSegment segment;
+    segment.begin = depths_.picture.of(begin);
+    segment.end = depths_.picture.of(last_);
+    segment.extinction = opticalDepths_.of[color >> 24] * cosine_ / (last_ - begin);
+    segment.place = mulAdd(placeOfHalf(minOf(segmentOpacity(color), kMostSegmentOpacity)), last_ - begin, begin);
+    return segment;
+  }
+
+ private:
+  const FieldDepths& depths_;
+  const OpticalDepths& opticalDepths_;
+  float cosine_;
+  float last_ = 0.0f;  // where the one before ends
+};
 
 /// Of a pixel whose segments these are, near to far.
 WARPSCOPE_HD inline FieldTile tileOf(const FieldSegment* segments, uint32_t count, bool isEnded) {
@@ -40,7 +62,8 @@ WARPSCOPE_HD inline FieldTile tileOf(const FieldSegment* segments, uint32_t coun
     tile.nearestBegin = segments[0].begin;
     tile.farthestEnd = segments[count - 1].end;
   }
-  tile.nearestUnknown = tile.farthestUnknown = isEnded ? (count > 0 ? tile.farthestEnd : 0.0f) : std::numeric_limits<float>::infinity();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  tile.nearestUnknown = tile.farthestUnknown = !isEnded ? kInfinity : count > 0 ? tile.farthestEnd : -kInfinity;
   return tile;
 }
 
@@ -59,9 +82,9 @@ inline TileLevel tileLevel(int width, int height, int level) {
 
 /// By pointers into arrays of the host or of a device.
 template <class Firsts, class Segments, class Colors, class Tiles>
-SegmentField fieldOf(const PixelGrid& pixels, int width, int height, const Firsts& first, const Segments& segments, const Colors& colors,
+SegmentField fieldOf(const PixelGrid& pixels, const PictureDepths& depths, int width, int height, const Firsts& first, const Segments& segments, const Colors& colors,
                      const Tiles (&tiles)[kFieldLevels]) {
-  SegmentField field{.pixels = pixels, .width = width, .height = height, .first = first.data(), .segments = segments.data(), .colors = colors.data()};
+  SegmentField field{.pixels = pixels, .depths = depths, .width = width, .height = height, .first = first.data(), .segments = segments.data(), .colors = colors.data()};
   for (int level = 0; level < kFieldLevels; ++level) {
     field.tiles[level] = tiles[level].data();
     field.tileColumns[level] = tilesAlong(width, level);

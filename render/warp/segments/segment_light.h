@@ -2,23 +2,15 @@
 // See relight.h.
 #pragma once
 
-#include "render/core/opacity.h"
 #include "render/effects/relight.h"
-#include "render/march/frame_segments.h"
 #include "render/warp/segments/segment_field.h"
 
 namespace warpscope {
 
-/// Where a segment of a pixel is lit, in volume space.
-WARPSCOPE_HD inline glm::vec3 litPlaceOf(const FieldSegment& segment, const PixelGrid& pixels, uint32_t column, uint32_t row) {
-  const float length = segment.end - segment.begin, cosine = pixels.ray(column, row).cosine;
-  return pixels.at(column, row, mulAdd(placeOfHalf(opacityOf(segment.extinction * length / cosine)), length, segment.begin));
-}
-
 /// What lights, as a camera at `eye` has them, make of a segment of that normal, which is not 0.
 WARPSCOPE_HD inline LightFactors<float> lightOf(const FieldSegment& segment, NormalCode normal, const PixelGrid& pixels, uint32_t column, uint32_t row,
                                                 const ShadingSetup& lights, const glm::vec3& eye) {
-  const glm::vec3 place = litPlaceOf(segment, pixels, column, row), way = eye - place;
+  const glm::vec3 place = pixels.at(column, row, segment.place), way = eye - place;
   return factorsOf(lights, normal, way * (1.0f / sqrtOf(glm::dot(way, way))), place);
 }
 

@@ -1,9 +1,12 @@
 // A ray of a new camera through the segments of a frame, front to back. For host and device.
 // Volumetric depth images: Frey, Sadlo, Ertl 2013; their ray casting through the old camera's pixels: Gupta et al. 2023. A line in space is a line in the old
 // picture, on which 1 / depth is linear (Heckbert, Moreton 1991): the ray is clipped to the old frustum, its ends are projected, and the picture's line is
-// stepped along. Deviations: the place along the ray comes from the place along the line in a form without differences that vanish (where both eyes nearly
-// coincide the line is hardly a point); between the centres of four pixels their extinction and emission are blended; frusta are leapt over by tiles.
+// stepped along. Deviations: all that is looked for (borders of pixels, ends of segments) is found on the picture's line, where it goes straight, so that places in
+// space are asked for where there is matter alone, and no difference of two vanishes where both eyes nearly coincide and the line is hardly a point; between the
+// centres of four pixels their extinction and emission are blended; frusta are leapt over by tiles (Amanatides, Woo 1987, on a pyramid).
 #pragma once
+
+#include <bit>
 
 #include "render/core/box.h"
 #include "render/core/opacity.h"
@@ -35,19 +38,24 @@ struct WalkedRay {
   static constexpr float kSeenGuess = 1.0f / 32;
 };
 
-/// A ray's way through the old frustum.
+/// The part of a ray that is in the old frustum, as a line in the old picture: places are told by `s`, which goes straight along that line and is 0 where the line
+/// is farthest from the old eye, so that single precision tells places apart there, where most of space is.
 struct FieldLine {
-  float t0 = 0.0f, t1 = 0.0f;   ///< where the ray comes in and goes out; t1 <= t0 where it does not
-  float x0 = 0.0f, y0 = 0.0f;   ///< in the old picture, cells
-  float dx = 0.0f, dy = 0.0f;   ///< from there to where it goes out
-  float depth0 = 0.0f, depths = 0.0f;  ///< behind the near plane where it comes in, and how much that grows
-  float ratio = 1.0f;           ///< of the depths from the eye where it comes in and goes out
+  float t0 = 0.0f, t1 = 0.0f;           ///< where the ray comes in and goes out; t1 <= t0 where it does not
+  float begin = 0.0f, end = 0.0f;       ///< s there: -1 and 0 where depths grow along the ray, 0 and 1 where they shrink
+  float x0 = 0.0f, y0 = 0.0f;           ///< in the old picture, cells, at s = 0
+  float dx = 0.0f, dy = 0.0f;           ///< by s
+  float depth0 = 0.0f, depths = 0.0f;   ///< picture depth at s = 0, and by s
+  float ratio = 1.0f;                   ///< of the greatest and least forward depth; at least 1
 
-  /// Share of the way in space at a share of the way in the picture, both 0..1; and back. Exact at both ends.
-  WARPSCOPE_HD float inSpace(float s) const { return s * ratio / mulAdd(s, ratio - 1.0f, 1.0f); }
-  WARPSCOPE_HD float inPicture(float f) const { return f / mulAdd(f, 1.0f - ratio, ratio); }
-  WARPSCOPE_HD float depthAt(float f) const { return mulAdd(f, depths, depth0); }
-  WARPSCOPE_HD float tAt(float f) const { return mulAdd(f, t1 - t0, t0); }
+  WARPSCOPE_HD bool isRising() const { return begin < 0.0f; }
+  WARPSCOPE_HD float depthAt(float s) const { return mulAdd(s, depths, depth0); }
+  WARPSCOPE_HD float divisorAt(float s) const { return mulAdd(absOf(s), ratio - 1.0f, 1.0f); }
+  /// Distance along the ray.
+  WARPSCOPE_HD float tAt(float s) const {
+    const float way = s * ratio / divisorAt(s);
+    return mulAdd(way, t1 - t0, isRising() ? t1 : t0);
+  }
 };
 
 /// The part of [tNear, tFar] of a ray in front of which the frame's camera was. `shift`: 0.5 for cells between centres, 0 for those about them.
@@ -81,21 +89,26 @@ WARPSCOPE_HD inline FieldLine makeFieldLine(const SegmentField& field, const Ray
     line.t1 = line.t0;
     return line;
   }
-  const auto projected = [&](float t, float& x, float& y, float& behind) {
-    behind = mulAdd(t, d.z, o.z);
-    const float scale = 1.0f / (grid.edge * (grid.nearDepth + behind));
-    x = mulAdd(mulAdd(t, d.x, o.x), scale, grid.halfWidth);
-    y = mulAdd(mulAdd(t, d.y, o.y), -scale, grid.halfHeight);
-    x = minOf(maxOf(x, 0.0f), static_cast<float>(field.width)) + shift;
-    y = minOf(maxOf(y, 0.0f), static_cast<float>(field.height)) + shift;
-    return grid.nearDepth + behind;
+  struct Place {
+    float x, y, depth, fromEye;
   };
-  float x1, y1, behind1;
-  const float z0 = projected(line.t0, line.x0, line.y0, line.depth0), z1 = projected(line.t1, x1, y1, behind1);
-  line.dx = x1 - line.x0;
-  line.dy = y1 - line.y0;
-  line.depths = behind1 - line.depth0;
-  line.ratio = z0 / z1;
+  const auto projected = [&](float t) {
+    const float behind = mulAdd(t, d.z, o.z), fromEye = grid.nearDepth + behind, scale = 1.0f / (grid.edge * fromEye);
+    const float x = mulAdd(mulAdd(t, d.x, o.x), scale, grid.halfWidth), y = mulAdd(mulAdd(t, d.y, o.y), -scale, grid.halfHeight);
+    return Place{minOf(maxOf(x, 0.0f), static_cast<float>(field.width)) + shift, minOf(maxOf(y, 0.0f), static_cast<float>(field.height)) + shift,
+                 field.depths.of(behind), fromEye};
+  };
+  const bool isRising = d.z > 0.0f;
+  const Place far = projected(isRising ? line.t1 : line.t0), near = projected(isRising ? line.t0 : line.t1);
+  line.begin = isRising ? -1.0f : 0.0f;
+  line.end = isRising ? 0.0f : 1.0f;
+  line.x0 = far.x;
+  line.y0 = far.y;
+  line.dx = isRising ? far.x - near.x : near.x - far.x;
+  line.dy = isRising ? far.y - near.y : near.y - far.y;
+  line.depth0 = far.depth;
+  line.depths = isRising ? far.depth - near.depth : near.depth - far.depth;
+  line.ratio = far.fromEye / near.fromEye;
   return line;
 }
 
@@ -106,10 +119,10 @@ struct PixelState {
   uint32_t active = kNone;  ///< number of the segment that it is in
   float extinction = 0.0f;  ///< of that
   bool isKnown = true;
-  float until = 0.0f;
+  float until = 0.0f;       ///< picture depth
 };
 
-/// From `depth` on, towards greater depths or (`isRising` false) less.
+/// From the picture depth `depth` on, towards greater depths or (`isRising` false) less.
 WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, float depth, bool isRising) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const uint32_t begin = field.first[pixel] & ~SegmentField::kEndedBit, next = field.first[pixel + 1];
@@ -147,6 +160,16 @@ WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, flo
 /// Pixels that know what is at a place, but have less weight there, are not asked: what a frame shows would depend on where its rays end otherwise.
 inline constexpr float kLeastKnown = 1.0f / 64;
 
+/// The coarsest level on which a step that changes those bits of a cell's place leaves its tile.
+WARPSCOPE_HD inline int levelLeft(int changed) {
+#if defined(__CUDA_ARCH__)
+  const int zeros = __clz(changed);
+#else
+  const int zeros = std::countl_zero(static_cast<uint32_t>(changed));
+#endif
+  return minOf((31 - zeros) / kFieldLevelShift, kFieldLevels - 1);
+}
+
 /// Walks the part [tNear, tFar] of a ray. `kIsLinear`: between the centres of pixels what they have is blended, of those that know; else each pixel's is the
 /// same all over its frustum. `fill(walked, tNear, tFar)` passes what is not known. Ends where less than `stopBelow` is left.
 template <bool kIsLinear, class Fill>
@@ -161,110 +184,113 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
   if (line.t0 > tNear) fill(walked, tNear, line.t0);
 
   // What is not known is passed in as long pieces as there are.
-  float unknownFrom = -1.0f;  // share of the way; less than 0: what came last was known
-  const auto passUnknownUntil = [&](float f) {
-    if (unknownFrom >= 0.0f) fill(walked, line.tAt(unknownFrom), line.tAt(f));
-    unknownFrom = -1.0f;
+  constexpr float kNowhere = 2.0f;
+  float unknownFrom = kNowhere;  // s; kNowhere: what came last was known
+  const auto passUnknownUntil = [&](float s) {
+    if (unknownFrom < kNowhere) fill(walked, line.tAt(unknownFrom), line.tAt(s));
+    unknownFrom = kNowhere;
   };
 
-  const float length = line.t1 - line.t0;
-  const bool isRising = line.depths > 0.0f;
-  const int columns = field.width + (kIsLinear ? 1 : 0), rows = field.height + (kIsLinear ? 1 : 0);
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  // Of lines that go along an axis by less than that nothing on it is crossed.
+  constexpr float kLeastWay = 1e-20f;
+  const bool isRising = line.isRising(), stepsX = absOf(line.dx) > kLeastWay, stepsY = absOf(line.dy) > kLeastWay;
+  const float perX = stepsX ? 1.0f / line.dx : 0.0f, perY = stepsY ? 1.0f / line.dy : 0.0f;
   const float perDepth = 1.0f / line.depths;  // used where depths change alone
-  const float perX = 1.0f / line.dx, perY = 1.0f / line.dy;  // infinite where there is no way
-  int x = minOf(maxOf(static_cast<int>(line.x0), 0), columns - 1), y = minOf(maxOf(static_cast<int>(line.y0), 0), rows - 1);
-  int tileX = -1, tileY = -1;  // that was looked at last
-  float s = 0.0f, f = 0.0f;
-  const auto crossing = [](float border, float from, float delta, float per) {
-    return delta > 0.0f || delta < 0.0f ? (border - from) * per : std::numeric_limits<float>::infinity();
-  };
+  const float spaceBy = (line.t1 - line.t0) * line.ratio;
+  const int columns = field.width + (kIsLinear ? 1 : 0), rows = field.height + (kIsLinear ? 1 : 0);
+  // Where borders are that are crossed: before a cell or tile, or behind it.
+  const int leadX = line.dx > 0.0f ? 1 : 0, leadY = line.dy > 0.0f ? 1 : 0;
+  float s = line.begin, depth = line.depthAt(s);
+  int x = minOf(maxOf(static_cast<int>(mulAdd(s, line.dx, line.x0)), 0), columns - 1), y = minOf(maxOf(static_cast<int>(mulAdd(s, line.dy, line.y0)), 0), rows - 1);
 
-  while (s < 1.0f) {
-    // Tiles that nothing is in, or nothing known. All of them before the next cell: on a device rays that leap do not wait for those that do not (Aila, Laine
-    // 2009).
-    while ((x >> fieldShift(0)) != tileX || (y >> fieldShift(0)) != tileY) {
-      bool hasLeapt = false;
-      for (int level = kFieldLevels - 1; level >= 0; --level) {
-        const int shift = fieldShift(level), tx = x >> shift, ty = y >> shift;
-        const float borderX = static_cast<float>((line.dx > 0.0f ? tx + 1 : tx) << shift), borderY = static_cast<float>((line.dy > 0.0f ? ty + 1 : ty) << shift);
-        const float sx = crossing(borderX, line.x0, line.dx, perX), sy = crossing(borderY, line.y0, line.dy, perY);
-        const float out = minOf(maxOf(minOf(sx, sy), s), 1.0f);
-        const float fOut = line.inSpace(out);
-        const float depthIn = line.depthAt(f), depthOut = line.depthAt(fOut);
-        const float least = minOf(depthIn, depthOut), most = maxOf(depthIn, depthOut);
-        const FieldTile& tile = field.tiles[level][ty * field.tileColumns[level] + tx];
-        const bool isEmpty = tile.nearestBegin > most || tile.farthestEnd < least;
-        if (isEmpty && tile.nearestUnknown > most) {
-          passUnknownUntil(f);
-        } else if (tile.farthestUnknown < least) {
-          if (unknownFrom < 0.0f) unknownFrom = f;
-        } else {
-          continue;
-        }
-        hasLeapt = true;
-        // On beyond the tile: exactly on the axis on which it ends, and within the tile on the other.
-        const int low = (1 << shift) - 1;
-        if (sx <= sy) {
-          x = line.dx > 0.0f ? (tx + 1) << shift : (tx << shift) - 1;
-          const int at = static_cast<int>(mulAdd(out, line.dy, line.y0));
-          y = minOf(maxOf(at, ty << shift), (ty << shift) + low);
-        } else {
-          y = line.dy > 0.0f ? (ty + 1) << shift : (ty << shift) - 1;
-          const int at = static_cast<int>(mulAdd(out, line.dx, line.x0));
-          x = minOf(maxOf(at, tx << shift), (tx << shift) + low);
-        }
-        s = out;
-        f = fOut;
+  // The pixels about a cell in the order in which the line leaves them behind: trailing on both axes, leading on x, leading on y, leading on both.
+  constexpr int kPixels = kIsLinear ? 4 : 1;
+  PixelState states[kPixels];
+  enum class Kept { none, alongX, alongY };
+  Kept kept = Kept::none;
+  int level = kFieldLevels - 1;
+
+  while (s < line.end) {
+    // Over tiles that nothing is in, or nothing known, down to a cell that is neither. All of them before the next cell: on a device rays that leap do not wait for
+    // those that do not (Aila, Laine 2009).
+    float sx, sy, out, depthOut;
+    for (;;) {
+      const int shift = fieldShift(level), tx = x >> shift, ty = y >> shift;
+      sx = stepsX ? (static_cast<float>((tx + leadX) << shift) - line.x0) * perX : kInfinity;
+      sy = stepsY ? (static_cast<float>((ty + leadY) << shift) - line.y0) * perY : kInfinity;
+      out = minOf(maxOf(minOf(sx, sy), s), line.end);
+      depthOut = line.depthAt(out);
+      const float least = minOf(depth, depthOut), most = maxOf(depth, depthOut);
+      const FieldTile& tile = field.tiles[level][ty * field.tileColumns[level] + tx];
+      const bool isEmpty = tile.nearestBegin > most || tile.farthestEnd < least;
+      if (isEmpty && tile.nearestUnknown > most) {
+        passUnknownUntil(s);
+      } else if (tile.farthestUnknown < least) {
+        if (!(unknownFrom < kNowhere)) unknownFrom = s;
+      } else {
+        if (level == 0) break;
+        --level;
+        continue;
+      }
+      // On beyond the tile: exactly on the axis on which it ends, and within the tile on the other.
+      const int oldX = x, oldY = y, low = (1 << shift) - 1;
+      if (sx <= sy) {
+        x = ((tx + leadX) << shift) - 1 + leadX;
+        y = minOf(maxOf(static_cast<int>(mulAdd(out, line.dy, line.y0)), ty << shift), (ty << shift) + low);
+      } else {
+        y = ((ty + leadY) << shift) - 1 + leadY;
+        x = minOf(maxOf(static_cast<int>(mulAdd(out, line.dx, line.x0)), tx << shift), (tx << shift) + low);
+      }
+      s = out;
+      depth = depthOut;
+      kept = Kept::none;
+      if (!(s < line.end) || x < 0 || y < 0 || x >= columns || y >= rows) {
+        s = line.end;
         break;
       }
-      if (hasLeapt) {
-        if (!(s < 1.0f) || x < 0 || y < 0 || x >= columns || y >= rows) {
-          s = 1.0f;
-          break;
-        }
-        tileX = tileY = -1;
-      } else {
-        tileX = x >> fieldShift(0);
-        tileY = y >> fieldShift(0);
-      }
+      level = levelLeft((x ^ oldX) | (y ^ oldY));
     }
-    if (!(s < 1.0f)) break;
+    if (!(s < line.end)) break;
 
-    const float sx = crossing(static_cast<float>(line.dx > 0.0f ? x + 1 : x), line.x0, line.dx, perX);
-    const float sy = crossing(static_cast<float>(line.dy > 0.0f ? y + 1 : y), line.y0, line.dy, perY);
-    const float sOut = minOf(maxOf(minOf(sx, sy), s), 1.0f);
-    const float fOut = line.inSpace(sOut);
-    const float depthOut = line.depthAt(fOut);
-    float depth = line.depthAt(f), from = s;
-    // Pieces of the cell in which nothing changes.
-    int pixel[4];
+    // The cell, in pieces in which nothing changes.
+    int pixel[kPixels];
     if constexpr (kIsLinear) {
-      const int left = maxOf(x - 1, 0), right = minOf(x, field.width - 1), upper = maxOf(y - 1, 0) * field.width, lower = minOf(y, field.height - 1) * field.width;
-      pixel[0] = upper + left, pixel[1] = upper + right, pixel[2] = lower + left, pixel[3] = lower + right;
+      const int leading = minOf(maxOf(x - 1 + leadX, 0), field.width - 1), trailing = minOf(maxOf(x - leadX, 0), field.width - 1);
+      const int leadingRow = minOf(maxOf(y - 1 + leadY, 0), field.height - 1) * field.width, trailingRow = minOf(maxOf(y - leadY, 0), field.height - 1) * field.width;
+      pixel[0] = trailingRow + trailing, pixel[1] = trailingRow + leading, pixel[2] = leadingRow + trailing, pixel[3] = leadingRow + leading;
+      if (kept == Kept::alongX)
+        states[0] = states[1], states[2] = states[3];
+      else if (kept == Kept::alongY)
+        states[0] = states[2], states[1] = states[3];
     } else {
       pixel[0] = y * field.width + x;
     }
-    constexpr int kPixels = kIsLinear ? 4 : 1;
+    const float expired = isRising ? -kInfinity : kInfinity;
+    if (!kIsLinear || kept == Kept::none) states[0].until = expired;
+    if constexpr (kIsLinear) {
+      if (kept != Kept::alongY) states[1].until = expired;
+      if (kept != Kept::alongX) states[2].until = expired;
+      states[3].until = expired;
+    }
     for (;;) {
-      PixelState states[kPixels];
       float until = depthOut;
       for (int i = 0; i < kPixels; ++i) {
-        states[i] = stateOf(field, pixel[i], depth, isRising);
+        if (isRising ? !(depth < states[i].until) : !(depth > states[i].until)) states[i] = stateOf(field, pixel[i], depth, isRising);
         until = isRising ? minOf(states[i].until, until) : maxOf(states[i].until, until);
       }
       const bool isLast = isRising ? !(until < depthOut) : !(until > depthOut);
-      float fNext = fOut;
-      if (!isLast) fNext = minOf(maxOf((until - line.depth0) * perDepth, f), fOut);
+      const float to = isLast ? out : minOf(maxOf((until - line.depth0) * perDepth, s), out);
       float weights[kPixels];
       if constexpr (kIsLinear) {
         // Means over the piece: of a product of two that go straight, the product of their means and a twelfth of that of their growths.
-        const float to = isLast ? sOut : line.inPicture(fNext), middle = 0.5f * (from + to), way = to - from;
-        const float u = saturated(mulAdd(middle, line.dx, line.x0) - static_cast<float>(x)), v = saturated(mulAdd(middle, line.dy, line.y0) - static_cast<float>(y));
-        weights[3] = mulAdd(u, v, (line.dx * way) * (line.dy * way) * (1.0f / 12));
+        const float middle = 0.5f * (s + to), way = to - s;
+        const float u = saturated(absOf(mulAdd(middle, line.dx, line.x0) - static_cast<float>(x + 1 - leadX)));
+        const float v = saturated(absOf(mulAdd(middle, line.dy, line.y0) - static_cast<float>(y + 1 - leadY)));
+        weights[3] = mulAdd(u, v, absOf((line.dx * way) * (line.dy * way)) * (1.0f / 12));
         weights[1] = maxOf(u - weights[3], 0.0f);
         weights[2] = maxOf(v - weights[3], 0.0f);
         weights[0] = maxOf(1.0f - u - weights[2], 0.0f);
-        from = to;
       } else {
         weights[0] = 1.0f;
       }
@@ -279,29 +305,33 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
         emission += own * field.colors[states[i].active];
       }
       if (known < kLeastKnown) {
-        if (unknownFrom < 0.0f) unknownFrom = f;
+        if (!(unknownFrom < kNowhere)) unknownFrom = s;
       } else {
-        passUnknownUntil(f);
+        passUnknownUntil(s);
         if (extinction > 0.0f) {
-          const float opacity = opacityOf(extinction / known * (length * (fNext - f)));
+          const float opacity = opacityOf(extinction * (spaceBy * (to - s)) / (known * (line.divisorAt(s) * line.divisorAt(to))));
           walked.pass(emission * (opacity / extinction), opacity);
         }
       }
-      f = fNext;
+      s = to;
       if (walked.through < stopBelow) return walked;
       if (isLast) break;
       depth = until;
     }
-    s = sOut;
-    f = fOut;
-    if (!(s < 1.0f)) break;
-    if (sx <= sy)
-      x += line.dx > 0.0f ? 1 : -1;
-    else
-      y += line.dy > 0.0f ? 1 : -1;
+    s = out;
+    depth = depthOut;
+    const int oldX = x, oldY = y;
+    if (sx <= sy) {
+      x += 2 * leadX - 1;
+      kept = Kept::alongX;
+    } else {
+      y += 2 * leadY - 1;
+      kept = Kept::alongY;
+    }
     if (x < 0 || y < 0 || x >= columns || y >= rows) break;
+    level = levelLeft((x ^ oldX) | (y ^ oldY));
   }
-  passUnknownUntil(1.0f);
+  passUnknownUntil(line.end);
   if (line.t1 < tFar) fill(walked, line.t1, tFar);
   return walked;
 }
