@@ -33,8 +33,9 @@ inline SampleFrame randomFrame(const Camera& camera, uint32_t seed, int most = 4
     for (int k = 0; k < 2 * count; ++k) ends.push_back(unit(random) * depth);
     std::ranges::sort(ends);
     for (int k = 0; k < count; ++k) {
-      frame.segments.depths.push_back({encodeDepth(ends[static_cast<size_t>(2 * k)], frame.quantization.depthStep),
-                                       encodeDepth(ends[static_cast<size_t>(2 * k + 1)], frame.quantization.depthStep)});
+      frame.segments.depths.push_back(
+          {encodeDepth(ends[static_cast<size_t>(2 * k)], frame.quantization.depthStep),
+           encodeDepth(ends[static_cast<size_t>(2 * k + 1)], frame.quantization.depthStep)});
       frame.segments.colors.push_back(static_cast<Rgba8>(random()));
     }
   }
@@ -64,11 +65,13 @@ class FrameContent {
     }
   }
   bool isEnded(int x, int y) const { return frame_.segments.rays[pixelOf(x, y)].isEnded(); }
-  /// Calls f(begin, end, extinction, straight colour) for each of the pixel's segments, by depth; extinction is along any ray.
+  /// Calls f(begin, end, extinction, straight colour) for each of the pixel's segments, by depth; extinction is along
+  /// any ray.
   template <class F>
   void forEachOf(int x, int y, const F& f) const {
     const Camera& camera = frame_.camera;
-    const double step = static_cast<double>(frame_.quantization.depthStep), edge = static_cast<double>(pixelEdge(camera));
+    const double step = static_cast<double>(frame_.quantization.depthStep),
+                 edge = static_cast<double>(pixelEdge(camera));
     const double u = (x + 0.5 - 0.5 * camera.width) * edge, v = (0.5 * camera.height - (y + 0.5)) * edge;
     const double cosine = 1.0 / std::sqrt(1.0 + u * u + v * v);
     const size_t first = first_[pixelOf(x, y)];
@@ -77,7 +80,8 @@ class FrameContent {
       const double begin = depths.begin * step, end = std::max(depths.end, depths.begin + 1) * step;
       const glm::dvec4 color(segmentColor(ColorTables::instance(), frame_.segments.colors[i]));
       const double opacity = std::min(color.a, static_cast<double>(kMostSegmentOpacity));
-      f(begin, end, -std::log1p(-opacity) * cosine / (end - begin), color.a > 0.0 ? glm::dvec3(color) / color.a : glm::dvec3(0.0));
+      f(begin, end, -std::log1p(-opacity) * cosine / (end - begin),
+        color.a > 0.0 ? glm::dvec3(color) / color.a : glm::dvec3(0.0));
     }
   }
   PixelContent at(int x, int y, double depth) const {
@@ -101,7 +105,8 @@ class FrameContent {
 };
 
 /// By many small steps along the ray, each of which asks the pixels that it is between.
-inline MetByRay bruteForce(const SampleFrame& frame, const Ray& ray, double tNear, double tFar, bool isLinear, int steps) {
+inline MetByRay bruteForce(const SampleFrame& frame, const Ray& ray, double tNear, double tFar, bool isLinear,
+                           int steps) {
   const FrameContent content(frame);
   const Camera& camera = frame.camera;
   const glm::dvec3 eye(camera.eye), right(camera.right), up(camera.up), forward(camera.forward);
@@ -121,7 +126,8 @@ inline MetByRay bruteForce(const SampleFrame& frame, const Ray& ray, double tNea
     double known = 0.0, extinction = 0.0;
     glm::dvec3 emission(0.0);
     const auto add = [&](int column, int row, double weight) {
-      const PixelContent pixel = content.at(std::clamp(column, 0, static_cast<int>(width) - 1), std::clamp(row, 0, static_cast<int>(height) - 1), depth);
+      const PixelContent pixel = content.at(std::clamp(column, 0, static_cast<int>(width) - 1),
+                                            std::clamp(row, 0, static_cast<int>(height) - 1), depth);
       if (!pixel.isKnown || !(weight > 0.0)) return;
       known += weight;
       extinction += weight * pixel.extinction;
@@ -149,16 +155,19 @@ inline MetByRay bruteForce(const SampleFrame& frame, const Ray& ray, double tNea
   return expected;
 }
 
-/// The same without steps, where each pixel's are the same all over its frustum: every frustum is cut with the ray, and its segments with what that leaves.
+/// The same without steps, where each pixel's are the same all over its frustum: every frustum is cut with the ray, and
+/// its segments with what that leaves.
 inline MetByRay cutByFrusta(const SampleFrame& frame, const Ray& ray, double tNear, double tFar) {
   const FrameContent content(frame);
   const Camera& camera = frame.camera;
   const glm::dvec3 offset = glm::dvec3(ray.origin) - glm::dvec3(camera.eye), direction(ray.direction);
   const auto inCamera = [&](const glm::dvec3& v) {
-    return glm::dvec3(glm::dot(v, glm::dvec3(camera.right)), glm::dot(v, glm::dvec3(camera.up)), glm::dot(v, glm::dvec3(camera.forward)));
+    return glm::dvec3(glm::dot(v, glm::dvec3(camera.right)), glm::dot(v, glm::dvec3(camera.up)),
+                      glm::dot(v, glm::dvec3(camera.forward)));
   };
   const glm::dvec3 o = inCamera(offset), d = inCamera(direction);
-  const double edge = static_cast<double>(pixelEdge(camera)), nearDepth = static_cast<double>(frame.quantization.nearDepth);
+  const double edge = static_cast<double>(pixelEdge(camera)),
+               nearDepth = static_cast<double>(frame.quantization.nearDepth);
   struct Interval {
     double from, to;
     /// Leaves what has at0 + t * growth >= 0.

@@ -335,6 +335,21 @@ TEST_F(SessionTest, PanelsSayWhatTheirTechniqueDrawsOfTheFrame) {
   EXPECT_EQ(proxy.proxyBytes, whole.proxy);
 }
 
+TEST_F(SessionTest, ATechniqueWithNothingToDrawSaysSoAndGetsNoPoint) {
+  ASSERT_TRUE(open("block"));
+  LiveSettings knobs = session_.knobs();
+  knobs.march.sample.segments = 0;
+  session_.setKnobs(knobs);
+  session_.setTechnique(1, findWarp("segments"));
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.panel(1).lack, "there are no segments (--segments 0)");
+  EXPECT_FALSE(session_.panel(1).configuration);
+  EXPECT_EQ(session_.panel(0).lack, "");
+  knobs.march.sample.segments = 3;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(1).lack.empty(); }));
+}
+
 TEST_F(SessionTest, ASceneThatCannotBeOpenedIsASentence) {
   ASSERT_TRUE(open("block"));
   session_.load(job("nowhere.nrrd", [](const std::stop_token&) -> Scene { throw InputError("nowhere.nrrd: there is no such file"); }));

@@ -155,7 +155,9 @@ TEST(Configuration, CodecWordsComeBack) {
 TEST(SweepPlan, TheDefaultHoldsEveryTechniqueAndBothBaselines) {
   const SweepPlan plan = defaultPlan(defaultMarch(), 640, 480);
   const std::vector<Configuration> configurations = configurationsOf(plan);
-  const auto has = [](const std::vector<Configuration>& all, const WarpDescriptor& technique) { return std::ranges::find(all, &technique, &Configuration::technique) != all.end(); };
+  const auto has = [](const std::vector<Configuration>& all, const WarpDescriptor& technique) {
+    return std::ranges::find(all, &technique, &Configuration::technique) != all.end();
+  };
   for (const WarpDescriptor& technique : warpRegistry()) EXPECT_TRUE(has(configurations, technique)) << technique.name;
   // What would show nothing is no configuration.
   const std::vector<Configuration> bare = configurationsOf(defaultPlan(MarchSettings{}, 640, 480));

@@ -162,7 +162,8 @@ void compare(const CompareOptions& options) {
   StagedFolder out(options.out, namesOf(techniques, work.scene.views.size()));  // fails before the work if it cannot be written
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
   for (const WarpDescriptor& technique : warpRegistry())
-    if (const std::string lack = lackOf(technique, work.march); !lack.empty()) logWarning(std::string(technique.name) + " is left out: " + lack);
+    if (const std::string lack = lackOf(technique, work.march); !lack.empty())
+      logWarning(std::string(technique.name) + " is left out: " + lack);
 
   Montage montage;
   montage.title = work.scene.title + "  (" + std::string(nameOf(work.march.sample.heuristic)) + ", " +

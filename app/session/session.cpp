@@ -148,7 +148,9 @@ bool Session::takeErrors(LivePanel& panel, TimePoint now) {
 bool Session::chooseTechnique(size_t index) {
   LivePanel& panel = panels_[index];
   if (!frames_.newest()) return false;
-  auto made = choices_[index].choose({frames_.newest(), knobs_.isFrozen ? frames_.newest()->settings : knobs_.march, view_.cameraOfSize(pictureSize()), knobs_.budgetMs, knobs_.serverSidePx, front_}, liveFront_);
+  const MarchSettings& askable = knobs_.isFrozen ? frames_.newest()->settings : knobs_.march;
+  auto made = choices_[index].choose(
+      {frames_.newest(), askable, view_.cameraOfSize(pictureSize()), knobs_.budgetMs, knobs_.serverSidePx, front_}, liveFront_);
   if (!made) return false;
   if (made->configuration && made->configuration != panel.shown().choice) takePanelKnobs(index, *made->configuration);
   panel.setChoice(std::move(made->configuration), std::move(made->text));
@@ -195,6 +197,7 @@ std::optional<Configuration> Session::configurationOf(const WarpResult& result) 
   const WarpJob& drawn = result.job;
   const std::optional<WantedFrame> asked = drawn.frame ? frames_.askedBy(drawn.frame->requestId) : std::nullopt;
   if (!asked || isCoarsened(asked->march, drawn.frame->settings)) return std::nullopt;  // nobody chose it
+  if (!lackOf(*drawn.technique, drawn.frame->settings).empty()) return std::nullopt;    // there is nothing to be seen
   Configuration configuration;
   configuration.technique = drawn.technique;
   configuration.march = asked->march;

@@ -48,7 +48,8 @@ Measurements measurementsOf(const Session& session, size_t index, Session::TimeP
       {"age", age ? durationText(*age) : none, true,
        "For how long the camera of the frame on show has not been the current one any more; 0 while it is."},
       {"bytes", usesFrame && panel.bytes ? bytesText(*panel.bytes) : none, true,
-       "What the technique draws of the frame on show, on the wire: its samples or its segments, or where a picture would do, that. The frame in whole: at the bottom of the window."},
+       "What the technique draws of the frame on show, on the wire: its samples or its segments, or where a picture would do, that. "
+       "The frame in whole: at the bottom of the window."},
       {"copy", panel.proxyBytes > 0 ? bytesText(panel.proxyBytes) : none, true, "Bytes of the coarse copy of the volume that the technique draws, sent once."},
       {"FLIP", flip, isCurrent,
        "Mean difference from the ground truth as an eye sees it, 0 to 1; 0 is none. Found when the camera rests (where a CUDA device marches: "
