@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "app/experiment/sweep.h"
 #include "app/experiment/sweep_file.h"
 #include "tests/headless.h"
 #include "tests/test_folder.h"
@@ -43,6 +44,35 @@ TEST(AutoChoice, LeastErrorWithinTheBudget) {
   EXPECT_EQ(chosen(choice, 90.0, 100.0), "spheres");  // beyond what was measured
   EXPECT_EQ(chosen(choice, 350.0, 100.0), "spheres");
   EXPECT_EQ(chosen(choice, 360.0, 100.0), "hold");
+}
+
+/// Of a sweep, as `shot --technique auto` measures one: the time of a picture of segments has their decoding and building, and the bytes are theirs.
+TEST(AutoChoice, SegmentsWhereTheyAreBestAndAffordable) {
+  const Stage stage(smallScene("shells"));
+  MarchSettings march = stage.scene().march;
+  march.sample.proxy = 8;  // the copy is much coarser than the volume
+  SweepSettings settings;
+  settings.plan = quickPlan(march, 96, 72, 10.0);
+  settings.width = 96;
+  settings.height = 72;
+  settings.warp.reference = stage.scene().march.render;
+  SweepJournal journal;
+  const std::vector<SweepRow> rows = Sweep(stage.scene(), stage.resources(), settings, {}).run(journal, [](const std::string&) {});
+  const SweepRow& segments = *std::ranges::find_if(rows, [](const SweepRow& row) { return row.configuration.technique->name == "segments"; });
+  EXPECT_EQ(segments.configuration.march.sample.segments, march.sample.segments);
+  EXPECT_GT(segments.cost.decode.medianMs, 0.0);
+  EXPECT_GT(segments.cost.build.medianMs, 0.0);
+  EXPECT_GE(segments.frameMs(), segments.cost.decode.medianMs + segments.cost.build.medianMs + segments.draw.medianMs);
+  SampleFrame frame = *stage.frame(stage.camera(96, 72), segments.configuration.march);
+  FrameCodec codec;
+  codec.encode(frame, segments.configuration.codec);
+  EXPECT_EQ(segments.cost.bytes, codec.bytes().segments);
+  const AutoChoice choice(rows);
+  EXPECT_EQ(chosen(choice, 10.0, 1e4), "segments");
+  const auto cheap = choice.choose(10.0, 0.999 * segments.frameMs(), [](const Configuration&) { return true; });
+  ASSERT_TRUE(cheap);
+  EXPECT_NE(cheap->configuration.technique->name, "segments");
+  EXPECT_LT(cheap->frameMs, segments.frameMs());
 }
 
 TEST(AutoChoice, BetweenMeasuredAnglesErrorsAndTimesAreInterpolated) {

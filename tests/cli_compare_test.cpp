@@ -87,6 +87,36 @@ TEST_F(CommandLine, CompareShowsATableAsWideForEveryTechnique) {
   EXPECT_THAT(table, testing::Not(testing::HasSubstr("inf")));
 }
 
+TEST_F(CommandLine, TechniquesWhoseFramesLackWhatTheyDrawAreLeftOutWithAReason) {
+  const ProgramResult result = succeed(quick({"compare", "block", "--out", "out", "--segments", "0"}));
+  EXPECT_THAT(result.err, testing::HasSubstr("segments is left out: there are no segments (--segments 0)"));
+  EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("\nsegments ")));
+  const json report = json::parse(folder_.read("out/metrics.json"));
+  const size_t views = openScene("block").views.size();
+  EXPECT_EQ(report["rows"].size(), views * (warpRegistry().size() - 1));
+  for (const json& row : report["rows"]) EXPECT_NE(row["technique"], "segments");
+  ASSERT_EQ(report["leftOut"].size(), 1u);
+  EXPECT_EQ(report["leftOut"][0]["technique"], "segments");
+  EXPECT_FALSE(fs::exists(folder_.path() / "out/view0-segments.png"));
+  // Of segments without a copy there is something to be seen, of the copy there is not.
+  const json bare = document(quick({"compare", "block", "--out", "bare", "--json", "--proxy", "0"}));
+  ASSERT_EQ(bare["leftOut"].size(), 1u);
+  EXPECT_EQ(bare["leftOut"][0]["reason"], "there is no copy of the volume (--proxy 0)");
+}
+
+TEST_F(CommandLine, ATechniqueThatIsNamedGetsWhatItDrawsUnlessThereIsToBeNone) {
+  folder_.write("bare.json", R"({"name": "bare", "volume": {"procedural": "block", "size": [16, 16, 16]}, "march": {"segments": 0, "proxy": 0}})");
+  for (const char* technique : {"segments", "proxy"}) {
+    succeed(quick({"shot", "bare.json", "--technique", technique, "-o", "a.png"}));
+    const Image<Rgba8> shown = picture("a.png");
+    EXPECT_TRUE(std::ranges::any_of(shown, [](Rgba8 pixel) { return pixel >> 24 != 0; })) << technique;
+    expectRefused(quick({"shot", "bare.json", "--technique", technique, std::string("--") + technique, "0", "-o", "b.png"}), kUsage, {"must be more than 0"});
+    expectRefused(quick({"sweep", "bare.json", "--techniques", technique, std::string("--") + technique, "0", "--out", "swept"}), kUsage, {"--techniques", "there"});
+    const json swept = document(quick({"sweep", "bare.json", "--techniques", technique, "--angles", "0", "--links", "none", "--draws", "1", "--out", "swept", "--json"}));
+    EXPECT_TRUE(std::ranges::any_of(swept["rows"], [&](const json& row) { return row["technique"] == technique; }));
+  }
+}
+
 TEST_F(CommandLine, CompareIntoAnExistingFolderKeepsWhatElseIsThere) {
   fs::create_directory(folder_.path() / "out");
   folder_.write("out/mine.txt", "mine");

@@ -108,7 +108,7 @@ TEST(Comparison, RowsSayWhatPicturesDrawnAnewSay) {
   const SampleFramePtr frame = stage.frame(stage.camera(settings.width, settings.height), scene.march);
   EXPECT_EQ(comparison.frame->samples, frame->samples);
   EXPECT_EQ(comparison.frame->colors, frame->colors);
-  EXPECT_LT(comparison.served.bytes, frame->sizeBytes());
+  EXPECT_LT(comparison.served.bytes.ofFrame(), frame->sizeBytes());
   for (const std::string_view technique : {"hold", "spheres"}) {
     double holesBefore = -1.0;
     for (size_t view = 0; view < scene.views.size(); ++view) {

@@ -11,6 +11,8 @@
 
 #include "app/frames/wire_fields.h"
 #include "render/base/error.h"
+#include "render/codec/proxy_coding.h"
+#include "tests/test_volumes.h"
 
 namespace warpscope {
 namespace {
@@ -37,6 +39,7 @@ class StubMarcher final : public Marcher {
     frame.camera = camera;
     frame.settings = settings;
     frame.timings.marchMs = ms;
+    if (settings.sample.proxy > 0) frame.proxy = proxy;
     return frame;
   }
   void render(const Camera&, const RenderSettings&, Image<glm::vec4>&, const std::stop_token&) override {}
@@ -51,6 +54,7 @@ class StubMarcher final : public Marcher {
     return widths_;
   }
   std::atomic<bool> fails = false;
+  ProxyPtr proxy;  ///< that goes with frames which ask for one
 
  private:
   Clock& clock_;
@@ -230,6 +234,35 @@ TEST_F(DirectFrameSourceTest, ALoadedServerIsPacedByWhatItsFramesTake) {
     clock_.advanceToNextSleeper();
     EXPECT_FLOAT_EQ(nextFrame().frame->settings.render.step, id == 1 ? 0.5f : 1.0f);  // the first took 60 ms
   }
+}
+
+TEST_F(DirectFrameSourceTest, TheCopyOfTheVolumeCrossesTheLinkOnce) {
+  const auto volume = makeTestVolume(VoxelType::uint8, {16, 16, 16}, [](const glm::ivec3& at) { return static_cast<double>(at.x * 7 % 11 + at.y * 5 % 13 + at.z); });
+  const TransferFunction function{{{0.0, glm::vec3(1.0f), 0.5f}}};
+  marcher_->proxy = std::make_shared<const Proxy>(makeProxy(*volume, function, 16));
+  TransportSettings transport;
+  transport.link.down.rateBitPerS = 80000.0;
+  source_->setTransport(transport);
+  const auto ask = [&](uint64_t id, int proxy) {
+    FrameRequest request;
+    request.id = id;
+    request.settings.sample.proxy = proxy;
+    const Clock::TimePoint askedAt = clock_.now();
+    source_->post(request, askedAt);
+    clock_.advanceToNextSleeper();  // marched
+    clock_.advanceToNextSleeper();  // arrived
+    const ServedFrame served = nextFrame();
+    return std::pair(served.bytes, millisecondsBetween(askedAt, served.arrivedAt));
+  };
+  const auto [firstBytes, firstMs] = ask(1, 16);
+  EXPECT_EQ(firstBytes.proxy, proxyBytesOf(*marcher_->proxy));
+  const auto [secondBytes, secondMs] = ask(2, 16);
+  EXPECT_EQ(secondBytes, FrameBytes{});
+  EXPECT_NEAR(firstMs - secondMs, 0.1 * static_cast<double>(firstBytes.proxy), 1.0);
+  EXPECT_EQ(ask(3, 0).first.proxy, 0u);
+  EXPECT_EQ(ask(4, 16).first.proxy, 0u) << "it is there";
+  marcher_->proxy = std::make_shared<const Proxy>(makeProxy(*volume, function, 8));
+  EXPECT_EQ(ask(5, 8).first.proxy, proxyBytesOf(*marcher_->proxy)) << "that is another one";
 }
 
 TEST_F(DirectFrameSourceTest, ErrorsArriveAsText) {

@@ -119,9 +119,10 @@ TEST_F(FillTest, FramesHaveTheCopyOnlyWhereSomebodyDrawsIt) {
   EXPECT_EQ(proxyFor("segments", Fill::none), 0);
   EXPECT_EQ(proxyFor("proxy", Fill::none), 32);
   EXPECT_EQ(proxyFor("hold", Fill::proxy), 0);
-  EXPECT_EQ(bytesFor(findWarp("proxy"), 1000, 400), 0u);
-  EXPECT_EQ(bytesFor(findWarp("segments"), 1000, 400), 600u);
-  EXPECT_EQ(bytesFor(findWarp("mesh"), 1000, 400), 400u);
+  const FrameBytes bytes{.samples = 400, .segments = 600, .proxy = 50};
+  EXPECT_EQ(bytesFor(findWarp("proxy"), bytes), 0u);
+  EXPECT_EQ(bytesFor(findWarp("segments"), bytes), 600u);
+  EXPECT_EQ(bytesFor(findWarp("mesh"), bytes), 400u);
   EXPECT_TRUE(drawsPictureAlone(findWarp("hold")) && drawsPictureAlone(findWarp("rotate")));
   EXPECT_FALSE(drawsPictureAlone(findWarp("proxy")) || drawsPictureAlone(findWarp("reference")) || drawsPictureAlone(findWarp("points")));
 }

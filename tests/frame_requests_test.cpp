@@ -40,7 +40,7 @@ class FrameRequestsTest : public ::testing::Test {
     ServedFrame served;
     served.requestId = id;
     served.arrivedAt = now_;
-    served.bytes = 100 * id;
+    served.bytes.samples = 100 * id;
     served.error = error;
     if (error.empty()) {
       auto frame = std::make_shared<SampleFrame>();
@@ -70,7 +70,7 @@ TEST_F(FrameRequestsTest, AsksOnceForWhatIsWantedAndAgainWhereItChanges) {
   answer(3);
   EXPECT_FALSE(frames_.isUnderWay());
   EXPECT_EQ(frames_.newest()->requestId, 3u);
-  EXPECT_EQ(frames_.bytesOfNewest(), 300u);
+  EXPECT_EQ(frames_.bytesOfNewest().ofFrame(), 300u);
   EXPECT_EQ(frames_.askedBy(3)->codec.jpegQuality, 11);
 }
 
@@ -214,7 +214,7 @@ TEST_F(FrameRequestsTest, RemembersWhatIsOnShowOrUnderWayAlone) {
   EXPECT_TRUE(frames_.askedBy(40));
   EXPECT_FALSE(frames_.askedBy(97));
   EXPECT_FALSE(frames_.arrivalOf(40));
-  EXPECT_EQ(frames_.arrivalOf(98)->bytes, 9800u);
+  EXPECT_EQ(frames_.arrivalOf(98)->bytes.samples, 9800u);
   answer(99);
   answer(100);
   frames_.forgetOld([](uint64_t) { return false; });

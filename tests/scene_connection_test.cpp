@@ -14,6 +14,7 @@
 #include "headless.h"
 #include "net/wire.h"
 #include "render/base/error.h"
+#include "render/codec/proxy_coding.h"
 
 namespace warpscope {
 namespace {
@@ -90,8 +91,11 @@ TEST_F(HostingTest, FramesAreTheMarchersBitForBit) {
     EXPECT_EQ(served->frame->camera, truth.camera);
     EXPECT_EQ(served->frame->settings, truth.settings);
     EXPECT_EQ(served->frame->quantization, truth.quantization);
-    EXPECT_GT(served->bytes, 0u);
-    EXPECT_LT(served->bytes, truth.sizeBytes());
+    EXPECT_GT(served->bytes.samples, 0u);
+    EXPECT_GT(served->bytes.segments, 0u);
+    EXPECT_LT(served->bytes.ofFrame(), truth.sizeBytes());
+    EXPECT_EQ(served->bytes.proxy, id == 1 ? proxyBytesOf(*truth.proxy) : 0u) << "it came with the first";
+    ASSERT_TRUE(served->frame->proxy);
     EXPECT_GT(served->latency.marchMs, 0.0);
     EXPECT_GT(served->latency.encodeMs, 0.0);
     EXPECT_GT(served->latency.decodeMs, 0.0);

@@ -11,134 +11,10 @@
 #include "marcher_cases.h"
 #include "render/warp/segments/segment_field_build.h"
 #include "render/warp/segments/segment_walk.h"
+#include "segment_frames.h"
 
 namespace warpscope {
 namespace {
-
-const Box kBounds{glm::vec3(-10.0f), glm::vec3(10.0f)};
-
-/// A frame of segments in random places, without samples.
-SampleFrame randomFrame(const Camera& camera, uint32_t seed, int most = 4) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  SampleFrame frame;
-  frame.camera = camera;
-  frame.quantization = quantizationFor(camera, kBounds, 1.0f);
-  frame.settings.sample.segments = most;
-  const DepthRange range = depthRangeOf(camera, kBounds);
-  const float depth = range.farDepth - range.nearDepth;
-  for (size_t i = 0; i < size_t{camera.width} * camera.height; ++i) {
-    const int count = static_cast<int>(unit(random) * static_cast<float>(most + 1));
-    frame.segments.rays.push_back({count, unit(random) < 0.5f});
-    std::vector<float> ends;
-    for (int k = 0; k < 2 * count; ++k) ends.push_back(unit(random) * depth);
-    std::ranges::sort(ends);
-    for (int k = 0; k < count; ++k) {
-      frame.segments.depths.push_back({encodeDepth(ends[static_cast<size_t>(2 * k)], frame.quantization.depthStep),
-                                       encodeDepth(ends[static_cast<size_t>(2 * k + 1)], frame.quantization.depthStep)});
-      frame.segments.colors.push_back(static_cast<Rgba8>(random()));
-    }
-  }
-  return frame;
-}
-
-struct Expected {
-  glm::dvec3 color{0.0};
-  double through = 1.0;
-  double unknown = 0.0;  // length
-};
-
-/// What pixel (x, y) has at a forward depth: in double, from the frame alone.
-struct PixelContent {
-  double extinction = 0.0;
-  glm::dvec3 color{0.0};
-  bool isKnown = true;
-};
-class Content {
- public:
-  explicit Content(const SampleFrame& frame) : frame_(frame) {
-    size_t at = 0;
-    for (const RaySegmentCount ray : frame.segments.rays) {
-      first_.push_back(at);
-      at += static_cast<size_t>(ray.count());
-    }
-  }
-  PixelContent at(int x, int y, double depth) const {
-    const Camera& camera = frame_.camera;
-    const size_t pixel = static_cast<size_t>(y) * camera.width + static_cast<size_t>(x);
-    const RaySegmentCount ray = frame_.segments.rays[pixel];
-    const double step = static_cast<double>(frame_.quantization.depthStep), edge = static_cast<double>(pixelEdge(camera));
-    const double u = (x + 0.5 - 0.5 * camera.width) * edge, v = (0.5 * camera.height - (y + 0.5)) * edge;
-    const double cosine = 1.0 / std::sqrt(1.0 + u * u + v * v);
-    PixelContent content;
-    double last = 0.0;
-    for (int i = 0; i < ray.count(); ++i) {
-      const SegmentDepths& depths = frame_.segments.depths[first_[pixel] + static_cast<size_t>(i)];
-      const double begin = depths.begin * step, end = std::max(depths.end, depths.begin + 1) * step;
-      last = end;
-      if (depth < begin || depth >= end) continue;
-      const glm::dvec4 color(segmentColor(ColorTables::instance(), frame_.segments.colors[first_[pixel] + static_cast<size_t>(i)]));
-      const double opacity = std::min(color.a, static_cast<double>(kMostSegmentOpacity));
-      content.extinction = -std::log1p(-opacity) * cosine / (end - begin);
-      if (color.a > 0.0) content.color = glm::dvec3(color) / color.a;
-    }
-    content.isKnown = !ray.isEnded() || depth < last;
-    return content;
-  }
-
- private:
-  const SampleFrame& frame_;
-  std::vector<size_t> first_;
-};
-
-/// By many small steps along the ray, each of which asks the pixels that it is between.
-Expected bruteForce(const SampleFrame& frame, const Ray& ray, double tNear, double tFar, bool isLinear, int steps) {
-  const Content content(frame);
-  const Camera& camera = frame.camera;
-  const glm::dvec3 eye(camera.eye), right(camera.right), up(camera.up), forward(camera.forward);
-  const double edge = static_cast<double>(pixelEdge(camera)), width = camera.width, height = camera.height;
-  Expected expected;
-  const double dt = (tFar - tNear) / steps;
-  for (int i = 0; i < steps; ++i) {
-    const double t = tNear + (i + 0.5) * dt;
-    const glm::dvec3 p = glm::dvec3(ray.origin) + t * glm::dvec3(ray.direction) - eye;
-    const double z = glm::dot(p, forward);
-    const double x = 0.5 * width + glm::dot(p, right) / (z * edge), y = 0.5 * height - glm::dot(p, up) / (z * edge);
-    if (!(z > 0.0) || x < 0.0 || y < 0.0 || x >= width || y >= height) {
-      expected.unknown += dt;
-      continue;
-    }
-    const double depth = z - static_cast<double>(frame.quantization.nearDepth);
-    double known = 0.0, extinction = 0.0;
-    glm::dvec3 emission(0.0);
-    const auto add = [&](int column, int row, double weight) {
-      const PixelContent pixel = content.at(std::clamp(column, 0, static_cast<int>(width) - 1), std::clamp(row, 0, static_cast<int>(height) - 1), depth);
-      if (!pixel.isKnown || !(weight > 0.0)) return;
-      known += weight;
-      extinction += weight * pixel.extinction;
-      emission += weight * pixel.extinction * pixel.color;
-    };
-    if (isLinear) {
-      const double u = x - 0.5, v = y - 0.5;
-      const int column = static_cast<int>(std::floor(u)), row = static_cast<int>(std::floor(v));
-      const double a = u - column, b = v - row;
-      add(column, row, (1 - a) * (1 - b));
-      add(column + 1, row, a * (1 - b));
-      add(column, row + 1, (1 - a) * b);
-      add(column + 1, row + 1, a * b);
-    } else {
-      add(static_cast<int>(x), static_cast<int>(y), 1.0);
-    }
-    if (known < static_cast<double>(kLeastKnown)) {
-      expected.unknown += dt;
-      continue;
-    }
-    const double opacity = -std::expm1(-extinction / known * dt);
-    if (extinction > 0.0) expected.color += expected.through * opacity * emission / extinction;
-    expected.through *= 1.0 - opacity;
-  }
-  return expected;
-}
 
 struct Found {
   WalkedRay walked;
@@ -166,18 +42,18 @@ Found walk(const SampleFrame& frame, const Ray& ray, float tNear, float tFar, bo
 /// Blended ones are met with the mean weights of each piece, which is as far off as pixels are large; of rays that did not end, since whether a pixel that has
 /// ended counts is decided for a piece as well.
 void expectLikeBruteForce(const SampleFrame& frame, const Camera& camera, const char* what, double ofNearest = 0.012, double ofLinear = 0.09) {
-  const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, kBounds).nearDepth);
+  const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, kFrameBounds).nearDepth);
   SampleFrame open = frame;
   for (RaySegmentCount& ray : open.segments.rays) ray = {ray.count(), false};
   for (uint32_t y = 0; y < camera.height; ++y)
     for (uint32_t x = 0; x < camera.width; ++x) {
       const Ray ray = pixels.ray(x, y).ray;
-      const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kBounds, 0.0f, INFINITY);
+      const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kFrameBounds, 0.0f, INFINITY);
       if (inside.isMiss()) continue;
       for (const bool isLinear : {false, true}) {
         const SampleFrame& walked = isLinear ? open : frame;
         const Found found = walk(walked, ray, inside.tNear, inside.tFar, isLinear);
-        const Expected expected = bruteForce(walked, ray, static_cast<double>(inside.tNear), static_cast<double>(inside.tFar), isLinear, 4000);
+        const MetByRay expected = bruteForce(walked, ray, static_cast<double>(inside.tNear), static_cast<double>(inside.tFar), isLinear, 4000);
         const double tolerance = isLinear ? ofLinear : ofNearest;
         const double length = static_cast<double>(inside.tFar) - static_cast<double>(inside.tNear);
         ASSERT_NEAR(static_cast<double>(found.walked.through), expected.through, tolerance) << what << " at " << x << ", " << y << (isLinear ? " linear" : "");
@@ -225,7 +101,7 @@ TEST(SegmentWalk, TheServersOwnViewIsTheFrames) {
   for (const float farAway : {30.0f, 3e3f, 3e5f}) {
     Camera server = lookingFrom(farAway * glm::normalize(glm::vec3(3.0f, 4.0f, 30.0f)), {0.5f, 0.2f, 0.0f}, 40, 30, 14.0f / farAway);
     const SampleFrame frame = randomFrame(server, 3);
-    const PixelGrid pixels = makePixelGrid(server, depthRangeOf(server, kBounds).nearDepth);
+    const PixelGrid pixels = makePixelGrid(server, depthRangeOf(server, kFrameBounds).nearDepth);
     size_t at = 0;
     for (uint32_t y = 0; y < server.height; ++y)
       for (uint32_t x = 0; x < server.width; ++x) {
@@ -253,9 +129,9 @@ TEST(SegmentWalk, TheServersOwnViewIsTheFrames) {
 TEST(SegmentWalk, AlongEdgesAndThroughCorners) {
   SampleFrame frame;
   frame.camera = lookingFrom({0.0f, 0.0f, 30.0f}, glm::vec3(0.0f), 8, 8, 0.4f);
-  frame.quantization = quantizationFor(frame.camera, kBounds, 1.0f);
+  frame.quantization = quantizationFor(frame.camera, kFrameBounds, 1.0f);
   frame.settings.sample.segments = 1;
-  const DepthRange range = depthRangeOf(frame.camera, kBounds);
+  const DepthRange range = depthRangeOf(frame.camera, kFrameBounds);
   const auto last = encodeDepth(range.farDepth - range.nearDepth, frame.quantization.depthStep);
   for (int i = 0; i < 64; ++i) {
     frame.segments.rays.push_back({1, false});
@@ -269,7 +145,7 @@ TEST(SegmentWalk, AlongEdgesAndThroughCorners) {
       const Ray ray{through - 8.0f * glm::normalize(direction), glm::normalize(direction)};
       for (const bool isLinear : {false, true}) {
         const Found found = walk(frame, ray, 0.0f, 16.0f, isLinear);
-        const Expected expected = bruteForce(frame, ray, 0.0, 16.0, isLinear, 8000);
+        const MetByRay expected = bruteForce(frame, ray, 0.0, 16.0, isLinear, 8000);
         EXPECT_NEAR(static_cast<double>(found.walked.through), expected.through, 5e-3);
         EXPECT_NEAR(found.unknown, expected.unknown, 0.02);
       }
@@ -309,7 +185,7 @@ TEST(SegmentWalk, ThinSegmentsAreAsOpaqueAsTheySay) {
 TEST(SegmentWalk, BetweenPixelsThoseThatKnowSayWhatIsThere) {
   SampleFrame frame;
   frame.camera = lookingFrom({0.0f, 0.0f, 30.0f}, glm::vec3(0.0f), 2, 1, 0.3f);
-  frame.quantization = quantizationFor(frame.camera, kBounds, 1.0f);
+  frame.quantization = quantizationFor(frame.camera, kFrameBounds, 1.0f);
   frame.settings.sample.segments = 1;
   const auto codeOf = [&](float depth) { return encodeDepth(depth, frame.quantization.depthStep); };
   frame.segments.rays = {{1, true}, {1, false}};
@@ -334,12 +210,12 @@ TEST(SegmentWalk, AnEyeAtInfinityMeetsWhatOneFarAwayMeets) {
   const glm::vec3 towards = glm::normalize(glm::vec3(1.0f, 0.3f, 2.0f));
   const auto seenFrom = [&](float distance) { return lookingFrom(distance * towards, glm::vec3(0.0f), 9, 9, 14.0f / distance); };
   const auto pictureOf = [&](const Camera& camera) {
-    const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, kBounds).nearDepth);
+    const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, kFrameBounds).nearDepth);
     std::vector<float> all;
     for (uint32_t y = 0; y < camera.height; ++y)
       for (uint32_t x = 0; x < camera.width; ++x) {
         const Ray ray = pixels.ray(x, y).ray;
-        const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kBounds, 0.0f, INFINITY);
+        const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kFrameBounds, 0.0f, INFINITY);
         all.push_back(inside.isMiss() ? 1.0f : walk(frame, ray, inside.tNear, inside.tFar, true).walked.through);
       }
     return all;
@@ -351,7 +227,7 @@ TEST(SegmentWalk, AnEyeAtInfinityMeetsWhatOneFarAwayMeets) {
 TEST(SegmentWalk, WithoutSegmentsAllIsKnownToBeEmptyOrUnknown) {
   SampleFrame frame;
   frame.camera = kServer;
-  frame.quantization = quantizationFor(kServer, kBounds, 1.0f);
+  frame.quantization = quantizationFor(kServer, kFrameBounds, 1.0f);
   frame.settings.sample.segments = 2;
   frame.segments.rays.assign(13 * 9, RaySegmentCount{});
   const Found found = walk(frame, {{0.0f, 0.0f, 20.0f}, {0.0f, 0.0f, -1.0f}}, 10.0f, 30.0f, true);

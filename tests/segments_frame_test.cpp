@@ -144,8 +144,19 @@ TEST(SegmentCodec, ComesBackInEveryFormatFromEveryKindOfMarch) {
           coding.color = ColorCoding::lossless;
           const std::vector<std::byte> payload = codec.encode(frame, coding);
           EXPECT_LE(payload.size(), mostPayloadBytes(frame, frame.size(), coding));
+          // What each part takes is known from the encoding, and from the decoding: as much as its absence saves.
+          const FrameBytes bytes = codec.bytes();
+          EXPECT_EQ(bytes.all(), payload.size());
+          EXPECT_EQ(bytes.proxy, proxyBytesOf(*frame.proxy));
+          SampleFrame bare = frame;
+          bare.settings.sample.segments = bare.settings.sample.proxy = 0;
+          bare.segments = {};
+          bare.proxy.reset();
+          EXPECT_EQ(bytes.samples, FrameCodec().encode(bare, coding).size());
           SampleFrame back = headOf(frame);
-          ASSERT_EQ(codec.decode(payload, frame.size(), back), std::nullopt);
+          FrameCodec receiver;
+          ASSERT_EQ(receiver.decode(payload, frame.size(), back), std::nullopt);
+          EXPECT_EQ(receiver.bytes(), bytes);
           EXPECT_TRUE(sameSegments(back.segments, frame.segments));
           EXPECT_EQ(back.samples, frame.samples);
           ASSERT_TRUE(back.proxy);

@@ -214,6 +214,15 @@ TEST(LeavingOutRule, OtherSettingsAreOtherMarches) {
   EXPECT_EQ(rule.choose(kPixels, MarchSettings{}, 20.0), Coarsening{});
 }
 
+TEST(LeavingOutRule, TheCopyOfTheVolumeMakesNoOtherMarch) {
+  LeavingOutRule rule;
+  MarchSettings asked;
+  asked.sample.proxy = 64;  // as a connection's first request has it
+  rule.noteAtRest(kPixels, asked, 100.0);
+  asked.sample.proxy = 0;  // and those behind it
+  EXPECT_GT(rule.choose(kPixels, asked, 50.0).factor, 1.5);
+}
+
 class ServerPaceTest : public testing::Test {
  protected:
   static Camera from(float x) {

@@ -2,6 +2,7 @@
 // Mirrors app/session/technique_choice.h.
 #include <gtest/gtest.h>
 
+#include "render/warp/fill.h"
 #include "tests/session_fixture.h"
 
 namespace warpscope {
@@ -90,6 +91,45 @@ TEST_F(SessionChoiceTest, WhatWasNotMeasuredIsSaid) {
   ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn != nullptr && session_.panel(0).drawn->name == "splats"; }));
   EXPECT_FALSE(session_.panel(0).choice);
   EXPECT_THAT(session_.panel(0).choiceText, testing::HasSubstr("nothing was measured yet"));
+}
+
+TEST_F(SessionChoiceTest, WhatTheFrameDoesNotHaveYetIsAskedForAndChosen) {
+  ASSERT_TRUE(open("block"));
+  session_.setTechnique(0, findWarp("spheres"));
+  ASSERT_TRUE(settle());
+  ASSERT_EQ(session_.frames().newest()->settings.sample.segments, 0) << "nothing on show draws them";
+  const std::vector<SweepRow> rows{rowOf("spheres", 0, 0.2, 5), rowOf("spheres", 20, 0.3, 5), rowOf("segments", 0, 0.05, 20), rowOf("segments", 20, 0.1, 20)};
+  session_.setFront(std::make_shared<const AutoChoice>(rows));
+  session_.setAutomatic(0);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn->name == "segments"; }));
+  EXPECT_GT(session_.frames().newest()->settings.sample.segments, 0);
+  EXPECT_EQ(session_.panel(0).lack, "");
+  // Too slow for this budget: the frames have none again.
+  LiveSettings knobs = session_.knobs();
+  knobs.budgetMs = 10.0;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).drawn->name == "spheres" && session_.frames().newest()->settings.sample.segments == 0; }));
+  // A frozen frame has what it has.
+  freeze();
+  turn(session_, 20.0);
+  knobs = session_.knobs();
+  knobs.budgetMs = 100.0;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).choiceText.find("within 100 ms") != std::string::npos; }));
+  EXPECT_EQ(session_.panel(0).technique->name, "spheres");
+  EXPECT_EQ(session_.panel(0).choice->technique->name, "spheres");
+}
+
+TEST_F(SessionChoiceTest, PanelsKnobsGoWithWhatIsChosen) {
+  ASSERT_TRUE(open("block"));
+  SweepRow row = rowOf("spheres", 0, 0.1, 5);
+  row.configuration.knobs.set(kFillKnob, Fill::pullPush);
+  session_.setFront(std::make_shared<const AutoChoice>(std::vector{row, rowOf("spheres", 0, 0.2, 5)}));
+  session_.setAutomatic(0);
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.knobs().panelKnobs[0].choice<Fill>(kFillKnob), Fill::pullPush);
+  ASSERT_TRUE(session_.panel(0).configuration);
+  EXPECT_EQ(session_.panel(0).configuration->knobs.choice<Fill>(kFillKnob), Fill::pullPush) << "which is what was measured";
 }
 
 TEST_F(SessionChoiceTest, WhatIsHardlyBetterDoesNotTakeOver) {

@@ -4,6 +4,7 @@
 
 #include <latch>
 
+#include "app/frames/frame_fetch.h"
 #include "render/warp/arithmetic_knob.h"
 #include "tests/session_fixture.h"
 
@@ -294,12 +295,59 @@ TEST_F(SessionTest, TheStagesOfAFrameAreKnownWhereItIsShown) {
   EXPECT_GT(panel.latency.marchMs, 0.0);
   EXPECT_GT(panel.latency.encodeMs, 0.0);
   EXPECT_GT(panel.latency.decodeMs, 0.0);
-  EXPECT_GT(panel.frameBytes, 0u);
-  EXPECT_EQ(panel.frameBytes, session_.frames().bytesOfNewest());
+  EXPECT_GT(panel.bytes, size_t{0});
+  EXPECT_EQ(panel.bytes, session_.frames().bytesOfNewest().samples);
   const std::optional<SourceStatus> status = session_.sourceStatus();
   ASSERT_TRUE(status);
   EXPECT_TRUE(status->isConnected) << status->sentence;
   EXPECT_NE(status->where.find("127.0.0.1:"), std::string::npos);
+}
+
+TEST_F(SessionTest, PanelsSayWhatTheirTechniqueDrawsOfTheFrame) {
+  ASSERT_TRUE(open("block"));
+  const auto bytesOf = [&](std::string_view technique) {
+    session_.setTechnique(1, findWarp(technique));
+    EXPECT_TRUE(settle());
+    return session_.panel(1);
+  };
+  // The frame's picture alone, as a viewer that streams pictures is sent it: found with the errors.
+  const Panel& hold = session_.panel(0);
+  ASSERT_TRUE(hold.bytes);
+  EXPECT_EQ(*hold.bytes, pictureBytes(session_.frames().newest(), session_.scene()->background, session_.knobs().transport.codec));
+  EXPECT_EQ(hold.proxyBytes, 0u);
+  const Panel spheres = bytesOf("spheres");
+  EXPECT_EQ(spheres.bytes, session_.frames().bytesOfNewest().samples);
+  EXPECT_EQ(spheres.proxyBytes, 0u);
+  const Panel segments = bytesOf("segments");
+  const FrameBytes whole = session_.frames().bytesOfNewest();
+  EXPECT_GT(whole.segments, 0u);
+  EXPECT_EQ(segments.bytes, whole.segments);
+  EXPECT_EQ(segments.proxyBytes, whole.proxy);
+  EXPECT_GT(whole.proxy, 0u);
+  // It came once, and goes with every frame from then on.
+  const uint64_t before = session_.frames().newest()->requestId;
+  turn(session_, 20.0);
+  ASSERT_TRUE(settle());
+  ASSERT_GT(session_.frames().newest()->requestId, before);
+  EXPECT_EQ(session_.panel(1).proxyBytes, whole.proxy);
+  const Panel proxy = bytesOf("proxy");
+  EXPECT_EQ(proxy.bytes, size_t{0});
+  EXPECT_EQ(proxy.proxyBytes, whole.proxy);
+}
+
+TEST_F(SessionTest, ATechniqueWithNothingToDrawSaysSoAndGetsNoPoint) {
+  ASSERT_TRUE(open("block"));
+  LiveSettings knobs = session_.knobs();
+  knobs.march.sample.segments = 0;
+  session_.setKnobs(knobs);
+  session_.setTechnique(1, findWarp("segments"));
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.panel(1).lack, "there are no segments (--segments 0)");
+  EXPECT_FALSE(session_.panel(1).configuration);
+  EXPECT_EQ(session_.panel(0).lack, "");
+  knobs.march.sample.segments = 3;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(1).lack.empty(); }));
 }
 
 TEST_F(SessionTest, ASceneThatCannotBeOpenedIsASentence) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <set>
 
+#include "app/scene/scene.h"
 #include "render/base/error.h"
 #include "render/warp/multihit_warp.h"
 #include "render/warp/points_warp.h"
@@ -152,10 +153,15 @@ TEST(Configuration, CodecWordsComeBack) {
 }
 
 TEST(SweepPlan, TheDefaultHoldsEveryTechniqueAndBothBaselines) {
-  const SweepPlan plan = defaultPlan({}, 640, 480);
+  const SweepPlan plan = defaultPlan(defaultMarch(), 640, 480);
   const std::vector<Configuration> configurations = configurationsOf(plan);
-  for (const WarpDescriptor& technique : warpRegistry())
-    EXPECT_TRUE(std::any_of(configurations.begin(), configurations.end(), [&](const Configuration& c) { return c.technique == &technique; }));
+  const auto has = [](const std::vector<Configuration>& all, const WarpDescriptor& technique) {
+    return std::ranges::find(all, &technique, &Configuration::technique) != all.end();
+  };
+  for (const WarpDescriptor& technique : warpRegistry()) EXPECT_TRUE(has(configurations, technique)) << technique.name;
+  // What would show nothing is no configuration.
+  const std::vector<Configuration> bare = configurationsOf(defaultPlan(MarchSettings{}, 640, 480));
+  for (const WarpDescriptor& technique : warpRegistry()) EXPECT_EQ(has(bare, technique), !technique.uses.segments && !technique.uses.proxy) << technique.name;
   EXPECT_TRUE(std::any_of(configurations.begin(), configurations.end(), isPapersMethod));
   EXPECT_TRUE(std::any_of(configurations.begin(), configurations.end(), isPointBaseline));
   std::set<std::string> keys;

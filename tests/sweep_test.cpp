@@ -17,6 +17,8 @@
 #include "app/picture/heat_map.h"
 #include "app/picture/svg_plot.h"
 #include "render/base/error.h"
+#include "render/warp/fill.h"
+#include "render/warp/kept_frames.h"
 #include "tests/headless.h"
 #include "tests/test_folder.h"
 
@@ -80,6 +82,40 @@ TEST_F(SweepTest, EveryConfigurationAtEveryAngleAndBehindEveryLink) {
   for (const SweepFloor& floor : floors) {
     EXPECT_GT(floor.errors.flip, 0.0);
     EXPECT_LT(floor.errors.flip, 0.02);
+  }
+}
+
+TEST_F(SweepTest, FramesThatAreKeptAreThoseOfACameraThatCameTurning) {
+  applyPlanFile(JsonDocument(R"({"techniques": ["spheres", "segments"], "keeps": [1, 3], "angles": [-12, 0, 12], "heuristics": ["gradient"], "fills": ["none"],
+    "links": ["delay=100"]})", "plan").root(), settings_.plan);
+  SweepJournal journal;
+  Sweep run(stage_.scene(), stage_.resources(), settings_, {});
+  const std::vector<SweepRow> rows = run.run(journal, [](const std::string&) {});
+  const auto rowOf = [&](std::string_view technique, double keep, double angleDeg, bool isMoving = false) -> const SweepRow& {
+    return *std::ranges::find_if(rows, [&](const SweepRow& row) {
+      const Configuration& c = row.configuration;
+      return c.technique->name == technique && c.knobs[kKeepKnob] == keep && c.knobs.choice<Fill>(kFillKnob) == Fill::none &&
+             (isMoving ? !row.link.empty() : row.link.empty() && row.angleDeg == angleDeg);
+    });
+  };
+  for (const std::string_view technique : {"spheres", "segments"}) {
+    SCOPED_TRACE(technique);
+    // They saw what lies on the side that the camera came from.
+    EXPECT_LE(rowOf(technique, 3, -12.0).errors.holeFraction, 0.7 * rowOf(technique, 1, -12.0).errors.holeFraction);
+    EXPECT_GT(rowOf(technique, 3, -12.0).errors.psnrDb, rowOf(technique, 1, -12.0).errors.psnrDb - 0.1);
+    EXPECT_LE(rowOf(technique, 3, 12.0).errors.holeFraction, rowOf(technique, 1, 12.0).errors.holeFraction);
+    EXPECT_GT(rowOf(technique, 3, 0.0, true).framesPerSecond, 0.0);  // how old its pictures are is a matter of time
+    EXPECT_EQ(rowOf(technique, 3, 0.0).cost.bytes, rowOf(technique, 1, 0.0).cost.bytes) << "nothing more is sent";
+    EXPECT_NE(labelOf(rowOf(technique, 3, 0.0).configuration).find("3 frames kept"), std::string::npos);
+    // The same as from frames that are handed over one by one.
+    const Configuration& three = rowOf(technique, 3, 0.0).configuration;
+    const std::unique_ptr<Warp> warp = makeWarp(findWarp(technique), stage_.resources());
+    const WarpSettings settings = three.warp(settings_.warp);
+    for (const double turnDeg : {-8.0, -4.0, 0.0}) warp->setFrame(stage_.frame(stage_.camera(96, 72, turnDeg), three.march), settings);
+    WarpedImage image, truth;
+    warp->draw(stage_.camera(96, 72, -12.0), settings, image);
+    stage_.marcher().render(stage_.camera(96, 72, -12.0), stage_.scene().march.render, truth.color);
+    EXPECT_NEAR(rowOf(technique, 3, -12.0).errors.holeFraction, PictureJudge(truth.color, stage_.scene().background).errorsOf(image).holeFraction, 0.01);
   }
 }
 

@@ -215,11 +215,12 @@ TEST_F(WindowReportTest, StagesAreThoseOfPanelsThatDrawFrames) {
       {"waitMs", latency.waitMs}, {"wireMs", latency.wireMs},       {"queueMs", latency.queueMs},   {"marchMs", latency.marchMs},
       {"copyMs", latency.copyMs}, {"compactMs", latency.compactMs}, {"encodeMs", latency.encodeMs}, {"decodeMs", latency.decodeMs},
       {"buildMs", panel.buildMs}, {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs}};
-  EXPECT_EQ(stages.size(), expected.size() + 7);  // bytes, errors, what was left out, and a shortcut
+  EXPECT_EQ(stages.size(), expected.size() + 8);  // bytes, errors, what was left out, and a shortcut
   EXPECT_EQ(stages["leftOut"], "");
   for (const auto& [key, value] : expected) EXPECT_DOUBLE_EQ(stages[key], value) << key;
-  EXPECT_EQ(stages["bytes"], panel.frameBytes);
-  EXPECT_GT(panel.frameBytes, 0u);
+  EXPECT_EQ(stages["bytes"], panel.bytes.value());
+  EXPECT_GT(panel.bytes, size_t{0});
+  EXPECT_EQ(stages["proxyBytes"], panel.proxyBytes);
   EXPECT_TRUE(figures["panels"][1].is_null()) << "the reference is drawn from no frame";
 
   EXPECT_EQ(figures["framesReceived"], session_.frames().received());

@@ -59,7 +59,7 @@ Json toJson(const BackendBenchmark& result, const Scene& scene) {
             {"encodeMs", result.coding.encode.medianMs},
             {"encodeSpreadMs", result.coding.encode.spreadMs},
             {"decodeMs", result.coding.decode.medianMs},
-            {"bytes", result.coding.bytes},
+            {"bytes", result.coding.bytes.ofFrame()},
             {"rawBytes", result.rawBytes},
             {"techniques", techniques}};
   // What Table 1 holds, for the paper's method.
@@ -78,7 +78,7 @@ void printResult(const BackendBenchmark& result, const Scene& scene) {
   std::fprintf(stderr, "  march %.3f ms, compaction %.3f ms, copy %.3f ms; camera to samples %.3f ms\n", result.march.march.medianMs,
                result.march.compact.medianMs, result.march.copy.medianMs, result.march.samples.medianMs);
   std::fprintf(stderr, "  encoding on the CPU %.1f ms, decoding %.1f ms; %.2f MB on the wire, %.2f MB as samples of 12 bytes\n",
-               result.coding.encode.medianMs, result.coding.decode.medianMs, static_cast<double>(result.coding.bytes) * 1e-6,
+               result.coding.encode.medianMs, result.coding.decode.medianMs, static_cast<double>(result.coding.bytes.ofFrame()) * 1e-6,
                static_cast<double>(result.rawBytes) * 1e-6);
   std::fprintf(stderr, "  %-10s %9s %9s %9s   pictures a second in each view\n", "", "upload ms", "build ms", "first ms");
   for (const TechniqueBenchmark& technique : result.techniques) {

@@ -73,6 +73,9 @@ Json verdictOf(const Comparison& comparison, const CommandContext& work) {
 Json toJson(const Comparison& comparison, const CommandContext& work, std::string_view backend, const std::string& context) {
   Json rows = Json::array();
   for (const ComparisonRow& row : comparison.rows) rows.push_back(toJson(row, comparison, work));
+  Json leftOut = Json::array();
+  for (const WarpDescriptor& technique : warpRegistry())
+    if (const std::string lack = lackOf(technique, work.march); !lack.empty()) leftOut.push_back({{"technique", technique.name}, {"reason", lack}});
   Json json{{"scene", work.scene.name},
           {"width", work.width},
           {"height", work.height},
@@ -84,7 +87,8 @@ Json toJson(const Comparison& comparison, const CommandContext& work, std::strin
           {"nonFiniteVoxels", work.scene.volume ? Json(work.scene.volume->statistics().nonFinite) : Json(nullptr)},
           {"version", WARPSCOPE_VERSION},
           {"spheresAgainstPoints", verdictOf(comparison, work)},
-          {"rows", rows}};
+          {"rows", rows},
+          {"leftOut", leftOut}};
   json.update(toJson(work.march));
   for (const Knob* knob : warpKnobs()) json[std::string(knob->key)] = jsonOf(*knob, work.warp.knobs[*knob]);
   return json;
@@ -106,16 +110,16 @@ std::string padded(const std::string& text, size_t width) {
   return std::string(width - std::min(width, length), ' ') + text;
 }
 
-void printTable(const Comparison& comparison, const Scene& scene) {
+void printTable(const Comparison& comparison, const Scene& scene, const std::vector<const WarpDescriptor*>& techniques) {
   constexpr size_t kCell = 25;
   std::string table(11, ' ');
   for (const View& view : scene.views) table += padded(viewCaption(view, scene.views.front()), kCell);
-  for (const WarpDescriptor& technique : warpRegistry()) {
-    std::string name(technique.name);
+  for (const WarpDescriptor* const technique : techniques) {
+    std::string name(technique->name);
     name.resize(std::max<size_t>(11, name.size()), ' ');
     table += "\n" + name;
     for (const ComparisonRow& row : comparison.rows) {
-      if (row.technique != &technique) continue;
+      if (row.technique != technique) continue;
       char text[80];
       if (std::isfinite(row.psnrDb))
         std::snprintf(text, sizeof text, "%.1f dB %5.1f %% %4.0f", row.psnrDb, 100.0 * row.holeFraction, row.draw.medianMs);
@@ -143,10 +147,10 @@ std::string nameOf(const WarpDescriptor& technique, size_t view) {
 }
 
 /// Of all files that are to come.
-std::vector<std::string> namesOf(size_t views) {
+std::vector<std::string> namesOf(const std::vector<const WarpDescriptor*>& techniques, size_t views) {
   std::vector<std::string> names{"montage.png", "metrics.json"};
-  for (const WarpDescriptor& technique : warpRegistry())
-    for (size_t view = 0; view < views; ++view) names.push_back(nameOf(technique, view));
+  for (const WarpDescriptor* const technique : techniques)
+    for (size_t view = 0; view < views; ++view) names.push_back(nameOf(*technique, view));
   return names;
 }
 
@@ -154,14 +158,21 @@ void compare(const CompareOptions& options) {
   if (options.cellWidth < 16 || options.cellWidth > 4096) throw UsageError("--cell: must be 16 to 4096 pixels");
   const Interrupt interrupt;
   const CommandContext work = prepare(options.common, options.transport, interrupt.token());
-  StagedFolder out(options.out, namesOf(work.scene.views.size()));  // fails before the work if it cannot be written
+  const std::vector<const WarpDescriptor*> techniques = comparedTechniques(work.march);
+  StagedFolder out(options.out, namesOf(techniques, work.scene.views.size()));  // fails before the work if it cannot be written
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
+  for (const WarpDescriptor& technique : warpRegistry())
+    if (const std::string lack = lackOf(technique, work.march); !lack.empty())
+      logWarning(std::string(technique.name) + " is left out: " + lack);
 
   Montage montage;
   montage.title = work.scene.title + "  (" + std::string(nameOf(work.march.sample.heuristic)) + ", " +
                   std::string(nameOf(work.march.sample.radiusPolicy)) + " radius)";
   for (const View& view : work.scene.views) montage.columns.push_back(viewCaption(view, work.scene.views.front()));
-  for (const WarpDescriptor& technique : warpRegistry()) montage.rows.push_back({std::string(technique.label), {}});
+  for (const WarpDescriptor* const technique : techniques) montage.rows.push_back({std::string(technique->label), {}});
+  const auto rowOf = [&](const WarpDescriptor& technique) -> auto& {
+    return montage.rows[static_cast<size_t>(std::ranges::find(techniques, &technique) - techniques.begin())];
+  };
 
   ComparisonSettings settings;
   settings.march = work.march;
@@ -170,7 +181,7 @@ void compare(const CompareOptions& options) {
   settings.codec = work.transport.codec;
   settings.width = work.width;
   settings.height = work.height;
-  const size_t pictures = warpRegistry().size() * work.scene.views.size();
+  const size_t pictures = techniques.size() * work.scene.views.size();
   Comparison comparison;
   {
     Progress progress("compare", pictures + 1, !options.common.showsProgress());
@@ -181,13 +192,13 @@ void compare(const CompareOptions& options) {
           Image<Rgba8> screen = toScreen(image, work.scene.background, work.marks);
           const uint32_t width = std::min(options.cellWidth, work.width);
           const uint32_t height = std::max<uint32_t>(1, static_cast<uint32_t>(uint64_t{work.height} * width / work.width));
-          montage.rows[static_cast<size_t>(&technique - warpRegistry().data())].cells.push_back({resized(screen, width, height), ""});
+          rowOf(technique).cells.push_back({resized(screen, width, height), ""});
         },
         [&](const std::string& what) { progress.step(what); }, interrupt.token());
   }
   logFrame(*comparison.frame);
   for (const ComparisonRow& row : comparison.rows)
-    montage.rows[static_cast<size_t>(row.technique - warpRegistry().data())].cells[row.view].caption = captionOf(row);
+    rowOf(*row.technique).cells[row.view].caption = captionOf(row);
   out.write("montage.png", encodePng(drawMontage(montage, options.cellWidth), interrupt.token()));
   const Json report = toJson(comparison, work, nameOf(headless.resources().marcher->backend()), headless.contextText());
   out.write("metrics.json", textOf(report));  // last, so that where it is, everything is
@@ -197,7 +208,7 @@ void compare(const CompareOptions& options) {
   if (options.common.json)
     std::cout << textOf(report);
   else if (!options.common.quiet) {
-    printTable(comparison, work.scene);
+    printTable(comparison, work.scene, techniques);
     printVerdict(comparison, work.scene);
     logResult("wrote " + std::to_string(pictures) + " pictures, montage.png and metrics.json to " + options.out);
   }

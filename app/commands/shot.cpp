@@ -118,6 +118,18 @@ AutoChoice::Choice chooseFor(const ShotOptions& options, CommandContext& work, H
   return *choice;
 }
 
+/// What the technique shows nothing without is asked for, whatever the scene says, unless the command line says that there is to be none.
+void askForWhatIsDrawn(const WarpDescriptor& technique, CommandContext& work) {
+  const auto ask = [&](bool isDrawn, const Knob& knob, int SampleSettings::*value, std::string_view what) {
+    if (!isDrawn || work.march.sample.*value > 0) return;
+    if (work.given.find(knob))
+      throw UsageError("--technique " + std::string(technique.name) + " draws " + std::string(what) + ": " + std::string(knob.option) + " must be more than 0");
+    work.march.sample.*value = defaultMarch().sample.*value;
+  };
+  ask(technique.uses.segments, kSegmentsKnob, &SampleSettings::segments, "segments");
+  ask(drawsProxy(technique, work.warp.knobs) && !technique.uses.segments, kProxyKnob, &SampleSettings::proxy, "the volume's copy here");
+}
+
 /// `limit`: of all that is had from a server.
 void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& limit) {
   requireRange(options.viewAngleDeg, kViewAngleDegRange, "--view-angle");
@@ -150,9 +162,7 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
   if (descriptor.usesFrame) {
     progress->step("the server's frame");
     work.march = neededBy(std::array{TechniqueInUse{&descriptor, work.warp.knobs}}, work.march);
-    if (descriptor.uses.segments && work.march.sample.segments == 0) throw UsageError("--technique " + std::string(descriptor.name) + " draws segments: --segments must be at least 1");
-    if (drawsProxy(descriptor, work.warp.knobs) && !descriptor.uses.segments && work.march.sample.proxy == 0)
-      throw UsageError("--technique " + std::string(descriptor.name) + " draws the volume's copy here: --proxy must be more than 0");
+    askForWhatIsDrawn(descriptor, work);
     served = work.fetch()(serverCamera, work.march, limit.token());
   }
   const SampleFramePtr& frame = served.frame;
@@ -173,7 +183,7 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
                                 {"technique", descriptor.name},
                                 {"viewAngleDeg", options.viewAngleDeg},
                                 {"samples", frame ? frame->size() : 0},
-                                {"bytes", served.bytes},
+                                {"bytes", served.bytes.ofFrame()},
                                 {"transport", toJson(work.transport)},
                                 {"latency", frame ? toJson(served.latency) : nlohmann::json(nullptr)}};
     report.update(toJson(work.march));

@@ -33,11 +33,30 @@ struct SweepOptions {
   std::map<std::string_view, std::string> axes;  // by option, as typed; empty: not given
 };
 
+/// Sees to it that techniques which are named have something to draw, unless there is to be none of it: then they are refused. Others are left out.
+/// `isNamed`: whether the axis of that key and option is.
+template <class IsNamed>
+void requireDrawn(SweepPlan& plan, const CommandContext& work, const IsNamed& isNamed) {
+  const bool areNamed = isNamed("techniques", "--techniques");
+  const MarchSettings usual = defaultMarch();
+  for (const auto& [knob, value] : {std::pair(&kSegmentsKnob, usual.sample.segments), std::pair(&kProxyKnob, usual.sample.proxy)})
+    if (std::vector<double>& values = plan.values(*knob); areNamed && values == std::vector{0.0} && !work.given.find(*knob) && !isNamed(knob->axis.key, knob->axis.option))
+      values = {static_cast<double>(value)};
+  const std::vector<Configuration> configurations = configurationsOf(plan);
+  for (const WarpDescriptor* technique : plan.techniques) {
+    if (std::ranges::find(configurations, technique, &Configuration::technique) != configurations.end()) continue;
+    const std::string name(technique->name), lack = lackOf(*technique, MarchSettings{});
+    if (areNamed) throw UsageError("--techniques " + name + ": " + lack);
+    logWarning(name + " is left out: " + lack);
+  }
+}
+
 SweepPlan planOf(const SweepOptions& options, const CommandContext& work) {
   SweepPlan plan = defaultPlan(work.march, work.width, work.height);
+  std::optional<JsonDocument> document;
   if (!options.plan.empty()) {
-    const JsonDocument document = JsonDocument::fromFile(options.plan);
-    applyPlanFile(document.root(), plan);
+    document = JsonDocument::fromFile(options.plan);
+    applyPlanFile(document->root(), plan);
   }
   // What other commands take one of is one value of an axis here.
   for (const ConfigurationKnob& row : configurationKnobs())
@@ -45,6 +64,10 @@ SweepPlan planOf(const SweepOptions& options, const CommandContext& work) {
   for (const SweepAxis& axis : sweepAxes())
     if (const auto given = options.axes.find(axis.option); given != options.axes.end() && !given->second.empty())
       applyPlanOption(axis, given->second, plan);
+  requireDrawn(plan, work, [&](std::string_view key, std::string_view option) {
+    const auto typed = options.axes.find(option);
+    return (typed != options.axes.end() && !typed->second.empty()) || (document && document->root().find(key));
+  });
   return plan;
 }
 

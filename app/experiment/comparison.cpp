@@ -31,6 +31,13 @@ std::string factorText(double factor) {
 
 }  // namespace
 
+std::vector<const WarpDescriptor*> comparedTechniques(const MarchSettings& march) {
+  std::vector<const WarpDescriptor*> techniques;
+  for (const WarpDescriptor& technique : warpRegistry())
+    if (lackOf(technique, march).empty()) techniques.push_back(&technique);
+  return techniques;
+}
+
 Comparison compareTechniques(const Scene& scene, const WarpResources& resources, const ComparisonSettings& settings,
                              const std::function<void(const WarpDescriptor&, size_t, const WarpedImage&)>& onPicture,
                              const std::function<void(const std::string&)>& onStep, const std::stop_token& stop) {
@@ -50,15 +57,15 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
     size_t proxyBytes = 0;
   };
   const Measuring measuring(settings.draws, stop);
-  const size_t bytes = comparison.served.bytes, sampleBytes = sampleBytesOf(*comparison.frame, bytes, settings.codec);
   std::vector<Contender> contenders;
-  for (const WarpDescriptor& descriptor : warpRegistry()) {
+  for (const WarpDescriptor* const technique : comparedTechniques(settings.march)) {
+    const WarpDescriptor& descriptor = *technique;
     Contender contender{&descriptor, makeWarp(descriptor, resources), {}, 0};
     contender.build = measureBuild(measuring, *contender.warp, comparison.frame, settings.warp);
     if (descriptor.usesFrame)
       contender.bytes = drawsPictureAlone(descriptor) ? pictureBytes(comparison.frame, scene.background, settings.codec)
-                                                      : bytesFor(descriptor, bytes, sampleBytes);
-    if (drawsProxy(descriptor, settings.warp.knobs)) contender.proxyBytes = comparison.served.proxyBytes;
+                                                      : bytesFor(descriptor, comparison.served.bytes);
+    if (drawsProxy(descriptor, settings.warp.knobs)) contender.proxyBytes = comparison.served.bytes.proxy;
     contenders.push_back(std::move(contender));
   }
 

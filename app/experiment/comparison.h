@@ -47,7 +47,10 @@ struct ComparisonSettings {
   int draws = 3;  ///< timed, after one that is not, and builds likewise; the reference is drawn once: the march of the frame has warmed it up
 };
 
-/// Runs the comparison. `onPicture` gets each picture as it is made: views in order, techniques in the registry's order, the reference
+/// The techniques that show something of frames that are marched so (lackOf), in the registry's order.
+std::vector<const WarpDescriptor*> comparedTechniques(const MarchSettings& march);
+
+/// Runs the comparison. `onPicture` gets each picture as it is made: views in order, techniques as comparedTechniques has them, the reference
 /// first. `onStep` is told before each. Throws as marching and warping do.
 Comparison compareTechniques(const Scene& scene, const WarpResources& resources, const ComparisonSettings& settings,
                              const std::function<void(const WarpDescriptor&, size_t view, const WarpedImage&)>& onPicture,

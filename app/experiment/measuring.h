@@ -62,7 +62,7 @@ MeasuredMarch measureMarch(const Measuring& measuring, Marcher& marcher, const C
 /// A frame's way through the codec, on the CPU.
 struct MeasuredCoding {
   SampleFramePtr frame;  ///< as a client gets it
-  size_t bytes = 0;      ///< of its payload, without the copy of the volume
+  FrameBytes bytes;      ///< of its payload
   Measured encode, decode;
 };
 /// Throws InputError if the codec does not give back the samples.

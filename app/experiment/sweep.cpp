@@ -16,6 +16,7 @@
 #include "app/frames/frame_fetch.h"
 #include "render/base/error.h"
 #include "render/metrics/flicker.h"
+#include "render/warp/kept_frames.h"
 
 namespace warpscope {
 namespace {
@@ -28,7 +29,8 @@ constexpr double kFirstInstantS = 2.0, kBetweenInstantsS = 0.6180339887;
 /// A frame as the client gets it, and what that took.
 struct Served {
   SampleFramePtr frame;
-  SweepCost cost;
+  FrameBytes bytes;
+  SweepCost cost;  ///< bytes are each technique's own
 };
 
 /// All that a frame of one camera depends on.
@@ -54,7 +56,7 @@ class Server {
     Served served;
     served.frame = coding.frame;
     served.cost.samples = coding.frame->size();
-    served.cost.bytes = coding.bytes;
+    served.bytes = coding.bytes;
     served.cost.march = marched_.march;
     served.cost.compact = marched_.compact;
     served.cost.copy = marched_.copy;
@@ -94,10 +96,13 @@ class Sweep::Run {
       const Served served = servedFor(configuration);
       cost = served.cost;
       cost.bytes = drawsPictureAlone(*configuration.technique) ? pictureBytes(served.frame, scene_.background, configuration.codec)
-                                                           : bytesFor(*configuration.technique, cost.bytes, sampleBytesOf(*served.frame, cost.bytes, configuration.codec));
-      const MeasuredBuild build = measureBuild(measuring_, warp, served.frame, warpSettings);
+                                                           : bytesFor(*configuration.technique, served.bytes);
+      WarpSettings ofOne = warpSettings;
+      ofOne.knobs.set(kKeepKnob, 1.0);  // those before were built when they came
+      const MeasuredBuild build = measureBuild(measuring_, warp, served.frame, ofOne);
       cost.upload = build.upload;
       cost.build = build.build;
+      follow(warp, served.frame, 0.0, configuration, warpSettings);
     }
     std::vector<SweepRow> rows;
     for (const double angleDeg : plan.anglesDeg) {
@@ -163,7 +168,7 @@ class Sweep::Run {
             frameRequestedS = picture.requestedS;
             frame = server_.frame(truth_.camera(plan.speedDegPerS * picture.requestedS, configuration.serverSidePx), configuration);
           }
-          warp.setFrame(frame, warpSettings, stop_);
+          follow(warp, frame, plan.speedDegPerS * picture.requestedS, configuration, warpSettings);
         }
         warp.draw(truth_.camera(plan.speedDegPerS * picture.drawnForS), warpSettings, image_, stop_);
         const Truth& truth = truth_.at(plan.speedDegPerS * picture.shownS, stop_);
@@ -217,7 +222,7 @@ class Sweep::Run {
     const WarpSettings warpSettings = configuration.warp(settings_.warp);
     if (configuration.technique->usesFrame) {
       const Camera camera = truth_.camera(0.0, configuration.serverSidePx);
-      warp.setFrame(server_.frame(camera, configuration), warpSettings, stop_);
+      follow(warp, server_.frame(camera, configuration), 0.0, configuration, warpSettings);
     }
     std::vector<SweepPicture> pictures;
     for (const double angleDeg : settings_.plan.anglesDeg) {
@@ -235,6 +240,33 @@ class Sweep::Run {
     RenderSettings render = plan.base.render;
     for (const double step : plan.values(kStepKnob)) render.step = std::min(render.step, static_cast<float>(step));
     return render;
+  }
+
+  /// Gives the technique a frame whose camera was turned by that angle, as a client has it that keeps frames (kept_frames.h): after those which it would have
+  /// kept from a camera that came turning from smaller angles.
+  void follow(Warp& warp, const SampleFramePtr& frame, double angleDeg, const Configuration& configuration, const WarpSettings& settings) {
+    const int before = configuration.knobs.whole(kKeepKnob) - 1;
+    if (frame && before > 0) {
+      warp.setFrame(nullptr, settings, stop_);
+      std::vector<SampleFramePtr> kept;
+      for (int i = 0; i < before; ++i) {
+        const double turnDeg = turnToNextKept(angleDeg, *frame, configuration.serverSidePx);
+        if (turnDeg == 0.0) break;
+        angleDeg -= turnDeg;
+        kept.push_back(server_.frame(truth_.camera(angleDeg, configuration.serverSidePx), configuration));
+      }
+      for (auto one = kept.rbegin(); one != kept.rend(); ++one) warp.setFrame(*one, settings, stop_);
+    }
+    warp.setFrame(frame, settings, stop_);
+  }
+
+  /// By how much less a camera is turned that is the nearest to be kept beside one at that angle; 0 where none is: that turns on the spot, seen from above.
+  double turnToNextKept(double angleDeg, const SampleFrame& frame, uint32_t sidePx) {
+    constexpr double kStepDeg = 0.5, kMostDeg = 90.0;
+    const Camera camera = truth_.camera(angleDeg, sidePx);
+    for (double turnDeg = kKeptApartDeg; turnDeg <= kMostDeg; turnDeg += kStepDeg)
+      if (apartDeg(truth_.camera(angleDeg - turnDeg, sidePx), camera, frame.quantization.bounds) >= kKeptApartDeg) return turnDeg;
+    return 0.0;
   }
 
   /// Frames of one kind come one after the other.

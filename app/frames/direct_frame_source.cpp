@@ -10,6 +10,7 @@
 #include "app/frames/wire_fields.h"
 #include "net/link_model.h"
 #include "render/base/newest_worker.h"
+#include "render/codec/proxy_coding.h"
 
 namespace warpscope {
 namespace {
@@ -27,8 +28,12 @@ size_t messageBytes(const FrameRequest& request) {
   return net::requestMessage(asked).size();
 }
 
-/// What the frame would take in the format `raw`.
-size_t messageBytes(const SampleFrame& frame) { return net::frameMessage(headOf(frame, {}), 0).size() + frame.sizeBytes(); }
+/// What goes down, in the format `raw`.
+struct Answer {
+  const SampleFrame& frame;
+  FrameBytes bytes;
+};
+size_t messageBytes(const Answer& answer) { return net::frameMessage(headOf(answer.frame, {}), 0).size() + answer.bytes.all(); }
 
 class DirectFrameSource final : public FrameSource {
  public:
@@ -72,12 +77,20 @@ class DirectFrameSource final : public FrameSource {
     if (wishes.loadPercent > 0) shareProcessor({&took.marchMs, &took.compactMs, &took.copyMs}, wishes.loadPercent, clock_, stop);
     const Clock::TimePoint marchedAt = clock_.now();
     if (isPaced) pace_.note(job.request.camera, job.request.settings, settings, millisecondsBetween(beganAt, marchedAt), marchedAt);
-    cross(down_, frame, marchedAt, stop);
+    served.bytes = bytesOf(frame);
+    cross(down_, Answer{frame, served.bytes}, marchedAt, stop);
     served.arrivedAt = clock_.now();
-    served.bytes = frame.sizeBytes();
     served.latency = latencyOf(frame.timings);
     served.latency.wireMs = millisecondsBetween(job.sentAt, beganAt) + millisecondsBetween(marchedAt, served.arrivedAt);
     served.frame = std::make_shared<const SampleFrame>(std::move(frame));
+  }
+
+  /// As it would be sent: the copy of the volume once.
+  FrameBytes bytesOf(const SampleFrame& frame) {
+    FrameBytes bytes{.samples = frame.sizeBytes() - frame.segments.sizeBytes(), .segments = frame.segments.sizeBytes()};
+    if (frame.proxy && frame.proxy != sentProxy_) bytes.proxy = proxyBytesOf(*frame.proxy);
+    if (frame.proxy) sentProxy_ = frame.proxy;
+    return bytes;
   }
 
   /// Waits until what was sent has crossed the link. One that simulates nothing is not asked: no message is made up to
@@ -97,7 +110,8 @@ class DirectFrameSource final : public FrameSource {
   std::mutex mutex_;  // of the links and the wishes
   net::LinkModel up_, down_;
   ServerWishes wishes_;
-  ServerPace pace_;  // of the worker's thread
+  ServerPace pace_;     // of the worker's thread
+  ProxyPtr sentProxy_;  // likewise: the last that went down
   NewestWorker<Job, ServedFrame> worker_;
 };
 

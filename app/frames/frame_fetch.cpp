@@ -8,7 +8,6 @@
 #include "render/base/error.h"
 #include "render/base/stopwatch.h"
 #include "render/codec/jpeg.h"
-#include "render/codec/proxy_coding.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
@@ -50,7 +49,6 @@ FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& coding) {
     served.latency.encodeMs = trip.encodeMs;
     served.latency.decodeMs = trip.decodeMs;
     served.bytes = trip.bytes;
-    served.proxyBytes = trip.proxyBytes;
     served.frame = std::move(frame);
     served.arrivedAt = std::chrono::steady_clock::now();
     return served;
@@ -61,22 +59,14 @@ CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSe
   CodecTrip trip;
   std::vector<std::byte> payload;
   trip.encodeMs = milliseconds([&] { payload = codec.encode(sent, settings); });
-  trip.proxyBytes = proxyBytesOf(sent);
-  trip.bytes = payload.size() - trip.proxyBytes;
+  trip.bytes = codec.bytes();
   const size_t count = sent.size();
+  const ProxyPtr proxy = sent.proxy;
   DecodeError error;
   trip.decodeMs = milliseconds([&] { error = codec.decode(payload, count, received); });
   if (error) throw InputError("the program's own frame cannot be decoded: " + *error);
+  received.proxy = proxy;  // equal to what came, and one for all frames, as where it comes once
   return trip;
-}
-
-size_t sampleBytesOf(const SampleFrame& frame, size_t bytes, const CodecSettings& codec) {
-  if (frame.segments.empty()) return bytes;
-  SampleFrame samples = frame;
-  samples.segments = {};
-  samples.proxy.reset();
-  samples.settings = neededBy({}, samples.settings);
-  return std::min(FrameCodec().encode(samples, codec).size(), bytes);
 }
 
 FrameFetch fetchFrom(FrameSourcePtr source, std::function<void(uint16_t)> onBusy) {

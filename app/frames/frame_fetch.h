@@ -20,20 +20,17 @@ FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& codec);
 
 /// What one frame's way through the codec takes, by the host's clock.
 struct CodecTrip {
-  size_t bytes = 0;  ///< of the payload, without the copy of the volume
-  size_t proxyBytes = 0;  ///< of that
+  FrameBytes bytes;  ///< of the payload
   double encodeMs = 0.0, decodeMs = 0.0;
 };
-/// Encodes `sent` and decodes it into `received`, which may be the same frame; its members other than samples and colours must be those of `sent`. Throws
-/// InputError if what was encoded cannot be decoded.
+/// Encodes `sent` and decodes it into `received`, which may be the same frame; its members other than samples and colours must be those of `sent`. Its copy of
+/// the volume stays the same object. Throws InputError if what was encoded cannot be decoded.
 CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSettings& settings, SampleFrame& received);
 
-/// What a frame's samples would take alone, without segments and copy of the volume. `bytes`: all but that copy. Encodes the frame anew if it has segments.
-size_t sampleBytesOf(const SampleFrame& frame, size_t bytes, const CodecSettings& codec);
-/// What a technique draws of a frame of so many bytes, of which those are the samples': these, or the segments, or neither.
-inline size_t bytesFor(const WarpDescriptor& technique, size_t bytes, size_t sampleBytes) {
-  if (technique.uses.segments) return bytes - sampleBytes;
-  return technique.uses.proxy ? 0 : sampleBytes;
+/// What a technique draws of a frame of so many bytes: the samples', or the segments', or neither.
+inline size_t bytesFor(const WarpDescriptor& technique, const FrameBytes& bytes) {
+  if (technique.uses.segments) return bytes.segments;
+  return technique.usesFrame && !technique.uses.proxy ? bytes.samples : 0;
 }
 /// Whether a technique could draw the same from the frame's picture: then it is charged for pictureBytes.
 inline bool drawsPictureAlone(const WarpDescriptor& technique) {

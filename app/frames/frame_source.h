@@ -51,8 +51,7 @@ struct ServedFrame {
   Clock::TimePoint arrivedAt;
   SampleFramePtr frame;  ///< null if there is an error
   FrameLatency latency;
-  size_t bytes = 0;      ///< of its payload on the wire, without the copy of the volume
-  size_t proxyBytes = 0; ///< of that, where it came with this frame: the first of a connection that wanted it
+  FrameBytes bytes;      ///< of its payload on the wire; of the copy of the volume where it came with this frame, the first of a connection that wanted it
   std::string error;
 };
 

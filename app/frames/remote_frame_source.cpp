@@ -10,7 +10,6 @@
 #include "render/base/error.h"
 #include "render/base/newest_worker.h"
 #include "render/base/stopwatch.h"
-#include "render/codec/proxy_coding.h"
 
 namespace warpscope {
 namespace {
@@ -166,11 +165,9 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     const net::FrameHead& head = arrived.frame->head;
     served.requestId = head.id;
     served.requestedAt = arrived.arrival.requestedAt;
-    served.bytes = arrived.frame->payload.size();
     auto frame = std::make_shared<SampleFrame>();
     const double decodeMs = milliseconds([&] { *frame = decodedFrom(head, arrived.frame->payload, codec); });
-    served.proxyBytes = proxyBytesOf(*frame);
-    served.bytes -= std::min(served.proxyBytes, served.bytes);
+    served.bytes = codec.bytes();
     keepProxy(*frame);
     FrameLatency& latency = served.latency;
     latency = latencyOf(frame->timings);

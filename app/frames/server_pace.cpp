@@ -40,7 +40,8 @@ double CoarseningRule::factorFor(double pixels, double step, double targetMs) {
   return last_;
 }
 
-void LeavingOutRule::follow(const MarchSettings& asked) {
+void LeavingOutRule::follow(MarchSettings asked) {
+  asked.sample.proxy = 0;  // made once: a connection's first request asks for it, and those behind it do not
   if (!groups_.empty() && asked == asked_) return;
   asked_ = asked;
   groups_.assign(static_cast<size_t>(mostLeftOut(asked)) + 1, {});

@@ -51,10 +51,10 @@ class LeavingOutRule {
     bool isKnownMoving = false;
     bool isFresh = false;  ///< noted since the last rest
   };
-  /// Begins anew with other settings.
-  void follow(const MarchSettings& asked);
+  /// Begins anew with other settings. With the copy of the volume or without it a march is the same.
+  void follow(MarchSettings asked);
 
-  MarchSettings asked_;  // that all of this is of
+  MarchSettings asked_;  // that all of this is of, without that copy
   std::vector<OfGroups> groups_;  // by how many are left out
   std::optional<double> fullMs_;  // of a pixel, at the last rest
   int leftOut_ = 0;

@@ -18,6 +18,8 @@ void FrameRequests::begin(FrameSource& source, const TransportSettings& transpor
   requests_.clear();
   answeredId_ = requestId_;
   frame_.reset();
+  frameBytes_ = {};
+  proxyBytes_ = 0;
   error_.clear();
 }
 
@@ -66,11 +68,13 @@ bool FrameRequests::take() {
   if (!served->frame) return true;
   frame_ = std::move(served->frame);
   frameBytes_ = served->bytes;
+  if (frameBytes_.proxy > 0) proxyBytes_ = frameBytes_.proxy;
+  if (frame_->proxy) frameBytes_.proxy = proxyBytes_;
   frameArrivedAt_ = served->arrivedAt;
   ++received_;
   rate_.tick(served->arrivedAt);
   if (const auto request = requests_.find(served->requestId); request != requests_.end())
-    request->second.arrival = Arrival{served->latency, served->bytes};
+    request->second.arrival = Arrival{served->latency, frameBytes_};
   return true;
 }
 

@@ -43,8 +43,8 @@ class FrameRequests {
 
   /// The newest frame; null until there is one.
   const SampleFramePtr& newest() const { return frame_; }
-  /// Of the newest frame, on the wire.
-  size_t bytesOfNewest() const { return frameBytes_; }
+  /// Of the newest frame, on the wire; of the copy of the volume where it has one, whichever frame that came with.
+  const FrameBytes& bytesOfNewest() const { return frameBytes_; }
   /// How long ago the newest frame arrived; nothing without one.
   std::optional<double> ageOfNewestMs(TimePoint now) const;
   /// Of all sources.
@@ -65,7 +65,7 @@ class FrameRequests {
 
   struct Arrival {
     FrameLatency latency;
-    size_t bytes = 0;
+    FrameBytes bytes;  ///< as bytesOfNewest()
   };
   /// Nothing of requests that are forgotten; of those under way no arrival.
   std::optional<Arrival> arrivalOf(uint64_t requestId) const;
@@ -92,7 +92,8 @@ class FrameRequests {
   uint64_t answeredId_ = 0;            // the last that was answered, by a frame or an error
   std::map<uint64_t, Request> requests_;
   SampleFramePtr frame_;
-  size_t frameBytes_ = 0;
+  FrameBytes frameBytes_;
+  size_t proxyBytes_ = 0;  // of the copy that came last
   TimePoint frameArrivedAt_{};
   size_t received_ = 0;
   RateMeter rate_;

@@ -2,6 +2,7 @@
 // See judge_worker.h.
 #include "app/session/judge_worker.h"
 
+#include "app/frames/frame_fetch.h"
 #include "app/picture/heat_map.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
@@ -44,6 +45,24 @@ class DeviceJudge {
   std::shared_ptr<const ReferenceImage> reference_;
 };
 
+/// What the picture of the last frame takes; it is coded once.
+class PictureOfFrame {
+ public:
+  size_t bytes(const SampleFramePtr& frame, const glm::vec3& background, const CodecSettings& codec) {
+    if (frame != frame_ || background != background_ || !(codec == codec_)) bytes_ = pictureBytes(frame, background, codec);
+    frame_ = frame;
+    background_ = background;
+    codec_ = codec;
+    return bytes_;
+  }
+
+ private:
+  SampleFramePtr frame_;
+  glm::vec3 background_{0.0f};
+  CodecSettings codec_;
+  size_t bytes_ = 0;
+};
+
 }  // namespace
 
 JudgeFunction makeJudge() {
@@ -65,11 +84,13 @@ JudgeFunction makeJudge() {
 std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult) {
   return std::make_unique<JudgeWorker>(
       [maker = std::move(maker)]() -> JudgeWorker::Work {
-        return [judge = maker()](const JudgeJob& job, Judgement& judgement, const std::stop_token&) {
+        return [judge = maker(), picture = PictureOfFrame{}](const JudgeJob& job, Judgement& judgement, const std::stop_token&) mutable {
           judgement.job = job;
           Image<float> map;
           judgement.errors = judge(job.drawn.job.reference, *job.drawn.judged, map);
           judgement.heatMap.host = std::make_shared<const Image<Rgba8>>(heatMap(map, kHeatGain));
+          if (drawsPictureAlone(*job.drawn.job.technique) && job.configuration)
+            judgement.pictureBytes = picture.bytes(job.drawn.job.frame, job.drawn.job.background, job.configuration->codec);
         };
       },
       std::move(onResult));

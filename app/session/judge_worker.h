@@ -22,6 +22,7 @@ struct Judgement {
   JudgeJob job;            ///< that was done
   PictureErrors errors;
   ShownPicture heatMap;    ///< FLIP for each pixel, see heat_map.h; of the size of what was judged
+  std::optional<size_t> pictureBytes;  ///< pictureBytes() of the frame, where the technique needs no more of it and its configuration is known
   std::string error;
 };
 

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "app/experiment/auto_choice.h"
+#include "app/frames/frame_fetch.h"
+#include "render/warp/fill.h"
 
 namespace warpscope {
 
@@ -52,15 +54,21 @@ void LivePanel::show(WarpResult drawn, const std::optional<FrameRequests::Arriva
   shown_.error = std::move(drawn.error);
   shown_.counts = drawn.counts;
   if (!drawn.picture) return;
+  const bool isOther = shown_.drawn != drawn.job.technique || shown_.requestId != drawn.requestId();
   shown_.picture = drawn.picture;
   shown_.drawn = drawn.job.technique;
   shown_.requestId = drawn.requestId();
   shown_.shortcut = shortcutText(drawn.plan.way());
   shown_.plan = drawn.plan;
   shown_.leftOut = std::move(leftOut);
+  shown_.lack = drawn.job.frame ? lackOf(*drawn.job.technique, drawn.job.frame->settings) : "";
   if (arrival) {
     shown_.latency = arrival->latency;
-    shown_.frameBytes = arrival->bytes;
+    if (!drawsPictureAlone(*drawn.job.technique))
+      shown_.bytes = bytesFor(*drawn.job.technique, arrival->bytes);
+    else if (isOther)
+      shown_.bytes.reset();
+    shown_.proxyBytes = drawsProxy(*drawn.job.technique, drawn.job.settings.knobs) ? arrival->bytes.proxy : 0;
   }
   shown_.buildMs = drawn.buildMs;
   shown_.drawMs = drawn.drawMs;
@@ -91,6 +99,7 @@ LivePanel::ErrorNews LivePanel::takeErrors(const LiveGroundTruth& truth, TimePoi
       news.error = std::move(judgement->error);
     } else if (news.happened) {
       shown_.errors = judgement->errors;
+      if (judgement->pictureBytes && judged.job.drawn.requestId() == shown_.requestId) shown_.bytes = judgement->pictureBytes;
       shown_.heatMap = std::move(judgement->heatMap);
       shown_.history.add(now, shown_.errors->flip);
       const Camera& camera = judged.job.drawn.job.reference->job().camera;

@@ -25,7 +25,10 @@ struct Panel {
   const WarpDescriptor* drawn = nullptr;        ///< the technique that drew it, or whose place a shortcut took
   uint64_t requestId = 0;                       ///< of the frame that it was drawn from
   FrameLatency latency;                         ///< of that frame
-  size_t frameBytes = 0;                        ///< of that frame on the wire
+  /// What its technique draws of that frame, on the wire (bytesFor), or what the frame's picture would take where that is enough (drawsPictureAlone):
+  /// found as errors are, so that nothing waits for it; nothing until then.
+  std::optional<size_t> bytes;
+  size_t proxyBytes = 0;                        ///< of the copy of the volume, once a scene, where its technique draws that
   double buildMs = 0.0;
   double drawMs = 0.0;
   double displayMs = 0.0;                       ///< from the picture's end until the display took it
@@ -34,6 +37,7 @@ struct Panel {
   PicturePlan plan;                             ///< of what its worker did last
   WarpCounts counts;                            ///< what it did since the scene was opened
   std::string leftOut;                          ///< how that frame's march was coarser than what was asked for, because the camera moved; mostly empty
+  std::string lack;                             ///< why the technique shows nothing of that frame (lackOf); mostly empty
   std::string error;                            ///< empty if the last picture succeeded
 
   bool isAutomatic = false;                     ///< `technique` is chosen for each picture by what was measured

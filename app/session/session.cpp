@@ -40,11 +40,15 @@ void Session::choose(size_t panel, const Configuration& configuration) {
   setTechnique(panel, technique);
   knobs_.march.render = configuration.march.render;
   takeOver(configuration, knobs_.march, knobs_.warp);
-  for (const Knob* knob : technique.knobs)
-    if (knob->isOfPanel) knobs_.panelKnobs[panel].set(*knob, configuration.knobs[*knob]);
+  takePanelKnobs(panel, configuration);
   if (!technique.usesFrame) return;
   knobs_.serverSidePx = configuration.serverSidePx;
   knobs_.transport.codec = configuration.codec;
+}
+
+void Session::takePanelKnobs(size_t panel, const Configuration& configuration) {
+  for (const Knob* knob : configuration.technique->knobs)
+    if (knob->isOfPanel) knobs_.panelKnobs[panel].set(*knob, configuration.knobs[*knob]);
 }
 
 void Session::resetView() {
@@ -72,14 +76,18 @@ bool Session::update(TimePoint now) {
   happened |= frames_.take();
   frames_.setTransport(knobs_.transport);
   std::vector<TechniqueInUse> techniques;
-  for (size_t i = 0; i < kPanelCount; ++i) techniques.push_back({panel(i).technique, warpSettingsOf(i).knobs});
+  for (size_t i = 0; i < kPanelCount; ++i) {
+    techniques.push_back({panel(i).technique, warpSettingsOf(i).knobs});
+    // One that was chosen may wait for what it draws.
+    if (const auto& choice = panel(i).choice; choice && choice->technique != panel(i).technique) techniques.push_back({choice->technique, choice->knobs});
+  }
   happened |= frames_.ask({view_.cameraOfSize(serverSize()), neededBy(techniques, knobs_.march), knobs_.transport.codec, knobs_.serverSidePx}, knobs_.isFrozen, now);
   happened |= truth_.take();
   happened |= truth_.follow({opening_.current()->display, view_.cameraOfSize(pictureSize()), knobs_.march.render, scene()->background}, now);
   for (size_t i = 0; i < kPanelCount; ++i) {
     happened |= takePicture(panels_[i], i);
     happened |= takeErrors(panels_[i], now);
-    if (panel(i).isAutomatic) chooseTechnique(panels_[i], choices_[i]);
+    if (panel(i).isAutomatic) happened |= chooseTechnique(i);
     happened |= postJob(i);
   }
   if (const SampleFramePtr& frame = frames_.newest()) happened |= plan_.follow(opening_.current()->display, *frame);
@@ -137,17 +145,24 @@ bool Session::takeErrors(LivePanel& panel, TimePoint now) {
   return news.happened;
 }
 
-void Session::chooseTechnique(LivePanel& panel, TechniqueChoice& choice) {
-  if (!frames_.newest()) return;
-  auto made = choice.choose({frames_.newest(), view_.cameraOfSize(pictureSize()), knobs_.budgetMs, knobs_.serverSidePx, front_}, liveFront_);
-  if (!made) return;
+bool Session::chooseTechnique(size_t index) {
+  LivePanel& panel = panels_[index];
+  if (!frames_.newest()) return false;
+  const MarchSettings& askable = knobs_.isFrozen ? frames_.newest()->settings : knobs_.march;
+  auto made = choices_[index].choose(
+      {frames_.newest(), askable, view_.cameraOfSize(pictureSize()), knobs_.budgetMs, knobs_.serverSidePx, front_}, liveFront_);
+  if (!made) return false;
+  if (made->configuration && made->configuration != panel.shown().choice) takePanelKnobs(index, *made->configuration);
   panel.setChoice(std::move(made->configuration), std::move(made->text));
-  useTechnique(panel, *made->technique);
+  // Where the frame has nothing for it yet, the one before goes on until a frame comes that has.
+  if (lackOf(*made->technique, frames_.newest()->settings).empty()) useTechnique(panel, *made->technique);
+  return true;
 }
 
 WarpSettings Session::warpSettingsOf(size_t index) const {
   const Panel& shown = panel(index);
-  WarpSettings settings = shown.choice ? shown.choice->warp(knobs_.warp) : knobs_.warp;
+  const bool isChosen = shown.choice && shown.choice->technique == shown.technique;
+  WarpSettings settings = isChosen ? shown.choice->warp(knobs_.warp) : knobs_.warp;
   for (const Knob* knob : shown.technique->knobs)
     if (knob->isOfPanel) settings.knobs.set(*knob, knobs_.panelKnobs[index][*knob]);
   settings.knobs = settings.knobs.only(shown.technique->knobs);  // others' do not make it draw
@@ -182,6 +197,7 @@ std::optional<Configuration> Session::configurationOf(const WarpResult& result) 
   const WarpJob& drawn = result.job;
   const std::optional<WantedFrame> asked = drawn.frame ? frames_.askedBy(drawn.frame->requestId) : std::nullopt;
   if (!asked || isCoarsened(asked->march, drawn.frame->settings)) return std::nullopt;  // nobody chose it
+  if (!lackOf(*drawn.technique, drawn.frame->settings).empty()) return std::nullopt;    // there is nothing to be seen
   Configuration configuration;
   configuration.technique = drawn.technique;
   configuration.march = asked->march;

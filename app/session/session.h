@@ -123,7 +123,9 @@ class Session {
   /// Of the technique that a panel shows.
   WarpSettings warpSettingsOf(size_t panel) const;
 
-  void chooseTechnique(LivePanel& panel, TechniqueChoice& choice);
+  bool chooseTechnique(size_t panel);
+  /// Turns the knobs that the panel has for itself as the configuration has them.
+  void takePanelKnobs(size_t panel, const Configuration& configuration);
   void useTechnique(LivePanel& panel, const WarpDescriptor& technique);
   /// True if nothing is under way, and what is on show is what was wanted and is judged: what is timed now is timed alone.
   bool isAtRest() const;

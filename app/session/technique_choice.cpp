@@ -2,6 +2,7 @@
 // See technique_choice.h.
 #include "app/session/technique_choice.h"
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -29,17 +30,20 @@ std::vector<SweepRow> rowsOf(const LiveFront& live) {
   return rows;
 }
 
-/// Whether a frame that was marched with `settings` can be drawn as `configuration` was.
-bool fits(const Configuration& configuration, const MarchSettings& settings) {
-  for (const MarchKnob& row : marchKnobs())
-    if (configuration.technique->dependsOn(row, configuration.knobs) && row.matters(settings) && row.get(configuration.march) != row.get(settings)) return false;
-  return true;
+/// Whether a frame that was marched with `settings`, or the next one, can be drawn as `configuration` was.
+bool fits(const Configuration& configuration, const MarchSettings& settings, const MarchSettings& askable) {
+  return std::ranges::all_of(marchKnobs(), [&](const MarchKnob& row) {
+    if (!configuration.technique->dependsOn(row, configuration.knobs) || !row.matters(settings)) return true;
+    const double wanted = row.get(configuration.march);
+    const bool isOnTop = row.shapes == FramePart::segments || row.shapes == FramePart::proxy;
+    return wanted == row.get(settings) || (isOnTop && wanted == row.get(askable));
+  });
 }
 
 }  // namespace
 
 std::optional<TechniqueChoice::Choice> TechniqueChoice::choose(const Input& input, const LiveFront& live) {
-  Seen seen{input.frame, input.camera, input.budgetMs, input.front, input.front ? 0 : live.version()};
+  Seen seen{input.frame, input.askable, input.camera, input.budgetMs, input.front, input.front ? 0 : live.version()};
   if (seen_ == seen) return std::nullopt;
   seen_ = std::move(seen);
 
@@ -48,7 +52,7 @@ std::optional<TechniqueChoice::Choice> TechniqueChoice::choose(const Input& inpu
   const uint32_t sidePx = input.front ? input.front->largestSidePx() : input.serverSidePx;
   const double angleDeg = angleBetweenDeg(input.frame->camera, input.camera);
   const auto mayBe = [&](const Configuration& configuration) {
-    return configuration.serverSidePx == sidePx && fits(configuration, input.frame->settings);
+    return configuration.serverSidePx == sidePx && fits(configuration, input.frame->settings, input.askable);
   };
   auto best = known.choose(angleDeg, input.budgetMs, mayBe);
   if (best && last_ && !(*last_ == best->configuration)) {

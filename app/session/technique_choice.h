@@ -17,6 +17,7 @@ class TechniqueChoice {
  public:
   struct Input {
     SampleFramePtr frame;  ///< that pictures are drawn from; not null
+    MarchSettings askable; ///< what the next may be asked for: segments and the copy of the volume, which the frame lacks where nothing on show draws them
     Camera camera;         ///< of the pictures
     double budgetMs = 0.0;
     uint32_t serverSidePx = 0;                ///< that the frame was made with; without a front, configurations of that size may be chosen
@@ -36,6 +37,7 @@ class TechniqueChoice {
  private:
   struct Seen {
     SampleFramePtr frame;
+    MarchSettings askable;
     Camera camera;
     double budgetMs = 0.0;
     std::shared_ptr<const AutoChoice> front;

@@ -31,7 +31,8 @@ Json toJson(const Panel& panel) {
   const FrameLatency& latency = panel.latency;
   return {{"leftOut", panel.leftOut},
           {"shortcut", panel.shortcut},
-          {"bytes", panel.frameBytes},        {"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},
+          {"bytes", panel.bytes ? Json(*panel.bytes) : Json(nullptr)},
+          {"proxyBytes", panel.proxyBytes},   {"waitMs", latency.waitMs},       {"wireMs", latency.wireMs},
           {"queueMs", latency.queueMs},       {"marchMs", latency.marchMs},     {"compactMs", latency.compactMs},
           {"copyMs", latency.copyMs},         {"encodeMs", latency.encodeMs},   {"decodeMs", latency.decodeMs},
           {"buildMs", panel.buildMs},         {"drawMs", panel.drawMs},         {"displayMs", panel.displayMs},

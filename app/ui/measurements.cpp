@@ -10,7 +10,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kColumnPx = 62.0f, kHistoryPx = 22.0f;  // at scale 1
+constexpr float kColumnPx = 58.0f, kHistoryPx = 22.0f;  // at scale 1
 constexpr float kFigurePx = kSmallPx + 3.0f + kBodyPx + 6.0f;
 
 struct Measurement {
@@ -19,7 +19,7 @@ struct Measurement {
   bool isCurrent;
   const char* explanation;
 };
-using Measurements = std::array<Measurement, 7>;
+using Measurements = std::array<Measurement, 8>;
 
 std::string formatted(const char* pattern, double value) {
   char text[32];
@@ -47,7 +47,10 @@ Measurements measurementsOf(const Session& session, size_t index, Session::TimeP
        "Time from the camera to finished colours, for each picture."},
       {"age", age ? durationText(*age) : none, true,
        "For how long the camera of the frame on show has not been the current one any more; 0 while it is."},
-      {"bytes", usesFrame ? bytesText(panel.frameBytes) : none, true, "Of the frame on show, on the wire."},
+      {"bytes", usesFrame && panel.bytes ? bytesText(*panel.bytes) : none, true,
+       "What the technique draws of the frame on show, on the wire: its samples or its segments, or where a picture would do, that. "
+       "The frame in whole: at the bottom of the window."},
+      {"copy", panel.proxyBytes > 0 ? bytesText(panel.proxyBytes) : none, true, "Bytes of the coarse copy of the volume that the technique draws, sent once."},
       {"FLIP", flip, isCurrent,
        "Mean difference from the ground truth as an eye sees it, 0 to 1; 0 is none. Found when the camera rests (where a CUDA device marches: "
        "all the time); grey while it is an earlier camera's."},

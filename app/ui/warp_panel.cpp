@@ -149,6 +149,7 @@ void drawPicture(const Session& session, const Panel& panel, PictureTexture& tex
 /// What the picture is if it is not the technique's, and what its frame was marched without; empty for most.
 std::string reservations(const Panel& panel) {
   std::string text = panel.shortcut;
+  if (!panel.lack.empty()) text += (text.empty() ? "" : "; ") + panel.lack;
   if (!panel.leftOut.empty()) text += (text.empty() ? "moving: " : "; moving: ") + panel.leftOut;
   return text;
 }

@@ -148,10 +148,10 @@ std::vector<std::byte> FrameCodec::encode(const SampleFrame& frame, const CodecS
   requireConsistent(frame);
   Codec& codec = codecFor(settings.format);
   std::vector<std::byte> payload;
-  payload.reserve(lastBytes_ + lastBytes_ / 8);
+  payload.reserve(bytes_.all() + bytes_.all() / 8);
   appendLittle(payload, static_cast<uint8_t>(settings.format));
   appendLittle(payload, uint64_t{0});
-  // Behind its length.
+  // Behind its length, which counts as well.
   const auto appendPart = [&](const std::string& what, const auto& append) {
     const size_t start = payload.size();
     appendLittle(payload, uint32_t{0});
@@ -159,13 +159,16 @@ std::vector<std::byte> FrameCodec::encode(const SampleFrame& frame, const CodecS
     const size_t length = payload.size() - start - sizeof(uint32_t);
     if (length > std::numeric_limits<uint32_t>::max()) throw InputError("the frame's " + what + " is too long");
     storeLittle(payload.data() + start, static_cast<uint32_t>(length));
+    return payload.size() - start;
   };
+  FrameBytes bytes;
   for (const SamplePlane& plane : frame.planes) appendPart("plane \"" + plane.name + "\"", [&] { codec.encodePlane(frame, plane, payload); });
-  if (frame.settings.sample.segments > 0) appendPart("list of segments", [&] { segments_->append(payload, frame, settings); });
-  if (frame.settings.sample.proxy > 0) appendPart("copy of the volume", [&] { appendProxy(payload, *frame.proxy); });
+  if (frame.settings.sample.segments > 0) bytes.segments = appendPart("list of segments", [&] { segments_->append(payload, frame, settings); });
+  if (frame.settings.sample.proxy > 0) bytes.proxy = appendPart("copy of the volume", [&] { appendProxy(payload, *frame.proxy); });
   codec.encode(frame, settings, payload);
   sealPayload(payload);
-  lastBytes_ = payload.size();
+  bytes.samples = payload.size() - bytes.all();
+  bytes_ = bytes;
   noteNeed(frame, frame.size());
   return payload;
 }
@@ -199,6 +202,8 @@ void FrameCodec::noteNeed(const SampleFrame& frame, size_t count) {
 
 DecodeError FrameCodec::decodeBehindHead(PayloadFormat format, ByteReader& reader, size_t count, SampleFrame& frame, const DecodeLimits& limits) {
   Codec& codec = codecFor(format);
+  FrameBytes parts;
+  parts.samples = kHeadBytes + reader.left();
   planeBytes_.clear();
   size_t kept = 0;
   for (size_t i = 0; i < frame.planes.size(); ++i) {
@@ -216,6 +221,7 @@ DecodeError FrameCodec::decodeBehindHead(PayloadFormat format, ByteReader& reade
     const std::span<const std::byte> bytes = reader.take(length);
     if (reader.ranOut()) return "the payload ends within its segments";
     if (DecodeError error = segments_->take(bytes, format, limits.maxSegments, frame)) return error;
+    parts.segments = sizeof(uint32_t) + length;
   }
   frame.proxy.reset();
   if (const int longest = frame.settings.sample.proxy; longest > 0) {
@@ -223,6 +229,7 @@ DecodeError FrameCodec::decodeBehindHead(PayloadFormat format, ByteReader& reade
     const std::span<const std::byte> bytes = reader.take(length);
     if (reader.ranOut()) return "the payload ends within its copy of the volume";
     if (DecodeError error = takeProxy(bytes, longest, frame.proxy)) return error;
+    parts.proxy = sizeof(uint32_t) + length;
   }
   if (DecodeError error = codec.decode(reader.take(reader.left()), count, frame)) return error;
   // The others' values may be predicted along layers.
@@ -234,6 +241,8 @@ DecodeError FrameCodec::decodeBehindHead(PayloadFormat format, ByteReader& reade
         return "the frame's layers do not count up along its rays, or its rays have more samples than it says";
     }
   if (!areInOrder(frame)) return "the frame's samples are not in pixels of its picture, or not in the order of these";
+  parts.samples -= parts.segments + parts.proxy;
+  bytes_ = parts;
   return std::nullopt;
 }
 

@@ -104,6 +104,18 @@ struct CodecDescriptor {
 /// Every format.
 std::span<const CodecDescriptor> codecRegistry();
 
+/// What of a payload is for whom.
+struct FrameBytes {
+  size_t samples = 0;   ///< of samples, their colours and planes, and the payload's head
+  size_t segments = 0;  ///< of what lies along the rays (frame_segments.h)
+  size_t proxy = 0;     ///< of the copy of the volume, which comes with one frame for all
+
+  /// Without that copy.
+  size_t ofFrame() const { return samples + segments; }
+  size_t all() const { return ofFrame() + proxy; }
+  bool operator==(const FrameBytes&) const = default;
+};
+
 class SegmentCoder;
 
 /// Frames to payloads and back, in every format. Keeps buffers from frame to frame, as many as the largest of the last frames needed
@@ -124,6 +136,9 @@ class FrameCodec {
   /// left out. After an error the frame has no samples.
   DecodeError decode(std::span<const std::byte> payload, size_t count, SampleFrame& frame, const DecodeLimits& limits = {});
 
+  /// Of the payload that was encoded last, or decoded without an error.
+  const FrameBytes& bytes() const { return bytes_; }
+
  private:
   Codec& codecFor(PayloadFormat format);
   /// What was worked at: gives buffers back that recent frames do not need.
@@ -134,7 +149,7 @@ class FrameCodec {
   std::vector<std::unique_ptr<Codec>> codecs_;  // in the registry's order, made when first asked for
   std::unique_ptr<SegmentCoder> segments_;
   std::vector<std::span<const std::byte>> planeBytes_;  // of the frame at work
-  size_t lastBytes_ = 0;                        // of the last payload: the next will be about as long
+  FrameBytes bytes_;                            // of the last payload: the next will be about as long
   RecentNeed need_;                             // of pixels and samples
 };
 

@@ -109,11 +109,10 @@ DecodeError takeProxy(std::span<const std::byte> bytes, int longest, ProxyPtr& o
   return std::nullopt;
 }
 
-size_t proxyBytesOf(const SampleFrame& frame) {
-  if (!frame.proxy || frame.settings.sample.proxy == 0) return 0;
+size_t proxyBytesOf(const Proxy& proxy) {
   std::vector<std::byte> bytes;
-  appendProxy(bytes, *frame.proxy);
-  return bytes.size() + sizeof(uint32_t);
+  appendProxy(bytes, proxy);
+  return sizeof(uint32_t) + bytes.size();
 }
 
 }  // namespace warpscope

@@ -22,7 +22,7 @@ void appendProxy(std::vector<std::byte>& out, const Proxy& proxy);
 /// Fills `proxy`, which has no more than `longest` voxels along an edge.
 DecodeError takeProxy(std::span<const std::byte> bytes, int longest, ProxyPtr& proxy);
 
-/// What the frame's copy takes in a payload; 0 where it has none.
-size_t proxyBytesOf(const SampleFrame& frame);
+/// What a copy takes in a payload. Encodes it: for those who make none; others know from FrameCodec::bytes.
+size_t proxyBytesOf(const Proxy& proxy);
 
 }  // namespace warpscope

@@ -24,7 +24,7 @@ class CompletedWarp final : public Warp {
       kept_.limitTo(0);
     } else if (frame == before) {
       kept_.limitTo(most);
-      kept_.rebuild(settings, stop);
+      if (technique_.isBuiltAnew(builtWith_, settings.knobs)) kept_.rebuild(settings, stop);
     } else if (!before) {
       kept_.limitTo(0);
     } else {
@@ -33,6 +33,7 @@ class CompletedWarp final : public Warp {
     }
     warp_->setFrame(frame, settings, stop);
     frame_ = std::move(frame);
+    builtWith_ = settings.knobs;
   }
 
   void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) override {
@@ -81,6 +82,7 @@ class CompletedWarp final : public Warp {
   const std::function<std::unique_ptr<Warp>()> make_;
   std::unique_ptr<Warp> warp_;
   SampleFramePtr frame_;
+  KnobValues builtWith_;  // the frame's and the kept ones' pictures
   KeptFrames kept_;
   ProxyFill proxyFill_;
   bool isCompleted_ = false;

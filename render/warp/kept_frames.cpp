@@ -24,6 +24,9 @@ constinit const Knob kKeepKnob{
     .range = {1.0, kMostKept},
     .track = {1.0, kMostKept},
     .defaultValue = 1.0,
+    .axis = {"keeps", "--keeps", "How many of the last frames are drawn from; the camera came turning from smaller angles"},
+    .phrase = ", {} frames kept",
+    .naming = KnobNaming::unlessDefault,
 };
 
 double apartDeg(const Camera& a, const Camera& b, const Box& bounds) {

@@ -146,6 +146,13 @@ MarchSettings neededBy(std::span<const TechniqueInUse> techniques, MarchSettings
   return settings;
 }
 
+std::string lackOf(const WarpDescriptor& technique, const MarchSettings& settings) {
+  const auto without = [](std::string_view what, const Knob& knob) { return "there " + std::string(what) + " (" + std::string(knob.option) + " 0)"; };
+  if (technique.uses.segments) return settings.sample.segments == 0 ? without("are no segments", kSegmentsKnob) : "";
+  if (technique.uses.proxy && settings.sample.proxy == 0) return without("is no copy of the volume", kProxyKnob);
+  return "";
+}
+
 void validate(const WarpSettings& settings) { validate(settings.reference); }
 
 void resolveColors(const SampleFrame& frame, const Image<uint32_t>& samples, Image<glm::vec4>& color) {

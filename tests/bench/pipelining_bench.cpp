@@ -57,7 +57,7 @@ Result measure(const Scene& scene, const TransportSettings& transport) {
   result.framesPerS = static_cast<double>(frames) / std::chrono::duration<double>(kMeasured).count();
   result.medianAgeMs = ages[ages.size() / 2];
   result.serverMs = shown->latency.marchMs + shown->latency.compactMs + shown->latency.encodeMs;
-  result.bytes = shown->bytes;
+  result.bytes = shown->bytes.ofFrame();
   return result;
 }
 

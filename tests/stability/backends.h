@@ -35,7 +35,7 @@ class OnBackend : public testing::TestWithParam<Backend> {
                   USE(Case38) USE(Case39) USE(Case40) USE(Case41) USE(Case42) USE(Case43) USE(Case44) USE(Case45)     \
                       USE(Case46) USE(Case47) USE(Case49) USE(Case50) USE(Case51) USE(Case52) USE(Case53) USE(Case54) \
                           USE(Case55) USE(Case56) USE(Case57) USE(Case58) USE(Case59) USE(Case60) USE(Case61)         \
-                              USE(Case62) USE(Case63) USE(Case66)
+                              USE(Case62) USE(Case63) USE(Case64) USE(Case65) USE(Case66)
 
 #define WARPSCOPE_CASE_ON_BACKENDS(Suite) \
   class Suite : public OnBackend {};
