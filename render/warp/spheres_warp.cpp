@@ -17,7 +17,7 @@ Arithmetic arithmeticOf(const WarpSettings& settings) { return settings.knobs.ch
 
 class SpheresWarp final : public SphereCloudWarp {
  protected:
-  void build(std::span<const Sphere> spheres, const WarpSettings& settings) override {
+  void build(const SampleFrame&, std::span<const Sphere> spheres, const WarpSettings& settings) override {
     if (tracingOf(settings) == SphereTracing::clusters)
       throw UsageError("the hierarchy clusters is for CUDA devices: choose another, or --backend cuda");
     requireTraceable(settings);
@@ -34,7 +34,7 @@ class SpheresWarp final : public SphereCloudWarp {
 
   void drawSpheres(const SampleFrame& frame, const Camera& camera, const WarpSettings& settings, WarpedImage& image,
                    const std::stop_token& stop) override {
-    if (isOther(settings)) build(spheres(), settings);
+    if (isOther(settings)) build(frame, spheres(), settings);
     tracer_->trace(camera, image.samples, nullptr, stop);
     resolveColors(frame, image.samples, image.color);
   }
