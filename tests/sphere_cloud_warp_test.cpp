@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/base/error.h"
 #include "render/core/ray_sphere.h"
 #include "render/march/own_picture.h"
 #include "render/metrics/flip.h"
@@ -100,6 +101,38 @@ TEST(SphereCloudWarp, MultihitIsTheFramesOwnPictureOnRealVolumes) {
     if (!file.whyMissing().empty()) GTEST_SKIP() << file.whyMissing();
     SCOPED_TRACE(name);
     for (const uint32_t side : {512u, 1024u}) expectOwnPicture(openScene(file.path().string(), {}), side);
+  }
+}
+
+/// Drawn out by 0, and where frames say nothing of spreads, they are the spheres that they were; else they close gaps, by the lbvh alone.
+TEST(SphereCloudWarp, SpheresAreDrawnOutWhereDepthIsUncertain) {
+  for (const char* name : {"shells", "block"}) {
+    const Stage stage(smallScene(name, 64));
+    MarchSettings march = stage.scene().march;
+    const SampleFramePtr plain = stage.frame(stage.camera(160, 120), march);
+    march.sample.sendsSpread = true;
+    const SampleFramePtr spread = stage.frame(stage.camera(160, 120), march);
+    const Camera camera = stage.camera(160, 120, 25.0);
+    const WarpedImage spheres = stage.draw("spheres", plain, camera);
+    WarpSettings none, whole;
+    none.knobs.set(kSmearKnob, 0.0);
+    whole.knobs.set(kSmearKnob, 2.0);
+    EXPECT_EQ(stage.draw("spheres", spread, camera, none).samples, spheres.samples);
+    EXPECT_EQ(stage.draw("spheres", plain, camera, whole).samples, spheres.samples);
+    const auto covered = [](const WarpedImage& image) { return std::ranges::count_if(image.samples, [](uint32_t id) { return id != kNoSample; }); };
+    EXPECT_GT(covered(stage.draw("spheres", spread, camera, whole)), covered(spheres) + 100) << name;
+    // One that is kept follows its settings.
+    const std::unique_ptr<Warp> warp = makeWarp(findWarp("spheres"), stage.resources());
+    warp->setFrame(spread, none);
+    WarpedImage image;
+    for (const WarpSettings& settings : {none, whole, none}) {
+      warp->draw(camera, settings, image);
+      EXPECT_EQ(image.samples, stage.draw("spheres", spread, camera, settings).samples);
+    }
+    whole.knobs.set(kSphereTracingKnob, SphereTracing::embree);
+    EXPECT_THROW(stage.draw("spheres", spread, camera, whole), UsageError);
+    none.knobs.set(kSphereTracingKnob, SphereTracing::embree);
+    EXPECT_NO_THROW(stage.draw("spheres", spread, camera, none));
   }
 }
 

@@ -156,6 +156,34 @@ TEST(WarpsOnDevice, SurfacesOfCloudsAreTheCpus) {
     }
 }
 
+/// Both sides build the hierarchy by the same rules and meet capsules by the same formula.
+TEST(WarpsOnDevice, CapsulesAreTheCpus) {
+  WARPSCOPE_NEEDS_GPU();
+  const std::unique_ptr<Warp> onCpu = makeWarp(findWarp("spheres"), {});
+  const std::unique_ptr<Warp> onDevice = makeCudaSpheresWarp();
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Scene scene = smallScene(builtin.name, 96);
+    MarchSettings march = scene.march;
+    march.sample.sendsSpread = true;
+    const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+    const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, scene.views.front(), 400, 300), march));
+    onCpu->setFrame(frame, {});
+    onDevice->setFrame(frame, {});
+    for (const View& view : scene.views)
+      for (const double smear : {0.0, 0.5, 4.0}) {
+        SCOPED_TRACE(builtin.name + ", smeared by " + std::to_string(smear));
+        WarpSettings settings;
+        settings.knobs.set(kSmearKnob, smear);
+        WarpedImage expected, actual;
+        const Camera camera = makeCamera(scene, view, 333, 277);
+        onCpu->draw(camera, settings, expected);
+        onDevice->draw(camera, settings, actual);
+        ASSERT_TRUE(expected.samples == actual.samples);
+        ASSERT_TRUE(expected.color == actual.color);
+      }
+  }
+}
+
 TEST(WarpsOnDevice, NearSpheresThatFillTheScreen) {
   WARPSCOPE_NEEDS_GPU();
   std::vector<Contender> all = contenders();
