@@ -84,7 +84,6 @@ std::unique_ptr<Warp> makeSpheresWarp(const WarpResources& resources) {
 }
 
 constexpr auto kTracingChoices = choicesOf(kSphereTracings);
-constexpr double kSweptSmears[] = {0.5};
 constexpr const Knob* kKnobs[] = {&kSphereTracingKnob, &kSmearKnob, &kArithmeticKnob};
 
 }  // namespace
@@ -130,7 +129,7 @@ constinit const Knob kSmearKnob{
     .range = {0.0, 4.0},
     .track = {0.0, 4.0},
     .defaultValue = 0.5,  // of 0.5, 1 and 2 what measures best in the mean of turned views (tests/bench/README.md)
-    .axis = {"smears", "--smears", "Spreads of depth that samples are drawn out by", kSweptSmears},
+    .axis = {"smears", "--smears", "Spreads of depth that samples are drawn out by"},
     .phrase = ", smeared by {}",
     .naming = KnobNaming::unlessDefault,
 };
