@@ -1,10 +1,8 @@
-// Sphere clouds of frames, their hierarchy, and as many hits as the settings say.
+// Frames as surfaces, and as many of them along a ray as the settings say.
 // See multihit_warp.h.
 #include "render/warp/multihit_warp.h"
 
-#include "render/warp/lbvh/lbvh_builder.h"
 #include "render/warp/multihit/multihit_trace.h"
-#include "render/warp/multihit/nearest_hits.h"
 #include "render/warp/multihit_warp_cuda.h"
 #include "render/warp/sphere_cloud_warp.h"
 
@@ -13,15 +11,15 @@ namespace {
 
 class MultihitWarp final : public SphereCloudWarp {
  protected:
-  void build(std::span<const Sphere> spheres, const WarpSettings&) override { lbvh_.build(spheres); }
+  void build(const SampleFrame& frame, std::span<const Sphere> spheres, const WarpSettings&) override { tracer_.build(frame, spheres); }
 
-  void drawSpheres(const SampleFrame& frame, const Camera& camera, const WarpSettings& settings, WarpedImage& image,
+  void drawSpheres(const SampleFrame&, const Camera& camera, const WarpSettings& settings, WarpedImage& image,
                    const std::stop_token& stop) override {
-    traceNearestHits(lbvh_.view(), frame.colors, camera, settings.knobs.whole(kHitsKnob), image.samples, image.color, stop);
+    tracer_.trace(camera, settings.knobs.whole(kHitsKnob), image.samples, image.color, stop);
   }
 
  private:
-  Lbvh lbvh_;
+  SurfaceTracer tracer_;
 };
 
 std::unique_ptr<Warp> makeMultihitWarp(const WarpResources& resources) {
@@ -39,20 +37,20 @@ constinit const Knob kHitsKnob{
     .option = "--hits",
     .label = "Hits",
     .noun = "number of hits",
-    .help = "How many samples along each ray are blended, the nearest in front (Gribble, Naveros, Kerzner 2014)",
+    .help = "How many surfaces along each ray are blended, the nearest in front (Gribble, Naveros, Kerzner 2014)",
     .type = KnobType::whole,
     .stale = KnobStage::draw,
     .range = {1.0, kMaxHits},
     .track = {1.0, kMaxHits},
     .defaultValue = 4.0,
-    .axis = {"hits", "--hit-counts", "Samples blended along a ray", kSweptHits},
+    .axis = {"hits", "--hit-counts", "Surfaces blended along a ray", kSweptHits},
     .phrase = " of {}",
 };
 
 constinit const WarpDescriptor kMultihitWarp{
     .name = "multihit",
     .label = "Multihit",
-    .summary = "the nearest few spheres along each ray, blended",
+    .summary = "the nearest few surfaces along each ray, blended",
     .runsOnCuda = true,
     .uses = {.depth = true, .radius = true},
     .knobs = kKnobs,

@@ -1,5 +1,5 @@
-// The k nearest hits of each ray, kept in registers, and their colours over each other.
-// See multihit_warp_cuda.h.
+// Surfaces along each ray: their pieces kept in registers, and their colours over one another.
+// See multihit_warp_cuda.h. What SurfaceTracer does on the host, by the same formulas (multihit/surface_hits.h).
 #include "render/warp/multihit_warp_cuda.h"
 
 #include <array>
@@ -8,27 +8,81 @@
 #include "render/warp/clusters/cluster_trace.cuh"
 #include "render/warp/clusters/cluster_tree.h"
 #include "render/warp/device/device_warp.h"
-#include "render/warp/multihit/nearest_hits.h"
+#include "render/warp/multihit/surface_hits.h"
 #include "render/warp/multihit_warp.h"
 
 namespace warpscope {
 namespace {
 
-/// NearestHits as traceClusters wants them.
-template <int Hits>
-struct GatheredHits {
+constexpr unsigned kThreads = 256;
+
+/// Of rays in one pixel the one whose first sample is nearest, of equally near ones the first, as ownPicture(): `firstOf` takes its depth code and, in the lower half, its index.
+__global__ void findFirstSamples(const SampleRays rays, unsigned long long* firstOf) {
+  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  if (i >= rays.count || (rays.layers != nullptr && rays.layers[i] != 0)) return;
+  const PackedSample sample = rays.samples[i];
+  const uint32_t column = columnOf(sample), row = rowOf(sample);
+  if (column >= rays.width || row >= rays.height) return;
+  atomicMin(&firstOf[size_t{row} * rays.width + column], static_cast<unsigned long long>(depthCode(sample)) << 32 | i);
+}
+
+__global__ void keepIndices(const unsigned long long* firstOf, uint32_t* indices, size_t count) {
+  const size_t i = size_t{blockIdx.x} * kThreads + threadIdx.x;
+  static_assert(kNoSample == 0xffffffffu, "what no sample has set");
+  if (i < count) indices[i] = static_cast<uint32_t>(firstOf[i]);
+}
+
+__global__ void setSurfaceRadii(const __grid_constant__ SampleRays rays, PackedSample* samples) {
+  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  if (i < rays.count) samples[i] = withSurfaceRadius(rays, i);
+}
+
+/// As surfacesOf() wants a frame's samples.
+struct SamplesOnDevice {
+  const PackedSample* samples;
+  const Rgba8* colors;
+  const ColorTables* tables;
+  SampleGrid grid;
+
+  __device__ Sphere sphere(uint32_t id) const { return unpackSample(samples[id], grid); }
+  __device__ uint32_t pixel(uint32_t id) const { return pixelKey(samples[id]); }
+  __device__ glm::vec4 color(uint32_t id) const { return tables->decode(colors[id]); }
+};
+
+/// A ray's pieces as traceClusters wants them.
+template <int Pieces>
+struct GatheredPieces {
+  const SamplesOnDevice& frame;
+  const ClusterTreeView& tree;
+  Ray ray;
+  glm::vec3 origin;  ///< from the frame's eye to the ray's
+  bool isWanted;     ///< false for a pixel outside the image
+  NearestHits<Pieces> nearest;
+
+  __device__ float farthest() const { return isWanted ? nearest.farthest() : -1.0f; }
+  __device__ void add(uint32_t place, float t) {
+    const uint32_t id = tree.ids[place];
+    const float4 sphere = tree.spheres[place];
+    const glm::vec3 toCenter = glm::vec3(sphere.x, sphere.y, sphere.z) - ray.origin;
+    nearest.insert(pieceDistance(frustumOf(frame.grid.pixels, frame.samples[id], origin), ray.direction, toCenter, t), id);
+  }
+};
+
+/// The nearest of all spheres, as traceClusters wants it.
+struct GatheredHit {
   const uint32_t* ids;
-  bool isWanted;  ///< false for a pixel outside the image
-  NearestHits<Hits> nearest;
+  bool isWanted;
+  NearestHits<1> nearest;
 
   __device__ float farthest() const { return isWanted ? nearest.farthest() : -1.0f; }
   __device__ void add(uint32_t place, float t) { nearest.insert(t, ids[place]); }
 };
 
-template <int Hits>
-__global__ void __launch_bounds__(kTileBlockThreads) traceHits(const __grid_constant__ ClusterTreeView tree,
-                                                               const __grid_constant__ Camera camera, const Rgba8* colors,
-                                                               const ColorTables* tables, DevicePixels pixels) {
+template <int Surfaces>
+__global__ void __launch_bounds__(kTileBlockThreads)
+    traceSurfaces(const __grid_constant__ ClusterTreeView pieces, const __grid_constant__ ClusterTreeView wide, const __grid_constant__ SamplesOnDevice frame,
+                  const __grid_constant__ SampleRays rays, const __grid_constant__ Camera frameCamera, const __grid_constant__ Camera camera, DevicePixels pixels) {
+  constexpr int kPieces = piecesFor(Surfaces);
   __shared__ ClusterWarpMemory memory[kTilesPerBlock];
   const PixelPlace tile = tileOfThread(0);
   if (tile.x >= camera.width || tile.y >= camera.height) return;  // the whole warp
@@ -36,43 +90,96 @@ __global__ void __launch_bounds__(kTileBlockThreads) traceHits(const __grid_cons
   const bool isInside = pixel.x < camera.width && pixel.y < camera.height;
   const Ray ray = rayOfPixel(camera, pixel);
   const glm::vec3 directions[1] = {ray.direction};
-  GatheredHits<Hits> hits[1] = {{tree.ids, isInside, {}}};
-  traceClusters(tree, camera, tile, directions, memory[threadIdx.x / 32], hits);
+  GatheredPieces<kPieces> gathered[1] = {{frame, pieces, ray, camera.eye - frameCamera.eye, isInside, {}}};
+  traceClusters(pieces, camera, tile, directions, memory[threadIdx.x / 32], gathered);
+  SurfacesSeen seen;
+  if (isInside) seen = surfacesOf(frame, ray, gathered[0].nearest, kPieces, Surfaces);
+  const bool isGap = isInside && seen.nearest == kNoSample;
+  if (__any_sync(kAllLanes, isGap)) {
+    GatheredHit hit[1] = {{wide.ids, isGap, {}}};
+    traceClusters(wide, camera, tile, directions, memory[threadIdx.x / 32], hit);
+    const uint32_t id = hit[0].nearest.id(0);
+    if (isGap && id != kNoSample && !isSeenEmpty(rays, frameCamera, ray.at(hit[0].nearest.t(0)))) seen = {id, frame.color(id)};
+  }
   if (!isInside) return;
   const size_t i = size_t{pixel.y} * camera.width + pixel.x;
-  const NearestHits<Hits>& nearest = hits[0].nearest;
-  pixels.samples[i] = nearest.id(0);
-  glm::vec4 color = nearest.id(0) == kNoSample ? glm::vec4(0.0f) : tables->decode(colors[nearest.id(0)]);
-#pragma unroll
-  for (int hit = 1; hit < Hits; ++hit)
-    if (nearest.id(hit) != kNoSample) color = over(color, tables->decode(colors[nearest.id(hit)]));
-  pixels.color[i] = color;
+  pixels.samples[i] = seen.nearest;
+  pixels.color[i] = seen.color;
 }
 
-template <int Hits>
-void launch(const ClusterTreeView& tree, const Camera& camera, const Rgba8* colors, const ColorTables* tables, const DevicePixels& pixels,
-            cudaStream_t stream) {
-  traceHits<Hits><<<tileGrid(camera.width, camera.height), kTileBlockThreads, 0, stream>>>(tree, camera, colors, tables, pixels);
+struct Launch {
+  const ClusterTreeView& pieces;
+  const ClusterTreeView& wide;
+  const SamplesOnDevice& frame;
+  const SampleRays& rays;
+  const Camera& frameCamera;
+  const Camera& camera;
+  const DevicePixels& pixels;
+};
+
+template <int Surfaces>
+void launch(const Launch& job, cudaStream_t stream) {
+  traceSurfaces<Surfaces><<<tileGrid(job.camera.width, job.camera.height), kTileBlockThreads, 0, stream>>>(job.pieces, job.wide, job.frame, job.rays, job.frameCamera,
+                                                                                                            job.camera, job.pixels);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
-/// launch for 1 .. kMaxHits hits.
-template <int... Hits>
-constexpr auto launchesFor(std::integer_sequence<int, Hits...>) {
-  return std::array{&launch<Hits + 1>...};
+/// launch for 1 .. kMaxHits surfaces.
+template <int... Surfaces>
+constexpr auto launchesFor(std::integer_sequence<int, Surfaces...>) {
+  return std::array{&launch<Surfaces + 1>...};
 }
 constexpr auto kLaunches = launchesFor(std::make_integer_sequence<int, kMaxHits>());
 
 class CudaMultihitWarp final : public DeviceWarp {
  private:
   bool blends() const override { return true; }
-  void build(const DeviceFrameView& frame, const WarpSettings&, cudaStream_t stream) override { clusters_.build(frame, stream); }
-  void trace(const DeviceFrameView& frame, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels,
-             cudaStream_t stream) override {
-    kLaunches[static_cast<size_t>(settings.knobs.whole(kHitsKnob) - 1)](clusters_.view(), camera, frame.colors, colorTables(), pixels, stream);
+
+  void upload(const SampleFrame& frame, cudaStream_t stream) override {
+    DeviceWarp::upload(frame, stream);
+    camera_ = frame.camera;
+    hasLayers_ = !frame.layers().empty();
+    if (hasLayers_) layers_.upload(frame.layers(), stream);
   }
 
-  DeviceClusterTree clusters_;
+  void build(const DeviceFrameView& frame, const WarpSettings&, cudaStream_t stream) override {
+    wide_.build(frame, stream);
+    const size_t pixels = size_t{camera_.width} * camera_.height;
+    nearestOf_.reserve(pixels);
+    firstOf_.reserve(pixels);
+    rays_ = {frame.samples, hasLayers_ ? layers_.data() : nullptr, firstOf_.data(), frame.count, camera_.width, camera_.height, frame.grid};
+    WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(nearestOf_.data(), 0xff, pixels * sizeof(unsigned long long), stream));
+    if (frame.count > 0) {
+      findFirstSamples<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(rays_, nearestOf_.data());
+      WARPSCOPE_CUDA_CHECK_LAUNCH();
+    }
+    keepIndices<<<cuda::blocksFor(pixels, kThreads), kThreads, 0, stream>>>(nearestOf_.data(), firstOf_.data(), pixels);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    samples_.reserve(frame.count);
+    if (frame.count > 0) {
+      setSurfaceRadii<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(rays_, samples_.data());
+      WARPSCOPE_CUDA_CHECK_LAUNCH();
+    }
+    DeviceFrameView closed = frame;
+    closed.samples = samples_.data();
+    pieces_.build(closed, stream);
+  }
+
+  void trace(const DeviceFrameView& frame, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels,
+             cudaStream_t stream) override {
+    const ClusterTreeView pieces = pieces_.view(), wide = wide_.view();
+    const SamplesOnDevice samples{samples_.data(), frame.colors, colorTables(), frame.grid};
+    kLaunches[static_cast<size_t>(settings.knobs.whole(kHitsKnob) - 1)]({pieces, wide, samples, rays_, camera_, camera, pixels}, stream);
+  }
+
+  Camera camera_;  // the frame's
+  bool hasLayers_ = false;
+  SampleRays rays_;  // in device memory
+  cuda::DeviceBuffer<uint8_t> layers_;
+  cuda::DeviceBuffer<unsigned long long> nearestOf_;
+  cuda::DeviceBuffer<uint32_t> firstOf_;
+  cuda::DeviceBuffer<PackedSample> samples_;  // with the radii of pieces
+  DeviceClusterTree pieces_, wide_;
 };
 
 }  // namespace

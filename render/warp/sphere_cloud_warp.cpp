@@ -8,12 +8,13 @@ namespace warpscope {
 
 void SphereCloudWarp::setFrame(SampleFramePtr frame, const WarpSettings& settings, const std::stop_token&) {
   frame_ = nullptr;  // in case that building fails
-  spheres_.resize(frame ? frame->size() : 0);
-  const SampleGrid grid = frame ? frame->grid() : SampleGrid{};
+  if (!frame) return;
+  spheres_.resize(frame->size());
+  const SampleGrid grid = frame->grid();
   parallelForRanges(spheres_.size(), 1 << 15, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) spheres_[i] = unpackSample(frame->samples[i], grid);
   });
-  build(spheres_, settings);
+  build(*frame, spheres_, settings);
   frame_ = std::move(frame);
 }
 

@@ -15,8 +15,8 @@ class SphereCloudWarp : public Warp {
   void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop = {}) final;
 
  protected:
-  /// Takes the spheres of a new frame, in the order of its samples; they stay where they are until the next frame.
-  virtual void build(std::span<const Sphere> spheres, const WarpSettings& settings) = 0;
+  /// Takes a new frame and the spheres of its samples, in their order; both stay where they are until the next frame.
+  virtual void build(const SampleFrame& frame, std::span<const Sphere> spheres, const WarpSettings& settings) = 0;
 
   /// Draws what was built last, for a usable camera. Both images may have any size.
   virtual void drawSpheres(const SampleFrame& frame, const Camera& camera, const WarpSettings& settings, WarpedImage& image,

@@ -1,4 +1,5 @@
-// First hit of primary rays with one sphere per sample, the sample's colour, no shading: of several samples of a ray the nearest hides the others.
+// First hit of primary rays with one sphere per sample, the sample's colour, no shading: of several samples of a ray the nearest hides the others. Where the frame says how uncertain
+// depths are (kSpreadPlane), spheres are drawn out along the rays that they were found on: capsules, as Zellmann 2020 proposes in section 6.
 // Zellmann 2020, over a linear BVH (Karras 2012) or, as a check and baseline, Embree.
 #pragma once
 
@@ -25,8 +26,16 @@ inline constexpr std::array<NamedValue<SphereTracing>, 4> kSphereTracings{{
 /// The hierarchy: a SphereTracing.
 extern const Knob kSphereTracingKnob;
 
+/// How far spheres are drawn out, in spreads to both sides of their depth; 0: not at all.
+extern const Knob kSmearKnob;
+
+/// The frame's plane kSpreadPlane, a float for each sample; null if it has none.
+const SamplePlane* spreadsOf(const SampleFrame& frame);
+
 /// Throws UsageError where the settings ask for a hierarchy that does not know the arithmetic that they ask for.
 void requireTraceable(const WarpSettings& settings);
+/// Likewise that know no capsules.
+void requireCapsules(const WarpSettings& settings);
 
 extern const WarpDescriptor kSpheresWarp;
 

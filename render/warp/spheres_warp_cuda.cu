@@ -1,4 +1,4 @@
-// Spheres behind one of two hierarchies.
+// Spheres behind one of two hierarchies; drawn out to capsules behind one of them.
 // See spheres_warp_cuda.h.
 #include "render/warp/spheres_warp_cuda.h"
 
@@ -6,13 +6,23 @@
 #include "render/warp/clusters/cluster_tree.h"
 #include "render/warp/device/device_warp.h"
 #include "render/warp/lbvh/device_lbvh.h"
+#include "render/warp/lbvh/sample_capsules.h"
 #include "render/warp/spheres_warp.h"
 
 namespace warpscope {
 namespace {
 
+constexpr unsigned kThreads = 256;
+
+__global__ void drawOut(DeviceFrameView frame, const float* spreads, float factor, glm::vec3* halfLines) {
+  const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
+  if (i < frame.count) halfLines[i] = halfLineOf(frame.grid, frame.samples[i], spreads[i], factor);
+}
+
 class CudaSpheresWarp final : public DeviceWarp {
  private:
+  static float smearOf(const WarpSettings& settings) { return settings.knobs.number(kSmearKnob); }
+
   static Arithmetic arithmeticOf(const WarpSettings& settings) { return settings.knobs.choice<Arithmetic>(kArithmeticKnob); }
   static bool usesLbvh(const WarpSettings& settings) {
     const auto tracing = settings.knobs.choice<SphereTracing>(kSphereTracingKnob);
@@ -21,10 +31,34 @@ class CudaSpheresWarp final : public DeviceWarp {
     return tracing == SphereTracing::lbvh || arithmeticOf(settings) == Arithmetic::textbook;
   }
 
-  bool needsBuild(const WarpSettings& settings) const override { return usesLbvh(settings) != isLbvh_; }
+  bool isSmeared(const WarpSettings& settings) const { return hasSpreads_ && smearOf(settings) > 0.0f; }
+
+  bool needsBuild(const WarpSettings& settings) const override {
+    if (hasSpreads_ && smearOf(settings) != smear_) return true;
+    return !isSmeared(settings) && usesLbvh(settings) != isLbvh_;
+  }
+
+  void upload(const SampleFrame& frame, cudaStream_t stream) override {
+    DeviceWarp::upload(frame, stream);
+    const SamplePlane* const plane = spreadsOf(frame);
+    hasSpreads_ = plane != nullptr;
+    if (hasSpreads_) spreads_.upload(plane->values, stream);
+  }
 
   void build(const DeviceFrameView& frame, const WarpSettings& settings, cudaStream_t stream) override {
     isLbvh_ = usesLbvh(settings);
+    smear_ = smearOf(settings);
+    if (isSmeared(settings)) {
+      requireCapsules(settings);
+      isLbvh_ = true;
+      halfLines_.reserve(frame.count);
+      if (frame.count > 0) {
+        drawOut<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(frame, reinterpret_cast<const float*>(spreads_.data()), smear_,
+                                                                                 halfLines_.data());
+        WARPSCOPE_CUDA_CHECK_LAUNCH();
+      }
+      return lbvh_.build(frame, stream, halfLines_.data());
+    }
     if (isLbvh_)
       lbvh_.build(frame, stream);
     else
@@ -43,6 +77,10 @@ class CudaSpheresWarp final : public DeviceWarp {
   }
 
   bool isLbvh_ = false;
+  float smear_ = 0.0f;
+  bool hasSpreads_ = false;
+  cuda::DeviceBuffer<std::byte> spreads_;  // floats; see kSpreadPlane
+  cuda::DeviceBuffer<glm::vec3> halfLines_;
   DeviceClusterTree clusters_;
   DeviceLbvh lbvh_;
   cuda::DeviceBuffer<uint32_t> deviceOverflow_{1};

@@ -11,7 +11,7 @@ namespace {
 
 class SplatsWarp final : public SphereCloudWarp {
  protected:
-  void build(std::span<const Sphere> spheres, const WarpSettings&) override { tracer_.build(spheres); }
+  void build(const SampleFrame&, std::span<const Sphere> spheres, const WarpSettings&) override { tracer_.build(spheres); }
 
   void drawSpheres(const SampleFrame& frame, const Camera& camera, const WarpSettings&, WarpedImage& image,
                    const std::stop_token& stop) override {

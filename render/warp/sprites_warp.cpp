@@ -40,7 +40,7 @@ class SpritesWarp final : public SphereCloudWarp {
   }
 
  protected:
-  void build(std::span<const Sphere> spheres, const WarpSettings&) override {
+  void build(const SampleFrame&, std::span<const Sphere> spheres, const WarpSettings&) override {
     context_.makeCurrent();
     buffer_ = {};
     if (spheres.empty()) return;

@@ -78,7 +78,7 @@ bool WarpDescriptor::dependsOn(const MarchKnob& knob, const KnobValues& own) con
     case FramePart::depth: return uses.depth;
     case FramePart::radius: return uses.radius;
     case FramePart::samples: return usesFrame;
-    case FramePart::planes: return false;  // that a knob asks for; none is drawn by them
+    case FramePart::planes: return uses.spread;  // the only one that a knob asks for
     case FramePart::segments: return uses.segments;
     case FramePart::proxy: return drawsProxy(*this, own);
   }

@@ -102,6 +102,7 @@ struct SampleUse {
   bool radius = false;
   bool segments = false;
   bool proxy = false;
+  bool spread = false;  ///< of depth, where frames have it
 };
 
 /// A technique, as its own file describes it.

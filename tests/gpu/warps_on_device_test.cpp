@@ -37,9 +37,6 @@ std::vector<Contender> contenders() {
   settings.knobs.set(kSphereTracingKnob, SphereTracing::lbvh);
   all.push_back({"lbvh", makeCudaSpheresWarp(), settings});
   all.push_back({"splats", makeCudaSplatsWarp(), {}});
-  settings = {};
-  settings.knobs.set(kHitsKnob, 1);
-  all.push_back({"multihit of one", makeCudaMultihitWarp(), settings});
   return all;
 }
 
@@ -105,28 +102,85 @@ TEST(WarpsOnDevice, CloudsOfEveryShapeAndSize) {
     }
 }
 
-TEST(WarpsOnDevice, SeveralHitsAreTheCpus) {
+/// Marched frames of one and of several samples a ray, in their own view, beside it, behind it, and close to them.
+TEST(WarpsOnDevice, SurfacesAreTheCpus) {
   WARPSCOPE_NEEDS_GPU();
   const std::unique_ptr<Warp> onCpu = makeWarp(findWarp("multihit"), {});
   const std::unique_ptr<Warp> onDevice = makeCudaMultihitWarp();
-  for (const CloudShape shape : kCloudShapes) {
-    SampleFramePtr frame = frameOf(makeCloud(shape, 20000, 100.0f, 11));
-    auto translucent = std::make_shared<SampleFrame>(*frame);
-    for (size_t i = 0; i < translucent->size(); ++i) translucent->colors[i] = (translucent->colors[i] & 0xffffffu) | static_cast<Rgba8>(i * 37 % 256) << 24;
-    for (int hits = 1; hits <= kMaxHits; ++hits) {
-      SCOPED_TRACE(::testing::Message() << "shape " << static_cast<int>(shape) << ", " << hits << " hits");
-      WarpSettings settings;
-      settings.knobs.set(kHitsKnob, hits);
-      WarpedImage expected, actual;
-      onCpu->setFrame(translucent, settings);
-      onDevice->setFrame(translucent, settings);
-      for (const Camera& camera : {orbitCamera(300.0f, 20.0f, 193, 161), orbitCamera(5.0f, 100.0f, 97, 101)}) {
+  for (const BuiltinScene& builtin : builtinScenes())
+    for (const int samplesPerRay : {1, 3}) {
+      const Scene scene = smallScene(builtin.name, 96);
+      MarchSettings march = scene.march;
+      march.sample.samplesPerRay = samplesPerRay;
+      const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+      View view = scene.views.front();
+      const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, view, 400, 300), march));
+      onCpu->setFrame(frame, {});
+      onDevice->setFrame(frame, {});
+      for (const double turn : {0.0, 12.0, 45.0, 170.0})
+        for (const int hits : {1, 2, 4, kMaxHits}) {
+          SCOPED_TRACE(builtin.name + ", " + std::to_string(samplesPerRay) + " samples a ray, " + std::to_string(turn) + " degrees, " + std::to_string(hits) + " hits");
+          view.angleDeg = scene.views.front().angleDeg + turn;
+          WarpSettings settings;
+          settings.knobs.set(kHitsKnob, hits);
+          WarpedImage expected, actual;
+          const Camera camera = turn == 0.0 ? frame->camera : makeCamera(scene, view, 333, 277);
+          onCpu->draw(camera, settings, expected);
+          onDevice->draw(camera, settings, actual);
+          ASSERT_TRUE(expected.samples == actual.samples);
+          ASSERT_TRUE(expected.color == actual.color);
+        }
+    }
+}
+
+/// Samples that no marcher made: several rays in a pixel, none, few.
+TEST(WarpsOnDevice, SurfacesOfCloudsAreTheCpus) {
+  WARPSCOPE_NEEDS_GPU();
+  const std::unique_ptr<Warp> onCpu = makeWarp(findWarp("multihit"), {});
+  const std::unique_ptr<Warp> onDevice = makeCudaMultihitWarp();
+  for (const CloudShape shape : kCloudShapes)
+    for (const size_t count : {size_t{0}, size_t{1}, size_t{33}, size_t{4000}}) {
+      SCOPED_TRACE(::testing::Message() << "shape " << static_cast<int>(shape) << ", " << count << " samples");
+      const std::vector<Sphere> cloud = makeCloud(shape, count, 100.0f, 11);
+      auto frame = std::make_shared<SampleFrame>(frameOfSpheres(cloud, 16.0f, 4.0f, 63, 512.0f));
+      for (size_t i = 0; i < frame->size(); ++i) frame->colors[i] = static_cast<Rgba8>(i * 2654435761u);
+      onCpu->setFrame(frame, {});
+      onDevice->setFrame(frame, {});
+      for (const Camera& camera : {frame->camera, orbitCamera(300.0f, 20.0f, 193, 161), orbitCamera(5.0f, 100.0f, 97, 101)}) {
+        WarpedImage expected, actual;
+        onCpu->draw(camera, {}, expected);
+        onDevice->draw(camera, {}, actual);
+        ASSERT_TRUE(expected.samples == actual.samples);
+        ASSERT_TRUE(expected.color == actual.color);
+      }
+    }
+}
+
+/// Both sides build the hierarchy by the same rules and meet capsules by the same formula.
+TEST(WarpsOnDevice, CapsulesAreTheCpus) {
+  WARPSCOPE_NEEDS_GPU();
+  const std::unique_ptr<Warp> onCpu = makeWarp(findWarp("spheres"), {});
+  const std::unique_ptr<Warp> onDevice = makeCudaSpheresWarp();
+  for (const BuiltinScene& builtin : builtinScenes()) {
+    const Scene scene = smallScene(builtin.name, 96);
+    MarchSettings march = scene.march;
+    march.sample.sendsSpread = true;
+    const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+    const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, scene.views.front(), 400, 300), march));
+    onCpu->setFrame(frame, {});
+    onDevice->setFrame(frame, {});
+    for (const View& view : scene.views)
+      for (const double smear : {0.0, 0.5, 4.0}) {
+        SCOPED_TRACE(builtin.name + ", smeared by " + std::to_string(smear));
+        WarpSettings settings;
+        settings.knobs.set(kSmearKnob, smear);
+        WarpedImage expected, actual;
+        const Camera camera = makeCamera(scene, view, 333, 277);
         onCpu->draw(camera, settings, expected);
         onDevice->draw(camera, settings, actual);
         ASSERT_TRUE(expected.samples == actual.samples);
         ASSERT_TRUE(expected.color == actual.color);
       }
-    }
   }
 }
 

@@ -341,8 +341,7 @@ TEST(Case12, IsTheSameForAnyNumberOfThreads) {
 
 /// What draws samples as spheres, on a backend.
 std::vector<std::pair<std::string, WarpSettings>> sphereTechniques(Backend backend) {
-  std::vector<std::pair<std::string, WarpSettings>> all{{"spheres", {}}, {"splats", {}}, {"multihit", {}}};
-  all.back().second.knobs.set(kHitsKnob, 1);
+  std::vector<std::pair<std::string, WarpSettings>> all{{"spheres", {}}, {"splats", {}}};
   if (backend == Backend::cuda) {
     all.push_back({"spheres", {}});
     all.back().second.knobs.set(kSphereTracingKnob, SphereTracing::lbvh);

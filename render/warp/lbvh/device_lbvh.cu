@@ -30,10 +30,11 @@ __global__ void emitNodes(const uint64_t* codes, uint32_t count, LbvhNode* nodes
   }
 }
 
-__global__ void boundNodes(const Sphere* spheres, uint32_t count, LbvhNode* nodes, const uint32_t* parents, uint32_t* arrivals) {
+/// `halfLines` by id, null where all are spheres.
+__global__ void boundNodes(const Sphere* spheres, const uint32_t* ids, const glm::vec3* halfLines, uint32_t count, LbvhNode* nodes, const uint32_t* parents, uint32_t* arrivals) {
   const uint32_t leaf = blockIdx.x * kThreads + threadIdx.x;
   if (leaf >= count) return;
-  Box box = sphereBounds(spheres[leaf]);
+  Box box = halfLines == nullptr ? sphereBounds(spheres[leaf]) : capsuleBounds(spheres[leaf], halfLines[ids[leaf]]);
   float smallestRadius = spheres[leaf].radius;
   uint32_t place = parents[count - 1 + leaf];
   for (;;) {
@@ -73,8 +74,11 @@ __global__ void __launch_bounds__(kTileBlockThreads) traceRays(const __grid_cons
 
 }  // namespace
 
-void DeviceLbvh::build(const DeviceFrameView& frame, cudaStream_t stream) {
+void DeviceLbvh::build(const DeviceFrameView& frame, cudaStream_t stream, const glm::vec3* halfLines) {
   cloud_.build(frame, kCodeBits, stream);
+  halfLines_ = halfLines;
+  // No line's half is longer than the bounds, and each coordinate gets at most that.
+  reach_ = cloud_.reach() + (halfLines != nullptr ? 3.0f * glm::length(frame.grid.bounds.extent()) : 0.0f);
   const uint32_t count = frame.count;
   if (count == 0) return;
   spheres_.reserve(count);
@@ -87,16 +91,21 @@ void DeviceLbvh::build(const DeviceFrameView& frame, cudaStream_t stream) {
   WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(arrivals_.data(), 0, (count - 1) * sizeof(uint32_t), stream));
   emitNodes<<<cuda::blocksFor(count - 1, kThreads), kThreads, 0, stream>>>(cloud_.codes(), count, nodes_.data(), parents_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  boundNodes<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream>>>(spheres_.data(), count, nodes_.data(), parents_.data(), arrivals_.data());
+  boundNodes<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream>>>(spheres_.data(), cloud_.ids(), halfLines_, count, nodes_.data(), parents_.data(),
+                                                                                arrivals_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
 void DeviceLbvh::trace(const Camera& camera, uint32_t* ids, float* depth, uint32_t* overflow, cudaStream_t stream,
                        Arithmetic arithmetic) const {
-  visitSphereArithmetic(arithmetic, [&](auto policy) {
+  const auto traceBy = [&](auto policy) {
     traceRays<decltype(policy)>
         <<<tileGrid(camera.width, camera.height), kTileBlockThreads, 0, stream>>>(view(), camera, ids, depth, overflow);
-  });
+  };
+  if (halfLines_ != nullptr)
+    traceBy(StableCapsule{});
+  else
+    visitSphereArithmetic(arithmetic, traceBy);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 

@@ -9,9 +9,11 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #include "render/core/box.h"
 #include "render/core/morton.h"
+#include "render/core/ray_capsule.h"
 #include "render/core/textbook_sphere.h"
 #include "render/core/sample.h"
 
@@ -52,6 +54,8 @@ struct LbvhView {
   const uint32_t* ids = nullptr;    ///< count: each sphere's place in the cloud that was built
   uint32_t count = 0;
   float reach = 0.0f;  ///< at least the distance of any point of any sphere from the coordinates' origin
+  /// Of capsules (ray_capsule.h) the halves of their lines, by place in the cloud; the spheres are those of their middles. Null where all are spheres.
+  const glm::vec3* halfLines = nullptr;
 
   WARPSCOPE_HD uint32_t leafCount() const { return count; }
   WARPSCOPE_HD MortonRange spheresOf(uint32_t leaf) const { return {leaf, leaf}; }
@@ -72,6 +76,12 @@ struct GroupedLbvhView : LbvhView {
 /// Bounds of a sphere, rounded to nearest.
 WARPSCOPE_HD inline Box sphereBounds(const Sphere& sphere) {
   return {sphere.center - sphere.radius, sphere.center + sphere.radius};
+}
+
+/// Of that sphere drawn out to both sides.
+WARPSCOPE_HD inline Box capsuleBounds(const Sphere& sphere, const glm::vec3& half) {
+  const glm::vec3 reach = glm::abs(half) + sphere.radius;
+  return {sphere.center - reach, sphere.center + reach};
 }
 
 /// LbvhView::reach for spheres within `bounds`: the sum of the largest coordinates bounds their length.
@@ -237,13 +247,26 @@ struct LbvhHit {
   bool overflow = false;    ///< the traversal gave up: the caller must fail
 };
 
+/// What closestHit() takes for capsules.
+struct StableCapsule {};
+
+/// Distance along `ray` to the sphere, or capsule, at that place in Morton order.
+template <class Intersection, class View>
+WARPSCOPE_HD inline float distanceTo(const View& view, const Ray& ray, uint32_t i) {
+  const Sphere& sphere = view.spheres[i];
+  if constexpr (std::is_same_v<Intersection, StableCapsule>)
+    return intersectCapsule(ray, sphere.center, view.halfLines[view.ids[i]], sphere.radius);
+  else
+    return Intersection::intersect(ray, sphere.center, sphere.radius);
+}
+
 /// The first sphere along `ray` (unit direction); of equally near ones that with the lowest id. See intersectSphere for
 /// what is a hit.
 template <class Intersection = StableSphere, class View>
 WARPSCOPE_HD inline LbvhHit closestHit(const View& view, const Ray& ray) {
   LbvhHit hit;
   hit.overflow = !visitAlongRay(view, ray, hit.t, [&](uint32_t i) {
-    const float t = Intersection::intersect(ray, view.spheres[i].center, view.spheres[i].radius);
+    const float t = distanceTo<Intersection>(view, ray, i);
     if (t < hit.t || (t == hit.t && t < kNoHit && view.ids[i] < hit.id)) {
       hit.t = t;
       hit.id = view.ids[i];

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <sstream>
+#include <stdexcept>
 
 #include "render/base/error.h"
 #include "render/core/parallel.h"
@@ -120,13 +121,19 @@ void sortByCode(std::vector<MortonItem>& items, std::vector<MortonItem>& scratch
   }
 }
 
-void Lbvh::build(std::span<const Sphere> spheres) {
+void Lbvh::build(std::span<const Sphere> spheres, std::span<const glm::vec3> halfLines) {
   ids_.clear();
   codes_.clear();
+  halfLines_.clear();
   const CloudSummary summary = summarizeValid(spheres);
   const size_t count = spheres.size();
+  if (!halfLines.empty() && halfLines.size() != count)
+    throw std::invalid_argument(std::to_string(halfLines.size()) + " lines for " + std::to_string(count) + " spheres");
   if (count == 0) return;
-  reach_ = reachOf(summary.spheres);
+  Box bounds = summary.spheres;
+  for (size_t i = 0; i < halfLines.size(); ++i) bounds.include(capsuleBounds(spheres[i], halfLines[i]));
+  reach_ = reachOf(bounds);
+  halfLines_.assign(halfLines.begin(), halfLines.end());
 
   items_.resize(count);
   parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
@@ -190,11 +197,13 @@ void Lbvh::markLeaves(MortonRange spheres) {
   }
 }
 
+Box Lbvh::boundsOf(uint32_t i) const { return halfLines_.empty() ? sphereBounds(spheres_[i]) : capsuleBounds(spheres_[i], halfLines_[ids_[i]]); }
+
 Lbvh::Extent Lbvh::extentOf(uint32_t leaf) const {
   const MortonRange range = view().spheresOf(leaf);
-  Extent extent{sphereBounds(spheres_[range.first]), spheres_[range.first].radius};
+  Extent extent{boundsOf(range.first), spheres_[range.first].radius};
   for (uint32_t i = range.first + 1; i <= range.last; ++i) {
-    extent.bounds.include(sphereBounds(spheres_[i]));
+    extent.bounds.include(boundsOf(i));
     extent.smallestRadius = std::min(extent.smallestRadius, spheres_[i].radius);
   }
   return extent;
@@ -229,7 +238,9 @@ Lbvh::Extent Lbvh::emitNode(uint32_t index, MortonRange leaves) {
 
 GroupedLbvhView Lbvh::view() const {
   const size_t leaves = codes_.size();
-  return {{nodes_.data(), spheres_.data(), ids_.data(), static_cast<uint32_t>(ids_.size()), reach_}, leafFirst_.data(),
+  return {{nodes_.data(), spheres_.data(), ids_.data(), static_cast<uint32_t>(ids_.size()), reach_,
+           halfLines_.empty() ? nullptr : halfLines_.data()},
+          leafFirst_.data(),
           static_cast<uint32_t>(leaves)};
 }
 

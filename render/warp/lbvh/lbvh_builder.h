@@ -36,8 +36,8 @@ inline constexpr uint32_t kLeafSpheres = 8;
 class Lbvh {
  public:
   /// Replaces what was there. The result depends on the spheres and their order only, not on the number of threads.
-  /// Throws as validateSpheres does; the hierarchy is then empty.
-  void build(std::span<const Sphere> spheres);
+  /// Throws as validateSpheres does; the hierarchy is then empty. `halfLines`, unless empty, makes the spheres capsules: one finite vector for each, see LbvhView.
+  void build(std::span<const Sphere> spheres, std::span<const glm::vec3> halfLines = {});
 
   /// Valid until the next build.
   GroupedLbvhView view() const;
@@ -56,11 +56,13 @@ class Lbvh {
   Extent emitNode(uint32_t node, MortonRange leaves);
   Extent emitChild(uint32_t reference, MortonRange leaves);
   Extent extentOf(uint32_t leaf) const;
+  Box boundsOf(uint32_t i) const;
 
   std::vector<LbvhNode> nodes_;
   std::vector<uint32_t> leafFirst_;
   std::vector<Sphere> spheres_;
   std::vector<uint32_t> ids_;
+  std::vector<glm::vec3> halfLines_;  // by id; empty where all are spheres
   std::vector<uint64_t> codes_;  // of all spheres until the leaves are known
   std::vector<uint8_t> isLeafFirst_;
   float reach_ = 0.0f;

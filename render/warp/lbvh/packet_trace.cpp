@@ -13,10 +13,10 @@ void tracePackets(const GroupedLbvhView& view, const Camera& camera, Image<uint3
   if (depth) depth->resize(camera.width, camera.height, kNoHit);
   if (view.count == 0) return;
   const PacketScene scene = makePacketScene(view, camera);
-  visitSphereArithmetic(arithmetic, [&]<class Intersection>(Intersection) {
+  const auto traceBy = [&]<class Intersection>(const Intersection& intersection) {
     parallelForTiles(camera.width, camera.height, kTileSide, stop,
                      [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
-                       TileTracer<1, Intersection> tile(scene, 1, x0, y0, x1, y1);
+                       TileTracer<1, Intersection> tile(scene, 1, x0, y0, x1, y1, intersection);
                        tile.trace();
                        for (uint32_t y = y0; y < y1; ++y)
                          for (uint32_t x = x0; x < x1; ++x) {
@@ -24,7 +24,11 @@ void tracePackets(const GroupedLbvhView& view, const Camera& camera, Image<uint3
                            if (depth) (*depth)(x, y) = tile.t(0, x, y);
                          }
                      });
-  });
+  };
+  if (view.halfLines != nullptr)
+    traceBy(CapsuleIntersection{view.halfLines});
+  else
+    visitSphereArithmetic(arithmetic, traceBy);
 }
 
 }  // namespace warpscope

@@ -12,7 +12,7 @@
 
 namespace warpscope {
 
-/// Writes for every pixel what closestHit, by that arithmetic, says of pixelRay through its centre, bit for bit: `ids` and, unless null,
+/// Writes for every pixel what closestHit, by that arithmetic (of capsules by the stable one), says of pixelRay through its centre, bit for bit: `ids` and, unless null,
 /// `depth` (kNoHit where nothing is hit) take the camera's size. Throws OperationCancelled if `stop` is set.
 void tracePackets(const GroupedLbvhView& view, const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
                   const std::stop_token& stop, Arithmetic arithmetic = Arithmetic::stable);

@@ -1,5 +1,5 @@
-// pixelRay and intersectSphere for as many rays at once as a vector register has lanes. Host only.
-// The same operations in the same order as core/camera.h and core/ray_sphere.h, so that every lane holds the same bits
+// pixelRay, intersectSphere and intersectCapsule for as many rays at once as a vector register has lanes. Host only.
+// The same operations in the same order as core/camera.h, core/ray_sphere.h and core/ray_capsule.h, so that every lane holds the same bits
 // as theirs.
 #pragma once
 
@@ -10,6 +10,7 @@
 #include "render/core/camera.h"
 #include "render/core/floating_point.h"
 #include "render/core/numeric.h"
+#include "render/core/ray_capsule.h"
 #include "render/core/textbook_sphere.h"
 
 namespace warpscope {
@@ -77,15 +78,63 @@ inline FloatPack intersectSpherePack(const Vec3Pack& direction, const glm::vec3&
   return intersectSpherePack(direction, toCenter, seenSphere(toCenter, radius));
 }
 
-/// What an arithmetic wants to know of a sphere, once for all rays from an origin.
-inline SeenSphere preparedFor(StableSphere, const glm::vec3& toCenter, float radius) { return seenSphere(toCenter, radius); }
-inline float preparedFor(TextbookSphere, const glm::vec3&, float radius) { return radius; }
+/// intersectCapsule likewise.
+inline FloatPack intersectCapsulePack(const Vec3Pack& direction, const glm::vec3& toCenter, const SeenCapsule& capsule) {
+  const FloatPack noHit(kNoHit), zero(0.0f), one(1.0f);
+  if (!(capsule.radius > 0.0f)) return noHit;
+  const glm::vec3& half = capsule.half;
+  const FloatPack squaredRadius(capsule.radius * capsule.radius);
+  const auto dotOf = [&](const glm::vec3& v) { return v.x * direction.x + v.y * direction.y + v.z * direction.z; };
+  const auto notNegative = [&](const FloatPack& v) { return FloatPack(xsimd::select(v > zero, v, zero)); };
+  const auto onLine = [&](const FloatPack& s) {
+    const FloatPack behind = xsimd::select(s > -one, s, -one);
+    return FloatPack(xsimd::select(behind < one, behind, one));
+  };
+  const FloatPack along = dotOf(half), center = dotOf(toCenter);
+  const Vec3Pack across{half.x - along * direction.x, half.y - along * direction.y, half.z - along * direction.z};
+  const Vec3Pack offset{toCenter.x - center * direction.x, toCenter.y - center * direction.y, toCenter.z - center * direction.z};
+  const FloatPack breadth = xsimd::sqrt(dot(across, across));
+  const FloatMask isBroad = breadth > zero;
+  // In lanes whose rays run along the line, numbers are divided by 0.
+  return exceptionsExpected([&] {
+    const Vec3Pack unit{across.x / breadth, across.y / breadth, across.z / breadth};
+    const FloatPack toward = dot(offset, unit);
+    const Vec3Pack apart{offset.x - toward * unit.x, offset.y - toward * unit.y, offset.z - toward * unit.z};
+    const FloatPack depth = xsimd::sqrt(notNegative(squaredRadius - dot(apart, apart)));
+    const FloatPack nearest = xsimd::select(isBroad, onLine(-toward / breadth), zero);
+    const FloatPack first = xsimd::select(isBroad, onLine((-toward - depth * along / xsimd::sqrt(along * along + breadth * breadth)) / breadth),
+                                          xsimd::select(along > zero, -one, one));
+    const Vec3Pack passed{offset.x + nearest * across.x, offset.y + nearest * across.y, offset.z + nearest * across.z};
+    const Vec3Pack toFirst{toCenter.x + first * half.x, toCenter.y + first * half.y, toCenter.z + first * half.z};
+    const FloatPack toPoint = dot(toFirst, direction), outside = dot(toFirst, toFirst) - squaredRadius;
+    const Vec3Pack beside{toFirst.x - toPoint * direction.x, toFirst.y - toPoint * direction.y, toFirst.z - toPoint * direction.z};
+    const FloatPack t = outside / (toPoint + xsimd::sqrt(notNegative(squaredRadius - dot(beside, beside))));
+    const FloatMask hit = (squaredRadius - dot(passed, passed) >= zero) & (toPoint > zero) & (outside > zero);
+    return FloatPack(xsimd::select(hit, FloatPack(xsimd::select(t > toPoint, toPoint, t)), noHit));
+  });
+}
+
+/// Capsules whose lines are kept by id; what a TileTracer takes them for.
+struct CapsuleIntersection {
+  const glm::vec3* halfLines = nullptr;
+};
+
+/// What a kind of intersection wants to know of the sphere with that id, once for all rays from an origin.
+inline SeenSphere preparedFor(StableSphere, uint32_t, const glm::vec3& toCenter, float radius) { return seenSphere(toCenter, radius); }
+inline float preparedFor(TextbookSphere, uint32_t, const glm::vec3&, float radius) { return radius; }
+inline SeenCapsule preparedFor(const CapsuleIntersection& capsules, uint32_t id, const glm::vec3& toCenter, float radius) {
+  return seenCapsule(toCenter, capsules.halfLines[id], radius);
+}
 
 inline FloatPack intersectPack(StableSphere, const Vec3Pack& direction, const glm::vec3& toCenter, const SeenSphere& seen) {
   return intersectSpherePack(direction, toCenter, seen);
 }
 inline FloatPack intersectPack(TextbookSphere, const Vec3Pack& direction, const glm::vec3& toCenter, float radius) {
   return intersectTextbookPack(direction, toCenter, radius);
+}
+
+inline FloatPack intersectPack(const CapsuleIntersection&, const Vec3Pack& direction, const glm::vec3& toCenter, const SeenCapsule& capsule) {
+  return intersectCapsulePack(direction, toCenter, capsule);
 }
 
 /// What each ray has met: a distance, kNoHit where it has met nothing, and an id below 2^31, -1 where there is none.

@@ -9,6 +9,8 @@ namespace warpscope {
 
 void LbvhTracer::build(std::span<const Sphere> spheres) { lbvh_.build(spheres); }
 
+void LbvhTracer::build(std::span<const Sphere> spheres, std::span<const glm::vec3> halfLines) { lbvh_.build(spheres, halfLines); }
+
 void LbvhTracer::trace(const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
                        const std::stop_token& stop) const {
   tracePackets(lbvh_.view(), camera, ids, depth, stop, arithmetic_);

@@ -36,6 +36,8 @@ class LbvhTracer final : public SphereTracer {
  public:
   explicit LbvhTracer(Arithmetic arithmetic = Arithmetic::stable) : arithmetic_(arithmetic) {}
   void build(std::span<const Sphere> spheres) override;
+  /// Capsules, see Lbvh::build; met by stable arithmetic, whatever the tracer's is.
+  void build(std::span<const Sphere> spheres, std::span<const glm::vec3> halfLines);
   void trace(const Camera& camera, Image<uint32_t>& ids, Image<float>* depth,
              const std::stop_token& stop) const override;
 

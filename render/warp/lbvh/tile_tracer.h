@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include "render/warp/lbvh/bulge.h"
@@ -45,17 +46,27 @@ class PlaneFan {
 
   /// Which of the kTileSide planes from `first` on pass `offset` (from the eye) within `distance`, as bits.
   uint32_t near(uint32_t first, const glm::vec3& offset, float distance) const {
+    return nearWithin(first, offset, [&](uint32_t) { return FloatPack(distance); });
+  }
+  /// Likewise any point of the line from `offset` - `half` to `offset` + `half`.
+  uint32_t near(uint32_t first, const glm::vec3& offset, float distance, const glm::vec3& half) const {
+    return nearWithin(first, offset, [&](uint32_t i) { return distance + xsimd::abs(signedDistances(i, half)); });
+  }
+
+ private:
+  FloatPack signedDistances(uint32_t i, const glm::vec3& offset) const {
+    return FloatPack::load_unaligned(&x_[i]) * offset.x + FloatPack::load_unaligned(&y_[i]) * offset.y + FloatPack::load_unaligned(&z_[i]) * offset.z;
+  }
+
+  template <class DistanceAt>
+  uint32_t nearWithin(uint32_t first, const glm::vec3& offset, const DistanceAt& distanceAt) const {
     uint32_t bits = 0;
     for (uint32_t i = 0; i < kTileSide; i += kPackLanes) {
-      const FloatPack signedDistance = FloatPack::load_unaligned(&x_[first + i]) * offset.x +
-                                       FloatPack::load_unaligned(&y_[first + i]) * offset.y +
-                                       FloatPack::load_unaligned(&z_[first + i]) * offset.z;
-      bits |= laneBits(xsimd::abs(signedDistance) <= FloatPack(distance)) << i;
+      bits |= laneBits(xsimd::abs(signedDistances(first + i, offset)) <= distanceAt(first + i)) << i;
     }
     return bits;
   }
 
- private:
   std::vector<float> x_, y_, z_;
 };
 
@@ -84,8 +95,8 @@ inline PacketScene makePacketScene(const GroupedLbvhView& view, const Camera& ca
 template <int Capacity, class Intersection = StableSphere>
 class TileTracer {
  public:
-  TileTracer(const PacketScene& scene, int hits, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1)
-      : scene_(scene), last_(Capacity == 1 ? 0 : hits - 1), x0_(x0), y0_(y0) {
+  TileTracer(const PacketScene& scene, int hits, uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1, const Intersection& intersection = {})
+      : scene_(scene), intersection_(intersection), last_(Capacity == 1 ? 0 : hits - 1), x0_(x0), y0_(y0) {
     const Camera& camera = scene.camera;
     alignas(64) std::array<float, kPackLanes> laneX, laneY;
     for (uint32_t lane = 0; lane < kPackLanes; ++lane) {
@@ -122,6 +133,13 @@ class TileTracer {
     // The ray of a corner is the farthest from the axis.
     for (const uint32_t x : {x0, x1 - 1})
       for (const uint32_t y : {y0, y1 - 1}) spread_ = std::max(spread_, spreadOf(axis_, directionOf(rayOf(x, y))));
+  }
+
+  /// The pixel's ray is to meet nothing. Before trace().
+  void leaveOut(uint32_t x, uint32_t y) {
+    const uint32_t ray = rayOf(x, y);
+    for (int hit = 0; hit <= last_; ++hit) t_[static_cast<size_t>(hit)][ray] = -kNoHit;
+    updateGroup(ray / kPackLanes * kPackLanes);
   }
 
   /// The hierarchy must not be empty.
@@ -234,14 +252,25 @@ class TileTracer {
     const Sphere& sphere = scene_.view.spheres[i];
     const glm::vec3 toCenter = sphere.center - scene_.camera.eye;
     const float distance = sphere.radius + scene_.margin;
-    const float nearest = std::sqrt(glm::dot(toCenter, toCenter)) - distance;
-    if (nearest > farthest_) return false;
-    const uint32_t columns = scene_.columns.near(x0_, toCenter, distance);
-    if (columns == 0) return false;
-    uint64_t groups = groupsAt(columns, scene_.rows.near(y0_, toCenter, distance));
-    if (std::popcount(groups) > kFewGroups) groups &= groupsBehind(toCenter, nearest + distance, sphere.radius);
-    const IntPack id(static_cast<int32_t>(scene_.view.ids[i]));
-    const auto prepared = preparedFor(Intersection{}, toCenter, sphere.radius);
+    const uint32_t place = scene_.view.ids[i];
+    float nearest = std::sqrt(glm::dot(toCenter, toCenter)) - distance;
+    uint64_t groups = 0;
+    if constexpr (std::is_same_v<Intersection, CapsuleIntersection>) {
+      const glm::vec3& half = intersection_.halfLines[place];
+      nearest -= glm::length(half);
+      if (nearest > farthest_) return false;
+      const uint32_t columns = scene_.columns.near(x0_, toCenter, distance, half);
+      if (columns == 0) return false;
+      groups = groupsAt(columns, scene_.rows.near(y0_, toCenter, distance, half));
+    } else {
+      if (nearest > farthest_) return false;
+      const uint32_t columns = scene_.columns.near(x0_, toCenter, distance);
+      if (columns == 0) return false;
+      groups = groupsAt(columns, scene_.rows.near(y0_, toCenter, distance));
+      if (std::popcount(groups) > kFewGroups) groups &= groupsBehind(toCenter, nearest + distance, sphere.radius);
+    }
+    const IntPack id(static_cast<int32_t>(place));
+    const auto prepared = preparedFor(intersection_, place, toCenter, sphere.radius);
     bool closer = false;
     for (; groups != 0; groups &= groups - 1) {
       const auto group = static_cast<uint32_t>(std::countr_zero(groups));
@@ -281,7 +310,7 @@ class TileTracer {
   bool testGroup(uint32_t ray, const glm::vec3& toCenter, const Prepared& sphere, const IntPack& id) {
     const Vec3Pack direction{FloatPack::load_aligned(&directionX_[ray]), FloatPack::load_aligned(&directionY_[ray]),
                              FloatPack::load_aligned(&directionZ_[ray])};
-    HitPack hit{intersectPack(Intersection{}, direction, toCenter, sphere), id};
+    HitPack hit{intersectPack(intersection_, direction, toCenter, sphere), id};
     if (!xsimd::any(isNearer(hit, loadHit(last_, ray)))) return false;
     // Whatever the new hit displaces becomes the one to insert.
     for (int i = 0; i <= last_; ++i) {
@@ -308,6 +337,7 @@ class TileTracer {
   }
 
   const PacketScene& scene_;
+  const Intersection intersection_;
   int last_;  // place of the farthest hit that is kept
   uint32_t x0_;
   uint32_t y0_;
