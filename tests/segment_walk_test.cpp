@@ -96,6 +96,42 @@ TEST(SegmentWalk, AFrameOfOnePixel) {
     expectLikeBruteForce(randomFrame(one, seed, 16), lookingFrom({12.0f, 3.0f, 26.0f}, glm::vec3(0.0f), 5, 5, 0.45f), "one pixel");
 }
 
+/// A walk that is interrupted where nothing is known, and goes on from there: the same bits.
+TEST(SegmentWalk, InTwoPartsItIsTheSame) {
+  int inTwo = 0;
+  for (uint32_t seed = 30; seed < 34; ++seed) {
+    BuiltSegmentField built;
+    built.build(randomFrame(kServer, seed));
+    const SegmentField field = built.field();
+    for (const glm::vec3& eye : {glm::vec3(3.0f, 4.0f, 30.0f), glm::vec3(20.0f, 5.0f, 22.0f), glm::vec3(2.0f, 1.0f, -28.0f), glm::vec3(1.0f, 2.0f, 6.0f)}) {
+      const Camera camera = lookingFrom(eye, glm::vec3(0.0f), 16, 16, 0.45f);
+      const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, kFrameBounds).nearDepth);
+      for (uint32_t y = 0; y < camera.height; ++y)
+        for (uint32_t x = 0; x < camera.width; ++x) {
+          const Ray ray = pixels.ray(x, y).ray;
+          const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kFrameBounds, 0.0f, INFINITY);
+          if (inside.isMiss()) continue;
+          const auto fill = [](WalkedRay& walked, float from, float to) { walked.guess(glm::vec3(0.02f * (to - from), 0.1f, from), 0.2f); };
+          const auto expectSame = [&]<bool kIsLinear>(std::bool_constant<kIsLinear>) {
+            constexpr float kStopBelow = 0.01f;
+            const WalkedRay expected = walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, fill);
+            WalkedRay walked;
+            InterruptedWalk rest;
+            if (!walkKnown<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, walked, rest)) {
+              walked = walkRest<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, rest, fill);
+              inTwo += rest.place.x >= 0;
+            }
+            ASSERT_EQ(walked.seen(), expected.seen()) << x << ", " << y;
+            ASSERT_EQ(walked.guessed, expected.guessed);
+          };
+          expectSame(std::true_type{});
+          expectSame(std::false_type{});
+        }
+    }
+  }
+  EXPECT_GT(inTwo, 500);
+}
+
 /// What the frame's own camera sees, whatever lies beside: its segments over one another.
 TEST(SegmentWalk, TheServersOwnViewIsTheFrames) {
   for (const float farAway : {30.0f, 3e3f, 3e5f}) {
@@ -157,9 +193,9 @@ TEST(SegmentWalk, ThinSegmentsAreAsOpaqueAsTheySay) {
   for (const float farAway : {30.0f, 3e3f, 3e5f}) {
     SampleFrame frame;
     frame.camera = lookingFrom({0.0f, 0.0f, farAway}, glm::vec3(0.0f), 8, 8, 14.0f / farAway);
-    frame.quantization = quantizationFor(frame.camera, kBounds, 1.0f);
+    frame.quantization = quantizationFor(frame.camera, kFrameBounds, 1.0f);
     frame.settings.sample.segments = 3;
-    const DepthRange range = depthRangeOf(frame.camera, kBounds);
+    const DepthRange range = depthRangeOf(frame.camera, kFrameBounds);
     const uint32_t middle = encodeDepth(0.5f * (range.farDepth - range.nearDepth), frame.quantization.depthStep);
     double expected = 1.0;
     for (int i = 0; i < 64; ++i) {

@@ -2,7 +2,7 @@
 // See segments_warp_cuda.h.
 #include "render/warp/segments_warp_cuda.h"
 
-#include <type_traits>
+#include <algorithm>
 
 #include "render/cuda/pixel_tiles.cuh"
 #include "render/warp/device/device_proxy.h"
@@ -16,31 +16,6 @@
 namespace warpscope {
 namespace {
 
-/// Makes nothing of what is not known.
-struct NoMarch {};
-
-/// Not inlined: a ray marches a few pieces, and walks through hundreds of cells, for which registers are better used.
-template <class March>
-__device__ __noinline__ RayLight lightOfPiece(const March& march, const Ray& ray, float tNear, float tFar, float through) {
-  return march(ray, tNear, tFar, through);
-}
-
-template <class March>
-struct FillBy {
-  const March& march;
-  const Ray& ray;
-  __device__ void operator()(WalkedRay& walked, float tNear, float tFar) const {
-    if constexpr (!std::is_same_v<March, NoMarch>) {
-      const RayLight light = lightOfPiece(march, ray, tNear, tFar, walked.through);
-      walked.guess(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance));
-    }
-  }
-};
-
-/// Of a multiprocessor, that there are registers for. Measured on an H200: more blocks make walks spill, fewer leave loads to wait for.
-template <class March>
-constexpr int kBlocksAtOnce = std::is_same_v<March, NoMarch> ? 7 : 4;
-
 /// What all rays of a picture share.
 struct Picture {
   SegmentField field;
@@ -50,18 +25,74 @@ struct Picture {
   float stopBelow = 0.0f;
 };
 
-template <bool kIsLinear, class March>
-__global__ void __launch_bounds__(kTileBlockThreads, kBlocksAtOnce<March>) walkPixels(const __grid_constant__ Picture picture, const __grid_constant__ March march, DevicePixels out) {
-  const PixelPlace pixel = pixelOfThread(0);
-  if (pixel.x >= picture.width || pixel.y >= picture.height) return;
-  const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
-  const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), picture.bounds, 0.0f, std::numeric_limits<float>::infinity());
-  WalkedRay walked;
-  if (!inside.isMiss()) walked = walkSegments<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, FillBy<March>{march, ray});
-  const size_t i = size_t{pixel.y} * picture.width + pixel.x;
+/// Rays whose walks were interrupted: where their pixels are in the picture, and how far they came, both by the order in which they were.
+struct Interrupted {
+  uint32_t* count;
+  uint32_t* pixels;
+  InterruptedWalk* walks;
+};
+
+__device__ inline RayInterval insideOf(const Picture& picture, const Ray& ray) {
+  return intersectBox(reciprocalOf(ray.origin, ray.direction), picture.bounds, 0.0f, std::numeric_limits<float>::infinity());
+}
+
+__device__ inline void store(const DevicePixels& out, size_t i, const WalkedRay& walked) {
   out.color[i] = walked.seen();
   out.samples[i] = walked.id();
 }
+
+/// Nothing is made of what is not known.
+template <bool kIsLinear>
+__global__ void __launch_bounds__(kTileBlockThreads, 7) walkPixels(const __grid_constant__ Picture picture, DevicePixels out) {
+  const PixelPlace pixel = pixelOfThread(0);
+  if (pixel.x >= picture.width || pixel.y >= picture.height) return;
+  const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
+  const RayInterval inside = insideOf(picture, ray);
+  WalkedRay walked;
+  if (!inside.isMiss()) walked = walkSegments<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, [](WalkedRay&, float, float) {});
+  store(out, size_t{pixel.y} * picture.width + pixel.x, walked);
+}
+
+/// All rays as far as the frame knows.
+template <bool kIsLinear>
+__global__ void __launch_bounds__(kTileBlockThreads, 7) walkKnownPixels(const __grid_constant__ Picture picture, DevicePixels out, const __grid_constant__ Interrupted interrupted) {
+  const PixelPlace pixel = pixelOfThread(0);
+  if (pixel.x >= picture.width || pixel.y >= picture.height) return;
+  const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
+  const RayInterval inside = insideOf(picture, ray);
+  WalkedRay walked;
+  InterruptedWalk rest;
+  const uint32_t i = pixel.y * picture.width + pixel.x;
+  if (inside.isMiss() || walkKnown<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, walked, rest)) return store(out, i, walked);
+  const uint32_t place = atomicAdd(interrupted.count, 1u);  // the compiler asks once for all lanes
+  interrupted.pixels[place] = i;
+  interrupted.walks[place] = rest;
+}
+
+/// Of those that were interrupted the rest. The copy's march is not inlined: a ray marches a few pieces, and walks through many cells, for which registers are better
+/// used.
+template <class March>
+__device__ __noinline__ RayLight lightOfPiece(const March& march, const Ray& ray, float tNear, float tFar, float through) {
+  return march(ray, tNear, tFar, through);
+}
+template <bool kIsLinear, class March>
+__global__ void __launch_bounds__(kTileBlockThreads, 4)
+    walkRests(const __grid_constant__ Picture picture, const __grid_constant__ March march, DevicePixels out, const __grid_constant__ Interrupted interrupted) {
+  const uint32_t count = *interrupted.count;
+  for (uint32_t place = blockIdx.x * kTileBlockThreads + threadIdx.x; place < count; place += gridDim.x * kTileBlockThreads) {
+    const uint32_t i = interrupted.pixels[place];
+    const Ray ray = picture.pixels.ray(i % picture.width, i / picture.width).ray;
+    const RayInterval inside = insideOf(picture, ray);
+    store(out, i,
+          walkRest<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, interrupted.walks[place], [&](WalkedRay& walked, float tNear, float tFar) {
+            const RayLight light = lightOfPiece(march, ray, tNear, tFar, walked.through);
+            walked.guess(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance));
+          }));
+  }
+}
+
+/// Of walkRests(): as many as run at once on any device, about.
+constexpr unsigned kMostBlocks = 2048;
 
 class CudaSegmentsWarp final : public DeviceWarp {
  private:
@@ -83,21 +114,40 @@ class CudaSegmentsWarp final : public DeviceWarp {
     const RenderSettings& marched = head.settings.render;
     picture.stopBelow = marched.terminateEarly ? marched.contribution : 0.0f;
     const bool isLinear = settings.knobs.choice<Between>(kBetweenKnob) == Between::linear;
-    const auto walk = [&](const auto& march) {
-      const dim3 grid = tileGrid(camera.width, camera.height);
-      if (isLinear)
-        walkPixels<true><<<grid, kTileBlockThreads, 0, stream>>>(picture, march, pixels);
-      else
-        walkPixels<false><<<grid, kTileBlockThreads, 0, stream>>>(picture, march, pixels);
+    const dim3 grid = tileGrid(camera.width, camera.height);
+    if (!head.proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) {
+      isLinear ? walkPixels<true><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels) : walkPixels<false><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels);
       WARPSCOPE_CUDA_CHECK_LAUNCH();
-    };
-    if (!head.proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) return walk(NoMarch{});
-    fill_.visit(head.proxy, marched, camera, [&](const auto& march, const auto& baked) { deviceProxy_.visit(head.proxy, march, baked, stream, walk); });
+      return;
+    }
+    const size_t most = size_t{camera.width} * camera.height;
+    count_.reserve(1);
+    interruptedPixels_.reserve(most);
+    walks_.reserve(most);
+    const Interrupted interrupted{count_.data(), interruptedPixels_.data(), walks_.data()};
+    WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(count_.data(), 0, sizeof(uint32_t), stream));
+    if (isLinear)
+      walkKnownPixels<true><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels, interrupted);
+    else
+      walkKnownPixels<false><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels, interrupted);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    fill_.visit(head.proxy, marched, camera, [&](const auto& onHost, const auto& baked) {
+      deviceProxy_.visit(head.proxy, onHost, baked, stream, [&](const auto& march) {
+        const unsigned blocks = std::min(cuda::blocksFor(most, kTileBlockThreads), kMostBlocks);
+        if (isLinear)
+          walkRests<true><<<blocks, kTileBlockThreads, 0, stream>>>(picture, march, pixels, interrupted);
+        else
+          walkRests<false><<<blocks, kTileBlockThreads, 0, stream>>>(picture, march, pixels, interrupted);
+        WARPSCOPE_CUDA_CHECK_LAUNCH();
+      });
+    });
   }
 
   DeviceSegmentField field_;
   ProxyFill fill_;
   DeviceProxy deviceProxy_;
+  cuda::DeviceBuffer<uint32_t> count_, interruptedPixels_;
+  cuda::DeviceBuffer<InterruptedWalk> walks_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <bit>
+#include <type_traits>
 
 #include "render/core/box.h"
 #include "render/core/opacity.h"
@@ -170,24 +171,33 @@ WARPSCOPE_HD inline int levelLeft(int changed) {
   return minOf((31 - zeros) / kFieldLevelShift, kFieldLevels - 1);
 }
 
-/// Walks the part [tNear, tFar] of a ray. `kIsLinear`: between the centres of pixels what they have is blended, of those that know; else each pixel's is the
-/// same all over its frustum. `fill(walked, tNear, tFar)` passes what is not known. Ends where less than `stopBelow` is left.
-template <bool kIsLinear, class Fill>
-WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, Fill&& fill) {
-  WalkedRay walked;
-  if (!(tNear < tFar)) return walked;
-  const FieldLine line = makeFieldLine(field, ray, tNear, tFar, kIsLinear ? 0.5f : 0.0f);
-  if (!(line.t0 < line.t1)) {
-    fill(walked, tNear, tFar);
-    return walked;
-  }
-  if (line.t0 > tNear) fill(walked, tNear, line.t0);
+/// How far a walk along a line has got.
+struct WalkPlace {
+  float s = 0.0f, depth = 0.0f;  ///< place on the line, and its picture depth
+  int x = 0, y = 0;              ///< cell
+};
+template <bool kIsLinear>
+WARPSCOPE_HD inline WalkPlace beginOfWalk(const SegmentField& field, const FieldLine& line) {
+  const int lastColumn = field.width - (kIsLinear ? 0 : 1), lastRow = field.height - (kIsLinear ? 0 : 1);
+  return {line.begin, line.depthAt(line.begin), minOf(maxOf(static_cast<int>(mulAdd(line.begin, line.dx, line.x0)), 0), lastColumn),
+          minOf(maxOf(static_cast<int>(mulAdd(line.begin, line.dy, line.y0)), 0), lastRow)};
+}
 
+/// In place of a function that fills what is not known: walks end there.
+struct StopAtUnknown {};
+
+/// Walks on from `place` to the line's end, or to where less than `stopBelow` is left: true. With StopAtUnknown false at the first place of which nothing is known;
+/// `place` is it then, and another walk from there, with a function that fills, gives the same bits as one that was not interrupted.
+/// `kIsLinear`: between the centres of pixels what they have is blended, of those that know; else each pixel's is the same all over its frustum.
+template <bool kIsLinear, class Fill>
+WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, WalkedRay& walked, Fill&& fill) {
+  constexpr bool kStops = std::is_same_v<std::decay_t<Fill>, StopAtUnknown>;
   // What is not known is passed in as long pieces as there are.
   constexpr float kNowhere = 2.0f;
   float unknownFrom = kNowhere;  // s; kNowhere: what came last was known
   const auto passUnknownUntil = [&](float s) {
-    if (unknownFrom < kNowhere) fill(walked, line.tAt(unknownFrom), line.tAt(s));
+    if constexpr (!kStops)
+      if (unknownFrom < kNowhere) fill(walked, line.tAt(unknownFrom), line.tAt(s));
     unknownFrom = kNowhere;
   };
 
@@ -201,8 +211,8 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
   const int columns = field.width + (kIsLinear ? 1 : 0), rows = field.height + (kIsLinear ? 1 : 0);
   // Where borders are that are crossed: before a cell or tile, or behind it.
   const int leadX = line.dx > 0.0f ? 1 : 0, leadY = line.dy > 0.0f ? 1 : 0;
-  float s = line.begin, depth = line.depthAt(s);
-  int x = minOf(maxOf(static_cast<int>(mulAdd(s, line.dx, line.x0)), 0), columns - 1), y = minOf(maxOf(static_cast<int>(mulAdd(s, line.dy, line.y0)), 0), rows - 1);
+  float s = place.s, depth = place.depth;
+  int x = place.x, y = place.y;
 
   // The pixels about a cell in the order in which the line leaves them behind: trailing on both axes, leading on x, leading on y, leading on both.
   constexpr int kPixels = kIsLinear ? 4 : 1;
@@ -227,6 +237,10 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
       if (isEmpty && tile.nearestUnknown > most) {
         passUnknownUntil(s);
       } else if (tile.farthestUnknown < least) {
+        if constexpr (kStops) {
+          place = {s, depth, x, y};
+          return false;
+        }
         if (!(unknownFrom < kNowhere)) unknownFrom = s;
       } else {
         if (level == 0) break;
@@ -305,6 +319,10 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
         emission += own * field.colors[states[i].active];
       }
       if (known < kLeastKnown) {
+        if constexpr (kStops) {
+          place = {s, depth, x, y};
+          return false;
+        }
         if (!(unknownFrom < kNowhere)) unknownFrom = s;
       } else {
         passUnknownUntil(s);
@@ -314,7 +332,7 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
         }
       }
       s = to;
-      if (walked.through < stopBelow) return walked;
+      if (walked.through < stopBelow) return true;
       if (isLast) break;
       depth = until;
     }
@@ -332,8 +350,57 @@ WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray&
     level = levelLeft((x ^ oldX) | (y ^ oldY));
   }
   passUnknownUntil(line.end);
-  if (line.t1 < tFar) fill(walked, line.t1, tFar);
+  return true;
+}
+
+/// A walk of a ray in two parts: what the frame knows without an interruption, and the rest. For devices, where few rays need the rest and registers for it would
+/// slow down all.
+struct InterruptedWalk {
+  WalkPlace place{.x = -1};  ///< x < 0: nothing has been walked
+  float through = 1.0f;
+  glm::vec3 color{0.0f};  ///< as WalkedRay; nothing was guessed
+};
+
+/// The first part of walkSegments(): true if that is all. `rest` is what walkRest() takes.
+template <bool kIsLinear>
+WARPSCOPE_HD inline bool walkKnown(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, WalkedRay& walked, InterruptedWalk& rest) {
+  if (!(tNear < tFar)) return true;
+  const FieldLine line = makeFieldLine(field, ray, tNear, tFar, kIsLinear ? 0.5f : 0.0f);
+  const bool isLine = line.t0 < line.t1;
+  if (!isLine || line.t0 > tNear) return false;
+  rest.place = beginOfWalk<kIsLinear>(field, line);
+  const bool isWalked = walkOn<kIsLinear>(field, line, stopBelow, rest.place, walked, StopAtUnknown{});
+  if (isWalked) rest.place.s = line.end;
+  rest.through = walked.through;
+  rest.color = walked.color;
+  return isWalked && (!(line.t1 < tFar) || walked.through < stopBelow);
+}
+
+/// The second part, of the same ray with the same arguments. `fill(walked, tNear, tFar)` passes what is not known.
+template <bool kIsLinear, class Fill>
+WARPSCOPE_HD inline WalkedRay walkRest(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, const InterruptedWalk& rest, Fill&& fill) {
+  WalkedRay walked;
+  walked.through = rest.through;
+  walked.color = rest.color;
+  const FieldLine line = makeFieldLine(field, ray, tNear, tFar, kIsLinear ? 0.5f : 0.0f);
+  if (!(line.t0 < line.t1)) {
+    fill(walked, tNear, tFar);
+    return walked;
+  }
+  WalkPlace place = rest.place;
+  if (place.x < 0) {
+    if (line.t0 > tNear) fill(walked, tNear, line.t0);
+    place = beginOfWalk<kIsLinear>(field, line);
+  }
+  walkOn<kIsLinear>(field, line, stopBelow, place, walked, fill);
+  if (line.t1 < tFar && !(walked.through < stopBelow)) fill(walked, line.t1, tFar);
   return walked;
+}
+
+/// Walks the part [tNear, tFar] of a ray, as walkOn() does. `fill`: as walkRest().
+template <bool kIsLinear, class Fill>
+WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, Fill&& fill) {
+  return tNear < tFar ? walkRest<kIsLinear>(field, ray, tNear, tFar, stopBelow, {}, fill) : WalkedRay{};
 }
 
 }  // namespace warpscope
