@@ -18,8 +18,11 @@ struct PictureDepths {
 
   /// Of a forward depth behind the near plane (volume units), more than -nearDepth; grows with it.
   WARPSCOPE_HD float of(float behind) const { return reference * (behind + (nearDepth - reference)) / (nearDepth + behind); }
-  /// The forward depth behind the near plane.
-  WARPSCOPE_HD float behind(float depth) const { return mulAdd(nearDepth, depth, reference * (reference - nearDepth)) / (reference - depth); }
+  /// How far two depths are apart, in forward depth: of the rounded numbers, so that what is thin is not wrong by their rounding. `beginBehind`, `endBehind`: what they
+  /// are of().
+  WARPSCOPE_HD float between(float begin, float end, float beginBehind, float endBehind) const {
+    return (end - begin) * ((nearDepth + beginBehind) / reference) * ((nearDepth + endBehind) / reference);
+  }
 };
 
 /// Where a segment of a pixel lies, and how dense it is: what walks look for; its colour lies elsewhere. One load on a device.

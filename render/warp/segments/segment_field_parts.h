@@ -22,12 +22,11 @@ inline OpticalDepths opticalDepths() {
 /// What a frame's camera and codes say of where its segments lie.
 struct FieldDepths {
   PictureDepths picture;
-  float step = 1.0f;   ///< forward depth between two codes
-  float least = 1.0f;  ///< forward depth that is the shortest a segment may be: what is shorter is made as long, since walks could not tell how long it is
+  float step = 1.0f;  ///< forward depth between two codes; the shortest that a segment may be
 };
 inline FieldDepths fieldDepthsOf(const SampleQuantization& quantization) {
   const float span = decodeDepth(1u << 18, quantization.depthStep);  // about: quantizationFor()
-  return {{quantization.nearDepth, maxOf(quantization.nearDepth, span * 0x1p-3f)}, quantization.depthStep, span * 0x1p-14f};
+  return {{quantization.nearDepth, maxOf(quantization.nearDepth, span * 0x1p-3f)}, quantization.depthStep};
 }
 
 /// Makes segments of one pixel's codes, near to far.
@@ -39,11 +38,11 @@ class FieldSegmentsOfPixel {
 
   WARPSCOPE_HD FieldSegment next(const SegmentDepths& codes, Rgba8 color) {
     const float begin = maxOf(decodeDepth(codes.begin, depths_.step), last_);
-    last_ = maxOf(decodeDepth(codes.end, depths_.step), begin + depths_.least);
+    last_ = maxOf(decodeDepth(codes.end, depths_.step), begin + depths_.step);
     FieldSegment segment;
     segment.begin = depths_.picture.of(begin);
     segment.end = depths_.picture.of(last_);
-    segment.extinction = opticalDepths_.of[color >> 24] * cosine_ / (last_ - begin);
+    segment.extinction = opticalDepths_.of[color >> 24] * cosine_ / depths_.picture.between(segment.begin, segment.end, begin, last_);
     segment.place = mulAdd(placeOfHalf(minOf(segmentOpacity(color), kMostSegmentOpacity)), last_ - begin, begin);
     return segment;
   }

@@ -295,6 +295,8 @@ WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line
       }
       const bool isLast = isRising ? !(until < depthOut) : !(until > depthOut);
       const float to = isLast ? out : minOf(maxOf((until - line.depth0) * perDepth, s), out);
+      // Of what is thin the difference of depths is exact, that of places on the line is not.
+      const float share = isLast ? out - s : (until - depth) * perDepth;
       float weights[kPixels];
       if constexpr (kIsLinear) {
         // Means over the piece: of a product of two that go straight, the product of their means and a twelfth of that of their growths.
@@ -327,7 +329,7 @@ WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line
       } else {
         passUnknownUntil(s);
         if (extinction > 0.0f) {
-          const float opacity = opacityOf(extinction * (spaceBy * (to - s)) / (known * (line.divisorAt(s) * line.divisorAt(to))));
+          const float opacity = opacityOf(extinction * (spaceBy * share) / (known * (line.divisorAt(s) * line.divisorAt(to))));
           walked.pass(emission * (opacity / extinction), opacity);
         }
       }
