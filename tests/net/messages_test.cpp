@@ -79,9 +79,9 @@ Bytes bodyOf(const Bytes& message) { return {message.begin() + kMessageHeadBytes
 
 TEST(Messages, TheLayoutIsPinned) {
   EXPECT_EQ(hexOf(toBytes(someClientHello())),
-      "7761727073636f700200050000007856341200000000030001a0a1a2a3a4a5a6a7a8a9aaabacadaeafb0b1b2b3b4b5b6b7");
+      "7761727073636f700300050000007856341200000000030001a0a1a2a3a4a5a6a7a8a9aaabacadaeafb0b1b2b3b4b5b6b7");
   EXPECT_EQ(hexOf(toBytes(someServerHello())),
-      "7761727073636f700200020500000088776655443322110400d007000010270000");
+      "7761727073636f700300020500000088776655443322110400d007000010270000");
   EXPECT_EQ(hexOf(sceneMessage(someScene())),
       "01000000470100000400666973680600412066697368040000000500000006000000000000000000f03f000000000000e03f000000000000"
       "d03f000000000000f0bf00000000000000c000000000000008c0000000000000f03f00000000000000000000000000000000000000000000"
@@ -290,7 +290,7 @@ TEST(Messages, GreetingsBeyondTheLimitsAreNothing) {
 }
 
 TEST(Messages, OtherVersionsAreReadNoFurther) {
-  for (const uint16_t other : {uint16_t{1}, uint16_t{3}}) {
+  for (const uint16_t other : {uint16_t{1}, uint16_t{2}}) {
     const Bytes bytes = with(toBytes(someClientHello()), 8, other);
     ASSERT_TRUE(readClientHello(bytes));
     EXPECT_EQ(readClientHello(bytes)->version, other);
