@@ -115,12 +115,10 @@ TEST(SegmentWalk, InTwoPartsItIsTheSame) {
           const auto expectSame = [&]<bool kIsLinear>(std::bool_constant<kIsLinear>) {
             constexpr float kStopBelow = 0.01f;
             const WalkedRay expected = walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, fill);
-            WalkedRay walked;
-            InterruptedWalk rest;
-            if (!walkKnown<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, walked, rest)) {
-              walked = walkRest<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, rest, fill);
-              inTwo += rest.place.x >= 0;
-            }
+            InterruptedWalk walk;
+            const bool isAll = walkKnown<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, walk);
+            const WalkedRay walked = isAll ? walk.walked : walkRest<kIsLinear>(field, ray, inside.tNear, inside.tFar, kStopBelow, walk, fill);
+            inTwo += !isAll && walk.place.x >= 0;
             ASSERT_EQ(walked.seen(), expected.seen()) << x << ", " << y;
             ASSERT_EQ(walked.guessed, expected.guessed);
           };

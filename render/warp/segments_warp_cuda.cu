@@ -41,9 +41,12 @@ __device__ inline void store(const DevicePixels& out, size_t i, const WalkedRay&
   out.samples[i] = walked.id();
 }
 
+/// Of a multiprocessor, that there are registers for. Measured on an H200: more blocks make walks spill, fewer leave loads to wait for.
+constexpr int kBlocksThatWalk = 7, kBlocksThatFill = 4;
+
 /// Nothing is made of what is not known.
 template <bool kIsLinear>
-__global__ void __launch_bounds__(kTileBlockThreads, 7) walkPixels(const __grid_constant__ Picture picture, DevicePixels out) {
+__global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk) walkPixels(const __grid_constant__ Picture picture, DevicePixels out) {
   const PixelPlace pixel = pixelOfThread(0);
   if (pixel.x >= picture.width || pixel.y >= picture.height) return;
   const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
@@ -55,18 +58,17 @@ __global__ void __launch_bounds__(kTileBlockThreads, 7) walkPixels(const __grid_
 
 /// All rays as far as the frame knows.
 template <bool kIsLinear>
-__global__ void __launch_bounds__(kTileBlockThreads, 7) walkKnownPixels(const __grid_constant__ Picture picture, DevicePixels out, const __grid_constant__ Interrupted interrupted) {
+__global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk) walkKnownPixels(const __grid_constant__ Picture picture, DevicePixels out, const __grid_constant__ Interrupted interrupted) {
   const PixelPlace pixel = pixelOfThread(0);
   if (pixel.x >= picture.width || pixel.y >= picture.height) return;
   const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
   const RayInterval inside = insideOf(picture, ray);
-  WalkedRay walked;
-  InterruptedWalk rest;
+  InterruptedWalk walk;
   const uint32_t i = pixel.y * picture.width + pixel.x;
-  if (inside.isMiss() || walkKnown<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, walked, rest)) return store(out, i, walked);
+  if (inside.isMiss() || walkKnown<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, walk)) return store(out, i, walk.walked);
   const uint32_t place = atomicAdd(interrupted.count, 1u);  // the compiler asks once for all lanes
   interrupted.pixels[place] = i;
-  interrupted.walks[place] = rest;
+  interrupted.walks[place] = walk;
 }
 
 /// Of those that were interrupted the rest. The copy's march is not inlined: a ray marches a few pieces, and walks through many cells, for which registers are better
@@ -76,7 +78,7 @@ __device__ __noinline__ RayLight lightOfPiece(const March& march, const Ray& ray
   return march(ray, tNear, tFar, through);
 }
 template <bool kIsLinear, class March>
-__global__ void __launch_bounds__(kTileBlockThreads, 4)
+__global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatFill)
     walkRests(const __grid_constant__ Picture picture, const __grid_constant__ March march, DevicePixels out, const __grid_constant__ Interrupted interrupted) {
   const uint32_t count = *interrupted.count;
   for (uint32_t place = blockIdx.x * kTileBlockThreads + threadIdx.x; place < count; place += gridDim.x * kTileBlockThreads) {
@@ -114,9 +116,18 @@ class CudaSegmentsWarp final : public DeviceWarp {
     const RenderSettings& marched = head.settings.render;
     picture.stopBelow = marched.terminateEarly ? marched.contribution : 0.0f;
     const bool isLinear = settings.knobs.choice<Between>(kBetweenKnob) == Between::linear;
+    if (isLinear)
+      walk<true>(picture, camera, settings, pixels, stream);
+    else
+      walk<false>(picture, camera, settings, pixels, stream);
+  }
+
+  template <bool kIsLinear>
+  void walk(const Picture& picture, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels, cudaStream_t stream) {
+    const SampleFrame& head = field_.head();
     const dim3 grid = tileGrid(camera.width, camera.height);
     if (!head.proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) {
-      isLinear ? walkPixels<true><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels) : walkPixels<false><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels);
+      walkPixels<kIsLinear><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels);
       WARPSCOPE_CUDA_CHECK_LAUNCH();
       return;
     }
@@ -126,18 +137,11 @@ class CudaSegmentsWarp final : public DeviceWarp {
     walks_.reserve(most);
     const Interrupted interrupted{count_.data(), interruptedPixels_.data(), walks_.data()};
     WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(count_.data(), 0, sizeof(uint32_t), stream));
-    if (isLinear)
-      walkKnownPixels<true><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels, interrupted);
-    else
-      walkKnownPixels<false><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels, interrupted);
+    walkKnownPixels<kIsLinear><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels, interrupted);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
-    fill_.visit(head.proxy, marched, camera, [&](const auto& onHost, const auto& baked) {
+    fill_.visit(head.proxy, head.settings.render, camera, [&](const auto& onHost, const auto& baked) {
       deviceProxy_.visit(head.proxy, onHost, baked, stream, [&](const auto& march) {
-        const unsigned blocks = std::min(cuda::blocksFor(most, kTileBlockThreads), kMostBlocks);
-        if (isLinear)
-          walkRests<true><<<blocks, kTileBlockThreads, 0, stream>>>(picture, march, pixels, interrupted);
-        else
-          walkRests<false><<<blocks, kTileBlockThreads, 0, stream>>>(picture, march, pixels, interrupted);
+        walkRests<kIsLinear><<<std::min(cuda::blocksFor(most, kTileBlockThreads), kMostBlocks), kTileBlockThreads, 0, stream>>>(picture, march, pixels, interrupted);
         WARPSCOPE_CUDA_CHECK_LAUNCH();
       });
     });

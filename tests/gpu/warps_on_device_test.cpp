@@ -102,6 +102,15 @@ TEST(WarpsOnDevice, CloudsOfEveryShapeAndSize) {
     }
 }
 
+/// Of the frame that both have.
+void expectSamePicture(Warp& onCpu, Warp& onDevice, const Camera& camera, const WarpSettings& settings) {
+  WarpedImage expected, actual;
+  onCpu.draw(camera, settings, expected);
+  onDevice.draw(camera, settings, actual);
+  ASSERT_TRUE(expected.samples == actual.samples);
+  ASSERT_TRUE(expected.color == actual.color);
+}
+
 /// Marched frames of one and of several samples a ray, in their own view, beside it, behind it, and close to them.
 TEST(WarpsOnDevice, SurfacesAreTheCpus) {
   WARPSCOPE_NEEDS_GPU();
@@ -123,12 +132,7 @@ TEST(WarpsOnDevice, SurfacesAreTheCpus) {
           view.angleDeg = scene.views.front().angleDeg + turn;
           WarpSettings settings;
           settings.knobs.set(kHitsKnob, hits);
-          WarpedImage expected, actual;
-          const Camera camera = turn == 0.0 ? frame->camera : makeCamera(scene, view, 333, 277);
-          onCpu->draw(camera, settings, expected);
-          onDevice->draw(camera, settings, actual);
-          ASSERT_TRUE(expected.samples == actual.samples);
-          ASSERT_TRUE(expected.color == actual.color);
+          ASSERT_NO_FATAL_FAILURE(expectSamePicture(*onCpu, *onDevice, turn == 0.0 ? frame->camera : makeCamera(scene, view, 333, 277), settings));
         }
     }
 }
@@ -147,11 +151,7 @@ TEST(WarpsOnDevice, SurfacesOfCloudsAreTheCpus) {
       onCpu->setFrame(frame, {});
       onDevice->setFrame(frame, {});
       for (const Camera& camera : {frame->camera, orbitCamera(300.0f, 20.0f, 193, 161), orbitCamera(5.0f, 100.0f, 97, 101)}) {
-        WarpedImage expected, actual;
-        onCpu->draw(camera, {}, expected);
-        onDevice->draw(camera, {}, actual);
-        ASSERT_TRUE(expected.samples == actual.samples);
-        ASSERT_TRUE(expected.color == actual.color);
+        ASSERT_NO_FATAL_FAILURE(expectSamePicture(*onCpu, *onDevice, camera, {}));
       }
     }
 }
@@ -174,12 +174,7 @@ TEST(WarpsOnDevice, CapsulesAreTheCpus) {
         SCOPED_TRACE(builtin.name + ", smeared by " + std::to_string(smear));
         WarpSettings settings;
         settings.knobs.set(kSmearKnob, smear);
-        WarpedImage expected, actual;
-        const Camera camera = makeCamera(scene, view, 333, 277);
-        onCpu->draw(camera, settings, expected);
-        onDevice->draw(camera, settings, actual);
-        ASSERT_TRUE(expected.samples == actual.samples);
-        ASSERT_TRUE(expected.color == actual.color);
+        ASSERT_NO_FATAL_FAILURE(expectSamePicture(*onCpu, *onDevice, makeCamera(scene, view, 333, 277), settings));
       }
   }
 }

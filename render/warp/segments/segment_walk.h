@@ -359,37 +359,32 @@ WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line
 /// slow down all.
 struct InterruptedWalk {
   WalkPlace place{.x = -1};  ///< x < 0: nothing has been walked
-  float through = 1.0f;
-  glm::vec3 color{0.0f};  ///< as WalkedRay; nothing was guessed
+  WalkedRay walked;
 };
 
-/// The first part of walkSegments(): true if that is all. `rest` is what walkRest() takes.
+/// The first part of walkSegments(): true if that is all. `walk` as it begins; what walkRest() takes if it is not all.
 template <bool kIsLinear>
-WARPSCOPE_HD inline bool walkKnown(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, WalkedRay& walked, InterruptedWalk& rest) {
+WARPSCOPE_HD inline bool walkKnown(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, InterruptedWalk& walk) {
   if (!(tNear < tFar)) return true;
   const FieldLine line = makeFieldLine(field, ray, tNear, tFar, kIsLinear ? 0.5f : 0.0f);
   const bool isLine = line.t0 < line.t1;
   if (!isLine || line.t0 > tNear) return false;
-  rest.place = beginOfWalk<kIsLinear>(field, line);
-  const bool isWalked = walkOn<kIsLinear>(field, line, stopBelow, rest.place, walked, StopAtUnknown{});
-  if (isWalked) rest.place.s = line.end;
-  rest.through = walked.through;
-  rest.color = walked.color;
-  return isWalked && (!(line.t1 < tFar) || walked.through < stopBelow);
+  walk.place = beginOfWalk<kIsLinear>(field, line);
+  const bool isWalked = walkOn<kIsLinear>(field, line, stopBelow, walk.place, walk.walked, StopAtUnknown{});
+  if (isWalked) walk.place.s = line.end;
+  return isWalked && (!(line.t1 < tFar) || walk.walked.through < stopBelow);
 }
 
 /// The second part, of the same ray with the same arguments. `fill(walked, tNear, tFar)` passes what is not known.
 template <bool kIsLinear, class Fill>
-WARPSCOPE_HD inline WalkedRay walkRest(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, const InterruptedWalk& rest, Fill&& fill) {
-  WalkedRay walked;
-  walked.through = rest.through;
-  walked.color = rest.color;
+WARPSCOPE_HD inline WalkedRay walkRest(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, const InterruptedWalk& walk, Fill&& fill) {
+  WalkedRay walked = walk.walked;
   const FieldLine line = makeFieldLine(field, ray, tNear, tFar, kIsLinear ? 0.5f : 0.0f);
   if (!(line.t0 < line.t1)) {
     fill(walked, tNear, tFar);
     return walked;
   }
-  WalkPlace place = rest.place;
+  WalkPlace place = walk.place;
   if (place.x < 0) {
     if (line.t0 > tNear) fill(walked, tNear, line.t0);
     place = beginOfWalk<kIsLinear>(field, line);
