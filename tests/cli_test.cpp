@@ -129,6 +129,11 @@ TEST_F(CommandLine, BenchMeasuresEveryTechniqueThatDrawsFrames) {
   for (const json& technique : report["techniques"]) {
     ASSERT_EQ(technique["views"].size(), 5u);
     EXPECT_GE(technique["firstPictureMs"].get<double>(), technique["buildMs"].get<double>());
+    EXPECT_EQ(technique.contains("marchMs"), technique["technique"] == "segments" || technique["technique"] == "proxy") << technique["technique"];
+    if (technique["technique"] == "segments") {
+      EXPECT_GT(technique["marchMs"].get<double>(), 0.0);
+      EXPECT_GT(technique["bytes"], report["bytes"]);
+    }
     for (const json& view : technique["views"]) {
       EXPECT_GT(view["drawMs"].get<double>(), 0.0);
       EXPECT_NEAR(view["fps"].get<double>() * view["drawMs"].get<double>(), 1000.0, 1e-6);

@@ -194,7 +194,7 @@ RC_GTEST_PROP(Codec, RandomFramesComeBack, ()) {
   const auto count = *rc::gen::inRange<size_t>(0, 5000);
   SampleFrame frame = garbageFrame(width, height, count, *rc::gen::arbitrary<uint32_t>());
   frame.settings.sample.radiusPolicy =
-      *rc::gen::elementOf(std::vector{RadiusPolicy::voxel, RadiusPolicy::opacity, RadiusPolicy::pixel});
+      *rc::gen::elementOf(std::vector{RadiusPolicy::voxel, RadiusPolicy::opacity, RadiusPolicy::pixel, RadiusPolicy::uncertainty});
   for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) RC_ASSERT(roundTrip(frame, settings) == "");
 }
 

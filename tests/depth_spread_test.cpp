@@ -11,6 +11,7 @@
 #include "heuristic_cases.h"
 #include "marcher_cases.h"
 #include "render/march/compact.h"
+#include "render/march/sample_radius.h"
 #include "test_volumes.h"
 #include "tests/frame_samples.h"
 
@@ -136,6 +137,39 @@ TEST(DepthSpread, ChangesNothingElse) {
     std::erase_if(with.planes, [](const SamplePlane& plane) { return plane.name == kSpreadPlane; });
     EXPECT_TRUE(sameFrame(with, without));
   }
+}
+
+/// The radius policy that asks for it: in one mode after the other, sent or not.
+TEST(DepthSpread, RadiiOfUncertaintyAreIt) {
+  const MarcherPtr marcher = blobMarcher();
+  const auto voxel = static_cast<double>(0.5f * glm::length(marcher->volume()->geometry().voxelEdges()));
+  for (const int count : {1, 3})
+    for (const float scale : {1.0f, 0.5f})
+      for (const RenderMode mode : {RenderMode::composite, RenderMode::isosurface, RenderMode::mip}) {
+        SCOPED_TRACE(::testing::Message() << count << ", " << scale << ", " << nameOf(mode));
+        MarchSettings settings = spreading(count);
+        settings.sample.radiusPolicy = RadiusPolicy::uncertainty;
+        settings.sample.radiusScale = scale;
+        settings.render.effects.mode = mode;
+        settings.render.effects.isoValues = parseIsoValues("30@0.25 50@1", "it");
+        EXPECT_EQ(marcher->plan(settings.render, settings.sample)->has(PlanStage::spread), mode != RenderMode::mip);
+        const SampleFrame frame = marcher->march(kCorner, settings);
+        ASSERT_GT(frame.size(), 100u);
+        const std::vector<float> spreads = spreadsOf(frame);
+        size_t between = 0;
+        for (size_t i = 0; i < frame.size(); ++i) {
+          const Sphere sphere = sphereOf(frame, i);
+          const double largest = static_cast<double>(kLargestRadiusByDepth * glm::dot(sphere.center - frame.camera.eye, frame.camera.forward));
+          const double expected = static_cast<double>(scale) * std::min(largest, std::clamp(static_cast<double>(spreads[i]), voxel, 2.0 * voxel));
+          ASSERT_NEAR(sphere.radius, expected, (1.0 / 64 + kRounded) * expected) << i;
+          if (sphere.radius > 1.1 * static_cast<double>(scale) * voxel) ++between;
+        }
+        EXPECT_EQ(between > 0, mode != RenderMode::mip);
+        settings.sample.sendsSpread = false;
+        const SampleFrame unsent = marcher->march(kCorner, settings);
+        EXPECT_TRUE(std::ranges::equal(unsent.samples, frame.samples));
+        EXPECT_EQ(unsent.plane(kSpreadPlane), nullptr);
+      }
 }
 
 /// The law of total variance: what parts have inside of them and between their means is the whole's.

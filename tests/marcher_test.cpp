@@ -41,6 +41,7 @@ TEST(CpuMarcher, FramesSayWhatTheyAreMadeFor) {
       if (policy.value == RadiusPolicy::voxel) lowest = highest = voxel;
       if (policy.value == RadiusPolicy::constant) lowest = highest = 0.5;
       if (policy.value == RadiusPolicy::opacity) lowest = std::min(pixel, voxel), highest = voxel;
+      if (policy.value == RadiusPolicy::uncertainty) lowest = voxel, highest = 2.0 * voxel;
       ASSERT_LE(sphere.radius, highest * 1.0001) << policy.name;  // rounded down, so that a sphere that fits its pixel still does
       ASSERT_GE(sphere.radius, lowest * (1.0 - 1.0 / 60.0)) << policy.name;
     }

@@ -60,7 +60,7 @@ std::vector<RaySegment> randomSteps(std::mt19937& random, int count) {
 
 TEST(RaySegments, AThousandSamplesMergedToOneAreTheClosedForm) {
   for (const float opacity : {1e-8f, 1e-4f, 0.004f}) {
-    SegmentMerger merger;
+    SegmentMerger merger(kMostMergerRoom);
     for (const RaySegment& step : stepsOf(std::vector(1000, std::pair(opacity, glm::vec3(0.25f, 0.5f, 1.0f))), 2.0f, 0.25f)) merger.add(step);
     merger.reduceTo(1);
     ASSERT_EQ(merger.size(), 1);
@@ -80,7 +80,7 @@ TEST(RaySegments, KeepLightAndOpacityHoweverTheyAreMerged) {
     const std::vector<RaySegment> steps = randomSteps(random, 1 + round % 120);
     const Whole expected = overAll(steps);
     for (const int most : {1, 2, 4, 16}) {
-      SegmentMerger merger;
+      SegmentMerger merger(mergerRoomFor(most));
       for (const RaySegment& step : steps) merger.add(step);
       merger.reduceTo(most);
       EXPECT_LE(merger.size(), most);
@@ -98,7 +98,7 @@ TEST(RaySegments, KeepLightAndOpacityHoweverTheyAreMerged) {
 }
 
 TEST(RaySegments, NoMoreThanTheRayHasAreMade) {
-  SegmentMerger merger;
+  SegmentMerger merger(kMostMergerRoom);
   for (const RaySegment& step : stepsOf({{0.2f, glm::vec3(1.0f)}, {0.0f, glm::vec3(1.0f)}, {0.3f, glm::vec3(0.5f)}}, 0.0f, 1.0f)) merger.add(step);
   merger.reduceTo(16);
   EXPECT_EQ(merger.size(), 2);
@@ -109,14 +109,14 @@ TEST(RaySegments, TheCheapestPairIsMergedFirst) {
   std::mt19937 random(11);
   for (int round = 0; round < 200; ++round) {
     std::vector<RaySegment> all = randomSteps(random, 16);
-    if (all.size() > SegmentMerger::kRoom) continue;
-    SegmentMerger merger;
+    if (all.size() > kMostMergerRoom) continue;
+    SegmentMerger merger(kMostMergerRoom);
     for (const RaySegment& step : all) merger.add(step);
     merger.reduceTo(3);
     while (all.size() > 3) {
       size_t cheapest = 0;
       for (size_t i = 1; i + 1 < all.size(); ++i)
-        if (mergeCost(all[i], all[i + 1]) < mergeCost(all[cheapest], all[cheapest + 1])) cheapest = i;
+        if (mergeCost(all[i], all[i + 1]).value() < mergeCost(all[cheapest], all[cheapest + 1]).value()) cheapest = i;
       mergeInto(all[cheapest], all[cheapest + 1]);
       all.erase(all.begin() + static_cast<ptrdiff_t>(cheapest) + 1);
     }
@@ -133,16 +133,16 @@ TEST(RaySegments, WhatIsAlikeCostsNothingAndGapsCost) {
   const RaySegment a{0.0f, 2.0f, 0.5f, 1.0f, glm::vec3(0.25f)};
   const RaySegment same{2.0f, 4.0f, 0.5f, 0.5f, glm::vec3(0.25f)}, apart{5.0f, 7.0f, 0.5f, 0.5f, glm::vec3(0.25f)}, red{2.0f, 4.0f, 0.5f, 0.5f, {0.5f, 0.0f, 0.0f}},
       dense{2.0f, 2.5f, 0.5f, 0.5f, glm::vec3(0.25f)}, hidden{5.0f, 7.0f, 0.5f, 0.0f, glm::vec3(0.25f)};
-  EXPECT_LT(mergeCost(a, same), 1e-6f);
-  EXPECT_GT(mergeCost(a, apart), 0.1f);
-  EXPECT_GT(mergeCost(a, red), 0.05f);
-  EXPECT_GT(mergeCost(a, dense), 0.05f);
-  EXPECT_EQ(mergeCost(a, hidden), 0.0f);
+  EXPECT_LT(mergeCost(a, same).value(), 1e-6f);
+  EXPECT_GT(mergeCost(a, apart).value(), 0.1f);
+  EXPECT_GT(mergeCost(a, red).value(), 0.05f);
+  EXPECT_GT(mergeCost(a, dense).value(), 0.05f);
+  EXPECT_EQ(mergeCost(a, hidden).value(), 0.0f);
 }
 
 /// Surfaces have no length, opacity 1 ends everything.
 TEST(RaySegments, OfNoLengthAndOfFullOpacity) {
-  SegmentMerger merger;
+  SegmentMerger merger(kMostMergerRoom);
   float through = 1.0f;
   for (int i = 0; i < 40; ++i) {
     merger.add({static_cast<float>(i), static_cast<float>(i), 0.1f, through, glm::vec3(0.1f)});
@@ -164,13 +164,14 @@ void expectCodesToShowWhatRaysShow(bool hasNormals, float brightest) {
   double worst = 0.0;
   for (int round = 0; round < 2000; ++round) {
     std::vector<RaySegment> steps = randomSteps(random, 100);
-    SegmentMerger merger;
+    const int most = 1 + round % 16;
+    SegmentMerger merger(mergerRoomFor(most));
     for (RaySegment& step : steps) {
       step.color *= brightest;
       merger.add(step);
     }
     const Whole expected = overAll(listOf(merger));
-    merger.reduceTo(1 + round % 16);
+    merger.reduceTo(most);
     std::vector<SegmentDepths> depths(16);
     std::vector<Rgba8> colors(16);
     const RaySegmentCount count = storeSegments(merger, false, SegmentEncoder(tables, quantization, 0.8f, hasNormals), {depths.data(), colors.data(), nullptr},

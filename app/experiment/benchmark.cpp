@@ -93,15 +93,17 @@ std::vector<BackendBenchmark> runBenchmark(const Scene& scene, const BenchmarkSe
     FrameCodec codec;
     result.coding = measureCoding(measuring, codec, frame, {});
     run.setReference(*resources.marcher);
-    // What the samples' march is timed without.
-    const auto frameFor = [&](const WarpDescriptor& technique) {
-      return std::make_shared<const SampleFrame>(resources.marcher->march(cameras.front(), neededBy(std::array{TechniqueInUse{&technique, settings.warp.knobs}}, settings.march), stop));
-    };
     for (const WarpDescriptor* technique : settings.techniques) {
       onStep(std::string(nameOf(backend)) + ", " + std::string(technique->name));
       if (backend == Backend::cuda && !technique->runsOnCuda) continue;
-      const bool needsMore = !(neededBy(std::array{TechniqueInUse{technique, settings.warp.knobs}}, settings.march) == frame->settings);
-      result.techniques.push_back(run.measure(*technique, resources, needsMore ? frameFor(*technique) : frame));
+      const MarchSettings needed = neededBy(std::array{TechniqueInUse{technique, settings.warp.knobs}}, settings.march);
+      std::optional<FrameBenchmark> own;
+      if (!(needed == frame->settings)) {
+        own.emplace().march = measureMarch(measuring, *resources.marcher, cameras.front(), needed);
+        own->coding = measureCoding(measuring, codec, own->march.frame, {});
+      }
+      result.techniques.push_back(run.measure(*technique, resources, own ? own->march.frame : frame));
+      result.techniques.back().frame = std::move(own);
     }
   }
   return results;

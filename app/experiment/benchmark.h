@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -19,8 +20,15 @@ struct BenchmarkView {
   double framesPerSecond() const { return draw.medianMs > 0.0 ? 1000.0 / draw.medianMs : 0.0; }
 };
 
+/// A frame on its way: marched, coded and decoded.
+struct FrameBenchmark {
+  MeasuredMarch march;
+  MeasuredCoding coding;  ///< packed, colours as JPEG
+};
+
 struct TechniqueBenchmark {
   const WarpDescriptor* technique = nullptr;
+  std::optional<FrameBenchmark> frame;  ///< its own, where it draws more than samples
   MeasuredFirstPicture first;
   std::vector<BenchmarkView> views;
 };

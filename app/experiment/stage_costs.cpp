@@ -38,7 +38,10 @@ std::optional<MarchSettings> without(PlanStage stage, const MarchSettings& setti
     case PlanStage::specular: left.render.effects.shading.specular = 0.0f; return left;
     case PlanStage::secondPass: left.sample.heuristic = Heuristic::gradient; return left;
     case PlanStage::severalSamples: left.sample.samplesPerRay = 1; return left;
-    case PlanStage::spread: left.sample.sendsSpread = false; return left;
+    case PlanStage::spread:
+      left.sample.sendsSpread = false;
+      if (left.sample.radiusPolicy == RadiusPolicy::uncertainty) left.sample.radiusPolicy = RadiusPolicy::voxel;
+      return left;
     case PlanStage::raySegments: left.sample.segments = 0; return left;
     case PlanStage::march:
     case PlanStage::maximum:

@@ -31,7 +31,7 @@ struct View {
 inline MarchSettings defaultMarch() {
   MarchSettings march;
   march.sample.segments = 4;
-  march.sample.proxy = 64;
+  march.sample.proxy = 96;
   return march;
 }
 

@@ -25,6 +25,7 @@ std::optional<std::string> radiusWarning(const VolumeGeometry& geometry, RadiusP
   if (longest <= kLongVoxelRatio * geometry.unit()) return std::nullopt;
   switch (policy) {
     case RadiusPolicy::voxel:
+    case RadiusPolicy::uncertainty:
       return instead(geometry, "spheres of half a voxel's diagonal are far larger than its short edges");
     case RadiusPolicy::constant:
       return instead(geometry, "spheres of half the shortest edge leave gaps along the long ones");

@@ -17,20 +17,26 @@ class RadiusPrediction {
       : rule_(sampleRuleOf(frame)),
         edge_(pixelEdge(frame.camera)),
         isSame_(rule_.policy == RadiusPolicy::voxel || rule_.policy == RadiusPolicy::constant),
+        isAsBefore_(rule_.policy == RadiusPolicy::uncertainty),
         same_(code(0, 0)) {}
 
-  uint32_t operator()(PackedSample position, Rgba8 color) const { return isSame_ ? same_ : code(depthCode(position), color); }
+  /// `before`: the code of the sample before this one.
+  uint32_t operator()(PackedSample position, Rgba8 color, uint32_t before) const {
+    if (isAsBefore_) return before;
+    return isSame_ ? same_ : code(depthCode(position), color);
+  }
   bool isSame() const { return isSame_; }
   uint32_t same() const { return same_; }
 
  private:
   uint32_t code(uint32_t depth, Rgba8 color) const {
-    return radiusCodeFor(rule_, edge_, depth, static_cast<float>(color >> 24) / 255.0f);
+    return radiusCodeFor(rule_, edge_, depth, static_cast<float>(color >> 24) / 255.0f, 0.0f);
   }
 
   SampleRule rule_;
   float edge_;
   bool isSame_;  // for all samples
+  bool isAsBefore_;
   uint32_t same_;
 };
 
@@ -48,9 +54,11 @@ void putRadii(const SampleFrame& frame, std::span<const PackedSample> samples, s
       return;
     }
   }
+  uint32_t before = radius.same();
   for (size_t i = 0; i < count; ++i) {
-    const auto likely = static_cast<int32_t>(radius(samples[i], colors[i]));
-    tokens[i] = putToken(zigzag(static_cast<int32_t>(radiusCode(samples[i])) - likely), bits);
+    const auto likely = static_cast<int32_t>(radius(samples[i], colors[i], before));
+    before = radiusCode(samples[i]);
+    tokens[i] = putToken(zigzag(static_cast<int32_t>(before) - likely), bits);
   }
 }
 
@@ -65,11 +73,12 @@ void takeRadii(const SampleFrame& frame, std::span<const uint8_t> tokens, std::s
     return;
   }
   BitReader take = bits;  // a local: what is written cannot be what it reads then
+  uint32_t before = radius.same();
   for (size_t i = 0; i < count; ++i) {
-    const auto likely = radius(position[i], colors[i]);
+    const auto likely = radius(position[i], colors[i], before);
     const uint32_t difference = static_cast<uint32_t>(unzigzag(takeToken(tokens[i], take)));
-    position[i] = (position[i] & kPositionMask) | static_cast<uint64_t>((likely + difference) & kRadiusCodeMax)
-                                                      << kRadiusShift;
+    before = (likely + difference) & kRadiusCodeMax;
+    position[i] = (position[i] & kPositionMask) | static_cast<uint64_t>(before) << kRadiusShift;
   }
   bits = take;
 }

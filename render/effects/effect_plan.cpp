@@ -222,6 +222,7 @@ constexpr std::array<PlanRule, kStages.size()> kRules{{
     {PlanStage::spread,
      [](const PlanQuestion& q) {
        if (!q.sample) return out(kPictureAlone);
+       if (q.sample->radiusPolicy == RadiusPolicy::uncertainty) return in("samples are as large as their depth is uncertain");
        return q.sample->sendsSpread ? in("samples are sent with the spread of their depth") : out("nobody asked for it");
      }},
     {PlanStage::raySegments,

@@ -84,7 +84,7 @@ __device__ inline void storeSamples(const Job& job, const PixelPlace& pixel, flo
   }
 }
 
-/// How far the depths of a ray's samples are spread, into the places of those samples: a march of its own, in which nothing is lit and no depth is
+/// How far the depths of a ray's samples are spread, into the places of those samples, and their radii where these depend on it: a march of its own, in which nothing is lit and no depth is
 /// chosen, so that no other kernel has to be compiled with and without. `makeSource()` gives a source at the path's beginning.
 template <class Job, class MakeSource>
 __device__ inline void storeSpreads(const Job& job, const PixelPlace& pixel, const RayPath& path, const MakeSource& makeSource) {
@@ -92,7 +92,10 @@ __device__ inline void storeSpreads(const Job& job, const PixelPlace& pixel, con
   MomentsFold moments;
   const auto store = [&] {
     WARPSCOPE_COUNT(spreads, 1);
-    job.spreads[place++] = moments.result().spread;
+    const float spread = moments.result().spread;
+    if (job.spreads != nullptr) job.spreads[place] = spread;
+    if (job.rule.policy == RadiusPolicy::uncertainty) job.samples[place] = withUncertainRadius(job.rule, job.pixels.edge, job.samples[place], spread);
+    ++place;
     moments = {};
   };
   ProfileFold whole;
@@ -137,8 +140,8 @@ __device__ inline void storeFoundSegments(const Job& job, const PixelPlace& pixe
 template <class Job, class MakeSource, class Light>
 __device__ inline void storeRaySegments(const Job& job, const PixelPlace& pixel, const RayPath& path, float cosine, const MakeSource& makeSource,
                                         const Light& light) {
-  SharedSegmentMerger found;
-  SegmentedColor<StableMarch, SharedSegmentMerger> gathered(found, path.lattice);
+  SharedSegmentMerger found(mergerRoomFor(job.segmentSlots));
+  SegmentedColor<StableMarch, SharedSegmentMerger> gathered(&found, path.lattice);
   auto source = makeSource();
   marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered, [](const CountingSample&) { return true; });
   storeFoundSegments(job, pixel, path, cosine, found, gathered.transmittance.value() < job.limits.stopBelow, source, light);
@@ -162,8 +165,8 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
   const auto makeSource = [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); };
-  SharedSegmentMerger segments;
-  SegmentedColor<StableMarch, SharedSegmentMerger> gathered(segments, path.lattice);
+  SharedSegmentMerger segments(mergerRoomFor(job.segmentSlots));
+  SegmentedColor<StableMarch, SharedSegmentMerger> gathered(&segments, path.lattice);
   const DepthResult found = depthOfRay(job, path, depth, makeSource, light, gathered);
   storeSample(job, pixel, cosine, size_t{pixel.y} * job.camera.width + pixel.x, found, gathered.premultiplied());
   storeFoundSegments(job, pixel, path, cosine, segments, gathered.transmittance.value() < job.limits.stopBelow, makeSource(), light);
@@ -271,7 +274,8 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, con
     };
     if (heuristic && job.segmentSlots > 0 && !job.isDivided) {
       visitAnyHeuristic(*heuristic, [&](auto depth) {
-        launchWithMergers(marchSegmentedSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells>, grid, stream, job, depth, light);
+        launchWithMergers(marchSegmentedSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells>, grid, stream, job.segmentSlots, job, depth,
+                          light);
       });
     } else if (heuristic) {
       visitDepth([&](auto depth) {
@@ -295,10 +299,11 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, con
       });
     }
   });
-  if (heuristic && job.spreads != nullptr) marchSpreads<Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job);
+  if (heuristic && job.hasSpread) marchSpreads<Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job);
   if (heuristic && job.segmentSlots > 0 && job.isDivided)
-    visitLight(shading, lightVolume,
-               [&](auto light) { launchWithMergers(marchRaySegments<decltype(light), Voxel, kHasHoles, kByCells>, grid, stream, job, light); });
+    visitLight(shading, lightVolume, [&](auto light) {
+      launchWithMergers(marchRaySegments<decltype(light), Voxel, kHasHoles, kByCells>, grid, stream, job.segmentSlots, job, light);
+    });
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 #if WARPSCOPE_COUNTERS
   handOverDeviceCounts(stream);

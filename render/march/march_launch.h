@@ -39,11 +39,12 @@ struct MarchJob {
   bool isClipped = false;
   bool hasSecondPass = false;
   bool isDivided = false;  ///< rays, for several samples
+  bool hasSpread = false;  ///< of depth: for `spreads`, for radii, or both
   SampleRule rule;
   const ColorTables* colorTables = nullptr;
   PackedSample* samples = nullptr;
   Rgba8* colors = nullptr;
-  float* spreads = nullptr;  ///< of depth, as many as samples; null where nobody wants them
+  float* spreads = nullptr;  ///< of depth, as many as samples; null where they are not sent
   glm::vec4* image = nullptr;
   // Of the ray's segments: those of the pixel begin at its number times segmentSlots.
   int segmentSlots = 0;  ///< for each pixel; 0: nobody wants any

@@ -91,7 +91,7 @@ void launchMip(const MarchJob<Voxel>& job, const MipSetup& setup, std::optional<
     marchModeSamples<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, EntranceDepth{}, Unlit{});  // the first is the only one
   else
     marchModeColors<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, Unlit{});
-  if (heuristic && job.segmentSlots > 0) launchWithMergers(marchModeSegments<Source, Unlit, Voxel>, grid, stream, job, setup, Unlit{});
+  if (heuristic && job.segmentSlots > 0) launchWithMergers(marchModeSegments<Source, Unlit, Voxel>, grid, stream, job.segmentSlots, job, setup, Unlit{});
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 #if WARPSCOPE_COUNTERS
   handOverDeviceCounts(stream);
@@ -113,8 +113,8 @@ void launchIsosurfaces(const MarchJob<Voxel>& job, const IsosurfaceSetup& setup,
     });
   else
     marchModeColors<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, light);
-  if (heuristic && job.spreads != nullptr) marchModeSpreads<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup);
-  if (heuristic && job.segmentSlots > 0) launchWithMergers(marchModeSegments<Source, LitIfAny, Voxel>, grid, stream, job, setup, light);
+  if (heuristic && job.hasSpread) marchModeSpreads<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup);
+  if (heuristic && job.segmentSlots > 0) launchWithMergers(marchModeSegments<Source, LitIfAny, Voxel>, grid, stream, job.segmentSlots, job, setup, light);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 #if WARPSCOPE_COUNTERS
   handOverDeviceCounts(stream);

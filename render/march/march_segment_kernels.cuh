@@ -22,9 +22,10 @@ void launchSegments(const MarchJob<Voxel>& job, const SegmentLookup& segments, c
       });
     else
       marchModeColors<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, segments, light);
-    if (heuristic && job.segmentSlots > 0) launchWithMergers(marchModeSegments<Source, decltype(light), Voxel>, grid, stream, job, segments, light);
+    if (heuristic && job.segmentSlots > 0)
+      launchWithMergers(marchModeSegments<Source, decltype(light), Voxel>, grid, stream, job.segmentSlots, job, segments, light);
   });
-  if (heuristic && job.spreads != nullptr) marchModeSpreads<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, segments);
+  if (heuristic && job.hasSpread) marchModeSpreads<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, segments);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 #if WARPSCOPE_COUNTERS
   handOverDeviceCounts(stream);

@@ -24,6 +24,7 @@ enum class RadiusPolicy {
   constant,  ///< half the smallest voxel edge
   pixel,     ///< half the edge of a pixel at the sample's depth: a sphere that just fits into its pixel
   opacity,   ///< from `pixel` for a transparent pixel to `voxel` for an opaque one, by the pixel's opacity
+  uncertainty,  ///< from `voxel` for a certain depth, growing with its standard deviation along the ray (after Zellmann 2020, who would smear such samples)
 };
 
 inline constexpr std::array<NamedValue<Heuristic>, 10> kHeuristics{{
@@ -39,11 +40,12 @@ inline constexpr std::array<NamedValue<Heuristic>, 10> kHeuristics{{
     {Heuristic::expected, "expected", "mean depth, weighted by contribution"},
 }};
 
-inline constexpr std::array<NamedValue<RadiusPolicy>, 4> kRadiusPolicies{{
+inline constexpr std::array<NamedValue<RadiusPolicy>, 5> kRadiusPolicies{{
     {RadiusPolicy::voxel, "voxel", "half a voxel's diagonal"},
     {RadiusPolicy::constant, "constant", "half the smallest voxel edge"},
     {RadiusPolicy::pixel, "pixel", "half a pixel's edge at the sample's depth"},
     {RadiusPolicy::opacity, "opacity", "from pixel (transparent) to voxel (opaque) by the pixel's opacity"},
+    {RadiusPolicy::uncertainty, "uncertainty", "the standard deviation of depth along the ray; half a voxel's diagonal at least, twice that at most"},
 }};
 
 inline std::string_view nameOf(Heuristic heuristic) { return nameOf(kHeuristics, heuristic); }

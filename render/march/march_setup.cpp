@@ -173,7 +173,7 @@ SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const Sampl
   rule.scale = settings.radiusScale;
   const Box& bounds = volume.bounds();
   const float farthest = glm::length(camera.eye - bounds.center()) + 0.5f * glm::length(bounds.extent());
-  rule.quantization = quantizationFor(camera, bounds, radiusUnitFor(sampleRadius(rule, pixelEdge(camera), farthest, 1.0f)));
+  rule.quantization = quantizationFor(camera, bounds, radiusUnitFor(sampleRadius(rule, pixelEdge(camera), farthest, 1.0f, std::numeric_limits<float>::infinity())));
   return rule;
 }
 

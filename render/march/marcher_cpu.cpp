@@ -326,8 +326,8 @@ class CpuMarcher final : public Marcher {
     parallelForTiles(camera.width, camera.height, side, stop, turns, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
       std::vector<CountingSample> counting;
       RaySamples found;
-      SegmentMerger segments;
-      NormalCode normals[SegmentMerger::kRoom];
+      SegmentMerger segments(mergerRoomFor(mostSegments));
+      NormalCode normals[kMostMergerRoom];
       const VisibleDepths everything{0.0f, std::numeric_limits<float>::infinity()};
       for (uint32_t y = y0; y < y1; ++y)
         for (uint32_t x = x0; x < x1; ++x) {
@@ -360,10 +360,10 @@ class CpuMarcher final : public Marcher {
             finished.isEnded = color.transmittance.value() < limits.stopBelow;
           };
           if constexpr (std::is_same_v<typename Source::March, StableMarch>) {
+            segments.clear();
+            marchInto(SegmentedColor<StableMarch>(mostSegments > 0 ? &segments : nullptr, path.lattice));
             if (mostSegments > 0) {
               WARPSCOPE_COUNT(segmentedRays, 1);
-              segments.clear();
-              marchInto(SegmentedColor<StableMarch>(segments, path.lattice));
               segments.reduceTo(mostSegments);
               finished.segments = &segments;
               if constexpr (requires { light.setup.isLit; })
@@ -375,8 +375,6 @@ class CpuMarcher final : public Marcher {
                   }
                   finished.normals = normals;
                 }
-            } else {
-              marchInto(GatheredColor<StableMarch>());
             }
           } else {
             marchInto(GatheredColor<typename Source::March>());

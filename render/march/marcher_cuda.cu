@@ -287,7 +287,8 @@ class CudaMarcher final : public Marcher {
       job.colorTables = colorTables_.data();
       job.samples = denseSamples_.data();
       job.colors = denseColors_.data();
-      job.spreads = plan_->has(PlanStage::spread) ? denseSpreads_.data() : nullptr;
+      job.hasSpread = plan_->has(PlanStage::spread);
+      job.spreads = job.hasSpread && sample->sendsSpread ? denseSpreads_.data() : nullptr;
       job.image = image_.data();
       if (sample != nullptr && plan_->has(PlanStage::raySegments)) raySegments_.giveTo(job);
       const uint32_t rows = rowsOfLaunch(camera, settings);

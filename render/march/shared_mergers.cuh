@@ -11,9 +11,7 @@ namespace warpscope {
 /// A thread's part of what a kernel was launched with: word by word beside those of the other threads, so that no two of a warp are in one bank.
 class SharedMergerMemory {
  public:
-  static constexpr int kRoom = OwnMergerMemory::kRoom;
-  static constexpr int kSegmentWords = sizeof(RaySegment) / sizeof(float);
-  static constexpr size_t kBytes = size_t{kTileBlockThreads} * kRoom * (kSegmentWords + 1) * sizeof(float);
+  static constexpr size_t bytesFor(int room) { return size_t{kTileBlockThreads} * static_cast<size_t>(room) * kPlaceWords * sizeof(float); }
 
   __device__ SharedMergerMemory() {
     extern __shared__ float mergerWords[];
@@ -21,7 +19,7 @@ class SharedMergerMemory {
   }
 
   __device__ RaySegment segment(int i) const {
-    const float* const at = words_ + i * kSegmentWords * kStride;
+    const float* const at = words_ + i * kPlaceWords * kStride;
     RaySegment segment;
     segment.begin = at[0];
     segment.end = at[kStride];
@@ -31,7 +29,7 @@ class SharedMergerMemory {
     return segment;
   }
   __device__ void setSegment(int i, const RaySegment& segment) {
-    float* const at = words_ + i * kSegmentWords * kStride;
+    float* const at = words_ + i * kPlaceWords * kStride;
     at[0] = segment.begin;
     at[kStride] = segment.end;
     at[2 * kStride] = segment.opacity;
@@ -40,11 +38,12 @@ class SharedMergerMemory {
     at[5 * kStride] = segment.color.y;
     at[6 * kStride] = segment.color.z;
   }
-  __device__ uint32_t cost(int i) const { return __float_as_uint(words_[(kRoom * kSegmentWords + i) * kStride]); }
-  __device__ void setCost(int i, uint32_t cost) { words_[(kRoom * kSegmentWords + i) * kStride] = __uint_as_float(cost); }
+  __device__ uint32_t cost(int i) const { return __float_as_uint(words_[(i * kPlaceWords + kCostWord) * kStride]); }
+  __device__ void setCost(int i, uint32_t cost) { words_[(i * kPlaceWords + kCostWord) * kStride] = __uint_as_float(cost); }
 
  private:
-  static_assert(kSegmentWords == 7);
+  static constexpr int kCostWord = sizeof(RaySegment) / sizeof(float), kPlaceWords = kCostWord + 1;
+  static_assert(kCostWord == 7);
   static constexpr int kStride = static_cast<int>(kTileBlockThreads);
 
   float* words_;
@@ -52,11 +51,12 @@ class SharedMergerMemory {
 
 using SharedSegmentMerger = BasicSegmentMerger<SharedMergerMemory>;
 
-/// Launches a kernel whose threads have a SharedSegmentMerger each.
+/// Launches a kernel whose threads have a SharedSegmentMerger each, for rays of which `most` segments are wanted.
 template <class... Parameters, class... Arguments>
-void launchWithMergers(void (*kernel)(Parameters...), dim3 grid, cudaStream_t stream, const Arguments&... arguments) {
-  WARPSCOPE_CUDA_CHECK(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(SharedMergerMemory::kBytes)));
-  kernel<<<grid, kTileBlockThreads, SharedMergerMemory::kBytes, stream>>>(arguments...);
+void launchWithMergers(void (*kernel)(Parameters...), dim3 grid, cudaStream_t stream, int most, const Arguments&... arguments) {
+  const size_t bytes = SharedMergerMemory::bytesFor(mergerRoomFor(most));
+  WARPSCOPE_CUDA_CHECK(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)));
+  kernel<<<grid, kTileBlockThreads, bytes, stream>>>(arguments...);
 }
 
 }  // namespace warpscope

@@ -20,8 +20,7 @@ SampleFrame headFrom(ByteReader& reader) {
   head.camera.height = 1u + reader.take<uint8_t>();
   head.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f, 24.0f, 0x1p-13f};
   const auto choices = reader.take<uint8_t>();
-  head.settings.sample.radiusPolicy = static_cast<RadiusPolicy>(choices & 3);
-  if (choices & 4) head.camera.width *= 40;
+  head.settings.sample.radiusPolicy = static_cast<RadiusPolicy>((choices & 7) % kRadiusPolicies.size());
   if (choices & 8) head.settings.render.step = 0.01f;
   if (choices & 16) head.quantization.bounds.upper.x = -8.0f;
   if (choices & 32) head.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, {}});
@@ -38,6 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto format = static_cast<uint8_t>(first & 1);
   SampleFrame frame = headFrom(reader);
   frame.settings.sample.samplesPerRay = 1 + (first >> 1 & 7);
+  if (first & 16) frame.camera.width *= 40;
   const size_t count = reader.take<uint16_t>();
   std::vector<std::byte> payload;
   appendLittle(payload, format);

@@ -40,7 +40,7 @@ SampleFrame madeUp(uint32_t width, uint32_t height, uint32_t oneIn, uint32_t lay
   frame.camera.width = width;
   frame.camera.height = height;
   frame.quantization = {{glm::vec3(-8.0f), glm::vec3(8.0f)}, 1.0f, 24.0f, 0x1p-13f};
-  frame.settings.sample.radiusPolicy = static_cast<RadiusPolicy>(seed & 3);
+  frame.settings.sample.radiusPolicy = static_cast<RadiusPolicy>(seed % kRadiusPolicies.size());
   frame.settings.sample.samplesPerRay = static_cast<int>(layers);
   std::vector<uint8_t> places;
   for (uint32_t pixel = 0; pixel < width * height; ++pixel) {

@@ -46,11 +46,32 @@ TEST(MarchOnDevice, SeveralSamplesARayByEveryHeuristic) {
         SCOPED_TRACE(builtin.name + ", " + std::string(heuristic.name) + ", " + std::to_string(samplesPerRay));
         MarchSettings settings = scene.march;
         settings.sample.heuristic = heuristic.value;
-        settings.sample.radiusPolicy = RadiusPolicy::opacity;
+        settings.sample.radiusPolicy = samplesPerRay == 2 ? RadiusPolicy::uncertainty : RadiusPolicy::opacity;
         settings.sample.samplesPerRay = samplesPerRay;
         pair.expectSame(camera, settings);
       }
   }
+}
+
+TEST(MarchOnDevice, RadiiOfUncertaintyInEveryMode) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("shells", 96);
+  const Pair pair(scene);
+  const Camera camera = makeCamera(scene, scene.views.front(), 203, 157);
+  for (const RenderMode mode : {RenderMode::composite, RenderMode::isosurface, RenderMode::mip})
+    for (const bool integrates : {false, true})
+      for (const bool sends : {false, true})
+        for (const int samplesPerRay : {1, 3}) {
+          SCOPED_TRACE(::testing::Message() << nameOf(mode) << ", " << integrates << ", " << sends << ", " << samplesPerRay);
+          MarchSettings settings = scene.march;
+          settings.render.effects.mode = mode;
+          settings.render.effects.preIntegration = integrates && mode == RenderMode::composite;
+          settings.render.effects.isoValues = parseIsoValues("100@0.25 160@1", "it");
+          settings.sample.radiusPolicy = RadiusPolicy::uncertainty;
+          settings.sample.sendsSpread = sends;
+          settings.sample.samplesPerRay = samplesPerRay;
+          pair.expectSame(camera, settings);
+        }
 }
 
 TEST(MarchOnDevice, FramesAfterOneOfSeveralSamplesARayAreAsBefore) {

@@ -318,7 +318,7 @@ TEST(Case29, PropertyAnyFrameComesBack) {
     SampleFrame frame =
         garbageFrame(width, height, *rc::gen::inRange<size_t>(0, 3000), *rc::gen::arbitrary<uint32_t>());
     frame.settings.sample.radiusPolicy =
-        *rc::gen::elementOf(std::vector{RadiusPolicy::voxel, RadiusPolicy::opacity, RadiusPolicy::pixel});
+        *rc::gen::elementOf(std::vector{RadiusPolicy::voxel, RadiusPolicy::opacity, RadiusPolicy::pixel, RadiusPolicy::uncertainty});
     frame.quantization.depthStep = *anyPositive();
     frame.quantization.nearDepth = *anyPositive();
     frame.camera.eye = *anyVector();

@@ -98,6 +98,7 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
   // At least one place, so that there is memory to point to.
   segments_.reserve(segments.size() + 1);
   colors_.reserve(segments.size() + 1);
+  if (segments.size() == 0) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(colors_.data(), 0, sizeof(glm::vec3), stream));  // walks look at one, whether there are any or not
   if (hasNormals_) unlit_.reserve(segments.size() + 1);
   ofPixels_.reserve(segments.rays.size());
   for (int level = 0; level < kFieldLevels; ++level)

@@ -52,7 +52,7 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
   const size_t pixels = segments.rays.size();
   first_.resize(pixels + 1);
   segments_.resize(segments.size());
-  colors_.resize(segments.size());
+  colors_.resize(segments.size() + 1);  // walks look at one, whether there are any or not
   ofPixels_.resize(pixels);
   uint32_t at = 0;
   first_[0] = 0;

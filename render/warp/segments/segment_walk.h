@@ -115,11 +115,9 @@ WARPSCOPE_HD inline FieldLine makeFieldLine(const SegmentField& field, const Ray
 
 /// What a pixel has at a depth on a line, and up to which depth that holds.
 struct PixelState {
-  static constexpr uint32_t kNone = 0xffffffffu;
-
-  uint32_t active = kNone;  ///< number of the segment that it is in
-  float extinction = 0.0f;  ///< of that
-  bool isKnown = true;
+  uint32_t active = 0;      ///< number of the segment that it is in; 0 as well where it is in none
+  float extinction = 0.0f;  ///< of that; 0 where it is in none
+  float known = 1.0f;       ///< 0: nothing is known
   float until = 0.0f;       ///< picture depth
 };
 
@@ -132,11 +130,11 @@ WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, flo
   PixelState state;
   if (isRising) {
     state.until = kInfinity;
-    state.isKnown = !isEnded;
+    state.known = isEnded ? 0.0f : 1.0f;
     for (uint32_t i = begin; i < end; ++i) {
       const FieldSegment segment = field.segments[i];
       if (!(depth < segment.end)) continue;
-      state.isKnown = true;
+      state.known = 1.0f;
       const bool isInside = segment.begin <= depth;
       if (isInside) state.active = i, state.extinction = segment.extinction;
       state.until = isInside ? segment.end : segment.begin;
@@ -144,14 +142,14 @@ WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, flo
     }
   } else {
     state.until = -kInfinity;
-    state.isKnown = begin < end || !isEnded;
+    state.known = begin < end || !isEnded ? 1.0f : 0.0f;
     for (uint32_t i = end; i > begin; --i) {
       const FieldSegment segment = field.segments[i - 1];
       if (!(segment.begin < depth)) continue;
       const bool isInside = depth <= segment.end;
       if (isInside) state.active = i - 1, state.extinction = segment.extinction;
       state.until = isInside ? segment.begin : segment.end;
-      state.isKnown = isInside || !(isEnded && i == end);
+      state.known = isInside || !(isEnded && i == end) ? 1.0f : 0.0f;
       break;
     }
   }
@@ -183,23 +181,24 @@ WARPSCOPE_HD inline WalkPlace beginOfWalk(const SegmentField& field, const Field
           minOf(maxOf(static_cast<int>(mulAdd(line.begin, line.dy, line.y0)), 0), lastRow)};
 }
 
-/// In place of a function that fills what is not known: walks end there.
-struct StopAtUnknown {};
+/// A part of a line of which nothing is known, as long as there are; s.
+struct UnknownPiece {
+  float begin = 0.0f, end = 0.0f;
 
-/// Walks on from `place` to the line's end, or to where less than `stopBelow` is left: true. With StopAtUnknown false at the first place of which nothing is known;
-/// `place` is it then, and another walk from there, with a function that fills, gives the same bits as one that was not interrupted.
+  WARPSCOPE_HD bool isAny() const { return begin < end; }
+};
+
+/// What walks do where nothing is known.
+enum class AtUnknown { stop, stopBehind, goOn };
+
+/// Walks on from `place` to the line's end, or to where less than `stopBelow` is left: true. Else false, and `place` is where the walk was interrupted: at the first
+/// place of which nothing is known (AtUnknown::stop), or where that ends (stopBehind). `piece`: what of the line ends there and is not known, for stopBehind. Another
+/// walk from `place` gives the same bits as one that goes on: rays of a device leave their walks to fill such pieces, all together, rather than each in the midst of its own.
 /// `kIsLinear`: between the centres of pixels what they have is blended, of those that know; else each pixel's is the same all over its frustum.
-template <bool kIsLinear, class Fill>
-WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, WalkedRay& walked, Fill&& fill) {
-  constexpr bool kStops = std::is_same_v<std::decay_t<Fill>, StopAtUnknown>;
-  // What is not known is passed in as long pieces as there are.
+template <bool kIsLinear, AtUnknown kAtUnknown>
+WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, WalkedRay& walked, UnknownPiece& piece) {
   constexpr float kNowhere = 2.0f;
   float unknownFrom = kNowhere;  // s; kNowhere: what came last was known
-  const auto passUnknownUntil = [&](float s) {
-    if constexpr (!kStops)
-      if (unknownFrom < kNowhere) fill(walked, line.tAt(unknownFrom), line.tAt(s));
-    unknownFrom = kNowhere;
-  };
 
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   // Of lines that go along an axis by less than that nothing on it is crossed.
@@ -213,6 +212,18 @@ WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line
   const int leadX = line.dx > 0.0f ? 1 : 0, leadY = line.dy > 0.0f ? 1 : 0;
   float s = place.s, depth = place.depth;
   int x = place.x, y = place.y;
+  // True where the walk is interrupted.
+  const auto endsUnknown = [&] {
+    if (kAtUnknown != AtUnknown::stopBehind || !(unknownFrom < kNowhere)) return false;
+    piece = {unknownFrom, s};
+    place = {s, depth, x, y};
+    return true;
+  };
+  const auto beginsUnknown = [&] {
+    if (kAtUnknown == AtUnknown::stop) place = {s, depth, x, y};
+    if (kAtUnknown == AtUnknown::stopBehind && !(unknownFrom < kNowhere)) unknownFrom = s;
+    return kAtUnknown == AtUnknown::stop;
+  };
 
   // The pixels about a cell in the order in which the line leaves them behind: trailing on both axes, leading on x, leading on y, leading on both.
   constexpr int kPixels = kIsLinear ? 4 : 1;
@@ -235,13 +246,9 @@ WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line
       const FieldTile& tile = field.tiles[level][ty * field.tileColumns[level] + tx];
       const bool isEmpty = tile.nearestBegin > most || tile.farthestEnd < least;
       if (isEmpty && tile.nearestUnknown > most) {
-        passUnknownUntil(s);
+        if (endsUnknown()) return false;
       } else if (tile.farthestUnknown < least) {
-        if constexpr (kStops) {
-          place = {s, depth, x, y};
-          return false;
-        }
-        if (!(unknownFrom < kNowhere)) unknownFrom = s;
+        if (beginsUnknown()) return false;
       } else {
         if (level == 0) break;
         --level;
@@ -313,21 +320,16 @@ WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line
       float known = 0.0f, extinction = 0.0f;
       glm::vec3 emission(0.0f);
       for (int i = 0; i < kPixels; ++i) {
-        if (!states[i].isKnown) continue;
-        known += weights[i];
-        if (states[i].active == PixelState::kNone) continue;
+        // Without branches: of what is in no segment the first one's colour is taken by nothing.
+        known += weights[i] * states[i].known;
         const float own = weights[i] * states[i].extinction;
         extinction += own;
         emission += own * field.colors[states[i].active];
       }
       if (known < kLeastKnown) {
-        if constexpr (kStops) {
-          place = {s, depth, x, y};
-          return false;
-        }
-        if (!(unknownFrom < kNowhere)) unknownFrom = s;
+        if (beginsUnknown()) return false;
       } else {
-        passUnknownUntil(s);
+        if (endsUnknown()) return false;
         if (extinction > 0.0f) {
           const float opacity = opacityOf(extinction * (spaceBy * share) / (known * (line.divisorAt(s) * line.divisorAt(to))));
           walked.pass(emission * (opacity / extinction), opacity);
@@ -351,7 +353,7 @@ WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line
     if (x < 0 || y < 0 || x >= columns || y >= rows) break;
     level = levelLeft((x ^ oldX) | (y ^ oldY));
   }
-  passUnknownUntil(line.end);
+  if (kAtUnknown == AtUnknown::stopBehind && unknownFrom < kNowhere) piece = {unknownFrom, line.end};
   return true;
 }
 
@@ -370,7 +372,8 @@ WARPSCOPE_HD inline bool walkKnown(const SegmentField& field, const Ray& ray, fl
   const bool isLine = line.t0 < line.t1;
   if (!isLine || line.t0 > tNear) return false;
   walk.place = beginOfWalk<kIsLinear>(field, line);
-  const bool isWalked = walkOn<kIsLinear>(field, line, stopBelow, walk.place, walk.walked, StopAtUnknown{});
+  UnknownPiece none;
+  const bool isWalked = walkOn<kIsLinear, AtUnknown::stop>(field, line, stopBelow, walk.place, walk.walked, none);
   if (isWalked) walk.place.s = line.end;
   return isWalked && (!(line.t1 < tFar) || walk.walked.through < stopBelow);
 }
@@ -389,7 +392,12 @@ WARPSCOPE_HD inline WalkedRay walkRest(const SegmentField& field, const Ray& ray
     if (line.t0 > tNear) fill(walked, tNear, line.t0);
     place = beginOfWalk<kIsLinear>(field, line);
   }
-  walkOn<kIsLinear>(field, line, stopBelow, place, walked, fill);
+  for (bool isDone = walked.through < stopBelow; !isDone;) {
+    UnknownPiece piece;
+    isDone = walkOn<kIsLinear, AtUnknown::stopBehind>(field, line, stopBelow, place, walked, piece);
+    if (piece.isAny()) fill(walked, line.tAt(piece.begin), line.tAt(piece.end));
+    if (walked.through < stopBelow) isDone = true;
+  }
   if (line.t1 < tFar && !(walked.through < stopBelow)) fill(walked, line.t1, tFar);
   return walked;
 }
@@ -398,6 +406,17 @@ WARPSCOPE_HD inline WalkedRay walkRest(const SegmentField& field, const Ray& ray
 template <bool kIsLinear, class Fill>
 WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, Fill&& fill) {
   return tNear < tFar ? walkRest<kIsLinear>(field, ray, tNear, tFar, stopBelow, {}, fill) : WalkedRay{};
+}
+/// As if there were nothing where nothing is known.
+template <bool kIsLinear>
+WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow) {
+  WalkedRay walked;
+  if (!(tNear < tFar)) return walked;
+  const FieldLine line = makeFieldLine(field, ray, tNear, tFar, kIsLinear ? 0.5f : 0.0f);
+  WalkPlace place = beginOfWalk<kIsLinear>(field, line);
+  UnknownPiece none;
+  if (line.t0 < line.t1) walkOn<kIsLinear, AtUnknown::goOn>(field, line, stopBelow, place, walked, none);
+  return walked;
 }
 
 }  // namespace warpscope
