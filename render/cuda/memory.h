@@ -103,8 +103,6 @@ class Event {
 
   void record(cudaStream_t stream) { WARPSCOPE_CUDA_CHECK(cudaEventRecord(event_, stream)); }
   void synchronize() const { WARPSCOPE_CUDA_CHECK(cudaEventSynchronize(event_)); }
-  /// What comes next in `stream` waits for it.
-  void awaitIn(cudaStream_t stream) const { WARPSCOPE_CUDA_CHECK(cudaStreamWaitEvent(stream, event_)); }
   /// Milliseconds from `earlier` to this; both must have been passed.
   double millisecondsSince(const Event& earlier) const {
     float ms = 0.0f;

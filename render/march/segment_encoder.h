@@ -7,6 +7,9 @@
 
 namespace warpscope {
 
+/// Of a segment's opacity, what its colours and its opacity may differ by from what they are, for what rounding has left of those in front of it.
+inline constexpr float kMostDiffused = 1.0f / 32;
+
 /// A ray's segments as codes. Colours and opacities are rounded to 8 bits each so that what all up to one show over one another is off by less than a code of
 /// what that one alone contributes: each is given what rounding has left of those in front of it. For host and device.
 class SegmentEncoder {
@@ -23,8 +26,9 @@ class SegmentEncoder {
     through_ *= 1.0f - segment.opacity;
     if (!(sentThrough_ > 0.0f)) return false;
     const float share = 1.0f / sentThrough_;
-    // No further from what it is than half of its opacity: else a segment of hardly any is given all that rounding has left, and a hue of its own.
-    const float most = 0.5f * segment.opacity;
+    // No further from what it is than a share of its opacity: else one that hardly shows, of little opacity or behind much, is given all that rounding has left, and a hue
+    // of its own that shows from beside.
+    const float most = kMostDiffused * segment.opacity;
     glm::vec4 wanted(0.0f);
     for (int channel = 0; channel < 3; ++channel)
       wanted[channel] = within((color_[channel] - sentColor_[channel]) * share, segment.color[channel] - most, segment.color[channel] + most);

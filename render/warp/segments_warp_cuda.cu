@@ -21,7 +21,7 @@ struct Picture {
   SegmentField field;
   PixelGrid pixels;
   Box bounds;
-  uint32_t width = 0, firstRow = 0, endRow = 0;
+  uint32_t width = 0, height = 0;
   float stopBelow = 0.0f;
 };
 
@@ -47,8 +47,8 @@ constexpr int kBlocksThatWalk = 7, kBlocksThatFill = 4;
 /// Nothing is made of what is not known.
 template <bool kIsLinear>
 __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk) walkPixels(const __grid_constant__ Picture picture, DevicePixels out) {
-  const PixelPlace pixel = pixelOfThread(picture.firstRow);
-  if (pixel.x >= picture.width || pixel.y >= picture.endRow) return;
+  const PixelPlace pixel = pixelOfThread(0);
+  if (pixel.x >= picture.width || pixel.y >= picture.height) return;
   const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
   const RayInterval inside = insideOf(picture, ray);
   WalkedRay walked;
@@ -60,8 +60,8 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk) walkPixels
 template <bool kIsLinear>
 __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk)
     walkKnownPixels(const __grid_constant__ Picture picture, DevicePixels out, const __grid_constant__ Interrupted interrupted) {
-  const PixelPlace pixel = pixelOfThread(picture.firstRow);
-  if (pixel.x >= picture.width || pixel.y >= picture.endRow) return;
+  const PixelPlace pixel = pixelOfThread(0);
+  if (pixel.x >= picture.width || pixel.y >= picture.height) return;
   const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
   const RayInterval inside = insideOf(picture, ray);
   InterruptedWalk walk;
@@ -72,8 +72,8 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk)
   interrupted.walks[place] = walk;
 }
 
-/// Of those that were interrupted the rest. The copy's march is not inlined: a ray marches a few pieces, and walks through many cells, for which registers are better
-/// used.
+/// Of those that were interrupted the rest. Rays of a warp walk, and then all that have to march through the copy. That march is not inlined: a ray marches a few pieces,
+/// and walks through many cells, for which registers are better used.
 template <class March>
 __device__ __noinline__ RayLight lightOfPiece(const March& march, const Ray& ray, float tNear, float tFar, float through) {
   return march(ray, tNear, tFar, through);
@@ -94,10 +94,8 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatFill)
   }
 }
 
-/// Parts of a picture, rows one below the other, whose kernels overlap: the few longest of one part's rests leave the device to the others.
-constexpr uint32_t kBands = 4;
-/// Of walkRests(), for a band: as many as run at once on any device, about.
-constexpr unsigned kMostBlocks = 1024;
+/// Of walkRests(): as many as run at once on any device, about.
+constexpr unsigned kMostBlocks = 2048;
 
 class CudaSegmentsWarp final : public DeviceWarp {
  private:
@@ -115,7 +113,7 @@ class CudaSegmentsWarp final : public DeviceWarp {
     picture.bounds = head.quantization.bounds;
     picture.pixels = makePixelGrid(camera, depthRangeOf(camera, picture.bounds).nearDepth);
     picture.width = camera.width;
-    picture.endRow = camera.height;
+    picture.height = camera.height;
     const RenderSettings& marched = head.settings.render;
     picture.stopBelow = marched.terminateEarly ? marched.contribution : 0.0f;
     const bool isLinear = settings.knobs.choice<Between>(kBetweenKnob) == Between::linear;
@@ -128,49 +126,32 @@ class CudaSegmentsWarp final : public DeviceWarp {
   template <bool kIsLinear>
   void walk(const Picture& picture, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels, cudaStream_t stream) {
     const SampleFrame& head = field_.head();
+    const dim3 grid = tileGrid(camera.width, camera.height);
     if (!head.proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) {
-      walkPixels<kIsLinear><<<tileGrid(camera.width, camera.height), kTileBlockThreads, 0, stream>>>(picture, pixels);
+      walkPixels<kIsLinear><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels);
       WARPSCOPE_CUDA_CHECK_LAUNCH();
       return;
     }
     const size_t most = size_t{camera.width} * camera.height;
-    counts_.reserve(kBands);
+    count_.reserve(1);
     interruptedPixels_.reserve(most);
     walks_.reserve(most);
-    WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(counts_.data(), 0, kBands * sizeof(uint32_t), stream));
+    const Interrupted interrupted{count_.data(), interruptedPixels_.data(), walks_.data()};
+    WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(count_.data(), 0, sizeof(uint32_t), stream));
+    walkKnownPixels<kIsLinear><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels, interrupted);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
     fill_.visit(head.proxy, head.settings.render, camera, [&](const auto& onHost, const auto& baked) {
       deviceProxy_.visit(head.proxy, onHost, baked, stream, [&](const auto& march) {
-        begun_.record(stream);
-        const uint32_t rows = kTileHeight * cuda::blocksFor(camera.height, kTileHeight * kBands);
-        Picture band = picture;
-        for (uint32_t i = 0; i < kBands && band.firstRow < camera.height; ++i, band.firstRow = band.endRow) {
-          band.endRow = std::min(band.firstRow + rows, camera.height);
-          const size_t first = size_t{band.firstRow} * camera.width, count = size_t{band.endRow - band.firstRow} * camera.width;
-          const Interrupted interrupted{counts_.data() + i, interruptedPixels_.data() + first, walks_.data() + first};
-          cuda::Stream& own = bands_[i].stream;
-          begun_.awaitIn(own);
-          walkKnownPixels<kIsLinear><<<tileGrid(camera.width, band.endRow - band.firstRow), kTileBlockThreads, 0, own>>>(band, pixels, interrupted);
-          WARPSCOPE_CUDA_CHECK_LAUNCH();
-          walkRests<kIsLinear><<<std::min(cuda::blocksFor(count, kTileBlockThreads), kMostBlocks), kTileBlockThreads, 0, own>>>(band, march, pixels, interrupted);
-          WARPSCOPE_CUDA_CHECK_LAUNCH();
-          bands_[i].ended.record(own);
-          bands_[i].ended.awaitIn(stream);
-        }
+        walkRests<kIsLinear><<<std::min(cuda::blocksFor(most, kTileBlockThreads), kMostBlocks), kTileBlockThreads, 0, stream>>>(picture, march, pixels, interrupted);
+        WARPSCOPE_CUDA_CHECK_LAUNCH();
       });
     });
   }
 
-  struct Band {
-    cuda::Stream stream;
-    cuda::Event ended;
-  };
-
   DeviceSegmentField field_;
   ProxyFill fill_;
   DeviceProxy deviceProxy_;
-  cuda::Event begun_;
-  Band bands_[kBands];
-  cuda::DeviceBuffer<uint32_t> counts_, interruptedPixels_;
+  cuda::DeviceBuffer<uint32_t> count_, interruptedPixels_;
   cuda::DeviceBuffer<InterruptedWalk> walks_;
 };
 
