@@ -28,7 +28,8 @@ struct BenchOptions {
   bool measuresEffects = false;
 };
 
-Json toJson(const MeasuredMarch& march, const MeasuredCoding& coding) {
+Json toJson(const FrameBenchmark& frame) {
+  const auto& [march, coding] = frame;
   return {{"marchMs", march.march.medianMs},
           {"marchSpreadMs", march.march.spreadMs},
           {"compactMs", march.compact.medianMs},
@@ -54,7 +55,7 @@ Json toJson(const TechniqueBenchmark& technique, const Scene& scene) {
             {"uploadMs", technique.first.build.upload.medianMs},
             {"firstPictureMs", technique.first.firstPicture.medianMs},
             {"views", views}};
-  if (technique.frame) json.update(toJson(technique.frame->march, technique.frame->coding));
+  if (technique.frame) json.update(toJson(*technique.frame));
   return json;
 }
 
@@ -64,10 +65,10 @@ Json toJson(const BackendBenchmark& result, const Scene& scene) {
   Json json{{"device", deviceText(result.backend)},
             {"backend", nameOf(result.backend)},
             {"samples", result.samples()},
-            {"serverMs", result.serverMs()},
+            {"serverMs", result.frame.serverMs()},
             {"rawBytes", result.rawBytes},
             {"techniques", techniques}};
-  json.update(toJson(result.march, result.coding));
+  json.update(toJson(result.frame));
   // What Table 1 holds, for the paper's method.
   for (const TechniqueBenchmark& technique : result.techniques)
     if (technique.technique->name == "spheres") {
@@ -81,10 +82,10 @@ Json toJson(const BackendBenchmark& result, const Scene& scene) {
 void printResult(const BackendBenchmark& result, const Scene& scene) {
   std::fprintf(stderr, "\n%s (%s), %zu samples\n", std::string(nameOf(result.backend)).c_str(), deviceText(result.backend).c_str(),
                result.samples());
-  std::fprintf(stderr, "  march %.3f ms, compaction %.3f ms, copy %.3f ms; camera to samples %.3f ms\n", result.march.march.medianMs,
-               result.march.compact.medianMs, result.march.copy.medianMs, result.march.samples.medianMs);
+  std::fprintf(stderr, "  march %.3f ms, compaction %.3f ms, copy %.3f ms; camera to samples %.3f ms\n", result.frame.march.march.medianMs,
+               result.frame.march.compact.medianMs, result.frame.march.copy.medianMs, result.frame.march.samples.medianMs);
   std::fprintf(stderr, "  encoding on the CPU %.1f ms, decoding %.1f ms; %.2f MB on the wire, %.2f MB as samples of 12 bytes\n",
-               result.coding.encode.medianMs, result.coding.decode.medianMs, static_cast<double>(result.coding.bytes.ofFrame()) * 1e-6,
+               result.frame.coding.encode.medianMs, result.frame.coding.decode.medianMs, static_cast<double>(result.frame.coding.bytes.ofFrame()) * 1e-6,
                static_cast<double>(result.rawBytes) * 1e-6);
   std::fprintf(stderr, "  %-10s %9s %9s %9s   pictures a second in each view\n", "", "upload ms", "build ms", "first ms");
   for (const TechniqueBenchmark& technique : result.techniques) {

@@ -86,22 +86,23 @@ std::vector<BackendBenchmark> runBenchmark(const Scene& scene, const BenchmarkSe
     const WarpResources resources = resourcesOf(backend);
     onStep(std::string(nameOf(backend)) + ", the server's frame");
     BackendBenchmark& result = results.emplace_back();
-    result.march = measureMarch(measuring, *resources.marcher, cameras.front(), neededBy({}, settings.march));
-    result.backend = resources.marcher->backend();
-    const SampleFramePtr& frame = result.march.frame;
-    result.rawBytes = frame->sizeBytes();
     FrameCodec codec;
-    result.coding = measureCoding(measuring, codec, frame, {});
+    const auto measureFrame = [&](const MarchSettings& march) {
+      FrameBenchmark frame{measureMarch(measuring, *resources.marcher, cameras.front(), march), {}};
+      frame.coding = measureCoding(measuring, codec, frame.march.frame, {});
+      return frame;
+    };
+    result.frame = measureFrame(neededBy({}, settings.march));
+    result.backend = resources.marcher->backend();
+    const SampleFramePtr& frame = result.frame.march.frame;
+    result.rawBytes = frame->sizeBytes();
     run.setReference(*resources.marcher);
     for (const WarpDescriptor* technique : settings.techniques) {
       onStep(std::string(nameOf(backend)) + ", " + std::string(technique->name));
       if (backend == Backend::cuda && !technique->runsOnCuda) continue;
       const MarchSettings needed = neededBy(std::array{TechniqueInUse{technique, settings.warp.knobs}}, settings.march);
       std::optional<FrameBenchmark> own;
-      if (!(needed == frame->settings)) {
-        own.emplace().march = measureMarch(measuring, *resources.marcher, cameras.front(), needed);
-        own->coding = measureCoding(measuring, codec, own->march.frame, {});
-      }
+      if (!(needed == frame->settings)) own = measureFrame(needed);
       result.techniques.push_back(run.measure(*technique, resources, own ? own->march.frame : frame));
       result.techniques.back().frame = std::move(own);
     }

@@ -24,6 +24,8 @@ struct BenchmarkView {
 struct FrameBenchmark {
   MeasuredMarch march;
   MeasuredCoding coding;  ///< packed, colours as JPEG
+
+  double serverMs() const { return march.march.medianMs + march.compact.medianMs + march.copy.medianMs + coding.encode.medianMs; }
 };
 
 struct TechniqueBenchmark {
@@ -35,13 +37,11 @@ struct TechniqueBenchmark {
 
 struct BackendBenchmark {
   Backend backend = Backend::cpu;
-  MeasuredMarch march;
-  MeasuredCoding coding;  ///< packed, colours as JPEG
-  size_t rawBytes = 0;    ///< of the samples, 12 each
+  FrameBenchmark frame;  ///< of samples alone
+  size_t rawBytes = 0;   ///< of the samples, 12 each
   std::vector<TechniqueBenchmark> techniques;
 
-  size_t samples() const { return march.frame->size(); }
-  double serverMs() const { return march.march.medianMs + march.compact.medianMs + march.copy.medianMs + coding.encode.medianMs; }
+  size_t samples() const { return frame.march.frame->size(); }
 };
 
 struct BenchmarkSettings {

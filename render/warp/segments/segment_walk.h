@@ -7,7 +7,6 @@
 #pragma once
 
 #include <bit>
-#include <type_traits>
 
 #include "render/core/box.h"
 #include "render/core/opacity.h"
@@ -392,11 +391,10 @@ WARPSCOPE_HD inline WalkedRay walkRest(const SegmentField& field, const Ray& ray
     if (line.t0 > tNear) fill(walked, tNear, line.t0);
     place = beginOfWalk<kIsLinear>(field, line);
   }
-  for (bool isDone = walked.through < stopBelow; !isDone;) {
+  for (bool isDone = false; !isDone && !(walked.through < stopBelow);) {
     UnknownPiece piece;
     isDone = walkOn<kIsLinear, AtUnknown::stopBehind>(field, line, stopBelow, place, walked, piece);
     if (piece.isAny()) fill(walked, line.tAt(piece.begin), line.tAt(piece.end));
-    if (walked.through < stopBelow) isDone = true;
   }
   if (line.t1 < tFar && !(walked.through < stopBelow)) fill(walked, line.t1, tFar);
   return walked;
