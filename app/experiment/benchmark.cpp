@@ -52,7 +52,7 @@ class TechniqueRun {
       truth->draw(cameras_[view], cpuSettings, expected, stop_);
       warp.draw(cameras_[view], settings_.warp, image_, stop_);
       size_t different = 0;
-      for (size_t i = 0; i < image_.samples.size(); ++i) different += image_.samples[i] != expected.samples[i];
+      for (size_t i = 0; i < image_.samples.size(); ++i) different += image_.samples[i] != expected.samples[i] || image_.color[i] != expected.color[i];
       if (different > 0)
         throw InputError(name + ": its picture of view " + std::to_string(view) + " differs from the CPU's in " + std::to_string(different) +
                          " pixels; nothing was timed");

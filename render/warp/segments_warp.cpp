@@ -60,30 +60,33 @@ class SegmentsWarp final : public Warp {
  private:
   template <bool kIsLinear>
   void drawRays(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) {
-    if (!frame_->proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) return drawRays<kIsLinear>(camera, image, stop, [](WalkedRay&, const Ray&, float, float) {});
+    if (!frame_->proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) {
+      return walkRays(camera, image, stop, [](const SegmentField& field, const Ray& ray, const RayInterval& inside, float stopBelow) {
+        return walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, stopBelow);
+      });
+    }
     fill_.visit(frame_->proxy, frame_->settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
-      drawRays<kIsLinear>(camera, image, stop, [&](WalkedRay& walked, const Ray& ray, float tNear, float tFar) {
-        const RayLight light = march(ray, tNear, tFar, walked.through);
-        walked.guess(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance));
+      walkRays(camera, image, stop, [&](const SegmentField& field, const Ray& ray, const RayInterval& inside, float stopBelow) {
+        return walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, stopBelow,
+                                       [&](WalkedRay& walked, float tNear, float tFar) { walked.guess(march(ray, tNear, tFar, walked.through)); });
       });
     });
   }
 
-  template <bool kIsLinear, class Fill>
-  void drawRays(const Camera& camera, WarpedImage& image, const std::stop_token& stop, const Fill& fill) const {
+  /// `walk`: of a ray's part inside the bounds.
+  template <class Walk>
+  void walkRays(const Camera& camera, WarpedImage& image, const std::stop_token& stop, const Walk& walk) const {
     const SegmentField field = built_.field();
     const Box& bounds = frame_->quantization.bounds;
     const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, bounds).nearDepth);
-    const RenderSettings& marched = frame_->settings.render;
-    const float stopBelow = marched.terminateEarly ? marched.contribution : 0.0f;
+    const float stopBelow = limitsOf(frame_->settings.render).stopBelow;
     parallelForTiles(camera.width, camera.height, kTileSide, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
       for (uint32_t y = y0; y < y1; ++y)
         for (uint32_t x = x0; x < x1; ++x) {
           const Ray ray = pixels.ray(x, y).ray;
           const WalkedRay walked = exceptionsExpected([&] {
-            const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), bounds, 0.0f, std::numeric_limits<float>::infinity());
-            if (inside.isMiss()) return WalkedRay{};
-            return walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, stopBelow, [&](WalkedRay& ofRay, float tNear, float tFar) { fill(ofRay, ray, tNear, tFar); });
+            const RayInterval inside = partInside(bounds, ray);
+            return inside.isMiss() ? WalkedRay{} : walk(field, ray, inside, stopBelow);
           });
           image.color(x, y) = walked.seen();
           image.samples(x, y) = walked.id();

@@ -32,10 +32,6 @@ struct Interrupted {
   InterruptedWalk* walks;
 };
 
-__device__ inline RayInterval insideOf(const Picture& picture, const Ray& ray) {
-  return intersectBox(reciprocalOf(ray.origin, ray.direction), picture.bounds, 0.0f, std::numeric_limits<float>::infinity());
-}
-
 __device__ inline void store(const DevicePixels& out, size_t i, const WalkedRay& walked) {
   out.color[i] = walked.seen();
   out.samples[i] = walked.id();
@@ -50,7 +46,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk) walkPixels
   const PixelPlace pixel = pixelOfThread(0);
   if (pixel.x >= picture.width || pixel.y >= picture.height) return;
   const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
-  const RayInterval inside = insideOf(picture, ray);
+  const RayInterval inside = partInside(picture.bounds, ray);
   WalkedRay walked;
   if (!inside.isMiss()) walked = walkSegments<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow);
   store(out, size_t{pixel.y} * picture.width + pixel.x, walked);
@@ -63,7 +59,7 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk)
   const PixelPlace pixel = pixelOfThread(0);
   if (pixel.x >= picture.width || pixel.y >= picture.height) return;
   const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
-  const RayInterval inside = insideOf(picture, ray);
+  const RayInterval inside = partInside(picture.bounds, ray);
   InterruptedWalk walk;
   const uint32_t i = pixel.y * picture.width + pixel.x;
   if (inside.isMiss() || walkKnown<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, walk)) return store(out, i, walk.walked);
@@ -85,11 +81,10 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatFill)
   for (uint32_t place = blockIdx.x * kTileBlockThreads + threadIdx.x; place < count; place += gridDim.x * kTileBlockThreads) {
     const uint32_t i = interrupted.pixels[place];
     const Ray ray = picture.pixels.ray(i % picture.width, i / picture.width).ray;
-    const RayInterval inside = insideOf(picture, ray);
+    const RayInterval inside = partInside(picture.bounds, ray);
     store(out, i,
           walkRest<kIsLinear>(picture.field, ray, inside.tNear, inside.tFar, picture.stopBelow, interrupted.walks[place], [&](WalkedRay& walked, float tNear, float tFar) {
-            const RayLight light = lightOfPiece(march, ray, tNear, tFar, walked.through);
-            walked.guess(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance));
+            walked.guess(lightOfPiece(march, ray, tNear, tFar, walked.through));
           }));
   }
 }
@@ -114,8 +109,7 @@ class CudaSegmentsWarp final : public DeviceWarp {
     picture.pixels = makePixelGrid(camera, depthRangeOf(camera, picture.bounds).nearDepth);
     picture.width = camera.width;
     picture.height = camera.height;
-    const RenderSettings& marched = head.settings.render;
-    picture.stopBelow = marched.terminateEarly ? marched.contribution : 0.0f;
+    picture.stopBelow = limitsOf(head.settings.render).stopBelow;
     const bool isLinear = settings.knobs.choice<Between>(kBetweenKnob) == Between::linear;
     if (isLinear)
       walk<true>(picture, camera, settings, pixels, stream);

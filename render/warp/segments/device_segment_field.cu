@@ -30,7 +30,8 @@ __global__ void __launch_bounds__(kThreads) markEnds(const RaySegmentCount* rays
 /// A thread a pixel of the frame, as all below it.
 __global__ void __launch_bounds__(kTileBlockThreads)
     fillField(const __grid_constant__ PixelGrid pixels, uint32_t width, uint32_t height, const uint32_t* first, const SegmentDepths* depths, const Rgba8* codes,
-              const ColorTables* tables, const OpticalDepths* opticalDepths, const __grid_constant__ FieldDepths fieldDepths, float colorScale, FieldSegment* segments, glm::vec3* colors, FieldTile* ofPixels) {
+              const ColorTables* tables, const OpticalDepths* opticalDepths, const __grid_constant__ FieldDepths fieldDepths, float colorScale, FieldSegment* segments,
+              FieldColor* colors, FieldTile* ofPixels) {
   const PixelPlace pixel = pixelOfThread(0);
   if (pixel.x >= width || pixel.y >= height) return;
   const size_t at = size_t{pixel.y} * width + pixel.x;
@@ -39,7 +40,7 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   FieldSegmentsOfPixel ofPixel(fieldDepths, *opticalDepths, cosine);
   for (uint32_t i = begin; i < end; ++i) {
     segments[i] = ofPixel.next(depths[i], codes[i]);
-    colors[i] = straightSegmentColor(*tables, codes[i], colorScale);
+    colors[i].linear = straightSegmentColor(*tables, codes[i], colorScale);
   }
   ofPixels[at] = tileOf(segments + begin, end - begin, (next & SegmentField::kEndedBit) != 0);
 }
@@ -52,15 +53,15 @@ __global__ void __launch_bounds__(kThreads) fillTiles(const FieldTile* parts, in
 /// `to`: colours without the light (kUnlights), or in it.
 template <bool kUnlights>
 __global__ void __launch_bounds__(kTileBlockThreads)
-    lightPixels(const __grid_constant__ SegmentField field, const glm::vec3* from, const NormalCode* normals, const __grid_constant__ ShadingSetup lights,
-                glm::vec3 eye, glm::vec3* to) {
+    lightPixels(const __grid_constant__ SegmentField field, const FieldColor* from, const NormalCode* normals, const __grid_constant__ ShadingSetup lights,
+                glm::vec3 eye, FieldColor* to) {
   const PixelPlace pixel = pixelOfThread(0);
   if (pixel.x >= static_cast<uint32_t>(field.width) || pixel.y >= static_cast<uint32_t>(field.height)) return;
   const size_t at = size_t{pixel.y} * static_cast<size_t>(field.width) + pixel.x;
   for (uint32_t i = field.first[at] & ~SegmentField::kEndedBit; i < (field.first[at + 1] & ~SegmentField::kEndedBit); ++i) {
     if (normals[i] == 0) continue;
     const LightFactors<float> factors = lightOf(field.segments[i], normals[i], field.pixels, pixel.x, pixel.y, lights, eye);
-    to[i] = kUnlights ? unlit(factors, from[i]) : relitColor(factors, from[i]);
+    to[i].linear = kUnlights ? unlit(factors, from[i].linear) : relitColor(factors, from[i].linear);
   }
 }
 
@@ -70,6 +71,7 @@ SampleFrame headOf(const SampleFrame& frame) {
   head.camera = frame.camera;
   head.quantization = frame.quantization;
   head.settings = frame.settings;
+  head.geometry = frame.geometry;
   head.proxy = frame.proxy;
   return head;
 }
@@ -98,7 +100,7 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
   // At least one place, so that there is memory to point to.
   segments_.reserve(segments.size() + 1);
   colors_.reserve(segments.size() + 1);
-  if (segments.size() == 0) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(colors_.data(), 0, sizeof(glm::vec3), stream));  // walks look at one, whether there are any or not
+  if (segments.size() == 0) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(colors_.data(), 0, sizeof(FieldColor), stream));  // walks look at one, whether there are any or not
   if (hasNormals_) unlit_.reserve(segments.size() + 1);
   ofPixels_.reserve(segments.rays.size());
   for (int level = 0; level < kFieldLevels; ++level)

@@ -40,7 +40,7 @@ class DeviceSegmentField {
   cuda::DeviceBuffer<NormalCode> normals_;
   cuda::DeviceBuffer<uint32_t> first_;
   cuda::DeviceBuffer<FieldSegment> segments_;
-  cuda::DeviceBuffer<glm::vec3> colors_, unlit_;
+  cuda::DeviceBuffer<FieldColor> colors_, unlit_;
   cuda::DeviceBuffer<FieldTile> ofPixels_, tiles_[kFieldLevels];
   cuda::Scratch scratch_;
 };

@@ -32,6 +32,11 @@ struct alignas(16) FieldSegment {
   float place = 0.0f;              ///< where it is lit: forward depth behind the near plane
 };
 
+/// Its colour. One load on a device.
+struct alignas(16) FieldColor {
+  glm::vec3 linear{0.0f};  ///< of what is opaque: emission is this times the extinction
+};
+
 /// What lies in a square of pixels, so that it can be leapt over. Picture depths.
 struct alignas(16) FieldTile {
   float nearestBegin = std::numeric_limits<float>::infinity();
@@ -62,7 +67,7 @@ struct SegmentField {
   int width = 0, height = 0;
   const uint32_t* first = nullptr;         ///< for each pixel and one more, where its segments begin; kEndedBit is set where the ray before it ended
   const FieldSegment* segments = nullptr;
-  const glm::vec3* colors = nullptr;  ///< of the segments: linear, of what is opaque: emission is this times the extinction
+  const FieldColor* colors = nullptr;     ///< of the segments
   const FieldTile* tiles[kFieldLevels] = {};
   int tileColumns[kFieldLevels] = {};
 

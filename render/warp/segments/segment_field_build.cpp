@@ -16,7 +16,7 @@ constexpr size_t kRowsAtOnce = 16;
 
 ShadingSetup segmentLightsFor(const SampleFrame& frame, const Camera& camera) {
   const Effects& effects = frame.settings.render.effects;
-  return prepareLights(effects.shading, effects.lights, frame.proxy ? frame.proxy->volume->geometry() : VolumeGeometry{}, camera);
+  return prepareLights(effects.shading, effects.lights, frame.geometry, camera);
 }
 
 /// Calls f(its number, column, row) for all that have a normal, in parallel.
@@ -37,7 +37,7 @@ void BuiltSegmentField::relight(const SampleFrame& frame, const Camera& camera) 
   if (unlit_.empty()) return;
   const ShadingSetup lights = segmentLightsFor(frame, camera);
   forEachLit(frame, [&](size_t i, uint32_t x, uint32_t y) {
-    colors_[i] = relitColor(lightOf(segments_[i], frame.segments.normals[i], pixels_, x, y, lights, camera.eye), unlit_[i]);
+    colors_[i].linear = relitColor(lightOf(segments_[i], frame.segments.normals[i], pixels_, x, y, lights, camera.eye), unlit_[i]);
   });
 }
 
@@ -75,7 +75,7 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
         FieldSegmentsOfPixel ofPixel(depths, kDepths, cosine);
         for (uint32_t i = begin; i < end; ++i) {
           segments_[i] = ofPixel.next(segments.depths[i], segments.colors[i]);
-          colors_[i] = straightSegmentColor(tables, segments.colors[i], scale);
+          colors_[i].linear = straightSegmentColor(tables, segments.colors[i], scale);
         }
         ofPixels_[pixel] = tileOf(segments_.data() + begin, end - begin, (first_[pixel + 1] & SegmentField::kEndedBit) != 0);
       }
@@ -84,7 +84,7 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
     unlit_.resize(segments.size());
     const ShadingSetup lights = segmentLightsFor(frame, frame.camera);
     forEachLit(frame, [&](size_t i, uint32_t x, uint32_t y) {
-      unlit_[i] = warpscope::unlit(lightOf(segments_[i], segments.normals[i], pixels_, x, y, lights, frame.camera.eye), colors_[i]);
+      unlit_[i] = warpscope::unlit(lightOf(segments_[i], segments.normals[i], pixels_, x, y, lights, frame.camera.eye), colors_[i].linear);
     });
   }
   for (int level = 0; level < kFieldLevels; ++level) {

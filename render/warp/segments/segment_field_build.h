@@ -10,8 +10,7 @@
 
 namespace warpscope {
 
-/// The lights of the frame's scene as a camera has them. Those of the world are where the copy of the volume says; without it the volume's axes are the
-/// world's.
+/// The lights of the frame's scene as a camera has them.
 ShadingSetup segmentLightsFor(const SampleFrame& frame, const Camera& camera);
 
 class BuiltSegmentField {
@@ -32,7 +31,7 @@ class BuiltSegmentField {
   int width_ = 0, height_ = 0;
   std::vector<uint32_t> first_;
   std::vector<FieldSegment> segments_;
-  std::vector<glm::vec3> colors_;
+  std::vector<FieldColor> colors_;
   std::vector<glm::vec3> unlit_;  // colours without light; empty where light does not depend on the eye
   std::vector<FieldTile> ofPixels_;
   std::vector<FieldTile> tiles_[kFieldLevels];

@@ -11,6 +11,7 @@
 #include "render/core/box.h"
 #include "render/core/opacity.h"
 #include "render/core/ray.h"
+#include "render/march/ray_state.h"
 #include "render/warp/warp.h"
 #include "render/warp/segments/segment_field.h"
 
@@ -32,11 +33,18 @@ struct WalkedRay {
     pass(itsColor, itsOpacity);
   }
 
+  WARPSCOPE_HD void guess(const RayLight& light) { guess(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance)); }
+
   WARPSCOPE_HD glm::vec4 seen() const { return {color, 1.0f - through}; }
   /// What its pixel is: a guess where that can be seen.
   WARPSCOPE_HD uint32_t id() const { return !(through < 1.0f) ? kNoSample : guessed >= kSeenGuess ? kFilled : kNotASample; }
   static constexpr float kSeenGuess = 1.0f / 32;
 };
+
+/// The part of a ray inside of what segments are of.
+WARPSCOPE_HD inline RayInterval partInside(const Box& bounds, const Ray& ray) {
+  return intersectBox(reciprocalOf(ray.origin, ray.direction), bounds, 0.0f, std::numeric_limits<float>::infinity());
+}
 
 /// The part of a ray that is in the old frustum, as a line in the old picture: places are told by `s`, which goes straight along that line and is 0 where the line
 /// is farthest from the old eye, so that single precision tells places apart there, where most of space is.
@@ -59,13 +67,14 @@ struct FieldLine {
 };
 
 /// The part of [tNear, tFar] of a ray in front of which the frame's camera was. `shift`: 0.5 for cells between centres, 0 for those about them.
-WARPSCOPE_HD inline FieldLine makeFieldLine(const SegmentField& field, const Ray& ray, float tNear, float tFar, float shift) {
+[[gnu::flatten]] WARPSCOPE_HD inline FieldLine makeFieldLine(const SegmentField& field, const Ray& ray, float tNear, float tFar, float shift) {
   const PixelGrid& grid = field.pixels;
   const glm::vec3 offset = ray.origin - grid.anchor;
   const glm::vec3 o(glm::dot(offset, grid.right), glm::dot(offset, grid.up), glm::dot(offset, grid.forward));
   const glm::vec3 d(glm::dot(ray.direction, grid.right), glm::dot(ray.direction, grid.up), glm::dot(ray.direction, grid.forward));
-  // In front of the near plane there is nothing to be seen, and behind an eye that is inside the volume nothing was.
-  const float leastDepth = grid.nearDepth > 0.0f ? -grid.nearDepth * 0.5f : 1e-4f;
+  // In front of the near plane there is nothing to be seen, and behind an eye that is inside the volume nothing was. Not so near to the eye that rounding of where the
+  // ray begins could put it behind.
+  const float leastFromEye = maxOf(grid.nearDepth > 0.0f ? grid.nearDepth * 0.5f : 1e-4f, absOf(o.z) * 0x1p-20f), leastDepth = leastFromEye - grid.nearDepth;
   FieldLine line;
   line.t0 = tNear;
   line.t1 = tFar;
@@ -195,7 +204,7 @@ enum class AtUnknown { stop, stopBehind, goOn };
 /// walk from `place` gives the same bits as one that goes on: rays of a device leave their walks to fill such pieces, all together, rather than each in the midst of its own.
 /// `kIsLinear`: between the centres of pixels what they have is blended, of those that know; else each pixel's is the same all over its frustum.
 template <bool kIsLinear, AtUnknown kAtUnknown>
-WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, WalkedRay& walked, UnknownPiece& piece) {
+[[gnu::flatten]] WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, WalkedRay& walked, UnknownPiece& piece) {
   constexpr float kNowhere = 2.0f;
   float unknownFrom = kNowhere;  // s; kNowhere: what came last was known
 
@@ -323,7 +332,7 @@ WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line
         known += weights[i] * states[i].known;
         const float own = weights[i] * states[i].extinction;
         extinction += own;
-        emission += own * field.colors[states[i].active];
+        emission += own * field.colors[states[i].active].linear;
       }
       if (known < kLeastKnown) {
         if (beginsUnknown()) return false;
