@@ -132,6 +132,12 @@ TEST(CpuMarcher, RefusesUnusableCamerasAndSettings) {
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(), "a picture of 8192x8192 pixels may have at most 4 samples a ray, not 8");
   }
+  try {
+    marcher->march(large, {.render = {}, .sample = {.segments = 5}});
+    FAIL() << "more than a frame may have";
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "a picture of 8192x8192 pixels may have at most 4 segments a ray, not 5");
+  }
 }
 
 }  // namespace

@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <map>
 #include <semaphore>
 #include <thread>
+#include <utility>
 
 #include "app/frames/backend.h"
 #include "app/frames/frame_server.h"
@@ -57,6 +60,15 @@ class HostingTest : public ::testing::Test {
   }
 
   const std::shared_ptr<net::IoThread> io_ = std::make_shared<net::IoThread>();
+  /// A frame knows where its volume is, as the scene has it.
+  void expectSamePlace(const VolumeGeometry& geometry) const {
+    const VolumeGeometry& own = scene_.volume->geometry();
+    EXPECT_EQ(geometry.dims, own.dims);
+    EXPECT_EQ(geometry.spacing, own.spacing);
+    EXPECT_EQ(geometry.origin, own.origin);
+    EXPECT_EQ(geometry.direction, own.direction);
+  }
+
   Scene scene_;
   MarcherPtr marcher_;
   std::unique_ptr<FrameServer> server_;
@@ -78,6 +90,7 @@ TEST_F(HostingTest, TheServersSceneMakesTheSameCameras) {
 TEST_F(HostingTest, FramesAreTheMarchersBitForBit) {
   const ConnectedScene loaded = connect();
   uint64_t id = 0;
+  ProxyPtr copy;
   for (const auto& heuristic : kHeuristics) {
     MarchSettings settings = scene_.march;
     settings.sample.heuristic = heuristic.value;
@@ -96,10 +109,44 @@ TEST_F(HostingTest, FramesAreTheMarchersBitForBit) {
     EXPECT_LT(served->bytes.ofFrame(), truth.sizeBytes());
     EXPECT_EQ(served->bytes.proxy, id == 1 ? proxyBytesOf(*truth.proxy) : 0u) << "it came with the first";
     ASSERT_TRUE(served->frame->proxy);
+    EXPECT_EQ(std::exchange(copy, served->frame->proxy), id == 1 ? nullptr : copy) << "one object";
+    expectSamePlace(served->frame->geometry);
     EXPECT_GT(served->latency.marchMs, 0.0);
     EXPECT_GT(served->latency.encodeMs, 0.0);
     EXPECT_GT(served->latency.decodeMs, 0.0);
   }
+}
+
+/// Frames that are under way when another size of copy is asked for are not left without one.
+TEST_F(HostingTest, EveryFrameHasTheCopyThatItWasAskedWith) {
+  const ConnectedScene loaded = connect();
+  TransportSettings transport;
+  transport.depth = 3;
+  loaded.source->setTransport(transport);
+  MarchSettings settings = scene_.march;
+  uint64_t id = 0;
+  std::map<uint64_t, int> asked;
+  const auto post = [&](int longest) {
+    settings.sample.proxy = asked[++id] = longest;
+    loaded.source->post({id, camera(), settings}, std::chrono::steady_clock::now());
+  };
+  const auto takeUpTo = [&](uint64_t last) {
+    for (uint64_t taken = 0; taken < last;) {
+      const std::optional<ServedFrame> served = next(*loaded.source);
+      ASSERT_TRUE(served && served->frame) << (served ? served->error : "nothing came");
+      taken = served->requestId;
+      ASSERT_TRUE(served->frame->proxy) << taken;
+      EXPECT_EQ(served->frame->settings.sample.proxy, asked[taken]);
+      const glm::uvec3& dims = served->frame->proxy->volume->dims();
+      EXPECT_EQ(static_cast<int>(std::max({dims.x, dims.y, dims.z})), asked[taken]);
+    }
+  };
+  post(12);
+  takeUpTo(1);
+  post(12), post(12), post(6);
+  takeUpTo(4);
+  post(6);
+  takeUpTo(5);
 }
 
 TEST_F(HostingTest, SeveralSamplesARayComeAsTheMarcherFoundThem) {
@@ -129,6 +176,7 @@ TEST_F(HostingTest, GroundTruthIsTheMarchersBitForBit) {
   EXPECT_TRUE(here == there);
   const SampleFrame frame = loaded.display->march(camera(), scene_.march);
   EXPECT_TRUE(frame.samples == marcher_->march(camera(), scene_.march).samples);
+  expectSamePlace(frame.geometry);
   EXPECT_THROW(loaded.display->twin()->render(Camera{}, scene_.march.render, there), InputError);
 }
 

@@ -2,6 +2,7 @@
 // See remote_frame_source.h.
 #include "app/frames/remote_frame_source.h"
 
+#include <map>
 #include <mutex>
 #include <stop_token>
 
@@ -58,8 +59,8 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     {
       const std::scoped_lock lock(mutex_);
       MarchSettings settings = request.settings;
-      wantedLongest_ = settings.sample.proxy;
-      if (proxy_ && proxyLongest_ == wantedLongest_) settings.sample.proxy = 0;  // it is here already
+      wantedLongest_[request.id] = settings.sample.proxy;
+      if (proxy_ && proxyLongest_ == settings.sample.proxy) settings.sample.proxy = 0;  // it is here already
       asked.settings = toFields(settings, transport_.server);
       asked.codec = toFields(transport_.codec);
     }
@@ -134,21 +135,35 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     status_.roundTripMs = std::chrono::duration<double, std::milli>(roundTrip).count();
   }
 
-  /// The copy of the volume comes once, and goes with every frame from then on.
-  void keepProxy(SampleFrame& frame) {
+  /// The copy of the volume comes once, and goes with every frame that was to have it from then on: the same object, also where more than one came because
+  /// several were asked for before the first was here.
+  void keepProxy(uint64_t requestId, SampleFrame& frame) {
     const std::scoped_lock lock(mutex_);
-    if (frame.proxy) {
+    const auto asked = wantedLongest_.find(requestId);
+    const int wanted = asked != wantedLongest_.end() ? asked->second : 0;
+    if (frame.proxy && !(proxy_ && proxyLongest_ == frame.settings.sample.proxy)) {
       proxy_ = frame.proxy;
       proxyLongest_ = frame.settings.sample.proxy;
-    } else if (proxy_ && proxyLongest_ == wantedLongest_) {
-      frame.proxy = proxy_;
-      frame.settings.sample.proxy = proxyLongest_;
     }
+    const bool isHere = proxy_ && proxyLongest_ == (frame.proxy ? frame.settings.sample.proxy : wanted);
+    if (!isHere) return;
+    frame.proxy = proxy_;
+    frame.settings.sample.proxy = proxyLongest_;
+  }
+  /// No answer to this request or to one before is awaited any more.
+  void forgetRequestsUpTo(uint64_t id) {
+    const std::scoped_lock lock(mutex_);
+    wantedLongest_.erase(wantedLongest_.begin(), wantedLongest_.upper_bound(id));
   }
 
   void noteAnswer() {
     const std::scoped_lock lock(mutex_);
     status_.busyWith.reset();
+  }
+  /// Of the scene that frames are of.
+  VolumeGeometry geometry() const {
+    const std::scoped_lock lock(mutex_);
+    return scene_ ? geometryFrom(*scene_) : VolumeGeometry{};
   }
   bool isOtherScene() const {
     const std::scoped_lock lock(mutex_);
@@ -160,6 +175,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
       served.requestId = arrived.failure.id;
       served.arrivedAt = clock_.now();
       served.error = arrived.failure.sentence;
+      forgetRequestsUpTo(served.requestId);
       return;
     }
     const net::FrameHead& head = arrived.frame->head;
@@ -168,7 +184,9 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     auto frame = std::make_shared<SampleFrame>();
     const double decodeMs = milliseconds([&] { *frame = decodedFrom(head, arrived.frame->payload, codec); });
     served.bytes = codec.bytes();
-    keepProxy(*frame);
+    keepProxy(head.id, *frame);
+    forgetRequestsUpTo(head.id);
+    frame->geometry = geometry();
     FrameLatency& latency = served.latency;
     latency = latencyOf(frame->timings);
     latency.decodeMs = decodeMs;
@@ -191,7 +209,8 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
   std::optional<net::SceneFields> scene_;
   bool isOtherScene_ = false;
   ProxyPtr proxy_;  // that came last; null: none
-  int proxyLongest_ = 0, wantedLongest_ = 0;
+  int proxyLongest_ = 0;
+  std::map<uint64_t, int> wantedLongest_;  // by request
   std::stop_source decided_;  // asked to stop once there is a scene, or will be none, or nobody waits for it
   NewestWorker<Arrived, ServedFrame> decoder_;
   net::Client client_;  // last: it tells all of the above

@@ -28,7 +28,10 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(callMutex_);
     const net::Frame answer = ask(net::Wanted::samples, camera, settings, stop);
-    return decodedFrom(answer.head, answer.payload, codec_);
+    SampleFrame frame = decodedFrom(answer.head, answer.payload, codec_);
+    const std::scoped_lock sceneLock(mutex_);
+    if (scene_) frame.geometry = geometryFrom(*scene_);
+    return frame;
   }
 
   void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
@@ -106,7 +109,10 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
       if (state.phase == net::ConnectionPhase::refused) refusal_ = state.sentence;
     });
   }
-  void onScene(const net::SceneFields&) override {}
+  void onScene(const net::SceneFields& scene) override {
+    const std::scoped_lock lock(mutex_);
+    scene_ = scene;
+  }
   std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) override {
     return warpscope::faultOf(head, payloadBytes);
   }
@@ -135,6 +141,7 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   std::stop_source changed_;  // asked to stop when any of the below has changed
   std::optional<net::Frame> answer_;
   std::optional<net::Failure> failure_;
+  std::optional<net::SceneFields> scene_;
   std::string refusal_, trouble_;
   bool isConnected_ = false;
   Clock::TimePoint lostAt_{};  // or the call's begin, where there was no connection

@@ -225,12 +225,7 @@ CodecSettings codecFrom(const net::CodecFields& fields) {
   return settings;
 }
 
-Scene sceneFrom(const net::SceneFields& fields) {
-  Scene scene;
-  if (fields.name.empty() || !isLine(fields.name) || !isLine(fields.title))
-    throw InputError("the server's scene has a name or a title that is none");
-  scene.name = fields.name;
-  scene.title = fields.title;
+VolumeGeometry geometryFrom(const net::SceneFields& fields) {
   VolumeGeometry geometry;
   geometry.dims = {fields.dims[0], fields.dims[1], fields.dims[2]};
   geometry.spacing = dvec3Of(fields.spacing);
@@ -241,7 +236,16 @@ Scene sceneFrom(const net::SceneFields& fields) {
   validate(geometry, VoxelType::uint8, "the server's scene");
   for (int column = 0; column < 3; ++column)
     if (!isDirection(geometry.direction[column])) throw InputError("the server's scene has axes that are none");
-  scene.elsewhere = geometry;
+  return geometry;
+}
+
+Scene sceneFrom(const net::SceneFields& fields) {
+  Scene scene;
+  if (fields.name.empty() || !isLine(fields.name) || !isLine(fields.title))
+    throw InputError("the server's scene has a name or a title that is none");
+  scene.name = fields.name;
+  scene.title = fields.title;
+  scene.elsewhere = geometryFrom(fields);
   scene.up = dvec3Of(fields.up);
   scene.front = dvec3Of(fields.front);
   if (!(glm::length(glm::cross(scene.up, scene.front)) > 1e-6) || !std::isfinite(glm::length(scene.up) * glm::length(scene.front)))

@@ -29,6 +29,8 @@ MarchSettings marchFrom(const net::SettingFields& fields);
 /// Of a request's settings; 0 where there are none.
 ServerWishes wishesFrom(const net::SettingFields& fields);
 CodecSettings codecFrom(const net::CodecFields& fields);
+/// Where the scene's volume is in the world. Throws InputError for what is no place.
+VolumeGeometry geometryFrom(const net::SceneFields& fields);
 /// A scene without a volume: its voxels stay with the server.
 Scene sceneFrom(const net::SceneFields& fields);
 
@@ -36,7 +38,7 @@ Scene sceneFrom(const net::SceneFields& fields);
 net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec, const ServerWishes& wishes = {});
 /// Whether a frame marched as `answered` is an answer to `asked`, although they differ: see isCoarsened(), and only where the request allowed it.
 bool admits(const net::SettingFields& asked, const net::SettingFields& answered);
-/// A frame whose samples, and the values of its planes, are still to be decoded.
+/// A frame whose samples, and the values of its planes, are still to be decoded. Where its volume is, the scene knows.
 SampleFrame frameFrom(const net::FrameHead& head);
 /// What is wrong with a frame of that head and a payload of so many bytes; empty if nothing is. More samples than the camera's rays may have,
 /// numbers that nothing can be drawn from, or more bytes than any payload for them has. Whoever receives frames asks before a payload comes.

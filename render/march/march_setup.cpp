@@ -167,6 +167,9 @@ SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const Sampl
   if (rays * static_cast<uint64_t>(settings.samplesPerRay) > kMostPlaces)
     throw UsageError("a picture of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + " pixels may have at most " +
                      std::to_string(kMostPlaces / rays) + " samples a ray, not " + std::to_string(settings.samplesPerRay));
+  if (rays * static_cast<uint64_t>(settings.segments) > kMostFrameSegments)
+    throw UsageError("a picture of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + " pixels may have at most " +
+                     std::to_string(kMostFrameSegments / rays) + " segments a ray, not " + std::to_string(settings.segments));
   SampleRule rule;
   rule.policy = settings.radiusPolicy;
   rule.voxelRadius = 0.5f * glm::length(volume.geometry().voxelEdges());
@@ -177,11 +180,12 @@ SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const Sampl
   return rule;
 }
 
-SampleFrame emptyFrame(const Camera& camera, const MarchSettings& settings, const SampleRule& rule) {
+SampleFrame emptyFrame(const Volume& volume, const Camera& camera, const MarchSettings& settings, const SampleRule& rule) {
   SampleFrame frame;
   frame.camera = camera;
   frame.quantization = rule.quantization;
   frame.settings = settings;
+  frame.geometry = volume.geometry();
   frame.voxelRadius = rule.voxelRadius;
   return frame;
 }

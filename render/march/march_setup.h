@@ -134,7 +134,7 @@ inline std::optional<DecidedStage> decidedStage;
 SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const SampleSettings& settings);
 
 /// A frame without samples and timings.
-SampleFrame emptyFrame(const Camera& camera, const MarchSettings& settings, const SampleRule& rule);
+SampleFrame emptyFrame(const Volume& volume, const Camera& camera, const MarchSettings& settings, const SampleRule& rule);
 
 /// The rule that the frame's samples were made by.
 inline SampleRule sampleRuleOf(const SampleFrame& frame) {

@@ -75,7 +75,7 @@ class CudaMarcher final : public Marcher {
     const std::scoped_lock lock(mutex_);
     requireMarchable(*marched_->volume, camera, settings);
     const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
-    SampleFrame frame = emptyFrame(camera, settings, rule);
+    SampleFrame frame = emptyFrame(*marched_->volume, camera, settings, rule);
     const int slots = settings.sample.samplesPerRay;
     const size_t places = size_t{camera.width} * camera.height * static_cast<size_t>(slots);
     denseSamples_.reserve(places);

@@ -31,6 +31,7 @@ struct SampleFrame {
   Camera camera;  ///< that the samples were marched for; its size is the size of the server's image
   SampleQuantization quantization;
   MarchSettings settings;    ///< that the samples were marched with
+  VolumeGeometry geometry;   ///< of the volume: where lights that stay in the world are from it
   float voxelRadius = 1.0f;  ///< half the diagonal of a voxel, volume units: with the settings it tells how large a sample should be
   ServerTimings timings;
 
