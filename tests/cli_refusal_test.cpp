@@ -252,6 +252,10 @@ TEST_F(Refusal, BenchesOfNothing) {
   expectRefused({"bench", "block", "--runs", "1.5"}, kUsage, {"--runs"});
   expectRefused({"bench", "block", "--technique", "reference"}, kUsage, {"reference", "no frames"});
   expectRefused({"bench", "block", "--technique", "sphere"}, kUsage, {"sphere", "spheres"});
+  expectRefused({"bench", "block", "--technique", "segments", "--segments", "0"}, kUsage, {"segments", "--segments 0"});
+  expectRefused({"bench", "block", "--technique", "proxy", "--proxy", "0"}, kUsage, {"proxy", "--proxy 0"});
+  expectRefused({"sweep", "block", "--volume-size", "16x16x16", "--out", (folder_.path() / "swept").string(), "--techniques", "spheres", "--fills", "proxy", "--proxy-sizes", "0"}, kUsage,
+                {"spheres", "fill gaps", "--proxy 0"});
 }
 
 TEST_F(Refusal, CudaWithoutAGpuSaysWhy) {

@@ -135,14 +135,57 @@ TEST_F(FillTest, MarksShowWhatIsGuessedAndWhatIsNot) {
     ASSERT_EQ(marked[i], image.samples[i] == kNoSample ? 0xff0000ffu : image.samples[i] == kFilled ? 0xff00ff00u : plain[i]);
 }
 
-/// A frame may say that its volume is anywhere, and the copy that comes with it somewhere else.
-TEST_F(FillTest, AFrameInAnotherUnitThanItsCopyIsDrawnInTime) {
+/// A frame may say that its volume is anywhere, and the copy that comes with it somewhere else: rays are marched through the copy alone, as is seen at what
+/// they show.
+TEST_F(FillTest, AFrameInAnotherUnitThanItsCopyIsMarchedThroughTheCopyAlone) {
   auto other = std::make_shared<SampleFrame>(*frame_);
   other->quantization.bounds = {glm::vec3(-1e9f), glm::vec3(1e9f)};
-  for (const char* technique : {"segments", "proxy"}) {
-    const WarpedImage image = stage_.draw(technique, other, camera_);
-    EXPECT_EQ(image.color.width(), 120u);
-  }
+  EXPECT_EQ(stage_.draw("proxy", other, camera_).color, stage_.draw("proxy", frame_, camera_).color);
+  const WarpedImage image = stage_.draw("segments", other, camera_);
+  EXPECT_GT(std::count(image.samples.begin(), image.samples.end(), kFilled), 100) << "beside the frame's view";
+  for (const glm::vec4& color : image.color) ASSERT_TRUE(color.a >= 0.0f && color.a <= 1.0f);
+}
+
+/// The copy in full size is the volume: its picture is the volume's in every mode and however that is cut, but for voxels' 8 bits.
+TEST(CopyOfAVolume, IsMarchedAsTheVolumeIs) {
+  const Stage stage(smallScene("shells", 48));
+  const auto expectTheVolumes = [&](const char* what, const auto& change) {
+    MarchSettings march = stage.scene().march;
+    march.sample.segments = 4;
+    march.sample.proxy = 48;
+    change(march.render.effects);
+    const SampleFramePtr frame = stage.frame(stage.camera(96, 96), march);
+    const Camera camera = stage.camera(96, 96, 40.0);
+    Image<glm::vec4> reference;
+    stage.marcher().render(camera, march.render, reference);
+    const WarpedImage copy = stage.draw("proxy", frame, camera), none = stage.draw("spheres", frame, camera, filledBy(Fill::none)),
+                      filled = stage.draw("spheres", frame, camera, filledBy(Fill::proxy));
+    EXPECT_GT(psnrSrgb(copy.color, reference, glm::vec3(0.0f)), 40.0) << what;
+    EXPECT_GE(psnrSrgb(filled.color, reference, glm::vec3(0.0f)), psnrSrgb(none.color, reference, glm::vec3(0.0f))) << what;
+    return reference;
+  };
+  const Image<glm::vec4> whole = expectTheVolumes("whole", [](Effects&) {});
+  const auto isAnother = [&](const Image<glm::vec4>& other) { return psnrSrgb(other, whole, glm::vec3(0.0f)) < 35.0; };
+  EXPECT_TRUE(isAnother(expectTheVolumes("a box", [](Effects& effects) { effects.clip.box = parseClipBox("0,0,0,0.5,1,1", "it"); })));
+  EXPECT_TRUE(isAnother(expectTheVolumes("a plane", [](Effects& effects) { effects.clip.planes = parseClipPlanes("1,0,0,0", "it"); })));
+  EXPECT_TRUE(isAnother(expectTheVolumes("greatest values", [](Effects& effects) { effects.mode = RenderMode::mip; })));
+  EXPECT_TRUE(isAnother(expectTheVolumes("surfaces", [](Effects& effects) {
+    effects.mode = RenderMode::isosurface;
+    effects.isoValues = parseIsoValues("60 120@0.5", "it");
+  })));
+}
+
+TEST(CopyOfAVolume, ThatIsMissingIsToldWhereGapsAreToBeFilledWithIt) {
+  MarchSettings march;
+  march.sample.segments = 4;
+  EXPECT_EQ(lackOf(findWarp("spheres"), march), "");
+  EXPECT_EQ(lackOf(findWarp("segments"), march), "");
+  EXPECT_NE(lackOf(findWarp("spheres"), march, filledBy(Fill::proxy).knobs), "");
+  EXPECT_NE(lackOf(findWarp("segments"), march, filledBy(Fill::proxy).knobs), "");
+  EXPECT_NE(lackOf(findWarp("proxy"), march), "");
+  EXPECT_EQ(lackOf(findWarp("hold"), march, filledBy(Fill::proxy).knobs), "");
+  march.sample.proxy = 8;
+  EXPECT_EQ(lackOf(findWarp("spheres"), march, filledBy(Fill::proxy).knobs), "");
 }
 
 }  // namespace

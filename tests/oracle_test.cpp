@@ -62,6 +62,17 @@ TEST_F(OracleTest, NoHeuristicBeatsTheBestDots) {
   }
 }
 
+TEST_F(OracleTest, ItsCopyHasAllVoxelsWhateverTheirShape) {
+  for (const glm::dvec3& spacing : {glm::dvec3(1.0, 1.0, 10.0), glm::dvec3(3.0, 1.0, 1.0), glm::dvec3(0.7)}) {
+    VolumeGeometry geometry = stage_.scene().volume->geometry();
+    geometry.dims = {20, 12, 9};
+    geometry.spacing = spacing;
+    const auto voxels = std::make_shared<std::vector<uint8_t>>(20 * 12 * 9, uint8_t{7});
+    const Volume volume("it", VoxelType::uint8, geometry, voxels, voxels->data());
+    EXPECT_EQ(wholeCopyOf(volume, stage_.scene().transferFunction, {})->volume->dims(), geometry.dims);
+  }
+}
+
 TEST_F(OracleTest, StoppedOrWithoutSegmentsItKnowsNothing) {
   SampleFrame frame = *stage_.frame(stage_.camera(64, 64), march_);
   const Image<glm::vec4> truth(64, 64, glm::vec4(0.5f));

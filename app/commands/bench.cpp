@@ -12,6 +12,7 @@
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
 #include "app/shell/interrupt.h"
+#include "app/shell/log.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
 #include "render/march/marcher_registry.h"
@@ -189,6 +190,13 @@ void bench(const BenchOptions& options) {
     if (!technique->usesFrame) throw UsageError("--technique " + std::string(technique->name) + ": it draws no frames, so there is nothing to measure");
   const Interrupt interrupt;
   const CommandContext work = prepare(options.common, interrupt.token());
+  std::erase_if(settings.techniques, [&](const WarpDescriptor* technique) {
+    const std::string lack = lackOf(*technique, work.march, work.warp.knobs);
+    if (lack.empty()) return false;
+    if (!options.techniques.empty()) throw UsageError("--technique " + std::string(technique->name) + ": " + lack);
+    logWarning(std::string(technique->name) + " is left out: " + lack);
+    return true;
+  });
   settings.march = work.march;
   settings.warp = work.warp;
   settings.width = work.width;

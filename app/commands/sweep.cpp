@@ -20,6 +20,7 @@
 #include "app/shell/progress.h"
 #include "render/base/error.h"
 #include "render/cuda/devices.h"
+#include "render/warp/fill.h"
 
 namespace warpscope {
 namespace {
@@ -42,10 +43,25 @@ void requireDrawn(SweepPlan& plan, const CommandContext& work, const IsNamed& is
   for (const auto& [knob, value] : {std::pair(&kSegmentsKnob, usual.sample.segments), std::pair(&kProxyKnob, usual.sample.proxy)})
     if (std::vector<double>& values = plan.values(*knob); areNamed && values == std::vector{0.0} && !work.given.find(*knob) && !isNamed(knob->axis.key, knob->axis.option))
       values = {static_cast<double>(value)};
-  const std::vector<Configuration> configurations = configurationsOf(plan);
+  // Why a technique draws nothing whatever values of the plan's are combined; empty where it draws with some.
+  const auto lackOfAll = [&](const WarpDescriptor& technique) {
+    std::string lack;
+    MarchSettings march;
+    KnobValues knobs;
+    for (const double segments : plan.values(kSegmentsKnob))
+      for (const double proxy : plan.values(kProxyKnob))
+        for (const double fill : plan.values(kFillKnob)) {
+          march.sample.segments = static_cast<int>(segments);
+          march.sample.proxy = static_cast<int>(proxy);
+          knobs.set(kFillKnob, fill);
+          lack = lackOf(technique, march, knobs);
+          if (lack.empty()) return lack;
+        }
+    return lack;
+  };
   for (const WarpDescriptor* technique : plan.techniques) {
-    if (std::ranges::find(configurations, technique, &Configuration::technique) != configurations.end()) continue;
-    const std::string name(technique->name), lack = lackOf(*technique, MarchSettings{});
+    const std::string name(technique->name), lack = lackOfAll(*technique);
+    if (lack.empty()) continue;
     if (areNamed) throw UsageError("--techniques " + name + ": " + lack);
     logWarning(name + " is left out: " + lack);
   }

@@ -41,11 +41,14 @@ void forEachRay(const Camera& camera, const Box& bounds, const std::stop_token& 
   if (stop.stop_requested()) throw OperationCancelled();
 }
 
-RayInterval insideOf(const Box& bounds, const Ray& ray) {
-  return intersectBox(reciprocalOf(ray.origin, ray.direction), bounds, 0.0f, std::numeric_limits<float>::infinity());
-}
-
 }  // namespace
+
+ProxyPtr wholeCopyOf(const Volume& volume, const TransferFunction& function, const std::stop_token& stop) {
+  // Voxels as short as the shortest along all axes; no axis has more than the volume.
+  const VolumeGeometry& geometry = volume.geometry();
+  const glm::dvec3 sides = glm::dvec3(geometry.dims) * geometry.spacing / geometry.unit();
+  return std::make_shared<const Proxy>(makeProxy(volume, function, static_cast<int>(std::ceil(std::max({sides.x, sides.y, sides.z}))), stop));
+}
 
 Oracle::Oracle(SampleFramePtr frame, ProxyPtr whole, const glm::vec3& background)
     : frame_(std::move(frame)), whole_(std::move(whole)), background_(background), own_(ownPicture(*frame_)), shown_(own_.width(), own_.height()) {
@@ -63,7 +66,7 @@ WarpedImage Oracle::bestDots(const Camera& camera, const Image<glm::vec4>& truth
   image.samples.resize(camera.width, camera.height, kNoSample);
   const Box& bounds = frame_->quantization.bounds;
   forEachRay(camera, bounds, stop, [&](uint32_t x, uint32_t y, const Ray& ray) {
-    const RayInterval inside = insideOf(bounds, ray);
+    const RayInterval inside = partInside(bounds, ray);
     if (inside.isMiss()) return;
     const FieldLine line = makeFieldLine(field, ray, inside.tNear, inside.tFar, 0.0f);
     if (!(line.t0 < line.t1)) return;
@@ -97,8 +100,8 @@ WarpedImage Oracle::perfectlyWarped(const Camera& camera, const std::stop_token&
   image.samples.resize(camera.width, camera.height, kNoSample);
   image.color.resize(camera.width, camera.height);
   fill_.visit(whole_, frame_->settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
-    forEachRay(camera, march.bounds, stop, [&](uint32_t x, uint32_t y, const Ray& ray) {
-      const RayInterval inside = insideOf(march.bounds, ray);
+    forEachRay(camera, march.clip.bounds, stop, [&](uint32_t x, uint32_t y, const Ray& ray) {
+      const RayInterval inside = partInside(march.clip.bounds, ray);
       if (inside.isMiss()) return;
       WalkedRay seen;
       float known = inside.tNear;  // from here on

@@ -13,10 +13,13 @@
 
 namespace warpscope {
 
+/// A copy with all of the volume's voxels, of 256 values: `whole` of an Oracle. Throws OperationCancelled if `stop` is set.
+ProxyPtr wholeCopyOf(const Volume& volume, const TransferFunction& function, const std::stop_token& stop);
+
 /// What is known of a frame and its volume, made once for all cameras. One thread at a time.
 class Oracle {
  public:
-  /// `whole`: a copy of the volume in full size, which has 256 values (proxy.h). The frame has one sample and some segments a ray, and its settings say how it is
+  /// `whole`: wholeCopyOf() the volume. The frame has one sample and some segments a ray, and its settings say how it is
   /// marched. `background`: linear RGB.
   Oracle(SampleFramePtr frame, ProxyPtr whole, const glm::vec3& background);
 

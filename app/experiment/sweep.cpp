@@ -203,9 +203,7 @@ class Sweep::Run {
     for (const double side : plan.values(kServerSideKnob)) sidePx = std::max(sidePx, side);
     configuration.serverSidePx = static_cast<uint32_t>(sidePx);
     const SampleFramePtr frame = server_.frame(truth_.camera(0.0, configuration.serverSidePx), configuration);
-    const glm::uvec3& dims = scene_.volume->geometry().dims;
-    const auto whole = std::make_shared<const Proxy>(makeProxy(*scene_.volume, scene_.transferFunction, static_cast<int>(std::max({dims.x, dims.y, dims.z})), stop_));
-    Oracle oracle(frame, whole, scene_.background);
+    Oracle oracle(frame, wholeCopyOf(*scene_.volume, scene_.transferFunction, stop_), scene_.background);
     std::vector<SweepBound> bounds;
     for (const double angleDeg : plan.anglesDeg) {
       const Truth& truth = truth_.at(angleDeg, stop_);

@@ -183,7 +183,7 @@ std::vector<Configuration> configurationsOf(const SweepPlan& plan) {
   std::set<std::string> keys;
   const auto add = [&](Configuration configuration) {
     configuration = normalized(configuration);
-    if (!lackOf(*configuration.technique, configuration.march).empty()) return;
+    if (!lackOf(*configuration.technique, configuration.march, configuration.knobs).empty()) return;
     if (keys.insert(keyOf(configuration)).second) configurations.push_back(configuration);
   };
   Configuration configuration;

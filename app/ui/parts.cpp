@@ -36,7 +36,8 @@ bool Hover::hasRested(const ImVec2& item, Session::TimePoint now) {
 
 std::string durationText(double milliseconds) {
   if (milliseconds < 9.95) return format("%.2g ms", milliseconds);
-  if (milliseconds < 9950.0) return format("%.0f ms", milliseconds);
+  if (milliseconds < 999.5) return format("%.0f ms", milliseconds);
+  if (milliseconds < 9950.0) return format("%.1f s", milliseconds / 1e3);
   return format("%.0f s", milliseconds / 1e3);
 }
 

@@ -64,7 +64,7 @@ void validate(const CodecSettings& settings);
 struct DecodeLimits {
   size_t maxSamples = size_t{1} << 26;  ///< of 12 bytes each in memory, and what planes that are known take
   size_t maxBytes = size_t{1} << 30;    ///< of a payload
-  size_t maxSegments = size_t{1} << 28; ///< of 14 bytes each in memory
+  size_t maxSegments = kMostFrameSegments;  ///< of 14 bytes each in memory
 };
 
 /// Nothing if all went well; else a sentence that says what was wrong.

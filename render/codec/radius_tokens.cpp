@@ -16,9 +16,10 @@ class RadiusPrediction {
   explicit RadiusPrediction(const SampleFrame& frame)
       : rule_(sampleRuleOf(frame)),
         edge_(pixelEdge(frame.camera)),
-        isSame_(rule_.policy == RadiusPolicy::voxel || rule_.policy == RadiusPolicy::constant),
         isAsBefore_(rule_.policy == RadiusPolicy::uncertainty),
-        same_(code(0, 0)) {}
+        same_(code(0, 0)),
+        // Near its eye samples are smaller: sampleRadius().
+        isSame_((rule_.policy == RadiusPolicy::voxel || rule_.policy == RadiusPolicy::constant) && code(kDepthCodeMax, 0) == same_) {}
 
   /// `before`: the code of the sample before this one.
   uint32_t operator()(PackedSample position, Rgba8 color, uint32_t before) const {
@@ -35,9 +36,9 @@ class RadiusPrediction {
 
   SampleRule rule_;
   float edge_;
-  bool isSame_;  // for all samples
   bool isAsBefore_;
-  uint32_t same_;
+  uint32_t same_;  // at the near plane
+  bool isSame_;    // for all samples
 };
 
 }  // namespace
@@ -68,8 +69,7 @@ void takeRadii(const SampleFrame& frame, std::span<const uint8_t> tokens, std::s
   const size_t count = tokens.size();
   PackedSample* const position = positions.data();
   if (radius.isSame() && isZero(tokens)) {
-    const uint64_t code = static_cast<uint64_t>(radius.same() & kRadiusCodeMax) << kRadiusShift;
-    for (size_t i = 0; i < count; ++i) position[i] = (position[i] & kPositionMask) | code;
+    for (size_t i = 0; i < count; ++i) position[i] = withRadiusCode(position[i], radius.same() & kRadiusCodeMax);
     return;
   }
   BitReader take = bits;  // a local: what is written cannot be what it reads then
@@ -78,7 +78,7 @@ void takeRadii(const SampleFrame& frame, std::span<const uint8_t> tokens, std::s
     const auto likely = radius(position[i], colors[i], before);
     const uint32_t difference = static_cast<uint32_t>(unzigzag(takeToken(tokens[i], take)));
     before = (likely + difference) & kRadiusCodeMax;
-    position[i] = (position[i] & kPositionMask) | static_cast<uint64_t>(before) << kRadiusShift;
+    position[i] = withRadiusCode(position[i], before);
   }
   bits = take;
 }

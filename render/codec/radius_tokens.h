@@ -1,5 +1,5 @@
 // The radius codes of a layer's samples as tokens and bits: how they differ from what the frame's rule for radii makes
-// of depth and opacity.
+// of depth and opacity; for radii by uncertainty, from the sample before.
 #pragma once
 
 #include <cstdint>

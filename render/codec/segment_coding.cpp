@@ -5,9 +5,6 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <mutex>
 
 #include "render/base/error.h"
 #include "render/codec/color_planes.h"

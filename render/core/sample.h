@@ -131,6 +131,11 @@ WARPSCOPE_HD inline PackedSample packCodes(uint32_t column, uint32_t row, uint32
   return pixelKey(column, row) | static_cast<uint64_t>(depth) << kDepthShift | static_cast<uint64_t>(radius) << kRadiusShift;
 }
 
+/// The same sample with another radius; its code at most kRadiusCodeMax.
+WARPSCOPE_HD inline PackedSample withRadiusCode(PackedSample sample, uint32_t radius) {
+  return (sample & kPositionMask) | static_cast<uint64_t>(radius) << kRadiusShift;
+}
+
 /// A sample in a pixel, at the forward depth `behind` behind the near plane.
 WARPSCOPE_HD inline PackedSample packSample(uint32_t column, uint32_t row, float behind, float radius, const SampleQuantization& q) {
   return packCodes(column, row, encodeDepth(behind, q.depthStep), encodeRadius(radius, q.radiusUnit));

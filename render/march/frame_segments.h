@@ -3,9 +3,7 @@
 // another are the ray's. In front of a ray's end, between its segments, nothing is; behind it nothing is known.
 #pragma once
 
-#include <bit>
 #include <cstdint>
-#include <span>
 
 #include "render/core/color.h"
 #include "render/core/normal_code.h"
@@ -43,6 +41,9 @@ class RaySegmentCount {
   uint8_t bits_ = 0;
 };
 
+/// Most segments that a frame has places for.
+inline constexpr size_t kMostFrameSegments = size_t{1} << 28;
+
 /// Of a frame.
 struct FrameSegments {
   TransferVector<RaySegmentCount> rays;  ///< one for each pixel of the frame's picture, row by row; empty where the frame has no segments
@@ -52,7 +53,7 @@ struct FrameSegments {
 
   bool empty() const { return rays.empty(); }
   size_t size() const { return depths.size(); }
-  /// In memory, and on the wire in the format raw.
+  /// In memory.
   size_t sizeBytes() const { return rays.size() + depths.size() * (sizeof(SegmentDepths) + sizeof(Rgba8)) + normals.size() * sizeof(NormalCode); }
 };
 

@@ -1,5 +1,5 @@
 // Kernels of the modes in which a ray is not composited: the greatest value, and surfaces. The loops are mip.h's and isosurface.h's, one ray a thread.
-// Two kernels for the first and five for the second a kind of voxel: heuristics and light are chosen at a surface, of which a ray meets few, not compiled.
+// Three kernels for the first and seven for the second a kind of voxel: heuristics and light are chosen at a surface, of which a ray meets few, not compiled.
 #pragma once
 
 #include "render/march/march_kernels.cuh"

@@ -1,5 +1,5 @@
 // Kernels of steps that are classified by the values at their ends: the loop of march.h with the source of segment_source.h, one ray a thread.
-// Five kernels for each light and kind of voxel: heuristics are chosen at a sample that counts, not compiled.
+// Six kernels for each light and kind of voxel: heuristics are chosen at a sample that counts, not compiled.
 #pragma once
 
 #include "render/effects/segment_source.h"

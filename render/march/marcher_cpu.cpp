@@ -137,7 +137,7 @@ class CpuMarcher final : public Marcher {
     const std::scoped_lock lock(mutex_);
     requireMarchable(*marched_->volume, camera, settings);
     const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
-    SampleFrame frame = emptyFrame(camera, settings, rule);
+    SampleFrame frame = emptyFrame(*marched_->volume, camera, settings, rule);
 
     const auto marchStart = std::chrono::steady_clock::now();
     const auto slots = static_cast<size_t>(settings.sample.samplesPerRay);
@@ -329,7 +329,8 @@ class CpuMarcher final : public Marcher {
       SegmentMerger segments(mergerRoomFor(mostSegments));
       NormalCode normals[kMostMergerRoom];
       const VisibleDepths everything{0.0f, std::numeric_limits<float>::infinity()};
-      for (uint32_t y = y0; y < y1; ++y)
+      // Rows may take seconds: a tile is not waited for.
+      for (uint32_t y = y0; y < y1 && !stop.stop_requested(); ++y)
         for (uint32_t x = x0; x < x1; ++x) {
           WARPSCOPE_COUNT(rays, 1);
           const VisibleDepths depths = blocks ? blocks->at(x, y) : everything;

@@ -52,7 +52,7 @@ WARPSCOPE_HD inline PackedSample packRaySample(const SampleRule& rule, const Pix
 
 /// The same sample with the radius that this spread of its depth gives it, for the policy `uncertainty`.
 WARPSCOPE_HD inline PackedSample withUncertainRadius(const SampleRule& rule, float pixelEdge, PackedSample sample, float spread) {
-  return (sample & kPositionMask) | PackedSample{radiusCodeFor(rule, pixelEdge, depthCode(sample), 1.0f, spread)} << kRadiusShift;
+  return withRadiusCode(sample, radiusCodeFor(rule, pixelEdge, depthCode(sample), 1.0f, spread));
 }
 
 }  // namespace warpscope

@@ -53,13 +53,15 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
   proxy.scale.hasMissing = statistics.nonFinite > 0;
   proxy.scale.lowest = statistics.rangeLower;
   const double codes = proxy.scale.hasMissing ? 254.0 : 255.0;
-  const double range = statistics.rangeUpper - statistics.rangeLower;
-  proxy.scale.perCode = range > 0.0 ? range / codes : 1.0;
+  const double halfRange = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower;
+  proxy.scale.perCode = halfRange > 0.0 ? 2.0 * (halfRange / codes) : 1.0;
 
   const std::vector<Coverage> alongX = coveragesOf(fine.dims.x, geometry.dims.x), alongY = coveragesOf(fine.dims.y, geometry.dims.y),
                               alongZ = coveragesOf(fine.dims.z, geometry.dims.z);
   auto voxels = std::make_shared<std::vector<uint8_t>>(size_t{geometry.dims.x} * geometry.dims.y * geometry.dims.z);
   const ProxyScale scale = proxy.scale;
+  // Sums of the largest numbers are added up smaller; elsewhere nothing is rounded away.
+  const double smaller = std::max(std::abs(statistics.lowest), std::abs(statistics.highest)) > 0x1p900 ? 0x1p-64 : 1.0;
   visitVoxelType(volume.type(), [&](auto tag) {
     using Voxel = decltype(tag);
     const Voxel* const in = volume.voxelsAs<Voxel>();
@@ -79,12 +81,12 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
                 const double value = static_cast<double>(line[i]);
                 if (!std::isfinite(value)) continue;
                 const double weight = ofLine * static_cast<double>(ofX.weights[i]);
-                sum += weight * value;
+                sum += weight * (value * smaller);
                 weights += weight;
               }
             }
           uint8_t code = 0;
-          if (weights > 0.0) code = static_cast<uint8_t>(std::lround(std::clamp(scale.codeOf(sum / weights), scale.hasMissing ? 1.0 : 0.0, 255.0)));
+          if (weights > 0.0) code = static_cast<uint8_t>(std::lround(std::clamp(scale.codeOf(sum / weights / smaller), scale.hasMissing ? 1.0 : 0.0, 255.0)));
           (*voxels)[row * geometry.dims.x + x] = code;
         }
       }

@@ -15,7 +15,8 @@ struct ProxyScale {
   bool hasMissing = false;  ///< the code 0 is no value: voxels there were missing. Values begin at code 1
 
   bool operator==(const ProxyScale&) const = default;
-  double codeOf(double value) const { return (value - lowest) / perCode + (hasMissing ? 1.0 : 0.0); }
+  /// By halves: values may be farther apart than the largest number.
+  double codeOf(double value) const { return (0.5 * value - 0.5 * lowest) / (0.5 * perCode) + (hasMissing ? 1.0 : 0.0); }
 };
 
 struct Proxy {

@@ -29,15 +29,14 @@ class CompletedWarp final : public Warp {
       kept_.limitTo(0);
     } else {
       warp_ = kept_.take(before, std::move(warp_), *frame, most);
-      if (!warp_) warp_ = make_();
     }
-    warp_->setFrame(frame, settings, stop);
+    own().setFrame(frame, settings, stop);
     frame_ = std::move(frame);
     builtWith_ = settings.knobs;
   }
 
   void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) override {
-    warp_->draw(camera, settings, image, stop);
+    own().draw(camera, settings, image, stop);
     isCompleted_ = isCompletedBy(settings);
     if (!isCompleted_) return;
     kept_.complete(camera, settings, image, stop);
@@ -55,13 +54,18 @@ class CompletedWarp final : public Warp {
                                  const std::stop_token& stop) override {
     if (isCompletedBy(settings)) return nullptr;
     isCompleted_ = false;
-    return warp_->drawForScreen(camera, settings, background, marks, stop);
+    return own().drawForScreen(camera, settings, background, marks, stop);
   }
 
   /// What else is done is the host's.
-  std::optional<DeviceTimings> deviceTimings() const override { return isCompleted_ ? std::nullopt : warp_->deviceTimings(); }
+  std::optional<DeviceTimings> deviceTimings() const override { return isCompleted_ || !warp_ ? std::nullopt : warp_->deviceTimings(); }
 
  private:
+  /// The newest frame's technique; another one where that stays with a kept frame. Throws as the maker does, and may be called again.
+  Warp& own() {
+    if (!warp_) warp_ = make_();
+    return *warp_;
+  }
   /// Segments go on through the copy themselves.
   bool isFilledHere(Fill fill) const { return fill == Fill::pullPush || (fill == Fill::proxy && !technique_.uses.proxy); }
   bool isCompletedBy(const WarpSettings& settings) const {

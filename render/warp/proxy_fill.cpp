@@ -18,6 +18,12 @@ RenderSettings ProxyFill::settingsFor(const RenderSettings& settings) const {
   own.step = std::max(settings.step, 0.5f * std::min({edges.x, edges.y, edges.z}));
   own.effects.jitter = 0.0f;
   own.effects.preIntegration = false;
+  IsoValues codes;
+  for (IsoValue value : settings.effects.isoValues) {
+    value.value = proxy_->scale.codeOf(value.value);
+    codes.add(value);
+  }
+  own.effects.isoValues = codes;
   return own;
 }
 

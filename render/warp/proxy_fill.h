@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <stop_token>
+#include <type_traits>
 
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
@@ -27,10 +28,16 @@ class ProxyFill {
     view.voxels = marched_->volume->voxelsAs<uint8_t>();
     view.transfer = baked->table.lookup();
     view.cells.distances = baked->emptyDistances.data();
-    return visitLight(shadingFor(*marched_, camera, own, plan), [&](const auto& light) {
-      return f(ProxyMarch<std::decay_t<decltype(light)>>{view, light, prepareClip(own.effects.clip, *marched_->volume, camera), limitsOf(own, plan), marched_->volume->bounds(), own.step,
-                                                         plan.has(PlanStage::clip)},
+    const ShadingSetup shading = shadingFor(*marched_, camera, own, plan);
+    const ClipSetup clip = prepareClip(own.effects.clip, *marched_->volume, camera);
+    const auto with = [&]<class Source>(std::type_identity<Source>, const typename ProxySetup<Source>::Type& setup, const auto& light) {
+      return f(ProxyMarch<Source, std::decay_t<decltype(light)>>{view, setup, light, clip, limitsOf(own, plan), own.step, plan.has(PlanStage::clip)},
                baked);
+    };
+    if (own.effects.mode == RenderMode::mip) return with(std::type_identity<MipProxySource>(), {}, Unlit{});  // so small that nothing is leapt over
+    return visitLight(shading, [&](const auto& light) {
+      if (own.effects.mode == RenderMode::isosurface) return with(std::type_identity<IsosurfaceProxySource>(), baked->surfaces, light);
+      return with(std::type_identity<CompositeProxySource>(), {}, light);
     });
   }
 
@@ -39,7 +46,7 @@ class ProxyFill {
   template <class F>
   void drawRays(const SampleFrame& frame, const Camera& camera, const std::stop_token& stop, const F& f) {
     visit(frame.proxy, frame.settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
-      const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, march.bounds).nearDepth);
+      const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, march.clip.bounds).nearDepth);
       constexpr uint32_t kTileSide = 32;
       parallelForTiles(camera.width, camera.height, kTileSide, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
         for (uint32_t y = y0; y < y1; ++y)

@@ -34,7 +34,7 @@ class CudaProxyWarp final : public DeviceWarp {
   void trace(const DeviceFrameView&, const Camera& camera, const WarpSettings&, const DevicePixels& pixels, cudaStream_t stream) override {
     if (!proxy_) return clearPixels(camera, pixels, stream);
     fill_.visit(proxy_, settings_, camera, [&](const auto& march, const auto& baked) {
-      const PixelGrid grid = makePixelGrid(camera, depthRangeOf(camera, march.bounds).nearDepth);
+      const PixelGrid grid = makePixelGrid(camera, depthRangeOf(camera, march.clip.bounds).nearDepth);
       deviceProxy_.visit(proxy_, march, baked, stream, [&](const auto& onDevice) {
         marchProxy<<<tileGrid(camera.width, camera.height), kTileBlockThreads, 0, stream>>>(grid, camera.width, camera.height, onDevice, pixels);
         WARPSCOPE_CUDA_CHECK_LAUNCH();

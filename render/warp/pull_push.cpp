@@ -83,7 +83,7 @@ Level pulled(const Level& fine) {
   return coarse;
 }
 
-/// Between the centres of a level's four nearest squares, for the middle of a pixel of the next finer one. Weight in w.
+/// Between the centres of a level's four nearest squares, for the middle of a pixel of the next finer one.
 struct Blended {
   glm::vec4 color{0.0f};
   float weight = 0.0f;

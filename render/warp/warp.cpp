@@ -146,11 +146,12 @@ MarchSettings neededBy(std::span<const TechniqueInUse> techniques, MarchSettings
   return settings;
 }
 
-std::string lackOf(const WarpDescriptor& technique, const MarchSettings& settings) {
+std::string lackOf(const WarpDescriptor& technique, const MarchSettings& settings, const KnobValues& knobs) {
   const auto without = [](std::string_view what, const Knob& knob) { return "there " + std::string(what) + " (" + std::string(knob.option) + " 0)"; };
-  if (technique.uses.segments) return settings.sample.segments == 0 ? without("are no segments", kSegmentsKnob) : "";
-  if (technique.uses.proxy && settings.sample.proxy == 0) return without("is no copy of the volume", kProxyKnob);
-  return "";
+  if (technique.uses.segments && settings.sample.segments == 0) return without("are no segments", kSegmentsKnob);
+  if (settings.sample.proxy > 0) return "";
+  if (leavesGaps(technique)) return knobs.choice<Fill>(kFillKnob) == Fill::proxy ? without("is no copy of the volume to fill gaps with", kProxyKnob) : "";
+  return technique.uses.proxy ? without("is no copy of the volume", kProxyKnob) : "";
 }
 
 void validate(const WarpSettings& settings) { validate(settings.reference); }

@@ -164,8 +164,9 @@ struct TechniqueInUse {
 /// `settings` without the parts of frames that none of the techniques draws: segments, and the copy of the volume.
 MarchSettings neededBy(std::span<const TechniqueInUse> techniques, MarchSettings settings);
 
-/// Why the technique would show nothing of frames that are marched so: half a sentence, "there are no segments (--segments 0)". Empty where it shows something.
-std::string lackOf(const WarpDescriptor& technique, const MarchSettings& settings);
+/// Why the technique, with its knobs set so, would show nothing of frames that are marched so, or not what its knobs say: half a sentence, "there are no
+/// segments (--segments 0)". Empty where it shows something.
+std::string lackOf(const WarpDescriptor& technique, const MarchSettings& settings, const KnobValues& knobs = {});
 
 /// Throws UsageError naming the setting that is out of range.
 void validate(const WarpSettings& settings);

@@ -12,7 +12,7 @@ namespace warpscope {
 
 /// One value for each pixel, in device memory.
 struct DevicePixels {
-  uint32_t* samples = nullptr;  ///< place in the frame of the sample seen, or kNoSample
+  uint32_t* samples = nullptr;  ///< place in the frame of the sample seen, kNotASample, kFilled or kNoSample
   /// Linear, premultiplied; only techniques that blend samples write it, see DeviceWarp::blends.
   glm::vec4* color = nullptr;
 };

@@ -58,7 +58,7 @@ WARPSCOPE_HD inline PackedSample withSurfaceRadius(const SampleRays& rays, uint3
         const float distance = std::sqrt(glm::dot(offset, offset));
         if (distance <= sphere.radius + neighbour.radius) radius = maxOf(radius, 0.5f * distance);
       }
-  return (sample & kPositionMask) | static_cast<uint64_t>(encodeRadius(kRadiusSlack * radius, rays.grid.radiusUnit)) << kRadiusShift;
+  return withRadiusCode(sample, encodeRadius(kRadiusSlack * radius, rays.grid.radiusUnit));
 }
 
 /// Whether `point` lies in a pixel of the frame's picture where its camera has seen nothing.
