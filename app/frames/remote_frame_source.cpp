@@ -140,15 +140,14 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
   void keepProxy(uint64_t requestId, SampleFrame& frame) {
     const std::scoped_lock lock(mutex_);
     const auto asked = wantedLongest_.find(requestId);
-    const int wanted = asked != wantedLongest_.end() ? asked->second : 0;
-    if (frame.proxy && !(proxy_ && proxyLongest_ == frame.settings.sample.proxy)) {
+    const int longest = frame.proxy ? frame.settings.sample.proxy : asked != wantedLongest_.end() ? asked->second : 0;
+    if (frame.proxy && proxyLongest_ != longest) {
       proxy_ = frame.proxy;
-      proxyLongest_ = frame.settings.sample.proxy;
+      proxyLongest_ = longest;
     }
-    const bool isHere = proxy_ && proxyLongest_ == (frame.proxy ? frame.settings.sample.proxy : wanted);
-    if (!isHere) return;
+    if (!proxy_ || proxyLongest_ != longest) return;
     frame.proxy = proxy_;
-    frame.settings.sample.proxy = proxyLongest_;
+    frame.settings.sample.proxy = longest;
   }
   /// No answer to this request or to one before is awaited any more.
   void forgetRequestsUpTo(uint64_t id) {
@@ -209,7 +208,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
   std::optional<net::SceneFields> scene_;
   bool isOtherScene_ = false;
   ProxyPtr proxy_;  // that came last; null: none
-  int proxyLongest_ = 0;
+  int proxyLongest_ = 0;  // of that; 0: none
   std::map<uint64_t, int> wantedLongest_;  // by request
   std::stop_source decided_;  // asked to stop once there is a scene, or will be none, or nobody waits for it
   NewestWorker<Arrived, ServedFrame> decoder_;

@@ -164,12 +164,13 @@ SampleRule sampleRuleFor(const Volume& volume, const Camera& camera, const Sampl
   // Each ray has a place for each of its samples, 12 bytes of memory, before it is known how many there are.
   constexpr uint64_t kMostPlaces = uint64_t{kMaxImageSide} * kMaxImageSide;
   const uint64_t rays = uint64_t{camera.width} * camera.height;
-  if (rays * static_cast<uint64_t>(settings.samplesPerRay) > kMostPlaces)
-    throw UsageError("a picture of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + " pixels may have at most " +
-                     std::to_string(kMostPlaces / rays) + " samples a ray, not " + std::to_string(settings.samplesPerRay));
-  if (rays * static_cast<uint64_t>(settings.segments) > kMostFrameSegments)
-    throw UsageError("a picture of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + " pixels may have at most " +
-                     std::to_string(kMostFrameSegments / rays) + " segments a ray, not " + std::to_string(settings.segments));
+  const auto requirePlaces = [&](int perRay, uint64_t most, const char* what) {
+    if (rays * static_cast<uint64_t>(perRay) > most)
+      throw UsageError("a picture of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + " pixels may have at most " +
+                       std::to_string(most / rays) + " " + what + " a ray, not " + std::to_string(perRay));
+  };
+  requirePlaces(settings.samplesPerRay, kMostPlaces, "samples");
+  requirePlaces(settings.segments, kMostFrameSegments, "segments");
   SampleRule rule;
   rule.policy = settings.radiusPolicy;
   rule.voxelRadius = 0.5f * glm::length(volume.geometry().voxelEdges());
