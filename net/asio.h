@@ -5,9 +5,8 @@
 #include <utility>  // before Asio, whose coroutines use std::exchange without including it
 
 #include <boost/asio.hpp>
-#include <chrono>
 
-#include "render/base/clock.h"
+#include "net/times.h"
 
 namespace warpscope::net {
 
@@ -15,9 +14,6 @@ namespace asio = boost::asio;
 
 using boost::system::error_code;
 using boost::system::system_error;
-
-using TimePoint = Clock::TimePoint;
-using Duration = Clock::Duration;
 
 /// What a coroutine of this room returns. It begins when it is awaited.
 template <class T = void>

@@ -215,9 +215,9 @@ Awaitable<void> Client::State::run() {
 }
 
 Awaitable<std::unique_ptr<Stream>> Client::State::open(TimePoint deadline) {
-  if (settings.opener) co_return settings.opener(io.get_executor());
+  if (settings.opener) co_return settings.opener(io);
   const HostPort& where = settings.address.where;
-  Awaitable<std::unique_ptr<TcpStream>> connecting = connectTcp(io.get_executor(), where.host, where.port, deadline, settings.resolver);
+  Awaitable<std::unique_ptr<TcpStream>> connecting = connectTcp(io.get_executor(), where.host, where.port, deadline, settings.resolver ? settings.resolver : resolveBySystem);
   std::unique_ptr<TcpStream> tcp = co_await std::move(connecting);
   if (isClosed || !settings.address.credentials) co_return std::move(tcp);
   stream = tcp.get();

@@ -2,19 +2,26 @@
 // Newest wins: while as many requests as agreed are under way, a newer request replaces the one that waits, so that no queue can build up.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "net/address.h"
 #include "net/io_thread.h"
 #include "net/link_settings.h"
-#include "net/lookup.h"
 #include "net/messages.h"
-#include "net/stream.h"
+#include "net/times.h"
+
+namespace boost::asio::ip {
+class address;
+}
 
 namespace warpscope::net {
+
+class Stream;
 
 struct ClientSettings {
   Address address{};
@@ -25,9 +32,10 @@ struct ClientSettings {
   std::chrono::milliseconds firstPause{250};  ///< before connecting again; doubled until a connection is of use, by chance up to a half less
   std::chrono::milliseconds longestPause{8000};
   bool connectsAgain = true;
-  Resolver resolver = resolveBySystem;  ///< of the server's name, in a thread of its own
+  /// Finds the addresses of the server's name, in a thread of its own (see lookup.h); the system's if there is none.
+  std::function<std::vector<boost::asio::ip::address>(const std::string& host)> resolver{};
   /// If any, what is spoken over in place of TCP and TLS: a server in memory.
-  std::function<std::unique_ptr<Stream>(const asio::any_io_executor& executor)> opener{};
+  std::function<std::unique_ptr<Stream>(boost::asio::io_context& context)> opener{};
 };
 
 enum class ConnectionPhase {

@@ -7,23 +7,14 @@
 #include <string>
 #include <string_view>
 
-#include "render/base/clock.h"
+#include "net/login_limits.h"
+#include "net/times.h"
 
 namespace warpscope::net {
-
-struct LoginLimits {
-  int freeFailures = 3;  ///< in a row that cost nothing: a URL that was not copied whole
-  std::chrono::milliseconds firstPause{1000}, longestPause{30000};
-  std::chrono::milliseconds memory{600000};  ///< an address that has been quiet for this long begins anew
-  size_t maxAddresses = 1024;                ///< remembered at a time; of more, the one that failed longest ago is forgotten
-  int linesAMinute = 30;                     ///< for the log, of all addresses together
-};
 
 /// Of one thread. Time is handed in, so that tests need no waiting.
 class LoginLimiter {
  public:
-  using TimePoint = Clock::TimePoint;
-
   explicit LoginLimiter(const LoginLimits& limits = {}) : limits_(limits) {}
 
   // A peer is ADDRESS:PORT, or [ADDRESS]:PORT, as Stream::peer() says it; its port does not matter.

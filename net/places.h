@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "net/timer.h"
+#include "net/times.h"
 
 namespace warpscope::net {
 

@@ -10,8 +10,8 @@
 #include <optional>
 #include <stop_token>
 
-#include "net/asio.h"
 #include "net/messages.h"
+#include "net/times.h"
 
 namespace warpscope::net {
 

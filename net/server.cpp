@@ -8,6 +8,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "net/login_limiter.h"
 #include "net/reading.h"
 #include "net/server_session.h"
 #include "net/tcp_stream.h"

@@ -11,7 +11,7 @@
 #include "net/byte_budget.h"
 #include "net/certificate.h"
 #include "net/io_thread.h"
-#include "net/login_limiter.h"
+#include "net/login_limits.h"
 #include "net/places.h"
 #include "net/request_queue.h"
 

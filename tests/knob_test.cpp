@@ -1,5 +1,6 @@
 // Rows of knobs: values as text and back, what is refused, values of techniques, and that the program's rows are fit for use.
 // Mirrors render/base/knob.h, render/march/march_knobs.h and the registry's part of render/warp/warp.h.
+#include "app/scene/json_document.h"
 #include "render/base/knob.h"
 
 #include <gmock/gmock.h>

@@ -11,6 +11,7 @@
 
 #include "app/experiment/effect_findings.h"
 #include "app/experiment/motion.h"
+#include "app/scene/json_document.h"
 
 namespace warpscope {
 namespace {

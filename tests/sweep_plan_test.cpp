@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <set>
 
+#include "app/scene/json_document.h"
 #include "app/scene/scene.h"
 #include "render/base/error.h"
 #include "render/warp/multihit_warp.h"

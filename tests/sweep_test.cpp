@@ -16,6 +16,7 @@
 #include "app/experiment/report.h"
 #include "app/picture/heat_map.h"
 #include "app/picture/svg_plot.h"
+#include "app/scene/json_document.h"
 #include "render/base/error.h"
 #include "render/warp/fill.h"
 #include "render/warp/kept_frames.h"

@@ -4,6 +4,7 @@
 
 #include "app/experiment/configuration.h"
 #include "app/frames/transport_knobs.h"
+#include "app/scene/scene.h"
 #include "app/session/picture_plan.h"
 #include "net/link_settings.h"
 #include "render/base/error.h"
@@ -63,7 +64,8 @@ std::string_view stageName(KnobStage stage) {
   return "";
 }
 
-Row knobRow(const Knob& knob, const std::string& owner) {
+/// `usual`: the value that it has where nobody says anything.
+Row knobRow(const Knob& knob, const std::string& owner, double usual) {
   const std::string unit(knob.unit.substr(knob.unit.starts_with(' ') ? 1 : 0));
   const bool hasDefault = &knob != &kServerSideKnob;
   return {code(knob.key),
@@ -72,17 +74,19 @@ Row knobRow(const Knob& knob, const std::string& owner) {
           std::string(knob.label),
           std::string(knob.help),
           valuesText(knob) + (unit.empty() ? "" : " " + unit),
-          hasDefault ? textOf(knob, knob.defaultValue) : "the pictures' longer side",
+          hasDefault ? textOf(knob, usual) : "the pictures' longer side",
           owner,
           std::string(stageName(knob.stale))};
 }
 
+Row knobRow(const Knob& knob, const std::string& owner) { return knobRow(knob, owner, knob.defaultValue); }
+
 std::string knobTable(const CLI::App&) {
   std::vector<Row> rows;
-  for (const MarchKnob& row : marchKnobs()) rows.push_back(knobRow(*row.knob, std::string(ownerName(row.knob->owner))));
+  for (const MarchKnob& row : marchKnobs()) rows.push_back(knobRow(*row.knob, std::string(ownerName(row.knob->owner)), row.get(defaultMarch())));
   for (const MarchText& text : marchTexts())
     rows.push_back({code(text.key), code(text.option), "", std::string(text.label), std::string(text.help), std::string(text.values),
-                    text.get(MarchSettings{}), std::string(ownerName(KnobOwner::effect)), std::string(stageName(KnobStage::march))});
+                    text.get(defaultMarch()), std::string(ownerName(KnobOwner::effect)), std::string(stageName(KnobStage::march))});
   rows.push_back(knobRow(kServerSideKnob, std::string(ownerName(kServerSideKnob.owner))));
   for (const Knob* knob : warpKnobs()) {
     std::string owners;

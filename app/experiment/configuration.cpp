@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"

@@ -3,16 +3,17 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "app/scene/json_document.h"
 #include "render/codec/codec.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
+
+class Node;
 
 struct Configuration {
   const WarpDescriptor* technique = nullptr;

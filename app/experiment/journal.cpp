@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "app/scene/json_document.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
 

@@ -2,6 +2,7 @@
 // HTML 5 with inline SVG and PNG; the one script sorts the table.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 

@@ -2,6 +2,7 @@
 // See sweep_file.h.
 #include "app/experiment/sweep_file.h"
 
+#include "app/scene/json_document.h"
 #include "render/base/error.h"
 
 namespace warpscope {

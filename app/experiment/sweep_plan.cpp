@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
 #include "render/base/error.h"
 #include "render/base/range.h"

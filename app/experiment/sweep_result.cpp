@@ -2,6 +2,8 @@
 // See sweep_result.h.
 #include "app/experiment/sweep_result.h"
 
+#include "app/scene/json_document.h"
+
 #include <cmath>
 #include <limits>
 

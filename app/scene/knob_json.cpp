@@ -2,6 +2,7 @@
 // See knob_json.h.
 #include "app/scene/knob_json.h"
 
+#include "app/scene/json_document.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
 

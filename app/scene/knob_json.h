@@ -2,13 +2,14 @@
 // Which ones there are, and what they may be: render/base/knob.h.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
-#include "app/scene/json_document.h"
 #include "render/base/knob.h"
 #include "render/march/march_knobs.h"
 
 namespace warpscope {
+
+class Node;
 
 /// The value under the knob's type: a number, a whole number, a choice's name, true or false.
 nlohmann::json jsonOf(const Knob& knob, double value);

@@ -255,40 +255,38 @@ void launchLightVolume(const LightVolumeJob& job, const VolumeView<Voxel>& view,
 #endif
 }
 
-/// How many kernels there are for a kind of voxel: one a heuristic where nothing is lit, with and without bins that are refined; where matter is lit, with
-/// shadows and without them, one for those of one pass and one for those of two, bins refined or not: compiled for each heuristic they would take three times as long, and the
-/// choice is lost beside the gradient.
+/// How many kernels there are for a kind of voxel: one a heuristic where nothing is lit, the rays are not divided, empty cells are passed over and no bin is
+/// refined, which is the usual march; one for the heuristics of one pass and one for those of two elsewhere. There the choice of a heuristic is lost beside
+/// gradients, calls of refined bins, second marches and voxels that nobody sees, while the compiler would need three times as long.
 template <class Voxel, bool kHasHoles, bool kByCells>
 void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, const ShadingSetup& shading, const LightVolume& lightVolume,
                  std::optional<Heuristic> heuristic, cudaStream_t stream) {
   const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
   visitLight(shading, lightVolume, [&](auto light) {
     using Light = decltype(light);
-    constexpr bool kIsLit = !std::is_same_v<Light, Unlit>;
+    constexpr bool kIsLit = !std::is_same_v<Light, Unlit>, kIsUsual = !kIsLit && kByCells && !kHasHoles;
     const auto visitRefined = [&](auto&& f) { kIsLit || job.view.transfer.isRefined ? f(std::true_type{}) : f(std::bool_constant<kIsLit>{}); };
-    const auto visitDepth = [&](auto&& f) {
-      if constexpr (kIsLit)
-        visitAnyHeuristic(*heuristic, f);
-      else
-        visitHeuristic(*heuristic, f);
-    };
     if (heuristic && job.segmentSlots > 0 && !job.isDivided) {
       visitAnyHeuristic(*heuristic, [&](auto depth) {
         launchWithMergers(marchSegmentedSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells>, grid, stream, job.segmentSlots, job, depth,
                           light);
       });
     } else if (heuristic) {
-      visitDepth([&](auto depth) {
-        using Depth = decltype(depth);
-        if (job.isDivided)
-          marchSeveralSamples<Depth, Light, Voxel, kHasHoles, kByCells>
-              <<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
-        else
-          visitRefined([&](auto isRefined) {
-            marchSamples<Depth, Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells>
-                <<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
-          });
-      });
+      const auto march = [&](auto depth, auto isRefined) {
+        marchSamples<decltype(depth), Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
+      };
+      if (job.isDivided) {
+        visitAnyHeuristic(*heuristic, [&](auto depth) {
+          marchSeveralSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
+        });
+      } else {
+        visitRefined([&](auto isRefined) {
+          if constexpr (kIsUsual && !decltype(isRefined)::value)
+            visitHeuristic(*heuristic, [&](auto depth) { march(depth, isRefined); });
+          else
+            visitAnyHeuristic(*heuristic, [&](auto depth) { march(depth, isRefined); });
+        });
+      }
     } else if (settings.arithmetic == Arithmetic::textbook) {
       marchColors<TextbookMarch, Light, false, Voxel, kHasHoles && TextbookMarch::kLeavesOutMissing, kByCells>
           <<<grid, kTileBlockThreads, 0, stream>>>(job, light);  // the table of textbooks is never refined

@@ -107,8 +107,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   net::ClientSettings settings;
   settings.depth = 2;
   settings.connectsAgain = false;
-  settings.opener = [&peer](const asio::any_io_executor& executor) {
-    return std::make_unique<AnsweringStream>(executor, peer);
+  settings.opener = [&peer](asio::io_context& context) {
+    return std::make_unique<AnsweringStream>(context.get_executor(), peer);
   };
   {
     net::Client client(io, settings, taker);
