@@ -141,6 +141,9 @@ TEST_F(Refusal, NumbersOutOfRange) {
       {{"--filled", "green"}, "--filled green"},   {{"--fill", "poxy"}, "did you mean 'proxy'"},  {{"--keep", "0"}, "--keep"},
       {{"--keep", "9"}, "1 and 8"},                {{"--mesh-cut", "0"}, "--mesh-cut"},           {{"--picture-plane", "near"}, "middle"},
       {{"--fill", "proxy", "--proxy", "0"}, "--proxy is 0"}, {{"--technique", "proxy", "--proxy", "0"}, "more than 0"},
+      {{"--show", "hols"}, "did you mean 'holes'"},     {{"--show", "holes", "--range", "1"}, "--range is for contents with a ramp"},
+      {{"--range", "1"}, "--range is for contents with a ramp"}, {{"--show", "flip", "--range", "0"}, "--range"},
+      {{"--show", "depth", "--technique", "reference"}, "reference draws none"},
   };
   for (const auto& [arguments, reason] : wrong) expectRefused(shot(arguments), kUsage, {reason});
   for (const char* value : {"179.99", "170.0000001", "0.000999"})

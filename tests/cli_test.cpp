@@ -2,6 +2,7 @@
 // docs: the contract is in README; refusals of wrong input are in cli_refusal_test.cpp.
 #include <sstream>
 
+#include "app/picture/content.h"
 #include "app/scene/scene.h"
 #include "render/march/march_settings.h"
 #include "render/warp/warp.h"
@@ -182,6 +183,25 @@ TEST_F(CommandLine, UncoveredPixelsTakeTheColourThatIsAskedFor) {
     EXPECT_EQ(marked[i] == 0xff34ab12u ? 0u : marked[i], plain[i]);
   }
   EXPECT_GT(uncovered, 100u);
+}
+
+TEST_F(CommandLine, ShotShowsWhatIsAskedFor) {
+  const auto shown = [&](const std::string& content, const Arguments& more = {}) {
+    Arguments arguments = quick({"shot", "block", "--technique", "spheres", "--view-angle", "20", "--show", content, "-o", content + ".png", "--json"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return document(arguments);
+  };
+  std::vector<std::string> pictures;
+  for (const ContentDescriptor& content : pictureContents()) {
+    const nlohmann::json report = shown(std::string(content.name));
+    EXPECT_EQ(report["show"]["content"], content.name);
+    EXPECT_EQ(report["show"].contains("high"), !content.unit.empty()) << content.name;
+    const Image<Rgba8> picture = readPng(folder_.path() / (std::string(content.name) + ".png"));
+    pictures.emplace_back(reinterpret_cast<const char*>(picture.data()), picture.size() * sizeof(Rgba8));
+    for (size_t other = 0; other + 1 < pictures.size(); ++other) EXPECT_NE(pictures[other], pictures.back()) << content.name << " and " << other;
+  }
+  EXPECT_EQ(shown("flip", {"--range", "0.25"})["show"]["high"], 0.25);
+  EXPECT_GT(shown("depth")["show"]["low"], 0.0);
 }
 
 TEST_F(CommandLine, TheSameCommandGivesTheSameBytes) {

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "app/experiment/auto_choice.h"
 #include "app/experiment/sweep.h"
 #include "app/experiment/sweep_file.h"
+#include "app/picture/content.h"
 #include "app/picture/picture.h"
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
@@ -36,6 +38,8 @@ struct ShotOptions {
   double viewAngleDeg = 0.0;
   std::string out;
   std::string front;
+  std::string show = "picture";
+  std::optional<double> range;
   std::optional<double> budgetMs, timeoutS;
 };
 
@@ -52,13 +56,11 @@ PictureFormat formatOf(const std::string& file) {
   throw UsageError("--out " + file + ": pictures are written as .png or .jpg, not as " + ending);
 }
 
-/// JPEG knows no transparency: it shows what a screen does.
-std::string encode(const WarpedImage& image, PictureFormat format, const CommandContext& work, const std::stop_token& stop) {
+std::string encode(const Image<Rgba8>& picture, PictureFormat format, const std::stop_token& stop) {
   switch (format) {
     case PictureFormat::png:
-      return encodePng(toPicture(image, work.marks), stop);
+      return encodePng(picture, stop);
     case PictureFormat::jpeg: {
-      const Image<Rgba8> picture = toScreen(image, work.scene.background, work.marks);
       std::vector<std::byte> bytes;
       appendJpeg(bytes, picture.data(), picture.width(), picture.height(), CodecSettings().jpegQuality);
       return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -67,7 +69,22 @@ std::string encode(const WarpedImage& image, PictureFormat format, const Command
   throw std::logic_error("a picture's format is none");
 }
 
+/// What of the picture is written. A PNG of the picture itself is transparent where nothing is; JPEG knows no transparency, and shows what a screen does.
+ShownContent shownOf(const WarpedImage& image, PictureContent content, PictureFormat format, const ContentInputs& inputs, const ShotOptions& options,
+                     const CommandContext& work) {
+  if (content == PictureContent::picture && format == PictureFormat::png) return {.picture = toPicture(image, work.marks)};
+  return show(content, inputs, options.range ? std::optional(static_cast<float>(*options.range)) : std::nullopt);
+}
+
+/// "depth from 212 to 530 volume units".
+std::string rampText(const ShownContent& shown, const ContentDescriptor& content) {
+  char ends[64];
+  std::snprintf(ends, sizeof ends, " from %.4g to %.4g", static_cast<double>(shown.low), static_cast<double>(shown.high));
+  return std::string(content.name) + ends + (content.unit == "1" ? "" : " " + std::string(content.unit));
+}
+
 constexpr Range kViewAngleDegRange{-360.0, 360.0};
+constexpr Range kContentRange{1e-6, 1e6};
 constexpr Range kTimeoutSRange{1.0, 86400.0};
 
 /// What `auto` may choose: what was asked for stays.
@@ -134,6 +151,11 @@ void askForWhatIsDrawn(const WarpDescriptor& technique, CommandContext& work) {
 void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& limit) {
   requireRange(options.viewAngleDeg, kViewAngleDegRange, "--view-angle");
   const PictureFormat format = formatOf(options.out);
+  const PictureContent content = choose("content", options.show, pictureContents());
+  if (options.range) {
+    requireRange(*options.range, kContentRange, "--range");
+    if (describe(content).unit.empty()) throw UsageError("--range is for contents with a ramp of colours, which --show " + options.show + " has not");
+  }
   const bool isAutomatic = options.technique == kAuto;
   const WarpDescriptor* chosen = isAutomatic ? nullptr : &findWarp(options.technique);
   if (!isAutomatic && (options.budgetMs || !options.front.empty()))
@@ -150,7 +172,10 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
     chosen = choice->configuration.technique;
   }
   const WarpDescriptor& descriptor = *chosen;
-  auto progress = std::make_unique<Progress>("shot", descriptor.usesFrame ? 3 : 2, !options.common.showsProgress());
+  const bool hasReference = describe(content).usesReference;
+  if (describe(content).usesSamples && !descriptor.usesFrame)
+    throw UsageError("--show " + options.show + " is about samples, and --technique " + std::string(descriptor.name) + " draws none");
+  auto progress = std::make_unique<Progress>("shot", (descriptor.usesFrame ? 3 : 2) + (hasReference ? 1 : 0), !options.common.showsProgress());
   const WarpResources resources = headless.resources();
   const std::unique_ptr<Warp> warp = makeWarp(descriptor, resources);
 
@@ -171,11 +196,25 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
   warp->setFrame(frame, work.warp, limit.token());
   WarpedImage image;
   warp->draw(camera, work.warp, image, limit.token());
+  WarpedImage truth;
+  if (hasReference) {
+    progress->step("the ground truth");
+    const std::unique_ptr<Warp> reference = makeWarp(findWarp("reference"), resources);
+    reference->setFrame(nullptr, work.warp, limit.token());
+    reference->draw(camera, work.warp, truth, limit.token());
+  }
   limit.lift();
   if (frame) logFrame(*frame);
   logDetail("drew " + std::to_string(work.width) + "x" + std::to_string(work.height) + " pixels with " + std::string(descriptor.name));
   progress->step("the file");
-  writeFileWhole(options.out, encode(image, format, work, interrupt.token()), interrupt.token());
+  const ContentInputs inputs{.image = image,
+                             .camera = camera,
+                             .background = work.scene.background,
+                             .marks = work.marks,
+                             .reference = hasReference ? &truth.color : nullptr,
+                             .frame = frame.get()};
+  const ShownContent shown = shownOf(image, content, format, inputs, options, work);
+  writeFileWhole(options.out, encode(shown.picture, format, interrupt.token()), interrupt.token());
   progress.reset();
 
   if (options.common.json) {
@@ -186,12 +225,14 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
                                 {"bytes", served.bytes.ofFrame()},
                                 {"transport", toJson(work.transport)},
                                 {"latency", frame ? toJson(served.latency) : nlohmann::json(nullptr)}};
+    report["show"] = {{"content", options.show}};
+    if (shown.hasRamp) report["show"].update({{"low", shown.low}, {"high", shown.high}, {"unit", describe(content).unit}});
     report.update(toJson(work.march));
     if (choice)
       report["auto"] = {{"reason", choice->reason}, {"flip", choice->flip}, {"frameMs", choice->frameMs}, {"configuration", toJson(choice->configuration)}};
     std::cout << textOf(report);
   } else {
-    logResult("wrote " + options.out);
+    logResult("wrote " + options.out + (shown.hasRamp ? ": " + rampText(shown, describe(content)) : std::string()));
   }
 }
 
@@ -225,6 +266,9 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--view-angle", options->viewAngleDeg,
                       "Degrees that the camera turns about the vertical axis, " + rangeText(kViewAngleDegRange))
       ->capture_default_str();
+  command->add_option("--show", options->show, "What of the picture is written: " + listOf(pictureContents()))->capture_default_str();
+  command->add_option("--range", options->range,
+                      "What the upper end of the content's colours stands for, " + rangeText(kContentRange) + "; default: 0.5 for differences and flip, else the largest in the picture");
   command->add_option("--timeout", options->timeoutS,
                       "Seconds that all answers of a server may take together, " + rangeText(kTimeoutSRange) + "; default: as long as it is there");
   command->add_option("-o,--out", options->out, "PNG or JPEG file to write, as its ending says: .png or .jpg")->required();

@@ -1,0 +1,58 @@
+// What of a warped picture is looked at: itself, where and how much it is wrong, what its pixels are made of.
+// One list and one set of operations on images for the window's panels and the command line.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "render/core/color.h"
+#include "render/core/image.h"
+#include "render/march/sample_frame.h"
+#include "render/warp/warp.h"
+
+namespace warpscope {
+
+enum class PictureContent { picture, difference, absoluteDifference, flip, holes, opacity, depth, radius };
+
+/// One row of pictureContents().
+struct ContentDescriptor {
+  std::string_view name;   ///< on the command line
+  PictureContent value;
+  std::string_view label;  ///< in the window
+  std::string_view help;   ///< one sentence without its full stop
+  bool usesReference = false;
+  bool usesSamples = false;  ///< shows nothing of pictures whose pixels do not say which sample of a frame they show
+  std::string_view unit;     ///< of the ramp's ends; empty where there is no ramp, "1" for pure numbers
+  std::optional<float> usualRange;  ///< what the ramp's upper end stands for unless somebody says; nothing: the largest value in the picture, or no ramp
+};
+
+std::span<const ContentDescriptor> pictureContents();
+const ContentDescriptor& describe(PictureContent content);
+
+/// What a content is made of.
+struct ContentInputs {
+  const WarpedImage& image;
+  Camera camera;            ///< that it was drawn for
+  glm::vec3 background{0.0f};  ///< linear RGB
+  PixelMarks marks{};          ///< for the picture itself, and the colours of holes (magenta and cyan where there are none)
+  const Image<glm::vec4>* reference = nullptr;  ///< linear and premultiplied, as large as the image; where the content uses it
+  const SampleFrame* frame = nullptr;  ///< that the image's samples are of; where the content uses it
+};
+
+/// A content as a screen shows it.
+struct ShownContent {
+  Image<Rgba8> picture;  ///< opaque
+  bool hasRamp = false;
+  float low = 0.0f, high = 0.0f;  ///< what the ramp's ends stand for; of a difference the ramp's middle is 0
+};
+
+/// `range`: what the ramp's upper end stands for, more than 0, in the content's unit; the lower end is 0 or, of a difference, its opposite. Without it:
+/// usualRange, or the picture's own extent. Pixels of which the content says nothing are dark grey. Throws InputError where the reference or the frame is missing
+/// or of another size, where a pixel is not finite, and where no pixel says which sample it shows.
+ShownContent show(PictureContent content, const ContentInputs& inputs, std::optional<float> range = {});
+
+/// A ramp from blue at -1 over black at 0 to orange at 1: told apart with any colour vision. Clamps; NaN is 0.
+Rgba8 differenceColor(float value);
+
+}  // namespace warpscope
