@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <glm/glm.hpp>
 #include <limits>
 #include <map>
 #include <memory>

@@ -61,9 +61,6 @@ Rgba8 parseColor(const std::string& option, const std::string& text) {
   return (rgb >> 16 & 255) | (rgb & 0xff00) | (rgb & 255) << 16 | 0xff000000u;
 }
 
-constexpr Choice<gl::Platform> kPlatforms[] = {
-    {"auto", gl::Platform::automatic}, {"egl", gl::Platform::egl}, {"osmesa", gl::Platform::osmesa}};
-
 /// "auto", and every marcher by its name.
 std::vector<Choice<Backend>> backendChoices() {
   std::vector<Choice<Backend>> choices{{nameOf(Backend::automatic), Backend::automatic}};
@@ -140,7 +137,7 @@ CheckedOptions check(const CommonOptions& options) {
     checked.height = size[1];
   }
   checked.marks = {parseColor("--uncovered", options.uncovered), parseColor("--filled", options.filled)};
-  checked.platform = choose("OpenGL platform", options.gl, kPlatforms);
+  checked.platform = choose("OpenGL platform", options.gl, gl::kPlatforms);
   checked.backend = choose("backend", options.backend, backendChoices());
   checked.given = options.knobs.check();
   for (const auto& [text, typed] : options.texts) {

@@ -120,6 +120,7 @@ void logFrame(const SampleFrame& frame);
 /// What `command` is and does; each adds itself to the program and runs when its turn comes.
 void addServeCommand(CLI::App& program, std::function<void()>& chosen);
 void addShotCommand(CLI::App& program, std::function<void()>& chosen);
+void addCheckCommand(CLI::App& program, std::function<void()>& chosen);
 void addCompareCommand(CLI::App& program, std::function<void()>& chosen);
 void addBenchCommand(CLI::App& program, std::function<void()>& chosen);
 void addPlanCommand(CLI::App& program, std::function<void()>& chosen);

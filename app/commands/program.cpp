@@ -93,6 +93,7 @@ int run(int argc, char** argv) {
   addServeCommand(program, chosen);
   addShotCommand(program, chosen);
   addCompareCommand(program, chosen);
+  addCheckCommand(program, chosen);
   addBenchCommand(program, chosen);
   addPlanCommand(program, chosen);
   addSweepCommand(program, chosen);

@@ -5,6 +5,8 @@
 #include "app/scene/json_document.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
+#include "render/core/color.h"
+#include "render/warp/warp.h"
 
 namespace warpscope {
 
@@ -38,6 +40,32 @@ void readText(const Node& node, const MarchText& text, MarchSettings& settings) 
   } catch (const UsageError& error) {
     node.fail(std::string("holds what is no list of ") + std::string(text.noun) + ": " + error.what());
   }
+}
+
+void readMarch(const Node& node, MarchSettings& march) {
+  std::vector<std::string_view> keys;
+  for (const MarchKnob& row : marchKnobs()) keys.push_back(row.knob->key);
+  for (const MarchText& text : marchTexts()) keys.push_back(text.key);
+  node.requireObject(keys);
+  for (const MarchKnob& row : marchKnobs())
+    if (const auto given = node.find(row.knob->key)) row.set(march, readKnob(*given, *row.knob));
+  for (const MarchText& text : marchTexts())
+    if (const auto given = node.find(text.key)) readText(*given, text, march);
+}
+
+void readWarpKnobs(const Node& node, KnobValues& knobs) {
+  std::vector<std::string_view> keys;
+  for (const Knob* knob : warpKnobs()) keys.push_back(knob->key);
+  node.requireObject(keys);
+  for (const Knob* knob : warpKnobs())
+    if (const auto given = node.find(knob->key)) knobs.set(*knob, readKnob(*given, *knob));
+}
+
+glm::vec3 readColor(const Node& node) {
+  const std::vector<Node> elements = node.elements(3, 3);
+  glm::vec3 color;
+  for (size_t i = 0; i < 3; ++i) color[static_cast<int>(i)] = linearFromSrgb(static_cast<float>(elements[i].number(0.0, 1.0)));
+  return color;
 }
 
 nlohmann::json toJson(const MarchSettings& settings) {

@@ -51,13 +51,6 @@ glm::dvec3 readDirection(const Node& node) {
   return glm::normalize(vector);
 }
 
-/// Colours stand in files as sRGB, 0..1.
-glm::vec3 readColor(const Node& node) {
-  const glm::dvec3 color = readVector(node, 0.0, 1.0);
-  return {linearFromSrgb(static_cast<float>(color.r)), linearFromSrgb(static_cast<float>(color.g)),
-          linearFromSrgb(static_cast<float>(color.b))};
-}
-
 TransferFunction readTransferFunction(const Node& node) {
   constexpr std::string_view kKeys[] = {"points"};
   node.requireObject(kKeys);
@@ -72,17 +65,6 @@ TransferFunction readTransferFunction(const Node& node) {
       value.fail("must not be less than the point's before");
   }
   return function;
-}
-
-void readMarch(const Node& node, MarchSettings& march) {
-  std::vector<std::string_view> keys;
-  for (const MarchKnob& row : marchKnobs()) keys.push_back(row.knob->key);
-  for (const MarchText& text : marchTexts()) keys.push_back(text.key);
-  node.requireObject(keys);
-  for (const MarchKnob& row : marchKnobs())
-    if (const auto given = node.find(row.knob->key)) row.set(march, readKnob(*given, *row.knob));
-  for (const MarchText& text : marchTexts())
-    if (const auto given = node.find(text.key)) readText(*given, text, march);
 }
 
 View readView(const Node& node) {

@@ -4,14 +4,20 @@
 
 #include <glad/gl.h>
 
+#include <array>
 #include <memory>
 #include <string>
 #include <string_view>
+
+#include "render/base/named_value.h"
 
 namespace warpscope::gl {
 
 /// How to reach OpenGL without a window. `automatic` tries EGL, then OSMesa.
 enum class Platform { automatic, egl, osmesa };
+
+inline constexpr std::array<NamedValue<Platform>, 3> kPlatforms{{
+    {Platform::automatic, "auto", ""}, {Platform::egl, "egl", "EGL, on a GPU or Mesa's drivers"}, {Platform::osmesa, "osmesa", "Mesa, into memory"}}};
 
 /// A context without a default framebuffer (draw into your own). Belongs to the thread on which it was made current last.
 class Context {
