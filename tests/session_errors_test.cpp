@@ -2,6 +2,7 @@
 // Mirrors app/session/live_ground_truth.h, the errors of app/session/live_panel.h and app/session/picture_timing.h. Threads are real, volumes and images tiny.
 #include <cmath>
 
+#include "app/picture/content.h"
 #include "app/picture/heat_map.h"
 #include "render/warp/points_warp.h"
 #include "tests/session_fixture.h"
@@ -54,7 +55,10 @@ TEST_F(SessionErrorsTest, AreThoseOfTheJudgeOnTheSamePictures) {
     EXPECT_DOUBLE_EQ(errors.psnrDb, expected.psnrDb);
     EXPECT_DOUBLE_EQ(errors.ssim, expected.ssim);
     EXPECT_DOUBLE_EQ(errors.holeFraction, expected.holeFraction);
-    EXPECT_EQ(*session_.panel(i).heatMap.host, heatMap(map, kHeatGain));
+    session_.setContent(i, PictureContent::flip);
+    ASSERT_TRUE(settle());
+    EXPECT_EQ(*session_.panel(i).shownContent.picture.host, heatMap(map, kHeatGain));
+    EXPECT_DOUBLE_EQ(session_.panel(i).errors->flip, expected.flip);  // found again, and the same
   }
   EXPECT_NE(session_.panel(0).errors->flip, session_.panel(1).errors->flip);  // hold and spheres
 }
@@ -99,36 +103,71 @@ TEST_F(SessionErrorsTest, AMovingCameraGetsItsPicturesWhileJudgesAreAtWork) {
   EXPECT_TRUE(session.close(kPatience));
 }
 
-TEST_F(SessionErrorsTest, AHeatMapIsOnShowOnlyWhileItIsTrue) {
+TEST_F(SessionErrorsTest, AContentIsOnShowOnlyWhileItIsTrue) {
   ASSERT_TRUE(open("block"));
-  EXPECT_FALSE(session_.panel(1).hasHeatMapOnShow());
-  session_.setShowsHeatMap(1, true);
-  EXPECT_TRUE(session_.panel(1).hasHeatMapOnShow());
-  EXPECT_FALSE(session_.panel(0).hasHeatMapOnShow());
-  EXPECT_EQ(session_.panel(1).heatMap.width(), session_.panel(1).picture.width());
-  EXPECT_EQ(session_.panel(1).heatMap.height(), session_.panel(1).picture.height());
+  EXPECT_FALSE(session_.panel(1).hasContentOnShow());
+  session_.setContent(1, PictureContent::flip);
+  ASSERT_TRUE(settle());
+  EXPECT_TRUE(session_.panel(1).hasContentOnShow());
+  EXPECT_FALSE(session_.panel(0).hasContentOnShow());
+  EXPECT_EQ(session_.panel(1).shownContent.picture.width(), session_.panel(1).picture.width());
+  EXPECT_EQ(session_.panel(1).shownContent.picture.height(), session_.panel(1).picture.height());
 
-  const ShownPicture atHome = session_.panel(1).heatMap;
+  const ShownPicture atHome = session_.panel(1).shownContent.picture;
   turn(session_, 20.0);
   session_.update(clock_.now());
-  EXPECT_FALSE(session_.panel(1).hasHeatMapOnShow());  // moving
+  EXPECT_FALSE(session_.panel(1).hasContentOnShow());  // moving
   ASSERT_TRUE(settle());
-  EXPECT_TRUE(session_.panel(1).hasHeatMapOnShow());
-  EXPECT_NE(session_.panel(1).heatMap, atHome);
+  EXPECT_TRUE(session_.panel(1).hasContentOnShow());
+  EXPECT_NE(session_.panel(1).shownContent.picture, atHome);
 
   session_.setTechnique(1, findWarp("hold"));
-  EXPECT_FALSE(session_.panel(1).hasHeatMapOnShow());  // that of another technique
+  EXPECT_FALSE(session_.panel(1).hasContentOnShow());  // that of another technique
   ASSERT_TRUE(settle());
-  EXPECT_TRUE(session_.panel(1).hasHeatMapOnShow());
-  session_.setShowsHeatMap(1, false);
-  EXPECT_FALSE(session_.panel(1).hasHeatMapOnShow());
+  EXPECT_TRUE(session_.panel(1).hasContentOnShow());
+  session_.setContent(1, PictureContent::picture);
+  EXPECT_FALSE(session_.panel(1).hasContentOnShow());
 
-  session_.setShowsHeatMap(1, true);
+  session_.setContent(1, PictureContent::flip);
   session_.load(builtin("shells"));
   ASSERT_TRUE(pumpUntil([&] { return session_.scene()->name == "shells"; }));
-  EXPECT_FALSE(session_.panel(1).hasHeatMapOnShow());
+  EXPECT_FALSE(session_.panel(1).hasContentOnShow());
   ASSERT_TRUE(settle());
-  EXPECT_TRUE(session_.panel(1).hasHeatMapOnShow());  // the wish stays
+  EXPECT_TRUE(session_.panel(1).hasContentOnShow());  // the wish stays
+}
+
+TEST_F(SessionErrorsTest, EveryContentIsShownOrSaysWhyNot) {
+  ASSERT_TRUE(open("block"));  // hold and spheres
+  turn(session_, 10.0);
+  ASSERT_TRUE(settle());
+  const auto history = session_.panel(1).history.steps(clock_.now()).size();
+  std::vector<Image<Rgba8>> pictures;
+  for (const ContentDescriptor& content : pictureContents()) {
+    if (content.value == PictureContent::picture) continue;
+    for (size_t i = 0; i < kPanelCount; ++i) session_.setContent(i, content.value);
+    ASSERT_TRUE(settle()) << content.name;
+    ASSERT_TRUE(session_.panel(1).hasContentOnShow()) << content.name;
+    const PanelContent& shown = session_.panel(1).shownContent;
+    EXPECT_EQ(shown.hasRamp, !content.unit.empty()) << content.name;
+    for (const Image<Rgba8>& other : pictures) EXPECT_NE(*shown.picture.host, other) << content.name;
+    pictures.push_back(*shown.picture.host);
+    // What is held still shows pixels, not samples at places.
+    EXPECT_EQ(session_.panel(0).hasContentOnShow(), session_.panel(0).shownContent.refusal.empty()) << content.name;
+  }
+  EXPECT_EQ(session_.panel(1).history.steps(clock_.now()).size(), history);  // looking at something else is no new measurement
+  session_.setContent(1, PictureContent::difference, 0.01f);
+  ASSERT_TRUE(settle());
+  EXPECT_EQ(session_.panel(1).shownContent.high, 0.01f);
+  EXPECT_NE(*session_.panel(1).shownContent.picture.host, pictures.front());  // in another range
+}
+
+TEST_F(SessionErrorsTest, WhatTheGroundTruthHasNoSamplesForIsRefused) {
+  session_.setTechnique(1, findWarp("reference"));
+  ASSERT_TRUE(open("block"));
+  session_.setContent(1, PictureContent::depth);
+  ASSERT_TRUE(settle());
+  EXPECT_FALSE(session_.panel(1).hasContentOnShow());
+  EXPECT_NE(session_.panel(1).shownContent.refusal, "");
 }
 
 TEST_F(SessionErrorsTest, TheHistoryHasAGapWhileTheCameraMoves) {

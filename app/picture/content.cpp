@@ -100,6 +100,15 @@ std::span<const ContentDescriptor> pictureContents() { return kContents; }
 
 const ContentDescriptor& describe(PictureContent content) { return kContents[static_cast<size_t>(content)]; }
 
+Rgba8 rampColor(PictureContent content, float share) {
+  switch (content) {
+    case PictureContent::difference: return differenceColor(2.0f * share - 1.0f);
+    case PictureContent::absoluteDifference:
+    case PictureContent::opacity: return opaque(glm::vec3(share));
+    default: return heatColor(share);
+  }
+}
+
 Rgba8 differenceColor(float value) {
   const float share = std::isnan(value) ? 0.0f : std::clamp(value, -1.0f, 1.0f);
   constexpr glm::vec3 kBlue{0.25f, 0.6f, 1.0f}, kOrange{1.0f, 0.6f, 0.1f};
@@ -126,6 +135,7 @@ ShownContent show(PictureContent content, const ContentInputs& inputs, std::opti
     case PictureContent::absoluteDifference:
       return {made<Rgba8>(color, [&](size_t i) { return opaque(glm::abs(ofPicture(i) - ofTruth(i)) / scale); }), true, 0.0f, scale};
     case PictureContent::flip: {
+      if (inputs.flip != nullptr) return ramped(*inputs.flip, 0.0f, scale);
       Image<float> map;
       PictureJudge(*inputs.reference, inputs.background).errorsOf(inputs.image, nullptr, &map);
       return ramped(map, 0.0f, scale);

@@ -38,6 +38,7 @@ struct ContentInputs {
   PixelMarks marks{};          ///< for the picture itself, and the colours of holes (magenta and cyan where there are none)
   const Image<glm::vec4>* reference = nullptr;  ///< linear and premultiplied, as large as the image; where the content uses it
   const SampleFrame* frame = nullptr;  ///< that the image's samples are of; where the content uses it
+  const Image<float>* flip = nullptr;  ///< FLIP of each pixel, if that was found already
 };
 
 /// A content as a screen shows it.
@@ -51,6 +52,9 @@ struct ShownContent {
 /// usualRange, or the picture's own extent. Pixels of which the content says nothing are dark grey. Throws InputError where the reference or the frame is missing
 /// or of another size, where a pixel is not finite, and where no pixel says which sample it shows.
 ShownContent show(PictureContent content, const ContentInputs& inputs, std::optional<float> range = {});
+
+/// The colour at a share of the content's ramp, 0 to 1.
+Rgba8 rampColor(PictureContent content, float share);
 
 /// A ramp from blue at -1 over black at 0 to orange at 1: told apart with any colour vision. Clamps; NaN is 0.
 Rgba8 differenceColor(float value);

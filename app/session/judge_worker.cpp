@@ -3,7 +3,6 @@
 #include "app/session/judge_worker.h"
 
 #include "app/frames/frame_fetch.h"
-#include "app/picture/heat_map.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
 #include "render/metrics/holes.h"
@@ -65,6 +64,36 @@ class PictureOfFrame {
 
 }  // namespace
 
+namespace {
+
+/// What the job's content is of its picture.
+PanelContent contentOf(const JudgeJob& job, const Image<float>& flip) {
+  PanelContent found;
+  found.what = job.content;
+  if (job.content == PictureContent::picture) return found;
+  const WarpJob& drawn = job.drawn.job;
+  try {
+    ShownContent content = show(job.content,
+                                {.image = *job.drawn.judged,
+                                 .camera = drawn.camera,
+                                 .background = drawn.background,
+                                 .marks = drawn.marks,
+                                 .reference = &drawn.reference->color(),
+                                 .frame = drawn.frame.get(),
+                                 .flip = &flip},
+                                job.contentRange);
+    found.picture.host = std::make_shared<const Image<Rgba8>>(std::move(content.picture));
+    found.hasRamp = content.hasRamp;
+    found.low = content.low;
+    found.high = content.high;
+  } catch (const InputError& error) {
+    found.refusal = error.what();
+  }
+  return found;
+}
+
+}  // namespace
+
 JudgeFunction makeJudge() {
   return [device = std::make_shared<DeviceJudge>(), hasFailed = false](const std::shared_ptr<const ReferenceImage>& reference, const WarpedImage& image,
                                                                        Image<float>& map) mutable {
@@ -88,7 +117,7 @@ std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<voi
           judgement.job = job;
           Image<float> map;
           judgement.errors = judge(job.drawn.job.reference, *job.drawn.judged, map);
-          judgement.heatMap.host = std::make_shared<const Image<Rgba8>>(heatMap(map, kHeatGain));
+          judgement.content = contentOf(job, map);
           if (drawsPictureAlone(*job.drawn.job.technique) && job.configuration)
             judgement.pictureBytes = picture.bytes(job.drawn.job.frame, job.drawn.job.background, job.configuration->codec);
         };

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "app/experiment/configuration.h"
+#include "app/session/panel_content.h"
 #include "app/session/warp_worker.h"
 #include "render/base/newest_worker.h"
 
@@ -16,12 +17,14 @@ namespace warpscope {
 struct JudgeJob {
   WarpResult drawn;                            ///< with `judged` and its job's `reference`
   std::optional<Configuration> configuration;  ///< that drew it, if it is known
+  PictureContent content = PictureContent::picture;  ///< that is to be found besides
+  std::optional<float> contentRange;                 ///< of its ramp
 };
 
 struct Judgement {
   JudgeJob job;            ///< that was done
   PictureErrors errors;
-  ShownPicture heatMap;    ///< FLIP for each pixel, see heat_map.h; of the size of what was judged
+  PanelContent content;    ///< that was wanted; nothing of the picture itself
   std::optional<size_t> pictureBytes;  ///< pictureBytes() of the frame, where the technique needs no more of it and its configuration is known
   std::string error;
 };

@@ -18,6 +18,18 @@ void LivePanel::setChoice(std::optional<Configuration> choice, std::string text)
   shown_.choiceText = std::move(text);
 }
 
+void LivePanel::setContent(PictureContent content, std::optional<float> range) {
+  if (shown_.content == content && shown_.contentRange == range) return;
+  shown_.content = content;
+  shown_.contentRange = range;
+  if (content == PictureContent::picture) return;
+  shown_.lastContent = content;
+  if (!posted_) return;
+  posted_->content = content;
+  posted_->contentRange = range;
+  judge_->post(*posted_);
+}
+
 bool LivePanel::setTechnique(const WarpDescriptor& technique) {
   if (shown_.technique == &technique) return false;
   shown_.technique = &technique;
@@ -33,12 +45,15 @@ void LivePanel::clear() {
   Panel fresh;
   fresh.technique = shown_.technique;
   fresh.isAutomatic = shown_.isAutomatic;
-  fresh.showsHeatMap = shown_.showsHeatMap;
+  fresh.content = shown_.content;
+  fresh.lastContent = shown_.lastContent;
+  fresh.contentRange = shown_.contentRange;
   shown_ = std::move(fresh);
   job_ = {};
   isDrawing_ = false;
   drawnId_ = 0;
   judged_.reset();
+  posted_.reset();
   timed_ = {};
 }
 
@@ -74,7 +89,9 @@ void LivePanel::show(WarpResult drawn, const std::optional<FrameRequests::Arriva
   shown_.drawMs = drawn.drawMs;
   shown_.displayMs = millisecondsBetween(drawn.finishedAt, std::chrono::steady_clock::now());
   shown_.configuration = std::move(configuration);
-  if (drawn.judged) judge_->post({std::move(drawn), shown_.configuration});
+  if (!drawn.judged) return;
+  posted_ = JudgeJob{std::move(drawn), shown_.configuration, shown_.content, shown_.contentRange};
+  judge_->post(*posted_);
 }
 
 bool LivePanel::isJudged(const JudgeJob& job, const LiveGroundTruth& truth) const {
@@ -98,12 +115,14 @@ LivePanel::ErrorNews LivePanel::takeErrors(const LiveGroundTruth& truth, TimePoi
     if (news.happened && !judgement->error.empty()) {
       news.error = std::move(judgement->error);
     } else if (news.happened) {
+      // The same picture again, for the sake of another content, has the errors that it had.
+      const bool isAgain = judged_ && judged_->job.drawn.picture == judged.job.drawn.picture && judged_->job.drawn.job.reference == judged.job.drawn.job.reference;
       shown_.errors = judgement->errors;
       if (judgement->pictureBytes && judged.job.drawn.requestId() == shown_.requestId) shown_.bytes = judgement->pictureBytes;
-      shown_.heatMap = std::move(judgement->heatMap);
-      shown_.history.add(now, shown_.errors->flip);
+      shown_.shownContent = std::move(judgement->content);
+      if (!isAgain) shown_.history.add(now, shown_.errors->flip);
       const Camera& camera = judged.job.drawn.job.reference->job().camera;
-      if (judged.job.configuration)
+      if (judged.job.configuration && !isAgain)
         news.found = NewErrors{*judged.job.configuration, {camera.width, camera.height},
                                angleBetweenDeg(judged.job.drawn.job.frame->camera, camera), shown_.errors->flip};
       judged_ = std::move(judged);
@@ -121,7 +140,10 @@ bool LivePanel::mayShow(uint64_t requestId) const {
 }
 
 bool LivePanel::isAtRest(const LiveGroundTruth& truth) const {
-  return !isDrawing_ && (!shown_.error.empty() || (judged_ && isJudged(judged_->job, truth)));
+  if (isDrawing_) return false;
+  if (!shown_.error.empty()) return true;
+  return judged_ && isJudged(judged_->job, truth) &&
+         (shown_.content == PictureContent::picture || (judged_->job.content == shown_.content && judged_->job.contentRange == shown_.contentRange));
 }
 
 bool LivePanel::wantsTime() const { return shown_.configuration && shown_.error.empty() && timed_ != shown_.picture; }

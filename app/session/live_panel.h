@@ -22,7 +22,8 @@ class LivePanel {
   LivePanel(std::unique_ptr<WarpWorker> warp, std::unique_ptr<JudgeWorker> judge);
 
   const Panel& shown() const { return shown_; }
-  void setShowsHeatMap(bool shows) { shown_.showsHeatMap = shows; }
+  /// What is shown in place of the picture, or the picture itself, and how far its ramp goes.
+  void setContent(PictureContent content, std::optional<float> range);
   void setAutomatic(bool isAutomatic) { shown_.isAutomatic = isAutomatic; }
   /// What a panel that chooses by itself chose, and why.
   void setChoice(std::optional<Configuration> choice, std::string text);
@@ -84,6 +85,7 @@ class LivePanel {
   bool isDrawing_ = false;        // that job is not answered yet
   uint64_t drawnId_ = 0;          // of the frame that was drawn last, or that could not be drawn
   std::optional<Judged> judged_;  // what the panel's errors are of
+  std::optional<JudgeJob> posted_;  // to the judge, last
   ShownPicture timed_;            // that was timed last
   std::unique_ptr<WarpWorker> warp_;
   std::unique_ptr<JudgeWorker> judge_;

@@ -11,6 +11,7 @@
 #include "app/frames/frame_source.h"
 #include "app/picture/shown_picture.h"
 #include "app/session/error_history.h"
+#include "app/session/panel_content.h"
 #include "app/session/warp_worker.h"
 #include "render/metrics/picture_errors.h"
 
@@ -48,11 +49,13 @@ struct Panel {
   /// They are those of the picture that is shown or, where the ground truth follows the moving camera (LiveGroundTruth::followsCamera), of one shown
   /// less than kLiveErrors ago by the same technique, or instead of it by the same shortcut.
   bool errorsAreCurrent = false;
-  ShownPicture heatMap;                 ///< FLIP pixel by pixel, of `errors`
-  bool showsHeatMap = false;            ///< the user wants it instead of the picture
+  PictureContent content = PictureContent::picture;      ///< what the user wants to see
+  PictureContent lastContent = PictureContent::flip;     ///< that was wanted last in place of the picture
+  std::optional<float> contentRange;                     ///< of its ramp, if the user said one
+  PanelContent shownContent;                             ///< found as `errors` are, and true as long
   ErrorHistory history;                 ///< of FLIP
 
-  bool hasHeatMapOnShow() const { return showsHeatMap && errorsAreCurrent && heatMap; }
+  bool hasContentOnShow() const { return content != PictureContent::picture && errorsAreCurrent && shownContent.what == content && shownContent.picture; }
 };
 
 }  // namespace warpscope

@@ -69,7 +69,8 @@ class Session {
   void setAutomatic(size_t panel) { panels_[panel].setAutomatic(true); }
   /// A sweep to choose by; null for none.
   void setFront(std::shared_ptr<const AutoChoice> front) { front_ = std::move(front); }
-  void setShowsHeatMap(size_t panel, bool shows) { panels_[panel].setShowsHeatMap(shows); }
+  /// What the panel shows in place of its picture, or the picture itself. `range`: what the upper end of the content's ramp stands for (content.h).
+  void setContent(size_t panel, PictureContent content, std::optional<float> range = {}) { panels_[panel].setContent(content, range); }
   /// Whether somebody looks at what the stages of the march cost: it is measured only then.
   void setShowsPlan(bool shows) { showsPlan_ = shows; }
   /// Takes over that configuration's technique for the panel, and the knobs that it depends on for all.

@@ -126,6 +126,12 @@ class MainView {
   std::unique_ptr<FileSorter> fileSorter_ = makeFileSorter([] { Window::wake(); });
 };
 
+/// From the picture to what was shown in its place last, and back.
+void toggleContent(Session& session, size_t index) {
+  const Panel& panel = session.panel(index);
+  session.setContent(index, panel.content == PictureContent::picture ? panel.lastContent : PictureContent::picture, panel.contentRange);
+}
+
 /// Keys that act on the session. Returns false for those that close the window.
 bool handleKeys(Window& window, Session& session, std::optional<size_t> panel) {
   for (const KeyPress& key : window.takeKeyPresses()) {
@@ -141,7 +147,7 @@ bool handleKeys(Window& window, Session& session, std::optional<size_t> panel) {
     }
     if (key.character == 'e') session.setShowsPlan(!session.showsPlan());
     if (key.character == '0' && panel) session.setAutomatic(*panel);
-    if (key.character == 'h' && panel) session.setShowsHeatMap(*panel, !session.panel(*panel).showsHeatMap);
+    if (key.character == 'h' && panel) toggleContent(session, *panel);
     const size_t number = static_cast<size_t>(key.character - '1');
     if (key.character >= '1' && key.character <= '9' && panel && number < warpRegistry().size())
       session.setTechnique(*panel, warpRegistry()[number]);

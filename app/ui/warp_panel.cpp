@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "app/picture/heat_map.h"
+#include "app/picture/content.h"
 #include "app/scene/orbit.h"
 #include "app/ui/knob_parts.h"
 #include "app/ui/parts.h"
@@ -12,7 +12,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kHeatButtonPx = 76.0f;  // at scale 1
+constexpr float kContentPx = 96.0f;  // at scale 1
 
 std::string formatted(const char* pattern, double value) {
   char text[32];
@@ -22,7 +22,7 @@ std::string formatted(const char* pattern, double value) {
 
 void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
   const WarpDescriptor& technique = *session.panel(index).technique;
-  const float buttonRoom = look.px(kHeatButtonPx) + ImGui::GetStyle().ItemSpacing.x;
+  const float buttonRoom = look.px(kContentPx) + ImGui::GetStyle().ItemSpacing.x;
   ImGui::SetNextItemWidth(std::min(look.px(170.0f), std::max(look.px(40.0f), ImGui::GetContentRegionAvail().x - buttonRoom)));
   const Panel& panel = session.panel(index);
   const std::string shown = (panel.isAutomatic ? "Auto: " : "") + std::string(technique.label);
@@ -42,13 +42,29 @@ void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
   ImGui::EndCombo();
 }
 
-void drawHeatMapButton(Session& session, size_t index, const Look& look) {
-  const bool isOn = session.panel(index).showsHeatMap;
+/// What the panel shows: its picture, or what is wrong with it, or what its pixels are made of.
+void drawContentChoice(Session& session, size_t index, const Look& look) {
+  const Panel& panel = session.panel(index);
+  const ContentDescriptor& shown = describe(panel.content);
   ImGui::SameLine();
-  if (isOn) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_HeaderActive));
-  if (ImGui::Button("Heat map", {look.px(kHeatButtonPx), 0.0f})) session.setShowsHeatMap(index, !isOn);
-  if (isOn) ImGui::PopStyleColor();
-  tooltip("Show where the picture differs from the ground truth, and by how much (FLIP), instead of the picture. Key H.", look);
+  ImGui::SetNextItemWidth(look.px(kContentPx));
+  const bool isOpen = ImGui::BeginCombo("##content", std::string(shown.label).c_str());
+  if (!isOpen) {
+    tooltip(std::string(shown.help) + ".\nKey H goes back and forth between the picture and what was shown in its place last.", look);
+    return;
+  }
+  for (const ContentDescriptor& choice : pictureContents()) {
+    if (ImGui::Selectable(std::string(choice.label).c_str(), choice.value == panel.content)) session.setContent(index, choice.value);
+    tooltip(std::string(choice.help), look);
+  }
+  if (!shown.unit.empty()) {
+    ImGui::Separator();
+    float range = panel.contentRange.value_or(panel.hasContentOnShow() ? panel.shownContent.high : shown.usualRange.value_or(1.0f));
+    const float before = range, most = shown.unit == "1" ? 1.0f : std::max(1000.0f, 2.0f * range);
+    bareSlider("range", range, {1e-3f, most, "up to %.3g", true}, "What the brightest colour stands for. Choosing the content again takes the usual range.", look);
+    if (range != before) session.setContent(index, panel.content, range);
+  }
+  ImGui::EndCombo();
 }
 
 /// What the technique has for each panel by itself.
@@ -83,26 +99,34 @@ void drawBudget(Session& session, const Look& look) {
   session.setKnobs(knobs);
 }
 
-/// The ramp of heat maps and what its ends stand for, in the lower left corner of the picture; or, while there is none, when there will be one.
-void drawHeatMapLegend(const Panel& panel, const ImVec2& origin, const ImVec2& area, const Look& look) {
+/// The content's ramp and what its ends stand for, in the lower left corner of the picture; or, while there is none, when there will be one, or why not.
+void drawContentLegend(const Panel& panel, const ImVec2& origin, const ImVec2& area, const Look& look) {
+  const ContentDescriptor& content = describe(panel.content);
+  const PanelContent& shown = panel.shownContent;
+  const bool isOnShow = panel.hasContentOnShow(), hasRamp = isOnShow && shown.hasRamp;
+  const bool isRefused = panel.errorsAreCurrent && shown.what == panel.content && !shown.refusal.empty();
+  const std::string unit = content.unit == "1" ? "" : " " + std::string(content.unit);
+  const std::string low = isRefused  ? shown.refusal
+                          : !isOnShow ? std::string(content.label) + " when the view rests"
+                          : hasRamp   ? std::string(content.label) + formatted(" %.3g", static_cast<double>(shown.low))
+                                      : std::string(content.label);
+  const std::string high = hasRamp ? formatted("%.3g", static_cast<double>(shown.high)) + unit : "";
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImGui::PushFont(look.fonts.small);
   const float line = ImGui::GetTextLineHeight(), margin = look.px(6.0f), gap = look.px(5.0f);
-  const bool isOnShow = panel.hasHeatMapOnShow();
-  const std::string low = isOnShow ? "FLIP 0" : "heat map when the view rests", high = formatted("%g", 1.0 / kHeatGain);
   const float lowWidth = ImGui::CalcTextSize(low.c_str()).x, barWidth = look.px(90.0f);
-  const float width = lowWidth + (isOnShow ? barWidth + 2.0f * gap + ImGui::CalcTextSize(high.c_str()).x : 0.0f);
+  const float width = lowWidth + (hasRamp ? barWidth + 2.0f * gap + ImGui::CalcTextSize(high.c_str()).x : 0.0f);
   ImVec2 at{origin.x + 2.0f * margin, origin.y + area.y - line - 2.0f * margin};
   list->AddRectFilled({at.x - margin, at.y - 0.5f * margin}, {at.x + width + margin, at.y + line + 0.5f * margin},
                       ImGui::GetColorU32({0.0f, 0.0f, 0.0f, 0.7f}), look.px(3.0f));
   list->AddText(at, ImGui::GetColorU32(isOnShow ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : kDimText), low.c_str());
-  if (isOnShow) {
+  if (hasRamp) {
     constexpr int kPieces = 45;
     at.x += lowWidth + gap;
     const float top = at.y + 0.5f * line - look.px(4.0f), bottom = top + look.px(8.0f), piece = barWidth / kPieces;
     for (int i = 0; i < kPieces; ++i)
       list->AddRectFilled({at.x + piece * static_cast<float>(i), top}, {at.x + piece * static_cast<float>(i + 1), bottom},
-                          heatColor((static_cast<float>(i) + 0.5f) / kPieces));
+                          rampColor(panel.content, (static_cast<float>(i) + 0.5f) / kPieces));
     list->AddRect({at.x, top}, {at.x + barWidth, bottom}, ImGui::GetColorU32(kFaintText));
     list->AddText({at.x + barWidth + gap, at.y}, ImGui::GetColorU32(ImGuiCol_Text), high.c_str());
   }
@@ -132,7 +156,7 @@ void steer(Session& session, const ImVec2& area, const Look& look) {
 /// Draws the picture in the middle of the area: pixel on pixels if it was made for this size, else fitted.
 void drawPicture(const Session& session, const Panel& panel, PictureTexture& texture, const ImVec2& origin, const ImVec2& area,
                  const Look& look) {
-  const ShownPicture& picture = panel.hasHeatMapOnShow() ? panel.heatMap : panel.picture;
+  const ShownPicture& picture = panel.hasContentOnShow() ? panel.shownContent.picture : panel.picture;
   texture.show(picture);
   const float pictureWidth = static_cast<float>(picture.width()), pictureHeight = static_cast<float>(picture.height());
   float zoom = static_cast<float>(session.screenPixels()) / look.pixelsPerUnit;
@@ -181,7 +205,7 @@ void drawNote(const std::string& text, const ImVec4& color, const ImVec2& origin
 
 bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, const Look& look) {
   drawTechniqueChoice(session, index, look);
-  drawHeatMapButton(session, index, look);
+  drawContentChoice(session, index, look);
   drawPanelKnobs(session, index, look);
   if (session.panel(index).isAutomatic) drawBudget(session, look);
 
@@ -209,7 +233,7 @@ bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, cons
     drawNote("opening " + session.loading(), kDimText, origin, area, look);
   const std::string reserved = reservations(panel);
   if (panel.picture && !reserved.empty()) drawReservations(reserved, origin, look);
-  if (panel.picture && panel.showsHeatMap) drawHeatMapLegend(panel, origin, area, look);
+  if (panel.picture && panel.content != PictureContent::picture) drawContentLegend(panel, origin, area, look);
   list->PopClipRect();
 
   drawTimeline(panel, look);
