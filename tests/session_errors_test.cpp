@@ -56,7 +56,7 @@ TEST_F(SessionErrorsTest, AreThoseOfTheJudgeOnTheSamePictures) {
     EXPECT_DOUBLE_EQ(errors.ssim, expected.ssim);
     EXPECT_DOUBLE_EQ(errors.holeFraction, expected.holeFraction);
     session_.setContent(i, PictureContent::flip);
-    ASSERT_TRUE(settle());
+    ASSERT_TRUE(pumpUntil([&] { return session_.panel(i).isContentFound(); }));
     EXPECT_EQ(*session_.panel(i).shownContent.picture.host, heatMap(map, kHeatGain));
     EXPECT_DOUBLE_EQ(session_.panel(i).errors->flip, expected.flip);  // found again, and the same
   }

@@ -114,6 +114,7 @@ class SessionTest : public ::testing::Test {
       for (size_t i = 0; i < kPanelCount; ++i) {
         const Panel& panel = session.panel(i);
         if (!panel.picture || panel.drawn != panel.technique) return false;
+        if (!panel.isContentFound()) return false;
         if (!panel.errorsAreCurrent || session.ageMs(i, clock_.now()).value_or(0.0) != 0.0) return false;
       }
       return true;

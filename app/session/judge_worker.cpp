@@ -70,6 +70,7 @@ namespace {
 PanelContent contentOf(const JudgeJob& job, const Image<float>& flip) {
   PanelContent found;
   found.what = job.content;
+  found.range = job.contentRange;
   if (job.content == PictureContent::picture) return found;
   const WarpJob& drawn = job.drawn.job;
   try {

@@ -141,9 +141,7 @@ bool LivePanel::mayShow(uint64_t requestId) const {
 
 bool LivePanel::isAtRest(const LiveGroundTruth& truth) const {
   if (isDrawing_) return false;
-  if (!shown_.error.empty()) return true;
-  return judged_ && isJudged(judged_->job, truth) &&
-         (shown_.content == PictureContent::picture || (judged_->job.content == shown_.content && judged_->job.contentRange == shown_.contentRange));
+  return !shown_.error.empty() || (judged_ && isJudged(judged_->job, truth) && shown_.isContentFound());
 }
 
 bool LivePanel::wantsTime() const { return shown_.configuration && shown_.error.empty() && timed_ != shown_.picture; }

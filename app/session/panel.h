@@ -55,6 +55,8 @@ struct Panel {
   PanelContent shownContent;                             ///< found as `errors` are, and true as long
   ErrorHistory history;                 ///< of FLIP
 
+  /// What was found last, for the picture of `errors`, is what is wanted.
+  bool isContentFound() const { return content == PictureContent::picture || (shownContent.what == content && shownContent.range == contentRange); }
   bool hasContentOnShow() const { return content != PictureContent::picture && errorsAreCurrent && shownContent.what == content && shownContent.picture; }
 };
 
