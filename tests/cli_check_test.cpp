@@ -96,7 +96,6 @@ TEST_F(Check, UpdateReplacesWhatFailsAlone) {
 
 TEST_F(Check, AMissingPictureFails) {
   describeBlock();
-  const std::vector<std::string> before = folder_.listing();
   const ProgramResult result = check();
   EXPECT_EQ(result.code, kFailure);
   EXPECT_THAT(result.err, testing::HasSubstr("NONE  block-spheres-0 (auto): there is no golden picture"));

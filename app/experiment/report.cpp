@@ -14,6 +14,7 @@
 #include "app/picture/picture.h"
 #include "app/picture/svg_plot.h"
 #include "app/picture/technique_color.h"
+#include "render/base/formatted.h"
 
 namespace warpscope {
 namespace {
@@ -32,20 +33,14 @@ std::string colorOf(const WarpDescriptor& technique) {
   return text;
 }
 
-std::string format(const char* pattern, double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
-
-std::string milliseconds(double value) { return format(value < 9.95 ? "%.2f" : value < 99.5 ? "%.1f" : "%.0f", value); }
-std::string percent(double fraction) { return format("%.1f", 100.0 * fraction); }
-std::string angled(double degrees) { return format("%g°", degrees); }
+std::string milliseconds(double value) { return formatted(value < 9.95 ? "%.2f" : value < 99.5 ? "%.1f" : "%.0f", value); }
+std::string percent(double fraction) { return formatted("%.1f", 100.0 * fraction); }
+std::string angled(double degrees) { return formatted("%g°", degrees); }
 
 std::string cell(const std::string& text) { return "<td>" + escaped(text) + "</td>"; }
 /// What is sorted by is the value, not its text.
 std::string cell(double value, const std::string& text) {
-  return "<td data-value=\"" + format("%.9g", std::isfinite(value) ? value : 1e9) + "\">" + escaped(text) + "</td>";
+  return "<td data-value=\"" + formatted("%.9g", std::isfinite(value) ? value : 1e9) + "\">" + escaped(text) + "</td>";
 }
 std::string header(std::initializer_list<const char*> names) {
   std::string row = "<thead><tr>";
@@ -54,20 +49,20 @@ std::string header(std::initializer_list<const char*> names) {
 }
 
 std::string titleOf(const Summary& summary) {
-  return fullNameOf(summary.configuration) + "\nFLIP " + format("%.4f", summary.flip) + ", holes " + percent(summary.holeFraction) + " %\n" +
+  return fullNameOf(summary.configuration) + "\nFLIP " + formatted("%.4f", summary.flip) + ", holes " + percent(summary.holeFraction) + " %\n" +
          milliseconds(summary.frameMs) + " ms a frame (draw " + milliseconds(summary.drawMs) + "), server " + milliseconds(summary.serverMs) +
-         " ms, " + format("%.0f", 1e-3 * static_cast<double>(summary.bytes)) + " kB";
+         " ms, " + formatted("%.0f", 1e-3 * static_cast<double>(summary.bytes)) + " kB";
 }
 
 std::string findingsTables(const Findings& findings) {
   std::string html = "<div class=\"wide\"><table>" + header({"Within", "least error with", "FLIP", "holes %", "ms a frame", "draw ms"}) + "<tbody>";
   const auto rest = [](const std::optional<Summary>& summary) {
     if (!summary) return std::string("<td class=\"dim\">nothing that was measured</td><td></td><td></td><td></td><td></td></tr>");
-    return cell(fullNameOf(summary->configuration)) + cell(format("%.4f", summary->flip)) + cell(percent(summary->holeFraction)) +
+    return cell(fullNameOf(summary->configuration)) + cell(formatted("%.4f", summary->flip)) + cell(percent(summary->holeFraction)) +
            cell(milliseconds(summary->frameMs)) + cell(milliseconds(summary->drawMs)) + "</tr>";
   };
-  for (const Findings::WithinTime& row : findings.equalTime) html += "<tr>" + cell(format("%g ms", row.budgetMs)) + rest(row.best);
-  for (const Findings::WithinError& row : findings.equalError) html += "<tr>" + cell("FLIP " + format("%g", row.flip) + ", least time") + rest(row.fastest);
+  for (const Findings::WithinTime& row : findings.equalTime) html += "<tr>" + cell(formatted("%g ms", row.budgetMs)) + rest(row.best);
+  for (const Findings::WithinError& row : findings.equalError) html += "<tr>" + cell("FLIP " + formatted("%g", row.flip) + ", least time") + rest(row.fastest);
   return html + "</tbody></table></div>";
 }
 
@@ -98,14 +93,14 @@ Plot errorAgainstAngle(const SweepReport& report) {
     for (const SweepRow& row : report.rows)
       if (row.link.empty() && row.configuration == strip.configuration)
         series.points.push_back({row.angleDeg, row.errors.flip,
-                                 fullNameOf(row.configuration) + "\n" + angled(row.angleDeg) + ": FLIP " + format("%.4f", row.errors.flip) + ", holes " +
+                                 fullNameOf(row.configuration) + "\n" + angled(row.angleDeg) + ": FLIP " + formatted("%.4f", row.errors.flip) + ", holes " +
                                      percent(row.errors.holeFraction) + " %"});
     std::sort(series.points.begin(), series.points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
     plot.series.push_back(std::move(series));
   }
   PlotSeries floor{"step against half of it", "#7b8794", {}, true, true};
   for (const SweepFloor& row : report.floors)
-    floor.points.push_back({row.angleDeg, row.errors.flip, "the ground truth against one of half its step\n" + angled(row.angleDeg) + ": FLIP " + format("%.5f", row.errors.flip)});
+    floor.points.push_back({row.angleDeg, row.errors.flip, "the ground truth against one of half its step\n" + angled(row.angleDeg) + ": FLIP " + formatted("%.5f", row.errors.flip)});
   std::sort(floor.points.begin(), floor.points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
   plot.series.push_back(std::move(floor));
   for (const SweepBound::Kind kind : {SweepBound::Kind::bestDot, SweepBound::Kind::perfectWarp}) {
@@ -113,8 +108,8 @@ Plot errorAgainstAngle(const SweepReport& report) {
     for (const SweepBound& row : report.bounds)
       if (row.kind == kind)
         bound.points.push_back({row.angleDeg, row.errors.flip,
-                                std::string(labelOf(kind)) + "\n" + angled(row.angleDeg) + ": FLIP " + format("%.4f", row.errors.flip) + ", " +
-                                    format("%.1f", row.errors.psnrDb) + " dB, holes " + percent(row.errors.holeFraction) + " %"});
+                                std::string(labelOf(kind)) + "\n" + angled(row.angleDeg) + ": FLIP " + formatted("%.4f", row.errors.flip) + ", " +
+                                    formatted("%.1f", row.errors.psnrDb) + " dB, holes " + percent(row.errors.holeFraction) + " %"});
     std::sort(bound.points.begin(), bound.points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
     if (!bound.points.empty()) plot.series.push_back(std::move(bound));
   }
@@ -128,9 +123,9 @@ Plot errorBehindLinks(const SweepReport& report) {
     for (const SweepRow& row : report.rows)
       if (!row.link.empty() && row.configuration.technique == &technique)
         series.points.push_back({row.ageMs, row.errors.flip,
-                                 fullNameOf(row.configuration) + " behind " + row.link + "\nFLIP " + format("%.4f", row.errors.flip) + ", " +
-                                     format("%.0f", row.ageMs) + " ms old, " + angled(std::round(10.0 * row.angleDeg) / 10.0) + " behind, " +
-                                     format("%.1f", row.framesPerSecond) + " frames/s"});
+                                 fullNameOf(row.configuration) + " behind " + row.link + "\nFLIP " + formatted("%.4f", row.errors.flip) + ", " +
+                                     formatted("%.0f", row.ageMs) + " ms old, " + angled(std::round(10.0 * row.angleDeg) / 10.0) + " behind, " +
+                                     formatted("%.1f", row.framesPerSecond) + " frames/s"});
     if (!series.points.empty()) plot.series.push_back(std::move(series));
   }
   return plot;
@@ -149,7 +144,7 @@ std::string stripsTable(const SweepReport& report) {
       const SweepPicture& picture = strip.pictures[i];
       html += "<td>" + imageTag(toScreen(picture.image, report.background), name + " at " + angled(angles.at(i).get<double>()));
       if (strip.configuration.technique->usesFrame)
-        html += imageTag(heatMap(picture.flipMap, kHeatGain), "its FLIP") + "<span class=\"dim\">FLIP " + format("%.4f", picture.flip) + "</span>";
+        html += imageTag(heatMap(picture.flipMap, kHeatGain), "its FLIP") + "<span class=\"dim\">FLIP " + formatted("%.4f", picture.flip) + "</span>";
       html += "</td>";
     }
     html += "</tr>";
@@ -163,21 +158,21 @@ std::string rowsTable(const std::vector<SweepRow>& rows) {
                              "kB", "server ms", "decode", "upload, build", "draw", "± spread", "ms a frame", "age ms", "flicker"}) +
                      "<tbody>\n";
   const auto optional = [](const std::optional<double>& value, const char* pattern) {
-    return value ? cell(*value, format(pattern, *value)) : std::string("<td data-value=\"-1\"></td>");
+    return value ? cell(*value, formatted(pattern, *value)) : std::string("<td data-value=\"-1\"></td>");
   };
   for (const SweepRow& row : rows) {
     const bool isStill = row.link.empty();
     const double builtMs = row.cost.upload.medianMs + row.cost.build.medianMs;
-    const auto decibels = [](double value) { return cell(value, std::isfinite(value) ? format("%.1f", value) : "equal"); };
+    const auto decibels = [](double value) { return cell(value, std::isfinite(value) ? formatted("%.1f", value) : "equal"); };
     html += "<tr>" + cell(fullNameOf(row.configuration)) + cell(row.angleDeg, isStill ? angled(row.angleDeg) : row.link) +
-            cell(row.errors.flip, format("%.4f", row.errors.flip)) + decibels(row.errors.psnrDb) + decibels(row.errors.psnrLinearDb) +
-            cell(row.errors.ssim, format("%.4f", row.errors.ssim)) + cell(row.errors.holeFraction, percent(row.errors.holeFraction)) + cell(row.errors.filledFraction, percent(row.errors.filledFraction)) +
+            cell(row.errors.flip, formatted("%.4f", row.errors.flip)) + decibels(row.errors.psnrDb) + decibels(row.errors.psnrLinearDb) +
+            cell(row.errors.ssim, formatted("%.4f", row.errors.ssim)) + cell(row.errors.holeFraction, percent(row.errors.holeFraction)) + cell(row.errors.filledFraction, percent(row.errors.filledFraction)) +
             optional(row.errors.flipVisible, "%.4f") + optional(row.errors.flipDisoccluded, "%.4f") +
-            cell(static_cast<double>(row.cost.bytes), format("%.0f", 1e-3 * static_cast<double>(row.cost.bytes))) +
+            cell(static_cast<double>(row.cost.bytes), formatted("%.0f", 1e-3 * static_cast<double>(row.cost.bytes))) +
             cell(row.cost.serverMs(), milliseconds(row.cost.serverMs())) + cell(row.cost.decode.medianMs, milliseconds(row.cost.decode.medianMs)) +
             cell(builtMs, milliseconds(builtMs)) + cell(row.draw.medianMs, milliseconds(row.draw.medianMs)) +
             cell(row.draw.spreadMs, milliseconds(row.draw.spreadMs)) + cell(row.frameMs(), milliseconds(row.frameMs())) +
-            (isStill ? std::string("<td data-value=\"-1\"></td>") : cell(row.ageMs, format("%.0f", row.ageMs))) +
+            (isStill ? std::string("<td data-value=\"-1\"></td>") : cell(row.ageMs, formatted("%.0f", row.ageMs))) +
             optional(row.flicker, "%.4f") + "</tr>\n";
   }
   return html + "</tbody></table></div>";
@@ -205,8 +200,8 @@ std::string paragraphs(const char* kind, const std::string& lines) {
 std::string bothWays(const net::DuplexLinkSettings& link, double net::LinkSettings::*member, const char* pattern, double scale) {
   const double up = scale * (link.up.*member), down = scale * (link.down.*member);
   if (up == 0.0 && down == 0.0) return "";
-  if (up == down) return format(pattern, up);
-  return (down == 0.0 ? "no limit" : format(pattern, down)) + " down, " + (up == 0.0 ? "no limit" : format(pattern, up)) + " up";
+  if (up == down) return formatted(pattern, up);
+  return (down == 0.0 ? "no limit" : formatted(pattern, down)) + " down, " + (up == 0.0 ? "no limit" : formatted(pattern, up)) + " up";
 }
 
 /// What a link does, in words: "50 ms there and back, ...".
@@ -216,7 +211,7 @@ std::string meaningOf(const net::DuplexLinkSettings& link) {
     if (!what.empty()) text += (text.empty() ? "" : "; ") + what + more;
   };
   const double roundTripMs = link.up.delayMs + link.down.delayMs;
-  add(roundTripMs > 0.0 ? format("%g ms", roundTripMs) : "", " there and back");
+  add(roundTripMs > 0.0 ? formatted("%g ms", roundTripMs) : "", " there and back");
   add(bothWays(link, &net::LinkSettings::jitterMs, "%g ms", 1.0), " of jitter");
   if (link.up.trace || link.down.trace) add((link.down.trace ? link.down.trace : link.up.trace)->file, ": its delays");
   add(bothWays(link, &net::LinkSettings::rateBitPerS, "%g Mbit/s", 1e-6), "");
@@ -289,7 +284,7 @@ std::string htmlOf(const SweepReport& report) {
   if (!report.links.empty())
     html += "<h2>Behind a link</h2>\n" + linksList(report.links) +
             figure(svgOf(errorBehindLinks(report)),
-                   "The camera turns at " + format("%g", report.head.at("plan").at("speedDegPerS").get<double>()) +
+                   "The camera turns at " + formatted("%g", report.head.at("plan").at("speedDegPerS").get<double>()) +
                        " degrees a second; frames come through a simulated link in virtual time, with what the server and the client take as measured. "
                        "Errors are against what should be on show at that instant, so that slow drawing counts as well; means over the instants that were looked at: " +
                        std::to_string(report.head.at("plan").at("instants").get<int>()) + ".");

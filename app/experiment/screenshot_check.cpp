@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <set>
@@ -14,6 +13,7 @@
 #include "app/picture/picture_difference.h"
 #include "app/scene/knob_json.h"
 #include "render/base/error.h"
+#include "render/base/formatted.h"
 #include "render/base/nearest_name.h"
 #include "render/base/range.h"
 #include "render/base/stopwatch.h"
@@ -25,11 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kAll = "all";
-std::string formatted(const char* pattern, double value) {
-  char text[128];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 // --- The description
 
@@ -66,10 +61,6 @@ CheckTolerances readTolerances(const Node& node, CheckTolerances tolerances) {
   return tolerances;
 }
 
-Rgba8 packed(const glm::vec3& linear) {
-  return quantizeUnorm8(srgbFromLinear(linear.r)) | quantizeUnorm8(srgbFromLinear(linear.g)) << 8 | quantizeUnorm8(srgbFromLinear(linear.b)) << 16 | 0xff000000u;
-}
-
 /// What a case and the description as a whole may say alike.
 constexpr std::array<std::string_view, 10> kSettingKeys{"techniques", "anglesDeg", "size", "background", "uncovered", "march", "warp", "tolerances", "volumeSize", "seed"};
 
@@ -89,18 +80,13 @@ void readSettings(const Node& node, CheckCase& settings) {
     settings.height = static_cast<uint32_t>(sides[1].integer(1, 8192));
   }
   if (const auto background = node.find("background")) settings.background = readColor(*background);
-  if (const auto uncovered = node.find("uncovered")) settings.uncovered = packed(readColor(*uncovered));
+  if (const auto uncovered = node.find("uncovered")) settings.uncovered = ColorTables::instance().encode(glm::vec4(readColor(*uncovered), 1.0f));
   MarchSettings march;
   KnobValues knobs;
   if (const auto given = node.find("march")) readMarch(*given, march), settings.march.push_back(*given);
   if (const auto given = node.find("warp")) readWarpKnobs(*given, knobs), settings.warp.push_back(*given);
   if (const auto given = node.find("tolerances")) settings.tolerances = readTolerances(*given, settings.tolerances);
-  if (const auto size = node.find("volumeSize")) {
-    const std::vector<Node> sides = size->elements(3, 3);
-    glm::uvec3 dims;
-    for (int axis = 0; axis < 3; ++axis) dims[axis] = static_cast<uint32_t>(sides[static_cast<size_t>(axis)].integer(1, 65536));
-    settings.overrides.proceduralDims = dims;
-  }
+  if (const auto size = node.find("volumeSize")) settings.overrides.proceduralDims = readSize(*size);
   if (const auto seed = node.find("seed")) settings.overrides.seed = static_cast<uint32_t>(seed->integer(0, 0xffffffff));
 }
 

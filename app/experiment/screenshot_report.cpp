@@ -2,21 +2,15 @@
 // See screenshot_check.h. XML 1.0: characters that it cannot hold do not occur in what is written here.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "app/experiment/screenshot_check.h"
 #include "app/picture/html_page.h"
 #include "app/picture/picture_difference.h"
 #include "app/picture/svg_plot.h"
+#include "render/base/formatted.h"
 
 namespace warpscope {
 namespace {
-
-std::string formatted(const char* pattern, double value) {
-  char text[128];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 std::string_view wordOf(CheckVerdict verdict) {
   switch (verdict) {

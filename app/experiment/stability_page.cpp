@@ -3,13 +3,13 @@
 #include "app/experiment/stability_page.h"
 
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "app/picture/heat_map.h"
 #include "app/picture/html_page.h"
 #include "app/picture/picture.h"
 #include "app/picture/svg_plot.h"
+#include "render/base/formatted.h"
 
 namespace warpscope {
 namespace {
@@ -17,13 +17,7 @@ namespace {
 constexpr uint32_t kPicturePx = 256;
 constexpr float kErrorGain = 10.0f;
 
-std::string format(const char* pattern, double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
-
-std::string timeText(double ms) { return format(ms < 0.0995 ? "%.3f" : ms < 9.95 ? "%.2f" : "%.0f", ms); }
+std::string timeText(double ms) { return formatted(ms < 0.0995 ? "%.3f" : ms < 9.95 ? "%.2f" : "%.0f", ms); }
 
 /// Small pictures are enlarged, pixel by pixel, so that they can be seen.
 Image<Rgba8> enlarged(const Image<Rgba8>& picture) {
@@ -50,7 +44,7 @@ std::string pictureCell(const Image<Rgba8>& picture, const std::string& descript
 }
 
 std::string formCell(const StabilityForm& form) {
-  return "<td>" + errorText(form.worst) + "</td><td>" + format("%.2f", 100.0 * form.wrongShare) + " %</td><td>" +
+  return "<td>" + errorText(form.worst) + "</td><td>" + formatted("%.2f", 100.0 * form.wrongShare) + " %</td><td>" +
          timeText(form.time.medianMs) + "</td>";
 }
 
@@ -65,14 +59,14 @@ std::string summaryTable(const std::vector<StabilityResult>& results) {
     html += "<tr><td><a href=\"#" + escaped(std::string(what.name)) + "\">" + escaped(std::string(what.name)) + "</a></td><td>" +
             std::string(nameOf(result.backend)) + "</td>" + formCell(result.stable) + formCell(result.textbook) + "<td>" +
             errorText(what.bound) + " " + std::string(wordsOf(what.subject).error) + (result.isStable() ? "" : " <strong>exceeded</strong>") +
-            "</td><td>" + format("%+.1f", result.costNs()) + " ns a pixel</td></tr>\n";
+            "</td><td>" + formatted("%+.1f", result.costNs()) + " ns a pixel</td></tr>\n";
   }
   return html + "</tbody></table></div>\n";
 }
 
 }  // namespace
 
-std::string errorText(double value) { return value == 0.0 ? "0" : format("%.1e", value); }
+std::string errorText(double value) { return value == 0.0 ? "0" : formatted("%.1e", value); }
 
 std::string stabilityPage(const std::vector<StabilityResult>& results, const std::string& machine) {
   constexpr const char* kTitle = "Hard cases: stable arithmetic and the textbook's";
@@ -94,7 +88,7 @@ std::string stabilityPage(const std::vector<StabilityResult>& results, const std
     before = &what;
     if (result.exact.size() == 0) continue;
     const auto caption = [&](const char* form, const StabilityForm& of) {
-      return std::string(form) + ": worst " + errorText(of.worst) + ", wrong " + format("%.2f", 100.0 * of.wrongShare) + " %";
+      return std::string(form) + ": worst " + errorText(of.worst) + ", wrong " + formatted("%.2f", 100.0 * of.wrongShare) + " %";
     };
     html += "<table class=\"strip case\"><tbody><tr><th>" + std::string(nameOf(result.backend)) + "</th>" +
             pictureCell(enlarged(toScreen(result.exact, result.background)), "exact");

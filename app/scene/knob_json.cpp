@@ -61,6 +61,13 @@ void readWarpKnobs(const Node& node, KnobValues& knobs) {
     if (const auto given = node.find(knob->key)) knobs.set(*knob, readKnob(*given, *knob));
 }
 
+glm::uvec3 readSize(const Node& node) {
+  const std::vector<Node> elements = node.elements(3, 3);
+  glm::uvec3 size;
+  for (int axis = 0; axis < 3; ++axis) size[axis] = static_cast<uint32_t>(elements[static_cast<size_t>(axis)].integer(1, 65536));
+  return size;
+}
+
 glm::vec3 readColor(const Node& node) {
   const std::vector<Node> elements = node.elements(3, 3);
   glm::vec3 color;

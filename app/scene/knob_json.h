@@ -26,6 +26,9 @@ void readMarch(const Node& node, MarchSettings& march);
 /// Of techniques' knobs. Throws likewise.
 void readWarpKnobs(const Node& node, KnobValues& knobs);
 
+/// Voxels along each axis, 1 to 65536. Throws likewise.
+glm::uvec3 readSize(const Node& node);
+
 /// Three numbers, 0..1: sRGB in files, linear here. Throws likewise.
 glm::vec3 readColor(const Node& node);
 

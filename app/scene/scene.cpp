@@ -38,13 +38,6 @@ glm::dvec3 readVector(const Node& node, double lowest, double highest) {
   return {elements[0].number(lowest, highest), elements[1].number(lowest, highest), elements[2].number(lowest, highest)};
 }
 
-glm::uvec3 readSize(const Node& node) {
-  const std::vector<Node> elements = node.elements(3, 3);
-  glm::uvec3 size;
-  for (int axis = 0; axis < 3; ++axis) size[axis] = static_cast<uint32_t>(elements[static_cast<size_t>(axis)].integer(1, 65536));
-  return size;
-}
-
 glm::dvec3 readDirection(const Node& node) {
   const glm::dvec3 vector = readVector(node, -1e6, 1e6);
   if (!(glm::length(vector) > 1e-9)) node.fail("must not be a zero vector");

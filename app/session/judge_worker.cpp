@@ -62,10 +62,6 @@ class PictureOfFrame {
   size_t bytes_ = 0;
 };
 
-}  // namespace
-
-namespace {
-
 /// What the job's content is of its picture.
 PanelContent contentOf(const JudgeJob& job, const Image<float>& flip) {
   PanelContent found;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "app/ui/parts.h"
+#include "render/base/formatted.h"
 
 namespace warpscope::ui {
 namespace {
@@ -20,12 +20,6 @@ struct Measurement {
   const char* explanation;
 };
 using Measurements = std::array<Measurement, 8>;
-
-std::string formatted(const char* pattern, double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 Measurements measurementsOf(const Session& session, size_t index, Session::TimePoint now) {
   const Panel& panel = session.panel(index);

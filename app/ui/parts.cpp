@@ -3,17 +3,12 @@
 #include "app/ui/parts.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <vector>
+
+#include "render/base/formatted.h"
 
 namespace warpscope::ui {
 namespace {
-
-std::string format(const char* pattern, double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 /// 83412 as "83 412".
 std::string grouped(size_t number) {
@@ -35,16 +30,16 @@ bool Hover::hasRested(const ImVec2& item, Session::TimePoint now) {
 }
 
 std::string durationText(double milliseconds) {
-  if (milliseconds < 9.95) return format("%.2g ms", milliseconds);
-  if (milliseconds < 999.5) return format("%.0f ms", milliseconds);
-  if (milliseconds < 9950.0) return format("%.1f s", milliseconds / 1e3);
-  return format("%.0f s", milliseconds / 1e3);
+  if (milliseconds < 9.95) return formatted("%.2g ms", milliseconds);
+  if (milliseconds < 999.5) return formatted("%.0f ms", milliseconds);
+  if (milliseconds < 9950.0) return formatted("%.1f s", milliseconds / 1e3);
+  return formatted("%.0f s", milliseconds / 1e3);
 }
 
 std::string bytesText(size_t bytes) {
   if (bytes < 1000) return std::to_string(bytes) + " bytes";
-  if (bytes < 1000 * 1000) return format("%.0f kB", static_cast<double>(bytes) / 1e3);
-  return format("%.2f MB", static_cast<double>(bytes) / 1e6);
+  if (bytes < 1000 * 1000) return formatted("%.0f kB", static_cast<double>(bytes) / 1e3);
+  return formatted("%.2f MB", static_cast<double>(bytes) / 1e6);
 }
 
 void tooltip(const std::string& text, const Look& look) {
@@ -75,14 +70,14 @@ void drawStatusBar(const Session& session, double displayFramesPerSecond, const 
     const std::optional<SourceStatus> status = session.sourceStatus();
     items.push_back("server " + durationText(frame->timings.marchMs + frame->timings.compactMs) +
                     (status && !status->isConnected ? std::string(", not connected")
-                     : rate > 0.0                   ? ", " + format("%.1f frames/s", rate)
+                     : rate > 0.0                   ? ", " + formatted("%.1f frames/s", rate)
                      : session.frames().isUnderWay()     ? std::string(", at work")
                                                     : std::string(", idle")));
   }
   if (const std::optional<SourceStatus> status = session.sourceStatus(); status && status->busyWith)
     items.insert(items.begin() + 1, busySentence(*status->busyWith));
   const std::string display =
-      displayFramesPerSecond > 0.0 ? format("display %.0f frames/s", displayFramesPerSecond) : std::string("display idle");
+      displayFramesPerSecond > 0.0 ? formatted("display %.0f frames/s", displayFramesPerSecond) : std::string("display idle");
 
   const float right = ImGui::GetWindowContentRegionMax().x;
   const float displayWidth = ImGui::CalcTextSize(display.c_str()).x;

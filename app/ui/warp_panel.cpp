@@ -2,23 +2,17 @@
 // See parts.h.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "app/picture/content.h"
 #include "app/scene/orbit.h"
 #include "app/ui/knob_parts.h"
 #include "app/ui/parts.h"
+#include "render/base/formatted.h"
 
 namespace warpscope::ui {
 namespace {
 
 constexpr float kContentPx = 96.0f;  // at scale 1
-
-std::string formatted(const char* pattern, double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
   const WarpDescriptor& technique = *session.panel(index).technique;
