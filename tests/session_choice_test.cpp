@@ -127,7 +127,7 @@ TEST_F(SessionChoiceTest, PanelsKnobsGoWithWhatIsChosen) {
   session_.setFront(std::make_shared<const AutoChoice>(std::vector{row, rowOf("spheres", 0, 0.2, 5)}));
   session_.setAutomatic(0);
   ASSERT_TRUE(settle());
-  EXPECT_EQ(session_.knobs().panelKnobs[0].choice<Fill>(kFillKnob), Fill::pullPush);
+  EXPECT_EQ(session_.panel(0).knobs.choice<Fill>(kFillKnob), Fill::pullPush);
   ASSERT_TRUE(session_.panel(0).configuration);
   EXPECT_EQ(session_.panel(0).configuration->knobs.choice<Fill>(kFillKnob), Fill::pullPush) << "which is what was measured";
 }

@@ -45,7 +45,7 @@ TEST_F(SessionErrorsTest, AreThoseOfTheJudgeOnTheSamePictures) {
   freeze(session_);
   turn(session_, 25.0);
   ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).errorsAreCurrent && session_.panel(1).errorsAreCurrent; }));
-  for (size_t i = 0; i < kPanelCount; ++i) {
+  for (size_t i = 0; i < session_.panelCount(); ++i) {
     const Redrawn again = redrawn(session_, i);
     Image<float> map;
     const PictureErrors expected = PictureJudge(again.reference, session_.scene()->background).errorsOf(again.image, nullptr, &map);
@@ -90,7 +90,7 @@ TEST_F(SessionErrorsTest, AMovingCameraGetsItsPicturesWhileJudgesAreAtWork) {
   const bool bothBegan = pumpUntil(session, [&] { return begun == 2; });
   int shown = 0;
   for (int i = 0; bothBegan && i < 5; ++i) {
-    const std::array<ShownPicture, kPanelCount> before{session.panel(0).picture, session.panel(1).picture};
+    const std::array<ShownPicture, 2> before{session.panel(0).picture, session.panel(1).picture};
     turn(session, 5.0);
     shown += pumpUntil(session, [&] { return session.panel(0).picture != before[0] && session.panel(1).picture != before[1]; });
   }
@@ -144,7 +144,7 @@ TEST_F(SessionErrorsTest, EveryContentIsShownOrSaysWhyNot) {
   std::vector<Image<Rgba8>> pictures;
   for (const ContentDescriptor& content : pictureContents()) {
     if (content.value == PictureContent::picture) continue;
-    for (size_t i = 0; i < kPanelCount; ++i) session_.setContent(i, content.value);
+    for (size_t i = 0; i < session_.panelCount(); ++i) session_.setContent(i, content.value);
     ASSERT_TRUE(settle()) << content.name;
     ASSERT_TRUE(session_.panel(1).hasContentOnShow()) << content.name;
     const PanelContent& shown = session_.panel(1).shownContent;
@@ -242,7 +242,7 @@ TEST_F(SessionErrorsTest, TheFrontHasAPointForEachConfigurationThatWasSeen) {
   ASSERT_TRUE(open("block"));
   const LiveFront& front = session_.liveFront();
   ASSERT_TRUE(pumpUntil([&] { return front.points().size() == 2u; }));
-  for (size_t i = 0; i < kPanelCount; ++i) {
+  for (size_t i = 0; i < session_.panelCount(); ++i) {
     const auto& points = front.points();
     const auto point = std::find_if(points.begin(), points.end(), [&](const auto& one) { return one.configuration == *session_.panel(i).configuration; });
     ASSERT_NE(point, points.end()) << i;

@@ -69,7 +69,7 @@ class SessionTest : public ::testing::Test {
  protected:
   SessionSettings settings() const {
     SessionSettings settings;
-    settings.techniques = {&findWarp("hold"), &findWarp("spheres")};
+    settings.panels = {{.technique = &findWarp("hold")}, {.technique = &findWarp("spheres")}};
     settings.knobs.serverSidePx = 48;
     return settings;
   }
@@ -111,8 +111,9 @@ class SessionTest : public ::testing::Test {
   bool settle() { return settle(session_); }
   bool settle(Session& session) {
     return pumpUntil(session, [&] {
-      for (size_t i = 0; i < kPanelCount; ++i) {
+      for (size_t i = 0; i < session.panelCount(); ++i) {
         const Panel& panel = session.panel(i);
+        if (panel.isHidden) continue;
         if (!panel.picture || panel.drawn != panel.technique) return false;
         if (!panel.isContentFound()) return false;
         if (!panel.errorsAreCurrent || session.ageMs(i, clock_.now()).value_or(0.0) != 0.0) return false;

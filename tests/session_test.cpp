@@ -32,7 +32,7 @@ TEST_F(SessionTest, BothPanelsShowTheNewestFrame) {
   ASSERT_TRUE(session_.frames().newest());
   EXPECT_GT(session_.frames().newest()->size(), 0u);
   EXPECT_EQ(session_.frames().newest()->camera.height, 48u);  // the longer side
-  for (size_t i = 0; i < kPanelCount; ++i) {
+  for (size_t i = 0; i < session_.panelCount(); ++i) {
     EXPECT_EQ(session_.panel(i).requestId, session_.frames().newest()->requestId);
     EXPECT_EQ(session_.panel(i).picture.width(), kPanelPx.x);
     EXPECT_EQ(session_.panel(i).picture.height(), kPanelPx.y);
@@ -111,7 +111,7 @@ TEST_F(SessionTest, ShortcutsTakeTheTechniquesPlaceAndSaySo) {
   session_.setKnobs(knobs);
   ASSERT_TRUE(open("block"));
   const auto shown = [&](size_t i) -> const Panel& { return session_.panel(i); };
-  for (size_t i = 0; i < kPanelCount; ++i) {
+  for (size_t i = 0; i < session_.panelCount(); ++i) {
     EXPECT_EQ(shown(i).shortcut, "the frame's own picture");
     EXPECT_EQ(shown(i).counts, (WarpCounts{.shortcuts = shown(i).counts.shortcuts})) << "no technique was at work";
     EXPECT_GE(shown(i).counts.shortcuts, 1u);
@@ -120,10 +120,10 @@ TEST_F(SessionTest, ShortcutsTakeTheTechniquesPlaceAndSaySo) {
   }
   EXPECT_TRUE(shown(0).errors->flip == shown(1).errors->flip);
   // Nothing happens any more, and nothing is timed: longer than it takes until pictures are (PictureTiming).
-  const std::array<WarpCounts, kPanelCount> counts{shown(0).counts, shown(1).counts};
+  const std::array<WarpCounts, 2> counts{shown(0).counts, shown(1).counts};
   const auto rest = clock_.now() + milliseconds(1200);
   ASSERT_TRUE(pumpUntil([&] { return clock_.now() > rest; }));
-  for (size_t i = 0; i < kPanelCount; ++i) EXPECT_EQ(shown(i).counts, counts[i]);
+  for (size_t i = 0; i < session_.panelCount(); ++i) EXPECT_EQ(shown(i).counts, counts[i]);
   EXPECT_EQ(session_.liveFront().remembered(), 0u);
 
   // An image of another size has the same eye.
@@ -166,12 +166,12 @@ TEST_F(SessionTest, EachPanelHasItsOwnArithmetic) {
   ASSERT_TRUE(open("block"));
   session_.setTechnique(0, findWarp("reference"));
   session_.setTechnique(1, findWarp("reference"));
-  LiveSettings knobs = session_.knobs();
+  KnobValues knobs = session_.panel(1).knobs;
   ASSERT_TRUE(settle());
   const auto turn = [&](Arithmetic arithmetic) {
     const ShownPicture before = session_.panel(1).picture;
-    knobs.panelKnobs[1].set(kArithmeticKnob, arithmetic);
-    session_.setKnobs(knobs);
+    knobs.set(kArithmeticKnob, arithmetic);
+    session_.setPanelKnobs(1, knobs);
     return pumpUntil([&] { return !(session_.panel(1).picture == before) && session_.panel(1).errorsAreCurrent; });
   };
   ASSERT_TRUE(turn(Arithmetic::textbook));
@@ -273,7 +273,7 @@ TEST_F(SessionTest, AStormOfSizesEndsWithTheLastOne) {
   EXPECT_LT(clock_.now() - began, seconds(10));  // nothing waits for pictures or frames
   session_.setPanelSize({57, 33});
   ASSERT_TRUE(settle());
-  for (size_t i = 0; i < kPanelCount; ++i) {
+  for (size_t i = 0; i < session_.panelCount(); ++i) {
     EXPECT_EQ(session_.panel(i).picture.width(), 57u);
     EXPECT_EQ(session_.panel(i).picture.height(), 33u);
   }

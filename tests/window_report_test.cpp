@@ -21,7 +21,7 @@ class WindowReportTest : public testing::Test {
 
   static SessionSettings settings() {
     SessionSettings settings;
-    settings.techniques = {&findWarp("points"), &findWarp("reference")};  // with frames, and without
+    settings.panels = {{.technique = &findWarp("points")}, {.technique = &findWarp("reference")}};  // with frames, and without
     settings.knobs.serverSidePx = 48;
     return settings;
   }

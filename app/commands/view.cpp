@@ -1,5 +1,5 @@
 // `view`: the window.
-// Two panels over the same frames and the same camera; see app/session/session.h and app/ui/.
+// Panels over the same frames; see app/session/session.h and app/ui/.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdlib>
@@ -20,7 +20,8 @@ struct ViewOptions {
   ViewOptions() { common.size.clear(); }  // the window's, which goes by the screen unless it is given
 
   CommonOptions common;
-  std::string left = "points", right = "segments";
+  std::vector<std::string> panels{"points", "segments"};
+  std::string left, right;
   TransportOptions transport;
   double uiScale = 0.0;
   std::string screenshot;
@@ -36,14 +37,26 @@ constexpr Range kWaitMsRange{0.0, 3600.0 * 1000.0};
 
 bool isServerUrl(const std::string& text) { return text.starts_with("warp://") || text.starts_with("warps://"); }
 
+/// What the options say of the panels. `knobs`: of techniques, for all panels but the first of several, which is what they are compared with.
+std::vector<PanelSettings> panelsOf(const ViewOptions& options, const KnobValues& knobs) {
+  std::vector<std::string> names = options.panels;
+  if (names.empty() || names.size() > kMaxPanels) throw UsageError("--panels: give 1 to " + std::to_string(kMaxPanels) + " techniques");
+  if (!options.left.empty()) names.front() = options.left;
+  if (!options.right.empty()) names.back() = options.right;
+  std::vector<PanelSettings> panels;
+  for (const std::string& name : names) {
+    PanelSettings& panel = panels.emplace_back();
+    panel.isAutomatic = name == "auto";
+    panel.technique = &findWarp(panel.isAutomatic ? "splats" : name);
+    if (panels.size() > 1 || names.size() == 1) panel.knobs = knobs;
+  }
+  return panels;
+}
+
 void view(const ViewOptions& options) {
   const CheckedOptions checked = check(options.common);
   SessionSettings settings;
-  const std::array<std::string, kPanelCount> chosen{options.left, options.right};
-  for (size_t i = 0; i < kPanelCount; ++i) {
-    settings.isAutomatic[i] = chosen[i] == "auto";
-    settings.techniques[i] = &findWarp(settings.isAutomatic[i] ? "splats" : chosen[i]);
-  }
+  settings.panels = panelsOf(options, checked.warp.knobs);
   if (options.budgetMs) requireRange(*options.budgetMs, kBudgetMsRange, "--budget-ms");
   settings.knobs.budgetMs = options.budgetMs.value_or(kDefaultBudgetMs);
   const TransportSettings transport = transportOf(options.transport);
@@ -57,7 +70,6 @@ void view(const ViewOptions& options) {
   if (!options.screenshot.empty()) requireWritable(options.screenshot);
   if (!options.report.empty()) requireWritable(options.report);
   settings.knobs.warp = checked.warp;
-  settings.knobs.panelKnobs.back() = checked.warp.knobs;  // of the right panel: the left one is what it is compared with
   settings.knobs.transport = transport;
   settings.knobs.marks = checked.marks;
   const std::optional<double> shortcuts = options.ownKnobs.check().find(kShortcutsKnob);
@@ -132,12 +144,14 @@ void viewDefaultScene() {
 
 void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<ViewOptions>();
-  CLI::App* command = program.add_subcommand("view", "The window: two techniques side by side, live");
+  CLI::App* command = program.add_subcommand("view", "The window: techniques side by side, live");
   addCommonOptions(*command, options->common);
   command->get_option("--size")->description("WxH of the window, in screen coordinates; default: 1280x800 times the screen's scale, or less on a small screen")->default_str("");
   const std::string names = listOf(warpRegistry()) + ", or auto: what was measured to be best";
-  command->add_option("--left", options->left, names)->capture_default_str();
-  command->add_option("--right", options->right, names)->capture_default_str();
+  CLI::Option* const panels = command->add_option("--panels", options->panels, "1 to " + std::to_string(kMaxPanels) + " panels, parted by commas; each " + names)
+      ->delimiter(',')->default_str("points,segments");
+  command->add_option("--left", options->left, "The first of two panels: " + names)->default_str("points")->excludes(panels);
+  command->add_option("--right", options->right, "The second of two panels: " + names)->default_str("segments")->excludes(panels);
   command->add_option("--budget-ms", options->budgetMs, "Milliseconds that a picture may take, for auto, " + rangeText(kBudgetMsRange) + "; default 33");
   addTransportOptions(*command, options->transport);
   options->ownKnobs.add(*command, kShortcutsKnob, textOf(kShortcutsKnob, kShortcutsKnob.defaultValue));

@@ -10,8 +10,22 @@
 
 namespace warpscope {
 
-LivePanel::LivePanel(std::unique_ptr<WarpWorker> warp, std::unique_ptr<JudgeWorker> judge)
-    : warp_(std::move(warp)), judge_(std::move(judge)) {}
+LivePanel::LivePanel(uint64_t id, const PanelSettings& settings, std::unique_ptr<WarpWorker> warp, std::unique_ptr<JudgeWorker> judge)
+    : warp_(std::move(warp)), judge_(std::move(judge)) {
+  static_cast<PanelSettings&>(shown_) = settings;
+  shown_.id = id;
+}
+
+void LivePanel::giveCamera(const View& view, const std::function<void()>& onNews) {
+  if (!ownCamera_) ownCamera_ = std::make_unique<OwnCamera>(OwnCamera{{}, LiveGroundTruth(onNews)});
+  ownCamera_->view.begin(view);
+  hasOwnCamera_ = true;
+}
+
+void LivePanel::takeCamera() {
+  hasOwnCamera_ = false;
+  if (ownCamera_) ownCamera_->truth.clear();
+}
 
 void LivePanel::setChoice(std::optional<Configuration> choice, std::string text) {
   shown_.choice = std::move(choice);
@@ -43,12 +57,11 @@ void LivePanel::clear() {
   warp_->cancel();
   judge_->cancel();
   Panel fresh;
-  fresh.technique = shown_.technique;
-  fresh.isAutomatic = shown_.isAutomatic;
-  fresh.content = shown_.content;
-  fresh.lastContent = shown_.lastContent;
-  fresh.contentRange = shown_.contentRange;
+  static_cast<PanelSettings&>(fresh) = shown_;
+  fresh.id = shown_.id;
   shown_ = std::move(fresh);
+  chooser_.clear();
+  if (ownCamera_) ownCamera_->truth.clear();
   job_ = {};
   isDrawing_ = false;
   drawnId_ = 0;
@@ -140,11 +153,12 @@ bool LivePanel::mayShow(uint64_t requestId) const {
 }
 
 bool LivePanel::isAtRest(const LiveGroundTruth& truth) const {
+  if (shown_.isHidden) return true;
   if (isDrawing_) return false;
   return !shown_.error.empty() || (judged_ && isJudged(judged_->job, truth) && shown_.isContentFound());
 }
 
-bool LivePanel::wantsTime() const { return shown_.configuration && shown_.error.empty() && timed_ != shown_.picture; }
+bool LivePanel::wantsTime() const { return !shown_.isHidden && shown_.configuration && shown_.error.empty() && timed_ != shown_.picture; }
 
 void LivePanel::startTiming() {
   WarpJob job = job_;
@@ -155,8 +169,11 @@ void LivePanel::startTiming() {
 void LivePanel::requestStop() {
   warp_->requestStop();
   judge_->requestStop();
+  if (ownCamera_) ownCamera_->truth.requestStop();
 }
 
-bool LivePanel::waitForEnd(std::chrono::steady_clock::time_point time) const { return warp_->waitForEnd(time) && judge_->waitForEnd(time); }
+bool LivePanel::waitForEnd(std::chrono::steady_clock::time_point time) const {
+  return warp_->waitForEnd(time) && judge_->waitForEnd(time) && (!ownCamera_ || ownCamera_->truth.waitForEnd(time));
+}
 
 }  // namespace warpscope

@@ -1,4 +1,4 @@
-// A panel and its threads: one draws its pictures, one judges them against the ground truth.
+// A panel and its threads: one draws its pictures, one judges them against the ground truth, and one marches that where the panel has a camera of its own.
 // Hands out jobs, collects results into the panel's state, and never waits.
 #pragma once
 
@@ -9,7 +9,9 @@
 #include "app/session/frame_requests.h"
 #include "app/session/judge_worker.h"
 #include "app/session/live_ground_truth.h"
+#include "app/session/live_view.h"
 #include "app/session/panel.h"
+#include "app/session/technique_choice.h"
 #include "app/session/warp_worker.h"
 
 namespace warpscope {
@@ -19,9 +21,12 @@ class LivePanel {
   using TimePoint = Clock::TimePoint;
 
   /// `onNews` is called on other threads whenever there is something to collect.
-  LivePanel(std::unique_ptr<WarpWorker> warp, std::unique_ptr<JudgeWorker> judge);
+  LivePanel(uint64_t id, const PanelSettings& settings, std::unique_ptr<WarpWorker> warp, std::unique_ptr<JudgeWorker> judge);
 
   const Panel& shown() const { return shown_; }
+  void setKnobs(const KnobValues& knobs) { shown_.knobs = knobs; }
+  /// A hidden panel draws nothing, and keeps what it showed.
+  void setHidden(bool isHidden) { shown_.isHidden = isHidden; }
   /// What is shown in place of the picture, or the picture itself, and how far its ramp goes.
   void setContent(PictureContent content, std::optional<float> range);
   void setAutomatic(bool isAutomatic) { shown_.isAutomatic = isAutomatic; }
@@ -31,6 +36,21 @@ class LivePanel {
   bool setTechnique(const WarpDescriptor& technique);
   /// Forgets what belongs to a scene; how the panel was set up stays.
   void clear();
+
+  /// A camera that the panel has for itself, from `view` on, with its own ground truth.
+  struct OwnCamera {
+    LiveView view;
+    LiveGroundTruth truth;
+  };
+  void giveCamera(const View& view, const std::function<void()>& onNews);
+  /// The panel follows the others' again.
+  void takeCamera();
+  /// Null while the panel has none.
+  OwnCamera* ownCamera() { return hasOwnCamera_ ? ownCamera_.get() : nullptr; }
+  const OwnCamera* ownCamera() const { return hasOwnCamera_ ? ownCamera_.get() : nullptr; }
+
+  /// What chooses the technique where the panel is automatic.
+  TechniqueChoice& chooser() { return chooser_; }
 
   /// Whether that job is another one than was posted last.
   bool isNew(const WarpJob& job) const { return !(job == job_); }
@@ -81,6 +101,9 @@ class LivePanel {
   bool areCurrent(const Judged& judged, const LiveGroundTruth& truth, TimePoint now) const;
 
   Panel shown_;
+  TechniqueChoice chooser_;
+  bool hasOwnCamera_ = false;
+  std::unique_ptr<OwnCamera> ownCamera_;  // kept once it was made: its thread need not be waited for
   WarpJob job_;                   // last posted
   bool isDrawing_ = false;        // that job is not answered yet
   uint64_t drawnId_ = 0;          // of the frame that was drawn last, or that could not be drawn

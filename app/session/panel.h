@@ -17,11 +17,22 @@
 
 namespace warpscope {
 
-inline constexpr size_t kPanelCount = 2;
+inline constexpr size_t kMaxPanels = 6;
 inline constexpr std::chrono::seconds kLiveErrors(1);
 
-struct Panel {
+/// What the user has chosen for one panel.
+struct PanelSettings {
   const WarpDescriptor* technique = nullptr;
+  bool isAutomatic = false;                              ///< `technique` is chosen for each picture by what was measured
+  KnobValues knobs{};                                    ///< of techniques' knobs those that each panel has for itself (Knob::isOfPanel)
+  PictureContent content = PictureContent::picture;      ///< that is to be seen
+  PictureContent lastContent = PictureContent::flip;     ///< that was wanted last in place of the picture
+  std::optional<float> contentRange{};                   ///< of its ramp, if the user said one
+  bool isHidden = false;                                 ///< nothing is drawn for it: another one has its room
+};
+
+struct Panel : PanelSettings {
+  uint64_t id = 0;                              ///< of all panels that a session has had, this one's alone
   ShownPicture picture;                         ///< none until the first is there; stays until the next
   const WarpDescriptor* drawn = nullptr;        ///< the technique that drew it, or whose place a shortcut took
   uint64_t requestId = 0;                       ///< of the frame that it was drawn from
@@ -41,7 +52,6 @@ struct Panel {
   std::string lack;                             ///< why the technique shows nothing of that frame (lackOf); mostly empty
   std::string error;                            ///< empty if the last picture succeeded
 
-  bool isAutomatic = false;                     ///< `technique` is chosen for each picture by what was measured
   std::optional<Configuration> choice;          ///< what was chosen; nothing if nothing fits
   std::string choiceText;                       ///< what, and why: a sentence without its full stop
 
@@ -49,10 +59,7 @@ struct Panel {
   /// They are those of the picture that is shown or, where the ground truth follows the moving camera (LiveGroundTruth::followsCamera), of one shown
   /// less than kLiveErrors ago by the same technique, or instead of it by the same shortcut.
   bool errorsAreCurrent = false;
-  PictureContent content = PictureContent::picture;      ///< what the user wants to see
-  PictureContent lastContent = PictureContent::flip;     ///< that was wanted last in place of the picture
-  std::optional<float> contentRange;                     ///< of its ramp, if the user said one
-  PanelContent shownContent;                             ///< found as `errors` are, and true as long
+  PanelContent shownContent;            ///< found as `errors` are, and true as long
   ErrorHistory history;                 ///< of FLIP
 
   /// What was found last, for the picture of `errors`, is what is wanted.

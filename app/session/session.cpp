@@ -9,14 +9,57 @@
 
 namespace warpscope {
 
-Session::Session(const SessionSettings& settings, const std::function<void()>& onNews) : opening_(onNews), truth_(onNews), plan_(onNews) {
+Session::Session(const SessionSettings& settings, const std::function<void()>& onNews)
+    : platform_(settings.platform),
+      resources_(settings.resources),
+      makeJudge_(settings.makeJudge),
+      onNews_(onNews),
+      opening_(onNews),
+      truth_(onNews),
+      plan_(onNews) {
   setKnobs(settings.knobs);
-  for (size_t i = 0; i < kPanelCount; ++i) {
-    LivePanel& panel = panels_.emplace_back(makeWarpWorker(settings.platform, settings.resources, onNews),
-                                            makeJudgeWorker(settings.makeJudge, onNews));
-    panel.setTechnique(*settings.techniques[i]);
-    panel.setAutomatic(settings.isAutomatic[i]);
-  }
+  for (const PanelSettings& panel : settings.panels) panels_.push_back(makePanel(panel));
+}
+
+LivePanel Session::makePanel(const PanelSettings& settings) {
+  return {++lastPanelId_, settings, makeWarpWorker(platform_, resources_, onNews_), makeJudgeWorker(makeJudge_, onNews_)};
+}
+
+bool Session::addPanel(const PanelSettings& settings) {
+  if (panels_.size() >= kMaxPanels) return false;
+  timing_.stop(panels_);
+  panels_.push_back(makePanel(settings));
+  return true;
+}
+
+bool Session::removePanel(size_t panel) {
+  if (panels_.size() <= 1) return false;
+  timing_.stop(panels_);
+  panels_[panel].requestStop();
+  removed_.push_back(std::move(panels_[panel]));
+  panels_.erase(panels_.begin() + static_cast<std::ptrdiff_t>(panel));
+  return true;
+}
+
+void Session::movePanel(size_t from, size_t to) {
+  timing_.stop(panels_);
+  const auto begin = panels_.begin();
+  const auto at = [&](size_t i) { return begin + static_cast<std::ptrdiff_t>(i); };
+  if (from < to)
+    std::rotate(at(from), at(from + 1), at(to + 1));
+  else
+    std::rotate(at(to), at(from), at(from + 1));
+}
+
+void Session::setHidden(size_t panel, bool isHidden) {
+  if (this->panel(panel).isHidden == isHidden) return;
+  timing_.stop(panels_);
+  panels_[panel].setHidden(isHidden);
+}
+
+void Session::bury() {
+  const auto now = std::chrono::steady_clock::now();
+  std::erase_if(removed_, [&](const LivePanel& panel) { return panel.waitForEnd(now); });
 }
 
 void Session::setKnobs(const LiveSettings& knobs) {
@@ -24,10 +67,31 @@ void Session::setKnobs(const LiveSettings& knobs) {
   view_.setScreenPixels(knobs.screenPixels);
 }
 
+void Session::setPanelSize(const glm::uvec2& sizePx) {
+  areaPx_ = sizePx;
+  view_.setArea(sizePx);
+}
+
+void Session::setView(size_t panel, const View& view) {
+  if (LivePanel::OwnCamera* own = panels_[panel].ownCamera())
+    own->view.set(view);
+  else
+    view_.set(view);
+}
+
+void Session::setOwnCamera(size_t panel, bool hasOwn) {
+  if (hasOwn == hasOwnCamera(panel)) return;
+  timing_.stop(panels_);
+  if (hasOwn)
+    panels_[panel].giveCamera(view_.get(), onNews_);
+  else
+    panels_[panel].takeCamera();
+}
+
 void Session::setTechnique(size_t panel, const WarpDescriptor& technique) {
   panels_[panel].setAutomatic(false);
   panels_[panel].setChoice(std::nullopt, "");
-  choices_[panel].clear();
+  panels_[panel].chooser().clear();
   useTechnique(panels_[panel], technique);
 }
 
@@ -40,19 +104,25 @@ void Session::choose(size_t panel, const Configuration& configuration) {
   setTechnique(panel, technique);
   knobs_.march.render = configuration.march.render;
   takeOver(configuration, knobs_.march, knobs_.warp);
-  takePanelKnobs(panel, configuration);
+  takePanelKnobs(panels_[panel], configuration);
   if (!technique.usesFrame) return;
   knobs_.serverSidePx = configuration.serverSidePx;
   knobs_.transport.codec = configuration.codec;
 }
 
-void Session::takePanelKnobs(size_t panel, const Configuration& configuration) {
+void Session::takePanelKnobs(LivePanel& panel, const Configuration& configuration) {
+  KnobValues knobs = panel.shown().knobs;
   for (const Knob* knob : configuration.technique->knobs)
-    if (knob->isOfPanel) knobs_.panelKnobs[panel].set(*knob, configuration.knobs[*knob]);
+    if (knob->isOfPanel) knobs.set(*knob, configuration.knobs[*knob]);
+  panel.setKnobs(knobs);
 }
 
 void Session::resetView() {
   if (const Scene* shown = scene()) view_.set(shown->views.front());
+}
+
+void Session::resetView(size_t panel) {
+  if (const Scene* shown = scene()) setView(panel, shown->views.front());
 }
 
 void Session::dismissErrors() {
@@ -60,31 +130,64 @@ void Session::dismissErrors() {
   view_.dismissError();
   frames_.dismissError();
   truth_.setError("");
+  for (LivePanel& panel : panels_) {
+    if (LivePanel::OwnCamera* own = panel.ownCamera()) {
+      own->view.dismissError();
+      own->truth.setError("");
+    }
+  }
 }
 
 const std::string& Session::error() const {
   for (const std::string* error : {&opening_.error(), &view_.error(), &frames_.error()})
     if (!error->empty()) return *error;
+  for (const LivePanel& panel : panels_) {
+    const LivePanel::OwnCamera* own = panel.ownCamera();
+    if (own != nullptr && !own->view.error().empty()) return own->view.error();
+    if (own != nullptr && !own->truth.error().empty()) return own->truth.error();
+  }
   return truth_.error();
 }
 
+std::vector<TechniqueInUse> Session::techniquesInUse() const {
+  std::vector<TechniqueInUse> techniques;
+  for (size_t i = 0; i < panels_.size(); ++i) {
+    if (panel(i).isHidden) continue;
+    techniques.push_back({panel(i).technique, warpSettingsOf(i).knobs});
+    // One that was chosen may wait for what it draws.
+    if (const auto& choice = panel(i).choice; choice && choice->technique != panel(i).technique) techniques.push_back({choice->technique, choice->knobs});
+  }
+  return techniques;
+}
+
+ReferenceJob Session::truthFrom(const LiveView& view) const {
+  return {opening_.current()->display, view.cameraOfSize(pictureSize()), knobs_.march.render, scene()->background};
+}
+
+bool Session::followOwnCamera(LivePanel& panel, TimePoint now) {
+  LivePanel::OwnCamera* const own = panel.ownCamera();
+  if (own == nullptr) return false;
+  own->view.setArea(areaPx_);
+  own->view.setScreenPixels(knobs_.screenPixels);
+  if (!own->view.place(*scene())) return true;
+  const bool happened = own->truth.take();
+  if (panel.shown().isHidden) return happened;
+  return own->truth.follow(truthFrom(own->view), now) || happened;
+}
+
 bool Session::update(TimePoint now) {
+  bury();
   bool happened = takeScene();
   if (!scene() || pictureSize().x == 0) return happened;
   if (!view_.place(*scene())) return true;
   liveFront_.setPictureSize(pictureSize());
   happened |= frames_.take();
   frames_.setTransport(knobs_.transport);
-  std::vector<TechniqueInUse> techniques;
-  for (size_t i = 0; i < kPanelCount; ++i) {
-    techniques.push_back({panel(i).technique, warpSettingsOf(i).knobs});
-    // One that was chosen may wait for what it draws.
-    if (const auto& choice = panel(i).choice; choice && choice->technique != panel(i).technique) techniques.push_back({choice->technique, choice->knobs});
-  }
-  happened |= frames_.ask({view_.cameraOfSize(serverSize()), neededBy(techniques, knobs_.march), knobs_.transport.codec, knobs_.serverSidePx}, knobs_.isFrozen, now);
+  happened |= frames_.ask({view_.cameraOfSize(serverSize()), neededBy(techniquesInUse(), knobs_.march), knobs_.transport.codec, knobs_.serverSidePx}, knobs_.isFrozen, now);
   happened |= truth_.take();
-  happened |= truth_.follow({opening_.current()->display, view_.cameraOfSize(pictureSize()), knobs_.march.render, scene()->background}, now);
-  for (size_t i = 0; i < kPanelCount; ++i) {
+  happened |= truth_.follow(truthFrom(view_), now);
+  for (size_t i = 0; i < panels_.size(); ++i) {
+    happened |= followOwnCamera(panels_[i], now);
     happened |= takePicture(panels_[i], i);
     happened |= takeErrors(panels_[i], now);
     if (panel(i).isAutomatic) happened |= chooseTechnique(i);
@@ -103,8 +206,10 @@ bool Session::takeScene() {
   if (outcome != SceneOpening::Outcome::opened) return outcome != SceneOpening::Outcome::nothing;
   truth_.clear();
   plan_.clear();
-  for (LivePanel& panel : panels_) panel.clear();
-  for (TechniqueChoice& choice : choices_) choice.clear();
+  for (LivePanel& panel : panels_) {
+    panel.clear();
+    if (LivePanel::OwnCamera* own = panel.ownCamera()) own->view.begin(scene()->views.front());
+  }
   frames_.begin(*opening_.current()->source, knobs_.transport);
   knobs_.march = scene()->march;
   knobs_.isFrozen = false;
@@ -139,8 +244,11 @@ void Session::takeTime(size_t index, const WarpResult& result) {
 }
 
 bool Session::takeErrors(LivePanel& panel, TimePoint now) {
-  LivePanel::ErrorNews news = panel.takeErrors(truth_, now);
-  if (!news.error.empty()) truth_.setError(std::move(news.error));
+  LivePanel::ErrorNews news = panel.takeErrors(truthOf(panel), now);
+  if (!news.error.empty()) {
+    LivePanel::OwnCamera* const own = panel.ownCamera();
+    (own != nullptr ? own->truth : truth_).setError(std::move(news.error));
+  }
   if (news.found) liveFront_.addError(news.found->configuration, news.found->sizePx, news.found->angleDeg, news.found->flip);
   return news.happened;
 }
@@ -149,10 +257,10 @@ bool Session::chooseTechnique(size_t index) {
   LivePanel& panel = panels_[index];
   if (!frames_.newest()) return false;
   const MarchSettings& askable = knobs_.isFrozen ? frames_.newest()->settings : knobs_.march;
-  auto made = choices_[index].choose(
-      {frames_.newest(), askable, view_.cameraOfSize(pictureSize()), knobs_.budgetMs, knobs_.serverSidePx, front_}, liveFront_);
+  auto made = panel.chooser().choose(
+      {frames_.newest(), askable, viewOf(panel).cameraOfSize(pictureSize()), knobs_.budgetMs, knobs_.serverSidePx, front_}, liveFront_);
   if (!made) return false;
-  if (made->configuration && made->configuration != panel.shown().choice) takePanelKnobs(index, *made->configuration);
+  if (made->configuration && made->configuration != panel.shown().choice) takePanelKnobs(panel, *made->configuration);
   panel.setChoice(std::move(made->configuration), std::move(made->text));
   // Where the frame has nothing for it yet, the one before goes on until a frame comes that has.
   if (lackOf(*made->technique, frames_.newest()->settings).empty()) useTechnique(panel, *made->technique);
@@ -164,7 +272,7 @@ WarpSettings Session::warpSettingsOf(size_t index) const {
   const bool isChosen = shown.choice && shown.choice->technique == shown.technique;
   WarpSettings settings = isChosen ? shown.choice->warp(knobs_.warp) : knobs_.warp;
   for (const Knob* knob : shown.technique->knobs)
-    if (knob->isOfPanel) settings.knobs.set(*knob, knobs_.panelKnobs[index][*knob]);
+    if (knob->isOfPanel) settings.knobs.set(*knob, shown.knobs[*knob]);
   settings.knobs = settings.knobs.only(shown.technique->knobs);  // others' do not make it draw
   return settings;
 }
@@ -172,17 +280,19 @@ WarpSettings Session::warpSettingsOf(size_t index) const {
 bool Session::postJob(size_t index) {
   LivePanel& panel = panels_[index];
   const Panel& shown = panel.shown();
+  if (shown.isHidden) return false;
+  const LiveGroundTruth& truth = truthOf(panel);
   WarpJob job;
   job.technique = shown.technique;
   if (job.technique->usesFrame) {
     if (!frames_.newest()) return false;
     job.frame = frames_.newest();
   }
-  job.reference = truth_.image();
+  job.reference = truth.image();
   job.marcher = opening_.current()->display;
-  job.camera = view_.cameraOfSize(pictureSize());
+  job.camera = viewOf(panel).cameraOfSize(pictureSize());
   job.settings = warpSettingsOf(index);
-  job.settings.reference = truth_.wanted().settings;
+  job.settings.reference = truth.wanted().settings;
   job.background = scene()->background;
   job.marks = knobs_.marks;
   job.takesShortcuts = knobs_.takesShortcuts && job.technique->usesFrame;
@@ -210,7 +320,10 @@ std::optional<Configuration> Session::configurationOf(const WarpResult& result) 
 bool Session::isAtRest() const {
   const bool isServerAtRest = !frames_.isUnderWay() && !frames_.isToBeRefined() && (frames_.isWhatIsWanted() || knobs_.isFrozen);
   if (!loading().empty() || !isServerAtRest || !truth_.isAsked()) return false;
-  return std::all_of(panels_.begin(), panels_.end(), [this](const LivePanel& panel) { return panel.isAtRest(truth_); });
+  return std::all_of(panels_.begin(), panels_.end(), [this](const LivePanel& panel) {
+    const bool isAsked = panel.ownCamera() == nullptr || panel.shown().isHidden || panel.ownCamera()->truth.isAsked();
+    return isAsked && panel.isAtRest(truthOf(panel));
+  });
 }
 
 bool Session::close(std::chrono::milliseconds patience) {
@@ -219,8 +332,9 @@ bool Session::close(std::chrono::milliseconds patience) {
   truth_.requestStop();
   plan_.requestStop();
   for (LivePanel& panel : panels_) panel.requestStop();
+  const auto hasEnded = [&](const LivePanel& panel) { return panel.waitForEnd(deadline); };
   return opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) && plan_.waitForEnd(deadline) &&
-         std::all_of(panels_.begin(), panels_.end(), [&](const LivePanel& panel) { return panel.waitForEnd(deadline); });
+         std::all_of(panels_.begin(), panels_.end(), hasEnded) && std::all_of(removed_.begin(), removed_.end(), hasEnded);
 }
 
 std::optional<SourceStatus> Session::sourceStatus() const {

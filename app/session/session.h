@@ -1,9 +1,8 @@
-// Everything that the window shows, without the window: the scene, the camera, the knobs, two panels, and the threads that serve them.
+// Everything that the window shows, without the window: the scene, the camera, the knobs, the panels, and the threads that serve them.
 // The window reads the state and returns edits; update() hands work to the threads and collects what they made. What is done lies in the parts:
-// scene_opening, live_view, frame_requests, live_ground_truth, live_panel, live_plan, technique_choice, picture_timing.
+// scene_opening, live_view, frame_requests, live_ground_truth, live_panel, live_plan, picture_timing.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -20,7 +19,6 @@
 #include "app/session/live_view.h"
 #include "app/session/picture_timing.h"
 #include "app/session/scene_opening.h"
-#include "app/session/technique_choice.h"
 
 namespace warpscope {
 
@@ -28,7 +26,6 @@ namespace warpscope {
 struct LiveSettings {
   MarchSettings march;
   WarpSettings warp;               ///< its `reference` is not used: the reference follows `march`
-  std::array<KnobValues, kPanelCount> panelKnobs;  ///< of techniques' knobs those that each panel has for itself (Knob::isOfPanel)
   uint32_t serverSidePx = 512;     ///< longer side of the server's image
   uint32_t screenPixels = 0;       ///< edge, in screen pixels, of a pixel that the panels draw; 0: whatever keeps the display fluent
   TransportSettings transport;     ///< how frames travel from the server
@@ -41,8 +38,7 @@ struct LiveSettings {
 };
 
 struct SessionSettings {
-  std::array<const WarpDescriptor*, kPanelCount> techniques{};
-  std::array<bool, kPanelCount> isAutomatic{};  ///< which panels choose by themselves
+  std::vector<PanelSettings> panels;  ///< 1 to kMaxPanels
   LiveSettings knobs;  ///< `march` is replaced by each scene's
   gl::Platform platform = gl::Platform::automatic;
   WarpResources resources;  ///< backend and onFallback; the rest is the session's
@@ -61,8 +57,23 @@ class Session {
   void load(LoadJob job) { opening_.open(std::move(job)); }
   /// Gives up opening; the scene on show stays.
   void cancelLoad() { opening_.cancel(); }
+  /// Of all panels that have no camera of their own.
   void setView(const View& view) { view_.set(view); }
+  /// Of the panel, if it has a camera of its own, or else of all that have none.
+  void setView(size_t panel, const View& view);
+  /// Lets the panel have a camera of its own, which begins where it is, or takes it away.
+  void setOwnCamera(size_t panel, bool hasOwn);
   void setKnobs(const LiveSettings& knobs);
+  /// Those that the panel has for itself (Knob::isOfPanel); others have no effect.
+  void setPanelKnobs(size_t panel, const KnobValues& knobs) { panels_[panel].setKnobs(knobs); }
+  /// A panel after the last. False if there are kMaxPanels.
+  bool addPanel(const PanelSettings& settings);
+  /// False if it is the only one. Panels after it move up.
+  bool removePanel(size_t panel);
+  /// Takes the panel out of the row and puts it in at another place.
+  void movePanel(size_t from, size_t to);
+  /// Whether the panel is drawn at all.
+  void setHidden(size_t panel, bool isHidden);
   /// The panel does not choose by itself any more.
   void setTechnique(size_t panel, const WarpDescriptor& technique);
   /// Lets the panel choose: of a sweep that was handed over, or of what was on show so far. What the server does stays as the knobs say.
@@ -76,7 +87,9 @@ class Session {
   /// Takes over that configuration's technique for the panel, and the knobs that it depends on for all.
   void choose(size_t panel, const Configuration& configuration);
   /// Area for each panel's picture, in screen pixels.
-  void setPanelSize(const glm::uvec2& sizePx) { view_.setArea(sizePx); }
+  void setPanelSize(const glm::uvec2& sizePx);
+  /// Back to the scene's first: of the panel's own camera, or of all that have none.
+  void resetView(size_t panel);
   void resetView();
   void dismissErrors();
 
@@ -95,13 +108,18 @@ class Session {
   /// Why the last scene, view, frame or ground truth could not be had; empty if it could.
   const std::string& error() const;
   const View& view() const { return view_.get(); }
+  const View& view(size_t panel) const { return viewOf(panels_[panel]).get(); }
+  bool hasOwnCamera(size_t panel) const { return panels_[panel].ownCamera() != nullptr; }
   const LiveSettings& knobs() const { return knobs_; }
+  size_t panelCount() const { return panels_.size(); }
   const Panel& panel(size_t index) const { return panels_[index].shown(); }
   /// Accuracy against time of what was on show since the scene was opened. Pictures are timed when everything has come to rest, one panel after the other.
   const LiveFront& liveFront() const { return liveFront_; }
   /// Frames, and how they come.
   const FrameRequests& frames() const { return frames_; }
   const LiveGroundTruth& groundTruth() const { return truth_; }
+  /// What the panel's picture is judged against.
+  const LiveGroundTruth& groundTruth(size_t panel) const { return truthOf(panels_[panel]); }
   /// What the newest frame's march has to do, and what that costs.
   const LivePlan& plan() const { return plan_; }
   bool showsPlan() const { return showsPlan_; }
@@ -116,8 +134,18 @@ class Session {
   std::optional<double> ageMs(size_t panel, TimePoint now) const;
 
  private:
+  const LiveView& viewOf(const LivePanel& panel) const { return panel.ownCamera() != nullptr ? panel.ownCamera()->view : view_; }
+  const LiveGroundTruth& truthOf(const LivePanel& panel) const { return panel.ownCamera() != nullptr ? panel.ownCamera()->truth : truth_; }
+  ReferenceJob truthFrom(const LiveView& view) const;
+  LivePanel makePanel(const PanelSettings& settings);
+  /// Lets panels go that were removed, once their threads have ended.
+  void bury();
+  /// What the techniques on show need of a frame.
+  std::vector<TechniqueInUse> techniquesInUse() const;
+
   // Each is true if anything happened.
   bool takeScene();
+  bool followOwnCamera(LivePanel& panel, TimePoint now);
   bool takePicture(LivePanel& panel, size_t index);
   bool takeErrors(LivePanel& panel, TimePoint now);
   bool postJob(size_t index);
@@ -126,7 +154,7 @@ class Session {
 
   bool chooseTechnique(size_t panel);
   /// Turns the knobs that the panel has for itself as the configuration has them.
-  void takePanelKnobs(size_t panel, const Configuration& configuration);
+  void takePanelKnobs(LivePanel& panel, const Configuration& configuration);
   void useTechnique(LivePanel& panel, const WarpDescriptor& technique);
   /// True if nothing is under way, and what is on show is what was wanted and is judged: what is timed now is timed alone.
   bool isAtRest() const;
@@ -134,15 +162,21 @@ class Session {
   /// Nothing where it is not known, or where no configuration did it: it gets no point in the plot.
   std::optional<Configuration> configurationOf(const WarpResult& result) const;
 
+  const gl::Platform platform_;
+  const WarpResources resources_;
+  const JudgeMaker makeJudge_;
+  const std::function<void()> onNews_;
   LiveSettings knobs_;
   LiveView view_;
+  glm::uvec2 areaPx_{0};  // of each panel's picture
   SceneOpening opening_;
   FrameRequests frames_;
   LiveGroundTruth truth_;
   LivePlan plan_;
   bool showsPlan_ = false;
   std::vector<LivePanel> panels_;
-  std::array<TechniqueChoice, kPanelCount> choices_;
+  std::vector<LivePanel> removed_;  // whose threads have not ended yet
+  uint64_t lastPanelId_ = 0;
   PictureTiming timing_;
   LiveFront liveFront_;
   std::shared_ptr<const AutoChoice> front_;

@@ -27,16 +27,19 @@ struct ReferenceJob {
 /// The volume as the job's camera sees it.
 class ReferenceImage {
  public:
-  ReferenceImage(ReferenceJob job, Image<glm::vec4> color) : job_(std::move(job)), color_(std::move(color)) {}
+  ReferenceImage(ReferenceJob job, Image<glm::vec4> color);
 
   const ReferenceJob& job() const { return job_; }
   const Image<glm::vec4>& color() const { return color_; }
+  /// Over the job's background, as a screen shows it.
+  const std::shared_ptr<const Image<Rgba8>>& picture() const { return picture_; }
   /// Prepared when first asked for; safe on any thread.
   const PictureJudge& judge() const;
 
  private:
   ReferenceJob job_;
   Image<glm::vec4> color_;
+  std::shared_ptr<const Image<Rgba8>> picture_;
   mutable std::once_flag isPrepared_;
   mutable std::optional<PictureJudge> judge_;
 };

@@ -218,6 +218,9 @@ void marchReference(const ReferenceJob& job, ReferenceResult& result, const std:
 
 }  // namespace
 
+ReferenceImage::ReferenceImage(ReferenceJob job, Image<glm::vec4> color)
+    : job_(std::move(job)), color_(std::move(color)), picture_(std::make_shared<const Image<Rgba8>>(toScreen(color_, job_.background))) {}
+
 const PictureJudge& ReferenceImage::judge() const {
   std::call_once(isPrepared_, [this] { judge_.emplace(color_, job_.background); });
   return *judge_;

@@ -82,30 +82,32 @@ void WindowReport::add(const Session& session, Clock::TimePoint now, bool isMovi
   if (isMoving && last_) gapsMs_.push_back(millisecondsBetween(*last_, now));
   last_.reset();
   if (isMoving) last_ = now;
-  for (size_t i = 0; i < kPanelCount; ++i) {
+  for (size_t i = 0; i < session.panelCount(); ++i) {
     const ShownPicture& picture = session.panel(i).picture;
-    if (!(shown_[i] == picture) && isMoving) ++pictures_[i];
-    shown_[i] = picture;
+    Seen& seen = panels_[session.panel(i).id];
+    if (!(seen.last == picture) && isMoving) ++seen.pictures;
+    seen.last = picture;
   }
   if (const SampleFramePtr& frame = session.frames().newest(); frame && std::exchange(newestId_, frame->requestId) != frame->requestId && isMoving)
     marchesMs_.push_back(frame->timings.marchMs);
-  // Both panels show the same frames; the age is the more recent one's, as far as one of them has any.
+  // All panels show the same frames; the age is the most recent one's, as far as one of them has any.
   std::optional<double> ageMs;
-  for (size_t i = 0; i < kPanelCount; ++i)
+  for (size_t i = 0; i < session.panelCount(); ++i)
     if (const std::optional<double> age = session.ageMs(i, now)) ageMs = std::min(*age, ageMs.value_or(*age));
   if (ageMs && *ageMs > 0.0) agesMs_.push_back(*ageMs);
 }
 
 std::string WindowReport::text(const Session& session, Clock::TimePoint now) const {
   const double movingMs = std::accumulate(gapsMs_.begin(), gapsMs_.end(), 0.0);
-  Json panels = Json::array(), work = Json::array();
-  for (size_t i = 0; i < kPanelCount; ++i) {
-    panels.push_back(toJson(session.panel(i)));
-    work.push_back(workOf(session.panel(i)));
-  }
   const auto perSecond = [&](size_t count) { return movingMs > 0.0 ? Json(1e3 * static_cast<double>(count) / movingMs) : Json(nullptr); };
-  Json pictures = Json::array();
-  for (const size_t count : pictures_) pictures.push_back(perSecond(count));
+  Json panels = Json::array(), work = Json::array(), pictures = Json::array();
+  for (size_t i = 0; i < session.panelCount(); ++i) {
+    const Panel& panel = session.panel(i);
+    panels.push_back(toJson(panel));
+    work.push_back(workOf(panel));
+    const auto seen = panels_.find(panel.id);
+    pictures.push_back(perSecond(seen != panels_.end() ? seen->second.pictures : 0));
+  }
   const std::optional<SourceStatus> status = session.sourceStatus();
   const std::optional<double> frameAge = session.frames().ageOfNewestMs(now);
   return textOf({{"framesPerSecond", perSecond(gapsMs_.size())},

@@ -2,7 +2,7 @@
 // For tests and measurements; README explains what is written.
 #pragma once
 
-#include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,8 +24,11 @@ class WindowReport {
   std::vector<double> agesMs_;  // of the frames on show, one for each frame of the display in which it was not of the current camera
   std::vector<double> marchesMs_;  // of the frames that came while something moved
   uint64_t newestId_ = 0;          // of these
-  std::array<size_t, kPanelCount> pictures_{};    // that a panel showed anew meanwhile
-  std::array<ShownPicture, kPanelCount> shown_{};  // last, by each
+  struct Seen {
+    size_t pictures = 0;  // that the panel showed anew meanwhile
+    ShownPicture last;
+  };
+  std::map<uint64_t, Seen> panels_;  // by their ids
   std::optional<Clock::TimePoint> last_;  // nothing after a pause
 };
 

@@ -20,6 +20,8 @@ struct Measurement {
   const char* explanation;
 };
 using Measurements = std::array<Measurement, 8>;
+/// Those that say most, where there is room for few: places in measurementsOf().
+constexpr std::array<size_t, 8> kMostFirst{5, 6, 7, 1, 3, 0, 2, 4};
 
 Measurements measurementsOf(const Session& session, size_t index, Session::TimePoint now) {
   const Panel& panel = session.panel(index);
@@ -57,7 +59,8 @@ size_t columnsIn(float width, const Look& look) {
   return std::clamp(static_cast<size_t>(std::max(0.0f, width) / look.px(kColumnPx)), size_t{2}, std::tuple_size_v<Measurements>);
 }
 
-float figuresHeight(float width, const Look& look) {
+float figuresHeight(float width, MeasurementSpace space, const Look& look) {
+  if (space == MeasurementSpace::oneLine) return look.px(kFigurePx);
   const size_t columns = columnsIn(width, look), rows = (std::tuple_size_v<Measurements> + columns - 1) / columns;
   return look.px(kFigurePx) * static_cast<float>(rows);
 }
@@ -102,19 +105,20 @@ void drawHistory(const Panel& panel, const ImVec2& at, float width, const Look& 
 
 }  // namespace
 
-float measurementsHeight(float width, const Look& look) {
-  return figuresHeight(width, look) + ImGui::GetStyle().ItemSpacing.y + look.px(kHistoryPx);
+float measurementsHeight(float width, MeasurementSpace space, const Look& look) {
+  const float figures = figuresHeight(width, space, look);
+  return space == MeasurementSpace::oneLine ? figures : figures + ImGui::GetStyle().ItemSpacing.y + look.px(kHistoryPx);
 }
 
-void drawMeasurements(const Session& session, size_t index, const Look& look) {
+void drawMeasurements(const Session& session, size_t index, MeasurementSpace space, const Look& look) {
   const float width = ImGui::GetContentRegionAvail().x;
   const Measurements measurements = measurementsOf(session, index, look.now);
   const ImVec2 origin = ImGui::GetCursorScreenPos();
-  const size_t columns = columnsIn(width, look);
+  const size_t columns = columnsIn(width, look), count = space == MeasurementSpace::all ? measurements.size() : columns;
   const float column = width / static_cast<float>(columns);
   const float labelHeight = look.px(kSmallPx + 3.0f);
-  for (size_t i = 0; i < measurements.size(); ++i) {
-    const Measurement& measurement = measurements[i];
+  for (size_t i = 0; i < count; ++i) {
+    const Measurement& measurement = measurements[space == MeasurementSpace::all ? i : kMostFirst[i]];
     const ImVec2 at{origin.x + column * static_cast<float>(i % columns), origin.y + look.px(kFigurePx) * static_cast<float>(i / columns)};
     ImGui::SetCursorScreenPos(at);
     ImGui::BeginGroup();
@@ -129,7 +133,8 @@ void drawMeasurements(const Session& session, size_t index, const Look& look) {
     ImGui::EndGroup();
     tooltip(measurement.explanation, look);
   }
-  ImGui::SetCursorScreenPos({origin.x, origin.y + figuresHeight(width, look) + ImGui::GetStyle().ItemSpacing.y});
+  if (space == MeasurementSpace::oneLine) return;
+  ImGui::SetCursorScreenPos({origin.x, origin.y + figuresHeight(width, space, look) + ImGui::GetStyle().ItemSpacing.y});
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::InvisibleButton("history", {width, look.px(kHistoryPx)});
   tooltip("FLIP over the last ten seconds, now at the right; gaps are times in which it was not known.", look);

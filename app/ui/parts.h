@@ -40,14 +40,13 @@ struct Look {
   float px(float atScale1) const { return atScale1 * scale; }
 };
 
-/// A panel: technique, picture with orbit control, measurements. Fills the current child window. Returns true while the pointer is
-/// over it. The session learns the size of the picture's area.
-bool drawWarpPanel(Session& session, size_t index, PictureTexture& texture, const Look& look);
+/// How much of the measurements beneath a picture there is room for.
+enum class MeasurementSpace { all, oneLine };
 
-/// What is measured of a panel, as figures and as a line of its error, over the width of the current window. `measurementsHeight` is what that takes
-/// of a width, in ImGui units.
-void drawMeasurements(const Session& session, size_t index, const Look& look);
-float measurementsHeight(float width, const Look& look);
+/// What is measured of a panel, as figures and as a line of its error, over the width of the current window; or the figures that say most, in one line.
+/// `measurementsHeight` is what that takes of a width, in ImGui units.
+void drawMeasurements(const Session& session, size_t index, MeasurementSpace space, const Look& look);
+float measurementsHeight(float width, MeasurementSpace space, const Look& look);
 
 /// Where the time of the panel's frame went, as a bar that fills the line. For techniques without frames the bar is empty.
 void drawTimeline(const Panel& panel, const Look& look);

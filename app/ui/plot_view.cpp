@@ -86,7 +86,7 @@ void PlotView::showSweep(SweepFile sweep) {
 
 PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
   Shown shown;
-  const std::string click = std::string("\nClick to show it in the ") + (panel == 0 ? "left" : "right") + " panel.";
+  const std::string click = session.panelCount() > 1 ? "\nClick to show it in panel " + std::to_string(panel + 1) + ", which was used last." : "\nClick to show it.";
   const auto add = [&](const Configuration& configuration, double frameMs, double flip, const std::string& text) {
     ScatterPoint point;
     point.x = frameMs;
@@ -100,7 +100,7 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
   for (const LiveFront::Point& point : live.points()) {
     add(point.configuration, point.frameMs, point.flip, describe(point, live.rankedAnglesDeg()));
     shown.points.back().isDim = point.standing != LiveFront::Standing::ranked;
-    for (size_t i = 0; i < kPanelCount; ++i)
+    for (size_t i = 0; i < session.panelCount(); ++i)
       if (session.panel(i).configuration == point.configuration) shown.points.back().isMarked = true;
   }
   shown.front = live.front();

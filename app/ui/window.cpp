@@ -67,6 +67,27 @@ void requireSize(const glm::ivec2& size, const glm::ivec2& least) {
     throw UsageError("a window of " + sizeText(size) + " is too large: the screen has " + sizeText(most));
 }
 
+KeyChord chordOf(int modifiers) {
+  return {.isControl = (modifiers & GLFW_MOD_CONTROL) != 0, .isShift = (modifiers & GLFW_MOD_SHIFT) != 0, .isAlt = (modifiers & GLFW_MOD_ALT) != 0};
+}
+
+/// As KeyChord has it; empty for keys that have no name there, and for signs.
+std::string nameOfKey(int key, int scancode) {
+  if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) return std::string(1, static_cast<char>('0' + key - GLFW_KEY_0));
+  if (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12) return "F" + std::to_string(1 + key - GLFW_KEY_F1);
+  switch (key) {
+    case GLFW_KEY_ESCAPE: return "Esc";
+    case GLFW_KEY_TAB: return "Tab";
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER: return "Enter";
+    case GLFW_KEY_DELETE: return "Delete";
+    default: break;
+  }
+  const char* name = glfwGetKeyName(key, scancode);
+  if (name != nullptr && name[0] >= 'a' && name[0] <= 'z' && name[1] == 0) return std::string(1, static_cast<char>(name[0] - 'a' + 'A'));
+  return "";
+}
+
 }  // namespace
 
 /// Where GLFW's callbacks land.
@@ -75,16 +96,15 @@ struct WindowEvents {
     Window& window = windowOf(glfw);
     window.hasInput_ = true;
     if (action != GLFW_PRESS) return;
-    KeyPress press;
-    press.isControl = (modifiers & GLFW_MOD_CONTROL) != 0;
-    press.isEscape = key == GLFW_KEY_ESCAPE;
-    const char* name = glfwGetKeyName(key, scancode);
-    if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9)
-      press.character = static_cast<char>('0' + key - GLFW_KEY_0);
-    else if (name != nullptr && name[0] >= 'a' && name[0] <= 'z' && name[1] == 0)
-      press.character = name[0];
-    window.keyPresses_.push_back(press);
+    KeyChord press = chordOf(modifiers);
+    press.name = nameOfKey(key, scancode);
+    if (!press.name.empty()) window.keyPresses_.push_back(press);
     if (key >= 0) window.pressedKeys_.push_back(key);
+  }
+  /// Signs lie on other keys from keyboard to keyboard: they come as what is typed.
+  static void onCharacter(GLFWwindow* glfw, unsigned int codePoint) {
+    if (codePoint != '?' && codePoint != '+') return;
+    windowOf(glfw).keyPresses_.push_back({.name = std::string(1, static_cast<char>(codePoint))});
   }
   static void onButton(GLFWwindow* glfw, int button, int action, int) {
     Window& window = windowOf(glfw);
@@ -151,6 +171,7 @@ void Window::open(const std::string& title) {
 void Window::listen() {
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, WindowEvents::onKey);
+  glfwSetCharCallback(window_, WindowEvents::onCharacter);
   glfwSetMouseButtonCallback(window_, WindowEvents::onButton);
   glfwSetCursorPosCallback(window_, WindowEvents::onMove);
   glfwSetScrollCallback(window_, WindowEvents::onScroll);
@@ -211,6 +232,40 @@ void Window::followScale(bool isFirst) {
 bool Window::shouldClose() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
 
 void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+
+bool Window::isHeld(const KeyChord& key) const {
+  const auto isDown = [&](int code) { return glfwGetKey(window_, code) == GLFW_PRESS; };
+  if (key.name == "Shift") return isDown(GLFW_KEY_LEFT_SHIFT) || isDown(GLFW_KEY_RIGHT_SHIFT);
+  for (int code = GLFW_KEY_A; code <= GLFW_KEY_Z; ++code)
+    if (isDown(code) && nameOfKey(code, glfwGetKeyScancode(code)) == key.name) return true;
+  return false;
+}
+
+bool Window::isFullScreen() const { return glfwGetWindowMonitor(window_) != nullptr; }
+
+void Window::setFullScreen(bool isFullScreen) {
+  if (isFullScreen == this->isFullScreen()) return;
+  if (!isFullScreen) {
+    const auto& [at, size] = beforeFullScreen_;
+    glfwSetWindowMonitor(window_, nullptr, at.x, at.y, size.x, size.y, GLFW_DONT_CARE);
+    return;
+  }
+  glfwGetWindowPos(window_, &beforeFullScreen_.at.x, &beforeFullScreen_.at.y);
+  glfwGetWindowSize(window_, &beforeFullScreen_.size.x, &beforeFullScreen_.size.y);
+  const glm::ivec2 middle = beforeFullScreen_.at + beforeFullScreen_.size / 2;
+  int count = 0;
+  GLFWmonitor** const monitors = glfwGetMonitors(&count);
+  GLFWmonitor* chosen = glfwGetPrimaryMonitor();
+  for (int i = 0; i < count; ++i) {
+    const GLFWvidmode* mode = glfwGetVideoMode(monitors[i]);
+    glm::ivec2 corner(0);
+    glfwGetMonitorPos(monitors[i], &corner.x, &corner.y);
+    const bool holdsMiddle = mode != nullptr && middle.x >= corner.x && middle.y >= corner.y && middle.x < corner.x + mode->width && middle.y < corner.y + mode->height;
+    if (holdsMiddle) chosen = monitors[i];
+  }
+  const GLFWvidmode* mode = chosen != nullptr ? glfwGetVideoMode(chosen) : nullptr;
+  if (mode != nullptr) glfwSetWindowMonitor(window_, chosen, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
 
 void Window::waitForNextFrame(bool isMoving) {
   if (!isMoving && !hasInput_) takeEvents(kIdlePeriodS);

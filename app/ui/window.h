@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/session/actions.h"
 #include "app/ui/double_click.h"
 #include "app/ui/texture.h"
 #include "app/ui/theme.h"
@@ -16,13 +17,6 @@
 struct GLFWwindow;
 
 namespace warpscope::ui {
-
-/// A key that was pressed. Letters are what the keyboard's layout says, in lower case; digits are by position.
-struct KeyPress {
-  char character = 0;  ///< 'a'..'z', '0'..'9'; 0 for other keys
-  bool isEscape = false;
-  bool isControl = false;  ///< Ctrl was held
-};
 
 class Window {
  public:
@@ -51,8 +45,13 @@ class Window {
   float scale() const { return scale_; }
   /// Framebuffer pixels of one ImGui unit.
   float pixelsPerUnit() const { return pixelsPerUnit_; }
-  /// Keys pressed since the last call.
-  std::vector<KeyPress> takeKeyPresses() { return std::exchange(keyPresses_, {}); }
+  /// Keys pressed since the last call. Letters are what the keyboard's layout says; digits are by position.
+  std::vector<KeyChord> takeKeyPresses() { return std::exchange(keyPresses_, {}); }
+  /// Whether a key that actions name is down at the moment.
+  bool isHeld(const KeyChord& key) const;
+  /// On the whole screen that most of it is on, or as it was before.
+  void setFullScreen(bool isFullScreen);
+  bool isFullScreen() const;
   /// The file that was dropped onto the window last, once.
   std::optional<std::string> takeDroppedFile() { return std::exchange(droppedFile_, std::nullopt); }
   /// Whether the left button was pressed twice, quickly and at one place, since the last call.
@@ -84,7 +83,11 @@ class Window {
   glm::dvec2 pointer_{0.0};                           // in screen coordinates
   DoubleClick clicks_;
   bool isDoubleClicked_ = false;
-  std::vector<KeyPress> keyPresses_;
+  std::vector<KeyChord> keyPresses_;
+  struct Place {
+    glm::ivec2 at{0}, size{0};
+  };
+  Place beforeFullScreen_;
   std::vector<int> pressedKeys_, heldKeys_;  // GLFW's codes
   std::optional<std::string> droppedFile_;
 };

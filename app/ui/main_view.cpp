@@ -1,0 +1,211 @@
+// Where everything stands, and what actions do.
+// See main_view.h.
+#include "app/ui/main_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace warpscope::ui {
+namespace {
+
+constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f;  // at scale 1
+
+/// From the picture to what was shown in its place last, and back.
+void toggleContent(Session& session, size_t index) {
+  const Panel& panel = session.panel(index);
+  session.setContent(index, panel.content == PictureContent::picture ? panel.lastContent : PictureContent::picture, panel.contentRange);
+}
+
+void toggleFrozen(Session& session) {
+  LiveSettings knobs = session.knobs();
+  knobs.isFrozen = !knobs.isFrozen;
+  session.setKnobs(knobs);
+}
+
+}  // namespace
+
+MainView::MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, std::function<void()> onNews)
+    : grid_(gl), plot_(std::move(sweep)), openScene_(openScene), fileSorter_(makeFileSorter(std::move(onNews))) {}
+
+void MainView::open(const std::string& path, Session& session) {
+  if (std::filesystem::path(path).extension() == ".json")
+    fileSorter_->post(path);
+  else
+    session.load(openScene_(path));
+}
+
+void MainView::takeHandedFile(Session& session) {
+  std::optional<HandedFile> file = fileSorter_->tryTake();
+  if (!file) return;
+  if (!file->error.empty()) {
+    plot_.showError(std::move(file->error));
+  } else if (file->sweep) {
+    session.setFront(file->sweep->choice);
+    plot_.showSweep(std::move(*file->sweep));
+  } else {
+    session.load(openScene_(file->path));
+  }
+}
+
+void MainView::press(const KeyChord& key, Session& session) {
+  const std::optional<Action> action = actionOf(key);
+  if (!action) return;
+  const bool isTyped = ImGui::GetIO().WantTextInput && !key.isControl;
+  if (isTyped || (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup) && *action != Action::quit)) return;
+  perform(*action, session, grid_.underPointer(), *action == Action::chooseTechnique ? static_cast<size_t>(key.name[0] - '0') : 0);
+}
+
+void MainView::goBack() {
+  if (showsKeys_)
+    showsKeys_ = false;
+  else if (!grid_.goBack())
+    windowActions_.push_back(Action::goBack);
+}
+
+void MainView::perform(Action action, Session& session, std::optional<size_t> panel, size_t number) {
+  if (describe(action).isOfPanel && !panel) {
+    if (action == Action::resetView) session.resetView();
+    return;
+  }
+  switch (action) {
+    case Action::quit:
+    case Action::fullScreen: return windowActions_.push_back(action);
+    case Action::goBack: return goBack();
+    case Action::help: showsKeys_ = !showsKeys_; return;
+    case Action::resetView: return session.resetView(*panel);
+    case Action::freeze: return toggleFrozen(session);
+    case Action::ownCamera: return session.setOwnCamera(*panel, !session.hasOwnCamera(*panel));
+    case Action::showContent: return toggleContent(session, *panel);
+    case Action::wipe: return grid_.toggleWipe(session, *panel);
+    case Action::chooseTechnique:
+      if (number >= 1 && number <= warpRegistry().size()) session.setTechnique(*panel, warpRegistry()[number - 1]);
+      return;
+    case Action::chooseAutomatic: return session.setAutomatic(*panel);
+    case Action::addPanel: return grid_.addPanel(session);
+    case Action::closePanel: return grid_.closePanel(session, *panel);
+    case Action::maximise: return grid_.toggleMaximised(session, *panel);
+    case Action::showPlan: return session.setShowsPlan(!session.showsPlan());
+    case Action::hideSideBar: hasSideBar_ = !hasSideBar_; return;
+    case Action::showReference:
+    case Action::blink: return;  // as long as their keys are down
+  }
+}
+
+bool MainView::isOn(Action action, const Session& session, size_t panel) const {
+  switch (action) {
+    case Action::freeze: return session.knobs().isFrozen;
+    case Action::ownCamera: return session.hasOwnCamera(panel);
+    case Action::showContent: return session.panel(panel).content != PictureContent::picture;
+    case Action::wipe: return grid_.isWiped(session, panel);
+    case Action::maximise: return grid_.isMaximised(session, panel);
+    case Action::showPlan: return session.showsPlan();
+    case Action::hideSideBar: return hasSideBar_;
+    default: return false;
+  }
+}
+
+void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
+  if (!ImGui::BeginMenu(name)) return;
+  const size_t panel = grid_.usedLast(session);
+  if (menu == ActionMenu::panel) ImGui::TextDisabled("Panel %zu: %s", panel + 1, std::string(session.panel(panel).technique->label).c_str());
+  for (const ActionDescriptor& action : windowActions()) {
+    if (action.menu != menu) continue;
+    const bool isPossible = action.action == Action::addPanel ? session.panelCount() < kMaxPanels
+                            : action.action == Action::closePanel || action.action == Action::wipe || action.action == Action::maximise
+                                ? session.panelCount() > 1
+                                : true;
+    if (ImGui::MenuItem(std::string(action.label).c_str(), std::string(action.keys).c_str(), isOn(action.action, session, panel), isPossible))
+      perform(action.action, session, panel);
+  }
+  if (menu == ActionMenu::view && ImGui::BeginMenu("Columns")) {
+    if (ImGui::MenuItem("As many as fit", nullptr, grid_.columns() == 0)) grid_.setColumns(0);
+    for (size_t columns = 1; columns <= kMaxPanels; ++columns)
+      if (ImGui::MenuItem(std::to_string(columns).c_str(), nullptr, grid_.columns() == columns)) grid_.setColumns(columns);
+    ImGui::EndMenu();
+  }
+  ImGui::EndMenu();
+}
+
+void MainView::drawMenus(Session& session) {
+  if (!ImGui::BeginMainMenuBar()) return;
+  drawMenu(ActionMenu::file, "File", session);
+  drawMenu(ActionMenu::view, "View", session);
+  drawMenu(ActionMenu::panel, "Panel", session);
+  drawMenu(ActionMenu::help, "Help", session);
+  ImGui::EndMainMenuBar();
+}
+
+void MainView::drawKeys(const Look& look) {
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({std::min(look.px(620.0f), 0.96f * display.x), 0.0f});
+  ImGui::SetNextWindowSizeConstraints({0.0f, 0.0f}, {display.x, 0.9f * display.y});
+  if (ImGui::Begin("Keys", &showsKeys_, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings) &&
+      ImGui::BeginTable("keys", 2)) {
+    ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, look.px(150.0f));
+    ImGui::TableSetupColumn("what it does", ImGuiTableColumnFlags_WidthStretch);
+    const auto row = [](std::string_view keys, std::string_view what) {
+      ImGui::TableNextColumn();
+      ImGui::TextColored(kAccent, "%s", std::string(keys).c_str());
+      ImGui::TableNextColumn();
+      ImGui::TextWrapped("%s", std::string(what).c_str());
+    };
+    row("drag", "Orbit; with the right button pan, with the wheel zoom; a double click brings the first view back");
+    for (const ActionDescriptor& action : windowActions()) row(action.keys, action.help);
+    ImGui::EndTable();
+  }
+  ImGui::End();
+}
+
+void MainView::drawPlot(Session& session, const Look& look) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(8.0f), look.px(8.0f)});
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(6.0f)});
+  ImGui::BeginChild("plot", {0.0f, 0.0f}, true, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+  plot_.draw(session, grid_.usedLast(session), look);
+  ImGui::EndChild();
+  ImGui::PopStyleVar(2);
+}
+
+void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look) {
+  const float bodyHeight = std::max(1.0f, ImGui::GetContentRegionAvail().y - look.px(kStatusHeight));
+  const float sideBar = hasSideBar_ ? look.px(kControlsWidth + kMargin) : 0.0f;
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, kFrameColor);
+  ImGui::BeginChild("panels", {ImGui::GetContentRegionAvail().x - sideBar, bodyHeight}, false,
+                    ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+  ImGui::PopStyleColor();
+  drawErrorBanner(session, look);
+  ImVec2 room = ImGui::GetContentRegionAvail();
+  room.y = std::max(1.0f, room.y - plot_.height(room.y, look) - look.px(kMargin));
+  grid_.draw(session, room, held, look);
+  drawPlot(session, look);
+  ImGui::EndChild();
+  ImGui::PopStyleVar(2);
+  if (hasSideBar_) {
+    ImGui::SameLine(0.0f, look.px(kMargin));
+    ImGui::BeginChild("controls", {0.0f, bodyHeight}, true);
+    controls_.draw(session, openScene_, look);
+    ImGui::EndChild();
+  }
+}
+
+void MainView::draw(Session& session, double displayFramesPerSecond, const HeldKeys& held, const Look& look) {
+  takeHandedFile(session);
+  drawMenus(session);
+  const float top = ImGui::GetFrameHeight();  // of the menu bar
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({0.0f, top});
+  ImGui::SetNextWindowSize({display.x, std::max(1.0f, display.y - top)});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(kMargin), look.px(kMargin)});
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(kMargin), look.px(kMargin)});
+  ImGui::Begin("warpscope", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                   ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse);
+  drawBody(session, held, look);
+  ImGui::SetCursorPosY(ImGui::GetWindowHeight() - look.px(kStatusHeight));
+  drawStatusBar(session, displayFramesPerSecond, look);
+  ImGui::End();
+  if (showsKeys_) drawKeys(look);
+}
+
+}  // namespace warpscope::ui

@@ -1,0 +1,58 @@
+// All that the window shows, whatever it is drawn into: menus, panels, knobs, plot, status.
+// Does what keys and menus ask for, but for what only a window can: that it hands on.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/experiment/sweep_file.h"
+#include "app/session/actions.h"
+#include "app/ui/panel_grid.h"
+#include "app/ui/parts.h"
+#include "app/ui/plot_view.h"
+
+namespace warpscope::ui {
+
+class MainView {
+ public:
+  /// `gl` and `openScene` outlive it; `onNews` is called on another thread when a file that was handed over has been looked at.
+  MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, std::function<void()> onNews);
+
+  /// A file that the user handed over: a sweep for the plot, or else a scene.
+  void open(const std::string& path, Session& session);
+  /// What a pressed key does. Keys that are typed into a field are the field's.
+  void press(const KeyChord& key, Session& session);
+  /// Within a frame of Dear ImGui, over all of its display.
+  void draw(Session& session, double displayFramesPerSecond, const HeldKeys& held, const Look& look);
+
+  /// What was asked for since the last call that is the window's business: quit, fullScreen, and goBack where there was nothing to go back from.
+  std::vector<Action> takeWindowActions() { return std::exchange(windowActions_, {}); }
+  /// Whether something moves although nothing happens.
+  bool isAnimating() const { return grid_.isAnimating(); }
+
+ private:
+  void takeHandedFile(Session& session);
+  /// `number`: of a technique, from 1 on. `panel`: of those that an action is about.
+  void perform(Action action, Session& session, std::optional<size_t> panel, size_t number = 0);
+  void goBack();
+  bool isOn(Action action, const Session& session, size_t panel) const;
+  void drawMenus(Session& session);
+  void drawMenu(ActionMenu menu, const char* name, Session& session);
+  void drawBody(Session& session, const HeldKeys& held, const Look& look);
+  void drawPlot(Session& session, const Look& look);
+  void drawKeys(const Look& look);
+
+  Controls controls_;
+  PanelGrid grid_;
+  PlotView plot_;
+  const SceneOpener& openScene_;
+  std::unique_ptr<FileSorter> fileSorter_;
+  std::vector<Action> windowActions_;
+  bool hasSideBar_ = true;
+  bool showsKeys_ = false;
+};
+
+}  // namespace warpscope::ui

@@ -1,0 +1,75 @@
+// The panels of the window: how they share its room, which of them has all of it, and which picture is compared with another's in one place.
+// Remembers panels by their ids, which stay as panels move.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "app/ui/warp_panel.h"
+
+namespace warpscope::ui {
+
+/// Keys that do something as long as they are down.
+struct HeldKeys {
+  bool reference = false, blink = false;
+};
+
+class PanelGrid {
+ public:
+  explicit PanelGrid(const WindowGl& gl) : gl_(gl) {}
+
+  /// Draws all panels into the current window's room, as much of it as `room`.
+  void draw(Session& session, const ImVec2& room, const HeldKeys& held, const Look& look);
+
+  /// The panel under the pointer in the last draw().
+  std::optional<size_t> underPointer() const { return underPointer_; }
+  /// The one whose technique changed last, or that was clicked into or turned the wheel over since.
+  size_t usedLast(const Session& session) const;
+
+  /// What actions of panels do; `panel` is an index.
+  void addPanel(Session& session);
+  void closePanel(Session& session, size_t panel);
+  void toggleMaximised(const Session& session, size_t panel);
+  void toggleWipe(const Session& session, size_t panel);
+  bool isMaximised(const Session& session, size_t panel) const { return alone_ == session.panel(panel).id; }
+  bool isWiped(const Session& session, size_t panel) const { return wiped_ == session.panel(panel).id; }
+  /// Ends a wipe, or else lets all panels be seen again. False if there was neither.
+  bool goBack();
+
+  /// Panels side by side; 0: as many as leave the pictures most room.
+  size_t columns() const { return columns_; }
+  void setColumns(size_t columns) { columns_ = columns; }
+
+  /// Whether something moves although nothing happens.
+  bool isAnimating() const { return isBlinking_; }
+
+ private:
+  struct Layout {
+    size_t columns = 1;
+    ImVec2 cell;
+    MeasurementSpace space = MeasurementSpace::all;
+  };
+  Layout layoutOf(size_t count, const ImVec2& room, const Look& look) const;
+  void forgetClosed(const Session& session);
+  void followUse(const Session& session);
+  std::optional<OtherPicture> otherOf(const Session& session, size_t panel, const HeldKeys& held, const Look& look);
+  /// One cell; what the user asked of its panel.
+  std::optional<Action> drawCell(Session& session, size_t panel, const Layout& layout, const HeldKeys& held, const Look& look);
+
+  struct Shown {
+    explicit Shown(const WindowGl& gl) : textures{PictureTexture(gl), PictureTexture(gl)} {}
+    PanelTextures textures;
+    const WarpDescriptor* technique = nullptr;  // in the last draw()
+  };
+  const WindowGl& gl_;
+  std::map<uint64_t, std::unique_ptr<Shown>> shown_;
+  std::optional<uint64_t> alone_, wiped_;
+  float wipeAt_ = 0.5f;
+  size_t columns_ = 0;
+  uint64_t usedLast_ = 0;
+  std::optional<size_t> underPointer_, underPointerNow_;
+  bool isBlinking_ = false;
+};
+
+}  // namespace warpscope::ui
