@@ -147,6 +147,19 @@ TEST_F(ContentTest, DepthAndRadiusAreThoseOfTheSampleInThePixel) {
   EXPECT_NEAR(red(radius.picture[3]), red(heatColor(0.5f)), 4);
 }
 
+TEST_F(ContentTest, AgeIsHowManyFramesBackAPixelIs) {
+  image_.samples[0] = kNotASample;
+  image_.samples[1] = kOfEarlierFrame;
+  image_.samples[2] = kOfEarlierFrame + 6;
+  image_.samples[3] = kFilled;
+  const ShownContent shown = show(PictureContent::age, inputs());
+  EXPECT_TRUE(shown.hasRamp);
+  EXPECT_EQ(shown.picture[0], rampColor(PictureContent::age, 0.0f));
+  EXPECT_EQ(shown.picture[1], rampColor(PictureContent::age, 1.0f / 7.0f));
+  EXPECT_EQ(shown.picture[2], rampColor(PictureContent::age, 1.0f));
+  EXPECT_NE(shown.picture[3], shown.picture[0]) << "a guess is of no frame";
+}
+
 TEST_F(ContentTest, WhatCannotBeShownIsRefused) {
   EXPECT_THAT([&] { shown(PictureContent::depth); }, ThrowsMessage<InputError>(HasSubstr("no pixel of the picture says which sample")));
   ContentInputs alone = inputs();

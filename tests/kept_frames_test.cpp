@@ -61,6 +61,7 @@ TEST_F(KeptFramesTest, WhatWasSeenBeforeNeedsNoGuess) {
     for (size_t i = 0; i < kept.samples.size(); ++i) {
       const glm::vec4& expected = alone.samples[i] != kNoSample ? alone.color[i] : second.samples[i] != kNoSample ? second.color[i] : first.color[i];
       ASSERT_EQ(kept.color[i], expected) << i;
+      ASSERT_EQ(framesBack(kept.samples[i]), alone.samples[i] != kNoSample ? 0u : second.samples[i] != kNoSample ? 1u : first.samples[i] != kNoSample ? 2u : 0u) << i;
       ASSERT_EQ(kept.samples[i] == alone.samples[i], alone.samples[i] != kNoSample || kept.samples[i] == kNoSample) << i;
     }
   }

@@ -131,6 +131,47 @@ TEST_F(SessionPanelsTest, StayAsTheyAreWithAnotherScene) {
   EXPECT_EQ(session_.view(0), session_.scene()->views.front());
 }
 
+/// Where a panel's picture shows a sample, and where it does not.
+struct Places {
+  std::optional<glm::dvec2> sample, other;
+};
+Places placesIn(const Panel& panel) {
+  Places places;
+  const PanelPixels& pixels = *panel.currentPixels();
+  const Image<uint32_t>& samples = pixels.image->samples;
+  for (uint32_t y = 0; y < samples.height(); ++y)
+    for (uint32_t x = 0; x < samples.width(); ++x)
+      (samples(x, y) < pixels.frame->size() ? places.sample : places.other) = glm::dvec2((x + 0.5) / samples.width(), (y + 0.5) / samples.height());
+  return places;
+}
+
+TEST_F(SessionPanelsTest, ARayIsLookedAtAndFollowsKnobs) {
+  ASSERT_TRUE(open("block"));
+  ASSERT_NE(session_.panel(1).currentPixels(), nullptr);
+  const Places places = placesIn(session_.panel(1));
+  ASSERT_TRUE(places.sample && places.other);
+  session_.lookAt(LookedAt{session_.panel(1).id, *places.sample});
+  ASSERT_TRUE(pumpUntil([&] { return session_.ray().isCurrent(); }));
+  const RayResult first = *session_.ray().result();
+  EXPECT_TRUE(first.job.ray.isServers);
+  EXPECT_FALSE(first.trace.samples.empty());
+  EXPECT_TRUE(depthBy(first.trace, Heuristic::gradient));
+
+  LiveSettings knobs = session_.knobs();
+  knobs.march.sample.threshold = 0.1f;
+  knobs.march.sample.heuristic = Heuristic::threshold;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return session_.ray().isCurrent() && session_.ray().result()->job.settings.sample.threshold == 0.1f; }));
+  EXPECT_NE(depthBy(session_.ray().result()->trace, Heuristic::threshold), depthBy(first.trace, Heuristic::threshold));
+
+  session_.lookAt(LookedAt{session_.panel(1).id, *places.other});
+  ASSERT_TRUE(pumpUntil([&] { return session_.ray().isCurrent() && !session_.ray().result()->job.ray.isServers; }));
+  session_.removePanel(1);
+  session_.update(clock_.now());
+  EXPECT_FALSE(session_.lookedAt()) << "its panel is gone";
+  EXPECT_FALSE(session_.ray().result());
+}
+
 TEST(WindowActions, EveryRowStandsAtItsPlaceWithKeysOfItsOwn) {
   std::set<std::string> seen;
   for (const ActionDescriptor& action : windowActions()) {

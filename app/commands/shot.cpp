@@ -11,6 +11,7 @@
 #include "app/commands/choose.h"
 #include "app/commands/options.h"
 #include "app/experiment/auto_choice.h"
+#include "app/experiment/ray_look.h"
 #include "app/experiment/sweep.h"
 #include "app/experiment/sweep_file.h"
 #include "app/picture/content.h"
@@ -41,6 +42,7 @@ struct ShotOptions {
   std::string show = "picture";
   std::optional<double> range;
   std::optional<double> budgetMs, timeoutS;
+  std::vector<uint32_t> ray;  ///< column and row of a pixel, or empty
 };
 
 constexpr std::string_view kAuto = "auto";
@@ -147,6 +149,20 @@ void askForWhatIsDrawn(const WarpDescriptor& technique, CommandContext& work) {
   ask(drawsProxy(technique, work.warp.knobs) && !technique.uses.segments, kProxyKnob, &SampleSettings::proxy, "the volume's copy here");
 }
 
+void requireRay(const ShotOptions& options, const CommandContext& work) {
+  if (options.ray[0] >= work.width || options.ray[1] >= work.height)
+    throw UsageError("--ray " + std::to_string(options.ray[0]) + "," + std::to_string(options.ray[1]) + ": the picture has " + std::to_string(work.width) + " x " +
+                     std::to_string(work.height) + " pixels, the first is 0,0");
+  if (!work.scene.volume) throw UsageError("--ray looks at the volume's values, which the server has: leave out --connect where the volume is");
+}
+
+/// What there is along the ray behind a pixel of the picture.
+nlohmann::json rayReport(const ShotOptions& options, const CommandContext& work, const MarchSettings& settings, const ContentInputs& inputs,
+                         const std::stop_token& stop) {
+  const RayOfPixel ray = rayBehind(inputs, {options.ray[0], options.ray[1]});
+  return toJson(makeRayTracer(work.scene.volume, work.scene.transferFunction)->trace(ray.camera, settings, ray.pixel, stop), ray, settings);
+}
+
 /// `limit`: of all that is had from a server.
 void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& limit) {
   requireRange(options.viewAngleDeg, kViewAngleDegRange, "--view-angle");
@@ -164,7 +180,8 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
   if (isAutomatic && options.front.empty() && !options.transport.connect.empty())
     throw UsageError("--technique auto measures its choices where the volume is: with --connect, give --front with the sweep.json of a sweep");
   CommandContext work = prepare(options.common, options.transport, limit.token());
-  requireWritable(options.out);
+  if (!options.out.empty()) requireWritable(options.out);
+  if (!options.ray.empty()) requireRay(options, work);
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
   std::optional<AutoChoice::Choice> choice;
   if (isAutomatic) {
@@ -184,6 +201,7 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
   view.angleDeg += options.viewAngleDeg;
   const Camera camera = makeCamera(work.scene, view, work.width, work.height);
   ServedFrame served;
+  const MarchSettings asked = work.march;  // with what this technique does not draw
   if (descriptor.usesFrame) {
     progress->step("the server's frame");
     work.march = neededBy(std::array{TechniqueInUse{&descriptor, work.warp.knobs}}, work.march);
@@ -213,12 +231,13 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
                              .marks = work.marks,
                              .reference = hasReference ? &truth.color : nullptr,
                              .frame = frame.get()};
+  const nlohmann::json ray = options.ray.empty() ? nlohmann::json() : rayReport(options, work, asked, inputs, interrupt.token());
   const ShownContent shown = shownOf(image, content, format, inputs, options, work);
-  writeFileWhole(options.out, encode(shown.picture, format, interrupt.token()), interrupt.token());
+  if (!options.out.empty()) writeFileWhole(options.out, encode(shown.picture, format, interrupt.token()), interrupt.token());
   progress.reset();
 
-  if (options.common.json) {
-    nlohmann::json report{{"out", options.out},
+  if (options.common.json || !ray.is_null()) {
+    nlohmann::json report{{"out", options.out.empty() ? nlohmann::json(nullptr) : nlohmann::json(options.out)},
                                 {"technique", descriptor.name},
                                 {"viewAngleDeg", options.viewAngleDeg},
                                 {"samples", frame ? frame->size() : 0},
@@ -230,6 +249,7 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
     report.update(toJson(work.march));
     if (choice)
       report["auto"] = {{"reason", choice->reason}, {"flip", choice->flip}, {"frameMs", choice->frameMs}, {"configuration", toJson(choice->configuration)}};
+    if (!ray.is_null()) report["ray"] = ray;
     std::cout << textOf(report);
   } else {
     logResult("wrote " + options.out + (shown.hasRamp ? ": " + rampText(shown, describe(content)) : std::string()));
@@ -271,9 +291,13 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
                       "What the upper end of the content's colours stands for, " + rangeText(kContentRange) + "; default: 0.5 for differences and flip, else the largest in the picture");
   command->add_option("--timeout", options->timeoutS,
                       "Seconds that all answers of a server may take together, " + rangeText(kTimeoutSRange) + "; default: as long as it is there");
-  command->add_option("-o,--out", options->out, "PNG or JPEG file to write, as its ending says: .png or .jpg")->required();
+  command->add_option("--ray", options->ray,
+                      "X,Y of a pixel, from 0,0 at the upper left: what there is along the ray behind it, as JSON: values, opacities, segments, every heuristic's depth")
+      ->delimiter(',')->expected(2)->allow_extra_args(false);
+  command->add_option("-o,--out", options->out, "PNG or JPEG file to write, as its ending says: .png or .jpg; needed, but for --ray");
   command->callback([options, &chosen] {
     chosen = [options] {
+      if (options->out.empty() && options->ray.empty()) throw UsageError("--out is required: the picture's file");
       completeConnect(options->transport, namesScene(options->common));
       shootInTime(*options);
     };

@@ -17,7 +17,7 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<ContentDescriptor, 8> kContents{{
+constexpr std::array<ContentDescriptor, 9> kContents{{
     {"picture", PictureContent::picture, "Picture", "What the technique draws", false, false, "", {}},
     {"difference", PictureContent::difference, "Difference", "Where the picture is brighter (orange) or darker (blue) than the ground truth, as displayed", true, false, "1",
      0.5f},
@@ -27,6 +27,7 @@ constexpr std::array<ContentDescriptor, 8> kContents{{
     {"opacity", PictureContent::opacity, "Opacity", "From black, where the background shows through, to white", false, false, "1", 1.0f},
     {"depth", PictureContent::depth, "Depth", "How far from the eye the samples are that pixels show", false, true, "volume units", {}},
     {"radius", PictureContent::radius, "Radius", "How large the samples are that pixels show", false, true, "volume units", {}},
+    {"age", PictureContent::age, "Age", "How many frames before the newest pixels are of, where a technique keeps some (--keep)", false, false, "frames", 7.0f},
 }};
 
 constexpr Rgba8 kUnknown = 0xff303030u, kHole = 0xffc700ffu, kGuess = 0xffffd900u;
@@ -147,6 +148,11 @@ ShownContent show(PictureContent content, const ContentInputs& inputs, std::opti
       const glm::vec3 eye = inputs.camera.eye;
       return rampedOverSamples(ofSamples(inputs, [&](const Sphere& sphere) { return glm::length(sphere.center - eye); }), range, false);
     }
+    case PictureContent::age:
+      return ramped(made<float>(inputs.image.samples, [&](size_t i) {
+                      const uint32_t id = inputs.image.samples[i];
+                      return id == kNoSample || id == kFilled ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(framesBack(id));
+                    }), 0.0f, scale);
     case PictureContent::radius: return rampedOverSamples(ofSamples(inputs, [](const Sphere& sphere) { return sphere.radius; }), range, true);
   }
   throw std::logic_error("a picture's content is none");

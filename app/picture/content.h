@@ -13,7 +13,7 @@
 
 namespace warpscope {
 
-enum class PictureContent { picture, difference, absoluteDifference, flip, holes, opacity, depth, radius };
+enum class PictureContent { picture, difference, absoluteDifference, flip, holes, opacity, depth, radius, age };
 
 /// One row of pictureContents().
 struct ContentDescriptor {

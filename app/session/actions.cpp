@@ -9,7 +9,7 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<ActionDescriptor, 18> kActions{{
+constexpr std::array<ActionDescriptor, 20> kActions{{
     {Action::quit, ActionMenu::file, "Quit", "Ctrl+Q", "Close the window"},
     {Action::resetView, ActionMenu::view, "First view", "R", "Back to the scene's first view", false, true},
     {Action::freeze, ActionMenu::view, "Freeze", "F", "Keep the frame on show and ask the server for no other"},
@@ -18,6 +18,8 @@ constexpr std::array<ActionDescriptor, 18> kActions{{
     {Action::showReference, ActionMenu::none, "Ground truth", "Shift", "The ground truth, as long as the key is held", true, true},
     {Action::blink, ActionMenu::none, "Blink", "B", "In turns with the next panel's picture, as long as the key is held", true, true},
     {Action::wipe, ActionMenu::panel, "Wipe", "W", "This panel's picture on the left of a bar and the next one's on its right; drag the bar", false, true},
+    {Action::inspect, ActionMenu::view, "Inspect pixels", "I", "A loupe in all panels, and what is known of the pixel under the pointer; a click looks along its ray"},
+    {Action::copyPixel, ActionMenu::none, "Copy the pixel", "Ctrl+C", "What is known of the pixel under the pointer, as text", false, true},
     {Action::chooseTechnique, ActionMenu::none, "Technique", "1 to 9", "A technique, in the order of the list", false, true},
     {Action::chooseAutomatic, ActionMenu::none, "Auto", "0", "The panel chooses its technique by itself", false, true},
     {Action::addPanel, ActionMenu::panel, "Add a panel", "+", "One more panel, up to six; drag panels by their titles to arrange them"},

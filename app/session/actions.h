@@ -19,6 +19,8 @@ enum class Action {
   showReference,
   blink,
   wipe,
+  inspect,
+  copyPixel,
   chooseTechnique,
   chooseAutomatic,
   addPanel,

@@ -62,23 +62,21 @@ class PictureOfFrame {
   size_t bytes_ = 0;
 };
 
+/// What is known of the pixels of the job's picture.
+std::shared_ptr<const PanelPixels> pixelsOf(const WarpResult& drawn, Image<float> flip) {
+  const bool isShown = drawn.job.reference->job().camera == drawn.job.camera;
+  return std::make_shared<const PanelPixels>(PanelPixels{isShown ? drawn.picture : ShownPicture{}, drawn.judged, drawn.job.reference, drawn.job.frame,
+                                                         drawn.job.background, drawn.job.marks, std::move(flip)});
+}
+
 /// What the job's content is of its picture.
-PanelContent contentOf(const JudgeJob& job, const Image<float>& flip) {
+PanelContent contentOf(const JudgeJob& job, const PanelPixels& pixels) {
   PanelContent found;
   found.what = job.content;
   found.range = job.contentRange;
   if (job.content == PictureContent::picture) return found;
-  const WarpJob& drawn = job.drawn.job;
   try {
-    ShownContent content = show(job.content,
-                                {.image = *job.drawn.judged,
-                                 .camera = drawn.camera,
-                                 .background = drawn.background,
-                                 .marks = drawn.marks,
-                                 .reference = &drawn.reference->color(),
-                                 .frame = drawn.frame.get(),
-                                 .flip = &flip},
-                                job.contentRange);
+    ShownContent content = show(job.content, pixels.inputs(), job.contentRange);
     found.picture.host = std::make_shared<const Image<Rgba8>>(std::move(content.picture));
     found.hasRamp = content.hasRamp;
     found.low = content.low;
@@ -114,7 +112,8 @@ std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<voi
           judgement.job = job;
           Image<float> map;
           judgement.errors = judge(job.drawn.job.reference, *job.drawn.judged, map);
-          judgement.content = contentOf(job, map);
+          judgement.pixels = pixelsOf(job.drawn, std::move(map));
+          judgement.content = contentOf(job, *judgement.pixels);
           if (drawsPictureAlone(*job.drawn.job.technique) && job.configuration)
             judgement.pictureBytes = picture.bytes(job.drawn.job.frame, job.drawn.job.background, job.configuration->codec);
         };

@@ -25,6 +25,7 @@ struct Judgement {
   JudgeJob job;            ///< that was done
   PictureErrors errors;
   PanelContent content;    ///< that was wanted; nothing of the picture itself
+  std::shared_ptr<const PanelPixels> pixels;
   std::optional<size_t> pictureBytes;  ///< pictureBytes() of the frame, where the technique needs no more of it and its configuration is known
   std::string error;
 };

@@ -133,6 +133,7 @@ LivePanel::ErrorNews LivePanel::takeErrors(const LiveGroundTruth& truth, TimePoi
       shown_.errors = judgement->errors;
       if (judgement->pictureBytes && judged.job.drawn.requestId() == shown_.requestId) shown_.bytes = judgement->pictureBytes;
       shown_.shownContent = std::move(judgement->content);
+      shown_.pixels = std::move(judgement->pixels);
       if (!isAgain) shown_.history.add(now, shown_.errors->flip);
       const Camera& camera = judged.job.drawn.job.reference->job().camera;
       if (judged.job.configuration && !isAgain)

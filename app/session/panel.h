@@ -59,11 +59,14 @@ struct Panel : PanelSettings {
   /// They are those of the picture that is shown or, where the ground truth follows the moving camera (LiveGroundTruth::followsCamera), of one shown
   /// less than kLiveErrors ago by the same technique, or instead of it by the same shortcut.
   bool errorsAreCurrent = false;
+  std::shared_ptr<const PanelPixels> pixels;  ///< of the picture that was judged last; null before
   PanelContent shownContent;            ///< found as `errors` are, and true as long
   ErrorHistory history;                 ///< of FLIP
 
   /// What was found last, for the picture of `errors`, is what is wanted.
   bool isContentFound() const { return content == PictureContent::picture || (shownContent.what == content && shownContent.range == contentRange); }
+  /// Null where they are not those of the picture on show.
+  const PanelPixels* currentPixels() const { return pixels && pixels->picture == picture ? pixels.get() : nullptr; }
   bool hasContentOnShow() const { return content != PictureContent::picture && errorsAreCurrent && shownContent.what == content && shownContent.picture; }
 };
 

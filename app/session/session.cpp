@@ -16,7 +16,8 @@ Session::Session(const SessionSettings& settings, const std::function<void()>& o
       onNews_(onNews),
       opening_(onNews),
       truth_(onNews),
-      plan_(onNews) {
+      plan_(onNews),
+      ray_(onNews) {
   setKnobs(settings.knobs);
   for (const PanelSettings& panel : settings.panels) panels_.push_back(makePanel(panel));
 }
@@ -195,9 +196,27 @@ bool Session::update(TimePoint now) {
   }
   if (const SampleFramePtr& frame = frames_.newest()) happened |= plan_.follow(opening_.current()->display, *frame);
   happened |= plan_.take();
+  happened |= followRay();
   timing_.update(panels_, isAtRest(), happened, now);
   plan_.measure(showsPlan_ && timing_.isOver(panels_, now));
   frames_.forgetOld([this](uint64_t id) { return std::any_of(panels_.begin(), panels_.end(), [&](const LivePanel& one) { return one.mayShow(id); }); });
+  return happened;
+}
+
+bool Session::followRay() {
+  const auto shown = lookedAt_ ? std::ranges::find(panels_, lookedAt_->panel, [](const LivePanel& panel) { return panel.shown().id; }) : panels_.end();
+  if (shown == panels_.end()) {
+    lookedAt_.reset();
+    ray_.clear();
+    return false;
+  }
+  bool happened = ray_.take();
+  const PanelPixels* const pixels = shown->shown().currentPixels();
+  if (pixels == nullptr) return happened;  // until the picture was judged, the last ray stays
+  const RayOfPixel ray = rayBehind(pixels->inputs(), pixels->at(lookedAt_->place));
+  MarchSettings settings = ray.isServers ? pixels->frame->settings : knobs_.march;
+  settings.sample.segments = knobs_.march.sample.segments;  // that the frame lacks where nothing on show draws them
+  happened |= ray_.follow({scene()->volume, scene()->transferFunction, ray, settings});
   return happened;
 }
 
@@ -206,6 +225,7 @@ bool Session::takeScene() {
   if (outcome != SceneOpening::Outcome::opened) return outcome != SceneOpening::Outcome::nothing;
   truth_.clear();
   plan_.clear();
+  ray_.clear();
   for (LivePanel& panel : panels_) {
     panel.clear();
     if (LivePanel::OwnCamera* own = panel.ownCamera()) own->view.begin(scene()->views.front());
@@ -331,9 +351,10 @@ bool Session::close(std::chrono::milliseconds patience) {
   opening_.requestStop();
   truth_.requestStop();
   plan_.requestStop();
+  ray_.requestStop();
   for (LivePanel& panel : panels_) panel.requestStop();
   const auto hasEnded = [&](const LivePanel& panel) { return panel.waitForEnd(deadline); };
-  return opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) && plan_.waitForEnd(deadline) &&
+  return opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) && plan_.waitForEnd(deadline) && ray_.waitForEnd(deadline) &&
          std::all_of(panels_.begin(), panels_.end(), hasEnded) && std::all_of(removed_.begin(), removed_.end(), hasEnded);
 }
 

@@ -1,6 +1,6 @@
 // Everything that the window shows, without the window: the scene, the camera, the knobs, the panels, and the threads that serve them.
 // The window reads the state and returns edits; update() hands work to the threads and collects what they made. What is done lies in the parts:
-// scene_opening, live_view, frame_requests, live_ground_truth, live_panel, live_plan, picture_timing.
+// scene_opening, live_view, frame_requests, live_ground_truth, live_panel, live_plan, live_ray, picture_timing.
 #pragma once
 
 #include <chrono>
@@ -16,11 +16,20 @@
 #include "app/session/live_ground_truth.h"
 #include "app/session/live_panel.h"
 #include "app/session/live_plan.h"
+#include "app/session/live_ray.h"
 #include "app/session/live_view.h"
 #include "app/session/picture_timing.h"
 #include "app/session/scene_opening.h"
 
 namespace warpscope {
+
+/// A pixel of a panel's picture, in shares of its width and height from the upper left corner, so that it is the same one in pictures of another size.
+struct LookedAt {
+  uint64_t panel = 0;  ///< its id
+  glm::dvec2 place{0.0};
+
+  bool operator==(const LookedAt&) const = default;
+};
 
 /// What the user can turn while the window is open.
 struct LiveSettings {
@@ -84,6 +93,8 @@ class Session {
   void setContent(size_t panel, PictureContent content, std::optional<float> range = {}) { panels_[panel].setContent(content, range); }
   /// Whether somebody looks at what the stages of the march cost: it is measured only then.
   void setShowsPlan(bool shows) { showsPlan_ = shows; }
+  /// Looks at the ray behind a pixel of the panel's picture: live_ray.h, as long as the panel is there. Nothing: at none.
+  void lookAt(std::optional<LookedAt> pixel) { lookedAt_ = pixel; }
   /// Takes over that configuration's technique for the panel, and the knobs that it depends on for all.
   void choose(size_t panel, const Configuration& configuration);
   /// Area for each panel's picture, in screen pixels.
@@ -123,6 +134,9 @@ class Session {
   /// What the newest frame's march has to do, and what that costs.
   const LivePlan& plan() const { return plan_; }
   bool showsPlan() const { return showsPlan_; }
+  const std::optional<LookedAt>& lookedAt() const { return lookedAt_; }
+  /// What there is along the ray that is looked at.
+  const LiveRay& ray() const { return ray_; }
   /// Of the connection to the server; nothing without a scene.
   std::optional<SourceStatus> sourceStatus() const;
   /// Size of the panels' pictures and of the server's images; 0 until a panel has a size.
@@ -146,6 +160,7 @@ class Session {
   // Each is true if anything happened.
   bool takeScene();
   bool followOwnCamera(LivePanel& panel, TimePoint now);
+  bool followRay();
   bool takePicture(LivePanel& panel, size_t index);
   bool takeErrors(LivePanel& panel, TimePoint now);
   bool postJob(size_t index);
@@ -174,6 +189,8 @@ class Session {
   LiveGroundTruth truth_;
   LivePlan plan_;
   bool showsPlan_ = false;
+  LiveRay ray_;
+  std::optional<LookedAt> lookedAt_;
   std::vector<LivePanel> panels_;
   std::vector<LivePanel> removed_;  // whose threads have not ended yet
   uint64_t lastPanelId_ = 0;

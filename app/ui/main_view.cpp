@@ -6,10 +6,12 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/ui/ray_view.h"
+
 namespace warpscope::ui {
 namespace {
 
-constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f;  // at scale 1
+constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f, kLeastForBothPx = 620.0f;  // at scale 1
 
 /// From the picture to what was shown in its place last, and back.
 void toggleContent(Session& session, size_t index) {
@@ -78,6 +80,10 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     case Action::ownCamera: return session.setOwnCamera(*panel, !session.hasOwnCamera(*panel));
     case Action::showContent: return toggleContent(session, *panel);
     case Action::wipe: return grid_.toggleWipe(session, *panel);
+    case Action::inspect: return grid_.setInspecting(!grid_.isInspecting());
+    case Action::copyPixel:
+      if (const std::string text = grid_.textAboutPixel(session); !text.empty()) ImGui::SetClipboardText(text.c_str());
+      return;
     case Action::chooseTechnique:
       if (number >= 1 && number <= warpRegistry().size()) session.setTechnique(*panel, warpRegistry()[number - 1]);
       return;
@@ -98,6 +104,7 @@ bool MainView::isOn(Action action, const Session& session, size_t panel) const {
     case Action::ownCamera: return session.hasOwnCamera(panel);
     case Action::showContent: return session.panel(panel).content != PictureContent::picture;
     case Action::wipe: return grid_.isWiped(session, panel);
+    case Action::inspect: return grid_.isInspecting();
     case Action::maximise: return grid_.isMaximised(session, panel);
     case Action::showPlan: return session.showsPlan();
     case Action::hideSideBar: return hasSideBar_;
@@ -158,12 +165,23 @@ void MainView::drawKeys(const Look& look) {
   ImGui::End();
 }
 
-void MainView::drawPlot(Session& session, const Look& look) {
+void MainView::drawBottom(Session& session, const Look& look) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(8.0f), look.px(8.0f)});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(6.0f)});
-  ImGui::BeginChild("plot", {0.0f, 0.0f}, true, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
-  plot_.draw(session, grid_.usedLast(session), look);
-  ImGui::EndChild();
+  const ImGuiWindowFlags flags = ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
+  const float room = ImGui::GetContentRegionAvail().x;
+  const bool hasRay = session.lookedAt() && plot_.isUnfolded(), isShared = hasRay && room >= look.px(kLeastForBothPx);
+  if (!hasRay || isShared) {
+    ImGui::BeginChild("plot", {isShared ? 0.45f * room : 0.0f, 0.0f}, true, flags);
+    plot_.draw(session, grid_.usedLast(session), look);
+    ImGui::EndChild();
+  }
+  if (isShared) ImGui::SameLine(0.0f, look.px(kMargin));
+  if (hasRay) {
+    ImGui::BeginChild("ray", {0.0f, 0.0f}, true, flags);
+    if (!drawRay(session, look)) session.lookAt(std::nullopt);
+    ImGui::EndChild();
+  }
   ImGui::PopStyleVar(2);
 }
 
@@ -178,7 +196,7 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   ImVec2 room = ImGui::GetContentRegionAvail();
   room.y = std::max(1.0f, room.y - plot_.height(room.y, look) - look.px(kMargin));
   grid_.draw(session, room, held, look);
-  drawPlot(session, look);
+  drawBottom(session, look);
   ImGui::EndChild();
   ImGui::PopStyleVar(2);
   if (hasSideBar_) {

@@ -42,7 +42,8 @@ class MainView {
   void drawMenus(Session& session);
   void drawMenu(ActionMenu menu, const char* name, Session& session);
   void drawBody(Session& session, const HeldKeys& held, const Look& look);
-  void drawPlot(Session& session, const Look& look);
+  /// The plot, and the ray that is looked at.
+  void drawBottom(Session& session, const Look& look);
   void drawKeys(const Look& look);
 
   Controls controls_;

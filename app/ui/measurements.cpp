@@ -32,8 +32,9 @@ Measurements measurementsOf(const Session& session, size_t index, Session::TimeP
   if (panel.errors) {
     flip = formatted("%.4f", panel.errors->flip);
     psnr = std::isfinite(panel.errors->psnrDb) ? formatted("%.1f dB", panel.errors->psnrDb) : "equal";
-    holes = formatted(panel.errors->holeFraction < 0.0995 ? "%.2f %%" : "%.1f %%", 100.0 * panel.errors->holeFraction);
-    if (panel.errors->filledFraction > 0.0) holes += formatted(" (%.1f %%)", 100.0 * panel.errors->filledFraction);
+    holes = formatted(panel.errors->holeFraction < 0.0995 ? "%.2f" : "%.1f", 100.0 * panel.errors->holeFraction);
+    if (panel.errors->filledFraction > 0.0) holes += formatted("+%.0f", 100.0 * panel.errors->filledFraction);
+    holes += " %";
   }
   const bool isCurrent = panel.errorsAreCurrent;
   return {{
@@ -51,7 +52,7 @@ Measurements measurementsOf(const Session& session, size_t index, Session::TimeP
        "Mean difference from the ground truth as an eye sees it, 0 to 1; 0 is none. Found when the camera rests (where a CUDA device marches: "
        "all the time); grey while it is an earlier camera's."},
       {"PSNR", psnr, isCurrent, "Peak signal to noise ratio against the ground truth, of values as they are displayed. More is better."},
-      {"holes", holes, isCurrent, "Pixels that no sample covers although the ground truth shows something there; in brackets those that show a guess there."},
+      {"holes", holes, isCurrent, "Pixels that no sample covers although the ground truth shows something there; behind the plus those that show a guess there."},
   }};
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/picture/pixel_report.h"
 #include "app/ui/panel_header.h"
 
 namespace warpscope::ui {
@@ -66,7 +67,13 @@ void PanelGrid::toggleWipe(const Session& session, size_t panel) {
   wiped_ = wiped_ == id || session.panelCount() == 1 ? std::nullopt : std::optional(id);
 }
 
+std::string PanelGrid::textAboutPixel(const Session& session) const {
+  const PanelPixels* const pixels = underPointer_ && *underPointer_ < session.panelCount() ? session.panel(*underPointer_).currentPixels() : nullptr;
+  return pixels != nullptr && inspection_.place ? textOf(pixelReport(pixels->inputs(), pixels->at(*inspection_.place))) : "";
+}
+
 bool PanelGrid::goBack() {
+  if (!wiped_ && std::exchange(isInspecting_, false)) return true;
   std::optional<uint64_t>& left = wiped_ ? wiped_ : alone_;
   return std::exchange(left, std::nullopt).has_value();
 }
@@ -134,17 +141,17 @@ std::optional<OtherPicture> PanelGrid::otherOf(const Session& session, size_t pa
   return std::nullopt;
 }
 
-std::optional<Action> PanelGrid::drawCell(Session& session, size_t panel, const Layout& layout, const HeldKeys& held, const Look& look) {
+PanelEvents PanelGrid::drawCell(Session& session, size_t panel, const Layout& layout, const HeldKeys& held, const Look& look) {
   const uint64_t id = session.panel(panel).id;
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(kPaddingPx), look.px(kPaddingPx)});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(6.0f)});
   ImGui::BeginChild(("panel " + std::to_string(id)).c_str(), layout.cell, true, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
-  const std::optional<Action> asked =
-      drawWarpPanel(session, panel, alone_ == id, otherOf(session, panel, held, look), layout.space, shown_.at(id)->textures, look);
+  const PanelEvents events = drawWarpPanel(session, panel, alone_ == id, otherOf(session, panel, held, look), isInspecting_ ? &inspection_ : nullptr,
+                                           layout.space, shown_.at(id)->textures, look);
   if (ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows | ImGuiHoveredFlags_AllowWhenBlockedByActiveItem)) underPointerNow_ = panel;
   ImGui::EndChild();
   ImGui::PopStyleVar(2);
-  return asked;
+  return events;
 }
 
 void PanelGrid::draw(Session& session, const ImVec2& room, const HeldKeys& held, const Look& look) {
@@ -168,14 +175,19 @@ void PanelGrid::draw(Session& session, const ImVec2& room, const HeldKeys& held,
   const Layout layout = layoutOf(drawn.size(), room, look);
   std::optional<std::pair<size_t, Action>> asked;
   std::optional<std::pair<size_t, size_t>> moved;
+  Inspection next;
   for (size_t n = 0; n < drawn.size(); ++n) {
     if (n % layout.columns != 0) ImGui::SameLine(0.0f, look.px(kGapPx));
-    if (const auto action = drawCell(session, drawn[n], layout, held, look)) asked = {drawn[n], *action};
+    const PanelEvents events = drawCell(session, drawn[n], layout, held, look);
+    if (events.asked) asked = {drawn[n], *events.asked};
+    if (events.pointer) next.place = events.pointer;
+    if (isInspecting_ && events.isClicked && events.pointer) session.lookAt(LookedAt{session.panel(drawn[n]).id, *events.pointer});
     if (!ImGui::BeginDragDropTarget()) continue;
     if (const ImGuiPayload* payload = ImGui::AcceptDragDropPayload(kPanelPayload)) moved = {*static_cast<const size_t*>(payload->Data), drawn[n]};
     ImGui::EndDragDropTarget();
   }
   underPointer_ = underPointerNow_;
+  inspection_ = next;
   if (moved) session.movePanel(moved->first, moved->second);
   if (!asked) return;
   const auto [panel, action] = *asked;

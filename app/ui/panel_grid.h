@@ -34,7 +34,11 @@ class PanelGrid {
   void toggleWipe(const Session& session, size_t panel);
   bool isMaximised(const Session& session, size_t panel) const { return alone_ == session.panel(panel).id; }
   bool isWiped(const Session& session, size_t panel) const { return wiped_ == session.panel(panel).id; }
-  /// Ends a wipe, or else lets all panels be seen again. False if there was neither.
+  bool isInspecting() const { return isInspecting_; }
+  void setInspecting(bool isInspecting) { isInspecting_ = isInspecting; }
+  /// What is known of the pixel under the pointer, as text; empty where it is on no picture, or where nothing is known yet.
+  std::string textAboutPixel(const Session& session) const;
+  /// Ends a wipe, an inspection, or else lets all panels be seen again. False if there was none of these.
   bool goBack();
 
   /// Panels side by side; 0: as many as leave the pictures most room.
@@ -54,8 +58,8 @@ class PanelGrid {
   void forgetClosed(const Session& session);
   void followUse(const Session& session);
   std::optional<OtherPicture> otherOf(const Session& session, size_t panel, const HeldKeys& held, const Look& look);
-  /// One cell; what the user asked of its panel.
-  std::optional<Action> drawCell(Session& session, size_t panel, const Layout& layout, const HeldKeys& held, const Look& look);
+  /// One cell.
+  PanelEvents drawCell(Session& session, size_t panel, const Layout& layout, const HeldKeys& held, const Look& look);
 
   struct Shown {
     explicit Shown(const WindowGl& gl) : textures{PictureTexture(gl), PictureTexture(gl)} {}
@@ -70,6 +74,8 @@ class PanelGrid {
   uint64_t usedLast_ = 0;
   std::optional<size_t> underPointer_, underPointerNow_;
   bool isBlinking_ = false;
+  bool isInspecting_ = false;
+  Inspection inspection_;  // in the last draw()
 };
 
 }  // namespace warpscope::ui

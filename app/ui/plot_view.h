@@ -19,6 +19,7 @@ class PlotView {
   /// Fills the current child window. A point that is clicked on is taken over by the session, its technique by that panel.
   void draw(Session& session, size_t panel, const Look& look);
 
+  bool isUnfolded() const { return isUnfolded_; }
   void showSweep(SweepFile sweep);
   /// Why a sweep could not be read.
   void showError(std::string error) { error_ = std::move(error); }

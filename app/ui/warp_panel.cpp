@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/picture/content.h"
+#include "app/picture/pixel_report.h"
 #include "app/scene/orbit.h"
 #include "app/ui/panel_header.h"
 #include "render/base/formatted.h"
@@ -126,26 +127,30 @@ std::string whyNoPicture(const Session& session, const Panel& panel) {
   return session.loading().empty() ? "" : "opening " + session.loading();
 }
 
-/// The panel's picture, or what is chosen in its place, with what is to be said about it.
-void drawOwn(const Session& session, const Panel& panel, PictureTexture& texture, const Area& area, const Look& look) {
-  if (panel.picture) drawPicture(session, panel.hasContentOnShow() ? panel.shownContent.picture : panel.picture, texture, area, look);
+/// The panel's picture, or what is chosen in its place, with what is to be said about it. Where the picture lies.
+std::optional<Area> drawOwn(const Session& session, const Panel& panel, PictureTexture& texture, const Area& area, const Look& look) {
+  std::optional<Area> at;
+  if (panel.picture) at = drawPicture(session, panel.hasContentOnShow() ? panel.shownContent.picture : panel.picture, texture, area, look);
   if (!panel.error.empty())
     drawNote(panel.error, kErrorText, area, look);
   else if (const std::string why = whyNoPicture(session, panel); !why.empty())
     drawNote(why, kDimText, area, look);
-  if (!panel.picture) return;
+  if (!at) return at;
   ImGui::PushFont(look.fonts.small);
   if (const std::string reserved = reservations(panel); !reserved.empty()) drawInCorner(Corner::upperLeft, area, reserved, kDimText, 0.0f, look);
   ImGui::PopFont();
   if (panel.content != PictureContent::picture) drawContentLegend(panel, area, look);
+  return at;
 }
 
-/// The other picture and its name; the name alone where there is none yet.
-void drawOther(const Session& session, const OtherPicture& other, PictureTexture& texture, const Area& area, const Look& look) {
-  if (other.picture) drawPicture(session, other.picture, texture, area, look);
+/// The other picture and its name; the name alone where there is none yet. Where the picture lies.
+std::optional<Area> drawOther(const Session& session, const OtherPicture& other, PictureTexture& texture, const Area& area, const Look& look) {
+  std::optional<Area> at;
+  if (other.picture) at = drawPicture(session, other.picture, texture, area, look);
   ImGui::PushFont(look.fonts.small);
   drawInCorner(Corner::upperRight, area, other.picture ? other.name : other.name + " when the view rests", ImGui::GetStyleColorVec4(ImGuiCol_Text), 0.0f, look);
   ImGui::PopFont();
+  return at;
 }
 
 /// The bar between two pictures, which is dragged.
@@ -165,26 +170,87 @@ void drawWipeBar(float& at, const Area& area, const Look& look) {
   ImGui::SetCursorScreenPos(after);
 }
 
-/// What the area holds; `other` on the right of the bar, or everywhere.
-void drawPictures(const Session& session, const Panel& panel, const std::optional<OtherPicture>& other, PanelTextures& textures, const Area& area,
-                  const Look& look) {
+/// A picture that is on show, for the loupe.
+struct OnShow {
+  Area area;
+  const PictureTexture* texture = nullptr;
+  glm::uvec2 size{0};
+};
+
+/// What the area holds; `other` on the right of the bar, or everywhere. The picture that lies under most of it; nothing where there is none.
+std::optional<OnShow> drawPictures(const Session& session, const Panel& panel, const std::optional<OtherPicture>& other, PanelTextures& textures,
+                                   const Area& area, const Look& look) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->PushClipRect(area.from, area.to(), true);
   list->AddRectFilled(area.from, area.to(), IM_COL32(0, 0, 0, 255));
+  std::optional<Area> own, others;
   if (!other) {
-    drawOwn(session, panel, textures.own, area, look);
+    own = drawOwn(session, panel, textures.own, area, look);
   } else if (other->wipeAt == nullptr) {
-    drawOther(session, *other, textures.other, area, look);
+    others = drawOther(session, *other, textures.other, area, look);
   } else {
     const float x = area.from.x + *other->wipeAt * area.size.x;
     list->PushClipRect(area.from, {x, area.to().y}, true);
-    drawOwn(session, panel, textures.own, area, look);
+    own = drawOwn(session, panel, textures.own, area, look);
     list->PopClipRect();
     list->PushClipRect({x, area.from.y}, area.to(), true);
     drawOther(session, *other, textures.other, area, look);
     list->PopClipRect();
   }
   list->PopClipRect();
+  if (own) return OnShow{*own, &textures.own, {panel.picture.width(), panel.picture.height()}};
+  if (others) return OnShow{*others, &textures.other, {other->picture.width(), other->picture.height()}};
+  return std::nullopt;
+}
+
+constexpr int kLoupePixels = 11;                         // of the picture along each edge
+constexpr float kLoupePx = 132.0f, kLoupeTextPx = 136.0f;  // at scale 1
+
+/// The pixels about a place, enlarged, with a grid, in the corner that is farthest from it; what is known of the pixel in its middle beside them.
+void drawLoupe(const OnShow& shown, const glm::dvec2& place, const std::vector<std::pair<std::string, std::string>>& lines, const Area& area, const Look& look) {
+  const glm::ivec2 size(shown.size);
+  const glm::ivec2 pixel = glm::clamp(glm::ivec2(place * glm::dvec2(size)), glm::ivec2(0), size - 1);
+  const glm::ivec2 count = glm::min(glm::ivec2(kLoupePixels), size);
+  const glm::ivec2 first = glm::clamp(pixel - count / 2, glm::ivec2(0), size - count);
+  const float room = std::min(area.size.x, area.size.y);
+  const float besideText = std::max(look.px(0.5f * kLoupePx), area.size.x - look.px(kLoupeTextPx + 14.0f));
+  const float edge = std::floor(std::min({look.px(kLoupePx), 0.6f * room, besideText}) / kLoupePixels);
+  const ImVec2 loupe{edge * static_cast<float>(count.x), edge * static_cast<float>(count.y)};
+  const bool hasText = !lines.empty() && area.size.x >= loupe.x + look.px(kLoupeTextPx);
+  const float width = loupe.x + (hasText ? look.px(kLoupeTextPx) : 0.0f), margin = look.px(6.0f);
+  const ImVec2 at{place.x < 0.5 ? area.to().x - width - margin : area.from.x + margin, area.to().y - loupe.y - margin};
+  const ImVec2 to{at.x + loupe.x, at.y + loupe.y};
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->PushClipRect(area.from, area.to(), true);
+  list->AddRectFilled({at.x - 2.0f, at.y - 2.0f}, {at.x + width + 2.0f, to.y + 2.0f}, ImGui::GetColorU32({0.03f, 0.03f, 0.04f, 0.9f}));
+  const auto share = [&](const glm::ivec2& corner) {
+    return ImVec2(static_cast<float>(corner.x) / static_cast<float>(size.x), static_cast<float>(corner.y) / static_cast<float>(size.y));
+  };
+  list->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(shown.texture->name())), at, to, share(first), share(first + count));
+  const ImU32 line = IM_COL32(128, 128, 128, 90);
+  for (int i = 1; i < count.x; ++i) list->AddLine({at.x + edge * static_cast<float>(i), at.y}, {at.x + edge * static_cast<float>(i), to.y}, line);
+  for (int i = 1; i < count.y; ++i) list->AddLine({at.x, at.y + edge * static_cast<float>(i)}, {to.x, at.y + edge * static_cast<float>(i)}, line);
+  const glm::vec2 corner = glm::vec2(at.x, at.y) + edge * glm::vec2(pixel - first);
+  list->AddRect({corner.x - 1.0f, corner.y - 1.0f}, {corner.x + edge + 1.0f, corner.y + edge + 1.0f}, IM_COL32(0, 0, 0, 255));
+  list->AddRect({corner.x, corner.y}, {corner.x + edge, corner.y + edge}, IM_COL32(255, 255, 255, 255));
+  if (hasText) {
+    ImGui::PushFont(look.fonts.small);
+    float y = at.y;
+    for (const auto& [name, figure] : lines) {
+      list->AddText({to.x + margin, y}, ImGui::GetColorU32(kDimText), name.c_str());
+      list->AddText({to.x + look.px(66.0f), y}, ImGui::GetColorU32(ImGuiCol_Text), figure.c_str());
+      y += ImGui::GetTextLineHeight() + look.px(1.0f);
+    }
+    ImGui::PopFont();
+  }
+  list->PopClipRect();
+}
+
+/// Of the pixel of the panel's picture at that place.
+std::vector<std::pair<std::string, std::string>> linesAbout(const Panel& panel, const glm::dvec2& place) {
+  const PanelPixels* const pixels = panel.currentPixels();
+  if (pixels == nullptr) return {{"pixels", "when the view rests"}};
+  return linesOf(pixelReport(pixels->inputs(), pixels->at(place)));
 }
 
 }  // namespace
@@ -193,9 +259,10 @@ float panelHeightBesidePicture(float width, MeasurementSpace space, const Look& 
   return panelHeaderHeight(look) + measurementsHeight(width, space, look) + look.px(kTimelinePx) + 2.0f * ImGui::GetStyle().ItemSpacing.y;
 }
 
-std::optional<Action> drawWarpPanel(Session& session, size_t index, bool isAlone, const std::optional<OtherPicture>& other, MeasurementSpace space,
-                                    PanelTextures& textures, const Look& look) {
-  const std::optional<Action> asked = drawPanelHeader(session, index, isAlone, look);
+PanelEvents drawWarpPanel(Session& session, size_t index, bool isAlone, const std::optional<OtherPicture>& other, const Inspection* inspection,
+                          MeasurementSpace space, PanelTextures& textures, const Look& look) {
+  PanelEvents events;
+  events.asked = drawPanelHeader(session, index, isAlone, look);
   ImVec2 room = ImGui::GetContentRegionAvail();
   const float strip = measurementsHeight(room.x, space, look) + look.px(kTimelinePx) + ImGui::GetStyle().ItemSpacing.y;
   room.x = std::max(room.x, look.px(16.0f));
@@ -204,12 +271,22 @@ std::optional<Action> drawWarpPanel(Session& session, size_t index, bool isAlone
   const Area area{ImGui::GetCursorScreenPos(), room};
   ImGui::InvisibleButton("picture", room, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle);
   ImGui::SetItemAllowOverlap();
+  const bool isHovered = ImGui::IsItemHovered();
+  const ImGuiIO& io = ImGui::GetIO();
+  events.isClicked = ImGui::IsItemDeactivated() && ImGui::IsMouseReleased(ImGuiMouseButton_Left) && io.MouseDragMaxDistanceSqr[0] < look.px(3.0f) * look.px(3.0f);
   steer(session, index, room, look);
-  drawPictures(session, session.panel(index), other, textures, area, look);
+  const Panel& panel = session.panel(index);
+  const std::optional<OnShow> shown = drawPictures(session, panel, other, textures, area, look);
+  if (shown && isHovered) {
+    const glm::dvec2 place((io.MousePos.x - shown->area.from.x) / shown->area.size.x, (io.MousePos.y - shown->area.from.y) / shown->area.size.y);
+    if (place.x >= 0.0 && place.y >= 0.0 && place.x < 1.0 && place.y < 1.0) events.pointer = place;
+  }
+  if (shown && inspection != nullptr && inspection->place)
+    drawLoupe(*shown, *inspection->place, linesAbout(panel, *inspection->place), area, look);
   if (other && other->wipeAt != nullptr) drawWipeBar(*other->wipeAt, area, look);
-  drawTimeline(session.panel(index), look);
+  drawTimeline(panel, look);
   drawMeasurements(session, index, space, look);
-  return asked;
+  return events;
 }
 
 }  // namespace warpscope::ui

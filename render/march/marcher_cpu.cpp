@@ -26,6 +26,7 @@
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
 #include "render/march/ray_samples.h"
+#include "render/march/ray_trace.h"
 #include "render/march/segment_encoder.h"
 #include "render/march/visible_blocks.h"
 #include "render/march/volume_source.h"
@@ -56,8 +57,15 @@ struct FinishedRay {
   const SegmentMerger* segments = nullptr;  ///< null where none are wanted
   const NormalCode* normals = nullptr;      ///< of segments, by their places; null where none are wanted
   bool isEnded = false;                     ///< hardly any light was left
+  const std::vector<CountingSample>* counting = nullptr;  ///< its samples that count, where samples are wanted and a ray has one at most; null where nothing is visible
 };
 using OnRay = std::function<void(const FinishedRay&)>;
+
+/// Pixels of a picture.
+struct PixelArea {
+  uint32_t x = 0, y = 0, width = 0, height = 0;
+};
+PixelArea allOf(const Camera& camera) { return {0, 0, camera.width, camera.height}; }
 
 using DepthFunction = DepthResult (*)(const std::vector<CountingSample>&, float threshold);
 
@@ -129,7 +137,7 @@ RaySegmentCount storeSegments(const SampleRule& rule, const FinishedRay& ray, De
   return storeSegments(*ray.segments, ray.isEnded, encoder, slots, [&](int i) { return ray.normals != nullptr ? ray.normals[i] : NormalCode{0}; });
 }
 
-class CpuMarcher final : public Marcher {
+class CpuMarcher final : public Marcher, public RayTracer {
  public:
   CpuMarcher(MarchedVolumePtr marched, TurnsPtr turns) : marched_(std::move(marched)), turns_(std::move(turns)) {}
 
@@ -148,7 +156,7 @@ class CpuMarcher final : public Marcher {
     const PixelGrid pixels = makePixelGrid(camera, rule.quantization.nearDepth);
     DenseSegments& segments = denseSegments_;
     segments.resize(size_t{camera.width} * camera.height, settings.sample.segments, wantsNormals(camera, settings));
-    forEachRay(camera, pixels, settings.render, &settings.sample, stop, [&](const FinishedRay& ray) {
+    forEachRay(camera, allOf(camera), pixels, settings.render, &settings.sample, stop, [&](const FinishedRay& ray) {
       const size_t pixel = size_t{ray.y} * camera.width + ray.x;
       const int found = ray.samples != nullptr ? ray.samples->size() : 0;
       for (size_t slot = 0; slot < slots; ++slot) {
@@ -178,7 +186,40 @@ class CpuMarcher final : public Marcher {
     requireMarchable(*marched_->volume, camera, settings);
     image.resize(camera.width, camera.height);
     const PixelGrid pixels = pixelsFor(*marched_->volume, camera, settings);
-    forEachRay(camera, pixels, settings, nullptr, stop, [&](const FinishedRay& ray) { image(ray.x, ray.y) = ray.premultiplied; });
+    forEachRay(camera, allOf(camera), pixels, settings, nullptr, stop, [&](const FinishedRay& ray) { image(ray.x, ray.y) = ray.premultiplied; });
+  }
+
+  RayTrace trace(const Camera& camera, const MarchSettings& settings, const glm::uvec2& pixel, const std::stop_token& stop) override {
+    const std::scoped_lock lock(mutex_);
+    requireMarchable(*marched_->volume, camera, settings);
+    if (pixel.x >= camera.width || pixel.y >= camera.height) throw UsageError("the pixel is outside of the picture");
+    SampleSettings sample = settings.sample;
+    sample.samplesPerRay = 1;  // all that count are wanted, as one
+    const SampleRule rule = sampleRuleFor(*marched_->volume, camera, sample);
+    const PixelGrid pixels = makePixelGrid(camera, rule.quantization.nearDepth);
+    const PixelRay through = pixels.ray(pixel.x, pixel.y);
+    RayTrace trace;
+    trace.ray = through.ray;
+    trace.cosine = through.cosine;
+    const ClipSetup clip = prepareClip(settings.render.effects.clip, *marched_->volume, camera);
+    const RayInterval inside = exceptionsExpected([&] {
+      return intersectBox(reciprocalOf(trace.ray.origin, trace.ray.direction), clip.bounds, 0.0f, std::numeric_limits<float>::infinity());
+    });
+    const RayInterval shown = clipped(clip, trace.ray, inside);
+    trace.begin = shown.tNear;
+    trace.end = shown.isMiss() ? shown.tNear : shown.tFar;
+    trace.places = placesAlong(*marched_->volume, marched_->transferFunction, trace.ray, trace.begin, trace.end, settings.render.step);
+    forEachRay(camera, {pixel.x, pixel.y, 1, 1}, pixels, settings.render, &sample, stop, [&](const FinishedRay& ray) {
+      if (ray.counting != nullptr) trace.samples = *ray.counting;
+      if (ray.segments != nullptr)
+        for (int i = ray.segments->first(); i != SegmentMerger::kNone; i = ray.segments->behind(i)) trace.segments.push_back((*ray.segments)[i]);
+      trace.isEnded = ray.isEnded;
+      trace.color = ray.premultiplied;
+    });
+    for (const NamedValue<Heuristic>& heuristic : kHeuristics)
+      trace.depths.push_back(
+          {heuristic.value, trace.samples.empty() ? DepthResult{} : depthFunctionOf(heuristic.value, true)(trace.samples, settings.sample.threshold)});
+    return trace;
   }
 
   const VolumePtr& volume() const override { return marched_->volume; }
@@ -212,12 +253,12 @@ class CpuMarcher final : public Marcher {
   }
 
   /// Finds samples where `sample` says how; colours alone if it is null.
-  void forEachRay(const Camera& camera, const PixelGrid& pixels, const RenderSettings& settings,
+  void forEachRay(const Camera& camera, const PixelArea& area, const PixelGrid& pixels, const RenderSettings& settings,
                   const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) {
     const EffectPlan plan = bakedPlan(settings, sample != nullptr ? std::optional(*sample) : std::nullopt);
     if (!plan.has(PlanStage::march)) {
-      for (uint32_t y = 0; y < camera.height; ++y)
-        for (uint32_t x = 0; x < camera.width; ++x) onRay({x, y});
+      for (uint32_t y = area.y; y < area.y + area.height; ++y)
+        for (uint32_t x = area.x; x < area.x + area.width; ++x) onRay({x, y});
       return;
     }
     const std::optional<VisibleBlocks> blocks = plan.has(PlanStage::skipping) ? std::optional(visibleBlocks(camera, pixels)) : std::nullopt;
@@ -232,14 +273,14 @@ class CpuMarcher final : public Marcher {
       if (settings.effects.mode == RenderMode::mip) {
         const MipSetup greatest = mipFor(*marched_, baked_->table, plan);
         return visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {
-          marchTiles<MipBatchSource<Voxel, HasHoles::value>>(ModeView<Voxel, MipSetup>{view, greatest}, Unlit{}, camera, pixels, settings, plan, blocks, sample,
+          marchTiles<MipBatchSource<Voxel, HasHoles::value>>(ModeView<Voxel, MipSetup>{view, greatest}, Unlit{}, camera, area, pixels, settings, plan, blocks, sample,
                                                              stop, onRay);
         });
       }
       if (settings.effects.mode == RenderMode::isosurface)
         return visitLight(shadingFor(*marched_, camera, settings, plan), [&](const auto& light) {
           visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {
-            marchTiles<IsosurfaceSource<Voxel, HasHoles::value, false>>(ModeView<Voxel, IsosurfaceSetup>{view, baked_->surfaces}, light, camera, pixels,
+            marchTiles<IsosurfaceSource<Voxel, HasHoles::value, false>>(ModeView<Voxel, IsosurfaceSetup>{view, baked_->surfaces}, light, camera, area, pixels,
                                                                         settings, plan, blocks, sample, stop, onRay);
           });
         });
@@ -247,13 +288,13 @@ class CpuMarcher final : public Marcher {
       if (plan.has(PlanStage::segments) && baked_->hasSegments())
         return visitLight(shadingFor(*marched_, camera, settings, plan), lightVolume, [&](const auto& light) {
           const SegmentLookup segments = baked_->segments.lookup();
-          marchTiles<SegmentBatchSource<Voxel>>(ModeView<Voxel, SegmentLookup>{view, segments}, light, camera, pixels, settings, plan, blocks, sample, stop,
+          marchTiles<SegmentBatchSource<Voxel>>(ModeView<Voxel, SegmentLookup>{view, segments}, light, camera, area, pixels, settings, plan, blocks, sample, stop,
                                                 onRay);
         });
       visitLight(shadingFor(*marched_, camera, settings, plan), lightVolume, [&](const auto& light) {
         visitMarchArithmetic(settings.arithmetic, [&]<class March>(March) {
           visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {
-            marchTiles<VolumeSource<Voxel, HasHoles::value && March::kLeavesOutMissing, March>>(view, light, camera, pixels, settings, plan, blocks, sample,
+            marchTiles<VolumeSource<Voxel, HasHoles::value && March::kLeavesOutMissing, March>>(view, light, camera, area, pixels, settings, plan, blocks, sample,
                                                                                                 stop, onRay);
           });
         });
@@ -310,7 +351,7 @@ class CpuMarcher final : public Marcher {
   }
 
   template <class Source, class View, class Light>
-  void marchTiles(const View& view, const Light& light, const Camera& camera, const PixelGrid& pixels,
+  void marchTiles(const View& view, const Light& light, const Camera& camera, const PixelArea& area, const PixelGrid& pixels,
                   const RenderSettings& settings, const EffectPlan& plan, const std::optional<VisibleBlocks>& blocks,
                   const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) const {
     const RayLimits limits = limitsOf(settings, plan);
@@ -323,15 +364,15 @@ class CpuMarcher final : public Marcher {
     const int mostSegments = sample != nullptr && plan.has(PlanStage::raySegments) ? sample->segments : 0;
     TurnsOfJob turns(turns_.get());
     const uint32_t side = turns.areLimited() ? tileSideFor(*marched_->volume, settings) : kTileSide;
-    parallelForTiles(camera.width, camera.height, side, stop, turns, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
+    parallelForTiles(area.width, area.height, side, stop, turns, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
       std::vector<CountingSample> counting;
       RaySamples found;
       SegmentMerger segments(mergerRoomFor(mostSegments));
       NormalCode normals[kMostMergerRoom];
       const VisibleDepths everything{0.0f, std::numeric_limits<float>::infinity()};
       // Rows may take seconds: a tile is not waited for.
-      for (uint32_t y = y0; y < y1 && !stop.stop_requested(); ++y)
-        for (uint32_t x = x0; x < x1; ++x) {
+      for (uint32_t y = area.y + y0; y < area.y + y1 && !stop.stop_requested(); ++y)
+        for (uint32_t x = area.x + x0; x < area.x + x1; ++x) {
           WARPSCOPE_COUNT(rays, 1);
           const VisibleDepths depths = blocks ? blocks->at(x, y) : everything;
           if (depths.isEmpty()) {
@@ -351,6 +392,7 @@ class CpuMarcher final : public Marcher {
           Source source = exceptionsExpected([&] { return Source(view, ray, path.lattice); });  // reciprocals again
           counting.clear();
           FinishedRay finished{x, y, pixel.cosine};
+          finished.counting = &counting;
           const SampleSpan span = spanFor<Source>(depths, pixel.cosine, path.lattice);
           const auto marchInto = [&](auto&& color) {
             marchRay(path, span.begin, span.end, source, light, limits, color, [&](const CountingSample& met) {
@@ -427,6 +469,10 @@ class CpuMarcher final : public Marcher {
 };
 
 }  // namespace
+
+std::unique_ptr<RayTracer> makeRayTracer(VolumePtr volume, TransferFunction transferFunction) {
+  return std::make_unique<CpuMarcher>(std::make_shared<MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);
+}
 
 MarcherPtr makeCpuMarcher(VolumePtr volume, TransferFunction transferFunction) {
   return std::make_shared<CpuMarcher>(std::make_shared<MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);

@@ -68,6 +68,7 @@ void KeptFrames::rebuild(const WarpSettings& settings, const std::stop_token& st
 
 void KeptFrames::complete(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) {
   const auto isOpen = [&](size_t i) { return image.samples[i] == kNoSample || image.samples[i] == kFilled; };
+  uint32_t id = kOfEarlierFrame;
   for (Kept& one : kept_) {
     bool hasOpen = false;
     for (size_t i = 0; i < image.samples.size() && !hasOpen; ++i) hasOpen = isOpen(i);
@@ -77,9 +78,10 @@ void KeptFrames::complete(const Camera& camera, const WarpSettings& settings, Wa
       for (size_t i = begin; i < end; ++i) {
         if (!isOpen(i) || image_.samples[i] == kNoSample || image_.samples[i] == kFilled) continue;
         image.color[i] = image_.color[i];
-        image.samples[i] = kNotASample;  // of that frame
+        image.samples[i] = id;
       }
     });
+    ++id;
   }
 }
 

@@ -29,11 +29,15 @@ class Context;
 inline constexpr uint32_t kNotASample = 0xfffffffeu;
 /// Id of pixels that show something which no frame has: a guess (fill.h).
 inline constexpr uint32_t kFilled = 0xfffffffdu;
+/// Ids of pixels that show a frame before the newest (kept_frames.h): this one of the frame before it, one more for each further back.
+inline constexpr uint32_t kOfEarlierFrame = 0xfffffff0u;
+/// How many frames before the newest the pixel's is; 0 for the newest's own, and for ids that say nothing of it.
+inline uint32_t framesBack(uint32_t id) { return id >= kOfEarlierFrame && id < kFilled ? id - kOfEarlierFrame + 1 : 0; }
 
 /// A warped picture. Pixels that nothing covers are kept apart: their id is kNoSample and their colour is 0.
 struct WarpedImage {
   Image<glm::vec4> color;   ///< linear, premultiplied
-  Image<uint32_t> samples;  ///< index of the sample seen in each pixel, kNotASample, kFilled or kNoSample
+  Image<uint32_t> samples;  ///< index of the sample seen in each pixel, kNotASample, kOfEarlierFrame and following, kFilled or kNoSample
 };
 
 /// Colours that show how pixels came about; 0: as they are.

@@ -1,0 +1,60 @@
+// Which ray, and its JSON.
+// See ray_look.h.
+#include "app/experiment/ray_look.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/picture/pixel_report.h"
+
+namespace warpscope {
+namespace {
+
+using Json = nlohmann::json;
+
+Json toJson(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+Json toJson(const glm::vec4& v) { return {v.x, v.y, v.z, v.w}; }
+/// JSON has no number for it.
+Json numberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+}  // namespace
+
+RayOfPixel rayBehind(const ContentInputs& inputs, const glm::uvec2& place) {
+  const PixelReport report = pixelReport(inputs, place);
+  if (report.server) return {true, inputs.frame->camera, report.server->place, report.server->sample};
+  return {false, inputs.camera, place, std::nullopt};
+}
+
+std::optional<float> depthBy(const RayTrace& trace, Heuristic heuristic) {
+  for (const TracedDepth& depth : trace.depths)
+    if (depth.heuristic == heuristic && depth.result.hasDepth) return depth.result.depth;
+  return std::nullopt;
+}
+
+Json toJson(const RayTrace& trace, const RayOfPixel& ray, const MarchSettings& settings) {
+  Json places = Json::array(), samples = Json::array(), depths = Json::object(), segments = Json::array();
+  for (const RayPlace& place : trace.places)
+    places.push_back({{"depth", place.t}, {"value", numberOrNull(place.value)}, {"color", toJson(glm::vec3(place.look))}, {"opacity", place.look.a}});
+  for (const CountingSample& sample : trace.samples)
+    samples.push_back({{"depth", sample.t}, {"length", sample.ds}, {"opacity", sample.alpha}, {"transmittance", sample.transmittance}});
+  for (const TracedDepth& depth : trace.depths) depths[std::string(nameOf(depth.heuristic))] = depth.result.hasDepth ? Json(depth.result.depth) : Json(nullptr);
+  for (const RaySegment& segment : trace.segments)
+    segments.push_back({{"begin", segment.begin}, {"end", segment.end}, {"opacity", segment.opacity}, {"transmittance", segment.through}, {"color", toJson(segment.color)}});
+  return {{"of", ray.isServers ? "server" : "picture"},
+          {"pixel", {ray.pixel.x, ray.pixel.y}},
+          {"sample", ray.sample ? Json(*ray.sample) : Json(nullptr)},
+          {"origin", toJson(trace.ray.origin)},
+          {"direction", toJson(trace.ray.direction)},
+          {"forwardDepthOverDepth", trace.cosine},
+          {"begin", trace.begin},
+          {"end", trace.end},
+          {"heuristic", nameOf(settings.sample.heuristic)},
+          {"depths", depths},
+          {"color", toJson(trace.color)},
+          {"isEnded", trace.isEnded},
+          {"samples", samples},
+          {"segments", segments},
+          {"places", places}};
+}
+
+}  // namespace warpscope

@@ -1,0 +1,98 @@
+// Looking things up, and writing them down.
+// See pixel_report.h.
+#include "app/picture/pixel_report.h"
+
+#include "app/picture/picture.h"
+#include "render/base/error.h"
+#include "render/base/formatted.h"
+#include "render/metrics/holes.h"
+
+namespace warpscope {
+namespace {
+
+Rgba8 shownOf(const glm::vec4& premultiplied, const glm::vec3& background) {
+  Image<glm::vec4> pixel(1, 1);
+  pixel[0] = premultiplied;
+  return toScreen(pixel, background)[0];
+}
+
+PixelKind kindOf(uint32_t sample, const ContentInputs& inputs, const std::optional<glm::vec4>& truth) {
+  if (sample == kNoSample) return truth && truth->a >= kShownAlpha ? PixelKind::hole : PixelKind::nothing;
+  if (sample == kFilled) return PixelKind::guess;
+  if (framesBack(sample) > 0) return PixelKind::earlierFrame;
+  return inputs.frame != nullptr && sample < inputs.frame->size() ? PixelKind::sample : PixelKind::other;
+}
+
+ServerPixel serverPixelOf(const ContentInputs& inputs, uint32_t sample) {
+  const PackedSample packed = inputs.frame->samples[sample];
+  const Sphere sphere = unpackSample(packed, inputs.frame->grid());
+  return {{columnOf(packed), rowOf(packed)}, sample, glm::length(sphere.center - inputs.camera.eye), sphere.radius};
+}
+
+/// As displayed, of 255: "128 64 0".
+std::string codesText(Rgba8 shown) { return std::to_string(shown & 255) + " " + std::to_string(shown >> 8 & 255) + " " + std::to_string(shown >> 16 & 255); }
+
+std::string placeText(const glm::uvec2& place) { return std::to_string(place.x) + ", " + std::to_string(place.y); }
+
+std::string kindText(const PixelReport& report) {
+  switch (report.kind) {
+    case PixelKind::sample: return "sample " + std::to_string(report.server->sample);
+    case PixelKind::earlierFrame: return report.framesBack == 1 ? "of the frame before" : "of " + std::to_string(report.framesBack) + " frames before";
+    case PixelKind::guess: return "a guess";
+    case PixelKind::hole: return "a hole";
+    case PixelKind::nothing: return "nothing";
+    case PixelKind::other: return "something";
+  }
+  return "";
+}
+
+}  // namespace
+
+PixelReport pixelReport(const ContentInputs& inputs, const glm::uvec2& place) {
+  const WarpedImage& image = inputs.image;
+  if (place.x >= image.color.width() || place.y >= image.color.height()) throw InputError("the pixel is outside of the picture");
+  PixelReport report;
+  report.place = place;
+  report.color = image.color(place.x, place.y);
+  report.shown = shownOf(report.color, inputs.background);
+  const Image<glm::vec4>* truth = inputs.reference;
+  if (truth != nullptr && truth->width() == image.color.width() && truth->height() == image.color.height()) {
+    report.truth = (*truth)(place.x, place.y);
+    report.truthShown = shownOf(*report.truth, inputs.background);
+  }
+  if (inputs.flip != nullptr && inputs.flip->width() == image.color.width() && inputs.flip->height() == image.color.height())
+    report.flip = (*inputs.flip)(place.x, place.y);
+  const uint32_t sample = image.samples(place.x, place.y);
+  report.kind = kindOf(sample, inputs, report.truth);
+  report.framesBack = framesBack(sample);
+  if (report.kind == PixelKind::sample) report.server = serverPixelOf(inputs, sample);
+  return report;
+}
+
+std::vector<std::pair<std::string, std::string>> linesOf(const PixelReport& report) {
+  std::vector<std::pair<std::string, std::string>> lines{
+      {"pixel", placeText(report.place)},
+      {"shows", kindText(report)},
+      {"colour", codesText(report.shown)},
+      {"opacity", formatted("%.3f", report.color.a)},
+  };
+  if (report.server) {
+    lines.emplace_back("depth", formatted("%.4g", report.server->depth));
+    lines.emplace_back("radius", formatted("%.3g", report.server->radius));
+    lines.emplace_back("server's pixel", placeText(report.server->place));
+  }
+  if (report.truth) {
+    lines.emplace_back("truth", codesText(*report.truthShown));
+    lines.emplace_back("its opacity", formatted("%.3f", report.truth->a));
+  }
+  if (report.flip) lines.emplace_back("FLIP", formatted("%.4f", *report.flip));
+  return lines;
+}
+
+std::string textOf(const PixelReport& report) {
+  std::string text;
+  for (const auto& [name, figure] : linesOf(report)) text += name + "\t" + figure + "\n";
+  return text;
+}
+
+}  // namespace warpscope

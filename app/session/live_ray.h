@@ -1,0 +1,60 @@
+// The ray that the user looks at, traced in the background: anew whenever what it depends on has changed.
+// Its worker reads the volume once for all rays of a scene.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/experiment/ray_look.h"
+#include "render/base/newest_worker.h"
+
+namespace warpscope {
+
+struct RayJob {
+  VolumePtr volume;
+  TransferFunction transferFunction;
+  RayOfPixel ray;
+  MarchSettings settings;
+
+  bool operator==(const RayJob&) const = default;
+};
+
+struct RayResult {
+  RayJob job;      ///< that was done
+  RayTrace trace;
+  std::string error;
+};
+
+using RayWorker = NewestWorker<RayJob, RayResult>;
+
+class LiveRay {
+ public:
+  /// `onNews` is called on another thread after each result.
+  explicit LiveRay(std::function<void()> onNews);
+
+  /// Forgets all; what is at work ends.
+  void clear();
+  /// The ray that is wanted from now on. True if it is another one than before. Where the volume is elsewhere error() says so.
+  bool follow(RayJob wanted);
+  /// Collects a result. True if there was one that is of use.
+  bool take();
+
+  /// The newest; nothing while there is none. It is of the wanted ray where isCurrent().
+  const std::optional<RayResult>& result() const { return result_; }
+  bool isCurrent() const { return result_ && wanted_ && result_->job == *wanted_; }
+  /// Why there is none; empty if there is, or will be.
+  const std::string& error() const { return error_; }
+
+  void requestStop() { worker_.requestStop(); }
+  bool waitForEnd(std::chrono::steady_clock::time_point time) const { return worker_.waitForEnd(time); }
+
+ private:
+  std::optional<RayJob> wanted_;
+  std::optional<RayResult> result_;
+  std::string error_;
+  RayWorker worker_;
+};
+
+}  // namespace warpscope
