@@ -35,12 +35,7 @@ class PixelReportTest : public ::testing::Test {
     frame_.camera.height = 3;
     frame_.camera.tanHalfFovY = 0.1f;
     frame_.quantization = quantizationFor(frame_.camera, {glm::vec3(-5.0f), glm::vec3(5.0f)}, 1.0f);
-    const SampleRule rule{RadiusPolicy::constant, 1.0f, 1.0f, frame_.quantization};
-    const PixelGrid pixels = makePixelGrid(frame_.camera, rule.quantization.nearDepth);
-    DepthResult depth;
-    depth.hasDepth = true;
-    depth.depth = 3.0f;
-    frame_.samples.push_back(packRaySample(rule, pixels, 4, 2, 1.0f, depth, 1.0f));
+    frame_.samples.push_back(packSample(4, 2, 3.0f, 0.5f, frame_.quantization));
     frame_.colors.push_back(0xffffffffu);
     camera_.eye = {0.0f, 0.0f, 20.0f};
     camera_.width = 6;

@@ -131,7 +131,7 @@ TEST_F(SessionPanelsTest, StayAsTheyAreWithAnotherScene) {
   EXPECT_EQ(session_.view(0), session_.scene()->views.front());
 }
 
-/// Where a panel's picture shows a sample, and where it does not.
+/// Where a panel's picture shows a sample, as near to its middle as there is one, and where it does not.
 struct Places {
   std::optional<glm::dvec2> sample, other;
 };
@@ -140,13 +140,18 @@ Places placesIn(const Panel& panel) {
   const PanelPixels& pixels = *panel.currentPixels();
   const Image<uint32_t>& samples = pixels.image->samples;
   for (uint32_t y = 0; y < samples.height(); ++y)
-    for (uint32_t x = 0; x < samples.width(); ++x)
-      (samples(x, y) < pixels.frame->size() ? places.sample : places.other) = glm::dvec2((x + 0.5) / samples.width(), (y + 0.5) / samples.height());
+    for (uint32_t x = 0; x < samples.width(); ++x) {
+      const glm::dvec2 place((x + 0.5) / samples.width(), (y + 0.5) / samples.height());
+      if (samples(x, y) >= pixels.frame->size())
+        places.other = place;
+      else if (!places.sample || glm::distance(place, glm::dvec2(0.5)) < glm::distance(*places.sample, glm::dvec2(0.5)))
+        places.sample = place;
+    }
   return places;
 }
 
 TEST_F(SessionPanelsTest, ARayIsLookedAtAndFollowsKnobs) {
-  ASSERT_TRUE(open("block"));
+  ASSERT_TRUE(open("shells"));
   ASSERT_NE(session_.panel(1).currentPixels(), nullptr);
   const Places places = placesIn(session_.panel(1));
   ASSERT_TRUE(places.sample && places.other);
@@ -158,10 +163,10 @@ TEST_F(SessionPanelsTest, ARayIsLookedAtAndFollowsKnobs) {
   EXPECT_TRUE(depthBy(first.trace, Heuristic::gradient));
 
   LiveSettings knobs = session_.knobs();
-  knobs.march.sample.threshold = 0.1f;
+  knobs.march.sample.threshold = 0.02f;
   knobs.march.sample.heuristic = Heuristic::threshold;
   session_.setKnobs(knobs);
-  ASSERT_TRUE(pumpUntil([&] { return session_.ray().isCurrent() && session_.ray().result()->job.settings.sample.threshold == 0.1f; }));
+  ASSERT_TRUE(pumpUntil([&] { return session_.ray().isCurrent() && session_.ray().result()->job.settings.sample.threshold == 0.02f; }));
   EXPECT_NE(depthBy(session_.ray().result()->trace, Heuristic::threshold), depthBy(first.trace, Heuristic::threshold));
 
   session_.lookAt(LookedAt{session_.panel(1).id, *places.other});
