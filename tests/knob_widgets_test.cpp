@@ -2,6 +2,7 @@
 // Mirrors app/ui/knob_parts.h and the part of app/ui/parts.h that is the column.
 #include <imgui.h>
 
+#include "app/ui/controls.h"
 #include "app/ui/knob_parts.h"
 #include "app/ui/parts.h"
 #include "render/warp/points_warp.h"

@@ -307,9 +307,10 @@ TEST_F(PictureCounts, TimingAPictureIsNotCountedAndAShortcutIsNotTimed) {
   EXPECT_FALSE(post().timed);
 }
 
-TEST_F(PictureCounts, BeginAnewWithAnotherVolume) {
+TEST_F(PictureCounts, BeginAnewWithAnotherScene) {
   paint(job_);
   WarpJob other = job_;
+  other.scene = job_.scene + 1;
   other.marcher = marcher_->twin();
   worker_->post(other);
   news_.acquire();

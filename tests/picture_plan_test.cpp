@@ -34,6 +34,7 @@ EaselState after(const WarpJob& job) {
   const PictureWay way = PicturePlan({}, job).way();
   if (way == PictureWay::technique) {
     state.technique = job.technique;
+    state.scene = job.scene;
     state.marcher = job.marcher;
     state.isBuilt = job.technique->usesFrame;
     state.built = job.frame;
@@ -225,9 +226,16 @@ TEST_F(PicturePlanTest, ATechniqueIsMadeForItsVolume) {
   EXPECT_THAT(stagesIn({last, other}), testing::ElementsAre("technique", "build", "draw", "to-screen"));
   EXPECT_EQ(PicturePlan(last, other)[PictureStage::technique].reason, "it was spheres");
   other = job_;
-  other.marcher = anotherMarcher();
+  other.scene = job_.scene + 1;
   EXPECT_THAT(stagesIn({last, other}), testing::ElementsAre("technique", "build", "draw", "to-screen"));
-  EXPECT_EQ(PicturePlan(last, other)[PictureStage::technique].reason, "the volume is another one");
+  EXPECT_EQ(PicturePlan(last, other)[PictureStage::technique].reason, "the scene is another one");
+  other = job_;
+  other.marcher = anotherMarcher();  // of another transfer function: what draws frames goes on
+  EXPECT_THAT(stagesIn({last, other}), testing::ElementsAre());
+  WarpJob marched = job_;
+  marched.technique = &findWarp("reference");
+  other.technique = marched.technique;
+  EXPECT_EQ(PicturePlan(after(marched), other)[PictureStage::technique].reason, "it marches, and by another transfer function");
   EXPECT_EQ(PicturePlan({}, job_)[PictureStage::technique].reason, "there is none yet");
 }
 

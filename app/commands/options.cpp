@@ -88,7 +88,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--volume", options.volume, "Replaces the scene's volume by this file");
   command.add_option("--mask", options.mask, "Crops the volume to where this one, with as many voxels, is not 0");
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
-  command.add_option("--tf", options.transferFunction, "Transfer function file (JSON)");
+  command.add_option("--tf", options.transferFunction, "Transfer function file: JSON of this program or a colour map of ParaView");
   for (const MarchKnob& row : marchKnobs()) options.knobs.add(command, *row.knob, "the scene's");
   for (const MarchText& text : marchTexts())
     command.add_option(std::string(text.option), options.texts[&text], std::string(text.help) + ": " + std::string(text.values) + "; default: the scene's")

@@ -83,6 +83,7 @@ void view(const ViewOptions& options) {
   window.screenshot = options.screenshot;
   window.screenshotAfterMs = options.screenshotAfterMs;
   window.report = options.report;
+  window.transferFile = options.common.transferFunction;
   if (!options.front.empty()) {
     window.sweep = readSweepFile(options.front);
     if (!window.sweep) throw InputError(options.front + ": holds no sweep: it lacks the key 'rows'");

@@ -3,6 +3,7 @@
 #include "app/experiment/sweep_file.h"
 
 #include "app/scene/json_document.h"
+#include "app/scene/transfer_file.h"
 #include "render/base/error.h"
 
 namespace warpscope {
@@ -40,7 +41,12 @@ std::optional<SweepFile> readSweepFile(const std::filesystem::path& path) {
 std::unique_ptr<FileSorter> makeFileSorter(std::function<void()> onResult) {
   const auto sort = [](const std::string& path, HandedFile& file, const std::stop_token&) {
     file.path = path;
-    if (const std::optional<JsonDocument> document = documentIn(path)) file.sweep = sweepIn(*document, path);
+    const std::optional<JsonDocument> document = documentIn(path);
+    if (!document) return;
+    if (isTransferFile(*document))
+      file.transferFunction = readTransferFile(path);
+    else
+      file.sweep = sweepIn(*document, path);
   };
   return std::make_unique<FileSorter>([sort]() -> FileSorter::Work { return sort; }, std::move(onResult));
 }

@@ -12,6 +12,7 @@
 #include "app/experiment/auto_choice.h"
 #include "app/experiment/findings.h"
 #include "render/base/newest_worker.h"
+#include "render/core/transfer_function.h"
 
 namespace warpscope {
 
@@ -26,11 +27,12 @@ struct SweepFile {
 /// Nothing if the file is JSON without "rows": it is something else, a scene perhaps. Throws InputError that names the file and the line.
 std::optional<SweepFile> readSweepFile(const std::filesystem::path& path);
 
-/// A file that the user handed over: a sweep, or else a scene to be opened.
+/// A file that the user handed over: a sweep, a transfer function, or else a scene to be opened.
 struct HandedFile {
   std::string path;
   std::optional<SweepFile> sweep;
-  std::string error;  ///< why the sweep cannot be read; files that are no JSON have none: opening them as scenes says what is wrong
+  std::optional<TransferFunction> transferFunction;
+  std::string error;  ///< why the sweep or the function cannot be read; files that are no JSON have none: opening them as scenes says what is wrong
 };
 
 using FileSorter = NewestWorker<std::string, HandedFile>;

@@ -84,13 +84,14 @@ size_t memoryFor(const Camera& camera, const MarchSettings& settings, net::Wante
 /// What one thread works with. Others may look at it while it rests.
 class FrameServer::Lane {
  public:
-  Lane(const MarcherPtr& marcher, const TurnsPtr& turns) : origin_(marcher), turns_(turns ? turns->sibling() : nullptr) {}
+  explicit Lane(const TurnsPtr& turns) : turns_(turns ? turns->sibling() : nullptr) {}
 
   /// Held while it works.
   std::mutex& mutex() { return mutex_; }
 
-  /// For a request of so many bytes.
-  void prepare(size_t bytes) {
+  /// For a request of so many bytes, to be marched by a twin of `origin`.
+  void prepare(size_t bytes, const MarcherPtr& origin) {
+    if (std::exchange(origin_, origin) != origin) marcher_.reset();
     smaller_ = bytes * kFarTooMuch < bytes_ ? smaller_ + 1 : 0;
     if (smaller_ >= kMostSmallerJobs) giveBack();
     bytes_ = std::max(bytes_, bytes);
@@ -117,10 +118,9 @@ class FrameServer::Lane {
     giveBackFreedMemory();
   }
 
-  const MarcherPtr origin_;
   const TurnsPtr turns_;
   std::mutex mutex_;  // of the following
-  MarcherPtr marcher_;
+  MarcherPtr origin_, marcher_;
   std::unique_ptr<FrameCodec> codec_;
   size_t bytes_ = 0;
   int smaller_ = 0;  // requests in a row that needed far less
@@ -136,13 +136,13 @@ struct FrameServer::Answer {
 
 FrameServer::FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, MarcherPtr marcher, net::ServerSettings settings,
                          std::optional<ServeLimits> limits)
-    : marcher_(std::move(marcher)),
-      clock_(io->clock()),
+    : clock_(io->clock()),
       turns_(limits ? std::make_shared<Turns>(TurnSettings{.limit = limits->work}) : nullptr),
       budget_(limits ? std::make_unique<net::ByteBudget>(limits->memoryBytes) : nullptr),
       crew_(limits ? nullptr : std::make_unique<Crew>()),
       server_(std::move(io), withScene(settings, scene)),
-      mostLanes_(limits ? settings.clients.most : 1) {
+      mostLanes_(limits ? settings.clients.most : 1),
+      marcher_(std::move(marcher)) {
   startLane();
   const std::scoped_lock lock(mutex_);
   threads_.emplace_back([this] { keepHouse(); });
@@ -164,8 +164,19 @@ void FrameServer::startLane() {
   const std::scoped_lock lock(mutex_);
   if (isEnding_ || idle_ > 0 || lanes_.size() >= mostLanes_) return;
   ++idle_;
-  Lane& lane = *lanes_.emplace_back(std::make_unique<Lane>(marcher_, turns_));
+  Lane& lane = *lanes_.emplace_back(std::make_unique<Lane>(turns_));
   threads_.emplace_back([this, &lane] { run(lane); });
+}
+
+MarcherPtr FrameServer::marcher() const {
+  const std::scoped_lock lock(mutex_);
+  return marcher_;
+}
+
+void FrameServer::setTransferFunction(TransferFunction function) {
+  MarcherPtr changed = marcher()->withTransferFunction(std::move(function));
+  const std::scoped_lock lock(mutex_);
+  marcher_ = std::move(changed);
 }
 
 void FrameServer::run(Lane& lane) {
@@ -244,7 +255,7 @@ FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane
   const size_t bytes = memoryFor(camera, march, request.wanted);
   Answer answer;
   answer.share = memoryOf(camera, bytes, stop);
-  lane.prepare(bytes);
+  lane.prepare(bytes, marcher());
   lane.exchangeWaitedMs();
   try {
     if (request.wanted == net::Wanted::samples) {

@@ -44,6 +44,9 @@ class FrameServer {
   net::Address address() const { return server_.address(); }
   uint16_t port() const { return server_.port(); }
 
+  /// What is marched from now on is seen by that function; marches at work end by the one before. On any thread. Throws UsageError where the marcher refuses it.
+  void setTransferFunction(TransferFunction function);
+
   /// Asks the rendering threads to end, without waiting for them.
   void requestStop() { stop_.request_stop(); }
 
@@ -59,7 +62,8 @@ class FrameServer {
   std::shared_ptr<ServerPace> paceOf(const net::RequestJob& job);
   net::ByteBudget::SharePtr memoryOf(const Camera& camera, size_t bytes, const std::stop_token& stop);
 
-  const MarcherPtr marcher_;
+  MarcherPtr marcher() const;
+
   Clock& clock_;  // of the I/O thread
   const TurnsPtr turns_;  // null without limits
   const std::unique_ptr<net::ByteBudget> budget_;  // likewise
@@ -67,7 +71,8 @@ class FrameServer {
   net::Server server_;
   const size_t mostLanes_;
   std::stop_source stop_;
-  std::mutex mutex_;  // of the following
+  mutable std::mutex mutex_;  // of the following
+  MarcherPtr marcher_;        // whose twins lanes march with
   std::vector<std::unique_ptr<Lane>> lanes_;
   std::vector<std::thread> threads_;  // of the lanes, and the one that keeps house
   struct PaceOfClient {

@@ -105,6 +105,9 @@ class FrameSource {
   virtual std::optional<ServedFrame> tryTake() = 0;
 
   virtual void setTransport(const TransportSettings& transport) = 0;
+  /// Frames that are asked for from now on are of that function, and say so by `version`, which rises; copies of the volume are classified by it at once.
+  /// False where the function is another's to choose: nothing changes then.
+  virtual bool setTransferFunction(const TransferFunction& /*function*/, uint64_t /*version*/) { return false; }
   virtual SourceStatus status() const = 0;
 
   /// Asks its threads to end without waiting for them; the destructor waits.

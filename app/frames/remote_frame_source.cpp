@@ -24,9 +24,10 @@ struct Arrived {
 
 class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
  public:
-  RemoteFrameSource(std::shared_ptr<net::IoThread> io, const net::ClientSettings& settings,
+  RemoteFrameSource(std::shared_ptr<net::IoThread> io, const net::ClientSettings& settings, FunctionOwner owner,
                     std::function<void()> onNews)
-      : onNews_(std::move(onNews)),
+      : owner_(owner),
+        onNews_(std::move(onNews)),
         clock_(io->clock()),
         where_(net::toString(settings.address.where)),
         transport_{.link = settings.link, .codec = {}, .depth = settings.depth},
@@ -59,7 +60,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     {
       const std::scoped_lock lock(mutex_);
       MarchSettings settings = request.settings;
-      wantedLongest_[request.id] = settings.sample.proxy;
+      wanted_[request.id] = {settings.sample.proxy, functionVersion_};
       if (proxy_ && proxyLongest_ == settings.sample.proxy) settings.sample.proxy = 0;  // it is here already
       asked.settings = toFields(settings, transport_.server);
       asked.codec = toFields(transport_.codec);
@@ -76,6 +77,14 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     }
     if (before.link != transport.link) client_.setLink(transport.link);
     if (before.depth != transport.depth) client_.setDepth(static_cast<uint16_t>(transport.depth));
+  }
+  bool setTransferFunction(const TransferFunction& function, uint64_t version) override {
+    if (owner_ == FunctionOwner::server) return false;
+    const std::scoped_lock lock(mutex_);
+    function_ = function;
+    functionVersion_ = version;
+    if (proxy_) proxy_ = classified(*proxy_);
+    return true;
   }
   SourceStatus status() const override {
     const std::scoped_lock lock(mutex_);
@@ -135,14 +144,22 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     status_.roundTripMs = std::chrono::duration<double, std::milli>(roundTrip).count();
   }
 
+  /// The same copy by the function that was chosen here.
+  ProxyPtr classified(const Proxy& proxy) const {
+    auto changed = std::make_shared<Proxy>(proxy);
+    changed->function = *function_;
+    return changed;
+  }
+
   /// The copy of the volume comes once, and goes with every frame that was to have it from then on: the same object, also where more than one came because
   /// several were asked for before the first was here.
-  void keepProxy(uint64_t requestId, SampleFrame& frame) {
+  void completeFrame(uint64_t requestId, SampleFrame& frame) {
     const std::scoped_lock lock(mutex_);
-    const auto asked = wantedLongest_.find(requestId);
-    const int longest = frame.proxy ? frame.settings.sample.proxy : asked != wantedLongest_.end() ? asked->second : 0;
+    const auto asked = wanted_.find(requestId);
+    if (asked != wanted_.end()) frame.functionVersion = asked->second.functionVersion;
+    const int longest = frame.proxy ? frame.settings.sample.proxy : asked != wanted_.end() ? asked->second.longest : 0;
     if (frame.proxy && proxyLongest_ != longest) {
-      proxy_ = frame.proxy;
+      proxy_ = function_ ? classified(*frame.proxy) : frame.proxy;
       proxyLongest_ = longest;
     }
     if (!proxy_ || proxyLongest_ != longest) return;
@@ -152,7 +169,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
   /// No answer to this request or to one before is awaited any more.
   void forgetRequestsUpTo(uint64_t id) {
     const std::scoped_lock lock(mutex_);
-    wantedLongest_.erase(wantedLongest_.begin(), wantedLongest_.upper_bound(id));
+    wanted_.erase(wanted_.begin(), wanted_.upper_bound(id));
   }
 
   void noteAnswer() {
@@ -183,7 +200,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     auto frame = std::make_shared<SampleFrame>();
     const double decodeMs = milliseconds([&] { *frame = decodedFrom(head, arrived.frame->payload, codec); });
     served.bytes = codec.bytes();
-    keepProxy(head.id, *frame);
+    completeFrame(head.id, *frame);
     forgetRequestsUpTo(head.id);
     frame->geometry = geometry();
     FrameLatency& latency = served.latency;
@@ -199,6 +216,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     served.arrivedAt = clock_.now();
   }
 
+  const FunctionOwner owner_;
   const std::function<void()> onNews_;
   Clock& clock_;  // of the I/O thread
   const std::string where_;
@@ -209,7 +227,13 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
   bool isOtherScene_ = false;
   ProxyPtr proxy_;  // that came last; null: none
   int proxyLongest_ = 0;  // of that; 0: none
-  std::map<uint64_t, int> wantedLongest_;  // by request
+  struct Wanted {
+    int longest = 0;  // of the copy
+    uint64_t functionVersion = 0;
+  };
+  std::map<uint64_t, Wanted> wanted_;  // by request
+  std::optional<TransferFunction> function_;  // that was chosen here
+  uint64_t functionVersion_ = 0;
   std::stop_source decided_;  // asked to stop once there is a scene, or will be none, or nobody waits for it
   NewestWorker<Arrived, ServedFrame> decoder_;
   net::Client client_;  // last: it tells all of the above
@@ -222,9 +246,9 @@ std::string busySentence(uint16_t others) {
 }
 
 Connected connectFrameSource(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, std::function<void()> onNews,
-                             const std::stop_token& stop) {
+                             const std::stop_token& stop, FunctionOwner owner) {
   const auto patience = settings.connectPatience;
-  auto source = std::make_unique<RemoteFrameSource>(std::move(io), settings, std::move(onNews));
+  auto source = std::make_unique<RemoteFrameSource>(std::move(io), settings, owner, std::move(onNews));
   net::SceneFields scene = source->waitForScene(patience, stop);
   return {std::move(source), std::move(scene)};
 }

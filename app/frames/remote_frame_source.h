@@ -18,10 +18,13 @@ struct Connected {
   net::SceneFields scene;
 };
 
+/// Who chooses the transfer function of a scene.
+enum class FunctionOwner { server, client };
+
 /// Connects and waits for the server's scene. `onNews` is called on other threads after each answer and each change of the status. Throws
 /// InputError with the reason if the server refuses or cannot be reached within settings.connectPatience, OperationCancelled if `stop` is
 /// set. Afterwards the source connects again by itself.
 Connected connectFrameSource(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, std::function<void()> onNews,
-                             const std::stop_token& stop);
+                             const std::stop_token& stop, FunctionOwner owner = FunctionOwner::server);
 
 }  // namespace warpscope

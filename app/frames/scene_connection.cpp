@@ -30,6 +30,10 @@ class HostedSource final : public FrameSource {
   void post(const FrameRequest& request, Clock::TimePoint now) override { source_->post(request, now); }
   std::optional<ServedFrame> tryTake() override { return source_->tryTake(); }
   void setTransport(const TransportSettings& transport) override { source_->setTransport(transport); }
+  bool setTransferFunction(const TransferFunction& function, uint64_t version) override {
+    server_->setTransferFunction(function);
+    return source_->setTransferFunction(function, version);
+  }
   SourceStatus status() const override { return source_->status(); }
   void requestStop() override {
     server_->requestStop();
@@ -50,7 +54,7 @@ ConnectedScene hostScene(std::shared_ptr<net::IoThread> io, Scene scene, const M
   settings.clients = {.most = 1, .mostOfAnAddress = 1, .leastIdleness = net::Duration::max()};  // strangers do not take its place
   settings.onNote = [](const std::string& text) { logDetail("the program's own server: " + text); };
   auto server = std::make_unique<FrameServer>(io, scene, marcher, settings);
-  Connected connected = connectFrameSource(io, clientSettings(server->address(), transport), std::move(onNews), stop);
+  Connected connected = connectFrameSource(io, clientSettings(server->address(), transport), std::move(onNews), stop, FunctionOwner::client);
   connected.source->setTransport(transport);
   return {std::move(scene), std::make_shared<HostedSource>(std::move(server), std::move(connected.source)), marcher->twin()};
 }

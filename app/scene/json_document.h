@@ -59,6 +59,7 @@ class Node {
 
   bool isString() const { return value_->is_string(); }
   bool isArray() const { return value_->is_array(); }
+  bool isObject() const { return value_->is_object(); }
   bool isNull() const { return value_->is_null(); }
   /// Throw unless this is of that type (and within the range).
   std::string string() const;

@@ -11,6 +11,7 @@
 #include "app/scene/fitting_view.h"
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
+#include "app/scene/transfer_file.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
@@ -30,7 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kAnyNumber = 1e300;
 constexpr std::string_view kTortureFolder = "torture/";
 
 glm::dvec3 readVector(const Node& node, double lowest, double highest) {
@@ -42,22 +42,6 @@ glm::dvec3 readDirection(const Node& node) {
   const glm::dvec3 vector = readVector(node, -1e6, 1e6);
   if (!(glm::length(vector) > 1e-9)) node.fail("must not be a zero vector");
   return glm::normalize(vector);
-}
-
-TransferFunction readTransferFunction(const Node& node) {
-  constexpr std::string_view kKeys[] = {"points"};
-  node.requireObject(kKeys);
-  TransferFunction function;
-  for (const Node& point : node.at("points").elements(1, 4096)) {
-    constexpr std::string_view kPointKeys[] = {"value", "color", "alpha"};
-    point.requireObject(kPointKeys);
-    const Node value = point.at("value");
-    function.points.push_back({value.number(-kAnyNumber, kAnyNumber), readColor(point.at("color")),
-                               static_cast<float>(point.at("alpha").number(0.0, 1.0))});
-    if (function.points.size() > 1 && function.points.back().value < function.points.end()[-2].value)
-      value.fail("must not be less than the point's before");
-  }
-  return function;
 }
 
 View readView(const Node& node) {
@@ -253,7 +237,7 @@ Scene openScene(const std::string& spec, const SceneOverrides& overrides, const 
   if (overrides.mask) crop(scene, *overrides.mask, stop);
   logVolume(*scene.volume, openMs);
   if (overrides.transferFunction)
-    scene.transferFunction = readTransferFunction(JsonDocument::fromFile(*overrides.transferFunction).root());
+    scene.transferFunction = readTransferFile(*overrides.transferFunction);
   if (scene.transferFunction.points.empty())
     scene.transferFunction = autoTransferFunction(scene.volume->statistics());
   warnIfInvisible(scene);

@@ -9,7 +9,7 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<ActionDescriptor, 20> kActions{{
+constexpr std::array<ActionDescriptor, 22> kActions{{
     {Action::quit, ActionMenu::file, "Quit", "Ctrl+Q", "Close the window"},
     {Action::resetView, ActionMenu::view, "First view", "R", "Back to the scene's first view", false, true},
     {Action::freeze, ActionMenu::view, "Freeze", "F", "Keep the frame on show and ask the server for no other"},
@@ -27,6 +27,8 @@ constexpr std::array<ActionDescriptor, 20> kActions{{
     {Action::maximise, ActionMenu::panel, "Maximise", "Enter", "This panel alone, or all again; as a double click on its title", false, true},
     {Action::goBack, ActionMenu::none, "Back", "Esc", "Leave what fills the window: a list of keys, a panel alone, a wipe, the full screen"},
     {Action::showPlan, ActionMenu::view, "What a frame takes", "E", "The stages of the newest frame's march, and what each costs"},
+    {Action::undo, ActionMenu::edit, "Undo", "Ctrl+Z", "Take the last change of the transfer function back"},
+    {Action::redo, ActionMenu::edit, "Redo", "Ctrl+Shift+Z or Ctrl+Y", "Make it again"},
     {Action::hideSideBar, ActionMenu::view, "Side bar", "Tab", "The column of knobs, or more room for the pictures"},
     {Action::fullScreen, ActionMenu::view, "Full screen", "F11", "The window on the whole screen, or as it was"},
     {Action::help, ActionMenu::help, "Keys", "F1 or ?", "All keys"},

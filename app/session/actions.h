@@ -28,12 +28,14 @@ enum class Action {
   maximise,
   goBack,
   showPlan,
+  undo,
+  redo,
   hideSideBar,
   fullScreen,
   help,
 };
 
-enum class ActionMenu { file, view, panel, help, none };
+enum class ActionMenu { file, edit, view, panel, help, none };
 
 /// One row of windowActions().
 struct ActionDescriptor {

@@ -29,6 +29,17 @@ void FrameRequests::setTransport(const TransportSettings& transport) {
   source_->setTransport(transport_);
 }
 
+bool FrameRequests::setTransferFunction(const TransferFunction& function, uint64_t version) {
+  if (source_ == nullptr || !source_->setTransferFunction(function, version)) return false;
+  if (!frame_ || !frame_->proxy) return true;
+  auto changed = std::make_shared<SampleFrame>(*frame_);
+  auto proxy = std::make_shared<Proxy>(*frame_->proxy);
+  proxy->function = function;
+  changed->proxy = std::move(proxy);
+  frame_ = std::move(changed);
+  return true;
+}
+
 bool FrameRequests::ask(const WantedFrame& wanted, bool isFrozen, TimePoint now) {
   wanted_ = wanted;
   isFrozen_ = isFrozen;

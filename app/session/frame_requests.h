@@ -19,6 +19,7 @@ struct WantedFrame {
   MarchSettings march;
   CodecSettings codec;
   uint32_t serverSidePx = 0;  ///< longer side that the camera's size was made from
+  uint64_t functionVersion = 0;  ///< of the transfer function
 
   bool operator==(const WantedFrame&) const = default;
 };
@@ -32,6 +33,9 @@ class FrameRequests {
   void begin(FrameSource& source, const TransportSettings& transport);
 
   void setTransport(const TransportSettings& transport);
+  /// Classifies the newest frame's copy of the volume anew, so that what is drawn of it shows the function at once. What is asked for from now on is of
+  /// that function. False where the source leaves no choice.
+  bool setTransferFunction(const TransferFunction& function, uint64_t version);
   /// Asks for `wanted` if that is something else than what was asked for last. `isFrozen`: only if there is no frame yet. Asks once more where the answer
   /// was marched coarser than it was wanted (coarsening.h), as soon as nothing else has been wanted for kRest: a camera that rests is shown in full.
   /// True if it asked, or waits for that time.

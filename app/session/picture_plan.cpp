@@ -71,7 +71,9 @@ constexpr std::array<PictureRule, kPictureStages.size()> kRules{{
        if (q.isShortcut()) return out(kShortcut);
        if (q.last.technique == nullptr) return in("there is none yet");
        if (q.last.technique != q.job.technique) return in("it was " + std::string(q.last.technique->name));
-       return q.last.marcher != q.job.marcher ? in("the volume is another one") : out("it is there");
+       if (q.last.scene != q.job.scene) return in("the scene is another one");
+       if (q.job.technique->usesFrame) return out("it is there");
+       return q.last.marcher != q.job.marcher ? in("it marches, and by another transfer function") : out("it is there");
      }},
     {PictureStage::build,
      [](const PictureQuestion& q) {

@@ -59,6 +59,7 @@ inline constexpr std::array<PictureStageDescriptor, 7> kPictureStages{{
 /// What a panel's worker has in hand when a job comes. Pictures and techniques themselves are the worker's.
 struct EaselState {
   const WarpDescriptor* technique = nullptr;  ///< that is made; null: none is
+  uint64_t scene = 0;                         ///< that it was made for
   MarcherPtr marcher;                         ///< that it was made with
 
   bool isBuilt = false;  ///< it was given a frame:

@@ -41,6 +41,13 @@ SceneOpening::Outcome SceneOpening::take() {
   return Outcome::opened;
 }
 
+void SceneOpening::setTransferFunction(TransferFunction function, MarcherPtr display) {
+  ConnectedScene changed = *current_;
+  changed.scene.transferFunction = std::move(function);
+  changed.display = std::move(display);
+  current_ = std::make_shared<const ConnectedScene>(std::move(changed));
+}
+
 void SceneOpening::retire() {
   std::erase_if(retired_, [](const std::future<void>& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
   if (!current_) return;

@@ -34,6 +34,9 @@ class SceneOpening {
   /// source any more.
   Outcome take();
 
+  /// The current scene by another function, marched for display by `display`.
+  void setTransferFunction(TransferFunction function, MarcherPtr display);
+
   /// Null until the first scene is there.
   const ConnectedScene* current() const { return current_.get(); }
   /// Of the scene that is being opened; empty if none is.

@@ -184,7 +184,7 @@ bool Session::update(TimePoint now) {
   liveFront_.setPictureSize(pictureSize());
   happened |= frames_.take();
   frames_.setTransport(knobs_.transport);
-  happened |= frames_.ask({view_.cameraOfSize(serverSize()), neededBy(techniquesInUse(), knobs_.march), knobs_.transport.codec, knobs_.serverSidePx}, knobs_.isFrozen, now);
+  happened |= frames_.ask({view_.cameraOfSize(serverSize()), neededBy(techniquesInUse(), knobs_.march), knobs_.transport.codec, knobs_.serverSidePx, functionVersion_}, knobs_.isFrozen, now);
   happened |= truth_.take();
   happened |= truth_.follow(truthFrom(view_), now);
   for (size_t i = 0; i < panels_.size(); ++i) {
@@ -201,6 +201,23 @@ bool Session::update(TimePoint now) {
   plan_.measure(showsPlan_ && timing_.isOver(panels_, now));
   frames_.forgetOld([this](uint64_t id) { return std::any_of(panels_.begin(), panels_.end(), [&](const LivePanel& one) { return one.mayShow(id); }); });
   return happened;
+}
+
+std::string Session::whyFunctionIsFixed() const {
+  if (!scene()) return "there is no scene yet";
+  if (opening_.current()->display->capabilities().functionChange == FunctionChange::refused) return "the server has the volume, and chooses how it looks";
+  return "";
+}
+
+void Session::setTransferFunction(TransferFunction function) {
+  if (const std::string why = whyFunctionIsFixed(); !why.empty()) throw UsageError(why);
+  if (function == scene()->transferFunction) return;
+  validate(function);
+  timing_.stop(panels_);
+  MarcherPtr display = opening_.current()->display->withTransferFunction(function);
+  if (!frames_.setTransferFunction(function, ++functionVersion_)) throw UsageError("the server has the volume, and chooses how it looks");
+  opening_.setTransferFunction(std::move(function), std::move(display));
+  liveFront_.clear();  // its points are of the function before
 }
 
 bool Session::followRay() {
@@ -223,6 +240,7 @@ bool Session::followRay() {
 bool Session::takeScene() {
   const SceneOpening::Outcome outcome = opening_.take();
   if (outcome != SceneOpening::Outcome::opened) return outcome != SceneOpening::Outcome::nothing;
+  ++sceneCount_;
   truth_.clear();
   plan_.clear();
   ray_.clear();
@@ -241,7 +259,7 @@ bool Session::takeScene() {
 
 bool Session::takePicture(LivePanel& panel, size_t index) {
   std::optional<WarpResult> result = panel.take();
-  if (!result || result->job.marcher != opening_.current()->display) return false;
+  if (!result || result->job.scene != sceneCount_) return false;
   if (result->job.timedAs) {
     takeTime(index, *result);
     return true;
@@ -304,6 +322,7 @@ bool Session::postJob(size_t index) {
   const LiveGroundTruth& truth = truthOf(panel);
   WarpJob job;
   job.technique = shown.technique;
+  job.scene = sceneCount_;
   if (job.technique->usesFrame) {
     if (!frames_.newest()) return false;
     job.frame = frames_.newest();

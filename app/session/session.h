@@ -64,6 +64,11 @@ class Session {
   // --- Edits. Those of the same value do nothing.
   /// Opens a scene in the background; the one on show stays until it is there. The newest request wins and ends the one before it.
   void load(LoadJob job) { opening_.open(std::move(job)); }
+  /// Shows the scene by that function from now on: the ground truth and copies of the volume at once, frames as they come. Throws UsageError for one that
+  /// cannot be, or where it is the server's to choose.
+  void setTransferFunction(TransferFunction function);
+  /// Why setTransferFunction() would refuse any; empty if it would not.
+  std::string whyFunctionIsFixed() const;
   /// Gives up opening; the scene on show stays.
   void cancelLoad() { opening_.cancel(); }
   /// Of all panels that have no camera of their own.
@@ -194,6 +199,8 @@ class Session {
   std::vector<LivePanel> panels_;
   std::vector<LivePanel> removed_;  // whose threads have not ended yet
   uint64_t lastPanelId_ = 0;
+  uint64_t sceneCount_ = 0;
+  uint64_t functionVersion_ = 0;  ///< of all scenes' transfer functions, the newest
   PictureTiming timing_;
   LiveFront liveFront_;
   std::shared_ptr<const AutoChoice> front_;

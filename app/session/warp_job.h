@@ -46,6 +46,7 @@ class ReferenceImage {
 
 struct WarpJob {
   const WarpDescriptor* technique = nullptr;
+  uint64_t scene = 0;  ///< that all of this is of: counted by the session
   MarcherPtr marcher;  ///< for techniques that march
   SampleFramePtr frame;
   Camera camera;

@@ -33,7 +33,7 @@ class Easel {
 
   void paint(const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
     result.job = job;
-    if (std::exchange(countedFor_, job.marcher) != job.marcher) counts_ = {};
+    if (std::exchange(countedFor_, job.scene) != job.scene) counts_ = {};
     result.counts = counts_;
     if (job.timedAs) return time(job, result, stop);
     if (isOversized(job)) {
@@ -86,6 +86,7 @@ class Easel {
     warp_.reset();
     resources_.marcher.reset();
     state_.technique = nullptr;
+    state_.scene = 0;
     state_.marcher.reset();
     state_.isBuilt = false;
     state_.built.reset();
@@ -102,7 +103,8 @@ class Easel {
 
   void follow(const PicturePlan& plan, const WarpJob& job, const std::stop_token& stop) {
     // What is not the job's only holds memory, whether or not another one is made in its place.
-    if (state_.technique != job.technique || state_.marcher != job.marcher) forgetTechnique();
+    if (state_.technique != job.technique || state_.scene != job.scene || (state_.marcher != job.marcher && !job.technique->usesFrame)) forgetTechnique();
+    resources_.marcher = state_.marcher = job.marcher;  // an earlier one only holds memory
     if (state_.frame != job.frame || !job.takesShortcuts) own_.reset();
     if (plan.has(PictureStage::technique)) make(job);
     if (plan.has(PictureStage::build)) build(job, stop);
@@ -127,6 +129,7 @@ class Easel {
     resources_.marcher = job.marcher;
     warp_ = makeWarp(*job.technique, resources_);
     state_.technique = job.technique;
+    state_.scene = job.scene;
     state_.marcher = job.marcher;
   }
 
@@ -201,7 +204,7 @@ class Easel {
   double buildMs_ = 0.0;
   double drawMs_ = 0.0;
   WarpCounts counts_;
-  MarcherPtr countedFor_;
+  uint64_t countedFor_ = 0;
   FrameCodec codec_;
   RecentNeed need_;  // of samples and pixels
 };

@@ -17,7 +17,7 @@
 
 namespace warpscope {
 
-/// How often a panel's worker did what, for pictures of one marcher; timing them is not counted.
+/// How often a panel's worker did what, for pictures of one scene; timing them is not counted.
 struct WarpCounts {
   uint64_t made = 0;          ///< techniques
   uint64_t builds = 0;        ///< what a technique derives from a frame
@@ -31,7 +31,7 @@ struct WarpCounts {
 struct WarpResult {
   WarpJob job;             ///< that was done
   PicturePlan plan;        ///< by which
-  WarpCounts counts;       ///< with this job, since jobs have had this marcher
+  WarpCounts counts;       ///< with this job, since jobs have been of this scene
   ShownPicture picture;    ///< none if there is an error
   double buildMs = 0.0;    ///< of what the technique derived from that frame; 0 where a shortcut takes its place
   double drawMs = 0.0;     ///< from the camera to colours in the memory that the picture is in

@@ -1,5 +1,5 @@
 // The column of knobs.
-// See parts.h.
+// See controls.h.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -7,7 +7,7 @@
 #include "app/frames/transport_knobs.h"
 #include "app/session/picture_plan.h"
 #include "app/ui/knob_parts.h"
-#include "app/ui/parts.h"
+#include "app/ui/controls.h"
 #include "render/march/march_knobs.h"
 
 namespace warpscope::ui {
@@ -17,7 +17,7 @@ constexpr std::array<uint32_t, 8> kServerSidesPx{128, 256, 384, 512, 768, 1024, 
 constexpr uint32_t kMaxScreenPixels = 4;
 
 void drawServer(Session& session, LiveSettings& knobs, const Look& look) {
-  heading("SERVER", look);
+  if (!section("SERVER", look)) return;
   for (const MarchKnob& row : marchKnobs())
     if (row.knob->owner != KnobOwner::effect && row.matters(knobs.march)) knobWidget(row, knobs.march, look);
   for (const TransportKnob& row : transportKnobs())
@@ -58,7 +58,7 @@ void markWidget(const char* name, Rgba8& mark, std::array<float, 3>& color, cons
 }
 
 void drawDisplay(const Session& session, LiveSettings& knobs, MarkColors& markColors, const Look& look) {
-  heading("DISPLAY", look);
+  if (!section("DISPLAY", look)) return;
   for (const Knob* knob : warpKnobs()) {
     if (knob->isOfPanel) continue;
     double value = knobs.warp.knobs[*knob];
@@ -92,7 +92,7 @@ void drawDisplay(const Session& session, LiveSettings& knobs, MarkColors& markCo
 }
 
 void drawCamera(Session& session, const Look& look) {
-  heading("CAMERA", look);
+  if (!section("CAMERA", look)) return;
   const View& view = session.view();
   const auto rounded = [](double degrees) { return std::round(degrees) + 0.0; };  // no "-0"
   ImGui::TextColored(kDimText, "%.0f° around, %.0f° up, %.2f × as far", rounded(view.angleDeg), rounded(view.elevationDeg),
@@ -113,6 +113,11 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(7.0f), look.px(3.0f)});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(4.0f)});
   drawScene(session, openScene, look);
+  const bool hasFunction = section("TRANSFER FUNCTION", look);
+  tooltip("Opacity over the values, on top of how often they occur (logarithm), and colours below. Drag corners; click to add one, right click to remove one; drag "
+          "with the right button to move the window sideways and to widen it upwards. Faint opacities are drawn higher than they are (root).",
+          look);
+  if (hasFunction) transferEditor_.draw(session, look);
   LiveSettings knobs = session.knobs();
   markColors_.take(knobs.marks);
   drawServer(session, knobs, look);

@@ -10,7 +10,7 @@
 namespace warpscope::ui {
 
 void EffectKnobs::draw(MarchSettings& settings, const Look& look) {
-  heading("EFFECTS", look);
+  if (!section("EFFECTS", look)) return;
   for (const MarchKnob& row : marchKnobs())
     if (row.knob->owner == KnobOwner::effect && row.matters(settings)) knobWidget(row, settings, look);
   for (const MarchText& text : marchTexts())

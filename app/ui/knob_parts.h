@@ -14,11 +14,18 @@ namespace warpscope::ui {
 
 inline constexpr float kLabelWidth = 92.0f;  // at scale 1
 
-inline void heading(const char* text, const Look& look) {
+/// A heading that folds what is below it up; whether that is to be drawn.
+inline bool section(const char* text, const Look& look) {
   ImGui::Dummy({0.0f, 0.0f});
   ImGui::PushFont(look.fonts.small);
-  ImGui::TextColored(kAccent, "%s", text);
+  ImGui::PushStyleColor(ImGuiCol_Text, kAccent);
+  ImGui::PushStyleColor(ImGuiCol_Header, {0.0f, 0.0f, 0.0f, 0.0f});
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0.0f, look.px(1.0f)});
+  const bool isOpen = ImGui::TreeNodeEx(text, ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_SpanAvailWidth | ImGuiTreeNodeFlags_DefaultOpen);
+  ImGui::PopStyleVar();
+  ImGui::PopStyleColor(2);
   ImGui::PopFont();
+  return isOpen;
 }
 
 /// A label on the left; what comes next fills the rest of the line.

@@ -45,6 +45,8 @@ void MainView::takeHandedFile(Session& session) {
   } else if (file->sweep) {
     session.setFront(file->sweep->choice);
     plot_.showSweep(std::move(*file->sweep));
+  } else if (file->transferFunction) {
+    controls_.transferEditor().set(session, *file->transferFunction);
   } else {
     session.load(openScene_(file->path));
   }
@@ -92,6 +94,8 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     case Action::closePanel: return grid_.closePanel(session, *panel);
     case Action::maximise: return grid_.toggleMaximised(session, *panel);
     case Action::showPlan: return session.setShowsPlan(!session.showsPlan());
+    case Action::undo: return controls_.transferEditor().undo(session);
+    case Action::redo: return controls_.transferEditor().redo(session);
     case Action::hideSideBar: hasSideBar_ = !hasSideBar_; return;
     case Action::showReference:
     case Action::blink: return;  // as long as their keys are down
@@ -137,6 +141,7 @@ void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
 void MainView::drawMenus(Session& session) {
   if (!ImGui::BeginMainMenuBar()) return;
   drawMenu(ActionMenu::file, "File", session);
+  drawMenu(ActionMenu::edit, "Edit", session);
   drawMenu(ActionMenu::view, "View", session);
   drawMenu(ActionMenu::panel, "Panel", session);
   drawMenu(ActionMenu::help, "Help", session);

@@ -10,6 +10,7 @@
 
 #include "app/experiment/sweep_file.h"
 #include "app/session/actions.h"
+#include "app/ui/controls.h"
 #include "app/ui/panel_grid.h"
 #include "app/ui/parts.h"
 #include "app/ui/plot_view.h"
@@ -21,7 +22,9 @@ class MainView {
   /// `gl` and `openScene` outlive it; `onNews` is called on another thread when a file that was handed over has been looked at.
   MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, std::function<void()> onNews);
 
-  /// A file that the user handed over: a sweep for the plot, or else a scene.
+  /// A transfer function's file that is loaded whenever it is written.
+  void watchTransferFile(const std::filesystem::path& path) { controls_.transferEditor().watch(path); }
+  /// A file that the user handed over: a sweep for the plot, a transfer function, or else a scene.
   void open(const std::string& path, Session& session);
   /// What a pressed key does. Keys that are typed into a field are the field's.
   void press(const KeyChord& key, Session& session);

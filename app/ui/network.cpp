@@ -95,7 +95,7 @@ void drawLink(net::DuplexLinkSettings& link, const Look& look) {
 }  // namespace
 
 void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
-  heading("NETWORK", look);
+  if (!section("NETWORK", look)) return;
   TransportSettings& transport = knobs.transport;
   drawLink(transport.link, look);
   for (const TransportKnob& row : transportKnobs())

@@ -97,20 +97,6 @@ struct MarkColors {
   }
 };
 
-/// The column of knobs.
-class Controls {
- public:
-  void draw(Session& session, const SceneOpener& openScene, const Look& look);
-
- private:
-  void drawScene(Session& session, const SceneOpener& openScene, const Look& look);
-
-  EffectKnobs effects_;
-  PlanList plan_;
-  std::array<char, 1024> path_{};
-  MarkColors markColors_;
-};
-
 /// Scene, samples, rates: one line.
 void drawStatusBar(const Session& session, double displayFramesPerSecond, const Look& look);
 

@@ -55,6 +55,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
   const auto& [window, session, openScene, clock, settings, report] = stage;
   const std::stop_callback wakeUp(stop, [] { Window::wake(); });
   MainView mainView(window.gl(), openScene, settings.sweep, [] { Window::wake(); });
+  mainView.watchTransferFile(settings.transferFile);
   if (settings.sweep) session.setFront(settings.sweep->choice);
   RateMeter displayRate;
   Hover hover;

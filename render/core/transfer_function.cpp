@@ -3,6 +3,9 @@
 #include "render/core/transfer_function.h"
 
 #include <algorithm>
+#include <limits>
+
+#include "render/base/error.h"
 
 namespace warpscope {
 namespace {
@@ -36,6 +39,17 @@ glm::vec4 TransferFunction::below(double value) const {
   return between(points,
                  std::lower_bound(points.begin(), points.end(), value, [](const TransferPoint& point, double v) { return point.value < v; }),
                  value);
+}
+
+void validate(const TransferFunction& function) {
+  if (function.points.empty()) throw UsageError("a transfer function needs a point");
+  double last = -std::numeric_limits<double>::infinity();
+  for (const TransferPoint& point : function.points) {
+    if (!std::isfinite(point.value) || point.value < last) throw UsageError("a transfer function's values are finite, and none is less than the one before");
+    last = point.value;
+    for (const float share : {point.color.r, point.color.g, point.color.b, point.alpha})
+      if (!(share >= 0.0f && share <= 1.0f)) throw UsageError("a transfer function's colours and opacities are 0 to 1");
+  }
 }
 
 std::pair<double, double> TransferFunction::changingValues() const {

@@ -48,4 +48,7 @@ struct TransferFunction {
   bool operator==(const TransferFunction&) const = default;
 };
 
+/// Throws UsageError for a function without points, with values that fall or are not finite, or with colours or opacities outside of 0..1.
+void validate(const TransferFunction& function);
+
 }  // namespace warpscope

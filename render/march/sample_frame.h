@@ -31,6 +31,7 @@ struct SampleFrame {
   Camera camera;  ///< that the samples were marched for; its size is the size of the server's image
   SampleQuantization quantization;
   MarchSettings settings;    ///< that the samples were marched with
+  uint64_t functionVersion = 0;  ///< which of the transfer functions that its client has asked for; 0: the scene's. Not sent: the client's own
   VolumeGeometry geometry;   ///< of the volume: where lights that stay in the world are from it
   float voxelRadius = 1.0f;  ///< half the diagonal of a voxel, volume units: with the settings it tells how large a sample should be
   ServerTimings timings;

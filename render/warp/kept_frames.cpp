@@ -40,7 +40,7 @@ double apartDeg(const Camera& a, const Camera& b, const Box& bounds) {
 }
 
 bool KeptFrames::fit(const SampleFrame& frame, const SampleFrame& newest) {
-  return frame.settings == newest.settings && frame.quantization.bounds == newest.quantization.bounds && frame.proxy == newest.proxy;
+  return frame.settings == newest.settings && frame.functionVersion == newest.functionVersion && frame.quantization.bounds == newest.quantization.bounds && frame.proxy == newest.proxy;
 }
 
 std::unique_ptr<Warp> KeptFrames::take(SampleFramePtr frame, std::unique_ptr<Warp> warp, const SampleFrame& newest, size_t most) {

@@ -19,7 +19,7 @@ PATIENCE_S = 30.0       # for a picture to appear; far more than it takes
 CLOSING_LIMIT_S = 2.0   # for a loaded machine; the program's own limit is 1 s
 SCENE = ["block", "--volume-size", "48x40x40"]
 # At scale 1, as app/ui lays the window out.
-MARGIN, CONTROLS, HEADER, FOOTER = 8, 268, 40, 370  # the footer from the heat map's legend down, whose parts change
+MARGIN, CONTROLS, HEADER, FOOTER = 8, 268, 88, 370  # the footer from the heat map's legend down, whose parts change
 PLOT_BOTTOM, PLOT_HEIGHT = 44, 150  # the plot, from the window's lower edge up
 PLOT_LIST, PLOT_LEAST_FOR_LIST = 340, 640  # the list at its right, where there is room
 HOLD, SPHERES = bytes((0xb0, 0x89, 0x2f)), bytes((0x2b, 0x7d, 0xe0))  # their points, see app/picture/technique_color.h

@@ -1,0 +1,389 @@
+// A chart over the values' range, and what the pointer does there.
+// See transfer_editor.h.
+#include "app/ui/transfer_editor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "app/scene/auto_transfer_function.h"
+#include "app/scene/transfer_file.h"
+#include "app/scene/transfer_presets.h"
+#include "app/shell/output_files.h"
+#include "app/ui/knob_parts.h"
+#include "render/base/error.h"
+#include "render/base/formatted.h"
+#include "render/core/color.h"
+
+namespace warpscope::ui {
+namespace {
+
+constexpr float kChartPx = 96.0f, kBarPx = 12.0f, kMarkPx = 9.0f, kCornerPx = 4.0f, kReachPx = 8.0f;  // at scale 1
+constexpr std::chrono::milliseconds kFilePeriod(400);
+
+ImU32 screenColor(const glm::vec3& linear) {
+  const glm::vec3 shown = glm::clamp(linear, 0.0f, 1.0f);
+  return ImGui::GetColorU32({srgbFromLinear(shown.r), srgbFromLinear(shown.g), srgbFromLinear(shown.b), 1.0f});
+}
+
+/// Faint opacities have room, too.
+float heightOf(float alpha) { return std::sqrt(alpha); }
+float alphaAt(float height) { return height * height; }
+
+}  // namespace
+
+/// From values and opacities to places.
+struct TransferEditor::Chart {
+  ImVec2 from, to;
+  double lowest, highest;
+
+  float x(double value) const { return from.x + (to.x - from.x) * static_cast<float>((value - lowest) / (highest - lowest)); }
+  float y(float alpha) const { return to.y - (to.y - from.y) * heightOf(alpha); }
+  double value(float x) const { return std::clamp(lowest + (highest - lowest) * static_cast<double>((x - from.x) / (to.x - from.x)), lowest, highest); }
+  float alpha(float y) const { return alphaAt(std::clamp((to.y - y) / (to.y - from.y), 0.0f, 1.0f)); }
+};
+
+TransferEditor::Chart TransferEditor::chartOf(const Session& session, const ImVec2& from, const ImVec2& to) const {
+  const VoxelStatistics& statistics = session.scene()->volume->statistics();
+  // While something is held the chart stays as it is.
+  const TransferCurves& curves = grip_ == Grip::none ? curves_ : curvesAtGrip_;
+  const double lowest = std::min({statistics.rangeLower, curves.colors.front().value, curves.opacities.front().value});
+  double highest = std::max({statistics.rangeUpper, curves.colors.back().value, curves.opacities.back().value});
+  if (!(highest > lowest)) highest = lowest + 1.0;
+  return {from, to, lowest, highest};
+}
+
+void TransferEditor::followScene(const Session& session) {
+  const Scene& scene = *session.scene();
+  if (volume_ != scene.volume.get() || sceneName_ != scene.name) {
+    history_.clear();
+    error_.clear();
+    grip_ = Grip::none;
+  }
+  volume_ = scene.volume.get();
+  sceneName_ = scene.name;
+  if (shown_ == scene.transferFunction && !curves_.colors.empty()) return;
+  shown_ = scene.transferFunction;
+  curves_ = curvesOf(shown_);
+  opacity_.reset();
+  color_.reset();
+}
+
+void TransferEditor::show(Session& session, const TransferFunction& function) {
+  error_.clear();
+  try {
+    session.setTransferFunction(function);
+    shown_ = function;  // curves stay as they are edited
+  } catch (const UsageError& error) {
+    error_ = error.what();
+  }
+}
+
+void TransferEditor::apply(Session& session) { show(session, functionOf(curves_)); }
+
+void TransferEditor::set(Session& session, const TransferFunction& function) {
+  if (session.scene() == nullptr || function == session.scene()->transferFunction) return;
+  const TransferFunction before = session.scene()->transferFunction;
+  show(session, function);
+  if (!error_.empty()) return;
+  history_.note(before);
+  curves_ = curvesOf(function);
+  opacity_.reset();
+  color_.reset();
+}
+
+void TransferEditor::undo(Session& session) {
+  if (session.scene() == nullptr || grip_ != Grip::none) return;
+  if (const auto before = history_.undo(session.scene()->transferFunction)) show(session, *before);
+  curves_ = {};
+}
+
+void TransferEditor::redo(Session& session) {
+  if (session.scene() == nullptr || grip_ != Grip::none) return;
+  if (const auto after = history_.redo(session.scene()->transferFunction)) show(session, *after);
+  curves_ = {};
+}
+
+void TransferEditor::load(Session& session, const std::filesystem::path& path) {
+  try {
+    set(session, readTransferFile(path));
+  } catch (const InputError& error) {
+    error_ = error.what();
+  }
+}
+
+void TransferEditor::watch(const std::filesystem::path& path) {
+  watched_ = path;
+  std::error_code ignored;
+  writtenAt_ = path.empty() ? std::filesystem::file_time_type{} : std::filesystem::last_write_time(path, ignored);
+}
+
+void TransferEditor::followFile(Session& session, const Look& look) {
+  if (watched_.empty() || look.now - lookedAt_ < kFilePeriod || grip_ != Grip::none) return;
+  lookedAt_ = look.now;
+  std::error_code failed;
+  const auto writtenAt = std::filesystem::last_write_time(watched_, failed);
+  if (failed || writtenAt == writtenAt_) return;  // one that is gone may be about to be replaced
+  writtenAt_ = writtenAt;
+  load(session, watched_);
+}
+
+void TransferEditor::drawChart(Session& session, const Look& look) {
+  const ImVec2 from = ImGui::GetCursorScreenPos(), to{from.x + ImGui::GetContentRegionAvail().x, from.y + look.px(kChartPx)};
+  ImGui::InvisibleButton("opacities", {to.x - from.x, to.y - from.y}, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
+  const bool isHovered = ImGui::IsItemHovered();
+  const Chart chart = chartOf(session, from, to);
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const float reach = look.px(kReachPx);
+  std::optional<size_t> near;
+  for (size_t i = 0; i < curves_.opacities.size(); ++i) {
+    const OpacityCorner& corner = curves_.opacities[i];
+    const float dx = chart.x(corner.value) - mouse.x, dy = chart.y(corner.alpha) - mouse.y;
+    if (isHovered && dx * dx + dy * dy <= reach * reach) near = i;
+  }
+  const auto take = [&](Grip grip) {
+    grip_ = grip;
+    atGrip_ = session.scene()->transferFunction;
+    curvesAtGrip_ = curves_;
+    gripAt_ = mouse;
+  };
+  if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
+    take(Grip::opacity);
+    opacity_ = near ? *near : addOpacity(curves_, chart.value(mouse.x));
+    color_.reset();
+    if (!near) moveOpacity(curves_, *opacity_, chart.value(mouse.x), chart.alpha(mouse.y));
+    apply(session);
+  } else if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
+    take(near ? Grip::none : Grip::window);
+    if (near && removeOpacity(curves_, *near)) {
+      opacity_.reset();
+      history_.note(atGrip_);
+      apply(session);
+    }
+  }
+  const bool isMoved = mouse.x != gripAt_.x || mouse.y != gripAt_.y;
+  if (grip_ == Grip::opacity && opacity_ && isMoved) {
+    moveOpacity(curves_, *opacity_, chart.value(mouse.x), chart.alpha(mouse.y));
+    apply(session);
+  }
+  if (grip_ == Grip::window && isMoved) {
+    const double shift = (chart.highest - chart.lowest) * static_cast<double>((mouse.x - gripAt_.x) / (to.x - from.x));
+    curves_ = windowed(curvesAtGrip_, shift, std::exp(static_cast<double>((gripAt_.y - mouse.y) / (to.y - from.y))));
+    apply(session);
+  }
+  if ((grip_ == Grip::opacity && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) || (grip_ == Grip::window && !ImGui::IsMouseDown(ImGuiMouseButton_Right))) {
+    if (!(atGrip_ == session.scene()->transferFunction)) history_.note(atGrip_);
+    grip_ = Grip::none;
+  }
+
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(from, to, ImGui::GetColorU32(kFrameColor));
+  list->PushClipRect({from.x - look.px(5.0f), from.y - look.px(5.0f)}, {to.x + look.px(5.0f), to.y + look.px(5.0f)}, true);
+  const VoxelStatistics& statistics = session.scene()->volume->statistics();
+  const double most = std::log1p(static_cast<double>(*std::ranges::max_element(statistics.histogram)));
+  const double binWidth = (statistics.rangeUpper - statistics.rangeLower) / static_cast<double>(statistics.histogram.size());
+  for (size_t bin = 0; bin < statistics.histogram.size() && most > 0.0; ++bin) {
+    const double lower = statistics.rangeLower + binWidth * static_cast<double>(bin);
+    const float height = static_cast<float>(std::log1p(static_cast<double>(statistics.histogram[bin])) / most);
+    list->AddRectFilled({chart.x(lower), to.y - height * (to.y - from.y)}, {std::max(chart.x(lower + binWidth), chart.x(lower) + 1.0f), to.y},
+                        IM_COL32(70, 76, 86, 255));
+  }
+  std::vector<ImVec2> line{{from.x, chart.y(curves_.opacities.front().alpha)}};
+  // Straight in opacity is not straight here.
+  const TransferFunction& function = session.scene()->transferFunction;
+  for (size_t i = 0; i < curves_.opacities.size(); ++i) {
+    const OpacityCorner& corner = curves_.opacities[i];
+    if (i > 0)
+      for (int piece = 1; piece < 12; ++piece) {
+        const float share = static_cast<float>(piece) / 12.0f;
+        const OpacityCorner& before = curves_.opacities[i - 1];
+        line.push_back({std::lerp(chart.x(before.value), chart.x(corner.value), share), chart.y(std::lerp(before.alpha, corner.alpha, share))});
+      }
+    line.push_back({chart.x(corner.value), chart.y(corner.alpha)});
+  }
+  line.push_back({to.x, chart.y(curves_.opacities.back().alpha)});
+  list->AddPolyline(line.data(), static_cast<int>(line.size()), ImGui::GetColorU32(ImGuiCol_Text), 0, look.px(1.5f));
+  for (size_t i = 0; i < curves_.opacities.size(); ++i) {
+    const OpacityCorner& corner = curves_.opacities[i];
+    const ImVec2 at{chart.x(corner.value), chart.y(corner.alpha)};
+    list->AddCircleFilled(at, look.px(kCornerPx), screenColor(glm::vec3(function.at(corner.value))));
+    list->AddCircle(at, look.px(kCornerPx), ImGui::GetColorU32(opacity_ == i ? kAccent : ImGui::GetStyleColorVec4(ImGuiCol_Text)), 0, look.px(opacity_ == i || near == i ? 2.0f : 1.0f));
+  }
+  list->PopClipRect();
+  if (!isHovered && grip_ == Grip::none) return;
+  ImGui::PushFont(look.fonts.small);
+  const double value = chart.value(mouse.x);
+  const std::string reading = formatted("%.4g", value) + formatted(": opacity %.3g", static_cast<double>(function.at(value).a));
+  list->AddText({from.x + look.px(4.0f), from.y + look.px(2.0f)}, ImGui::GetColorU32(kDimText), reading.c_str());
+  ImGui::PopFont();
+}
+
+void TransferEditor::drawColorBar(Session& session, const Look& look) {
+  const ImVec2 from = ImGui::GetCursorScreenPos(), to{from.x + ImGui::GetContentRegionAvail().x, from.y + look.px(kBarPx + kMarkPx)};
+  ImGui::InvisibleButton("colors", {to.x - from.x, to.y - from.y}, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
+  const Chart chart = chartOf(session, from, to);
+  const bool isHovered = ImGui::IsItemHovered();
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  std::optional<size_t> near;
+  for (size_t i = 0; i < curves_.colors.size(); ++i)
+    if (isHovered && std::abs(chart.x(curves_.colors[i].value) - mouse.x) <= look.px(0.75f * kReachPx)) near = i;
+  if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
+    grip_ = Grip::color;
+    atGrip_ = session.scene()->transferFunction;
+    curvesAtGrip_ = curves_;
+    gripAt_ = mouse;
+    color_ = near ? *near : addColor(curves_, chart.value(mouse.x));
+    opacity_.reset();
+  } else if (isHovered && near && ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
+    const TransferFunction before = session.scene()->transferFunction;
+    if (removeColor(curves_, *near)) {
+      color_.reset();
+      apply(session);
+      if (!(before == session.scene()->transferFunction)) history_.note(before);
+    }
+  }
+  if (grip_ == Grip::color && color_ && mouse.x != gripAt_.x) {
+    moveColor(curves_, *color_, chart.value(mouse.x));
+    apply(session);
+  }
+  if (grip_ == Grip::color && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
+    if (!(atGrip_ == session.scene()->transferFunction)) history_.note(atGrip_);
+    grip_ = Grip::none;
+  }
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const float bottom = from.y + look.px(kBarPx);
+  const TransferFunction& function = session.scene()->transferFunction;
+  const float piece = std::max(1.0f, look.px(2.0f));
+  for (float x = from.x; x < to.x; x += piece)
+    list->AddRectFilled({x, from.y}, {std::min(x + piece, to.x), bottom}, screenColor(glm::vec3(function.at(chart.value(x + 0.5f * piece)))));
+  for (size_t i = 0; i < curves_.colors.size(); ++i) {
+    const float x = chart.x(curves_.colors[i].value), half = look.px(4.5f);
+    const ImVec2 top{x, bottom - look.px(2.0f)}, left{x - half, to.y}, right{x + half, to.y};
+    list->AddTriangleFilled(top, left, right, screenColor(curves_.colors[i].color));
+    list->AddTriangle(top, left, right, ImGui::GetColorU32(color_ == i ? kAccent : ImGui::GetStyleColorVec4(ImGuiCol_Text)), look.px(color_ == i || near == i ? 2.0f : 1.0f));
+  }
+}
+
+void TransferEditor::drawFields(Session& session, const Look& look) {
+  const auto step = [&](const auto& edit) {
+    const TransferFunction before = session.scene()->transferFunction;
+    edit();
+    apply(session);
+    if (!(before == session.scene()->transferFunction)) history_.note(before);
+  };
+  if (opacity_ && *opacity_ < curves_.opacities.size()) {
+    OpacityCorner corner = curves_.opacities[*opacity_];
+    label("Corner", look);
+    beginHalves();
+    ImGui::InputDouble("##value", &corner.value, 0.0, 0.0, "%.5g");
+    if (ImGui::IsItemDeactivatedAfterEdit() && std::isfinite(corner.value)) step([&] { moveOpacity(curves_, *opacity_, corner.value, corner.alpha); });
+    tooltip("Its value, in the volume's own units.", look);
+    nextHalf();
+    ImGui::InputFloat("##alpha", &corner.alpha, 0.0f, 0.0f, "%.4g");
+    if (ImGui::IsItemDeactivatedAfterEdit() && std::isfinite(corner.alpha)) step([&] { moveOpacity(curves_, *opacity_, corner.value, corner.alpha); });
+    tooltip("Its opacity over the length of a voxel's edge, 0 to 1.", look);
+  } else if (color_ && *color_ < curves_.colors.size()) {
+    ColorCorner corner = curves_.colors[*color_];
+    label("Corner", look);
+    beginHalves();
+    ImGui::InputDouble("##value", &corner.value, 0.0, 0.0, "%.5g");
+    if (ImGui::IsItemDeactivatedAfterEdit() && std::isfinite(corner.value)) step([&] { moveColor(curves_, *color_, corner.value); });
+    nextHalf();
+    std::array<float, 3> srgb{srgbFromLinear(corner.color.r), srgbFromLinear(corner.color.g), srgbFromLinear(corner.color.b)};
+    if (ImGui::ColorEdit3("##color", srgb.data(), ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_PickerHueWheel)) {
+      curves_.colors[*color_].color = {linearFromSrgb(srgb[0]), linearFromSrgb(srgb[1]), linearFromSrgb(srgb[2])};
+      if (grip_ == Grip::none) atGrip_ = session.scene()->transferFunction;
+      apply(session);
+    }
+    if (ImGui::IsItemActivated()) atGrip_ = session.scene()->transferFunction;
+    if (ImGui::IsItemDeactivatedAfterEdit() && !(atGrip_ == session.scene()->transferFunction)) history_.note(atGrip_);
+    tooltip("Its colour.", look);
+  } else {  // so that nothing moves when one is chosen
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextColored(kFaintText, "no corner is chosen");
+  }
+}
+
+void TransferEditor::drawFilePopup(Session& session, const Look& look) {
+  if (!ImGui::BeginPopup("transfer file")) return;
+  ImGui::SetNextItemWidth(look.px(320.0f));
+  ImGui::InputTextWithHint("##file", "path of a file", path_.data(), path_.size());
+  ImGui::Checkbox("for ParaView", &isForParaview_);
+  tooltip("Save as a colour map that ParaView imports. Files of either kind are loaded.", look);
+  const bool hasPath = path_[0] != '\0';
+  if (ImGui::Button("Load") && hasPath) {
+    load(session, path_.data());
+    fileNote_ = error_.empty() ? "loaded" : error_;
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("Save") && hasPath) {
+    try {
+      const TransferFunction& function = session.scene()->transferFunction;
+      writeFileWhole(path_.data(), isForParaview_ ? paraviewText(function, session.scene()->name) : transferText(function));
+      fileNote_ = "saved";
+    } catch (const InputError& error) {
+      fileNote_ = error.what();
+    }
+  }
+  if (!fileNote_.empty()) {
+    ImGui::PushTextWrapPos(look.px(330.0f));
+    ImGui::TextColored(kDimText, "%s", fileNote_.c_str());
+    ImGui::PopTextWrapPos();
+  }
+  ImGui::EndPopup();
+}
+
+void TransferEditor::drawButtons(Session& session, const Look& look) {
+  const VoxelStatistics& statistics = session.scene()->volume->statistics();
+  ImGui::SetNextItemWidth(look.px(84.0f));
+  const bool isOpen = ImGui::BeginCombo("##preset", "Preset");
+  if (!isOpen) tooltip("Transfer functions to begin with.", look);
+  if (isOpen) {
+    if (ImGui::Selectable("Automatic")) set(session, autoTransferFunction(statistics));
+    tooltip("From the histogram, as for a volume without a scene.", look);
+    for (const TransferPreset& preset : transferPresets()) {
+      if (ImGui::Selectable(std::string(preset.name).c_str())) set(session, presetFunction(preset.name, statistics));
+      tooltip(std::string(preset.summary) + ".", look);
+    }
+    ImGui::EndCombo();
+  }
+  const auto smallButton = [&](const char* text, bool isPossible, const char* help) {
+    ImGui::SameLine(0.0f, ImGui::GetStyle().ItemInnerSpacing.x);
+    if (!isPossible) ImGui::BeginDisabled();
+    const bool isPressed = ImGui::Button(text);
+    if (!isPossible) ImGui::EndDisabled();
+    tooltip(help, look);
+    return isPressed && isPossible;
+  };
+  if (smallButton("Undo", history_.canUndo(), "Take the last change back. Ctrl+Z.")) undo(session);
+  if (smallButton("Redo", history_.canRedo(), "Ctrl+Shift+Z.")) redo(session);
+  if (smallButton("File", true, "Load and save.")) {
+    fileNote_.clear();
+    ImGui::OpenPopup("transfer file");
+  }
+  drawFilePopup(session, look);
+}
+
+void TransferEditor::draw(Session& session, const Look& look) {
+  if (const std::string why = session.whyFunctionIsFixed(); !why.empty()) {
+    ImGui::PushTextWrapPos(0.0f);
+    ImGui::TextColored(kDimText, "%s", (why + ".").c_str());
+    ImGui::PopTextWrapPos();
+    return;
+  }
+  followScene(session);
+  followFile(session, look);
+  followScene(session);
+  ImGui::PushID("transfer");
+  drawChart(session, look);
+  drawColorBar(session, look);
+  drawFields(session, look);
+  drawButtons(session, look);
+  ImGui::PopID();
+  if (error_.empty()) return;
+  ImGui::PushTextWrapPos(0.0f);
+  ImGui::TextColored(kErrorText, "%s", error_.c_str());
+  ImGui::PopTextWrapPos();
+}
+
+}  // namespace warpscope::ui

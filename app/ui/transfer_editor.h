@@ -1,0 +1,65 @@
+// The transfer function: its histogram, its two curves, presets, files; every change is shown at once and can be taken back.
+// Edits are those of app/scene/transfer_curves.h.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "app/scene/transfer_curves.h"
+#include "app/ui/parts.h"
+
+namespace warpscope::ui {
+
+class TransferEditor {
+ public:
+  /// In the current window, over its width.
+  void draw(Session& session, const Look& look);
+
+  void undo(Session& session);
+  void redo(Session& session);
+  /// Shows that function from now on, as one step that can be taken back; what is wrong with it is said in the editor.
+  void set(Session& session, const TransferFunction& function);
+  /// As set(), of a file.
+  void load(Session& session, const std::filesystem::path& path);
+  /// Follows a file: whenever it is written, it is loaded. Empty: none.
+  void watch(const std::filesystem::path& path);
+
+ private:
+  /// What the pointer holds.
+  enum class Grip { none, opacity, color, window };
+  struct Chart;
+
+  void followScene(const Session& session);
+  void followFile(Session& session, const Look& look);
+  /// Without a step of its own: as long as something is dragged.
+  void show(Session& session, const TransferFunction& function);
+  void apply(Session& session);
+  void drawChart(Session& session, const Look& look);
+  void drawColorBar(Session& session, const Look& look);
+  void drawFields(Session& session, const Look& look);
+  void drawButtons(Session& session, const Look& look);
+  void drawFilePopup(Session& session, const Look& look);
+  Chart chartOf(const Session& session, const ImVec2& from, const ImVec2& to) const;
+
+  TransferCurves curves_;
+  TransferFunction shown_;       // that the curves are of
+  TransferFunction atGrip_;      // when what is held was taken
+  TransferCurves curvesAtGrip_;
+  ImVec2 gripAt_{0.0f, 0.0f};
+  Grip grip_ = Grip::none;
+  std::optional<size_t> opacity_, color_;  // corners that are chosen; at most one of both
+  TransferHistory history_;
+  std::string sceneName_;
+  const Volume* volume_ = nullptr;  // that the history is about
+  std::string error_;
+  std::array<char, 1024> path_{};
+  std::string fileNote_;
+  bool isForParaview_ = false;
+  std::filesystem::path watched_;
+  std::filesystem::file_time_type writtenAt_{};
+  Session::TimePoint lookedAt_{};
+};
+
+}  // namespace warpscope::ui
