@@ -11,6 +11,7 @@ class Controls {
  public:
   void draw(Session& session, const SceneOpener& openScene, const Look& look);
   TransferEditor& transferEditor() { return transferEditor_; }
+  const TransferEditor& transferEditor() const { return transferEditor_; }
 
  private:
   void drawScene(Session& session, const SceneOpener& openScene, const Look& look);

@@ -31,6 +31,9 @@ class MainView {
   /// Within a frame of Dear ImGui, over all of its display.
   void draw(Session& session, double displayFramesPerSecond, const HeldKeys& held, const Look& look);
 
+  bool showsKeys() const { return showsKeys_; }
+  const TransferEditor& transferEditor() const { return controls_.transferEditor(); }
+
   /// What was asked for since the last call that is the window's business: quit, fullScreen, and goBack where there was nothing to go back from.
   std::vector<Action> takeWindowActions() { return std::exchange(windowActions_, {}); }
   /// Whether something moves although nothing happens.

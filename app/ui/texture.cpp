@@ -2,9 +2,6 @@
 // See texture.h.
 #include "app/ui/texture.h"
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
-
 #include <string>
 
 #include "app/shell/log.h"
@@ -14,15 +11,13 @@
 namespace warpscope::ui {
 namespace {
 
-template <class Function>
-void load(Function& function, const char* name) {
-  function = reinterpret_cast<Function>(glfwGetProcAddress(name));
-  if (function == nullptr) throw InputError("the screen's OpenGL driver lacks " + std::string(name));
-}
-
 }  // namespace
 
-WindowGl::WindowGl() {
+WindowGl::WindowGl(Loader loader) {
+  const auto load = [loader](auto& function, const char* name) {
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(loader(name));
+    if (function == nullptr) throw InputError("the screen's OpenGL driver lacks " + std::string(name));
+  };
   load(genTextures, "glGenTextures");
   load(deleteTextures, "glDeleteTextures");
   load(bindTexture, "glBindTexture");
@@ -33,7 +28,7 @@ WindowGl::WindowGl() {
   load(viewport, "glViewport");
   load(clearColor, "glClearColor");
   load(clear, "glClear");
-  const GLubyte* (APIENTRY* getString)(GLenum) = nullptr;
+  const GLubyte* (*getString)(GLenum) = nullptr;
   load(getString, "glGetString");
   if (const auto* renderer = reinterpret_cast<const char*>(getString(GL_RENDERER))) logDetail("the window's OpenGL: " + std::string(renderer));
 }

@@ -15,8 +15,11 @@ namespace warpscope::ui {
 
 /// OpenGL entry points of the window's context.
 struct WindowGl {
-  /// Loads through glfwGetProcAddress; the window's context must be current. Throws InputError naming what is missing.
-  WindowGl();
+  using Function = void (*)();
+  /// The entry point of that name in the window's context, which must be current; null if there is none.
+  using Loader = Function (*)(const char* name);
+  /// Throws InputError naming what is missing.
+  explicit WindowGl(Loader loader);
 
   PFNGLGENTEXTURESPROC genTextures = nullptr;
   PFNGLDELETETEXTURESPROC deleteTextures = nullptr;

@@ -26,6 +26,9 @@ class TransferEditor {
   /// Follows a file: whenever it is written, it is loaded. Empty: none.
   void watch(const std::filesystem::path& path);
 
+  /// Why the last function could not be loaded or shown; empty if it could.
+  const std::string& error() const { return error_; }
+
  private:
   /// What the pointer holds.
   enum class Grip { none, opacity, color, window };

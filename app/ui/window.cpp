@@ -129,7 +129,7 @@ Window::Window(const std::string& title, double uiScale, const std::optional<glm
   if (glfwInit() != GLFW_TRUE) throw NoDisplay("no window can be opened here: " + lastGlfwError());
   try {
     open(title);
-    gl_ = std::make_unique<WindowGl>();
+    gl_ = std::make_unique<WindowGl>([](const char* name) { return reinterpret_cast<WindowGl::Function>(glfwGetProcAddress(name)); });
     listen();
     startImGui();
   } catch (...) {

@@ -1,0 +1,58 @@
+// All that the window shows, drawn by Dear ImGui without a window and handled by scripts: pointer, wheel, keys, typed text. What is drawn goes nowhere.
+// One display frame for each step of a script, as many as it waits for.
+#pragma once
+
+#include <imgui.h>
+
+#include <string>
+
+#include "app/ui/main_view.h"
+#include "app/ui/theme.h"
+#include "tests/session_fixture.h"
+
+namespace warpscope::ui {
+
+/// OpenGL that does nothing.
+WindowGl noGl();
+
+class ScriptedWindow {
+ public:
+  ScriptedWindow(const glm::uvec2& size, Session& session, const SceneOpener& openScene);
+  ~ScriptedWindow();
+  ScriptedWindow(const ScriptedWindow&) = delete;
+  ScriptedWindow& operator=(const ScriptedWindow&) = delete;
+
+  /// One frame of the display.
+  void frame();
+  void frames(int count);
+  void resize(const glm::uvec2& size) { ImGui::GetIO().DisplaySize = {static_cast<float>(size.x), static_cast<float>(size.y)}; }
+
+  void moveTo(const glm::vec2& at);
+  void hold(int button, bool isDown);
+  void click(const glm::vec2& at, int button = 0);
+  void doubleClick(const glm::vec2& at);
+  void drag(const glm::vec2& from, const glm::vec2& to, int button = 0);
+  void wheel(float notches);
+  void key(const KeyChord& chord);
+  void type(const std::string& text);
+  /// Keys that stay down.
+  HeldKeys held;
+
+  MainView& view() { return view_; }
+  /// What the window was asked to do that a script has not taken yet.
+  std::vector<Action> takeActions() { return view_.takeWindowActions(); }
+  std::string clipboard() const { return clipboard_; }
+
+ private:
+  Session& session_;
+  ImGuiContext* const context_;
+  const WindowGl gl_;
+  Fonts fonts_;
+  Hover hover_;
+  SteadyClock clock_;
+  MainView view_;
+  bool isDoubleClick_ = false;
+  std::string clipboard_;
+};
+
+}  // namespace warpscope::ui

@@ -1,0 +1,308 @@
+// The window in the hands of a script: every key, every entry of its menus, what the pointer does in panels, and a monkey.
+// Mirrors app/ui/main_view.h, panel_grid.h, warp_panel.h, transfer_editor.h.
+#include <random>
+
+#include "tests/scripted_window.h"
+#include "tests/test_folder.h"
+
+namespace warpscope::ui {
+namespace {
+
+constexpr glm::uvec2 kSize(1280, 800);
+constexpr glm::vec2 kLeftPicture(250.0f, 250.0f), kRightPicture(750.0f, 250.0f), kLeftTitle(120.0f, 47.0f), kRightTitle(600.0f, 47.0f);
+constexpr glm::vec2 kChart(1130.0f, 180.0f);
+
+class WindowScriptTest : public SessionTest {
+ protected:
+  WindowScriptTest() : window_(kSize, session_, opener_) {}
+
+  template <class Predicate>
+  bool waitUntil(const Predicate& predicate) {
+    const auto deadline = clock_.now() + kPatience;
+    while (clock_.now() < deadline) {
+      window_.frame();
+      if (predicate()) return true;
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    return false;
+  }
+  bool openAndRest(const std::string& name) {
+    session_.load(builtin(name));
+    return rest();
+  }
+  /// Until all that is on show is of now and judged.
+  bool rest() {
+    return waitUntil([&] {
+      if (session_.scene() == nullptr || !session_.loading().empty()) return false;
+      for (size_t i = 0; i < session_.panelCount(); ++i) {
+        const Panel& panel = session_.panel(i);
+        if (!panel.isHidden && (panel.currentPixels() == nullptr || !panel.errorsAreCurrent || panel.drawn != panel.technique)) return false;
+      }
+      return true;
+    });
+  }
+  void press(Action action) { window_.key(chordsOf(describe(action)).front()); }
+
+  SceneOpener opener_ = [this](const std::string& name) { return builtin(name); };
+  ScriptedWindow window_;
+};
+
+TEST_F(WindowScriptTest, KeysDoWhatTheyAreSaidToDo) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  press(Action::freeze);
+  EXPECT_TRUE(session_.knobs().isFrozen);
+  press(Action::freeze);
+  EXPECT_FALSE(session_.knobs().isFrozen);
+  press(Action::showContent);
+  EXPECT_EQ(session_.panel(0).content, PictureContent::flip);
+  EXPECT_EQ(session_.panel(1).content, PictureContent::picture) << "the pointer is not there";
+  press(Action::showContent);
+  EXPECT_EQ(session_.panel(0).content, PictureContent::picture);
+  window_.key({.name = "4"});
+  EXPECT_EQ(session_.panel(0).technique, &warpRegistry()[3]);
+  press(Action::chooseAutomatic);
+  EXPECT_TRUE(session_.panel(0).isAutomatic);
+  press(Action::ownCamera);
+  EXPECT_TRUE(session_.hasOwnCamera(0));
+  press(Action::ownCamera);
+  EXPECT_FALSE(session_.hasOwnCamera(0));
+  press(Action::showPlan);
+  EXPECT_TRUE(session_.showsPlan());
+  press(Action::showPlan);
+  press(Action::addPanel);
+  EXPECT_EQ(session_.panelCount(), 3u);
+  window_.moveTo(kLeftPicture);
+  press(Action::closePanel);
+  EXPECT_EQ(session_.panelCount(), 2u);
+  press(Action::quit);
+  press(Action::fullScreen);
+  EXPECT_EQ(window_.takeActions(), (std::vector{Action::quit, Action::fullScreen}));
+  press(Action::help);
+  EXPECT_TRUE(window_.view().showsKeys());
+  press(Action::goBack);
+  EXPECT_FALSE(window_.view().showsKeys());
+  EXPECT_TRUE(window_.takeActions().empty()) << "there was something to go back from";
+  press(Action::goBack);
+  EXPECT_EQ(window_.takeActions(), std::vector{Action::goBack});
+}
+
+TEST_F(WindowScriptTest, KeysOfNothingAndOfTextDoNothing) {
+  window_.moveTo(kLeftPicture);
+  for (const ActionDescriptor& action : windowActions())
+    for (const KeyChord& chord : chordsOf(action)) window_.key(chord);  // there is no scene yet
+  for (const std::string name : {"", "Ä", "F9", "J", "Shift"}) window_.key({.name = name});
+  ASSERT_TRUE(openAndRest("block"));
+  while (session_.panelCount() > 2) session_.removePanel(2);
+  press(Action::goBack);
+  press(Action::goBack);
+  press(Action::hideSideBar);
+  window_.moveTo({1140.0f, 500.0f});
+  window_.wheel(100.0f);            // up again: the stages of a frame scroll into sight
+  window_.click({1100.0f, 93.0f});  // the field for files
+  ASSERT_TRUE(ImGui::GetIO().WantTextInput);
+  const bool wasFrozen = session_.knobs().isFrozen;
+  press(Action::freeze);
+  EXPECT_EQ(session_.knobs().isFrozen, wasFrozen) << "it is typed";
+}
+
+TEST_F(WindowScriptTest, PanelsAreArrangedByTheirTitles) {
+  ASSERT_TRUE(openAndRest("block"));
+  const uint64_t left = session_.panel(0).id;
+  window_.drag(kLeftTitle, kRightPicture);
+  EXPECT_EQ(session_.panel(1).id, left);
+  window_.doubleClick(kRightTitle);
+  window_.frame();
+  EXPECT_TRUE(session_.panel(0).isHidden);
+  EXPECT_FALSE(session_.panel(1).isHidden);
+  const glm::uvec2 alone = session_.pictureSize();
+  press(Action::goBack);
+  window_.frame();
+  EXPECT_FALSE(session_.panel(0).isHidden);
+  EXPECT_LT(session_.pictureSize().x, alone.x);
+  EXPECT_EQ(session_.panelCount(), 2u);
+  window_.click({481.0f, 47.0f});  // the cross of the left one
+  EXPECT_EQ(session_.panelCount(), 1u);
+  EXPECT_EQ(session_.panel(0).id, left);
+}
+
+TEST_F(WindowScriptTest, ThePointerTurnsMovesAndZooms) {
+  ASSERT_TRUE(openAndRest("block"));
+  const View home = session_.view();
+  window_.drag(kLeftPicture, kLeftPicture + glm::vec2(60.0f, 20.0f));
+  const View orbited = session_.view();
+  EXPECT_NE(orbited.angleDeg, home.angleDeg);
+  window_.drag(kRightPicture, kRightPicture + glm::vec2(40.0f, 0.0f), 1);
+  EXPECT_NE(session_.view().pan, orbited.pan);
+  window_.wheel(1.0f);
+  EXPECT_LT(session_.view().distance, home.distance);
+  window_.doubleClick(kRightPicture);
+  EXPECT_EQ(session_.view(), home);
+  // One with a camera of its own turns alone.
+  session_.setOwnCamera(1, true);
+  window_.drag(kRightPicture, kRightPicture + glm::vec2(60.0f, 20.0f));
+  EXPECT_EQ(session_.view(0), home);
+  EXPECT_NE(session_.view(1), home);
+}
+
+TEST_F(WindowScriptTest, AWipesBarIsDraggedWithoutTurningTheCamera) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  press(Action::wipe);
+  const View home = session_.view();
+  window_.drag({253.0f, 200.0f}, {330.0f, 200.0f});
+  EXPECT_EQ(session_.view(), home);
+  window_.drag({253.0f, 200.0f}, {300.0f, 200.0f});
+  EXPECT_NE(session_.view(), home) << "the bar is elsewhere now";
+  press(Action::goBack);
+}
+
+TEST_F(WindowScriptTest, PixelsAreInspectedAndCopied) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  press(Action::copyPixel);
+  EXPECT_THAT(window_.clipboard(), testing::HasSubstr("colour\t"));
+  window_.click(kLeftPicture);
+  EXPECT_FALSE(session_.lookedAt()) << "without the loupe a click turns nothing and looks at nothing";
+  press(Action::inspect);
+  window_.click(kLeftPicture);
+  ASSERT_TRUE(session_.lookedAt());
+  EXPECT_EQ(session_.lookedAt()->panel, session_.panel(0).id);
+  ASSERT_TRUE(waitUntil([&] { return session_.ray().isCurrent(); }));
+  window_.frames(3);
+  press(Action::goBack);
+  window_.click(kRightPicture);
+  EXPECT_EQ(session_.lookedAt()->panel, session_.panel(0).id) << "the loupe is gone";
+}
+
+TEST_F(WindowScriptTest, HeldKeysShowTheGroundTruthAndBlink) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  window_.held.reference = true;
+  window_.frames(3);
+  window_.held = {.reference = false, .blink = true};
+  window_.frames(3);
+  EXPECT_TRUE(window_.view().isAnimating());
+  window_.held = {};
+  window_.frame();
+  EXPECT_FALSE(window_.view().isAnimating());
+  EXPECT_TRUE(rest());
+}
+
+TEST_F(WindowScriptTest, TheTransferFunctionIsEditedAndTakenBack) {
+  ASSERT_TRUE(openAndRest("block"));
+  const TransferFunction before = session_.scene()->transferFunction;
+  window_.click(kChart);  // adds a corner where there is none
+  const TransferFunction added = session_.scene()->transferFunction;
+  EXPECT_NE(added, before);
+  window_.drag(kChart, kChart + glm::vec2(10.0f, -30.0f));
+  const TransferFunction dragged = session_.scene()->transferFunction;
+  EXPECT_NE(dragged, added);
+  window_.drag({1050.0f, 150.0f}, {1080.0f, 150.0f}, 1);
+  const TransferFunction windowed = session_.scene()->transferFunction;
+  EXPECT_NE(windowed, dragged);
+  press(Action::undo);
+  EXPECT_EQ(session_.scene()->transferFunction, dragged) << "a drag is one step";
+  press(Action::undo);
+  EXPECT_EQ(session_.scene()->transferFunction, added);
+  press(Action::undo);
+  EXPECT_EQ(session_.scene()->transferFunction, before);
+  press(Action::undo);
+  EXPECT_EQ(session_.scene()->transferFunction, before) << "there was nothing before";
+  press(Action::redo);
+  EXPECT_EQ(session_.scene()->transferFunction, added);
+  window_.click({1140.0f, 240.0f});  // the colours
+  window_.click(kChart, 1);          // removes the corner
+  EXPECT_NE(session_.scene()->transferFunction, added);
+  EXPECT_TRUE(rest());
+}
+
+TEST_F(WindowScriptTest, AWatchedFileIsLoadedWhenItIsWritten) {
+  const TestFolder folder;
+  const std::string file = folder.write("function.json", R"({"points": [{"value": 0, "color": [1, 1, 1], "alpha": 0.1}]})");
+  window_.view().watchTransferFile(file);
+  ASSERT_TRUE(openAndRest("block"));
+  const TransferFunction before = session_.scene()->transferFunction;
+  std::filesystem::last_write_time(file, std::filesystem::last_write_time(file) + std::chrono::seconds(2));
+  ASSERT_TRUE(waitUntil([&] { return session_.scene()->transferFunction != before; }));
+  EXPECT_FLOAT_EQ(session_.scene()->transferFunction.points.front().alpha, 0.1f);
+  folder.write("function.json", "nonsense");
+  std::filesystem::last_write_time(file, std::filesystem::last_write_time(file) + std::chrono::seconds(4));
+  ASSERT_TRUE(waitUntil([&] { return window_.view().transferEditor().error().find("function.json:1: ") != std::string::npos; })) << "what is wrong is said";
+  EXPECT_FLOAT_EQ(session_.scene()->transferFunction.points.front().alpha, 0.1f);
+}
+
+TEST_F(WindowScriptTest, EveryEntryOfEveryMenuCanBeChosen) {
+  ASSERT_TRUE(openAndRest("block"));
+  std::vector<Action> asked;
+  for (const float x : {22.0f, 63.0f, 108.0f, 157.0f, 206.0f})
+    for (float y = 34.0f; y < 260.0f; y += 10.0f) {
+      window_.click({x, 12.0f});
+      window_.click({x + 20.0f, y});
+      for (const Action action : window_.takeActions()) asked.push_back(action);
+      window_.click({900.0f, 790.0f});  // closes what is still open
+      window_.frame();
+    }
+  EXPECT_THAT(asked, testing::Contains(Action::quit));
+  EXPECT_THAT(asked, testing::Contains(Action::fullScreen));
+  EXPECT_GE(session_.panelCount(), 1u);
+  window_.moveTo(kLeftPicture);
+  for (int i = 0; i < 4; ++i) press(Action::goBack);
+  session_.setKnobs([&] {
+    LiveSettings knobs = session_.knobs();
+    knobs.isFrozen = false;
+    return knobs;
+  }());
+  EXPECT_TRUE(rest());
+}
+
+/// Events of all kinds, in no order; where one of 20,000 breaks something, the seed and its number lead there.
+TEST_F(WindowScriptTest, AMonkeyBreaksNothing) {
+  const TestFolder folder;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());  // what it saves is saved here
+  ASSERT_TRUE(openAndRest("block"));
+  std::mt19937 random(20261125);
+  const auto below = [&](int count) { return std::uniform_int_distribution<int>(0, count - 1)(random); };
+  std::vector<KeyChord> keys;
+  for (const ActionDescriptor& action : windowActions())
+    for (const KeyChord& chord : chordsOf(action)) keys.push_back(chord);
+  for (char digit = '0'; digit <= '9'; ++digit) keys.push_back({.name = std::string(1, digit)});
+  std::array<bool, 3> isDown{};
+  glm::uvec2 size = kSize;
+  for (int i = 0; i < 20000; ++i) {
+    const glm::vec2 somewhere(static_cast<float>(below(static_cast<int>(size.x))), static_cast<float>(below(static_cast<int>(size.y))));
+    switch (below(12)) {
+      case 0:
+      case 1: window_.moveTo(somewhere); break;
+      case 2: window_.moveTo(glm::vec2(ImGui::GetIO().MousePos.x, ImGui::GetIO().MousePos.y) + glm::vec2(below(21) - 10, below(21) - 10)); break;
+      case 3:
+      case 4:
+      case 5: {
+        const size_t button = below(4) == 0 ? 1 : 0;
+        isDown[button] = !isDown[button];
+        window_.hold(static_cast<int>(button), isDown[button]);
+        break;
+      }
+      case 6: window_.wheel(static_cast<float>(below(5) - 2)); break;
+      case 7: window_.key(keys[static_cast<size_t>(below(static_cast<int>(keys.size())))]); break;
+      case 8: window_.type(std::string(1, static_cast<char>(' ' + below(95)))); break;
+      case 9: window_.held = {.reference = below(3) == 0, .blink = below(3) == 0}; break;
+      case 10: window_.doubleClick(somewhere); break;
+      case 11:
+        if (below(40) != 0) break;
+        size = {640 + below(1300), 420 + below(700)};
+        window_.resize(size);
+        break;
+    }
+    window_.takeActions();
+    ASSERT_GE(session_.panelCount(), 1u) << i;
+    ASSERT_LE(session_.panelCount(), kMaxPanels) << i;
+    ASSERT_TRUE(session_.scene() == nullptr || !session_.scene()->transferFunction.points.empty()) << i;
+  }
+  for (int button = 0; button < 3; ++button) window_.hold(button, false);
+  std::filesystem::current_path(before);
+}
+
+}  // namespace
+}  // namespace warpscope::ui
