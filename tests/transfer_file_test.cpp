@@ -108,6 +108,8 @@ TEST_F(TransferFileTest, KindsOfFilesAreToldApart) {
   EXPECT_FALSE(is(R"({"volume": "x", "points": []})"));
   EXPECT_FALSE(is(R"({"rows": []})"));
   EXPECT_FALSE(is("7"));
+  EXPECT_FALSE(is("[]"));
+  EXPECT_FALSE(is("[1, 2]"));
 }
 
 }  // namespace

@@ -297,7 +297,7 @@ void addShotCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("-o,--out", options->out, "PNG or JPEG file to write, as its ending says: .png or .jpg; needed, but for --ray");
   command->callback([options, &chosen] {
     chosen = [options] {
-      if (options->out.empty() && options->ray.empty()) throw UsageError("--out is required: the picture's file");
+      if (options->out.empty() && options->ray.empty()) throw UsageError("--out is required: the picture's file; see warpscope shot --help");
       completeConnect(options->transport, namesScene(options->common));
       shootInTime(*options);
     };

@@ -3,6 +3,9 @@
 #include "app/commands/tables.h"
 
 #include "app/experiment/configuration.h"
+#include "app/picture/content.h"
+#include "app/session/actions.h"
+#include "app/session/demos.h"
 #include "app/frames/transport_knobs.h"
 #include "app/scene/scene.h"
 #include "app/session/picture_plan.h"
@@ -133,14 +136,37 @@ std::string commandTable(const CLI::App& program) {
   return lines({"command", "what it does"}, rows);
 }
 
+std::string keyTable(const CLI::App&) {
+  std::vector<Row> rows;
+  for (const ActionDescriptor& action : windowActions()) rows.push_back({std::string(action.keys), std::string(action.help)});
+  return lines({"key", "what it does"}, rows);
+}
+
+std::string contentTable(const CLI::App&) {
+  std::vector<Row> rows;
+  for (const ContentDescriptor& content : pictureContents())
+    rows.push_back({code(content.name), std::string(content.label), std::string(content.help), content.unit == "1" ? "a share" : std::string(content.unit)});
+  return lines({"`--show`", "in the window", "what is seen", "its ramp is in"}, rows);
+}
+
+std::string demoTable(const CLI::App&) {
+  std::vector<Row> rows;
+  for (const Demo& demo : demos()) {
+    std::string techniques;
+    for (const std::string_view name : demo.techniques) techniques += (techniques.empty() ? "" : ", ") + code(name);
+    rows.push_back({std::string(demo.name), std::string(demo.summary), code(demo.link), std::string(describe(demo.motion).label), techniques});
+  }
+  return lines({"demo", "what one sees", "link", "camera", "panels"}, rows);
+}
+
 struct Table {
   std::string_view name;
   std::string (*text)(const CLI::App& program);
 };
 
-constexpr Table kTables[] = {{"commands", commandTable},     {"heuristics", heuristicTable}, {"knobs", knobTable},
-                             {"link-keys", linkKeyTable},    {"links", linkTable},           {"radii", radiusTable},
-                             {"techniques", techniqueTable}};
+constexpr Table kTables[] = {{"commands", commandTable}, {"contents", contentTable}, {"demos", demoTable},      {"heuristics", heuristicTable},
+                             {"keys", keyTable},         {"knobs", knobTable},       {"link-keys", linkKeyTable}, {"links", linkTable},
+                             {"radii", radiusTable},     {"techniques", techniqueTable}};
 
 }  // namespace
 

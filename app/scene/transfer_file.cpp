@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -237,7 +238,10 @@ TransferFunction readTransferFile(const std::filesystem::path& path) {
 
 bool isTransferFile(const JsonDocument& document) {
   const Node root = document.root();
-  if (root.isArray()) return true;
+  if (root.isArray()) {
+    const std::vector<Node> elements = root.elements(0, std::numeric_limits<size_t>::max());
+    return !elements.empty() && elements.front().isObject() && elements.front().find("RGBPoints").has_value();
+  }
   return root.isObject() && (root.find("RGBPoints") || (root.find("points") && !root.find("volume") && !root.find("rows")));
 }
 

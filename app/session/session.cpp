@@ -161,6 +161,18 @@ std::vector<TechniqueInUse> Session::techniquesInUse() const {
   return techniques;
 }
 
+TransportSettings Session::transportAt(TimePoint now) const {
+  TransportSettings transport = knobs_.transport;
+  if (!hasOutage(now)) return transport;
+  // One outage that begins as the link changes (link_model.h); it is over when the link is the user's again.
+  for (net::LinkSettings* const way : {&transport.link.up, &transport.link.down}) {
+    way->outageMs = static_cast<double>(outageLength_.count());
+    way->outageIntervalMs = way->outageMs + 1.0;
+    way->outagesAreRandom = false;
+  }
+  return transport;
+}
+
 ReferenceJob Session::truthFrom(const LiveView& view) const {
   return {opening_.current()->display, view.cameraOfSize(pictureSize()), knobs_.march.render, scene()->background};
 }
@@ -180,10 +192,11 @@ bool Session::update(TimePoint now) {
   bury();
   bool happened = takeScene();
   if (!scene() || pictureSize().x == 0) return happened;
+  view_.set(motion_.update(view_.get(), now));
   if (!view_.place(*scene())) return true;
   liveFront_.setPictureSize(pictureSize());
   happened |= frames_.take();
-  frames_.setTransport(knobs_.transport);
+  frames_.setTransport(transportAt(now));
   happened |= frames_.ask({view_.cameraOfSize(serverSize()), neededBy(techniquesInUse(), knobs_.march), knobs_.transport.codec, knobs_.serverSidePx, functionVersion_}, knobs_.isFrozen, now);
   happened |= truth_.take();
   happened |= truth_.follow(truthFrom(view_), now);

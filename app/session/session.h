@@ -14,6 +14,7 @@
 #include "app/experiment/live_front.h"
 #include "app/session/frame_requests.h"
 #include "app/session/live_ground_truth.h"
+#include "app/session/live_motion.h"
 #include "app/session/live_panel.h"
 #include "app/session/live_plan.h"
 #include "app/session/live_ray.h"
@@ -77,6 +78,14 @@ class Session {
   void setView(size_t panel, const View& view);
   /// Lets the panel have a camera of its own, which begins where it is, or takes it away.
   void setOwnCamera(size_t panel, bool hasOwn);
+  /// Lets the linked camera move by itself from where it is, until it is moved otherwise. `speed`: times the usual one.
+  void setMotion(CameraMotion motion, double speed = 1.0) { motion_.start(motion, speed); }
+  const LiveMotion& motion() const { return motion_; }
+  /// Records the linked camera's path anew, or ends that.
+  void setRecording(bool isRecording) { motion_.setRecording(isRecording); }
+  /// The link lets nothing pass for so long, on top of what is simulated.
+  void beginOutage(std::chrono::milliseconds length, TimePoint now) { outageEnd_ = now + (outageLength_ = length); }
+  bool hasOutage(TimePoint now) const { return now < outageEnd_; }
   void setKnobs(const LiveSettings& knobs);
   /// Those that the panel has for itself (Knob::isOfPanel); others have no effect.
   void setPanelKnobs(size_t panel, const KnobValues& knobs) { panels_[panel].setKnobs(knobs); }
@@ -155,6 +164,8 @@ class Session {
  private:
   const LiveView& viewOf(const LivePanel& panel) const { return panel.ownCamera() != nullptr ? panel.ownCamera()->view : view_; }
   const LiveGroundTruth& truthOf(const LivePanel& panel) const { return panel.ownCamera() != nullptr ? panel.ownCamera()->truth : truth_; }
+  /// The user's, with an outage while there is one.
+  TransportSettings transportAt(TimePoint now) const;
   ReferenceJob truthFrom(const LiveView& view) const;
   LivePanel makePanel(const PanelSettings& settings);
   /// Lets panels go that were removed, once their threads have ended.
@@ -198,6 +209,9 @@ class Session {
   std::optional<LookedAt> lookedAt_;
   std::vector<LivePanel> panels_;
   std::vector<LivePanel> removed_;  // whose threads have not ended yet
+  LiveMotion motion_;
+  TimePoint outageEnd_{};
+  std::chrono::milliseconds outageLength_{0};
   uint64_t lastPanelId_ = 0;
   uint64_t sceneCount_ = 0;
   uint64_t functionVersion_ = 0;  ///< of all scenes' transfer functions, the newest

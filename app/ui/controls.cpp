@@ -91,14 +91,51 @@ void drawDisplay(const Session& session, LiveSettings& knobs, MarkColors& markCo
   markWidget("Guesses", knobs.marks.filled, markColors.filled, "pixels that show a guess, because no frame says anything about them", look);
 }
 
+constexpr double kJumpDeg = 120.0;
+
+/// What moves the camera by itself, how fast, and the path that is recorded of it.
+void drawMotion(Session& session, const Look& look) {
+  const LiveMotion& motion = session.motion();
+  label("Motion", look);
+  beginHalves();
+  const CameraMotionDescriptor& shown = describe(motion.motion());
+  const bool isOpen = ImGui::BeginCombo("##motion", std::string(shown.label).c_str());
+  if (!isOpen) tooltip(std::string(shown.help) + ". Whoever moves the camera otherwise ends its motion.", look);
+  if (isOpen) {
+    for (const CameraMotionDescriptor& choice : cameraMotions()) {
+      if (choice.value == CameraMotion::recorded && !motion.hasPath()) continue;
+      if (ImGui::Selectable(std::string(choice.label).c_str(), choice.value == motion.motion())) session.setMotion(choice.value, motion.speed());
+      tooltip(std::string(choice.help) + ".", look);
+    }
+    ImGui::EndCombo();
+  }
+  nextHalf();
+  auto speed = static_cast<float>(motion.speed());
+  bareSlider("speed", speed, {0.1f, 5.0f, "%.1f ×", true}, "How fast, times the usual speed.", look);
+  if (speed != static_cast<float>(motion.speed())) session.setMotion(motion.motion(), speed);
+  bool isRecording = motion.isRecording();
+  if (ImGui::Checkbox("Record the path", &isRecording)) session.setRecording(isRecording);
+  tooltip("The camera's path from now on, until this is switched off: then it can be chosen as a motion.", look);
+}
+
 void drawCamera(Session& session, const Look& look) {
   if (!section("CAMERA", look)) return;
   const View& view = session.view();
   const auto rounded = [](double degrees) { return std::round(degrees) + 0.0; };  // no "-0"
   ImGui::TextColored(kDimText, "%.0f° around, %.0f° up, %.2f × as far", rounded(view.angleDeg), rounded(view.elevationDeg),
                      view.distance);
-  if (ImGui::Button("Reset view", {-1.0f, 0.0f})) session.resetView();
+  beginHalves();
+  const float half = ImGui::CalcItemWidth();
+  if (ImGui::Button("Reset view", {half, 0.0f})) session.resetView();
   tooltip("Back to the scene's first view. Key R, or a double click.", look);
+  nextHalf();
+  if (ImGui::Button("Jump", {-1.0f, 0.0f})) {
+    View jumped = view;
+    jumped.angleDeg = std::remainder(view.angleDeg + kJumpDeg, 360.0);
+    session.setView(jumped);
+  }
+  tooltip("The camera is all at once somewhere else, a third of a turn away: what no frame has seen.", look);
+  drawMotion(session, look);
   ImGui::PushFont(look.fonts.small);
   ImGui::PushTextWrapPos(0.0f);
   ImGui::TextColored(kFaintText, "Drag to orbit, with the right button to pan; wheel to zoom.");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/session/demos.h"
 #include "app/ui/ray_view.h"
 
 namespace warpscope::ui {
@@ -138,12 +139,28 @@ void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
   ImGui::EndMenu();
 }
 
-void MainView::drawMenus(Session& session) {
+void MainView::drawDemos(Session& session, const Look& look) {
+  if (!ImGui::BeginMenu("Demo")) return;
+  for (const Demo& demo : demos()) {
+    if (ImGui::MenuItem(std::string(demo.name).c_str(), nullptr, false, session.scene() != nullptr)) {
+      startDemo(demo, session);
+      grid_.showAll();
+    }
+    tooltip(std::string(demo.summary) + ".", look);
+  }
+  ImGui::Separator();
+  const bool isMoving = session.motion().motion() != CameraMotion::none;
+  if (ImGui::MenuItem("Stop the camera", nullptr, false, isMoving)) session.setMotion(CameraMotion::none);
+  ImGui::EndMenu();
+}
+
+void MainView::drawMenus(Session& session, const Look& look) {
   if (!ImGui::BeginMainMenuBar()) return;
   drawMenu(ActionMenu::file, "File", session);
   drawMenu(ActionMenu::edit, "Edit", session);
   drawMenu(ActionMenu::view, "View", session);
   drawMenu(ActionMenu::panel, "Panel", session);
+  drawDemos(session, look);
   drawMenu(ActionMenu::help, "Help", session);
   ImGui::EndMainMenuBar();
 }
@@ -198,6 +215,7 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
                     ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::PopStyleColor();
   drawErrorBanner(session, look);
+  drawLinkSign(session, look);
   ImVec2 room = ImGui::GetContentRegionAvail();
   room.y = std::max(1.0f, room.y - plot_.height(room.y, look) - look.px(kMargin));
   grid_.draw(session, room, held, look);
@@ -214,7 +232,7 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
 
 void MainView::draw(Session& session, double displayFramesPerSecond, const HeldKeys& held, const Look& look) {
   takeHandedFile(session);
-  drawMenus(session);
+  drawMenus(session, look);
   const float top = ImGui::GetFrameHeight();  // of the menu bar
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.0f, top});

@@ -45,7 +45,8 @@ class MainView {
   void perform(Action action, Session& session, std::optional<size_t> panel, size_t number = 0);
   void goBack();
   bool isOn(Action action, const Session& session, size_t panel) const;
-  void drawMenus(Session& session);
+  void drawMenus(Session& session, const Look& look);
+  void drawDemos(Session& session, const Look& look);
   void drawMenu(ActionMenu menu, const char* name, Session& session);
   void drawBody(Session& session, const HeldKeys& held, const Look& look);
   /// The plot, and the ray that is looked at.

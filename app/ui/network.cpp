@@ -94,12 +94,24 @@ void drawLink(net::DuplexLinkSettings& link, const Look& look) {
 
 }  // namespace
 
+namespace {
+
+constexpr std::chrono::milliseconds kOutage(2000);
+
+void drawOutageButton(Session& session, const Look& look) {
+  if (ImGui::Button("Outage, 2 s", {-1.0f, 0.0f})) session.beginOutage(kOutage, look.now);
+  tooltip("Nothing passes for two seconds, neither here nor to the server: what has come so far must do.", look);
+}
+
+}  // namespace
+
 void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
   if (!section("NETWORK", look)) return;
   TransportSettings& transport = knobs.transport;
   drawLink(transport.link, look);
   for (const TransportKnob& row : transportKnobs())
     if (!row.isOfServer && row.matters(transport)) knobWidget(row, transport, look);
+  drawOutageButton(session, look);
 
   const std::optional<SourceStatus> status = session.sourceStatus();
   if (!status || status->where.empty()) return;
@@ -110,6 +122,25 @@ void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
   ImGui::TextColored(status->isConnected ? kDimText : kErrorText, "%s", text.c_str());
   ImGui::PopTextWrapPos();
   ImGui::PopFont();
+}
+
+void drawLinkSign(const Session& session, const Look& look) {
+  const net::DuplexLinkSettings& link = session.knobs().transport.link;
+  const bool hasOutage = session.hasOutage(look.now);
+  if (link.up.isTransparent() && link.down.isTransparent() && !hasOutage) return;
+  std::string text = "Simulated link: " + net::toString(link);
+  for (const net::LinkPreset& preset : net::linkPresets())
+    if (preset.settings == link) text = "Simulated link: " + std::string(preset.name) + ", " + std::string(preset.summary);
+  if (hasOutage) text = "Simulated outage: nothing passes";
+  const float size = 1.25f * ImGui::GetFontSize(), height = size + look.px(8.0f), width = ImGui::GetContentRegionAvail().x;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::Dummy({width, height});
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const ImVec2 to{at.x + width, at.y + height};
+  list->AddRectFilled(at, to, ImGui::GetColorU32(hasOutage ? kErrorBackground : ImVec4(0.30f, 0.22f, 0.05f, 1.0f)), look.px(4.0f));
+  list->PushClipRect(at, to, true);
+  list->AddText(ImGui::GetFont(), size, {at.x + look.px(10.0f), at.y + look.px(4.0f)}, ImGui::GetColorU32({1.0f, 0.82f, 0.35f, 1.0f}), text.c_str());
+  list->PopClipRect();
 }
 
 std::string connectionTrouble(const Session& session, const Look& look) {

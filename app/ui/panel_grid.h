@@ -41,6 +41,12 @@ class PanelGrid {
   /// Ends a wipe, an inspection, or else lets all panels be seen again. False if there was none of these.
   bool goBack();
 
+  /// All panels again, and none of them wiped.
+  void showAll() {
+    alone_.reset();
+    wiped_.reset();
+  }
+
   /// Panels side by side; 0: as many as leave the pictures most room.
   size_t columns() const { return columns_; }
   void setColumns(size_t columns) { columns_ = columns; }

@@ -55,6 +55,9 @@ inline constexpr float kTimelinePx = 7.0f;  ///< its height at scale 1
 /// The part of the column of knobs that is about the network.
 void drawNetwork(Session& session, LiveSettings& knobs, const Look& look);
 
+/// What is simulated between here and the server, in large letters over the panels' width; nothing where nothing is.
+void drawLinkSign(const Session& session, const Look& look);
+
 /// What to say about a connection that does not stand; empty if it does.
 std::string connectionTrouble(const Session& session, const Look& look);
 

@@ -1,0 +1,45 @@
+// Five of them.
+// See demos.h.
+#include "app/session/demos.h"
+
+#include <algorithm>
+
+#include "net/link_settings.h"
+#include "render/base/named_value.h"
+
+namespace warpscope {
+
+std::span<const Demo> demos() {
+  static const std::vector<Demo> kDemos{
+      {"Satellite", "600 ms to a server: held pictures lag behind, segments follow the camera", "satellite", CameraMotion::orbit, {"hold", "segments"}},
+      {"Head movements", "A head that looks around over a telephone's network: turned pictures and points beside spheres and segments", "4g", CameraMotion::shake,
+       {"rotate", "points", "spheres", "segments"}},
+      {"Crowded hall", "Outages and little bandwidth while one flies through: what has been seen must do", "conference-wifi", CameraMotion::flyThrough,
+       {"hold", "splats", "segments"}},
+      {"Nearer and farther", "Distances across an ocean: a mesh is stretched, points come apart, segments do neither", "transatlantic", CameraMotion::dolly,
+       {"points", "mesh", "segments"}},
+      {"One dot or a stretch", "A fast link, so that only the techniques differ: samples of the paper of 2020 beside segments and the truth", "home-fibre",
+       CameraMotion::orbit, {"spheres", "segments", "reference"}},
+  };
+  return kDemos;
+}
+
+void startDemo(const Demo& demo, Session& session) {
+  while (session.panelCount() > demo.techniques.size()) session.removePanel(session.panelCount() - 1);
+  for (size_t i = 0; i < demo.techniques.size(); ++i) {
+    const WarpDescriptor& technique = findWarp(demo.techniques[i]);
+    if (i >= session.panelCount()) session.addPanel({.technique = &technique});
+    session.setTechnique(i, technique);
+    session.setContent(i, PictureContent::picture);
+    session.setOwnCamera(i, false);
+  }
+  LiveSettings knobs = session.knobs();
+  const auto presets = net::linkPresets();
+  knobs.transport.link = std::ranges::find(presets, demo.link, &net::LinkPreset::name)->settings;
+  knobs.isFrozen = false;
+  session.setKnobs(knobs);
+  session.resetView();
+  session.setMotion(demo.motion);
+}
+
+}  // namespace warpscope

@@ -1,0 +1,27 @@
+// Demonstrations, ready to be shown: a link, a motion of the camera and techniques beside each other.
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "app/scene/camera_motion.h"
+#include "app/session/session.h"
+
+namespace warpscope {
+
+struct Demo {
+  std::string_view name;     ///< "Satellite"
+  std::string_view summary;  ///< what one sees: one sentence without its full stop
+  std::string_view link;     ///< a preset's name
+  CameraMotion motion = CameraMotion::none;
+  std::vector<std::string_view> techniques;
+};
+
+/// The first is what a first start shows.
+std::span<const Demo> demos();
+
+/// Sets panels, link and motion up; the scene and all other knobs stay as they are.
+void startDemo(const Demo& demo, Session& session);
+
+}  // namespace warpscope

@@ -1,0 +1,60 @@
+// Demonstrations: each sets up what it says, and shows it; outages hold frames up and end.
+// Mirrors app/session/demos.h and what of app/session/session.h is about motions and outages.
+#include "app/session/demos.h"
+
+#include "tests/session_fixture.h"
+
+namespace warpscope {
+namespace {
+
+using SessionDemoTest = SessionTest;
+
+TEST_F(SessionDemoTest, EachShowsItsTechniquesBehindItsLink) {
+  ASSERT_TRUE(open("block"));
+  EXPECT_EQ(demos().size(), 5u);
+  EXPECT_EQ(demos().front().link, "satellite");
+  for (const Demo& demo : demos()) {
+    SCOPED_TRACE(demo.name);
+    startDemo(demo, session_);
+    ASSERT_EQ(session_.panelCount(), demo.techniques.size());
+    for (size_t i = 0; i < demo.techniques.size(); ++i) EXPECT_EQ(session_.panel(i).technique->name, demo.techniques[i]);
+    EXPECT_EQ(session_.motion().motion(), demo.motion);
+    EXPECT_FALSE(session_.knobs().transport.link.down.isTransparent());
+    const View home = session_.view();
+    ASSERT_TRUE(pumpUntil([&] {
+      for (size_t i = 0; i < session_.panelCount(); ++i)
+        if (session_.panel(i).drawn != session_.panel(i).technique) return false;
+      return session_.view() != home;
+    }));
+  }
+}
+
+TEST_F(SessionDemoTest, TheUsersHandEndsAMotion) {
+  ASSERT_TRUE(open("block"));
+  session_.setMotion(CameraMotion::orbit);
+  const View home = session_.view();
+  ASSERT_TRUE(pumpUntil([&] { return session_.view() != home; }));
+  turn(session_, 10.0);
+  ASSERT_TRUE(pumpUntil([&] { return session_.motion().motion() == CameraMotion::none; }));
+  EXPECT_TRUE(settle());
+}
+
+TEST_F(SessionDemoTest, AnOutageHoldsFramesUpAndEnds) {
+  ASSERT_TRUE(open("block"));
+  session_.update(clock_.now());
+  session_.beginOutage(milliseconds(1500), clock_.now());
+  session_.update(clock_.now());
+  std::this_thread::sleep_for(milliseconds(30));  // the link takes effect for what is sent from now on
+  const size_t received = session_.frames().received();
+  const auto began = clock_.now();
+  turn(session_, 10.0);
+  ASSERT_TRUE(pumpUntil([&] { return session_.frames().received() > received; }));
+  EXPECT_GT(clock_.now() - began, milliseconds(1000));
+  EXPECT_LT(clock_.now() - began, seconds(10));
+  EXPECT_TRUE(settle());
+  EXPECT_FALSE(session_.hasOutage(clock_.now()));
+  EXPECT_TRUE(session_.knobs().transport.link.up.isTransparent()) << "no knob was turned";
+}
+
+}  // namespace
+}  // namespace warpscope
