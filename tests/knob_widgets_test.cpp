@@ -80,7 +80,7 @@ class Column : public SessionTest {
   std::string text() {
     Paper paper;
     Controls controls;
-    const SceneOpener none = [](const std::string& name) { return LoadJob{name, {}}; };
+    const SceneOpener none = [](const SceneOrigin& origin) { return LoadJob{origin.spec, {}}; };
     return paper.textOf([&] { controls.draw(session_, none, paper.look()); });
   }
 };

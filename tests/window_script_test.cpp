@@ -26,8 +26,13 @@ class WindowScriptTest : public SessionTest {
     }
     return false;
   }
+  LoadJob jobOf(const SceneOrigin& origin) {
+    LoadJob job = builtin(origin.spec);
+    job.origin = origin;
+    return job;
+  }
   bool openAndRest(const std::string& name) {
-    session_.load(builtin(name));
+    session_.load(jobOf({name, {}}));
     return rest();
   }
   /// Until all that is on show is of now and judged.
@@ -41,9 +46,15 @@ class WindowScriptTest : public SessionTest {
       return true;
     });
   }
-  void press(Action action) { window_.key(chordsOf(describe(action)).front()); }
+  void press(Action action) {
+    const std::vector<KeyChord> chords = chordsOf(describe(action));
+    if (chords.empty())
+      window_.view().perform(action, session_);
+    else
+      window_.key(chords.front());
+  }
 
-  SceneOpener opener_ = [this](const std::string& name) { return builtin(name); };
+  SceneOpener opener_ = [this](const SceneOrigin& origin) { return jobOf(origin); };
   ScriptedWindow window_;
 };
 
@@ -232,6 +243,36 @@ TEST_F(WindowScriptTest, AWatchedFileIsLoadedWhenItIsWritten) {
   EXPECT_FLOAT_EQ(session_.scene()->transferFunction.points.front().alpha, 0.1f);
 }
 
+TEST_F(WindowScriptTest, ASessionIsSavedAndOpenedByTheDialog) {
+  const TestFolder folder;
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  window_.key({.name = "4"});
+  ASSERT_TRUE(rest());
+  press(Action::saveSession);
+  ASSERT_TRUE(window_.view().showsDialog());
+  const glm::vec2 nameField(500.0f, 580.0f), button(805.0f, 580.0f);
+  window_.doubleClick(nameField);
+  window_.frame();
+  for (int i = 0; i < 40; ++i) {  // what is proposed goes
+    ImGui::GetIO().KeysDown[ImGuiKey_Backspace] = true;
+    window_.frame();
+    ImGui::GetIO().KeysDown[ImGuiKey_Backspace] = false;
+    window_.frame();
+  }
+  window_.type(folder.file("mine.json"));
+  window_.click(button);
+  ASSERT_FALSE(window_.view().showsDialog());
+  ASSERT_TRUE(std::filesystem::exists(folder.file("mine.json")));
+  window_.moveTo(kLeftPicture);
+  window_.key({.name = "5"});
+  window_.view().open(folder.file("mine.json"), session_);  // as if it were dropped
+  ASSERT_TRUE(waitUntil([&] { return session_.panel(0).technique == &warpRegistry()[3]; }));
+  ASSERT_TRUE(rest());
+  press(Action::copyCommand);
+  EXPECT_THAT(window_.clipboard(), testing::StartsWith("warpscope view block --panels points,spheres"));
+}
+
 TEST_F(WindowScriptTest, EveryEntryOfEveryMenuCanBeChosen) {
   ASSERT_TRUE(openAndRest("block"));
   std::vector<Action> asked;
@@ -296,6 +337,7 @@ TEST_F(WindowScriptTest, AMonkeyBreaksNothing) {
         break;
     }
     window_.takeActions();
+    if (window_.view().showsDialog()) press(Action::goBack);  // it would save into any folder
     ASSERT_GE(session_.panelCount(), 1u) << i;
     ASSERT_LE(session_.panelCount(), kMaxPanels) << i;
     ASSERT_TRUE(session_.scene() == nullptr || !session_.scene()->transferFunction.points.empty()) << i;

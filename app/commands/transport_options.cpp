@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/choose.h"
+#include "app/frames/transport_json.h"
 #include "app/frames/transport_knobs.h"
 #include "app/scene/knob_json.h"
 #include "app/shell/log.h"
@@ -108,12 +109,6 @@ TransportSettings transportOf(const TransportOptions& options) {
   for (const auto& row : transportKnobs())
     if (const auto value = given.find(*row.knob)) row.set(transport, *value);
   return transport;
-}
-
-nlohmann::json toJson(const TransportSettings& transport) {
-  nlohmann::json json{{"link", net::toString(transport.link)}};
-  for (const auto& row : transportKnobs()) json[std::string(row.knob->key)] = jsonOf(*row.knob, row.get(transport));
-  return json;
 }
 
 nlohmann::json toJson(const FrameLatency& latency) {

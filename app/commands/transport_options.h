@@ -9,6 +9,7 @@
 
 #include "app/commands/knob_options.h"
 #include "app/frames/frame_source.h"
+#include "app/frames/transport_json.h"
 #include "net/address.h"
 
 namespace warpscope {
@@ -38,7 +39,6 @@ void completeConnect(TransportOptions& options, bool namesScene);
 /// Throws UsageError.
 TransportSettings transportOf(const TransportOptions& options);
 /// As the program reports them.
-nlohmann::json toJson(const TransportSettings& transport);
 nlohmann::json toJson(const FrameLatency& latency);
 
 /// For commands that make their own frames without a server: throws UsageError if there is none, but an option about the way from it.

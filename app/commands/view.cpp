@@ -10,6 +10,7 @@
 #include "app/frames/scene_connection.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/output_files.h"
+#include "app/shell/user_folders.h"
 #include "app/ui/run_window.h"
 #include "render/base/range.h"
 
@@ -28,6 +29,7 @@ struct ViewOptions {
   double screenshotAfterMs = 3000.0;
   std::string report;
   std::string front;
+  std::string session;
   std::optional<double> budgetMs;
   KnobOptions ownKnobs;  ///< that the window alone has
 };
@@ -36,6 +38,28 @@ constexpr Range kUiScaleRange{0.5, 4.0};
 constexpr Range kWaitMsRange{0.0, 3600.0 * 1000.0};
 
 bool isServerUrl(const std::string& text) { return text.starts_with("warp://") || text.starts_with("warps://"); }
+
+/// The same, by paths that do not depend on the folder that the program was started in.
+SceneOrigin fromAnywhere(SceneOrigin origin) {
+  const auto absolute = [](const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored) ? std::filesystem::absolute(path, ignored) : path;
+  };
+  origin.spec = absolute(origin.spec).string();
+  if (origin.overrides.volume) origin.overrides.volume = absolute(*origin.overrides.volume);
+  if (origin.overrides.mask) origin.overrides.mask = absolute(*origin.overrides.mask);
+  return origin;
+}
+
+/// What --session names; nothing without it. Throws InputError, UsageError where there is no last one.
+std::optional<SessionFile> restoredBy(const ViewOptions& options) {
+  if (options.session.empty()) return std::nullopt;
+  if (options.session != "last") return readSessionFile(options.session);
+  const std::optional<std::filesystem::path> last = lastSessionFile();
+  std::error_code ignored;
+  if (!last || !std::filesystem::exists(*last, ignored)) throw UsageError("--session last: no window was closed yet that showed something");
+  return readSessionFile(*last);
+}
 
 /// What the options say of the panels. `knobs`: of techniques, for all panels but the first of several, which is what they are compared with.
 std::vector<PanelSettings> panelsOf(const ViewOptions& options, const KnobValues& knobs) {
@@ -55,6 +79,8 @@ std::vector<PanelSettings> panelsOf(const ViewOptions& options, const KnobValues
 
 void view(const ViewOptions& options) {
   const CheckedOptions checked = check(options.common);
+  const std::optional<SessionFile> restored = restoredBy(options);
+  if (restored && (namesScene(options.common) || !options.transport.connect.empty())) throw UsageError("--session has a scene of its own: name no other");
   SessionSettings settings;
   settings.panels = panelsOf(options, checked.warp.knobs);
   if (options.budgetMs) requireRange(*options.budgetMs, kBudgetMsRange, "--budget-ms");
@@ -102,33 +128,36 @@ void view(const ViewOptions& options) {
                      ConnectedScene loaded = connectScene(io, address, transport, onNews, stop);
                      checked.applyTo(loaded.scene);
                      return loaded;
-                   }};
+                   },
+                   SceneOrigin{net::toStringWithoutToken(address), {}}};
   };
-  const SessionMaker makeSession = [&](std::function<void()> onNews) {
-    auto session = std::make_unique<Session>(settings, std::move(onNews));
-    if (server)
-      session->load(connectTo(*server));
-    else
-      session->load({checked.sceneSpec, [=](const std::function<void()>& loadNews, const std::stop_token& stop) {
-                       return host(checked.open(stop), loadNews, stop);
-                     }});
-    return session;
-  };
-  const SceneOpener openChosen = [=, seed = checked.overrides.seed](const std::string& spec) {
-    if (isServerUrl(spec)) {
+  const SceneOpener openChosen = [=, seed = checked.overrides.seed](const SceneOrigin& chosen) {
+    if (isServerUrl(chosen.spec)) {
       try {
-        return connectTo(net::parseAddress(spec));
+        return connectTo(net::parseAddress(chosen.spec));
       } catch (const net::AddressError& error) {
         return LoadJob{"a server", [text = std::string(error.what())](const std::function<void()>&, const std::stop_token&) -> ConnectedScene {
                          throw InputError(text);
                        }};
       }
     }
-    return LoadJob{spec, [=](const std::function<void()>& onNews, const std::stop_token& stop) {
-                     SceneOverrides overrides;
-                     overrides.seed = seed;
-                     return host(openScene(spec, overrides, stop), onNews, stop);
-                   }};
+    SceneOrigin origin = fromAnywhere(chosen);
+    if (origin.overrides.seed == SceneOverrides{}.seed) origin.overrides.seed = seed;
+    return LoadJob{chosen.spec,
+                   [=](const std::function<void()>& onNews, const std::stop_token& stop) { return host(openScene(origin.spec, origin.overrides, stop), onNews, stop); },
+                   origin};
+  };
+  const SessionMaker makeSession = [&](std::function<void()> onNews) {
+    auto session = std::make_unique<Session>(settings, std::move(onNews));
+    if (restored)
+      restore(*restored, *session, openChosen);
+    else if (server)
+      session->load(connectTo(*server));
+    else
+      session->load({checked.sceneSpec,
+                     [=](const std::function<void()>& loadNews, const std::stop_token& stop) { return host(checked.open(stop), loadNews, stop); },
+                     fromAnywhere({checked.sceneSpec, checked.overrides})});
+    return session;
   };
   const bool hasEnded = runWindow(makeSession, openChosen, clock, window, interrupt.token());
   // A reader that cannot be interrupted must not keep a closed window's process: there is nothing left to be tidied up.
@@ -162,6 +191,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
       ->capture_default_str();
   command->add_option("--report", options->report, "JSON file to write figures to when the window closes: display rate, ages, latencies");
   command->add_option("--front", options->front, "sweep.json whose configurations the plot shows as hollow points, and that auto chooses by");
+  command->add_option("--session", options->session, "Session file to go on with, or last: the one that was on show when a window was closed last");
   command->callback([options, &chosen] {
     chosen = [options] {
       try {

@@ -56,7 +56,7 @@ ConnectedScene hostScene(std::shared_ptr<net::IoThread> io, Scene scene, const M
   auto server = std::make_unique<FrameServer>(io, scene, marcher, settings);
   Connected connected = connectFrameSource(io, clientSettings(server->address(), transport), std::move(onNews), stop, FunctionOwner::client);
   connected.source->setTransport(transport);
-  return {std::move(scene), std::make_shared<HostedSource>(std::move(server), std::move(connected.source)), marcher->twin()};
+  return {std::move(scene), std::make_shared<HostedSource>(std::move(server), std::move(connected.source)), marcher->twin(), {}};
 }
 
 ConnectedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport,
@@ -68,7 +68,8 @@ ConnectedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Addres
   // waited for: the source says what is going on, and what is no longer wanted is cancelled.
   constexpr std::chrono::hours kLongerThanAnybodyWaits(24 * 365);
   return {std::move(scene), std::move(connected.source),
-          makeRemoteMarcher(io, clientSettings(address, {}), transport.codec, kLongerThanAnybodyWaits)};
+          makeRemoteMarcher(io, clientSettings(address, {}), transport.codec, kLongerThanAnybodyWaits),
+          {}};
 }
 
 MarcherPtr connectMarcher(std::shared_ptr<net::IoThread> io, const net::Address& address,

@@ -4,7 +4,10 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
+#include <string>
+#include <vector>
 
 #include "app/frames/frame_source.h"
 #include "app/scene/scene.h"
@@ -13,10 +16,25 @@
 
 namespace warpscope {
 
+/// Where a scene is from, so that it can be opened again.
+struct SceneOrigin {
+  std::string spec;          ///< a built-in scene, a file, or a server's URL without its token
+  SceneOverrides overrides;
+};
+
+/// How a scene is to be shown when it has been opened; what is not said is the scene's own.
+struct SceneArrangement {
+  std::optional<View> view;
+  std::optional<MarchSettings> march;
+  std::optional<TransferFunction> transferFunction;
+  std::vector<std::optional<View>> ownViews;  ///< of panels that have a camera of their own, by their places
+};
+
 struct ConnectedScene {
   Scene scene;            ///< without its volume where that is elsewhere
   FrameSourcePtr source;  ///< of frames
-  MarcherPtr display;     ///< of the reference and of techniques that march; apart from the server's, whose calls it would wait for
+  MarcherPtr display{};   ///< of the reference and of techniques that march; apart from the server's, whose calls it would wait for
+  SceneArrangement arrangement{};
 };
 
 /// Serves `scene` from this process, on a free port of the loopback address, and connects to it. `onNews`: as connectFrameSource's.

@@ -12,6 +12,7 @@
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
 #include "app/scene/transfer_file.h"
+#include "app/scene/view_json.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
@@ -42,20 +43,6 @@ glm::dvec3 readDirection(const Node& node) {
   const glm::dvec3 vector = readVector(node, -1e6, 1e6);
   if (!(glm::length(vector) > 1e-9)) node.fail("must not be a zero vector");
   return glm::normalize(vector);
-}
-
-View readView(const Node& node) {
-  constexpr std::string_view kKeys[] = {"angleDeg", "elevationDeg", "distance", "pan"};
-  node.requireObject(kKeys);
-  View view;
-  if (const auto angle = node.find("angleDeg")) view.angleDeg = angle->number(-360.0, 360.0);
-  if (const auto elevation = node.find("elevationDeg")) view.elevationDeg = elevation->number(-90.0, 90.0);
-  if (const auto distance = node.find("distance")) view.distance = distance->number(1e-3, 1e3);
-  if (const auto pan = node.find("pan")) {
-    const std::vector<Node> elements = pan->elements(2, 2);
-    view.pan = {elements[0].number(-100.0, 100.0), elements[1].number(-100.0, 100.0)};
-  }
-  return view;
 }
 
 /// For volumes that are files.

@@ -11,6 +11,11 @@
 namespace warpscope {
 
 enum class Action {
+  open,
+  saveSession,
+  restoreLast,
+  copyCommand,
+  savePicture,
   quit,
   resetView,
   freeze,

@@ -12,6 +12,7 @@ SceneOpening::SceneOpening(const std::function<void()>& onNews)
           [onNews]() -> Loader::Work {
             return [onNews](const LoadJob& job, Result& result, const std::stop_token& stop) {
               result.name = job.name;
+              result.origin = job.origin;
               result.scene = std::make_shared<const ConnectedScene>(job.open(onNews, stop));
             };
           },
@@ -38,6 +39,7 @@ SceneOpening::Outcome SceneOpening::take() {
   if (!result->scene) return Outcome::failed;
   retire();
   current_ = std::move(result->scene);
+  origin_ = std::move(result->origin);
   return Outcome::opened;
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct LoadJob {
   std::string name;  ///< as the user called it
   /// Opens the scene, whose source then calls the function. May throw; OperationCancelled if the token is set.
   std::function<ConnectedScene(const std::function<void()>& onNews, const std::stop_token&)> open;
+  std::optional<SceneOrigin> origin{};  ///< if it can be opened again by that
 };
 
 class SceneOpening {
@@ -39,6 +41,8 @@ class SceneOpening {
 
   /// Null until the first scene is there.
   const ConnectedScene* current() const { return current_.get(); }
+  /// Of the current scene; nothing if that cannot be opened again.
+  const std::optional<SceneOrigin>& origin() const { return origin_; }
   /// Of the scene that is being opened; empty if none is.
   const std::string& name() const { return name_; }
   /// Why the last scene could not be opened; empty if it could.
@@ -54,6 +58,7 @@ class SceneOpening {
   struct Result {
     std::string name;
     std::shared_ptr<const ConnectedScene> scene;  // null if there is an error
+    std::optional<SceneOrigin> origin;
     std::string error;
   };
   using Loader = NewestWorker<LoadJob, Result>;
@@ -61,6 +66,7 @@ class SceneOpening {
   void retire();
 
   std::shared_ptr<const ConnectedScene> current_;
+  std::optional<SceneOrigin> origin_;
   std::string name_, error_;
   std::vector<std::future<void>> retired_;  // scenes that end
   std::unique_ptr<Loader> loader_;

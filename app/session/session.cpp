@@ -100,6 +100,13 @@ void Session::useTechnique(LivePanel& panel, const WarpDescriptor& technique) {
   if (panel.setTechnique(technique)) timing_.stop(panels_);
 }
 
+void Session::setPanel(size_t panel, const PanelSettings& settings) {
+  setTechnique(panel, *settings.technique);
+  panels_[panel].setAutomatic(settings.isAutomatic);
+  panels_[panel].setKnobs(settings.knobs);
+  setContent(panel, settings.content, settings.contentRange);
+}
+
 void Session::choose(size_t panel, const Configuration& configuration) {
   const WarpDescriptor& technique = *configuration.technique;
   setTechnique(panel, technique);
@@ -257,16 +264,19 @@ bool Session::takeScene() {
   truth_.clear();
   plan_.clear();
   ray_.clear();
-  for (LivePanel& panel : panels_) {
-    panel.clear();
-    if (LivePanel::OwnCamera* own = panel.ownCamera()) own->view.begin(scene()->views.front());
+  const SceneArrangement arranged = opening_.current()->arrangement;
+  for (size_t i = 0; i < panels_.size(); ++i) {
+    panels_[i].clear();
+    const std::optional<View> ownView = i < arranged.ownViews.size() ? arranged.ownViews[i] : std::nullopt;
+    if (LivePanel::OwnCamera* own = panels_[i].ownCamera()) own->view.begin(ownView.value_or(scene()->views.front()));
   }
   frames_.begin(*opening_.current()->source, knobs_.transport);
-  knobs_.march = scene()->march;
+  knobs_.march = arranged.march.value_or(scene()->march);
   knobs_.isFrozen = false;
-  view_.begin(scene()->views.front());
+  view_.begin(arranged.view.value_or(scene()->views.front()));
   liveFront_.clear();
   timing_.clear();
+  if (arranged.transferFunction && whyFunctionIsFixed().empty()) setTransferFunction(*arranged.transferFunction);
   return true;
 }
 

@@ -97,6 +97,8 @@ class Session {
   void movePanel(size_t from, size_t to);
   /// Whether the panel is drawn at all.
   void setHidden(size_t panel, bool isHidden);
+  /// All that is chosen for one panel.
+  void setPanel(size_t panel, const PanelSettings& settings);
   /// The panel does not choose by itself any more.
   void setTechnique(size_t panel, const WarpDescriptor& technique);
   /// Lets the panel choose: of a sweep that was handed over, or of what was on show so far. What the server does stays as the knobs say.
@@ -128,6 +130,8 @@ class Session {
   // --- State.
   /// Null until the first scene is there.
   const Scene* scene() const { return opening_.current() ? &opening_.current()->scene : nullptr; }
+  /// By what the scene on show can be opened again; nothing if it cannot.
+  const std::optional<SceneOrigin>& origin() const { return opening_.origin(); }
   /// Name of the scene that is being opened; empty if none is.
   const std::string& loading() const { return opening_.name(); }
   /// Why the last scene, view, frame or ground truth could not be had; empty if it could.

@@ -178,7 +178,7 @@ void Controls::drawScene(Session& session, const SceneOpener& openScene, const L
   if (!isOpen) tooltip("A built-in scene.", look);
   if (isOpen) {
     const auto offer = [&](const BuiltinScene& scene) {
-      if (ImGui::Selectable(scene.name.c_str(), shown != nullptr && shown->name == scene.name)) session.load(openScene(scene.name));
+      if (ImGui::Selectable(scene.name.c_str(), shown != nullptr && shown->name == scene.name)) session.load(openScene({scene.name, {}}));
       tooltip(scene.title, look);
     };
     for (const BuiltinScene& scene : kScenes) offer(scene);
@@ -198,7 +198,7 @@ void Controls::drawScene(Session& session, const SceneOpener& openScene, const L
     if (ImGui::Button("Cancel", {-1.0f, 0.0f})) session.cancelLoad();
     tooltip("Give up opening " + session.loading() + ".", look);
   }
-  if (isEntered && path_[0] != '\0') session.load(openScene(path_.data()));
+  if (isEntered && path_[0] != '\0') session.load(openScene({path_.data(), {}}));
 
   // The bar's place is kept, so that nothing moves when it comes and goes.
   const ImVec2 at = ImGui::GetCursorScreenPos();

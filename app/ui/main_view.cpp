@@ -7,7 +7,12 @@
 #include <filesystem>
 
 #include "app/session/demos.h"
+#include "app/session/session_file.h"
+#include "app/shell/output_files.h"
+#include "app/shell/user_folders.h"
 #include "app/ui/ray_view.h"
+#include "render/base/error.h"
+#include "render/base/printable.h"
 
 namespace warpscope::ui {
 namespace {
@@ -35,7 +40,7 @@ void MainView::open(const std::string& path, Session& session) {
   if (std::filesystem::path(path).extension() == ".json")
     fileSorter_->post(path);
   else
-    session.load(openScene_(path));
+    session.load(openScene_({path, {}}));
 }
 
 void MainView::takeHandedFile(Session& session) {
@@ -48,8 +53,10 @@ void MainView::takeHandedFile(Session& session) {
     plot_.showSweep(std::move(*file->sweep));
   } else if (file->transferFunction) {
     controls_.transferEditor().set(session, *file->transferFunction);
+  } else if (isSessionFile(file->path)) {
+    restoreSession(session, file->path);
   } else {
-    session.load(openScene_(file->path));
+    session.load(openScene_({file->path, {}}));
   }
 }
 
@@ -61,8 +68,28 @@ void MainView::press(const KeyChord& key, Session& session) {
   perform(*action, session, grid_.underPointer(), *action == Action::chooseTechnique ? static_cast<size_t>(key.name[0] - '0') : 0);
 }
 
+void MainView::saveSession(const Session& session, const std::filesystem::path& path) {
+  try {
+    writeFileWhole(path, textOf(sessionFileOf(session)));
+    setNote("saved " + path.string());
+  } catch (const InputError& error) {
+    setNote(error.what());
+  }
+}
+
+void MainView::restoreSession(Session& session, const std::filesystem::path& path) {
+  try {
+    restore(readSessionFile(path), session, openScene_);
+    grid_.showAll();
+  } catch (const InputError& error) {
+    setNote(error.what());
+  }
+}
+
 void MainView::goBack() {
-  if (showsKeys_)
+  if (dialog_.isOpen())
+    dialog_.close();
+  else if (showsKeys_)
     showsKeys_ = false;
   else if (!grid_.goBack())
     windowActions_.push_back(Action::goBack);
@@ -74,6 +101,20 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     return;
   }
   switch (action) {
+    case Action::open: return dialog_.show(FileDialog::Purpose::open, "Open");
+    case Action::saveSession: return dialog_.show(FileDialog::Purpose::save, "Save session", "session.json");
+    case Action::restoreLast:
+      if (const auto last = lastSessionFile()) restoreSession(session, *last);
+      return;
+    case Action::copyCommand:
+      try {
+        ImGui::SetClipboardText(commandLineOf(session).c_str());
+        setNote("copied: " + commandLineOf(session));
+      } catch (const InputError& error) {
+        setNote(error.what());
+      }
+      return;
+    case Action::savePicture:
     case Action::quit:
     case Action::fullScreen: return windowActions_.push_back(action);
     case Action::goBack: return goBack();
@@ -165,6 +206,30 @@ void MainView::drawMenus(Session& session, const Look& look) {
   ImGui::EndMainMenuBar();
 }
 
+void MainView::drawDialog(Session& session, const Look& look) {
+  const std::optional<std::filesystem::path> path = dialog_.draw(look);
+  if (!path) return;
+  if (dialog_.purpose() == FileDialog::Purpose::save)
+    saveSession(session, *path);
+  else
+    open(path->string(), session);
+}
+
+void MainView::drawNote(const Look& look) {
+  constexpr std::chrono::seconds kShown(5);
+  if (note_.text.empty()) return;
+  if (!note_.since) note_.since = look.now;
+  if (look.now - *note_.since > kShown) return note_.text.clear();
+  ImDrawList* list = ImGui::GetForegroundDrawList();
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  const std::string text = printable(note_.text);
+  const float wrap = 0.8f * display.x, padding = look.px(8.0f);
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
+  const ImVec2 at{0.5f * (display.x - size.x), display.y - size.y - look.px(kStatusHeight + 16.0f)};
+  list->AddRectFilled({at.x - padding, at.y - padding}, {at.x + size.x + padding, at.y + size.y + padding}, ImGui::GetColorU32({0.0f, 0.0f, 0.0f, 0.85f}), look.px(4.0f));
+  list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ImGui::GetColorU32(ImGuiCol_Text), text.c_str(), nullptr, wrap);
+}
+
 void MainView::drawKeys(const Look& look) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
@@ -247,6 +312,8 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   drawStatusBar(session, displayFramesPerSecond, look);
   ImGui::End();
   if (showsKeys_) drawKeys(look);
+  drawDialog(session, look);
+  drawNote(look);
 }
 
 }  // namespace warpscope::ui

@@ -11,6 +11,7 @@
 #include "app/experiment/sweep_file.h"
 #include "app/session/actions.h"
 #include "app/ui/controls.h"
+#include "app/ui/file_dialog.h"
 #include "app/ui/panel_grid.h"
 #include "app/ui/parts.h"
 #include "app/ui/plot_view.h"
@@ -28,13 +29,19 @@ class MainView {
   void open(const std::string& path, Session& session);
   /// What a pressed key does. Keys that are typed into a field are the field's.
   void press(const KeyChord& key, Session& session);
+  /// What a menu's entry does; of panels it means the one that was used last.
+  void perform(Action action, Session& session) { perform(action, session, grid_.usedLast(session)); }
   /// Within a frame of Dear ImGui, over all of its display.
   void draw(Session& session, double displayFramesPerSecond, const HeldKeys& held, const Look& look);
 
   bool showsKeys() const { return showsKeys_; }
+  bool showsDialog() const { return dialog_.isOpen(); }
   const TransferEditor& transferEditor() const { return controls_.transferEditor(); }
 
-  /// What was asked for since the last call that is the window's business: quit, fullScreen, and goBack where there was nothing to go back from.
+  /// Something to be said at the bottom of the window, for some seconds.
+  void setNote(std::string note) { note_ = {std::move(note), {}}; }
+
+  /// What was asked for since the last call that is the window's business: quit, fullScreen, savePicture, and goBack where there was nothing to go back from.
   std::vector<Action> takeWindowActions() { return std::exchange(windowActions_, {}); }
   /// Whether something moves although nothing happens.
   bool isAnimating() const { return grid_.isAnimating(); }
@@ -52,6 +59,10 @@ class MainView {
   /// The plot, and the ray that is looked at.
   void drawBottom(Session& session, const Look& look);
   void drawKeys(const Look& look);
+  void drawDialog(Session& session, const Look& look);
+  void drawNote(const Look& look);
+  void saveSession(const Session& session, const std::filesystem::path& path);
+  void restoreSession(Session& session, const std::filesystem::path& path);
 
   Controls controls_;
   PanelGrid grid_;
@@ -61,6 +72,12 @@ class MainView {
   std::vector<Action> windowActions_;
   bool hasSideBar_ = true;
   bool showsKeys_ = false;
+  FileDialog dialog_;
+  struct Note {
+    std::string text;
+    std::optional<Session::TimePoint> since;
+  };
+  Note note_;
 };
 
 }  // namespace warpscope::ui

@@ -51,6 +51,9 @@ void apply(const LinkKnobs& before, const LinkKnobs& edited, net::DuplexLinkSett
       way->jitter = edited.jitterMs > 0.0f ? net::Jitter::uniform : net::Jitter::none;
     }
     if (edited.lossPercent != before.lossPercent) way->loss = lossOf(edited.lossPercent);
+    // No more than the delay: bytes do not arrive before they are sent.
+    way->jitterMs = std::min(way->jitterMs, way->delayMs + (way->trace ? way->trace->meanMs() : 0.0));
+    if (way->jitterMs == 0.0) way->jitter = net::Jitter::none;
   }
   if (edited.downMbit != before.downMbit) link.down.rateBitPerS = rateOf(edited.downMbit);
   if (edited.upMbit != before.upMbit) link.up.rateBitPerS = rateOf(edited.upMbit);
@@ -78,7 +81,7 @@ void drawLink(net::DuplexLinkSettings& link, const Look& look) {
   beginHalves();
   bareSlider("delay", edited.roundTripMs, {0.0f, 2000.0f, "%.0f ms"}, "Delay: there and back, half of it each way.", look);
   nextHalf();
-  bareSlider("jitter", edited.jitterMs, {0.0f, 200.0f, "± %.1f ms"}, "Jitter: by how much the delay of each way varies, evenly.", look);
+  bareSlider("jitter", edited.jitterMs, {0.0f, 200.0f, "± %.1f ms"}, "Jitter: by how much the delay of each way varies, evenly; at most by the delay.", look);
   label("Rate, Mbit/s", look);
   beginHalves();
   bareSlider("down", edited.downMbit, rateTrack(edited.downMbit, "↓ %.1f", "↓ any"),

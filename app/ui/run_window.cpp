@@ -8,7 +8,9 @@
 
 #include "app/picture/picture.h"
 #include "app/session/window_report.h"
+#include "app/shell/log.h"
 #include "app/shell/output_files.h"
+#include "app/shell/user_folders.h"
 #include "app/ui/main_view.h"
 #include "app/ui/window.h"
 
@@ -22,13 +24,43 @@ constexpr std::chrono::milliseconds kClosingPatience(900);
 constexpr std::chrono::milliseconds kLinger(500);
 
 /// What the user asked of the window. False if it is to be closed.
-bool perform(Window& window, const std::vector<Action>& asked) {
+bool perform(Window& window, const std::vector<Action>& asked, bool& wantsPicture) {
   for (const Action action : asked) {
     if (action == Action::quit) return false;
     if (action == Action::fullScreen) window.setFullScreen(!window.isFullScreen());
     if (action == Action::goBack) window.setFullScreen(false);
+    if (action == Action::savePicture) wantsPicture = true;
   }
   return true;
+}
+
+/// Writes a picture under a name that is not taken; what is to be said about that.
+std::string keep(const Image<Rgba8>& picture) {
+  constexpr int kMost = 10000;
+  for (int i = 1; i < kMost; ++i) {
+    const std::filesystem::path path = "warpscope-" + std::to_string(i) + ".png";
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored)) continue;
+    try {
+      writeFileWhole(path, encodePng(picture));
+      return "saved " + path.string();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  }
+  return "there are too many pictures in this folder";
+}
+
+/// For those who want to go on where they were.
+void keepLastSession(const Session& session) {
+  const std::optional<std::filesystem::path> file = lastSessionFile();
+  if (!file || session.scene() == nullptr || !session.origin()) return;
+  try {
+    std::filesystem::create_directories(file->parent_path());
+    writeFileWhole(*file, textOf(sessionFileOf(session)));
+  } catch (const std::exception& error) {
+    logDetail(std::string("the session was not kept: ") + error.what());
+  }
 }
 
 HeldKeys heldKeys(const Window& window) {
@@ -86,10 +118,12 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
                   {window.fonts(), window.scale(), window.pixelsPerUnit(), now, &hover, window.takeDoubleClick()});
     if (mainView.isAnimating()) lastActive = now;
     for (const KeyChord& key : window.takeKeyPresses()) mainView.press(key, session);
-    const bool goesOn = perform(window, mainView.takeWindowActions());
+    bool wantsPicture = false;
+    const bool goesOn = perform(window, mainView.takeWindowActions(), wantsPicture);
     if (const std::optional<std::string> file = window.takeDroppedFile()) mainView.open(*file, session);
     const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);
-    window.endFrame(isLast ? &photograph : nullptr);
+    window.endFrame(isLast || wantsPicture ? &photograph : nullptr);
+    if (wantsPicture) mainView.setNote(keep(std::exchange(photograph, {})));
     if (isLast || !goesOn) break;
   }
   return photograph;
@@ -105,6 +139,7 @@ bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Cl
   WindowReport report;
   const Image<Rgba8> photograph = ui::runLoop({window, *session, openScene, clock, settings, report}, stop);
   if (!settings.report.empty()) writeFileWhole(settings.report, report.text(*session, clock.now()));
+  if (settings.screenshot.empty()) ui::keepLastSession(*session);
   const bool hasEnded = session->close(ui::kClosingPatience);
   if (!photograph.empty()) writeFileWhole(settings.screenshot, encodePng(photograph));
   if (!hasEnded) static_cast<void>(session.release());  // its thread still uses it

@@ -9,7 +9,7 @@
 #include <stop_token>
 
 #include "app/experiment/sweep_file.h"
-#include "app/session/session.h"
+#include "app/session/session_file.h"
 #include "render/base/error.h"
 
 namespace warpscope {
@@ -33,7 +33,7 @@ struct WindowSettings {
 /// Makes the session once the window is open; gets what the session calls when it has news.
 using SessionMaker = std::function<std::unique_ptr<Session>(std::function<void()> onNews)>;
 /// Opens a scene that the user has chosen.
-using SceneOpener = std::function<LoadJob(const std::string& spec)>;
+using SceneOpener = OriginOpener;
 
 /// Opens the window and returns when it is closed or `stop` is set. Throws NoDisplay before anything was done, UsageError for a size that is less
 /// than the window's parts need or more than the screens have, InputError if the

@@ -28,6 +28,8 @@ void setColors(ImGuiStyle& style) {
   colors[ImGuiCol_Header] = {0.20f, 0.34f, 0.38f, 1.0f};
   colors[ImGuiCol_HeaderHovered] = {0.23f, 0.42f, 0.47f, 1.0f};
   colors[ImGuiCol_HeaderActive] = {0.25f, 0.50f, 0.56f, 1.0f};
+  colors[ImGuiCol_TitleBg] = colors[ImGuiCol_TitleBgActive] = colors[ImGuiCol_TitleBgCollapsed] = {0.14f, 0.26f, 0.29f, 1.0f};
+  colors[ImGuiCol_MenuBarBg] = {0.098f, 0.108f, 0.125f, 1.0f};
   colors[ImGuiCol_CheckMark] = kAccent;
   colors[ImGuiCol_SliderGrab] = {0.22f, 0.47f, 0.52f, 1.0f};
   colors[ImGuiCol_SliderGrabActive] = {0.26f, 0.60f, 0.66f, 1.0f};

@@ -1,0 +1,235 @@
+// To JSON, back, and to options.
+// See session_file.h.
+#include "app/session/session_file.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "app/frames/transport_json.h"
+#include "app/frames/transport_knobs.h"
+#include "app/scene/json_document.h"
+#include "app/scene/knob_json.h"
+#include "app/scene/transfer_file.h"
+#include "app/scene/view_json.h"
+#include "render/base/error.h"
+
+namespace warpscope {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int64_t kVersion = 1;
+constexpr std::string_view kMagic = "warpscopeSession";
+
+/// Of techniques' knobs, those that are not at their defaults.
+Json toJson(const KnobValues& knobs) {
+  Json json = Json::object();
+  for (const Knob* knob : warpKnobs())
+    if (knobs[*knob] != knob->defaultValue) json[std::string(knob->key)] = jsonOf(*knob, knobs[*knob]);
+  return json;
+}
+
+Json colorOf(Rgba8 mark) { return mark == 0 ? Json(nullptr) : Json({mark & 255, mark >> 8 & 255, mark >> 16 & 255}); }
+
+Rgba8 readMark(const Node& node) {
+  if (node.isNull()) return 0;
+  Rgba8 mark = 0xff000000u;
+  const std::vector<Node> channels = node.elements(3, 3);
+  for (size_t i = 0; i < 3; ++i) mark |= static_cast<Rgba8>(channels[i].integer(0, 255)) << (8 * i);
+  return mark;
+}
+
+Json toJson(const SceneOrigin& origin) {
+  Json json{{"scene", origin.spec}};
+  const SceneOverrides& overrides = origin.overrides;
+  if (overrides.volume) json["volume"] = overrides.volume->string();
+  if (overrides.mask) json["mask"] = overrides.mask->string();
+  if (overrides.proceduralDims) json["volumeSize"] = {overrides.proceduralDims->x, overrides.proceduralDims->y, overrides.proceduralDims->z};
+  if (overrides.fovYDeg) json["fovYDeg"] = *overrides.fovYDeg;
+  json["seed"] = overrides.seed;
+  return json;
+}
+
+SceneOrigin readOrigin(const Node& node) {
+  constexpr std::string_view kKeys[] = {"scene", "volume", "mask", "volumeSize", "fovYDeg", "seed"};
+  node.requireObject(kKeys);
+  SceneOrigin origin{node.at("scene").string(), {}};
+  SceneOverrides& overrides = origin.overrides;
+  if (const auto volume = node.find("volume")) overrides.volume = volume->string();
+  if (const auto mask = node.find("mask")) overrides.mask = mask->string();
+  if (const auto size = node.find("volumeSize")) overrides.proceduralDims = readSize(*size);
+  if (const auto fov = node.find("fovYDeg")) overrides.fovYDeg = fov->number(kFovYDegRange);
+  if (const auto seed = node.find("seed")) overrides.seed = static_cast<uint32_t>(seed->integer(0, 0xffffffff));
+  return origin;
+}
+
+Json toJson(const PanelSettings& panel, const std::optional<View>& ownView) {
+  Json json{{"technique", panel.isAutomatic ? Json("auto") : Json(panel.technique->name)},
+            {"knobs", toJson(panel.knobs)},
+            {"content", describe(panel.content).name}};
+  if (panel.contentRange) json["range"] = *panel.contentRange;
+  if (ownView) json["view"] = toJson(*ownView);
+  return json;
+}
+
+/// The descriptor with that name, or a complaint.
+template <class Descriptors>
+const auto& namedIn(const Descriptors& all, const Node& name) {
+  const std::string text = name.string();
+  const auto found = std::ranges::find_if(all, [&](const auto& one) { return one.name == text; });
+  if (found == all.end()) name.fail("is none that there is");
+  return *found;
+}
+
+void readPanel(const Node& node, SessionFile& file) {
+  constexpr std::string_view kKeys[] = {"technique", "knobs", "content", "range", "view"};
+  node.requireObject(kKeys);
+  PanelSettings panel;
+  const Node technique = node.at("technique");
+  panel.isAutomatic = technique.string() == "auto";
+  panel.technique = panel.isAutomatic ? &findWarp("splats") : &namedIn(warpRegistry(), technique);
+  if (const auto knobs = node.find("knobs")) readWarpKnobs(*knobs, panel.knobs);
+  if (const auto content = node.find("content")) panel.content = namedIn(pictureContents(), *content).value;
+  if (const auto range = node.find("range")) panel.contentRange = static_cast<float>(range->number(1e-6, 1e6));
+  file.panels.push_back(panel);
+  const auto view = node.find("view");
+  file.arrangement.ownViews.push_back(view ? std::optional(readView(*view)) : std::nullopt);
+}
+
+/// In quotes where a shell would take it apart.
+std::string quoted(const std::string& text) {
+  constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_./:,=@%+";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string inQuotes = "'";
+  for (const char c : text) inQuotes += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return inQuotes + "'";
+}
+
+}  // namespace
+
+SessionFile sessionFileOf(const Session& session) {
+  if (session.scene() == nullptr) throw InputError("there is no scene yet");
+  if (!session.origin()) throw InputError("this scene cannot be opened again by its name");
+  SessionFile file;
+  file.origin = *session.origin();
+  file.knobs = session.knobs();
+  file.arrangement.view = session.view();
+  file.arrangement.march = session.knobs().march;
+  if (session.whyFunctionIsFixed().empty()) file.arrangement.transferFunction = session.scene()->transferFunction;
+  for (size_t i = 0; i < session.panelCount(); ++i) {
+    file.panels.push_back(session.panel(i));
+    file.arrangement.ownViews.push_back(session.hasOwnCamera(i) ? std::optional(session.view(i)) : std::nullopt);
+  }
+  return file;
+}
+
+std::string textOf(const SessionFile& file) {
+  Json panels = Json::array();
+  for (size_t i = 0; i < file.panels.size(); ++i) panels.push_back(toJson(file.panels[i], file.arrangement.ownViews[i]));
+  Json json{{std::string(kMagic), kVersion},
+            {"origin", toJson(file.origin)},
+            {"view", toJson(*file.arrangement.view)},
+            {"march", toJson(*file.arrangement.march)},
+            {"panels", panels},
+            {"display", toJson(file.knobs.warp.knobs)},
+            {"transport", toJson(file.knobs.transport)},
+            {"serverSidePx", file.knobs.serverSidePx},
+            {"screenPixels", file.knobs.screenPixels},
+            {"uncovered", colorOf(file.knobs.marks.uncovered)},
+            {"filled", colorOf(file.knobs.marks.filled)},
+            {"shortcuts", file.knobs.takesShortcuts},
+            {"budgetMs", file.knobs.budgetMs}};
+  if (file.arrangement.transferFunction) json["transferFunction"] = toJson(*file.arrangement.transferFunction);
+  return textOf(json);
+}
+
+bool isSessionFile(const std::filesystem::path& path) {
+  try {
+    const JsonDocument document = JsonDocument::fromFile(path);
+    return document.root().isObject() && document.root().find(kMagic).has_value();
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+SessionFile readSessionFile(const std::filesystem::path& path) {
+  const JsonDocument document = JsonDocument::fromFile(path);
+  const Node root = document.root();
+  constexpr std::string_view kKeys[] = {kMagic, "origin", "view", "march", "transferFunction", "panels", "display", "transport", "serverSidePx", "screenPixels",
+                                        "uncovered", "filled", "shortcuts", "budgetMs"};
+  root.requireObject(kKeys);
+  const Node version = root.at(kMagic);
+  if (version.integer(1, 1 << 30) != kVersion) version.fail("is of a later program: this one reads version " + std::to_string(kVersion));
+  SessionFile file;
+  file.origin = readOrigin(root.at("origin"));
+  file.arrangement.view = readView(root.at("view"));
+  file.arrangement.march = MarchSettings{};
+  readMarch(root.at("march"), *file.arrangement.march);
+  if (const auto function = root.find("transferFunction")) file.arrangement.transferFunction = readTransferFunction(*function);
+  for (const Node& panel : root.at("panels").elements(1, kMaxPanels)) readPanel(panel, file);
+  if (const auto display = root.find("display")) readWarpKnobs(*display, file.knobs.warp.knobs);
+  if (const auto transport = root.find("transport")) readTransport(*transport, file.knobs.transport);
+  if (const auto side = root.find("serverSidePx")) file.knobs.serverSidePx = static_cast<uint32_t>(side->integer(1, kMaxImageSide));
+  if (const auto pixels = root.find("screenPixels")) file.knobs.screenPixels = static_cast<uint32_t>(pixels->integer(0, 16));
+  if (const auto mark = root.find("uncovered")) file.knobs.marks.uncovered = readMark(*mark);
+  if (const auto mark = root.find("filled")) file.knobs.marks.filled = readMark(*mark);
+  if (const auto shortcuts = root.find("shortcuts")) file.knobs.takesShortcuts = shortcuts->boolean();
+  if (const auto budget = root.find("budgetMs")) file.knobs.budgetMs = budget->number(kBudgetMsRange);
+  return file;
+}
+
+void restore(const SessionFile& file, Session& session, const OriginOpener& opener) {
+  while (session.panelCount() > file.panels.size()) session.removePanel(session.panelCount() - 1);
+  for (size_t i = 0; i < file.panels.size(); ++i) {
+    if (i >= session.panelCount()) session.addPanel(file.panels[i]);
+    session.setPanel(i, file.panels[i]);
+    session.setOwnCamera(i, file.arrangement.ownViews[i].has_value());
+  }
+  session.setMotion(CameraMotion::none);
+  session.setKnobs(file.knobs);
+  LoadJob job = opener(file.origin);
+  job.open = [open = std::move(job.open), arrangement = file.arrangement](const std::function<void()>& onNews, const std::stop_token& stop) {
+    ConnectedScene opened = open(onNews, stop);
+    opened.arrangement = arrangement;
+    return opened;
+  };
+  session.load(std::move(job));
+}
+
+std::string commandLineOf(const Session& session) {
+  const SessionFile file = sessionFileOf(session);
+  const LiveSettings& knobs = file.knobs;
+  std::string line = "warpscope view";
+  const auto add = [&](std::string_view option, const std::string& value) { line += " " + std::string(option) + " " + quoted(value); };
+  const bool isServer = file.origin.spec.find("://") != std::string::npos;
+  if (isServer)
+    add("--connect", file.origin.spec);
+  else
+    line += " " + quoted(file.origin.spec);
+  const SceneOverrides& overrides = file.origin.overrides;
+  if (overrides.volume) add("--volume", overrides.volume->string());
+  if (overrides.mask) add("--mask", overrides.mask->string());
+  if (overrides.proceduralDims)
+    add("--volume-size", std::to_string(overrides.proceduralDims->x) + "x" + std::to_string(overrides.proceduralDims->y) + "x" + std::to_string(overrides.proceduralDims->z));
+  if (overrides.fovYDeg) add("--fov", Json(*overrides.fovYDeg).dump());
+  if (overrides.seed != SceneOverrides{}.seed) add("--seed", std::to_string(overrides.seed));
+  std::string panels;
+  for (const PanelSettings& panel : file.panels) panels += (panels.empty() ? "" : ",") + (panel.isAutomatic ? std::string("auto") : std::string(panel.technique->name));
+  add("--panels", panels);
+  const MarchSettings usual = session.scene()->march;
+  for (const MarchKnob& row : marchKnobs())
+    if (row.get(knobs.march) != row.get(usual) && !row.knob->option.empty()) add(row.knob->option, textOf(*row.knob, row.get(knobs.march)));
+  for (const MarchText& text : marchTexts())
+    if (text.get(knobs.march) != text.get(usual)) add(text.option, text.get(knobs.march));
+  // Techniques' knobs are, as options, those of all panels but the first.
+  for (const Knob* knob : warpKnobs()) {
+    const double value = knob->isOfPanel ? file.panels.back().knobs[*knob] : knobs.warp.knobs[*knob];
+    if (value != knob->defaultValue && !knob->option.empty()) add(knob->option, textOf(*knob, value));
+  }
+  if (!(knobs.transport.link == net::DuplexLinkSettings{})) add("--link", net::toString(knobs.transport.link));
+  for (const TransportKnob& row : transportKnobs())
+    if (row.get(knobs.transport) != row.get(TransportSettings{}) && !row.knob->option.empty()) add(row.knob->option, textOf(*row.knob, row.get(knobs.transport)));
+  return line;
+}
+
+}  // namespace warpscope

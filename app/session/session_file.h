@@ -1,0 +1,40 @@
+// A session as a file: the scene, how it looks, the camera, the panels and every knob; and the command that shows the same.
+// JSON; the format is in app/README.md. What was measured, and frames, are not in it.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/session/session.h"
+
+namespace warpscope {
+
+struct SessionFile {
+  SceneOrigin origin;
+  SceneArrangement arrangement;  ///< all of it said; a view of its own, or nothing, for each panel
+  std::vector<PanelSettings> panels;
+  LiveSettings knobs;
+};
+
+/// Makes jobs that open scenes.
+using OriginOpener = std::function<LoadJob(const SceneOrigin&)>;
+
+/// Whether it looks like one, right or wrong.
+bool isSessionFile(const std::filesystem::path& path);
+
+/// What is on show now. Throws InputError where there is no scene, or one that cannot be opened again.
+SessionFile sessionFileOf(const Session& session);
+std::string textOf(const SessionFile& file);
+/// Throws InputError that names the file, the line and the key.
+SessionFile readSessionFile(const std::filesystem::path& path);
+
+/// Opens the scene in the background, and sets up panels and knobs at once.
+void restore(const SessionFile& file, Session& session, const OriginOpener& opener);
+
+/// "warpscope view ...": what has no option (the camera, contents, edits of the transfer function) is the session file's alone. Throws as sessionFileOf().
+std::string commandLineOf(const Session& session);
+
+}  // namespace warpscope
