@@ -92,6 +92,7 @@ TEST_F(SessionFileTest, WithMorePanelsThanBeforeAndWithFewer) {
     file.arrangement.ownViews.assign(count, std::nullopt);
     restore(file, session_, opener);
     EXPECT_EQ(session_.panelCount(), count);
+    ASSERT_TRUE(pumpUntil([&] { return session_.loading().empty(); }));
     ASSERT_TRUE(settle());
   }
 }

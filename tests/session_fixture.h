@@ -124,7 +124,7 @@ class SessionTest : public ::testing::Test {
 
   bool open(const std::string& name) {
     session_.load(builtin(name));
-    return settle();
+    return pumpUntil([&] { return session_.loading().empty(); }) && settle();  // the scene before may be at rest
   }
 
   /// Turns the camera a little, so often, and lets the session run.

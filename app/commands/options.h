@@ -128,6 +128,7 @@ void addStabilityCommand(CLI::App& program, std::function<void()>& chosen);
 void addSweepCommand(CLI::App& program, std::function<void()>& chosen);
 void addExportCommand(CLI::App& program, std::function<void()>& chosen);
 void addInfoCommand(CLI::App& program, std::function<void()>& chosen);
+void addReplayCommand(CLI::App& program, std::function<void()>& chosen);
 void addViewCommand(CLI::App& program, std::function<void()>& chosen);
 
 /// `view` of the default scene. Throws NoDisplay if there is no screen.

@@ -94,6 +94,7 @@ int run(int argc, char** argv) {
   addShotCommand(program, chosen);
   addCompareCommand(program, chosen);
   addCheckCommand(program, chosen);
+  addReplayCommand(program, chosen);
   addBenchCommand(program, chosen);
   addPlanCommand(program, chosen);
   addSweepCommand(program, chosen);

@@ -30,6 +30,7 @@ struct ViewOptions {
   std::string report;
   std::string front;
   std::string session;
+  std::string record;
   std::optional<double> budgetMs;
   KnobOptions ownKnobs;  ///< that the window alone has
 };
@@ -95,6 +96,7 @@ void view(const ViewOptions& options) {
     requireScene(checked.sceneSpec);
   if (!options.screenshot.empty()) requireWritable(options.screenshot);
   if (!options.report.empty()) requireWritable(options.report);
+  if (!options.record.empty()) requireWritable(options.record);
   settings.knobs.warp = checked.warp;
   settings.knobs.transport = transport;
   settings.knobs.marks = checked.marks;
@@ -109,6 +111,7 @@ void view(const ViewOptions& options) {
   window.screenshot = options.screenshot;
   window.screenshotAfterMs = options.screenshotAfterMs;
   window.report = options.report;
+  window.recording = options.record;
   window.transferFile = options.common.transferFunction;
   if (!options.front.empty()) {
     window.sweep = readSweepFile(options.front);
@@ -191,6 +194,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
       ->capture_default_str();
   command->add_option("--report", options->report, "JSON file to write figures to when the window closes: display rate, ages, latencies");
   command->add_option("--front", options->front, "sweep.json whose configurations the plot shows as hollow points, and that auto chooses by");
+  command->add_option("--record", options->record, "File to record frames and the camera into, for replay");
   command->add_option("--session", options->session, "Session file to go on with, or last: the one that was on show when a window was closed last");
   command->callback([options, &chosen] {
     chosen = [options] {

@@ -33,7 +33,7 @@ struct TimedView {
 /// A path that somebody has flown: times rise. Bounded: beyond kMost it takes no more.
 class CameraPath {
  public:
-  static constexpr size_t kMost = 36000;  ///< ten minutes at 60 pictures a second
+  static constexpr size_t kMost = 216000;  ///< an hour at 60 pictures a second
 
   /// What is no later than the last view replaces it.
   void add(double seconds, const View& view);

@@ -9,12 +9,13 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<ActionDescriptor, 27> kActions{{
+constexpr std::array<ActionDescriptor, 28> kActions{{
     {Action::open, ActionMenu::file, "Open...", "Ctrl+O", "A scene, a volume, a transfer function, a sweep or a session: also by dropping it onto the window"},
     {Action::saveSession, ActionMenu::file, "Save session...", "Ctrl+S", "The scene, its look, the camera, the panels and all knobs, in a file"},
     {Action::restoreLast, ActionMenu::file, "Last session", "", "What was on show when a window was closed last"},
     {Action::copyCommand, ActionMenu::file, "Copy command", "", "The command that shows the same, but for the camera and edits of the transfer function"},
     {Action::savePicture, ActionMenu::file, "Save picture", "F12", "The window as a PNG file in the folder where the program was started"},
+    {Action::record, ActionMenu::file, "Record...", "Ctrl+R", "Frames and the camera into a file, which `warpscope replay` shows again by any techniques; or end that"},
     {Action::quit, ActionMenu::file, "Quit", "Ctrl+Q", "Close the window"},
     {Action::resetView, ActionMenu::view, "First view", "R", "Back to the scene's first view", false, true},
     {Action::freeze, ActionMenu::view, "Freeze", "F", "Keep the frame on show and ask the server for no other"},

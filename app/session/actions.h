@@ -16,6 +16,7 @@ enum class Action {
   restoreLast,
   copyCommand,
   savePicture,
+  record,
   quit,
   resetView,
   freeze,

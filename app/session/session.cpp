@@ -217,6 +217,7 @@ bool Session::update(TimePoint now) {
   if (const SampleFramePtr& frame = frames_.newest()) happened |= plan_.follow(opening_.current()->display, *frame);
   happened |= plan_.take();
   happened |= followRay();
+  record(now);
   timing_.update(panels_, isAtRest(), happened, now);
   plan_.measure(showsPlan_ && timing_.isOver(panels_, now));
   frames_.forgetOld([this](uint64_t id) { return std::any_of(panels_.begin(), panels_.end(), [&](const LivePanel& one) { return one.mayShow(id); }); });
@@ -240,6 +241,26 @@ void Session::setTransferFunction(TransferFunction function) {
   liveFront_.clear();  // its points are of the function before
 }
 
+void Session::startRecording(const std::filesystem::path& file, const std::string& text) {
+  if (!scene()) throw InputError("there is no scene yet");
+  recorder_.reset();  // it may be the same file
+  recorder_ = std::make_unique<RecordingWriter>(file, *scene(), text);
+  recordingSince_.reset();
+  recordedFrame_.reset();
+}
+
+void Session::record(TimePoint now) {
+  if (!recorder_) return;
+  if (std::string error = recorder_->error(); !error.empty()) {
+    truth_.setError(std::move(error));
+    return stopRecording();
+  }
+  if (!recordingSince_) recordingSince_ = now;
+  const double seconds = std::chrono::duration<double>(now - *recordingSince_).count();
+  recorder_->addView(seconds, view_.get());
+  if (const SampleFramePtr& frame = frames_.newest(); frame && frame != recordedFrame_) recorder_->addFrame(seconds, recordedFrame_ = frame);
+}
+
 bool Session::followRay() {
   const auto shown = lookedAt_ ? std::ranges::find(panels_, lookedAt_->panel, [](const LivePanel& panel) { return panel.shown().id; }) : panels_.end();
   if (shown == panels_.end()) {
@@ -261,6 +282,7 @@ bool Session::takeScene() {
   const SceneOpening::Outcome outcome = opening_.take();
   if (outcome != SceneOpening::Outcome::opened) return outcome != SceneOpening::Outcome::nothing;
   ++sceneCount_;
+  stopRecording();  // it is of the scene before
   truth_.clear();
   plan_.clear();
   ray_.clear();
@@ -390,6 +412,7 @@ bool Session::isAtRest() const {
 
 bool Session::close(std::chrono::milliseconds patience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
+  stopRecording();
   opening_.requestStop();
   truth_.requestStop();
   plan_.requestStop();

@@ -12,6 +12,7 @@
 
 #include "app/experiment/auto_choice.h"
 #include "app/experiment/live_front.h"
+#include "app/frames/recording.h"
 #include "app/session/frame_requests.h"
 #include "app/session/live_ground_truth.h"
 #include "app/session/live_motion.h"
@@ -83,6 +84,11 @@ class Session {
   const LiveMotion& motion() const { return motion_; }
   /// Records the linked camera's path anew, or ends that.
   void setRecording(bool isRecording) { motion_.setRecording(isRecording); }
+  /// Records frames and the linked camera into a file from now on, in place of one that is there (frames/recording.h); `text` goes with it. Throws InputError
+  /// where that cannot be written, or without a scene.
+  void startRecording(const std::filesystem::path& file, const std::string& text);
+  void stopRecording() { recorder_.reset(); }
+  bool isRecording() const { return recorder_ != nullptr; }
   /// The link lets nothing pass for so long, on top of what is simulated.
   void beginOutage(std::chrono::milliseconds length, TimePoint now) { outageEnd_ = now + (outageLength_ = length); }
   bool hasOutage(TimePoint now) const { return now < outageEnd_; }
@@ -181,6 +187,7 @@ class Session {
   bool takeScene();
   bool followOwnCamera(LivePanel& panel, TimePoint now);
   bool followRay();
+  void record(TimePoint now);
   bool takePicture(LivePanel& panel, size_t index);
   bool takeErrors(LivePanel& panel, TimePoint now);
   bool postJob(size_t index);
@@ -214,6 +221,9 @@ class Session {
   std::vector<LivePanel> panels_;
   std::vector<LivePanel> removed_;  // whose threads have not ended yet
   LiveMotion motion_;
+  std::unique_ptr<RecordingWriter> recorder_;
+  std::optional<TimePoint> recordingSince_;  // nothing until its first view
+  SampleFramePtr recordedFrame_;             // last
   TimePoint outageEnd_{};
   std::chrono::milliseconds outageLength_{0};
   uint64_t lastPanelId_ = 0;

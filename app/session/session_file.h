@@ -31,6 +31,9 @@ std::string textOf(const SessionFile& file);
 /// Throws InputError that names the file, the line and the key.
 SessionFile readSessionFile(const std::filesystem::path& path);
 
+/// As readSessionFile(), of its text; `source` names it in complaints.
+SessionFile readSessionText(const std::string& text, const std::string& source);
+
 /// Opens the scene in the background, and sets up panels and knobs at once.
 void restore(const SessionFile& file, Session& session, const OriginOpener& opener);
 

@@ -20,6 +20,7 @@ class FileDialog {
   void show(Purpose purpose, const std::string& title, const std::string& name = "");
   bool isOpen() const { return isOpen_; }
   Purpose purpose() const { return purpose_; }
+  const std::string& title() const { return title_; }
   void close() { isOpen_ = false; }
   /// The file that was chosen, once.
   std::optional<std::filesystem::path> draw(const Look& look);

@@ -77,6 +77,15 @@ void MainView::saveSession(const Session& session, const std::filesystem::path& 
   }
 }
 
+void MainView::startRecording(Session& session, const std::filesystem::path& path) {
+  try {
+    session.startRecording(path, session.origin() ? textOf(sessionFileOf(session)) : "");
+    setNote("recording into " + path.string());
+  } catch (const InputError& error) {
+    setNote(error.what());
+  }
+}
+
 void MainView::restoreSession(Session& session, const std::filesystem::path& path) {
   try {
     restore(readSessionFile(path), session, openScene_);
@@ -114,6 +123,10 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
         setNote(error.what());
       }
       return;
+    case Action::record:
+      if (!session.isRecording()) return dialog_.show(FileDialog::Purpose::save, "Record", "recording.warpscope");
+      session.stopRecording();
+      return setNote("the recording has ended");
     case Action::savePicture:
     case Action::quit:
     case Action::fullScreen: return windowActions_.push_back(action);
@@ -153,6 +166,7 @@ bool MainView::isOn(Action action, const Session& session, size_t panel) const {
     case Action::inspect: return grid_.isInspecting();
     case Action::maximise: return grid_.isMaximised(session, panel);
     case Action::showPlan: return session.showsPlan();
+    case Action::record: return session.isRecording();
     case Action::hideSideBar: return hasSideBar_;
     default: return false;
   }
@@ -209,7 +223,9 @@ void MainView::drawMenus(Session& session, const Look& look) {
 void MainView::drawDialog(Session& session, const Look& look) {
   const std::optional<std::filesystem::path> path = dialog_.draw(look);
   if (!path) return;
-  if (dialog_.purpose() == FileDialog::Purpose::save)
+  if (dialog_.title() == "Record")
+    startRecording(session, *path);
+  else if (dialog_.purpose() == FileDialog::Purpose::save)
     saveSession(session, *path);
   else
     open(path->string(), session);

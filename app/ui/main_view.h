@@ -62,6 +62,7 @@ class MainView {
   void drawDialog(Session& session, const Look& look);
   void drawNote(const Look& look);
   void saveSession(const Session& session, const std::filesystem::path& path);
+  void startRecording(Session& session, const std::filesystem::path& path);
   void restoreSession(Session& session, const std::filesystem::path& path);
 
   Controls controls_;

@@ -130,11 +130,13 @@ void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
 void drawLinkSign(const Session& session, const Look& look) {
   const net::DuplexLinkSettings& link = session.knobs().transport.link;
   const bool hasOutage = session.hasOutage(look.now);
-  if (link.up.isTransparent() && link.down.isTransparent() && !hasOutage) return;
+  const bool hasLink = !(link.up.isTransparent() && link.down.isTransparent());
+  if (!hasLink && !hasOutage && !session.isRecording()) return;
   std::string text = "Simulated link: " + net::toString(link);
   for (const net::LinkPreset& preset : net::linkPresets())
     if (preset.settings == link) text = "Simulated link: " + std::string(preset.name) + ", " + std::string(preset.summary);
   if (hasOutage) text = "Simulated outage: nothing passes";
+  if (session.isRecording()) text = "Recording. " + (hasLink || hasOutage ? text : std::string("Ctrl+R ends it"));
   const float size = 1.25f * ImGui::GetFontSize(), height = size + look.px(8.0f), width = ImGui::GetContentRegionAvail().x;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::Dummy({width, height});

@@ -94,6 +94,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
   const Clock::TimePoint start = clock.now();
   Clock::TimePoint lastActive = start;
   std::string shownScene;
+  bool hasRecorded = false;
   Image<Rgba8> photograph;
   while (!window.shouldClose() && !stop.stop_requested()) {
     const bool isMoving = clock.now() - lastActive < kLinger;
@@ -107,6 +108,10 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
       window.setTitle(shownScene + " – warpscope");
     }
 
+    if (!hasRecorded && !settings.recording.empty() && session.scene() != nullptr) {
+      session.startRecording(settings.recording, session.origin() ? textOf(sessionFileOf(session)) : "");
+      hasRecorded = true;
+    }
     window.beginFrame();
     if (window.hadInput()) lastActive = now;
     if (isMoving)

@@ -1,0 +1,76 @@
+// One picture after the other.
+// See replay.h.
+#include "app/experiment/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "app/picture/picture.h"
+#include "app/picture/text.h"
+#include "render/base/error.h"
+#include "render/base/formatted.h"
+
+namespace warpscope {
+namespace {
+
+constexpr uint32_t kLabelPx = 24, kGapPx = 4;
+constexpr float kTextPx = 16.0f;
+constexpr Rgba8 kPaper = 0xff181512u, kInk = 0xffe6e0dcu;
+
+void paste(Image<Rgba8>& page, const Image<Rgba8>& picture, uint32_t left) {
+  for (uint32_t y = 0; y < picture.height(); ++y) std::copy_n(picture.row(y), picture.width(), page.row(y) + left);
+}
+
+}  // namespace
+
+size_t pictureCount(const Recording& recording, double picturesPerSecond) {
+  return static_cast<size_t>(std::floor(recording.seconds * picturesPerSecond)) + 1;
+}
+
+uint32_t replayHeight(const ReplaySettings& settings) { return settings.height + (settings.hasLabels ? kLabelPx : 0); }
+
+void replay(const Recording& recording, const ReplaySettings& settings, const std::function<void(size_t, const Image<Rgba8>&)>& onPicture,
+            const std::stop_token& stop) {
+  struct Row {
+    std::unique_ptr<Warp> warp;
+    WarpSettings warpSettings;
+    SampleFramePtr frame;
+  };
+  std::vector<Row> rows;
+  for (const TechniqueInUse& one : settings.techniques) {
+    Row& row = rows.emplace_back();
+    row.warp = makeWarp(*one.technique, settings.resources);
+    row.warpSettings.knobs = one.knobs.only(one.technique->knobs);
+    row.warpSettings.reference = recording.scene.march.render;
+    if (!one.technique->usesFrame) row.warp->setFrame(nullptr, row.warpSettings, stop);
+  }
+  RecordedFrames frames(recording);
+  const auto columns = static_cast<uint32_t>(rows.size());
+  Image<Rgba8> page(columns * settings.width + (columns - 1) * kGapPx, replayHeight(settings));
+  WarpedImage image;
+  const size_t count = pictureCount(recording, settings.picturesPerSecond);
+  for (size_t i = 0; i < count; ++i) {
+    if (stop.stop_requested()) throw OperationCancelled();
+    const double seconds = static_cast<double>(i) / settings.picturesPerSecond;
+    const Camera camera = makeCamera(recording.scene, recording.path.at(seconds), settings.width, settings.height);
+    const SampleFramePtr frame = frames.at(seconds);
+    std::fill(page.begin(), page.end(), kPaper);
+    for (size_t k = 0; k < rows.size(); ++k) {
+      Row& row = rows[k];
+      const WarpDescriptor& technique = *settings.techniques[k].technique;
+      const auto left = static_cast<uint32_t>(k) * (settings.width + kGapPx);
+      if (technique.usesFrame && frame && row.frame != frame) row.warp->setFrame(row.frame = frame, row.warpSettings, stop);
+      if (!technique.usesFrame || frame) {
+        row.warp->draw(camera, row.warpSettings, image, stop);
+        paste(page, toScreen(image, recording.scene.background), left);
+      }
+      if (!settings.hasLabels) continue;
+      const std::string text = std::string(technique.label) + (technique.usesFrame && !frame ? ": no frame yet" : "") + formatted("   %.2f s", seconds);
+      drawText(page, static_cast<float>(left) + 6.0f, static_cast<float>(settings.height) + 4.0f, text, kTextPx, kInk);
+    }
+    onPicture(i, page);
+  }
+}
+
+}  // namespace warpscope

@@ -1,0 +1,304 @@
+// Records: written by a thread, read at once.
+// See recording.h.
+#include "app/frames/recording.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstdio>
+#include <cstring>
+#include <deque>
+#include <fstream>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <variant>
+
+#include "app/frames/wire_fields.h"
+#include "net/wire.h"
+#include "render/base/error.h"
+
+namespace warpscope {
+namespace {
+
+enum class RecordType : uint8_t { scene = 1, text = 2, view = 3, frame = 4 };
+
+constexpr size_t kRecordHeadBytes = 8 + 1 + 4;
+/// Frames that wait to be written: beyond these, new ones are left out.
+constexpr size_t kMostWaiting = 64;
+constexpr std::chrono::milliseconds kFlushPeriod(500);
+constexpr uint64_t kMostBytes = uint64_t{1} << 36;
+
+/// Of frames in recordings: nothing is lost.
+CodecSettings recordedCodec() {
+  CodecSettings codec;
+  codec.color = ColorCoding::lossless;
+  return codec;
+}
+
+struct RecordedView {
+  double seconds;
+  View view;
+};
+struct RecordedFrame {
+  double seconds;
+  SampleFramePtr frame;
+};
+
+std::string reasonOf(int error) { return std::strerror(error); }
+
+}  // namespace
+
+class RecordingWriter::Work {
+ public:
+  Work(const std::filesystem::path& path, const Scene& scene, const std::string& text) : path_(path), file_(std::fopen(path.c_str(), "wb")) {
+    if (!file_) throw InputError(path.string() + ": " + reasonOf(errno));
+    write(std::as_bytes(std::span(kRecordingMagic)));
+    const net::Bytes message = net::sceneMessage(toFields(scene));
+    record(0.0, RecordType::scene, std::span(message).subspan(8));  // without the message's head
+    record(0.0, RecordType::text, std::as_bytes(std::span(text)));
+    flush();
+    if (!error_.empty()) throw InputError(error_);
+    thread_ = std::thread([this] { run(); });
+  }
+  ~Work() {
+    {
+      const std::scoped_lock lock(mutex_);
+      isEnding_ = true;
+    }
+    news_.notify_all();
+    thread_.join();
+  }
+
+  void post(const RecordedView& view) {
+    const std::scoped_lock lock(mutex_);
+    waiting_.push_back(view);
+    news_.notify_all();
+  }
+  void post(RecordedFrame frame) {
+    const std::scoped_lock lock(mutex_);
+    if (framesWaiting_ >= kMostWaiting) {
+      ++leftOut_;
+      return;
+    }
+    ++framesWaiting_;
+    waiting_.push_back(std::move(frame));
+    news_.notify_all();
+  }
+  std::string error() const {
+    const std::scoped_lock lock(mutex_);
+    return error_;
+  }
+  size_t leftOut() const {
+    const std::scoped_lock lock(mutex_);
+    return leftOut_;
+  }
+
+ private:
+  using Item = std::variant<RecordedView, RecordedFrame>;
+
+  void run() {
+    auto flushedAt = std::chrono::steady_clock::now();
+    std::unique_lock lock(mutex_);
+    while (!isEnding_ || !waiting_.empty()) {
+      news_.wait_for(lock, kFlushPeriod, [&] { return isEnding_ || !waiting_.empty(); });
+      while (!waiting_.empty()) {
+        Item item = std::move(waiting_.front());
+        waiting_.pop_front();
+        if (std::holds_alternative<RecordedFrame>(item)) --framesWaiting_;
+        lock.unlock();
+        std::visit([&](const auto& one) { keep(one); }, item);
+        lock.lock();
+      }
+      if (std::chrono::steady_clock::now() - flushedAt < kFlushPeriod) continue;
+      lock.unlock();
+      flush();
+      flushedAt = std::chrono::steady_clock::now();
+      lock.lock();
+    }
+    lock.unlock();
+    flush();
+  }
+
+  void keep(const RecordedView& one) {
+    net::Bytes body;
+    net::WireWriter writer(body);
+    for (const double number : {one.view.angleDeg, one.view.elevationDeg, one.view.distance, one.view.pan.x, one.view.pan.y}) writer.number(number);
+    record(one.seconds, RecordType::view, body);
+  }
+
+  void keep(const RecordedFrame& one) {
+    SampleFrame frame = *one.frame;
+    // The copy of the volume is written once, with the first frame that has it.
+    if (std::exchange(proxy_, frame.proxy) == frame.proxy) {
+      frame.proxy.reset();
+      frame.settings.sample.proxy = 0;
+    }
+    const net::Bytes payload = codec_.encode(frame, recordedCodec());
+    net::FrameHead head = headOf(frame, recordedCodec());
+    head.id = frame.requestId;
+    net::Bytes body = net::frameMessage(head, payload.size());
+    body.erase(body.begin(), body.begin() + 8);  // the message's head
+    body.insert(body.end(), payload.begin(), payload.end());
+    record(one.seconds, RecordType::frame, body);
+  }
+
+  void record(double seconds, RecordType type, std::span<const std::byte> body) {
+    net::Bytes head;
+    net::WireWriter writer(head);
+    writer.number(seconds);
+    writer.number(static_cast<uint8_t>(type));
+    writer.number(static_cast<uint32_t>(body.size()));
+    write(head);
+    write(body);
+  }
+
+  void write(std::span<const std::byte> bytes) {
+    if (hasFailed_ || bytes.empty()) return;
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) fail();
+  }
+  void flush() {
+    if (!hasFailed_ && std::fflush(file_.get()) != 0) fail();
+  }
+  void fail() {
+    hasFailed_ = true;
+    const std::scoped_lock lock(mutex_);
+    error_ = path_.string() + ": " + reasonOf(errno);
+  }
+
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  const std::filesystem::path path_;
+  const std::unique_ptr<std::FILE, Close> file_;
+  FrameCodec codec_;
+  ProxyPtr proxy_;          // that was written last
+  bool hasFailed_ = false;  // these are the thread's
+  mutable std::mutex mutex_;  // of the following
+  std::condition_variable news_;
+  std::deque<Item> waiting_;
+  size_t framesWaiting_ = 0, leftOut_ = 0;
+  std::string error_;
+  bool isEnding_ = false;
+  std::thread thread_;
+};
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& path, const Scene& scene, const std::string& text)
+    : work_(std::make_unique<Work>(path, scene, text)) {}
+RecordingWriter::~RecordingWriter() = default;
+void RecordingWriter::addView(double seconds, const View& view) { work_->post({seconds, view}); }
+void RecordingWriter::addFrame(double seconds, SampleFramePtr frame) { work_->post(RecordedFrame{seconds, std::move(frame)}); }
+std::string RecordingWriter::error() const { return work_->error(); }
+size_t RecordingWriter::framesLeftOut() const { return work_->leftOut(); }
+
+namespace {
+
+/// Reads bytes of a file; false where there are not as many.
+bool readExactly(std::ifstream& file, std::byte* into, size_t count) {
+  file.read(reinterpret_cast<char*>(into), static_cast<std::streamsize>(count));
+  return static_cast<size_t>(file.gcount()) == count;
+}
+
+/// Takes a record over; false for one that is not as it should be.
+bool take(Recording& recording, double seconds, RecordType type, std::vector<std::byte>& body) {
+  switch (type) {
+    case RecordType::scene: {
+      const std::optional<net::SceneFields> scene = net::readScene(body);
+      if (scene) recording.scene = sceneFrom(*scene);
+      return scene.has_value();
+    }
+    case RecordType::text: recording.text.assign(reinterpret_cast<const char*>(body.data()), body.size()); return true;
+    case RecordType::view: {
+      View view;
+      net::WireReader reader(body);
+      for (double* number : {&view.angleDeg, &view.elevationDeg, &view.distance, &view.pan.x, &view.pan.y}) reader.number(*number);
+      if (!reader.isComplete()) return false;
+      recording.path.add(seconds, view);
+      return true;
+    }
+    case RecordType::frame: {
+      if (body.size() < net::kFrameHeadLengthBytes) return false;
+      const std::optional<size_t> length = net::readFrameHeadLength(std::span(body).first(net::kFrameHeadLengthBytes));
+      if (!length || *length > body.size()) return false;
+      const std::optional<net::FrameHead> head = net::readFrameHead(std::span(body).first(*length));
+      if (!head || !faultOf(*head, body.size() - *length).empty()) return false;
+      if (!recording.frames.empty() && seconds < recording.frames.back().seconds) return false;
+      recording.frames.push_back({seconds, *head, {body.begin() + static_cast<std::ptrdiff_t>(*length), body.end()}});
+      return true;
+    }
+  }
+  return true;  // of a later program, that this one need not know
+}
+
+}  // namespace
+
+Recording readRecording(const std::filesystem::path& path, const std::stop_token& stop) {
+  std::ifstream file(path, std::ios::binary);
+  std::error_code failed;
+  if (!file || !std::filesystem::is_regular_file(path, failed)) throw InputError(path.string() + ": there is no such file");
+  if (std::filesystem::file_size(path, failed) > kMostBytes) throw InputError(path.string() + ": is too large for a recording");
+  std::array<std::byte, 8> magic{};
+  const bool hasMagic = readExactly(file, magic.data(), magic.size());
+  if (!hasMagic || std::memcmp(magic.data(), kRecordingMagic.data(), 7) != 0) throw InputError(path.string() + ": is no recording of warpscope");
+  if (std::to_integer<char>(magic[7]) != kRecordingMagic[7]) throw InputError(path.string() + ": was recorded by a program of another version");
+  Recording recording;
+  const uint64_t size = std::filesystem::file_size(path, failed);
+  uint64_t at = magic.size();
+  bool hasScene = false;
+  for (size_t number = 1;; ++number) {
+    if (stop.stop_requested()) throw OperationCancelled();
+    std::array<std::byte, kRecordHeadBytes> head{};
+    if (!readExactly(file, head.data(), head.size())) break;
+    double seconds;
+    uint8_t type;
+    uint32_t length;
+    net::WireReader reader(head);
+    reader.number(seconds);
+    reader.number(type);
+    reader.number(length);
+    at += head.size();
+    if (length > size - at) break;  // cut off
+    std::vector<std::byte> body(length);
+    if (!readExactly(file, body.data(), length)) break;
+    at += length;
+    const bool isFine = seconds >= 0.0 && seconds < 1e7 && take(recording, seconds, static_cast<RecordType>(type), body);
+    if (!isFine) throw InputError(path.string() + ": its record " + std::to_string(number) + " is damaged");
+    hasScene |= type == static_cast<uint8_t>(RecordType::scene);
+    recording.seconds = std::max(recording.seconds, seconds);
+  }
+  if (!hasScene || recording.path.empty()) throw InputError(path.string() + ": ends before anything was shown");
+  return recording;
+}
+
+SampleFramePtr RecordedFrames::at(double seconds) {
+  const auto& frames = recording_.frames;
+  const auto next = std::ranges::upper_bound(frames, seconds, {}, &Recording::Frame::seconds);
+  if (next == frames.begin()) return nullptr;
+  const auto wanted = static_cast<size_t>(next - frames.begin()) - 1;
+  if (decoded_ == wanted) return frame_;
+  // A copy of the volume came with an earlier frame: going back, it is looked for from the beginning.
+  size_t first = decoded_ && *decoded_ < wanted ? *decoded_ + 1 : 0;
+  if (first == 0) proxy_.reset();
+  for (; first <= wanted; ++first) {
+    const Recording::Frame& recorded = frames[first];
+    const bool hasProxy = marchFrom(recorded.head.settings).sample.proxy > 0;
+    if (first != wanted && !hasProxy) continue;
+    SampleFrame frame;
+    try {
+      frame = decodedFrom(recorded.head, recorded.payload, codec_);
+    } catch (const InputError& error) {
+      throw InputError("the recording's frame " + std::to_string(first + 1) + " is damaged: " + error.what());
+    }
+    if (frame.proxy) proxy_ = frame.proxy;
+    if (first != wanted) continue;
+    if (!frame.proxy && proxy_) {
+      frame.proxy = proxy_;
+      frame.settings.sample.proxy = static_cast<int>(std::max({proxy_->volume->dims().x, proxy_->volume->dims().y, proxy_->volume->dims().z}));
+    }
+    frame.geometry = recording_.scene.geometry();
+    frame_ = std::make_shared<const SampleFrame>(std::move(frame));
+  }
+  decoded_ = wanted;
+  return frame_;
+}
+
+}  // namespace warpscope

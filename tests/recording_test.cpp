@@ -1,0 +1,217 @@
+// Recordings: what was recorded comes back, as much of it as was written; what is damaged is a sentence; replays are the same on every run.
+// Mirrors app/frames/recording.h and app/experiment/replay.h.
+#include "app/frames/recording.h"
+
+#include <gmock/gmock.h>
+
+#include "app/experiment/replay.h"
+#include "render/base/error.h"
+#include "tests/headless.h"
+#include "tests/session_fixture.h"
+#include "tests/test_folder.h"
+
+namespace warpscope {
+namespace {
+
+using testing::HasSubstr;
+
+class RecordingTest : public ::testing::Test {
+ protected:
+  RecordingTest() {
+    SceneOverrides overrides;
+    overrides.proceduralDims = {16, 16, 16};
+    scene_ = openScene("shells", overrides);
+    marcher_ = makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction);
+    settings_ = scene_.march;
+    settings_.sample.segments = 2;
+    settings_.sample.proxy = 12;
+    frames_ = {frameAt(0.0, 7), frameAt(20.0, 9)};
+  }
+
+  SampleFramePtr frameAt(double angleDeg, uint64_t id) {
+    View view = scene_.views.front();
+    view.angleDeg += angleDeg;
+    auto frame = std::make_shared<SampleFrame>(marcher_->march(makeCamera(scene_, view, 40, 30), settings_));
+    frame->requestId = id;
+    if (proxy_) frame->proxy = proxy_;
+    proxy_ = frame->proxy;
+    return frame;
+  }
+  /// Two seconds: a frame at 0.2 and one at 1, the camera turning all the time.
+  std::string recorded(const std::string& name) {
+    const std::string file = folder_.file(name);
+    RecordingWriter writer(file, scene_, "the text");
+    for (int i = 0; i <= 20; ++i) {
+      writer.addView(0.1 * i, {.angleDeg = 3.0 * i});
+      if (i == 2) writer.addFrame(0.2, frames_[0]);
+      if (i == 10) writer.addFrame(1.0, frames_[1]);
+    }
+    EXPECT_EQ(writer.framesLeftOut(), 0u);
+    return file;
+  }
+  std::string refusalOf(const std::string& bytes) {
+    try {
+      readRecording(folder_.write("read.warpscope", bytes));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  static std::string bytesOf(const std::string& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+
+  TestFolder folder_;
+  Scene scene_;
+  MarcherPtr marcher_;
+  MarchSettings settings_;
+  ProxyPtr proxy_;
+  std::array<SampleFramePtr, 2> frames_;
+};
+
+TEST_F(RecordingTest, WhatWasRecordedComesBack) {
+  const Recording recording = readRecording(recorded("a.warpscope"));
+  EXPECT_EQ(recording.text, "the text");
+  EXPECT_EQ(recording.scene.name, scene_.name);
+  EXPECT_EQ(recording.scene.geometry().dims, scene_.volume->dims());
+  EXPECT_FALSE(recording.scene.volume);
+  EXPECT_DOUBLE_EQ(recording.seconds, 2.0);
+  EXPECT_DOUBLE_EQ(recording.path.at(1.05).angleDeg, 31.5);
+  ASSERT_EQ(recording.frames.size(), 2u);
+  RecordedFrames frames(recording);
+  EXPECT_EQ(frames.at(0.1), nullptr);
+  for (const auto& [seconds, wanted] : {std::pair{0.2, 0}, {0.9, 0}, {1.0, 1}, {5.0, 1}, {0.5, 0}}) {  // back as well
+    const SampleFramePtr frame = frames.at(seconds);
+    ASSERT_TRUE(frame) << seconds;
+    const SampleFrame& expected = *frames_[static_cast<size_t>(wanted)];
+    EXPECT_EQ(frame->requestId, expected.requestId);
+    EXPECT_EQ(frame->samples, expected.samples);
+    EXPECT_EQ(frame->colors, expected.colors) << "without loss";
+    EXPECT_EQ(frame->segments.depths, expected.segments.depths);
+    EXPECT_EQ(frame->settings, expected.settings);
+    EXPECT_EQ(frame->camera, expected.camera);
+    ASSERT_TRUE(frame->proxy) << "it was written with the first frame alone";
+    EXPECT_EQ(frame->proxy->sizeBytes(), expected.proxy->sizeBytes());
+  }
+}
+
+TEST_F(RecordingTest, CutOffAnywhereTheRestIsThere) {
+  const std::string whole = bytesOf(recorded("a.warpscope"));
+  size_t frames = 0, refused = 0;
+  for (size_t length = 0; length < whole.size(); length += 97) {
+    const std::string why = refusalOf(whole.substr(0, length));
+    if (!why.empty()) {
+      ++refused;
+      EXPECT_THAT(why, testing::AnyOf(HasSubstr("is no recording"), HasSubstr("ends before anything was shown"))) << length;
+      continue;
+    }
+    const Recording recording = readRecording(folder_.file("read.warpscope"));
+    EXPECT_GE(recording.frames.size(), frames);
+    frames = recording.frames.size();
+    RecordedFrames all(recording);
+    EXPECT_NO_THROW(all.at(100.0));
+  }
+  EXPECT_EQ(frames, 2u);
+  EXPECT_GT(refused, 0u);
+}
+
+TEST_F(RecordingTest, DamageIsASentence) {
+  const std::string whole = bytesOf(recorded("a.warpscope"));
+  EXPECT_THAT(refusalOf("something else altogether"), HasSubstr("is no recording"));
+  EXPECT_THAT(refusalOf(""), HasSubstr("is no recording"));
+  EXPECT_THAT(refusalOf(std::string(kRecordingMagic)), HasSubstr("ends before anything"));
+  std::string later = whole;
+  later[7] = 9;
+  EXPECT_THAT(refusalOf(later), HasSubstr("another version"));
+  EXPECT_THROW(readRecording(folder_.file("missing")), InputError);
+  EXPECT_THROW(readRecording(folder_.path()), InputError);
+  size_t sentences = 0;
+  for (size_t at = 8; at < whole.size(); at += 31) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x5a);
+    try {
+      const Recording recording = readRecording(folder_.write("read.warpscope", damaged));
+      RecordedFrames frames(recording);
+      for (const double seconds : {0.5, 1.5}) frames.at(seconds);
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()), "");
+      ++sentences;
+    }
+  }
+  EXPECT_GT(sentences, 0u);
+}
+
+TEST_F(RecordingTest, WhereNothingCanBeWrittenItSaysSo) {
+  EXPECT_THROW(RecordingWriter(folder_.path() / "no" / "folder", scene_, ""), InputError);
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  EXPECT_THROW(RecordingWriter("/dev/full", scene_, ""), InputError);
+}
+
+TEST_F(RecordingTest, AReplayIsTheSameOnEveryRun) {
+  const Recording recording = readRecording(recorded("a.warpscope"));
+  ReplaySettings settings;
+  settings.techniques = {{&findWarp("hold"), {}}, {&findWarp("spheres"), {}}, {&findWarp("reference"), {}}};
+  settings.picturesPerSecond = 5.0;
+  settings.width = 60;
+  settings.height = 40;
+  settings.resources.marcher = marcher_;
+  const auto play = [&] {
+    std::vector<Image<Rgba8>> pictures;
+    replay(recording, settings, [&](size_t index, const Image<Rgba8>& picture) {
+      EXPECT_EQ(index, pictures.size());
+      pictures.push_back(picture);
+    }, {});
+    return pictures;
+  };
+  const std::vector<Image<Rgba8>> first = play();
+  EXPECT_EQ(first.size(), 11u);
+  EXPECT_EQ(pictureCount(recording, 5.0), 11u);
+  EXPECT_EQ(play(), first);
+  EXPECT_EQ(first[0].width(), 3u * 60 + 2 * 4);
+  EXPECT_EQ(first[0].height(), replayHeight(settings));
+  for (size_t i = 1; i < first.size(); ++i) EXPECT_NE(first[i], first[i - 1]) << "the camera moves";
+  // Before the first frame, techniques that need one show nothing; what marches shows the scene.
+  const auto isBlank = [&](const Image<Rgba8>& picture, uint32_t left) {
+    for (uint32_t y = 0; y < 40; ++y)
+      for (uint32_t x = 0; x < 60; ++x)
+        if (picture(left + x, y) != picture(0, 0)) return false;
+    return true;
+  };
+  EXPECT_TRUE(isBlank(first[0], 0));
+  EXPECT_TRUE(isBlank(first[0], 64));
+  EXPECT_FALSE(isBlank(first[0], 128));
+  EXPECT_FALSE(isBlank(first[1], 0));
+  settings.hasLabels = false;
+  EXPECT_EQ(play()[0].height(), 40u);
+  std::stop_source stopped;
+  stopped.request_stop();
+  EXPECT_THROW(replay(recording, settings, [](size_t, const Image<Rgba8>&) {}, stopped.get_token()), OperationCancelled);
+}
+
+using SessionRecordingTest = SessionTest;
+
+TEST_F(SessionRecordingTest, FramesAndTheCameraOfASession) {
+  const TestFolder folder;
+  EXPECT_THROW(session_.startRecording(folder.file("a.warpscope"), ""), InputError) << "without a scene";
+  ASSERT_TRUE(open("shells"));
+  session_.startRecording(folder.file("a.warpscope"), "text");
+  EXPECT_TRUE(session_.isRecording());
+  session_.update(clock_.now());
+  for (int i = 0; i < 3; ++i) {
+    turn(session_, 15.0);
+    ASSERT_TRUE(settle());
+  }
+  session_.stopRecording();
+  const Recording recording = readRecording(folder.file("a.warpscope"));
+  EXPECT_EQ(recording.frames.size(), 4u);
+  EXPECT_NEAR(recording.path.at(recording.seconds).angleDeg, session_.view().angleDeg, 1e-9);
+  RecordedFrames frames(recording);
+  EXPECT_EQ(frames.at(recording.seconds)->samples, session_.frames().newest()->samples);
+  session_.startRecording(folder.file("b.warpscope"), "");
+  ASSERT_TRUE(open("block"));
+  EXPECT_FALSE(session_.isRecording()) << "it was of the scene before";
+}
+
+}  // namespace
+}  // namespace warpscope
