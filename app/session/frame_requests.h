@@ -9,6 +9,7 @@
 #include <string>
 
 #include "app/frames/frame_source.h"
+#include "app/scene/scene.h"
 #include "app/session/rate_meter.h"
 
 namespace warpscope {
@@ -16,6 +17,7 @@ namespace warpscope {
 /// What a frame should show, and how it should come.
 struct WantedFrame {
   Camera camera;
+  View view;                  ///< that it is of
   MarchSettings march;
   CodecSettings codec;
   uint32_t serverSidePx = 0;  ///< longer side that the camera's size was made from

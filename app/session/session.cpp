@@ -17,7 +17,8 @@ Session::Session(const SessionSettings& settings, const std::function<void()>& o
       opening_(onNews),
       truth_(onNews),
       plan_(onNews),
-      ray_(onNews) {
+      ray_(onNews),
+      fair_(settings.platform, settings.resources, onNews) {
   setKnobs(settings.knobs);
   for (const PanelSettings& panel : settings.panels) panels_.push_back(makePanel(panel));
 }
@@ -204,7 +205,7 @@ bool Session::update(TimePoint now) {
   liveFront_.setPictureSize(pictureSize());
   happened |= frames_.take();
   frames_.setTransport(transportAt(now));
-  happened |= frames_.ask({view_.cameraOfSize(serverSize()), neededBy(techniquesInUse(), knobs_.march), knobs_.transport.codec, knobs_.serverSidePx, functionVersion_}, knobs_.isFrozen, now);
+  happened |= frames_.ask({view_.cameraOfSize(serverSize()), view_.get(), neededBy(techniquesInUse(), knobs_.march), knobs_.transport.codec, knobs_.serverSidePx, functionVersion_}, knobs_.isFrozen, now);
   happened |= truth_.take();
   happened |= truth_.follow(truthFrom(view_), now);
   for (size_t i = 0; i < panels_.size(); ++i) {
@@ -217,6 +218,7 @@ bool Session::update(TimePoint now) {
   if (const SampleFramePtr& frame = frames_.newest()) happened |= plan_.follow(opening_.current()->display, *frame);
   happened |= plan_.take();
   happened |= followRay();
+  happened |= fair_.take();
   record(now);
   timing_.update(panels_, isAtRest(), happened, now);
   plan_.measure(showsPlan_ && timing_.isOver(panels_, now));
@@ -239,6 +241,34 @@ void Session::setTransferFunction(TransferFunction function) {
   if (!frames_.setTransferFunction(function, ++functionVersion_)) throw UsageError("the server has the volume, and chooses how it looks");
   opening_.setTransferFunction(std::move(function), std::move(display));
   liveFront_.clear();  // its points are of the function before
+  fair_.clear();
+}
+
+void Session::measureNow() {
+  const SampleFramePtr& frame = frames_.newest();
+  const std::optional<WantedFrame> asked = frame ? frames_.askedBy(frame->requestId) : std::nullopt;
+  if (!asked) return;
+  FairJob job;
+  for (size_t i = 0; i < panels_.size(); ++i) {
+    const WarpDescriptor& technique = *panel(i).technique;
+    if (panel(i).isHidden || !technique.usesFrame || !lackOf(technique, frame->settings).empty()) continue;
+    Configuration configuration;
+    configuration.technique = &technique;
+    configuration.march = asked->march;
+    configuration.serverSidePx = asked->serverSidePx;
+    configuration.codec = asked->codec;
+    configuration.knobs = warpSettingsOf(i).knobs;
+    configuration = normalized(configuration);
+    if (std::ranges::find(job.configurations, configuration) == job.configurations.end()) job.configurations.push_back(configuration);
+  }
+  if (job.configurations.empty()) return;
+  job.scene = std::make_shared<const Scene>(*scene());
+  job.marcher = opening_.current()->display;
+  job.frame = frame;
+  job.frameView = asked->view;
+  job.sizePx = pictureSize();
+  job.reference = knobs_.march.render;
+  fair_.start(std::move(job));
 }
 
 void Session::startRecording(const std::filesystem::path& file, const std::string& text) {
@@ -286,6 +316,7 @@ bool Session::takeScene() {
   truth_.clear();
   plan_.clear();
   ray_.clear();
+  fair_.clear();
   const SceneArrangement arranged = opening_.current()->arrangement;
   for (size_t i = 0; i < panels_.size(); ++i) {
     panels_[i].clear();
@@ -403,7 +434,7 @@ std::optional<Configuration> Session::configurationOf(const WarpResult& result) 
 
 bool Session::isAtRest() const {
   const bool isServerAtRest = !frames_.isUnderWay() && !frames_.isToBeRefined() && (frames_.isWhatIsWanted() || knobs_.isFrozen);
-  if (!loading().empty() || !isServerAtRest || !truth_.isAsked()) return false;
+  if (!loading().empty() || !isServerAtRest || !truth_.isAsked() || fair_.isMeasuring()) return false;
   return std::all_of(panels_.begin(), panels_.end(), [this](const LivePanel& panel) {
     const bool isAsked = panel.ownCamera() == nullptr || panel.shown().isHidden || panel.ownCamera()->truth.isAsked();
     return isAsked && panel.isAtRest(truthOf(panel));
@@ -417,9 +448,10 @@ bool Session::close(std::chrono::milliseconds patience) {
   truth_.requestStop();
   plan_.requestStop();
   ray_.requestStop();
+  fair_.requestStop();
   for (LivePanel& panel : panels_) panel.requestStop();
   const auto hasEnded = [&](const LivePanel& panel) { return panel.waitForEnd(deadline); };
-  return opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) && plan_.waitForEnd(deadline) && ray_.waitForEnd(deadline) &&
+  return opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) && plan_.waitForEnd(deadline) && ray_.waitForEnd(deadline) && fair_.waitForEnd(deadline) &&
          std::all_of(panels_.begin(), panels_.end(), hasEnded) && std::all_of(removed_.begin(), removed_.end(), hasEnded);
 }
 

@@ -13,6 +13,7 @@
 #include "app/experiment/auto_choice.h"
 #include "app/experiment/live_front.h"
 #include "app/frames/recording.h"
+#include "app/session/fair_measuring.h"
 #include "app/session/frame_requests.h"
 #include "app/session/live_ground_truth.h"
 #include "app/session/live_motion.h"
@@ -79,6 +80,11 @@ class Session {
   void setView(size_t panel, const View& view);
   /// Lets the panel have a camera of its own, which begins where it is, or takes it away.
   void setOwnCamera(size_t panel, bool hasOwn);
+  /// Measures all techniques on show by the newest frame, at the same angles (fair_measuring.h); panels may go on, but what they do costs time. Does nothing
+  /// without a frame, or where nothing on show draws one.
+  void measureNow();
+  void cancelMeasuring() { fair_.cancel(); }
+  const FairMeasuring& fair() const { return fair_; }
   /// Lets the linked camera move by itself from where it is, until it is moved otherwise. `speed`: times the usual one.
   void setMotion(CameraMotion motion, double speed = 1.0) { motion_.start(motion, speed); }
   const LiveMotion& motion() const { return motion_; }
@@ -217,6 +223,7 @@ class Session {
   LivePlan plan_;
   bool showsPlan_ = false;
   LiveRay ray_;
+  FairMeasuring fair_;
   std::optional<LookedAt> lookedAt_;
   std::vector<LivePanel> panels_;
   std::vector<LivePanel> removed_;  // whose threads have not ended yet

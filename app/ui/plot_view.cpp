@@ -97,13 +97,22 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
     shown.configurations.push_back(&configuration);
   };
   const LiveFront& live = session.liveFront();
+  const FairMeasuring& fair = session.fair();
+  for (const FairPoint& point : fair.points()) {
+    std::string text = describe(point.configuration) + "\n" + figures(point.frameMs, point.flip) + ": measured";
+    for (const FairPoint::Angle& angle : point.angles) text += formatted("\n  FLIP %.4f at %g°, ", angle.flip, angle.angleDeg) + durationText(angle.frameMs);
+    add(point.configuration, point.frameMs, point.flip, text);
+  }
+  if (!fair.points().empty()) shown.front = fair.front();
+  const size_t measured = shown.points.size();
   for (const LiveFront::Point& point : live.points()) {
-    add(point.configuration, point.frameMs, point.flip, describe(point, live.rankedAnglesDeg()));
-    shown.points.back().isDim = point.standing != LiveFront::Standing::ranked;
+    add(point.configuration, point.frameMs, point.flip, describe(point, live.rankedAnglesDeg()) + "\nSeen while somebody looked around, not measured.");
+    // Beside what was measured, what was only seen stands back.
+    shown.points.back().isDim = point.standing != LiveFront::Standing::ranked || measured > 0;
     for (size_t i = 0; i < session.panelCount(); ++i)
       if (session.panel(i).configuration == point.configuration) shown.points.back().isMarked = true;
   }
-  shown.front = live.front();
+  if (measured == 0) shown.front = live.front();
   if (sweep_) {
     const size_t first = shown.points.size();
     for (const Summary& summary : sweep_->summaries) {
@@ -120,29 +129,51 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
 void PlotView::drawHeader(const Look& look) {
   ImGui::SetNextItemOpen(isUnfolded_);
   ImGui::PushStyleColor(ImGuiCol_Header, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
-  isUnfolded_ = ImGui::CollapsingHeader("Error against time");
+  isUnfolded_ = ImGui::CollapsingHeader("Error against time", ImGuiTreeNodeFlags_AllowItemOverlap);
   ImGui::PopStyleColor();
   tooltip("One point for each combination of technique and knobs that was on show while the view rested: milliseconds to decode, build and draw, and "
           "FLIP. Points are compared at the angles between frame and view that they have in common: mean FLIP, and the slowest view. Faint: not compared, "
           "because it was not seen at these angles or at this size of the pictures. Rings: nothing is faster and better. White rims: on show now. Drop a "
           "sweep.json onto the window for hollow points. Forgotten with another scene.",
           look);
-  std::string note = error_;
+  std::string note = !error_.empty() ? error_ : measuringError_;
   if (note.empty() && sweep_) note = "hollow: " + sweep_->name + (sweep_->scene.empty() ? "" : " of " + sweep_->scene);
   if (note.empty()) return;
   ImGui::PushFont(look.fonts.small);
   const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
   const float width = ImGui::CalcTextSize(note.c_str()).x;
-  const float left = std::max(from.x + look.px(170.0f), to.x - width - look.px(8.0f));
+  const float left = std::max(from.x + look.px(170.0f), to.x - width - look.px(120.0f));
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->PushClipRect({left, from.y}, to, true);
-  list->AddText({left, 0.5f * (from.y + to.y - ImGui::GetTextLineHeight())}, ImGui::GetColorU32(error_.empty() ? kDimText : kErrorText), note.c_str());
+  list->AddText({left, 0.5f * (from.y + to.y - ImGui::GetTextLineHeight())}, ImGui::GetColorU32(error_.empty() && measuringError_.empty() ? kDimText : kErrorText), note.c_str());
   list->PopClipRect();
   ImGui::PopFont();
 }
 
+void PlotView::drawMeasuring(Session& session, const Look& look) {
+  const FairMeasuring& fair = session.fair();
+  const std::string text = fair.isMeasuring() ? "Cancel, " + std::to_string(fair.done()) + " of " + std::to_string(fair.steps()) : std::string("Measure now");
+  ImGui::PushFont(look.fonts.small);
+  const float width = ImGui::CalcTextSize(text.c_str()).x + 2.0f * ImGui::GetStyle().FramePadding.x;
+  const ImVec2 after = ImGui::GetCursorScreenPos(), from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+  ImGui::SetCursorScreenPos({to.x - width - look.px(4.0f), from.y + look.px(2.0f)});
+  const bool isPressed = ImGui::SmallButton(text.c_str());
+  tooltip("All techniques on show by the newest frame, each at the same six angles between frame and view, 0 to 45 degrees: decoding, building and drawing are timed, "
+          "the error is that against the truth. Freeze (F) first, to measure the frame that you look at.",
+          look);
+  ImGui::PopFont();
+  ImGui::SetCursorScreenPos(after);
+  if (!isPressed) return;
+  if (fair.isMeasuring())
+    session.cancelMeasuring();
+  else
+    session.measureNow();
+}
+
 void PlotView::draw(Session& session, size_t panel, const Look& look) {
+  measuringError_ = session.fair().error();
   drawHeader(look);
+  drawMeasuring(session, look);
   const ImVec2 room = ImGui::GetContentRegionAvail();
   if (!isUnfolded_ || room.y < look.px(60.0f)) return;
   const Shown shown = shownOf(session, panel);
@@ -162,7 +193,7 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
     ImGui::SameLine(0.0f, look.px(8.0f));
     ImGui::BeginChild("front", {listWidth, room.y}, false);
     ImGui::PushFont(look.fonts.small);
-    const size_t angles = session.liveFront().rankedAnglesDeg().size();
+    const size_t angles = session.fair().points().empty() ? session.liveFront().rankedAnglesDeg().size() : kFairAnglesDeg.size();
     const std::string where = angles == 0 ? "" : ", at " + angleCount(angles);
     ImGui::TextColored(kDimText, "Nothing beats these in time and error%s:", where.c_str());
     for (const size_t i : shown.front) {

@@ -28,9 +28,10 @@ class PlotView {
   struct Shown;
   Shown shownOf(const Session& session, size_t panel) const;
   void drawHeader(const Look& look);
+  void drawMeasuring(Session& session, const Look& look);
 
   std::optional<SweepFile> sweep_;
-  std::string error_;
+  std::string error_, measuringError_;
   bool isUnfolded_ = true;
 };
 
