@@ -10,7 +10,7 @@ namespace {
 
 constexpr glm::uvec2 kSize(1280, 800);
 constexpr glm::vec2 kLeftPicture(250.0f, 250.0f), kRightPicture(750.0f, 250.0f), kLeftTitle(120.0f, 47.0f), kRightTitle(600.0f, 47.0f);
-constexpr glm::vec2 kChart(1130.0f, 180.0f);
+constexpr glm::vec2 kChart(1130.0f, 205.0f);
 
 class WindowScriptTest : public SessionTest {
  protected:
@@ -209,7 +209,7 @@ TEST_F(WindowScriptTest, TheTransferFunctionIsEditedAndTakenBack) {
   window_.drag(kChart, kChart + glm::vec2(10.0f, -30.0f));
   const TransferFunction dragged = session_.scene()->transferFunction;
   EXPECT_NE(dragged, added);
-  window_.drag({1050.0f, 150.0f}, {1080.0f, 150.0f}, 1);
+  window_.drag({1050.0f, 175.0f}, {1080.0f, 175.0f}, 1);
   const TransferFunction windowed = session_.scene()->transferFunction;
   EXPECT_NE(windowed, dragged);
   press(Action::undo);
@@ -222,7 +222,7 @@ TEST_F(WindowScriptTest, TheTransferFunctionIsEditedAndTakenBack) {
   EXPECT_EQ(session_.scene()->transferFunction, before) << "there was nothing before";
   press(Action::redo);
   EXPECT_EQ(session_.scene()->transferFunction, added);
-  window_.click({1140.0f, 240.0f});  // the colours
+  window_.click({1140.0f, 265.0f});  // the colours
   window_.click(kChart, 1);          // removes the corner
   EXPECT_NE(session_.scene()->transferFunction, added);
   EXPECT_TRUE(rest());

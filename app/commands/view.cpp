@@ -31,6 +31,7 @@ struct ViewOptions {
   std::string front;
   std::string session;
   std::string record;
+  bool startsDemo = false;
   std::optional<double> budgetMs;
   KnobOptions ownKnobs;  ///< that the window alone has
 };
@@ -112,6 +113,7 @@ void view(const ViewOptions& options) {
   window.screenshotAfterMs = options.screenshotAfterMs;
   window.report = options.report;
   window.recording = options.record;
+  window.startsDemo = options.startsDemo;
   window.transferFile = options.common.transferFunction;
   if (!options.front.empty()) {
     window.sweep = readSweepFile(options.front);
@@ -171,6 +173,10 @@ void view(const ViewOptions& options) {
 
 void viewDefaultScene() {
   ViewOptions options;
+  // Who has never closed a window sees first what this is about.
+  std::error_code ignored;
+  const std::optional<std::filesystem::path> last = lastSessionFile();
+  options.startsDemo = last && !std::filesystem::exists(*last, ignored);
   completeConnect(options.transport, false);
   view(options);
 }

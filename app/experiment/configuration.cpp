@@ -52,7 +52,7 @@ std::string keysOf(const Configuration& configuration, const Wanted& wanted) {
 
 constinit const Knob kServerSideKnob{
     .key = "serverSide",
-    .label = "Image",
+    .label = "Server image",
     .noun = "server's side",
     .help = "Longer side of the server's image, in pixels: one ray for each",
     .unit = " px",

@@ -72,7 +72,7 @@ constinit const Knob kDepthKnob{
 constinit const Knob kServerMsKnob{
     .key = "serverMs",
     .option = "--server-ms",
-    .label = "Moving",
+    .label = "While moving",
     .noun = "milliseconds of a frame while the camera moves",
     .help = "Milliseconds that a frame may take the server while the camera moves: it marches coarser then, and without shadows and light if need be, and refines at rest; 0: always in full",
     .unit = " ms",
@@ -87,7 +87,7 @@ constinit const Knob kServerMsKnob{
 constinit const Knob kServerLoadKnob{
     .key = "serverLoad",
     .option = "--server-load",
-    .label = "Load",
+    .label = "Others' load",
     .noun = "load of the server's processor",
     .help = "Share of the server's processor that others take, simulated: all that it does for a frame takes so much longer; 0: it is this client's alone",
     .unit = " %",

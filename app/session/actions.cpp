@@ -9,7 +9,7 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<ActionDescriptor, 28> kActions{{
+constexpr std::array<ActionDescriptor, 29> kActions{{
     {Action::open, ActionMenu::file, "Open...", "Ctrl+O", "A scene, a volume, a transfer function, a sweep or a session: also by dropping it onto the window"},
     {Action::saveSession, ActionMenu::file, "Save session...", "Ctrl+S", "The scene, its look, the camera, the panels and all knobs, in a file"},
     {Action::restoreLast, ActionMenu::file, "Last session", "", "What was on show when a window was closed last"},
@@ -33,6 +33,7 @@ constexpr std::array<ActionDescriptor, 28> kActions{{
     {Action::maximise, ActionMenu::panel, "Maximise", "Enter", "This panel alone, or all again; as a double click on its title", false, true},
     {Action::goBack, ActionMenu::none, "Back", "Esc", "Leave what fills the window: a list of keys, a panel alone, a wipe, the full screen"},
     {Action::showPlan, ActionMenu::view, "What a frame takes", "E", "The stages of the newest frame's march, and what each costs"},
+    {Action::searchKnob, ActionMenu::edit, "Search a knob", "Ctrl+F", "Type a part of its name or of what it does"},
     {Action::undo, ActionMenu::edit, "Undo", "Ctrl+Z", "Take the last change of the transfer function back"},
     {Action::redo, ActionMenu::edit, "Redo", "Ctrl+Shift+Z or Ctrl+Y", "Make it again"},
     {Action::hideSideBar, ActionMenu::view, "Side bar", "Tab", "The column of knobs, or more room for the pictures"},

@@ -34,6 +34,7 @@ enum class Action {
   maximise,
   goBack,
   showPlan,
+  searchKnob,
   undo,
   redo,
   hideSideBar,

@@ -1,7 +1,10 @@
 // The column of knobs.
 // See controls.h.
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "app/frames/transport_knobs.h"
@@ -68,7 +71,7 @@ void drawDisplay(const Session& session, LiveSettings& knobs, MarkColors& markCo
   double takesShortcuts = knobs.takesShortcuts ? 1.0 : 0.0;
   if (knobWidget(kShortcutsKnob, takesShortcuts, look)) knobs.takesShortcuts = takesShortcuts != 0.0;
 
-  label("Pixels", look);
+  label("Pixel size", look);
   const auto pixelsText = [](uint32_t pixels) {
     if (pixels == 0) return std::string("automatic");
     return pixels == 1 ? std::string("1 : 1") : "1 : " + std::to_string(pixels);
@@ -145,11 +148,52 @@ void drawCamera(Session& session, const Look& look) {
 
 }  // namespace
 
+void Controls::drawSearch(const Look& look) {
+  if (std::exchange(wantsSearch_, false)) ImGui::SetKeyboardFocusHere();
+  ImGui::SetNextItemWidth(-1.0f);
+  ImGui::InputTextWithHint("##search", "search a knob", search_.data(), search_.size());
+  tooltip("A part of a knob's name, or of what it does. Ctrl+F.", look);
+}
+
+void Controls::drawFound(LiveSettings& knobs, const Look& look) const {
+  const auto lower = [](std::string_view text) {
+    std::string letters(text);
+    std::ranges::transform(letters, letters.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+    return letters;
+  };
+  const std::string wanted = lower(search_.data());
+  size_t found = 0;
+  const auto has = [&](const Knob& knob) {
+    const bool isFound = !knob.label.empty() && std::ranges::any_of(std::array{knob.label, knob.noun, knob.key, knob.option, knob.help},
+                                                                    [&](std::string_view text) { return lower(text).find(wanted) != std::string::npos; });
+    found += isFound ? 1 : 0;
+    return isFound;
+  };
+  for (const MarchKnob& row : marchKnobs())
+    if (has(*row.knob)) knobWidget(row, knobs.march, look);
+  for (const TransportKnob& row : transportKnobs())
+    if (has(*row.knob)) knobWidget(row, knobs.transport, look);
+  for (const Knob* knob : warpKnobs()) {
+    if (knob->isOfPanel || !has(*knob)) continue;
+    double value = knobs.warp.knobs[*knob];
+    if (knobWidget(*knob, value, look)) knobs.warp.knobs.set(*knob, value);
+  }
+  if (found == 0) ImGui::TextColored(kDimText, "No knob has that.");
+}
+
 void Controls::draw(Session& session, const SceneOpener& openScene, const Look& look) {
   // Closer than elsewhere: all knobs fit into a window of 1280 x 800.
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(7.0f), look.px(3.0f)});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(4.0f)});
   drawScene(session, openScene, look);
+  drawSearch(look);
+  if (search_[0] != '\0') {
+    LiveSettings found = session.knobs();
+    drawFound(found, look);
+    session.setKnobs(found);
+    ImGui::PopStyleVar(2);
+    return;
+  }
   const bool hasFunction = section("TRANSFER FUNCTION", look);
   tooltip("Opacity over the values, on top of how often they occur (logarithm), and colours below. Drag corners; click to add one, right click to remove one; drag "
           "with the right button to move the window sideways and to widen it upwards. Faint opacities are drawn higher than they are (root).",

@@ -10,12 +10,20 @@ namespace warpscope::ui {
 class Controls {
  public:
   void draw(Session& session, const SceneOpener& openScene, const Look& look);
+  /// Puts the keyboard into the field in which knobs are searched.
+  void search() { wantsSearch_ = true; }
   TransferEditor& transferEditor() { return transferEditor_; }
   const TransferEditor& transferEditor() const { return transferEditor_; }
 
  private:
   void drawScene(Session& session, const SceneOpener& openScene, const Look& look);
 
+  void drawSearch(const Look& look);
+  /// All knobs that have what was typed in their names or explanations.
+  void drawFound(LiveSettings& knobs, const Look& look) const;
+
+  std::array<char, 64> search_{};
+  bool wantsSearch_ = false;
   TransferEditor transferEditor_;
   EffectKnobs effects_;
   PlanList plan_;

@@ -149,6 +149,9 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     case Action::closePanel: return grid_.closePanel(session, *panel);
     case Action::maximise: return grid_.toggleMaximised(session, *panel);
     case Action::showPlan: return session.setShowsPlan(!session.showsPlan());
+    case Action::searchKnob:
+      hasSideBar_ = true;
+      return controls_.search();
     case Action::undo: return controls_.transferEditor().undo(session);
     case Action::redo: return controls_.transferEditor().redo(session);
     case Action::hideSideBar: hasSideBar_ = !hasSideBar_; return;
@@ -232,7 +235,7 @@ void MainView::drawDialog(Session& session, const Look& look) {
 }
 
 void MainView::drawNote(const Look& look) {
-  constexpr std::chrono::seconds kShown(5);
+  constexpr std::chrono::seconds kShown(7);
   if (note_.text.empty()) return;
   if (!note_.since) note_.since = look.now;
   if (look.now - *note_.since > kShown) return note_.text.clear();

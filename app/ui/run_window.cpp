@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/picture/picture.h"
+#include "app/session/demos.h"
 #include "app/session/window_report.h"
 #include "app/shell/log.h"
 #include "app/shell/output_files.h"
@@ -95,6 +96,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
   Clock::TimePoint lastActive = start;
   std::string shownScene;
   bool hasRecorded = false;
+  bool startsDemo = settings.startsDemo;
   Image<Rgba8> photograph;
   while (!window.shouldClose() && !stop.stop_requested()) {
     const bool isMoving = clock.now() - lastActive < kLinger;
@@ -108,6 +110,11 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
       window.setTitle(shownScene + " – warpscope");
     }
 
+    if (startsDemo && session.scene() != nullptr) {
+      startDemo(demos().front(), session);
+      mainView.setNote("Demo: " + std::string(demos().front().name) + ". " + std::string(demos().front().summary) + ". Drag to end it; the menu Demo has others.");
+      startsDemo = false;
+    }
     if (!hasRecorded && !settings.recording.empty() && session.scene() != nullptr) {
       session.startRecording(settings.recording, session.origin() ? textOf(sessionFileOf(session)) : "");
       hasRecorded = true;

@@ -26,6 +26,7 @@ struct WindowSettings {
   std::filesystem::path screenshot;  ///< if not empty: a PNG of the window is written here, then the window closes
   double screenshotAfterMs = 3000.0;
   std::optional<SweepFile> sweep;    ///< that the plot shows as well
+  bool startsDemo = false;             ///< the first demonstration begins with the first scene
   std::filesystem::path recording;     ///< if not empty: frames and camera are recorded into it from the first scene on (frames/recording.h)
   std::filesystem::path transferFile;  ///< if not empty: a transfer function that is loaded again whenever it is written
   std::filesystem::path report;      ///< if not empty: a WindowReport is written here when the window closes

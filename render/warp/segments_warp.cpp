@@ -23,7 +23,7 @@ constexpr auto kBetweenChoices = choicesOf(kBetweens);
 
 constinit const Knob kBetweenKnob{.key = "between",
                                   .option = "--between",
-                                  .label = "Between",
+                                  .label = "Interpolation",
                                   .noun = "filling between rays",
                                   .help = "What lies between the rays of a frame's pixels",
                                   .type = KnobType::choice,

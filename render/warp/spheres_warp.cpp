@@ -109,7 +109,7 @@ void requireCapsules(const WarpSettings& settings) {
 constinit const Knob kSphereTracingKnob{
     .key = "sphereTracing",
     .option = "--bvh",
-    .label = "Spheres",
+    .label = "Hierarchy",
     .noun = "hierarchy",
     .help = "The hierarchy that spheres are traced with",
     .type = KnobType::choice,
