@@ -234,7 +234,8 @@ bool take(Recording& recording, double seconds, RecordType type, std::vector<std
 Recording readRecording(const std::filesystem::path& path, const std::stop_token& stop) {
   std::ifstream file(path, std::ios::binary);
   std::error_code failed;
-  if (!file || !std::filesystem::is_regular_file(path, failed)) throw InputError(path.string() + ": there is no such file");
+  if (!std::filesystem::exists(path, failed)) throw InputError(path.string() + ": there is no such file");
+  if (!std::filesystem::is_regular_file(path, failed) || !file) throw InputError(path.string() + ": is no file that can be read");
   if (std::filesystem::file_size(path, failed) > kMostBytes) throw InputError(path.string() + ": is too large for a recording");
   std::array<std::byte, 8> magic{};
   const bool hasMagic = readExactly(file, magic.data(), magic.size());

@@ -1,0 +1,56 @@
+// `replay` as a program: pictures that are the same on every run, one JSON document, and what it refuses.
+// Mirrors app/commands/replay.cpp.
+#include "app/frames/recording.h"
+#include "app/scene/scene.h"
+#include "cli.h"
+#include "render/march/marcher_cpu.h"
+
+namespace warpscope {
+namespace {
+
+class Replay : public CommandLine {
+ protected:
+  /// A second: one frame, the camera turning.
+  void record(const std::string& name) {
+    SceneOverrides overrides;
+    overrides.proceduralDims = {16, 16, 16};
+    const Scene scene = openScene("shells", overrides);
+    RecordingWriter writer(folder_.file(name), scene, "");
+    const MarcherPtr marcher = makeCpuMarcher(scene.volume, scene.transferFunction);
+    for (int i = 0; i <= 10; ++i) {
+      View view = scene.views.front();
+      view.angleDeg += 2.0 * i;
+      writer.addView(0.1 * i, view);
+      if (i == 2) writer.addFrame(0.2, std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, view, 32, 32), scene.march)));
+    }
+  }
+};
+
+TEST_F(Replay, PicturesAreNumberedAndTheSameOnEveryRun) {
+  record("a.warpscope");
+  const nlohmann::json report = document({"replay", "a.warpscope", "--out", "one", "--size", "24x16", "--fps", "5", "--techniques", "hold,spheres", "--json"});
+  EXPECT_EQ(report["pictures"], 6);
+  EXPECT_EQ(report["frames"], 1);
+  EXPECT_EQ(report["techniques"], (nlohmann::json{"hold", "spheres"}));
+  EXPECT_TRUE(report["video"].is_null());
+  succeed({"replay", "a.warpscope", "--out", "two", "--size", "24x16", "--fps", "5", "--techniques", "hold,spheres"});
+  for (const char* name : {"000001.png", "000003.png", "000006.png"}) {
+    ASSERT_TRUE(std::filesystem::exists(folder_.file(std::string("one/") + name)));
+    EXPECT_EQ(picture(std::string("one/") + name), picture(std::string("two/") + name)) << name;
+  }
+  EXPECT_NE(picture("one/000003.png"), picture("one/000006.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("one/000007.png")));
+}
+
+TEST_F(Replay, WhatIsWrongIsRefused) {
+  record("a.warpscope");
+  expectRefused({"replay", "a.warpscope"}, kUsage, {"--out"});
+  expectRefused({"replay", "missing", "--out", "o"}, kFailure, {"there is no such file"});
+  expectRefused({"replay", "a.warpscope", "--out", "o", "--fps", "0"}, kUsage, {"--fps must be between"});
+  expectRefused({"replay", "a.warpscope", "--out", "o", "--video", "avi"}, kUsage, {"mp4 or gif"});
+  expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "sphere"}, kUsage, {"spheres"});
+  expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "reference"}, kFailure, {"does not say of which scene it is"});
+}
+
+}  // namespace
+}  // namespace warpscope
