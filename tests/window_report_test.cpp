@@ -77,6 +77,13 @@ TEST_F(WindowReportTest, GapsAreThoseWhileSomethingMoves) {
   EXPECT_DOUBLE_EQ(figures["gapMs"]["longest"], 40.0);
 }
 
+TEST_F(WindowReportTest, TheThreadsTimesHaveAMedianAndALongest) {
+  EXPECT_TRUE(report(start_)["threadMs"].is_null());
+  for (const double ms : {4.0, 2.0, 9.0}) report_.addFrameMs(ms);
+  EXPECT_DOUBLE_EQ(report(start_)["threadMs"]["median"], 4.0);
+  EXPECT_DOUBLE_EQ(report(start_)["threadMs"]["longest"], 9.0);
+}
+
 TEST_F(WindowReportTest, OneFrameHasNoGap) {
   report_.add(session_, start_, true);
   EXPECT_TRUE(report(start_)["gapMs"].is_null());

@@ -113,6 +113,7 @@ std::string WindowReport::text(const Session& session, Clock::TimePoint now) con
   return textOf({{"framesPerSecond", perSecond(gapsMs_.size())},
                  {"picturesPerSecond", pictures},
                  {"gapMs", medianAndLongest(gapsMs_)},
+                 {"threadMs", medianAndLongest(framesMs_)},
                  {"ageMs", medianAndLongest(agesMs_)},
                  {"movingMarchMs", medianAndLongest(marchesMs_)},
                  {"framesReceived", session.frames().received()},

@@ -18,6 +18,11 @@ std::optional<std::filesystem::path> stateFolder() {
   return std::nullopt;
 }
 
+std::optional<std::filesystem::path> windowSizeFile() {
+  const auto folder = stateFolder();
+  return folder ? std::optional(*folder / "window.json") : std::nullopt;
+}
+
 std::optional<std::filesystem::path> lastSessionFile() {
   const auto folder = stateFolder();
   return folder ? std::optional(*folder / "last-session.json") : std::nullopt;

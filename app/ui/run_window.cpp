@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/picture/picture.h"
+#include "app/scene/json_document.h"
 #include "app/session/demos.h"
 #include "app/session/window_report.h"
 #include "app/shell/log.h"
@@ -50,6 +51,33 @@ std::string keep(const Image<Rgba8>& picture) {
     }
   }
   return "there are too many pictures in this folder";
+}
+
+/// That windows had last, where it is known.
+std::optional<glm::uvec2> lastSize() {
+  const std::optional<std::filesystem::path> file = windowSizeFile();
+  std::error_code ignored;
+  if (!file || !std::filesystem::exists(*file, ignored)) return std::nullopt;
+  try {
+    const JsonDocument document = JsonDocument::fromFile(*file);
+    const std::vector<Node> size = document.root().at("size").elements(2, 2);
+    return glm::uvec2(size[0].integer(1, 65536), size[1].integer(1, 65536));
+  } catch (const InputError& error) {
+    logDetail(error.what());
+    return std::nullopt;
+  }
+}
+
+void keepSize(const Window& window) {
+  const std::optional<std::filesystem::path> file = windowSizeFile();
+  if (!file) return;
+  try {
+    std::filesystem::create_directories(file->parent_path());
+    const glm::uvec2 size = window.size();
+    writeFileWhole(*file, textOf(nlohmann::json{{"size", {size.x, size.y}}}));
+  } catch (const std::exception& error) {
+    logDetail(std::string("the window's size was not kept: ") + error.what());
+  }
 }
 
 /// For those who want to go on where they were.
@@ -135,6 +163,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
     if (const std::optional<std::string> file = window.takeDroppedFile()) mainView.open(*file, session);
     const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);
     window.endFrame(isLast || wantsPicture ? &photograph : nullptr);
+    if (!settings.report.empty()) report.addFrameMs(millisecondsBetween(now, clock.now()));
     if (wantsPicture) mainView.setNote(keep(std::exchange(photograph, {})));
     if (isLast || !goesOn) break;
   }
@@ -146,12 +175,16 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
 
 bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
                const std::stop_token& stop) {
-  ui::Window window("warpscope", settings.uiScale, settings.size);
+  const bool isForScripts = !settings.screenshot.empty();
+  ui::Window window("warpscope", settings.uiScale, settings.size, isForScripts ? std::nullopt : ui::lastSize());
   std::unique_ptr<Session> session = makeSession([] { ui::Window::wake(); });
   WindowReport report;
   const Image<Rgba8> photograph = ui::runLoop({window, *session, openScene, clock, settings, report}, stop);
   if (!settings.report.empty()) writeFileWhole(settings.report, report.text(*session, clock.now()));
-  if (settings.screenshot.empty()) ui::keepLastSession(*session);
+  if (!isForScripts) {
+    ui::keepLastSession(*session);
+    if (!settings.size) ui::keepSize(window);
+  }
   const bool hasEnded = session->close(ui::kClosingPatience);
   if (!photograph.empty()) writeFileWhole(settings.screenshot, encodePng(photograph));
   if (!hasEnded) static_cast<void>(session.release());  // its thread still uses it

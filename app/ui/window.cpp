@@ -125,7 +125,7 @@ struct WindowEvents {
   }
 };
 
-Window::Window(const std::string& title, double uiScale, const std::optional<glm::uvec2>& size) : uiScale_(uiScale) {
+Window::Window(const std::string& title, double uiScale, const std::optional<glm::uvec2>& size, const std::optional<glm::uvec2>& usual) : uiScale_(uiScale) {
   if (glfwInit() != GLFW_TRUE) throw NoDisplay("no window can be opened here: " + lastGlfwError());
   try {
     open(title);
@@ -137,7 +137,7 @@ Window::Window(const std::string& title, double uiScale, const std::optional<glm
     throw;
   }
   try {
-    showAt(size);
+    showAt(size, usual);
   } catch (...) {
     close();
     throw;
@@ -191,7 +191,7 @@ void Window::startImGui() {
   followScale(true);
 }
 
-void Window::showAt(const std::optional<glm::uvec2>& size) {
+void Window::showAt(const std::optional<glm::uvec2>& size, const std::optional<glm::uvec2>& usual) {
   // The usual size, as far as the screen has room for it.
   int x = 0, y = 0, width = 0, height = 0;
   if (GLFWmonitor* monitor = glfwGetPrimaryMonitor()) glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
@@ -201,7 +201,9 @@ void Window::showAt(const std::optional<glm::uvec2>& size) {
   };
   const glm::ivec2 least(fitted(kLeastWidth, width), fitted(kLeastHeight, height));
   if (size) requireSize(glm::ivec2(*size), least);
-  const glm::ivec2 chosen = size ? glm::ivec2(*size) : glm::ivec2(fitted(kWidth, width), fitted(kHeight, height));
+  glm::ivec2 chosen(fitted(kWidth, width), fitted(kHeight, height));
+  if (usual && width > 0) chosen = glm::max(least, glm::min(glm::ivec2(*usual), glm::ivec2(width, height)));
+  if (size) chosen = glm::ivec2(*size);
   glfwSetWindowSizeLimits(window_, least.x, least.y, GLFW_DONT_CARE, GLFW_DONT_CARE);
   glfwSetWindowSize(window_, chosen.x, chosen.y);
   // In the middle; a window that covers more than the work area begins where that does.
@@ -230,6 +232,13 @@ void Window::followScale(bool isFirst) {
 }
 
 bool Window::shouldClose() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
+
+glm::uvec2 Window::size() const {
+  if (isFullScreen()) return glm::uvec2(beforeFullScreen_.size);
+  glm::ivec2 size(0);
+  glfwGetWindowSize(window_, &size.x, &size.y);
+  return glm::uvec2(size);
+}
 
 void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 

@@ -22,7 +22,8 @@ class Window {
  public:
   /// `uiScale` 0 follows the screen's content scale; `size` is in screen coordinates, and without one the usual size is taken. Throws NoDisplay
   /// if there is no screen or no OpenGL on it, UsageError for a size that is less than the window's parts need or more than the screens have.
-  Window(const std::string& title, double uiScale, const std::optional<glm::uvec2>& size);
+  /// `usual`: that is taken where `size` is not given, as far as the screen has room for it.
+  Window(const std::string& title, double uiScale, const std::optional<glm::uvec2>& size, const std::optional<glm::uvec2>& usual = {});
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -52,6 +53,8 @@ class Window {
   /// On the whole screen that most of it is on, or as it was before.
   void setFullScreen(bool isFullScreen);
   bool isFullScreen() const;
+  /// In screen coordinates; of the window that is not on the whole screen.
+  glm::uvec2 size() const;
   /// The file that was dropped onto the window last, once.
   std::optional<std::string> takeDroppedFile() { return std::exchange(droppedFile_, std::nullopt); }
   /// Whether the left button was pressed twice, quickly and at one place, since the last call.
@@ -64,7 +67,7 @@ class Window {
   void open(const std::string& title);
   void listen();
   void startImGui();
-  void showAt(const std::optional<glm::uvec2>& size);
+  void showAt(const std::optional<glm::uvec2>& size, const std::optional<glm::uvec2>& usual);
   void close();
   void followScale(bool isFirst);
   void holdShortKeys();

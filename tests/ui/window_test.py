@@ -45,6 +45,8 @@ class Display:
         self.name = f":{number}"
         self.environment = dict(os.environ, DISPLAY=self.name)
         self.environment.pop("WAYLAND_DISPLAY", None)
+        self.state = tempfile.TemporaryDirectory()  # what windows remember: not the user's, and nothing at first
+        self.environment["XDG_STATE_HOME"] = self.state.name
         if dpi is not None:
             subprocess.run(["xrdb", "-nocpp", "-merge"], input=f"Xft.dpi: {dpi}\n", text=True, check=True, env=self.environment)
 
@@ -54,6 +56,7 @@ class Display:
     def __exit__(self, *_):
         self.server.terminate()
         self.server.wait()
+        self.state.cleanup()
 
     def run(self, *command):
         return subprocess.run(command, env=self.environment, capture_output=True, check=False)
