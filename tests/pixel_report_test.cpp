@@ -30,6 +30,7 @@ class PixelReportTest : public ::testing::Test {
     image_.samples[2] = kFilled;
     image_.samples[4] = kOfEarlierFrame + 1;
     image_.samples[5] = kNotASample;
+    image_.color[5] = {0.1f, 0.1f, 0.1f, 0.5f};
     frame_.camera.eye = {0.0f, 0.0f, 10.0f};
     frame_.camera.width = 5;
     frame_.camera.height = 3;

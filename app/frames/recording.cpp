@@ -106,7 +106,11 @@ class RecordingWriter::Work {
         waiting_.pop_front();
         if (std::holds_alternative<RecordedFrame>(item)) --framesWaiting_;
         lock.unlock();
-        std::visit([&](const auto& one) { keep(one); }, item);
+        try {
+          std::visit([&](const auto& one) { keep(one); }, item);
+        } catch (const std::exception& error) {
+          fail(error.what());
+        }
         lock.lock();
       }
       if (std::chrono::steady_clock::now() - flushedAt < kFlushPeriod) continue;
@@ -154,15 +158,15 @@ class RecordingWriter::Work {
 
   void write(std::span<const std::byte> bytes) {
     if (hasFailed_ || bytes.empty()) return;
-    if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) fail();
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) fail(reasonOf(errno));
   }
   void flush() {
-    if (!hasFailed_ && std::fflush(file_.get()) != 0) fail();
+    if (!hasFailed_ && std::fflush(file_.get()) != 0) fail(reasonOf(errno));
   }
-  void fail() {
+  void fail(const std::string& reason) {
     hasFailed_ = true;
     const std::scoped_lock lock(mutex_);
-    error_ = path_.string() + ": " + reasonOf(errno);
+    error_ = path_.string() + ": " + reason;
   }
 
   struct Close {
@@ -203,15 +207,19 @@ bool take(Recording& recording, double seconds, RecordType type, std::vector<std
   switch (type) {
     case RecordType::scene: {
       const std::optional<net::SceneFields> scene = net::readScene(body);
-      if (scene) recording.scene = sceneFrom(*scene);
-      return scene.has_value();
+      if (!scene || recording.scene.geometry().dims.x > 0) return false;  // it has one
+      recording.scene = sceneFrom(*scene);
+      return true;
     }
     case RecordType::text: recording.text.assign(reinterpret_cast<const char*>(body.data()), body.size()); return true;
     case RecordType::view: {
       View view;
       net::WireReader reader(body);
       for (double* number : {&view.angleDeg, &view.elevationDeg, &view.distance, &view.pan.x, &view.pan.y}) reader.number(*number);
-      if (!reader.isComplete()) return false;
+      const auto isWithin = [](double number, double least, double most) { return number >= least && number <= most; };
+      const bool isView = isWithin(view.angleDeg, -1e6, 1e6) && isWithin(view.elevationDeg, -90.0, 90.0) && isWithin(view.distance, 1e-3, 1e3) &&
+                          isWithin(view.pan.x, -100.0, 100.0) && isWithin(view.pan.y, -100.0, 100.0);
+      if (!reader.isComplete() || !isView) return false;
       recording.path.add(seconds, view);
       return true;
     }
@@ -261,7 +269,12 @@ Recording readRecording(const std::filesystem::path& path, const std::stop_token
     std::vector<std::byte> body(length);
     if (!readExactly(file, body.data(), length)) break;
     at += length;
-    const bool isFine = seconds >= 0.0 && seconds < 1e7 && take(recording, seconds, static_cast<RecordType>(type), body);
+    bool isFine = seconds >= 0.0 && seconds < 1e7;
+    try {
+      isFine = isFine && take(recording, seconds, static_cast<RecordType>(type), body);
+    } catch (const InputError&) {
+      isFine = false;  // a scene or a frame that cannot be
+    }
     if (!isFine) throw InputError(path.string() + ": its record " + std::to_string(number) + " is damaged");
     hasScene |= type == static_cast<uint8_t>(RecordType::scene);
     recording.seconds = std::max(recording.seconds, seconds);

@@ -16,8 +16,8 @@ Rgba8 shownOf(const glm::vec4& premultiplied, const glm::vec3& background) {
   return toScreen(pixel, background)[0];
 }
 
-PixelKind kindOf(uint32_t sample, const ContentInputs& inputs, const std::optional<glm::vec4>& truth) {
-  if (sample == kNoSample) return truth && truth->a >= kShownAlpha ? PixelKind::hole : PixelKind::nothing;
+PixelKind kindOf(uint32_t sample, const ContentInputs& inputs, float opacity, const std::optional<glm::vec4>& truth) {
+  if (sample == kNoSample || (sample == kNotASample && opacity == 0.0f)) return truth && truth->a >= kShownAlpha ? PixelKind::hole : PixelKind::nothing;
   if (sample == kFilled) return PixelKind::guess;
   if (framesBack(sample) > 0) return PixelKind::earlierFrame;
   return inputs.frame != nullptr && sample < inputs.frame->size() ? PixelKind::sample : PixelKind::other;
@@ -63,7 +63,7 @@ PixelReport pixelReport(const ContentInputs& inputs, const glm::uvec2& place) {
   if (inputs.flip != nullptr && inputs.flip->width() == image.color.width() && inputs.flip->height() == image.color.height())
     report.flip = (*inputs.flip)(place.x, place.y);
   const uint32_t sample = image.samples(place.x, place.y);
-  report.kind = kindOf(sample, inputs, report.truth);
+  report.kind = kindOf(sample, inputs, report.color.a, report.truth);
   report.framesBack = framesBack(sample);
   if (report.kind == PixelKind::sample) report.server = serverPixelOf(inputs, sample);
   return report;

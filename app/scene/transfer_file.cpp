@@ -198,7 +198,9 @@ TransferFunction readParaview(const Node& map) {
     curves.opacities = paraviewOpacities(*opacities);
   else
     curves.opacities = {{curves.colors.front().value, 0.0f}, {curves.colors.back().value, 1.0f}};
-  return functionOf(curves);
+  TransferFunction function = functionOf(curves);
+  if (function.points.size() > kMostTransferPoints) map.at("RGBPoints").fail("has more corners than a transfer function can have");
+  return function;
 }
 
 }  // namespace
@@ -207,7 +209,7 @@ TransferFunction readTransferFunction(const Node& node) {
   constexpr std::string_view kKeys[] = {"points"};
   node.requireObject(kKeys);
   TransferFunction function;
-  for (const Node& point : node.at("points").elements(1, kMostCorners)) {
+  for (const Node& point : node.at("points").elements(1, kMostTransferPoints)) {
     constexpr std::string_view kPointKeys[] = {"value", "color", "alpha"};
     point.requireObject(kPointKeys);
     const Node value = point.at("value");

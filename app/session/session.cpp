@@ -52,6 +52,7 @@ void Session::dismissErrors() {
   opening_.dismissError();
   view_.dismissError();
   frames_.dismissError();
+  recordingError_.clear();
   truth_.setError("");
   for (LivePanel& panel : panels_) {
     if (LivePanel::OwnCamera* own = panel.ownCamera()) {
@@ -62,7 +63,7 @@ void Session::dismissErrors() {
 }
 
 const std::string& Session::error() const {
-  for (const std::string* error : {&opening_.error(), &view_.error(), &frames_.error()})
+  for (const std::string* error : {&opening_.error(), &recordingError_, &view_.error(), &frames_.error()})
     if (!error->empty()) return *error;
   for (const LivePanel& panel : panels_) {
     const LivePanel::OwnCamera* own = panel.ownCamera();
@@ -176,16 +177,32 @@ void Session::measureNow() {
 
 void Session::startRecording(const std::filesystem::path& file, const std::string& text) {
   if (!scene()) throw InputError("there is no scene yet");
-  recorder_.reset();  // it may be the same file
+  stopRecording();
+  for (const std::future<void>& ended : endedRecordings_) ended.wait();  // it may be the same file
+  endedRecordings_.clear();
+  recordingError_.clear();
   recorder_ = std::make_unique<RecordingWriter>(file, *scene(), text);
   recordingSince_.reset();
   recordedFrame_.reset();
 }
 
+void Session::stopRecording() {
+  std::erase_if(endedRecordings_, [](const std::future<void>& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+  if (!recorder_) return;
+  // What waits is written elsewhere: a disk may take its time.
+  endedRecordings_.push_back(std::async(std::launch::async, [ended = std::move(recorder_)]() mutable { ended.reset(); }));
+}
+
+std::optional<size_t> Session::placeOf(uint64_t id) const {
+  for (size_t i = 0; i < panels_.size(); ++i)
+    if (panels_[i].shown().id == id) return i;
+  return std::nullopt;
+}
+
 void Session::record(TimePoint now) {
   if (!recorder_) return;
   if (std::string error = recorder_->error(); !error.empty()) {
-    truth_.setError(std::move(error));
+    recordingError_ = std::move(error);
     return stopRecording();
   }
   if (!recordingSince_) recordingSince_ = now;
@@ -304,6 +321,8 @@ bool Session::close(std::chrono::milliseconds patience) {
   fair_.requestStop();
   for (LivePanel& panel : panels_) panel.requestStop();
   const auto hasEnded = [&](const LivePanel& panel) { return panel.waitForEnd(deadline); };
+  for (const std::future<void>& one : endedRecordings_)
+    if (one.wait_until(deadline) != std::future_status::ready) return false;
   return opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) && plan_.waitForEnd(deadline) && ray_.waitForEnd(deadline) && fair_.waitForEnd(deadline) &&
          std::all_of(panels_.begin(), panels_.end(), hasEnded) && std::all_of(removed_.begin(), removed_.end(), hasEnded);
 }

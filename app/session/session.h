@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -93,7 +94,7 @@ class Session {
   /// Records frames and the linked camera into a file from now on, in place of one that is there (frames/recording.h); `text` goes with it. Throws InputError
   /// where that cannot be written, or without a scene.
   void startRecording(const std::filesystem::path& file, const std::string& text);
-  void stopRecording() { recorder_.reset(); }
+  void stopRecording();
   bool isRecording() const { return recorder_ != nullptr; }
   /// The link lets nothing pass for so long, on top of what is simulated.
   void beginOutage(std::chrono::milliseconds length, TimePoint now) { outageEnd_ = now + (outageLength_ = length); }
@@ -154,6 +155,8 @@ class Session {
   const LiveSettings& knobs() const { return knobs_; }
   size_t panelCount() const { return panels_.size(); }
   const Panel& panel(size_t index) const { return panels_[index].shown(); }
+  /// Of the panel with that id; nothing if it is gone.
+  std::optional<size_t> placeOf(uint64_t id) const;
   /// Accuracy against time of what was on show since the scene was opened. Pictures are timed when everything has come to rest, one panel after the other.
   const LiveFront& liveFront() const { return liveFront_; }
   /// Frames, and how they come.
@@ -231,6 +234,8 @@ class Session {
   std::unique_ptr<RecordingWriter> recorder_;
   std::optional<TimePoint> recordingSince_;  // nothing until its first view
   SampleFramePtr recordedFrame_;             // last
+  std::vector<std::future<void>> endedRecordings_;  // that are still written
+  std::string recordingError_;
   TimePoint outageEnd_{};
   std::chrono::milliseconds outageLength_{0};
   uint64_t lastPanelId_ = 0;

@@ -188,7 +188,9 @@ void restore(const SessionFile& file, Session& session, const OriginOpener& open
     session.setOwnCamera(i, file.arrangement.ownViews[i].has_value());
   }
   session.setMotion(CameraMotion::none);
-  session.setKnobs(file.knobs);
+  LiveSettings knobs = file.knobs;
+  knobs.march = session.knobs().march;  // of the scene that is still on show; the file's come with its own
+  session.setKnobs(knobs);
   LoadJob job = opener(file.origin);
   job.open = [open = std::move(job.open), arrangement = file.arrangement](const std::function<void()>& onNews, const std::stop_token& stop) {
     ConnectedScene opened = open(onNews, stop);

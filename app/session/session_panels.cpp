@@ -20,7 +20,7 @@ bool Session::addPanel(const PanelSettings& settings) {
 }
 
 bool Session::removePanel(size_t panel) {
-  if (panels_.size() <= 1) return false;
+  if (panels_.size() <= 1 || panel >= panels_.size()) return false;
   timing_.stop(panels_);
   panels_[panel].requestStop();
   removed_.push_back(std::move(panels_[panel]));
@@ -29,6 +29,7 @@ bool Session::removePanel(size_t panel) {
 }
 
 void Session::movePanel(size_t from, size_t to) {
+  if (from >= panels_.size() || to >= panels_.size()) return;
   timing_.stop(panels_);
   const auto begin = panels_.begin();
   const auto at = [&](size_t i) { return begin + static_cast<std::ptrdiff_t>(i); };

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -25,6 +26,7 @@ namespace {
 
 constexpr size_t kKept = 2000;  // bytes of what is said
 constexpr int kLookMs = 100;    // between looks at the stop token
+constexpr std::chrono::seconds kPatience(3);  // for a program that was asked to end
 
 }  // namespace
 
@@ -48,7 +50,12 @@ void runProgram(const std::vector<std::string>& arguments, const std::stop_token
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
   pid_t child = 0;
-  const int failed = posix_spawnp(&child, words[0], &actions, nullptr, words.data(), environ);
+  posix_spawnattr_t attributes;  // a group of its own, so that what it starts ends with it
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  const int failed = posix_spawnp(&child, words[0], &actions, &attributes, words.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   close(ends[1]);
   if (failed != 0) {
@@ -57,11 +64,14 @@ void runProgram(const std::vector<std::string>& arguments, const std::stop_token
   }
   std::string said;
   bool isStopped = false;
+  std::chrono::steady_clock::time_point stoppedAt{};
   for (;;) {
     if (!isStopped && stop.stop_requested()) {
       isStopped = true;
-      kill(child, SIGTERM);
+      kill(-child, SIGTERM);
+      stoppedAt = std::chrono::steady_clock::now();
     }
+    if (isStopped && std::chrono::steady_clock::now() - stoppedAt > kPatience) kill(-child, SIGKILL);
     pollfd waiting{ends[0], POLLIN, 0};
     if (poll(&waiting, 1, kLookMs) <= 0) continue;
     char bytes[1024];
@@ -72,9 +82,10 @@ void runProgram(const std::vector<std::string>& arguments, const std::stop_token
   }
   close(ends[0]);
   int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  pid_t ended = waitpid(child, &status, 0);
+  while (ended < 0 && errno == EINTR) ended = waitpid(child, &status, 0);
   if (isStopped) throw OperationCancelled();
+  if (ended < 0) throw InputError(arguments.front() + ": " + std::strerror(errno));
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
   throw InputError(arguments.front() + " failed: " + printable(said.substr(said.size() - std::min(said.size(), kKept))));
 }

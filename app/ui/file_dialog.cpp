@@ -13,6 +13,15 @@ namespace {
 
 constexpr size_t kMostEntries = 20000;
 
+std::string_view titleOf(FileDialog::Purpose purpose) {
+  switch (purpose) {
+    case FileDialog::Purpose::open: return "Open";
+    case FileDialog::Purpose::saveSession: return "Save session";
+    case FileDialog::Purpose::record: return "Record";
+  }
+  return "";
+}
+
 void copyInto(std::array<char, 1024>& field, const std::string& text) {
   const size_t size = std::min(text.size(), field.size() - 1);
   std::copy_n(text.begin(), size, field.begin());
@@ -21,9 +30,9 @@ void copyInto(std::array<char, 1024>& field, const std::string& text) {
 
 }  // namespace
 
-void FileDialog::show(Purpose purpose, const std::string& title, const std::string& name) {
+void FileDialog::show(Purpose purpose, const std::string& name) {
   purpose_ = purpose;
-  title_ = title;
+  toReplace_.clear();
   isOpen_ = true;
   copyInto(name_, name);
   std::error_code failed;
@@ -58,7 +67,8 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
   ImGui::SetNextWindowSize({std::min(look.px(620.0f), 0.96f * display.x), std::min(look.px(460.0f), 0.9f * display.y)});
   std::optional<std::filesystem::path> chosen;
   bool isChosen = false;
-  if (ImGui::Begin((title_ + "###file dialog").c_str(), &isOpen_, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) {
+  const bool isWriting = purpose_ != Purpose::open;
+  if (ImGui::Begin((std::string(titleOf(purpose_)) + "###file dialog").c_str(), &isOpen_, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) {
     if (ImGui::Button("Up")) enter(folder_.parent_path());
     ImGui::SameLine();
     ImGui::TextColored(kDimText, "%s", printable(folder_.string()).c_str());
@@ -71,7 +81,7 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
           entered = folder_ / entry.name;
         else
           copyInto(name_, entry.name);
-        isChosen = !entry.isFolder && (look.isDoubleClicked || ImGui::IsMouseDoubleClicked(0));
+        isChosen = !isWriting && !entry.isFolder && (look.isDoubleClicked || ImGui::IsMouseDoubleClicked(0));
       }
       if (entry.isFolder) continue;
       const std::string size = bytesText(entry.bytes);
@@ -82,10 +92,10 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
     if (entered) enter(*entered);
     const float button = look.px(84.0f);
     ImGui::SetNextItemWidth(-2.0f * button - 2.0f * ImGui::GetStyle().ItemSpacing.x);
-    isChosen |= ImGui::InputTextWithHint("##name", purpose_ == Purpose::open ? "name or path of a file" : "name of the file", name_.data(), name_.size(),
+    isChosen |= ImGui::InputTextWithHint("##name", isWriting ? "name of the file" : "name or path of a file", name_.data(), name_.size(),
                                          ImGuiInputTextFlags_EnterReturnsTrue);
     ImGui::SameLine();
-    isChosen |= ImGui::Button(purpose_ == Purpose::open ? "Open" : "Save", {button, 0.0f});
+    isChosen |= ImGui::Button(!isWriting ? "Open" : toReplace_.empty() ? "Save" : "Replace", {button, 0.0f});
     ImGui::SameLine();
     if (ImGui::Button("Cancel", {button, 0.0f})) isOpen_ = false;
     if (!error_.empty()) ImGui::TextColored(kErrorText, "%s", printable(error_).c_str());
@@ -97,6 +107,11 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
   if (std::filesystem::is_directory(path, ignored)) {
     enter(path);
     name_[0] = '\0';
+    return std::nullopt;
+  }
+  // A file that is there is not replaced without a question: the button asks.
+  if (isWriting && std::filesystem::exists(path, ignored) && toReplace_ != name_.data()) {
+    toReplace_ = name_.data();
     return std::nullopt;
   }
   isOpen_ = false;

@@ -14,13 +14,12 @@ namespace warpscope::ui {
 
 class FileDialog {
  public:
-  enum class Purpose { open, save };
+  enum class Purpose { open, saveSession, record };
 
-  /// `title` is the window's; `name` what is proposed for a file to be written. Begins in the folder where it was used last.
-  void show(Purpose purpose, const std::string& title, const std::string& name = "");
+  /// `name` is proposed for a file to be written. Begins in the folder where it was used last.
+  void show(Purpose purpose, const std::string& name = "");
   bool isOpen() const { return isOpen_; }
   Purpose purpose() const { return purpose_; }
-  const std::string& title() const { return title_; }
   void close() { isOpen_ = false; }
   /// The file that was chosen, once.
   std::optional<std::filesystem::path> draw(const Look& look);
@@ -34,8 +33,8 @@ class FileDialog {
   void enter(const std::filesystem::path& folder);
 
   Purpose purpose_ = Purpose::open;
-  std::string title_;
   bool isOpen_ = false;
+  std::string toReplace_;  // the name of a file that is there, and that the user was asked about
   std::filesystem::path folder_;
   std::vector<Entry> entries_;
   std::string error_;

@@ -63,9 +63,12 @@ void MainView::takeHandedFile(Session& session) {
 void MainView::press(const KeyChord& key, Session& session) {
   const std::optional<Action> action = actionOf(key);
   if (!action) return;
-  const bool isTyped = ImGui::GetIO().WantTextInput && !key.isControl;
+  // What fields do themselves with Ctrl is theirs, too, while they are typed into.
+  constexpr std::string_view kOfFields = "ACVXYZ";
+  const bool isOfFields = key.name.size() == 1 && kOfFields.find(key.name[0]) != std::string_view::npos;
+  const bool isTyped = ImGui::GetIO().WantTextInput && (!key.isControl || isOfFields);
   if (isTyped || (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup) && *action != Action::quit)) return;
-  perform(*action, session, grid_.underPointer(), *action == Action::chooseTechnique ? static_cast<size_t>(key.name[0] - '0') : 0);
+  perform(*action, session, grid_.underPointer(session), *action == Action::chooseTechnique ? static_cast<size_t>(key.name[0] - '0') : 0);
 }
 
 void MainView::saveSession(const Session& session, const std::filesystem::path& path) {
@@ -110,8 +113,8 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     return;
   }
   switch (action) {
-    case Action::open: return dialog_.show(FileDialog::Purpose::open, "Open");
-    case Action::saveSession: return dialog_.show(FileDialog::Purpose::save, "Save session", "session.json");
+    case Action::open: return dialog_.show(FileDialog::Purpose::open);
+    case Action::saveSession: return dialog_.show(FileDialog::Purpose::saveSession, "session.json");
     case Action::restoreLast:
       if (const auto last = lastSessionFile()) restoreSession(session, *last);
       return;
@@ -124,7 +127,7 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
       }
       return;
     case Action::record:
-      if (!session.isRecording()) return dialog_.show(FileDialog::Purpose::save, "Record", "recording.warpscope");
+      if (!session.isRecording()) return dialog_.show(FileDialog::Purpose::record, "recording.warpscope");
       session.stopRecording();
       return setNote("the recording has ended");
     case Action::savePicture:
@@ -179,6 +182,7 @@ void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
   if (!ImGui::BeginMenu(name)) return;
   const size_t panel = grid_.usedLast(session);
   if (menu == ActionMenu::panel) ImGui::TextDisabled("Panel %zu: %s", panel + 1, std::string(session.panel(panel).technique->label).c_str());
+  std::optional<Action> chosen;  // done when all entries are drawn: it may close the panel
   for (const ActionDescriptor& action : windowActions()) {
     if (action.menu != menu) continue;
     const bool isPossible = action.action == Action::addPanel ? session.panelCount() < kMaxPanels
@@ -186,7 +190,7 @@ void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
                                 ? session.panelCount() > 1
                                 : true;
     if (ImGui::MenuItem(std::string(action.label).c_str(), std::string(action.keys).c_str(), isOn(action.action, session, panel), isPossible))
-      perform(action.action, session, panel);
+      chosen = action.action;
   }
   if (menu == ActionMenu::view && ImGui::BeginMenu("Columns")) {
     if (ImGui::MenuItem("As many as fit", nullptr, grid_.columns() == 0)) grid_.setColumns(0);
@@ -195,6 +199,7 @@ void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
     ImGui::EndMenu();
   }
   ImGui::EndMenu();
+  if (chosen) perform(*chosen, session, panel);
 }
 
 void MainView::drawDemos(Session& session, const Look& look) {
@@ -226,12 +231,11 @@ void MainView::drawMenus(Session& session, const Look& look) {
 void MainView::drawDialog(Session& session, const Look& look) {
   const std::optional<std::filesystem::path> path = dialog_.draw(look);
   if (!path) return;
-  if (dialog_.title() == "Record")
-    startRecording(session, *path);
-  else if (dialog_.purpose() == FileDialog::Purpose::save)
-    saveSession(session, *path);
-  else
-    open(path->string(), session);
+  switch (dialog_.purpose()) {
+    case FileDialog::Purpose::open: return open(path->string(), session);
+    case FileDialog::Purpose::saveSession: return saveSession(session, *path);
+    case FileDialog::Purpose::record: return startRecording(session, *path);
+  }
 }
 
 void MainView::drawNote(const Look& look) {
@@ -316,6 +320,7 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
 
 void MainView::draw(Session& session, double displayFramesPerSecond, const HeldKeys& held, const Look& look) {
   takeHandedFile(session);
+  controls_.transferEditor().update(session, look.now);
   drawMenus(session, look);
   const float top = ImGui::GetFrameHeight();  // of the menu bar
   const ImVec2 display = ImGui::GetIO().DisplaySize;

@@ -38,10 +38,10 @@ const WarpDescriptor& techniqueToAdd(const Session& session) {
 
 }  // namespace
 
-size_t PanelGrid::usedLast(const Session& session) const {
-  for (size_t i = 0; i < session.panelCount(); ++i)
-    if (session.panel(i).id == usedLast_) return i;
-  return 0;
+size_t PanelGrid::usedLast(const Session& session) const { return session.placeOf(usedLast_).value_or(0); }
+
+std::optional<size_t> PanelGrid::underPointer(const Session& session) const {
+  return underPointer_ ? session.placeOf(*underPointer_) : std::nullopt;
 }
 
 void PanelGrid::addPanel(Session& session) {
@@ -68,7 +68,8 @@ void PanelGrid::toggleWipe(const Session& session, size_t panel) {
 }
 
 std::string PanelGrid::textAboutPixel(const Session& session) const {
-  const PanelPixels* const pixels = underPointer_ && *underPointer_ < session.panelCount() ? session.panel(*underPointer_).currentPixels() : nullptr;
+  const std::optional<size_t> panel = underPointer(session);
+  const PanelPixels* const pixels = panel ? session.panel(*panel).currentPixels() : nullptr;
   return pixels != nullptr && inspection_.place ? textOf(pixelReport(pixels->inputs(), pixels->at(*inspection_.place))) : "";
 }
 
@@ -79,11 +80,7 @@ bool PanelGrid::goBack() {
 }
 
 void PanelGrid::forgetClosed(const Session& session) {
-  const auto isOpen = [&](uint64_t id) {
-    for (size_t i = 0; i < session.panelCount(); ++i)
-      if (session.panel(i).id == id) return true;
-    return false;
-  };
+  const auto isOpen = [&](uint64_t id) { return session.placeOf(id).has_value(); };
   std::erase_if(shown_, [&](const auto& entry) { return !isOpen(entry.first); });
   if (alone_ && !isOpen(*alone_)) alone_.reset();
   if (wiped_ && (!isOpen(*wiped_) || session.panelCount() == 1)) wiped_.reset();
@@ -92,7 +89,7 @@ void PanelGrid::forgetClosed(const Session& session) {
 void PanelGrid::followUse(const Session& session) {
   const ImGuiIO& io = ImGui::GetIO();
   const bool isUsed = io.MouseWheel != 0.0f || ImGui::IsMouseClicked(ImGuiMouseButton_Left) || ImGui::IsMouseClicked(ImGuiMouseButton_Right);
-  if (underPointer_ && isUsed) usedLast_ = session.panel(*underPointer_).id;
+  if (underPointer_ && isUsed) usedLast_ = *underPointer_;
   for (size_t i = 0; i < session.panelCount(); ++i) {
     const Panel& panel = session.panel(i);
     Shown& shown = *shown_.at(panel.id);
@@ -123,7 +120,7 @@ PanelGrid::Layout PanelGrid::layoutOf(size_t count, const ImVec2& room, const Lo
 }
 
 std::optional<OtherPicture> PanelGrid::otherOf(const Session& session, size_t panel, const HeldKeys& held, const Look& look) {
-  const bool isUnderPointer = underPointer_ == panel;
+  const bool isUnderPointer = underPointer_ == session.panel(panel).id;
   if (held.reference && isUnderPointer) {
     const auto& truth = session.groundTruth(panel).image();
     return OtherPicture{{truth ? truth->picture() : nullptr, nullptr}, "Ground truth", nullptr};
@@ -148,7 +145,7 @@ PanelEvents PanelGrid::drawCell(Session& session, size_t panel, const Layout& la
   ImGui::BeginChild(("panel " + std::to_string(id)).c_str(), layout.cell, true, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   const PanelEvents events = drawWarpPanel(session, panel, alone_ == id, otherOf(session, panel, held, look), isInspecting_ ? &inspection_ : nullptr,
                                            layout.space, shown_.at(id)->textures, look);
-  if (ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows | ImGuiHoveredFlags_AllowWhenBlockedByActiveItem)) underPointerNow_ = panel;
+  if (ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows | ImGuiHoveredFlags_AllowWhenBlockedByActiveItem)) underPointerNow_ = id;
   ImGui::EndChild();
   ImGui::PopStyleVar(2);
   return events;
@@ -169,7 +166,7 @@ void PanelGrid::draw(Session& session, const ImVec2& room, const HeldKeys& held,
     const bool isDrawn = !alone_ || alone_ == session.panel(i).id;
     if (isDrawn) drawn.push_back(i);
     const size_t before = (i + session.panelCount() - 1) % session.panelCount();
-    const bool isCompared = isWiped(session, before) || (held.blink && underPointer_ == before);
+    const bool isCompared = isWiped(session, before) || (held.blink && underPointer_ == session.panel(before).id);
     session.setHidden(i, !isDrawn && !isCompared);
   }
   const Layout layout = layoutOf(drawn.size(), room, look);
@@ -183,7 +180,10 @@ void PanelGrid::draw(Session& session, const ImVec2& room, const HeldKeys& held,
     if (events.pointer) next.place = events.pointer;
     if (isInspecting_ && events.isClicked && events.pointer) session.lookAt(LookedAt{session.panel(drawn[n]).id, *events.pointer});
     if (!ImGui::BeginDragDropTarget()) continue;
-    if (const ImGuiPayload* payload = ImGui::AcceptDragDropPayload(kPanelPayload)) moved = {*static_cast<const size_t*>(payload->Data), drawn[n]};
+    if (const ImGuiPayload* payload = ImGui::AcceptDragDropPayload(kPanelPayload)) {
+      // It may have been closed while it was dragged.
+      if (const auto dragged = session.placeOf(*static_cast<const uint64_t*>(payload->Data))) moved = {*dragged, drawn[n]};
+    }
     ImGui::EndDragDropTarget();
   }
   underPointer_ = underPointerNow_;

@@ -22,8 +22,8 @@ class PanelGrid {
   /// Draws all panels into the current window's room, as much of it as `room`.
   void draw(Session& session, const ImVec2& room, const HeldKeys& held, const Look& look);
 
-  /// The panel under the pointer in the last draw().
-  std::optional<size_t> underPointer() const { return underPointer_; }
+  /// The panel under the pointer in the last draw(); nothing if it has gone since.
+  std::optional<size_t> underPointer(const Session& session) const;
   /// The one whose technique changed last, or that was clicked into or turned the wheel over since.
   size_t usedLast(const Session& session) const;
 
@@ -78,7 +78,7 @@ class PanelGrid {
   float wipeAt_ = 0.5f;
   size_t columns_ = 0;
   uint64_t usedLast_ = 0;
-  std::optional<size_t> underPointer_, underPointerNow_;
+  std::optional<uint64_t> underPointer_, underPointerNow_;
   bool isBlinking_ = false;
   bool isInspecting_ = false;
   Inspection inspection_;  // in the last draw()

@@ -165,7 +165,8 @@ std::optional<Action> drawTitle(Session& session, size_t index, bool isAlone, co
   if (ImGui::IsItemHovered() && look.isDoubleClicked) asked = Action::maximise;
   if (session.panelCount() > 1) tooltip("Drag this to another panel's place; a double click shows this panel alone.", look);
   if (session.panelCount() > 1 && ImGui::BeginDragDropSource(ImGuiDragDropFlags_SourceNoPreviewTooltip)) {
-    ImGui::SetDragDropPayload(kPanelPayload, &index, sizeof(index));
+    const uint64_t id = session.panel(index).id;
+    ImGui::SetDragDropPayload(kPanelPayload, &id, sizeof(id));
     ImGui::EndDragDropSource();
   }
   ImDrawList* list = ImGui::GetWindowDrawList();

@@ -8,7 +8,7 @@
 
 namespace warpscope::ui {
 
-/// Of what a title drags: the index of its panel, a size_t.
+/// Of what a title drags: the id of its panel.
 inline constexpr const char* kPanelPayload = "panel";
 
 /// Height of drawPanelHeader(), with the space beneath it.

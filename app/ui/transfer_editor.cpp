@@ -76,13 +76,17 @@ void TransferEditor::show(Session& session, const TransferFunction& function) {
     shown_ = function;  // curves stay as they are edited
   } catch (const UsageError& error) {
     error_ = error.what();
+    curves_ = {};  // again those of what is on show
+    followScene(session);
   }
 }
 
 void TransferEditor::apply(Session& session) { show(session, functionOf(curves_)); }
 
 void TransferEditor::set(Session& session, const TransferFunction& function) {
+  error_.clear();
   if (session.scene() == nullptr || function == session.scene()->transferFunction) return;
+  followScene(session);
   const TransferFunction before = session.scene()->transferFunction;
   show(session, function);
   if (!error_.empty()) return;
@@ -93,13 +97,15 @@ void TransferEditor::set(Session& session, const TransferFunction& function) {
 }
 
 void TransferEditor::undo(Session& session) {
-  if (session.scene() == nullptr || grip_ != Grip::none) return;
+  if (!session.whyFunctionIsFixed().empty() || grip_ != Grip::none) return;
+  followScene(session);
   if (const auto before = history_.undo(session.scene()->transferFunction)) show(session, *before);
   curves_ = {};
 }
 
 void TransferEditor::redo(Session& session) {
-  if (session.scene() == nullptr || grip_ != Grip::none) return;
+  if (!session.whyFunctionIsFixed().empty() || grip_ != Grip::none) return;
+  followScene(session);
   if (const auto after = history_.redo(session.scene()->transferFunction)) show(session, *after);
   curves_ = {};
 }
@@ -118,9 +124,21 @@ void TransferEditor::watch(const std::filesystem::path& path) {
   writtenAt_ = path.empty() ? std::filesystem::file_time_type{} : std::filesystem::last_write_time(path, ignored);
 }
 
-void TransferEditor::followFile(Session& session, const Look& look) {
-  if (watched_.empty() || look.now - lookedAt_ < kFilePeriod || grip_ != Grip::none) return;
-  lookedAt_ = look.now;
+void TransferEditor::update(Session& session, Session::TimePoint now) {
+  if (!session.whyFunctionIsFixed().empty()) return;
+  followScene(session);
+  const bool isHeld = ImGui::IsMouseDown(ImGuiMouseButton_Left) || ImGui::IsMouseDown(ImGuiMouseButton_Right);
+  if (grip_ != Grip::none && !isHeld) {  // let go of, seen or not
+    if (!(atGrip_ == session.scene()->transferFunction)) history_.note(atGrip_);
+    grip_ = Grip::none;
+  }
+  followFile(session, now);
+  followScene(session);
+}
+
+void TransferEditor::followFile(Session& session, Session::TimePoint now) {
+  if (watched_.empty() || now - lookedAt_ < kFilePeriod || grip_ != Grip::none) return;
+  lookedAt_ = now;
   std::error_code failed;
   const auto writtenAt = std::filesystem::last_write_time(watched_, failed);
   if (failed || writtenAt == writtenAt_) return;  // one that is gone may be about to be replaced
@@ -151,17 +169,19 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
     take(Grip::opacity);
     opacity_ = near ? *near : addOpacity(curves_, chart.value(mouse.x));
     color_.reset();
-    if (!near) moveOpacity(curves_, *opacity_, chart.value(mouse.x), chart.alpha(mouse.y));
-    apply(session);
+    if (!near) {
+      moveOpacity(curves_, *opacity_, chart.value(mouse.x), chart.alpha(mouse.y));
+      apply(session);
+    }
   } else if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
     take(near ? Grip::none : Grip::window);
     if (near && removeOpacity(curves_, *near)) {
       opacity_.reset();
-      history_.note(atGrip_);
       apply(session);
+      if (!(atGrip_ == session.scene()->transferFunction)) history_.note(atGrip_);
     }
   }
-  const bool isMoved = mouse.x != gripAt_.x || mouse.y != gripAt_.y;
+  const bool isMoved = ImGui::IsMousePosValid() && (mouse.x != gripAt_.x || mouse.y != gripAt_.y);
   if (grip_ == Grip::opacity && opacity_ && isMoved) {
     moveOpacity(curves_, *opacity_, chart.value(mouse.x), chart.alpha(mouse.y));
     apply(session);
@@ -242,7 +262,7 @@ void TransferEditor::drawColorBar(Session& session, const Look& look) {
       if (!(before == session.scene()->transferFunction)) history_.note(before);
     }
   }
-  if (grip_ == Grip::color && color_ && mouse.x != gripAt_.x) {
+  if (grip_ == Grip::color && color_ && ImGui::IsMousePosValid() && mouse.x != gripAt_.x) {
     moveColor(curves_, *color_, chart.value(mouse.x));
     apply(session);
   }
@@ -291,12 +311,15 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
     nextHalf();
     std::array<float, 3> srgb{srgbFromLinear(corner.color.r), srgbFromLinear(corner.color.g), srgbFromLinear(corner.color.b)};
     if (ImGui::ColorEdit3("##color", srgb.data(), ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_PickerHueWheel)) {
+      if (!colorBefore_) colorBefore_ = session.scene()->transferFunction;
       curves_.colors[*color_].color = {linearFromSrgb(srgb[0]), linearFromSrgb(srgb[1]), linearFromSrgb(srgb[2])};
-      if (grip_ == Grip::none) atGrip_ = session.scene()->transferFunction;
       apply(session);
     }
-    if (ImGui::IsItemActivated()) atGrip_ = session.scene()->transferFunction;
-    if (ImGui::IsItemDeactivatedAfterEdit() && !(atGrip_ == session.scene()->transferFunction)) history_.note(atGrip_);
+    // One step from the first change until the button is up.
+    if (colorBefore_ && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
+      if (!(*colorBefore_ == session.scene()->transferFunction)) history_.note(*colorBefore_);
+      colorBefore_.reset();
+    }
     tooltip("Its colour.", look);
   } else {  // so that nothing moves when one is chosen
     ImGui::AlignTextToFramePadding();
@@ -371,8 +394,6 @@ void TransferEditor::draw(Session& session, const Look& look) {
     ImGui::PopTextWrapPos();
     return;
   }
-  followScene(session);
-  followFile(session, look);
   followScene(session);
   ImGui::PushID("transfer");
   drawChart(session, look);

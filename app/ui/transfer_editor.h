@@ -14,6 +14,8 @@ namespace warpscope::ui {
 
 class TransferEditor {
  public:
+  /// Once for each frame, whether or not it is drawn: another scene, a file that was written.
+  void update(Session& session, Session::TimePoint now);
   /// In the current window, over its width.
   void draw(Session& session, const Look& look);
 
@@ -35,7 +37,7 @@ class TransferEditor {
   struct Chart;
 
   void followScene(const Session& session);
-  void followFile(Session& session, const Look& look);
+  void followFile(Session& session, Session::TimePoint now);
   /// Without a step of its own: as long as something is dragged.
   void show(Session& session, const TransferFunction& function);
   void apply(Session& session);
@@ -49,6 +51,7 @@ class TransferEditor {
   TransferCurves curves_;
   TransferFunction shown_;       // that the curves are of
   TransferFunction atGrip_;      // when what is held was taken
+  std::optional<TransferFunction> colorBefore_;  // while a colour is picked
   TransferCurves curvesAtGrip_;
   ImVec2 gripAt_{0.0f, 0.0f};
   Grip grip_ = Grip::none;

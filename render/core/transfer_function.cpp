@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
 
 #include "render/base/error.h"
 
@@ -43,6 +44,8 @@ glm::vec4 TransferFunction::below(double value) const {
 
 void validate(const TransferFunction& function) {
   if (function.points.empty()) throw UsageError("a transfer function needs a point");
+  if (function.points.size() > kMostTransferPoints)
+    throw UsageError("a transfer function has at most " + std::to_string(kMostTransferPoints) + " points, not " + std::to_string(function.points.size()));
   double last = -std::numeric_limits<double>::infinity();
   for (const TransferPoint& point : function.points) {
     if (!std::isfinite(point.value) || point.value < last) throw UsageError("a transfer function's values are finite, and none is less than the one before");

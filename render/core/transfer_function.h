@@ -48,7 +48,10 @@ struct TransferFunction {
   bool operator==(const TransferFunction&) const = default;
 };
 
-/// Throws UsageError for a function without points, with values that fall or are not finite, or with colours or opacities outside of 0..1.
+/// Corners that a function may have: as many as copies of volumes are sent with.
+inline constexpr size_t kMostTransferPoints = 65536;
+
+/// Throws UsageError for a function without points or with too many, with values that fall or are not finite, or with colours or opacities outside of 0..1.
 void validate(const TransferFunction& function);
 
 }  // namespace warpscope
