@@ -137,6 +137,36 @@ TEST_F(WindowScriptTest, PanelsAreArrangedByTheirTitles) {
   EXPECT_EQ(session_.panel(0).id, left);
 }
 
+TEST_F(WindowScriptTest, PanelsThatAreGoneAreNotAskedAnyMore) {
+  ASSERT_TRUE(openAndRest("block"));
+  // Two keys before the next picture is drawn: the second finds no panel under the pointer.
+  window_.moveTo(kRightPicture);
+  window_.view().press({.name = "Delete"}, session_);
+  window_.view().press({.name = "4"}, session_);
+  window_.view().press({.name = "C"}, session_);
+  EXPECT_EQ(session_.panelCount(), 1u);
+  window_.hold(0, true);  // a click where a panel was
+  window_.hold(0, false);
+  // Closed while it is dragged: dropping it does nothing.
+  press(Action::addPanel);
+  press(Action::addPanel);
+  ASSERT_EQ(session_.panelCount(), 3u);
+  window_.frames(2);
+  window_.moveTo({720.0f, 47.0f});  // the third one's title
+  window_.hold(0, true);
+  window_.moveTo({740.0f, 60.0f});
+  session_.removePanel(2);
+  window_.moveTo(kLeftPicture);
+  window_.hold(0, false);
+  EXPECT_EQ(session_.panelCount(), 2u);
+  // "Close" by the menu, of the panel that was used last, which is the last of all.
+  window_.click(kRightPicture);
+  window_.view().perform(Action::closePanel, session_);
+  window_.frames(2);
+  EXPECT_EQ(session_.panelCount(), 1u);
+  EXPECT_TRUE(rest());
+}
+
 TEST_F(WindowScriptTest, ThePointerTurnsMovesAndZooms) {
   ASSERT_TRUE(openAndRest("block"));
   const View home = session_.view();
@@ -228,6 +258,20 @@ TEST_F(WindowScriptTest, TheTransferFunctionIsEditedAndTakenBack) {
   EXPECT_TRUE(rest());
 }
 
+TEST_F(WindowScriptTest, AClickOnACornerChangesNothingAndUndoStaysWithItsScene) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.click(kChart);
+  const TransferFunction added = session_.scene()->transferFunction;
+  window_.click(kChart);  // the corner that is there now
+  EXPECT_EQ(session_.scene()->transferFunction, added);
+  press(Action::hideSideBar);
+  ASSERT_TRUE(openAndRest("shells"));
+  const TransferFunction shells = session_.scene()->transferFunction;
+  press(Action::undo);
+  EXPECT_EQ(session_.scene()->transferFunction, shells) << "the step was another scene's";
+  press(Action::hideSideBar);
+}
+
 TEST_F(WindowScriptTest, AWatchedFileIsLoadedWhenItIsWritten) {
   const TestFolder folder;
   const std::string file = folder.write("function.json", R"({"points": [{"value": 0, "color": [1, 1, 1], "alpha": 0.1}]})");
@@ -264,6 +308,20 @@ TEST_F(WindowScriptTest, ASessionIsSavedAndOpenedByTheDialog) {
   window_.click(button);
   ASSERT_FALSE(window_.view().showsDialog());
   ASSERT_TRUE(std::filesystem::exists(folder.file("mine.json")));
+  // Once more: a file that is there is replaced only when it was asked for twice.
+  press(Action::saveSession);
+  for (int i = 0; i < 40; ++i) {
+    window_.click(nameField);
+    ImGui::GetIO().KeysDown[ImGuiKey_Backspace] = true;
+    window_.frame();
+    ImGui::GetIO().KeysDown[ImGuiKey_Backspace] = false;
+    window_.frame();
+  }
+  window_.type(folder.file("mine.json"));
+  window_.click(button);
+  EXPECT_TRUE(window_.view().showsDialog()) << "asks first";
+  window_.click(button);
+  EXPECT_FALSE(window_.view().showsDialog());
   window_.moveTo(kLeftPicture);
   window_.key({.name = "5"});
   window_.view().open(folder.file("mine.json"), session_);  // as if it were dropped
