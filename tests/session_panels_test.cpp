@@ -196,7 +196,8 @@ TEST(WindowActions, KeysAreReadAsTheyAreWritten) {
   EXPECT_EQ(actionOf({.name = "Q", .isControl = true}), Action::quit);
   EXPECT_EQ(actionOf({.name = "Q"}), std::nullopt);
   EXPECT_EQ(actionOf({.name = "F"}), Action::freeze);
-  EXPECT_EQ(actionOf({.name = "F", .isControl = true}), std::nullopt);
+  EXPECT_EQ(actionOf({.name = "F", .isControl = true}), Action::searchKnob);
+  EXPECT_EQ(actionOf({.name = "F", .isAlt = true}), std::nullopt);
   EXPECT_EQ(actionOf({.name = "?", .isShift = true}), Action::help) << "as most keyboards type it";
   EXPECT_EQ(actionOf({.name = "F1"}), Action::help);
   EXPECT_EQ(actionOf({.name = "7"}), Action::chooseTechnique);
