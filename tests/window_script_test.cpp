@@ -46,6 +46,13 @@ class WindowScriptTest : public SessionTest {
       return true;
     });
   }
+  void tapBackspace() {
+    ImGui::GetIO().KeysDown[ImGuiKey_Backspace] = true;
+    window_.frame();
+    ImGui::GetIO().KeysDown[ImGuiKey_Backspace] = false;
+    window_.frame();
+  }
+
   void press(Action action) {
     const std::vector<KeyChord> chords = chordsOf(describe(action));
     if (chords.empty())
@@ -299,10 +306,7 @@ TEST_F(WindowScriptTest, ASessionIsSavedAndOpenedByTheDialog) {
   window_.doubleClick(nameField);
   window_.frame();
   for (int i = 0; i < 40; ++i) {  // what is proposed goes
-    ImGui::GetIO().KeysDown[ImGuiKey_Backspace] = true;
-    window_.frame();
-    ImGui::GetIO().KeysDown[ImGuiKey_Backspace] = false;
-    window_.frame();
+    tapBackspace();
   }
   window_.type(folder.file("mine.json"));
   window_.click(button);
@@ -312,10 +316,7 @@ TEST_F(WindowScriptTest, ASessionIsSavedAndOpenedByTheDialog) {
   press(Action::saveSession);
   for (int i = 0; i < 40; ++i) {
     window_.click(nameField);
-    ImGui::GetIO().KeysDown[ImGuiKey_Backspace] = true;
-    window_.frame();
-    ImGui::GetIO().KeysDown[ImGuiKey_Backspace] = false;
-    window_.frame();
+    tapBackspace();
   }
   window_.type(folder.file("mine.json"));
   window_.click(button);

@@ -8,6 +8,20 @@
 #include "app/frames/coarsening.h"
 
 namespace warpscope {
+namespace {
+
+/// What draws with `warp` the frames that `asked` for.
+Configuration configurationFor(const WarpDescriptor& technique, const WarpSettings& warp, const WantedFrame& asked) {
+  Configuration configuration;
+  configuration.technique = &technique;
+  configuration.march = asked.march;
+  configuration.serverSidePx = asked.serverSidePx;
+  configuration.codec = asked.codec;
+  configuration.knobs = warp.knobs;
+  return normalized(configuration);
+}
+
+}  // namespace
 
 Session::Session(const SessionSettings& settings, const std::function<void()>& onNews)
     : platform_(settings.platform),
@@ -156,14 +170,8 @@ void Session::measureNow() {
   for (size_t i = 0; i < panels_.size(); ++i) {
     const WarpDescriptor& technique = *panel(i).technique;
     if (panel(i).isHidden || !technique.usesFrame || !lackOf(technique, frame->settings).empty()) continue;
-    Configuration configuration;
-    configuration.technique = &technique;
-    configuration.march = asked->march;
-    configuration.serverSidePx = asked->serverSidePx;
-    configuration.codec = asked->codec;
-    configuration.knobs = warpSettingsOf(i).knobs;
-    configuration = normalized(configuration);
-    if (std::ranges::find(job.configurations, configuration) == job.configurations.end()) job.configurations.push_back(configuration);
+    Configuration configuration = configurationFor(technique, warpSettingsOf(i), *asked);
+    if (std::ranges::find(job.configurations, configuration) == job.configurations.end()) job.configurations.push_back(std::move(configuration));
   }
   if (job.configurations.empty()) return;
   job.scene = std::make_shared<const Scene>(*scene());
@@ -212,14 +220,14 @@ void Session::record(TimePoint now) {
 }
 
 bool Session::followRay() {
-  const auto shown = lookedAt_ ? std::ranges::find(panels_, lookedAt_->panel, [](const LivePanel& panel) { return panel.shown().id; }) : panels_.end();
-  if (shown == panels_.end()) {
+  const std::optional<size_t> place = lookedAt_ ? placeOf(lookedAt_->panel) : std::nullopt;
+  if (!place) {
     lookedAt_.reset();
     ray_.clear();
     return false;
   }
   bool happened = ray_.take();
-  const PanelPixels* const pixels = shown->shown().currentPixels();
+  const PanelPixels* const pixels = panel(*place).currentPixels();
   if (pixels == nullptr) return happened;  // until the picture was judged, the last ray stays
   const RayOfPixel ray = rayBehind(pixels->inputs(), pixels->at(lookedAt_->place));
   MarchSettings settings = ray.isServers ? pixels->frame->settings : knobs_.march;
@@ -293,13 +301,7 @@ std::optional<Configuration> Session::configurationOf(const WarpResult& result) 
   const std::optional<WantedFrame> asked = drawn.frame ? frames_.askedBy(drawn.frame->requestId) : std::nullopt;
   if (!asked || isCoarsened(asked->march, drawn.frame->settings)) return std::nullopt;  // nobody chose it
   if (!lackOf(*drawn.technique, drawn.frame->settings).empty()) return std::nullopt;    // there is nothing to be seen
-  Configuration configuration;
-  configuration.technique = drawn.technique;
-  configuration.march = asked->march;
-  configuration.serverSidePx = asked->serverSidePx;
-  configuration.codec = asked->codec;
-  configuration.knobs = drawn.settings.knobs;
-  return normalized(configuration);
+  return configurationFor(*drawn.technique, drawn.settings, *asked);
 }
 
 bool Session::isAtRest() const {

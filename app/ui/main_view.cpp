@@ -120,8 +120,9 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
       return;
     case Action::copyCommand:
       try {
-        ImGui::SetClipboardText(commandLineOf(session).c_str());
-        setNote("copied: " + commandLineOf(session));
+        const std::string command = commandLineOf(session);
+        ImGui::SetClipboardText(command.c_str());
+        setNote("copied: " + command);
       } catch (const InputError& error) {
         setNote(error.what());
       }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/base/formatted.h"
+#include "render/core/color.h"
 
 namespace warpscope::ui {
 namespace {
@@ -27,6 +28,11 @@ bool Hover::hasRested(const ImVec2& item, Session::TimePoint now) {
   item_ = item;
   lastFrame_ = frame;
   return now - since_ >= kDelay;
+}
+
+ImU32 screenColor(const glm::vec3& linear, float opacity) {
+  const glm::vec3 shown = glm::clamp(linear, 0.0f, 1.0f);
+  return ImGui::GetColorU32({srgbFromLinear(shown.r), srgbFromLinear(shown.g), srgbFromLinear(shown.b), opacity});
 }
 
 std::string durationText(double milliseconds) {

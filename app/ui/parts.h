@@ -109,6 +109,9 @@ void drawErrorBanner(Session& session, const Look& look);
 /// Explains the item drawn last while the pointer rests on it.
 void tooltip(const std::string& text, const Look& look);
 
+/// A linear colour as the screen shows it.
+ImU32 screenColor(const glm::vec3& linear, float opacity = 1.0f);
+
 /// "1.2 ms", "123 ms", "12 s".
 std::string durationText(double milliseconds);
 

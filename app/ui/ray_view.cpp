@@ -8,18 +8,12 @@
 
 #include "app/picture/plot_axis.h"
 #include "render/base/formatted.h"
-#include "render/core/color.h"
 
 namespace warpscope::ui {
 namespace {
 
 constexpr float kLegendPx = 132.0f, kStripPx = 9.0f, kLanePx = 12.0f;  // at scale 1
 const ImVec4 kValueColor{0.62f, 0.65f, 0.70f, 1.0f}, kOpacityColor{0.95f, 0.62f, 0.25f, 1.0f}, kLightColor{0.35f, 0.70f, 0.95f, 1.0f};
-
-ImU32 screenColor(const glm::vec3& linear, float opacity = 1.0f) {
-  const glm::vec3 shown = glm::clamp(linear, 0.0f, 1.0f);
-  return ImGui::GetColorU32({srgbFromLinear(shown.r), srgbFromLinear(shown.g), srgbFromLinear(shown.b), opacity});
-}
 
 /// The part of the ray that is worth showing: where samples count and a little about it, or all of it where none does.
 struct Span {

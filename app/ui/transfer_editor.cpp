@@ -21,11 +21,6 @@ namespace {
 constexpr float kChartPx = 96.0f, kBarPx = 12.0f, kMarkPx = 9.0f, kCornerPx = 4.0f, kReachPx = 8.0f;  // at scale 1
 constexpr std::chrono::milliseconds kFilePeriod(400);
 
-ImU32 screenColor(const glm::vec3& linear) {
-  const glm::vec3 shown = glm::clamp(linear, 0.0f, 1.0f);
-  return ImGui::GetColorU32({srgbFromLinear(shown.r), srgbFromLinear(shown.g), srgbFromLinear(shown.b), 1.0f});
-}
-
 /// Faint opacities have room, too.
 float heightOf(float alpha) { return std::sqrt(alpha); }
 float alphaAt(float height) { return height * height; }
@@ -96,6 +91,10 @@ void TransferEditor::set(Session& session, const TransferFunction& function) {
   color_.reset();
 }
 
+void TransferEditor::noteIfChanged(const Session& session, const TransferFunction& before) {
+  if (!(before == session.scene()->transferFunction)) history_.note(before);
+}
+
 void TransferEditor::undo(Session& session) {
   if (!session.whyFunctionIsFixed().empty() || grip_ != Grip::none) return;
   followScene(session);
@@ -127,9 +126,8 @@ void TransferEditor::watch(const std::filesystem::path& path) {
 void TransferEditor::update(Session& session, Session::TimePoint now) {
   if (!session.whyFunctionIsFixed().empty()) return;
   followScene(session);
-  const bool isHeld = ImGui::IsMouseDown(ImGuiMouseButton_Left) || ImGui::IsMouseDown(ImGuiMouseButton_Right);
-  if (grip_ != Grip::none && !isHeld) {  // let go of, seen or not
-    if (!(atGrip_ == session.scene()->transferFunction)) history_.note(atGrip_);
+  if (grip_ != Grip::none && !ImGui::IsMouseDown(grip_ == Grip::window ? ImGuiMouseButton_Right : ImGuiMouseButton_Left)) {  // let go of, seen or not
+    noteIfChanged(session, atGrip_);
     grip_ = Grip::none;
   }
   followFile(session, now);
@@ -178,7 +176,7 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
     if (near && removeOpacity(curves_, *near)) {
       opacity_.reset();
       apply(session);
-      if (!(atGrip_ == session.scene()->transferFunction)) history_.note(atGrip_);
+      noteIfChanged(session, atGrip_);
     }
   }
   const bool isMoved = ImGui::IsMousePosValid() && (mouse.x != gripAt_.x || mouse.y != gripAt_.y);
@@ -190,10 +188,6 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
     const double shift = (chart.highest - chart.lowest) * static_cast<double>((mouse.x - gripAt_.x) / (to.x - from.x));
     curves_ = windowed(curvesAtGrip_, shift, std::exp(static_cast<double>((gripAt_.y - mouse.y) / (to.y - from.y))));
     apply(session);
-  }
-  if ((grip_ == Grip::opacity && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) || (grip_ == Grip::window && !ImGui::IsMouseDown(ImGuiMouseButton_Right))) {
-    if (!(atGrip_ == session.scene()->transferFunction)) history_.note(atGrip_);
-    grip_ = Grip::none;
   }
 
   ImDrawList* list = ImGui::GetWindowDrawList();
@@ -259,16 +253,12 @@ void TransferEditor::drawColorBar(Session& session, const Look& look) {
     if (removeColor(curves_, *near)) {
       color_.reset();
       apply(session);
-      if (!(before == session.scene()->transferFunction)) history_.note(before);
+      noteIfChanged(session, before);
     }
   }
   if (grip_ == Grip::color && color_ && ImGui::IsMousePosValid() && mouse.x != gripAt_.x) {
     moveColor(curves_, *color_, chart.value(mouse.x));
     apply(session);
-  }
-  if (grip_ == Grip::color && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
-    if (!(atGrip_ == session.scene()->transferFunction)) history_.note(atGrip_);
-    grip_ = Grip::none;
   }
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float bottom = from.y + look.px(kBarPx);
@@ -289,7 +279,7 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
     const TransferFunction before = session.scene()->transferFunction;
     edit();
     apply(session);
-    if (!(before == session.scene()->transferFunction)) history_.note(before);
+    noteIfChanged(session, before);
   };
   if (opacity_ && *opacity_ < curves_.opacities.size()) {
     OpacityCorner corner = curves_.opacities[*opacity_];
@@ -317,7 +307,7 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
     }
     // One step from the first change until the button is up.
     if (colorBefore_ && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
-      if (!(*colorBefore_ == session.scene()->transferFunction)) history_.note(*colorBefore_);
+      noteIfChanged(session, *colorBefore_);
       colorBefore_.reset();
     }
     tooltip("Its colour.", look);

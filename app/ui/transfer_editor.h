@@ -41,6 +41,7 @@ class TransferEditor {
   /// Without a step of its own: as long as something is dragged.
   void show(Session& session, const TransferFunction& function);
   void apply(Session& session);
+  void noteIfChanged(const Session& session, const TransferFunction& before);
   void drawChart(Session& session, const Look& look);
   void drawColorBar(Session& session, const Look& look);
   void drawFields(Session& session, const Look& look);
