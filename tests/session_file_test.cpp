@@ -7,6 +7,7 @@
 #include "app/shell/user_folders.h"
 #include "net/link_settings.h"
 #include "render/warp/fill.h"
+#include "app/scene/json_document.h"
 #include "tests/session_fixture.h"
 #include "tests/test_folder.h"
 
@@ -120,9 +121,9 @@ TEST_F(SessionFileTest, WhatIsWrongIsNamedWithItsLine) {
   EXPECT_THAT(refusalOf(with("\"budgetMs\"", "\"budget\"")), HasSubstr("budget"));
   EXPECT_THAT(refusalOf("{}"), HasSubstr("warpscopeSession"));
   EXPECT_THAT(refusalOf("[]"), testing::Not(""));
-  EXPECT_TRUE(isSessionFile(folder_.write("session.json", good)));
-  EXPECT_FALSE(isSessionFile(folder_.write("other.json", "{}")));
-  EXPECT_FALSE(isSessionFile(folder_.path() / "missing.json"));
+  EXPECT_TRUE(isSession(JsonDocument(good, "session.json")));
+  EXPECT_FALSE(isSession(JsonDocument("{}", "other.json")));
+  EXPECT_FALSE(isSession(JsonDocument("[]", "other.json")));
 }
 
 TEST_F(SessionFileTest, TheCommandHasWhatOptionsSay) {

@@ -1,6 +1,6 @@
 // Sweeps read back, and told from scenes.
-// Mirrors app/experiment/sweep_file.h.
-#include "app/experiment/sweep_file.h"
+// Mirrors app/experiment/sweep_file.h and app/session/handed_file.h.
+#include "app/session/handed_file.h"
 
 #include <gmock/gmock.h>
 

@@ -2,7 +2,8 @@
 // Mirrors app/ui/main_view.h, panel_grid.h, warp_panel.h, transfer_editor.h.
 #include <random>
 
-#include "tests/scripted_window.h"
+#include "app/session/recorded_scene.h"
+#include "tests//scripted_window.h"
 #include "tests/test_folder.h"
 
 namespace warpscope::ui {
@@ -28,6 +29,8 @@ class WindowScriptTest : public SessionTest {
   }
   LoadJob jobOf(const SceneOrigin& origin) {
     LoadJob job = builtin(origin.spec);
+    if (isRecording(origin.spec))
+      job = {origin.spec, [spec = origin.spec](const std::function<void()>& onNews, const std::stop_token& stop) { return openRecording(spec, Backend::cpu, onNews, stop); }};
     job.origin = origin;
     return job;
   }
@@ -325,18 +328,55 @@ TEST_F(WindowScriptTest, ASessionIsSavedAndOpenedByTheDialog) {
   EXPECT_FALSE(window_.view().showsDialog());
   window_.moveTo(kLeftPicture);
   window_.key({.name = "5"});
-  window_.view().open(folder.file("mine.json"), session_);  // as if it were dropped
+  window_.view().open(folder.file("mine.json"));  // as if it were dropped
   ASSERT_TRUE(waitUntil([&] { return session_.panel(0).technique == &warpRegistry()[3]; }));
   ASSERT_TRUE(rest());
   press(Action::copyCommand);
   EXPECT_THAT(window_.clipboard(), testing::StartsWith("warpscope view block --panels points,spheres"));
 }
 
+TEST_F(WindowScriptTest, ARecordingIsPlayedSteppedAndSought) {
+  const TestFolder folder;
+  ASSERT_TRUE(openAndRest("block"));
+  press(Action::play);  // there is none
+  EXPECT_FALSE(session_.playback().isPlaying());
+  session_.startRecording(folder.file("a.warpscope"), textOf(sessionFileOf(session_)));
+  window_.drag(kLeftPicture, kLeftPicture + glm::vec2(60.0f, 0.0f));
+  ASSERT_TRUE(rest());
+  window_.drag(kLeftPicture, kLeftPicture + glm::vec2(60.0f, 0.0f));
+  ASSERT_TRUE(rest());
+  session_.stopRecording();
+  std::this_thread::sleep_for(milliseconds(100));  // what waits is written
+  window_.view().open(folder.file("a.warpscope"));
+  ASSERT_TRUE(waitUntil([&] { return session_.playback().isOpen(); }));
+  const LivePlayback& playback = session_.playback();
+  EXPECT_TRUE(playback.isPlaying());
+  window_.moveTo(kLeftPicture);
+  press(Action::play);
+  EXPECT_FALSE(playback.isPlaying());
+  press(Action::stepOn);
+  press(Action::stepOn);
+  const size_t frame = playback.frame();
+  EXPECT_GT(frame, 0u);
+  press(Action::stepBack);
+  EXPECT_EQ(playback.frame(), frame - 1);
+  // The track begins behind three buttons, beneath the panels.
+  const glm::vec2 track(300.0f, 543.0f);
+  window_.drag(track, track + glm::vec2(-250.0f, 0.0f));
+  EXPECT_DOUBLE_EQ(playback.seconds(), playback.firstSeconds()) << "at its left end";
+  window_.drag(track, track + glm::vec2(2000.0f, 0.0f));
+  EXPECT_DOUBLE_EQ(playback.seconds(), playback.lastSeconds());
+  press(Action::play);
+  EXPECT_LT(playback.seconds(), playback.lastSeconds()) << "from the beginning";
+  ASSERT_TRUE(waitUntil([&] { return session_.panel(0).picture && session_.frames().newest() && !playback.isPlaying(); }));
+  EXPECT_EQ(session_.error(), "");
+}
+
 TEST_F(WindowScriptTest, EveryEntryOfEveryMenuCanBeChosen) {
   ASSERT_TRUE(openAndRest("block"));
   std::vector<Action> asked;
   for (const float x : {22.0f, 63.0f, 108.0f, 157.0f, 206.0f})
-    for (float y = 34.0f; y < 260.0f; y += 10.0f) {
+    for (float y = 34.0f; y < 330.0f; y += 10.0f) {
       window_.click({x, 12.0f});
       window_.click({x + 20.0f, y});
       for (const Action action : window_.takeActions()) asked.push_back(action);

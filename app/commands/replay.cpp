@@ -9,7 +9,7 @@
 #include "app/experiment/replay.h"
 #include "app/picture/picture.h"
 #include "app/scene/json_document.h"
-#include "app/session/session_file.h"
+#include "app/session/recorded_scene.h"
 #include "app/shell/child_process.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/log.h"
@@ -50,17 +50,6 @@ std::vector<TechniqueInUse> techniquesOf(const ReplayOptions& options, const Rec
   return techniques;
 }
 
-/// What marches the recorded scene, for techniques that march.
-MarcherPtr marcherFor(const ReplayOptions& options, const Recording& recording, Backend backend, const std::stop_token& stop) {
-  if (recording.text.empty()) throw InputError(options.file + ": does not say of which scene it is, which a technique that marches needs");
-  const SessionFile session = readSessionText(recording.text, options.file);
-  if (session.origin.spec.find("://") != std::string::npos)
-    throw InputError(options.file + ": its volume is a server's, and a technique that marches needs it here");
-  Scene scene = openScene(session.origin.spec, session.origin.overrides, stop);
-  if (session.arrangement.transferFunction) scene.transferFunction = *session.arrangement.transferFunction;
-  return makeMarcher(backend, scene.volume, scene.transferFunction);
-}
-
 /// `pattern`: "folder/%06d.png".
 void makeVideo(const std::string& pattern, const std::filesystem::path& film, double picturesPerSecond, const std::stop_token& stop) {
   const std::string rate = nlohmann::json(picturesPerSecond).dump();
@@ -89,7 +78,7 @@ void run(const ReplayOptions& options) {
   settings.height = checked.height;
   settings.hasLabels = !options.hasNoLabels;
   const bool marches = std::ranges::any_of(settings.techniques, [](const TechniqueInUse& one) { return !one.technique->usesFrame; });
-  HeadlessResources headless(marches ? marcherFor(options, recording, checked.backend, interrupt.token()) : nullptr, checked.platform, checked.backend);
+  HeadlessResources headless(marches ? marcherOf(recording, checked.backend, interrupt.token()) : nullptr, checked.platform, checked.backend);
   settings.resources = headless.resources();
   const size_t count = pictureCount(recording, settings.picturesPerSecond);
   StagedFolder folder(options.out);

@@ -1,13 +1,14 @@
 // `view`: the window.
 // Panels over the same frames; see app/session/session.h and app/ui/.
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
 
 #include "app/commands/choose.h"
 #include "app/commands/options.h"
-#include "app/frames/scene_connection.h"
+#include "app/session/recorded_scene.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/output_files.h"
 #include "app/shell/user_folders.h"
@@ -21,7 +22,7 @@ struct ViewOptions {
   ViewOptions() { common.size.clear(); }  // the window's, which goes by the screen unless it is given
 
   CommonOptions common;
-  std::vector<std::string> panels{"points", "segments"};
+  std::vector<std::string> panels;  ///< empty: kUsualPanels, or those of a session or a recording
   std::string left, right;
   TransportOptions transport;
   double uiScale = 0.0;
@@ -36,6 +37,7 @@ struct ViewOptions {
   KnobOptions ownKnobs;  ///< that the window alone has
 };
 
+constexpr std::array<const char*, 2> kUsualPanels{"points", "segments"};
 constexpr Range kUiScaleRange{0.5, 4.0};
 constexpr Range kWaitMsRange{0.0, 3600.0 * 1000.0};
 
@@ -53,20 +55,11 @@ SceneOrigin fromAnywhere(SceneOrigin origin) {
   return origin;
 }
 
-/// What --session names; nothing without it. Throws InputError, UsageError where there is no last one.
-std::optional<SessionFile> restoredBy(const ViewOptions& options) {
-  if (options.session.empty()) return std::nullopt;
-  if (options.session != "last") return readSessionFile(options.session);
-  const std::optional<std::filesystem::path> last = lastSessionFile();
-  std::error_code ignored;
-  if (!last || !std::filesystem::exists(*last, ignored)) throw UsageError("--session last: no window was closed yet that showed something");
-  return readSessionFile(*last);
-}
-
 /// What the options say of the panels. `knobs`: of techniques, for all panels but the first of several, which is what they are compared with.
 std::vector<PanelSettings> panelsOf(const ViewOptions& options, const KnobValues& knobs) {
   std::vector<std::string> names = options.panels;
-  if (names.empty() || names.size() > kMaxPanels) throw UsageError("--panels: give 1 to " + std::to_string(kMaxPanels) + " techniques");
+  if (names.empty()) names.assign(kUsualPanels.begin(), kUsualPanels.end());
+  if (names.size() > kMaxPanels) throw UsageError("--panels: give 1 to " + std::to_string(kMaxPanels) + " techniques");
   if (!options.left.empty()) names.front() = options.left;
   if (!options.right.empty()) names.back() = options.right;
   std::vector<PanelSettings> panels;
@@ -79,10 +72,29 @@ std::vector<PanelSettings> panelsOf(const ViewOptions& options, const KnobValues
   return panels;
 }
 
+/// What --session names, or what a recording says that is to be seen; nothing without them. `knobs`: as panelsOf()'s. Throws InputError, UsageError where there is
+/// no last one.
+std::optional<SessionFile> restoredBy(const ViewOptions& options, const KnobValues& knobs) {
+  if (!options.session.empty()) {
+    if (namesScene(options.common) || !options.transport.connect.empty()) throw UsageError("--session has a scene of its own: name no other");
+    if (options.session != "last") return readSessionFile(options.session);
+    const std::optional<std::filesystem::path> last = lastSessionFile();
+    std::error_code ignored;
+    if (!last || !std::filesystem::exists(*last, ignored)) throw UsageError("--session last: no window was closed yet that showed something");
+    return readSessionFile(*last);
+  }
+  if (!options.common.scene || !isRecording(*options.common.scene)) return std::nullopt;
+  std::optional<SessionFile> recorded = sessionFileOfRecording(*options.common.scene);
+  if (recorded && (!options.panels.empty() || !options.left.empty() || !options.right.empty())) {
+    recorded->panels = panelsOf(options, knobs);
+    recorded->arrangement.ownViews.assign(recorded->panels.size(), std::nullopt);
+  }
+  return recorded;
+}
+
 void view(const ViewOptions& options) {
   const CheckedOptions checked = check(options.common);
-  const std::optional<SessionFile> restored = restoredBy(options);
-  if (restored && (namesScene(options.common) || !options.transport.connect.empty())) throw UsageError("--session has a scene of its own: name no other");
+  const std::optional<SessionFile> restored = restoredBy(options, checked.warp.knobs);
   SessionSettings settings;
   settings.panels = panelsOf(options, checked.warp.knobs);
   if (options.budgetMs) requireRange(*options.budgetMs, kBudgetMsRange, "--budget-ms");
@@ -149,13 +161,18 @@ void view(const ViewOptions& options) {
     SceneOrigin origin = fromAnywhere(chosen);
     if (origin.overrides.seed == SceneOverrides{}.seed) origin.overrides.seed = seed;
     return LoadJob{chosen.spec,
-                   [=](const std::function<void()>& onNews, const std::stop_token& stop) { return host(openScene(origin.spec, origin.overrides, stop), onNews, stop); },
+                   [=, backend = checked.backend](const std::function<void()>& onNews, const std::stop_token& stop) {
+                     if (isRecording(origin.spec)) return openRecording(origin.spec, backend, onNews, stop);
+                     return host(openScene(origin.spec, origin.overrides, stop), onNews, stop);
+                   },
                    origin};
   };
   const SessionMaker makeSession = [&](std::function<void()> onNews) {
     auto session = std::make_unique<Session>(settings, std::move(onNews));
     if (restored)
       restore(*restored, *session, openChosen);
+    else if (isRecording(checked.sceneSpec))
+      session->load(openChosen({checked.sceneSpec, {}}));
     else if (server)
       session->load(connectTo(*server));
     else

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstring>
 #include <deque>
-#include <fstream>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -202,8 +201,8 @@ bool readExactly(std::ifstream& file, std::byte* into, size_t count) {
   return static_cast<size_t>(file.gcount()) == count;
 }
 
-/// Takes a record over; false for one that is not as it should be.
-bool take(Recording& recording, double seconds, RecordType type, std::vector<std::byte>& body) {
+/// Takes a record over that is no frame; false for one that is not as it should be.
+bool take(Recording& recording, double seconds, RecordType type, std::span<const std::byte> body) {
   switch (type) {
     case RecordType::scene: {
       const std::optional<net::SceneFields> scene = net::readScene(body);
@@ -223,21 +222,36 @@ bool take(Recording& recording, double seconds, RecordType type, std::vector<std
       recording.path.add(seconds, view);
       return true;
     }
-    case RecordType::frame: {
-      if (body.size() < net::kFrameHeadLengthBytes) return false;
-      const std::optional<size_t> length = net::readFrameHeadLength(std::span(body).first(net::kFrameHeadLengthBytes));
-      if (!length || *length > body.size()) return false;
-      const std::optional<net::FrameHead> head = net::readFrameHead(std::span(body).first(*length));
-      if (!head || !faultOf(*head, body.size() - *length).empty()) return false;
-      if (!recording.frames.empty() && seconds < recording.frames.back().seconds) return false;
-      recording.frames.push_back({seconds, *head, {body.begin() + static_cast<std::ptrdiff_t>(*length), body.end()}});
-      return true;
-    }
+    case RecordType::frame: return false;
   }
   return true;  // of a later program, that this one need not know
 }
 
+/// Takes the head of a frame's record over, which is `bytes` long and begins at `at`, where the file is; false for one that is not as it should be.
+bool takeFrame(Recording& recording, double seconds, std::ifstream& file, uint64_t at, size_t bytes) {
+  std::vector<std::byte> body(net::kFrameHeadLengthBytes);
+  if (bytes < body.size() || !readExactly(file, body.data(), body.size())) return false;
+  const std::optional<size_t> length = net::readFrameHeadLength(body);
+  if (!length || *length > bytes || *length < body.size()) return false;
+  const size_t read = body.size();
+  body.resize(*length);
+  if (!readExactly(file, body.data() + read, *length - read)) return false;
+  const std::optional<net::FrameHead> head = net::readFrameHead(body);
+  if (!head || !faultOf(*head, bytes - *length).empty()) return false;
+  if (!recording.frames.empty() && seconds < recording.frames.back().seconds) return false;
+  recording.frames.push_back({seconds, *head, at + *length, bytes - *length, marchFrom(head->settings).sample.proxy > 0});
+  return true;
+}
+
 }  // namespace
+
+bool isRecording(const std::filesystem::path& path) {
+  std::error_code failed;
+  if (!std::filesystem::is_regular_file(path, failed)) return false;  // a pipe would wait
+  std::ifstream file(path, std::ios::binary);
+  std::array<std::byte, 8> magic{};
+  return readExactly(file, magic.data(), magic.size()) && std::memcmp(magic.data(), kRecordingMagic.data(), 7) == 0;
+}
 
 Recording readRecording(const std::filesystem::path& path, const std::stop_token& stop) {
   std::ifstream file(path, std::ios::binary);
@@ -250,6 +264,7 @@ Recording readRecording(const std::filesystem::path& path, const std::stop_token
   if (!hasMagic || std::memcmp(magic.data(), kRecordingMagic.data(), 7) != 0) throw InputError(path.string() + ": is no recording of warpscope");
   if (std::to_integer<char>(magic[7]) != kRecordingMagic[7]) throw InputError(path.string() + ": was recorded by a program of another version");
   Recording recording;
+  recording.file = path;
   const uint64_t size = std::filesystem::file_size(path, failed);
   uint64_t at = magic.size();
   bool hasScene = false;
@@ -266,15 +281,20 @@ Recording readRecording(const std::filesystem::path& path, const std::stop_token
     reader.number(length);
     at += head.size();
     if (length > size - at) break;  // cut off
-    std::vector<std::byte> body(length);
-    if (!readExactly(file, body.data(), length)) break;
-    at += length;
     bool isFine = seconds >= 0.0 && seconds < 1e7;
     try {
-      isFine = isFine && take(recording, seconds, static_cast<RecordType>(type), body);
+      if (type == static_cast<uint8_t>(RecordType::frame)) {
+        isFine = isFine && takeFrame(recording, seconds, file, at, length);
+        file.seekg(static_cast<std::streamoff>(at + length));
+      } else {
+        std::vector<std::byte> body(length);
+        if (!readExactly(file, body.data(), length)) break;
+        isFine = isFine && take(recording, seconds, static_cast<RecordType>(type), body);
+      }
     } catch (const InputError&) {
       isFine = false;  // a scene or a frame that cannot be
     }
+    at += length;
     if (!isFine) throw InputError(path.string() + ": its record " + std::to_string(number) + " is damaged");
     hasScene |= type == static_cast<uint8_t>(RecordType::scene);
     recording.seconds = std::max(recording.seconds, seconds);
@@ -283,34 +303,51 @@ Recording readRecording(const std::filesystem::path& path, const std::stop_token
   return recording;
 }
 
-SampleFramePtr RecordedFrames::at(double seconds) {
-  const auto& frames = recording_.frames;
-  const auto next = std::ranges::upper_bound(frames, seconds, {}, &Recording::Frame::seconds);
-  if (next == frames.begin()) return nullptr;
-  const auto wanted = static_cast<size_t>(next - frames.begin()) - 1;
-  if (decoded_ == wanted) return frame_;
-  // A copy of the volume came with an earlier frame: going back, it is looked for from the beginning.
-  size_t first = decoded_ && *decoded_ < wanted ? *decoded_ + 1 : 0;
-  if (first == 0) proxy_.reset();
-  for (; first <= wanted; ++first) {
-    const Recording::Frame& recorded = frames[first];
-    const bool hasProxy = marchFrom(recorded.head.settings).sample.proxy > 0;
-    if (first != wanted && !hasProxy) continue;
-    SampleFrame frame;
-    try {
-      frame = decodedFrom(recorded.head, recorded.payload, codec_);
-    } catch (const InputError& error) {
-      throw InputError("the recording's frame " + std::to_string(first + 1) + " is damaged: " + error.what());
-    }
-    if (frame.proxy) proxy_ = frame.proxy;
-    if (first != wanted) continue;
-    if (!frame.proxy && proxy_) {
-      frame.proxy = proxy_;
-      frame.settings.sample.proxy = static_cast<int>(std::max({proxy_->volume->dims().x, proxy_->volume->dims().y, proxy_->volume->dims().z}));
-    }
-    frame.geometry = recording_.scene.geometry();
-    frame_ = std::make_shared<const SampleFrame>(std::move(frame));
+std::optional<size_t> frameAt(const Recording& recording, double seconds) {
+  const auto next = std::ranges::upper_bound(recording.frames, seconds, {}, &Recording::Frame::seconds);
+  if (next == recording.frames.begin()) return std::nullopt;
+  return static_cast<size_t>(next - recording.frames.begin()) - 1;
+}
+
+SampleFrame RecordedFrames::decoded(size_t index) {
+  const Recording::Frame& recorded = recording_.frames[index];
+  const auto fail = [&](const std::string& why) { return InputError("the recording's frame " + std::to_string(index + 1) + why); };
+  std::vector<std::byte> payload(recorded.payloadBytes);
+  file_.clear();
+  file_.seekg(static_cast<std::streamoff>(recorded.payloadAt));
+  if (!readExactly(file_, payload.data(), payload.size())) throw fail(" cannot be read any more: " + recording_.file.string() + " has changed");
+  try {
+    return decodedFrom(recorded.head, payload, codec_);
+  } catch (const InputError& error) {
+    throw fail(std::string(" is damaged: ") + error.what());
   }
+}
+
+SampleFramePtr RecordedFrames::at(double seconds) {
+  const std::optional<size_t> wanted = frameAt(recording_, seconds);
+  if (!wanted) return nullptr;
+  if (decoded_ == wanted) return frame_;
+  const auto hasProxy = [&](size_t index) { return recording_.frames[index].hasProxy; };
+  size_t source = *wanted;  // of the copy of the volume
+  while (source > 0 && !hasProxy(source)) --source;
+  if (source != *wanted && hasProxy(source) && proxyFrame_ != source) {
+    proxy_ = decoded(source).proxy;
+    proxyBytes_ = codec_.bytes().proxy;
+    proxyFrame_ = source;
+  }
+  SampleFrame frame = decoded(*wanted);
+  bytes_ = codec_.bytes();
+  if (frame.proxy) {
+    proxy_ = frame.proxy;
+    proxyBytes_ = bytes_.proxy;
+    proxyFrame_ = wanted;
+  } else if (hasProxy(source) && proxy_) {
+    frame.proxy = proxy_;
+    bytes_.proxy = proxyBytes_;
+    frame.settings.sample.proxy = static_cast<int>(std::max({proxy_->volume->dims().x, proxy_->volume->dims().y, proxy_->volume->dims().z}));
+  }
+  frame.geometry = recording_.scene.geometry();
+  frame_ = std::make_shared<const SampleFrame>(std::move(frame));
   decoded_ = wanted;
   return frame_;
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -43,14 +44,17 @@ class RecordingWriter {
   const std::unique_ptr<Work> work_;
 };
 
-/// What was recorded.
+/// What was recorded. Frames stay in their file until somebody wants them: it may be larger than memory.
 struct Recording {
   struct Frame {
     double seconds = 0.0;
     net::FrameHead head;
-    std::vector<std::byte> payload;
+    uint64_t payloadAt = 0;  ///< in the file, in bytes from its beginning
+    size_t payloadBytes = 0;
+    bool hasProxy = false;   ///< frames after it without one are of the same copy of the volume
   };
 
+  std::filesystem::path file;
   Scene scene;        ///< without its volume
   std::string text;   ///< as it was handed over
   CameraPath path;
@@ -58,24 +62,37 @@ struct Recording {
   double seconds = 0.0;       ///< of its last record
 };
 
+/// Whether it looks like one, right or wrong.
+bool isRecording(const std::filesystem::path& path);
+
 /// Throws InputError for a file that is none, or of another version, and where it holds no view; OperationCancelled if `stop` is set.
 Recording readRecording(const std::filesystem::path& path, const std::stop_token& stop = {});
 
-/// The frames of a recording, decoded as they are asked for.
+/// The index of the frame that was the newest at that time; nothing before the first.
+std::optional<size_t> frameAt(const Recording& recording, double seconds);
+
+/// The frames of a recording, read and decoded as they are asked for.
 class RecordedFrames {
  public:
-  /// `recording` must stay.
-  explicit RecordedFrames(const Recording& recording) : recording_(recording) {}
+  /// `recording` and its file must stay.
+  explicit RecordedFrames(const Recording& recording) : recording_(recording), file_(recording.file, std::ios::binary) {}
 
-  /// The frame that was the newest at that time; null before the first. Throws InputError for one that cannot be decoded.
+  /// The frame that was the newest at that time; null before the first. Throws InputError for one that cannot be read or decoded.
   SampleFramePtr at(double seconds);
+  /// Of the frame that at() gave last, as it was recorded; of the copy of the volume, whichever frame that came with.
+  const FrameBytes& bytes() const { return bytes_; }
 
  private:
+  SampleFrame decoded(size_t index);
+
   const Recording& recording_;
+  std::ifstream file_;
   FrameCodec codec_;
-  std::optional<size_t> decoded_;
+  std::optional<size_t> decoded_, proxyFrame_;  // whose frame_ and proxy_ are
   SampleFramePtr frame_;
   ProxyPtr proxy_;
+  FrameBytes bytes_;
+  size_t proxyBytes_ = 0;
 };
 
 }  // namespace warpscope

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/frames/frame_source.h"
+#include "app/frames/recorded_frame_source.h"
 #include "app/scene/scene.h"
 #include "net/client.h"
 #include "render/march/marcher.h"
@@ -35,6 +36,8 @@ struct ConnectedScene {
   FrameSourcePtr source;  ///< of frames
   MarcherPtr display{};   ///< of the reference and of techniques that march; apart from the server's, whose calls it would wait for
   SceneArrangement arrangement{};
+  std::shared_ptr<RecordedFrameSource> recorded{};  ///< `source`, where frames are those of a recording; else null
+  std::string whyNoTruth{};                         ///< why `display` marches nothing; empty where it does
 };
 
 /// Serves `scene` from this process, on a free port of the loopback address, and connects to it. `onNews`: as connectFrameSource's.

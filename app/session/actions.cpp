@@ -9,16 +9,19 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<ActionDescriptor, 29> kActions{{
-    {Action::open, ActionMenu::file, "Open...", "Ctrl+O", "A scene, a volume, a transfer function, a sweep or a session: also by dropping it onto the window"},
+constexpr std::array<ActionDescriptor, 32> kActions{{
+    {Action::open, ActionMenu::file, "Open...", "Ctrl+O", "A scene, a volume, a transfer function, a sweep, a session or a recording: also by dropping it onto the window"},
     {Action::saveSession, ActionMenu::file, "Save session...", "Ctrl+S", "The scene, its look, the camera, the panels and all knobs, in a file"},
     {Action::restoreLast, ActionMenu::file, "Last session", "", "What was on show when a window was closed last"},
     {Action::copyCommand, ActionMenu::file, "Copy command", "", "The command that shows the same, but for the camera and edits of the transfer function"},
     {Action::savePicture, ActionMenu::file, "Save picture", "F12", "The window as a PNG file in the folder where the program was started"},
-    {Action::record, ActionMenu::file, "Record...", "Ctrl+R", "Frames and the camera into a file, which `warpscope replay` shows again by any techniques; or end that"},
+    {Action::record, ActionMenu::file, "Record...", "Ctrl+R", "Frames and the camera into a file, which shows them again by any techniques when it is opened, as does `warpscope replay`; or end that"},
     {Action::quit, ActionMenu::file, "Quit", "Ctrl+Q", "Close the window"},
     {Action::resetView, ActionMenu::view, "First view", "R", "Back to the scene's first view", false, true},
     {Action::freeze, ActionMenu::view, "Freeze", "F", "Keep the frame on show and ask the server for no other"},
+    {Action::play, ActionMenu::view, "Play the recording", "Space", "Let the recording that is on show go on, or stand still"},
+    {Action::stepBack, ActionMenu::view, "A frame back", ",", "To the recording's frame before this one, and stay there"},
+    {Action::stepOn, ActionMenu::view, "A frame on", ".", "To the recording's next frame, and stay there"},
     {Action::ownCamera, ActionMenu::panel, "Own camera", "C", "Turn this panel alone, or follow the others again; the server goes on seeing what the others see", false, true},
     {Action::showContent, ActionMenu::panel, "Content or picture", "H", "What was chosen last beside the technique, instead of its picture, and back", false, true},
     {Action::showReference, ActionMenu::none, "Ground truth", "Shift", "The ground truth, as long as the key is held", true, true},

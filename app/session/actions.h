@@ -20,6 +20,9 @@ enum class Action {
   quit,
   resetView,
   freeze,
+  play,
+  stepBack,
+  stepOn,
   ownCamera,
   showContent,
   showReference,
@@ -58,7 +61,7 @@ struct ActionDescriptor {
 std::span<const ActionDescriptor> windowActions();
 const ActionDescriptor& describe(Action action);
 
-/// A key as its user sees it: one of "A" to "Z", "0" to "9", "?", "+", "Esc", "Tab", "Enter", "Delete", "F1" to "F12", "Shift"; with what was held.
+/// A key as its user sees it: one of "A" to "Z", "0" to "9", "?", "+", ",", ".", "Esc", "Tab", "Enter", "Space", "Delete", "F1" to "F12", "Shift"; with what was held.
 struct KeyChord {
   std::string name{};
   bool isControl = false, isShift = false, isAlt = false;

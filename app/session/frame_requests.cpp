@@ -75,18 +75,30 @@ bool FrameRequests::take() {
   std::optional<ServedFrame> served = source_->tryTake();
   if (!served) return false;
   answeredId_ = served->requestId;
-  error_ = std::move(served->error);
-  if (!served->frame) return true;
-  frame_ = std::move(served->frame);
-  frameBytes_ = served->bytes;
+  keep(std::move(*served));
+  return true;
+}
+
+void FrameRequests::show(ServedFrame served, const WantedFrame& asked) {
+  requestId_ = answeredId_ = served.requestId;
+  asked_ = wanted_ = asked;
+  isRefined_ = true;  // there is nobody who would march it in full
+  requests_[requestId_] = {asked, std::nullopt, std::nullopt};
+  keep(std::move(served));
+}
+
+void FrameRequests::keep(ServedFrame served) {
+  error_ = std::move(served.error);
+  if (!served.frame) return;
+  frame_ = std::move(served.frame);
+  frameBytes_ = served.bytes;
   if (frameBytes_.proxy > 0) proxyBytes_ = frameBytes_.proxy;
   if (frame_->proxy) frameBytes_.proxy = proxyBytes_;
-  frameArrivedAt_ = served->arrivedAt;
+  frameArrivedAt_ = served.arrivedAt;
   ++received_;
-  rate_.tick(served->arrivedAt);
-  if (const auto request = requests_.find(served->requestId); request != requests_.end())
-    request->second.arrival = Arrival{served->latency, frameBytes_};
-  return true;
+  rate_.tick(served.arrivedAt);
+  if (const auto request = requests_.find(served.requestId); request != requests_.end())
+    request->second.arrival = Arrival{served.latency, frameBytes_};
 }
 
 void FrameRequests::forgetOld(const std::function<bool(uint64_t)>& isOnShow) {

@@ -44,6 +44,8 @@ class FrameRequests {
   bool ask(const WantedFrame& wanted, bool isFrozen, TimePoint now);
   /// Collects an answer. True if there was one.
   bool take();
+  /// Takes over a frame that nobody asked for here, or why it could not be had: from then on it is the newest, and what it was asked for is what is wanted.
+  void show(ServedFrame served, const WantedFrame& asked);
   /// Forgets requests that neither are under way nor on show, as `isOnShow` says.
   void forgetOld(const std::function<bool(uint64_t requestId)>& isOnShow);
 
@@ -85,6 +87,7 @@ class FrameRequests {
     std::optional<Arrival> arrival;
   };
   const Request* find(uint64_t requestId) const;
+  void keep(ServedFrame served);
   void post(const WantedFrame& wanted, TimePoint now);
 
   FrameSource* source_ = nullptr;

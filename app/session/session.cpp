@@ -118,14 +118,13 @@ bool Session::update(TimePoint now) {
   bury();
   bool happened = takeScene();
   if (!scene() || pictureSize().x == 0) return happened;
+  view_.set(playback_.update(view_.get(), now));
   view_.set(motion_.update(view_.get(), now));
   if (!view_.place(*scene())) return true;
   liveFront_.setPictureSize(pictureSize());
-  happened |= frames_.take();
-  frames_.setTransport(transportAt(now));
-  happened |= frames_.ask({view_.cameraOfSize(serverSize()), view_.get(), neededBy(techniquesInUse(), knobs_.march), knobs_.transport.codec, knobs_.serverSidePx, functionVersion_}, knobs_.isFrozen, now);
+  happened |= followFrames(now);
   happened |= truth_.take();
-  happened |= truth_.follow(truthFrom(view_), now);
+  if (whyNoTruth().empty()) happened |= truth_.follow(truthFrom(view_), now);
   for (size_t i = 0; i < panels_.size(); ++i) {
     happened |= followOwnCamera(panels_[i], now);
     happened |= takePicture(panels_[i], i);
@@ -144,8 +143,24 @@ bool Session::update(TimePoint now) {
   return happened;
 }
 
+bool Session::followFrames(TimePoint now) {
+  if (playback_.isOpen()) {
+    std::optional<LivePlayback::Shown> shown = playback_.take();
+    if (!shown) return playback_.isPlaying();
+    shown->asked.codec = knobs_.transport.codec;
+    shown->served.arrivedAt = now;
+    frames_.show(std::move(shown->served), shown->asked);
+    return true;
+  }
+  const bool happened = frames_.take();
+  frames_.setTransport(transportAt(now));
+  const WantedFrame wanted{view_.cameraOfSize(serverSize()), view_.get(), neededBy(techniquesInUse(), knobs_.march), knobs_.transport.codec, knobs_.serverSidePx, functionVersion_};
+  return frames_.ask(wanted, knobs_.isFrozen, now) || happened;
+}
+
 std::string Session::whyFunctionIsFixed() const {
   if (!scene()) return "there is no scene yet";
+  if (playback_.isOpen()) return "the frames were recorded as they are";
   if (opening_.current()->display->capabilities().functionChange == FunctionChange::refused) return "the server has the volume, and chooses how it looks";
   return "";
 }
@@ -252,6 +267,7 @@ bool Session::takeScene() {
     if (LivePanel::OwnCamera* own = panels_[i].ownCamera()) own->view.begin(ownView.value_or(scene()->views.front()));
   }
   frames_.begin(*opening_.current()->source, knobs_.transport);
+  playback_.begin(opening_.current()->recorded);
   knobs_.march = arranged.march.value_or(scene()->march);
   knobs_.isFrozen = false;
   view_.begin(arranged.view.value_or(scene()->views.front()));
@@ -305,7 +321,8 @@ std::optional<Configuration> Session::configurationOf(const WarpResult& result) 
 }
 
 bool Session::isAtRest() const {
-  const bool isServerAtRest = !frames_.isUnderWay() && !frames_.isToBeRefined() && (frames_.isWhatIsWanted() || knobs_.isFrozen);
+  const bool isPlaybackAtRest = !playback_.isOpen() || playback_.isAtRest();
+  const bool isServerAtRest = isPlaybackAtRest && !frames_.isUnderWay() && !frames_.isToBeRefined() && (frames_.isWhatIsWanted() || knobs_.isFrozen);
   if (!loading().empty() || !isServerAtRest || !truth_.isAsked() || fair_.isMeasuring()) return false;
   return std::all_of(panels_.begin(), panels_.end(), [this](const LivePanel& panel) {
     const bool isAsked = panel.ownCamera() == nullptr || panel.shown().isHidden || panel.ownCamera()->truth.isAsked();
@@ -337,7 +354,7 @@ std::optional<SourceStatus> Session::sourceStatus() const {
 std::optional<double> Session::ageMs(size_t panel, TimePoint now) const {
   const Panel& shown = this->panel(panel);
   if (!shown.picture || !shown.drawn->usesFrame) return std::nullopt;
-  return frames_.ageMs(shown.requestId, now);
+  return playback_.isOpen() ? playback_.ageMs(shown.requestId) : frames_.ageMs(shown.requestId, now);
 }
 
 }  // namespace warpscope

@@ -1,6 +1,6 @@
 // Everything that the window shows, without the window: the scene, the camera, the knobs, the panels, and the threads that serve them.
 // The window reads the state and returns edits; update() hands work to the threads and collects what they made. What is done lies in the parts:
-// scene_opening, live_view, frame_requests, live_ground_truth, live_panel, live_plan, live_ray, picture_timing.
+// scene_opening, live_view, frame_requests, live_ground_truth, live_panel, live_plan, live_playback, live_ray, picture_timing.
 #pragma once
 
 #include <chrono>
@@ -20,6 +20,7 @@
 #include "app/session/live_motion.h"
 #include "app/session/live_panel.h"
 #include "app/session/live_plan.h"
+#include "app/session/live_playback.h"
 #include "app/session/live_ray.h"
 #include "app/session/live_view.h"
 #include "app/session/picture_timing.h"
@@ -96,6 +97,11 @@ class Session {
   void startRecording(const std::filesystem::path& file, const std::string& text);
   void stopRecording();
   bool isRecording() const { return recorder_ != nullptr; }
+  /// A recording that is on show in place of what a server sends; open while the scene is one.
+  LivePlayback& playback() { return playback_; }
+  const LivePlayback& playback() const { return playback_; }
+  /// Why there is no ground truth of the scene on show; empty where there is, or no scene yet.
+  std::string whyNoTruth() const { return opening_.current() ? opening_.current()->whyNoTruth : ""; }
   /// The link lets nothing pass for so long, on top of what is simulated.
   void beginOutage(std::chrono::milliseconds length, TimePoint now) { outageEnd_ = now + (outageLength_ = length); }
   bool hasOutage(TimePoint now) const { return now < outageEnd_; }
@@ -195,6 +201,7 @@ class Session {
   // Each is true if anything happened.
   bool takeScene();
   bool followOwnCamera(LivePanel& panel, TimePoint now);
+  bool followFrames(TimePoint now);
   bool followRay();
   void record(TimePoint now);
   bool takePicture(LivePanel& panel, size_t index);
@@ -231,6 +238,7 @@ class Session {
   std::vector<LivePanel> panels_;
   std::vector<LivePanel> removed_;  // whose threads have not ended yet
   LiveMotion motion_;
+  LivePlayback playback_;
   std::unique_ptr<RecordingWriter> recorder_;
   std::optional<TimePoint> recordingSince_;  // nothing until its first view
   SampleFramePtr recordedFrame_;             // last

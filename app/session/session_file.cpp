@@ -96,31 +96,6 @@ void readPanel(const Node& node, SessionFile& file) {
   file.arrangement.ownViews.push_back(view ? std::optional(readView(*view)) : std::nullopt);
 }
 
-SessionFile readSession(const JsonDocument& document) {
-  const Node root = document.root();
-  constexpr std::string_view kKeys[] = {kMagic, "origin", "view", "march", "transferFunction", "panels", "display", "transport", "serverSidePx", "screenPixels",
-                                        "uncovered", "filled", "shortcuts", "budgetMs"};
-  root.requireObject(kKeys);
-  const Node version = root.at(kMagic);
-  if (version.integer(1, 1 << 30) != kVersion) version.fail("is of a later program: this one reads version " + std::to_string(kVersion));
-  SessionFile file;
-  file.origin = readOrigin(root.at("origin"));
-  file.arrangement.view = readView(root.at("view"));
-  file.arrangement.march = MarchSettings{};
-  readMarch(root.at("march"), *file.arrangement.march);
-  if (const auto function = root.find("transferFunction")) file.arrangement.transferFunction = readTransferFunction(*function);
-  for (const Node& panel : root.at("panels").elements(1, kMaxPanels)) readPanel(panel, file);
-  if (const auto display = root.find("display")) readWarpKnobs(*display, file.knobs.warp.knobs);
-  if (const auto transport = root.find("transport")) readTransport(*transport, file.knobs.transport);
-  if (const auto side = root.find("serverSidePx")) file.knobs.serverSidePx = static_cast<uint32_t>(side->integer(1, kMaxImageSide));
-  if (const auto pixels = root.find("screenPixels")) file.knobs.screenPixels = static_cast<uint32_t>(pixels->integer(0, 16));
-  if (const auto mark = root.find("uncovered")) file.knobs.marks.uncovered = readMark(*mark);
-  if (const auto mark = root.find("filled")) file.knobs.marks.filled = readMark(*mark);
-  if (const auto shortcuts = root.find("shortcuts")) file.knobs.takesShortcuts = shortcuts->boolean();
-  if (const auto budget = root.find("budgetMs")) file.knobs.budgetMs = budget->number(kBudgetMsRange);
-  return file;
-}
-
 /// In quotes where a shell would take it apart.
 std::string quoted(const std::string& text) {
   constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_./:,=@%+";
@@ -168,13 +143,31 @@ std::string textOf(const SessionFile& file) {
   return textOf(json);
 }
 
-bool isSessionFile(const std::filesystem::path& path) {
-  try {
-    const JsonDocument document = JsonDocument::fromFile(path);
-    return document.root().isObject() && document.root().find(kMagic).has_value();
-  } catch (const InputError&) {
-    return false;
-  }
+bool isSession(const JsonDocument& document) { return document.root().isObject() && document.root().find(kMagic).has_value(); }
+
+SessionFile readSession(const JsonDocument& document) {
+  const Node root = document.root();
+  constexpr std::string_view kKeys[] = {kMagic, "origin", "view", "march", "transferFunction", "panels", "display", "transport", "serverSidePx", "screenPixels",
+                                        "uncovered", "filled", "shortcuts", "budgetMs"};
+  root.requireObject(kKeys);
+  const Node version = root.at(kMagic);
+  if (version.integer(1, 1 << 30) != kVersion) version.fail("is of a later program: this one reads version " + std::to_string(kVersion));
+  SessionFile file;
+  file.origin = readOrigin(root.at("origin"));
+  file.arrangement.view = readView(root.at("view"));
+  file.arrangement.march = MarchSettings{};
+  readMarch(root.at("march"), *file.arrangement.march);
+  if (const auto function = root.find("transferFunction")) file.arrangement.transferFunction = readTransferFunction(*function);
+  for (const Node& panel : root.at("panels").elements(1, kMaxPanels)) readPanel(panel, file);
+  if (const auto display = root.find("display")) readWarpKnobs(*display, file.knobs.warp.knobs);
+  if (const auto transport = root.find("transport")) readTransport(*transport, file.knobs.transport);
+  if (const auto side = root.find("serverSidePx")) file.knobs.serverSidePx = static_cast<uint32_t>(side->integer(1, kMaxImageSide));
+  if (const auto pixels = root.find("screenPixels")) file.knobs.screenPixels = static_cast<uint32_t>(pixels->integer(0, 16));
+  if (const auto mark = root.find("uncovered")) file.knobs.marks.uncovered = readMark(*mark);
+  if (const auto mark = root.find("filled")) file.knobs.marks.filled = readMark(*mark);
+  if (const auto shortcuts = root.find("shortcuts")) file.knobs.takesShortcuts = shortcuts->boolean();
+  if (const auto budget = root.find("budgetMs")) file.knobs.budgetMs = budget->number(kBudgetMsRange);
+  return file;
 }
 
 SessionFile readSessionFile(const std::filesystem::path& path) { return readSession(JsonDocument::fromFile(path)); }

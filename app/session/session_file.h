@@ -12,6 +12,8 @@
 
 namespace warpscope {
 
+class JsonDocument;
+
 struct SessionFile {
   SceneOrigin origin;
   SceneArrangement arrangement;  ///< all of it said; a view of its own, or nothing, for each panel
@@ -23,12 +25,13 @@ struct SessionFile {
 using OriginOpener = std::function<LoadJob(const SceneOrigin&)>;
 
 /// Whether it looks like one, right or wrong.
-bool isSessionFile(const std::filesystem::path& path);
+bool isSession(const JsonDocument& document);
 
 /// What is on show now. Throws InputError where there is no scene, or one that cannot be opened again.
 SessionFile sessionFileOf(const Session& session);
 std::string textOf(const SessionFile& file);
 /// Throws InputError that names the file, the line and the key.
+SessionFile readSession(const JsonDocument& document);
 SessionFile readSessionFile(const std::filesystem::path& path);
 
 /// As readSessionFile(), of its text; `source` names it in complaints.

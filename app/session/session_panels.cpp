@@ -116,7 +116,7 @@ bool Session::followOwnCamera(LivePanel& panel, TimePoint now) {
   own->view.setScreenPixels(knobs_.screenPixels);
   if (!own->view.place(*scene())) return true;
   const bool happened = own->truth.take();
-  if (panel.shown().isHidden) return happened;
+  if (panel.shown().isHidden || !whyNoTruth().empty()) return happened;
   return own->truth.follow(truthFrom(own->view), now) || happened;
 }
 

@@ -10,6 +10,7 @@
 #include "app/session/session_file.h"
 #include "app/shell/output_files.h"
 #include "app/shell/user_folders.h"
+#include "app/ui/playback_bar.h"
 #include "app/ui/ray_view.h"
 #include "render/base/error.h"
 #include "render/base/printable.h"
@@ -36,25 +37,20 @@ void toggleFrozen(Session& session) {
 MainView::MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, std::function<void()> onNews)
     : grid_(gl), plot_(std::move(sweep)), openScene_(openScene), fileSorter_(makeFileSorter(std::move(onNews))) {}
 
-void MainView::open(const std::string& path, Session& session) {
-  if (std::filesystem::path(path).extension() == ".json")
-    fileSorter_->post(path);
-  else
-    session.load(openScene_({path, {}}));
-}
-
 void MainView::takeHandedFile(Session& session) {
   std::optional<HandedFile> file = fileSorter_->tryTake();
   if (!file) return;
   if (!file->error.empty()) {
+    setNote(file->error);
     plot_.showError(std::move(file->error));
   } else if (file->sweep) {
     session.setFront(file->sweep->choice);
     plot_.showSweep(std::move(*file->sweep));
   } else if (file->transferFunction) {
     controls_.transferEditor().set(session, *file->transferFunction);
-  } else if (isSessionFile(file->path)) {
-    restoreSession(session, file->path);
+  } else if (file->session) {
+    restore(*file->session, session, openScene_);
+    grid_.showAll();
   } else {
     session.load(openScene_({file->path, {}}));
   }
@@ -89,15 +85,6 @@ void MainView::startRecording(Session& session, const std::filesystem::path& pat
   }
 }
 
-void MainView::restoreSession(Session& session, const std::filesystem::path& path) {
-  try {
-    restore(readSessionFile(path), session, openScene_);
-    grid_.showAll();
-  } catch (const InputError& error) {
-    setNote(error.what());
-  }
-}
-
 void MainView::goBack() {
   if (dialog_.isOpen())
     dialog_.close();
@@ -116,7 +103,7 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     case Action::open: return dialog_.show(FileDialog::Purpose::open);
     case Action::saveSession: return dialog_.show(FileDialog::Purpose::saveSession, "session.json");
     case Action::restoreLast:
-      if (const auto last = lastSessionFile()) restoreSession(session, *last);
+      if (const auto last = lastSessionFile()) open(last->string());
       return;
     case Action::copyCommand:
       try {
@@ -138,6 +125,9 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     case Action::help: showsKeys_ = !showsKeys_; return;
     case Action::resetView: return session.resetView(*panel);
     case Action::freeze: return toggleFrozen(session);
+    case Action::play: return session.playback().setPlaying(!session.playback().isPlaying());
+    case Action::stepBack: return session.playback().step(-1);
+    case Action::stepOn: return session.playback().step(1);
     case Action::ownCamera: return session.setOwnCamera(*panel, !session.hasOwnCamera(*panel));
     case Action::showContent: return toggleContent(session, *panel);
     case Action::wipe: return grid_.toggleWipe(session, *panel);
@@ -167,6 +157,7 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
 bool MainView::isOn(Action action, const Session& session, size_t panel) const {
   switch (action) {
     case Action::freeze: return session.knobs().isFrozen;
+    case Action::play: return session.playback().isPlaying();
     case Action::ownCamera: return session.hasOwnCamera(panel);
     case Action::showContent: return session.panel(panel).content != PictureContent::picture;
     case Action::wipe: return grid_.isWiped(session, panel);
@@ -179,6 +170,20 @@ bool MainView::isOn(Action action, const Session& session, size_t panel) const {
   }
 }
 
+bool MainView::isPossible(Action action, const Session& session) {
+  switch (action) {
+    case Action::addPanel: return session.panelCount() < kMaxPanels;
+    case Action::closePanel:
+    case Action::wipe:
+    case Action::maximise: return session.panelCount() > 1;
+    case Action::play:
+    case Action::stepBack:
+    case Action::stepOn: return session.playback().isOpen();
+    case Action::freeze: return !session.playback().isOpen();
+    default: return true;
+  }
+}
+
 void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
   if (!ImGui::BeginMenu(name)) return;
   const size_t panel = grid_.usedLast(session);
@@ -186,11 +191,7 @@ void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
   std::optional<Action> chosen;  // done when all entries are drawn: it may close the panel
   for (const ActionDescriptor& action : windowActions()) {
     if (action.menu != menu) continue;
-    const bool isPossible = action.action == Action::addPanel ? session.panelCount() < kMaxPanels
-                            : action.action == Action::closePanel || action.action == Action::wipe || action.action == Action::maximise
-                                ? session.panelCount() > 1
-                                : true;
-    if (ImGui::MenuItem(std::string(action.label).c_str(), std::string(action.keys).c_str(), isOn(action.action, session, panel), isPossible))
+    if (ImGui::MenuItem(std::string(action.label).c_str(), std::string(action.keys).c_str(), isOn(action.action, session, panel), isPossible(action.action, session)))
       chosen = action.action;
   }
   if (menu == ActionMenu::view && ImGui::BeginMenu("Columns")) {
@@ -233,7 +234,7 @@ void MainView::drawDialog(Session& session, const Look& look) {
   const std::optional<std::filesystem::path> path = dialog_.draw(look);
   if (!path) return;
   switch (dialog_.purpose()) {
-    case FileDialog::Purpose::open: return open(path->string(), session);
+    case FileDialog::Purpose::open: return open(path->string());
     case FileDialog::Purpose::saveSession: return saveSession(session, *path);
     case FileDialog::Purpose::record: return startRecording(session, *path);
   }
@@ -306,8 +307,9 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   drawErrorBanner(session, look);
   drawLinkSign(session, look);
   ImVec2 room = ImGui::GetContentRegionAvail();
-  room.y = std::max(1.0f, room.y - plot_.height(room.y, look) - look.px(kMargin));
+  room.y = std::max(1.0f, room.y - plot_.height(room.y, look) - look.px(kMargin) - playbackHeight(session, look));
   grid_.draw(session, room, held, look);
+  drawPlayback(session, look);
   drawBottom(session, look);
   ImGui::EndChild();
   ImGui::PopStyleVar(2);

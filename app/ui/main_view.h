@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "app/experiment/sweep_file.h"
 #include "app/session/actions.h"
+#include "app/session/handed_file.h"
 #include "app/ui/controls.h"
 #include "app/ui/file_dialog.h"
 #include "app/ui/panel_grid.h"
@@ -25,8 +25,8 @@ class MainView {
 
   /// A transfer function's file that is loaded whenever it is written.
   void watchTransferFile(const std::filesystem::path& path) { controls_.transferEditor().watch(path); }
-  /// A file that the user handed over: a sweep for the plot, a transfer function, or else a scene.
-  void open(const std::string& path, Session& session);
+  /// A file that the user handed over, whatever it is (handed_file.h); it is there some frames later.
+  void open(const std::string& path) { fileSorter_->post(path); }
   /// What a pressed key does. Keys that are typed into a field are the field's.
   void press(const KeyChord& key, Session& session);
   /// What a menu's entry does; of panels it means the one that was used last.
@@ -51,6 +51,7 @@ class MainView {
   /// `number`: of a technique, from 1 on. `panel`: of those that an action is about.
   void perform(Action action, Session& session, std::optional<size_t> panel, size_t number = 0);
   void goBack();
+  static bool isPossible(Action action, const Session& session);
   bool isOn(Action action, const Session& session, size_t panel) const;
   void drawMenus(Session& session, const Look& look);
   void drawDemos(Session& session, const Look& look);
@@ -63,7 +64,6 @@ class MainView {
   void drawNote(const Look& look);
   void saveSession(const Session& session, const std::filesystem::path& path);
   void startRecording(Session& session, const std::filesystem::path& path);
-  void restoreSession(Session& session, const std::filesystem::path& path);
 
   Controls controls_;
   PanelGrid grid_;

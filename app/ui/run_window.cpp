@@ -160,7 +160,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
     for (const KeyChord& key : window.takeKeyPresses()) mainView.press(key, session);
     bool wantsPicture = false;
     const bool goesOn = perform(window, mainView.takeWindowActions(), wantsPicture);
-    if (const std::optional<std::string> file = window.takeDroppedFile()) mainView.open(*file, session);
+    if (const std::optional<std::string> file = window.takeDroppedFile()) mainView.open(*file);
     const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);
     window.endFrame(isLast || wantsPicture ? &photograph : nullptr);
     if (!settings.report.empty()) report.addFrameMs(millisecondsBetween(now, clock.now()));

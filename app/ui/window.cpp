@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "app/ui/run_window.h"
@@ -80,6 +81,7 @@ std::string nameOfKey(int key, int scancode) {
     case GLFW_KEY_TAB: return "Tab";
     case GLFW_KEY_ENTER:
     case GLFW_KEY_KP_ENTER: return "Enter";
+    case GLFW_KEY_SPACE: return "Space";
     case GLFW_KEY_DELETE: return "Delete";
     default: break;
   }
@@ -103,7 +105,7 @@ struct WindowEvents {
   }
   /// Signs lie on other keys from keyboard to keyboard: they come as what is typed.
   static void onCharacter(GLFWwindow* glfw, unsigned int codePoint) {
-    if (codePoint != '?' && codePoint != '+') return;
+    if (codePoint > 127 || std::strchr("?+,.", static_cast<int>(codePoint)) == nullptr) return;
     windowOf(glfw).keyPresses_.push_back({.name = std::string(1, static_cast<char>(codePoint))});
   }
   static void onButton(GLFWwindow* glfw, int button, int action, int) {

@@ -1,0 +1,137 @@
+// Buttons, a track with a tick for each frame, figures.
+// See playback_bar.h.
+#include "app/ui/playback_bar.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/session/actions.h"
+#include "app/ui/knob_parts.h"
+#include "render/base/formatted.h"
+
+namespace warpscope::ui {
+namespace {
+
+constexpr float kBarPx = 26.0f, kFiguresPx = 186.0f, kSpeedPx = 64.0f, kLeastTrackPx = 120.0f;  // at scale 1
+
+enum class Icon { play, pause, back, on };
+
+/// A button as high as the bar; true when it was pressed.
+bool iconButton(Icon icon, const char* id, Action action, const Look& look) {
+  const float side = ImGui::GetFrameHeight(), r = 0.24f * side;
+  const ImVec2 at = ImGui::GetCursorScreenPos(), c{at.x + 0.5f * side, at.y + 0.5f * side};
+  const bool isPressed = ImGui::Button(id, {side, side});
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const ImU32 color = ImGui::GetColorU32(ImGuiCol_Text);
+  const float bar = 0.5f * r;
+  switch (icon) {
+    case Icon::play: list->AddTriangleFilled({c.x - 0.8f * r, c.y - r}, {c.x - 0.8f * r, c.y + r}, {c.x + r, c.y}, color); break;
+    case Icon::pause:
+      list->AddRectFilled({c.x - r, c.y - r}, {c.x - r + 1.4f * bar, c.y + r}, color);
+      list->AddRectFilled({c.x + r - 1.4f * bar, c.y - r}, {c.x + r, c.y + r}, color);
+      break;
+    case Icon::back:
+      list->AddTriangleFilled({c.x + r, c.y - r}, {c.x + r, c.y + r}, {c.x - 0.4f * r, c.y}, color);
+      list->AddRectFilled({c.x - r, c.y - r}, {c.x - r + bar, c.y + r}, color);
+      break;
+    case Icon::on:
+      list->AddTriangleFilled({c.x - r, c.y - r}, {c.x - r, c.y + r}, {c.x + 0.4f * r, c.y}, color);
+      list->AddRectFilled({c.x + r - bar, c.y - r}, {c.x + r, c.y + r}, color);
+      break;
+  }
+  const ActionDescriptor& described = describe(action);
+  tooltip(std::string(described.help) + ". Key " + std::string(described.keys) + ".", look);
+  return isPressed;
+}
+
+/// Time from left to right; a drag or a click on it seeks.
+void drawTrack(LivePlayback& playback, float width, const Look& look) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float height = ImGui::GetFrameHeight();
+  ImGui::InvisibleButton("track", {width, height});
+  const double first = playback.firstSeconds(), length = std::max(1e-9, playback.lastSeconds() - first);
+  if (ImGui::IsItemActive()) {
+    playback.setPlaying(false);
+    playback.seek(first + length * static_cast<double>((ImGui::GetIO().MousePos.x - at.x) / width));
+  }
+  tooltip("When frames came, and what is on show of them. Drag to seek.", look);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const float middle = at.y + 0.5f * height, half = look.px(3.0f);
+  const auto placeOf = [&](double seconds) { return at.x + width * static_cast<float>((seconds - first) / length); };
+  const float now = placeOf(playback.seconds());
+  list->AddRectFilled({at.x, middle - half}, {at.x + width, middle + half}, ImGui::GetColorU32(ImGuiCol_FrameBg), half);
+  list->AddRectFilled({at.x, middle - half}, {now, middle + half}, ImGui::GetColorU32(ImGuiCol_SliderGrab), half);
+  // No more ticks than pixels.
+  float last = -1.0f;
+  for (const Recording::Frame& frame : playback.recording().frames) {
+    const float x = std::round(placeOf(frame.seconds));
+    if (x < last + look.px(2.0f)) continue;
+    last = x;
+    list->AddLine({x, middle + half}, {x, middle + half + look.px(4.0f)}, ImGui::GetColorU32(ImGuiCol_TextDisabled));
+  }
+  list->AddCircleFilled({now, middle}, look.px(6.0f), ImGui::GetColorU32(ImGuiCol_Text));
+}
+
+}  // namespace
+
+float playbackHeight(const Session& session, const Look& look) {
+  return session.playback().isOpen() ? look.px(kBarPx) + ImGui::GetStyle().ItemSpacing.y : 0.0f;
+}
+
+void drawPlayback(Session& session, const Look& look) {
+  LivePlayback& playback = session.playback();
+  if (!playback.isOpen()) return;
+  ImGui::PushID("playback");
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(7.0f), look.px(3.0f)});
+  const float gap = look.px(4.0f);
+  if (iconButton(playback.isPlaying() ? Icon::pause : Icon::play, "##play", Action::play, look)) playback.setPlaying(!playback.isPlaying());
+  ImGui::SameLine(0.0f, gap);
+  if (iconButton(Icon::back, "##back", Action::stepBack, look)) playback.step(-1);
+  ImGui::SameLine(0.0f, gap);
+  if (iconButton(Icon::on, "##on", Action::stepOn, look)) playback.step(1);
+  ImGui::SameLine();
+  const auto boxWidth = [&](const char* text) { return ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x + ImGui::CalcTextSize(text).x; };
+  constexpr const char *kLoop = "Loop", *kCamera = "Recorded camera";
+  const float spacing = ImGui::GetStyle().ItemSpacing.x, room = ImGui::GetContentRegionAvail().x;
+  const float camera = boxWidth(kCamera) + spacing, loop = boxWidth(kLoop) + spacing, speed = look.px(kSpeedPx) + spacing, figures = look.px(kFiguresPx) + spacing;
+  // What says least goes first where there is little room.
+  const float least = look.px(kLeastTrackPx);
+  const bool hasCamera = room - camera >= least, hasFigures = room - camera - figures >= least, hasSpeed = room - camera - figures - speed >= least,
+             hasLoop = room - camera - figures - speed - loop >= least;
+  drawTrack(playback, std::max(least, room - (hasCamera ? camera : 0.0f) - (hasFigures ? figures : 0.0f) - (hasSpeed ? speed : 0.0f) - (hasLoop ? loop : 0.0f)), look);
+  if (hasFigures) {
+    ImGui::SameLine();
+    const float left = ImGui::GetCursorPosX();
+    const size_t count = playback.recording().frames.size();
+    const std::string text = formatted("%.2f of ", playback.seconds()) + formatted("%.2f s", playback.lastSeconds()) +
+                             (count > 0 ? ", frame " + std::to_string(playback.frame() + 1) + " of " + std::to_string(count) : std::string(", no frames"));
+    ImGui::PushFont(look.fonts.small);
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextColored(kDimText, "%s", text.c_str());
+    ImGui::PopFont();
+    ImGui::SameLine(left + look.px(kFiguresPx) + spacing);
+  }
+  if (hasSpeed) {
+    if (!hasFigures) ImGui::SameLine();
+    ImGui::SetNextItemWidth(look.px(kSpeedPx));
+    auto times = static_cast<float>(playback.speed());
+    bareSlider("speed", times, {static_cast<float>(kPlaybackSpeedRange.lowest), static_cast<float>(kPlaybackSpeedRange.highest), "%.1f ×", true}, "How fast, times the speed at which it was recorded.", look);
+    playback.setSpeed(times);
+  }
+  if (hasLoop) {
+    ImGui::SameLine();
+    bool isLooping = playback.isLooping();
+    if (ImGui::Checkbox(kLoop, &isLooping)) playback.setLooping(isLooping);
+    tooltip("From the end on at the beginning.", look);
+  }
+  if (hasCamera) {
+    if (!hasFigures || hasSpeed) ImGui::SameLine();
+    bool follows = playback.followsCamera();
+    if (ImGui::Checkbox(kCamera, &follows)) playback.setFollowsCamera(follows);
+    tooltip("The camera as it was moved then. Who drags a picture has it for himself until this is switched on again: frames come as they were recorded.", look);
+  }
+  ImGui::PopStyleVar();
+  ImGui::PopID();
+}
+
+}  // namespace warpscope::ui
