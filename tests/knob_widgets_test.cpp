@@ -30,6 +30,7 @@ class Paper {
     int width = 0, height = 0;
     io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
     look_.hover = &hover_;
+    look_.remembered = &remembered_;
     look_.fonts.body = look_.fonts.small = io.Fonts->Fonts[0];
   }
   ~Paper() { ImGui::DestroyContext(context_); }
@@ -53,6 +54,7 @@ class Paper {
  private:
   ImGuiContext* const context_;
   Hover hover_;
+  Remembered remembered_;
   Look look_;
 };
 

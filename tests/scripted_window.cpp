@@ -24,7 +24,7 @@ WindowGl::Function functionFor(const char* name) {
 WindowGl noGl() { return WindowGl(functionFor); }
 
 ScriptedWindow::ScriptedWindow(const glm::uvec2& size, Session& session, const SceneOpener& openScene)
-    : session_(session), context_(ImGui::CreateContext()), gl_(noGl()), view_(gl_, openScene, std::nullopt, [] {}) {
+    : session_(session), context_(ImGui::CreateContext()), gl_(noGl()), view_(gl_, openScene, std::nullopt, remembered, [] {}) {
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   io.LogFilename = nullptr;
@@ -35,7 +35,7 @@ ScriptedWindow::ScriptedWindow(const glm::uvec2& size, Session& session, const S
   io.GetClipboardTextFn = [](void* window) { return static_cast<ScriptedWindow*>(window)->clipboard_.c_str(); };
   for (int key = 0; key < ImGuiKey_COUNT; ++key) io.KeyMap[key] = key;  // scripts press these
   resize(size);
-  fonts_ = applyTheme(1.0f, 1.0f);
+  fonts_ = applySizes(1.0f, 1.0f);
   unsigned char* pixels = nullptr;
   int width = 0, height = 0;
   io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);

@@ -35,6 +35,7 @@ class ScriptedWindow {
   void wheel(float notches);
   void key(const KeyChord& chord);
   void type(const std::string& text);
+  Remembered remembered;
   /// Keys that stay down.
   HeldKeys held;
 

@@ -372,6 +372,29 @@ TEST_F(WindowScriptTest, ARecordingIsPlayedSteppedAndSought) {
   EXPECT_EQ(session_.error(), "");
 }
 
+TEST_F(WindowScriptTest, FoldsThemeAndFilesAreRemembered) {
+  const TestFolder folder;
+  ASSERT_TRUE(openAndRest("block"));
+  const glm::vec2 heading(1040.0f, 149.0f);  // TRANSFER FUNCTION
+  window_.click(heading);
+  EXPECT_TRUE(window_.remembered.folded.contains("TRANSFER FUNCTION"));
+  window_.click(heading);
+  EXPECT_TRUE(window_.remembered.folded.empty());
+  const ImVec4 before = ImGui::GetStyleColorVec4(ImGuiCol_Text);
+  press(Action::lightTheme);
+  window_.frame();
+  EXPECT_TRUE(window_.remembered.isLight);
+  EXPECT_NE(ImGui::GetStyleColorVec4(ImGuiCol_Text).x, before.x);
+  press(Action::lightTheme);
+  window_.frame();
+  EXPECT_EQ(ImGui::GetStyleColorVec4(ImGuiCol_Text).x, before.x);
+  EXPECT_TRUE(window_.remembered.recentFiles.empty()) << "a built-in scene is no file";
+  const std::string file = folder.write("mine.json", textOf(sessionFileOf(session_)));
+  window_.view().open(file);
+  ASSERT_TRUE(waitUntil([&] { return !window_.remembered.recentFiles.empty(); }));
+  EXPECT_EQ(window_.remembered.recentFiles.front(), file);
+}
+
 TEST_F(WindowScriptTest, EveryEntryOfEveryMenuCanBeChosen) {
   ASSERT_TRUE(openAndRest("block"));
   std::vector<Action> asked;

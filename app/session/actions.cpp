@@ -9,7 +9,7 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<ActionDescriptor, 32> kActions{{
+constexpr std::array<ActionDescriptor, 33> kActions{{
     {Action::open, ActionMenu::file, "Open...", "Ctrl+O", "A scene, a volume, a transfer function, a sweep, a session or a recording: also by dropping it onto the window"},
     {Action::saveSession, ActionMenu::file, "Save session...", "Ctrl+S", "The scene, its look, the camera, the panels and all knobs, in a file"},
     {Action::restoreLast, ActionMenu::file, "Last session", "", "What was on show when a window was closed last"},
@@ -40,6 +40,7 @@ constexpr std::array<ActionDescriptor, 32> kActions{{
     {Action::undo, ActionMenu::edit, "Undo", "Ctrl+Z", "Take the last change of the transfer function back"},
     {Action::redo, ActionMenu::edit, "Redo", "Ctrl+Shift+Z or Ctrl+Y", "Make it again"},
     {Action::hideSideBar, ActionMenu::view, "Side bar", "Tab", "The column of knobs, or more room for the pictures"},
+    {Action::lightTheme, ActionMenu::view, "Light theme", "", "Dark text on a light ground, or light text on a dark one"},
     {Action::fullScreen, ActionMenu::view, "Full screen", "F11", "The window on the whole screen, or as it was"},
     {Action::help, ActionMenu::help, "Keys", "F1 or ?", "All keys"},
 }};

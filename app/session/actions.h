@@ -41,6 +41,7 @@ enum class Action {
   undo,
   redo,
   hideSideBar,
+  lightTheme,
   fullScreen,
   help,
 };

@@ -149,6 +149,8 @@ class Session {
   // --- State.
   /// Null until the first scene is there.
   const Scene* scene() const { return opening_.current() ? &opening_.current()->scene : nullptr; }
+  /// How many scenes there have been, the one on show among them.
+  uint64_t sceneCount() const { return sceneCount_; }
   /// By what the scene on show can be opened again; nothing if it cannot.
   const std::optional<SceneOrigin>& origin() const { return opening_.origin(); }
   /// Name of the scene that is being opened; empty if none is.

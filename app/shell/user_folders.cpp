@@ -18,7 +18,7 @@ std::optional<std::filesystem::path> stateFolder() {
   return std::nullopt;
 }
 
-std::optional<std::filesystem::path> windowSizeFile() {
+std::optional<std::filesystem::path> rememberedFile() {
   const auto folder = stateFolder();
   return folder ? std::optional(*folder / "window.json") : std::nullopt;
 }

@@ -12,7 +12,7 @@ std::optional<std::filesystem::path> stateFolder();
 /// The file of the session that was on show when a window was closed last, in that folder.
 std::optional<std::filesystem::path> lastSessionFile();
 
-/// The file of how large windows were, in that folder.
-std::optional<std::filesystem::path> windowSizeFile();
+/// The file of what windows remember (session/remembered.h), in that folder.
+std::optional<std::filesystem::path> rememberedFile();
 
 }  // namespace warpscope

@@ -125,7 +125,7 @@ void drawCamera(Session& session, const Look& look) {
   if (!section("CAMERA", look)) return;
   const View& view = session.view();
   const auto rounded = [](double degrees) { return std::round(degrees) + 0.0; };  // no "-0"
-  ImGui::TextColored(kDimText, "%.0f° around, %.0f° up, %.2f × as far", rounded(view.angleDeg), rounded(view.elevationDeg),
+  ImGui::TextColored(palette().dimText, "%.0f° around, %.0f° up, %.2f × as far", rounded(view.angleDeg), rounded(view.elevationDeg),
                      view.distance);
   beginHalves();
   const float half = ImGui::CalcItemWidth();
@@ -141,7 +141,7 @@ void drawCamera(Session& session, const Look& look) {
   drawMotion(session, look);
   ImGui::PushFont(look.fonts.small);
   ImGui::PushTextWrapPos(0.0f);
-  ImGui::TextColored(kFaintText, "Drag to orbit, with the right button to pan; wheel to zoom.");
+  ImGui::TextColored(palette().faintText, "Drag to orbit, with the right button to pan; wheel to zoom.");
   ImGui::PopTextWrapPos();
   ImGui::PopFont();
 }
@@ -178,7 +178,7 @@ void Controls::drawFound(LiveSettings& knobs, const Look& look) const {
     double value = knobs.warp.knobs[*knob];
     if (knobWidget(*knob, value, look)) knobs.warp.knobs.set(*knob, value);
   }
-  if (found == 0) ImGui::TextColored(kDimText, "No knob has that.");
+  if (found == 0) ImGui::TextColored(palette().dimText, "No knob has that.");
 }
 
 void Controls::draw(Session& session, const SceneOpener& openScene, const Look& look) {
@@ -214,7 +214,7 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
 void Controls::drawScene(Session& session, const SceneOpener& openScene, const Look& look) {
   static const std::vector<BuiltinScene> kScenes = builtinScenes(), kTorture = tortureScenes();
   ImGui::PushFont(look.fonts.small);
-  ImGui::TextColored(kAccent, "SCENE");
+  ImGui::TextColored(palette().accent, "SCENE");
   ImGui::PopFont();
   ImGui::SetNextItemWidth(-1.0f);
   const Scene* shown = session.scene();
@@ -253,7 +253,7 @@ void Controls::drawScene(Session& session, const SceneOpener& openScene, const L
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->AddRectFilled(at, {at.x + width, at.y + height}, ImGui::GetColorU32(ImGuiCol_FrameBg), 0.5f * height);
   list->AddRectFilled({at.x + width * std::max(0.0f, position), at.y},
-                      {at.x + width * std::min(1.0f, position + 0.3f), at.y + height}, ImGui::GetColorU32(kAccent), 0.5f * height);
+                      {at.x + width * std::min(1.0f, position + 0.3f), at.y + height}, ImGui::GetColorU32(palette().accent), 0.5f * height);
 }
 
 }  // namespace warpscope::ui

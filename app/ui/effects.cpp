@@ -42,7 +42,7 @@ void EffectKnobs::drawText(const MarchText& text, MarchSettings& settings, const
   }
   if (typed.refusal.empty()) return;
   ImGui::PushTextWrapPos(0.0f);
-  ImGui::TextColored(kErrorText, "%s", typed.refusal.c_str());
+  ImGui::TextColored(palette().errorText, "%s", typed.refusal.c_str());
   ImGui::PopTextWrapPos();
 }
 

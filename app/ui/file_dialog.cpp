@@ -71,7 +71,7 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
   if (ImGui::Begin((std::string(titleOf(purpose_)) + "###file dialog").c_str(), &isOpen_, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) {
     if (ImGui::Button("Up")) enter(folder_.parent_path());
     ImGui::SameLine();
-    ImGui::TextColored(kDimText, "%s", printable(folder_.string()).c_str());
+    ImGui::TextColored(palette().dimText, "%s", printable(folder_.string()).c_str());
     ImGui::BeginChild("entries", {0.0f, -2.0f * ImGui::GetFrameHeightWithSpacing()}, true);
     std::optional<std::filesystem::path> entered;
     for (const Entry& entry : entries_) {
@@ -86,7 +86,7 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
       if (entry.isFolder) continue;
       const std::string size = bytesText(entry.bytes);
       ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(size.c_str()).x);
-      ImGui::TextColored(kFaintText, "%s", size.c_str());
+      ImGui::TextColored(palette().faintText, "%s", size.c_str());
     }
     ImGui::EndChild();
     if (entered) enter(*entered);
@@ -98,7 +98,7 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
     isChosen |= ImGui::Button(!isWriting ? "Open" : toReplace_.empty() ? "Save" : "Replace", {button, 0.0f});
     ImGui::SameLine();
     if (ImGui::Button("Cancel", {button, 0.0f})) isOpen_ = false;
-    if (!error_.empty()) ImGui::TextColored(kErrorText, "%s", printable(error_).c_str());
+    if (!error_.empty()) ImGui::TextColored(palette().errorText, "%s", printable(error_).c_str());
   }
   ImGui::End();
   if (!isChosen || name_[0] == '\0') return std::nullopt;

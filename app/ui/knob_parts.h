@@ -14,14 +14,17 @@ namespace warpscope::ui {
 
 inline constexpr float kLabelWidth = 92.0f;  // at scale 1
 
-/// A heading that folds what is below it up; whether that is to be drawn.
+/// A heading that folds what is below it up, which is remembered; whether that is to be drawn.
 inline bool section(const char* text, const Look& look) {
   ImGui::Dummy({0.0f, 0.0f});
   ImGui::PushFont(look.fonts.small);
-  ImGui::PushStyleColor(ImGuiCol_Text, kAccent);
+  ImGui::PushStyleColor(ImGuiCol_Text, palette().accent);
   ImGui::PushStyleColor(ImGuiCol_Header, {0.0f, 0.0f, 0.0f, 0.0f});
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0.0f, look.px(1.0f)});
-  const bool isOpen = ImGui::TreeNodeEx(text, ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_SpanAvailWidth | ImGuiTreeNodeFlags_DefaultOpen);
+  const bool wasOpen = !look.remembered->folded.contains(text);
+  ImGui::SetNextItemOpen(wasOpen);
+  const bool isOpen = ImGui::TreeNodeEx(text, ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_SpanAvailWidth);
+  if (isOpen != wasOpen) look.remembered->setFolded(text, !isOpen);
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(2);
   ImGui::PopFont();

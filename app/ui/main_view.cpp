@@ -34,8 +34,8 @@ void toggleFrozen(Session& session) {
 
 }  // namespace
 
-MainView::MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, std::function<void()> onNews)
-    : grid_(gl), plot_(std::move(sweep)), openScene_(openScene), fileSorter_(makeFileSorter(std::move(onNews))) {}
+MainView::MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, Remembered& remembered, std::function<void()> onNews)
+    : grid_(gl), plot_(std::move(sweep)), openScene_(openScene), remembered_(remembered), fileSorter_(makeFileSorter(std::move(onNews))) {}
 
 void MainView::takeHandedFile(Session& session) {
   std::optional<HandedFile> file = fileSorter_->tryTake();
@@ -44,11 +44,14 @@ void MainView::takeHandedFile(Session& session) {
     setNote(file->error);
     plot_.showError(std::move(file->error));
   } else if (file->sweep) {
+    remembered_.addFile(file->path);
     session.setFront(file->sweep->choice);
     plot_.showSweep(std::move(*file->sweep));
   } else if (file->transferFunction) {
+    remembered_.addFile(file->path);
     controls_.transferEditor().set(session, *file->transferFunction);
   } else if (file->session) {
+    remembered_.addFile(file->path);
     restore(*file->session, session, openScene_);
     grid_.showAll();
   } else {
@@ -144,11 +147,12 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     case Action::maximise: return grid_.toggleMaximised(session, *panel);
     case Action::showPlan: return session.setShowsPlan(!session.showsPlan());
     case Action::searchKnob:
-      hasSideBar_ = true;
+      remembered_.hasSideBar = true;
       return controls_.search();
     case Action::undo: return controls_.transferEditor().undo(session);
     case Action::redo: return controls_.transferEditor().redo(session);
-    case Action::hideSideBar: hasSideBar_ = !hasSideBar_; return;
+    case Action::hideSideBar: remembered_.hasSideBar = !remembered_.hasSideBar; return;
+    case Action::lightTheme: remembered_.isLight = !remembered_.isLight; return;
     case Action::showReference:
     case Action::blink: return;  // as long as their keys are down
   }
@@ -165,7 +169,8 @@ bool MainView::isOn(Action action, const Session& session, size_t panel) const {
     case Action::maximise: return grid_.isMaximised(session, panel);
     case Action::showPlan: return session.showsPlan();
     case Action::record: return session.isRecording();
-    case Action::hideSideBar: return hasSideBar_;
+    case Action::hideSideBar: return remembered_.hasSideBar;
+    case Action::lightTheme: return remembered_.isLight;
     default: return false;
   }
 }
@@ -193,6 +198,7 @@ void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
     if (action.menu != menu) continue;
     if (ImGui::MenuItem(std::string(action.label).c_str(), std::string(action.keys).c_str(), isOn(action.action, session, panel), isPossible(action.action, session)))
       chosen = action.action;
+    if (action.action == Action::open) drawRecent();
   }
   if (menu == ActionMenu::view && ImGui::BeginMenu("Columns")) {
     if (ImGui::MenuItem("As many as fit", nullptr, grid_.columns() == 0)) grid_.setColumns(0);
@@ -202,6 +208,18 @@ void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
   }
   ImGui::EndMenu();
   if (chosen) perform(*chosen, session, panel);
+}
+
+void MainView::drawRecent() {
+  if (!ImGui::BeginMenu("Open again", !remembered_.recentFiles.empty())) return;
+  std::optional<std::string> chosen;  // done when all are drawn: it moves them
+  for (const std::string& file : remembered_.recentFiles)
+    if (ImGui::MenuItem((printable(file) + "##" + file).c_str())) chosen = file;
+  ImGui::Separator();
+  const bool isToForget = ImGui::MenuItem("Forget these");
+  ImGui::EndMenu();
+  if (chosen) open(*chosen);
+  if (isToForget) remembered_.recentFiles.clear();
 }
 
 void MainView::drawDemos(Session& session, const Look& look) {
@@ -252,7 +270,7 @@ void MainView::drawNote(const Look& look) {
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
   const ImVec2 at{0.5f * (display.x - size.x), display.y - size.y - look.px(kStatusHeight + 16.0f)};
   list->AddRectFilled({at.x - padding, at.y - padding}, {at.x + size.x + padding, at.y + size.y + padding}, ImGui::GetColorU32({0.0f, 0.0f, 0.0f, 0.85f}), look.px(4.0f));
-  list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ImGui::GetColorU32(ImGuiCol_Text), text.c_str(), nullptr, wrap);
+  list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ImGui::GetColorU32(kTextOnPicture), text.c_str(), nullptr, wrap);
 }
 
 void MainView::drawKeys(const Look& look) {
@@ -266,7 +284,7 @@ void MainView::drawKeys(const Look& look) {
     ImGui::TableSetupColumn("what it does", ImGuiTableColumnFlags_WidthStretch);
     const auto row = [](std::string_view keys, std::string_view what) {
       ImGui::TableNextColumn();
-      ImGui::TextColored(kAccent, "%s", std::string(keys).c_str());
+      ImGui::TextColored(palette().accent, "%s", std::string(keys).c_str());
       ImGui::TableNextColumn();
       ImGui::TextWrapped("%s", std::string(what).c_str());
     };
@@ -299,8 +317,8 @@ void MainView::drawBottom(Session& session, const Look& look) {
 
 void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look) {
   const float bodyHeight = std::max(1.0f, ImGui::GetContentRegionAvail().y - look.px(kStatusHeight));
-  const float sideBar = hasSideBar_ ? look.px(kControlsWidth + kMargin) : 0.0f;
-  ImGui::PushStyleColor(ImGuiCol_ChildBg, kFrameColor);
+  const float sideBar = remembered_.hasSideBar ? look.px(kControlsWidth + kMargin) : 0.0f;
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, palette().frame);
   ImGui::BeginChild("panels", {ImGui::GetContentRegionAvail().x - sideBar, bodyHeight}, false,
                     ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::PopStyleColor();
@@ -313,7 +331,7 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   drawBottom(session, look);
   ImGui::EndChild();
   ImGui::PopStyleVar(2);
-  if (hasSideBar_) {
+  if (remembered_.hasSideBar) {
     ImGui::SameLine(0.0f, look.px(kMargin));
     ImGui::BeginChild("controls", {0.0f, bodyHeight}, true);
     controls_.draw(session, openScene_, look);
@@ -321,8 +339,19 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   }
 }
 
-void MainView::draw(Session& session, double displayFramesPerSecond, const HeldKeys& held, const Look& look) {
+void MainView::rememberScene(const Session& session) {
+  if (session.sceneCount() == sceneSeen_) return;
+  sceneSeen_ = session.sceneCount();
+  std::error_code ignored;
+  if (session.origin() && std::filesystem::exists(session.origin()->spec, ignored)) remembered_.addFile(session.origin()->spec);
+}
+
+void MainView::draw(Session& session, double displayFramesPerSecond, const HeldKeys& held, const Look& drawn) {
+  Look look = drawn;
+  look.remembered = &remembered_;
+  applyColors(remembered_.isLight ? Theme::light : Theme::dark);
   takeHandedFile(session);
+  rememberScene(session);
   controls_.transferEditor().update(session, look.now);
   drawMenus(session, look);
   const float top = ImGui::GetFrameHeight();  // of the menu bar

@@ -20,8 +20,8 @@ namespace warpscope::ui {
 
 class MainView {
  public:
-  /// `gl` and `openScene` outlive it; `onNews` is called on another thread when a file that was handed over has been looked at.
-  MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, std::function<void()> onNews);
+  /// `gl`, `openScene` and `remembered` outlive it; `onNews` is called on another thread when a file that was handed over has been looked at.
+  MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, Remembered& remembered, std::function<void()> onNews);
 
   /// A transfer function's file that is loaded whenever it is written.
   void watchTransferFile(const std::filesystem::path& path) { controls_.transferEditor().watch(path); }
@@ -54,6 +54,8 @@ class MainView {
   static bool isPossible(Action action, const Session& session);
   bool isOn(Action action, const Session& session, size_t panel) const;
   void drawMenus(Session& session, const Look& look);
+  void drawRecent();
+  void rememberScene(const Session& session);
   void drawDemos(Session& session, const Look& look);
   void drawMenu(ActionMenu menu, const char* name, Session& session);
   void drawBody(Session& session, const HeldKeys& held, const Look& look);
@@ -69,9 +71,10 @@ class MainView {
   PanelGrid grid_;
   PlotView plot_;
   const SceneOpener& openScene_;
+  Remembered& remembered_;
   std::unique_ptr<FileSorter> fileSorter_;
+  uint64_t sceneSeen_ = 0;  // that was remembered last, as Session::sceneCount()
   std::vector<Action> windowActions_;
-  bool hasSideBar_ = true;
   bool showsKeys_ = false;
   FileDialog dialog_;
   struct Note {

@@ -83,9 +83,9 @@ void drawHistory(const Panel& panel, const ImVec2& at, float width, const Look& 
   ImGui::PushFont(look.fonts.small);
   const float height = look.px(kHistoryPx), gap = look.px(6.0f), line = ImGui::GetTextLineHeight();
   const float left = at.x + ImGui::CalcTextSize(name.c_str()).x + gap, right = at.x + width - ImGui::CalcTextSize("0.05").x - gap;
-  list->AddText({at.x, at.y + 0.5f * (height - line)}, ImGui::GetColorU32(kDimText), name.c_str());
+  list->AddText({at.x, at.y + 0.5f * (height - line)}, ImGui::GetColorU32(palette().dimText), name.c_str());
   const bool isThere = right > left + look.px(20.0f);
-  if (isThere) list->AddText({right + gap, at.y}, ImGui::GetColorU32(kDimText), topText.c_str());
+  if (isThere) list->AddText({right + gap, at.y}, ImGui::GetColorU32(palette().dimText), topText.c_str());
   ImGui::PopFont();
   if (!isThere) return;
   list->AddRectFilled({left, at.y}, {right, at.y + height}, ImGui::GetColorU32(ImGuiCol_FrameBg), look.px(2.0f));
@@ -95,7 +95,7 @@ void drawHistory(const Panel& panel, const ImVec2& at, float width, const Look& 
     return ImVec2(right - (right - left) * static_cast<float>(secondsAgo / span),
                   at.y + height - margin - (height - 2.0f * margin) * static_cast<float>(value / top));
   };
-  const ImU32 color = ImGui::GetColorU32(kAccent);
+  const ImU32 color = ImGui::GetColorU32(palette().accent);
   for (size_t i = 0; i < steps.size(); ++i) {
     const ErrorHistory::Step& step = steps[i];
     const ImVec2 begin = place(step.beginS, step.value), end = place(step.endS, step.value);
@@ -124,13 +124,13 @@ void drawMeasurements(const Session& session, size_t index, MeasurementSpace spa
     ImGui::SetCursorScreenPos(at);
     ImGui::BeginGroup();
     ImGui::PushFont(look.fonts.small);
-    ImGui::TextColored(kDimText, "%s", measurement.name);
+    ImGui::TextColored(palette().dimText, "%s", measurement.name);
     ImGui::PopFont();
     ImGui::SetCursorScreenPos({at.x, at.y + labelHeight});
     if (measurement.isCurrent)
       ImGui::TextUnformatted(measurement.value.c_str());
     else
-      ImGui::TextColored(kFaintText, "%s", measurement.value.c_str());
+      ImGui::TextColored(palette().faintText, "%s", measurement.value.c_str());
     ImGui::EndGroup();
     tooltip(measurement.explanation, look);
   }

@@ -122,7 +122,7 @@ void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
   if (status->isConnected && status->roundTripMs > 0.0) text += ", round trip " + durationText(status->roundTripMs);
   ImGui::PushFont(look.fonts.small);
   ImGui::PushTextWrapPos(0.0f);
-  ImGui::TextColored(status->isConnected ? kDimText : kErrorText, "%s", text.c_str());
+  ImGui::TextColored(status->isConnected ? palette().dimText : palette().errorText, "%s", text.c_str());
   ImGui::PopTextWrapPos();
   ImGui::PopFont();
 }
@@ -132,19 +132,28 @@ void drawLinkSign(const Session& session, const Look& look) {
   const bool hasOutage = session.hasOutage(look.now);
   const bool hasLink = !(link.up.isTransparent() && link.down.isTransparent());
   if (!hasLink && !hasOutage && !session.isRecording()) return;
-  std::string text = "Simulated link: " + net::toString(link);
+  // In full or, where that has no room, by what says most.
+  std::string text = "Simulated link: " + net::toString(link), brief = "Simulated link: " + durationText(link.up.delayMs + link.down.delayMs) + " there and back";
   for (const net::LinkPreset& preset : net::linkPresets())
-    if (preset.settings == link) text = "Simulated link: " + std::string(preset.name) + ", " + std::string(preset.summary);
-  if (hasOutage) text = "Simulated outage: nothing passes";
-  if (session.isRecording()) text = "Recording. " + (hasLink || hasOutage ? text : std::string("Ctrl+R ends it"));
-  const float size = 1.25f * ImGui::GetFontSize(), height = size + look.px(8.0f), width = ImGui::GetContentRegionAvail().x;
+    if (preset.settings == link) {
+      text = "Simulated link: " + std::string(preset.name) + ", " + std::string(preset.summary);
+      brief = "Simulated link: " + std::string(preset.name);
+    }
+  if (hasOutage) text = brief = "Simulated outage: nothing passes";
+  if (session.isRecording()) {
+    text = "Recording. " + (hasLink || hasOutage ? text : std::string("Ctrl+R ends it"));
+    brief = "Recording. " + (hasLink || hasOutage ? brief : std::string());
+  }
+  constexpr float kTimesTheUsual = 1.25f;
+  const float size = kTimesTheUsual * ImGui::GetFontSize(), height = size + look.px(8.0f), width = ImGui::GetContentRegionAvail().x;
+  if (kTimesTheUsual * ImGui::CalcTextSize(text.c_str()).x > width - look.px(20.0f)) text = brief;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::Dummy({width, height});
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 to{at.x + width, at.y + height};
-  list->AddRectFilled(at, to, ImGui::GetColorU32(hasOutage ? kErrorBackground : ImVec4(0.30f, 0.22f, 0.05f, 1.0f)), look.px(4.0f));
+  list->AddRectFilled(at, to, ImGui::GetColorU32(hasOutage ? palette().errorBackground : palette().noticeBackground), look.px(4.0f));
   list->PushClipRect(at, to, true);
-  list->AddText(ImGui::GetFont(), size, {at.x + look.px(10.0f), at.y + look.px(4.0f)}, ImGui::GetColorU32({1.0f, 0.82f, 0.35f, 1.0f}), text.c_str());
+  list->AddText(ImGui::GetFont(), size, {at.x + look.px(10.0f), at.y + look.px(4.0f)}, ImGui::GetColorU32(palette().noticeText), text.c_str());
   list->PopClipRect();
 }
 

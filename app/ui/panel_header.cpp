@@ -146,7 +146,7 @@ bool iconButton(Icon icon, const char* id, bool isOn, const Action action, const
   const float side = look.px(kTitlePx);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const bool isPressed = ImGui::InvisibleButton(id, {side, side});
-  const ImVec4 color = isOn ? kAccent : ImGui::IsItemHovered() ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : kFaintText;
+  const ImVec4 color = isOn ? palette().accent : ImGui::IsItemHovered() ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : palette().faintText;
   drawIcon(icon, {at.x + 0.5f * side, at.y + 0.5f * side}, look.px(4.0f), ImGui::GetColorU32(color), std::max(1.0f, look.px(1.2f)));
   const ActionDescriptor& described = describe(action);
   tooltip(std::string(described.help) + ". Key " + std::string(described.keys) + ".", look);
@@ -172,7 +172,7 @@ std::optional<Action> drawTitle(Session& session, size_t index, bool isAlone, co
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImGui::PushFont(look.fonts.small);
   list->PushClipRect(at, {at.x + width, at.y + side}, true);
-  list->AddText({at.x, at.y + 0.5f * (side - ImGui::GetTextLineHeight())}, ImGui::GetColorU32(kDimText), title.c_str());
+  list->AddText({at.x, at.y + 0.5f * (side - ImGui::GetTextLineHeight())}, ImGui::GetColorU32(palette().dimText), title.c_str());
   list->PopClipRect();
   ImGui::PopFont();
   ImGui::SameLine(0.0f, 0.0f);

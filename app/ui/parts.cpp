@@ -94,10 +94,10 @@ void drawStatusBar(const Session& session, double displayFramesPerSecond, const 
     if (i > 0) ImGui::SameLine(0.0f, gap);
     // What does not fit is left out; the first says most.
     if (ImGui::GetCursorPosX() + ImGui::CalcTextSize(items[i].c_str()).x + gap > right - displayWidth) break;
-    ImGui::TextColored(i == 0 ? ImGui::GetStyle().Colors[ImGuiCol_Text] : kDimText, "%s", items[i].c_str());
+    ImGui::TextColored(i == 0 ? ImGui::GetStyle().Colors[ImGuiCol_Text] : palette().dimText, "%s", items[i].c_str());
   }
   ImGui::SameLine(right - displayWidth);
-  ImGui::TextColored(kDimText, "%s", display.c_str());
+  ImGui::TextColored(palette().dimText, "%s", display.c_str());
 }
 
 void drawErrorBanner(Session& session, const Look& look) {
@@ -107,12 +107,12 @@ void drawErrorBanner(Session& session, const Look& look) {
   const float buttonWidth = look.px(72.0f), padding = look.px(8.0f);
   const float wrap = ImGui::GetContentRegionAvail().x - buttonWidth - 3.0f * padding;
   const float height = std::max(ImGui::CalcTextSize(error.c_str(), nullptr, false, wrap).y, ImGui::GetFrameHeight()) + 2.0f * padding;
-  ImGui::PushStyleColor(ImGuiCol_ChildBg, kErrorBackground);
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, palette().errorBackground);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {padding, padding});
   ImGui::BeginChild("error", {0.0f, height}, true, ImGuiWindowFlags_NoScrollbar);
   ImGui::PushTextWrapPos(padding + wrap);
   ImGui::AlignTextToFramePadding();
-  ImGui::TextColored(kErrorText, "%s", error.c_str());
+  ImGui::TextColored(palette().errorText, "%s", error.c_str());
   ImGui::PopTextWrapPos();
   if (!failure.empty()) {  // the connection's trouble goes by itself
     ImGui::SameLine(ImGui::GetWindowWidth() - buttonWidth - padding);

@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 
+#include "app/session/remembered.h"
 #include "app/session/session.h"
 #include "app/ui/run_window.h"
 #include "app/ui/texture.h"
@@ -36,6 +37,7 @@ struct Look {
   Session::TimePoint now;
   Hover* hover = nullptr;
   bool isDoubleClicked = false;  ///< by the left button, since the last picture
+  Remembered* remembered = nullptr;  ///< what is folded up; MainView's
 
   float px(float atScale1) const { return atScale1 * scale; }
 };

@@ -30,9 +30,9 @@ void drawStage(const StageDescriptor& stage, const PlannedStage& planned, const 
   const ImVec2 center{at.x + radius, at.y + 0.5f * line};
   ImDrawList* list = ImGui::GetWindowDrawList();
   if (planned.isIn)
-    list->AddCircleFilled(center, radius, ImGui::GetColorU32(kAccent));
+    list->AddCircleFilled(center, radius, ImGui::GetColorU32(palette().accent));
   else
-    list->AddCircle(center, radius - look.px(0.5f), ImGui::GetColorU32(kFaintText), 0, look.px(1.2f));
+    list->AddCircle(center, radius - look.px(0.5f), ImGui::GetColorU32(palette().faintText), 0, look.px(1.2f));
 
   ImGui::Indent(look.px(14.0f));
   ImGui::BeginGroup();
@@ -40,7 +40,7 @@ void drawStage(const StageDescriptor& stage, const PlannedStage& planned, const 
   if (planned.isIn)
     ImGui::TextUnformatted(name.c_str());
   else
-    ImGui::TextColored(kDimText, "%s", name.c_str());
+    ImGui::TextColored(palette().dimText, "%s", name.c_str());
   if (cost != nullptr) {
     const std::string text = addedText(cost->medianMs);
     ImGui::SameLine();
@@ -48,9 +48,9 @@ void drawStage(const StageDescriptor& stage, const PlannedStage& planned, const 
     if (isCurrent)
       ImGui::TextUnformatted(text.c_str());
     else
-      ImGui::TextColored(kFaintText, "%s", text.c_str());
+      ImGui::TextColored(palette().faintText, "%s", text.c_str());
   }
-  drawSmall(kDimText, (planned.isIn ? "in: " : "out: ") + planned.reason, look);
+  drawSmall(palette().dimText, (planned.isIn ? "in: " : "out: ") + planned.reason, look);
   ImGui::EndGroup();
   std::string help = "The stage " + name + ": " + std::string(stage.summary) + ".";
   if (cost != nullptr)
@@ -82,7 +82,7 @@ void PlanList::draw(Session& session, const Look& look) {
   wasOpen_ = isOpen;
   if (!isOpen) return;
   const LivePlan& plan = session.plan();
-  drawSmall(plan.error().empty() ? kDimText : kErrorText, standingText(plan), look);
+  drawSmall(plan.error().empty() ? palette().dimText : palette().errorText, standingText(plan), look);
   if (!plan.plan()) return;
   for (const bool isIn : {true, false})
     for (const StageDescriptor& stage : kStages) {

@@ -107,7 +107,7 @@ void drawPlayback(Session& session, const Look& look) {
                              (count > 0 ? ", frame " + std::to_string(playback.frame() + 1) + " of " + std::to_string(count) : std::string(", no frames"));
     ImGui::PushFont(look.fonts.small);
     ImGui::AlignTextToFramePadding();
-    ImGui::TextColored(kDimText, "%s", text.c_str());
+    ImGui::TextColored(palette().dimText, "%s", text.c_str());
     ImGui::PopFont();
     ImGui::SameLine(left + look.px(kFiguresPx) + spacing);
   }

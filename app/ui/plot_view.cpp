@@ -127,9 +127,12 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
 }
 
 void PlotView::drawHeader(const Look& look) {
+  constexpr const char* kHeading = "Error against time";
+  isUnfolded_ = !look.remembered->folded.contains(kHeading);
   ImGui::SetNextItemOpen(isUnfolded_);
   ImGui::PushStyleColor(ImGuiCol_Header, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
-  isUnfolded_ = ImGui::CollapsingHeader("Error against time", ImGuiTreeNodeFlags_AllowItemOverlap);
+  isUnfolded_ = ImGui::CollapsingHeader(kHeading, ImGuiTreeNodeFlags_AllowItemOverlap);
+  look.remembered->setFolded(kHeading, !isUnfolded_);
   ImGui::PopStyleColor();
   tooltip("One point for each combination of technique and knobs that was on show while the view rested: milliseconds to decode, build and draw, and "
           "FLIP. Points are compared at the angles between frame and view that they have in common: mean FLIP, and the slowest view. Faint: not compared, "
@@ -145,7 +148,7 @@ void PlotView::drawHeader(const Look& look) {
   const float left = std::max(from.x + look.px(170.0f), to.x - width - look.px(120.0f));
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->PushClipRect({left, from.y}, to, true);
-  list->AddText({left, 0.5f * (from.y + to.y - ImGui::GetTextLineHeight())}, ImGui::GetColorU32(error_.empty() && measuringError_.empty() ? kDimText : kErrorText), note.c_str());
+  list->AddText({left, 0.5f * (from.y + to.y - ImGui::GetTextLineHeight())}, ImGui::GetColorU32(error_.empty() && measuringError_.empty() ? palette().dimText : palette().errorText), note.c_str());
   list->PopClipRect();
   ImGui::PopFont();
 }
@@ -195,7 +198,7 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
     ImGui::PushFont(look.fonts.small);
     const size_t angles = session.fair().points().empty() ? session.liveFront().rankedAnglesDeg().size() : kFairAnglesDeg.size();
     const std::string where = angles == 0 ? "" : ", at " + angleCount(angles);
-    ImGui::TextColored(kDimText, "Nothing beats these in time and error%s:", where.c_str());
+    ImGui::TextColored(palette().dimText, "Nothing beats these in time and error%s:", where.c_str());
     for (const size_t i : shown.front) {
       const ScatterPoint& point = shown.points[i];
       ImGui::PushID(static_cast<int>(i));

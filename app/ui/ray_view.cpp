@@ -13,7 +13,7 @@ namespace warpscope::ui {
 namespace {
 
 constexpr float kLegendPx = 132.0f, kStripPx = 9.0f, kLanePx = 12.0f;  // at scale 1
-const ImVec4 kValueColor{0.62f, 0.65f, 0.70f, 1.0f}, kOpacityColor{0.95f, 0.62f, 0.25f, 1.0f}, kLightColor{0.35f, 0.70f, 0.95f, 1.0f};
+const ImVec4 kOpacityColor{0.95f, 0.62f, 0.25f, 1.0f}, kLightColor{0.35f, 0.70f, 0.95f, 1.0f};
 
 /// The part of the ray that is worth showing: where samples count and a little about it, or all of it where none does.
 struct Span {
@@ -89,7 +89,7 @@ void drawCurves(const Lane& lane, const RayTrace& trace, const Look& look) {
   const float thickness = look.px(1.3f);
   const auto atPlace = [](const RayPlace& place) { return place.t; };
   if (highest > lowest)
-    drawCurve(lane, trace.places, atPlace, [&](const RayPlace& place) { return static_cast<float>((place.value - lowest) / (highest - lowest)); }, kValueColor, thickness);
+    drawCurve(lane, trace.places, atPlace, [&](const RayPlace& place) { return static_cast<float>((place.value - lowest) / (highest - lowest)); }, palette().dimText, thickness);
   if (mostOpaque > 0.0f)
     drawCurve(lane, trace.places, atPlace, [&](const RayPlace& place) { return place.look.a / mostOpaque; }, kOpacityColor, thickness);
   // What light is left behind each sample; between them it stays.
@@ -112,7 +112,7 @@ void drawDepths(const Lane& lane, const RayTrace& trace, Heuristic used, const I
   const float line = ImGui::GetTextLineHeight();
   for (const TracedDepth& depth : depths) {
     const bool isUsed = depth.heuristic == used, isPointedAt = ImGui::IsMouseHoveringRect(at, {at.x + look.px(kLegendPx), at.y + line});
-    const ImU32 color = ImGui::GetColorU32(isPointedAt ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : isUsed ? kAccent : kDimText);
+    const ImU32 color = ImGui::GetColorU32(isPointedAt ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : isUsed ? palette().accent : palette().dimText);
     const float x = lane.x(depth.result.depth);
     list->AddLine({x, lane.from.y}, {x, lane.to.y}, color, look.px(isUsed || isPointedAt ? 2.0f : 1.0f));
     list->AddText(at, color, std::string(nameOf(depth.heuristic)).c_str());
@@ -131,7 +131,7 @@ void drawAxis(const Lane& lane, const Look& look) {
     if (t < lane.span.begin || t > lane.span.end) continue;
     const std::string text = tickText(tick);
     list->AddLine({lane.x(t), lane.from.y}, {lane.x(t), lane.to.y}, ImGui::GetColorU32(ImGuiCol_Border));
-    list->AddText({lane.x(t) + look.px(2.0f), lane.to.y}, ImGui::GetColorU32(kFaintText), text.c_str());
+    list->AddText({lane.x(t) + look.px(2.0f), lane.to.y}, ImGui::GetColorU32(palette().faintText), text.c_str());
   }
 }
 
@@ -161,7 +161,7 @@ std::string titleOf(const RayOfPixel& ray) {
 
 void drawKeyOfCurves(ImVec2 at) {
   ImDrawList* list = ImGui::GetWindowDrawList();
-  for (const auto& [text, color] : {std::pair{"value", kValueColor}, {"opacity", kOpacityColor}, {"light left", kLightColor}}) {
+  for (const auto& [text, color] : {std::pair{"value", palette().dimText}, {"opacity", kOpacityColor}, {"light left", kLightColor}}) {
     list->AddText(at, ImGui::GetColorU32(color), text);
     at.x += ImGui::CalcTextSize(text).x + ImGui::CalcTextSize("   ").x;
   }
@@ -174,7 +174,7 @@ bool drawRay(const Session& session, const Look& look) {
   ImGui::PushFont(look.fonts.small);
   const bool hasTrace = ray.error().empty() && ray.result();
   const std::string title = !ray.error().empty() ? ray.error() : hasTrace ? titleOf(ray.result()->job.ray) : "the ray is traced when the view rests";
-  ImGui::TextColored(ray.error().empty() ? kDimText : kErrorText, "%s", title.c_str());
+  ImGui::TextColored(ray.error().empty() ? palette().dimText : palette().errorText, "%s", title.c_str());
   ImGui::SameLine(ImGui::GetWindowWidth() - look.px(24.0f));
   const bool isClosed = ImGui::SmallButton("x");
   tooltip("Close.", look);
@@ -189,7 +189,7 @@ bool drawRay(const Session& session, const Look& look) {
     const Lane segments{{at.x, bottom - look.px(kLanePx)}, {at.x + width, bottom}, span};
     const Lane curves{{at.x, strip.to.y + gap}, {at.x + width, segments.from.y - gap}, span};
     ImDrawList* list = ImGui::GetWindowDrawList();
-    list->AddRectFilled(curves.from, curves.to, ImGui::GetColorU32(kFrameColor));
+    list->AddRectFilled(curves.from, curves.to, ImGui::GetColorU32(palette().frame));
     ImGui::InvisibleButton("along the ray", {width, bottom - at.y});
     list->PushClipRect(at, {at.x + width, bottom}, true);
     drawStrip(strip, result.trace);

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "app/picture/picture.h"
-#include "app/scene/json_document.h"
 #include "app/session/demos.h"
+#include "app/session/remembered.h"
 #include "app/session/window_report.h"
 #include "app/shell/log.h"
 #include "app/shell/output_files.h"
@@ -37,7 +37,7 @@ bool perform(Window& window, const std::vector<Action>& asked, bool& wantsPictur
 }
 
 /// Writes a picture under a name that is not taken; what is to be said about that.
-std::string keep(const Image<Rgba8>& picture) {
+std::string savePicture(const Image<Rgba8>& picture) {
   constexpr int kMost = 10000;
   for (int i = 1; i < kMost; ++i) {
     const std::filesystem::path path = "warpscope-" + std::to_string(i) + ".png";
@@ -53,30 +53,13 @@ std::string keep(const Image<Rgba8>& picture) {
   return "there are too many pictures in this folder";
 }
 
-/// That windows had last, where it is known.
-std::optional<glm::uvec2> lastSize() {
-  const std::optional<std::filesystem::path> file = windowSizeFile();
-  std::error_code ignored;
-  if (!file || !std::filesystem::exists(*file, ignored)) return std::nullopt;
-  try {
-    const JsonDocument document = JsonDocument::fromFile(*file);
-    const std::vector<Node> size = document.root().at("size").elements(2, 2);
-    return glm::uvec2(size[0].integer(1, 65536), size[1].integer(1, 65536));
-  } catch (const InputError& error) {
-    logDetail(error.what());
-    return std::nullopt;
-  }
-}
-
-void keepSize(const Window& window) {
-  const std::optional<std::filesystem::path> file = windowSizeFile();
+void keep(const Remembered& remembered) {
+  const std::optional<std::filesystem::path> file = rememberedFile();
   if (!file) return;
   try {
-    std::filesystem::create_directories(file->parent_path());
-    const glm::uvec2 size = window.size();
-    writeFileWhole(*file, textOf(nlohmann::json{{"size", {size.x, size.y}}}));
-  } catch (const std::exception& error) {
-    logDetail(std::string("the window's size was not kept: ") + error.what());
+    writeRemembered(*file, remembered);
+  } catch (const InputError& error) {
+    logDetail(std::string("what the window remembers was not kept: ") + error.what());
   }
 }
 
@@ -109,13 +92,14 @@ struct Stage {
   Clock& clock;
   const WindowSettings& settings;
   WindowReport& report;
+  Remembered& remembered;
 };
 
 /// Runs until the window is to be closed; the photograph, if one was asked for.
 Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
-  const auto& [window, session, openScene, clock, settings, report] = stage;
+  const auto& [window, session, openScene, clock, settings, report, remembered] = stage;
   const std::stop_callback wakeUp(stop, [] { Window::wake(); });
-  MainView mainView(window.gl(), openScene, settings.sweep, [] { Window::wake(); });
+  MainView mainView(window.gl(), openScene, settings.sweep, remembered, [] { Window::wake(); });
   mainView.watchTransferFile(settings.transferFile);
   if (settings.sweep) session.setFront(settings.sweep->choice);
   RateMeter displayRate;
@@ -164,7 +148,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
     const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);
     window.endFrame(isLast || wantsPicture ? &photograph : nullptr);
     if (!settings.report.empty()) report.addFrameMs(millisecondsBetween(now, clock.now()));
-    if (wantsPicture) mainView.setNote(keep(std::exchange(photograph, {})));
+    if (wantsPicture) mainView.setNote(savePicture(std::exchange(photograph, {})));
     if (isLast || !goesOn) break;
   }
   return photograph;
@@ -176,14 +160,20 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
 bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
                const std::stop_token& stop) {
   const bool isForScripts = !settings.screenshot.empty();
-  ui::Window window("warpscope", settings.uiScale, settings.size, isForScripts ? std::nullopt : ui::lastSize());
+  const std::optional<std::filesystem::path> file = rememberedFile();
+  Remembered remembered = isForScripts || !file ? Remembered{} : readRemembered(*file);
+  const bool wasLight = remembered.isLight;
+  if (settings.isLight) remembered.isLight = *settings.isLight;
+  ui::Window window("warpscope", settings.uiScale, settings.size, remembered.windowSize);
   std::unique_ptr<Session> session = makeSession([] { ui::Window::wake(); });
   WindowReport report;
-  const Image<Rgba8> photograph = ui::runLoop({window, *session, openScene, clock, settings, report}, stop);
+  const Image<Rgba8> photograph = ui::runLoop({window, *session, openScene, clock, settings, report, remembered}, stop);
   if (!settings.report.empty()) writeFileWhole(settings.report, report.text(*session, clock.now()));
   if (!isForScripts) {
     ui::keepLastSession(*session);
-    if (!settings.size) ui::keepSize(window);
+    if (!settings.size) remembered.windowSize = window.size();
+    if (remembered.isLight == settings.isLight) remembered.isLight = wasLight;  // that was asked for this once
+    ui::keep(remembered);
   }
   const bool hasEnded = session->close(ui::kClosingPatience);
   if (!photograph.empty()) writeFileWhole(settings.screenshot, encodePng(photograph));

@@ -22,6 +22,7 @@ class NoDisplay : public InputError {
 
 struct WindowSettings {
   std::optional<glm::uvec2> size;    ///< in screen coordinates; default: 1280x800 times the scale, as far as the screen has room for it
+  std::optional<bool> isLight;       ///< the theme, this once; default: as it was last
   double uiScale = 0.0;              ///< size of everything, 1: that of a usual screen; 0: as the screen says
   std::filesystem::path screenshot;  ///< if not empty: a PNG of the window is written here, then the window closes
   double screenshotAfterMs = 3000.0;

@@ -13,7 +13,6 @@ namespace {
 
 constexpr float kRadiusPx = 4.0f, kRingPx = 7.5f, kReachPx = 12.0f;  // at scale 1
 constexpr ImU32 kFaint = 80;  // of 255
-const ImVec4 kGrid{0.17f, 0.19f, 0.215f, 1.0f};
 
 /// The plot's frame: inside of it are points, left and beneath of it ticks and labels.
 struct Frame {
@@ -30,7 +29,7 @@ void drawText(ImDrawList& list, const ImVec2& at, const ImVec4& color, const std
 
 /// Every tick has a line, those that have room a number as well.
 void drawTicks(ImDrawList& list, const AxisScale& x, const AxisScale& y, const Frame& frame, const ScatterLook& look) {
-  const ImU32 grid = ImGui::GetColorU32(kGrid);
+  const ImU32 grid = ImGui::GetColorU32(palette().grid);
   const float gap = 4.0f * look.scale;
   float free = -std::numeric_limits<float>::max();
   const float end = frame.to.x - sizeOf(look.xLabel, look).x - 2.0f * gap;  // the axis's name stands there
@@ -40,7 +39,7 @@ void drawTicks(ImDrawList& list, const AxisScale& x, const AxisScale& y, const F
     const std::string text = tickText(tick);
     const float width = sizeOf(text, look).x;
     if (at - 0.5f * width < free || at + 0.5f * width > end) continue;
-    drawText(list, {at - 0.5f * width, frame.to.y + gap}, kDimText, text, look);
+    drawText(list, {at - 0.5f * width, frame.to.y + gap}, palette().dimText, text, look);
     free = at + 0.5f * width + 2.0f * gap;
   }
   free = std::numeric_limits<float>::max();
@@ -51,11 +50,11 @@ void drawTicks(ImDrawList& list, const AxisScale& x, const AxisScale& y, const F
     const std::string text = tickText(tick);
     const ImVec2 extent = sizeOf(text, look);
     if (at + 0.5f * extent.y > free || at - 0.5f * extent.y < highest) continue;
-    drawText(list, {frame.from.x - gap - extent.x, at - 0.5f * extent.y}, kDimText, text, look);
+    drawText(list, {frame.from.x - gap - extent.x, at - 0.5f * extent.y}, palette().dimText, text, look);
     free = at - 0.5f * extent.y;
   }
-  drawText(list, {frame.to.x - sizeOf(look.xLabel, look).x, frame.to.y + gap}, kDimText, look.xLabel, look);
-  drawText(list, {frame.from.x - gap - sizeOf(look.yLabel, look).x, frame.from.y}, kDimText, look.yLabel, look);
+  drawText(list, {frame.to.x - sizeOf(look.xLabel, look).x, frame.to.y + gap}, palette().dimText, look.xLabel, look);
+  drawText(list, {frame.from.x - gap - sizeOf(look.yLabel, look).x, frame.from.y}, palette().dimText, look.yLabel, look);
 }
 
 void drawPoint(ImDrawList& list, const ScatterPoint& point, const ImVec2& at, bool isHovered, const ScatterLook& look) {
@@ -67,7 +66,7 @@ void drawPoint(ImDrawList& list, const ScatterPoint& point, const ImVec2& at, bo
     return;
   }
   list.AddCircleFilled(at, radius, color);
-  if (point.isMarked) list.AddCircle(at, radius, IM_COL32_WHITE, 0, line);
+  if (point.isMarked) list.AddCircle(at, radius, ImGui::GetColorU32(ImGuiCol_Text), 0, line);
 }
 
 void showLabel(const std::string& label, const ScatterLook& look) {
@@ -87,12 +86,12 @@ ScatterAnswer drawScatterPlot(const char* id, std::span<const ScatterPoint> poin
   const float tickRoom = sizeOf("0.0005", look).x + 8.0f * look.scale, lineRoom = sizeOf("0", look).y + 6.0f * look.scale;
   const Frame frame{{origin.x + tickRoom, origin.y}, {origin.x + size.x, origin.y + size.y - lineRoom}};
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  list.AddRectFilled(frame.from, frame.to, ImGui::GetColorU32(kFrameColor), 3.0f * look.scale);
+  list.AddRectFilled(frame.from, frame.to, ImGui::GetColorU32(palette().frame), 3.0f * look.scale);
 
   ScatterAnswer answer;
   if (points.empty()) {
     const ImVec2 extent = sizeOf(look.emptyText, look);
-    drawText(list, {0.5f * (frame.from.x + frame.to.x - extent.x), 0.5f * (frame.from.y + frame.to.y - extent.y)}, kDimText, look.emptyText, look);
+    drawText(list, {0.5f * (frame.from.x + frame.to.x - extent.x), 0.5f * (frame.from.y + frame.to.y - extent.y)}, palette().dimText, look.emptyText, look);
     return answer;
   }
   AxisScale x(true, frame.from.x, frame.to.x), y(true, frame.to.y, frame.from.y);

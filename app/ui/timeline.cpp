@@ -29,6 +29,26 @@ std::array<Stage, 11> stagesOf(const Panel& panel) {
            {"waiting for the display", panel.displayMs, {0.62f, 0.82f, 0.66f, 1.0f}}}};
 }
 
+/// What the colours stand for, and how long each took: beside the pointer, at once.
+void drawKey(const std::array<Stage, 11>& stages, double totalMs, const Look& look) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(8.0f), look.px(6.0f)});
+  ImGui::BeginTooltip();
+  ImGui::Text("%s from the moment that this frame was wanted until it was on show", durationText(totalMs).c_str());
+  const float line = ImGui::GetTextLineHeight();
+  for (const Stage& stage : stages) {
+    if (stage.ms < 0.005) continue;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + 0.15f * line}, {at.x + 0.7f * line, at.y + 0.85f * line}, ImGui::GetColorU32(stage.color), look.px(2.0f));
+    ImGui::Dummy({line, line});
+    ImGui::SameLine();
+    ImGui::TextUnformatted(durationText(stage.ms).c_str());
+    ImGui::SameLine(look.px(90.0f));
+    ImGui::TextUnformatted(stage.name);
+  }
+  ImGui::EndTooltip();
+  ImGui::PopStyleVar();
+}
+
 }  // namespace
 
 void drawTimeline(const Panel& panel, const Look& look) {
@@ -45,15 +65,13 @@ void drawTimeline(const Panel& panel, const Look& look) {
   const std::array<Stage, 11> stages = stagesOf(panel);
   double totalMs = 0.0;
   for (const Stage& stage : stages) totalMs += stage.ms;
-  std::string text = "From the moment that this frame was wanted until it was on show: " + durationText(totalMs);
   float x = at.x;
   for (const Stage& stage : stages) {
     const float width = totalMs > 0.0 ? size.x * static_cast<float>(stage.ms / totalMs) : 0.0f;
     list->AddRectFilled({x, at.y}, {x + width, at.y + size.y}, ImGui::GetColorU32(stage.color));
     x += width;
-    if (stage.ms >= 0.005) text += "\n" + durationText(stage.ms) + "  " + stage.name;
   }
-  tooltip(text, look);
+  if (ImGui::IsItemHovered()) drawKey(stages, totalMs, look);
 }
 
 }  // namespace warpscope::ui

@@ -191,7 +191,7 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
   }
 
   ImDrawList* list = ImGui::GetWindowDrawList();
-  list->AddRectFilled(from, to, ImGui::GetColorU32(kFrameColor));
+  list->AddRectFilled(from, to, ImGui::GetColorU32(palette().frame));
   list->PushClipRect({from.x - look.px(5.0f), from.y - look.px(5.0f)}, {to.x + look.px(5.0f), to.y + look.px(5.0f)}, true);
   const VoxelStatistics& statistics = session.scene()->volume->statistics();
   const double most = std::log1p(static_cast<double>(*std::ranges::max_element(statistics.histogram)));
@@ -200,7 +200,7 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
     const double lower = statistics.rangeLower + binWidth * static_cast<double>(bin);
     const float height = static_cast<float>(std::log1p(static_cast<double>(statistics.histogram[bin])) / most);
     list->AddRectFilled({chart.x(lower), to.y - height * (to.y - from.y)}, {std::max(chart.x(lower + binWidth), chart.x(lower) + 1.0f), to.y},
-                        IM_COL32(70, 76, 86, 255));
+                        ImGui::GetColorU32(palette().histogram));
   }
   std::vector<ImVec2> line{{from.x, chart.y(curves_.opacities.front().alpha)}};
   // Straight in opacity is not straight here.
@@ -221,14 +221,14 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
     const OpacityCorner& corner = curves_.opacities[i];
     const ImVec2 at{chart.x(corner.value), chart.y(corner.alpha)};
     list->AddCircleFilled(at, look.px(kCornerPx), screenColor(glm::vec3(function.at(corner.value))));
-    list->AddCircle(at, look.px(kCornerPx), ImGui::GetColorU32(opacity_ == i ? kAccent : ImGui::GetStyleColorVec4(ImGuiCol_Text)), 0, look.px(opacity_ == i || near == i ? 2.0f : 1.0f));
+    list->AddCircle(at, look.px(kCornerPx), ImGui::GetColorU32(opacity_ == i ? palette().accent : ImGui::GetStyleColorVec4(ImGuiCol_Text)), 0, look.px(opacity_ == i || near == i ? 2.0f : 1.0f));
   }
   list->PopClipRect();
   if (!isHovered && grip_ == Grip::none) return;
   ImGui::PushFont(look.fonts.small);
   const double value = chart.value(mouse.x);
   const std::string reading = formatted("%.4g", value) + formatted(": opacity %.3g", static_cast<double>(function.at(value).a));
-  list->AddText({from.x + look.px(4.0f), from.y + look.px(2.0f)}, ImGui::GetColorU32(kDimText), reading.c_str());
+  list->AddText({from.x + look.px(4.0f), from.y + look.px(2.0f)}, ImGui::GetColorU32(palette().dimText), reading.c_str());
   ImGui::PopFont();
 }
 
@@ -270,7 +270,7 @@ void TransferEditor::drawColorBar(Session& session, const Look& look) {
     const float x = chart.x(curves_.colors[i].value), half = look.px(4.5f);
     const ImVec2 top{x, bottom - look.px(2.0f)}, left{x - half, to.y}, right{x + half, to.y};
     list->AddTriangleFilled(top, left, right, screenColor(curves_.colors[i].color));
-    list->AddTriangle(top, left, right, ImGui::GetColorU32(color_ == i ? kAccent : ImGui::GetStyleColorVec4(ImGuiCol_Text)), look.px(color_ == i || near == i ? 2.0f : 1.0f));
+    list->AddTriangle(top, left, right, ImGui::GetColorU32(color_ == i ? palette().accent : ImGui::GetStyleColorVec4(ImGuiCol_Text)), look.px(color_ == i || near == i ? 2.0f : 1.0f));
   }
 }
 
@@ -313,7 +313,7 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
     tooltip("Its colour.", look);
   } else {  // so that nothing moves when one is chosen
     ImGui::AlignTextToFramePadding();
-    ImGui::TextColored(kFaintText, "no corner is chosen");
+    ImGui::TextColored(palette().faintText, "no corner is chosen");
   }
 }
 
@@ -340,7 +340,7 @@ void TransferEditor::drawFilePopup(Session& session, const Look& look) {
   }
   if (!fileNote_.empty()) {
     ImGui::PushTextWrapPos(look.px(330.0f));
-    ImGui::TextColored(kDimText, "%s", fileNote_.c_str());
+    ImGui::TextColored(palette().dimText, "%s", fileNote_.c_str());
     ImGui::PopTextWrapPos();
   }
   ImGui::EndPopup();
@@ -380,7 +380,7 @@ void TransferEditor::drawButtons(Session& session, const Look& look) {
 void TransferEditor::draw(Session& session, const Look& look) {
   if (const std::string why = session.whyFunctionIsFixed(); !why.empty()) {
     ImGui::PushTextWrapPos(0.0f);
-    ImGui::TextColored(kDimText, "%s", (why + ".").c_str());
+    ImGui::TextColored(palette().dimText, "%s", (why + ".").c_str());
     ImGui::PopTextWrapPos();
     return;
   }
@@ -393,7 +393,7 @@ void TransferEditor::draw(Session& session, const Look& look) {
   ImGui::PopID();
   if (error_.empty()) return;
   ImGui::PushTextWrapPos(0.0f);
-  ImGui::TextColored(kErrorText, "%s", error_.c_str());
+  ImGui::TextColored(palette().errorText, "%s", error_.c_str());
   ImGui::PopTextWrapPos();
 }
 

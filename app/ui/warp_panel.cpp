@@ -51,7 +51,7 @@ void drawContentLegend(const Panel& panel, const Area& area, const Look& look) {
   ImGui::PushFont(look.fonts.small);
   const float line = ImGui::GetTextLineHeight(), gap = look.px(5.0f), barWidth = look.px(90.0f);
   const float moreWidth = hasRamp ? barWidth + 2.0f * gap + ImGui::CalcTextSize(high.c_str()).x : 0.0f;
-  ImVec2 at = drawInCorner(Corner::lowerLeft, area, low, isOnShow ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : kDimText, moreWidth, look);
+  ImVec2 at = drawInCorner(Corner::lowerLeft, area, low, isOnShow ? kTextOnPicture : kDimTextOnPicture, moreWidth, look);
   if (hasRamp) {
     constexpr int kPieces = 45;
     ImDrawList* list = ImGui::GetWindowDrawList();
@@ -60,8 +60,8 @@ void drawContentLegend(const Panel& panel, const Area& area, const Look& look) {
     for (int i = 0; i < kPieces; ++i)
       list->AddRectFilled({at.x + piece * static_cast<float>(i), top}, {at.x + piece * static_cast<float>(i + 1), bottom},
                           rampColor(panel.content, (static_cast<float>(i) + 0.5f) / kPieces));
-    list->AddRect({at.x, top}, {at.x + barWidth, bottom}, ImGui::GetColorU32(kFaintText));
-    list->AddText({at.x + barWidth + gap, at.y}, ImGui::GetColorU32(ImGuiCol_Text), high.c_str());
+    list->AddRect({at.x, top}, {at.x + barWidth, bottom}, ImGui::GetColorU32(kDimTextOnPicture));
+    list->AddText({at.x + barWidth + gap, at.y}, ImGui::GetColorU32(kTextOnPicture), high.c_str());
   }
   ImGui::PopFont();
 }
@@ -132,12 +132,12 @@ std::optional<Area> drawOwn(const Session& session, const Panel& panel, PictureT
   std::optional<Area> at;
   if (panel.picture) at = drawPicture(session, panel.hasContentOnShow() ? panel.shownContent.picture : panel.picture, texture, area, look);
   if (!panel.error.empty())
-    drawNote(panel.error, kErrorText, area, look);
+    drawNote(panel.error, kErrorTextOnPicture, area, look);
   else if (const std::string why = whyNoPicture(session, panel); !why.empty())
-    drawNote(why, kDimText, area, look);
+    drawNote(why, kDimTextOnPicture, area, look);
   if (!at) return at;
   ImGui::PushFont(look.fonts.small);
-  if (const std::string reserved = reservations(panel); !reserved.empty()) drawInCorner(Corner::upperLeft, area, reserved, kDimText, 0.0f, look);
+  if (const std::string reserved = reservations(panel); !reserved.empty()) drawInCorner(Corner::upperLeft, area, reserved, kDimTextOnPicture, 0.0f, look);
   ImGui::PopFont();
   if (panel.content != PictureContent::picture) drawContentLegend(panel, area, look);
   return at;
@@ -148,7 +148,7 @@ std::optional<Area> drawOther(const Session& session, const OtherPicture& other,
   std::optional<Area> at;
   if (other.picture) at = drawPicture(session, other.picture, texture, area, look);
   ImGui::PushFont(look.fonts.small);
-  drawInCorner(Corner::upperRight, area, other.picture ? other.name : other.name + " when the view rests", ImGui::GetStyleColorVec4(ImGuiCol_Text), 0.0f, look);
+  drawInCorner(Corner::upperRight, area, other.picture ? other.name : other.name + " when the view rests", kTextOnPicture, 0.0f, look);
   ImGui::PopFont();
   return at;
 }
@@ -164,7 +164,7 @@ void drawWipeBar(float& at, const Area& area, const Look& look) {
   const bool isUsed = ImGui::IsItemActive() || ImGui::IsItemHovered();
   if (isUsed) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const ImU32 color = ImGui::GetColorU32(isUsed ? kAccent : ImGui::GetStyleColorVec4(ImGuiCol_Text));
+  const ImU32 color = ImGui::GetColorU32(isUsed ? palette().accent : kTextOnPicture);
   list->AddLine({x, area.from.y}, {x, area.to().y}, color, look.px(1.5f));
   list->AddCircleFilled({x, area.from.y + 0.5f * area.size.y}, look.px(5.0f), color);
   ImGui::SetCursorScreenPos(after);
@@ -218,11 +218,15 @@ void drawLoupe(const OnShow& shown, const glm::dvec2& place, const std::vector<s
   const ImVec2 loupe{edge * static_cast<float>(count.x), edge * static_cast<float>(count.y)};
   const bool hasText = !lines.empty() && area.size.x >= loupe.x + look.px(kLoupeTextPx);
   const float width = loupe.x + (hasText ? look.px(kLoupeTextPx) : 0.0f), margin = look.px(6.0f);
+  ImGui::PushFont(look.fonts.small);
+  const float lineHeight = ImGui::GetTextLineHeight() + look.px(1.0f);
+  const float textHeight = hasText ? lineHeight * static_cast<float>(lines.size()) : 0.0f;
   const ImVec2 at{place.x < 0.5 ? area.to().x - width - margin : area.from.x + margin, area.to().y - loupe.y - margin};
   const ImVec2 to{at.x + loupe.x, at.y + loupe.y};
+  const float top = to.y - std::max(loupe.y, textHeight);  // where pictures are small, the text is higher than the loupe
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->PushClipRect(area.from, area.to(), true);
-  list->AddRectFilled({at.x - 2.0f, at.y - 2.0f}, {at.x + width + 2.0f, to.y + 2.0f}, ImGui::GetColorU32({0.03f, 0.03f, 0.04f, 0.9f}));
+  list->AddRectFilled({at.x - 2.0f, top - 2.0f}, {at.x + width + 2.0f, to.y + 2.0f}, ImGui::GetColorU32({0.03f, 0.03f, 0.04f, 0.9f}));
   const auto share = [&](const glm::ivec2& corner) {
     return ImVec2(static_cast<float>(corner.x) / static_cast<float>(size.x), static_cast<float>(corner.y) / static_cast<float>(size.y));
   };
@@ -234,15 +238,14 @@ void drawLoupe(const OnShow& shown, const glm::dvec2& place, const std::vector<s
   list->AddRect({corner.x - 1.0f, corner.y - 1.0f}, {corner.x + edge + 1.0f, corner.y + edge + 1.0f}, IM_COL32(0, 0, 0, 255));
   list->AddRect({corner.x, corner.y}, {corner.x + edge, corner.y + edge}, IM_COL32(255, 255, 255, 255));
   if (hasText) {
-    ImGui::PushFont(look.fonts.small);
-    float y = at.y;
+    float y = top;
     for (const auto& [name, figure] : lines) {
-      list->AddText({to.x + margin, y}, ImGui::GetColorU32(kDimText), name.c_str());
-      list->AddText({to.x + look.px(66.0f), y}, ImGui::GetColorU32(ImGuiCol_Text), figure.c_str());
-      y += ImGui::GetTextLineHeight() + look.px(1.0f);
+      list->AddText({to.x + margin, y}, ImGui::GetColorU32(kDimTextOnPicture), name.c_str());
+      list->AddText({to.x + look.px(66.0f), y}, ImGui::GetColorU32(kTextOnPicture), figure.c_str());
+      y += lineHeight;
     }
-    ImGui::PopFont();
   }
+  ImGui::PopFont();
   list->PopClipRect();
 }
 

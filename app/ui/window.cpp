@@ -226,7 +226,7 @@ void Window::followScale(bool isFirst) {
   if (!isFirst && std::abs(scale - scale_) < 0.01f && std::abs(pixelsPerUnit - pixelsPerUnit_) < 0.01f) return;
   scale_ = scale;
   pixelsPerUnit_ = pixelsPerUnit;
-  fonts_ = applyTheme(scale_, pixelsPerUnit_);
+  fonts_ = applySizes(scale_, pixelsPerUnit_);
   if (!isFirst) {
     ImGui_ImplOpenGL3_DestroyFontsTexture();
     ImGui_ImplOpenGL3_CreateFontsTexture();
@@ -331,7 +331,7 @@ void Window::endFrame(Image<Rgba8>* photograph) {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
   gl_->viewport(0, 0, width, height);
-  gl_->clearColor(kFrameColor.x, kFrameColor.y, kFrameColor.z, 1.0f);
+  gl_->clearColor(palette().frame.x, palette().frame.y, palette().frame.z, 1.0f);
   gl_->clear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   if (photograph != nullptr && width > 0 && height > 0) {
