@@ -1,6 +1,6 @@
 // Rays through segments of another camera's pixels: random frames against brute force in double, every pixel's frustum against every ray; and eyes and rays
 // that are hard to tell apart.
-// Mirrors render/warp/segments/: segment_walk.h, segment_field.h, segment_field_build.h.
+// Mirrors render/warp/segments/: segment_walk.h, segment_field.h, segment_field_build.h, segment_look.h.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 
 #include "marcher_cases.h"
 #include "render/warp/segments/segment_field_build.h"
+#include "render/warp/segments/segment_look.h"
 #include "render/warp/segments/segment_walk.h"
 #include "segment_frames.h"
 
@@ -157,6 +158,41 @@ TEST(SegmentWalk, TheServersOwnViewIsTheFrames) {
         }
       }
   }
+}
+
+/// In figures: in the frame's own view how many segments its rays have, and where they are.
+TEST(SegmentWalk, LooksCountSegmentsAndTellWhereTheyAre) {
+  const Camera server = lookingFrom({3.0f, 4.0f, 30.0f}, {0.5f, 0.2f, 0.0f}, 40, 30, 0.45f);
+  const SampleFrame frame = randomFrame(server, 3);
+  const SegmentLook look = lookAtSegments(frame, server);
+  ASSERT_EQ(look.count.width(), 40u);
+  size_t at = 0, compared = 0;
+  for (size_t i = 0; i < frame.segments.rays.size(); ++i) {
+    const int count = frame.segments.rays[i].count();
+    int seen = 0;
+    double through = 1.0, weights = 0.0, depths = 0.0;
+    const Ray ray = makePixelGrid(server, depthRangeOf(server, kFrameBounds).nearDepth).ray(static_cast<uint32_t>(i % 40), static_cast<uint32_t>(i / 40)).ray;
+    const RayInterval inside = intersectBox(reciprocalOf(ray.origin, ray.direction), kFrameBounds, 0.0f, INFINITY);
+    bool isInside = !inside.isMiss();  // of segments that reach out of the bounds a part counts
+    for (int k = 0; k < count; ++k, ++at) {
+      const double opacity = segmentColor(ColorTables::instance(), frame.segments.colors[at]).a;
+      const SegmentDepths ends = frame.segments.depths[at];
+      const double perForward = 1.0 / static_cast<double>(glm::dot(ray.direction, server.forward));
+      const auto place = [&](uint32_t code) { return static_cast<double>(decodeDepth(code, frame.quantization.depthStep)) * perForward; };
+      isInside &= place(ends.begin) >= static_cast<double>(inside.tNear) && place(ends.end) <= static_cast<double>(inside.tFar);
+      if (opacity == 0.0 || through < 0.02) continue;
+      ++seen;
+      weights += through * opacity;
+      depths += through * opacity * (0.5 * (place(ends.begin) + place(ends.end)) + static_cast<double>(glm::length(ray.origin - server.eye)));
+      through *= 1.0 - opacity;
+    }
+    if (!isInside || through < 0.02) continue;
+    ++compared;
+    EXPECT_EQ(look.count[i], static_cast<float>(seen)) << i;
+    EXPECT_EQ(std::isnan(look.depth[i]), seen == 0) << i;
+    if (seen > 0) EXPECT_NEAR(static_cast<double>(look.depth[i]), depths / weights, 0.02) << i;
+  }
+  EXPECT_GT(compared, 300u);
 }
 
 /// Through corners and along edges of pixels, whichever pixel those are counted to: nothing is lost and nothing counts twice.

@@ -146,6 +146,10 @@ TEST_F(SessionErrorsTest, EveryContentIsShownOrSaysWhyNot) {
     if (content.value == PictureContent::picture) continue;
     for (size_t i = 0; i < session_.panelCount(); ++i) session_.setContent(i, content.value);
     ASSERT_TRUE(settle()) << content.name;
+    if (content.value == PictureContent::segments) {
+      EXPECT_THAT(session_.panel(1).shownContent.refusal, testing::HasSubstr("draws no segments"));
+      continue;
+    }
     ASSERT_TRUE(session_.panel(1).hasContentOnShow()) << content.name;
     const PanelContent& shown = session_.panel(1).shownContent;
     EXPECT_EQ(shown.hasRamp, !content.unit.empty()) << content.name;
@@ -159,6 +163,21 @@ TEST_F(SessionErrorsTest, EveryContentIsShownOrSaysWhyNot) {
   ASSERT_TRUE(settle());
   EXPECT_EQ(session_.panel(1).shownContent.high, 0.01f);
   EXPECT_NE(*session_.panel(1).shownContent.picture.host, pictures.front());  // in another range
+}
+
+TEST_F(SessionErrorsTest, PicturesOfSegmentsShowHowManyAndWhere) {
+  session_.setTechnique(1, findWarp("segments"));
+  ASSERT_TRUE(open("block"));
+  for (const PictureContent content : {PictureContent::segments, PictureContent::depth}) {
+    session_.setContent(1, content);
+    ASSERT_TRUE(settle());
+    ASSERT_TRUE(session_.panel(1).hasContentOnShow()) << session_.panel(1).shownContent.refusal;
+    EXPECT_GE(session_.panel(1).shownContent.high, 1.0f);
+  }
+  ASSERT_TRUE(session_.panel(1).currentPixels() != nullptr && session_.panel(1).currentPixels()->segments);
+  session_.setContent(1, PictureContent::radius);
+  ASSERT_TRUE(settle());
+  EXPECT_NE(session_.panel(1).shownContent.refusal, "");
 }
 
 TEST_F(SessionErrorsTest, WhatTheGroundTruthHasNoSamplesForIsRefused) {

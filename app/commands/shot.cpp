@@ -225,12 +225,15 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
   if (frame) logFrame(*frame);
   logDetail("drew " + std::to_string(work.width) + "x" + std::to_string(work.height) + " pixels with " + std::string(descriptor.name));
   progress->step("the file");
+  std::optional<SegmentLook> segments;
+  if (describe(content).usesSamples && descriptor.uses.segments && frame && !frame->segments.empty()) segments = lookAtSegments(*frame, camera, interrupt.token());
   const ContentInputs inputs{.image = image,
                              .camera = camera,
                              .background = work.scene.background,
                              .marks = work.marks,
                              .reference = hasReference ? &truth.color : nullptr,
-                             .frame = frame.get()};
+                             .frame = frame.get(),
+                             .segments = segments ? &*segments : nullptr};
   const nlohmann::json ray = options.ray.empty() ? nlohmann::json() : rayReport(options, work, asked, inputs, interrupt.token());
   const ShownContent shown = shownOf(image, content, format, inputs, options, work);
   if (!options.out.empty()) writeFileWhole(options.out, encode(shown.picture, format, interrupt.token()), interrupt.token());

@@ -17,7 +17,7 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<ContentDescriptor, 9> kContents{{
+constexpr std::array<ContentDescriptor, 10> kContents{{
     {"picture", PictureContent::picture, "Picture", "What the technique draws", false, false, "", {}},
     {"difference", PictureContent::difference, "Difference", "Where the picture is brighter (orange) or darker (blue) than the ground truth, as displayed", true, false, "1",
      0.5f},
@@ -25,8 +25,9 @@ constexpr std::array<ContentDescriptor, 9> kContents{{
     {"flip", PictureContent::flip, "FLIP", "How different from the ground truth people find each pixel (Andersson et al. 2020)", true, false, "1", 1.0f / kHeatGain},
     {"holes", PictureContent::holes, "Holes", "Pixels that nothing covers though the ground truth shows something there, and those that show a guess", true, false, "", {}},
     {"opacity", PictureContent::opacity, "Opacity", "From black, where the background shows through, to white", false, false, "1", 1.0f},
-    {"depth", PictureContent::depth, "Depth", "How far from the eye the samples are that pixels show", false, true, "volume units", {}},
+    {"depth", PictureContent::depth, "Depth", "How far from the eye the samples or the segments are that pixels show", false, true, "volume units", {}},
     {"radius", PictureContent::radius, "Radius", "How large the samples are that pixels show", false, true, "volume units", {}},
+    {"segments", PictureContent::segments, "Segments", "How many of the frame's segments a pixel's ray goes through", false, true, "segments", {}},
     {"age", PictureContent::age, "Age", "How many frames before the newest pixels are of, where a technique keeps some (--keep)", false, false, "frames", 7.0f},
 }};
 
@@ -85,7 +86,7 @@ ShownContent ramped(const Image<float>& values, float low, float high) {
 }
 
 /// `beginsAtZero`: the ramp does, where nobody says how far it goes.
-ShownContent rampedOverSamples(const Image<float>& values, std::optional<float> range, bool beginsAtZero) {
+ShownContent rampedOverExtent(const Image<float>& values, std::optional<float> range, bool beginsAtZero) {
   float low = std::numeric_limits<float>::infinity(), high = -low;
   for (size_t i = 0; i < values.size(); ++i)
     if (!std::isnan(values[i])) low = std::min(low, values[i]), high = std::max(high, values[i]);
@@ -145,15 +146,19 @@ ShownContent show(PictureContent content, const ContentInputs& inputs, std::opti
     case PictureContent::opacity:
       return {made<Rgba8>(color, [&](size_t i) { return opaque(glm::vec3(color[i].a / scale)); }), true, 0.0f, scale};
     case PictureContent::depth: {
+      if (inputs.segments != nullptr) return rampedOverExtent(inputs.segments->depth, range, false);
       const glm::vec3 eye = inputs.camera.eye;
-      return rampedOverSamples(ofSamples(inputs, [&](const Sphere& sphere) { return glm::length(sphere.center - eye); }), range, false);
+      return rampedOverExtent(ofSamples(inputs, [&](const Sphere& sphere) { return glm::length(sphere.center - eye); }), range, false);
     }
     case PictureContent::age:
       return ramped(made<float>(inputs.image.samples, [&](size_t i) {
                       const uint32_t id = inputs.image.samples[i];
                       return id == kNoSample || id == kFilled ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(framesBack(id));
                     }), 0.0f, scale);
-    case PictureContent::radius: return rampedOverSamples(ofSamples(inputs, [](const Sphere& sphere) { return sphere.radius; }), range, true);
+    case PictureContent::segments:
+      if (inputs.segments == nullptr) throw InputError("the technique draws no segments");
+      return rampedOverExtent(inputs.segments->count, range, true);
+    case PictureContent::radius: return rampedOverExtent(ofSamples(inputs, [](const Sphere& sphere) { return sphere.radius; }), range, true);
   }
   throw std::logic_error("a picture's content is none");
 }

@@ -9,11 +9,12 @@
 #include "render/core/color.h"
 #include "render/core/image.h"
 #include "render/march/sample_frame.h"
+#include "render/warp/segments/segment_look.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
 
-enum class PictureContent { picture, difference, absoluteDifference, flip, holes, opacity, depth, radius, age };
+enum class PictureContent { picture, difference, absoluteDifference, flip, holes, opacity, depth, radius, segments, age };
 
 /// One row of pictureContents().
 struct ContentDescriptor {
@@ -39,6 +40,7 @@ struct ContentInputs {
   const Image<glm::vec4>* reference = nullptr;  ///< linear and premultiplied, as large as the image; where the content uses it
   const SampleFrame* frame = nullptr;  ///< that the image's samples are of; where the content uses it
   const Image<float>* flip = nullptr;  ///< FLIP of each pixel, if that was found already
+  const SegmentLook* segments = nullptr;  ///< where the image is drawn of the frame's segments: contents of samples are of those then
 };
 
 /// A content as a screen shows it.

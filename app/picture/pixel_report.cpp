@@ -2,6 +2,8 @@
 // See pixel_report.h.
 #include "app/picture/pixel_report.h"
 
+#include <cmath>
+
 #include "app/picture/picture.h"
 #include "render/base/error.h"
 #include "render/base/formatted.h"
@@ -66,6 +68,11 @@ PixelReport pixelReport(const ContentInputs& inputs, const glm::uvec2& place) {
   report.kind = kindOf(sample, inputs, report.color.a, report.truth);
   report.framesBack = framesBack(sample);
   if (report.kind == PixelKind::sample) report.server = serverPixelOf(inputs, sample);
+  const SegmentLook* look = inputs.segments;
+  if (look != nullptr && look->count.width() == image.color.width() && look->count.height() == image.color.height()) {
+    report.segments = look->count(place.x, place.y);
+    if (const float depth = look->depth(place.x, place.y); std::isfinite(depth)) report.segmentDepth = depth;
+  }
   return report;
 }
 
@@ -81,6 +88,8 @@ std::vector<std::pair<std::string, std::string>> linesOf(const PixelReport& repo
     lines.emplace_back("radius", formatted("%.3g", report.server->radius));
     lines.emplace_back("server's pixel", placeText(report.server->place));
   }
+  if (report.segments) lines.emplace_back("segments", formatted("%.0f", *report.segments));
+  if (report.segmentDepth) lines.emplace_back("their depth", formatted("%.4g", *report.segmentDepth));
   if (report.truth) {
     lines.emplace_back("truth", codesText(*report.truthShown));
     lines.emplace_back("its opacity", formatted("%.3f", report.truth->a));

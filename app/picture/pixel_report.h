@@ -35,6 +35,8 @@ struct PixelReport {
   Rgba8 shown = 0;                        ///< over the background, as a screen shows it, without marks
   std::optional<ServerPixel> server;      ///< where it shows a sample
   uint32_t framesBack = 0;                ///< for PixelKind::earlierFrame
+  std::optional<float> segments;          ///< how many its ray goes through, where the picture is drawn of them
+  std::optional<float> segmentDepth;      ///< in the mean, from the eye, volume units; where there are any
   std::optional<glm::vec4> truth;         ///< linear, premultiplied
   std::optional<Rgba8> truthShown;        ///< as `shown`
   std::optional<float> flip;              ///< of this pixel

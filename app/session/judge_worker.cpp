@@ -63,10 +63,15 @@ class PictureOfFrame {
 };
 
 /// What is known of the pixels of the job's picture.
-std::shared_ptr<const PanelPixels> pixelsOf(const WarpResult& drawn, Image<float> flip) {
-  const bool isShown = drawn.job.reference->job().camera == drawn.job.camera;
-  return std::make_shared<const PanelPixels>(PanelPixels{isShown ? drawn.picture : ShownPicture{}, drawn.judged, drawn.job.reference, drawn.job.frame,
-                                                         drawn.job.background, drawn.job.marks, std::move(flip)});
+std::shared_ptr<const PanelPixels> pixelsOf(const WarpResult& drawn, Image<float> flip, const std::stop_token& stop) {
+  const WarpJob& job = drawn.job;
+  const Camera& camera = job.reference->job().camera;
+  const bool isShown = camera == job.camera;
+  PanelPixels pixels{isShown ? drawn.picture : ShownPicture{}, drawn.judged, job.reference, job.frame, job.background, job.marks, std::move(flip), std::nullopt};
+  const bool isOfSegments = job.technique->uses.segments && drawn.plan.way() == PictureWay::technique && job.frame && !job.frame->segments.empty();
+  // Of a view that passes nobody looks at pixels.
+  if (isOfSegments && isShown) pixels.segments = lookAtSegments(*job.frame, camera, stop);
+  return std::make_shared<const PanelPixels>(std::move(pixels));
 }
 
 /// What the job's content is of its picture.
@@ -108,11 +113,11 @@ JudgeFunction makeJudge() {
 std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult) {
   return std::make_unique<JudgeWorker>(
       [maker = std::move(maker)]() -> JudgeWorker::Work {
-        return [judge = maker(), picture = PictureOfFrame{}](const JudgeJob& job, Judgement& judgement, const std::stop_token&) mutable {
+        return [judge = maker(), picture = PictureOfFrame{}](const JudgeJob& job, Judgement& judgement, const std::stop_token& stop) mutable {
           judgement.job = job;
           Image<float> map;
           judgement.errors = judge(job.drawn.job.reference, *job.drawn.judged, map);
-          judgement.pixels = pixelsOf(job.drawn, std::move(map));
+          judgement.pixels = pixelsOf(job.drawn, std::move(map), stop);
           judgement.content = contentOf(job, *judgement.pixels);
           if (drawsPictureAlone(*job.drawn.job.technique) && job.configuration)
             judgement.pictureBytes = picture.bytes(job.drawn.job.frame, job.drawn.job.background, job.configuration->codec);

@@ -30,6 +30,7 @@ struct PanelPixels {
   glm::vec3 background{0.0f};
   PixelMarks marks;
   Image<float> flip;
+  std::optional<SegmentLook> segments;  ///< where the picture is drawn of them
 
   /// The pixel at a place in shares of the picture's width and height from its upper left corner.
   glm::uvec2 at(const glm::dvec2& place) const {
@@ -43,7 +44,8 @@ struct PanelPixels {
             .marks = marks,
             .reference = &reference->color(),
             .frame = frame.get(),
-            .flip = &flip};
+            .flip = &flip,
+            .segments = segments ? &*segments : nullptr};
   }
 };
 

@@ -203,8 +203,9 @@ enum class AtUnknown { stop, stopBehind, goOn };
 /// place of which nothing is known (AtUnknown::stop), or where that ends (stopBehind). `piece`: what of the line ends there and is not known, for stopBehind. Another
 /// walk from `place` gives the same bits as one that goes on: rays of a device leave their walks to fill such pieces, all together, rather than each in the midst of its own.
 /// `kIsLinear`: between the centres of pixels what they have is blended, of those that know; else each pixel's is the same all over its frustum.
-template <bool kIsLinear, AtUnknown kAtUnknown>
-[[gnu::flatten]] WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, WalkedRay& walked, UnknownPiece& piece) {
+/// `Walked`: a WalkedRay, or one that besides is told by meet(segment, distance along the ray, opacity) which segments it meets, where what is between is not blended.
+template <bool kIsLinear, AtUnknown kAtUnknown, class Walked>
+[[gnu::flatten]] WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, Walked& walked, UnknownPiece& piece) {
   constexpr float kNowhere = 2.0f;
   float unknownFrom = kNowhere;  // s; kNowhere: what came last was known
 
@@ -340,6 +341,7 @@ template <bool kIsLinear, AtUnknown kAtUnknown>
         if (endsUnknown()) return false;
         if (extinction > 0.0f) {
           const float opacity = opacityOf(extinction * (spaceBy * share) / (known * (line.divisorAt(s) * line.divisorAt(to))));
+          if constexpr (requires { walked.meet(0u, 0.0f, 0.0f); }) walked.meet(states[0].active, 0.5f * (line.tAt(s) + line.tAt(to)), opacity);
           walked.pass(emission * (opacity / extinction), opacity);
         }
       }
@@ -414,15 +416,19 @@ template <bool kIsLinear, class Fill>
 WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, Fill&& fill) {
   return tNear < tFar ? walkRest<kIsLinear>(field, ray, tNear, tFar, stopBelow, {}, fill) : WalkedRay{};
 }
-/// As if there were nothing where nothing is known.
-template <bool kIsLinear>
-WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow) {
-  WalkedRay walked;
-  if (!(tNear < tFar)) return walked;
+/// As if there were nothing where nothing is known; `walked` as it begins.
+template <bool kIsLinear, class Walked>
+WARPSCOPE_HD inline void walkThrough(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow, Walked& walked) {
+  if (!(tNear < tFar)) return;
   const FieldLine line = makeFieldLine(field, ray, tNear, tFar, kIsLinear ? 0.5f : 0.0f);
   WalkPlace place = beginOfWalk<kIsLinear>(field, line);
   UnknownPiece none;
   if (line.t0 < line.t1) walkOn<kIsLinear, AtUnknown::goOn>(field, line, stopBelow, place, walked, none);
+}
+template <bool kIsLinear>
+WARPSCOPE_HD inline WalkedRay walkSegments(const SegmentField& field, const Ray& ray, float tNear, float tFar, float stopBelow) {
+  WalkedRay walked;
+  walkThrough<kIsLinear>(field, ray, tNear, tFar, stopBelow, walked);
   return walked;
 }
 
