@@ -165,6 +165,30 @@ TEST_F(SessionErrorsTest, EveryContentIsShownOrSaysWhyNot) {
   EXPECT_NE(*session_.panel(1).shownContent.picture.host, pictures.front());  // in another range
 }
 
+TEST_F(SessionErrorsTest, WhileTheCameraMovesTheyAreThoseOfSomePixels) {
+  ASSERT_TRUE(open("block"));
+  const double atRest = session_.panel(1).errors->flip;
+  EXPECT_FALSE(session_.panel(1).movingErrors);
+  session_.setMotion(CameraMotion::orbit, 0.05);
+  for (const size_t i : {size_t{0}, size_t{1}}) {
+    ASSERT_TRUE(pumpUntil([&] { return session_.panel(i).movingErrors.has_value(); })) << i;
+    EXPECT_FALSE(session_.panel(i).errorsAreCurrent);
+    EXPECT_TRUE(session_.panel(i).history.steps(clock_.now()).back().isSparse);
+  }
+  EXPECT_NEAR(session_.panel(1).movingErrors->flip, atRest, 0.03);
+  session_.setMotion(CameraMotion::none);
+  ASSERT_TRUE(settle());
+  EXPECT_FALSE(session_.panel(1).movingErrors) << "there is better";
+  EXPECT_FALSE(session_.panel(1).history.steps(clock_.now()).back().isSparse);
+  faults_->render = true;
+  session_.setMotion(CameraMotion::orbit, 0.05);
+  for (int i = 0; i < 100; ++i) {
+    session_.update(clock_.now());
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  EXPECT_FALSE(session_.panel(1).movingErrors) << "no longer than they hold, and none where they cannot be had";
+}
+
 TEST_F(SessionErrorsTest, PicturesOfSegmentsShowHowManyAndWhere) {
   session_.setTechnique(1, findWarp("segments"));
   ASSERT_TRUE(open("block"));

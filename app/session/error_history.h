@@ -21,14 +21,15 @@ class ErrorHistory {
     double beginS = 0.0;
     double endS = 0.0;
     double value = 0.0;
+    bool isSparse = false;  ///< of few pixels of a picture that moved
   };
 
   /// `now` never goes back.
-  void add(Clock::TimePoint now, double value) { put({now, value}); }
+  void add(Clock::TimePoint now, double value, bool isSparse = false) { put({now, value, isSparse}); }
 
   /// What was added last is no longer true.
   void interrupt(Clock::TimePoint now) {
-    if (count_ > 0 && last().value) put({now, std::nullopt});
+    if (count_ > 0 && last().value) put({now, std::nullopt, false});
   }
 
   /// Of the last kSpan, the oldest first.
@@ -39,7 +40,7 @@ class ErrorHistory {
     for (size_t i = count_ - std::min(count_, kMost); i < count_; ++i) {
       const Entry& entry = entries_[i % kMost];
       const double end = i + 1 < count_ ? secondsAgo(entries_[(i + 1) % kMost].time) : 0.0;
-      if (entry.value && end < span) steps.push_back({std::min(secondsAgo(entry.time), span), end, *entry.value});
+      if (entry.value && end < span) steps.push_back({std::min(secondsAgo(entry.time), span), end, *entry.value, entry.isSparse});
     }
     return steps;
   }
@@ -48,6 +49,7 @@ class ErrorHistory {
   struct Entry {
     Clock::TimePoint time{};
     std::optional<double> value;  ///< nothing: unknown from then on
+    bool isSparse = false;
   };
 
   const Entry& last() const { return entries_[(count_ - 1) % kMost]; }

@@ -48,6 +48,7 @@ bool LivePanel::setTechnique(const WarpDescriptor& technique) {
   if (shown_.technique == &technique) return false;
   shown_.technique = &technique;
   shown_.errorsAreCurrent = false;
+  shown_.movingErrors.reset();
   warp_->cancel();  // its picture would not be shown long
   job_ = {};
   return true;
@@ -119,6 +120,13 @@ bool LivePanel::areCurrent(const Judged& judged, const LiveGroundTruth& truth, T
   return truth.followsCamera() && differOnlyInPlace(drawn.reference->job(), truth.wanted()) && now - judged.at < kLiveErrors;
 }
 
+void LivePanel::note(const MovingErrors::Found& found, TimePoint now) {
+  if (found.technique != shown_.technique || shown_.errorsAreCurrent) return;
+  shown_.movingErrors = found.errors;
+  movingErrorsAt_ = now;
+  shown_.history.add(now, found.errors.flip, true);
+}
+
 LivePanel::ErrorNews LivePanel::takeErrors(const LiveGroundTruth& truth, TimePoint now) {
   ErrorNews news;
   const bool wereCurrent = shown_.errorsAreCurrent;
@@ -144,6 +152,11 @@ LivePanel::ErrorNews LivePanel::takeErrors(const LiveGroundTruth& truth, TimePoi
   }
   shown_.errorsAreCurrent = judged_ && areCurrent(*judged_, truth, now);
   if (wereCurrent && !shown_.errorsAreCurrent) shown_.history.interrupt(now);
+  if (shown_.movingErrors && (shown_.errorsAreCurrent || now - movingErrorsAt_ >= kLiveErrors)) {
+    shown_.movingErrors.reset();
+    if (!shown_.errorsAreCurrent) shown_.history.interrupt(now);
+    news.happened = true;
+  }
   news.happened |= wereCurrent != shown_.errorsAreCurrent;
   return news;
 }

@@ -10,6 +10,7 @@
 #include "app/session/judge_worker.h"
 #include "app/session/live_ground_truth.h"
 #include "app/session/live_view.h"
+#include "app/session/moving_errors.h"
 #include "app/session/panel.h"
 #include "app/session/technique_choice.h"
 #include "app/session/warp_worker.h"
@@ -73,6 +74,8 @@ class LivePanel {
     std::optional<NewErrors> found;  ///< those whose configuration is known
     std::string error;               ///< why they could not be found
   };
+  /// What was found of a picture that moved.
+  void note(const MovingErrors::Found& found, TimePoint now);
   ErrorNews takeErrors(const LiveGroundTruth& truth, TimePoint now);
 
   /// Whether the panel shows that request's frame, or may come to.
@@ -108,6 +111,7 @@ class LivePanel {
   bool isDrawing_ = false;        // that job is not answered yet
   uint64_t drawnId_ = 0;          // of the frame that was drawn last, or that could not be drawn
   std::optional<Judged> judged_;  // what the panel's errors are of
+  TimePoint movingErrorsAt_{};
   std::optional<JudgeJob> posted_;  // to the judge, last
   ShownPicture timed_;            // that was timed last
   std::unique_ptr<WarpWorker> warp_;

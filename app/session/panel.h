@@ -59,6 +59,7 @@ struct Panel : PanelSettings {
   /// They are those of the picture that is shown or, where the ground truth follows the moving camera (LiveGroundTruth::followsCamera), of one shown
   /// less than kLiveErrors ago by the same technique, or instead of it by the same shortcut.
   bool errorsAreCurrent = false;
+  std::optional<PictureErrors> movingErrors;  ///< of few pixels of a picture that was on show less than kLiveErrors ago (moving_errors.h), where `errors` are not current
   std::shared_ptr<const PanelPixels> pixels;  ///< of the picture that was judged last; null before
   PanelContent shownContent;            ///< found as `errors` are, and true as long
   ErrorHistory history;                 ///< of FLIP

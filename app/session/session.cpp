@@ -32,7 +32,8 @@ Session::Session(const SessionSettings& settings, const std::function<void()>& o
       truth_(onNews),
       plan_(onNews),
       ray_(onNews),
-      fair_(settings.platform, settings.resources, onNews) {
+      fair_(settings.platform, settings.resources, onNews),
+      moving_(onNews) {
   setKnobs(settings.knobs);
   for (const PanelSettings& panel : settings.panels) panels_.push_back(makePanel(panel));
 }
@@ -132,6 +133,7 @@ bool Session::update(TimePoint now) {
     if (panel(i).isAutomatic) happened |= chooseTechnique(i);
     happened |= postJob(i);
   }
+  happened |= followMoving(now);
   if (const SampleFramePtr& frame = frames_.newest()) happened |= plan_.follow(opening_.current()->display, *frame);
   happened |= plan_.take();
   happened |= followRay();
@@ -260,6 +262,7 @@ bool Session::takeScene() {
   plan_.clear();
   ray_.clear();
   fair_.clear();
+  moving_.clear();
   const SceneArrangement arranged = opening_.current()->arrangement;
   for (size_t i = 0; i < panels_.size(); ++i) {
     panels_[i].clear();
@@ -284,12 +287,30 @@ bool Session::takePicture(LivePanel& panel, size_t index) {
     takeTime(index, *result);
     return true;
   }
+  seeMoving(panel, *result);
   const auto arrival = frames_.arrivalOf(result->requestId());
   auto configuration = configurationOf(*result);
   const std::optional<WantedFrame> asked = frames_.askedBy(result->requestId());
   std::string leftOut = result->job.frame && asked ? coarseningText(asked->march, result->job.frame->settings) : "";
   panel.show(std::move(*result), arrival, std::move(configuration), std::move(leftOut));
   return true;
+}
+
+void Session::seeMoving(const LivePanel& panel, const WarpResult& result) {
+  const MarcherCapabilities marcher = opening_.current()->display->capabilities();
+  const uint64_t id = panel.shown().id;
+  if (!result.sparse || marcher.pace == MarchPace::followsCamera || marcher.volume != VolumePlace::here)
+    moving_.forget(id);  // that of a server elsewhere has other things to do
+  else
+    moving_.see({id, result.job.technique, result.job.camera, result.sparse});
+}
+
+bool Session::followMoving(TimePoint now) {
+  const std::vector<MovingErrors::Found> found = moving_.take(now);
+  for (const MovingErrors::Found& one : found)
+    if (const std::optional<size_t> place = placeOf(one.panel)) panels_[*place].note(one, now);
+  moving_.follow(truthFrom(view_), now);
+  return !found.empty();
 }
 
 void Session::takeTime(size_t index, const WarpResult& result) {
@@ -323,7 +344,7 @@ std::optional<Configuration> Session::configurationOf(const WarpResult& result) 
 bool Session::isAtRest() const {
   const bool isPlaybackAtRest = !playback_.isOpen() || playback_.isAtRest();
   const bool isServerAtRest = isPlaybackAtRest && !frames_.isUnderWay() && !frames_.isToBeRefined() && (frames_.isWhatIsWanted() || knobs_.isFrozen);
-  if (!loading().empty() || !isServerAtRest || !truth_.isAsked() || fair_.isMeasuring()) return false;
+  if (!loading().empty() || !isServerAtRest || !truth_.isAsked() || fair_.isMeasuring() || moving_.isAtWork()) return false;
   return std::all_of(panels_.begin(), panels_.end(), [this](const LivePanel& panel) {
     const bool isAsked = panel.ownCamera() == nullptr || panel.shown().isHidden || panel.ownCamera()->truth.isAsked();
     return isAsked && panel.isAtRest(truthOf(panel));
@@ -338,11 +359,13 @@ bool Session::close(std::chrono::milliseconds patience) {
   plan_.requestStop();
   ray_.requestStop();
   fair_.requestStop();
+  moving_.requestStop();
   for (LivePanel& panel : panels_) panel.requestStop();
   const auto hasEnded = [&](const LivePanel& panel) { return panel.waitForEnd(deadline); };
   for (const std::future<void>& one : endedRecordings_)
     if (one.wait_until(deadline) != std::future_status::ready) return false;
   return opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) && plan_.waitForEnd(deadline) && ray_.waitForEnd(deadline) && fair_.waitForEnd(deadline) &&
+         moving_.waitForEnd(deadline) &&
          std::all_of(panels_.begin(), panels_.end(), hasEnded) && std::all_of(removed_.begin(), removed_.end(), hasEnded);
 }
 

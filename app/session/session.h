@@ -1,6 +1,6 @@
 // Everything that the window shows, without the window: the scene, the camera, the knobs, the panels, and the threads that serve them.
 // The window reads the state and returns edits; update() hands work to the threads and collects what they made. What is done lies in the parts:
-// scene_opening, live_view, frame_requests, live_ground_truth, live_panel, live_plan, live_playback, live_ray, picture_timing.
+// scene_opening, live_view, frame_requests, live_ground_truth, live_panel, live_plan, live_playback, live_ray, moving_errors, picture_timing.
 #pragma once
 
 #include <chrono>
@@ -23,6 +23,7 @@
 #include "app/session/live_playback.h"
 #include "app/session/live_ray.h"
 #include "app/session/live_view.h"
+#include "app/session/moving_errors.h"
 #include "app/session/picture_timing.h"
 #include "app/session/scene_opening.h"
 
@@ -207,6 +208,8 @@ class Session {
   bool followRay();
   void record(TimePoint now);
   bool takePicture(LivePanel& panel, size_t index);
+  void seeMoving(const LivePanel& panel, const WarpResult& result);
+  bool followMoving(TimePoint now);
   bool takeErrors(LivePanel& panel, TimePoint now);
   bool postJob(size_t index);
   /// Of the technique that a panel shows.
@@ -236,6 +239,7 @@ class Session {
   bool showsPlan_ = false;
   LiveRay ray_;
   FairMeasuring fair_;
+  MovingErrors moving_;
   std::optional<LookedAt> lookedAt_;
   std::vector<LivePanel> panels_;
   std::vector<LivePanel> removed_;  // whose threads have not ended yet

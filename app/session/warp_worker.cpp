@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "app/picture/picture.h"
+#include "app/session/moving_errors.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
 #include "render/base/recent_need.h"
@@ -54,6 +55,8 @@ class Easel {
     result.drawMs = drawMs_;
     result.finishedAt = std::chrono::steady_clock::now();
     if (result.plan.has(PictureStage::judge)) result.judged = imageToJudge(job, stop);
+    if (!result.judged && isInHostMemory_)
+      result.sparse = std::make_shared<const WarpedImage>(sparseImage(*image_, sparsePixels({job.camera.width, job.camera.height}, MovingErrors::kPixels)));
     state_.reference = job.reference;
     result.counts = counts_;
   }

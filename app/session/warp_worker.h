@@ -39,6 +39,8 @@ struct WarpResult {
   /// What to judge: the frame as the reference's camera sees it. Null without a reference, and where that one's camera is an earlier one that was
   /// drawn already.
   std::shared_ptr<const WarpedImage> judged;
+  /// Where there is nothing to judge, of what was drawn for the screen in host memory: its sparsePixels(), MovingErrors::kPixels. Else null.
+  std::shared_ptr<const WarpedImage> sparse;
   std::optional<MeasuredPicture> timed;  ///< of a job that was to be timed; nothing if its picture was not the last that was drawn
   std::string error;
 

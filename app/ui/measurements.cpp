@@ -29,14 +29,18 @@ Measurements measurementsOf(const Session& session, size_t index, Session::TimeP
   const std::optional<double> age = session.ageMs(index, now);
   const std::string none = "–";
   std::string flip = none, psnr = none, holes = none;
-  if (panel.errors) {
-    flip = formatted("%.4f", panel.errors->flip);
-    psnr = std::isfinite(panel.errors->psnrDb) ? formatted("%.1f dB", panel.errors->psnrDb) : "equal";
-    holes = formatted(panel.errors->holeFraction < 0.0995 ? "%.2f" : "%.1f", 100.0 * panel.errors->holeFraction);
-    if (panel.errors->filledFraction > 0.0) holes += formatted("+%.0f", 100.0 * panel.errors->filledFraction);
+  // While it moves what is found of some pixels, as "about".
+  const bool isMoving = !panel.errorsAreCurrent && panel.movingErrors;
+  const std::optional<PictureErrors>& errors = isMoving ? panel.movingErrors : panel.errors;
+  if (errors) {
+    const std::string about = isMoving ? "~" : "";
+    flip = about + formatted(isMoving ? "%.3f" : "%.4f", errors->flip);
+    psnr = std::isfinite(errors->psnrDb) ? about + formatted(isMoving ? "%.0f dB" : "%.1f dB", errors->psnrDb) : "equal";
+    holes = about + formatted(isMoving ? "%.0f" : errors->holeFraction < 0.0995 ? "%.2f" : "%.1f", 100.0 * errors->holeFraction);
+    if (errors->filledFraction > 0.0) holes += formatted("+%.0f", 100.0 * errors->filledFraction);
     holes += " %";
   }
-  const bool isCurrent = panel.errorsAreCurrent;
+  const bool isCurrent = panel.errorsAreCurrent || isMoving;
   return {{
       {"build", usesFrame ? durationText(panel.buildMs) : none, true,
        "Time to derive from a frame what drawing needs (a hierarchy, a vertex buffer), once for each frame."},
@@ -50,7 +54,7 @@ Measurements measurementsOf(const Session& session, size_t index, Session::TimeP
       {"copy", panel.proxyBytes > 0 ? bytesText(panel.proxyBytes) : none, true, "Bytes of the coarse copy of the volume that the technique draws, sent once."},
       {"FLIP", flip, isCurrent,
        "Mean difference from the ground truth as an eye sees it, 0 to 1; 0 is none. Found when the camera rests (where a CUDA device marches: "
-       "all the time); grey while it is an earlier camera's."},
+       "all the time). While it moves ~: of every n-th pixel of what was on show, a few times a second. Grey while it is an earlier camera's."},
       {"PSNR", psnr, isCurrent, "Peak signal to noise ratio against the ground truth, of values as they are displayed. More is better."},
       {"holes", holes, isCurrent, "Pixels that no sample covers although the ground truth shows something there; behind the plus those that show a guess there."},
   }};
@@ -99,7 +103,7 @@ void drawHistory(const Panel& panel, const ImVec2& at, float width, const Look& 
   for (size_t i = 0; i < steps.size(); ++i) {
     const ErrorHistory::Step& step = steps[i];
     const ImVec2 begin = place(step.beginS, step.value), end = place(step.endS, step.value);
-    list->AddLine(begin, {std::max(end.x, begin.x + thickness), end.y}, color, thickness);
+    list->AddLine(begin, {std::max(end.x, begin.x + thickness), end.y}, step.isSparse ? ImGui::GetColorU32(palette().faintText) : color, thickness);
     if (i > 0 && steps[i - 1].endS == step.beginS) list->AddLine(place(step.beginS, steps[i - 1].value), begin, color, thickness);
   }
 }
@@ -138,7 +142,7 @@ void drawMeasurements(const Session& session, size_t index, MeasurementSpace spa
   ImGui::SetCursorScreenPos({origin.x, origin.y + figuresHeight(width, space, look) + ImGui::GetStyle().ItemSpacing.y});
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::InvisibleButton("history", {width, look.px(kHistoryPx)});
-  tooltip("FLIP over the last ten seconds, now at the right; gaps are times in which it was not known.", look);
+  tooltip("FLIP over the last ten seconds, now at the right; gaps are times in which it was not known. Grey: while the camera moved, of some pixels.", look);
   drawHistory(session.panel(index), at, width, look);
 }
 
