@@ -110,10 +110,11 @@ JudgeFunction makeJudge() {
   };
 }
 
-std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult) {
+std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult, std::shared_ptr<Crew> crew) {
   return std::make_unique<JudgeWorker>(
-      [maker = std::move(maker)]() -> JudgeWorker::Work {
-        return [judge = maker(), picture = PictureOfFrame{}](const JudgeJob& job, Judgement& judgement, const std::stop_token& stop) mutable {
+      [maker = std::move(maker), crew = std::move(crew)]() -> JudgeWorker::Work {
+        return [judge = maker(), picture = PictureOfFrame{}, crew](const JudgeJob& job, Judgement& judgement, const std::stop_token& stop) mutable {
+          const Crew::Shift shift(crew.get());
           judgement.job = job;
           Image<float> map;
           judgement.errors = judge(job.drawn.job.reference, *job.drawn.judged, map);

@@ -40,6 +40,7 @@ using JudgeMaker = std::function<JudgeFunction()>;
 /// Judges on the CUDA device where the ground truth was marched on one, until the device fails; else on the CPU.
 JudgeFunction makeJudge();
 
-std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult);
+/// `crew`: that its loops run on; null: on all cores, as ever.
+std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult, std::shared_ptr<Crew> crew = nullptr);
 
 }  // namespace warpscope

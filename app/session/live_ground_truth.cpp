@@ -21,7 +21,8 @@ bool differOnlyInPlace(const ReferenceJob& a, const ReferenceJob& b) {
   return moved == b && a.camera.width == b.camera.width && a.camera.height == b.camera.height;
 }
 
-LiveGroundTruth::LiveGroundTruth(std::function<void()> onNews) : worker_(makeReferenceWorker(std::move(onNews))) {}
+LiveGroundTruth::LiveGroundTruth(std::function<void()> onNews, std::shared_ptr<Crew> crew)
+    : worker_(makeReferenceWorker(std::move(onNews), std::move(crew))) {}
 
 void LiveGroundTruth::clear() {
   worker_->cancel();

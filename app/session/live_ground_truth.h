@@ -17,8 +17,8 @@ class LiveGroundTruth {
  public:
   using TimePoint = Clock::TimePoint;
 
-  /// `onNews` is called on another thread after each result.
-  explicit LiveGroundTruth(std::function<void()> onNews);
+  /// `onNews` is called on another thread after each result. `crew`: as makeReferenceWorker().
+  explicit LiveGroundTruth(std::function<void()> onNews, std::shared_ptr<Crew> crew = nullptr);
 
   /// Forgets all; what is at work ends.
   void clear();

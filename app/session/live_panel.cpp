@@ -16,8 +16,8 @@ LivePanel::LivePanel(uint64_t id, const PanelSettings& settings, std::unique_ptr
   shown_.id = id;
 }
 
-void LivePanel::giveCamera(const View& view, const std::function<void()>& onNews) {
-  if (!ownCamera_) ownCamera_ = std::make_unique<OwnCamera>(OwnCamera{{}, LiveGroundTruth(onNews)});
+void LivePanel::giveCamera(const View& view, const std::function<void()>& onNews, const std::shared_ptr<Crew>& crew) {
+  if (!ownCamera_) ownCamera_ = std::make_unique<OwnCamera>(OwnCamera{{}, LiveGroundTruth(onNews, crew)});
   ownCamera_->view.begin(view);
   hasOwnCamera_ = true;
 }

@@ -43,7 +43,7 @@ class LivePanel {
     LiveView view;
     LiveGroundTruth truth;
   };
-  void giveCamera(const View& view, const std::function<void()>& onNews);
+  void giveCamera(const View& view, const std::function<void()>& onNews, const std::shared_ptr<Crew>& crew);
   /// The panel follows the others' again.
   void takeCamera();
   /// Null while the panel has none.

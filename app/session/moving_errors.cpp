@@ -16,10 +16,11 @@ struct SparseTruth {
 
 }  // namespace
 
-MovingErrors::MovingErrors(std::function<void()> onNews)
+MovingErrors::MovingErrors(std::function<void()> onNews, std::shared_ptr<Crew> crew)
     : worker_(std::make_unique<NewestWorker<Job, Result>>(
-          []() -> NewestWorker<Job, Result>::Work {
-            return [](const Job& job, Result& result, const std::stop_token& stop) {
+          [crew = std::move(crew)]() -> NewestWorker<Job, Result>::Work {
+            return [crew](const Job& job, Result& result, const std::stop_token& stop) {
+              const Crew::Shift shift(crew.get());
               // Panels that follow one camera share a ground truth.
               std::vector<SparseTruth> truths;
               for (const Seen& seen : job.seen) {

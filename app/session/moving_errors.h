@@ -12,6 +12,7 @@
 #include "app/session/warp_job.h"
 #include "render/base/clock.h"
 #include "render/base/newest_worker.h"
+#include "render/core/crew.h"
 
 namespace warpscope {
 
@@ -23,8 +24,8 @@ class MovingErrors {
   /// From the end of one finding to the beginning of the next.
   static constexpr std::chrono::milliseconds kPause{250};
 
-  /// `onNews` is called on another thread after each result.
-  explicit MovingErrors(std::function<void()> onNews);
+  /// `onNews` is called on another thread after each result. `crew`: that its loops run on.
+  MovingErrors(std::function<void()> onNews, std::shared_ptr<Crew> crew);
 
   /// A picture that was on show.
   struct Seen {

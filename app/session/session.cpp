@@ -29,11 +29,11 @@ Session::Session(const SessionSettings& settings, const std::function<void()>& o
       makeJudge_(settings.makeJudge),
       onNews_(onNews),
       opening_(onNews),
-      truth_(onNews),
+      truth_(onNews, marchCrew_),
       plan_(onNews),
       ray_(onNews),
       fair_(settings.platform, settings.resources, onNews),
-      moving_(onNews) {
+      moving_(onNews, marchCrew_) {
   setKnobs(settings.knobs);
   for (const PanelSettings& panel : settings.panels) panels_.push_back(makePanel(panel));
 }

@@ -190,6 +190,9 @@ class Session {
   std::optional<double> ageMs(size_t panel, TimePoint now) const;
 
  private:
+  /// What is drawn for the window goes after the window itself, and what is marched after that. Null where there are cores for all of it.
+  static std::shared_ptr<Crew> makeCrew(int nice);
+
   const LiveView& viewOf(const LivePanel& panel) const { return panel.ownCamera() != nullptr ? panel.ownCamera()->view : view_; }
   const LiveGroundTruth& truthOf(const LivePanel& panel) const { return panel.ownCamera() != nullptr ? panel.ownCamera()->truth : truth_; }
   /// The user's, with an outage while there is one.
@@ -229,6 +232,7 @@ class Session {
   const WarpResources resources_;
   const JudgeMaker makeJudge_;
   const std::function<void()> onNews_;
+  const std::shared_ptr<Crew> marchCrew_ = makeCrew(Crew::kOfPictures + Crew::kOfMarches);  // of what is marched here to be compared with
   LiveSettings knobs_;
   LiveView view_;
   glm::uvec2 areaPx_{0};  // of each panel's picture

@@ -1,6 +1,7 @@
 // Panels: which there are, what each shows, and the jobs that draw them.
 // See session.h.
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "app/experiment/auto_choice.h"
@@ -8,8 +9,13 @@
 
 namespace warpscope {
 
+std::shared_ptr<Crew> Session::makeCrew(int nice) {
+  constexpr unsigned int kFewCores = 8;
+  return std::thread::hardware_concurrency() <= kFewCores ? std::make_shared<Crew>(0, nice) : nullptr;
+}
+
 LivePanel Session::makePanel(const PanelSettings& settings) {
-  return {++lastPanelId_, settings, makeWarpWorker(platform_, resources_, onNews_), makeJudgeWorker(makeJudge_, onNews_)};
+  return {++lastPanelId_, settings, makeWarpWorker(platform_, resources_, onNews_, makeCrew(Crew::kOfPictures)), makeJudgeWorker(makeJudge_, onNews_, marchCrew_)};
 }
 
 bool Session::addPanel(const PanelSettings& settings) {
@@ -54,7 +60,7 @@ void Session::setOwnCamera(size_t panel, bool hasOwn) {
   if (hasOwn == hasOwnCamera(panel)) return;
   timing_.stop(panels_);
   if (hasOwn)
-    panels_[panel].giveCamera(view_.get(), onNews_);
+    panels_[panel].giveCamera(view_.get(), onNews_, marchCrew_);
   else
     panels_[panel].takeCamera();
 }

@@ -232,19 +232,28 @@ const PictureJudge& ReferenceImage::judge() const {
   return *judge_;
 }
 
-std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources resources, std::function<void()> onResult) {
+std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources resources, std::function<void()> onResult, std::shared_ptr<Crew> crew) {
   return std::make_unique<WarpWorker>(
-      [platform, resources]() -> WarpWorker::Work {
+      [platform, resources, crew = std::move(crew)]() -> WarpWorker::Work {
+        if (crew) Crew::standBack(Crew::kOfPictures);  // and so do the threads of its OpenGL, where that has some
         auto easel = std::make_shared<Easel>(platform, resources);
-        return [easel](const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
+        return [easel, crew](const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
+          const Crew::Shift shift(crew.get());
           easel->paint(job, result, stop);
         };
       },
       std::move(onResult));
 }
 
-std::unique_ptr<ReferenceWorker> makeReferenceWorker(std::function<void()> onResult) {
-  return std::make_unique<ReferenceWorker>([]() -> ReferenceWorker::Work { return marchReference; }, std::move(onResult));
+std::unique_ptr<ReferenceWorker> makeReferenceWorker(std::function<void()> onResult, std::shared_ptr<Crew> crew) {
+  return std::make_unique<ReferenceWorker>(
+      [crew = std::move(crew)]() -> ReferenceWorker::Work {
+        return [crew](const ReferenceJob& job, ReferenceResult& result, const std::stop_token& stop) {
+          const Crew::Shift shift(crew.get());
+          marchReference(job, result, stop);
+        };
+      },
+      std::move(onResult));
 }
 
 }  // namespace warpscope

@@ -13,6 +13,7 @@
 #include "app/session/picture_plan.h"
 #include "app/session/warp_job.h"
 #include "render/base/newest_worker.h"
+#include "render/core/crew.h"
 #include "render/gl/context.h"
 
 namespace warpscope {
@@ -49,8 +50,9 @@ struct WarpResult {
 
 using WarpWorker = NewestWorker<WarpJob, WarpResult>;
 
-/// `resources`: the backend and whom a fallback is told; marcher and context are the jobs' and the worker's own.
-std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources resources, std::function<void()> onResult);
+/// `resources`: the backend and whom a fallback is told; marcher and context are the jobs' and the worker's own. `crew`: that its loops run on, and its own thread
+/// stands back as far; null: on all cores, as ever.
+std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources resources, std::function<void()> onResult, std::shared_ptr<Crew> crew = nullptr);
 
 struct ReferenceResult {
   ReferenceJob job;                             ///< that was done
@@ -60,6 +62,7 @@ struct ReferenceResult {
 
 using ReferenceWorker = NewestWorker<ReferenceJob, ReferenceResult>;
 
-std::unique_ptr<ReferenceWorker> makeReferenceWorker(std::function<void()> onResult);
+/// `crew`: as makeWarpWorker().
+std::unique_ptr<ReferenceWorker> makeReferenceWorker(std::function<void()> onResult, std::shared_ptr<Crew> crew = nullptr);
 
 }  // namespace warpscope

@@ -114,6 +114,7 @@ std::string WindowReport::text(const Session& session, Clock::TimePoint now) con
                  {"picturesPerSecond", pictures},
                  {"gapMs", medianAndLongest(gapsMs_)},
                  {"threadMs", medianAndLongest(framesMs_)},
+                 {"threadFrames", {{"all", framesMs_.size()}, {"over33Ms", std::ranges::count_if(framesMs_, [](double ms) { return ms > 33.0; })}}},
                  {"ageMs", medianAndLongest(agesMs_)},
                  {"movingMarchMs", medianAndLongest(marchesMs_)},
                  {"framesReceived", session.frames().received()},

@@ -318,7 +318,7 @@ void MainView::drawBottom(Session& session, const Look& look) {
 void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look) {
   const float bodyHeight = std::max(1.0f, ImGui::GetContentRegionAvail().y - look.px(kStatusHeight));
   const float sideBar = remembered_.hasSideBar ? look.px(kControlsWidth + kMargin) : 0.0f;
-  ImGui::PushStyleColor(ImGuiCol_ChildBg, palette().frame);
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, {0.0f, 0.0f, 0.0f, 0.0f});
   ImGui::BeginChild("panels", {ImGui::GetContentRegionAvail().x - sideBar, bodyHeight}, false,
                     ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::PopStyleColor();
@@ -362,7 +362,7 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(kMargin), look.px(kMargin)});
   ImGui::Begin("warpscope", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                   ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse);
+                   ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoBackground);  // the window is cleared with that colour
   drawBody(session, held, look);
   ImGui::SetCursorPosY(ImGui::GetWindowHeight() - look.px(kStatusHeight));
   drawStatusBar(session, displayFramesPerSecond, look);

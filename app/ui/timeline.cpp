@@ -42,7 +42,7 @@ void drawKey(const std::array<Stage, 11>& stages, double totalMs, const Look& lo
     ImGui::Dummy({line, line});
     ImGui::SameLine();
     ImGui::TextUnformatted(durationText(stage.ms).c_str());
-    ImGui::SameLine(look.px(90.0f));
+    ImGui::SameLine(look.px(106.0f));
     ImGui::TextUnformatted(stage.name);
   }
   ImGui::EndTooltip();

@@ -86,17 +86,35 @@ void steer(Session& session, size_t index, const ImVec2& area, const Look& look)
   session.setView(index, view);
 }
 
-/// Draws a picture in the middle of the area: pixel on pixels if it was made for this size, else fitted. Where it lies.
-Area drawPicture(const Session& session, const ShownPicture& picture, PictureTexture& texture, const Area& area, const Look& look) {
-  texture.show(picture);
+/// What lies around `inner`, filled: where the CPU draws the window, what a picture covers is not drawn twice.
+void fillAround(const Area& area, const Area& inner, ImU32 color, float rounding) {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const auto fill = [&](const ImVec2& from, const ImVec2& to, ImDrawFlags corners) {
+    if (from.x < to.x && from.y < to.y) list->AddRectFilled(from, to, color, corners != 0 ? rounding : 0.0f, corners);
+  };
+  const ImVec2 from{std::max(area.from.x, inner.from.x), std::max(area.from.y, inner.from.y)}, to{std::min(area.to().x, inner.to().x), std::min(area.to().y, inner.to().y)};
+  fill(area.from, {area.to().x, from.y}, ImDrawFlags_RoundCornersTop);
+  fill({area.from.x, to.y}, area.to(), ImDrawFlags_RoundCornersBottom);
+  fill({area.from.x, from.y}, {from.x, to.y}, 0);
+  fill({to.x, from.y}, {area.to().x, to.y}, 0);
+}
+
+/// Where a picture lies: in the middle of the area, pixel on pixels if it was made for this size, else fitted.
+Area placeOf(const Session& session, const ShownPicture& picture, const Area& area, const Look& look) {
   const float pictureWidth = static_cast<float>(picture.width()), pictureHeight = static_cast<float>(picture.height());
   float zoom = static_cast<float>(session.screenPixels()) / look.pixelsPerUnit;
   const bool isExact = glm::uvec2(picture.width(), picture.height()) == session.pictureSize();
   if (!isExact) zoom = std::min(area.size.x / pictureWidth, area.size.y / pictureHeight);
-  texture.setSmooth(!isExact);
   const auto snapped = [&](float value) { return std::floor(value * look.pixelsPerUnit) / look.pixelsPerUnit; };
-  const Area at{{snapped(area.from.x + 0.5f * (area.size.x - zoom * pictureWidth)), snapped(area.from.y + 0.5f * (area.size.y - zoom * pictureHeight))},
-                {zoom * pictureWidth, zoom * pictureHeight}};
+  return {{snapped(area.from.x + 0.5f * (area.size.x - zoom * pictureWidth)), snapped(area.from.y + 0.5f * (area.size.y - zoom * pictureHeight))},
+          {zoom * pictureWidth, zoom * pictureHeight}};
+}
+
+/// Draws a picture there. Where it lies.
+Area drawPicture(const Session& session, const ShownPicture& picture, PictureTexture& texture, const Area& area, const Look& look) {
+  texture.show(picture);
+  texture.setSmooth(glm::uvec2(picture.width(), picture.height()) != session.pictureSize());
+  const Area at = placeOf(session, picture, area, look);
   ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture.name())), at.from, at.to());
   return at;
 }
@@ -127,10 +145,13 @@ std::string whyNoPicture(const Session& session, const Panel& panel) {
   return session.loading().empty() ? "" : "opening " + session.loading();
 }
 
-/// The panel's picture, or what is chosen in its place, with what is to be said about it. Where the picture lies.
+/// The panel's picture, or what is chosen in its place.
+const ShownPicture& ownPicture(const Panel& panel) { return panel.hasContentOnShow() ? panel.shownContent.picture : panel.picture; }
+
+/// The same, with what is to be said about it. Where the picture lies.
 std::optional<Area> drawOwn(const Session& session, const Panel& panel, PictureTexture& texture, const Area& area, const Look& look) {
   std::optional<Area> at;
-  if (panel.picture) at = drawPicture(session, panel.hasContentOnShow() ? panel.shownContent.picture : panel.picture, texture, area, look);
+  if (const ShownPicture& picture = ownPicture(panel)) at = drawPicture(session, picture, texture, area, look);
   if (!panel.error.empty())
     drawNote(panel.error, kErrorTextOnPicture, area, look);
   else if (const std::string why = whyNoPicture(session, panel); !why.empty())
@@ -182,7 +203,11 @@ std::optional<OnShow> drawPictures(const Session& session, const Panel& panel, c
                                    const Area& area, const Look& look) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->PushClipRect(area.from, area.to(), true);
-  list->AddRectFilled(area.from, area.to(), IM_COL32(0, 0, 0, 255));
+  const ShownPicture& whole = other ? other->picture : ownPicture(panel);
+  if (whole && !(other && other->wipeAt != nullptr))
+    fillAround(area, placeOf(session, whole, area, look), IM_COL32_BLACK, 0.0f);
+  else
+    list->AddRectFilled(area.from, area.to(), IM_COL32_BLACK);
   std::optional<Area> own, others;
   if (!other) {
     own = drawOwn(session, panel, textures.own, area, look);
@@ -262,9 +287,14 @@ float panelHeightBesidePicture(float width, MeasurementSpace space, const Look& 
   return panelHeaderHeight(look) + measurementsHeight(width, space, look) + look.px(kTimelinePx) + 2.0f * ImGui::GetStyle().ItemSpacing.y;
 }
 
-PanelEvents drawWarpPanel(Session& session, size_t index, bool isAlone, const std::optional<OtherPicture>& other, const Inspection* inspection,
+PanelEvents drawWarpPanel(Session& session, size_t index, ImU32 ground, bool isAlone, const std::optional<OtherPicture>& other, const Inspection* inspection,
                           MeasurementSpace space, PanelTextures& textures, const Look& look) {
   PanelEvents events;
+  // The ground is drawn last, when it is known where the picture is, and lies below the rest.
+  ImDrawList* const list = ImGui::GetWindowDrawList();
+  ImDrawListSplitter layers;
+  layers.Split(list, 2);
+  layers.SetCurrentChannel(list, 1);
   events.asked = drawPanelHeader(session, index, isAlone, look);
   ImVec2 room = ImGui::GetContentRegionAvail();
   const float strip = measurementsHeight(room.x, space, look) + look.px(kTimelinePx) + ImGui::GetStyle().ItemSpacing.y;
@@ -289,6 +319,13 @@ PanelEvents drawWarpPanel(Session& session, size_t index, bool isAlone, const st
   if (other && other->wipeAt != nullptr) drawWipeBar(*other->wipeAt, area, look);
   drawTimeline(panel, look);
   drawMeasurements(session, index, space, look);
+  layers.SetCurrentChannel(list, 0);
+  const float border = ImGui::GetStyle().ChildBorderSize;
+  const ImVec2 from = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  list->PushClipRect(from, {from.x + size.x, from.y + size.y}, false);  // into its padding, too
+  fillAround({{from.x + border, from.y + border}, {size.x - 2.0f * border, size.y - 2.0f * border}}, area, ground, ImGui::GetStyle().ChildRounding - border);
+  list->PopClipRect();
+  layers.Merge(list);
   return events;
 }
 

@@ -22,6 +22,8 @@ namespace {
 constexpr int kWidth = 1280, kHeight = 800;           // at scale 1
 constexpr int kLeastWidth = 640, kLeastHeight = 420;  // at scale 1
 constexpr int kUsualRefreshHz = 60;
+/// Where the CPU draws the window, and takes longer for it, its pictures are as many as make motion fluent and no more: the rest is for what they show.
+constexpr double kCheapFrameMs = 6.0, kDearPeriodMs = 30.0;
 constexpr double kIdlePeriodS = 0.5;  // ages go on counting
 /// What is told of sooner than this after asking for events had waited to be asked for.
 constexpr std::chrono::milliseconds kAtOnce(5);
@@ -168,6 +170,13 @@ void Window::open(const std::string& title) {
   if (window_ == nullptr) throw NoDisplay("no window with OpenGL 3.3 can be opened here: " + lastGlfwError());
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
+  using GetString = const unsigned char* (*)(unsigned int);
+  constexpr unsigned int kRenderer = 0x1f01;  // GL_RENDERER
+  if (const auto getString = reinterpret_cast<GetString>(glfwGetProcAddress("glGetString"))) {
+    const auto* const name = reinterpret_cast<const char*>(getString(kRenderer));
+    const std::string_view renderer = name != nullptr ? name : "";
+    for (const char* const ofMesa : {"llvmpipe", "softpipe", "swrast"}) isDrawnByCpu_ |= renderer.find(ofMesa) != std::string_view::npos;
+  }
 }
 
 void Window::listen() {
@@ -281,7 +290,8 @@ void Window::setFullScreen(bool isFullScreen) {
 void Window::waitForNextFrame(bool isMoving) {
   if (!isMoving && !hasInput_) takeEvents(kIdlePeriodS);
   // Drivers without a screen to wait for swap at once; a little less than a period leaves the pace to those that do wait.
-  const auto due = frameBegan_ + durationOfMs(900.0 / refreshHz());
+  const double periodMs = 900.0 / refreshHz();
+  const auto due = frameBegan_ + durationOfMs(isDrawnByCpu_ && frameMs_ > kCheapFrameMs ? std::max(kDearPeriodMs, periodMs) : periodMs);
   takeEvents(0.0);
   for (auto now = Clock::TimePoint::clock::now(); now < due && !shouldClose(); now = Clock::TimePoint::clock::now())
     takeEvents(std::chrono::duration<double>(due - now).count());
@@ -344,6 +354,7 @@ void Window::endFrame(Image<Rgba8>* photograph) {
                      [](Rgba8 pixel) { return pixel | 0xff000000u; });
   }
   glfwSwapBuffers(window_);
+  frameMs_ += 0.2 * (millisecondsBetween(frameBegan_, Clock::TimePoint::clock::now()) - frameMs_);
 }
 
 }  // namespace warpscope::ui

@@ -17,16 +17,6 @@
 namespace warpscope {
 namespace {
 
-/// Of a core that a usual thread wants as well it gets three tenths (sched(7): each step is a factor of 1.25), and the usual one does not wait for it. Less
-/// would let a march stand still while pictures are drawn all the time; tests/bench/README.md has figures.
-constexpr int kNice = 4;
-
-/// The calling thread's. Where the system refuses, the thread stays as it is: it works as well, and others wait for it.
-void letOthersGoFirst() {
-  const auto self = static_cast<id_t>(gettid());
-  setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kNice);
-}
-
 thread_local Crew* crewOfThisThread = nullptr;
 
 }  // namespace
@@ -34,6 +24,12 @@ thread_local Crew* crewOfThisThread = nullptr;
 Crew::Shift::Shift(Crew* crew) : before_(std::exchange(crewOfThisThread, crew)) {}
 Crew::Shift::~Shift() { crewOfThisThread = before_; }
 Crew* Crew::ofThisThread() { return crewOfThisThread; }
+
+void Crew::standBack(int nice) {
+  // Where the system refuses, the thread stays as it is: it works as well, and others wait for it.
+  const auto self = static_cast<id_t>(gettid());
+  setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + nice);
+}
 
 struct Crew::State {
   ~State() {
@@ -45,8 +41,8 @@ struct Crew::State {
     threads.clear();  // also where only some could be started
   }
 
-  void work() {
-    letOthersGoFirst();
+  void work(int nice) {
+    standBack(nice);
     std::unique_lock lock(mutex);
     for (size_t done = 0;;) {
       changed.wait(lock, [&] { return isEnding || job > done; });
@@ -76,9 +72,9 @@ struct Crew::State {
   std::vector<std::jthread> threads;
 };
 
-Crew::Crew(size_t threads) : state_(std::make_unique<State>()) {
+Crew::Crew(size_t threads, int nice) : state_(std::make_unique<State>()) {
   if (threads == 0) threads = static_cast<size_t>(std::max(1, tbb::this_task_arena::max_concurrency()));
-  for (size_t i = 0; i < threads; ++i) state_->threads.emplace_back([state = state_.get()] { state->work(); });
+  for (size_t i = 0; i < threads; ++i) state_->threads.emplace_back([state = state_.get(), nice] { state->work(nice); });
 }
 
 Crew::~Crew() = default;

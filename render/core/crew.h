@@ -23,9 +23,13 @@ class Crew {
   };
   /// Null where loops run on all cores.
   static Crew* ofThisThread();
+  /// Lets other threads of the program go before the calling one, and before those that it starts from now on.
+  static void standBack(int nice);
 
+  /// Nice values that threads are behind the one that made them by.
+  static constexpr int kOfPictures = 3, kOfMarches = 4;
   /// As many threads as loops run on otherwise, or `threads`.
-  explicit Crew(size_t threads = 0);
+  explicit Crew(size_t threads = 0, int nice = kOfMarches);
   ~Crew();
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
