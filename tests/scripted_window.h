@@ -9,6 +9,7 @@
 #include "app/ui/main_view.h"
 #include "app/ui/theme.h"
 #include "tests/session_fixture.h"
+#include "tests/test_folder.h"
 
 namespace warpscope::ui {
 
@@ -40,11 +41,20 @@ class ScriptedWindow {
   HeldKeys held;
 
   MainView& view() { return view_; }
+  /// Where it is while it is there: what it keeps lies there.
+  const TestFolder& folder() const { return place_.folder; }
   /// What the window was asked to do that a script has not taken yet.
   std::vector<Action> takeActions() { return view_.takeWindowActions(); }
   std::string clipboard() const { return clipboard_; }
 
  private:
+  struct Place {
+    Place() { std::filesystem::current_path(folder.path()); }
+    ~Place() { std::filesystem::current_path(before); }
+    const std::filesystem::path before = std::filesystem::current_path();
+    const TestFolder folder;
+  };
+  const Place place_;
   Session& session_;
   ImGuiContext* const context_;
   const WindowGl gl_;

@@ -395,6 +395,23 @@ TEST_F(WindowScriptTest, FoldsThemeAndFilesAreRemembered) {
   EXPECT_EQ(window_.remembered.recentFiles.front(), file);
 }
 
+TEST_F(WindowScriptTest, PanelsAndPlotAreKeptAsFiles) {
+  press(Action::savePanels);  // there is none yet: a note, no file
+  ASSERT_TRUE(openAndRest("block"));
+  ASSERT_TRUE(waitUntil([&] { return !session_.liveFront().points().empty(); }));
+  press(Action::savePanels);
+  const auto path = [&](const char* name) { return window_.folder().path() / name; };
+  ASSERT_TRUE(waitUntil([&] { return std::filesystem::exists(path("warpscope-1-2-spheres.png")); }));
+  EXPECT_TRUE(std::filesystem::exists(path("warpscope-1-1-hold.png")));
+  press(Action::savePlot);
+  ASSERT_TRUE(waitUntil([&] { return std::filesystem::exists(path("warpscope-2.csv")); }));
+  const std::string csv = window_.folder().read("warpscope-2.csv"), svg = window_.folder().read("warpscope-2.svg");
+  EXPECT_THAT(csv, testing::StartsWith("source,technique,configuration,frameMs,flip,isOnFront\nseen,"));
+  EXPECT_THAT(svg, testing::StartsWith("<svg"));
+  window_.view().savePicture(Image<Rgba8>(3, 2, 0xff00ff00u));
+  ASSERT_TRUE(waitUntil([&] { return std::filesystem::exists(path("warpscope-3.png")); }));
+}
+
 TEST_F(WindowScriptTest, EveryEntryOfEveryMenuCanBeChosen) {
   ASSERT_TRUE(openAndRest("block"));
   std::vector<Action> asked;

@@ -76,6 +76,16 @@ std::string drawn(const Mark& mark) {
 
 }  // namespace
 
+std::string svgFileOf(const Plot& plot) {
+  std::string svg = svgOf(plot);
+  const size_t afterTag = svg.find('>') + 1;
+  svg.insert(afterTag,
+             "\n<style>text{fill:#222;font:12px sans-serif}.grid{stroke:#ddd}.axis{stroke:#777}.ring{fill:none;stroke:#222;stroke-width:1.4}</style>\n"
+             "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>");
+  svg.insert(std::string("<svg").size(), " xmlns=\"http://www.w3.org/2000/svg\"");
+  return svg;
+}
+
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {

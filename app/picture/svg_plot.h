@@ -35,6 +35,8 @@ struct Plot {
 /// Values that a logarithmic axis cannot show (0 and less) stand at its lower end; points that are no numbers are left out. A plot without points is an empty
 /// frame. Points that would hide each other are one mark: it says how many they are, has all their colours, and lists them when pointed at.
 std::string svgOf(const Plot& plot);
+/// The same as a file of its own, on white.
+std::string svgFileOf(const Plot& plot);
 
 /// "&lt;" for "<" and so on: text for HTML, SVG and their attributes.
 std::string escaped(const std::string& text);

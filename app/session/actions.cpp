@@ -9,12 +9,14 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<ActionDescriptor, 33> kActions{{
+constexpr std::array<ActionDescriptor, 35> kActions{{
     {Action::open, ActionMenu::file, "Open...", "Ctrl+O", "A scene, a volume, a transfer function, a sweep, a session or a recording: also by dropping it onto the window"},
     {Action::saveSession, ActionMenu::file, "Save session...", "Ctrl+S", "The scene, its look, the camera, the panels and all knobs, in a file"},
     {Action::restoreLast, ActionMenu::file, "Last session", "", "What was on show when a window was closed last"},
     {Action::copyCommand, ActionMenu::file, "Copy command", "", "The command that shows the same, but for the camera and edits of the transfer function"},
     {Action::savePicture, ActionMenu::file, "Save picture", "F12", "The window as a PNG file in the folder where the program was started"},
+    {Action::savePanels, ActionMenu::file, "Save panels", "Shift+F12", "Each panel's picture as a PNG file, pixel for pixel as it was drawn, in that folder"},
+    {Action::savePlot, ActionMenu::file, "Save plot", "", "The points of the plot as an SVG picture and as a CSV table, in that folder"},
     {Action::record, ActionMenu::file, "Record...", "Ctrl+R", "Frames and the camera into a file, which shows them again by any techniques when it is opened, as does `warpscope replay`; or end that"},
     {Action::quit, ActionMenu::file, "Quit", "Ctrl+Q", "Close the window"},
     {Action::resetView, ActionMenu::view, "First view", "R", "Back to the scene's first view", false, true},

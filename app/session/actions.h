@@ -16,6 +16,8 @@ enum class Action {
   restoreLast,
   copyCommand,
   savePicture,
+  savePanels,
+  savePlot,
   record,
   quit,
   resetView,

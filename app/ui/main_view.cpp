@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/picture/picture.h"
 #include "app/session/demos.h"
 #include "app/session/session_file.h"
 #include "app/shell/output_files.h"
@@ -32,10 +33,16 @@ void toggleFrozen(Session& session) {
   session.setKnobs(knobs);
 }
 
+std::filesystem::path currentFolder() {
+  std::error_code failed;
+  const std::filesystem::path folder = std::filesystem::current_path(failed);
+  return failed ? "." : folder;
+}
+
 }  // namespace
 
 MainView::MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, Remembered& remembered, std::function<void()> onNews)
-    : grid_(gl), plot_(std::move(sweep)), openScene_(openScene), remembered_(remembered), fileSorter_(makeFileSorter(std::move(onNews))) {}
+    : grid_(gl), plot_(std::move(sweep)), openScene_(openScene), remembered_(remembered), fileSorter_(makeFileSorter(onNews)), keeper_(currentFolder(), std::move(onNews)) {}
 
 void MainView::takeHandedFile(Session& session) {
   std::optional<HandedFile> file = fileSorter_->tryTake();
@@ -47,6 +54,7 @@ void MainView::takeHandedFile(Session& session) {
     remembered_.addFile(file->path);
     session.setFront(file->sweep->choice);
     plot_.showSweep(std::move(*file->sweep));
+    remembered_.setFolded(PlotView::kHeading, false);
   } else if (file->transferFunction) {
     remembered_.addFile(file->path);
     controls_.transferEditor().set(session, *file->transferFunction);
@@ -88,6 +96,31 @@ void MainView::startRecording(Session& session, const std::filesystem::path& pat
   }
 }
 
+void MainView::savePicture(Image<Rgba8> picture) {
+  keeper_.keep({{".png", [picture = std::make_shared<const Image<Rgba8>>(std::move(picture))] { return encodePng(*picture); }}});
+}
+
+void MainView::savePanels(const Session& session) {
+  std::vector<FileKeeper::File> files;
+  for (size_t i = 0; i < session.panelCount(); ++i) {
+    const Panel& panel = session.panel(i);
+    const ShownPicture shown = panel.hasContentOnShow() ? panel.shownContent.picture : panel.picture;
+    if (!shown || panel.isHidden) continue;
+    files.push_back({"-" + std::to_string(i + 1) + "-" + std::string(panel.technique->name) + ".png", [shown] {
+                       if (shown.host) return encodePng(*shown.host);
+                       Image<Rgba8> picture(shown.width(), shown.height());
+                       shown.device->download({picture.data(), picture.size()});
+                       return encodePng(picture);
+                     }});
+  }
+  if (files.empty()) return setNote("there is no picture yet");
+  keeper_.keep(std::move(files));
+}
+
+void MainView::savePlot(const Session& session) {
+  keeper_.keep({{".svg", [svg = plot_.svg(session)] { return svg; }}, {".csv", [csv = plot_.csv(session)] { return csv; }}});
+}
+
 void MainView::goBack() {
   if (dialog_.isOpen())
     dialog_.close();
@@ -121,6 +154,8 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
       if (!session.isRecording()) return dialog_.show(FileDialog::Purpose::record, "recording.warpscope");
       session.stopRecording();
       return setNote("the recording has ended");
+    case Action::savePanels: return savePanels(session);
+    case Action::savePlot: return savePlot(session);
     case Action::savePicture:
     case Action::quit:
     case Action::fullScreen: return windowActions_.push_back(action);
@@ -352,6 +387,7 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   applyColors(remembered_.isLight ? Theme::light : Theme::dark);
   takeHandedFile(session);
   rememberScene(session);
+  if (std::optional<std::string> note = keeper_.takeNote()) setNote(std::move(*note));
   controls_.transferEditor().update(session, look.now);
   drawMenus(session, look);
   const float top = ImGui::GetFrameHeight();  // of the menu bar

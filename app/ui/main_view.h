@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/session/actions.h"
+#include "app/session/file_keeper.h"
 #include "app/session/handed_file.h"
 #include "app/ui/controls.h"
 #include "app/ui/file_dialog.h"
@@ -38,6 +39,9 @@ class MainView {
   bool showsDialog() const { return dialog_.isOpen(); }
   const TransferEditor& transferEditor() const { return controls_.transferEditor(); }
 
+  /// Writes the window's picture into a file of the next free number.
+  void savePicture(Image<Rgba8> picture);
+
   /// Something to be said at the bottom of the window, for some seconds.
   void setNote(std::string note) { note_ = {std::move(note), {}}; }
 
@@ -51,6 +55,8 @@ class MainView {
   /// `number`: of a technique, from 1 on. `panel`: of those that an action is about.
   void perform(Action action, Session& session, std::optional<size_t> panel, size_t number = 0);
   void goBack();
+  void savePanels(const Session& session);
+  void savePlot(const Session& session);
   static bool isPossible(Action action, const Session& session);
   bool isOn(Action action, const Session& session, size_t panel) const;
   void drawMenus(Session& session, const Look& look);
@@ -74,6 +80,7 @@ class MainView {
   Remembered& remembered_;
   std::unique_ptr<FileSorter> fileSorter_;
   uint64_t sceneSeen_ = 0;  // that was remembered last, as Session::sceneCount()
+  FileKeeper keeper_;
   std::vector<Action> windowActions_;
   bool showsKeys_ = false;
   FileDialog dialog_;

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "app/picture/svg_plot.h"
 #include "app/picture/technique_color.h"
 #include "app/ui/scatter_plot.h"
 
@@ -69,7 +70,8 @@ std::string describe(const LiveFront::Point& point, const std::vector<double>& r
 struct PlotView::Shown {
   std::vector<ScatterPoint> points;
   std::vector<const Configuration*> configurations;
-  std::vector<size_t> front;  ///< indices into both, the live ones first
+  std::vector<const char*> sources;  ///< "measured", "seen" or "sweep"
+  std::vector<size_t> front;  ///< indices into all of them, the live ones first
 };
 
 float PlotView::height(float bodyHeight, const Look& look) const {
@@ -81,13 +83,12 @@ float PlotView::height(float bodyHeight, const Look& look) const {
 void PlotView::showSweep(SweepFile sweep) {
   sweep_ = std::move(sweep);
   error_.clear();
-  isUnfolded_ = true;
 }
 
 PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
   Shown shown;
   const std::string click = session.panelCount() > 1 ? "\nClick to show it in panel " + std::to_string(panel + 1) + ", which was used last." : "\nClick to show it.";
-  const auto add = [&](const Configuration& configuration, double frameMs, double flip, const std::string& text) {
+  const auto add = [&](const char* source, const Configuration& configuration, double frameMs, double flip, const std::string& text) {
     ScatterPoint point;
     point.x = frameMs;
     point.y = flip;
@@ -95,18 +96,19 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
     point.label = text + click;
     shown.points.push_back(std::move(point));
     shown.configurations.push_back(&configuration);
+    shown.sources.push_back(source);
   };
   const LiveFront& live = session.liveFront();
   const FairMeasuring& fair = session.fair();
   for (const FairPoint& point : fair.points()) {
     std::string text = describe(point.configuration) + "\n" + figures(point.frameMs, point.flip) + ": measured";
     for (const FairPoint::Angle& angle : point.angles) text += formatted("\n  FLIP %.4f at %g°, ", angle.flip, angle.angleDeg) + durationText(angle.frameMs);
-    add(point.configuration, point.frameMs, point.flip, text);
+    add("measured", point.configuration, point.frameMs, point.flip, text);
   }
   if (!fair.points().empty()) shown.front = fair.front();
   const size_t measured = shown.points.size();
   for (const LiveFront::Point& point : live.points()) {
-    add(point.configuration, point.frameMs, point.flip, describe(point, live.rankedAnglesDeg()) + "\nSeen while somebody looked around, not measured.");
+    add("seen", point.configuration, point.frameMs, point.flip, describe(point, live.rankedAnglesDeg()) + "\nSeen while somebody looked around, not measured.");
     // Beside what was measured, what was only seen stands back.
     shown.points.back().isDim = point.standing != LiveFront::Standing::ranked || measured > 0;
     for (size_t i = 0; i < session.panelCount(); ++i)
@@ -117,7 +119,7 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
     const size_t first = shown.points.size();
     for (const Summary& summary : sweep_->summaries) {
       const std::string text = describe(summary.configuration) + "\n" + figures(summary.frameMs, summary.flip) + ", of the sweep";
-      add(summary.configuration, summary.frameMs, summary.flip, text);
+      add("sweep", summary.configuration, summary.frameMs, summary.flip, text);
       shown.points.back().isHollow = true;
     }
     for (const size_t i : sweep_->front) shown.front.push_back(first + i);
@@ -127,7 +129,6 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
 }
 
 void PlotView::drawHeader(const Look& look) {
-  constexpr const char* kHeading = "Error against time";
   isUnfolded_ = !look.remembered->folded.contains(kHeading);
   ImGui::SetNextItemOpen(isUnfolded_);
   ImGui::PushStyleColor(ImGuiCol_Header, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
@@ -151,6 +152,38 @@ void PlotView::drawHeader(const Look& look) {
   list->AddText({left, 0.5f * (from.y + to.y - ImGui::GetTextLineHeight())}, ImGui::GetColorU32(error_.empty() && measuringError_.empty() ? palette().dimText : palette().errorText), note.c_str());
   list->PopClipRect();
   ImGui::PopFont();
+}
+
+std::string PlotView::svg(const Session& session) const {
+  const Shown shown = shownOf(session, 0);
+  Plot plot;
+  plot.x = {"ms a frame", true};
+  plot.y = {"FLIP", true};
+  for (size_t i = 0; i < shown.points.size(); ++i) {
+    const WarpDescriptor& technique = *shown.configurations[i]->technique;
+    const std::string name = std::string(technique.label) + ", " + shown.sources[i];
+    auto series = std::ranges::find(plot.series, name, &PlotSeries::name);
+    if (series == plot.series.end()) {
+      char color[8];
+      std::snprintf(color, sizeof color, "#%06x", techniqueRgb(technique));
+      plot.series.push_back({.name = name, .color = color, .points = {}});
+      series = plot.series.end() - 1;
+    }
+    series->points.push_back({shown.points[i].x, shown.points[i].y, labelOf(*shown.configurations[i]), shown.points[i].isOnFront});
+  }
+  return svgFileOf(plot);
+}
+
+std::string PlotView::csv(const Session& session) const {
+  const Shown shown = shownOf(session, 0);
+  std::string text = "source,technique,configuration,frameMs,flip,isOnFront\n";
+  for (size_t i = 0; i < shown.points.size(); ++i) {
+    std::string label = labelOf(*shown.configurations[i]);
+    for (size_t at = label.find('"'); at != std::string::npos; at = label.find('"', at + 2)) label.insert(at, 1, '"');
+    text += std::string(shown.sources[i]) + "," + std::string(shown.configurations[i]->technique->name) + ",\"" + label + "\"," + formatted("%.6g,%.6g,", shown.points[i].x, shown.points[i].y) +
+            (shown.points[i].isOnFront ? "true" : "false") + "\n";
+  }
+  return text;
 }
 
 void PlotView::drawMeasuring(Session& session, const Look& look) {

@@ -19,10 +19,16 @@ class PlotView {
   /// Fills the current child window. A point that is clicked on is taken over by the session, its technique by that panel.
   void draw(Session& session, size_t panel, const Look& look);
 
+  /// Its points as SVG, and as CSV: a line each, with what it stands for.
+  std::string svg(const Session& session) const;
+  std::string csv(const Session& session) const;
+
   bool isUnfolded() const { return isUnfolded_; }
   void showSweep(SweepFile sweep);
   /// Why a sweep could not be read.
   void showError(std::string error) { error_ = std::move(error); }
+
+  static constexpr const char* kHeading = "Error against time";
 
  private:
   struct Shown;

@@ -36,23 +36,6 @@ bool perform(Window& window, const std::vector<Action>& asked, bool& wantsPictur
   return true;
 }
 
-/// Writes a picture under a name that is not taken; what is to be said about that.
-std::string savePicture(const Image<Rgba8>& picture) {
-  constexpr int kMost = 10000;
-  for (int i = 1; i < kMost; ++i) {
-    const std::filesystem::path path = "warpscope-" + std::to_string(i) + ".png";
-    std::error_code ignored;
-    if (std::filesystem::exists(path, ignored)) continue;
-    try {
-      writeFileWhole(path, encodePng(picture));
-      return "saved " + path.string();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-  }
-  return "there are too many pictures in this folder";
-}
-
 void keep(const Remembered& remembered) {
   const std::optional<std::filesystem::path> file = rememberedFile();
   if (!file) return;
@@ -148,7 +131,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
     const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);
     window.endFrame(isLast || wantsPicture ? &photograph : nullptr);
     if (!settings.report.empty()) report.addFrameMs(millisecondsBetween(now, clock.now()));
-    if (wantsPicture) mainView.setNote(savePicture(std::exchange(photograph, {})));
+    if (wantsPicture) mainView.savePicture(std::exchange(photograph, {}));
     if (isLast || !goesOn) break;
   }
   return photograph;
