@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "app/shell/log.h"
 #include "render/base/printable.h"
 
 namespace warpscope::ui {
@@ -31,12 +32,19 @@ void copyInto(std::array<char, 1024>& field, const std::string& text) {
 }  // namespace
 
 void FileDialog::show(Purpose purpose, const std::string& name) {
+  if (desktop_ && desktop_->isOpen()) return;
   purpose_ = purpose;
-  toReplace_.clear();
-  isOpen_ = true;
   copyInto(name_, name);
   std::error_code failed;
-  enter(folder_.empty() ? std::filesystem::current_path(failed) : folder_);
+  if (folder_.empty()) folder_ = std::filesystem::current_path(failed);
+  if (desktop_ && desktop_->show({std::string(titleOf(purpose)), folder_, name})) return;
+  open();
+}
+
+void FileDialog::open() {
+  toReplace_.clear();
+  isOpen_ = true;
+  enter(std::filesystem::path(folder_));
 }
 
 void FileDialog::enter(const std::filesystem::path& folder) {
@@ -61,6 +69,18 @@ void FileDialog::enter(const std::filesystem::path& folder) {
 }
 
 std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
+  if (desktop_) {
+    if (const std::optional<DesktopDialog::Answer> answer = desktop_->tryTake()) {
+      if (answer->path) {
+        folder_ = answer->path->parent_path();
+        return answer->path;
+      }
+      if (answer->hasFailed) {
+        logDetail(answer->error);
+        open();
+      }
+    }
+  }
   if (!isOpen_) return std::nullopt;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});

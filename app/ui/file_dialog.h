@@ -1,5 +1,5 @@
 // Choosing a file by looking through folders: to open one, or to name one that is to be written.
-// Drawn by Dear ImGui, so that it is the same everywhere and needs no desktop.
+// The desktop's own dialog where it is wanted and there is one; else drawn by Dear ImGui.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "app/shell/desktop_dialog.h"
 #include "app/ui/parts.h"
 
 namespace warpscope::ui {
@@ -16,8 +17,11 @@ class FileDialog {
  public:
   enum class Purpose { open, saveSession, record };
 
+  /// Asks by the desktop's dialogs from now on, where there are some. `onNews`: as DesktopDialog's.
+  void useDesktop(std::function<void()> onNews) { desktop_.emplace(std::move(onNews)); }
   /// `name` is proposed for a file to be written. Begins in the folder where it was used last.
   void show(Purpose purpose, const std::string& name = "");
+  /// Whether this one is: the desktop's are not the window's.
   bool isOpen() const { return isOpen_; }
   Purpose purpose() const { return purpose_; }
   void close() { isOpen_ = false; }
@@ -31,7 +35,9 @@ class FileDialog {
     uintmax_t bytes = 0;
   };
   void enter(const std::filesystem::path& folder);
+  void open();
 
+  std::optional<DesktopDialog> desktop_;
   Purpose purpose_ = Purpose::open;
   bool isOpen_ = false;
   std::string toReplace_;  // the name of a file that is there, and that the user was asked about

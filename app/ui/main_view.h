@@ -24,6 +24,8 @@ class MainView {
   /// `gl`, `openScene` and `remembered` outlive it; `onNews` is called on another thread when a file that was handed over has been looked at.
   MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, Remembered& remembered, std::function<void()> onNews);
 
+  /// Files are chosen by the desktop's dialogs from now on, where there are some.
+  void useDesktopDialogs(std::function<void()> onNews) { dialog_.useDesktop(std::move(onNews)); }
   /// A transfer function's file that is loaded whenever it is written.
   void watchTransferFile(const std::filesystem::path& path) { controls_.transferEditor().watch(path); }
   /// A file that the user handed over, whatever it is (handed_file.h); it is there some frames later.

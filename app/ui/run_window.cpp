@@ -84,6 +84,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
   const std::stop_callback wakeUp(stop, [] { Window::wake(); });
   MainView mainView(window.gl(), openScene, settings.sweep, remembered, [] { Window::wake(); });
   mainView.watchTransferFile(settings.transferFile);
+  mainView.useDesktopDialogs([] { Window::wake(); });
   if (settings.sweep) session.setFront(settings.sweep->choice);
   RateMeter displayRate;
   Hover hover;
