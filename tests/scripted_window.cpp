@@ -23,8 +23,8 @@ WindowGl::Function functionFor(const char* name) {
 
 WindowGl noGl() { return WindowGl(functionFor); }
 
-ScriptedWindow::ScriptedWindow(const glm::uvec2& size, Session& session, const SceneOpener& openScene)
-    : session_(session), context_(ImGui::CreateContext()), gl_(noGl()), view_(gl_, openScene, std::nullopt, remembered, [] {}) {
+ScriptedWindow::ScriptedWindow(const glm::uvec2& size, Session& session, const SceneOpener& openScene, std::unique_ptr<DrawnWindow> drawn)
+    : session_(session), context_(ImGui::CreateContext()), drawn_(std::move(drawn)), gl_(drawn_ ? drawn_->gl() : noGl()), view_(gl_, openScene, std::nullopt, remembered, [] {}) {
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   io.LogFilename = nullptr;
@@ -38,15 +38,22 @@ ScriptedWindow::ScriptedWindow(const glm::uvec2& size, Session& session, const S
   fonts_ = applySizes(1.0f, 1.0f);
   unsigned char* pixels = nullptr;
   int width = 0, height = 0;
-  io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+  if (drawn_)
+    drawn_->begin();
+  else
+    io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
   frames(2);
 }
 
-ScriptedWindow::~ScriptedWindow() { ImGui::DestroyContext(context_); }
+ScriptedWindow::~ScriptedWindow() {
+  if (drawn_) drawn_->end();
+  ImGui::DestroyContext(context_);
+}
 
 void ScriptedWindow::frame() {
   const auto now = clock_.now();
   session_.update(now);
+  if (drawn_) drawn_->beginFrame();
   ImGui::NewFrame();
   view_.draw(session_, 60.0, held, {fonts_, 1.0f, 1.0f, now, &hover_, std::exchange(isDoubleClick_, false)});
   ImGui::Render();

@@ -1,4 +1,5 @@
-// All that the window shows, drawn by Dear ImGui without a window and handled by scripts: pointer, wheel, keys, typed text. What is drawn goes nowhere.
+// All that the window shows, drawn by Dear ImGui without a window and handled by scripts: pointer, wheel, keys, typed text. What is drawn goes nowhere, unless a
+// DrawnWindow takes it.
 // One display frame for each step of a script, as many as it waits for.
 #pragma once
 
@@ -8,6 +9,7 @@
 
 #include "app/ui/main_view.h"
 #include "app/ui/theme.h"
+#include "tests/drawn_window.h"
 #include "tests/session_fixture.h"
 #include "tests/test_folder.h"
 
@@ -18,7 +20,7 @@ WindowGl noGl();
 
 class ScriptedWindow {
  public:
-  ScriptedWindow(const glm::uvec2& size, Session& session, const SceneOpener& openScene);
+  ScriptedWindow(const glm::uvec2& size, Session& session, const SceneOpener& openScene, std::unique_ptr<DrawnWindow> drawn = nullptr);
   ~ScriptedWindow();
   ScriptedWindow(const ScriptedWindow&) = delete;
   ScriptedWindow& operator=(const ScriptedWindow&) = delete;
@@ -41,6 +43,11 @@ class ScriptedWindow {
   HeldKeys held;
 
   MainView& view() { return view_; }
+  /// Of the last frame; there is a DrawnWindow.
+  Image<Rgba8> picture() {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    return drawn_->picture({static_cast<uint32_t>(size.x), static_cast<uint32_t>(size.y)});
+  }
   /// Where it is while it is there: what it keeps lies there.
   const TestFolder& folder() const { return place_.folder; }
   /// What the window was asked to do that a script has not taken yet.
@@ -57,6 +64,7 @@ class ScriptedWindow {
   const Place place_;
   Session& session_;
   ImGuiContext* const context_;
+  const std::unique_ptr<DrawnWindow> drawn_;
   const WindowGl gl_;
   Fonts fonts_;
   Hover hover_;

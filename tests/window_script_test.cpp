@@ -3,7 +3,7 @@
 #include <random>
 
 #include "app/session/recorded_scene.h"
-#include "tests//scripted_window.h"
+#include "tests/scripted_window.h"
 #include "tests/test_folder.h"
 
 namespace warpscope::ui {

@@ -324,7 +324,7 @@ void MainView::drawKeys(const Look& look) {
       ImGui::TextWrapped("%s", std::string(what).c_str());
     };
     row("drag", "Orbit; with the right button pan, with the wheel zoom; a double click brings the first view back");
-    for (const ActionDescriptor& action : windowActions()) row(action.keys, action.help);
+    for (const ActionDescriptor& action : windowActions()) row(!action.keys.empty() ? std::string(action.keys) : "menu: " + std::string(action.label), action.help);
     ImGui::EndTable();
   }
   ImGui::End();

@@ -229,7 +229,7 @@ std::optional<OnShow> drawPictures(const Session& session, const Panel& panel, c
 }
 
 constexpr int kLoupePixels = 11;                         // of the picture along each edge
-constexpr float kLoupePx = 132.0f, kLoupeTextPx = 136.0f;  // at scale 1
+constexpr float kLoupePx = 132.0f, kLoupeTextPx = 156.0f;  // at scale 1
 
 /// The pixels about a place, enlarged, with a grid, in the corner that is farthest from it; what is known of the pixel in its middle beside them.
 void drawLoupe(const OnShow& shown, const glm::dvec2& place, const std::vector<std::pair<std::string, std::string>>& lines, const Area& area, const Look& look) {
@@ -263,10 +263,11 @@ void drawLoupe(const OnShow& shown, const glm::dvec2& place, const std::vector<s
   list->AddRect({corner.x - 1.0f, corner.y - 1.0f}, {corner.x + edge + 1.0f, corner.y + edge + 1.0f}, IM_COL32(0, 0, 0, 255));
   list->AddRect({corner.x, corner.y}, {corner.x + edge, corner.y + edge}, IM_COL32(255, 255, 255, 255));
   if (hasText) {
-    float y = top;
+    float y = top, nameWidth = 0.0f;
+    for (const auto& [name, figure] : lines) nameWidth = std::max(nameWidth, ImGui::CalcTextSize(name.c_str()).x);
     for (const auto& [name, figure] : lines) {
       list->AddText({to.x + margin, y}, ImGui::GetColorU32(kDimTextOnPicture), name.c_str());
-      list->AddText({to.x + look.px(66.0f), y}, ImGui::GetColorU32(kTextOnPicture), figure.c_str());
+      list->AddText({to.x + 2.0f * margin + nameWidth, y}, ImGui::GetColorU32(kTextOnPicture), figure.c_str());
       y += lineHeight;
     }
   }
