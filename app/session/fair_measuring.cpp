@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "app/experiment/findings.h"
 #include "app/experiment/measuring.h"
 #include "render/metrics/picture_errors.h"
 
@@ -65,15 +66,9 @@ class FairWork {
 };
 
 std::vector<size_t> frontOf(const std::vector<FairPoint>& points) {
-  std::vector<size_t> front;
-  for (size_t i = 0; i < points.size(); ++i) {
-    const bool isBeaten = std::ranges::any_of(points, [&](const FairPoint& other) {
-      const bool isNoWorse = other.frameMs <= points[i].frameMs && other.flip <= points[i].flip;
-      return isNoWorse && (other.frameMs < points[i].frameMs || other.flip < points[i].flip);
-    });
-    if (!isBeaten) front.push_back(i);
-  }
-  return front;
+  std::vector<CostAndError> figures;
+  for (const FairPoint& point : points) figures.push_back({point.frameMs, point.flip});
+  return paretoFront(figures);
 }
 
 }  // namespace

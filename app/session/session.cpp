@@ -211,11 +211,13 @@ void Session::startRecording(const std::filesystem::path& file, const std::strin
   recordedFrame_.reset();
 }
 
-void Session::stopRecording() {
+size_t Session::stopRecording() {
   std::erase_if(endedRecordings_, [](const std::future<void>& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
-  if (!recorder_) return;
+  if (!recorder_) return 0;
+  const size_t leftOut = recorder_->framesLeftOut();
   // What waits is written elsewhere: a disk may take its time.
   endedRecordings_.push_back(std::async(std::launch::async, [ended = std::move(recorder_)]() mutable { ended.reset(); }));
+  return leftOut;
 }
 
 std::optional<size_t> Session::placeOf(uint64_t id) const {
@@ -228,7 +230,8 @@ void Session::record(TimePoint now) {
   if (!recorder_) return;
   if (std::string error = recorder_->error(); !error.empty()) {
     recordingError_ = std::move(error);
-    return stopRecording();
+    stopRecording();
+    return;
   }
   if (!recordingSince_) recordingSince_ = now;
   const double seconds = std::chrono::duration<double>(now - *recordingSince_).count();

@@ -96,7 +96,8 @@ class Session {
   /// Records frames and the linked camera into a file from now on, in place of one that is there (frames/recording.h); `text` goes with it. Throws InputError
   /// where that cannot be written, or without a scene.
   void startRecording(const std::filesystem::path& file, const std::string& text);
-  void stopRecording();
+  /// How many frames are not in the recording, because they came faster than they could be written.
+  size_t stopRecording();
   bool isRecording() const { return recorder_ != nullptr; }
   /// A recording that is on show in place of what a server sends; open while the scene is one.
   LivePlayback& playback() { return playback_; }

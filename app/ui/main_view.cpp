@@ -152,7 +152,8 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
       return;
     case Action::record:
       if (!session.isRecording()) return dialog_.show(FileDialog::Purpose::record, "recording.warpscope");
-      session.stopRecording();
+      if (const size_t leftOut = session.stopRecording(); leftOut > 0)
+        return setNote("the recording has ended; " + std::to_string(leftOut) + " frames came faster than they could be written and are not in it");
       return setNote("the recording has ended");
     case Action::savePanels: return savePanels(session);
     case Action::savePlot: return savePlot(session);
@@ -361,9 +362,10 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   drawLinkSign(session, look);
   ImVec2 room = ImGui::GetContentRegionAvail();
   room.y = std::max(1.0f, room.y - plot_.height(room.y, look) - look.px(kMargin) - playbackHeight(session, look));
-  grid_.draw(session, room, held, look);
+  const std::optional<PanelGrid::Asked> asked = grid_.draw(session, room, held, look);
   drawPlayback(session, look);
   drawBottom(session, look);
+  if (asked) perform(asked->action, session, session.placeOf(asked->panel));
   ImGui::EndChild();
   ImGui::PopStyleVar(2);
   if (remembered_.hasSideBar) {

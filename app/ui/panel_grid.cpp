@@ -154,7 +154,7 @@ PanelEvents PanelGrid::drawCell(Session& session, size_t panel, const Layout& la
   return events;
 }
 
-void PanelGrid::draw(Session& session, const ImVec2& room, const HeldKeys& held, const Look& look) {
+std::optional<PanelGrid::Asked> PanelGrid::draw(Session& session, const ImVec2& room, const HeldKeys& held, const Look& look) {
   forgetClosed(session);
   for (size_t i = 0; i < session.panelCount(); ++i) {
     std::unique_ptr<Shown>& shown = shown_[session.panel(i).id];
@@ -173,13 +173,13 @@ void PanelGrid::draw(Session& session, const ImVec2& room, const HeldKeys& held,
     session.setHidden(i, !isDrawn && !isCompared);
   }
   const Layout layout = layoutOf(drawn.size(), room, look);
-  std::optional<std::pair<size_t, Action>> asked;
+  std::optional<Asked> asked;
   std::optional<std::pair<size_t, size_t>> moved;
   Inspection next;
   for (size_t n = 0; n < drawn.size(); ++n) {
     if (n % layout.columns != 0) ImGui::SameLine(0.0f, look.px(kGapPx));
     const PanelEvents events = drawCell(session, drawn[n], layout, held, look);
-    if (events.asked) asked = {drawn[n], *events.asked};
+    if (events.asked) asked = Asked{session.panel(drawn[n]).id, *events.asked};
     if (events.pointer) next.place = events.pointer;
     if (isInspecting_ && events.isClicked && events.pointer) session.lookAt(LookedAt{session.panel(drawn[n]).id, *events.pointer});
     if (!ImGui::BeginDragDropTarget()) continue;
@@ -192,11 +192,7 @@ void PanelGrid::draw(Session& session, const ImVec2& room, const HeldKeys& held,
   underPointer_ = underPointerNow_;
   inspection_ = next;
   if (moved) session.movePanel(moved->first, moved->second);
-  if (!asked) return;
-  const auto [panel, action] = *asked;
-  if (action == Action::closePanel) closePanel(session, panel);
-  if (action == Action::maximise) toggleMaximised(session, panel);
-  if (action == Action::ownCamera) session.setOwnCamera(panel, !session.hasOwnCamera(panel));
+  return asked;
 }
 
 }  // namespace warpscope::ui

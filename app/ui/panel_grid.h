@@ -19,8 +19,13 @@ class PanelGrid {
  public:
   explicit PanelGrid(const WindowGl& gl) : gl_(gl) {}
 
+  /// What a panel's button asks for.
+  struct Asked {
+    uint64_t panel = 0;  ///< its id
+    Action action = Action::closePanel;
+  };
   /// Draws all panels into the current window's room, as much of it as `room`.
-  void draw(Session& session, const ImVec2& room, const HeldKeys& held, const Look& look);
+  std::optional<Asked> draw(Session& session, const ImVec2& room, const HeldKeys& held, const Look& look);
 
   /// The panel under the pointer in the last draw(); nothing if it has gone since.
   std::optional<size_t> underPointer(const Session& session) const;
