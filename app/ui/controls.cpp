@@ -201,10 +201,15 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
   if (hasFunction) transferEditor_.draw(session, look);
   LiveSettings knobs = session.knobs();
   markColors_.take(knobs.marks);
+  // Of what was recorded nothing can be changed.
+  ImGui::BeginDisabled(session.playback().isOpen());
   drawServer(session, knobs, look);
   effects_.draw(knobs.march, look);
+  ImGui::EndDisabled();
   plan_.draw(session, look);
+  ImGui::BeginDisabled(session.playback().isOpen());
   drawNetwork(session, knobs, look);
+  ImGui::EndDisabled();
   drawDisplay(session, knobs, markColors_, look);
   session.setKnobs(knobs);
   drawCamera(session, look);

@@ -12,7 +12,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kBarPx = 26.0f, kFiguresPx = 186.0f, kSpeedPx = 64.0f, kLeastTrackPx = 120.0f;  // at scale 1
+constexpr float kBarPx = 34.0f, kPaddingPx = 4.0f, kFiguresPx = 186.0f, kSpeedPx = 64.0f, kLeastTrackPx = 120.0f;  // at scale 1
 
 enum class Icon { play, pause, back, on };
 
@@ -81,7 +81,9 @@ float playbackHeight(const Session& session, const Look& look) {
 void drawPlayback(Session& session, const Look& look) {
   LivePlayback& playback = session.playback();
   if (!playback.isOpen()) return;
-  ImGui::PushID("playback");
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(2.0f * kPaddingPx), look.px(kPaddingPx)});
+  ImGui::BeginChild("playback", {0.0f, look.px(kBarPx)}, true, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+  ImGui::PopStyleVar();
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(7.0f), look.px(3.0f)});
   const float gap = look.px(4.0f);
   if (iconButton(playback.isPlaying() ? Icon::pause : Icon::play, "##play", Action::play, look)) playback.setPlaying(!playback.isPlaying());
@@ -131,7 +133,7 @@ void drawPlayback(Session& session, const Look& look) {
     tooltip("The camera as it was moved then. Who drags a picture has it for himself until this is switched on again: frames come as they were recorded.", look);
   }
   ImGui::PopStyleVar();
-  ImGui::PopID();
+  ImGui::EndChild();
 }
 
 }  // namespace warpscope::ui
