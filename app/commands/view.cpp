@@ -122,7 +122,10 @@ void view(const ViewOptions& options) {
   WindowSettings window;
   if (checked.width > 0) window.size = {checked.width, checked.height};
   window.uiScale = options.uiScale;
-  if (!options.theme.empty()) window.isLight = options.theme == "light";
+  if (!options.theme.empty()) {
+    if (options.theme != "dark" && options.theme != "light") throw UsageError("--theme is dark or light, not " + options.theme);
+    window.isLight = options.theme == "light";
+  }
   window.screenshot = options.screenshot;
   window.screenshotAfterMs = options.screenshotAfterMs;
   window.report = options.report;
@@ -214,7 +217,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   addTransportOptions(*command, options->transport);
   options->ownKnobs.add(*command, kShortcutsKnob, textOf(kShortcutsKnob, kShortcutsKnob.defaultValue));
   command->add_option("--ui-scale", options->uiScale, "Size of everything, 0.5 to 4; default: as the screen says");
-  command->add_option("--theme", options->theme, "dark or light; default: as it was last")->check(CLI::IsMember({"dark", "light"}));
+  command->add_option("--theme", options->theme, "dark or light; default: as it was last");
   command->add_option("--screenshot", options->screenshot, "PNG file to write the window's picture to; then the window closes");
   command->add_option("--after-ms", options->screenshotAfterMs, "When the screenshot is taken, in milliseconds after the start")
       ->capture_default_str();
