@@ -139,6 +139,35 @@ TEST(OwnPicture, HoldShowsIt) {
   EXPECT_TRUE(sameBits(image.color, expected));
 }
 
+/// A view of another shape shows it as it is: cut off or with nothing beside it, never stretched.
+TEST(OwnPicture, HoldDoesNotStretchIt) {
+  const auto frame = std::make_shared<const SampleFrame>(someFrame(7));
+  const Image<uint32_t> own = ownPicture(*frame);
+  const uint32_t side = std::min(kWidth, kHeight);
+  const auto hold = makeWarp(findWarp("hold"), {});
+  hold->setFrame(frame, {});
+  const auto held = [&](uint32_t width, uint32_t height) {
+    Camera camera = frame->camera;
+    camera.width = width;
+    camera.height = height;
+    WarpedImage image;
+    hold->draw(camera, {}, image);
+    return image.samples;
+  };
+  const Image<uint32_t> square = held(side, side);  // the middle of it
+  for (uint32_t y = 0; y < side; ++y)
+    for (uint32_t x = 0; x < side; ++x) ASSERT_EQ(square(x, y), own(x + (kWidth - side) / 2, y + (kHeight - side) / 2)) << x << ", " << y;
+  const Image<uint32_t> large = held(3 * side, 3 * side);
+  for (uint32_t y = 0; y < 3 * side; ++y)
+    for (uint32_t x = 0; x < 3 * side; ++x) ASSERT_EQ(large(x, y), square(x / 3, y / 3)) << x << ", " << y;
+  const Image<uint32_t> wide = held(kWidth + 40 * side, kHeight);  // all of it, and nothing beside it
+  for (uint32_t y = 0; y < kHeight; ++y)
+    for (uint32_t x = 0; x < wide.width(); ++x) {
+      const bool isInside = x >= 20 * side && x < 20 * side + kWidth;
+      ASSERT_EQ(wide(x, y), isInside ? own(x - 20 * side, y) : kNoSample) << x << ", " << y;
+    }
+}
+
 /// Where spheres fit into their pixels, a ray from the frame's own eye meets its own samples and no others.
 TEST(OwnPicture, MultihitShowsItWhereSpheresFitIntoTheirPixels) {
   SampleFrame made = someFrame(8);
