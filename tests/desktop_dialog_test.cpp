@@ -11,6 +11,7 @@
 #include "app/shell/child_process.h"
 #include "render/base/error.h"
 #include "tests/test_folder.h"
+#include "tests/wait_for.h"
 
 namespace warpscope {
 namespace {
@@ -36,10 +37,7 @@ class DesktopDialogTest : public testing::Test {
     std::filesystem::permissions(folder_.path() / name, std::filesystem::perms::owner_all);
   }
   DesktopDialog::Answer answerOf(DesktopDialog& dialog) {
-    for (int i = 0; i < 6000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
-      if (auto answer = dialog.tryTake()) return *answer;
-    ADD_FAILURE() << "no answer";
-    return {};
+    return waitFor([&] { return dialog.tryTake(); });
   }
 
   static constexpr const char* kNames[] = {"PATH", "DISPLAY", "WAYLAND_DISPLAY", "XDG_CURRENT_DESKTOP"};

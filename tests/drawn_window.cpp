@@ -6,8 +6,6 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
-#include <algorithm>
-
 #include "app/ui/theme.h"
 
 namespace warpscope::ui {
@@ -60,11 +58,7 @@ Image<Rgba8> DrawnWindow::picture(const glm::uvec2& size) {
   gl.clearColor(palette().frame.x, palette().frame.y, palette().frame.z, 1.0f);
   gl.clear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-  Image<Rgba8> upsideDown(size.x, size.y), picture(size.x, size.y);
-  gl.pixelStorei(GL_PACK_ALIGNMENT, 4);
-  gl.readPixels(0, 0, static_cast<GLsizei>(size.x), static_cast<GLsizei>(size.y), GL_RGBA, GL_UNSIGNED_BYTE, upsideDown.data());
-  for (uint32_t y = 0; y < size.y; ++y)
-    std::transform(upsideDown.row(y), upsideDown.row(y) + size.x, picture.row(size.y - 1 - y), [](Rgba8 pixel) { return pixel | 0xff000000u; });
+  Image<Rgba8> picture = readPicture(gl, size);
   deleteFramebuffers(1, &framebuffer);
   gl.deleteTextures(1, &texture);
   return picture;

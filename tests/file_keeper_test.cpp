@@ -4,19 +4,16 @@
 
 #include <gmock/gmock.h>
 
-#include <chrono>
 #include <stdexcept>
-#include <thread>
 
 #include "tests/test_folder.h"
+#include "tests/wait_for.h"
 
 namespace warpscope {
 namespace {
 
 std::string noteOf(FileKeeper& keeper) {
-  for (int i = 0; i < 6000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
-    if (std::optional<std::string> note = keeper.takeNote()) return *note;
-  return "";
+  return waitFor([&] { return keeper.takeNote(); });
 }
 
 FileKeeper::File file(const std::string& ending, const std::string& text) {

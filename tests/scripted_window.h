@@ -28,6 +28,15 @@ class ScriptedWindow {
   /// One frame of the display.
   void frame();
   void frames(int count);
+  /// As many as it takes until that is so; false if that takes longer than kPatience.
+  template <class Predicate>
+  bool framesUntil(const Predicate& predicate) {
+    for (const auto deadline = clock_.now() + kPatience; clock_.now() < deadline; std::this_thread::sleep_for(milliseconds(1))) {
+      frame();
+      if (predicate()) return true;
+    }
+    return false;
+  }
   void resize(const glm::uvec2& size) { ImGui::GetIO().DisplaySize = {static_cast<float>(size.x), static_cast<float>(size.y)}; }
 
   void moveTo(const glm::vec2& at);

@@ -4,13 +4,12 @@
 
 #include <gmock/gmock.h>
 
-#include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "render/base/error.h"
 #include "tests/test_folder.h"
+#include "tests/wait_for.h"
 
 namespace warpscope {
 namespace {
@@ -44,12 +43,7 @@ class SweepFileTest : public testing::Test {
   HandedFile sorted(const std::string& path) const {
     const std::unique_ptr<FileSorter> sorter = makeFileSorter([] {});
     sorter->post(path);
-    std::optional<HandedFile> file;
-    for (const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60); !file && std::chrono::steady_clock::now() < limit;
-         std::this_thread::sleep_for(std::chrono::milliseconds(1)))
-      file = sorter->tryTake();
-    EXPECT_TRUE(file);
-    return file.value_or(HandedFile{});
+    return waitFor([&] { return sorter->tryTake(); });
   }
 
   TestFolder folder_;

@@ -38,17 +38,10 @@ class WindowGolden : public SessionTest {
     ASSERT_TRUE(rest());
   }
   bool rest() {
-    const auto deadline = clock_.now() + kPatience;
     const auto isJudged = [&](size_t i) { return session_.panel(i).currentPixels() != nullptr && session_.panel(i).errorsAreCurrent && session_.panel(i).isContentFound(); };
-    while (clock_.now() < deadline) {
-      window_->frame();
-      if (session_.scene() != nullptr && isJudged(0) && isJudged(1)) {
-        window_->frames(3);
-        return true;
-      }
-      std::this_thread::sleep_for(milliseconds(1));
-    }
-    return false;
+    const bool isRest = window_->framesUntil([&] { return session_.scene() != nullptr && isJudged(0) && isJudged(1); });
+    window_->frames(3);
+    return isRest;
   }
   void expectGolden(const std::string& name, std::span<const Box> covered = kMeasured) {
     Image<Rgba8> picture = window_->picture();
@@ -83,12 +76,7 @@ TEST_F(WindowGolden, LoupeAndRay) {
   window_->key({.name = "I"});
   window_->click({250.0f, 280.0f});
   ASSERT_TRUE(rest());
-  const auto deadline = clock_.now() + kPatience;
-  while (!session_.ray().isCurrent() && clock_.now() < deadline) {
-    window_->frame();
-    std::this_thread::sleep_for(milliseconds(1));
-  }
-  ASSERT_TRUE(session_.ray().isCurrent());
+  ASSERT_TRUE(window_->framesUntil([&] { return session_.ray().isCurrent(); }));
   window_->frames(3);
   constexpr Box kCovered[] = {{9, 472, 497, 559}, {507, 472, 995, 559}, {12, 598, 445, 762}, {0, 768, 1280, 800}};
   expectGolden("inspecting", kCovered);

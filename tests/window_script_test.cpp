@@ -19,13 +19,7 @@ class WindowScriptTest : public SessionTest {
 
   template <class Predicate>
   bool waitUntil(const Predicate& predicate) {
-    const auto deadline = clock_.now() + kPatience;
-    while (clock_.now() < deadline) {
-      window_.frame();
-      if (predicate()) return true;
-      std::this_thread::sleep_for(milliseconds(1));
-    }
-    return false;
+    return window_.framesUntil(predicate);
   }
   LoadJob jobOf(const SceneOrigin& origin) {
     LoadJob job = builtin(origin.spec);

@@ -226,7 +226,7 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
   logDetail("drew " + std::to_string(work.width) + "x" + std::to_string(work.height) + " pixels with " + std::string(descriptor.name));
   progress->step("the file");
   std::optional<SegmentLook> segments;
-  if (describe(content).usesSamples && descriptor.uses.segments && frame && !frame->segments.empty()) segments = lookAtSegments(*frame, camera, interrupt.token());
+  if (describe(content).usesSamples) segments = segmentLookOf(descriptor, frame.get(), camera, interrupt.token());
   const ContentInputs inputs{.image = image,
                              .camera = camera,
                              .background = work.scene.background,

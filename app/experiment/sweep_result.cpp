@@ -2,6 +2,7 @@
 // See sweep_result.h.
 #include "app/experiment/sweep_result.h"
 
+#include "app/experiment/csv.h"
 #include "app/scene/json_document.h"
 
 #include <cmath>
@@ -34,17 +35,6 @@ double decibelsFrom(const Node& node) {
 std::optional<double> optionalFrom(const Node& node) {
   if (node.isNull()) return std::nullopt;
   return node.number(-kHuge, kHuge);
-}
-
-/// A value as RFC 4180 wants it.
-std::string csvField(const Json& value) {
-  if (value.is_null()) return "";
-  if (!value.is_string()) return value.dump();
-  const std::string text = value.get<std::string>();
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 }  // namespace

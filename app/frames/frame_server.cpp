@@ -139,7 +139,7 @@ FrameServer::FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, 
     : clock_(io->clock()),
       turns_(limits ? std::make_shared<Turns>(TurnSettings{.limit = limits->work}) : nullptr),
       budget_(limits ? std::make_unique<net::ByteBudget>(limits->memoryBytes) : nullptr),
-      crew_(limits ? nullptr : std::make_unique<Crew>(0, Crew::kOfPictures + Crew::kOfMarches)),
+      crew_(limits ? nullptr : std::make_unique<Crew>()),
       server_(std::move(io), withScene(settings, scene)),
       mostLanes_(limits ? settings.clients.most : 1),
       marcher_(std::move(marcher)) {

@@ -52,11 +52,10 @@ RecordedFrameSource::RecordedFrameSource(std::shared_ptr<const Recording> record
           },
           std::move(onNews)) {}
 
-bool RecordedFrameSource::seek(double seconds) {
+void RecordedFrameSource::seek(double seconds) {
   const std::optional<size_t> index = frameAt(*recording_, seconds);
   if (index && index != sought_) worker_.post(*index);
   sought_ = index;
-  return index.has_value();
 }
 
 std::optional<RecordedFrameSource::Taken> RecordedFrameSource::take() {

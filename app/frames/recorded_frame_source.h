@@ -16,8 +16,8 @@ class RecordedFrameSource final : public FrameSource {
   /// `onNews` is called on its thread after each answer.
   RecordedFrameSource(std::shared_ptr<const Recording> recording, std::function<void()> onNews);
 
-  /// Asks for the frame that was the newest then, unless that was asked for last. False where there was none yet. On one thread, as tryTake().
-  bool seek(double seconds);
+  /// Asks for the frame that was the newest then, unless that was asked for last. On one thread, as tryTake().
+  void seek(double seconds);
   /// Whether what was sought last has not been taken yet.
   bool isSeeking() const { return sought_ && sought_ != taken_; }
   const Recording& recording() const { return *recording_; }

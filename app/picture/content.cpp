@@ -98,6 +98,11 @@ ShownContent rampedOverExtent(const Image<float>& values, std::optional<float> r
 
 }  // namespace
 
+std::optional<SegmentLook> segmentLookOf(const WarpDescriptor& technique, const SampleFrame* frame, const Camera& camera, const std::stop_token& stop) {
+  const bool hasSome = technique.uses.segments && frame != nullptr && !frame->segments.empty();
+  return hasSome ? std::optional(lookAtSegments(*frame, camera, stop)) : std::nullopt;
+}
+
 std::span<const ContentDescriptor> pictureContents() { return kContents; }
 
 const ContentDescriptor& describe(PictureContent content) { return kContents[static_cast<size_t>(content)]; }

@@ -28,6 +28,9 @@ struct ContentDescriptor {
   std::optional<float> usualRange;  ///< what the ramp's upper end stands for unless somebody says; nothing: the largest value in the picture, or no ramp
 };
 
+/// Of a picture that the technique itself drew of the frame (null: of none): what its rays meet of segments; nothing where it draws none. Throws as lookAtSegments().
+std::optional<SegmentLook> segmentLookOf(const WarpDescriptor& technique, const SampleFrame* frame, const Camera& camera, const std::stop_token& stop = {});
+
 std::span<const ContentDescriptor> pictureContents();
 const ContentDescriptor& describe(PictureContent content);
 

@@ -68,9 +68,8 @@ std::shared_ptr<const PanelPixels> pixelsOf(const WarpResult& drawn, Image<float
   const Camera& camera = job.reference->job().camera;
   const bool isShown = camera == job.camera;
   PanelPixels pixels{isShown ? drawn.picture : ShownPicture{}, drawn.judged, job.reference, job.frame, job.background, job.marks, std::move(flip), std::nullopt};
-  const bool isOfSegments = job.technique->uses.segments && drawn.plan.way() == PictureWay::technique && job.frame && !job.frame->segments.empty();
   // Of a view that passes nobody looks at pixels.
-  if (isOfSegments && isShown) pixels.segments = lookAtSegments(*job.frame, camera, stop);
+  if (isShown && drawn.plan.way() == PictureWay::technique) pixels.segments = segmentLookOf(*job.technique, job.frame.get(), camera, stop);
   return std::make_shared<const PanelPixels>(std::move(pixels));
 }
 

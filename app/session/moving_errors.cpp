@@ -11,7 +11,7 @@ namespace {
 /// Of one camera.
 struct SparseTruth {
   Camera camera;  ///< of the whole picture
-  std::unique_ptr<PictureJudge> judge;
+  PictureJudge judge;
 };
 
 }  // namespace
@@ -31,10 +31,10 @@ MovingErrors::MovingErrors(std::function<void()> onNews, std::shared_ptr<Crew> c
                   job.truth.marcher->render(sparseCamera(seen.camera, pixels), job.truth.settings, color, stop);
                   // As large in the field of view as the whole picture.
                   const float perDegree = std::max(1.0f, kFlipPixelsPerDegree / static_cast<float>(pixels.every));
-                  truths.push_back({seen.camera, std::make_unique<PictureJudge>(color, job.truth.background, perDegree)});
+                  truths.push_back({seen.camera, PictureJudge(color, job.truth.background, perDegree)});
                   truth = truths.end() - 1;
                 }
-                result.found.push_back({seen.panel, seen.technique, truth->judge->errorsOf(*seen.sparse)});
+                result.found.push_back({seen.panel, seen.technique, truth->judge.errorsOf(*seen.sparse)});
               }
             };
           },

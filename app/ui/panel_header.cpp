@@ -148,8 +148,7 @@ bool iconButton(Icon icon, const char* id, bool isOn, const Action action, const
   const bool isPressed = ImGui::InvisibleButton(id, {side, side});
   const ImVec4 color = isOn ? palette().accent : ImGui::IsItemHovered() ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : palette().faintText;
   drawIcon(icon, {at.x + 0.5f * side, at.y + 0.5f * side}, look.px(4.0f), ImGui::GetColorU32(color), std::max(1.0f, look.px(1.2f)));
-  const ActionDescriptor& described = describe(action);
-  tooltip(std::string(described.help) + ". Key " + std::string(described.keys) + ".", look);
+  tooltip(action, look);
   return isPressed;
 }
 

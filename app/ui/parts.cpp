@@ -61,6 +61,11 @@ void tooltip(const std::string& text, const Look& look) {
   ImGui::PopStyleVar();
 }
 
+void tooltip(Action action, const Look& look) {
+  const ActionDescriptor& described = describe(action);
+  tooltip(std::string(described.help) + ". Key " + std::string(described.keys) + ".", look);
+}
+
 void drawStatusBar(const Session& session, double displayFramesPerSecond, const Look& look) {
   std::vector<std::string> items;
   if (const Scene* scene = session.scene()) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 
+#include "app/session/actions.h"
 #include "app/session/remembered.h"
 #include "app/session/session.h"
 #include "app/ui/run_window.h"
@@ -110,6 +111,9 @@ void drawErrorBanner(Session& session, const Look& look);
 
 /// Explains the item drawn last while the pointer rests on it.
 void tooltip(const std::string& text, const Look& look);
+
+/// The same, by what an action does and its key.
+void tooltip(Action action, const Look& look);
 
 /// A linear colour as the screen shows it.
 ImU32 screenColor(const glm::vec3& linear, float opacity = 1.0f);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/session/actions.h"
 #include "app/ui/knob_parts.h"
 #include "render/base/formatted.h"
 
@@ -39,8 +38,7 @@ bool iconButton(Icon icon, const char* id, Action action, const Look& look) {
       list->AddRectFilled({c.x + r - bar, c.y - r}, {c.x + r, c.y + r}, color);
       break;
   }
-  const ActionDescriptor& described = describe(action);
-  tooltip(std::string(described.help) + ". Key " + std::string(described.keys) + ".", look);
+  tooltip(action, look);
   return isPressed;
 }
 

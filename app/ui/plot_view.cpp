@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <vector>
 
+#include "app/experiment/csv.h"
 #include "app/picture/svg_plot.h"
 #include "app/picture/technique_color.h"
 #include "app/ui/scatter_plot.h"
@@ -178,10 +180,9 @@ std::string PlotView::csv(const Session& session) const {
   const Shown shown = shownOf(session, 0);
   std::string text = "source,technique,configuration,frameMs,flip,isOnFront\n";
   for (size_t i = 0; i < shown.points.size(); ++i) {
-    std::string label = labelOf(*shown.configurations[i]);
-    for (size_t at = label.find('"'); at != std::string::npos; at = label.find('"', at + 2)) label.insert(at, 1, '"');
-    text += std::string(shown.sources[i]) + "," + std::string(shown.configurations[i]->technique->name) + ",\"" + label + "\"," + formatted("%.6g,%.6g,", shown.points[i].x, shown.points[i].y) +
-            (shown.points[i].isOnFront ? "true" : "false") + "\n";
+    const Configuration& configuration = *shown.configurations[i];
+    text += std::string(shown.sources[i]) + "," + std::string(configuration.technique->name) + "," + csvField(labelOf(configuration)) + "," +
+            formatted("%.6g,%.6g,", shown.points[i].x, shown.points[i].y) + (shown.points[i].isOnFront ? "true" : "false") + "\n";
   }
   return text;
 }

@@ -2,6 +2,8 @@
 // See texture.h.
 #include "app/ui/texture.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
 
 #include "app/shell/log.h"
@@ -30,7 +32,22 @@ WindowGl::WindowGl(Loader loader) {
   load(clear, "glClear");
   const GLubyte* (*getString)(GLenum) = nullptr;
   load(getString, "glGetString");
-  if (const auto* renderer = reinterpret_cast<const char*>(getString(GL_RENDERER))) logDetail("the window's OpenGL: " + std::string(renderer));
+  if (const auto* name = reinterpret_cast<const char*>(getString(GL_RENDERER))) renderer = name;
+  if (!renderer.empty()) logDetail("the window's OpenGL: " + renderer);
+}
+
+bool WindowGl::isDrawnByCpu() const {
+  constexpr std::array kOfMesa{"llvmpipe", "softpipe", "swrast"};
+  return std::ranges::any_of(kOfMesa, [&](const char* name) { return renderer.find(name) != std::string::npos; });
+}
+
+Image<Rgba8> readPicture(const WindowGl& gl, const glm::uvec2& size) {
+  Image<Rgba8> upsideDown(size.x, size.y), picture(size.x, size.y);
+  gl.pixelStorei(GL_PACK_ALIGNMENT, 4);
+  gl.readPixels(0, 0, static_cast<GLsizei>(size.x), static_cast<GLsizei>(size.y), GL_RGBA, GL_UNSIGNED_BYTE, upsideDown.data());
+  for (uint32_t y = 0; y < size.y; ++y)
+    std::transform(upsideDown.row(y), upsideDown.row(y) + size.x, picture.row(size.y - 1 - y), [](Rgba8 pixel) { return pixel | 0xff000000u; });
+  return picture;
 }
 
 PictureTexture::~PictureTexture() {

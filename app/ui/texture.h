@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "app/picture/shown_picture.h"
 #include "render/core/transfer_vector.h"
@@ -21,6 +22,10 @@ struct WindowGl {
   /// Throws InputError naming what is missing.
   explicit WindowGl(Loader loader);
 
+  std::string renderer;  ///< as the driver says
+  /// By one of Mesa's drivers without a device.
+  bool isDrawnByCpu() const;
+
   PFNGLGENTEXTURESPROC genTextures = nullptr;
   PFNGLDELETETEXTURESPROC deleteTextures = nullptr;
   PFNGLBINDTEXTUREPROC bindTexture = nullptr;
@@ -32,6 +37,9 @@ struct WindowGl {
   PFNGLCLEARCOLORPROC clearColor = nullptr;
   PFNGLCLEARPROC clear = nullptr;
 };
+
+/// The lower left corner, of that size, of what is drawn to at the moment: upright and opaque.
+Image<Rgba8> readPicture(const WindowGl& gl, const glm::uvec2& size);
 
 /// Follows a picture that changes: uploads it when it is another one.
 class PictureTexture {

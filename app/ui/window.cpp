@@ -170,13 +170,6 @@ void Window::open(const std::string& title) {
   if (window_ == nullptr) throw NoDisplay("no window with OpenGL 3.3 can be opened here: " + lastGlfwError());
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
-  using GetString = const unsigned char* (*)(unsigned int);
-  constexpr unsigned int kRenderer = 0x1f01;  // GL_RENDERER
-  if (const auto getString = reinterpret_cast<GetString>(glfwGetProcAddress("glGetString"))) {
-    const auto* const name = reinterpret_cast<const char*>(getString(kRenderer));
-    const std::string_view renderer = name != nullptr ? name : "";
-    for (const char* const ofMesa : {"llvmpipe", "softpipe", "swrast"}) isDrawnByCpu_ |= renderer.find(ofMesa) != std::string_view::npos;
-  }
 }
 
 void Window::listen() {
@@ -291,7 +284,7 @@ void Window::waitForNextFrame(bool isMoving) {
   if (!isMoving && !hasInput_) takeEvents(kIdlePeriodS);
   // Drivers without a screen to wait for swap at once; a little less than a period leaves the pace to those that do wait.
   const double periodMs = 900.0 / refreshHz();
-  const auto due = frameBegan_ + durationOfMs(isDrawnByCpu_ && frameMs_ > kCheapFrameMs ? std::max(kDearPeriodMs, periodMs) : periodMs);
+  const auto due = frameBegan_ + durationOfMs(gl_->isDrawnByCpu() && frameMs_ > kCheapFrameMs ? std::max(kDearPeriodMs, periodMs) : periodMs);
   takeEvents(0.0);
   for (auto now = Clock::TimePoint::clock::now(); now < due && !shouldClose(); now = Clock::TimePoint::clock::now())
     takeEvents(std::chrono::duration<double>(due - now).count());
@@ -345,13 +338,7 @@ void Window::endFrame(Image<Rgba8>* photograph) {
   gl_->clear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   if (photograph != nullptr && width > 0 && height > 0) {
-    Image<Rgba8> upsideDown(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
-    gl_->pixelStorei(GL_PACK_ALIGNMENT, 4);
-    gl_->readPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upsideDown.data());
-    photograph->resize(upsideDown.width(), upsideDown.height());
-    for (uint32_t y = 0; y < upsideDown.height(); ++y)
-      std::transform(upsideDown.row(y), upsideDown.row(y) + upsideDown.width(), photograph->row(upsideDown.height() - 1 - y),
-                     [](Rgba8 pixel) { return pixel | 0xff000000u; });
+    *photograph = readPicture(*gl_, {static_cast<uint32_t>(width), static_cast<uint32_t>(height)});
   }
   glfwSwapBuffers(window_);
   frameMs_ += 0.2 * (millisecondsBetween(frameBegan_, Clock::TimePoint::clock::now()) - frameMs_);

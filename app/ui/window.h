@@ -81,8 +81,7 @@ class Window {
   float scale_ = 1.0f;
   float pixelsPerUnit_ = 1.0f;
   Clock::TimePoint frameBegan_{};
-  double frameMs_ = 0.0;       // that frames take this thread, smoothed
-  bool isDrawnByCpu_ = false;  // by one of Mesa's drivers without a device
+  double frameMs_ = 0.0;  // that frames take this thread, smoothed
   bool hadInput_ = false, hasInput_ = false;
   Clock::TimePoint askedForEvents_{}, tookEvents_{};  // when GLFW was last asked, and when it last returned
   glm::dvec2 pointer_{0.0};                           // in screen coordinates

@@ -26,8 +26,10 @@ class Crew {
   /// Lets other threads of the program go before the calling one, and before those that it starts from now on.
   static void standBack(int nice);
 
-  /// Nice values that threads are behind the one that made them by.
-  static constexpr int kOfPictures = 3, kOfMarches = 4;
+  /// Nice values by which threads are behind the one that made them: those that draw for the window behind the window's own, and marches behind these. Each step is
+  /// a factor of 1.25 (sched(7)): of a core that pictures want as well a march gets three tenths, and they do not wait for it. Less would let it stand still while
+  /// pictures are drawn all the time; tests/bench/README.md has figures.
+  static constexpr int kOfPictures = 3, kOfMarches = kOfPictures + 4;
   /// As many threads as loops run on otherwise, or `threads`.
   explicit Crew(size_t threads = 0, int nice = kOfMarches);
   ~Crew();

@@ -2,12 +2,10 @@
 // See segments_warp.h.
 #include "render/warp/segments_warp.h"
 
-#include "render/core/floating_point.h"
-#include "render/core/parallel.h"
 #include "render/warp/fill.h"
 #include "render/warp/proxy_fill.h"
+#include "render/warp/segments/pixel_rays.h"
 #include "render/warp/segments/segment_field_build.h"
-#include "render/warp/segments/segment_walk.h"
 #include "render/warp/segments_warp_cuda.h"
 
 namespace warpscope {
@@ -35,8 +33,6 @@ constinit const Knob kBetweenKnob{.key = "between",
                                   .naming = KnobNaming::unlessDefault};
 
 namespace {
-
-constexpr uint32_t kTileSide = 32;
 
 class SegmentsWarp final : public Warp {
  public:
@@ -77,21 +73,13 @@ class SegmentsWarp final : public Warp {
   template <class Walk>
   void walkRays(const Camera& camera, WarpedImage& image, const std::stop_token& stop, const Walk& walk) const {
     const SegmentField field = built_.field();
-    const Box& bounds = frame_->quantization.bounds;
-    const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, bounds).nearDepth);
     const float stopBelow = limitsOf(frame_->settings.render).stopBelow;
-    parallelForTiles(camera.width, camera.height, kTileSide, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
-      for (uint32_t y = y0; y < y1; ++y)
-        for (uint32_t x = x0; x < x1; ++x) {
-          const Ray ray = pixels.ray(x, y).ray;
-          const WalkedRay walked = exceptionsExpected([&] {
-            const RayInterval inside = partInside(bounds, ray);
-            return inside.isMiss() ? WalkedRay{} : walk(field, ray, inside, stopBelow);
-          });
+    forEachPixelRay<WalkedRay>(
+        *frame_, camera, stop, [&](const Ray& ray, const RayInterval& inside) { return walk(field, ray, inside, stopBelow); },
+        [&](uint32_t x, uint32_t y, const Ray& /*ray*/, const WalkedRay& walked) {
           image.color(x, y) = walked.seen();
           image.samples(x, y) = walked.id();
-        }
-    });
+        });
   }
 
   SampleFramePtr frame_;

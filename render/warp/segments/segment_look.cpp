@@ -4,11 +4,9 @@
 
 #include <limits>
 
-#include "render/core/floating_point.h"
-#include "render/core/parallel.h"
 #include "render/march/march_setup.h"
+#include "render/warp/segments/pixel_rays.h"
 #include "render/warp/segments/segment_field_build.h"
-#include "render/warp/segments/segment_walk.h"
 
 namespace warpscope {
 namespace {
@@ -34,27 +32,21 @@ SegmentLook lookAtSegments(const SampleFrame& frame, const Camera& camera, const
   BuiltSegmentField built;
   built.build(frame);
   const SegmentField field = built.field();
-  const Box& bounds = frame.quantization.bounds;
-  const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, bounds).nearDepth);
   const float stopBelow = limitsOf(frame.settings.render).stopBelow;
   SegmentLook look;
   look.count.resize(camera.width, camera.height);
   look.depth.resize(camera.width, camera.height);
-  constexpr uint32_t kTileSide = 32;
-  parallelForTiles(camera.width, camera.height, kTileSide, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
-    for (uint32_t y = y0; y < y1; ++y)
-      for (uint32_t x = x0; x < x1; ++x) {
-        const Ray ray = pixels.ray(x, y).ray;
-        const NotingRay noted = exceptionsExpected([&] {
-          const RayInterval inside = partInside(bounds, ray);
-          NotingRay walked;
-          if (!inside.isMiss()) walkThrough<false>(field, ray, inside.tNear, inside.tFar, stopBelow, walked);
-          return walked;
-        });
+  forEachPixelRay<NotingRay>(
+      frame, camera, stop,
+      [&](const Ray& ray, const RayInterval& inside) {
+        NotingRay walked;
+        walkThrough<false>(field, ray, inside.tNear, inside.tFar, stopBelow, walked);
+        return walked;
+      },
+      [&](uint32_t x, uint32_t y, const Ray& ray, const NotingRay& noted) {
         look.count(x, y) = static_cast<float>(noted.count);
         look.depth(x, y) = noted.seen > 0.0f ? glm::length(ray.origin - camera.eye + ray.direction * (noted.places / noted.seen)) : std::numeric_limits<float>::quiet_NaN();
-      }
-  });
+      });
   return look;
 }
 
