@@ -340,6 +340,28 @@ std::string toString(const DuplexLinkSettings& settings) {
   return text.empty() ? "none" : text;
 }
 
+std::string inWords(const DuplexLinkSettings& settings) {
+  const auto& [up, down] = settings;
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() || part.empty() ? "" : ", ") + part; };
+  const auto addEach = [&](const auto& wordsOf) {
+    const std::string ofDown = wordsOf(down), ofUp = wordsOf(up);
+    if (ofUp == ofDown) return add(ofDown);
+    if (!ofDown.empty()) add(ofDown + " down");
+    if (!ofUp.empty()) add(ofUp + " up");
+  };
+  const double roundTripMs = up.delayMs + down.delayMs;
+  if (roundTripMs > 0) add(numberText(roundTripMs) + " ms round trip");
+  addEach([](const LinkSettings& way) { return way.trace ? "delays of " + way.trace->file : ""; });
+  addEach([](const LinkSettings& way) { return way.jitter != Jitter::none ? "± " + numberText(way.jitterMs) + " ms" : ""; });
+  addEach([](const LinkSettings& way) { return way.rateBitPerS > 0 ? numberText(way.rateBitPerS / 1e6) + " Mbit/s" : ""; });
+  addEach([](const LinkSettings& way) { return way.loss > 0 ? lossText(way.loss) + " lost" : ""; });
+  addEach([](const LinkSettings& way) {
+    return way.outageIntervalMs > 0 ? "outages of " + numberText(way.outageMs) + " ms every " + numberText(way.outageIntervalMs) + " ms" : "";
+  });
+  return text.empty() ? "nothing" : text;
+}
+
 std::shared_ptr<const DelayTrace> parseTrace(std::string_view text, const std::string& file) {
   auto trace = std::make_shared<DelayTrace>();
   trace->file = file;

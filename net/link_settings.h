@@ -90,6 +90,9 @@ DuplexLinkSettings parseLinkSettings(std::string_view text);
 /// What parseLinkSettings() reads back: a preset's name, or keys and values.
 std::string toString(const DuplexLinkSettings& settings);
 
+/// What it does to bytes, as people read it, with units: "600 ms round trip, 20 Mbit/s down, 5 Mbit/s up, 1 % lost"; "nothing" where it does nothing.
+std::string inWords(const DuplexLinkSettings& settings);
+
 /// As people read it, to four digits: "0.01 %".
 std::string lossText(double loss);
 

@@ -56,6 +56,11 @@ TEST_F(DesktopDialogTest, TheCommandIsThatOfTheDesktop) {
               ElementsAre("zenity", "--file-selection", "--title=Save", "--filename=/data/a b.json", "--save", "--confirm-overwrite"));
   setenv("XDG_CURRENT_DESKTOP", "KDE", 1);
   EXPECT_THAT(desktopDialogCommand({"Save", "/data", "a.json"}), ElementsAre("kdialog", "--title", "Save", "--getsavefilename", "/data/a.json"));
+  EXPECT_THAT(desktopDialogCommand({"Open", "/data", "", {".raw", ".nii.gz"}}),
+              ElementsAre("kdialog", "--title", "Open", "--getopenfilename", "/data/", "Open (*.raw *.nii.gz)\nAll files (*)"));
+  setenv("XDG_CURRENT_DESKTOP", "GNOME", 1);
+  EXPECT_THAT(desktopDialogCommand({"Open", "/data", "", {".raw", ".nii.gz"}}),
+              ElementsAre("zenity", "--file-selection", "--title=Open", "--filename=/data/", "--file-filter=Open | *.raw *.nii.gz", "--file-filter=All files | *"));
   unsetenv("DISPLAY");
   EXPECT_THAT(desktopDialogCommand({"Open", "/data", ""}), testing::IsEmpty());
 }

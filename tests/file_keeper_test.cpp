@@ -30,7 +30,7 @@ TEST(FileKeeper, NamesAreThoseThatNobodyHas) {
   EXPECT_THAT(noteOf(keeper), testing::HasSubstr("warpscope-8.png"));
   EXPECT_EQ(folder.read("warpscope-8.png"), "a");
   keeper.keep({file("-1.png", "b"), file("-2.png", "c")});
-  EXPECT_THAT(noteOf(keeper), testing::EndsWith("warpscope-9-1.png and 1 more"));
+  EXPECT_THAT(noteOf(keeper), testing::EndsWith("warpscope-9-1.png and warpscope-9-2.png"));
   EXPECT_EQ(folder.read("warpscope-9-2.png"), "c");
   keeper.keep({});
   EXPECT_FALSE(keeper.takeNote());

@@ -119,5 +119,20 @@ TEST_F(PixelReportTest, ARaysJsonHasNullsWhereThereIsNoNumber) {
   EXPECT_EQ(depthBy(trace, Heuristic::median), std::nullopt);
 }
 
+TEST_F(PixelReportTest, ALightsPlacesAreSharesOfWhatTheRayBrings) {
+  RayTrace trace;
+  EXPECT_EQ(lightAbout(trace, 1.0f).within, 0.0f) << "there is no light";
+  trace.samples = {{10.0f, 1.0f, 0.2f, 1.0f, 0.0f}, {11.5f, 1.0f, 0.5f, 0.8f, 0.2f}, {20.0f, 1.0f, 1.0f, 0.4f, 0.6f}};  // 0.2, 0.4 and 0.4 of all light
+  trace.depths = {{Heuristic::gradient, {true, 11.5f, 0.0f}}};
+  const LightAbout about = lightAbout(trace, 11.5f), first = lightAbout(trace, 10.75f);
+  EXPECT_FLOAT_EQ(about.nearer, 0.2f);
+  EXPECT_FLOAT_EQ(about.within, 0.4f);
+  EXPECT_FLOAT_EQ(about.farther, 0.4f);
+  EXPECT_FLOAT_EQ(first.within, 0.6f) << "both are within a unit";
+  const nlohmann::json json = toJson(trace, rayBehind(inputs(), {1, 0}), {});
+  EXPECT_FLOAT_EQ(json["light"]["farther"], 0.4f);
+  EXPECT_TRUE(toJson(RayTrace{}, rayBehind(inputs(), {1, 0}), {})["light"].is_null());
+}
+
 }  // namespace
 }  // namespace warpscope

@@ -2,6 +2,7 @@
 // Mirrors app/session/demos.h and what of app/session/session.h is about motions and outages.
 #include "app/session/demos.h"
 
+#include "net/link_settings.h"
 #include "tests/session_fixture.h"
 
 namespace warpscope {
@@ -27,6 +28,43 @@ TEST_F(SessionDemoTest, EachShowsItsTechniquesBehindItsLink) {
       return session_.view() != home;
     }));
   }
+}
+
+TEST_F(SessionDemoTest, AfterOneAllIsAsItWas) {
+  ASSERT_TRUE(open("block"));
+  session_.addPanel({.technique = &findWarp("mesh"), .content = PictureContent::depth});
+  session_.setOwnCamera(1, true);
+  View own = session_.view(1);
+  own.angleDeg += 30.0;
+  session_.setView(1, own);
+  turn(session_, 10.0);
+  LiveSettings knobs = session_.knobs();
+  knobs.transport.link = net::parseLinkSettings("delay=20");
+  knobs.isFrozen = true;
+  session_.setKnobs(knobs);
+  const View view = session_.view();
+  std::vector<const WarpDescriptor*> techniques;
+  for (size_t i = 0; i < session_.panelCount(); ++i) techniques.push_back(session_.panel(i).technique);
+  const BeforeDemo before = beforeDemo(session_);
+  for (const Demo& demo : demos()) startDemo(demo, session_);
+  endDemo(before, session_);
+  ASSERT_EQ(session_.panelCount(), techniques.size());
+  for (size_t i = 0; i < techniques.size(); ++i) EXPECT_EQ(session_.panel(i).technique, techniques[i]);
+  EXPECT_EQ(session_.panel(techniques.size() - 1).content, PictureContent::depth);
+  EXPECT_EQ(session_.view(), view);
+  ASSERT_TRUE(session_.hasOwnCamera(1));
+  EXPECT_EQ(session_.view(1), own);
+  EXPECT_EQ(session_.knobs().transport.link, knobs.transport.link);
+  EXPECT_TRUE(session_.knobs().isFrozen);
+  EXPECT_EQ(session_.motion().motion(), CameraMotion::none);
+  // In another scene its first view is as good as any.
+  startDemo(demos().front(), session_);
+  session_.setMotion(CameraMotion::none);
+  ASSERT_TRUE(open("shells"));
+  const View first = session_.view();
+  turn(session_, 20.0);
+  endDemo(before, session_);
+  EXPECT_EQ(session_.view(), first);
 }
 
 TEST_F(SessionDemoTest, TheUsersHandEndsAMotion) {

@@ -31,6 +31,17 @@ std::optional<float> depthBy(const RayTrace& trace, Heuristic heuristic) {
   return std::nullopt;
 }
 
+LightAbout lightAbout(const RayTrace& trace, float depth) {
+  double nearer = 0.0, within = 0.0, farther = 0.0;
+  for (const CountingSample& sample : trace.samples) {
+    double& share = sample.t < depth - kLightReach ? nearer : sample.t > depth + kLightReach ? farther : within;
+    share += static_cast<double>(sample.contribution());
+  }
+  const double all = nearer + within + farther;
+  if (!(all > 0.0)) return {};
+  return {static_cast<float>(nearer / all), static_cast<float>(within / all), static_cast<float>(farther / all)};
+}
+
 Json toJson(const RayTrace& trace, const RayOfPixel& ray, const MarchSettings& settings) {
   Json places = Json::array(), samples = Json::array(), depths = Json::object(), segments = Json::array();
   for (const RayPlace& place : trace.places)
@@ -38,18 +49,25 @@ Json toJson(const RayTrace& trace, const RayOfPixel& ray, const MarchSettings& s
   for (const CountingSample& sample : trace.samples)
     samples.push_back({{"depth", sample.t}, {"length", sample.ds}, {"opacity", sample.alpha}, {"transmittance", sample.transmittance}});
   for (const TracedDepth& depth : trace.depths) depths[std::string(nameOf(depth.heuristic))] = depth.result.hasDepth ? Json(depth.result.depth) : Json(nullptr);
+  Json light(nullptr);
+  if (const std::optional<float> depth = depthBy(trace, settings.sample.heuristic)) {
+    const LightAbout about = lightAbout(trace, *depth);
+    light = {{"nearer", about.nearer}, {"within", about.within}, {"farther", about.farther}, {"reach", kLightReach}};
+  }
   for (const RaySegment& segment : trace.segments)
     segments.push_back({{"begin", segment.begin}, {"end", segment.end}, {"opacity", segment.opacity}, {"transmittance", segment.through}, {"color", toJson(segment.color)}});
   return {{"of", ray.isServers ? "server" : "picture"},
           {"pixel", {ray.pixel.x, ray.pixel.y}},
           {"sample", ray.sample ? Json(*ray.sample) : Json(nullptr)},
           {"origin", toJson(trace.ray.origin)},
+          {"originFromEye", glm::length(trace.ray.origin - ray.camera.eye)},
           {"direction", toJson(trace.ray.direction)},
           {"forwardDepthOverDepth", trace.cosine},
           {"begin", trace.begin},
           {"end", trace.end},
           {"heuristic", nameOf(settings.sample.heuristic)},
           {"depths", depths},
+          {"light", light},
           {"color", toJson(trace.color)},
           {"isEnded", trace.isEnded},
           {"samples", samples},

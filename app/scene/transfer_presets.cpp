@@ -92,9 +92,11 @@ std::span<const TransferPreset> transferPresets() { return kPresets; }
 
 bool areHounsfield(const VoxelStatistics& statistics) { return statistics.lowest < -500.0 && statistics.highest > 500.0 && statistics.highest < 40000.0; }
 
+bool isSpread(std::string_view name, const VoxelStatistics& statistics) { return cornersOf(name).isOfTomography && !areHounsfield(statistics); }
+
 TransferFunction presetFunction(std::string_view name, const VoxelStatistics& statistics) {
   const PresetCorners preset = cornersOf(name);
-  const bool isByUnits = preset.isOfTomography && areHounsfield(statistics);
+  const bool isByUnits = preset.isOfTomography && !isSpread(name, statistics);
   TransferFunction function;
   for (const Corner& corner : preset.corners) {
     const double value = isByUnits ? corner.hounsfield : std::lerp(statistics.rangeLower, statistics.rangeUpper, corner.share);

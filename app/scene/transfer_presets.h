@@ -20,6 +20,9 @@ std::span<const TransferPreset> transferPresets();
 /// elsewhere, as all others are, shares of the values' range. Throws UsageError for a name that there is not.
 TransferFunction presetFunction(std::string_view name, const VoxelStatistics& statistics);
 
+/// Whether presetFunction() spreads a preset that is in Hounsfield units over the range, because the values look like none.
+bool isSpread(std::string_view name, const VoxelStatistics& statistics);
+
 /// Whether values are likely to be Hounsfield units.
 bool areHounsfield(const VoxelStatistics& statistics);
 

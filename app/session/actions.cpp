@@ -36,7 +36,7 @@ constexpr std::array<ActionDescriptor, 35> kActions{{
     {Action::addPanel, ActionMenu::panel, "Add a panel", "+", "One more panel, up to six; drag panels by their titles to arrange them"},
     {Action::closePanel, ActionMenu::panel, "Close", "Delete", "Close this panel, if it is not the only one", false, true},
     {Action::maximise, ActionMenu::panel, "Maximise", "Enter", "This panel alone, or all again; as a double click on its title", false, true},
-    {Action::goBack, ActionMenu::none, "Back", "Esc", "Leave what fills the window: a list of keys, a panel alone, a wipe, the full screen"},
+    {Action::goBack, ActionMenu::none, "Back", "Esc", "Leave what is in front: a menu, a dialog, the list of keys, a wipe, the loupe, a panel alone, the full screen"},
     {Action::showPlan, ActionMenu::view, "What a frame takes", "E", "The stages of the newest frame's march, and what each costs"},
     {Action::searchKnob, ActionMenu::edit, "Search a knob", "Ctrl+F", "Type a part of its name or of what it does"},
     {Action::undo, ActionMenu::edit, "Undo", "Ctrl+Z", "Take the last change of the transfer function back"},

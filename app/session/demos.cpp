@@ -42,4 +42,33 @@ void startDemo(const Demo& demo, Session& session) {
   session.setMotion(demo.motion);
 }
 
+BeforeDemo beforeDemo(const Session& session) {
+  BeforeDemo before{.panels = {}, .ownViews = {}, .view = session.view(), .scene = session.sceneCount(), .link = session.knobs().transport.link, .isFrozen = session.knobs().isFrozen};
+  for (size_t i = 0; i < session.panelCount(); ++i) {
+    before.panels.push_back(session.panel(i));
+    before.ownViews.push_back(session.hasOwnCamera(i) ? std::optional(session.view(i)) : std::nullopt);
+  }
+  return before;
+}
+
+void endDemo(const BeforeDemo& before, Session& session) {
+  while (session.panelCount() > before.panels.size()) session.removePanel(session.panelCount() - 1);
+  session.setMotion(CameraMotion::none);
+  const bool isSameScene = session.sceneCount() == before.scene;
+  if (isSameScene)
+    session.setView(before.view);
+  else
+    session.resetView();
+  for (size_t i = 0; i < before.panels.size(); ++i) {
+    if (i >= session.panelCount()) session.addPanel(before.panels[i]);
+    session.setPanel(i, before.panels[i]);
+    session.setOwnCamera(i, before.ownViews[i].has_value());
+    if (before.ownViews[i] && isSameScene) session.setView(i, *before.ownViews[i]);
+  }
+  LiveSettings knobs = session.knobs();
+  knobs.transport.link = before.link;
+  knobs.isFrozen = before.isFrozen;
+  session.setKnobs(knobs);
+}
+
 }  // namespace warpscope

@@ -1,6 +1,7 @@
 // Demonstrations, ready to be shown: a link, a motion of the camera and techniques beside each other.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -23,5 +24,18 @@ std::span<const Demo> demos();
 
 /// Sets panels, link and motion up; the scene and all other knobs stay as they are.
 void startDemo(const Demo& demo, Session& session);
+
+/// What a demonstration changes.
+struct BeforeDemo {
+  std::vector<PanelSettings> panels;
+  std::vector<std::optional<View>> ownViews;  ///< of panels with a camera of their own
+  View view;
+  uint64_t scene = 0;  ///< Session::sceneCount(): views are that scene's
+  net::DuplexLinkSettings link;
+  bool isFrozen = false;
+};
+BeforeDemo beforeDemo(const Session& session);
+/// All of that again, and a camera that stands still.
+void endDemo(const BeforeDemo& before, Session& session);
 
 }  // namespace warpscope

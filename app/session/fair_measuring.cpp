@@ -47,7 +47,7 @@ class FairWork {
       const std::unique_ptr<Warp> warp = makeWarp(*configuration.technique, resources_);
       WarpSettings settings = configuration.warp({});
       settings.reference = job.reference;
-      FairPoint point{.configuration = configuration, .angles = {}};
+      FairPoint point{.configuration = configuration, .angles = {}, .pictureSize = job.sizePx};
       for (size_t i = 0; i < cameras.size(); ++i) {
         const MeasuredPicture picture = measurePicture(Measuring(kRuns, stop), {*warp, settings, job.scene->background}, codec, configuration.codec, job.frame, cameras[i]);
         WarpedImage image;

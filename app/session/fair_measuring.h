@@ -41,6 +41,7 @@ struct FairPoint {
   double frameMs = 0.0;   ///< of the slowest angle
   double flip = 0.0;      ///< mean
   std::vector<Angle> angles;
+  glm::uvec2 pictureSize{0};
 };
 
 struct FairResult {

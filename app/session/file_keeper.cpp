@@ -38,8 +38,9 @@ std::string write(const std::filesystem::path& folder, const std::vector<FileKee
     const std::scoped_lock lock(numbering);
     const std::string stem = std::string(kStem) + std::to_string(freeNumber(folder));
     for (size_t i = 0; i < files.size(); ++i) writeFileWhole(folder / (stem + files[i].ending), contents[i]);
-    const std::string first = (folder / (stem + files.front().ending)).string();
-    return "saved " + first + (files.size() > 1 ? " and " + std::to_string(files.size() - 1) + " more" : std::string());
+    std::string note = "saved " + (folder / (stem + files.front().ending)).string();
+    for (size_t i = 1; i < files.size(); ++i) note += (i + 1 == files.size() ? " and " : ", ") + stem + files[i].ending;
+    return note;
   } catch (const std::exception& error) {
     return error.what();
   }

@@ -27,9 +27,16 @@ std::vector<std::string> desktopDialogCommand(const DialogWish& wish) {
   const bool isWriting = !wish.name.empty();
   const std::string place = (wish.folder / wish.name).string();
   const bool hasZenity = hasProgram("zenity"), hasKdialog = hasProgram("kdialog");
-  if (hasKdialog && (isKde() || !hasZenity)) return {"kdialog", "--title", wish.title, isWriting ? "--getsavefilename" : "--getopenfilename", place};
+  std::string patterns;
+  for (const std::string_view ending : wish.endings) patterns += (patterns.empty() ? "*" : " *") + std::string(ending);
+  if (hasKdialog && (isKde() || !hasZenity)) {
+    std::vector<std::string> command{"kdialog", "--title", wish.title, isWriting ? "--getsavefilename" : "--getopenfilename", place};
+    if (!patterns.empty()) command.push_back(wish.title + " (" + patterns + ")\nAll files (*)");
+    return command;
+  }
   if (!hasZenity) return {};
   std::vector<std::string> command{"zenity", "--file-selection", "--title=" + wish.title, "--filename=" + place};
+  if (!patterns.empty()) command.insert(command.end(), {"--file-filter=" + wish.title + " | " + patterns, "--file-filter=All files | *"});
   if (isWriting) command.insert(command.end(), {"--save", "--confirm-overwrite"});
   return command;
 }

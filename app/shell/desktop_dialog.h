@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "render/base/newest_worker.h"
@@ -17,6 +18,7 @@ struct DialogWish {
   std::string title;
   std::filesystem::path folder;  ///< to begin in
   std::string name;              ///< proposed, of a file that is to be written; empty: a file is to be opened
+  std::vector<std::string_view> endings{};  ///< of the names of such files, with the dot; others are shown on request. Empty: all files
 };
 
 /// What asks so; empty where there is no such program, or no desktop.

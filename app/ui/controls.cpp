@@ -19,18 +19,15 @@ namespace {
 constexpr std::array<uint32_t, 8> kServerSidesPx{128, 256, 384, 512, 768, 1024, 1536, 2048};
 constexpr uint32_t kMaxScreenPixels = 4;
 
-void drawServer(Session& session, LiveSettings& knobs, const Look& look) {
-  if (!section("SERVER", look)) return;
-  for (const MarchKnob& row : marchKnobs())
-    if (row.knob->owner != KnobOwner::effect && row.matters(knobs.march)) knobWidget(row, knobs.march, look);
-  for (const TransportKnob& row : transportKnobs())
-    if (row.isOfServer) knobWidget(row, knobs.transport, look);
+constexpr std::string_view kFreezeHelp = "Ask the server for nothing more: its last frame stays, and can be looked at from elsewhere. Key F.";
 
-  label(std::string(kServerSideKnob.label).c_str(), look);
+/// The server's picture, and whether it makes any.
+void drawServerSide(const Session& session, LiveSettings& knobs, const Look& look) {
+  label(std::string(kServerSideKnob.label).c_str(), look, std::string(kServerSideKnob.help) + ".");
   beginHalves();
   const glm::uvec2 size = session.serverSize();
   const auto sizeText = [](uint32_t side) { return std::to_string(side) + " px"; };
-  const bool isOpen = ImGui::BeginCombo("##server image", sizeText(knobs.serverSidePx).c_str());
+  const bool isOpen = ImGui::BeginCombo("##server image", std::to_string(knobs.serverSidePx).c_str());
   if (!isOpen)
     tooltip(std::string(kServerSideKnob.help) + ". Now " + std::to_string(size.x) + " × " +
                 std::to_string(size.y) + ".",
@@ -43,7 +40,16 @@ void drawServer(Session& session, LiveSettings& knobs, const Look& look) {
 
   nextHalf();
   ImGui::Checkbox("Freeze", &knobs.isFrozen);
-  tooltip("Ask the server for nothing more: its last frame stays, and can be looked at from elsewhere. Key F.", look);
+  tooltip(std::string(kFreezeHelp), look);
+}
+
+void drawServer(Session& session, LiveSettings& knobs, const Look& look) {
+  if (!section("SERVER", look)) return;
+  for (const MarchKnob& row : marchKnobs())
+    if (row.knob->owner != KnobOwner::effect && row.matters(knobs.march)) knobWidget(row, knobs.march, look);
+  for (const TransportKnob& row : transportKnobs())
+    if (row.isOfServer) knobWidget(row, knobs.transport, look);
+  drawServerSide(session, knobs, look);
 }
 
 /// A checkbox and a colour, which is kept while it is not used.
@@ -52,12 +58,45 @@ void markWidget(const char* name, Rgba8& mark, std::array<float, 3>& color, cons
   ImGui::PushID(name);
   ImGui::Checkbox(name, &isMarked);
   tooltip("Show " + what + " in a colour.", look);
-  ImGui::SameLine();
+  ImGui::SameLine(0.0f, ImGui::GetStyle().ItemInnerSpacing.x);
   ImGui::ColorEdit3("##color", color.data(), ImGuiColorEditFlags_NoInputs);
   tooltip("The colour of " + what + ".", look);
   ImGui::PopID();
   const auto code = [](float channel) { return quantizeUnorm8(channel); };
   mark = isMarked ? code(color[0]) | code(color[1]) << 8 | code(color[2]) << 16 | 0xff000000u : 0u;
+}
+
+constexpr std::string_view kPixelSizeHelp = "How many screen pixels wide a pixel of the pictures is.", kMarksHelp = "Holes, which nothing covers, and guesses, of which no frame says anything, in a colour.";
+
+void drawPixelSize(const Session& session, LiveSettings& knobs, const Look& look) {
+  label("Pixel size", look, std::string(kPixelSizeHelp));
+  const auto pixelsText = [](uint32_t pixels) {
+    if (pixels == 0) return std::string("automatic");
+    return pixels == 1 ? std::string("1 : 1") : "1 : " + std::to_string(pixels);
+  };
+  const glm::uvec2 size = session.pictureSize();
+  const bool isOpen = ImGui::BeginCombo("##pixels", pixelsText(knobs.screenPixels).c_str());
+  if (!isOpen)
+    tooltip(std::string(kPixelSizeHelp) + " Now the pictures have " + std::to_string(size.x) + " × " +
+                std::to_string(size.y) + " pixels.",
+            look);
+  if (isOpen) {
+    for (uint32_t pixels = 0; pixels <= kMaxScreenPixels; ++pixels)
+      if (ImGui::Selectable(pixelsText(pixels).c_str(), pixels == knobs.screenPixels)) knobs.screenPixels = pixels;
+    ImGui::EndCombo();
+  }
+}
+
+void drawMarks(LiveSettings& knobs, MarkColors& markColors, const Look& look) {
+  // Nearer to its label than others: the line is full.
+  const float left = ImGui::GetCursorPosX();
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted("Mark");
+  tooltip(std::string(kMarksHelp), look);
+  ImGui::SameLine(left + look.px(0.4f * kLabelWidth));
+  markWidget("Holes", knobs.marks.uncovered, markColors.uncovered, "pixels that nothing covers", look);
+  ImGui::SameLine();
+  markWidget("Guesses", knobs.marks.filled, markColors.filled, "pixels that show a guess, because no frame says anything about them", look);
 }
 
 void drawDisplay(const Session& session, LiveSettings& knobs, MarkColors& markColors, const Look& look) {
@@ -71,35 +110,18 @@ void drawDisplay(const Session& session, LiveSettings& knobs, MarkColors& markCo
   double takesShortcuts = knobs.takesShortcuts ? 1.0 : 0.0;
   if (knobWidget(kShortcutsKnob, takesShortcuts, look)) knobs.takesShortcuts = takesShortcuts != 0.0;
 
-  label("Pixel size", look);
-  const auto pixelsText = [](uint32_t pixels) {
-    if (pixels == 0) return std::string("automatic");
-    return pixels == 1 ? std::string("1 : 1") : "1 : " + std::to_string(pixels);
-  };
-  const glm::uvec2 size = session.pictureSize();
-  const bool isOpen = ImGui::BeginCombo("##pixels", pixelsText(knobs.screenPixels).c_str());
-  if (!isOpen)
-    tooltip("How many screen pixels wide a pixel of the pictures is. Now the pictures have " + std::to_string(size.x) + " × " +
-                std::to_string(size.y) + " pixels.",
-            look);
-  if (isOpen) {
-    for (uint32_t pixels = 0; pixels <= kMaxScreenPixels; ++pixels)
-      if (ImGui::Selectable(pixelsText(pixels).c_str(), pixels == knobs.screenPixels)) knobs.screenPixels = pixels;
-    ImGui::EndCombo();
-  }
-
-  label("Mark", look);
-  markWidget("Holes", knobs.marks.uncovered, markColors.uncovered, "pixels that nothing covers", look);
-  ImGui::SameLine();
-  markWidget("Guesses", knobs.marks.filled, markColors.filled, "pixels that show a guess, because no frame says anything about them", look);
+  drawPixelSize(session, knobs, look);
+  drawMarks(knobs, markColors, look);
 }
 
 constexpr double kJumpDeg = 120.0;
 
+constexpr std::string_view kMotionHelp = "What moves the camera by itself, and how fast. Whoever moves the camera otherwise ends its motion.";
+
 /// What moves the camera by itself, how fast, and the path that is recorded of it.
 void drawMotion(Session& session, const Look& look) {
   const LiveMotion& motion = session.motion();
-  label("Motion", look);
+  label("Motion", look, std::string(kMotionHelp));
   beginHalves();
   const CameraMotionDescriptor& shown = describe(motion.motion());
   const bool isOpen = ImGui::BeginCombo("##motion", std::string(shown.label).c_str());
@@ -148,14 +170,20 @@ void drawCamera(Session& session, const Look& look) {
 
 }  // namespace
 
+void Controls::search() {
+  ImGui::SetWindowFocus(nullptr);  // a field that has the keyboard already would not choose its text anew
+  wantsSearch_ = true;
+}
+
 void Controls::drawSearch(const Look& look) {
   if (std::exchange(wantsSearch_, false)) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1.0f);
-  ImGui::InputTextWithHint("##search", "search a knob", search_.data(), search_.size());
-  tooltip("A part of a knob's name, or of what it does. Ctrl+F.", look);
+  ImGui::InputTextWithHint("##search", "search a knob", search_.data(), search_.size(), ImGuiInputTextFlags_AutoSelectAll);
+  // It would cover what was found.
+  if (!ImGui::IsItemActive() && search_[0] == '\0') tooltip("A part of a knob's name, or of what it does. Ctrl+F.", look);
 }
 
-void Controls::drawFound(LiveSettings& knobs, const Look& look) const {
+void Controls::drawFound(Session& session, LiveSettings& knobs, const Look& look) {
   const auto lower = [](std::string_view text) {
     std::string letters(text);
     std::ranges::transform(letters, letters.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
@@ -163,21 +191,29 @@ void Controls::drawFound(LiveSettings& knobs, const Look& look) const {
   };
   const std::string wanted = lower(search_.data());
   size_t found = 0;
-  const auto has = [&](const Knob& knob) {
-    const bool isFound = !knob.label.empty() && std::ranges::any_of(std::array{knob.label, knob.noun, knob.key, knob.option, knob.help},
-                                                                    [&](std::string_view text) { return lower(text).find(wanted) != std::string::npos; });
+  const KnobFilter isWanted = [&](std::string_view text) { return lower(text).find(wanted) != std::string::npos; };
+  const auto hasWords = [&](std::initializer_list<std::string_view> words) {
+    const bool isFound = std::ranges::any_of(words, isWanted);
     found += isFound ? 1 : 0;
     return isFound;
   };
+  const auto has = [&](const Knob& knob) { return !knob.label.empty() && hasWords({knob.label, knob.noun, knob.key, knob.option, knob.help}); };
+  ImGui::BeginDisabled(session.playback().isOpen());
   for (const MarchKnob& row : marchKnobs())
     if (has(*row.knob)) knobWidget(row, knobs.march, look);
+  if (hasWords({kServerSideKnob.label, kServerSideKnob.noun, kServerSideKnob.help, "Freeze", kFreezeHelp})) drawServerSide(session, knobs, look);
   for (const TransportKnob& row : transportKnobs())
     if (has(*row.knob)) knobWidget(row, knobs.transport, look);
+  found += drawLinkKnobs(knobs.transport.link, isWanted, look);
+  ImGui::EndDisabled();
   for (const Knob* knob : warpKnobs()) {
     if (knob->isOfPanel || !has(*knob)) continue;
     double value = knobs.warp.knobs[*knob];
     if (knobWidget(*knob, value, look)) knobs.warp.knobs.set(*knob, value);
   }
+  if (hasWords({"Pixel size", kPixelSizeHelp})) drawPixelSize(session, knobs, look);
+  if (hasWords({"Mark", kMarksHelp})) drawMarks(knobs, markColors_, look);
+  if (hasWords({"Motion", kMotionHelp})) drawMotion(session, look);
   if (found == 0) ImGui::TextColored(palette().dimText, "No knob has that.");
 }
 
@@ -189,7 +225,8 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
   drawSearch(look);
   if (search_[0] != '\0') {
     LiveSettings found = session.knobs();
-    drawFound(found, look);
+    markColors_.take(found.marks);
+    drawFound(session, found, look);
     session.setKnobs(found);
     ImGui::PopStyleVar(2);
     return;

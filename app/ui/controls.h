@@ -10,8 +10,10 @@ namespace warpscope::ui {
 class Controls {
  public:
   void draw(Session& session, const SceneOpener& openScene, const Look& look);
-  /// Puts the keyboard into the field in which knobs are searched.
-  void search() { wantsSearch_ = true; }
+  /// Puts the keyboard into the field in which knobs are searched, and chooses what is there.
+  void search();
+  /// What is looked for there; empty: nothing.
+  std::string_view searched() const { return search_.data(); }
   TransferEditor& transferEditor() { return transferEditor_; }
   const TransferEditor& transferEditor() const { return transferEditor_; }
 
@@ -20,7 +22,7 @@ class Controls {
 
   void drawSearch(const Look& look);
   /// All knobs that have what was typed in their names or explanations.
-  void drawFound(LiveSettings& knobs, const Look& look) const;
+  void drawFound(Session& session, LiveSettings& knobs, const Look& look);
 
   std::array<char, 64> search_{};
   bool wantsSearch_ = false;

@@ -8,6 +8,7 @@
 
 #include "app/shell/log.h"
 #include "render/base/printable.h"
+#include "render/volume/volume_format.h"
 
 namespace warpscope::ui {
 namespace {
@@ -21,6 +22,15 @@ std::string_view titleOf(FileDialog::Purpose purpose) {
     case FileDialog::Purpose::record: return "Record";
   }
   return "";
+}
+
+/// What the names of such files end with, in lower case.
+std::vector<std::string_view> endingsOf(FileDialog::Purpose purpose) {
+  if (purpose == FileDialog::Purpose::saveSession) return {".json"};
+  if (purpose == FileDialog::Purpose::record) return {".warpscope"};
+  std::vector<std::string_view> endings{".json", ".warpscope"};
+  for (const VolumeEnding& volume : kVolumeEndings) endings.push_back(volume.ending);
+  return endings;
 }
 
 void copyInto(std::array<char, 1024>& field, const std::string& text) {
@@ -37,19 +47,29 @@ void FileDialog::show(Purpose purpose, const std::string& name) {
   copyInto(name_, name);
   std::error_code failed;
   if (folder_.empty()) folder_ = std::filesystem::current_path(failed);
-  if (desktop_ && desktop_->show({std::string(titleOf(purpose)), folder_, name})) return;
+  if (desktop_ && desktop_->show({std::string(titleOf(purpose)), folder_, name, endingsOf(purpose)})) return;
   open();
 }
 
 void FileDialog::open() {
   toReplace_.clear();
   isOpen_ = true;
+  wantsFocus_ = true;
   enter(std::filesystem::path(folder_));
+}
+
+void FileDialog::askAgain(const std::string& why) {
+  open();
+  error_ = why;
 }
 
 void FileDialog::enter(const std::filesystem::path& folder) {
   error_.clear();
   std::vector<Entry> entries;
+  const std::vector<std::string_view> endings = endingsOf(purpose_);
+  const auto isOffered = [&](const std::string& name) {
+    return showsAll_ || std::ranges::any_of(endings, [lower = lowered(name)](std::string_view ending) { return lower.ends_with(ending); });
+  };
   std::error_code failed;
   std::filesystem::directory_iterator at(folder, failed), end;
   for (; !failed && at != end && entries.size() < kMostEntries; at.increment(failed)) {
@@ -57,6 +77,7 @@ void FileDialog::enter(const std::filesystem::path& folder) {
     const std::string name = at->path().filename().string();
     if (name.empty() || name.front() == '.') continue;
     const bool isFolder = at->is_directory(ignored);
+    if (!isFolder && !isOffered(name)) continue;
     entries.push_back({name, isFolder, isFolder ? 0 : at->file_size(ignored)});
   }
   if (failed) {
@@ -73,6 +94,7 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
     if (const std::optional<DesktopDialog::Answer> answer = desktop_->tryTake()) {
       if (answer->path) {
         folder_ = answer->path->parent_path();
+        copyInto(name_, answer->path->filename().string());
         return answer->path;
       }
       if (answer->hasFailed) {
@@ -85,52 +107,104 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({std::min(look.px(620.0f), 0.96f * display.x), std::min(look.px(460.0f), 0.9f * display.y)});
-  std::optional<std::filesystem::path> chosen;
   bool isChosen = false;
   const bool isWriting = purpose_ != Purpose::open;
+  if (wantsFocus_) ImGui::SetNextWindowFocus();
   if (ImGui::Begin((std::string(titleOf(purpose_)) + "###file dialog").c_str(), &isOpen_, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) {
     if (ImGui::Button("Up")) enter(folder_.parent_path());
     ImGui::SameLine();
+    if (ImGui::Checkbox("All files", &showsAll_)) enter(std::filesystem::path(folder_));
+    tooltip(isWriting ? "Not only those of the kind that is written." : "Not only those whose names end as scenes, volumes, sessions and recordings do.", look);
+    ImGui::SameLine();
     ImGui::TextColored(palette().dimText, "%s", printable(folder_.string()).c_str());
-    ImGui::BeginChild("entries", {0.0f, -2.0f * ImGui::GetFrameHeightWithSpacing()}, true);
-    std::optional<std::filesystem::path> entered;
-    for (const Entry& entry : entries_) {
+    const float below = ImGui::GetFrameHeightWithSpacing() + ImGui::GetTextLineHeightWithSpacing();
+    ImGui::BeginChild("entries", {0.0f, -below}, true);
+    isChosen = drawEntries(look);
+    ImGui::EndChild();
+    const float button = look.px(84.0f);
+    isChosen |= drawName(-2.0f * button - 2.0f * ImGui::GetStyle().ItemSpacing.x);
+    ImGui::SameLine();
+    isChosen |= ImGui::Button(!isWriting ? "Open" : toReplace_.empty() ? "Save" : "Replace", {button, 0.0f});
+    ImGui::SameLine();
+    if (ImGui::Button("Cancel", {button, 0.0f})) isOpen_ = false;
+    if (!error_.empty())
+      ImGui::TextColored(palette().errorText, "%s", printable(error_).c_str());
+    else if (!toReplace_.empty())
+      ImGui::TextColored(palette().dimText, "%s is there already.", printable(toReplace_).c_str());
+  }
+  ImGui::End();
+  return isChosen && name_[0] != '\0' ? take() : std::nullopt;
+}
+
+bool FileDialog::drawEntries(const Look& look) {
+  bool isChosen = false;
+  std::optional<std::filesystem::path> entered;
+  if (toScrollTo_) ImGui::SetScrollFromPosY(ImGui::GetCursorStartPos().y - ImGui::GetScrollY() + ImGui::GetTextLineHeightWithSpacing() * static_cast<float>(*toScrollTo_));
+  toScrollTo_.reset();
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(entries_.size()), ImGui::GetTextLineHeightWithSpacing());
+  while (clipper.Step()) {
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+      const Entry& entry = entries_[static_cast<size_t>(i)];
       const std::string text = printable(entry.name) + (entry.isFolder ? "/" : "") + "##" + entry.name;
       if (ImGui::Selectable(text.c_str(), entry.name == name_.data(), ImGuiSelectableFlags_AllowDoubleClick)) {
         if (entry.isFolder)
           entered = folder_ / entry.name;
         else
           copyInto(name_, entry.name);
-        isChosen = !isWriting && !entry.isFolder && (look.isDoubleClicked || ImGui::IsMouseDoubleClicked(0));
+        wantsFocus_ = true;
+        isChosen = purpose_ == Purpose::open && !entry.isFolder && (look.isDoubleClicked || ImGui::IsMouseDoubleClicked(0));
       }
       if (entry.isFolder) continue;
       const std::string size = bytesText(entry.bytes);
       ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(size.c_str()).x);
       ImGui::TextColored(palette().faintText, "%s", size.c_str());
     }
-    ImGui::EndChild();
-    if (entered) enter(*entered);
-    const float button = look.px(84.0f);
-    ImGui::SetNextItemWidth(-2.0f * button - 2.0f * ImGui::GetStyle().ItemSpacing.x);
-    isChosen |= ImGui::InputTextWithHint("##name", isWriting ? "name of the file" : "name or path of a file", name_.data(), name_.size(),
-                                         ImGuiInputTextFlags_EnterReturnsTrue);
-    ImGui::SameLine();
-    isChosen |= ImGui::Button(!isWriting ? "Open" : toReplace_.empty() ? "Save" : "Replace", {button, 0.0f});
-    ImGui::SameLine();
-    if (ImGui::Button("Cancel", {button, 0.0f})) isOpen_ = false;
-    if (!error_.empty()) ImGui::TextColored(palette().errorText, "%s", printable(error_).c_str());
   }
-  ImGui::End();
-  if (!isChosen || name_[0] == '\0') return std::nullopt;
+  if (entries_.empty()) ImGui::TextColored(palette().dimText, showsAll_ ? "Nothing is here." : "No such files are here.");
+  if (entered) enter(*entered);
+  return isChosen;
+}
+
+bool FileDialog::drawName(float width) {
+  const auto onArrow = [](ImGuiInputTextCallbackData* data) {
+    FileDialog& dialog = *static_cast<FileDialog*>(data->UserData);
+    const Entry* const entry = dialog.neighbour({data->Buf, static_cast<size_t>(data->BufTextLen)}, data->EventKey == ImGuiKey_UpArrow ? -1 : 1);
+    if (entry == nullptr) return 0;
+    data->DeleteChars(0, data->BufTextLen);
+    data->InsertChars(0, entry->name.c_str());
+    data->SelectAll();
+    return 0;
+  };
+  ImGui::SetNextItemWidth(width);
+  if (std::exchange(wantsFocus_, false)) ImGui::SetKeyboardFocusHere();
+  constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll | ImGuiInputTextFlags_CallbackHistory;
+  return ImGui::InputTextWithHint("##name", purpose_ != Purpose::open ? "name of the file" : "name or path of a file", name_.data(), name_.size(), kFlags, onArrow, this);
+}
+
+const FileDialog::Entry* FileDialog::neighbour(std::string_view name, int step) {
+  if (entries_.empty()) return nullptr;
+  const auto at = std::ranges::find(entries_, name, [](const Entry& entry) { return std::string_view(entry.name); });
+  size_t next = step > 0 ? 0 : entries_.size() - 1;
+  if (at != entries_.end()) {
+    const auto index = static_cast<size_t>(at - entries_.begin());
+    next = step > 0 ? std::min(index + 1, entries_.size() - 1) : index - std::min<size_t>(index, 1);
+  }
+  toScrollTo_ = next;
+  return &entries_[next];
+}
+
+std::optional<std::filesystem::path> FileDialog::take() {
   const std::filesystem::path path = folder_ / name_.data();
   std::error_code ignored;
+  wantsFocus_ = true;
   if (std::filesystem::is_directory(path, ignored)) {
-    enter(path);
+    enter(path.lexically_normal());
     name_[0] = '\0';
     return std::nullopt;
   }
   // A file that is there is not replaced without a question: the button asks.
-  if (isWriting && std::filesystem::exists(path, ignored) && toReplace_ != name_.data()) {
+  if (purpose_ != Purpose::open && std::filesystem::exists(path, ignored) && toReplace_ != name_.data()) {
     toReplace_ = name_.data();
     return std::nullopt;
   }

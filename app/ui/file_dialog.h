@@ -25,6 +25,8 @@ class FileDialog {
   bool isOpen() const { return isOpen_; }
   Purpose purpose() const { return purpose_; }
   void close() { isOpen_ = false; }
+  /// What was chosen last could not be written, or read: asks again, with the same name.
+  void askAgain(const std::string& why);
   /// The file that was chosen, once.
   std::optional<std::filesystem::path> draw(const Look& look);
 
@@ -36,10 +38,21 @@ class FileDialog {
   };
   void enter(const std::filesystem::path& folder);
   void open();
+  /// The folder's entries; true where a double click chose one.
+  bool drawEntries(const Look& look);
+  /// Where a name or a path is typed; true where Enter chose it.
+  bool drawName(float width);
+  /// What was chosen, unless that is a folder, which is entered, or a file that is there, which the user is asked about first.
+  std::optional<std::filesystem::path> take();
+  /// The entry before or after that of the name, as the arrow keys go.
+  const Entry* neighbour(std::string_view name, int step);
 
   std::optional<DesktopDialog> desktop_;
   Purpose purpose_ = Purpose::open;
   bool isOpen_ = false;
+  bool wantsFocus_ = false;  // the field is to have the keyboard
+  bool showsAll_ = false;    // files that cannot be what is asked for, too
+  std::optional<size_t> toScrollTo_;
   std::string toReplace_;  // the name of a file that is there, and that the user was asked about
   std::filesystem::path folder_;
   std::vector<Entry> entries_;

@@ -39,7 +39,9 @@ bool sliderWidget(const Knob& knob, double& value) {
   double edited = value;
   if (knob.type == KnobType::whole) {
     int whole = static_cast<int>(value);
-    ImGui::SliderInt("##slider", &whole, static_cast<int>(knob.track.lowest), static_cast<int>(knob.track.highest), ("%d" + unit).c_str(), flags);
+    const bool isOne = whole == 1 && unit.size() > 3 && unit.ends_with('s');  // "1 frame", but "1 ms"
+    ImGui::SliderInt("##slider", &whole, static_cast<int>(knob.track.lowest), static_cast<int>(knob.track.highest), ("%d" + (isOne ? unit.substr(0, unit.size() - 1) : unit)).c_str(),
+                     flags);
     edited = whole;
   } else {
     float number = static_cast<float>(value);
@@ -57,7 +59,7 @@ bool sliderWidget(const Knob& knob, double& value) {
 bool knobWidget(const Knob& knob, double& value, const Look& look) {
   if (knob.label.empty()) return false;
   const std::string text(knob.label);
-  label(text.c_str(), look);
+  label(text.c_str(), look, std::string(knob.help) + ".");
   return bareKnobWidget(knob, value, look);
 }
 

@@ -31,11 +31,12 @@ inline bool section(const char* text, const Look& look) {
   return isOpen;
 }
 
-/// A label on the left; what comes next fills the rest of the line.
-inline void label(const char* text, const Look& look) {
+/// A label on the left, which explains itself where there is an explanation; what comes next fills the rest of the line.
+inline void label(const char* text, const Look& look, const std::string& explanation = "") {
   const float left = ImGui::GetCursorPosX();
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(text);
+  if (!explanation.empty()) tooltip(explanation, look);
   ImGui::SameLine(left + look.px(kLabelWidth));
   ImGui::SetNextItemWidth(-1.0f);
 }
@@ -71,7 +72,7 @@ inline void bareSlider(const char* id, float& value, const Track& track, const c
 }
 
 inline void slider(const char* text, float& value, const Track& track, const char* explanation, const Look& look) {
-  label(text, look);
+  label(text, look, explanation);
   bareSlider(text, value, track, explanation, look);
 }
 

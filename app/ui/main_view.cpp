@@ -19,7 +19,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f, kLeastForBothPx = 620.0f;  // at scale 1
+constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f, kLeastForBothPx = 620.0f, kLeastPicturePx = 110.0f;  // at scale 1
 
 /// From the picture to what was shown in its place last, and back.
 void toggleContent(Session& session, size_t index) {
@@ -61,6 +61,7 @@ void MainView::takeHandedFile(Session& session) {
   } else if (file->session) {
     remembered_.addFile(file->path);
     restore(*file->session, session, openScene_);
+    beforeDemo_.reset();
     grid_.showAll();
   } else {
     session.load(openScene_({file->path, {}}));
@@ -73,27 +74,27 @@ void MainView::press(const KeyChord& key, Session& session) {
   // What fields do themselves with Ctrl is theirs, too, while they are typed into.
   constexpr std::string_view kOfFields = "ACVXYZ";
   const bool isOfFields = key.name.size() == 1 && kOfFields.find(key.name[0]) != std::string_view::npos;
-  const bool isTyped = ImGui::GetIO().WantTextInput && (!key.isControl || isOfFields);
-  if (isTyped || (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup) && *action != Action::quit)) return;
+  const bool isTyped = (ImGui::GetIO().WantTextInput || typeAhead_.isWaiting()) && (!key.isControl || isOfFields);
+  const bool hasPopup = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
+  if (*action == Action::goBack && hasPopup) return ImGui::SetWindowFocus(nullptr);  // closes them
+  if (*action == Action::goBack && dialog_.isOpen()) return dialog_.close();
+  if (isTyped || ((hasPopup || dialog_.isOpen()) && *action != Action::quit)) return;
   perform(*action, session, grid_.underPointer(session), *action == Action::chooseTechnique ? static_cast<size_t>(key.name[0] - '0') : 0);
 }
 
+void MainView::showDialog(FileDialog::Purpose purpose, const std::string& name) {
+  dialog_.show(purpose, name);
+  if (dialog_.isOpen()) typeAhead_.begin();
+}
+
 void MainView::saveSession(const Session& session, const std::filesystem::path& path) {
-  try {
-    writeFileWhole(path, textOf(sessionFileOf(session)));
-    setNote("saved " + path.string());
-  } catch (const InputError& error) {
-    setNote(error.what());
-  }
+  writeFileWhole(path, textOf(sessionFileOf(session)));
+  setNote("saved " + path.string());
 }
 
 void MainView::startRecording(Session& session, const std::filesystem::path& path) {
-  try {
-    session.startRecording(path, session.origin() ? textOf(sessionFileOf(session)) : "");
-    setNote("recording into " + path.string());
-  } catch (const InputError& error) {
-    setNote(error.what());
-  }
+  session.startRecording(path, session.origin() ? textOf(sessionFileOf(session)) : "");
+  setNote("recording into " + path.string());
 }
 
 void MainView::savePicture(Image<Rgba8> picture) {
@@ -122,9 +123,7 @@ void MainView::savePlot(const Session& session) {
 }
 
 void MainView::goBack() {
-  if (dialog_.isOpen())
-    dialog_.close();
-  else if (showsKeys_)
+  if (showsKeys_)
     showsKeys_ = false;
   else if (!grid_.goBack())
     windowActions_.push_back(Action::goBack);
@@ -136,8 +135,8 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     return;
   }
   switch (action) {
-    case Action::open: return dialog_.show(FileDialog::Purpose::open);
-    case Action::saveSession: return dialog_.show(FileDialog::Purpose::saveSession, "session.json");
+    case Action::open: return showDialog(FileDialog::Purpose::open);
+    case Action::saveSession: return showDialog(FileDialog::Purpose::saveSession, "session.json");
     case Action::restoreLast:
       if (const auto last = lastSessionFile()) open(last->string());
       return;
@@ -151,7 +150,7 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
       }
       return;
     case Action::record:
-      if (!session.isRecording()) return dialog_.show(FileDialog::Purpose::record, "recording.warpscope");
+      if (!session.isRecording()) return showDialog(FileDialog::Purpose::record, "recording.warpscope");
       if (const size_t leftOut = session.stopRecording(); leftOut > 0)
         return setNote("the recording has ended; " + std::to_string(leftOut) + " frames came faster than they could be written and are not in it");
       return setNote("the recording has ended");
@@ -184,7 +183,8 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     case Action::showPlan: return session.setShowsPlan(!session.showsPlan());
     case Action::searchKnob:
       remembered_.hasSideBar = true;
-      return controls_.search();
+      controls_.search();
+      return typeAhead_.begin();
     case Action::undo: return controls_.transferEditor().undo(session);
     case Action::redo: return controls_.transferEditor().redo(session);
     case Action::hideSideBar: remembered_.hasSideBar = !remembered_.hasSideBar; return;
@@ -258,18 +258,28 @@ void MainView::drawRecent() {
   if (isToForget) remembered_.recentFiles.clear();
 }
 
+void MainView::start(const Demo& demo, Session& session) {
+  if (!beforeDemo_) beforeDemo_ = beforeDemo(session);
+  startDemo(demo, session);
+  grid_.showAll();
+  setNote("Demo: " + std::string(demo.name) + ". " + std::string(demo.summary) + ". Drag to stop the camera; Demo > End the demo goes back to what was.");
+}
+
 void MainView::drawDemos(Session& session, const Look& look) {
   if (!ImGui::BeginMenu("Demo")) return;
   for (const Demo& demo : demos()) {
-    if (ImGui::MenuItem(std::string(demo.name).c_str(), nullptr, false, session.scene() != nullptr)) {
-      startDemo(demo, session);
-      grid_.showAll();
-    }
+    if (ImGui::MenuItem(std::string(demo.name).c_str(), nullptr, false, session.scene() != nullptr)) start(demo, session);
     tooltip(std::string(demo.summary) + ".", look);
   }
   ImGui::Separator();
   const bool isMoving = session.motion().motion() != CameraMotion::none;
   if (ImGui::MenuItem("Stop the camera", nullptr, false, isMoving)) session.setMotion(CameraMotion::none);
+  if (ImGui::MenuItem("End the demo", nullptr, false, beforeDemo_.has_value())) {
+    endDemo(*beforeDemo_, session);
+    beforeDemo_.reset();
+    grid_.showAll();
+  }
+  tooltip("Panels, link and camera as they were before the first one.", look);
   ImGui::EndMenu();
 }
 
@@ -287,10 +297,14 @@ void MainView::drawMenus(Session& session, const Look& look) {
 void MainView::drawDialog(Session& session, const Look& look) {
   const std::optional<std::filesystem::path> path = dialog_.draw(look);
   if (!path) return;
-  switch (dialog_.purpose()) {
-    case FileDialog::Purpose::open: return open(path->string());
-    case FileDialog::Purpose::saveSession: return saveSession(session, *path);
-    case FileDialog::Purpose::record: return startRecording(session, *path);
+  try {
+    switch (dialog_.purpose()) {
+      case FileDialog::Purpose::open: return open(path->string());
+      case FileDialog::Purpose::saveSession: return saveSession(session, *path);
+      case FileDialog::Purpose::record: return startRecording(session, *path);
+    }
+  } catch (const InputError& error) {
+    dialog_.askAgain(error.what());
   }
 }
 
@@ -302,9 +316,10 @@ void MainView::drawNote(const Look& look) {
   ImDrawList* list = ImGui::GetForegroundDrawList();
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   const std::string text = printable(note_.text);
-  const float wrap = 0.8f * display.x, padding = look.px(8.0f);
+  const float wrap = 0.96f * display.x, padding = look.px(5.0f);
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
-  const ImVec2 at{0.5f * (display.x - size.x), display.y - size.y - look.px(kStatusHeight + 16.0f)};
+  // In the status bar's place: what is above is looked at.
+  const ImVec2 at{0.5f * (display.x - size.x), display.y - size.y - padding};
   list->AddRectFilled({at.x - padding, at.y - padding}, {at.x + size.x + padding, at.y + size.y + padding}, ImGui::GetColorU32({0.0f, 0.0f, 0.0f, 0.85f}), look.px(4.0f));
   list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ImGui::GetColorU32(kTextOnPicture), text.c_str(), nullptr, wrap);
 }
@@ -361,10 +376,17 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   drawErrorBanner(session, look);
   drawLinkSign(session, look);
   ImVec2 room = ImGui::GetContentRegionAvail();
-  room.y = std::max(1.0f, room.y - plot_.height(room.y, look) - look.px(kMargin) - playbackHeight(session, look));
+  room.y -= playbackHeight(session, room.x, look);
+  const float bottom = plot_.height(room.y, look) + look.px(kMargin);
+  // Where pictures would be too low, the plot gives way: they are what the window is for.
+  const bool hasBottom = session.lookedAt() || grid_.pictureSide(session, {room.x, room.y - bottom}, look) >= look.px(kLeastPicturePx);
+  room.y = std::max(1.0f, room.y - (hasBottom ? bottom : 0.0f));
   const std::optional<PanelGrid::Asked> asked = grid_.draw(session, room, held, look);
-  drawPlayback(session, look);
-  drawBottom(session, look);
+  // The ray that a loupe was held on goes with it.
+  if (std::exchange(wasInspecting_, grid_.isInspecting()) && !grid_.isInspecting()) session.lookAt(std::nullopt);
+  drawPlayback(session, room.x, look);
+  followedCamera_ = session.playback().isOpen() && session.playback().followsCamera();
+  if (hasBottom) drawBottom(session, look);
   if (asked) perform(asked->action, session, session.placeOf(asked->panel));
   ImGui::EndChild();
   ImGui::PopStyleVar(2);
@@ -387,8 +409,12 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   Look look = drawn;
   look.remembered = &remembered_;
   applyColors(remembered_.isLight ? Theme::light : Theme::dark);
+  typeAhead_.beginFrame();
   takeHandedFile(session);
   rememberScene(session);
+  // Not by its box, so by the hand on a picture.
+  if (followedCamera_ && session.playback().isOpen() && !session.playback().followsCamera())
+    setNote("The camera is yours now, frames come as they were recorded. Tick \"Recorded camera\" to follow it again.");
   if (std::optional<std::string> note = keeper_.takeNote()) setNote(std::move(*note));
   controls_.transferEditor().update(session, look.now);
   drawMenus(session, look);

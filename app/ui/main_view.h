@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/session/actions.h"
+#include "app/session/demos.h"
 #include "app/session/file_keeper.h"
 #include "app/session/handed_file.h"
 #include "app/ui/controls.h"
@@ -16,6 +17,7 @@
 #include "app/ui/panel_grid.h"
 #include "app/ui/parts.h"
 #include "app/ui/plot_view.h"
+#include "app/ui/type_ahead.h"
 
 namespace warpscope::ui {
 
@@ -39,7 +41,12 @@ class MainView {
 
   bool showsKeys() const { return showsKeys_; }
   bool showsDialog() const { return dialog_.isOpen(); }
+  /// What is typed into the field in which knobs are searched.
+  std::string_view searched() const { return controls_.searched(); }
   const TransferEditor& transferEditor() const { return controls_.transferEditor(); }
+
+  /// Shows a demonstration; the menu ends it.
+  void start(const Demo& demo, Session& session);
 
   /// Writes the window's picture into a file of the next free number.
   void savePicture(Image<Rgba8> picture);
@@ -72,6 +79,8 @@ class MainView {
   void drawKeys(const Look& look);
   void drawDialog(Session& session, const Look& look);
   void drawNote(const Look& look);
+  void showDialog(FileDialog::Purpose purpose, const std::string& name = "");
+  /// Both throw InputError for a file that cannot be written.
   void saveSession(const Session& session, const std::filesystem::path& path);
   void startRecording(Session& session, const std::filesystem::path& path);
 
@@ -86,6 +95,10 @@ class MainView {
   std::vector<Action> windowActions_;
   bool showsKeys_ = false;
   FileDialog dialog_;
+  TypeAhead typeAhead_;
+  bool wasInspecting_ = false;
+  bool followedCamera_ = false;  // that of a recording
+  std::optional<BeforeDemo> beforeDemo_;  // the first of those that followed each other
   struct Note {
     std::string text;
     std::optional<Session::TimePoint> since;

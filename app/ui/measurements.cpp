@@ -36,8 +36,9 @@ Measurements measurementsOf(const Session& session, size_t index, Session::TimeP
     const std::string about = isMoving ? "~" : "";
     flip = about + formatted(isMoving ? "%.3f" : "%.4f", errors->flip);
     psnr = std::isfinite(errors->psnrDb) ? about + formatted(isMoving ? "%.0f dB" : "%.1f dB", errors->psnrDb) : "equal";
-    holes = about + formatted(isMoving ? "%.0f" : errors->holeFraction < 0.0995 ? "%.2f" : "%.1f", 100.0 * errors->holeFraction);
-    if (errors->filledFraction > 0.0) holes += formatted("+%.0f", 100.0 * errors->filledFraction);
+    const bool hasFilled = errors->filledFraction > 0.0;  // then there is less room
+    holes = about + formatted(isMoving ? "%.0f" : errors->holeFraction < 0.0995 && !hasFilled ? "%.2f" : "%.1f", 100.0 * errors->holeFraction);
+    if (hasFilled) holes += formatted("+%.0f", 100.0 * errors->filledFraction);
     holes += " %";
   }
   const bool isCurrent = panel.errorsAreCurrent || isMoving;
@@ -111,11 +112,13 @@ void drawHistory(const Panel& panel, const ImVec2& at, float width, const Look& 
 }  // namespace
 
 float measurementsHeight(float width, MeasurementSpace space, const Look& look) {
+  if (space == MeasurementSpace::none) return 0.0f;
   const float figures = figuresHeight(width, space, look);
   return space == MeasurementSpace::oneLine ? figures : figures + ImGui::GetStyle().ItemSpacing.y + look.px(kHistoryPx);
 }
 
 void drawMeasurements(const Session& session, size_t index, MeasurementSpace space, const Look& look) {
+  if (space == MeasurementSpace::none) return;
   const float width = ImGui::GetContentRegionAvail().x;
   const Measurements measurements = measurementsOf(session, index, look.now);
   const ImVec2 origin = ImGui::GetCursorScreenPos();

@@ -13,6 +13,13 @@ namespace {
 
 constexpr float kMbit = 1e6f;
 
+constexpr std::string_view kLinkHelp = "What is simulated between this program and the server, on top of what is there.",
+                           kDelayHelp = "Delay: there and back, half of it each way.",
+                           kJitterHelp = "Jitter: by how much the delay of each way varies, evenly; at most by the delay.",
+                           kDownHelp = "How much passes from the server to here, in Mbit/s. All the way to the left: unlimited.",
+                           kUpHelp = "How much passes from here to the server, in Mbit/s. All the way to the left: unlimited.",
+                           kLossHelp = "Segments that are lost and sent again, as TCP does.";
+
 /// Below this, in Mbit/s, a rate stands for none.
 constexpr float kLeastMbit = 0.05f;
 
@@ -61,43 +68,20 @@ void apply(const LinkKnobs& before, const LinkKnobs& edited, net::DuplexLinkSett
 
 Track rateTrack(float mbit, const char* limited, const char* unlimited) { return {0.0f, 1000.0f, mbit < kLeastMbit ? unlimited : limited, true}; }
 
-void drawLink(net::DuplexLinkSettings& link, const Look& look) {
-  label("Link", look);
+void drawPreset(net::DuplexLinkSettings& link, const Look& look) {
+  label("Link", look, std::string(kLinkHelp));
   std::string shown = "own";
   for (const net::LinkPreset& preset : net::linkPresets())
     if (preset.settings == link) shown = preset.name;
   const bool isOpen = ImGui::BeginCombo("##link", shown.c_str());
-  if (!isOpen) tooltip("What is simulated between this program and the server, on top of what is there. Now: " + net::toString(link) + ".", look);
-  if (isOpen) {
-    for (const net::LinkPreset& preset : net::linkPresets()) {
-      if (ImGui::Selectable(std::string(preset.name).c_str(), preset.settings == link)) link = preset.settings;
-      tooltip(std::string(preset.summary), look);
-    }
-    ImGui::EndCombo();
+  if (!isOpen) tooltip(std::string(kLinkHelp) + " Now: " + net::inWords(link) + ".", look);
+  if (!isOpen) return;
+  for (const net::LinkPreset& preset : net::linkPresets()) {
+    if (ImGui::Selectable(std::string(preset.name).c_str(), preset.settings == link)) link = preset.settings;
+    tooltip(std::string(preset.summary), look);
   }
-  const LinkKnobs before = knobsOf(link);
-  LinkKnobs edited = before;
-  label("Delay, jitter", look);
-  beginHalves();
-  bareSlider("delay", edited.roundTripMs, {0.0f, 2000.0f, "%.0f ms"}, "Delay: there and back, half of it each way.", look);
-  nextHalf();
-  bareSlider("jitter", edited.jitterMs, {0.0f, 200.0f, "± %.1f ms"}, "Jitter: by how much the delay of each way varies, evenly; at most by the delay.", look);
-  label("Rate, Mbit/s", look);
-  beginHalves();
-  bareSlider("down", edited.downMbit, rateTrack(edited.downMbit, "↓ %.1f", "↓ any"),
-             "How much passes from the server to here, in Mbit/s. All the way to the left: unlimited.", look);
-  nextHalf();
-  bareSlider("up", edited.upMbit, rateTrack(edited.upMbit, "↑ %.1f", "↑ any"),
-             "How much passes from here to the server, in Mbit/s. All the way to the left: unlimited.", look);
-  // As text, not as a format: its digits are those of the value. A slider without digits of its own begins at 0.001 %.
-  const std::string loss = net::lossText(link.down.loss) + "%";
-  slider("Loss", edited.lossPercent, {0.0f, 20.0f, loss.c_str(), true}, "Segments that are lost and sent again, as TCP does.", look);
-  if (edited != before) apply(before, edited, link);
+  ImGui::EndCombo();
 }
-
-}  // namespace
-
-namespace {
 
 constexpr std::chrono::milliseconds kOutage(2000);
 
@@ -108,10 +92,43 @@ void drawOutageButton(Session& session, const Look& look) {
 
 }  // namespace
 
+size_t drawLinkKnobs(net::DuplexLinkSettings& link, const KnobFilter& isWanted, const Look& look) {
+  const LinkKnobs before = knobsOf(link);
+  LinkKnobs edited = before;
+  size_t count = 0;
+  const auto row = [&](std::initializer_list<std::string_view> words, const auto& draw) {
+    if (!std::ranges::any_of(words, isWanted)) return;
+    ++count;
+    draw();
+  };
+  row({"Link", kLinkHelp}, [&] { drawPreset(link, look); });
+  row({"Delay, jitter", "latency", kDelayHelp, kJitterHelp}, [&] {
+    label("Delay, jitter", look, std::string(kDelayHelp) + " " + std::string(kJitterHelp));
+    beginHalves();
+    bareSlider("delay", edited.roundTripMs, {0.0f, 2000.0f, "%.0f ms"}, kDelayHelp.data(), look);
+    nextHalf();
+    bareSlider("jitter", edited.jitterMs, {0.0f, 200.0f, "± %.1f ms"}, kJitterHelp.data(), look);
+  });
+  row({"Rate, Mbit/s", "bandwidth", kDownHelp, kUpHelp}, [&] {
+    label("Rate, Mbit/s", look, std::string(kDownHelp));
+    beginHalves();
+    bareSlider("down", edited.downMbit, rateTrack(edited.downMbit, "↓ %.1f", "↓ any"), kDownHelp.data(), look);
+    nextHalf();
+    bareSlider("up", edited.upMbit, rateTrack(edited.upMbit, "↑ %.1f", "↑ any"), kUpHelp.data(), look);
+  });
+  row({"Loss", kLossHelp}, [&] {
+    // As text, not as a format: its digits are those of the value. A slider without digits of its own begins at 0.001 %.
+    const std::string loss = net::lossText(link.down.loss) + "%";
+    slider("Loss", edited.lossPercent, {0.0f, 20.0f, loss.c_str(), true}, kLossHelp.data(), look);
+  });
+  if (edited != before) apply(before, edited, link);
+  return count;
+}
+
 void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
   if (!section("NETWORK", look)) return;
   TransportSettings& transport = knobs.transport;
-  drawLink(transport.link, look);
+  drawLinkKnobs(transport.link, [](std::string_view) { return true; }, look);
   for (const TransportKnob& row : transportKnobs())
     if (!row.isOfServer && row.matters(transport)) knobWidget(row, transport, look);
   drawOutageButton(session, look);
@@ -133,7 +150,7 @@ void drawLinkSign(const Session& session, const Look& look) {
   const bool hasLink = !(link.up.isTransparent() && link.down.isTransparent());
   if (!hasLink && !hasOutage && !session.isRecording()) return;
   // In full or, where that has no room, by what says most.
-  std::string text = "Simulated link: " + net::toString(link), brief = "Simulated link: " + durationText(link.up.delayMs + link.down.delayMs) + " there and back";
+  std::string text = "Simulated link: " + net::inWords(link), brief = "Simulated link: " + durationText(link.up.delayMs + link.down.delayMs) + " round trip";
   for (const net::LinkPreset& preset : net::linkPresets())
     if (preset.settings == link) {
       text = "Simulated link: " + std::string(preset.name) + ", " + std::string(preset.summary);

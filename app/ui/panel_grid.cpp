@@ -17,6 +17,8 @@ namespace {
 constexpr float kGapPx = 8.0f, kPaddingPx = 8.0f;  // at scale 1
 /// Where pictures would be lower than this, panels keep one line of measurements.
 constexpr float kLowPicturePx = 220.0f;
+/// Where they would be lower than this even so, panels keep none, and no bar of times.
+constexpr float kLowestPicturePx = 90.0f;
 /// Narrower panels have no room for what is chosen above their pictures.
 constexpr float kLeastWidthPx = 210.0f;
 /// How long each of two pictures is on show in turns: as blink comparators do, about two changes a second.
@@ -97,6 +99,10 @@ void PanelGrid::followUse(const Session& session) {
   }
 }
 
+float PanelGrid::pictureSide(const Session& session, const ImVec2& room, const Look& look) const {
+  return layoutOf(alone_ ? 1 : session.panelCount(), room, look).side;
+}
+
 PanelGrid::Layout PanelGrid::layoutOf(size_t count, const ImVec2& room, const Look& look) const {
   const float gap = look.px(kGapPx), padding = 2.0f * look.px(kPaddingPx);
   Layout best;
@@ -111,7 +117,8 @@ PanelGrid::Layout PanelGrid::layoutOf(size_t count, const ImVec2& room, const Lo
     const float width = layout.cell.x - padding;
     const auto pictureHeight = [&](MeasurementSpace space) { return layout.cell.y - padding - panelHeightBesidePicture(width, space, look); };
     if (pictureHeight(MeasurementSpace::all) < look.px(kLowPicturePx)) layout.space = MeasurementSpace::oneLine;
-    const float side = std::min(width, pictureHeight(layout.space));
+    if (pictureHeight(MeasurementSpace::oneLine) < look.px(kLowestPicturePx)) layout.space = MeasurementSpace::none;
+    const float side = layout.side = std::min(width, pictureHeight(layout.space));
     const bool isTooNarrow = columns > 1 && width < look.px(kLeastWidthPx);
     if (columns == 1 || columns_ != 0 || (side > bestSide && !isTooNarrow)) best = layout;
     bestSide = std::max(side, bestSide);

@@ -24,6 +24,8 @@ class PanelGrid {
     uint64_t panel = 0;  ///< its id
     Action action = Action::closePanel;
   };
+  /// The shorter side that a picture's area would have in that room, ImGui units; less than nothing where there is none.
+  float pictureSide(const Session& session, const ImVec2& room, const Look& look) const;
   /// Draws all panels into the current window's room, as much of it as `room`.
   std::optional<Asked> draw(Session& session, const ImVec2& room, const HeldKeys& held, const Look& look);
 
@@ -64,6 +66,7 @@ class PanelGrid {
     size_t columns = 1;
     ImVec2 cell;
     MeasurementSpace space = MeasurementSpace::all;
+    float side = 0.0f;  ///< the shorter one of a picture's area
   };
   Layout layoutOf(size_t count, const ImVec2& room, const Look& look) const;
   void forgetClosed(const Session& session);

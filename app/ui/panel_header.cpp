@@ -13,7 +13,7 @@ namespace warpscope::ui {
 namespace {
 
 constexpr float kTitlePx = 17.0f;  // at scale 1
-constexpr float kTechniquePx = 134.0f, kContentPx = 92.0f, kKnobPx = 96.0f, kLeastKnobPx = 64.0f;  // at scale 1
+constexpr float kTechniquePx = 134.0f, kContentPx = 92.0f, kKnobPx = 96.0f, kLeastKnobPx = 84.0f;  // at scale 1
 
 void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
   const WarpDescriptor& technique = *session.panel(index).technique;

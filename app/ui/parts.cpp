@@ -37,6 +37,7 @@ ImU32 screenColor(const glm::vec3& linear, float opacity) {
 
 std::string durationText(double milliseconds) {
   if (milliseconds < 0.005) return "0 ms";
+  if (milliseconds < 0.0995) return formatted("%.0f µs", 1e3 * milliseconds);
   if (milliseconds < 9.95) return formatted("%.2g ms", milliseconds);
   if (milliseconds < 999.5) return formatted("%.0f ms", milliseconds);
   if (milliseconds < 9950.0) return formatted("%.1f s", milliseconds / 1e3);

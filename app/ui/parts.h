@@ -5,8 +5,10 @@
 #include <imgui.h>
 
 #include <array>
+#include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include "app/session/actions.h"
 #include "app/session/remembered.h"
@@ -44,7 +46,7 @@ struct Look {
 };
 
 /// How much of the measurements beneath a picture there is room for.
-enum class MeasurementSpace { all, oneLine };
+enum class MeasurementSpace { all, oneLine, none };
 
 /// What is measured of a panel, as figures and as a line of its error, over the width of the current window; or the figures that say most, in one line.
 /// `measurementsHeight` is what that takes of a width, in ImGui units.
@@ -54,6 +56,12 @@ float measurementsHeight(float width, MeasurementSpace space, const Look& look);
 /// Where the time of the panel's frame went, as a bar that fills the line. For techniques without frames the bar is empty.
 void drawTimeline(const Panel& panel, const Look& look);
 inline constexpr float kTimelinePx = 7.0f;  ///< its height at scale 1
+
+/// Whether a knob with these words in its label or its explanation is to be drawn.
+using KnobFilter = std::function<bool(std::string_view)>;
+
+/// The knobs of a simulated link, as far as they are wanted; how many.
+size_t drawLinkKnobs(net::DuplexLinkSettings& link, const KnobFilter& isWanted, const Look& look);
 
 /// The part of the column of knobs that is about the network.
 void drawNetwork(Session& session, LiveSettings& knobs, const Look& look);

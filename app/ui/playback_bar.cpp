@@ -11,7 +11,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kBarPx = 34.0f, kPaddingPx = 4.0f, kFiguresPx = 186.0f, kSpeedPx = 64.0f, kLeastTrackPx = 120.0f;  // at scale 1
+constexpr float kBarPx = 34.0f, kPaddingPx = 4.0f, kPaddingYPx = 3.0f, kFiguresPx = 186.0f, kSpeedPx = 64.0f, kLeastTrackPx = 120.0f;  // at scale 1
 
 enum class Icon { play, pause, back, on };
 
@@ -70,66 +70,76 @@ void drawTrack(LivePlayback& playback, float width, const Look& look) {
   list->AddCircleFilled({now, middle}, look.px(6.0f), ImGui::GetColorU32(ImGuiCol_Text));
 }
 
-}  // namespace
+constexpr const char *kLoop = "Loop", *kCamera = "Recorded camera";
 
-float playbackHeight(const Session& session, const Look& look) {
-  return session.playback().isOpen() ? look.px(kBarPx) + ImGui::GetStyle().ItemSpacing.y : 0.0f;
+/// What stands beside the track, or beneath it where a row has no room for both.
+struct Widths {
+  float figures, speed, loop, camera, buttons;
+  float all() const { return figures + speed + loop + camera + buttons; }
+};
+
+Widths widthsOf(const Look& look) {
+  const float spacing = ImGui::GetStyle().ItemSpacing.x, side = ImGui::GetTextLineHeight() + look.px(2.0f * kPaddingYPx);
+  const auto boxWidth = [&](const char* text) { return side + ImGui::GetStyle().ItemInnerSpacing.x + ImGui::CalcTextSize(text).x + spacing; };
+  return {look.px(kFiguresPx) + spacing, look.px(kSpeedPx) + spacing, boxWidth(kLoop), boxWidth(kCamera), 3.0f * side + 2.0f * look.px(4.0f) + spacing};
 }
 
-void drawPlayback(Session& session, const Look& look) {
+bool hasTwoRows(float width, const Look& look) { return width - look.px(4.0f * kPaddingPx) - widthsOf(look).all() < look.px(kLeastTrackPx); }
+
+void drawFigures(const LivePlayback& playback, float width, const Look& look) {
+  const float left = ImGui::GetCursorPosX();
+  const size_t count = playback.recording().frames.size();
+  const std::string text = formatted("%.2f of ", playback.seconds()) + formatted("%.2f s", playback.lastSeconds()) +
+                           (count > 0 ? ", frame " + std::to_string(playback.frame() + 1) + " of " + std::to_string(count) : std::string(", no frames"));
+  ImGui::PushFont(look.fonts.small);
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextColored(palette().dimText, "%s", text.c_str());
+  ImGui::PopFont();
+  ImGui::SameLine(left + width);
+}
+
+void drawOptions(LivePlayback& playback, const Look& look) {
+  ImGui::SetNextItemWidth(look.px(kSpeedPx));
+  auto times = static_cast<float>(playback.speed());
+  bareSlider("speed", times, {static_cast<float>(kPlaybackSpeedRange.lowest), static_cast<float>(kPlaybackSpeedRange.highest), "%.1f ×", true}, "How fast, times the speed at which it was recorded.", look);
+  playback.setSpeed(times);
+  ImGui::SameLine();
+  bool isLooping = playback.isLooping();
+  if (ImGui::Checkbox(kLoop, &isLooping)) playback.setLooping(isLooping);
+  tooltip("From the end on at the beginning.", look);
+  ImGui::SameLine();
+  bool follows = playback.followsCamera();
+  if (ImGui::Checkbox(kCamera, &follows)) playback.setFollowsCamera(follows);
+  tooltip("The camera as it was moved then. Who drags a picture has it for himself until this is switched on again: frames come as they were recorded.", look);
+}
+
+}  // namespace
+
+float playbackHeight(const Session& session, float width, const Look& look) {
+  if (!session.playback().isOpen()) return 0.0f;
+  return look.px(hasTwoRows(width, look) ? 2.0f * kBarPx - kPaddingPx : kBarPx) + ImGui::GetStyle().ItemSpacing.y;
+}
+
+void drawPlayback(Session& session, float width, const Look& look) {
   LivePlayback& playback = session.playback();
   if (!playback.isOpen()) return;
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(2.0f * kPaddingPx), look.px(kPaddingPx)});
-  ImGui::BeginChild("playback", {0.0f, look.px(kBarPx)}, true, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+  ImGui::BeginChild("playback", {0.0f, playbackHeight(session, width, look) - ImGui::GetStyle().ItemSpacing.y}, true, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::PopStyleVar();
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(7.0f), look.px(3.0f)});
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(7.0f), look.px(kPaddingYPx)});
   const float gap = look.px(4.0f);
+  const bool isTwoRows = hasTwoRows(width, look);
+  const Widths widths = widthsOf(look);
   if (iconButton(playback.isPlaying() ? Icon::pause : Icon::play, "##play", Action::play, look)) playback.setPlaying(!playback.isPlaying());
   ImGui::SameLine(0.0f, gap);
   if (iconButton(Icon::back, "##back", Action::stepBack, look)) playback.step(-1);
   ImGui::SameLine(0.0f, gap);
   if (iconButton(Icon::on, "##on", Action::stepOn, look)) playback.step(1);
   ImGui::SameLine();
-  const auto boxWidth = [&](const char* text) { return ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x + ImGui::CalcTextSize(text).x; };
-  constexpr const char *kLoop = "Loop", *kCamera = "Recorded camera";
-  const float spacing = ImGui::GetStyle().ItemSpacing.x, room = ImGui::GetContentRegionAvail().x;
-  const float camera = boxWidth(kCamera) + spacing, loop = boxWidth(kLoop) + spacing, speed = look.px(kSpeedPx) + spacing, figures = look.px(kFiguresPx) + spacing;
-  // What says least goes first where there is little room.
-  const float least = look.px(kLeastTrackPx);
-  const bool hasCamera = room - camera >= least, hasFigures = room - camera - figures >= least, hasSpeed = room - camera - figures - speed >= least,
-             hasLoop = room - camera - figures - speed - loop >= least;
-  drawTrack(playback, std::max(least, room - (hasCamera ? camera : 0.0f) - (hasFigures ? figures : 0.0f) - (hasSpeed ? speed : 0.0f) - (hasLoop ? loop : 0.0f)), look);
-  if (hasFigures) {
-    ImGui::SameLine();
-    const float left = ImGui::GetCursorPosX();
-    const size_t count = playback.recording().frames.size();
-    const std::string text = formatted("%.2f of ", playback.seconds()) + formatted("%.2f s", playback.lastSeconds()) +
-                             (count > 0 ? ", frame " + std::to_string(playback.frame() + 1) + " of " + std::to_string(count) : std::string(", no frames"));
-    ImGui::PushFont(look.fonts.small);
-    ImGui::AlignTextToFramePadding();
-    ImGui::TextColored(palette().dimText, "%s", text.c_str());
-    ImGui::PopFont();
-    ImGui::SameLine(left + look.px(kFiguresPx) + spacing);
-  }
-  if (hasSpeed) {
-    if (!hasFigures) ImGui::SameLine();
-    ImGui::SetNextItemWidth(look.px(kSpeedPx));
-    auto times = static_cast<float>(playback.speed());
-    bareSlider("speed", times, {static_cast<float>(kPlaybackSpeedRange.lowest), static_cast<float>(kPlaybackSpeedRange.highest), "%.1f ×", true}, "How fast, times the speed at which it was recorded.", look);
-    playback.setSpeed(times);
-  }
-  if (hasLoop) {
-    ImGui::SameLine();
-    bool isLooping = playback.isLooping();
-    if (ImGui::Checkbox(kLoop, &isLooping)) playback.setLooping(isLooping);
-    tooltip("From the end on at the beginning.", look);
-  }
-  if (hasCamera) {
-    if (!hasFigures || hasSpeed) ImGui::SameLine();
-    bool follows = playback.followsCamera();
-    if (ImGui::Checkbox(kCamera, &follows)) playback.setFollowsCamera(follows);
-    tooltip("The camera as it was moved then. Who drags a picture has it for himself until this is switched on again: frames come as they were recorded.", look);
-  }
+  drawTrack(playback, std::max(look.px(20.0f), ImGui::GetContentRegionAvail().x - (isTwoRows ? 0.0f : widths.all() - widths.buttons)), look);
+  if (!isTwoRows) ImGui::SameLine();
+  drawFigures(playback, widths.figures, look);
+  drawOptions(playback, look);
   ImGui::PopStyleVar();
   ImGui::EndChild();
 }

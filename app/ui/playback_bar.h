@@ -5,10 +5,10 @@
 
 namespace warpscope::ui {
 
-/// ImGui units; 0 where no recording is on show.
-float playbackHeight(const Session& session, const Look& look);
+/// ImGui units, where it is that wide; 0 where no recording is on show.
+float playbackHeight(const Session& session, float width, const Look& look);
 
-/// Fills the line.
-void drawPlayback(Session& session, const Look& look);
+/// Fills the line, or two where one has no room for all.
+void drawPlayback(Session& session, float width, const Look& look);
 
 }  // namespace warpscope::ui

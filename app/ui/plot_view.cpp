@@ -18,6 +18,12 @@ namespace {
 constexpr float kPlotPx = 150.0f, kListPx = 330.0f, kLeastForListPx = 640.0f;  // at scale 1
 constexpr float kLeastBodyPx = 480.0f;                                         // below it the plot stays folded up
 
+constexpr std::string_view kHelp =
+    "One point for each combination of technique and knobs that was on show while the view rested: milliseconds to decode, build and draw, and "
+    "FLIP. Points are compared at the angles between frame and view that they have in common: mean FLIP, and the slowest view. Faint: not compared, "
+    "because it was not seen at these angles or at this size of the pictures. Rings: nothing is faster and better. White rims: on show now. Drop a "
+    "sweep.json onto the window for hollow points. Forgotten with another scene.";
+
 ImU32 colorOf(const WarpDescriptor& technique) {
   const uint32_t rgb = techniqueRgb(technique);
   return IM_COL32(rgb >> 16 & 255, rgb >> 8 & 255, rgb & 255, 255);
@@ -38,6 +44,14 @@ std::string describe(const Configuration& configuration) {
     text += ", server's image of " + std::to_string(configuration.serverSidePx) + " px, " + codecWord(configuration.codec);
   return text;
 }
+
+/// Of Shown::sources, for a legend.
+std::string_view meaningOf(std::string_view source) {
+  if (source == "measured") return "measured";
+  return source == "seen" ? "seen while looking around" : "of the sweep";
+}
+
+std::string sizeField(uint32_t pixels) { return pixels == 0 ? "" : std::to_string(pixels); }
 
 std::string angleCount(size_t count) { return std::to_string(count) + (count == 1 ? " angle" : " angles"); }
 
@@ -72,7 +86,9 @@ std::string describe(const LiveFront::Point& point, const std::vector<double>& r
 struct PlotView::Shown {
   std::vector<ScatterPoint> points;
   std::vector<const Configuration*> configurations;
-  std::vector<const char*> sources;  ///< "measured", "seen" or "sweep"
+  std::vector<const char*> sources;    ///< "measured", "seen" or "sweep"
+  std::vector<std::string> angles;     ///< degrees between frame and view, "0 5 10"; buckets by their lower ends; empty where it is not known
+  std::vector<glm::uvec2> sizes;       ///< of the pictures; 0 where it is not known
   std::vector<size_t> front;  ///< indices into all of them, the live ones first
 };
 
@@ -90,7 +106,7 @@ void PlotView::showSweep(SweepFile sweep) {
 PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
   Shown shown;
   const std::string click = session.panelCount() > 1 ? "\nClick to show it in panel " + std::to_string(panel + 1) + ", which was used last." : "\nClick to show it.";
-  const auto add = [&](const char* source, const Configuration& configuration, double frameMs, double flip, const std::string& text) {
+  const auto add = [&](const char* source, const Configuration& configuration, double frameMs, double flip, const std::string& text, const std::string& angles, const glm::uvec2& size) {
     ScatterPoint point;
     point.x = frameMs;
     point.y = flip;
@@ -99,18 +115,26 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
     shown.points.push_back(std::move(point));
     shown.configurations.push_back(&configuration);
     shown.sources.push_back(source);
+    shown.angles.push_back(angles);
+    shown.sizes.push_back(size);
   };
   const LiveFront& live = session.liveFront();
   const FairMeasuring& fair = session.fair();
   for (const FairPoint& point : fair.points()) {
     std::string text = describe(point.configuration) + "\n" + figures(point.frameMs, point.flip) + ": measured";
-    for (const FairPoint::Angle& angle : point.angles) text += formatted("\n  FLIP %.4f at %g°, ", angle.flip, angle.angleDeg) + durationText(angle.frameMs);
-    add("measured", point.configuration, point.frameMs, point.flip, text);
+    std::string angles;
+    for (const FairPoint::Angle& angle : point.angles) {
+      text += formatted("\n  FLIP %.4f at %g°, ", angle.flip, angle.angleDeg) + durationText(angle.frameMs);
+      angles += (angles.empty() ? "" : " ") + formatted("%g", angle.angleDeg, 0.0);
+    }
+    add("measured", point.configuration, point.frameMs, point.flip, text, angles, point.pictureSize);
   }
   if (!fair.points().empty()) shown.front = fair.front();
   const size_t measured = shown.points.size();
   for (const LiveFront::Point& point : live.points()) {
-    add("seen", point.configuration, point.frameMs, point.flip, describe(point, live.rankedAnglesDeg()) + "\nSeen while somebody looked around, not measured.");
+    std::string angles;
+    for (const LiveFront::Bucket& bucket : point.buckets) angles += (angles.empty() ? "" : " ") + formatted("%g", bucket.fromDeg, 0.0);
+    add("seen", point.configuration, point.frameMs, point.flip, describe(point, live.rankedAnglesDeg()) + "\nSeen while somebody looked around, not measured.", angles, point.pictureSize);
     // Beside what was measured, what was only seen stands back.
     shown.points.back().isDim = point.standing != LiveFront::Standing::ranked || measured > 0;
     for (size_t i = 0; i < session.panelCount(); ++i)
@@ -121,7 +145,7 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
     const size_t first = shown.points.size();
     for (const Summary& summary : sweep_->summaries) {
       const std::string text = describe(summary.configuration) + "\n" + figures(summary.frameMs, summary.flip) + ", of the sweep";
-      add("sweep", summary.configuration, summary.frameMs, summary.flip, text);
+      add("sweep", summary.configuration, summary.frameMs, summary.flip, text, "", {});
       shown.points.back().isHollow = true;
     }
     for (const size_t i : sweep_->front) shown.front.push_back(first + i);
@@ -137,11 +161,8 @@ void PlotView::drawHeader(const Look& look) {
   isUnfolded_ = ImGui::CollapsingHeader(kHeading, ImGuiTreeNodeFlags_AllowItemOverlap);
   look.remembered->setFolded(kHeading, !isUnfolded_);
   ImGui::PopStyleColor();
-  tooltip("One point for each combination of technique and knobs that was on show while the view rested: milliseconds to decode, build and draw, and "
-          "FLIP. Points are compared at the angles between frame and view that they have in common: mean FLIP, and the slowest view. Faint: not compared, "
-          "because it was not seen at these angles or at this size of the pictures. Rings: nothing is faster and better. White rims: on show now. Drop a "
-          "sweep.json onto the window for hollow points. Forgotten with another scene.",
-          look);
+  // Over its name alone: it is long.
+  if (ImGui::GetIO().MousePos.x < ImGui::GetItemRectMin().x + look.px(170.0f)) tooltip(std::string(kHelp), look);
   std::string note = !error_.empty() ? error_ : measuringError_;
   if (note.empty() && sweep_) note = "hollow: " + sweep_->name + (sweep_->scene.empty() ? "" : " of " + sweep_->scene);
   if (note.empty()) return;
@@ -163,7 +184,7 @@ std::string PlotView::svg(const Session& session) const {
   plot.y = {"FLIP", true};
   for (size_t i = 0; i < shown.points.size(); ++i) {
     const WarpDescriptor& technique = *shown.configurations[i]->technique;
-    const std::string name = std::string(technique.label) + ", " + shown.sources[i];
+    const std::string name = std::string(technique.label) + ", " + std::string(meaningOf(shown.sources[i]));
     auto series = std::ranges::find(plot.series, name, &PlotSeries::name);
     if (series == plot.series.end()) {
       char color[8];
@@ -178,11 +199,11 @@ std::string PlotView::svg(const Session& session) const {
 
 std::string PlotView::csv(const Session& session) const {
   const Shown shown = shownOf(session, 0);
-  std::string text = "source,technique,configuration,frameMs,flip,isOnFront\n";
+  std::string text = "source,technique,configuration,frameMs,flip,anglesDeg,width,height,isOnFront\n";
   for (size_t i = 0; i < shown.points.size(); ++i) {
     const Configuration& configuration = *shown.configurations[i];
     text += std::string(shown.sources[i]) + "," + std::string(configuration.technique->name) + "," + csvField(labelOf(configuration)) + "," +
-            formatted("%.6g,%.6g,", shown.points[i].x, shown.points[i].y) + (shown.points[i].isOnFront ? "true" : "false") + "\n";
+            formatted("%.6g,%.6g,", shown.points[i].x, shown.points[i].y) + shown.angles[i] + "," + sizeField(shown.sizes[i].x) + "," + sizeField(shown.sizes[i].y) + "," + (shown.points[i].isOnFront ? "true" : "false") + "\n";
   }
   return text;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "app/picture/plot_axis.h"
@@ -12,7 +13,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kLegendPx = 132.0f, kStripPx = 9.0f, kLanePx = 12.0f;  // at scale 1
+constexpr float kLegendPx = 132.0f, kStripPx = 9.0f, kLanePx = 12.0f, kNearMarkerPx = 4.0f;  // at scale 1
 const ImVec4 kOpacityColor{0.95f, 0.62f, 0.25f, 1.0f}, kLightColor{0.35f, 0.70f, 0.95f, 1.0f};
 
 /// The part of the ray that is worth showing: where samples count and a little about it, or all of it where none does.
@@ -26,6 +27,22 @@ Span spanOf(const RayTrace& trace) {
   const float first = trace.samples.front().t, last = trace.samples.back().t;
   const float margin = 0.08f * (last - first) + 2.0f * trace.samples.front().ds;
   return {std::max(trace.begin, first - margin), std::min(trace.end, last + margin)};
+}
+
+/// What curves are drawn of, and what their tops stand for.
+struct Tops {
+  double lowest = 0.0, highest = 0.0;  ///< of values
+  float mostOpaque = 0.0f;             ///< over a unit
+};
+
+Tops topsOf(const RayTrace& trace, const Span& span) {
+  Tops tops{1e300, -1e300, 0.0f};
+  for (const RayPlace& place : trace.places) {
+    if (!std::isfinite(place.value)) continue;
+    tops.lowest = std::min(tops.lowest, place.value), tops.highest = std::max(tops.highest, place.value);
+    if (place.t >= span.begin && place.t <= span.end) tops.mostOpaque = std::max(tops.mostOpaque, place.look.a);
+  }
+  return tops;
 }
 
 /// A lane of the drawing.
@@ -74,24 +91,17 @@ void drawSegments(const Lane& lane, const RayTrace& trace) {
     const ImVec2 from{lane.x(std::max(segment.begin, lane.span.begin)), lane.y(std::sqrt(segment.opacity))};
     const ImVec2 to{std::max(lane.x(std::min(segment.end, lane.span.end)), from.x + 1.0f), lane.to.y};
     list->AddRectFilled(from, to, screenColor(segment.color / segment.opacity));
-    list->AddRect(from, to, IM_COL32(0, 0, 0, 160));
+    list->AddRect(from, to, ImGui::GetColorU32(palette().dimText));  // dark ones can be seen, too
   }
 }
 
-void drawCurves(const Lane& lane, const RayTrace& trace, const Look& look) {
-  double lowest = 1e300, highest = -1e300;
-  float mostOpaque = 0.0f;
-  for (const RayPlace& place : trace.places) {
-    if (!std::isfinite(place.value)) continue;
-    lowest = std::min(lowest, place.value), highest = std::max(highest, place.value);
-    if (place.t >= lane.span.begin && place.t <= lane.span.end) mostOpaque = std::max(mostOpaque, place.look.a);
-  }
+void drawCurves(const Lane& lane, const RayTrace& trace, const Tops& tops, const Look& look) {
   const float thickness = look.px(1.3f);
   const auto atPlace = [](const RayPlace& place) { return place.t; };
-  if (highest > lowest)
-    drawCurve(lane, trace.places, atPlace, [&](const RayPlace& place) { return static_cast<float>((place.value - lowest) / (highest - lowest)); }, palette().dimText, thickness);
-  if (mostOpaque > 0.0f)
-    drawCurve(lane, trace.places, atPlace, [&](const RayPlace& place) { return place.look.a / mostOpaque; }, kOpacityColor, thickness);
+  if (tops.highest > tops.lowest)
+    drawCurve(lane, trace.places, atPlace, [&](const RayPlace& place) { return static_cast<float>((place.value - tops.lowest) / (tops.highest - tops.lowest)); }, palette().dimText, thickness);
+  if (tops.mostOpaque > 0.0f)
+    drawCurve(lane, trace.places, atPlace, [&](const RayPlace& place) { return place.look.a / tops.mostOpaque; }, kOpacityColor, thickness);
   // What light is left behind each sample; between them it stays.
   std::vector<std::pair<float, float>> light{{lane.span.begin, 1.0f}};
   for (const CountingSample& sample : trace.samples) {
@@ -102,11 +112,16 @@ void drawCurves(const Lane& lane, const RayTrace& trace, const Look& look) {
   drawCurve(lane, light, [](const auto& one) { return one.first; }, [](const auto& one) { return one.second; }, kLightColor, thickness);
 }
 
-/// The ray's depths, near to far, at its right; each a marker in the drawing.
-void drawDepths(const Lane& lane, const RayTrace& trace, Heuristic used, const ImVec2& legendAt, const Look& look) {
+/// The ray's depths, near to far.
+std::vector<TracedDepth> depthsAlong(const RayTrace& trace) {
   std::vector<TracedDepth> depths = trace.depths;
   std::erase_if(depths, [](const TracedDepth& depth) { return !depth.result.hasDepth; });
   std::ranges::stable_sort(depths, {}, [](const TracedDepth& depth) { return depth.result.depth; });
+  return depths;
+}
+
+/// Each a marker in the drawing and a row at its right. `fromEye`: of the ray's beginning.
+void drawDepths(const Lane& lane, std::span<const TracedDepth> depths, Heuristic used, float fromEye, const ImVec2& legendAt, const Look& look) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImVec2 at = legendAt;
   const float line = ImGui::GetTextLineHeight();
@@ -116,18 +131,23 @@ void drawDepths(const Lane& lane, const RayTrace& trace, Heuristic used, const I
     const float x = lane.x(depth.result.depth);
     list->AddLine({x, lane.from.y}, {x, lane.to.y}, color, look.px(isUsed || isPointedAt ? 2.0f : 1.0f));
     list->AddText(at, color, std::string(nameOf(depth.heuristic)).c_str());
-    list->AddText({at.x + look.px(82.0f), at.y}, color, formatted("%.4g", depth.result.depth).c_str());
+    list->AddText({at.x + look.px(82.0f), at.y}, color, formatted("%.4g", fromEye + depth.result.depth).c_str());
+    if (isPointedAt) {
+      ImGui::BeginTooltip();
+      ImGui::TextUnformatted((std::string(nameOf(depth.heuristic)) + ": " + std::string(std::ranges::find(kHeuristics, depth.heuristic, &NamedValue<Heuristic>::value)->summary) + ".").c_str());
+      ImGui::EndTooltip();
+    }
     at.y += line + look.px(1.0f);
   }
 }
 
-void drawAxis(const Lane& lane, const Look& look) {
+void drawAxis(const Lane& lane, float fromEye, const Look& look) {
   AxisScale axis(false, lane.from.x, lane.to.x);
-  axis.include(lane.span.begin);
-  axis.include(lane.span.end);
+  axis.include(fromEye + lane.span.begin);
+  axis.include(fromEye + lane.span.end);
   ImDrawList* list = ImGui::GetWindowDrawList();
   for (const double tick : axis.ticks()) {
-    const auto t = static_cast<float>(tick);
+    const float t = static_cast<float>(tick) - fromEye;
     if (t < lane.span.begin || t > lane.span.end) continue;
     const std::string text = tickText(tick);
     list->AddLine({lane.x(t), lane.from.y}, {lane.x(t), lane.to.y}, ImGui::GetColorU32(ImGuiCol_Border));
@@ -136,7 +156,7 @@ void drawAxis(const Lane& lane, const Look& look) {
 }
 
 /// Of the place under the pointer.
-void drawReading(const Lane& lane, const RayTrace& trace, const Look& look) {
+void drawReading(const Lane& lane, const RayTrace& trace, std::span<const TracedDepth> depths, float fromEye, const Look& look) {
   if (!ImGui::IsItemHovered() || trace.places.empty()) return;
   const float share = (ImGui::GetIO().MousePos.x - lane.from.x) / (lane.to.x - lane.from.x);
   const float t = lane.span.begin + share * (lane.span.end - lane.span.begin);
@@ -147,10 +167,13 @@ void drawReading(const Lane& lane, const RayTrace& trace, const Look& look) {
   const float x = lane.x(place->t);
   ImGui::GetWindowDrawList()->AddLine({x, lane.from.y}, {x, lane.to.y}, ImGui::GetColorU32(ImGuiCol_Text), look.px(1.0f));
   ImGui::BeginTooltip();
-  ImGui::TextUnformatted(("depth " + formatted("%.4g", place->t)).c_str());
+  ImGui::TextUnformatted(("depth " + formatted("%.4g", fromEye + place->t)).c_str());
   ImGui::TextUnformatted(("value " + formatted("%.4g", place->value)).c_str());
   ImGui::TextUnformatted(("opacity " + formatted("%.3g", place->look.a) + " over a unit").c_str());
   ImGui::TextUnformatted(("light left " + formatted("%.3g", left)).c_str());
+  for (const TracedDepth& depth : depths)
+    if (std::abs(lane.x(depth.result.depth) - ImGui::GetIO().MousePos.x) <= look.px(kNearMarkerPx))
+      ImGui::TextColored(palette().accent, "%s", ("here: " + std::string(nameOf(depth.heuristic))).c_str());
   ImGui::EndTooltip();
 }
 
@@ -159,11 +182,25 @@ std::string titleOf(const RayOfPixel& ray) {
   return ray.isServers ? "Ray of the server's pixel " + pixel + ", which found the sample" : "Ray of the view's pixel " + pixel + ", which shows no sample";
 }
 
-void drawKeyOfCurves(ImVec2 at) {
+/// Why one dot at the depth in use does not stand for the ray, if it does not.
+std::string lightText(const RayResult& result, float fromEye) {
+  const Heuristic used = result.job.settings.sample.heuristic;
+  const std::optional<float> depth = depthBy(result.trace, used);
+  if (!depth) return "Nothing on this ray counts.";
+  const LightAbout light = lightAbout(result.trace, *depth);
+  const auto percent = [](float share) { return formatted("%.0f %%", 100.0 * static_cast<double>(share)); };
+  return "The dot by " + std::string(nameOf(used)) + " stands at " + formatted("%.4g", static_cast<double>(fromEye + *depth)) + ": " + percent(light.within) + " of the light comes from within a voxel of it, " +
+         percent(light.nearer) + " from nearer, " + percent(light.farther) + " from farther.";
+}
+
+void drawKeyOfCurves(ImVec2 at, const Tops& tops) {
   ImDrawList* list = ImGui::GetWindowDrawList();
-  for (const auto& [text, color] : {std::pair{"value", palette().dimText}, {"opacity", kOpacityColor}, {"light left", kLightColor}}) {
-    list->AddText(at, ImGui::GetColorU32(color), text);
-    at.x += ImGui::CalcTextSize(text).x + ImGui::CalcTextSize("   ").x;
+  const bool hasValues = tops.highest > tops.lowest;
+  const std::string value = hasValues ? "value " + formatted("%.4g", tops.lowest) + " to " + formatted("%.4g", tops.highest) : "value",
+                    opacity = "opacity 0 to " + formatted("%.3g", static_cast<double>(tops.mostOpaque)), light = "light left 0 to 1";
+  for (const auto& [text, color] : {std::pair{value, palette().dimText}, {opacity, kOpacityColor}, {light, kLightColor}}) {
+    list->AddText(at, ImGui::GetColorU32(color), text.c_str());
+    at.x += ImGui::CalcTextSize(text.c_str()).x + ImGui::CalcTextSize("   ").x;
   }
 }
 
@@ -178,6 +215,12 @@ bool drawRay(const Session& session, const Look& look) {
   ImGui::SameLine(ImGui::GetWindowWidth() - look.px(24.0f));
   const bool isClosed = ImGui::SmallButton("x");
   tooltip("Close.", look);
+  const float fromEye = hasTrace ? glm::length(ray.result()->trace.ray.origin - ray.result()->job.ray.camera.eye) : 0.0f;
+  if (hasTrace && ray.result()->job.ray.isServers) {
+    ImGui::PushTextWrapPos(0.0f);
+    ImGui::TextUnformatted(lightText(*ray.result(), fromEye).c_str());
+    ImGui::PopTextWrapPos();
+  }
   const ImVec2 at = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
   const float line = ImGui::GetTextLineHeight(), gap = look.px(3.0f);
   const bool hasLegend = room.x > look.px(kLegendPx + 160.0f);
@@ -185,6 +228,8 @@ bool drawRay(const Session& session, const Look& look) {
   if (hasTrace && room.y > look.px(70.0f) && width > look.px(40.0f)) {
     const RayResult& result = *ray.result();
     const Span span = spanOf(result.trace);
+    const Tops tops = topsOf(result.trace, span);
+    const std::vector<TracedDepth> depths = depthsAlong(result.trace);
     const Lane strip{at, {at.x + width, at.y + look.px(kStripPx)}, span};
     const Lane segments{{at.x, bottom - look.px(kLanePx)}, {at.x + width, bottom}, span};
     const Lane curves{{at.x, strip.to.y + gap}, {at.x + width, segments.from.y - gap}, span};
@@ -193,13 +238,13 @@ bool drawRay(const Session& session, const Look& look) {
     ImGui::InvisibleButton("along the ray", {width, bottom - at.y});
     list->PushClipRect(at, {at.x + width, bottom}, true);
     drawStrip(strip, result.trace);
-    drawCurves(curves, result.trace, look);
+    drawCurves(curves, result.trace, tops, look);
     drawSegments(segments, result.trace);
     list->PopClipRect();
-    drawAxis({curves.from, segments.to, span}, look);
-    drawDepths(curves, result.trace, result.job.settings.sample.heuristic, {at.x + width + look.px(8.0f), at.y}, look);
-    drawReading({curves.from, segments.to, span}, result.trace, look);
-    drawKeyOfCurves({at.x, bottom + line});
+    drawAxis({curves.from, segments.to, span}, fromEye, look);
+    drawDepths(curves, depths, result.job.settings.sample.heuristic, fromEye, {at.x + width + look.px(8.0f), at.y}, look);
+    drawReading({curves.from, segments.to, span}, result.trace, depths, fromEye, look);
+    drawKeyOfCurves({at.x, bottom + line}, tops);
   }
   ImGui::PopFont();
   return !isClosed;

@@ -107,8 +107,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
     }
 
     if (startsDemo && session.scene() != nullptr) {
-      startDemo(demos().front(), session);
-      mainView.setNote("Demo: " + std::string(demos().front().name) + ". " + std::string(demos().front().summary) + ". Drag to end it; the menu Demo has others.");
+      mainView.start(demos().front(), session);
       startsDemo = false;
     }
     if (!hasRecorded && !settings.recording.empty() && session.scene() != nullptr) {

@@ -55,7 +55,7 @@ void setDark(ImVec4* colors) {
   colors[ImGuiCol_HeaderHovered] = {0.23f, 0.42f, 0.47f, 1.0f};
   colors[ImGuiCol_HeaderActive] = {0.25f, 0.50f, 0.56f, 1.0f};
   colors[ImGuiCol_TitleBgActive] = {0.14f, 0.26f, 0.29f, 1.0f};
-  colors[ImGuiCol_SliderGrab] = {0.22f, 0.47f, 0.52f, 1.0f};
+  colors[ImGuiCol_SliderGrab] = {0.22f, 0.47f, 0.52f, 0.75f};  // the value stands on it
   colors[ImGuiCol_SliderGrabActive] = {0.26f, 0.60f, 0.66f, 1.0f};
   colors[ImGuiCol_TextSelectedBg] = {0.20f, 0.45f, 0.50f, 1.0f};
 }
@@ -76,7 +76,7 @@ void setLight(ImVec4* colors) {
   colors[ImGuiCol_HeaderHovered] = {0.68f, 0.83f, 0.86f, 1.0f};
   colors[ImGuiCol_HeaderActive] = {0.60f, 0.79f, 0.83f, 1.0f};
   colors[ImGuiCol_TitleBgActive] = {0.74f, 0.86f, 0.89f, 1.0f};
-  colors[ImGuiCol_SliderGrab] = {0.52f, 0.74f, 0.78f, 1.0f};  // the value stands on it
+  colors[ImGuiCol_SliderGrab] = {0.52f, 0.74f, 0.78f, 0.75f};
   colors[ImGuiCol_SliderGrabActive] = {0.42f, 0.68f, 0.73f, 1.0f};
   colors[ImGuiCol_TextSelectedBg] = {0.62f, 0.82f, 0.87f, 1.0f};
 }

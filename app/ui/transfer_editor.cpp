@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "app/scene/auto_transfer_function.h"
@@ -20,6 +21,7 @@ namespace {
 
 constexpr float kChartPx = 96.0f, kBarPx = 12.0f, kMarkPx = 9.0f, kCornerPx = 4.0f, kReachPx = 8.0f;  // at scale 1
 constexpr std::chrono::milliseconds kFilePeriod(400);
+constexpr std::string_view kSpreadHelp = "It is in Hounsfield units, which this volume's values do not look like: spread over their range instead, so that it need not show what its name says.";
 
 /// Faint opacities have room, too.
 float heightOf(float alpha) { return std::sqrt(alpha); }
@@ -228,7 +230,28 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
   ImGui::PushFont(look.fonts.small);
   const double value = chart.value(mouse.x);
   const std::string reading = formatted("%.4g", value) + formatted(": opacity %.3g", static_cast<double>(function.at(value).a));
-  list->AddText({from.x + look.px(4.0f), from.y + look.px(2.0f)}, ImGui::GetColorU32(palette().dimText), reading.c_str());
+  // In the upper corner that the pointer is farther from, before whatever lies there.
+  const ImVec2 size = ImGui::CalcTextSize(reading.c_str());
+  const float margin = look.px(4.0f);
+  const ImVec2 at{mouse.x < 0.5f * (from.x + to.x) ? to.x - size.x - margin : from.x + margin, from.y + 0.5f * margin};
+  list->AddRectFilled({at.x - 0.5f * margin, at.y}, {at.x + size.x + 0.5f * margin, at.y + size.y}, ImGui::GetColorU32(palette().frame));
+  list->AddText(at, ImGui::GetColorU32(ImGuiCol_Text), reading.c_str());
+  ImGui::PopFont();
+}
+
+void TransferEditor::drawAxis(const Session& session, const Look& look) const {
+  const ImVec2 from = ImGui::GetCursorScreenPos(), to{from.x + ImGui::GetContentRegionAvail().x, from.y};
+  const Chart chart = chartOf(session, from, to);
+  ImGui::PushFont(look.fonts.small);
+  const float line = ImGui::GetTextLineHeight();
+  ImGui::Dummy({to.x - from.x, line});
+  tooltip("Values, in the volume's own units. Above: how often they occur (logarithm), and their opacity, 0 to 1 over the length of a voxel's edge (root).", look);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const ImU32 color = ImGui::GetColorU32(palette().dimText);
+  const std::string lowest = formatted("%.5g", chart.lowest), middle = formatted("%.5g", std::midpoint(chart.lowest, chart.highest)), highest = formatted("%.5g", chart.highest);
+  list->AddText(from, color, lowest.c_str());
+  list->AddText({0.5f * (from.x + to.x - ImGui::CalcTextSize(middle.c_str()).x), from.y}, color, middle.c_str());
+  list->AddText({to.x - ImGui::CalcTextSize(highest.c_str()).x, from.y}, color, highest.c_str());
   ImGui::PopFont();
 }
 
@@ -313,7 +336,9 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
     tooltip("Its colour.", look);
   } else {  // so that nothing moves when one is chosen
     ImGui::AlignTextToFramePadding();
-    ImGui::TextColored(palette().faintText, "no corner is chosen");
+    const bool isSpreadPreset = !spread_.preset.empty() && spread_.function == session.scene()->transferFunction;
+    ImGui::TextColored(isSpreadPreset ? palette().noticeText : palette().faintText, "%s", isSpreadPreset ? (spread_.preset + ", spread over all values").c_str() : "no corner is chosen");
+    if (isSpreadPreset) tooltip(std::string(kSpreadHelp), look);
   }
 }
 
@@ -355,8 +380,12 @@ void TransferEditor::drawButtons(Session& session, const Look& look) {
     if (ImGui::Selectable("Automatic")) set(session, autoTransferFunction(statistics));
     tooltip("From the histogram, as for a volume without a scene.", look);
     for (const TransferPreset& preset : transferPresets()) {
-      if (ImGui::Selectable(std::string(preset.name).c_str())) set(session, presetFunction(preset.name, statistics));
-      tooltip(std::string(preset.summary) + ".", look);
+      const bool isSpreadHere = isSpread(preset.name, statistics);
+      if (ImGui::Selectable(std::string(preset.name).c_str())) {
+        set(session, presetFunction(preset.name, statistics));
+        if (isSpreadHere) spread_ = {std::string(preset.name), session.scene()->transferFunction};
+      }
+      tooltip(std::string(preset.summary) + "." + (isSpreadHere ? " " + std::string(kSpreadHelp) : std::string()), look);
     }
     ImGui::EndCombo();
   }
@@ -388,6 +417,7 @@ void TransferEditor::draw(Session& session, const Look& look) {
   ImGui::PushID("transfer");
   drawChart(session, look);
   drawColorBar(session, look);
+  drawAxis(session, look);
   drawFields(session, look);
   drawButtons(session, look);
   ImGui::PopID();

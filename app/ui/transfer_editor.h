@@ -44,6 +44,8 @@ class TransferEditor {
   void noteIfChanged(const Session& session, const TransferFunction& before);
   void drawChart(Session& session, const Look& look);
   void drawColorBar(Session& session, const Look& look);
+  /// The values beneath both.
+  void drawAxis(const Session& session, const Look& look) const;
   void drawFields(Session& session, const Look& look);
   void drawButtons(Session& session, const Look& look);
   void drawFilePopup(Session& session, const Look& look);
@@ -63,6 +65,11 @@ class TransferEditor {
   std::string error_;
   std::array<char, 1024> path_{};
   std::string fileNote_;
+  struct Spread {
+    std::string preset;         // whose units are not the volume's; empty: none
+    TransferFunction function;  // that it became
+  };
+  Spread spread_;
   bool isForParaview_ = false;
   std::filesystem::path watched_;
   std::filesystem::file_time_type writtenAt_{};

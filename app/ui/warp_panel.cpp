@@ -239,7 +239,7 @@ void drawLoupe(const OnShow& shown, const glm::dvec2& place, const std::vector<s
   const glm::ivec2 first = glm::clamp(pixel - count / 2, glm::ivec2(0), size - count);
   const float room = std::min(area.size.x, area.size.y);
   const float besideText = std::max(look.px(0.5f * kLoupePx), area.size.x - look.px(kLoupeTextPx + 14.0f));
-  const float edge = std::floor(std::min({look.px(kLoupePx), 0.6f * room, besideText}) / kLoupePixels);
+  const float edge = std::floor(std::min({look.px(kLoupePx), 0.4f * room, besideText}) / kLoupePixels);
   const ImVec2 loupe{edge * static_cast<float>(count.x), edge * static_cast<float>(count.y)};
   const bool hasText = !lines.empty() && area.size.x >= loupe.x + look.px(kLoupeTextPx);
   const float width = loupe.x + (hasText ? look.px(kLoupeTextPx) : 0.0f), margin = look.px(6.0f);
@@ -278,14 +278,20 @@ void drawLoupe(const OnShow& shown, const glm::dvec2& place, const std::vector<s
 /// Of the pixel of the panel's picture at that place.
 std::vector<std::pair<std::string, std::string>> linesAbout(const Panel& panel, const glm::dvec2& place) {
   const PanelPixels* const pixels = panel.currentPixels();
-  if (pixels == nullptr) return {{"pixels", "when the view rests"}};
+  if (pixels == nullptr) return {{"pixels", "when it rests"}};
   return linesOf(pixelReport(pixels->inputs(), pixels->at(place)));
+}
+
+/// Of what stands beneath a picture, with the gap between them.
+float stripHeight(float width, MeasurementSpace space, const Look& look) {
+  if (space == MeasurementSpace::none) return 0.0f;
+  return measurementsHeight(width, space, look) + look.px(kTimelinePx) + 2.0f * ImGui::GetStyle().ItemSpacing.y;
 }
 
 }  // namespace
 
 float panelHeightBesidePicture(float width, MeasurementSpace space, const Look& look) {
-  return panelHeaderHeight(look) + measurementsHeight(width, space, look) + look.px(kTimelinePx) + 2.0f * ImGui::GetStyle().ItemSpacing.y;
+  return panelHeaderHeight(look) + stripHeight(width, space, look);
 }
 
 PanelEvents drawWarpPanel(Session& session, size_t index, ImU32 ground, bool isAlone, const std::optional<OtherPicture>& other, const Inspection* inspection,
@@ -298,9 +304,9 @@ PanelEvents drawWarpPanel(Session& session, size_t index, ImU32 ground, bool isA
   layers.SetCurrentChannel(list, 1);
   events.asked = drawPanelHeader(session, index, isAlone, look);
   ImVec2 room = ImGui::GetContentRegionAvail();
-  const float strip = measurementsHeight(room.x, space, look) + look.px(kTimelinePx) + ImGui::GetStyle().ItemSpacing.y;
+  const float strip = stripHeight(room.x, space, look);
   room.x = std::max(room.x, look.px(16.0f));
-  room.y = std::max(room.y - strip - ImGui::GetStyle().ItemSpacing.y, look.px(16.0f));
+  room.y = std::max(room.y - strip, look.px(16.0f));
   session.setPanelSize(glm::uvec2(room.x * look.pixelsPerUnit, room.y * look.pixelsPerUnit));
   const Area area{ImGui::GetCursorScreenPos(), room};
   ImGui::InvisibleButton("picture", room, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle);
@@ -318,7 +324,7 @@ PanelEvents drawWarpPanel(Session& session, size_t index, ImU32 ground, bool isA
   if (shown && inspection != nullptr && inspection->place)
     drawLoupe(*shown, *inspection->place, linesAbout(panel, *inspection->place), area, look);
   if (other && other->wipeAt != nullptr) drawWipeBar(*other->wipeAt, area, look);
-  drawTimeline(panel, look);
+  if (space != MeasurementSpace::none) drawTimeline(panel, look);
   drawMeasurements(session, index, space, look);
   layers.SetCurrentChannel(list, 0);
   const float border = ImGui::GetStyle().ChildBorderSize;

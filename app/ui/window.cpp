@@ -103,7 +103,7 @@ struct WindowEvents {
     KeyChord press = chordOf(modifiers);
     press.name = nameOfKey(key, scancode);
     if (!press.name.empty()) window.keyPresses_.push_back(press);
-    if (key >= 0) window.pressedKeys_.push_back(key);
+    if (key >= 0) window.pressedKeys_.push_back({key, modifiers});
   }
   /// Signs lie on other keys from keyboard to keyboard: they come as what is typed.
   static void onCharacter(GLFWwindow* glfw, unsigned int codePoint) {
@@ -318,15 +318,26 @@ void Window::beginFrame() {
 }
 
 void Window::holdShortKeys() {
-  // ImGui 1.86 looks at keys once a frame; one that was pressed and released since the last would be lost.
+  // ImGui 1.86 looks at keys once a frame; one that was pressed and released since the last would be lost, and so would what was held with it.
   ImGuiIO& io = ImGui::GetIO();
   for (const int key : heldKeys_) io.KeysDown[key] = glfwGetKey(window_, key) == GLFW_PRESS;
   heldKeys_.clear();
-  for (const int key : std::exchange(pressedKeys_, {})) {
+  io.KeyCtrl = io.KeysDown[GLFW_KEY_LEFT_CONTROL] || io.KeysDown[GLFW_KEY_RIGHT_CONTROL];
+  io.KeyShift = io.KeysDown[GLFW_KEY_LEFT_SHIFT] || io.KeysDown[GLFW_KEY_RIGHT_SHIFT];
+  io.KeyAlt = io.KeysDown[GLFW_KEY_LEFT_ALT] || io.KeysDown[GLFW_KEY_RIGHT_ALT];
+  for (const auto& [key, modifiers] : std::exchange(pressedKeys_, {})) {
+    io.KeyCtrl |= (modifiers & GLFW_MOD_CONTROL) != 0;
+    io.KeyShift |= (modifiers & GLFW_MOD_SHIFT) != 0;
+    io.KeyAlt |= (modifiers & GLFW_MOD_ALT) != 0;
     if (io.KeysDown[key]) continue;
     io.KeysDown[key] = true;
     heldKeys_.push_back(key);
   }
+  // A field takes no characters while Ctrl is down: what was typed after a shortcut, in one frame with it, waits for the next.
+  laterCharacters_.insert(laterCharacters_.end(), io.InputQueueCharacters.begin(), io.InputQueueCharacters.end());
+  io.ClearInputCharacters();
+  if (io.KeyCtrl && !io.KeyAlt) return;
+  for (const unsigned int character : std::exchange(laterCharacters_, {})) io.AddInputCharacter(character);
 }
 
 void Window::endFrame(Image<Rgba8>* photograph) {

@@ -92,7 +92,12 @@ class Window {
     glm::ivec2 at{0}, size{0};
   };
   Place beforeFullScreen_;
-  std::vector<int> pressedKeys_, heldKeys_;  // GLFW's codes
+  struct KeyPress {
+    int key = 0, modifiers = 0;  // GLFW's codes
+  };
+  std::vector<KeyPress> pressedKeys_;   // since the last frame
+  std::vector<int> heldKeys_;           // for a frame, although they are up again
+  std::vector<unsigned int> laterCharacters_;
   std::optional<std::string> droppedFile_;
 };
 

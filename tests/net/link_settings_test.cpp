@@ -35,6 +35,15 @@ TEST(LinkSettings, EveryKeyIsExplained) {
   EXPECT_THAT(known, testing::EndsWith("; known:" + names));
 }
 
+TEST(LinkSettings, WhatALinkDoesIsSaidWithUnits) {
+  EXPECT_EQ(inWords({}), "nothing");
+  EXPECT_EQ(inWords(parseLinkSettings("delay=300")), "600 ms round trip");
+  EXPECT_EQ(inWords(parseLinkSettings("delay=20,jitter=5,down.rate=20M,up.rate=5M,loss=1%")), "40 ms round trip, ± 5 ms, 20 Mbit/s down, 5 Mbit/s up, 1 % lost");
+  EXPECT_EQ(inWords(parseLinkSettings("down.rate=2500k")), "2.5 Mbit/s down");
+  for (const LinkPreset& preset : linkPresets())
+    if (preset.name != "none") EXPECT_NE(inWords(preset.settings), "nothing") << preset.name;
+}
+
 TEST(LinkSettings, LossIsWrittenAsItIs) {
   EXPECT_EQ(lossText(0.0), "0 %");
   EXPECT_EQ(lossText(0.0001), "0.01 %");

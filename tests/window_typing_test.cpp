@@ -1,0 +1,136 @@
+// The window in the hands of a script that types: dialogs, fields, and keys that are not theirs.
+// Mirrors app/ui/file_dialog.h, type_ahead.h and what of app/ui/main_view.h is about keys.
+#include "tests/window_script.h"
+
+namespace warpscope::ui {
+namespace {
+
+using WindowTypingTest = WindowScriptTest;
+
+TEST_F(WindowTypingTest, KeysOfNothingAndOfTextDoNothing) {
+  window_.moveTo(kLeftPicture);
+  for (const ActionDescriptor& action : windowActions())
+    for (const KeyChord& chord : chordsOf(action)) window_.key(chord);  // there is no scene yet
+  for (const std::string name : {"", "Ä", "F9", "J", "Shift"}) window_.key({.name = name});
+  ASSERT_TRUE(openAndRest("block"));
+  while (session_.panelCount() > 2) session_.removePanel(2);
+  press(Action::goBack);
+  press(Action::goBack);
+  press(Action::hideSideBar);
+  window_.moveTo({1140.0f, 500.0f});
+  window_.wheel(100.0f);            // up again: the stages of a frame scroll into sight
+  window_.click({1100.0f, 93.0f});  // the field for files
+  ASSERT_TRUE(ImGui::GetIO().WantTextInput);
+  const bool wasFrozen = session_.knobs().isFrozen;
+  press(Action::freeze);
+  EXPECT_EQ(session_.knobs().isFrozen, wasFrozen) << "it is typed";
+}
+
+TEST_F(WindowTypingTest, ASessionIsSavedAndOpenedByTheDialog) {
+  const TestFolder folder;
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  window_.key({.name = "4"});
+  ASSERT_TRUE(rest());
+  press(Action::saveSession);
+  ASSERT_TRUE(window_.view().showsDialog());
+  // What is proposed is chosen, and the field has the keyboard: what is typed replaces it.
+  window_.type(folder.file("mine.json"));
+  window_.frames(4);
+  tap(ImGuiKey_Enter);
+  ASSERT_FALSE(window_.view().showsDialog());
+  ASSERT_TRUE(std::filesystem::exists(folder.file("mine.json")));
+  // Once more: a file that is there is replaced only when it was asked for twice.
+  press(Action::saveSession);
+  window_.type(folder.file("mine.json"));
+  window_.frames(4);
+  tap(ImGuiKey_Enter);
+  EXPECT_TRUE(window_.view().showsDialog()) << "asks first";
+  window_.frames(3);
+  tap(ImGuiKey_Enter);
+  EXPECT_FALSE(window_.view().showsDialog());
+  window_.moveTo(kLeftPicture);
+  window_.key({.name = "5"});
+  window_.view().open(folder.file("mine.json"));  // as if it were dropped
+  ASSERT_TRUE(waitUntil([&] { return session_.panel(0).technique == &warpRegistry()[3]; }));
+  ASSERT_TRUE(rest());
+  press(Action::copyCommand);
+  EXPECT_THAT(window_.clipboard(), testing::StartsWith("warpscope view block --panels points,spheres"));
+}
+
+TEST_F(WindowTypingTest, ADialogKeepsTheNameThatCannotBeWritten) {
+  const TestFolder folder;
+  ASSERT_TRUE(openAndRest("block"));
+  press(Action::saveSession);
+  window_.type(folder.file("nowhere/mine.json"));
+  window_.frames(4);
+  tap(ImGuiKey_Enter);
+  EXPECT_TRUE(window_.view().showsDialog()) << "it says why";
+  std::filesystem::create_directory(folder.file("nowhere"));
+  window_.frames(4);
+  tap(ImGuiKey_Enter);
+  EXPECT_FALSE(window_.view().showsDialog());
+  EXPECT_TRUE(std::filesystem::exists(folder.file("nowhere/mine.json")));
+}
+
+TEST_F(WindowTypingTest, TheDialogsEntriesAreReachedByKeys) {
+  ASSERT_TRUE(openAndRest("block"));
+  const std::filesystem::path here = window_.folder().path();
+  std::filesystem::create_directory(here / "below");
+  window_.folder().write("below/mine.json", textOf(sessionFileOf(session_)));
+  window_.folder().write("below/notes.txt", "nothing for this program");
+  press(Action::open);
+  window_.frames(4);
+  window_.moveTo(kLeftPicture);
+  press(Action::freeze);
+  EXPECT_FALSE(session_.knobs().isFrozen) << "keys are the dialog's";
+  tap(ImGuiKey_DownArrow);  // the folder
+  tap(ImGuiKey_Enter);
+  EXPECT_TRUE(window_.view().showsDialog());
+  window_.frames(4);
+  tap(ImGuiKey_DownArrow);
+  tap(ImGuiKey_DownArrow);  // there is no other that could be opened
+  tap(ImGuiKey_Enter);
+  EXPECT_FALSE(window_.view().showsDialog());
+  ASSERT_TRUE(waitUntil([&] { return !window_.remembered.recentFiles.empty(); }));
+  EXPECT_EQ(window_.remembered.recentFiles.front(), (here / "below/mine.json").string());
+  ASSERT_TRUE(rest());
+}
+
+TEST_F(WindowTypingTest, WhatIsTypedAfterAShortcutIsNone) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  const size_t panels = session_.panelCount();
+  // In one frame, as a fast hand or a program types.
+  window_.view().press({.name = "F", .isControl = true}, session_);
+  ImGui::GetIO().AddInputCharactersUTF8("fjit");
+  for (const char* const letter : {"F", "J", "I", "T"}) window_.view().press({.name = letter}, session_);
+  window_.frames(6);
+  EXPECT_FALSE(session_.knobs().isFrozen);
+  EXPECT_EQ(session_.panelCount(), panels);
+  EXPECT_EQ(window_.view().searched(), "fjit");
+  press(Action::searchKnob);
+  window_.frames(4);
+  window_.type("jitter");
+  EXPECT_EQ(window_.view().searched(), "jitter") << "what was there was chosen";
+}
+
+TEST_F(WindowTypingTest, EscClosesMenusFirst) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  press(Action::inspect);
+  window_.click({22.0f, 12.0f});  // File
+  ASSERT_TRUE(hasPopup());
+  press(Action::goBack);
+  window_.frames(2);
+  EXPECT_FALSE(hasPopup());
+  window_.moveTo(kLeftPicture);
+  window_.click(kLeftPicture);
+  EXPECT_TRUE(session_.lookedAt()) << "the loupe is still there";
+  press(Action::inspect);
+  window_.frame();
+  EXPECT_FALSE(session_.lookedAt()) << "the ray goes with it";
+}
+
+}  // namespace
+}  // namespace warpscope::ui
