@@ -96,6 +96,43 @@ TEST_F(RecordingTest, WhatWasRecordedComesBack) {
   }
 }
 
+TEST_F(RecordingTest, FunctionsHoldFromTheirTimesOn) {
+  TransferFunction later = scene_.transferFunction;
+  for (TransferPoint& point : later.points) point.alpha *= 0.25f;
+  {
+    RecordingWriter writer(folder_.file("a.warpscope"), scene_, "");
+    writer.addView(0.0, {});
+    writer.addFrame(0.2, frames_[0]);
+    writer.addFunction(1.0, later);
+    writer.addFrame(1.5, frames_[1]);
+    writer.addView(2.0, {});
+  }
+  const Recording recording = readRecording(folder_.file("a.warpscope"));
+  ASSERT_EQ(recording.functions.size(), 2u);
+  EXPECT_EQ(recording.scene.transferFunction, scene_.transferFunction);
+  EXPECT_EQ(*functionAt(recording, 0.99), scene_.transferFunction);
+  EXPECT_EQ(*functionAt(recording, 1.0), later);
+  RecordedFrames frames(recording);
+  for (const auto& [seconds, function] : {std::pair{0.5, scene_.transferFunction}, {1.2, later}, {1.6, later}, {0.2, scene_.transferFunction}}) {
+    const SampleFramePtr frame = frames.at(seconds);
+    ASSERT_TRUE(frame && frame->proxy);
+    EXPECT_EQ(frame->proxy->function, function) << seconds;
+  }
+  // What marches follows, too.
+  ReplaySettings settings;
+  settings.techniques = {{&findWarp("reference"), {}}};
+  settings.picturesPerSecond = 2.0;
+  settings.width = settings.height = 40;
+  settings.hasLabels = false;
+  settings.resources.marcher = marcher_;
+  std::vector<Image<Rgba8>> pictures;
+  replay(recording, settings, [&](size_t, const Image<Rgba8>& picture) { pictures.push_back(picture); }, {});
+  ASSERT_EQ(pictures.size(), 5u);
+  EXPECT_EQ(pictures[1], pictures[0]);
+  EXPECT_NE(pictures[2], pictures[1]) << "the camera stands still, the function does not";
+  EXPECT_EQ(pictures[4], pictures[2]);
+}
+
 TEST_F(RecordingTest, CutOffAnywhereTheRestIsThere) {
   const std::string whole = bytesOf(recorded("a.warpscope"));
   size_t frames = 0, refused = 0;
@@ -208,6 +245,21 @@ TEST_F(SessionRecordingTest, FramesAndTheCameraOfASession) {
   EXPECT_NEAR(recording.path.at(recording.seconds).angleDeg, session_.view().angleDeg, 1e-9);
   RecordedFrames frames(recording);
   EXPECT_EQ(frames.at(recording.seconds)->samples, session_.frames().newest()->samples);
+  // A function that changes is recorded with its time, and the frame that is on show is not recorded anew for it.
+  session_.startRecording(folder.file("c.warpscope"), "");
+  session_.update(clock_.now());
+  TransferFunction function = session_.scene()->transferFunction;
+  for (int i = 0; i < 3; ++i) {
+    for (TransferPoint& point : function.points) point.alpha *= 0.9f;
+    session_.setTransferFunction(function);
+    session_.update(clock_.now());
+  }
+  ASSERT_TRUE(settle());
+  session_.stopRecording();
+  const Recording changed = readRecording(folder.file("c.warpscope"));
+  EXPECT_EQ(changed.functions.size(), 4u);
+  EXPECT_LE(changed.frames.size(), 3u);
+  EXPECT_EQ(*functionAt(changed, changed.seconds), function);
   session_.startRecording(folder.file("b.warpscope"), "");
   ASSERT_TRUE(open("block"));
   EXPECT_FALSE(session_.isRecording()) << "it was of the scene before";

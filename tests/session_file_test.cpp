@@ -92,10 +92,25 @@ TEST_F(SessionFileTest, WithMorePanelsThanBeforeAndWithFewer) {
     file.panels.assign(count, {.technique = &findWarp("hold")});
     file.arrangement.ownViews.assign(count, std::nullopt);
     restore(file, session_, opener);
-    EXPECT_EQ(session_.panelCount(), count);
     ASSERT_TRUE(pumpUntil([&] { return session_.loading().empty(); }));
+    EXPECT_EQ(session_.panelCount(), count);
     ASSERT_TRUE(settle());
   }
+}
+
+TEST_F(SessionFileTest, WhereItsSceneCannotBeOpenedAllStaysAsItIs) {
+  ASSERT_TRUE(openOriginal());
+  const std::string before = textOf(sessionFileOf(session_));
+  SessionFile file = sessionFileOf(session_);
+  file.panels.assign(5, {.technique = &findWarp("hold")});
+  file.arrangement.ownViews.assign(5, std::nullopt);
+  file.knobs.budgetMs = 77.0;
+  restore(file, session_, [&](const SceneOrigin& origin) {
+    return LoadJob{.name = origin.spec, .open = [](const std::function<void()>&, const std::stop_token&) -> ConnectedScene { throw InputError("it is gone"); }};
+  });
+  ASSERT_TRUE(pumpUntil([&] { return session_.loading().empty(); }));
+  EXPECT_EQ(session_.error(), "it is gone");
+  EXPECT_EQ(textOf(sessionFileOf(session_)), before);
 }
 
 TEST_F(SessionFileTest, WithoutASceneOrItsNameThereIsNothingToSave) {

@@ -15,7 +15,8 @@ class SessionPlaybackTest : public SessionTest {
   static constexpr int kFrames = 4;
 
   /// Four seconds: a frame each second from 1 on, asked for half a second before it came; the camera turns by 8 degrees a second.
-  std::string recorded(const std::string& name, const std::string& text) {
+  /// `changed`: shown from 2.5 seconds on by that function, if there is one.
+  std::string recorded(const std::string& name, const std::string& text, const std::optional<TransferFunction>& changed = std::nullopt) {
     SceneOverrides overrides;
     overrides.proceduralDims = {16, 16, 16};
     scene_ = openScene("shells", overrides);
@@ -28,6 +29,7 @@ class SessionPlaybackTest : public SessionTest {
     for (int i = 0; i <= 80; ++i) {
       const double seconds = 0.05 * i;
       writer.addView(seconds, viewAt(seconds));
+      if (changed && i == 50) writer.addFunction(seconds, *changed);
       if (i == 0 || i % 20 != 0) continue;
       auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene_, viewAt(seconds - 0.5), 40, 48), settings));
       if (proxy) frame->proxy = proxy;
@@ -104,6 +106,37 @@ TEST_F(SessionPlaybackTest, FramesAndCameraBelongToTheTime) {
   }
   EXPECT_TRUE(pumpUntil([&] { return session_.panel(1).errorsAreCurrent; })) << "there is a ground truth";
   EXPECT_FALSE(session_.whyFunctionIsFixed().empty());
+  EXPECT_EQ(session_.error(), "");
+}
+
+TEST_F(SessionPlaybackTest, TheGroundTruthIsByTheFunctionOfThatTime) {
+  TransferFunction changed = openScene("shells", {}).transferFunction;
+  for (TransferPoint& point : changed.points) point.alpha *= 0.3f;
+  ASSERT_TRUE(openRecorded(recorded("a.warpscope", text(), changed)));
+  LivePlayback& playback = session_.playback();
+  const TransferFunction first = session_.scene()->transferFunction;
+  EXPECT_EQ(first, scene_.transferFunction);
+  const auto truthAt = [&](double seconds) -> std::shared_ptr<const PanelPixels> {
+    playback.seek(seconds);
+    if (!pumpUntil([&] { return playback.isAtRest() && session_.panel(1).errorsAreCurrent && session_.panel(1).currentPixels() != nullptr; })) return nullptr;
+    return session_.panel(1).pixels;
+  };
+  const auto before = truthAt(2.45);
+  ASSERT_TRUE(before);
+  playback.seek(2.55);
+  ASSERT_TRUE(pumpUntil([&] { return session_.scene()->transferFunction == changed; }));
+  EXPECT_EQ(session_.frames().newest()->proxy->function, changed) << "what fills gaps as well";
+  const auto after = truthAt(2.55);
+  ASSERT_TRUE(after);
+  const auto opacityOf = [](const PanelPixels& pixels) {
+    double sum = 0.0;
+    const Image<glm::vec4>& truth = *pixels.inputs().reference;
+    for (const glm::vec4& pixel : truth) sum += static_cast<double>(pixel.a);
+    return sum;
+  };
+  EXPECT_LT(opacityOf(*after), 0.8 * opacityOf(*before));
+  playback.seek(1.0);
+  ASSERT_TRUE(pumpUntil([&] { return session_.scene()->transferFunction == first; }));
   EXPECT_EQ(session_.error(), "");
 }
 

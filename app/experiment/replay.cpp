@@ -38,9 +38,10 @@ void replay(const Recording& recording, const ReplaySettings& settings, const st
     SampleFramePtr frame;
   };
   std::vector<Row> rows;
+  WarpResources resources = settings.resources;
   for (const TechniqueInUse& one : settings.techniques) {
     Row& row = rows.emplace_back();
-    row.warp = makeWarp(*one.technique, settings.resources);
+    row.warp = makeWarp(*one.technique, resources);
     row.warpSettings.knobs = one.knobs.only(one.technique->knobs);
     row.warpSettings.reference = recording.scene.march.render;
     if (!one.technique->usesFrame) row.warp->setFrame(nullptr, row.warpSettings, stop);
@@ -50,11 +51,24 @@ void replay(const Recording& recording, const ReplaySettings& settings, const st
   Image<Rgba8> page(columns * settings.width + (columns - 1) * kGapPx, replayHeight(settings));
   WarpedImage image;
   const size_t count = pictureCount(recording, settings.picturesPerSecond);
+  const TransferFunction* marchedBy = functionAt(recording, 0.0);
+  // Those that march follow the function; those that draw frames have it with each.
+  const auto follow = [&](const TransferFunction* function) {
+    if (function == marchedBy || resources.marcher == nullptr) return;
+    marchedBy = function;
+    resources.marcher = resources.marcher->withTransferFunction(*function);
+    for (size_t k = 0; k < rows.size(); ++k) {
+      if (settings.techniques[k].technique->usesFrame) continue;
+      rows[k].warp = makeWarp(*settings.techniques[k].technique, resources);
+      rows[k].warp->setFrame(nullptr, rows[k].warpSettings, stop);
+    }
+  };
   for (size_t i = 0; i < count; ++i) {
     if (stop.stop_requested()) throw OperationCancelled();
     const double seconds = static_cast<double>(i) / settings.picturesPerSecond;
     const Camera camera = makeCamera(recording.scene, recording.path.at(seconds), settings.width, settings.height);
     const SampleFramePtr frame = frames.at(seconds);
+    follow(functionAt(recording, seconds));
     std::fill(page.begin(), page.end(), kPaper);
     for (size_t k = 0; k < rows.size(); ++k) {
       Row& row = rows[k];

@@ -12,14 +12,17 @@
 #include <utility>
 #include <variant>
 
+#include "app/frames/classified_frame.h"
 #include "app/frames/wire_fields.h"
+#include "app/scene/json_document.h"
+#include "app/scene/transfer_file.h"
 #include "net/wire.h"
 #include "render/base/error.h"
 
 namespace warpscope {
 namespace {
 
-enum class RecordType : uint8_t { scene = 1, text = 2, view = 3, frame = 4 };
+enum class RecordType : uint8_t { scene = 1, text = 2, view = 3, frame = 4, function = 5 };
 
 constexpr size_t kRecordHeadBytes = 8 + 1 + 4;
 /// Frames that wait to be written: beyond these, new ones are left out.
@@ -42,6 +45,10 @@ struct RecordedFrame {
   double seconds;
   SampleFramePtr frame;
 };
+struct RecordedFunction {
+  double seconds;
+  TransferFunction function;
+};
 
 std::string reasonOf(int error) { return std::strerror(error); }
 
@@ -55,6 +62,7 @@ class RecordingWriter::Work {
     const net::Bytes message = net::sceneMessage(toFields(scene));
     record(0.0, RecordType::scene, std::span(message).subspan(8));  // without the message's head
     record(0.0, RecordType::text, std::as_bytes(std::span(text)));
+    if (!scene.transferFunction.points.empty()) keep(RecordedFunction{0.0, scene.transferFunction});
     flush();
     if (!error_.empty()) throw InputError(error_);
     thread_ = std::thread([this] { run(); });
@@ -68,9 +76,10 @@ class RecordingWriter::Work {
     thread_.join();
   }
 
-  void post(const RecordedView& view) {
+  template <class Small>
+  void post(Small one) {
     const std::scoped_lock lock(mutex_);
-    waiting_.push_back(view);
+    waiting_.push_back(std::move(one));
     news_.notify_all();
   }
   void post(RecordedFrame frame) {
@@ -93,7 +102,7 @@ class RecordingWriter::Work {
   }
 
  private:
-  using Item = std::variant<RecordedView, RecordedFrame>;
+  using Item = std::variant<RecordedView, RecordedFrame, RecordedFunction>;
 
   void run() {
     auto flushedAt = std::chrono::steady_clock::now();
@@ -127,6 +136,11 @@ class RecordingWriter::Work {
     net::WireWriter writer(body);
     for (const double number : {one.view.angleDeg, one.view.elevationDeg, one.view.distance, one.view.pan.x, one.view.pan.y}) writer.number(number);
     record(one.seconds, RecordType::view, body);
+  }
+
+  void keep(const RecordedFunction& one) {
+    const std::string text = toJson(one.function).dump();
+    record(one.seconds, RecordType::function, std::as_bytes(std::span(text)));
   }
 
   void keep(const RecordedFrame& one) {
@@ -188,8 +202,9 @@ class RecordingWriter::Work {
 RecordingWriter::RecordingWriter(const std::filesystem::path& path, const Scene& scene, const std::string& text)
     : work_(std::make_unique<Work>(path, scene, text)) {}
 RecordingWriter::~RecordingWriter() = default;
-void RecordingWriter::addView(double seconds, const View& view) { work_->post({seconds, view}); }
+void RecordingWriter::addView(double seconds, const View& view) { work_->post(RecordedView{seconds, view}); }
 void RecordingWriter::addFrame(double seconds, SampleFramePtr frame) { work_->post(RecordedFrame{seconds, std::move(frame)}); }
+void RecordingWriter::addFunction(double seconds, const TransferFunction& function) { work_->post(RecordedFunction{seconds, function}); }
 std::string RecordingWriter::error() const { return work_->error(); }
 size_t RecordingWriter::framesLeftOut() const { return work_->leftOut(); }
 
@@ -220,6 +235,13 @@ bool take(Recording& recording, double seconds, RecordType type, std::span<const
                           isWithin(view.pan.x, -100.0, 100.0) && isWithin(view.pan.y, -100.0, 100.0);
       if (!reader.isComplete() || !isView) return false;
       recording.path.add(seconds, view);
+      return true;
+    }
+    case RecordType::function: {
+      const JsonDocument document(std::string_view(reinterpret_cast<const char*>(body.data()), body.size()), recording.file.string());
+      if (!recording.functions.empty() && seconds < recording.functions.back().seconds) return false;
+      recording.functions.push_back({seconds, readTransferFunction(document.root())});
+      if (recording.functions.size() == 1) recording.scene.transferFunction = recording.functions.front().function;
       return true;
     }
     case RecordType::frame: return false;
@@ -309,6 +331,11 @@ std::optional<size_t> frameAt(const Recording& recording, double seconds) {
   return static_cast<size_t>(next - recording.frames.begin()) - 1;
 }
 
+const TransferFunction* functionAt(const Recording& recording, double seconds) {
+  const auto next = std::ranges::upper_bound(recording.functions, seconds, {}, &Recording::Function::seconds);
+  return next == recording.functions.begin() ? nullptr : &std::prev(next)->function;
+}
+
 SampleFrame RecordedFrames::decoded(size_t index) {
   const Recording::Frame& recorded = recording_.frames[index];
   const auto fail = [&](const std::string& why) { return InputError("the recording's frame " + std::to_string(index + 1) + why); };
@@ -324,6 +351,13 @@ SampleFrame RecordedFrames::decoded(size_t index) {
 }
 
 SampleFramePtr RecordedFrames::at(double seconds) {
+  const SampleFramePtr frame = read(seconds);
+  const TransferFunction* const function = functionAt(recording_, seconds);
+  if (frame && function != nullptr) frame_ = classifiedBy(*function, frame);
+  return frame ? frame_ : nullptr;
+}
+
+SampleFramePtr RecordedFrames::read(double seconds) {
   const std::optional<size_t> wanted = frameAt(recording_, seconds);
   if (!wanted) return nullptr;
   if (decoded_ == wanted) return frame_;

@@ -1,7 +1,7 @@
 // A recording: what came from a server and where the camera was, each with its time, so that it can be shown again by any technique.
 // A file: the eight bytes kRecordingMagic, then records, each the seconds since its beginning (a double), a type (one byte), the length of what follows (four
 // bytes), and that; all little-endian (wire.h). Scenes, frames and their heads are as in net/messages.h, payloads as the packed codec makes them, without loss
-// (Zstandard). Records are appended as they come: of a program that was killed at most the last second is missing, and a record that is cut off is left out.
+// (Zstandard); transfer functions as in scene files, JSON. Records are appended as they come: of a program that was killed at most the last second is missing, and a record that is cut off is left out.
 #pragma once
 
 #include <filesystem>
@@ -35,6 +35,8 @@ class RecordingWriter {
   /// Times do not fall.
   void addView(double seconds, const View& view);
   void addFrame(double seconds, SampleFramePtr frame);
+  /// The function that the scene is shown by from then on; that of the scene it began with is there already.
+  void addFunction(double seconds, const TransferFunction& function);
   /// Why it goes on no more (the disk is full); empty while it does. Frames that come faster than they can be written are left out, and counted.
   std::string error() const;
   size_t framesLeftOut() const;
@@ -54,11 +56,17 @@ struct Recording {
     bool hasProxy = false;   ///< frames after it without one are of the same copy of the volume
   };
 
+  struct Function {
+    double seconds = 0.0;
+    TransferFunction function;
+  };
+
   std::filesystem::path file;
-  Scene scene;        ///< without its volume
+  Scene scene;        ///< without its volume; its function is the first of `functions`
   std::string text;   ///< as it was handed over
   CameraPath path;
   std::vector<Frame> frames;  ///< by rising time
+  std::vector<Function> functions;  ///< by rising time, the first at 0; none where the volume was a server's, which knows how it looks
   double seconds = 0.0;       ///< of its last record
 };
 
@@ -71,19 +79,23 @@ Recording readRecording(const std::filesystem::path& path, const std::stop_token
 /// The index of the frame that was the newest at that time; nothing before the first.
 std::optional<size_t> frameAt(const Recording& recording, double seconds);
 
+/// The function that the scene was shown by at that time; null where none is known.
+const TransferFunction* functionAt(const Recording& recording, double seconds);
+
 /// The frames of a recording, read and decoded as they are asked for.
 class RecordedFrames {
  public:
   /// `recording` and its file must stay.
   explicit RecordedFrames(const Recording& recording) : recording_(recording), file_(recording.file, std::ios::binary) {}
 
-  /// The frame that was the newest at that time; null before the first. Throws InputError for one that cannot be read or decoded.
+  /// The frame that was the newest at that time, its copy of the volume by the function of that time; null before the first. Throws InputError for one that cannot be read or decoded.
   SampleFramePtr at(double seconds);
   /// Of the frame that at() gave last, as it was recorded; of the copy of the volume, whichever frame that came with.
   const FrameBytes& bytes() const { return bytes_; }
 
  private:
   SampleFrame decoded(size_t index);
+  SampleFramePtr read(double seconds);
 
   const Recording& recording_;
   std::ifstream file_;

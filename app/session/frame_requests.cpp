@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/frames/classified_frame.h"
 #include "app/frames/coarsening.h"
 
 namespace warpscope {
@@ -31,13 +32,12 @@ void FrameRequests::setTransport(const TransportSettings& transport) {
 
 bool FrameRequests::setTransferFunction(const TransferFunction& function, uint64_t version) {
   if (source_ == nullptr || !source_->setTransferFunction(function, version)) return false;
-  if (!frame_ || !frame_->proxy) return true;
-  auto changed = std::make_shared<SampleFrame>(*frame_);
-  auto proxy = std::make_shared<Proxy>(*frame_->proxy);
-  proxy->function = function;
-  changed->proxy = std::move(proxy);
-  frame_ = std::move(changed);
+  classify(function);
   return true;
+}
+
+void FrameRequests::classify(const TransferFunction& function) {
+  if (frame_) frame_ = classifiedBy(function, frame_);
 }
 
 bool FrameRequests::ask(const WantedFrame& wanted, bool isFrozen, TimePoint now) {

@@ -38,6 +38,8 @@ class FrameRequests {
   /// Classifies the newest frame's copy of the volume anew, so that what is drawn of it shows the function at once. What is asked for from now on is of
   /// that function. False where the source leaves no choice.
   bool setTransferFunction(const TransferFunction& function, uint64_t version);
+  /// The first half of that: of frames that were recorded, whose source makes no others.
+  void classify(const TransferFunction& function);
   /// Asks for `wanted` if that is something else than what was asked for last. `isFrozen`: only if there is no frame yet. Asks once more where the answer
   /// was marched coarser than it was wanted (coarsening.h), as soon as nothing else has been wanted for kRest: a camera that rests is shown in full.
   /// True if it asked, or waits for that time.

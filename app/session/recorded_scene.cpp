@@ -38,7 +38,10 @@ MarcherPtr marcherOf(const Recording& recording, Backend backend, const std::sto
   if (session.origin.spec.find("://") != std::string::npos) throw InputError(file + ": its volume is a server's");
   Scene scene = openScene(session.origin.spec, session.origin.overrides, stop);
   if (scene.geometry().dims != recording.scene.geometry().dims) throw InputError(file + ": the volume of " + session.origin.spec + " is another one now");
-  if (session.arrangement.transferFunction) scene.transferFunction = *session.arrangement.transferFunction;
+  if (!recording.functions.empty())
+    scene.transferFunction = recording.functions.front().function;
+  else if (session.arrangement.transferFunction)
+    scene.transferFunction = *session.arrangement.transferFunction;
   return makeMarcher(backend, scene.volume, scene.transferFunction);
 }
 

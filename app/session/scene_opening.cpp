@@ -13,6 +13,7 @@ SceneOpening::SceneOpening(const std::function<void()>& onNews)
             return [onNews](const LoadJob& job, Result& result, const std::stop_token& stop) {
               result.name = job.name;
               result.origin = job.origin;
+              result.whenOpened = job.whenOpened;
               result.scene = std::make_shared<const ConnectedScene>(job.open(onNews, stop));
             };
           },
@@ -40,6 +41,7 @@ SceneOpening::Outcome SceneOpening::take() {
   retire();
   current_ = std::move(result->scene);
   origin_ = std::move(result->origin);
+  if (result->whenOpened) result->whenOpened();
   return Outcome::opened;
 }
 

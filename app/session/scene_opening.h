@@ -19,6 +19,7 @@ struct LoadJob {
   /// Opens the scene, whose source then calls the function. May throw; OperationCancelled if the token is set.
   std::function<ConnectedScene(const std::function<void()>& onNews, const std::stop_token&)> open;
   std::optional<SceneOrigin> origin{};  ///< if it can be opened again by that
+  std::function<void()> whenOpened{};   ///< called by SceneOpening::take() where the scene has opened, before anybody sees it; empty: nothing is
 };
 
 class SceneOpening {
@@ -59,6 +60,7 @@ class SceneOpening {
     std::string name;
     std::shared_ptr<const ConnectedScene> scene;  // null if there is an error
     std::optional<SceneOrigin> origin;
+    std::function<void()> whenOpened;
     std::string error;
   };
   using Loader = NewestWorker<LoadJob, Result>;

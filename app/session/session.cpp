@@ -121,6 +121,7 @@ bool Session::update(TimePoint now) {
   if (!scene() || pictureSize().x == 0) return happened;
   view_.set(playback_.update(view_.get(), now));
   view_.set(motion_.update(view_.get(), now));
+  followRecordedFunction();
   if (!view_.place(*scene())) return true;
   liveFront_.setPictureSize(pictureSize());
   happened |= followFrames(now);
@@ -152,6 +153,7 @@ bool Session::followFrames(TimePoint now) {
     shown->asked.codec = knobs_.transport.codec;
     shown->served.arrivedAt = now;
     frames_.show(std::move(shown->served), shown->asked);
+    if (functionAt(playback_.recording(), playback_.seconds()) != nullptr) frames_.classify(scene()->transferFunction);
     return true;
   }
   const bool happened = frames_.take();
@@ -176,6 +178,18 @@ void Session::setTransferFunction(TransferFunction function) {
   if (!frames_.setTransferFunction(function, ++functionVersion_)) throw UsageError("the server has the volume, and chooses how it looks");
   opening_.setTransferFunction(std::move(function), std::move(display));
   liveFront_.clear();  // its points are of the function before
+  fair_.clear();
+}
+
+void Session::followRecordedFunction() {
+  const TransferFunction* const function = playback_.isOpen() ? functionAt(playback_.recording(), playback_.seconds()) : nullptr;
+  if (function == nullptr || *function == scene()->transferFunction) return;
+  timing_.stop(panels_);
+  MarcherPtr display = opening_.current()->display;
+  if (display->capabilities().functionChange != FunctionChange::refused) display = display->withTransferFunction(*function);
+  opening_.setTransferFunction(*function, std::move(display));
+  frames_.classify(*function);
+  liveFront_.clear();
   fair_.clear();
 }
 
@@ -209,6 +223,7 @@ void Session::startRecording(const std::filesystem::path& file, const std::strin
   recorder_ = std::make_unique<RecordingWriter>(file, *scene(), text);
   recordingSince_.reset();
   recordedFrame_.reset();
+  recordedFunction_ = scene()->transferFunction;  // as the file begins
 }
 
 size_t Session::stopRecording() {
@@ -236,7 +251,10 @@ void Session::record(TimePoint now) {
   if (!recordingSince_) recordingSince_ = now;
   const double seconds = std::chrono::duration<double>(now - *recordingSince_).count();
   recorder_->addView(seconds, view_.get());
-  if (const SampleFramePtr& frame = frames_.newest(); frame && frame != recordedFrame_) recorder_->addFrame(seconds, recordedFrame_ = frame);
+  if (recordedFunction_ != scene()->transferFunction) recorder_->addFunction(seconds, recordedFunction_ = scene()->transferFunction);
+  // One whose copy of the volume was only classified anew is there already.
+  const SampleFramePtr& frame = frames_.newest();
+  if (frame && frame->requestId != recordedFrame_) recorder_->addFrame(seconds, frame), recordedFrame_ = frame->requestId;
 }
 
 bool Session::followRay() {

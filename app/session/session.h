@@ -209,6 +209,8 @@ class Session {
   bool takeScene();
   bool followOwnCamera(LivePanel& panel, TimePoint now);
   bool followFrames(TimePoint now);
+  /// Shows the scene by the function that a recording says it had then.
+  void followRecordedFunction();
   bool followRay();
   void record(TimePoint now);
   bool takePicture(LivePanel& panel, size_t index);
@@ -252,7 +254,8 @@ class Session {
   LivePlayback playback_;
   std::unique_ptr<RecordingWriter> recorder_;
   std::optional<TimePoint> recordingSince_;  // nothing until its first view
-  SampleFramePtr recordedFrame_;             // last
+  std::optional<uint64_t> recordedFrame_;    // the last one's request
+  TransferFunction recordedFunction_;        // the last one
   std::vector<std::future<void>> endedRecordings_;  // that are still written
   std::string recordingError_;
   TimePoint outageEnd_{};

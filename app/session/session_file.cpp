@@ -173,7 +173,9 @@ SessionFile readSession(const JsonDocument& document) {
 SessionFile readSessionFile(const std::filesystem::path& path) { return readSession(JsonDocument::fromFile(path)); }
 SessionFile readSessionText(const std::string& text, const std::string& source) { return readSession(JsonDocument(text, source)); }
 
-void restore(const SessionFile& file, Session& session, const OriginOpener& opener) {
+namespace {
+
+void setUp(const SessionFile& file, Session& session) {
   while (session.panelCount() > file.panels.size()) session.removePanel(session.panelCount() - 1);
   for (size_t i = 0; i < file.panels.size(); ++i) {
     if (i >= session.panelCount()) session.addPanel(file.panels[i]);
@@ -184,12 +186,21 @@ void restore(const SessionFile& file, Session& session, const OriginOpener& open
   LiveSettings knobs = file.knobs;
   knobs.march = session.knobs().march;  // of the scene that is still on show; the file's come with its own
   session.setKnobs(knobs);
+}
+
+}  // namespace
+
+void restore(const SessionFile& file, Session& session, const OriginOpener& opener) {
   LoadJob job = opener(file.origin);
   job.open = [open = std::move(job.open), arrangement = file.arrangement](const std::function<void()>& onNews, const std::stop_token& stop) {
     ConnectedScene opened = open(onNews, stop);
     opened.arrangement = arrangement;
     return opened;
   };
+  if (session.scene() == nullptr)
+    setUp(file, session);  // there is nothing that it would take away
+  else
+    job.whenOpened = [file, &session] { setUp(file, session); };
   session.load(std::move(job));
 }
 

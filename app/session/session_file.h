@@ -37,7 +37,8 @@ SessionFile readSessionFile(const std::filesystem::path& path);
 /// As readSessionFile(), of its text; `source` names it in complaints.
 SessionFile readSessionText(const std::string& text, const std::string& source);
 
-/// Opens the scene in the background, and sets up panels and knobs at once.
+/// Opens the scene in the background, and sets up panels and knobs with it: where it cannot be opened, all stays as it is. Where there is no scene yet they are set
+/// up at once.
 void restore(const SessionFile& file, Session& session, const OriginOpener& opener);
 
 /// "warpscope view ...": what has no option (the camera, contents, edits of the transfer function) is the session file's alone. Throws as sessionFileOf().
