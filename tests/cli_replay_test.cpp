@@ -11,7 +11,7 @@ namespace {
 class Replay : public CommandLine {
  protected:
   /// A second: one frame, the camera turning.
-  void record(const std::string& name) {
+  void record(const std::string& name, int segments = 4) {
     SceneOverrides overrides;
     overrides.proceduralDims = {16, 16, 16};
     const Scene scene = openScene("shells", overrides);
@@ -21,7 +21,9 @@ class Replay : public CommandLine {
       View view = scene.views.front();
       view.angleDeg += 2.0 * i;
       writer.addView(0.1 * i, view);
-      if (i == 2) writer.addFrame(0.2, std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, view, 32, 32), scene.march)));
+      MarchSettings settings = scene.march;
+      settings.sample.segments = segments;
+      if (i == 2) writer.addFrame(0.2, std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, view, 32, 32), settings)));
     }
   }
 };
@@ -40,6 +42,13 @@ TEST_F(Replay, PicturesAreNumberedAndTheSameOnEveryRun) {
   }
   EXPECT_NE(picture("one/000003.png"), picture("one/000006.png"));
   EXPECT_FALSE(std::filesystem::exists(folder_.file("one/000007.png")));
+  // Into the same folder: pictures that an earlier run had more of go, what else is there stays.
+  folder_.write("one/mine.png", "my own");
+  succeed({"replay", "a.warpscope", "--out", "one", "--size", "24x16", "--fps", "2", "--techniques", "hold"});
+  EXPECT_TRUE(std::filesystem::exists(folder_.file("one/000003.png")));
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("one/000004.png")));
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("one/000006.png")));
+  EXPECT_EQ(folder_.read("one/mine.png"), "my own");
 }
 
 TEST_F(Replay, WhatIsWrongIsRefused) {
@@ -50,6 +59,9 @@ TEST_F(Replay, WhatIsWrongIsRefused) {
   expectRefused({"replay", "a.warpscope", "--out", "o", "--video", "avi"}, kUsage, {"mp4 or gif"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "sphere"}, kUsage, {"spheres"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "reference"}, kFailure, {"does not say of which scene it is"});
+  record("without.warpscope", 0);
+  expectRefused({"replay", "without.warpscope", "--out", "o", "--techniques", "hold,segments"}, kFailure, {"segments can show nothing of its frames", "--segments"});
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("o")));
 }
 
 }  // namespace

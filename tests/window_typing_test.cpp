@@ -73,6 +73,50 @@ TEST_F(WindowTypingTest, ADialogKeepsTheNameThatCannotBeWritten) {
   EXPECT_TRUE(std::filesystem::exists(folder.file("nowhere/mine.json")));
 }
 
+TEST_F(WindowTypingTest, ANameWithoutAnEndingGetsOneAndFilesAreKnownByTheirContents) {
+  const TestFolder folder;
+  ASSERT_TRUE(openAndRest("block"));
+  press(Action::saveSession);
+  window_.type(folder.file("my block"));
+  window_.frames(4);
+  tap(ImGuiKey_Enter);
+  ASSERT_TRUE(std::filesystem::exists(folder.file("my block.json")));
+  EXPECT_EQ(window_.remembered.recentFiles.front(), folder.file("my block.json"));
+  std::filesystem::rename(folder.file("my block.json"), folder.file("bare"));
+  const uint64_t scenes = session_.sceneCount();
+  window_.view().open(folder.file("bare"));
+  ASSERT_TRUE(waitUntil([&] { return session_.sceneCount() > scenes; }));
+  EXPECT_EQ(session_.error(), "");
+}
+
+TEST_F(WindowTypingTest, WhatIsTypedIntoACornersFieldHoldsWhenTheFieldIsLeft) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.click(kChart);
+  const TransferFunction before = session_.scene()->transferFunction;
+  window_.doubleClick({1140.0f, 310.0f});  // its value
+  window_.frames(2);
+  tap(ImGuiKey_Backspace);
+  window_.type("200");
+  window_.click(kLeftPicture);
+  const TransferFunction typed = session_.scene()->transferFunction;
+  EXPECT_NE(typed, before);
+  EXPECT_TRUE(std::ranges::any_of(typed.points, [](const TransferPoint& point) { return std::abs(point.value - 200.0) < 1e-3; }));
+  press(Action::undo);
+  EXPECT_EQ(session_.scene()->transferFunction, before);
+}
+
+TEST_F(WindowTypingTest, EscEndsASearch) {
+  ASSERT_TRUE(openAndRest("block"));
+  press(Action::searchKnob);
+  window_.frames(4);
+  window_.type("jitter");
+  window_.click(kLeftPicture);
+  EXPECT_EQ(window_.view().searched(), "jitter");
+  press(Action::goBack);
+  EXPECT_EQ(window_.view().searched(), "");
+  EXPECT_TRUE(window_.takeActions().empty());
+}
+
 TEST_F(WindowTypingTest, TheDialogsEntriesAreReachedByKeys) {
   ASSERT_TRUE(openAndRest("block"));
   const std::filesystem::path here = window_.folder().path();

@@ -7,6 +7,7 @@
 
 #include "app/commands/options.h"
 #include "app/experiment/replay.h"
+#include "app/frames/wire_fields.h"
 #include "app/picture/picture.h"
 #include "app/scene/json_document.h"
 #include "app/session/recorded_scene.h"
@@ -50,6 +51,22 @@ std::vector<TechniqueInUse> techniquesOf(const ReplayOptions& options, const Rec
   return techniques;
 }
 
+/// Why none of the frames has what the technique draws; empty where some have, or there are none.
+std::string lackInAll(const Recording& recording, const TechniqueInUse& one) {
+  std::string lack;
+  for (const Recording::Frame& frame : recording.frames) {
+    lack = lackOf(*one.technique, marchFrom(frame.head.settings), one.knobs);
+    if (lack.empty()) break;
+  }
+  return lack;
+}
+
+/// Numbered pictures of an earlier run that had more.
+void removeLaterPictures(const std::filesystem::path& folder, size_t count) {
+  std::error_code failed;
+  for (size_t index = count; std::filesystem::remove(folder / nameOf(index), failed);) ++index;
+}
+
 /// `pattern`: "folder/%06d.png".
 void makeVideo(const std::string& pattern, const std::filesystem::path& film, double picturesPerSecond, const std::stop_token& stop) {
   const std::string rate = nlohmann::json(picturesPerSecond).dump();
@@ -77,6 +94,8 @@ void run(const ReplayOptions& options) {
   settings.width = checked.width;
   settings.height = checked.height;
   settings.hasLabels = !options.hasNoLabels;
+  for (const TechniqueInUse& one : settings.techniques)
+    if (const std::string lack = lackInAll(recording, one); !lack.empty()) throw InputError(options.file + ": " + std::string(one.technique->name) + " can show nothing of its frames: " + lack);
   const bool marches = std::ranges::any_of(settings.techniques, [](const TechniqueInUse& one) { return !one.technique->usesFrame; });
   HeadlessResources headless(marches ? marcherOf(recording, checked.backend, interrupt.token()) : nullptr, checked.platform, checked.backend);
   settings.resources = headless.resources();
@@ -91,6 +110,7 @@ void run(const ReplayOptions& options) {
       },
       interrupt.token());
   folder.commit();
+  removeLaterPictures(options.out, count);
   const std::filesystem::path film = std::filesystem::path(options.out) / ("replay." + options.video);
   if (hasVideo) {
     progress->step(film.filename().string());

@@ -6,6 +6,7 @@
 #include "app/scene/transfer_file.h"
 #include "app/session/recorded_scene.h"
 #include "render/base/error.h"
+#include "render/volume/volume_format.h"
 
 namespace warpscope {
 namespace {
@@ -25,7 +26,8 @@ void sort(const std::string& path, HandedFile& file, const std::stop_token& stop
     file.session = sessionFileOfRecording(path, stop);
     return;
   }
-  if (std::filesystem::path(path).extension() != ".json") return;
+  // By its contents, whatever its name ends with; those of volumes are large, and no documents.
+  if (formatOf(path) || !std::filesystem::is_regular_file(path)) return;
   const std::optional<JsonDocument> document = documentIn(path);
   if (!document) return;
   if (isSession(*document))

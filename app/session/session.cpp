@@ -158,7 +158,9 @@ bool Session::followFrames(TimePoint now) {
   }
   const bool happened = frames_.take();
   frames_.setTransport(transportAt(now));
-  const WantedFrame wanted{view_.cameraOfSize(serverSize()), view_.get(), neededBy(techniquesInUse(), knobs_.march), knobs_.transport.codec, knobs_.serverSidePx, functionVersion_};
+  // What is recorded is to be shown by any technique.
+  const MarchSettings march = isRecording() ? knobs_.march : neededBy(techniquesInUse(), knobs_.march);
+  const WantedFrame wanted{view_.cameraOfSize(serverSize()), view_.get(), march, knobs_.transport.codec, knobs_.serverSidePx, functionVersion_};
   return frames_.ask(wanted, knobs_.isFrozen, now) || happened;
 }
 

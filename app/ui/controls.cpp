@@ -175,6 +175,8 @@ void Controls::search() {
   wantsSearch_ = true;
 }
 
+bool Controls::endSearch() { return std::exchange(search_[0], '\0') != '\0'; }
+
 void Controls::drawSearch(const Look& look) {
   if (std::exchange(wantsSearch_, false)) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1.0f);

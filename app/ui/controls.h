@@ -12,6 +12,8 @@ class Controls {
   void draw(Session& session, const SceneOpener& openScene, const Look& look);
   /// Puts the keyboard into the field in which knobs are searched, and chooses what is there.
   void search();
+  /// Looks for nothing any more; whether it did.
+  bool endSearch();
   /// What is looked for there; empty: nothing.
   std::string_view searched() const { return search_.data(); }
   TransferEditor& transferEditor() { return transferEditor_; }

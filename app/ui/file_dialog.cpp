@@ -20,14 +20,16 @@ std::string_view titleOf(FileDialog::Purpose purpose) {
     case FileDialog::Purpose::open: return "Open";
     case FileDialog::Purpose::saveSession: return "Save session";
     case FileDialog::Purpose::record: return "Record";
+    case FileDialog::Purpose::saveFunction: return "Save transfer function";
+    case FileDialog::Purpose::saveColorMap: return "Save for ParaView";
   }
   return "";
 }
 
 /// What the names of such files end with, in lower case.
 std::vector<std::string_view> endingsOf(FileDialog::Purpose purpose) {
-  if (purpose == FileDialog::Purpose::saveSession) return {".json"};
   if (purpose == FileDialog::Purpose::record) return {".warpscope"};
+  if (purpose != FileDialog::Purpose::open) return {".json"};
   std::vector<std::string_view> endings{".json", ".warpscope"};
   for (const VolumeEnding& volume : kVolumeEndings) endings.push_back(volume.ending);
   return endings;
@@ -110,6 +112,7 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
   bool isChosen = false;
   const bool isWriting = purpose_ != Purpose::open;
   if (wantsFocus_) ImGui::SetNextWindowFocus();
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImGui::GetStyleColorVec4(ImGuiCol_PopupBg));
   if (ImGui::Begin((std::string(titleOf(purpose_)) + "###file dialog").c_str(), &isOpen_, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) {
     if (ImGui::Button("Up")) enter(folder_.parent_path());
     ImGui::SameLine();
@@ -133,6 +136,7 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
       ImGui::TextColored(palette().dimText, "%s is there already.", printable(toReplace_).c_str());
   }
   ImGui::End();
+  ImGui::PopStyleColor();
   return isChosen && name_[0] != '\0' ? take() : std::nullopt;
 }
 
@@ -161,7 +165,7 @@ bool FileDialog::drawEntries(const Look& look) {
       ImGui::TextColored(palette().faintText, "%s", size.c_str());
     }
   }
-  if (entries_.empty()) ImGui::TextColored(palette().dimText, showsAll_ ? "Nothing is here." : "No such files are here.");
+  if (entries_.empty()) ImGui::TextColored(palette().dimText, showsAll_ ? "Nothing is here." : "No files that can be opened are here; \"All files\" shows others.");
   if (entered) enter(*entered);
   return isChosen;
 }
@@ -195,13 +199,17 @@ const FileDialog::Entry* FileDialog::neighbour(std::string_view name, int step) 
 }
 
 std::optional<std::filesystem::path> FileDialog::take() {
-  const std::filesystem::path path = folder_ / name_.data();
+  std::filesystem::path path = folder_ / name_.data();
   std::error_code ignored;
   wantsFocus_ = true;
   if (std::filesystem::is_directory(path, ignored)) {
     enter(path.lexically_normal());
     name_[0] = '\0';
     return std::nullopt;
+  }
+  if (purpose_ != Purpose::open && !path.has_extension()) {
+    path += endingsOf(purpose_).front();
+    copyInto(name_, path.filename().string());
   }
   // A file that is there is not replaced without a question: the button asks.
   if (purpose_ != Purpose::open && std::filesystem::exists(path, ignored) && toReplace_ != name_.data()) {

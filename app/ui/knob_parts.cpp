@@ -78,7 +78,11 @@ bool bareKnobWidget(const Knob& knob, double& value, const Look& look) {
     case KnobType::number:
     case KnobType::whole:
       isChanged = sliderWidget(knob, value);
-      tooltip(std::string(knob.help) + ".", look);
+      if (ImGui::IsItemClicked(ImGuiMouseButton_Right) && value != knob.defaultValue) {
+        value = knob.defaultValue;
+        isChanged = true;
+      }
+      tooltip(std::string(knob.help) + ". A click with Ctrl types a value, the right button brings " + textOf(knob, knob.defaultValue) + " back.", look);
       break;
   }
   ImGui::PopID();

@@ -33,6 +33,14 @@ void toggleFrozen(Session& session) {
   session.setKnobs(knobs);
 }
 
+/// Its file, if there is one.
+std::optional<std::filesystem::path> lastSession() {
+  std::optional<std::filesystem::path> file = lastSessionFile();
+  std::error_code ignored;
+  if (file && !std::filesystem::exists(*file, ignored)) file.reset();
+  return file;
+}
+
 std::filesystem::path currentFolder() {
   std::error_code failed;
   const std::filesystem::path folder = std::filesystem::current_path(failed);
@@ -59,7 +67,8 @@ void MainView::takeHandedFile(Session& session) {
     remembered_.addFile(file->path);
     controls_.transferEditor().set(session, *file->transferFunction);
   } else if (file->session) {
-    remembered_.addFile(file->path);
+    if (std::filesystem::path(file->path) != lastSessionFile()) remembered_.addFile(file->path);
+    isSessionsScene_ = true;
     restore(*file->session, session, openScene_);
     beforeDemo_.reset();
     grid_.showAll();
@@ -89,11 +98,13 @@ void MainView::showDialog(FileDialog::Purpose purpose, const std::string& name) 
 
 void MainView::saveSession(const Session& session, const std::filesystem::path& path) {
   writeFileWhole(path, textOf(sessionFileOf(session)));
+  remembered_.addFile(path);
   setNote("saved " + path.string());
 }
 
 void MainView::startRecording(Session& session, const std::filesystem::path& path) {
   session.startRecording(path, session.origin() ? textOf(sessionFileOf(session)) : "");
+  recordedFile_ = path;
   setNote("recording into " + path.string());
 }
 
@@ -125,7 +136,7 @@ void MainView::savePlot(const Session& session) {
 void MainView::goBack() {
   if (showsKeys_)
     showsKeys_ = false;
-  else if (!grid_.goBack())
+  else if (!controls_.endSearch() && !grid_.goBack())
     windowActions_.push_back(Action::goBack);
 }
 
@@ -138,7 +149,7 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     case Action::open: return showDialog(FileDialog::Purpose::open);
     case Action::saveSession: return showDialog(FileDialog::Purpose::saveSession, "session.json");
     case Action::restoreLast:
-      if (const auto last = lastSessionFile()) open(last->string());
+      if (const auto last = lastSession()) open(last->string());
       return;
     case Action::copyCommand:
       try {
@@ -151,9 +162,16 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
       return;
     case Action::record:
       if (!session.isRecording()) return showDialog(FileDialog::Purpose::record, "recording.warpscope");
-      if (const size_t leftOut = session.stopRecording(); leftOut > 0)
-        return setNote("the recording has ended; " + std::to_string(leftOut) + " frames came faster than they could be written and are not in it");
-      return setNote("the recording has ended");
+      {
+        const size_t leftOut = session.stopRecording();
+        std::string note = "the recording has ended";
+        if (!recordedFile_.empty()) {
+          remembered_.addFile(recordedFile_);
+          note = "recorded " + std::exchange(recordedFile_, {}).string() + "; File > Open again shows it";
+        }
+        if (leftOut > 0) note += "; " + std::to_string(leftOut) + " frames came faster than they could be written and are not in it";
+        return setNote(std::move(note));
+      }
     case Action::savePanels: return savePanels(session);
     case Action::savePlot: return savePlot(session);
     case Action::savePicture:
@@ -177,7 +195,9 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
       if (number >= 1 && number <= warpRegistry().size()) session.setTechnique(*panel, warpRegistry()[number - 1]);
       return;
     case Action::chooseAutomatic: return session.setAutomatic(*panel);
-    case Action::addPanel: return grid_.addPanel(session);
+    case Action::addPanel:
+      if (!isPossible(action, session)) setNote(std::to_string(kMaxPanels) + " panels are the most");
+      return grid_.addPanel(session);
     case Action::closePanel: return grid_.closePanel(session, *panel);
     case Action::maximise: return grid_.toggleMaximised(session, *panel);
     case Action::showPlan: return session.setShowsPlan(!session.showsPlan());
@@ -211,8 +231,11 @@ bool MainView::isOn(Action action, const Session& session, size_t panel) const {
   }
 }
 
-bool MainView::isPossible(Action action, const Session& session) {
+bool MainView::isPossible(Action action, const Session& session) const {
   switch (action) {
+    case Action::restoreLast: return lastSession().has_value();
+    case Action::undo: return controls_.transferEditor().canUndo();
+    case Action::redo: return controls_.transferEditor().canRedo();
     case Action::addPanel: return session.panelCount() < kMaxPanels;
     case Action::closePanel:
     case Action::wipe:
@@ -295,6 +318,11 @@ void MainView::drawMenus(Session& session, const Look& look) {
 }
 
 void MainView::drawDialog(Session& session, const Look& look) {
+  if (const auto wish = controls_.transferEditor().takeFileWish()) {
+    if (*wish == TransferEditor::FileWish::load) showDialog(FileDialog::Purpose::open);
+    if (*wish == TransferEditor::FileWish::save) showDialog(FileDialog::Purpose::saveFunction, "function.json");
+    if (*wish == TransferEditor::FileWish::saveForParaview) showDialog(FileDialog::Purpose::saveColorMap, "colormap.json");
+  }
   const std::optional<std::filesystem::path> path = dialog_.draw(look);
   if (!path) return;
   try {
@@ -302,6 +330,11 @@ void MainView::drawDialog(Session& session, const Look& look) {
       case FileDialog::Purpose::open: return open(path->string());
       case FileDialog::Purpose::saveSession: return saveSession(session, *path);
       case FileDialog::Purpose::record: return startRecording(session, *path);
+      case FileDialog::Purpose::saveFunction:
+      case FileDialog::Purpose::saveColorMap:
+        if (session.scene() == nullptr) return;
+        controls_.transferEditor().save(session, *path, dialog_.purpose() == FileDialog::Purpose::saveColorMap);
+        return setNote("saved " + path->string());
     }
   } catch (const InputError& error) {
     dialog_.askAgain(error.what());
@@ -320,7 +353,7 @@ void MainView::drawNote(const Look& look) {
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
   // In the status bar's place: what is above is looked at.
   const ImVec2 at{0.5f * (display.x - size.x), display.y - size.y - padding};
-  list->AddRectFilled({at.x - padding, at.y - padding}, {at.x + size.x + padding, at.y + size.y + padding}, ImGui::GetColorU32({0.0f, 0.0f, 0.0f, 0.85f}), look.px(4.0f));
+  list->AddRectFilled({0.0f, std::min(at.y - padding, display.y - look.px(kStatusHeight))}, display, ImGui::GetColorU32({0.0f, 0.0f, 0.0f, 1.0f}));
   list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ImGui::GetColorU32(kTextOnPicture), text.c_str(), nullptr, wrap);
 }
 
@@ -329,6 +362,7 @@ void MainView::drawKeys(const Look& look) {
   ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({std::min(look.px(620.0f), 0.96f * display.x), 0.0f});
   ImGui::SetNextWindowSizeConstraints({0.0f, 0.0f}, {display.x, 0.9f * display.y});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImGui::GetStyleColorVec4(ImGuiCol_PopupBg));
   if (ImGui::Begin("Keys", &showsKeys_, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings) &&
       ImGui::BeginTable("keys", 2)) {
     ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, look.px(150.0f));
@@ -340,10 +374,11 @@ void MainView::drawKeys(const Look& look) {
       ImGui::TextWrapped("%s", std::string(what).c_str());
     };
     row("drag", "Orbit; with the right button pan, with the wheel zoom; a double click brings the first view back");
-    for (const ActionDescriptor& action : windowActions()) row(!action.keys.empty() ? std::string(action.keys) : "menu: " + std::string(action.label), action.help);
+    for (const ActionDescriptor& action : windowActions()) row(!action.keys.empty() ? std::string(action.keys) : "menu", std::string(action.label.substr(0, action.label.find("..."))) + ". " + std::string(action.help));
     ImGui::EndTable();
   }
   ImGui::End();
+  ImGui::PopStyleColor();
 }
 
 void MainView::drawBottom(Session& session, const Look& look) {
@@ -378,8 +413,8 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   ImVec2 room = ImGui::GetContentRegionAvail();
   room.y -= playbackHeight(session, room.x, look);
   const float bottom = plot_.height(room.y, look) + look.px(kMargin);
-  // Where pictures would be too low, the plot gives way: they are what the window is for.
-  const bool hasBottom = session.lookedAt() || grid_.pictureSide(session, {room.x, room.y - bottom}, look) >= look.px(kLeastPicturePx);
+  // Where pictures would be too low, and where one is to be as large as can be, the plot gives way.
+  const bool hasBottom = session.lookedAt() || (!grid_.isAlone() && grid_.pictureSide(session, {room.x, room.y - bottom}, look) >= look.px(kLeastPicturePx));
   room.y = std::max(1.0f, room.y - (hasBottom ? bottom : 0.0f));
   const std::optional<PanelGrid::Asked> asked = grid_.draw(session, room, held, look);
   // The ray that a loupe was held on goes with it.
@@ -401,6 +436,7 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
 void MainView::rememberScene(const Session& session) {
   if (session.sceneCount() == sceneSeen_) return;
   sceneSeen_ = session.sceneCount();
+  if (std::exchange(isSessionsScene_, false)) return;  // the session is what was opened
   std::error_code ignored;
   if (session.origin() && std::filesystem::exists(session.origin()->spec, ignored)) remembered_.addFile(session.origin()->spec);
 }

@@ -2,6 +2,7 @@
 // Does what keys and menus ask for, but for what only a window can: that it hands on.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -66,7 +67,7 @@ class MainView {
   void goBack();
   void savePanels(const Session& session);
   void savePlot(const Session& session);
-  static bool isPossible(Action action, const Session& session);
+  bool isPossible(Action action, const Session& session) const;
   bool isOn(Action action, const Session& session, size_t panel) const;
   void drawMenus(Session& session, const Look& look);
   void drawRecent();
@@ -96,6 +97,8 @@ class MainView {
   bool showsKeys_ = false;
   FileDialog dialog_;
   TypeAhead typeAhead_;
+  std::filesystem::path recordedFile_;  // that is being recorded; empty where it was not begun here
+  bool isSessionsScene_ = false;        // what is being opened
   bool wasInspecting_ = false;
   bool followedCamera_ = false;  // that of a recording
   std::optional<BeforeDemo> beforeDemo_;  // the first of those that followed each other

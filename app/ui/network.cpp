@@ -154,7 +154,7 @@ void drawLinkSign(const Session& session, const Look& look) {
   for (const net::LinkPreset& preset : net::linkPresets())
     if (preset.settings == link) {
       text = "Simulated link: " + std::string(preset.name) + ", " + std::string(preset.summary);
-      brief = "Simulated link: " + std::string(preset.name);
+      brief = "Simulated link: " + std::string(preset.name) + ", " + durationText(link.up.delayMs + link.down.delayMs) + " round trip";
     }
   if (hasOutage) text = brief = "Simulated outage: nothing passes";
   if (session.isRecording()) {
@@ -166,6 +166,7 @@ void drawLinkSign(const Session& session, const Look& look) {
   if (kTimesTheUsual * ImGui::CalcTextSize(text.c_str()).x > width - look.px(20.0f)) text = brief;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::Dummy({width, height});
+  tooltip("What is on show is older than a round trip: a frame is marched, coded, sent and drawn as well, and may wait for the one before it. The coloured bars beneath the pictures say where the time goes.", look);
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 to{at.x + width, at.y + height};
   list->AddRectFilled(at, to, ImGui::GetColorU32(hasOutage ? palette().errorBackground : palette().noticeBackground), look.px(4.0f));

@@ -24,6 +24,8 @@ class PanelGrid {
     uint64_t panel = 0;  ///< its id
     Action action = Action::closePanel;
   };
+  /// Whether one panel has all the room.
+  bool isAlone() const { return alone_.has_value(); }
   /// The shorter side that a picture's area would have in that room, ImGui units; less than nothing where there is none.
   float pictureSide(const Session& session, const ImVec2& room, const Look& look) const;
   /// Draws all panels into the current window's room, as much of it as `room`.

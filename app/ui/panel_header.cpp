@@ -13,7 +13,7 @@ namespace warpscope::ui {
 namespace {
 
 constexpr float kTitlePx = 17.0f;  // at scale 1
-constexpr float kTechniquePx = 134.0f, kContentPx = 92.0f, kKnobPx = 96.0f, kLeastKnobPx = 84.0f;  // at scale 1
+constexpr float kTechniquePx = 134.0f, kContentPx = 92.0f, kKnobPx = 96.0f, kLeastKnobPx = 68.0f;  // at scale 1
 
 void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
   const WarpDescriptor& technique = *session.panel(index).technique;
@@ -24,7 +24,7 @@ void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
   const bool isOpen = ImGui::BeginCombo("##technique", shown.c_str());
   if (!isOpen) {
     const std::string explanation = panel.isAutomatic && !panel.choiceText.empty() ? panel.choiceText : std::string(technique.summary);
-    tooltip(explanation + ".\nKeys 1 to " + std::to_string(warpRegistry().size()) + " choose a technique for the panel under the pointer, 0 lets it choose by itself.", look);
+    tooltip(explanation + ".\nKeys 1 to " + std::to_string(std::min<size_t>(9, warpRegistry().size())) + " choose a technique for the panel under the pointer, 0 lets it choose by itself.", look);
   }
   if (!isOpen) return;
   if (ImGui::Selectable("0  Auto", panel.isAutomatic)) session.setAutomatic(index);
@@ -120,6 +120,10 @@ std::string titleOf(const Session& session, size_t index) {
   std::string title(panel.technique->label);
   if (panel.content != PictureContent::picture) title += ": " + std::string(describe(panel.content).label);
   if (session.hasOwnCamera(index)) title += ", own camera";
+  if (session.playback().isOpen())
+    title += ", recorded";
+  else if (session.knobs().isFrozen && panel.technique->usesFrame)
+    title += ", frozen";
   return title;
 }
 
@@ -171,7 +175,7 @@ std::optional<Action> drawTitle(Session& session, size_t index, bool isAlone, co
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImGui::PushFont(look.fonts.small);
   list->PushClipRect(at, {at.x + width, at.y + side}, true);
-  list->AddText({at.x, at.y + 0.5f * (side - ImGui::GetTextLineHeight())}, ImGui::GetColorU32(palette().dimText), title.c_str());
+  list->AddText({at.x, at.y + 0.5f * (side - ImGui::GetTextLineHeight())}, ImGui::GetColorU32(session.knobs().isFrozen ? palette().noticeText : palette().dimText), title.c_str());
   list->PopClipRect();
   ImGui::PopFont();
   ImGui::SameLine(0.0f, 0.0f);

@@ -254,6 +254,7 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
     const size_t angles = session.fair().points().empty() ? session.liveFront().rankedAnglesDeg().size() : kFairAnglesDeg.size();
     const std::string where = angles == 0 ? "" : ", at " + angleCount(angles);
     ImGui::TextColored(palette().dimText, "Nothing beats these in time and error%s:", where.c_str());
+    if (shown.front.empty()) ImGui::TextColored(palette().faintText, "points come when the view rests");
     for (const size_t i : shown.front) {
       const ScatterPoint& point = shown.points[i];
       ImGui::PushID(static_cast<int>(i));

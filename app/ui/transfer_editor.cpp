@@ -148,10 +148,14 @@ void TransferEditor::followFile(Session& session, Session::TimePoint now) {
 
 void TransferEditor::drawChart(Session& session, const Look& look) {
   const ImVec2 from = ImGui::GetCursorScreenPos(), to{from.x + ImGui::GetContentRegionAvail().x, from.y + look.px(kChartPx)};
-  ImGui::InvisibleButton("opacities", {to.x - from.x, to.y - from.y}, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
+  // Down to the bar, so that corners without opacity can be taken by their lower halves.
+  const float gap = ImGui::GetStyle().ItemSpacing.y;
+  ImGui::InvisibleButton("opacities", {to.x - from.x, to.y - from.y + gap}, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
+  ImGui::SetCursorScreenPos({from.x, to.y + gap});
   const bool isHovered = ImGui::IsItemHovered();
   const Chart chart = chartOf(session, from, to);
   const ImVec2 mouse = ImGui::GetIO().MousePos;
+  reading_.clear();
   const float reach = look.px(kReachPx);
   std::optional<size_t> near;
   for (size_t i = 0; i < curves_.opacities.size(); ++i) {
@@ -227,16 +231,8 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
   }
   list->PopClipRect();
   if (!isHovered && grip_ == Grip::none) return;
-  ImGui::PushFont(look.fonts.small);
   const double value = chart.value(mouse.x);
-  const std::string reading = formatted("%.4g", value) + formatted(": opacity %.3g", static_cast<double>(function.at(value).a));
-  // In the upper corner that the pointer is farther from, before whatever lies there.
-  const ImVec2 size = ImGui::CalcTextSize(reading.c_str());
-  const float margin = look.px(4.0f);
-  const ImVec2 at{mouse.x < 0.5f * (from.x + to.x) ? to.x - size.x - margin : from.x + margin, from.y + 0.5f * margin};
-  list->AddRectFilled({at.x - 0.5f * margin, at.y}, {at.x + size.x + 0.5f * margin, at.y + size.y}, ImGui::GetColorU32(palette().frame));
-  list->AddText(at, ImGui::GetColorU32(ImGuiCol_Text), reading.c_str());
-  ImGui::PopFont();
+  reading_ = formatted("%.4g", value) + formatted(": opacity %.3g", static_cast<double>(function.at(value).a));
 }
 
 void TransferEditor::drawAxis(const Session& session, const Look& look) const {
@@ -248,9 +244,10 @@ void TransferEditor::drawAxis(const Session& session, const Look& look) const {
   tooltip("Values, in the volume's own units. Above: how often they occur (logarithm), and their opacity, 0 to 1 over the length of a voxel's edge (root).", look);
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImU32 color = ImGui::GetColorU32(palette().dimText);
-  const std::string lowest = formatted("%.5g", chart.lowest), middle = formatted("%.5g", std::midpoint(chart.lowest, chart.highest)), highest = formatted("%.5g", chart.highest);
+  // What is pointed at is read here, where it hides nothing.
+  const std::string lowest = formatted("%.5g", chart.lowest), middle = !reading_.empty() ? reading_ : formatted("%.5g", std::midpoint(chart.lowest, chart.highest)), highest = formatted("%.5g", chart.highest);
   list->AddText(from, color, lowest.c_str());
-  list->AddText({0.5f * (from.x + to.x - ImGui::CalcTextSize(middle.c_str()).x), from.y}, color, middle.c_str());
+  list->AddText({0.5f * (from.x + to.x - ImGui::CalcTextSize(middle.c_str()).x), from.y}, reading_.empty() ? color : ImGui::GetColorU32(ImGuiCol_Text), middle.c_str());
   list->AddText({to.x - ImGui::CalcTextSize(highest.c_str()).x, from.y}, color, highest.c_str());
   ImGui::PopFont();
 }
@@ -297,6 +294,18 @@ void TransferEditor::drawColorBar(Session& session, const Look& look) {
   }
 }
 
+bool TransferEditor::drawNumber(const char* id, double& value, const char* pattern) {
+  double edited = typed_ && typedId_ == id ? *typed_ : value;
+  if (ImGui::InputDouble(id, &edited, 0.0, 0.0, pattern)) typed_ = edited, typedId_ = id;
+  // Left in whatever way, what was typed holds: only Esc takes it back, and then nothing was edited.
+  if (!ImGui::IsItemDeactivatedAfterEdit()) return false;
+  if (typed_ && typedId_ == id) edited = *typed_;
+  typed_.reset();
+  if (!std::isfinite(edited) || edited == value) return false;
+  value = edited;
+  return true;
+}
+
 void TransferEditor::drawFields(Session& session, const Look& look) {
   const auto step = [&](const auto& edit) {
     const TransferFunction before = session.scene()->transferFunction;
@@ -308,19 +317,17 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
     OpacityCorner corner = curves_.opacities[*opacity_];
     label("Corner", look);
     beginHalves();
-    ImGui::InputDouble("##value", &corner.value, 0.0, 0.0, "%.5g");
-    if (ImGui::IsItemDeactivatedAfterEdit() && std::isfinite(corner.value)) step([&] { moveOpacity(curves_, *opacity_, corner.value, corner.alpha); });
+    if (drawNumber("##value", corner.value, "%.5g")) step([&] { moveOpacity(curves_, *opacity_, corner.value, corner.alpha); });
     tooltip("Its value, in the volume's own units.", look);
     nextHalf();
-    ImGui::InputFloat("##alpha", &corner.alpha, 0.0f, 0.0f, "%.4g");
-    if (ImGui::IsItemDeactivatedAfterEdit() && std::isfinite(corner.alpha)) step([&] { moveOpacity(curves_, *opacity_, corner.value, corner.alpha); });
+    double alpha = static_cast<double>(corner.alpha);
+    if (drawNumber("##alpha", alpha, "%.4g")) step([&] { moveOpacity(curves_, *opacity_, corner.value, static_cast<float>(alpha)); });
     tooltip("Its opacity over the length of a voxel's edge, 0 to 1.", look);
   } else if (color_ && *color_ < curves_.colors.size()) {
     ColorCorner corner = curves_.colors[*color_];
     label("Corner", look);
     beginHalves();
-    ImGui::InputDouble("##value", &corner.value, 0.0, 0.0, "%.5g");
-    if (ImGui::IsItemDeactivatedAfterEdit() && std::isfinite(corner.value)) step([&] { moveColor(curves_, *color_, corner.value); });
+    if (drawNumber("##value", corner.value, "%.5g")) step([&] { moveColor(curves_, *color_, corner.value); });
     nextHalf();
     std::array<float, 3> srgb{srgbFromLinear(corner.color.r), srgbFromLinear(corner.color.g), srgbFromLinear(corner.color.b)};
     if (ImGui::ColorEdit3("##color", srgb.data(), ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_PickerHueWheel)) {
@@ -342,33 +349,17 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
   }
 }
 
-void TransferEditor::drawFilePopup(Session& session, const Look& look) {
+void TransferEditor::drawFilePopup() {
   if (!ImGui::BeginPopup("transfer file")) return;
-  ImGui::SetNextItemWidth(look.px(320.0f));
-  ImGui::InputTextWithHint("##file", "path of a file", path_.data(), path_.size());
-  ImGui::Checkbox("for ParaView", &isForParaview_);
-  tooltip("Save as a colour map that ParaView imports. Files of either kind are loaded.", look);
-  const bool hasPath = path_[0] != '\0';
-  if (ImGui::Button("Load") && hasPath) {
-    load(session, path_.data());
-    fileNote_ = error_.empty() ? "loaded" : error_;
-  }
-  ImGui::SameLine();
-  if (ImGui::Button("Save") && hasPath) {
-    try {
-      const TransferFunction& function = session.scene()->transferFunction;
-      writeFileWhole(path_.data(), isForParaview_ ? paraviewText(function, session.scene()->name) : transferText(function));
-      fileNote_ = "saved";
-    } catch (const InputError& error) {
-      fileNote_ = error.what();
-    }
-  }
-  if (!fileNote_.empty()) {
-    ImGui::PushTextWrapPos(look.px(330.0f));
-    ImGui::TextColored(palette().dimText, "%s", fileNote_.c_str());
-    ImGui::PopTextWrapPos();
-  }
+  if (ImGui::MenuItem("Load...")) fileWish_ = FileWish::load;
+  if (ImGui::MenuItem("Save...")) fileWish_ = FileWish::save;
+  if (ImGui::MenuItem("Save for ParaView...")) fileWish_ = FileWish::saveForParaview;
   ImGui::EndPopup();
+}
+
+void TransferEditor::save(const Session& session, const std::filesystem::path& path, bool isForParaview) const {
+  const TransferFunction& function = session.scene()->transferFunction;
+  writeFileWhole(path, isForParaview ? paraviewText(function, session.scene()->name) : transferText(function));
 }
 
 void TransferEditor::drawButtons(Session& session, const Look& look) {
@@ -399,11 +390,8 @@ void TransferEditor::drawButtons(Session& session, const Look& look) {
   };
   if (smallButton("Undo", history_.canUndo(), "Take the last change back. Ctrl+Z.")) undo(session);
   if (smallButton("Redo", history_.canRedo(), "Ctrl+Shift+Z.")) redo(session);
-  if (smallButton("File", true, "Load and save.")) {
-    fileNote_.clear();
-    ImGui::OpenPopup("transfer file");
-  }
-  drawFilePopup(session, look);
+  if (smallButton("File", true, "Load and save, also as a colour map that ParaView imports. Files of either kind are loaded, by dropping them onto the window as well.")) ImGui::OpenPopup("transfer file");
+  drawFilePopup();
 }
 
 void TransferEditor::draw(Session& session, const Look& look) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <optional>
+#include <utility>
 #include <string>
 
 #include "app/scene/transfer_curves.h"
@@ -25,6 +26,13 @@ class TransferEditor {
   void set(Session& session, const TransferFunction& function);
   /// As set(), of a file.
   void load(Session& session, const std::filesystem::path& path);
+  /// What was asked for by its menu since the last call; whoever has dialogs asks for the file.
+  enum class FileWish { load, save, saveForParaview };
+  std::optional<FileWish> takeFileWish() { return std::exchange(fileWish_, std::nullopt); }
+  /// Throws InputError for a file that cannot be written.
+  void save(const Session& session, const std::filesystem::path& path, bool isForParaview) const;
+  bool canUndo() const { return history_.canUndo(); }
+  bool canRedo() const { return history_.canRedo(); }
   /// Follows a file: whenever it is written, it is loaded. Empty: none.
   void watch(const std::filesystem::path& path);
 
@@ -48,7 +56,9 @@ class TransferEditor {
   void drawAxis(const Session& session, const Look& look) const;
   void drawFields(Session& session, const Look& look);
   void drawButtons(Session& session, const Look& look);
-  void drawFilePopup(Session& session, const Look& look);
+  void drawFilePopup();
+  /// A field for a number; true where another one was typed, when the field is left.
+  bool drawNumber(const char* id, double& value, const char* pattern);
   Chart chartOf(const Session& session, const ImVec2& from, const ImVec2& to) const;
 
   TransferCurves curves_;
@@ -63,14 +73,15 @@ class TransferEditor {
   std::string sceneName_;
   const Volume* volume_ = nullptr;  // that the history is about
   std::string error_;
-  std::array<char, 1024> path_{};
-  std::string fileNote_;
+  std::string reading_;             // of what is pointed at
+  std::optional<double> typed_;     // into the field of typedId_, which has not been left yet
+  std::string typedId_;
+  std::optional<FileWish> fileWish_;
   struct Spread {
     std::string preset;         // whose units are not the volume's; empty: none
     TransferFunction function;  // that it became
   };
   Spread spread_;
-  bool isForParaview_ = false;
   std::filesystem::path watched_;
   std::filesystem::file_time_type writtenAt_{};
   Session::TimePoint lookedAt_{};

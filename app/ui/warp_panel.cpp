@@ -217,6 +217,9 @@ std::optional<OnShow> drawPictures(const Session& session, const Panel& panel, c
     const float x = area.from.x + *other->wipeAt * area.size.x;
     list->PushClipRect(area.from, {x, area.to().y}, true);
     own = drawOwn(session, panel, textures.own, area, look);
+    ImGui::PushFont(look.fonts.small);
+    if (reservations(panel).empty()) drawInCorner(Corner::upperLeft, area, std::string(panel.technique->label), kTextOnPicture, 0.0f, look);
+    ImGui::PopFont();
     list->PopClipRect();
     list->PushClipRect({x, area.from.y}, area.to(), true);
     drawOther(session, *other, textures.other, area, look);

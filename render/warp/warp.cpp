@@ -29,9 +29,9 @@
 namespace warpscope {
 namespace {
 
-/// In the order in which they are shown.
-constexpr const WarpDescriptor* kWarps[] = {&kReferenceWarp, &kHoldWarp,     &kRotateWarp, &kPointsWarp,   &kSpritesWarp, &kSpheresWarp,
-                                            &kSplatsWarp,    &kMultihitWarp, &kMeshWarp,   &kSegmentsWarp, &kProxyWarp};
+/// In the order in which they are shown; the first nine have keys in the window.
+constexpr const WarpDescriptor* kWarps[] = {&kReferenceWarp, &kHoldWarp,     &kRotateWarp, &kPointsWarp,  &kSpheresWarp, &kSplatsWarp,
+                                            &kMeshWarp,      &kSegmentsWarp, &kProxyWarp,  &kSpritesWarp, &kMultihitWarp};
 
 /// `technique` with the knobs of all that leave gaps, if it does.
 WarpDescriptor completed(WarpDescriptor technique) {
