@@ -41,6 +41,18 @@ TEST(CameraMotions, BeginWhereTheCameraIsAndStayWithinWhatViewsMayBe) {
   }
 }
 
+TEST(CameraMotions, LeaveNoViewThatFilesRefuse) {
+  for (const double distance : {kViewDistanceRange.lowest, kViewDistanceRange.highest})
+    for (const CameraMotionDescriptor& motion : cameraMotions())
+      for (double seconds = 0.0; seconds < 30.0; seconds += 0.1) {
+        const View view = movedView(motion.value, {.distance = distance, .pan = {kMostViewPan, -kMostViewPan}}, seconds, 1.0, pathOf({{0.0, 0.0}}));
+        ASSERT_GE(view.distance, kViewDistanceRange.lowest) << motion.name;
+        ASSERT_LE(view.distance, kViewDistanceRange.highest) << motion.name;
+        ASSERT_LE(std::abs(view.pan.x), kMostViewPan) << motion.name;
+        ASSERT_LE(std::abs(view.pan.y), kMostViewPan) << motion.name;
+      }
+}
+
 TEST(CameraPaths, GoBetweenWhatWasRecordedTheShortWayAround) {
   CameraPath path = pathOf({{0.0, 170.0}, {2.0, -170.0}});
   EXPECT_NEAR(std::abs(path.at(1.0).angleDeg), 180.0, 1e-9);

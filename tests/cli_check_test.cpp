@@ -113,7 +113,22 @@ TEST_F(Check, AGoldenPictureOfAnotherSizeOrThatIsNoneFails) {
   std::ofstream(golden("block-hold-0.png")) << "no picture";
   result = check();
   EXPECT_EQ(result.code, kFailure);
-  EXPECT_THAT(result.err, testing::HasSubstr("block-hold-0.png"));
+  EXPECT_THAT(result.err, testing::AllOf(testing::HasSubstr("FAIL  block-hold-0 (auto): the golden picture is damaged"), testing::HasSubstr("same  block-spheres-12.5"))) << "others are checked";
+  EXPECT_TRUE(fs::exists(folder_.path() / "out/check.html"));
+  EXPECT_TRUE(fs::exists(folder_.path() / "out/block-hold-0-auto-actual.png"));
+  result = check({"--update"});
+  EXPECT_EQ(result.code, kSuccess) << result.err;
+  EXPECT_EQ(readPng(golden("block-hold-0.png")).width(), 48u);
+  EXPECT_EQ(left(), std::vector<std::string>{"check.html"}) << "what failed before is gone";
+}
+
+TEST_F(Check, ResultsDoNotTakeTheDescriptionsPlace) {
+  describeBlock();
+  const std::string before = contentOf(golden("check.json"));
+  const ProgramResult result = check({"--junit", "golden/check.json"});
+  EXPECT_EQ(result.code, kUsage);
+  EXPECT_THAT(result.err, testing::HasSubstr("golden/check.json is read here, and would be lost"));
+  EXPECT_EQ(contentOf(golden("check.json")), before);
 }
 
 TEST_F(Check, EachToleranceIsHeld) {

@@ -292,6 +292,17 @@ TEST_F(Refusal, WherePicturesGoIsCheckedBeforeTheWork) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
+TEST_F(Refusal, WhatIsReadIsNotWrittenTo) {
+  folder_.write("scene.json", "{}");
+  folder_.write("f.json", "{}");
+  for (const std::string option : {"--record", "--report"}) {
+    expectRefused({"view", "scene.json", option, "./scene.json"}, kUsage, {"./scene.json is read here, and would be lost"});
+    expectRefused({"view", "block", "--tf", "f.json", option, "f.json"}, kUsage, {"f.json is read here"});
+  }
+  expectRefused({"view", "block", "--screenshot", "a.nrrd"}, kUsage, {"--screenshot writes PNG files"});
+  EXPECT_EQ(folder_.read("scene.json"), "{}");
+}
+
 TEST_F(Refusal, PicturesOfOtherKinds) {
   for (const std::string file : {"a.bmp", "a.tiff", "a.jpg.txt"})
     expectRefused({"shot", "-o", file}, kUsage, {"--out " + file + ": pictures are written as .png or .jpg, not as " + file.substr(file.rfind('.'))});

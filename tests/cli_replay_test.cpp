@@ -1,6 +1,9 @@
 // `replay` as a program: pictures that are the same on every run, one JSON document, and what it refuses.
 // Mirrors app/commands/replay.cpp.
 #include "app/frames/recording.h"
+
+#include <sys/stat.h>
+
 #include "app/scene/scene.h"
 #include "cli.h"
 #include "render/march/marcher_cpu.h"
@@ -60,6 +63,16 @@ TEST_F(Replay, WhatIsWrongIsRefused) {
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "sphere"}, kUsage, {"spheres"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "reference"}, kFailure, {"does not say of which scene it is"});
   record("without.warpscope", 0);
+  {
+    RecordingWriter writer(folder_.file("bare.warpscope"), openScene("block", {}), "");
+    writer.addView(0.0, {});
+  }
+  expectRefused({"replay", "bare.warpscope", "--out", "o", "--techniques", "hold"}, kFailure, {"holds no frames"});
+  ASSERT_EQ(mkfifo(folder_.file("pipe").c_str(), 0600), 0);
+  expectRefused({"replay", "pipe", "--out", "o"}, kFailure, {"is no regular file"});
+  for (const Arguments& command : {Arguments{"shot", "a.warpscope", "-o", "a.png"}, Arguments{"plan", "a.warpscope"}}) expectRefused(command, kFailure, {"is a recording, which view and replay show"});
+  for (const char* option : {"--fov", "--step"}) expectRefused({"view", "a.warpscope", option, "3"}, kUsage, {"a recording says that itself", option});
+  expectRefused({"view", "a.warpscope", "--record", "a.warpscope"}, kUsage, {"is read here"});
   expectRefused({"replay", "without.warpscope", "--out", "o", "--techniques", "hold,segments"}, kFailure, {"segments can show nothing of its frames", "--segments"});
   EXPECT_FALSE(std::filesystem::exists(folder_.file("o")));
 }

@@ -62,6 +62,15 @@ TEST_F(OutputFiles, WritesAndReplacesWhole) {
   EXPECT_THAT(namesIn(root_), UnorderedElementsAre("f"));
 }
 
+TEST_F(OutputFiles, WhatIsReadIsNotWrittenByWhateverName) {
+  std::ofstream(root_ / "volume") << "voxels";
+  fs::create_symlink(root_ / "volume", root_ / "link");
+  fs::create_hard_link(root_ / "volume", root_ / "other");
+  for (const char* name : {"volume", "link", "other", "./volume"}) EXPECT_THROW(requireNoneOf(root_ / name, {"", root_ / "none", root_ / "volume"}), UsageError) << name;
+  EXPECT_NO_THROW(requireNoneOf(root_ / "new", {root_ / "volume"}));
+  EXPECT_NO_THROW(requireNoneOf(root_ / "volume", {"", root_ / "none"}));
+}
+
 TEST_F(OutputFiles, FailedWritesNameThePathAndChangeNothing) {
   std::ofstream(root_ / "file") << "old";
   fs::create_directory(root_ / "folder");

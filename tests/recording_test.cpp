@@ -3,6 +3,7 @@
 #include "app/frames/recording.h"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include "app/experiment/replay.h"
 #include "app/frames/wire_fields.h"
@@ -181,6 +182,9 @@ TEST_F(RecordingTest, DamageIsASentence) {
 }
 
 TEST_F(RecordingTest, WhereNothingCanBeWrittenItSaysSo) {
+  ASSERT_EQ(mkfifo(folder_.file("pipe").c_str(), 0600), 0);
+  EXPECT_THROW(RecordingWriter(folder_.file("pipe"), scene_, ""), InputError) << "nothing waits for its reader";
+  EXPECT_THROW(readRecording(folder_.file("pipe")), InputError);
   EXPECT_THROW(RecordingWriter(folder_.path() / "no" / "folder", scene_, ""), InputError);
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   EXPECT_THROW(RecordingWriter("/dev/full", scene_, ""), InputError);

@@ -206,6 +206,7 @@ TEST_F(SessionPlaybackTest, ItIsTheSessionThatWasRecorded) {
   ASSERT_EQ(session_.panelCount(), 3u);
   EXPECT_EQ(session_.panel(1).technique->name, "segments");
   EXPECT_EQ(sessionFileOf(session_).origin.spec, file) << "it can be saved as a session, and opened again";
+  EXPECT_EQ(readSessionText(textForRecording(session_), "text").origin.spec, "shells") << "a recording of it has a ground truth as well";
   EXPECT_FALSE(sessionFileOfRecording(recorded("b.warpscope", "")));
   EXPECT_THROW(sessionFileOfRecording(recorded("c.warpscope", "[]")), InputError);
   session_.load(builtin("block"));

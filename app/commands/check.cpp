@@ -36,12 +36,26 @@ void writeFailure(const CheckedPicture& picture, StagedFolder& out, const std::s
   if (!picture.expected.empty()) write("difference", amplifiedDifference(picture.actual, picture.expected));
 }
 
+/// Pictures of an earlier run of what is as expected now.
+void removeFormer(const std::vector<CheckedPicture>& pictures, const std::filesystem::path& folder) {
+  for (const CheckedPicture& picture : pictures) {
+    if (picture.isFailure()) continue;
+    for (const char* const what : {"actual", "expected", "difference"}) {
+      std::error_code ignored;
+      std::filesystem::remove(folder / (picture.name + "-" + std::string(picture.platform) + "-" + what + ".png"), ignored);
+    }
+  }
+}
+
 void checkFolder(const CheckOptions& options) {
   const Interrupt interrupt;
   const Backend backend = check(options.common).backend;
   const CheckPlan plan = readCheckPlan(options.folder);
   const std::string title = "warpscope check of " + std::filesystem::weakly_canonical(options.folder).filename().string();
-  if (!options.junit.empty()) requireWritable(options.junit);
+  if (!options.junit.empty()) {
+    requireNoneOf(options.junit, {std::filesystem::path(options.folder) / kCheckDescription});
+    requireWritable(options.junit);
+  }
   StagedFolder out(options.out, {std::string(kPage)});
   std::unique_ptr<StagedFolder> golden;
   if (options.updates) {
@@ -79,6 +93,7 @@ void checkFolder(const CheckOptions& options) {
   if (interrupt.token().stop_requested()) throw OperationCancelled();
   if (golden) golden->commit();
   out.commit();
+  removeFormer(pictures, options.out);
   if (!options.junit.empty()) writeFileWhole(options.junit, checkJunit(pictures, title), interrupt.token());
   const std::string page = (std::filesystem::path(options.out) / kPage).string();
   if (failures > 0)

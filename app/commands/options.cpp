@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/commands/choose.h"
+#include "app/frames/recording.h"
 #include "app/frames/scene_connection.h"
 #include "app/scene/voxel_shape.h"
 #include "app/shell/log.h"
@@ -176,6 +177,7 @@ CheckedOptions check(const CommonOptions& options) {
 }
 
 Scene CheckedOptions::open(const std::stop_token& stop) const {
+  if (isRecording(sceneSpec)) throw InputError(sceneSpec + ": is a recording, which view and replay show");
   Scene opened = openScene(sceneSpec, overrides, stop);
   applyTo(opened);
   if (const auto warning = radiusWarning(opened.volume->geometry(), opened.march.sample.radiusPolicy)) logWarning(*warning);

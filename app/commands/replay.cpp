@@ -96,6 +96,8 @@ void run(const ReplayOptions& options) {
   settings.hasLabels = !options.hasNoLabels;
   for (const TechniqueInUse& one : settings.techniques)
     if (const std::string lack = lackInAll(recording, one); !lack.empty()) throw InputError(options.file + ": " + std::string(one.technique->name) + " can show nothing of its frames: " + lack);
+  if (recording.frames.empty() && std::ranges::any_of(settings.techniques, [](const TechniqueInUse& one) { return one.technique->usesFrame; }))
+    throw InputError(options.file + ": holds no frames, only where the camera was: there is nothing to be drawn of them");
   const bool marches = std::ranges::any_of(settings.techniques, [](const TechniqueInUse& one) { return !one.technique->usesFrame; });
   HeadlessResources headless(marches ? marcherOf(recording, checked.backend, interrupt.token()) : nullptr, checked.platform, checked.backend);
   settings.resources = headless.resources();

@@ -1,10 +1,12 @@
 // `view`: the window.
 // Panels over the same frames; see app/session/session.h and app/ui/.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
+#include <set>
 
 #include "app/commands/choose.h"
 #include "app/commands/options.h"
@@ -14,6 +16,7 @@
 #include "app/shell/user_folders.h"
 #include "app/ui/run_window.h"
 #include "render/base/range.h"
+#include "render/volume/volume_format.h"
 
 namespace warpscope {
 namespace {
@@ -108,9 +111,15 @@ void view(const ViewOptions& options) {
     requireNoSceneOf(options.common);
   else
     requireScene(checked.sceneSpec);
-  if (!options.screenshot.empty()) requireWritable(options.screenshot);
-  if (!options.report.empty()) requireWritable(options.report);
-  if (!options.record.empty()) requireWritable(options.record);
+  if (!options.screenshot.empty() && lowered(std::filesystem::path(options.screenshot).extension().string()) != ".png")
+    throw UsageError("--screenshot writes PNG files: " + options.screenshot + " is not named so");
+  std::vector<std::filesystem::path> read{options.common.volume, options.common.mask, options.common.transferFunction, options.session, options.front};
+  if (!server) read.emplace_back(checked.sceneSpec);
+  for (const std::string* const written : {&options.screenshot, &options.report, &options.record}) {
+    if (written->empty()) continue;
+    requireNoneOf(*written, read);
+    requireWritable(*written);
+  }
   settings.knobs.warp = checked.warp;
   settings.knobs.transport = transport;
   settings.knobs.marks = checked.marks;
@@ -203,6 +212,17 @@ void viewDefaultScene() {
   view(options);
 }
 
+/// What a session, or a recording, says itself: of all options those may be given that are about the window. Throws UsageError for others.
+void requireOnlyOfWindow(const CLI::App& command, const std::string& what, const std::vector<std::string>& besides) {
+  static const std::set<std::string> kOfWindow{"--session", "--backend",  "--gl",     "--size",   "--quiet", "--verbose", "--ui-scale", "--theme",
+                                               "--screenshot", "--after-ms", "--report", "--record", "--front"};
+  for (const CLI::Option* const option : command.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() > 0 && !kOfWindow.contains(name) && std::ranges::find(besides, name) == besides.end())
+      throw UsageError(what + " says that itself: leave out " + name);
+  }
+}
+
 void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<ViewOptions>();
   CLI::App* command = program.add_subcommand("view", "The window: techniques side by side, live");
@@ -225,9 +245,12 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--front", options->front, "sweep.json whose configurations the plot shows as hollow points, and that auto chooses by");
   command->add_option("--record", options->record, "File to record frames and the camera into, for replay");
   command->add_option("--session", options->session, "Session file to go on with, or last: the one that was on show when a window was closed last");
-  command->callback([options, &chosen] {
-    chosen = [options] {
+  command->callback([options, command, &chosen] {
+    chosen = [options, command] {
       try {
+        if (!options->session.empty() && !namesScene(options->common)) requireOnlyOfWindow(*command, "a session", {});
+        if (options->session.empty() && options->common.scene && isRecording(*options->common.scene))
+          requireOnlyOfWindow(*command, "a recording", {"scene", "--panels", "--left", "--right"});
         completeConnect(options->transport, namesScene(options->common));
         view(*options);
       } catch (const NoDisplay& error) {

@@ -163,7 +163,12 @@ double shareOf(const Image<Rgba8>& picture, Rgba8 color) {
 }
 
 /// Compares the actual picture with the expected one: fills in all else but its name, platform and time.
-void judge(CheckedPicture& picture, const CheckCase& what) {
+void judge(CheckedPicture& picture, const CheckCase& what, const std::string& unreadable) {
+  if (!unreadable.empty()) {
+    picture.verdict = CheckVerdict::different;
+    picture.faults = {unreadable};
+    return;
+  }
   if (picture.expected.empty()) {
     picture.verdict = CheckVerdict::missing;
     picture.faults = {"there is no golden picture (--update makes it)"};
@@ -279,8 +284,13 @@ void checkPictures(const CheckPlan& plan, bool makes, const CheckTools& tools, c
             WarpedImage image;
             picture.seconds = 1e-3 * milliseconds([&] { warp->draw(camera(angleDeg), settings, image, stop); });
             picture.actual = toScreen(image, what.background.value_or(scene.background), {.uncovered = what.uncovered});
-            picture.expected = golden.expected(picture.name);
-            judge(picture, what);
+            std::string unreadable;
+            try {
+              picture.expected = golden.expected(picture.name);
+            } catch (const InputError&) {
+              unreadable = "the golden picture is damaged: it cannot be read (--update makes it anew)";
+            }
+            judge(picture, what, unreadable);
             golden.take(picture);
             onPicture(std::move(picture));
           }

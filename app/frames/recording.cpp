@@ -56,15 +56,18 @@ std::string reasonOf(int error) { return std::strerror(error); }
 
 class RecordingWriter::Work {
  public:
-  Work(const std::filesystem::path& path, const Scene& scene, const std::string& text) : path_(path), file_(std::fopen(path.c_str(), "wb")) {
-    if (!file_) throw InputError(path.string() + ": " + reasonOf(errno));
+  Work(const std::filesystem::path& path, const Scene& scene, const std::string& text) : path_(path), file_(opened(path)) {
     write(std::as_bytes(std::span(kRecordingMagic)));
     const net::Bytes message = net::sceneMessage(toFields(scene));
     record(0.0, RecordType::scene, std::span(message).subspan(8));  // without the message's head
     record(0.0, RecordType::text, std::as_bytes(std::span(text)));
     if (!scene.transferFunction.points.empty()) keep(RecordedFunction{0.0, scene.transferFunction});
     flush();
-    if (!error_.empty()) throw InputError(error_);
+    if (!error_.empty()) {
+      std::error_code ignored;
+      std::filesystem::remove(path, ignored);  // there is nothing in it that could be shown
+      throw InputError(error_);
+    }
     thread_ = std::thread([this] { run(); });
   }
   ~Work() {
@@ -185,6 +188,13 @@ class RecordingWriter::Work {
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
+  static std::FILE* opened(const std::filesystem::path& path) {
+    std::error_code unknown;
+    if (std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown)) throw InputError(path.string() + ": is no regular file: nothing can be recorded into it");
+    std::FILE* const file = std::fopen(path.c_str(), "wb");
+    if (file == nullptr) throw InputError(path.string() + ": " + reasonOf(errno));
+    return file;
+  }
   const std::filesystem::path path_;
   const std::unique_ptr<std::FILE, Close> file_;
   FrameCodec codec_;
@@ -231,8 +241,8 @@ bool take(Recording& recording, double seconds, RecordType type, std::span<const
       net::WireReader reader(body);
       for (double* number : {&view.angleDeg, &view.elevationDeg, &view.distance, &view.pan.x, &view.pan.y}) reader.number(*number);
       const auto isWithin = [](double number, double least, double most) { return number >= least && number <= most; };
-      const bool isView = isWithin(view.angleDeg, -1e6, 1e6) && isWithin(view.elevationDeg, -90.0, 90.0) && isWithin(view.distance, 1e-3, 1e3) &&
-                          isWithin(view.pan.x, -100.0, 100.0) && isWithin(view.pan.y, -100.0, 100.0);
+      const bool isView = isWithin(view.angleDeg, -1e6, 1e6) && isWithin(view.elevationDeg, -90.0, 90.0) && isWithin(view.distance, kViewDistanceRange.lowest, kViewDistanceRange.highest) &&
+                          isWithin(view.pan.x, -kMostViewPan, kMostViewPan) && isWithin(view.pan.y, -kMostViewPan, kMostViewPan);
       if (!reader.isComplete() || !isView) return false;
       recording.path.add(seconds, view);
       return true;
@@ -246,7 +256,7 @@ bool take(Recording& recording, double seconds, RecordType type, std::span<const
     }
     case RecordType::frame: return false;
   }
-  return true;  // of a later program, that this one need not know
+  return false;
 }
 
 /// Takes the head of a frame's record over, which is `bytes` long and begins at `at`, where the file is; false for one that is not as it should be.
@@ -276,10 +286,11 @@ bool isRecording(const std::filesystem::path& path) {
 }
 
 Recording readRecording(const std::filesystem::path& path, const std::stop_token& stop) {
-  std::ifstream file(path, std::ios::binary);
   std::error_code failed;
   if (!std::filesystem::exists(path, failed)) throw InputError(path.string() + ": there is no such file");
-  if (!std::filesystem::is_regular_file(path, failed) || !file) throw InputError(path.string() + ": is no file that can be read");
+  if (!std::filesystem::is_regular_file(path, failed)) throw InputError(path.string() + ": is no regular file");  // a pipe would wait
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InputError(path.string() + ": is no file that can be read");
   if (std::filesystem::file_size(path, failed) > kMostBytes) throw InputError(path.string() + ": is too large for a recording");
   std::array<std::byte, 8> magic{};
   const bool hasMagic = readExactly(file, magic.data(), magic.size());
@@ -308,13 +319,15 @@ Recording readRecording(const std::filesystem::path& path, const std::stop_token
       if (type == static_cast<uint8_t>(RecordType::frame)) {
         isFine = isFine && takeFrame(recording, seconds, file, at, length);
         file.seekg(static_cast<std::streamoff>(at + length));
+      } else if (type > static_cast<uint8_t>(RecordType::function)) {
+        file.seekg(static_cast<std::streamoff>(at + length));  // of a later program, that this one need not know
       } else {
         std::vector<std::byte> body(length);
         if (!readExactly(file, body.data(), length)) break;
         isFine = isFine && take(recording, seconds, static_cast<RecordType>(type), body);
       }
     } catch (const InputError&) {
-      isFine = false;  // a scene or a frame that cannot be
+      isFine = false;  // a scene, a function or a frame that cannot be
     }
     at += length;
     if (!isFine) throw InputError(path.string() + ": its record " + std::to_string(number) + " is damaged");
@@ -322,6 +335,11 @@ Recording readRecording(const std::filesystem::path& path, const std::stop_token
     recording.seconds = std::max(recording.seconds, seconds);
   }
   if (!hasScene || recording.path.empty()) throw InputError(path.string() + ": ends before anything was shown");
+  try {
+    static_cast<void>(makeCamera(recording.scene, recording.path.at(0.0), 64, 64));
+  } catch (const InputError&) {
+    throw InputError(path.string() + ": its scene is damaged");
+  }
   return recording;
 }
 

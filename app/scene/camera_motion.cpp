@@ -74,6 +74,8 @@ View movedView(CameraMotion motion, const View& home, double seconds, double spe
       return path.at(phase <= length ? phase : 2.0 * length - phase);
     }
   }
+  view.distance = std::clamp(view.distance, kViewDistanceRange.lowest, kViewDistanceRange.highest);
+  view.pan = glm::clamp(view.pan, glm::dvec2(-kMostViewPan), glm::dvec2(kMostViewPan));
   return view;
 }
 

@@ -27,6 +27,10 @@ struct View {
   bool operator==(const View&) const = default;
 };
 
+/// What files may say, and programs make, of views.
+inline constexpr Range kViewDistanceRange{1e-3, 1e3};
+inline constexpr double kMostViewPan = 100.0;
+
 /// Scenes' settings unless they say others: frames have segments and a copy of the volume for the techniques that draw them (neededBy).
 inline MarchSettings defaultMarch() {
   MarchSettings march;

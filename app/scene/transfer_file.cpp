@@ -16,7 +16,7 @@
 namespace warpscope {
 namespace {
 
-constexpr double kAnyNumber = 1e300;
+constexpr double kAnyNumber = std::numeric_limits<double>::max();
 constexpr size_t kMostCorners = 4096;
 /// How often a stretch between two corners is halved at most, and what may be left then: half a code of sRGB.
 constexpr int kMostHalvings = 8;

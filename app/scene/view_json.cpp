@@ -14,10 +14,10 @@ View readView(const Node& node) {
   View view;
   if (const auto angle = node.find("angleDeg")) view.angleDeg = angle->number(-360.0, 360.0);
   if (const auto elevation = node.find("elevationDeg")) view.elevationDeg = elevation->number(-90.0, 90.0);
-  if (const auto distance = node.find("distance")) view.distance = distance->number(1e-3, 1e3);
+  if (const auto distance = node.find("distance")) view.distance = distance->number(kViewDistanceRange.lowest, kViewDistanceRange.highest);
   if (const auto pan = node.find("pan")) {
     const std::vector<Node> elements = pan->elements(2, 2);
-    view.pan = {elements[0].number(-100.0, 100.0), elements[1].number(-100.0, 100.0)};
+    view.pan = {elements[0].number(-kMostViewPan, kMostViewPan), elements[1].number(-kMostViewPan, kMostViewPan)};
   }
   return view;
 }

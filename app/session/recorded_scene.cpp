@@ -45,6 +45,19 @@ MarcherPtr marcherOf(const Recording& recording, Backend backend, const std::sto
   return makeMarcher(backend, scene.volume, scene.transferFunction);
 }
 
+std::string textForRecording(const Session& session) {
+  try {
+    SessionFile file = sessionFileOf(session);
+    if (!session.playback().isOpen()) return textOf(file);
+    const Recording& recording = session.playback().recording();
+    if (recording.text.empty()) return "";
+    file.origin = readSessionText(recording.text, recording.file.string()).origin;
+    return textOf(file);
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
 ConnectedScene openRecording(const std::filesystem::path& path, Backend backend, std::function<void()> onNews, const std::stop_token& stop) {
   auto recording = std::make_shared<Recording>(readRecording(path, stop));
   ConnectedScene opened;

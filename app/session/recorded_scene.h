@@ -16,6 +16,10 @@ MarcherPtr marcherOf(const Recording& recording, Backend backend, const std::sto
 /// readRecording().
 ConnectedScene openRecording(const std::filesystem::path& path, Backend backend, std::function<void()> onNews, const std::stop_token& stop);
 
+/// What is written into a recording of a session about how it was recorded; empty where its scene cannot be opened again. Of one that shows a recording: the scene
+/// of that, so that there is a ground truth.
+std::string textForRecording(const Session& session);
+
 /// The session that was recorded, as one whose scene is the recording; nothing where the recording does not tell. Throws as readRecording() and readSessionText().
 std::optional<SessionFile> sessionFileOfRecording(const std::filesystem::path& path, const std::stop_token& stop = {});
 

@@ -222,6 +222,7 @@ void Session::startRecording(const std::filesystem::path& file, const std::strin
   for (const std::future<void>& ended : endedRecordings_) ended.wait();  // it may be the same file
   endedRecordings_.clear();
   recordingError_.clear();
+  recordingFailure_.clear();
   recorder_ = std::make_unique<RecordingWriter>(file, *scene(), text);
   recordingSince_.reset();
   recordedFrame_.reset();
@@ -246,7 +247,7 @@ std::optional<size_t> Session::placeOf(uint64_t id) const {
 void Session::record(TimePoint now) {
   if (!recorder_) return;
   if (std::string error = recorder_->error(); !error.empty()) {
-    recordingError_ = std::move(error);
+    recordingError_ = recordingFailure_ = std::move(error);
     stopRecording();
     return;
   }

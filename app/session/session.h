@@ -99,6 +99,8 @@ class Session {
   /// How many frames are not in the recording, because they came faster than they could be written.
   size_t stopRecording();
   bool isRecording() const { return recorder_ != nullptr; }
+  /// Why the last recording is not whole, whether or not that was dismissed; empty if it is.
+  const std::string& recordingFailure() const { return recordingFailure_; }
   /// A recording that is on show in place of what a server sends; open while the scene is one.
   LivePlayback& playback() { return playback_; }
   const LivePlayback& playback() const { return playback_; }
@@ -257,7 +259,7 @@ class Session {
   std::optional<uint64_t> recordedFrame_;    // the last one's request
   TransferFunction recordedFunction_;        // the last one
   std::vector<std::future<void>> endedRecordings_;  // that are still written
-  std::string recordingError_;
+  std::string recordingError_, recordingFailure_;
   TimePoint outageEnd_{};
   std::chrono::milliseconds outageLength_{0};
   uint64_t lastPanelId_ = 0;

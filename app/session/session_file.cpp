@@ -12,6 +12,7 @@
 #include "app/scene/transfer_file.h"
 #include "app/scene/view_json.h"
 #include "render/base/error.h"
+#include "render/base/printable.h"
 
 namespace warpscope {
 namespace {
@@ -107,11 +108,24 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
+namespace {
+
+void requireUtf8(const std::string& name) {
+  try {
+    static_cast<void>(Json(name).dump());
+  } catch (const Json::exception&) {
+    throw InputError(printable(name) + ": its name is no UTF-8: a session could not find it again");
+  }
+}
+
+}  // namespace
+
 SessionFile sessionFileOf(const Session& session) {
   if (session.scene() == nullptr) throw InputError("there is no scene yet");
   if (!session.origin()) throw InputError("this scene cannot be opened again by its name");
   SessionFile file;
   file.origin = *session.origin();
+  requireUtf8(file.origin.spec);
   file.knobs = session.knobs();
   file.arrangement.view = session.view();
   file.arrangement.march = session.knobs().march;

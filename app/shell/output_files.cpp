@@ -189,6 +189,12 @@ class Moves {
 
 }  // namespace
 
+void requireNoneOf(const fs::path& written, const std::vector<fs::path>& read) {
+  std::error_code unknown;
+  for (const fs::path& one : read)
+    if (!one.empty() && fs::equivalent(written, one, unknown) && !unknown) throw UsageError(written.string() + " is read here, and would be lost: give what is written another name");
+}
+
 void requireWritable(const fs::path& path) {
   const fs::path target = targetOf(path);
   if (isDevice(target)) return;

@@ -20,6 +20,9 @@ void writeFileWhole(const std::filesystem::path& path, std::string_view bytes, c
 /// Throws as writeFileWhole would, as far as that can be told without the bytes: to be asked before work that takes long.
 void requireWritable(const std::filesystem::path& path);
 
+/// Throws UsageError where what is to be written is one of the files that are read, by whatever name. Empty paths are none.
+void requireNoneOf(const std::filesystem::path& written, const std::vector<std::filesystem::path>& read);
+
 /// Gathers files for a folder and puts them there together. Without commit() everything that was written goes again, and the folder too
 /// if it was made here. What a writer that was killed had gathered goes when the next one comes.
 class StagedFolder {

@@ -211,6 +211,10 @@ std::optional<std::filesystem::path> FileDialog::take() {
     path += endingsOf(purpose_).front();
     copyInto(name_, path.filename().string());
   }
+  if (purpose_ != Purpose::open && std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+    error_ = path.filename().string() + " is no regular file";  // a pipe would wait for a reader
+    return std::nullopt;
+  }
   // A file that is there is not replaced without a question: the button asks.
   if (purpose_ != Purpose::open && std::filesystem::exists(path, ignored) && toReplace_ != name_.data()) {
     toReplace_ = name_.data();

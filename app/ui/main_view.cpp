@@ -8,6 +8,7 @@
 
 #include "app/picture/picture.h"
 #include "app/session/demos.h"
+#include "app/session/recorded_scene.h"
 #include "app/session/session_file.h"
 #include "app/shell/output_files.h"
 #include "app/shell/user_folders.h"
@@ -19,7 +20,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f, kLeastForBothPx = 620.0f, kLeastPicturePx = 110.0f;  // at scale 1
+constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f, kLeastForBothPx = 620.0f, kLeastPicturePx = 60.0f;  // at scale 1
 
 /// From the picture to what was shown in its place last, and back.
 void toggleContent(Session& session, size_t index) {
@@ -31,6 +32,18 @@ void toggleFrozen(Session& session) {
   LiveSettings knobs = session.knobs();
   knobs.isFrozen = !knobs.isFrozen;
   session.setKnobs(knobs);
+}
+
+/// What is read of them while they are on show, so that nothing may be written there.
+std::vector<std::filesystem::path> filesOnShow(const Session& session) {
+  std::vector<std::filesystem::path> files;
+  if (const std::optional<SceneOrigin>& origin = session.origin()) {
+    files.emplace_back(origin->spec);
+    for (const auto& more : {origin->overrides.volume, origin->overrides.mask, origin->overrides.transferFunction})
+      if (more) files.push_back(*more);
+  }
+  if (session.playback().isOpen()) files.push_back(session.playback().recording().file);
+  return files;
 }
 
 /// Its file, if there is one.
@@ -97,13 +110,15 @@ void MainView::showDialog(FileDialog::Purpose purpose, const std::string& name) 
 }
 
 void MainView::saveSession(const Session& session, const std::filesystem::path& path) {
+  requireNoneOf(path, filesOnShow(session));
   writeFileWhole(path, textOf(sessionFileOf(session)));
   remembered_.addFile(path);
   setNote("saved " + path.string());
 }
 
 void MainView::startRecording(Session& session, const std::filesystem::path& path) {
-  session.startRecording(path, session.origin() ? textOf(sessionFileOf(session)) : "");
+  requireNoneOf(path, filesOnShow(session));
+  session.startRecording(path, textForRecording(session));
   recordedFile_ = path;
   setNote("recording into " + path.string());
 }
@@ -333,6 +348,7 @@ void MainView::drawDialog(Session& session, const Look& look) {
       case FileDialog::Purpose::saveFunction:
       case FileDialog::Purpose::saveColorMap:
         if (session.scene() == nullptr) return;
+        requireNoneOf(*path, filesOnShow(session));
         controls_.transferEditor().save(session, *path, dialog_.purpose() == FileDialog::Purpose::saveColorMap);
         return setNote("saved " + path->string());
     }
@@ -451,6 +467,10 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   // Not by its box, so by the hand on a picture.
   if (followedCamera_ && session.playback().isOpen() && !session.playback().followsCamera())
     setNote("The camera is yours now, frames come as they were recorded. Tick \"Recorded camera\" to follow it again.");
+  if (!recordedFile_.empty() && !session.isRecording()) {  // another scene was opened, or the disk is full, which is said elsewhere
+    remembered_.addFile(recordedFile_);
+    setNote("the recording has ended: " + std::exchange(recordedFile_, {}).string());
+  }
   if (std::optional<std::string> note = keeper_.takeNote()) setNote(std::move(*note));
   controls_.transferEditor().update(session, look.now);
   drawMenus(session, look);

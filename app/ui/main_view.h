@@ -52,6 +52,9 @@ class MainView {
   /// Writes the window's picture into a file of the next free number.
   void savePicture(Image<Rgba8> picture);
 
+  /// A recording was begun elsewhere than by its menu.
+  void noteRecording(const std::filesystem::path& path) { recordedFile_ = path; }
+
   /// Something to be said at the bottom of the window, for some seconds.
   void setNote(std::string note) { note_ = {std::move(note), {}}; }
 

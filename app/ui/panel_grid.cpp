@@ -18,7 +18,7 @@ constexpr float kGapPx = 8.0f, kPaddingPx = 8.0f;  // at scale 1
 /// Where pictures would be lower than this, panels keep one line of measurements.
 constexpr float kLowPicturePx = 220.0f;
 /// Where they would be lower than this even so, panels keep none, and no bar of times.
-constexpr float kLowestPicturePx = 90.0f;
+constexpr float kLowestPicturePx = 56.0f;
 /// Narrower panels have no room for what is chosen above their pictures.
 constexpr float kLeastWidthPx = 210.0f;
 /// How long each of two pictures is on show in turns: as blink comparators do, about two changes a second.
@@ -100,13 +100,13 @@ void PanelGrid::followUse(const Session& session) {
 }
 
 float PanelGrid::pictureSide(const Session& session, const ImVec2& room, const Look& look) const {
-  return layoutOf(alone_ ? 1 : session.panelCount(), room, look).side;
+  const Layout layout = layoutOf(alone_ ? 1 : session.panelCount(), room, look);
+  return layout.space != MeasurementSpace::none ? layout.side : 0.0f;
 }
 
 PanelGrid::Layout PanelGrid::layoutOf(size_t count, const ImVec2& room, const Look& look) const {
   const float gap = look.px(kGapPx), padding = 2.0f * look.px(kPaddingPx);
   Layout best;
-  float bestSide = -1.0f;
   for (size_t columns = 1; columns <= count; ++columns) {
     if (columns_ != 0 && columns != std::min(columns_, count)) continue;
     const size_t rows = (count + columns - 1) / columns;
@@ -118,10 +118,11 @@ PanelGrid::Layout PanelGrid::layoutOf(size_t count, const ImVec2& room, const Lo
     const auto pictureHeight = [&](MeasurementSpace space) { return layout.cell.y - padding - panelHeightBesidePicture(width, space, look); };
     if (pictureHeight(MeasurementSpace::all) < look.px(kLowPicturePx)) layout.space = MeasurementSpace::oneLine;
     if (pictureHeight(MeasurementSpace::oneLine) < look.px(kLowestPicturePx)) layout.space = MeasurementSpace::none;
-    const float side = layout.side = std::min(width, pictureHeight(layout.space));
+    layout.side = std::min(width, pictureHeight(layout.space));
     const bool isTooNarrow = columns > 1 && width < look.px(kLeastWidthPx);
-    if (columns == 1 || columns_ != 0 || (side > bestSide && !isTooNarrow)) best = layout;
-    bestSide = std::max(side, bestSide);
+    // Figures are worth more than larger pictures.
+    const auto worth = [](const Layout& one) { return std::pair(one.space != MeasurementSpace::none, one.side); };
+    if (columns == 1 || columns_ != 0 || (worth(layout) > worth(best) && !isTooNarrow)) best = layout;
   }
   return best;
 }

@@ -8,6 +8,7 @@
 
 #include "app/picture/picture.h"
 #include "app/session/demos.h"
+#include "app/session/recorded_scene.h"
 #include "app/session/remembered.h"
 #include "app/session/window_report.h"
 #include "app/shell/log.h"
@@ -36,9 +37,15 @@ bool perform(Window& window, const std::vector<Action>& asked, bool& wantsPictur
   return true;
 }
 
+/// A pipe would wait for a reader.
+bool isNoFile(const std::filesystem::path& path) {
+  std::error_code unknown;
+  return std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown);
+}
+
 void keep(const Remembered& remembered) {
   const std::optional<std::filesystem::path> file = rememberedFile();
-  if (!file) return;
+  if (!file || isNoFile(*file)) return;
   try {
     writeRemembered(*file, remembered);
   } catch (const InputError& error) {
@@ -49,7 +56,7 @@ void keep(const Remembered& remembered) {
 /// For those who want to go on where they were.
 void keepLastSession(const Session& session) {
   const std::optional<std::filesystem::path> file = lastSessionFile();
-  if (!file || session.scene() == nullptr || !session.origin()) return;
+  if (!file || isNoFile(*file) || session.scene() == nullptr || !session.origin()) return;
   try {
     std::filesystem::create_directories(file->parent_path());
     writeFileWhole(*file, textOf(sessionFileOf(session)));
@@ -111,7 +118,8 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
       startsDemo = false;
     }
     if (!hasRecorded && !settings.recording.empty() && session.scene() != nullptr) {
-      session.startRecording(settings.recording, session.origin() ? textOf(sessionFileOf(session)) : "");
+      session.startRecording(settings.recording, textForRecording(session));
+      mainView.noteRecording(settings.recording);
       hasRecorded = true;
     }
     window.beginFrame();
@@ -151,7 +159,8 @@ bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Cl
   std::unique_ptr<Session> session = makeSession([] { ui::Window::wake(); });
   WindowReport report;
   const Image<Rgba8> photograph = ui::runLoop({window, *session, openScene, clock, settings, report, remembered}, stop);
-  if (!settings.report.empty()) writeFileWhole(settings.report, report.text(*session, clock.now()));
+  const std::string figures = settings.report.empty() ? "" : report.text(*session, clock.now());
+  const std::string recordingError = session->recordingFailure();
   if (!isForScripts) {
     ui::keepLastSession(*session);
     if (!settings.size) remembered.windowSize = window.size();
@@ -159,8 +168,10 @@ bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Cl
     ui::keep(remembered);
   }
   const bool hasEnded = session->close(ui::kClosingPatience);
-  if (!photograph.empty()) writeFileWhole(settings.screenshot, encodePng(photograph));
   if (!hasEnded) static_cast<void>(session.release());  // its thread still uses it
+  if (!photograph.empty()) writeFileWhole(settings.screenshot, encodePng(photograph));
+  if (!settings.report.empty()) writeFileWhole(settings.report, figures);
+  if (!settings.recording.empty() && !recordingError.empty()) throw InputError("the recording is not whole: " + recordingError);
   return hasEnded;
 }
 

@@ -141,6 +141,7 @@ void drawNote(const std::string& text, const ImVec4& color, const Area& area, co
 /// What is drawn where a picture would be; empty where there is one.
 std::string whyNoPicture(const Session& session, const Panel& panel) {
   if (panel.picture) return "";
+  if (session.playback().isOpen() && session.playback().recording().frames.empty() && panel.technique->usesFrame) return "the recording has no frames";
   if (session.scene() != nullptr) return panel.technique->usesFrame && !session.frames().newest() ? "waiting for the first frame" : "drawing";
   return session.loading().empty() ? "" : "opening " + session.loading();
 }

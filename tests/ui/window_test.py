@@ -291,7 +291,7 @@ def look_at_errors(program, home):
     program.display.run("xdotool", "click", "1")
     program.wait_until("the technique that was clicked on in the panel that was used last", lambda: program.regions()[1] != home[1])
     program.point(program.middle_of_panel(1))
-    program.key("6")  # spheres
+    program.key("5")  # spheres
     program.wait_until("both panels as they were", lambda: program.regions() == home)
 
 
