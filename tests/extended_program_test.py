@@ -31,7 +31,7 @@ def run(program, *arguments, code=0):
 def check_options(program, extended):
     text = " ".join(run(extended, "shot", "--help").stdout.split())
     for words in ("--fog-density FLOAT", "Share of the light that the fog swallows (Beer 1852), 0 to 1, for fog; default: 0.25",
-                  "--fog-tint NAME", "What colours are left: none red, for fog; default: none", "proxy fog"):
+                  "--fog-tint NAME", "What colours are left: none red, for fog; default: none", "multihit fog"):
         expect(words in text, f"shot --help lacks '{words}': {text}")
     expect("fog" not in run(program, "shot", "--help").stdout, "the program itself has the technique")
     sweep = " ".join(run(extended, "sweep", "--help").stdout.split())
