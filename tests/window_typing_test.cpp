@@ -5,7 +5,20 @@
 namespace warpscope::ui {
 namespace {
 
-using WindowTypingTest = WindowScriptTest;
+class WindowTypingTest : public WindowScriptTest {
+ protected:
+  /// Saves by the dialog, under that name.
+  void save(const std::string& name) {
+    press(Action::saveSession);
+    window_.type(name);
+    confirm();
+  }
+  /// Enter, once the field has the keyboard.
+  void confirm() {
+    window_.frames(4);
+    tap(ImGuiKey_Enter);
+  }
+};
 
 TEST_F(WindowTypingTest, KeysOfNothingAndOfTextDoNothing) {
   window_.moveTo(kLeftPicture);
@@ -36,18 +49,13 @@ TEST_F(WindowTypingTest, ASessionIsSavedAndOpenedByTheDialog) {
   ASSERT_TRUE(window_.view().showsDialog());
   // What is proposed is chosen, and the field has the keyboard: what is typed replaces it.
   window_.type(folder.file("mine.json"));
-  window_.frames(4);
-  tap(ImGuiKey_Enter);
+  confirm();
   ASSERT_FALSE(window_.view().showsDialog());
   ASSERT_TRUE(std::filesystem::exists(folder.file("mine.json")));
   // Once more: a file that is there is replaced only when it was asked for twice.
-  press(Action::saveSession);
-  window_.type(folder.file("mine.json"));
-  window_.frames(4);
-  tap(ImGuiKey_Enter);
+  save(folder.file("mine.json"));
   EXPECT_TRUE(window_.view().showsDialog()) << "asks first";
-  window_.frames(3);
-  tap(ImGuiKey_Enter);
+  confirm();
   EXPECT_FALSE(window_.view().showsDialog());
   window_.moveTo(kLeftPicture);
   window_.key({.name = "5"});
@@ -61,14 +69,10 @@ TEST_F(WindowTypingTest, ASessionIsSavedAndOpenedByTheDialog) {
 TEST_F(WindowTypingTest, ADialogKeepsTheNameThatCannotBeWritten) {
   const TestFolder folder;
   ASSERT_TRUE(openAndRest("block"));
-  press(Action::saveSession);
-  window_.type(folder.file("nowhere/mine.json"));
-  window_.frames(4);
-  tap(ImGuiKey_Enter);
+  save(folder.file("nowhere/mine.json"));
   EXPECT_TRUE(window_.view().showsDialog()) << "it says why";
   std::filesystem::create_directory(folder.file("nowhere"));
-  window_.frames(4);
-  tap(ImGuiKey_Enter);
+  confirm();
   EXPECT_FALSE(window_.view().showsDialog());
   EXPECT_TRUE(std::filesystem::exists(folder.file("nowhere/mine.json")));
 }
@@ -76,10 +80,7 @@ TEST_F(WindowTypingTest, ADialogKeepsTheNameThatCannotBeWritten) {
 TEST_F(WindowTypingTest, ANameWithoutAnEndingGetsOneAndFilesAreKnownByTheirContents) {
   const TestFolder folder;
   ASSERT_TRUE(openAndRest("block"));
-  press(Action::saveSession);
-  window_.type(folder.file("my block"));
-  window_.frames(4);
-  tap(ImGuiKey_Enter);
+  save(folder.file("my block"));
   ASSERT_TRUE(std::filesystem::exists(folder.file("my block.json")));
   EXPECT_EQ(window_.remembered.recentFiles.front(), folder.file("my block.json"));
   std::filesystem::rename(folder.file("my block.json"), folder.file("bare"));

@@ -25,11 +25,13 @@ struct CheckOptions {
 
 constexpr std::string_view kPage = "check.html";
 
+/// Of what is written about a picture that failed: "actual", "expected" or "difference".
+std::string failureName(const CheckedPicture& picture, const char* what) { return picture.name + "-" + std::string(picture.platform) + "-" + what + ".png"; }
+
 /// Pictures of what failed; `out` gets them under their name and platform.
 void writeFailure(const CheckedPicture& picture, StagedFolder& out, const std::stop_token& stop) {
-  const std::string name = picture.name + "-" + std::string(picture.platform);
   const auto write = [&](const char* what, const Image<Rgba8>& shown) {
-    if (!shown.empty()) out.write(name + "-" + what + ".png", encodePng(shown, stop));
+    if (!shown.empty()) out.write(failureName(picture, what), encodePng(shown, stop));
   };
   write("actual", picture.actual);
   write("expected", picture.expected);
@@ -42,7 +44,7 @@ void removeFormer(const std::vector<CheckedPicture>& pictures, const std::filesy
     if (picture.isFailure()) continue;
     for (const char* const what : {"actual", "expected", "difference"}) {
       std::error_code ignored;
-      std::filesystem::remove(folder / (picture.name + "-" + std::string(picture.platform) + "-" + what + ".png"), ignored);
+      std::filesystem::remove(folder / failureName(picture, what), ignored);
     }
   }
 }

@@ -82,9 +82,8 @@ std::optional<SessionFile> restoredBy(const ViewOptions& options, const KnobValu
   if (!options.session.empty()) {
     if (namesScene(options.common) || !options.transport.connect.empty()) throw UsageError("--session has a scene of its own: name no other");
     if (options.session != "last") return readSessionFile(options.session);
-    const std::optional<std::filesystem::path> last = lastSessionFile();
-    std::error_code ignored;
-    if (!last || !std::filesystem::exists(*last, ignored)) throw UsageError("--session last: no window was closed yet that showed something");
+    const std::optional<std::filesystem::path> last = lastSession();
+    if (!last) throw UsageError("--session last: no window was closed yet that showed something");
     return readSessionFile(*last);
   }
   if (!options.common.scene || !isRecording(*options.common.scene)) return std::nullopt;
@@ -205,9 +204,7 @@ void view(const ViewOptions& options) {
 void viewDefaultScene() {
   ViewOptions options;
   // Who has never closed a window sees first what this is about.
-  std::error_code ignored;
-  const std::optional<std::filesystem::path> last = lastSessionFile();
-  options.startsDemo = last && !std::filesystem::exists(*last, ignored);
+  options.startsDemo = lastSessionFile() && !lastSession();
   completeConnect(options.transport, false);
   view(options);
 }

@@ -16,6 +16,7 @@
 #include "app/frames/wire_fields.h"
 #include "app/scene/json_document.h"
 #include "app/scene/transfer_file.h"
+#include "app/shell/output_files.h"
 #include "net/wire.h"
 #include "render/base/error.h"
 
@@ -189,8 +190,7 @@ class RecordingWriter::Work {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   static std::FILE* opened(const std::filesystem::path& path) {
-    std::error_code unknown;
-    if (std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown)) throw InputError(path.string() + ": is no regular file: nothing can be recorded into it");
+    if (isSpecial(path)) throw InputError(path.string() + ": is no regular file: nothing can be recorded into it");
     std::FILE* const file = std::fopen(path.c_str(), "wb");
     if (file == nullptr) throw InputError(path.string() + ": " + reasonOf(errno));
     return file;
@@ -288,7 +288,7 @@ bool isRecording(const std::filesystem::path& path) {
 Recording readRecording(const std::filesystem::path& path, const std::stop_token& stop) {
   std::error_code failed;
   if (!std::filesystem::exists(path, failed)) throw InputError(path.string() + ": there is no such file");
-  if (!std::filesystem::is_regular_file(path, failed)) throw InputError(path.string() + ": is no regular file");  // a pipe would wait
+  if (isSpecial(path)) throw InputError(path.string() + ": is no regular file");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path.string() + ": is no file that can be read");
   if (std::filesystem::file_size(path, failed) > kMostBytes) throw InputError(path.string() + ": is too large for a recording");

@@ -52,7 +52,7 @@ BeforeDemo beforeDemo(const Session& session) {
 }
 
 void endDemo(const BeforeDemo& before, Session& session) {
-  while (session.panelCount() > before.panels.size()) session.removePanel(session.panelCount() - 1);
+  session.setPanels(before.panels);
   session.setMotion(CameraMotion::none);
   const bool isSameScene = session.sceneCount() == before.scene;
   if (isSameScene)
@@ -60,8 +60,6 @@ void endDemo(const BeforeDemo& before, Session& session) {
   else
     session.resetView();
   for (size_t i = 0; i < before.panels.size(); ++i) {
-    if (i >= session.panelCount()) session.addPanel(before.panels[i]);
-    session.setPanel(i, before.panels[i]);
     session.setOwnCamera(i, before.ownViews[i].has_value());
     if (before.ownViews[i] && isSameScene) session.setView(i, *before.ownViews[i]);
   }

@@ -178,8 +178,12 @@ void Session::setTransferFunction(TransferFunction function) {
   timing_.stop(panels_);
   MarcherPtr display = opening_.current()->display->withTransferFunction(function);
   if (!frames_.setTransferFunction(function, ++functionVersion_)) throw UsageError("the server has the volume, and chooses how it looks");
+  showFunction(std::move(function), std::move(display));
+}
+
+void Session::showFunction(TransferFunction function, MarcherPtr display) {
   opening_.setTransferFunction(std::move(function), std::move(display));
-  liveFront_.clear();  // its points are of the function before
+  liveFront_.clear();
   fair_.clear();
 }
 
@@ -189,10 +193,8 @@ void Session::followRecordedFunction() {
   timing_.stop(panels_);
   MarcherPtr display = opening_.current()->display;
   if (display->capabilities().functionChange != FunctionChange::refused) display = display->withTransferFunction(*function);
-  opening_.setTransferFunction(*function, std::move(display));
+  showFunction(*function, std::move(display));
   frames_.classify(*function);
-  liveFront_.clear();
-  fair_.clear();
 }
 
 void Session::measureNow() {

@@ -122,6 +122,8 @@ class Session {
   void setHidden(size_t panel, bool isHidden);
   /// All that is chosen for one panel.
   void setPanel(size_t panel, const PanelSettings& settings);
+  /// As many panels as those, 1 to kMaxPanels, each by its settings.
+  void setPanels(const std::vector<PanelSettings>& panels);
   /// The panel does not choose by itself any more.
   void setTechnique(size_t panel, const WarpDescriptor& technique);
   /// Lets the panel choose: of a sweep that was handed over, or of what was on show so far. What the server does stays as the knobs say.
@@ -211,6 +213,8 @@ class Session {
   bool takeScene();
   bool followOwnCamera(LivePanel& panel, TimePoint now);
   bool followFrames(TimePoint now);
+  /// The scene, marched by `display`, by that function; what was measured was of the one before.
+  void showFunction(TransferFunction function, MarcherPtr display);
   /// Shows the scene by the function that a recording says it had then.
   void followRecordedFunction();
   bool followRay();

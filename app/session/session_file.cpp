@@ -190,12 +190,8 @@ SessionFile readSessionText(const std::string& text, const std::string& source) 
 namespace {
 
 void setUp(const SessionFile& file, Session& session) {
-  while (session.panelCount() > file.panels.size()) session.removePanel(session.panelCount() - 1);
-  for (size_t i = 0; i < file.panels.size(); ++i) {
-    if (i >= session.panelCount()) session.addPanel(file.panels[i]);
-    session.setPanel(i, file.panels[i]);
-    session.setOwnCamera(i, file.arrangement.ownViews[i].has_value());
-  }
+  session.setPanels(file.panels);
+  for (size_t i = 0; i < file.panels.size(); ++i) session.setOwnCamera(i, file.arrangement.ownViews[i].has_value());
   session.setMotion(CameraMotion::none);
   LiveSettings knobs = file.knobs;
   knobs.march = session.knobs().march;  // of the scene that is still on show; the file's come with its own

@@ -83,6 +83,14 @@ void Session::setPanel(size_t panel, const PanelSettings& settings) {
   setContent(panel, settings.content, settings.contentRange);
 }
 
+void Session::setPanels(const std::vector<PanelSettings>& panels) {
+  while (panelCount() > panels.size()) removePanel(panelCount() - 1);
+  for (size_t i = 0; i < panels.size(); ++i) {
+    if (i >= panelCount()) addPanel(panels[i]);
+    setPanel(i, panels[i]);
+  }
+}
+
 void Session::choose(size_t panel, const Configuration& configuration) {
   const WarpDescriptor& technique = *configuration.technique;
   setTechnique(panel, technique);

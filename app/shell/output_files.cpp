@@ -133,11 +133,6 @@ fs::path targetOf(const fs::path& path) {
   return target;
 }
 
-bool isDevice(const fs::path& target) {
-  std::error_code error;
-  return fs::exists(target, error) && !fs::is_regular_file(target, error);
-}
-
 fs::path partialOf(const fs::path& target) {
   fs::path partial = target;
   partial += std::string(kPartial) + uniqueSuffix();
@@ -189,6 +184,11 @@ class Moves {
 
 }  // namespace
 
+bool isSpecial(const fs::path& path) {
+  std::error_code unknown;
+  return fs::exists(path, unknown) && !fs::is_regular_file(path, unknown);
+}
+
 void requireNoneOf(const fs::path& written, const std::vector<fs::path>& read) {
   std::error_code unknown;
   for (const fs::path& one : read)
@@ -197,7 +197,7 @@ void requireNoneOf(const fs::path& written, const std::vector<fs::path>& read) {
 
 void requireWritable(const fs::path& path) {
   const fs::path target = targetOf(path);
-  if (isDevice(target)) return;
+  if (isSpecial(target)) return;
   const fs::path probe = partialOf(target);
   writeBytes(probe, path, {});
   std::error_code ignored;
@@ -207,7 +207,7 @@ void requireWritable(const fs::path& path) {
 void writeFileWhole(const fs::path& path, std::string_view bytes, const std::stop_token& stop) {
   const fs::path target = targetOf(path);
   if (stop.stop_requested()) throw OperationCancelled();
-  if (isDevice(target)) return writeBytes(target, path, bytes, {}, stop);
+  if (isSpecial(target)) return writeBytes(target, path, bytes, {}, stop);
   const fs::path partial = partialOf(target);
   writeBytes(partial, path, bytes, permissionsOf(target), stop);
   std::error_code error;

@@ -20,6 +20,9 @@ void writeFileWhole(const std::filesystem::path& path, std::string_view bytes, c
 /// Throws as writeFileWhole would, as far as that can be told without the bytes: to be asked before work that takes long.
 void requireWritable(const std::filesystem::path& path);
 
+/// Whether what is there is no regular file: a folder, a device, or a pipe, which would wait for a reader.
+bool isSpecial(const std::filesystem::path& path);
+
 /// Throws UsageError where what is to be written is one of the files that are read, by whatever name. Empty paths are none.
 void requireNoneOf(const std::filesystem::path& written, const std::vector<std::filesystem::path>& read);
 

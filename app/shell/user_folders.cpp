@@ -28,4 +28,11 @@ std::optional<std::filesystem::path> lastSessionFile() {
   return folder ? std::optional(*folder / "last-session.json") : std::nullopt;
 }
 
+std::optional<std::filesystem::path> lastSession() {
+  std::optional<std::filesystem::path> file = lastSessionFile();
+  std::error_code unknown;
+  if (file && !std::filesystem::exists(*file, unknown)) file.reset();
+  return file;
+}
+
 }  // namespace warpscope

@@ -11,6 +11,8 @@ std::optional<std::filesystem::path> stateFolder();
 
 /// The file of the session that was on show when a window was closed last, in that folder.
 std::optional<std::filesystem::path> lastSessionFile();
+/// The same, if it is there.
+std::optional<std::filesystem::path> lastSession();
 
 /// The file of what windows remember (session/remembered.h), in that folder.
 std::optional<std::filesystem::path> rememberedFile();

@@ -2,7 +2,6 @@
 // See controls.h.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "app/ui/knob_parts.h"
 #include "app/ui/controls.h"
 #include "render/march/march_knobs.h"
+#include "render/volume/volume_format.h"
 
 namespace warpscope::ui {
 namespace {
@@ -88,12 +88,7 @@ void drawPixelSize(const Session& session, LiveSettings& knobs, const Look& look
 }
 
 void drawMarks(LiveSettings& knobs, MarkColors& markColors, const Look& look) {
-  // Nearer to its label than others: the line is full.
-  const float left = ImGui::GetCursorPosX();
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted("Mark");
-  tooltip(std::string(kMarksHelp), look);
-  ImGui::SameLine(left + look.px(0.4f * kLabelWidth));
+  label("Mark", look, std::string(kMarksHelp), 0.4f * kLabelWidth);  // the line is full
   markWidget("Holes", knobs.marks.uncovered, markColors.uncovered, "pixels that nothing covers", look);
   ImGui::SameLine();
   markWidget("Guesses", knobs.marks.filled, markColors.filled, "pixels that show a guess, because no frame says anything about them", look);
@@ -186,14 +181,9 @@ void Controls::drawSearch(const Look& look) {
 }
 
 void Controls::drawFound(Session& session, LiveSettings& knobs, const Look& look) {
-  const auto lower = [](std::string_view text) {
-    std::string letters(text);
-    std::ranges::transform(letters, letters.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-    return letters;
-  };
-  const std::string wanted = lower(search_.data());
+  const std::string wanted = lowered(search_.data());
   size_t found = 0;
-  const KnobFilter isWanted = [&](std::string_view text) { return lower(text).find(wanted) != std::string::npos; };
+  const KnobFilter isWanted = [&](std::string_view text) { return lowered(std::string(text)).find(wanted) != std::string::npos; };
   const auto hasWords = [&](std::initializer_list<std::string_view> words) {
     const bool isFound = std::ranges::any_of(words, isWanted);
     found += isFound ? 1 : 0;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/shell/log.h"
+#include "app/shell/output_files.h"
 #include "render/base/printable.h"
 #include "render/volume/volume_format.h"
 
@@ -211,8 +212,8 @@ std::optional<std::filesystem::path> FileDialog::take() {
     path += endingsOf(purpose_).front();
     copyInto(name_, path.filename().string());
   }
-  if (purpose_ != Purpose::open && std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
-    error_ = path.filename().string() + " is no regular file";  // a pipe would wait for a reader
+  if (purpose_ != Purpose::open && isSpecial(path)) {
+    error_ = path.filename().string() + " is no regular file";
     return std::nullopt;
   }
   // A file that is there is not replaced without a question: the button asks.

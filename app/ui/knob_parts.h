@@ -31,13 +31,13 @@ inline bool section(const char* text, const Look& look) {
   return isOpen;
 }
 
-/// A label on the left, which explains itself where there is an explanation; what comes next fills the rest of the line.
-inline void label(const char* text, const Look& look, const std::string& explanation = "") {
+/// A label on the left, which explains itself where there is an explanation; what comes next fills the rest of the line. `width` at scale 1.
+inline void label(const char* text, const Look& look, const std::string& explanation = "", float width = kLabelWidth) {
   const float left = ImGui::GetCursorPosX();
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(text);
   if (!explanation.empty()) tooltip(explanation, look);
-  ImGui::SameLine(left + look.px(kLabelWidth));
+  ImGui::SameLine(left + look.px(width));
   ImGui::SetNextItemWidth(-1.0f);
 }
 

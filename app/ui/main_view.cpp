@@ -46,14 +46,6 @@ std::vector<std::filesystem::path> filesOnShow(const Session& session) {
   return files;
 }
 
-/// Its file, if there is one.
-std::optional<std::filesystem::path> lastSession() {
-  std::optional<std::filesystem::path> file = lastSessionFile();
-  std::error_code ignored;
-  if (file && !std::filesystem::exists(*file, ignored)) file.reset();
-  return file;
-}
-
 std::filesystem::path currentFolder() {
   std::error_code failed;
   const std::filesystem::path folder = std::filesystem::current_path(failed);

@@ -74,8 +74,7 @@ void drawPreset(net::DuplexLinkSettings& link, const Look& look) {
   for (const net::LinkPreset& preset : net::linkPresets())
     if (preset.settings == link) shown = preset.name;
   const bool isOpen = ImGui::BeginCombo("##link", shown.c_str());
-  if (!isOpen) tooltip(std::string(kLinkHelp) + " Now: " + net::inWords(link) + ".", look);
-  if (!isOpen) return;
+  if (!isOpen) return tooltip(std::string(kLinkHelp) + " Now: " + net::inWords(link) + ".", look);
   for (const net::LinkPreset& preset : net::linkPresets()) {
     if (ImGui::Selectable(std::string(preset.name).c_str(), preset.settings == link)) link = preset.settings;
     tooltip(std::string(preset.summary), look);

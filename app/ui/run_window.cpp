@@ -37,15 +37,9 @@ bool perform(Window& window, const std::vector<Action>& asked, bool& wantsPictur
   return true;
 }
 
-/// A pipe would wait for a reader.
-bool isNoFile(const std::filesystem::path& path) {
-  std::error_code unknown;
-  return std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown);
-}
-
 void keep(const Remembered& remembered) {
   const std::optional<std::filesystem::path> file = rememberedFile();
-  if (!file || isNoFile(*file)) return;
+  if (!file || isSpecial(*file)) return;
   try {
     writeRemembered(*file, remembered);
   } catch (const InputError& error) {
@@ -56,7 +50,7 @@ void keep(const Remembered& remembered) {
 /// For those who want to go on where they were.
 void keepLastSession(const Session& session) {
   const std::optional<std::filesystem::path> file = lastSessionFile();
-  if (!file || isNoFile(*file) || session.scene() == nullptr || !session.origin()) return;
+  if (!file || isSpecial(*file) || session.scene() == nullptr || !session.origin()) return;
   try {
     std::filesystem::create_directories(file->parent_path());
     writeFileWhole(*file, textOf(sessionFileOf(session)));
