@@ -341,7 +341,7 @@ std::string toString(const DuplexLinkSettings& settings) {
 }
 
 std::string inWords(const DuplexLinkSettings& settings) {
-  const auto& [up, down] = settings;
+  const LinkSettings &up = settings.up, &down = settings.down;  // no structured binding: Clang 14 captures none
   std::string text;
   const auto add = [&](const std::string& part) { text += (text.empty() || part.empty() ? "" : ", ") + part; };
   const auto addEach = [&](const auto& wordsOf) {
