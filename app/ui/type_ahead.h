@@ -4,6 +4,8 @@
 
 #include <imgui.h>
 
+#include <vector>
+
 namespace warpscope::ui {
 
 class TypeAhead {
@@ -11,14 +13,15 @@ class TypeAhead {
   /// A field was asked for: what has been typed since the frame began, and what will be, is its.
   void begin() {
     framesLeft_ = kPatience;
-    typed_ = ImGui::GetIO().InputQueueCharacters;
+    typed_.clear();
+    takeQueue();
   }
   /// At the beginning of each frame: hands on what was typed, as soon as a field takes it. If none does, it is forgotten.
   void beginFrame() {
     if (!isWaiting()) return;
     ImGuiIO& io = ImGui::GetIO();
     --framesLeft_;
-    for (const ImWchar character : io.InputQueueCharacters) typed_.push_back(character);
+    takeQueue();
     io.ClearInputCharacters();
     // The first frames may still be those of another field, which is about to lose the keyboard.
     if (!io.WantTextInput || framesLeft_ > kPatience - kFramesToFocus) return;
@@ -28,9 +31,14 @@ class TypeAhead {
   bool isWaiting() const { return framesLeft_ > 0; }
 
  private:
+  void takeQueue() {
+    const ImVector<ImWchar>& queue = ImGui::GetIO().InputQueueCharacters;
+    typed_.insert(typed_.end(), queue.begin(), queue.end());
+  }
+
   static constexpr int kPatience = 10, kFramesToFocus = 3;
   int framesLeft_ = 0;
-  ImVector<ImWchar> typed_;
+  std::vector<ImWchar> typed_;
 };
 
 }  // namespace warpscope::ui
