@@ -55,7 +55,8 @@ RC_GTEST_PROP(NearestHits, AreTheFirstOfTheSortedList, (uint32_t seed)) {
 
 // --- Frames
 
-/// A picture of 24x18 pixels from z = 100, its samples within 50 of the origin; some pixels have several, near to far, some none. Colours of every opacity.
+/// A picture of 24x18 pixels from z = 100, its samples within 60 of the origin (a box that holds them all: what lies beside it would be moved off its ray); some pixels have several,
+/// near to far, some none. Colours of every opacity.
 SampleFrame someFrame(uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
@@ -63,7 +64,7 @@ SampleFrame someFrame(uint32_t seed) {
   frame.camera.eye = {0.0f, 0.0f, 100.0f};
   frame.camera.width = 24;
   frame.camera.height = 18;
-  frame.quantization = {{glm::vec3(-50.0f), glm::vec3(50.0f)}, 4.0f, 50.0f, 100.0f * 0x1p-18f};
+  frame.quantization = {{glm::vec3(-60.0f), glm::vec3(60.0f)}, 4.0f, 50.0f, 100.0f * 0x1p-18f};
   std::vector<uint8_t> layers;
   const bool isLayered = seed % 3 != 0;
   const float radius = std::exp2(4.0f * unit(random) - 1.0f);
