@@ -79,9 +79,18 @@ TEST_F(WindowReportTest, GapsAreThoseWhileSomethingMoves) {
 
 TEST_F(WindowReportTest, TheThreadsTimesHaveAMedianAndALongest) {
   EXPECT_TRUE(report(start_)["threadMs"].is_null());
-  for (const double ms : {4.0, 2.0, 9.0}) report_.addFrameMs(ms);
+  for (const double ms : {4.0, 2.0, 9.0}) report_.add({0.5, 0.5, ms - 1.0});
   EXPECT_DOUBLE_EQ(report(start_)["threadMs"]["median"], 4.0);
   EXPECT_DOUBLE_EQ(report(start_)["threadMs"]["longest"], 9.0);
+}
+
+TEST_F(WindowReportTest, FramesThatAHandWouldFeelAreListed) {
+  report_.add({1.0, 2.0, 30.0});
+  report_.add({1.0, 20.0, 12.5});
+  const auto frames = report(start_)["threadFrames"];
+  EXPECT_EQ(frames["all"], 2);
+  EXPECT_EQ(frames["over33Ms"], 1);
+  EXPECT_EQ(frames["hitches"], nlohmann::json::parse(R"([{"frame": 1, "sessionMs": 1.0, "widgetsMs": 20.0, "openGlMs": 12.5}])"));
 }
 
 TEST_F(WindowReportTest, OneFrameHasNoGap) {

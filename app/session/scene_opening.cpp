@@ -7,10 +7,11 @@
 
 namespace warpscope {
 
-SceneOpening::SceneOpening(const std::function<void()>& onNews)
+SceneOpening::SceneOpening(const std::function<void()>& onNews, std::shared_ptr<Crew> crew)
     : loader_(std::make_unique<Loader>(
-          [onNews]() -> Loader::Work {
-            return [onNews](const LoadJob& job, Result& result, const std::stop_token& stop) {
+          [onNews, crew = std::move(crew)]() -> Loader::Work {
+            return [onNews, crew](const LoadJob& job, Result& result, const std::stop_token& stop) {
+              const Crew::Shift shift(crew.get());
               result.name = job.name;
               result.origin = job.origin;
               result.whenOpened = job.whenOpened;

@@ -11,6 +11,7 @@
 
 #include "app/frames/scene_connection.h"
 #include "render/base/newest_worker.h"
+#include "render/core/crew.h"
 
 namespace warpscope {
 
@@ -24,8 +25,8 @@ struct LoadJob {
 
 class SceneOpening {
  public:
-  /// `onNews` is called after each load and by the sources of the scenes, on other threads.
-  explicit SceneOpening(const std::function<void()>& onNews);
+  /// `onNews` is called after each load and by the sources of the scenes, on other threads. Loops of loads run on `crew`; null: on all cores.
+  explicit SceneOpening(const std::function<void()>& onNews, std::shared_ptr<Crew> crew = nullptr);
 
   /// Opens a scene; the current one stays until it is there. The newest request wins and ends the one before it.
   void open(LoadJob job);

@@ -28,7 +28,7 @@ Session::Session(const SessionSettings& settings, const std::function<void()>& o
       resources_(settings.resources),
       makeJudge_(settings.makeJudge),
       onNews_(onNews),
-      opening_(onNews),
+      opening_(onNews, marchCrew_),
       truth_(onNews, marchCrew_),
       plan_(onNews),
       ray_(onNews),

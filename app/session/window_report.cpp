@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "app/experiment/plan_json.h"
@@ -60,6 +61,16 @@ Json workOf(const Panel& panel) {
           {"stages", stages}};
 }
 
+/// How many there are, and those that a hand would feel: which they are, and where their time went.
+Json threadFrames(std::span<const WindowReport::ThreadTime> frames) {
+  constexpr double kHitchMs = 33.0;
+  Json hitches = Json::array();
+  for (size_t i = 0; i < frames.size(); ++i)
+    if (const auto& [sessionMs, widgetsMs, openGlMs] = frames[i]; frames[i].total() > kHitchMs)
+      hitches.push_back({{"frame", i}, {"sessionMs", sessionMs}, {"widgetsMs", widgetsMs}, {"openGlMs", openGlMs}});
+  return {{"all", frames.size()}, {"over33Ms", hitches.size()}, {"hitches", hitches}};
+}
+
 Json toJson(const SourceStatus& status) {
   return {{"where", status.where},
           {"isConnected", status.isConnected},
@@ -108,13 +119,15 @@ std::string WindowReport::text(const Session& session, Clock::TimePoint now) con
     const auto seen = panels_.find(panel.id);
     pictures.push_back(perSecond(seen != panels_.end() ? seen->second.pictures : 0));
   }
+  std::vector<double> threadMs;
+  for (const ThreadTime& frame : frames_) threadMs.push_back(frame.total());
   const std::optional<SourceStatus> status = session.sourceStatus();
   const std::optional<double> frameAge = session.frames().ageOfNewestMs(now);
   return textOf({{"framesPerSecond", perSecond(gapsMs_.size())},
                  {"picturesPerSecond", pictures},
                  {"gapMs", medianAndLongest(gapsMs_)},
-                 {"threadMs", medianAndLongest(framesMs_)},
-                 {"threadFrames", {{"all", framesMs_.size()}, {"over33Ms", std::ranges::count_if(framesMs_, [](double ms) { return ms > 33.0; })}}},
+                 {"threadMs", medianAndLongest(threadMs)},
+                 {"threadFrames", threadFrames(frames_)},
                  {"ageMs", medianAndLongest(agesMs_)},
                  {"movingMarchMs", medianAndLongest(marchesMs_)},
                  {"framesReceived", session.frames().received()},

@@ -15,15 +15,21 @@ class WindowReport {
  public:
   /// Once for each frame of the display. `isMoving`: it draws at the display's rate because something moves or has just done so.
   void add(const Session& session, Clock::TimePoint now, bool isMoving);
-  /// What the window's own thread took for one frame of the display, without waiting for the next.
-  void addFrameMs(double milliseconds) { framesMs_.push_back(milliseconds); }
+  /// What the window's own thread took for one frame of the display, in ms, without waiting for the next.
+  struct ThreadTime {
+    double session = 0.0;  ///< answers of workers and servers taken, requests sent
+    double widgets = 0.0;  ///< with textures of new pictures
+    double openGl = 0.0;   ///< drawing, until the picture is swapped
+    double total() const { return session + widgets + openGl; }
+  };
+  void add(const ThreadTime& time) { frames_.push_back(time); }
 
   /// A JSON document about all that was added, and about the session as it is now.
   std::string text(const Session& session, Clock::TimePoint now) const;
 
  private:
   std::vector<double> gapsMs_;  // between frames of the display while something moved
-  std::vector<double> framesMs_;
+  std::vector<ThreadTime> frames_;
   std::vector<double> agesMs_;  // of the frames on show, one for each frame of the display in which it was not of the current camera
   std::vector<double> marchesMs_;  // of the frames that came while something moved
   uint64_t newestId_ = 0;          // of these

@@ -116,6 +116,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
       mainView.noteRecording(settings.recording);
       hasRecorded = true;
     }
+    const Clock::TimePoint updated = clock.now();
     window.beginFrame();
     if (window.hadInput()) lastActive = now;
     if (isMoving)
@@ -131,8 +132,10 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
     const bool goesOn = perform(window, mainView.takeWindowActions(), wantsPicture);
     if (const std::optional<std::string> file = window.takeDroppedFile()) mainView.open(*file);
     const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);
+    const Clock::TimePoint laidOut = clock.now();
     window.endFrame(isLast || wantsPicture ? &photograph : nullptr);
-    if (!settings.report.empty()) report.addFrameMs(millisecondsBetween(now, clock.now()));
+    if (!settings.report.empty())
+      report.add({millisecondsBetween(now, updated), millisecondsBetween(updated, laidOut), millisecondsBetween(laidOut, clock.now())});
     if (wantsPicture) mainView.savePicture(std::exchange(photograph, {}));
     if (isLast || !goesOn) break;
   }

@@ -54,7 +54,8 @@ class PictureTexture {
   void show(const ShownPicture& picture);
   /// Blends between pixels (for sizes that are not a multiple of the picture's), or shows each as a square.
   void setSmooth(bool isSmooth);
-  GLuint name() const { return name_; }
+  /// What ImGui's lists of drawing have, as its backend for OpenGL understands it.
+  void* id() const { return reinterpret_cast<void*>(uintptr_t{name_}); }
 
  private:
   void allocate(uint32_t width, uint32_t height, const Rgba8* pixels);

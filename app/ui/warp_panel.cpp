@@ -115,7 +115,7 @@ Area drawPicture(const Session& session, const ShownPicture& picture, PictureTex
   texture.show(picture);
   texture.setSmooth(glm::uvec2(picture.width(), picture.height()) != session.pictureSize());
   const Area at = placeOf(session, picture, area, look);
-  ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture.name())), at.from, at.to());
+  ImGui::GetWindowDrawList()->AddImage(texture.id(), at.from, at.to());
   return at;
 }
 
@@ -259,7 +259,7 @@ void drawLoupe(const OnShow& shown, const glm::dvec2& place, const std::vector<s
   const auto share = [&](const glm::ivec2& corner) {
     return ImVec2(static_cast<float>(corner.x) / static_cast<float>(size.x), static_cast<float>(corner.y) / static_cast<float>(size.y));
   };
-  list->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(shown.texture->name())), at, to, share(first), share(first + count));
+  list->AddImage(shown.texture->id(), at, to, share(first), share(first + count));
   const ImU32 line = IM_COL32(128, 128, 128, 90);
   for (int i = 1; i < count.x; ++i) list->AddLine({at.x + edge * static_cast<float>(i), at.y}, {at.x + edge * static_cast<float>(i), to.y}, line);
   for (int i = 1; i < count.y; ++i) list->AddLine({at.x, at.y + edge * static_cast<float>(i)}, {to.x, at.y + edge * static_cast<float>(i)}, line);

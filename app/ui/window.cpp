@@ -113,16 +113,28 @@ struct WindowEvents {
   static void onButton(GLFWwindow* glfw, int button, int action, int) {
     Window& window = windowOf(glfw);
     window.hasInput_ = true;
+    window.feed_->press(button, action == GLFW_PRESS);
     if (button != GLFW_MOUSE_BUTTON_LEFT || action != GLFW_PRESS) return;
     const double reach = DoubleClick::kReachPx * window.scale_;
-    if (window.clicks_.press(window.momentOfEvent(), window.pointer_, reach)) window.isDoubleClicked_ = true;
+    if (window.clicks_.press(window.momentOfEvent(), window.feed_->pointer(), reach)) window.isDoubleClicked_ = true;
   }
   static void onMove(GLFWwindow* glfw, double x, double y) {
     windowOf(glfw).hasInput_ = true;
-    windowOf(glfw).pointer_ = {x, y};
+    windowOf(glfw).feed_->movePointer({x, y});
   }
   static void onScroll(GLFWwindow* glfw, double, double) { windowOf(glfw).hasInput_ = true; }
-  static void onSize(GLFWwindow* glfw, int, int) { windowOf(glfw).hasInput_ = true; }
+  static void onEnter(GLFWwindow* glfw, int isInside) {
+    windowOf(glfw).hasInput_ = true;
+    windowOf(glfw).feed_->enter(isInside == GLFW_TRUE);
+  }
+  static void onSize(GLFWwindow* glfw, int width, int height) {
+    windowOf(glfw).hasInput_ = true;
+    windowOf(glfw).feed_->setSize({width, height});
+  }
+  static void onFramebufferSize(GLFWwindow* glfw, int width, int height) {
+    windowOf(glfw).hasInput_ = true;
+    windowOf(glfw).feed_->setFramebufferSize({width, height});
+  }
   static void onDrop(GLFWwindow* glfw, int count, const char** paths) {
     windowOf(glfw).hasInput_ = true;
     if (count > 0) windowOf(glfw).droppedFile_ = paths[0];
@@ -133,14 +145,17 @@ Window::Window(const std::string& title, double uiScale, const std::optional<glm
   if (glfwInit() != GLFW_TRUE) throw NoDisplay("no window can be opened here: " + lastGlfwError());
   try {
     open(title);
+    feed_ = std::make_unique<ImGuiFeed>(window_);
     gl_ = std::make_unique<WindowGl>([](const char* name) { return reinterpret_cast<WindowGl::Function>(glfwGetProcAddress(name)); });
     listen();
     startImGui();
   } catch (...) {
+    feed_.reset();
     glfwTerminate();
     throw;
   }
   try {
+    warmUp();
     showAt(size, usual);
   } catch (...) {
     close();
@@ -154,6 +169,7 @@ void Window::close() {
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplGlfw_Shutdown();
   ImGui::DestroyContext();
+  feed_.reset();
   glfwDestroyWindow(window_);
   glfwTerminate();
 }
@@ -179,7 +195,9 @@ void Window::listen() {
   glfwSetMouseButtonCallback(window_, WindowEvents::onButton);
   glfwSetCursorPosCallback(window_, WindowEvents::onMove);
   glfwSetScrollCallback(window_, WindowEvents::onScroll);
+  glfwSetCursorEnterCallback(window_, WindowEvents::onEnter);
   glfwSetWindowSizeCallback(window_, WindowEvents::onSize);
+  glfwSetFramebufferSizeCallback(window_, WindowEvents::onFramebufferSize);
   glfwSetDropCallback(window_, WindowEvents::onDrop);
 }
 
@@ -193,6 +211,22 @@ void Window::startImGui() {
   ImGui_ImplGlfw_InitForOpenGL(window_, true);
   ImGui_ImplOpenGL3_Init("#version 330 core");
   followScale(true);
+}
+
+void Window::warmUp() {
+  beginFrame();
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddRectFilled({0.0f, 0.0f}, {1.0f, 1.0f}, ImGui::ColorConvertFloat4ToU32(palette().frame));
+  // Drivers that compile do so for each kind of picture: with a power of two of pixels or not, blended or not.
+  std::vector<std::unique_ptr<PictureTexture>> textures;
+  for (const uint32_t length : {2u, 3u})
+    for (const bool isSmooth : {false, true}) {
+      PictureTexture& texture = *textures.emplace_back(std::make_unique<PictureTexture>(*gl_));
+      texture.show({std::make_shared<const Image<Rgba8>>(length, length), nullptr});
+      texture.setSmooth(isSmooth);
+      list.AddImage(texture.id(), {0.0f, 0.0f}, {1.0f, 1.0f});
+    }
+  endFrame();
 }
 
 void Window::showAt(const std::optional<glm::uvec2>& size, const std::optional<glm::uvec2>& usual) {
@@ -213,14 +247,13 @@ void Window::showAt(const std::optional<glm::uvec2>& size, const std::optional<g
   // In the middle; a window that covers more than the work area begins where that does.
   if (width > 0) glfwSetWindowPos(window_, x + std::max(0, width - chosen.x) / 2, y + std::max(0, height - chosen.y) / 2);
   glfwShowWindow(window_);
+  feed_->askForSizes();
 }
 
 void Window::followScale(bool isFirst) {
   float contentScale = 1.0f, ignored = 1.0f;
   glfwGetWindowContentScale(window_, &contentScale, &ignored);
-  int width = 0, height = 0, pixelsWide = 0, pixelsHigh = 0;
-  glfwGetWindowSize(window_, &width, &height);
-  glfwGetFramebufferSize(window_, &pixelsWide, &pixelsHigh);
+  const int width = feed_->size().x, pixelsWide = feed_->framebufferSize().x;
   // Where a window's unit is a pixel (X11) all of the content scale is ImGui's business, where it is not (macOS) none of it.
   const float pixelsPerUnit = width > 0 && pixelsWide > 0 ? static_cast<float>(pixelsWide) / static_cast<float>(width) : pixelsPerUnit_;
   const float wanted = uiScale_ > 0.0 ? static_cast<float>(uiScale_) : contentScale / pixelsPerUnit;
@@ -239,9 +272,7 @@ bool Window::shouldClose() const { return glfwWindowShouldClose(window_) == GLFW
 
 glm::uvec2 Window::size() const {
   if (isFullScreen()) return glm::uvec2(beforeFullScreen_.size);
-  glm::ivec2 size(0);
-  glfwGetWindowSize(window_, &size.x, &size.y);
-  return glm::uvec2(size);
+  return glm::uvec2(feed_->size());
 }
 
 void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
@@ -312,7 +343,7 @@ void Window::beginFrame() {
   hadInput_ = std::exchange(hasInput_, false);
   followScale(false);
   ImGui_ImplOpenGL3_NewFrame();
-  ImGui_ImplGlfw_NewFrame();
+  feed_->beginFrame();
   holdShortKeys();
   ImGui::NewFrame();
 }
@@ -342,8 +373,7 @@ void Window::holdShortKeys() {
 
 void Window::endFrame(Image<Rgba8>* photograph) {
   ImGui::Render();
-  int width = 0, height = 0;
-  glfwGetFramebufferSize(window_, &width, &height);
+  const auto [width, height] = std::pair(feed_->framebufferSize().x, feed_->framebufferSize().y);
   gl_->viewport(0, 0, width, height);
   gl_->clearColor(palette().frame.x, palette().frame.y, palette().frame.z, 1.0f);
   gl_->clear(GL_COLOR_BUFFER_BIT);

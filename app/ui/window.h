@@ -10,6 +10,7 @@
 
 #include "app/session/actions.h"
 #include "app/ui/double_click.h"
+#include "app/ui/imgui_feed.h"
 #include "app/ui/texture.h"
 #include "app/ui/theme.h"
 #include "render/base/clock.h"
@@ -67,6 +68,8 @@ class Window {
   void open(const std::string& title);
   void listen();
   void startImGui();
+  /// A frame that nobody sees: what drivers and ImGui do once takes as long as several frames.
+  void warmUp();
   void showAt(const std::optional<glm::uvec2>& size, const std::optional<glm::uvec2>& usual);
   void close();
   void followScale(bool isFirst);
@@ -77,6 +80,7 @@ class Window {
   const double uiScale_;
   GLFWwindow* window_ = nullptr;
   std::unique_ptr<WindowGl> gl_;
+  std::unique_ptr<ImGuiFeed> feed_;
   Fonts fonts_;
   float scale_ = 1.0f;
   float pixelsPerUnit_ = 1.0f;
@@ -84,7 +88,6 @@ class Window {
   double frameMs_ = 0.0;  // that frames take this thread, smoothed
   bool hadInput_ = false, hasInput_ = false;
   Clock::TimePoint askedForEvents_{}, tookEvents_{};  // when GLFW was last asked, and when it last returned
-  glm::dvec2 pointer_{0.0};                           // in screen coordinates
   DoubleClick clicks_;
   bool isDoubleClicked_ = false;
   std::vector<KeyChord> keyPresses_;

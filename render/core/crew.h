@@ -27,9 +27,9 @@ class Crew {
   static void standBack(int nice);
 
   /// Nice values by which threads are behind the one that made them: those that draw for the window behind the window's own, and marches behind these. Each step is
-  /// a factor of 1.25 (sched(7)): of a core that pictures want as well a march gets three tenths, and they do not wait for it. Less would let it stand still while
-  /// pictures are drawn all the time; tests/bench/README.md has figures.
-  static constexpr int kOfPictures = 3, kOfMarches = kOfPictures + 4;
+  /// a factor of 1.25 (sched(7)): the window's own thread, which wants little, has nine tenths of a core that pictures want as well; a march has three tenths beside them, and they do not
+  /// wait for it. Less would let it stand still while pictures are drawn all the time; tests/bench/README.md has figures.
+  static constexpr int kOfPictures = 9, kOfMarches = kOfPictures + 4;
   /// As many threads as loops run on otherwise, or `threads`.
   explicit Crew(size_t threads = 0, int nice = kOfMarches);
   ~Crew();

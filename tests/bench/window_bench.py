@@ -1,10 +1,15 @@
 #!/usr/bin/env python3
 # What the real window does while its own server marches: pictures of the display a second, and milliseconds of a march, camera moving.
 # Xvfb and llvmpipe, a pointer that drags in circles (xdotool); figures are `view --report`'s. A measurement, not a test.
-"""Usage: window_bench.py [--scene NAME] [--size WxH] [--left T] [--right T] [--seconds N] [--runs N] [--rest S] PROGRAM... [-- OPTION...]
+"""Usage: window_bench.py [--scene NAME] [--size WxH] [--left T] [--right T] [--seconds N] [--runs N] [--rest S] [--open FILE]... [--handled | --vanishing]
+                       PROGRAM... [-- OPTION...]
 
-Of each program, in turns: framesPerSecond and the longest gap of the display, pictures a second of both panels, median and longest march.
---rest S: the pointer rests every second for S seconds. What follows -- is for every program's `view`."""
+Of each program, in turns: framesPerSecond and the longest gap of the display, pictures a second of both panels, median and longest march, frames of the
+window's own thread over 33 ms.
+--rest S: the pointer rests every second for S seconds.
+--handled: it is also resized, files are opened (--open, and built-in scenes), the transfer function is dragged, errors are measured.
+--vanishing: its server is another process, which is killed and comes back, twice.
+What follows -- is for every program's `view`."""
 import argparse
 import json
 import math
@@ -21,6 +26,8 @@ PERIOD_S = 4.0       # of a circle of the pointer
 RADIUS_PX = 60
 STEP_S = 0.008       # between two moves of the pointer: twice as often as the display draws
 OPENING_S = 3.0      # for the scene, before the pointer moves
+OPEN_FIELD, CURVE = (186, 91), (100, 180)  # px from the window's right and upper edge, at scale 1: where a file is named, the transfer function
+PORT = 7791
 
 
 def circle(seconds, rest_s):
@@ -39,17 +46,80 @@ def circle(seconds, rest_s):
     return command + ["mouseup", "1"]
 
 
+def drag(display, window, arguments):
+    window.point(window.middle_of_panel(0))
+    display.run(*circle(arguments.seconds, arguments.rest))
+
+
+def handle(display, window, arguments):
+    """What people do with it one after another, dragging in between."""
+    width, height = (int(length) for length in arguments.size.split("x"))
+    for location in [*arguments.open, "vessels", arguments.scene]:
+        window.point((width - OPEN_FIELD[0], OPEN_FIELD[1]))
+        display.run("xdotool", "click", "1", "key", "ctrl+a", "type", "--delay", "20", location)
+        display.run("xdotool", "key", "Return")
+        drag(display, window, arguments)
+    for step in (60, 120, 40, 200, 20, 0):
+        display.run("xdotool", "windowsize", "--sync", window.window, str(width + step), str(height + step // 2))
+        time.sleep(0.4)
+    drag(display, window, arguments)
+    window.point((width - CURVE[0], CURVE[1]))
+    display.run("xdotool", "mousedown", "1", *(["mousemove_relative", "--", "2", "1", "sleep", "0.05"] * 20),
+                *(["mousemove_relative", "--", "-2", "-1", "sleep", "0.05"] * 20), "mouseup", "1")
+    window.key("m")
+    time.sleep(4.0)
+    drag(display, window, arguments)
+
+
+def vanish(display, window, arguments, serve):
+    """The server goes while the picture is dragged, and comes back."""
+    for _ in range(2):
+        drag(display, window, arguments)
+        serve.kill()
+        drag(display, window, arguments)
+        serve.start()
+        drag(display, window, arguments)
+
+
+class Server:
+    """One on a port of its own that can be killed and started again."""
+
+    def __init__(self, command):
+        self.command, self.process = command, None
+
+    def start(self):
+        self.process = subprocess.Popen(self.command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+
+
 def measured(program, arguments, view_options):
-    with tempfile.TemporaryDirectory() as folder, ui.Display(1280, 1024) as display:
+    with tempfile.TemporaryDirectory() as folder, ui.Display(1480, 1124) as display:
         report = os.path.join(folder, "report.json")
-        window = ui.Program(display, [program, "view", arguments.scene, "--left", arguments.left, "--right", arguments.right, "--size", arguments.size,
+        place = [arguments.scene]
+        serve = Server([program, "serve", arguments.scene, "--listen", f"127.0.0.1:{PORT}"])
+        if arguments.vanishing:
+            serve.start()
+            time.sleep(1.0)
+            place = ["--connect", f"warp://127.0.0.1:{PORT}"]
+        window = ui.Program(display, [program, "view", *place, "--left", arguments.left, "--right", arguments.right, "--size", arguments.size,
                                       "--report", report, *view_options])
-        window.find_window()
-        time.sleep(OPENING_S)
-        window.point(window.middle_of_panel(0))
-        display.run(*circle(arguments.seconds, arguments.rest))
-        window.key("Escape")
-        window.process.wait(timeout=30)
+        try:
+            window.find_window()
+            time.sleep(OPENING_S)
+            if arguments.handled:
+                handle(display, window, arguments)
+            elif arguments.vanishing:
+                vanish(display, window, arguments, serve)
+            else:
+                drag(display, window, arguments)
+            window.key("ctrl+q")
+            window.process.wait(timeout=30)
+        finally:
+            if serve.process:
+                serve.kill()
         with open(report, encoding="utf-8") as file:
             return json.load(file)
 
@@ -66,6 +136,9 @@ def main():
     parser.add_argument("--seconds", type=float, default=8.0)
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--rest", type=float, default=0.0)
+    parser.add_argument("--open", action="append", default=[])
+    parser.add_argument("--handled", action="store_true")
+    parser.add_argument("--vanishing", action="store_true")
     parser.add_argument("programs", nargs="+")
     arguments = parser.parse_args(own)
     for run in range(arguments.runs):
@@ -76,7 +149,11 @@ def main():
             print(f"{run} {program}: display {figures['framesPerSecond']:.1f}/s, longest gap {figures['gapMs']['longest']:.0f} ms; "
                   f"panels {', '.join(f'{rate:.1f}' for rate in pictures)}/s; march {marches.get('median', float('nan')):.0f} ms, "
                   f"longest {marches.get('longest', float('nan')):.0f}; frames {figures['framesReceived']}; "
-                  f"age {figures['ageMs']['median']:.0f} ms", flush=True)
+                  f"age {(figures['ageMs'] or {}).get('median', float('nan')):.0f} ms; "
+                  f"thread {figures['threadMs']['median']:.1f} ms, longest {figures['threadMs']['longest']:.0f}, "
+                  f"{figures['threadFrames']['over33Ms']} of {figures['threadFrames']['all']} over 33 ms", flush=True)
+            for hitch in figures["threadFrames"].get("hitches", []):
+                print(f"    {hitch}")
 
 
 if __name__ == "__main__":
