@@ -93,28 +93,6 @@ TEST(TransferCurves, AWindowIsMovedAndWidenedAboutItsMiddle) {
   EXPECT_EQ(windowed(curves, 0.0, 1.0), curves);
 }
 
-TransferFunction constant(float alpha) { return {{{0.0, glm::vec3(1.0f), alpha}}}; }
-
-TEST(TransferHistory, StepsAreTakenBackAndMadeAgain) {
-  TransferHistory history;
-  EXPECT_FALSE(history.undo(constant(0.0f)));
-  history.note(constant(0.1f));
-  history.note(constant(0.2f));
-  EXPECT_EQ(history.undo(constant(0.3f)), constant(0.2f));
-  EXPECT_EQ(history.undo(constant(0.2f)), constant(0.1f));
-  EXPECT_FALSE(history.canUndo());
-  EXPECT_EQ(history.redo(constant(0.1f)), constant(0.2f));
-  EXPECT_EQ(history.redo(constant(0.2f)), constant(0.3f));
-  EXPECT_FALSE(history.canRedo());
-  history.undo(constant(0.3f));
-  history.note(constant(0.5f));
-  EXPECT_FALSE(history.canRedo()) << "another step was made instead";
-  for (size_t i = 0; i < 2 * TransferHistory::kMost; ++i) history.note(constant(0.0f));
-  size_t steps = 0;
-  while (history.undo(constant(0.0f))) ++steps;
-  EXPECT_EQ(steps, TransferHistory::kMost);
-}
-
 TEST(TransferPresets, LieInTheRangeOrInHounsfieldUnits) {
   VoxelStatistics bytes;
   bytes.highest = bytes.rangeUpper = 255.0;
@@ -138,6 +116,8 @@ TEST(TransferPresets, LieInTheRangeOrInHounsfieldUnits) {
   EXPECT_GT(presetFunction("CT soft tissue", tomography).at(50.0).a, 0.1f);
   EXPECT_THROW(presetFunction("CT lung", bytes), UsageError);
 }
+
+TransferFunction constant(float alpha) { return {{{0.0, glm::vec3(1.0f), alpha}}}; }
 
 TEST(TransferFunctions, ThoseThatCannotBeAreRefused) {
   EXPECT_THROW(validate(TransferFunction{}), UsageError);

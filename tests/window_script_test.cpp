@@ -188,6 +188,27 @@ TEST_F(WindowScriptTest, TheTransferFunctionIsEditedAndTakenBack) {
   EXPECT_TRUE(rest());
 }
 
+TEST_F(WindowScriptTest, KnobsAndPanelsAreTakenBackToo) {
+  ASSERT_TRUE(openAndRest("block"));
+  const LiveSettings before = session_.knobs();
+  LiveSettings knobs = before;
+  knobs.march.sample.heuristic = Heuristic::entrance;
+  session_.setKnobs(knobs);
+  window_.frames(2);
+  window_.view().perform(Action::closePanel, session_);
+  window_.frames(2);
+  ASSERT_EQ(session_.panelCount(), 1u);
+  press(Action::undo);
+  EXPECT_EQ(session_.panelCount(), 2u);
+  EXPECT_EQ(session_.knobs().march.sample.heuristic, Heuristic::entrance);
+  press(Action::undo);
+  window_.frames(2);
+  EXPECT_TRUE(session_.knobs() == before);
+  EXPECT_TRUE(rest());
+  press(Action::redo);
+  EXPECT_EQ(session_.knobs().march.sample.heuristic, Heuristic::entrance);
+}
+
 TEST_F(WindowScriptTest, AClickOnACornerChangesNothingAndUndoStaysWithItsScene) {
   ASSERT_TRUE(openAndRest("block"));
   window_.click(kChart);

@@ -135,26 +135,4 @@ TransferCurves windowed(const TransferCurves& curves, double shift, double scale
   return changed;
 }
 
-void TransferHistory::note(TransferFunction before) {
-  undone_.clear();
-  done_.push_back(std::move(before));
-  if (done_.size() > kMost) done_.erase(done_.begin());
-}
-
-std::optional<TransferFunction> TransferHistory::undo(TransferFunction now) {
-  if (done_.empty()) return std::nullopt;
-  undone_.push_back(std::move(now));
-  TransferFunction before = std::move(done_.back());
-  done_.pop_back();
-  return before;
-}
-
-std::optional<TransferFunction> TransferHistory::redo(TransferFunction now) {
-  if (undone_.empty()) return std::nullopt;
-  done_.push_back(std::move(now));
-  TransferFunction after = std::move(undone_.back());
-  undone_.pop_back();
-  return after;
-}
-
 }  // namespace warpscope

@@ -1,8 +1,7 @@
-// A transfer function as it is edited: colour and opacity apart, each a curve of corners of its own. And what has been undone and may be redone.
+// A transfer function as it is edited: colour and opacity apart, each a curve of corners of its own.
 // The function itself (transfer_function.h) has one list of corners with both.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "render/core/transfer_function.h"
@@ -49,23 +48,5 @@ bool removeOpacity(TransferCurves& curves, size_t corner);
 bool removeColor(TransferCurves& curves, size_t corner);
 /// Windowing: values a about the curves' middle become middle + shift + (a - middle) * scale. `scale` > 0.
 TransferCurves windowed(const TransferCurves& curves, double shift, double scale);
-
-/// Functions that were in use, for undo and redo: at most kMost.
-class TransferHistory {
- public:
-  static constexpr size_t kMost = 200;
-
-  /// `before` gives way to another function. What was undone before that is forgotten.
-  void note(TransferFunction before);
-  /// The function before `now`, if there is one; `now` may be redone.
-  std::optional<TransferFunction> undo(TransferFunction now);
-  std::optional<TransferFunction> redo(TransferFunction now);
-  bool canUndo() const { return !done_.empty(); }
-  bool canRedo() const { return !undone_.empty(); }
-  void clear() { *this = {}; }
-
- private:
-  std::vector<TransferFunction> done_, undone_;
-};
 
 }  // namespace warpscope

@@ -209,7 +209,7 @@ void Controls::drawFound(Session& session, LiveSettings& knobs, const Look& look
   if (found == 0) ImGui::TextColored(palette().dimText, "No knob has that.");
 }
 
-void Controls::draw(Session& session, const SceneOpener& openScene, const Look& look) {
+void Controls::draw(Session& session, const SceneOpener& openScene, const EditHistory& history, const Look& look) {
   // Closer than elsewhere: all knobs fit into a window of 1280 x 800.
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(7.0f), look.px(3.0f)});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(4.0f)});
@@ -227,7 +227,7 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const Look& 
   tooltip("Opacity over the values, on top of how often they occur (logarithm), and colours below. Drag corners; click to add one, right click to remove one; drag "
           "with the right button to move the window sideways and to widen it upwards. Faint opacities are drawn higher than they are (root).",
           look);
-  if (hasFunction) transferEditor_.draw(session, look);
+  if (hasFunction) transferEditor_.draw(session, history, look);
   LiveSettings knobs = session.knobs();
   markColors_.take(knobs.marks);
   // Of what was recorded nothing can be changed.

@@ -9,7 +9,7 @@ namespace warpscope::ui {
 /// The column of knobs.
 class Controls {
  public:
-  void draw(Session& session, const SceneOpener& openScene, const Look& look);
+  void draw(Session& session, const SceneOpener& openScene, const EditHistory& history, const Look& look);
   /// Puts the keyboard into the field in which knobs are searched, and chooses what is there.
   void search();
   /// Looks for nothing any more; whether it did.

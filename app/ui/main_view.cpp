@@ -147,6 +147,19 @@ void MainView::goBack() {
     windowActions_.push_back(Action::goBack);
 }
 
+void MainView::takeBack(Action action, Session& session) {
+  TransferEditor& editor = controls_.transferEditor();
+  if (editor.isHeld()) return;
+  history_.follow(session, editor.curves(session), false);  // what was changed since the last frame
+  const bool isUndo = action == Action::undo;
+  const std::string what = isUndo ? history_.undoes() : history_.redoes();
+  const std::optional<EditState> state = isUndo ? history_.undo() : history_.redo();
+  if (!state) return;
+  apply(*state, session);
+  if (state->curves) editor.setCurves(session, *state->curves);
+  setNote((isUndo ? "taken back: " : "made again: ") + what);
+}
+
 void MainView::perform(Action action, Session& session, std::optional<size_t> panel, size_t number) {
   if (describe(action).isOfPanel && !panel) {
     if (action == Action::resetView) session.resetView();
@@ -212,8 +225,8 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
       remembered_.hasSideBar = true;
       controls_.search();
       return typeAhead_.begin();
-    case Action::undo: return controls_.transferEditor().undo(session);
-    case Action::redo: return controls_.transferEditor().redo(session);
+    case Action::undo:
+    case Action::redo: return takeBack(action, session);
     case Action::hideSideBar: remembered_.hasSideBar = !remembered_.hasSideBar; return;
     case Action::lightTheme: remembered_.isLight = !remembered_.isLight; return;
     case Action::showReference:
@@ -241,8 +254,8 @@ bool MainView::isOn(Action action, const Session& session, size_t panel) const {
 bool MainView::isPossible(Action action, const Session& session) const {
   switch (action) {
     case Action::restoreLast: return lastSession().has_value();
-    case Action::undo: return controls_.transferEditor().canUndo();
-    case Action::redo: return controls_.transferEditor().canRedo();
+    case Action::undo: return !history_.undoes().empty();
+    case Action::redo: return !history_.redoes().empty();
     case Action::addPanel: return session.panelCount() < kMaxPanels;
     case Action::closePanel:
     case Action::wipe:
@@ -255,6 +268,11 @@ bool MainView::isPossible(Action action, const Session& session) const {
   }
 }
 
+std::string MainView::labelOf(const ActionDescriptor& action) const {
+  const std::string what = action.action == Action::undo ? history_.undoes() : action.action == Action::redo ? history_.redoes() : std::string();
+  return std::string(action.label) + (what.empty() ? "" : ": " + what);
+}
+
 void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
   if (!ImGui::BeginMenu(name)) return;
   const size_t panel = grid_.usedLast(session);
@@ -262,7 +280,7 @@ void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
   std::optional<Action> chosen;  // done when all entries are drawn: it may close the panel
   for (const ActionDescriptor& action : windowActions()) {
     if (action.menu != menu) continue;
-    if (ImGui::MenuItem(std::string(action.label).c_str(), std::string(action.keys).c_str(), isOn(action.action, session, panel), isPossible(action.action, session)))
+    if (ImGui::MenuItem(labelOf(action).c_str(), std::string(action.keys).c_str(), isOn(action.action, session, panel), isPossible(action.action, session)))
       chosen = action.action;
     if (action.action == Action::open) drawRecent();
   }
@@ -436,7 +454,7 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   if (remembered_.hasSideBar) {
     ImGui::SameLine(0.0f, look.px(kMargin));
     ImGui::BeginChild("controls", {0.0f, bodyHeight}, true);
-    controls_.draw(session, openScene_, look);
+    controls_.draw(session, openScene_, history_, look);
     ImGui::EndChild();
   }
 }
@@ -479,6 +497,8 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   ImGui::SetCursorPosY(ImGui::GetWindowHeight() - look.px(kStatusHeight));
   drawStatusBar(session, displayFramesPerSecond, look);
   ImGui::End();
+  if (const std::optional<Action> action = controls_.transferEditor().takeAction()) perform(*action, session);
+  history_.follow(session, controls_.transferEditor().curves(session), ImGui::IsAnyItemActive() || ImGui::IsAnyMouseDown());
   if (showsKeys_) drawKeys(look);
   drawDialog(session, look);
   drawNote(look);

@@ -68,8 +68,12 @@ class MainView {
   /// `number`: of a technique, from 1 on. `panel`: of those that an action is about.
   void perform(Action action, Session& session, std::optional<size_t> panel, size_t number = 0);
   void goBack();
+  /// Undo or redo.
+  void takeBack(Action action, Session& session);
   void savePanels(const Session& session);
   void savePlot(const Session& session);
+  /// In menus: with what would be taken back.
+  std::string labelOf(const ActionDescriptor& action) const;
   bool isPossible(Action action, const Session& session) const;
   bool isOn(Action action, const Session& session, size_t panel) const;
   void drawMenus(Session& session, const Look& look);
@@ -89,6 +93,7 @@ class MainView {
   void startRecording(Session& session, const std::filesystem::path& path);
 
   Controls controls_;
+  EditHistory history_;
   PanelGrid grid_;
   PlotView plot_;
   const SceneOpener& openScene_;

@@ -53,7 +53,6 @@ TransferEditor::Chart TransferEditor::chartOf(const Session& session, const ImVe
 void TransferEditor::followScene(const Session& session) {
   const Scene& scene = *session.scene();
   if (volume_ != scene.volume.get() || sceneName_ != scene.name) {
-    history_.clear();
     error_.clear();
     grip_ = Grip::none;
   }
@@ -84,31 +83,21 @@ void TransferEditor::set(Session& session, const TransferFunction& function) {
   error_.clear();
   if (session.scene() == nullptr || function == session.scene()->transferFunction) return;
   followScene(session);
-  const TransferFunction before = session.scene()->transferFunction;
   show(session, function);
   if (!error_.empty()) return;
-  history_.note(before);
   curves_ = curvesOf(function);
   opacity_.reset();
   color_.reset();
 }
 
-void TransferEditor::noteIfChanged(const Session& session, const TransferFunction& before) {
-  if (!(before == session.scene()->transferFunction)) history_.note(before);
+const TransferCurves* TransferEditor::curves(const Session& session) const {
+  return session.scene() != nullptr && !curves_.colors.empty() && session.whyFunctionIsFixed().empty() ? &curves_ : nullptr;
 }
 
-void TransferEditor::undo(Session& session) {
-  if (!session.whyFunctionIsFixed().empty() || grip_ != Grip::none) return;
-  followScene(session);
-  if (const auto before = history_.undo(session.scene()->transferFunction)) show(session, *before);
-  curves_ = {};
-}
-
-void TransferEditor::redo(Session& session) {
-  if (!session.whyFunctionIsFixed().empty() || grip_ != Grip::none) return;
-  followScene(session);
-  if (const auto after = history_.redo(session.scene()->transferFunction)) show(session, *after);
-  curves_ = {};
+void TransferEditor::setCurves(Session& session, const TransferCurves& curves) {
+  if (!session.whyFunctionIsFixed().empty() || curves == curves_) return;
+  curves_ = curves;
+  apply(session);
 }
 
 void TransferEditor::load(Session& session, const std::filesystem::path& path) {
@@ -129,7 +118,6 @@ void TransferEditor::update(Session& session, Session::TimePoint now) {
   if (!session.whyFunctionIsFixed().empty()) return;
   followScene(session);
   if (grip_ != Grip::none && !ImGui::IsMouseDown(grip_ == Grip::window ? ImGuiMouseButton_Right : ImGuiMouseButton_Left)) {  // let go of, seen or not
-    noteIfChanged(session, atGrip_);
     grip_ = Grip::none;
   }
   followFile(session, now);
@@ -165,7 +153,6 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
   }
   const auto take = [&](Grip grip) {
     grip_ = grip;
-    atGrip_ = session.scene()->transferFunction;
     curvesAtGrip_ = curves_;
     gripAt_ = mouse;
   };
@@ -182,7 +169,6 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
     if (near && removeOpacity(curves_, *near)) {
       opacity_.reset();
       apply(session);
-      noteIfChanged(session, atGrip_);
     }
   }
   const bool isMoved = ImGui::IsMousePosValid() && (mouse.x != gripAt_.x || mouse.y != gripAt_.y);
@@ -263,17 +249,14 @@ void TransferEditor::drawColorBar(Session& session, const Look& look) {
     if (isHovered && std::abs(chart.x(curves_.colors[i].value) - mouse.x) <= look.px(0.75f * kReachPx)) near = i;
   if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
     grip_ = Grip::color;
-    atGrip_ = session.scene()->transferFunction;
     curvesAtGrip_ = curves_;
     gripAt_ = mouse;
     color_ = near ? *near : addColor(curves_, chart.value(mouse.x));
     opacity_.reset();
   } else if (isHovered && near && ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
-    const TransferFunction before = session.scene()->transferFunction;
     if (removeColor(curves_, *near)) {
       color_.reset();
       apply(session);
-      noteIfChanged(session, before);
     }
   }
   if (grip_ == Grip::color && color_ && ImGui::IsMousePosValid() && mouse.x != gripAt_.x) {
@@ -308,10 +291,8 @@ bool TransferEditor::drawNumber(const char* id, double& value, const char* patte
 
 void TransferEditor::drawFields(Session& session, const Look& look) {
   const auto step = [&](const auto& edit) {
-    const TransferFunction before = session.scene()->transferFunction;
     edit();
     apply(session);
-    noteIfChanged(session, before);
   };
   if (opacity_ && *opacity_ < curves_.opacities.size()) {
     OpacityCorner corner = curves_.opacities[*opacity_];
@@ -331,14 +312,8 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
     nextHalf();
     std::array<float, 3> srgb{srgbFromLinear(corner.color.r), srgbFromLinear(corner.color.g), srgbFromLinear(corner.color.b)};
     if (ImGui::ColorEdit3("##color", srgb.data(), ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_PickerHueWheel)) {
-      if (!colorBefore_) colorBefore_ = session.scene()->transferFunction;
       curves_.colors[*color_].color = {linearFromSrgb(srgb[0]), linearFromSrgb(srgb[1]), linearFromSrgb(srgb[2])};
       apply(session);
-    }
-    // One step from the first change until the button is up.
-    if (colorBefore_ && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
-      noteIfChanged(session, *colorBefore_);
-      colorBefore_.reset();
     }
     tooltip("Its colour.", look);
   } else {  // so that nothing moves when one is chosen
@@ -362,7 +337,7 @@ void TransferEditor::save(const Session& session, const std::filesystem::path& p
   writeFileWhole(path, isForParaview ? paraviewText(function, session.scene()->name) : transferText(function));
 }
 
-void TransferEditor::drawButtons(Session& session, const Look& look) {
+void TransferEditor::drawButtons(Session& session, const EditHistory& history, const Look& look) {
   const VoxelStatistics& statistics = session.scene()->volume->statistics();
   ImGui::SetNextItemWidth(look.px(84.0f));
   const bool isOpen = ImGui::BeginCombo("##preset", "Preset");
@@ -388,13 +363,14 @@ void TransferEditor::drawButtons(Session& session, const Look& look) {
     tooltip(help, look);
     return isPressed && isPossible;
   };
-  if (smallButton("Undo", history_.canUndo(), "Take the last change back. Ctrl+Z.")) undo(session);
-  if (smallButton("Redo", history_.canRedo(), "Ctrl+Shift+Z.")) redo(session);
+  const std::string undoes = history.undoes(), redoes = history.redoes();
+  if (smallButton("Undo", !undoes.empty(), ("Take the last change back, here or of knobs and panels: " + undoes + ". Ctrl+Z.").c_str())) action_ = Action::undo;
+  if (smallButton("Redo", !redoes.empty(), ("Make again what was taken back: " + redoes + ". Ctrl+Shift+Z.").c_str())) action_ = Action::redo;
   if (smallButton("File", true, "Load and save, also as a colour map that ParaView imports. Files of either kind are loaded, by dropping them onto the window as well.")) ImGui::OpenPopup("transfer file");
   drawFilePopup();
 }
 
-void TransferEditor::draw(Session& session, const Look& look) {
+void TransferEditor::draw(Session& session, const EditHistory& history, const Look& look) {
   if (const std::string why = session.whyFunctionIsFixed(); !why.empty()) {
     ImGui::PushTextWrapPos(0.0f);
     ImGui::TextColored(palette().dimText, "%s", (why + ".").c_str());
@@ -407,7 +383,7 @@ void TransferEditor::draw(Session& session, const Look& look) {
   drawColorBar(session, look);
   drawAxis(session, look);
   drawFields(session, look);
-  drawButtons(session, look);
+  drawButtons(session, history, look);
   ImGui::PopID();
   if (error_.empty()) return;
   ImGui::PushTextWrapPos(0.0f);

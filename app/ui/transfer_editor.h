@@ -1,4 +1,4 @@
-// The transfer function: its histogram, its two curves, presets, files; every change is shown at once and can be taken back.
+// The transfer function: its histogram, its two curves, presets, files; every change is shown at once.
 // Edits are those of app/scene/transfer_curves.h.
 #pragma once
 
@@ -9,6 +9,8 @@
 #include <string>
 
 #include "app/scene/transfer_curves.h"
+#include "app/session/actions.h"
+#include "app/session/edit_history.h"
 #include "app/ui/parts.h"
 
 namespace warpscope::ui {
@@ -18,11 +20,15 @@ class TransferEditor {
   /// Once for each frame, whether or not it is drawn: another scene, a file that was written.
   void update(Session& session, Session::TimePoint now);
   /// In the current window, over its width.
-  void draw(Session& session, const Look& look);
+  void draw(Session& session, const EditHistory& history, const Look& look);
 
-  void undo(Session& session);
-  void redo(Session& session);
-  /// Shows that function from now on, as one step that can be taken back; what is wrong with it is said in the editor.
+  /// Those that are edited; null where the function is not the user's to choose.
+  const TransferCurves* curves(const Session& session) const;
+  /// Edits those from now on.
+  void setCurves(Session& session, const TransferCurves& curves);
+  /// Whether the pointer holds a corner or the window.
+  bool isHeld() const { return grip_ != Grip::none; }
+  /// Shows that function from now on; what is wrong with it is said in the editor.
   void set(Session& session, const TransferFunction& function);
   /// As set(), of a file.
   void load(Session& session, const std::filesystem::path& path);
@@ -31,8 +37,8 @@ class TransferEditor {
   std::optional<FileWish> takeFileWish() { return std::exchange(fileWish_, std::nullopt); }
   /// Throws InputError for a file that cannot be written.
   void save(const Session& session, const std::filesystem::path& path, bool isForParaview) const;
-  bool canUndo() const { return history_.canUndo(); }
-  bool canRedo() const { return history_.canRedo(); }
+  /// Which of undo and redo its buttons asked for since the last call.
+  std::optional<Action> takeAction() { return std::exchange(action_, std::nullopt); }
   /// Follows a file: whenever it is written, it is loaded. Empty: none.
   void watch(const std::filesystem::path& path);
 
@@ -46,16 +52,14 @@ class TransferEditor {
 
   void followScene(const Session& session);
   void followFile(Session& session, Session::TimePoint now);
-  /// Without a step of its own: as long as something is dragged.
   void show(Session& session, const TransferFunction& function);
   void apply(Session& session);
-  void noteIfChanged(const Session& session, const TransferFunction& before);
   void drawChart(Session& session, const Look& look);
   void drawColorBar(Session& session, const Look& look);
   /// The values beneath both.
   void drawAxis(const Session& session, const Look& look) const;
   void drawFields(Session& session, const Look& look);
-  void drawButtons(Session& session, const Look& look);
+  void drawButtons(Session& session, const EditHistory& history, const Look& look);
   void drawFilePopup();
   /// A field for a number; true where another one was typed, when the field is left.
   bool drawNumber(const char* id, double& value, const char* pattern);
@@ -63,20 +67,18 @@ class TransferEditor {
 
   TransferCurves curves_;
   TransferFunction shown_;       // that the curves are of
-  TransferFunction atGrip_;      // when what is held was taken
-  std::optional<TransferFunction> colorBefore_;  // while a colour is picked
-  TransferCurves curvesAtGrip_;
+  TransferCurves curvesAtGrip_;  // when what is held was taken
   ImVec2 gripAt_{0.0f, 0.0f};
   Grip grip_ = Grip::none;
   std::optional<size_t> opacity_, color_;  // corners that are chosen; at most one of both
-  TransferHistory history_;
   std::string sceneName_;
-  const Volume* volume_ = nullptr;  // that the history is about
+  const Volume* volume_ = nullptr;
   std::string error_;
   std::string reading_;             // of what is pointed at
   std::optional<double> typed_;     // into the field of typedId_, which has not been left yet
   std::string typedId_;
   std::optional<FileWish> fileWish_;
+  std::optional<Action> action_;
   struct Spread {
     std::string preset;         // whose units are not the volume's; empty: none
     TransferFunction function;  // that it became

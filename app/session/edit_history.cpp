@@ -1,0 +1,101 @@
+// Names of what differs, and two stacks.
+// See edit_history.h.
+#include "app/session/edit_history.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "app/frames/transport_knobs.h"
+#include "app/session/picture_plan.h"
+#include "render/march/march_knobs.h"
+
+namespace warpscope {
+namespace {
+
+std::string changeBetween(const PanelSettings& before, const PanelSettings& after) {
+  if (before.isAutomatic != after.isAutomatic || (!after.isAutomatic && before.technique != after.technique)) return "technique";
+  if (!after.isAutomatic)
+    for (const Knob* knob : warpKnobs())
+      if (knob->isOfPanel && before.knobs[*knob] != after.knobs[*knob]) return std::string(knob->label);
+  if (before.content != after.content) return "content";
+  if (before.contentRange != after.contentRange) return "range of the content";
+  return "";
+}
+
+template <class Rows, class Settings>
+std::string changeAmong(const Rows& rows, const Settings& before, const Settings& after) {
+  for (const auto& row : rows)
+    if (row.get(before) != row.get(after)) return std::string(row.knob->label);
+  return "";
+}
+
+std::string changeBetween(const LiveSettings& before, const LiveSettings& after) {
+  if (std::string change = changeAmong(marchKnobs(), before.march, after.march); !change.empty()) return change;
+  for (const MarchText& text : marchTexts())
+    if (text.get(before.march) != text.get(after.march)) return std::string(text.label);
+  if (std::string change = changeAmong(transportKnobs(), before.transport, after.transport); !change.empty()) return change;
+  for (const Knob* knob : warpKnobs())
+    if (before.warp.knobs[*knob] != after.warp.knobs[*knob]) return std::string(knob->label);
+  if (before.serverSidePx != after.serverSidePx) return std::string(kServerSideKnob.label);
+  if (before.takesShortcuts != after.takesShortcuts) return std::string(kShortcutsKnob.label);
+  if (before.screenPixels != after.screenPixels) return "pixel size";
+  if (!(before.marks == after.marks)) return "marks";
+  if (before.budgetMs != after.budgetMs) return "budget";
+  if (!(before.transport.link == after.transport.link)) return "link";
+  LiveSettings same = before;
+  same.isFrozen = after.isFrozen;
+  return same == after ? "" : "settings";
+}
+
+EditState stateOf(const Session& session, const TransferCurves* curves) {
+  EditState state{session.knobs(), {}, curves != nullptr ? std::optional(*curves) : std::nullopt};
+  for (size_t i = 0; i < session.panelCount(); ++i) state.panels.push_back(session.panel(i));
+  return state;
+}
+
+}  // namespace
+
+std::string changeBetween(const EditState& before, const EditState& after) {
+  if (before.curves && after.curves && !(*before.curves == *after.curves)) return "transfer function";
+  if (before.panels.size() != after.panels.size()) return "panels";
+  for (size_t i = 0; i < before.panels.size(); ++i)
+    if (const std::string change = changeBetween(before.panels[i], after.panels[i]); !change.empty())
+      return change + " of panel " + std::to_string(i + 1);
+  return changeBetween(before.knobs, after.knobs);
+}
+
+void apply(const EditState& state, Session& session) {
+  LiveSettings knobs = state.knobs;
+  knobs.isFrozen = session.knobs().isFrozen;
+  session.setKnobs(knobs);
+  std::vector<PanelSettings> panels = state.panels;
+  for (size_t i = 0; i < std::min(panels.size(), session.panelCount()); ++i) panels[i].isHidden = session.panel(i).isHidden;
+  session.setPanels(panels);
+}
+
+void EditHistory::follow(const Session& session, const TransferCurves* curves, bool isHeld) {
+  if (std::exchange(scene_, session.sceneCount()) != session.sceneCount()) {
+    last_.reset();
+    done_.clear();
+    undone_.clear();
+  }
+  if (last_ && isHeld && !isTaken_) return;
+  EditState now = stateOf(session, curves);
+  if (last_ && !std::exchange(isTaken_, false) && !changeBetween(*last_, now).empty()) {
+    undone_.clear();
+    done_.push_back(std::move(*last_));
+    if (done_.size() > kMost) done_.erase(done_.begin());
+  }
+  last_ = std::move(now);
+}
+
+std::optional<EditState> EditHistory::step(std::vector<EditState>& from, std::vector<EditState>& to) {
+  if (from.empty()) return std::nullopt;
+  to.push_back(std::move(*last_));
+  last_ = std::move(from.back());
+  from.pop_back();
+  isTaken_ = true;
+  return last_;
+}
+
+}  // namespace warpscope
