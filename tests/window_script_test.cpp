@@ -188,6 +188,26 @@ TEST_F(WindowScriptTest, TheTransferFunctionIsEditedAndTakenBack) {
   EXPECT_TRUE(rest());
 }
 
+TEST_F(WindowScriptTest, AnErrorLiesOverThePicturesWhichStayAsLarge) {
+  ASSERT_TRUE(openAndRest("block"));
+  const glm::uvec2 size = session_.pictureSize();
+  session_.load({"nothing", [](const std::function<void()>&, const std::stop_token&) -> ConnectedScene { throw InputError("there is no such scene"); }});
+  ASSERT_TRUE(waitUntil([&] { return !session_.error().empty(); }));
+  window_.frames(3);
+  EXPECT_EQ(session_.pictureSize(), size);
+  window_.click({960.0f, 55.0f});  // its button
+  EXPECT_EQ(session_.error(), "");
+}
+
+TEST_F(WindowScriptTest, AboutSaysWhatItIsUntilEsc) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.view().perform(Action::about, session_);
+  window_.frames(2);
+  EXPECT_TRUE(window_.view().showsAbout());
+  press(Action::goBack);
+  EXPECT_FALSE(window_.view().showsAbout());
+}
+
 TEST_F(WindowScriptTest, KnobsAndPanelsAreTakenBackToo) {
   ASSERT_TRUE(openAndRest("block"));
   const LiveSettings before = session_.knobs();

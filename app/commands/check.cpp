@@ -75,7 +75,7 @@ void checkFolder(const CheckOptions& options) {
           }};
   std::vector<CheckedPicture> pictures;
   size_t failures = 0, made = 0;
-  {
+  try {
     Progress progress("check", plan.pictures(), !options.common.showsProgress());
     checkPictures(
         plan, options.updates, tools,
@@ -90,9 +90,12 @@ void checkFolder(const CheckOptions& options) {
           pictures.push_back(std::move(picture));
         },
         interrupt.token());
+    if (interrupt.token().stop_requested()) throw OperationCancelled();
+  } catch (const OperationCancelled&) {
+    if (made > 0) logWarning("none of the pictures called made was kept: " + plan.folder.string() + " is as it was");
+    throw;
   }
   out.write(std::string(kPage), checkPage(pictures, title));
-  if (interrupt.token().stop_requested()) throw OperationCancelled();
   if (golden) golden->commit();
   out.commit();
   removeFormer(pictures, options.out);

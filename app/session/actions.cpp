@@ -9,7 +9,7 @@
 namespace warpscope {
 namespace {
 
-constexpr std::array<ActionDescriptor, 35> kActions{{
+constexpr std::array<ActionDescriptor, 36> kActions{{
     {Action::open, ActionMenu::file, "Open...", "Ctrl+O", "A scene, a volume, a transfer function, a sweep, a session or a recording: also by dropping it onto the window"},
     {Action::saveSession, ActionMenu::file, "Save session...", "Ctrl+S", "The scene, its look, the camera, the panels and all knobs, in a file"},
     {Action::restoreLast, ActionMenu::file, "Last session", "", "What was on show when a window was closed last"},
@@ -45,6 +45,7 @@ constexpr std::array<ActionDescriptor, 35> kActions{{
     {Action::lightTheme, ActionMenu::view, "Light theme", "", "Dark text on a light ground, or light text on a dark one"},
     {Action::fullScreen, ActionMenu::view, "Full screen", "F11", "The window on the whole screen, or as it was"},
     {Action::help, ActionMenu::help, "Keys", "F1 or ?", "All keys"},
+    {Action::about, ActionMenu::help, "About", "", "Which version this is, and what it runs on"},
 }};
 
 KeyChord chordOf(std::string_view text) {

@@ -46,6 +46,7 @@ enum class Action {
   lightTheme,
   fullScreen,
   help,
+  about,
 };
 
 enum class ActionMenu { file, edit, view, panel, help, none };

@@ -12,6 +12,7 @@
 #include "app/session/session_file.h"
 #include "app/shell/output_files.h"
 #include "app/shell/user_folders.h"
+#include "app/ui/help_pages.h"
 #include "app/ui/playback_bar.h"
 #include "app/ui/ray_view.h"
 #include "render/base/error.h"
@@ -55,7 +56,7 @@ std::filesystem::path currentFolder() {
 }  // namespace
 
 MainView::MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, Remembered& remembered, std::function<void()> onNews)
-    : grid_(gl), plot_(std::move(sweep)), openScene_(openScene), remembered_(remembered), fileSorter_(makeFileSorter(onNews)), keeper_(currentFolder(), std::move(onNews)) {}
+    : gl_(gl), grid_(gl), plot_(std::move(sweep)), openScene_(openScene), remembered_(remembered), fileSorter_(makeFileSorter(onNews)), keeper_(currentFolder(), std::move(onNews)) {}
 
 void MainView::takeHandedFile(Session& session) {
   std::optional<HandedFile> file = fileSorter_->tryTake();
@@ -141,8 +142,8 @@ void MainView::savePlot(const Session& session) {
 }
 
 void MainView::goBack() {
-  if (showsKeys_)
-    showsKeys_ = false;
+  if (showsKeys_ || showsAbout_)
+    showsKeys_ = showsAbout_ = false;
   else if (!controls_.endSearch() && !grid_.goBack())
     windowActions_.push_back(Action::goBack);
 }
@@ -199,6 +200,7 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
     case Action::fullScreen: return windowActions_.push_back(action);
     case Action::goBack: return goBack();
     case Action::help: showsKeys_ = !showsKeys_; return;
+    case Action::about: showsAbout_ = !showsAbout_; return;
     case Action::resetView: return session.resetView(*panel);
     case Action::freeze: return toggleFrozen(session);
     case Action::play: return session.playback().setPlaying(!session.playback().isPlaying());
@@ -383,30 +385,6 @@ void MainView::drawNote(const Look& look) {
   list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ImGui::GetColorU32(kTextOnPicture), text.c_str(), nullptr, wrap);
 }
 
-void MainView::drawKeys(const Look& look) {
-  const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({std::min(look.px(620.0f), 0.96f * display.x), 0.0f});
-  ImGui::SetNextWindowSizeConstraints({0.0f, 0.0f}, {display.x, 0.9f * display.y});
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImGui::GetStyleColorVec4(ImGuiCol_PopupBg));
-  if (ImGui::Begin("Keys", &showsKeys_, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings) &&
-      ImGui::BeginTable("keys", 2)) {
-    ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, look.px(150.0f));
-    ImGui::TableSetupColumn("what it does", ImGuiTableColumnFlags_WidthStretch);
-    const auto row = [](std::string_view keys, std::string_view what) {
-      ImGui::TableNextColumn();
-      ImGui::TextColored(palette().accent, "%s", std::string(keys).c_str());
-      ImGui::TableNextColumn();
-      ImGui::TextWrapped("%s", std::string(what).c_str());
-    };
-    row("drag", "Orbit; with the right button pan, with the wheel zoom; a double click brings the first view back");
-    for (const ActionDescriptor& action : windowActions()) row(!action.keys.empty() ? std::string(action.keys) : "menu", std::string(action.label.substr(0, action.label.find("..."))) + ". " + std::string(action.help));
-    ImGui::EndTable();
-  }
-  ImGui::End();
-  ImGui::PopStyleColor();
-}
-
 void MainView::drawBottom(Session& session, const Look& look) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(8.0f), look.px(8.0f)});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(6.0f)});
@@ -434,8 +412,8 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   ImGui::BeginChild("panels", {ImGui::GetContentRegionAvail().x - sideBar, bodyHeight}, false,
                     ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::PopStyleColor();
-  drawErrorBanner(session, look);
   drawLinkSign(session, look);
+  const ImVec2 top = ImGui::GetCursorPos();
   ImVec2 room = ImGui::GetContentRegionAvail();
   room.y -= playbackHeight(session, room.x, look);
   const float bottom = plot_.height(room.y, look) + look.px(kMargin);
@@ -449,6 +427,8 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   followedCamera_ = session.playback().isOpen() && session.playback().followsCamera();
   if (hasBottom) drawBottom(session, look);
   if (asked) perform(asked->action, session, session.placeOf(asked->panel));
+  ImGui::SetCursorPos(top);  // over the panels, which stay as they are
+  drawErrorBanner(session, look);
   ImGui::EndChild();
   ImGui::PopStyleVar(2);
   if (remembered_.hasSideBar) {
@@ -499,7 +479,8 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   ImGui::End();
   if (const std::optional<Action> action = controls_.transferEditor().takeAction()) perform(*action, session);
   history_.follow(session, controls_.transferEditor().curves(session), ImGui::IsAnyItemActive() || ImGui::IsAnyMouseDown());
-  if (showsKeys_) drawKeys(look);
+  if (showsKeys_) drawKeysPage(showsKeys_, look);
+  if (showsAbout_) drawAboutPage(showsAbout_, session, gl_.renderer, look);
   drawDialog(session, look);
   drawNote(look);
 }

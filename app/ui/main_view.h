@@ -41,6 +41,7 @@ class MainView {
   void draw(Session& session, double displayFramesPerSecond, const HeldKeys& held, const Look& look);
 
   bool showsKeys() const { return showsKeys_; }
+  bool showsAbout() const { return showsAbout_; }
   bool showsDialog() const { return dialog_.isOpen(); }
   /// What is typed into the field in which knobs are searched.
   std::string_view searched() const { return controls_.searched(); }
@@ -84,7 +85,6 @@ class MainView {
   void drawBody(Session& session, const HeldKeys& held, const Look& look);
   /// The plot, and the ray that is looked at.
   void drawBottom(Session& session, const Look& look);
-  void drawKeys(const Look& look);
   void drawDialog(Session& session, const Look& look);
   void drawNote(const Look& look);
   void showDialog(FileDialog::Purpose purpose, const std::string& name = "");
@@ -92,6 +92,7 @@ class MainView {
   void saveSession(const Session& session, const std::filesystem::path& path);
   void startRecording(Session& session, const std::filesystem::path& path);
 
+  const WindowGl& gl_;
   Controls controls_;
   EditHistory history_;
   PanelGrid grid_;
@@ -102,7 +103,7 @@ class MainView {
   uint64_t sceneSeen_ = 0;  // that was remembered last, as Session::sceneCount()
   FileKeeper keeper_;
   std::vector<Action> windowActions_;
-  bool showsKeys_ = false;
+  bool showsKeys_ = false, showsAbout_ = false;
   FileDialog dialog_;
   TypeAhead typeAhead_;
   std::filesystem::path recordedFile_;  // that is being recorded; empty where it was not begun here

@@ -162,7 +162,13 @@ void drawLinkSign(const Session& session, const Look& look) {
   }
   constexpr float kTimesTheUsual = 1.25f;
   const float size = kTimesTheUsual * ImGui::GetFontSize(), height = size + look.px(8.0f), width = ImGui::GetContentRegionAvail().x;
-  if (kTimesTheUsual * ImGui::CalcTextSize(text.c_str()).x > width - look.px(20.0f)) text = brief;
+  const auto fits = [&](const std::string& words) { return kTimesTheUsual * ImGui::CalcTextSize(words.c_str()).x <= width - look.px(20.0f); };
+  if (!fits(text)) text = brief;
+  // What came of it, which the link's own delay is a part of.
+  if (const FrameLatency latency = session.panel(0).latency; !hasOutage && hasLink && latency.wireMs > 0.0) {
+    const std::string measured = text + ". A frame takes " + durationText(latency.totalMs()) + ", the wire " + durationText(latency.wireMs) + " of it";
+    if (fits(measured)) text = measured;
+  }
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::Dummy({width, height});
   tooltip("What is on show is older than a round trip: a frame is marched, coded, sent and drawn as well, and may wait for the one before it. The coloured bars beneath the pictures say where the time goes.", look);
