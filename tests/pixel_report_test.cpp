@@ -134,5 +134,23 @@ TEST_F(PixelReportTest, ALightsPlacesAreSharesOfWhatTheRayBrings) {
   EXPECT_TRUE(toJson(RayTrace{}, rayBehind(inputs(), {1, 0}), {})["light"].is_null());
 }
 
+TEST(PixelReport, WhereThereIsNoRoomWhatIsLeastAskedForGoesFirst) {
+  const std::vector<std::pair<std::string, std::string>> all{{"pixel", "1, 2"},   {"shows", "a sample"},     {"colour", "1 2 3"}, {"opacity", "0.5"},      {"depth", "7"},
+                                                             {"radius", "0.8"}, {"server's pixel", "3, 4"}, {"truth", "4 5 6"}, {"its opacity", "0.6"}, {"FLIP", "0.01"}};
+  const auto namesOf = [&](size_t most) {
+    auto lines = all;
+    shorten(lines, most);
+    std::string names;
+    for (const auto& [name, figure] : lines) names += name + " ";
+    return names;
+  };
+  EXPECT_EQ(namesOf(10), "pixel shows colour opacity depth radius server's pixel truth its opacity FLIP ");
+  EXPECT_EQ(namesOf(9), "pixel shows colour opacity depth radius truth its opacity FLIP ");
+  EXPECT_EQ(namesOf(6), "shows colour opacity depth truth FLIP ");
+  EXPECT_EQ(namesOf(4), "colour depth truth FLIP ");
+  EXPECT_EQ(namesOf(2), "colour depth ");
+  EXPECT_EQ(namesOf(0), "");
+}
+
 }  // namespace
 }  // namespace warpscope

@@ -2,6 +2,7 @@
 // See pixel_report.h.
 #include "app/picture/pixel_report.h"
 
+#include <array>
 #include <cmath>
 
 #include "app/picture/picture.h"
@@ -96,6 +97,13 @@ std::vector<std::pair<std::string, std::string>> linesOf(const PixelReport& repo
   }
   if (report.flip) lines.emplace_back("FLIP", formatted("%.4f", *report.flip));
   return lines;
+}
+
+void shorten(std::vector<std::pair<std::string, std::string>>& lines, size_t most) {
+  constexpr std::array<std::string_view, 8> kLeastFirst{"server's pixel", "pixel", "its opacity", "radius", "shows", "segments", "opacity", "their depth"};
+  for (const std::string_view name : kLeastFirst)
+    if (lines.size() > most) std::erase_if(lines, [&](const auto& line) { return line.first == name; });
+  if (lines.size() > most) lines.resize(most);
 }
 
 std::string textOf(const PixelReport& report) {

@@ -47,6 +47,8 @@ PixelReport pixelReport(const ContentInputs& inputs, const glm::uvec2& place);
 
 /// Pairs of a name and a figure, "radius" and "0.87 volume units"; what is not known is left out.
 std::vector<std::pair<std::string, std::string>> linesOf(const PixelReport& report);
+/// At most so many of them, where there is no room for all: what is least asked for goes first.
+void shorten(std::vector<std::pair<std::string, std::string>>& lines, size_t most);
 
 /// These lines, one below the other, with a tab between name and figure.
 std::string textOf(const PixelReport& report);

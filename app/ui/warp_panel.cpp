@@ -236,7 +236,7 @@ constexpr int kLoupePixels = 11;                         // of the picture along
 constexpr float kLoupePx = 132.0f, kLoupeTextPx = 156.0f;  // at scale 1
 
 /// The pixels about a place, enlarged, with a grid, in the corner that is farthest from it; what is known of the pixel in its middle beside them.
-void drawLoupe(const OnShow& shown, const glm::dvec2& place, const std::vector<std::pair<std::string, std::string>>& lines, const Area& area, const Look& look) {
+void drawLoupe(const OnShow& shown, const glm::dvec2& place, std::vector<std::pair<std::string, std::string>> lines, const Area& area, const Look& look) {
   const glm::ivec2 size(shown.size);
   const glm::ivec2 pixel = glm::clamp(glm::ivec2(place * glm::dvec2(size)), glm::ivec2(0), size - 1);
   const glm::ivec2 count = glm::min(glm::ivec2(kLoupePixels), size);
@@ -249,6 +249,7 @@ void drawLoupe(const OnShow& shown, const glm::dvec2& place, const std::vector<s
   const float width = loupe.x + (hasText ? look.px(kLoupeTextPx) : 0.0f), margin = look.px(6.0f);
   ImGui::PushFont(look.fonts.small);
   const float lineHeight = ImGui::GetTextLineHeight() + look.px(1.0f);
+  shorten(lines, static_cast<size_t>(std::max(1.0f, (area.size.y - 2.0f * margin) / lineHeight)));
   const float textHeight = hasText ? lineHeight * static_cast<float>(lines.size()) : 0.0f;
   const ImVec2 at{place.x < 0.5 ? area.to().x - width - margin : area.from.x + margin, area.to().y - loupe.y - margin};
   const ImVec2 to{at.x + loupe.x, at.y + loupe.y};
