@@ -254,6 +254,9 @@ TEST_F(Refusal, BenchesOfNothing) {
   expectRefused({"bench", "block", "--runs", "0"}, kUsage, {"--runs"});
   expectRefused({"bench", "block", "--runs", "1.5"}, kUsage, {"--runs"});
   expectRefused({"bench", "block", "--technique", "reference"}, kUsage, {"reference", "no frames"});
+  expectRefused({"bench", "block", "--against", "nowhere.json"}, kFailure, {"nowhere.json"});
+  std::ofstream(folder_.path() / "other.json") << R"({"backends": [{"backend": "cpu"}]})";
+  expectRefused({"bench", "block", "--against", (folder_.path() / "other.json").string()}, kFailure, {"other.json", "no figures"});
   expectRefused({"bench", "block", "--technique", "sphere"}, kUsage, {"sphere", "spheres"});
   expectRefused({"bench", "block", "--technique", "segments", "--segments", "0"}, kUsage, {"segments", "--segments 0"});
   expectRefused({"bench", "block", "--technique", "proxy", "--proxy", "0"}, kUsage, {"proxy", "--proxy 0"});

@@ -151,6 +151,28 @@ TEST_F(CommandLine, BenchOfChosenTechniquesAsText) {
   EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("spheres")));
 }
 
+TEST_F(CommandLine, BenchBesideAnEarlierRun) {
+  const std::vector<std::string> bench = quick({"bench", "block", "--backend", "cpu", "--runs", "3", "--technique", "splats", "--json"}, "64x64");
+  std::ofstream(folder_.path() / "then.json") << succeed(bench).out;
+  std::vector<std::string> again = bench;
+  again.insert(again.end(), {"--against", (folder_.path() / "then.json").string()});
+  const json report = document(again);
+  ASSERT_GT(report["against"]["figures"].size(), 10u);
+  for (const json& figure : report["against"]["figures"])
+    if (figure["what"] == "bytes") EXPECT_EQ(figure["verdict"], "the same") << figure;
+  EXPECT_TRUE(report["against"]["onlyBefore"].empty());
+  EXPECT_TRUE(report["against"]["onlyNow"].empty());
+  EXPECT_TRUE(report["against"]["differences"].empty());
+  std::erase(again, "--json");
+  EXPECT_THAT(succeed(again).err, testing::AllOf(testing::HasSubstr("against "), testing::HasSubstr("cpu: splats, 25°\n  drawMs ")));
+
+  std::vector<std::string> smaller = again;
+  std::ranges::replace(smaller, "64x64", "32x64");
+  const ProgramResult refused = run(smaller);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, testing::HasSubstr("then.json: width was 64 then and is 32 now"));
+}
+
 TEST_F(CommandLine, BenchMeasuresEffectsAloneTogetherAndLeftOut) {
   const json report = document(quick({"bench", "block", "--backend", "cpu", "--runs", "3", "--effects", "--shading", "0.5", "--json"}, "96x64"));
   ASSERT_EQ(report["backends"].size(), 1u);

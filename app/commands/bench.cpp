@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/options.h"
+#include "app/experiment/bench_comparison.h"
 #include "app/experiment/benchmark.h"
 #include "app/experiment/effect_costs.h"
 #include "app/frames/backend.h"
@@ -27,7 +28,39 @@ struct BenchOptions {
   std::vector<std::string> techniques;
   int runs = 50;
   bool measuresEffects = false;
+  std::string against;  ///< an earlier report; empty: none
 };
+
+/// What is measured; the figures come later.
+Json reportOf(const BenchOptions& options, const CommandContext& work) {
+  Json report = toJson(work.march);
+  report["scene"] = work.scene.name;
+  report["width"] = work.width;
+  report["height"] = work.height;
+  report["runs"] = options.runs;
+  report["version"] = WARPSCOPE_VERSION;
+  return report;
+}
+
+/// An earlier report of the same, if one was named; throws before anything is measured.
+std::optional<JsonDocument> earlierReport(const BenchOptions& options, const Json& report) {
+  if (options.against.empty()) return std::nullopt;
+  JsonDocument earlier = JsonDocument::fromFile(options.against, JsonDocument::kLargestMeasured);
+  if (!earlier.value().is_object() || figuresOf(earlier.value()).empty()) throw InputError(options.against + ": has no figures of `warpscope bench --json`");
+  if (const std::string why = whyNotComparable(earlier.value(), report); !why.empty()) throw UsageError("--against " + options.against + ": " + why);
+  return earlier;
+}
+
+/// The report, or what `printRun` prints for people; and beside it the earlier one.
+void say(const BenchOptions& options, Json report, const std::optional<JsonDocument>& earlier, const std::function<void()>& printRun) {
+  if (options.common.json) {
+    if (earlier) report["against"] = toJson(compared(earlier->value(), report));
+    std::cout << textOf(report);
+  } else if (!options.common.quiet) {
+    printRun();
+    if (earlier) std::fprintf(stderr, "\nagainst %s, medians and half of what is between their quartiles\n%s", options.against.c_str(), textOf(compared(earlier->value(), report)).c_str());
+  }
+}
 
 Json toJson(const FrameBenchmark& frame) {
   const auto& [march, coding] = frame;
@@ -36,10 +69,13 @@ Json toJson(const FrameBenchmark& frame) {
           {"compactMs", march.compact.medianMs},
           {"compactSpreadMs", march.compact.spreadMs},
           {"copyMs", march.copy.medianMs},
+          {"copySpreadMs", march.copy.spreadMs},
           {"samplesMs", march.samples.medianMs},
+          {"samplesSpreadMs", march.samples.spreadMs},
           {"encodeMs", coding.encode.medianMs},
           {"encodeSpreadMs", coding.encode.spreadMs},
           {"decodeMs", coding.decode.medianMs},
+          {"decodeSpreadMs", coding.decode.spreadMs},
           {"bytes", coding.bytes.ofFrame()}};
 }
 
@@ -54,7 +90,9 @@ Json toJson(const TechniqueBenchmark& technique, const Scene& scene) {
             {"buildMs", technique.first.build.build.medianMs},
             {"buildSpreadMs", technique.first.build.build.spreadMs},
             {"uploadMs", technique.first.build.upload.medianMs},
+            {"uploadSpreadMs", technique.first.build.upload.spreadMs},
             {"firstPictureMs", technique.first.firstPicture.medianMs},
+            {"firstPictureSpreadMs", technique.first.firstPicture.spreadMs},
             {"views", views}};
   if (technique.frame) json.update(toJson(*technique.frame));
   return json;
@@ -145,6 +183,8 @@ void benchEffects(const BenchOptions& options) {
   if (!options.techniques.empty()) throw UsageError("--effects measures marches: it takes no --technique");
   const Interrupt interrupt;
   const CommandContext work = prepare(options.common, interrupt.token());
+  Json report = reportOf(options, work);
+  const std::optional<JsonDocument> earlier = earlierReport(options, report);
   const Camera camera = makeCamera(work.scene, work.scene.views.front(), work.width, work.height);
   const auto marchers = marchersFor(work.backend);
   Json backends = Json::array();
@@ -159,23 +199,14 @@ void benchEffects(const BenchOptions& options) {
     json["device"] = deviceText(marcher->backend());
     backends.push_back(json);
   }
-  if (!options.common.json) {
-    if (options.common.quiet) return;
+  report["backends"] = backends;
+  say(options, std::move(report), earlier, [&] {
     for (const auto& [backend, costs] : results) {
       std::fprintf(stderr, "\n%s (%s), %s, %ux%u: a march, and what it takes more\n", std::string(nameOf(backend)).c_str(), deviceText(backend).c_str(),
                    work.scene.name.c_str(), work.width, work.height);
       printCosts(costs);
     }
-    return;
-  }
-  Json report = toJson(work.march);
-  report["scene"] = work.scene.name;
-  report["width"] = work.width;
-  report["height"] = work.height;
-  report["runs"] = options.runs;
-  report["backends"] = backends;
-  report["version"] = WARPSCOPE_VERSION;
-  std::cout << textOf(report);
+  });
 }
 
 void bench(const BenchOptions& options) {
@@ -197,6 +228,8 @@ void bench(const BenchOptions& options) {
     logWarning(std::string(technique->name) + " is left out: " + lack);
     return true;
   });
+  const Json conditions = reportOf(options, work);
+  const std::optional<JsonDocument> earlier = earlierReport(options, conditions);
   settings.march = work.march;
   settings.warp = work.warp;
   settings.width = work.width;
@@ -219,17 +252,11 @@ void bench(const BenchOptions& options) {
   Json backends = Json::array();
   for (const BackendBenchmark& result : results) backends.push_back(toJson(result, work.scene));
   Json report = backends.back();  // the fastest there is
-  report["scene"] = work.scene.name;
-  report["width"] = work.width;
-  report["height"] = work.height;
-  report.update(toJson(work.march));
-  report["runs"] = options.runs;
-  report["version"] = WARPSCOPE_VERSION;
+  report.update(conditions);
   report["backends"] = backends;
-  if (options.common.json)
-    std::cout << textOf(report);
-  else if (!options.common.quiet)
+  say(options, std::move(report), earlier, [&] {
     for (const BackendBenchmark& result : results) printResult(result, work.scene);
+  });
 }
 
 }  // namespace
@@ -242,6 +269,7 @@ void addBenchCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--runs", options->runs, "Times that everything is measured, after a warm-up")->capture_default_str();
   command->add_flag("--effects", options->measuresEffects,
                     "Measure effects instead: no effect, each alone, all together, all but each; an example of each that the scene has not");
+  command->add_option("--against", options->against, "What `bench --json` wrote of an earlier run of the same: its figures beside today's, the ratio, and whether they differ by more than they vary");
   command->callback([options, &chosen] { chosen = [options] { bench(*options); }; });
 }
 
