@@ -33,6 +33,7 @@ struct ServeOptions {
   std::string portFile;
   bool isSecure = false;
   double workSeconds = std::chrono::duration<double>(ServeLimits{}.work).count();
+  int clients = static_cast<int>(net::ServerSettings{}.clients.most);
   double memoryMiB = static_cast<double>(ServeLimits{}.memoryBytes >> 20);
 };
 
@@ -79,8 +80,12 @@ void waitForEnd(const std::stop_token& stop) {
 }
 
 net::ServerSettings settingsFor(const ServeOptions& options, const net::HostPort& listen) {
+  constexpr int kMostClients = 4096;
+  if (options.clients < 1 || options.clients > kMostClients) throw UsageError("--clients must be between 1 and " + std::to_string(kMostClients));
   net::ServerSettings settings;
   settings.listen = listen;
+  settings.clients.most = static_cast<size_t>(options.clients);
+  settings.clients.mostOfAnAddress = settings.clients.most - settings.clients.most / 4;  // nobody takes all places alone
   settings.onNote = logDetail;
   settings.onWrongToken = logWarning;
   if (options.isSecure || !net::isLoopback(listen.host)) {
@@ -131,6 +136,7 @@ void addServeCommand(CLI::App& program, std::function<void()>& chosen) {
       ->capture_default_str();
   command->add_option("--port-file", options->portFile, "File to write the port to once clients can connect");
   command->add_flag("--secure", options->isSecure, "TLS and a token also on loopback");
+  command->add_option("--clients", options->clients, "Clients at a time, three quarters of them from one address; one more takes the place of one that does nothing, or is turned away")->capture_default_str();
   command->add_option("--work-limit", options->workSeconds, "Seconds of marching that a request may take")
       ->capture_default_str();
   command->add_option("--memory-limit", options->memoryMiB, "MiB of memory for all frames that are made or sent; one gets at most a 16th of it. By itself half of the machine's, at most 8192");
