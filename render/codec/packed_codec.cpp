@@ -2,12 +2,11 @@
 // See packed_codec.h.
 #include "render/codec/packed_codec.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 
+#include "render/base/shared_pool.h"
 #include "render/codec/bytes.h"
 #include "render/codec/packed_band.h"
 #include "render/codec/picture_bands.h"
@@ -47,9 +46,10 @@ class PackedCodec final : public Codec {
 
     packed_.resize(bands.count());
     parallelForRanges(bands.count(), 1, [&](size_t begin, size_t end) {
+      const auto packer = packers_->take();
       for (size_t band = begin; band < end; ++band) {
         packed_[band].clear();
-        packers_.local().pack(frame, bands.rows(band), band > 0 ? ends_[band - 1] : 0, ends_[band], settings, packed_[band]);
+        packer->pack(frame, bands.rows(band), band > 0 ? ends_[band - 1] : 0, ends_[band], settings, packed_[band]);
       }
     });
 
@@ -101,9 +101,10 @@ class PackedCodec final : public Codec {
     DecodeError firstError;
     size_t firstErrorBand = bands.count();
     parallelForRanges(bands.count(), 1, [&](size_t begin, size_t end) {
+      const auto packer = packers_->take();
       for (size_t band = begin; band < end; ++band) {
         const size_t from = band > 0 ? ends_[band - 1] : 0, samples = ends_[band] - from;
-        DecodeError error = packers_.local().unpack(all.subspan(starts_[band], starts_[band + 1] - starts_[band]), frame, bands.rows(band), coding,
+        DecodeError error = packer->unpack(all.subspan(starts_[band], starts_[band + 1] - starts_[band]), frame, bands.rows(band), coding,
                                                     {frame.samples.data() + from, samples}, {frame.colors.data() + from, samples},
                                                     layers.empty() ? layers : layers.subspan(from, samples));
         if (!error) continue;
@@ -168,7 +169,7 @@ class PackedCodec final : public Codec {
 
   std::vector<size_t> starts_, ends_;  // of bands: first byte; sample after the last
   std::vector<std::vector<std::byte>> packed_;
-  tbb::enumerable_thread_specific<BandPacker> packers_;
+  const std::shared_ptr<SharedPool<BandPacker>> packers_ = SharedPool<BandPacker>::ofProcess();
 };
 
 }  // namespace

@@ -2,11 +2,10 @@
 // See segment_coding.h.
 #include "render/codec/segment_coding.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 
 #include "render/base/error.h"
+#include "render/base/shared_pool.h"
 #include "render/codec/color_planes.h"
 #include "render/codec/picture_bands.h"
 #include "render/codec/segment_band.h"
@@ -133,13 +132,12 @@ DecodeError takeRaw(ByteReader& reader, bool hasNormals, size_t most, SampleFram
 
 }  // namespace
 
-struct SegmentCoder::Buffers {
-  tbb::enumerable_thread_specific<SegmentBand> bands;
-};
-
-SegmentCoder::SegmentCoder() : buffers_(std::make_unique<Buffers>()) {}
+SegmentCoder::SegmentCoder() : bands_(SharedPool<SegmentBand>::ofProcess()) {}
 SegmentCoder::~SegmentCoder() = default;
-void SegmentCoder::forget() { buffers_->bands.clear(); }
+
+void SegmentCoder::forget() {
+  if (bands_.use_count() == 1) bands_->forget();  // else others need them
+}
 
 uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, const CodecSettings& settings) {
   if (marched.sample.segments == 0) return 0;
@@ -173,8 +171,9 @@ void SegmentCoder::append(std::vector<std::byte>& out, const SampleFrame& frame,
   const std::vector<size_t> begins = beginsOf(bands, frame);
   std::vector<std::vector<std::byte>> packed(bands.count());
   parallelForRanges(bands.count(), 1, [&](size_t from, size_t to) {
+    const auto own = bands_->take();
     for (size_t band = from; band < to; ++band)
-      buffers_->bands.local().pack(frame, placement, shapeOf(bands, frame.camera, band), begins[band], settings, packed[band]);
+      own->pack(frame, placement, shapeOf(bands, frame.camera, band), begins[band], settings, packed[band]);
   });
   appendLittle(out, hashOf(segments));
   for (const std::vector<std::byte>& band : packed) appendLittle(out, static_cast<uint32_t>(band.size()));
@@ -206,10 +205,11 @@ DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat f
   if (reader.ranOut() || reader.left() > 0) return "the bands of the segments have other lengths than their list says";
   std::vector<DecodeError> errors(bands.count());
   parallelForRanges(bands.count(), 1, [&](size_t from, size_t to) {
+    const auto own = bands_->take();
     for (size_t band = from; band < to; ++band) {
       const MaskShape shape = shapeOf(bands, frame.camera, band);
       const auto rays = std::span(segments.rays).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width);
-      if (!buffers_->bands.local().takeRays(readers[band], shape, rays)) errors[band] = "what rays have of segments is damaged";
+      if (!own->takeRays(readers[band], shape, rays)) errors[band] = "what rays have of segments is damaged";
     }
   });
   const auto firstError = [&]() -> DecodeError {
@@ -227,8 +227,9 @@ DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat f
   segments.colors.resize(count);
   segments.normals.resize(hasNormals == 1 ? count : 0);
   parallelForRanges(bands.count(), 1, [&](size_t from, size_t to) {
+    const auto own = bands_->take();
     for (size_t band = from; band < to; ++band) {
-      errors[band] = buffers_->bands.local().unpack(readers[band], placement, shapeOf(bands, frame.camera, band), coding, begins[band], frame);
+      errors[band] = own->unpack(readers[band], placement, shapeOf(bands, frame.camera, band), coding, begins[band], frame);
       if (!errors[band] && (readers[band].ranOut() || readers[band].left() > 0)) errors[band] = "a band of segments is longer or shorter than it should be";
     }
   });

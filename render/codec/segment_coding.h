@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "render/base/shared_pool.h"
 #include "render/codec/codec.h"
 
 namespace warpscope {
@@ -24,7 +25,9 @@ uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, co
 /// a count for each pixel of its picture.
 void requireConsistentSegments(const SampleFrame& frame);
 
-/// Keeps its buffers; one thread at a time, and works on all cores itself.
+class SegmentBand;
+
+/// One thread at a time, and works on all cores itself. Buffers are those of all coders.
 class SegmentCoder {
  public:
   SegmentCoder();
@@ -36,12 +39,11 @@ class SegmentCoder {
   /// Fills the frame's segments, at most `most`; its camera (whose picture has a usable size), quantisation and settings are known.
   DecodeError take(std::span<const std::byte> bytes, PayloadFormat format, size_t most, SampleFrame& frame);
 
-  /// Gives buffers back.
+  /// Gives buffers back that no other coder may want.
   void forget();
 
  private:
-  struct Buffers;
-  std::unique_ptr<Buffers> buffers_;
+  const std::shared_ptr<SharedPool<SegmentBand>> bands_;
 };
 
 }  // namespace warpscope

@@ -29,16 +29,14 @@ Turns::Turn Turns::take(const std::stop_token& stop) {
   const auto begin = std::chrono::steady_clock::now();
   Row& row = *row_;
   std::unique_lock lock(row.mutex);
-  const uint64_t ticket = ++row.lastTicket;
-  row.tickets.push_back(ticket);
-  row.changed.wait(lock, stop, [&] { return !row.isTaken && row.tickets.front() == ticket; });
+  Ticket ticket;
+  row.tickets.push_back(&ticket);
+  ticket.changed.wait(lock, stop, [&] { return !row.isTaken && row.tickets.front() == &ticket; });
+  std::erase(row.tickets, &ticket);
   if (stop.stop_requested()) {
-    std::erase(row.tickets, ticket);
-    lock.unlock();
-    row.changed.notify_all();  // it may have been the first
+    row.wakeFirst();  // another may be it now
     throw OperationCancelled();
   }
-  row.tickets.pop_front();
   row.isTaken = true;
   lock.unlock();
   waitedNs_ += std::chrono::nanoseconds(std::chrono::steady_clock::now() - begin).count();
@@ -46,11 +44,9 @@ Turns::Turn Turns::take(const std::stop_token& stop) {
 }
 
 void Turns::end() {
-  {
-    const std::scoped_lock lock(row_->mutex);
-    row_->isTaken = false;
-  }
-  row_->changed.notify_all();
+  const std::scoped_lock lock(row_->mutex);
+  row_->isTaken = false;
+  row_->wakeFirst();
 }
 
 size_t Turns::waiting() const {

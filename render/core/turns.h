@@ -63,12 +63,19 @@ class Turns {
   std::chrono::nanoseconds exchangeWaited() { return std::chrono::nanoseconds(waitedNs_.exchange(0)); }
 
  private:
+  /// Who waits is woken alone, when it is the first: with one condition for all each turn would wake as many threads as there are jobs.
+  struct Ticket {
+    std::condition_variable_any changed;
+  };
   struct Row {
     std::mutex mutex;
-    std::condition_variable_any changed;
-    std::deque<uint64_t> tickets;  // of those that wait, the first one first
-    uint64_t lastTicket = 0;
+    std::deque<Ticket*> tickets;  // of those that wait, the first one first
     bool isTaken = false;
+
+    /// Under the mutex, so that the ticket is there as long as that takes.
+    void wakeFirst() {
+      if (!isTaken && !tickets.empty()) tickets.front()->changed.notify_one();
+    }
   };
 
   Turns(TurnSettings settings, std::shared_ptr<Row> row) : settings_(settings), row_(std::move(row)) {}
