@@ -24,23 +24,30 @@ void RequestQueue::leave(ClientId client) {
 }
 
 bool RequestQueue::put(ClientId client, const FrameRequest& request, TimePoint arrivedAt) {
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto found = find(client);
-    if (found == clients_.end() || request.id <= found->lastId) return false;
-    found->lastId = request.id;
-    if (found->waiting.size() >= found->depth) found->waiting.pop_back();
-    found->waiting.push_back({client, request, arrivedAt, found->left.get_token()});
-  }
-  changed_.notify_all();  // one alone might be about to stop
+  const std::scoped_lock lock(mutex_);
+  const auto found = find(client);
+  if (found == clients_.end() || request.id <= found->lastId) return false;
+  found->lastId = request.id;
+  if (found->waiting.size() >= found->depth) found->waiting.pop_back();
+  found->waiting.push_back({client, request, arrivedAt, found->left.get_token()});
+  callOne();
   return true;
 }
 
 std::optional<RequestJob> RequestQueue::take(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  Clients::iterator turn;
-  changed_.wait(lock, stop, [&] { return (turn = next()) != clients_.end(); });
-  if (stop.stop_requested()) return std::nullopt;
+  Clients::iterator turn = next();
+  while (turn == clients_.end() && !stop.stop_requested()) {
+    Idle self;
+    idle_.push_back(&self);
+    self.changed.wait(lock, stop, [&] { return self.isCalled; });
+    std::erase(idle_, &self);  // it may not have been called
+    turn = next();
+  }
+  if (stop.stop_requested()) {
+    callOne();  // another is to do what this one may have been called for
+    return std::nullopt;
+  }
   RequestJob job = std::move(turn->waiting.front());
   turn->waiting.pop_front();
   ++turn->atWork;
@@ -50,25 +57,21 @@ std::optional<RequestJob> RequestQueue::take(const std::stop_token& stop) {
 }
 
 void RequestQueue::finished(ClientId client, size_t answerBytes) {
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto found = find(client);
-    if (found == clients_.end()) return;
-    found->isWorkedFor = false;
-    found->waitingBytes += answerBytes;
-  }
-  changed_.notify_all();  // one alone might be about to stop
+  const std::scoped_lock lock(mutex_);
+  const auto found = find(client);
+  if (found == clients_.end()) return;
+  found->isWorkedFor = false;
+  found->waitingBytes += answerBytes;
+  callOne();
 }
 
 void RequestQueue::done(ClientId client, size_t answerBytes) {
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto found = find(client);
-    if (found == clients_.end() || found->atWork == 0) return;
-    --found->atWork;
-    found->waitingBytes -= std::min(found->waitingBytes, answerBytes);
-  }
-  changed_.notify_all();  // one alone might be about to stop
+  const std::scoped_lock lock(mutex_);
+  const auto found = find(client);
+  if (found == clients_.end() || found->atWork == 0) return;
+  --found->atWork;
+  found->waitingBytes -= std::min(found->waitingBytes, answerBytes);
+  callOne();
 }
 
 bool RequestQueue::isAwaited(ClientId client) const {
@@ -94,6 +97,14 @@ size_t RequestQueue::waitingCount(ClientId client) const {
 
 RequestQueue::Clients::iterator RequestQueue::find(ClientId client) {
   return std::find_if(clients_.begin(), clients_.end(), [&](const Client& one) { return one.id == client; });
+}
+
+void RequestQueue::callOne() {
+  if (idle_.empty() || next() == clients_.end()) return;
+  Idle* const one = idle_.back();
+  idle_.pop_back();
+  one->isCalled = true;
+  one->changed.notify_one();
 }
 
 RequestQueue::Clients::iterator RequestQueue::next() {

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <vector>
 
 #include "net/messages.h"
 #include "net/times.h"
@@ -68,12 +69,21 @@ class RequestQueue {
   };
   using Clients = std::list<Client>;
 
+  /// A thread that waits in take().
+  struct Idle {
+    std::condition_variable_any changed;
+    bool isCalled = false;
+  };
+
   Clients::iterator find(ClientId client);
   Clients::iterator next();
+  /// Wakes one that waits, if there is something for it: all of them would cost as many wakings for each request as there are threads. The one that has waited least, whose caches are
+  /// warm: the others may give back what they keep. With the mutex held.
+  void callOne();
   static bool isAwaited(const Client& client) { return client.isWorkedFor || !client.waiting.empty(); }
 
   mutable std::mutex mutex_;
-  std::condition_variable_any changed_;
+  std::vector<Idle*> idle_;  // not called yet, the last that came last
   Clients clients_;  // whoever was served goes to the end
 };
 

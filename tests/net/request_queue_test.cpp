@@ -247,5 +247,50 @@ TEST(RequestQueue, ManyThreadsAtOnce) {
   EXPECT_GT(served, 0);
 }
 
+/// Each answer is the next question, so that a request whose taker was not woken, or was stopped when it was, would be missed for good.
+TEST(RequestQueue, NoRequestIsForgottenWhereThreadsComeAndGo) {
+  RequestQueue queue;
+  constexpr ClientId kClients = 5;
+  constexpr uint64_t kEach = 400;
+  for (ClientId client = 1; client <= kClients; ++client) queue.join(client, 1);
+  std::atomic<uint64_t> answered = 0;
+  const auto serve = [&](const std::stop_token& stop) {
+    while (const std::optional<RequestJob> job = queue.take(stop)) {
+      queue.finished(job->client, 0);
+      queue.done(job->client, 0);
+      ++answered;
+      if (job->request.id < kEach) EXPECT_TRUE(put(queue, job->client, job->request.id + 1));
+    }
+  };
+  std::vector<std::jthread> lasting;
+  for (int i = 0; i < 8; ++i) lasting.emplace_back(serve);
+  std::jthread passing([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) std::jthread(serve).request_stop();
+  });
+  for (ClientId client = 1; client <= kClients; ++client) EXPECT_TRUE(put(queue, client, 1));
+  for (int i = 0; i < 20'000 && answered < kClients * kEach; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(answered, kClients * kEach);
+  passing.request_stop();
+  passing.join();
+  for (std::jthread& taker : lasting) taker.request_stop();
+}
+
+TEST(RequestQueue, ARequestWakesOneThread) {
+  RequestQueue queue;
+  queue.join(1, 1);
+  std::atomic<int> taken = 0;
+  std::vector<std::jthread> takers;
+  for (int i = 0; i < 4; ++i)
+    takers.emplace_back([&](const std::stop_token& stop) {
+      if (queue.take(stop)) ++taken;
+    });
+  EXPECT_TRUE(put(queue, 1, 1));
+  for (int i = 0; i < 10'000 && taken == 0; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_EQ(taken, 1);
+  for (std::jthread& taker : takers) taker.request_stop();
+  takers.clear();
+  EXPECT_EQ(taken, 1);
+}
+
 }  // namespace
 }  // namespace warpscope::net
