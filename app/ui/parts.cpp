@@ -116,6 +116,9 @@ void drawErrorBanner(Session& session, const Look& look) {
   ImGui::PushStyleColor(ImGuiCol_ChildBg, palette().errorBackground);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {padding, padding});
   ImGui::BeginChild("error", {0.0f, height}, true, ImGuiWindowFlags_NoScrollbar);
+  // By itself: Dear ImGui draws a child's ground into its parent's list, beneath other children, where it does not overlap the one before it.
+  const ImVec2 from = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  ImGui::GetWindowDrawList()->AddRectFilled(from, {from.x + size.x, from.y + size.y}, ImGui::GetColorU32(palette().errorBackground), ImGui::GetStyle().ChildRounding);
   ImGui::PushTextWrapPos(padding + wrap);
   ImGui::AlignTextToFramePadding();
   ImGui::TextColored(palette().errorText, "%s", error.c_str());

@@ -39,6 +39,9 @@ bool isImplied(const SamplePlane& plane) { return plane.name == kLayerPlane && p
 
 class PackedCodec final : public Codec {
  public:
+  /// What others have of the workspaces comes back; what nobody uses may have grown for this one.
+  ~PackedCodec() override { packers_->forget(); }
+
   void encode(const SampleFrame& frame, const CodecSettings& settings, std::vector<std::byte>& payload) override {
     const Placement placement = hasLattice(frame) ? bestPlacement(frame) : Placement::depth;
     const Bands bands(frame.camera, placement, frame.size());

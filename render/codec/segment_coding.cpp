@@ -133,11 +133,8 @@ DecodeError takeRaw(ByteReader& reader, bool hasNormals, size_t most, SampleFram
 }  // namespace
 
 SegmentCoder::SegmentCoder() : bands_(SharedPool<SegmentBand>::ofProcess()) {}
-SegmentCoder::~SegmentCoder() = default;
-
-void SegmentCoder::forget() {
-  if (bands_.use_count() == 1) bands_->forget();  // else others need them
-}
+SegmentCoder::~SegmentCoder() { forget(); }
+void SegmentCoder::forget() { bands_->forget(); }
 
 uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, const CodecSettings& settings) {
   if (marched.sample.segments == 0) return 0;

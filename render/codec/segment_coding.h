@@ -39,7 +39,7 @@ class SegmentCoder {
   /// Fills the frame's segments, at most `most`; its camera (whose picture has a usable size), quantisation and settings are known.
   DecodeError take(std::span<const std::byte> bytes, PayloadFormat format, size_t most, SampleFrame& frame);
 
-  /// Gives buffers back that no other coder may want.
+  /// Gives back all buffers that are not in use at the moment, other coders' as well: they may have grown for this one.
   void forget();
 
  private:
