@@ -23,20 +23,14 @@ class EditHistoryTest : public SessionTest {
     knobs.serverSidePx = side;
     session_.setKnobs(knobs);
   }
-  void undo() {
-    const std::optional<EditState> state = history_.undo();
+  void show(const std::optional<EditState>& state) {
     ASSERT_TRUE(state);
     apply(*state, session_);
     curves_ = *state->curves;
     follow();
   }
-  void redo() {
-    const std::optional<EditState> state = history_.redo();
-    ASSERT_TRUE(state);
-    apply(*state, session_);
-    curves_ = *state->curves;
-    follow();
-  }
+  void undo() { show(history_.undo()); }
+  void redo() { show(history_.redo()); }
 
   EditHistory history_;
   TransferCurves curves_;

@@ -213,6 +213,8 @@ TEST_F(Reader, NiftiErrors) {
   expectRefused(write("endless.nii", header([](auto& n) { n.sform = 1, n.rows[0] = -4.0f, n.rows[1] = -4.15e34f; }) + kVoxels), "beyond 10^12");
   // Likewise, with a number that is hardly one.
   expectRefused(write("denormal.nii", header([](auto& n) { n.sform = 1, n.rows[1] = 1.34e8f, n.rows[6] = 1e-43f; }) + kVoxels), "more than 10^46");
+  expectRefused(write("sheared.nii", header([](auto& n) { n.sform = 1, n.rows[1] = 1.34e8f; }) + kVoxels), "nearly lie in a plane");
+  EXPECT_NO_THROW(openVolume(write("unused.nii", header([](auto& n) { n.sform = 0, n.rows[1] = 1.34e8f; }) + kVoxels)));
   // Of both versions: the library would go by fields that nobody has looked at.
   std::string both = Nifti{}.header();
   both.resize(544);

@@ -16,6 +16,7 @@
 #include "app/shell/log.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
+#include "render/base/printable.h"
 #include "render/march/marcher_registry.h"
 
 namespace warpscope {
@@ -58,7 +59,7 @@ void say(const BenchOptions& options, Json report, const std::optional<JsonDocum
     std::cout << textOf(report);
   } else if (!options.common.quiet) {
     printRun();
-    if (earlier) std::fprintf(stderr, "\nagainst %s, medians and half of what is between their quartiles\n%s", options.against.c_str(), textOf(compared(earlier->value(), report)).c_str());
+    if (earlier) std::fprintf(stderr, "\nagainst %s, medians and half of what is between their quartiles\n%s", options.against.c_str(), printableLines(textOf(compared(earlier->value(), report))).c_str());
   }
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <glm/glm.hpp>
 #include <limits>
 #include <memory>
 #include <string>
@@ -72,6 +73,25 @@ bool hasUsableGeometry(const std::vector<unsigned char>& head, bool isTwo, bool 
   if (least < 1e-46 * largest) return false;
   // pixdim[0..3], then quatern_b to srow_z.
   return isTwo ? areUsable(104, 4) && areUsable(352, 18) : areUsable(76, 4) && areUsable(256, 18);
+}
+
+/// Whether the columns of srow_x to srow_z, the volume's axes in the world, are far from lying in a plane. The search of ITK's library for the nearest rotation (LINPACK's ssvdc, in single
+/// precision) need not end where they nearly do.
+bool hasAxesApart(const std::vector<unsigned char>& head, bool isTwo, bool swap) {
+  constexpr double kLeastVolume = 1e-4;  // of a parallelepiped of unit edges
+  glm::dmat3 axes(0.0);
+  for (size_t row = 0; row < 3; ++row)
+    for (size_t column = 0; column < 3; ++column) {
+      const size_t i = 4 * row + column;
+      axes[static_cast<int>(column)][static_cast<int>(row)] = isTwo ? fieldAt<double>(head, 400 + 8 * i, swap) : fieldAt<float>(head, 280 + 4 * i, swap);
+    }
+  for (int column = 0; column < 3; ++column) {
+    glm::dvec3& axis = axes[column];
+    const double largest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
+    if (!(largest > 0.0)) return true;  // no axis at all, which the library sees by itself
+    axis = glm::normalize(axis / largest);
+  }
+  return std::abs(glm::determinant(axes)) >= kLeastVolume;
 }
 
 /// Throws if the header's extensions, which ITK copies anew for each of them, are too many or too large. They follow the header in `file`, each behind
@@ -170,6 +190,7 @@ Payload locateNifti(const fs::path& path) {
   const double slope = isTwo ? fieldAt<double>(head, 176, swap) : fieldAt<float>(head, 112, swap);
   payload.isDescending = slope < 0.0;
   if (!hasUsableGeometry(head, isTwo, swap)) fail(path, "its header's voxel spacing or orientation is not finite, beyond 10^12, or ranges over more than 10^46");
+  if (sform > 0 && !hasAxesApart(head, isTwo, swap)) fail(path, "its header's orientation (srow_x to srow_z) has axes that nearly lie in a plane");
   return payload;
 }
 
