@@ -93,6 +93,17 @@ TEST(BenchComparison, WhatOnlyOneHasAndWhatDiffersBesideIsSaid) {
   EXPECT_THAT(textOf(comparison), HasSubstr("then alone: 3 figures, the first cpu: spheres, buildMs"));
 }
 
+TEST(BenchComparison, WhatIsNoBackendIsPassedOver) {
+  json before = someReport(10.0, 1.0, 2.0);
+  const json now = before;
+  before["backends"].push_back(3);
+  before["backends"].push_back(nullptr);
+  before["version"] = 4;
+  const BenchComparison comparison = compared(before, now);
+  EXPECT_EQ(comparison.figures.size(), 6u);
+  EXPECT_THAT(comparison.differences, ElementsAre("version an unknown one then, 1 now"));
+}
+
 TEST(BenchComparison, OtherConditionsForbidIt) {
   const json before = someReport(10.0, 1.0, 2.0);
   EXPECT_EQ(whyNotComparable(before, before), "");

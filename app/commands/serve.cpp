@@ -80,8 +80,7 @@ void waitForEnd(const std::stop_token& stop) {
 }
 
 net::ServerSettings settingsFor(const ServeOptions& options, const net::HostPort& listen) {
-  constexpr int kMostClients = 4096;
-  if (options.clients < 1 || options.clients > kMostClients) throw UsageError("--clients must be between 1 and " + std::to_string(kMostClients));
+  requireRange(static_cast<double>(options.clients), Range{1.0, 4096.0}, "--clients");
   net::ServerSettings settings;
   settings.listen = listen;
   settings.clients.most = static_cast<size_t>(options.clients);

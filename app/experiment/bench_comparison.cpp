@@ -123,7 +123,9 @@ BenchComparison compared(const Json& before, const Json& now) {
   for (const BenchFigure& figure : then)
     if (find(today, figure) == today.end()) comparison.onlyBefore.push_back(labelOf(figure));
 
-  const auto textAt = [](const Json& object, const char* key) { return object.value(key, Json()).is_string() ? object[key].get<std::string>() : std::string("an unknown one"); };
+  const auto textAt = [](const Json& object, const char* key) {
+    return object.is_object() && object.value(key, Json()).is_string() ? object[key].get<std::string>() : std::string("an unknown one");
+  };
   if (const std::string was = textAt(before, "version"), is = textAt(now, "version"); was != is) comparison.differences.push_back("version " + was + " then, " + is + " now");
   for (const Json& backend : now.value("backends", Json::array()))
     for (const Json& other : before.value("backends", Json::array()))

@@ -30,6 +30,7 @@ std::string changeAmong(const Rows& rows, const Settings& before, const Settings
 }
 
 std::string changeBetween(const LiveSettings& before, const LiveSettings& after) {
+  if (before == after) return "";
   if (std::string change = changeAmong(marchKnobs(), before.march, after.march); !change.empty()) return change;
   for (const MarchText& text : marchTexts())
     if (text.get(before.march) != text.get(after.march)) return std::string(text.label);
@@ -81,19 +82,21 @@ void EditHistory::follow(const Session& session, const TransferCurves* curves, b
   }
   if (last_ && isHeld && !isTaken_) return;
   EditState now = stateOf(session, curves);
-  if (last_ && !std::exchange(isTaken_, false) && !changeBetween(*last_, now).empty()) {
+  std::string change = last_ && !std::exchange(isTaken_, false) ? changeBetween(*last_, now) : std::string();
+  if (!change.empty()) {
     undone_.clear();
-    done_.push_back(std::move(*last_));
+    done_.push_back({std::move(*last_), std::move(change)});
     if (done_.size() > kMost) done_.erase(done_.begin());
   }
   last_ = std::move(now);
 }
 
-std::optional<EditState> EditHistory::step(std::vector<EditState>& from, std::vector<EditState>& to) {
+std::optional<EditState> EditHistory::step(std::vector<Step>& from, std::vector<Step>& to) {
   if (from.empty()) return std::nullopt;
-  to.push_back(std::move(*last_));
-  last_ = std::move(from.back());
+  Step taken = std::move(from.back());
   from.pop_back();
+  to.push_back({std::move(*last_), std::move(taken.change)});
+  last_ = std::move(taken.state);
   isTaken_ = true;
   return last_;
 }

@@ -33,19 +33,23 @@ class EditHistory {
   void follow(const Session& session, const TransferCurves* curves, bool isHeld);
 
   /// What would be taken back or made again, as changeBetween() names it; empty: nothing.
-  std::string undoes() const { return done_.empty() ? std::string() : changeBetween(done_.back(), *last_); }
-  std::string redoes() const { return undone_.empty() ? std::string() : changeBetween(*last_, undone_.back()); }
+  std::string undoes() const { return done_.empty() ? std::string() : done_.back().change; }
+  std::string redoes() const { return undone_.empty() ? std::string() : undone_.back().change; }
 
   /// What is to be shown from now on, if there is anything; whatever follow() sees then is no step of its own.
   std::optional<EditState> undo() { return step(done_, undone_); }
   std::optional<EditState> redo() { return step(undone_, done_); }
 
  private:
-  std::optional<EditState> step(std::vector<EditState>& from, std::vector<EditState>& to);
+  struct Step {
+    EditState state;
+    std::string change;  ///< between that and its neighbour towards now
+  };
+  std::optional<EditState> step(std::vector<Step>& from, std::vector<Step>& to);
 
   uint64_t scene_ = 0;  // as Session::sceneCount()
   std::optional<EditState> last_;
-  std::vector<EditState> done_, undone_;  // the newest last
+  std::vector<Step> done_, undone_;  // the nearest to now last
   bool isTaken_ = false;  // undo() or redo() was called since follow()
 };
 

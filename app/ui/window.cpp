@@ -217,7 +217,7 @@ void Window::warmUp() {
   beginFrame();
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.AddRectFilled({0.0f, 0.0f}, {1.0f, 1.0f}, ImGui::ColorConvertFloat4ToU32(palette().frame));
-  // Drivers that compile do so for each kind of picture: with a power of two of pixels or not, blended or not.
+  // Drivers that compile do so for each kind of picture: with a power of two of pixels or not, smooth or not.
   std::vector<std::unique_ptr<PictureTexture>> textures;
   for (const uint32_t length : {2u, 3u})
     for (const bool isSmooth : {false, true}) {
@@ -373,14 +373,12 @@ void Window::holdShortKeys() {
 
 void Window::endFrame(Image<Rgba8>* photograph) {
   ImGui::Render();
-  const auto [width, height] = std::pair(feed_->framebufferSize().x, feed_->framebufferSize().y);
-  gl_->viewport(0, 0, width, height);
+  const glm::ivec2 size = feed_->framebufferSize();
+  gl_->viewport(0, 0, size.x, size.y);
   gl_->clearColor(palette().frame.x, palette().frame.y, palette().frame.z, 1.0f);
   gl_->clear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-  if (photograph != nullptr && width > 0 && height > 0) {
-    *photograph = readPicture(*gl_, {static_cast<uint32_t>(width), static_cast<uint32_t>(height)});
-  }
+  if (photograph != nullptr && size.x > 0 && size.y > 0) *photograph = readPicture(*gl_, glm::uvec2(size));
   glfwSwapBuffers(window_);
   frameMs_ += 0.2 * (millisecondsBetween(frameBegan_, Clock::TimePoint::clock::now()) - frameMs_);
 }

@@ -52,6 +52,11 @@ std::optional<VoxelType> niftiVoxelType(int16_t datatype) {
   }
 }
 
+/// Of the twelve in srow_x to srow_z: the rows of a matrix, each with an offset behind.
+double entryOfRows(const std::vector<unsigned char>& head, size_t i, bool isTwo, bool swap) {
+  return isTwo ? fieldAt<double>(head, 400 + 8 * i, swap) : fieldAt<float>(head, 280 + 4 * i, swap);
+}
+
 /// The spacing and both forms of orientation, which ITK hands to code that aborts on NaN, and to a search for singular values in floats that never ends where
 /// squares overflow, or where numbers that are hardly any (denormal) stand beside large ones.
 bool hasUsableGeometry(const std::vector<unsigned char>& head, bool isTwo, bool swap) {
@@ -64,8 +69,8 @@ bool hasUsableGeometry(const std::vector<unsigned char>& head, bool isTwo, bool 
     return true;
   };
   double least = std::numeric_limits<double>::infinity(), largest = 0.0;
-  for (size_t i = 0; i < 12; ++i) {  // srow_x to srow_z: rows of a matrix, each with an offset behind
-    const double value = std::abs(isTwo ? fieldAt<double>(head, 400 + 8 * i, swap) : fieldAt<float>(head, 280 + 4 * i, swap));
+  for (size_t i = 0; i < 12; ++i) {
+    const double value = std::abs(entryOfRows(head, i, isTwo, swap));
     if (i % 4 == 3 || value == 0.0) continue;
     least = std::min(least, value);
     largest = std::max(largest, value);
@@ -81,10 +86,7 @@ bool hasAxesApart(const std::vector<unsigned char>& head, bool isTwo, bool swap)
   constexpr double kLeastVolume = 1e-4;  // of a parallelepiped of unit edges
   glm::dmat3 axes(0.0);
   for (size_t row = 0; row < 3; ++row)
-    for (size_t column = 0; column < 3; ++column) {
-      const size_t i = 4 * row + column;
-      axes[static_cast<int>(column)][static_cast<int>(row)] = isTwo ? fieldAt<double>(head, 400 + 8 * i, swap) : fieldAt<float>(head, 280 + 4 * i, swap);
-    }
+    for (size_t column = 0; column < 3; ++column) axes[static_cast<int>(column)][static_cast<int>(row)] = entryOfRows(head, 4 * row + column, isTwo, swap);
   for (int column = 0; column < 3; ++column) {
     glm::dvec3& axis = axes[column];
     const double largest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
