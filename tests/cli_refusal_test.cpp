@@ -183,7 +183,7 @@ TEST_F(Refusal, UnknownNamesAreAnsweredWithTheNearest) {
       {{"--radius", "voxl"}, {"radius", "voxl", "voxel"}},
       {{"--backend", "cude"}, {"backend", "cude", "cuda"}},
       {{"--gl", "elg"}, {"OpenGL", "elg", "egl"}},
-      {{"--bvh", "lbhv"}, {"lbhv", "lbvh"}},
+      {{"--via", "lbhv"}, {"lbhv", "lbvh"}},
       {{"--technique", ""}, {"technique"}},
       {{""}, {"scene"}},
   };
@@ -247,7 +247,7 @@ TEST_F(Refusal, OptionsWithoutTheirValue) {
 }
 
 TEST_F(Refusal, HierarchiesWhereTheyAreNot) {
-  expectRefused(shot({"--bvh", "clusters", "--backend", "cpu"}), kUsage, {"clusters", "CUDA"});
+  expectRefused(shot({"--via", "clusters", "--backend", "cpu"}), kUsage, {"clusters", "CUDA"});
 }
 
 TEST_F(Refusal, BenchesOfNothing) {

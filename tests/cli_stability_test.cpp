@@ -52,7 +52,7 @@ TEST_F(CommandLine, EveryTortureSceneIsDrawnByBothArithmetics) {
 
 TEST_F(CommandLine, ArithmeticIsRefusedWhereThereIsNone) {
   expectRefused({"shot", "block", "--arithmetic", "exact", "--out", "a.png"}, kUsage, {"arithmetic 'exact'", "stable textbook"});
-  expectRefused({"shot", "block", "--backend", "cpu", "--technique", "spheres", "--arithmetic", "textbook", "--bvh", "embree", "--size", "24x16", "--out", "a.png"}, kUsage,
+  expectRefused({"shot", "block", "--backend", "cpu", "--technique", "spheres", "--arithmetic", "textbook", "--via", "embree", "--size", "24x16", "--out", "a.png"}, kUsage,
                 {"textbook", "lbvh"});
   expectRefused({"shot", "torture/oulier", "--out", "a.png"}, kUsage, {"torture/outlier"});
   expectRefused({"shot", "torture/outlier", "--volume-size", "8x8x8", "--out", "a.png"}, kUsage, {"--volume-size"});

@@ -109,7 +109,7 @@ TEST_F(SweepCommand, AnUnfinishedSweepOfAnythingElseIsRefused) {
   program.wait();
   const std::string before = folder_.read(journal);
   ASSERT_FALSE(before.empty());
-  for (const Arguments& other : {Arguments{"--gl", "osmesa"}, Arguments{"--fov", "31"}, Arguments{"--step", "0.9"}, Arguments{"--bvh", "embree"}})
+  for (const Arguments& other : {Arguments{"--gl", "osmesa"}, Arguments{"--fov", "31"}, Arguments{"--step", "0.9"}, Arguments{"--via", "embree"}})
     expectRefused(withOptions(other), kFailure, {"unfinished sweep of other settings"});
   folder_.write(name, bright + dark);
   expectRefused(withOptions({}), kFailure, {"unfinished sweep of other settings"});

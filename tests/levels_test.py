@@ -43,11 +43,11 @@ def outputs(program, level, folder):
     for number, scene in enumerate(SCENES):
         for options in PICTURES:
             name = f"{number}-{options[1]}.png"
-            run(program, "shot", *scene, *options, "--bvh", "lbvh", "--backend", "cpu", "--size", "201x157", "-o", f"{folder}/{name}", level=level)
+            run(program, "shot", *scene, *options, "--via", "lbvh", "--backend", "cpu", "--size", "201x157", "-o", f"{folder}/{name}", level=level)
             made[name] = contents(f"{folder}/{name}")
         run(program, "export", *scene, "--backend", "cpu", "--size", "201x157", "--ply", f"{folder}/{number}.ply", level=level)
         made[f"{number}.ply"] = contents(f"{folder}/{number}.ply")
-    run(program, "compare", "vessels", "--size", "201x157", "--bvh", "lbvh", "--backend", "cpu", "--color", "jpeg", "--out", f"{folder}/compare",
+    run(program, "compare", "vessels", "--size", "201x157", "--via", "lbvh", "--backend", "cpu", "--color", "jpeg", "--out", f"{folder}/compare",
         level=level)
     with open(f"{folder}/compare/metrics.json", encoding="utf-8") as file:
         rows = json.load(file)["rows"]

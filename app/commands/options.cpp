@@ -168,9 +168,9 @@ CheckedOptions check(const CommonOptions& options) {
   const bool isOnDevice = first == Backend::cuda;
   const auto tracing = checked.warp.knobs.choice<SphereTracing>(kSphereTracingKnob);
   if (tracing == SphereTracing::clusters && !isOnDevice)
-    throw UsageError("--bvh clusters: this hierarchy is for CUDA devices; choose auto, lbvh or embree");
+    throw UsageError("--via clusters: for CUDA devices; choose auto, lbvh, embree or footprints");
   if (tracing == SphereTracing::embree && isOnDevice)
-    throw UsageError("--bvh embree: Embree traces on the CPU; add --backend cpu, or choose auto, lbvh or clusters");
+    throw UsageError("--via embree: Embree traces on the CPU; add --backend cpu, or choose auto, lbvh, clusters or footprints");
   firstOf(checked.backend);
   logBackend(checked.backend);
   return checked;

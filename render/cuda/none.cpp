@@ -31,7 +31,7 @@ std::pmr::memory_resource* pinnedMemory() { refuse(); }
 
 MarcherPtr makeCudaMarcher(VolumePtr, TransferFunction) { refuse(); }
 std::unique_ptr<DevicePictureJudge> makeCudaPictureJudge(const glm::vec3&, float) { refuse(); }
-std::unique_ptr<Warp> makeCudaMultihitWarp() { refuse(); }
+std::unique_ptr<Warp> makeCudaMultihitWarp(SphereTracing) { refuse(); }
 std::unique_ptr<Warp> makeCudaProxyWarp() { refuse(); }
 std::unique_ptr<Warp> makeCudaSpheresWarp() { refuse(); }
 std::unique_ptr<Warp> makeCudaSegmentsWarp() { refuse(); }

@@ -1,4 +1,4 @@
-// Surfaces along each ray: their pieces kept in registers, and their colours over one another.
+// Surfaces along each ray, by footprints or through hierarchies, their pieces then kept in registers; and their colours over one another.
 // See multihit_warp_cuda.h. What SurfaceTracer does on the host, by the same formulas (multihit/surface_hits.h).
 #include "render/warp/multihit_warp_cuda.h"
 
@@ -8,6 +8,8 @@
 #include "render/warp/clusters/cluster_trace.cuh"
 #include "render/warp/clusters/cluster_tree.h"
 #include "render/warp/device/device_warp.h"
+#include "render/warp/device/sphere_ways.h"
+#include "render/warp/multihit/splatted_surfaces.cuh"
 #include "render/warp/multihit/surface_hits.h"
 #include "render/warp/multihit_warp.h"
 
@@ -36,18 +38,6 @@ __global__ void setSurfaceRadii(const __grid_constant__ SampleRays rays, PackedS
   const uint32_t i = blockIdx.x * kThreads + threadIdx.x;
   if (i < rays.count) samples[i] = withSurfaceRadius(rays, i);
 }
-
-/// As surfacesOf() wants a frame's samples.
-struct SamplesOnDevice {
-  const PackedSample* samples;
-  const Rgba8* colors;
-  const ColorTables* tables;
-  SampleGrid grid;
-
-  __device__ Sphere sphere(uint32_t id) const { return unpackSample(samples[id], grid); }
-  __device__ uint32_t pixel(uint32_t id) const { return pixelKey(samples[id]); }
-  __device__ glm::vec4 color(uint32_t id) const { return tables->decode(colors[id]); }
-};
 
 /// A ray's pieces as traceClusters wants them.
 template <int Pieces>
@@ -107,9 +97,8 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   pixels.color[i] = seen.color;
 }
 
-struct Launch {
-  const ClusterTreeView& pieces;
-  const ClusterTreeView& wide;
+/// What both ways want.
+struct Job {
   const SamplesOnDevice& frame;
   const SampleRays& rays;
   const Camera& frameCamera;
@@ -118,20 +107,32 @@ struct Launch {
 };
 
 template <int Surfaces>
-void launch(const Launch& job, cudaStream_t stream) {
-  traceSurfaces<Surfaces><<<tileGrid(job.camera.width, job.camera.height), kTileBlockThreads, 0, stream>>>(job.pieces, job.wide, job.frame, job.rays, job.frameCamera,
-                                                                                                            job.camera, job.pixels);
+void traceClustersOf(const ClusterTreeView& pieces, const ClusterTreeView& wide, const Job& job, cudaStream_t stream) {
+  traceSurfaces<Surfaces><<<tileGrid(job.camera.width, job.camera.height), kTileBlockThreads, 0, stream>>>(pieces, wide, job.frame, job.rays, job.frameCamera, job.camera, job.pixels);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
-/// launch for 1 .. kMaxHits surfaces.
-template <int... Surfaces>
-constexpr auto launchesFor(std::integer_sequence<int, Surfaces...>) {
-  return std::array{&launch<Surfaces + 1>...};
+template <int Surfaces>
+void splatSurfaces(SplattedSurfaces& splatted, const DeviceFrameView& closed, const DeviceFrameView& wide, const Job& job, cudaStream_t stream) {
+  splatted.draw<Surfaces>(closed, wide, job.frame, job.rays, job.frameCamera, job.camera, job.pixels, stream);
 }
-constexpr auto kLaunches = launchesFor(std::make_integer_sequence<int, kMaxHits>());
+
+/// For 1 .. kMaxHits surfaces.
+template <int... Surfaces>
+constexpr auto tracersFor(std::integer_sequence<int, Surfaces...>) {
+  return std::array{&traceClustersOf<Surfaces + 1>...};
+}
+constexpr auto kTracers = tracersFor(std::make_integer_sequence<int, kMaxHits>());
+template <int... Surfaces>
+constexpr auto splattersFor(std::integer_sequence<int, Surfaces...>) {
+  return std::array{&splatSurfaces<Surfaces + 1>...};
+}
+constexpr auto kSplatters = splattersFor(std::make_integer_sequence<int, kMaxHits>());
 
 class CudaMultihitWarp final : public DeviceWarp {
+ public:
+  explicit CudaMultihitWarp(SphereTracing way) : way_(way) {}
+
  private:
   bool blends() const override { return true; }
 
@@ -140,10 +141,24 @@ class CudaMultihitWarp final : public DeviceWarp {
     camera_ = frame.camera;
     hasLayers_ = !frame.layers().empty();
     if (hasLayers_) layers_.upload(frame.layers(), stream);
+    probe_ = SphereLoadProbe(frame);
+    isReady_ = haveTrees_ = false;
+  }
+
+  bool needsBuild(const WarpSettings& settings, const Camera& camera) override {
+    isSplatted_ = isSplatted(camera, hitsOf(settings));
+    return !isSplatted_ && !haveTrees_;
   }
 
   void build(const DeviceFrameView& frame, const WarpSettings&, cudaStream_t stream) override {
+    if (!isReady_) return makeReady(frame, stream);
     wide_.build(frame, stream);
+    pieces_.build(closed_, stream);
+    haveTrees_ = true;
+  }
+
+  /// What both ways want. Hierarchies stand when a picture wants them.
+  void makeReady(const DeviceFrameView& frame, cudaStream_t stream) {
     const size_t pixels = size_t{camera_.width} * camera_.height;
     nearestOf_.reserve(pixels);
     firstOf_.reserve(pixels);
@@ -160,18 +175,33 @@ class CudaMultihitWarp final : public DeviceWarp {
       setSurfaceRadii<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(rays_, samples_.data());
       WARPSCOPE_CUDA_CHECK_LAUNCH();
     }
-    DeviceFrameView closed = frame;
-    closed.samples = samples_.data();
-    pieces_.build(closed, stream);
+    closed_ = frame;
+    closed_.samples = samples_.data();
+    isReady_ = true;
   }
 
   void trace(const DeviceFrameView& frame, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels,
              cudaStream_t stream) override {
-    const ClusterTreeView pieces = pieces_.view(), wide = wide_.view();
     const SamplesOnDevice samples{samples_.data(), frame.colors, colorTables(), frame.grid};
-    kLaunches[static_cast<size_t>(settings.knobs.whole(kHitsKnob) - 1)]({pieces, wide, samples, rays_, camera_, camera, pixels}, stream);
+    const Job job{samples, rays_, camera_, camera, pixels};
+    const auto way = static_cast<size_t>(hitsOf(settings) - 1);
+    if (isSplatted_)
+      kSplatters[way](splatted_, closed_, frame, job, stream);
+    else
+      kTracers[way](pieces_.view(), wide_.view(), job, stream);
   }
 
+  bool isSplatted(const Camera& camera, int surfaces) const {
+    if (way_ != SphereTracing::automatic) return way_ == SphereTracing::footprints;
+    return SplattedSurfaces::bytesFor(camera, surfaces) <= kMostSplatBytes && surfaceWayOf(probe_.loadFor(camera)) == SphereTracing::footprints;
+  }
+
+  static int hitsOf(const WarpSettings& settings) { return settings.knobs.whole(kHitsKnob); }
+
+  /// Beyond, hierarchies take less memory.
+  static constexpr size_t kMostSplatBytes = size_t{1} << 30;
+
+  const SphereTracing way_;
   Camera camera_;  // the frame's
   bool hasLayers_ = false;
   SampleRays rays_;  // in device memory
@@ -179,11 +209,16 @@ class CudaMultihitWarp final : public DeviceWarp {
   cuda::DeviceBuffer<unsigned long long> nearestOf_;
   cuda::DeviceBuffer<uint32_t> firstOf_;
   cuda::DeviceBuffer<PackedSample> samples_;  // with the radii of pieces
+  DeviceFrameView closed_;                  // of them
   DeviceClusterTree pieces_, wide_;
+  SplattedSurfaces splatted_;
+  SphereLoadProbe probe_;
+  bool isReady_ = false, haveTrees_ = false;  // of the frame
+  bool isSplatted_ = false;  // the picture being made
 };
 
 }  // namespace
 
-std::unique_ptr<Warp> makeCudaMultihitWarp() { return std::make_unique<CudaMultihitWarp>(); }
+std::unique_ptr<Warp> makeCudaMultihitWarp(SphereTracing way) { return std::make_unique<CudaMultihitWarp>(way); }
 
 }  // namespace warpscope

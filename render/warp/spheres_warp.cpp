@@ -12,6 +12,7 @@
 #include "render/warp/lbvh/sphere_tracer.h"
 #include "render/warp/sphere_cloud_warp.h"
 #include "render/warp/spheres_warp_cuda.h"
+#include "render/warp/splats/splat_tracer.h"
 
 namespace warpscope {
 namespace {
@@ -23,7 +24,7 @@ class SpheresWarp final : public SphereCloudWarp {
  protected:
   void build(const SampleFrame& frame, std::span<const Sphere> spheres, const WarpSettings& settings) override {
     if (tracingOf(settings) == SphereTracing::clusters)
-      throw UsageError("the hierarchy clusters is for CUDA devices: choose another, or --backend cuda");
+      throw UsageError("clusters are for CUDA devices: choose another way of tracing (--via), or --backend cuda");
     requireTraceable(settings);
     smear_ = settings.knobs.number(kSmearKnob);
     tracing_ = tracingOf(settings);
@@ -39,6 +40,8 @@ class SpheresWarp final : public SphereCloudWarp {
     if (madeFor_ != std::pair(tracing_, arithmetic_)) {
       if (tracing_ == SphereTracing::embree)
         tracer_ = std::make_unique<EmbreeTracer>();
+      else if (tracing_ == SphereTracing::footprints)
+        tracer_ = std::make_unique<SplatTracer>();
       else
         tracer_ = std::make_unique<LbvhTracer>(arithmetic_);
       madeFor_ = {tracing_, arithmetic_};
@@ -91,7 +94,7 @@ constexpr const Knob* kKnobs[] = {&kSphereTracingKnob, &kSmearKnob, &kArithmetic
 void requireTraceable(const WarpSettings& settings) {
   const SphereTracing tracing = tracingOf(settings);
   if (arithmeticOf(settings) == Arithmetic::textbook && tracing != SphereTracing::automatic && tracing != SphereTracing::lbvh)
-    throw UsageError("textbook arithmetic is for the hierarchy lbvh, not " + std::string(nameOf(kSphereTracings, tracing)));
+    throw UsageError("textbook arithmetic is for tracing via lbvh, not " + std::string(nameOf(kSphereTracings, tracing)));
 }
 
 const SamplePlane* spreadsOf(const SampleFrame& frame) {
@@ -103,15 +106,15 @@ void requireCapsules(const WarpSettings& settings) {
   const SphereTracing tracing = tracingOf(settings);
   const bool isKnown = tracing == SphereTracing::automatic || tracing == SphereTracing::lbvh;
   if (!isKnown || arithmeticOf(settings) == Arithmetic::textbook)
-    throw UsageError("spheres that are drawn out by the spread of their depths are for the hierarchy lbvh and stable arithmetic: choose these, or --smear 0");
+    throw UsageError("spheres that are drawn out by the spread of their depths are traced via lbvh and by stable arithmetic: choose these, or --smear 0");
 }
 
 constinit const Knob kSphereTracingKnob{
     .key = "sphereTracing",
-    .option = "--bvh",
-    .label = "Hierarchy",
-    .noun = "hierarchy",
-    .help = "The hierarchy that spheres are traced with",
+    .option = "--via",
+    .label = "Traced via",
+    .noun = "way of tracing",
+    .help = "How the first sphere along each ray is found; all ways find the same",
     .type = KnobType::choice,
     .stale = KnobStage::build,
     .defaultValue = static_cast<double>(SphereTracing::automatic),

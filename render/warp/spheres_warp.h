@@ -9,21 +9,24 @@
 
 namespace warpscope {
 
+/// How the first sphere along each pixel's ray is found. All find the same.
 enum class SphereTracing {
-  automatic,  ///< what is fastest where the technique runs: lbvh on the CPU, clusters on a CUDA device
-  lbvh,       ///< the binary hierarchy of Karras 2012
-  clusters,   ///< the hierarchy as wide as a warp, on CUDA devices only
-  embree,     ///< on the CPU only
+  automatic,   ///< lbvh on the CPU; on a CUDA device clusters or footprints, what suits the view (sphere_ways.h)
+  lbvh,        ///< the binary hierarchy of Karras 2012
+  clusters,    ///< the hierarchy as wide as a warp, on CUDA devices only
+  embree,      ///< on the CPU only
+  footprints,  ///< no hierarchy: what `splats` does
 };
 
-inline constexpr std::array<NamedValue<SphereTracing>, 4> kSphereTracings{{
-    {SphereTracing::automatic, "auto", "what is fastest: lbvh on the CPU, clusters on a CUDA device"},
+inline constexpr std::array<NamedValue<SphereTracing>, 5> kSphereTracings{{
+    {SphereTracing::automatic, "auto", "lbvh on the CPU; on a CUDA device clusters or footprints, whichever is faster for the view"},
     {SphereTracing::lbvh, "lbvh", "the binary hierarchy of Karras 2012"},
-    {SphereTracing::clusters, "clusters", "boxes of 32 neighbours each, as wide as a warp; CUDA only"},
-    {SphereTracing::embree, "embree", "Embree's; CPU only"},
+    {SphereTracing::clusters, "clusters", "a hierarchy of boxes around 32 neighbours each, as wide as a warp; CUDA only"},
+    {SphereTracing::embree, "embree", "Embree's hierarchy; CPU only"},
+    {SphereTracing::footprints, "footprints", "no hierarchy: each sphere is met by the rays of the pixels that it may cover, as splats does"},
 }};
 
-/// The hierarchy: a SphereTracing.
+/// A SphereTracing.
 extern const Knob kSphereTracingKnob;
 
 /// How far spheres are drawn out, in spreads to both sides of their depth; 0: not at all.

@@ -1,12 +1,14 @@
-// Spheres behind one of two hierarchies; drawn out to capsules behind one of them.
+// Spheres behind one of two hierarchies, or of none; drawn out to capsules behind one of them.
 // See spheres_warp_cuda.h.
 #include "render/warp/spheres_warp_cuda.h"
 
 #include "render/warp/arithmetic_knob.h"
 #include "render/warp/clusters/cluster_tree.h"
 #include "render/warp/device/device_warp.h"
+#include "render/warp/device/sphere_ways.h"
 #include "render/warp/lbvh/device_lbvh.h"
 #include "render/warp/lbvh/sample_capsules.h"
+#include "render/warp/splats/device_splats.h"
 #include "render/warp/spheres_warp.h"
 
 namespace warpscope {
@@ -24,18 +26,23 @@ class CudaSpheresWarp final : public DeviceWarp {
   static float smearOf(const WarpSettings& settings) { return settings.knobs.number(kSmearKnob); }
 
   static Arithmetic arithmeticOf(const WarpSettings& settings) { return settings.knobs.choice<Arithmetic>(kArithmeticKnob); }
-  static bool usesLbvh(const WarpSettings& settings) {
+
+  /// What the settings ask for; automatic where that depends on the view.
+  SphereTracing askedFor(const WarpSettings& settings) const {
     const auto tracing = settings.knobs.choice<SphereTracing>(kSphereTracingKnob);
-    if (tracing == SphereTracing::embree) throw UsageError("Embree traces on the CPU: choose --backend cpu, or another hierarchy");
+    if (tracing == SphereTracing::embree) throw UsageError("Embree traces on the CPU: choose --backend cpu, or another way of tracing (--via)");
     requireTraceable(settings);
-    return tracing == SphereTracing::lbvh || arithmeticOf(settings) == Arithmetic::textbook;
+    if (isSmeared(settings)) requireCapsules(settings);
+    return isSmeared(settings) || arithmeticOf(settings) == Arithmetic::textbook ? SphereTracing::lbvh : tracing;
   }
 
   bool isSmeared(const WarpSettings& settings) const { return hasSpreads_ && smearOf(settings) > 0.0f; }
 
-  bool needsBuild(const WarpSettings& settings) const override {
-    if (hasSpreads_ && smearOf(settings) != smear_) return true;
-    return !isSmeared(settings) && usesLbvh(settings) != isLbvh_;
+  bool needsBuild(const WarpSettings& settings, const Camera& camera) override {
+    way_ = askedFor(settings);
+    if (way_ == SphereTracing::automatic) way_ = wayOf(probe_.loadFor(camera));
+    if (way_ == SphereTracing::footprints) return false;
+    return way_ != built_ || (hasSpreads_ && smearOf(settings) != smear_);
   }
 
   void upload(const SampleFrame& frame, cudaStream_t stream) override {
@@ -43,46 +50,47 @@ class CudaSpheresWarp final : public DeviceWarp {
     const SamplePlane* const plane = spreadsOf(frame);
     hasSpreads_ = plane != nullptr;
     if (hasSpreads_) spreads_.upload(plane->values, stream);
+    probe_ = SphereLoadProbe(frame);
+    way_ = SphereTracing::automatic;
   }
 
+  /// Where the way depends on the view nothing is built before there is one.
   void build(const DeviceFrameView& frame, const WarpSettings& settings, cudaStream_t stream) override {
-    isLbvh_ = usesLbvh(settings);
+    built_ = way_ == SphereTracing::automatic ? askedFor(settings) : way_;
     smear_ = smearOf(settings);
-    if (isSmeared(settings)) {
-      requireCapsules(settings);
-      isLbvh_ = true;
-      halfLines_.reserve(frame.count);
-      if (frame.count > 0) {
-        drawOut<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(frame, reinterpret_cast<const float*>(spreads_.data()), smear_,
-                                                                                 halfLines_.data());
-        WARPSCOPE_CUDA_CHECK_LAUNCH();
-      }
-      return lbvh_.build(frame, stream, halfLines_.data());
+    if (built_ == SphereTracing::clusters) clusters_.build(frame, stream);
+    if (built_ != SphereTracing::lbvh) return;
+    if (!isSmeared(settings)) return lbvh_.build(frame, stream);
+    halfLines_.reserve(frame.count);
+    if (frame.count > 0) {
+      drawOut<<<cuda::blocksFor(frame.count, kThreads), kThreads, 0, stream>>>(frame, reinterpret_cast<const float*>(spreads_.data()), smear_, halfLines_.data());
+      WARPSCOPE_CUDA_CHECK_LAUNCH();
     }
-    if (isLbvh_)
-      lbvh_.build(frame, stream);
-    else
-      clusters_.build(frame, stream);
+    lbvh_.build(frame, stream, halfLines_.data());
   }
 
-  void trace(const DeviceFrameView&, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels, cudaStream_t stream) override {
-    if (!isLbvh_) return clusters_.trace(camera, pixels.samples, nullptr, stream);
+  void trace(const DeviceFrameView& frame, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels, cudaStream_t stream) override {
+    if (way_ == SphereTracing::footprints) return splats_.draw(frame, camera, pixels.samples, nullptr, stream);
+    if (way_ == SphereTracing::clusters) return clusters_.trace(camera, pixels.samples, nullptr, stream);
     WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(deviceOverflow_.data(), 0, sizeof(uint32_t), stream));
     lbvh_.trace(camera, pixels.samples, nullptr, deviceOverflow_.data(), stream, arithmeticOf(settings));
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(overflow_.data(), deviceOverflow_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream));
   }
 
   void checkTrace() override {
-    if (isLbvh_ && *overflow_ != 0) throw std::logic_error("the sphere hierarchy is deeper than its keys allow");
+    if (way_ == SphereTracing::lbvh && *overflow_ != 0) throw std::logic_error("the sphere hierarchy is deeper than its keys allow");
   }
 
-  bool isLbvh_ = false;
+  SphereTracing way_ = SphereTracing::automatic;  // of the picture being made; automatic before the first of a frame
+  SphereTracing built_ = SphereTracing::automatic;  // the hierarchy that stands, if it is one
   float smear_ = 0.0f;
   bool hasSpreads_ = false;
+  SphereLoadProbe probe_;
   cuda::DeviceBuffer<std::byte> spreads_;  // floats; see kSpreadPlane
   cuda::DeviceBuffer<glm::vec3> halfLines_;
   DeviceClusterTree clusters_;
   DeviceLbvh lbvh_;
+  DeviceSplats splats_;
   cuda::DeviceBuffer<uint32_t> deviceOverflow_{1};
   cuda::PinnedValue<uint32_t> overflow_;
 };

@@ -34,8 +34,10 @@ std::vector<Contender> contenders() {
   WarpSettings settings;
   settings.knobs.set(kSphereTracingKnob, SphereTracing::clusters);
   all.push_back({"clusters", makeCudaSpheresWarp(), settings});
-  settings.knobs.set(kSphereTracingKnob, SphereTracing::lbvh);
-  all.push_back({"lbvh", makeCudaSpheresWarp(), settings});
+  for (const SphereTracing tracing : {SphereTracing::lbvh, SphereTracing::footprints, SphereTracing::automatic}) {
+    settings.knobs.set(kSphereTracingKnob, tracing);
+    all.push_back({std::string(nameOf(kSphereTracings, tracing)), makeCudaSpheresWarp(), settings});
+  }
   all.push_back({"splats", makeCudaSplatsWarp(), {}});
   return all;
 }
@@ -103,19 +105,27 @@ TEST(WarpsOnDevice, CloudsOfEveryShapeAndSize) {
 }
 
 /// Of the frame that both have.
-void expectSamePicture(Warp& onCpu, Warp& onDevice, const Camera& camera, const WarpSettings& settings) {
+void expectSamePictures(Warp& onCpu, std::span<const std::unique_ptr<Warp>> onDevice, const Camera& camera, const WarpSettings& settings) {
   WarpedImage expected, actual;
   onCpu.draw(camera, settings, expected);
-  onDevice.draw(camera, settings, actual);
-  ASSERT_TRUE(expected.samples == actual.samples);
-  ASSERT_TRUE(expected.color == actual.color);
+  for (size_t k = 0; k < onDevice.size(); ++k) {
+    SCOPED_TRACE(k);
+    onDevice[k]->draw(camera, settings, actual);
+    ASSERT_TRUE(expected.samples == actual.samples);
+    ASSERT_TRUE(expected.color == actual.color);
+  }
+}
+
+/// `multihit` by footprints, through clusters, and by what is faster.
+std::array<std::unique_ptr<Warp>, 3> bothWays() {
+  return {makeCudaMultihitWarp(SphereTracing::footprints), makeCudaMultihitWarp(SphereTracing::clusters), makeCudaMultihitWarp()};
 }
 
 /// Marched frames of one and of several samples a ray, in their own view, beside it, behind it, and close to them.
 TEST(WarpsOnDevice, SurfacesAreTheCpus) {
   WARPSCOPE_NEEDS_GPU();
   const std::unique_ptr<Warp> onCpu = makeWarp(findWarp("multihit"), {});
-  const std::unique_ptr<Warp> onDevice = makeCudaMultihitWarp();
+  const auto onDevice = bothWays();
   for (const BuiltinScene& builtin : builtinScenes())
     for (const int samplesPerRay : {1, 3}) {
       const Scene scene = smallScene(builtin.name, 96);
@@ -125,15 +135,17 @@ TEST(WarpsOnDevice, SurfacesAreTheCpus) {
       View view = scene.views.front();
       const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, view, 400, 300), march));
       onCpu->setFrame(frame, {});
-      onDevice->setFrame(frame, {});
+      for (const auto& warp : onDevice) warp->setFrame(frame, {});
       for (const double turn : {0.0, 12.0, 45.0, 170.0})
         for (const int hits : {1, 2, 4, kMaxHits}) {
           SCOPED_TRACE(builtin.name + ", " + std::to_string(samplesPerRay) + " samples a ray, " + std::to_string(turn) + " degrees, " + std::to_string(hits) + " hits");
           view.angleDeg = scene.views.front().angleDeg + turn;
           WarpSettings settings;
           settings.knobs.set(kHitsKnob, hits);
-          ASSERT_NO_FATAL_FAILURE(expectSamePicture(*onCpu, *onDevice, turn == 0.0 ? frame->camera : makeCamera(scene, view, 333, 277), settings));
+          ASSERT_NO_FATAL_FAILURE(expectSamePictures(*onCpu, onDevice, turn == 0.0 ? frame->camera : makeCamera(scene, view, 333, 277), settings));
         }
+      view.distance *= 0.3;  // among them
+      ASSERT_NO_FATAL_FAILURE(expectSamePictures(*onCpu, onDevice, makeCamera(scene, view, 333, 277), {}));
     }
 }
 
@@ -141,7 +153,7 @@ TEST(WarpsOnDevice, SurfacesAreTheCpus) {
 TEST(WarpsOnDevice, SurfacesOfCloudsAreTheCpus) {
   WARPSCOPE_NEEDS_GPU();
   const std::unique_ptr<Warp> onCpu = makeWarp(findWarp("multihit"), {});
-  const std::unique_ptr<Warp> onDevice = makeCudaMultihitWarp();
+  const auto onDevice = bothWays();
   for (const CloudShape shape : kCloudShapes)
     for (const size_t count : {size_t{0}, size_t{1}, size_t{33}, size_t{4000}}) {
       SCOPED_TRACE(::testing::Message() << "shape " << static_cast<int>(shape) << ", " << count << " samples");
@@ -149,9 +161,9 @@ TEST(WarpsOnDevice, SurfacesOfCloudsAreTheCpus) {
       auto frame = std::make_shared<SampleFrame>(frameOfSpheres(cloud, 16.0f, 4.0f, 63, 512.0f));
       for (size_t i = 0; i < frame->size(); ++i) frame->colors[i] = static_cast<Rgba8>(i * 2654435761u);
       onCpu->setFrame(frame, {});
-      onDevice->setFrame(frame, {});
+      for (const auto& warp : onDevice) warp->setFrame(frame, {});
       for (const Camera& camera : {frame->camera, orbitCamera(300.0f, 20.0f, 193, 161), orbitCamera(5.0f, 100.0f, 97, 101)}) {
-        ASSERT_NO_FATAL_FAILURE(expectSamePicture(*onCpu, *onDevice, camera, {}));
+        ASSERT_NO_FATAL_FAILURE(expectSamePictures(*onCpu, onDevice, camera, {}));
       }
     }
 }
@@ -174,7 +186,7 @@ TEST(WarpsOnDevice, CapsulesAreTheCpus) {
         SCOPED_TRACE(builtin.name + ", smeared by " + std::to_string(smear));
         WarpSettings settings;
         settings.knobs.set(kSmearKnob, smear);
-        ASSERT_NO_FATAL_FAILURE(expectSamePicture(*onCpu, *onDevice, makeCamera(scene, view, 333, 277), settings));
+        ASSERT_NO_FATAL_FAILURE(expectSamePictures(*onCpu, {&onDevice, 1}, makeCamera(scene, view, 333, 277), settings));
       }
   }
 }

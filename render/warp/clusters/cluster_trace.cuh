@@ -14,6 +14,9 @@ namespace warpscope {
 /// boxes, as much for the rays' directions, and as much for the planes, which are single precision here.
 constexpr float kClusterMargin = 3.0f * kLbvhMargin;
 
+/// Up to as many rays of a tile that have met nothing are asked one by one whether a sphere concerns them.
+constexpr int kFewOpenRays = 16;
+
 /// The planes through the eye that hold a tile's outermost rays. Normals point inwards.
 struct TileFrustum {
   glm::vec3 normals[4];
@@ -77,12 +80,16 @@ struct TileFrustum {
   }
 };
 
+/// As many spheres are met side by side: alone each would wait for itself, and the tile with most of them keeps the picture waiting.
+constexpr int kSpheresTogether = 4;
+
 /// What the warps of a block share among their lanes.
 struct ClusterWarpMemory {
   float depths[kMaxClusterLevels][kClusterWidth];  // of the open nodes' children; infinite for those that are done
   uint32_t firstChild[kMaxClusterLevels];
-  float4 spheres[kClusterWidth];  // centre from the eye, and widenedSquare
-  float2 exact[kClusterWidth];    // of SeenSphere
+  // Of a cluster's spheres those that the tile may see, one behind the other, and then some that nothing meets.
+  float4 spheres[kClusterWidth + kSpheresTogether - 1];  // centre from the eye, and widenedSquare
+  float4 exact[kClusterWidth];  // of SeenSphere: radius, outside; bits of the place
 };
 
 /// Walks the tree for the tile of the calling warp, all of whose lanes must call, each for `kRays` pixels (see pixel_tiles.cuh) with their
@@ -95,18 +102,30 @@ __device__ inline void traceClusters(const ClusterTreeView& tree, const Camera& 
   if (tree.levels == 0) return;
   const unsigned lane = threadIdx.x % 32;
   const TileFrustum frustum(camera, tile, kRays * kTileHeight, tree.reach);
-  const auto farthestOfTile = [&] {
-    float farthest = 0.0f;
-    for (int ray = 0; ray < kRays; ++ray) farthest = fmaxf(farthest, hits[ray].farthest());
-    return warpMax(farthest);
+
+  // Beyond which none of the tile's rays wants anything; infinite while some are open, that is, want whatever there is. What the others want.
+  float farthest = 0.0f, farthestOfOthers = 0.0f;
+  uint32_t open[kRays];
+  int openCount = 0;
+  const auto askRays = [&] {
+    float own = 0.0f;
+    openCount = 0;
+    for (int ray = 0; ray < kRays; ++ray) {
+      const float wanted = hits[ray].farthest();
+      open[ray] = __ballot_sync(kAllLanes, wanted == kNoHit);
+      openCount += __popc(open[ray]);
+      if (wanted != kNoHit) own = fmaxf(own, wanted);
+    }
+    farthestOfOthers = warpMax(own);
+    farthest = openCount > 0 ? kNoHit : farthestOfOthers;
   };
-  float farthest = farthestOfTile();
+  askRays();
 
   // Of the node that is open at the current level; those above wait in the warp's memory.
   uint32_t firstChild = 0;
   float depth = kNoHit;
 
-  const auto open = [&](int level, uint32_t first) {
+  const auto openNode = [&](int level, uint32_t first) {
     firstChild = first;
     depth = kNoHit;
     if (first + lane < tree.boxCount[level]) {
@@ -117,37 +136,62 @@ __device__ inline void traceClusters(const ClusterTreeView& tree, const Camera& 
 
   const auto meetSpheres = [&](uint32_t cluster) {
     const uint32_t first = cluster * kClusterWidth;
-    bool isNear = false;
+    bool isNear = false, isForOpen = false;
+    float4 widened{0.0f, 0.0f, 0.0f, 0.0f};
+    SeenSphere seen{};
     if (first + lane < tree.count) {
       const float4 sphere = tree.spheres[first + lane];
       const glm::vec3 toCenter = glm::vec3(sphere.x, sphere.y, sphere.z) - camera.eye;
       const float distance = sqrtf(glm::dot(toCenter, toCenter));
       const float nearest = frustum.entryDistance(toCenter, sphere.w, distance);
-      isNear = nearest <= farthest && nearest < kNoHit;  // farthest is infinite until all pixels have a hit
-      const SeenSphere seen = seenSphere(toCenter, sphere.w);
-      memory.spheres[lane] = {toCenter.x, toCenter.y, toCenter.z, widenedSquare(distance, seen.radius)};
-      memory.exact[lane] = {seen.radius, seen.outside};
+      isNear = nearest <= farthestOfOthers && nearest < kNoHit;
+      isForOpen = nearest < kNoHit && !isNear;
+      seen = seenSphere(toCenter, sphere.w);
+      widened = {toCenter.x, toCenter.y, toCenter.z, widenedSquare(distance, seen.radius)};
     }
-    uint32_t near = __ballot_sync(kAllLanes, isNear);
+    if (openCount > kFewOpenRays) {
+      isNear = isNear || isForOpen;
+    } else if (__any_sync(kAllLanes, isForOpen)) {
+      // A ray at a time, all spheres at once: behind a silhouette few rays are open, and many spheres lie in the tile's way but in none of theirs.
+      for (int ray = 0; ray < kRays; ++ray)
+        for (uint32_t rest = open[ray]; rest != 0; rest &= rest - 1) {
+          const int owner = __ffs(static_cast<int>(rest)) - 1;
+          const glm::vec3 direction(__shfl_sync(kAllLanes, directions[ray].x, owner), __shfl_sync(kAllLanes, directions[ray].y, owner),
+                                    __shfl_sync(kAllLanes, directions[ray].z, owner));
+          isNear = isNear || (isForOpen && earliestHit(direction, widened) < kNoHit);
+        }
+    }
+    const uint32_t near = __ballot_sync(kAllLanes, isNear);
     if (near == 0) return;
+    const int count = __popc(near);
+    if (isNear) {
+      const int slot = __popc(near & ((1u << lane) - 1));
+      memory.spheres[slot] = widened;
+      memory.exact[slot] = {seen.radius, seen.outside, __uint_as_float(first + lane), 0.0f};
+    }
+    if (lane < kSpheresTogether - 1) memory.spheres[count + static_cast<int>(lane)] = {0.0f, 0.0f, 0.0f, -1.0f};
     __syncwarp();
-    for (; near != 0; near &= near - 1) {
-      const int k = __ffs(static_cast<int>(near)) - 1;
-      const float4 sphere = memory.spheres[k];
+    for (int begin = 0; begin < count; begin += kSpheresTogether) {
+      float4 spheres[kSpheresTogether];
+      for (int k = 0; k < kSpheresTogether; ++k) spheres[k] = memory.spheres[begin + k];
       for (int ray = 0; ray < kRays; ++ray) {
-        if (!(earliestHit(directions[ray], sphere) <= hits[ray].farthest())) continue;
-        const float2 exact = memory.exact[k];
-        const float t = intersectSphereFromOrigin(directions[ray], {sphere.x, sphere.y, sphere.z}, exact.x, exact.y);
-        if (t <= hits[ray].farthest() && t < kNoHit) hits[ray].add(first + static_cast<uint32_t>(k), t);
+        uint32_t met = 0;
+        for (int k = 0; k < kSpheresTogether; ++k) met |= earliestHit(directions[ray], spheres[k]) <= hits[ray].farthest() ? 1u << k : 0u;
+        for (; met != 0; met &= met - 1) {
+          const int slot = begin + __ffs(static_cast<int>(met)) - 1;
+          const float4 sphere = memory.spheres[slot], exact = memory.exact[slot];
+          const float t = intersectSphereFromOrigin(directions[ray], {sphere.x, sphere.y, sphere.z}, exact.x, exact.y);
+          if (t <= hits[ray].farthest() && t < kNoHit) hits[ray].add(__float_as_uint(exact.z), t);
+        }
       }
     }
     __syncwarp();
-    farthest = farthestOfTile();
+    askRays();
   };
 
   const int top = tree.levels - 1;
   int level = top;
-  open(top, 0);
+  openNode(top, 0);
   for (;;) {
     const float nearest = warpMin(depth);
     if (!(nearest <= farthest) || nearest == kNoHit) {  // nothing more at this level
@@ -166,7 +210,7 @@ __device__ inline void traceClusters(const ClusterTreeView& tree, const Camera& 
     memory.depths[level][lane] = depth;
     if (lane == 0) memory.firstChild[level] = firstChild;
     __syncwarp();
-    open(--level, child * kClusterWidth);
+    openNode(--level, child * kClusterWidth);
   }
 }
 

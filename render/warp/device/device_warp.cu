@@ -76,7 +76,7 @@ DevicePixels DeviceWarp::pixelsFor(const Camera& camera) {
 }
 
 void DeviceWarp::traceInto(const DevicePixels& pixels, const Camera& camera, const WarpSettings& settings) {
-  if (needsBuild(settings)) rebuild(settings);
+  if (needsBuild(settings, camera)) rebuild(settings);
   begin_.record(stream_);
   trace(deviceFrame_.view(), camera, settings, pixels, stream_);
 }

@@ -37,8 +37,8 @@ class DeviceWarp : public Warp {
                      cudaStream_t stream) = 0;
   /// After the stream has got there: throws if the device reported that a trace is not to be used.
   virtual void checkTrace() {}
-  /// True if `settings` need another build of the same frame.
-  virtual bool needsBuild(const WarpSettings&) const { return false; }
+  /// True if a picture by `settings` needs another build of the same frame; build() comes next then.
+  virtual bool needsBuild(const WarpSettings&, const Camera&) { return false; }
   /// True if trace() writes colours; else they are the samples' own.
   virtual bool blends() const { return false; }
   /// Nothing anywhere, in stream order; for those that blend.

@@ -1,10 +1,9 @@
-// Exact sphere splats on the device: what the rays of pixels would hit first, without a hierarchy. For .cu files and what they include.
-// A thread for each sphere walks the pixels of its footprint and keeps the smallest (distance, place in the frame) with a 64-bit minimum;
-// footprints that would hold a warp up are walked by the whole warp, and those that would hold the frame up by many blocks.
+// Exact sphere splats on the device: what the rays of pixels would hit first, without a hierarchy. For .cu files.
+// See footprint_walk.cuh.
 #pragma once
 
 #include "render/core/camera.h"
-#include "render/warp/device/device_frame.h"
+#include "render/warp/splats/footprint_walk.cuh"
 
 namespace warpscope {
 
@@ -15,9 +14,8 @@ class DeviceSplats {
   void draw(const DeviceFrameView& frame, const Camera& camera, uint32_t* ids, float* depth, cudaStream_t stream);
 
  private:
-  cuda::DeviceBuffer<unsigned long long> nearest_;  // a pixel: bits of the distance above, place in the frame below; all ones: nothing
-  cuda::DeviceBuffer<uint32_t> large_;              // samples with large footprints
-  cuda::DeviceBuffer<uint32_t> largeCount_{1};
+  cuda::DeviceBuffer<KeptHit> nearest_;
+  FootprintWalk walk_;
 };
 
 }  // namespace warpscope

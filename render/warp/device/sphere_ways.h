@@ -1,0 +1,50 @@
+// By which way is the picture of a frame's spheres fastest on a device: through the hierarchy of clusters, whose rays look for spheres, or by footprints, where each sphere looks for
+// rays? The pictures are the same. Host only.
+// Costs are linear in what each way does, as estimated from some of the spheres; the factors are fitted to measurements (tests/bench/README.md, sphere_ways_bench).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "render/core/camera.h"
+#include "render/march/sample_frame.h"
+#include "render/warp/spheres_warp.h"
+
+namespace warpscope {
+
+/// The most pixels of a footprint that one warp walks; larger ones are shared by many (device_splats.cu).
+inline constexpr uint32_t kLargestWalk = 8192;
+
+/// What the ways have to do for a picture.
+struct SphereLoad {
+  double pixels = 0.0;  ///< of the picture
+  double spheres = 0.0;
+  double fragments = 0.0;    ///< pixels in all spheres' footprints
+  double tiles = 0.0;        ///< tiles of 8 x 8 pixels that footprints touch, in all
+  double longestWalk = 0.0;  ///< pixels of the largest footprint, kLargestWalk at most: the picture waits for the warp that walks it
+};
+
+/// Estimates loads from spheres that stand for all of a frame's.
+class SphereLoadProbe {
+ public:
+  SphereLoadProbe() = default;
+  explicit SphereLoadProbe(const SampleFrame& frame);
+
+  /// For a camera that isUsable.
+  SphereLoad loadFor(const Camera& camera) const;
+
+ private:
+  size_t count_ = 0;
+  std::vector<Sphere> spheres_;
+};
+
+/// Milliseconds that the ways are expected to take, on the device that they were fitted on: for comparisons of one with the other.
+double footprintCost(const SphereLoad& load);
+double clusterCost(const SphereLoad& load);
+
+/// SphereTracing::clusters or footprints, of spheres.
+SphereTracing wayOf(const SphereLoad& load);
+/// Likewise of the surfaces of `multihit`.
+SphereTracing surfaceWayOf(const SphereLoad& load);
+
+}  // namespace warpscope

@@ -1,0 +1,279 @@
+// Every sphere's footprint is walked, small, middling and large ones each in their own way, and of what the rays of its pixels hit the nearest is kept. For .cu files.
+// A thread for each sphere; footprints that would hold a warp up are walked by the whole warp, and those that would hold the picture up by many blocks. What counts as a hit and how many
+// are kept for a pixel is the caller's.
+#pragma once
+
+#include <numeric>
+
+#include "render/core/ray_sphere.h"
+#include "render/cuda/pixel_tiles.cuh"
+#include "render/cuda/warp_reduce.cuh"
+#include "render/warp/device/device_frame.h"
+#include "render/warp/device/earliest_hit.cuh"
+#include "render/warp/device/sphere_ways.h"
+#include "render/warp/splats/sphere_footprint.h"
+
+namespace warpscope {
+
+constexpr unsigned kWalkThreads = 128;
+
+/// Pixels that one thread walks alone, whatever its neighbours do.
+constexpr uint32_t kPixelsAlone = 64;
+/// Pixels that one thread walks alone if its neighbours have as much to do; beyond, lanes side by side read memory better.
+constexpr uint32_t kPixelsBeside = 256;
+/// Pixels that one warp walks; more are for many blocks, because a warp has no more than its share of one multiprocessor.
+constexpr uint32_t kPixelsOfWarp = kLargestWalk;
+/// Blocks that share the large footprints: enough to fill any device several times over.
+constexpr unsigned kLargeBlocks = 4096;
+
+/// What is kept of a hit: bits of its distance above, the sample's place in the frame below. Nearer hits are smaller, of equally near ones those that come first in the frame.
+using KeptHit = unsigned long long;
+constexpr KeptHit kNoKeptHit = 0xffffffffffffffffull;
+
+__device__ inline KeptHit keptHit(float distance, uint32_t id) { return KeptHit{__float_as_uint(distance)} << 32 | id; }
+
+/// Planes of kept hits, one behind the other: of each pixel the first, the second and so on.
+struct HitPlanes {
+  KeptHit* hits = nullptr;
+  uint32_t perRow = 0;  ///< even, so that pixels can be read in pairs
+  uint32_t height = 0;
+
+  __host__ __device__ size_t size() const { return size_t{perRow} * height; }
+  __device__ size_t at(uint32_t x, uint32_t y) const { return size_t{y} * perRow + x; }
+};
+
+/// For a picture of the camera's, without memory.
+inline HitPlanes planesFor(const Camera& camera) { return {nullptr, (camera.width + 1) / 2 * 2, camera.height}; }
+
+/// Which spheres may be passed over.
+struct WantedTiles {
+  static constexpr int kSide = 8;
+  const uint8_t* isWanted = nullptr;  ///< per tile of kSide x kSide pixels, row by row: 0 where none of its pixels wants a hit; null: all do
+  uint32_t perRow = 0;
+};
+
+/// Hits: how many of them are kept for a pixel (kKept); footprintOf(view, id, sphere), all pixels that may have one; distanceOf(id, direction, toCenter, t), which distance counts where a
+/// ray meets the sphere at t: never less than t, and kNoHit for what is no hit after all.
+template <class Hits>
+struct SplatJob {
+  Hits of;
+  DeviceFrameView frame;
+  Camera camera;
+  FootprintView footprint;
+  float margin;  ///< of distances, for rounding
+  float edge;    ///< pixelEdge
+  HitPlanes planes;
+  WantedTiles wanted;
+  uint32_t* large;
+  uint32_t* largeCount;
+  uint32_t stride;  ///< as strideFor() says
+};
+
+/// A sphere from the eye.
+struct Splat {
+  float4 widened;  ///< centre and widenedSquare
+  float radius;
+  float outside;
+  float nearest;  ///< at most the distance of any hit
+  uint32_t id;
+};
+
+template <class Hits>
+__device__ Splat splatOf(const SplatJob<Hits>& job, const Sphere& sphere, uint32_t id) {
+  const glm::vec3 toCenter = sphere.center - job.camera.eye;
+  const float distance = sqrtf(glm::dot(toCenter, toCenter));
+  const SeenSphere seen = seenSphere(toCenter, sphere.radius);
+  return {{toCenter.x, toCenter.y, toCenter.z, widenedSquare(distance, seen.radius)},
+          seen.radius,
+          seen.outside,
+          distance - seen.radius - job.margin,
+          id};
+}
+
+/// A pixel's hits, of which `last` is the farthest that is kept. kLooksFirst: a quick test rules out most of a large footprint's pixels, where others are nearer; in small ones it costs
+/// more than it saves.
+template <bool kLooksFirst, class Hits>
+__device__ void splatPixel(const SplatJob<Hits>& job, const Splat& splat, uint32_t x, uint32_t y, KeptHit last) {
+  const float farthest = __uint_as_float(static_cast<uint32_t>(last >> 32));  // no number while there is room: no comparison holds
+  if (splat.nearest > farthest) return;
+  if constexpr (kLooksFirst) {
+    const float earliest = earliestHit(quickDirection(job.camera, job.edge, x, y), splat.widened);
+    if (!(earliest < kNoHit) || earliest > farthest) return;
+  }
+  const glm::vec3 direction = rayOfPixel(job.camera, {x, y}).direction, toCenter(splat.widened.x, splat.widened.y, splat.widened.z);
+  const float t = intersectSphereFromOrigin(direction, toCenter, splat.radius, splat.outside);
+  if (!(t < kNoHit)) return;
+  const float distance = job.of.distanceOf(splat.id, direction, toCenter, t);
+  if (!(distance < kNoHit)) return;
+  KeptHit hit = keptHit(distance, splat.id);
+  if (!(hit < last)) return;
+  // Each place takes the smaller and hands the larger on: whatever comes when, the least are there in the end, in order (Liu, Huang, Liu, Wu 2009, "Single pass depth peeling via CUDA
+  // rasterizer").
+  KeptHit* place = job.planes.hits + job.planes.at(x, y);
+  if constexpr (Hits::kKept == 1) {
+    atomicMin(place, hit);
+  } else {
+    for (int k = 0; k < Hits::kKept && hit != kNoKeptHit; ++k, place += job.planes.size()) hit = max(hit, atomicMin(place, hit));
+  }
+}
+
+template <class Hits>
+__device__ const KeptHit* lastPlane(const SplatJob<Hits>& job) {
+  return job.planes.hits + (Hits::kKept - 1) * job.planes.size();
+}
+
+/// One pixel, by one of several lanes side by side.
+template <class Hits>
+__device__ void splatAlone(const SplatJob<Hits>& job, const Splat& splat, uint32_t x, uint32_t y) {
+  splatPixel<true>(job, splat, x, y, __ldcg(lastPlane(job) + job.planes.at(x, y)));
+}
+
+/// A whole footprint, by one lane. What it reads may get nearer meanwhile, never farther: a stale value costs a test, nothing else.
+template <class Hits>
+__device__ void splatAll(const SplatJob<Hits>& job, const Splat& splat, const PixelRect& rect) {
+  // One loop over all pixels: with one inside another, lanes with narrow footprints would wait at the end of every row. Two pixels are read at once, and the next two meanwhile.
+  const int first = rect.x0 / 2 * 2, last = (rect.x1 - 1) / 2 * 2;
+  const auto read = [&](int x, int y) {
+    return __ldcg(reinterpret_cast<const ulonglong2*>(lastPlane(job) + job.planes.at(static_cast<uint32_t>(x), static_cast<uint32_t>(y))));
+  };
+  int nextX = first, nextY = rect.y0;
+  ulonglong2 next = read(nextX, nextY);
+  while (nextY != rect.y1) {
+    const ulonglong2 there = next;
+    const int x = nextX, y = nextY;
+    if (x == last) {
+      nextX = first;
+      ++nextY;
+    } else {
+      nextX += 2;
+    }
+    if (nextY != rect.y1) next = read(nextX, nextY);
+    if (x >= rect.x0) splatPixel<false>(job, splat, static_cast<uint32_t>(x), static_cast<uint32_t>(y), there.x);
+    if (x + 1 < rect.x1) splatPixel<false>(job, splat, static_cast<uint32_t>(x + 1), static_cast<uint32_t>(y), there.y);
+  }
+}
+
+/// Some tile that the footprint touches may want a hit.
+__device__ inline bool isWanted(const WantedTiles& wanted, const PixelRect& rect) {
+  if (wanted.isWanted == nullptr || rect.isEmpty()) return true;
+  constexpr int kMostTiles = 16;  // to look at
+  const int x0 = rect.x0 / WantedTiles::kSide, x1 = (rect.x1 - 1) / WantedTiles::kSide, y0 = rect.y0 / WantedTiles::kSide, y1 = (rect.y1 - 1) / WantedTiles::kSide;
+  if ((x1 - x0 + 1) * (y1 - y0 + 1) > kMostTiles) return true;
+  for (int y = y0; y <= y1; ++y)
+    for (int x = x0; x <= x1; ++x)
+      if (wanted.isWanted[static_cast<uint32_t>(y) * wanted.perRow + static_cast<uint32_t>(x)] != 0) return true;
+  return false;
+}
+
+__device__ inline uint32_t areaOf(const PixelRect& rect) {
+  return rect.isEmpty() ? 0u : static_cast<uint32_t>(rect.x1 - rect.x0) * static_cast<uint32_t>(rect.y1 - rect.y0);
+}
+
+__device__ inline int shuffled(int value, int lane) { return __shfl_sync(kAllLanes, value, lane); }
+
+/// Up to how many pixels the warp's lanes walk for themselves: their turns are then those of the largest footprint, and otherwise the sum of
+/// all that are left to the warp as a whole.
+__device__ inline uint32_t pixelsAlone(uint32_t area, const PixelRect& rect) {
+  const bool isOne = area > kPixelsAlone && area <= kPixelsBeside;
+  const auto tiles = static_cast<uint32_t>(((rect.x1 - rect.x0 + 7) / 8) * ((rect.y1 - rect.y0 + 3) / 4));
+  uint32_t largest = isOne ? area : 0u, turns = isOne ? tiles + 1 : 0u;
+  for (int step = 16; step > 0; step /= 2) {
+    largest = max(largest, __shfl_xor_sync(kAllLanes, largest, step));
+    turns += __shfl_xor_sync(kAllLanes, turns, step);
+  }
+  return largest <= turns ? kPixelsBeside : kPixelsAlone;
+}
+
+template <class Hits>
+__global__ void __launch_bounds__(kWalkThreads) splatSamples(const __grid_constant__ SplatJob<Hits> job) {
+  // Seen from aside, samples in the order of the server's pixels come ever nearer at a pixel; out of order, few find themselves to be nearest.
+  const auto turn = static_cast<uint32_t>(uint64_t{blockIdx.x} * job.stride % gridDim.x);
+  const uint32_t i = turn * kWalkThreads + threadIdx.x;
+  const int lane = static_cast<int>(threadIdx.x % 32);
+  Sphere sphere{};
+  PixelRect rect{0, 0, 0, 0};
+  if (i < job.frame.count) {
+    sphere = unpackSample(job.frame.samples[i], job.frame.grid);
+    rect = job.of.footprintOf(job.footprint, i, sphere);
+    if (!isWanted(job.wanted, rect)) rect.x1 = rect.x0;
+  }
+  const uint32_t area = areaOf(rect);
+  const uint32_t alone = pixelsAlone(area, rect);
+  if (area > 0 && area <= alone) splatAll(job, splatOf(job, sphere, i), rect);
+  if (area > kPixelsOfWarp) job.large[atomicAdd(job.largeCount, 1u)] = i;
+  __syncwarp();
+  for (uint32_t rest = __ballot_sync(kAllLanes, area > alone && area <= kPixelsOfWarp); rest != 0; rest &= rest - 1) {
+    const int owner = __ffs(static_cast<int>(rest)) - 1;
+    const Sphere shared{{__shfl_sync(kAllLanes, sphere.center.x, owner), __shfl_sync(kAllLanes, sphere.center.y, owner),
+                         __shfl_sync(kAllLanes, sphere.center.z, owner)},
+                        __shfl_sync(kAllLanes, sphere.radius, owner)};
+    const int x0 = shuffled(rect.x0, owner), y0 = shuffled(rect.y0, owner);
+    const int width = shuffled(rect.x1, owner) - x0, height = shuffled(rect.y1, owner) - y0;
+    const Splat splat = splatOf(job, shared, i - static_cast<uint32_t>(lane) + static_cast<uint32_t>(owner));
+    // In tiles of 8 x 4, which need no division to find a lane's pixel.
+    for (int y = y0 + lane / 8; y - lane / 8 < y0 + height; y += 4)
+      for (int x = x0 + lane % 8; x - lane % 8 < x0 + width; x += 8)
+        if (x < x0 + width && y < y0 + height) splatAlone(job, splat, static_cast<uint32_t>(x), static_cast<uint32_t>(y));
+  }
+}
+
+/// A stride that leads once through all of `count` blocks, far from each to the next.
+inline uint32_t strideFor(uint32_t count) {
+  auto stride = static_cast<uint32_t>(0.618 * count) | 1u;
+  while (std::gcd(stride, count) != 1) ++stride;
+  return stride;
+}
+
+/// Blocks share the large footprints: while there are fewer of these than of those, each is cut into bands of rows.
+template <class Hits>
+__global__ void __launch_bounds__(kWalkThreads) splatLarge(const __grid_constant__ SplatJob<Hits> job) {
+  const uint32_t count = *job.largeCount;
+  if (count == 0) return;
+  const uint32_t bands = max(1u, gridDim.x / count);
+  for (uint64_t unit = blockIdx.x; unit < uint64_t{count} * bands; unit += gridDim.x) {
+    const uint32_t id = job.large[unit / bands];
+    const auto band = static_cast<uint32_t>(unit % bands);
+    const Sphere sphere = unpackSample(job.frame.samples[id], job.frame.grid);
+    const PixelRect rect = job.of.footprintOf(job.footprint, id, sphere);
+    const Splat splat = splatOf(job, sphere, id);
+    const auto rows = static_cast<uint32_t>(rect.y1 - rect.y0);
+    const uint32_t first = static_cast<uint32_t>(rect.y0) + static_cast<uint32_t>(uint64_t{rows} * band / bands);
+    const uint32_t end = static_cast<uint32_t>(rect.y0) + static_cast<uint32_t>(uint64_t{rows} * (band + 1) / bands);
+    const auto width = static_cast<uint32_t>(rect.x1 - rect.x0);
+    for (uint32_t k = threadIdx.x; k < (end - first) * width; k += kWalkThreads)
+      splatAlone(job, splat, static_cast<uint32_t>(rect.x0) + k % width, first + k / width);
+  }
+}
+
+/// Hits of spheres as they are, of which the nearest is kept.
+struct NearestOfSpheres {
+  static constexpr int kKept = 1;
+  __device__ PixelRect footprintOf(const FootprintView& view, uint32_t, const Sphere& sphere) const { return sphereFootprint(view, sphere); }
+  __device__ float distanceOf(uint32_t, const glm::vec3&, const glm::vec3&, float t) const { return t; }
+};
+
+/// What the walk needs beside hits.
+class FootprintWalk {
+ public:
+  /// Into `planes`, whose kept hits it goes on from, in stream order, without waiting and, once the buffers have their size, without allocating.
+  template <class Hits>
+  void walk(const Hits& hits, const DeviceFrameView& frame, const Camera& camera, const HitPlanes& planes, const WantedTiles& wanted, cudaStream_t stream) {
+    if (frame.count == 0) return;
+    large_.reserve(frame.count);
+    WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(largeCount_.data(), 0, sizeof(uint32_t), stream));
+    const glm::vec3 eye = glm::abs(camera.eye);
+    const float margin = kFootprintMargin * (eye.x + eye.y + eye.z + frame.reach());
+    const unsigned blocks = cuda::blocksFor(frame.count, kWalkThreads);
+    const SplatJob<Hits> job{hits, frame, camera, footprintViewOf(camera), margin, pixelEdge(camera), planes, wanted, large_.data(), largeCount_.data(), strideFor(blocks)};
+    splatSamples<<<blocks, kWalkThreads, 0, stream>>>(job);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    splatLarge<<<kLargeBlocks, kWalkThreads, 0, stream>>>(job);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+  }
+
+ private:
+  cuda::DeviceBuffer<uint32_t> large_;  // samples with large footprints
+  cuda::DeviceBuffer<uint32_t> largeCount_{1};
+};
+
+}  // namespace warpscope

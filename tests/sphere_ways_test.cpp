@@ -1,0 +1,89 @@
+// Loads against sums over every sphere's own footprint, and which way is taken where the answer is plain.
+// Mirrors render/warp/device/sphere_ways.h.
+#include "render/warp/device/sphere_ways.h"
+
+#include <gtest/gtest.h>
+
+#include "render/warp/splats/sphere_footprint.h"
+#include "tests/frame_samples.h"
+#include "tests/sphere_clouds.h"
+
+namespace warpscope {
+namespace {
+
+struct Exact {
+  double fragments = 0.0, longest = 0.0;
+};
+
+Exact exactOf(const SampleFrame& frame, const Camera& camera) {
+  Exact exact;
+  const FootprintView view = footprintViewOf(camera);
+  for (size_t i = 0; i < frame.size(); ++i) {
+    const PixelRect rect = sphereFootprint(view, sphereOf(frame, i));
+    if (rect.isEmpty()) continue;
+    const double area = static_cast<double>(rect.x1 - rect.x0) * (rect.y1 - rect.y0);
+    exact.fragments += area;
+    exact.longest = std::max(exact.longest, area);
+  }
+  return exact;
+}
+
+TEST(SphereWays, FewSpheresAreAllLookedAt) {
+  for (const size_t count : {size_t{1}, size_t{2}, size_t{511}, size_t{512}}) {
+    const SampleFrame frame = frameOfCloud(makeCloud(CloudShape::random, count, 100.0f, 3));
+    const Camera camera = orbitCamera(300.0f, 20.0f, 193, 161);
+    const SphereLoad load = SphereLoadProbe(frame).loadFor(camera);
+    const Exact exact = exactOf(frame, camera);
+    EXPECT_NEAR(load.fragments, exact.fragments, 1e-9 * exact.fragments) << count;
+    EXPECT_EQ(load.longestWalk, std::min<double>(exact.longest, kLargestWalk)) << count;
+    EXPECT_EQ(load.spheres, static_cast<double>(count));
+    EXPECT_EQ(load.pixels, 193.0 * 161.0);
+    EXPECT_LE(load.tiles, load.fragments);
+    EXPECT_GE(load.tiles, load.fragments / 64.0);
+  }
+}
+
+TEST(SphereWays, SomeStandForMany) {
+  const SampleFrame frame = frameOfCloud(makeCloud(CloudShape::random, 40000, 100.0f, 5));
+  for (const float distance : {200.0f, 300.0f, 3000.0f}) {
+    const Camera camera = orbitCamera(distance, 20.0f, 640, 480);
+    const double exact = exactOf(frame, camera).fragments;
+    EXPECT_NEAR(SphereLoadProbe(frame).loadFor(camera).fragments, exact, 0.25 * exact) << distance;
+  }
+}
+
+TEST(SphereWays, NothingIsNoWork) {
+  const SphereLoad load = SphereLoadProbe(SampleFrame{}).loadFor(orbitCamera(300.0f, 0.0f, 64, 48));
+  EXPECT_EQ(load.spheres, 0.0);
+  EXPECT_EQ(load.fragments, 0.0);
+  EXPECT_EQ(load.tiles, 0.0);
+  EXPECT_EQ(load.longestWalk, 0.0);
+  EXPECT_EQ(wayOf(load), SphereTracing::footprints);
+  // Spheres that lie behind the eye alone.
+  Camera away = orbitCamera(1000.0f, 0.0f, 64, 48);
+  away.forward = -away.forward;
+  away.right = -away.right;
+  EXPECT_EQ(SphereLoadProbe(frameOfCloud(makeCloud(CloudShape::random, 1000, 100.0f, 7))).loadFor(away).fragments, 0.0);
+}
+
+TEST(SphereWays, SmallSpheresLookForPixelsAndLargeOnesAreLookedFor) {
+  const SampleFrame frame = frameOfCloud(makeCloud(CloudShape::random, 300000, 100.0f, 11));
+  const SphereLoadProbe probe(frame);
+  EXPECT_EQ(wayOf(probe.loadFor(orbitCamera(2000.0f, 20.0f, 1024, 1024))), SphereTracing::footprints);
+  EXPECT_EQ(wayOf(probe.loadFor(orbitCamera(20.0f, 20.0f, 4096, 4096))), SphereTracing::clusters);
+}
+
+/// More of anything costs no less.
+TEST(SphereWays, CostsGrow) {
+  const SphereLoad load{1e6, 4e5, 3e7, 1e6, 100.0};
+  for (double SphereLoad::* part : {&SphereLoad::pixels, &SphereLoad::spheres, &SphereLoad::fragments, &SphereLoad::tiles, &SphereLoad::longestWalk}) {
+    SphereLoad more = load;
+    more.*part *= 2.0;
+    EXPECT_GE(footprintCost(more), footprintCost(load));
+    EXPECT_GE(clusterCost(more), clusterCost(load));
+    EXPECT_GT(footprintCost(more) + clusterCost(more), footprintCost(load) + clusterCost(load));
+  }
+}
+
+}  // namespace
+}  // namespace warpscope
