@@ -58,7 +58,7 @@ TEST(SphereWays, NothingIsNoWork) {
   EXPECT_EQ(load.fragments, 0.0);
   EXPECT_EQ(load.tiles, 0.0);
   EXPECT_EQ(load.longestWalk, 0.0);
-  EXPECT_EQ(wayOf(load), SphereTracing::footprints);
+  for (const WayCosts& costs : {sphereCosts(load), surfaceCosts(load)}) EXPECT_EQ(costs.fastest(), SphereTracing::footprints);
   // Spheres that lie behind the eye alone.
   Camera away = orbitCamera(1000.0f, 0.0f, 64, 48);
   away.forward = -away.forward;
@@ -69,19 +69,24 @@ TEST(SphereWays, NothingIsNoWork) {
 TEST(SphereWays, SmallSpheresLookForPixelsAndLargeOnesAreLookedFor) {
   const SampleFrame frame = frameOfCloud(makeCloud(CloudShape::random, 300000, 100.0f, 11));
   const SphereLoadProbe probe(frame);
-  EXPECT_EQ(wayOf(probe.loadFor(orbitCamera(2000.0f, 20.0f, 1024, 1024))), SphereTracing::footprints);
-  EXPECT_EQ(wayOf(probe.loadFor(orbitCamera(20.0f, 20.0f, 4096, 4096))), SphereTracing::clusters);
+  for (WayCosts (*costsOf)(const SphereLoad&) : {&sphereCosts, &surfaceCosts}) {
+    EXPECT_EQ(costsOf(probe.loadFor(orbitCamera(2000.0f, 20.0f, 1024, 1024))).fastest(), SphereTracing::footprints);
+    EXPECT_EQ(costsOf(probe.loadFor(orbitCamera(20.0f, 20.0f, 4096, 4096))).fastest(), SphereTracing::clusters);
+  }
 }
 
 /// More of anything costs no less.
 TEST(SphereWays, CostsGrow) {
-  const SphereLoad load{1e6, 4e5, 3e7, 1e6, 100.0};
+  const SphereLoad load{.pixels = 1e6, .spheres = 4e5, .fragments = 3e7, .tiles = 1e6, .longestWalk = 100.0};
   for (double SphereLoad::* part : {&SphereLoad::pixels, &SphereLoad::spheres, &SphereLoad::fragments, &SphereLoad::tiles, &SphereLoad::longestWalk}) {
     SphereLoad more = load;
     more.*part *= 2.0;
-    EXPECT_GE(footprintCost(more), footprintCost(load));
-    EXPECT_GE(clusterCost(more), clusterCost(load));
-    EXPECT_GT(footprintCost(more) + clusterCost(more), footprintCost(load) + clusterCost(load));
+    const WayCosts spheres = sphereCosts(load), moreSpheres = sphereCosts(more), surfaces = surfaceCosts(load), moreSurfaces = surfaceCosts(more);
+    EXPECT_GE(moreSpheres.footprints, spheres.footprints);
+    EXPECT_GE(moreSpheres.clusters, spheres.clusters);
+    EXPECT_GE(moreSurfaces.footprints, surfaces.footprints);
+    EXPECT_GE(moreSurfaces.clusters, surfaces.clusters);
+    EXPECT_GT(moreSpheres.footprints + moreSpheres.clusters, spheres.footprints + spheres.clusters);
   }
 }
 

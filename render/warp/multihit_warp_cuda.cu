@@ -193,7 +193,7 @@ class CudaMultihitWarp final : public DeviceWarp {
 
   bool isSplatted(const Camera& camera, int surfaces) const {
     if (way_ != SphereTracing::automatic) return way_ == SphereTracing::footprints;
-    return SplattedSurfaces::bytesFor(camera, surfaces) <= kMostSplatBytes && surfaceWayOf(probe_.loadFor(camera)) == SphereTracing::footprints;
+    return SplattedSurfaces::bytesFor(camera, surfaces) <= kMostSplatBytes && surfaceCosts(probe_.loadFor(camera)).fastest() == SphereTracing::footprints;
   }
 
   static int hitsOf(const WarpSettings& settings) { return settings.knobs.whole(kHitsKnob); }

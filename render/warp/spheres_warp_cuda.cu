@@ -40,7 +40,7 @@ class CudaSpheresWarp final : public DeviceWarp {
 
   bool needsBuild(const WarpSettings& settings, const Camera& camera) override {
     way_ = askedFor(settings);
-    if (way_ == SphereTracing::automatic) way_ = wayOf(probe_.loadFor(camera));
+    if (way_ == SphereTracing::automatic) way_ = sphereCosts(probe_.loadFor(camera)).fastest();
     if (way_ == SphereTracing::footprints) return false;
     return way_ != built_ || (hasSpreads_ && smearOf(settings) != smear_);
   }

@@ -75,7 +75,7 @@ void measure(const std::string& name, const SceneOverrides& overrides, uint32_t 
       const SphereLoad load = probe.loadFor(camera);
       const double footprints = medianMs(*warps[0], camera, byFootprints), clusters = medianMs(*warps[1], camera, byClusters);
       const double surfaceFootprints = medianMs(*surfaceWarps[0], camera, {}), surfaceClusters = medianMs(*surfaceWarps[1], camera, {});
-      const bool takesFootprints = wayOf(load) == SphereTracing::footprints, splatsSurfaces = surfaceWayOf(load) == SphereTracing::footprints;
+      const bool takesFootprints = sphereCosts(load).fastest() == SphereTracing::footprints, splatsSurfaces = surfaceCosts(load).fastest() == SphereTracing::footprints;
       std::printf("%s,%u,%g,%g,%.0f,%.0f,%.0f,%.0f,%.0f,%.4f,%.4f,%d,%.4f,%.4f,%d\n", scene.name.c_str(), side, turn, nearer, load.pixels, load.spheres, load.fragments, load.tiles, load.longestWalk,
                   footprints, clusters, takesFootprints, surfaceFootprints, surfaceClusters, splatsSurfaces);
       regret.add(footprints, clusters, takesFootprints);

@@ -4,49 +4,68 @@
 
 #include <algorithm>
 
+#include "render/core/simd.h"
 #include "render/warp/splats/sphere_footprint.h"
 
 namespace warpscope {
 namespace {
 
 constexpr size_t kProbes = 512;
-constexpr double kTileSide = 8.0;
+constexpr float kTileSide = 8.0f;
 
 }  // namespace
 
-SphereLoadProbe::SphereLoadProbe(const SampleFrame& frame) : count_(frame.size()) {
-  const size_t probes = std::min(count_, kProbes);
+SphereLoadProbe::SphereLoadProbe(const SampleFrame& frame) : count_(frame.size()), probes_(std::min(count_, kProbes)) {
   const SampleGrid grid = frame.grid();
-  for (size_t k = 0; k < probes; ++k) spheres_.push_back(unpackSample(frame.samples[(2 * k + 1) * count_ / (2 * probes)], grid));
+  const size_t whole = (probes_ + kBatchLanes - 1) / kBatchLanes * kBatchLanes;
+  for (std::vector<float>* part : {&x_, &y_, &z_, &radius_}) part->resize(whole);  // spheres without a radius cover nothing
+  for (size_t k = 0; k < probes_; ++k) {
+    const Sphere sphere = unpackSample(frame.samples[(2 * k + 1) * count_ / (2 * probes_)], grid);
+    x_[k] = sphere.center.x;
+    y_[k] = sphere.center.y;
+    z_[k] = sphere.center.z;
+    radius_[k] = sphere.radius;
+  }
 }
 
 SphereLoad SphereLoadProbe::loadFor(const Camera& camera) const {
   SphereLoad load;
   load.pixels = static_cast<double>(camera.width) * camera.height;
   load.spheres = static_cast<double>(count_);
-  if (spheres_.empty()) return load;
+  if (probes_ == 0) return load;
   const FootprintView view = footprintViewOf(camera);
-  const auto tilesOf = [](double pixels) { return 1.0 + (pixels - 1.0) / kTileSide; };  // in the mean over where they begin
-  for (const Sphere& sphere : spheres_) {
-    const PixelRect rect = sphereFootprint(view, sphere);
-    if (rect.isEmpty()) continue;
-    const double columns = rect.x1 - rect.x0, rows = rect.y1 - rect.y0;
-    load.fragments += columns * rows;
-    load.tiles += tilesOf(columns) * tilesOf(rows);
-    load.longestWalk = std::max(load.longestWalk, columns * rows);
+  const auto tilesOf = [](float pixels) { return 1.0f + (pixels - 1.0f) / kTileSide; };  // in the mean over where they begin
+  for (size_t first = 0; first < x_.size(); first += kBatchLanes) {
+    const auto part = [&](const std::vector<float>& values, float eye) { return FloatBatch::load_unaligned(values.data() + first) - FloatBatch(eye); };
+    const auto bounds = footprint::boundsOf(view, part(x_, view.eye.x), part(y_, view.eye.y), part(z_, view.eye.z), part(radius_, 0.0f));
+    alignas(64) int32_t x0[kBatchLanes], y0[kBatchLanes], x1[kBatchLanes], y1[kBatchLanes];
+    bounds.x0.store_aligned(x0);
+    bounds.y0.store_aligned(y0);
+    bounds.x1.store_aligned(x1);
+    bounds.y1.store_aligned(y1);
+    for (int i = 0; i < kBatchLanes; ++i) {
+      if (x0[i] >= x1[i] || y0[i] >= y1[i]) continue;
+      const auto columns = static_cast<float>(x1[i] - x0[i]), rows = static_cast<float>(y1[i] - y0[i]);
+      load.fragments += columns * rows;
+      load.tiles += tilesOf(columns) * tilesOf(rows);
+      load.longestWalk = std::max<double>(load.longestWalk, columns * rows);
+    }
   }
-  const double each = load.spheres / static_cast<double>(spheres_.size());
+  const double each = load.spheres / static_cast<double>(probes_);
   load.fragments *= each;
   load.tiles *= each;
   load.longestWalk = std::min(load.longestWalk, static_cast<double>(kLargestWalk));
   return load;
 }
 
-// Milliseconds on an H100, by least squares of the logarithm's error over 832 pictures.
-double footprintCost(const SphereLoad& load) { return 0.0256 + 2.10e-8 * load.pixels + 2.83e-9 * load.fragments + 3.73e-4 * load.longestWalk; }
-double clusterCost(const SphereLoad& load) { return 0.0583 + 1.42e-7 * load.pixels + 1.04e-7 * load.spheres + 2.99e-8 * load.tiles; }
+// Milliseconds on an H100, by least squares of the logarithm's error over 832 views of each technique.
+WayCosts sphereCosts(const SphereLoad& load) {
+  return {0.0231 + 2.19e-8 * load.pixels + 2.93e-9 * load.fragments + 3.66e-4 * load.longestWalk,
+          0.0707 + 1.19e-7 * load.pixels + 1.05e-8 * load.spheres + 3.70e-8 * load.tiles};
+}
 
-SphereTracing wayOf(const SphereLoad& load) { return footprintCost(load) <= clusterCost(load) ? SphereTracing::footprints : SphereTracing::clusters; }
-SphereTracing surfaceWayOf(const SphereLoad& load) { return footprintCost(load) <= 2.5 * clusterCost(load) ? SphereTracing::footprints : SphereTracing::clusters; }
+WayCosts surfaceCosts(const SphereLoad& load) {
+  return {0.0361 + 1.02e-7 * load.pixels + 1.32e-9 * load.fragments + 6.70e-4 * load.longestWalk, 0.182 + 3.76e-7 * load.pixels + 8.51e-8 * load.tiles};
+}
 
 }  // namespace warpscope

@@ -34,17 +34,21 @@ class SphereLoadProbe {
   SphereLoad loadFor(const Camera& camera) const;
 
  private:
-  size_t count_ = 0;
-  std::vector<Sphere> spheres_;
+  size_t count_ = 0;   // of the frame's spheres
+  size_t probes_ = 0;  // of those that stand for all
+  std::vector<float> x_, y_, z_, radius_;  // whole vectors of them
 };
 
-/// Milliseconds that the ways are expected to take, on the device that they were fitted on: for comparisons of one with the other.
-double footprintCost(const SphereLoad& load);
-double clusterCost(const SphereLoad& load);
+/// Milliseconds that a picture is expected to take each way, on the device that this was fitted on: for comparing one with the other.
+struct WayCosts {
+  double footprints;
+  double clusters;
 
-/// SphereTracing::clusters or footprints, of spheres.
-SphereTracing wayOf(const SphereLoad& load);
-/// Likewise of the surfaces of `multihit`.
-SphereTracing surfaceWayOf(const SphereLoad& load);
+  /// SphereTracing::footprints or clusters.
+  SphereTracing fastest() const { return footprints <= clusters ? SphereTracing::footprints : SphereTracing::clusters; }
+};
+
+WayCosts sphereCosts(const SphereLoad& load);   ///< of `spheres`
+WayCosts surfaceCosts(const SphereLoad& load);  ///< of `multihit`
 
 }  // namespace warpscope

@@ -47,7 +47,7 @@ inline HitPlanes planesFor(const Camera& camera) { return {nullptr, (camera.widt
 
 /// Which spheres may be passed over.
 struct WantedTiles {
-  static constexpr int kSide = 8;
+  static constexpr int kSide = 4;
   const uint8_t* isWanted = nullptr;  ///< per tile of kSide x kSide pixels, row by row: 0 where none of its pixels wants a hit; null: all do
   uint32_t perRow = 0;
 };
@@ -153,16 +153,20 @@ __device__ void splatAll(const SplatJob<Hits>& job, const Splat& splat, const Pi
   }
 }
 
-/// Some tile that the footprint touches may want a hit.
-__device__ inline bool isWanted(const WantedTiles& wanted, const PixelRect& rect) {
-  if (wanted.isWanted == nullptr || rect.isEmpty()) return true;
-  constexpr int kMostTiles = 16;  // to look at
-  const int x0 = rect.x0 / WantedTiles::kSide, x1 = (rect.x1 - 1) / WantedTiles::kSide, y0 = rect.y0 / WantedTiles::kSide, y1 = (rect.y1 - 1) / WantedTiles::kSide;
-  if ((x1 - x0 + 1) * (y1 - y0 + 1) > kMostTiles) return true;
+/// The part of the footprint around tiles that may want a hit.
+__device__ inline PixelRect wantedPart(const WantedTiles& wanted, const PixelRect& rect) {
+  if (wanted.isWanted == nullptr || rect.isEmpty()) return rect;
+  constexpr int kMostTiles = 64;  // to look at
+  constexpr int kSide = WantedTiles::kSide;
+  const int x0 = rect.x0 / kSide, x1 = (rect.x1 - 1) / kSide, y0 = rect.y0 / kSide, y1 = (rect.y1 - 1) / kSide;
+  if ((x1 - x0 + 1) * (y1 - y0 + 1) > kMostTiles) return rect;
+  PixelRect part{rect.x1, rect.y1, rect.x0, rect.y0};
   for (int y = y0; y <= y1; ++y)
-    for (int x = x0; x <= x1; ++x)
-      if (wanted.isWanted[static_cast<uint32_t>(y) * wanted.perRow + static_cast<uint32_t>(x)] != 0) return true;
-  return false;
+    for (int x = x0; x <= x1; ++x) {
+      if (wanted.isWanted[static_cast<uint32_t>(y) * wanted.perRow + static_cast<uint32_t>(x)] == 0) continue;
+      part = {min(part.x0, x * kSide), min(part.y0, y * kSide), max(part.x1, (x + 1) * kSide), max(part.y1, (y + 1) * kSide)};
+    }
+  return {max(part.x0, rect.x0), max(part.y0, rect.y0), min(part.x1, rect.x1), min(part.y1, rect.y1)};
 }
 
 __device__ inline uint32_t areaOf(const PixelRect& rect) {
@@ -194,8 +198,7 @@ __global__ void __launch_bounds__(kWalkThreads) splatSamples(const __grid_consta
   PixelRect rect{0, 0, 0, 0};
   if (i < job.frame.count) {
     sphere = unpackSample(job.frame.samples[i], job.frame.grid);
-    rect = job.of.footprintOf(job.footprint, i, sphere);
-    if (!isWanted(job.wanted, rect)) rect.x1 = rect.x0;
+    rect = wantedPart(job.wanted, job.of.footprintOf(job.footprint, i, sphere));
   }
   const uint32_t area = areaOf(rect);
   const uint32_t alone = pixelsAlone(area, rect);
