@@ -91,7 +91,7 @@ TEST_F(CommandLine, ShotWithEveryTechniqueAndPlatform) {
 
 TEST_F(CommandLine, ShotTakesEveryOption) {
   const std::vector<Arguments> options{
-      {"--via", "auto"}, {"--bvh", "embree"}, {"--bvh", "lbvh"}, {"--radius-scale", "1.5"}, {"--step", "0.25"}, {"--fov", "75.5"}, {"--backend", "cpu"},
+      {"--via", "auto"}, {"--via", "embree"}, {"--via", "lbvh"}, {"--via", "footprints"}, {"--radius-scale", "1.5"}, {"--step", "0.25"}, {"--fov", "75.5"}, {"--backend", "cpu"},
       {"--backend", "auto"}, {"--seed", "7"}, {"--uncovered", "ff00ff"}, {"--view-angle", "-360"}, {"--point-size", "16"}, {"--hits", "1"}, {"--hits", "16"},
       {"--fill", "pull-push"}, {"--filled", "00ff00"}, {"--keep", "8"}, {"--picture-plane", "infinity"}, {"--mesh-cut", "0.5"},
       {"--verbose"}};

@@ -1,10 +1,11 @@
-// Pixels that meet pieces against pieces' footprints, over random clouds and marched frames, near and far eyes, wide and narrow pixels.
+// Pixels that meet pieces against pieces' footprints, over random clouds and marched frames, near and far eyes, wide and narrow pixels and fields of view, and distances of all sizes.
 // Mirrors render/warp/multihit/piece_footprint.h.
 #include "render/warp/multihit/piece_footprint.h"
 
 #include <gtest/gtest.h>
 
 #include "render/warp/multihit/surface_hits.h"
+#include "tests/dice.h"
 #include "tests/frame_samples.h"
 #include "tests/headless.h"
 #include "tests/sphere_clouds.h"
@@ -68,6 +69,45 @@ TEST(PieceFootprint, HoldsWhatRaysMeetOfClouds) {
       }
     }
   EXPECT_GT(tally.met, 1000u);
+}
+
+/// Any turn of the camera about its own place.
+Camera turned(Camera camera, Dice& dice) {
+  camera.forward = dice.direction();
+  camera.right = glm::normalize(glm::cross(camera.forward, dice.direction()));
+  camera.up = glm::cross(camera.right, camera.forward);
+  return camera;
+}
+
+/// Eyes within and beside what they look at, wide fields of view, lengths of all sizes.
+TEST(PieceFootprint, HoldsWhatRaysMeetWhereverTheEyeIs) {
+  Dice dice(71);
+  Tally tally;
+  for (int run = 0; run < 20'000; ++run) {
+    const float scale = run % 4 == 0 ? dice.magnitude(-12.0f, 12.0f) : 1.0f;
+    SampleFrame frame;
+    frame.camera.width = frame.camera.height = 17;
+    frame.camera.tanHalfFovY = dice.magnitude(-2.0f, 1.0f);
+    frame.camera.eye = 10.0f * scale * dice.direction();
+    frame.camera = turned(frame.camera, dice);
+    frame.quantization = {{glm::vec3(-1e4f * scale), glm::vec3(1e4f * scale)}, scale, 0.0f, scale * 0x1p-12f};
+    const float depth = scale * dice.uniform(0.1f, 30.0f), radius = scale * dice.uniform(0.01f, 1.9f);
+    frame.samples.push_back(packSample(dice.below(17), dice.below(17), depth, radius, frame.quantization));
+    frame.colors.resize(1);
+    const Sphere sphere = sphereOf(frame, 0);
+    Camera camera = frame.camera;
+    camera.width = 8 + dice.below(60);
+    camera.height = 8 + dice.below(40);
+    camera.tanHalfFovY = dice.magnitude(-1.0f, 1.3f);
+    // Along the sample's ray, beside it, or anywhere.
+    const glm::vec3 along = glm::normalize(sphere.center - frame.camera.eye);
+    camera.eye = sphere.center + sphere.radius * (dice.uniform(-1.5f, 1.5f) * along + dice.magnitude(-3.0f, 1.0f) * dice.direction());
+    camera = turned(camera, dice);
+    if (!isUsable(camera) || !isOrthonormal(frame.camera)) continue;
+    SCOPED_TRACE(run);
+    ASSERT_NO_FATAL_FAILURE(expectAllMet(frame, camera, tally));
+  }
+  EXPECT_GT(tally.met, 10'000u);
 }
 
 TEST(PieceFootprint, IsTheWholeForSamplesBesideTheirRays) {

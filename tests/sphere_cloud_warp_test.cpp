@@ -161,6 +161,26 @@ TEST(SphereCloudWarp, AnEyeInsideMatterSeesWhatIsAroundIt) {
   }
 }
 
+/// One after another, whatever was built before.
+TEST(SphereCloudWarp, EveryWayOfTracingIsTheSame) {
+  const Stage stage(smallScene("block", 48));
+  const SampleFramePtr frame = stage.frame(stage.camera(120, 90), stage.scene().march);
+  const std::unique_ptr<Warp> warp = makeWarp(findWarp("spheres"), stage.resources());
+  warp->setFrame(frame, {});
+  for (const double turn : {0.0, 20.0}) {
+    const Camera camera = stage.camera(133, 77, turn);
+    const WarpedImage expected = stage.draw("spheres", frame, camera);
+    for (const SphereTracing tracing : {SphereTracing::footprints, SphereTracing::lbvh, SphereTracing::footprints, SphereTracing::automatic}) {
+      WarpSettings settings;
+      settings.knobs.set(kSphereTracingKnob, tracing);
+      WarpedImage image;
+      warp->draw(camera, settings, image);
+      EXPECT_EQ(image.samples, expected.samples) << nameOf(kSphereTracings, tracing);
+      EXPECT_TRUE(image.color == expected.color);
+    }
+  }
+}
+
 /// What was built for one eye is not what another sees.
 TEST(SphereCloudWarp, AnEyeThatPassesThroughTheCloudSeesEachTimeWhatItSawAtFirst) {
   const Stage stage(smallScene("shells", 48));

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "render/warp/splats/footprint_limits.h"
 #include "render/warp/splats/sphere_footprint.h"
 #include "tests/frame_samples.h"
 #include "tests/sphere_clouds.h"
@@ -35,7 +36,7 @@ TEST(SphereWays, FewSpheresAreAllLookedAt) {
     const SphereLoad load = SphereLoadProbe(frame).loadFor(camera);
     const Exact exact = exactOf(frame, camera);
     EXPECT_NEAR(load.fragments, exact.fragments, 1e-9 * exact.fragments) << count;
-    EXPECT_EQ(load.longestWalk, std::min<double>(exact.longest, kLargestWalk)) << count;
+    EXPECT_EQ(load.longestWalk, std::min<double>(exact.longest, kPixelsOfWarp)) << count;
     EXPECT_EQ(load.spheres, static_cast<double>(count));
     EXPECT_EQ(load.pixels, 193.0 * 161.0);
     EXPECT_LE(load.tiles, load.fragments);
@@ -52,13 +53,30 @@ TEST(SphereWays, SomeStandForMany) {
   }
 }
 
+/// Samples come row by row: what stands for all must not be of few columns.
+TEST(SphereWays, EveryColumnOfAPictureCounts) {
+  constexpr uint32_t kSide = 512;
+  SampleFrame frame;
+  frame.camera = orbitCamera(300.0f, 0.0f, kSide, kSide);
+  frame.quantization.radiusUnit = 1.0f;
+  frame.quantization.bounds = {glm::vec3(-1000.0f), glm::vec3(1000.0f)};
+  frame.quantization.depthStep = 0x1p-10f;
+  for (uint32_t pixel = 0; pixel < kSide * kSide; ++pixel) {
+    const uint32_t column = pixel % kSide;
+    frame.samples.push_back(packSample(column, pixel / kSide, 100.0f + static_cast<float>(column), 1.0f, frame.quantization));
+  }
+  frame.colors.resize(frame.samples.size());
+  const double exact = exactOf(frame, frame.camera).fragments;
+  EXPECT_NEAR(SphereLoadProbe(frame).loadFor(frame.camera).fragments, exact, 0.1 * exact);
+}
+
 TEST(SphereWays, NothingIsNoWork) {
   const SphereLoad load = SphereLoadProbe(SampleFrame{}).loadFor(orbitCamera(300.0f, 0.0f, 64, 48));
   EXPECT_EQ(load.spheres, 0.0);
   EXPECT_EQ(load.fragments, 0.0);
   EXPECT_EQ(load.tiles, 0.0);
   EXPECT_EQ(load.longestWalk, 0.0);
-  for (const WayCosts& costs : {sphereCosts(load), surfaceCosts(load)}) EXPECT_EQ(costs.fastest(), SphereTracing::footprints);
+  for (const WayCosts& costs : {sphereCosts(load), surfaceCosts(load, 4)}) EXPECT_EQ(costs.fastest(), SphereTracing::footprints);
   // Spheres that lie behind the eye alone.
   Camera away = orbitCamera(1000.0f, 0.0f, 64, 48);
   away.forward = -away.forward;
@@ -69,10 +87,9 @@ TEST(SphereWays, NothingIsNoWork) {
 TEST(SphereWays, SmallSpheresLookForPixelsAndLargeOnesAreLookedFor) {
   const SampleFrame frame = frameOfCloud(makeCloud(CloudShape::random, 300000, 100.0f, 11));
   const SphereLoadProbe probe(frame);
-  for (WayCosts (*costsOf)(const SphereLoad&) : {&sphereCosts, &surfaceCosts}) {
-    EXPECT_EQ(costsOf(probe.loadFor(orbitCamera(2000.0f, 20.0f, 1024, 1024))).fastest(), SphereTracing::footprints);
-    EXPECT_EQ(costsOf(probe.loadFor(orbitCamera(20.0f, 20.0f, 4096, 4096))).fastest(), SphereTracing::clusters);
-  }
+  const SphereLoad far = probe.loadFor(orbitCamera(2000.0f, 20.0f, 1024, 1024)), near = probe.loadFor(orbitCamera(20.0f, 20.0f, 4096, 4096));
+  for (const WayCosts& costs : {sphereCosts(far), surfaceCosts(far, 4)}) EXPECT_EQ(costs.fastest(), SphereTracing::footprints);
+  for (const WayCosts& costs : {sphereCosts(near), surfaceCosts(near, 4)}) EXPECT_EQ(costs.fastest(), SphereTracing::clusters);
 }
 
 /// More of anything costs no less.
@@ -81,7 +98,7 @@ TEST(SphereWays, CostsGrow) {
   for (double SphereLoad::* part : {&SphereLoad::pixels, &SphereLoad::spheres, &SphereLoad::fragments, &SphereLoad::tiles, &SphereLoad::longestWalk}) {
     SphereLoad more = load;
     more.*part *= 2.0;
-    const WayCosts spheres = sphereCosts(load), moreSpheres = sphereCosts(more), surfaces = surfaceCosts(load), moreSurfaces = surfaceCosts(more);
+    const WayCosts spheres = sphereCosts(load), moreSpheres = sphereCosts(more), surfaces = surfaceCosts(load, 4), moreSurfaces = surfaceCosts(more, 4);
     EXPECT_GE(moreSpheres.footprints, spheres.footprints);
     EXPECT_GE(moreSpheres.clusters, spheres.clusters);
     EXPECT_GE(moreSurfaces.footprints, surfaces.footprints);

@@ -338,7 +338,7 @@ TEST(Warp, SettingsOutOfRangeAreRefused) {
     EXPECT_EQ(settings.knobs[*knob], knob->defaultValue);  // as it was
     EXPECT_NO_THROW(settings.knobs.set(*knob, 16));
   }
-  EXPECT_THROW(settings.knobs.set(kSphereTracingKnob, 4), UsageError);
+  EXPECT_THROW(settings.knobs.set(kSphereTracingKnob, static_cast<int>(kSphereTracings.size())), UsageError);
   EXPECT_NO_THROW(validate(settings));
   settings.reference.step = 0.0f;
   EXPECT_THROW(validate(settings), UsageError);

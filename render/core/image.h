@@ -9,12 +9,18 @@
 #include <utility>
 #include <vector>
 
+#include "render/base/memory.h"
+
 namespace warpscope {
 
 /// The widest and highest image that any part of the program accepts, in pixels.
 inline constexpr uint32_t kMaxImageSide = 16384;
 
-/// Leaves elements that are given no value as the memory is: what is written in parallel anyway is not filled first by one thread.
+/// Images of so many bytes are asked for before they are taken (requireMemory): smaller ones are not worth the question.
+inline constexpr size_t kLargeImageBytes = size_t{256} << 20;
+
+/// Leaves elements that are given no value as the memory is: what is written in parallel anyway is not filled first by one thread. Throws InputError for large images that memory has no
+/// room for.
 template <class T>
 struct UnfilledAllocator : std::allocator<T> {
   template <class U>
@@ -24,6 +30,11 @@ struct UnfilledAllocator : std::allocator<T> {
   UnfilledAllocator() = default;
   template <class U>
   UnfilledAllocator(const UnfilledAllocator<U>&) noexcept {}
+
+  T* allocate(size_t count) {
+    if (count >= kLargeImageBytes / sizeof(T)) requireMemory(count * sizeof(T), "a picture of so many pixels");
+    return std::allocator<T>::allocate(count);
+  }
 
   template <class U>
   void construct(U* place) {

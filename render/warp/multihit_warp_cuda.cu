@@ -3,6 +3,7 @@
 #include "render/warp/multihit_warp_cuda.h"
 
 #include <array>
+#include <stdexcept>
 #include <utility>
 
 #include "render/warp/clusters/cluster_trace.cuh"
@@ -107,7 +108,7 @@ struct Job {
 };
 
 template <int Surfaces>
-void traceClustersOf(const ClusterTreeView& pieces, const ClusterTreeView& wide, const Job& job, cudaStream_t stream) {
+void launchTrace(const ClusterTreeView& pieces, const ClusterTreeView& wide, const Job& job, cudaStream_t stream) {
   traceSurfaces<Surfaces><<<tileGrid(job.camera.width, job.camera.height), kTileBlockThreads, 0, stream>>>(pieces, wide, job.frame, job.rays, job.frameCamera, job.camera, job.pixels);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
@@ -120,7 +121,7 @@ void splatSurfaces(SplattedSurfaces& splatted, const DeviceFrameView& closed, co
 /// For 1 .. kMaxHits surfaces.
 template <int... Surfaces>
 constexpr auto tracersFor(std::integer_sequence<int, Surfaces...>) {
-  return std::array{&traceClustersOf<Surfaces + 1>...};
+  return std::array{&launchTrace<Surfaces + 1>...};
 }
 constexpr auto kTracers = tracersFor(std::make_integer_sequence<int, kMaxHits>());
 template <int... Surfaces>
@@ -131,7 +132,10 @@ constexpr auto kSplatters = splattersFor(std::make_integer_sequence<int, kMaxHit
 
 class CudaMultihitWarp final : public DeviceWarp {
  public:
-  explicit CudaMultihitWarp(SphereTracing way) : way_(way) {}
+  explicit CudaMultihitWarp(SphereTracing way) : way_(way) {
+    if (way != SphereTracing::automatic && way != SphereTracing::footprints && way != SphereTracing::clusters)
+      throw std::invalid_argument("surfaces are found by footprints or through clusters");
+  }
 
  private:
   bool blends() const override { return true; }
@@ -145,7 +149,7 @@ class CudaMultihitWarp final : public DeviceWarp {
     isReady_ = haveTrees_ = false;
   }
 
-  bool needsBuild(const WarpSettings& settings, const Camera& camera) override {
+  bool prepare(const WarpSettings& settings, const Camera& camera) override {
     isSplatted_ = isSplatted(camera, hitsOf(settings));
     return !isSplatted_ && !haveTrees_;
   }
@@ -184,16 +188,16 @@ class CudaMultihitWarp final : public DeviceWarp {
              cudaStream_t stream) override {
     const SamplesOnDevice samples{samples_.data(), frame.colors, colorTables(), frame.grid};
     const Job job{samples, rays_, camera_, camera, pixels};
-    const auto way = static_cast<size_t>(hitsOf(settings) - 1);
+    const auto instance = static_cast<size_t>(hitsOf(settings) - 1);
     if (isSplatted_)
-      kSplatters[way](splatted_, closed_, frame, job, stream);
+      kSplatters[instance](splatted_, closed_, frame, job, stream);
     else
-      kTracers[way](pieces_.view(), wide_.view(), job, stream);
+      kTracers[instance](pieces_.view(), wide_.view(), job, stream);
   }
 
   bool isSplatted(const Camera& camera, int surfaces) const {
     if (way_ != SphereTracing::automatic) return way_ == SphereTracing::footprints;
-    return SplattedSurfaces::bytesFor(camera, surfaces) <= kMostSplatBytes && surfaceCosts(probe_.loadFor(camera)).fastest() == SphereTracing::footprints;
+    return SplattedSurfaces::bytesFor(camera, surfaces) <= kMostSplatBytes && surfaceCosts(probe_.loadFor(camera), surfaces).fastest() == SphereTracing::footprints;
   }
 
   static int hitsOf(const WarpSettings& settings) { return settings.knobs.whole(kHitsKnob); }

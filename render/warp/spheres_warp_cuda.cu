@@ -38,7 +38,7 @@ class CudaSpheresWarp final : public DeviceWarp {
 
   bool isSmeared(const WarpSettings& settings) const { return hasSpreads_ && smearOf(settings) > 0.0f; }
 
-  bool needsBuild(const WarpSettings& settings, const Camera& camera) override {
+  bool prepare(const WarpSettings& settings, const Camera& camera) override {
     way_ = askedFor(settings);
     if (way_ == SphereTracing::automatic) way_ = sphereCosts(probe_.loadFor(camera)).fastest();
     if (way_ == SphereTracing::footprints) return false;
@@ -56,10 +56,15 @@ class CudaSpheresWarp final : public DeviceWarp {
 
   /// Where the way depends on the view nothing is built before there is one.
   void build(const DeviceFrameView& frame, const WarpSettings& settings, cudaStream_t stream) override {
-    built_ = way_ == SphereTracing::automatic ? askedFor(settings) : way_;
+    const SphereTracing wanted = way_ == SphereTracing::automatic ? askedFor(settings) : way_;
+    built_ = SphereTracing::automatic;  // if this fails
     smear_ = smearOf(settings);
-    if (built_ == SphereTracing::clusters) clusters_.build(frame, stream);
-    if (built_ != SphereTracing::lbvh) return;
+    if (wanted == SphereTracing::clusters) clusters_.build(frame, stream);
+    if (wanted == SphereTracing::lbvh) buildLbvh(frame, settings, stream);
+    built_ = wanted;
+  }
+
+  void buildLbvh(const DeviceFrameView& frame, const WarpSettings& settings, cudaStream_t stream) {
     if (!isSmeared(settings)) return lbvh_.build(frame, stream);
     halfLines_.reserve(frame.count);
     if (frame.count > 0) {

@@ -21,6 +21,14 @@ namespace {
 constexpr int kRuns = 15;
 constexpr int kWarmRuns = 3;
 
+/// Throws unless both ways show the same.
+void requireSame(Warp& byFootprints, const WarpSettings& footprints, Warp& byClusters, const WarpSettings& clusters, const Camera& camera) {
+  WarpedImage a, b;
+  byFootprints.draw(camera, footprints, a);
+  byClusters.draw(camera, clusters, b);
+  if (!(a.samples == b.samples && a.color == b.color)) throw std::runtime_error("the ways' pictures differ; nothing was timed");
+}
+
 /// Median of the device's own clock; the picture is not copied.
 double medianMs(Warp& warp, const Camera& camera, const WarpSettings& settings) {
   std::vector<double> times;
@@ -73,9 +81,11 @@ void measure(const std::string& name, const SceneOverrides& overrides, uint32_t 
       view.distance = firstDistance * nearer;
       const Camera camera = makeCamera(scene, view, side, side);
       const SphereLoad load = probe.loadFor(camera);
+      requireSame(*warps[0], byFootprints, *warps[1], byClusters, camera);
+      requireSame(*surfaceWarps[0], {}, *surfaceWarps[1], {}, camera);
       const double footprints = medianMs(*warps[0], camera, byFootprints), clusters = medianMs(*warps[1], camera, byClusters);
       const double surfaceFootprints = medianMs(*surfaceWarps[0], camera, {}), surfaceClusters = medianMs(*surfaceWarps[1], camera, {});
-      const bool takesFootprints = sphereCosts(load).fastest() == SphereTracing::footprints, splatsSurfaces = surfaceCosts(load).fastest() == SphereTracing::footprints;
+      const bool takesFootprints = sphereCosts(load).fastest() == SphereTracing::footprints, splatsSurfaces = surfaceCosts(load, 4).fastest() == SphereTracing::footprints;
       std::printf("%s,%u,%g,%g,%.0f,%.0f,%.0f,%.0f,%.0f,%.4f,%.4f,%d,%.4f,%.4f,%d\n", scene.name.c_str(), side, turn, nearer, load.pixels, load.spheres, load.fragments, load.tiles, load.longestWalk,
                   footprints, clusters, takesFootprints, surfaceFootprints, surfaceClusters, splatsSurfaces);
       regret.add(footprints, clusters, takesFootprints);

@@ -7,6 +7,8 @@
 #include "render/cuda/devices.h"
 #include "render/cuda/memory.h"
 #include "render/march/marcher_cuda.h"
+#include "render/warp/spheres_warp.h"
+#include "render/warp/spheres_warp_cuda.h"
 #include "tests/gpu/agreement.h"
 #include "tests/gpu/core_probe.h"
 #include "tests/headless.h"
@@ -52,6 +54,33 @@ TEST(DeviceFailure, AutomaticGoesOnOnTheCpu) {
   const SampleFrame frame = marcher->march(makeCamera(scene, scene.views.front(), 3000, 3000), scene.march);
   EXPECT_GT(frame.size(), 100000u);
   EXPECT_EQ(marcher->backend(), Backend::cpu);
+}
+
+/// A hierarchy that is built when a picture first wants it does not stand if that failed.
+TEST(DeviceFailure, AHierarchyThatFoundNoRoomIsBuiltAgain) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("shells", 96);
+  const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+  const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, scene.views.front(), 3000, 3000), scene.march));
+  const Camera camera = makeCamera(scene, scene.views.back(), 100, 80);
+  const auto settingsOf = [](SphereTracing tracing) {
+    WarpSettings settings;
+    settings.knobs.set(kSphereTracingKnob, tracing);
+    return settings;
+  };
+  for (const SphereTracing tracing : {SphereTracing::clusters, SphereTracing::lbvh}) {
+    const std::unique_ptr<Warp> warp = makeCudaSpheresWarp();
+    warp->setFrame(frame, settingsOf(SphereTracing::footprints));
+    WarpedImage expected, actual;
+    warp->draw(camera, settingsOf(SphereTracing::footprints), expected);
+    {
+      const cuda::DeviceBuffer<std::byte> taken = takeMemory(size_t{8} << 20);
+      EXPECT_THROW(warp->draw(camera, settingsOf(tracing), actual), DeviceError);
+      EXPECT_THROW(warp->draw(camera, settingsOf(tracing), actual), DeviceError);
+    }
+    warp->draw(camera, settingsOf(tracing), actual);
+    EXPECT_TRUE(expected.samples == actual.samples);
+  }
 }
 
 /// In a process of its own, whose device is gone afterwards.

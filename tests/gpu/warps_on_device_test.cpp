@@ -3,6 +3,9 @@
 // Mirrors render/warp/spheres_warp_cuda.h and splats_warp_cuda.h.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <span>
+
 #include "app/picture/picture.h"
 #include "render/base/error.h"
 #include "render/cuda/devices.h"
@@ -117,7 +120,7 @@ void expectSamePictures(Warp& onCpu, std::span<const std::unique_ptr<Warp>> onDe
 }
 
 /// `multihit` by footprints, through clusters, and by what is faster.
-std::array<std::unique_ptr<Warp>, 3> bothWays() {
+std::array<std::unique_ptr<Warp>, 3> everyWay() {
   return {makeCudaMultihitWarp(SphereTracing::footprints), makeCudaMultihitWarp(SphereTracing::clusters), makeCudaMultihitWarp()};
 }
 
@@ -125,7 +128,7 @@ std::array<std::unique_ptr<Warp>, 3> bothWays() {
 TEST(WarpsOnDevice, SurfacesAreTheCpus) {
   WARPSCOPE_NEEDS_GPU();
   const std::unique_ptr<Warp> onCpu = makeWarp(findWarp("multihit"), {});
-  const auto onDevice = bothWays();
+  const auto onDevice = everyWay();
   for (const BuiltinScene& builtin : builtinScenes())
     for (const int samplesPerRay : {1, 3}) {
       const Scene scene = smallScene(builtin.name, 96);
@@ -149,11 +152,58 @@ TEST(WarpsOnDevice, SurfacesAreTheCpus) {
     }
 }
 
+/// Pieces' own pixels are bounded for bases that are one: others take their spheres'.
+TEST(WarpsOnDevice, SurfacesOfAFrameWhoseBasisIsSlightlyOff) {
+  WARPSCOPE_NEEDS_GPU();
+  const Scene scene = smallScene("shells", 96);
+  const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+  auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, scene.views.front(), 400, 300), scene.march));
+  frame->camera.up += 1e-4f * frame->camera.right;
+  ASSERT_TRUE(isUsable(frame->camera));
+  const std::unique_ptr<Warp> onCpu = makeWarp(findWarp("multihit"), {});
+  const auto onDevice = everyWay();
+  onCpu->setFrame(frame, {});
+  for (const auto& warp : onDevice) warp->setFrame(frame, {});
+  for (const View& view : scene.views) ASSERT_NO_FATAL_FAILURE(expectSamePictures(*onCpu, onDevice, makeCamera(scene, view, 333, 277), {}));
+}
+
+/// One warp each, whatever stood before: another way, another smear, another frame, a build that failed.
+TEST(WarpsOnDevice, WaysFollowOneAnother) {
+  WARPSCOPE_NEEDS_GPU();
+  const std::unique_ptr<Warp> onCpu = makeWarp(findWarp("spheres"), {}), onDevice = makeCudaSpheresWarp();
+  const auto settingsOf = [](SphereTracing tracing, double smear) {
+    WarpSettings settings;
+    settings.knobs.set(kSphereTracingKnob, tracing);
+    settings.knobs.set(kSmearKnob, smear);
+    return settings;
+  };
+  using enum SphereTracing;
+  for (const char* name : {"block", "shells", "vessels"}) {
+    const Scene scene = smallScene(name, 96);
+    MarchSettings march = scene.march;
+    march.sample.sendsSpread = true;
+    const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
+    const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, scene.views.front(), 400, 300), march));
+    onCpu->setFrame(frame, {});
+    onDevice->setFrame(frame, settingsOf(footprints, 0.0));
+    const Camera camera = makeCamera(scene, scene.views.back(), 333, 277);
+    int step = 0;
+    for (const auto& [tracing, smear] : {std::pair{clusters, 0.0}, {lbvh, 0.0}, {footprints, 0.0}, {clusters, 0.0}, {automatic, 0.5}, {lbvh, 0.5}, {lbvh, 0.0}, {automatic, 0.0}, {lbvh, 2.0},
+                                         {clusters, 0.0}}) {
+      SCOPED_TRACE(std::string(name) + ", step " + std::to_string(step++));
+      WarpedImage expected, actual;
+      onCpu->draw(camera, settingsOf(automatic, smear), expected);
+      onDevice->draw(camera, settingsOf(tracing, smear), actual);
+      ASSERT_TRUE(expected.samples == actual.samples);
+    }
+  }
+}
+
 /// Samples that no marcher made: several rays in a pixel, none, few.
 TEST(WarpsOnDevice, SurfacesOfCloudsAreTheCpus) {
   WARPSCOPE_NEEDS_GPU();
   const std::unique_ptr<Warp> onCpu = makeWarp(findWarp("multihit"), {});
-  const auto onDevice = bothWays();
+  const auto onDevice = everyWay();
   for (const CloudShape shape : kCloudShapes)
     for (const size_t count : {size_t{0}, size_t{1}, size_t{33}, size_t{4000}}) {
       SCOPED_TRACE(::testing::Message() << "shape " << static_cast<int>(shape) << ", " << count << " samples");

@@ -342,9 +342,10 @@ TEST(Case12, IsTheSameForAnyNumberOfThreads) {
 /// What draws samples as spheres, on a backend.
 std::vector<std::pair<std::string, WarpSettings>> sphereTechniques(Backend backend) {
   std::vector<std::pair<std::string, WarpSettings>> all{{"spheres", {}}, {"splats", {}}};
-  if (backend == Backend::cuda) {
+  for (const SphereTracing tracing : {SphereTracing::lbvh, SphereTracing::footprints, SphereTracing::clusters}) {
+    if (tracing == SphereTracing::clusters && backend != Backend::cuda) continue;
     all.push_back({"spheres", {}});
-    all.back().second.knobs.set(kSphereTracingKnob, SphereTracing::lbvh);
+    all.back().second.knobs.set(kSphereTracingKnob, tracing);
   }
   return all;
 }

@@ -14,7 +14,7 @@ namespace warpscope {
 /// boxes, as much for the rays' directions, and as much for the planes, which are single precision here.
 constexpr float kClusterMargin = 3.0f * kLbvhMargin;
 
-/// Up to as many rays of a tile that have met nothing are asked one by one whether a sphere concerns them.
+/// Up to as many rays of a tile that still take any hit are asked one by one whether a sphere concerns them.
 constexpr int kFewOpenRays = 16;
 
 /// The planes through the eye that hold a tile's outermost rays. Normals point inwards.
@@ -80,7 +80,7 @@ struct TileFrustum {
   }
 };
 
-/// As many spheres are met side by side: alone each would wait for itself, and the tile with most of them keeps the picture waiting.
+/// As many spheres are met side by side, whose tests do not depend on one another: a tile that sees many keeps the picture waiting, and its warp waits for its own results else.
 constexpr int kSpheresTogether = 4;
 
 /// What the warps of a block share among their lanes.

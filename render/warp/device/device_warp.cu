@@ -65,7 +65,7 @@ void DeviceWarp::rebuild(const WarpSettings& settings) {
   build(deviceFrame_.view(), settings, stream_);
   end_.record(stream_);
   stream_.synchronize();
-  timings_.buildMs = end_.millisecondsSince(begin_);
+  timings_.buildMs += end_.millisecondsSince(begin_);
 }
 
 DevicePixels DeviceWarp::pixelsFor(const Camera& camera) {
@@ -76,7 +76,7 @@ DevicePixels DeviceWarp::pixelsFor(const Camera& camera) {
 }
 
 void DeviceWarp::traceInto(const DevicePixels& pixels, const Camera& camera, const WarpSettings& settings) {
-  if (needsBuild(settings, camera)) rebuild(settings);
+  if (prepare(settings, camera)) rebuild(settings);
   begin_.record(stream_);
   trace(deviceFrame_.view(), camera, settings, pixels, stream_);
 }

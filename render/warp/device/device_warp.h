@@ -30,15 +30,15 @@ class DeviceWarp : public Warp {
  protected:
   /// Copies of the frame what drawing needs, in stream order: its samples, unless a technique draws others.
   virtual void upload(const SampleFrame& frame, cudaStream_t stream) { deviceFrame_.upload(frame, stream); }
-  /// Derives from the frame what drawing needs, in stream order.
+  /// Derives from the frame what drawing needs, in stream order; after upload() what any picture does, after prepare() what the next one does.
   virtual void build(const DeviceFrameView& frame, const WarpSettings& settings, cudaStream_t stream) = 0;
   /// Writes every pixel, in stream order.
   virtual void trace(const DeviceFrameView& frame, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels,
                      cudaStream_t stream) = 0;
   /// After the stream has got there: throws if the device reported that a trace is not to be used.
   virtual void checkTrace() {}
-  /// True if a picture by `settings` needs another build of the same frame; build() comes next then.
-  virtual bool needsBuild(const WarpSettings&, const Camera&) { return false; }
+  /// Chooses how the next picture is made; true if build() of the same frame has to come first.
+  virtual bool prepare(const WarpSettings&, const Camera&) { return false; }
   /// True if trace() writes colours; else they are the samples' own.
   virtual bool blends() const { return false; }
   /// Nothing anywhere, in stream order; for those that blend.

@@ -3,8 +3,11 @@
 #include "render/warp/device/sphere_ways.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "render/core/simd.h"
+#include "render/warp/multihit/surface_hits.h"
+#include "render/warp/splats/footprint_limits.h"
 #include "render/warp/splats/sphere_footprint.h"
 
 namespace warpscope {
@@ -20,7 +23,10 @@ SphereLoadProbe::SphereLoadProbe(const SampleFrame& frame) : count_(frame.size()
   const size_t whole = (probes_ + kBatchLanes - 1) / kBatchLanes * kBatchLanes;
   for (std::vector<float>* part : {&x_, &y_, &z_, &radius_}) part->resize(whole);  // spheres without a radius cover nothing
   for (size_t k = 0; k < probes_; ++k) {
-    const Sphere sphere = unpackSample(frame.samples[(2 * k + 1) * count_ / (2 * probes_)], grid);
+    // Each from its share of the frame, at another place of it: samples are in the order of the picture's pixels, and even steps would come upon one column again and again.
+    const double within = 0.6180339887 * static_cast<double>(k);
+    const double place = (static_cast<double>(k) + within - std::floor(within)) * static_cast<double>(count_) / static_cast<double>(probes_);
+    const Sphere sphere = unpackSample(frame.samples[std::min(count_ - 1, count_ == probes_ ? k : static_cast<size_t>(place))], grid);
     x_[k] = sphere.center.x;
     y_[k] = sphere.center.y;
     z_[k] = sphere.center.z;
@@ -54,7 +60,7 @@ SphereLoad SphereLoadProbe::loadFor(const Camera& camera) const {
   const double each = load.spheres / static_cast<double>(probes_);
   load.fragments *= each;
   load.tiles *= each;
-  load.longestWalk = std::min(load.longestWalk, static_cast<double>(kLargestWalk));
+  load.longestWalk = std::min(load.longestWalk, static_cast<double>(kPixelsOfWarp));
   return load;
 }
 
@@ -64,8 +70,9 @@ WayCosts sphereCosts(const SphereLoad& load) {
           0.0707 + 1.19e-7 * load.pixels + 1.05e-8 * load.spheres + 3.70e-8 * load.tiles};
 }
 
-WayCosts surfaceCosts(const SphereLoad& load) {
-  return {0.0361 + 1.02e-7 * load.pixels + 1.32e-9 * load.fragments + 6.70e-4 * load.longestWalk, 0.182 + 3.76e-7 * load.pixels + 8.51e-8 * load.tiles};
+WayCosts surfaceCosts(const SphereLoad& load, int surfaces) {
+  const double planes = (piecesFor(surfaces) + 1) / (piecesFor(4) + 1.0);
+  return {0.0361 + 1.02e-7 * planes * load.pixels + 1.32e-9 * load.fragments + 6.70e-4 * load.longestWalk, 0.182 + 3.76e-7 * load.pixels + 8.51e-8 * load.tiles};
 }
 
 }  // namespace warpscope

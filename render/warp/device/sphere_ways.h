@@ -1,9 +1,9 @@
 // By which way is the picture of a frame's spheres fastest on a device: through the hierarchy of clusters, whose rays look for spheres, or by footprints, where each sphere looks for
 // rays? The pictures are the same. Host only.
-// Costs are linear in what each way does, as estimated from some of the spheres; the factors are fitted to measurements (tests/bench/README.md, sphere_ways_bench).
+// Costs are linear in what each way does, as estimated from some of the spheres; the factors are fitted to measurements of sphere_ways_bench (tests/bench/README.md). That clusters may have
+// to be built first is left out: they stand for all pictures of a frame that follow.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "render/core/camera.h"
@@ -12,16 +12,13 @@
 
 namespace warpscope {
 
-/// The most pixels of a footprint that one warp walks; larger ones are shared by many (device_splats.cu).
-inline constexpr uint32_t kLargestWalk = 8192;
-
 /// What the ways have to do for a picture.
 struct SphereLoad {
   double pixels = 0.0;  ///< of the picture
   double spheres = 0.0;
   double fragments = 0.0;    ///< pixels in all spheres' footprints
   double tiles = 0.0;        ///< tiles of 8 x 8 pixels that footprints touch, in all
-  double longestWalk = 0.0;  ///< pixels of the largest footprint, kLargestWalk at most: the picture waits for the warp that walks it
+  double longestWalk = 0.0;  ///< pixels of the largest footprint, kPixelsOfWarp at most: the picture waits for the warp that walks it
 };
 
 /// Estimates loads from spheres that stand for all of a frame's.
@@ -48,7 +45,9 @@ struct WayCosts {
   SphereTracing fastest() const { return footprints <= clusters ? SphereTracing::footprints : SphereTracing::clusters; }
 };
 
-WayCosts sphereCosts(const SphereLoad& load);   ///< of `spheres`
-WayCosts surfaceCosts(const SphereLoad& load);  ///< of `multihit`
+/// Of `spheres`.
+WayCosts sphereCosts(const SphereLoad& load);
+/// Of `multihit`, for so many surfaces a ray; fitted for 4, and scaled by the planes of hits that others keep.
+WayCosts surfaceCosts(const SphereLoad& load, int surfaces);
 
 }  // namespace warpscope

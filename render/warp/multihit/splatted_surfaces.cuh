@@ -2,6 +2,7 @@
 // where there are any. The same pictures as of SurfaceTracer, by the same formulas (surface_hits.h). For .cu files.
 #pragma once
 
+#include "render/warp/device/device_warp.h"
 #include "render/warp/multihit/device_samples.cuh"
 #include "render/warp/multihit/piece_footprint.h"
 #include "render/warp/multihit/surface_hits.h"
@@ -83,7 +84,7 @@ class SplattedSurfaces {
             const DevicePixels& pixels, cudaStream_t stream) {
     constexpr int kPieces = piecesFor(kSurfaces);
     HitPlanes pieces = planesFor(camera), nearest = pieces;
-    hits_.reserve((kPieces + 1) * pieces.size());
+    hits_.reserve(bytesFor(camera, kSurfaces) / sizeof(KeptHit));
     nearest.hits = hits_.data();
     pieces.hits = hits_.data() + pieces.size();
     const auto tiles = [](uint32_t length) { return (length - 1) / WantedTiles::kSide + 1; };

@@ -6,23 +6,18 @@
 #include <numeric>
 
 #include "render/core/ray_sphere.h"
+#include "render/cuda/memory.h"
 #include "render/cuda/pixel_tiles.cuh"
 #include "render/cuda/warp_reduce.cuh"
 #include "render/warp/device/device_frame.h"
 #include "render/warp/device/earliest_hit.cuh"
-#include "render/warp/device/sphere_ways.h"
+#include "render/warp/splats/footprint_limits.h"
 #include "render/warp/splats/sphere_footprint.h"
 
 namespace warpscope {
 
 constexpr unsigned kWalkThreads = 128;
 
-/// Pixels that one thread walks alone, whatever its neighbours do.
-constexpr uint32_t kPixelsAlone = 64;
-/// Pixels that one thread walks alone if its neighbours have as much to do; beyond, lanes side by side read memory better.
-constexpr uint32_t kPixelsBeside = 256;
-/// Pixels that one warp walks; more are for many blocks, because a warp has no more than its share of one multiprocessor.
-constexpr uint32_t kPixelsOfWarp = kLargestWalk;
 /// Blocks that share the large footprints: enough to fill any device several times over.
 constexpr unsigned kLargeBlocks = 4096;
 
