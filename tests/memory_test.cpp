@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "render/base/error.h"
+#include "render/core/image.h"
 #include "tests/test_folder.h"
 
 namespace warpscope {
@@ -66,6 +67,16 @@ TEST(RequireMemory, SaysWhatIsNeededAndWhatIsThere) {
   }
   EXPECT_THAT(text, testing::StartsWith("a.nrrd: needs 3 PiB of memory, and "));
   EXPECT_THAT(text, testing::HasSubstr("are free"));
+}
+
+/// Pictures too large for this machine are refused before any of them is taken.
+TEST(RequireMemory, IsAskedForLargePictures) {
+  UnfilledAllocator<uint32_t> allocator;
+  EXPECT_THROW(allocator.allocate(size_t{1} << 50), InputError);
+  uint32_t* const small = allocator.allocate(16);
+  ASSERT_NE(small, nullptr);
+  allocator.deallocate(small, 16);
+  EXPECT_NO_THROW(Image<uint32_t>(8192, 8192));  // 256 MiB: asked for, and there
 }
 
 }  // namespace
