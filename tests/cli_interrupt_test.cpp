@@ -96,27 +96,27 @@ TEST_F(CommandLine, InterruptingCompareLeavesNothing) {
     const std::vector<std::string> names = folder_.listing();
     return std::count_if(names.begin(), names.end(), [](const std::string& name) { return name.ends_with(".png"); });
   };
-  for (const int number : {SIGINT, SIGTERM, SIGHUP})
-    for (const int pictures : {0, 1, 6}) {  // of four techniques or more in five views
-      SCOPED_TRACE(std::to_string(number) + " after " + std::to_string(pictures) + " pictures");
-      Program program({"compare", "block", "--out", "out/deep", "--size", "1501x1499"}, folder_.path());
-      while ((!fs::exists(folder_.path() / "out/deep") || picturesSoFar() < pictures) && !program.hasEnded())
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      ASSERT_FALSE(program.hasEnded()) << "it ended before it was interrupted";
-      const auto start = std::chrono::steady_clock::now();
-      // The impatient press the keys again.
-      for (const int pauseMs : {0, 1, 7, 30}) {
-        program.signal(number);
-        std::this_thread::sleep_for(std::chrono::milliseconds(pauseMs));
-      }
-      const ProgramResult result = program.wait();
-      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      EXPECT_LT(seconds, 2.0);
-      EXPECT_EQ(result.code, kFailure);
-      EXPECT_THAT(result.err, testing::StartsWith("warpscope: stopped"));
-      EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-      EXPECT_TRUE(folder_.listing().empty()) << testing::PrintToString(folder_.listing());
+  // Whichever signal it is, and whenever it comes: of four techniques or more in five views.
+  for (const auto& [number, pictures] : {std::pair{SIGINT, 0}, {SIGINT, 1}, {SIGINT, 6}, {SIGTERM, 1}, {SIGHUP, 1}}) {
+    SCOPED_TRACE(std::to_string(number) + " after " + std::to_string(pictures) + " pictures");
+    Program program({"compare", "block", "--out", "out/deep", "--size", "1501x1499"}, folder_.path());
+    while ((!fs::exists(folder_.path() / "out/deep") || picturesSoFar() < pictures) && !program.hasEnded())
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    ASSERT_FALSE(program.hasEnded()) << "it ended before it was interrupted";
+    const auto start = std::chrono::steady_clock::now();
+    // The impatient press the keys again.
+    for (const int pauseMs : {0, 1, 7, 30}) {
+      program.signal(number);
+      std::this_thread::sleep_for(std::chrono::milliseconds(pauseMs));
     }
+    const ProgramResult result = program.wait();
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    EXPECT_LT(seconds, 2.0);
+    EXPECT_EQ(result.code, kFailure);
+    EXPECT_THAT(result.err, testing::StartsWith("warpscope: stopped"));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_TRUE(folder_.listing().empty()) << testing::PrintToString(folder_.listing());
+  }
 }
 
 }  // namespace
