@@ -80,6 +80,8 @@ TEST_F(Refusal, PathsThatCannotBeLookedAt) {
   for (const std::string& file : {std::string("circle.json"), endless + ".json"}) expectRefused(shot({"block", "--tf", file}), kFailure, {file, "cannot be read: "});
   folder_.write("scene.json", "{\"name\": \"a\", \"volume\": {\"file\": \"" + endless + ".nii\"}}");
   expectRefused(shot({"scene.json"}), kFailure, {endless, "cannot be looked at: "});
+  folder_.write("session.json", "{\"warpscopeSession\": 1}");
+  expectRefused(shot({"session.json"}), kFailure, {"session.json", "is a session, not a scene", "--session"});
 }
 
 TEST_F(Refusal, MoreFilesThanMayBeOpen) {

@@ -83,7 +83,7 @@ class Column : public SessionTest {
     Paper paper;
     Controls controls;
     const SceneOpener none = [](const SceneOrigin& origin) { return LoadJob{origin.spec, {}}; };
-    return paper.textOf([&] { controls.draw(session_, none, EditHistory{}, paper.look()); });
+    return paper.textOf([&] { controls.draw(session_, none, {}, EditHistory{}, paper.look()); });
   }
 };
 

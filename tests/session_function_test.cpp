@@ -36,6 +36,30 @@ TEST_F(SessionFunctionTest, FramesGroundTruthAndErrorsAreOfTheNewOne) {
   EXPECT_EQ(marcher->march(frame->camera, frame->settings).samples, frame->samples);
 }
 
+/// What an old frame shows beside a new ground truth says nothing about techniques.
+TEST_F(SessionFunctionTest, FramesFromBeforeAreNoPointsOfThePlot) {
+  ASSERT_TRUE(open("shells"));
+  const LiveFront& front = session_.liveFront();
+  ASSERT_TRUE(pumpUntil([&] { return front.points().size() == 2u; }));
+  LiveSettings knobs = session_.knobs();
+  knobs.isFrozen = true;  // the old frame stays
+  session_.setKnobs(knobs);
+  const double before = session_.panel(1).errors->flip;
+  session_.setTransferFunction(thinned());
+  EXPECT_TRUE(front.points().empty());
+  // What is on show is judged all the same.
+  ASSERT_TRUE(pumpUntil([&] { return session_.panel(0).errorsAreCurrent && session_.panel(1).errorsAreCurrent && session_.panel(1).errors->flip > before; }));
+  EXPECT_TRUE(front.points().empty());
+  EXPECT_EQ(front.remembered(), 0u);
+  session_.measureNow();
+  EXPECT_FALSE(session_.fair().isMeasuring());
+  EXPECT_THAT(session_.fair().error(), testing::HasSubstr("transfer function"));
+  knobs.isFrozen = false;
+  session_.setKnobs(knobs);
+  ASSERT_TRUE(pumpUntil([&] { return front.points().size() == 2u; }));
+  EXPECT_DOUBLE_EQ(front.points().back().flip, session_.panel(front.points().back().configuration.technique == session_.panel(0).technique ? 0 : 1).errors->flip);
+}
+
 TEST_F(SessionFunctionTest, TheCopyOfTheVolumeFollowsAtOnce) {
   session_.setTechnique(1, findWarp("proxy"));
   ASSERT_TRUE(open("shells"));

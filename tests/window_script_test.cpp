@@ -188,6 +188,21 @@ TEST_F(WindowScriptTest, TheTransferFunctionIsEditedAndTakenBack) {
   EXPECT_TRUE(rest());
 }
 
+/// A corner that is led along the floor stays there: the faintest opacity would fill what is empty with fog.
+TEST_F(WindowScriptTest, ACornerNearTheFloorIsOnIt) {
+  ASSERT_TRUE(openAndRest("block"));
+  const auto faint = [&] {
+    return std::ranges::count_if(session_.scene()->transferFunction.points, [](const TransferPoint& point) { return point.alpha > 0.0f && point.alpha < 0.01f; });
+  };
+  constexpr float kFloor = 256.0f;
+  window_.click(kChart);
+  ASSERT_EQ(faint(), 0);
+  window_.drag(kChart, {kChart.x, kFloor - 8.0f});
+  EXPECT_EQ(faint(), 1);
+  window_.drag({kChart.x, kFloor - 8.0f}, {kChart.x + 3.0f, kFloor - 2.0f});
+  EXPECT_EQ(faint(), 0);
+}
+
 TEST_F(WindowScriptTest, AnErrorLiesOverThePicturesWhichStayAsLarge) {
   ASSERT_TRUE(openAndRest("block"));
   const glm::uvec2 size = session_.pictureSize();

@@ -11,6 +11,7 @@
 #include "app/scene/fitting_view.h"
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
+#include "app/scene/session_key.h"
 #include "app/scene/transfer_file.h"
 #include "app/scene/view_json.h"
 #include "app/shell/log.h"
@@ -93,6 +94,7 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   const Node root = document.root();
   constexpr std::string_view kKeys[] = {"name", "title",   "volume",     "transferFunction", "up",
                                         "front", "fovYDeg", "background", "views",            "march", "mask"};
+  if (root.isObject() && root.find(kSessionKey)) root.fail("is a session, not a scene: `warpscope view --session`, or File > Open in the window, goes on with it");
   root.requireObject(kKeys);
   Scene scene;
   const Node name = root.at("name");

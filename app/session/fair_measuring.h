@@ -57,6 +57,8 @@ class FairMeasuring {
   FairMeasuring(gl::Platform platform, WarpResources resources, std::function<void()> onNews);
 
   void start(FairJob job);
+  /// Why nothing is begun.
+  void refuse(std::string why) { error_ = std::move(why); }
   void cancel();
   /// Forgets what was measured, too.
   void clear();

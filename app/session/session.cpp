@@ -201,6 +201,7 @@ void Session::measureNow() {
   const SampleFramePtr& frame = frames_.newest();
   const std::optional<WantedFrame> asked = frame ? frames_.askedBy(frame->requestId) : std::nullopt;
   if (!asked) return;
+  if (!isOfFunctionNow(*asked)) return fair_.refuse("the frame is from before the transfer function changed: let another one come");
   FairJob job;
   for (size_t i = 0; i < panels_.size(); ++i) {
     const WarpDescriptor& technique = *panel(i).technique;
@@ -363,6 +364,7 @@ std::optional<Configuration> Session::configurationOf(const WarpResult& result) 
   const WarpJob& drawn = result.job;
   const std::optional<WantedFrame> asked = drawn.frame ? frames_.askedBy(drawn.frame->requestId) : std::nullopt;
   if (!asked || isCoarsened(asked->march, drawn.frame->settings)) return std::nullopt;  // nobody chose it
+  if (!isOfFunctionNow(*asked)) return std::nullopt;
   if (!lackOf(*drawn.technique, drawn.frame->settings).empty()) return std::nullopt;    // there is nothing to be seen
   return configurationFor(*drawn.technique, drawn.settings, *asked);
 }

@@ -84,7 +84,7 @@ class Session {
   /// Lets the panel have a camera of its own, which begins where it is, or takes it away.
   void setOwnCamera(size_t panel, bool hasOwn);
   /// Measures all techniques on show by the newest frame, at the same angles (fair_measuring.h); panels may go on, but what they do costs time. Does nothing
-  /// without a frame, or where nothing on show draws one.
+  /// without a frame, or where nothing on show draws one; fair().error() says why not by a frame from before the transfer function changed.
   void measureNow();
   void cancelMeasuring() { fair_.cancel(); }
   const FairMeasuring& fair() const { return fair_; }
@@ -235,6 +235,8 @@ class Session {
   bool isAtRest() const;
   void takeTime(size_t index, const WarpResult& result);
   /// Nothing where it is not known, or where no configuration did it: it gets no point in the plot.
+  /// Whether what was asked for is of the transfer function of now: a frame from before is wrong beside today's ground truth, and no technique's fault. Recorded frames know no versions.
+  bool isOfFunctionNow(const WantedFrame& asked) const { return playback_.isOpen() || asked.functionVersion == functionVersion_; }
   std::optional<Configuration> configurationOf(const WarpResult& result) const;
 
   const gl::Platform platform_;

@@ -9,6 +9,7 @@
 #include "app/frames/transport_knobs.h"
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
+#include "app/scene/session_key.h"
 #include "app/scene/transfer_file.h"
 #include "app/scene/view_json.h"
 #include "render/base/error.h"
@@ -20,7 +21,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int64_t kVersion = 1;
-constexpr std::string_view kMagic = "warpscopeSession";
 
 /// Of techniques' knobs, those that are not at their defaults.
 Json toJson(const KnobValues& knobs) {
@@ -140,7 +140,7 @@ SessionFile sessionFileOf(const Session& session) {
 std::string textOf(const SessionFile& file) {
   Json panels = Json::array();
   for (size_t i = 0; i < file.panels.size(); ++i) panels.push_back(toJson(file.panels[i], file.arrangement.ownViews[i]));
-  Json json{{std::string(kMagic), kVersion},
+  Json json{{std::string(kSessionKey), kVersion},
             {"origin", toJson(file.origin)},
             {"view", toJson(*file.arrangement.view)},
             {"march", toJson(*file.arrangement.march)},
@@ -157,14 +157,14 @@ std::string textOf(const SessionFile& file) {
   return textOf(json);
 }
 
-bool isSession(const JsonDocument& document) { return document.root().isObject() && document.root().find(kMagic).has_value(); }
+bool isSession(const JsonDocument& document) { return document.root().isObject() && document.root().find(kSessionKey).has_value(); }
 
 SessionFile readSession(const JsonDocument& document) {
   const Node root = document.root();
-  constexpr std::string_view kKeys[] = {kMagic, "origin", "view", "march", "transferFunction", "panels", "display", "transport", "serverSidePx", "screenPixels",
+  constexpr std::string_view kKeys[] = {kSessionKey, "origin", "view", "march", "transferFunction", "panels", "display", "transport", "serverSidePx", "screenPixels",
                                         "uncovered", "filled", "shortcuts", "budgetMs"};
   root.requireObject(kKeys);
-  const Node version = root.at(kMagic);
+  const Node version = root.at(kSessionKey);
   if (version.integer(1, 1 << 30) != kVersion) version.fail("is of a later program: this one reads version " + std::to_string(kVersion));
   SessionFile file;
   file.origin = readOrigin(root.at("origin"));

@@ -209,11 +209,11 @@ void Controls::drawFound(Session& session, LiveSettings& knobs, const Look& look
   if (found == 0) ImGui::TextColored(palette().dimText, "No knob has that.");
 }
 
-void Controls::draw(Session& session, const SceneOpener& openScene, const EditHistory& history, const Look& look) {
+void Controls::draw(Session& session, const SceneOpener& openScene, const FileOpener& openFile, const EditHistory& history, const Look& look) {
   // Closer than elsewhere: all knobs fit into a window of 1280 x 800.
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(7.0f), look.px(3.0f)});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(4.0f)});
-  drawScene(session, openScene, look);
+  drawScene(session, openScene, openFile, look);
   drawSearch(look);
   if (search_[0] != '\0') {
     LiveSettings found = session.knobs();
@@ -245,7 +245,7 @@ void Controls::draw(Session& session, const SceneOpener& openScene, const EditHi
   ImGui::PopStyleVar(2);
 }
 
-void Controls::drawScene(Session& session, const SceneOpener& openScene, const Look& look) {
+void Controls::drawScene(Session& session, const SceneOpener& openScene, const FileOpener& openFile, const Look& look) {
   static const std::vector<BuiltinScene> kScenes = builtinScenes(), kTorture = tortureScenes();
   ImGui::PushFont(look.fonts.small);
   ImGui::TextColored(palette().accent, "SCENE");
@@ -268,7 +268,7 @@ void Controls::drawScene(Session& session, const SceneOpener& openScene, const L
   ImGui::SetNextItemWidth(-buttonWidth - ImGui::GetStyle().ItemSpacing.x);
   bool isEntered = ImGui::InputTextWithHint("##path", "file, or a server's URL", path_.data(), path_.size(),
                                             ImGuiInputTextFlags_EnterReturnsTrue);
-  tooltip("Path of a scene (.json) or of a volume, or what `warpscope serve` prints on another machine. A file can also be dropped onto the window.", look);
+  tooltip("Path of a volume, a scene, a session, a recording, a transfer function or a sweep, or what `warpscope serve` prints on another machine. Files can also be dropped onto the window.", look);
   ImGui::SameLine();
   if (session.loading().empty()) {
     isEntered |= ImGui::Button("Open", {-1.0f, 0.0f});
@@ -276,7 +276,7 @@ void Controls::drawScene(Session& session, const SceneOpener& openScene, const L
     if (ImGui::Button("Cancel", {-1.0f, 0.0f})) session.cancelLoad();
     tooltip("Give up opening " + session.loading() + ".", look);
   }
-  if (isEntered && path_[0] != '\0') session.load(openScene({path_.data(), {}}));
+  if (isEntered && path_[0] != '\0') openFile(path_.data());
 
   // The bar's place is kept, so that nothing moves when it comes and goes.
   const ImVec2 at = ImGui::GetCursorScreenPos();

@@ -1,6 +1,9 @@
 // The column of knobs: scene, transfer function, server, effects, network, display, camera.
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include "app/ui/parts.h"
 #include "app/ui/transfer_editor.h"
 
@@ -9,7 +12,10 @@ namespace warpscope::ui {
 /// The column of knobs.
 class Controls {
  public:
-  void draw(Session& session, const SceneOpener& openScene, const EditHistory& history, const Look& look);
+  using FileOpener = std::function<void(const std::string&)>;
+
+  /// `openFile` takes whatever path or URL is typed.
+  void draw(Session& session, const SceneOpener& openScene, const FileOpener& openFile, const EditHistory& history, const Look& look);
   /// Puts the keyboard into the field in which knobs are searched, and chooses what is there.
   void search();
   /// Looks for nothing any more; whether it did.
@@ -20,7 +26,7 @@ class Controls {
   const TransferEditor& transferEditor() const { return transferEditor_; }
 
  private:
-  void drawScene(Session& session, const SceneOpener& openScene, const Look& look);
+  void drawScene(Session& session, const SceneOpener& openScene, const FileOpener& openFile, const Look& look);
 
   void drawSearch(const Look& look);
   /// All knobs that have what was typed in their names or explanations.

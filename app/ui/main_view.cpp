@@ -188,7 +188,7 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
         std::string note = "the recording has ended";
         if (!recordedFile_.empty()) {
           remembered_.addFile(recordedFile_);
-          note = "recorded " + std::exchange(recordedFile_, {}).string() + "; File > Open again shows it";
+          note = "recorded " + std::exchange(recordedFile_, {}).string() + "; File > Open again shows it, and `warpscope replay` makes pictures or a film of it";
         }
         if (leftOut > 0) note += "; " + std::to_string(leftOut) + " frames came faster than they could be written and are not in it";
         return setNote(std::move(note));
@@ -434,7 +434,7 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   if (remembered_.hasSideBar) {
     ImGui::SameLine(0.0f, look.px(kMargin));
     ImGui::BeginChild("controls", {0.0f, bodyHeight}, true);
-    controls_.draw(session, openScene_, history_, look);
+    controls_.draw(session, openScene_, [&](const std::string& path) { open(path); }, history_, look);
     ImGui::EndChild();
   }
 }

@@ -51,7 +51,8 @@ std::string bytesText(size_t bytes) {
 }
 
 void tooltip(const std::string& text, const Look& look) {
-  if (!ImGui::IsItemHovered() || !look.hover->hasRested(ImGui::GetItemRectMin(), look.now)) return;
+  // Who types looks at what is typed, and has left the pointer where it was.
+  if (ImGui::GetIO().WantTextInput || !ImGui::IsItemHovered() || !look.hover->hasRested(ImGui::GetItemRectMin(), look.now)) return;
   const ImVec2 padding{look.px(8.0f), look.px(6.0f)};
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, padding);
   ImGui::BeginTooltip();

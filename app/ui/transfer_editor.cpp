@@ -37,7 +37,12 @@ struct TransferEditor::Chart {
   float x(double value) const { return from.x + (to.x - from.x) * static_cast<float>((value - lowest) / (highest - lowest)); }
   float y(float alpha) const { return to.y - (to.y - from.y) * heightOf(alpha); }
   double value(float x) const { return std::clamp(lowest + (highest - lowest) * static_cast<double>((x - from.x) / (to.x - from.x)), lowest, highest); }
-  float alpha(float y) const { return alphaAt(std::clamp((to.y - y) / (to.y - from.y), 0.0f, 1.0f)); }
+  /// Nearly nothing is nothing, and nearly all is all: a hand's breadth above the floor all that is empty would turn into fog.
+  float alpha(float y) const {
+    constexpr float kNear = 0.04f;  // of the chart's height
+    const float height = (to.y - y) / (to.y - from.y);
+    return height < kNear ? 0.0f : height > 1.0f - kNear ? 1.0f : alphaAt(height);
+  }
 };
 
 TransferEditor::Chart TransferEditor::chartOf(const Session& session, const ImVec2& from, const ImVec2& to) const {
