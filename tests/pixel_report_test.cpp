@@ -53,6 +53,30 @@ class PixelReportTest : public ::testing::Test {
   Camera camera_;
 };
 
+TEST_F(PixelReportTest, WhatAFrameSawOfAPlaceIsTold) {
+  using Kind = SeenByFrame::Kind;
+  const Sphere sphere = unpackSample(frame_.samples.front(), frame_.grid());
+  const glm::vec3 along = glm::normalize(sphere.center - frame_.camera.eye);
+  const auto seen = [&](const glm::vec3& place) { return seenByFrame(frame_, place); };
+  const SeenByFrame there = seen(sphere.center + 0.9f * along);
+  EXPECT_EQ(there.kind, Kind::there);
+  EXPECT_EQ(there.pixel, glm::uvec2(4, 2));
+  EXPECT_NEAR(there.apart, 0.9f, 1e-4f);
+  EXPECT_FLOAT_EQ(there.radius, 0.5f);
+  EXPECT_EQ(seen(sphere.center + 3.0f * along).kind, Kind::nearer);
+  EXPECT_NEAR(seen(sphere.center + 3.0f * along).apart, 3.0f, 1e-4f);
+  EXPECT_EQ(seen(sphere.center - 2.0f * along).kind, Kind::farther);
+  EXPECT_EQ(seen({0.0f, 0.0f, 7.0f}), (SeenByFrame{Kind::nothing, {2, 1}}));
+  EXPECT_EQ(seen({5.0f, 5.0f, 0.0f}).kind, Kind::outside);
+  EXPECT_EQ(seen({0.0f, 0.0f, 20.0f}).kind, Kind::outside) << "behind the frame's eye";
+  // Of several the one that is nearest to the place.
+  frame_.samples.push_back(packSample(4, 2, 6.0f, 0.25f, frame_.quantization));
+  frame_.colors.push_back(0xffffffffu);
+  const Sphere second = unpackSample(frame_.samples.back(), frame_.grid());
+  EXPECT_EQ(seen(second.center).kind, Kind::there);
+  EXPECT_FLOAT_EQ(seen(second.center).radius, 0.25f);
+}
+
 TEST_F(PixelReportTest, EveryKindIsTold) {
   const std::array kinds{PixelKind::sample, PixelKind::hole, PixelKind::guess, PixelKind::nothing, PixelKind::earlierFrame, PixelKind::other};
   for (uint32_t x = 0; x < kinds.size(); ++x) EXPECT_EQ(report(x).kind, kinds[x]) << x;

@@ -2,7 +2,9 @@
 // See ray_look.h.
 #include "app/experiment/ray_look.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "app/picture/pixel_report.h"
@@ -40,6 +42,29 @@ LightAbout lightAbout(const RayTrace& trace, float depth) {
   const double all = nearer + within + farther;
   if (!(all > 0.0)) return {};
   return {static_cast<float>(nearer / all), static_cast<float>(within / all), static_cast<float>(farther / all)};
+}
+
+SeenByFrame seenByFrame(const SampleFrame& frame, const glm::vec3& place) {
+  const Camera& camera = frame.camera;
+  const Projection at = project(camera, place);
+  const bool isInside = at.forwardDepth > 0.0f && at.pixel.x >= 0.0f && at.pixel.x < static_cast<float>(camera.width) && at.pixel.y >= 0.0f && at.pixel.y < static_cast<float>(camera.height);
+  if (!isInside) return {};
+  SeenByFrame seen{SeenByFrame::Kind::nothing, {static_cast<uint32_t>(at.pixel.x), static_cast<uint32_t>(at.pixel.y)}};
+  const float distance = glm::length(place - camera.eye);
+  const SampleGrid grid = frame.grid();
+  float nearest = std::numeric_limits<float>::infinity();  // difference of distances, with its sign
+  for (const PackedSample sample : frame.samples) {
+    if (columnOf(sample) != seen.pixel.x || rowOf(sample) != seen.pixel.y) continue;
+    const Sphere sphere = unpackSample(sample, grid);
+    const float behind = distance - glm::length(sphere.center - camera.eye);
+    if (!(std::abs(behind) < std::abs(nearest))) continue;
+    nearest = behind;
+    seen.radius = sphere.radius;
+  }
+  if (!std::isfinite(nearest)) return seen;
+  seen.apart = std::abs(nearest);
+  seen.kind = seen.apart <= std::max(kLightReach, seen.radius) ? SeenByFrame::Kind::there : nearest > 0.0f ? SeenByFrame::Kind::nearer : SeenByFrame::Kind::farther;
+  return seen;
 }
 
 Json toJson(const RayTrace& trace, const RayOfPixel& ray, const MarchSettings& settings) {

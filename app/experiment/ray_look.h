@@ -35,6 +35,26 @@ struct LightAbout {
 inline constexpr float kLightReach = 1.0f;
 LightAbout lightAbout(const RayTrace& trace, float depth);
 
+/// What a frame has where a place of the volume is, as its own camera saw that.
+struct SeenByFrame {
+  enum class Kind {
+    outside,  ///< the place is not in the frame's picture
+    nothing,  ///< the pixel that it is in has no sample
+    nearer,   ///< the pixel's sample lies in front: the place was hidden
+    farther,  ///< the pixel's sample lies behind: its depth is not that of the place
+    there,    ///< the pixel's sample lies at the place, within kLightReach or its radius
+  };
+  Kind kind = Kind::outside;
+  glm::uvec2 pixel{0};   ///< of the frame
+  float apart = 0.0f;    ///< volume units, along the frame's ray, between the place and the pixel's sample; 0 without one
+  float radius = 0.0f;   ///< of that sample, likewise
+
+  bool operator==(const SeenByFrame&) const = default;
+};
+
+/// Of several samples in the pixel the one whose distance is nearest to the place's. Looks at every sample.
+SeenByFrame seenByFrame(const SampleFrame& frame, const glm::vec3& place);
+
 /// What `shot --ray` writes. Depths are distances along the ray from its beginning, in volume units.
 nlohmann::json toJson(const RayTrace& trace, const RayOfPixel& ray, const MarchSettings& settings);
 

@@ -18,6 +18,8 @@ class RayWork {
       transferFunction_ = job.transferFunction;
     }
     result.trace = tracer_->trace(job.ray.camera, job.settings, job.ray.pixel, stop);
+    const std::optional<float> depth = job.frame ? depthBy(result.trace, job.settings.sample.heuristic) : std::nullopt;
+    if (depth) result.seen = seenByFrame(*job.frame, result.trace.ray.at(*depth));
   }
 
  private:

@@ -17,6 +17,7 @@ struct RayJob {
   TransferFunction transferFunction;
   RayOfPixel ray;
   MarchSettings settings;
+  SampleFramePtr frame;  ///< that shows nothing where the ray is; null where it does
 
   bool operator==(const RayJob&) const = default;
 };
@@ -24,6 +25,7 @@ struct RayJob {
 struct RayResult {
   RayJob job;      ///< that was done
   RayTrace trace;
+  std::optional<SeenByFrame> seen;  ///< by the job's frame, of where the ray's depth is by its settings; nothing where it has none
   std::string error;
 };
 

@@ -193,6 +193,24 @@ std::string lightText(const RayResult& result, float fromEye) {
          percent(light.nearer) + " from nearer, " + percent(light.farther) + " from farther.";
 }
 
+/// Why the frame shows nothing where the ray is.
+std::string holeText(const RayResult& result, float fromEye) {
+  if (!result.seen) return "Nothing on this ray counts: in truth it shows the background, too.";
+  const SeenByFrame& seen = *result.seen;
+  const float depth = *depthBy(result.trace, result.job.settings.sample.heuristic);
+  const std::string place = "What it shows in truth is " + formatted("%.4g", static_cast<double>(fromEye + depth)) + " from the eye. ",
+                    pixel = "pixel " + std::to_string(seen.pixel.x) + ", " + std::to_string(seen.pixel.y), apart = formatted("%.3g", static_cast<double>(seen.apart)),
+                    radius = formatted("%.3g", static_cast<double>(seen.radius));
+  switch (seen.kind) {
+    case SeenByFrame::Kind::outside: return place + "The frame's picture does not reach there.";
+    case SeenByFrame::Kind::nothing: return place + "The frame's " + pixel + ", where that is, has no sample.";
+    case SeenByFrame::Kind::nearer: return place + "From the frame's eye it was hidden: its " + pixel + " shows what lies " + apart + " nearer.";
+    case SeenByFrame::Kind::farther: return place + "The frame's " + pixel + ", where that is, has its sample " + apart + " farther: the depth stands for something else.";
+    case SeenByFrame::Kind::there: break;
+  }
+  return place + "The frame's " + pixel + " has a sample there, " + apart + " away and of radius " + radius + ": too small to cover this pixel.";
+}
+
 void drawKeyOfCurves(ImVec2 at, const Tops& tops) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   const bool hasValues = tops.highest > tops.lowest;
@@ -216,9 +234,9 @@ bool drawRay(const Session& session, const Look& look) {
   const bool isClosed = ImGui::SmallButton("x");
   tooltip("Close.", look);
   const float fromEye = hasTrace ? glm::length(ray.result()->trace.ray.origin - ray.result()->job.ray.camera.eye) : 0.0f;
-  if (hasTrace && ray.result()->job.ray.isServers) {
+  if (hasTrace) {
     ImGui::PushTextWrapPos(0.0f);
-    ImGui::TextUnformatted(lightText(*ray.result(), fromEye).c_str());
+    ImGui::TextUnformatted((ray.result()->job.ray.isServers ? lightText(*ray.result(), fromEye) : holeText(*ray.result(), fromEye)).c_str());
     ImGui::PopTextWrapPos();
   }
   const ImVec2 at = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
