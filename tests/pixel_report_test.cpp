@@ -127,6 +127,9 @@ TEST_F(PixelReportTest, ARayIsTheServersWhereASampleIsSeen) {
   EXPECT_EQ(hole.camera, camera_);
   EXPECT_EQ(hole.pixel, glm::uvec2(1, 0));
   EXPECT_FALSE(hole.sample);
+  // What shows something of its own leaves no gap, whether or not that is a sample.
+  const std::array isGap{false, true, true, false, false, false};
+  for (uint32_t x = 0; x < isGap.size(); ++x) EXPECT_EQ(rayBehind(inputs(), {x, 0}).isGap, isGap[x]) << x;
 }
 
 TEST_F(PixelReportTest, ARaysJsonHasNullsWhereThereIsNoNumber) {

@@ -24,7 +24,7 @@ Json numberOrNull(double value) { return std::isfinite(value) ? Json(value) : Js
 RayOfPixel rayBehind(const ContentInputs& inputs, const glm::uvec2& place) {
   const PixelReport report = pixelReport(inputs, place);
   if (report.server) return {true, inputs.frame->camera, report.server->place, report.server->sample};
-  return {false, inputs.camera, place, std::nullopt};
+  return {false, inputs.camera, place, std::nullopt, report.kind == PixelKind::hole || report.kind == PixelKind::guess};
 }
 
 std::optional<float> depthBy(const RayTrace& trace, Heuristic heuristic) {
@@ -54,7 +54,7 @@ SeenByFrame seenByFrame(const SampleFrame& frame, const glm::vec3& place) {
   const SampleGrid grid = frame.grid();
   float nearest = std::numeric_limits<float>::infinity();  // difference of distances, with its sign
   for (const PackedSample sample : frame.samples) {
-    if (columnOf(sample) != seen.pixel.x || rowOf(sample) != seen.pixel.y) continue;
+    if (pixelKey(sample) != pixelKey(seen.pixel.x, seen.pixel.y)) continue;
     const Sphere sphere = unpackSample(sample, grid);
     const float behind = distance - glm::length(sphere.center - camera.eye);
     if (!(std::abs(behind) < std::abs(nearest))) continue;

@@ -15,6 +15,7 @@ struct RayOfPixel {
   Camera camera;
   glm::uvec2 pixel{0};     ///< column, row from above
   std::optional<uint32_t> sample;  ///< in the frame
+  bool isGap = false;  ///< nothing of the frame covers the pixel: it is a hole, or was filled in
 
   bool operator==(const RayOfPixel&) const = default;
 };

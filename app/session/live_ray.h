@@ -17,7 +17,7 @@ struct RayJob {
   TransferFunction transferFunction;
   RayOfPixel ray;
   MarchSettings settings;
-  SampleFramePtr frame;  ///< that shows nothing where the ray is; null where it does
+  SampleFramePtr frame;  ///< where the ray is of a gap, the one that leaves it; null elsewhere
 
   bool operator==(const RayJob&) const = default;
 };

@@ -276,7 +276,7 @@ bool Session::followRay() {
   const RayOfPixel ray = rayBehind(pixels->inputs(), pixels->at(lookedAt_->place));
   MarchSettings settings = ray.isServers ? pixels->frame->settings : knobs_.march;
   settings.sample.segments = knobs_.march.sample.segments;  // that the frame lacks where nothing on show draws them
-  happened |= ray_.follow({scene()->volume, scene()->transferFunction, ray, settings, ray.isServers ? nullptr : pixels->frame});
+  happened |= ray_.follow({scene()->volume, scene()->transferFunction, ray, settings, ray.isGap ? pixels->frame : nullptr});
   return happened;
 }
 

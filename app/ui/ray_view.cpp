@@ -194,7 +194,7 @@ std::string lightText(const RayResult& result, float fromEye) {
 }
 
 /// Why the frame shows nothing where the ray is.
-std::string holeText(const RayResult& result, float fromEye) {
+std::string gapText(const RayResult& result, float fromEye) {
   if (!result.seen) return "Nothing on this ray counts: in truth it shows the background, too.";
   const SeenByFrame& seen = *result.seen;
   const float depth = *depthBy(result.trace, result.job.settings.sample.heuristic);
@@ -208,7 +208,7 @@ std::string holeText(const RayResult& result, float fromEye) {
     case SeenByFrame::Kind::farther: return place + "The frame's " + pixel + ", where that is, has its sample " + apart + " farther: the depth stands for something else.";
     case SeenByFrame::Kind::there: break;
   }
-  return place + "The frame's " + pixel + " has a sample there, " + apart + " away and of radius " + radius + ": too small to cover this pixel.";
+  return place + "The frame's " + pixel + " has a sample there, " + apart + " away and of radius " + radius + ": it does not cover this pixel.";
 }
 
 void drawKeyOfCurves(ImVec2 at, const Tops& tops) {
@@ -234,9 +234,9 @@ bool drawRay(const Session& session, const Look& look) {
   const bool isClosed = ImGui::SmallButton("x");
   tooltip("Close.", look);
   const float fromEye = hasTrace ? glm::length(ray.result()->trace.ray.origin - ray.result()->job.ray.camera.eye) : 0.0f;
-  if (hasTrace) {
+  if (hasTrace && (ray.result()->job.ray.isServers || ray.result()->job.frame)) {
     ImGui::PushTextWrapPos(0.0f);
-    ImGui::TextUnformatted((ray.result()->job.ray.isServers ? lightText(*ray.result(), fromEye) : holeText(*ray.result(), fromEye)).c_str());
+    ImGui::TextUnformatted((ray.result()->job.frame ? gapText(*ray.result(), fromEye) : lightText(*ray.result(), fromEye)).c_str());
     ImGui::PopTextWrapPos();
   }
   const ImVec2 at = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
