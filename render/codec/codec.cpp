@@ -12,6 +12,7 @@
 #include "render/codec/proxy_coding.h"
 #include "render/codec/raw_codec.h"
 #include "render/codec/segment_coding.h"
+#include "render/codec/tiled/tiled_codec.h"
 #include "render/core/parallel.h"
 #include "render/core/picture_size.h"
 
@@ -21,6 +22,7 @@ namespace {
 constexpr CodecDescriptor kCodecs[] = {
     {PayloadFormat::raw, makeRawCodec, mostRawBytes, mostRawPlaneBytes},
     {PayloadFormat::packed, makePackedCodec, mostPackedBytes, mostPackedPlaneBytes},
+    {PayloadFormat::tiled, makeTiledCodec, mostTiledBytes, mostTiledPlaneBytes},
 };
 
 constexpr size_t kHeadBytes = 9;

@@ -27,6 +27,7 @@ namespace warpscope {
 enum class PayloadFormat : uint8_t {
   raw,     ///< 12 bytes a sample
   packed,  ///< what the camera implies left out, the rest predicted and compressed: packed_codec.h
+  tiled,   ///< the same in tiles that a GPU codes as well, lossless: tiled_codec.h
 };
 
 enum class ColorCoding : uint8_t {
@@ -34,9 +35,10 @@ enum class ColorCoding : uint8_t {
   jpeg,  ///< red, green and blue in their pixels' places; alpha without loss
 };
 
-inline constexpr std::array<NamedValue<PayloadFormat>, 2> kPayloadFormats{{
+inline constexpr std::array<NamedValue<PayloadFormat>, 3> kPayloadFormats{{
     {PayloadFormat::raw, "raw", "12 bytes a sample"},
     {PayloadFormat::packed, "packed", "depths predicted along the camera's rays, compressed"},
+    {PayloadFormat::tiled, "tiled", "the same in tiles, without loss, which a GPU codes in a millisecond"},
 }};
 
 inline constexpr std::array<NamedValue<ColorCoding>, 2> kColorCodings{{

@@ -1,4 +1,4 @@
-// What integers along rays are best, bands.
+// Bands.
 // See packed_codec.h.
 #include "render/codec/packed_codec.h"
 
@@ -17,8 +17,6 @@
 namespace warpscope {
 namespace {
 
-constexpr size_t kProbes = 256;
-
 /// How a frame is cut. One without samples has no bands.
 class Bands {
  public:
@@ -34,16 +32,13 @@ class Bands {
   PictureBands bands_;
 };
 
-/// What the bands already say.
-bool isImplied(const SamplePlane& plane) { return plane.name == kLayerPlane && plane.element == PlaneElement::uint8; }
-
 class PackedCodec final : public Codec {
  public:
   /// What others have of the workspaces comes back; what nobody uses may have grown for this one.
   ~PackedCodec() override { packers_->forget(); }
 
   void encode(const SampleFrame& frame, const CodecSettings& settings, std::vector<std::byte>& payload) override {
-    const Placement placement = hasLattice(frame) ? bestPlacement(frame) : Placement::depth;
+    const Placement placement = placementOf(frame);
     const Bands bands(frame.camera, placement, frame.size());
     cut(frame, bands);
 
@@ -133,30 +128,6 @@ class PackedCodec final : public Codec {
  private:
   static size_t mostSamples(const Camera& camera, const BandRows& rows) {
     return kMaxLayers * size_t{rows.count} * camera.width;
-  }
-
-  /// Steps, if a look at some samples says that they lie on them.
-  Placement bestPlacement(const SampleFrame& frame) const {
-    TransferVector<uint32_t> columns, rows;
-    TransferVector<PackedSample> samples;
-    const size_t stride = std::max(frame.size() / kProbes, size_t{1});
-    for (size_t i = 0; i < frame.size(); i += stride) {
-      columns.push_back(columnOf(frame.samples[i]));
-      rows.push_back(rowOf(frame.samples[i]));
-      samples.push_back(frame.samples[i]);
-    }
-    TransferVector<int32_t> places(samples.size());
-    TransferVector<uint32_t> codes(samples.size());
-    for (const Placement placement : {Placement::steps, Placement::halfSteps}) {
-      PixelPaths paths;
-      paths.aim(frame, placement, columns, rows);
-      paths.locate(samples, places);
-      paths.place(places, codes);
-      size_t exact = 0;
-      for (size_t k = 0; k < samples.size(); ++k) exact += codes[k] == depthCode(samples[k]);
-      if (exact * 8 >= samples.size() * 7) return placement;
-    }
-    return Placement::depth;
   }
 
   /// Sets ends_ to the end of each band's samples.

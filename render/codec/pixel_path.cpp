@@ -13,6 +13,7 @@ namespace warpscope {
 namespace {
 
 constexpr int kStepFineBits = 4;
+constexpr size_t kProbes = 256;  // of samples or segments
 
 /// As RayLattice::t on a machine that fuses multiplication and addition, on every machine.
 inline float latticeDepth(const RayLattice& lattice, int i) {
@@ -30,6 +31,66 @@ inline int clamped(float value, int largest) {
 
 bool hasLattice(const SampleFrame& frame) {
   return isUsable(frame.camera) && frame.settings.render.step > 0.0f && std::isfinite(frame.settings.render.step);
+}
+
+Placement placementOf(const SampleFrame& frame) {
+  if (!hasLattice(frame)) return Placement::depth;
+  TransferVector<uint32_t> columns, rows;
+  TransferVector<PackedSample> samples;
+  const size_t stride = std::max(frame.size() / kProbes, size_t{1});
+  for (size_t i = 0; i < frame.size(); i += stride) {
+    columns.push_back(columnOf(frame.samples[i]));
+    rows.push_back(rowOf(frame.samples[i]));
+    samples.push_back(frame.samples[i]);
+  }
+  TransferVector<int32_t> places(samples.size());
+  TransferVector<uint32_t> codes(samples.size());
+  for (const Placement placement : {Placement::steps, Placement::halfSteps}) {
+    PixelPaths paths;
+    paths.aim(frame, placement, columns, rows);
+    paths.locate(samples, places);
+    paths.place(places, codes);
+    size_t exact = 0;
+    for (size_t k = 0; k < samples.size(); ++k) exact += codes[k] == depthCode(samples[k]);
+    if (exact * 8 >= samples.size() * 7) return placement;
+  }
+  return Placement::depth;
+}
+
+Placement borderPlacementOf(const SampleFrame& frame) {
+  const FrameSegments& segments = frame.segments;
+  if (!hasLattice(frame) || segments.size() == 0) return Placement::depth;
+  TransferVector<uint32_t> columns, rows, codes;
+  const size_t stride = std::max(segments.rays.size() / kProbes, size_t{1});
+  size_t at = 0;
+  for (size_t pixel = 0; pixel < segments.rays.size(); ++pixel) {
+    if (pixel % stride == 0 && segments.rays[pixel].count() > 0) {
+      columns.push_back(static_cast<uint32_t>(pixel % frame.camera.width));
+      rows.push_back(static_cast<uint32_t>(pixel / frame.camera.width));
+      codes.push_back(segments.depths[at].begin);
+    }
+    at += static_cast<size_t>(segments.rays[pixel].count());
+  }
+  PixelPaths paths;
+  paths.aim(frame, kBorders, columns, rows);
+  TransferVector<int32_t> places(codes.size());
+  TransferVector<uint32_t> likely(codes.size());
+  paths.locateBorders(codes, places);
+  paths.place(places, likely);
+  size_t near = 0;
+  for (size_t k = 0; k < codes.size(); ++k) near += codes[k] + 1 - likely[k] <= 2;  // a code beside it is rounding
+  return near * 8 >= codes.size() * 7 ? kBorders : Placement::depth;
+}
+
+void PixelPaths::narrow(std::span<const uint32_t> kept) {
+  const auto keep = [&](auto& values) {
+    for (size_t k = 0; k < kept.size(); ++k) values[k] = values[kept[k]];
+    values.resize(kept.size());
+  };
+  keep(origin_);
+  if (placement_ == Placement::depth) return;
+  for (TransferVector<float>* values : {&fromX_, &fromY_, &fromZ_, &x_, &y_, &z_, &cosine_, &t0_, &length_}) keep(*values);
+  keep(count_);
 }
 
 void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<const uint32_t> columns, std::span<const uint32_t> rows) {

@@ -29,6 +29,11 @@ inline constexpr auto kBorders = static_cast<Placement>(kPlacements);
 /// Whether the rays of a frame's pixels have a lattice: else there is Placement::depth alone.
 bool hasLattice(const SampleFrame& frame);
 
+/// Steps or half steps, if a look at some of the frame's samples says that they lie on them.
+Placement placementOf(const SampleFrame& frame);
+/// kBorders, if a look at some of the frame's segments says that they begin there; else depth.
+Placement borderPlacementOf(const SampleFrame& frame);
+
 /// Neighbouring samples are predicted from one another in fine units that do not depend on where a ray enters the volume.
 struct FineScale {
   const int32_t* origins;  ///< of places, in fine units
@@ -48,6 +53,9 @@ class PixelPaths {
  public:
   /// Rays of the pixels (columns[k], rows[k]). Any camera and quantisation will do; unusable ones give useless places.
   void aim(const SampleFrame& frame, Placement placement, std::span<const uint32_t> columns, std::span<const uint32_t> rows);
+
+  /// Goes on with some of the rays: `kept` are their numbers, which rise.
+  void narrow(std::span<const uint32_t> kept);
 
   /// The integers whose places are nearest to the samples.
   void locate(std::span<const PackedSample> samples, std::span<int32_t> places) const;

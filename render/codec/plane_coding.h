@@ -1,4 +1,4 @@
-// The values of one plane of a frame as bytes, compressed: for the format `packed`.
+// The values of one plane of a frame as bytes, compressed: for the formats `packed` and `tiled`.
 // Each value, taken as an integer, is predicted from the one before it in its layer; differences are folded (zigzag), and compressed byte by byte.
 //
 // Bytes: for each piece of kPlanePiece values its length (4); pieces: a section (zstd_section.h) for each byte of a value, all lowest bytes first.
@@ -14,6 +14,9 @@ namespace warpscope {
 
 /// Pieces are independent of one another, for all cores to work at.
 inline constexpr size_t kPlanePiece = size_t{1} << 17;
+
+/// Whether it is what pixels' numbers of samples already say.
+inline bool isImplied(const SamplePlane& plane) { return plane.name == kLayerPlane && plane.element == PlaneElement::uint8; }
 
 /// Appends the plane; `layers` are those of its frame, empty or one a value.
 void appendPlane(std::vector<std::byte>& out, const SamplePlane& plane, std::span<const uint8_t> layers);

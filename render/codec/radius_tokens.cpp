@@ -4,45 +4,10 @@
 
 #include <algorithm>
 
+#include "render/codec/radius_prediction.h"
 #include "render/codec/zstd_section.h"
-#include "render/march/march_setup.h"
 
 namespace warpscope {
-namespace {
-
-/// What a sample's radius should be, from what else is known of it.
-class RadiusPrediction {
- public:
-  explicit RadiusPrediction(const SampleFrame& frame)
-      : rule_(sampleRuleOf(frame)),
-        edge_(pixelEdge(frame.camera)),
-        isAsBefore_(rule_.policy == RadiusPolicy::uncertainty),
-        same_(code(0, 0)),
-        // Near its eye samples are smaller: sampleRadius().
-        isSame_((rule_.policy == RadiusPolicy::voxel || rule_.policy == RadiusPolicy::constant) && code(kDepthCodeMax, 0) == same_) {}
-
-  /// `before`: the code of the sample before this one.
-  uint32_t operator()(PackedSample position, Rgba8 color, uint32_t before) const {
-    if (isAsBefore_) return before;
-    return isSame_ ? same_ : code(depthCode(position), color);
-  }
-  bool isSame() const { return isSame_; }
-  uint32_t same() const { return same_; }
-
- private:
-  uint32_t code(uint32_t depth, Rgba8 color) const {
-    return radiusCodeFor(rule_, edge_, depth, static_cast<float>(color >> 24) / 255.0f, 0.0f);
-  }
-
-  SampleRule rule_;
-  float edge_;
-  bool isAsBefore_;
-  uint32_t same_;  // at the near plane
-  bool isSame_;    // for all samples
-};
-
-}  // namespace
-
 void putRadii(const SampleFrame& frame, std::span<const PackedSample> samples, std::span<const Rgba8> colors,
               std::span<uint8_t> tokens, BitWriter& bits) {
   const RadiusPrediction radius(frame);

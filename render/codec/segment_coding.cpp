@@ -15,36 +15,10 @@
 namespace warpscope {
 namespace {
 
-constexpr size_t kHeadBytes = 3, kListedBytes = 8, kProbes = 256;
+constexpr size_t kHeadBytes = 3, kListedBytes = 8;
 constexpr uint64_t kRawSegmentBytes = sizeof(SegmentDepths) + sizeof(Rgba8);
 
 MaskShape shapeOf(const PictureBands& bands, const Camera& camera, size_t band) { return {camera.width, bands.firstRow(band), bands.rowCount(band)}; }
-
-/// Whether rays have the lattice that the frame's settings say, by a look at some of them.
-Placement bestPlacement(const SampleFrame& frame) {
-  const FrameSegments& segments = frame.segments;
-  if (!hasLattice(frame) || segments.size() == 0) return Placement::depth;
-  TransferVector<uint32_t> columns, rows, codes;
-  const size_t stride = std::max(segments.rays.size() / kProbes, size_t{1});
-  size_t at = 0;
-  for (size_t pixel = 0; pixel < segments.rays.size(); ++pixel) {
-    if (pixel % stride == 0 && segments.rays[pixel].count() > 0) {
-      columns.push_back(static_cast<uint32_t>(pixel % frame.camera.width));
-      rows.push_back(static_cast<uint32_t>(pixel / frame.camera.width));
-      codes.push_back(segments.depths[at].begin);
-    }
-    at += static_cast<size_t>(segments.rays[pixel].count());
-  }
-  PixelPaths paths;
-  paths.aim(frame, kBorders, columns, rows);
-  TransferVector<int32_t> places(codes.size());
-  TransferVector<uint32_t> likely(codes.size());
-  paths.locateBorders(codes, places);
-  paths.place(places, likely);
-  size_t near = 0;
-  for (size_t k = 0; k < codes.size(); ++k) near += codes[k] + 1 - likely[k] <= 2;  // a code beside it is rounding
-  return near * 8 >= codes.size() * 7 ? kBorders : Placement::depth;
-}
 
 uint64_t hashOf(const FrameSegments& segments) {
   uint64_t hash = hashBytes(std::as_bytes(std::span(segments.rays)), 1);
@@ -159,7 +133,7 @@ void requireConsistentSegments(const SampleFrame& frame) {
 void SegmentCoder::append(std::vector<std::byte>& out, const SampleFrame& frame, const CodecSettings& settings) {
   const FrameSegments& segments = frame.segments;
   const bool isPacked = settings.format == PayloadFormat::packed;
-  const Placement placement = isPacked ? bestPlacement(frame) : Placement::depth;
+  const Placement placement = isPacked ? borderPlacementOf(frame) : Placement::depth;
   appendLittle(out, static_cast<uint8_t>(placement));
   appendLittle(out, static_cast<uint8_t>(settings.color));
   appendLittle(out, static_cast<uint8_t>(segments.normals.empty() ? 0 : 1));

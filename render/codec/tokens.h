@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <span>
 
+#include "render/core/host_device.h"
+
 namespace warpscope {
 
-inline uint32_t zigzag(int32_t value) { return static_cast<uint32_t>(value) << 1 ^ static_cast<uint32_t>(value >> 31); }
-inline int32_t unzigzag(uint32_t code) { return static_cast<int32_t>(code >> 1 ^ (0u - (code & 1))); }
+WARPSCOPE_HD inline uint32_t zigzag(int32_t value) { return static_cast<uint32_t>(value) << 1 ^ static_cast<uint32_t>(value >> 31); }
+WARPSCOPE_HD inline int32_t unzigzag(uint32_t code) { return static_cast<int32_t>(code >> 1 ^ (0u - (code & 1))); }
 
 /// Bits, the first in the lowest place of a byte. Writes into memory that has room for all of them and kSpareBytes more.
 class BitWriter {
@@ -88,12 +90,27 @@ inline constexpr uint32_t kDirectTokens = 16;
 inline constexpr uint32_t kLargestToken = kDirectTokens + 2 * 27 + 1;
 inline constexpr uint32_t kMostTokenBits = 30;  ///< beside the token
 
-inline uint8_t putToken(uint32_t value, BitWriter& bits) {
-  if (value < kDirectTokens) return static_cast<uint8_t>(value);
+/// Bits of a number that its token does not say, which lie below its two highest ones.
+WARPSCOPE_HD inline uint32_t restBits(uint32_t token) { return token < kDirectTokens ? 0 : ((token < kLargestToken ? token : kLargestToken) - kDirectTokens) / 2 + 3; }
+WARPSCOPE_HD inline uint32_t tokenOf(uint32_t value) {
+  if (value < kDirectTokens) return value;
+#if defined(__CUDA_ARCH__)
+  const auto length = static_cast<uint32_t>(32 - __clz(static_cast<int>(value)));  // 5..32
+#else
   const auto length = static_cast<uint32_t>(std::bit_width(value));  // 5..32
-  const uint32_t below = length - 2;
-  bits.put(value & ((1u << below) - 1), below);
-  return static_cast<uint8_t>(kDirectTokens + 2 * (length - 5) + (value >> below & 1));
+#endif
+  return kDirectTokens + 2 * (length - 5) + (value >> (length - 2) & 1);
+}
+/// Of a token that is too large, something. `rest` has restBits(token) bits.
+WARPSCOPE_HD inline uint32_t valueOf(uint32_t token, uint32_t rest) {
+  if (token < kDirectTokens) return token;
+  return (2u + (token & 1)) << restBits(token) | rest;
+}
+
+inline uint8_t putToken(uint32_t value, BitWriter& bits) {
+  const uint32_t token = tokenOf(value), below = restBits(token);
+  if (below > 0) bits.put(value & ((1u << below) - 1), below);
+  return static_cast<uint8_t>(token);
 }
 
 inline void putTokens(std::span<const uint32_t> values, std::span<uint8_t> tokens, BitWriter& bits) {
@@ -107,9 +124,7 @@ inline void putTokens(std::span<const uint32_t> values, std::span<uint8_t> token
 /// Of a token that is too large, something.
 inline uint32_t takeToken(uint8_t token, BitReader& bits) {
   if (token < kDirectTokens) return token;
-  const uint32_t above = (token < kLargestToken ? token : kLargestToken) - kDirectTokens;
-  const uint32_t below = above / 2 + 3;
-  return (2u + (above & 1)) << below | bits.take(below);
+  return valueOf(token, bits.take(restBits(token)));
 }
 
 }  // namespace warpscope

@@ -23,6 +23,7 @@ namespace warpscope {
 namespace {
 
 constexpr uint32_t kSide = 1024;  // pixels
+constexpr CodecSettings kTiled{PayloadFormat::tiled, ColorCoding::lossless, 90};
 
 /// What a ray's samples are: one by each heuristic, or as many parts of equal opacity, one by the only heuristic in
 /// each.
@@ -120,6 +121,7 @@ void add(const std::string& scene, const std::string& path) {
   for (const auto& heuristic : kHeuristics) {
     addOne(heuristic.value, {PayloadFormat::packed, ColorCoding::lossless, 90}, "lossless");
     addOne(heuristic.value, {PayloadFormat::packed, ColorCoding::jpeg, 90}, "jpeg90");
+    addOne(heuristic.value, kTiled, "tiled");
   }
   for (const int quality : {75, 85, 95})
     addOne(Heuristic::gradient, {PayloadFormat::packed, ColorCoding::jpeg, quality}, "jpeg" + std::to_string(quality));
@@ -129,12 +131,14 @@ void add(const std::string& scene, const std::string& path) {
     const std::string name = "layers" + std::to_string(count);
     addFrame(some, name, {PayloadFormat::packed, ColorCoding::lossless, 90}, "lossless");
     addFrame(some, name, {PayloadFormat::packed, ColorCoding::jpeg, 90}, "jpeg90");
+    addFrame(some, name, kTiled, "tiled");
   }
   for (const int parts : {2, 4, 8}) {
     const Rays cut{{Heuristic::gradient}, parts};
     const std::string name = "parts" + std::to_string(parts);
     addFrame(cut, name, {PayloadFormat::packed, ColorCoding::lossless, 90}, "lossless");
     addFrame(cut, name, {PayloadFormat::packed, ColorCoding::jpeg, 95}, "jpeg95");
+    addFrame(cut, name, kTiled, "tiled");
   }
   benchmark::RegisterBenchmark(("picture/" + scene + "/jpeg90").c_str(),
                                [=](benchmark::State& state) { runPicture(state, path, 90); })

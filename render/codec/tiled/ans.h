@@ -1,0 +1,85 @@
+// Asymmetric numeral systems with ranges (rANS; Duda 2013, "Asymmetric numeral systems"): symbols of known frequencies as words of 16 bits, on kAnsLanes
+// states side by side that share one stream, a state for each thread of a GPU's warp (after Giesen 2014, "Interleaved entropy coders").
+// Integers alone, for host and device: every processor makes the same bytes.
+//
+// A state is at least kAnsLow and takes one word at a time. Writers go from the last symbol to the first, readers the other way: what a writer puts in front
+// of a word is read before it. Numbers whose tokens do not say all (tokens.h) have the rest put behind the token, as bits that are all alike.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "render/core/host_device.h"
+
+namespace warpscope {
+
+inline constexpr uint32_t kAnsLanes = 32;
+inline constexpr uint32_t kAnsBits = 12;
+inline constexpr uint32_t kAnsScale = 1u << kAnsBits;  ///< what the frequencies of a model add up to
+inline constexpr uint32_t kAnsLow = 1u << 16;          ///< where states begin; a reader's end there
+inline constexpr uint32_t kAnsSymbols = 256;
+/// Most bits of a number's rest that a state takes at once.
+inline constexpr uint32_t kAnsRestBits = 16;
+
+/// A symbol's share, or what a reader's state says: cumulated frequency below, frequency (less than kAnsScale; a model whose only symbol has all needs no coding).
+struct AnsShare {
+  uint32_t start = 0, frequency = 0;
+};
+
+/// Words that a writer's state has to give away before it takes a symbol: 0 or 1, `word` is set.
+WARPSCOPE_HD inline bool ansGives(uint32_t& state, const AnsShare& share, uint16_t& word) {
+  word = static_cast<uint16_t>(state);
+  if (state < share.frequency << (32 - kAnsBits)) return false;
+  state >>= 16;
+  return true;
+}
+WARPSCOPE_HD inline uint32_t ansPut(uint32_t state, const AnsShare& share) {
+  return (state / share.frequency << kAnsBits) + state % share.frequency + share.start;
+}
+/// The same for `count` bits, 1 to kAnsRestBits.
+WARPSCOPE_HD inline bool ansGivesForBits(uint32_t& state, uint32_t count, uint16_t& word) {
+  word = static_cast<uint16_t>(state);
+  if (state >> (32 - count) == 0) return false;
+  state >>= 16;
+  return true;
+}
+WARPSCOPE_HD inline uint32_t ansPutBits(uint32_t state, uint32_t bits, uint32_t count) { return state << count | bits; }
+
+/// What a reader finds at a state's slot: symbol, frequency, how far behind its start the slot is, packed for tables of kAnsScale slots.
+WARPSCOPE_HD inline uint32_t ansSlot(uint32_t symbol, uint32_t frequency, uint32_t behind) { return symbol | frequency << 8 | behind << 20; }
+WARPSCOPE_HD inline uint32_t ansSymbolOf(uint32_t slot) { return slot & 255; }
+WARPSCOPE_HD inline uint32_t ansTake(uint32_t state, uint32_t slot) { return (slot >> 8 & (kAnsScale - 1)) * (state >> kAnsBits) + (slot >> 20); }
+/// Whether a reader's state needs a word: then it is state << 16 | word.
+WARPSCOPE_HD inline bool ansWants(uint32_t state) { return state < kAnsLow; }
+
+/// Frequencies of kAnsScale in all, at least 1 of each symbol that occurs. All 0 where nothing does. `counts` and `frequencies` are of kAnsSymbols.
+WARPSCOPE_HD inline void ansScale(const uint32_t* counts, uint16_t* frequencies) {
+  uint64_t total = 0;
+  for (uint32_t s = 0; s < kAnsSymbols; ++s) total += counts[s];
+  uint32_t sum = 0;
+  for (uint32_t s = 0; s < kAnsSymbols; ++s) {
+    uint64_t share = 0;
+    if (counts[s] > 0) {
+      share = (uint64_t{counts[s]} * kAnsScale + total / 2) / total;
+      if (share == 0) share = 1;
+    }
+    frequencies[s] = static_cast<uint16_t>(share);
+    sum += static_cast<uint32_t>(share);
+  }
+  // What rounding has left over or taken too much: the most frequent bear it best.
+  while (total > 0 && sum != kAnsScale) {
+    uint32_t most = 0;
+    for (uint32_t s = 1; s < kAnsSymbols; ++s)
+      if (frequencies[s] > frequencies[most]) most = s;
+    if (sum < kAnsScale) {
+      frequencies[most] = static_cast<uint16_t>(frequencies[most] + (kAnsScale - sum));
+      sum = kAnsScale;
+    } else {
+      const uint32_t give = (frequencies[most] + 3u) / 4, less = give < sum - kAnsScale ? give : sum - kAnsScale;
+      frequencies[most] = static_cast<uint16_t>(frequencies[most] - less);
+      sum -= less;
+    }
+  }
+}
+
+}  // namespace warpscope

@@ -1,0 +1,219 @@
+// States side by side. Loops read and write through locals only: what they write cannot be what they read then.
+// See ans_lanes.h.
+#include "render/codec/tiled/ans_lanes.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "render/codec/tokens.h"
+
+namespace warpscope {
+namespace {
+
+constexpr size_t kWord = sizeof(uint16_t);
+
+uint32_t stepsOf(size_t symbols) { return static_cast<uint32_t>((symbols + kAnsLanes - 1) / kAnsLanes); }
+uint32_t lanesOf(size_t symbols, uint32_t step) { return static_cast<uint32_t>(std::min<size_t>(symbols - size_t{step} * kAnsLanes, kAnsLanes)); }
+
+/// The bits of a number behind its token that a state takes first, and those that are left.
+uint32_t firstRest(uint32_t bits) { return std::min(bits, kAnsRestBits); }
+
+}  // namespace
+
+void AnsWriter::begin() {
+  states_.fill(kAnsLow);
+  first_ = words_.size();
+}
+
+/// Room for so many words in front of those that there are. Returns the place of the first of these.
+uint16_t* AnsWriter::reserve(size_t words) {
+  if (first_ < words) {
+    const size_t kept = words_.size() - first_, more = words + words_.size();
+    std::vector<uint16_t> larger(words_.size() + more);
+    std::copy(words_.end() - static_cast<std::ptrdiff_t>(kept), words_.end(), larger.end() - static_cast<std::ptrdiff_t>(kept));
+    words_.swap(larger);
+    first_ = words_.size() - kept;
+  }
+  return words_.data() + first_;
+}
+
+void AnsWriter::putBytes(const AnsModel& model, std::span<const uint8_t> symbols) {
+  if (model.isConstant()) return;
+  uint16_t* at = reserve(symbols.size());
+  const uint16_t* const before = at;
+  const uint8_t* const symbol = symbols.data();
+  uint32_t* const states = states_.data();
+  for (size_t i = symbols.size(); i-- > 0;) {
+    const AnsShare share = model.share(symbol[i]);
+    uint32_t state = states[i % kAnsLanes];
+    uint16_t word;
+    const bool gives = ansGives(state, share, word);
+    *(at - 1) = word;  // there is room: a word a symbol at most
+    at -= gives ? 1 : 0;
+    states[i % kAnsLanes] = ansPut(state, share);
+  }
+  first_ -= static_cast<size_t>(before - at);
+}
+
+void AnsWriter::putNumbers(const AnsModel& model, std::span<const uint32_t> numbers) {
+  constexpr size_t kMostWords = 3;  // of a token and both parts of its rest
+  uint16_t* at = reserve(kMostWords * numbers.size());
+  const uint16_t* const before = at;
+  const uint32_t* const number = numbers.data();
+  uint32_t* const states = states_.data();
+  const bool isConstant = model.isConstant();
+  const auto putRest = [&](uint32_t lane, uint32_t bits, uint32_t count) {
+    uint16_t word;
+    if (ansGivesForBits(states[lane], count, word)) *--at = word;
+    states[lane] = ansPutBits(states[lane], bits, count);
+  };
+  for (uint32_t step = stepsOf(numbers.size()); step-- > 0;) {
+    const uint32_t lanes = lanesOf(numbers.size(), step);
+    const uint32_t* const own = number + size_t{step} * kAnsLanes;
+    uint32_t any = 0;
+    for (uint32_t lane = 0; lane < lanes; ++lane) any |= own[lane];
+    if (any >= kDirectTokens) {
+      for (uint32_t lane = lanes; lane-- > 0;) {
+        const uint32_t rest = restBits(tokenOf(own[lane]));
+        if (rest > kAnsRestBits) putRest(lane, own[lane] >> kAnsRestBits & ((1u << (rest - kAnsRestBits)) - 1), rest - kAnsRestBits);
+      }
+      for (uint32_t lane = lanes; lane-- > 0;) {
+        const uint32_t first = firstRest(restBits(tokenOf(own[lane])));
+        if (first > 0) putRest(lane, own[lane] & ((1u << first) - 1), first);
+      }
+    }
+    if (isConstant) continue;
+    for (uint32_t lane = lanes; lane-- > 0;) {
+      const AnsShare share = model.share(tokenOf(own[lane]));
+      uint16_t word;
+      if (ansGives(states[lane], share, word)) *--at = word;
+      states[lane] = ansPut(states[lane], share);
+    }
+  }
+  first_ -= static_cast<size_t>(before - at);
+}
+
+void AnsWriter::finish(std::vector<std::byte>& out) const {
+  const size_t words = words_.size() - first_, start = out.size();
+  if (words == 0 && std::ranges::all_of(states_, [](uint32_t state) { return state == kAnsLow; })) return;
+  out.resize(start + kAnsStateBytes + kWord * words);
+  std::byte* at = out.data() + start;
+  for (const uint32_t state : states_) {
+    storeLittle(at, state);
+    at += sizeof state;
+  }
+  for (size_t i = 0; i < words; ++i) storeLittle(at + kWord * i, words_[first_ + i]);
+}
+
+bool AnsReaderModel::take(ByteReader& reader) {
+  if (!model.take(reader)) return false;
+  slots = model.slots();
+  return true;
+}
+
+AnsReader::AnsReader(std::span<const std::byte> bytes) : hasStream_(!bytes.empty()) {
+  if (!hasStream_) return;
+  ByteReader reader(bytes);
+  for (uint32_t& state : states_) state = reader.take<uint32_t>();
+  isBad_ = reader.ranOut() || std::ranges::any_of(states_, ansWants) || reader.left() % kWord != 0;
+  words_ = reader.take(reader.left());
+}
+
+/// Gives words to the first lanes that want some.
+inline void AnsReader::refill(uint32_t lanes) {
+  uint32_t* const states = states_.data();
+  if (words_.size() - next_ >= kWord * kAnsLanes) {
+    const std::byte* at = words_.data() + next_;
+    for (uint32_t lane = 0; lane < lanes; ++lane) {
+      const uint32_t state = states[lane], filled = state << 16 | loadLittle<uint16_t>(at);
+      const bool wants = ansWants(state);
+      states[lane] = wants ? filled : state;
+      at += wants ? kWord : 0;
+    }
+    next_ = static_cast<size_t>(at - words_.data());
+    return;
+  }
+  for (uint32_t lane = 0; lane < lanes; ++lane) {
+    if (!ansWants(states[lane])) continue;
+    const bool isThere = next_ + kWord <= words_.size();
+    states[lane] = states[lane] << 16 | (isThere ? loadLittle<uint16_t>(words_.data() + next_) : 0u);
+    if (isThere)
+      next_ += kWord;
+    else
+      isBad_ = true;
+  }
+}
+
+template <class T>
+void AnsReader::takeSymbols(const AnsReaderModel& model, std::span<T> symbols) {
+  const uint32_t* const slots = model.slots.data();
+  T* const symbol = symbols.data();
+  const uint32_t steps = stepsOf(symbols.size());
+  for (uint32_t step = 0; step < steps; ++step) {
+    const uint32_t lanes = lanesOf(symbols.size(), step);
+    uint32_t* const states = states_.data();
+    T* const own = symbol + size_t{step} * kAnsLanes;
+    uint32_t any = 0;
+    for (uint32_t lane = 0; lane < lanes; ++lane) {
+      const uint32_t state = states[lane], slot = slots[state & (kAnsScale - 1)];
+      own[lane] = static_cast<T>(ansSymbolOf(slot));
+      any |= own[lane];
+      states[lane] = ansTake(state, slot);
+    }
+    refill(lanes);
+    if constexpr (sizeof(T) > 1)
+      if (any >= kDirectTokens) takeRests(symbols.subspan(size_t{step} * kAnsLanes, lanes));
+  }
+}
+
+/// Makes numbers of a step's tokens.
+void AnsReader::takeRests(std::span<uint32_t> numbers) {
+  const auto lanes = static_cast<uint32_t>(numbers.size());
+  std::array<uint32_t, kAnsLanes> rests{};
+  const auto takePart = [&](uint32_t shift) {
+    for (uint32_t lane = 0; lane < lanes; ++lane) {
+      const uint32_t bits = restBits(numbers[lane]), count = bits > shift ? firstRest(bits - shift) : 0;
+      if (count == 0) continue;
+      rests[lane] |= (states_[lane] & ((1u << count) - 1)) << shift;
+      states_[lane] >>= count;
+    }
+    refill(lanes);
+  };
+  takePart(0);
+  takePart(kAnsRestBits);
+  for (uint32_t lane = 0; lane < lanes; ++lane) numbers[lane] = valueOf(numbers[lane], rests[lane]);
+}
+
+void AnsReader::takeBytes(const AnsReaderModel& model, std::span<uint8_t> symbols) {
+  if (symbols.empty()) return;
+  if (model.slots.empty()) {
+    isBad_ |= model.model.isEmpty();
+    std::ranges::fill(symbols, model.model.constant());
+    return;
+  }
+  isBad_ |= !hasStream_;
+  if (hasStream_)
+    takeSymbols(model, symbols);
+  else
+    std::ranges::fill(symbols, uint8_t{0});
+}
+
+void AnsReader::takeNumbers(const AnsReaderModel& model, std::span<uint32_t> numbers) {
+  if (numbers.empty()) return;
+  if (!model.slots.empty() && hasStream_) return takeSymbols(model, numbers);
+  isBad_ |= model.model.isEmpty() || !model.slots.empty();
+  const uint32_t token = model.slots.empty() ? model.model.constant() : 0;
+  std::ranges::fill(numbers, token);
+  if (restBits(token) == 0) return;
+  isBad_ |= !hasStream_;
+  if (hasStream_)
+    for (size_t begin = 0; begin < numbers.size(); begin += kAnsLanes) takeRests(numbers.subspan(begin, std::min<size_t>(kAnsLanes, numbers.size() - begin)));
+  else
+    std::ranges::fill(numbers, 0u);
+}
+
+bool AnsReader::isSound() const {
+  return !isBad_ && next_ == words_.size() && (!hasStream_ || std::ranges::all_of(states_, [](uint32_t state) { return state == kAnsLow; }));
+}
+
+}  // namespace warpscope

@@ -1,0 +1,71 @@
+// A stream of words on the host: kAnsLanes states that take symbols in turns (ans.h). Symbol i of a plane belongs to lane i % kAnsLanes. All lanes take their symbol,
+// then those whose tokens leave bits open take these, the lower kAnsRestBits first; words are in the order in which lanes ask for them.
+//
+// Bytes: kAnsLanes states (4 each), words (2 each). A stream without symbols has none of both.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "render/codec/tiled/ans.h"
+#include "render/codec/tiled/ans_model.h"
+
+namespace warpscope {
+
+inline constexpr size_t kAnsStateBytes = kAnsLanes * sizeof(uint32_t);
+
+/// Takes planes from the last to the first, and each from its end. Keeps its buffer.
+class AnsWriter {
+ public:
+  void begin();
+  /// Symbols of a model that has them.
+  void putBytes(const AnsModel& model, std::span<const uint8_t> symbols);
+  /// Numbers whose tokens (tokens.h) the model has.
+  void putNumbers(const AnsModel& model, std::span<const uint32_t> numbers);
+  /// Appends the stream: nothing if no symbol took any bits.
+  void finish(std::vector<std::byte>& out) const;
+
+ private:
+  uint16_t* reserve(size_t words);
+
+  std::array<uint32_t, kAnsLanes> states_{};
+  std::vector<uint16_t> words_;  // filled from its end
+  size_t first_ = 0;             // of those that there are
+};
+
+/// A model as readers use it.
+struct AnsReaderModel {
+  AnsModel model;
+  std::vector<uint32_t> slots;
+
+  /// False if what is there is not a model.
+  bool take(ByteReader& reader);
+};
+
+/// Reads whatever bytes are there: past the end there are zeros, and isSound() is false.
+class AnsReader {
+ public:
+  AnsReader() = default;
+  /// A stream; one without bytes has no symbols but those of constant models.
+  explicit AnsReader(std::span<const std::byte> bytes);
+
+  void takeBytes(const AnsReaderModel& model, std::span<uint8_t> symbols);
+  void takeNumbers(const AnsReaderModel& model, std::span<uint32_t> numbers);
+  /// After the last plane: whether the stream was one of just these symbols.
+  bool isSound() const;
+
+ private:
+  void refill(uint32_t lanes);
+  template <class T>
+  void takeSymbols(const AnsReaderModel& model, std::span<T> symbols);
+  void takeRests(std::span<uint32_t> numbers);
+
+  std::array<uint32_t, kAnsLanes> states_{};
+  std::span<const std::byte> words_;
+  size_t next_ = 0;  // byte of words_
+  bool hasStream_ = false, isBad_ = false;
+};
+
+}  // namespace warpscope

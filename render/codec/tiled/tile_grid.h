@@ -1,0 +1,35 @@
+// How a picture is cut for the format `tiled`: pieces that processors of any kind code side by side.
+// Wide rather than high: a tile has a row for each thread of a GPU's warp, and few pixels at its left and upper edge, whose neighbours it does not know.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "render/core/host_device.h"
+
+namespace warpscope {
+
+inline constexpr uint32_t kTileWidth = 256, kTileHeight = 32;
+
+struct TileRect {
+  uint32_t x0 = 0, y0 = 0;
+  uint32_t width = 0, height = 0;  ///< at least 1, at most kTileWidth and kTileHeight
+
+  WARPSCOPE_HD uint32_t pixels() const { return width * height; }
+  /// Of a mask with a bit a pixel.
+  WARPSCOPE_HD uint32_t maskRowBytes() const { return (width + 7) / 8; }
+};
+
+/// Plain data, for host and device. Tiles row by row.
+struct TileGrid {
+  uint32_t width = 0, height = 0;  ///< of the picture
+
+  WARPSCOPE_HD uint32_t columns() const { return (width + kTileWidth - 1) / kTileWidth; }
+  WARPSCOPE_HD uint32_t count() const { return columns() * ((height + kTileHeight - 1) / kTileHeight); }
+  WARPSCOPE_HD TileRect at(uint32_t tile) const {
+    const uint32_t x0 = tile % columns() * kTileWidth, y0 = tile / columns() * kTileHeight;
+    return {x0, y0, width - x0 < kTileWidth ? width - x0 : kTileWidth, height - y0 < kTileHeight ? height - y0 : kTileHeight};
+  }
+};
+
+}  // namespace warpscope

@@ -1,0 +1,86 @@
+// Pixels in order, and their neighbours.
+// See tile_layer.h.
+#include "render/codec/tiled/tile_layer.h"
+
+#include <algorithm>
+
+namespace warpscope {
+
+void TileLayer::begin(const TileRect& tile, std::span<const uint8_t> counts) {
+  tile_ = tile;
+  counts_ = counts;
+  layer_ = 0;
+  size_t covered = 0;
+  for (const uint8_t count : counts) covered += count > 0;
+  for (TransferVector<uint32_t>* values : {&pixels_, &columns_, &rows_, &kept_}) values->resize(covered);
+  // Locals: what is written cannot be what is read then.
+  const uint8_t* const count = counts.data();
+  uint32_t* const pixelOf = pixels_.data();
+  uint32_t* const columnOf = columns_.data();
+  uint32_t* const rowOf = rows_.data();
+  uint32_t k = 0;
+  for (uint32_t y = 0, pixel = 0; y < tile.height; ++y)
+    for (uint32_t x = 0; x < tile.width; ++x, ++pixel) {
+      if (count[pixel] == 0) continue;
+      pixelOf[k] = pixel;
+      columnOf[k] = tile.x0 + x;
+      rowOf[k] = tile.y0 + y;
+      ++k;
+    }
+  for (uint32_t i = 0; i < k; ++i) kept_[i] = i;
+  findNeighbors();
+}
+
+bool TileLayer::goBehind() {
+  ++layer_;
+  uint32_t left = 0;
+  for (uint32_t k = 0; k < pixels_.size(); ++k) {
+    if (counts_[pixels_[k]] <= layer_) continue;
+    pixels_[left] = pixels_[k];
+    columns_[left] = columns_[k];
+    rows_[left] = rows_[k];
+    kept_[left] = k;
+    ++left;
+  }
+  for (TransferVector<uint32_t>* values : {&pixels_, &columns_, &rows_, &kept_}) values->resize(left);
+  findNeighbors();
+  return left > 0;
+}
+
+void TileLayer::findNeighbors() {
+  const uint32_t stride = tile_.width + 1;
+  slots_.assign(size_t{stride} * (tile_.height + 1), 0);
+  rowBegins_.resize(tile_.height + 1);
+  const auto size = static_cast<uint32_t>(pixels_.size());
+  neighbors_.resize(size);
+  uint32_t row = 0;
+  rowBegins_[0] = 0;
+  for (uint32_t k = 0; k < size; ++k) {
+    const uint32_t x = columns_[k] - tile_.x0, y = rows_[k] - tile_.y0;
+    while (row < y) rowBegins_[++row] = k;
+    uint32_t* const slot = slots_.data() + size_t{stride} * (y + 1) + x + 1;
+    uint32_t west = slot[-1], north = *(slot - stride), northWest = *(slot - stride - 1);
+    if (west == 0) west = north;
+    if (north == 0) north = west;
+    if (west == 0) west = north = k > rowBegins_[y] ? k : slotAbove(x, y);
+    if (northWest == 0) northWest = north;
+    neighbors_[k] = {west, north, northWest};
+    *slot = k + 1;
+  }
+  while (row < tile_.height) rowBegins_[++row] = size;
+}
+
+/// Of a pixel that is the first of its row and has no neighbours.
+uint32_t TileLayer::slotAbove(uint32_t x, uint32_t y) const {
+  while (y > 0) {
+    --y;
+    ++x;
+    const uint32_t* const begin = columns_.data() + rowBegins_[y];
+    const uint32_t* const end = columns_.data() + rowBegins_[y + 1];
+    const uint32_t* const behind = std::upper_bound(begin, end, tile_.x0 + x);
+    if (behind != begin) return static_cast<uint32_t>(behind - columns_.data());
+  }
+  return 0;
+}
+
+}  // namespace warpscope

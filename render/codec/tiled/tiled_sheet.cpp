@@ -1,0 +1,137 @@
+// Models, streams.
+// See tiled_sheet.h.
+#include "render/codec/tiled/tiled_sheet.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include "render/codec/tokens.h"
+#include "render/core/parallel.h"
+
+namespace warpscope {
+namespace {
+
+using Counts = std::array<uint32_t, kAnsSymbols>;
+
+bool hasStreams(const SheetTile& tile) {
+  return tile.layerCount > 0 || std::ranges::any_of(tile.shapes, [](const auto& shape) { return std::ranges::any_of(shape, [](uint8_t symbol) { return symbol != 0; }); });
+}
+
+void countBytes(std::span<const uint8_t> symbols, Counts& counts) {
+  for (const uint8_t symbol : symbols) ++counts[symbol];
+}
+
+void countNumbers(std::span<const uint32_t> numbers, Counts& counts) {
+  for (const uint32_t number : numbers) ++counts[tokenOf(number)];
+}
+
+/// Of all models in their order.
+std::vector<Counts> countSymbols(const SheetForm& form, std::span<const SheetTile> tiles, uint32_t layers) {
+  std::vector<Counts> all(form.shapes + size_t{layers} * form.planes());
+  std::mutex mutex;
+  parallelForRanges(tiles.size(), 4, [&](size_t begin, size_t end) {
+    std::vector<Counts> own(all.size());
+    for (const SheetTile& tile : tiles.subspan(begin, end - begin)) {
+      if (!hasStreams(tile)) continue;
+      for (uint32_t shape = 0; shape < form.shapes; ++shape) countBytes(tile.shapes[shape], own[shape]);
+      Counts* counts = own.data() + form.shapes;
+      for (uint32_t layer = 0; layer < tile.layerCount; ++layer) {
+        for (uint32_t plane = 0; plane < form.numbers; ++plane) countNumbers(tile.layers[layer].number(plane), *counts++);
+        for (uint32_t plane = 0; plane < form.bytes; ++plane) countBytes(tile.layers[layer].byte(plane), *counts++);
+      }
+    }
+    const std::scoped_lock lock(mutex);
+    for (size_t model = 0; model < all.size(); ++model)
+      for (size_t s = 0; s < kAnsSymbols; ++s) all[model][s] += own[model][s];
+  });
+  return all;
+}
+
+/// The streams of one tile, one behind the other.
+struct PackedTile {
+  std::vector<std::byte> bytes;
+  std::vector<uint32_t> lengths;
+
+  void pack(const SheetForm& form, const SheetTile& tile, std::span<const AnsModel> models, AnsWriter& writer) {
+    if (!hasStreams(tile)) return;
+    for (uint32_t layer = 0; layer < std::max(tile.layerCount, 1u); ++layer) {
+      writer.begin();
+      if (layer < tile.layerCount) {
+        const SheetLayer& planes = tile.layers[layer];
+        const AnsModel* const own = models.data() + form.shapes + size_t{layer} * form.planes();
+        for (uint32_t plane = form.bytes; plane-- > 0;) writer.putBytes(own[form.numbers + plane], planes.byte(plane));
+        for (uint32_t plane = form.numbers; plane-- > 0;) writer.putNumbers(own[plane], planes.number(plane));
+      }
+      if (layer == 0)
+        for (uint32_t shape = form.shapes; shape-- > 0;) writer.putBytes(models[shape], tile.shapes[shape]);
+      const size_t start = bytes.size();
+      writer.finish(bytes);
+      lengths.push_back(static_cast<uint32_t>(bytes.size() - start));
+    }
+  }
+};
+
+}  // namespace
+
+uint64_t mostSheetBytes(const SheetForm& form, const TileGrid& grid, uint64_t shapeSymbols, uint64_t values, uint64_t layers) {
+  // A state grows by at most the scale for each symbol, and a sixteenth of that: it is at least 16 times the frequency.
+  constexpr uint64_t kSymbolBits = kAnsBits + 1;
+  const uint64_t bits = shapeSymbols * kSymbolBits + values * (form.planes() * kSymbolBits + form.numbers * kMostTokenBits);
+  const uint64_t streams = grid.count() * std::max<uint64_t>(layers, 1);
+  return 1 + (form.shapes + layers * form.planes()) * AnsModel::kMostBytes + grid.count() + streams * (sizeof(uint32_t) + kAnsStateBytes) + bits / 8 + 1;
+}
+
+void appendSheet(std::vector<std::byte>& out, const SheetForm& form, std::span<const SheetTile> tiles) {
+  uint32_t layers = 0;
+  for (const SheetTile& tile : tiles) layers = std::max(layers, tile.layerCount);
+  std::vector<AnsModel> models;
+  for (const Counts& counts : countSymbols(form, tiles, layers)) models.push_back(AnsModel::ofCounts(counts));
+
+  std::vector<PackedTile> packed(tiles.size());
+  parallelForRanges(tiles.size(), 1, [&](size_t begin, size_t end) {
+    AnsWriter writer;
+    for (size_t tile = begin; tile < end; ++tile) packed[tile].pack(form, tiles[tile], models, writer);
+  });
+
+  appendLittle(out, static_cast<uint8_t>(layers));
+  for (const AnsModel& model : models) model.append(out);
+  size_t total = 0;
+  for (const PackedTile& tile : packed) {
+    appendLittle(out, static_cast<uint8_t>(tile.lengths.size()));
+    total += tile.bytes.size() + sizeof(uint32_t) * tile.lengths.size();
+  }
+  out.reserve(out.size() + total);
+  for (const PackedTile& tile : packed)
+    for (const uint32_t length : tile.lengths) appendLittle(out, length);
+  for (const PackedTile& tile : packed) out.insert(out.end(), tile.bytes.begin(), tile.bytes.end());
+}
+
+DecodeError SheetReader::begin(ByteReader& reader, const SheetForm& form, uint32_t tiles, uint32_t mostLayers) {
+  form_ = form;
+  const auto layers = reader.take<uint8_t>();
+  if (layers > mostLayers) return "the tiles have more layers than the frame's rays have";
+  models_.resize(form.shapes + size_t{layers} * form.planes());
+  for (AnsReaderModel& model : models_)
+    if (!model.take(reader)) return "a model of the tiles is damaged";
+  starts_.assign(1, 0);
+  for (uint32_t tile = 0; tile < tiles; ++tile) {
+    const auto own = reader.take<uint8_t>();
+    if (own > std::max<uint32_t>(layers, 1)) return "a tile has more streams than there are layers";
+    starts_.push_back(starts_.back() + own);
+  }
+  if (reader.left() / sizeof(uint32_t) < starts_.back()) return "the tiles end within the list of their streams";
+  ByteReader lengths(reader.take(sizeof(uint32_t) * starts_.back()));
+  streams_.clear();
+  for (uint32_t stream = 0; stream < starts_.back(); ++stream) streams_.push_back(reader.take(lengths.take<uint32_t>()));
+  if (reader.ranOut() || reader.left() > 0) return "the streams of the tiles have other lengths than their list says";
+  return std::nullopt;
+}
+
+bool SheetReader::takeLayer(AnsReader& stream, uint32_t layer, size_t size, SheetLayer& planes) const {
+  planes.resize(form_, size);
+  for (uint32_t plane = 0; plane < form_.numbers && size > 0; ++plane) stream.takeNumbers(number(layer, plane), planes.number(plane));
+  for (uint32_t plane = 0; plane < form_.bytes && size > 0; ++plane) stream.takeBytes(byte(layer, plane), planes.byte(plane));
+  return stream.isSound();
+}
+
+}  // namespace warpscope

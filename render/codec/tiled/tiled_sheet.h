@@ -1,0 +1,88 @@
+// A picture's tiles as bytes, for samples and segments alike: what a tile says of its pixels (shapes), then layers of values in planes: numbers, whose size varies
+// (tokens.h), and bytes. Every plane of every layer has one model for the whole picture (ans_model.h); every layer of a tile is one stream (ans_lanes.h), so
+// that as many of them can be read at once. A tile's first stream begins with its shapes.
+//
+// Bytes: layers (1); models of shapes, then of each layer's planes; for each tile how many streams it has (1), where none says that all its shapes are zeros and it has no
+// layers; of each stream its length (4); streams.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "render/codec/codec.h"
+#include "render/codec/tiled/ans_lanes.h"
+#include "render/codec/tiled/tile_grid.h"
+#include "render/core/transfer_vector.h"
+
+namespace warpscope {
+
+/// What there is of one thing in such a picture.
+struct SheetForm {
+  uint32_t shapes = 1;  ///< 1 or 2
+  uint32_t numbers = 0, bytes = 0;  ///< planes of a layer
+
+  uint32_t planes() const { return numbers + bytes; }
+};
+
+/// A layer of a tile: planes one after the other.
+struct SheetLayer {
+  size_t size = 0;  ///< values of each plane
+  TransferVector<uint32_t> numbers;
+  TransferVector<uint8_t> bytes;
+
+  void resize(const SheetForm& form, size_t count) {
+    size = count;
+    numbers.resize(count * form.numbers);
+    bytes.resize(count * form.bytes);
+  }
+  std::span<uint32_t> number(size_t plane) { return {numbers.data() + plane * size, size}; }
+  std::span<const uint32_t> number(size_t plane) const { return {numbers.data() + plane * size, size}; }
+  std::span<uint8_t> byte(size_t plane) { return {bytes.data() + plane * size, size}; }
+  std::span<const uint8_t> byte(size_t plane) const { return {bytes.data() + plane * size, size}; }
+};
+
+struct SheetTile {
+  std::array<TransferVector<uint8_t>, 2> shapes;
+  uint32_t layerCount = 0;
+  std::vector<SheetLayer> layers;  ///< at least layerCount: those behind are kept for the next picture
+
+  /// The next one, without values.
+  SheetLayer& addLayer() {
+    if (layerCount == layers.size()) layers.emplace_back();
+    return layers[layerCount++];
+  }
+};
+
+/// The most bytes of such a picture with so many values a plane in all, of at most `layers` layers.
+uint64_t mostSheetBytes(const SheetForm& form, const TileGrid& grid, uint64_t shapeSymbols, uint64_t values, uint64_t layers);
+
+/// Appends the tiles of a grid, of at most 255 layers.
+void appendSheet(std::vector<std::byte>& out, const SheetForm& form, std::span<const SheetTile> tiles);
+
+/// What bytes say before their streams are read.
+class SheetReader {
+ public:
+  /// Reads all that is left. The bytes must stay.
+  DecodeError begin(ByteReader& reader, const SheetForm& form, uint32_t tiles, uint32_t mostLayers);
+
+  uint32_t streams(uint32_t tile) const { return starts_[tile + 1] - starts_[tile]; }
+  /// A layer below streams().
+  AnsReader stream(uint32_t tile, uint32_t layer) const { return AnsReader(streams_[starts_[tile] + layer]); }
+
+  const AnsReaderModel& shape(uint32_t plane) const { return models_[plane]; }
+  /// Of a layer below streams() of any tile.
+  const AnsReaderModel& number(uint32_t layer, uint32_t plane) const { return models_[form_.shapes + layer * form_.planes() + plane]; }
+  const AnsReaderModel& byte(uint32_t layer, uint32_t plane) const { return number(layer, form_.numbers + plane); }
+  /// Reads the planes of a layer that has `size` values; the stream is where they begin. False if the stream does not end behind them, or is damaged.
+  bool takeLayer(AnsReader& stream, uint32_t layer, size_t size, SheetLayer& planes) const;
+
+ private:
+  SheetForm form_;
+  std::vector<AnsReaderModel> models_;
+  std::vector<uint32_t> starts_;  // of each tile's streams, and the end
+  std::vector<std::span<const std::byte>> streams_;
+};
+
+}  // namespace warpscope
