@@ -9,6 +9,7 @@
 #include "render/codec/color_planes.h"
 #include "render/codec/picture_bands.h"
 #include "render/codec/segment_band.h"
+#include "render/codec/tiled/tiled_segments.h"
 #include "render/codec/zstd_section.h"
 #include "render/core/parallel.h"
 
@@ -106,15 +107,20 @@ DecodeError takeRaw(ByteReader& reader, bool hasNormals, size_t most, SampleFram
 
 }  // namespace
 
-SegmentCoder::SegmentCoder() : bands_(SharedPool<SegmentBand>::ofProcess()) {}
+SegmentCoder::SegmentCoder() : bands_(SharedPool<SegmentBand>::ofProcess()), tiled_(std::make_unique<TiledSegments>()) {}
 SegmentCoder::~SegmentCoder() { forget(); }
-void SegmentCoder::forget() { bands_->forget(); }
+
+void SegmentCoder::forget() {
+  bands_->forget();
+  tiled_ = std::make_unique<TiledSegments>();
+}
 
 uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, const CodecSettings& settings) {
   if (marched.sample.segments == 0) return 0;
   const uint64_t pixels = uint64_t{camera.width} * camera.height, layers = static_cast<uint64_t>(marched.sample.segments), segments = pixels * layers;
   const uint64_t raw = kHeadBytes + pixels + segments * (kRawSegmentBytes + sizeof(NormalCode));
   if (settings.format == PayloadFormat::raw) return raw;
+  if (settings.format == PayloadFormat::tiled) return kHeadBytes + mostTiledSegmentBytes(camera, layers);
   const PictureBands bands(camera);
   constexpr uint64_t kTokens = 4, kNormals = 2;
   uint64_t bytes = kHeadBytes + sizeof(uint64_t);
@@ -132,12 +138,13 @@ void requireConsistentSegments(const SampleFrame& frame) {
 
 void SegmentCoder::append(std::vector<std::byte>& out, const SampleFrame& frame, const CodecSettings& settings) {
   const FrameSegments& segments = frame.segments;
-  const bool isPacked = settings.format == PayloadFormat::packed;
-  const Placement placement = isPacked ? borderPlacementOf(frame) : Placement::depth;
+  const bool isRaw = settings.format == PayloadFormat::raw;
+  const Placement placement = isRaw ? Placement::depth : borderPlacementOf(frame);
   appendLittle(out, static_cast<uint8_t>(placement));
   appendLittle(out, static_cast<uint8_t>(settings.color));
   appendLittle(out, static_cast<uint8_t>(segments.normals.empty() ? 0 : 1));
-  if (!isPacked) return appendRaw(out, segments);
+  if (isRaw) return appendRaw(out, segments);
+  if (settings.format == PayloadFormat::tiled) return tiled_->append(out, frame, placement);
   const PictureBands bands(frame.camera);
   const std::vector<size_t> begins = beginsOf(bands, frame);
   std::vector<std::vector<std::byte>> packed(bands.count());
@@ -164,6 +171,10 @@ DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat f
   segments.rays.resize(size_t{frame.camera.width} * frame.camera.height);
   if (format == PayloadFormat::raw) {
     if (DecodeError error = takeRaw(reader, hasNormals == 1, most, frame)) return error;
+    return whyInconsistent(frame);
+  }
+  if (format == PayloadFormat::tiled) {
+    if (DecodeError error = tiled_->take(reader, placement, hasNormals == 1, most, frame)) return error;
     return whyInconsistent(frame);
   }
   const PictureBands bands(frame.camera);

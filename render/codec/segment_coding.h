@@ -1,11 +1,12 @@
-// The segments of a frame's rays as bytes, for both formats.
+// The segments of a frame's rays as bytes, for every format.
 //
 // Raw: for each pixel its byte (frame_segments.h), then for each segment its two depth codes and its colour (4 bytes each), then, where there are some, their
 // normals (2 each).
+// Tiled: tiled_segments.h.
 // Packed: bands of rows, each by itself, a band in layers: the first segment of every pixel, then the second ... Where segments begin and end is predicted from
 // the same of the pixels beside: borders of the ray's steps as the marcher has them (pixel_path.h), or depth codes where rays are not those; a segment that
 // begins where the one in front ends takes next to nothing. Colours: color_planes.h. Normals: differences of both of their parts.
-// Before both: what a byte says of the rest (how depths are placed, how colours travel, whether there are normals).
+// Before all: what a byte says of the rest (how depths are placed, how colours travel, whether there are normals).
 #pragma once
 
 #include <memory>
@@ -17,7 +18,7 @@
 
 namespace warpscope {
 
-/// The most bytes that either format takes for the segments of a frame with that camera and those settings, whatever they are; 0 where the settings ask for
+/// The most bytes that a format takes for the segments of a frame with that camera and those settings, whatever they are; 0 where the settings ask for
 /// none.
 uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, const CodecSettings& settings);
 
@@ -26,6 +27,7 @@ uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, co
 void requireConsistentSegments(const SampleFrame& frame);
 
 class SegmentBand;
+class TiledSegments;
 
 /// One thread at a time, and works on all cores itself. Buffers are those of all coders.
 class SegmentCoder {
@@ -44,6 +46,7 @@ class SegmentCoder {
 
  private:
   const std::shared_ptr<SharedPool<SegmentBand>> bands_;
+  std::unique_ptr<TiledSegments> tiled_;
 };
 
 }  // namespace warpscope

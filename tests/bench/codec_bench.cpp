@@ -30,6 +30,7 @@ constexpr CodecSettings kTiled{PayloadFormat::tiled, ColorCoding::lossless, 90};
 struct Rays {
   std::vector<Heuristic> heuristics;
   int parts = 1;
+  int segments = 0;  ///< a pixel, beside them
 
   auto operator<=>(const Rays&) const = default;
 };
@@ -41,6 +42,8 @@ SampleFrame marchFrame(const std::string& sceneName, const Rays& rays) {
   view.distance = 0.72f;  // the volume fills the picture
   MarchSettings settings;
   settings.sample.samplesPerRay = rays.parts;
+  settings.sample.segments = rays.segments;
+  if (rays.segments > 0) return marcher->march(makeCamera(scene, view, kSide, kSide), settings);
   return marchLayers(*marcher, makeCamera(scene, view, kSide, kSide), settings, rays.heuristics);
 }
 
@@ -78,7 +81,7 @@ void runCodec(benchmark::State& state, const std::string& scene, const Rays& ray
   const std::vector<std::byte> payload = codec.encode(frame, settings);
   SampleFrame decoded = headOf(frame);
   if (const DecodeError error = codec.decode(payload, frame.size(), decoded)) throw std::runtime_error(*error);
-  if (decoded.samples != frame.samples || decoded.planes != frame.planes)
+  if (decoded.samples != frame.samples || decoded.planes != frame.planes || decoded.segments.rays != frame.segments.rays || decoded.segments.depths != frame.segments.depths)
     throw std::runtime_error("other samples came back");
   const double rms = colorError(frame, decoded);
   if (settings.color == ColorCoding::lossless && decoded.colors != frame.colors)
@@ -93,6 +96,8 @@ void runCodec(benchmark::State& state, const std::string& scene, const Rays& ray
   state.counters["samplesPerS"] =
       benchmark::Counter(static_cast<double>(frame.size()), benchmark::Counter::kIsIterationInvariantRate);
   state.counters["bytesPerSample"] = static_cast<double>(payload.size()) / static_cast<double>(frame.size());
+  if (!frame.segments.empty())
+    state.counters["bytesPerSegment"] = static_cast<double>(codec.bytes().segments) / static_cast<double>(frame.segments.size());
   state.counters["psnrDb"] = rms > 0.0 ? 20.0 * std::log10(255.0 / rms) : INFINITY;
 }
 
@@ -140,6 +145,10 @@ void add(const std::string& scene, const std::string& path) {
     addFrame(cut, name, {PayloadFormat::packed, ColorCoding::jpeg, 95}, "jpeg95");
     addFrame(cut, name, kTiled, "tiled");
   }
+  const Rays segments{{Heuristic::gradient}, 1, 4};
+  addFrame(segments, "segments4", {PayloadFormat::packed, ColorCoding::lossless, 90}, "lossless");
+  addFrame(segments, "segments4", {PayloadFormat::packed, ColorCoding::jpeg, 95}, "jpeg95");
+  addFrame(segments, "segments4", kTiled, "tiled");
   benchmark::RegisterBenchmark(("picture/" + scene + "/jpeg90").c_str(),
                                [=](benchmark::State& state) { runPicture(state, path, 90); })
       ->Unit(benchmark::kMillisecond)

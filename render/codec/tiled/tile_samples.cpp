@@ -92,7 +92,7 @@ void TileSamples::goBehind() {
   paths_.narrow(kept);
 }
 
-void TileSamples::pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowSamples> rows, SheetTile& tile) {
+void TileSamples::pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowPart> rows, SheetTile& tile) {
   counts_.assign(rect.pixels(), 0);
   at_.clear();
   for (uint32_t y = 0; y < rect.height; ++y)
@@ -181,7 +181,7 @@ bool TileSamples::takeShapes(const SheetReader& reader, uint32_t tile, const Til
   return deepest == streams;
 }
 
-bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const uint8_t> counts, std::span<const RowSamples> rows,
+bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const uint8_t> counts, std::span<const RowPart> rows,
                          Placement placement, AnsReader& stream, SampleFrame& frame, std::span<uint8_t> layers) {
   const uint32_t streams = reader.streams(tile);
   if (streams == 0) return true;
@@ -227,7 +227,7 @@ bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRec
   return true;
 }
 
-void TileSamples::findFirsts(std::span<const uint8_t> counts, const TileRect& rect, std::span<const RowSamples> rows) {
+void TileSamples::findFirsts(std::span<const uint8_t> counts, const TileRect& rect, std::span<const RowPart> rows) {
   at_.resize(layer_.size());
   size_t k = 0;
   for (uint32_t y = 0; y < rect.height; ++y) {

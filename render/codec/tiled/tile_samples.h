@@ -6,6 +6,7 @@
 
 #include "render/codec/pixel_path.h"
 #include "render/codec/tiled/tile_layer.h"
+#include "render/codec/tiled/tile_rows.h"
 #include "render/codec/tiled/tiled_sheet.h"
 
 namespace warpscope {
@@ -18,26 +19,21 @@ constexpr SheetForm sampleForm(bool hasLayers) {
   return {hasLayers ? 2u : 1u, static_cast<uint32_t>(SampleNumbers::count), static_cast<uint32_t>(SampleBytes::count)};
 }
 
-/// Where samples of a tile's row are among the frame's.
-struct RowSamples {
-  uint32_t begin = 0, end = 0;
-};
-
 /// One tile at a time; keeps its buffers.
 class TileSamples {
  public:
   /// Fills what the sheet has of the tile. `rows`: of each of its rows.
-  void pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowSamples> rows, SheetTile& tile);
+  void pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowPart> rows, SheetTile& tile);
 
   /// Fills `counts` (samples of each pixel) from the tile's shapes, which the stream begins with. False if they are none of a tile whose pixels have at most `most`
   /// samples, and which has so many streams.
   bool takeShapes(const SheetReader& reader, uint32_t tile, const TileRect& rect, bool hasLayers, uint32_t most, AnsReader& stream, std::span<uint8_t> counts);
   /// Fills the tile's samples and colours, and their layers unless there is no room for any. `stream` is behind the shapes. False if a stream is damaged.
-  bool unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const uint8_t> counts, std::span<const RowSamples> rows, Placement placement,
+  bool unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const uint8_t> counts, std::span<const RowPart> rows, Placement placement,
               AnsReader& stream, SampleFrame& frame, std::span<uint8_t> layers);
 
  private:
-  void findFirsts(std::span<const uint8_t> counts, const TileRect& rect, std::span<const RowSamples> rows);
+  void findFirsts(std::span<const uint8_t> counts, const TileRect& rect, std::span<const RowPart> rows);
   void goBehind();
 
   TileLayer layer_;

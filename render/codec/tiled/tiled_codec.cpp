@@ -46,7 +46,7 @@ class TiledCodec final : public Codec {
     parallelForRanges(grid.count(), 1, [&](size_t begin, size_t end) {
       const auto work = pool_->take();
       for (size_t tile = begin; tile < end; ++tile)
-        work->pack(frame, placement, grid.at(static_cast<uint32_t>(tile)), rowsOf(tile), tiles_[tile]);
+        work->pack(frame, placement, grid.at(static_cast<uint32_t>(tile)), rows_.of(tile), tiles_[tile]);
     });
     appendLittle(payload, static_cast<uint8_t>(placement));
     appendLittle(payload, hashOf(frame.samples));
@@ -70,7 +70,7 @@ class TiledCodec final : public Codec {
 
     counts_.resize(size_t{grid.count()} * kTileWidth * kTileHeight);
     streams_.resize(grid.count());
-    rows_.assign(size_t{grid.count()} * kTileHeight, {});
+    rows_.begin(grid);
     std::atomic<bool> isDamaged = false;
     parallelForRanges(grid.count(), 1, [&](size_t begin, size_t end) {
       const auto work = pool_->take();
@@ -80,12 +80,12 @@ class TiledCodec final : public Codec {
         if (!work->takeShapes(sheet_, static_cast<uint32_t>(tile), rect, hasLayers, mostLayers, streams_[tile], counts)) isDamaged = true;
         for (uint32_t y = 0; y < rect.height; ++y) {
           const std::span<const uint8_t> row = counts.subspan(size_t{y} * rect.width, rect.width);
-          rows_[tile * kTileHeight + y].end = std::accumulate(row.begin(), row.end(), 0u);
+          rows_.of(tile)[y].end = std::accumulate(row.begin(), row.end(), 0u);
         }
       }
     });
     if (isDamaged) return "the tiles' numbers of samples are damaged";
-    if (placeRows(grid) != count) return "the tiles of the payload have other numbers of samples than the frame";
+    if (rows_.place() != count) return "the tiles of the payload have other numbers of samples than the frame";
 
     frame.samples.resize(count);
     frame.colors.resize(count);
@@ -98,7 +98,7 @@ class TiledCodec final : public Codec {
       const auto work = pool_->take();
       for (size_t tile = begin; tile < end; ++tile) {
         const TileRect rect = grid.at(static_cast<uint32_t>(tile));
-        if (!work->unpack(sheet_, static_cast<uint32_t>(tile), rect, countsOf(tile, rect), rowsOf(tile), placement, streams_[tile], frame, layers)) isDamaged = true;
+        if (!work->unpack(sheet_, static_cast<uint32_t>(tile), rect, countsOf(tile, rect), rows_.of(tile), placement, streams_[tile], frame, layers)) isDamaged = true;
       }
     });
     if (isDamaged) return "a tile of the payload is damaged";
@@ -121,12 +121,11 @@ class TiledCodec final : public Codec {
   /// No tiles without samples.
   static TileGrid gridOf(const SampleFrame& frame, size_t samples) { return samples > 0 ? TileGrid{frame.camera.width, frame.camera.height} : TileGrid{}; }
 
-  std::span<const RowSamples> rowsOf(size_t tile) const { return std::span(rows_).subspan(tile * kTileHeight, kTileHeight); }
   std::span<uint8_t> countsOf(size_t tile, const TileRect& rect) { return std::span(counts_).subspan(tile * kTileWidth * kTileHeight, rect.pixels()); }
 
   /// Finds the samples of each row of each tile.
   void cut(const SampleFrame& frame, const TileGrid& grid) {
-    rows_.assign(size_t{grid.count()} * kTileHeight, {});
+    rows_.begin(grid);
     const auto begin = frame.samples.begin();
     parallelForRanges(grid.count() / std::max(grid.columns(), 1u), 1, [&](size_t from, size_t to) {
       for (size_t tileRow = from; tileRow < to; ++tileRow)
@@ -139,7 +138,7 @@ class TiledCodec final : public Codec {
           };
           auto at = firstAt(begin, 0);
           for (uint32_t column = 0; column < grid.columns(); ++column) {
-            RowSamples& own = rows_[(tileRow * grid.columns() + column) * kTileHeight + y];
+            RowPart& own = rows_.of(tileRow * grid.columns() + column)[y];
             own.begin = static_cast<uint32_t>(at - begin);
             at = firstAt(at, (column + 1) * kTileWidth);
             own.end = static_cast<uint32_t>(at - begin);
@@ -148,22 +147,8 @@ class TiledCodec final : public Codec {
     });
   }
 
-  /// Makes places among all samples of what is a number yet. Returns how many there are.
-  size_t placeRows(const TileGrid& grid) {
-    size_t at = 0;
-    for (uint32_t row = 0; row < grid.height; ++row)
-      for (uint32_t column = 0; column < grid.columns(); ++column) {
-        RowSamples& own = rows_[(size_t{row / kTileHeight} * grid.columns() + column) * kTileHeight + row % kTileHeight];
-        const size_t count = own.end;
-        own.begin = static_cast<uint32_t>(at);
-        at += count;
-        own.end = static_cast<uint32_t>(at);
-      }
-    return at;
-  }
-
   std::vector<SheetTile> tiles_;
-  std::vector<RowSamples> rows_;  // kTileHeight of each tile
+  TileRows rows_;
   SheetReader sheet_;
   TransferVector<uint8_t> counts_;  // as many of each tile as the largest has pixels
   std::vector<AnsReader> streams_;

@@ -1,0 +1,230 @@
+// Shapes and layers of segments.
+// See tile_segments.h.
+#include "render/codec/tiled/tile_segments.h"
+
+#include <algorithm>
+
+#include "render/codec/color_differences.h"
+#include "render/codec/tokens.h"
+
+namespace warpscope {
+namespace {
+
+size_t planeOf(SegmentNumbers plane) { return static_cast<size_t>(plane); }
+size_t planeOf(SegmentBytes plane) { return static_cast<size_t>(plane); }
+
+int32_t sum(int32_t a, int32_t b) { return static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b)); }
+int32_t difference(int32_t a, int32_t b) { return static_cast<int32_t>(static_cast<uint32_t>(a) - static_cast<uint32_t>(b)); }
+
+/// The rays of a row of the tile.
+template <class Rays>
+auto rowOfRays(Rays& rays, uint32_t pictureWidth, const TileRect& rect, uint32_t y) {
+  return std::span(rays).subspan(size_t{rect.y0 + y} * pictureWidth + rect.x0, rect.width);
+}
+
+}  // namespace
+
+void TileSegments::begin(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowPart> rows) {
+  counts_.resize(rect.pixels());
+  for (uint32_t y = 0; y < rect.height; ++y) {
+    const auto rays = rowOfRays(frame.segments.rays, frame.camera.width, rect, y);
+    for (uint32_t x = 0; x < rect.width; ++x) counts_[size_t{y} * rect.width + x] = static_cast<uint8_t>(rays[x].count());
+  }
+  layer_.begin(rect, counts_);
+  at_.resize(layer_.size());
+  ends_.resize(layer_.size());
+  size_t k = 0;
+  for (uint32_t y = 0; y < rect.height; ++y) {
+    uint32_t at = rows[y].begin;
+    for (const uint8_t count : std::span(counts_).subspan(size_t{y} * rect.width, rect.width)) {
+      if (count == 0) continue;
+      at_[k++] = at;
+      at += count;
+    }
+  }
+  paths_.aim(frame, placement, layer_.columns(), layer_.rows());
+}
+
+/// Makes room for the layer's values.
+void TileSegments::startLayer() {
+  const size_t size = layer_.size();
+  for (TransferVector<uint32_t>* values : {&codes_, &endCodes_, &likely_}) values->resize(size);
+  for (TransferVector<int32_t>* values : {&places_, &endPlaces_}) values->resize(size);
+  fine_.resize(size + 1);
+  slots_.resize(size + 1);
+  fine_[0] = 0;
+  slots_[0] = 0;
+}
+
+bool TileSegments::goBehind() {
+  if (!layer_.goBehind()) return false;
+  const std::span<const uint32_t> kept = layer_.kept();
+  for (size_t k = 0; k < kept.size(); ++k) {
+    at_[k] = at_[kept[k]];
+    ends_[k] = ends_[kept[k]];
+  }
+  at_.resize(kept.size());
+  ends_.resize(kept.size());
+  paths_.narrow(kept);
+  return true;
+}
+
+/// f(k, what is likely, place, whether it is an end), which sets the place or reads it: for where all segments of a layer begin, then for where they end. In front a
+/// beginning is predicted from those beside it, behind it the gap from the end in front; an end from those beside it.
+template <class F>
+void TileSegments::forEachBorder(bool isFront, const F& f) {
+  const FineScale scale = paths_.fineScale();
+  const std::span<const Neighbors> neighbors = layer_.neighbors();
+  int32_t* const fine = fine_.data();
+  const auto likelyOf = [&](size_t k) {
+    const Neighbors from = neighbors[k];
+    return predicted(fine[from.west], fine[from.north], fine[from.northWest]);
+  };
+  for (size_t k = 0; k < neighbors.size(); ++k) {
+    if (isFront) {
+      f(k, scale.placeOf(k, likelyOf(k)), places_[k], false);
+      fine[k + 1] = scale.fineOf(k, places_[k]);
+    } else {
+      f(k, sum(ends_[k], likelyOf(k)), places_[k], false);
+      fine[k + 1] = difference(places_[k], ends_[k]);
+    }
+  }
+  for (size_t k = 0; k < neighbors.size(); ++k) {
+    f(k, scale.placeOf(k, likelyOf(k)), endPlaces_[k], true);
+    fine[k + 1] = scale.fineOf(k, endPlaces_[k]);
+    ends_[k] = endPlaces_[k];
+  }
+}
+
+void TileSegments::putBorders(SheetLayer& planes, bool isFront) {
+  if (paths_.fineScale().bits > 0) {
+    paths_.locateBorders(codes_, places_);
+    paths_.locateBorders(endCodes_, endPlaces_);
+  } else {
+    std::ranges::copy(codes_, places_.begin());
+    std::ranges::copy(endCodes_, endPlaces_.begin());
+  }
+  uint32_t* const begins = planes.number(planeOf(SegmentNumbers::begin)).data();
+  uint32_t* const ends = planes.number(planeOf(SegmentNumbers::end)).data();
+  forEachBorder(isFront, [&](size_t k, int32_t likely, int32_t place, bool isEnd) { (isEnd ? ends : begins)[k] = zigzag(difference(place, likely)); });
+  // What the marcher's rounding and other rays' lattices make of it.
+  const auto putRests = [&](const TransferVector<int32_t>& places, const TransferVector<uint32_t>& codes, std::span<uint32_t> rests) {
+    paths_.place(places, likely_);
+    for (size_t k = 0; k < rests.size(); ++k) rests[k] = zigzag(static_cast<int32_t>(codes[k] - likely_[k]));
+  };
+  putRests(places_, codes_, planes.number(planeOf(SegmentNumbers::beginRest)));
+  putRests(endPlaces_, endCodes_, planes.number(planeOf(SegmentNumbers::endRest)));
+}
+
+void TileSegments::takeBorders(const SheetLayer& planes, bool isFront) {
+  const uint32_t* const begins = planes.number(planeOf(SegmentNumbers::begin)).data();
+  const uint32_t* const ends = planes.number(planeOf(SegmentNumbers::end)).data();
+  forEachBorder(isFront, [&](size_t k, int32_t likely, int32_t& place, bool isEnd) { place = sum(likely, unzigzag((isEnd ? ends : begins)[k])); });
+  const auto takeRests = [&](const TransferVector<int32_t>& places, TransferVector<uint32_t>& codes, std::span<const uint32_t> rests) {
+    paths_.place(places, codes);
+    for (size_t k = 0; k < rests.size(); ++k) codes[k] = (codes[k] + static_cast<uint32_t>(unzigzag(rests[k]))) & kDepthCodeMax;
+  };
+  takeRests(places_, codes_, planes.number(planeOf(SegmentNumbers::beginRest)));
+  takeRests(endPlaces_, endCodes_, planes.number(planeOf(SegmentNumbers::endRest)));
+}
+
+void TileSegments::pack(const SampleFrame& frame, Placement placement, const TileRect& rect, std::span<const RowPart> rows, SheetTile& tile) {
+  const FrameSegments& segments = frame.segments;
+  tile.layerCount = 0;
+  TransferVector<uint8_t>& shape = tile.shapes[0];
+  shape.resize(rect.pixels());
+  for (uint32_t y = 0; y < rect.height; ++y) {
+    const auto rays = rowOfRays(segments.rays, frame.camera.width, rect, y);
+    uint8_t before = y > 0 ? rowOfRays(segments.rays, frame.camera.width, rect, y - 1)[0].bits() : 0;
+    for (uint32_t x = 0; x < rect.width; ++x) {
+      shape[size_t{y} * rect.width + x] = rays[x].bits() ^ before;
+      before = rays[x].bits();
+    }
+  }
+  begin(frame, placement, rect, rows);
+  if (layer_.size() == 0) return;
+  const SheetForm form = segmentForm(!segments.normals.empty());
+  for (uint32_t l = 0;; ++l) {
+    startLayer();
+    const size_t size = layer_.size();
+    for (size_t k = 0; k < size; ++k) {
+      codes_[k] = segments.depths[at_[k] + l].begin;
+      endCodes_[k] = segments.depths[at_[k] + l].end;
+      slots_[k + 1] = segments.colors[at_[k] + l];
+    }
+    SheetLayer& planes = tile.addLayer();
+    planes.resize(form, size);
+    putBorders(planes, l == 0);
+    putAlpha(slots_.data(), layer_.neighbors().data(), size, planes.byte(planeOf(SegmentBytes::alpha)).data());
+    putColors(slots_.data(), layer_.neighbors().data(), size,
+              {planes.byte(planeOf(SegmentBytes::green)).data(), planes.byte(planeOf(SegmentBytes::red)).data(), planes.byte(planeOf(SegmentBytes::blue)).data()});
+    if (!segments.normals.empty()) {
+      for (size_t k = 0; k < size; ++k) slots_[k + 1] = segments.normals[at_[k] + l];
+      for (const auto& [plane, shift] : {std::pair(SegmentBytes::normalLow, 0), std::pair(SegmentBytes::normalHigh, 8)}) {
+        uint8_t* const out = planes.byte(planeOf(plane)).data();
+        for (size_t k = 0; k < size; ++k) out[k] = static_cast<uint8_t>(channel(slots_[k + 1], shift) - predictedChannel(slots_.data(), layer_.neighbors()[k], shift));
+      }
+    }
+    if (!goBehind()) return;
+  }
+}
+
+bool TileSegments::takeRays(const SheetReader& reader, uint32_t tile, const TileRect& rect, int most, AnsReader& stream, SampleFrame& frame) {
+  const uint32_t streams = reader.streams(tile);
+  counts_.assign(rect.pixels(), 0);
+  if (streams > 0) {
+    stream = reader.stream(tile, 0);
+    stream.takeBytes(reader.shape(0), counts_);
+  }
+  int deepest = 0;
+  uint8_t first = 0;
+  for (uint32_t y = 0; y < rect.height; ++y) {
+    const auto rays = rowOfRays(frame.segments.rays, frame.camera.width, rect, y);
+    uint8_t before = first;
+    for (uint32_t x = 0; x < rect.width; ++x) {
+      before ^= counts_[size_t{y} * rect.width + x];
+      rays[x] = RaySegmentCount::ofBits(before);
+      deepest = std::max(deepest, rays[x].count());
+      if (x == 0) first = before;
+    }
+  }
+  // A tile of rays without segments that ended has a stream and no layers.
+  return deepest <= most && static_cast<int>(streams) == (streams == 1 ? std::max(deepest, 1) : deepest);
+}
+
+bool TileSegments::unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const RowPart> rows, Placement placement, AnsReader& stream,
+                          SampleFrame& frame) {
+  FrameSegments& segments = frame.segments;
+  const uint32_t streams = reader.streams(tile);
+  if (streams == 0) return true;
+  begin(frame, placement, rect, rows);
+  if (layer_.size() == 0) return stream.isSound();
+  for (uint32_t l = 0; l < streams; ++l) {
+    startLayer();
+    const size_t size = layer_.size();
+    AnsReader behind;
+    if (l > 0) behind = reader.stream(tile, l);
+    if (!reader.takeLayer(l > 0 ? behind : stream, l, size, planes_)) return false;
+    takeBorders(planes_, l == 0);
+    takeAlpha(planes_.byte(planeOf(SegmentBytes::alpha)).data(), layer_.neighbors().data(), size, slots_.data());
+    takeColors({planes_.byte(planeOf(SegmentBytes::green)).data(), planes_.byte(planeOf(SegmentBytes::red)).data(), planes_.byte(planeOf(SegmentBytes::blue)).data()},
+               layer_.neighbors().data(), size, slots_.data());
+    for (size_t k = 0; k < size; ++k) {
+      segments.depths[at_[k] + l] = {codes_[k], endCodes_[k]};
+      segments.colors[at_[k] + l] = slots_[k + 1];
+    }
+    if (!segments.normals.empty()) {
+      std::ranges::fill(slots_, Rgba8{0});
+      for (const auto& [plane, shift] : {std::pair(SegmentBytes::normalLow, 0), std::pair(SegmentBytes::normalHigh, 8)}) {
+        const uint8_t* const in = planes_.byte(planeOf(plane)).data();
+        for (size_t k = 0; k < size; ++k)
+          slots_[k + 1] |= static_cast<Rgba8>((in[k] + predictedChannel(slots_.data(), layer_.neighbors()[k], shift)) & 255) << shift;
+      }
+      for (size_t k = 0; k < size; ++k) segments.normals[at_[k] + l] = static_cast<NormalCode>(slots_[k + 1]);
+    }
+    if (!goBehind()) return l + 1 == streams;
+  }
+  return true;
+}
+
+}  // namespace warpscope
