@@ -12,20 +12,7 @@
 namespace warpscope {
 namespace {
 
-constexpr int kStepFineBits = 4;
 constexpr size_t kProbes = 256;  // of samples or segments
-
-/// As RayLattice::t on a machine that fuses multiplication and addition, on every machine.
-inline float latticeDepth(const RayLattice& lattice, int i) {
-  const float inside = std::fma(static_cast<float>(i) + 0.5f, lattice.dt, lattice.t0);
-  const float last = lattice.t0 + (lattice.length - 0.5f * lattice.stepLength(i));
-  return i + 1 < lattice.count ? inside : last;
-}
-
-inline int clamped(float value, int largest) {
-  if (!(value > 0.0f)) return 0;  // NaN too
-  return value < static_cast<float>(largest) ? static_cast<int>(value) : largest;
-}
 
 }  // namespace
 
@@ -82,6 +69,11 @@ Placement borderPlacementOf(const SampleFrame& frame) {
   return near * 8 >= codes.size() * 7 ? kBorders : Placement::depth;
 }
 
+PathGrid pathGridOf(const SampleFrame& frame, Placement placement) {
+  return {makePixelGrid(frame.camera, frame.quantization.nearDepth), frame.quantization.bounds, jitterFor(frame.settings.render), frame.settings.render.step,
+          frame.quantization.depthStep, placement};
+}
+
 void PixelPaths::narrow(std::span<const uint32_t> kept) {
   const auto keep = [&](auto& values) {
     for (size_t k = 0; k < kept.size(); ++k) values[k] = values[kept[k]];
@@ -104,7 +96,7 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
     std::fill(origin_.begin(), origin_.end(), 0);
     return;
   }
-  fineBits_ = placement == Placement::halfSteps ? kStepFineBits - 1 : kStepFineBits;
+  fineBits_ = fineBitsOf(placement);
   for (auto* values : {&fromX_, &fromY_, &fromZ_, &x_, &y_, &z_, &cosine_, &t0_, &length_}) values->resize(count);
   count_.resize(count);
   // Loops read and write through locals only: what they write cannot be what they read then.
@@ -131,7 +123,6 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
   }
   const float step = step_;
   const Jitter jitter = jitterFor(frame.settings.render);
-  const float finePerUnit = static_cast<float>(1 << kStepFineBits) / step;
   float* const t0s = t0_.data();
   float* const lengths = length_.data();
   int32_t* const counts = count_.data();
@@ -151,11 +142,11 @@ void PixelPaths::aim(const SampleFrame& frame, Placement placement, std::span<co
     }
   }
   for (size_t k = 0; k < count; ++k) {
-    const RayLattice lattice = makeLattice({t0s[k], lengths[k]}, step);
-    t0s[k] = lattice.t0 + jitter.shiftOf(column[k], row[k]);
-    lengths[k] = lattice.length;
-    counts[k] = lattice.count;
-    origins[k] = clamped(lattice.t0 * finePerUnit + 0.5f, 1 << 24);
+    const PixelPath path = pathInside({t0s[k], lengths[k]}, 1.0f, step, jitter.shiftOf(column[k], row[k]));
+    t0s[k] = path.t0;
+    lengths[k] = path.length;
+    counts[k] = path.count;
+    origins[k] = path.origin;
   }
 }
 
@@ -168,36 +159,26 @@ void PixelPaths::locate(std::span<const PackedSample> samples, std::span<int32_t
     return;
   }
   const bool isHalf = placement_ == Placement::halfSteps;
-  const float perStep = (isHalf ? 2.0f : 1.0f) / step_;
-  const float offset = isHalf ? -0.5f : 0.0f;  // a half step is rounded to; a step's middle lies between integers
+  const float step = step_;
   const float depthStep = depthStep_;
   const float* const cosines = cosine_.data();
   const float* const t0s = t0_.data();
   const int32_t* const counts = count_.data();
-  for (size_t k = 0; k < count; ++k) {
-    const float t = decodeDepth(depthCode(sample[k]), depthStep) / cosines[k];
-    const int last = glm::max(glm::min(counts[k], kMaxSamplesPerRay / 2) - 1, 0);
-    out[k] = clamped((t - t0s[k]) * perStep + offset, isHalf ? 2 * last : last);
-  }
+  for (size_t k = 0; k < count; ++k)
+    out[k] = placeOnPath({cosines[k], t0s[k], 0.0f, counts[k], 0}, depthCode(sample[k]), step, depthStep, isHalf);
 }
 
 void PixelPaths::locateBorders(std::span<const uint32_t> depthCodes, std::span<int32_t> places) const {
   const size_t count = depthCodes.size();
   const uint32_t* const code = depthCodes.data();
   int32_t* const out = places.data();
-  const float perStep = 1.0f / step_, depthStep = depthStep_;
+  const float step = step_, depthStep = depthStep_;
   const float* const cosines = cosine_.data();
   const float* const t0s = t0_.data();
   const float* const lengths = length_.data();
   const int32_t* const counts = count_.data();
-  for (size_t k = 0; k < count; ++k) {
-    const float t = decodeDepth(code[k], depthStep) / cosines[k];
-    const int last = glm::min(counts[k], kMaxSamplesPerRay / 2);
-    // The last border may be less than a step behind the one before it.
-    const float behind = t - t0s[k], part = 0.5f * (static_cast<float>(last - 1) * step_ + lengths[k]);
-    const int place = clamped(behind * perStep + 0.5f, last);
-    out[k] = behind > part ? last : glm::min(place, glm::max(last - 1, 0));
-  }
+  for (size_t k = 0; k < count; ++k)
+    out[k] = borderOnPath({cosines[k], t0s[k], lengths[k], counts[k], 0}, code[k], step, depthStep);
 }
 
 void PixelPaths::place(std::span<const int32_t> places, std::span<uint32_t> depthCodes) const {
@@ -219,18 +200,11 @@ void PixelPaths::place(std::span<const int32_t> places, std::span<uint32_t> dept
       out[k] = encodeDepth(depthOf(lattice, place[k], glm::max(lattice.count - 1, 0)) * cosines[k], depthStep);
     }
   };
-  if (placement_ == kBorders)
-    return placeAll([](const RayLattice& lattice, int i, int last) {
-      const float inside = std::fma(static_cast<float>(glm::clamp(i, 0, last)), lattice.dt, lattice.t0);
-      return i > last ? lattice.t0 + lattice.length : inside;
-    });
+  if (placement_ == kBorders) return placeAll([](const RayLattice& lattice, int i, int last) { return borderDepth(lattice, i, last); });
   if (placement_ == Placement::halfSteps)
-    placeAll([](const RayLattice& lattice, int halves, int last) {
-      const int first = glm::clamp(halves >> 1, 0, last), second = glm::clamp(first + (halves & 1), 0, last);
-      return 0.5f * (latticeDepth(lattice, first) + latticeDepth(lattice, second));
-    });
+    placeAll([](const RayLattice& lattice, int halves, int last) { return halfStepDepth(lattice, halves, last); });
   else
-    placeAll([](const RayLattice& lattice, int i, int last) { return latticeDepth(lattice, glm::clamp(i, 0, last)); });
+    placeAll([](const RayLattice& lattice, int i, int last) { return stepDepth(lattice, i, last); });
 }
 
 }  // namespace warpscope

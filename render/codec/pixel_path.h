@@ -10,21 +10,12 @@
 #include <cstdint>
 #include <span>
 
+#include "render/codec/pixel_places.h"
 #include "render/core/sample.h"
 #include "render/core/transfer_vector.h"
 #include "render/march/sample_frame.h"
 
 namespace warpscope {
-
-/// What a sample's integer means.
-enum class Placement : uint8_t {
-  steps,      ///< index on the ray's lattice
-  halfSteps,  ///< the same in half steps: midpoints of two places on the lattice
-  depth,      ///< the depth code itself
-};
-inline constexpr uint32_t kPlacements = 3;  ///< of samples
-/// Of segments: steps begin and end at places that are index on the ray's lattice; the last one at its far end.
-inline constexpr auto kBorders = static_cast<Placement>(kPlacements);
 
 /// Whether the rays of a frame's pixels have a lattice: else there is Placement::depth alone.
 bool hasLattice(const SampleFrame& frame);
@@ -39,14 +30,12 @@ struct FineScale {
   const int32_t* origins;  ///< of places, in fine units
   int bits;
 
-  int32_t fineOf(size_t k, int32_t place) const {
-    return static_cast<int32_t>((static_cast<uint32_t>(place) << bits) + static_cast<uint32_t>(origins[k]));
-  }
-  int32_t placeOf(size_t k, int32_t fine) const {
-    const uint32_t half = bits > 0 ? 1u << (bits - 1) : 0u;
-    return static_cast<int32_t>(static_cast<uint32_t>(fine) - static_cast<uint32_t>(origins[k]) + half) >> bits;
-  }
+  int32_t fineOf(size_t k, int32_t place) const { return fineOfPlace(place, origins[k], bits); }
+  int32_t placeOf(size_t k, int32_t fine) const { return placeOfFine(fine, origins[k], bits); }
 };
+
+/// What the rays of a frame share, with the host's noise.
+PathGrid pathGridOf(const SampleFrame& frame, Placement placement);
 
 /// What samples in pixels share, and the samples' rays; as arrays, for the compiler to work on several at once.
 class PixelPaths {
