@@ -41,7 +41,7 @@ double shareOf(const SampleFrame& frame, const CodecSettings& settings) {
 TEST(CodecBounds, NoiseTakesMoreThanHalfOfThemAndNoMoreThanAll) {
   for (const auto& [width, height] : {std::pair(64u, 64u), std::pair(500u, 300u), std::pair(1024u, 16u)})
     for (const uint32_t perRay : {1u, 4u, 8u})
-      for (const CodecSettings& settings : {kRaw, kLossless, kJpeg, kBestJpeg}) {
+      for (const CodecSettings& settings : {kRaw, kLossless, kJpeg, kBestJpeg, kTiled}) {
         const double share = shareOf(noise(width, height, perRay, 7), settings);
         EXPECT_LE(share, 1.0) << width << "x" << height << ", " << perRay << ", " << nameOf(settings.color);
         EXPECT_GE(share, settings.format == PayloadFormat::raw ? 1.0
@@ -59,7 +59,7 @@ TEST(CodecBounds, NoFrameExceedsThem) {
                                        : noise(width, height, 1 + random() % 8, random());
     if (round % 5 == 0) frame.planes.clear();
     if (round % 5 == 0 && round % 2 != 0) continue;  // without layers there is one sample in a pixel
-    for (const CodecSettings& settings : {kRaw, kLossless, kJpeg, kBestJpeg})
+    for (const CodecSettings& settings : {kRaw, kLossless, kJpeg, kBestJpeg, kTiled})
       ASSERT_LE(shareOf(frame, settings), 1.0)
           << "round " << round << ", " << width << "x" << height << ", " << frame.size();
   }
@@ -73,14 +73,14 @@ TEST(CodecBounds, LoneSamplesInTheCornersStayWithinThem) {
     frame.camera.height = 777;
     for (size_t i = perRay; i < 2 * perRay; ++i)
       frame.samples[i] = (frame.samples[i] & ~PackedSample{kPixelKeyMask}) | pixelKey(1000, 776);
-    for (const CodecSettings& settings : {kRaw, kLossless, kBestJpeg})
+    for (const CodecSettings& settings : {kRaw, kLossless, kBestJpeg, kTiled})
       EXPECT_LE(shareOf(frame, settings), 1.0) << perRay;
   }
 }
 
 TEST(CodecBounds, PlanesThatAreNotKnownHaveRoom) {
   SampleFrame frame = emptyPicture(64, 64);
-  for (const CodecSettings& settings : {kRaw, kLossless}) {
+  for (const CodecSettings& settings : {kRaw, kLossless, kTiled}) {
     const uint64_t without = mostPayloadBytes(frame, 1000, settings);
     SampleFrame with = frame;
     with.planes = {{"new", PlaneElement{77}, {}}};

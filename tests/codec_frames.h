@@ -21,6 +21,8 @@ namespace warpscope {
 inline constexpr CodecSettings kRaw{PayloadFormat::raw, ColorCoding::lossless, 90};
 inline constexpr CodecSettings kLossless{PayloadFormat::packed, ColorCoding::lossless, 90};
 inline constexpr CodecSettings kJpeg{PayloadFormat::packed, ColorCoding::jpeg, 90};
+inline constexpr CodecSettings kTiled{PayloadFormat::tiled, ColorCoding::lossless, 90};
+inline constexpr CodecSettings kEveryCoding[] = {kRaw, kLossless, kJpeg, kTiled};
 
 /// The frame without its samples: what travels beside a payload.
 inline SampleFrame headOf(const SampleFrame& frame) {
@@ -50,7 +52,7 @@ inline std::string roundTrip(const SampleFrame& frame, const CodecSettings& sett
 }
 
 inline void expectRoundTrips(const SampleFrame& frame, const std::string& what) {
-  for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) EXPECT_EQ(roundTrip(frame, settings), "") << what;
+  for (const CodecSettings& settings : kEveryCoding) EXPECT_EQ(roundTrip(frame, settings), "") << what;
 }
 
 inline double bytesPerSample(const SampleFrame& frame, const CodecSettings& settings) {

@@ -86,7 +86,7 @@ RC_GTEST_PROP(Codec, RandomLayersComeBack, ()) {
   SampleFrame frame = framedPixels(width, height, pixels, seed);
   frame.planes.push_back(layerPlane(layers));
   frame.settings.sample.samplesPerRay = 8;
-  for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) RC_ASSERT(roundTrip(frame, settings) == "");
+  for (const CodecSettings& settings : kEveryCoding) RC_ASSERT(roundTrip(frame, settings) == "");
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ TEST(Codec, UnknownPlanesAreLeftOut) {
                       planeOf("future", PlaneElement::uint16, std::span<const uint16_t>(future)));
   SampleFrame otherKind = known;
   otherKind.planes[1] = planeOf(kExtentPlane, PlaneElement::uint16, std::span<const uint16_t>(future));
-  for (const CodecSettings& settings : {kRaw, kLossless}) {
+  for (const CodecSettings& settings : {kRaw, kLossless, kTiled}) {
     SampleFrame decoded = headOf(frame);
     ASSERT_EQ(FrameCodec().decode(FrameCodec().encode(frame, settings), frame.size(), decoded), std::nullopt);
     EXPECT_TRUE(sameFrame(decoded, known));
@@ -47,7 +47,7 @@ TEST(Codec, UnknownPlanesAreLeftOut) {
 TEST(Codec, FramesWithoutPlanesHaveNoBytesForThem) {
   const SampleFrame frame = marched(shells(), {}, 24, 20);
   EXPECT_EQ(FrameCodec().encode(frame, kRaw).size(), 9 + 12 * frame.size());
-  for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) {
+  for (const CodecSettings& settings : kEveryCoding) {
     const size_t bytes = FrameCodec().encode(frame, settings).size();
     SampleFrame layered = frame;
     layered.planes.push_back(layerPlane(std::vector<uint8_t>(frame.size(), 0)));

@@ -121,7 +121,7 @@ std::vector<std::byte> rawPayload(const SampleFrame& frame) {
 
 bool isRefused(const SampleFrame& frame) {
   bool refuses = true;
-  for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) {
+  for (const CodecSettings& settings : kEveryCoding) {
     try {
       FrameCodec().encode(frame, settings);
       refuses = false;
@@ -195,7 +195,7 @@ RC_GTEST_PROP(Codec, RandomFramesComeBack, ()) {
   SampleFrame frame = garbageFrame(width, height, count, *rc::gen::arbitrary<uint32_t>());
   frame.settings.sample.radiusPolicy =
       *rc::gen::elementOf(std::vector{RadiusPolicy::voxel, RadiusPolicy::opacity, RadiusPolicy::pixel, RadiusPolicy::uncertainty});
-  for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) RC_ASSERT(roundTrip(frame, settings) == "");
+  for (const CodecSettings& settings : kEveryCoding) RC_ASSERT(roundTrip(frame, settings) == "");
 }
 
 RC_GTEST_PROP(Codec, RandomFramesInOrderComeBack, ()) {
@@ -207,7 +207,7 @@ RC_GTEST_PROP(Codec, RandomFramesInOrderComeBack, ()) {
   for (uint32_t pixel = 0; pixel < width * height && pixels.size() < 5000; ++pixel)
     if (random() % oneIn == 0) pixels.push_back(pixel);
   const SampleFrame frame = framedPixels(width, height, pixels, seed);
-  for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) RC_ASSERT(roundTrip(frame, settings) == "");
+  for (const CodecSettings& settings : kEveryCoding) RC_ASSERT(roundTrip(frame, settings) == "");
 }
 
 TEST(Codec, JpegKeepsColoursNearly) {
@@ -234,7 +234,7 @@ TEST(Codec, JpegKeepsColoursNearly) {
 
 TEST(Codec, BytesDoNotDependOnTheNumberOfThreads) {
   const SampleFrame frame = marched(shells(), {}, 700, 700);
-  for (const CodecSettings& settings : {kRaw, kLossless, kJpeg}) {
+  for (const CodecSettings& settings : kEveryCoding) {
     const std::vector<std::byte> payload = FrameCodec().encode(frame, settings);
     for (const size_t threads : {1, 2, 5}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -250,7 +250,7 @@ TEST(Codec, OneCodecServesFramesOfAllKinds) {
     for (const SampleFrame& frame :
          {marched(shells(), {}), garbageFrame(20, 30, 500, 2), smallLayeredFrame(), garbageFrame(9, 9, 0, 0),
           framedPixels(5, 5, {1, 2, 7}), withLayers(framedPixels(5, 5, {1, 1, 7}), {1, 1, 7})})
-      for (const CodecSettings& settings : {kRaw, kLossless}) {
+      for (const CodecSettings& settings : {kRaw, kLossless, kTiled}) {
         SampleFrame decoded = headOf(frame);
         const std::vector<std::byte> payload = codec.encode(frame, settings);
         EXPECT_EQ(payload, FrameCodec().encode(frame, settings));

@@ -139,7 +139,7 @@ TEST(SegmentCodec, ComesBackInEveryFormatFromEveryKindOfMarch) {
         settings.render.effects.clip.planes = parseClipPlanes(clip, "it");
         const SampleFrame frame = blobMarcher(0.6f, type)->march(kServer, settings);
         EXPECT_EQ(frame.segments.normals.empty(), shading == 0.0f);
-        for (const PayloadFormat format : {PayloadFormat::raw, PayloadFormat::packed}) {
+        for (const PayloadFormat format : {PayloadFormat::raw, PayloadFormat::packed, PayloadFormat::tiled}) {
           FrameCodec codec;
           CodecSettings coding;
           coding.format = format;
@@ -195,7 +195,7 @@ TEST(SegmentCodec, JpegKeepsDepthsAndOpacities) {
 TEST(SegmentCodec, DamageIsFoundAndNothingIsTakenOnTrust) {
   const SampleFrame frame = blobMarcher()->march(lookingFrom({30.0f, 25.0f, 75.0f}, glm::vec3(0.0f), 40, 30, 0.45f), segmented(3, 8));
   std::mt19937 random(3);
-  for (const PayloadFormat format : {PayloadFormat::raw, PayloadFormat::packed}) {
+  for (const PayloadFormat format : {PayloadFormat::raw, PayloadFormat::packed, PayloadFormat::tiled}) {
     FrameCodec codec;
     CodecSettings coding;
     coding.format = format;

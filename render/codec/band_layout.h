@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "render/core/host_device.h"
 #include "render/core/transfer_vector.h"
 
 namespace warpscope {
@@ -38,7 +39,7 @@ struct BandLayout {
 };
 
 /// Median of two neighbours and the plane through three.
-inline int32_t predicted(int32_t west, int32_t north, int32_t northWest) {
+WARPSCOPE_HD inline int32_t predicted(int32_t west, int32_t north, int32_t northWest) {
   const int32_t low = west < north ? west : north, high = west < north ? north : west;
   const auto plane = static_cast<int64_t>(west) + north - northWest;
   return plane < low ? low : plane > high ? high : static_cast<int32_t>(plane);

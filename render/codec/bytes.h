@@ -24,11 +24,10 @@ template <class T>
   requires std::is_unsigned_v<T>
 T loadLittle(const std::byte* place) {
   T value = 0;
-  if constexpr (std::endian::native == std::endian::little) {  // one load, whatever the optimiser makes of the loop below
-    std::memcpy(&value, place, sizeof(T));
-    return value;
-  }
-  for (size_t i = 0; i < sizeof(T); ++i) value |= static_cast<T>(std::to_integer<T>(place[i]) << 8 * i);
+  if constexpr (std::endian::native == std::endian::little)
+    std::memcpy(&value, place, sizeof(T));  // one load, whatever the optimiser makes of the loop below
+  else
+    for (size_t i = 0; i < sizeof(T); ++i) value |= static_cast<T>(std::to_integer<T>(place[i]) << 8 * i);
   return value;
 }
 

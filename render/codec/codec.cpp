@@ -131,7 +131,8 @@ void sealPayload(std::span<std::byte> payload) {
   for (size_t i = 0; i < 8; ++i) payload[1 + i] = static_cast<std::byte>(hash >> 8 * i);
 }
 
-FrameCodec::FrameCodec() : codecs_(std::size(kCodecs)), segments_(std::make_unique<SegmentCoder>()) {}
+FrameCodec::FrameCodec() : FrameCodec(makeHostTiledCoder()) {}
+FrameCodec::FrameCodec(TiledCoderPtr coder) : coder_(std::move(coder)), codecs_(std::size(kCodecs)), segments_(std::make_unique<SegmentCoder>(coder_)) {}
 FrameCodec::~FrameCodec() = default;
 FrameCodec::FrameCodec(FrameCodec&&) noexcept = default;
 FrameCodec& FrameCodec::operator=(FrameCodec&&) noexcept = default;
@@ -139,7 +140,7 @@ FrameCodec& FrameCodec::operator=(FrameCodec&&) noexcept = default;
 Codec& FrameCodec::codecFor(PayloadFormat format) {
   for (size_t i = 0; i < codecs_.size(); ++i) {
     if (kCodecs[i].format != format) continue;
-    if (!codecs_[i]) codecs_[i] = kCodecs[i].make();
+    if (!codecs_[i]) codecs_[i] = kCodecs[i].make(coder_);
     return *codecs_[i];
   }
   throw UsageError("there is no payload format " + std::to_string(static_cast<int>(format)));
@@ -198,6 +199,7 @@ void FrameCodec::noteNeed(const SampleFrame& frame, size_t count) {
   if (!need_.exceedsRecent(size_t{frame.camera.width} * frame.camera.height + count)) return;
   for (std::unique_ptr<Codec>& codec : codecs_) codec.reset();
   segments_->forget();
+  coder_->forget();
   planeBytes_ = {};
   giveBackFreedMemory();
 }

@@ -95,9 +95,12 @@ class Codec {
   virtual DecodeError decodePlane(std::span<const std::byte> bytes, const SampleFrame& frame, SamplePlane& plane) = 0;
 };
 
+class TiledCoder;
+using TiledCoderPtr = std::shared_ptr<TiledCoder>;
+
 struct CodecDescriptor {
   PayloadFormat format;
-  std::unique_ptr<Codec> (*make)();
+  std::unique_ptr<Codec> (*make)(const TiledCoderPtr& coder);
   /// The most bytes that encode(), and encodePlane() of one of its planes, append for `count` samples of such a frame.
   uint64_t (*mostBytes)(const SampleFrame& frame, uint64_t count, const CodecSettings& settings);
   uint64_t (*mostPlaneBytes)(const SamplePlane& plane, uint64_t count);
@@ -119,12 +122,14 @@ struct FrameBytes {
 };
 
 class SegmentCoder;
-
 /// Frames to payloads and back, in every format. Keeps buffers from frame to frame, as many as the largest of the last frames needed
 /// (recent_need.h); one thread at a time.
 class FrameCodec {
  public:
+  /// Makes tiles of frames on the host.
   FrameCodec();
+  /// Makes them with another coder (tiled_coder.h), which nobody else uses at the same time.
+  explicit FrameCodec(TiledCoderPtr coder);
   ~FrameCodec();
   FrameCodec(FrameCodec&&) noexcept;
   FrameCodec& operator=(FrameCodec&&) noexcept;
@@ -148,6 +153,7 @@ class FrameCodec {
   /// Leaves planes out that are not known; may leave the frame half filled.
   DecodeError decodeBehindHead(PayloadFormat format, ByteReader& reader, size_t count, SampleFrame& frame, const DecodeLimits& limits);
 
+  TiledCoderPtr coder_;
   std::vector<std::unique_ptr<Codec>> codecs_;  // in the registry's order, made when first asked for
   std::unique_ptr<SegmentCoder> segments_;
   std::vector<std::span<const std::byte>> planeBytes_;  // of the frame at work

@@ -167,6 +167,6 @@ uint64_t mostPackedPlaneBytes(const SamplePlane& plane, uint64_t count) {
   return pieces * (sizeof(uint32_t) + valueBytes * kSectionHeadBytes) + count * valueBytes;
 }
 
-std::unique_ptr<Codec> makePackedCodec() { return std::make_unique<PackedCodec>(); }
+std::unique_ptr<Codec> makePackedCodec(const TiledCoderPtr&) { return std::make_unique<PackedCodec>(); }
 
 }  // namespace warpscope

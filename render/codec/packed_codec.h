@@ -9,7 +9,7 @@
 
 namespace warpscope {
 
-std::unique_ptr<Codec> makePackedCodec();
+std::unique_ptr<Codec> makePackedCodec(const TiledCoderPtr& coder);
 /// If nothing can be predicted and nothing be compressed: what sections (zstd_section.h) take as they are, and what libjpeg-turbo promises
 /// not to exceed, for each layer the whole picture.
 uint64_t mostPackedBytes(const SampleFrame& frame, uint64_t count, const CodecSettings& settings);

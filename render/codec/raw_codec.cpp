@@ -64,6 +64,6 @@ uint64_t mostRawPlaneBytes(const SamplePlane& plane, uint64_t count) {
   return count * (known > 0 ? known : kMostElementBytes);
 }
 
-std::unique_ptr<Codec> makeRawCodec() { return std::make_unique<RawCodec>(); }
+std::unique_ptr<Codec> makeRawCodec(const TiledCoderPtr&) { return std::make_unique<RawCodec>(); }
 
 }  // namespace warpscope

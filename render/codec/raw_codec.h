@@ -6,7 +6,7 @@
 
 namespace warpscope {
 
-std::unique_ptr<Codec> makeRawCodec();
+std::unique_ptr<Codec> makeRawCodec(const TiledCoderPtr& coder);
 /// All samples take the same.
 uint64_t mostRawBytes(const SampleFrame& frame, uint64_t count, const CodecSettings& settings);
 uint64_t mostRawPlaneBytes(const SamplePlane& plane, uint64_t count);

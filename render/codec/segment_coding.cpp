@@ -9,6 +9,7 @@
 #include "render/codec/color_planes.h"
 #include "render/codec/picture_bands.h"
 #include "render/codec/segment_band.h"
+#include "render/codec/tiled/tiled_coder.h"
 #include "render/codec/tiled/tiled_segments.h"
 #include "render/codec/zstd_section.h"
 #include "render/core/parallel.h"
@@ -107,13 +108,9 @@ DecodeError takeRaw(ByteReader& reader, bool hasNormals, size_t most, SampleFram
 
 }  // namespace
 
-SegmentCoder::SegmentCoder() : bands_(SharedPool<SegmentBand>::ofProcess()), tiled_(std::make_unique<TiledSegments>()) {}
+SegmentCoder::SegmentCoder(TiledCoderPtr coder) : bands_(SharedPool<SegmentBand>::ofProcess()), tiled_(std::move(coder)) {}
 SegmentCoder::~SegmentCoder() { forget(); }
-
-void SegmentCoder::forget() {
-  bands_->forget();
-  tiled_ = std::make_unique<TiledSegments>();
-}
+void SegmentCoder::forget() { bands_->forget(); }
 
 uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, const CodecSettings& settings) {
   if (marched.sample.segments == 0) return 0;
@@ -144,7 +141,7 @@ void SegmentCoder::append(std::vector<std::byte>& out, const SampleFrame& frame,
   appendLittle(out, static_cast<uint8_t>(settings.color));
   appendLittle(out, static_cast<uint8_t>(segments.normals.empty() ? 0 : 1));
   if (isRaw) return appendRaw(out, segments);
-  if (settings.format == PayloadFormat::tiled) return tiled_->append(out, frame, placement);
+  if (settings.format == PayloadFormat::tiled) return tiled_->appendSegments(out, frame, placement);
   const PictureBands bands(frame.camera);
   const std::vector<size_t> begins = beginsOf(bands, frame);
   std::vector<std::vector<std::byte>> packed(bands.count());
@@ -174,7 +171,7 @@ DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat f
     return whyInconsistent(frame);
   }
   if (format == PayloadFormat::tiled) {
-    if (DecodeError error = tiled_->take(reader, placement, hasNormals == 1, most, frame)) return error;
+    if (DecodeError error = tiled_->takeSegments(reader, placement, hasNormals == 1, most, frame)) return error;
     return whyInconsistent(frame);
   }
   const PictureBands bands(frame.camera);
@@ -216,8 +213,7 @@ DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat f
     }
   });
   if (DecodeError error = firstError()) return error;
-  if (hashOf(segments) != hash)
-    return "the segments are not those that were sent: other camera or settings than the sender's, or a machine that rounds differently";
+  if (hashOf(segments) != hash) return kOtherSegments;
   return whyInconsistent(frame);
 }
 

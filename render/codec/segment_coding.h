@@ -27,12 +27,11 @@ uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, co
 void requireConsistentSegments(const SampleFrame& frame);
 
 class SegmentBand;
-class TiledSegments;
 
 /// One thread at a time, and works on all cores itself. Buffers are those of all coders.
 class SegmentCoder {
  public:
-  SegmentCoder();
+  explicit SegmentCoder(TiledCoderPtr coder);
   ~SegmentCoder();
 
   /// Appends the frame's segments, which are consistent.
@@ -46,7 +45,7 @@ class SegmentCoder {
 
  private:
   const std::shared_ptr<SharedPool<SegmentBand>> bands_;
-  std::unique_ptr<TiledSegments> tiled_;
+  const TiledCoderPtr tiled_;
 };
 
 }  // namespace warpscope

@@ -1,5 +1,6 @@
 // What a build without CUDA says when it is asked for CUDA.
 #include "render/base/error.h"
+#include "render/codec/tiled/tiled_coder_cuda.h"
 #include "render/cuda/devices.h"
 #include "render/cuda/gl_interop.h"
 #include "render/cuda/pinned_memory.h"
@@ -29,6 +30,7 @@ std::pmr::memory_resource* pinnedMemory() { refuse(); }
 
 }  // namespace cuda
 
+TiledCoderPtr makeCudaTiledCoder() { refuse(); }
 MarcherPtr makeCudaMarcher(VolumePtr, TransferFunction) { refuse(); }
 std::unique_ptr<DevicePictureJudge> makeCudaPictureJudge(const glm::vec3&, float) { refuse(); }
 std::unique_ptr<Warp> makeCudaMultihitWarp(SphereTracing) { refuse(); }

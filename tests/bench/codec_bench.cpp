@@ -15,6 +15,8 @@
 #include "app/scene/scene.h"
 #include "render/codec/codec.h"
 #include "render/codec/jpeg.h"
+#include "render/codec/tiled/tiled_coder_cuda.h"
+#include "render/cuda/devices.h"
 #include "render/march/marcher_cpu.h"
 #include "tests/bench/bench_main.h"
 #include "tests/layered_frames.h"
@@ -74,10 +76,13 @@ double colorError(const SampleFrame& frame, const SampleFrame& decoded) {
   return std::sqrt(sum / (3.0 * static_cast<double>(frame.size())));
 }
 
-void runCodec(benchmark::State& state, const std::string& scene, const Rays& rays, const CodecSettings& settings,
+/// Who makes tiles.
+enum class Place { host, device };
+
+void runCodec(benchmark::State& state, const std::string& scene, const Rays& rays, const CodecSettings& settings, Place place,
               bool decoding) {
   const SampleFrame& frame = frameOf(scene, rays);
-  FrameCodec codec;
+  FrameCodec codec(place == Place::device ? makeCudaTiledCoder() : makeHostTiledCoder());
   const std::vector<std::byte> payload = codec.encode(frame, settings);
   SampleFrame decoded = headOf(frame);
   if (const DecodeError error = codec.decode(payload, frame.size(), decoded)) throw std::runtime_error(*error);
@@ -109,15 +114,19 @@ void runPicture(benchmark::State& state, const std::string& scene, int quality) 
 }
 
 void add(const std::string& scene, const std::string& path) {
-  const auto addFrame = [&](const Rays& rays, const std::string& frame, const CodecSettings& settings,
-                            const std::string& name) {
+  const auto addFrameAt = [&](Place place, const Rays& rays, const std::string& frame, const CodecSettings& settings,
+                              const std::string& name) {
     for (const bool decoding : {false, true})
       benchmark::RegisterBenchmark(
           (std::string(decoding ? "decode/" : "encode/") + scene + "/" + frame + "/" + name).c_str(),
-          [=](benchmark::State& state) { runCodec(state, path, rays, settings, decoding); })
+          [=](benchmark::State& state) { runCodec(state, path, rays, settings, place, decoding); })
           ->Unit(benchmark::kMillisecond)
           ->MeasureProcessCPUTime()
           ->UseRealTime();
+  };
+  const auto addFrame = [&](const Rays& rays, const std::string& frame, const CodecSettings& settings, const std::string& name) {
+    addFrameAt(Place::host, rays, frame, settings, name);
+    if (settings == kTiled && cuda::whyUnavailable().empty()) addFrameAt(Place::device, rays, frame, settings, name + "-on-device");
   };
   const auto addOne = [&](Heuristic heuristic, const CodecSettings& settings, const std::string& name) {
     addFrame({{heuristic}}, std::string(nameOf(heuristic)), settings, name);

@@ -52,22 +52,17 @@ WARPSCOPE_HD inline uint32_t ansTake(uint32_t state, uint32_t slot) { return (sl
 /// Whether a reader's state needs a word: then it is state << 16 | word.
 WARPSCOPE_HD inline bool ansWants(uint32_t state) { return state < kAnsLow; }
 
-/// Frequencies of kAnsScale in all, at least 1 of each symbol that occurs. All 0 where nothing does. `counts` and `frequencies` are of kAnsSymbols.
-WARPSCOPE_HD inline void ansScale(const uint32_t* counts, uint16_t* frequencies) {
-  uint64_t total = 0;
-  for (uint32_t s = 0; s < kAnsSymbols; ++s) total += counts[s];
+/// A symbol's frequency before rounding is made up for: 1 at least if it occurs. `total`: of all counts.
+WARPSCOPE_HD inline uint16_t ansRounded(uint32_t count, uint64_t total) {
+  if (count == 0) return 0;
+  const uint64_t share = (uint64_t{count} * kAnsScale + total / 2) / total;
+  return static_cast<uint16_t>(share == 0 ? 1 : share);
+}
+/// Makes such frequencies, of which some symbol has one, kAnsScale in all: the most frequent symbols bear best what rounding has left over or taken too much.
+WARPSCOPE_HD inline void ansEven(uint16_t* frequencies) {
   uint32_t sum = 0;
-  for (uint32_t s = 0; s < kAnsSymbols; ++s) {
-    uint64_t share = 0;
-    if (counts[s] > 0) {
-      share = (uint64_t{counts[s]} * kAnsScale + total / 2) / total;
-      if (share == 0) share = 1;
-    }
-    frequencies[s] = static_cast<uint16_t>(share);
-    sum += static_cast<uint32_t>(share);
-  }
-  // What rounding has left over or taken too much: the most frequent bear it best.
-  while (total > 0 && sum != kAnsScale) {
+  for (uint32_t s = 0; s < kAnsSymbols; ++s) sum += frequencies[s];
+  while (sum != kAnsScale) {
     uint32_t most = 0;
     for (uint32_t s = 1; s < kAnsSymbols; ++s)
       if (frequencies[s] > frequencies[most]) most = s;

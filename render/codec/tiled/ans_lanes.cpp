@@ -105,12 +105,6 @@ void AnsWriter::finish(std::vector<std::byte>& out) const {
   for (size_t i = 0; i < words; ++i) storeLittle(at + kWord * i, words_[first_ + i]);
 }
 
-bool AnsReaderModel::take(ByteReader& reader) {
-  if (!model.take(reader)) return false;
-  slots = model.slots();
-  return true;
-}
-
 AnsReader::AnsReader(std::span<const std::byte> bytes) : hasStream_(!bytes.empty()) {
   if (!hasStream_) return;
   ByteReader reader(bytes);

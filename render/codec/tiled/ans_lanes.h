@@ -40,8 +40,7 @@ struct AnsReaderModel {
   AnsModel model;
   std::vector<uint32_t> slots;
 
-  /// False if what is there is not a model.
-  bool take(ByteReader& reader);
+  explicit AnsReaderModel(const AnsModel& theModel) : model(theModel), slots(theModel.slots()) {}
 };
 
 /// Reads whatever bytes are there: past the end there are zeros, and isSound() is false.

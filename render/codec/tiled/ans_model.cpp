@@ -3,6 +3,7 @@
 #include "render/codec/tiled/ans_model.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace warpscope {
 namespace {
@@ -13,7 +14,10 @@ constexpr uint16_t kTwoBytes = 128;
 
 AnsModel AnsModel::ofCounts(std::span<const uint32_t, kAnsSymbols> counts) {
   AnsModel model;
-  ansScale(counts.data(), model.frequencies_.data());
+  const uint64_t total = std::accumulate(counts.begin(), counts.end(), uint64_t{0});
+  if (total == 0) return model;
+  for (uint32_t s = 0; s < kAnsSymbols; ++s) model.frequencies_[s] = ansRounded(counts[s], total);
+  ansEven(model.frequencies_.data());
   model.cumulate();
   return model;
 }

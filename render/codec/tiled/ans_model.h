@@ -18,7 +18,7 @@ class AnsModel {
 
   AnsModel() = default;
   static AnsModel ofCounts(std::span<const uint32_t, kAnsSymbols> counts);
-  /// As ansScale() makes them.
+  /// Of kAnsScale in all, or 0.
   static AnsModel ofFrequencies(std::span<const uint16_t, kAnsSymbols> frequencies);
 
   /// The highest symbol, then each one's frequency: below 128 in one byte, else in two.

@@ -112,8 +112,7 @@ DecodeError TiledSegments::take(ByteReader& reader, Placement placement, bool ha
       if (!work->unpack(b.sheet, static_cast<uint32_t>(tile), grid.at(static_cast<uint32_t>(tile)), b.rows.of(tile), placement, b.streams[tile], frame)) isDamaged = true;
   });
   if (isDamaged) return "a tile of segments is damaged";
-  if (hashOf(segments) != hash)
-    return "the segments are not those that were sent: other camera or settings than the sender's, or a machine that rounds differently";
+  if (hashOf(segments) != hash) return kOtherSegments;
   return std::nullopt;
 }
 

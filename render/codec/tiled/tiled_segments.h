@@ -15,6 +15,10 @@ namespace warpscope {
 /// The most bytes of `layers` layers.
 uint64_t mostTiledSegmentBytes(const Camera& camera, uint64_t layers);
 
+/// Whoever finds it differ has not the segments that were sent.
+inline constexpr const char* kOtherSegments =
+    "the segments are not those that were sent: other camera or settings than the sender's, or a machine that rounds differently";
+
 /// Keeps its buffers; one thread at a time, and works on all cores itself.
 class TiledSegments {
  public:

@@ -93,44 +93,58 @@ void appendSheet(std::vector<std::byte>& out, const SheetForm& form, std::span<c
     for (size_t tile = begin; tile < end; ++tile) packed[tile].pack(form, tiles[tile], models, writer);
   });
 
-  appendLittle(out, static_cast<uint8_t>(layers));
-  for (const AnsModel& model : models) model.append(out);
+  std::vector<uint8_t> streams;
+  std::vector<uint32_t> lengths;
   size_t total = 0;
   for (const PackedTile& tile : packed) {
-    appendLittle(out, static_cast<uint8_t>(tile.lengths.size()));
-    total += tile.bytes.size() + sizeof(uint32_t) * tile.lengths.size();
+    streams.push_back(static_cast<uint8_t>(tile.lengths.size()));
+    lengths.insert(lengths.end(), tile.lengths.begin(), tile.lengths.end());
+    total += tile.bytes.size();
   }
+  appendSheetHead(out, layers, models, streams, lengths);
   out.reserve(out.size() + total);
-  for (const PackedTile& tile : packed)
-    for (const uint32_t length : tile.lengths) appendLittle(out, length);
   for (const PackedTile& tile : packed) out.insert(out.end(), tile.bytes.begin(), tile.bytes.end());
 }
 
-DecodeError SheetReader::begin(ByteReader& reader, const SheetForm& form, uint32_t tiles, uint32_t mostLayers) {
-  form_ = form;
-  const auto layers = reader.take<uint8_t>();
+void appendSheetHead(std::vector<std::byte>& out, uint32_t layers, std::span<const AnsModel> models, std::span<const uint8_t> streamsOfTiles, std::span<const uint32_t> lengths) {
+  appendLittle(out, static_cast<uint8_t>(layers));
+  for (const AnsModel& model : models) model.append(out);
+  for (const uint8_t streams : streamsOfTiles) appendLittle(out, streams);
+  for (const uint32_t length : lengths) appendLittle(out, length);
+}
+
+DecodeError SheetHead::take(ByteReader& reader, const SheetForm& theForm, uint32_t tiles, uint32_t mostLayers) {
+  form = theForm;
+  layers = reader.take<uint8_t>();
   if (layers > mostLayers) return "the tiles have more layers than the frame's rays have";
-  models_.resize(form.shapes + size_t{layers} * form.planes());
-  for (AnsReaderModel& model : models_)
+  models.resize(form.shapes + size_t{layers} * form.planes());
+  for (AnsModel& model : models)
     if (!model.take(reader)) return "a model of the tiles is damaged";
-  starts_.assign(1, 0);
+  starts.assign(1, 0);
   for (uint32_t tile = 0; tile < tiles; ++tile) {
     const auto own = reader.take<uint8_t>();
     if (own > std::max<uint32_t>(layers, 1)) return "a tile has more streams than there are layers";
-    starts_.push_back(starts_.back() + own);
+    starts.push_back(starts.back() + own);
   }
-  if (reader.left() / sizeof(uint32_t) < starts_.back()) return "the tiles end within the list of their streams";
-  ByteReader lengths(reader.take(sizeof(uint32_t) * starts_.back()));
-  streams_.clear();
-  for (uint32_t stream = 0; stream < starts_.back(); ++stream) streams_.push_back(reader.take(lengths.take<uint32_t>()));
+  if (reader.left() / sizeof(uint32_t) < starts.back()) return "the tiles end within the list of their streams";
+  ByteReader lengths(reader.take(sizeof(uint32_t) * starts.back()));
+  streams.clear();
+  for (uint32_t stream = 0; stream < starts.back(); ++stream) streams.push_back(reader.take(lengths.take<uint32_t>()));
   if (reader.ranOut() || reader.left() > 0) return "the streams of the tiles have other lengths than their list says";
   return std::nullopt;
 }
 
+DecodeError SheetReader::begin(ByteReader& reader, const SheetForm& form, uint32_t tiles, uint32_t mostLayers) {
+  if (DecodeError error = head_.take(reader, form, tiles, mostLayers)) return error;
+  models_.clear();
+  for (const AnsModel& model : head_.models) models_.emplace_back(model);
+  return std::nullopt;
+}
+
 bool SheetReader::takeLayer(AnsReader& stream, uint32_t layer, size_t size, SheetLayer& planes) const {
-  planes.resize(form_, size);
-  for (uint32_t plane = 0; plane < form_.numbers && size > 0; ++plane) stream.takeNumbers(number(layer, plane), planes.number(plane));
-  for (uint32_t plane = 0; plane < form_.bytes && size > 0; ++plane) stream.takeBytes(byte(layer, plane), planes.byte(plane));
+  planes.resize(head_.form, size);
+  for (uint32_t plane = 0; plane < head_.form.numbers && size > 0; ++plane) stream.takeNumbers(number(layer, plane), planes.number(plane));
+  for (uint32_t plane = 0; plane < head_.form.bytes && size > 0; ++plane) stream.takeBytes(byte(layer, plane), planes.byte(plane));
   return stream.isSound();
 }
 

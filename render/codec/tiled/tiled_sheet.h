@@ -23,7 +23,7 @@ struct SheetForm {
   uint32_t shapes = 1;  ///< 1 or 2
   uint32_t numbers = 0, bytes = 0;  ///< planes of a layer
 
-  uint32_t planes() const { return numbers + bytes; }
+  WARPSCOPE_HD constexpr uint32_t planes() const { return numbers + bytes; }
 };
 
 /// A layer of a tile: planes one after the other.
@@ -62,27 +62,39 @@ uint64_t mostSheetBytes(const SheetForm& form, const TileGrid& grid, uint64_t sh
 void appendSheet(std::vector<std::byte>& out, const SheetForm& form, std::span<const SheetTile> tiles);
 
 /// What bytes say before their streams are read.
+struct SheetHead {
+  SheetForm form;
+  uint32_t layers = 0;
+  std::vector<AnsModel> models;  ///< of shapes, then of each layer's planes
+  std::vector<uint32_t> starts;  ///< of each tile's streams, and the end
+  std::vector<std::span<const std::byte>> streams;  ///< one behind the other
+
+  uint32_t streamsOf(uint32_t tile) const { return starts[tile + 1] - starts[tile]; }
+  /// Reads all that is left. The bytes must stay.
+  DecodeError take(ByteReader& reader, const SheetForm& theForm, uint32_t tiles, uint32_t mostLayers);
+};
+/// The same as bytes, but for the streams, whose lengths are given.
+void appendSheetHead(std::vector<std::byte>& out, uint32_t layers, std::span<const AnsModel> models, std::span<const uint8_t> streamsOfTiles, std::span<const uint32_t> lengths);
+
 class SheetReader {
  public:
-  /// Reads all that is left. The bytes must stay.
+  /// As SheetHead::take.
   DecodeError begin(ByteReader& reader, const SheetForm& form, uint32_t tiles, uint32_t mostLayers);
 
-  uint32_t streams(uint32_t tile) const { return starts_[tile + 1] - starts_[tile]; }
+  uint32_t streams(uint32_t tile) const { return head_.streamsOf(tile); }
   /// A layer below streams().
-  AnsReader stream(uint32_t tile, uint32_t layer) const { return AnsReader(streams_[starts_[tile] + layer]); }
+  AnsReader stream(uint32_t tile, uint32_t layer) const { return AnsReader(head_.streams[head_.starts[tile] + layer]); }
 
   const AnsReaderModel& shape(uint32_t plane) const { return models_[plane]; }
   /// Of a layer below streams() of any tile.
-  const AnsReaderModel& number(uint32_t layer, uint32_t plane) const { return models_[form_.shapes + layer * form_.planes() + plane]; }
-  const AnsReaderModel& byte(uint32_t layer, uint32_t plane) const { return number(layer, form_.numbers + plane); }
+  const AnsReaderModel& number(uint32_t layer, uint32_t plane) const { return models_[head_.form.shapes + layer * head_.form.planes() + plane]; }
+  const AnsReaderModel& byte(uint32_t layer, uint32_t plane) const { return number(layer, head_.form.numbers + plane); }
   /// Reads the planes of a layer that has `size` values; the stream is where they begin. False if the stream does not end behind them, or is damaged.
   bool takeLayer(AnsReader& stream, uint32_t layer, size_t size, SheetLayer& planes) const;
 
  private:
-  SheetForm form_;
+  SheetHead head_;
   std::vector<AnsReaderModel> models_;
-  std::vector<uint32_t> starts_;  // of each tile's streams, and the end
-  std::vector<std::span<const std::byte>> streams_;
 };
 
 }  // namespace warpscope

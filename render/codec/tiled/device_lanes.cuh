@@ -1,0 +1,138 @@
+// A stream of words on a device: a warp's threads are its lanes. All of them must call. The same stream as ans_lanes.h.
+#pragma once
+
+#include <cstdint>
+
+#include "render/codec/tiled/ans.h"
+#include "render/codec/tiled/device_sheet.h"
+#include "render/codec/tokens.h"
+#include "render/cuda/warp_reduce.cuh"
+
+namespace warpscope {
+
+static_assert(kAnsLanes == 32, "a lane is a thread of a warp");
+
+__device__ inline uint32_t lanesBelow() {
+  uint32_t mask;
+  asm("mov.u32 %0, %%lanemask_lt;" : "=r"(mask));
+  return mask;
+}
+
+/// Goes from the last symbol to the first, and from the end of its room to the front.
+class WarpWriter {
+ public:
+  __device__ explicit WarpWriter(uint16_t* end) : at_(end) {}
+
+  __device__ void put(const AnsShare& share, bool isActive) {
+    uint16_t word = 0;
+    give(isActive && ansGives(state_, share, word), word);
+    if (isActive) state_ = ansPut(state_, share);
+  }
+  /// The lower `count` bits, at most kAnsRestBits; none where there are none.
+  __device__ void putBits(uint32_t bits, uint32_t count) {
+    uint16_t word = 0;
+    give(count > 0 && ansGivesForBits(state_, count, word), word);
+    if (count > 0) state_ = ansPutBits(state_, bits & ((1u << count) - 1), count);
+  }
+  __device__ uint32_t state() const { return state_; }
+  __device__ uint16_t* begin() const { return at_; }
+
+ private:
+  __device__ void give(bool gives, uint16_t word) {
+    const uint32_t giving = __ballot_sync(kAllLanes, gives);
+    at_ -= __popc(giving);
+    if (gives) at_[__popc(giving & lanesBelow())] = word;
+  }
+
+  uint32_t state_ = kAnsLow;
+  uint16_t* at_;
+};
+
+/// Past the end there are zeros, and isSound() is false.
+class WarpReader {
+ public:
+  /// From its beginning, of `bytes` bytes: an even number, none if it has no words.
+  __device__ WarpReader(const uint16_t* stream, uint32_t bytes) : words_(stream + 2 * kAnsLanes), hasStream_(bytes > 0) {
+    constexpr uint32_t kStateBytes = kAnsLanes * 4;
+    if (bytes < kStateBytes) {
+      isBad_ = hasStream_;
+      return;
+    }
+    const uint32_t lane = threadIdx.x % 32;
+    at_.state = stream[2 * lane] | static_cast<uint32_t>(stream[2 * lane + 1]) << 16;
+    isBad_ = ansWants(at_.state);
+    count_ = (bytes - kStateBytes) / 2;
+  }
+
+  /// Fills `symbols` of a model whose slots are `slots`.
+  template <class T>
+  __device__ void take(const uint32_t* slots, T* symbols, uint32_t size) {
+    const uint32_t lane = threadIdx.x % 32;
+    for (uint32_t begin = 0; begin < size; begin += 32) {
+      const bool isActive = begin + lane < size;
+      uint32_t value = 0;
+      if (isActive) {
+        const uint32_t slot = __ldg(slots + (at_.state & (kAnsScale - 1)));
+        value = ansSymbolOf(slot);
+        at_.state = ansTake(at_.state, slot);
+      }
+      refill(isActive);
+      if constexpr (sizeof(T) > 1) value = takeRest(value);
+      if (isActive) symbols[begin + lane] = static_cast<T>(value);
+    }
+  }
+  /// Fills `numbers` of a model that has one token alone.
+  __device__ void takeRests(uint32_t token, uint32_t* numbers, uint32_t size) {
+    const uint32_t lane = threadIdx.x % 32;
+    for (uint32_t begin = 0; begin < size; begin += 32) {
+      const bool isActive = begin + lane < size;
+      const uint32_t value = takeRest(isActive ? token : 0);
+      if (isActive) numbers[begin + lane] = value;
+    }
+  }
+
+  __device__ bool hasStream() const { return hasStream_; }
+  __device__ void blame() { isBad_ = true; }
+  __device__ bool isBad() const { return isBad_; }
+  __device__ bool isSound() const {
+    return __all_sync(kAllLanes, !isBad_ && at_.next == count_ && (!hasStream_ || at_.state == kAnsLow));
+  }
+  __device__ LaneState state() const { return at_; }
+  /// Goes on where an earlier reader of the stream was.
+  __device__ void goOnAt(const LaneState& at) { at_ = at; }
+
+ private:
+  __device__ void refill(bool isActive) {
+    const bool wants = isActive && ansWants(at_.state);
+    const uint32_t wanting = __ballot_sync(kAllLanes, wants);
+    if (wants) {
+      const uint32_t place = at_.next + __popc(wanting & lanesBelow());
+      const bool isThere = place < count_;
+      at_.state = at_.state << 16 | (isThere ? __ldg(words_ + place) : 0u);
+      isBad_ |= !isThere;
+    }
+    at_.next = min(at_.next + __popc(wanting), count_);
+  }
+  /// A token's number.
+  __device__ uint32_t takeRest(uint32_t token) {
+    const uint32_t bits = restBits(token);
+    if (!__any_sync(kAllLanes, bits > 0)) return token;
+    const uint32_t first = min(bits, kAnsRestBits), second = bits - first;
+    uint32_t rest = at_.state & ((1u << first) - 1);
+    at_.state >>= first;
+    refill(first > 0);
+    if (__any_sync(kAllLanes, second > 0)) {
+      rest |= (at_.state & ((1u << second) - 1)) << kAnsRestBits;
+      at_.state >>= second;
+      refill(second > 0);
+    }
+    return valueOf(token, rest);
+  }
+
+  const uint16_t* words_;
+  uint32_t count_ = 0;
+  LaneState at_;
+  bool hasStream_, isBad_ = false;
+};
+
+}  // namespace warpscope

@@ -1,0 +1,340 @@
+// Counts, masks, models, streams: writing. Reading: device_sheet_reading.cu.
+// See device_sheet.h.
+#include "render/codec/tiled/device_sheet.h"
+
+#include <cub/device/device_scan.cuh>
+
+#include <algorithm>
+#include <cstring>
+
+#include "render/codec/tiled/device_lanes.cuh"
+#include "render/codec/tiled/tile_threads.cuh"
+#include "render/cuda/pinned_memory.h"
+
+namespace warpscope {
+namespace {
+
+constexpr uint32_t kMostLayers = 32;  // that a byte of a pixel's counts says
+
+/// Words that a value, and a tile's shapes, take at most (mostSheetBytes).
+__host__ __device__ uint32_t valueWords(const SheetForm& form) { return (form.planes() * (kAnsBits + 1) + form.numbers * kMostTokenBits + 15) / 16; }
+__host__ __device__ uint32_t shapeWords(const SheetForm& form) { return form.shapes * (kTilePixels * (kAnsBits + 1) / 16); }
+/// Behind the room of a stream.
+__host__ __device__ size_t endOfRoom(const SheetView& view, uint32_t stream) {
+  return size_t{view.begins[stream + 1]} * valueWords(view.form) + size_t{stream / view.layers + 1} * shapeWords(view.form) + size_t{stream + 1} * 2;
+}
+
+/// A block for each tile, a thread for each column. `layersUsed`: of any tile.
+__global__ void __launch_bounds__(kTileWidth) countTiles(SheetView view, uint32_t* layersUsed) {
+  __shared__ uint32_t sizes[kMostLayers], rows[kTileHeight];
+  const TileRect rect = view.grid.at(blockIdx.x);
+  const uint32_t x = threadIdx.x;
+  if (x < kMostLayers) sizes[x] = 0;
+  if (x < kTileHeight) rows[x] = 0;
+  __syncthreads();
+  for (uint32_t y = 0; y < rect.height; ++y) {
+    const uint32_t count = x < rect.width ? view.counts[view.pixel(rect, x, y)] : 0;
+    uint32_t sum = 0;
+    for (uint32_t layer = 0; layer < view.layers; ++layer) {
+      const uint32_t covered = __popc(__ballot_sync(kAllLanes, count > layer));
+      if (covered == 0) break;
+      sum += covered;
+      if (x % 32 == 0) atomicAdd(&sizes[layer], covered);
+    }
+    if (x % 32 == 0 && sum > 0) atomicAdd(&rows[y], sum);
+  }
+  __syncthreads();
+  if (x < view.layers) {
+    view.begins[blockIdx.x * view.layers + x] = sizes[x];
+    if (sizes[x] > 0) atomicMax(layersUsed, x + 1);
+  }
+  if (x < rect.height) view.rowBegins[size_t{rect.y0 + x} * view.grid.columns() + blockIdx.x % view.grid.columns()] = rows[x];
+}
+
+/// What the byte of a mask at a place is.
+__device__ uint32_t maskByte(const SheetView& view, const TileRect& rect, uint32_t byte, uint32_t y) {
+  uint32_t bits = 0;
+  for (uint32_t i = 0; i < 8; ++i)
+    if (8 * byte + i < rect.width && view.counts[view.pixel(rect, 8 * byte + i, y)] > 0) bits |= 1u << i;
+  return bits;
+}
+
+/// A block for each tile.
+__global__ void putMasks(SheetView view) {
+  const uint32_t tile = blockIdx.x;
+  const TileRect rect = view.grid.at(tile);
+  const uint32_t rowBytes = rect.maskRowBytes();
+  uint8_t* const shape = view.shape(0, tile);
+  for (uint32_t i = threadIdx.x; i < rowBytes * rect.height; i += blockDim.x) {
+    const uint32_t y = i / rowBytes, byte = i % rowBytes;
+    shape[i] = static_cast<uint8_t>(maskByte(view, rect, byte, y) ^ (y > 0 ? maskByte(view, rect, byte, y - 1) : 0));
+  }
+  if (threadIdx.x == 0) {
+    uint32_t streams = 0;
+    while (streams < view.layers && view.sizeOf(tile * view.layers + streams) > 0) ++streams;
+    view.streams[tile] = static_cast<uint8_t>(streams);
+  }
+}
+
+/// How many further layers covered pixels have. A warp for each tile.
+__global__ void putFurther(SheetView view) {
+  const uint32_t tile = blockIdx.x;
+  uint8_t* const shape = view.shape(1, tile);
+  uint32_t last = 0;
+  forCovered(view, view.grid.at(tile), [&](size_t pixel, bool isCovered, uint32_t covered, uint32_t rank) {
+    const uint32_t further = isCovered ? view.counts[pixel] - 1u : 0;
+    const uint32_t others = covered & lanesBelow();
+    const uint32_t beside = __shfl_sync(kAllLanes, further, others != 0 ? 31 - __clz(static_cast<int>(others)) : 0);
+    if (isCovered) shape[rank] = static_cast<uint8_t>(further ^ (others != 0 ? beside : last));
+    last = __shfl_sync(kAllLanes, further, 31 - __clz(static_cast<int>(covered)));
+  });
+}
+
+/// A block for each stream: how often each symbol of each model occurs.
+__global__ void __launch_bounds__(256) countSymbols(SheetView view, uint32_t* histograms) {
+  __shared__ uint32_t counts[kAnsSymbols];
+  const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers;
+  if (layer >= view.streams[tile]) return;
+  const auto add = [&](uint32_t model, uint32_t size, const auto& symbolAt) {
+    counts[threadIdx.x] = 0;
+    __syncthreads();
+    for (uint32_t begin = 0; begin < size; begin += blockDim.x) {
+      const uint32_t i = begin + threadIdx.x;
+      const uint32_t symbol = i < size ? symbolAt(i) : kAnsSymbols;
+      const uint32_t zeros = __ballot_sync(kAllLanes, symbol == 0);  // by far the most: one addition for all of a warp
+      if (threadIdx.x % 32 == 0 && zeros != 0) atomicAdd(&counts[0], static_cast<uint32_t>(__popc(zeros)));
+      if (symbol - 1 < kAnsSymbols - 1) atomicAdd(&counts[symbol], 1u);
+    }
+    __syncthreads();
+    if (counts[threadIdx.x] > 0) atomicAdd(&histograms[model * kAnsSymbols + threadIdx.x], counts[threadIdx.x]);
+  };
+  if (layer == 0)
+    for (uint32_t shape = 0; shape < view.form.shapes; ++shape) {
+      const uint8_t* const symbols = view.shape(shape, tile);
+      add(shape, view.shapeSize(shape, tile), [symbols](uint32_t i) { return symbols[i]; });
+    }
+  for (uint32_t plane = 0; plane < view.form.numbers; ++plane) {
+    const uint32_t* const numbers = view.number(plane, stream);
+    add(view.modelOf(layer, plane), view.sizeOf(stream), [numbers](uint32_t i) { return tokenOf(numbers[i]); });
+  }
+  for (uint32_t plane = 0; plane < view.form.bytes; ++plane) {
+    const uint8_t* const bytes = view.byte(plane, stream);
+    add(view.modelOf(layer, view.form.numbers + plane), view.sizeOf(stream), [bytes](uint32_t i) { return bytes[i]; });
+  }
+}
+
+/// A block for each model. `shares`: start and, above 16 bits, frequency of each symbol.
+__global__ void __launch_bounds__(kAnsSymbols) scaleModels(const uint32_t* histograms, uint16_t* frequencies, uint32_t* shares) {
+  __shared__ uint16_t own[kAnsSymbols];
+  __shared__ uint32_t warpTotals[kAnsSymbols / 32], starts[kAnsSymbols];
+  const uint32_t symbol = threadIdx.x, count = histograms[blockIdx.x * kAnsSymbols + symbol];
+  const uint32_t warpTotal = __reduce_add_sync(kAllLanes, count);
+  if (symbol % 32 == 0) warpTotals[symbol / 32] = warpTotal;
+  __syncthreads();
+  uint64_t total = 0;
+  for (const uint32_t each : warpTotals) total += each;
+  own[symbol] = total > 0 ? ansRounded(count, total) : 0;
+  __syncthreads();
+  if (symbol == 0) {
+    if (total > 0) ansEven(own);
+    uint32_t start = 0;
+    for (uint32_t s = 0; s < kAnsSymbols; ++s) {
+      starts[s] = start;
+      start += own[s];
+    }
+  }
+  __syncthreads();
+  frequencies[blockIdx.x * kAnsSymbols + symbol] = own[symbol];
+  shares[blockIdx.x * kAnsSymbols + symbol] = starts[symbol] | static_cast<uint32_t>(own[symbol]) << 16;
+}
+
+/// A warp for each stream. Words go to the stream's room; `offsets`: where in it they begin.
+__global__ void __launch_bounds__(32) writeStreams(SheetView view, const uint32_t* shares, uint16_t* words, uint32_t* firstWords, uint32_t* states, uint32_t* lengths) {
+  __shared__ uint32_t own[kAnsSymbols];
+  const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers, lane = threadIdx.x;
+  if (lane == 0) lengths[stream] = 0;
+  if (layer >= view.streams[tile]) return;
+  const uint32_t size = view.sizeOf(stream);
+  uint16_t* const end = words + endOfRoom(view, stream);
+  WarpWriter writer(end);
+  const auto begin = [&](uint32_t model) {
+    __syncwarp();
+    for (uint32_t s = lane; s < kAnsSymbols; s += 32) own[s] = shares[model * kAnsSymbols + s];
+    __syncwarp();
+  };
+  const auto put = [&](uint32_t symbol, bool isActive) {
+    const uint32_t share = own[symbol];
+    if (!__any_sync(kAllLanes, isActive && share >> 16 < kAnsScale)) return;  // the only symbol
+    writer.put({share & 0xffff, share >> 16}, isActive);
+  };
+  const auto putBytes = [&](uint32_t model, const uint8_t* symbols, uint32_t count) {
+    begin(model);
+    for (uint32_t step = (count + 31) / 32; step-- > 0;) {
+      const uint32_t i = step * 32 + lane;
+      put(i < count ? symbols[i] : 0, i < count);
+    }
+  };
+  for (uint32_t plane = view.form.bytes; plane-- > 0;) putBytes(view.modelOf(layer, view.form.numbers + plane), view.byte(plane, stream), size);
+  for (uint32_t plane = view.form.numbers; plane-- > 0;) {
+    begin(view.modelOf(layer, plane));
+    const uint32_t* const numbers = view.number(plane, stream);
+    for (uint32_t step = (size + 31) / 32; step-- > 0;) {
+      const uint32_t i = step * 32 + lane;
+      const uint32_t number = i < size ? numbers[i] : 0, token = tokenOf(number), rest = restBits(token);
+      if (__any_sync(kAllLanes, rest > 0)) {
+        const uint32_t first = min(rest, kAnsRestBits);
+        if (__any_sync(kAllLanes, rest > first)) writer.putBits(number >> kAnsRestBits, rest - first);
+        writer.putBits(number, first);
+      }
+      put(token, i < size);
+    }
+  }
+  if (layer == 0)
+    for (uint32_t shape = view.form.shapes; shape-- > 0;) putBytes(shape, view.shape(shape, tile), view.shapeSize(shape, tile));
+  states[stream * 32 + lane] = writer.state();
+  const bool isEmpty = writer.begin() == end && __all_sync(kAllLanes, writer.state() == kAnsLow);
+  if (lane != 0) return;
+  firstWords[stream] = static_cast<uint32_t>(end - writer.begin());
+  lengths[stream] = isEmpty ? 0 : static_cast<uint32_t>(kAnsStateBytes + 2 * (end - writer.begin()));
+}
+
+/// A block for each stream.
+__global__ void gatherStreams(SheetView view, const uint16_t* words, const uint32_t* wordCounts, const uint32_t* states, const uint32_t* lengths, const uint32_t* offsets,
+                              uint16_t* out) {
+  const uint32_t stream = blockIdx.x;
+  if (lengths[stream] == 0) return;
+  uint16_t* const own = out + offsets[stream] / 2;
+  const uint16_t* const from = words + endOfRoom(view, stream) - wordCounts[stream];
+  if (threadIdx.x < 2 * kAnsLanes) own[threadIdx.x] = static_cast<uint16_t>(states[stream * kAnsLanes + threadIdx.x / 2] >> 16 * (threadIdx.x % 2));
+  for (uint32_t i = threadIdx.x; i < wordCounts[stream]; i += blockDim.x) own[2 * kAnsLanes + i] = from[i];
+}
+
+}  // namespace
+
+DeviceSheet::DeviceSheet(cudaStream_t stream) : stream_(stream), host_(TransferAllocator<std::byte>(cuda::pinnedMemory())) {}
+
+const SheetView& DeviceSheet::begin(const TileGrid& grid, const SheetForm& form, uint32_t layers, bool hasMasks) {
+  const size_t pixels = size_t{grid.width} * grid.height, tiles = grid.count();
+  view_ = {grid, form, std::clamp(layers, 1u, kMostLayers - 1), hasMasks};
+  const size_t streams = tiles * view_.layers;
+  counts_.reserve(pixels);
+  begins_.reserve(streams + 1);
+  rowBegins_.reserve(size_t{grid.height} * grid.columns() + 1);
+  streams_.reserve(tiles);
+  for (uint32_t shape = 0; shape < form.shapes; ++shape) shapes_[shape].reserve(tiles * kTilePixels);
+  constexpr size_t kFlags = 2;  // SheetFlag; layers that there are
+  flags_.reserve(kFlags);
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(flags_.data(), 0, kFlags * sizeof(uint32_t), stream_));
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(counts_.data(), 0, pixels, stream_));
+  view_.counts = counts_.data();
+  view_.begins = begins_.data();
+  view_.rowBegins = rowBegins_.data();
+  view_.streams = streams_.data();
+  view_.shapes[0] = shapes_[0].data();
+  view_.shapes[1] = shapes_[1].data();
+  view_.flags = flags_.data();
+  return view_;
+}
+
+const SheetView& DeviceSheet::reserveValues(uint32_t values) {
+  numbers_.reserve(size_t{values} * view_.form.numbers);
+  bytes_.reserve(size_t{values} * view_.form.bytes);
+  view_.values = values;
+  view_.numbers = numbers_.data();
+  view_.bytes = bytes_.data();
+  return view_;
+}
+
+void DeviceSheet::count() {
+  countTiles<<<view_.tiles(), kTileWidth, 0, stream_>>>(view_, view_.flags + 1);
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  const auto scan = [&](uint32_t* values, size_t count) {
+    WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(values + count, 0, sizeof(uint32_t), stream_));
+    cuda::withScratch(scratch_, [&](void* scratch, size_t& bytes) { return cub::DeviceScan::ExclusiveSum(scratch, bytes, values, values, static_cast<int>(count + 1), stream_); });
+  };
+  scan(view_.begins, size_t{view_.tiles()} * view_.layers);
+  scan(view_.rowBegins, size_t{view_.grid.height} * view_.grid.columns());
+}
+
+void DeviceSheet::makeMasks() {
+  putMasks<<<view_.tiles(), 256, 0, stream_>>>(view_);
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  if (view_.form.shapes < 2) return;
+  putFurther<<<view_.tiles(), 32, 0, stream_>>>(view_);
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+}
+
+void DeviceSheet::append(std::vector<std::byte>& out) {
+  const uint32_t streams = view_.tiles() * view_.layers, models = view_.models();
+  histograms_.reserve(size_t{models} * kAnsSymbols);
+  frequencies_.reserve(size_t{models} * kAnsSymbols);
+  shares_.reserve(size_t{models} * kAnsSymbols);
+  states_.reserve(size_t{streams} * kAnsLanes);
+  wordCounts_.reserve(streams);
+  lengths_.reserve(streams + 1);
+  offsets_.reserve(streams + 1);
+  const size_t room = size_t{view_.values} * valueWords(view_.form) + size_t{view_.tiles()} * shapeWords(view_.form) + size_t{streams} * 2;
+  words_.reserve(room);
+  packed_.reserve(room + size_t{streams} * 2 * kAnsLanes);
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(histograms_.data(), 0, size_t{models} * kAnsSymbols * sizeof(uint32_t), stream_));
+  countSymbols<<<streams, 256, 0, stream_>>>(view_, histograms_.data());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  scaleModels<<<models, kAnsSymbols, 0, stream_>>>(histograms_.data(), frequencies_.data(), shares_.data());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  writeStreams<<<streams, 32, 0, stream_>>>(view_, shares_.data(), words_.data(), wordCounts_.data(), states_.data(), lengths_.data());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(lengths_.data() + streams, 0, sizeof(uint32_t), stream_));
+  cuda::withScratch(scratch_, [&](void* scratch, size_t& bytes) {
+    return cub::DeviceScan::ExclusiveSum(scratch, bytes, lengths_.data(), offsets_.data(), static_cast<int>(streams + 1), stream_);
+  });
+  gatherStreams<<<streams, 256, 0, stream_>>>(view_, words_.data(), wordCounts_.data(), states_.data(), lengths_.data(), offsets_.data(), packed_.data());
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+
+  // Heads first: they say how much is behind.
+  const size_t frequencyBytes = size_t{models} * kAnsSymbols * sizeof(uint16_t), lengthBytes = size_t{streams} * sizeof(uint32_t);
+  host_.resize(frequencyBytes + lengthBytes + 2 * sizeof(uint32_t) + view_.tiles());
+  std::byte* at = host_.data();
+  const auto fetch = [&](const void* from, size_t bytes) {
+    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(at, from, bytes, cudaMemcpyDeviceToHost, stream_));
+    at += bytes;
+  };
+  fetch(frequencies_.data(), frequencyBytes);
+  fetch(lengths_.data(), lengthBytes);
+  fetch(offsets_.data() + streams, sizeof(uint32_t));
+  fetch(view_.flags + 1, sizeof(uint32_t));
+  fetch(view_.streams, view_.tiles());
+  WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream_));
+  at = host_.data() + frequencyBytes;
+  std::vector<uint32_t> lengths(streams);
+  std::memcpy(lengths.data(), at, lengthBytes);
+  uint32_t packedBytes, layers;
+  std::memcpy(&packedBytes, at + lengthBytes, sizeof packedBytes);
+  std::memcpy(&layers, at + lengthBytes + sizeof packedBytes, sizeof layers);
+  std::vector<uint8_t> ofTiles(view_.tiles());
+  std::memcpy(ofTiles.data(), at + lengthBytes + 2 * sizeof(uint32_t), ofTiles.size());
+  std::vector<AnsModel> ansModels;
+  std::array<uint16_t, kAnsSymbols> frequencies;
+  for (uint32_t model = 0; model < view_.form.shapes + layers * view_.form.planes(); ++model) {
+    std::memcpy(frequencies.data(), host_.data() + model * sizeof frequencies, sizeof frequencies);
+    ansModels.push_back(AnsModel::ofFrequencies(frequencies));
+  }
+  std::vector<uint32_t> used;
+  for (uint32_t tile = 0; tile < view_.tiles(); ++tile)
+    for (uint32_t layer = 0; layer < ofTiles[tile]; ++layer) used.push_back(lengths[tile * view_.layers + layer]);
+  appendSheetHead(out, layers, ansModels, ofTiles, used);
+  host_.resize(packedBytes);
+  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(host_.data(), packed_.data(), packedBytes, cudaMemcpyDeviceToHost, stream_));
+  WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream_));
+  out.insert(out.end(), host_.begin(), host_.end());
+}
+
+uint32_t DeviceSheet::flags() { return fetched(view_.flags); }
+uint32_t DeviceSheet::total() { return fetched(view_.begins + size_t{view_.tiles()} * view_.layers); }
+
+uint32_t DeviceSheet::fetched(const uint32_t* value) {
+  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(value_.data(), value, sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
+  WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream_));
+  return *value_;
+}
+
+}  // namespace warpscope

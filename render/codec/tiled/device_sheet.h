@@ -1,0 +1,115 @@
+// The tiles of a picture on a device, between values and bytes: the same bytes as tiled_sheet.h. For .cu files and what they include.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "render/codec/tiled/ans.h"
+#include "render/codec/tiled/tile_grid.h"
+#include "render/codec/tiled/tiled_sheet.h"
+#include "render/core/transfer_vector.h"
+#include "render/cuda/memory.h"
+
+namespace warpscope {
+
+inline constexpr uint32_t kTilePixels = kTileWidth * kTileHeight;
+
+/// Where things are in device memory. Plain data. Streams: layer l of tile t is stream t * layers + l.
+struct SheetView {
+  TileGrid grid;
+  SheetForm form;
+  uint32_t layers = 1;  ///< that there is room for
+  bool hasMasks = false;  ///< the first shape has a bit a pixel, else a byte
+  uint32_t values = 0;    ///< of each plane, in all
+  uint8_t* counts = nullptr;        ///< layers of each pixel of the picture
+  uint32_t* begins = nullptr;       ///< of each stream among all values, and the end
+  uint32_t* rowBegins = nullptr;    ///< of each row of each tile among the frame's values, row by row of the picture, and the end
+  uint8_t* streams = nullptr;       ///< of each tile
+  uint8_t* shapes[2] = {};          ///< kTilePixels for each tile
+  uint32_t* numbers = nullptr;      ///< planes of `values`
+  uint8_t* bytes = nullptr;         ///< likewise
+  uint32_t* flags = nullptr;        ///< SheetFlag
+
+  WARPSCOPE_HD uint32_t tiles() const { return grid.count(); }
+  WARPSCOPE_HD uint32_t sizeOf(uint32_t stream) const { return begins[stream + 1] - begins[stream]; }
+  /// Whether there are as many values as there is room for.
+  WARPSCOPE_HD bool isFull() const { return begins[tiles() * layers] == values; }
+  WARPSCOPE_HD uint8_t* shape(uint32_t plane, uint32_t tile) const { return shapes[plane] + size_t{tile} * kTilePixels; }
+  WARPSCOPE_HD uint32_t shapeSize(uint32_t plane, uint32_t tile) const {
+    const TileRect rect = grid.at(tile);
+    if (plane > 0) return sizeOf(tile * layers);
+    return hasMasks ? rect.maskRowBytes() * rect.height : rect.pixels();
+  }
+  WARPSCOPE_HD uint32_t modelOf(uint32_t layer, uint32_t plane) const { return form.shapes + layer * form.planes() + plane; }
+  WARPSCOPE_HD uint32_t models() const { return form.shapes + layers * form.planes(); }
+  WARPSCOPE_HD uint32_t* number(uint32_t plane, uint32_t stream) const { return numbers + size_t{plane} * values + begins[stream]; }
+  WARPSCOPE_HD uint8_t* byte(uint32_t plane, uint32_t stream) const { return bytes + size_t{plane} * values + begins[stream]; }
+  WARPSCOPE_HD size_t pixel(const TileRect& rect, uint32_t x, uint32_t y) const { return size_t{rect.y0 + y} * grid.width + rect.x0 + x; }
+  WARPSCOPE_HD uint32_t rowBegin(const TileRect& rect, uint32_t y) const { return rowBegins[size_t{rect.y0 + y} * grid.columns() + rect.x0 / kTileWidth]; }
+};
+
+/// Where a stream's bytes are among all.
+struct StreamRead {
+  uint32_t offset = 0, length = 0;
+};
+
+/// What a lane knows of a stream while it is read: kept between kernels.
+struct LaneState {
+  uint32_t state = kAnsLow;
+  uint32_t next = 0;  ///< word; the same of all lanes
+};
+
+/// What is wrong with bytes that were read.
+enum SheetFlag : uint32_t {
+  kDamagedShapes = 1,
+  kDamagedStreams = 2,
+};
+
+/// One picture at a time; keeps its buffers. All work is put into the stream that it was made with.
+class DeviceSheet {
+ public:
+  explicit DeviceSheet(cudaStream_t stream);
+
+  /// Makes room. Counts are zeros, nothing is known of streams.
+  const SheetView& begin(const TileGrid& grid, const SheetForm& form, uint32_t layers, bool hasMasks);
+  /// Makes room for values, which count() has not found yet or says.
+  const SheetView& reserveValues(uint32_t values);
+  const SheetView& view() const { return view_; }
+
+  /// Finds where streams and rows begin, from counts.
+  void count();
+  /// How many values there are, after count(). Waits.
+  uint32_t total();
+
+  /// From masks as counts are (and how many further layers there are, where there are two shapes). For rays their bytes are the shapes' already, as are `streams`.
+  void makeMasks();
+  /// Appends the sheet, whose planes and shapes are there. Waits.
+  void append(std::vector<std::byte>& out);
+
+  /// Begins to read. False if the streams are none that can be.
+  bool upload(const SheetHead& head);
+  /// Counts of each pixel; `rays`: where their bytes go, if shapes are those of rays. `most`: layers of a pixel.
+  void takeShapes(uint32_t most, uint8_t* rays);
+  /// Planes, after count(). Nothing where there is another number of values than there is room for.
+  void takePlanes();
+  /// SheetFlag of what was read. Waits.
+  uint32_t flags();
+
+ private:
+  uint32_t fetched(const uint32_t* value);
+
+  cudaStream_t stream_;
+  SheetView view_;
+  cuda::Scratch scratch_;
+  cuda::DeviceBuffer<uint8_t> counts_, streams_, shapes_[2], bytes_;
+  cuda::DeviceBuffer<uint32_t> begins_, rowBegins_, numbers_, flags_, histograms_, shares_, slots_, lengths_, offsets_, states_, wordCounts_, bad_;
+  cuda::DeviceBuffer<uint16_t> frequencies_, words_, packed_;
+  cuda::DeviceBuffer<StreamRead> reads_;
+  cuda::DeviceBuffer<LaneState> laneStates_;
+  cuda::PinnedValue<uint32_t> value_;
+  TransferVector<std::byte> host_;  // page-locked
+};
+
+}  // namespace warpscope

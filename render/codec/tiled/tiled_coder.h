@@ -1,0 +1,40 @@
+// Who makes tiles of frames for the format `tiled`: the host or a device. The bytes are the same.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/codec/codec.h"
+#include "render/codec/pixel_path.h"
+
+namespace warpscope {
+
+/// Keeps its buffers; one thread at a time, and works on all cores, or all of a device, itself.
+class TiledCoder {
+ public:
+  virtual ~TiledCoder() = default;
+
+  /// Appends the samples and colours of a frame that codec.h takes: tiled_samples.h.
+  virtual void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) = 0;
+  /// Fills `count` samples and colours of the frame, and kLayerPlane if it has that. All else of it is known.
+  virtual DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) = 0;
+
+  /// Appends the frame's segments, which are consistent: tiled_segments.h.
+  virtual void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) = 0;
+  /// Fills the frame's segments, at most `most`; there is a ray for each of its pixels. Whether they are near to far is for the caller to see.
+  virtual DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) = 0;
+
+  /// Gives back buffers.
+  virtual void forget() = 0;
+};
+
+using TiledCoderPtr = std::shared_ptr<TiledCoder>;
+
+TiledCoderPtr makeHostTiledCoder();
+
+/// Works with `makeFirst()` and, from the first DeviceError on, its making included, on the host. `onFallback` (may be empty) is told the reason once.
+TiledCoderPtr makeFallbackTiledCoder(const std::function<TiledCoderPtr()>& makeFirst, std::function<void(const std::string& reason)> onFallback);
+
+}  // namespace warpscope

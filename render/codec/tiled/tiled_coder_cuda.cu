@@ -1,0 +1,242 @@
+// Frames to device memory and back, and the order of kernels.
+// See tiled_coder_cuda.h.
+#include "render/codec/tiled/tiled_coder_cuda.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "render/codec/plane_coding.h"
+#include "render/codec/radius_prediction.h"
+#include "render/codec/tiled/sample_kernels.cuh"
+#include "render/codec/tiled/segment_kernels.cuh"
+#include "render/codec/tiled/tiled_samples.h"
+#include "render/codec/tiled/tiled_segments.h"
+#include "render/cuda/memory.h"
+#include "render/cuda/pinned_memory.h"
+
+namespace warpscope {
+namespace {
+
+constexpr unsigned kThreads = 256;
+constexpr const char* kDamagedTiles = "a tile of the payload is damaged";
+
+class CudaTiledCoder final : public TiledCoder {
+ public:
+  void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+    const auto count = static_cast<uint32_t>(frame.size());
+    const bool hasLayers = !frame.layers().empty();
+    const TileGrid grid = tiledGridOf(frame, count);
+    if (grid.count() == 0) return host().appendSamples(out, frame, placement);
+    sheet_.begin(grid, sampleForm(hasLayers), hasLayers ? static_cast<uint32_t>(mostTiledLayers(frame)) : 1, true);
+    const SheetView view = sheet_.reserveValues(count);
+    const SampleView samples = viewOf(frame, placement, count, hasLayers);
+    samples_.upload(std::span(frame.samples), stream_);
+    colors_.upload(std::span(frame.colors), stream_);
+    if (hasLayers) layers_.upload(frame.layers(), stream_);
+    clearHash();
+    hashSamples<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream_>>>(samples, hash_.data());
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    fetchHash();
+    lookAtSamples<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream_>>>(samples, view);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    sheet_.count();
+    sheet_.makeMasks();
+    putSamples<<<view.tiles() * view.layers, 32, 0, stream_>>>(samples, view);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    const size_t hashAt = out.size();
+    appendLittle(out, uint64_t{0});
+    sheet_.append(out);
+    storeLittle(out.data() + hashAt, *hashOnHost_.data());
+  }
+
+  DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) override {
+    const TileGrid grid = tiledGridOf(frame, count);
+    if (grid.count() == 0) return host().takeSamples(reader, placement, count, frame);
+    const auto hash = reader.take<uint64_t>();
+    if (reader.ranOut()) return "the tiled payload ends before its head does";
+    SamplePlane* plane = nullptr;
+    for (SamplePlane& each : frame.planes)
+      if (isImplied(each)) plane = &each;
+    const bool hasLayers = plane != nullptr;
+    const auto mostLayers = static_cast<uint32_t>(mostTiledLayers(frame));
+    if (DecodeError error = head_.take(reader, sampleForm(hasLayers), grid.count(), mostLayers)) return error;
+    sheet_.begin(grid, sampleForm(hasLayers), mostLayers, true);
+    const SheetView view = sheet_.reserveValues(static_cast<uint32_t>(count));
+    if (!sheet_.upload(head_)) return kDamagedTiles;
+    const SampleView samples = viewOf(frame, placement, static_cast<uint32_t>(count), hasLayers);
+    sheet_.takeShapes(mostLayers, nullptr);
+    sheet_.count();
+    sheet_.takePlanes();
+    findOriginsOf(samples.paths, view);
+    clearHash();
+    takeSamplesFrom<<<view.tiles() * view.layers, 32, 0, stream_>>>(samples, view, origins_.data());
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    finishSamples<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream_>>>(samples, view, hash_.data());
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    fetchHash();
+    frame.samples = pinned<PackedSample>(count);
+    frame.colors = pinned<Rgba8>(count);
+    download(frame.samples.data(), samples_, count);
+    download(frame.colors.data(), colors_, count);
+    if (hasLayers) {
+      plane->values = pinned<std::byte>(count);
+      download(reinterpret_cast<uint8_t*>(plane->values.data()), layers_, count);
+    }
+    const uint32_t flags = sheet_.flags();
+    if ((flags & kDamagedShapes) != 0) return "the tiles' numbers of samples are damaged";
+    if (sheet_.total() != count) return "the tiles of the payload have other numbers of samples than the frame";
+    if (flags != 0) return kDamagedTiles;
+    if (*hashOnHost_.data() != hash) return kOtherSamples;
+    return std::nullopt;
+  }
+
+  void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+    const FrameSegments& segments = frame.segments;
+    const auto count = static_cast<uint32_t>(segments.size());
+    const bool hasNormals = !segments.normals.empty();
+    sheet_.begin({frame.camera.width, frame.camera.height}, segmentForm(hasNormals), static_cast<uint32_t>(frame.settings.sample.segments), false);
+    const SheetView view = sheet_.reserveValues(count);
+    const SegmentView own = viewOf(frame, placement, hasNormals);
+    rays_.upload({reinterpret_cast<const uint8_t*>(segments.rays.data()), segments.rays.size()}, stream_);
+    depths_.upload(std::span(segments.depths), stream_);
+    colors_.upload(std::span(segments.colors), stream_);
+    if (hasNormals) normals_.upload(std::span(segments.normals), stream_);
+    hash(own);
+    countRays<<<cuda::blocksFor(own.pixels, kThreads), kThreads, 0, stream_>>>(own, view);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    sheet_.count();
+    putRays<<<view.tiles(), kThreads, 0, stream_>>>(own, view);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    findOriginsOf(own.paths, view);
+    lookAtSegments<<<dim3(view.tiles(), kTileHeight), kTileWidth, 0, stream_>>>(own, view);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    putSegments<<<view.tiles() * view.layers, 32, 0, stream_>>>(own, view, origins_.data());
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    const size_t hashAt = out.size();
+    appendLittle(out, uint64_t{0});
+    sheet_.append(out);
+    storeLittle(out.data() + hashAt, *hashOnHost_.data());
+  }
+
+  DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
+    FrameSegments& segments = frame.segments;
+    const auto hashSent = reader.take<uint64_t>();
+    const TileGrid grid{frame.camera.width, frame.camera.height};
+    const auto layers = static_cast<uint32_t>(std::clamp(frame.settings.sample.segments, 0, static_cast<int>(kSegmentsRange.highest)));
+    if (DecodeError error = head_.take(reader, segmentForm(hasNormals), grid.count(), layers)) return error;
+    sheet_.begin(grid, segmentForm(hasNormals), layers, false);
+    if (!sheet_.upload(head_)) return kDamagedTiles;
+    rays_.reserve(segments.rays.size());
+    sheet_.takeShapes(layers, rays_.data());
+    sheet_.count();
+    const size_t count = sheet_.total();
+    if ((sheet_.flags() & kDamagedShapes) != 0) return "what rays have of segments is damaged";
+    if (count > most) return "the frame has more segments than are allowed";
+    const SheetView view = sheet_.reserveValues(static_cast<uint32_t>(count));
+    segments.depths = pinned<SegmentDepths>(count);
+    segments.colors = pinned<Rgba8>(count);
+    segments.normals = pinned<NormalCode>(hasNormals ? count : 0);
+    const SegmentView own = viewOf(frame, placement, hasNormals);
+    sheet_.takePlanes();
+    findOriginsOf(own.paths, view);
+    takeSegmentsFrom<<<view.tiles(), 32, 0, stream_>>>(own, view, origins_.data());
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    finishSegments<<<dim3(view.tiles(), kTileHeight), kTileWidth, 0, stream_>>>(own, view);
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    hash(own);
+    download(reinterpret_cast<uint8_t*>(segments.rays.data()), rays_, segments.rays.size());
+    download(segments.depths.data(), depths_, count);
+    download(segments.colors.data(), colors_, count);
+    if (hasNormals) download(segments.normals.data(), normals_, count);
+    if (sheet_.flags() != 0) return "a tile of segments is damaged";
+    if (*hashOnHost_.data() != hashSent) return kOtherSegments;
+    return std::nullopt;
+  }
+
+  void forget() override {}
+
+ private:
+  TiledCoder& host() {
+    if (!host_) host_ = makeHostTiledCoder();
+    return *host_;
+  }
+
+  template <class T>
+  static TransferVector<T> pinned(size_t count) {
+    return TransferVector<T>(count, TransferAllocator<T>(cuda::pinnedMemory()));
+  }
+  template <class T>
+  void download(T* to, const cuda::DeviceBuffer<T>& from, size_t count) {
+    if (count > 0) WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(to, from.data(), count * sizeof(T), cudaMemcpyDeviceToHost, stream_));
+  }
+
+  /// What rays of the frame share, with the device's noise.
+  PathGrid pathsOf(const SampleFrame& frame, Placement placement) {
+    PathGrid paths = pathGridOf(frame, placement);
+    if (paths.jitter.noise == nullptr) return paths;
+    if (noise_.capacity() == 0) noise_.upload(blueNoise(), stream_);
+    paths.jitter.noise = noise_.data();
+    return paths;
+  }
+
+  SampleView viewOf(const SampleFrame& frame, Placement placement, uint32_t count, bool hasLayers) {
+    samples_.reserve(count);
+    colors_.reserve(count);
+    if (hasLayers) layers_.reserve(count);
+    for (cuda::DeviceBuffer<int32_t>* values : {&begins_, &ends_}) values->reserve(count);
+    for (cuda::DeviceBuffer<uint32_t>* values : {&beginRests_, &endRests_}) values->reserve(count);
+    const RadiusPrediction radius(frame);
+    return {pathsOf(frame, placement), sampleRuleOf(frame), pixelEdge(frame.camera), radius.isAsBefore(), count,         samples_.data(),    colors_.data(),
+            hasLayers ? layers_.data() : nullptr, ends_.data(),        begins_.data(),      beginRests_.data(), endRests_.data()};
+  }
+
+  SegmentView viewOf(const SampleFrame& frame, Placement placement, bool hasNormals) {
+    const size_t count = frame.segments.colors.size();
+    rays_.reserve(frame.segments.rays.size());
+    depths_.reserve(count);
+    colors_.reserve(count);
+    if (hasNormals) normals_.reserve(count);
+    for (cuda::DeviceBuffer<int32_t>* values : {&begins_, &ends_}) values->reserve(count);
+    for (cuda::DeviceBuffer<uint32_t>* values : {&beginRests_, &endRests_}) values->reserve(count);
+    return {pathsOf(frame, placement), static_cast<uint32_t>(frame.segments.rays.size()), static_cast<uint32_t>(count), rays_.data(), depths_.data(), colors_.data(),
+            hasNormals ? normals_.data() : nullptr, begins_.data(), ends_.data(), beginRests_.data(), endRests_.data()};
+  }
+
+  void findOriginsOf(const PathGrid& paths, const SheetView& view) {
+    const size_t pixels = size_t{view.grid.width} * view.grid.height;
+    origins_.reserve(pixels);
+    findOrigins<<<cuda::blocksFor(pixels, kThreads), kThreads, 0, stream_>>>(paths, view, origins_.data());
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+  }
+
+  void clearHash() { WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(hash_.data(), 0, sizeof(unsigned long long), stream_)); }
+  /// To hashOnHost_, when the stream has got there.
+  void fetchHash() { WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(hashOnHost_.data(), hash_.data(), sizeof(uint64_t), cudaMemcpyDeviceToHost, stream_)); }
+  void hash(const SegmentView& own) {
+    clearHash();
+    hashSegments<<<cuda::blocksFor(std::max(own.pixels, own.count), kThreads), kThreads, 0, stream_>>>(own, hash_.data());
+    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    fetchHash();
+  }
+
+  const cuda::Stream stream_;
+  DeviceSheet sheet_{stream_};
+  SheetHead head_;
+  TiledCoderPtr host_;  // of frames without tiles
+  cuda::DeviceBuffer<PackedSample> samples_;
+  cuda::DeviceBuffer<Rgba8> colors_;
+  cuda::DeviceBuffer<uint8_t> layers_, rays_;
+  cuda::DeviceBuffer<SegmentDepths> depths_;
+  cuda::DeviceBuffer<NormalCode> normals_;
+  cuda::DeviceBuffer<int32_t> begins_, ends_, origins_;  // places of samples and their fine values as well
+  cuda::DeviceBuffer<uint32_t> beginRests_, endRests_;   // differences of samples' depths and radii as well
+  cuda::DeviceBuffer<float> noise_;
+  cuda::DeviceBuffer<unsigned long long> hash_{1};
+  cuda::PinnedValue<uint64_t> hashOnHost_;
+};
+
+}  // namespace
+
+TiledCoderPtr makeCudaTiledCoder() { return std::make_shared<CudaTiledCoder>(); }
+
+}  // namespace warpscope

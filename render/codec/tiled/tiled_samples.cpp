@@ -1,0 +1,148 @@
+// Tiles of samples on all cores.
+// See tiled_samples.h.
+#include "render/codec/tiled/tiled_samples.h"
+
+#include <algorithm>
+#include <atomic>
+#include <numeric>
+
+#include "render/base/shared_pool.h"
+#include "render/codec/plane_coding.h"
+#include "render/codec/tiled/tile_samples.h"
+#include "render/core/parallel.h"
+
+namespace warpscope {
+namespace {
+
+constexpr size_t kHashGrain = size_t{1} << 16;  // samples
+
+uint64_t hashOf(std::span<const PackedSample> samples) {
+  std::atomic<uint64_t> sum = 0;
+  parallelForRanges(samples.size(), kHashGrain, [&](size_t begin, size_t end) {
+    const PackedSample* const sample = samples.data();
+    uint64_t own = 0;
+    for (size_t i = begin; i < end; ++i) own += placedHash(sample[i], i);
+    sum += own;
+  });
+  return sum;
+}
+
+/// Finds the samples of each row of each tile.
+void cut(const SampleFrame& frame, const TileGrid& grid, TileRows& rows) {
+  rows.begin(grid);
+  const auto begin = frame.samples.begin();
+  parallelForRanges(grid.count() / std::max(grid.columns(), 1u), 1, [&](size_t from, size_t to) {
+    for (size_t tileRow = from; tileRow < to; ++tileRow)
+      for (uint32_t y = 0; y < kTileHeight; ++y) {
+        const auto row = static_cast<uint32_t>(tileRow) * kTileHeight + y;
+        if (row >= grid.height) break;
+        const auto firstAt = [&](auto after, uint32_t column) {
+          const uint32_t key = column < grid.width ? pixelKey(column, row) : pixelKey(0, row + 1);
+          return std::partition_point(after, frame.samples.end(), [key](PackedSample sample) { return pixelKey(sample) < key; });
+        };
+        auto at = firstAt(begin, 0);
+        for (uint32_t column = 0; column < grid.columns(); ++column) {
+          RowPart& own = rows.of(tileRow * grid.columns() + column)[y];
+          own.begin = static_cast<uint32_t>(at - begin);
+          at = firstAt(at, (column + 1) * kTileWidth);
+          own.end = static_cast<uint32_t>(at - begin);
+        }
+      }
+  });
+}
+
+}  // namespace
+
+struct TiledSamples::Buffers {
+  std::vector<SheetTile> tiles;
+  TileRows rows;
+  SheetReader sheet;
+  TransferVector<uint8_t> counts;  // as many of each tile as the largest has pixels
+  std::vector<AnsReader> streams;
+  const std::shared_ptr<SharedPool<TileSamples>> pool = SharedPool<TileSamples>::ofProcess();
+
+  std::span<uint8_t> countsOf(size_t tile, const TileRect& rect) { return std::span(counts).subspan(tile * kTileWidth * kTileHeight, rect.pixels()); }
+};
+
+TiledSamples::TiledSamples() : buffers_(std::make_unique<Buffers>()) {}
+TiledSamples::~TiledSamples() { buffers_->pool->forget(); }
+
+size_t mostTiledLayers(const SampleFrame& frame) {
+  if (frame.plane(kLayerPlane) == nullptr) return 1;
+  return static_cast<size_t>(std::clamp(static_cast<double>(frame.settings.sample.samplesPerRay), kSamplesPerRayRange.lowest, kSamplesPerRayRange.highest));
+}
+
+TileGrid tiledGridOf(const SampleFrame& frame, size_t samples) { return samples > 0 ? TileGrid{frame.camera.width, frame.camera.height} : TileGrid{}; }
+
+uint64_t mostTiledSampleBytes(const SampleFrame& frame, uint64_t count) {
+  const TileGrid grid = tiledGridOf(frame, count);
+  const uint64_t pixels = uint64_t{grid.width} * grid.height;
+  const uint64_t masks = pixels / 8 + uint64_t{grid.columns()} * grid.height;  // a row of a tile may end within a byte
+  return sizeof(uint64_t) + mostSheetBytes(sampleForm(frame.plane(kLayerPlane) != nullptr), grid, masks + count, count, std::min<uint64_t>(mostTiledLayers(frame), count));
+}
+
+void TiledSamples::append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) {
+  Buffers& b = *buffers_;
+  const TileGrid grid = tiledGridOf(frame, frame.size());
+  cut(frame, grid, b.rows);
+  b.tiles.resize(grid.count());
+  parallelForRanges(grid.count(), 1, [&](size_t begin, size_t end) {
+    const auto work = b.pool->take();
+    for (size_t tile = begin; tile < end; ++tile)
+      work->pack(frame, placement, grid.at(static_cast<uint32_t>(tile)), b.rows.of(tile), b.tiles[tile]);
+  });
+  appendLittle(out, hashOf(frame.samples));
+  appendSheet(out, sampleForm(!frame.layers().empty()), b.tiles);
+}
+
+DecodeError TiledSamples::take(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) {
+  Buffers& b = *buffers_;
+  const auto hash = reader.take<uint64_t>();
+  if (reader.ranOut()) return "the tiled payload ends before its head does";
+  const TileGrid grid = tiledGridOf(frame, count);
+  SamplePlane* plane = nullptr;
+  for (SamplePlane& each : frame.planes)
+    if (isImplied(each)) plane = &each;
+  const bool hasLayers = plane != nullptr;
+  const auto mostLayers = static_cast<uint32_t>(mostTiledLayers(frame));
+  if (DecodeError error = b.sheet.begin(reader, sampleForm(hasLayers), grid.count(), mostLayers)) return error;
+
+  b.counts.resize(size_t{grid.count()} * kTileWidth * kTileHeight);
+  b.streams.resize(grid.count());
+  b.rows.begin(grid);
+  std::atomic<bool> isDamaged = false;
+  parallelForRanges(grid.count(), 1, [&](size_t begin, size_t end) {
+    const auto work = b.pool->take();
+    for (size_t tile = begin; tile < end; ++tile) {
+      const TileRect rect = grid.at(static_cast<uint32_t>(tile));
+      const std::span<uint8_t> counts = b.countsOf(tile, rect);
+      if (!work->takeShapes(b.sheet, static_cast<uint32_t>(tile), rect, hasLayers, mostLayers, b.streams[tile], counts)) isDamaged = true;
+      for (uint32_t y = 0; y < rect.height; ++y) {
+        const std::span<const uint8_t> row = counts.subspan(size_t{y} * rect.width, rect.width);
+        b.rows.of(tile)[y].end = std::accumulate(row.begin(), row.end(), 0u);
+      }
+    }
+  });
+  if (isDamaged) return "the tiles' numbers of samples are damaged";
+  if (b.rows.place() != count) return "the tiles of the payload have other numbers of samples than the frame";
+
+  frame.samples.resize(count);
+  frame.colors.resize(count);
+  std::span<uint8_t> layers;
+  if (hasLayers) {
+    plane->values.resize(count);
+    layers = {reinterpret_cast<uint8_t*>(plane->values.data()), count};
+  }
+  parallelForRanges(grid.count(), 1, [&](size_t begin, size_t end) {
+    const auto work = b.pool->take();
+    for (size_t tile = begin; tile < end; ++tile) {
+      const TileRect rect = grid.at(static_cast<uint32_t>(tile));
+      if (!work->unpack(b.sheet, static_cast<uint32_t>(tile), rect, b.countsOf(tile, rect), b.rows.of(tile), placement, b.streams[tile], frame, layers)) isDamaged = true;
+    }
+  });
+  if (isDamaged) return "a tile of the payload is damaged";
+  if (hashOf(frame.samples) != hash) return kOtherSamples;
+  return std::nullopt;
+}
+
+}  // namespace warpscope

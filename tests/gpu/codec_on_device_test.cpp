@@ -1,0 +1,124 @@
+// Tiles that a device makes and reads against the host's: the same bytes, and the same frames of any bytes.
+// Mirrors render/codec/tiled/tiled_coder_cuda.h.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "render/codec/tiled/tiled_coder_cuda.h"
+#include "render/cuda/devices.h"
+#include "tests/codec_frames.h"
+#include "tests/gpu/march_pairs.h"
+
+namespace warpscope {
+namespace {
+
+class CodecOnDevice : public testing::Test {
+ protected:
+  void SetUp() override {
+    WARPSCOPE_NEEDS_GPU();
+    onDevice_ = std::make_unique<FrameCodec>(makeCudaTiledCoder());
+  }
+
+  static bool areSame(const SampleFrame& a, const SampleFrame& b) {
+    return a.samples == b.samples && a.colors == b.colors && a.planes == b.planes && a.segments.rays == b.segments.rays && a.segments.depths == b.segments.depths &&
+           a.segments.colors == b.segments.colors && a.segments.normals == b.segments.normals;
+  }
+
+  void expectSame(const SampleFrame& frame, const std::string& what) {
+    const std::vector<std::byte> payload = FrameCodec().encode(frame, kTiled);
+    EXPECT_TRUE(onDevice_->encode(frame, kTiled) == payload) << what;
+    EXPECT_EQ(onDevice_->bytes().segments > 0, frame.settings.sample.segments > 0) << what;
+    SampleFrame decoded = headOf(frame);
+    decoded.proxy = frame.proxy;
+    const DecodeError error = onDevice_->decode(payload, frame.size(), decoded);
+    ASSERT_EQ(error, std::nullopt) << what;
+    EXPECT_TRUE(areSame(decoded, frame)) << what;
+  }
+
+  /// Whatever the bytes, the device answers as the host does.
+  void expectSameAnswer(std::span<const std::byte> payload, const SampleFrame& frame, const std::string& what) {
+    SampleFrame ofHost = headOf(frame), ofDevice = headOf(frame);
+    const DecodeError host = FrameCodec().decode(payload, frame.size(), ofHost), device = onDevice_->decode(payload, frame.size(), ofDevice);
+    ASSERT_EQ(host.has_value(), device.has_value()) << what << ": " << host.value_or("accepted") << " / " << device.value_or("accepted");
+    ASSERT_TRUE(areSame(ofHost, ofDevice)) << what;
+  }
+
+  std::unique_ptr<FrameCodec> onDevice_;
+};
+
+TEST_F(CodecOnDevice, SamplesOfEveryHeuristicAndRadiusPolicy) {
+  for (const auto& heuristic : kHeuristics)
+    for (const auto& policy : kRadiusPolicies) {
+      MarchSettings settings;
+      settings.sample.heuristic = heuristic.value;
+      settings.sample.radiusPolicy = policy.value;
+      settings.render.effects.jitter = heuristic.value == Heuristic::gradient ? 0.7f : 0.0f;
+      expectSame(marched(shells(), settings, 530, 310), std::string(heuristic.name) + " " + std::string(policy.name));
+    }
+}
+
+TEST_F(CodecOnDevice, SamplesWithFurtherOnesAndPlanes) {
+  constexpr Heuristic kAll[] = {Heuristic::entrance, Heuristic::gradient, Heuristic::exit, Heuristic::peak};
+  expectSame(withExtents(marchedLayers(shells(), kAll, {}, 301, 140)), "four heuristics");
+  expectSame(smallLayeredFrame(), "small");
+  expectSame(withLayers(framedPixels(1, 1, {0, 0, 0}), {0, 0, 0}), "one pixel");
+}
+
+TEST_F(CodecOnDevice, SamplesOfAnyBitsAndPicturesOfAnySize) {
+  std::mt19937 random(5);
+  for (int round = 0; round < 60; ++round) {
+    const uint32_t width = 1 + random() % (round % 4 == 0 ? 900 : 70), height = 1 + random() % (round % 5 == 0 ? 300 : 70);
+    const size_t pixels = size_t{width} * height;
+    expectSame(garbageFrame(width, height, round % 3 == 0 ? pixels : random() % (pixels + 1), random()), std::to_string(width) + "x" + std::to_string(height));
+  }
+  expectSame(garbageFrame(640, 480, 0, 0), "none");
+}
+
+TEST_F(CodecOnDevice, SegmentsLitAndUnlit) {
+  const MarcherPtr marcher = makeCpuMarcher(shells(), translucent(*shells()));
+  for (const int segments : {1, 4, 16})
+    for (const float shading : {0.0f, 1.0f})
+      for (const auto& [width, height] : {std::pair(530u, 310u), std::pair(31u, 77u), std::pair(1u, 1u)}) {
+        MarchSettings settings;
+        settings.sample.segments = segments;
+        settings.render.effects.shading.strength = shading;
+        settings.render.effects.jitter = segments == 4 ? 0.7f : 0.0f;
+        if (segments == 16) settings.render.effects.clip.planes = parseClipPlanes("1,0.2,0,0", "it");
+        expectSame(marcher->march(cornerCamera(*shells(), width, height), settings), std::to_string(segments) + " of " + std::to_string(width));
+      }
+}
+
+TEST_F(CodecOnDevice, DamageIsFoundAsTheHostFindsIt) {
+  std::mt19937 random(17);
+  MarchSettings settings;
+  settings.sample.segments = 3;
+  const SampleFrame frames[] = {smallLayeredFrame(), marched(shells(), {}, 300, 60), marched(shells(), settings, 290, 50)};
+  for (const SampleFrame& frame : frames) {
+    const std::vector<std::byte> payload = FrameCodec().encode(frame, kTiled);
+    for (int round = 0; round < 400; ++round) {
+      std::vector<std::byte> damaged = payload;
+      const size_t from = round % 4 == 0 ? 9 + random() % (damaged.size() - 9) : 9 + random() % std::min<size_t>(damaged.size() - 9, 1500);
+      if (round % 7 == 0)
+        damaged.resize(from);
+      else
+        for (int k = 0; k <= round % 3; ++k) damaged[std::min(from + k, damaged.size() - 1)] = static_cast<std::byte>(random());
+      expectSameAnswer(sealed(std::move(damaged)), frame, "round " + std::to_string(round));
+      if (HasFatalFailure()) return;
+    }
+    expectSameAnswer(payload, frame, "undamaged");
+  }
+}
+
+/// One coder for frames of many sizes and kinds, one after the other.
+TEST_F(CodecOnDevice, FramesOfAllKindsInTurns) {
+  MarchSettings settings;
+  settings.sample.segments = 5;
+  for (int round = 0; round < 3; ++round)
+    for (const auto& [width, height] : {std::pair(700u, 500u), std::pair(60u, 40u), std::pair(257u, 33u)}) {
+      expectSame(marched(shells(), round == 1 ? settings : MarchSettings{}, width, height), "marched");
+      expectSame(garbageFrame(width, height, 900, static_cast<uint32_t>(round)), "garbage");
+    }
+}
+
+}  // namespace
+}  // namespace warpscope
