@@ -11,6 +11,7 @@
 #include <random>
 
 #include "render/base/error.h"
+#include "render/codec/tiled/tiled_coder.h"
 #include "render/core/image.h"
 #include "render/volume/reader.h"
 #include "tests/codec_frames.h"
@@ -300,7 +301,7 @@ TEST(Codec, EveryFormatHasANameAndAMaker) {
   ASSERT_EQ(codecRegistry().size(), kPayloadFormats.size());
   for (const CodecDescriptor& codec : codecRegistry()) {
     EXPECT_NE(nameOf(codec.format), "?");
-    EXPECT_NE(codec.make(), nullptr);
+    EXPECT_NE(codec.make(makeHostTiledCoder()), nullptr);
   }
 }
 

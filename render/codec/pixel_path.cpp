@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/codec/ray_pieces.h"
 #include "render/effects/jitter.h"
 #include "render/march/lattice.h"
 
@@ -49,14 +50,13 @@ Placement borderPlacementOf(const SampleFrame& frame) {
   if (!hasLattice(frame) || segments.size() == 0) return Placement::depth;
   TransferVector<uint32_t> columns, rows, codes;
   const size_t stride = std::max(segments.rays.size() / kProbes, size_t{1});
-  size_t at = 0;
-  for (size_t pixel = 0; pixel < segments.rays.size(); ++pixel) {
-    if (pixel % stride == 0 && segments.rays[pixel].count() > 0) {
-      columns.push_back(static_cast<uint32_t>(pixel % frame.camera.width));
-      rows.push_back(static_cast<uint32_t>(pixel / frame.camera.width));
-      codes.push_back(segments.depths[at].begin);
-    }
-    at += static_cast<size_t>(segments.rays[pixel].count());
+  const std::vector<size_t> starts = segmentStarts(segments.rays, stride);
+  for (size_t probe = 0; probe + 1 < starts.size(); ++probe) {
+    const size_t pixel = probe * stride;
+    if (segments.rays[pixel].count() == 0) continue;
+    columns.push_back(static_cast<uint32_t>(pixel % frame.camera.width));
+    rows.push_back(static_cast<uint32_t>(pixel / frame.camera.width));
+    codes.push_back(segments.depths[starts[probe]].begin);
   }
   PixelPaths paths;
   paths.aim(frame, kBorders, columns, rows);

@@ -3,11 +3,13 @@
 #include "render/codec/segment_coding.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include "render/base/error.h"
 #include "render/base/shared_pool.h"
 #include "render/codec/color_planes.h"
 #include "render/codec/picture_bands.h"
+#include "render/codec/ray_pieces.h"
 #include "render/codec/segment_band.h"
 #include "render/codec/tiled/tiled_coder.h"
 #include "render/codec/tiled/tiled_segments.h"
@@ -18,6 +20,7 @@ namespace warpscope {
 namespace {
 
 constexpr size_t kHeadBytes = 3, kListedBytes = 8;
+constexpr size_t kCheckedRays = size_t{1} << 14;  // at once
 constexpr uint64_t kRawSegmentBytes = sizeof(SegmentDepths) + sizeof(Rgba8);
 
 MaskShape shapeOf(const PictureBands& bands, const Camera& camera, size_t band) { return {camera.width, bands.firstRow(band), bands.rowCount(band)}; }
@@ -28,24 +31,10 @@ uint64_t hashOf(const FrameSegments& segments) {
   return hashBytes(std::as_bytes(std::span(segments.normals)), hash);
 }
 
-size_t countOf(std::span<const RaySegmentCount> rays) {
-  size_t count = 0;
-  for (const RaySegmentCount ray : rays) count += static_cast<size_t>(ray.count());
-  return count;
-}
-
-std::span<const RaySegmentCount> raysOf(const SampleFrame& frame, const MaskShape& shape) {
-  return std::span(frame.segments.rays).subspan(size_t{shape.firstRow} * shape.width, size_t{shape.rowCount} * shape.width);
-}
-
 /// Where each band's segments begin among all, and where the last one's end. Rays are known.
 std::vector<size_t> beginsOf(const PictureBands& bands, const SampleFrame& frame) {
-  std::vector<size_t> begins(bands.count() + 1, 0);
-  for (size_t band = 0; band < bands.count(); ++band) {
-    const MaskShape shape = shapeOf(bands, frame.camera, band);
-    begins[band + 1] = begins[band] + countOf(raysOf(frame, shape));
-  }
-  return begins;
+  if (bands.count() == 0) return {0};
+  return segmentStarts(frame.segments.rays, size_t{frame.camera.width} * bands.rowCount(0));  // every band but the last has as many rows
 }
 
 /// Nothing, or what is wrong.
@@ -54,19 +43,26 @@ DecodeError whyInconsistent(const SampleFrame& frame) {
   const int most = frame.settings.sample.segments;
   const size_t pixels = size_t{frame.camera.width} * frame.camera.height;
   if (segments.rays.size() != (most > 0 ? pixels : 0)) return "a frame must say of each pixel how many segments it has if its settings ask for some, else of none";
-  if (countOf(segments.rays) != segments.size()) return "a frame must have as many segments as its pixels say";
+  const std::vector<size_t> starts = segmentStarts(segments.rays, kCheckedRays);
+  if (starts.back() != segments.size()) return "a frame must have as many segments as its pixels say";
   if (segments.colors.size() != segments.size()) return "a frame must have a colour for each segment";
   if (!segments.normals.empty() && segments.normals.size() != segments.size()) return "a frame must have a normal for each segment, or none";
-  size_t at = 0;
-  for (const RaySegmentCount ray : segments.rays) {
-    if (ray.count() > most || (ray.bits() & 0x60) != 0) return "a pixel of a frame has more segments than its settings ask for";
-    uint32_t last = 0;
-    for (int i = 0; i < ray.count(); ++i, ++at) {
-      const SegmentDepths& depths = segments.depths[at];
-      if (depths.begin < last || depths.end < depths.begin || depths.end > kDepthCodeMax) return "the segments of a pixel must be near to far";
-      last = depths.end;
+  std::atomic<bool> areTooMany = false, areOutOfOrder = false;
+  parallelForRanges(starts.size() - 1, 1, [&](size_t begin, size_t end) {
+    const auto rays = std::span(segments.rays).subspan(begin * kCheckedRays, std::min(end * kCheckedRays, segments.rays.size()) - begin * kCheckedRays);
+    size_t at = starts[begin];
+    for (const RaySegmentCount ray : rays) {
+      if (ray.count() > most || (ray.bits() & 0x60) != 0) areTooMany = true;
+      uint32_t last = 0;
+      for (int i = 0; i < ray.count(); ++i, ++at) {
+        const SegmentDepths& depths = segments.depths[at];
+        if (depths.begin < last || depths.end < depths.begin || depths.end > kDepthCodeMax) areOutOfOrder = true;
+        last = depths.end;
+      }
     }
-  }
+  });
+  if (areTooMany) return "a pixel of a frame has more segments than its settings ask for";
+  if (areOutOfOrder) return "the segments of a pixel must be near to far";
   return std::nullopt;
 }
 

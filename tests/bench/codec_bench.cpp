@@ -17,6 +17,7 @@
 #include "render/codec/jpeg.h"
 #include "render/codec/tiled/tiled_coder_cuda.h"
 #include "render/cuda/devices.h"
+#include "render/cuda/pinned_memory.h"
 #include "render/march/marcher_cpu.h"
 #include "tests/bench/bench_main.h"
 #include "tests/layered_frames.h"
@@ -79,9 +80,26 @@ double colorError(const SampleFrame& frame, const SampleFrame& decoded) {
 /// Who makes tiles.
 enum class Place { host, device };
 
+/// In page-locked memory, as a device's marcher leaves a frame.
+SampleFrame locked(const SampleFrame& frame) {
+  SampleFrame copy = frame;
+  const auto lock = [](auto& values, const auto& from) {
+    using Values = std::remove_reference_t<decltype(values)>;
+    values = Values(from.begin(), from.end(), typename Values::allocator_type(cuda::pinnedMemory()));
+  };
+  lock(copy.samples, frame.samples);
+  lock(copy.colors, frame.colors);
+  lock(copy.segments.rays, frame.segments.rays);
+  lock(copy.segments.depths, frame.segments.depths);
+  lock(copy.segments.colors, frame.segments.colors);
+  lock(copy.segments.normals, frame.segments.normals);
+  return copy;
+}
+
 void runCodec(benchmark::State& state, const std::string& scene, const Rays& rays, const CodecSettings& settings, Place place,
               bool decoding) {
-  const SampleFrame& frame = frameOf(scene, rays);
+  const SampleFrame& made = frameOf(scene, rays);
+  const SampleFrame frame = place == Place::device ? locked(made) : made;
   FrameCodec codec(place == Place::device ? makeCudaTiledCoder() : makeHostTiledCoder());
   const std::vector<std::byte> payload = codec.encode(frame, settings);
   SampleFrame decoded = headOf(frame);

@@ -23,10 +23,18 @@ class WarpWriter {
  public:
   __device__ explicit WarpWriter(uint16_t* end) : at_(end) {}
 
-  __device__ void put(const AnsShare& share, bool isActive) {
+  __device__ void put(const WriterShare& own, bool isActive) {
     uint16_t word = 0;
-    give(isActive && ansGives(state_, share, word), word);
-    if (isActive) state_ = ansPut(state_, share);
+    give(isActive && ansGives(state_, own.share, word), word);
+    if (!isActive) return;
+    // ansPut() without a division.
+    uint32_t quotient = __umulhi(state_, own.reciprocal), rest = state_ - quotient * own.share.frequency;
+    for (int correction = 0; correction < 2; ++correction)
+      if (rest >= own.share.frequency) {
+        ++quotient;
+        rest -= own.share.frequency;
+      }
+    state_ = (quotient << kAnsBits) + rest + own.share.start;
   }
   /// The lower `count` bits, at most kAnsRestBits; none where there are none.
   __device__ void putBits(uint32_t bits, uint32_t count) {
@@ -48,6 +56,26 @@ class WarpWriter {
   uint16_t* at_;
 };
 
+/// Calls put(symbol, whether the lane has one) for each step's symbols, the last first. Loads go ahead of the calls, which wait for one another.
+template <class T, class Put>
+__device__ void fromTheEnd(const T* symbols, uint32_t size, const Put& put) {
+  constexpr uint32_t kAhead = 8;  // steps
+  const uint32_t lane = threadIdx.x % 32;
+  for (uint32_t steps = (size + 31) / 32; steps > 0;) {
+    const uint32_t some = min(steps, kAhead);
+    T loaded[kAhead];
+#pragma unroll
+    for (uint32_t k = 0; k < kAhead; ++k) {
+      const uint32_t i = (steps - 1 - k) * 32 + lane;
+      loaded[k] = k < some && i < size ? symbols[i] : T{0};
+    }
+#pragma unroll
+    for (uint32_t k = 0; k < kAhead; ++k)
+      if (k < some) put(loaded[k], (steps - 1 - k) * 32 + lane < size);
+    steps -= some;
+  }
+}
+
 /// Past the end there are zeros, and isSound() is false.
 class WarpReader {
  public:
@@ -62,6 +90,7 @@ class WarpReader {
     at_.state = stream[2 * lane] | static_cast<uint32_t>(stream[2 * lane + 1]) << 16;
     isBad_ = ansWants(at_.state);
     count_ = (bytes - kStateBytes) / 2;
+    look();
   }
 
   /// Fills `symbols` of a model whose slots are `slots`.
@@ -72,7 +101,7 @@ class WarpReader {
       const bool isActive = begin + lane < size;
       uint32_t value = 0;
       if (isActive) {
-        const uint32_t slot = __ldg(slots + (at_.state & (kAnsScale - 1)));
+        const uint32_t slot = slots[at_.state & (kAnsScale - 1)];
         value = ansSymbolOf(slot);
         at_.state = ansTake(at_.state, slot);
       }
@@ -99,19 +128,33 @@ class WarpReader {
   }
   __device__ LaneState state() const { return at_; }
   /// Goes on where an earlier reader of the stream was.
-  __device__ void goOnAt(const LaneState& at) { at_ = at; }
+  __device__ void goOnAt(const LaneState& at) {
+    at_ = at;
+    look();
+  }
 
  private:
+  __device__ uint32_t wordAt(uint32_t place) const { return place < count_ ? __ldg(words_ + place) : 0u; }
+  /// The words that come next: the window's two halves, a word a lane each.
+  __device__ void look() {
+    window_ = at_.next;
+    near_ = wordAt(window_ + threadIdx.x % 32);
+    far_ = wordAt(window_ + 32 + threadIdx.x % 32);
+  }
   __device__ void refill(bool isActive) {
     const bool wants = isActive && ansWants(at_.state);
     const uint32_t wanting = __ballot_sync(kAllLanes, wants);
+    const uint32_t place = at_.next + __popc(wanting & lanesBelow()), inWindow = place - window_;
+    const uint32_t fromNear = __shfl_sync(kAllLanes, near_, inWindow), fromFar = __shfl_sync(kAllLanes, far_, inWindow);
     if (wants) {
-      const uint32_t place = at_.next + __popc(wanting & lanesBelow());
-      const bool isThere = place < count_;
-      at_.state = at_.state << 16 | (isThere ? __ldg(words_ + place) : 0u);
-      isBad_ |= !isThere;
+      at_.state = at_.state << 16 | (inWindow < 32 ? fromNear : fromFar);
+      isBad_ |= place >= count_;
     }
     at_.next = min(at_.next + __popc(wanting), count_);
+    if (at_.next - window_ < 32) return;
+    window_ += 32;
+    near_ = far_;
+    far_ = wordAt(window_ + 32 + threadIdx.x % 32);
   }
   /// A token's number.
   __device__ uint32_t takeRest(uint32_t token) {
@@ -132,6 +175,7 @@ class WarpReader {
   const uint16_t* words_;
   uint32_t count_ = 0;
   LaneState at_;
+  uint32_t window_ = 0, near_ = 0, far_ = 0;
   bool hasStream_, isBad_ = false;
 };
 

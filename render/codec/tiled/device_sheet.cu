@@ -26,29 +26,35 @@ __host__ __device__ size_t endOfRoom(const SheetView& view, uint32_t stream) {
 
 /// A block for each tile, a thread for each column. `layersUsed`: of any tile.
 __global__ void __launch_bounds__(kTileWidth) countTiles(SheetView view, uint32_t* layersUsed) {
-  __shared__ uint32_t sizes[kMostLayers], rows[kTileHeight];
+  __shared__ uint32_t sizes[kMostLayers][kTileHeight];  // of each row
   const TileRect rect = view.grid.at(blockIdx.x);
   const uint32_t x = threadIdx.x;
-  if (x < kMostLayers) sizes[x] = 0;
-  if (x < kTileHeight) rows[x] = 0;
+  for (uint32_t i = x; i < kMostLayers * kTileHeight; i += kTileWidth) sizes[i / kTileHeight][i % kTileHeight] = 0;
   __syncthreads();
   for (uint32_t y = 0; y < rect.height; ++y) {
     const uint32_t count = x < rect.width ? view.counts[view.pixel(rect, x, y)] : 0;
-    uint32_t sum = 0;
     for (uint32_t layer = 0; layer < view.layers; ++layer) {
       const uint32_t covered = __popc(__ballot_sync(kAllLanes, count > layer));
       if (covered == 0) break;
-      sum += covered;
-      if (x % 32 == 0) atomicAdd(&sizes[layer], covered);
+      if (x % 32 == 0) atomicAdd(&sizes[layer][y], covered);
     }
-    if (x % 32 == 0 && sum > 0) atomicAdd(&rows[y], sum);
   }
   __syncthreads();
-  if (x < view.layers) {
-    view.begins[blockIdx.x * view.layers + x] = sizes[x];
-    if (sizes[x] > 0) atomicMax(layersUsed, x + 1);
+  if (x < rect.height) {
+    uint32_t sum = 0;
+    for (uint32_t layer = 0; layer < view.layers; ++layer) sum += sizes[layer][x];
+    view.rowBegins[size_t{rect.y0 + x} * view.grid.columns() + blockIdx.x % view.grid.columns()] = sum;
   }
-  if (x < rect.height) view.rowBegins[size_t{rect.y0 + x} * view.grid.columns() + blockIdx.x % view.grid.columns()] = rows[x];
+  if (x < view.layers) {
+    const uint32_t stream = blockIdx.x * view.layers + x;
+    uint32_t size = 0;
+    for (uint32_t y = 0; y < kTileHeight; ++y) {
+      view.rowRanks[size_t{stream} * kTileHeight + y] = size;
+      size += sizes[x][y];
+    }
+    view.begins[stream] = size;
+    if (size > 0) atomicMax(layersUsed, x + 1);
+  }
 }
 
 /// What the byte of a mask at a place is.
@@ -90,8 +96,8 @@ __global__ void putFurther(SheetView view) {
   });
 }
 
-/// A block for each stream: how often each symbol of each model occurs.
-__global__ void __launch_bounds__(256) countSymbols(SheetView view, uint32_t* histograms) {
+/// A block for each stream and shape or plane: how often each symbol of its model occurs.
+__global__ void __launch_bounds__(kAnsSymbols) countSymbols(SheetView view, uint32_t* histograms) {
   __shared__ uint32_t counts[kAnsSymbols];
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers;
   if (layer >= view.streams[tile]) return;
@@ -108,23 +114,23 @@ __global__ void __launch_bounds__(256) countSymbols(SheetView view, uint32_t* hi
     __syncthreads();
     if (counts[threadIdx.x] > 0) atomicAdd(&histograms[model * kAnsSymbols + threadIdx.x], counts[threadIdx.x]);
   };
-  if (layer == 0)
-    for (uint32_t shape = 0; shape < view.form.shapes; ++shape) {
-      const uint8_t* const symbols = view.shape(shape, tile);
-      add(shape, view.shapeSize(shape, tile), [symbols](uint32_t i) { return symbols[i]; });
-    }
-  for (uint32_t plane = 0; plane < view.form.numbers; ++plane) {
-    const uint32_t* const numbers = view.number(plane, stream);
-    add(view.modelOf(layer, plane), view.sizeOf(stream), [numbers](uint32_t i) { return tokenOf(numbers[i]); });
+  if (blockIdx.y < view.form.shapes) {
+    if (layer > 0) return;
+    const uint8_t* const symbols = view.shape(blockIdx.y, tile);
+    return add(blockIdx.y, view.shapeSize(blockIdx.y, tile), [symbols](uint32_t i) { return symbols[i]; });
   }
-  for (uint32_t plane = 0; plane < view.form.bytes; ++plane) {
-    const uint8_t* const bytes = view.byte(plane, stream);
-    add(view.modelOf(layer, view.form.numbers + plane), view.sizeOf(stream), [bytes](uint32_t i) { return bytes[i]; });
+  const uint32_t plane = blockIdx.y - view.form.shapes, model = view.modelOf(layer, plane);
+  if (plane < view.form.numbers) {
+    const uint32_t* const numbers = view.number(plane, stream);
+    add(model, view.sizeOf(stream), [numbers](uint32_t i) { return tokenOf(numbers[i]); });
+  } else {
+    const uint8_t* const bytes = view.byte(plane - view.form.numbers, stream);
+    add(model, view.sizeOf(stream), [bytes](uint32_t i) { return bytes[i]; });
   }
 }
 
-/// A block for each model. `shares`: start and, above 16 bits, frequency of each symbol.
-__global__ void __launch_bounds__(kAnsSymbols) scaleModels(const uint32_t* histograms, uint16_t* frequencies, uint32_t* shares) {
+/// A block for each model.
+__global__ void __launch_bounds__(kAnsSymbols) scaleModels(const uint32_t* histograms, uint16_t* frequencies, WriterShare* shares) {
   __shared__ uint16_t own[kAnsSymbols];
   __shared__ uint32_t warpTotals[kAnsSymbols / 32], starts[kAnsSymbols];
   const uint32_t symbol = threadIdx.x, count = histograms[blockIdx.x * kAnsSymbols + symbol];
@@ -145,12 +151,12 @@ __global__ void __launch_bounds__(kAnsSymbols) scaleModels(const uint32_t* histo
   }
   __syncthreads();
   frequencies[blockIdx.x * kAnsSymbols + symbol] = own[symbol];
-  shares[blockIdx.x * kAnsSymbols + symbol] = starts[symbol] | static_cast<uint32_t>(own[symbol]) << 16;
+  shares[blockIdx.x * kAnsSymbols + symbol] = WriterShare::of({starts[symbol], own[symbol]});
 }
 
-/// A warp for each stream. Words go to the stream's room; `offsets`: where in it they begin.
-__global__ void __launch_bounds__(32) writeStreams(SheetView view, const uint32_t* shares, uint16_t* words, uint32_t* firstWords, uint32_t* states, uint32_t* lengths) {
-  __shared__ uint32_t own[kAnsSymbols];
+/// A warp for each stream. Words go to the end of the stream's room.
+__global__ void __launch_bounds__(32) writeStreams(SheetView view, const WriterShare* shares, uint16_t* words, uint32_t* wordCounts, uint32_t* states, uint32_t* lengths) {
+  __shared__ WriterShare own[kAnsSymbols];
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers, lane = threadIdx.x;
   if (lane == 0) lengths[stream] = 0;
   if (layer >= view.streams[tile]) return;
@@ -158,43 +164,38 @@ __global__ void __launch_bounds__(32) writeStreams(SheetView view, const uint32_
   uint16_t* const end = words + endOfRoom(view, stream);
   WarpWriter writer(end);
   const auto begin = [&](uint32_t model) {
+    bool hasAll = false;
     __syncwarp();
-    for (uint32_t s = lane; s < kAnsSymbols; s += 32) own[s] = shares[model * kAnsSymbols + s];
+    for (uint32_t s = lane; s < kAnsSymbols; s += 32) {
+      own[s] = shares[model * kAnsSymbols + s];
+      hasAll |= own[s].share.frequency == kAnsScale;
+    }
     __syncwarp();
-  };
-  const auto put = [&](uint32_t symbol, bool isActive) {
-    const uint32_t share = own[symbol];
-    if (!__any_sync(kAllLanes, isActive && share >> 16 < kAnsScale)) return;  // the only symbol
-    writer.put({share & 0xffff, share >> 16}, isActive);
+    return !__any_sync(kAllLanes, hasAll);  // the only symbol takes no bits
   };
   const auto putBytes = [&](uint32_t model, const uint8_t* symbols, uint32_t count) {
-    begin(model);
-    for (uint32_t step = (count + 31) / 32; step-- > 0;) {
-      const uint32_t i = step * 32 + lane;
-      put(i < count ? symbols[i] : 0, i < count);
-    }
+    if (count == 0 || !begin(model)) return;
+    fromTheEnd(symbols, count, [&](uint32_t symbol, bool isActive) { writer.put(own[symbol], isActive); });
   };
   for (uint32_t plane = view.form.bytes; plane-- > 0;) putBytes(view.modelOf(layer, view.form.numbers + plane), view.byte(plane, stream), size);
-  for (uint32_t plane = view.form.numbers; plane-- > 0;) {
-    begin(view.modelOf(layer, plane));
-    const uint32_t* const numbers = view.number(plane, stream);
-    for (uint32_t step = (size + 31) / 32; step-- > 0;) {
-      const uint32_t i = step * 32 + lane;
-      const uint32_t number = i < size ? numbers[i] : 0, token = tokenOf(number), rest = restBits(token);
-      if (__any_sync(kAllLanes, rest > 0)) {
-        const uint32_t first = min(rest, kAnsRestBits);
+  for (uint32_t plane = view.form.numbers; plane-- > 0 && size > 0;) {
+    const bool takesBits = begin(view.modelOf(layer, plane));
+    fromTheEnd(view.number(plane, stream), size, [&](uint32_t number, bool isActive) {
+      const uint32_t token = tokenOf(number);
+      if (__any_sync(kAllLanes, token >= kDirectTokens)) {
+        const uint32_t rest = restBits(token), first = min(rest, kAnsRestBits);
         if (__any_sync(kAllLanes, rest > first)) writer.putBits(number >> kAnsRestBits, rest - first);
         writer.putBits(number, first);
       }
-      put(token, i < size);
-    }
+      if (takesBits) writer.put(own[token], isActive);
+    });
   }
   if (layer == 0)
     for (uint32_t shape = view.form.shapes; shape-- > 0;) putBytes(shape, view.shape(shape, tile), view.shapeSize(shape, tile));
   states[stream * 32 + lane] = writer.state();
   const bool isEmpty = writer.begin() == end && __all_sync(kAllLanes, writer.state() == kAnsLow);
   if (lane != 0) return;
-  firstWords[stream] = static_cast<uint32_t>(end - writer.begin());
+  wordCounts[stream] = static_cast<uint32_t>(end - writer.begin());
   lengths[stream] = isEmpty ? 0 : static_cast<uint32_t>(kAnsStateBytes + 2 * (end - writer.begin()));
 }
 
@@ -219,6 +220,8 @@ const SheetView& DeviceSheet::begin(const TileGrid& grid, const SheetForm& form,
   const size_t streams = tiles * view_.layers;
   counts_.reserve(pixels);
   begins_.reserve(streams + 1);
+  rowRanks_.reserve(streams * kTileHeight);
+  view_.rowRanks = rowRanks_.data();
   rowBegins_.reserve(size_t{grid.height} * grid.columns() + 1);
   streams_.reserve(tiles);
   for (uint32_t shape = 0; shape < form.shapes; ++shape) shapes_[shape].reserve(tiles * kTilePixels);
@@ -277,7 +280,7 @@ void DeviceSheet::append(std::vector<std::byte>& out) {
   words_.reserve(room);
   packed_.reserve(room + size_t{streams} * 2 * kAnsLanes);
   WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(histograms_.data(), 0, size_t{models} * kAnsSymbols * sizeof(uint32_t), stream_));
-  countSymbols<<<streams, 256, 0, stream_>>>(view_, histograms_.data());
+  countSymbols<<<dim3(streams, view_.form.shapes + view_.form.planes()), kAnsSymbols, 0, stream_>>>(view_, histograms_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   scaleModels<<<models, kAnsSymbols, 0, stream_>>>(histograms_.data(), frequencies_.data(), shares_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();

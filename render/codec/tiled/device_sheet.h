@@ -26,6 +26,7 @@ struct SheetView {
   uint8_t* counts = nullptr;        ///< layers of each pixel of the picture
   uint32_t* begins = nullptr;       ///< of each stream among all values, and the end
   uint32_t* rowBegins = nullptr;    ///< of each row of each tile among the frame's values, row by row of the picture, and the end
+  uint32_t* rowRanks = nullptr;     ///< of each of the kTileHeight rows of each stream, how many of its values are in rows above
   uint8_t* streams = nullptr;       ///< of each tile
   uint8_t* shapes[2] = {};          ///< kTilePixels for each tile
   uint32_t* numbers = nullptr;      ///< planes of `values`
@@ -53,6 +54,14 @@ struct SheetView {
 /// Where a stream's bytes are among all.
 struct StreamRead {
   uint32_t offset = 0, length = 0;
+};
+
+/// A symbol's share and what its frequency is divided by with: quotients of any state are at most 2 too small.
+struct WriterShare {
+  AnsShare share;
+  uint32_t reciprocal = 0;
+
+  WARPSCOPE_HD static WriterShare of(const AnsShare& share) { return {share, share.frequency > 0 ? ~0u / share.frequency : 0}; }
 };
 
 /// What a lane knows of a stream while it is read: kept between kernels.
@@ -104,8 +113,9 @@ class DeviceSheet {
   SheetView view_;
   cuda::Scratch scratch_;
   cuda::DeviceBuffer<uint8_t> counts_, streams_, shapes_[2], bytes_;
-  cuda::DeviceBuffer<uint32_t> begins_, rowBegins_, numbers_, flags_, histograms_, shares_, slots_, lengths_, offsets_, states_, wordCounts_, bad_;
+  cuda::DeviceBuffer<uint32_t> begins_, rowBegins_, rowRanks_, numbers_, flags_, histograms_, slots_, lengths_, offsets_, states_, wordCounts_, bad_;
   cuda::DeviceBuffer<uint16_t> frequencies_, words_, packed_;
+  cuda::DeviceBuffer<WriterShare> shares_;
   cuda::DeviceBuffer<StreamRead> reads_;
   cuda::DeviceBuffer<LaneState> laneStates_;
   cuda::PinnedValue<uint32_t> value_;

@@ -32,6 +32,7 @@ __global__ void __launch_bounds__(kAnsSymbols) findSlots(const uint16_t* frequen
 struct ReaderModels {
   const uint32_t* slots;
   const uint16_t* frequencies;
+  uint32_t* own = nullptr;  ///< kAnsScale places in shared memory
 
   /// The symbol that has all, or -1; the first slot's is in every case one that occurs.
   __device__ int constant(uint32_t model) const {
@@ -52,8 +53,11 @@ struct ReaderModels {
     if (size == 0) return;
     const int only = constant(model);
     if (only < 0 && !isEmpty(model) && reader.hasStream()) {
-      reader.take(slots + size_t{model} * kAnsScale, symbols, size);
-      return;
+      __syncwarp();
+      const auto* const from = reinterpret_cast<const uint4*>(slots + size_t{model} * kAnsScale);
+      for (uint32_t i = threadIdx.x % 32; i < kAnsScale / 4; i += 32) reinterpret_cast<uint4*>(own)[i] = from[i];
+      __syncwarp();
+      return reader.take(own, symbols, size);
     }
     const uint32_t token = only < 0 ? 0 : static_cast<uint32_t>(only);
     if (only < 0) reader.blame();
@@ -100,6 +104,8 @@ __device__ void takeRays(const SheetView& view, const TileRect& rect, const uint
 /// A warp for each tile. `states`: where its first stream goes on.
 __global__ void __launch_bounds__(32) readShapes(SheetView view, ReaderModels models, const StreamRead* reads, const uint16_t* packed, uint32_t most, uint8_t* rays,
                                                  LaneState* states, uint32_t* badStreams) {
+  __shared__ __align__(16) uint32_t slots[kAnsScale];
+  models.own = slots;
   const uint32_t tile = blockIdx.x, lane = threadIdx.x, streams = view.streams[tile];
   const TileRect rect = view.grid.at(tile);
   uint8_t* const shape = view.shape(0, tile);
@@ -148,6 +154,8 @@ __global__ void __launch_bounds__(32) readShapes(SheetView view, ReaderModels mo
 /// A warp for each stream.
 __global__ void __launch_bounds__(32) readPlanes(SheetView view, ReaderModels models, const StreamRead* reads, const uint16_t* packed, const LaneState* states,
                                                  const uint32_t* badStreams) {
+  __shared__ __align__(16) uint32_t slots[kAnsScale];
+  models.own = slots;
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers;
   if (layer >= view.streams[tile] || !view.isFull() || (*view.flags & kDamagedShapes) != 0) return;
   const StreamRead read = reads[stream];

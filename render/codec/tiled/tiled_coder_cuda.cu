@@ -9,6 +9,7 @@
 #include "render/codec/radius_prediction.h"
 #include "render/codec/tiled/sample_kernels.cuh"
 #include "render/codec/tiled/segment_kernels.cuh"
+#include "render/codec/tiled/tile_fronts.h"
 #include "render/codec/tiled/tiled_samples.h"
 #include "render/codec/tiled/tiled_segments.h"
 #include "render/cuda/memory.h"
@@ -34,15 +35,14 @@ class CudaTiledCoder final : public TiledCoder {
     colors_.upload(std::span(frame.colors), stream_);
     if (hasLayers) layers_.upload(frame.layers(), stream_);
     clearHash();
-    hashSamples<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream_>>>(samples, hash_.data());
+    countSamples<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream_>>>(samples, view, hash_.data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     fetchHash();
-    lookAtSamples<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream_>>>(samples, view);
-    WARPSCOPE_CUDA_CHECK_LAUNCH();
     sheet_.count();
     sheet_.makeMasks();
-    putSamples<<<view.tiles() * view.layers, 32, 0, stream_>>>(samples, view);
+    arrangeSamples<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(samples, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
+    putFronts(view, samples.jobs(), stream_);
     const size_t hashAt = out.size();
     appendLittle(out, uint64_t{0});
     sheet_.append(out);
@@ -69,9 +69,8 @@ class CudaTiledCoder final : public TiledCoder {
     sheet_.takePlanes();
     findOriginsOf(samples.paths, view);
     clearHash();
-    takeSamplesFrom<<<view.tiles() * view.layers, 32, 0, stream_>>>(samples, view, origins_.data());
-    WARPSCOPE_CUDA_CHECK_LAUNCH();
-    finishSamples<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream_>>>(samples, view, hash_.data());
+    takeFronts(view, samples.jobs(), stream_);
+    finishSamples<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(samples, view, hash_.data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     fetchHash();
     frame.samples = pinned<PackedSample>(count);
@@ -107,11 +106,9 @@ class CudaTiledCoder final : public TiledCoder {
     sheet_.count();
     putRays<<<view.tiles(), kThreads, 0, stream_>>>(own, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
-    findOriginsOf(own.paths, view);
-    lookAtSegments<<<dim3(view.tiles(), kTileHeight), kTileWidth, 0, stream_>>>(own, view);
+    arrangeSegments<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(own, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
-    putSegments<<<view.tiles() * view.layers, 32, 0, stream_>>>(own, view, origins_.data());
-    WARPSCOPE_CUDA_CHECK_LAUNCH();
+    putFronts(view, own.jobs(), stream_);
     const size_t hashAt = out.size();
     appendLittle(out, uint64_t{0});
     sheet_.append(out);
@@ -139,9 +136,8 @@ class CudaTiledCoder final : public TiledCoder {
     const SegmentView own = viewOf(frame, placement, hasNormals);
     sheet_.takePlanes();
     findOriginsOf(own.paths, view);
-    takeSegmentsFrom<<<view.tiles(), 32, 0, stream_>>>(own, view, origins_.data());
-    WARPSCOPE_CUDA_CHECK_LAUNCH();
-    finishSegments<<<dim3(view.tiles(), kTileHeight), kTileWidth, 0, stream_>>>(own, view);
+    takeFronts(view, own.jobs(), stream_);
+    finishSegments<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(own, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     hash(own);
     download(reinterpret_cast<uint8_t*>(segments.rays.data()), rays_, segments.rays.size());
@@ -183,11 +179,10 @@ class CudaTiledCoder final : public TiledCoder {
     samples_.reserve(count);
     colors_.reserve(count);
     if (hasLayers) layers_.reserve(count);
-    for (cuda::DeviceBuffer<int32_t>* values : {&begins_, &ends_}) values->reserve(count);
-    for (cuda::DeviceBuffer<uint32_t>* values : {&beginRests_, &endRests_}) values->reserve(count);
+    reserveStreams(count);
     const RadiusPrediction radius(frame);
-    return {pathsOf(frame, placement), sampleRuleOf(frame), pixelEdge(frame.camera), radius.isAsBefore(), count,         samples_.data(),    colors_.data(),
-            hasLayers ? layers_.data() : nullptr, ends_.data(),        begins_.data(),      beginRests_.data(), endRests_.data()};
+    return {pathsOf(frame, placement), sampleRuleOf(frame), pixelEdge(frame.camera), radius.isAsBefore(), count, samples_.data(), colors_.data(),
+            hasLayers ? layers_.data() : nullptr, origins_.data(), words_[0].data(), words_[1].data(), words_[2].data()};
   }
 
   SegmentView viewOf(const SampleFrame& frame, Placement placement, bool hasNormals) {
@@ -196,16 +191,18 @@ class CudaTiledCoder final : public TiledCoder {
     depths_.reserve(count);
     colors_.reserve(count);
     if (hasNormals) normals_.reserve(count);
-    for (cuda::DeviceBuffer<int32_t>* values : {&begins_, &ends_}) values->reserve(count);
-    for (cuda::DeviceBuffer<uint32_t>* values : {&beginRests_, &endRests_}) values->reserve(count);
+    reserveStreams(count);
     return {pathsOf(frame, placement), static_cast<uint32_t>(frame.segments.rays.size()), static_cast<uint32_t>(count), rays_.data(), depths_.data(), colors_.data(),
-            hasNormals ? normals_.data() : nullptr, begins_.data(), ends_.data(), beginRests_.data(), endRests_.data()};
+            hasNormals ? normals_.data() : nullptr, origins_.data(), words_[0].data(), words_[1].data(), words_[2].data(), words_[3].data()};
+  }
+
+  void reserveStreams(size_t values) {
+    origins_.reserve(values);
+    for (cuda::DeviceBuffer<uint32_t>& words : words_) words.reserve(values);
   }
 
   void findOriginsOf(const PathGrid& paths, const SheetView& view) {
-    const size_t pixels = size_t{view.grid.width} * view.grid.height;
-    origins_.reserve(pixels);
-    findOrigins<<<cuda::blocksFor(pixels, kThreads), kThreads, 0, stream_>>>(paths, view, origins_.data());
+    findOrigins<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(paths, view, origins_.data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }
 
@@ -228,8 +225,9 @@ class CudaTiledCoder final : public TiledCoder {
   cuda::DeviceBuffer<uint8_t> layers_, rays_;
   cuda::DeviceBuffer<SegmentDepths> depths_;
   cuda::DeviceBuffer<NormalCode> normals_;
-  cuda::DeviceBuffer<int32_t> begins_, ends_, origins_;  // places of samples and their fine values as well
-  cuda::DeviceBuffer<uint32_t> beginRests_, endRests_;   // differences of samples' depths and radii as well
+  // In the order of streams.
+  cuda::DeviceBuffer<int32_t> origins_;
+  cuda::DeviceBuffer<uint32_t> words_[FrontJobs::kMost];
   cuda::DeviceBuffer<float> noise_;
   cuda::DeviceBuffer<unsigned long long> hash_{1};
   cuda::PinnedValue<uint64_t> hashOnHost_;

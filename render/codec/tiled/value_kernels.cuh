@@ -1,4 +1,4 @@
-// What kernels of samples and of segments share between values and planes.
+// What kernels of samples and of segments share: all values of a picture, each by its place in its frame and in its stream.
 // For one .cu file.
 #pragma once
 
@@ -6,67 +6,50 @@
 
 #include "render/codec/bytes.h"
 #include "render/codec/pixel_places.h"
-#include "render/codec/tiled/device_fronts.cuh"
+#include "render/codec/tiled/device_lanes.cuh"
 #include "render/codec/tiled/device_sheet.h"
+#include "render/codec/tiled/tile_fronts.h"
 #include "render/codec/tokens.h"
 
 namespace warpscope {
 namespace {
 
-__device__ int32_t sumOf(int32_t a, int32_t b) { return static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b)); }
-__device__ int32_t differenceOf(int32_t a, int32_t b) { return static_cast<int32_t>(static_cast<uint32_t>(a) - static_cast<uint32_t>(b)); }
+/// A block for each row of each tile, a thread for each pixel.
+inline dim3 rowsOfTiles(const SheetView& view) { return {view.tiles(), kTileHeight}; }
 
-/// Where the calling thread's row of a tile has its values.
-struct RowCursor {
-  uint32_t first = 0;  ///< of the next pixel, among the frame's
-  uint32_t at = 0;     ///< of the next value of the stream, among all
-  uint32_t own = 0;    ///< first of the pixel at work
-
-  /// Of a layer of a tile; all threads of a warp must call.
-  __device__ static RowCursor of(const SheetView& view, const TileRect& rect, uint32_t stream) {
-    const uint32_t row = threadIdx.x % 32, layer = stream % view.layers;
-    uint32_t covered = 0;
-    if (row < rect.height) {
-      const uint8_t* const counts = view.counts + view.pixel(rect, 0, row);
-      for (uint32_t x = 0; x < rect.width; ++x) covered += counts[x] > layer ? 1 : 0;
-    }
-    uint32_t before = covered;
-    for (uint32_t offset = 1; offset < 32; offset *= 2) {
-      const uint32_t other = __shfl_up_sync(kAllLanes, before, offset);
-      if (row >= offset) before += other;
-    }
-    return {row < rect.height ? view.rowBegin(rect, row) : 0, view.begins[stream] + before - covered, 0};
+/// Calls f(pixel's path, layer, value's number in the frame, among all streams) for each layer of the calling thread's pixel, from the front.
+template <class F>
+__device__ void forValues(const PathGrid& paths, const SheetView& view, const F& f) {
+  constexpr uint32_t kWarps = kTileWidth / 32, kMost = 32;
+  __shared__ uint32_t covered[kMost][kWarps];
+  const TileRect rect = view.grid.at(blockIdx.x);
+  const uint32_t x = threadIdx.x, y = blockIdx.y, warp = x / 32;
+  if (y >= rect.height) return;
+  const uint32_t count = x < rect.width ? view.counts[view.pixel(rect, x, y)] : 0;
+  for (uint32_t layer = 0; layer < view.layers; ++layer) {
+    const uint32_t own = __ballot_sync(kAllLanes, count > layer);
+    if (x % 32 == 0) covered[layer][warp] = __popc(own);
   }
-  /// For every pixel of the row, from the left to the right: whether the layer covers it.
-  __device__ bool goOn(uint32_t count, uint32_t layer) {
-    own = first;
-    first += count;
-    return count > layer;
+  __syncthreads();
+  const auto before = [&](uint32_t layer) {
+    uint32_t sum = __popc(__ballot_sync(kAllLanes, count > layer) & lanesBelow());
+    for (uint32_t left = 0; left < warp; ++left) sum += covered[layer][left];
+    return sum;
+  };
+  uint32_t first = view.rowBegin(rect, y);
+  for (uint32_t layer = 0; layer < view.layers; ++layer) first += before(layer);
+  PixelPath path;
+  if (count > 0) path = paths.path(rect.x0 + x, rect.y0 + y);
+  for (uint32_t layer = 0; __any_sync(kAllLanes, layer < count); ++layer) {
+    const uint32_t stream = blockIdx.x * view.layers + layer, rank = before(layer);
+    if (layer < count) f(path, layer, first + layer, view.begins[stream] + view.rowRanks[size_t{stream} * kTileHeight + y] + rank);
   }
-};
-
-/// Differences of colours from what is likely, and back: color_differences.h.
-__device__ void putColor(const SheetView& view, uint32_t alphaPlane, const FrontNeighbors& from, uint32_t color, uint32_t at) {
-  const auto difference = [&](int shift) { return static_cast<int32_t>(color >> shift & 255) - predictedChannel(from, &FrontValues::color, shift); };
-  const int32_t green = difference(8);
-  const auto put = [&](uint32_t plane, int32_t value) { view.bytes[size_t{alphaPlane + plane} * view.values + at] = static_cast<uint8_t>(value); };
-  put(0, difference(24));
-  put(1, green);
-  put(2, difference(0) - green);
-  put(3, difference(16) - green);
-}
-__device__ uint32_t takeColor(const SheetView& view, uint32_t alphaPlane, const FrontNeighbors& from, uint32_t at) {
-  const auto byte = [&](uint32_t plane) { return static_cast<int32_t>(view.bytes[size_t{alphaPlane + plane} * view.values + at]); };
-  const auto channel = [&](int shift, int32_t difference) { return static_cast<uint32_t>((predictedChannel(from, &FrontValues::color, shift) + difference) & 255) << shift; };
-  const int32_t green = byte(1);
-  return channel(24, byte(0)) | channel(8, green) | channel(0, byte(2) + green) | channel(16, byte(3) + green);
 }
 
-/// Origins of places of pixels that are covered. A thread for each pixel.
-__global__ void findOrigins(PathGrid paths, SheetView view, int32_t* origins) {
-  const uint32_t pixel = blockIdx.x * blockDim.x + threadIdx.x;
-  if (pixel >= view.grid.width * view.grid.height || view.counts[pixel] == 0) return;
-  origins[pixel] = paths.path(pixel % view.grid.width, pixel / view.grid.width).origin;
+/// Origins of values' rays, in the order of streams.
+__global__ void __launch_bounds__(kTileWidth) findOrigins(PathGrid paths, SheetView view, int32_t* origins) {
+  if (!view.isFull() || *view.flags != 0) return;
+  forValues(paths, view, [&](const PixelPath& path, uint32_t, uint32_t, uint32_t at) { origins[at] = path.origin; });
 }
 
 /// The sum of all threads' hashes.
