@@ -8,6 +8,7 @@
 #include "app/commands/options.h"
 #include "app/experiment/bench_comparison.h"
 #include "app/experiment/benchmark.h"
+#include "app/experiment/configuration.h"
 #include "app/experiment/effect_costs.h"
 #include "app/frames/backend.h"
 #include "app/scene/json_document.h"
@@ -29,6 +30,7 @@ struct BenchOptions {
   std::vector<std::string> techniques;
   int runs = 50;
   bool measuresEffects = false;
+  std::string codec = codecWord({});
   std::string against;  ///< an earlier report; empty: none
 };
 
@@ -40,6 +42,7 @@ Json reportOf(const BenchOptions& options, const CommandContext& work) {
   report["height"] = work.height;
   report["runs"] = options.runs;
   report["version"] = WARPSCOPE_VERSION;
+  if (options.codec != codecWord({})) report["codec"] = options.codec;  // earlier reports do not say it
   return report;
 }
 
@@ -124,7 +127,7 @@ void printResult(const BackendBenchmark& result, const Scene& scene) {
                result.samples());
   std::fprintf(stderr, "  march %.3f ms, compaction %.3f ms, copy %.3f ms; camera to samples %.3f ms\n", result.frame.march.march.medianMs,
                result.frame.march.compact.medianMs, result.frame.march.copy.medianMs, result.frame.march.samples.medianMs);
-  std::fprintf(stderr, "  encoding on the CPU %.1f ms, decoding %.1f ms; %.2f MB on the wire, %.2f MB as samples of 12 bytes\n",
+  std::fprintf(stderr, "  encoding %.2f ms, decoding %.2f ms; %.2f MB on the wire, %.2f MB as samples of 12 bytes\n",
                result.frame.coding.encode.medianMs, result.frame.coding.decode.medianMs, static_cast<double>(result.frame.coding.bytes.ofFrame()) * 1e-6,
                static_cast<double>(result.rawBytes) * 1e-6);
   std::fprintf(stderr, "  %-10s %9s %9s %9s   pictures a second in each view\n", "", "upload ms", "build ms", "first ms");
@@ -135,7 +138,7 @@ void printResult(const BackendBenchmark& result, const Scene& scene) {
     std::fputc('\n', stderr);
     if (!technique.frame) continue;
     const FrameBenchmark& frame = *technique.frame;
-    std::fprintf(stderr, "    of its own frames: march %.3f ms, compaction %.3f ms, copy %.3f ms; encoding %.1f ms, decoding %.1f ms; %.2f MB on the wire\n",
+    std::fprintf(stderr, "    of its own frames: march %.3f ms, compaction %.3f ms, copy %.3f ms; encoding %.2f ms, decoding %.2f ms; %.2f MB on the wire\n",
                  frame.march.march.medianMs, frame.march.compact.medianMs, frame.march.copy.medianMs, frame.coding.encode.medianMs,
                  frame.coding.decode.medianMs, static_cast<double>(frame.coding.bytes.ofFrame()) * 1e-6);
   }
@@ -236,6 +239,7 @@ void bench(const BenchOptions& options) {
   settings.width = work.width;
   settings.height = work.height;
   settings.runs = options.runs;
+  settings.coding = codecOfWord(options.codec);
   // Automatic: all there are, side by side.
   for (const MarcherDescriptor* marcher : marchersFor(work.backend))
     settings.backends.insert(settings.backends.begin(), marcher->backend);
@@ -268,6 +272,7 @@ void addBenchCommand(CLI::App& program, std::function<void()>& chosen) {
   addCommonOptions(*command, options->common);
   command->add_option("--technique", options->techniques, "Technique to measure; may be given several times; default: all that draw frames");
   command->add_option("--runs", options->runs, "Times that everything is measured, after a warm-up")->capture_default_str();
+  command->add_option("--codec", options->codec, "How frames are encoded: " + std::string(codecWords()) + "; tiled on each backend itself, else on the CPU")->capture_default_str();
   command->add_flag("--effects", options->measuresEffects,
                     "Measure effects instead: no effect, each alone, all together, all but each; an example of each that the scene has not");
   command->add_option("--against", options->against, "What `bench --json` wrote of an earlier run of the same: its figures beside today's, the ratio, and whether they differ by more than they vary");

@@ -204,7 +204,7 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
   progress.step(server ? net::toStringWithoutToken(*server) : work.sceneSpec);
   if (server) {
     const auto io = std::make_shared<net::IoThread>();
-    ConnectedScene loaded = connectScene(io, *server, work.transport, [] {}, stop);
+    ConnectedScene loaded = connectScene(io, *server, work.transport, [] {}, stop, work.backend);
     work.scene = std::move(loaded.scene);
     work.applyTo(work.scene);
     work.source = std::move(loaded.source);
@@ -214,7 +214,7 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
     work.sayBusy = [isSaid = std::make_shared<std::once_flag>()](uint16_t others) {
       std::call_once(*isSaid, [&] { logWarning(busySentence(others)); });
     };
-    work.remote = connectMarcher(io, *server, plain, work.sayBusy);
+    work.remote = connectMarcher(io, *server, plain, work.sayBusy, work.backend);
   } else {
     work.scene = work.open(stop);
   }

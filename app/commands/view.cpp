@@ -155,7 +155,7 @@ void view(const ViewOptions& options) {
   const auto connectTo = [io, transport, checked](const net::Address& address) {
     return LoadJob{net::toStringWithoutToken(address),
                    [=](const std::function<void()>& onNews, const std::stop_token& stop) {
-                     ConnectedScene loaded = connectScene(io, address, transport, onNews, stop);
+                     ConnectedScene loaded = connectScene(io, address, transport, onNews, stop, checked.backend);
                      checked.applyTo(loaded.scene);
                      return loaded;
                    },

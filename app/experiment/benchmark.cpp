@@ -2,6 +2,7 @@
 // See benchmark.h.
 #include "app/experiment/benchmark.h"
 
+#include "app/frames/backend.h"
 #include "render/base/error.h"
 #include "render/metrics/psnr.h"
 #include "render/warp/spheres_warp.h"
@@ -86,10 +87,10 @@ std::vector<BackendBenchmark> runBenchmark(const Scene& scene, const BenchmarkSe
     const WarpResources resources = resourcesOf(backend);
     onStep(std::string(nameOf(backend)) + ", the server's frame");
     BackendBenchmark& result = results.emplace_back();
-    FrameCodec codec;
+    FrameCodec codec(makeTiledCoder(resources.marcher->backend()));
     const auto measureFrame = [&](const MarchSettings& march) {
       FrameBenchmark frame{measureMarch(measuring, *resources.marcher, cameras.front(), march), {}};
-      frame.coding = measureCoding(measuring, codec, frame.march.frame, {});
+      frame.coding = measureCoding(measuring, codec, frame.march.frame, settings.coding);
       return frame;
     };
     result.frame = measureFrame(neededBy({}, settings.march));

@@ -47,6 +47,7 @@ struct BackendBenchmark {
 struct BenchmarkSettings {
   MarchSettings march;
   WarpSettings warp;
+  CodecSettings coding;
   uint32_t width = 0;
   uint32_t height = 0;
   int runs = 50;

@@ -138,6 +138,7 @@ Configuration normalized(Configuration configuration) {
 
 std::string codecWord(const CodecSettings& codec) {
   if (codec.format == PayloadFormat::raw) return "raw";
+  if (codec.format == PayloadFormat::tiled) return "tiled";
   if (codec.color == ColorCoding::lossless) return "lossless";
   return std::string(kJpegWord) + std::to_string(codec.jpegQuality);
 }
@@ -145,15 +146,15 @@ std::string codecWord(const CodecSettings& codec) {
 std::string_view codecWords() {
   static const std::string kWords = [] {
     const std::string jpeg(kJpegWord);
-    return "raw, lossless, " + jpeg + numberText(kJpegQualityRange.lowest) + " to " + jpeg + numberText(kJpegQualityRange.highest);
+    return "raw, lossless, tiled, " + jpeg + numberText(kJpegQualityRange.lowest) + " to " + jpeg + numberText(kJpegQualityRange.highest);
   }();
   return kWords;
 }
 
 CodecSettings codecOfWord(std::string_view word) {
   CodecSettings codec;
-  if (word == "raw") {
-    codec.format = PayloadFormat::raw;
+  if (word == "raw" || word == "tiled") {
+    codec.format = word == "raw" ? PayloadFormat::raw : PayloadFormat::tiled;
     codec.color = ColorCoding::lossless;
     return codec;
   }

@@ -13,6 +13,7 @@
 #include "app/experiment/oracle.h"
 #include "app/experiment/measuring.h"
 #include "app/experiment/motion.h"
+#include "app/frames/backend.h"
 #include "app/frames/frame_fetch.h"
 #include "render/base/error.h"
 #include "render/metrics/flicker.h"
@@ -44,7 +45,8 @@ struct FrameKind {
 /// Serves frames through the codec; keeps the march of the last one, which the next codec shares.
 class Server {
  public:
-  Server(MarcherPtr marcher, const Measuring& measuring) : marcher_(std::move(marcher)), measuring_(measuring) {}
+  Server(MarcherPtr marcher, const Measuring& measuring)
+      : marcher_(std::move(marcher)), measuring_(measuring), codec_(makeTiledCoder(marcher_->backend())) {}
 
   Served serve(const Camera& camera, const Configuration& configuration) {
     if (!marched_.frame || !(camera == camera_) || !(configuration.march == settings_)) {

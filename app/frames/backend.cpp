@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "app/shell/log.h"
+#include "render/codec/tiled/tiled_coder_cuda.h"
 #include "render/cuda/devices.h"
 #include "render/march/marcher_registry.h"
 
@@ -14,6 +15,11 @@ namespace warpscope {
 
 MarcherPtr makeMarcher(Backend backend, VolumePtr volume, TransferFunction transferFunction) {
   return makeMarcher(backend, std::move(volume), std::move(transferFunction), reportFallback);
+}
+
+TiledCoderPtr makeTiledCoder(Backend backend) {
+  if (backend == Backend::cpu || !cuda::whyUnavailable().empty()) return makeHostTiledCoder();
+  return makeFallbackTiledCoder(makeCudaTiledCoder, reportFallback);
 }
 
 void reportFallback(const std::string& reason) {

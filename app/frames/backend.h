@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "render/codec/tiled/tiled_coder.h"
 #include "render/core/backend.h"
 #include "render/march/marcher.h"
 
@@ -11,6 +12,9 @@ namespace warpscope {
 
 /// As makeMarcher() of render/march/marcher_registry.h; a fallback is reported as below.
 MarcherPtr makeMarcher(Backend backend, VolumePtr volume, TransferFunction transferFunction);
+
+/// Who makes tiles of frames there (tiled_coder.h); automatic: on a device, if there is one. A fallback is reported as below.
+TiledCoderPtr makeTiledCoder(Backend backend);
 
 /// What works on that backend, in words: "16 CPU threads", or the first device and its driver.
 std::string deviceText(Backend backend);

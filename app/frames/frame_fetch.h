@@ -15,7 +15,7 @@ namespace warpscope {
 /// A frame from wherever it comes. Throws as marching and the network do.
 using FrameFetch = std::function<ServedFrame(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop)>;
 
-/// Marches here, encodes and decodes: the frame has whatever the codec makes of it, and its times and bytes.
+/// Marches here, encodes and decodes: the frame has whatever the codec makes of it, and its times and bytes. One call at a time.
 FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& codec);
 
 /// What one frame's way through the codec takes, by the host's clock.

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <new>
 
+#include "app/frames/backend.h"
 #include "app/frames/server_load.h"
 #include "app/frames/wire_fields.h"
 #include "render/base/error.h"
@@ -96,7 +97,7 @@ class FrameServer::Lane {
     if (smaller_ >= kMostSmallerJobs) giveBack();
     bytes_ = std::max(bytes_, bytes);
     if (!marcher_) marcher_ = origin_->twin(turns_);
-    if (!codec_) codec_ = std::make_unique<FrameCodec>();
+    if (!codec_) codec_ = std::make_unique<FrameCodec>(makeTiledCoder(origin_->backend()));
   }
   void rest(Clock::TimePoint now) { restsSince_ = now; }
   void giveBackIfRested(Clock::TimePoint now) {

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <stop_token>
 
+#include "app/frames/backend.h"
 #include "app/frames/wire_fields.h"
 #include "net/address.h"
 #include "render/base/error.h"
@@ -25,7 +26,7 @@ struct Arrived {
 class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
  public:
   RemoteFrameSource(std::shared_ptr<net::IoThread> io, const net::ClientSettings& settings, FunctionOwner owner,
-                    std::function<void()> onNews)
+                    std::function<void()> onNews, Backend backend)
       : owner_(owner),
         onNews_(std::move(onNews)),
         clock_(io->clock()),
@@ -33,8 +34,8 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
         transport_{.link = settings.link, .codec = {}, .depth = settings.depth},
         status_{.isConnected = false, .isRefused = false, .sentence = {}, .next = {}, .where = where_},
         decoder_(
-            [this] {
-              auto codec = std::make_shared<FrameCodec>();
+            [this, backend] {
+              auto codec = std::make_shared<FrameCodec>(makeTiledCoder(backend));
               return [this, codec](const Arrived& arrived, ServedFrame& served, const std::stop_token&) {
                 decode(arrived, served, *codec);
               };
@@ -246,9 +247,9 @@ std::string busySentence(uint16_t others) {
 }
 
 Connected connectFrameSource(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, std::function<void()> onNews,
-                             const std::stop_token& stop, FunctionOwner owner) {
+                             const std::stop_token& stop, FunctionOwner owner, Backend backend) {
   const auto patience = settings.connectPatience;
-  auto source = std::make_unique<RemoteFrameSource>(std::move(io), settings, owner, std::move(onNews));
+  auto source = std::make_unique<RemoteFrameSource>(std::move(io), settings, owner, std::move(onNews), backend);
   net::SceneFields scene = source->waitForScene(patience, stop);
   return {std::move(source), std::move(scene)};
 }

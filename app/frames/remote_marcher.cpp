@@ -7,6 +7,7 @@
 #include <stop_token>
 #include <utility>
 
+#include "app/frames/backend.h"
 #include "app/frames/wire_fields.h"
 #include "net/address.h"
 #include "render/base/error.h"
@@ -17,13 +18,15 @@ namespace {
 class RemoteMarcher final : public Marcher, private net::ClientEvents {
  public:
   RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
-                Clock::Duration patience, std::function<void(uint16_t)> onBusy)
+                Clock::Duration patience, std::function<void(uint16_t)> onBusy, Backend backend)
       : io_(std::move(io)),
         clock_(io_->clock()),
         settings_(std::move(settings)),
         coding_(codec),
         patience_(patience),
-        onBusy_(std::move(onBusy)) {}
+        onBusy_(std::move(onBusy)),
+        decodesOn_(backend),
+        codec_(makeTiledCoder(backend)) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(callMutex_);
@@ -51,7 +54,7 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
             .functionChange = FunctionChange::refused};
   }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr) const override { return makeRemoteMarcher(io_, settings_, coding_, patience_, onBusy_); }
+  MarcherPtr twin(TurnsPtr) const override { return makeRemoteMarcher(io_, settings_, coding_, patience_, onBusy_, decodesOn_); }
   MarcherPtr withTransferFunction(TransferFunction) const override {
     throw UsageError("a server chooses the transfer function of its volume: its clients cannot have another");
   }
@@ -135,6 +138,7 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   const std::function<void(uint16_t)> onBusy_;
   const VolumePtr none_;
   std::mutex callMutex_;  // of a whole call, and of the two below
+  const Backend decodesOn_;
   FrameCodec codec_;
   uint64_t lastId_ = 0;
   std::mutex mutex_;  // of what the network's thread says
@@ -151,8 +155,8 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
 }  // namespace
 
 MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
-                             Clock::Duration patience, std::function<void(uint16_t)> onBusy) {
-  return std::make_shared<RemoteMarcher>(std::move(io), std::move(settings), codec, patience, std::move(onBusy));
+                             Clock::Duration patience, std::function<void(uint16_t)> onBusy, Backend backend) {
+  return std::make_shared<RemoteMarcher>(std::move(io), std::move(settings), codec, patience, std::move(onBusy), backend);
 }
 
 }  // namespace warpscope

@@ -13,8 +13,8 @@ namespace warpscope {
 
 /// Connects when it is first called. march() and render() throw as Marcher's do, InputError also for what the server or
 /// the network says, or if no connection stands for `patience`. Its volume is elsewhere, and its transfer function the server's. `onBusy`, if any, is called on the
-/// network's thread with the number of others that the server works for while a call waits.
+/// network's thread with the number of others that the server works for while a call waits. `backend`: what reads tiles that come.
 MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
-                             Clock::Duration patience, std::function<void(uint16_t)> onBusy = {});
+                             Clock::Duration patience, std::function<void(uint16_t)> onBusy = {}, Backend backend = Backend::cpu);
 
 }  // namespace warpscope

@@ -54,28 +54,28 @@ ConnectedScene hostScene(std::shared_ptr<net::IoThread> io, Scene scene, const M
   settings.clients = {.most = 1, .mostOfAnAddress = 1, .leastIdleness = net::Duration::max()};  // strangers do not take its place
   settings.onNote = [](const std::string& text) { logDetail("the program's own server: " + text); };
   auto server = std::make_unique<FrameServer>(io, scene, marcher, settings);
-  Connected connected = connectFrameSource(io, clientSettings(server->address(), transport), std::move(onNews), stop, FunctionOwner::client);
+  Connected connected = connectFrameSource(io, clientSettings(server->address(), transport), std::move(onNews), stop, FunctionOwner::client, marcher->backend());
   connected.source->setTransport(transport);
   return {std::move(scene), std::make_shared<HostedSource>(std::move(server), std::move(connected.source)), marcher->twin(), {}};
 }
 
 ConnectedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport,
-                         std::function<void()> onNews, const std::stop_token& stop) {
-  Connected connected = connectFrameSource(io, clientSettings(address, transport), std::move(onNews), stop);
+                         std::function<void()> onNews, const std::stop_token& stop, Backend backend) {
+  Connected connected = connectFrameSource(io, clientSettings(address, transport), std::move(onNews), stop, FunctionOwner::server, backend);
   connected.source->setTransport(transport);
   Scene scene = sceneFrom(connected.scene);
   // Ground truth comes as it is, without what is simulated for frames, over a connection of its own. However long that is broken, it is
   // waited for: the source says what is going on, and what is no longer wanted is cancelled.
   constexpr std::chrono::hours kLongerThanAnybodyWaits(24 * 365);
   return {std::move(scene), std::move(connected.source),
-          makeRemoteMarcher(io, clientSettings(address, {}), transport.codec, kLongerThanAnybodyWaits),
+          makeRemoteMarcher(io, clientSettings(address, {}), transport.codec, kLongerThanAnybodyWaits, {}, backend),
           {}};
 }
 
 MarcherPtr connectMarcher(std::shared_ptr<net::IoThread> io, const net::Address& address,
-                          const TransportSettings& transport, std::function<void(uint16_t)> onBusy) {
+                          const TransportSettings& transport, std::function<void(uint16_t)> onBusy, Backend backend) {
   const net::ClientSettings settings = clientSettings(address, transport);
-  return makeRemoteMarcher(std::move(io), settings, transport.codec, settings.connectPatience, std::move(onBusy));
+  return makeRemoteMarcher(std::move(io), settings, transport.codec, settings.connectPatience, std::move(onBusy), backend);
 }
 
 }  // namespace warpscope

@@ -44,12 +44,12 @@ struct ConnectedScene {
 ConnectedScene hostScene(std::shared_ptr<net::IoThread> io, Scene scene, const MarcherPtr& marcher, const TransportSettings& transport,
                       std::function<void()> onNews, const std::stop_token& stop);
 
-/// The scene of a server elsewhere. Throws as connectFrameSource does.
+/// The scene of a server elsewhere; `backend` reads tiles that come. Throws as connectFrameSource does.
 ConnectedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport,
-                         std::function<void()> onNews, const std::stop_token& stop);
+                         std::function<void()> onNews, const std::stop_token& stop, Backend backend = Backend::cpu);
 
 /// What marches for frames that come as `transport` says, one after the other. See makeRemoteMarcher.
 MarcherPtr connectMarcher(std::shared_ptr<net::IoThread> io, const net::Address& address, const TransportSettings& transport,
-                          std::function<void(uint16_t)> onBusy);
+                          std::function<void(uint16_t)> onBusy, Backend backend = Backend::cpu);
 
 }  // namespace warpscope

@@ -8,6 +8,7 @@
 
 #include "app/experiment/findings.h"
 #include "app/experiment/measuring.h"
+#include "app/frames/backend.h"
 #include "render/metrics/picture_errors.h"
 
 namespace warpscope {
@@ -42,7 +43,7 @@ class FairWork {
       ++*job.done;
     }
     resources_.marcher = job.marcher;
-    FrameCodec codec;
+    FrameCodec codec(makeTiledCoder(resources_.backend));
     for (const Configuration& configuration : job.configurations) {
       const std::unique_ptr<Warp> warp = makeWarp(*configuration.technique, resources_);
       WarpSettings settings = configuration.warp({});

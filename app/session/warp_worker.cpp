@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "app/frames/backend.h"
 #include "app/picture/picture.h"
 #include "app/session/moving_errors.h"
 #include "app/shell/log.h"
@@ -208,7 +209,7 @@ class Easel {
   double drawMs_ = 0.0;
   WarpCounts counts_;
   uint64_t countedFor_ = 0;
-  FrameCodec codec_;
+  FrameCodec codec_{makeTiledCoder(resources_.backend)};
   RecentNeed need_;  // of samples and pixels
 };
 

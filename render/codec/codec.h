@@ -74,7 +74,7 @@ using DecodeError = std::optional<std::string>;
 
 /// The most bytes that a payload has: for `count` samples of the picture, the settings and the planes of `frame`, whatever the samples
 /// are. Planes of elements that are not known count as kMostElementBytes a value. FrameCodec makes none that is longer; noise takes all of it
-/// raw, more than half without loss, and more than 0.4 as JPEG.
+/// raw, more than half packed without loss, and more than 0.4 as JPEG or tiled.
 uint64_t mostPayloadBytes(const SampleFrame& frame, uint64_t count, const CodecSettings& settings);
 inline constexpr uint64_t kMostElementBytes = 8;
 

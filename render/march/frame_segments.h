@@ -14,8 +14,7 @@ namespace warpscope {
 
 /// Where a segment lies: depth codes of its frame's quantisation (sample.h), begin <= end. One whose codes are equal is as thin as codes can tell.
 struct SegmentDepths {
-  uint32_t begin = 0;
-  uint32_t end = 0;
+  uint32_t begin, end;  // without values of their own: vectors of millions of them would be filled with these before they are overwritten
 
   bool operator==(const SegmentDepths&) const = default;
 };

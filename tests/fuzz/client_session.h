@@ -19,7 +19,7 @@ struct AskedInFuzzing {
     camera.height = 48;
     settings.sample.samplesPerRay = choices & 2 ? 3 : 1;
     if (choices & 4) wanted = net::Wanted::picture;
-    codec.format = choices & 8 ? PayloadFormat::raw : PayloadFormat::packed;
+    codec.format = choices & 8 ? PayloadFormat::raw : choices & 32 ? PayloadFormat::tiled : PayloadFormat::packed;
     codec.color = choices & 16 ? ColorCoding::jpeg : ColorCoding::lossless;
   }
 

@@ -16,19 +16,30 @@ namespace warpscope {
 
 inline constexpr size_t kAnsStateBytes = kAnsLanes * sizeof(uint32_t);
 
+/// A model as writers use it. Quotients by reciprocals are at most 2 too small.
+struct AnsWriterModel {
+  AnsModel model;
+  std::array<uint32_t, kAnsSymbols> shares{};  ///< start and, above 16 bits, frequency
+  std::array<uint32_t, kAnsSymbols> reciprocals{};
+
+  explicit AnsWriterModel(const AnsModel& theModel);
+};
+
 /// Takes planes from the last to the first, and each from its end. Keeps its buffer.
 class AnsWriter {
  public:
   void begin();
   /// Symbols of a model that has them.
-  void putBytes(const AnsModel& model, std::span<const uint8_t> symbols);
+  void putBytes(const AnsWriterModel& model, std::span<const uint8_t> symbols);
   /// Numbers whose tokens (tokens.h) the model has.
-  void putNumbers(const AnsModel& model, std::span<const uint32_t> numbers);
+  void putNumbers(const AnsWriterModel& model, std::span<const uint32_t> numbers);
   /// Appends the stream: nothing if no symbol took any bits.
   void finish(std::vector<std::byte>& out) const;
 
  private:
   uint16_t* reserve(size_t words);
+  template <class T>
+  uint16_t* putStep(const AnsWriterModel& model, const T* symbols, uint32_t lanes, uint16_t* at);
 
   std::array<uint32_t, kAnsLanes> states_{};
   std::vector<uint16_t> words_;  // filled from its end

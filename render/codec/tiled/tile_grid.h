@@ -1,5 +1,6 @@
 // How a picture is cut for the format `tiled`: pieces that processors of any kind code side by side.
-// Wide rather than high: a tile has a row for each thread of a GPU's warp, and few pixels at its left and upper edge, whose neighbours it does not know.
+// A tile has a row for each thread of a GPU's warp. Larger ones know more of their pixels' neighbours, smaller ones keep more threads busy: 256 columns take 1 to 4 % fewer
+// bytes, and a device three times as long.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +10,7 @@
 
 namespace warpscope {
 
-inline constexpr uint32_t kTileWidth = 256, kTileHeight = 32;
+inline constexpr uint32_t kTileWidth = 64, kTileHeight = 32;
 
 struct TileRect {
   uint32_t x0 = 0, y0 = 0;

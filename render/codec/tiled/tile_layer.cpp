@@ -3,6 +3,10 @@
 #include "render/codec/tiled/tile_layer.h"
 
 #include <algorithm>
+#include <bit>
+#include <numeric>
+
+#include "render/codec/tiled/covered_bits.h"
 
 namespace warpscope {
 
@@ -10,24 +14,26 @@ void TileLayer::begin(const TileRect& tile, std::span<const uint8_t> counts) {
   tile_ = tile;
   counts_ = counts;
   layer_ = 0;
-  size_t covered = 0;
-  for (const uint8_t count : counts) covered += count > 0;
-  for (TransferVector<uint32_t>* values : {&pixels_, &columns_, &rows_, &kept_}) values->resize(covered);
+  for (TransferVector<uint32_t>* values : {&pixels_, &columns_, &rows_, &kept_}) values->resize(counts.size());  // at most
   // Locals: what is written cannot be what is read then.
   const uint8_t* const count = counts.data();
   uint32_t* const pixelOf = pixels_.data();
   uint32_t* const columnOf = columns_.data();
   uint32_t* const rowOf = rows_.data();
   uint32_t k = 0;
-  for (uint32_t y = 0, pixel = 0; y < tile.height; ++y)
-    for (uint32_t x = 0; x < tile.width; ++x, ++pixel) {
-      if (count[pixel] == 0) continue;
-      pixelOf[k] = pixel;
-      columnOf[k] = tile.x0 + x;
-      rowOf[k] = tile.y0 + y;
-      ++k;
+  for (uint32_t y = 0; y < tile.height; ++y)
+    for (uint32_t begin = 0; begin < tile.width; begin += 8) {
+      const uint32_t first = y * tile.width + begin;
+      for (uint32_t bits = coveredBits(count + first, std::min(tile.width - begin, 8u)); bits != 0; bits &= bits - 1) {
+        const auto i = static_cast<uint32_t>(std::countr_zero(bits));
+        pixelOf[k] = first + i;
+        columnOf[k] = tile.x0 + begin + i;
+        rowOf[k] = tile.y0 + y;
+        ++k;
+      }
     }
-  for (uint32_t i = 0; i < k; ++i) kept_[i] = i;
+  for (TransferVector<uint32_t>* values : {&pixels_, &columns_, &rows_, &kept_}) values->resize(k);
+  std::iota(kept_.begin(), kept_.end(), 0u);
   findNeighbors();
 }
 

@@ -6,6 +6,7 @@
 
 #include "render/codec/color_differences.h"
 #include "render/codec/radius_prediction.h"
+#include "render/codec/tiled/covered_bits.h"
 #include "render/codec/tokens.h"
 
 namespace warpscope {
@@ -17,10 +18,10 @@ size_t planeOf(SampleBytes plane) { return static_cast<size_t>(plane); }
 /// Each row changed by the row above.
 void putMask(std::span<const uint8_t> counts, const TileRect& rect, TransferVector<uint8_t>& changes) {
   const uint32_t rowBytes = rect.maskRowBytes();
-  changes.assign(size_t{rowBytes} * rect.height, 0);
+  changes.resize(size_t{rowBytes} * rect.height);
   for (uint32_t y = 0; y < rect.height; ++y)
-    for (uint32_t x = 0; x < rect.width; ++x)
-      if (counts[size_t{y} * rect.width + x] > 0) changes[size_t{y} * rowBytes + x / 8] |= static_cast<uint8_t>(1u << x % 8);
+    for (uint32_t byte = 0; byte < rowBytes; ++byte)
+      changes[size_t{y} * rowBytes + byte] = static_cast<uint8_t>(coveredBits(counts.data() + size_t{y} * rect.width + 8 * byte, std::min(rect.width - 8 * byte, 8u)));
   for (size_t i = changes.size(); i-- > rowBytes;) changes[i] ^= changes[i - rowBytes];
 }
 
@@ -31,7 +32,7 @@ bool takeMask(std::span<uint8_t> changes, const TileRect& rect, std::span<uint8_
   for (uint32_t y = 0; y < rect.height; ++y) {
     const uint8_t* const row = changes.data() + size_t{y} * rowBytes;
     if (row[rowBytes - 1] >> (8 - unused) != 0) return false;
-    for (uint32_t x = 0; x < rect.width; ++x) counts[size_t{y} * rect.width + x] = row[x / 8] >> x % 8 & 1;
+    for (uint32_t byte = 0; byte < rowBytes; ++byte) spreadBits(row[byte], counts.data() + size_t{y} * rect.width + 8 * byte, std::min(rect.width - 8 * byte, 8u));
   }
   return true;
 }

@@ -28,24 +28,24 @@ class CudaTiledCoder final : public TiledCoder {
     const bool hasLayers = !frame.layers().empty();
     const TileGrid grid = tiledGridOf(frame, count);
     if (grid.count() == 0) return host().appendSamples(out, frame, placement);
-    sheet_.begin(grid, sampleForm(hasLayers), hasLayers ? static_cast<uint32_t>(mostTiledLayers(frame)) : 1, true);
-    const SheetView view = sheet_.reserveValues(count);
-    const SampleView samples = viewOf(frame, placement, count, hasLayers);
-    samples_.upload(std::span(frame.samples), stream_);
-    colors_.upload(std::span(frame.colors), stream_);
-    if (hasLayers) layers_.upload(frame.layers(), stream_);
+    sheet_->begin(grid, sampleForm(hasLayers), hasLayers ? static_cast<uint32_t>(mostTiledLayers(frame)) : 1, true);
+    const SheetView view = sheet_->reserveValues(count);
+    const SampleView samples = samplesOf(frame, placement, count, hasLayers);
+    b_.samples.upload(std::span(frame.samples), stream_);
+    b_.colors.upload(std::span(frame.colors), stream_);
+    if (hasLayers) b_.layers.upload(frame.layers(), stream_);
     clearHash();
     countSamples<<<cuda::blocksFor(count, kThreads), kThreads, 0, stream_>>>(samples, view, hash_.data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     fetchHash();
-    sheet_.count();
-    sheet_.makeMasks();
+    sheet_->count();
+    sheet_->makeMasks();
     arrangeSamples<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(samples, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     putFronts(view, samples.jobs(), stream_);
     const size_t hashAt = out.size();
     appendLittle(out, uint64_t{0});
-    sheet_.append(out);
+    sheet_->append(out);
     storeLittle(out.data() + hashAt, *hashOnHost_.data());
   }
 
@@ -60,13 +60,13 @@ class CudaTiledCoder final : public TiledCoder {
     const bool hasLayers = plane != nullptr;
     const auto mostLayers = static_cast<uint32_t>(mostTiledLayers(frame));
     if (DecodeError error = head_.take(reader, sampleForm(hasLayers), grid.count(), mostLayers)) return error;
-    sheet_.begin(grid, sampleForm(hasLayers), mostLayers, true);
-    const SheetView view = sheet_.reserveValues(static_cast<uint32_t>(count));
-    if (!sheet_.upload(head_)) return kDamagedTiles;
-    const SampleView samples = viewOf(frame, placement, static_cast<uint32_t>(count), hasLayers);
-    sheet_.takeShapes(mostLayers, nullptr);
-    sheet_.count();
-    sheet_.takePlanes();
+    sheet_->begin(grid, sampleForm(hasLayers), mostLayers, true);
+    const SheetView view = sheet_->reserveValues(static_cast<uint32_t>(count));
+    if (!sheet_->upload(head_)) return kDamagedTiles;
+    const SampleView samples = samplesOf(frame, placement, static_cast<uint32_t>(count), hasLayers);
+    sheet_->takeShapes(mostLayers, nullptr);
+    sheet_->count();
+    sheet_->takePlanes();
     findOriginsOf(samples.paths, view);
     clearHash();
     takeFronts(view, samples.jobs(), stream_);
@@ -75,15 +75,15 @@ class CudaTiledCoder final : public TiledCoder {
     fetchHash();
     frame.samples = pinned<PackedSample>(count);
     frame.colors = pinned<Rgba8>(count);
-    download(frame.samples.data(), samples_, count);
-    download(frame.colors.data(), colors_, count);
+    download(frame.samples.data(), b_.samples, count);
+    download(frame.colors.data(), b_.colors, count);
     if (hasLayers) {
       plane->values = pinned<std::byte>(count);
-      download(reinterpret_cast<uint8_t*>(plane->values.data()), layers_, count);
+      download(reinterpret_cast<uint8_t*>(plane->values.data()), b_.layers, count);
     }
-    const uint32_t flags = sheet_.flags();
+    const uint32_t flags = sheet_->flags();
     if ((flags & kDamagedShapes) != 0) return "the tiles' numbers of samples are damaged";
-    if (sheet_.total() != count) return "the tiles of the payload have other numbers of samples than the frame";
+    if (sheet_->total() != count) return "the tiles of the payload have other numbers of samples than the frame";
     if (flags != 0) return kDamagedTiles;
     if (*hashOnHost_.data() != hash) return kOtherSamples;
     return std::nullopt;
@@ -93,17 +93,17 @@ class CudaTiledCoder final : public TiledCoder {
     const FrameSegments& segments = frame.segments;
     const auto count = static_cast<uint32_t>(segments.size());
     const bool hasNormals = !segments.normals.empty();
-    sheet_.begin({frame.camera.width, frame.camera.height}, segmentForm(hasNormals), static_cast<uint32_t>(frame.settings.sample.segments), false);
-    const SheetView view = sheet_.reserveValues(count);
-    const SegmentView own = viewOf(frame, placement, hasNormals);
-    rays_.upload({reinterpret_cast<const uint8_t*>(segments.rays.data()), segments.rays.size()}, stream_);
-    depths_.upload(std::span(segments.depths), stream_);
-    colors_.upload(std::span(segments.colors), stream_);
-    if (hasNormals) normals_.upload(std::span(segments.normals), stream_);
+    sheet_->begin({frame.camera.width, frame.camera.height}, segmentForm(hasNormals), static_cast<uint32_t>(frame.settings.sample.segments), false);
+    const SheetView view = sheet_->reserveValues(count);
+    const SegmentView own = segmentsOf(frame, placement, count, hasNormals);
+    b_.rays.upload({reinterpret_cast<const uint8_t*>(segments.rays.data()), segments.rays.size()}, stream_);
+    b_.depths.upload(std::span(segments.depths), stream_);
+    b_.colors.upload(std::span(segments.colors), stream_);
+    if (hasNormals) b_.normals.upload(std::span(segments.normals), stream_);
     hash(own);
     countRays<<<cuda::blocksFor(own.pixels, kThreads), kThreads, 0, stream_>>>(own, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
-    sheet_.count();
+    sheet_->count();
     putRays<<<view.tiles(), kThreads, 0, stream_>>>(own, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     arrangeSegments<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(own, view);
@@ -111,7 +111,7 @@ class CudaTiledCoder final : public TiledCoder {
     putFronts(view, own.jobs(), stream_);
     const size_t hashAt = out.size();
     appendLittle(out, uint64_t{0});
-    sheet_.append(out);
+    sheet_->append(out);
     storeLittle(out.data() + hashAt, *hashOnHost_.data());
   }
 
@@ -121,35 +121,40 @@ class CudaTiledCoder final : public TiledCoder {
     const TileGrid grid{frame.camera.width, frame.camera.height};
     const auto layers = static_cast<uint32_t>(std::clamp(frame.settings.sample.segments, 0, static_cast<int>(kSegmentsRange.highest)));
     if (DecodeError error = head_.take(reader, segmentForm(hasNormals), grid.count(), layers)) return error;
-    sheet_.begin(grid, segmentForm(hasNormals), layers, false);
-    if (!sheet_.upload(head_)) return kDamagedTiles;
-    rays_.reserve(segments.rays.size());
-    sheet_.takeShapes(layers, rays_.data());
-    sheet_.count();
-    const size_t count = sheet_.total();
-    if ((sheet_.flags() & kDamagedShapes) != 0) return "what rays have of segments is damaged";
+    sheet_->begin(grid, segmentForm(hasNormals), layers, false);
+    if (!sheet_->upload(head_)) return kDamagedTiles;
+    b_.rays.reserve(segments.rays.size());
+    sheet_->takeShapes(layers, b_.rays.data());
+    sheet_->count();
+    const size_t count = sheet_->total();
+    if ((sheet_->flags() & kDamagedShapes) != 0) return "what rays have of segments is damaged";
     if (count > most) return "the frame has more segments than are allowed";
-    const SheetView view = sheet_.reserveValues(static_cast<uint32_t>(count));
-    segments.depths = pinned<SegmentDepths>(count);
-    segments.colors = pinned<Rgba8>(count);
-    segments.normals = pinned<NormalCode>(hasNormals ? count : 0);
-    const SegmentView own = viewOf(frame, placement, hasNormals);
-    sheet_.takePlanes();
+    const SheetView view = sheet_->reserveValues(static_cast<uint32_t>(count));
+    const SegmentView own = segmentsOf(frame, placement, count, hasNormals);
+    sheet_->takePlanes();
     findOriginsOf(own.paths, view);
     takeFronts(view, own.jobs(), stream_);
     finishSegments<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(own, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     hash(own);
-    download(reinterpret_cast<uint8_t*>(segments.rays.data()), rays_, segments.rays.size());
-    download(segments.depths.data(), depths_, count);
-    download(segments.colors.data(), colors_, count);
-    if (hasNormals) download(segments.normals.data(), normals_, count);
-    if (sheet_.flags() != 0) return "a tile of segments is damaged";
+    // While the device works: these are filled with zeros.
+    segments.depths = pinned<SegmentDepths>(count);
+    segments.colors = pinned<Rgba8>(count);
+    segments.normals = pinned<NormalCode>(hasNormals ? count : 0);
+    download(reinterpret_cast<uint8_t*>(segments.rays.data()), b_.rays, segments.rays.size());
+    download(segments.depths.data(), b_.depths, count);
+    download(segments.colors.data(), b_.colors, count);
+    if (hasNormals) download(segments.normals.data(), b_.normals, count);
+    if (sheet_->flags() != 0) return "a tile of segments is damaged";
     if (*hashOnHost_.data() != hashSent) return kOtherSegments;
     return std::nullopt;
   }
 
-  void forget() override {}
+  void forget() override {
+    sheet_ = std::make_unique<DeviceSheet>(stream_);
+    b_ = {};
+    host_.reset();
+  }
 
  private:
   TiledCoder& host() {
@@ -170,39 +175,38 @@ class CudaTiledCoder final : public TiledCoder {
   PathGrid pathsOf(const SampleFrame& frame, Placement placement) {
     PathGrid paths = pathGridOf(frame, placement);
     if (paths.jitter.noise == nullptr) return paths;
-    if (noise_.capacity() == 0) noise_.upload(blueNoise(), stream_);
-    paths.jitter.noise = noise_.data();
+    if (b_.noise.capacity() == 0) b_.noise.upload(blueNoise(), stream_);
+    paths.jitter.noise = b_.noise.data();
     return paths;
   }
 
-  SampleView viewOf(const SampleFrame& frame, Placement placement, uint32_t count, bool hasLayers) {
-    samples_.reserve(count);
-    colors_.reserve(count);
-    if (hasLayers) layers_.reserve(count);
+  SampleView samplesOf(const SampleFrame& frame, Placement placement, uint32_t count, bool hasLayers) {
+    b_.samples.reserve(count);
+    b_.colors.reserve(count);
+    if (hasLayers) b_.layers.reserve(count);
     reserveStreams(count);
     const RadiusPrediction radius(frame);
-    return {pathsOf(frame, placement), sampleRuleOf(frame), pixelEdge(frame.camera), radius.isAsBefore(), count, samples_.data(), colors_.data(),
-            hasLayers ? layers_.data() : nullptr, origins_.data(), words_[0].data(), words_[1].data(), words_[2].data()};
+    return {pathsOf(frame, placement), sampleRuleOf(frame), pixelEdge(frame.camera), radius.isAsBefore(), count, b_.samples.data(), b_.colors.data(),
+            hasLayers ? b_.layers.data() : nullptr, b_.origins.data(), b_.words[0].data(), b_.words[1].data(), b_.words[2].data()};
   }
 
-  SegmentView viewOf(const SampleFrame& frame, Placement placement, bool hasNormals) {
-    const size_t count = frame.segments.colors.size();
-    rays_.reserve(frame.segments.rays.size());
-    depths_.reserve(count);
-    colors_.reserve(count);
-    if (hasNormals) normals_.reserve(count);
+  SegmentView segmentsOf(const SampleFrame& frame, Placement placement, size_t count, bool hasNormals) {
+    b_.rays.reserve(frame.segments.rays.size());
+    b_.depths.reserve(count);
+    b_.colors.reserve(count);
+    if (hasNormals) b_.normals.reserve(count);
     reserveStreams(count);
-    return {pathsOf(frame, placement), static_cast<uint32_t>(frame.segments.rays.size()), static_cast<uint32_t>(count), rays_.data(), depths_.data(), colors_.data(),
-            hasNormals ? normals_.data() : nullptr, origins_.data(), words_[0].data(), words_[1].data(), words_[2].data(), words_[3].data()};
+    return {pathsOf(frame, placement), static_cast<uint32_t>(frame.segments.rays.size()), static_cast<uint32_t>(count), b_.rays.data(), b_.depths.data(), b_.colors.data(),
+            hasNormals ? b_.normals.data() : nullptr, b_.origins.data(), b_.words[0].data(), b_.words[1].data(), b_.words[2].data(), b_.words[3].data()};
   }
 
   void reserveStreams(size_t values) {
-    origins_.reserve(values);
-    for (cuda::DeviceBuffer<uint32_t>& words : words_) words.reserve(values);
+    b_.origins.reserve(values);
+    for (cuda::DeviceBuffer<uint32_t>& words : b_.words) words.reserve(values);
   }
 
   void findOriginsOf(const PathGrid& paths, const SheetView& view) {
-    findOrigins<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(paths, view, origins_.data());
+    findOrigins<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(paths, view, b_.origins.data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }
 
@@ -216,19 +220,23 @@ class CudaTiledCoder final : public TiledCoder {
     fetchHash();
   }
 
+  struct Buffers {
+    cuda::DeviceBuffer<PackedSample> samples;
+    cuda::DeviceBuffer<Rgba8> colors;
+    cuda::DeviceBuffer<uint8_t> layers, rays;
+    cuda::DeviceBuffer<SegmentDepths> depths;
+    cuda::DeviceBuffer<NormalCode> normals;
+    // In the order of streams.
+    cuda::DeviceBuffer<int32_t> origins;
+    cuda::DeviceBuffer<uint32_t> words[FrontJobs::kMost];
+    cuda::DeviceBuffer<float> noise;
+  };
+
   const cuda::Stream stream_;
-  DeviceSheet sheet_{stream_};
+  std::unique_ptr<DeviceSheet> sheet_ = std::make_unique<DeviceSheet>(stream_);
   SheetHead head_;
   TiledCoderPtr host_;  // of frames without tiles
-  cuda::DeviceBuffer<PackedSample> samples_;
-  cuda::DeviceBuffer<Rgba8> colors_;
-  cuda::DeviceBuffer<uint8_t> layers_, rays_;
-  cuda::DeviceBuffer<SegmentDepths> depths_;
-  cuda::DeviceBuffer<NormalCode> normals_;
-  // In the order of streams.
-  cuda::DeviceBuffer<int32_t> origins_;
-  cuda::DeviceBuffer<uint32_t> words_[FrontJobs::kMost];
-  cuda::DeviceBuffer<float> noise_;
+  Buffers b_;
   cuda::DeviceBuffer<unsigned long long> hash_{1};
   cuda::PinnedValue<uint64_t> hashOnHost_;
 };

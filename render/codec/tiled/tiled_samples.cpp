@@ -92,7 +92,7 @@ void TiledSamples::append(std::vector<std::byte>& out, const SampleFrame& frame,
       work->pack(frame, placement, grid.at(static_cast<uint32_t>(tile)), b.rows.of(tile), b.tiles[tile]);
   });
   appendLittle(out, hashOf(frame.samples));
-  appendSheet(out, sampleForm(!frame.layers().empty()), b.tiles);
+  appendSheet(out, sampleForm(std::ranges::any_of(frame.planes, isImplied)), b.tiles);
 }
 
 DecodeError TiledSamples::take(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) {

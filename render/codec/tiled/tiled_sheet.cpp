@@ -52,13 +52,13 @@ struct PackedTile {
   std::vector<std::byte> bytes;
   std::vector<uint32_t> lengths;
 
-  void pack(const SheetForm& form, const SheetTile& tile, std::span<const AnsModel> models, AnsWriter& writer) {
+  void pack(const SheetForm& form, const SheetTile& tile, std::span<const AnsWriterModel> models, AnsWriter& writer) {
     if (!hasStreams(tile)) return;
     for (uint32_t layer = 0; layer < std::max(tile.layerCount, 1u); ++layer) {
       writer.begin();
       if (layer < tile.layerCount) {
         const SheetLayer& planes = tile.layers[layer];
-        const AnsModel* const own = models.data() + form.shapes + size_t{layer} * form.planes();
+        const AnsWriterModel* const own = models.data() + form.shapes + size_t{layer} * form.planes();
         for (uint32_t plane = form.bytes; plane-- > 0;) writer.putBytes(own[form.numbers + plane], planes.byte(plane));
         for (uint32_t plane = form.numbers; plane-- > 0;) writer.putNumbers(own[plane], planes.number(plane));
       }
@@ -87,10 +87,11 @@ void appendSheet(std::vector<std::byte>& out, const SheetForm& form, std::span<c
   std::vector<AnsModel> models;
   for (const Counts& counts : countSymbols(form, tiles, layers)) models.push_back(AnsModel::ofCounts(counts));
 
+  std::vector<AnsWriterModel> writerModels(models.begin(), models.end());
   std::vector<PackedTile> packed(tiles.size());
   parallelForRanges(tiles.size(), 1, [&](size_t begin, size_t end) {
     AnsWriter writer;
-    for (size_t tile = begin; tile < end; ++tile) packed[tile].pack(form, tiles[tile], models, writer);
+    for (size_t tile = begin; tile < end; ++tile) packed[tile].pack(form, tiles[tile], writerModels, writer);
   });
 
   std::vector<uint8_t> streams;
