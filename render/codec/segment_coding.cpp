@@ -161,13 +161,13 @@ DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat f
   if (reader.ranOut()) return "the segments end before their head does";
   if ((placement != Placement::depth && placement != kBorders) || nameOf(coding) == "?" || hasNormals > 1) return "the segments have an unknown head";
   if (placement != Placement::depth && !hasLattice(frame)) return "the segments need a usable camera and step";
+  if (format == PayloadFormat::tiled) {
+    if (DecodeError error = tiled_->takeSegments(reader, placement, hasNormals == 1, most, frame)) return error;
+    return whyInconsistent(frame);
+  }
   segments.rays.resize(size_t{frame.camera.width} * frame.camera.height);
   if (format == PayloadFormat::raw) {
     if (DecodeError error = takeRaw(reader, hasNormals == 1, most, frame)) return error;
-    return whyInconsistent(frame);
-  }
-  if (format == PayloadFormat::tiled) {
-    if (DecodeError error = tiled_->takeSegments(reader, placement, hasNormals == 1, most, frame)) return error;
     return whyInconsistent(frame);
   }
   const PictureBands bands(frame.camera);

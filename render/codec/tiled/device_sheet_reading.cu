@@ -1,10 +1,12 @@
 // Slots of models, shapes, planes: reading.
 // See device_sheet.h.
+#include <algorithm>
 #include <cstring>
 
 #include "render/codec/tiled/device_lanes.cuh"
 #include "render/codec/tiled/device_sheet.h"
 #include "render/codec/tiled/tile_threads.cuh"
+#include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
@@ -196,7 +198,10 @@ bool DeviceSheet::upload(const SheetHead& head) {
       std::memcpy(reads + (size_t{tile} * view_.layers + layer) * sizeof read, &read, sizeof read);
     }
   }
-  if (bytes > 0) std::memcpy(packed, first, bytes);
+  constexpr size_t kCopied = size_t{1} << 18;  // at once: one core would take longer than the link
+  parallelForRanges((bytes + kCopied - 1) / kCopied, 1, [&](size_t begin, size_t end) {
+    std::memcpy(packed + begin * kCopied, first + begin * kCopied, std::min(end * kCopied, bytes) - begin * kCopied);
+  });
   frequencies_.reserve(models * kAnsSymbols);
   slots_.reserve(models * kAnsScale);
   reads_.reserve(streams);

@@ -95,7 +95,7 @@ class CudaTiledCoder final : public TiledCoder {
     const bool hasNormals = !segments.normals.empty();
     sheet_->begin({frame.camera.width, frame.camera.height}, segmentForm(hasNormals), static_cast<uint32_t>(frame.settings.sample.segments), false);
     const SheetView view = sheet_->reserveValues(count);
-    const SegmentView own = segmentsOf(frame, placement, count, hasNormals);
+    const SegmentView own = segmentsOf(frame, placement, segments.rays.size(), count, hasNormals);
     b_.rays.upload({reinterpret_cast<const uint8_t*>(segments.rays.data()), segments.rays.size()}, stream_);
     b_.depths.upload(std::span(segments.depths), stream_);
     b_.colors.upload(std::span(segments.colors), stream_);
@@ -123,25 +123,27 @@ class CudaTiledCoder final : public TiledCoder {
     if (DecodeError error = head_.take(reader, segmentForm(hasNormals), grid.count(), layers)) return error;
     sheet_->begin(grid, segmentForm(hasNormals), layers, false);
     if (!sheet_->upload(head_)) return kDamagedTiles;
-    b_.rays.reserve(segments.rays.size());
+    const size_t pixels = size_t{grid.width} * grid.height;
+    b_.rays.reserve(pixels);
     sheet_->takeShapes(layers, b_.rays.data());
     sheet_->count();
     const size_t count = sheet_->total();
     if ((sheet_->flags() & kDamagedShapes) != 0) return "what rays have of segments is damaged";
     if (count > most) return "the frame has more segments than are allowed";
     const SheetView view = sheet_->reserveValues(static_cast<uint32_t>(count));
-    const SegmentView own = segmentsOf(frame, placement, count, hasNormals);
+    const SegmentView own = segmentsOf(frame, placement, pixels, count, hasNormals);
     sheet_->takePlanes();
     findOriginsOf(own.paths, view);
     takeFronts(view, own.jobs(), stream_);
     finishSegments<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(own, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     hash(own);
-    // While the device works: these are filled with zeros.
+    // While the device works: rays are filled with zeros.
+    segments.rays = pinned<RaySegmentCount>(pixels);
     segments.depths = pinned<SegmentDepths>(count);
     segments.colors = pinned<Rgba8>(count);
     segments.normals = pinned<NormalCode>(hasNormals ? count : 0);
-    download(reinterpret_cast<uint8_t*>(segments.rays.data()), b_.rays, segments.rays.size());
+    download(reinterpret_cast<uint8_t*>(segments.rays.data()), b_.rays, pixels);
     download(segments.depths.data(), b_.depths, count);
     download(segments.colors.data(), b_.colors, count);
     if (hasNormals) download(segments.normals.data(), b_.normals, count);
@@ -190,13 +192,13 @@ class CudaTiledCoder final : public TiledCoder {
             hasLayers ? b_.layers.data() : nullptr, b_.origins.data(), b_.words[0].data(), b_.words[1].data(), b_.words[2].data()};
   }
 
-  SegmentView segmentsOf(const SampleFrame& frame, Placement placement, size_t count, bool hasNormals) {
-    b_.rays.reserve(frame.segments.rays.size());
+  SegmentView segmentsOf(const SampleFrame& frame, Placement placement, size_t pixels, size_t count, bool hasNormals) {
+    b_.rays.reserve(pixels);
     b_.depths.reserve(count);
     b_.colors.reserve(count);
     if (hasNormals) b_.normals.reserve(count);
     reserveStreams(count);
-    return {pathsOf(frame, placement), static_cast<uint32_t>(frame.segments.rays.size()), static_cast<uint32_t>(count), b_.rays.data(), b_.depths.data(), b_.colors.data(),
+    return {pathsOf(frame, placement), static_cast<uint32_t>(pixels), static_cast<uint32_t>(count), b_.rays.data(), b_.depths.data(), b_.colors.data(),
             hasNormals ? b_.normals.data() : nullptr, b_.origins.data(), b_.words[0].data(), b_.words[1].data(), b_.words[2].data(), b_.words[3].data()};
   }
 

@@ -89,6 +89,7 @@ DecodeError TiledSegments::take(ByteReader& reader, Placement placement, bool ha
   const int layers = frame.settings.sample.segments;
   if (DecodeError error = b.sheet.begin(reader, segmentForm(hasNormals), grid.count(), static_cast<uint32_t>(std::clamp(layers, 0, static_cast<int>(kSegmentsRange.highest)))))
     return error;
+  segments.rays.resize(size_t{grid.width} * grid.height);
   b.rows.begin(grid);
   b.streams.resize(grid.count());
   std::atomic<bool> isDamaged = false;
