@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/experiment/configuration.h"
 #include "app/frames/wire_fields.h"
 #include "app/scene/scene.h"
 #include "net/client.h"
@@ -36,8 +37,8 @@ struct Sample {
 /// Asks, takes and asks again.
 class Onlooker final : public net::ClientEvents {
  public:
-  Onlooker(std::shared_ptr<net::IoThread> io, const Scene& scene, const net::Address& address, uint32_t sidePx, double angleDeg, int segments)
-      : scene_(scene), sidePx_(sidePx), angleDeg_(angleDeg) {
+  Onlooker(std::shared_ptr<net::IoThread> io, const Scene& scene, const net::Address& address, uint32_t sidePx, double angleDeg, int segments, const CodecSettings& coding)
+      : scene_(scene), coding_(coding), sidePx_(sidePx), angleDeg_(angleDeg) {
     march_ = scene.march;
     march_.sample.segments = segments;
     march_.sample.proxy = 0;
@@ -67,7 +68,7 @@ class Onlooker final : public net::ClientEvents {
     request.id = ++lastId_;
     request.camera = toFields(makeCamera(scene_, view, sidePx_, sidePx_));
     request.settings = toFields(march_);
-    request.codec = toFields(CodecSettings{});
+    request.codec = toFields(coding_);
     client_->request(request);
   }
 
@@ -94,6 +95,7 @@ class Onlooker final : public net::ClientEvents {
   }
 
   const Scene& scene_;
+  const CodecSettings coding_;
   const uint32_t sidePx_;
   double angleDeg_;
   MarchSettings march_;
@@ -140,20 +142,21 @@ void print(const std::string& what, const std::vector<const Onlooker*>& clients,
               percentile(works, 0.5), percentile(works, 0.99), 1e-6 * static_cast<double>(bytes) / seconds);
 }
 
-/// Arguments: the server's address, its scene, how many clients, how many seconds, segments a ray, the server's process.
+/// Arguments: the server's address, its scene, how many clients, how many seconds, segments a ray, the server's process, how frames are encoded (a word of sweeps: jpeg95, tiled).
 void run(const std::vector<std::string>& arguments) {
-  if (arguments.size() < 4) throw UsageError("ADDRESS SCENE CLIENTS SECONDS [SEGMENTS [PID]]");
+  if (arguments.size() < 4) throw UsageError("ADDRESS SCENE CLIENTS SECONDS [SEGMENTS [PID [CODEC]]]");
   const net::Address address = net::parseAddress(arguments[0]);
   const Scene scene = openScene(arguments[1]);
   const size_t count = std::stoul(arguments[2]);
   const double seconds = std::stod(arguments[3]);
   const int segments = arguments.size() > 4 ? std::stoi(arguments[4]) : 0;
   const std::string pid = arguments.size() > 5 ? arguments[5] : "";
+  const CodecSettings coding = arguments.size() > 6 ? codecOfWord(arguments[6]) : CodecSettings();
   const std::optional<double> before = residentMiB(pid);
   const auto io = std::make_shared<net::IoThread>();
   std::vector<std::unique_ptr<Onlooker>> clients;
   for (size_t i = 0; i < count; ++i)
-    clients.push_back(std::make_unique<Onlooker>(io, scene, address, kSidesPx[i % kSidesPx.size()], 360.0 * static_cast<double>(i) / static_cast<double>(count), segments));
+    clients.push_back(std::make_unique<Onlooker>(io, scene, address, kSidesPx[i % kSidesPx.size()], 360.0 * static_cast<double>(i) / static_cast<double>(count), segments, coding));
   std::this_thread::sleep_for(kSettling);
   for (const auto& client : clients) client->setMeasuring(true);
   const auto start = std::chrono::steady_clock::now();

@@ -2,7 +2,9 @@
 // Mirrors render/codec/tiled/tiled_coder_cuda.h.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <random>
+#include <thread>
 
 #include "render/codec/tiled/tiled_coder_cuda.h"
 #include "render/cuda/devices.h"
@@ -118,6 +120,28 @@ TEST_F(CodecOnDevice, FramesOfAllKindsInTurns) {
       expectSame(marched(shells(), round == 1 ? settings : MarchSettings{}, width, height), "marched");
       expectSame(garbageFrame(width, height, 900, static_cast<uint32_t>(round)), "garbage");
     }
+}
+
+/// Coders of many clients share what works for them.
+TEST_F(CodecOnDevice, CodersOfManyThreads) {
+  MarchSettings settings;
+  settings.sample.segments = 3;
+  const SampleFrame frames[] = {marched(shells(), settings, 400, 300), marched(shells(), {}, 90, 700), garbageFrame(333, 222, 5000, 1)};
+  std::vector<std::vector<std::byte>> payloads;
+  for (const SampleFrame& frame : frames) payloads.push_back(FrameCodec().encode(frame, kTiled));
+  std::atomic<int> wrong = 0;
+  std::vector<std::thread> threads;
+  for (size_t t = 0; t < 6; ++t)
+    threads.emplace_back([&, t] {
+      FrameCodec codec(makeCudaTiledCoder());
+      for (size_t round = 0; round < 12; ++round) {
+        const size_t i = (t + round) % std::size(frames);
+        SampleFrame back = headOf(frames[i]);
+        if (codec.encode(frames[i], kTiled) != payloads[i] || codec.decode(payloads[i], frames[i].size(), back) || !areSame(back, frames[i])) ++wrong;
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0);
 }
 
 }  // namespace
