@@ -13,6 +13,7 @@
 #include "render/codec/tiled/tiled_coder.h"
 #include "render/codec/tokens.h"
 #include "tests/codec_frames.h"
+#include "tests/hostile_tiles.h"
 
 namespace warpscope {
 namespace {
@@ -192,7 +193,7 @@ TEST(TileLayer, NeighboursAreThoseOfTheRule) {
   std::mt19937 random(12);
   for (int round = 0; round < 200; ++round) {
     const auto below = [&](uint32_t limit) { return static_cast<uint32_t>(random() % limit); };
-    const TileRect rect{kTileWidth * below(3), kTileHeight * below(3), 1 + below(kTileWidth), 1 + below(kTileHeight)};
+    const TileRect rect{kCodedTileWidth * below(3), kCodedTileHeight * below(3), 1 + below(kCodedTileWidth), 1 + below(kCodedTileHeight)};
     const uint32_t rarity = 1 + below(12);
     std::vector<uint8_t> counts(rect.pixels());
     for (uint8_t& count : counts) count = random() % rarity == 0 ? static_cast<uint8_t>(1 + random() % 3) : 0;
@@ -223,6 +224,13 @@ TEST(TileLayer, NeighboursAreThoseOfTheRule) {
       ASSERT_EQ(k, layer.size());
       if (!layer.goBehind()) break;
     }
+  }
+}
+
+TEST(TiledPayload, TilesOfLayersThatHaveNoModelsAreRefused) {
+  for (const HostilePayload& hostile : tilesWithoutModels()) {
+    SampleFrame head = hostile.head;
+    EXPECT_NE(FrameCodec().decode(hostile.payload, hostile.count, head), std::nullopt) << hostile.what;
   }
 }
 

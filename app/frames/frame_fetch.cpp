@@ -40,13 +40,12 @@ ServedFrame waitFor(FrameSource& source, uint64_t id, const std::function<void(u
 }  // namespace
 
 FrameFetch fetchHere(MarcherPtr marcher, const CodecSettings& coding) {
-  return [marcher, coder = makeTiledCoder(marcher->backend()), coding](const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
+  return [marcher, codec = std::make_shared<FrameCodec>(makeTiledCoder(marcher->backend())), coding](const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
     ServedFrame served;
     served.requestedAt = std::chrono::steady_clock::now();
     auto frame = std::make_shared<SampleFrame>(marcher->march(camera, settings, stop));
     served.latency = latencyOf(frame->timings);
-    FrameCodec codec(coder);
-    const CodecTrip trip = throughCodec(codec, *frame, coding, *frame);
+    const CodecTrip trip = throughCodec(*codec, *frame, coding, *frame);
     served.latency.encodeMs = trip.encodeMs;
     served.latency.decodeMs = trip.decodeMs;
     served.bytes = trip.bytes;

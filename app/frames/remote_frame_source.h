@@ -2,7 +2,6 @@
 // The server may be this program's own: local and remote are one code path.
 #pragma once
 
-#include "render/core/backend.h"
 #include <functional>
 #include <memory>
 #include <stop_token>
@@ -10,6 +9,7 @@
 #include "app/frames/frame_source.h"
 #include "net/client.h"
 #include "net/messages.h"
+#include "render/core/backend.h"
 
 namespace warpscope {
 

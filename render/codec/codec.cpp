@@ -12,6 +12,7 @@
 #include "render/codec/proxy_coding.h"
 #include "render/codec/raw_codec.h"
 #include "render/codec/segment_coding.h"
+#include "render/codec/summed_hash.h"
 #include "render/codec/tiled/tiled_codec.h"
 #include "render/core/parallel.h"
 #include "render/core/picture_size.h"
@@ -27,34 +28,29 @@ constexpr CodecDescriptor kCodecs[] = {
 
 constexpr size_t kHeadBytes = 9;
 
-/// A hash that all cores make: the sum of what words at their places add, the last one filled up with zeros, and of their number of bytes.
-uint64_t summedHash(std::span<const std::byte> bytes, uint64_t seed) {
-  constexpr size_t kWord = sizeof(uint64_t), kGrain = size_t{1} << 14;  // words
+/// Of words, the last one filled up with zeros, and of the number of bytes.
+uint64_t summedHashOf(std::span<const std::byte> bytes, uint64_t seed) {
+  constexpr size_t kWord = sizeof(uint64_t);
   const size_t words = bytes.size() / kWord;
-  std::atomic<uint64_t> sum = placedHash(seed ^ bytes.size() << 8, words + 1);
-  parallelForRanges(words, kGrain, [&](size_t begin, size_t end) {
-    const std::byte* const first = bytes.data();
-    uint64_t own = 0;
-    for (size_t i = begin; i < end; ++i) own += placedHash(loadLittle<uint64_t>(first + kWord * i), i);
-    sum += own;
-  });
+  const std::byte* const first = bytes.data();
   uint64_t last = 0;
   for (size_t i = kWord * words; i < bytes.size(); ++i) last = last << 8 | std::to_integer<uint64_t>(bytes[i]);
-  return sum + placedHash(last, words);
+  return summedHash(words, 0, [first](size_t i) { return loadLittle<uint64_t>(first + kWord * i); }) + placedHash(last, words) +
+         placedHash(seed ^ bytes.size() << 8, words + 1);
 }
 
 /// The format is part of what is hashed. Tiled payloads are made and read in less time than one core takes to hash them.
 uint64_t hashOf(std::span<const std::byte> payload) {
   const auto format = std::to_integer<uint64_t>(payload[0]);
   const std::span<const std::byte> hashed = payload.subspan(kHeadBytes);
-  return format == static_cast<uint64_t>(PayloadFormat::tiled) ? summedHash(hashed, format) : hashBytes(hashed, format);
+  return format == static_cast<uint64_t>(PayloadFormat::tiled) ? summedHashOf(hashed, format) : hashBytes(hashed, format);
 }
 
 /// Whether every sample begins a ray or is the next of the one before, and none is one more than its ray may have.
 bool countUp(std::span<const uint8_t> layers, int samplesPerRay) {
   if (layers.empty()) return true;
   if (samplesPerRay < 1) return false;
-  const auto last = static_cast<uint8_t>(std::min(samplesPerRay, 256) - 1);
+  const auto last = static_cast<uint8_t>(std::min(samplesPerRay, static_cast<int>(kSamplesPerRayRange.highest)) - 1);
   std::atomic<bool> doAll = layers.front() == 0;
   parallelForRanges(layers.size() - 1, 1 << 16, [&](size_t begin, size_t end) {
     // Bytes alone, in locals: many at once.

@@ -10,6 +10,7 @@
 #include "render/cuda/devices.h"
 #include "tests/codec_frames.h"
 #include "tests/gpu/march_pairs.h"
+#include "tests/hostile_tiles.h"
 
 namespace warpscope {
 namespace {
@@ -108,6 +109,14 @@ TEST_F(CodecOnDevice, DamageIsFoundAsTheHostFindsIt) {
       if (HasFatalFailure()) return;
     }
     expectSameAnswer(payload, frame, "undamaged");
+  }
+}
+
+TEST_F(CodecOnDevice, TilesOfLayersThatHaveNoModelsAreRefused) {
+  expectSame(marched(shells(), {}, 100, 100), "whose models are there still");
+  for (const HostilePayload& hostile : tilesWithoutModels()) {
+    SampleFrame head = hostile.head;
+    EXPECT_NE(onDevice_->decode(hostile.payload, hostile.count, head), std::nullopt) << hostile.what;
   }
 }
 

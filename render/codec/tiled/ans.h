@@ -36,6 +36,10 @@ WARPSCOPE_HD inline bool ansGives(uint32_t& state, const AnsShare& share, uint16
 WARPSCOPE_HD inline uint32_t ansPut(uint32_t state, const AnsShare& share) {
   return (state / share.frequency << kAnsBits) + state % share.frequency + share.start;
 }
+/// For a division by multiplication: the upper 32 bits of a state times this are the state's quotient by the frequency, or up to 2 less, because this is less than
+/// 1 + 1 / frequency below 2^32 / frequency and a state less than 2^32.
+WARPSCOPE_HD inline uint32_t ansReciprocal(uint32_t frequency) { return frequency > 0 ? ~0u / frequency : 0; }
+
 /// The same for `count` bits, 1 to kAnsRestBits.
 WARPSCOPE_HD inline bool ansGivesForBits(uint32_t& state, uint32_t count, uint16_t& word) {
   word = static_cast<uint16_t>(state);

@@ -81,7 +81,7 @@ AnsWriterModel::AnsWriterModel(const AnsModel& theModel) : model(theModel) {
   for (uint32_t s = 0; s < kAnsSymbols; ++s) {
     const AnsShare share = model.share(s);
     shares[s] = share.start | share.frequency << 16;
-    reciprocals[s] = share.frequency > 0 ? ~0u / share.frequency : 0;
+    reciprocals[s] = ansReciprocal(share.frequency);
   }
 }
 

@@ -16,7 +16,7 @@ namespace warpscope {
 
 inline constexpr size_t kAnsStateBytes = kAnsLanes * sizeof(uint32_t);
 
-/// A model as writers use it. Quotients by reciprocals are at most 2 too small.
+/// A model as writers use it.
 struct AnsWriterModel {
   AnsModel model;
   std::array<uint32_t, kAnsSymbols> shares{};  ///< start and, above 16 bits, frequency

@@ -81,15 +81,14 @@ class WarpReader {
  public:
   /// From its beginning, of `bytes` bytes: an even number, none if it has no words.
   __device__ WarpReader(const uint16_t* stream, uint32_t bytes) : words_(stream + 2 * kAnsLanes), hasStream_(bytes > 0) {
-    constexpr uint32_t kStateBytes = kAnsLanes * 4;
-    if (bytes < kStateBytes) {
+    if (bytes < kAnsStateBytes) {
       isBad_ = hasStream_;
       return;
     }
     const uint32_t lane = threadIdx.x % 32;
     at_.state = stream[2 * lane] | static_cast<uint32_t>(stream[2 * lane + 1]) << 16;
     isBad_ = ansWants(at_.state);
-    count_ = (bytes - kStateBytes) / 2;
+    count_ = (bytes - kAnsStateBytes) / 2;
     look();
   }
 

@@ -18,18 +18,18 @@ constexpr uint32_t kMostLayers = 32;  // that a byte of a pixel's counts says
 
 /// Words that a value, and a tile's shapes, take at most (mostSheetBytes).
 __host__ __device__ uint32_t valueWords(const SheetForm& form) { return (form.planes() * (kAnsBits + 1) + form.numbers * kMostTokenBits + 15) / 16; }
-__host__ __device__ uint32_t shapeWords(const SheetForm& form) { return form.shapes * (kTilePixels * (kAnsBits + 1) / 16); }
+__host__ __device__ uint32_t shapeWords(const SheetForm& form) { return form.shapes * (kCodedTilePixels * (kAnsBits + 1) / 16); }
 /// Behind the room of a stream.
 __host__ __device__ size_t endOfRoom(const SheetView& view, uint32_t stream) {
   return size_t{view.begins[stream + 1]} * valueWords(view.form) + size_t{stream / view.layers + 1} * shapeWords(view.form) + size_t{stream + 1} * 2;
 }
 
 /// A block for each tile, a thread for each column. `layersUsed`: of any tile.
-__global__ void __launch_bounds__(kTileWidth) countTiles(SheetView view, uint32_t* layersUsed) {
-  __shared__ uint32_t sizes[kMostLayers][kTileHeight];  // of each row
+__global__ void __launch_bounds__(kCodedTileWidth) countTiles(SheetView view, uint32_t* layersUsed) {
+  __shared__ uint32_t sizes[kMostLayers][kCodedTileHeight];  // of each row
   const TileRect rect = view.grid.at(blockIdx.x);
   const uint32_t x = threadIdx.x;
-  for (uint32_t i = x; i < kMostLayers * kTileHeight; i += kTileWidth) sizes[i / kTileHeight][i % kTileHeight] = 0;
+  for (uint32_t i = x; i < kMostLayers * kCodedTileHeight; i += kCodedTileWidth) sizes[i / kCodedTileHeight][i % kCodedTileHeight] = 0;
   __syncthreads();
   for (uint32_t y = 0; y < rect.height; ++y) {
     const uint32_t count = x < rect.width ? view.counts[view.pixel(rect, x, y)] : 0;
@@ -48,8 +48,8 @@ __global__ void __launch_bounds__(kTileWidth) countTiles(SheetView view, uint32_
   if (x < view.layers) {
     const uint32_t stream = blockIdx.x * view.layers + x;
     uint32_t size = 0;
-    for (uint32_t y = 0; y < kTileHeight; ++y) {
-      view.rowRanks[size_t{stream} * kTileHeight + y] = size;
+    for (uint32_t y = 0; y < kCodedTileHeight; ++y) {
+      view.rowRanks[size_t{stream} * kCodedTileHeight + y] = size;
       size += sizes[x][y];
     }
     view.begins[stream] = size;
@@ -220,11 +220,11 @@ const SheetView& DeviceSheet::begin(const TileGrid& grid, const SheetForm& form,
   const size_t streams = tiles * view_.layers;
   counts_.reserve(pixels);
   begins_.reserve(streams + 1);
-  rowRanks_.reserve(streams * kTileHeight);
+  rowRanks_.reserve(streams * kCodedTileHeight);
   view_.rowRanks = rowRanks_.data();
   rowBegins_.reserve(size_t{grid.height} * grid.columns() + 1);
   streams_.reserve(tiles);
-  for (uint32_t shape = 0; shape < form.shapes; ++shape) shapes_[shape].reserve(tiles * kTilePixels);
+  for (uint32_t shape = 0; shape < form.shapes; ++shape) shapes_[shape].reserve(tiles * kCodedTilePixels);
   constexpr size_t kFlags = 2;  // SheetFlag; layers that there are
   flags_.reserve(kFlags);
   WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(flags_.data(), 0, kFlags * sizeof(uint32_t), stream_));
@@ -249,7 +249,7 @@ const SheetView& DeviceSheet::reserveValues(uint32_t values) {
 }
 
 void DeviceSheet::count() {
-  countTiles<<<view_.tiles(), kTileWidth, 0, stream_>>>(view_, view_.flags + 1);
+  countTiles<<<view_.tiles(), kCodedTileWidth, 0, stream_>>>(view_, view_.flags + 1);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   const auto scan = [&](uint32_t* values, size_t count) {
     WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(values + count, 0, sizeof(uint32_t), stream_));
@@ -267,7 +267,8 @@ void DeviceSheet::makeMasks() {
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
-void DeviceSheet::append(std::vector<std::byte>& out) {
+/// Puts models, and streams one behind the other, into device memory.
+void DeviceSheet::writeAll() {
   const uint32_t streams = view_.tiles() * view_.layers, models = view_.models();
   histograms_.reserve(size_t{models} * kAnsSymbols);
   frequencies_.reserve(size_t{models} * kAnsSymbols);
@@ -293,6 +294,11 @@ void DeviceSheet::append(std::vector<std::byte>& out) {
   gatherStreams<<<streams, 256, 0, stream_>>>(view_, words_.data(), wordCounts_.data(), states_.data(), lengths_.data(), offsets_.data(), packed_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 
+}
+
+void DeviceSheet::append(std::vector<std::byte>& out) {
+  writeAll();
+  const uint32_t streams = view_.tiles() * view_.layers, models = view_.models();
   // Heads first: they say how much is behind.
   const size_t frequencyBytes = size_t{models} * kAnsSymbols * sizeof(uint16_t), lengthBytes = size_t{streams} * sizeof(uint32_t);
   host_.resize(frequencyBytes + lengthBytes + 2 * sizeof(uint32_t) + view_.tiles());

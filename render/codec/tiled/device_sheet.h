@@ -14,7 +14,7 @@
 
 namespace warpscope {
 
-inline constexpr uint32_t kTilePixels = kTileWidth * kTileHeight;
+inline constexpr uint32_t kCodedTilePixels = kCodedTileWidth * kCodedTileHeight;
 
 /// Where things are in device memory. Plain data. Streams: layer l of tile t is stream t * layers + l.
 struct SheetView {
@@ -26,9 +26,9 @@ struct SheetView {
   uint8_t* counts = nullptr;        ///< layers of each pixel of the picture
   uint32_t* begins = nullptr;       ///< of each stream among all values, and the end
   uint32_t* rowBegins = nullptr;    ///< of each row of each tile among the frame's values, row by row of the picture, and the end
-  uint32_t* rowRanks = nullptr;     ///< of each of the kTileHeight rows of each stream, how many of its values are in rows above
+  uint32_t* rowRanks = nullptr;     ///< of each of the kCodedTileHeight rows of each stream, how many of its values are in rows above
   uint8_t* streams = nullptr;       ///< of each tile
-  uint8_t* shapes[2] = {};          ///< kTilePixels for each tile
+  uint8_t* shapes[2] = {};          ///< kCodedTilePixels for each tile
   uint32_t* numbers = nullptr;      ///< planes of `values`
   uint8_t* bytes = nullptr;         ///< likewise
   uint32_t* flags = nullptr;        ///< SheetFlag
@@ -37,7 +37,7 @@ struct SheetView {
   WARPSCOPE_HD uint32_t sizeOf(uint32_t stream) const { return begins[stream + 1] - begins[stream]; }
   /// Whether there are as many values as there is room for.
   WARPSCOPE_HD bool isFull() const { return begins[tiles() * layers] == values; }
-  WARPSCOPE_HD uint8_t* shape(uint32_t plane, uint32_t tile) const { return shapes[plane] + size_t{tile} * kTilePixels; }
+  WARPSCOPE_HD uint8_t* shape(uint32_t plane, uint32_t tile) const { return shapes[plane] + size_t{tile} * kCodedTilePixels; }
   WARPSCOPE_HD uint32_t shapeSize(uint32_t plane, uint32_t tile) const {
     const TileRect rect = grid.at(tile);
     if (plane > 0) return sizeOf(tile * layers);
@@ -48,7 +48,7 @@ struct SheetView {
   WARPSCOPE_HD uint32_t* number(uint32_t plane, uint32_t stream) const { return numbers + size_t{plane} * values + begins[stream]; }
   WARPSCOPE_HD uint8_t* byte(uint32_t plane, uint32_t stream) const { return bytes + size_t{plane} * values + begins[stream]; }
   WARPSCOPE_HD size_t pixel(const TileRect& rect, uint32_t x, uint32_t y) const { return size_t{rect.y0 + y} * grid.width + rect.x0 + x; }
-  WARPSCOPE_HD uint32_t rowBegin(const TileRect& rect, uint32_t y) const { return rowBegins[size_t{rect.y0 + y} * grid.columns() + rect.x0 / kTileWidth]; }
+  WARPSCOPE_HD uint32_t rowBegin(const TileRect& rect, uint32_t y) const { return rowBegins[size_t{rect.y0 + y} * grid.columns() + rect.x0 / kCodedTileWidth]; }
 };
 
 /// Where a stream's bytes are among all.
@@ -56,12 +56,12 @@ struct StreamRead {
   uint32_t offset = 0, length = 0;
 };
 
-/// A symbol's share and what its frequency is divided by with: quotients of any state are at most 2 too small.
+/// A symbol's share and the reciprocal of its frequency.
 struct WriterShare {
   AnsShare share;
   uint32_t reciprocal = 0;
 
-  WARPSCOPE_HD static WriterShare of(const AnsShare& share) { return {share, share.frequency > 0 ? ~0u / share.frequency : 0}; }
+  WARPSCOPE_HD static WriterShare of(const AnsShare& share) { return {share, ansReciprocal(share.frequency)}; }
 };
 
 /// What a lane knows of a stream while it is read: kept between kernels.
@@ -107,6 +107,7 @@ class DeviceSheet {
   uint32_t flags();
 
  private:
+  void writeAll();
   uint32_t fetched(const uint32_t* value);
 
   cudaStream_t stream_;

@@ -7,11 +7,12 @@
 #include "render/codec/tiled/device_sheet.h"
 #include "render/codec/tiled/tile_threads.cuh"
 #include "render/core/parallel.h"
+#include "render/march/frame_segments.h"
 
 namespace warpscope {
 namespace {
 
-/// A block for each model: what a reader finds at each slot. `shares` as scaleModels makes them.
+/// A block for each model: what a reader finds at each slot.
 __global__ void __launch_bounds__(kAnsSymbols) findSlots(const uint16_t* frequencies, uint32_t* slots) {
   __shared__ uint32_t starts[kAnsSymbols + 1];
   if (threadIdx.x == 0) {
@@ -36,7 +37,7 @@ struct ReaderModels {
   const uint16_t* frequencies;
   uint32_t* own = nullptr;  ///< kAnsScale places in shared memory
 
-  /// The symbol that has all, or -1; the first slot's is in every case one that occurs.
+  /// The symbol that has all, or -1.
   __device__ int constant(uint32_t model) const {
     for (uint32_t s = threadIdx.x % 32; __any_sync(kAllLanes, s < kAnsSymbols); s += 32) {
       const uint32_t having = __ballot_sync(kAllLanes, frequencies[model * kAnsSymbols + s] == kAnsScale);
@@ -72,7 +73,7 @@ struct ReaderModels {
   }
 };
 
-/// Undoes what masks were changed by. False if they cover pixels outside. Counts become 1 or 0. Returns how many pixels are covered.
+/// Undoes what masks were changed by. False if they cover pixels outside. Counts become 1 or 0; `covered`: how many pixels are.
 __device__ bool takeMask(const SheetView& view, const TileRect& rect, uint8_t* shape, uint32_t& covered) {
   const uint32_t lane = threadIdx.x, rowBytes = rect.maskRowBytes();
   uint32_t bits = 0, outside = 0;
@@ -99,7 +100,7 @@ __device__ void takeRays(const SheetView& view, const TileRect& rect, const uint
   for (uint32_t x = 0; x < rect.width && y < rect.height; ++x) {
     if (x > 0) bits ^= shape[y * rect.width + x];
     rays[view.pixel(rect, x, y)] = static_cast<uint8_t>(bits);
-    view.counts[view.pixel(rect, x, y)] = static_cast<uint8_t>(bits & 0x1f);
+    view.counts[view.pixel(rect, x, y)] = static_cast<uint8_t>(RaySegmentCount::ofBits(static_cast<uint8_t>(bits)).count());
   }
 }
 

@@ -51,7 +51,7 @@ __global__ void countSamples(SampleView frame, SheetView view, unsigned long lon
 }
 
 /// Values in the order of streams, and planes of what is not predicted from neighbours.
-__global__ void __launch_bounds__(kTileWidth) arrangeSamples(SampleView frame, SheetView view) {
+__global__ void __launch_bounds__(kCodedTileWidth) arrangeSamples(SampleView frame, SheetView view) {
   const Placement placement = frame.paths.placement;
   const float step = frame.paths.step, depthStep = frame.paths.depthStep;
   forValues(frame.paths, view, [&](const PixelPath& path, uint32_t, uint32_t i, uint32_t at) {
@@ -72,7 +72,7 @@ __global__ void __launch_bounds__(kTileWidth) arrangeSamples(SampleView frame, S
 }
 
 /// Back.
-__global__ void __launch_bounds__(kTileWidth) finishSamples(SampleView frame, SheetView view, unsigned long long* hash) {
+__global__ void __launch_bounds__(kCodedTileWidth) finishSamples(SampleView frame, SheetView view, unsigned long long* hash) {
   if (!view.isFull() || *view.flags != 0) return;
   const TileRect rect = view.grid.at(blockIdx.x);
   uint64_t own = 0;

@@ -38,7 +38,7 @@ struct SegmentView {
 
 __global__ void countRays(SegmentView frame, SheetView view) {
   const uint32_t pixel = blockIdx.x * blockDim.x + threadIdx.x;
-  if (pixel < frame.pixels) view.counts[pixel] = frame.rays[pixel] & 0x1f;
+  if (pixel < frame.pixels) view.counts[pixel] = static_cast<uint8_t>(RaySegmentCount::ofBits(frame.rays[pixel]).count());
 }
 
 /// A block for each tile: rays' bytes, changed by those to the left.
@@ -62,7 +62,7 @@ __global__ void putRays(SegmentView frame, SheetView view) {
 }
 
 /// Values in the order of streams, and what depth codes are beside places.
-__global__ void __launch_bounds__(kTileWidth) arrangeSegments(SegmentView frame, SheetView view) {
+__global__ void __launch_bounds__(kCodedTileWidth) arrangeSegments(SegmentView frame, SheetView view) {
   const Placement placement = frame.paths.placement;
   const float step = frame.paths.step, depthStep = frame.paths.depthStep;
   uint32_t front = 0;  // where the segment in front ends
@@ -83,7 +83,7 @@ __global__ void __launch_bounds__(kTileWidth) arrangeSegments(SegmentView frame,
 }
 
 /// Back.
-__global__ void __launch_bounds__(kTileWidth) finishSegments(SegmentView frame, SheetView view) {
+__global__ void __launch_bounds__(kCodedTileWidth) finishSegments(SegmentView frame, SheetView view) {
   if (!view.isFull() || *view.flags != 0) return;
   uint32_t front = 0;
   forValues(frame.paths, view, [&](const PixelPath& path, uint32_t layer, uint32_t i, uint32_t at) {

@@ -10,9 +10,9 @@
 namespace warpscope {
 namespace {
 
-static_assert(kTileHeight == 32, "a row is a thread of a warp");
+static_assert(kCodedTileHeight == 32, "a row is a thread of a warp");
 constexpr unsigned kThreads = 128;
-constexpr uint32_t kMaskWords = kTileWidth / 32;
+constexpr uint32_t kMaskWords = kCodedTileWidth / 32;
 
 struct FrontNeighbors {
   uint32_t west, north, northWest;
@@ -112,7 +112,7 @@ __device__ void goThroughTile(const TileRect& rect, const uint32_t* masks, uint3
 template <bool kReads>
 __global__ void __launch_bounds__(kThreads) goThroughTiles(SheetView view, FrontJobs jobs) {
   extern __shared__ uint32_t words[];
-  __shared__ uint32_t masks[kTileHeight * kMaskWords];
+  __shared__ uint32_t masks[kCodedTileHeight * kMaskWords];
   const uint32_t stream = blockIdx.x, tile = stream / view.layers, layer = stream % view.layers, begin = view.begins[stream], size = view.begins[stream + 1] - begin;
   if (size == 0) return;
   if (kReads && (!view.isFull() || *view.flags != 0)) return;
@@ -143,7 +143,7 @@ __global__ void __launch_bounds__(kThreads) goThroughTiles(SheetView view, Front
   }
   __syncthreads();
   if (threadIdx.x < 32) {
-    const uint32_t first = threadIdx.x < rect.height ? view.rowRanks[stream * kTileHeight + threadIdx.x] : 0;
+    const uint32_t first = threadIdx.x < rect.height ? view.rowRanks[stream * kCodedTileHeight + threadIdx.x] : 0;
     if (isNumber)
       goThroughTile<kReads>(rect, masks, first, words, hasOrigins ? origins : nullptr, NumberRule{hasOrigins ? jobs.bits : 0, job.kind == FrontKind::radius ? kRadiusCodeMax : ~0u});
     else if (job.kind == FrontKind::color)
@@ -165,8 +165,8 @@ __global__ void __launch_bounds__(kThreads) goThroughTiles(SheetView view, Front
 
 template <bool kReads>
 void run(const SheetView& view, const FrontJobs& jobs, cudaStream_t stream) {
-  constexpr int kBytes = 2 * static_cast<int>(kTilePixels * sizeof(uint32_t));
-  WARPSCOPE_CUDA_CHECK(cudaFuncSetAttribute(goThroughTiles<kReads>, cudaFuncAttributeMaxDynamicSharedMemorySize, kBytes));
+  constexpr unsigned kBytes = 2 * static_cast<unsigned>(kCodedTilePixels * sizeof(uint32_t));
+  static_assert(kBytes <= 48 * 1024, "what a kernel has without asking for more");
   goThroughTiles<kReads><<<dim3(view.tiles() * view.layers, jobs.count), kThreads, kBytes, stream>>>(view, jobs);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }

@@ -10,11 +10,11 @@
 
 namespace warpscope {
 
-inline constexpr uint32_t kTileWidth = 64, kTileHeight = 32;
+inline constexpr uint32_t kCodedTileWidth = 64, kCodedTileHeight = 32;
 
 struct TileRect {
   uint32_t x0 = 0, y0 = 0;
-  uint32_t width = 0, height = 0;  ///< at least 1, at most kTileWidth and kTileHeight
+  uint32_t width = 0, height = 0;  ///< at least 1, at most kCodedTileWidth and kCodedTileHeight
 
   WARPSCOPE_HD uint32_t pixels() const { return width * height; }
   /// Of a mask with a bit a pixel.
@@ -25,11 +25,11 @@ struct TileRect {
 struct TileGrid {
   uint32_t width = 0, height = 0;  ///< of the picture
 
-  WARPSCOPE_HD uint32_t columns() const { return (width + kTileWidth - 1) / kTileWidth; }
-  WARPSCOPE_HD uint32_t count() const { return columns() * ((height + kTileHeight - 1) / kTileHeight); }
+  WARPSCOPE_HD uint32_t columns() const { return (width + kCodedTileWidth - 1) / kCodedTileWidth; }
+  WARPSCOPE_HD uint32_t count() const { return columns() * ((height + kCodedTileHeight - 1) / kCodedTileHeight); }
   WARPSCOPE_HD TileRect at(uint32_t tile) const {
-    const uint32_t x0 = tile % columns() * kTileWidth, y0 = tile / columns() * kTileHeight;
-    return {x0, y0, width - x0 < kTileWidth ? width - x0 : kTileWidth, height - y0 < kTileHeight ? height - y0 : kTileHeight};
+    const uint32_t x0 = tile % columns() * kCodedTileWidth, y0 = tile / columns() * kCodedTileHeight;
+    return {x0, y0, width - x0 < kCodedTileWidth ? width - x0 : kCodedTileWidth, height - y0 < kCodedTileHeight ? height - y0 : kCodedTileHeight};
   }
 };
 

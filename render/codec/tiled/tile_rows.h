@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/codec/tiled/tile_grid.h"
+#include "render/core/transfer_vector.h"
 
 namespace warpscope {
 
@@ -14,22 +15,35 @@ struct RowPart {
   uint32_t begin = 0, end = 0;
 };
 
+/// Of each pixel of a tile that has anything, where its first is among the frame's.
+inline void findFirsts(std::span<const uint8_t> counts, const TileRect& rect, std::span<const RowPart> rows, TransferVector<uint32_t>& firsts) {
+  firsts.clear();
+  for (uint32_t y = 0; y < rect.height; ++y) {
+    uint32_t at = rows[y].begin;
+    for (const uint8_t count : counts.subspan(size_t{y} * rect.width, rect.width)) {
+      if (count == 0) continue;
+      firsts.push_back(at);
+      at += count;
+    }
+  }
+}
+
 class TileRows {
  public:
   /// Of a grid; nothing is anywhere yet.
   void begin(const TileGrid& grid) {
     grid_ = grid;
-    parts_.assign(size_t{grid.count()} * kTileHeight, {});
+    parts_.assign(size_t{grid.count()} * kCodedTileHeight, {});
   }
-  std::span<RowPart> of(size_t tile) { return std::span(parts_).subspan(tile * kTileHeight, kTileHeight); }
-  std::span<const RowPart> of(size_t tile) const { return std::span(parts_).subspan(tile * kTileHeight, kTileHeight); }
+  std::span<RowPart> of(size_t tile) { return std::span(parts_).subspan(tile * kCodedTileHeight, kCodedTileHeight); }
+  std::span<const RowPart> of(size_t tile) const { return std::span(parts_).subspan(tile * kCodedTileHeight, kCodedTileHeight); }
 
   /// Makes places of parts that begin at 0. Returns how much there is in all.
   size_t place() {
     size_t at = 0;
     for (uint32_t row = 0; row < grid_.height; ++row)
       for (uint32_t column = 0; column < grid_.columns(); ++column) {
-        RowPart& own = parts_[(size_t{row / kTileHeight} * grid_.columns() + column) * kTileHeight + row % kTileHeight];
+        RowPart& own = parts_[(size_t{row / kCodedTileHeight} * grid_.columns() + column) * kCodedTileHeight + row % kCodedTileHeight];
         const size_t count = own.end;
         own.begin = static_cast<uint32_t>(at);
         at += count;
@@ -40,7 +54,7 @@ class TileRows {
 
  private:
   TileGrid grid_;
-  std::vector<RowPart> parts_;  // kTileHeight of each tile
+  std::vector<RowPart> parts_;  // kCodedTileHeight of each tile
 };
 
 }  // namespace warpscope

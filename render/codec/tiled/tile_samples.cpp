@@ -179,7 +179,7 @@ bool TileSamples::takeShapes(const SheetReader& reader, uint32_t tile, const Til
       deepest = std::max<uint32_t>(deepest, count);
     }
   }
-  return deepest == streams;
+  return deepest == streams && deepest <= reader.layers();
 }
 
 bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const uint8_t> counts, std::span<const RowPart> rows,
@@ -187,7 +187,7 @@ bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRec
   const uint32_t streams = reader.streams(tile);
   if (streams == 0) return true;
   layer_.begin(rect, counts);
-  findFirsts(counts, rect, rows);
+  findFirsts(counts, rect, rows, at_);
   paths_.aim(frame, placement, layer_.columns(), layer_.rows());
   const RadiusPrediction radius(frame);
   for (uint32_t l = 0; l < streams; ++l) {
@@ -226,19 +226,6 @@ bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRec
     goBehind();
   }
   return true;
-}
-
-void TileSamples::findFirsts(std::span<const uint8_t> counts, const TileRect& rect, std::span<const RowPart> rows) {
-  at_.resize(layer_.size());
-  size_t k = 0;
-  for (uint32_t y = 0; y < rect.height; ++y) {
-    uint32_t at = rows[y].begin;
-    for (const uint8_t count : counts.subspan(size_t{y} * rect.width, rect.width)) {
-      if (count == 0) continue;
-      at_[k++] = at;
-      at += count;
-    }
-  }
 }
 
 }  // namespace warpscope

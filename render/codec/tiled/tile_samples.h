@@ -1,5 +1,5 @@
 // The samples of one tile as what a sheet has of it, and back.
-// The planes are described in tiled_codec.h.
+// The planes are described in tiled_samples.h.
 #pragma once
 
 #include <span>
@@ -33,7 +33,6 @@ class TileSamples {
               AnsReader& stream, SampleFrame& frame, std::span<uint8_t> layers);
 
  private:
-  void findFirsts(std::span<const uint8_t> counts, const TileRect& rect, std::span<const RowPart> rows);
   void goBehind();
 
   TileLayer layer_;

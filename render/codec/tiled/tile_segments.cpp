@@ -31,17 +31,8 @@ void TileSegments::begin(const SampleFrame& frame, Placement placement, const Ti
     for (uint32_t x = 0; x < rect.width; ++x) counts_[size_t{y} * rect.width + x] = static_cast<uint8_t>(rays[x].count());
   }
   layer_.begin(rect, counts_);
-  at_.resize(layer_.size());
+  findFirsts(counts_, rect, rows, at_);
   ends_.resize(layer_.size());
-  size_t k = 0;
-  for (uint32_t y = 0; y < rect.height; ++y) {
-    uint32_t at = rows[y].begin;
-    for (const uint8_t count : std::span(counts_).subspan(size_t{y} * rect.width, rect.width)) {
-      if (count == 0) continue;
-      at_[k++] = at;
-      at += count;
-    }
-  }
   paths_.aim(frame, placement, layer_.columns(), layer_.rows());
 }
 
@@ -189,7 +180,7 @@ bool TileSegments::takeRays(const SheetReader& reader, uint32_t tile, const Tile
     }
   }
   // A tile of rays without segments that ended has a stream and no layers.
-  return deepest <= most && static_cast<int>(streams) == (streams == 1 ? std::max(deepest, 1) : deepest);
+  return deepest <= std::min(most, static_cast<int>(reader.layers())) && static_cast<int>(streams) == (streams == 1 ? std::max(deepest, 1) : deepest);
 }
 
 bool TileSegments::unpack(const SheetReader& reader, uint32_t tile, const TileRect& rect, std::span<const RowPart> rows, Placement placement, AnsReader& stream,

@@ -16,7 +16,8 @@ __device__ inline uint32_t prefixXor(uint32_t value) {
   return value;
 }
 
-/// Calls f(place in the tile, pixel, how many covered ones are before it) for each pixel of the tile that is covered, 32 at once; all threads of a warp call f.
+/// Calls f(pixel, whether it is covered, which threads' are, how many covered ones are before it) for the pixels of the tile, 32 at once where any of them is covered; all
+/// threads of a warp call f.
 template <class F>
 __device__ void forCovered(const SheetView& view, const TileRect& rect, const F& f) {
   uint32_t before = 0;

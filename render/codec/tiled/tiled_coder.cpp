@@ -31,57 +31,63 @@ class HostTiledCoder final : public TiledCoder {
 
 class FallbackTiledCoder final : public TiledCoder {
  public:
-  FallbackTiledCoder(const std::function<TiledCoderPtr()>& makeFirst, std::function<void(const std::string& reason)> onFallback) : onFallback_(std::move(onFallback)) {
-    try {
-      coder_ = makeFirst();
-    } catch (const DeviceError& error) {
-      leave(error);
-    }
-  }
+  FallbackTiledCoder(std::function<TiledCoderPtr()> makeFirst, std::function<void(const std::string& reason)> onFallback)
+      : makeFirst_(std::move(makeFirst)), onFallback_(std::move(onFallback)) {}
 
   void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
-    append(out, [&] { coder_->appendSamples(out, frame, placement); });
+    append(out, [&](TiledCoder& coder) { coder.appendSamples(out, frame, placement); });
   }
   DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) override {
-    return take(reader, [&] { return coder_->takeSamples(reader, placement, count, frame); });
+    return take(reader, frame, [&](TiledCoder& coder) { return coder.takeSamples(reader, placement, count, frame); });
   }
   void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
-    append(out, [&] { coder_->appendSegments(out, frame, placement); });
+    append(out, [&](TiledCoder& coder) { coder.appendSegments(out, frame, placement); });
   }
   DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
-    return take(reader, [&] { return coder_->takeSegments(reader, placement, hasNormals, most, frame); });
+    return take(reader, frame, [&](TiledCoder& coder) { return coder.takeSegments(reader, placement, hasNormals, most, frame); });
   }
-  void forget() override { coder_->forget(); }
+  void forget() override {
+    if (coder_) coder_->forget();
+  }
 
  private:
+  /// Made when something is first coded: most frames never are in tiles.
+  TiledCoder& coder() {
+    if (!coder_) coder_ = makeFirst_();
+    return *coder_;
+  }
   template <class Call>
   void append(std::vector<std::byte>& out, const Call& call) {
     const size_t size = out.size();
     try {
-      call();
+      call(coder());
     } catch (const DeviceError& error) {
       leave(error);
       out.resize(size);
-      call();
+      call(*coder_);
     }
   }
   template <class Call>
-  DecodeError take(ByteReader& reader, const Call& call) {
+  DecodeError take(ByteReader& reader, SampleFrame& frame, const Call& call) {
     const ByteReader before = reader;
     try {
-      return call();
+      return call(coder());
     } catch (const DeviceError& error) {
       leave(error);
       reader = before;
-      return call();
+      // Page-locked memory may be what failed.
+      if (frame.samples.empty()) frame.samples = {};
+      if (frame.colors.empty()) frame.colors = {};
+      return call(*coder_);
     }
   }
 
   void leave(const DeviceError& error) {
-    coder_ = makeHostTiledCoder();  // which throws none of these
+    coder_ = makeHostTiledCoder();
     if (onFallback_) std::exchange(onFallback_, nullptr)(error.what());
   }
 
+  const std::function<TiledCoderPtr()> makeFirst_;
   TiledCoderPtr coder_;
   std::function<void(const std::string& reason)> onFallback_;
 };
@@ -90,8 +96,8 @@ class FallbackTiledCoder final : public TiledCoder {
 
 TiledCoderPtr makeHostTiledCoder() { return std::make_shared<HostTiledCoder>(); }
 
-TiledCoderPtr makeFallbackTiledCoder(const std::function<TiledCoderPtr()>& makeFirst, std::function<void(const std::string& reason)> onFallback) {
-  return std::make_shared<FallbackTiledCoder>(makeFirst, std::move(onFallback));
+TiledCoderPtr makeFallbackTiledCoder(std::function<TiledCoderPtr()> makeFirst, std::function<void(const std::string& reason)> onFallback) {
+  return std::make_shared<FallbackTiledCoder>(std::move(makeFirst), std::move(onFallback));
 }
 
 }  // namespace warpscope

@@ -34,7 +34,7 @@ using TiledCoderPtr = std::shared_ptr<TiledCoder>;
 
 TiledCoderPtr makeHostTiledCoder();
 
-/// Works with `makeFirst()` and, from the first DeviceError on, its making included, on the host. `onFallback` (may be empty) is told the reason once.
-TiledCoderPtr makeFallbackTiledCoder(const std::function<TiledCoderPtr()>& makeFirst, std::function<void(const std::string& reason)> onFallback);
+/// Works with `makeFirst()`, which is called when something is first coded, and, from the first DeviceError on, its making included, on the host. `onFallback` (may be empty) is told the reason once.
+TiledCoderPtr makeFallbackTiledCoder(std::function<TiledCoderPtr()> makeFirst, std::function<void(const std::string& reason)> onFallback);
 
 }  // namespace warpscope

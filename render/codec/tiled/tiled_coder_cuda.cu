@@ -3,7 +3,6 @@
 #include "render/codec/tiled/tiled_coder_cuda.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "render/base/shared_pool.h"
 #include "render/codec/plane_coding.h"
@@ -20,6 +19,7 @@ namespace warpscope {
 namespace {
 
 constexpr unsigned kThreads = 256;
+constexpr uint64_t kMostBytes = ~uint32_t{0};  // of streams: a device counts them in 32 bits
 constexpr const char* kDamagedTiles = "a tile of the payload is damaged";
 
 /// What works at one frame at a time, with buffers in device memory.
@@ -29,7 +29,7 @@ class CudaTiles {
     const auto count = static_cast<uint32_t>(frame.size());
     const bool hasLayers = !frame.layers().empty();
     const TileGrid grid = tiledGridOf(frame, count);
-    if (grid.count() == 0) return host().appendSamples(out, frame, placement);
+    if (grid.count() == 0 || mostTiledSampleBytes(frame, count) > kMostBytes) return host().appendSamples(out, frame, placement);
     sheet_.begin(grid, sampleForm(hasLayers), hasLayers ? static_cast<uint32_t>(mostTiledLayers(frame)) : 1, true);
     const SheetView view = sheet_.reserveValues(count);
     const SampleView samples = samplesOf(frame, placement, count, hasLayers);
@@ -42,7 +42,7 @@ class CudaTiles {
     fetchHash();
     sheet_.count();
     sheet_.makeMasks();
-    arrangeSamples<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(samples, view);
+    arrangeSamples<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(samples, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     putFronts(view, samples.jobs(), stream_);
     const size_t hashAt = out.size();
@@ -63,16 +63,19 @@ class CudaTiles {
     const auto mostLayers = static_cast<uint32_t>(mostTiledLayers(frame));
     if (DecodeError error = head_.take(reader, sampleForm(hasLayers), grid.count(), mostLayers)) return error;
     sheet_.begin(grid, sampleForm(hasLayers), mostLayers, true);
-    const SheetView view = sheet_.reserveValues(static_cast<uint32_t>(count));
     if (!sheet_.upload(head_)) return kDamagedTiles;
-    const SampleView samples = samplesOf(frame, placement, static_cast<uint32_t>(count), hasLayers);
-    sheet_.takeShapes(mostLayers, nullptr);
+    sheet_.takeShapes(std::min(mostLayers, head_.layers), nullptr);
     sheet_.count();
+    const size_t total = sheet_.total();
+    if ((sheet_.flags() & kDamagedShapes) != 0) return "the tiles' numbers of samples are damaged";
+    if (total != count) return "the tiles of the payload have other numbers of samples than the frame";
+    const SheetView view = sheet_.reserveValues(static_cast<uint32_t>(count));
+    const SampleView samples = samplesOf(frame, placement, static_cast<uint32_t>(count), hasLayers);
     sheet_.takePlanes();
     findOriginsOf(samples.paths, view);
     clearHash();
     takeFronts(view, samples.jobs(), stream_);
-    finishSamples<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(samples, view, hash_.data());
+    finishSamples<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(samples, view, hash_.data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     fetchHash();
     frame.samples = pinned<PackedSample>(count);
@@ -83,16 +86,15 @@ class CudaTiles {
       plane->values = pinned<std::byte>(count);
       download(reinterpret_cast<uint8_t*>(plane->values.data()), layers_, count);
     }
-    const uint32_t flags = sheet_.flags();
-    if ((flags & kDamagedShapes) != 0) return "the tiles' numbers of samples are damaged";
-    if (sheet_.total() != count) return "the tiles of the payload have other numbers of samples than the frame";
-    if (flags != 0) return kDamagedTiles;
+    if (sheet_.flags() != 0) return kDamagedTiles;
     if (*hashOnHost_.data() != hash) return kOtherSamples;
     return std::nullopt;
   }
 
   void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) {
     const FrameSegments& segments = frame.segments;
+    if (segments.empty() || mostTiledSegmentBytes(frame.camera, static_cast<uint64_t>(frame.settings.sample.segments)) > kMostBytes)
+      return host().appendSegments(out, frame, placement);
     const auto count = static_cast<uint32_t>(segments.size());
     const bool hasNormals = !segments.normals.empty();
     sheet_.begin({frame.camera.width, frame.camera.height}, segmentForm(hasNormals), static_cast<uint32_t>(frame.settings.sample.segments), false);
@@ -108,7 +110,7 @@ class CudaTiles {
     sheet_.count();
     putRays<<<view.tiles(), kThreads, 0, stream_>>>(own, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
-    arrangeSegments<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(own, view);
+    arrangeSegments<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(own, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     putFronts(view, own.jobs(), stream_);
     const size_t hashAt = out.size();
@@ -127,7 +129,7 @@ class CudaTiles {
     if (!sheet_.upload(head_)) return kDamagedTiles;
     const size_t pixels = size_t{grid.width} * grid.height;
     rays_.reserve(pixels);
-    sheet_.takeShapes(layers, rays_.data());
+    sheet_.takeShapes(std::min(layers, head_.layers), rays_.data());
     sheet_.count();
     const size_t count = sheet_.total();
     if ((sheet_.flags() & kDamagedShapes) != 0) return "what rays have of segments is damaged";
@@ -137,7 +139,7 @@ class CudaTiles {
     sheet_.takePlanes();
     findOriginsOf(own.paths, view);
     takeFronts(view, own.jobs(), stream_);
-    finishSegments<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(own, view);
+    finishSegments<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(own, view);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
     hash(own);
     // While the device works: rays are filled with zeros.
@@ -204,7 +206,7 @@ class CudaTiles {
   }
 
   void findOriginsOf(const PathGrid& paths, const SheetView& view) {
-    findOrigins<<<rowsOfTiles(view), kTileWidth, 0, stream_>>>(paths, view, origins_.data());
+    findOrigins<<<rowsOfTiles(view), kCodedTileWidth, 0, stream_>>>(paths, view, origins_.data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   }
 

@@ -8,23 +8,16 @@
 
 #include "render/base/shared_pool.h"
 #include "render/codec/plane_coding.h"
+#include "render/codec/summed_hash.h"
 #include "render/codec/tiled/tile_samples.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
 
-constexpr size_t kHashGrain = size_t{1} << 16;  // samples
-
 uint64_t hashOf(std::span<const PackedSample> samples) {
-  std::atomic<uint64_t> sum = 0;
-  parallelForRanges(samples.size(), kHashGrain, [&](size_t begin, size_t end) {
-    const PackedSample* const sample = samples.data();
-    uint64_t own = 0;
-    for (size_t i = begin; i < end; ++i) own += placedHash(sample[i], i);
-    sum += own;
-  });
-  return sum;
+  const PackedSample* const sample = samples.data();
+  return summedHash(samples.size(), 0, [sample](size_t i) { return sample[i]; });
 }
 
 /// Finds the samples of each row of each tile.
@@ -33,8 +26,8 @@ void cut(const SampleFrame& frame, const TileGrid& grid, TileRows& rows) {
   const auto begin = frame.samples.begin();
   parallelForRanges(grid.count() / std::max(grid.columns(), 1u), 1, [&](size_t from, size_t to) {
     for (size_t tileRow = from; tileRow < to; ++tileRow)
-      for (uint32_t y = 0; y < kTileHeight; ++y) {
-        const auto row = static_cast<uint32_t>(tileRow) * kTileHeight + y;
+      for (uint32_t y = 0; y < kCodedTileHeight; ++y) {
+        const auto row = static_cast<uint32_t>(tileRow) * kCodedTileHeight + y;
         if (row >= grid.height) break;
         const auto firstAt = [&](auto after, uint32_t column) {
           const uint32_t key = column < grid.width ? pixelKey(column, row) : pixelKey(0, row + 1);
@@ -44,7 +37,7 @@ void cut(const SampleFrame& frame, const TileGrid& grid, TileRows& rows) {
         for (uint32_t column = 0; column < grid.columns(); ++column) {
           RowPart& own = rows.of(tileRow * grid.columns() + column)[y];
           own.begin = static_cast<uint32_t>(at - begin);
-          at = firstAt(at, (column + 1) * kTileWidth);
+          at = firstAt(at, (column + 1) * kCodedTileWidth);
           own.end = static_cast<uint32_t>(at - begin);
         }
       }
@@ -61,7 +54,7 @@ struct TiledSamples::Buffers {
   std::vector<AnsReader> streams;
   const std::shared_ptr<SharedPool<TileSamples>> pool = SharedPool<TileSamples>::ofProcess();
 
-  std::span<uint8_t> countsOf(size_t tile, const TileRect& rect) { return std::span(counts).subspan(tile * kTileWidth * kTileHeight, rect.pixels()); }
+  std::span<uint8_t> countsOf(size_t tile, const TileRect& rect) { return std::span(counts).subspan(tile * kCodedTileWidth * kCodedTileHeight, rect.pixels()); }
 };
 
 TiledSamples::TiledSamples() : buffers_(std::make_unique<Buffers>()) {}
@@ -107,7 +100,7 @@ DecodeError TiledSamples::take(ByteReader& reader, Placement placement, size_t c
   const auto mostLayers = static_cast<uint32_t>(mostTiledLayers(frame));
   if (DecodeError error = b.sheet.begin(reader, sampleForm(hasLayers), grid.count(), mostLayers)) return error;
 
-  b.counts.resize(size_t{grid.count()} * kTileWidth * kTileHeight);
+  b.counts.resize(size_t{grid.count()} * kCodedTileWidth * kCodedTileHeight);
   b.streams.resize(grid.count());
   b.rows.begin(grid);
   std::atomic<bool> isDamaged = false;
@@ -116,7 +109,10 @@ DecodeError TiledSamples::take(ByteReader& reader, Placement placement, size_t c
     for (size_t tile = begin; tile < end; ++tile) {
       const TileRect rect = grid.at(static_cast<uint32_t>(tile));
       const std::span<uint8_t> counts = b.countsOf(tile, rect);
-      if (!work->takeShapes(b.sheet, static_cast<uint32_t>(tile), rect, hasLayers, mostLayers, b.streams[tile], counts)) isDamaged = true;
+      if (!work->takeShapes(b.sheet, static_cast<uint32_t>(tile), rect, hasLayers, mostLayers, b.streams[tile], counts)) {
+        isDamaged = true;
+        continue;
+      }
       for (uint32_t y = 0; y < rect.height; ++y) {
         const std::span<const uint8_t> row = counts.subspan(size_t{y} * rect.width, rect.width);
         b.rows.of(tile)[y].end = std::accumulate(row.begin(), row.end(), 0u);

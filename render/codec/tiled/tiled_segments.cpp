@@ -6,34 +6,21 @@
 #include <atomic>
 
 #include "render/base/shared_pool.h"
+#include "render/codec/summed_hash.h"
 #include "render/codec/tiled/tile_segments.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
 namespace {
 
-constexpr size_t kHashGrain = size_t{1} << 16;
-
-/// Words one after the other, `wordAt(i)` for each.
-template <class WordAt>
-uint64_t hashOfWords(size_t count, uint64_t first, const WordAt& wordAt) {
-  std::atomic<uint64_t> sum = 0;
-  parallelForRanges(count, kHashGrain, [&](size_t begin, size_t end) {
-    uint64_t own = 0;
-    for (size_t i = begin; i < end; ++i) own += placedHash(wordAt(i), first + i);
-    sum += own;
-  });
-  return sum;
-}
-
 uint64_t hashOf(const FrameSegments& segments) {
   const SegmentDepths* const depths = segments.depths.data();
   const NormalCode* const normals = segments.normals.data();
   const RaySegmentCount* const rays = segments.rays.data();
   const size_t pixels = segments.rays.size(), count = segments.size();
-  return hashOfWords(pixels, 0, [rays](size_t i) { return uint64_t{rays[i].bits()}; }) +
-         hashOfWords(count, pixels, [depths](size_t i) { return depths[i].begin | uint64_t{depths[i].end} << 32; }) +
-         hashOfWords(segments.normals.size(), pixels + count, [normals](size_t i) { return uint64_t{normals[i]}; });
+  return summedHash(pixels, 0, [rays](size_t i) { return uint64_t{rays[i].bits()}; }) +
+         summedHash(count, pixels, [depths](size_t i) { return depths[i].begin | uint64_t{depths[i].end} << 32; }) +
+         summedHash(segments.normals.size(), pixels + count, [normals](size_t i) { return uint64_t{normals[i]}; });
 }
 
 /// How many segments each row of a tile has.

@@ -143,6 +143,7 @@ DecodeError SheetReader::begin(ByteReader& reader, const SheetForm& form, uint32
 }
 
 bool SheetReader::takeLayer(AnsReader& stream, uint32_t layer, size_t size, SheetLayer& planes) const {
+  if (size > 0 && layer >= head_.layers) return false;
   planes.resize(head_.form, size);
   for (uint32_t plane = 0; plane < head_.form.numbers && size > 0; ++plane) stream.takeNumbers(number(layer, plane), planes.number(plane));
   for (uint32_t plane = 0; plane < head_.form.bytes && size > 0; ++plane) stream.takeBytes(byte(layer, plane), planes.byte(plane));

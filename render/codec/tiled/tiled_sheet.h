@@ -81,6 +81,8 @@ class SheetReader {
   /// As SheetHead::take.
   DecodeError begin(ByteReader& reader, const SheetForm& form, uint32_t tiles, uint32_t mostLayers);
 
+  /// That models are there for.
+  uint32_t layers() const { return head_.layers; }
   uint32_t streams(uint32_t tile) const { return head_.streamsOf(tile); }
   /// A layer below streams().
   AnsReader stream(uint32_t tile, uint32_t layer) const { return AnsReader(head_.streams[head_.starts[tile] + layer]); }
@@ -89,7 +91,8 @@ class SheetReader {
   /// Of a layer below streams() of any tile.
   const AnsReaderModel& number(uint32_t layer, uint32_t plane) const { return models_[head_.form.shapes + layer * head_.form.planes() + plane]; }
   const AnsReaderModel& byte(uint32_t layer, uint32_t plane) const { return number(layer, head_.form.numbers + plane); }
-  /// Reads the planes of a layer that has `size` values; the stream is where they begin. False if the stream does not end behind them, or is damaged.
+  /// Reads the planes of a layer that has `size` values; the stream is where they begin. False if the stream does not end behind them, or is damaged, or
+  /// the sheet has no such layer.
   bool takeLayer(AnsReader& stream, uint32_t layer, size_t size, SheetLayer& planes) const;
 
  private:

@@ -15,17 +15,17 @@ namespace warpscope {
 namespace {
 
 /// A block for each row of each tile, a thread for each pixel.
-inline dim3 rowsOfTiles(const SheetView& view) { return {view.tiles(), kTileHeight}; }
+inline dim3 rowsOfTiles(const SheetView& view) { return {view.tiles(), kCodedTileHeight}; }
 
 /// Calls f(pixel's path, layer, value's number in the frame, among all streams) for each layer of the calling thread's pixel, from the front.
 template <class F>
 __device__ void forValues(const PathGrid& paths, const SheetView& view, const F& f) {
-  constexpr uint32_t kWarps = kTileWidth / 32, kMost = 32;
+  constexpr uint32_t kWarps = kCodedTileWidth / 32, kMost = 32;
   __shared__ uint32_t covered[kMost][kWarps];
   const TileRect rect = view.grid.at(blockIdx.x);
   const uint32_t x = threadIdx.x, y = blockIdx.y, warp = x / 32;
   if (y >= rect.height) return;
-  const uint32_t count = x < rect.width ? view.counts[view.pixel(rect, x, y)] : 0;
+  const uint32_t count = x < rect.width ? min(static_cast<uint32_t>(view.counts[view.pixel(rect, x, y)]), view.layers) : 0;
   for (uint32_t layer = 0; layer < view.layers; ++layer) {
     const uint32_t own = __ballot_sync(kAllLanes, count > layer);
     if (x % 32 == 0) covered[layer][warp] = __popc(own);
@@ -42,12 +42,12 @@ __device__ void forValues(const PathGrid& paths, const SheetView& view, const F&
   if (count > 0) path = paths.path(rect.x0 + x, rect.y0 + y);
   for (uint32_t layer = 0; __any_sync(kAllLanes, layer < count); ++layer) {
     const uint32_t stream = blockIdx.x * view.layers + layer, rank = before(layer);
-    if (layer < count) f(path, layer, first + layer, view.begins[stream] + view.rowRanks[size_t{stream} * kTileHeight + y] + rank);
+    if (layer < count) f(path, layer, first + layer, view.begins[stream] + view.rowRanks[size_t{stream} * kCodedTileHeight + y] + rank);
   }
 }
 
 /// Origins of values' rays, in the order of streams.
-__global__ void __launch_bounds__(kTileWidth) findOrigins(PathGrid paths, SheetView view, int32_t* origins) {
+__global__ void __launch_bounds__(kCodedTileWidth) findOrigins(PathGrid paths, SheetView view, int32_t* origins) {
   if (!view.isFull() || *view.flags != 0) return;
   forValues(paths, view, [&](const PixelPath& path, uint32_t, uint32_t, uint32_t at) { origins[at] = path.origin; });
 }

@@ -1,0 +1,26 @@
+// Hashes that are sums of what each word adds at its place (placedHash), made on all cores.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "render/codec/bytes.h"
+#include "render/core/parallel.h"
+
+namespace warpscope {
+
+/// Of words `wordAt(i)`, whose places begin at `first`.
+template <class WordAt>
+uint64_t summedHash(size_t count, uint64_t first, const WordAt& wordAt) {
+  constexpr size_t kGrain = size_t{1} << 15;
+  std::atomic<uint64_t> sum = 0;
+  parallelForRanges(count, kGrain, [&](size_t begin, size_t end) {
+    uint64_t own = 0;
+    for (size_t i = begin; i < end; ++i) own += placedHash(wordAt(i), first + i);
+    sum += own;
+  });
+  return sum;
+}
+
+}  // namespace warpscope
