@@ -14,6 +14,7 @@ struct HostilePayload {
   std::string what;
   SampleFrame head;
   size_t count = 0;  ///< samples that it says it has
+  std::string sentence;  ///< that refuses it, before its models are looked for
   std::vector<std::byte> payload;
 };
 
@@ -33,7 +34,7 @@ inline std::vector<HostilePayload> tilesWithoutModels() {
   const SampleFrame frame = framedPixels(1, 1, {0});
   std::vector<HostilePayload> all;
   for (const bool hasLayers : {false, true}) {
-    HostilePayload& samples = all.emplace_back(HostilePayload{hasLayers ? "samples in layers" : "samples", headOf(frame), 1, {}});
+    HostilePayload& samples = all.emplace_back(HostilePayload{hasLayers ? "samples in layers" : "samples", headOf(frame), 1, "the tiles' numbers of samples are damaged", {}});
     if (hasLayers) samples.head.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, {}});
     samples.head.settings.sample.samplesPerRay = 8;
     appendLittle(samples.payload, static_cast<uint8_t>(PayloadFormat::tiled));
@@ -43,7 +44,7 @@ inline std::vector<HostilePayload> tilesWithoutModels() {
     appendSheet(samples.payload, hasLayers);
     sealPayload(samples.payload);
   }
-  HostilePayload& segments = all.emplace_back(HostilePayload{"segments", headOf(frame), 0, {}});
+  HostilePayload& segments = all.emplace_back(HostilePayload{"segments", headOf(frame), 0, "what rays have of segments is damaged", {}});
   segments.head.settings.sample.segments = 4;
   std::vector<std::byte> part{static_cast<std::byte>(Placement::depth), std::byte{0}, std::byte{0}};  // no loss, no normals
   appendSheet(part, false);
