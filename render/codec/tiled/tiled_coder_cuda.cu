@@ -3,6 +3,7 @@
 #include "render/codec/tiled/tiled_coder_cuda.h"
 
 #include <algorithm>
+#include <semaphore>
 
 #include "render/base/shared_pool.h"
 #include "render/codec/plane_coding.h"
@@ -237,23 +238,49 @@ class CudaTiles {
   cuda::PinnedValue<uint64_t> hashOnHost_;
 };
 
-/// Takes a worker for each call: as many have device memory as are at work at once, not one for each client.
+using CudaTilesPool = SharedPool<CudaTiles>;
+
+/// One of few workers, which whoever asks waits for: a frame keeps half of a device busy, as few workers keep their device memory, and threads that wait leave their core to
+/// others, which those that wait for a device do not.
+class CudaWorker {
+ public:
+  explicit CudaWorker(const std::shared_ptr<CudaTilesPool>& workers) : tiles_(workers->take()) {}
+  CudaTiles* operator->() const { return &*tiles_; }
+
+ private:
+  struct Place {
+    Place() { all().acquire(); }
+    ~Place() { all().release(); }
+    Place(const Place&) = delete;
+    Place& operator=(const Place&) = delete;
+
+    static std::counting_semaphore<>& all() {
+      static std::counting_semaphore<> places(kMostAtOnce);
+      return places;
+    }
+  };
+  static constexpr int kMostAtOnce = 4;
+
+  const Place place_;  // taken before and left behind what follows
+  const CudaTilesPool::Lease tiles_;
+};
+
 class CudaTiledCoder final : public TiledCoder {
  public:
   CudaTiledCoder() { workers_->take(); }  // fails here if it does
 
-  void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override { workers_->take()->appendSamples(out, frame, placement); }
+  void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override { CudaWorker(workers_)->appendSamples(out, frame, placement); }
   DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) override {
-    return workers_->take()->takeSamples(reader, placement, count, frame);
+    return CudaWorker(workers_)->takeSamples(reader, placement, count, frame);
   }
-  void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override { workers_->take()->appendSegments(out, frame, placement); }
+  void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override { CudaWorker(workers_)->appendSegments(out, frame, placement); }
   DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
-    return workers_->take()->takeSegments(reader, placement, hasNormals, most, frame);
+    return CudaWorker(workers_)->takeSegments(reader, placement, hasNormals, most, frame);
   }
   void forget() override { workers_->forget(); }
 
  private:
-  const std::shared_ptr<SharedPool<CudaTiles>> workers_ = SharedPool<CudaTiles>::ofProcess();
+  const std::shared_ptr<CudaTilesPool> workers_ = CudaTilesPool::ofProcess();
 };
 
 }  // namespace
