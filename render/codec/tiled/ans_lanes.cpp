@@ -7,7 +7,9 @@
 
 #if defined(__AVX512F__)
 #include <immintrin.h>
+#if !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // GCC 12's own header: registers that are left as they are on purpose
+#endif
 #endif
 
 #include "render/codec/tokens.h"
