@@ -5,15 +5,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/codec/place_differences.h"
 #include "render/codec/zstd_section.h"
 
 namespace warpscope {
-namespace {
-
-int32_t wrapped(int32_t value, int32_t likely) { return static_cast<int32_t>(static_cast<uint32_t>(value) - static_cast<uint32_t>(likely)); }
-
-}  // namespace
-
 /// Where each ray's segments begin; how many layers there are.
 int SegmentBand::startRays(std::span<const RaySegmentCount> rays) {
   starts_.resize(rays.size());
@@ -119,33 +114,11 @@ DecodeError SegmentBand::unpack(ByteReader& reader, Placement placement, const M
   return std::nullopt;
 }
 
-/// f(k, what is likely, places, whether they are ends) for the beginnings of all, which it knows or sets; then for their ends. Of the first layer a
-/// beginning is predicted from those beside it, of others the gap from the end in front; an end from those beside it, as far behind its beginning.
 template <class F>
 void SegmentBand::forEachPlace(size_t size, int layer, const F& f) {
-  const FineScale scale = paths_.fineScale();
-  const Neighbors* const neighbors = layout_.neighbors.data();
   fine_.resize(size + 1);
   fine_[0] = 0;
-  for (size_t k = 0; k < size; ++k) {
-    const Neighbors from = neighbors[k];
-    const int32_t likelyFine = predicted(fine_[from.west], fine_[from.north], fine_[from.northWest]);
-    if (layer == 0) {
-      f(k, scale.placeOf(k, likelyFine), places_, false);
-      fine_[k + 1] = scale.fineOf(k, places_[k]);
-    } else {
-      const int32_t front = ends_[pixelOf_[k]];
-      f(k, static_cast<int32_t>(static_cast<uint32_t>(front) + static_cast<uint32_t>(likelyFine)), places_, false);
-      fine_[k + 1] = wrapped(places_[k], front);
-    }
-  }
-  for (size_t k = 0; k < size; ++k) {
-    const Neighbors from = neighbors[k];
-    const int32_t likely = scale.placeOf(k, predicted(fine_[from.west], fine_[from.north], fine_[from.northWest]));
-    f(k, likely, endPlaces_, true);
-    fine_[k + 1] = scale.fineOf(k, endPlaces_[k]);
-    ends_[pixelOf_[k]] = endPlaces_[k];
-  }
+  forEachBorder(paths_.fineScale(), layout_.neighbors.data(), layer == 0, {places_, endPlaces_}, fine_.data(), [this](size_t k) -> int32_t& { return ends_[pixelOf_[k]]; }, f);
 }
 
 void SegmentBand::putDepths(size_t size, int layer, BitWriter& bits) {
@@ -159,8 +132,8 @@ void SegmentBand::putDepths(size_t size, int layer, BitWriter& bits) {
     std::ranges::copy(endCodes_, endPlaces_.begin());
   }
   for (TransferVector<uint8_t>* tokens : {&beginTokens_, &endTokens_, &beginRests_, &endRests_}) tokens->resize(size);
-  forEachPlace(size, layer, [&](size_t k, int32_t likely, TransferVector<int32_t>& places, bool isEnd) {
-    (isEnd ? endTokens_ : beginTokens_)[k] = putToken(zigzag(wrapped(places[k], likely)), bits);
+  forEachPlace(size, layer, [&](size_t k, int32_t likely, int32_t place, bool isEnd) {
+    (isEnd ? endTokens_ : beginTokens_)[k] = putToken(zigzag(wrappedDifference(place, likely)), bits);
   });
   // What the marcher's rounding and other rays' lattices make of it.
   const auto putRests = [&](const TransferVector<int32_t>& places, const TransferVector<uint32_t>& codes, TransferVector<uint8_t>& rests) {
@@ -175,9 +148,8 @@ void SegmentBand::putDepths(size_t size, int layer, BitWriter& bits) {
 void SegmentBand::takeDepths(size_t size, int layer, BitReader& bits) {
   places_.resize(size);
   endPlaces_.resize(size);
-  forEachPlace(size, layer, [&](size_t k, int32_t likely, TransferVector<int32_t>& places, bool isEnd) {
-    const int32_t difference = unzigzag(takeToken((isEnd ? endTokens_ : beginTokens_)[k], bits));
-    places[k] = static_cast<int32_t>(static_cast<uint32_t>(likely) + static_cast<uint32_t>(difference));
+  forEachPlace(size, layer, [&](size_t k, int32_t likely, int32_t& place, bool isEnd) {
+    place = wrappedSum(likely, unzigzag(takeToken((isEnd ? endTokens_ : beginTokens_)[k], bits)));
   });
   const auto takeRests = [&](const TransferVector<int32_t>& places, TransferVector<uint32_t>& codes, const TransferVector<uint8_t>& rests) {
     paths_.place(places, codes);

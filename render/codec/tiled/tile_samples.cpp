@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "render/codec/color_differences.h"
+#include "render/codec/place_differences.h"
 #include "render/codec/radius_prediction.h"
 #include "render/codec/tiled/covered_bits.h"
 #include "render/codec/tokens.h"
@@ -37,28 +38,7 @@ bool takeMask(std::span<uint8_t> changes, const TileRect& rect, std::span<uint8_
   return true;
 }
 
-/// Differences from what neighbours make likely: fine values of slots, one place on, from places.
-void putPlaces(const FineScale& scale, std::span<const Neighbors> neighbors, std::span<const int32_t> places, int32_t* fine, uint32_t* out) {
-  for (size_t k = 0; k < places.size(); ++k) fine[k + 1] = scale.fineOf(k, places[k]);
-  for (size_t k = 0; k < places.size(); ++k) {
-    const Neighbors from = neighbors[k];
-    const int32_t likely = scale.placeOf(k, predicted(fine[from.west], fine[from.north], fine[from.northWest]));
-    out[k] = zigzag(static_cast<int32_t>(static_cast<uint32_t>(places[k]) - static_cast<uint32_t>(likely)));
-  }
-}
-
-void takePlaces(const FineScale& scale, std::span<const Neighbors> neighbors, const uint32_t* differences, int32_t* fine, std::span<int32_t> places) {
-  int32_t last = 0;  // what fine[k] became, nearly always the western neighbour's: it need not come back from memory
-  for (size_t k = 0; k < places.size(); ++k) {
-    const Neighbors from = neighbors[k];
-    const int32_t likely = scale.placeOf(k, predicted(from.west == k ? last : fine[from.west], fine[from.north], fine[from.northWest]));
-    places[k] = static_cast<int32_t>(static_cast<uint32_t>(likely) + static_cast<uint32_t>(unzigzag(differences[k])));
-    last = scale.fineOf(k, places[k]);
-    fine[k + 1] = last;
-  }
-}
-
-/// Likewise of radius codes where no rule says what they are.
+/// Differences of radius codes: from what the rule says, or where there is none from those beside.
 void putRadii(const RadiusPrediction& radius, std::span<const Neighbors> neighbors, std::span<const PackedSample> samples, const Rgba8* colors, int32_t* slots, uint32_t* out) {
   if (!radius.isAsBefore()) {
     for (size_t k = 0; k < samples.size(); ++k)
@@ -66,18 +46,13 @@ void putRadii(const RadiusPrediction& radius, std::span<const Neighbors> neighbo
     return;
   }
   for (size_t k = 0; k < samples.size(); ++k) slots[k + 1] = static_cast<int32_t>(radiusCode(samples[k]));
-  for (size_t k = 0; k < samples.size(); ++k) {
-    const Neighbors from = neighbors[k];
-    out[k] = zigzag(slots[k + 1] - predicted(slots[from.west], slots[from.north], slots[from.northWest]));
-  }
+  for (size_t k = 0; k < samples.size(); ++k) out[k] = zigzag(slots[k + 1] - predictedSlot(slots, neighbors[k]));
 }
 
 void takeRadii(const RadiusPrediction& radius, std::span<const Neighbors> neighbors, const uint32_t* differences, const Rgba8* colors, int32_t* slots,
                std::span<PackedSample> samples) {
   for (size_t k = 0; k < samples.size(); ++k) {
-    const Neighbors from = neighbors[k];
-    const auto likely = radius.isAsBefore() ? static_cast<uint32_t>(predicted(slots[from.west], slots[from.north], slots[from.northWest]))
-                                            : radius(samples[k], colors[k], 0);
+    const auto likely = radius.isAsBefore() ? static_cast<uint32_t>(predictedSlot(slots, neighbors[k])) : radius(samples[k], colors[k], 0);
     const uint32_t code = (likely + static_cast<uint32_t>(unzigzag(differences[k]))) & kRadiusCodeMax;
     slots[k + 1] = static_cast<int32_t>(code);
     samples[k] = withRadiusCode(samples[k], code);
@@ -138,7 +113,7 @@ void TileSamples::pack(const SampleFrame& frame, Placement placement, const Tile
     paths_.place(places_, codes_);
     SheetLayer& planes = tile.addLayer();
     planes.resize(form, size);
-    putPlaces(paths_.fineScale(), layer_.neighbors(), places_, fine_.data(), planes.number(planeOf(SampleNumbers::place)).data());
+    putPlaces(paths_.fineScale(), layer_.neighbors().data(), places_, fine_.data(), planes.number(planeOf(SampleNumbers::place)).data());
     {
       const std::span<uint32_t> differences = planes.number(planeOf(SampleNumbers::depth));
       for (size_t k = 0; k < size; ++k) differences[k] = zigzag(static_cast<int32_t>(depthCode(samples_[k])) - static_cast<int32_t>(codes_[k]));
@@ -202,7 +177,8 @@ bool TileSamples::unpack(const SheetReader& reader, uint32_t tile, const TileRec
     samples_.resize(size);
     slots_[0] = 0;
     fine_[0] = 0;
-    takePlaces(paths_.fineScale(), layer_.neighbors(), planes_.number(planeOf(SampleNumbers::place)).data(), fine_.data(), places_);
+    const std::span<const uint32_t> ofPlaces = planes_.number(planeOf(SampleNumbers::place));
+    takePlaces(paths_.fineScale(), layer_.neighbors().data(), [ofPlaces](size_t k) { return ofPlaces[k]; }, fine_.data(), places_);
     paths_.place(places_, codes_);
     {
       const std::span<const uint32_t> differences = planes_.number(planeOf(SampleNumbers::depth));

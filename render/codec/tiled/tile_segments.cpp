@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "render/codec/color_differences.h"
+#include "render/codec/place_differences.h"
 #include "render/codec/tokens.h"
 
 namespace warpscope {
@@ -12,9 +13,6 @@ namespace {
 
 size_t planeOf(SegmentNumbers plane) { return static_cast<size_t>(plane); }
 size_t planeOf(SegmentBytes plane) { return static_cast<size_t>(plane); }
-
-int32_t sum(int32_t a, int32_t b) { return static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b)); }
-int32_t difference(int32_t a, int32_t b) { return static_cast<int32_t>(static_cast<uint32_t>(a) - static_cast<uint32_t>(b)); }
 
 /// The rays of a row of the tile.
 template <class Rays>
@@ -60,31 +58,9 @@ bool TileSegments::goBehind() {
   return true;
 }
 
-/// f(k, what is likely, place, whether it is an end), which sets the place or reads it: for where all segments of a layer begin, then for where they end. In front a
-/// beginning is predicted from those beside it, behind it the gap from the end in front; an end from those beside it.
 template <class F>
 void TileSegments::forEachBorder(bool isFront, const F& f) {
-  const FineScale scale = paths_.fineScale();
-  const std::span<const Neighbors> neighbors = layer_.neighbors();
-  int32_t* const fine = fine_.data();
-  const auto likelyOf = [&](size_t k) {
-    const Neighbors from = neighbors[k];
-    return predicted(fine[from.west], fine[from.north], fine[from.northWest]);
-  };
-  for (size_t k = 0; k < neighbors.size(); ++k) {
-    if (isFront) {
-      f(k, scale.placeOf(k, likelyOf(k)), places_[k], false);
-      fine[k + 1] = scale.fineOf(k, places_[k]);
-    } else {
-      f(k, sum(ends_[k], likelyOf(k)), places_[k], false);
-      fine[k + 1] = difference(places_[k], ends_[k]);
-    }
-  }
-  for (size_t k = 0; k < neighbors.size(); ++k) {
-    f(k, scale.placeOf(k, likelyOf(k)), endPlaces_[k], true);
-    fine[k + 1] = scale.fineOf(k, endPlaces_[k]);
-    ends_[k] = endPlaces_[k];
-  }
+  warpscope::forEachBorder(paths_.fineScale(), layer_.neighbors().data(), isFront, {places_, endPlaces_}, fine_.data(), [this](size_t k) -> int32_t& { return ends_[k]; }, f);
 }
 
 void TileSegments::putBorders(SheetLayer& planes, bool isFront) {
@@ -97,7 +73,7 @@ void TileSegments::putBorders(SheetLayer& planes, bool isFront) {
   }
   uint32_t* const begins = planes.number(planeOf(SegmentNumbers::begin)).data();
   uint32_t* const ends = planes.number(planeOf(SegmentNumbers::end)).data();
-  forEachBorder(isFront, [&](size_t k, int32_t likely, int32_t place, bool isEnd) { (isEnd ? ends : begins)[k] = zigzag(difference(place, likely)); });
+  forEachBorder(isFront, [&](size_t k, int32_t likely, int32_t place, bool isEnd) { (isEnd ? ends : begins)[k] = zigzag(wrappedDifference(place, likely)); });
   // What the marcher's rounding and other rays' lattices make of it.
   const auto putRests = [&](const TransferVector<int32_t>& places, const TransferVector<uint32_t>& codes, std::span<uint32_t> rests) {
     paths_.place(places, likely_);
@@ -110,7 +86,7 @@ void TileSegments::putBorders(SheetLayer& planes, bool isFront) {
 void TileSegments::takeBorders(const SheetLayer& planes, bool isFront) {
   const uint32_t* const begins = planes.number(planeOf(SegmentNumbers::begin)).data();
   const uint32_t* const ends = planes.number(planeOf(SegmentNumbers::end)).data();
-  forEachBorder(isFront, [&](size_t k, int32_t likely, int32_t& place, bool isEnd) { place = sum(likely, unzigzag((isEnd ? ends : begins)[k])); });
+  forEachBorder(isFront, [&](size_t k, int32_t likely, int32_t& place, bool isEnd) { place = wrappedSum(likely, unzigzag((isEnd ? ends : begins)[k])); });
   const auto takeRests = [&](const TransferVector<int32_t>& places, TransferVector<uint32_t>& codes, std::span<const uint32_t> rests) {
     paths_.place(places, codes);
     for (size_t k = 0; k < rests.size(); ++k) codes[k] = (codes[k] + static_cast<uint32_t>(unzigzag(rests[k]))) & kDepthCodeMax;
