@@ -172,6 +172,10 @@ void PixelPaths::locateBorders(std::span<const uint32_t> depthCodes, std::span<i
   const size_t count = depthCodes.size();
   const uint32_t* const code = depthCodes.data();
   int32_t* const out = places.data();
+  if (placement_ == Placement::depth) {
+    for (size_t k = 0; k < count; ++k) out[k] = static_cast<int32_t>(code[k]);
+    return;
+  }
   const float step = step_, depthStep = depthStep_;
   const float* const cosines = cosine_.data();
   const float* const t0s = t0_.data();

@@ -124,13 +124,8 @@ void SegmentBand::forEachPlace(size_t size, int layer, const F& f) {
 void SegmentBand::putDepths(size_t size, int layer, BitWriter& bits) {
   places_.resize(size);
   endPlaces_.resize(size);
-  if (paths_.fineScale().bits > 0) {
-    paths_.locateBorders(codes_, places_);
-    paths_.locateBorders(endCodes_, endPlaces_);
-  } else {
-    std::ranges::copy(codes_, places_.begin());
-    std::ranges::copy(endCodes_, endPlaces_.begin());
-  }
+  paths_.locateBorders(codes_, places_);
+  paths_.locateBorders(endCodes_, endPlaces_);
   for (TransferVector<uint8_t>* tokens : {&beginTokens_, &endTokens_, &beginRests_, &endRests_}) tokens->resize(size);
   forEachPlace(size, layer, [&](size_t k, int32_t likely, int32_t place, bool isEnd) {
     (isEnd ? endTokens_ : beginTokens_)[k] = putToken(zigzag(wrappedDifference(place, likely)), bits);

@@ -64,13 +64,8 @@ void TileSegments::forEachBorder(bool isFront, const F& f) {
 }
 
 void TileSegments::putBorders(SheetLayer& planes, bool isFront) {
-  if (paths_.fineScale().bits > 0) {
-    paths_.locateBorders(codes_, places_);
-    paths_.locateBorders(endCodes_, endPlaces_);
-  } else {
-    std::ranges::copy(codes_, places_.begin());
-    std::ranges::copy(endCodes_, endPlaces_.begin());
-  }
+  paths_.locateBorders(codes_, places_);
+  paths_.locateBorders(endCodes_, endPlaces_);
   uint32_t* const begins = planes.number(planeOf(SegmentNumbers::begin)).data();
   uint32_t* const ends = planes.number(planeOf(SegmentNumbers::end)).data();
   forEachBorder(isFront, [&](size_t k, int32_t likely, int32_t place, bool isEnd) { (isEnd ? ends : begins)[k] = zigzag(wrappedDifference(place, likely)); });
