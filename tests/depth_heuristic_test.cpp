@@ -78,6 +78,29 @@ TEST(DepthHeuristic, WhatDoesNotCountMayCarryTheCrossing) {
 
 // --- What older implementations lost.
 
+/// What is chosen when it is used against what is chosen when it is compiled.
+TEST(DepthHeuristic, OneTypeForAnyGivesWhatEachOneGives) {
+  const auto depthOf = [](const auto& depth, const Samples& samples) {
+    ProfileFold ray;
+    for (const CountingSample& sample : samples) ray.add(sample);
+    auto fold = depth.start(0.4f, ray);
+    for (const CountingSample& sample : samples) fold.add(sample);
+    return depth.result(fold);
+  };
+  int found = 0;
+  for (const std::vector<float>& alphas : {std::vector<float>{}, {0.0f}, {0.3f}, {0.1f, 0.4f, 0.2f, 0.4f, 0.05f}, {0.01f, 0.02f, 0.9f, 1.0f}})
+    for (const auto& named : kHeuristics) {
+      const Heuristic heuristic = named.value;
+      const Samples samples = countingSamples(alphas, 2.0f, 0.5f, 1e-3f);
+      const DepthResult one = visitHeuristic(heuristic, [&](auto depth) { return depthOf(depth, samples); });
+      const DepthResult any = visitAnyHeuristic(heuristic, [&](auto depth) { return depthOf(depth, samples); });
+      EXPECT_EQ(one.hasDepth, any.hasDepth) << named.name;
+      EXPECT_EQ(one.depth, any.depth) << named.name;
+      found += one.hasDepth;
+    }
+  EXPECT_EQ(found, 30);
+}
+
 TEST(DepthHeuristic, ASingleSampleIsFoundInItsOwnStep) {
   for (const float alpha : {1.0f / 1024, 0.1f, 0.9f, 1.0f})
     for (const auto& entry : kHeuristics) {

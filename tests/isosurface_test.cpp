@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "mode_rays.h"
+#include "view_cells.h"
 #include "render/base/error.h"
 #include "render/march/ray_samples.h"
 
@@ -200,10 +201,8 @@ TEST(Isosurface, LeavingOutCellsChangesNoBit) {
 TEST(Isosurface, CellsAndPassesGiveTheSameBits) {
   const ModeRays<uint16_t, false> rays(makeTestVolume(VoxelType::uint16, kDims, blobs(kDims, 15)),
                                        inMode(RenderMode::isosurface, "30@0.5 60@0.3 75@0.9"));
-  const std::vector<VoxelCell<uint16_t>> cells = cellsOf(rays.view);
-  VolumeView<uint16_t> byCells = rays.view;
-  byCells.voxels = nullptr;
-  byCells.blends = cells.data();
+  const ViewInCells<uint16_t> inCells(rays.view);
+  const VolumeView<uint16_t>& byCells = inCells.view();
   const RayLimits limits{1e-3f, 1e-3f};
   int several = 0;
   for (const Ray& ray : raysThrough(33.0f, 300, 16)) {

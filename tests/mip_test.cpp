@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "mode_rays.h"
+#include "view_cells.h"
 
 namespace warpscope {
 namespace {
@@ -50,10 +51,8 @@ TEST(Mip, FindsTheGreatestOfTheLatticesValues) {
 TEST(Mip, CellsAndVoxelsAgreeBitForBit) {
   const ModeRays<uint8_t, false> rays(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 15)),
                                       inMode(RenderMode::mip), kRamp);
-  const std::vector<VoxelCell<uint8_t>> cells = cellsOf(rays.view);
-  VolumeView<uint8_t> byCells = rays.view;
-  byCells.voxels = nullptr;
-  byCells.blends = cells.data();
+  const ViewInCells<uint8_t> inCells(rays.view);
+  const VolumeView<uint8_t>& byCells = inCells.view();
   for (const Ray& ray : raysThrough(33.0f, 300, 17)) {
     const RayPath path = rays.pathOf(ray);
     const auto source = exceptionsExpected([&] {

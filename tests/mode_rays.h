@@ -94,16 +94,6 @@ struct ModeRays {
   MipSetup greatest;
 };
 
-/// The cells that devices keep a volume in.
-template <class Voxel>
-std::vector<VoxelCell<Voxel>> cellsOf(const VolumeView<Voxel>& view) {
-  std::vector<VoxelCell<Voxel>> cells;
-  for (int z = 0; z <= view.ends[2].lastCell; ++z)
-    for (int y = 0; y <= view.ends[1].lastCell; ++y)
-      for (int x = 0; x <= view.ends[0].lastCell; ++x) cells.push_back(voxelCellAt(view.voxels, view.dims, {x, y, z}));
-  return cells;
-}
-
 /// Rays from all around, through a cube of that edge about the centre, and from inside it.
 inline std::vector<Ray> raysThrough(float edge, int count, uint32_t seed) {
   std::mt19937 random(seed);

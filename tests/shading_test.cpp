@@ -12,6 +12,7 @@
 #include "marcher_cases.h"
 #include "render/march/march_setup.h"
 #include "test_volumes.h"
+#include "view_cells.h"
 
 namespace warpscope {
 namespace {
@@ -70,13 +71,10 @@ TEST(Gradient, CellsAndVoxelsAgreeBitForBit) {
   const glm::uvec3 dims(5, 4, 6);
   const VolumePtr volume = makeTestVolume(VoxelType::uint16, dims, [](const glm::ivec3& p) { return p.x * 977 % 131 + p.y * 311 % 97 + p.z * p.x * 41; });
   const MarchedVolume marched(volume, everywhere(0.5f));
-  auto voxels = makeVolumeView<uint16_t>(marched), cells = voxels;
+  auto voxels = makeVolumeView<uint16_t>(marched);
   voxels.voxels = volume->voxelsAs<uint16_t>();
-  std::vector<VoxelCell<uint16_t>> gathered;
-  for (int z = 0; z <= cells.ends[2].lastCell; ++z)
-    for (int y = 0; y <= cells.ends[1].lastCell; ++y)
-      for (int x = 0; x <= cells.ends[0].lastCell; ++x) gathered.push_back(voxelCellAt(volume->voxelsAs<uint16_t>(), glm::ivec3(dims), {x, y, z}));
-  cells.blends = gathered.data();
+  const ViewInCells<uint16_t> inCells(voxels);
+  const VolumeView<uint16_t>& cells = inCells.view();
   std::mt19937 random(5);
   std::uniform_real_distribution<float> place(-4.0f, 4.0f);
   for (int i = 0; i < 1000; ++i) {

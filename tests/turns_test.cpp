@@ -42,6 +42,57 @@ TEST(Turns, OneAtATimeInTheOrderOfAsking) {
   EXPECT_EQ(order, (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7}));
 }
 
+TEST(Turns, AFewAtATimeInTheOrderOfAsking) {
+  Turns turns;
+  turns.sibling()->setAtOnce(3);
+  std::atomic<int> inside = 0, most = 0, begun = 0;
+  std::atomic<bool> mayEnd = false;
+  std::vector<std::jthread> threads;
+  std::vector<std::atomic<bool>> hasBegun(8);
+  for (int i = 0; i < 8; ++i) {
+    threads.emplace_back([&, i] {
+      const Turns::Turn turn = turns.take({});
+      const int now = ++inside;
+      for (int known = most; now > known && !most.compare_exchange_weak(known, now);) {
+      }
+      hasBegun[static_cast<size_t>(i)] = true;
+      ++begun;
+      while (!mayEnd) std::this_thread::yield();
+      --inside;
+    });
+    while (begun + static_cast<int>(turns.waiting()) <= i) std::this_thread::yield();
+  }
+  EXPECT_EQ(begun, 3);
+  for (size_t i = 0; i < 8; ++i) EXPECT_EQ(hasBegun[i], i < 3) << "the first that asked";
+  mayEnd = true;
+  threads.clear();
+  EXPECT_EQ(begun, 8);
+  EXPECT_EQ(most, 3);
+}
+
+TEST(Turns, WhoGivesUpLeavesThoseBehindTheirTurns) {
+  Turns turns;
+  turns.setAtOnce(2);
+  std::atomic<int> begun = 0;
+  std::jthread waits;
+  {
+    const Turns::Turn one = turns.take({}), other = turns.take({});
+    std::jthread givesUp([&](const std::stop_token& stop) { EXPECT_THROW(turns.take(stop), OperationCancelled); });
+    while (turns.waiting() < 1) std::this_thread::yield();
+    waits = std::jthread([&] {
+      const Turns::Turn turn = turns.take({});
+      ++begun;
+    });
+    while (turns.waiting() < 2) std::this_thread::yield();
+    givesUp.request_stop();
+    givesUp.join();
+    EXPECT_EQ(turns.waiting(), 1u);
+    EXPECT_EQ(begun, 0);
+  }
+  waits.join();
+  EXPECT_EQ(begun, 1);
+}
+
 TEST(Turns, WhoGivesUpLeavesTheRow) {
   Turns turns;
   std::jthread waiter;
@@ -54,6 +105,48 @@ TEST(Turns, WhoGivesUpLeavesTheRow) {
     EXPECT_EQ(turns.waiting(), 0u);
   }
   const Turns::Turn next = turns.take({});
+}
+
+/// Two that end wake the same first one, which has to wake the next.
+TEST(Turns, AllThatMayHaveATurnGetOne) {
+  Turns turns;
+  turns.setAtOnce(2);
+  std::atomic<int> inside = 0;
+  std::atomic<bool> met = false;
+  std::vector<std::jthread> threads;
+  {
+    const Turns::Turn one = turns.take({}), other = turns.take({});
+    for (size_t i = 0; i < 2; ++i) {
+      threads.emplace_back([&] {
+        const Turns::Turn turn = turns.take({});
+        ++inside;
+        for (const auto end = std::chrono::steady_clock::now() + 20s; inside < 2 && std::chrono::steady_clock::now() < end;) std::this_thread::yield();
+        if (inside == 2) met = true;
+      });
+      while (turns.waiting() <= i) std::this_thread::yield();
+    }
+  }
+  threads.clear();
+  EXPECT_TRUE(met);
+}
+
+TEST(Turns, OfTurnsAtTheSameTimeAJobUsesItsShare) {
+  Turns turns({.limit = 160ms});
+  turns.setAtOnce(2);
+  const auto workTwice = [&] {
+    TurnsOfJob job(&turns);
+    for (int i = 0; i < 2; ++i)
+      job.work(
+          {},
+          [](auto) {
+            std::this_thread::sleep_for(100ms);
+            return false;
+          },
+          [] { return 0.5; });
+  };
+  EXPECT_THROW(workTwice(), WorkLimitExceeded);
+  const Turns::Turn another = turns.take({});
+  EXPECT_NO_THROW(workTwice());
 }
 
 TEST(Turns, WorkIsCutInSlices) {

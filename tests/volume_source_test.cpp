@@ -1,17 +1,19 @@
 // The vectors over a batch of samples against one sample at a time through voxel_access.h: the same bits.
-// Mirrors render/march/volume_source.h, volume_source_scalar.h and render/volume/voxel_access.h.
+// Mirrors render/march/volume_source.h, volume_source_scalar.h, volume_source_pairs.h and render/volume/voxel_access.h.
 #include "render/march/volume_source.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "marcher_cases.h"
 #include "render/core/pixel_grid.h"
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
-#include "render/march/volume_source_scalar.h"
+#include "render/march/volume_source_pairs.h"
 #include "test_volumes.h"
+#include "view_cells.h"
 
 namespace warpscope {
 namespace {
@@ -66,19 +68,12 @@ TransferFunction colourful() {
   return {{{10.0, {1.0f, 0.2f, 0.1f}, 0.0f}, {40.0, {0.1f, 0.9f, 0.3f}, 0.1f}, {100.0, {0.2f, 0.3f, 1.0f}, 0.5f}}};
 }
 
-template <class Voxel>
-std::vector<VoxelCell<Voxel>> voxelCellsOf(const Voxel* voxels, const glm::ivec3& dims) {
-  const glm::ivec3 cells = glm::max(dims - 1, 1);
-  std::vector<VoxelCell<Voxel>> all;
-  for (int z = 0; z < cells.z; ++z)
-    for (int y = 0; y < cells.y; ++y)
-      for (int x = 0; x < cells.x; ++x) all.push_back(voxelCellAt(voxels, dims, {x, y, z}));
-  return all;
-}
+/// Ways in which devices read a volume.
+enum class DeviceWay { byVoxels, byCells, inPairs };
 
-/// The source for devices, on the host.
-Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunction& function, const Camera& camera,
-                                        const MarchSettings& settings, bool byCells) {
+/// The sources for devices, on the host. In pairs only what can be: the rest by cells.
+Image<glm::vec4> renderedAsOnDevices(const Volume& volume, const TransferFunction& function, const Camera& camera,
+                                        const MarchSettings& settings, DeviceWay way) {
   const MarchedVolume marched(VolumePtr(&volume, [](const Volume*) {}), function);
   const BakedTransfer baked = bakeTransfer(marched, settings.render);
   const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, volume.bounds()).nearDepth);
@@ -110,18 +105,19 @@ Image<glm::vec4> renderedByScalarSource(const Volume& volume, const TransferFunc
     view.voxels = kept.data();
     view.transfer = baked.table.lookup();
     view.cells.distances = baked.emptyDistances.data();
-    std::vector<VoxelCell<Kept>> blends;
-    if (byCells) {
-      blends = voxelCellsOf(kept.data(), view.dims);
-      view.blends = blends.data();
-    }
-    const auto renderFrom = [&]<bool kByCells>() {
+    const auto renderFrom = [&]<bool kByCells>(const VolumeView<Kept>& from) {
       if (volume.statistics().nonFinite > 0)
-        renderWith(std::type_identity<ScalarVolumeSource<Kept, true, kByCells>>{}, view);
+        renderWith(std::type_identity<ScalarVolumeSource<Kept, true, kByCells>>{}, from);
       else
-        renderWith(std::type_identity<ScalarVolumeSource<Kept, false, kByCells>>{}, view);
+        renderWith(std::type_identity<ScalarVolumeSource<Kept, false, kByCells>>{}, from);
     };
-    byCells ? renderFrom.template operator()<true>() : renderFrom.template operator()<false>();
+    if (way == DeviceWay::byVoxels) return renderFrom.template operator()<false>(view);
+    const std::vector<uint8_t> octants = octantDistances(view.cells.distances, view.cells.dims);
+    view.octants = {octants.data(), view.cells.dims, view.cells.edgeBits};
+    const ViewInCells<Kept> inCells(view);
+    if constexpr (kIsPairable<Kept>)
+      if (way == DeviceWay::inPairs) return renderWith(std::type_identity<PairedVolumeSource<Kept, true>>{}, inCells.view());
+    renderFrom.template operator()<true>(inCells.view());
   });
   return image;
 }
@@ -174,10 +170,53 @@ TEST_P(VolumeSourceOf, BatchesAreTheScalarFormulaBitForBit) {
         SCOPED_TRACE(::testing::Message() << dims.x << "x" << dims.y << "x" << dims.z << ", step " << step);
         const Image<glm::vec4> expected = renderedOneByOne(*volume, function, camera, settings);
         ASSERT_TRUE(sameBits(rendered(*marcher, camera, settings), expected));
-        for (const bool byCells : {false, true})
-          ASSERT_TRUE(sameBits(renderedByScalarSource(*volume, function, camera, settings, byCells), expected)) << "by cells: " << byCells;
+        for (const DeviceWay way : {DeviceWay::byVoxels, DeviceWay::byCells, DeviceWay::inPairs})
+          ASSERT_TRUE(sameBits(renderedAsOnDevices(*volume, function, camera, settings, way), expected)) << "way " << static_cast<int>(way);
       }
     }
+  }
+}
+
+/// Where the outermost voxels' values are seen, each differs from its neighbours, and bins are told apart by the last bit of what is interpolated.
+TEST_P(VolumeSourceOf, TheOutermostHalfVoxelsAreTheSameOnDevices) {
+  std::mt19937 random(11);
+  for (const glm::uvec3 dims : {glm::uvec3(9, 9, 9), glm::uvec3(2, 2, 1), glm::uvec3(1, 2, 3), glm::uvec3(2, 1, 2), glm::uvec3(3, 2, 2)}) {
+    const double lowest = GetParam() == VoxelType::int8 ? -128.0 : GetParam() == VoxelType::int16 ? -32768.0 : 0.0;
+    const double values = sizeBytes(GetParam()) == 1 ? 256.0 : 65536.0;
+    const VolumePtr volume = makeTestVolume(GetParam(), dims, [&](const glm::ivec3&) { return lowest + std::floor(values * std::generate_canonical<double, 32>(random)); });
+    TransferFunction function;
+    for (int i = 0; i < 200; ++i) {  // steps, many of which lie between two bins
+      const double value = lowest + values * i / 200.0 + 0.125;
+      const glm::vec3 color(0.2f + 0.003f * static_cast<float>(i % 97), 0.5f, 0.1f + 0.004f * static_cast<float>(i));
+      if (i > 0) function.points.push_back({value, color, 0.01f + 0.002f * static_cast<float>((i + 36) % 37)});
+      function.points.push_back({value, color, 0.01f + 0.002f * static_cast<float>(i % 37)});
+    }
+    for (const glm::vec3 eye : {glm::vec3(30.0f, 25.0f, 33.0f), glm::vec3(-20.0f, -31.0f, 19.0f), glm::vec3(0.5f, 40.0f, 0.25f), glm::vec3(0.0f, 0.0f, 30.0f)}) {
+      const Camera camera = lookingFrom(eye, {}, 160, 160);
+      MarchSettings settings;
+      settings.render.step = 0.19f;
+      const Image<glm::vec4> expected = renderedOneByOne(*volume, function, camera, settings);
+      ASSERT_TRUE(sameBits(rendered(*makeCpuMarcher(volume, function), camera, settings), expected));
+      for (const DeviceWay way : {DeviceWay::byVoxels, DeviceWay::byCells, DeviceWay::inPairs})
+        ASSERT_TRUE(sameBits(renderedAsOnDevices(*volume, function, camera, settings, way), expected))
+            << "way " << static_cast<int>(way) << ", " << dims.x << "x" << dims.y << "x" << dims.z << ", from " << eye.x << " " << eye.y;
+    }
+  }
+}
+
+/// Rays enter and leave such volumes voxels beside their ends, by rounding.
+TEST(VolumeSource, VoxelsThatAreFarLongerThanWideAreReadWithinTheVolume) {
+  VolumeGeometry geometry;
+  geometry.dims = glm::uvec3(64);
+  geometry.spacing = {1.0, 1e6, 1.0};
+  std::mt19937 random(3);
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, geometry, [&](const glm::ivec3&) { return static_cast<double>(random() % 256); });
+  for (const glm::vec3 direction : {glm::vec3(1.0f, 1.0f, 0.0f), glm::vec3(-1.0f, 1.0f, 0.001f), glm::vec3(1.0f, -0.3f, 1.0f)}) {
+    const float distance = 2e7f;
+    const Camera camera = lookingFrom(-distance * direction, {}, 48, 48, 40.0f / distance);
+    const Image<glm::vec4> expected = renderedOneByOne(*volume, colourful(), camera, {});
+    EXPECT_GT(largestAlpha(expected), 0.1f);
+    ASSERT_TRUE(sameBits(renderedAsOnDevices(*volume, colourful(), camera, {}, DeviceWay::inPairs), expected));
   }
 }
 
@@ -195,8 +234,8 @@ TEST(VolumeSource, BatchesWithHolesAreTheScalarFormulaBitForBit) {
     const Image<glm::vec4> image = rendered(*marcher, camera);
     EXPECT_GT(largestAlpha(image), 0.1f);
     EXPECT_TRUE(sameBits(image, renderedOneByOne(*volume, colourful(), camera, {})));
-    for (const bool byCells : {false, true})
-      EXPECT_TRUE(sameBits(image, renderedByScalarSource(*volume, colourful(), camera, {}, byCells))) << "by cells: " << byCells;
+    for (const DeviceWay way : {DeviceWay::byVoxels, DeviceWay::byCells})
+      EXPECT_TRUE(sameBits(image, renderedAsOnDevices(*volume, colourful(), camera, {}, way))) << "way " << static_cast<int>(way);
   }
 }
 

@@ -31,13 +31,14 @@ Turns::Turn Turns::take(const std::stop_token& stop) {
   std::unique_lock lock(row.mutex);
   Ticket ticket;
   row.tickets.push_back(&ticket);
-  ticket.changed.wait(lock, stop, [&] { return !row.isTaken && row.tickets.front() == &ticket; });
+  ticket.changed.wait(lock, stop, [&] { return row.taken < row.atOnce && row.tickets.front() == &ticket; });
   std::erase(row.tickets, &ticket);
   if (stop.stop_requested()) {
     row.wakeFirst();  // another may be it now
     throw OperationCancelled();
   }
-  row.isTaken = true;
+  ++row.taken;
+  row.wakeFirst();  // who has been first meanwhile was told while this one still stood before it
   lock.unlock();
   waitedNs_ += std::chrono::nanoseconds(std::chrono::steady_clock::now() - begin).count();
   return Turn(*this);
@@ -45,7 +46,18 @@ Turns::Turn Turns::take(const std::stop_token& stop) {
 
 void Turns::end() {
   const std::scoped_lock lock(row_->mutex);
-  row_->isTaken = false;
+  --row_->taken;
+  row_->wakeFirst();
+}
+
+int Turns::taken() const {
+  const std::scoped_lock lock(row_->mutex);
+  return row_->taken;
+}
+
+void Turns::setAtOnce(int most) {
+  const std::scoped_lock lock(row_->mutex);
+  row_->atOnce = std::max(most, 1);
   row_->wakeFirst();
 }
 

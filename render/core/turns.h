@@ -1,7 +1,8 @@
-// Who may march now, where several want to: one at a time, a slice of time each, in the order in which they asked.
+// Who may march now, where several want to: one or a few at a time, a slice of time each, in the order in which they asked.
 // A ticket lock (Mellor-Crummey, Scott 1991) whose tickets can be handed back; slices as in round-robin scheduling (Kleinrock 1964).
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -38,7 +39,7 @@ struct TurnSettings {
 class Turns {
  public:
   explicit Turns(TurnSettings settings = {}) : settings_(settings), row_(std::make_shared<Row>()) {}
-  /// Another one of the same row: who has a turn by either, has it alone.
+  /// Another one of the same row: turns of both count together.
   std::shared_ptr<Turns> sibling() const { return std::shared_ptr<Turns>(new Turns(settings_, row_)); }
 
   /// Ends when it goes.
@@ -46,6 +47,8 @@ class Turns {
    public:
     explicit Turn(Turns& turns) : turns_(turns) {}
     ~Turn() { turns_.end(); }
+    /// How many there are at this moment.
+    int atOnce() const { return turns_.taken(); }
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
 
@@ -55,6 +58,9 @@ class Turns {
 
   /// Waits for it. Throws OperationCancelled if `stop` is set first.
   Turn take(const std::stop_token& stop);
+
+  /// How many turns there may be at the same time, of the whole row; at first 1. Those that there are go on.
+  void setAtOnce(int most);
 
   const TurnSettings& settings() const { return settings_; }
   /// Jobs that wait for a turn.
@@ -69,17 +75,19 @@ class Turns {
   };
   struct Row {
     std::mutex mutex;
+    int atOnce = 1;
     std::deque<Ticket*> tickets;  // of those that wait, the first one first
-    bool isTaken = false;
+    int taken = 0;
 
     /// Under the mutex, so that the ticket is there as long as that takes.
     void wakeFirst() {
-      if (!isTaken && !tickets.empty()) tickets.front()->changed.notify_one();
+      if (taken < atOnce && !tickets.empty()) tickets.front()->changed.notify_one();
     }
   };
 
   Turns(TurnSettings settings, std::shared_ptr<Row> row) : settings_(settings), row_(std::move(row)) {}
   void end();
+  int taken() const;
 
   const TurnSettings settings_;
   const std::shared_ptr<Row> row_;
@@ -88,7 +96,7 @@ class Turns {
 
 using TurnsPtr = std::shared_ptr<Turns>;
 
-/// What one job has used of its time. Without turns it may go on.
+/// What one job has used of its time: of turns at the same time its share. Without turns it may go on.
 class TurnsOfJob {
  public:
   /// `turns` may be null, and outlives this.
@@ -104,8 +112,9 @@ class TurnsOfJob {
     {
       const Turns::Turn turn = turns_->take(stop);
       const auto begin = std::chrono::steady_clock::now();
+      const int atBegin = turn.atOnce();
       isDone = work(begin + turns_->settings().slice);
-      used_ += std::chrono::steady_clock::now() - begin;
+      used_ += (std::chrono::steady_clock::now() - begin) / std::max(atBegin, turn.atOnce());
     }
     if (!isDone) requireTime(done());
     return isDone;

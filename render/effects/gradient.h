@@ -54,8 +54,7 @@ WARPSCOPE_HD inline void readCorners(const VoxelCell<Voxel>& cell, const ValueSc
 template <bool kByCells, class Voxel>
 WARPSCOPE_HD inline void loadStencil(const VolumeView<Voxel>& view, const int (&index)[3], GradientStencil<float>& s) {
   if constexpr (kByCells) {
-    const uint32_t cellsX = static_cast<uint32_t>(view.ends[0].lastCell + 1);
-    const uint32_t stride[3] = {1, cellsX, cellsX * static_cast<uint32_t>(view.ends[1].lastCell + 1)};
+    const uint32_t stride[3] = {1, view.cellStrideY(), view.cellStrideZ()};
     const uint32_t own = view.cellPlace(index);
     readCorners(view.blends[own], view.scale, s.own);
     for (int axis = 0; axis < 3; ++axis) {

@@ -34,7 +34,7 @@ class SegmentSource {
         lattice_(lattice),
         table_(view.setup),
         borders_(bordersOf(lattice)),
-        emptySpace_(view.volume.cells, reader_.origin(), reader_.direction(), borders_) {}
+        emptySpace_(view.volume.emptyCellsTowards(reader_.direction()), reader_.origin(), reader_.direction(), borders_) {}
 
   WARPSCOPE_HD int skip(int i) const { return minOf(maxOf(i, leapTo_), lattice_.count); }
 

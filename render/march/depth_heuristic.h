@@ -81,22 +81,18 @@ struct ExtentFold {
 /// kContributionError.
 template <bool kByContribution>
 struct LargestFold {
-  bool any = false;
-  float key = 0.0f;
+  float key = kNone;
   float t = 0.0f;
+  static constexpr float kNone = -1.0f;  ///< less than any sample's
 
   WARPSCOPE_HD void add(const CountingSample& sample) {
     const float candidate = kByContribution ? sample.contribution() : sample.alpha;
-    if (any && !(candidate > key)) return;
-    any = true;
+    if (!(candidate > key)) return;
     key = candidate;
     t = sample.t;
   }
-  WARPSCOPE_HD static LargestFold combine(const LargestFold& front, const LargestFold& back) {
-    if (!front.any) return back;
-    return back.any && back.key > front.key ? back : front;
-  }
-  WARPSCOPE_HD DepthResult result() const { return {any, t, 0.0f}; }
+  WARPSCOPE_HD static LargestFold combine(const LargestFold& front, const LargestFold& back) { return back.key > front.key ? back : front; }
+  WARPSCOPE_HD DepthResult result() const { return {key >= 0.0f, t, 0.0f}; }
 };
 
 /// Where accumulated opacity reaches `threshold`, refined linearly inside the step, within kCrossingError; the last
@@ -311,9 +307,9 @@ struct AnyDepth {
     }
     template <bool kByContribution>
     WARPSCOPE_HD void addToLargest(const CountingSample& sample) {
-      LargestFold<kByContribution> fold{any, values[0], values[1]};
+      LargestFold<kByContribution> fold{values[0], values[1]};
       fold.add(sample);
-      any = fold.any, values[0] = fold.key, values[1] = fold.t;
+      any = true, values[0] = fold.key, values[1] = fold.t;
     }
   };
 
@@ -324,6 +320,8 @@ struct AnyDepth {
       case Heuristic::relThreshold: fold.values[2] = RelThresholdDepth::start(threshold, ray).threshold; break;
       case Heuristic::enExMean: fold.values[2] = EnExMeanDepth::start(threshold, ray).threshold; break;
       case Heuristic::median: fold.values[2] = MedianDepth::start(threshold, ray).threshold; break;
+      case Heuristic::peak:
+      case Heuristic::gradient: fold.values[0] = LargestFold<true>::kNone; break;
       default: break;
     }
     return fold;

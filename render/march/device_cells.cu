@@ -4,17 +4,10 @@
 // outwards, and no farther than what is found already.
 #include "render/march/device_cells.h"
 
+#include "render/march/visible_marks.cuh"
+
 namespace warpscope {
 namespace {
-
-constexpr unsigned kThreads = 256;
-constexpr uint8_t kVisible = 0, kFarthest = 255;
-
-__global__ void markVisible(const VisibleBins bins, const float* lowest, const float* highest, size_t count,
-                            uint8_t* marks) {
-  const size_t i = size_t{blockIdx.x} * blockDim.x + threadIdx.x;
-  if (i < count) marks[i] = anyVisibleBetween(bins, lowest[i], highest[i]) ? kVisible : kFarthest;
-}
 
 /// Along an axis of `length` cells that are `stride` apart.
 __global__ void spreadAlong(const uint8_t* from, uint8_t* to, size_t count, int length, size_t stride) {
@@ -45,11 +38,11 @@ void DeviceCells::findDistances(const VisibleBins& bins, cuda::DeviceBuffer<uint
                                 cuda::DeviceBuffer<uint8_t>& scratch, cudaStream_t stream) const {
   distances.reserve(count());
   scratch.reserve(count());
-  const unsigned blocks = cuda::blocksFor(count(), kThreads);
-  markVisible<<<blocks, kThreads, 0, stream>>>(bins, lowest_.data(), highest_.data(), count(), scratch.data());
+  const unsigned blocks = cuda::blocksFor(count(), kCellThreads);
+  markVisible<<<blocks, kCellThreads, 0, stream>>>(bins, lowest_.data(), highest_.data(), count(), scratch.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   const auto spread = [&](const uint8_t* from, uint8_t* to, int length, size_t stride) {
-    spreadAlong<<<blocks, kThreads, 0, stream>>>(from, to, count(), length, stride);
+    spreadAlong<<<blocks, kCellThreads, 0, stream>>>(from, to, count(), length, stride);
     WARPSCOPE_CUDA_CHECK_LAUNCH();
   };
   const size_t row = static_cast<size_t>(dims_.x), plane = row * static_cast<size_t>(dims_.y);

@@ -18,18 +18,19 @@ __global__ void toInterpolants(const Voxel* voxels, InterpolantVoxel* values, si
 }
 
 template <class Voxel>
-__global__ void toCells(const Voxel* voxels, VoxelCell<Voxel>* cells, glm::ivec3 dims, glm::ivec3 cellDims) {
+__global__ void toCells(const Voxel* voxels, VoxelCell<Voxel>* cells, glm::ivec3 dims) {
+  const glm::ivec3 cellDims = dims + 1;
   const int x = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (x >= cellDims.x) return;
   for (int z = static_cast<int>(blockIdx.z); z < cellDims.z; z += static_cast<int>(gridDim.z))
     for (int y = static_cast<int>(blockIdx.y); y < cellDims.y; y += static_cast<int>(gridDim.y))
-      cells[(size_t(z) * cellDims.y + y) * cellDims.x + x] = voxelCellAt(voxels, dims, {x, y, z});
+      cells[(size_t(z) * cellDims.y + y) * cellDims.x + x] = voxelCellAt(voxels, dims, glm::ivec3(x, y, z) - 1);
 }
 
 /// The volume in cells, if the device has room for them beside the voxels and for what else it is to do.
 template <class Voxel>
 bool makeCells(const Voxel* voxels, const glm::ivec3& dims, cuda::DeviceBuffer<std::byte>& bytes, cudaStream_t stream) {
-  const glm::ivec3 cellDims = glm::max(dims - 1, 1);
+  const glm::ivec3 cellDims = dims + 1;
   const size_t wanted = size_t(cellDims.x) * cellDims.y * cellDims.z * sizeof(VoxelCell<Voxel>);
   size_t freeBytes = 0, totalBytes = 0;
   WARPSCOPE_CUDA_CHECK(cudaMemGetInfo(&freeBytes, &totalBytes));
@@ -38,7 +39,7 @@ bool makeCells(const Voxel* voxels, const glm::ivec3& dims, cuda::DeviceBuffer<s
   constexpr unsigned kThreads = 128;
   constexpr unsigned kMostBlocks = 65535;
   const dim3 grid(cuda::blocksFor(cellDims.x, kThreads), std::min<unsigned>(cellDims.y, kMostBlocks), std::min<unsigned>(cellDims.z, kMostBlocks));
-  toCells<<<grid, kThreads, 0, stream>>>(voxels, reinterpret_cast<VoxelCell<Voxel>*>(bytes.data()), dims, cellDims);
+  toCells<<<grid, kThreads, 0, stream>>>(voxels, reinterpret_cast<VoxelCell<Voxel>*>(bytes.data()), dims);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   return true;
 }
@@ -46,7 +47,7 @@ bool makeCells(const Voxel* voxels, const glm::ivec3& dims, cuda::DeviceBuffer<s
 }  // namespace
 
 DeviceVolume::DeviceVolume(const Volume& volume, const ValueScale& scale)
-    : type_(volume.type()), hasHoles_(volume.statistics().nonFinite > 0) {
+    : type_(volume.type()), dims_(volume.dims()), hasHoles_(volume.statistics().nonFinite > 0) {
   const size_t count = volume.voxelCount();
   const cuda::Stream stream;
   visitVoxelType(type_, [&](auto voxelTag) {

@@ -1,6 +1,6 @@
 // A volume in device memory. For .cu files and what they include.
 // 8- and 16-bit voxels stay as they are; wider ones become interpolants (value_scale.h). Where
-// there is room for eight times the volume, it is kept as cells (VoxelCell): one wide load a sample instead of eight narrow ones.
+// there is room for eight times the volume and a layer around it, it is kept as cells (VoxelCell): one wide load a sample instead of eight narrow ones.
 #pragma once
 
 #include <memory>
@@ -28,14 +28,16 @@ class DeviceVolume {
   const Voxel* voxelsAs() const {
     return isInCells_ ? nullptr : reinterpret_cast<const Voxel*>(bytes_.data());
   }
-  /// Null unless the volume is kept in cells.
+  /// For VolumeView::setCells. Null unless the volume is kept in cells.
   template <class Voxel>
   const VoxelCell<Voxel>* cellsAs() const {
     return isInCells_ ? reinterpret_cast<const VoxelCell<Voxel>*>(bytes_.data()) : nullptr;
   }
+  const glm::ivec3& dims() const { return dims_; }  ///< voxels along each axis
 
  private:
   VoxelType type_;
+  glm::ivec3 dims_;
   bool hasHoles_;
   bool isInCells_ = false;
   cuda::DeviceBuffer<std::byte> bytes_;

@@ -14,7 +14,7 @@ namespace warpscope {
 
 /// Macrocells' distances to what is visible. The memory is another's.
 struct EmptyCells {
-  const uint8_t* distances = nullptr;  ///< as Macrocells::emptyDistances makes them, or null: nothing is skipped
+  const uint8_t* distances = nullptr;  ///< as Macrocells::emptyDistances makes them, or for one way (OctantCells); null: nothing is skipped
   glm::ivec3 dims{0};                  ///< fewer than 2^32 cells: they are of many voxels each where a volume is large
   int edgeBits = 0;                    ///< a cell's edge is 2^edgeBits voxels
 
@@ -22,7 +22,27 @@ struct EmptyCells {
   /// How far the nearest visible cell is.
   WARPSCOPE_HD int distance(const glm::ivec3& cell) const {
     const uint32_t row = static_cast<uint32_t>(cell.z) * static_cast<uint32_t>(dims.y) + static_cast<uint32_t>(cell.y);
-    return distances[row * static_cast<uint32_t>(dims.x) + static_cast<uint32_t>(cell.x)];
+    const uint32_t place = row * static_cast<uint32_t>(dims.x) + static_cast<uint32_t>(cell.x);
+#if defined(__CUDA_ARCH__)
+    return __ldg(distances + place);  // where maps are chosen between, nothing else tells which memory they are in
+#else
+    return distances[place];
+#endif
+  }
+};
+
+/// Likewise, a map for each of the eight ways that rays may go: the distance to the nearest visible cell of those that lie that way, so that a ray leaps
+/// farther and less often. Such a map holds for rays that go its way alone.
+struct OctantCells {
+  const uint8_t* distances = nullptr;  ///< eight maps one after the other, or null; that of rays towards -x is 1 from that of others, -y 2, -z 4
+  glm::ivec3 dims{0};
+  int edgeBits = 0;
+
+  /// Those for a ray of that direction.
+  WARPSCOPE_HD EmptyCells towards(const glm::vec3& direction) const {
+    const size_t count = static_cast<size_t>(dims.x) * static_cast<size_t>(dims.y) * static_cast<size_t>(dims.z);
+    const int octant = (direction.x < 0.0f ? 1 : 0) + (direction.y < 0.0f ? 2 : 0) + (direction.z < 0.0f ? 4 : 0);
+    return {distances + static_cast<size_t>(octant) * count, dims, edgeBits};
   }
 };
 
@@ -31,11 +51,12 @@ struct EmptyCells {
 /// distances:
 ///  - where the ray leaves the block: the difference, the reciprocal and their product are rounded, relative to where
 ///    that is, at most t0 + length + dt: 3u;
-///  - as an index: the difference from t0, the reciprocal of dt, their product, the half and the margin are rounded,
-///    relative to length + dt: 5u;
+///  - as an index: the difference from t0, the reciprocal of dt, what both make with the half and the margin are rounded,
+///    relative to length + dt: 5u at most;
 ///  - where the sample is: kLatticeError of t0 + length, 3u.
 /// Places in cells add nothing, though they are rounded too: rounding never carries a place across a whole number, and
-/// a place on the border itself belongs to the cells on both sides of it (Macrocells).
+/// a place on the border itself belongs to the cells on both sides of it (Macrocells). Nor do maps for one way (OctantCells): rounded places go that way too,
+/// or stay.
 inline constexpr float kLeapMargin = 12 * 0x1p-24f;
 
 /// One ray's way through the cells.
@@ -50,7 +71,12 @@ class EmptySpace {
         direction_(direction / static_cast<float>(cells.edge())),
         invDirection_(1.0f / (direction_ + 0.0f)),
         invStep_(1.0f / lattice.dt),
-        margin_(kLeapMargin * ((lattice.t0 + lattice.length) / lattice.dt + 1.0f)) {}
+        margin_(0.5f + kLeapMargin * ((lattice.t0 + lattice.length) / lattice.dt + 1.0f)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      sign_[axis] = direction_[axis] < 0.0f ? -1 : 1;
+      ahead_[axis] = direction_[axis] < 0.0f ? 1 : 0;
+    }
+  }
 
   WARPSCOPE_HD bool isKnown() const { return cells_.distances != nullptr; }
 
@@ -83,13 +109,11 @@ class EmptySpace {
     WARPSCOPE_COUNT(leaps, 1);
     float exit = lattice.t0 + lattice.length + lattice.dt;
     for (int axis = 0; axis < 3; ++axis) {
-      const int bound = cell[axis] + (direction_[axis] < 0.0f ? 1 - distance : distance);
+      const int bound = cell[axis] + ahead_[axis] + sign_[axis] * distance;
       const float leaves = (converted(bound) - origin_[axis]) * invDirection_[axis];
       exit = minOf(leaves, exit);  // `exit` if the first is NaN: parallel to this side
     }
-    // Limited as a float: where the ray hardly moves along an axis, the number may be beyond any integer.
-    const float index = (exit - lattice.t0) * invStep_ - 0.5f - margin_;
-    return maxOf(i + 1, static_cast<int>(std::ceil(minOf(maxOf(index, 0.0f), converted(lattice.count)))));
+    return maxOf(i + 1, ceiledTo(mulAdd(exit - lattice.t0, invStep_, -margin_), lattice.count));
   }
 
   /// As cells.distance() and leap(), of the sample between the voxel `index` and its upper neighbours.
@@ -105,7 +129,8 @@ class EmptySpace {
   glm::vec3 direction_{0.0f};
   glm::vec3 invDirection_{0.0f};
   float invStep_ = 1.0f;
-  float margin_ = 0.0f;  // in steps
+  float margin_ = 0.5f;      // in steps: samples lie in the middle of theirs, and kLeapMargin
+  glm::ivec3 sign_{1}, ahead_{0};  // the way that the ray goes along each axis, and 1 where it leaves blocks by their lower side
 };
 
 }  // namespace warpscope

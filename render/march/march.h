@@ -62,6 +62,9 @@ WARPSCOPE_HD inline int lowestBit(uint32_t bits) {
 #endif
 }
 
+/// Batches of sources that look at as many samples as a thread of a device may.
+inline constexpr int kSmallBatch = 2;
+
 /// What marchRay gathers is off by, relative to itself, given its samples' opacities and colours: the opacity of
 /// samples of 1e-9 or more by a rounding of the result and 2^-53 for each sample; colours by one of the sample's light,
 /// one of the transmittance, those of a block's 16 sums, two of a partial step and one of the result.
@@ -72,8 +75,8 @@ inline constexpr double kMarchedColorError = 21.001 * 0x1p-24;
 ///
 /// `Source` tells what the samples look like, up to Source::kBatch at a time:
 ///   int skip(int i)                first sample >= i that may be visible
-///   uint32_t classify(int i, int n)   looks at samples i .. i + n - 1, n <= kBatch <= 32, none of them
-///                                  the lattice's last; bit k is set if the k-th has any opacity
+///   uint32_t classify(int i, int n)   directly after skip() gave i: looks at samples i .. i + n - 1, n <= kBatch <= 32,
+///                                  none of them the lattice's last; bit k is set if the k-th has any opacity
 ///   bool classifyLast()            looks at the lattice's last sample alone; true if it has any opacity
 ///   float alpha(int k)             opacity of the k-th that was looked at, corrected to the lattice's dt
 ///   float unitAlpha(int k)         the same over one unit of volume space
@@ -119,11 +122,16 @@ WARPSCOPE_HD inline void marchRay(const RayPath& path, int begin, int end, Sourc
     uint32_t visible = source.classify(i, n);
     if constexpr (Gathered::kWantsColor)
       if (visible != 0) lighting.look(path, source, i, visible);
-    for (; visible != 0; visible &= visible - 1) {
-      const int k = lowestBit(visible);
-      if (!pass({i + k, wholePlaceOf(i + k, k), lattice.dt, source.alpha(k), source.color(k)},
-                [&](const ClassifiedSample& sample) { return lighting.shade(sample, path.ray, source, k); }))
-        return;
+    const auto passAt = [&](int k) {
+      return pass({i + k, wholePlaceOf(i + k, k), lattice.dt, source.alpha(k), source.color(k)},
+                  [&](const ClassifiedSample& sample) { return lighting.shade(sample, path.ray, source, k); });
+    };
+    if constexpr (Source::kBatch <= kSmallBatch) {
+      for (int k = 0; k < Source::kBatch; ++k)  // unrolled, so that what the source knows of them stays in registers
+        if ((visible >> k & 1u) != 0 && !passAt(k)) return;
+    } else {
+      for (; visible != 0; visible &= visible - 1)
+        if (!passAt(lowestBit(visible))) return;
     }
     i = source.skip(i + n);
   }

@@ -1,4 +1,4 @@
-// One ray a thread: the loop of march.h with the source of volume_source_scalar.h, a kernel for each voxel type and heuristic.
+// One ray a thread: the loop of march.h with the sources of volume_source_pairs.h and volume_source_scalar.h, a kernel for each voxel type and heuristic.
 // Warps are tiles of 8 x 4 pixels, whose rays stay together. Included by the march_kernels_*.cu alone, one for each kind of voxel.
 #pragma once
 
@@ -14,7 +14,7 @@
 #include "render/march/ray_samples.h"
 #include "render/march/segment_encoder.h"
 #include "render/march/shared_mergers.cuh"
-#include "render/march/volume_source_scalar.h"
+#include "render/march/volume_source_pairs.h"
 
 namespace warpscope {
 
@@ -38,6 +38,11 @@ __device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel, fl
 /// Gradients and what is made of them want more registers.
 template <class Light, bool kIsRefined>
 constexpr int kBlocksAtOnce = !std::is_same_v<Light, Unlit> ? 5 : kIsRefined ? 7 : 6;
+
+/// What a kernel reads the volume through.
+template <class Light, class Voxel, bool kHasHoles, bool kByCells, bool kIsRefined = true>
+using SourceFor = std::conditional_t<std::is_same_v<Light, Unlit>, UnlitVolumeSource<Voxel, kHasHoles, kByCells, kIsRefined>,
+                                     ScalarVolumeSource<Voxel, kHasHoles, kByCells, StableMarch, kIsRefined>>;
 
 /// The depth of a ray's only sample; `gathered` becomes the ray's light. `makeSource()` gives a source at the path's beginning.
 template <class Job, class Depth, class MakeSource, class Light, class Gathered>
@@ -149,22 +154,22 @@ __device__ inline void storeRaySegments(const Job& job, const PixelPlace& pixel,
 
 template <class Light, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads) marchRaySegments(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ Light light) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
-  storeRaySegments(job, pixel, path, cosine, [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); }, light);
+  storeRaySegments(job, pixel, path, cosine, [&] { return SourceFor<Light, Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); }, light);
 }
 
 /// The pixel's only sample and its ray's segments, in one march.
 template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads)
     marchSegmentedSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
-  const auto makeSource = [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); };
+  const auto makeSource = [&] { return SourceFor<Light, Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); };
   SharedSegmentMerger segments(mergerRoomFor(job.segmentSlots));
   SegmentedColor<StableMarch, SharedSegmentMerger> gathered(&segments, path.lattice);
   const DepthResult found = depthOfRay(job, path, depth, makeSource, light, gathered);
@@ -174,20 +179,20 @@ __global__ void __launch_bounds__(kTileBlockThreads)
 
 template <class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads) marchSpreads(const __grid_constant__ MarchJob<Voxel> job) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const RayPath path = rayThrough(job, pixel);
-  storeSpreads(job, pixel, path, [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); });
+  storeSpreads(job, pixel, path, [&] { return SourceFor<Unlit, Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); });
 }
 
 template <class Depth, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRefined>))
     marchSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
-  using Source = ScalarVolumeSource<Voxel, kHasHoles, kByCells, StableMarch, kIsRefined>;
+  using Source = SourceFor<Light, Voxel, kHasHoles, kByCells, kIsRefined>;
   RayColor gathered;
   const DepthResult found = depthOfRay(
       job, path, depth, [&] { return Source(job.view, path.ray, path.lattice); }, light, gathered);
@@ -198,13 +203,11 @@ __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRe
 template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, true>))
     marchSeveralSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
-  const auto makeSource = [&] {
-    return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice);
-  };
+  const auto makeSource = [&] { return SourceFor<Light, Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); };
   WARPSCOPE_COUNT(dividedRays, 1);
   RaySamples found;
   findSamples(depth, path, makeSource, light, job.limits, job.threshold, job.slots, found);
@@ -214,11 +217,13 @@ __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, true>
 template <class March, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads, (kBlocksAtOnce<Light, kIsRefined>))
     marchColors(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ Light light) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const RayPath path = rayThrough(job, pixel);
   GatheredColor<March> gathered;
-  ScalarVolumeSource<Voxel, kHasHoles, kByCells, March, kIsRefined> source(job.view, path.ray, path.lattice);
+  using Source = std::conditional_t<std::is_same_v<March, StableMarch>, SourceFor<Light, Voxel, kHasHoles, kByCells, kIsRefined>,
+                                    ScalarVolumeSource<Voxel, kHasHoles, kByCells, March, kIsRefined>>;
+  Source source(job.view, path.ray, path.lattice);
   marchRay(path, 0, path.lattice.count, source, light, job.limits, gathered,
            [](const CountingSample&) { return true; });
   job.image[size_t{pixel.y} * job.camera.width + pixel.x] = gathered.premultiplied();
@@ -262,7 +267,7 @@ void launchLightVolume(const LightVolumeJob& job, const VolumeView<Voxel>& view,
 template <class Voxel, bool kHasHoles, bool kByCells>
 void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, const ShadingSetup& shading, const LightVolume& lightVolume,
                  std::optional<Heuristic> heuristic, cudaStream_t stream) {
-  const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
+  const dim3 grid = squareGrid(job.camera.width, job.endRow - job.firstRow);
   visitLight(shading, lightVolume, [&](auto light) {
     using Light = decltype(light);
     constexpr bool kIsLit = !std::is_same_v<Light, Unlit>, kIsUsual = !kIsLit && kByCells && !kHasHoles;

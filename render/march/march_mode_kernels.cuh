@@ -19,7 +19,7 @@ template <class Source, class Depth, class Light, class Voxel>
 __global__ void __launch_bounds__(kTileBlockThreads)
     marchModeSamples(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ typename Source::Setup setup, const Depth depth,
                      const __grid_constant__ Light light) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
@@ -37,7 +37,7 @@ template <class Source, class Depth, class Light, class Voxel>
 __global__ void __launch_bounds__(kTileBlockThreads)
     marchSeveralModeSamples(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ typename Source::Setup setup, const Depth depth,
                             const __grid_constant__ Light light) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
@@ -52,7 +52,7 @@ __global__ void __launch_bounds__(kTileBlockThreads)
 template <class Source, class Voxel>
 __global__ void __launch_bounds__(kTileBlockThreads)
     marchModeSpreads(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ typename Source::Setup setup) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const RayPath path = rayThrough(job, pixel);
   const ModeView<Voxel, typename Source::Setup> view{job.view, setup};
@@ -63,7 +63,7 @@ __global__ void __launch_bounds__(kTileBlockThreads)
 template <class Source, class Light, class Voxel>
 __global__ void __launch_bounds__(kTileBlockThreads)
     marchModeSegments(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ typename Source::Setup setup, const __grid_constant__ Light light) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
@@ -74,7 +74,7 @@ __global__ void __launch_bounds__(kTileBlockThreads)
 template <class Source, class Light, class Voxel>
 __global__ void __launch_bounds__(kTileBlockThreads)
     marchModeColors(const __grid_constant__ MarchJob<Voxel> job, const __grid_constant__ typename Source::Setup setup, const __grid_constant__ Light light) {
-  const PixelPlace pixel = pixelOfThread(job.firstRow);
+  const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   const RayPath path = rayThrough(job, pixel);
   RayColor gathered;
@@ -85,7 +85,7 @@ __global__ void __launch_bounds__(kTileBlockThreads)
 
 template <class Voxel, bool kHasHoles, bool kByCells>
 void launchMip(const MarchJob<Voxel>& job, const MipSetup& setup, std::optional<Heuristic> heuristic, cudaStream_t stream) {
-  const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
+  const dim3 grid = squareGrid(job.camera.width, job.endRow - job.firstRow);
   using Source = MipSource<Voxel, kHasHoles, kByCells>;
   if (heuristic)
     marchModeSamples<Source><<<grid, kTileBlockThreads, 0, stream>>>(job, setup, EntranceDepth{}, Unlit{});  // the first is the only one
@@ -101,7 +101,7 @@ void launchMip(const MarchJob<Voxel>& job, const MipSetup& setup, std::optional<
 template <class Voxel, bool kHasHoles, bool kByCells>
 void launchIsosurfaces(const MarchJob<Voxel>& job, const IsosurfaceSetup& setup, const ShadingSetup& shading, std::optional<Heuristic> heuristic,
                        cudaStream_t stream) {
-  const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
+  const dim3 grid = squareGrid(job.camera.width, job.endRow - job.firstRow);
   using Source = IsosurfaceSource<Voxel, kHasHoles, kByCells>;
   const LitIfAny light{{shading}};
   if (heuristic)

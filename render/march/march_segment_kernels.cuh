@@ -10,7 +10,7 @@ namespace warpscope {
 template <class Voxel, bool kByCells>
 void launchSegments(const MarchJob<Voxel>& job, const SegmentLookup& segments, const ShadingSetup& shading, const LightVolume& lightVolume,
                     std::optional<Heuristic> heuristic, cudaStream_t stream) {
-  const dim3 grid = tileGrid(job.camera.width, job.endRow - job.firstRow);
+  const dim3 grid = squareGrid(job.camera.width, job.endRow - job.firstRow);
   using Source = SegmentSource<Voxel, kByCells>;
   visitLight(shading, lightVolume, [&](auto light) {
     if (heuristic)

@@ -19,6 +19,7 @@
 #include "render/core/visible_bins.h"
 #include "render/march/compact.h"
 #include "render/march/device_cells.h"
+#include "render/march/device_octants.h"
 #include "render/march/device_segments.h"
 #include "render/effects/relight.h"
 #include "render/march/device_volume.h"
@@ -62,10 +63,11 @@ struct IsVisible {
 class CudaMarcher final : public Marcher {
  public:
   CudaMarcher(MarchedVolumePtr marched, std::shared_ptr<const DeviceVolume> deviceVolume,
-              std::shared_ptr<const DeviceCells> deviceCells, TurnsPtr turns)
+              std::shared_ptr<const DeviceCells> deviceCells, std::shared_ptr<const DeviceOctants> octants, TurnsPtr turns)
       : marched_(std::move(marched)),
         deviceVolume_(std::move(deviceVolume)),
         deviceCells_(std::move(deviceCells)),
+        octants_(std::move(octants)),
         turns_(std::move(turns)) {
     colorTables_.upload({&ColorTables::instance(), 1}, stream_);
     stream_.synchronize();
@@ -167,20 +169,20 @@ class CudaMarcher final : public Marcher {
   }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override {
-    return std::make_shared<CudaMarcher>(marched_, deviceVolume_, deviceCells_, std::move(turns));
+    return std::make_shared<CudaMarcher>(marched_, deviceVolume_, deviceCells_, octants_, std::move(turns));
   }
   MarcherPtr withTransferFunction(TransferFunction function) const override {
     auto marched = std::make_shared<const MarchedVolume>(*marched_, std::move(function));
     // What the device holds depends on the values' scale alone.
     if (marched->macrocells.sharesRangesWith(marched_->macrocells))
-      return std::make_shared<CudaMarcher>(std::move(marched), deviceVolume_, deviceCells_, turns_);
+      return std::make_shared<CudaMarcher>(std::move(marched), deviceVolume_, deviceCells_, octants_, turns_);
     return makeFor(std::move(marched), turns_);
   }
   static MarcherPtr makeFor(MarchedVolumePtr marched, TurnsPtr turns) {
     auto deviceVolume = std::make_shared<const DeviceVolume>(*marched->volume, marched->scale);
     auto deviceCells = std::make_shared<const DeviceCells>(marched->macrocells);
-    return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume), std::move(deviceCells),
-                                         std::move(turns));
+    auto octants = std::make_shared<const DeviceOctants>(*deviceVolume, marched->scale);
+    return std::make_shared<CudaMarcher>(std::move(marched), std::move(deviceVolume), std::move(deviceCells), std::move(octants), std::move(turns));
   }
 
  private:
@@ -244,7 +246,10 @@ class CudaMarcher final : public Marcher {
       visibleBins = baked.visibleSegments.lookup();
       visibleBins.alphas = uploaded(visibleAlphas_, baked.visibleSegments.alphas);
     }
-    deviceCells_->findDistances({visibleBins, uploaded(nextVisible_, next)}, emptyDistances_, cellScratch_, stream_);
+    const VisibleBins bins{visibleBins, uploaded(nextVisible_, next)};
+    deviceCells_->findDistances(bins, emptyDistances_, cellScratch_, stream_);
+    hasOctants_ = octants_->isKnown() && octants_->hasRoomFor(octantDistances_);
+    if (hasOctants_) octants_->findDistances(bins, octantDistances_, cellScratch_, stream_);
     const auto visible = thrust::make_transform_iterator(emptyDistances_.data(), IsVisible{});
     cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
       return cub::DeviceReduce::Sum(memory, bytes, visible, deviceCount_.data(), static_cast<int64_t>(deviceCells_->count()), stream_);
@@ -262,10 +267,14 @@ class CudaMarcher final : public Marcher {
       MarchJob<Voxel> job;
       job.view = makeVolumeView<Voxel>(*marched_);
       job.view.voxels = deviceVolume_->voxelsAs<Voxel>();
-      job.view.blends = deviceVolume_->cellsAs<Voxel>();
+      job.view.setCells(deviceVolume_->cellsAs<Voxel>());
       job.view.transfer = transfer_;
       job.view.transfer.isRefined = plan_->has(PlanStage::refinement);
-      job.view.cells.distances = plan_->has(PlanStage::skipping) ? emptyDistances_.data() : nullptr;
+      if (plan_->has(PlanStage::skipping)) {
+        job.view.cells.distances = emptyDistances_.data();
+        // Surfaces have cells of their own.
+        if (hasOctants_ && settings.effects.mode != RenderMode::isosurface) job.view.octants = octants_->cells(octantDistances_);
+      }
       job.clip = prepareClip(settings.effects.clip, *marched_->volume, camera);
       if (plan_->has(PlanStage::jitter)) {
         job.jitter = jitterFor(settings);
@@ -403,7 +412,8 @@ class CudaMarcher final : public Marcher {
 
   const MarchedVolumePtr marched_;
   const std::shared_ptr<const DeviceVolume> deviceVolume_;
-  const std::shared_ptr<const DeviceCells> deviceCells_;
+  const std::shared_ptr<const DeviceCells> deviceCells_;      // for the plan and for modes that look at values
+  const std::shared_ptr<const DeviceOctants> octants_;        // for rays that look for what shows anything
   const TurnsPtr turns_;
 
   std::mutex mutex_;  // of everything below
@@ -417,6 +427,7 @@ class CudaMarcher final : public Marcher {
   MipSetup greatest_;               // where that is the mode: by device memory
   IsosurfaceSetup surfaces_;
   size_t visibleCells_ = 0;
+  bool hasOctants_ = false;      // octantDistances_ are found
   std::vector<float> lightKey_;  // of what the following are for; empty: nothing
   cuda::DeviceBuffer<uint16_t> lightValues_;
   TransferLookup transfer_;  // into the next five
@@ -429,7 +440,7 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<float> segmentAlphas_, segmentUnitAlphas_;
   cuda::DeviceBuffer<float> visibleAlphas_;
   cuda::DeviceBuffer<int32_t> nextVisible_;
-  cuda::DeviceBuffer<uint8_t> emptyDistances_, cellScratch_;
+  cuda::DeviceBuffer<uint8_t> emptyDistances_, octantDistances_, cellScratch_;
   cuda::DeviceBuffer<PackedSample> denseSamples_, samples_;
   cuda::DeviceBuffer<Rgba8> denseColors_, colors_;
   cuda::DeviceBuffer<std::byte> layers_;

@@ -11,6 +11,16 @@
 
 namespace warpscope {
 
+/// The colour of a table's entry.
+WARPSCOPE_HD inline glm::vec3 colorOfEntry(const TransferLookup& table, int index) {
+#if defined(__CUDA_ARCH__)
+  const float4 entry = reinterpret_cast<const float4*>(table.entries)[index];  // one wide load; device memory is aligned
+  return {entry.x, entry.y, entry.z};
+#else
+  return glm::vec3(table.entries[index]);
+#endif
+}
+
 /// kHasHoles: some voxels are not finite and are left out of interpolation. kByCells: the view has cells to load from, not voxels.
 /// kIsRefined: the table may have bins that are told apart further; asking costs a tenth of a march.
 template <class Voxel, bool kHasHoles, bool kByCells, class MarchPolicy = StableMarch, bool kIsRefined = true>
@@ -27,7 +37,7 @@ class ScalarVolumeSource {
         origin_(view.voxelOrigin(ray)),
         direction_(view.voxelDirection(ray)),
         places_(lattice),
-        emptySpace_(view.cells, origin_, direction_, lattice) {}
+        emptySpace_(view.emptyCellsTowards(direction_), origin_, direction_, lattice) {}
 
   WARPSCOPE_HD int skip(int i) const { return maxOf(i, leapTo_); }
 
@@ -43,14 +53,7 @@ class ScalarVolumeSource {
   }
   WARPSCOPE_HD float alpha(int) const { return alpha_; }
   WARPSCOPE_HD float unitAlpha(int) const { return view_.transfer.unitAlphas[index_]; }
-  WARPSCOPE_HD glm::vec3 color(int) const {
-#if defined(__CUDA_ARCH__)
-    const float4 entry = reinterpret_cast<const float4*>(view_.transfer.entries)[index_];  // one wide load; device memory is aligned
-    return {entry.x, entry.y, entry.z};
-#else
-    return glm::vec3(view_.transfer.entries[index_]);
-#endif
-  }
+  WARPSCOPE_HD glm::vec3 color(int) const { return colorOfEntry(view_.transfer, index_); }
 
   WARPSCOPE_HD float t(int) const { return t_; }
 

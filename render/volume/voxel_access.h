@@ -134,13 +134,15 @@ WARPSCOPE_HD inline float trilinear(const CellPairs& cell, float wx, float wy, f
   return lerp(lerp(edge[0], edge[1], wy), lerp(edge[2], edge[3], wy), wz);
 }
 
-/// Gathers a cell; an axis with a single voxel takes it twice.
+/// Gathers the cell whose lower voxel is `cell`, from -1 to the last voxel along each axis: where there is no voxel the outermost one counts once more. So
+/// values beyond the outermost centres are those between equal corners.
 template <class Voxel>
 WARPSCOPE_HD inline VoxelCell<Voxel> voxelCellAt(const Voxel* voxels, const glm::ivec3& dims, const glm::ivec3& cell) {
   VoxelCell<Voxel> gathered;
   for (int i = 0; i < 8; ++i) {
-    const size_t x = cell.x + (i & 1 && dims.x > 1 ? 1 : 0), y = cell.y + (i & 2 && dims.y > 1 ? 1 : 0), z = cell.z + (i & 4 && dims.z > 1 ? 1 : 0);
-    gathered.corners[i] = voxels[(z * dims.y + y) * dims.x + x];
+    const glm::ivec3 at = glm::clamp(cell + glm::ivec3(i & 1, i >> 1 & 1, i >> 2), glm::ivec3(0), dims - 1);
+    gathered.corners[i] = voxels[(static_cast<size_t>(at.z) * static_cast<size_t>(dims.y) + static_cast<size_t>(at.y)) * static_cast<size_t>(dims.x) +
+                                 static_cast<size_t>(at.x)];
   }
   return gathered;
 }
