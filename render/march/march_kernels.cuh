@@ -39,7 +39,7 @@ __device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel, fl
 template <class Light, bool kIsRefined>
 constexpr int kBlocksAtOnce = !std::is_same_v<Light, Unlit> ? 5 : kIsRefined ? 7 : 6;
 
-/// What a kernel reads the volume through.
+/// What a kernel reads the volume through. Not where segments are merged: that takes the registers which a second sample wants, and a tenth longer.
 template <class Light, class Voxel, bool kHasHoles, bool kByCells, bool kIsRefined = true>
 using SourceFor = std::conditional_t<std::is_same_v<Light, Unlit>, UnlitVolumeSource<Voxel, kHasHoles, kByCells, kIsRefined>,
                                      ScalarVolumeSource<Voxel, kHasHoles, kByCells, StableMarch, kIsRefined>>;
@@ -158,7 +158,7 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchRaySegments(const __gr
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
-  storeRaySegments(job, pixel, path, cosine, [&] { return SourceFor<Light, Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); }, light);
+  storeRaySegments(job, pixel, path, cosine, [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); }, light);
 }
 
 /// The pixel's only sample and its ray's segments, in one march.
@@ -169,7 +169,7 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
-  const auto makeSource = [&] { return SourceFor<Light, Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); };
+  const auto makeSource = [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); };
   SharedSegmentMerger segments(mergerRoomFor(job.segmentSlots));
   SegmentedColor<StableMarch, SharedSegmentMerger> gathered(&segments, path.lattice);
   const DepthResult found = depthOfRay(job, path, depth, makeSource, light, gathered);
