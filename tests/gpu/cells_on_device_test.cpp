@@ -37,17 +37,25 @@ TransferFunction someFunction(std::mt19937& random, double factor) {
   return function;
 }
 
+bool isFloating(VoxelType type) { return type == VoxelType::float32 || type == VoxelType::float64; }
+/// What floats are small by, so that they are no whole numbers.
+double valueFactorOf(VoxelType type) { return isFloating(type) ? 1e-3 : 1.0; }
+
+/// Floats have holes.
+VolumePtr blobsOf(VoxelType type, const glm::uvec3& dims) {
+  const FieldFunction field = blobs(dims, 11);
+  return makeTestVolume(type, dims, [&](const glm::ivec3& p) {
+    return isFloating(type) && (p.x + 3 * p.y + 7 * p.z) % 11 < 3 && p.x > 30 ? std::nan("") : field(p) * valueFactorOf(type);
+  });
+}
+
 TEST(CellsOnDevice, EveryTypeAndManyFunctions) {
   WARPSCOPE_NEEDS_GPU();
   size_t visible = 0, hidden = 0;
   for (const VoxelType type : kAllVoxelTypes) {
-    const bool isFloat = type == VoxelType::float32 || type == VoxelType::float64;
-    const double factor = isFloat ? 1e-3 : 1.0;
+    const double factor = valueFactorOf(type);
     for (const glm::uvec3 dims : {glm::uvec3(70, 41, 33), glm::uvec3(9, 80, 5), glm::uvec3(1, 1, 50)}) {
-      const FieldFunction field = blobs(dims, 11);
-      const VolumePtr volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) {
-        return isFloat && (p.x + 3 * p.y + 7 * p.z) % 11 < 3 && p.x > 30 ? std::nan("") : field(p) * factor;
-      });
+      const VolumePtr volume = blobsOf(type, dims);
       for (uint32_t seed = 0; seed < 12; ++seed) {
         std::mt19937 random(seed);
         const TransferFunction function = someFunction(random, factor);
@@ -113,13 +121,9 @@ TEST(OctantsOnDevice, DistancesOfEveryTypeHoldForRaysOfEveryWay) {
   WARPSCOPE_NEEDS_GPU();
   size_t visible = 0, far = 0;
   for (const VoxelType type : kAllVoxelTypes) {
-    const bool isFloat = type == VoxelType::float32 || type == VoxelType::float64;
-    const double factor = isFloat ? 1e-3 : 1.0;
+    const double factor = valueFactorOf(type);
     for (const glm::uvec3 dims : {glm::uvec3(70, 41, 33), glm::uvec3(9, 80, 5), glm::uvec3(1, 1, 50), glm::uvec3(1)}) {
-      const FieldFunction field = blobs(dims, 11);
-      const VolumePtr volume = makeTestVolume(type, dims, [&](const glm::ivec3& p) {
-        return isFloat && (p.x + 3 * p.y + 7 * p.z) % 11 < 3 && p.x > 30 ? std::nan("") : field(p) * factor;
-      });
+      const VolumePtr volume = blobsOf(type, dims);
       for (uint32_t seed = 0; seed < 4; ++seed) {
         std::mt19937 random(seed);
         const TransferFunction function = someFunction(random, factor);
