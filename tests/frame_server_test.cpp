@@ -19,6 +19,7 @@
 #include "headless.h"
 #include "render/base/error.h"
 #include "render/core/parallel.h"
+#include "tests/held_frame.h"
 #include "tests/net/exchange.h"
 
 namespace warpscope {
@@ -142,6 +143,47 @@ TEST_F(FrameServerTest, ItsOwnProcessGoesFirst) {
   server_ = std::make_unique<FrameServer>(io_, scene_, watched, net::ServerSettings{}, ServeLimits{});
   EXPECT_GT(client()->march(camera(64, 48), scene_.march).size(), 0u);
   EXPECT_EQ(*nice, here) << "a server of its own has nobody to let go first";
+}
+
+/// Leaves frames on a device that fails before anybody reads them.
+class LosingMarcher final : public Marcher {
+ public:
+  LosingMarcher(MarcherPtr inner, std::shared_ptr<std::atomic<int>> lost) : inner_(std::move(inner)), lost_(std::move(lost)) {}
+
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override { return inner_->march(camera, settings, stop); }
+  SampleFrame marchToCode(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    ++*lost_;
+    return leftOnDevice(inner_->march(camera, settings, stop), true);
+  }
+  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+    inner_->render(camera, settings, image, stop);
+  }
+  const VolumePtr& volume() const override { return inner_->volume(); }
+  Backend backend() const override { return inner_->backend(); }
+  MarcherCapabilities capabilities() const override { return inner_->capabilities(); }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<LosingMarcher>(inner_->twin(turns), lost_); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    return std::make_shared<LosingMarcher>(inner_->withTransferFunction(std::move(function)), lost_);
+  }
+
+ private:
+  const MarcherPtr inner_;
+  const std::shared_ptr<std::atomic<int>> lost_;
+};
+
+TEST_F(FrameServerTest, AFrameThatIsLostWithItsDeviceIsMarchedOnceMore) {
+  const auto lost = std::make_shared<std::atomic<int>>(0);
+  const MarcherPtr marcher = makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {});
+  server_ = std::make_unique<FrameServer>(io_, scene_, std::make_shared<LosingMarcher>(marcher, lost), net::ServerSettings{}, ServeLimits{});
+  net::ClientSettings settings;
+  settings.address = server_->address();
+  CodecSettings tiled;
+  tiled.format = PayloadFormat::tiled;
+  const SampleFrame expected = marcher->march(camera(64, 48), scene_.march), got = makeRemoteMarcher(io_, settings, tiled, 60s)->march(camera(64, 48), scene_.march);
+  EXPECT_EQ(*lost, 1);
+  EXPECT_EQ(got.samples, expected.samples);
+  EXPECT_EQ(got.colors, expected.colors);
 }
 
 TEST_F(FrameServerTest, AMovingCameraIsMarchedCoarserWhereThatIsWantedAndInFullAtRest) {

@@ -258,6 +258,8 @@ class FailingCoder final : public TiledCoder {
     work();
     return host_->takeSegments(reader, placement, hasNormals, most, frame);
   }
+  void beginToAppendSamples(const SampleFrame&, Placement) override { work(); }
+  void beginToTakeSamples(ByteReader, Placement, size_t, const SampleFrame&) override { work(); }
   void forget() override {}
 
  private:
@@ -274,7 +276,7 @@ TEST(FallbackTiledCoder, FramesGoOnOnTheHostAndTheReasonIsToldOnce) {
   settings.sample.segments = 2;
   const SampleFrame frame = marched(shells(), settings, 80, 50);
   const std::vector<std::byte> payload = FrameCodec().encode(frame, kTiled);
-  for (int calls = 0; calls < 6; ++calls) {
+  for (int calls = 0; calls < 8; ++calls) {
     std::vector<std::string> told;
     FrameCodec codec(makeFallbackTiledCoder(
         [calls]() -> TiledCoderPtr {

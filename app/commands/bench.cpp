@@ -67,7 +67,7 @@ void say(const BenchOptions& options, Json report, const std::optional<JsonDocum
 }
 
 Json toJson(const FrameBenchmark& frame) {
-  const auto& [march, coding] = frame;
+  const auto& [march, coding, service] = frame;
   return {{"marchMs", march.march.medianMs},
           {"marchSpreadMs", march.march.spreadMs},
           {"compactMs", march.compact.medianMs},
@@ -80,6 +80,8 @@ Json toJson(const FrameBenchmark& frame) {
           {"encodeSpreadMs", coding.encode.spreadMs},
           {"decodeMs", coding.decode.medianMs},
           {"decodeSpreadMs", coding.decode.spreadMs},
+          {"cameraToBytesMs", service.medianMs},
+          {"cameraToBytesSpreadMs", service.spreadMs},
           {"bytes", coding.bytes.ofFrame()}};
 }
 
@@ -97,6 +99,8 @@ Json toJson(const TechniqueBenchmark& technique, const Scene& scene) {
             {"uploadSpreadMs", technique.first.build.upload.spreadMs},
             {"firstPictureMs", technique.first.firstPicture.medianMs},
             {"firstPictureSpreadMs", technique.first.firstPicture.spreadMs},
+            {"bytesToPictureMs", technique.arrival.medianMs},
+            {"bytesToPictureSpreadMs", technique.arrival.spreadMs},
             {"views", views}};
   if (technique.frame) json.update(toJson(*technique.frame));
   return json;
@@ -127,22 +131,22 @@ void printResult(const BackendBenchmark& result, const Scene& scene) {
                result.samples());
   std::fprintf(stderr, "  march %.3f ms, compaction %.3f ms, copy %.3f ms; camera to samples %.3f ms\n", result.frame.march.march.medianMs,
                result.frame.march.compact.medianMs, result.frame.march.copy.medianMs, result.frame.march.samples.medianMs);
-  std::fprintf(stderr, "  encoding %.2f ms, decoding %.2f ms; %.2f MB on the wire, %.2f MB as samples of 12 bytes\n",
-               result.frame.coding.encode.medianMs, result.frame.coding.decode.medianMs, static_cast<double>(result.frame.coding.bytes.ofFrame()) * 1e-6,
+  std::fprintf(stderr, "  encoding %.2f ms, camera to bytes %.2f ms, decoding %.2f ms; %.2f MB on the wire, %.2f MB as samples of 12 bytes\n",
+               result.frame.coding.encode.medianMs, result.frame.service.medianMs, result.frame.coding.decode.medianMs, static_cast<double>(result.frame.coding.bytes.ofFrame()) * 1e-6,
                static_cast<double>(result.rawBytes) * 1e-6);
-  std::fprintf(stderr, "  %-10s %9s %9s %9s   pictures a second in each view\n", "", "upload ms", "build ms", "first ms");
+  std::fprintf(stderr, "  %-10s %9s %9s %9s %9s   pictures a second in each view\n", "", "upload ms", "build ms", "first ms", "of bytes");
   for (const TechniqueBenchmark& technique : result.techniques) {
-    std::fprintf(stderr, "  %-10s %9.3f %9.3f %9.3f  ", std::string(technique.technique->name).c_str(), technique.first.build.upload.medianMs,
-                 technique.first.build.build.medianMs, technique.first.firstPicture.medianMs);
+    std::fprintf(stderr, "  %-10s %9.3f %9.3f %9.3f %9.3f  ", std::string(technique.technique->name).c_str(), technique.first.build.upload.medianMs,
+                 technique.first.build.build.medianMs, technique.first.firstPicture.medianMs, technique.arrival.medianMs);
     for (const BenchmarkView& view : technique.views) std::fprintf(stderr, " %8.1f", view.framesPerSecond());
     std::fputc('\n', stderr);
     if (!technique.frame) continue;
     const FrameBenchmark& frame = *technique.frame;
-    std::fprintf(stderr, "    of its own frames: march %.3f ms, compaction %.3f ms, copy %.3f ms; encoding %.2f ms, decoding %.2f ms; %.2f MB on the wire\n",
-                 frame.march.march.medianMs, frame.march.compact.medianMs, frame.march.copy.medianMs, frame.coding.encode.medianMs,
+    std::fprintf(stderr, "    of its own frames: march %.3f ms, compaction %.3f ms, copy %.3f ms; encoding %.2f ms, camera to bytes %.2f ms, decoding %.2f ms; %.2f MB on the wire\n",
+                 frame.march.march.medianMs, frame.march.compact.medianMs, frame.march.copy.medianMs, frame.coding.encode.medianMs, frame.service.medianMs,
                  frame.coding.decode.medianMs, static_cast<double>(frame.coding.bytes.ofFrame()) * 1e-6);
   }
-  std::fprintf(stderr, "  %-10s %9s %9s %9s  ", "", "", "", "");
+  std::fprintf(stderr, "  %-10s %9s %9s %9s %9s  ", "", "", "", "", "");
   for (const View& view : scene.views) std::fprintf(stderr, " %7.0f%s", view.angleDeg - scene.views.front().angleDeg, "°");
   std::fputc('\n', stderr);
 }

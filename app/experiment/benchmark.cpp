@@ -2,6 +2,9 @@
 // See benchmark.h.
 #include "app/experiment/benchmark.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "app/frames/backend.h"
 #include "render/base/error.h"
 #include "render/metrics/psnr.h"
@@ -9,6 +12,15 @@
 
 namespace warpscope {
 namespace {
+
+/// Pixels of the pictures that a device's are compared in with a CPU's, at most: of larger ones every so many a side, else a CPU would draw for minutes.
+constexpr double kMostComparedPixels = 1 << 20;
+
+Camera comparedCamera(Camera camera) {
+  const double pixels = static_cast<double>(camera.width) * camera.height, share = std::sqrt(std::min(1.0, kMostComparedPixels / pixels));
+  for (uint32_t* side : {&camera.width, &camera.height}) *side = std::max(1u, static_cast<uint32_t>(*side * share));
+  return camera;
+}
 
 /// Least PSNR of a right picture in the server's own view: techniques reach 20 dB and more, a picture of something else does not.
 constexpr double kLeastPsnrDb = 12.0;
@@ -21,7 +33,7 @@ class TechniqueRun {
   /// The reference in the server's own view.
   void setReference(Marcher& marcher) { marcher.render(cameras_.front(), settings_.march.render, reference_, stop_); }
 
-  TechniqueBenchmark measure(const WarpDescriptor& technique, const WarpResources& resources, const SampleFramePtr& frame) {
+  TechniqueBenchmark measure(const WarpDescriptor& technique, const WarpResources& resources, FrameCodec& codec, const SampleFramePtr& frame) {
     const std::unique_ptr<Warp> warp = makeWarp(technique, resources);
     warp->setFrame(frame, settings_.warp, stop_);
     check(technique, resources, *warp, frame);
@@ -31,6 +43,7 @@ class TechniqueRun {
     const Drawing drawing{*warp, settings_.warp, scene_.background};
     result.first = measureFirstPicture(measuring_, drawing, frame, cameras_.front(), image_);
     for (const Camera& camera : cameras_) result.views.push_back({measureDraw(measuring_, drawing, camera, image_).draw});
+    result.arrival = measureArrival(measuring_, drawing, codec, settings_.coding, frame, cameras_.front(), image_);
     return result;
   }
 
@@ -50,8 +63,9 @@ class TechniqueRun {
     truth->setFrame(frame, cpuSettings, stop_);
     WarpedImage expected;
     for (size_t view = 0; view < cameras_.size(); ++view) {
-      truth->draw(cameras_[view], cpuSettings, expected, stop_);
-      warp.draw(cameras_[view], settings_.warp, image_, stop_);
+      const Camera camera = comparedCamera(cameras_[view]);
+      truth->draw(camera, cpuSettings, expected, stop_);
+      warp.draw(camera, settings_.warp, image_, stop_);
       size_t different = 0;
       for (size_t i = 0; i < image_.samples.size(); ++i) different += image_.samples[i] != expected.samples[i] || image_.color[i] != expected.color[i];
       if (different > 0)
@@ -89,8 +103,9 @@ std::vector<BackendBenchmark> runBenchmark(const Scene& scene, const BenchmarkSe
     BackendBenchmark& result = results.emplace_back();
     FrameCodec codec(makeTiledCoder(resources.marcher->backend()));
     const auto measureFrame = [&](const MarchSettings& march) {
-      FrameBenchmark frame{measureMarch(measuring, *resources.marcher, cameras.front(), march), {}};
+      FrameBenchmark frame{measureMarch(measuring, *resources.marcher, cameras.front(), march), {}, {}};
       frame.coding = measureCoding(measuring, codec, frame.march.frame, settings.coding);
+      frame.service = measureService(measuring, *resources.marcher, codec, cameras.front(), march, settings.coding);
       return frame;
     };
     result.frame = measureFrame(neededBy({}, settings.march));
@@ -104,7 +119,7 @@ std::vector<BackendBenchmark> runBenchmark(const Scene& scene, const BenchmarkSe
       const MarchSettings needed = neededBy(std::array{TechniqueInUse{technique, settings.warp.knobs}}, settings.march);
       std::optional<FrameBenchmark> own;
       if (!(needed == frame->settings)) own = measureFrame(needed);
-      result.techniques.push_back(run.measure(*technique, resources, own ? own->march.frame : frame));
+      result.techniques.push_back(run.measure(*technique, resources, codec, own ? own->march.frame : frame));
       result.techniques.back().frame = std::move(own);
     }
   }

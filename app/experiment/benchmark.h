@@ -23,7 +23,8 @@ struct BenchmarkView {
 /// A frame on its way: marched, coded and decoded.
 struct FrameBenchmark {
   MeasuredMarch march;
-  MeasuredCoding coding;  ///< packed, colours as JPEG
+  MeasuredCoding coding;  ///< of a frame in host memory
+  Measured service;       ///< camera to bytes (measureService): less than the stages together where the frame stays on its device between them
 
   double serverMs() const { return march.march.medianMs + march.compact.medianMs + march.copy.medianMs + coding.encode.medianMs; }
 };
@@ -32,6 +33,7 @@ struct TechniqueBenchmark {
   const WarpDescriptor* technique = nullptr;
   std::optional<FrameBenchmark> frame;  ///< its own, where it draws more than samples
   MeasuredFirstPicture first;
+  Measured arrival;  ///< bytes to the first picture (measureArrival)
   std::vector<BenchmarkView> views;
 };
 

@@ -15,6 +15,11 @@ std::array<double, 2> builtMs(Warp& warp, const SampleFramePtr& frame, const War
   return timings ? std::array{timings->uploadMs, timings->buildMs} : std::array{0.0, tookMs};
 }
 
+MarchSettings withoutProxy(MarchSettings settings) {
+  settings.sample.proxy = 0;
+  return settings;
+}
+
 struct DrawnOnce {
   double tookMs = 0.0;
   bool isOnDevice = false;
@@ -68,6 +73,13 @@ MeasuredCoding measureCoding(const Measuring& measuring, FrameCodec& codec, cons
   return result;
 }
 
+Measured measureService(const Measuring& measuring, Marcher& marcher, FrameCodec& codec, const Camera& camera, const MarchSettings& settings, const CodecSettings& coding) {
+  const MarchSettings later = withoutProxy(settings);
+  return measuring.time([&] {
+    codec.encode(FrameCodec::codesOnDevices(coding) ? marcher.marchToCode(camera, later, measuring.withinRuns) : marcher.march(camera, later, measuring.withinRuns), coding);
+  });
+}
+
 MeasuredBuild measureBuild(const Measuring& measuring, Warp& warp, const SampleFramePtr& frame, const WarpSettings& settings) {
   const auto measured = measuring.parts([&] { return builtMs(warp, frame, settings, measuring.withinRuns); });
   return {measured[0], measured[1]};
@@ -99,6 +111,31 @@ MeasuredFirstPicture measureFirstPicture(const Measuring& measuring, const Drawi
     return std::array{built[0], built[1], tookMs};
   });
   return {{measured[0], measured[1]}, measured[2]};
+}
+
+Measured measureArrival(const Measuring& measuring, const Drawing& drawing, FrameCodec& codec, const CodecSettings& coding, const SampleFramePtr& frame,
+                        const Camera& camera, WarpedImage& image) {
+  const auto made = std::make_shared<SampleFrame>(*frame);
+  made->settings = withoutProxy(made->settings);
+  const std::vector<std::byte> payload = codec.encode(*made, coding);
+  const size_t count = made->size();
+  return measuring.parts([&] {
+    auto received = std::make_shared<SampleFrame>(*made);  // its head
+    received->samples = {};
+    received->colors = {};
+    received->segments = {};
+    DecodeError error;
+    const double tookMs = milliseconds([&] {
+      error = codec.decode(payload, count, *received);
+      received->settings = frame->settings;
+      received->proxy = frame->proxy;  // which came before
+      if (error) return;
+      builtMs(drawing.warp, std::move(received), drawing.settings, measuring.withinRuns);
+      drawnOnce(drawing, camera, image, measuring.withinRuns);
+    });
+    if (error) throw InputError("the program's own frame cannot be decoded: " + *error);
+    return std::array{tookMs};
+  })[0];
 }
 
 MeasuredPicture measurePicture(const Measuring& measuring, const Drawing& drawing, FrameCodec& codec, const CodecSettings& coding,

@@ -68,6 +68,9 @@ struct MeasuredCoding {
 /// Throws InputError if the codec does not give back the samples.
 MeasuredCoding measureCoding(const Measuring& measuring, FrameCodec& codec, const SampleFramePtr& frame, const CodecSettings& settings);
 
+/// From the camera to bytes that are ready to be sent, by the host's clock: what a server does for any frame but a scene's first, which brings the copy of the volume.
+Measured measureService(const Measuring& measuring, Marcher& marcher, FrameCodec& codec, const Camera& camera, const MarchSettings& settings, const CodecSettings& coding);
+
 /// A frame in host memory until a technique can draw it. On a device both are between events there, on the CPU by the host's clock.
 struct MeasuredBuild {
   Measured upload;  ///< frame to the device's memory; 0 on the CPU
@@ -98,6 +101,10 @@ struct MeasuredFirstPicture {
 };
 MeasuredFirstPicture measureFirstPicture(const Measuring& measuring, const Drawing& drawing, const SampleFramePtr& frame, const Camera& camera,
                                          WarpedImage& image);
+
+/// From such bytes (measureService) to the first picture of `camera`, by the host's clock. The technique has the frame afterwards.
+Measured measureArrival(const Measuring& measuring, const Drawing& drawing, FrameCodec& codec, const CodecSettings& coding, const SampleFramePtr& frame,
+                        const Camera& camera, WarpedImage& image);
 
 /// What a picture costs at the client if every frame is new.
 struct MeasuredPicture {

@@ -267,10 +267,24 @@ FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane
     if (request.wanted == net::Wanted::samples) {
       const ServerWishes wishes = wishesFrom(request.settings);
       const std::shared_ptr<ServerPace> pace = wishes.movingMs > 0 ? paceOf(job) : nullptr;
-      const SampleFrame frame = lane.marcher().march(camera, pace ? pace->settingsFor(camera, march, wishes.movingMs, job.arrivedAt) : march, stop);
-      answer.head = headOf(frame, coding, wishes);
-      takeTurnsFrom(answer.head.stages, lane.exchangeWaitedMs());
-      answer.head.stages.encodeMs = milliseconds([&] { answer.payload = lane.codec().encode(frame, coding); });
+      const MarchSettings paced = pace ? pace->settingsFor(camera, march, wishes.movingMs, job.arrivedAt) : march;
+      const auto marchTo = [&](bool toCode) {
+        SampleFrame frame = toCode ? lane.marcher().marchToCode(camera, paced, stop) : lane.marcher().march(camera, paced, stop);
+        answer.head = headOf(frame, coding, wishes);
+        takeTurnsFrom(answer.head.stages, lane.exchangeWaitedMs());
+        return frame;
+      };
+      const auto encode = [&](const SampleFrame& frame) {
+        answer.head.stages.encodeMs = milliseconds([&] { answer.payload = lane.codec().encode(frame, coding); });
+      };
+      SampleFrame frame = marchTo(FrameCodec::codesOnDevices(coding));
+      try {
+        encode(frame);
+      } catch (const DeviceError&) {
+        if (!frame.isAway) throw;
+        frame = marchTo(false);  // what was left on the device is lost with it: elsewhere from the start
+        encode(frame);
+      }
       net::StageTimes& took = answer.head.stages;
       if (wishes.loadPercent > 0) shareProcessor({&took.marchMs, &took.compactMs, &took.copyMs, &took.encodeMs}, wishes.loadPercent, clock_, stop);
       if (pace) pace->note(camera, march, frame.settings, took.marchMs + took.compactMs + took.copyMs + took.encodeMs, clock_.now());

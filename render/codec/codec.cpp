@@ -9,6 +9,7 @@
 #include "render/base/error.h"
 #include "render/codec/bytes.h"
 #include "render/codec/packed_codec.h"
+#include "render/codec/plane_coding.h"
 #include "render/codec/proxy_coding.h"
 #include "render/codec/raw_codec.h"
 #include "render/codec/segment_coding.h"
@@ -23,10 +24,28 @@ namespace {
 constexpr CodecDescriptor kCodecs[] = {
     {PayloadFormat::raw, makeRawCodec, mostRawBytes, mostRawPlaneBytes},
     {PayloadFormat::packed, makePackedCodec, mostPackedBytes, mostPackedPlaneBytes},
-    {PayloadFormat::tiled, makeTiledCodec, mostTiledBytes, mostTiledPlaneBytes},
+    {PayloadFormat::tiled, makeTiledCodec, mostTiledBytes, mostTiledPlaneBytes, true},
 };
 
 constexpr size_t kHeadBytes = 9;
+
+const CodecDescriptor& descriptorOf(PayloadFormat format) {
+  const auto found = std::ranges::find(kCodecs, format, &CodecDescriptor::format);
+  if (found == std::end(kCodecs)) throw UsageError("there is no payload format " + std::to_string(static_cast<int>(format)));
+  return *found;
+}
+
+/// However a frame ends, nothing of it is under way any more.
+class Begun {
+ public:
+  explicit Begun(TiledCoder& coder) : coder_(coder) {}
+  ~Begun() { coder_.endBegun(); }
+  Begun(const Begun&) = delete;
+  Begun& operator=(const Begun&) = delete;
+
+ private:
+  TiledCoder& coder_;
+};
 
 /// Of words, the last one filled up with zeros, and of the number of bytes.
 uint64_t summedHashOf(std::span<const std::byte> bytes, uint64_t seed) {
@@ -97,6 +116,8 @@ bool areInOrder(const SampleFrame& frame) {
 }
 
 void requireConsistent(const SampleFrame& frame) {
+  if (frame.settings.sample.proxy > 0 && !frame.proxy) throw InputError("a frame whose settings ask for a copy of the volume must have one");
+  if (frame.isAway) return;
   if (frame.samples.size() != frame.colors.size()) throw InputError("a frame must have a colour for each sample");
   if (frame.planes.size() > kMaxPlanes) throw InputError("a frame must have at most " + std::to_string(kMaxPlanes) + " planes");
   for (const SamplePlane& plane : frame.planes) {
@@ -109,7 +130,6 @@ void requireConsistent(const SampleFrame& frame) {
   if (!countUp(frame.layers(), frame.settings.sample.samplesPerRay))
     throw InputError("a frame's layers must count up along each ray, from 0, to less than its settings' samplesPerRay");
   requireConsistentSegments(frame);
-  if (frame.settings.sample.proxy > 0 && !frame.proxy) throw InputError("a frame whose settings ask for a copy of the volume must have one");
   if (!areInOrder(frame)) throw InputError("a frame's rays must be in pixels of its picture, each in one of its own, in their order");
 }
 
@@ -119,20 +139,22 @@ void clear(SampleFrame& frame) {
   for (SamplePlane& plane : frame.planes) plane.values.clear();
   frame.segments = {};
   frame.proxy.reset();
+  frame.device.reset();
+  frame.isAway = false;
 }
 
 }  // namespace
 
 std::span<const CodecDescriptor> codecRegistry() { return kCodecs; }
 
+bool FrameCodec::codesOnDevices(const CodecSettings& settings) { return descriptorOf(settings.format).isForDevices; }
+
 void validate(const CodecSettings& settings) { requireRange(static_cast<double>(settings.jpegQuality), kJpegQualityRange, "the JPEG quality"); }
 
 uint64_t mostPayloadBytes(const SampleFrame& frame, uint64_t count, const CodecSettings& settings) {
-  const auto found = std::ranges::find(kCodecs, settings.format, &CodecDescriptor::format);
-  if (found == std::end(kCodecs))
-    throw UsageError("there is no payload format " + std::to_string(static_cast<int>(settings.format)));
-  uint64_t bytes = kHeadBytes + found->mostBytes(frame, count, settings);
-  for (const SamplePlane& plane : frame.planes) bytes += sizeof(uint32_t) + found->mostPlaneBytes(plane, count);
+  const CodecDescriptor& codec = descriptorOf(settings.format);
+  uint64_t bytes = kHeadBytes + codec.mostBytes(frame, count, settings);
+  for (const SamplePlane& plane : frame.planes) bytes += sizeof(uint32_t) + codec.mostPlaneBytes(plane, count);
   const SampleSettings& sample = frame.settings.sample;
   if (sample.segments > 0) bytes += sizeof(uint32_t) + mostSegmentBytes(frame.camera, frame.settings, settings);
   if (sample.proxy > 0) bytes += sizeof(uint32_t) + mostProxyBytes(sample.proxy);
@@ -152,18 +174,20 @@ FrameCodec::FrameCodec(FrameCodec&&) noexcept = default;
 FrameCodec& FrameCodec::operator=(FrameCodec&&) noexcept = default;
 
 Codec& FrameCodec::codecFor(PayloadFormat format) {
-  for (size_t i = 0; i < codecs_.size(); ++i) {
-    if (kCodecs[i].format != format) continue;
-    if (!codecs_[i]) codecs_[i] = kCodecs[i].make(coder_);
-    return *codecs_[i];
-  }
-  throw UsageError("there is no payload format " + std::to_string(static_cast<int>(format)));
+  const CodecDescriptor& descriptor = descriptorOf(format);
+  std::unique_ptr<Codec>& codec = codecs_[static_cast<size_t>(&descriptor - kCodecs)];
+  if (!codec) codec = descriptor.make(coder_);
+  return *codec;
 }
 
 std::vector<std::byte> FrameCodec::encode(const SampleFrame& frame, const CodecSettings& settings) {
   validate(settings);
+  // Planes of numbers are coded on the host.
+  if (frame.isAway && !(codesOnDevices(settings) && std::ranges::all_of(frame.planes, isImplied))) return encode(onHost(frame), settings);
   requireConsistent(frame);
   Codec& codec = codecFor(settings.format);
+  const Begun begun(*coder_);
+  codec.beginToEncode(frame);
   std::vector<std::byte> payload;
   payload.reserve(bytes_.all() + bytes_.all() / 8);
   appendLittle(payload, static_cast<uint8_t>(settings.format));
@@ -224,9 +248,13 @@ DecodeError FrameCodec::decodeBehindHead(PayloadFormat format, ByteReader& reade
   parts.samples = kHeadBytes + reader.left();
   planeBytes_.clear();
   size_t kept = 0;
-  for (size_t i = 0; i < frame.planes.size(); ++i) {
+  // Behind its length.
+  const auto takePart = [&reader] {
     const auto length = reader.take<uint32_t>();
-    const std::span<const std::byte> bytes = reader.take(length);
+    return reader.take(length);
+  };
+  for (size_t i = 0; i < frame.planes.size(); ++i) {
+    const std::span<const std::byte> bytes = takePart();
     if (reader.ranOut()) return "the payload ends within its plane \"" + frame.planes[i].name + "\"";
     if (!isKnown(frame.planes[i].name, frame.planes[i].element)) continue;
     planeBytes_.push_back(bytes);
@@ -234,22 +262,26 @@ DecodeError FrameCodec::decodeBehindHead(PayloadFormat format, ByteReader& reade
     ++kept;
   }
   frame.planes.resize(kept);
+  std::span<const std::byte> segments, proxy;
   if (frame.settings.sample.segments > 0) {
-    const auto length = reader.take<uint32_t>();
-    const std::span<const std::byte> bytes = reader.take(length);
+    segments = takePart();
     if (reader.ranOut()) return "the payload ends within its segments";
-    if (DecodeError error = segments_->take(bytes, format, limits.maxSegments, frame)) return error;
-    parts.segments = sizeof(uint32_t) + length;
+    parts.segments = sizeof(uint32_t) + segments.size();
   }
-  frame.proxy.reset();
-  if (const int longest = frame.settings.sample.proxy; longest > 0) {
-    const auto length = reader.take<uint32_t>();
-    const std::span<const std::byte> bytes = reader.take(length);
+  if (frame.settings.sample.proxy > 0) {
+    proxy = takePart();
     if (reader.ranOut()) return "the payload ends within its copy of the volume";
-    if (DecodeError error = takeProxy(bytes, longest, frame.proxy)) return error;
-    parts.proxy = sizeof(uint32_t) + length;
+    parts.proxy = sizeof(uint32_t) + proxy.size();
   }
-  if (DecodeError error = codec.decode(reader.take(reader.left()), count, frame)) return error;
+  const std::span<const std::byte> samples = reader.take(reader.left());
+  const Begun begun(*coder_);
+  codec.beginToDecode(samples, count, frame);
+  if (parts.segments > 0)
+    if (DecodeError error = segments_->take(segments, format, limits.maxSegments, frame)) return error;
+  frame.proxy.reset();
+  if (parts.proxy > 0)
+    if (DecodeError error = takeProxy(proxy, frame.settings.sample.proxy, frame.proxy)) return error;
+  if (DecodeError error = codec.decode(samples, count, frame)) return error;
   // The others' values may be predicted along layers.
   for (const bool isLayers : {true, false})
     for (size_t i = 0; i < kept; ++i) {

@@ -83,6 +83,11 @@ class Codec {
  public:
   virtual ~Codec() = default;
 
+  /// Say that encode() or decode() of the same comes after what else there is of the frame: who can begins with it meanwhile. What is given must stay until then, or
+  /// until TiledCoder::endBegun(), which whoever calls these calls in the end.
+  virtual void beginToEncode(const SampleFrame&) {}
+  virtual void beginToDecode(std::span<const std::byte>, size_t /*count*/, const SampleFrame&) {}
+
   /// Appends the frame's samples and colours to `payload`.
   virtual void encode(const SampleFrame& frame, const CodecSettings& settings, std::vector<std::byte>& payload) = 0;
   /// Appends one of the frame's planes.
@@ -104,6 +109,7 @@ struct CodecDescriptor {
   /// The most bytes that encode(), and encodePlane() of one of its planes, append for `count` samples of such a frame.
   uint64_t (*mostBytes)(const SampleFrame& frame, uint64_t count, const CodecSettings& settings);
   uint64_t (*mostPlaneBytes)(const SamplePlane& plane, uint64_t count);
+  bool isForDevices = false;  ///< takes frames that are away (SampleFrame::isAway) as they are
 };
 
 /// Every format.
@@ -135,13 +141,17 @@ class FrameCodec {
   FrameCodec& operator=(FrameCodec&&) noexcept;
 
   /// Throws UsageError for settings out of range, InputError for a frame whose samples, colours and planes differ in number, whose planes
-  /// are not what sample_planes.h says, or whose rays are not in pixels of the camera's picture, each in one of its own, in their order.
+  /// are not what sample_planes.h says, or whose rays are not in pixels of the camera's picture, each in one of its own, in their order. What is away
+  /// is its marcher's, and taken as it is. Throws DeviceError where that is lost with its device.
   std::vector<std::byte> encode(const SampleFrame& frame, const CodecSettings& settings);
 
   /// Fills samples, colours and planes of `frame`, whose other members, the names and elements of its planes among them, say what they were
   /// encoded with; there must be `count` of each. What comes back is in order as encode() wants it. Planes that are not known (isKnown) are
   /// left out. After an error the frame has no samples.
   DecodeError decode(std::span<const std::byte> payload, size_t count, SampleFrame& frame, const DecodeLimits& limits = {});
+
+  /// Whether frames gain by being left on their device (Marcher::marchToCode): encode() takes them all the same where they do not.
+  static bool codesOnDevices(const CodecSettings& settings);
 
   /// Of the payload that was encoded last, or decoded without an error.
   const FrameBytes& bytes() const { return bytes_; }

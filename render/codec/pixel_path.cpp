@@ -21,15 +21,25 @@ bool hasLattice(const SampleFrame& frame) {
   return isUsable(frame.camera) && frame.settings.render.step > 0.0f && std::isfinite(frame.settings.render.step);
 }
 
+namespace {
+
+TransferVector<PackedSample> probesOf(const SampleFrame& frame) {
+  const size_t stride = std::max(frame.size() / kProbes, size_t{1});
+  if (frame.isAway) return frame.device->everySample(stride);
+  TransferVector<PackedSample> samples;
+  for (size_t i = 0; i < frame.size(); i += stride) samples.push_back(frame.samples[i]);
+  return samples;
+}
+
+}  // namespace
+
 Placement placementOf(const SampleFrame& frame) {
   if (!hasLattice(frame)) return Placement::depth;
+  const TransferVector<PackedSample> samples = probesOf(frame);
   TransferVector<uint32_t> columns, rows;
-  TransferVector<PackedSample> samples;
-  const size_t stride = std::max(frame.size() / kProbes, size_t{1});
-  for (size_t i = 0; i < frame.size(); i += stride) {
-    columns.push_back(columnOf(frame.samples[i]));
-    rows.push_back(rowOf(frame.samples[i]));
-    samples.push_back(frame.samples[i]);
+  for (const PackedSample sample : samples) {
+    columns.push_back(columnOf(sample));
+    rows.push_back(rowOf(sample));
   }
   TransferVector<int32_t> places(samples.size());
   TransferVector<uint32_t> codes(samples.size());
@@ -45,18 +55,29 @@ Placement placementOf(const SampleFrame& frame) {
   return Placement::depth;
 }
 
-Placement borderPlacementOf(const SampleFrame& frame) {
+namespace {
+
+TransferVector<FirstSegment> probedSegmentsOf(const SampleFrame& frame) {
   const FrameSegments& segments = frame.segments;
-  if (!hasLattice(frame) || segments.size() == 0) return Placement::depth;
-  TransferVector<uint32_t> columns, rows, codes;
-  const size_t stride = std::max(segments.rays.size() / kProbes, size_t{1});
+  const size_t pixels = size_t{frame.camera.width} * frame.camera.height, stride = std::max(pixels / kProbes, size_t{1});
+  if (frame.isAway) return frame.device->firstSegments(stride);
+  TransferVector<FirstSegment> first;
   const std::vector<size_t> starts = segmentStarts(segments.rays, stride);
-  for (size_t probe = 0; probe + 1 < starts.size(); ++probe) {
-    const size_t pixel = probe * stride;
-    if (segments.rays[pixel].count() == 0) continue;
-    columns.push_back(static_cast<uint32_t>(pixel % frame.camera.width));
-    rows.push_back(static_cast<uint32_t>(pixel / frame.camera.width));
-    codes.push_back(segments.depths[starts[probe]].begin);
+  for (size_t probe = 0; probe + 1 < starts.size(); ++probe)
+    if (segments.rays[probe * stride].count() > 0) first.push_back({static_cast<uint32_t>(probe * stride), segments.depths[starts[probe]].begin});
+  return first;
+}
+
+}  // namespace
+
+Placement borderPlacementOf(const SampleFrame& frame) {
+  if (!hasLattice(frame) || (frame.isAway ? frame.device->segmentCount() : frame.segments.size()) == 0) return Placement::depth;
+  const TransferVector<FirstSegment> probes = probedSegmentsOf(frame);
+  TransferVector<uint32_t> columns, rows, codes;
+  for (const FirstSegment& segment : probes) {
+    columns.push_back(segment.pixel % frame.camera.width);
+    rows.push_back(segment.pixel / frame.camera.width);
+    codes.push_back(segment.begin);
   }
   PixelPaths paths;
   paths.aim(frame, kBorders, columns, rows);

@@ -135,7 +135,8 @@ void SegmentCoder::append(std::vector<std::byte>& out, const SampleFrame& frame,
   const Placement placement = isRaw ? Placement::depth : borderPlacementOf(frame);
   appendLittle(out, static_cast<uint8_t>(placement));
   appendLittle(out, static_cast<uint8_t>(settings.color));
-  appendLittle(out, static_cast<uint8_t>(segments.normals.empty() ? 0 : 1));
+  const bool hasNormals = frame.isAway ? frame.device->hasNormals() : !segments.normals.empty();
+  appendLittle(out, static_cast<uint8_t>(hasNormals ? 1 : 0));
   if (isRaw) return appendRaw(out, segments);
   if (settings.format == PayloadFormat::tiled) return tiled_->appendSegments(out, frame, placement);
   const PictureBands bands(frame.camera);

@@ -73,6 +73,7 @@ class PinnedValue {
 
   T* data() { return value_; }
   const T& operator*() const { return *value_; }
+  const T* operator->() const { return value_; }
 
  private:
   T* value_ = nullptr;

@@ -6,7 +6,6 @@
 #include <cub/device/device_scan.cuh>
 
 #include "render/cuda/check.h"
-#include "render/cuda/pinned_memory.h"
 
 namespace warpscope {
 namespace {
@@ -28,57 +27,38 @@ __global__ void __launch_bounds__(256)
   }
 }
 
-template <class T>
-void copyToHost(TransferVector<T>& to, const cuda::DeviceBuffer<T>& from, size_t count, cuda::Stream& stream) {
-  to = TransferVector<T>(TransferAllocator<T>(cuda::pinnedMemory()));
-  to.resize(count);
-  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(to.data(), from.data(), count * sizeof(T), cudaMemcpyDeviceToHost, stream));
-}
-
 }  // namespace
 
-void DeviceSegments::reserve(size_t pixels, int slots, bool hasNormals) {
+void DeviceSegments::reserve(size_t pixels, int slots, bool hasNormals, CudaFrameBuffers& frame) {
   pixels_ = pixels;
   slots_ = slots;
   hasNormals_ = hasNormals;
   if (slots == 0) return;
-  counts_.reserve(pixels);
-  ends_.reserve(pixels);
-  for (Buffers* buffers : {&dense_, &kept_}) {
-    buffers->depths.reserve(pixels * static_cast<size_t>(slots));
-    buffers->colors.reserve(pixels * static_cast<size_t>(slots));
-    if (hasNormals) buffers->normals.reserve(pixels * static_cast<size_t>(slots));
-  }
+  const size_t places = pixels * static_cast<size_t>(slots);
+  frame.rays.reserve(pixels);
+  frame.ends.reserve(pixels);
+  for (auto* depths : {&depths_, &frame.depths}) depths->reserve(places);
+  for (auto* colors : {&colors_, &frame.segmentColors}) colors->reserve(places);
+  if (!hasNormals) return;
+  for (auto* normals : {&normals_, &frame.normals}) normals->reserve(places);
 }
 
-void DeviceSegments::clear(cuda::Stream& stream) {
-  if (slots_ > 0) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(counts_.data(), 0, pixels_ * sizeof(RaySegmentCount), stream));
+void DeviceSegments::clear(CudaFrameBuffers& frame, cuda::Stream& stream) {
+  if (slots_ > 0) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(frame.rays.data(), 0, pixels_ * sizeof(RaySegmentCount), stream));
 }
 
-void DeviceSegments::compact(cuda::Stream& stream) {
+void DeviceSegments::compact(CudaFrameBuffers& frame, uint32_t* count, cuda::Stream& stream) {
   if (slots_ == 0) return;
-  const auto numbers = thrust::make_transform_iterator(counts_.data(), NumberOf{});
+  const auto numbers = thrust::make_transform_iterator(frame.rays.data(), NumberOf{});
   cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
-    return cub::DeviceScan::InclusiveSum(memory, bytes, numbers, ends_.data(), static_cast<int64_t>(pixels_), stream);
+    return cub::DeviceScan::InclusiveSum(memory, bytes, numbers, frame.ends.data(), static_cast<int64_t>(pixels_), stream);
   });
   constexpr unsigned kThreads = 256;
-  const SegmentSlots from{dense_.depths.data(), dense_.colors.data(), hasNormals_ ? dense_.normals.data() : nullptr};
-  const SegmentSlots to{kept_.depths.data(), kept_.colors.data(), hasNormals_ ? kept_.normals.data() : nullptr};
-  gatherSegments<<<cuda::blocksFor(pixels_, kThreads), kThreads, 0, stream>>>(pixels_, static_cast<size_t>(slots_), counts_.data(), ends_.data(), from, to);
+  const SegmentSlots from{depths_.data(), colors_.data(), hasNormals_ ? normals_.data() : nullptr};
+  const SegmentSlots to{frame.depths.data(), frame.segmentColors.data(), hasNormals_ ? frame.normals.data() : nullptr};
+  gatherSegments<<<cuda::blocksFor(pixels_, kThreads), kThreads, 0, stream>>>(pixels_, static_cast<size_t>(slots_), frame.rays.data(), frame.ends.data(), from, to);
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-}
-
-void DeviceSegments::copyTo(FrameSegments& segments, cuda::Stream& stream) {
-  segments = {};
-  if (slots_ == 0) return;
-  uint32_t count = 0;
-  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(&count, ends_.data() + (pixels_ - 1), sizeof count, cudaMemcpyDeviceToHost, stream));
-  copyToHost(segments.rays, counts_, pixels_, stream);
-  stream.synchronize();
-  copyToHost(segments.depths, kept_.depths, count, stream);
-  copyToHost(segments.colors, kept_.colors, count, stream);
-  if (hasNormals_) copyToHost(segments.normals, kept_.normals, count, stream);
-  stream.synchronize();
+  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(count, frame.ends.data() + (pixels_ - 1), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream));
 }
 
 }  // namespace warpscope

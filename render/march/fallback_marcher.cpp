@@ -83,6 +83,9 @@ class FallbackMarcher final : public Marcher {
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     return attempt([&](Marcher& marcher) { return marcher.march(camera, settings, stop); });
   }
+  SampleFrame marchToCode(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    return attempt([&](Marcher& marcher) { return marcher.marchToCode(camera, settings, stop); });
+  }
   void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
     attempt([&](Marcher& marcher) { marcher.render(camera, settings, image, stop); });
   }

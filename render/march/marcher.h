@@ -60,6 +60,10 @@ class Marcher {
   /// Safe to call from several threads; calls may wait for each other.
   virtual SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop = {}) = 0;
 
+  /// As march(), for who hands the frame to a codec that works where it was marched (FrameCodec::codesOnDevices) and looks at no sample: what was found may be left
+  /// there, see SampleFrame::device.
+  virtual SampleFrame marchToCode(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop = {}) { return march(camera, settings, stop); }
+
   /// The same rays' colours at full precision, linear and premultiplied: the ground truth of warping. Errors as for march().
   virtual void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image,
                       const std::stop_token& stop = {}) = 0;

@@ -15,9 +15,8 @@
 #include <optional>
 
 #include "render/base/error.h"
-#include "render/cuda/pinned_memory.h"
 #include "render/core/visible_bins.h"
-#include "render/march/compact.h"
+#include "render/march/cuda_frame.h"
 #include "render/march/device_cells.h"
 #include "render/march/device_octants.h"
 #include "render/march/device_segments.h"
@@ -52,7 +51,7 @@ struct HoldsSample {
 /// How many of a ray's samples are in front of the one at a place.
 struct LayerOfPlace {
   uint32_t slots;
-  __host__ __device__ std::byte operator()(uint64_t place) const { return static_cast<std::byte>(place % slots); }
+  __host__ __device__ uint8_t operator()(uint64_t place) const { return static_cast<uint8_t>(place % slots); }
 };
 
 /// Of a cell, by its distance to what is visible.
@@ -73,72 +72,25 @@ class CudaMarcher final : public Marcher {
     stream_.synchronize();
   }
 
+  ~CudaMarcher() override { frames_->forget(); }
+
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
-    requireMarchable(*marched_->volume, camera, settings);
-    const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
-    SampleFrame frame = emptyFrame(*marched_->volume, camera, settings, rule);
-    const int slots = settings.sample.samplesPerRay;
-    const size_t places = size_t{camera.width} * camera.height * static_cast<size_t>(slots);
-    denseSamples_.reserve(places);
-    denseColors_.reserve(places);
-    samples_.reserve(places);
-    colors_.reserve(places);
-    if (slots > 1) layers_.reserve(places);
-    const bool sendsSpread = settings.sample.sendsSpread;
-    if (sendsSpread) {
-      denseSpreads_.reserve(places);
-      spreads_.reserve(places);
-    }
-
-    bake(settings.render, settings.sample);
-    const bool hasSegments = settings.sample.segments > 0;
-    raySegments_.reserve(size_t{camera.width} * camera.height, settings.sample.segments,
-                             plan_->has(PlanStage::raySegments) && dependsOnEye(shadingFor(*marched_, camera, settings.render, *plan_)));
-    start_.record(stream_);
-    if (!plan_->has(PlanStage::march) || !plan_->has(PlanStage::raySegments)) raySegments_.clear(stream_);
-    if (plan_->has(PlanStage::march))
-      launch(camera, settings.render, stop, &settings.sample, &rule);
-    else
-      WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(denseSamples_.data(), 0, places * sizeof(PackedSample), stream_));
-    if (sendsSpread && !plan_->has(PlanStage::spread)) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(denseSpreads_.data(), 0, places * sizeof(float), stream_));
-    marchEnd_.record(stream_);
-    compact(places, slots);
-    if (sendsSpread) compactSpreads(places);
-    raySegments_.compact(stream_);
-    compacted_.record(stream_);
-    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(count_.data(), deviceCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
-    stream_.synchronize();
-    if (stop.stop_requested()) throw OperationCancelled();
-
-    const size_t count = *count_;
-    frame.samples = TransferVector<PackedSample>(TransferAllocator<PackedSample>(cuda::pinnedMemory()));
-    frame.colors = TransferVector<Rgba8>(TransferAllocator<Rgba8>(cuda::pinnedMemory()));
-    frame.samples.resize(count);
-    frame.colors.resize(count);
+    Found made = marchHere(camera, settings, stop);
     copyStart_.record(stream_);
-    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(frame.samples.data(), samples_.data(), count * sizeof(PackedSample), cudaMemcpyDeviceToHost, stream_));
-    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(frame.colors.data(), colors_.data(), count * sizeof(Rgba8), cudaMemcpyDeviceToHost, stream_));
-    TransferVector<std::byte> layers{TransferAllocator<std::byte>(cuda::pinnedMemory())};
-    if (slots > 1) {
-      layers.resize(count);
-      WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(layers.data(), layers_.data(), count, cudaMemcpyDeviceToHost, stream_));
-    }
-    TransferVector<std::byte> spreads{TransferAllocator<std::byte>(cuda::pinnedMemory())};
-    if (sendsSpread) {
-      spreads.resize(count * sizeof(float));
-      WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(spreads.data(), spreads_.data(), spreads.size(), cudaMemcpyDeviceToHost, stream_));
-    }
-    if (hasSegments) raySegments_.copyTo(frame.segments, stream_);
-    copied_.record(stream_);
-    stream_.synchronize();
-    if (settings.sample.proxy > 0) frame.proxy = marched_->proxyFor(settings.sample.proxy, stop);
-    setLayers(std::move(layers), frame);
-    if (sendsSpread) setSpreads(std::move(spreads), frame);
-    frame.timings.marchMs = marchEnd_.millisecondsSince(start_);
-    frame.timings.compactMs = compacted_.millisecondsSince(marchEnd_);
-    frame.timings.copyMs = copied_.millisecondsSince(copyStart_);
-    return frame;
+    made.found->copyTo(made.frame, stream_, copied_);
+    made.frame.timings.copyMs = copied_.millisecondsSince(copyStart_);
+    return std::move(made.frame);
+  }
+
+  SampleFrame marchToCode(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    const std::scoped_lock lock(mutex_);
+    Found made = marchHere(camera, settings, stop);
+    if (made.found->sizes().hasLayers) made.frame.planes.push_back({std::string(kLayerPlane), PlaneElement::uint8, {}});
+    if (made.found->sizes().hasSpreads) made.frame.planes.push_back({std::string(kSpreadPlane), PlaneElement::float32, {}});
+    made.frame.device = std::move(made.found);
+    made.frame.isAway = true;
+    return std::move(made.frame);
   }
 
   void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
@@ -149,7 +101,7 @@ class CudaMarcher final : public Marcher {
     image.resize(camera.width, camera.height);
     bake(settings, std::nullopt);
     if (plan_->has(PlanStage::march))
-      launch(camera, settings, stop, nullptr, nullptr);
+      launch(camera, settings, stop, nullptr, nullptr, nullptr);
     else
       WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(image_.data(), 0, pixels * sizeof(glm::vec4), stream_));
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(image.data(), image_.data(), pixels * sizeof(glm::vec4), cudaMemcpyDeviceToHost, stream_));
@@ -186,6 +138,70 @@ class CudaMarcher final : public Marcher {
   }
 
  private:
+  struct Found {
+    std::shared_ptr<CudaFrame> found;
+    SampleFrame frame;  ///< all but what was found
+  };
+  /// What there is then no longer changes.
+  Found marchHere(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
+    requireMarchable(*marched_->volume, camera, settings);
+    const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
+    Found result{std::make_shared<CudaFrame>(frames_), emptyFrame(*marched_->volume, camera, settings, rule)};
+    CudaFrameBuffers& found = result.found->buffers();
+    const int slots = settings.sample.samplesPerRay;
+    const size_t pixels = size_t{camera.width} * camera.height, places = pixels * static_cast<size_t>(slots);
+    denseSamples_.reserve(places);
+    denseColors_.reserve(places);
+    found.samples.reserve(places);
+    found.colors.reserve(places);
+    if (slots > 1) found.layers.reserve(places);
+    const bool sendsSpread = settings.sample.sendsSpread;
+    if (sendsSpread) {
+      denseSpreads_.reserve(places);
+      found.spreads.reserve(places);
+    }
+
+    bake(settings.render, settings.sample);
+    const bool hasNormals = plan_->has(PlanStage::raySegments) && dependsOnEye(shadingFor(*marched_, camera, settings.render, *plan_));
+    raySegments_.reserve(pixels, settings.sample.segments, hasNormals, found);
+    start_.record(stream_);
+    if (!plan_->has(PlanStage::march) || !plan_->has(PlanStage::raySegments)) raySegments_.clear(found, stream_);
+    if (plan_->has(PlanStage::march))
+      launch(camera, settings.render, stop, &settings.sample, &rule, &found);
+    else
+      WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(denseSamples_.data(), 0, places * sizeof(PackedSample), stream_));
+    if (sendsSpread && !plan_->has(PlanStage::spread)) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(denseSpreads_.data(), 0, places * sizeof(float), stream_));
+    marchEnd_.record(stream_);
+    *counts_.data() = {};
+    compact(places, slots, found);
+    if (sendsSpread) compactSpreads(places, found);
+    raySegments_.compact(found, &counts_.data()->segments, stream_);
+    compacted_.record(stream_);
+    stream_.synchronize();
+    if (stop.stop_requested()) throw OperationCancelled();
+
+    const bool hasSegments = settings.sample.segments > 0;
+    result.found->setSizes({.samples = counts_->samples,
+                            .rays = hasSegments ? pixels : 0,
+                            .segments = counts_->segments,
+                            .hasLayers = slots > 1 && hasLayers(found.layers, counts_->samples),
+                            .hasSpreads = sendsSpread,
+                            .hasNormals = hasSegments && hasNormals});
+    if (settings.sample.proxy > 0) result.frame.proxy = marched_->proxyFor(settings.sample.proxy, stop);
+    result.frame.timings.marchMs = marchEnd_.millisecondsSince(start_);
+    result.frame.timings.compactMs = compacted_.millisecondsSince(marchEnd_);
+    return result;
+  }
+
+  /// Whether any of the samples is behind another of its ray. Waits.
+  bool hasLayers(const cuda::DeviceBuffer<uint8_t>& layers, size_t count) {
+    if (count == 0) return false;
+    cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
+      return cub::DeviceReduce::Max(memory, bytes, layers.data(), lastLayer_.data(), static_cast<int64_t>(count), stream_);
+    });
+    return lastLayer_.download(1, stream_).front() > 0;
+  }
+
   template <class T>
   const T* uploaded(cuda::DeviceBuffer<T>& memory, const std::vector<T>& values) {
     memory.upload(values, stream_);
@@ -261,7 +277,7 @@ class CudaMarcher final : public Marcher {
 
   /// Without `sample` and `rule` the rays' colours go to image_, with them samples to the dense buffers.
   void launch(const Camera& camera, const RenderSettings& settings, const std::stop_token& stop, const SampleSettings* sample,
-              const SampleRule* rule) {
+              const SampleRule* rule, CudaFrameBuffers* found) {
     const std::optional<Heuristic> heuristic = sample != nullptr ? std::optional(sample->heuristic) : std::nullopt;
     visitDeviceVoxels(*deviceVolume_, [&]<class Voxel, bool kHasHoles, bool kByCells>() {
       MarchJob<Voxel> job;
@@ -299,7 +315,7 @@ class CudaMarcher final : public Marcher {
       job.hasSpread = plan_->has(PlanStage::spread);
       job.spreads = job.hasSpread && sample->sendsSpread ? denseSpreads_.data() : nullptr;
       job.image = image_.data();
-      if (sample != nullptr && plan_->has(PlanStage::raySegments)) raySegments_.giveTo(job);
+      if (sample != nullptr && plan_->has(PlanStage::raySegments)) raySegments_.giveTo(job, *found);
       const uint32_t rows = rowsOfLaunch(camera, settings);
       const ShadingSetup shading = shadingFor(*marched_, camera, settings, *plan_);
       const LightVolume lightVolume = filledLightVolume<Voxel, kHasHoles, kByCells>(job.view, camera, settings, stop);
@@ -383,29 +399,30 @@ class CudaMarcher final : public Marcher {
     return std::max(1u, static_cast<uint32_t>(rays / camera.width));
   }
 
-  void compact(size_t places, int slots) {
+  void compact(size_t places, int slots, CudaFrameBuffers& to) {
     const auto select = [&](const auto& in, const auto& out) {
       cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
         return cub::DeviceSelect::If(memory, bytes, in, out, deviceCount_.data(), static_cast<int64_t>(places),
                                      HoldsSample{}, stream_);
       });
+      WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(&counts_.data()->samples, deviceCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
     };
     if (slots == 1) {
       select(thrust::make_zip_iterator(denseSamples_.data(), denseColors_.data()),
-             thrust::make_zip_iterator(samples_.data(), colors_.data()));
+             thrust::make_zip_iterator(to.samples.data(), to.colors.data()));
       return;
     }
     const auto layers = thrust::make_transform_iterator(thrust::make_counting_iterator(uint64_t{0}),
                                                         LayerOfPlace{static_cast<uint32_t>(slots)});
     select(thrust::make_zip_iterator(denseSamples_.data(), denseColors_.data(), layers),
-           thrust::make_zip_iterator(samples_.data(), colors_.data(), layers_.data()));
+           thrust::make_zip_iterator(to.samples.data(), to.colors.data(), to.layers.data()));
   }
 
   /// After compact(): those of the samples that were kept.
-  void compactSpreads(size_t places) {
+  void compactSpreads(size_t places, CudaFrameBuffers& to) {
     const auto isKept = thrust::make_transform_iterator(denseSamples_.data(), IsKept{});
     cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
-      return cub::DeviceSelect::Flagged(memory, bytes, denseSpreads_.data(), isKept, spreads_.data(), deviceCount_.data(), static_cast<int64_t>(places),
+      return cub::DeviceSelect::Flagged(memory, bytes, denseSpreads_.data(), isKept, to.spreads.data(), deviceCount_.data(), static_cast<int64_t>(places),
                                         stream_);
     });
   }
@@ -441,14 +458,19 @@ class CudaMarcher final : public Marcher {
   cuda::DeviceBuffer<float> visibleAlphas_;
   cuda::DeviceBuffer<int32_t> nextVisible_;
   cuda::DeviceBuffer<uint8_t> emptyDistances_, octantDistances_, cellScratch_;
-  cuda::DeviceBuffer<PackedSample> denseSamples_, samples_;
-  cuda::DeviceBuffer<Rgba8> denseColors_, colors_;
-  cuda::DeviceBuffer<std::byte> layers_;
-  cuda::DeviceBuffer<float> denseSpreads_, spreads_;
+  const std::shared_ptr<CudaFramePool> frames_ = CudaFramePool::ofProcess();
+  cuda::DeviceBuffer<PackedSample> denseSamples_;
+  cuda::DeviceBuffer<Rgba8> denseColors_;
+  cuda::DeviceBuffer<float> denseSpreads_;
+  cuda::DeviceBuffer<uint8_t> lastLayer_{1};
   DeviceSegments raySegments_;
   cuda::DeviceBuffer<glm::vec4> image_;
   cuda::DeviceBuffer<float> noise_;  // of jitter, once there is some
   cuda::DeviceBuffer<uint32_t> deviceCount_{1};
+  struct Counts {
+    uint32_t samples = 0, segments = 0;
+  };
+  cuda::PinnedValue<Counts> counts_;  // of what the last march found
   cuda::PinnedValue<uint32_t> count_;
   cuda::Scratch scratch_;
 };

@@ -12,6 +12,7 @@
 #include "render/core/camera.h"
 #include "render/core/sample.h"
 #include "render/core/transfer_vector.h"
+#include "render/march/frame_on_device.h"
 #include "render/march/frame_segments.h"
 #include "render/march/march_settings.h"
 #include "render/march/sample_planes.h"
@@ -41,8 +42,10 @@ struct SampleFrame {
   std::vector<SamplePlane> planes;       ///< kLayerPlane among them if a ray has more than one sample
   FrameSegments segments;                ///< of the same rays, where the settings ask for some
   ProxyPtr proxy;                        ///< what the frame is of, coarsely: the same object for all frames of a scene; null where nobody asked for it
+  FrameOnDevicePtr device;               ///< where samples, colours, layers and segments are as well; null: nowhere. Who changes them here takes it away
+  bool isAway = false;                   ///< they are there alone (Marcher::marchToCode): vectors of them are empty
 
-  size_t size() const { return samples.size(); }
+  size_t size() const { return isAway ? device->sampleCount() : samples.size(); }
   /// What the frame's samples take on the wire in this format.
   size_t sizeBytes() const {
     size_t bytes = samples.size() * (sizeof(PackedSample) + sizeof(Rgba8));

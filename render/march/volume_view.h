@@ -32,10 +32,10 @@ struct VolumeView {
   /// Voxel coordinates of a ray's origin, and voxels per unit of t: as precise as kVoxelPlaceError says.
   WARPSCOPE_HD glm::vec3 voxelOrigin(const Ray& ray) const { return (ray.origin - lower) * voxelsPerUnit - 0.5f; }
   WARPSCOPE_HD glm::vec3 voxelDirection(const Ray& ray) const { return ray.direction * voxelsPerUnit; }
-  /// `cells`: of voxelCellAt(), x fastest, from -1 to the last voxel along each axis.
-  WARPSCOPE_HD void setCells(const VoxelCell<Voxel>* cells) {
-    outerBlends = cells;
-    blends = cells != nullptr ? cells + (static_cast<size_t>(1) + cellStrideY() + cellStrideZ()) : nullptr;
+  /// `first`: the cell at -1 along each axis, of voxelCellAt(); x fastest, to the last voxel along each axis.
+  WARPSCOPE_HD void setCells(const VoxelCell<Voxel>* first) {
+    outerBlends = first;
+    blends = first != nullptr ? first + (static_cast<size_t>(1) + cellStrideY() + cellStrideZ()) : nullptr;
   }
   /// Cells from one to the next along y and along z: there is one more than voxels along each axis, see voxelCellAt().
   WARPSCOPE_HD uint32_t cellStrideY() const { return static_cast<uint32_t>(dims.x + 1); }

@@ -8,6 +8,10 @@
 
 #include "render/codec/tiled/tiled_coder_cuda.h"
 #include "render/cuda/devices.h"
+#include "render/warp/multihit_warp_cuda.h"
+#include "render/warp/segments_warp_cuda.h"
+#include "render/warp/spheres_warp_cuda.h"
+#include "render/warp/splats_warp_cuda.h"
 #include "tests/codec_frames.h"
 #include "tests/gpu/march_pairs.h"
 #include "tests/hostile_tiles.h"
@@ -89,6 +93,69 @@ TEST_F(CodecOnDevice, SegmentsLitAndUnlit) {
         if (segments == 16) settings.render.effects.clip.planes = parseClipPlanes("1,0.2,0,0", "it");
         expectSame(marcher->march(cornerCamera(*shells(), width, height), settings), std::to_string(segments) + " of " + std::to_string(width));
       }
+}
+
+/// What a marcher leaves on the device against what it brings from there.
+TEST_F(CodecOnDevice, FramesThatStayedThere) {
+  const MarcherPtr marcher = makeCudaMarcher(shells(), translucent(*shells()));
+  MarchSettings settings[7];
+  settings[1].sample.segments = 4;
+  settings[2].sample.segments = 3;
+  settings[2].render.effects.shading.strength = 1.0f;
+  settings[3].sample.samplesPerRay = 4;
+  settings[4].sample.samplesPerRay = 2;
+  settings[4].sample.segments = 2;
+  settings[4].render.effects.jitter = 0.7f;
+  settings[5].sample.sendsSpread = true;
+  settings[6].render.effects.clip.planes = parseClipPlanes("1,0,0,1e6", "it");  // nothing is left
+  settings[6].sample.segments = 2;
+  SampleFrame held;  // others are marched meanwhile
+  std::vector<std::byte> payloadOfHeld;
+  for (const MarchSettings& own : settings)
+    for (const auto& [width, height] : {std::pair(530u, 310u), std::pair(31u, 77u), std::pair(1u, 1u)}) {
+      const Camera camera = cornerCamera(*shells(), width, height);
+      const SampleFrame brought = marcher->march(camera, own);
+      for (const CodecSettings& coding : kEveryCoding) {
+        const SampleFrame left = marcher->marchToCode(camera, own);
+        EXPECT_TRUE(left.isAway);
+        EXPECT_EQ(left.size(), brought.size());
+        EXPECT_TRUE(onDevice_->encode(left, coding) == FrameCodec().encode(brought, coding)) << &own - settings << ", " << width << ", " << nameOf(coding.format);
+        EXPECT_TRUE(areSame(onHost(left), brought)) << &own - settings << ", " << width;
+      }
+      EXPECT_TRUE(!held.isAway || onDevice_->encode(held, kTiled) == payloadOfHeld);
+      held = marcher->marchToCode(camera, own);
+      payloadOfHeld = FrameCodec().encode(brought, kTiled);
+    }
+}
+
+/// A frame that was decoded on the device is drawn from where it is: as the same frame from host memory, however many came after it.
+TEST_F(CodecOnDevice, TechniquesGoOnWithWhatWasDecodedThere) {
+  MarchSettings plain, segments, lit;
+  segments.sample.segments = lit.sample.segments = 4;
+  lit.render.effects.shading.strength = 1.0f;
+  const MarcherPtr marcher = makeCpuMarcher(shells(), translucent(*shells()));
+  std::vector<std::shared_ptr<SampleFrame>> frames;
+  for (const MarchSettings& settings : {plain, segments, lit, segments, plain}) {
+    const SampleFrame frame = marcher->march(cornerCamera(*shells(), 200 + 40 * static_cast<uint32_t>(frames.size()), 150), settings);
+    const std::vector<std::byte> payload = onDevice_->encode(frame, kTiled);
+    const auto& decoded = frames.emplace_back(std::make_shared<SampleFrame>(headOf(frame)));
+    ASSERT_EQ(onDevice_->decode(payload, frame.size(), *decoded), std::nullopt);
+    EXPECT_NE(decoded->device, nullptr);
+    EXPECT_FALSE(decoded->isAway);
+    EXPECT_TRUE(areSame(onHost(*decoded), frame));
+  }
+  const Camera camera = cornerCamera(*shells(), 180, 140);
+  using Make = std::unique_ptr<Warp> (*)();
+  for (const Make make : std::initializer_list<Make>{makeCudaSpheresWarp, makeCudaSplatsWarp, [] { return makeCudaMultihitWarp(); }, makeCudaSegmentsWarp})
+    for (const std::shared_ptr<SampleFrame>& frame : frames) {
+      WarpedImage expected, got;
+      for (WarpedImage* image : {&expected, &got}) {
+        const std::unique_ptr<Warp> warp = make();
+        warp->setFrame(image == &got ? SampleFramePtr(frame) : std::make_shared<const SampleFrame>(onHost(*frame)), {}, {});
+        warp->draw(camera, {}, *image, {});
+      }
+      EXPECT_TRUE(got.samples == expected.samples && got.color == expected.color) << frame->settings.sample.segments;
+    }
 }
 
 TEST_F(CodecOnDevice, DamageIsFoundAsTheHostFindsIt) {

@@ -267,8 +267,7 @@ void DeviceSheet::makeMasks() {
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
-/// Puts models, and streams one behind the other, into device memory.
-void DeviceSheet::writeAll() {
+void DeviceSheet::write() {
   const uint32_t streams = view_.tiles() * view_.layers, models = view_.models();
   histograms_.reserve(size_t{models} * kAnsSymbols);
   frequencies_.reserve(size_t{models} * kAnsSymbols);
@@ -293,12 +292,6 @@ void DeviceSheet::writeAll() {
   });
   gatherStreams<<<streams, 256, 0, stream_>>>(view_, words_.data(), wordCounts_.data(), states_.data(), lengths_.data(), offsets_.data(), packed_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-
-}
-
-void DeviceSheet::append(std::vector<std::byte>& out) {
-  writeAll();
-  const uint32_t streams = view_.tiles() * view_.layers, models = view_.models();
   // Heads first: they say how much is behind.
   const size_t frequencyBytes = size_t{models} * kAnsSymbols * sizeof(uint16_t), lengthBytes = size_t{streams} * sizeof(uint32_t);
   host_.resize(frequencyBytes + lengthBytes + 2 * sizeof(uint32_t) + view_.tiles());
@@ -312,8 +305,13 @@ void DeviceSheet::append(std::vector<std::byte>& out) {
   fetch(offsets_.data() + streams, sizeof(uint32_t));
   fetch(view_.flags + 1, sizeof(uint32_t));
   fetch(view_.streams, view_.tiles());
+}
+
+void DeviceSheet::append(std::vector<std::byte>& out) {
   WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream_));
-  at = host_.data() + frequencyBytes;
+  const uint32_t streams = view_.tiles() * view_.layers;
+  const size_t frequencyBytes = size_t{view_.models()} * kAnsSymbols * sizeof(uint16_t), lengthBytes = size_t{streams} * sizeof(uint32_t);
+  const std::byte* const at = host_.data() + frequencyBytes;
   std::vector<uint32_t> lengths(streams);
   std::memcpy(lengths.data(), at, lengthBytes);
   uint32_t packedBytes, layers;
@@ -337,13 +335,15 @@ void DeviceSheet::append(std::vector<std::byte>& out) {
   out.insert(out.end(), host_.begin(), host_.end());
 }
 
-uint32_t DeviceSheet::flags() { return fetched(view_.flags); }
-uint32_t DeviceSheet::total() { return fetched(view_.begins + size_t{view_.tiles()} * view_.layers); }
+void DeviceSheet::askForReport() {
+  const auto fetch = [&](uint32_t& to, const uint32_t* from) { WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(&to, from, sizeof to, cudaMemcpyDeviceToHost, stream_)); };
+  fetch(report_.data()->values, view_.begins + size_t{view_.tiles()} * view_.layers);
+  fetch(report_.data()->flags, view_.flags);
+}
 
-uint32_t DeviceSheet::fetched(const uint32_t* value) {
-  WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(value_.data(), value, sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
+SheetReport DeviceSheet::report() {
   WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(stream_));
-  return *value_;
+  return *report_;
 }
 
 }  // namespace warpscope

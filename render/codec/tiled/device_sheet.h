@@ -76,6 +76,11 @@ enum SheetFlag : uint32_t {
   kDamagedStreams = 2,
 };
 
+struct SheetReport {
+  uint32_t values = 0;  ///< that there are
+  uint32_t flags = 0;   ///< SheetFlag
+};
+
 /// One picture at a time; keeps its buffers. All work is put into the stream that it was made with.
 class DeviceSheet {
  public:
@@ -89,12 +94,12 @@ class DeviceSheet {
 
   /// Finds where streams and rows begin, from counts.
   void count();
-  /// How many values there are, after count(). Waits.
-  uint32_t total();
 
   /// From masks as counts are (and how many further layers there are, where there are two shapes). For rays their bytes are the shapes' already, as are `streams`.
   void makeMasks();
-  /// Appends the sheet, whose planes and shapes are there. Waits.
+  /// Makes bytes of the sheet, whose planes and shapes are there.
+  void write();
+  /// Appends them. Waits.
   void append(std::vector<std::byte>& out);
 
   /// Begins to read. False if the streams are none that can be.
@@ -103,12 +108,12 @@ class DeviceSheet {
   void takeShapes(uint32_t most, uint8_t* rays);
   /// Planes, after count(). Nothing where there is another number of values than there is room for.
   void takePlanes();
-  /// SheetFlag of what was read. Waits.
-  uint32_t flags();
+  /// Asks what became of what is read, after count(), for report().
+  void askForReport();
+  /// What was asked for last. Waits.
+  SheetReport report();
 
  private:
-  void writeAll();
-  uint32_t fetched(const uint32_t* value);
 
   cudaStream_t stream_;
   SheetView view_;
@@ -119,7 +124,7 @@ class DeviceSheet {
   cuda::DeviceBuffer<WriterShare> shares_;
   cuda::DeviceBuffer<StreamRead> reads_;
   cuda::DeviceBuffer<LaneState> laneStates_;
-  cuda::PinnedValue<uint32_t> value_;
+  cuda::PinnedValue<SheetReport> report_;
   TransferVector<std::byte> host_;  // page-locked
 };
 

@@ -12,6 +12,8 @@ namespace {
 __host__ __device__ constexpr uint32_t planeOf(SampleNumbers plane) { return static_cast<uint32_t>(plane); }
 __host__ __device__ constexpr uint32_t planeOf(SampleBytes plane) { return static_cast<uint32_t>(plane); }
 
+}  // namespace
+
 struct SampleView {
   PathGrid paths;
   SampleRule rule;
@@ -38,6 +40,8 @@ struct SampleView {
     return radiusCodeFor(rule, edge, depthCode, static_cast<float>(color >> 24) / 255.0f, 0.0f);
   }
 };
+
+namespace {
 
 /// A thread for each sample.
 __global__ void countSamples(SampleView frame, SheetView view, unsigned long long* hash) {

@@ -12,6 +12,8 @@ namespace {
 __host__ __device__ constexpr uint32_t planeOf(SegmentNumbers plane) { return static_cast<uint32_t>(plane); }
 __host__ __device__ constexpr uint32_t planeOf(SegmentBytes plane) { return static_cast<uint32_t>(plane); }
 
+}  // namespace
+
 struct SegmentView {
   PathGrid paths;
   uint32_t pixels = 0, count = 0;
@@ -35,6 +37,8 @@ struct SegmentView {
     return jobs;
   }
 };
+
+namespace {
 
 __global__ void countRays(SegmentView frame, SheetView view) {
   const uint32_t pixel = blockIdx.x * blockDim.x + threadIdx.x;

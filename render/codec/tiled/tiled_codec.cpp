@@ -14,17 +14,22 @@ class TiledCodec final : public Codec {
  public:
   explicit TiledCodec(TiledCoderPtr coder) : coder_(std::move(coder)) {}
 
+  void beginToEncode(const SampleFrame& frame) override { coder_->beginToAppendSamples(frame, placementOf(frame)); }
   void encode(const SampleFrame& frame, const CodecSettings&, std::vector<std::byte>& payload) override {
     const Placement placement = placementOf(frame);
     appendLittle(payload, static_cast<uint8_t>(placement));
     coder_->appendSamples(payload, frame, placement);
   }
 
+  void beginToDecode(std::span<const std::byte> bytes, size_t count, const SampleFrame& frame) override {
+    ByteReader reader(bytes);
+    Placement placement;
+    if (!takePlacement(reader, frame, placement)) coder_->beginToTakeSamples(reader, placement, count, frame);
+  }
   DecodeError decode(std::span<const std::byte> bytes, size_t count, SampleFrame& frame) override {
     ByteReader reader(bytes);
-    const auto placement = static_cast<Placement>(reader.take<uint8_t>());
-    if (static_cast<uint32_t>(placement) >= kPlacements) return "the tiled payload places samples in an unknown way";
-    if (placement != Placement::depth && !hasLattice(frame)) return "the tiled payload needs a usable camera and step";
+    Placement placement;
+    if (DecodeError error = takePlacement(reader, frame, placement)) return error;
     return coder_->takeSamples(reader, placement, count, frame);
   }
 
@@ -39,6 +44,13 @@ class TiledCodec final : public Codec {
   }
 
  private:
+  static DecodeError takePlacement(ByteReader& reader, const SampleFrame& frame, Placement& placement) {
+    placement = static_cast<Placement>(reader.take<uint8_t>());
+    if (static_cast<uint32_t>(placement) >= kPlacements) return "the tiled payload places samples in an unknown way";
+    if (placement != Placement::depth && !hasLattice(frame)) return "the tiled payload needs a usable camera and step";
+    return std::nullopt;
+  }
+
   const TiledCoderPtr coder_;
 };
 

@@ -11,11 +11,23 @@
 namespace warpscope {
 namespace {
 
+template <class Work>
+void withFrameHere(const SampleFrame& frame, const Work& work) {
+  if (frame.isAway)
+    work(onHost(frame));
+  else
+    work(frame);
+}
+
 class HostTiledCoder final : public TiledCoder {
  public:
-  void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override { samples_->append(out, frame, placement); }
+  void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+    withFrameHere(frame, [&](const SampleFrame& here) { samples_->append(out, here, placement); });
+  }
   DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) override { return samples_->take(reader, placement, count, frame); }
-  void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override { segments_->append(out, frame, placement); }
+  void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+    withFrameHere(frame, [&](const SampleFrame& here) { segments_->append(out, here, placement); });
+  }
   DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
     return segments_->take(reader, placement, hasNormals, most, frame);
   }
@@ -46,6 +58,15 @@ class FallbackTiledCoder final : public TiledCoder {
   DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
     return take(reader, frame, [&](TiledCoder& coder) { return coder.takeSegments(reader, placement, hasNormals, most, frame); });
   }
+  void beginToAppendSamples(const SampleFrame& frame, Placement placement) override {
+    begin([&](TiledCoder& coder) { coder.beginToAppendSamples(frame, placement); });
+  }
+  void beginToTakeSamples(ByteReader reader, Placement placement, size_t count, const SampleFrame& frame) override {
+    begin([&](TiledCoder& coder) { coder.beginToTakeSamples(reader, placement, count, frame); });
+  }
+  void endBegun() override {
+    if (coder_) coder_->endBegun();
+  }
   void forget() override {
     if (coder_) coder_->forget();
   }
@@ -55,6 +76,14 @@ class FallbackTiledCoder final : public TiledCoder {
   TiledCoder& coder() {
     if (!coder_) coder_ = makeFirst_();
     return *coder_;
+  }
+  template <class Call>
+  void begin(const Call& call) {
+    try {
+      call(coder());
+    } catch (const DeviceError& error) {
+      leave(error);
+    }
   }
   template <class Call>
   void append(std::vector<std::byte>& out, const Call& call) {

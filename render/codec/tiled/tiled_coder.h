@@ -26,6 +26,13 @@ class TiledCoder {
   /// Fills the frame's segments, at most `most`, and a ray for each of its pixels. Whether they are near to far is for the caller to see.
   virtual DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) = 0;
 
+  /// Say that appendSamples() will be called, or takeSamples() of what the reader is at, after what else there is of the same frame: a device may begin with that
+  /// meanwhile. The frame and the bytes must stay until then, or until endBegun().
+  virtual void beginToAppendSamples(const SampleFrame&, Placement) {}
+  virtual void beginToTakeSamples(ByteReader, Placement, size_t /*count*/, const SampleFrame&) {}
+  /// Nothing is to come of what was begun and is not done.
+  virtual void endBegun() {}
+
   /// Gives back buffers.
   virtual void forget() = 0;
 };

@@ -120,7 +120,7 @@ DecodeError TiledSamples::take(ByteReader& reader, Placement placement, size_t c
     }
   });
   if (isDamaged) return "the tiles' numbers of samples are damaged";
-  if (b.rows.place() != count) return "the tiles of the payload have other numbers of samples than the frame";
+  if (b.rows.place() != count) return kOtherNumbers;
 
   frame.samples.resize(count);
   frame.colors.resize(count);

@@ -19,6 +19,7 @@ size_t mostTiledLayers(const SampleFrame& frame);
 TileGrid tiledGridOf(const SampleFrame& frame, size_t samples);
 /// The most bytes of so many samples.
 uint64_t mostTiledSampleBytes(const SampleFrame& frame, uint64_t count);
+inline constexpr const char* kOtherNumbers = "the tiles of the payload have other numbers of samples than the frame";
 /// Whoever finds it differ has not the samples that were sent.
 inline constexpr const char* kOtherSamples =
     "the samples are not those that were sent: other camera or settings than the sender's, or a machine that rounds differently";

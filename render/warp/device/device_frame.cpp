@@ -5,17 +5,24 @@
 #include <string>
 
 #include "render/base/error.h"
+#include "render/march/cuda_frame.h"
 
 namespace warpscope {
 
 void DeviceFrame::upload(const SampleFrame& frame, cudaStream_t stream) {
-  count_ = 0;
+  view_ = {};
   if (frame.size() > kMaxLbvhSpheres)
     throw InputError("a frame may have at most " + std::to_string(kMaxLbvhSpheres) + " samples, not " + std::to_string(frame.size()));
+  const auto count = static_cast<uint32_t>(frame.size());
+  if (const CudaFrame* const there = CudaFrame::of(frame)) {
+    held_ = frame.device;
+    view_ = {there->buffers().samples.data(), there->buffers().colors.data(), count, frame.grid()};
+    return;
+  }
+  held_.reset();
   samples_.upload(frame.samples, stream);
   colors_.upload(frame.colors, stream);
-  grid_ = frame.grid();
-  count_ = static_cast<uint32_t>(frame.size());
+  view_ = {samples_.data(), colors_.data(), count, frame.grid()};
 }
 
 }  // namespace warpscope

@@ -22,16 +22,16 @@ struct DeviceFrameView {
 
 class DeviceFrame {
  public:
-  /// Copies the frame's samples, in stream order; the frame must stay until the stream has got there. Throws InputError for more samples
-  /// than a hierarchy can hold, DeviceError.
+  /// Copies the frame's samples, in stream order, unless they are on the device (SampleFrame::device), which it then goes on with; the frame must stay until the
+  /// stream has got there. Throws InputError for more samples than a hierarchy can hold, DeviceError.
   void upload(const SampleFrame& frame, cudaStream_t stream);
-  DeviceFrameView view() const { return {samples_.data(), colors_.data(), count_, grid_}; }
+  DeviceFrameView view() const { return view_; }
 
  private:
   cuda::DeviceBuffer<PackedSample> samples_;
   cuda::DeviceBuffer<Rgba8> colors_;
-  uint32_t count_ = 0;
-  SampleGrid grid_;
+  FrameOnDevicePtr held_;  // null: in the memory above
+  DeviceFrameView view_;
 };
 
 }  // namespace warpscope

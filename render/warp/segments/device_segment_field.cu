@@ -92,10 +92,15 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
   }
   pixels_ = makePixelGrid(frame.camera, frame.quantization.nearDepth);
   fieldDepths_ = fieldDepthsOf(frame.quantization);
-  rays_.upload(segments.rays, stream);
-  depths_.upload(segments.depths, stream);
-  codes_.upload(segments.colors, stream);
-  normals_.upload(segments.normals, stream);
+  const CudaFrame* const there = CudaFrame::of(frame);
+  held_ = there != nullptr ? frame.device : nullptr;
+  from_ = there != nullptr ? &there->buffers() : &uploaded_;
+  if (there == nullptr) {
+    uploaded_.rays.upload(segments.rays, stream);
+    uploaded_.depths.upload(segments.depths, stream);
+    uploaded_.segmentColors.upload(segments.colors, stream);
+    uploaded_.normals.upload(segments.normals, stream);
+  }
   first_.reserve(segments.rays.size() + 1);
   // At least one place, so that there is memory to point to.
   segments_.reserve(segments.size() + 1);
@@ -110,14 +115,14 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
 void DeviceSegmentField::build(const ColorTables* tables, cudaStream_t stream) {
   if (empty()) return;
   const size_t pixels = static_cast<size_t>(width_) * static_cast<size_t>(height_);
-  const auto numbers = thrust::make_transform_iterator(thrust::counting_iterator<size_t>(0), NumberAt{rays_.data(), pixels});
+  const auto numbers = thrust::make_transform_iterator(thrust::counting_iterator<size_t>(0), NumberAt{from_->rays.data(), pixels});
   cuda::withScratch(scratch_, [&](void* memory, size_t& bytes) {
     return cub::DeviceScan::ExclusiveSum(memory, bytes, numbers, first_.data(), static_cast<int64_t>(pixels + 1), stream);
   });
-  markEnds<<<cuda::blocksFor(pixels, kThreads), kThreads, 0, stream>>>(rays_.data(), pixels, first_.data());
+  markEnds<<<cuda::blocksFor(pixels, kThreads), kThreads, 0, stream>>>(from_->rays.data(), pixels, first_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   const auto width = static_cast<uint32_t>(width_), height = static_cast<uint32_t>(height_);
-  fillField<<<tileGrid(width, height), kTileBlockThreads, 0, stream>>>(pixels_, width, height, first_.data(), depths_.data(), codes_.data(), tables,
+  fillField<<<tileGrid(width, height), kTileBlockThreads, 0, stream>>>(pixels_, width, height, first_.data(), from_->depths.data(), from_->segmentColors.data(), tables,
                                                                        opticalDepths_.data(), fieldDepths_, segmentColorScale(hasNormals_), segments_.data(), colors_.data(),
                                                                        ofPixels_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
@@ -136,7 +141,7 @@ template <bool kUnlights>
 void DeviceSegmentField::light(const Camera& camera, cudaStream_t stream) {
   if (empty() || !hasNormals_) return;
   const auto width = static_cast<uint32_t>(width_), height = static_cast<uint32_t>(height_);
-  lightPixels<kUnlights><<<tileGrid(width, height), kTileBlockThreads, 0, stream>>>(field(), kUnlights ? colors_.data() : unlit_.data(), normals_.data(),
+  lightPixels<kUnlights><<<tileGrid(width, height), kTileBlockThreads, 0, stream>>>(field(), kUnlights ? colors_.data() : unlit_.data(), from_->normals.data(),
                                                                                     segmentLightsFor(head_, camera), camera.eye,
                                                                                     kUnlights ? unlit_.data() : colors_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();

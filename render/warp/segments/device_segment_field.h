@@ -4,7 +4,7 @@
 
 #include "render/core/color.h"
 #include "render/cuda/memory.h"
-#include "render/march/sample_frame.h"
+#include "render/march/cuda_frame.h"
 #include "render/warp/segments/segment_field_parts.h"
 
 namespace warpscope {
@@ -12,7 +12,12 @@ namespace warpscope {
 /// Keeps its buffers. Works in one stream.
 class DeviceSegmentField {
  public:
-  /// Copies the frame's segments, in stream order; the frame must stay until the stream has got there. Throws DeviceError.
+  DeviceSegmentField() = default;
+  DeviceSegmentField(const DeviceSegmentField&) = delete;
+  DeviceSegmentField& operator=(const DeviceSegmentField&) = delete;
+
+  /// Copies the frame's segments, in stream order, unless they are on the device (SampleFrame::device), which it then goes on with; the frame must stay until the
+  /// stream has got there. Throws DeviceError.
   void upload(const SampleFrame& frame, cudaStream_t stream);
   /// Derives the field from what was copied; `tables` are the colours' in device memory.
   void build(const ColorTables* tables, cudaStream_t stream);
@@ -34,10 +39,9 @@ class DeviceSegmentField {
   int width_ = 0, height_ = 0;
   bool hasNormals_ = false;
   cuda::DeviceBuffer<OpticalDepths> opticalDepths_;
-  cuda::DeviceBuffer<RaySegmentCount> rays_;
-  cuda::DeviceBuffer<SegmentDepths> depths_;
-  cuda::DeviceBuffer<Rgba8> codes_;
-  cuda::DeviceBuffer<NormalCode> normals_;
+  FrameOnDevicePtr held_;       // what segments are read from, where they were on the device
+  CudaFrameBuffers uploaded_;   // else
+  const CudaFrameBuffers* from_ = &uploaded_;
   cuda::DeviceBuffer<uint32_t> first_;
   cuda::DeviceBuffer<FieldSegment> segments_;
   cuda::DeviceBuffer<FieldColor> colors_, unlit_;

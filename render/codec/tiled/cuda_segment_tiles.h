@@ -1,0 +1,37 @@
+// Tiles of a frame's segments made and read by a CUDA device: the bytes of tiled_segments.h. For .cu files.
+#pragma once
+
+#include <vector>
+
+#include "render/codec/codec.h"
+#include "render/codec/tiled/cuda_tiles.h"
+#include "render/march/cuda_frame.h"
+
+namespace warpscope {
+
+struct SegmentView;
+
+class CudaSegmentTiles : public CudaTiles {
+ public:
+  /// False for a frame that is not for a device: without segments, or with more bytes than it counts.
+  static bool takes(const SampleFrame& frame);
+
+  void append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement);
+  /// Fills the frame's segments, at most `most`, and those of `held`.
+  DecodeError take(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame, CudaFrame& held);
+
+ private:
+  struct Memory {
+    uint8_t* rays;
+    SegmentDepths* depths;
+    Rgba8* colors;
+    NormalCode* normals;  // null where there are none
+  };
+  static Memory roomIn(CudaFrameBuffers& held, size_t pixels, size_t count, bool hasNormals);
+  SegmentView viewOf(const SampleFrame& frame, Placement placement, size_t pixels, size_t count, const Memory& memory);
+  void hash(const SegmentView& segments);
+
+  CudaFrameBuffers uploaded_;  // of frames that are not on the device
+};
+
+}  // namespace warpscope

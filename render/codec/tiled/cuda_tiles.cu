@@ -1,0 +1,23 @@
+// See cuda_tiles.h.
+#include "render/codec/tiled/cuda_tiles.h"
+
+namespace warpscope {
+
+PathGrid CudaTiles::pathsOf(const SampleFrame& frame, Placement placement) {
+  PathGrid paths = pathGridOf(frame, placement);
+  if (paths.jitter.noise == nullptr) return paths;
+  if (noise_.capacity() == 0) noise_.upload(blueNoise(), stream_);
+  paths.jitter.noise = noise_.data();
+  return paths;
+}
+
+void CudaTiles::reserveStreams(size_t values) {
+  origins_.reserve(values);
+  for (cuda::DeviceBuffer<uint32_t>& words : words_) words.reserve(values);
+}
+
+void CudaTiles::clearHash() { WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(hash_.data(), 0, sizeof(unsigned long long), stream_)); }
+
+void CudaTiles::fetchHash() { WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(hashOnHost_.data(), hash_.data(), sizeof(uint64_t), cudaMemcpyDeviceToHost, stream_)); }
+
+}  // namespace warpscope
