@@ -295,6 +295,62 @@ TEST(FallbackTiledCoder, FramesGoOnOnTheHostAndTheReasonIsToldOnce) {
   }
 }
 
+/// Knows whether something was begun and not ended.
+class WatchedCoder final : public TiledCoder {
+ public:
+  void beginToAppendSamples(const SampleFrame&, Placement) override { isBegun = true; }
+  void beginToTakeSamples(ByteReader, Placement, size_t, const SampleFrame&) override { isBegun = true; }
+  void appendSamples(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+    EXPECT_TRUE(isBegun);
+    host_->appendSamples(out, frame, placement);
+  }
+  DecodeError takeSamples(ByteReader& reader, Placement placement, size_t count, SampleFrame& frame) override {
+    EXPECT_TRUE(isBegun);
+    return host_->takeSamples(reader, placement, count, frame);
+  }
+  void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) override {
+    EXPECT_TRUE(isBegun);
+    if (isFailing) throw DeviceError("unplugged");
+    host_->appendSegments(out, frame, placement);
+  }
+  DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) override {
+    EXPECT_TRUE(isBegun);
+    return host_->takeSegments(reader, placement, hasNormals, most, frame);
+  }
+  void endBegun() override { isBegun = false; }
+  void forget() override { ++forgotten; }
+
+  bool isBegun = false, isFailing = false;
+  int forgotten = 0;
+
+ private:
+  const TiledCoderPtr host_ = makeHostTiledCoder();
+};
+
+TEST(TiledCoder, SamplesAreBegunBeforeAllElseAndEndHoweverTheFrameDoes) {
+  const auto coder = std::make_shared<WatchedCoder>();
+  FrameCodec codec(coder);
+  MarchSettings settings;
+  settings.sample.segments = 2;
+  const SampleFrame large = marched(shells(), settings, 300, 200), small = marched(shells(), settings, 12, 9);
+  const std::vector<std::byte> payload = codec.encode(large, kTiled);
+  EXPECT_FALSE(coder->isBegun);
+  for (int i = 0; i < 100 && coder->forgotten == 0; ++i) {  // until what the large frame needed is given back
+    codec.encode(small, kTiled);
+    EXPECT_FALSE(coder->isBegun);
+  }
+  EXPECT_GT(coder->forgotten, 0);
+  for (const size_t damaged : {payload.size(), payload.size() / 2}) {
+    std::vector<std::byte> bytes(payload.begin(), payload.begin() + static_cast<std::ptrdiff_t>(damaged));
+    SampleFrame back = headOf(large);
+    EXPECT_EQ(codec.decode(sealed(std::move(bytes)), large.size(), back).has_value(), damaged < payload.size());
+    EXPECT_FALSE(coder->isBegun);
+  }
+  coder->isFailing = true;
+  EXPECT_THROW(codec.encode(large, kTiled), DeviceError);
+  EXPECT_FALSE(coder->isBegun);
+}
+
 /// What a device and processors of every kind have to make as well, and versions to come to read.
 TEST(TiledPayload, IsTheSameEverywhere) {
   std::vector<uint32_t> pixels;

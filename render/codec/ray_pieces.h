@@ -1,7 +1,8 @@
-// Where the segments of some rays begin among all, found on all cores.
+// What rays have of segments, as bytes are read: where those of some rays begin among all, found on all cores.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "render/march/frame_segments.h"
 
 namespace warpscope {
+
+inline constexpr uint8_t kUnusedRayBits = 0x60;  ///< of RaySegmentCount: none may be set
 
 inline size_t countOf(std::span<const RaySegmentCount> rays) {
   size_t count = 0;

@@ -37,35 +37,6 @@ std::vector<size_t> beginsOf(const PictureBands& bands, const SampleFrame& frame
   return segmentStarts(frame.segments.rays, size_t{frame.camera.width} * bands.rowCount(0));  // every band but the last has as many rows
 }
 
-/// Nothing, or what is wrong.
-DecodeError whyInconsistent(const SampleFrame& frame) {
-  const FrameSegments& segments = frame.segments;
-  const int most = frame.settings.sample.segments;
-  const size_t pixels = size_t{frame.camera.width} * frame.camera.height;
-  if (segments.rays.size() != (most > 0 ? pixels : 0)) return "a frame must say of each pixel how many segments it has if its settings ask for some, else of none";
-  const std::vector<size_t> starts = segmentStarts(segments.rays, kCheckedRays);
-  if (starts.back() != segments.size()) return "a frame must have as many segments as its pixels say";
-  if (segments.colors.size() != segments.size()) return "a frame must have a colour for each segment";
-  if (!segments.normals.empty() && segments.normals.size() != segments.size()) return "a frame must have a normal for each segment, or none";
-  std::atomic<bool> areTooMany = false, areOutOfOrder = false;
-  parallelForRanges(starts.size() - 1, 1, [&](size_t begin, size_t end) {
-    const auto rays = std::span(segments.rays).subspan(begin * kCheckedRays, std::min(end * kCheckedRays, segments.rays.size()) - begin * kCheckedRays);
-    size_t at = starts[begin];
-    for (const RaySegmentCount ray : rays) {
-      if (ray.count() > most || (ray.bits() & 0x60) != 0) areTooMany = true;
-      uint32_t last = 0;
-      for (int i = 0; i < ray.count(); ++i, ++at) {
-        const SegmentDepths& depths = segments.depths[at];
-        if (depths.begin < last || depths.end < depths.begin || depths.end > kDepthCodeMax) areOutOfOrder = true;
-        last = depths.end;
-      }
-    }
-  });
-  if (areTooMany) return "a pixel of a frame has more segments than its settings ask for";
-  if (areOutOfOrder) return "the segments of a pixel must be near to far";
-  return std::nullopt;
-}
-
 void appendRaw(std::vector<std::byte>& out, const FrameSegments& segments) {
   const size_t start = out.size();
   out.resize(start + segments.sizeBytes());
@@ -125,8 +96,36 @@ uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, co
   return bytes;
 }
 
+DecodeError whyInconsistentSegments(const SampleFrame& frame) {
+  const FrameSegments& segments = frame.segments;
+  const int most = frame.settings.sample.segments;
+  const size_t pixels = size_t{frame.camera.width} * frame.camera.height;
+  if (segments.rays.size() != (most > 0 ? pixels : 0)) return "a frame must say of each pixel how many segments it has if its settings ask for some, else of none";
+  const std::vector<size_t> starts = segmentStarts(segments.rays, kCheckedRays);
+  if (starts.back() != segments.size()) return "a frame must have as many segments as its pixels say";
+  if (segments.colors.size() != segments.size()) return "a frame must have a colour for each segment";
+  if (!segments.normals.empty() && segments.normals.size() != segments.size()) return "a frame must have a normal for each segment, or none";
+  std::atomic<bool> areTooMany = false, areOutOfOrder = false;
+  parallelForRanges(starts.size() - 1, 1, [&](size_t begin, size_t end) {
+    const auto rays = std::span(segments.rays).subspan(begin * kCheckedRays, std::min(end * kCheckedRays, segments.rays.size()) - begin * kCheckedRays);
+    size_t at = starts[begin];
+    for (const RaySegmentCount ray : rays) {
+      if (ray.count() > most || (ray.bits() & kUnusedRayBits) != 0) areTooMany = true;
+      uint32_t last = 0;
+      for (int i = 0; i < ray.count(); ++i, ++at) {
+        const SegmentDepths& depths = segments.depths[at];
+        if (depths.begin < last || depths.end < depths.begin || depths.end > kDepthCodeMax) areOutOfOrder = true;
+        last = depths.end;
+      }
+    }
+  });
+  if (areTooMany) return "a pixel of a frame has more segments than its settings ask for";
+  if (areOutOfOrder) return kDisorderedSegments;
+  return std::nullopt;
+}
+
 void requireConsistentSegments(const SampleFrame& frame) {
-  if (DecodeError error = whyInconsistent(frame)) throw InputError(*error);
+  if (DecodeError error = whyInconsistentSegments(frame)) throw InputError(*error);
 }
 
 void SegmentCoder::append(std::vector<std::byte>& out, const SampleFrame& frame, const CodecSettings& settings) {
@@ -162,14 +161,11 @@ DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat f
   if (reader.ranOut()) return "the segments end before their head does";
   if ((placement != Placement::depth && placement != kBorders) || nameOf(coding) == "?" || hasNormals > 1) return "the segments have an unknown head";
   if (placement != Placement::depth && !hasLattice(frame)) return "the segments need a usable camera and step";
-  if (format == PayloadFormat::tiled) {
-    if (DecodeError error = tiled_->takeSegments(reader, placement, hasNormals == 1, most, frame)) return error;
-    return whyInconsistent(frame);
-  }
+  if (format == PayloadFormat::tiled) return tiled_->takeSegments(reader, placement, hasNormals == 1, most, frame);
   segments.rays.resize(size_t{frame.camera.width} * frame.camera.height);
   if (format == PayloadFormat::raw) {
     if (DecodeError error = takeRaw(reader, hasNormals == 1, most, frame)) return error;
-    return whyInconsistent(frame);
+    return whyInconsistentSegments(frame);
   }
   const PictureBands bands(frame.camera);
   const auto hash = reader.take<uint64_t>();
@@ -211,7 +207,7 @@ DecodeError SegmentCoder::take(std::span<const std::byte> bytes, PayloadFormat f
   });
   if (DecodeError error = firstError()) return error;
   if (hashOf(segments) != hash) return kOtherSegments;
-  return whyInconsistent(frame);
+  return whyInconsistentSegments(frame);
 }
 
 }  // namespace warpscope

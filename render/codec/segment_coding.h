@@ -22,9 +22,12 @@ namespace warpscope {
 /// none.
 uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, const CodecSettings& settings);
 
-/// Throws InputError for segments that are not what frame_segments.h says, or more in a pixel than the settings ask for. A frame whose settings ask for some has
-/// a count for each pixel of its picture.
+/// Nothing where the segments are what frame_segments.h says, and no more in a pixel than the settings ask for. A frame whose settings ask for some has a count for
+/// each pixel of its picture.
+DecodeError whyInconsistentSegments(const SampleFrame& frame);
+/// Throws InputError with that.
 void requireConsistentSegments(const SampleFrame& frame);
+inline constexpr const char* kDisorderedSegments = "the segments of a pixel must be near to far";
 
 class SegmentBand;
 

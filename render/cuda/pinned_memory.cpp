@@ -2,25 +2,35 @@
 // See pinned_memory.h.
 #include "render/cuda/pinned_memory.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <mutex>
 #include <vector>
 
+#include "render/base/memory.h"
 #include "render/cuda/check.h"
 
 namespace warpscope::cuda {
 namespace {
 
 constexpr size_t kSmallestBlockBytes = size_t{1} << 16;
-/// More than this is not kept: locked pages are pages that others cannot have.
-constexpr size_t kMostKeptBytes = size_t{1} << 28;
+/// More than this is not kept, locked pages being pages that others cannot have; or a sixteenth of what is free at first, where that is more: the segments of a
+/// large frame are gigabytes, and locking them takes ten times as long as copying.
+constexpr size_t kLeastKeptBytes = size_t{1} << 28, kKeptShare = 16;
+size_t mostKeptBytes() { return std::max(kLeastKeptBytes, static_cast<size_t>(availableMemoryBytes().value_or(0)) / kKeptShare); }
 
 class PinnedPool final : public std::pmr::memory_resource {
  public:
-  ~PinnedPool() override {
-    for (const auto& blocks : free_)
-      for (void* block : blocks) cudaFreeHost(block);  // may come after the driver's own end, which has freed them then
+  ~PinnedPool() override { giveBack(); }  // may come after the driver's own end, which has freed them then
+
+  void giveBack() {
+    const std::scoped_lock lock(mutex_);
+    for (std::vector<void*>& blocks : free_) {
+      for (void* block : blocks) cudaFreeHost(block);
+      blocks.clear();
+    }
+    keptBytes_ = 0;
   }
 
  private:
@@ -47,7 +57,7 @@ class PinnedPool final : public std::pmr::memory_resource {
     const size_t size = blockBytes(bytes);
     {
       const std::scoped_lock lock(mutex_);
-      if (keptBytes_ + size <= kMostKeptBytes) {
+      if (keptBytes_ + size <= mostKept_) {
         free_[static_cast<size_t>(std::countr_zero(size))].push_back(block);
         keptBytes_ += size;
         return;
@@ -61,13 +71,18 @@ class PinnedPool final : public std::pmr::memory_resource {
   std::mutex mutex_;
   std::array<std::vector<void*>, 64> free_;  // by the binary logarithm of their size
   size_t keptBytes_ = 0;
+  const size_t mostKept_ = mostKeptBytes();
 };
+
+PinnedPool& pinnedPool() {
+  static PinnedPool pool;
+  return pool;
+}
 
 }  // namespace
 
-std::pmr::memory_resource* pinnedMemory() {
-  static PinnedPool pool;
-  return &pool;
-}
+std::pmr::memory_resource* pinnedMemory() { return &pinnedPool(); }
+
+void giveBackPinnedMemory() { pinnedPool().giveBack(); }
 
 }  // namespace warpscope::cuda

@@ -10,4 +10,7 @@ namespace warpscope::cuda {
 /// long as the program. allocate() throws DeviceError. Safe to use from several threads.
 std::pmr::memory_resource* pinnedMemory();
 
+/// Unlocks what is kept and nobody uses: frames have become smaller, or nobody asks for any.
+void giveBackPinnedMemory();
+
 }  // namespace warpscope::cuda

@@ -16,6 +16,7 @@
 
 #include "render/base/error.h"
 #include "render/core/visible_bins.h"
+#include "render/cuda/pinned_memory.h"
 #include "render/march/cuda_frame.h"
 #include "render/march/device_cells.h"
 #include "render/march/device_octants.h"
@@ -72,7 +73,10 @@ class CudaMarcher final : public Marcher {
     stream_.synchronize();
   }
 
-  ~CudaMarcher() override { frames_->forget(); }
+  ~CudaMarcher() override {
+    frames_->forget();
+    cuda::giveBackPinnedMemory();
+  }
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);

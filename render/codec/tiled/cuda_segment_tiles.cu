@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "render/codec/segment_coding.h"
 #include "render/codec/tiled/segment_kernels.cuh"
 #include "render/codec/tiled/tiled_segments.h"
 
@@ -108,8 +109,10 @@ DecodeError CudaSegmentTiles::take(ByteReader& reader, Placement placement, bool
   download(segments.depths.data(), own.depths, count);
   download(segments.colors.data(), own.colors, count);
   if (hasNormals) download(segments.normals.data(), own.normals, count);
-  if (sheet_.report().flags != 0) return "a tile of segments is damaged";
+  const uint32_t flags = sheet_.report().flags;
+  if ((flags & ~kDisordered) != 0) return "a tile of segments is damaged";
   if (*hashOnHost_.data() != hashSent) return kOtherSegments;
+  if (flags != 0) return kDisorderedSegments;
   CudaFrameSizes sizes = held.sizes();
   sizes.rays = pixels;
   sizes.segments = count;

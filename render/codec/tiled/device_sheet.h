@@ -74,6 +74,7 @@ struct LaneState {
 enum SheetFlag : uint32_t {
   kDamagedShapes = 1,
   kDamagedStreams = 2,
+  kDisordered = 4,  ///< the segments of a ray are
 };
 
 struct SheetReport {

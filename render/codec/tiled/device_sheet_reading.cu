@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "render/codec/ray_pieces.h"
 #include "render/codec/tiled/device_lanes.cuh"
 #include "render/codec/tiled/device_sheet.h"
 #include "render/codec/tiled/tile_threads.cuh"
@@ -99,6 +100,7 @@ __device__ void takeRays(const SheetView& view, const TileRect& rect, const uint
   uint32_t bits = prefixXor(y < rect.height ? shape[y * rect.width] : 0);
   for (uint32_t x = 0; x < rect.width && y < rect.height; ++x) {
     if (x > 0) bits ^= shape[y * rect.width + x];
+    if ((bits & kUnusedRayBits) != 0) atomicOr(view.flags, kDamagedShapes);
     rays[view.pixel(rect, x, y)] = static_cast<uint8_t>(bits);
     view.counts[view.pixel(rect, x, y)] = static_cast<uint8_t>(RaySegmentCount::ofBits(static_cast<uint8_t>(bits)).count());
   }

@@ -89,7 +89,8 @@ __global__ void __launch_bounds__(kCodedTileWidth) arrangeSegments(SegmentView f
 /// Back.
 __global__ void __launch_bounds__(kCodedTileWidth) finishSegments(SegmentView frame, SheetView view) {
   if (!view.isFull() || *view.flags != 0) return;
-  uint32_t front = 0;
+  uint32_t front = 0, last = 0;
+  bool isOrdered = true;
   forValues(frame.paths, view, [&](const PixelPath& path, uint32_t layer, uint32_t i, uint32_t at) {
     const auto codeOf = [&](uint32_t place, SegmentNumbers rests) {
       const uint32_t likely = depthCodeOnPath(path, static_cast<int32_t>(place), frame.paths.step, frame.paths.depthStep, frame.paths.placement);
@@ -97,10 +98,14 @@ __global__ void __launch_bounds__(kCodedTileWidth) finishSegments(SegmentView fr
     };
     const uint32_t begin = layer > 0 ? front + frame.begins[at] : frame.begins[at];
     front = frame.ends[at];
-    frame.depths[i] = {codeOf(begin, SegmentNumbers::beginRest), codeOf(front, SegmentNumbers::endRest)};
+    const SegmentDepths depths{codeOf(begin, SegmentNumbers::beginRest), codeOf(front, SegmentNumbers::endRest)};
+    isOrdered &= last <= depths.begin && depths.begin <= depths.end;
+    last = depths.end;
+    frame.depths[i] = depths;
     frame.colors[i] = frame.streamColors[at];
     if (frame.normals != nullptr) frame.normals[i] = static_cast<NormalCode>(frame.streamNormals[at]);
   });
+  if (!isOrdered) atomicOr(view.flags, kDisordered);
 }
 
 /// As TiledSegments: rays, depths, normals. A thread for each pixel or segment, whichever are more.

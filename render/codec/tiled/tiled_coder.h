@@ -23,7 +23,7 @@ class TiledCoder {
 
   /// Appends the frame's segments, which are consistent: tiled_segments.h.
   virtual void appendSegments(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) = 0;
-  /// Fills the frame's segments, at most `most`, and a ray for each of its pixels. Whether they are near to far is for the caller to see.
+  /// Fills the frame's segments, at most `most`, and a ray for each of its pixels. Whatever the bytes, they are consistent then (segment_coding.h).
   virtual DecodeError takeSegments(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame) = 0;
 
   /// Say that appendSamples() will be called, or takeSamples() of what the reader is at, after what else there is of the same frame: a device may begin with that

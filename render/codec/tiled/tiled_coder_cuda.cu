@@ -9,6 +9,7 @@
 #include "render/codec/tiled/cuda_sample_tiles.h"
 #include "render/codec/tiled/cuda_segment_tiles.h"
 #include "render/codec/tiled/tiled_samples.h"
+#include "render/cuda/pinned_memory.h"
 
 namespace warpscope {
 namespace {
@@ -104,6 +105,7 @@ class CudaTiledCoder final : public TiledCoder {
     endBegun();
     workers_->forget();
     frames_->forget();
+    cuda::giveBackPinnedMemory();
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <atomic>
 
 #include "render/base/shared_pool.h"
+#include "render/codec/segment_coding.h"
 #include "render/codec/summed_hash.h"
 #include "render/codec/tiled/tile_segments.h"
 #include "render/core/parallel.h"
@@ -101,7 +102,7 @@ DecodeError TiledSegments::take(ByteReader& reader, Placement placement, bool ha
   });
   if (isDamaged) return "a tile of segments is damaged";
   if (hashOf(segments) != hash) return kOtherSegments;
-  return std::nullopt;
+  return whyInconsistentSegments(frame);
 }
 
 }  // namespace warpscope

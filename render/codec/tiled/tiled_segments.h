@@ -27,7 +27,7 @@ class TiledSegments {
 
   /// Appends the frame's segments, which are consistent.
   void append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement);
-  /// Fills the frame's segments, at most `most`, and a ray for each of its pixels. Whether they are near to far is for the caller to see.
+  /// Fills the frame's segments, at most `most`, and a ray for each of its pixels. Whatever the bytes, they are consistent then (segment_coding.h).
   DecodeError take(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame);
 
  private:
