@@ -84,7 +84,7 @@ uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, co
   const uint64_t pixels = uint64_t{camera.width} * camera.height, layers = static_cast<uint64_t>(marched.sample.segments), segments = pixels * layers;
   const uint64_t raw = kHeadBytes + pixels + segments * (kRawSegmentBytes + sizeof(NormalCode));
   if (settings.format == PayloadFormat::raw) return raw;
-  if (settings.format == PayloadFormat::tiled) return kHeadBytes + mostTiledSegmentBytes(camera, layers);
+  if (settings.format == PayloadFormat::tiled) return kHeadBytes + mostTiledSegmentBytes(camera, segments, layers);
   const PictureBands bands(camera);
   constexpr uint64_t kTokens = 4, kNormals = 2;
   uint64_t bytes = kHeadBytes + sizeof(uint64_t);

@@ -18,7 +18,8 @@ const CudaFrame* awayOn(const SampleFrame& frame) { return frame.isAway ? CudaFr
 bool CudaSegmentTiles::takes(const SampleFrame& frame) {
   const CudaFrame* const there = awayOn(frame);
   const bool isEmpty = there != nullptr ? there->sizes().rays == 0 : frame.segments.empty();
-  return !isEmpty && mostTiledSegmentBytes(frame.camera, static_cast<uint64_t>(frame.settings.sample.segments)) <= kMostDeviceBytes;
+  const uint64_t count = there != nullptr ? there->sizes().segments : frame.segments.size();
+  return !isEmpty && mostTiledSegmentBytes(frame.camera, count, static_cast<uint64_t>(frame.settings.sample.segments)) <= kMostDeviceBytes;
 }
 
 CudaSegmentTiles::Memory CudaSegmentTiles::roomIn(CudaFrameBuffers& held, size_t pixels, size_t count, bool hasNormals) {

@@ -47,9 +47,9 @@ struct TiledSegments::Buffers {
 TiledSegments::TiledSegments() : buffers_(std::make_unique<Buffers>()) {}
 TiledSegments::~TiledSegments() { buffers_->pool->forget(); }
 
-uint64_t mostTiledSegmentBytes(const Camera& camera, uint64_t layers) {
+uint64_t mostTiledSegmentBytes(const Camera& camera, uint64_t segments, uint64_t layers) {
   const uint64_t pixels = uint64_t{camera.width} * camera.height;
-  return sizeof(uint64_t) + mostSheetBytes(segmentForm(true), {camera.width, camera.height}, pixels, pixels * layers, layers);
+  return sizeof(uint64_t) + mostSheetBytes(segmentForm(true), {camera.width, camera.height}, pixels, segments, layers);
 }
 
 void TiledSegments::append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) {

@@ -12,8 +12,8 @@
 
 namespace warpscope {
 
-/// The most bytes of `layers` layers.
-uint64_t mostTiledSegmentBytes(const Camera& camera, uint64_t layers);
+/// The most bytes of so many segments, at most `layers` of a pixel.
+uint64_t mostTiledSegmentBytes(const Camera& camera, uint64_t segments, uint64_t layers);
 
 /// Whoever finds it differ has not the segments that were sent.
 inline constexpr const char* kOtherSegments =
