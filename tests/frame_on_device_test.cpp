@@ -29,7 +29,10 @@ TEST(FrameOnDevice, IsTheSameFrameOnceItIsHere) {
     EXPECT_EQ(here.samples, frame.samples);
     EXPECT_EQ(here.colors, frame.colors);
     EXPECT_EQ(here.planes, frame.planes);
+    EXPECT_EQ(here.segments.rays, frame.segments.rays);
     EXPECT_EQ(here.segments.depths, frame.segments.depths);
+    EXPECT_EQ(here.segments.colors, frame.segments.colors);
+    EXPECT_EQ(here.segments.normals, frame.segments.normals);
     EXPECT_EQ(here.camera, frame.camera);
   }
 }

@@ -1,6 +1,6 @@
 // Loads against sums over every sphere's own footprint, and which way is taken where the answer is plain.
-// Mirrors render/warp/device/sphere_ways.h.
-#include "render/warp/device/sphere_ways.h"
+// Mirrors render/warp/sphere_ways.h.
+#include "render/warp/sphere_ways.h"
 
 #include <gtest/gtest.h>
 
@@ -76,7 +76,7 @@ TEST(SphereWays, NothingIsNoWork) {
   EXPECT_EQ(load.fragments, 0.0);
   EXPECT_EQ(load.tiles, 0.0);
   EXPECT_EQ(load.longestWalk, 0.0);
-  for (const WayCosts& costs : {sphereCosts(load), surfaceCosts(load, 4)}) EXPECT_EQ(costs.fastest(), SphereTracing::footprints);
+  for (const WayCosts& costs : {sphereCosts(load), surfaceCosts(load, 4)}) EXPECT_TRUE(costs.favourFootprints());
   // Spheres that lie behind the eye alone.
   Camera away = orbitCamera(1000.0f, 0.0f, 64, 48);
   away.forward = -away.forward;
@@ -88,8 +88,20 @@ TEST(SphereWays, SmallSpheresLookForPixelsAndLargeOnesAreLookedFor) {
   const SampleFrame frame = frameOfCloud(makeCloud(CloudShape::random, 300000, 100.0f, 11));
   const SphereLoadProbe probe(frame);
   const SphereLoad far = probe.loadFor(orbitCamera(2000.0f, 20.0f, 1024, 1024)), near = probe.loadFor(orbitCamera(20.0f, 20.0f, 4096, 4096));
-  for (const WayCosts& costs : {sphereCosts(far), surfaceCosts(far, 4)}) EXPECT_EQ(costs.fastest(), SphereTracing::footprints);
-  for (const WayCosts& costs : {sphereCosts(near), surfaceCosts(near, 4)}) EXPECT_EQ(costs.fastest(), SphereTracing::clusters);
+  for (const WayCosts& costs : {sphereCosts(far), surfaceCosts(far, 4)}) EXPECT_TRUE(costs.favourFootprints());
+  for (const WayCosts& costs : {sphereCosts(near), surfaceCosts(near, 4)}) EXPECT_FALSE(costs.favourFootprints());
+}
+
+TEST(SphereWays, OnTheCpuLargeFootprintsAloneAreLeftToTheHierarchy) {
+  const SampleFrame frame = frameOfCloud(makeCloud(CloudShape::random, 300000, 100.0f, 11));
+  const SphereLoadProbe probe(frame);
+  EXPECT_TRUE(hostFavoursFootprints(probe.loadFor(orbitCamera(2000.0f, 20.0f, 1024, 1024))));
+  EXPECT_TRUE(hostFavoursFootprints(probe.loadFor(orbitCamera(300.0f, 20.0f, 1024, 1024))));
+  EXPECT_TRUE(hostFavoursFootprints(SphereLoadProbe(SampleFrame{}).loadFor(orbitCamera(300.0f, 0.0f, 64, 48))));
+  SphereLoad load{.pixels = 1e6, .spheres = 100.0, .fragments = 100.0 * kLargeFootprint};
+  EXPECT_TRUE(hostFavoursFootprints(load));
+  load.fragments *= 1.001;
+  EXPECT_FALSE(hostFavoursFootprints(load));
 }
 
 /// More of anything costs no less.
@@ -100,10 +112,10 @@ TEST(SphereWays, CostsGrow) {
     more.*part *= 2.0;
     const WayCosts spheres = sphereCosts(load), moreSpheres = sphereCosts(more), surfaces = surfaceCosts(load, 4), moreSurfaces = surfaceCosts(more, 4);
     EXPECT_GE(moreSpheres.footprints, spheres.footprints);
-    EXPECT_GE(moreSpheres.clusters, spheres.clusters);
+    EXPECT_GE(moreSpheres.hierarchy, spheres.hierarchy);
     EXPECT_GE(moreSurfaces.footprints, surfaces.footprints);
-    EXPECT_GE(moreSurfaces.clusters, surfaces.clusters);
-    EXPECT_GT(moreSpheres.footprints + moreSpheres.clusters, spheres.footprints + spheres.clusters);
+    EXPECT_GE(moreSurfaces.hierarchy, surfaces.hierarchy);
+    EXPECT_GT(moreSpheres.footprints + moreSpheres.hierarchy, spheres.footprints + spheres.hierarchy);
   }
 }
 

@@ -58,7 +58,7 @@ class TechniqueRun {
     WarpResources onCpu = resources;
     onCpu.backend = Backend::cpu;
     WarpSettings cpuSettings = settings_.warp;
-    cpuSettings.knobs.set(kSphereTracingKnob, SphereTracing::automatic);
+    cpuSettings.knobs.set(kSphereTracingKnob, SphereTracing::lbvh);
     const std::unique_ptr<Warp> truth = makeWarp(technique, onCpu);
     truth->setFrame(frame, cpuSettings, stop_);
     WarpedImage expected;

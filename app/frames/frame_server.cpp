@@ -282,7 +282,8 @@ FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane
         encode(frame);
       } catch (const DeviceError&) {
         if (!frame.isAway) throw;
-        frame = marchTo(false);  // what was left on the device is lost with it: elsewhere from the start
+        frame = {};              // what was left on the device is lost with it, and its memory may be what there was too little of
+        frame = marchTo(false);  // elsewhere from the start
         encode(frame);
       }
       net::StageTimes& took = answer.head.stages;

@@ -83,7 +83,7 @@ class Codec {
  public:
   virtual ~Codec() = default;
 
-  /// Say that encode() or decode() of the same comes after what else there is of the frame: who can begins with it meanwhile. What is given must stay until then, or
+  /// Come before encode() and decode() of the same, and what else there is of the frame between them: who can begins meanwhile. What is given must stay until then, or
   /// until TiledCoder::endBegun(), which whoever calls these calls in the end.
   virtual void beginToEncode(const SampleFrame&) {}
   virtual void beginToDecode(std::span<const std::byte>, size_t /*count*/, const SampleFrame&) {}

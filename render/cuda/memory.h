@@ -94,6 +94,18 @@ class Stream {
   cudaStream_t stream_ = nullptr;
 };
 
+/// However its scope is left, the stream is through with memory that goes back to a pool behind it.
+class Settled {
+ public:
+  explicit Settled(cudaStream_t stream) : stream_(stream) {}
+  ~Settled() { cudaStreamSynchronize(stream_); }
+  Settled(const Settled&) = delete;
+  Settled& operator=(const Settled&) = delete;
+
+ private:
+  const cudaStream_t stream_;
+};
+
 /// A place in a stream, and its time.
 class Event {
  public:

@@ -25,12 +25,14 @@ class PinnedPool final : public std::pmr::memory_resource {
   ~PinnedPool() override { giveBack(); }  // may come after the driver's own end, which has freed them then
 
   void giveBack() {
-    const std::scoped_lock lock(mutex_);
-    for (std::vector<void*>& blocks : free_) {
-      for (void* block : blocks) cudaFreeHost(block);
-      blocks.clear();
+    std::array<std::vector<void*>, 64> unused;
+    {
+      const std::scoped_lock lock(mutex_);
+      unused.swap(free_);
+      keptBytes_ = 0;
     }
-    keptBytes_ = 0;
+    for (const std::vector<void*>& blocks : unused)
+      for (void* block : blocks) cudaFreeHost(block);
   }
 
  private:

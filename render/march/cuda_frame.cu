@@ -35,11 +35,12 @@ TransferVector<FirstSegment> CudaFrame::firstSegments(size_t stride) const {
   CudaFrameBuffers& held = buffers();
   TransferVector<FirstSegment> first;
   if (count == 0 || sizes_.segments == 0) return first;
-  held.probes.reserve(count);
-  findFirstSegments<<<cuda::blocksFor(count, kThreads), kThreads, 0, held.stream>>>(count, stride, held.rays.data(), held.ends.data(), held.depths.data(), held.probes.data());
+  const cuda::Settled settled(memory_->stream);
+  memory_->probes.reserve(count);
+  findFirstSegments<<<cuda::blocksFor(count, kThreads), kThreads, 0, memory_->stream>>>(count, stride, held.rays.data(), held.ends.data(), held.depths.data(), memory_->probes.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
-  fetch(first, held.probes, count, held.stream);
-  held.stream.synchronize();
+  fetch(first, memory_->probes, count, memory_->stream);
+  memory_->stream.synchronize();
   std::erase_if(first, [](const FirstSegment& segment) { return segment.pixel == kNoPixel; });
   return first;
 }
@@ -50,7 +51,7 @@ TransferVector<PackedSample> CudaFrame::everySample(size_t stride) const {
   samples.resize(count);
   if (count == 0) return samples;
   constexpr size_t kBytes = sizeof(PackedSample);
-  const cuda::Stream& stream = buffers().stream;
+  const cuda::Stream& stream = memory_->stream;
   WARPSCOPE_CUDA_CHECK(cudaMemcpy2DAsync(samples.data(), kBytes, buffers().samples.data(), stride * kBytes, kBytes, count, cudaMemcpyDeviceToHost, stream));
   stream.synchronize();
   return samples;
@@ -58,11 +59,13 @@ TransferVector<PackedSample> CudaFrame::everySample(size_t stride) const {
 
 void CudaFrame::copyTo(SampleFrame& frame) const {
   cuda::Event copied;
-  copyTo(frame, buffers().stream, copied);
+  copyTo(frame, memory_->stream, copied);
 }
 
 void CudaFrame::copyTo(SampleFrame& frame, cudaStream_t stream, cuda::Event& copied) const {
   CudaFrameBuffers& from = buffers();
+  TransferVector<std::byte> layers, spreads;
+  const cuda::Settled settled(stream);
   fetch(frame.samples, from.samples, sizes_.samples, stream);
   fetch(frame.colors, from.colors, sizes_.samples, stream);
   frame.segments = {};
@@ -72,7 +75,6 @@ void CudaFrame::copyTo(SampleFrame& frame, cudaStream_t stream, cuda::Event& cop
     fetch(frame.segments.colors, from.segmentColors, sizes_.segments, stream);
     if (sizes_.hasNormals) fetch(frame.segments.normals, from.normals, sizes_.segments, stream);
   }
-  TransferVector<std::byte> layers, spreads;
   if (sizes_.hasLayers) fetch(layers, from.layers, sizes_.samples, stream);
   if (sizes_.hasSpreads) fetch(spreads, from.spreads, sizes_.samples, stream);
   copied.record(stream);

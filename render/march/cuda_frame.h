@@ -19,11 +19,16 @@ struct CudaFrameBuffers {
   cuda::DeviceBuffer<SegmentDepths> depths;
   cuda::DeviceBuffer<Rgba8> segmentColors;
   cuda::DeviceBuffer<NormalCode> normals;
-  cuda::Stream stream;  ///< of who looks at a frame and has none, with the following
+};
+
+struct CudaFrameMemory {
+  CudaFrameBuffers buffers;
+  // For those who look at a frame and have none.
+  cuda::Stream stream;
   cuda::DeviceBuffer<FirstSegment> probes;
 };
 
-using CudaFramePool = SharedPool<CudaFrameBuffers>;
+using CudaFramePool = SharedPool<CudaFrameMemory>;
 
 /// How much there is in the buffers.
 struct CudaFrameSizes {
@@ -35,13 +40,13 @@ struct CudaFrameSizes {
 
 class CudaFrame final : public FrameOnDevice {
  public:
-  explicit CudaFrame(const std::shared_ptr<CudaFramePool>& pool) : buffers_(pool->take()) {}
+  explicit CudaFrame(const std::shared_ptr<CudaFramePool>& pool) : memory_(pool->take()) {}
 
   /// Where `frame` is on a CUDA device; null if it is on none.
   static const CudaFrame* of(const SampleFrame& frame) { return dynamic_cast<const CudaFrame*>(frame.device.get()); }
 
   /// Of who makes the frame, to be filled; others read.
-  CudaFrameBuffers& buffers() const { return *buffers_; }
+  CudaFrameBuffers& buffers() const { return memory_->buffers; }
   const CudaFrameSizes& sizes() const { return sizes_; }
   void setSizes(const CudaFrameSizes& sizes) { sizes_ = sizes; }
 
@@ -55,7 +60,7 @@ class CudaFrame final : public FrameOnDevice {
   void copyTo(SampleFrame& frame, cudaStream_t stream, cuda::Event& copied) const;
 
  private:
-  const CudaFramePool::Lease buffers_;
+  const CudaFramePool::Lease memory_;
   CudaFrameSizes sizes_;
 };
 

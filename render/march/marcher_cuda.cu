@@ -16,7 +16,6 @@
 
 #include "render/base/error.h"
 #include "render/core/visible_bins.h"
-#include "render/cuda/pinned_memory.h"
 #include "render/march/cuda_frame.h"
 #include "render/march/device_cells.h"
 #include "render/march/device_octants.h"
@@ -71,11 +70,6 @@ class CudaMarcher final : public Marcher {
         turns_(std::move(turns)) {
     colorTables_.upload({&ColorTables::instance(), 1}, stream_);
     stream_.synchronize();
-  }
-
-  ~CudaMarcher() override {
-    frames_->forget();
-    cuda::giveBackPinnedMemory();
   }
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
@@ -152,6 +146,7 @@ class CudaMarcher final : public Marcher {
     const SampleRule rule = sampleRuleFor(*marched_->volume, camera, settings.sample);
     Found result{std::make_shared<CudaFrame>(frames_), emptyFrame(*marched_->volume, camera, settings, rule)};
     CudaFrameBuffers& found = result.found->buffers();
+    const cuda::Settled settled(stream_);
     const int slots = settings.sample.samplesPerRay;
     const size_t pixels = size_t{camera.width} * camera.height, places = pixels * static_cast<size_t>(slots);
     denseSamples_.reserve(places);

@@ -8,7 +8,7 @@ namespace warpscope {
 
 /// Copies the volume to the first CUDA device and keeps it there; twins share it. Throws DeviceError if there is no device, no CUDA in
 /// this build, or not enough memory. Besides what marcher.h says, its calls throw DeviceError when the device fails them.
-/// Frames' samples lie in page-locked memory (cuda/pinned_memory.h).
+/// Frames' samples lie in page-locked memory (cuda/pinned_memory.h); those of marchToCode() stay on the device (march/cuda_frame.h).
 MarcherPtr makeCudaMarcher(VolumePtr volume, TransferFunction transferFunction);
 
 }  // namespace warpscope

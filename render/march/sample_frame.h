@@ -24,7 +24,7 @@ namespace warpscope {
 struct ServerTimings {
   double marchMs = 0.0;
   double compactMs = 0.0;
-  double copyMs = 0.0;  ///< from the device's memory to the host's; 0 where the CPU marched
+  double copyMs = 0.0;  ///< from the device's memory to the host's; 0 where the CPU marched, or the frame stayed there
 };
 
 struct SampleFrame {
@@ -46,7 +46,7 @@ struct SampleFrame {
   bool isAway = false;                   ///< they are there alone (Marcher::marchToCode): vectors of them are empty
 
   size_t size() const { return isAway ? device->sampleCount() : samples.size(); }
-  /// What the frame's samples take on the wire in this format.
+  /// What the frame's samples take on the wire in this format; of one that is away, nothing.
   size_t sizeBytes() const {
     size_t bytes = samples.size() * (sizeof(PackedSample) + sizeof(Rgba8));
     for (const SamplePlane& plane : planes) bytes += plane.values.size();

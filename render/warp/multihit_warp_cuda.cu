@@ -9,7 +9,7 @@
 #include "render/warp/clusters/cluster_trace.cuh"
 #include "render/warp/clusters/cluster_tree.h"
 #include "render/warp/device/device_warp.h"
-#include "render/warp/device/sphere_ways.h"
+#include "render/warp/sphere_ways.h"
 #include "render/warp/multihit/splatted_surfaces.cuh"
 #include "render/warp/multihit/surface_hits.h"
 #include "render/warp/multihit_warp.h"
@@ -197,7 +197,7 @@ class CudaMultihitWarp final : public DeviceWarp {
 
   bool isSplatted(const Camera& camera, int surfaces) const {
     if (way_ != SphereTracing::automatic) return way_ == SphereTracing::footprints;
-    return SplattedSurfaces::bytesFor(camera, surfaces) <= kMostSplatBytes && surfaceCosts(probe_.loadFor(camera), surfaces).fastest() == SphereTracing::footprints;
+    return SplattedSurfaces::bytesFor(camera, surfaces) <= kMostSplatBytes && surfaceCosts(probe_.loadFor(camera), surfaces).favourFootprints();
   }
 
   static int hitsOf(const WarpSettings& settings) { return settings.knobs.whole(kHitsKnob); }

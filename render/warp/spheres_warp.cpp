@@ -11,6 +11,7 @@
 #include "render/warp/lbvh/sample_capsules.h"
 #include "render/warp/lbvh/sphere_tracer.h"
 #include "render/warp/sphere_cloud_warp.h"
+#include "render/warp/sphere_ways.h"
 #include "render/warp/spheres_warp_cuda.h"
 #include "render/warp/splats/splat_tracer.h"
 
@@ -22,6 +23,7 @@ Arithmetic arithmeticOf(const WarpSettings& settings) { return settings.knobs.ch
 
 class SpheresWarp final : public SphereCloudWarp {
  protected:
+  /// Where the way depends on the view nothing is built before there is one.
   void build(const SampleFrame& frame, std::span<const Sphere> spheres, const WarpSettings& settings) override {
     if (tracingOf(settings) == SphereTracing::clusters)
       throw UsageError("clusters are for CUDA devices: choose another way of tracing (--via), or --backend cuda");
@@ -29,36 +31,60 @@ class SpheresWarp final : public SphereCloudWarp {
     smear_ = settings.knobs.number(kSmearKnob);
     tracing_ = tracingOf(settings);
     arithmetic_ = arithmeticOf(settings);
-    if (const SamplePlane* const spreads = spreadsOf(frame); spreads != nullptr && smear_ > 0.0f) {
+    footprints_.isBuilt = hierarchy_.isBuilt = false;
+    const SamplePlane* const spreads = spreadsOf(frame);
+    isOfCapsules_ = spreads != nullptr && smear_ > 0.0f;
+    if (isOfCapsules_) {
       requireCapsules(settings);
       auto capsules = std::make_unique<LbvhTracer>();
       capsules->build(spheres, halfLinesOf(frame, *spreads));
-      tracer_ = std::move(capsules);
-      madeFor_.reset();
+      hierarchy_ = {std::move(capsules), {}, true};
+      tracer_ = hierarchy_.tracer.get();
       return;
     }
-    if (madeFor_ != std::pair(tracing_, arithmetic_)) {
-      if (tracing_ == SphereTracing::embree)
-        tracer_ = std::make_unique<EmbreeTracer>();
-      else if (tracing_ == SphereTracing::footprints)
-        tracer_ = std::make_unique<SplatTracer>();
-      else
-        tracer_ = std::make_unique<LbvhTracer>(arithmetic_);
-      madeFor_ = {tracing_, arithmetic_};
-    }
-    tracer_->build(spheres);
+    if (dependsOnView())
+      probe_ = SphereLoadProbe(frame);
+    else
+      buildFor(tracing_);
   }
 
   void drawSpheres(const SampleFrame& frame, const Camera& camera, const WarpSettings& settings, WarpedImage& image,
                    const std::stop_token& stop) override {
     if (isOther(settings)) build(frame, spheres(), settings);
+    if (dependsOnView()) buildFor(hostFavoursFootprints(probe_.loadFor(camera)) ? SphereTracing::footprints : SphereTracing::lbvh);
     tracer_->trace(camera, image.samples, nullptr, stop);
     resolveColors(frame, image.samples, image.color);
   }
 
  private:
+  /// What finds spheres, and for what it was made; what is built of a frame stays for the next pictures of it.
+  struct Tracing {
+    std::unique_ptr<SphereTracer> tracer;
+    std::optional<std::pair<SphereTracing, Arithmetic>> madeFor;  // where it is of spheres
+    bool isBuilt = false;                                         // for this frame
+  };
+
   bool isOther(const WarpSettings& settings) const {
     return tracing_ != tracingOf(settings) || arithmetic_ != arithmeticOf(settings) || smear_ != settings.knobs.number(kSmearKnob);
+  }
+  bool dependsOnView() const { return tracing_ == SphereTracing::automatic && arithmetic_ == Arithmetic::stable && !isOfCapsules_; }
+
+  void buildFor(SphereTracing way) {
+    Tracing& tracing = way == SphereTracing::footprints ? footprints_ : hierarchy_;
+    tracer_ = nullptr;  // if this fails
+    if (tracing.madeFor != std::pair(way, arithmetic_)) {
+      if (way == SphereTracing::embree)
+        tracing.tracer = std::make_unique<EmbreeTracer>();
+      else if (way == SphereTracing::footprints)
+        tracing.tracer = std::make_unique<SplatTracer>();
+      else
+        tracing.tracer = std::make_unique<LbvhTracer>(arithmetic_);
+      tracing.madeFor = {way, arithmetic_};
+      tracing.isBuilt = false;
+    }
+    if (!tracing.isBuilt) tracing.tracer->build(spheres());
+    tracing.isBuilt = true;
+    tracer_ = tracing.tracer.get();
   }
 
   std::vector<glm::vec3> halfLinesOf(const SampleFrame& frame, const SamplePlane& spreads) const {
@@ -74,11 +100,13 @@ class SpheresWarp final : public SphereCloudWarp {
     return lines;
   }
 
-  std::unique_ptr<SphereTracer> tracer_;
-  std::optional<std::pair<SphereTracing, Arithmetic>> madeFor_;  // tracer_, where it is of spheres
+  Tracing footprints_, hierarchy_;  // both, so that views between which the way changes do not build again and again
+  SphereTracer* tracer_ = nullptr;  // of the two the one that is in use
+  SphereLoadProbe probe_;           // of this frame, where the way depends on the view
   SphereTracing tracing_ = SphereTracing::automatic;  // as the settings of what was built said
   Arithmetic arithmetic_ = Arithmetic::stable;
   float smear_ = 0.0f;
+  bool isOfCapsules_ = false;
 };
 
 std::unique_ptr<Warp> makeSpheresWarp(const WarpResources& resources) {

@@ -11,7 +11,7 @@ namespace warpscope {
 
 /// How the first sphere along each pixel's ray is found. All find the same.
 enum class SphereTracing {
-  automatic,   ///< lbvh on the CPU; on a CUDA device clusters or footprints, what suits the view (sphere_ways.h)
+  automatic,   ///< footprints, or lbvh on the CPU and clusters on a CUDA device: what suits the view (sphere_ways.h). lbvh where only that knows what is asked for
   lbvh,        ///< the binary hierarchy of Karras 2012
   clusters,    ///< the hierarchy as wide as a warp, on CUDA devices only
   embree,      ///< on the CPU only
@@ -19,7 +19,7 @@ enum class SphereTracing {
 };
 
 inline constexpr std::array<NamedValue<SphereTracing>, 5> kSphereTracings{{
-    {SphereTracing::automatic, "auto", "lbvh on the CPU; on a CUDA device clusters or footprints, whichever is faster for the view"},
+    {SphereTracing::automatic, "auto", "footprints, or lbvh on the CPU and clusters on a CUDA device: whichever is faster for the view"},
     {SphereTracing::lbvh, "lbvh", "the binary hierarchy of Karras 2012"},
     {SphereTracing::clusters, "clusters", "a hierarchy of boxes around 32 neighbours each, as wide as a warp; CUDA only"},
     {SphereTracing::embree, "embree", "Embree's hierarchy; CPU only"},

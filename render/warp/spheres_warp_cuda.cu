@@ -5,9 +5,9 @@
 #include "render/warp/arithmetic_knob.h"
 #include "render/warp/clusters/cluster_tree.h"
 #include "render/warp/device/device_warp.h"
-#include "render/warp/device/sphere_ways.h"
 #include "render/warp/lbvh/device_lbvh.h"
 #include "render/warp/lbvh/sample_capsules.h"
+#include "render/warp/sphere_ways.h"
 #include "render/warp/splats/device_splats.h"
 #include "render/warp/spheres_warp.h"
 
@@ -40,7 +40,7 @@ class CudaSpheresWarp final : public DeviceWarp {
 
   bool prepare(const WarpSettings& settings, const Camera& camera) override {
     way_ = askedFor(settings);
-    if (way_ == SphereTracing::automatic) way_ = sphereCosts(probe_.loadFor(camera)).fastest();
+    if (way_ == SphereTracing::automatic) way_ = sphereCosts(probe_.loadFor(camera)).favourFootprints() ? SphereTracing::footprints : SphereTracing::clusters;
     if (way_ == SphereTracing::footprints) return false;
     return way_ != built_ || (hasSpreads_ && smearOf(settings) != smear_);
   }

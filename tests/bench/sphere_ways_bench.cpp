@@ -1,5 +1,8 @@
-// Which way of finding what lies along rays is fastest on a CUDA device, over frames and views of many kinds, for `spheres` and for `multihit`? What sphere_ways.h estimates stands beside
-// what was measured. A line for each view as CSV, then how what is chosen compares with the faster of the two ways. Needs no display. Arguments: scenes; without any, the built-in ones.
+// Which way of finding what lies along rays is fastest, over frames and views of many kinds: on a CUDA device for `spheres` and for `multihit`, or on the CPU for `spheres`? What sphere_ways.h
+// estimates stands beside what was measured. A line for each view as CSV, then how what is chosen compares with the faster of the two ways. Needs no display. Arguments: cpu or cuda, and
+// scenes; without these, the built-in ones.
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -8,9 +11,12 @@
 #include <vector>
 
 #include "app/scene/scene.h"
+#include "render/base/stopwatch.h"
+#include "render/core/parallel.h"
 #include "render/cuda/devices.h"
+#include "render/march/marcher_cpu.h"
 #include "render/march/marcher_cuda.h"
-#include "render/warp/device/sphere_ways.h"
+#include "render/warp/sphere_ways.h"
 #include "render/warp/multihit_warp_cuda.h"
 #include "render/warp/spheres_warp_cuda.h"
 #include "tests/bench/bench_main.h"
@@ -18,8 +24,10 @@
 namespace warpscope {
 namespace {
 
-constexpr int kRuns = 15;
-constexpr int kWarmRuns = 3;
+constexpr int kRuns = 15, kHostRuns = 5;
+constexpr int kWarmRuns = 3, kHostWarmRuns = 1;
+constexpr double kLongMs = 100.0;  // what takes longer is measured once
+constexpr double kTurns[] = {0.0, 5.0, 10.0, 25.0, -30.0, 45.0, 90.0, 170.0}, kNearer[] = {0.1, 0.2, 0.35, 0.5, 0.7, 0.83, 1.0, 1.25, 2.0, 4.0};
 
 /// Throws unless both ways show the same.
 void requireSame(Warp& byFootprints, const WarpSettings& footprints, Warp& byClusters, const WarpSettings& clusters, const Camera& camera) {
@@ -38,6 +46,25 @@ double medianMs(Warp& warp, const Camera& camera, const WarpSettings& settings) 
   }
   std::nth_element(times.begin(), times.begin() + kRuns / 2, times.end());
   return times[kRuns / 2];
+}
+
+/// By the host's clock.
+double medianHostMs(Warp& warp, const Camera& camera, const WarpSettings& settings, WarpedImage& image) {
+  std::vector<double> times;
+  for (int run = -kHostWarmRuns; run < kHostRuns; ++run) {
+    const double ms = milliseconds([&] { warp.draw(camera, settings, image); });
+    if (run >= 0) times.push_back(ms);
+    if (run >= 0 && ms > kLongMs) break;
+  }
+  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+  std::ranges::nth_element(times, middle);
+  return *middle;
+}
+
+WarpSettings settingsFor(SphereTracing tracing) {
+  WarpSettings settings;
+  settings.knobs.set(kSphereTracingKnob, tracing);
+  return settings;
 }
 
 struct Regret {
@@ -60,11 +87,6 @@ struct Regret {
 void measure(const std::string& name, const SceneOverrides& overrides, uint32_t side, Regret& regret, Regret& surfaceRegret) {
   Scene scene = openScene(name, overrides);
   const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
-  const auto settingsFor = [](SphereTracing tracing) {
-    WarpSettings settings;
-    settings.knobs.set(kSphereTracingKnob, tracing);
-    return settings;
-  };
   const WarpSettings byFootprints = settingsFor(SphereTracing::footprints), byClusters = settingsFor(SphereTracing::clusters);
   View view = scene.views.front();
   const double firstAngle = view.angleDeg, firstDistance = view.distance;
@@ -75,8 +97,8 @@ void measure(const std::string& name, const SceneOverrides& overrides, uint32_t 
   warps[0]->setFrame(frame, byFootprints);
   warps[1]->setFrame(frame, byClusters);
   for (const auto& warp : surfaceWarps) warp->setFrame(frame, {});
-  for (const double turn : {0.0, 5.0, 10.0, 25.0, -30.0, 45.0, 90.0, 170.0})
-    for (const double nearer : {0.35, 0.5, 0.7, 0.83, 1.0, 1.25, 2.0, 4.0}) {
+  for (const double turn : kTurns)
+    for (const double nearer : kNearer) {
       view.angleDeg = firstAngle + turn;
       view.distance = firstDistance * nearer;
       const Camera camera = makeCamera(scene, view, side, side);
@@ -85,7 +107,7 @@ void measure(const std::string& name, const SceneOverrides& overrides, uint32_t 
       requireSame(*surfaceWarps[0], {}, *surfaceWarps[1], {}, camera);
       const double footprints = medianMs(*warps[0], camera, byFootprints), clusters = medianMs(*warps[1], camera, byClusters);
       const double surfaceFootprints = medianMs(*surfaceWarps[0], camera, {}), surfaceClusters = medianMs(*surfaceWarps[1], camera, {});
-      const bool takesFootprints = sphereCosts(load).fastest() == SphereTracing::footprints, splatsSurfaces = surfaceCosts(load, 4).fastest() == SphereTracing::footprints;
+      const bool takesFootprints = sphereCosts(load).favourFootprints(), splatsSurfaces = surfaceCosts(load, 4).favourFootprints();
       std::printf("%s,%u,%g,%g,%.0f,%.0f,%.0f,%.0f,%.0f,%.4f,%.4f,%d,%.4f,%.4f,%d\n", scene.name.c_str(), side, turn, nearer, load.pixels, load.spheres, load.fragments, load.tiles, load.longestWalk,
                   footprints, clusters, takesFootprints, surfaceFootprints, surfaceClusters, splatsSurfaces);
       regret.add(footprints, clusters, takesFootprints);
@@ -93,7 +115,53 @@ void measure(const std::string& name, const SceneOverrides& overrides, uint32_t 
     }
 }
 
-void run(const std::vector<std::string>& scenes) {
+void measureOnHost(const std::string& name, const SceneOverrides& overrides, uint32_t side, Regret& regret) {
+  Scene scene = openScene(name, overrides);
+  const MarcherPtr marcher = makeCpuMarcher(scene.volume, scene.transferFunction);
+  const WarpSettings byFootprints = settingsFor(SphereTracing::footprints), byLbvh = settingsFor(SphereTracing::lbvh);
+  View view = scene.views.front();
+  const double firstAngle = view.angleDeg, firstDistance = view.distance;
+  const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, view, side, side), scene.march));
+  const SphereLoadProbe probe(*frame);
+  WarpResources resources;
+  resources.backend = Backend::cpu;
+  const std::unique_ptr<Warp> warps[2] = {makeWarp(kSpheresWarp, resources), makeWarp(kSpheresWarp, resources)};
+  warps[0]->setFrame(frame, byFootprints);
+  warps[1]->setFrame(frame, byLbvh);
+  WarpedImage image;
+  for (const double turn : kTurns)
+    for (const double nearer : kNearer) {
+      view.angleDeg = firstAngle + turn;
+      view.distance = firstDistance * nearer;
+      const Camera camera = makeCamera(scene, view, side, side);
+      const SphereLoad load = probe.loadFor(camera);
+      requireSame(*warps[0], byFootprints, *warps[1], byLbvh, camera);
+      const double footprints = medianHostMs(*warps[0], camera, byFootprints, image), lbvh = medianHostMs(*warps[1], camera, byLbvh, image);
+      const bool takesFootprints = hostFavoursFootprints(load);
+      std::printf("%s,%u,%g,%g,%.0f,%.0f,%.0f,%.0f,%.0f,%.4f,%.4f,%d\n", scene.name.c_str(), side, turn, nearer, load.pixels, load.spheres, load.fragments, load.tiles, load.longestWalk, footprints, lbvh,
+                  takesFootprints);
+      std::fflush(stdout);
+      regret.add(footprints, lbvh, takesFootprints);
+    }
+}
+
+SceneOverrides fine() {
+  SceneOverrides overrides;
+  overrides.proceduralDims = {256, 256, 256};
+  return overrides;
+}
+
+void runOnHost(const std::vector<std::string>& scenes) {
+  std::printf("# %d threads\nscene,side,turn,nearer,pixels,spheres,fragments,tiles,longestWalk,footprintsMs,lbvhMs,tookFootprints\n", tbb::this_task_arena::max_concurrency());
+  Regret regret;
+  for (const uint32_t side : {256u, 512u, 1024u, 2048u})
+    for (const std::string& scene : scenes) measureOnHost(scene, {}, side, regret);
+  measureOnHost("shells", fine(), 512, regret);
+  measureOnHost("shells", {}, 4096, regret);
+  regret.print("spheres");
+}
+
+void runOnDevice(const std::vector<std::string>& scenes) {
   const cuda::DeviceReport report = cuda::listDevices();
   if (report.devices.empty()) throw std::runtime_error("no GPU: " + report.reason);
   std::printf("# %s\nscene,side,turn,nearer,pixels,spheres,fragments,tiles,longestWalk,footprintsMs,clustersMs,tookFootprints,surfaceFootprintsMs,surfaceClustersMs,splatsSurfaces\n", report.devices.front().name.c_str());
@@ -101,9 +169,7 @@ void run(const std::vector<std::string>& scenes) {
   for (const uint32_t side : {512u, 1024u, 2048u}) {
     for (const std::string& scene : scenes) measure(scene, {}, side, regret, surfaceRegret);
     if (side != 1024) continue;
-    SceneOverrides fine;
-    fine.proceduralDims = {256, 256, 256};
-    measure("shells", fine, side, regret, surfaceRegret);
+    measure("shells", fine(), side, regret, surfaceRegret);
   }
   regret.print("spheres");
   surfaceRegret.print("multihit");
@@ -115,9 +181,11 @@ void run(const std::vector<std::string>& scenes) {
 int main(int argc, char** argv) {
   using namespace warpscope;
   return benchMain("sphere_ways_bench", [&] {
-    std::vector<std::string> scenes(argv + 1, argv + argc);
+    const std::string backend = argc > 1 ? argv[1] : "";
+    if (backend != "cpu" && backend != "cuda") throw std::runtime_error("say where: cpu or cuda, and then scenes");
+    std::vector<std::string> scenes(argv + 2, argv + argc);
     if (scenes.empty())
       for (const BuiltinScene& builtin : builtinScenes()) scenes.push_back(builtin.name);
-    run(scenes);
+    backend == "cpu" ? runOnHost(scenes) : runOnDevice(scenes);
   });
 }

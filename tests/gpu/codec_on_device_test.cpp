@@ -6,6 +6,7 @@
 #include <random>
 #include <thread>
 
+#include "render/codec/segment_coding.h"
 #include "render/codec/tiled/tiled_coder_cuda.h"
 #include "render/cuda/devices.h"
 #include "render/warp/multihit_warp_cuda.h"
@@ -148,10 +149,14 @@ TEST_F(CodecOnDevice, TechniquesGoOnWithWhatWasDecodedThere) {
   using Make = std::unique_ptr<Warp> (*)();
   for (const Make make : std::initializer_list<Make>{makeCudaSpheresWarp, makeCudaSplatsWarp, [] { return makeCudaMultihitWarp(); }, makeCudaSegmentsWarp})
     for (const std::shared_ptr<SampleFrame>& frame : frames) {
+      // Colours that the host has are looked at by nobody.
+      const auto there = std::make_shared<SampleFrame>(*frame);
+      std::ranges::fill(there->colors, Rgba8{0});
+      std::ranges::fill(there->segments.colors, Rgba8{0});
       WarpedImage expected, got;
       for (WarpedImage* image : {&expected, &got}) {
         const std::unique_ptr<Warp> warp = make();
-        warp->setFrame(image == &got ? SampleFramePtr(frame) : std::make_shared<const SampleFrame>(onHost(*frame)), {}, {});
+        warp->setFrame(image == &got ? SampleFramePtr(there) : std::make_shared<const SampleFrame>(onHost(*frame)), {}, {});
         warp->draw(camera, {}, *image, {});
       }
       EXPECT_TRUE(got.samples == expected.samples && got.color == expected.color) << frame->settings.sample.segments;
@@ -176,6 +181,25 @@ TEST_F(CodecOnDevice, DamageIsFoundAsTheHostFindsIt) {
       if (HasFatalFailure()) return;
     }
     expectSameAnswer(payload, frame, "undamaged");
+  }
+}
+
+/// Bytes that are whole, of segments that lie in each other's way: in many pixels of a large picture, so that blocks find it out while others are at work.
+TEST_F(CodecOnDevice, SegmentsOutOfOrderAreRefusedAsTheHostRefusesThem) {
+  MarchSettings settings;
+  settings.sample.segments = 4;
+  const SampleFrame frame = marched(shells(), settings, 900, 700);
+  for (const size_t every : {size_t{1}, size_t{1000}}) {
+    SampleFrame wrong = frame;
+    for (size_t i = 0; i < wrong.segments.size(); i += every) std::swap(wrong.segments.depths[i].begin, wrong.segments.depths[i].end);
+    std::vector<std::byte> bytes;
+    makeHostTiledCoder()->appendSegments(bytes, wrong, Placement::depth);
+    for (const TiledCoderPtr& coder : {makeHostTiledCoder(), makeCudaTiledCoder()}) {
+      SampleFrame back = headOf(frame);
+      ByteReader reader(bytes);
+      EXPECT_EQ(coder->takeSegments(reader, Placement::depth, false, kMostFrameSegments, back), std::string(kDisorderedSegments)) << every;
+      coder->endBegun();
+    }
   }
 }
 

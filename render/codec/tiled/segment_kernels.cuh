@@ -86,9 +86,9 @@ __global__ void __launch_bounds__(kCodedTileWidth) arrangeSegments(SegmentView f
   });
 }
 
-/// Back.
+/// Back. What it finds out itself other blocks do not end for: all threads of a block have to see the same.
 __global__ void __launch_bounds__(kCodedTileWidth) finishSegments(SegmentView frame, SheetView view) {
-  if (!view.isFull() || *view.flags != 0) return;
+  if (!view.isFull() || (*view.flags & ~static_cast<uint32_t>(kDisordered)) != 0) return;
   uint32_t front = 0, last = 0;
   bool isOrdered = true;
   forValues(frame.paths, view, [&](const PixelPath& path, uint32_t layer, uint32_t i, uint32_t at) {

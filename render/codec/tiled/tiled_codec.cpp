@@ -14,11 +14,13 @@ class TiledCodec final : public Codec {
  public:
   explicit TiledCodec(TiledCoderPtr coder) : coder_(std::move(coder)) {}
 
-  void beginToEncode(const SampleFrame& frame) override { coder_->beginToAppendSamples(frame, placementOf(frame)); }
+  void beginToEncode(const SampleFrame& frame) override {
+    placement_ = placementOf(frame);
+    coder_->beginToAppendSamples(frame, placement_);
+  }
   void encode(const SampleFrame& frame, const CodecSettings&, std::vector<std::byte>& payload) override {
-    const Placement placement = placementOf(frame);
-    appendLittle(payload, static_cast<uint8_t>(placement));
-    coder_->appendSamples(payload, frame, placement);
+    appendLittle(payload, static_cast<uint8_t>(placement_));
+    coder_->appendSamples(payload, frame, placement_);
   }
 
   void beginToDecode(std::span<const std::byte> bytes, size_t count, const SampleFrame& frame) override {
@@ -52,6 +54,7 @@ class TiledCodec final : public Codec {
   }
 
   const TiledCoderPtr coder_;
+  Placement placement_ = Placement::depth;  // of the frame that was begun
 };
 
 }  // namespace

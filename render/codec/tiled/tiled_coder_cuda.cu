@@ -130,7 +130,7 @@ class CudaTiledCoder final : public TiledCoder {
   }
 
   const std::shared_ptr<WorkspacePool> workers_ = WorkspacePool::ofProcess();
-  const std::shared_ptr<CudaFramePool> frames_ = CudaFramePool::ofProcess();
+  const std::shared_ptr<CudaFramePool> frames_ = std::make_shared<CudaFramePool>();  // not a marcher's, whose frames have room for all that they could hold
   std::optional<CudaWorker> worker_;
   std::shared_ptr<CudaFrame> held_;  // of the frame that is read
   const SampleFrame* begun_ = nullptr;  // whose samples are under way; null: nobody's

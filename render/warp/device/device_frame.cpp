@@ -14,12 +14,12 @@ void DeviceFrame::upload(const SampleFrame& frame, cudaStream_t stream) {
   if (frame.size() > kMaxLbvhSpheres)
     throw InputError("a frame may have at most " + std::to_string(kMaxLbvhSpheres) + " samples, not " + std::to_string(frame.size()));
   const auto count = static_cast<uint32_t>(frame.size());
-  if (const CudaFrame* const there = CudaFrame::of(frame)) {
+  held_.reset();
+  if (const CudaFrame* const there = CudaFrame::of(frame); there != nullptr && there->sizes().samples == frame.size()) {
     held_ = frame.device;
     view_ = {there->buffers().samples.data(), there->buffers().colors.data(), count, frame.grid()};
     return;
   }
-  held_.reset();
   samples_.upload(frame.samples, stream);
   colors_.upload(frame.colors, stream);
   view_ = {samples_.data(), colors_.data(), count, frame.grid()};

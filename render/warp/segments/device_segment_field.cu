@@ -84,6 +84,7 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
   width_ = segments.empty() ? 0 : static_cast<int>(frame.camera.width);
   height_ = segments.empty() ? 0 : static_cast<int>(frame.camera.height);
   hasNormals_ = !segments.normals.empty();
+  held_.reset();
   if (empty()) return;
   if (opticalDepths_.data() == nullptr) {
     const OpticalDepths depths = opticalDepths();
@@ -93,9 +94,10 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
   pixels_ = makePixelGrid(frame.camera, frame.quantization.nearDepth);
   fieldDepths_ = fieldDepthsOf(frame.quantization);
   const CudaFrame* const there = CudaFrame::of(frame);
-  held_ = there != nullptr ? frame.device : nullptr;
-  from_ = there != nullptr ? &there->buffers() : &uploaded_;
-  if (there == nullptr) {
+  const bool isThere = there != nullptr && there->sizes().rays == segments.rays.size() && there->sizes().segments == segments.size();
+  if (isThere) held_ = frame.device;
+  from_ = isThere ? &there->buffers() : &uploaded_;
+  if (!isThere) {
     uploaded_.rays.upload(segments.rays, stream);
     uploaded_.depths.upload(segments.depths, stream);
     uploaded_.segmentColors.upload(segments.colors, stream);

@@ -1,6 +1,6 @@
 // Some spheres' footprints, and two sums of products.
 // See sphere_ways.h.
-#include "render/warp/device/sphere_ways.h"
+#include "render/warp/sphere_ways.h"
 
 #include <algorithm>
 #include <cmath>
@@ -69,6 +69,8 @@ WayCosts sphereCosts(const SphereLoad& load) {
   return {0.0231 + 2.19e-8 * load.pixels + 2.93e-9 * load.fragments + 3.66e-4 * load.longestWalk,
           0.0707 + 1.19e-7 * load.pixels + 1.05e-8 * load.spheres + 3.70e-8 * load.tiles};
 }
+
+bool hostFavoursFootprints(const SphereLoad& load) { return load.fragments <= kLargeFootprint * load.spheres; }
 
 WayCosts surfaceCosts(const SphereLoad& load, int surfaces) {
   const double planes = (piecesFor(surfaces) + 1) / (piecesFor(4) + 1.0);
