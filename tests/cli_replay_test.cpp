@@ -54,6 +54,14 @@ TEST_F(Replay, PicturesAreNumberedAndTheSameOnEveryRun) {
   EXPECT_EQ(folder_.read("one/mine.png"), "my own");
 }
 
+TEST_F(Replay, WithoutTheProgramForFilmsPicturesAreThereAllTheSame) {
+  record("a.warpscope");
+  const ProgramResult result = run({"replay", "a.warpscope", "--out", "one", "--size", "24x16", "--fps", "2", "--techniques", "hold", "--video", "mp4"}, {"PATH=" + folder_.file("nowhere")});
+  EXPECT_EQ(result.code, kFailure);
+  EXPECT_THAT(result.err, testing::HasSubstr("needs the program ffmpeg, which is not installed. The numbered pictures are in one"));
+  EXPECT_TRUE(std::filesystem::exists(folder_.file("one/000003.png")));
+}
+
 TEST_F(Replay, WhatIsWrongIsRefused) {
   record("a.warpscope");
   expectRefused({"replay", "a.warpscope"}, kUsage, {"--out"});

@@ -106,15 +106,12 @@ TEST_F(FrameServerTest, AFrameThatTakesTooMuchMemoryIsRefusedWithWhatWouldFit) {
   EXPECT_GT(client->march(camera(600, 600), scene_.march).size(), 0u);
 }
 
-/// Marches as another, and looks where its loops run.
-class WatchedMarcher final : public Marcher {
+/// Is another, but for what those that derive from it do themselves.
+class MarcherAround : public Marcher {
  public:
-  WatchedMarcher(MarcherPtr inner, std::shared_ptr<std::atomic<int>> nice) : inner_(std::move(inner)), nice_(std::move(nice)) {}
+  explicit MarcherAround(MarcherPtr inner) : inner_(std::move(inner)) {}
 
-  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
-    parallelForRanges(8, 1, [&](size_t, size_t) { *nice_ = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); });
-    return inner_->march(camera, settings, stop);
-  }
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override { return inner_->march(camera, settings, stop); }
   void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
     inner_->render(camera, settings, image, stop);
   }
@@ -122,13 +119,28 @@ class WatchedMarcher final : public Marcher {
   Backend backend() const override { return inner_->backend(); }
   MarcherCapabilities capabilities() const override { return inner_->capabilities(); }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<WatchedMarcher>(inner_->twin(turns), nice_); }
-  MarcherPtr withTransferFunction(TransferFunction function) const override {
-    return std::make_shared<WatchedMarcher>(inner_->withTransferFunction(std::move(function)), nice_);
+  MarcherPtr twin(TurnsPtr turns) const override { return around(inner_->twin(std::move(turns))); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override { return around(inner_->withTransferFunction(std::move(function))); }
+
+ protected:
+  virtual MarcherPtr around(MarcherPtr inner) const = 0;
+
+  const MarcherPtr inner_;
+};
+
+/// Looks where its loops run.
+class WatchedMarcher final : public MarcherAround {
+ public:
+  WatchedMarcher(MarcherPtr inner, std::shared_ptr<std::atomic<int>> nice) : MarcherAround(std::move(inner)), nice_(std::move(nice)) {}
+
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    parallelForRanges(8, 1, [&](size_t, size_t) { *nice_ = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); });
+    return inner_->march(camera, settings, stop);
   }
 
  private:
-  const MarcherPtr inner_;
+  MarcherPtr around(MarcherPtr inner) const override { return std::make_shared<WatchedMarcher>(std::move(inner), nice_); }
+
   const std::shared_ptr<std::atomic<int>> nice_;
 };
 
@@ -146,29 +158,18 @@ TEST_F(FrameServerTest, ItsOwnProcessGoesFirst) {
 }
 
 /// Leaves frames on a device that fails before anybody reads them.
-class LosingMarcher final : public Marcher {
+class LosingMarcher final : public MarcherAround {
  public:
-  LosingMarcher(MarcherPtr inner, std::shared_ptr<std::atomic<int>> lost) : inner_(std::move(inner)), lost_(std::move(lost)) {}
+  LosingMarcher(MarcherPtr inner, std::shared_ptr<std::atomic<int>> lost) : MarcherAround(std::move(inner)), lost_(std::move(lost)) {}
 
-  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override { return inner_->march(camera, settings, stop); }
   SampleFrame marchToCode(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     ++*lost_;
     return leftOnDevice(inner_->march(camera, settings, stop), true);
   }
-  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
-    inner_->render(camera, settings, image, stop);
-  }
-  const VolumePtr& volume() const override { return inner_->volume(); }
-  Backend backend() const override { return inner_->backend(); }
-  MarcherCapabilities capabilities() const override { return inner_->capabilities(); }
-  using Marcher::twin;
-  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<LosingMarcher>(inner_->twin(turns), lost_); }
-  MarcherPtr withTransferFunction(TransferFunction function) const override {
-    return std::make_shared<LosingMarcher>(inner_->withTransferFunction(std::move(function)), lost_);
-  }
 
  private:
-  const MarcherPtr inner_;
+  MarcherPtr around(MarcherPtr inner) const override { return std::make_shared<LosingMarcher>(std::move(inner), lost_); }
+
   const std::shared_ptr<std::atomic<int>> lost_;
 };
 

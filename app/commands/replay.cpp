@@ -84,7 +84,7 @@ void run(const ReplayOptions& options) {
   requireRange(options.picturesPerSecond, kRateRange, "--fps");
   const bool hasVideo = !options.video.empty();
   if (hasVideo && options.video != "mp4" && options.video != "gif") throw UsageError("--video makes mp4 or gif, not " + options.video);
-  if (hasVideo && !hasProgram("ffmpeg")) throw InputError("--video needs the program ffmpeg, which is not installed; the numbered pictures need nothing");
+  const bool canFilm = hasVideo && hasProgram("ffmpeg");
   const CheckedOptions checked = check(options.common);
   const Interrupt interrupt;
   const Recording recording = readRecording(options.file, interrupt.token());
@@ -103,7 +103,7 @@ void run(const ReplayOptions& options) {
   settings.resources = headless.resources();
   const size_t count = pictureCount(recording, settings.picturesPerSecond);
   StagedFolder folder(options.out);
-  auto progress = std::make_unique<Progress>("replay", count + (hasVideo ? 1 : 0), !options.common.showsProgress());
+  auto progress = std::make_unique<Progress>("replay", count + (canFilm ? 1 : 0), !options.common.showsProgress());
   replay(
       recording, settings,
       [&](size_t index, const Image<Rgba8>& picture) {
@@ -114,7 +114,7 @@ void run(const ReplayOptions& options) {
   folder.commit();
   removeLaterPictures(options.out, count);
   const std::filesystem::path film = std::filesystem::path(options.out) / ("replay." + options.video);
-  if (hasVideo) {
+  if (canFilm) {
     progress->step(film.filename().string());
     makeVideo((std::filesystem::path(options.out) / "%06d.png").string(), film, settings.picturesPerSecond, interrupt.token());
   }
@@ -127,11 +127,12 @@ void run(const ReplayOptions& options) {
                          {"seconds", recording.seconds},
                          {"frames", recording.frames.size()},
                          {"techniques", techniques},
-                         {"video", hasVideo ? nlohmann::json(film.string()) : nlohmann::json(nullptr)}});
+                         {"video", canFilm ? nlohmann::json(film.string()) : nlohmann::json(nullptr)}});
   } else {
     logResult("wrote " + std::to_string(count) + " pictures of " + std::to_string(recording.frames.size()) + " frames to " + options.out +
-              (hasVideo ? ", and " + film.string() : std::string()));
+              (canFilm ? ", and " + film.string() : std::string()));
   }
+  if (hasVideo && !canFilm) throw InputError("there is no film of them: --video needs the program ffmpeg, which is not installed. The numbered pictures are in " + options.out);
 }
 
 }  // namespace
