@@ -115,15 +115,16 @@ MeasuredFirstPicture measureFirstPicture(const Measuring& measuring, const Drawi
 
 Measured measureArrival(const Measuring& measuring, const Drawing& drawing, FrameCodec& codec, const CodecSettings& coding, const SampleFramePtr& frame,
                         const Camera& camera, WarpedImage& image) {
-  const auto made = std::make_shared<SampleFrame>(*frame);
-  made->settings = withoutProxy(made->settings);
-  const std::vector<std::byte> payload = codec.encode(*made, coding);
-  const size_t count = made->size();
+  SampleFrame head = *frame;
+  head.settings = withoutProxy(head.settings);
+  const std::vector<std::byte> payload = codec.encode(head, coding);
+  const size_t count = head.size();
+  head.samples = {};
+  head.colors = {};
+  head.segments = {};
+  for (SamplePlane& plane : head.planes) plane.values = {};
   return measuring.parts([&] {
-    auto received = std::make_shared<SampleFrame>(*made);  // its head
-    received->samples = {};
-    received->colors = {};
-    received->segments = {};
+    auto received = std::make_shared<SampleFrame>(head);
     DecodeError error;
     const double tookMs = milliseconds([&] {
       error = codec.decode(payload, count, *received);

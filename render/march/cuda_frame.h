@@ -44,6 +44,8 @@ class CudaFrame final : public FrameOnDevice {
 
   /// Where `frame` is on a CUDA device; null if it is on none.
   static const CudaFrame* of(const SampleFrame& frame) { return dynamic_cast<const CudaFrame*>(frame.device.get()); }
+  /// The same where it is nowhere else.
+  static const CudaFrame* ofAway(const SampleFrame& frame) { return frame.isAway ? of(frame) : nullptr; }
 
   /// Of who makes the frame, to be filled; others read.
   CudaFrameBuffers& buffers() const { return memory_->buffers; }

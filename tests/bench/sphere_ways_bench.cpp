@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -27,7 +28,7 @@ namespace {
 constexpr int kRuns = 15, kHostRuns = 5;
 constexpr int kWarmRuns = 3, kHostWarmRuns = 1;
 constexpr double kLongMs = 100.0;  // what takes longer is measured once
-constexpr double kTurns[] = {0.0, 5.0, 10.0, 25.0, -30.0, 45.0, 90.0, 170.0}, kNearer[] = {0.1, 0.2, 0.35, 0.5, 0.7, 0.83, 1.0, 1.25, 2.0, 4.0};
+constexpr double kTurns[] = {0.0, 5.0, 10.0, 25.0, -30.0, 45.0, 90.0, 170.0}, kNearer[] = {0.35, 0.5, 0.7, 0.83, 1.0, 1.25, 2.0, 4.0}, kHostNearer[] = {0.1, 0.2, 0.35, 0.5, 0.7, 0.83, 1.0, 1.25, 2.0, 4.0};
 
 /// Throws unless both ways show the same.
 void requireSame(Warp& byFootprints, const WarpSettings& footprints, Warp& byClusters, const WarpSettings& clusters, const Camera& camera) {
@@ -84,65 +85,63 @@ struct Regret {
   }
 };
 
+/// Calls f(camera, load) for every view of the scene that is looked from, and prints the head of its line first.
+template <class F>
+void forEveryView(const Scene& scene, const SampleFrame& frame, uint32_t side, std::span<const double> distances, const F& f) {
+  const SphereLoadProbe probe(frame);
+  for (const double turn : kTurns)
+    for (const double nearer : distances) {
+      View view = scene.views.front();
+      view.angleDeg += turn;
+      view.distance *= nearer;
+      const Camera camera = makeCamera(scene, view, side, side);
+      const SphereLoad load = probe.loadFor(camera);
+      std::printf("%s,%u,%g,%g,%.0f,%.0f,%.0f,%.0f,%.0f", scene.name.c_str(), side, turn, nearer, load.pixels, load.spheres, load.fragments, load.tiles, load.longestWalk);
+      f(camera, load);
+    }
+}
+
 void measure(const std::string& name, const SceneOverrides& overrides, uint32_t side, Regret& regret, Regret& surfaceRegret) {
-  Scene scene = openScene(name, overrides);
+  const Scene scene = openScene(name, overrides);
   const MarcherPtr marcher = makeCudaMarcher(scene.volume, scene.transferFunction);
   const WarpSettings byFootprints = settingsFor(SphereTracing::footprints), byClusters = settingsFor(SphereTracing::clusters);
-  View view = scene.views.front();
-  const double firstAngle = view.angleDeg, firstDistance = view.distance;
-  const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, view, side, side), scene.march));
-  const SphereLoadProbe probe(*frame);
+  const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, scene.views.front(), side, side), scene.march));
   const std::unique_ptr<Warp> warps[2] = {makeCudaSpheresWarp(), makeCudaSpheresWarp()};
   const std::unique_ptr<Warp> surfaceWarps[2] = {makeCudaMultihitWarp(SphereTracing::footprints), makeCudaMultihitWarp(SphereTracing::clusters)};
   warps[0]->setFrame(frame, byFootprints);
   warps[1]->setFrame(frame, byClusters);
   for (const auto& warp : surfaceWarps) warp->setFrame(frame, {});
-  for (const double turn : kTurns)
-    for (const double nearer : kNearer) {
-      view.angleDeg = firstAngle + turn;
-      view.distance = firstDistance * nearer;
-      const Camera camera = makeCamera(scene, view, side, side);
-      const SphereLoad load = probe.loadFor(camera);
-      requireSame(*warps[0], byFootprints, *warps[1], byClusters, camera);
-      requireSame(*surfaceWarps[0], {}, *surfaceWarps[1], {}, camera);
-      const double footprints = medianMs(*warps[0], camera, byFootprints), clusters = medianMs(*warps[1], camera, byClusters);
-      const double surfaceFootprints = medianMs(*surfaceWarps[0], camera, {}), surfaceClusters = medianMs(*surfaceWarps[1], camera, {});
-      const bool takesFootprints = sphereCosts(load).favourFootprints(), splatsSurfaces = surfaceCosts(load, 4).favourFootprints();
-      std::printf("%s,%u,%g,%g,%.0f,%.0f,%.0f,%.0f,%.0f,%.4f,%.4f,%d,%.4f,%.4f,%d\n", scene.name.c_str(), side, turn, nearer, load.pixels, load.spheres, load.fragments, load.tiles, load.longestWalk,
-                  footprints, clusters, takesFootprints, surfaceFootprints, surfaceClusters, splatsSurfaces);
-      regret.add(footprints, clusters, takesFootprints);
-      surfaceRegret.add(surfaceFootprints, surfaceClusters, splatsSurfaces);
-    }
+  forEveryView(scene, *frame, side, kNearer, [&](const Camera& camera, const SphereLoad& load) {
+    requireSame(*warps[0], byFootprints, *warps[1], byClusters, camera);
+    requireSame(*surfaceWarps[0], {}, *surfaceWarps[1], {}, camera);
+    const double footprints = medianMs(*warps[0], camera, byFootprints), clusters = medianMs(*warps[1], camera, byClusters);
+    const double surfaceFootprints = medianMs(*surfaceWarps[0], camera, {}), surfaceClusters = medianMs(*surfaceWarps[1], camera, {});
+    const bool takesFootprints = sphereCosts(load).favourFootprints(), splatsSurfaces = surfaceCosts(load, 4).favourFootprints();
+    std::printf(",%.4f,%.4f,%d,%.4f,%.4f,%d\n", footprints, clusters, takesFootprints, surfaceFootprints, surfaceClusters, splatsSurfaces);
+    regret.add(footprints, clusters, takesFootprints);
+    surfaceRegret.add(surfaceFootprints, surfaceClusters, splatsSurfaces);
+  });
 }
 
 void measureOnHost(const std::string& name, const SceneOverrides& overrides, uint32_t side, Regret& regret) {
-  Scene scene = openScene(name, overrides);
+  const Scene scene = openScene(name, overrides);
   const MarcherPtr marcher = makeCpuMarcher(scene.volume, scene.transferFunction);
   const WarpSettings byFootprints = settingsFor(SphereTracing::footprints), byLbvh = settingsFor(SphereTracing::lbvh);
-  View view = scene.views.front();
-  const double firstAngle = view.angleDeg, firstDistance = view.distance;
-  const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, view, side, side), scene.march));
-  const SphereLoadProbe probe(*frame);
+  const auto frame = std::make_shared<SampleFrame>(marcher->march(makeCamera(scene, scene.views.front(), side, side), scene.march));
   WarpResources resources;
   resources.backend = Backend::cpu;
   const std::unique_ptr<Warp> warps[2] = {makeWarp(kSpheresWarp, resources), makeWarp(kSpheresWarp, resources)};
   warps[0]->setFrame(frame, byFootprints);
   warps[1]->setFrame(frame, byLbvh);
   WarpedImage image;
-  for (const double turn : kTurns)
-    for (const double nearer : kNearer) {
-      view.angleDeg = firstAngle + turn;
-      view.distance = firstDistance * nearer;
-      const Camera camera = makeCamera(scene, view, side, side);
-      const SphereLoad load = probe.loadFor(camera);
-      requireSame(*warps[0], byFootprints, *warps[1], byLbvh, camera);
-      const double footprints = medianHostMs(*warps[0], camera, byFootprints, image), lbvh = medianHostMs(*warps[1], camera, byLbvh, image);
-      const bool takesFootprints = hostFavoursFootprints(load);
-      std::printf("%s,%u,%g,%g,%.0f,%.0f,%.0f,%.0f,%.0f,%.4f,%.4f,%d\n", scene.name.c_str(), side, turn, nearer, load.pixels, load.spheres, load.fragments, load.tiles, load.longestWalk, footprints, lbvh,
-                  takesFootprints);
-      std::fflush(stdout);
-      regret.add(footprints, lbvh, takesFootprints);
-    }
+  forEveryView(scene, *frame, side, kHostNearer, [&](const Camera& camera, const SphereLoad& load) {
+    requireSame(*warps[0], byFootprints, *warps[1], byLbvh, camera);
+    const double footprints = medianHostMs(*warps[0], camera, byFootprints, image), lbvh = medianHostMs(*warps[1], camera, byLbvh, image);
+    const bool takesFootprints = hostFavoursFootprints(load);
+    std::printf(",%.4f,%.4f,%d\n", footprints, lbvh, takesFootprints);
+    std::fflush(stdout);
+    regret.add(footprints, lbvh, takesFootprints);
+  });
 }
 
 SceneOverrides fine() {

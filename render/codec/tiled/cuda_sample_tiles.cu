@@ -37,7 +37,7 @@ void CudaSampleTiles::beginToAppend(const SampleFrame& frame, Placement placemen
   const bool isLayered = hasLayers(frame);
   sheet_.begin(tiledGridOf(frame, count), sampleForm(isLayered), isLayered ? static_cast<uint32_t>(mostTiledLayers(frame)) : 1, true);
   const SheetView view = sheet_.reserveValues(count);
-  const CudaFrame* const there = frame.isAway ? CudaFrame::of(frame) : nullptr;
+  const CudaFrame* const there = CudaFrame::ofAway(frame);
   CudaFrameBuffers& held = there != nullptr ? there->buffers() : uploaded_;
   if (there == nullptr) {
     held.samples.upload(std::span(frame.samples), stream_);
@@ -55,13 +55,6 @@ void CudaSampleTiles::beginToAppend(const SampleFrame& frame, Placement placemen
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   putFronts(view, samples.jobs(), stream_);
   sheet_.write();
-}
-
-void CudaSampleTiles::append(std::vector<std::byte>& out) {
-  const size_t hashAt = out.size();
-  appendLittle(out, uint64_t{0});
-  sheet_.append(out);
-  storeLittle(out.data() + hashAt, *hashOnHost_.data());
 }
 
 DecodeError CudaSampleTiles::beginToTake(ByteReader& reader, Placement placement, size_t count, const SampleFrame& frame, CudaFrame& held) {

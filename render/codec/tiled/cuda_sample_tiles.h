@@ -18,7 +18,7 @@ class CudaSampleTiles : public CudaTiles {
   static bool takes(const SampleFrame& frame);
 
   void beginToAppend(const SampleFrame& frame, Placement placement);
-  void append(std::vector<std::byte>& out);
+  void append(std::vector<std::byte>& out) { appendHashed(out); }
 
   /// `count` samples, to `held` as well; both it and the bytes must stay until take().
   DecodeError beginToTake(ByteReader& reader, Placement placement, size_t count, const SampleFrame& frame, CudaFrame& held);

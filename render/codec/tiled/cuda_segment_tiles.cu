@@ -9,14 +9,8 @@
 
 namespace warpscope {
 
-namespace {
-
-const CudaFrame* awayOn(const SampleFrame& frame) { return frame.isAway ? CudaFrame::of(frame) : nullptr; }
-
-}  // namespace
-
 bool CudaSegmentTiles::takes(const SampleFrame& frame) {
-  const CudaFrame* const there = awayOn(frame);
+  const CudaFrame* const there = CudaFrame::ofAway(frame);
   const bool isEmpty = there != nullptr ? there->sizes().rays == 0 : frame.segments.empty();
   const uint64_t count = there != nullptr ? there->sizes().segments : frame.segments.size();
   return !isEmpty && mostTiledSegmentBytes(frame.camera, count, static_cast<uint64_t>(frame.settings.sample.segments)) <= kMostDeviceBytes;
@@ -45,7 +39,7 @@ void CudaSegmentTiles::hash(const SegmentView& segments) {
 
 void CudaSegmentTiles::append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement) {
   const size_t pixels = size_t{frame.camera.width} * frame.camera.height;
-  const CudaFrame* const there = awayOn(frame);
+  const CudaFrame* const there = CudaFrame::ofAway(frame);
   CudaFrameBuffers& held = there != nullptr ? there->buffers() : uploaded_;
   const FrameSegments& segments = frame.segments;
   const size_t count = there != nullptr ? there->sizes().segments : segments.size();
@@ -69,10 +63,7 @@ void CudaSegmentTiles::append(std::vector<std::byte>& out, const SampleFrame& fr
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   putFronts(view, own.jobs(), stream_);
   sheet_.write();
-  const size_t hashAt = out.size();
-  appendLittle(out, uint64_t{0});
-  sheet_.append(out);
-  storeLittle(out.data() + hashAt, *hashOnHost_.data());
+  appendHashed(out);
 }
 
 DecodeError CudaSegmentTiles::take(ByteReader& reader, Placement placement, bool hasNormals, size_t most, SampleFrame& frame, CudaFrame& held) {

@@ -1,6 +1,8 @@
 // See cuda_tiles.h.
 #include "render/codec/tiled/cuda_tiles.h"
 
+#include "render/codec/bytes.h"
+
 namespace warpscope {
 
 PathGrid CudaTiles::pathsOf(const SampleFrame& frame, Placement placement) {
@@ -19,5 +21,12 @@ void CudaTiles::reserveStreams(size_t values) {
 void CudaTiles::clearHash() { WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(hash_.data(), 0, sizeof(unsigned long long), stream_)); }
 
 void CudaTiles::fetchHash() { WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(hashOnHost_.data(), hash_.data(), sizeof(uint64_t), cudaMemcpyDeviceToHost, stream_)); }
+
+void CudaTiles::appendHashed(std::vector<std::byte>& out) {
+  const size_t hashAt = out.size();
+  appendLittle(out, uint64_t{0});
+  sheet_.append(out);
+  storeLittle(out.data() + hashAt, *hashOnHost_.data());
+}
 
 }  // namespace warpscope

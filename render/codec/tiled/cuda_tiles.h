@@ -1,7 +1,9 @@
 // What tiles of samples and tiles of segments share on a device: a stream, a sheet, what rays of a frame are, a hash. For .cu files.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "render/codec/pixel_path.h"
 #include "render/codec/tiled/device_sheet.h"
@@ -40,6 +42,8 @@ class CudaTiles {
   void clearHash();
   /// To hashOnHost_, when the stream has got there.
   void fetchHash();
+  /// That hash, and the sheet that was written. Waits.
+  void appendHashed(std::vector<std::byte>& out);
 
   const cuda::Stream stream_;
   DeviceSheet sheet_{stream_};
