@@ -16,19 +16,13 @@
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
 #include "render/effects/clip.h"
-#include "render/effects/jitter.h"
 #include "render/effects/isosurface.h"
 #include "render/effects/mip_batch.h"
-#include "render/effects/segment_batch_source.h"
 #include "render/effects/relight.h"
-#include "render/effects/shading.h"
-#include "render/march/compact.h"
-#include "render/march/march.h"
+#include "render/effects/segment_batch_source.h"
 #include "render/march/march_setup.h"
-#include "render/march/ray_samples.h"
 #include "render/march/ray_trace.h"
-#include "render/march/segment_encoder.h"
-#include "render/march/visible_blocks.h"
+#include "render/march/tile_marcher.h"
 #include "render/march/volume_source.h"
 
 namespace warpscope {
@@ -47,97 +41,21 @@ uint32_t tileSideFor(const Volume& volume, const RenderSettings& settings) {
   return static_cast<uint32_t>(std::clamp(std::sqrt(kMostStepsOfTile / stepsOfRay), 1.0, static_cast<double>(kTileSide)));
 }
 
-/// What becomes of a finished ray: its colour, and its samples and segments where some are wanted. Behind one pointer, so
-/// that the loop over rays is compiled once a voxel type, not once a use.
-struct FinishedRay {
-  uint32_t x = 0, y = 0;
-  float cosine = 1.0f;
-  glm::vec4 premultiplied{0.0f};
-  const RaySamples* samples = nullptr;
-  const SegmentMerger* segments = nullptr;  ///< null where none are wanted
-  const NormalCode* normals = nullptr;      ///< of segments, by their places; null where none are wanted
-  bool isEnded = false;                     ///< hardly any light was left
-  const std::vector<CountingSample>* counting = nullptr;  ///< its samples that count, where samples are wanted and a ray has one at most; null where nothing is visible
-};
-using OnRay = std::function<void(const FinishedRay&)>;
-
-/// Pixels of a picture.
-struct PixelArea {
-  uint32_t x = 0, y = 0, width = 0, height = 0;
-};
 PixelArea allOf(const Camera& camera) { return {0, 0, camera.width, camera.height}; }
 
-using DepthFunction = DepthResult (*)(const std::vector<CountingSample>&, float threshold);
-
-/// Depth of a finished ray or part of one. `counting` holds every sample that counted: a second pass folds over them
-/// again.
-template <class Depth, bool kHasSecondPass>
-DepthResult depthOf(const std::vector<CountingSample>& counting, float threshold) {
-  if constexpr (Depth::kTwoPass) {
-    FirstPass pass;
-    for (const CountingSample& sample : counting) pass.add(sample);
-    auto fold = Depth::start(threshold, pass.profile);
-    if (!pass.decides(fold) && kHasSecondPass) {
-      WARPSCOPE_COUNT(secondPasses, 1);
-      for (const CountingSample& sample : counting) fold.add(sample);
-    }
-    return Depth::result(fold);
-  } else {
-    auto fold = Depth::start(threshold, ProfileFold{});
-    for (const CountingSample& sample : counting) fold.add(sample);
-    return Depth::result(fold);
-  }
+/// Keeps what a ray of a relay's tile has found; rays that have found nothing are not spoken of.
+void keepFinished(const FinishedRay& ray, const SampleSettings* sample, const SampleRule& rule, const PixelGrid& pixels) {
+  RelayedTile& tile = *ray.tile;
+  const bool isEmpty = sample == nullptr ? ray.premultiplied == glm::vec4(0.0f)
+                                         : (ray.samples == nullptr || ray.samples->size() == 0) && (ray.segments == nullptr || ray.segments->size() == 0);
+  if (isEmpty) return;
+  tile.finished.push_back(static_cast<uint32_t>(&tile.ray(ray.x, ray.y) - tile.rays.data()));
+  if (sample == nullptr) return tile.colors.push_back(ray.premultiplied);
+  tile.found.resize(tile.finished.size(), *sample, false);
+  tile.found.put(tile.finished.size() - 1, ray, rule, pixels);
 }
 
-/// Of the same samples, whatever depth stands for them.
-float spreadOf(const std::vector<CountingSample>& counting) {
-  WARPSCOPE_COUNT(spreads, 1);
-  MomentsFold fold;
-  for (const CountingSample& sample : counting) fold.add(sample);
-  return fold.result().spread;
-}
-
-DepthFunction depthFunctionOf(Heuristic heuristic, bool hasSecondPass) {
-  return visitHeuristic(heuristic, [&](auto depth) -> DepthFunction {
-    using Depth = decltype(depth);
-    return hasSecondPass ? depthOf<Depth, true> : depthOf<Depth, false>;
-  });
-}
-
-/// What stands for samples that count, and how far they are spread about it if the plan has that.
-struct DepthOfSamples {
-  DepthFunction depth = nullptr;
-  float threshold = 0.0f;
-  bool hasSpread = false;
-
-  DepthResult operator()(const std::vector<CountingSample>& counting) const {
-    DepthResult result = depth(counting, threshold);
-    if (hasSpread) result.spread = spreadOf(counting);
-    return result;
-  }
-};
-
-/// The samples that `Source` has to look at for what lies between the depths.
-template <class Source>
-SampleSpan spanFor(const VisibleDepths& depths, float cosine, const RayLattice& lattice) {
-  if constexpr (requires { Source::kTakesWholeRays; }) return {0, lattice.count};
-  const SampleSpan span = samplesBetween(depths, cosine, lattice);
-  // What lies between two samples, or an end of the ray and one, may have either of them on the far side of the depths.
-  if constexpr (requires { typename Source::Setup; })
-    return {std::max(span.begin - 2, 0), std::min(span.end + 2, lattice.count)};
-  return span;
-}
-
-/// The ray's segments into its pixel's places; their number.
-RaySegmentCount storeSegments(const SampleRule& rule, const FinishedRay& ray, DenseSegments& dense, size_t pixel) {
-  if (ray.segments == nullptr) return {};
-  const SegmentEncoder encoder(ColorTables::instance(), rule.quantization, ray.cosine, !dense.normals.empty());
-  const size_t first = pixel * static_cast<size_t>(dense.slots);
-  const SegmentSlots slots{dense.depths.data() + first, dense.colors.data() + first, dense.normals.empty() ? nullptr : dense.normals.data() + first};
-  return storeSegments(*ray.segments, ray.isEnded, encoder, slots, [&](int i) { return ray.normals != nullptr ? ray.normals[i] : NormalCode{0}; });
-}
-
-class CpuMarcher final : public Marcher, public RayTracer {
+class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
  public:
   CpuMarcher(MarchedVolumePtr marched, TurnsPtr turns) : marched_(std::move(marched)), turns_(std::move(turns)) {}
 
@@ -148,33 +66,15 @@ class CpuMarcher final : public Marcher, public RayTracer {
     SampleFrame frame = emptyFrame(*marched_->volume, camera, settings, rule);
 
     const auto marchStart = std::chrono::steady_clock::now();
-    const auto slots = static_cast<size_t>(settings.sample.samplesPerRay);
-    const size_t places = size_t{camera.width} * camera.height * slots;
-    denseSamples_.resize(places);
-    denseColors_.resize(places);
-    denseSpreads_.resize(settings.sample.sendsSpread ? places : 0);
     const PixelGrid pixels = makePixelGrid(camera, rule.quantization.nearDepth);
-    DenseSegments& segments = denseSegments_;
-    segments.resize(size_t{camera.width} * camera.height, settings.sample.segments, wantsNormals(camera, settings));
-    forEachRay(camera, allOf(camera), pixels, settings.render, &settings.sample, stop, [&](const FinishedRay& ray) {
-      const size_t pixel = size_t{ray.y} * camera.width + ray.x;
-      const int found = ray.samples != nullptr ? ray.samples->size() : 0;
-      for (size_t slot = 0; slot < slots; ++slot) {
-        const size_t place = pixel * slots + slot;
-        denseSamples_[place] = 0;
-        if (static_cast<int>(slot) >= found) continue;
-        const RaySample& sample = (*ray.samples)[static_cast<int>(slot)];
-        denseSamples_[place] = packRaySample(rule, pixels, ray.x, ray.y, ray.cosine, sample.depth, sample.color.a);
-        denseColors_[place] = ColorTables::instance().encode(sample.color);
-        if (!denseSpreads_.empty()) denseSpreads_[place] = sample.depth.spread;
-      }
-      if (segments.slots > 0) segments.rays[pixel] = storeSegments(rule, ray, segments, pixel);
-    });
+    dense_.resize(size_t{camera.width} * camera.height, settings.sample, wantsNormals(camera, settings));
+    forEachRay({camera, allOf(camera), pixels, settings.render, &settings.sample, stop,
+                [&](const FinishedRay& ray) { dense_.put(size_t{ray.y} * camera.width + ray.x, ray, rule, pixels); }});
     frame.timings.marchMs = millisecondsSince(marchStart);
 
     const auto compactStart = std::chrono::steady_clock::now();
-    compact(denseSamples_, denseColors_, denseSpreads_, slots, frame);
-    if (segments.slots > 0) compact(segments, frame.segments);
+    compact(dense_.samples, dense_.colors, dense_.spreads, dense_.slots, frame);
+    if (dense_.segments.slots > 0) compact(dense_.segments, frame.segments);
     if (settings.sample.proxy > 0) frame.proxy = marched_->proxyFor(settings.sample.proxy, stop);
     frame.timings.compactMs = millisecondsSince(compactStart);
     return frame;
@@ -186,7 +86,19 @@ class CpuMarcher final : public Marcher, public RayTracer {
     requireMarchable(*marched_->volume, camera, settings);
     image.resize(camera.width, camera.height);
     const PixelGrid pixels = pixelsFor(*marched_->volume, camera, settings);
-    forEachRay(camera, allOf(camera), pixels, settings, nullptr, stop, [&](const FinishedRay& ray) { image(ray.x, ray.y) = ray.premultiplied; });
+    forEachRay({camera, allOf(camera), pixels, settings, nullptr, stop, [&](const FinishedRay& ray) { image(ray.x, ray.y) = ray.premultiplied; }});
+  }
+
+  void marchPieces(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample, RayRelay& relay, const std::stop_token& stop) override {
+    const std::scoped_lock lock(mutex_);
+    const Volume& volume = *marched_->volume;
+    requireMarchable(volume, camera, settings);
+    if (sample != nullptr) validate(*sample);
+    if (const std::string reason = whyNotInPieces(settings, sample); !reason.empty()) throw UsageError(reason);
+    if (sample != nullptr && wantsNormals(camera, {settings, *sample})) throw UsageError("segments in light that depends on the eye cannot be marched in pieces");
+    const SampleRule rule = sample != nullptr ? sampleRuleFor(volume, camera, *sample) : SampleRule{};
+    const PixelGrid pixels = sample != nullptr ? makePixelGrid(camera, rule.quantization.nearDepth) : pixelsFor(volume, camera, settings);
+    forEachRay({camera, allOf(camera), pixels, settings, sample, stop, [&](const FinishedRay& ray) { keepFinished(ray, sample, rule, pixels); }, &relay});
   }
 
   RayTrace trace(const Camera& camera, const MarchSettings& settings, const glm::uvec2& pixel, const std::stop_token& stop) override {
@@ -209,13 +121,13 @@ class CpuMarcher final : public Marcher, public RayTracer {
     trace.begin = shown.tNear;
     trace.end = shown.isMiss() ? shown.tNear : shown.tFar;
     trace.places = placesAlong(*marched_->volume, marched_->transferFunction, trace.ray, trace.begin, trace.end, settings.render.step);
-    forEachRay(camera, {pixel.x, pixel.y, 1, 1}, pixels, settings.render, &sample, stop, [&](const FinishedRay& ray) {
+    forEachRay({camera, {pixel.x, pixel.y, 1, 1}, pixels, settings.render, &sample, stop, [&](const FinishedRay& ray) {
       if (ray.counting != nullptr) trace.samples = *ray.counting;
       if (ray.segments != nullptr)
         for (int i = ray.segments->first(); i != SegmentMerger::kNone; i = ray.segments->behind(i)) trace.segments.push_back((*ray.segments)[i]);
       trace.isEnded = ray.isEnded;
       trace.color = ray.premultiplied;
-    });
+    }});
     for (const NamedValue<Heuristic>& heuristic : kHeuristics)
       trace.depths.push_back(
           {heuristic.value, trace.samples.empty() ? DepthResult{} : depthFunctionOf(heuristic.value, true)(trace.samples, settings.sample.threshold)});
@@ -253,15 +165,18 @@ class CpuMarcher final : public Marcher, public RayTracer {
   }
 
   /// Finds samples where `sample` says how; colours alone if it is null.
-  void forEachRay(const Camera& camera, const PixelArea& area, const PixelGrid& pixels, const RenderSettings& settings,
-                  const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) {
-    const EffectPlan plan = bakedPlan(settings, sample != nullptr ? std::optional(*sample) : std::nullopt);
+  void forEachRay(const RayJob& job) {
+    const Camera& camera = job.camera;
+    const RenderSettings& settings = job.settings;
+    const EffectPlan plan = bakedPlan(settings, job.sample != nullptr ? std::optional(*job.sample) : std::nullopt);
     if (!plan.has(PlanStage::march)) {
+      if (job.relay != nullptr) return skipRelayed(*job.relay);
+      const PixelArea& area = job.area;
       for (uint32_t y = area.y; y < area.y + area.height; ++y)
-        for (uint32_t x = area.x; x < area.x + area.width; ++x) onRay({x, y});
+        for (uint32_t x = area.x; x < area.x + area.width; ++x) job.onRay({x, y});
       return;
     }
-    const std::optional<VisibleBlocks> blocks = plan.has(PlanStage::skipping) ? std::optional(visibleBlocks(camera, pixels)) : std::nullopt;
+    const std::optional<VisibleBlocks> blocks = plan.has(PlanStage::skipping) ? std::optional(visibleBlocks(camera, job.pixels)) : std::nullopt;
     const Volume& volume = *marched_->volume;
     visitVoxelType(volume.type(), [&](auto voxelTag) {
       using Voxel = decltype(voxelTag);
@@ -273,33 +188,37 @@ class CpuMarcher final : public Marcher, public RayTracer {
       if (settings.effects.mode == RenderMode::mip) {
         const MipSetup greatest = mipFor(*marched_, baked_->table, plan);
         return visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {
-          marchTiles<MipBatchSource<Voxel, HasHoles::value>>(ModeView<Voxel, MipSetup>{view, greatest}, Unlit{}, camera, area, pixels, settings, plan, blocks, sample,
-                                                             stop, onRay);
+          marchTiles<MipBatchSource<Voxel, HasHoles::value>>(ModeView<Voxel, MipSetup>{view, greatest}, Unlit{}, plan, blocks, job);
         });
       }
       if (settings.effects.mode == RenderMode::isosurface)
         return visitLight(shadingFor(*marched_, camera, settings, plan), [&](const auto& light) {
           visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {
-            marchTiles<IsosurfaceSource<Voxel, HasHoles::value, false>>(ModeView<Voxel, IsosurfaceSetup>{view, baked_->surfaces}, light, camera, area, pixels,
-                                                                        settings, plan, blocks, sample, stop, onRay);
+            marchTiles<IsosurfaceSource<Voxel, HasHoles::value, false>>(ModeView<Voxel, IsosurfaceSetup>{view, baked_->surfaces}, light, plan, blocks, job);
           });
         });
-      const LightVolume lightVolume = filledLightVolume(view, camera, settings, plan, stop);
+      const LightVolume lightVolume = filledLightVolume(view, camera, settings, plan, job.stop);
       if (plan.has(PlanStage::segments) && baked_->hasSegments())
         return visitLight(shadingFor(*marched_, camera, settings, plan), lightVolume, [&](const auto& light) {
           const SegmentLookup segments = baked_->segments.lookup();
-          marchTiles<SegmentBatchSource<Voxel>>(ModeView<Voxel, SegmentLookup>{view, segments}, light, camera, area, pixels, settings, plan, blocks, sample, stop,
-                                                onRay);
+          marchTiles<SegmentBatchSource<Voxel>>(ModeView<Voxel, SegmentLookup>{view, segments}, light, plan, blocks, job);
         });
       visitLight(shadingFor(*marched_, camera, settings, plan), lightVolume, [&](const auto& light) {
         visitMarchArithmetic(settings.arithmetic, [&]<class March>(March) {
           visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {
-            marchTiles<VolumeSource<Voxel, HasHoles::value && March::kLeavesOutMissing, March>>(view, light, camera, area, pixels, settings, plan, blocks, sample,
-                                                                                                stop, onRay);
+            marchTiles<VolumeSource<Voxel, HasHoles::value && March::kLeavesOutMissing, March>>(view, light, plan, blocks, job);
           });
         });
       });
     });
+  }
+
+  /// Where nothing is visible at all.
+  static void skipRelayed(RayRelay& relay) {
+    while (std::unique_ptr<RelayedTile> tile = relay.take()) {
+      for (RelayedRay& ray : tile->rays) ray.isDone = true;
+      relay.handOn(std::move(tile));
+    }
   }
 
   /// What arrives of the lights: of the last picture, or found out anew.
@@ -351,106 +270,11 @@ class CpuMarcher final : public Marcher, public RayTracer {
   }
 
   template <class Source, class View, class Light>
-  void marchTiles(const View& view, const Light& light, const Camera& camera, const PixelArea& area, const PixelGrid& pixels,
-                  const RenderSettings& settings, const EffectPlan& plan, const std::optional<VisibleBlocks>& blocks,
-                  const SampleSettings* sample, const std::stop_token& stop, const OnRay& onRay) const {
-    const RayLimits limits = limitsOf(settings, plan);
-    const Jitter jitter = plan.has(PlanStage::jitter) ? jitterFor(settings) : Jitter{};
-    const ClipSetup clip = prepareClip(settings.effects.clip, *marched_->volume, camera);
-    const bool isClipped = plan.has(PlanStage::clip), isDivided = plan.has(PlanStage::severalSamples);
-    DepthOfSamples depthOfSamples;
-    if (sample != nullptr)
-      depthOfSamples = {depthFunctionOf(sample->heuristic, plan.has(PlanStage::secondPass)), sample->threshold, plan.has(PlanStage::spread)};
-    const int mostSegments = sample != nullptr && plan.has(PlanStage::raySegments) ? sample->segments : 0;
+  void marchTiles(const View& view, const Light& light, const EffectPlan& plan, const std::optional<VisibleBlocks>& blocks, const RayJob& job) const {
+    const TileMarcher<Source, View, Light> tiles(view, light, *marched_, plan, blocks, job);
+    if (job.relay != nullptr) return tiles.marchRelayed();
     TurnsOfJob turns(turns_.get());
-    const uint32_t side = turns.areLimited() ? tileSideFor(*marched_->volume, settings) : kTileSide;
-    parallelForTiles(area.width, area.height, side, stop, turns, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
-      std::vector<CountingSample> counting;
-      RaySamples found;
-      SegmentMerger segments(mergerRoomFor(mostSegments));
-      NormalCode normals[kMostMergerRoom];
-      const VisibleDepths everything{0.0f, std::numeric_limits<float>::infinity()};
-      // Rows may take seconds: a tile is not waited for.
-      for (uint32_t y = area.y + y0; y < area.y + y1 && !stop.stop_requested(); ++y)
-        for (uint32_t x = area.x + x0; x < area.x + x1; ++x) {
-          WARPSCOPE_COUNT(rays, 1);
-          const VisibleDepths depths = blocks ? blocks->at(x, y) : everything;
-          if (depths.isEmpty()) {
-            found.clear();
-            onRay({x, y});
-            continue;
-          }
-          const PixelRay pixel = pixels.ray(x, y);
-          const Ray& ray = pixel.ray;
-          // Parallel to slabs, and in their planes: box.h says what comes of 1 / 0 and 0 * infinity.
-          const RayInterval inside = exceptionsExpected([&] {
-            return intersectBox(reciprocalOf(ray.origin, ray.direction), clip.bounds, 0.0f, std::numeric_limits<float>::infinity());
-          });
-          if (isClipped) WARPSCOPE_COUNT(clippedRays, 1);
-          RayPath path{ray, makeLattice(isClipped ? clipped(clip, ray, inside) : inside, settings.step)};
-          path.lattice.t0 += jitter.shiftOf(x, y);
-          Source source = exceptionsExpected([&] { return Source(view, ray, path.lattice); });  // reciprocals again
-          counting.clear();
-          FinishedRay finished{x, y, pixel.cosine};
-          finished.counting = &counting;
-          const SampleSpan span = spanFor<Source>(depths, pixel.cosine, path.lattice);
-          const auto marchInto = [&](auto&& color) {
-            marchRay(path, span.begin, span.end, source, light, limits, color, [&](const CountingSample& met) {
-              if (sample != nullptr) counting.push_back(met);
-              return true;
-            });
-            finished.premultiplied = color.premultiplied();
-            finished.isEnded = color.transmittance.value() < limits.stopBelow;
-          };
-          if constexpr (std::is_same_v<typename Source::March, StableMarch>) {
-            segments.clear();
-            marchInto(SegmentedColor<StableMarch>(mostSegments > 0 ? &segments : nullptr, path.lattice));
-            if (mostSegments > 0) {
-              WARPSCOPE_COUNT(segmentedRays, 1);
-              segments.reduceTo(mostSegments);
-              finished.segments = &segments;
-              if constexpr (requires { light.setup.isLit; })
-                if (dependsOnEye(light.setup)) {
-                  for (int i = segments.first(); i != SegmentMerger::kNone; i = segments.behind(i)) {
-                    float gradient[3];
-                    gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, placeToLight(segments[i]), gradient);
-                    normals[i] = normalOf(light.setup, gradient);
-                  }
-                  finished.normals = normals;
-                }
-            }
-          } else {
-            marchInto(GatheredColor<typename Source::March>());
-          }
-          const glm::vec4& premultiplied = finished.premultiplied;
-          found.clear();
-          if (sample != nullptr && !counting.empty()) {
-            if (!isDivided || counting.size() == 1)
-              found.add({depthOfSamples(counting), premultiplied});
-            else if constexpr (std::is_same_v<typename Source::March, StableMarch>)  // as march() makes sure
-              findParts<Source>(view, light, path, limits, sample->samplesPerRay, depthOfSamples, counting, found);
-          }
-          finished.samples = &found;
-          onRay(finished);
-        }
-    });
-  }
-
-  /// Marches once more, part by part. `counting` has the ray's samples that count, and is used up.
-  template <class Source, class View, class Light>
-  static void findParts(const View& view, const Light& light, const RayPath& path, const RayLimits& limits,
-                        int samplesPerRay, const DepthOfSamples& depthOfSamples,
-                        std::vector<CountingSample>& counting, RaySamples& found) {
-    WARPSCOPE_COUNT(dividedRays, 1);
-    const RayParts parts{counting.back().accumulatedAfter(), samplesPerRay};
-    counting.clear();
-    Source source(view, path.ray, path.lattice);
-    marchParts<RayPiece>(
-        path, source, light, limits, parts, [&](const CountingSample& sample) { counting.push_back(sample); },
-        [&](const RayPiece& piece) {
-          found.add({depthOfSamples(counting), piece.premultiplied()});
-          counting.clear();
-        });
+    tiles.march(turns.areLimited() ? tileSideFor(*marched_->volume, job.settings) : kTileSide, turns);
   }
 
   const MarchedVolumePtr marched_;
@@ -462,13 +286,21 @@ class CpuMarcher final : public Marcher, public RayTracer {
   std::vector<Box> surface_;
   std::vector<float> lightKey_;        // of what the following are for; empty: nothing
   std::vector<uint16_t> lightValues_;
-  std::vector<PackedSample> denseSamples_;
-  std::vector<Rgba8> denseColors_;
-  std::vector<float> denseSpreads_;  // empty where nobody wants any
-  DenseSegments denseSegments_;      // likewise
+  DenseRays dense_;
 };
 
 }  // namespace
+
+std::unique_ptr<PieceMarcher> makePieceMarcher(MarchedVolumePtr marched) { return std::make_unique<CpuMarcher>(std::move(marched), nullptr); }
+
+std::string whyNotInPieces(const RenderSettings& settings, const SampleSettings* sample) {
+  const Effects& effects = settings.effects;
+  if (settings.arithmetic != Arithmetic::stable) return "textbook arithmetic cannot be marched in pieces";
+  if (effects.mode == RenderMode::mip) return "the mode mip cannot be marched in pieces";
+  if (effects.shading.strength > 0.0f && (effects.shadows.strength > 0.0f || effects.shadows.occlusion > 0.0f)) return "shadows and occlusion cannot be marched in pieces";
+  if (sample != nullptr && sample->samplesPerRay > 1) return "several samples a ray cannot be marched in pieces";
+  return {};
+}
 
 std::unique_ptr<RayTracer> makeRayTracer(VolumePtr volume, TransferFunction transferFunction) {
   return std::make_unique<CpuMarcher>(std::make_shared<MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);

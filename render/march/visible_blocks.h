@@ -9,6 +9,7 @@
 
 #include "render/core/box.h"
 #include "render/core/pixel_grid.h"
+#include "render/march/cell_block.h"
 #include "render/march/empty_space.h"
 #include "render/march/lattice.h"
 
@@ -26,12 +27,6 @@ struct VisibleDepths {
   float farthest = 0.0f;
 
   bool isEmpty() const { return !(nearest <= farthest); }
-};
-
-/// Samples of a ray's lattice.
-struct SampleSpan {
-  int begin = 0;
-  int end = 0;
 };
 
 class VisibleBlocks {

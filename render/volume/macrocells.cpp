@@ -6,6 +6,7 @@
 #include <cstring>
 #include <tuple>
 
+#include "render/base/ranks.h"
 #include "render/core/parallel.h"
 #include "render/core/simd.h"
 #include "render/core/visible_bins.h"
@@ -70,8 +71,10 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
     ranges->lowest.assign(padded, Number(kNoLowest));
     ranges->highest.assign(padded, Number(kNoHighest));
     const Voxel* voxels = volume.voxelsAs<Voxel>();
-    parallelForRanges(size_t(dims_.y) * dims_.z, 4, [&](size_t begin, size_t end) {
-      for (size_t row = begin; row < end; ++row) {
+    const size_t rows = size_t(dims_.y) * dims_.z;
+    const auto [firstRow, endRow] = volume.ranks() ? volume.ranks()->shareOf(rows) : std::pair<size_t, size_t>{0, rows};
+    parallelForRanges(endRow - firstRow, 4, [&, firstRow = firstRow](size_t begin, size_t end) {
+      for (size_t row = firstRow + begin; row < firstRow + end; ++row) {
         const int cy = static_cast<int>(row % dims_.y);
         const int cz = static_cast<int>(row / dims_.y);
         for (int cx = 0; cx < dims_.x; ++cx) {
@@ -102,6 +105,8 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
         }
       }
     });
+    if (volume.ranks())
+      for (std::vector<Number>* const numbers : {&ranges->lowest, &ranges->highest}) gatherRows(*numbers, firstRow, endRow, *volume.ranks());
     if constexpr (kRounds<Voxel>) {
       ofVoxels_ = std::move(ranges);
       findRanges();
@@ -109,6 +114,14 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
       ranges_ = std::move(ranges);
     }
   });
+}
+
+template <class Number>
+void Macrocells::gatherRows(std::vector<Number>& numbers, size_t firstRow, size_t endRow, Ranks& ranks) const {
+  const auto begin = numbers.begin(), ofRow = static_cast<std::ptrdiff_t>(dims_.x);
+  std::vector<Number> all(begin + ofRow * static_cast<std::ptrdiff_t>(firstRow), begin + ofRow * static_cast<std::ptrdiff_t>(endRow));
+  ranks.allGather(all);
+  std::ranges::copy(all, numbers.begin());
 }
 
 void Macrocells::findRanges() {

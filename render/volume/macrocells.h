@@ -17,7 +17,7 @@ namespace warpscope {
 /// edge * c up to and including edge * (c + 1). Copies share what they hold, which never changes.
 class Macrocells {
  public:
-  /// Reads every voxel once or a little more, in parallel. Non-finite voxels are left out.
+  /// Reads every voxel once or a little more, in parallel; where ranks share the volume, each its share (Volume). Non-finite voxels are left out.
   Macrocells(const Volume& volume, const ValueScale& scale);
 
   /// The same cells by another scale; reads no voxels. Shares the ranges where they are the same, see sharesRangesWith().
@@ -44,6 +44,9 @@ class Macrocells {
     std::vector<Number> lowest, highest;
   };
   void findRanges();
+  /// Of all cells, where this rank has found what [firstRow, endRow) of their rows have.
+  template <class Number>
+  void gatherRows(std::vector<Number>& numbers, size_t firstRow, size_t endRow, Ranks& ranks) const;
 
   VoxelType type_;
   ValueScale scale_;

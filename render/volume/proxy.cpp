@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
+#include "render/base/ranks.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
@@ -58,7 +60,10 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
 
   const std::vector<Coverage> alongX = coveragesOf(fine.dims.x, geometry.dims.x), alongY = coveragesOf(fine.dims.y, geometry.dims.y),
                               alongZ = coveragesOf(fine.dims.z, geometry.dims.z);
-  auto voxels = std::make_shared<std::vector<uint8_t>>(size_t{geometry.dims.x} * geometry.dims.y * geometry.dims.z);
+  const size_t rows = size_t{geometry.dims.z} * geometry.dims.y;
+  size_t firstOfShare = 0, endOfShare = rows;
+  if (volume.ranks()) std::tie(firstOfShare, endOfShare) = volume.ranks()->shareOf(rows);
+  auto voxels = std::make_shared<std::vector<uint8_t>>((endOfShare - firstOfShare) * geometry.dims.x);
   const ProxyScale scale = proxy.scale;
   // Sums of the largest numbers are added up smaller; elsewhere nothing is rounded away.
   const double smaller = std::max(std::abs(statistics.lowest), std::abs(statistics.highest)) > 0x1p900 ? 0x1p-64 : 1.0;
@@ -66,8 +71,8 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
     using Voxel = decltype(tag);
     const Voxel* const in = volume.voxelsAs<Voxel>();
     const size_t strideY = fine.dims.x, strideZ = strideY * fine.dims.y;
-    parallelForRanges(size_t{geometry.dims.z} * geometry.dims.y, 1, stop, [&](size_t beginRow, size_t endRow) {
-      for (size_t row = beginRow; row < endRow; ++row) {
+    parallelForRanges(endOfShare - firstOfShare, 1, stop, [&](size_t beginRow, size_t endRow) {
+      for (size_t row = firstOfShare + beginRow; row < firstOfShare + endRow; ++row) {
         const Coverage& ofY = alongY[row % geometry.dims.y];
         const Coverage& ofZ = alongZ[row / geometry.dims.y];
         for (uint32_t x = 0; x < geometry.dims.x; ++x) {
@@ -87,11 +92,12 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
             }
           uint8_t code = 0;
           if (weights > 0.0) code = static_cast<uint8_t>(std::lround(std::clamp(scale.codeOf(sum / weights / smaller), scale.hasMissing ? 1.0 : 0.0, 255.0)));
-          (*voxels)[row * geometry.dims.x + x] = code;
+          (*voxels)[(row - firstOfShare) * geometry.dims.x + x] = code;
         }
       }
     });
   });
+  if (volume.ranks()) volume.ranks()->allGather(*voxels);
   const void* const data = voxels->data();
   proxy.volume = std::make_shared<const Volume>(volume.name(), VoxelType::uint8, geometry, std::move(voxels), data, stop);
   return proxy;

@@ -52,7 +52,7 @@ std::optional<RawName> parseRawName(const std::filesystem::path& path) {
   return RawName{dims, typeNamed(match[4].str(), path)};
 }
 
-VolumePtr openRawVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing, const std::stop_token& stop) {
+VolumePtr openRawVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing, const std::stop_token& stop, RanksPtr ranks) {
   if constexpr (std::endian::native != std::endian::little)
     throw InputError(path.string() + ": raw volumes are little endian, which this machine cannot map");
   const std::string source = path.string();
@@ -79,8 +79,7 @@ VolumePtr openRawVolume(const std::filesystem::path& path, const std::optional<g
     throw InputError(source + ": cannot be read: " + error.code().message());
   }
   const void* voxels = region->get_address();
-  return std::make_shared<Volume>(path.filename().string(), name->type, geometry, std::move(region), voxels,
-                                  stop);
+  return std::make_shared<Volume>(path.filename().string(), name->type, geometry, std::move(region), voxels, stop, std::move(ranks));
 }
 
 }  // namespace warpscope

@@ -49,7 +49,7 @@ std::vector<std::string> supportedVolumeEndings() {
   return endings;
 }
 
-VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing, const std::stop_token& stop) {
+VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing, const std::stop_token& stop, RanksPtr ranks) {
   requireReadableFile(path);
   const std::optional<VolumeFormat> format = formatOf(path);
   if (!format) {
@@ -57,7 +57,8 @@ VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm:
     for (const std::string& ending : supportedVolumeEndings()) known += " " + ending;
     throw InputError(path.string() + ": its ending is not that of a volume; known are" + known);
   }
-  if (*format == VolumeFormat::raw) return abandonable([=] { return openRawVolume(path, spacing, stop); }, stop);
+  if (*format == VolumeFormat::raw) return abandonable([=] { return openRawVolume(path, spacing, stop, ranks); }, stop);
+  if (ranks) throw InputError(path.string() + ": several processes share raw volumes alone (name_XxYxZ_type.raw)");
 #if WARPSCOPE_WITH_ITK
   if (spacing) throw InputError(path.string() + ": states its voxel spacing itself; only raw volumes take another one");
   return abandonable([=] { return exceptionsExpected([&] { return openItkVolume(path, stop); }); }, stop);  // the exceptions are ITK's own

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "render/base/error.h"
+#include "render/base/ranks.h"
 #include "render/core/parallel.h"
 #include "render/volume/voxel_access.h"
 
@@ -63,6 +64,24 @@ constexpr size_t kGrain = 1 << 18;
 
 using Histogram = std::array<size_t, 256>;
 
+/// Voxels that are scanned here.
+template <class T>
+struct Scanned {
+  const T* voxels;
+  size_t count;
+  Ranks* ranks;  ///< null: these are all
+};
+
+/// The sum of what all ranks have counted.
+Histogram summed(const Histogram& own, Ranks* ranks) {
+  if (ranks == nullptr) return own;
+  std::vector<size_t> all(own.begin(), own.end());
+  ranks->allGather(all);
+  Histogram sum{};
+  for (size_t i = 0; i < all.size(); ++i) sum[i % sum.size()] += all[i];
+  return sum;
+}
+
 /// Sums histograms that `count(local, begin, end)` fills, one a thread.
 template <class Count>
 Histogram gatherHistogram(size_t voxelCount, const std::stop_token& stop, const Count& count) {
@@ -75,9 +94,10 @@ Histogram gatherHistogram(size_t voxelCount, const std::stop_token& stop, const 
 }
 
 /// The histogram of bytes says everything: one pass.
-VoxelStatistics gatherStatistics(const uint8_t* voxels, size_t count, const std::stop_token& stop) {
+VoxelStatistics gatherStatistics(const Scanned<uint8_t>& scanned, const std::stop_token& stop) {
   VoxelStatistics statistics;
-  statistics.histogram = gatherHistogram(count, stop, [&](Histogram& local, size_t begin, size_t end) {
+  const uint8_t* const voxels = scanned.voxels;
+  const Histogram own = gatherHistogram(scanned.count, stop, [&](Histogram& local, size_t begin, size_t end) {
     // Two tables, so that a run of equal voxels does not wait for its own last store.
     Histogram odd{};
     size_t i = begin;
@@ -88,6 +108,7 @@ VoxelStatistics gatherStatistics(const uint8_t* voxels, size_t count, const std:
     if (i < end) ++local[voxels[i]];
     for (size_t bin = 0; bin < odd.size(); ++bin) local[bin] += odd[bin];
   });
+  statistics.histogram = summed(own, scanned.ranks);
   size_t lowest = 0, highest = 255;
   while (statistics.histogram[lowest] == 0) ++lowest;
   while (statistics.histogram[highest] == 0) --highest;
@@ -98,11 +119,20 @@ VoxelStatistics gatherStatistics(const uint8_t* voxels, size_t count, const std:
 }
 
 template <class T>
-VoxelStatistics gatherStatistics(const T* voxels, size_t count, const std::stop_token& stop) {
+VoxelStatistics gatherStatistics(const Scanned<T>& scanned, const std::stop_token& stop) {
+  const T* const voxels = scanned.voxels;
+  const size_t count = scanned.count;
   struct Extremes {
     T lowest = std::numeric_limits<T>::max();
     T highest = std::numeric_limits<T>::lowest();
-    size_t finite = 0;
+    size_t finite = 0, scanned = 0;
+
+    void include(const Extremes& other) {
+      lowest = std::min(lowest, other.lowest);
+      highest = std::max(highest, other.highest);
+      finite += other.finite;
+      scanned += other.scanned;
+    }
   };
   tbb::enumerable_thread_specific<Extremes> partialExtremes;
   parallelForRanges(count, kGrain, stop, [&](size_t begin, size_t end) {
@@ -117,13 +147,16 @@ VoxelStatistics gatherStatistics(const T* voxels, size_t count, const std::stop_
     partialExtremes.local() = local;
   });
   Extremes all;
-  for (const Extremes& local : partialExtremes) {
-    all.lowest = std::min(all.lowest, local.lowest);
-    all.highest = std::max(all.highest, local.highest);
-    all.finite += local.finite;
+  for (const Extremes& local : partialExtremes) all.include(local);
+  all.scanned = count;
+  if (scanned.ranks != nullptr) {
+    std::vector<Extremes> ofRanks{all};
+    scanned.ranks->allGather(ofRanks);
+    all = {};
+    for (const Extremes& one : ofRanks) all.include(one);
   }
   VoxelStatistics statistics;
-  statistics.nonFinite = count - all.finite;
+  statistics.nonFinite = all.scanned - all.finite;
   if (all.finite > 0) {
     statistics.lowest = static_cast<double>(all.lowest);
     statistics.highest = static_cast<double>(all.highest);
@@ -139,24 +172,26 @@ VoxelStatistics gatherStatistics(const T* voxels, size_t count, const std::stop_
   const int exponent = extent > 0.0 ? -std::ilogb(extent) : 0;
   const double first = std::ldexp(1.0, exponent / 2), second = std::ldexp(1.0, exponent - exponent / 2);
   const double binsPerExtent = extent > 0.0 ? 256.0 / (extent * first * second) : 0.0;
-  statistics.histogram = gatherHistogram(count, stop, [&](Histogram& local, size_t begin, size_t end) {
+  const Histogram own = gatherHistogram(count, stop, [&](Histogram& local, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       if (!isFiniteVoxel(voxels[i])) continue;
       const double bin = (static_cast<double>(voxels[i]) * before - statistics.rangeLower * before) * first * second * binsPerExtent;
       ++local[std::min<size_t>(static_cast<size_t>(bin), 255)];
     }
   });
+  statistics.histogram = summed(own, scanned.ranks);
   return statistics;
 }
 
 }  // namespace
 
 Volume::Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage,
-               const void* voxels, const std::stop_token& stop)
-    : name_(std::move(name)), type_(type), geometry_(geometry), storage_(std::move(storage)), voxels_(voxels) {
+               const void* voxels, const std::stop_token& stop, RanksPtr ranks)
+    : name_(std::move(name)), type_(type), geometry_(geometry), storage_(std::move(storage)), voxels_(voxels), ranks_(std::move(ranks)) {
   const size_t count = validate(geometry_, type_, name_);
   bounds_ = geometry_.bounds();
-  visitVoxelType(type_, [&](auto voxel) { statistics_ = gatherStatistics(voxelsAs<decltype(voxel)>(), count, stop); });
+  const auto [begin, end] = ranks_ ? ranks_->shareOf(count) : std::pair<size_t, size_t>{0, count};
+  visitVoxelType(type_, [&]<class Voxel>(Voxel) { statistics_ = gatherStatistics(Scanned<Voxel>{voxelsAs<Voxel>() + begin, end - begin, ranks_.get()}, stop); });
 }
 
 }  // namespace warpscope

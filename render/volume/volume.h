@@ -16,6 +16,9 @@
 
 namespace warpscope {
 
+class Ranks;  // base/ranks.h
+using RanksPtr = std::shared_ptr<Ranks>;
+
 enum class VoxelType { uint8, int8, uint16, int16, uint32, int32, float32, float64 };
 
 size_t sizeBytes(VoxelType type);
@@ -74,9 +77,11 @@ struct VoxelStatistics {
 class Volume {
  public:
   /// `storage` keeps `voxels` alive (a mapped file, a vector). Scans all voxels once or twice, in parallel.
+  /// `ranks`: processes that have the same volume and make this object, and whatever is made of all of its voxels, at the same time, each from a share of them; null:
+  /// this one alone.
   /// Throws InputError if the geometry makes no sense, OperationCancelled if `stop` is set.
   Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage,
-         const void* voxels, const std::stop_token& stop = {});
+         const void* voxels, const std::stop_token& stop = {}, RanksPtr ranks = nullptr);
 
   const std::string& name() const { return name_; }
   VoxelType type() const { return type_; }
@@ -86,6 +91,9 @@ class Volume {
   const VoxelStatistics& statistics() const { return statistics_; }
   size_t voxelCount() const { return size_t{dims().x} * dims().y * dims().z; }
   size_t sizeBytes() const { return voxelCount() * warpscope::sizeBytes(type_); }
+
+  /// Null where this process has the volume for itself.
+  const RanksPtr& ranks() const { return ranks_; }
 
   const void* voxels() const { return voxels_; }
   template <class T>
@@ -100,6 +108,7 @@ class Volume {
   Box bounds_;
   std::shared_ptr<const void> storage_;
   const void* voxels_;
+  RanksPtr ranks_;
   VoxelStatistics statistics_;
 };
 

@@ -1,0 +1,111 @@
+// Collective calls by messages through the first rank, and ranks that are threads.
+// See ranks.h.
+#include "render/base/ranks.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+
+namespace warpscope {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::chrono::microseconds kPatience = 100ms;  // between looks at what has come
+
+/// What has been sent to one rank.
+struct Inbox {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<RankMessage> messages;
+  bool isWoken = false;
+};
+
+class LocalRanks final : public Ranks {
+ public:
+  LocalRanks(std::shared_ptr<std::vector<Inbox>> inboxes, int rank) : inboxes_(std::move(inboxes)), rank_(rank) {}
+
+  int rank() const override { return rank_; }
+  int size() const override { return static_cast<int>(inboxes_->size()); }
+  void send(int to, int kind, std::vector<std::byte> bytes) override {
+    Inbox& inbox = (*inboxes_)[static_cast<size_t>(to)];
+    const std::scoped_lock lock(inbox.mutex);
+    inbox.messages.push_back({rank_, kind, std::move(bytes)});
+    inbox.changed.notify_one();
+  }
+  void wake() override {
+    Inbox& own = inbox();
+    const std::scoped_lock lock(own.mutex);
+    own.isWoken = true;
+    own.changed.notify_one();
+  }
+
+ private:
+  std::optional<RankMessage> receiveNew(std::chrono::microseconds atMost) override {
+    Inbox& own = inbox();
+    std::unique_lock lock(own.mutex);
+    own.changed.wait_for(lock, atMost, [&] { return own.isWoken || !own.messages.empty(); });
+    own.isWoken = false;
+    if (own.messages.empty()) return {};
+    RankMessage message = std::move(own.messages.front());
+    own.messages.pop_front();
+    return message;
+  }
+  Inbox& inbox() const { return (*inboxes_)[static_cast<size_t>(rank_)]; }
+
+  const std::shared_ptr<std::vector<Inbox>> inboxes_;
+  const int rank_;
+};
+
+std::vector<std::byte> copyOf(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
+
+}  // namespace
+
+std::optional<RankMessage> Ranks::receive(std::chrono::microseconds atMost) {
+  if (kept_.empty()) return receiveNew(atMost);
+  RankMessage message = std::move(kept_.front());
+  kept_.pop_front();
+  return message;
+}
+
+RankMessage Ranks::await(int kind, int from) {
+  const auto isIt = [&](const RankMessage& message) { return message.kind == kind && message.from == from; };
+  if (const auto found = std::ranges::find_if(kept_, isIt); found != kept_.end()) {
+    RankMessage message = std::move(*found);
+    kept_.erase(found);
+    return message;
+  }
+  while (true) {
+    std::optional<RankMessage> message = receiveNew(kPatience);
+    if (!message) continue;
+    if (isIt(*message)) return std::move(*message);
+    kept_.push_back(std::move(*message));
+  }
+}
+
+std::vector<std::byte> Ranks::ofFirst(std::vector<std::byte> own) {
+  if (!isFirst()) return await(kDealt, 0).bytes;
+  for (int to = 1; to < size(); ++to) send(to, kDealt, own);
+  return own;
+}
+
+std::vector<std::vector<std::byte>> Ranks::allGather(std::span<const std::byte> own) {
+  std::vector<std::vector<std::byte>> parts(static_cast<size_t>(size()));
+  parts[static_cast<size_t>(rank())] = copyOf(own);
+  if (!isFirst()) send(0, kGathered, copyOf(own));
+  for (int from = 0; from < size(); ++from) {
+    std::vector<std::byte>& part = parts[static_cast<size_t>(from)];
+    if (isFirst() && from != 0) part = await(kGathered, from).bytes;
+    part = ofFirst(std::move(part));
+  }
+  return parts;
+}
+
+std::vector<RanksPtr> makeLocalRanks(int count) {
+  const auto inboxes = std::make_shared<std::vector<Inbox>>(static_cast<size_t>(count));
+  std::vector<RanksPtr> ranks;
+  for (int rank = 0; rank < count; ++rank) ranks.push_back(std::make_shared<LocalRanks>(inboxes, rank));
+  return ranks;
+}
+
+}  // namespace warpscope

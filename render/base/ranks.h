@@ -1,0 +1,78 @@
+// Processes that work at one thing together: ranks, counted from 0, and messages between them. The words are MPI's (MPI Forum, MPI 4.0, chapters 3 and 6).
+// What connects them is somebody else's: MPI, or threads of one process.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace warpscope {
+
+struct RankMessage {
+  int from = 0;
+  int kind = 0;  ///< what it is about, as sender and receiver agree; those below 0 are Ranks' own
+  std::vector<std::byte> bytes;
+};
+
+/// This process's end. For one thread at a time, but for wake().
+class Ranks {
+ public:
+  virtual ~Ranks() = default;
+
+  virtual int rank() const = 0;
+  virtual int size() const = 0;
+  bool isFirst() const { return rank() == 0; }
+
+  /// Hands a message over, to itself as well; waits for nobody. Those from one rank to another arrive in the order in which they were sent.
+  virtual void send(int to, int kind, std::vector<std::byte> bytes) = 0;
+  /// Makes a receive() that waits return soon. Safe on any thread.
+  virtual void wake() = 0;
+
+  /// The next message, whoever it is from; nothing after `atMost`, or when woken.
+  std::optional<RankMessage> receive(std::chrono::microseconds atMost);
+
+  // Of all ranks together: each calls the same, in the same order, and waits for the others. Other messages meanwhile are kept for receive().
+
+  /// What each has brought, by rank.
+  std::vector<std::vector<std::byte>> allGather(std::span<const std::byte> own);
+  /// The same of arrays that lie one behind the other: `own` is this rank's part of them all, and becomes them all.
+  template <class T>
+  void allGather(std::vector<T>& own) {
+    std::vector<T> all;
+    for (const std::vector<std::byte>& part : allGather(std::as_bytes(std::span<const T>(own)))) {
+      const auto* const first = reinterpret_cast<const T*>(part.data());
+      all.insert(all.end(), first, first + part.size() / sizeof(T));
+    }
+    own = std::move(all);
+  }
+  /// What the first of them has.
+  std::vector<std::byte> ofFirst(std::vector<std::byte> own);
+
+  /// Which of `count` things are this rank's, where all take about as many, in their order: [begin, end).
+  std::pair<size_t, size_t> shareOf(size_t count) const {
+    const auto r = static_cast<size_t>(rank()), n = static_cast<size_t>(size());
+    return {count / n * r + count % n * r / n, count / n * (r + 1) + count % n * (r + 1) / n};
+  }
+
+ protected:
+  /// As receive(), of what has not been received yet.
+  virtual std::optional<RankMessage> receiveNew(std::chrono::microseconds atMost) = 0;
+
+ private:
+  enum Own { kGathered = -1, kDealt = -2 };
+  RankMessage await(int kind, int from);
+
+  std::deque<RankMessage> kept_;  // received before somebody asked for them
+};
+
+using RanksPtr = std::shared_ptr<Ranks>;
+
+/// As many ranks as there are ends, connected in this process: each end for a thread of its own.
+std::vector<RanksPtr> makeLocalRanks(int count);
+
+}  // namespace warpscope

@@ -1,0 +1,158 @@
+// Tiles as messages.
+// See brick_frame.h.
+#include "render/bricks/brick_frame.h"
+
+#include <algorithm>
+
+#include "render/bricks/rank_bytes.h"
+
+namespace warpscope {
+namespace {
+
+/// Of a ray in a message, beside what follows it.
+struct RayHead {
+  uint32_t place = 0;  ///< in its tile
+  int next = 0;
+  RayColor color;
+  uint32_t counting = 0;  ///< samples that follow
+};
+
+}  // namespace
+
+TileResult TileResult::ofBytes(std::span<const std::byte> bytes) {
+  RankReader reader(bytes);
+  TileResult result;
+  result.frame = reader.get<uint64_t>();
+  result.tile = reader.get<uint32_t>();
+  result.isComplete = reader.get<bool>();
+  reader.getAll(result.finished);
+  reader.getAll(result.colors);
+  DenseRays& found = result.found;
+  found.slots = reader.get<size_t>();
+  reader.getAll(found.samples);
+  reader.getAll(found.colors);
+  reader.getAll(found.spreads);
+  found.segments.slots = reader.get<int>();
+  reader.getAll(found.segments.rays);
+  reader.getAll(found.segments.depths);
+  reader.getAll(found.segments.colors);
+  return result;
+}
+
+BrickFrame::BrickFrame(FrameOrder order, int rank, std::function<void()> onOutgoing)
+    : order_(std::move(order)), rank_(rank), onOutgoing_(std::move(onOutgoing)) {}
+
+void BrickFrame::arrive(std::vector<std::byte> bytes) {
+  const std::scoped_lock lock(mutex_);
+  arrived_.push_back(std::move(bytes));
+  changed_.notify_one();
+}
+
+std::optional<BrickFrame::Outgoing> BrickFrame::takeOutgoing() {
+  const std::scoped_lock lock(mutex_);
+  if (outgoing_.empty()) return {};
+  Outgoing outgoing = std::move(outgoing_.front());
+  outgoing_.pop_front();
+  return outgoing;
+}
+
+void BrickFrame::put(Outgoing outgoing) {
+  {
+    const std::scoped_lock lock(mutex_);
+    outgoing_.push_back(std::move(outgoing));
+  }
+  onOutgoing_();
+}
+
+void BrickFrame::fail(const std::string& reason) { put({0, kTroubleMessage, RankWriter().put(order_.frame).putAll(reason).take()}); }
+
+void BrickFrame::close() noexcept {
+  const std::scoped_lock lock(mutex_);
+  isClosed_ = true;
+  changed_.notify_all();
+}
+
+std::unique_ptr<RelayedTile> BrickFrame::take() {
+  std::unique_lock lock(mutex_);
+  while (!isClosed_) {
+    if (!arrived_.empty()) {
+      const std::vector<std::byte> bytes = std::move(arrived_.front());
+      arrived_.pop_front();
+      lock.unlock();
+      return tileOf(bytes);
+    }
+    for (; nextOwn_ < order_.tileCount(); ++nextOwn_) {
+      if (order_.nextOf(nextOwn_, -1) != rank_) continue;
+      auto tile = std::make_unique<RelayedTile>();
+      tile->index = nextOwn_++;
+      lock.unlock();
+      tile->area = order_.areaOf(tile->index);
+      tile->rays.resize(tile->area.count());
+      tile->isLast = order_.nextOf(tile->index, rank_) < 0;
+      return tile;
+    }
+    changed_.wait(lock);
+  }
+  return nullptr;
+}
+
+void BrickFrame::handOn(std::unique_ptr<RelayedTile> tile) {
+  const bool isComplete = std::ranges::all_of(tile->rays, &RelayedRay::isDone);
+  if (isComplete || !tile->finished.empty()) put({0, kResultMessage, resultOf(*tile, isComplete)});
+  const int next = order_.nextOf(tile->index, rank_);
+  if (!isComplete && next >= 0) put({next, kTileMessage, bytesOf(*tile)});  // else the march has been stopped
+}
+
+std::vector<std::byte> BrickFrame::resultOf(const RelayedTile& tile, bool isComplete) const {
+  RankWriter writer;
+  writer.put(order_.frame).put(tile.index).put(isComplete).putAll(tile.finished).putAll(tile.colors);
+  const DenseRays& found = tile.found;
+  writer.put(found.slots).putAll(found.samples).putAll(found.colors).putAll(found.spreads);
+  return writer.put(found.segments.slots).putAll(found.segments.rays).putAll(found.segments.depths).putAll(found.segments.colors).take();
+}
+
+std::vector<std::byte> BrickFrame::bytesOf(const RelayedTile& tile) const {
+  RankWriter writer;
+  writer.put(order_.frame).put(tile.index).put(!tile.segments.empty());
+  std::vector<uint8_t> done((tile.rays.size() + 7) / 8);
+  for (size_t place = 0; place < tile.rays.size(); ++place)
+    if (tile.rays[place].isDone) done[place / 8] |= static_cast<uint8_t>(1u << (place % 8));
+  writer.putAll(done);
+  for (uint32_t place = 0; place < tile.rays.size(); ++place) {
+    const RelayedRay& ray = tile.rays[place];
+    if (ray.isDone || !ray.hasMet()) continue;
+    writer.put(RayHead{place, ray.next, ray.color, static_cast<uint32_t>(ray.counting.size())});
+    for (const CountingSample& sample : ray.counting) writer.put(sample);
+    if (!tile.segments.empty()) writer.put(tile.segments[place]);
+  }
+  return writer.take();
+}
+
+std::unique_ptr<RelayedTile> BrickFrame::tileOf(const std::vector<std::byte>& bytes) const {
+  RankReader reader(bytes);
+  reader.get<uint64_t>();
+  auto tile = std::make_unique<RelayedTile>();
+  tile->index = reader.get<uint32_t>();
+  const auto hasSegments = reader.get<bool>();
+  tile->area = order_.areaOf(tile->index);
+  tile->isLast = order_.nextOf(tile->index, rank_) < 0;
+  tile->rays.resize(tile->area.count());
+  std::vector<uint8_t> done;
+  reader.getAll(done);
+  for (size_t place = 0; place < tile->rays.size(); ++place) tile->rays[place].isDone = (done.at(place / 8) >> (place % 8) & 1) != 0;
+  if (hasSegments) tile->segments.assign(tile->rays.size(), SegmentMerger(mergerRoomFor(order_.sample ? order_.sample->segments : 0)));
+  while (!reader.isAtEnd()) {
+    const auto head = reader.get<RayHead>();
+    RelayedRay& ray = tile->rays.at(head.place);
+    ray.color = head.color;
+    ray.next = head.next;
+    ray.counting.resize(head.counting);
+    for (CountingSample& sample : ray.counting) sample = reader.get<CountingSample>();
+    if (hasSegments) tile->segments[head.place] = reader.get<SegmentMerger>();
+  }
+  return tile;
+}
+
+uint64_t BrickFrame::frameOf(const RankMessage& message) { return RankReader(message.bytes).get<uint64_t>(); }
+
+}  // namespace warpscope

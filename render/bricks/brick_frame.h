@@ -1,0 +1,85 @@
+// One rank's part of a picture: tiles that have come to it, and what is to be sent of those that have been marched.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+
+#include "render/base/ranks.h"
+#include "render/bricks/frame_order.h"
+#include "render/march/ray_relay.h"
+
+namespace warpscope {
+
+/// What messages between ranks are about.
+enum BrickMessage {
+  kFunctionMessage,  ///< from the first: a transfer function; all make what marching by it takes
+  kProxyMessage,     ///< from the first: the coarse copy by one of them
+  kOrderMessage,     ///< from the first: a FrameOrder
+  kTileMessage,      ///< to the next on its way: a tile (BrickFrame)
+  kResultMessage,    ///< to the first: what rays of a tile have left
+  kTroubleMessage,   ///< to the first: why a frame cannot be marched
+  kEndMessage,       ///< from the first: the frame is done, or nobody wants it any more
+  kQuitMessage,      ///< from the first: there will be no more
+};
+
+/// What rays of a tile have left, somewhere along its way.
+struct TileResult {
+  uint64_t frame = 0;
+  uint32_t tile = 0;
+  bool isComplete = false;         ///< nothing of the tile is to come
+  std::vector<uint32_t> finished;  ///< pixels of the tile, by their places in it
+  DenseRays found;                 ///< of each of these; where samples are wanted
+  std::vector<glm::vec4> colors;   ///< likewise; where they are not
+
+  static TileResult ofBytes(std::span<const std::byte> bytes);
+};
+
+class BrickFrame final : public RayRelay {
+ public:
+  struct Outgoing {
+    int to = 0;
+    int kind = 0;
+    std::vector<std::byte> bytes;
+  };
+
+  /// `onOutgoing` is called, on any thread, when there is something to send.
+  BrickFrame(FrameOrder order, int rank, std::function<void()> onOutgoing);
+
+  const FrameOrder& order() const { return order_; }
+  /// A kTileMessage of this frame.
+  void arrive(std::vector<std::byte> bytes);
+  /// Nothing if there is none.
+  std::optional<Outgoing> takeOutgoing();
+  /// The frame cannot be marched here.
+  void fail(const std::string& reason);
+
+  const CellBlock& block() const override { return order_.blocks[static_cast<size_t>(rank_)]; }
+  std::unique_ptr<RelayedTile> take() override;
+  void handOn(std::unique_ptr<RelayedTile> tile) override;
+  void close() noexcept override;
+
+  /// Which frame a message of these kinds is of: the first of its bytes.
+  static uint64_t frameOf(const RankMessage& message);
+
+ private:
+  std::unique_ptr<RelayedTile> tileOf(const std::vector<std::byte>& bytes) const;
+  std::vector<std::byte> bytesOf(const RelayedTile& tile) const;
+  std::vector<std::byte> resultOf(const RelayedTile& tile, bool isComplete) const;
+  void put(Outgoing outgoing);
+
+  const FrameOrder order_;
+  const int rank_;
+  const std::function<void()> onOutgoing_;
+
+  std::mutex mutex_;  // of everything below
+  std::condition_variable changed_;
+  std::deque<std::vector<std::byte>> arrived_;
+  uint32_t nextOwn_ = 0;  // of tiles that come to this rank first, those before are taken
+  bool isClosed_ = false;
+  std::deque<Outgoing> outgoing_;
+};
+
+}  // namespace warpscope

@@ -1,0 +1,264 @@
+// Who asks, and who is asked.
+// See brick_ranks.h.
+#include "render/bricks/brick_ranks.h"
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <mutex>
+#include <string>
+
+#include "render/base/error.h"
+#include "render/base/stopwatch.h"
+#include "render/bricks/brick_frame.h"
+#include "render/bricks/brick_work.h"
+#include "render/bricks/rank_bytes.h"
+#include "render/march/compact.h"
+#include "render/march/march_setup.h"
+
+namespace warpscope {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::chrono::microseconds kPatience = 100ms;  // between looks at what was asked to stop
+
+std::vector<std::byte> bytesOf(const TransferFunction& function) { return RankWriter().putAll(function.points).take(); }
+TransferFunction functionOf(std::span<const std::byte> bytes) {
+  TransferFunction function;
+  RankReader(bytes).getAll(function.points);
+  return function;
+}
+
+/// Sends what the frame has to send. `onOwn` gets what is for this rank itself.
+template <class OnOwn>
+void sendOutgoing(BrickWork& work, const OnOwn& onOwn) {
+  if (work.frame() == nullptr) return;
+  while (std::optional<BrickFrame::Outgoing> outgoing = work.frame()->takeOutgoing()) {
+    if (outgoing->to == work.ranks().rank())
+      onOwn(RankMessage{outgoing->to, outgoing->kind, std::move(outgoing->bytes)});
+    else
+      work.ranks().send(outgoing->to, outgoing->kind, std::move(outgoing->bytes));
+  }
+}
+
+/// The first rank's side of a volume: what its marchers share. Its calls wait for each other.
+class BrickLeader {
+ public:
+  explicit BrickLeader(VolumePtr volume) : work_(std::move(volume)) {}
+  ~BrickLeader() { tellAll(kQuitMessage, {}); }
+
+  uint32_t addFunction(TransferFunction function) {
+    const std::scoped_lock lock(mutex_);
+    tellAll(kFunctionMessage, bytesOf(function));
+    work_.addFunction(std::move(function));
+    return static_cast<uint32_t>(work_.functionCount() - 1);
+  }
+  MarchedVolumePtr function(uint32_t index) {
+    const std::scoped_lock lock(mutex_);
+    return work_.function(index);
+  }
+  ProxyPtr proxyFor(uint32_t function, int longest, const std::stop_token& stop) {
+    const std::scoped_lock lock(mutex_);
+    tellAll(kProxyMessage, RankWriter().put(function).put(longest).take());
+    return work_.function(function)->proxyFor(longest, stop);
+  }
+
+  /// Has the order's picture marched by all; `onResult` gets what its rays leave. Of the order, frame, blocks, their order and routes are found here.
+  template <class OnResult>
+  void march(FrameOrder order, const PixelGrid& pixels, const std::stop_token& stop, const OnResult& onResult) {
+    const std::scoped_lock lock(mutex_);
+    const Volume& volume = *work_.volume();
+    const MarchedVolume& marched = *work_.function(order.function);
+    order.frame = ++frame_;
+    const BrickTree& tree = treeFor(marched, order.render);
+    order.blocks = tree.blocks();
+    const glm::vec3 edges = volume.geometry().voxelEdges();
+    order.nearToFar = tree.nearToFar((order.camera.eye - volume.bounds().lower) / edges - 0.5f);
+    findRoutes(order, pixels, volume.dims(), volume.bounds().lower, edges);
+    uint32_t left = 0;
+    for (uint32_t tile = 0; tile < order.tileCount(); ++tile)
+      if (order.nextOf(tile, -1) >= 0) ++left;
+    if (left == 0) return;
+
+    std::string trouble;
+    const auto take = [&](RankMessage message) {
+      if (message.kind < kTileMessage || message.kind > kTroubleMessage || BrickFrame::frameOf(message) != frame_) return;  // of one that was given up
+      if (message.kind == kTileMessage) return work_.frame()->arrive(std::move(message.bytes));
+      if (message.kind == kTroubleMessage) {
+        RankReader reader(message.bytes);
+        reader.get<uint64_t>();
+        reader.getAll(trouble);
+        return;
+      }
+      const TileResult result = TileResult::ofBytes(message.bytes);
+      onResult(result);
+      if (result.isComplete) --left;
+    };
+    tellAll(kOrderMessage, order.bytes());
+    work_.begin(std::move(order));
+    {
+      const std::stop_callback onStop(stop, [this] { work_.ranks().wake(); });
+      while (left > 0 && trouble.empty() && !stop.stop_requested()) {
+        sendOutgoing(work_, take);
+        if (left == 0) break;
+        if (std::optional<RankMessage> message = work_.ranks().receive(kPatience)) take(std::move(*message));
+      }
+    }
+    work_.end();
+    tellAll(kEndMessage, RankWriter().put(frame_).take());
+    if (stop.stop_requested()) throw OperationCancelled();
+    if (!trouble.empty()) throw InputError(trouble);
+  }
+
+  const VolumePtr& volume() const { return work_.volume(); }
+
+ private:
+  void tellAll(int kind, const std::vector<std::byte>& bytes) {
+    for (int to = 1; to < work_.ranks().size(); ++to) work_.ranks().send(to, kind, bytes);
+  }
+
+  const BrickTree& treeFor(const MarchedVolume& marched, const RenderSettings& settings) {
+    const std::shared_ptr<const BakedTransfer> baked = marched.bakedFor(settings);
+    if (baked != treeOf_ || !tree_) {
+      tree_.emplace(marched.macrocells, baked->emptyDistances, marched.volume->dims(), work_.ranks().size());
+      treeOf_ = baked;
+    }
+    return *tree_;
+  }
+
+  std::mutex mutex_;  // of everything below
+  BrickWork work_;
+  uint64_t frame_ = 0;
+  std::shared_ptr<const BakedTransfer> treeOf_;  // whose cells that cuts
+  std::optional<BrickTree> tree_;
+};
+
+class RanksMarcher final : public Marcher {
+ public:
+  RanksMarcher(std::shared_ptr<BrickLeader> leader, uint32_t function) : leader_(std::move(leader)), function_(function), marched_(leader_->function(function)) {}
+
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    const std::scoped_lock lock(mutex_);
+    const Volume& volume = *marched_->volume;
+    requireMarchable(volume, camera, settings);
+    requirePieces(settings.render, &settings.sample);
+    const SampleRule rule = sampleRuleFor(volume, camera, settings.sample);
+    SampleFrame frame = emptyFrame(volume, camera, settings, rule);
+    const auto marchStart = std::chrono::steady_clock::now();
+    dense_.resize(size_t{camera.width} * camera.height, settings.sample, false);
+    std::ranges::fill(dense_.samples, PackedSample{0});
+    std::ranges::fill(dense_.segments.rays, RaySegmentCount{});
+    const FrameOrder order = orderOf(camera, settings.render, settings.sample);
+    leader_->march(order, makePixelGrid(camera, rule.quantization.nearDepth), stop, [&](const TileResult& result) {
+      forEachFinished(order, result, [&](size_t i, size_t pixel) { dense_.take(pixel, result.found, i); });
+    });
+    frame.timings.marchMs = millisecondsSince(marchStart);
+
+    const auto compactStart = std::chrono::steady_clock::now();
+    compact(dense_.samples, dense_.colors, dense_.spreads, dense_.slots, frame);
+    if (dense_.segments.slots > 0) compact(dense_.segments, frame.segments);
+    if (settings.sample.proxy > 0) frame.proxy = leader_->proxyFor(function_, settings.sample.proxy, stop);
+    frame.timings.compactMs = millisecondsSince(compactStart);
+    return frame;
+  }
+
+  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+    const std::scoped_lock lock(mutex_);
+    requireMarchable(*marched_->volume, camera, settings);
+    requirePieces(settings, nullptr);
+    image.resize(camera.width, camera.height);
+    std::fill_n(image.data(), size_t{camera.width} * camera.height, glm::vec4(0.0f));
+    const FrameOrder order = orderOf(camera, settings, std::nullopt);
+    leader_->march(order, pixelsFor(*marched_->volume, camera, settings), stop, [&](const TileResult& result) {
+      forEachFinished(order, result, [&](size_t i, size_t pixel) { image.data()[pixel] = result.colors.at(i); });
+    });
+  }
+
+  const VolumePtr& volume() const override { return marched_->volume; }
+  Backend backend() const override { return Backend::cpu; }
+  MarcherCapabilities capabilities() const override { return {}; }
+  std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
+    requireFitting(*marched_->volume, settings);
+    const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
+    return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
+  }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr) const override { return std::make_shared<RanksMarcher>(leader_, function_); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    return std::make_shared<RanksMarcher>(leader_, leader_->addFunction(std::move(function)));
+  }
+
+ private:
+  static void requirePieces(const RenderSettings& settings, const SampleSettings* sample) {
+    if (const std::string reason = whyNotInPieces(settings, sample); !reason.empty()) throw UsageError(reason + ", and the volume is spread over several processes");
+  }
+  FrameOrder orderOf(const Camera& camera, const RenderSettings& settings, const std::optional<SampleSettings>& sample) const {
+    FrameOrder order;
+    order.function = function_;
+    order.camera = camera;
+    order.render = settings;
+    order.sample = sample;
+    return order;
+  }
+  /// Calls `take(i, pixel)` with each of the result's rays and its place in the picture.
+  template <class Take>
+  static void forEachFinished(const FrameOrder& order, const TileResult& result, const Take& take) {
+    const PixelArea area = order.areaOf(result.tile);
+    for (size_t i = 0; i < result.finished.size(); ++i) {
+      const uint32_t place = result.finished[i];
+      take(i, size_t{area.y + place / area.width} * order.camera.width + area.x + place % area.width);
+    }
+  }
+
+  const std::shared_ptr<BrickLeader> leader_;
+  const uint32_t function_;
+  const MarchedVolumePtr marched_;
+  std::mutex mutex_;  // of what follows
+  DenseRays dense_;
+};
+
+}  // namespace
+
+MarcherPtr makeRanksMarcher(VolumePtr volume, TransferFunction transferFunction) {
+  const auto leader = std::make_shared<BrickLeader>(std::move(volume));
+  return std::make_shared<RanksMarcher>(leader, leader->addFunction(std::move(transferFunction)));
+}
+
+void followRanks(const VolumePtr& volume) {
+  BrickWork work(volume);
+  std::deque<RankMessage> early;  // tiles of frames that this rank has not been told of yet
+  const auto deliver = [&](RankMessage message) {
+    const uint64_t frame = BrickFrame::frameOf(message);
+    if (work.frame() != nullptr && frame == work.frame()->order().frame) return work.frame()->arrive(std::move(message.bytes));
+    early.push_back(std::move(message));
+  };
+  while (true) {
+    sendOutgoing(work, [](RankMessage) {});
+    std::optional<RankMessage> message = work.ranks().receive(kPatience);
+    if (!message) continue;
+    switch (message->kind) {
+      case kFunctionMessage: work.addFunction(functionOf(message->bytes)); break;
+      case kProxyMessage: {
+        RankReader reader(message->bytes);
+        const auto function = reader.get<uint32_t>();
+        work.function(function)->proxyFor(reader.get<int>(), {});
+        break;
+      }
+      case kOrderMessage: {
+        work.end();
+        work.begin(FrameOrder::ofBytes(message->bytes));
+        std::deque<RankMessage> waiting = std::exchange(early, {});
+        for (RankMessage& tile : waiting)
+          if (BrickFrame::frameOf(tile) >= work.frame()->order().frame) deliver(std::move(tile));
+        break;
+      }
+      case kTileMessage: deliver(std::move(*message)); break;
+      case kEndMessage: work.end(); break;
+      case kQuitMessage: return;
+      default: throw std::runtime_error("a message between processes is of an unknown kind");
+    }
+  }
+}
+
+}  // namespace warpscope

@@ -1,0 +1,106 @@
+// Cutting where the weight on both sides is as what is to go there.
+// See brick_tree.h.
+#include "render/bricks/brick_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "render/base/error.h"
+
+namespace warpscope {
+namespace {
+
+/// Macrocells [lower, upper).
+struct Cells {
+  glm::ivec3 lower, upper;
+
+  glm::ivec3 extent() const { return upper - lower; }
+};
+
+/// How many blocks a piece of so many macrocells can become.
+int64_t countOf(const Cells& cells) { return int64_t{cells.extent().x} * cells.extent().y * cells.extent().z; }
+
+int longestAxis(const glm::ivec3& extent) {
+  int longest = 2;
+  for (int axis = 1; axis >= 0; --axis)
+    if (extent[axis] > extent[longest]) longest = axis;
+  return longest;
+}
+
+}  // namespace
+
+BrickTree::BrickTree(const Macrocells& macrocells, std::span<const uint8_t> visible, const glm::uvec3& voxels, int count) {
+  const glm::ivec3 dims = macrocells.dims();
+  if (int64_t most = countOf({glm::ivec3(0), dims}); count > most)
+    throw UsageError("the volume is too small for " + std::to_string(count) + " processes: there is work for " + std::to_string(most) + " at most");
+  const glm::ivec3 cells = glm::max(glm::ivec3(voxels) - 1, 1);
+  /// The macrocells' voxels; the volume's ends where they are.
+  const auto blockOf = [&](const Cells& piece) { return CellBlock{piece.lower * macrocells.edge(), glm::min(piece.upper * macrocells.edge(), cells)}; };
+  const auto weightOfSlices = [&](const Cells& piece, int axis) {
+    std::vector<uint64_t> weights(static_cast<size_t>(piece.extent()[axis]));
+    for (int z = piece.lower.z; z < piece.upper.z; ++z)
+      for (int y = piece.lower.y; y < piece.upper.y; ++y)
+        for (int x = piece.lower.x; x < piece.upper.x; ++x) {
+          const size_t cell = (static_cast<size_t>(z) * static_cast<size_t>(dims.y) + static_cast<size_t>(y)) * static_cast<size_t>(dims.x) + static_cast<size_t>(x);
+          const int slice = glm::ivec3(x, y, z)[axis] - piece.lower[axis];
+          weights[static_cast<size_t>(slice)] += visible[cell] == 0 ? kVisibleWeight : 1;
+        }
+    return weights;
+  };
+  const std::function<int(const Cells&, int)> cut = [&](const Cells& piece, int blocks) -> int {
+    if (blocks == 1) {
+      blocks_.push_back(blockOf(piece));
+      nodes_.push_back({0, 0, -1, static_cast<int>(blocks_.size()) - 1});
+      return static_cast<int>(nodes_.size()) - 1;
+    }
+    const int ofLower = blocks / 2, axis = longestAxis(piece.extent());
+    const std::vector<uint64_t> weights = weightOfSlices(piece, axis);
+    uint64_t all = 0;
+    for (const uint64_t weight : weights) all += weight;
+    const double wanted = static_cast<double>(all) * ofLower / blocks;
+    // Both sides have room for their blocks.
+    const int64_t ofSlice = countOf(piece) / piece.extent()[axis];
+    const auto slicesFor = [&](int n) { return static_cast<int>((n + ofSlice - 1) / ofSlice); };
+    const int least = slicesFor(ofLower), most = piece.extent()[axis] - slicesFor(blocks - ofLower);
+    int slices = 0;
+    for (double below = 0.0; slices < most; ++slices) {
+      const auto next = static_cast<double>(weights[static_cast<size_t>(slices)]);
+      if (slices >= least && below + 0.5 * next >= wanted) break;
+      below += next;
+    }
+    Cells lower = piece, upper = piece;
+    lower.upper[axis] = upper.lower[axis] = piece.lower[axis] + slices;
+    const int place = upper.lower[axis] * macrocells.edge();
+    const int first = cut(lower, ofLower), second = cut(upper, blocks - ofLower);
+    nodes_.push_back({axis, place, first, second});
+    return static_cast<int>(nodes_.size()) - 1;
+  };
+  cut({glm::ivec3(0), dims}, count);
+}
+
+std::vector<int> BrickTree::nearToFar(const glm::vec3& eye) const {
+  std::vector<int> order;
+  const std::function<void(int)> visit = [&](int at) {
+    const Node& node = nodes_[static_cast<size_t>(at)];
+    if (node.lower < 0) return order.push_back(node.upper);
+    const bool isBelow = eye[node.axis] < static_cast<float>(node.place);
+    visit(isBelow ? node.lower : node.upper);
+    visit(isBelow ? node.upper : node.lower);
+  };
+  visit(static_cast<int>(nodes_.size()) - 1);
+  return order;
+}
+
+Box boxOf(const CellBlock& block, const glm::uvec3& voxels) {
+  Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int cells = std::max(static_cast<int>(voxels[axis]) - 1, 1);
+    box.lower[axis] = block.lower[axis] > 0 ? static_cast<float>(block.lower[axis]) : -0.5f;
+    box.upper[axis] = block.upper[axis] < cells ? static_cast<float>(block.upper[axis]) : static_cast<float>(voxels[axis]) - 0.5f;
+  }
+  return box;
+}
+
+}  // namespace warpscope

@@ -1,0 +1,40 @@
+// A volume cut into bricks, one a rank: a k-d tree (Bentley 1975) whose planes divide what there is to see evenly, and the order in which an eye sees its leaves.
+// For rendering in parallel: Ma, Painter, Hansen, Krogh 1994. Cut by what a transfer function shows: Moloney, Weiskopf, Moeller, Strengert 2007, who balance by cost.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "render/march/cell_block.h"
+#include "render/volume/macrocells.h"
+
+namespace warpscope {
+
+class BrickTree {
+ public:
+  /// Cuts the cells between the voxels of a volume into `count` blocks along borders of macrocells. `visible`: for each macrocell 0 where something is to be seen
+  /// (Macrocells::emptyDistances); those weigh kVisibleWeight times as much as others, which a ray leaps over. Planes are across the axis along which a block is
+  /// longest; of equally long ones across the one that is slowest in memory.
+  /// Throws UsageError, which says how many would do, for more blocks than there are macrocells to cut between.
+  BrickTree(const Macrocells& cells, std::span<const uint8_t> visible, const glm::uvec3& voxels, int count);
+
+  const std::vector<CellBlock>& blocks() const { return blocks_; }
+  /// Every block once: no ray from `eye`, which is in voxel coordinates, comes to one after another that it has come to behind it.
+  std::vector<int> nearToFar(const glm::vec3& eye) const;
+
+  static constexpr uint64_t kVisibleWeight = 64;
+
+ private:
+  struct Node {
+    int axis = 0, place = 0;    ///< cells from `place` on are the upper child's
+    int lower = -1, upper = -1;  ///< children; of a leaf `lower` is < 0, `upper` its block
+  };
+
+  std::vector<Node> nodes_;  // the root last
+  std::vector<CellBlock> blocks_;
+};
+
+/// Where places of the block's cells are, in voxel coordinates, all that lies beyond the outermost voxels' centres included.
+Box boxOf(const CellBlock& block, const glm::uvec3& voxels);
+
+}  // namespace warpscope

@@ -1,0 +1,50 @@
+// What every rank has and does: what marching by each transfer function takes, and its part of the picture that is marched.
+#pragma once
+
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "render/base/ranks.h"
+#include "render/bricks/brick_frame.h"
+#include "render/core/transfer_function.h"
+#include "render/march/march_setup.h"
+#include "render/march/ray_relay.h"
+
+namespace warpscope {
+
+class BrickWork {
+ public:
+  explicit BrickWork(VolumePtr volume) : volume_(std::move(volume)) {}
+  ~BrickWork() { end(); }
+
+  const VolumePtr& volume() const { return volume_; }
+  Ranks& ranks() const { return *volume_->ranks(); }
+
+  /// All ranks at the same time. Functions are counted from 0.
+  void addFunction(TransferFunction function);
+  const MarchedVolumePtr& function(uint32_t index) const { return functions_.at(index).marched; }
+  /// Nobody will ask for it again.
+  void forgetFunction(uint32_t index) { functions_.at(index) = {}; }
+  size_t functionCount() const { return functions_.size(); }
+
+  /// Begins to march. There is no frame under way.
+  void begin(FrameOrder order);
+  /// Null if none is under way.
+  BrickFrame* frame() { return frame_.get(); }
+  /// Whatever is left of the frame is not marched.
+  void end();
+
+ private:
+  struct Function {
+    MarchedVolumePtr marched;
+    std::shared_ptr<PieceMarcher> pieces;
+  };
+
+  const VolumePtr volume_;
+  std::vector<Function> functions_;
+  std::unique_ptr<BrickFrame> frame_;
+  std::jthread marching_;  // of it
+};
+
+}  // namespace warpscope

@@ -1,0 +1,81 @@
+// Rays that are marched piece by piece, each by whoever holds the voxels there: what one hands on to the next, near to far.
+//
+// A picture is cut into tiles of pixels, the volume into blocks of cells (cell_block.h). A tile goes from block to block as its rays do; with it goes all that its
+// rays have gathered, in the very variables that one march of the whole ray would have. So each sample is looked at once, by the transmittance that really lies
+// in front of it: light, opacity, depths and segments are those of a ray that was marched at once, bit for bit, and a ray that has ended costs nothing further on.
+// (Pieces that are marched side by side and put together afterwards, as ray_state.h has it, round otherwise and march what cannot be seen; segments, which are merged as
+// they come, would be others.)
+#pragma once
+
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "render/core/camera.h"
+#include "render/march/cell_block.h"
+#include "render/march/finished_ray.h"
+
+namespace warpscope {
+
+struct MarchedVolume;
+
+/// A ray under way. Default: nobody has looked at any of it.
+struct RelayedRay {
+  RayColor color;       ///< what it has gathered
+  int next = 0;         ///< of its lattice, the first sample that nobody has looked at
+  bool isDone = false;  ///< it has ended: nothing of it is left to march
+  std::vector<CountingSample> counting;  ///< its samples that count, where samples are wanted
+
+  /// Whether anything has been gathered.
+  bool hasMet() const { return color.transmittance.exact() < 1.0 || color.color() != glm::dvec3(0.0) || !counting.empty(); }
+};
+
+/// Rays of a tile, from block to block.
+struct RelayedTile {
+  PixelArea area;
+  uint32_t index = 0;    ///< among the picture's tiles
+  bool isLast = false;   ///< of the tile, no other block has anything: what has not ended ends here
+  std::vector<RelayedRay> rays;         ///< area.count(), row by row
+  std::vector<SegmentMerger> segments;  ///< as many, or none where nobody wants any
+
+  // What the rays that have ended since it was taken have left.
+  std::vector<uint32_t> finished;  ///< their places in `rays`
+  DenseRays found;                 ///< of each of these, in their order; where samples are wanted
+  std::vector<glm::vec4> colors;   ///< likewise; where they are not: linear, premultiplied
+
+  RelayedRay& ray(uint32_t x, uint32_t y) { return rays[size_t{y - area.y} * area.width + (x - area.x)]; }
+};
+
+/// Where tiles come from and go to.
+class RayRelay {
+ public:
+  virtual ~RayRelay() = default;
+
+  /// Whose samples are marched here.
+  virtual const CellBlock& block() const = 0;
+  /// The next tile of which all is known that lies in front; waits for it. Null if there will be no more. Safe on any thread.
+  virtual std::unique_ptr<RelayedTile> take() = 0;
+  /// When its part here has been marched. Safe on any thread.
+  virtual void handOn(std::unique_ptr<RelayedTile> tile) = 0;
+  /// take() gives no more.
+  virtual void close() noexcept = 0;
+};
+
+/// Marches the part of rays that lies in one block of a volume.
+class PieceMarcher {
+ public:
+  virtual ~PieceMarcher() = default;
+
+  /// Works at a relay's tiles, on all cores, until there are no more. `sample`: what is wanted of the rays beside their colours, or null. Reads voxels of the relay's
+  /// block and of a margin around it: marginOf(). Throws what Marcher::march() does, UsageError for settings that whyNotInPieces() knows.
+  virtual void marchPieces(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample, RayRelay& relay, const std::stop_token& stop) = 0;
+};
+
+/// On the CPU. Shares what `marched` has.
+std::unique_ptr<PieceMarcher> makePieceMarcher(std::shared_ptr<const MarchedVolume> marched);
+
+/// Why rays by these settings can be marched whole alone; empty if they need not.
+std::string whyNotInPieces(const RenderSettings& settings, const SampleSettings* sample);
+
+}  // namespace warpscope

@@ -1,0 +1,242 @@
+// The rays of a picture, tile by tile on all cores of the CPU: each marched, and what it found turned into what is sent of it.
+// Whole rays, or the pieces of them that a relay brings (ray_relay.h). The loop along a ray is march.h's.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "render/core/counters.h"
+#include "render/core/floating_point.h"
+#include "render/core/parallel.h"
+#include "render/effects/clip.h"
+#include "render/effects/gradient.h"
+#include "render/effects/jitter.h"
+#include "render/effects/relight.h"
+#include "render/effects/shading.h"
+#include "render/march/march.h"
+#include "render/march/march_setup.h"
+#include "render/march/ray_relay.h"
+#include "render/march/visible_blocks.h"
+
+namespace warpscope {
+
+using DepthFunction = DepthResult (*)(const std::vector<CountingSample>&, float threshold);
+
+/// Depth of a finished ray or part of one. The argument holds every sample that counted: a second pass folds over them again.
+DepthFunction depthFunctionOf(Heuristic heuristic, bool hasSecondPass);
+
+/// How far samples are spread along their ray, whatever depth stands for them.
+float spreadOf(const std::vector<CountingSample>& counting);
+
+/// What stands for samples that count, and how far they are spread about it if the plan has that.
+struct DepthOfSamples {
+  DepthFunction depth = nullptr;
+  float threshold = 0.0f;
+  bool hasSpread = false;
+
+  DepthResult operator()(const std::vector<CountingSample>& counting) const {
+    DepthResult result = depth(counting, threshold);
+    if (hasSpread) result.spread = spreadOf(counting);
+    return result;
+  }
+};
+
+/// The samples that `Source` has to look at for what lies between the depths.
+template <class Source>
+SampleSpan spanFor(const VisibleDepths& depths, float cosine, const RayLattice& lattice) {
+  if constexpr (requires { Source::kTakesWholeRays; }) return {0, lattice.count};
+  const SampleSpan span = samplesBetween(depths, cosine, lattice);
+  // What lies between two samples, or an end of the ray and one, may have either of them on the far side of the depths.
+  if constexpr (requires { typename Source::Setup; })
+    return {std::max(span.begin - 2, 0), std::min(span.end + 2, lattice.count)};
+  return span;
+}
+
+/// What is asked of a picture's rays.
+struct RayJob {
+  const Camera& camera;
+  PixelArea area;  ///< of the picture; where there is a relay, its tiles say which
+  const PixelGrid& pixels;
+  const RenderSettings& settings;
+  const SampleSettings* sample;  ///< how samples are found; null where colours alone are wanted
+  const std::stop_token& stop;
+  OnRay onRay;
+  RayRelay* relay = nullptr;  ///< of pieces; null: rays are marched whole
+};
+
+/// Rays from a source of this kind. What it is made of must stay.
+template <class Source, class View, class Light>
+class TileMarcher {
+ public:
+  TileMarcher(const View& view, const Light& light, const MarchedVolume& marched, const EffectPlan& plan, const std::optional<VisibleBlocks>& blocks, const RayJob& job)
+      : view_(view),
+        light_(light),
+        blocks_(blocks),
+        job_(job),
+        limits_(limitsOf(job.settings, plan)),
+        clip_(prepareClip(job.settings.effects.clip, *marched.volume, job.camera)),
+        isClipped_(plan.has(PlanStage::clip)),
+        isDivided_(plan.has(PlanStage::severalSamples)) {
+    if (plan.has(PlanStage::jitter)) jitter_ = jitterFor(job.settings);
+    if (job.sample == nullptr) return;
+    depthOfSamples_ = {depthFunctionOf(job.sample->heuristic, plan.has(PlanStage::secondPass)), job.sample->threshold, plan.has(PlanStage::spread)};
+    if (plan.has(PlanStage::raySegments)) mostSegments_ = job.sample->segments;
+  }
+
+  /// All of the job's area, in tiles of at most `side` pixels. Throws as parallelForTiles() does.
+  void march(uint32_t side, TurnsOfJob& turns) const {
+    const PixelArea& area = job_.area;
+    parallelForTiles(area.width, area.height, side, job_.stop, turns,
+                     [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) { marchTile({area.x + x0, area.y + y0, x1 - x0, y1 - y0}, nullptr); });
+  }
+
+  /// The relay's tiles, as they come. Throws OperationCancelled if the job's token is set.
+  void marchRelayed() const {
+    parallelForRanges(static_cast<size_t>(std::max(1, tbb::this_task_arena::max_concurrency())), 1, [&](size_t, size_t) {
+      try {
+        while (std::unique_ptr<RelayedTile> tile = job_.relay->take()) {
+          if (tile->segments.empty() && mostSegments_ > 0) tile->segments.assign(tile->rays.size(), SegmentMerger(mergerRoomFor(mostSegments_)));
+          marchTile(tile->area, tile.get());
+          job_.relay->handOn(std::move(tile));
+        }
+      } catch (...) {
+        job_.relay->close();  // others wait for tiles
+        throw;
+      }
+    });
+    if (job_.stop.stop_requested()) throw OperationCancelled();
+  }
+
+ private:
+  /// Used again from ray to ray.
+  struct Scratch {
+    explicit Scratch(int mostSegments) : segments(mergerRoomFor(mostSegments)) {}
+
+    std::vector<CountingSample> counting;
+    RaySamples found;
+    SegmentMerger segments;
+    NormalCode normals[kMostMergerRoom];
+  };
+
+  void marchTile(const PixelArea& tile, RelayedTile* relayed) const {
+    Scratch scratch(mostSegments_);
+    // Rows may take seconds: a tile is not waited for.
+    for (uint32_t y = tile.y; y < tile.y + tile.height && !job_.stop.stop_requested(); ++y)
+      for (uint32_t x = tile.x; x < tile.x + tile.width; ++x)
+        if (relayed == nullptr || !relayed->ray(x, y).isDone) marchPixel(x, y, scratch, relayed);
+  }
+
+  void marchPixel(uint32_t x, uint32_t y, Scratch& scratch, RelayedTile* relayed) const {
+    constexpr VisibleDepths kEverything{0.0f, std::numeric_limits<float>::infinity()};
+    if (relayed == nullptr || relayed->ray(x, y).next == 0) WARPSCOPE_COUNT(rays, 1);
+    RelayedRay* const handed = relayed != nullptr ? &relayed->ray(x, y) : nullptr;
+    FinishedRay finished{x, y};
+    finished.tile = relayed;
+    const VisibleDepths depths = blocks_ ? blocks_->at(x, y) : kEverything;
+    if (depths.isEmpty()) {
+      if (handed != nullptr) handed->isDone = true;
+      job_.onRay(finished);
+      return;
+    }
+    const PixelRay pixel = job_.pixels.ray(x, y);
+    const Ray& ray = pixel.ray;
+    // Parallel to slabs, and in their planes: box.h says what comes of 1 / 0 and 0 * infinity.
+    const RayInterval inside = exceptionsExpected(
+        [&] { return intersectBox(reciprocalOf(ray.origin, ray.direction), clip_.bounds, 0.0f, std::numeric_limits<float>::infinity()); });
+    if (isClipped_) WARPSCOPE_COUNT(clippedRays, 1);
+    RayPath path{ray, makeLattice(isClipped_ ? clipped(clip_, ray, inside) : inside, job_.settings.step)};
+    path.lattice.t0 += jitter_.shiftOf(x, y);
+    Source source = exceptionsExpected([&] { return Source(view_, ray, path.lattice); });  // reciprocals again
+    SampleSpan span = spanFor<Source>(depths, pixel.cosine, path.lattice);
+    if (handed != nullptr) {
+      const SampleSpan own = samplesWithin(job_.relay->block(), source.view(), ray, path.lattice);
+      span = {std::max({span.begin, own.begin, handed->next}), std::min(span.end, own.end)};
+      handed->next = std::max(own.end, handed->next);
+    }
+    finished.cosine = pixel.cosine;
+    std::vector<CountingSample>& counting = handed != nullptr ? handed->counting : scratch.counting;
+    if (handed == nullptr) counting.clear();
+    finished.counting = &counting;
+    if constexpr (std::is_same_v<typename Source::March, StableMarch>) {
+      SegmentMerger& segments = handed != nullptr && mostSegments_ > 0 ? relayed->segments[static_cast<size_t>(handed - relayed->rays.data())] : scratch.segments;
+      if (handed == nullptr) segments.clear();
+      SegmentedColor<StableMarch> color(mostSegments_ > 0 ? &segments : nullptr, path.lattice);
+      if (handed != nullptr) static_cast<RayColor&>(color) = handed->color;
+      marchSpan(path, span, source, color, counting, finished);
+      if (handed != nullptr) {
+        handed->isDone = finished.isEnded || relayed->isLast;
+        handed->color = color;
+        if (!handed->isDone) return;
+      }
+      if (mostSegments_ > 0) finishSegments(source, ray, segments, scratch.normals, finished);
+    } else {
+      GatheredColor<typename Source::March> color;
+      marchSpan(path, span, source, color, counting, finished);
+    }
+    scratch.found.clear();
+    if (job_.sample != nullptr && !counting.empty()) {
+      if (!isDivided_ || counting.size() == 1)
+        scratch.found.add({depthOfSamples_(counting), finished.premultiplied});
+      else if constexpr (std::is_same_v<typename Source::March, StableMarch>)  // as march() makes sure
+        findParts(path, counting, scratch.found);
+    }
+    finished.samples = &scratch.found;
+    job_.onRay(finished);
+  }
+
+  template <class Color>
+  void marchSpan(const RayPath& path, const SampleSpan& span, Source& source, Color& color, std::vector<CountingSample>& counting, FinishedRay& finished) const {
+    marchRay(path, span.begin, span.end, source, light_, limits_, color, [&](const CountingSample& met) {
+      if (job_.sample != nullptr) counting.push_back(met);
+      return true;
+    });
+    finished.premultiplied = color.premultiplied();
+    finished.isEnded = color.transmittance.value() < limits_.stopBelow;
+  }
+
+  void finishSegments(const Source& source, const Ray& ray, SegmentMerger& segments, NormalCode* normals, FinishedRay& finished) const {
+    WARPSCOPE_COUNT(segmentedRays, 1);
+    segments.reduceTo(mostSegments_);
+    finished.segments = &segments;
+    if constexpr (requires { light_.setup.isLit; })
+      if (dependsOnEye(light_.setup)) {
+        for (int i = segments.first(); i != SegmentMerger::kNone; i = segments.behind(i)) {
+          float gradient[3];
+          gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, placeToLight(segments[i]), gradient);
+          normals[i] = normalOf(light_.setup, gradient);
+        }
+        finished.normals = normals;
+      }
+  }
+
+  /// Marches once more, part by part. `counting` has the ray's samples that count, and is used up.
+  void findParts(const RayPath& path, std::vector<CountingSample>& counting, RaySamples& found) const {
+    WARPSCOPE_COUNT(dividedRays, 1);
+    const RayParts parts{counting.back().accumulatedAfter(), job_.sample->samplesPerRay};
+    counting.clear();
+    Source source(view_, path.ray, path.lattice);
+    marchParts<RayPiece>(
+        path, source, light_, limits_, parts, [&](const CountingSample& sample) { counting.push_back(sample); },
+        [&](const RayPiece& piece) {
+          found.add({depthOfSamples_(counting), piece.premultiplied()});
+          counting.clear();
+        });
+  }
+
+  const View& view_;
+  const Light& light_;
+  const std::optional<VisibleBlocks>& blocks_;
+  const RayJob& job_;
+  const RayLimits limits_;
+  const ClipSetup clip_;
+  const bool isClipped_, isDivided_;
+  Jitter jitter_;
+  DepthOfSamples depthOfSamples_;
+  int mostSegments_ = 0;
+};
+
+}  // namespace warpscope

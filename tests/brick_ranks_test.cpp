@@ -1,0 +1,296 @@
+// A volume that is spread over ranks: its frames are those of one process, bit for bit. The ranks are threads here.
+// Mirrors render/bricks/brick_ranks.h.
+#include "render/bricks/brick_ranks.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <thread>
+
+#include "marcher_cases.h"
+#include "render/base/error.h"
+#include "render/bricks/brick_tree.h"
+#include "render/march/march_setup.h"
+#include "test_volumes.h"
+
+namespace warpscope {
+namespace {
+
+/// The same voxels, as one of these ranks has them.
+VolumePtr sharedBy(const VolumePtr& whole, RanksPtr ranks) {
+  return std::make_shared<Volume>(whole->name(), whole->type(), whole->geometry(), whole, whole->voxels(), std::stop_token{}, std::move(ranks));
+}
+
+/// A marcher of a volume that so many ranks have, and the others of them.
+class Spread {
+ public:
+  Spread(const VolumePtr& whole, const TransferFunction& function, int count) {
+    std::vector<RanksPtr> ranks = makeLocalRanks(count);
+    for (int rank = 1; rank < count; ++rank)
+      others_.emplace_back([whole, own = ranks[static_cast<size_t>(rank)]] { followRanks(sharedBy(whole, own)); });
+    marcher_ = makeRanksMarcher(sharedBy(whole, ranks[0]), function);
+  }
+  ~Spread() {
+    marcher_.reset();
+    for (std::thread& other : others_) other.join();
+  }
+  Spread(const Spread&) = delete;
+  Spread& operator=(const Spread&) = delete;
+
+  Marcher& operator*() const { return *marcher_; }
+  Marcher* operator->() const { return marcher_.get(); }
+
+ private:
+  std::vector<std::thread> others_;
+  MarcherPtr marcher_;
+};
+
+/// Runs `work(ranks)` on as many threads as there are ranks.
+template <class Work>
+void onAll(int count, const Work& work) {
+  std::vector<RanksPtr> ranks = makeLocalRanks(count);
+  std::vector<std::jthread> threads;
+  for (const RanksPtr& own : ranks) threads.emplace_back([&work, own] { work(own); });
+}
+
+constexpr glm::uvec3 kDims(44, 37, 40);
+const std::vector<int> kCounts{1, 2, 3, 4, 7, 16};
+
+std::vector<Camera> cameras() {
+  return {lookingFrom({70.0f, 30.0f, 45.0f}, {}, 100, 70), lookingFrom({0.0f, 0.0f, -70.0f}, {}, 66, 50), lookingFrom({-3.0f, 4.0f, 2.0f}, {20.0f, 5.0f, 1.0f}, 64, 48),
+          lookingFrom({-40.0f, -60.0f, 12.0f}, {4.0f, 2.0f, 0.0f}, 90, 33)};
+}
+
+TEST(Ranks, SharesAreAllInOrder) {
+  for (const int count : kCounts)
+    for (const size_t things : {size_t{0}, size_t{1}, size_t{5}, size_t{16}, size_t{1} << 40}) {
+      size_t next = 0;
+      for (const RanksPtr& own : makeLocalRanks(count)) {
+        const auto [begin, end] = own->shareOf(things);
+        EXPECT_EQ(begin, next);
+        EXPECT_LE(end - begin, things / static_cast<size_t>(count) + 1);
+        next = end;
+      }
+      EXPECT_EQ(next, things);
+    }
+}
+
+TEST(Ranks, WhatAllBringIsByRankAndOtherMessagesWait) {
+  onAll(5, [](const RanksPtr& own) {
+    own->send((own->rank() + 1) % 5, 7, std::vector<std::byte>(3));
+    for (int round = 0; round < 20; ++round) {
+      std::vector<int> brought(static_cast<size_t>(own->rank()), own->rank() + 100 * round);
+      own->allGather(brought);
+      std::vector<int> expected;
+      for (int rank = 0; rank < 5; ++rank) expected.insert(expected.end(), static_cast<size_t>(rank), rank + 100 * round);
+      EXPECT_EQ(brought, expected);
+    }
+    const std::optional<RankMessage> message = own->receive(std::chrono::seconds(10));
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->from, (own->rank() + 4) % 5);
+    EXPECT_EQ(message->kind, 7);
+    EXPECT_FALSE(own->receive(std::chrono::microseconds(10)));
+  });
+}
+
+TEST(SpreadVolume, IsKnownAsTheWholeOneIs) {
+  for (const VoxelType type : kAllVoxelTypes) {
+    SCOPED_TRACE(nameOf(type));
+    const bool isFloat = type == VoxelType::float32 || type == VoxelType::float64;
+    const FieldFunction field = blobs(kDims, 3);
+    const VolumePtr whole = makeTestVolume(type, kDims, [&](const glm::ivec3& p) { return isFloat && p.x + p.y < 9 ? std::nan("") : field(p); });
+    const TransferFunction function = band(20, 70, 0.2f);
+    const MarchedVolume expected(whole, function);
+    const ProxyPtr proxy = expected.proxyFor(11, {});
+    for (const int count : kCounts)
+      onAll(count, [&](const RanksPtr& own) {
+        const VolumePtr volume = sharedBy(whole, own);
+        EXPECT_EQ(volume->statistics().lowest, whole->statistics().lowest);
+        EXPECT_EQ(volume->statistics().highest, whole->statistics().highest);
+        EXPECT_EQ(volume->statistics().rangeLower, whole->statistics().rangeLower);
+        EXPECT_EQ(volume->statistics().rangeUpper, whole->statistics().rangeUpper);
+        EXPECT_EQ(volume->statistics().nonFinite, whole->statistics().nonFinite);
+        EXPECT_EQ(volume->statistics().histogram, whole->statistics().histogram);
+        const MarchedVolume marched(volume, function);
+        ASSERT_EQ(marched.macrocells.count(), expected.macrocells.count());
+        for (size_t cell = 0; cell < marched.macrocells.count(); ++cell) ASSERT_EQ(marched.macrocells.range(cell), expected.macrocells.range(cell)) << cell;
+        const ProxyPtr own_proxy = marched.proxyFor(11, {});
+        ASSERT_EQ(own_proxy->volume->sizeBytes(), proxy->volume->sizeBytes());
+        EXPECT_EQ(std::memcmp(own_proxy->volume->voxels(), proxy->volume->voxels(), proxy->volume->sizeBytes()), 0);
+      });
+  }
+}
+
+TEST(SpreadVolume, FramesAreThoseOfOneProcessByEveryHeuristic) {
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
+  const TransferFunction function = band(15, 80, 0.08f);
+  const MarcherPtr alone = makeCpuMarcher(whole, function);
+  for (const int count : kCounts) {
+    SCOPED_TRACE(count);
+    const Spread spread(whole, function, count);
+    for (const Camera& camera : cameras())
+      for (const auto& heuristic : kHeuristics) {
+        MarchSettings settings;
+        settings.sample.heuristic = heuristic.value;
+        settings.sample.radiusPolicy = RadiusPolicy::uncertainty;
+        settings.sample.sendsSpread = true;
+        const SampleFrame expected = alone->march(camera, settings);
+        ASSERT_GT(expected.size(), 100u);
+        ASSERT_TRUE(sameFrame(spread->march(camera, settings), expected)) << heuristic.name;
+      }
+  }
+}
+
+/// Settings that march otherwise, by name.
+std::vector<std::pair<std::string, MarchSettings>> variants() {
+  std::vector<std::pair<std::string, MarchSettings>> all;
+  const auto add = [&](const std::string& name) -> MarchSettings& { return all.emplace_back(name, MarchSettings{}).second; };
+  add("plain");
+  add("segments").sample.segments = 4;
+  add("many segments").sample.segments = 16;
+  add("pre-integrated").render.effects.preIntegration = true;
+  add("jittered").render.effects.jitter = 1.0f;
+  add("coarse").render.step = 2.7f;
+  add("fine").render.step = 0.11f;
+  add("without early ends").render.terminateEarly = false;
+  add("without skipping").render.skipEmpty = false;
+  add("lit").render.effects.shading.strength = 0.8f;
+  MarchSettings& surfaces = add("surfaces");
+  surfaces.render.effects.mode = RenderMode::isosurface;
+  for (const double value : {25.0, 60.0}) surfaces.render.effects.isoValues.add({value, 0.5f});
+  MarchSettings ofSurfaces = surfaces;
+  MarchSettings& lit = add("lit surfaces");
+  lit = ofSurfaces;
+  lit.render.effects.shading.strength = 1.0f;
+  return all;
+}
+
+TEST(SpreadVolume, FramesAndPicturesAreThoseOfOneProcessWhateverIsAskedOfThem) {
+  const FieldFunction field = blobs(kDims, 11);
+  for (const VoxelType type : {VoxelType::uint8, VoxelType::int16, VoxelType::float32}) {
+    SCOPED_TRACE(nameOf(type));
+    const VolumePtr whole =
+        makeTestVolume(type, kDims, [&](const glm::ivec3& p) { return type == VoxelType::float32 && (p.x * 7 + p.y * 3 + p.z) % 41 == 0 ? std::nan("") : field(p); });
+    const TransferFunction function = band(15, 80, 0.3f);
+    const MarcherPtr alone = makeCpuMarcher(whole, function);
+    for (const int count : {2, 5, 16}) {
+      SCOPED_TRACE(count);
+      const Spread spread(whole, function, count);
+      for (const auto& [name, settings] : variants())
+        for (const Camera& camera : cameras()) {
+          ASSERT_TRUE(sameFrame(spread->march(camera, settings), alone->march(camera, settings))) << name;
+          ASSERT_TRUE(sameBits(rendered(*spread, camera, settings), rendered(*alone, camera, settings))) << name;
+        }
+    }
+  }
+}
+
+TEST(SpreadVolume, AnotherFunctionAndTheProxyAreThoseOfOneProcess) {
+  const VolumePtr whole = makeTestVolume(VoxelType::int32, kDims, blobs(kDims, 2));
+  const Camera camera = cameras().front();
+  const Spread spread(whole, band(10, 30, 0.2f), 4);
+  MarchSettings settings;
+  settings.sample.proxy = 9;
+  for (const TransferFunction& function : {band(40, 90, 0.5f), everywhere(0.01f), band(200, 300, 1.0f)}) {
+    const MarcherPtr alone = makeCpuMarcher(whole, function);
+    const MarcherPtr other = spread->withTransferFunction(function)->twin();
+    const SampleFrame expected = alone->march(camera, settings), frame = other->march(camera, settings);
+    EXPECT_TRUE(sameFrame(frame, expected));
+    ASSERT_TRUE(frame.proxy);
+    EXPECT_EQ(std::memcmp(frame.proxy->volume->voxels(), expected.proxy->volume->voxels(), expected.proxy->volume->sizeBytes()), 0);
+  }
+}
+
+TEST(SpreadVolume, AMarchThatIsStoppedLeavesRanksThatWork) {
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
+  const MarcherPtr alone = makeCpuMarcher(whole, everywhere(0.001f));
+  const Spread spread(whole, everywhere(0.001f), 3);
+  const Camera small = cameras().front(), large = lookingFrom({80.0f, 30.0f, 45.0f}, {}, 512, 512);
+  MarchSettings fine;
+  fine.render.step = 1e-3f;
+  for (int i = 0; i < 5; ++i) {
+    std::stop_source source;
+    const std::jthread stopper([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10 * i));
+      source.request_stop();
+    });
+    EXPECT_THROW(spread->march(large, fine, source.get_token()), OperationCancelled);
+    EXPECT_TRUE(sameFrame(spread->march(small, {}), alone->march(small, {})));
+  }
+}
+
+TEST(SpreadVolume, WhatCannotBeMarchedInPiecesIsRefused) {
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
+  const Spread spread(whole, band(10, 90, 0.2f), 2);
+  const Camera camera = cameras().front();
+  MarchSettings settings;
+  settings.sample.samplesPerRay = 3;
+  EXPECT_THROW(spread->march(camera, settings), UsageError);
+  settings = {};
+  settings.render.effects.mode = RenderMode::mip;
+  EXPECT_THROW(spread->march(camera, settings), UsageError);
+  EXPECT_NO_THROW(spread->march(camera, {}));
+}
+
+TEST(SpreadVolume, MoreRanksThanThereIsWorkForAreRefusedWithTheNumberThatIs) {
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, glm::uvec3(8, 4, 3), [](const glm::ivec3& p) { return 20.0 * p.x; });
+  const Spread spread(whole, everywhere(0.1f), 3);
+  try {
+    spread->march(cameras().front(), {});
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("2 at most"), std::string::npos) << error.what();
+  }
+}
+
+TEST(BrickTree, BlocksAreTheVolumeAndWeighAlike) {
+  const glm::uvec3 dims(130, 65, 90);
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, blobs(dims, 8));
+  const MarchedVolume marched(volume, band(30, 90, 0.2f));
+  const std::vector<uint8_t> visible = marched.bakedFor({})->emptyDistances;
+  const glm::ivec3 cells = marched.macrocells.dims();
+  for (const int count : {1, 2, 3, 7, 16, 61}) {
+    const BrickTree tree(marched.macrocells, visible, dims, count);
+    ASSERT_EQ(tree.blocks().size(), static_cast<size_t>(count));
+    std::vector<int> owners(static_cast<size_t>((cells.x * 4) * (cells.y * 4) * (cells.z * 4)));
+    size_t covered = 0;
+    double heaviest = 0.0, all = 0.0;
+    for (const CellBlock& block : tree.blocks()) {
+      covered += static_cast<size_t>(block.upper.x - block.lower.x) * static_cast<size_t>(block.upper.y - block.lower.y) * static_cast<size_t>(block.upper.z - block.lower.z);
+      double weight = 0.0;
+      for (int z = block.lower.z; z < block.upper.z; z += 4)
+        for (int y = block.lower.y; y < block.upper.y; y += 4)
+          for (int x = block.lower.x; x < block.upper.x; x += 4)
+            weight += visible[static_cast<size_t>(((z / 4) * cells.y + y / 4) * cells.x + x / 4)] == 0 ? BrickTree::kVisibleWeight : 1;
+      heaviest = std::max(heaviest, weight);
+      all += weight;
+    }
+    EXPECT_EQ(covered, size_t{129} * 64 * 89);
+    EXPECT_LT(heaviest, 1.7 * all / count + 64.0 * 64.0) << count;
+  }
+}
+
+TEST(BrickTree, RaysComeToBlocksInTheirOrder) {
+  const glm::uvec3 dims(64);
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, blobs(dims, 8));
+  const MarchedVolume marched(volume, everywhere(0.1f));
+  const BrickTree tree(marched.macrocells, marched.bakedFor({})->emptyDistances, dims, 13);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> place(-30.0f, 94.0f);
+  for (int i = 0; i < 2000; ++i) {
+    const glm::vec3 eye(place(random), place(random), place(random)), to(place(random), place(random), place(random));
+    const std::vector<int> order = tree.nearToFar(eye);
+    const glm::vec3 direction = glm::normalize(to - eye);
+    float before = -1.0f;
+    for (const int at : order) {
+      const Box box = boxOf(tree.blocks()[static_cast<size_t>(at)], dims);
+      const RayInterval inside = intersectBox(reciprocalOf(eye, direction), box, 0.0f, 1e9f);
+      if (inside.isMiss()) continue;
+      ASSERT_GE(inside.tNear, before - 1e-3f);
+      before = inside.tNear;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace warpscope
