@@ -28,7 +28,7 @@ class Spread {
     std::vector<RanksPtr> ranks = makeLocalRanks(count);
     for (int rank = 1; rank < count; ++rank)
       others_.emplace_back([whole, own = ranks[static_cast<size_t>(rank)]] { followRanks(sharedBy(whole, own)); });
-    marcher_ = makeRanksMarcher(sharedBy(whole, ranks[0]), function);
+    marcher_ = makeRanksMarcher(leadRanks(sharedBy(whole, ranks[0])), function);
   }
   ~Spread() {
     marcher_.reset();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/commands/choose.h"
+#include "app/frames/process_ranks.h"
 #include "app/frames/recording.h"
 #include "app/frames/scene_connection.h"
 #include "app/scene/voxel_shape.h"
@@ -178,7 +179,9 @@ CheckedOptions check(const CommonOptions& options) {
 
 Scene CheckedOptions::open(const std::stop_token& stop) const {
   if (isRecording(sceneSpec)) throw InputError(sceneSpec + ": is a recording, which view and replay show");
-  Scene opened = openScene(sceneSpec, overrides, stop);
+  SceneOverrides shared = overrides;
+  shared.ranks = processRanks();
+  Scene opened = openScene(sceneSpec, shared, stop);
   applyTo(opened);
   if (const auto warning = radiusWarning(opened.volume->geometry(), opened.march.sample.radiusPolicy)) logWarning(*warning);
   return opened;
@@ -217,6 +220,10 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
     work.remote = connectMarcher(io, *server, plain, work.sayBusy, work.backend);
   } else {
     work.scene = work.open(stop);
+    if (processRanks() && !processRanks()->isFirst()) {
+      followFirst(work.scene.volume, stop);
+      throw FollowedToTheEnd();
+    }
   }
   work.march = work.scene.march;
   work.warp.reference = work.march.render;

@@ -9,8 +9,11 @@
 #include <cstdlib>
 #include <iostream>
 #include <new>
+#include <string_view>
+#include <thread>
 
 #include "app/commands/options.h"
+#include "app/frames/process_ranks.h"
 #include "app/shell/log.h"
 #include "app/ui/run_window.h"
 #include "render/base/abandonable.h"
@@ -23,9 +26,20 @@ namespace {
 constexpr int kFailure = 1;
 constexpr int kUsage = 2;
 
+/// Commands that several processes run together.
+constexpr std::string_view kShared[] = {"serve", "shot", "compare", "sweep", "bench", "plan", "export"};
+
+/// One of several processes that is not the first: what is wrong for all of them, the first one says.
+bool isFollower() { return processRanks() && !processRanks()->isFirst(); }
+
 /// One line, whatever a file's name brings with it.
 int complain(const std::string& text, int code) {
-  printLine("warpscope: " + text);
+  std::string who = "warpscope: ";
+  if (isFollower()) {
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    who += "process " + std::to_string(processRanks()->rank()) + " of " + std::to_string(processRanks()->size()) + ": ";
+  }
+  printLine(who + text);
   return code;
 }
 
@@ -105,8 +119,13 @@ int run(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) return isFollower() ? 0 : program.exit(error);  // --help, --version
     return complain(sentenceOf(error, program), kUsage);
+  }
+  if (processRanks()) {
+    const std::vector<CLI::App*> commands = program.get_subcommands();
+    const std::string name = commands.empty() ? "view" : commands.front()->get_name();
+    if (std::ranges::find(kShared, name) == std::end(kShared)) throw UsageError("'" + name + "' is for one process; start it without mpirun");
   }
   if (chosen) {
     chosen();
@@ -124,7 +143,11 @@ int run(int argc, char** argv) {
 
 int runToExitCode(int argc, char** argv) {
   try {
+    joinProcesses();
+    if (isFollower()) muteLog();
     return run(argc, argv);
+  } catch (const FollowedToTheEnd&) {
+    return 0;
   } catch (const UsageError& error) {
     return complain(error.what(), kUsage);
   } catch (const OperationCancelled&) {
@@ -142,6 +165,11 @@ int runProgram(int argc, char** argv) {
   failInsteadOfDying();
   shareOpenGlDispatch();
   const int code = runToExitCode(argc, argv);
+  if (processRanks()) {
+    std::cout.flush();
+    if (code != 0) processRanks()->abort(code);  // others may wait for this one
+    leaveProcesses();
+  }
   if (!isAnythingAbandoned()) return code;
   // A reader that was left alone still uses what would be torn down now.
   std::cout.flush();

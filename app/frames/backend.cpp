@@ -6,7 +6,9 @@
 #include <set>
 #include <thread>
 
+#include "app/frames/process_ranks.h"
 #include "app/shell/log.h"
+#include "render/base/error.h"
 #include "render/codec/tiled/tiled_coder_cuda.h"
 #include "render/cuda/devices.h"
 #include "render/march/marcher_registry.h"
@@ -14,6 +16,10 @@
 namespace warpscope {
 
 MarcherPtr makeMarcher(Backend backend, VolumePtr volume, TransferFunction transferFunction) {
+  if (const BrickLeaderPtr leader = leaderOf(volume)) {
+    if (backend == Backend::cuda) throw DeviceError("several processes march on CPUs; leave out --backend cuda");
+    return makeRanksMarcher(leader, std::move(transferFunction));
+  }
   return makeMarcher(backend, std::move(volume), std::move(transferFunction), reportFallback);
 }
 

@@ -62,23 +62,25 @@ VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverri
       if (const auto size = node.find("size")) size->fail("is not for torture volumes, which have their own");
       if (overrides.proceduralDims) throw UsageError("--volume-size is not for torture volumes, which have their own size");
       if (findNamed(kTortureVolumes, name) == nullptr) procedural->fail("holds an " + unknownNameIn(kTortureVolumes, "torture volume", name));
+      if (overrides.ranks) throw UsageError("torture volumes are too small for several processes");
       return makeTortureVolume(name, stop);
     }
     const ProceduralVolume* known = findNamed(kProceduralVolumes, name);
     if (known == nullptr) procedural->fail("holds an " + unknownNameIn(kProceduralVolumes, "procedural volume", name));
     glm::uvec3 dims = known->defaultDims;
     if (const auto size = node.find("size")) dims = readSize(*size);
-    return makeProceduralVolume(name, overrides.proceduralDims.value_or(dims), overrides.seed, stop);
+    return makeProceduralVolume(name, overrides.proceduralDims.value_or(dims), overrides.seed, stop, overrides.ranks);
   }
   refuseSize(overrides);
   if (const auto size = node.find("size")) size->fail("is for procedural volumes; a file has its own size");
   std::optional<glm::dvec3> spacing;
   if (const auto given = node.find("spacing")) spacing = readVector(*given, 1e-12, 1e12);
   const fs::path file = node.at("file").string();
-  return openVolume(file.is_absolute() ? file : folder / file, spacing, stop);
+  return openVolume(file.is_absolute() ? file : folder / file, spacing, stop, overrides.ranks);
 }
 
 void crop(Scene& scene, const fs::path& mask, const std::stop_token& stop) {
+  if (scene.volume->ranks()) throw UsageError("a mask is for a volume of one process; several share this one");
   scene.volume = masked(*scene.volume, *openVolume(mask, {}, stop), stop);
 }
 
@@ -116,7 +118,7 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   }
   const Node volume = root.at("volume");
   if (overrides.volume) refuseSize(overrides);
-  scene.volume = overrides.volume ? openVolume(*overrides.volume, {}, stop) : readVolume(volume, folder, overrides, stop);
+  scene.volume = overrides.volume ? openVolume(*overrides.volume, {}, stop, overrides.ranks) : readVolume(volume, folder, overrides, stop);
   if (const auto mask = root.find("mask"); mask && !overrides.mask) {
     constexpr std::string_view kMaskKeys[] = {"file"};
     mask->requireObject(kMaskKeys);
@@ -136,9 +138,9 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   return scene;
 }
 
-Scene sceneOfVolume(const fs::path& path, const std::stop_token& stop) {
+Scene sceneOfVolume(const fs::path& path, const SceneOverrides& overrides, const std::stop_token& stop) {
   Scene scene;
-  scene.volume = openVolume(path, {}, stop);
+  scene.volume = openVolume(path, {}, stop, overrides.ranks);
   scene.name = scene.volume->name();
   scene.title = path.filename().string();
   scene.march.render.effects.shading.strength = 1.0f;  // surfaces in scans are seen by their light
@@ -160,7 +162,7 @@ Scene openBySpec(const std::string& spec, const SceneOverrides& overrides, const
   if (path.extension() == ".json") return readScene(JsonDocument::fromFile(path), path.parent_path(), overrides, stop);
   if (overrides.volume) throw UsageError("--volume replaces a scene's volume; '" + spec + "' is a volume itself");
   refuseSize(overrides);
-  return sceneOfVolume(path, stop);
+  return sceneOfVolume(path, overrides, stop);
 }
 
 void logVolume(const Volume& volume, double openMs) {

@@ -66,6 +66,7 @@ struct SceneOverrides {
   std::optional<glm::uvec3> proceduralDims;
   std::optional<double> fovYDeg;
   uint32_t seed = 1;
+  RanksPtr ranks;  ///< that share the volume (Volume); null: it is this process's alone
 };
 
 /// The scene that is shown when none is named.

@@ -24,12 +24,20 @@ spdlog::logger& logger() {
   return *instance;
 }
 
+bool isMuted = false;
+
 void say(spdlog::level::level_enum level, const std::string& text) { logger().log(level, spdlog::string_view_t(printable(text))); }
 
 }  // namespace
 
 void setUpLog(bool isQuiet, bool isVerbose) {
+  if (isMuted) return;
   logger().set_level(isQuiet ? spdlog::level::off : isVerbose ? spdlog::level::debug : spdlog::level::info);
+}
+
+void muteLog() {
+  logger().set_level(spdlog::level::off);
+  isMuted = true;
 }
 
 void logResult(const std::string& text) { say(spdlog::level::info, text); }

@@ -9,6 +9,9 @@ namespace warpscope {
 /// Decides what is said from now on: nothing if `isQuiet`, else results and warnings, and details too if `isVerbose`. Before the first call: results and warnings.
 void setUpLog(bool isQuiet, bool isVerbose);
 
+/// Nothing is said any more but what printLine() and printLines() say, whatever setUpLog() is told.
+void muteLog();
+
 /// A result that whoever gave the command waits for. One line, whatever a file's name brings with it. Safe on any thread, as logDetail.
 void logResult(const std::string& text);
 

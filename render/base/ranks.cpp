@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <cstdlib>
 #include <mutex>
+#include <stdexcept>
 
 namespace warpscope {
 namespace {
@@ -39,6 +41,7 @@ class LocalRanks final : public Ranks {
     own.isWoken = true;
     own.changed.notify_one();
   }
+  void abort(int code) override { std::exit(code); }
 
  private:
   std::optional<RankMessage> receiveNew(std::chrono::microseconds atMost) override {
@@ -84,6 +87,7 @@ RankMessage Ranks::await(int kind, int from) {
 }
 
 std::vector<std::byte> Ranks::ofFirst(std::vector<std::byte> own) {
+  if (!isTogether_) throw std::logic_error("what takes all voxels of a volume cannot be done where several processes share it");
   if (!isFirst()) return await(kDealt, 0).bytes;
   for (int to = 1; to < size(); ++to) send(to, kDealt, own);
   return own;

@@ -32,11 +32,16 @@ class Ranks {
   virtual void send(int to, int kind, std::vector<std::byte> bytes) = 0;
   /// Makes a receive() that waits return soon. Safe on any thread.
   virtual void wake() = 0;
+  /// Ends all ranks at once, wherever they are; each process's exit code is `code`. Safe on any thread.
+  [[noreturn]] virtual void abort(int code) = 0;
 
   /// The next message, whoever it is from; nothing after `atMost`, or when woken.
   std::optional<RankMessage> receive(std::chrono::microseconds atMost);
 
   // Of all ranks together: each calls the same, in the same order, and waits for the others. Other messages meanwhile are kept for receive().
+
+  /// False: the others are busy with something else, and these calls throw std::logic_error instead of waiting for ever. At first true.
+  void setTogether(bool isTogether) { isTogether_ = isTogether; }
 
   /// What each has brought, by rank.
   std::vector<std::vector<std::byte>> allGather(std::span<const std::byte> own);
@@ -67,6 +72,7 @@ class Ranks {
   enum Own { kGathered = -1, kDealt = -2 };
   RankMessage await(int kind, int from);
 
+  bool isTogether_ = true;
   std::deque<RankMessage> kept_;  // received before somebody asked for them
 };
 

@@ -16,6 +16,7 @@ namespace warpscope {
 /// What messages between ranks are about.
 enum BrickMessage {
   kFunctionMessage,  ///< from the first: a transfer function; all make what marching by it takes
+  kForgetMessage,    ///< from the first: nobody will ask for one of them any more
   kProxyMessage,     ///< from the first: the coarse copy by one of them
   kOrderMessage,     ///< from the first: a FrameOrder
   kTileMessage,      ///< to the next on its way: a tile (BrickFrame)

@@ -42,17 +42,34 @@ void sendOutgoing(BrickWork& work, const OnOwn& onOwn) {
   }
 }
 
-/// The first rank's side of a volume: what its marchers share. Its calls wait for each other.
+}  // namespace
+
+/// What marchers share. Its calls wait for each other.
 class BrickLeader {
  public:
-  explicit BrickLeader(VolumePtr volume) : work_(std::move(volume)) {}
+  explicit BrickLeader(VolumePtr volume) : work_(std::move(volume)) { work_.ranks().setTogether(false); }
   ~BrickLeader() { tellAll(kQuitMessage, {}); }
 
   uint32_t addFunction(TransferFunction function) {
     const std::scoped_lock lock(mutex_);
-    tellAll(kFunctionMessage, bytesOf(function));
-    work_.addFunction(std::move(function));
-    return static_cast<uint32_t>(work_.functionCount() - 1);
+    uint32_t index;
+    if (const std::optional<uint32_t> known = work_.find(function)) {
+      index = *known;
+    } else {
+      const Together together(work_.ranks());
+      tellAll(kFunctionMessage, bytesOf(function));
+      index = work_.addFunction(std::move(function));
+    }
+    users_.resize(std::max<size_t>(users_.size(), index + 1));
+    ++users_[index];
+    return index;
+  }
+  /// One of those who added it does not need it any more.
+  void forgetFunction(uint32_t index) {
+    const std::scoped_lock lock(mutex_);
+    if (--users_.at(index) > 0) return;
+    tellAll(kForgetMessage, RankWriter().put(index).take());
+    work_.forgetFunction(index);
   }
   MarchedVolumePtr function(uint32_t index) {
     const std::scoped_lock lock(mutex_);
@@ -60,6 +77,7 @@ class BrickLeader {
   }
   ProxyPtr proxyFor(uint32_t function, int longest, const std::stop_token& stop) {
     const std::scoped_lock lock(mutex_);
+    const Together together(work_.ranks());
     tellAll(kProxyMessage, RankWriter().put(function).put(longest).take());
     return work_.function(function)->proxyFor(longest, stop);
   }
@@ -114,6 +132,16 @@ class BrickLeader {
   const VolumePtr& volume() const { return work_.volume(); }
 
  private:
+  /// While all ranks do the same.
+  struct Together {
+    explicit Together(Ranks& all) : ranks(all) { ranks.setTogether(true); }
+    ~Together() { ranks.setTogether(false); }
+    Together(const Together&) = delete;
+    Together& operator=(const Together&) = delete;
+
+    Ranks& ranks;
+  };
+
   void tellAll(int kind, const std::vector<std::byte>& bytes) {
     for (int to = 1; to < work_.ranks().size(); ++to) work_.ranks().send(to, kind, bytes);
   }
@@ -129,14 +157,19 @@ class BrickLeader {
 
   std::mutex mutex_;  // of everything below
   BrickWork work_;
+  std::vector<int> users_;  // of each function
   uint64_t frame_ = 0;
   std::shared_ptr<const BakedTransfer> treeOf_;  // whose cells that cuts
   std::optional<BrickTree> tree_;
 };
 
+namespace {
+
 class RanksMarcher final : public Marcher {
  public:
-  RanksMarcher(std::shared_ptr<BrickLeader> leader, uint32_t function) : leader_(std::move(leader)), function_(function), marched_(leader_->function(function)) {}
+  RanksMarcher(BrickLeaderPtr leader, TransferFunction function)
+      : leader_(std::move(leader)), function_(leader_->addFunction(std::move(function))), marched_(leader_->function(function_)) {}
+  ~RanksMarcher() override { leader_->forgetFunction(function_); }
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
@@ -184,9 +217,9 @@ class RanksMarcher final : public Marcher {
     return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
   }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr) const override { return std::make_shared<RanksMarcher>(leader_, function_); }
+  MarcherPtr twin(TurnsPtr) const override { return std::make_shared<RanksMarcher>(leader_, marched_->transferFunction); }
   MarcherPtr withTransferFunction(TransferFunction function) const override {
-    return std::make_shared<RanksMarcher>(leader_, leader_->addFunction(std::move(function)));
+    return std::make_shared<RanksMarcher>(leader_, std::move(function));
   }
 
  private:
@@ -211,7 +244,7 @@ class RanksMarcher final : public Marcher {
     }
   }
 
-  const std::shared_ptr<BrickLeader> leader_;
+  const BrickLeaderPtr leader_;
   const uint32_t function_;
   const MarchedVolumePtr marched_;
   std::mutex mutex_;  // of what follows
@@ -220,12 +253,13 @@ class RanksMarcher final : public Marcher {
 
 }  // namespace
 
-MarcherPtr makeRanksMarcher(VolumePtr volume, TransferFunction transferFunction) {
-  const auto leader = std::make_shared<BrickLeader>(std::move(volume));
-  return std::make_shared<RanksMarcher>(leader, leader->addFunction(std::move(transferFunction)));
+BrickLeaderPtr leadRanks(VolumePtr volume) { return std::make_shared<BrickLeader>(std::move(volume)); }
+
+MarcherPtr makeRanksMarcher(BrickLeaderPtr leader, TransferFunction transferFunction) {
+  return std::make_shared<RanksMarcher>(std::move(leader), std::move(transferFunction));
 }
 
-void followRanks(const VolumePtr& volume) {
+bool followRanks(const VolumePtr& volume, const std::stop_token& stop) {
   BrickWork work(volume);
   std::deque<RankMessage> early;  // tiles of frames that this rank has not been told of yet
   const auto deliver = [&](RankMessage message) {
@@ -233,12 +267,16 @@ void followRanks(const VolumePtr& volume) {
     if (work.frame() != nullptr && frame == work.frame()->order().frame) return work.frame()->arrive(std::move(message.bytes));
     early.push_back(std::move(message));
   };
+  std::optional<std::chrono::steady_clock::time_point> end;
   while (true) {
+    if (stop.stop_requested() && !end) end = std::chrono::steady_clock::now() + 1s;
+    if (end && std::chrono::steady_clock::now() >= *end) return false;
     sendOutgoing(work, [](RankMessage) {});
     std::optional<RankMessage> message = work.ranks().receive(kPatience);
     if (!message) continue;
     switch (message->kind) {
       case kFunctionMessage: work.addFunction(functionOf(message->bytes)); break;
+      case kForgetMessage: work.forgetFunction(RankReader(message->bytes).get<uint32_t>()); break;
       case kProxyMessage: {
         RankReader reader(message->bytes);
         const auto function = reader.get<uint32_t>();
@@ -255,7 +293,7 @@ void followRanks(const VolumePtr& volume) {
       }
       case kTileMessage: deliver(std::move(*message)); break;
       case kEndMessage: work.end(); break;
-      case kQuitMessage: return;
+      case kQuitMessage: return true;
       default: throw std::runtime_error("a message between processes is of an unknown kind");
     }
   }

@@ -2,14 +2,27 @@
 // See brick_work.h.
 #include "render/bricks/brick_work.h"
 
+#include <algorithm>
+
 #include "render/base/error.h"
 
 namespace warpscope {
 
-void BrickWork::addFunction(TransferFunction function) {
-  auto marched = functions_.empty() || !functions_.front().marched ? std::make_shared<const MarchedVolume>(volume_, std::move(function))
-                                                                   : std::make_shared<const MarchedVolume>(*functions_.front().marched, std::move(function));
-  functions_.push_back({marched, makePieceMarcher(marched)});
+uint32_t BrickWork::addFunction(TransferFunction function) {
+  const auto known = std::ranges::find_if(functions_, [](const Function& one) { return one.marched != nullptr; });
+  auto marched = known != functions_.end() ? std::make_shared<const MarchedVolume>(*known->marched, std::move(function))
+                                           : std::make_shared<const MarchedVolume>(volume_, std::move(function));
+  // The place of one that is forgotten.
+  auto place = std::ranges::find_if(functions_, [](const Function& one) { return one.marched == nullptr; });
+  if (place == functions_.end()) place = functions_.insert(place, Function{});
+  *place = {marched, makePieceMarcher(marched)};
+  return static_cast<uint32_t>(place - functions_.begin());
+}
+
+std::optional<uint32_t> BrickWork::find(const TransferFunction& function) const {
+  for (uint32_t i = 0; i < functions_.size(); ++i)
+    if (functions_[i].marched && functions_[i].marched->transferFunction == function) return i;
+  return {};
 }
 
 void BrickWork::begin(FrameOrder order) {

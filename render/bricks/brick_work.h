@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -21,12 +22,13 @@ class BrickWork {
   const VolumePtr& volume() const { return volume_; }
   Ranks& ranks() const { return *volume_->ranks(); }
 
-  /// All ranks at the same time. Functions are counted from 0.
-  void addFunction(TransferFunction function);
+  /// All ranks at the same time. Functions are counted from 0; returns which it is.
+  uint32_t addFunction(TransferFunction function);
   const MarchedVolumePtr& function(uint32_t index) const { return functions_.at(index).marched; }
   /// Nobody will ask for it again.
   void forgetFunction(uint32_t index) { functions_.at(index) = {}; }
-  size_t functionCount() const { return functions_.size(); }
+  /// Which one it is, if it is known.
+  std::optional<uint32_t> find(const TransferFunction& function) const;
 
   /// Begins to march. There is no frame under way.
   void begin(FrameOrder order);

@@ -53,7 +53,7 @@ Fill fillOf(std::string_view name) {
 
 }  // namespace
 
-VolumePtr makeProceduralVolume(std::string_view name, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop) {
+VolumePtr makeProceduralVolume(std::string_view name, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop, RanksPtr ranks) {
   const Fill fill = fillOf(name);
   VolumeGeometry geometry;
   geometry.dims = dims;
@@ -69,7 +69,7 @@ VolumePtr makeProceduralVolume(std::string_view name, const glm::uvec3& dims, ui
   fill(voxels.get(), dims, seed, stop);
   const void* first = voxels.get();
   return std::make_shared<Volume>(source, VoxelType::uint8, geometry, std::shared_ptr<const void>(voxels, first),
-                                  first, stop);
+                                  first, stop, std::move(ranks));
 }
 
 }  // namespace warpscope

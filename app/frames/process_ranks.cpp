@@ -1,0 +1,89 @@
+// Opening the library for MPI.
+// See process_ranks.h. How launchers say that they have started a process: Open MPI, MPICH's Hydra (which Intel MPI has too) and Slurm set these variables.
+#include "app/frames/process_ranks.h"
+
+#include <dlfcn.h>
+
+#include <charconv>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "render/base/error.h"
+
+namespace warpscope {
+namespace {
+
+struct Joined {
+  RanksPtr ranks;
+  VolumePtr volume;  ///< that is led
+  BrickLeaderPtr leader;
+};
+Joined& joined() {
+  static Joined processes;
+  return processes;
+}
+
+bool areSeveral() {
+  for (const char* const name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}) {
+    const char* const value = std::getenv(name);
+    if (value == nullptr) continue;
+    int count = 0;
+    const std::string_view text(value);
+    if (std::from_chars(text.data(), text.data() + text.size(), count).ec == std::errc{}) return count > 1;
+  }
+  return false;
+}
+
+/// Beside the program, or where packages keep a program's own libraries.
+std::string libraryPath() {
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  for (const std::filesystem::path& path : {folder / "warpscope_mpi.so", folder / "../lib/warpscope/warpscope_mpi.so"})
+    if (std::filesystem::exists(path, error)) return path.string();
+  return {};
+}
+
+}  // namespace
+
+RanksPtr joinProcesses() {
+  if (!areSeveral()) return nullptr;
+  const std::string path = libraryPath();
+  if (path.empty())
+    throw InputError("started as one of several processes, but this build has no MPI; with Debian's libopenmpi-dev installed, configure it anew");
+  void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL);
+  if (library == nullptr) throw InputError("MPI cannot be used: " + std::string(dlerror()));
+  const auto make = reinterpret_cast<Ranks* (*)(std::string*)>(dlsym(library, "warpscopeMpiRanks"));
+  if (make == nullptr) throw InputError(path + ": is of another version");
+  std::string reason;
+  joined().ranks.reset(make(&reason));
+  if (!joined().ranks) throw InputError(reason);
+  return joined().ranks;
+}
+
+const RanksPtr& processRanks() { return joined().ranks; }
+
+BrickLeaderPtr leaderOf(const VolumePtr& volume) {
+  Joined& all = joined();
+  if (!volume->ranks()) return nullptr;
+  if (!all.leader) {
+    all.leader = leadRanks(volume);
+    all.volume = volume;
+  }
+  if (all.volume != volume) throw InputError("several processes share one volume at a time");
+  return all.leader;
+}
+
+void followFirst(const VolumePtr& volume, const std::stop_token& stop) {
+  if (!followRanks(volume, stop)) joined().ranks->abort(1);
+}
+
+void leaveProcesses() {
+  Joined& all = joined();
+  all.leader.reset();
+  all.volume.reset();
+  all.ranks.reset();
+}
+
+}  // namespace warpscope

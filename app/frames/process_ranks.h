@@ -1,0 +1,29 @@
+// The processes that this one was started with, and what the first of them leads.
+// MPI is a library beside the program (render/bricks/mpi_ranks.cpp), opened where a launcher of MPI's has started several processes.
+#pragma once
+
+#include "render/base/ranks.h"
+#include "render/bricks/brick_ranks.h"
+
+namespace warpscope {
+
+/// Finds out whether mpirun, or another launcher, has started several processes, and meets the others. Null where this one is alone. Once, before any thread is started.
+/// Throws InputError where it was started so, but this build or machine has no MPI.
+RanksPtr joinProcesses();
+
+/// What joinProcesses() found.
+const RanksPtr& processRanks();
+
+/// On the first process: the leader of a volume that was opened with processRanks(). Null for another.
+BrickLeaderPtr leaderOf(const VolumePtr& volume);
+
+/// On the others: does what the first one asks, to its end. Ends all processes where `stop` is set and the first one goes on.
+void followFirst(const VolumePtr& volume, const std::stop_token& stop);
+
+/// Thrown when that end has come: nothing is left to do here.
+struct FollowedToTheEnd {};
+
+/// The first process lets the others go; waits for all to come to the same end.
+void leaveProcesses();
+
+}  // namespace warpscope

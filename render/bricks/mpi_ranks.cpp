@@ -1,0 +1,125 @@
+// Ranks that MPI started and connects. A library of its own, which the program opens where it was started as one of several processes: without MPI nothing
+// of it is loaded.
+// MPI 3.1: matched probes (Hoefler et al. 2010), sends that nobody waits for; one thread at a time makes its calls.
+#include <mpi.h>
+
+#include <algorithm>
+#include <climits>
+#include <condition_variable>
+#include <cstdlib>
+#include <list>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "render/base/error.h"
+#include "render/base/ranks.h"
+
+namespace warpscope {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Kinds below 0 are messages as well; tags are not.
+constexpr int kTagOfZero = 16;
+
+class MpiRanks final : public Ranks {
+ public:
+  MpiRanks() {
+    int provided = 0;
+    if (MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &provided) != MPI_SUCCESS || provided < MPI_THREAD_SERIALIZED)
+      throw InputError("MPI cannot be used by a program with several threads");
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+    MPI_Comm_size(MPI_COMM_WORLD, &size_);
+  }
+  ~MpiRanks() override {
+    while (!sending_.empty()) {
+      dropSent();
+      std::this_thread::sleep_for(kShortest);
+    }
+    MPI_Finalize();
+  }
+
+  int rank() const override { return rank_; }
+  int size() const override { return size_; }
+  void send(int to, int kind, std::vector<std::byte> bytes) override {
+    if (bytes.size() > INT_MAX) throw InputError("a message between processes of " + std::to_string(bytes.size()) + " bytes is longer than MPI takes");
+    const std::scoped_lock lock(calls_);
+    Sent& sent = sending_.emplace_back();
+    sent.bytes = std::move(bytes);
+    MPI_Isend(sent.bytes.data(), static_cast<int>(sent.bytes.size()), MPI_BYTE, to, kind + kTagOfZero, MPI_COMM_WORLD, &sent.request);
+  }
+  void wake() override {
+    const std::scoped_lock lock(mutex_);
+    isWoken_ = true;
+    woken_.notify_one();
+  }
+  void abort(int code) override {
+    MPI_Abort(MPI_COMM_WORLD, code);
+    std::_Exit(code);
+  }
+
+ private:
+  /// Between looks, as long as nothing comes: the longer the longer that has been so. MPI's own waiting keeps a core busy, which other ranks may need.
+  static constexpr std::chrono::microseconds kShortest = 20us, kLongest = 500us;
+
+  struct Sent {
+    std::vector<std::byte> bytes;
+    MPI_Request request{};
+  };
+
+  std::optional<RankMessage> receiveNew(std::chrono::microseconds atMost) override {
+    const auto end = std::chrono::steady_clock::now() + atMost;
+    for (std::chrono::microseconds pause = kShortest;; pause = std::min(2 * pause, kLongest)) {
+      if (std::optional<RankMessage> message = look()) return message;
+      std::unique_lock lock(mutex_);
+      woken_.wait_for(lock, pause, [&] { return isWoken_; });
+      if (std::exchange(isWoken_, false) || std::chrono::steady_clock::now() >= end) return {};
+    }
+  }
+
+  std::optional<RankMessage> look() {
+    dropSent();
+    const std::scoped_lock lock(calls_);
+    int isThere = 0;
+    MPI_Message found{};
+    MPI_Status status{};
+    MPI_Improbe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &isThere, &found, &status);
+    if (isThere == 0) return {};
+    int size = 0;
+    MPI_Get_count(&status, MPI_BYTE, &size);
+    RankMessage message{status.MPI_SOURCE, status.MPI_TAG - kTagOfZero, std::vector<std::byte>(static_cast<size_t>(size))};
+    MPI_Mrecv(message.bytes.data(), size, MPI_BYTE, &found, MPI_STATUS_IGNORE);
+    return message;
+  }
+
+  void dropSent() {
+    const std::scoped_lock lock(calls_);
+    sending_.remove_if([](Sent& sent) {
+      int isDone = 0;
+      MPI_Test(&sent.request, &isDone, MPI_STATUS_IGNORE);
+      return isDone != 0;
+    });
+  }
+
+  int rank_ = 0, size_ = 1;
+  std::mutex calls_;  // of MPI, but for the last
+  std::list<Sent> sending_;
+  std::mutex mutex_;  // of what follows
+  std::condition_variable woken_;
+  bool isWoken_ = false;
+};
+
+}  // namespace
+}  // namespace warpscope
+
+/// The processes that were started with this one, for the caller to delete; null, with a sentence in `reason`, where MPI cannot be used. Once a process.
+extern "C" __attribute__((visibility("default"))) warpscope::Ranks* warpscopeMpiRanks(std::string* reason) {
+  try {
+    return new warpscope::MpiRanks;
+  } catch (const std::exception& error) {
+    *reason = error.what();
+    return nullptr;
+  }
+}
