@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <deque>
 #include <random>
 #include <thread>
 
@@ -142,9 +143,9 @@ TEST(SpreadVolume, FramesAreThoseOfOneProcessByEveryHeuristic) {
 }
 
 /// Settings that march otherwise, by name.
-std::vector<std::pair<std::string, MarchSettings>> variants() {
-  std::vector<std::pair<std::string, MarchSettings>> all;
-  const auto add = [&](const std::string& name) -> MarchSettings& { return all.emplace_back(name, MarchSettings{}).second; };
+std::deque<std::pair<std::string, MarchSettings>> variants() {
+  std::deque<std::pair<std::string, MarchSettings>> cases;
+  const auto add = [&](const std::string& name) -> MarchSettings& { return cases.emplace_back(name, MarchSettings{}).second; };
   add("plain");
   add("segments").sample.segments = 4;
   add("many segments").sample.segments = 16;
@@ -155,14 +156,28 @@ std::vector<std::pair<std::string, MarchSettings>> variants() {
   add("without early ends").render.terminateEarly = false;
   add("without skipping").render.skipEmpty = false;
   add("lit").render.effects.shading.strength = 0.8f;
+  MarchSettings& litSegments = add("lit segments");
+  litSegments.render.effects.shading.strength = 1.0f;
+  litSegments.sample.segments = 5;
+  MarchSettings& parts = add("several samples");
+  parts.sample.samplesPerRay = 4;
+  parts.sample.heuristic = Heuristic::median;
+  MarchSettings& all = add("lit segments and several samples, jittered");
+  all.render.effects.shading.strength = 0.7f;
+  all.render.effects.jitter = 0.8f;
+  all.sample.segments = 3;
+  all.sample.samplesPerRay = 8;
+  add("greatest").render.effects.mode = RenderMode::mip;
+  MarchSettings& greatest = add("greatest with segments");
+  greatest.render.effects.mode = RenderMode::mip;
+  greatest.sample.segments = 2;
   MarchSettings& surfaces = add("surfaces");
   surfaces.render.effects.mode = RenderMode::isosurface;
   for (const double value : {25.0, 60.0}) surfaces.render.effects.isoValues.add({value, 0.5f});
-  MarchSettings ofSurfaces = surfaces;
   MarchSettings& lit = add("lit surfaces");
-  lit = ofSurfaces;
+  lit = surfaces;
   lit.render.effects.shading.strength = 1.0f;
-  return all;
+  return cases;
 }
 
 TEST(SpreadVolume, FramesAndPicturesAreThoseOfOneProcessWhateverIsAskedOfThem) {
@@ -224,11 +239,13 @@ TEST(SpreadVolume, WhatCannotBeMarchedInPiecesIsRefused) {
   const Spread spread(whole, band(10, 90, 0.2f), 2);
   const Camera camera = cameras().front();
   MarchSettings settings;
-  settings.sample.samplesPerRay = 3;
+  settings.render.effects.shading.strength = 1.0f;
+  settings.render.effects.shadows.strength = 0.5f;
   EXPECT_THROW(spread->march(camera, settings), UsageError);
   settings = {};
-  settings.render.effects.mode = RenderMode::mip;
-  EXPECT_THROW(spread->march(camera, settings), UsageError);
+  settings.render.arithmetic = Arithmetic::textbook;
+  Image<glm::vec4> image;
+  EXPECT_THROW(spread->render(camera, settings.render, image), UsageError);
   EXPECT_NO_THROW(spread->march(camera, {}));
 }
 

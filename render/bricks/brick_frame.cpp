@@ -14,7 +14,15 @@ struct RayHead {
   uint32_t place = 0;  ///< in its tile
   int next = 0;
   RayColor color;
+  GreatestValue greatest;
   uint32_t counting = 0;  ///< samples that follow
+};
+
+/// Of a tile.
+struct TileHead {
+  uint64_t frame = 0;
+  uint32_t tile = 0;
+  bool hasSegments = false, isAgain = false;
 };
 
 }  // namespace
@@ -36,6 +44,7 @@ TileResult TileResult::ofBytes(std::span<const std::byte> bytes) {
   reader.getAll(found.segments.rays);
   reader.getAll(found.segments.depths);
   reader.getAll(found.segments.colors);
+  reader.getAll(found.segments.normals);
   return result;
 }
 
@@ -97,9 +106,13 @@ std::unique_ptr<RelayedTile> BrickFrame::take() {
 }
 
 void BrickFrame::handOn(std::unique_ptr<RelayedTile> tile) {
-  const bool isComplete = std::ranges::all_of(tile->rays, &RelayedRay::isDone);
+  bool isComplete = std::ranges::all_of(tile->rays, &RelayedRay::isDone);
+  int next = order_.nextOf(tile->index, rank_);
+  if (isComplete && tile->goesTwice && !tile->isAgain) {
+    isComplete = !tile->beginAgain();
+    next = order_.nextOf(tile->index, -1);
+  }
   if (isComplete || !tile->finished.empty()) put({0, kResultMessage, resultOf(*tile, isComplete)});
-  const int next = order_.nextOf(tile->index, rank_);
   if (!isComplete && next >= 0) put({next, kTileMessage, bytesOf(*tile)});  // else the march has been stopped
 }
 
@@ -108,47 +121,51 @@ std::vector<std::byte> BrickFrame::resultOf(const RelayedTile& tile, bool isComp
   writer.put(order_.frame).put(tile.index).put(isComplete).putAll(tile.finished).putAll(tile.colors);
   const DenseRays& found = tile.found;
   writer.put(found.slots).putAll(found.samples).putAll(found.colors).putAll(found.spreads);
-  return writer.put(found.segments.slots).putAll(found.segments.rays).putAll(found.segments.depths).putAll(found.segments.colors).take();
+  return writer.put(found.segments.slots).putAll(found.segments.rays).putAll(found.segments.depths).putAll(found.segments.colors).putAll(found.segments.normals).take();
 }
 
 std::vector<std::byte> BrickFrame::bytesOf(const RelayedTile& tile) const {
   RankWriter writer;
-  writer.put(order_.frame).put(tile.index).put(!tile.segments.empty());
+  writer.put(TileHead{order_.frame, tile.index, !tile.segments.empty(), tile.isAgain});
   std::vector<uint8_t> done((tile.rays.size() + 7) / 8);
   for (size_t place = 0; place < tile.rays.size(); ++place)
     if (tile.rays[place].isDone) done[place / 8] |= static_cast<uint8_t>(1u << (place % 8));
   writer.putAll(done);
   for (uint32_t place = 0; place < tile.rays.size(); ++place) {
     const RelayedRay& ray = tile.rays[place];
-    if (ray.isDone || !ray.hasMet()) continue;
-    writer.put(RayHead{place, ray.next, ray.color, static_cast<uint32_t>(ray.counting.size())});
+    if ((ray.isDone && !tile.goesTwice) || !ray.hasMet()) continue;
+    writer.put(RayHead{place, ray.next, ray.color, ray.greatest, static_cast<uint32_t>(ray.counting.size())});
     for (const CountingSample& sample : ray.counting) writer.put(sample);
     if (!tile.segments.empty()) writer.put(tile.segments[place]);
+    if (tile.isAgain) writer.put(tile.again[place]);
   }
   return writer.take();
 }
 
 std::unique_ptr<RelayedTile> BrickFrame::tileOf(const std::vector<std::byte>& bytes) const {
   RankReader reader(bytes);
-  reader.get<uint64_t>();
+  const auto tileHead = reader.get<TileHead>();
   auto tile = std::make_unique<RelayedTile>();
-  tile->index = reader.get<uint32_t>();
-  const auto hasSegments = reader.get<bool>();
+  tile->index = tileHead.tile;
+  tile->isAgain = tileHead.isAgain;
   tile->area = order_.areaOf(tile->index);
   tile->isLast = order_.nextOf(tile->index, rank_) < 0;
   tile->rays.resize(tile->area.count());
+  if (tile->isAgain) tile->again.resize(tile->rays.size());
   std::vector<uint8_t> done;
   reader.getAll(done);
   for (size_t place = 0; place < tile->rays.size(); ++place) tile->rays[place].isDone = (done.at(place / 8) >> (place % 8) & 1) != 0;
-  if (hasSegments) tile->segments.assign(tile->rays.size(), SegmentMerger(mergerRoomFor(order_.sample ? order_.sample->segments : 0)));
+  if (tileHead.hasSegments) tile->segments.assign(tile->rays.size(), SegmentMerger(mergerRoomFor(order_.sample ? order_.sample->segments : 0)));
   while (!reader.isAtEnd()) {
     const auto head = reader.get<RayHead>();
     RelayedRay& ray = tile->rays.at(head.place);
     ray.color = head.color;
     ray.next = head.next;
+    ray.greatest = head.greatest;
     ray.counting.resize(head.counting);
     for (CountingSample& sample : ray.counting) sample = reader.get<CountingSample>();
-    if (hasSegments) tile->segments[head.place] = reader.get<SegmentMerger>();
+    if (tileHead.hasSegments) tile->segments[head.place] = reader.get<SegmentMerger>();
+    if (tile->isAgain) tile->again.at(head.place) = reader.get<RelayedAgain>();
   }
   return tile;
 }

@@ -15,6 +15,7 @@
 #include "render/bricks/rank_bytes.h"
 #include "render/march/compact.h"
 #include "render/march/march_setup.h"
+#include "render/march/tile_marcher.h"
 
 namespace warpscope {
 namespace {
@@ -175,11 +176,11 @@ class RanksMarcher final : public Marcher {
     const std::scoped_lock lock(mutex_);
     const Volume& volume = *marched_->volume;
     requireMarchable(volume, camera, settings);
-    requirePieces(settings.render, &settings.sample);
+    requirePieces(settings.render);
     const SampleRule rule = sampleRuleFor(volume, camera, settings.sample);
     SampleFrame frame = emptyFrame(volume, camera, settings, rule);
     const auto marchStart = std::chrono::steady_clock::now();
-    dense_.resize(size_t{camera.width} * camera.height, settings.sample, false);
+    dense_.resize(size_t{camera.width} * camera.height, settings.sample, wantsNormals(*marched_, camera, settings, *plan(settings.render, settings.sample)));
     std::ranges::fill(dense_.samples, PackedSample{0});
     std::ranges::fill(dense_.segments.rays, RaySegmentCount{});
     const FrameOrder order = orderOf(camera, settings.render, settings.sample);
@@ -199,7 +200,7 @@ class RanksMarcher final : public Marcher {
   void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
     requireMarchable(*marched_->volume, camera, settings);
-    requirePieces(settings, nullptr);
+    requirePieces(settings);
     image.resize(camera.width, camera.height);
     std::fill_n(image.data(), size_t{camera.width} * camera.height, glm::vec4(0.0f));
     const FrameOrder order = orderOf(camera, settings, std::nullopt);
@@ -223,8 +224,8 @@ class RanksMarcher final : public Marcher {
   }
 
  private:
-  static void requirePieces(const RenderSettings& settings, const SampleSettings* sample) {
-    if (const std::string reason = whyNotInPieces(settings, sample); !reason.empty()) throw UsageError(reason + ", and the volume is spread over several processes");
+  static void requirePieces(const RenderSettings& settings) {
+    if (const std::string reason = whyNotInPieces(settings); !reason.empty()) throw UsageError(reason + ", and the volume is spread over several processes");
   }
   FrameOrder orderOf(const Camera& camera, const RenderSettings& settings, const std::optional<SampleSettings>& sample) const {
     FrameOrder order;
@@ -271,7 +272,7 @@ bool followRanks(const VolumePtr& volume, const std::stop_token& stop) {
   while (true) {
     if (stop.stop_requested() && !end) end = std::chrono::steady_clock::now() + 1s;
     if (end && std::chrono::steady_clock::now() >= *end) return false;
-    sendOutgoing(work, [](RankMessage) {});
+    sendOutgoing(work, deliver);
     std::optional<RankMessage> message = work.ranks().receive(kPatience);
     if (!message) continue;
     switch (message->kind) {

@@ -54,7 +54,10 @@ void findRoutes(FrameOrder& order, const PixelGrid& pixels, const glm::uvec3& vo
   const size_t bytesOfTile = (order.nearToFar.size() + 7) / 8;
   order.routes.assign(bytesOfTile * order.tileCount(), 0);
   for (size_t i = 0; i < order.nearToFar.size(); ++i) {
-    const Box box = boxOf(order.blocks[static_cast<size_t>(order.nearToFar[i])], voxels);
+    Box box = boxOf(order.blocks[static_cast<size_t>(order.nearToFar[i])], voxels);
+    // Samples that are moved along their rays may come to lie beyond the volume, beside a block that the ray does not meet inside.
+    box.lower -= order.render.step / voxelEdges;
+    box.upper += order.render.step / voxelEdges;
     const VisibleBlocks covered(pixels, order.camera.width, order.camera.height, std::span(&box, 1), lower, voxelEdges);
     for (uint32_t tile = 0; tile < order.tileCount(); ++tile) {
       const PixelArea area = order.areaOf(tile);

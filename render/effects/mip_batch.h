@@ -27,9 +27,8 @@ class MipBatchSource {
         setup_(view.setup),
         emptySpace_(view.volume.cells, view.volume.voxelOrigin(ray), view.volume.voxelDirection(ray), lattice) {}
 
-  /// Among samples [begin, end) of the lattice, as MipSource::find.
-  GreatestValue find(int begin, int end) {
-    GreatestValue greatest;
+  /// Among samples [begin, end) of the lattice, as MipSource::find. `greatest`: of those in front.
+  GreatestValue find(int begin, int end, GreatestValue greatest = {}) {
     const int last = lattice_.count - 1, wholeEnd = std::min(end, last);
     int i = skip(begin, greatest);
     while (i < wholeEnd) {

@@ -13,6 +13,19 @@ struct CellBlock {
   bool operator==(const CellBlock&) const = default;
 };
 
+/// Whether the place at distance `t` along the ray is in a cell of the block.
+template <class Voxel>
+WARPSCOPE_HD inline bool isWithin(const CellBlock& block, const VolumeView<Voxel>& view, const Ray& ray, float t) {
+  const glm::vec3 origin = view.voxelOrigin(ray), direction = view.voxelDirection(ray);
+  for (int axis = 0; axis < 3; ++axis) {
+    int index;
+    float weight;
+    axisCell(mulAdd(t, direction[axis], origin[axis]), view.ends[axis], index, weight);
+    if (index < block.lower[axis] || index >= block.upper[axis]) return false;
+  }
+  return true;
+}
+
 /// Samples of a ray's lattice.
 struct SampleSpan {
   int begin = 0;

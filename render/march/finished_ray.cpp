@@ -45,6 +45,7 @@ void DenseRays::take(size_t pixel, const DenseRays& other, size_t from) {
   copy(other.segments.rays, segments.rays, 1);
   copy(other.segments.depths, segments.depths, segmentSlots);
   copy(other.segments.colors, segments.colors, segmentSlots);
+  copy(other.segments.normals, segments.normals, segmentSlots);
 }
 
 }  // namespace warpscope

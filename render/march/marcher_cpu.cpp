@@ -44,14 +44,14 @@ uint32_t tileSideFor(const Volume& volume, const RenderSettings& settings) {
 PixelArea allOf(const Camera& camera) { return {0, 0, camera.width, camera.height}; }
 
 /// Keeps what a ray of a relay's tile has found; rays that have found nothing are not spoken of.
-void keepFinished(const FinishedRay& ray, const SampleSettings* sample, const SampleRule& rule, const PixelGrid& pixels) {
+void keepFinished(const FinishedRay& ray, const SampleSettings* sample, bool hasNormals, const SampleRule& rule, const PixelGrid& pixels) {
   RelayedTile& tile = *ray.tile;
   const bool isEmpty = sample == nullptr ? ray.premultiplied == glm::vec4(0.0f)
                                          : (ray.samples == nullptr || ray.samples->size() == 0) && (ray.segments == nullptr || ray.segments->size() == 0);
   if (isEmpty) return;
   tile.finished.push_back(static_cast<uint32_t>(&tile.ray(ray.x, ray.y) - tile.rays.data()));
   if (sample == nullptr) return tile.colors.push_back(ray.premultiplied);
-  tile.found.resize(tile.finished.size(), *sample, false);
+  tile.found.resize(tile.finished.size(), *sample, hasNormals);
   tile.found.put(tile.finished.size() - 1, ray, rule, pixels);
 }
 
@@ -94,11 +94,11 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
     const Volume& volume = *marched_->volume;
     requireMarchable(volume, camera, settings);
     if (sample != nullptr) validate(*sample);
-    if (const std::string reason = whyNotInPieces(settings, sample); !reason.empty()) throw UsageError(reason);
-    if (sample != nullptr && wantsNormals(camera, {settings, *sample})) throw UsageError("segments in light that depends on the eye cannot be marched in pieces");
+    if (const std::string reason = whyNotInPieces(settings); !reason.empty()) throw UsageError(reason);
+    const bool hasNormals = sample != nullptr && wantsNormals(camera, {settings, *sample});
     const SampleRule rule = sample != nullptr ? sampleRuleFor(volume, camera, *sample) : SampleRule{};
     const PixelGrid pixels = sample != nullptr ? makePixelGrid(camera, rule.quantization.nearDepth) : pixelsFor(volume, camera, settings);
-    forEachRay({camera, allOf(camera), pixels, settings, sample, stop, [&](const FinishedRay& ray) { keepFinished(ray, sample, rule, pixels); }, &relay});
+    forEachRay({camera, allOf(camera), pixels, settings, sample, stop, [&](const FinishedRay& ray) { keepFinished(ray, sample, hasNormals, rule, pixels); }, &relay});
   }
 
   RayTrace trace(const Camera& camera, const MarchSettings& settings, const glm::uvec2& pixel, const std::stop_token& stop) override {
@@ -262,11 +262,9 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
     return VisibleBlocks(pixels, camera.width, camera.height, surface_, volume.bounds().lower, volume.geometry().voxelEdges());
   }
 
-  /// Whether the light of a frame of these settings changes with the eye.
+  /// warpscope::wantsNormals(), by the plan of a frame of these settings.
   bool wantsNormals(const Camera& camera, const MarchSettings& settings) {
-    if (settings.sample.segments == 0) return false;
-    const EffectPlan plan = bakedPlan(settings.render, settings.sample);
-    return plan.has(PlanStage::raySegments) && dependsOnEye(shadingFor(*marched_, camera, settings.render, plan));
+    return settings.sample.segments > 0 && warpscope::wantsNormals(*marched_, camera, settings, bakedPlan(settings.render, settings.sample));
   }
 
   template <class Source, class View, class Light>
@@ -293,12 +291,10 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
 
 std::unique_ptr<PieceMarcher> makePieceMarcher(MarchedVolumePtr marched) { return std::make_unique<CpuMarcher>(std::move(marched), nullptr); }
 
-std::string whyNotInPieces(const RenderSettings& settings, const SampleSettings* sample) {
+std::string whyNotInPieces(const RenderSettings& settings) {
   const Effects& effects = settings.effects;
   if (settings.arithmetic != Arithmetic::stable) return "textbook arithmetic cannot be marched in pieces";
-  if (effects.mode == RenderMode::mip) return "the mode mip cannot be marched in pieces";
   if (effects.shading.strength > 0.0f && (effects.shadows.strength > 0.0f || effects.shadows.occlusion > 0.0f)) return "shadows and occlusion cannot be marched in pieces";
-  if (sample != nullptr && sample->samplesPerRay > 1) return "several samples a ray cannot be marched in pieces";
   return {};
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "render/core/camera.h"
+#include "render/effects/mip.h"
 #include "render/march/cell_block.h"
 #include "render/march/finished_ray.h"
 
@@ -25,10 +26,19 @@ struct RelayedRay {
   RayColor color;       ///< what it has gathered
   int next = 0;         ///< of its lattice, the first sample that nobody has looked at
   bool isDone = false;  ///< it has ended: nothing of it is left to march
-  std::vector<CountingSample> counting;  ///< its samples that count, where samples are wanted
+  GreatestValue greatest;  ///< of the mode mip, so far
+  std::vector<CountingSample> counting;  ///< its samples that count, where samples are wanted; on the second way those of the part under way
 
   /// Whether anything has been gathered.
-  bool hasMet() const { return color.transmittance.exact() < 1.0 || color.color() != glm::dvec3(0.0) || !counting.empty(); }
+  bool hasMet() const { return greatest.any || color.transmittance.exact() < 1.0 || color.color() != glm::dvec3(0.0) || !counting.empty(); }
+};
+
+/// What a ray gathers on its second way.
+struct RelayedAgain {
+  float accumulatedEnd = 0.0f;  ///< RayParts', of a ray of which several samples are wanted and that has several parts; else 0
+  RayPart<RayPiece> part;
+  RaySamples found;  ///< of the parts that are done
+  NormalCode normals[kMostMergerRoom] = {};  ///< of segments, by their places
 };
 
 /// Rays of a tile, from block to block.
@@ -36,8 +46,16 @@ struct RelayedTile {
   PixelArea area;
   uint32_t index = 0;    ///< among the picture's tiles
   bool isLast = false;   ///< of the tile, no other block has anything: what has not ended ends here
+  bool goesTwice = false;  ///< what the first way has found out is what the second one asks for: rays are cut into parts by what they come to, or segments want the normals
+                           ///< of their places, which are known when they have been merged. Rays that have ended go along then
+  bool isAgain = false;    ///< this is the second way
+  bool isDivided = false;  ///< rays are cut into parts
   std::vector<RelayedRay> rays;         ///< area.count(), row by row
   std::vector<SegmentMerger> segments;  ///< as many, or none where nobody wants any
+  std::vector<RelayedAgain> again;      ///< likewise; on the second way
+
+  /// The first way is done; what rays have gathered is taken along. False if there is nothing to go for.
+  bool beginAgain();
 
   // What the rays that have ended since it was taken have left.
   std::vector<uint32_t> finished;  ///< their places in `rays`
@@ -76,6 +94,6 @@ class PieceMarcher {
 std::unique_ptr<PieceMarcher> makePieceMarcher(std::shared_ptr<const MarchedVolume> marched);
 
 /// Why rays by these settings can be marched whole alone; empty if they need not.
-std::string whyNotInPieces(const RenderSettings& settings, const SampleSettings* sample);
+std::string whyNotInPieces(const RenderSettings& settings);
 
 }  // namespace warpscope

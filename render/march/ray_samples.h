@@ -44,29 +44,40 @@ struct RayParts {
   }
 };
 
-/// Marches the whole path. A part begins with a sample that counts, and has what follows up to the next part's first;
-/// the first part has what lies in front as well. Parts without a sample that counts do not come up. `Piece` gathers a
-/// part: a RayPiece, or a PieceOpacity where depths alone are wanted. `onSample` gets every sample that counts, its
-/// transmittance from the part's beginning on; `onPart` the piece, where a part ends. The other parameters are
+/// A ray that is marched part by part, so far. `Piece` gathers a part: a RayPiece, or a PieceOpacity where depths alone are wanted.
+template <class Piece>
+struct RayPart {
+  Piece piece;       ///< of the part under way
+  int part = 0;      ///< which that is
+  bool any = false;  ///< a sample has counted
+};
+
+/// Marches samples [begin, end) of the path. A part begins with a sample that counts, and has what follows up to the next part's first;
+/// the first part has what lies in front as well. Parts without a sample that counts do not come up. `onSample` gets every sample
+/// that counts, its transmittance from the part's beginning on; `onPart` the piece, where another part begins. The other parameters are
 /// marchRay's.
+template <class Piece, class Source, class Light, class OnSample, class OnPart>
+WARPSCOPE_HD inline void marchParts(const RayPath& path, int begin, int end, Source& source, const Light& light, const RayLimits& limits,
+                                    const RayParts& parts, RayPart<Piece>& ray, const OnSample& onSample, const OnPart& onPart) {
+  marchRay(path, begin, end, source, light, limits, ray.piece, [&](const CountingSample& sample) {
+    const int next = parts.partOf(sample.accumulatedBefore(), ray.part);
+    if (ray.any && next != ray.part) {
+      onPart(ray.piece);
+      ray.piece.restart();
+    }
+    ray.part = next;
+    ray.any = true;
+    onSample(CountingSample::behind(ray.piece.transmittance.alone().exact(), sample.t, sample.ds, sample.alpha));
+    return true;
+  });
+}
+/// As that, of the whole path: `onPart` gets the last part as well.
 template <class Piece, class Source, class Light, class OnSample, class OnPart>
 WARPSCOPE_HD inline void marchParts(const RayPath& path, Source& source, const Light& light, const RayLimits& limits,
                                     const RayParts& parts, const OnSample& onSample, const OnPart& onPart) {
-  Piece piece;
-  int part = 0;
-  bool any = false;
-  marchRay(path, 0, path.lattice.count, source, light, limits, piece, [&](const CountingSample& sample) {
-    const int next = parts.partOf(sample.accumulatedBefore(), part);
-    if (any && next != part) {
-      onPart(piece);
-      piece.restart();
-    }
-    part = next;
-    any = true;
-    onSample(CountingSample::behind(piece.transmittance.alone().exact(), sample.t, sample.ds, sample.alpha));
-    return true;
-  });
-  if (any) onPart(piece);
+  RayPart<Piece> ray;
+  marchParts(path, 0, path.lattice.count, source, light, limits, parts, ray, onSample, onPart);
+  if (ray.any) onPart(ray.piece);
 }
 
 /// Makes `found` the path's samples by the heuristic `depth`, one for each of up to `count` parts. `makeSource()` gives a

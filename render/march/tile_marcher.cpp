@@ -39,4 +39,20 @@ DepthFunction depthFunctionOf(Heuristic heuristic, bool hasSecondPass) {
   });
 }
 
+bool RelayedTile::beginAgain() {
+  isAgain = true;
+  again.resize(rays.size());
+  bool any = false;
+  for (size_t place = 0; place < rays.size(); ++place) {
+    RelayedRay& ray = rays[place];
+    ray.isDone = !ray.hasMet();
+    ray.next = 0;
+    any = any || !ray.isDone;
+    if (!isDivided || ray.counting.size() < 2) continue;
+    again[place].accumulatedEnd = ray.counting.back().accumulatedAfter();
+    ray.counting.clear();
+  }
+  return any;
+}
+
 }  // namespace warpscope

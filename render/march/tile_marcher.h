@@ -15,6 +15,7 @@
 #include "render/effects/clip.h"
 #include "render/effects/gradient.h"
 #include "render/effects/jitter.h"
+#include "render/effects/mip_batch.h"
 #include "render/effects/relight.h"
 #include "render/effects/shading.h"
 #include "render/march/march.h"
@@ -56,6 +57,11 @@ SampleSpan spanFor(const VisibleDepths& depths, float cosine, const RayLattice& 
   return span;
 }
 
+/// Whether the light of a frame's segments changes with the eye, so that their normals are sent.
+inline bool wantsNormals(const MarchedVolume& marched, const Camera& camera, const MarchSettings& settings, const EffectPlan& plan) {
+  return settings.sample.segments > 0 && plan.has(PlanStage::raySegments) && dependsOnEye(shadingFor(marched, camera, settings.render, plan));
+}
+
 /// What is asked of a picture's rays.
 struct RayJob {
   const Camera& camera;
@@ -80,11 +86,12 @@ class TileMarcher {
         limits_(limitsOf(job.settings, plan)),
         clip_(prepareClip(job.settings.effects.clip, *marched.volume, job.camera)),
         isClipped_(plan.has(PlanStage::clip)),
-        isDivided_(plan.has(PlanStage::severalSamples)) {
+        isDivided_(job.sample != nullptr && plan.has(PlanStage::severalSamples)) {
     if (plan.has(PlanStage::jitter)) jitter_ = jitterFor(job.settings);
     if (job.sample == nullptr) return;
     depthOfSamples_ = {depthFunctionOf(job.sample->heuristic, plan.has(PlanStage::secondPass)), job.sample->threshold, plan.has(PlanStage::spread)};
     if (plan.has(PlanStage::raySegments)) mostSegments_ = job.sample->segments;
+    if constexpr (requires { light.setup.isLit; }) hasNormals_ = mostSegments_ > 0 && dependsOnEye(light.setup);
   }
 
   /// All of the job's area, in tiles of at most `side` pixels. Throws as parallelForTiles() does.
@@ -100,6 +107,8 @@ class TileMarcher {
       try {
         while (std::unique_ptr<RelayedTile> tile = job_.relay->take()) {
           if (tile->segments.empty() && mostSegments_ > 0) tile->segments.assign(tile->rays.size(), SegmentMerger(mergerRoomFor(mostSegments_)));
+          tile->isDivided = isDivided_;
+          tile->goesTwice = isDivided_ || hasNormals_;
           marchTile(tile->area, tile.get());
           job_.relay->handOn(std::move(tile));
         }
@@ -130,6 +139,7 @@ class TileMarcher {
         if (relayed == nullptr || !relayed->ray(x, y).isDone) marchPixel(x, y, scratch, relayed);
   }
 
+
   void marchPixel(uint32_t x, uint32_t y, Scratch& scratch, RelayedTile* relayed) const {
     constexpr VisibleDepths kEverything{0.0f, std::numeric_limits<float>::infinity()};
     if (relayed == nullptr || relayed->ray(x, y).next == 0) WARPSCOPE_COUNT(rays, 1);
@@ -158,21 +168,21 @@ class TileMarcher {
       handed->next = std::max(own.end, handed->next);
     }
     finished.cosine = pixel.cosine;
-    std::vector<CountingSample>& counting = handed != nullptr ? handed->counting : scratch.counting;
-    if (handed == nullptr) counting.clear();
+    if constexpr (std::is_same_v<typename Source::March, StableMarch>)
+      if (handed != nullptr) return relayed->isAgain ? marchAgain(path, span, source, *handed, scratch, finished) : marchPiece(path, span, source, *handed, scratch, finished);
+    std::vector<CountingSample>& counting = scratch.counting;
+    counting.clear();
     finished.counting = &counting;
     if constexpr (std::is_same_v<typename Source::March, StableMarch>) {
-      SegmentMerger& segments = handed != nullptr && mostSegments_ > 0 ? relayed->segments[static_cast<size_t>(handed - relayed->rays.data())] : scratch.segments;
-      if (handed == nullptr) segments.clear();
+      SegmentMerger& segments = scratch.segments;
+      segments.clear();
       SegmentedColor<StableMarch> color(mostSegments_ > 0 ? &segments : nullptr, path.lattice);
-      if (handed != nullptr) static_cast<RayColor&>(color) = handed->color;
       marchSpan(path, span, source, color, counting, finished);
-      if (handed != nullptr) {
-        handed->isDone = finished.isEnded || relayed->isLast;
-        handed->color = color;
-        if (!handed->isDone) return;
+      if (mostSegments_ > 0) {
+        finishSegments(segments, finished);
+        findNormals(source, ray, segments, [](int) { return true; }, scratch.normals);
+        if (hasNormals_) finished.normals = scratch.normals;
       }
-      if (mostSegments_ > 0) finishSegments(source, ray, segments, scratch.normals, finished);
     } else {
       GatheredColor<typename Source::March> color;
       marchSpan(path, span, source, color, counting, finished);
@@ -198,19 +208,89 @@ class TileMarcher {
     finished.isEnded = color.transmittance.value() < limits_.stopBelow;
   }
 
-  void finishSegments(const Source& source, const Ray& ray, SegmentMerger& segments, NormalCode* normals, FinishedRay& finished) const {
+  /// A piece of a ray that a relay has brought, behind those that are marched; what it comes to if it is the last.
+  void marchPiece(const RayPath& path, const SampleSpan& span, Source& source, RelayedRay& handed, Scratch& scratch, FinishedRay& finished) const {
+    RelayedTile& tile = *finished.tile;
+    SegmentMerger* const segments = mostSegments_ > 0 ? &tile.segments[placeOf(handed, tile)] : nullptr;
+    SegmentedColor<StableMarch> color(segments, path.lattice);
+    static_cast<RayColor&>(color) = handed.color;
+    if constexpr (requires { Source::kTakesWholeRays; }) {
+      handed.greatest = source.find(span.begin, span.end, handed.greatest);
+      if (tile.isLast)
+        passGreatest(handed.greatest, source.view().transfer, limits_, color, [&](const CountingSample& met) {
+          if (job_.sample != nullptr) handed.counting.push_back(met);
+          return true;
+        });
+      finished.premultiplied = color.premultiplied();
+    } else {
+      marchSpan(path, span, source, color, handed.counting, finished);
+    }
+    handed.color = color;
+    handed.isDone = finished.isEnded || tile.isLast;
+    if (!handed.isDone) return;
+    if (segments != nullptr) finishSegments(*segments, finished);
+    if (!tile.goesTwice) finishPiece(handed, scratch, finished);
+  }
+
+  /// A piece of it on the second way.
+  void marchAgain(const RayPath& path, const SampleSpan& span, Source& source, RelayedRay& handed, Scratch& scratch, FinishedRay& finished) const {
+    RelayedTile& tile = *finished.tile;
+    RelayedAgain& again = tile.again[placeOf(handed, tile)];
+    const auto closePart = [&](const RayPiece& piece) {
+      again.found.add({depthOfSamples_(handed.counting), piece.premultiplied()});
+      handed.counting.clear();
+    };
+    if (again.accumulatedEnd > 0.0f) {
+      const RayParts parts{again.accumulatedEnd, job_.sample->samplesPerRay};
+      if (!(again.part.piece.transmittance.value() < limits_.stopBelow))
+        marchParts(path, span.begin, span.end, source, light_, limits_, parts, again.part, [&](const CountingSample& sample) { handed.counting.push_back(sample); }, closePart);
+      if (tile.isLast && again.part.any) closePart(again.part.piece);
+    }
+    if (hasNormals_) {
+      const SegmentMerger& segments = tile.segments[placeOf(handed, tile)];
+      findNormals(source, path.ray, segments, [&](int i) { return isWithin(job_.relay->block(), source.view(), path.ray, placeToLight(segments[i])); }, again.normals);
+    }
+    if (!tile.isLast) return;
+    handed.isDone = true;
+    finished.premultiplied = handed.color.premultiplied();
+    finished.isEnded = handed.color.transmittance.value() < limits_.stopBelow;
+    if (mostSegments_ > 0) finished.segments = &tile.segments[placeOf(handed, tile)];
+    if (hasNormals_) finished.normals = again.normals;
+    if (again.accumulatedEnd > 0.0f) {
+      finished.samples = &again.found;
+      return job_.onRay(finished);
+    }
+    finishPiece(handed, scratch, finished);
+  }
+
+  /// A ray that has one sample at most.
+  void finishPiece(const RelayedRay& handed, Scratch& scratch, FinishedRay& finished) const {
+    scratch.found.clear();
+    if (job_.sample != nullptr && !handed.counting.empty()) scratch.found.add({depthOfSamples_(handed.counting), finished.premultiplied});
+    finished.samples = &scratch.found;
+    job_.onRay(finished);
+  }
+
+  static size_t placeOf(const RelayedRay& handed, const RelayedTile& tile) { return static_cast<size_t>(&handed - tile.rays.data()); }
+
+  void finishSegments(SegmentMerger& segments, FinishedRay& finished) const {
     WARPSCOPE_COUNT(segmentedRays, 1);
     segments.reduceTo(mostSegments_);
     finished.segments = &segments;
-    if constexpr (requires { light_.setup.isLit; })
-      if (dependsOnEye(light_.setup)) {
-        for (int i = segments.first(); i != SegmentMerger::kNone; i = segments.behind(i)) {
-          float gradient[3];
-          gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, placeToLight(segments[i]), gradient);
-          normals[i] = normalOf(light_.setup, gradient);
-        }
-        finished.normals = normals;
+  }
+
+  /// Of those segments that `isOwn` says, by their places.
+  template <class IsOwn>
+  void findNormals(const Source& source, const Ray& ray, const SegmentMerger& segments, const IsOwn& isOwn, NormalCode* normals) const {
+    if constexpr (requires { light_.setup.isLit; }) {
+      if (!hasNormals_) return;
+      for (int i = segments.first(); i != SegmentMerger::kNone; i = segments.behind(i)) {
+        if (!isOwn(i)) continue;
+        float gradient[3];
+        gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, placeToLight(segments[i]), gradient);
+        normals[i] = normalOf(light_.setup, gradient);
       }
+    }
   }
 
   /// Marches once more, part by part. `counting` has the ray's samples that count, and is used up.
@@ -237,6 +317,7 @@ class TileMarcher {
   Jitter jitter_;
   DepthOfSamples depthOfSamples_;
   int mostSegments_ = 0;
+  bool hasNormals_ = false;  // of segments
 };
 
 }  // namespace warpscope
