@@ -1,0 +1,203 @@
+// The program as several processes that mpirun starts: it does what one does, and ends as one.
+// Mirrors app/frames/process_ranks.h and render/bricks/mpi_ranks.cpp.
+#include <dirent.h>
+
+#include <fstream>
+#include <map>
+#include <random>
+
+#include "tests/cli.h"
+
+namespace warpscope {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+std::string contentOf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class Mpi : public CommandLine {
+ protected:
+  void SetUp() override {
+    if (std::string(WARPSCOPE_MPIEXEC).empty()) GTEST_SKIP() << "MPI was not found when this was built";
+    // Soft balls, some in front of others.
+    std::ofstream file(folder_.file(kVolume), std::ios::binary);
+    for (int z = 0; z < 36; ++z)
+      for (int y = 0; y < 40; ++y)
+        for (int x = 0; x < 48; ++x) {
+          double value = 0.0;
+          for (const glm::dvec4& ball : {glm::dvec4(12, 14, 10, 11), glm::dvec4(30, 22, 20, 15), glm::dvec4(24, 8, 28, 9)})
+            value = std::max(value, 1.0 - glm::length(glm::dvec3(x, y, z) - glm::dvec3(ball)) / ball.w);
+          const auto voxel = static_cast<uint16_t>(40000.0 * value);
+          file.write(reinterpret_cast<const char*>(&voxel), sizeof voxel);
+        }
+  }
+
+  static Arguments underMpi(int count, Arguments arguments) {
+    arguments.insert(arguments.begin(), {"-n", std::to_string(count), WARPSCOPE_PROGRAM});
+    return arguments;
+  }
+  std::unique_ptr<Program> start(int count, const Arguments& arguments) const {
+    return std::make_unique<Program>(underMpi(count, arguments), folder_.path(), kEnvironment, WARPSCOPE_MPIEXEC);
+  }
+  ProgramResult runAsMany(int count, const Arguments& arguments) const { return start(count, arguments)->wait(); }
+
+  /// Process ids of those that were started in this folder, by rank.
+  std::map<int, pid_t> processes() const {
+    std::map<int, pid_t> found;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+      const std::string name = entry.path().filename().string();
+      if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+      std::error_code error;
+      if (std::filesystem::read_symlink(entry.path() / "exe", error) != std::filesystem::canonical(WARPSCOPE_PROGRAM)) continue;
+      if (std::filesystem::read_symlink(entry.path() / "cwd", error) != std::filesystem::canonical(folder_.path())) continue;
+      const std::string environment = contentOf(entry.path() / "environ");
+      const size_t at = environment.find("OMPI_COMM_WORLD_RANK=");
+      if (at != std::string::npos) found[std::atoi(environment.c_str() + at + 21)] = std::atoi(name.c_str());
+    }
+    return found;
+  }
+
+  /// A server of four processes that is ready for clients; its URL.
+  std::string startServer() {
+    server_ = start(4, {"serve", kVolume, "--listen", "127.0.0.1:0", "--port-file", "port"});
+    const auto deadline = std::chrono::steady_clock::now() + seconds(30);
+    while (folder_.read("port").empty() && !server_->hasEnded() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(milliseconds(5));
+    const std::string port = folder_.read("port");
+    return "warp://127.0.0.1:" + port.substr(0, port.find('\n'));
+  }
+
+  /// Seconds until nothing of it is left.
+  double secondsToTheEnd() const {
+    const auto from = std::chrono::steady_clock::now();
+    while (!server_->hasEnded() || !processes().empty()) {
+      if (std::chrono::steady_clock::now() - from > seconds(30)) break;
+      std::this_thread::sleep_for(milliseconds(10));
+    }
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
+  }
+
+  static constexpr const char* kVolume = "balls_48x40x36_uint16.raw";
+  inline static const Arguments kEnvironment{"OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "OMPI_MCA_rmaps_base_oversubscribe=1"};
+  std::unique_ptr<Program> server_;
+};
+
+TEST_F(Mpi, FilesAreThoseOfOneProcess) {
+  const Arguments size{"--size", "90x70"};
+  const auto with = [&](Arguments arguments, const Arguments& more) {
+    arguments.insert(arguments.end(), size.begin(), size.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  const std::vector<Arguments> commands{{"shot", kVolume, "--technique", "reference", "-o"},
+                                        {"shot", kVolume, "--technique", "segments", "--segments", "4", "--view-angle", "20", "-o"},
+                                        {"shot", kVolume, "--technique", "spheres", "--heuristic", "median", "--samples-per-ray", "3", "--view-angle", "20", "-o"},
+                                        {"shot", kVolume, "--technique", "proxy", "--view-angle", "20", "-o"}};
+  for (const Arguments& command : commands) {
+    SCOPED_TRACE(testing::PrintToString(command));
+    Arguments one = command, many = command;
+    one.emplace_back("one.png");
+    many.emplace_back("many.png");
+    succeed(with(one, {}));
+    for (const int count : {2, 5}) {
+      const ProgramResult result = runAsMany(count, with(many, {}));
+      ASSERT_EQ(result.code, kSuccess) << result.err;
+      EXPECT_EQ(contentOf(folder_.file("many.png")), contentOf(folder_.file("one.png"))) << count;
+      EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;  // said once
+    }
+  }
+  succeed(with({"export", kVolume, "--ply", "one.ply"}, {}));
+  ASSERT_EQ(runAsMany(3, with({"export", kVolume, "--ply", "many.ply"}, {})).code, kSuccess);
+  EXPECT_EQ(contentOf(folder_.file("many.ply")), contentOf(folder_.file("one.ply")));
+}
+
+TEST_F(Mpi, WhatIsWrongIsSaidOnceAndEndsAll) {
+  const auto expectRefusal = [&](int count, const Arguments& arguments, int code, const std::string& reason) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    const ProgramResult result = runAsMany(count, arguments);
+    EXPECT_EQ(result.code, code);
+    EXPECT_EQ(result.out, "");
+    const size_t first = result.err.find("warpscope: ");
+    ASSERT_NE(first, std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(reason), std::string::npos) << result.err;
+    EXPECT_EQ(result.err.find("warpscope: ", first + 1), std::string::npos) << result.err;
+    EXPECT_TRUE(processes().empty());
+  };
+  std::ofstream(folder_.file("some.nrrd")) << "NRRD0004\n";
+  std::ofstream(folder_.file("short_9x9x9_uint8.raw")) << "short";
+  expectRefusal(3, {"shot", "missing_8x8x8_uint8.raw", "-o", "a.png"}, kFailure, "there is no such file");
+  expectRefusal(3, {"shot", "short_9x9x9_uint8.raw", "-o", "a.png"}, kFailure, "holds 5 bytes");
+  expectRefusal(2, {"shot", "some.nrrd", "-o", "a.png"}, kFailure, "share raw volumes alone");
+  expectRefusal(2, {"shot", kVolume, "--technik", "x"}, kUsage, "did you mean '--technique'?");
+  expectRefusal(2, {"info"}, kUsage, "is for one process");
+  expectRefusal(2, {}, kUsage, "is for one process");
+  expectRefusal(2, {"shot", kVolume, "--shading", "1", "--shadows", "1", "-o", "a.png"}, kUsage, "spread over several processes");
+  expectRefusal(2, {"compare", "torture/fog", "--out", "o"}, kUsage, "torture");
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("a.png")));
+}
+
+TEST_F(Mpi, VersionAndHelpArePrintedOnce) {
+  const ProgramResult version = runAsMany(3, {"--version"}), alone = run({"--version"});
+  EXPECT_EQ(version.code, kSuccess);
+  EXPECT_EQ(version.out, alone.out);
+}
+
+TEST_F(Mpi, AServerOfSeveralProcessesServesAsOneDoes) {
+  const std::string url = startServer();
+  for (const char* const angle : {"0", "30"}) {
+    succeed({"shot", "--connect", url, "--size", "90x70", "--view-angle", angle, "-o", "served.png"});
+    succeed({"shot", kVolume, "--size", "90x70", "--view-angle", angle, "-o", "one.png"});
+    EXPECT_EQ(contentOf(folder_.file("served.png")), contentOf(folder_.file("one.png")));
+  }
+  EXPECT_EQ(processes().size(), 4u);
+  server_->signal(SIGINT);
+  EXPECT_LT(secondsToTheEnd(), 4.0);
+}
+
+TEST_F(Mpi, AProcessThatDiesEndsAll) {
+  const std::string url = startServer();
+  succeed({"shot", "--connect", url, "--size", "90x70", "-o", "served.png"});
+  const std::map<int, pid_t> all = processes();
+  ASSERT_EQ(all.size(), 4u);
+  // In the middle of a picture that takes long.
+  Program client({"shot", "--connect", url, "--size", "900x700", "--step", "0.002", "-o", "never.png"}, folder_.path());
+  std::this_thread::sleep_for(milliseconds(700));
+  kill(all.at(2), SIGKILL);
+  EXPECT_LT(secondsToTheEnd(), 5.0);
+  EXPECT_NE(server_->wait().code, kSuccess);
+  const ProgramResult refused = client.wait();
+  EXPECT_EQ(refused.code, kFailure);
+  EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("never.png")));
+}
+
+TEST_F(Mpi, AProcessThatIsLateIsWaitedFor) {
+  const std::string url = startServer();
+  const std::map<int, pid_t> all = processes();
+  ASSERT_EQ(all.size(), 4u);
+  kill(all.at(3), SIGSTOP);
+  Program client({"shot", "--connect", url, "--size", "90x70", "-o", "served.png"}, folder_.path());
+  std::this_thread::sleep_for(milliseconds(1200));
+  EXPECT_FALSE(client.hasEnded());
+  kill(all.at(3), SIGCONT);
+  EXPECT_EQ(client.wait().code, kSuccess);
+  succeed({"shot", kVolume, "--size", "90x70", "-o", "one.png"});
+  EXPECT_EQ(contentOf(folder_.file("served.png")), contentOf(folder_.file("one.png")));
+}
+
+TEST_F(Mpi, AClientThatLeavesEndsItsMarchEverywhere) {
+  const std::string url = startServer();
+  {
+    Program client({"shot", "--connect", url, "--size", "900x700", "--step", "0.002", "-o", "never.png"}, folder_.path());
+    std::this_thread::sleep_for(milliseconds(700));
+  }  // is killed
+  const auto from = std::chrono::steady_clock::now();
+  succeed({"shot", "--connect", url, "--size", "90x70", "-o", "served.png"});
+  EXPECT_LT(std::chrono::steady_clock::now() - from, seconds(5));
+}
+
+}  // namespace
+}  // namespace warpscope
