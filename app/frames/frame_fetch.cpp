@@ -2,10 +2,13 @@
 // See frame_fetch.h.
 #include "app/frames/frame_fetch.h"
 
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "app/frames/backend.h"
 #include "app/picture/picture.h"
+#include "app/shell/log.h"
 #include "render/base/error.h"
 #include "render/base/stopwatch.h"
 #include "render/codec/jpeg.h"
@@ -14,13 +17,14 @@
 namespace warpscope {
 namespace {
 
-/// A connection that is down for longer is given up.
-constexpr std::chrono::seconds kPatience(15);
+/// A connection that is down for longer is given up; one that is down for a moment is not spoken of.
+constexpr std::chrono::seconds kPatience(15), kMoment(1);
 constexpr std::chrono::milliseconds kLookAgain(2);
 
 ServedFrame waitFor(FrameSource& source, uint64_t id, const std::function<void(uint16_t)>& onBusy,
                     const std::stop_token& stop) {
   auto connectedAt = std::chrono::steady_clock::now();
+  bool isSaid = false;
   while (!stop.stop_requested()) {
     if (std::optional<ServedFrame> served = source.tryTake(); served && served->requestId == id) {
       if (!served->frame) throw InputError("the server: " + served->error);
@@ -32,6 +36,8 @@ ServedFrame waitFor(FrameSource& source, uint64_t id, const std::function<void(u
     if (status.isConnected) connectedAt = now;
     if (status.busyWith && onBusy) onBusy(*status.busyWith);
     if (now - connectedAt > kPatience) throw InputError(status.sentence);
+    if (now - connectedAt > kMoment && !std::exchange(isSaid, true))
+      logWarning(status.sentence + "; trying again for " + std::to_string(kPatience.count()) + " s");
     std::this_thread::sleep_for(kLookAgain);
   }
   throw OperationCancelled();
