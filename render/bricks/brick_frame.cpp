@@ -12,9 +12,7 @@ namespace {
 /// Of a ray in a message, beside what follows it.
 struct RayHead {
   uint32_t place = 0;  ///< in its tile
-  int next = 0;
-  RayColor color;
-  GreatestValue greatest;
+  RelayedState state;
   uint32_t counting = 0;  ///< samples that follow
 };
 
@@ -134,7 +132,7 @@ std::vector<std::byte> BrickFrame::bytesOf(const RelayedTile& tile) const {
   for (uint32_t place = 0; place < tile.rays.size(); ++place) {
     const RelayedRay& ray = tile.rays[place];
     if ((ray.isDone && !tile.goesTwice) || !ray.hasMet()) continue;
-    writer.put(RayHead{place, ray.next, ray.color, ray.greatest, static_cast<uint32_t>(ray.counting.size())});
+    writer.put(RayHead{place, ray.state, static_cast<uint32_t>(ray.counting.size())});
     for (const CountingSample& sample : ray.counting) writer.put(sample);
     if (!tile.segments.empty()) writer.put(tile.segments[place]);
     if (tile.isAgain) writer.put(tile.again[place]);
@@ -159,9 +157,7 @@ std::unique_ptr<RelayedTile> BrickFrame::tileOf(const std::vector<std::byte>& by
   while (!reader.isAtEnd()) {
     const auto head = reader.get<RayHead>();
     RelayedRay& ray = tile->rays.at(head.place);
-    ray.color = head.color;
-    ray.next = head.next;
-    ray.greatest = head.greatest;
+    ray.state = head.state;
     ray.counting.resize(head.counting);
     for (CountingSample& sample : ray.counting) sample = reader.get<CountingSample>();
     if (tileHead.hasSegments) tile->segments[head.place] = reader.get<SegmentMerger>();

@@ -21,16 +21,26 @@ namespace warpscope {
 
 struct MarchedVolume;
 
-/// A ray under way. Default: nobody has looked at any of it.
-struct RelayedRay {
-  RayColor color;       ///< what it has gathered
-  int next = 0;         ///< of its lattice, the first sample that nobody has looked at
-  bool isDone = false;  ///< it has ended: nothing of it is left to march
+/// What a ray under way has gathered, but for lists. Default: nothing.
+struct RelayedState {
+  RayColor color;
+  int next = 0;            ///< of its lattice, the first sample that nobody has looked at
   GreatestValue greatest;  ///< of the mode mip, so far
-  std::vector<CountingSample> counting;  ///< its samples that count, where samples are wanted; on the second way those of the part under way
+  bool hasCounted = false;  ///< what follows has been begun
+  AnyDepth<false>::Fold fold;  ///< of its samples that count, where one sample is wanted by a heuristic of one pass
+  MomentsFold moments;         ///< likewise, where their spread is
+
+  bool hasMet() const { return hasCounted || greatest.any || color.transmittance.exact() < 1.0 || color.color() != glm::dvec3(0.0); }
+};
+
+/// A ray under way.
+struct RelayedRay {
+  RelayedState state;
+  bool isDone = false;  ///< it has ended: nothing of it is left to march
+  std::vector<CountingSample> counting;  ///< its samples that count, where they are not folded; on the second way those of the part under way
 
   /// Whether anything has been gathered.
-  bool hasMet() const { return greatest.any || color.transmittance.exact() < 1.0 || color.color() != glm::dvec3(0.0) || !counting.empty(); }
+  bool hasMet() const { return state.hasMet() || !counting.empty(); }
 };
 
 /// What a ray gathers on its second way.

@@ -46,7 +46,7 @@ bool RelayedTile::beginAgain() {
   for (size_t place = 0; place < rays.size(); ++place) {
     RelayedRay& ray = rays[place];
     ray.isDone = !ray.hasMet();
-    ray.next = 0;
+    ray.state.next = 0;
     any = any || !ray.isDone;
     if (!isDivided || ray.counting.size() < 2) continue;
     again[place].accumulatedEnd = ray.counting.back().accumulatedAfter();

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "render/core/counters.h"
@@ -74,6 +75,15 @@ struct RayJob {
   RayRelay* relay = nullptr;  ///< of pieces; null: rays are marched whole
 };
 
+template <class Voxel>
+const VolumeView<Voxel>& volumeOf(const VolumeView<Voxel>& view) {
+  return view;
+}
+template <class Voxel, class Setup>
+const VolumeView<Voxel>& volumeOf(const ModeView<Voxel, Setup>& view) {
+  return view.volume;
+}
+
 /// Rays from a source of this kind. What it is made of must stay.
 template <class Source, class View, class Light>
 class TileMarcher {
@@ -91,6 +101,8 @@ class TileMarcher {
     if (job.sample == nullptr) return;
     depthOfSamples_ = {depthFunctionOf(job.sample->heuristic, plan.has(PlanStage::secondPass)), job.sample->threshold, plan.has(PlanStage::spread)};
     if (plan.has(PlanStage::raySegments)) mostSegments_ = job.sample->segments;
+    folded_.heuristic = job.sample->heuristic;
+    isFolded_ = !isDivided_ && !visitHeuristic(job.sample->heuristic, []<class Depth>(Depth) { return Depth::kTwoPass; });
     if constexpr (requires { light.setup.isLit; }) hasNormals_ = mostSegments_ > 0 && dependsOnEye(light.setup);
   }
 
@@ -142,7 +154,7 @@ class TileMarcher {
 
   void marchPixel(uint32_t x, uint32_t y, Scratch& scratch, RelayedTile* relayed) const {
     constexpr VisibleDepths kEverything{0.0f, std::numeric_limits<float>::infinity()};
-    if (relayed == nullptr || relayed->ray(x, y).next == 0) WARPSCOPE_COUNT(rays, 1);
+    if (relayed == nullptr || relayed->ray(x, y).state.next == 0) WARPSCOPE_COUNT(rays, 1);
     RelayedRay* const handed = relayed != nullptr ? &relayed->ray(x, y) : nullptr;
     FinishedRay finished{x, y};
     finished.tile = relayed;
@@ -160,24 +172,28 @@ class TileMarcher {
     if (isClipped_) WARPSCOPE_COUNT(clippedRays, 1);
     RayPath path{ray, makeLattice(isClipped_ ? clipped(clip_, ray, inside) : inside, job_.settings.step)};
     path.lattice.t0 += jitter_.shiftOf(x, y);
-    Source source = exceptionsExpected([&] { return Source(view_, ray, path.lattice); });  // reciprocals again
     SampleSpan span = spanFor<Source>(depths, pixel.cosine, path.lattice);
     if (handed != nullptr) {
-      const SampleSpan own = samplesWithin(job_.relay->block(), source.view(), ray, path.lattice);
-      span = {std::max({span.begin, own.begin, handed->next}), std::min(span.end, own.end)};
-      handed->next = std::max(own.end, handed->next);
+      const SampleSpan own = samplesWithin(job_.relay->block(), volumeOf(view_), ray, path.lattice);
+      span = {std::max({span.begin, own.begin, handed->state.next}), std::min(span.end, own.end)};
+      handed->state.next = std::max(own.end, handed->state.next);
+      if (span.begin >= span.end && !relayed->isLast && !relayed->isAgain) return;
     }
+    Source source = exceptionsExpected([&] { return Source(view_, ray, path.lattice); });  // reciprocals again
     finished.cosine = pixel.cosine;
     if constexpr (std::is_same_v<typename Source::March, StableMarch>)
       if (handed != nullptr) return relayed->isAgain ? marchAgain(path, span, source, *handed, scratch, finished) : marchPiece(path, span, source, *handed, scratch, finished);
     std::vector<CountingSample>& counting = scratch.counting;
     counting.clear();
     finished.counting = &counting;
+    const auto sink = [&](const CountingSample& met) {
+      if (job_.sample != nullptr) counting.push_back(met);
+    };
     if constexpr (std::is_same_v<typename Source::March, StableMarch>) {
       SegmentMerger& segments = scratch.segments;
       segments.clear();
       SegmentedColor<StableMarch> color(mostSegments_ > 0 ? &segments : nullptr, path.lattice);
-      marchSpan(path, span, source, color, counting, finished);
+      marchSpan(path, span, source, color, sink, finished);
       if (mostSegments_ > 0) {
         finishSegments(segments, finished);
         findNormals(source, ray, segments, [](int) { return true; }, scratch.normals);
@@ -185,7 +201,7 @@ class TileMarcher {
       }
     } else {
       GatheredColor<typename Source::March> color;
-      marchSpan(path, span, source, color, counting, finished);
+      marchSpan(path, span, source, color, sink, finished);
     }
     scratch.found.clear();
     if (job_.sample != nullptr && !counting.empty()) {
@@ -198,10 +214,10 @@ class TileMarcher {
     job_.onRay(finished);
   }
 
-  template <class Color>
-  void marchSpan(const RayPath& path, const SampleSpan& span, Source& source, Color& color, std::vector<CountingSample>& counting, FinishedRay& finished) const {
+  template <class Color, class Sink>
+  void marchSpan(const RayPath& path, const SampleSpan& span, Source& source, Color& color, const Sink& sink, FinishedRay& finished) const {
     marchRay(path, span.begin, span.end, source, light_, limits_, color, [&](const CountingSample& met) {
-      if (job_.sample != nullptr) counting.push_back(met);
+      sink(met);
       return true;
     });
     finished.premultiplied = color.premultiplied();
@@ -211,21 +227,29 @@ class TileMarcher {
   /// A piece of a ray that a relay has brought, behind those that are marched; what it comes to if it is the last.
   void marchPiece(const RayPath& path, const SampleSpan& span, Source& source, RelayedRay& handed, Scratch& scratch, FinishedRay& finished) const {
     RelayedTile& tile = *finished.tile;
+    RelayedState& state = handed.state;
     SegmentMerger* const segments = mostSegments_ > 0 ? &tile.segments[placeOf(handed, tile)] : nullptr;
     SegmentedColor<StableMarch> color(segments, path.lattice);
-    static_cast<RayColor&>(color) = handed.color;
+    static_cast<RayColor&>(color) = state.color;
+    const auto sink = [&](const CountingSample& met) {
+      if (job_.sample == nullptr) return;
+      if (!isFolded_) return handed.counting.push_back(met);
+      if (!std::exchange(state.hasCounted, true)) state.fold = folded_.start(depthOfSamples_.threshold, {});
+      state.fold.add(met);
+      if (depthOfSamples_.hasSpread) state.moments.add(met);
+    };
     if constexpr (requires { Source::kTakesWholeRays; }) {
-      handed.greatest = source.find(span.begin, span.end, handed.greatest);
+      state.greatest = source.find(span.begin, span.end, state.greatest);
       if (tile.isLast)
-        passGreatest(handed.greatest, source.view().transfer, limits_, color, [&](const CountingSample& met) {
-          if (job_.sample != nullptr) handed.counting.push_back(met);
+        passGreatest(state.greatest, source.view().transfer, limits_, color, [&](const CountingSample& met) {
+          sink(met);
           return true;
         });
       finished.premultiplied = color.premultiplied();
     } else {
-      marchSpan(path, span, source, color, handed.counting, finished);
+      marchSpan(path, span, source, color, sink, finished);
     }
-    handed.color = color;
+    state.color = color;
     handed.isDone = finished.isEnded || tile.isLast;
     if (!handed.isDone) return;
     if (segments != nullptr) finishSegments(*segments, finished);
@@ -252,8 +276,8 @@ class TileMarcher {
     }
     if (!tile.isLast) return;
     handed.isDone = true;
-    finished.premultiplied = handed.color.premultiplied();
-    finished.isEnded = handed.color.transmittance.value() < limits_.stopBelow;
+    finished.premultiplied = handed.state.color.premultiplied();
+    finished.isEnded = handed.state.color.transmittance.value() < limits_.stopBelow;
     if (mostSegments_ > 0) finished.segments = &tile.segments[placeOf(handed, tile)];
     if (hasNormals_) finished.normals = again.normals;
     if (again.accumulatedEnd > 0.0f) {
@@ -266,7 +290,13 @@ class TileMarcher {
   /// A ray that has one sample at most.
   void finishPiece(const RelayedRay& handed, Scratch& scratch, FinishedRay& finished) const {
     scratch.found.clear();
-    if (job_.sample != nullptr && !handed.counting.empty()) scratch.found.add({depthOfSamples_(handed.counting), finished.premultiplied});
+    if (handed.state.hasCounted) {
+      DepthResult depth = folded_.result(handed.state.fold);
+      if (depthOfSamples_.hasSpread) depth.spread = handed.state.moments.result().spread;
+      scratch.found.add({depth, finished.premultiplied});
+    } else if (!handed.counting.empty()) {
+      scratch.found.add({depthOfSamples_(handed.counting), finished.premultiplied});
+    }
     finished.samples = &scratch.found;
     job_.onRay(finished);
   }
@@ -318,6 +348,8 @@ class TileMarcher {
   DepthOfSamples depthOfSamples_;
   int mostSegments_ = 0;
   bool hasNormals_ = false;  // of segments
+  bool isFolded_ = false;    // samples that count are folded as they come, where rays are relayed
+  AnyDepth<false> folded_;
 };
 
 }  // namespace warpscope
