@@ -234,6 +234,55 @@ TEST(SpreadVolume, AMarchThatIsStoppedLeavesRanksThatWork) {
   }
 }
 
+TEST(SpreadVolume, RanksSayWhatTheyHaveDone) {
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
+  std::vector<RanksPtr> ranks = makeLocalRanks(3);
+  std::vector<std::jthread> others;
+  for (int rank = 1; rank < 3; ++rank) others.emplace_back([whole, own = ranks[static_cast<size_t>(rank)]] { followRanks(sharedBy(whole, own)); });
+  const BrickLeaderPtr leader = leadRanks(sharedBy(whole, ranks[0]));
+  const MarcherPtr marcher = makeRanksMarcher(leader, band(15, 80, 0.08f));
+  for (uint64_t frame = 1; frame < 4; ++frame) {
+    marcher->march(cameras().front(), {});
+    const std::vector<RankWork> work = lastWork(leader);
+    ASSERT_EQ(work.size(), 3u);
+    int cells = 0;
+    for (const RankWork& one : work) {
+      EXPECT_EQ(one.frame, frame);
+      EXPECT_GT(one.tiles, 0u);
+      EXPECT_GT(one.marchMs, 0.0);
+      const glm::ivec3 extent = one.block.upper - one.block.lower;
+      cells += extent.x * extent.y * extent.z;
+    }
+    EXPECT_EQ(cells, 43 * 36 * 39);
+    EXPECT_GT(work[1].sentBytes + work[2].sentBytes, 1000u);  // results at least
+  }
+}
+
+TEST(SpreadVolume, ARankThatDoesNotAnswerIsNotWaitedForForEver) {
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
+  std::vector<RanksPtr> ranks = makeLocalRanks(2);
+  const TransferFunction function = band(15, 80, 0.08f);
+  const std::jthread other([&] {  // makes what all make, and no more
+    const MarchedVolume marched(sharedBy(whole, ranks[1]), function);
+  });
+  const MarcherPtr marcher = makeRanksMarcher(leadRanks(sharedBy(whole, ranks[0]), std::chrono::milliseconds(300)), function);
+  const auto from = std::chrono::steady_clock::now();
+  try {
+    marcher->march(cameras().front(), {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("process 1 of 2 does not answer"), std::string::npos) << error.what();
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(5));
+}
+
+TEST(SpreadVolume, RanksThatHaveOtherVolumesAreFoundOut) {
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5)), other = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 6)),
+                  larger = makeTestVolume(VoxelType::uint8, kDims + 1u, blobs(kDims, 5)), wider = makeTestVolume(VoxelType::uint16, kDims, blobs(kDims, 5));
+  for (const VolumePtr& wrong : {other, larger, wider})
+    onAll(3, [&](const RanksPtr& own) { EXPECT_THROW(sharedBy(own->rank() == 2 ? wrong : whole, own), InputError); });
+}
+
 TEST(SpreadVolume, WhatCannotBeMarchedInPiecesIsRefused) {
   const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
   const Spread spread(whole, band(10, 90, 0.2f), 2);

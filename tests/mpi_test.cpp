@@ -139,6 +139,27 @@ TEST_F(Mpi, WhatIsWrongIsSaidOnceAndEndsAll) {
   EXPECT_FALSE(std::filesystem::exists(folder_.file("a.png")));
 }
 
+TEST_F(Mpi, ProcessesThatDoNotAgreeAreFoundOut) {
+  const std::string voxels = contentOf(folder_.file(kVolume));
+  std::filesystem::create_directory(folder_.path() / "other");
+  std::filesystem::create_directory(folder_.path() / "shorter");
+  std::string changed = voxels;
+  for (size_t i = 0; i < changed.size(); ++i) changed[i] = static_cast<char>(changed[i] ^ 1);
+  std::ofstream(folder_.file(std::string("other/") + kVolume), std::ios::binary) << changed;
+  std::ofstream(folder_.file("shorter/balls_48x40x35_uint16.raw"), std::ios::binary) << voxels.substr(0, 48 * 40 * 35 * 2);
+  const std::vector<std::pair<Arguments, std::string>> others{{{std::string("other/") + kVolume}, ": voxels: process 1 of 2"},
+                                                              {{"shorter/balls_48x40x35_uint16.raw"}, "size, type and spacing of voxels: process 1 of 2"},
+                                                              {{kVolume, "--step", "0.7"}, "knobs of the march: process 1 of 2"}};
+  for (const auto& [arguments, reason] : others) {
+    Arguments both{"-n", "1", WARPSCOPE_PROGRAM, "shot", kVolume, "-o", "a.png", ":", "-n", "1", WARPSCOPE_PROGRAM, "shot"};
+    both.insert(both.end(), arguments.begin(), arguments.end());
+    both.insert(both.end(), {"-o", "a.png"});
+    const ProgramResult result = Program(both, folder_.path(), kEnvironment, WARPSCOPE_MPIEXEC).wait();
+    EXPECT_EQ(result.code, kFailure);
+    EXPECT_THAT(result.err, testing::HasSubstr(reason));
+  }
+}
+
 TEST_F(Mpi, VersionAndHelpArePrintedOnce) {
   const ProgramResult version = runAsMany(3, {"--version"}), alone = run({"--version"});
   EXPECT_EQ(version.code, kSuccess);

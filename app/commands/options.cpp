@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "app/commands/choose.h"
@@ -194,6 +195,18 @@ void CheckedOptions::applyTo(Scene& served) const {
   if (overrides.fovYDeg) served.fovYDeg = *overrides.fovYDeg;
 }
 
+namespace {
+
+/// Files beside the volume may differ from machine to machine.
+void requireSameScene(const Scene& scene, Ranks& ranks) {
+  ranks.requireSame(std::as_bytes(std::span(scene.transferFunction.points)), "transfer function");
+  std::vector<double> knobs;
+  for (const MarchKnob& row : marchKnobs()) knobs.push_back(row.get(scene.march));
+  ranks.requireSame(std::as_bytes(std::span<const double>(knobs)), "knobs of the march");
+}
+
+}  // namespace
+
 CommandContext prepare(const CommonOptions& options, const std::stop_token& stop) {
   return prepare(options, {}, stop);
 }
@@ -220,6 +233,7 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
     work.remote = connectMarcher(io, *server, plain, work.sayBusy, work.backend);
   } else {
     work.scene = work.open(stop);
+    if (processRanks()) requireSameScene(work.scene, *processRanks());
     if (processRanks() && !processRanks()->isFirst()) {
       followFirst(work.scene.volume, stop);
       throw FollowedToTheEnd();

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -59,6 +60,8 @@ RanksPtr joinProcesses() {
   std::string reason;
   joined().ranks.reset(make(&reason));
   if (!joined().ranks) throw InputError(reason);
+  const std::string_view version(WARPSCOPE_VERSION);
+  joined().ranks->requireSame(std::as_bytes(std::span(version)), "version of warpscope");
   return joined().ranks;
 }
 

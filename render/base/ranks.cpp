@@ -8,6 +8,8 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "render/base/error.h"
+
 namespace warpscope {
 namespace {
 
@@ -103,6 +105,12 @@ std::vector<std::vector<std::byte>> Ranks::allGather(std::span<const std::byte> 
     part = ofFirst(std::move(part));
   }
   return parts;
+}
+
+void Ranks::requireSame(std::span<const std::byte> own, const std::string& what) {
+  const std::vector<std::vector<std::byte>> all = allGather(own);
+  for (size_t other = 1; other < all.size(); ++other)
+    if (all[other] != all[0]) throw InputError(what + ": process " + std::to_string(other) + " of " + std::to_string(size()) + " has another than the first one");
 }
 
 std::vector<RanksPtr> makeLocalRanks(int count) {

@@ -9,6 +9,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace warpscope {
@@ -57,6 +59,8 @@ class Ranks {
   }
   /// What the first of them has.
   std::vector<std::byte> ofFirst(std::vector<std::byte> own);
+  /// Throws InputError, on all of them, where `own` is not the same everywhere: "`what`: process 2 of 4 has another than the first one".
+  void requireSame(std::span<const std::byte> own, const std::string& what);
 
   /// Which of `count` things are this rank's, where all take about as many, in their order: [begin, end).
   std::pair<size_t, size_t> shareOf(size_t count) const {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/base/stopwatch.h"
 #include "render/bricks/rank_bytes.h"
 
 namespace warpscope {
@@ -60,6 +61,7 @@ std::optional<BrickFrame::Outgoing> BrickFrame::takeOutgoing() {
   if (outgoing_.empty()) return {};
   Outgoing outgoing = std::move(outgoing_.front());
   outgoing_.pop_front();
+  if (outgoing.to != rank_) work_.sentBytes += outgoing.bytes.size();
   return outgoing;
 }
 
@@ -80,6 +82,18 @@ void BrickFrame::close() noexcept {
 }
 
 std::unique_ptr<RelayedTile> BrickFrame::take() {
+  const auto from = std::chrono::steady_clock::now();
+  std::unique_ptr<RelayedTile> tile = nextTile();
+  const double waitMs = millisecondsSince(from);
+  const std::scoped_lock lock(mutex_);
+  work_.waitMs += waitMs;
+  if (tile == nullptr) return tile;
+  ++work_.tiles;
+  tile->taken = std::chrono::steady_clock::now();
+  return tile;
+}
+
+std::unique_ptr<RelayedTile> BrickFrame::nextTile() {
   std::unique_lock lock(mutex_);
   while (!isClosed_) {
     if (!arrived_.empty()) {
@@ -104,6 +118,10 @@ std::unique_ptr<RelayedTile> BrickFrame::take() {
 }
 
 void BrickFrame::handOn(std::unique_ptr<RelayedTile> tile) {
+  {
+    const std::scoped_lock lock(mutex_);
+    work_.marchMs += millisecondsSince(tile->taken);
+  }
   bool isComplete = std::ranges::all_of(tile->rays, &RelayedRay::isDone);
   int next = order_.nextOf(tile->index, rank_);
   if (isComplete && tile->goesTwice && !tile->isAgain) {
@@ -164,6 +182,14 @@ std::unique_ptr<RelayedTile> BrickFrame::tileOf(const std::vector<std::byte>& by
     if (tile->isAgain) tile->again.at(head.place) = reader.get<RelayedAgain>();
   }
   return tile;
+}
+
+RankWork BrickFrame::work() const {
+  const std::scoped_lock lock(mutex_);
+  RankWork work = work_;
+  work.frame = order_.frame;
+  work.block = block();
+  return work;
 }
 
 uint64_t BrickFrame::frameOf(const RankMessage& message) { return RankReader(message.bytes).get<uint64_t>(); }

@@ -22,6 +22,8 @@ enum BrickMessage {
   kTileMessage,      ///< to the next on its way: a tile (BrickFrame)
   kResultMessage,    ///< to the first: what rays of a tile have left
   kTroubleMessage,   ///< to the first: why a frame cannot be marched
+  kAliveMessage,     ///< to the first, now and then while a frame is under way: nothing is wrong
+  kWorkMessage,      ///< to the first: what a rank has done for a frame, when that has ended (RankWork)
   kEndMessage,       ///< from the first: the frame is done, or nobody wants it any more
   kQuitMessage,      ///< from the first: there will be no more
 };
@@ -36,6 +38,16 @@ struct TileResult {
   std::vector<glm::vec4> colors;   ///< likewise; where they are not
 
   static TileResult ofBytes(std::span<const std::byte> bytes);
+};
+
+/// What a rank has done for a frame.
+struct RankWork {
+  uint64_t frame = 0;
+  CellBlock block;             ///< that it marched
+  uint32_t tiles = 0;          ///< that came to it, each as often as it came
+  double marchMs = 0.0;        ///< of all its threads together
+  double waitMs = 0.0;         ///< likewise: for tiles
+  uint64_t sentBytes = 0;      ///< to other ranks
 };
 
 class BrickFrame final : public RayRelay {
@@ -62,6 +74,9 @@ class BrickFrame final : public RayRelay {
   void handOn(std::unique_ptr<RelayedTile> tile) override;
   void close() noexcept override;
 
+  /// So far.
+  RankWork work() const;
+
   /// Which frame a message of these kinds is of: the first of its bytes.
   static uint64_t frameOf(const RankMessage& message);
 
@@ -70,17 +85,19 @@ class BrickFrame final : public RayRelay {
   std::vector<std::byte> bytesOf(const RelayedTile& tile) const;
   std::vector<std::byte> resultOf(const RelayedTile& tile, bool isComplete) const;
   void put(Outgoing outgoing);
+  std::unique_ptr<RelayedTile> nextTile();
 
   const FrameOrder order_;
   const int rank_;
   const std::function<void()> onOutgoing_;
 
-  std::mutex mutex_;  // of everything below
+  mutable std::mutex mutex_;  // of everything below
   std::condition_variable changed_;
   std::deque<std::vector<std::byte>> arrived_;
   uint32_t nextOwn_ = 0;  // of tiles that come to this rank first, those before are taken
   bool isClosed_ = false;
   std::deque<Outgoing> outgoing_;
+  RankWork work_;
 };
 
 }  // namespace warpscope

@@ -23,6 +23,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::chrono::microseconds kPatience = 100ms;  // between looks at what was asked to stop
+constexpr std::chrono::seconds kBetweenSigns(1);         // of life
 
 std::vector<std::byte> bytesOf(const TransferFunction& function) { return RankWriter().putAll(function.points).take(); }
 TransferFunction functionOf(std::span<const std::byte> bytes) {
@@ -48,7 +49,10 @@ void sendOutgoing(BrickWork& work, const OnOwn& onOwn) {
 /// What marchers share. Its calls wait for each other.
 class BrickLeader {
  public:
-  explicit BrickLeader(VolumePtr volume) : work_(std::move(volume)) { work_.ranks().setTogether(false); }
+  BrickLeader(VolumePtr volume, std::chrono::milliseconds patience)
+      : work_(std::move(volume)), patience_(patience), heard_(static_cast<size_t>(work_.ranks().size())), done_(heard_.size()) {
+    work_.ranks().setTogether(false);
+  }
   ~BrickLeader() { tellAll(kQuitMessage, {}); }
 
   uint32_t addFunction(TransferFunction function) {
@@ -102,6 +106,7 @@ class BrickLeader {
 
     std::string trouble;
     const auto take = [&](RankMessage message) {
+      if (message.kind == kWorkMessage) return takeWork(message);
       if (message.kind < kTileMessage || message.kind > kTroubleMessage || BrickFrame::frameOf(message) != frame_) return;  // of one that was given up
       if (message.kind == kTileMessage) return work_.frame()->arrive(std::move(message.bytes));
       if (message.kind == kTroubleMessage) {
@@ -118,19 +123,32 @@ class BrickLeader {
     work_.begin(std::move(order));
     {
       const std::stop_callback onStop(stop, [this] { work_.ranks().wake(); });
+      std::ranges::fill(heard_, std::chrono::steady_clock::now());
       while (left > 0 && trouble.empty() && !stop.stop_requested()) {
         sendOutgoing(work_, take);
         if (left == 0) break;
-        if (std::optional<RankMessage> message = work_.ranks().receive(kPatience)) take(std::move(*message));
+        if (std::optional<RankMessage> message = work_.ranks().receive(kPatience)) {
+          heard_[static_cast<size_t>(message->from)] = std::chrono::steady_clock::now();
+          take(std::move(*message));
+        } else if (const int silent = silentRank(); silent > 0) {
+          trouble = "process " + std::to_string(silent) + " of " + std::to_string(work_.ranks().size()) + " does not answer";
+        }
       }
     }
-    work_.end();
+    if (const std::optional<RankWork> own = work_.end()) done_[0] = *own;
     tellAll(kEndMessage, RankWriter().put(frame_).take());
     if (stop.stop_requested()) throw OperationCancelled();
     if (!trouble.empty()) throw InputError(trouble);
   }
 
-  const VolumePtr& volume() const { return work_.volume(); }
+  std::vector<RankWork> lastWork() {
+    const std::scoped_lock lock(mutex_);
+    const auto end = std::chrono::steady_clock::now() + 1s;
+    const auto isOther = [&](const RankWork& work) { return work.frame != frame_; };
+    while (std::ranges::any_of(done_, isOther) && std::chrono::steady_clock::now() < end)
+      if (std::optional<RankMessage> message = work_.ranks().receive(kPatience); message && message->kind == kWorkMessage) takeWork(*message);
+    return done_;
+  }
 
  private:
   /// While all ranks do the same.
@@ -142,6 +160,15 @@ class BrickLeader {
 
     Ranks& ranks;
   };
+
+  /// One that has said nothing for too long; 0 if there is none.
+  int silentRank() const {
+    const auto now = std::chrono::steady_clock::now();
+    for (size_t other = 1; other < heard_.size(); ++other)
+      if (now - heard_[other] > patience_) return static_cast<int>(other);
+    return 0;
+  }
+  void takeWork(const RankMessage& message) { done_[static_cast<size_t>(message.from)] = RankReader(message.bytes).get<RankWork>(); }
 
   void tellAll(int kind, const std::vector<std::byte>& bytes) {
     for (int to = 1; to < work_.ranks().size(); ++to) work_.ranks().send(to, kind, bytes);
@@ -158,6 +185,9 @@ class BrickLeader {
 
   std::mutex mutex_;  // of everything below
   BrickWork work_;
+  const std::chrono::milliseconds patience_;
+  std::vector<std::chrono::steady_clock::time_point> heard_;  // of each rank, something: while a frame is marched
+  std::vector<RankWork> done_;                                // by each, for the last frame that it said it of
   std::vector<int> users_;  // of each function
   uint64_t frame_ = 0;
   std::shared_ptr<const BakedTransfer> treeOf_;  // whose cells that cuts
@@ -254,7 +284,9 @@ class RanksMarcher final : public Marcher {
 
 }  // namespace
 
-BrickLeaderPtr leadRanks(VolumePtr volume) { return std::make_shared<BrickLeader>(std::move(volume)); }
+BrickLeaderPtr leadRanks(VolumePtr volume, std::chrono::milliseconds patience) { return std::make_shared<BrickLeader>(std::move(volume), patience); }
+
+std::vector<RankWork> lastWork(const BrickLeaderPtr& leader) { return leader->lastWork(); }
 
 MarcherPtr makeRanksMarcher(BrickLeaderPtr leader, TransferFunction transferFunction) {
   return std::make_shared<RanksMarcher>(std::move(leader), std::move(transferFunction));
@@ -268,11 +300,19 @@ bool followRanks(const VolumePtr& volume, const std::stop_token& stop) {
     if (work.frame() != nullptr && frame == work.frame()->order().frame) return work.frame()->arrive(std::move(message.bytes));
     early.push_back(std::move(message));
   };
+  const auto endFrame = [&] {
+    if (const std::optional<RankWork> done = work.end()) work.ranks().send(0, kWorkMessage, RankWriter().put(*done).take());
+  };
   std::optional<std::chrono::steady_clock::time_point> end;
+  auto saidAlive = std::chrono::steady_clock::now();
   while (true) {
     if (stop.stop_requested() && !end) end = std::chrono::steady_clock::now() + 1s;
     if (end && std::chrono::steady_clock::now() >= *end) return false;
     sendOutgoing(work, deliver);
+    if (const auto now = std::chrono::steady_clock::now(); work.frame() != nullptr && now - saidAlive > kBetweenSigns) {
+      work.ranks().send(0, kAliveMessage, RankWriter().put(work.frame()->order().frame).take());
+      saidAlive = now;
+    }
     std::optional<RankMessage> message = work.ranks().receive(kPatience);
     if (!message) continue;
     switch (message->kind) {
@@ -285,7 +325,7 @@ bool followRanks(const VolumePtr& volume, const std::stop_token& stop) {
         break;
       }
       case kOrderMessage: {
-        work.end();
+        endFrame();
         work.begin(FrameOrder::ofBytes(message->bytes));
         std::deque<RankMessage> waiting = std::exchange(early, {});
         for (RankMessage& tile : waiting)
@@ -293,7 +333,7 @@ bool followRanks(const VolumePtr& volume, const std::stop_token& stop) {
         break;
       }
       case kTileMessage: deliver(std::move(*message)); break;
-      case kEndMessage: work.end(); break;
+      case kEndMessage: endFrame(); break;
       case kQuitMessage: return true;
       default: throw std::runtime_error("a message between processes is of an unknown kind");
     }

@@ -2,9 +2,12 @@
 // Rays go from brick to brick (ray_relay.h), so that a frame is the one that a single process makes.
 #pragma once
 
+#include <chrono>
 #include <memory>
+#include <vector>
 
 #include "render/base/ranks.h"
+#include "render/bricks/brick_frame.h"
 #include "render/march/marcher.h"
 
 namespace warpscope {
@@ -13,10 +16,17 @@ namespace warpscope {
 class BrickLeader;
 using BrickLeaderPtr = std::shared_ptr<BrickLeader>;
 
-/// For the first rank: others are in followRanks() with the same volume as long as this and what is made with it live. One for a volume.
-BrickLeaderPtr leadRanks(VolumePtr volume);
+/// A rank that says nothing for so long while a frame is marched is taken for one that never will.
+inline constexpr std::chrono::seconds kRankPatience(10);
 
-/// Calls of it and of all others of the same leader wait for each other. Marching throws UsageError for more ranks than the volume can be cut for.
+/// For the first rank: others are in followRanks() with the same volume as long as this and what is made with it live. One for a volume.
+BrickLeaderPtr leadRanks(VolumePtr volume, std::chrono::milliseconds patience = kRankPatience);
+
+/// What each rank has done for the last frame, by rank; what has not come within a second is of another frame.
+std::vector<RankWork> lastWork(const BrickLeaderPtr& leader);
+
+/// Calls of it and of all others of the same leader wait for each other. Marching throws UsageError for more ranks than the volume can be cut for, InputError where one of
+/// them cannot march or does not answer.
 MarcherPtr makeRanksMarcher(BrickLeaderPtr leader, TransferFunction transferFunction);
 
 /// For the others: does what the first one asks until its leader has gone. Throws std::runtime_error if what comes makes no sense.

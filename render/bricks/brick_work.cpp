@@ -16,6 +16,7 @@ uint32_t BrickWork::addFunction(TransferFunction function) {
   auto place = std::ranges::find_if(functions_, [](const Function& one) { return one.marched == nullptr; });
   if (place == functions_.end()) place = functions_.insert(place, Function{});
   *place = {marched, makePieceMarcher(marched)};
+  volume_->releasePages();  // of a share of the volume, which is not the block
   return static_cast<uint32_t>(place - functions_.begin());
 }
 
@@ -27,6 +28,8 @@ std::optional<uint32_t> BrickWork::find(const TransferFunction& function) const 
 
 void BrickWork::begin(FrameOrder order) {
   frame_ = std::make_unique<BrickFrame>(std::move(order), ranks().rank(), [ranks = volume_->ranks()] { ranks->wake(); });
+  if (frame_->block() != block_) volume_->releasePages();
+  block_ = frame_->block();
   marching_ = std::jthread([frame = frame_.get(), pieces = functions_.at(frame_->order().function).pieces](const std::stop_token& stop) {
     const FrameOrder& asked = frame->order();
     try {
@@ -38,12 +41,14 @@ void BrickWork::begin(FrameOrder order) {
   });
 }
 
-void BrickWork::end() {
-  if (!frame_) return;
+std::optional<RankWork> BrickWork::end() {
+  if (!frame_) return {};
   marching_.request_stop();
   frame_->close();
   marching_ = {};  // joins
+  const RankWork work = frame_->work();
   frame_.reset();
+  return work;
 }
 
 }  // namespace warpscope

@@ -34,8 +34,8 @@ class BrickWork {
   void begin(FrameOrder order);
   /// Null if none is under way.
   BrickFrame* frame() { return frame_.get(); }
-  /// Whatever is left of the frame is not marched.
-  void end();
+  /// Whatever is left of the frame is not marched. What has been done for it; nothing if none was under way.
+  std::optional<RankWork> end();
 
  private:
   struct Function {
@@ -45,6 +45,7 @@ class BrickWork {
 
   const VolumePtr volume_;
   std::vector<Function> functions_;
+  CellBlock block_;  // whose voxels are read
   std::unique_ptr<BrickFrame> frame_;
   std::jthread marching_;  // of it
 };

@@ -7,6 +7,7 @@
 // they come, would be others.)
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -71,6 +72,8 @@ struct RelayedTile {
   std::vector<uint32_t> finished;  ///< their places in `rays`
   DenseRays found;                 ///< of each of these, in their order; where samples are wanted
   std::vector<glm::vec4> colors;   ///< likewise; where they are not: linear, premultiplied
+
+  std::chrono::steady_clock::time_point taken;  ///< when
 
   RelayedRay& ray(uint32_t x, uint32_t y) { return rays[size_t{y - area.y} * area.width + (x - area.x)]; }
 };

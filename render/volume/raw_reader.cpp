@@ -79,7 +79,9 @@ VolumePtr openRawVolume(const std::filesystem::path& path, const std::optional<g
     throw InputError(source + ": cannot be read: " + error.code().message());
   }
   const void* voxels = region->get_address();
-  return std::make_shared<Volume>(path.filename().string(), name->type, geometry, std::move(region), voxels, stop, std::move(ranks));
+  // What is dropped of a mapping of a file is read again.
+  const auto release = [region] { const_cast<ipc::mapped_region&>(*region).advise(ipc::mapped_region::advice_dontneed); };
+  return std::make_shared<Volume>(path.filename().string(), name->type, geometry, region, voxels, stop, std::move(ranks), release);
 }
 
 }  // namespace warpscope

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "render/base/error.h"
 #include "render/base/ranks.h"
@@ -183,13 +184,36 @@ VoxelStatistics gatherStatistics(const Scanned<T>& scanned, const std::stop_toke
   return statistics;
 }
 
+/// What ranks have is the same as far as one can see without reading all of it: size, type, place, and voxels here and there.
+void requireSameEverywhere(const Volume& volume) {
+  const VolumeGeometry& geometry = volume.geometry();
+  std::vector<double> numbers{static_cast<double>(volume.type()), geometry.spacing.x, geometry.spacing.y, geometry.spacing.z};
+  for (int axis = 0; axis < 3; ++axis) numbers.push_back(geometry.dims[axis]);
+  volume.ranks()->requireSame(std::as_bytes(std::span<const double>(numbers)), volume.name() + ": size, type and spacing of voxels");
+  constexpr size_t kLooks = 64, kBytes = 512;
+  std::vector<std::byte> seen;
+  const auto* const bytes = static_cast<const std::byte*>(volume.voxels());
+  for (size_t look = 0; look < kLooks; ++look) {
+    const size_t at = volume.sizeBytes() / kLooks * look;
+    seen.insert(seen.end(), bytes + at, bytes + std::min(at + kBytes, volume.sizeBytes()));
+  }
+  volume.ranks()->requireSame(seen, volume.name() + ": voxels");
+}
+
 }  // namespace
 
 Volume::Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage,
-               const void* voxels, const std::stop_token& stop, RanksPtr ranks)
-    : name_(std::move(name)), type_(type), geometry_(geometry), storage_(std::move(storage)), voxels_(voxels), ranks_(std::move(ranks)) {
+               const void* voxels, const std::stop_token& stop, RanksPtr ranks, std::function<void()> releasePages)
+    : name_(std::move(name)),
+      type_(type),
+      geometry_(geometry),
+      storage_(std::move(storage)),
+      voxels_(voxels),
+      ranks_(std::move(ranks)),
+      releasePages_(std::move(releasePages)) {
   const size_t count = validate(geometry_, type_, name_);
   bounds_ = geometry_.bounds();
+  if (ranks_) requireSameEverywhere(*this);
   const auto [begin, end] = ranks_ ? ranks_->shareOf(count) : std::pair<size_t, size_t>{0, count};
   visitVoxelType(type_, [&]<class Voxel>(Voxel) { statistics_ = gatherStatistics(Scanned<Voxel>{voxelsAs<Voxel>() + begin, end - begin, ranks_.get()}, stop); });
 }

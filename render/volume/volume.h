@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <stop_token>
@@ -79,9 +80,10 @@ class Volume {
   /// `storage` keeps `voxels` alive (a mapped file, a vector). Scans all voxels once or twice, in parallel.
   /// `ranks`: processes that have the same volume and make this object, and whatever is made of all of its voxels, at the same time, each from a share of them; null:
   /// this one alone.
-  /// Throws InputError if the geometry makes no sense, OperationCancelled if `stop` is set.
-  Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage,
-         const void* voxels, const std::stop_token& stop = {}, RanksPtr ranks = nullptr);
+  /// `releasePages`: lets go of memory that has been read of a file, which is read again where it is needed; empty: there is none.
+  /// Throws InputError if the geometry makes no sense or ranks have different volumes, OperationCancelled if `stop` is set.
+  Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage, const void* voxels, const std::stop_token& stop = {},
+         RanksPtr ranks = nullptr, std::function<void()> releasePages = {});
 
   const std::string& name() const { return name_; }
   VoxelType type() const { return type_; }
@@ -94,6 +96,10 @@ class Volume {
 
   /// Null where this process has the volume for itself.
   const RanksPtr& ranks() const { return ranks_; }
+  /// No voxel is needed for now.
+  void releasePages() const {
+    if (releasePages_) releasePages_();
+  }
 
   const void* voxels() const { return voxels_; }
   template <class T>
@@ -109,6 +115,7 @@ class Volume {
   std::shared_ptr<const void> storage_;
   const void* voxels_;
   RanksPtr ranks_;
+  std::function<void()> releasePages_;
   VoxelStatistics statistics_;
 };
 
