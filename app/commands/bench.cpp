@@ -67,8 +67,8 @@ void say(const BenchOptions& options, Json report, const std::optional<JsonDocum
 }
 
 Json toJson(const FrameBenchmark& frame) {
-  const auto& [march, coding, service] = frame;
-  return {{"marchMs", march.march.medianMs},
+  const auto& [march, coding, service, ranks] = frame;
+  Json json{{"marchMs", march.march.medianMs},
           {"marchSpreadMs", march.march.spreadMs},
           {"compactMs", march.compact.medianMs},
           {"compactSpreadMs", march.compact.spreadMs},
@@ -83,6 +83,26 @@ Json toJson(const FrameBenchmark& frame) {
           {"cameraToBytesMs", service.medianMs},
           {"cameraToBytesSpreadMs", service.spreadMs},
           {"bytes", coding.bytes.ofFrame()}};
+  if (ranks.empty()) return json;
+  json["processes"] = Json::array();
+  for (const RankWork& work : ranks)
+    json["processes"].push_back({{"lower", {work.block.lower.x, work.block.lower.y, work.block.lower.z}},
+                                 {"upper", {work.block.upper.x, work.block.upper.y, work.block.upper.z}},
+                                 {"tiles", work.tiles},
+                                 {"marchMs", work.marchMs},
+                                 {"waitMs", work.waitMs},
+                                 {"sentBytes", work.sentBytes}});
+  return json;
+}
+
+/// What processes did for a frame, a line each.
+void printProcesses(const std::vector<RankWork>& ranks) {
+  for (size_t rank = 0; rank < ranks.size(); ++rank) {
+    const RankWork& work = ranks[rank];
+    const glm::ivec3 &lower = work.block.lower, &upper = work.block.upper;
+    std::fprintf(stderr, "    process %zu: cells %d,%d,%d to %d,%d,%d; %u tiles, threads' time: %.1f ms marching, %.1f waiting; %.2f MB sent\n", rank, lower.x, lower.y, lower.z, upper.x,
+                 upper.y, upper.z, work.tiles, work.marchMs, work.waitMs, static_cast<double>(work.sentBytes) * 1e-6);
+  }
 }
 
 Json toJson(const TechniqueBenchmark& technique, const Scene& scene) {
@@ -134,6 +154,7 @@ void printResult(const BackendBenchmark& result, const Scene& scene) {
   std::fprintf(stderr, "  encoding %.2f ms, camera to bytes %.2f ms, decoding %.2f ms; %.2f MB on the wire, %.2f MB as samples of 12 bytes\n",
                result.frame.coding.encode.medianMs, result.frame.service.medianMs, result.frame.coding.decode.medianMs, static_cast<double>(result.frame.coding.bytes.ofFrame()) * 1e-6,
                static_cast<double>(result.rawBytes) * 1e-6);
+  printProcesses(result.frame.ranks);
   std::fprintf(stderr, "  %-10s %9s %9s %9s %9s   pictures a second in each view\n", "", "upload ms", "build ms", "first ms", "of bytes");
   for (const TechniqueBenchmark& technique : result.techniques) {
     std::fprintf(stderr, "  %-10s %9.3f %9.3f %9.3f %9.3f  ", std::string(technique.technique->name).c_str(), technique.first.build.upload.medianMs,
@@ -145,6 +166,7 @@ void printResult(const BackendBenchmark& result, const Scene& scene) {
     std::fprintf(stderr, "    of its own frames: march %.3f ms, compaction %.3f ms, copy %.3f ms; encoding %.2f ms, camera to bytes %.2f ms, decoding %.2f ms; %.2f MB on the wire\n",
                  frame.march.march.medianMs, frame.march.compact.medianMs, frame.march.copy.medianMs, frame.coding.encode.medianMs, frame.service.medianMs,
                  frame.coding.decode.medianMs, static_cast<double>(frame.coding.bytes.ofFrame()) * 1e-6);
+    printProcesses(frame.ranks);
   }
   std::fprintf(stderr, "  %-10s %9s %9s %9s %9s  ", "", "", "", "", "");
   for (const View& view : scene.views) std::fprintf(stderr, " %7.0f%s", view.angleDeg - scene.views.front().angleDeg, "°");

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "app/frames/backend.h"
+#include "app/frames/process_ranks.h"
 #include "render/base/error.h"
 #include "render/metrics/psnr.h"
 #include "render/warp/spheres_warp.h"
@@ -106,6 +107,7 @@ std::vector<BackendBenchmark> runBenchmark(const Scene& scene, const BenchmarkSe
       FrameBenchmark frame{measureMarch(measuring, *resources.marcher, cameras.front(), march), {}, {}};
       frame.coding = measureCoding(measuring, codec, frame.march.frame, settings.coding);
       frame.service = measureService(measuring, *resources.marcher, codec, cameras.front(), march, settings.coding);
+      if (const BrickLeaderPtr leader = leaderOf(scene.volume)) frame.ranks = lastWork(leader);
       return frame;
     };
     result.frame = measureFrame(neededBy({}, settings.march));

@@ -11,6 +11,7 @@
 
 #include "app/experiment/measuring.h"
 #include "app/scene/scene.h"
+#include "render/bricks/brick_frame.h"
 #include "render/warp/warp.h"
 
 namespace warpscope {
@@ -25,6 +26,7 @@ struct FrameBenchmark {
   MeasuredMarch march;
   MeasuredCoding coding;  ///< of a frame in host memory
   Measured service;       ///< camera to bytes (measureService): less than the stages together where the frame stays on its device between them
+  std::vector<RankWork> ranks{};  ///< what each process did for the last of the frames, where several share the volume
 
   double serverMs() const { return march.march.medianMs + march.compact.medianMs + march.copy.medianMs + coding.encode.medianMs; }
 };

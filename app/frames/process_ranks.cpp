@@ -79,7 +79,8 @@ BrickLeaderPtr leaderOf(const VolumePtr& volume) {
 }
 
 void followFirst(const VolumePtr& volume, const std::stop_token& stop) {
-  if (!followRanks(volume, stop)) joined().ranks->abort(1);
+  // Whoever started this process ends the others, if that is not what it is doing already.
+  if (!followRanks(volume, stop)) std::_Exit(1);
 }
 
 void leaveProcesses() {

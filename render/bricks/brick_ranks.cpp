@@ -24,6 +24,7 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::microseconds kPatience = 100ms;  // between looks at what was asked to stop
 constexpr std::chrono::seconds kBetweenSigns(1);         // of life
+constexpr std::chrono::milliseconds kGrace(800);         // for the first rank to come to its end
 
 std::vector<std::byte> bytesOf(const TransferFunction& function) { return RankWriter().putAll(function.points).take(); }
 TransferFunction functionOf(std::span<const std::byte> bytes) {
@@ -306,7 +307,7 @@ bool followRanks(const VolumePtr& volume, const std::stop_token& stop) {
   std::optional<std::chrono::steady_clock::time_point> end;
   auto saidAlive = std::chrono::steady_clock::now();
   while (true) {
-    if (stop.stop_requested() && !end) end = std::chrono::steady_clock::now() + 1s;
+    if (stop.stop_requested() && !end) end = std::chrono::steady_clock::now() + kGrace;
     if (end && std::chrono::steady_clock::now() >= *end) return false;
     sendOutgoing(work, deliver);
     if (const auto now = std::chrono::steady_clock::now(); work.frame() != nullptr && now - saidAlive > kBetweenSigns) {

@@ -30,7 +30,7 @@ std::vector<RankWork> lastWork(const BrickLeaderPtr& leader);
 MarcherPtr makeRanksMarcher(BrickLeaderPtr leader, TransferFunction transferFunction);
 
 /// For the others: does what the first one asks until its leader has gone. Throws std::runtime_error if what comes makes no sense.
-/// Returns false where `stop` was set and the first one had not ended within a second.
+/// Returns false where `stop` was set and the first one had not ended soon after.
 bool followRanks(const VolumePtr& volume, const std::stop_token& stop = {});
 
 }  // namespace warpscope
