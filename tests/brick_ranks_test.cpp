@@ -258,6 +258,30 @@ TEST(SpreadVolume, RanksSayWhatTheyHaveDone) {
   }
 }
 
+TEST(SpreadVolume, IsCutAnewWhereOneRankHasMoreToDoAndFramesStayTheSame) {
+  // Opaque: rays end in what is near, and ranks behind it have nothing to do.
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, glm::uvec3(96), [](const glm::ivec3& p) { return 30.0 + (p.x * 7 + p.y * 5 + p.z * 3) % 50; });
+  const TransferFunction function = everywhere(0.4f);
+  std::vector<RanksPtr> ranks = makeLocalRanks(4);
+  std::vector<std::jthread> others;
+  for (int rank = 1; rank < 4; ++rank) others.emplace_back([whole, own = ranks[static_cast<size_t>(rank)]] { followRanks(sharedBy(whole, own)); });
+  const BrickLeaderPtr leader = leadRanks(sharedBy(whole, ranks[0]));
+  const MarcherPtr marcher = makeRanksMarcher(leader, function), alone = makeCpuMarcher(whole, function);
+  MarchSettings fine;
+  fine.render.step = 0.02f;
+  fine.sample.segments = 4;
+  const Camera camera = lookingFrom({20.0f, 15.0f, 190.0f}, {}, 160, 120);
+  const SampleFrame expected = alone->march(camera, fine);
+  std::vector<CellBlock> first;
+  for (int frame = 0; frame < 6; ++frame) {
+    ASSERT_TRUE(sameFrame(marcher->march(camera, fine), expected)) << frame;
+    std::vector<CellBlock> blocks;
+    for (const RankWork& work : lastWork(leader)) blocks.push_back(work.block);
+    if (frame == 0) first = blocks;
+    if (frame == 5) EXPECT_NE(blocks, first);
+  }
+}
+
 TEST(SpreadVolume, ARankThatDoesNotAnswerIsNotWaitedForForEver) {
   const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
   std::vector<RanksPtr> ranks = makeLocalRanks(2);
@@ -313,12 +337,11 @@ TEST(BrickTree, BlocksAreTheVolumeAndWeighAlike) {
   const glm::uvec3 dims(130, 65, 90);
   const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, blobs(dims, 8));
   const MarchedVolume marched(volume, band(30, 90, 0.2f));
-  const std::vector<uint8_t> visible = marched.bakedFor({})->emptyDistances;
+  const std::vector<float> weights = weightsOfVisible(marched.bakedFor({})->emptyDistances);
   const glm::ivec3 cells = marched.macrocells.dims();
   for (const int count : {1, 2, 3, 7, 16, 61}) {
-    const BrickTree tree(marched.macrocells, visible, dims, count);
+    const BrickTree tree(marched.macrocells, weights, dims, count);
     ASSERT_EQ(tree.blocks().size(), static_cast<size_t>(count));
-    std::vector<int> owners(static_cast<size_t>((cells.x * 4) * (cells.y * 4) * (cells.z * 4)));
     size_t covered = 0;
     double heaviest = 0.0, all = 0.0;
     for (const CellBlock& block : tree.blocks()) {
@@ -327,7 +350,7 @@ TEST(BrickTree, BlocksAreTheVolumeAndWeighAlike) {
       for (int z = block.lower.z; z < block.upper.z; z += 4)
         for (int y = block.lower.y; y < block.upper.y; y += 4)
           for (int x = block.lower.x; x < block.upper.x; x += 4)
-            weight += visible[static_cast<size_t>(((z / 4) * cells.y + y / 4) * cells.x + x / 4)] == 0 ? BrickTree::kVisibleWeight : 1;
+            weight += static_cast<double>(weights[static_cast<size_t>(((z / 4) * cells.y + y / 4) * cells.x + x / 4)]);
       heaviest = std::max(heaviest, weight);
       all += weight;
     }
@@ -336,11 +359,41 @@ TEST(BrickTree, BlocksAreTheVolumeAndWeighAlike) {
   }
 }
 
+TEST(BrickTree, CutAnewByWhatBlocksCostTheyCostAlike) {
+  const glm::uvec3 dims(100, 90, 110);
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, blobs(dims, 8));
+  const MarchedVolume marched(volume, everywhere(0.1f));
+  // Nearly all there is to do is near one corner, as where rays end in what they come to first.
+  const auto costOf = [](const CellBlock& block) {
+    double cost = 0.0;
+    for (int z = block.lower.z; z < block.upper.z; ++z)
+      for (int y = block.lower.y; y < block.upper.y; ++y)
+        for (int x = block.lower.x; x < block.upper.x; ++x) cost += std::exp(-0.08 * (x + y + z));
+    return cost;
+  };
+  std::vector<float> weights = weightsOfVisible(marched.bakedFor({})->emptyDistances);
+  std::vector<double> unevenness;
+  for (int round = 0; round < 8; ++round) {
+    const BrickTree tree(marched.macrocells, weights, dims, 8);
+    std::vector<double> costs;
+    double all = 0.0, most = 0.0;
+    for (const CellBlock& block : tree.blocks()) {
+      costs.push_back(costOf(block));
+      all += costs.back();
+      most = std::max(most, costs.back());
+    }
+    unevenness.push_back(most * 8.0 / all);
+    weighByCost(weights, marched.macrocells, tree.blocks(), costs);
+  }
+  EXPECT_GT(unevenness.front(), 5.0);
+  EXPECT_LT(unevenness.back(), 1.6);
+}
+
 TEST(BrickTree, RaysComeToBlocksInTheirOrder) {
   const glm::uvec3 dims(64);
   const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, blobs(dims, 8));
   const MarchedVolume marched(volume, everywhere(0.1f));
-  const BrickTree tree(marched.macrocells, marched.bakedFor({})->emptyDistances, dims, 13);
+  const BrickTree tree(marched.macrocells, weightsOfVisible(marched.bakedFor({})->emptyDistances), dims, 13);
   std::mt19937 random(1);
   std::uniform_real_distribution<float> place(-30.0f, 94.0f);
   for (int i = 0; i < 2000; ++i) {

@@ -24,6 +24,10 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::microseconds kPatience = 100ms;  // between looks at what was asked to stop
 constexpr std::chrono::seconds kBetweenSigns(1);         // of life
+// When a volume is cut anew, because a rank has more to do than others: for the first frames at once, later not so often that ranks would read their bricks again and again.
+constexpr double kMostUneven = 1.25, kLeastMs = 5.0;
+constexpr int kQuickRecuts = 6;
+constexpr std::chrono::seconds kBetweenRecuts(2);
 constexpr std::chrono::milliseconds kGrace(800);         // for the first rank to come to its end
 
 std::vector<std::byte> bytesOf(const TransferFunction& function) { return RankWriter().putAll(function.points).take(); }
@@ -95,6 +99,8 @@ class BrickLeader {
     const Volume& volume = *work_.volume();
     const MarchedVolume& marched = *work_.function(order.function);
     order.frame = ++frame_;
+    while (std::optional<RankMessage> message = work_.ranks().receive(0us))  // what came behind the last frame
+      if (message->kind == kWorkMessage) takeWork(*message);
     const BrickTree& tree = treeFor(marched, order.render);
     order.blocks = tree.blocks();
     const glm::vec3 edges = volume.geometry().voxelEdges();
@@ -177,11 +183,34 @@ class BrickLeader {
 
   const BrickTree& treeFor(const MarchedVolume& marched, const RenderSettings& settings) {
     const std::shared_ptr<const BakedTransfer> baked = marched.bakedFor(settings);
+    const auto now = std::chrono::steady_clock::now();
     if (baked != treeOf_ || !tree_) {
-      tree_.emplace(marched.macrocells, baked->emptyDistances, marched.volume->dims(), work_.ranks().size());
+      weights_ = weightsOfVisible(baked->emptyDistances);
+      recuts_ = 0;
       treeOf_ = baked;
+    } else if (isUneven() && (recuts_ < kQuickRecuts || now - cutAt_ > kBetweenRecuts)) {
+      std::vector<double> costs;
+      for (const RankWork& work : done_) costs.push_back(work.marchMs);
+      weighByCost(weights_, marched.macrocells, tree_->blocks(), costs);
+      ++recuts_;
+    } else {
+      return *tree_;
     }
+    tree_.emplace(marched.macrocells, weights_, marched.volume->dims(), work_.ranks().size());
+    cutAt_ = now;
     return *tree_;
+  }
+
+  /// Whether one rank had much more to do for the last frame than the others, all of which were of this tree.
+  bool isUneven() const {
+    double most = 0.0, all = 0.0;
+    for (size_t rank = 0; rank < done_.size(); ++rank) {
+      const RankWork& work = done_[rank];
+      if (work.frame + 1 != frame_ || work.block != tree_->blocks()[rank]) return false;
+      most = std::max(most, work.marchMs);
+      all += work.marchMs;
+    }
+    return most > kLeastMs && most * static_cast<double>(done_.size()) > kMostUneven * all;
   }
 
   std::mutex mutex_;  // of everything below
@@ -192,6 +221,9 @@ class BrickLeader {
   std::vector<int> users_;  // of each function
   uint64_t frame_ = 0;
   std::shared_ptr<const BakedTransfer> treeOf_;  // whose cells that cuts
+  std::vector<float> weights_;                   // of these, as far as frames have told
+  int recuts_ = 0;
+  std::chrono::steady_clock::time_point cutAt_;
   std::optional<BrickTree> tree_;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <string>
 
 #include "render/base/error.h"
@@ -31,7 +32,37 @@ int longestAxis(const glm::ivec3& extent) {
 
 }  // namespace
 
-BrickTree::BrickTree(const Macrocells& macrocells, std::span<const uint8_t> visible, const glm::uvec3& voxels, int count) {
+std::vector<float> weightsOfVisible(std::span<const uint8_t> distances) {
+  constexpr float kVisible = 64.0f, kHidden = 1.0f;
+  std::vector<float> weights(distances.size());
+  std::ranges::transform(distances, weights.begin(), [](uint8_t distance) { return distance == 0 ? kVisible : kHidden; });
+  return weights;
+}
+
+void weighByCost(std::vector<float>& weights, const Macrocells& cells, std::span<const CellBlock> blocks, std::span<const double> costs) {
+  // A block's last macrocells may be cut short by the volume's end.
+  const auto forEachCell = [&](const CellBlock& block, const auto& visit) {
+    const glm::ivec3 lower = block.lower / cells.edge(), upper = (block.upper + cells.edge() - 1) / cells.edge(), dims = cells.dims();
+    for (int z = lower.z; z < upper.z; ++z)
+      for (int y = lower.y; y < upper.y; ++y)
+        for (int x = lower.x; x < upper.x; ++x)
+          visit(weights[(static_cast<size_t>(z) * static_cast<size_t>(dims.y) + static_cast<size_t>(y)) * static_cast<size_t>(dims.x) + static_cast<size_t>(x)]);
+  };
+  std::vector<double> ofBlocks(blocks.size());
+  double weightOfAll = 0.0, costOfAll = 0.0;
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    forEachCell(blocks[i], [&](float weight) { ofBlocks[i] += static_cast<double>(weight); });
+    weightOfAll += ofBlocks[i];
+    costOfAll += costs[i];
+  }
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    if (!(ofBlocks[i] > 0.0)) continue;  // it is empty: the volume ends where it would begin
+    const double scale = std::clamp(costs[i] / costOfAll * (weightOfAll / ofBlocks[i]), 1.0 / kMostScaled, kMostScaled);
+    forEachCell(blocks[i], [&](float& weight) { weight = std::max(static_cast<float>(static_cast<double>(weight) * scale), 1e-12f); });
+  }
+}
+
+BrickTree::BrickTree(const Macrocells& macrocells, std::span<const float> weights, const glm::uvec3& voxels, int count) {
   const glm::ivec3 dims = macrocells.dims();
   if (int64_t most = countOf({glm::ivec3(0), dims}); count > most)
     throw UsageError("the volume is too small for " + std::to_string(count) + " processes: there is work for " + std::to_string(most) + " at most");
@@ -39,15 +70,15 @@ BrickTree::BrickTree(const Macrocells& macrocells, std::span<const uint8_t> visi
   /// The macrocells' voxels; the volume's ends where they are.
   const auto blockOf = [&](const Cells& piece) { return CellBlock{piece.lower * macrocells.edge(), glm::min(piece.upper * macrocells.edge(), cells)}; };
   const auto weightOfSlices = [&](const Cells& piece, int axis) {
-    std::vector<uint64_t> weights(static_cast<size_t>(piece.extent()[axis]));
+    std::vector<double> ofSlices(static_cast<size_t>(piece.extent()[axis]));
     for (int z = piece.lower.z; z < piece.upper.z; ++z)
       for (int y = piece.lower.y; y < piece.upper.y; ++y)
         for (int x = piece.lower.x; x < piece.upper.x; ++x) {
           const size_t cell = (static_cast<size_t>(z) * static_cast<size_t>(dims.y) + static_cast<size_t>(y)) * static_cast<size_t>(dims.x) + static_cast<size_t>(x);
           const int slice = glm::ivec3(x, y, z)[axis] - piece.lower[axis];
-          weights[static_cast<size_t>(slice)] += visible[cell] == 0 ? kVisibleWeight : 1;
+          ofSlices[static_cast<size_t>(slice)] += static_cast<double>(weights[cell]);
         }
-    return weights;
+    return ofSlices;
   };
   const std::function<int(const Cells&, int)> cut = [&](const Cells& piece, int blocks) -> int {
     if (blocks == 1) {
@@ -56,17 +87,15 @@ BrickTree::BrickTree(const Macrocells& macrocells, std::span<const uint8_t> visi
       return static_cast<int>(nodes_.size()) - 1;
     }
     const int ofLower = blocks / 2, axis = longestAxis(piece.extent());
-    const std::vector<uint64_t> weights = weightOfSlices(piece, axis);
-    uint64_t all = 0;
-    for (const uint64_t weight : weights) all += weight;
-    const double wanted = static_cast<double>(all) * ofLower / blocks;
+    const std::vector<double> ofSlices = weightOfSlices(piece, axis);
+    const double wanted = std::accumulate(ofSlices.begin(), ofSlices.end(), 0.0) * ofLower / blocks;
     // Both sides have room for their blocks.
     const int64_t ofSlice = countOf(piece) / piece.extent()[axis];
     const auto slicesFor = [&](int n) { return static_cast<int>((n + ofSlice - 1) / ofSlice); };
     const int least = slicesFor(ofLower), most = piece.extent()[axis] - slicesFor(blocks - ofLower);
     int slices = 0;
     for (double below = 0.0; slices < most; ++slices) {
-      const auto next = static_cast<double>(weights[static_cast<size_t>(slices)]);
+      const double next = ofSlices[static_cast<size_t>(slices)];
       if (slices >= least && below + 0.5 * next >= wanted) break;
       below += next;
     }

@@ -10,19 +10,25 @@
 
 namespace warpscope {
 
+/// What macrocells weigh before anything is known but what is visible: `distances` are Macrocells::emptyDistances(), 0 where something is to be seen. Others, which a ray
+/// leaps over, weigh hardly anything.
+std::vector<float> weightsOfVisible(std::span<const uint8_t> distances);
+
+/// Makes weights those that would have told what blocks cost: each is scaled by its block's cost for its weight, at most by kMostScaled. What is hidden behind
+/// something else, and where rays end, is known by that alone. `costs`: by block, in any unit; not all 0.
+void weighByCost(std::vector<float>& weights, const Macrocells& cells, std::span<const CellBlock> blocks, std::span<const double> costs);
+inline constexpr double kMostScaled = 16.0;
+
 class BrickTree {
  public:
-  /// Cuts the cells between the voxels of a volume into `count` blocks along borders of macrocells. `visible`: for each macrocell 0 where something is to be seen
-  /// (Macrocells::emptyDistances); those weigh kVisibleWeight times as much as others, which a ray leaps over. Planes are across the axis along which a block is
-  /// longest; of equally long ones across the one that is slowest in memory.
+  /// Cuts the cells between the voxels of a volume into `count` blocks along borders of macrocells, so that blocks weigh alike. `weights`: of each macrocell, positive.
+  /// Planes are across the axis along which a block is longest; of equally long ones across the one that is slowest in memory.
   /// Throws UsageError, which says how many would do, for more blocks than there are macrocells to cut between.
-  BrickTree(const Macrocells& cells, std::span<const uint8_t> visible, const glm::uvec3& voxels, int count);
+  BrickTree(const Macrocells& cells, std::span<const float> weights, const glm::uvec3& voxels, int count);
 
   const std::vector<CellBlock>& blocks() const { return blocks_; }
   /// Every block once: no ray from `eye`, which is in voxel coordinates, comes to one after another that it has come to behind it.
   std::vector<int> nearToFar(const glm::vec3& eye) const;
-
-  static constexpr uint64_t kVisibleWeight = 64;
 
  private:
   struct Node {

@@ -7,6 +7,17 @@
 #include "render/base/error.h"
 
 namespace warpscope {
+namespace {
+
+int64_t cellsOf(const CellBlock& block) {
+  const glm::ivec3 extent = glm::max(block.upper - block.lower, 0);
+  return int64_t{extent.x} * extent.y * extent.z;
+}
+
+/// Half of what the first one has.
+bool overlapsByHalf(const CellBlock& a, const CellBlock& b) { return 2 * cellsOf({glm::max(a.lower, b.lower), glm::min(a.upper, b.upper)}) >= cellsOf(a); }
+
+}  // namespace
 
 uint32_t BrickWork::addFunction(TransferFunction function) {
   const auto known = std::ranges::find_if(functions_, [](const Function& one) { return one.marched != nullptr; });
@@ -28,7 +39,7 @@ std::optional<uint32_t> BrickWork::find(const TransferFunction& function) const 
 
 void BrickWork::begin(FrameOrder order) {
   frame_ = std::make_unique<BrickFrame>(std::move(order), ranks().rank(), [ranks = volume_->ranks()] { ranks->wake(); });
-  if (frame_->block() != block_) volume_->releasePages();
+  if (!overlapsByHalf(frame_->block(), block_)) volume_->releasePages();
   block_ = frame_->block();
   marching_ = std::jthread([frame = frame_.get(), pieces = functions_.at(frame_->order().function).pieces](const std::stop_token& stop) {
     const FrameOrder& asked = frame->order();
