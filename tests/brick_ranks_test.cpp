@@ -278,7 +278,9 @@ TEST(SpreadVolume, IsCutAnewWhereOneRankHasMoreToDoAndFramesStayTheSame) {
     std::vector<CellBlock> blocks;
     for (const RankWork& work : lastWork(leader)) blocks.push_back(work.block);
     if (frame == 0) first = blocks;
-    if (frame == 5) EXPECT_NE(blocks, first);
+    if (frame == 5) {
+      EXPECT_NE(blocks, first);
+    }
   }
 }
 
@@ -324,13 +326,74 @@ TEST(SpreadVolume, WhatCannotBeMarchedInPiecesIsRefused) {
 
 TEST(SpreadVolume, MoreRanksThanThereIsWorkForAreRefusedWithTheNumberThatIs) {
   const VolumePtr whole = makeTestVolume(VoxelType::uint8, glm::uvec3(8, 4, 3), [](const glm::ivec3& p) { return 20.0 * p.x; });
-  const Spread spread(whole, everywhere(0.1f), 3);
+  std::vector<RanksPtr> ranks = makeLocalRanks(3);
+  std::vector<std::jthread> others;
+  for (int rank = 1; rank < 3; ++rank) others.emplace_back([whole, own = ranks[static_cast<size_t>(rank)]] { followRanks(sharedBy(whole, own)); });
+  const BrickLeaderPtr leader = leadRanks(sharedBy(whole, ranks[0]));
   try {
-    spread->march(cameras().front(), {});
+    makeRanksMarcher(leader, everywhere(0.1f));
     FAIL();
   } catch (const UsageError& error) {
     EXPECT_NE(std::string(error.what()).find("2 at most"), std::string::npos) << error.what();
   }
+}
+
+TEST(SpreadVolume, AProxyThatIsStoppedLeavesRanksThatWork) {
+  const glm::uvec3 dims(150);
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, dims, blobs(dims, 5));
+  const TransferFunction function = band(15, 80, 0.2f);
+  const Spread spread(whole, function, 3);
+  const MarcherPtr alone = makeCpuMarcher(whole, function);
+  const Camera camera = lookingFrom({270.0f, 90.0f, 145.0f}, {}, 40, 30);
+  for (int i = 0; i < 12; ++i) {
+    MarchSettings settings;
+    settings.sample.proxy = 20 + 4 * i;
+    std::stop_source source;
+    const std::jthread stopper([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(i));
+      source.request_stop();
+    });
+    try {
+      spread->march(camera, settings, source.get_token());
+    } catch (const OperationCancelled&) {
+    }
+  }
+  MarchSettings settings;
+  settings.sample.proxy = 30;
+  const SampleFrame expected = alone->march(camera, settings), frame = spread->march(camera, settings);
+  EXPECT_TRUE(sameFrame(frame, expected));
+  EXPECT_EQ(std::memcmp(frame.proxy->volume->voxels(), expected.proxy->volume->voxels(), expected.proxy->volume->sizeBytes()), 0);
+}
+
+TEST(SpreadVolume, AMarchThatTakesLongerThanItMayEnds) {
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
+  const Spread spread(whole, everywhere(0.001f), 3);
+  TurnSettings turns;
+  turns.limit = std::chrono::milliseconds(100);
+  const MarcherPtr limited = spread->twin(std::make_shared<Turns>(turns));
+  MarchSettings fine;
+  fine.render.step = 1e-3f;
+  EXPECT_THROW(limited->march(lookingFrom({80.0f, 30.0f, 45.0f}, {}, 512, 512), fine), WorkLimitExceeded);
+  EXPECT_NO_THROW(limited->march(cameras().front(), {}));
+}
+
+TEST(SpreadVolume, ManyMarchersOfItAreUsedSideBySide) {
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
+  const TransferFunction function = band(15, 80, 0.2f);
+  const Spread spread(whole, function, 3);
+  const MarcherPtr alone = makeCpuMarcher(whole, function);
+  const SampleFrame expected = alone->march(cameras().front(), {});
+  std::vector<std::jthread> users;
+  for (int user = 0; user < 4; ++user)
+    users.emplace_back([&, user] {
+      for (int i = 0; i < 6; ++i) {
+        const MarcherPtr own = i % 2 == 0 ? spread->twin() : spread->withTransferFunction(band(10.0 + user, 60.0 + i, 0.3f));
+        const SampleFrame frame = own->march(cameras().front(), {});
+        if (i % 2 == 0) {
+          EXPECT_TRUE(sameFrame(frame, expected));
+        }
+      }
+    });
 }
 
 TEST(BrickTree, BlocksAreTheVolumeAndWeighAlike) {
@@ -357,6 +420,24 @@ TEST(BrickTree, BlocksAreTheVolumeAndWeighAlike) {
     EXPECT_EQ(covered, size_t{129} * 64 * 89);
     EXPECT_LT(heaviest, 1.7 * all / count + 64.0 * 64.0) << count;
   }
+}
+
+TEST(BrickTree, EveryBlockOfSmallVolumesHasCellsWhateverTheirNumber) {
+  std::mt19937 random(3);
+  for (uint32_t x = 2; x <= 17; x += 5)
+    for (uint32_t y = 2; y <= 17; y += 5)
+      for (uint32_t z = 2; z <= 17; z += 5) {
+        const VolumePtr volume = makeTestVolume(VoxelType::uint8, glm::uvec3(x, y, z), [](const glm::ivec3& p) { return 20.0 + p.x; });
+        const MarchedVolume marched(volume, everywhere(0.1f));
+        const auto most = static_cast<int>(marched.macrocells.count());
+        std::vector<float> weights(marched.macrocells.count());
+        for (float& weight : weights) weight = static_cast<float>(random() % 1000 + 1);
+        for (int count = 1; count <= most; ++count) {
+          const BrickTree tree(marched.macrocells, weights, volume->dims(), count);
+          ASSERT_EQ(tree.blocks().size(), static_cast<size_t>(count));
+        }
+        EXPECT_THROW(BrickTree(marched.macrocells, weights, volume->dims(), most + 1), UsageError);
+      }
 }
 
 TEST(BrickTree, CutAnewByWhatBlocksCostTheyCostAlike) {

@@ -215,6 +215,7 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
   CommandContext work{check(options), {}, {}, {}, {}, transportOf(transportOptions)};
   const std::optional<net::Address> server = serverOf(transportOptions);
   requireServerFor(transportOptions);
+  if (server && processRanks()) throw UsageError("--connect is for one process; start it without mpirun");
   if (server) requireNoSceneOf(options);
   Progress progress("opening", 1, !options.showsProgress());
   progress.step(server ? net::toStringWithoutToken(*server) : work.sceneSpec);

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "render/base/error.h"
+#include "render/march/ray_relay.h"
 
 namespace warpscope {
 namespace {
@@ -26,15 +27,16 @@ Joined& joined() {
   return processes;
 }
 
-bool areSeveral() {
+/// How many processes were started, as far as this one is told; 1 if it is not.
+int startedCount() {
   for (const char* const name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}) {
     const char* const value = std::getenv(name);
     if (value == nullptr) continue;
     int count = 0;
     const std::string_view text(value);
-    if (std::from_chars(text.data(), text.data() + text.size(), count).ec == std::errc{}) return count > 1;
+    if (std::from_chars(text.data(), text.data() + text.size(), count).ec == std::errc{}) return count;
   }
-  return false;
+  return 1;
 }
 
 /// Beside the program, or where packages keep a program's own libraries.
@@ -49,10 +51,11 @@ std::string libraryPath() {
 }  // namespace
 
 RanksPtr joinProcesses() {
-  if (!areSeveral()) return nullptr;
+  const int count = startedCount();
+  if (count < 2) return nullptr;
   const std::string path = libraryPath();
   if (path.empty())
-    throw InputError("started as one of several processes, but this build has no MPI; with Debian's libopenmpi-dev installed, configure it anew");
+    throw InputError("started as one of several processes, but its library for MPI (warpscope_mpi.so) is not beside the program: build it where Debian's libopenmpi-dev is installed");
   void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL);
   if (library == nullptr) throw InputError("MPI cannot be used: " + std::string(dlerror()));
   const auto make = reinterpret_cast<Ranks* (*)(std::string*)>(dlsym(library, "warpscopeMpiRanks"));
@@ -60,8 +63,14 @@ RanksPtr joinProcesses() {
   std::string reason;
   joined().ranks.reset(make(&reason));
   if (!joined().ranks) throw InputError(reason);
-  const std::string_view version(WARPSCOPE_VERSION);
-  joined().ranks->requireSame(std::as_bytes(std::span(version)), "version of warpscope");
+  if (const int known = joined().ranks->size(); known != count)
+    throw InputError("the launcher started " + std::to_string(count) + " processes, but MPI knows of " + std::to_string(known) +
+                     ": they are of different kinds; with Slurm, try srun --mpi=pmix");
+  // What goes between them is as it is in memory.
+  std::string version(WARPSCOPE_VERSION);
+  for (const size_t size : {sizeof(Camera), sizeof(RenderSettings), sizeof(SampleSettings), sizeof(RelayedState), sizeof(SegmentMerger), sizeof(RelayedAgain)})
+    version += " " + std::to_string(size);
+  joined().ranks->requireSame(std::as_bytes(std::span<const char>(version)), "version of warpscope");
   return joined().ranks;
 }
 

@@ -21,6 +21,7 @@ struct RayHead {
 struct TileHead {
   uint64_t frame = 0;
   uint32_t tile = 0;
+  uint32_t results = 0;
   bool hasSegments = false, isAgain = false;
 };
 
@@ -31,7 +32,7 @@ TileResult TileResult::ofBytes(std::span<const std::byte> bytes) {
   TileResult result;
   result.frame = reader.get<uint64_t>();
   result.tile = reader.get<uint32_t>();
-  result.isComplete = reader.get<bool>();
+  result.results = reader.get<uint32_t>();
   reader.getAll(result.finished);
   reader.getAll(result.colors);
   DenseRays& found = result.found;
@@ -128,13 +129,16 @@ void BrickFrame::handOn(std::unique_ptr<RelayedTile> tile) {
     isComplete = !tile->beginAgain();
     next = order_.nextOf(tile->index, -1);
   }
-  if (isComplete || !tile->finished.empty()) put({0, kResultMessage, resultOf(*tile, isComplete)});
+  if (isComplete || !tile->finished.empty()) {
+    ++tile->results;
+    put({0, kResultMessage, resultOf(*tile, isComplete)});
+  }
   if (!isComplete && next >= 0) put({next, kTileMessage, bytesOf(*tile)});  // else the march has been stopped
 }
 
 std::vector<std::byte> BrickFrame::resultOf(const RelayedTile& tile, bool isComplete) const {
   RankWriter writer;
-  writer.put(order_.frame).put(tile.index).put(isComplete).putAll(tile.finished).putAll(tile.colors);
+  writer.put(order_.frame).put(tile.index).put(isComplete ? tile.results : 0u).putAll(tile.finished).putAll(tile.colors);
   const DenseRays& found = tile.found;
   writer.put(found.slots).putAll(found.samples).putAll(found.colors).putAll(found.spreads);
   return writer.put(found.segments.slots).putAll(found.segments.rays).putAll(found.segments.depths).putAll(found.segments.colors).putAll(found.segments.normals).take();
@@ -142,7 +146,7 @@ std::vector<std::byte> BrickFrame::resultOf(const RelayedTile& tile, bool isComp
 
 std::vector<std::byte> BrickFrame::bytesOf(const RelayedTile& tile) const {
   RankWriter writer;
-  writer.put(TileHead{order_.frame, tile.index, !tile.segments.empty(), tile.isAgain});
+  writer.put(TileHead{order_.frame, tile.index, tile.results, !tile.segments.empty(), tile.isAgain});
   std::vector<uint8_t> done((tile.rays.size() + 7) / 8);
   for (size_t place = 0; place < tile.rays.size(); ++place)
     if (tile.rays[place].isDone) done[place / 8] |= static_cast<uint8_t>(1u << (place % 8));
@@ -163,6 +167,7 @@ std::unique_ptr<RelayedTile> BrickFrame::tileOf(const std::vector<std::byte>& by
   const auto tileHead = reader.get<TileHead>();
   auto tile = std::make_unique<RelayedTile>();
   tile->index = tileHead.tile;
+  tile->results = tileHead.results;
   tile->isAgain = tileHead.isAgain;
   tile->area = order_.areaOf(tile->index);
   tile->isLast = order_.nextOf(tile->index, rank_) < 0;

@@ -32,7 +32,7 @@ enum BrickMessage {
 struct TileResult {
   uint64_t frame = 0;
   uint32_t tile = 0;
-  bool isComplete = false;         ///< nothing of the tile is to come
+  uint32_t results = 0;            ///< of the tile in all, if this is the last that is sent: others may arrive behind it; else 0
   std::vector<uint32_t> finished;  ///< pixels of the tile, by their places in it
   DenseRays found;                 ///< of each of these; where samples are wanted
   std::vector<glm::vec4> colors;   ///< likewise; where they are not

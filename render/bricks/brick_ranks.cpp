@@ -28,6 +28,7 @@ constexpr std::chrono::seconds kBetweenSigns(1);         // of life
 constexpr double kMostUneven = 1.25, kLeastMs = 5.0;
 constexpr int kQuickRecuts = 6;
 constexpr std::chrono::seconds kBetweenRecuts(2);
+constexpr std::chrono::milliseconds kBetweenLooks(20);  // of who waits for others' frames
 constexpr std::chrono::milliseconds kGrace(800);         // for the first rank to come to its end
 
 std::vector<std::byte> bytesOf(const TransferFunction& function) { return RankWriter().putAll(function.points).take(); }
@@ -58,44 +59,60 @@ class BrickLeader {
       : work_(std::move(volume)), patience_(patience), heard_(static_cast<size_t>(work_.ranks().size())), done_(heard_.size()) {
     work_.ranks().setTogether(false);
   }
-  ~BrickLeader() { tellAll(kQuitMessage, {}); }
+  ~BrickLeader() {
+    withoutFailing([&] { tellAll(kQuitMessage, {}); });
+  }
 
   uint32_t addFunction(TransferFunction function) {
-    const std::scoped_lock lock(mutex_);
-    uint32_t index;
+    const std::unique_lock lock(mutex_);
+    forgetUnused();
+    uint32_t index = 0;
     if (const std::optional<uint32_t> known = work_.find(function)) {
       index = *known;
     } else {
-      const Together together(work_.ranks());
-      tellAll(kFunctionMessage, bytesOf(function));
-      index = work_.addFunction(std::move(function));
+      together([&] {
+        tellAll(kFunctionMessage, bytesOf(function));
+        index = work_.addFunction(std::move(function));
+      });
     }
+    requireRoom(work_.function(index)->macrocells, work_.ranks().size());
+    const std::scoped_lock usersLock(usersMutex_);
     users_.resize(std::max<size_t>(users_.size(), index + 1));
     ++users_[index];
     return index;
   }
-  /// One of those who added it does not need it any more.
-  void forgetFunction(uint32_t index) {
-    const std::scoped_lock lock(mutex_);
-    if (--users_.at(index) > 0) return;
-    tellAll(kForgetMessage, RankWriter().put(index).take());
-    work_.forgetFunction(index);
+  /// Another one needs what somebody has added. Waits for nobody, as forgetFunction() does not.
+  void keepFunction(uint32_t index) {
+    const std::scoped_lock usersLock(usersMutex_);
+    ++users_.at(index);
+  }
+  /// One of those who need it does not any more.
+  void forgetFunction(uint32_t index) noexcept {
+    const std::scoped_lock usersLock(usersMutex_);
+    --users_[index];
   }
   MarchedVolumePtr function(uint32_t index) {
-    const std::scoped_lock lock(mutex_);
+    const std::unique_lock lock(mutex_);
     return work_.function(index);
   }
   ProxyPtr proxyFor(uint32_t function, int longest, const std::stop_token& stop) {
-    const std::scoped_lock lock(mutex_);
-    const Together together(work_.ranks());
-    tellAll(kProxyMessage, RankWriter().put(function).put(longest).take());
-    return work_.function(function)->proxyFor(longest, stop);
+    const std::unique_lock lock = lockUnless(stop);
+    ProxyPtr proxy;
+    // Once all have begun they come to the end together: nobody is left alone with it.
+    together([&] {
+      tellAll(kProxyMessage, RankWriter().put(function).put(longest).take());
+      proxy = work_.function(function)->proxyFor(longest, {});
+    });
+    if (stop.stop_requested()) throw OperationCancelled();
+    return proxy;
   }
 
   /// Has the order's picture marched by all; `onResult` gets what its rays leave. Of the order, frame, blocks, their order and routes are found here.
+  /// Throws WorkLimitExceeded where it takes longer than `limit`, if that is more than 0.
   template <class OnResult>
-  void march(FrameOrder order, const PixelGrid& pixels, const std::stop_token& stop, const OnResult& onResult) {
-    const std::scoped_lock lock(mutex_);
+  void march(FrameOrder order, const PixelGrid& pixels, std::chrono::nanoseconds limit, const std::stop_token& stop, const OnResult& onResult) {
+    const std::unique_lock lock = lockUnless(stop);
+    forgetUnused();
     const Volume& volume = *work_.volume();
     const MarchedVolume& marched = *work_.function(order.function);
     order.frame = ++frame_;
@@ -104,12 +121,15 @@ class BrickLeader {
     const BrickTree& tree = treeFor(marched, order.render);
     order.blocks = tree.blocks();
     const glm::vec3 edges = volume.geometry().voxelEdges();
-    order.nearToFar = tree.nearToFar((order.camera.eye - volume.bounds().lower) / edges - 0.5f);
+    order.nearToFar = tree.nearToFar((order.camera.eye - volume.bounds().lower) * (1.0f / edges) - 0.5f);  // as VolumeView has it
     findRoutes(order, pixels, volume.dims(), volume.bounds().lower, edges);
+    const uint32_t tiles = order.tileCount();
     uint32_t left = 0;
-    for (uint32_t tile = 0; tile < order.tileCount(); ++tile)
+    for (uint32_t tile = 0; tile < tiles; ++tile)
       if (order.nextOf(tile, -1) >= 0) ++left;
     if (left == 0) return;
+    // Of each tile, results that have come and that there are, once that is known: what two ranks send may come in any order.
+    std::vector<uint32_t> come(tiles), wanted(tiles);
 
     std::string trouble;
     const auto take = [&](RankMessage message) {
@@ -124,8 +144,13 @@ class BrickLeader {
       }
       const TileResult result = TileResult::ofBytes(message.bytes);
       onResult(result);
-      if (result.isComplete) --left;
+      ++come.at(result.tile);
+      if (result.results > 0) wanted[result.tile] = result.results;
+      if (come[result.tile] == wanted[result.tile]) --left;
     };
+    const auto from = std::chrono::steady_clock::now();
+    const uint32_t all = left;
+    const EndOfFrame end(*this);
     tellAll(kOrderMessage, order.bytes());
     work_.begin(std::move(order));
     {
@@ -134,6 +159,7 @@ class BrickLeader {
       while (left > 0 && trouble.empty() && !stop.stop_requested()) {
         sendOutgoing(work_, take);
         if (left == 0) break;
+        if (limit.count() > 0 && std::chrono::steady_clock::now() - from > limit) throw WorkLimitExceeded(limit, 1.0 - static_cast<double>(left) / all);
         if (std::optional<RankMessage> message = work_.ranks().receive(kPatience)) {
           heard_[static_cast<size_t>(message->from)] = std::chrono::steady_clock::now();
           take(std::move(*message));
@@ -142,14 +168,12 @@ class BrickLeader {
         }
       }
     }
-    if (const std::optional<RankWork> own = work_.end()) done_[0] = *own;
-    tellAll(kEndMessage, RankWriter().put(frame_).take());
     if (stop.stop_requested()) throw OperationCancelled();
     if (!trouble.empty()) throw InputError(trouble);
   }
 
   std::vector<RankWork> lastWork() {
-    const std::scoped_lock lock(mutex_);
+    const std::unique_lock lock(mutex_);
     const auto end = std::chrono::steady_clock::now() + 1s;
     const auto isOther = [&](const RankWork& work) { return work.frame != frame_; };
     while (std::ranges::any_of(done_, isOther) && std::chrono::steady_clock::now() < end)
@@ -158,15 +182,55 @@ class BrickLeader {
   }
 
  private:
-  /// While all ranks do the same.
-  struct Together {
-    explicit Together(Ranks& all) : ranks(all) { ranks.setTogether(true); }
-    ~Together() { ranks.setTogether(false); }
-    Together(const Together&) = delete;
-    Together& operator=(const Together&) = delete;
+  /// Where it fails, what ranks know of each other is not known any more: all end.
+  template <class Work>
+  void withoutFailing(const Work& work) noexcept {
+    try {
+      work();
+    } catch (...) {
+      work_.ranks().abort(1);
+    }
+  }
+  /// What all ranks do at the same time.
+  template <class Work>
+  void together(const Work& work) {
+    work_.ranks().setTogether(true);
+    withoutFailing(work);
+    work_.ranks().setTogether(false);
+  }
 
-    Ranks& ranks;
+  /// However a frame ends.
+  struct EndOfFrame {
+    explicit EndOfFrame(BrickLeader& leader) : leader_(leader) {}
+    ~EndOfFrame() {
+      leader_.withoutFailing([&] {
+        if (const std::optional<RankWork> own = leader_.work_.end()) leader_.done_[0] = *own;
+        leader_.tellAll(kEndMessage, RankWriter().put(leader_.frame_).take());
+      });
+    }
+    EndOfFrame(const EndOfFrame&) = delete;
+    EndOfFrame& operator=(const EndOfFrame&) = delete;
+
+   private:
+    BrickLeader& leader_;
   };
+
+  /// Throws OperationCancelled if `stop` is set before it is this one's turn.
+  std::unique_lock<std::timed_mutex> lockUnless(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_, std::defer_lock);
+    while (!lock.try_lock_for(kBetweenLooks))
+      if (stop.stop_requested()) throw OperationCancelled();
+    return lock;
+  }
+
+  void forgetUnused() {
+    const std::scoped_lock usersLock(usersMutex_);
+    for (uint32_t index = 0; index < users_.size(); ++index) {
+      if (users_[index] > 0 || !work_.function(index)) continue;
+      tellAll(kForgetMessage, RankWriter().put(index).take());
+      work_.forgetFunction(index);
+    }
+  }
 
   /// One that has said nothing for too long; 0 if there is none.
   int silentRank() const {
@@ -213,12 +277,13 @@ class BrickLeader {
     return most > kLeastMs && most * static_cast<double>(done_.size()) > kMostUneven * all;
   }
 
-  std::mutex mutex_;  // of everything below
+  std::timed_mutex mutex_;  // of all but the next two
+  std::mutex usersMutex_;   // of the next
+  std::vector<int> users_;  // of each function
   BrickWork work_;
   const std::chrono::milliseconds patience_;
   std::vector<std::chrono::steady_clock::time_point> heard_;  // of each rank, something: while a frame is marched
   std::vector<RankWork> done_;                                // by each, for the last frame that it said it of
-  std::vector<int> users_;  // of each function
   uint64_t frame_ = 0;
   std::shared_ptr<const BakedTransfer> treeOf_;  // whose cells that cuts
   std::vector<float> weights_;                   // of these, as far as frames have told
@@ -231,8 +296,12 @@ namespace {
 
 class RanksMarcher final : public Marcher {
  public:
-  RanksMarcher(BrickLeaderPtr leader, TransferFunction function)
-      : leader_(std::move(leader)), function_(leader_->addFunction(std::move(function))), marched_(leader_->function(function_)) {}
+  RanksMarcher(BrickLeaderPtr leader, TransferFunction function, TurnsPtr turns = nullptr)
+      : leader_(std::move(leader)), turns_(std::move(turns)), function_(leader_->addFunction(std::move(function))), marched_(leader_->function(function_)) {}
+  /// By the same function.
+  RanksMarcher(const RanksMarcher& other, TurnsPtr turns) : leader_(other.leader_), turns_(std::move(turns)), function_(other.function_), marched_(other.marched_) {
+    leader_->keepFunction(function_);
+  }
   ~RanksMarcher() override { leader_->forgetFunction(function_); }
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
@@ -247,7 +316,7 @@ class RanksMarcher final : public Marcher {
     std::ranges::fill(dense_.samples, PackedSample{0});
     std::ranges::fill(dense_.segments.rays, RaySegmentCount{});
     const FrameOrder order = orderOf(camera, settings.render, settings.sample);
-    leader_->march(order, makePixelGrid(camera, rule.quantization.nearDepth), stop, [&](const TileResult& result) {
+    leader_->march(order, makePixelGrid(camera, rule.quantization.nearDepth), limit(), stop, [&](const TileResult& result) {
       forEachFinished(order, result, [&](size_t i, size_t pixel) { dense_.take(pixel, result.found, i); });
     });
     frame.timings.marchMs = millisecondsSince(marchStart);
@@ -267,7 +336,7 @@ class RanksMarcher final : public Marcher {
     image.resize(camera.width, camera.height);
     std::fill_n(image.data(), size_t{camera.width} * camera.height, glm::vec4(0.0f));
     const FrameOrder order = orderOf(camera, settings, std::nullopt);
-    leader_->march(order, pixelsFor(*marched_->volume, camera, settings), stop, [&](const TileResult& result) {
+    leader_->march(order, pixelsFor(*marched_->volume, camera, settings), limit(), stop, [&](const TileResult& result) {
       forEachFinished(order, result, [&](size_t i, size_t pixel) { image.data()[pixel] = result.colors.at(i); });
     });
   }
@@ -281,12 +350,14 @@ class RanksMarcher final : public Marcher {
     return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
   }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr) const override { return std::make_shared<RanksMarcher>(leader_, marched_->transferFunction); }
+  /// Turns are whole frames: ranks do not stand still for another's.
+  MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<RanksMarcher>(*this, std::move(turns)); }
   MarcherPtr withTransferFunction(TransferFunction function) const override {
-    return std::make_shared<RanksMarcher>(leader_, std::move(function));
+    return std::make_shared<RanksMarcher>(leader_, std::move(function), turns_);
   }
 
  private:
+  std::chrono::nanoseconds limit() const { return turns_ ? turns_->settings().limit : std::chrono::nanoseconds(0); }
   static void requirePieces(const RenderSettings& settings) {
     if (const std::string reason = whyNotInPieces(settings); !reason.empty()) throw UsageError(reason + ", and the volume is spread over several processes");
   }
@@ -309,6 +380,7 @@ class RanksMarcher final : public Marcher {
   }
 
   const BrickLeaderPtr leader_;
+  const TurnsPtr turns_;
   const uint32_t function_;
   const MarchedVolumePtr marched_;
   std::mutex mutex_;  // of what follows

@@ -62,10 +62,14 @@ void weighByCost(std::vector<float>& weights, const Macrocells& cells, std::span
   }
 }
 
+void requireRoom(const Macrocells& cells, int count) {
+  if (const auto most = static_cast<int64_t>(cells.count()); count > most)
+    throw UsageError("the volume is too small for " + std::to_string(count) + " processes: there is work for " + std::to_string(most) + " at most");
+}
+
 BrickTree::BrickTree(const Macrocells& macrocells, std::span<const float> weights, const glm::uvec3& voxels, int count) {
   const glm::ivec3 dims = macrocells.dims();
-  if (int64_t most = countOf({glm::ivec3(0), dims}); count > most)
-    throw UsageError("the volume is too small for " + std::to_string(count) + " processes: there is work for " + std::to_string(most) + " at most");
+  requireRoom(macrocells, count);
   const glm::ivec3 cells = glm::max(glm::ivec3(voxels) - 1, 1);
   /// The macrocells' voxels; the volume's ends where they are.
   const auto blockOf = [&](const Cells& piece) { return CellBlock{piece.lower * macrocells.edge(), glm::min(piece.upper * macrocells.edge(), cells)}; };
@@ -86,21 +90,20 @@ BrickTree::BrickTree(const Macrocells& macrocells, std::span<const float> weight
       nodes_.push_back({0, 0, -1, static_cast<int>(blocks_.size()) - 1});
       return static_cast<int>(nodes_.size()) - 1;
     }
-    const int ofLower = blocks / 2, axis = longestAxis(piece.extent());
+    const int axis = longestAxis(piece.extent());
     const std::vector<double> ofSlices = weightOfSlices(piece, axis);
-    const double wanted = std::accumulate(ofSlices.begin(), ofSlices.end(), 0.0) * ofLower / blocks;
-    // Both sides have room for their blocks.
-    const int64_t ofSlice = countOf(piece) / piece.extent()[axis];
-    const auto slicesFor = [&](int n) { return static_cast<int>((n + ofSlice - 1) / ofSlice); };
-    const int least = slicesFor(ofLower), most = piece.extent()[axis] - slicesFor(blocks - ofLower);
-    int slices = 0;
-    for (double below = 0.0; slices < most; ++slices) {
+    const double wanted = std::accumulate(ofSlices.begin(), ofSlices.end(), 0.0) * (blocks / 2) / blocks;
+    int slices = 1;
+    for (double below = ofSlices[0]; slices + 1 < piece.extent()[axis]; ++slices) {
       const double next = ofSlices[static_cast<size_t>(slices)];
-      if (slices >= least && below + 0.5 * next >= wanted) break;
+      if (below + 0.5 * next >= wanted) break;
       below += next;
     }
     Cells lower = piece, upper = piece;
     lower.upper[axis] = upper.lower[axis] = piece.lower[axis] + slices;
+    // Half of the blocks, or as many more or fewer as both sides have room for.
+    const int64_t least = std::max<int64_t>(1, blocks - countOf(upper)), most = std::min<int64_t>(blocks - 1, countOf(lower));
+    const int ofLower = static_cast<int>(std::clamp<int64_t>(blocks / 2, least, most));
     const int place = upper.lower[axis] * macrocells.edge();
     const int first = cut(lower, ofLower), second = cut(upper, blocks - ofLower);
     nodes_.push_back({axis, place, first, second});

@@ -19,11 +19,14 @@ std::vector<float> weightsOfVisible(std::span<const uint8_t> distances);
 void weighByCost(std::vector<float>& weights, const Macrocells& cells, std::span<const CellBlock> blocks, std::span<const double> costs);
 inline constexpr double kMostScaled = 16.0;
 
+/// Throws UsageError, which says how many would do, if a volume cannot be cut into as many blocks.
+void requireRoom(const Macrocells& cells, int count);
+
 class BrickTree {
  public:
   /// Cuts the cells between the voxels of a volume into `count` blocks along borders of macrocells, so that blocks weigh alike. `weights`: of each macrocell, positive.
   /// Planes are across the axis along which a block is longest; of equally long ones across the one that is slowest in memory.
-  /// Throws UsageError, which says how many would do, for more blocks than there are macrocells to cut between.
+  /// Throws as requireRoom() does.
   BrickTree(const Macrocells& cells, std::span<const float> weights, const glm::uvec3& voxels, int count);
 
   const std::vector<CellBlock>& blocks() const { return blocks_; }

@@ -38,6 +38,7 @@ std::optional<uint32_t> BrickWork::find(const TransferFunction& function) const 
 }
 
 void BrickWork::begin(FrameOrder order) {
+  end();
   frame_ = std::make_unique<BrickFrame>(std::move(order), ranks().rank(), [ranks = volume_->ranks()] { ranks->wake(); });
   if (!overlapsByHalf(frame_->block(), block_)) volume_->releasePages();
   block_ = frame_->block();

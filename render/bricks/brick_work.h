@@ -30,7 +30,7 @@ class BrickWork {
   /// Which one it is, if it is known.
   std::optional<uint32_t> find(const TransferFunction& function) const;
 
-  /// Begins to march. There is no frame under way.
+  /// Begins to march; another frame that is under way is ended.
   void begin(FrameOrder order);
   /// Null if none is under way.
   BrickFrame* frame() { return frame_.get(); }

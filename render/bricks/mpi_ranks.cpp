@@ -7,7 +7,7 @@
 #include <climits>
 #include <condition_variable>
 #include <cstdlib>
-#include <list>
+#include <deque>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -34,9 +34,16 @@ class MpiRanks final : public Ranks {
     MPI_Comm_size(MPI_COMM_WORLD, &size_);
   }
   ~MpiRanks() override {
+    // What nobody wants any more is still received, on both sides, until all have come so far: a send that is not would keep MPI from its end.
     while (!sending_.empty()) {
-      dropSent();
+      look();
       std::this_thread::sleep_for(kShortest);
+    }
+    MPI_Request all{};
+    MPI_Ibarrier(MPI_COMM_WORLD, &all);
+    for (int areAllHere = 0; areAllHere == 0; std::this_thread::sleep_for(kShortest)) {
+      look();
+      MPI_Test(&all, &areAllHere, MPI_STATUS_IGNORE);
     }
     MPI_Finalize();
   }
@@ -56,6 +63,8 @@ class MpiRanks final : public Ranks {
     woken_.notify_one();
   }
   void abort(int code) override {
+    // Another thread may be in a call of MPI's, which only takes long if it hangs.
+    for (int tries = 0; tries < 200 && !calls_.try_lock(); ++tries) std::this_thread::sleep_for(1ms);
     MPI_Abort(MPI_COMM_WORLD, code);
     std::_Exit(code);
   }
@@ -96,16 +105,16 @@ class MpiRanks final : public Ranks {
 
   void dropSent() {
     const std::scoped_lock lock(calls_);
-    sending_.remove_if([](Sent& sent) {
-      int isDone = 0;
-      MPI_Test(&sent.request, &isDone, MPI_STATUS_IGNORE);
-      return isDone != 0;
-    });
+    // In their order, as far as they are done: of thousands that a slow rank keeps waiting not each is asked after each time.
+    for (int isDone = 1; !sending_.empty(); sending_.pop_front()) {
+      MPI_Test(&sending_.front().request, &isDone, MPI_STATUS_IGNORE);
+      if (isDone == 0) return;
+    }
   }
 
   int rank_ = 0, size_ = 1;
   std::mutex calls_;  // of MPI, but for the last
-  std::list<Sent> sending_;
+  std::deque<Sent> sending_;
   std::mutex mutex_;  // of what follows
   std::condition_variable woken_;
   bool isWoken_ = false;

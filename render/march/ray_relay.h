@@ -46,7 +46,8 @@ struct RelayedRay {
 
 /// What a ray gathers on its second way.
 struct RelayedAgain {
-  float accumulatedEnd = 0.0f;  ///< RayParts', of a ray of which several samples are wanted and that has several parts; else 0
+  bool isDivided = false;       ///< several of its samples count, and it is cut into parts
+  float accumulatedEnd = 0.0f;  ///< RayParts', of such a ray
   RayPart<RayPiece> part;
   RaySamples found;  ///< of the parts that are done
   NormalCode normals[kMostMergerRoom] = {};  ///< of segments, by their places
@@ -68,6 +69,7 @@ struct RelayedTile {
   /// The first way is done; what rays have gathered is taken along. False if there is nothing to go for.
   bool beginAgain();
 
+  uint32_t results = 0;    ///< of it that have been sent
   // What the rays that have ended since it was taken have left.
   std::vector<uint32_t> finished;  ///< their places in `rays`
   DenseRays found;                 ///< of each of these, in their order; where samples are wanted
@@ -99,7 +101,7 @@ class PieceMarcher {
   virtual ~PieceMarcher() = default;
 
   /// Works at a relay's tiles, on all cores, until there are no more. `sample`: what is wanted of the rays beside their colours, or null. Reads voxels of the relay's
-  /// block and of a margin around it: marginOf(). Throws what Marcher::march() does, UsageError for settings that whyNotInPieces() knows.
+  /// block and of a margin around it: one for gradients, and as many as a step is long. Throws what Marcher::march() does, UsageError for settings that whyNotInPieces() knows.
   virtual void marchPieces(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample, RayRelay& relay, const std::stop_token& stop) = 0;
 };
 

@@ -49,6 +49,7 @@ bool RelayedTile::beginAgain() {
     ray.state.next = 0;
     any = any || !ray.isDone;
     if (!isDivided || ray.counting.size() < 2) continue;
+    again[place].isDivided = true;
     again[place].accumulatedEnd = ray.counting.back().accumulatedAfter();
     ray.counting.clear();
   }

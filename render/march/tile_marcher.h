@@ -147,8 +147,10 @@ class TileMarcher {
     Scratch scratch(mostSegments_);
     // Rows may take seconds: a tile is not waited for.
     for (uint32_t y = tile.y; y < tile.y + tile.height && !job_.stop.stop_requested(); ++y)
-      for (uint32_t x = tile.x; x < tile.x + tile.width; ++x)
-        if (relayed == nullptr || !relayed->ray(x, y).isDone) marchPixel(x, y, scratch, relayed);
+      for (uint32_t x = tile.x; x < tile.x + tile.width; ++x) {
+        if (relayed != nullptr && (relayed->ray(x, y).isDone || job_.stop.stop_requested())) continue;  // others wait for who is stopped
+        marchPixel(x, y, scratch, relayed);
+      }
   }
 
 
@@ -174,7 +176,7 @@ class TileMarcher {
     path.lattice.t0 += jitter_.shiftOf(x, y);
     SampleSpan span = spanFor<Source>(depths, pixel.cosine, path.lattice);
     if (handed != nullptr) {
-      const SampleSpan own = samplesWithin(job_.relay->block(), volumeOf(view_), ray, path.lattice);
+      const SampleSpan own = exceptionsExpected([&] { return samplesWithin(job_.relay->block(), volumeOf(view_), ray, path.lattice); });  // hardly any direction
       span = {std::max({span.begin, own.begin, handed->state.next}), std::min(span.end, own.end)};
       handed->state.next = std::max(own.end, handed->state.next);
       if (span.begin >= span.end && !relayed->isLast && !relayed->isAgain) return;
@@ -264,7 +266,7 @@ class TileMarcher {
       again.found.add({depthOfSamples_(handed.counting), piece.premultiplied()});
       handed.counting.clear();
     };
-    if (again.accumulatedEnd > 0.0f) {
+    if (again.isDivided) {
       const RayParts parts{again.accumulatedEnd, job_.sample->samplesPerRay};
       if (!(again.part.piece.transmittance.value() < limits_.stopBelow))
         marchParts(path, span.begin, span.end, source, light_, limits_, parts, again.part, [&](const CountingSample& sample) { handed.counting.push_back(sample); }, closePart);
@@ -280,7 +282,7 @@ class TileMarcher {
     finished.isEnded = handed.state.color.transmittance.value() < limits_.stopBelow;
     if (mostSegments_ > 0) finished.segments = &tile.segments[placeOf(handed, tile)];
     if (hasNormals_) finished.normals = again.normals;
-    if (again.accumulatedEnd > 0.0f) {
+    if (again.isDivided) {
       finished.samples = &again.found;
       return job_.onRay(finished);
     }

@@ -2,6 +2,8 @@
 // See raw_reader.h. Mapping by Boost.Interprocess, which has it for every operating system.
 #include "render/volume/raw_reader.h"
 
+#include <sys/mman.h>
+
 #include <bit>
 #include <boost/interprocess/file_mapping.hpp>
 #include <boost/interprocess/mapped_region.hpp>
@@ -79,8 +81,8 @@ VolumePtr openRawVolume(const std::filesystem::path& path, const std::optional<g
     throw InputError(source + ": cannot be read: " + error.code().message());
   }
   const void* voxels = region->get_address();
-  // What is dropped of a mapping of a file is read again.
-  const auto release = [region] { const_cast<ipc::mapped_region&>(*region).advise(ipc::mapped_region::advice_dontneed); };
+  // What is dropped of a mapping of a file is read again. Boost asks by posix_madvise, which the GNU C Library does not do anything for.
+  const auto release = [region] { madvise(region->get_address(), region->get_size(), MADV_DONTNEED); };
   return std::make_shared<Volume>(path.filename().string(), name->type, geometry, region, voxels, stop, std::move(ranks), release);
 }
 
