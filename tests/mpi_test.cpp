@@ -221,5 +221,58 @@ TEST_F(Mpi, AClientThatLeavesEndsItsMarchEverywhere) {
   EXPECT_LT(std::chrono::steady_clock::now() - from, seconds(5));
 }
 
+TEST_F(Mpi, EndsSoonWhileNobodyWaitsForWhatIsUnderWay) {
+  const std::string url = startServer();
+  {
+    Program client({"shot", "--connect", url, "--size", "900x700", "--step", "0.002", "--segments", "16", "-o", "never.png"}, folder_.path());
+    std::this_thread::sleep_for(milliseconds(700));
+  }  // is killed
+  const std::map<int, pid_t> all = processes();
+  ASSERT_EQ(all.size(), 4u);
+  kill(all.at(0), SIGTERM);
+  EXPECT_LT(secondsToTheEnd(), 5.0);
+}
+
+TEST_F(Mpi, AClientIsOneProcess) {
+  const ProgramResult result = runAsMany(2, {"shot", "--connect", "warp://127.0.0.1:1", "-o", "a.png"});
+  EXPECT_EQ(result.code, kUsage);
+  EXPECT_THAT(result.err, testing::HasSubstr("--connect is for one process"));
+}
+
+TEST_F(Mpi, NoProcessHoldsAllOfTheVolume) {
+  constexpr int kSide = 256, kSlices = 128;
+  const std::string name = "layers_256x256x128_uint16.raw";
+  {
+    std::ofstream file(folder_.file(name), std::ios::binary);
+    std::vector<uint16_t> slice(size_t{kSide} * kSide);
+    for (int z = 0; z < kSlices; ++z) {
+      for (size_t i = 0; i < slice.size(); ++i) slice[i] = static_cast<uint16_t>(i * 7 % 1000 + 200 * (z % 50));
+      file.write(reinterpret_cast<const char*>(slice.data()), static_cast<std::streamsize>(slice.size() * sizeof slice[0]));
+    }
+  }
+  server_ = start(4, {"serve", name, "--listen", "127.0.0.1:0", "--port-file", "port"});
+  const auto deadline = std::chrono::steady_clock::now() + seconds(30);
+  while (folder_.read("port").empty() && !server_->hasEnded() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(milliseconds(5));
+  const std::string port = folder_.read("port");
+  for (const char* const angle : {"0", "120"})
+    succeed({"shot", "--connect", "warp://127.0.0.1:" + port.substr(0, port.find('\n')), "--size", "200x150", "--view-angle", angle, "-o", "a.png"});
+  const double whole = 2.0 * kSide * kSide * kSlices / 1024.0;
+  double sum = 0.0;
+  const std::map<int, pid_t> all = processes();
+  ASSERT_EQ(all.size(), 4u);
+  for (const auto& [rank, process] : all) {
+    std::ifstream maps("/proc/" + std::to_string(process) + "/smaps");
+    double held = 0.0;
+    bool isVolume = false;
+    for (std::string line; std::getline(maps, line);) {
+      if (line.find('-') != std::string::npos && line.find(':') > 20) isVolume = line.find(name) != std::string::npos;
+      if (isVolume && line.starts_with("Rss:")) held += std::stod(line.substr(4));
+    }
+    EXPECT_LT(held, 0.6 * whole) << rank;
+    sum += held;
+  }
+  EXPECT_GT(sum, 0.5 * whole);  // or this looks at something else
+}
+
 }  // namespace
 }  // namespace warpscope

@@ -23,11 +23,11 @@ struct Cells {
 /// How many blocks a piece of so many macrocells can become.
 int64_t countOf(const Cells& cells) { return int64_t{cells.extent().x} * cells.extent().y * cells.extent().z; }
 
-int longestAxis(const glm::ivec3& extent) {
-  int longest = 2;
-  for (int axis = 1; axis >= 0; --axis)
-    if (extent[axis] > extent[longest]) longest = axis;
-  return longest;
+/// Across x only where it is by far the longest: what lies side by side along x is in the same pages of memory, which both sides would have to read.
+int axisToCut(const glm::ivec3& extent) {
+  constexpr int kByFar = 4;
+  const int other = extent.y > extent.z ? 1 : 2;
+  return extent.x > kByFar * extent[other] || extent[other] < 2 ? 0 : other;
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ BrickTree::BrickTree(const Macrocells& macrocells, std::span<const float> weight
       nodes_.push_back({0, 0, -1, static_cast<int>(blocks_.size()) - 1});
       return static_cast<int>(nodes_.size()) - 1;
     }
-    const int axis = longestAxis(piece.extent());
+    const int axis = axisToCut(piece.extent());
     const std::vector<double> ofSlices = weightOfSlices(piece, axis);
     const double wanted = std::accumulate(ofSlices.begin(), ofSlices.end(), 0.0) * (blocks / 2) / blocks;
     int slices = 1;

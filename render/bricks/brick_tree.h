@@ -25,7 +25,7 @@ void requireRoom(const Macrocells& cells, int count);
 class BrickTree {
  public:
   /// Cuts the cells between the voxels of a volume into `count` blocks along borders of macrocells, so that blocks weigh alike. `weights`: of each macrocell, positive.
-  /// Planes are across the axis along which a block is longest; of equally long ones across the one that is slowest in memory.
+  /// Planes are across y or z, along whichever a block is longer, or across x where that is by far the longest.
   /// Throws as requireRoom() does.
   BrickTree(const Macrocells& cells, std::span<const float> weights, const glm::uvec3& voxels, int count);
 

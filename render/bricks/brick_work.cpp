@@ -14,8 +14,7 @@ int64_t cellsOf(const CellBlock& block) {
   return int64_t{extent.x} * extent.y * extent.z;
 }
 
-/// Half of what the first one has.
-bool overlapsByHalf(const CellBlock& a, const CellBlock& b) { return 2 * cellsOf({glm::max(a.lower, b.lower), glm::min(a.upper, b.upper)}) >= cellsOf(a); }
+int64_t sharedCells(const CellBlock& a, const CellBlock& b) { return cellsOf({glm::max(a.lower, b.lower), glm::min(a.upper, b.upper)}); }
 
 }  // namespace
 
@@ -40,8 +39,12 @@ std::optional<uint32_t> BrickWork::find(const TransferFunction& function) const 
 void BrickWork::begin(FrameOrder order) {
   end();
   frame_ = std::make_unique<BrickFrame>(std::move(order), ranks().rank(), [ranks = volume_->ranks()] { ranks->wake(); });
-  if (!overlapsByHalf(frame_->block(), block_)) volume_->releasePages();
+  strayCells_ += cellsOf(block_) - sharedCells(block_, frame_->block());
   block_ = frame_->block();
+  if (4 * strayCells_ > cellsOf(block_)) {
+    volume_->releasePages();
+    strayCells_ = 0;
+  }
   marching_ = std::jthread([frame = frame_.get(), pieces = functions_.at(frame_->order().function).pieces](const std::stop_token& stop) {
     const FrameOrder& asked = frame->order();
     try {

@@ -45,7 +45,8 @@ class BrickWork {
 
   const VolumePtr volume_;
   std::vector<Function> functions_;
-  CellBlock block_;  // whose voxels are read
+  CellBlock block_;      // whose voxels are read
+  int64_t strayCells_ = 0;  // of other blocks, whose voxels have been read and are not needed any more
   std::unique_ptr<BrickFrame> frame_;
   std::jthread marching_;  // of it
 };
