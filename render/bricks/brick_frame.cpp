@@ -97,12 +97,7 @@ std::unique_ptr<RelayedTile> BrickFrame::take() {
 std::unique_ptr<RelayedTile> BrickFrame::nextTile() {
   std::unique_lock lock(mutex_);
   while (!isClosed_) {
-    if (!arrived_.empty()) {
-      const std::vector<std::byte> bytes = std::move(arrived_.front());
-      arrived_.pop_front();
-      lock.unlock();
-      return tileOf(bytes);
-    }
+    // Those that begin here come first: others wait for them.
     for (; nextOwn_ < order_.tileCount(); ++nextOwn_) {
       if (order_.nextOf(nextOwn_, -1) != rank_) continue;
       auto tile = std::make_unique<RelayedTile>();
@@ -112,6 +107,12 @@ std::unique_ptr<RelayedTile> BrickFrame::nextTile() {
       tile->rays.resize(tile->area.count());
       tile->isLast = order_.nextOf(tile->index, rank_) < 0;
       return tile;
+    }
+    if (!arrived_.empty()) {
+      const std::vector<std::byte> bytes = std::move(arrived_.front());
+      arrived_.pop_front();
+      lock.unlock();
+      return tileOf(bytes);
     }
     changed_.wait(lock);
   }

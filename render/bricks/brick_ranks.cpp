@@ -262,15 +262,16 @@ class BrickLeader {
     }
     tree_.emplace(marched.macrocells, weights_, marched.volume->dims(), work_.ranks().size());
     cutAt_ = now;
+    firstOfTree_ = frame_;
     return *tree_;
   }
 
-  /// Whether one rank had much more to do for the last frame than the others, all of which were of this tree.
+  /// Whether one rank had much more to do than the others, as far as what they did for frames of this tree is known.
   bool isUneven() const {
     double most = 0.0, all = 0.0;
     for (size_t rank = 0; rank < done_.size(); ++rank) {
       const RankWork& work = done_[rank];
-      if (work.frame + 1 != frame_ || work.block != tree_->blocks()[rank]) return false;
+      if (work.frame < firstOfTree_ || work.block != tree_->blocks()[rank]) return false;  // it comes while the next frame is marched
       most = std::max(most, work.marchMs);
       all += work.marchMs;
     }
@@ -289,6 +290,7 @@ class BrickLeader {
   std::vector<float> weights_;                   // of these, as far as frames have told
   int recuts_ = 0;
   std::chrono::steady_clock::time_point cutAt_;
+  uint64_t firstOfTree_ = 0;  // frame
   std::optional<BrickTree> tree_;
 };
 
