@@ -10,7 +10,7 @@ import sys
 TABLE = re.compile(r"(<!-- warpscope info --table (\S+) -->\n)(.*?)(<!-- end of table -->)", re.DOTALL)
 # Options of other programs that the READMEs quote.
 FOREIGN = {"--glibc-hwcaps-mask", "--test-dir", "--preset", "--build", "--install", "--prefix", "--target", "--yes", "--update", "--gtest_filter", "--clock-control", "--legs", "--long", "--no-deps", "--require-hashes",
-           "--bind-to", "--hostfile", "--mpi", "--oversubscribe"}
+           "--bind-to", "--map-by", "--hostfile", "--mpi", "--oversubscribe"}
 
 
 def output(program, *arguments):
