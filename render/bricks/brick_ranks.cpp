@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <string>
@@ -28,7 +29,6 @@ constexpr std::chrono::seconds kBetweenSigns(1);         // of life
 constexpr double kMostUneven = 1.25, kLeastMs = 5.0;
 constexpr int kQuickRecuts = 6;
 constexpr std::chrono::seconds kBetweenRecuts(2);
-constexpr std::chrono::milliseconds kBetweenLooks(20);  // of who waits for others' frames
 constexpr std::chrono::milliseconds kGrace(800);         // for the first rank to come to its end
 
 std::vector<std::byte> bytesOf(const TransferFunction& function) { return RankWriter().putAll(function.points).take(); }
@@ -49,6 +49,32 @@ void sendOutgoing(BrickWork& work, const OnOwn& onOwn) {
       work.ranks().send(outgoing->to, outgoing->kind, std::move(outgoing->bytes));
   }
 }
+
+/// Lets one in at a time, for std::unique_lock.
+class Gate {
+ public:
+  void lock() {
+    std::unique_lock lock(mutex_);
+    free_.wait(lock, [&] { return !isTaken_; });
+    isTaken_ = true;
+  }
+  /// Throws OperationCancelled if `stop` is set first.
+  void lock(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    if (!free_.wait(lock, stop, [&] { return !isTaken_; })) throw OperationCancelled();
+    isTaken_ = true;
+  }
+  void unlock() {
+    const std::scoped_lock lock(mutex_);
+    isTaken_ = false;
+    free_.notify_one();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable_any free_;
+  bool isTaken_ = false;
+};
 
 }  // namespace
 
@@ -216,11 +242,9 @@ class BrickLeader {
   };
 
   /// Throws OperationCancelled if `stop` is set before it is this one's turn.
-  std::unique_lock<std::timed_mutex> lockUnless(const std::stop_token& stop) {
-    std::unique_lock lock(mutex_, std::defer_lock);
-    while (!lock.try_lock_for(kBetweenLooks))
-      if (stop.stop_requested()) throw OperationCancelled();
-    return lock;
+  std::unique_lock<Gate> lockUnless(const std::stop_token& stop) {
+    mutex_.lock(stop);
+    return {mutex_, std::adopt_lock};
   }
 
   void forgetUnused() {
@@ -278,7 +302,7 @@ class BrickLeader {
     return most > kLeastMs && most * static_cast<double>(done_.size()) > kMostUneven * all;
   }
 
-  std::timed_mutex mutex_;  // of all but the next two
+  Gate mutex_;              // of all but the next two
   std::mutex usersMutex_;   // of the next
   std::vector<int> users_;  // of each function
   BrickWork work_;
