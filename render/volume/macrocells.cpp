@@ -118,7 +118,8 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
 
 template <class Number>
 void Macrocells::gatherRows(std::vector<Number>& numbers, size_t firstRow, size_t endRow, Ranks& ranks) const {
-  const auto begin = numbers.begin(), ofRow = static_cast<std::ptrdiff_t>(dims_.x);
+  const auto begin = numbers.begin();
+  const auto ofRow = static_cast<std::ptrdiff_t>(dims_.x);
   std::vector<Number> all(begin + ofRow * static_cast<std::ptrdiff_t>(firstRow), begin + ofRow * static_cast<std::ptrdiff_t>(endRow));
   ranks.allGather(all);
   std::ranges::copy(all, numbers.begin());

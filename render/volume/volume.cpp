@@ -214,8 +214,8 @@ Volume::Volume(std::string name, VoxelType type, const VolumeGeometry& geometry,
   const size_t count = validate(geometry_, type_, name_);
   bounds_ = geometry_.bounds();
   if (ranks_) requireSameEverywhere(*this);
-  const auto [begin, end] = ranks_ ? ranks_->shareOf(count) : std::pair<size_t, size_t>{0, count};
-  visitVoxelType(type_, [&]<class Voxel>(Voxel) { statistics_ = gatherStatistics(Scanned<Voxel>{voxelsAs<Voxel>() + begin, end - begin, ranks_.get()}, stop); });
+  const std::pair<size_t, size_t> share = ranks_ ? ranks_->shareOf(count) : std::pair<size_t, size_t>{0, count};
+  visitVoxelType(type_, [&]<class Voxel>(Voxel) { statistics_ = gatherStatistics(Scanned<Voxel>{voxelsAs<Voxel>() + share.first, share.second - share.first, ranks_.get()}, stop); });
 }
 
 }  // namespace warpscope
