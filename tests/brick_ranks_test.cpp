@@ -167,6 +167,9 @@ std::deque<std::pair<std::string, MarchSettings>> variants() {
   all.render.effects.jitter = 0.8f;
   all.sample.segments = 3;
   all.sample.samplesPerRay = 8;
+  Clip& clip = add("clipped").render.effects.clip;
+  clip.planes.add({{1.0f, 0.4f, 0.2f}, 18.0f});
+  clip.box.upper = {0.9f, 0.7f, 1.0f};
   add("greatest").render.effects.mode = RenderMode::mip;
   MarchSettings& greatest = add("greatest with segments");
   greatest.render.effects.mode = RenderMode::mip;
