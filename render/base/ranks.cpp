@@ -89,13 +89,13 @@ RankMessage Ranks::await(int kind, int from) {
 }
 
 std::vector<std::byte> Ranks::ofFirst(std::vector<std::byte> own) {
-  if (!isTogether_) throw std::logic_error("what takes all voxels of a volume cannot be done where several processes share it");
   if (!isFirst()) return await(kDealt, 0).bytes;
   for (int to = 1; to < size(); ++to) send(to, kDealt, own);
   return own;
 }
 
 std::vector<std::vector<std::byte>> Ranks::allGather(std::span<const std::byte> own) {
+  if (!isTogether_) throw std::logic_error("what takes all voxels of a volume cannot be done where several processes share it");
   std::vector<std::vector<std::byte>> parts(static_cast<size_t>(size()));
   parts[static_cast<size_t>(rank())] = copyOf(own);
   if (!isFirst()) send(0, kGathered, copyOf(own));

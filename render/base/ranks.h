@@ -57,8 +57,6 @@ class Ranks {
     }
     own = std::move(all);
   }
-  /// What the first of them has.
-  std::vector<std::byte> ofFirst(std::vector<std::byte> own);
   /// Throws InputError, on all of them, where `own` is not the same everywhere: "`what`: process 2 of 4 has another than the first one".
   void requireSame(std::span<const std::byte> own, const std::string& what);
 
@@ -74,6 +72,8 @@ class Ranks {
 
  private:
   enum Own { kGathered = -1, kDealt = -2 };
+  /// What the first of them has.
+  std::vector<std::byte> ofFirst(std::vector<std::byte> own);
   RankMessage await(int kind, int from);
 
   bool isTogether_ = true;
@@ -81,6 +81,9 @@ class Ranks {
 };
 
 using RanksPtr = std::shared_ptr<Ranks>;
+
+/// Ranks::shareOf(), or all of them where there are no ranks.
+inline std::pair<size_t, size_t> shareOf(const RanksPtr& ranks, size_t count) { return ranks ? ranks->shareOf(count) : std::pair<size_t, size_t>{0, count}; }
 
 /// As many ranks as there are ends, connected in this process: each end for a thread of its own.
 std::vector<RanksPtr> makeLocalRanks(int count);

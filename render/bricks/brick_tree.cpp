@@ -3,7 +3,6 @@
 #include "render/bricks/brick_tree.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <numeric>
 #include <string>
@@ -19,6 +18,15 @@ struct Cells {
 
   glm::ivec3 extent() const { return upper - lower; }
 };
+
+/// Calls `visit(i, at)` with the number and the place of each.
+template <class Visit>
+void forEachCell(const Cells& cells, const glm::ivec3& dims, const Visit& visit) {
+  for (int z = cells.lower.z; z < cells.upper.z; ++z)
+    for (int y = cells.lower.y; y < cells.upper.y; ++y)
+      for (int x = cells.lower.x; x < cells.upper.x; ++x)
+        visit((static_cast<size_t>(z) * static_cast<size_t>(dims.y) + static_cast<size_t>(y)) * static_cast<size_t>(dims.x) + static_cast<size_t>(x), glm::ivec3(x, y, z));
+}
 
 /// How many blocks a piece of so many macrocells can become.
 int64_t countOf(const Cells& cells) { return int64_t{cells.extent().x} * cells.extent().y * cells.extent().z; }
@@ -41,24 +49,20 @@ std::vector<float> weightsOfVisible(std::span<const uint8_t> distances) {
 
 void weighByCost(std::vector<float>& weights, const Macrocells& cells, std::span<const CellBlock> blocks, std::span<const double> costs) {
   // A block's last macrocells may be cut short by the volume's end.
-  const auto forEachCell = [&](const CellBlock& block, const auto& visit) {
-    const glm::ivec3 lower = block.lower / cells.edge(), upper = (block.upper + cells.edge() - 1) / cells.edge(), dims = cells.dims();
-    for (int z = lower.z; z < upper.z; ++z)
-      for (int y = lower.y; y < upper.y; ++y)
-        for (int x = lower.x; x < upper.x; ++x)
-          visit(weights[(static_cast<size_t>(z) * static_cast<size_t>(dims.y) + static_cast<size_t>(y)) * static_cast<size_t>(dims.x) + static_cast<size_t>(x)]);
+  const auto forEachWeight = [&](const CellBlock& block, const auto& visit) {
+    forEachCell({block.lower / cells.edge(), (block.upper + cells.edge() - 1) / cells.edge()}, cells.dims(), [&](size_t cell, const glm::ivec3&) { visit(weights[cell]); });
   };
   std::vector<double> ofBlocks(blocks.size());
   double weightOfAll = 0.0, costOfAll = 0.0;
   for (size_t i = 0; i < blocks.size(); ++i) {
-    forEachCell(blocks[i], [&](float weight) { ofBlocks[i] += static_cast<double>(weight); });
+    forEachWeight(blocks[i], [&](float weight) { ofBlocks[i] += static_cast<double>(weight); });
     weightOfAll += ofBlocks[i];
     costOfAll += costs[i];
   }
   for (size_t i = 0; i < blocks.size(); ++i) {
     if (!(ofBlocks[i] > 0.0)) continue;  // it is empty: the volume ends where it would begin
     const double scale = std::clamp(costs[i] / costOfAll * (weightOfAll / ofBlocks[i]), 1.0 / kMostScaled, kMostScaled);
-    forEachCell(blocks[i], [&](float& weight) { weight = std::max(static_cast<float>(static_cast<double>(weight) * scale), 1e-12f); });
+    forEachWeight(blocks[i], [&](float& weight) { weight = std::max(static_cast<float>(static_cast<double>(weight) * scale), 1e-12f); });
   }
 }
 
@@ -75,13 +79,7 @@ BrickTree::BrickTree(const Macrocells& macrocells, std::span<const float> weight
   const auto blockOf = [&](const Cells& piece) { return CellBlock{piece.lower * macrocells.edge(), glm::min(piece.upper * macrocells.edge(), cells)}; };
   const auto weightOfSlices = [&](const Cells& piece, int axis) {
     std::vector<double> ofSlices(static_cast<size_t>(piece.extent()[axis]));
-    for (int z = piece.lower.z; z < piece.upper.z; ++z)
-      for (int y = piece.lower.y; y < piece.upper.y; ++y)
-        for (int x = piece.lower.x; x < piece.upper.x; ++x) {
-          const size_t cell = (static_cast<size_t>(z) * static_cast<size_t>(dims.y) + static_cast<size_t>(y)) * static_cast<size_t>(dims.x) + static_cast<size_t>(x);
-          const int slice = glm::ivec3(x, y, z)[axis] - piece.lower[axis];
-          ofSlices[static_cast<size_t>(slice)] += static_cast<double>(weights[cell]);
-        }
+    forEachCell(piece, dims, [&](size_t cell, const glm::ivec3& at) { ofSlices[static_cast<size_t>(at[axis] - piece.lower[axis])] += static_cast<double>(weights[cell]); });
     return ofSlices;
   };
   const std::function<int(const Cells&, int)> cut = [&](const Cells& piece, int blocks) -> int {

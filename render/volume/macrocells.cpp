@@ -72,7 +72,7 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
     ranges->highest.assign(padded, Number(kNoHighest));
     const Voxel* voxels = volume.voxelsAs<Voxel>();
     const size_t rows = size_t(dims_.y) * dims_.z;
-    const auto [firstRow, endRow] = volume.ranks() ? volume.ranks()->shareOf(rows) : std::pair<size_t, size_t>{0, rows};
+    const auto [firstRow, endRow] = shareOf(volume.ranks(), rows);
     parallelForRanges(endRow - firstRow, 4, [&, firstRow = firstRow](size_t begin, size_t end) {
       for (size_t row = firstRow + begin; row < firstRow + end; ++row) {
         const int cy = static_cast<int>(row % dims_.y);

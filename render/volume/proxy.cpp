@@ -61,8 +61,8 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
   const std::vector<Coverage> alongX = coveragesOf(fine.dims.x, geometry.dims.x), alongY = coveragesOf(fine.dims.y, geometry.dims.y),
                               alongZ = coveragesOf(fine.dims.z, geometry.dims.z);
   const size_t rows = size_t{geometry.dims.z} * geometry.dims.y;
-  size_t firstOfShare = 0, endOfShare = rows;
-  if (volume.ranks()) std::tie(firstOfShare, endOfShare) = volume.ranks()->shareOf(rows);
+  size_t firstOfShare, endOfShare;
+  std::tie(firstOfShare, endOfShare) = shareOf(volume.ranks(), rows);
   auto voxels = std::make_shared<std::vector<uint8_t>>((endOfShare - firstOfShare) * geometry.dims.x);
   const ProxyScale scale = proxy.scale;
   // Sums of the largest numbers are added up smaller; elsewhere nothing is rounded away.

@@ -214,7 +214,7 @@ Volume::Volume(std::string name, VoxelType type, const VolumeGeometry& geometry,
   const size_t count = validate(geometry_, type_, name_);
   bounds_ = geometry_.bounds();
   if (ranks_) requireSameEverywhere(*this);
-  const std::pair<size_t, size_t> share = ranks_ ? ranks_->shareOf(count) : std::pair<size_t, size_t>{0, count};
+  const std::pair<size_t, size_t> share = shareOf(ranks_, count);
   visitVoxelType(type_, [&]<class Voxel>(Voxel) { statistics_ = gatherStatistics(Scanned<Voxel>{voxelsAs<Voxel>() + share.first, share.second - share.first, ranks_.get()}, stop); });
 }
 
