@@ -50,9 +50,14 @@ TEST(FileKeeper, WhatFailsIsASentenceAndLeavesNothing) {
   keeper.keep({file("-1.png", "a"), {"-2.png", []() -> std::string { throw std::runtime_error("no memory for that"); }}});
   EXPECT_EQ(noteOf(keeper), "no memory for that");
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  // Nor where one of them cannot be written.
+  keeper.keep({file("-1.png", "a"), file("/2.png", "b")});
+  EXPECT_THAT(noteOf(keeper), testing::HasSubstr("cannot be written"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   FileKeeper nowhere(folder.path() / "missing", [] {});
   nowhere.keep({file(".png", "a")});
   EXPECT_THAT(noteOf(nowhere), testing::HasSubstr("warpscope-1.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "missing"));
 }
 
 }  // namespace

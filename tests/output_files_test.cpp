@@ -62,6 +62,31 @@ TEST_F(OutputFiles, WritesAndReplacesWhole) {
   EXPECT_THAT(namesIn(root_), UnorderedElementsAre("f"));
 }
 
+TEST_F(OutputFiles, NamesMayBeAsLongAsTheSystemTakes) {
+  const std::string name = std::string(251, 'n') + ".png";
+  writeFileWhole(root_ / name, "1");
+  EXPECT_EQ(contentOf(root_ / name), "1");
+  requireWritable(root_ / name);
+  EXPECT_THROW(writeFileWhole(root_ / ("x" + name), "1"), InputError);
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre(name));
+}
+
+TEST_F(OutputFiles, WhatIsAddedByOthersComesWithTheRest) {
+  {
+    StagedFolder folder(root_);
+    folder.write("a", "1");
+    std::ofstream(folder.placeOf("b")) << "2";
+    std::ofstream(folder.placeOf("scratch")) << "3";
+    folder.add("b");
+    folder.commit();
+  }
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("a", "b"));
+  EXPECT_EQ(contentOf(root_ / "b"), "2");
+  StagedFolder folder(root_);
+  folder.add("never written");
+  EXPECT_THROW(folder.commit(), InputError);
+}
+
 TEST_F(OutputFiles, WhatIsReadIsNotWrittenByWhateverName) {
   std::ofstream(root_ / "volume") << "voxels";
   fs::create_symlink(root_ / "volume", root_ / "link");

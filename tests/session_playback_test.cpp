@@ -2,6 +2,7 @@
 // their volume as well.
 // Mirrors app/session/live_playback.h, app/session/recorded_scene.h and app/frames/recorded_frame_source.h.
 #include "app/session/recorded_scene.h"
+#include "app/picture/picture.h"
 #include "tests/session_fixture.h"
 #include "tests/test_folder.h"
 
@@ -232,6 +233,75 @@ TEST_F(SessionPlaybackTest, AFrameThatIsDamagedIsASentenceAndOthersGoOn) {
   session_.playback().seek(3.0);
   ASSERT_TRUE(shows(2));
   EXPECT_EQ(session_.error(), "");
+}
+
+TEST_F(SessionPlaybackTest, PicturesAreExportedWhileTheWindowGoesOn) {
+  ASSERT_TRUE(openRecorded(recorded("a.warpscope", text())));
+  session_.setTechnique(0, findWarp("reference"));
+  ReplayExport& exporting = session_.exporting();
+  const auto ended = [&] {
+    std::optional<std::string> note;
+    EXPECT_TRUE(pumpUntil([&] { return (note = exporting.takeNote()).has_value(); }));
+    EXPECT_FALSE(exporting.isAtWork());
+    return note.value_or("");
+  };
+  session_.startExport(folder_.file("out.png"));
+  EXPECT_TRUE(exporting.isAtWork());
+  EXPECT_EQ(exporting.steps(), 121u) << "four seconds";
+  EXPECT_EQ(ended(), "exported 121 pictures: " + folder_.file("out-000001.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder_.file("out-000121.png")));
+  const Image<Rgba8> picture = readPng(folder_.file("out-000061.png"));
+  const auto count = static_cast<uint32_t>(session_.panelCount());
+  EXPECT_EQ(picture.width(), count * session_.pictureSize().x + 4 * (count - 1));
+  EXPECT_NE(picture, readPng(folder_.file("out-000121.png")));
+  EXPECT_THROW(session_.startExport(folder_.file("out.PNG")), InputError) << "pictures of such names are there";
+  EXPECT_THROW(session_.startExport(folder_.file("out.avi")), InputError);
+  session_.startExport(folder_.file("missing/deeper/out.png"));  // made
+  EXPECT_THAT(ended(), HasSubstr("exported 121 pictures"));
+  // Given up: nothing of it is there.
+  session_.startExport(folder_.file("second.png"));
+  ASSERT_TRUE(pumpUntil([&] { return exporting.done() > 2; }));
+  exporting.cancel();
+  EXPECT_FALSE(exporting.isAtWork());
+  session_.startExport(folder_.file("third.png"));
+  EXPECT_THAT(ended(), HasSubstr("third-000001.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("second-000001.png")));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) EXPECT_EQ(entry.path().string().find("partial"), std::string::npos) << entry.path();
+  folder_.write("file", "in the way");
+  session_.startExport(folder_.file("file/out.png"));
+  EXPECT_THAT(ended(), HasSubstr("not exported: "));
+  EXPECT_EQ(folder_.read("file"), "in the way");
+}
+
+TEST_F(SessionPlaybackTest, FilmsAreExportedWhereThereIsTheProgramForThem) {
+  ASSERT_TRUE(openRecorded(recorded("a.warpscope", text())));
+  if (!canFilm()) {
+    EXPECT_THROW(session_.startExport(folder_.file("film.mp4")), InputError);
+    GTEST_SKIP() << "ffmpeg is not installed";
+  }
+  folder_.write("film.gif", "an older one");
+  for (const char* name : {"film.mp4", "film.gif"}) {
+    session_.startExport(folder_.file(name));
+    std::optional<std::string> note;
+    ASSERT_TRUE(pumpUntil([&] { return (note = session_.exporting().takeNote()).has_value(); }));
+    EXPECT_EQ(*note, "exported 121 pictures: " + folder_.file(name));
+    EXPECT_GT(std::filesystem::file_size(folder_.file(name)), 5000u);
+  }
+  size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) files += entry.path().filename() != "a.warpscope";
+  EXPECT_EQ(files, 2u) << "the films alone";
+}
+
+TEST_F(SessionPlaybackTest, WhatCannotBeExportedIsSaid) {
+  EXPECT_THROW(session_.startExport(folder_.file("out.png")), InputError) << "there is no recording";
+  ASSERT_TRUE(openRecorded(recorded("a.warpscope", "")));
+  session_.setTechnique(0, findWarp("reference"));
+  EXPECT_THROW(session_.startExport(folder_.file("out.png")), InputError) << "its volume is not known";
+  session_.setTechnique(0, findWarp("hold"));
+  session_.startExport(folder_.file("out.png"));
+  std::optional<std::string> note;
+  ASSERT_TRUE(pumpUntil([&] { return (note = session_.exporting().takeNote()).has_value(); }));
+  EXPECT_THAT(*note, HasSubstr("exported 121 pictures"));
 }
 
 }  // namespace

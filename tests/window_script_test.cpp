@@ -182,9 +182,16 @@ TEST_F(WindowScriptTest, TheTransferFunctionIsEditedAndTakenBack) {
   EXPECT_EQ(session_.scene()->transferFunction, before) << "there was nothing before";
   press(Action::redo);
   EXPECT_EQ(session_.scene()->transferFunction, added);
-  window_.click({1140.0f, 265.0f});  // the colours
-  window_.click(kChart, 1);          // removes the corner
+  // A drag that begins on a corner moves all, a click there removes it.
+  window_.drag(kChart, kChart + glm::vec2(20.0f, 0.0f), 1);
   EXPECT_NE(session_.scene()->transferFunction, added);
+  EXPECT_FALSE(window_.view().note().starts_with("the corner")) << window_.view().note();
+  press(Action::undo);
+  ASSERT_EQ(session_.scene()->transferFunction, added);
+  window_.click({1140.0f, 265.0f});  // the colours
+  window_.click(kChart, 1);
+  EXPECT_NE(session_.scene()->transferFunction, added);
+  EXPECT_TRUE(window_.view().note().starts_with("the corner is gone")) << window_.view().note();
   EXPECT_TRUE(rest());
 }
 

@@ -1,20 +1,15 @@
 // `replay`: a recording of the window, shown again by any techniques: numbered pictures, and a film of them.
 // The same file gives the same pictures on every run.
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "app/commands/options.h"
-#include "app/experiment/replay.h"
-#include "app/frames/wire_fields.h"
-#include "app/picture/picture.h"
+#include "app/experiment/replay_files.h"
 #include "app/scene/json_document.h"
 #include "app/session/recorded_scene.h"
-#include "app/shell/child_process.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/log.h"
-#include "app/shell/output_files.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
@@ -34,12 +29,6 @@ struct ReplayOptions {
 
 constexpr Range kRateRange{0.1, 240.0};
 
-std::string nameOf(size_t index) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06zu.png", index + 1);
-  return name;
-}
-
 /// Those that were asked for, else those that were on show.
 std::vector<TechniqueInUse> techniquesOf(const ReplayOptions& options, const Recording& recording, const KnobValues& knobs) {
   std::vector<TechniqueInUse> techniques;
@@ -51,40 +40,11 @@ std::vector<TechniqueInUse> techniquesOf(const ReplayOptions& options, const Rec
   return techniques;
 }
 
-/// Why none of the frames has what the technique draws; empty where some have, or there are none.
-std::string lackInAll(const Recording& recording, const TechniqueInUse& one) {
-  std::string lack;
-  for (const Recording::Frame& frame : recording.frames) {
-    lack = lackOf(*one.technique, marchFrom(frame.head.settings), one.knobs);
-    if (lack.empty()) break;
-  }
-  return lack;
-}
-
-/// Numbered pictures of an earlier run that had more.
-void removeLaterPictures(const std::filesystem::path& folder, size_t count) {
-  std::error_code failed;
-  for (size_t index = count; std::filesystem::remove(folder / nameOf(index), failed);) ++index;
-}
-
-/// `pattern`: "folder/%06d.png".
-void makeVideo(const std::string& pattern, const std::filesystem::path& film, double picturesPerSecond, const std::stop_token& stop) {
-  const std::string rate = nlohmann::json(picturesPerSecond).dump();
-  std::vector<std::string> command{"ffmpeg", "-nostdin", "-y", "-loglevel", "error", "-framerate", rate, "-i", pattern};
-  if (film.extension() == ".gif") {
-    for (const char* word : {"-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse"}) command.emplace_back(word);
-  } else {
-    for (const char* word : {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-movflags", "+faststart"}) command.emplace_back(word);
-  }
-  command.push_back(film.string());
-  runProgram(command, stop);
-}
-
 void run(const ReplayOptions& options) {
   requireRange(options.picturesPerSecond, kRateRange, "--fps");
   const bool hasVideo = !options.video.empty();
   if (hasVideo && options.video != "mp4" && options.video != "gif") throw UsageError("--video makes mp4 or gif, not " + options.video);
-  const bool canFilm = hasVideo && hasProgram("ffmpeg");
+  const bool isFilmed = hasVideo && canFilm();
   const CheckedOptions checked = check(options.common);
   const Interrupt interrupt;
   const Recording recording = readRecording(options.file, interrupt.token());
@@ -94,30 +54,14 @@ void run(const ReplayOptions& options) {
   settings.width = checked.width;
   settings.height = checked.height;
   settings.hasLabels = !options.hasNoLabels;
-  for (const TechniqueInUse& one : settings.techniques)
-    if (const std::string lack = lackInAll(recording, one); !lack.empty()) throw InputError(options.file + ": " + std::string(one.technique->name) + " can show nothing of its frames: " + lack);
-  if (recording.frames.empty() && std::ranges::any_of(settings.techniques, [](const TechniqueInUse& one) { return one.technique->usesFrame; }))
-    throw InputError(options.file + ": holds no frames, only where the camera was: there is nothing to be drawn of them");
+  requireDrawable(recording, settings);  // before its volume is opened
   const bool marches = std::ranges::any_of(settings.techniques, [](const TechniqueInUse& one) { return !one.technique->usesFrame; });
   HeadlessResources headless(marches ? marcherOf(recording, checked.backend, interrupt.token()) : nullptr, checked.platform, checked.backend);
   settings.resources = headless.resources();
-  const size_t count = pictureCount(recording, settings.picturesPerSecond);
-  StagedFolder folder(options.out);
-  auto progress = std::make_unique<Progress>("replay", count + (canFilm ? 1 : 0), !options.common.showsProgress());
-  replay(
-      recording, settings,
-      [&](size_t index, const Image<Rgba8>& picture) {
-        progress->step("picture " + std::to_string(index + 1) + " of " + std::to_string(count));
-        folder.write(nameOf(index), encodePng(picture, interrupt.token()));
-      },
-      interrupt.token());
-  folder.commit();
-  removeLaterPictures(options.out, count);
-  const std::filesystem::path film = std::filesystem::path(options.out) / ("replay." + options.video);
-  if (canFilm) {
-    progress->step(film.filename().string());
-    makeVideo((std::filesystem::path(options.out) / "%06d.png").string(), film, settings.picturesPerSecond, interrupt.token());
-  }
+  const ReplayFiles files{.folder = options.out, .film = isFilmed ? "replay." + options.video : std::string()};
+  const std::filesystem::path film = files.folder / files.film;
+  auto progress = std::make_unique<Progress>("replay", stepsOf(recording, settings.picturesPerSecond, files), !options.common.showsProgress());
+  const size_t count = writeReplay(recording, settings, files, [&](const std::string& what) { progress->step(what); }, interrupt.token());
   progress.reset();
   if (options.common.json) {
     nlohmann::json techniques = nlohmann::json::array();
@@ -127,12 +71,12 @@ void run(const ReplayOptions& options) {
                          {"seconds", recording.seconds},
                          {"frames", recording.frames.size()},
                          {"techniques", techniques},
-                         {"video", canFilm ? nlohmann::json(film.string()) : nlohmann::json(nullptr)}});
+                         {"video", isFilmed ? nlohmann::json(film.string()) : nlohmann::json(nullptr)}});
   } else {
     logResult("wrote " + std::to_string(count) + " pictures of " + std::to_string(recording.frames.size()) + " frames to " + options.out +
-              (canFilm ? ", and " + film.string() : std::string()));
+              (isFilmed ? ", and " + film.string() : std::string()));
   }
-  if (hasVideo && !canFilm) throw InputError("there is no film of them: --video needs the program ffmpeg, which is not installed. The numbered pictures are in " + options.out);
+  if (hasVideo && !isFilmed) throw InputError("there is no film of them: --video needs the program ffmpeg, which is not installed. The numbered pictures are in " + options.out);
 }
 
 }  // namespace

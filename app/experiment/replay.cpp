@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "app/frames/wire_fields.h"
 #include "app/picture/picture.h"
 #include "app/picture/text.h"
 #include "render/base/error.h"
@@ -22,7 +23,26 @@ void paste(Image<Rgba8>& page, const Image<Rgba8>& picture, uint32_t left) {
   for (uint32_t y = 0; y < picture.height(); ++y) std::copy_n(picture.row(y), picture.width(), page.row(y) + left);
 }
 
+/// Why none of the frames has what the technique draws; empty where some have, or there are none.
+std::string lackInAll(const Recording& recording, const TechniqueInUse& one) {
+  std::string lack;
+  for (const Recording::Frame& frame : recording.frames) {
+    lack = lackOf(*one.technique, marchFrom(frame.head.settings), one.knobs);
+    if (lack.empty()) break;
+  }
+  return lack;
+}
+
 }  // namespace
+
+void requireDrawable(const Recording& recording, const ReplaySettings& settings) {
+  const std::string file = recording.file.string();
+  for (const TechniqueInUse& one : settings.techniques) {
+    if (const std::string lack = lackInAll(recording, one); !lack.empty()) throw InputError(file + ": " + std::string(one.technique->name) + " can show nothing of its frames: " + lack);
+    if (recording.frames.empty() && one.technique->usesFrame)
+      throw InputError(file + ": holds no frames, only where the camera was: there is nothing to be drawn of them");
+  }
+}
 
 size_t pictureCount(const Recording& recording, double picturesPerSecond) {
   return static_cast<size_t>(std::floor(recording.seconds * picturesPerSecond)) + 1;

@@ -24,6 +24,9 @@ size_t pictureCount(const Recording& recording, double picturesPerSecond);
 /// Height of a picture, with its labels.
 uint32_t replayHeight(const ReplaySettings& settings);
 
+/// Throws InputError, naming the recording, where one of the techniques can show nothing of its frames.
+void requireDrawable(const Recording& recording, const ReplaySettings& settings);
+
 /// Calls `onPicture` for each picture, in order. Throws InputError for a frame that cannot be decoded, OperationCancelled if `stop` is set; and as techniques do.
 void replay(const Recording& recording, const ReplaySettings& settings, const std::function<void(size_t index, const Image<Rgba8>&)>& onPicture,
             const std::stop_token& stop);

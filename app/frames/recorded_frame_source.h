@@ -21,6 +21,7 @@ class RecordedFrameSource final : public FrameSource {
   /// Whether what was sought last has not been taken yet.
   bool isSeeking() const { return sought_ && sought_ != taken_; }
   const Recording& recording() const { return *recording_; }
+  const std::shared_ptr<const Recording>& sharedRecording() const { return recording_; }
 
   struct Taken {
     ServedFrame served;

@@ -51,6 +51,12 @@ void refuseSize(const SceneOverrides& overrides) {
   if (overrides.proceduralDims) throw UsageError("--volume-size is for built-in volumes; a file has its own size");
 }
 
+/// That a node names, from the folder of its description on.
+fs::path fileOf(const Node& node, const fs::path& folder) {
+  const fs::path file = node.at("file").string();
+  return file.is_absolute() ? file : folder / file;
+}
+
 VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverrides& overrides, const std::stop_token& stop) {
   constexpr std::string_view kKeys[] = {"file", "spacing", "procedural", "size"};
   node.requireObject(kKeys);
@@ -75,8 +81,7 @@ VolumePtr readVolume(const Node& node, const fs::path& folder, const SceneOverri
   if (const auto size = node.find("size")) size->fail("is for procedural volumes; a file has its own size");
   std::optional<glm::dvec3> spacing;
   if (const auto given = node.find("spacing")) spacing = readVector(*given, 1e-12, 1e12);
-  const fs::path file = node.at("file").string();
-  return openVolume(file.is_absolute() ? file : folder / file, spacing, stop, overrides.ranks);
+  return openVolume(fileOf(node, folder), spacing, stop, overrides.ranks);
 }
 
 void crop(Scene& scene, const fs::path& mask, const std::stop_token& stop) {
@@ -119,11 +124,12 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   const Node volume = root.at("volume");
   if (overrides.volume) refuseSize(overrides);
   scene.volume = overrides.volume ? openVolume(*overrides.volume, {}, stop, overrides.ranks) : readVolume(volume, folder, overrides, stop);
+  if (!overrides.volume && volume.find("file")) scene.files.push_back(fileOf(volume, folder));
   if (const auto mask = root.find("mask"); mask && !overrides.mask) {
     constexpr std::string_view kMaskKeys[] = {"file"};
     mask->requireObject(kMaskKeys);
-    const fs::path file = mask->at("file").string();
-    crop(scene, file.is_absolute() ? file : folder / file, stop);
+    scene.files.push_back(fileOf(*mask, folder));
+    crop(scene, scene.files.back(), stop);
   }
   // Made for these views, as their golden images are; of a file nobody knows beforehand what it shows.
   if (scene.views.empty() && !overrides.volume && volume.find("procedural")) scene.views = defaultViews();

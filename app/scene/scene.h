@@ -50,6 +50,7 @@ struct Scene {
   double fovYDeg = 40.0;
   glm::vec3 background{0.0f};  ///< linear RGB, behind everything that is transparent
   std::vector<View> views;     ///< at least one; the first is the server's
+  std::vector<std::filesystem::path> files;  ///< that its description names: of voxels and of a mask
   MarchSettings march = defaultMarch();
 
   const VolumeGeometry& geometry() const { return volume ? volume->geometry() : elsewhere; }

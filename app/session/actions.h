@@ -19,6 +19,7 @@ enum class Action {
   savePanels,
   savePlot,
   record,
+  exportFilm,
   quit,
   resetView,
   freeze,

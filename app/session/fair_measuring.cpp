@@ -9,6 +9,7 @@
 #include "app/experiment/findings.h"
 #include "app/experiment/measuring.h"
 #include "app/frames/backend.h"
+#include "app/session/own_context.h"
 #include "render/metrics/picture_errors.h"
 
 namespace warpscope {
@@ -24,13 +25,7 @@ View turned(View view, double degrees) {
 /// On the worker's thread, whose context it keeps.
 class FairWork {
  public:
-  FairWork(gl::Platform platform, WarpResources resources) : resources_(std::move(resources)) {
-    // One for all copies of the function: techniques' objects are in it.
-    resources_.context = [platform, context = std::make_shared<std::unique_ptr<gl::Context>>()]() -> gl::Context& {
-      if (!*context) *context = gl::makeHeadlessContext(platform);
-      return **context;
-    };
-  }
+  FairWork(gl::Platform platform, WarpResources resources) : resources_(std::move(resources)) { resources_.context = makeOwnContext(platform); }
 
   void operator()(const FairJob& job, FairResult& result, const std::stop_token& stop) {
     std::vector<Camera> cameras;

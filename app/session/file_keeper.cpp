@@ -37,7 +37,10 @@ std::string write(const std::filesystem::path& folder, const std::vector<FileKee
     for (const FileKeeper::File& file : files) contents.push_back(file.content());
     const std::scoped_lock lock(numbering);
     const std::string stem = std::string(kStem) + std::to_string(freeNumber(folder));
-    for (size_t i = 0; i < files.size(); ++i) writeFileWhole(folder / (stem + files[i].ending), contents[i]);
+    requireWritable(folder / (stem + files.front().ending));  // a folder that is gone is not made again
+    StagedFolder together(folder);
+    for (size_t i = 0; i < files.size(); ++i) together.write(stem + files[i].ending, contents[i]);
+    together.commit();
     std::string note = "saved " + (folder / (stem + files.front().ending)).string();
     for (size_t i = 1; i < files.size(); ++i) note += (i + 1 == files.size() ? " and " : ", ") + stem + files[i].ending;
     return note;

@@ -41,6 +41,7 @@ class LivePlayback {
   /// Of the frame that belongs to seconds(), from 0 on.
   size_t frame() const { return frameAt(recording(), seconds_).value_or(0); }
   const Recording& recording() const { return recorded_->recording(); }
+  const std::shared_ptr<const Recording>& sharedRecording() const { return recorded_->sharedRecording(); }
 
   /// Lets time pass, and seeks the frame that belongs to it. The view to be shown now; `view` is the current one.
   View update(const View& view, TimePoint now);

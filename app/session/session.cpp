@@ -33,7 +33,8 @@ Session::Session(const SessionSettings& settings, const std::function<void()>& o
       plan_(onNews),
       ray_(onNews),
       fair_(settings.platform, settings.resources, onNews),
-      moving_(onNews, marchCrew_) {
+      moving_(onNews, marchCrew_),
+      exporting_(settings.platform, settings.resources, onNews, marchCrew_) {
   setKnobs(settings.knobs);
   for (const PanelSettings& panel : settings.panels) panels_.push_back(makePanel(panel));
 }
@@ -241,6 +242,22 @@ size_t Session::stopRecording() {
   return leftOut;
 }
 
+void Session::startExport(const std::filesystem::path& path) {
+  if (!playback_.isOpen()) throw InputError("there is no recording on show");
+  ExportJob job;
+  job.files = exportedAs(path);
+  job.recording = playback_.sharedRecording();
+  for (size_t i = 0; i < panels_.size(); ++i)
+    if (!panel(i).isHidden) job.techniques.push_back({panel(i).technique, warpSettingsOf(i).knobs});
+  if (std::ranges::any_of(job.techniques, [](const TechniqueInUse& one) { return !one.technique->usesFrame; })) {
+    if (!whyNoTruth().empty()) throw InputError(whyNoTruth());
+    job.marcher = opening_.current()->display;
+    if (const TransferFunction* const first = functionAt(*job.recording, 0.0)) job.marcher = job.marcher->withTransferFunction(*first);
+  }
+  job.sizePx = pictureSize();
+  exporting_.start(std::move(job));
+}
+
 std::optional<size_t> Session::placeOf(uint64_t id) const {
   for (size_t i = 0; i < panels_.size(); ++i)
     if (panels_[i].shown().id == id) return i;
@@ -372,7 +389,7 @@ std::optional<Configuration> Session::configurationOf(const WarpResult& result) 
 bool Session::isAtRest() const {
   const bool isPlaybackAtRest = !playback_.isOpen() || playback_.isAtRest();
   const bool isServerAtRest = isPlaybackAtRest && !frames_.isUnderWay() && !frames_.isToBeRefined() && (frames_.isWhatIsWanted() || knobs_.isFrozen);
-  if (!loading().empty() || !isServerAtRest || !truth_.isAsked() || fair_.isMeasuring() || moving_.isAtWork()) return false;
+  if (!loading().empty() || !isServerAtRest || !truth_.isAsked() || fair_.isMeasuring() || moving_.isAtWork() || exporting_.isAtWork()) return false;
   return std::all_of(panels_.begin(), panels_.end(), [this](const LivePanel& panel) {
     const bool isAsked = panel.ownCamera() == nullptr || panel.shown().isHidden || panel.ownCamera()->truth.isAsked();
     return isAsked && panel.isAtRest(truthOf(panel));
@@ -388,12 +405,13 @@ bool Session::close(std::chrono::milliseconds patience) {
   ray_.requestStop();
   fair_.requestStop();
   moving_.requestStop();
+  exporting_.requestStop();
   for (LivePanel& panel : panels_) panel.requestStop();
   const auto hasEnded = [&](const LivePanel& panel) { return panel.waitForEnd(deadline); };
   for (const std::future<void>& one : endedRecordings_)
     if (one.wait_until(deadline) != std::future_status::ready) return false;
   return opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) && plan_.waitForEnd(deadline) && ray_.waitForEnd(deadline) && fair_.waitForEnd(deadline) &&
-         moving_.waitForEnd(deadline) &&
+         moving_.waitForEnd(deadline) && exporting_.waitForEnd(deadline) &&
          std::all_of(panels_.begin(), panels_.end(), hasEnded) && std::all_of(removed_.begin(), removed_.end(), hasEnded);
 }
 

@@ -25,6 +25,7 @@
 #include "app/session/live_view.h"
 #include "app/session/moving_errors.h"
 #include "app/session/picture_timing.h"
+#include "app/session/replay_export.h"
 #include "app/session/scene_opening.h"
 
 namespace warpscope {
@@ -104,6 +105,11 @@ class Session {
   /// A recording that is on show in place of what a server sends; open while the scene is one.
   LivePlayback& playback() { return playback_; }
   const LivePlayback& playback() const { return playback_; }
+  /// Writes the recording that is on show as a film or as pictures: by the techniques on show, side by side, in the size of their pictures (replay_export.h), in place of
+  /// one that is being written. Throws InputError without a recording, and as exportedAs(); what goes wrong later exporting() says.
+  void startExport(const std::filesystem::path& path);
+  ReplayExport& exporting() { return exporting_; }
+  const ReplayExport& exporting() const { return exporting_; }
   /// Why there is no ground truth of the scene on show; empty where there is, or no scene yet.
   std::string whyNoTruth() const { return opening_.current() ? opening_.current()->whyNoTruth : ""; }
   /// The link lets nothing pass for so long, on top of what is simulated.
@@ -255,6 +261,7 @@ class Session {
   LiveRay ray_;
   FairMeasuring fair_;
   MovingErrors moving_;
+  ReplayExport exporting_;
   std::optional<LookedAt> lookedAt_;
   std::vector<LivePanel> panels_;
   std::vector<LivePanel> removed_;  // whose threads have not ended yet

@@ -133,10 +133,11 @@ fs::path targetOf(const fs::path& path) {
   return target;
 }
 
+/// Beside it, in a name that is no longer than file systems take: of a long one the end is left out.
 fs::path partialOf(const fs::path& target) {
-  fs::path partial = target;
-  partial += std::string(kPartial) + uniqueSuffix();
-  return partial;
+  constexpr size_t kLongestName = 255;
+  const std::string name = target.filename().string();
+  return target.parent_path() / (name.substr(0, kLongestName - kPartial.size() - kSuffixLength) + std::string(kPartial) + uniqueSuffix());
 }
 
 /// Files put in place one after the other, all of which can be taken back.
@@ -266,6 +267,10 @@ void StagedFolder::cleanUp() {
 
 void StagedFolder::write(const std::string& name, std::string_view bytes) {
   writeBytes(staging_ / name, folder_ / name, bytes, permissionsOf(folder_ / name));
+  add(name);
+}
+
+void StagedFolder::add(const std::string& name) {
   const std::scoped_lock lock(mutex_);
   std::erase(names_, name);
   names_.push_back(name);

@@ -39,6 +39,10 @@ class StagedFolder {
 
   /// Safe to call from several threads for different names. Throws InputError.
   void write(const std::string& name, std::string_view bytes);
+  /// Where another program may write a file of that name, to be added then; what is not added goes.
+  std::filesystem::path placeOf(const std::string& name) const { return staging_ / name; }
+  /// As written: a file that is at its place. Safe as write().
+  void add(const std::string& name);
   /// Moves everything into the folder in the order in which it was written, replacing files of the same names. Throws InputError; then
   /// what was moved is gone again and what it replaced is back.
   void commit();

@@ -174,10 +174,16 @@ bool Controls::endSearch() { return std::exchange(search_[0], '\0') != '\0'; }
 
 void Controls::drawSearch(const Look& look) {
   if (std::exchange(wantsSearch_, false)) ImGui::SetKeyboardFocusHere();
-  ImGui::SetNextItemWidth(-1.0f);
+  const bool hasEnd = search_[0] != '\0';
+  const float side = ImGui::GetFrameHeight();
+  ImGui::SetNextItemWidth(hasEnd ? -side - ImGui::GetStyle().ItemInnerSpacing.x : -1.0f);
   ImGui::InputTextWithHint("##search", "search a knob", search_.data(), search_.size(), ImGuiInputTextFlags_AutoSelectAll);
   // It would cover what was found.
-  if (!ImGui::IsItemActive() && search_[0] == '\0') tooltip("A part of a knob's name, or of what it does. Ctrl+F.", look);
+  if (!ImGui::IsItemActive() && !hasEnd) tooltip("A part of a knob's name, or of what it does. Ctrl+F.", look);
+  if (!hasEnd) return;
+  ImGui::SameLine(0.0f, ImGui::GetStyle().ItemInnerSpacing.x);
+  if (ImGui::Button("×##end", {side, side})) endSearch();
+  tooltip("All knobs again. Esc.", look);
 }
 
 void Controls::drawFound(Session& session, LiveSettings& knobs, const Look& look) {
@@ -206,7 +212,7 @@ void Controls::drawFound(Session& session, LiveSettings& knobs, const Look& look
   if (hasWords({"Pixel size", kPixelSizeHelp})) drawPixelSize(session, knobs, look);
   if (hasWords({"Mark", kMarksHelp})) drawMarks(knobs, markColors_, look);
   if (hasWords({"Motion", kMotionHelp})) drawMotion(session, look);
-  if (found == 0) ImGui::TextColored(palette().dimText, "No knob has that.");
+  if (found == 0) ImGui::TextColored(palette().dimText, "No knob has that; Esc shows all.");
 }
 
 void Controls::draw(Session& session, const SceneOpener& openScene, const FileOpener& openFile, const EditHistory& history, const Look& look) {

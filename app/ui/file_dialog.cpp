@@ -21,6 +21,7 @@ std::string_view titleOf(FileDialog::Purpose purpose) {
     case FileDialog::Purpose::open: return "Open";
     case FileDialog::Purpose::saveSession: return "Save session";
     case FileDialog::Purpose::record: return "Record";
+    case FileDialog::Purpose::exportFilm: return "Export film (.mp4, .gif) or pictures (.png)";
     case FileDialog::Purpose::saveFunction: return "Save transfer function";
     case FileDialog::Purpose::saveColorMap: return "Save for ParaView";
   }
@@ -30,6 +31,7 @@ std::string_view titleOf(FileDialog::Purpose purpose) {
 /// What the names of such files end with, in lower case.
 std::vector<std::string_view> endingsOf(FileDialog::Purpose purpose) {
   if (purpose == FileDialog::Purpose::record) return {".warpscope"};
+  if (purpose == FileDialog::Purpose::exportFilm) return {".mp4", ".gif", ".png"};
   if (purpose != FileDialog::Purpose::open) return {".json"};
   std::vector<std::string_view> endings{".json", ".warpscope"};
   for (const VolumeEnding& volume : kVolumeEndings) endings.push_back(volume.ending);

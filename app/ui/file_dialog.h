@@ -15,7 +15,7 @@ namespace warpscope::ui {
 
 class FileDialog {
  public:
-  enum class Purpose { open, saveSession, record, saveFunction, saveColorMap };
+  enum class Purpose { open, saveSession, record, exportFilm, saveFunction, saveColorMap };
 
   /// Asks by the desktop's dialogs from now on, where there are some. `onNews`: as DesktopDialog's.
   void useDesktop(std::function<void()> onNews) { desktop_.emplace(std::move(onNews)); }

@@ -8,9 +8,6 @@
 
 #include "app/picture/picture.h"
 #include "app/session/demos.h"
-#include "app/session/recorded_scene.h"
-#include "app/session/session_file.h"
-#include "app/shell/output_files.h"
 #include "app/shell/user_folders.h"
 #include "app/ui/help_pages.h"
 #include "app/ui/playback_bar.h"
@@ -35,28 +32,10 @@ void toggleFrozen(Session& session) {
   session.setKnobs(knobs);
 }
 
-/// What is read of them while they are on show, so that nothing may be written there.
-std::vector<std::filesystem::path> filesOnShow(const Session& session) {
-  std::vector<std::filesystem::path> files;
-  if (const std::optional<SceneOrigin>& origin = session.origin()) {
-    files.emplace_back(origin->spec);
-    for (const auto& more : {origin->overrides.volume, origin->overrides.mask, origin->overrides.transferFunction})
-      if (more) files.push_back(*more);
-  }
-  if (session.playback().isOpen()) files.push_back(session.playback().recording().file);
-  return files;
-}
-
-std::filesystem::path currentFolder() {
-  std::error_code failed;
-  const std::filesystem::path folder = std::filesystem::current_path(failed);
-  return failed ? "." : folder;
-}
-
 }  // namespace
 
 MainView::MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, Remembered& remembered, std::function<void()> onNews)
-    : gl_(gl), grid_(gl), plot_(std::move(sweep)), openScene_(openScene), remembered_(remembered), fileSorter_(makeFileSorter(onNews)), keeper_(currentFolder(), std::move(onNews)) {}
+    : gl_(gl), grid_(gl), plot_(std::move(sweep)), openScene_(openScene), remembered_(remembered), fileSorter_(makeFileSorter(onNews)), files_(remembered, std::move(onNews)) {}
 
 void MainView::takeHandedFile(Session& session) {
   std::optional<HandedFile> file = fileSorter_->tryTake();
@@ -102,43 +81,12 @@ void MainView::showDialog(FileDialog::Purpose purpose, const std::string& name) 
   if (dialog_.isOpen()) typeAhead_.begin();
 }
 
-void MainView::saveSession(const Session& session, const std::filesystem::path& path) {
-  requireNoneOf(path, filesOnShow(session));
-  writeFileWhole(path, textOf(sessionFileOf(session)));
-  remembered_.addFile(path);
-  setNote("saved " + path.string());
-}
-
-void MainView::startRecording(Session& session, const std::filesystem::path& path) {
-  requireNoneOf(path, filesOnShow(session));
-  session.startRecording(path, textForRecording(session));
-  recordedFile_ = path;
-  setNote("recording into " + path.string());
-}
-
 void MainView::savePicture(Image<Rgba8> picture) {
-  keeper_.keep({{".png", [picture = std::make_shared<const Image<Rgba8>>(std::move(picture))] { return encodePng(*picture); }}});
-}
-
-void MainView::savePanels(const Session& session) {
-  std::vector<FileKeeper::File> files;
-  for (size_t i = 0; i < session.panelCount(); ++i) {
-    const Panel& panel = session.panel(i);
-    const ShownPicture shown = panel.hasContentOnShow() ? panel.shownContent.picture : panel.picture;
-    if (!shown || panel.isHidden) continue;
-    files.push_back({"-" + std::to_string(i + 1) + "-" + std::string(panel.technique->name) + ".png", [shown] {
-                       if (shown.host) return encodePng(*shown.host);
-                       Image<Rgba8> picture(shown.width(), shown.height());
-                       shown.device->download({picture.data(), picture.size()});
-                       return encodePng(picture);
-                     }});
-  }
-  if (files.empty()) return setNote("there is no picture yet");
-  keeper_.keep(std::move(files));
+  files_.keep({{".png", [picture = std::make_shared<const Image<Rgba8>>(std::move(picture))] { return encodePng(*picture); }}});
 }
 
 void MainView::savePlot(const Session& session) {
-  keeper_.keep({{".svg", [svg = plot_.svg(session)] { return svg; }}, {".csv", [csv = plot_.csv(session)] { return csv; }}});
+  files_.keep({{".svg", [svg = plot_.svg(session)] { return svg; }}, {".csv", [csv = plot_.csv(session)] { return csv; }}});
 }
 
 void MainView::goBack() {
@@ -182,18 +130,15 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
       }
       return;
     case Action::record:
-      if (!session.isRecording()) return showDialog(FileDialog::Purpose::record, "recording.warpscope");
-      {
-        const size_t leftOut = session.stopRecording();
-        std::string note = "the recording has ended";
-        if (!recordedFile_.empty()) {
-          remembered_.addFile(recordedFile_);
-          note = "recorded " + std::exchange(recordedFile_, {}).string() + "; File > Open again shows it, and `warpscope replay` makes pictures or a film of it";
-        }
-        if (leftOut > 0) note += "; " + std::to_string(leftOut) + " frames came faster than they could be written and are not in it";
-        return setNote(std::move(note));
-      }
-    case Action::savePanels: return savePanels(session);
+      if (session.isRecording()) return setNote(files_.endRecording(session));
+      return showDialog(FileDialog::Purpose::record, "recording.warpscope");
+    case Action::exportFilm:
+      if (session.exporting().isAtWork()) return session.exporting().cancel();
+      if (!isPossible(action, session)) return setNote("a film is made of a recording: open one, or record one (Ctrl+R)");
+      return showDialog(FileDialog::Purpose::exportFilm, canFilm() ? "film.mp4" : "film.png");
+    case Action::savePanels:
+      if (!files_.keepPanels(session)) setNote("there is no picture yet");
+      return;
     case Action::savePlot: return savePlot(session);
     case Action::savePicture:
     case Action::quit:
@@ -247,6 +192,7 @@ bool MainView::isOn(Action action, const Session& session, size_t panel) const {
     case Action::maximise: return grid_.isMaximised(session, panel);
     case Action::showPlan: return session.showsPlan();
     case Action::record: return session.isRecording();
+    case Action::exportFilm: return session.exporting().isAtWork();
     case Action::hideSideBar: return remembered_.hasSideBar;
     case Action::lightTheme: return remembered_.isLight;
     default: return false;
@@ -265,12 +211,14 @@ bool MainView::isPossible(Action action, const Session& session) const {
     case Action::play:
     case Action::stepBack:
     case Action::stepOn: return session.playback().isOpen();
+    case Action::exportFilm: return session.playback().isOpen() || session.exporting().isAtWork();
     case Action::freeze: return !session.playback().isOpen();
     default: return true;
   }
 }
 
-std::string MainView::labelOf(const ActionDescriptor& action) const {
+std::string MainView::labelOf(const ActionDescriptor& action, const Session& session) const {
+  if (action.action == Action::exportFilm && session.exporting().isAtWork()) return "Cancel the export";
   const std::string what = action.action == Action::undo ? history_.undoes() : action.action == Action::redo ? history_.redoes() : std::string();
   return std::string(action.label) + (what.empty() ? "" : ": " + what);
 }
@@ -282,7 +230,7 @@ void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
   std::optional<Action> chosen;  // done when all entries are drawn: it may close the panel
   for (const ActionDescriptor& action : windowActions()) {
     if (action.menu != menu) continue;
-    if (ImGui::MenuItem(labelOf(action).c_str(), std::string(action.keys).c_str(), isOn(action.action, session, panel), isPossible(action.action, session)))
+    if (ImGui::MenuItem(labelOf(action, session).c_str(), std::string(action.keys).c_str(), isOn(action.action, session, panel), isPossible(action.action, session)))
       chosen = action.action;
     if (action.action == Action::open) drawRecent();
   }
@@ -355,12 +303,13 @@ void MainView::drawDialog(Session& session, const Look& look) {
   try {
     switch (dialog_.purpose()) {
       case FileDialog::Purpose::open: return open(path->string());
-      case FileDialog::Purpose::saveSession: return saveSession(session, *path);
-      case FileDialog::Purpose::record: return startRecording(session, *path);
+      case FileDialog::Purpose::saveSession: return setNote(files_.saveSession(session, *path));
+      case FileDialog::Purpose::record: return setNote(files_.startRecording(session, *path));
+      case FileDialog::Purpose::exportFilm: return setNote(files_.startExport(session, *path));
       case FileDialog::Purpose::saveFunction:
       case FileDialog::Purpose::saveColorMap:
         if (session.scene() == nullptr) return;
-        requireNoneOf(*path, filesOnShow(session));
+        files_.requireUnread(session, *path);
         controls_.transferEditor().save(session, *path, dialog_.purpose() == FileDialog::Purpose::saveColorMap);
         return setNote("saved " + path->string());
     }
@@ -423,10 +372,11 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   const std::optional<PanelGrid::Asked> asked = grid_.draw(session, room, held, look);
   // The ray that a loupe was held on goes with it.
   if (std::exchange(wasInspecting_, grid_.isInspecting()) && !grid_.isInspecting()) session.lookAt(std::nullopt);
-  drawPlayback(session, room.x, look);
+  const bool wantsExport = drawPlayback(session, room.x, look);
   followedCamera_ = session.playback().isOpen() && session.playback().followsCamera();
   if (hasBottom) drawBottom(session, look);
   if (asked) perform(asked->action, session, session.placeOf(asked->panel));
+  if (wantsExport) perform(Action::exportFilm, session);
   ImGui::SetCursorPos(top);  // over the panels, which stay as they are
   drawErrorBanner(session, look);
   ImGui::EndChild();
@@ -457,11 +407,7 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   // Not by its box, so by the hand on a picture.
   if (followedCamera_ && session.playback().isOpen() && !session.playback().followsCamera())
     setNote("The camera is yours now, frames come as they were recorded. Tick \"Recorded camera\" to follow it again.");
-  if (!recordedFile_.empty() && !session.isRecording()) {  // another scene was opened, or the disk is full, which is said elsewhere
-    remembered_.addFile(recordedFile_);
-    setNote("the recording has ended: " + std::exchange(recordedFile_, {}).string());
-  }
-  if (std::optional<std::string> note = keeper_.takeNote()) setNote(std::move(*note));
+  if (std::optional<std::string> note = files_.takeNote(session)) setNote(std::move(*note));
   controls_.transferEditor().update(session, look.now);
   drawMenus(session, look);
   const float top = ImGui::GetFrameHeight();  // of the menu bar
@@ -477,6 +423,7 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   ImGui::SetCursorPosY(ImGui::GetWindowHeight() - look.px(kStatusHeight));
   drawStatusBar(session, displayFramesPerSecond, look);
   ImGui::End();
+  if (std::optional<std::string> note = controls_.transferEditor().takeNote()) setNote(std::move(*note));
   if (const std::optional<Action> action = controls_.transferEditor().takeAction()) perform(*action, session);
   history_.follow(session, controls_.transferEditor().curves(session), ImGui::IsAnyItemActive() || ImGui::IsAnyMouseDown());
   if (showsKeys_) drawKeysPage(showsKeys_, look);

@@ -11,10 +11,10 @@
 
 #include "app/session/actions.h"
 #include "app/session/demos.h"
-#include "app/session/file_keeper.h"
 #include "app/session/handed_file.h"
 #include "app/ui/controls.h"
 #include "app/ui/file_dialog.h"
+#include "app/ui/kept_files.h"
 #include "app/ui/panel_grid.h"
 #include "app/ui/parts.h"
 #include "app/ui/plot_view.h"
@@ -54,10 +54,13 @@ class MainView {
   void savePicture(Image<Rgba8> picture);
 
   /// A recording was begun elsewhere than by its menu.
-  void noteRecording(const std::filesystem::path& path) { recordedFile_ = path; }
+  void noteRecording(const std::filesystem::path& path) { files_.noteRecording(path); }
 
   /// Something to be said at the bottom of the window, for some seconds.
   void setNote(std::string note) { note_ = {std::move(note), {}}; }
+
+  /// The last that was said, for as long as it is.
+  const std::string& note() const { return note_.text; }
 
   /// What was asked for since the last call that is the window's business: quit, fullScreen, savePicture, and goBack where there was nothing to go back from.
   std::vector<Action> takeWindowActions() { return std::exchange(windowActions_, {}); }
@@ -71,10 +74,9 @@ class MainView {
   void goBack();
   /// Undo or redo.
   void takeBack(Action action, Session& session);
-  void savePanels(const Session& session);
   void savePlot(const Session& session);
   /// In menus: with what would be taken back.
-  std::string labelOf(const ActionDescriptor& action) const;
+  std::string labelOf(const ActionDescriptor& action, const Session& session) const;
   bool isPossible(Action action, const Session& session) const;
   bool isOn(Action action, const Session& session, size_t panel) const;
   void drawMenus(Session& session, const Look& look);
@@ -88,9 +90,6 @@ class MainView {
   void drawDialog(Session& session, const Look& look);
   void drawNote(const Look& look);
   void showDialog(FileDialog::Purpose purpose, const std::string& name = "");
-  /// Both throw InputError for a file that cannot be written.
-  void saveSession(const Session& session, const std::filesystem::path& path);
-  void startRecording(Session& session, const std::filesystem::path& path);
 
   const WindowGl& gl_;
   Controls controls_;
@@ -101,12 +100,11 @@ class MainView {
   Remembered& remembered_;
   std::unique_ptr<FileSorter> fileSorter_;
   uint64_t sceneSeen_ = 0;  // that was remembered last, as Session::sceneCount()
-  FileKeeper keeper_;
+  KeptFiles files_;
   std::vector<Action> windowActions_;
   bool showsKeys_ = false, showsAbout_ = false;
   FileDialog dialog_;
   TypeAhead typeAhead_;
-  std::filesystem::path recordedFile_;  // that is being recorded; empty where it was not begun here
   bool isSessionsScene_ = false;        // what is being opened
   bool wasInspecting_ = false;
   bool followedCamera_ = false;  // that of a recording

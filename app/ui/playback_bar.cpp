@@ -11,7 +11,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kBarPx = 34.0f, kPaddingPx = 4.0f, kPaddingYPx = 3.0f, kFiguresPx = 186.0f, kSpeedPx = 64.0f, kLeastTrackPx = 120.0f;  // at scale 1
+constexpr float kBarPx = 34.0f, kPaddingPx = 4.0f, kPaddingXPx = 7.0f, kPaddingYPx = 3.0f, kFiguresPx = 186.0f, kSpeedPx = 64.0f, kLeastTrackPx = 120.0f;  // at scale 1
 
 enum class Icon { play, pause, back, on };
 
@@ -70,18 +70,19 @@ void drawTrack(LivePlayback& playback, float width, const Look& look) {
   list->AddCircleFilled({now, middle}, look.px(6.0f), ImGui::GetColorU32(ImGuiCol_Text));
 }
 
-constexpr const char *kLoop = "Loop", *kCamera = "Recorded camera";
+constexpr const char *kLoop = "Loop", *kCamera = "Recorded camera", *kExport = "Export";
 
 /// What stands beside the track, or beneath it where a row has no room for both.
 struct Widths {
-  float figures, speed, loop, camera, buttons;
-  float all() const { return figures + speed + loop + camera + buttons; }
+  float figures, speed, loop, camera, exporting, buttons;
+  float all() const { return figures + speed + loop + camera + exporting + buttons; }
 };
 
 Widths widthsOf(const Look& look) {
   const float spacing = ImGui::GetStyle().ItemSpacing.x, side = ImGui::GetTextLineHeight() + look.px(2.0f * kPaddingYPx);
   const auto boxWidth = [&](const char* text) { return side + ImGui::GetStyle().ItemInnerSpacing.x + ImGui::CalcTextSize(text).x + spacing; };
-  return {look.px(kFiguresPx) + spacing, look.px(kSpeedPx) + spacing, boxWidth(kLoop), boxWidth(kCamera), 3.0f * side + 2.0f * look.px(4.0f) + spacing};
+  const float exporting = look.px(2.0f * kPaddingXPx) + std::max(ImGui::CalcTextSize(kExport).x, ImGui::CalcTextSize("Cancel, 100 %").x) + spacing;
+  return {look.px(kFiguresPx) + spacing, look.px(kSpeedPx) + spacing, boxWidth(kLoop), boxWidth(kCamera), exporting, 3.0f * side + 2.0f * look.px(4.0f) + spacing};
 }
 
 bool hasTwoRows(float width, const Look& look) { return width - look.px(4.0f * kPaddingPx) - widthsOf(look).all() < look.px(kLeastTrackPx); }
@@ -96,6 +97,15 @@ void drawFigures(const LivePlayback& playback, float width, const Look& look) {
   ImGui::TextColored(palette().dimText, "%s", text.c_str());
   ImGui::PopFont();
   ImGui::SameLine(left + width);
+}
+
+/// True when it was pressed.
+bool drawExport(const ReplayExport& exporting, const Look& look) {
+  const std::string text = exporting.isAtWork() ? "Cancel, " + std::to_string(100 * exporting.done() / exporting.steps()) + " %" : std::string(kExport);
+  ImGui::SameLine();
+  const bool isPressed = ImGui::Button((text + "###export").c_str());
+  tooltip(Action::exportFilm, look);
+  return isPressed;
 }
 
 void drawOptions(LivePlayback& playback, const Look& look) {
@@ -120,13 +130,13 @@ float playbackHeight(const Session& session, float width, const Look& look) {
   return look.px(hasTwoRows(width, look) ? 2.0f * kBarPx - kPaddingPx : kBarPx) + ImGui::GetStyle().ItemSpacing.y;
 }
 
-void drawPlayback(Session& session, float width, const Look& look) {
+bool drawPlayback(Session& session, float width, const Look& look) {
   LivePlayback& playback = session.playback();
-  if (!playback.isOpen()) return;
+  if (!playback.isOpen()) return false;
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(2.0f * kPaddingPx), look.px(kPaddingPx)});
   ImGui::BeginChild("playback", {0.0f, playbackHeight(session, width, look) - ImGui::GetStyle().ItemSpacing.y}, true, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::PopStyleVar();
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(7.0f), look.px(kPaddingYPx)});
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {look.px(kPaddingXPx), look.px(kPaddingYPx)});
   const float gap = look.px(4.0f);
   const bool isTwoRows = hasTwoRows(width, look);
   const Widths widths = widthsOf(look);
@@ -140,8 +150,10 @@ void drawPlayback(Session& session, float width, const Look& look) {
   if (!isTwoRows) ImGui::SameLine();
   drawFigures(playback, widths.figures, look);
   drawOptions(playback, look);
+  const bool wantsExport = drawExport(session.exporting(), look);
   ImGui::PopStyleVar();
   ImGui::EndChild();
+  return wantsExport;
 }
 
 }  // namespace warpscope::ui

@@ -120,16 +120,32 @@ std::vector<TracedDepth> depthsAlong(const RayTrace& trace) {
   return depths;
 }
 
-/// Each a marker in the drawing and a row at its right. `fromEye`: of the ray's beginning.
-void drawDepths(const Lane& lane, std::span<const TracedDepth> depths, Heuristic used, float fromEye, const ImVec2& legendAt, const Look& look) {
+std::string textOf(const TracedDepth& depth, float fromEye) { return std::string(nameOf(depth.heuristic)) + " " + formatted("%.4g", fromEye + depth.result.depth); }
+
+/// Each a marker in the drawing and a row at its right, as far as there is room: the one in use first of all, and at the end how many more there are. `fromEye`: of the
+/// ray's beginning.
+void drawDepths(const Lane& lane, std::span<const TracedDepth> depths, Heuristic used, float fromEye, const ImVec2& legendAt, float legendHeight, const Look& look) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   ImVec2 at = legendAt;
   const float line = ImGui::GetTextLineHeight();
+  auto rowsLeft = static_cast<size_t>(std::max(0.0f, (legendHeight + look.px(1.0f)) / (line + look.px(1.0f))));
+  const bool areAllThere = depths.size() <= rowsLeft;
+  if (!areAllThere && rowsLeft > 0) --rowsLeft;
+  bool isUsedToCome = std::ranges::any_of(depths, [&](const TracedDepth& depth) { return depth.heuristic == used; });
+  std::string others;
   for (const TracedDepth& depth : depths) {
-    const bool isUsed = depth.heuristic == used, isPointedAt = ImGui::IsMouseHoveringRect(at, {at.x + look.px(kLegendPx), at.y + line});
+    const bool isUsed = depth.heuristic == used;
+    const bool hasRow = isUsed ? rowsLeft > 0 : rowsLeft > (isUsedToCome ? 1u : 0u);
+    isUsedToCome &= !isUsed;
+    const bool isPointedAt = hasRow && ImGui::IsMouseHoveringRect(at, {at.x + look.px(kLegendPx), at.y + line});
     const ImU32 color = ImGui::GetColorU32(isPointedAt ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : isUsed ? palette().accent : palette().dimText);
     const float x = lane.x(depth.result.depth);
     list->AddLine({x, lane.from.y}, {x, lane.to.y}, color, look.px(isUsed || isPointedAt ? 2.0f : 1.0f));
+    if (!hasRow) {
+      others += (others.empty() ? "" : "\n") + textOf(depth, fromEye);
+      continue;
+    }
+    --rowsLeft;
     list->AddText(at, color, std::string(nameOf(depth.heuristic)).c_str());
     list->AddText({at.x + look.px(82.0f), at.y}, color, formatted("%.4g", fromEye + depth.result.depth).c_str());
     if (isPointedAt) {
@@ -139,6 +155,12 @@ void drawDepths(const Lane& lane, std::span<const TracedDepth> depths, Heuristic
     }
     at.y += line + look.px(1.0f);
   }
+  if (others.empty() || legendHeight < line) return;
+  list->AddText(at, ImGui::GetColorU32(palette().faintText), ("and " + std::to_string(std::ranges::count(others, '\n') + 1) + " more").c_str());
+  if (!ImGui::IsMouseHoveringRect(at, {at.x + look.px(kLegendPx), at.y + line})) return;
+  ImGui::BeginTooltip();
+  ImGui::TextUnformatted(others.c_str());
+  ImGui::EndTooltip();
 }
 
 void drawAxis(const Lane& lane, float fromEye, const Look& look) {
@@ -151,7 +173,8 @@ void drawAxis(const Lane& lane, float fromEye, const Look& look) {
     if (t < lane.span.begin || t > lane.span.end) continue;
     const std::string text = tickText(tick);
     list->AddLine({lane.x(t), lane.from.y}, {lane.x(t), lane.to.y}, ImGui::GetColorU32(ImGuiCol_Border));
-    list->AddText({lane.x(t) + look.px(2.0f), lane.to.y}, ImGui::GetColorU32(palette().faintText), text.c_str());
+    const float x = lane.x(t) + look.px(2.0f);
+    if (x + ImGui::CalcTextSize(text.c_str()).x <= lane.to.x) list->AddText({x, lane.to.y}, ImGui::GetColorU32(palette().faintText), text.c_str());
   }
 }
 
@@ -260,7 +283,7 @@ bool drawRay(const Session& session, const Look& look) {
     drawSegments(segments, result.trace);
     list->PopClipRect();
     drawAxis({curves.from, segments.to, span}, fromEye, look);
-    drawDepths(curves, depths, result.job.settings.sample.heuristic, fromEye, {at.x + width + look.px(8.0f), at.y}, look);
+    drawDepths(curves, depths, result.job.settings.sample.heuristic, fromEye, {at.x + width + look.px(8.0f), at.y}, room.y, look);
     drawReading({curves.from, segments.to, span}, result.trace, depths, fromEye, look);
     drawKeyOfCurves({at.x, bottom + line}, tops);
   }

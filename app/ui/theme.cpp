@@ -87,7 +87,7 @@ void setSpacing(ImGuiStyle& style) {
   style.ItemSpacing = {8.0f, 5.0f};
   style.ItemInnerSpacing = {6.0f, 4.0f};
   style.ScrollbarSize = 10.0f;
-  style.GrabMinSize = 10.0f;
+  style.GrabMinSize = 6.0f;
   style.WindowRounding = 0.0f;
   style.ChildRounding = 5.0f;
   style.FrameRounding = 4.0f;

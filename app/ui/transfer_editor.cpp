@@ -19,8 +19,11 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kChartPx = 96.0f, kBarPx = 12.0f, kMarkPx = 9.0f, kCornerPx = 4.0f, kReachPx = 8.0f;  // at scale 1
+constexpr float kChartPx = 96.0f, kBarPx = 12.0f, kMarkPx = 9.0f, kCornerPx = 4.0f, kReachPx = 8.0f, kClickPx = 2.0f;  // at scale 1
 constexpr std::chrono::milliseconds kFilePeriod(400);
+constexpr const char* kRemoved = "the corner is gone; Ctrl+Z brings it back";
+constexpr std::string_view kHandling = "Left button: drag a corner, or click for a new one; here it is then typed. Right button: a drag moves opacities and colours together, up "
+                                       "and down widens and narrows them; a click on a corner removes it.";
 constexpr std::string_view kSpreadHelp = "It is in Hounsfield units, which this volume's values do not look like: spread over their range instead, so that it need not show what its name says.";
 
 /// Faint opacities have room, too.
@@ -72,6 +75,7 @@ void TransferEditor::followScene(const Session& session) {
 
 void TransferEditor::show(Session& session, const TransferFunction& function) {
   error_.clear();
+  toRemove_.reset();  // by its place among corners that may be others now
   try {
     session.setTransferFunction(function);
     shown_ = function;  // curves stay as they are edited
@@ -170,13 +174,22 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
       apply(session);
     }
   } else if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
-    take(near ? Grip::none : Grip::window);
-    if (near && removeOpacity(curves_, *near)) {
+    take(Grip::window);
+    toRemove_ = near;
+  }
+  // A corner goes by a click on it; a drag that begins there is one like others.
+  const float way = std::hypot(mouse.x - gripAt_.x, mouse.y - gripAt_.y);
+  if (way > look.px(kClickPx)) toRemove_.reset();
+  if (toRemove_ && !ImGui::IsMouseDown(ImGuiMouseButton_Right)) {
+    const size_t corner = *toRemove_;
+    if (ImGui::IsMouseReleased(ImGuiMouseButton_Right) && removeOpacity(curves_, corner)) {
       opacity_.reset();
       apply(session);
+      note_ = kRemoved;
     }
+    toRemove_.reset();
   }
-  const bool isMoved = ImGui::IsMousePosValid() && (mouse.x != gripAt_.x || mouse.y != gripAt_.y);
+  const bool isMoved = ImGui::IsMousePosValid() && way > 0.0f && !toRemove_;
   if (grip_ == Grip::opacity && opacity_ && isMoved) {
     moveOpacity(curves_, *opacity_, chart.value(mouse.x), chart.alpha(mouse.y));
     apply(session);
@@ -262,6 +275,7 @@ void TransferEditor::drawColorBar(Session& session, const Look& look) {
     if (removeColor(curves_, *near)) {
       color_.reset();
       apply(session);
+      note_ = kRemoved;
     }
   }
   if (grip_ == Grip::color && color_ && ImGui::IsMousePosValid() && mouse.x != gripAt_.x) {
@@ -324,8 +338,8 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
   } else {  // so that nothing moves when one is chosen
     ImGui::AlignTextToFramePadding();
     const bool isSpreadPreset = !spread_.preset.empty() && spread_.function == session.scene()->transferFunction;
-    ImGui::TextColored(isSpreadPreset ? palette().noticeText : palette().faintText, "%s", isSpreadPreset ? (spread_.preset + ", spread over all values").c_str() : "no corner is chosen");
-    if (isSpreadPreset) tooltip(std::string(kSpreadHelp), look);
+    ImGui::TextColored(isSpreadPreset ? palette().noticeText : palette().faintText, "%s", isSpreadPreset ? (spread_.preset + ", spread over all values").c_str() : "right drag: all, with its colours");
+    tooltip(std::string(isSpreadPreset ? kSpreadHelp : kHandling), look);
   }
 }
 

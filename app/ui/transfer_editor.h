@@ -37,6 +37,8 @@ class TransferEditor {
   std::optional<FileWish> takeFileWish() { return std::exchange(fileWish_, std::nullopt); }
   /// Throws InputError for a file that cannot be written.
   void save(const Session& session, const std::filesystem::path& path, bool isForParaview) const;
+  /// Something to be said of what was done, once.
+  std::optional<std::string> takeNote() { return std::exchange(note_, std::nullopt); }
   /// Which of undo and redo its buttons asked for since the last call.
   std::optional<Action> takeAction() { return std::exchange(action_, std::nullopt); }
   /// Follows a file: whenever it is written, it is loaded. Empty: none.
@@ -71,6 +73,8 @@ class TransferEditor {
   ImVec2 gripAt_{0.0f, 0.0f};
   Grip grip_ = Grip::none;
   std::optional<size_t> opacity_, color_;  // corners that are chosen; at most one of both
+  std::optional<size_t> toRemove_;         // by letting go of the right button there
+  std::optional<std::string> note_;
   std::string sceneName_;
   const Volume* volume_ = nullptr;
   std::string error_;

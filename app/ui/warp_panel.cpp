@@ -234,6 +234,8 @@ std::optional<OnShow> drawPictures(const Session& session, const Panel& panel, c
 
 constexpr int kLoupePixels = 11;                         // of the picture along each edge
 constexpr float kLoupePx = 132.0f, kLoupeTextPx = 156.0f;  // at scale 1
+constexpr float kLargestShare = 0.45f;                     // of the picture, that the loupe with its text covers
+constexpr size_t kFewestLines = 4;                         // of text that are worth their room
 
 /// The pixels about a place, enlarged, with a grid, in the corner that is farthest from it; what is known of the pixel in its middle beside them.
 void drawLoupe(const OnShow& shown, const glm::dvec2& place, std::vector<std::pair<std::string, std::string>> lines, const Area& area, const Look& look) {
@@ -245,11 +247,15 @@ void drawLoupe(const OnShow& shown, const glm::dvec2& place, std::vector<std::pa
   const float besideText = std::max(look.px(0.5f * kLoupePx), area.size.x - look.px(kLoupeTextPx + 14.0f));
   const float edge = std::floor(std::min({look.px(kLoupePx), 0.4f * room, besideText}) / kLoupePixels);
   const ImVec2 loupe{edge * static_cast<float>(count.x), edge * static_cast<float>(count.y)};
-  const bool hasText = !lines.empty() && area.size.x >= loupe.x + look.px(kLoupeTextPx);
-  const float width = loupe.x + (hasText ? look.px(kLoupeTextPx) : 0.0f), margin = look.px(6.0f);
+  const float margin = look.px(6.0f), widthWithText = loupe.x + look.px(kLoupeTextPx);
   ImGui::PushFont(look.fonts.small);
   const float lineHeight = ImGui::GetTextLineHeight() + look.px(1.0f);
-  shorten(lines, static_cast<size_t>(std::max(1.0f, (area.size.y - 2.0f * margin) / lineHeight)));
+  // The picture is what is looked at: text takes less than half of it, or there is none.
+  const float textRoom = std::min(area.size.y - 2.0f * margin, kLargestShare * area.size.x * area.size.y / widthWithText);
+  const auto mostLines = static_cast<size_t>(std::max(0.0f, textRoom / lineHeight));
+  const bool hasText = !lines.empty() && area.size.x >= widthWithText && mostLines >= std::min(lines.size(), kFewestLines);
+  const float width = hasText ? widthWithText : loupe.x;
+  if (hasText) shorten(lines, mostLines);
   const float textHeight = hasText ? lineHeight * static_cast<float>(lines.size()) : 0.0f;
   const ImVec2 at{place.x < 0.5 ? area.to().x - width - margin : area.from.x + margin, area.to().y - loupe.y - margin};
   const ImVec2 to{at.x + loupe.x, at.y + loupe.y};

@@ -35,7 +35,7 @@ mkdir -p -- "$build/findings"
 case $what in codec_fuzz | client_session_fuzz | nrrd_fuzz | meta_image_fuzz) longest=65536 ;; *) longest=4096 ;; esac
 # What is read may take neither more memory than this, sanitizers included, nor more seconds.
 # What is found is a failure: by itself libFuzzer exits with 77 and 70, and 77 says that a test was skipped.
-set -- -error_exitcode=1 -timeout_exitcode=1 -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -seed="${WARPSCOPE_FUZZ_SEED:-1}" -max_len="$longest" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
+set -- -error_exitcode=1 -timeout_exitcode=1 -max_total_time="${WARPSCOPE_FUZZ_S:-10}" -seed="${WARPSCOPE_FUZZ_SEED:-1}" -max_len="$longest" -timeout=10 -rss_limit_mb=2048 -verbosity=0 \
   -artifact_prefix="$build/findings/$what-"
 case $what in
   client_session_fuzz) set -- "$@" -malloc_limit_mb=64 -rss_limit_mb=1024 ;;  # a client asks for pictures of 64 x 48 pixels
@@ -45,4 +45,13 @@ case $what in
     set -- "$@" -malloc_limit_mb=512 -detect_leaks=0 -close_fd_mask=3
     ;;
 esac
-exec "$build/tests/fuzz/$what" "$@" "$build/seeds/$what"
+rm -f -- "$build/findings/$what"-*
+"$build/tests/fuzz/$what" "$@" "$build/seeds/$what" && exit 0
+# A log alone must be enough to repeat it.
+for finding in "$build/findings/$what"-*; do
+  if [ -e "$finding" ]; then
+    echo "$finding, in base64 (base64 -d FILE > input; $what input):"
+    base64 "$finding"
+  fi
+done
+exit 1

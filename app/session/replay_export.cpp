@@ -1,0 +1,89 @@
+// With threads that stand back: the window is looked at meanwhile.
+// See replay_export.h.
+#include "app/session/replay_export.h"
+
+#include <utility>
+
+#include "app/session/own_context.h"
+#include "render/base/error.h"
+#include "render/core/crew.h"
+#include "render/volume/volume_format.h"
+
+namespace warpscope {
+namespace {
+
+/// On the worker's thread, whose context it keeps.
+class ExportWork {
+ public:
+  ExportWork(gl::Platform platform, WarpResources resources, std::function<void()> onNews, std::shared_ptr<Crew> crew)
+      : resources_(std::move(resources)), onNews_(std::move(onNews)), crew_(std::move(crew)) {
+    resources_.context = makeOwnContext(platform);
+  }
+
+  void operator()(const ExportJob& job, ExportResult& result, const std::stop_token& stop) {
+    const Crew::Shift shift(crew_.get());
+    ReplaySettings settings;
+    settings.techniques = job.techniques;
+    settings.picturesPerSecond = kExportRate;
+    settings.width = job.sizePx.x;
+    settings.height = job.sizePx.y;
+    settings.resources = resources_;
+    settings.resources.marcher = job.marcher;
+    result.pictures = writeReplay(*job.recording, settings, job.files,
+                                  [&](const std::string& /*what*/) {
+                                    ++*job.done;
+                                    onNews_();
+                                  },
+                                  stop);
+    result.made = firstOf(job.files);
+  }
+
+ private:
+  WarpResources resources_;
+  const std::function<void()> onNews_;
+  const std::shared_ptr<Crew> crew_;
+};
+
+}  // namespace
+
+ReplayFiles exportedAs(const std::filesystem::path& path) {
+  const std::string ending = lowered(path.extension().string());
+  ReplayFiles files{.folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".")};
+  if (ending == ".png") {
+    files.prefix = path.stem().string() + "-";
+    if (const std::optional<std::filesystem::path> picture = pictureThere(files)) throw InputError(picture->filename().string() + " is there already: choose another name");
+    return files;
+  }
+  if (ending != ".mp4" && ending != ".gif") throw InputError(path.filename().string() + ": its ending is to be .mp4 or .gif for a film, or .png for numbered pictures");
+  if (!canFilm()) throw InputError("films need the program ffmpeg, which is not installed; a name that ends with .png gives numbered pictures");
+  files.film = path.filename().string();
+  files.hasPictures = false;
+  return files;
+}
+
+std::filesystem::path firstOf(const ReplayFiles& files) { return files.folder / (files.film.empty() ? pictureNameOf(files.prefix, 0) : files.film); }
+
+ReplayExport::ReplayExport(gl::Platform platform, WarpResources resources, std::function<void()> onNews, std::shared_ptr<Crew> crew)
+    : worker_([platform, resources = std::move(resources), onNews, crew = std::move(crew)]() -> ExportWorker::Work { return ExportWork(platform, resources, onNews, crew); }, onNews) {}
+
+void ReplayExport::start(ExportJob job) {
+  done_ = job.done = std::make_shared<std::atomic<size_t>>(0);
+  steps_ = stepsOf(*job.recording, kExportRate, job.files);
+  worker_.post(std::move(job));
+}
+
+void ReplayExport::cancel() {
+  worker_.cancel();
+  static_cast<void>(worker_.tryTake());
+  steps_ = 0;
+}
+
+std::optional<std::string> ReplayExport::takeNote() {
+  const std::optional<ExportResult> result = worker_.tryTake();
+  if (!result || steps_ == 0) return std::nullopt;
+  steps_ = 0;
+  if (!result->error.empty()) return "not exported: " + result->error;
+  return "exported " + std::to_string(result->pictures) + " pictures: " + result->made.string();
+}
+
+}  // namespace warpscope
