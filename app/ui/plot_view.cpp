@@ -80,6 +80,18 @@ std::string describe(const LiveFront::Point& point, const std::vector<double>& r
   return text + "\n" + standingOf(point, rankedDeg);
 }
 
+/// As much of it as the width has room for, and that there is more.
+std::string fitting(const std::string& text, float width) {
+  constexpr const char* kMore = "...";
+  if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
+  std::string fits = text;
+  while (!fits.empty() && ImGui::CalcTextSize((fits + kMore).c_str()).x > width) {
+    do fits.pop_back();
+    while (!fits.empty() && (static_cast<unsigned char>(fits.back()) & 0xc0) == 0x80);  // of a character's bytes all or none
+  }
+  return fits + kMore;
+}
+
 }  // namespace
 
 /// Points of the plot and the configurations that they stand for.
@@ -267,7 +279,7 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
         ImGui::GetWindowDrawList()->AddCircleFilled(center, radius, point.color);
       const std::string text = durationText(point.x) + "   " + formatted("%.4f", point.y, 0.0) + "   " + labelOf(*shown.configurations[i]);
       ImGui::Indent(look.px(16.0f));
-      if (ImGui::Selectable(text.c_str())) chosen = i;
+      if (ImGui::Selectable(fitting(text, ImGui::GetContentRegionAvail().x).c_str())) chosen = i;
       tooltip(point.label, look);
       ImGui::Unindent(look.px(16.0f));
       ImGui::PopID();
