@@ -12,47 +12,11 @@
 #include "render/base/error.h"
 #include "render/bricks/brick_tree.h"
 #include "render/march/march_setup.h"
+#include "spread_volume.h"
 #include "test_volumes.h"
 
 namespace warpscope {
 namespace {
-
-/// The same voxels, as one of these ranks has them.
-VolumePtr sharedBy(const VolumePtr& whole, RanksPtr ranks) {
-  return std::make_shared<Volume>(whole->name(), whole->type(), whole->geometry(), whole, whole->voxels(), std::stop_token{}, std::move(ranks));
-}
-
-/// A marcher of a volume that so many ranks have, and the others of them.
-class Spread {
- public:
-  Spread(const VolumePtr& whole, const TransferFunction& function, int count) {
-    std::vector<RanksPtr> ranks = makeLocalRanks(count);
-    for (int rank = 1; rank < count; ++rank)
-      others_.emplace_back([whole, own = ranks[static_cast<size_t>(rank)]] { followRanks(sharedBy(whole, own)); });
-    marcher_ = makeRanksMarcher(leadRanks(sharedBy(whole, ranks[0])), function);
-  }
-  ~Spread() {
-    marcher_.reset();
-    for (std::thread& other : others_) other.join();
-  }
-  Spread(const Spread&) = delete;
-  Spread& operator=(const Spread&) = delete;
-
-  Marcher& operator*() const { return *marcher_; }
-  Marcher* operator->() const { return marcher_.get(); }
-
- private:
-  std::vector<std::thread> others_;
-  MarcherPtr marcher_;
-};
-
-/// Runs `work(ranks)` on as many threads as there are ranks.
-template <class Work>
-void onAll(int count, const Work& work) {
-  std::vector<RanksPtr> ranks = makeLocalRanks(count);
-  std::vector<std::jthread> threads;
-  for (const RanksPtr& own : ranks) threads.emplace_back([&work, own] { work(own); });
-}
 
 constexpr glm::uvec3 kDims(44, 37, 40);
 const std::vector<int> kCounts{1, 2, 3, 4, 7, 16};
@@ -203,6 +167,48 @@ TEST(SpreadVolume, FramesAndPicturesAreThoseOfOneProcessWhateverIsAskedOfThem) {
   }
 }
 
+/// Found in a copy of 8 bits, with as many voxels here: the same however the volume is cut, and near to those of one process.
+TEST(SpreadVolume, ShadowsAndOcclusionAreTheSameHoweverItIsCutAndNearThoseOfOneProcess) {
+  for (const VoxelType type : {VoxelType::uint8, VoxelType::float32}) {
+    SCOPED_TRACE(nameOf(type));
+    const VolumePtr whole = makeTestVolume(type, kDims, blobs(kDims, 11));
+    const TransferFunction function = band(15, 80, 0.3f);
+    const MarcherPtr alone = makeCpuMarcher(whole, function);
+    MarchSettings settings;
+    settings.sample.segments = 4;
+    settings.sample.proxy = 9;
+    settings.render.effects.shading.strength = 1.0f;
+    settings.render.effects.lights = parseLights("world:1,2,3 camera:0,1,1", "lights");
+    settings.render.effects.shadows.strength = 1.0f;
+    settings.render.effects.shadows.occlusion = 0.7f;
+    MarchSettings unshadowed = settings;
+    unshadowed.render.effects.shadows = {};
+    const std::vector<Camera> views = cameras();
+    std::vector<SampleFrame> first;
+    for (const int count : {1, 2, 5, 16}) {
+      SCOPED_TRACE(count);
+      const Spread spread(whole, function, count);
+      for (size_t i = 0; i < views.size(); ++i) {
+        const Camera& camera = views[i];
+        SampleFrame frame = spread->march(camera, settings);
+        const Image<glm::vec4> picture = rendered(*spread, camera, settings), expected = rendered(*alone, camera, settings), bright = rendered(*alone, camera, unshadowed);
+        double off = 0.0, shadow = 0.0;
+        for (size_t pixel = 0; pixel < picture.size(); ++pixel)
+          for (int channel = 0; channel < 3; ++channel) {
+            off += static_cast<double>(std::abs(picture.data()[pixel][channel] - expected.data()[pixel][channel]));
+            shadow += static_cast<double>(std::abs(bright.data()[pixel][channel] - expected.data()[pixel][channel]));
+          }
+        EXPECT_LT(off, 0.02 * shadow) << "of what shadows and occlusion take away";
+        EXPECT_GT(shadow, 0.0);
+        if (first.size() < views.size())
+          first.push_back(std::move(frame));
+        else
+          ASSERT_TRUE(sameFrame(frame, first[i]));
+      }
+    }
+  }
+}
+
 TEST(SpreadVolume, AnotherFunctionAndTheProxyAreThoseOfOneProcess) {
   const VolumePtr whole = makeTestVolume(VoxelType::int32, kDims, blobs(kDims, 2));
   const Camera camera = cameras().front();
@@ -317,10 +323,6 @@ TEST(SpreadVolume, WhatCannotBeMarchedInPiecesIsRefused) {
   const Spread spread(whole, band(10, 90, 0.2f), 2);
   const Camera camera = cameras().front();
   MarchSettings settings;
-  settings.render.effects.shading.strength = 1.0f;
-  settings.render.effects.shadows.strength = 0.5f;
-  EXPECT_THROW(spread->march(camera, settings), UsageError);
-  settings = {};
   settings.render.arithmetic = Arithmetic::textbook;
   Image<glm::vec4> image;
   EXPECT_THROW(spread->render(camera, settings.render, image), UsageError);

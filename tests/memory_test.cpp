@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "render/base/error.h"
+#include "render/base/memory_limit.h"
 #include "render/core/image.h"
 #include "tests/test_folder.h"
 
@@ -67,6 +68,24 @@ TEST(RequireMemory, SaysWhatIsNeededAndWhatIsThere) {
   }
   EXPECT_THAT(text, testing::StartsWith("a.nrrd: needs 3 PiB of memory, and "));
   EXPECT_THAT(text, testing::HasSubstr("are free"));
+}
+
+TEST(RequireMemory, KeepsToTheLimitThatWasSet) {
+  EXPECT_FALSE(memoryLimit());
+  const ResidentMemory before = residentMemory();
+  EXPECT_GT(before.ownBytes, 0u);
+  EXPECT_GT(before.bytes, before.ownBytes) << "of files there are the program's own at least";
+  setMemoryLimit(before.ownBytes + (uint64_t{100} << 20));
+  EXPECT_NO_THROW(requireMemory(uint64_t{10} << 20, "it"));
+  std::string text;
+  try {
+    requireMemory(uint64_t{200} << 20, "a.nrrd: it");
+  } catch (const InputError& error) {
+    text = error.what();
+  }
+  EXPECT_THAT(text, testing::StartsWith("a.nrrd: it needs 200 MiB of memory, and of the "));
+  setMemoryLimit(std::nullopt);
+  EXPECT_NO_THROW(requireMemory(uint64_t{200} << 20, "it"));
 }
 
 /// Pictures too large for this machine are refused before any of them is taken.

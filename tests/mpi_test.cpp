@@ -64,8 +64,11 @@ class Mpi : public CommandLine {
   }
 
   /// A server of four processes that is ready for clients; its URL.
-  std::string startServer() {
-    server_ = start(4, {"serve", kVolume, "--listen", "127.0.0.1:0", "--port-file", "port"});
+  std::string startServer(const Arguments& scene = {kVolume}) {
+    Arguments command{"serve", "--listen", "127.0.0.1:0", "--port-file", "port"};
+    command.insert(command.begin() + 1, scene.begin(), scene.end());
+    std::filesystem::remove(folder_.file("port"));
+    server_ = start(4, command);
     const auto deadline = std::chrono::steady_clock::now() + seconds(30);
     while (folder_.read("port").empty() && !server_->hasEnded() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(milliseconds(5));
     const std::string port = folder_.read("port");
@@ -118,6 +121,22 @@ TEST_F(Mpi, FilesAreThoseOfOneProcess) {
   EXPECT_EQ(contentOf(folder_.file("many.ply")), contentOf(folder_.file("one.ply")));
 }
 
+TEST_F(Mpi, OtherFormatsAndBuiltInVolumesAreThoseOfOneProcess) {
+  std::ofstream(folder_.file("balls.nrrd"), std::ios::binary) << "NRRD0004\ntype: ushort\ndimension: 3\nsizes: 48 40 36\nendian: little\nencoding: raw\n\n" << contentOf(folder_.file(kVolume));
+  for (const Arguments& scene : {Arguments{"balls.nrrd"}, {"shells", "--volume-size", "60x50x40"}, {"vessels", "--volume-size", "50x60x70"}}) {
+    SCOPED_TRACE(testing::PrintToString(scene));
+    const auto shot = [&](const std::string& file) {
+      Arguments command{"shot", "--technique", "segments", "--size", "90x70", "--view-angle", "20", "-o", file};
+      command.insert(command.begin() + 1, scene.begin(), scene.end());
+      return command;
+    };
+    succeed(shot("one.png"));
+    const ProgramResult result = runAsMany(3, shot("many.png"));
+    ASSERT_EQ(result.code, kSuccess) << result.err;
+    EXPECT_EQ(contentOf(folder_.file("many.png")), contentOf(folder_.file("one.png")));
+  }
+}
+
 TEST_F(Mpi, WhatIsWrongIsSaidOnceAndEndsAll) {
   const auto expectRefusal = [&](int count, const Arguments& arguments, int code, const std::string& reason) {
     SCOPED_TRACE(testing::PrintToString(arguments));
@@ -134,11 +153,12 @@ TEST_F(Mpi, WhatIsWrongIsSaidOnceAndEndsAll) {
   std::ofstream(folder_.file("short_9x9x9_uint8.raw")) << "short";
   expectRefusal(3, {"shot", "missing_8x8x8_uint8.raw", "-o", "a.png"}, kFailure, "there is no such file");
   expectRefusal(3, {"shot", "short_9x9x9_uint8.raw", "-o", "a.png"}, kFailure, "holds 5 bytes");
-  expectRefusal(2, {"shot", "some.nrrd", "-o", "a.png"}, kFailure, "share raw volumes alone");
+  expectRefusal(2, {"shot", "some.nrrd", "-o", "a.png"}, kFailure, "some.nrrd");
+  std::ofstream(folder_.file("packed.nrrd")) << "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: gzip\n\n";
+  expectRefusal(2, {"shot", "packed.nrrd", "-o", "a.png"}, kFailure, "not compressed");
   expectRefusal(2, {"shot", kVolume, "--technik", "x"}, kUsage, "did you mean '--technique'?");
   expectRefusal(2, {"info"}, kUsage, "is for one process");
   expectRefusal(2, {}, kUsage, "is for one process");
-  expectRefusal(2, {"shot", kVolume, "--shading", "1", "--shadows", "1", "-o", "a.png"}, kUsage, "spread over several processes");
   expectRefusal(2, {"compare", "torture/fog", "--out", "o"}, kUsage, "torture");
   EXPECT_FALSE(std::filesystem::exists(folder_.file("a.png")));
 }
@@ -254,12 +274,8 @@ TEST_F(Mpi, NoProcessHoldsAllOfTheVolume) {
       file.write(reinterpret_cast<const char*>(slice.data()), static_cast<std::streamsize>(slice.size() * sizeof slice[0]));
     }
   }
-  server_ = start(4, {"serve", name, "--listen", "127.0.0.1:0", "--port-file", "port"});
-  const auto deadline = std::chrono::steady_clock::now() + seconds(30);
-  while (folder_.read("port").empty() && !server_->hasEnded() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(milliseconds(5));
-  const std::string port = folder_.read("port");
-  for (const char* const angle : {"0", "120"})
-    succeed({"shot", "--connect", "warp://127.0.0.1:" + port.substr(0, port.find('\n')), "--size", "200x150", "--view-angle", angle, "-o", "a.png"});
+  const std::string url = startServer({name});
+  for (const char* const angle : {"0", "120"}) succeed({"shot", "--connect", url, "--size", "200x150", "--view-angle", angle, "-o", "a.png"});
   const double whole = 2.0 * kSide * kSide * kSlices / 1024.0;
   double sum = 0.0;
   const std::map<int, pid_t> all = processes();
@@ -276,6 +292,21 @@ TEST_F(Mpi, NoProcessHoldsAllOfTheVolume) {
     sum += held;
   }
   EXPECT_GT(sum, 0.5 * whole);  // or this looks at something else
+}
+
+TEST_F(Mpi, NoProcessMakesAllOfABuiltInVolume) {
+  const std::string url = startServer({"marschner-lobb", "--volume-size", "640x640x640"});
+  for (const char* const angle : {"0", "120"}) succeed({"shot", "--connect", url, "--size", "100x75", "--view-angle", angle, "-o", "a.png"});
+  const std::map<int, pid_t> all = processes();
+  ASSERT_EQ(all.size(), 4u);
+  for (const auto& [rank, process] : all) {
+    std::ifstream status("/proc/" + std::to_string(process) + "/status");
+    double kibibytes = 0.0;
+    for (std::string line; std::getline(status, line);)
+      if (line.starts_with("VmHWM:")) kibibytes = std::stod(line.substr(6));
+    EXPECT_GT(kibibytes, 0.0);
+    EXPECT_LT(kibibytes, 250.0 * 1024) << "of 250 MiB of voxels, beside all else: " << rank;
+  }
 }
 
 }  // namespace

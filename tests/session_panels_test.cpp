@@ -177,6 +177,40 @@ TEST_F(SessionPanelsTest, ARayIsLookedAtAndFollowsKnobs) {
   EXPECT_FALSE(session_.ray().result());
 }
 
+TEST_F(SessionPanelsTest, ASampleThatIsSeenThroughAGapIsToldFromOthers) {
+  ASSERT_TRUE(open("shells"));
+  session_.setTechnique(1, findWarp("points"));
+  ASSERT_TRUE(settle());
+  ASSERT_NE(session_.panel(1).currentPixels(), nullptr);
+  const Places places = placesIn(session_.panel(1));
+  ASSERT_TRUE(places.sample);
+  session_.lookAt(LookedAt{session_.panel(1).id, *places.sample});
+  ASSERT_TRUE(pumpUntil([&] { return session_.ray().isCurrent(); }));
+  EXPECT_FALSE(session_.ray().result()->missed) << "seen from where the frame saw it";
+  LiveSettings knobs = session_.knobs();
+  knobs.isFrozen = true;
+  session_.setKnobs(knobs);
+  turn(session_, 60.0);
+  ASSERT_TRUE(settle());
+  ASSERT_NE(session_.panel(1).currentPixels(), nullptr);
+  const PanelPixels pixels = *session_.panel(1).currentPixels();
+  const Image<uint32_t>& samples = pixels.image->samples;
+  size_t looked = 0, missed = 0;
+  for (uint32_t y = 0; y < samples.height(); ++y)
+    for (uint32_t x = 0; x < samples.width(); ++x) {
+      if (samples(x, y) >= pixels.frame->size() || ++looked % 7 != 0) continue;
+      session_.lookAt(LookedAt{session_.panel(1).id, glm::dvec2((x + 0.5) / samples.width(), (y + 0.5) / samples.height())});
+      ASSERT_TRUE(pumpUntil([&] { return session_.ray().isCurrent(); }));
+      const std::optional<MissedInFront>& found = session_.ray().result()->missed;
+      if (!found) continue;
+      ++missed;
+      EXPECT_GT(found->before, 2.0f);
+      EXPECT_GT(found->depth, 0.0f);
+    }
+  EXPECT_GT(missed, 0u);
+  EXPECT_LT(missed, looked / 7) << "others are of the surface that is in front";
+}
+
 TEST(WindowActions, EveryRowStandsAtItsPlaceWithKeysOfItsOwn) {
   std::set<std::string> seen;
   for (const ActionDescriptor& action : windowActions()) {

@@ -17,6 +17,8 @@
 #include "app/shell/log.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
+#include "render/base/memory_limit.h"
+#include "render/base/range.h"
 #include "render/core/picture_size.h"
 #include "render/march/marcher_registry.h"
 #include "render/volume/procedural.h"
@@ -25,6 +27,8 @@
 
 namespace warpscope {
 namespace {
+
+constexpr Range kMemoryMiBRange{64.0, 1e7};
 
 template <class Value>
 struct Choice {
@@ -91,6 +95,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--volume", options.volume, "Replaces the scene's volume by this file");
   command.add_option("--mask", options.mask, "Crops the volume to where this one, with as many voxels, is not 0");
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
+  command.add_option("--memory", options.memoryMiB, "MiB of memory that the program takes at most, " + rangeText(kMemoryMiBRange) + ": of a raw volume it keeps what it is at, and reads the rest again; others have to fit");
   command.add_option("--tf", options.transferFunction, "Transfer function file: JSON of this program or a colour map of ParaView");
   for (const MarchKnob& row : marchKnobs()) options.knobs.add(command, *row.knob, "the scene's");
   for (const MarchText& text : marchTexts())
@@ -158,6 +163,10 @@ CheckedOptions check(const CommonOptions& options) {
   if (!options.volume.empty()) checked.overrides.volume = options.volume;
   if (!options.mask.empty()) checked.overrides.mask = options.mask;
   if (!options.transferFunction.empty()) checked.overrides.transferFunction = options.transferFunction;
+  if (options.memoryMiB) {
+    requireRange(*options.memoryMiB, kMemoryMiBRange, "--memory");
+    setMemoryLimit(static_cast<uint64_t>(*options.memoryMiB * (1 << 20)));
+  }
   if (!options.volumeSize.empty()) {
     const std::vector<uint32_t> dims = parseSize("--volume-size", options.volumeSize, 3, 65536);
     checked.overrides.proceduralDims = {dims[0], dims[1], dims[2]};
@@ -259,6 +268,7 @@ const char* givenOfScene(const CommonOptions& options) {
                                                 {"--volume", !options.volume.empty()},
                                                 {"--mask", !options.mask.empty()},
                                                 {"--volume-size", !options.volumeSize.empty()},
+                                                {"--memory", options.memoryMiB.has_value()},
                                                 {"--seed", options.seed.has_value()},
                                                 {"--tf", !options.transferFunction.empty()}};
   for (const auto& [name, isGiven] : given)

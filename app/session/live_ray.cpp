@@ -18,11 +18,28 @@ class RayWork {
       transferFunction_ = job.transferFunction;
     }
     result.trace = tracer_->trace(job.ray.camera, job.settings, job.ray.pixel, stop);
-    const std::optional<float> depth = job.frame ? depthBy(result.trace, job.settings.sample.heuristic) : std::nullopt;
-    if (depth) result.seen = seenByFrame(*job.frame, result.trace.ray.at(*depth));
+    if (!job.frame) return;
+    if (job.own) {
+      result.missed = missedBy(job, stop);
+      return;
+    }
+    if (const std::optional<float> depth = depthBy(result.trace, job.settings.sample.heuristic)) result.seen = seenByFrame(*job.frame, result.trace.ray.at(*depth));
   }
 
  private:
+  /// Of the picture's own ray: what is nearer on it than the sample by more than both are thick.
+  std::optional<MissedInFront> missedBy(const RayJob& job, const std::stop_token& stop) const {
+    const Sphere shown = unpackSample(job.frame->samples[*job.ray.sample], job.frame->grid());
+    const RayTrace own = tracer_->trace(job.own->camera, job.settings, job.own->pixel, stop);
+    const std::optional<float> depth = depthBy(own, job.settings.sample.heuristic);
+    if (!depth) return std::nullopt;
+    const glm::vec3 place = own.ray.at(*depth);
+    const float fromEye = glm::length(place - job.own->camera.eye), before = glm::length(shown.center - job.own->camera.eye) - fromEye;
+    const SeenByFrame seen = seenByFrame(*job.frame, place);
+    if (before <= 2.0f * kLightReach + shown.radius + seen.radius) return std::nullopt;
+    return MissedInFront{fromEye, before, seen};
+  }
+
   std::shared_ptr<RayTracer> tracer_;  // shared, because functions are copied
   VolumePtr volume_;
   TransferFunction transferFunction_;

@@ -17,15 +17,24 @@ struct RayJob {
   TransferFunction transferFunction;
   RayOfPixel ray;
   MarchSettings settings;
-  SampleFramePtr frame;  ///< where the ray is of a gap, the one that leaves it; null elsewhere
+  SampleFramePtr frame;  ///< where the ray is of a gap, the one that leaves it; where it is of a sample, the one that has it; else null
+  std::optional<RayOfPixel> own;  ///< where it is of a sample: the picture's own ray through the pixel that shows that
 
   bool operator==(const RayJob&) const = default;
+};
+
+/// What a pixel shows in truth, where that is nearer than the sample that it shows: that one is seen through a gap.
+struct MissedInFront {
+  float depth = 0.0f;   ///< from the eye, volume units
+  float before = 0.0f;  ///< the sample, by so much
+  SeenByFrame seen;     ///< by the frame, of that place
 };
 
 struct RayResult {
   RayJob job;      ///< that was done
   RayTrace trace;
-  std::optional<SeenByFrame> seen;  ///< by the job's frame, of where the ray's depth is by its settings; nothing where it has none
+  std::optional<SeenByFrame> seen;  ///< of a gap: by the job's frame, of where the ray's depth is by its settings; nothing where it has none
+  std::optional<MissedInFront> missed;  ///< of a sample: what the picture lacks in front of it
   std::string error;
 };
 

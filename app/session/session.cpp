@@ -290,10 +290,13 @@ bool Session::followRay() {
   bool happened = ray_.take();
   const PanelPixels* const pixels = panel(*place).currentPixels();
   if (pixels == nullptr) return happened;  // until the picture was judged, the last ray stays
-  const RayOfPixel ray = rayBehind(pixels->inputs(), pixels->at(lookedAt_->place));
+  const glm::uvec2 pixel = pixels->at(lookedAt_->place);
+  const RayOfPixel ray = rayBehind(pixels->inputs(), pixel);
   MarchSettings settings = ray.isServers ? pixels->frame->settings : knobs_.march;
   settings.sample.segments = knobs_.march.sample.segments;  // that the frame lacks where nothing on show draws them
-  happened |= ray_.follow({scene()->volume, scene()->transferFunction, ray, settings, ray.isGap ? pixels->frame : nullptr});
+  std::optional<RayOfPixel> own;
+  if (ray.sample) own = RayOfPixel{false, pixels->inputs().camera, pixel, std::nullopt, false};
+  happened |= ray_.follow({scene()->volume, scene()->transferFunction, ray, settings, ray.isGap || own ? pixels->frame : nullptr, own});
   return happened;
 }
 

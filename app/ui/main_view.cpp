@@ -18,7 +18,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f, kLeastForBothPx = 620.0f, kLeastPicturePx = 60.0f;  // at scale 1
+constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f, kLeastForBothPx = 620.0f, kLeastPicturePx = 60.0f, kRayPx = 200.0f;  // at scale 1
 
 /// From the picture to what was shown in its place last, and back.
 void toggleContent(Session& session, size_t index) {
@@ -133,7 +133,10 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
       if (session.isRecording()) return setNote(files_.endRecording(session));
       return showDialog(FileDialog::Purpose::record, "recording.warpscope");
     case Action::exportFilm:
-      if (session.exporting().isAtWork()) return session.exporting().cancel();
+      if (session.exporting().isAtWork()) {
+        session.exporting().cancel();
+        return setNote("the export was given up, nothing is left of it");
+      }
       if (!isPossible(action, session)) return setNote("a film is made of a recording: open one, or record one (Ctrl+R)");
       return showDialog(FileDialog::Purpose::exportFilm, canFilm() ? "film.mp4" : "film.png");
     case Action::savePanels:
@@ -365,7 +368,9 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   const ImVec2 top = ImGui::GetCursorPos();
   ImVec2 room = ImGui::GetContentRegionAvail();
   room.y -= playbackHeight(session, room.x, look);
-  const float bottom = plot_.height(room.y, look) + look.px(kMargin);
+  // A ray is looked at in as much room as its curves and names need, as far as pictures have half of it.
+  const float forRay = session.lookedAt() && plot_.isUnfolded() ? std::min(look.px(kRayPx), 0.5f * room.y) : 0.0f;
+  const float bottom = std::max(plot_.height(room.y, look), forRay) + look.px(kMargin);
   // Where pictures would be too low, and where one is to be as large as can be, the plot gives way.
   const bool hasBottom = session.lookedAt() || (!grid_.isAlone() && grid_.pictureSide(session, {room.x, room.y - bottom}, look) >= look.px(kLeastPicturePx));
   room.y = std::max(1.0f, room.y - (hasBottom ? bottom : 0.0f));

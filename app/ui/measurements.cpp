@@ -39,7 +39,7 @@ Measurements measurementsOf(const Session& session, size_t index, Session::TimeP
     const bool hasFilled = errors->filledFraction > 0.0;  // then there is less room
     holes = about + formatted(isMoving ? "%.0f" : errors->holeFraction < 0.0995 && !hasFilled ? "%.2f" : "%.1f", 100.0 * errors->holeFraction);
     if (hasFilled) holes += formatted("+%.0f", 100.0 * errors->filledFraction);
-    holes += " %";
+    holes += hasFilled ? "%" : " %";
   }
   const bool isCurrent = panel.errorsAreCurrent || isMoving;
   return {{

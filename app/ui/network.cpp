@@ -1,6 +1,7 @@
 // The knobs of the network, and what the connection is doing.
 // See parts.h.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "app/frames/transport_knobs.h"
@@ -152,7 +153,7 @@ void drawLinkSign(const Session& session, const Look& look) {
   std::string text = "Simulated link: " + net::inWords(link), brief = "Simulated link: " + durationText(link.up.delayMs + link.down.delayMs) + " round trip";
   for (const net::LinkPreset& preset : net::linkPresets())
     if (preset.settings == link) {
-      text = "Simulated link: " + std::string(preset.name) + ", " + std::string(preset.summary);
+      text = "Simulated link: " + std::string(preset.summary);
       brief = "Simulated link: " + std::string(preset.name) + ", " + durationText(link.up.delayMs + link.down.delayMs) + " round trip";
     }
   if (hasOutage) text = brief = "Simulated outage: nothing passes";
@@ -163,12 +164,14 @@ void drawLinkSign(const Session& session, const Look& look) {
   constexpr float kTimesTheUsual = 1.25f;
   const float size = kTimesTheUsual * ImGui::GetFontSize(), height = size + look.px(8.0f), width = ImGui::GetContentRegionAvail().x;
   const auto fits = [&](const std::string& words) { return kTimesTheUsual * ImGui::CalcTextSize(words.c_str()).x <= width - look.px(20.0f); };
-  if (!fits(text)) text = brief;
-  // What came of it, which the link's own delay is a part of.
-  if (const FrameLatency latency = session.panel(0).latency; !hasOutage && hasLink && latency.wireMs > 0.0) {
-    const std::string measured = text + ". A frame takes " + durationText(latency.totalMs()) + ", the wire " + durationText(latency.wireMs) + " of it";
-    if (fits(measured)) text = measured;
-  }
+  // What came of it, which the link's own delay is a part of, rather than all that the link does.
+  std::string measured;
+  for (size_t i = 0; i < session.panelCount() && measured.empty(); ++i)
+    if (const FrameLatency latency = session.panel(i).latency; !hasOutage && hasLink && latency.wireMs > 0.0)
+      measured = ". A frame takes " + durationText(latency.totalMs()) + ", the wire " + durationText(latency.wireMs) + " of it";
+  const std::array<std::string, 4> choices{text + measured, brief + measured, text, brief};
+  const auto chosen = std::ranges::find_if(choices, fits);
+  text = chosen != choices.end() ? *chosen : brief;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::Dummy({width, height});
   tooltip("What is on show is older than a round trip: a frame is marched, coded, sent and drawn as well, and may wait for the one before it. The coloured bars beneath the pictures say where the time goes.", look);

@@ -212,26 +212,35 @@ std::string lightText(const RayResult& result, float fromEye) {
   if (!depth) return "Nothing on this ray counts.";
   const LightAbout light = lightAbout(result.trace, *depth);
   const auto percent = [](float share) { return formatted("%.0f %%", 100.0 * static_cast<double>(share)); };
-  return "The dot by " + std::string(nameOf(used)) + " stands at " + formatted("%.4g", static_cast<double>(fromEye + *depth)) + ": " + percent(light.within) + " of the light comes from within a voxel of it, " +
+  return "By " + std::string(nameOf(used)) + " the ray's dot stands " + formatted("%.4g", static_cast<double>(fromEye + *depth)) + " from the frame's eye: " + percent(light.within) + " of the light comes from within a voxel of it, " +
          percent(light.nearer) + " from nearer, " + percent(light.farther) + " from farther.";
+}
+
+/// What the frame has where that place is which it does not show.
+std::string textOf(const SeenByFrame& seen) {
+  const std::string pixel = "pixel " + std::to_string(seen.pixel.x) + ", " + std::to_string(seen.pixel.y), apart = formatted("%.3g", static_cast<double>(seen.apart)),
+                    radius = formatted("%.3g", static_cast<double>(seen.radius));
+  switch (seen.kind) {
+    case SeenByFrame::Kind::outside: return "The frame's picture does not reach there.";
+    case SeenByFrame::Kind::nothing: return "The frame's " + pixel + ", where that is, has no sample.";
+    case SeenByFrame::Kind::nearer: return "From the frame's eye it was hidden: its " + pixel + " shows what lies " + apart + " nearer.";
+    case SeenByFrame::Kind::farther: return "The frame's " + pixel + ", where that is, has its sample " + apart + " farther: the depth stands for something else.";
+    case SeenByFrame::Kind::there: break;
+  }
+  return "The frame's " + pixel + " has a sample there, " + apart + " away and of radius " + radius + ": it does not cover this pixel.";
 }
 
 /// Why the frame shows nothing where the ray is.
 std::string gapText(const RayResult& result, float fromEye) {
   if (!result.seen) return "Nothing on this ray counts: in truth it shows the background, too.";
-  const SeenByFrame& seen = *result.seen;
   const float depth = *depthBy(result.trace, result.job.settings.sample.heuristic);
-  const std::string place = "What it shows in truth is " + formatted("%.4g", static_cast<double>(fromEye + depth)) + " from the eye. ",
-                    pixel = "pixel " + std::to_string(seen.pixel.x) + ", " + std::to_string(seen.pixel.y), apart = formatted("%.3g", static_cast<double>(seen.apart)),
-                    radius = formatted("%.3g", static_cast<double>(seen.radius));
-  switch (seen.kind) {
-    case SeenByFrame::Kind::outside: return place + "The frame's picture does not reach there.";
-    case SeenByFrame::Kind::nothing: return place + "The frame's " + pixel + ", where that is, has no sample.";
-    case SeenByFrame::Kind::nearer: return place + "From the frame's eye it was hidden: its " + pixel + " shows what lies " + apart + " nearer.";
-    case SeenByFrame::Kind::farther: return place + "The frame's " + pixel + ", where that is, has its sample " + apart + " farther: the depth stands for something else.";
-    case SeenByFrame::Kind::there: break;
-  }
-  return place + "The frame's " + pixel + " has a sample there, " + apart + " away and of radius " + radius + ": it does not cover this pixel.";
+  return "What it shows in truth is " + formatted("%.4g", static_cast<double>(fromEye + depth)) + " from the eye. " + textOf(*result.seen);
+}
+
+/// Why one sees through to the sample that the pixel shows.
+std::string missedText(const MissedInFront& missed) {
+  return "One looks through a gap here: what this pixel shows in truth is " + formatted("%.4g", static_cast<double>(missed.depth)) + " from the eye, " + formatted("%.3g", static_cast<double>(missed.before)) +
+         " in front of the sample. " + textOf(missed.seen);
 }
 
 void drawKeyOfCurves(ImVec2 at, const Tops& tops) {
@@ -258,8 +267,9 @@ bool drawRay(const Session& session, const Look& look) {
   tooltip("Close.", look);
   const float fromEye = hasTrace ? glm::length(ray.result()->trace.ray.origin - ray.result()->job.ray.camera.eye) : 0.0f;
   if (hasTrace && (ray.result()->job.ray.isServers || ray.result()->job.frame)) {
+    const RayResult& result = *ray.result();
     ImGui::PushTextWrapPos(0.0f);
-    ImGui::TextUnformatted((ray.result()->job.frame ? gapText(*ray.result(), fromEye) : lightText(*ray.result(), fromEye)).c_str());
+    ImGui::TextUnformatted((result.missed ? missedText(*result.missed) : result.job.ray.isGap ? gapText(result, fromEye) : lightText(result, fromEye)).c_str());
     ImGui::PopTextWrapPos();
   }
   const ImVec2 at = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();

@@ -338,7 +338,7 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
   } else {  // so that nothing moves when one is chosen
     ImGui::AlignTextToFramePadding();
     const bool isSpreadPreset = !spread_.preset.empty() && spread_.function == session.scene()->transferFunction;
-    ImGui::TextColored(isSpreadPreset ? palette().noticeText : palette().faintText, "%s", isSpreadPreset ? (spread_.preset + ", spread over all values").c_str() : "right drag: all, with its colours");
+    ImGui::TextColored(isSpreadPreset ? palette().noticeText : palette().faintText, "%s", isSpreadPreset ? (spread_.preset + ", spread over all values").c_str() : "right drag moves and widens all");
     tooltip(std::string(isSpreadPreset ? kSpreadHelp : kHandling), look);
   }
 }

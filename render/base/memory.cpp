@@ -2,13 +2,17 @@
 // See memory.h.
 #include "render/base/memory.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <charconv>
 #include <fstream>
 
 #include "render/base/error.h"
 #include "render/base/input_file.h"
+#include "render/base/memory_limit.h"
 
 namespace warpscope {
 namespace {
@@ -78,7 +82,33 @@ std::optional<uint64_t> availableMemoryBytes(const fs::path& root) {
   return least;
 }
 
+namespace {
+
+/// 0: none.
+std::atomic<uint64_t> limitBytes = 0;
+
+}  // namespace
+
+ResidentMemory residentMemory() {
+  std::ifstream file("/proc/self/statm");
+  uint64_t all = 0, resident = 0, ofFiles = 0;
+  if (!(file >> all >> resident >> ofFiles)) return {};
+  static const auto page = static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+  return {resident * page, (resident - std::min(resident, ofFiles)) * page};
+}
+
+void setMemoryLimit(std::optional<uint64_t> bytes) { limitBytes = bytes.value_or(0); }
+
+std::optional<uint64_t> memoryLimit() {
+  const uint64_t bytes = limitBytes;
+  return bytes > 0 ? std::optional(bytes) : std::nullopt;
+}
+
 void requireMemory(uint64_t bytes, const std::string& what) {
+  if (const std::optional<uint64_t> limit = memoryLimit()) {
+    const uint64_t left = *limit - std::min(*limit, residentMemory().ownBytes);
+    if (left < bytes) throw InputError(what + " needs " + sizeText(bytes) + " of memory, and of the " + sizeText(*limit) + " that it may have " + sizeText(left) + " are left");
+  }
   const std::optional<uint64_t> free = availableMemoryBytes();
   if (free && *free < bytes)
     throw InputError(what + " needs " + sizeText(bytes) + " of memory, and " + sizeText(*free) + " are free; it does not fit into this machine's memory");

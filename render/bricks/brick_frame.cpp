@@ -13,8 +13,16 @@ namespace {
 /// Of a ray in a message, beside what follows it.
 struct RayHead {
   uint32_t place = 0;  ///< in its tile
-  RelayedState state;
   uint32_t counting = 0;  ///< samples that follow
+};
+
+/// What rays have that have not met anything: of what they hand on, most is as that.
+struct FreshRay {
+  explicit FreshRay(const FrameOrder& order) : segments(mergerRoomFor(order.sample ? order.sample->segments : 0)) {}
+
+  RelayedState state;
+  SegmentMerger segments;
+  RelayedAgain again;
 };
 
 /// Of a tile.
@@ -152,13 +160,14 @@ std::vector<std::byte> BrickFrame::bytesOf(const RelayedTile& tile) const {
   for (size_t place = 0; place < tile.rays.size(); ++place)
     if (tile.rays[place].isDone) done[place / 8] |= static_cast<uint8_t>(1u << (place % 8));
   writer.putAll(done);
+  const FreshRay fresh(order_);
   for (uint32_t place = 0; place < tile.rays.size(); ++place) {
     const RelayedRay& ray = tile.rays[place];
     if ((ray.isDone && !tile.goesTwice) || !ray.hasMet()) continue;
-    writer.put(RayHead{place, ray.state, static_cast<uint32_t>(ray.counting.size())});
+    writer.put(RayHead{place, static_cast<uint32_t>(ray.counting.size())}).putBeside(ray.state, fresh.state);
     for (const CountingSample& sample : ray.counting) writer.put(sample);
-    if (!tile.segments.empty()) writer.put(tile.segments[place]);
-    if (tile.isAgain) writer.put(tile.again[place]);
+    if (!tile.segments.empty()) writer.putBeside(tile.segments[place], fresh.segments);
+    if (tile.isAgain) writer.putBeside(tile.again[place], fresh.again);
   }
   return writer.take();
 }
@@ -177,15 +186,16 @@ std::unique_ptr<RelayedTile> BrickFrame::tileOf(const std::vector<std::byte>& by
   std::vector<uint8_t> done;
   reader.getAll(done);
   for (size_t place = 0; place < tile->rays.size(); ++place) tile->rays[place].isDone = (done.at(place / 8) >> (place % 8) & 1) != 0;
-  if (tileHead.hasSegments) tile->segments.assign(tile->rays.size(), SegmentMerger(mergerRoomFor(order_.sample ? order_.sample->segments : 0)));
+  const FreshRay fresh(order_);
+  if (tileHead.hasSegments) tile->segments.assign(tile->rays.size(), fresh.segments);
   while (!reader.isAtEnd()) {
     const auto head = reader.get<RayHead>();
     RelayedRay& ray = tile->rays.at(head.place);
-    ray.state = head.state;
+    ray.state = reader.getBeside(fresh.state);
     ray.counting.resize(head.counting);
     for (CountingSample& sample : ray.counting) sample = reader.get<CountingSample>();
-    if (tileHead.hasSegments) tile->segments[head.place] = reader.get<SegmentMerger>();
-    if (tile->isAgain) tile->again.at(head.place) = reader.get<RelayedAgain>();
+    if (tileHead.hasSegments) tile->segments[head.place] = reader.getBeside(fresh.segments);
+    if (tile->isAgain) tile->again.at(head.place) = reader.getBeside(fresh.again);
   }
   return tile;
 }

@@ -17,6 +17,7 @@ namespace warpscope {
 enum BrickMessage {
   kFunctionMessage,  ///< from the first: a transfer function; all make what marching by it takes
   kForgetMessage,    ///< from the first: nobody will ask for one of them any more
+  kLightMessage,     ///< from the first: the copy in which light is found, by one of them
   kProxyMessage,     ///< from the first: the coarse copy by one of them
   kOrderMessage,     ///< from the first: a FrameOrder
   kTileMessage,      ///< to the next on its way: a tile (BrickFrame)

@@ -133,10 +133,21 @@ class BrickLeader {
     return proxy;
   }
 
+  /// All have what shadows and occlusion are found in from now on.
+  void findLight(uint32_t function, const std::stop_token& stop) {
+    const std::unique_lock lock = lockUnless(stop);
+    if (work_.hasLightCopy(function)) return;
+    together([&] {
+      tellAll(kLightMessage, RankWriter().put(function).take());
+      work_.makeLightCopy(function);
+    });
+    if (stop.stop_requested()) throw OperationCancelled();
+  }
+
   /// Has the order's picture marched by all; `onResult` gets what its rays leave. Of the order, frame, blocks, their order and routes are found here.
   /// Throws WorkLimitExceeded where it takes longer than `limit`, if that is more than 0.
   template <class OnResult>
-  void march(FrameOrder order, const PixelGrid& pixels, std::chrono::nanoseconds limit, const std::stop_token& stop, const OnResult& onResult) {
+  void march(FrameOrder order, std::chrono::nanoseconds limit, const std::stop_token& stop, const OnResult& onResult) {
     const std::unique_lock lock = lockUnless(stop);
     forgetUnused();
     const Volume& volume = *work_.volume();
@@ -148,7 +159,10 @@ class BrickLeader {
     order.blocks = tree.blocks();
     const glm::vec3 edges = volume.geometry().voxelEdges();
     order.nearToFar = tree.nearToFar((order.camera.eye - volume.bounds().lower) * (1.0f / edges) - 0.5f);  // as VolumeView has it
-    findRoutes(order, pixels, volume.dims(), volume.bounds().lower, edges);
+    const auto from = std::chrono::steady_clock::now();
+    const EndOfFrame end(*this);
+    tellAll(kOrderMessage, order.bytes());
+    findRoutes(order, volume);
     const uint32_t tiles = order.tileCount();
     uint32_t left = 0;
     for (uint32_t tile = 0; tile < tiles; ++tile)
@@ -174,10 +188,7 @@ class BrickLeader {
       if (result.results > 0) wanted[result.tile] = result.results;
       if (come[result.tile] == wanted[result.tile]) --left;
     };
-    const auto from = std::chrono::steady_clock::now();
     const uint32_t all = left;
-    const EndOfFrame end(*this);
-    tellAll(kOrderMessage, order.bytes());
     work_.begin(std::move(order));
     {
       const std::stop_callback onStop(stop, [this] { work_.ranks().wake(); });
@@ -342,7 +353,8 @@ class RanksMarcher final : public Marcher {
     std::ranges::fill(dense_.samples, PackedSample{0});
     std::ranges::fill(dense_.segments.rays, RaySegmentCount{});
     const FrameOrder order = orderOf(camera, settings.render, settings.sample);
-    leader_->march(order, makePixelGrid(camera, rule.quantization.nearDepth), limit(), stop, [&](const TileResult& result) {
+    if (needsLightCopy(settings.render)) leader_->findLight(function_, stop);
+    leader_->march(order, limit(), stop, [&](const TileResult& result) {
       forEachFinished(order, result, [&](size_t i, size_t pixel) { dense_.take(pixel, result.found, i); });
     });
     frame.timings.marchMs = millisecondsSince(marchStart);
@@ -362,7 +374,8 @@ class RanksMarcher final : public Marcher {
     image.resize(camera.width, camera.height);
     std::fill_n(image.data(), size_t{camera.width} * camera.height, glm::vec4(0.0f));
     const FrameOrder order = orderOf(camera, settings, std::nullopt);
-    leader_->march(order, pixelsFor(*marched_->volume, camera, settings), limit(), stop, [&](const TileResult& result) {
+    if (needsLightCopy(settings)) leader_->findLight(function_, stop);
+    leader_->march(order, limit(), stop, [&](const TileResult& result) {
       forEachFinished(order, result, [&](size_t i, size_t pixel) { image.data()[pixel] = result.colors.at(i); });
     });
   }
@@ -455,9 +468,12 @@ bool followRanks(const VolumePtr& volume, const std::stop_token& stop) {
         work.function(function)->proxyFor(reader.get<int>(), {});
         break;
       }
+      case kLightMessage: work.makeLightCopy(RankReader(message->bytes).get<uint32_t>()); break;
       case kOrderMessage: {
         endFrame();
-        work.begin(FrameOrder::ofBytes(message->bytes));
+        FrameOrder order = FrameOrder::ofBytes(message->bytes);
+        findRoutes(order, *volume);
+        work.begin(std::move(order));
         std::deque<RankMessage> waiting = std::exchange(early, {});
         for (RankMessage& tile : waiting)
           if (BrickFrame::frameOf(tile) >= work.frame()->order().frame) deliver(std::move(tile));

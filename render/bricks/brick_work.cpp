@@ -3,8 +3,10 @@
 #include "render/bricks/brick_work.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "render/base/error.h"
+#include "render/volume/proxy.h"
 
 namespace warpscope {
 namespace {
@@ -12,6 +14,18 @@ namespace {
 int64_t cellsOf(const CellBlock& block) {
   const glm::ivec3 extent = glm::max(block.upper - block.lower, 0);
   return int64_t{extent.x} * extent.y * extent.z;
+}
+
+/// Of the voxels that marching the block's samples takes: those of its cells, one more for gradients, and as many as a step is long (PieceMarcher).
+VoxelRows rowsOf(const CellBlock& block, const RenderSettings& settings, const VolumeGeometry& geometry) {
+  VoxelRows rows;
+  const glm::vec3 edges = geometry.voxelEdges();
+  for (int axis = 1; axis < 3; ++axis) {
+    const auto margin = 2 + static_cast<int64_t>(std::min(std::ceil(settings.step / edges[axis]), 1e6f)), voxels = int64_t{geometry.dims[axis]};
+    rows.lower[axis - 1] = static_cast<uint32_t>(std::clamp<int64_t>(block.lower[axis] - margin, 0, voxels));
+    rows.upper[axis - 1] = static_cast<uint32_t>(std::clamp<int64_t>(block.upper[axis] + 1 + margin, 0, voxels));
+  }
+  return rows;
 }
 
 int64_t sharedCells(const CellBlock& a, const CellBlock& b) { return cellsOf({glm::max(a.lower, b.lower), glm::min(a.upper, b.upper)}); }
@@ -25,9 +39,19 @@ uint32_t BrickWork::addFunction(TransferFunction function) {
   // The place of one that is forgotten.
   auto place = std::ranges::find_if(functions_, [](const Function& one) { return one.marched == nullptr; });
   if (place == functions_.end()) place = functions_.insert(place, Function{});
-  *place = {marched, makePieceMarcher(marched)};
-  volume_->releasePages();  // of a share of the volume, which is not the block
+  *place = {marched, makePieceMarcher(marched), false};
+  volume_->releaseVoxels();  // of a share of the volume, which is not the block
+  block_ = {};
   return static_cast<uint32_t>(place - functions_.begin());
+}
+
+void BrickWork::makeLightCopy(uint32_t index) {
+  end();  // of voxels others are needed now
+  Function& function = functions_.at(index);
+  function.pieces->setLightCopy(std::make_shared<const Proxy>(makeProxy(*volume_, function.marched->transferFunction, kLightCopyEdge)));
+  function.hasLightCopy = true;
+  volume_->releaseVoxels();
+  block_ = {};
 }
 
 std::optional<uint32_t> BrickWork::find(const TransferFunction& function) const {
@@ -42,8 +66,13 @@ void BrickWork::begin(FrameOrder order) {
   strayCells_ += cellsOf(block_) - sharedCells(block_, frame_->block());
   block_ = frame_->block();
   if (4 * strayCells_ > cellsOf(block_)) {
-    volume_->releasePages();
+    volume_->releaseVoxels();
     strayCells_ = 0;
+  }
+  try {
+    volume_->provide(rowsOf(block_, frame_->order().render, volume_->geometry()));
+  } catch (const std::exception& error) {
+    return frame_->fail("process " + std::to_string(ranks().rank()) + " of " + std::to_string(ranks().size()) + ": " + error.what());
   }
   marching_ = std::jthread([frame = frame_.get(), pieces = functions_.at(frame_->order().function).pieces](const std::stop_token& stop) {
     const FrameOrder& asked = frame->order();

@@ -27,6 +27,9 @@ class BrickWork {
   const MarchedVolumePtr& function(uint32_t index) const { return functions_.at(index).marched; }
   /// Nobody will ask for it again.
   void forgetFunction(uint32_t index) { functions_.at(index) = {}; }
+  /// All ranks at the same time: what shadows and occlusion by that function are found in.
+  void makeLightCopy(uint32_t index);
+  bool hasLightCopy(uint32_t index) const { return functions_.at(index).hasLightCopy; }
   /// Which one it is, if it is known.
   std::optional<uint32_t> find(const TransferFunction& function) const;
 
@@ -41,6 +44,7 @@ class BrickWork {
   struct Function {
     MarchedVolumePtr marched;
     std::shared_ptr<PieceMarcher> pieces;
+    bool hasLightCopy = false;
   };
 
   const VolumePtr volume_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "render/bricks/rank_bytes.h"
+#include "render/march/march_setup.h"
 
 namespace warpscope {
 
@@ -31,7 +32,7 @@ int FrameOrder::nextOf(uint32_t tile, int rank) const {
 std::vector<std::byte> FrameOrder::bytes() const {
   RankWriter writer;
   writer.put(frame).put(function).put(camera).put(render).put(sample.has_value()).put(sample.value_or(SampleSettings{}));
-  return writer.putAll(blocks).putAll(nearToFar).putAll(routes).take();
+  return writer.putAll(blocks).putAll(nearToFar).take();
 }
 
 FrameOrder FrameOrder::ofBytes(std::span<const std::byte> bytes) {
@@ -46,15 +47,17 @@ FrameOrder FrameOrder::ofBytes(std::span<const std::byte> bytes) {
   if (hasSample) order.sample = sample;
   reader.getAll(order.blocks);
   reader.getAll(order.nearToFar);
-  reader.getAll(order.routes);
   return order;
 }
 
-void findRoutes(FrameOrder& order, const PixelGrid& pixels, const glm::uvec3& voxels, const glm::vec3& lower, const glm::vec3& voxelEdges) {
+void findRoutes(FrameOrder& order, const Volume& volume) {
+  const Camera& camera = order.camera;
+  const PixelGrid pixels = order.sample ? makePixelGrid(camera, sampleRuleFor(volume, camera, *order.sample).quantization.nearDepth) : pixelsFor(volume, camera, order.render);
+  const glm::vec3 voxelEdges = volume.geometry().voxelEdges(), lower = volume.bounds().lower;
   const size_t bytesOfTile = (order.nearToFar.size() + 7) / 8;
   order.routes.assign(bytesOfTile * order.tileCount(), 0);
   for (size_t i = 0; i < order.nearToFar.size(); ++i) {
-    Box box = boxOf(order.blocks[static_cast<size_t>(order.nearToFar[i])], voxels);
+    Box box = boxOf(order.blocks[static_cast<size_t>(order.nearToFar[i])], volume.dims());
     // Samples that are moved along their rays may come to lie beyond the volume, beside a block that the ray does not meet inside.
     box.lower -= order.render.step / voxelEdges;
     box.upper += order.render.step / voxelEdges;

@@ -36,11 +36,12 @@ struct FrameOrder {
   /// The next rank that a tile goes to behind `rank`, or the first if that is -1; -1 if there is none.
   int nextOf(uint32_t tile, int rank) const;
 
+  /// But for routes, which each rank finds: they are as many as there are ranks, for each of them.
   std::vector<std::byte> bytes() const;
   static FrameOrder ofBytes(std::span<const std::byte> bytes);
 };
 
-/// Finds the routes of an order that has all else. `pixels`: of its rays; `bounds` and `voxelEdges`: of the volume.
-void findRoutes(FrameOrder& order, const PixelGrid& pixels, const glm::uvec3& voxels, const glm::vec3& lower, const glm::vec3& voxelEdges);
+/// Finds the routes of an order that has all else. All ranks find the same.
+void findRoutes(FrameOrder& order, const Volume& volume);
 
 }  // namespace warpscope

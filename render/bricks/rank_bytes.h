@@ -1,6 +1,7 @@
 // Messages between ranks as bytes: values as they are in memory, since all ranks run the same program on the same kind of processor.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -13,12 +14,36 @@
 
 namespace warpscope {
 
+/// Of 32 bits, the last one filled up.
+template <class T>
+inline constexpr size_t wordsOf = (sizeof(T) + sizeof(uint32_t) - 1) / sizeof(uint32_t);
+
 class RankWriter {
  public:
   template <class T>
   RankWriter& put(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
     append(&value, sizeof value);
+    return *this;
+  }
+  /// A value of which most is as `usual`, word by word: a bit for each word that is not, and those words. Both ends have the same `usual`.
+  template <class T>
+  RankWriter& putBeside(const T& value, const T& usual) {
+    using Words = std::array<uint32_t, wordsOf<T>>;
+    Words words{}, before{};
+    std::memcpy(words.data(), &value, sizeof value);
+    std::memcpy(before.data(), &usual, sizeof usual);
+    std::array<uint8_t, (wordsOf<T> + 7) / 8> changed{};
+    size_t count = 0;
+    Words others;
+    for (size_t i = 0; i < words.size(); ++i) {
+      const bool isOther = words[i] != before[i];
+      changed[i / 8] |= static_cast<uint8_t>(static_cast<unsigned>(isOther) << (i % 8));
+      others[count] = words[i];
+      count += isOther ? 1 : 0;
+    }
+    append(changed.data(), changed.size());
+    append(others.data(), count * sizeof(uint32_t));
     return *this;
   }
   /// How many there are, and they.
@@ -51,6 +76,17 @@ class RankReader {
     alignas(T) std::byte held[sizeof(T)];
     std::memcpy(held, next(sizeof(T)).data(), sizeof(T));
     return *std::launder(reinterpret_cast<T*>(held));
+  }
+  template <class T>
+  T getBeside(const T& usual) {
+    std::array<uint32_t, wordsOf<T>> words{};
+    std::memcpy(words.data(), &usual, sizeof usual);
+    const std::span<const std::byte> changed = next((wordsOf<T> + 7) / 8);
+    for (size_t i = 0; i < words.size(); ++i)
+      if ((std::to_integer<unsigned>(changed[i / 8]) >> (i % 8) & 1) != 0) std::memcpy(&words[i], next(sizeof(uint32_t)).data(), sizeof(uint32_t));
+    T value = usual;
+    std::memcpy(static_cast<void*>(&value), words.data(), sizeof value);
+    return value;
   }
   template <class Range>
   void getAll(Range& values) {

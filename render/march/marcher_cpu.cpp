@@ -9,6 +9,7 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "render/base/stopwatch.h"
@@ -101,6 +102,11 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
     forEachRay({camera, allOf(camera), pixels, settings, sample, stop, [&](const FinishedRay& ray) { keepFinished(ray, sample, hasNormals, rule, pixels); }, &relay});
   }
 
+  void setLightCopy(const ProxyPtr& copy) override {
+    const std::scoped_lock lock(mutex_);
+    copy_ = std::make_unique<CpuMarcher>(std::make_shared<const MarchedVolume>(copy->volume, functionOfCodes(*copy)), nullptr);
+  }
+
   RayTrace trace(const Camera& camera, const MarchSettings& settings, const glm::uvec2& pixel, const std::stop_token& stop) override {
     const std::scoped_lock lock(mutex_);
     requireMarchable(*marched_->volume, camera, settings);
@@ -180,11 +186,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
     const Volume& volume = *marched_->volume;
     visitVoxelType(volume.type(), [&](auto voxelTag) {
       using Voxel = decltype(voxelTag);
-      VolumeView<Voxel> view = makeVolumeView<Voxel>(*marched_);
-      view.voxels = volume.voxelsAs<Voxel>();
-      view.transfer = baked_->table.lookup();
-      view.transfer.isRefined = plan.has(PlanStage::refinement);
-      view.cells.distances = plan.has(PlanStage::skipping) ? baked_->emptyDistances.data() : nullptr;
+      const VolumeView<Voxel> view = viewFor<Voxel>(plan);
       if (settings.effects.mode == RenderMode::mip) {
         const MipSetup greatest = mipFor(*marched_, baked_->table, plan);
         return visitHoles<Voxel>(plan, [&]<class HasHoles>(HasHoles) {
@@ -221,12 +223,34 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
     }
   }
 
+  /// Of a volume that is spread over ranks: what arrives in its coarse copy, which all of them have.
+  LightVolume lightOfCopy(const Camera& camera, const RenderSettings& settings, const std::stop_token& stop) {
+    if (!copy_) throw std::logic_error("there is no copy of the volume to find its light in");
+    return copy_->ownLight(camera, settings, stop);
+  }
+  LightVolume ownLight(const Camera& camera, const RenderSettings& settings, const std::stop_token& stop) {
+    const EffectPlan plan = bakedPlan(settings, std::nullopt);
+    return visitVoxelType(marched_->volume->type(), [&]<class Voxel>(Voxel) { return filledLightVolume(viewFor<Voxel>(plan), camera, settings, plan, stop); });
+  }
+
+  /// Of the volume, as the plan has rays look at it.
+  template <class Voxel>
+  VolumeView<Voxel> viewFor(const EffectPlan& plan) const {
+    VolumeView<Voxel> view = makeVolumeView<Voxel>(*marched_);
+    view.voxels = marched_->volume->voxelsAs<Voxel>();
+    view.transfer = baked_->table.lookup();
+    view.transfer.isRefined = plan.has(PlanStage::refinement);
+    view.cells.distances = plan.has(PlanStage::skipping) ? baked_->emptyDistances.data() : nullptr;
+    return view;
+  }
+
   /// What arrives of the lights: of the last picture, or found out anew.
   template <class Voxel>
   LightVolume filledLightVolume(const VolumeView<Voxel>& view, const Camera& camera, const RenderSettings& settings, const EffectPlan& plan,
                                 const std::stop_token& stop) {
     LightVolumeJob job = lightVolumeFor(*marched_, camera, settings, plan);
     if (job.volume.channels == 0) return job.volume;
+    if (marched_->volume->ranks()) return lightOfCopy(camera, settings, stop);
     if (std::vector<float> key = lightVolumeKey(job, settings, plan); key != lightKey_) {
       lightKey_.clear();  // what follows may be stopped
       lightValues_.resize(job.volume.places() * static_cast<size_t>(job.volume.channels));
@@ -284,6 +308,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
   std::vector<Box> surface_;
   std::vector<float> lightKey_;        // of what the following are for; empty: nothing
   std::vector<uint16_t> lightValues_;
+  std::unique_ptr<CpuMarcher> copy_;   // where the volume is spread over ranks, once light is to be found in it
   DenseRays dense_;
 };
 
@@ -292,10 +317,12 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
 std::unique_ptr<PieceMarcher> makePieceMarcher(MarchedVolumePtr marched) { return std::make_unique<CpuMarcher>(std::move(marched), nullptr); }
 
 std::string whyNotInPieces(const RenderSettings& settings) {
+  return settings.arithmetic != Arithmetic::stable ? "textbook arithmetic cannot be marched in pieces" : "";
+}
+
+bool needsLightCopy(const RenderSettings& settings) {
   const Effects& effects = settings.effects;
-  if (settings.arithmetic != Arithmetic::stable) return "textbook arithmetic cannot be marched in pieces";
-  if (effects.shading.strength > 0.0f && (effects.shadows.strength > 0.0f || effects.shadows.occlusion > 0.0f)) return "shadows and occlusion cannot be marched in pieces";
-  return {};
+  return effects.shading.strength > 0.0f && (effects.shadows.strength > 0.0f || effects.shadows.occlusion > 0.0f);
 }
 
 std::unique_ptr<RayTracer> makeRayTracer(VolumePtr volume, TransferFunction transferFunction) {

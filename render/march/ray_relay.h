@@ -100,6 +100,10 @@ class PieceMarcher {
  public:
   virtual ~PieceMarcher() = default;
 
+  /// What stands in the light's way may be in any block: shadows and occlusion are found in this coarse copy of all of the volume, by the same function. The same frames come of
+  /// the same copy, however the volume is cut; to those of one process they are as near as the copy is to the volume.
+  virtual void setLightCopy(const ProxyPtr& copy) = 0;
+
   /// Works at a relay's tiles, on all cores, until there are no more. `sample`: what is wanted of the rays beside their colours, or null. Reads voxels of the relay's
   /// block and of a margin around it: one for gradients, and as many as a step is long. Throws what Marcher::march() does, UsageError for settings that whyNotInPieces() knows.
   virtual void marchPieces(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample, RayRelay& relay, const std::stop_token& stop) = 0;
@@ -107,6 +111,11 @@ class PieceMarcher {
 
 /// On the CPU. Shares what `marched` has.
 std::unique_ptr<PieceMarcher> makePieceMarcher(std::shared_ptr<const MarchedVolume> marched);
+
+/// Whether rays by these settings want shadows or occlusion, for which a marcher of pieces is to have a copy of the volume.
+bool needsLightCopy(const RenderSettings& settings);
+/// Voxels along the longest edge of that copy.
+inline constexpr int kLightCopyEdge = 256;
 
 /// Why rays by these settings can be marched whole alone; empty if they need not.
 std::string whyNotInPieces(const RenderSettings& settings);

@@ -11,6 +11,7 @@
 #include <itkVTKImageIO.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 #include <iostream>
 #include <mutex>
@@ -21,6 +22,8 @@
 #include "render/base/error.h"
 #include "render/base/memory.h"
 #include "render/volume/payload.h"
+#include "render/volume/sparse_voxels.h"
+#include "render/volume/stored_rows.h"
 #include "render/volume/volume_format.h"
 
 namespace warpscope {
@@ -199,29 +202,48 @@ std::string firstSentence(const char* text) {
   return sentence.substr(0, kLongest);
 }
 
-VolumePtr readItkVolume(const std::filesystem::path& path, const std::stop_token& stop) {
+/// What a file says of its voxels.
+struct Header {
+  Payload payload;
+  itk::ImageIOBase::Pointer io;
+  VoxelType type{};
+  VolumeGeometry geometry;
+  size_t count = 0;
+  uint64_t storedBytes = 0;
+};
+
+/// Throws InputError, too, where the size of the file alone tells that it cannot be right.
+Header readHeader(const std::filesystem::path& path) {
   const std::string source = path.string();
-  const Payload payload = locatePayload(path);
-  const itk::ImageIOBase::Pointer io = makeImageIO(path);
-  if (!io->CanReadFile(source.c_str()))
+  Header header;
+  header.payload = locatePayload(path);
+  header.io = makeImageIO(path);
+  if (!header.io->CanReadFile(source.c_str()))
     throw InputError(source + ": its content is not of the format that its ending promises, or its header is damaged");
-  io->SetFileName(source);
-  io->ReadImageInformation();
+  header.io->SetFileName(source);
+  header.io->ReadImageInformation();
 
   // ITK would widen voxels with a slope and an intercept to float. Those as stored differ only by an affine map, which
   // a transfer function over their range does not see; where the slope is negative it would, and the widening stays.
-  if (auto* nifti = dynamic_cast<itk::NiftiImageIO*>(io.GetPointer());
-      nifti && payload.storedType && !payload.isDescending) {
+  if (auto* nifti = dynamic_cast<itk::NiftiImageIO*>(header.io.GetPointer());
+      nifti && header.payload.storedType && !header.payload.isDescending) {
     nifti->SetRescaleSlope(1.0);
     nifti->SetRescaleIntercept(0.0);
-    nifti->SetComponentType(componentOf(*payload.storedType));
+    nifti->SetComponentType(componentOf(*header.payload.storedType));
   }
-  const VoxelType type = voxelTypeOf(*io, source);
-  VolumeGeometry geometry = geometryOf(*io, source);
-  geometry.hasOrientation = payload.hasOrientation;
-  const size_t count = validate(geometry, type, source);
-  const uint64_t storedBytes = count * sizeBytes(payload.storedType.value_or(type));
-  requirePlausible(path, payload, storedBytes);
+  header.type = voxelTypeOf(*header.io, source);
+  header.geometry = geometryOf(*header.io, source);
+  header.geometry.hasOrientation = header.payload.hasOrientation;
+  header.count = validate(header.geometry, header.type, source);
+  header.storedBytes = header.count * sizeBytes(header.payload.storedType.value_or(header.type));
+  requirePlausible(path, header.payload, header.storedBytes);
+  return header;
+}
+
+VolumePtr readItkVolume(const std::filesystem::path& path, const std::stop_token& stop) {
+  const std::string source = path.string();
+  const Header header = readHeader(path);
+  const auto& [payload, io, type, geometry, count, storedBytes] = header;
   // The library behind NIfTI reads into memory of its own first.
   const bool isReadTwice = dynamic_cast<itk::NiftiImageIO*>(io.GetPointer()) != nullptr;
   requireMemory(count * sizeBytes(type) + (isReadTwice ? storedBytes : 0), source + ": it");
@@ -241,20 +263,40 @@ VolumePtr readItkVolume(const std::filesystem::path& path, const std::stop_token
   return std::make_shared<Volume>(path.filename().string(), type, geometry, voxels, voxels.get(), stop);
 }
 
+VolumePtr shareItkVolume(const std::filesystem::path& path, const std::stop_token& stop, RanksPtr ranks) {
+  const std::string source = path.string();
+  const Header header = readHeader(path);
+  const Payload& payload = header.payload;
+  const VolumeFormat format = formatOf(path).value_or(VolumeFormat::raw);
+  if (format != VolumeFormat::nifti && format != VolumeFormat::nrrd && format != VolumeFormat::metaImage)
+    throw InputError(source + ": several processes share raw, NIfTI, NRRD and MetaImage volumes alone");
+  if (payload.encoding != Payload::Encoding::plain || payload.skipBytes > 0)
+    throw InputError(source + ": several processes share volumes whose voxels are not compressed and lie in one file as they are; this one is to be written so first");
+  if (payload.storedType.value_or(header.type) != header.type || payload.isDescending)
+    throw InputError(source + ": its voxels are scaled to others, which several processes do not share");
+  const uintmax_t held = std::filesystem::file_size(payload.file);
+  if (payload.offsetBytes == 0 && held != header.storedBytes) throw InputError(source + ": where its voxels begin is not certain enough for several processes");
+  if (format == VolumeFormat::metaImage && !payload.isBigEndian) throw InputError(source + ": in which order the bytes of its voxels are is not certain enough for several processes");
+  const bool isBigEndian = payload.isBigEndian.value_or(header.io->GetByteOrder() == itk::IOByteOrderEnum::BigEndian);
+  const bool isSwapped = sizeBytes(header.type) > 1 && isBigEndian != (std::endian::native == std::endian::big);
+  return makeSparseVolume(path.filename().string(), header.type, header.geometry, storedRows(payload.file, payload.offsetBytes, header.geometry.dims, sizeBytes(header.type), isSwapped), stop,
+                          std::move(ranks));
+}
+
 /// The reason that an exception gives, and what was said besides.
 std::string reasonOf(const char* what, const Murmur& murmur) {
   const std::string reason = firstSentence(what), said = firstSentence(murmur.text().c_str());
   return said.empty() ? reason : reason + " (" + said + ")";
 }
 
-}  // namespace
-
-VolumePtr openItkVolume(const std::filesystem::path& path, const std::stop_token& stop) {
+/// Calls `read()`; what goes wrong is a sentence that names the file.
+template <class Read>
+VolumePtr saying(const std::filesystem::path& path, const Read& read) {
   static std::once_flag listening;
   std::call_once(listening, listen);
   const Murmur murmur;
   try {
-    return readItkVolume(path, stop);
+    return read();
   } catch (const InputError&) {
     throw;
   } catch (const OperationCancelled&) {
@@ -266,6 +308,16 @@ VolumePtr openItkVolume(const std::filesystem::path& path, const std::stop_token
   } catch (const std::exception& error) {
     throw InputError(path.string() + ": cannot be read: " + reasonOf(error.what(), murmur));
   }
+}
+
+}  // namespace
+
+VolumePtr openItkVolume(const std::filesystem::path& path, const std::stop_token& stop) {
+  return saying(path, [&] { return readItkVolume(path, stop); });
+}
+
+VolumePtr openSharedItkVolume(const std::filesystem::path& path, const std::stop_token& stop, RanksPtr ranks) {
+  return saying(path, [&] { return shareItkVolume(path, stop, std::move(ranks)); });
 }
 
 }  // namespace warpscope

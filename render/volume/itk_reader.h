@@ -15,4 +15,8 @@ namespace warpscope {
 /// itself does not look at.
 VolumePtr openItkVolume(const std::filesystem::path& path, const std::stop_token& stop);
 
+/// The same volume for ranks that share it: each reads what it is asked for. Files whose voxels lie there as they are, in one piece and not compressed: NIfTI, NRRD,
+/// MetaImage. Throws InputError for others.
+VolumePtr openSharedItkVolume(const std::filesystem::path& path, const std::stop_token& stop, RanksPtr ranks);
+
 }  // namespace warpscope

@@ -73,6 +73,11 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
     const Voxel* voxels = volume.voxelsAs<Voxel>();
     const size_t rows = size_t(dims_.y) * dims_.z;
     const auto [firstRow, endRow] = shareOf(volume.ranks(), rows);
+    if (firstRow < endRow) {
+      const auto first = static_cast<uint32_t>(firstRow / static_cast<size_t>(dims_.y)), last = static_cast<uint32_t>((endRow - 1) / static_cast<size_t>(dims_.y));
+      const auto edge = static_cast<uint32_t>(edge_);
+      volume.provide({{0, first * edge}, {volume.dims().y, std::min((last + 1) * edge + 1, volume.dims().z)}});
+    }
     parallelForRanges(endRow - firstRow, 4, [&, firstRow = firstRow](size_t begin, size_t end) {
       for (size_t row = firstRow + begin; row < firstRow + end; ++row) {
         const int cy = static_cast<int>(row % dims_.y);

@@ -34,6 +34,7 @@ struct Payload {
   Encoding encoding = Encoding::unchecked;
   std::optional<VoxelType> storedType{};  ///< NIfTI only: of the voxels before the header's slope and intercept
   bool isDescending = false;              ///< NIfTI only: the slope is negative
+  std::optional<bool> isBigEndian{};      ///< MetaImage only, whose library does not tell: as the header says it; nothing where it says both
   bool hasOrientation = false;            ///< the header states the axes' directions in the world or the patient
 };
 

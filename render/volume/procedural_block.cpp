@@ -70,30 +70,25 @@ Distances distances(const glm::vec3& p) {
 
 }  // namespace
 
-void fillBlock(uint8_t* voxels, const glm::uvec3& dims, uint32_t /*seed*/, const std::stop_token& stop) {
+void fillBlock(uint8_t* voxels, const Wanted& wanted, const std::stop_token& stop) {
+  const glm::uvec3& dims = wanted.dims;
   // One scale for all axes: a bore stays round whatever the size.
   const glm::vec3 fit = glm::vec3(dims) / kSize;
   const float voxelsPerUnit = glm::min(fit.x, glm::min(fit.y, fit.z));
   const auto pointAt = [&](const glm::vec3& voxel) { return (voxel + 0.5f - 0.5f * glm::vec3(dims)) / voxelsPerUnit; };
-  const glm::uvec3 bricks = (dims + kBrickSide - 1u) / kBrickSide;
-  parallelForRanges(size_t{bricks.x} * bricks.y * bricks.z, 16, stop, [&](size_t begin, size_t end) {
-    for (size_t brick = begin; brick < end; ++brick) {
-      const glm::uvec3 index(brick % bricks.x, brick / bricks.x % bricks.y, brick / bricks.x / bricks.y);
-      const glm::uvec3 lower = index * kBrickSide;
-      const glm::uvec3 upper = glm::min(dims, lower + kBrickSide);
-      const Distances middle = distances(pointAt(glm::vec3(lower) + 0.5f * (kBrickSide - 1.0f)));
-      const bool isUniform =
-          std::abs(middle.body) * voxelsPerUnit > kBrickReach && std::abs(middle.bushing) * voxelsPerUnit > kBrickReach;
-      for (uint32_t z = lower.z; z < upper.z; ++z)
-        for (uint32_t y = lower.y; y < upper.y; ++y)
-          for (uint32_t x = lower.x; x < upper.x; ++x) {
-            const Distances d = isUniform ? middle : distances(pointAt(glm::vec3(x, y, z)));
-            // How much of the voxel each material fills, as if its surface were flat there.
-            const float body = glm::clamp(0.5f - d.body * voxelsPerUnit, 0.0f, 1.0f);
-            const float bushing = glm::min(glm::clamp(0.5f - d.bushing * voxelsPerUnit, 0.0f, 1.0f), 1.0f - body);
-            voxels[(size_t{z} * dims.y + y) * dims.x + x] = quantize(kBodyValue * body + kBushingValue * bushing);
-          }
-    }
+  fillBricks(kBrickSide, wanted, 16, stop, [&](const glm::uvec3& brick, const glm::uvec3& lower, const glm::uvec3& upper) {
+    const Distances middle = distances(pointAt(glm::vec3(brick * kBrickSide) + 0.5f * (kBrickSide - 1.0f)));
+    const bool isUniform =
+        std::abs(middle.body) * voxelsPerUnit > kBrickReach && std::abs(middle.bushing) * voxelsPerUnit > kBrickReach;
+    for (uint32_t z = lower.z; z < upper.z; ++z)
+      for (uint32_t y = lower.y; y < upper.y; ++y)
+        for (uint32_t x = lower.x; x < upper.x; ++x) {
+          const Distances d = isUniform ? middle : distances(pointAt(glm::vec3(x, y, z)));
+          // How much of the voxel each material fills, as if its surface were flat there.
+          const float body = glm::clamp(0.5f - d.body * voxelsPerUnit, 0.0f, 1.0f);
+          const float bushing = glm::min(glm::clamp(0.5f - d.bushing * voxelsPerUnit, 0.0f, 1.0f), 1.0f - body);
+          voxels[(size_t{z} * dims.y + y) * dims.x + x] = quantize(kBodyValue * body + kBushingValue * bushing);
+        }
   });
 }
 

@@ -11,11 +11,23 @@
 
 namespace warpscope::procedural {
 
-// Each fills every voxel, and throws OperationCancelled if `stop` is set.
-void fillVessels(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop);
-void fillShells(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop);
-void fillMarschnerLobb(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop);
-void fillBlock(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop);
+/// Which voxels are to be filled, of which volume.
+struct Wanted {
+  glm::uvec3 dims{0};  ///< of all of it
+  VoxelRows rows;      ///< of these
+  uint32_t seed = 1;
+
+  /// All of a volume.
+  static Wanted all(const glm::uvec3& dims, uint32_t seed) { return {dims, {{0, 0}, {dims.y, dims.z}}, seed}; }
+  glm::uvec3 lower() const { return {0, rows.lower.x, rows.lower.y}; }
+  glm::uvec3 upper() const { return {dims.x, rows.upper.x, rows.upper.y}; }
+};
+
+// Each fills every voxel that is wanted, and throws OperationCancelled if `stop` is set. `voxels`: where the volume's first one is.
+void fillVessels(uint8_t* voxels, const Wanted& wanted, const std::stop_token& stop);
+void fillShells(uint8_t* voxels, const Wanted& wanted, const std::stop_token& stop);
+void fillMarschnerLobb(uint8_t* voxels, const Wanted& wanted, const std::stop_token& stop);
+void fillBlock(uint8_t* voxels, const Wanted& wanted, const std::stop_token& stop);
 
 inline uint32_t hash(uint32_t value) {
   const uint32_t state = value * 747796405u + 2891336453u;
@@ -98,15 +110,29 @@ inline float smoothStep(float t) {
 /// A value in [0, 255] to the nearest code.
 inline uint8_t quantize(float value) { return static_cast<uint8_t>(glm::clamp(value, 0.0f, 255.0f) + 0.5f); }
 
-/// Sets every voxel to quantize(value(x, y, z)), rows in parallel. `value` must depend on its arguments alone.
+/// Sets every voxel that is wanted to quantize(value(x, y, z)), rows in parallel. `value` must depend on its arguments alone.
 /// Throws OperationCancelled if `stop` is set.
 template <class F>
-void fillVoxels(uint8_t* voxels, const glm::uvec3& dims, const std::stop_token& stop, const F& value) {
-  parallelForRanges(size_t{dims.y} * dims.z, 8, stop, [&](size_t begin, size_t end) {
+void fillVoxels(uint8_t* voxels, const Wanted& wanted, const std::stop_token& stop, const F& value) {
+  const glm::uvec2 lower = wanted.rows.lower, extent = wanted.rows.upper - lower;
+  parallelForRanges(size_t{extent.x} * extent.y, 8, stop, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {
-      const auto y = static_cast<uint32_t>(row % dims.y);
-      const auto z = static_cast<uint32_t>(row / dims.y);
-      for (uint32_t x = 0; x < dims.x; ++x) voxels[row * dims.x + x] = quantize(value(x, y, z));
+      const uint32_t y = lower.x + static_cast<uint32_t>(row % extent.x), z = lower.y + static_cast<uint32_t>(row / extent.x);
+      uint8_t* const line = voxels + (size_t{z} * wanted.dims.y + y) * wanted.dims.x;
+      for (uint32_t x = 0; x < wanted.dims.x; ++x) line[x] = quantize(value(x, y, z));
+    }
+  });
+}
+
+/// Calls `fill(brick, lower, upper)` for the bricks of `side` voxels that have any that are wanted, in parallel: the brick's place among bricks and, of its voxels, those.
+/// Throws OperationCancelled if `stop` is set.
+template <class F>
+void fillBricks(uint32_t side, const Wanted& wanted, size_t atOnce, const std::stop_token& stop, const F& fill) {
+  const glm::uvec3 first = wanted.lower() / side, end = (wanted.upper() + side - 1u) / side, bricks = end - first;
+  parallelForRanges(size_t{bricks.x} * bricks.y * bricks.z, atOnce, stop, [&](size_t begin, size_t last) {
+    for (size_t i = begin; i < last; ++i) {
+      const glm::uvec3 brick = first + glm::uvec3(i % bricks.x, i / bricks.x % bricks.y, i / bricks.x / bricks.y);
+      fill(brick, glm::max(brick * side, wanted.lower()), glm::min((brick + 1u) * side, wanted.upper()));
     }
   });
 }

@@ -26,10 +26,11 @@ float turbulence(const glm::vec3& p, uint32_t seed) {
 
 }  // namespace
 
-void fillShells(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop) {
+void fillShells(uint8_t* voxels, const Wanted& wanted, const std::stop_token& stop) {
+  const glm::uvec3& dims = wanted.dims;
   const float voxel = 2.0f / static_cast<float>(glm::min(dims.x, glm::min(dims.y, dims.z)));
-  const uint32_t key = hash(seed);
-  fillVoxels(voxels, dims, stop, [&](uint32_t x, uint32_t y, uint32_t z) {
+  const uint32_t key = hash(wanted.seed);
+  fillVoxels(voxels, wanted, stop, [&](uint32_t x, uint32_t y, uint32_t z) {
     const glm::vec3 p = (2.0f * glm::vec3(x, y, z) + 1.0f) / glm::vec3(dims) - 1.0f;
     const float radius = glm::length(p);
     if (radius < 0.04f || radius > 1.0f) return 0.0f;

@@ -159,8 +159,9 @@ void drawPiece(const Piece& piece, const glm::ivec3& lower, const glm::ivec3& up
 
 }  // namespace
 
-void fillVessels(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const std::stop_token& stop) {
-  const Tree tree(seed);
+void fillVessels(uint8_t* voxels, const Wanted& wanted, const std::stop_token& stop) {
+  const glm::uvec3& dims = wanted.dims;
+  const Tree tree(wanted.seed);
   const auto side = static_cast<float>(std::min({dims.x, dims.y, dims.z}));
   const glm::uvec3 bricks = (dims + kBrickSide - 1u) / kBrickSide;
   std::vector<Piece> pieces;
@@ -184,18 +185,13 @@ void fillVessels(uint8_t* voxels, const glm::uvec3& dims, uint32_t seed, const s
           piecesOf[(size_t{z} * bricks.y + y) * bricks.x + x].push_back(static_cast<uint32_t>(pieces.size()));
     pieces.push_back(piece);
   }
-  parallelForRanges(piecesOf.size(), 1, stop, [&](size_t begin, size_t end) {
-    for (size_t brick = begin; brick < end; ++brick) {
-      const glm::uvec3 index(brick % bricks.x, brick / bricks.x % bricks.y, brick / bricks.x / bricks.y);
-      const glm::uvec3 lower = index * kBrickSide;
-      const glm::uvec3 upper = glm::min(dims, lower + kBrickSide);
-      for (uint32_t z = lower.z; z < upper.z; ++z)
-        for (uint32_t y = lower.y; y < upper.y; ++y) {
-          uint8_t* row = voxels + (size_t{z} * dims.y + y) * dims.x;
-          std::fill(row + lower.x, row + upper.x, uint8_t{0});
-        }
-      for (const uint32_t piece : piecesOf[brick]) drawPiece(pieces[piece], lower, upper, dims, voxels);
-    }
+  fillBricks(kBrickSide, wanted, 1, stop, [&](const glm::uvec3& brick, const glm::uvec3& lower, const glm::uvec3& upper) {
+    for (uint32_t z = lower.z; z < upper.z; ++z)
+      for (uint32_t y = lower.y; y < upper.y; ++y) {
+        uint8_t* row = voxels + (size_t{z} * dims.y + y) * dims.x;
+        std::fill(row + lower.x, row + upper.x, uint8_t{0});
+      }
+    for (const uint32_t piece : piecesOf[(size_t{brick.z} * bricks.y + brick.y) * bricks.x + brick.x]) drawPiece(pieces[piece], lower, upper, dims, voxels);
   });
 }
 

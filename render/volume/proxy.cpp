@@ -63,6 +63,10 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
   const size_t rows = size_t{geometry.dims.z} * geometry.dims.y;
   size_t firstOfShare, endOfShare;
   std::tie(firstOfShare, endOfShare) = shareOf(volume.ranks(), rows);
+  if (firstOfShare < endOfShare) {
+    const Coverage &first = alongZ[firstOfShare / geometry.dims.y], &last = alongZ[(endOfShare - 1) / geometry.dims.y];
+    volume.provide({{0, first.first}, {fine.dims.y, last.first + static_cast<uint32_t>(last.weights.size())}}, stop);
+  }
   auto voxels = std::make_shared<std::vector<uint8_t>>((endOfShare - firstOfShare) * geometry.dims.x);
   const ProxyScale scale = proxy.scale;
   // Sums of the largest numbers are added up smaller; elsewhere nothing is rounded away.

@@ -58,10 +58,9 @@ VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm:
     throw InputError(path.string() + ": its ending is not that of a volume; known are" + known);
   }
   if (*format == VolumeFormat::raw) return abandonable([=] { return openRawVolume(path, spacing, stop, ranks); }, stop);
-  if (ranks) throw InputError(path.string() + ": several processes share raw volumes alone (name_XxYxZ_type.raw)");
 #if WARPSCOPE_WITH_ITK
   if (spacing) throw InputError(path.string() + ": states its voxel spacing itself; only raw volumes take another one");
-  return abandonable([=] { return exceptionsExpected([&] { return openItkVolume(path, stop); }); }, stop);  // the exceptions are ITK's own
+  return abandonable([=] { return exceptionsExpected([&] { return ranks ? openSharedItkVolume(path, stop, ranks) : openItkVolume(path, stop); }); }, stop);  // ITK's own
 #else
   throw InputError(path.string() +
                    ": this build reads raw volumes only; build with -DWARPSCOPE_WITH_ITK=ON for this format");

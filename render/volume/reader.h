@@ -25,7 +25,7 @@ std::optional<RawName> parseRawName(const std::filesystem::path& path);
 /// Opens any supported volume. A raw file is mapped, not read; `spacing` (raw only) replaces 1 1 1.
 /// Throws InputError that says what is wrong with the file and what would be right; OperationCancelled soon after `stop` is set: whatever is
 /// reading then is left alone (render/base/abandonable.h).
-/// `ranks`: processes that open the same file at the same time and share its voxels (Volume), which raw files alone can be; null: this one alone.
+/// `ranks`: processes that open the same file at the same time and share its voxels (Volume), which raw files and those that openSharedItkVolume() reads can be; null: this one alone.
 VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing = {}, const std::stop_token& stop = {}, RanksPtr ranks = nullptr);
 
 /// File name endings that openVolume takes in this build, with the dot; `.raw` first.

@@ -247,6 +247,9 @@ Payload locateMetaImage(const fs::path& path) {
     return field != header.fields.end() && lowered(field->second).starts_with("t");
   };
   Payload payload{.file = path, .offsetBytes = header.endBytes};
+  const bool isFirstSaid = header.fields.contains("binarydatabyteordermsb"), isSecondSaid = header.fields.contains("elementbyteordermsb");
+  if (!isFirstSaid || !isSecondSaid || isTrue("binarydatabyteordermsb") == isTrue("elementbyteordermsb"))
+    payload.isBigEndian = isTrue("binarydatabyteordermsb") || isTrue("elementbyteordermsb");
   const auto binary = header.fields.find("binarydata");
   const bool isText = binary != header.fields.end() && lowered(binary->second).starts_with("f");
   payload.encoding = isText ? Encoding::text : isTrue("compresseddata") ? Encoding::deflated : Encoding::plain;

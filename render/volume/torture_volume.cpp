@@ -56,7 +56,7 @@ constexpr uint32_t kSide = 48;
 
 VolumePtr shells(std::string_view name, const VolumeGeometry& geometry, const std::stop_token& stop) {
   return filled<uint8_t>(name, geometry, stop,
-                         [&](uint8_t* voxels) { procedural::fillShells(voxels, geometry.dims, 1, stop); });
+                         [&](uint8_t* voxels) { procedural::fillShells(voxels, procedural::Wanted::all(geometry.dims, 1), stop); });
 }
 
 /// 1 in the middle of a cube of kSide voxels, falling to 0 at its faces' middles.

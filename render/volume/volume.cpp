@@ -184,6 +184,13 @@ VoxelStatistics gatherStatistics(const Scanned<T>& scanned, const std::stop_toke
   return statistics;
 }
 
+/// Rows [begin, end), counted through all slices, and others of their slices.
+VoxelRows rowsFrom(size_t begin, size_t end, const glm::uvec3& dims) {
+  const auto first = static_cast<uint32_t>(begin / dims.y), last = static_cast<uint32_t>((end + dims.y - 1) / dims.y);
+  if (last > first + 1) return {{0, first}, {dims.y, last}};
+  return {{static_cast<uint32_t>(begin % dims.y), first}, {static_cast<uint32_t>(end - size_t{first} * dims.y), last}};
+}
+
 /// What ranks have is the same as far as one can see without reading all of it: size, type, place, and voxels here and there.
 void requireSameEverywhere(const Volume& volume) {
   const VolumeGeometry& geometry = volume.geometry();
@@ -193,28 +200,32 @@ void requireSameEverywhere(const Volume& volume) {
   constexpr size_t kLooks = 64, kBytes = 512;
   std::vector<std::byte> seen;
   const auto* const bytes = static_cast<const std::byte*>(volume.voxels());
+  const size_t rowBytes = geometry.dims.x * sizeBytes(volume.type());
   for (size_t look = 0; look < kLooks; ++look) {
-    const size_t at = volume.sizeBytes() / kLooks * look;
-    seen.insert(seen.end(), bytes + at, bytes + std::min(at + kBytes, volume.sizeBytes()));
+    const size_t at = volume.sizeBytes() / kLooks * look, end = std::min(at + kBytes, volume.sizeBytes());
+    volume.provide(rowsFrom(at / rowBytes, (end + rowBytes - 1) / rowBytes, geometry.dims));
+    seen.insert(seen.end(), bytes + at, bytes + end);
   }
+  volume.releaseVoxels();
   volume.ranks()->requireSame(seen, volume.name() + ": voxels");
 }
 
 }  // namespace
 
 Volume::Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage,
-               const void* voxels, const std::stop_token& stop, RanksPtr ranks, std::function<void()> releasePages)
+               const void* voxels, const std::stop_token& stop, RanksPtr ranks, std::shared_ptr<VoxelSource> source)
     : name_(std::move(name)),
       type_(type),
       geometry_(geometry),
       storage_(std::move(storage)),
       voxels_(voxels),
       ranks_(std::move(ranks)),
-      releasePages_(std::move(releasePages)) {
+      source_(std::move(source)) {
   const size_t count = validate(geometry_, type_, name_);
   bounds_ = geometry_.bounds();
   if (ranks_) requireSameEverywhere(*this);
   const std::pair<size_t, size_t> share = shareOf(ranks_, count);
+  if (share.first < share.second) provide(rowsFrom(share.first / dims().x, (share.second + dims().x - 1) / dims().x, dims()), stop);
   visitVoxelType(type_, [&]<class Voxel>(Voxel) { statistics_ = gatherStatistics(Scanned<Voxel>{voxelsAs<Voxel>() + share.first, share.second - share.first, ranks_.get()}, stop); });
 }
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <stop_token>
@@ -74,16 +73,33 @@ struct VoxelStatistics {
   std::array<size_t, 256> histogram{};     ///< over [rangeLower, rangeUpper]
 };
 
+/// Rows of voxels, each as long as the volume: from `lower` up to, without, `upper`.
+struct VoxelRows {
+  glm::uvec2 lower{0}, upper{0};  ///< y and z
+};
+
+/// Where voxels come from that are not all in memory from the beginning.
+class VoxelSource {
+ public:
+  virtual ~VoxelSource() = default;
+
+  /// The voxels of these rows are in their places from now on, until they are released. Throws InputError where they cannot be read, OperationCancelled if `stop` is set.
+  /// Not while others read voxels.
+  virtual void provide(const VoxelRows& rows, const std::stop_token& stop) = 0;
+  /// No voxel is needed for now: their memory is let go of. Not while others read voxels.
+  virtual void release() = 0;
+};
+
 /// Immutable after construction and shared between threads.
 class Volume {
  public:
   /// `storage` keeps `voxels` alive (a mapped file, a vector). Scans all voxels once or twice, in parallel.
   /// `ranks`: processes that have the same volume and make this object, and whatever is made of all of its voxels, at the same time, each from a share of them; null:
   /// this one alone.
-  /// `releasePages`: lets go of memory that has been read of a file, which is read again where it is needed; empty: there is none.
+  /// `source`: of voxels that are in their places once they have been asked for (provide()); null: all are.
   /// Throws InputError if the geometry makes no sense or ranks have different volumes, OperationCancelled if `stop` is set.
   Volume(std::string name, VoxelType type, const VolumeGeometry& geometry, std::shared_ptr<const void> storage, const void* voxels, const std::stop_token& stop = {},
-         RanksPtr ranks = nullptr, std::function<void()> releasePages = {});
+         RanksPtr ranks = nullptr, std::shared_ptr<VoxelSource> source = nullptr);
 
   const std::string& name() const { return name_; }
   VoxelType type() const { return type_; }
@@ -96,9 +112,12 @@ class Volume {
 
   /// Null where this process has the volume for itself.
   const RanksPtr& ranks() const { return ranks_; }
-  /// No voxel is needed for now.
-  void releasePages() const {
-    if (releasePages_) releasePages_();
+  /// Whoever reads voxels of a volume that ranks share asks for them first, and lets go of them: VoxelSource. Elsewhere nothing is to be done.
+  void provide(const VoxelRows& rows, const std::stop_token& stop = {}) const {
+    if (source_) source_->provide(rows, stop);
+  }
+  void releaseVoxels() const {
+    if (source_) source_->release();
   }
 
   const void* voxels() const { return voxels_; }
@@ -115,7 +134,7 @@ class Volume {
   std::shared_ptr<const void> storage_;
   const void* voxels_;
   RanksPtr ranks_;
-  std::function<void()> releasePages_;
+  std::shared_ptr<VoxelSource> source_;
   VoxelStatistics statistics_;
 };
 

@@ -1,0 +1,41 @@
+// Voxels of which this process has those that were asked for: memory for all of them is reserved, which costs nothing until it is written to.
+// mmap(2) with MAP_NORESERVE, madvise(2) with MADV_DONTNEED.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "render/volume/volume.h"
+
+namespace warpscope {
+
+class SparseVoxels final : public VoxelSource {
+ public:
+  /// Writes the voxels of some rows into their places; `voxels` is where the volume's first one is.
+  using Fill = std::function<void(const VoxelRows& rows, std::byte* voxels, const std::stop_token& stop)>;
+
+  /// Reserves addresses for the volume. Throws InputError where there are none.
+  SparseVoxels(const VolumeGeometry& geometry, VoxelType type, Fill fill);
+  ~SparseVoxels() override;
+  SparseVoxels(const SparseVoxels&) = delete;
+  SparseVoxels& operator=(const SparseVoxels&) = delete;
+
+  const void* voxels() const { return memory_; }
+
+  void provide(const VoxelRows& rows, const std::stop_token& stop) override;
+  void release() override;
+
+ private:
+  const glm::uvec3 dims_;
+  const size_t sizeBytes_;
+  const Fill fill_;
+  std::byte* memory_ = nullptr;
+  std::vector<std::pair<uint32_t, uint32_t>> present_;  // of each slice, rows [first, second) that are there
+};
+
+/// A volume of which voxels are made so; arguments as Volume's. Throws as it does.
+VolumePtr makeSparseVolume(std::string name, VoxelType type, const VolumeGeometry& geometry, SparseVoxels::Fill fill, const std::stop_token& stop, RanksPtr ranks);
+
+}  // namespace warpscope

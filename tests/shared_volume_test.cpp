@@ -1,0 +1,212 @@
+// Volumes of which each rank has what it is asked for: made, or read from files. They are those that one process has.
+// Mirrors render/volume/sparse_voxels.h, stored_rows.h, and what reader.h and procedural.h say of ranks.
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <cstring>
+#include <random>
+
+#include "marcher_cases.h"
+#include "reader_fixture.h"
+#include "render/volume/procedural.h"
+#include "render/volume/sparse_voxels.h"
+#include "spread_volume.h"
+#include "test_volumes.h"
+
+namespace warpscope {
+namespace {
+
+constexpr glm::uvec3 kDims(24, 31, 27);
+
+std::vector<uint16_t> numbers(const glm::uvec3& dims) {
+  std::vector<uint16_t> values(size_t{dims.x} * dims.y * dims.z);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<uint16_t>(i * 2654435761u >> 7);
+  return values;
+}
+
+template <class T>
+std::string swapped(std::vector<T> values) {
+  for (T& value : values) {
+    auto* const bytes = reinterpret_cast<std::byte*>(&value);
+    std::reverse(bytes, bytes + sizeof value);
+  }
+  return bytesOf(values);
+}
+
+/// Whether those rows of both are the same.
+bool haveSameRows(const Volume& a, const Volume& b, const VoxelRows& rows) {
+  const size_t rowBytes = a.dims().x * sizeBytes(a.type());
+  for (uint32_t z = rows.lower.y; z < rows.upper.y; ++z)
+    for (uint32_t y = rows.lower.x; y < rows.upper.x; ++y) {
+      const size_t at = (size_t{z} * a.dims().y + y) * rowBytes;
+      if (std::memcmp(static_cast<const std::byte*>(a.voxels()) + at, static_cast<const std::byte*>(b.voxels()) + at, rowBytes) != 0) return false;
+    }
+  return true;
+}
+
+/// Rows within rows, by dice.
+VoxelRows someRows(std::mt19937& dice, const glm::uvec3& dims) {
+  VoxelRows rows;
+  for (int i = 0; i < 2; ++i) {
+    std::uniform_int_distribution<uint32_t> place(0, dims[i + 1]);
+    const uint32_t one = place(dice), other = place(dice);
+    rows.lower[i] = std::min(one, other);
+    rows.upper[i] = std::max(one, other);
+  }
+  return rows;
+}
+
+/// As ranks have it, `shared` is the volume that one process opens: what is known of it, voxels that are asked for, and frames.
+void expectTheSame(const Volume& whole, const std::function<VolumePtr(RanksPtr)>& openShared) {
+  onAll(3, [&](const RanksPtr& own) {
+    SCOPED_TRACE(whole.name());
+    const VolumePtr shared = openShared(own);
+    ASSERT_EQ(shared->type(), whole.type());
+    EXPECT_EQ(shared->dims(), whole.dims());
+    EXPECT_EQ(shared->geometry().spacing, whole.geometry().spacing);
+    EXPECT_EQ(shared->geometry().origin, whole.geometry().origin);
+    EXPECT_EQ(shared->geometry().hasOrientation, whole.geometry().hasOrientation);
+    EXPECT_EQ(shared->statistics().lowest, whole.statistics().lowest);
+    EXPECT_EQ(shared->statistics().highest, whole.statistics().highest);
+    EXPECT_EQ(shared->statistics().histogram, whole.statistics().histogram);
+    std::mt19937 dice(static_cast<uint32_t>(own->rank()));
+    for (int i = 0; i < 60; ++i) {
+      if (i % 7 == 0) shared->releaseVoxels();
+      const VoxelRows rows = someRows(dice, whole.dims());
+      shared->provide(rows);
+      EXPECT_TRUE(haveSameRows(*shared, whole, rows)) << i;
+    }
+  });
+}
+
+class SharedVolume : public Reader {
+ protected:
+  void expectTheSameFile(const fs::path& path) const {
+    SCOPED_TRACE(path);
+    expectTheSame(*openVolume(path), [path](RanksPtr ranks) { return openVolume(path, {}, {}, std::move(ranks)); });
+  }
+  /// All ranks refuse it.
+  void expectNotShared(const fs::path& path, const std::string& reason) const {
+    SCOPED_TRACE(path);
+    onAll(2, [&](const RanksPtr& own) {
+      std::string text = "(nothing was thrown)";
+      try {
+        openVolume(path, {}, {}, own);
+      } catch (const InputError& error) {
+        text = error.what();
+      }
+      EXPECT_THAT(text, HasSubstr(reason));
+      EXPECT_THAT(text, HasSubstr(path.filename().string()));
+    });
+  }
+};
+
+std::string nrrd(const std::string& fields, const glm::uvec3& dims = kDims) {
+  return "NRRD0004\n# a comment, so that voxels are anywhere\ndimension: 3\nsizes: " + std::to_string(dims.x) + " " + std::to_string(dims.y) + " " + std::to_string(dims.z) + "\n" + fields + "\n";
+}
+
+TEST_F(SharedVolume, IsReadFromWhereFilesHaveIt) {
+  const std::vector<uint16_t> values = numbers(kDims);
+  std::vector<float> floats(values.begin(), values.end());
+  floats[77] = std::nanf("");
+  expectTheSameFile(write("little.nrrd", nrrd("type: ushort\nendian: little\nencoding: raw\nspacings: 1 2 0.5\n") + bytesOf(values)));
+  expectTheSameFile(write("big.nrrd", nrrd("type: ushort\nendian: big\nencoding: raw\n") + swapped(values)));
+  expectTheSameFile(write("floats.nrrd", nrrd("type: float\nendian: big\nencoding: raw\n") + swapped(floats)));
+  write("voxels.raw", bytesOf(values));
+  expectTheSameFile(write("detached.nhdr", nrrd("type: ushort\nendian: little\nencoding: raw\ndata file: voxels.raw\n")));
+  const std::string meta = "ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = 24 31 27\nElementSpacing = 1 1 3\n";
+  expectTheSameFile(write("a.mha", meta + "BinaryDataByteOrderMSB = False\nElementType = MET_USHORT\nElementDataFile = LOCAL\n" + bytesOf(values)));
+  expectTheSameFile(write("b.mha", meta + "BinaryDataByteOrderMSB = True\nElementType = MET_USHORT\nElementDataFile = LOCAL\n" + swapped(values)));
+  expectTheSameFile(write("e.mha", meta + "ElementByteOrderMSB = True\nElementType = MET_USHORT\nElementDataFile = LOCAL\n" + swapped(values)));
+  expectTheSameFile(write("c.mhd", meta + "BinaryDataByteOrderMSB = False\nElementType = MET_USHORT\nElementDataFile = voxels.raw\n"));
+  expectTheSameFile(write("d.mha", meta + "BinaryDataByteOrderMSB = False\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" + bytesOf(values).substr(0, values.size())));
+}
+
+TEST_F(SharedVolume, WhatIsNotThereAsItIsIsRefused) {
+  const std::string voxels = bytesOf(numbers(kDims));
+  expectNotShared(write("packed.nrrd", nrrd("type: ushort\nendian: little\nencoding: gzip\n") + voxels), "not compressed");
+  expectNotShared(write("text.nrrd", nrrd("type: uchar\nencoding: ascii\n") + voxels), "not compressed");
+  expectNotShared(write("short.nrrd", nrrd("type: ushort\nendian: little\nencoding: raw\n") + voxels.substr(0, 999)), "");
+  expectNotShared(write("last.nrrd", nrrd("type: ushort\nendian: little\nencoding: raw\nbyte skip: -1\n") + "some bytes more" + voxels), "where its voxels begin");
+  expectNotShared(write("both.mha", "ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = 24 31 27\nElementByteOrderMSB = True\nBinaryDataByteOrderMSB = False\nElementType = MET_USHORT\nElementDataFile = LOCAL\n" + voxels),
+                  "order");
+  expectNotShared(write("a.vtk", "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 24 31 27\nORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA 20088\nSCALARS a unsigned_short\nLOOKUP_TABLE default\n" + voxels),
+                  "raw, NIfTI, NRRD and MetaImage volumes alone");
+}
+
+TEST_F(SharedVolume, AFileThatIsCutWhileItIsInUseIsASentenceWithItsPlace) {
+  const fs::path path = write("a.nrrd", nrrd("type: ushort\nendian: little\nencoding: raw\n") + bytesOf(numbers(kDims)));
+  Spread spread([path](RanksPtr ranks) { return openVolume(path, {}, {}, std::move(ranks)); }, band(1, 400, 0.4f), 3);
+  fs::resize_file(path, 3000);
+  try {
+    spread->march(lookingFrom({70.0f, 30.0f, 45.0f}, {}, 40, 30), MarchSettings{}, {});
+    FAIL() << "it has what is not there";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("process "));
+    EXPECT_THAT(error.what(), HasSubstr("a.nrrd: bytes "));
+  }
+}
+
+TEST(SharedProcedural, IsMadeWhereItIsAskedForAndIsTheSame) {
+  for (const ProceduralVolume& known : kProceduralVolumes) {
+    SCOPED_TRACE(known.name);
+    const glm::uvec3 dims(43, 50, 37);
+    const VolumePtr whole = makeProceduralVolume(known.name, dims, 5);
+    const auto open = [&](RanksPtr ranks) { return makeProceduralVolume(known.name, dims, 5, {}, std::move(ranks)); };
+    expectTheSame(*whole, open);
+    const TransferFunction function = band(40, 255, 0.2f);
+    const MarcherPtr one = makeCpuMarcher(whole, function);
+    const Camera camera = lookingFrom({70.0f, 30.0f, 45.0f}, {}, 60, 44);
+    MarchSettings settings;
+    settings.sample.segments = 3;
+    settings.sample.proxy = 9;
+    settings.render.effects.shading.strength = 1.0f;
+    const SampleFrame expected = one->march(camera, settings, {});
+    for (const int count : {2, 5}) {
+      Spread spread(open, function, count);
+      for (int again = 0; again < 3; ++again) {  // cut anew, too
+        const SampleFrame frame = spread->march(camera, settings, {});
+        EXPECT_EQ(frame.samples, expected.samples);
+        EXPECT_EQ(frame.colors, expected.colors);
+        EXPECT_EQ(frame.segments.depths, expected.segments.depths);
+        EXPECT_EQ(std::memcmp(frame.proxy->volume->voxels(), expected.proxy->volume->voxels(), expected.proxy->volume->sizeBytes()), 0);
+      }
+    }
+  }
+}
+
+TEST(SparseVoxels, WhatIsThereIsNotMadeAgainAndWhatIsLetGoOfIs) {
+  VolumeGeometry geometry;
+  geometry.dims = {8, 20, 10};
+  size_t made = 0;
+  SparseVoxels voxels(geometry, VoxelType::uint8, [&](const VoxelRows& rows, std::byte* first, const std::stop_token&) {
+    for (uint32_t z = rows.lower.y; z < rows.upper.y; ++z)
+      for (uint32_t y = rows.lower.x; y < rows.upper.x; ++y, ++made) std::memset(first + (size_t{z} * 20 + y) * 8, static_cast<int>(y), 8);
+  });
+  const auto madeFor = [&](const VoxelRows& rows) {
+    made = 0;
+    voxels.provide(rows, {});
+    return made;
+  };
+  EXPECT_EQ(madeFor({{5, 2}, {10, 4}}), 10u);
+  EXPECT_EQ(madeFor({{6, 2}, {9, 4}}), 0u);
+  EXPECT_EQ(madeFor({{3, 2}, {8, 4}}), 4u) << "what is missing below";
+  EXPECT_EQ(madeFor({{8, 3}, {12, 5}}), 2u + 4u) << "above, and in another slice";
+  EXPECT_EQ(madeFor({{0, 0}, {2, 0}}), 0u);
+  EXPECT_EQ(madeFor({{4, 4}, {4, 9}}), 0u);
+  voxels.release();
+  EXPECT_EQ(madeFor({{6, 2}, {9, 4}}), 6u);
+  EXPECT_EQ(static_cast<const uint8_t*>(voxels.voxels())[(2 * 20 + 7) * 8], 7);
+}
+
+TEST(SparseVoxels, AreAsLargeAsAddressesReach) {
+  // 128 GiB of voxels, of which one row is made: no machine of tests has memory for all.
+  VolumeGeometry geometry;
+  geometry.dims = {4096, 4096, 4096};
+  SparseVoxels voxels(geometry, VoxelType::uint16, [](const VoxelRows& rows, std::byte* first, const std::stop_token&) { first[((size_t{rows.lower.y} * 4096 + rows.lower.x) * 4096) * 2] = std::byte{9}; });
+  voxels.provide({{4000, 4095}, {4001, 4096}}, {});
+  EXPECT_EQ(static_cast<const uint16_t*>(voxels.voxels())[(size_t{4095} * 4096 + 4000) * 4096], 9);
+}
+
+}  // namespace
+}  // namespace warpscope
