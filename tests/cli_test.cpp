@@ -1,5 +1,6 @@
 // The command line's contract, through the built program: exit codes, JSON, files, and that they are there whole or not at all.
 // docs: the contract is in README; refusals of wrong input are in cli_refusal_test.cpp.
+#include <thread>
 #include <sstream>
 
 #include "app/picture/content.h"
@@ -347,6 +348,29 @@ TEST_F(CommandLine, VolumesOfWhichNothingIsVisibleAreWarnedAbout) {
   EXPECT_EQ(errOf("nan_4x4x4_float32.raw", {}), "warning: nothing of the volume nan_4x4x4_float32.raw is visible with this transfer function: "
                                                 "none of its values is finite\nwrote a.png\n");
   EXPECT_EQ(errOf("nan_4x4x4_float32.raw", {"--quiet"}), "");
+}
+
+TEST_F(CommandLine, ARawVolumeLargerThanTheMemoryItMayTakeIsShown) {
+  const auto limit = 160 + 80 * static_cast<int>(std::thread::hardware_concurrency());
+  if (limit > 600) GTEST_SKIP() << "so many threads read more at once than the volume of this test has";
+  const std::string name = "tall_2048x2048x100_uint16.raw";
+  {
+    std::ofstream file(folder_.file(name), std::ios::binary);
+    std::vector<uint16_t> slice(2048 * 2048);
+    for (int z = 0; z < 100; ++z) {
+      for (size_t i = 0; i < slice.size(); ++i) slice[i] = static_cast<uint16_t>((i % 2048) * 9 + (i / 2048 % 300) * 40 + static_cast<size_t>(z) * 100);
+      file.write(reinterpret_cast<const char*>(slice.data()), static_cast<std::streamsize>(slice.size() * sizeof slice[0]));
+    }
+  }
+  const auto shot = [&](const std::string& picture, const std::string& memory) { return Arguments{"shot", name, "--technique", "spheres", "--size", "256x256", "-o", picture, "--memory", memory}; };
+  const ProgramResult within = run(shot("a.png", std::to_string(limit))), alone = run(shot("b.png", "1e6"));
+  ASSERT_EQ(within.code, kSuccess) << within.err;
+  EXPECT_EQ(picture("a.png"), picture("b.png"));
+  EXPECT_LT(within.peakKiB, limit * 1024) << "of 800 MiB of voxels";
+  EXPECT_GT(alone.peakKiB, 700 * 1024) << "or all of this would fit anyway";
+  expectRefused(shot("c.png", "64"), kFailure, {name, "the limit of 64 MiB of memory cannot be kept to: what is read of it at once takes "});
+  expectRefused(shot("c.png", "63"), kUsage, {"--memory must be between 64 and"});
+  expectRefused({"shot", "marschner-lobb", "--volume-size", "900x900x900", "--memory", "300", "-o", "c.png"}, kFailure, {"needs 695.2 MiB of memory, and of the 300 MiB that it may have"});
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // See memory.h.
 #include "render/base/memory.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +10,10 @@
 #include <atomic>
 #include <charconv>
 #include <fstream>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "render/base/error.h"
 #include "render/base/input_file.h"
@@ -87,14 +92,76 @@ namespace {
 /// 0: none.
 std::atomic<uint64_t> limitBytes = 0;
 
+/// Of the limit, a share is left free beside what comes in between two looks; and as much is used all the same.
+constexpr uint64_t kShare = 6;
+
+struct Droppables {
+  std::mutex mutex;
+  std::vector<Droppable*> all;
+  std::atomic<uint64_t> bytesAtOnce = 0;  // of all threads
+};
+Droppables& droppables() {
+  static Droppables known;
+  return known;
+}
+
+/// statm, opened once: it is read for each ray.
+class ResidentCount {
+ public:
+  ResidentCount() : file_(open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
+
+  ResidentMemory now() const {
+    char text[128];
+    const ssize_t length = file_ >= 0 ? pread(file_, text, sizeof text, 0) : -1;
+    uint64_t pages[3] = {};  // of all addresses; in memory; of these of files
+    const char *at = text, *const end = text + std::max<ssize_t>(length, 0);
+    for (uint64_t& count : pages) {
+      while (at < end && *at == ' ') ++at;
+      const auto [next, error] = std::from_chars(at, end, count);
+      if (error != std::errc()) return {};
+      at = next;
+    }
+    return {pages[1] * page_, (pages[1] - std::min(pages[1], pages[2])) * page_};
+  }
+
+ private:
+  const int file_;
+  const uint64_t page_ = static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+};
+
 }  // namespace
 
+Droppable::Droppable(std::function<void()> drop, uint64_t bytesAtOnce)
+    : drop_(std::move(drop)), bytesAtOnce_(bytesAtOnce * std::max(1u, std::thread::hardware_concurrency())) {
+  const std::scoped_lock lock(droppables().mutex);
+  if (const uint64_t limit = limitBytes) {
+    constexpr uint64_t kForPictures = uint64_t{64} << 20;
+    const uint64_t needed = residentMemory().bytes + droppables().bytesAtOnce + bytesAtOnce_ + kForPictures, least = needed + needed / (kShare - 1);
+    if (limit < least) throw InputError("the limit of " + sizeText(limit) + " of memory cannot be kept to: what is read of it at once takes " + sizeText(least));
+  }
+  droppables().all.push_back(this);
+  droppables().bytesAtOnce += bytesAtOnce_;
+}
+
+Droppable::~Droppable() {
+  const std::scoped_lock lock(droppables().mutex);
+  std::erase(droppables().all, this);
+  droppables().bytesAtOnce -= bytesAtOnce_;
+}
+
+void keepWithinMemoryLimit() {
+  const uint64_t limit = limitBytes.load(std::memory_order_relaxed);
+  if (limit == 0) return;
+  const uint64_t share = limit / kShare, most = limit - share - std::min(droppables().bytesAtOnce.load(std::memory_order_relaxed), limit - 2 * share);
+  if (residentMemory().bytes <= most) return;
+  const std::unique_lock lock(droppables().mutex, std::try_to_lock);
+  if (!lock) return;  // another thread does it
+  for (Droppable* const one : droppables().all) one->drop_();
+}
+
 ResidentMemory residentMemory() {
-  std::ifstream file("/proc/self/statm");
-  uint64_t all = 0, resident = 0, ofFiles = 0;
-  if (!(file >> all >> resident >> ofFiles)) return {};
-  static const auto page = static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
-  return {resident * page, (resident - std::min(resident, ofFiles)) * page};
+  static const ResidentCount count;
+  return count.now();
 }
 
 void setMemoryLimit(std::optional<uint64_t> bytes) { limitBytes = bytes.value_or(0); }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 namespace warpscope {
@@ -13,9 +14,27 @@ struct ResidentMemory {
 };
 ResidentMemory residentMemory();
 
-/// How much this process is to have in memory at most, what it has read of mapped files included; nothing: as much as there is. Who maps files keeps to it (MappedFile).
-/// To be set before anything large is.
+/// How much this process is to have in memory at most, what it has read of mapped files included; nothing: as much as there is. To be set before anything large is.
 void setMemoryLimit(std::optional<uint64_t> bytes);
 std::optional<uint64_t> memoryLimit();
+
+/// Something that can let go of memory, and get it again where it is needed: a mapped file. While there is one, keepWithinMemoryLimit() may call it, on any thread.
+class Droppable {
+ public:
+  /// `bytesAtOnce`: what one thread may bring in between two calls of keepWithinMemoryLimit(). Throws InputError, which says how much would do, where the limit cannot be kept to.
+  Droppable(std::function<void()> drop, uint64_t bytesAtOnce);
+  ~Droppable();
+  Droppable(const Droppable&) = delete;
+  Droppable& operator=(const Droppable&) = delete;
+
+ private:
+  friend void keepWithinMemoryLimit();
+  const std::function<void()> drop_;
+  const uint64_t bytesAtOnce_;
+};
+
+/// Lets go of what can be dropped if the process has come near its limit. For those who read mapped files, now and then: a fault maps 64 KiB, so that who looks here and
+/// there brings in gigabytes within milliseconds, and a thread that watched would come too late. A microsecond where there is a limit, nothing where there is none.
+void keepWithinMemoryLimit();
 
 }  // namespace warpscope

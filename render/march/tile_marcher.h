@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/base/memory_limit.h"
 #include "render/core/counters.h"
 #include "render/core/floating_point.h"
 #include "render/core/parallel.h"
@@ -149,10 +150,10 @@ class TileMarcher {
     for (uint32_t y = tile.y; y < tile.y + tile.height && !job_.stop.stop_requested(); ++y)
       for (uint32_t x = tile.x; x < tile.x + tile.width; ++x) {
         if (relayed != nullptr && (relayed->ray(x, y).isDone || job_.stop.stop_requested())) continue;  // others wait for who is stopped
+        keepWithinMemoryLimit();
         marchPixel(x, y, scratch, relayed);
       }
   }
-
 
   void marchPixel(uint32_t x, uint32_t y, Scratch& scratch, RelayedTile* relayed) const {
     constexpr VisibleDepths kEverything{0.0f, std::numeric_limits<float>::infinity()};

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <tuple>
 
+#include "render/base/memory_limit.h"
 #include "render/base/ranks.h"
 #include "render/core/parallel.h"
 #include "render/core/simd.h"
@@ -80,6 +81,7 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
     }
     parallelForRanges(endRow - firstRow, 4, [&, firstRow = firstRow](size_t begin, size_t end) {
       for (size_t row = firstRow + begin; row < firstRow + end; ++row) {
+        keepWithinMemoryLimit();
         const int cy = static_cast<int>(row % dims_.y);
         const int cz = static_cast<int>(row / dims_.y);
         for (int cx = 0; cx < dims_.x; ++cx) {

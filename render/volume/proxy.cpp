@@ -6,6 +6,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "render/base/memory_limit.h"
 #include "render/base/ranks.h"
 #include "render/core/parallel.h"
 
@@ -77,6 +78,7 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
     const size_t strideY = fine.dims.x, strideZ = strideY * fine.dims.y;
     parallelForRanges(endOfShare - firstOfShare, 1, stop, [&](size_t beginRow, size_t endRow) {
       for (size_t row = firstOfShare + beginRow; row < firstOfShare + endRow; ++row) {
+        keepWithinMemoryLimit();
         const Coverage& ofY = alongY[row % geometry.dims.y];
         const Coverage& ofZ = alongZ[row / geometry.dims.y];
         for (uint32_t x = 0; x < geometry.dims.x; ++x) {

@@ -4,14 +4,9 @@
 
 #include <sys/mman.h>
 
-#include <algorithm>
 #include <bit>
 #include <boost/interprocess/file_mapping.hpp>
 #include <boost/interprocess/mapped_region.hpp>
-#include <chrono>
-#include <condition_variable>
-#include <mutex>
-#include <thread>
 #include <charconv>
 #include <regex>
 
@@ -52,33 +47,11 @@ using Region = boost::interprocess::mapped_region;
 /// Lets go of what has been read of a mapped file. Boost asks by posix_madvise, which the GNU C Library does not do anything for.
 void dropPages(const Region& region) { madvise(region.get_address(), region.get_size(), MADV_DONTNEED); }
 
-/// Keeps the process within its limit of memory: looks, again and again, at what it has, and lets go of a file's pages when that comes near. Whoever reads one of them gets it
-/// again, of the system's own copy as long as it has one.
-class PageWatch {
- public:
-  PageWatch(std::shared_ptr<const Region> region, uint64_t limit)
-      : thread_([region = std::move(region), mostBytes = limit - std::max(limit / kReserve, kLeastReserve)](const std::stop_token& stop) {
-          std::mutex mutex;
-          std::condition_variable_any never;
-          std::unique_lock lock(mutex);
-          while (!never.wait_for(lock, stop, kPeriod, [&] { return stop.stop_requested(); }))
-            if (residentMemory().bytes > mostBytes) dropPages(*region);
-        }) {}
-
- private:
-  // What is read between two looks has to fit into the reserve: some GB/s on many cores.
-  static constexpr std::chrono::microseconds kPeriod{500};
-  static constexpr uint64_t kReserve = 4, kLeastReserve = uint64_t{16} << 20;
-
-  std::jthread thread_;
-};
-
 /// The system reads its pages as they are needed.
 class MappedFile final : public VoxelSource {
  public:
-  explicit MappedFile(const std::shared_ptr<const Region>& region) : region_(region) {
-    if (const std::optional<uint64_t> limit = memoryLimit()) watch_.emplace(region, *limit);
-  }
+  explicit MappedFile(std::shared_ptr<const Region> region, uint32_t slices)
+      : region_(std::move(region)), droppable_([this] { dropPages(*region_); }, std::min<uint64_t>(region_->get_size(), bytesOfRay(region_->get_size(), slices))) {}
 
   void provide(const VoxelRows& /*rows*/, const std::stop_token& /*stop*/) override {}
   /// What is dropped of a mapping of a file is read again.
@@ -86,7 +59,14 @@ class MappedFile final : public VoxelSource {
 
  private:
   const std::shared_ptr<const Region> region_;
-  std::optional<PageWatch> watch_;
+  const Droppable droppable_;
+
+  /// What a ray brings in on its way through all slices and along all of one, at its sides as well where gradients are wanted.
+  static uint64_t bytesOfRay(uint64_t bytes, uint64_t slices) {
+    constexpr uint64_t kAroundFault = 64 << 10;  // that the system maps for a byte that is looked at, of what it has of a file
+    constexpr uint64_t kSlicesAtOnce = 4;
+    return kSlicesAtOnce * kAroundFault * (slices + bytes / slices / kAroundFault);
+  }
 };
 
 }  // namespace
@@ -129,7 +109,13 @@ VolumePtr openRawVolume(const std::filesystem::path& path, const std::optional<g
     throw InputError(source + ": cannot be read: " + error.code().message());
   }
   const void* voxels = region->get_address();
-  return std::make_shared<Volume>(path.filename().string(), name->type, geometry, region, voxels, stop, std::move(ranks), std::make_shared<MappedFile>(region));
+  std::shared_ptr<VoxelSource> pages;
+  try {
+    pages = std::make_shared<MappedFile>(region, geometry.dims.z);
+  } catch (const InputError& error) {
+    throw InputError(source + ": " + error.what());
+  }
+  return std::make_shared<Volume>(path.filename().string(), name->type, geometry, region, voxels, stop, std::move(ranks), std::move(pages));
 }
 
 }  // namespace warpscope

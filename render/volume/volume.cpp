@@ -9,6 +9,7 @@
 #include <span>
 
 #include "render/base/error.h"
+#include "render/base/memory_limit.h"
 #include "render/base/ranks.h"
 #include "render/core/parallel.h"
 #include "render/volume/voxel_access.h"
@@ -87,7 +88,10 @@ Histogram summed(const Histogram& own, Ranks* ranks) {
 template <class Count>
 Histogram gatherHistogram(size_t voxelCount, const std::stop_token& stop, const Count& count) {
   tbb::enumerable_thread_specific<Histogram> partial(Histogram{});
-  parallelForRanges(voxelCount, kGrain, stop, [&](size_t begin, size_t end) { count(partial.local(), begin, end); });
+  parallelForRanges(voxelCount, kGrain, stop, [&](size_t begin, size_t end) {
+    keepWithinMemoryLimit();
+    count(partial.local(), begin, end);
+  });
   Histogram sum{};
   for (const Histogram& local : partial)
     for (size_t bin = 0; bin < sum.size(); ++bin) sum[bin] += local[bin];
@@ -137,6 +141,7 @@ VoxelStatistics gatherStatistics(const Scanned<T>& scanned, const std::stop_toke
   };
   tbb::enumerable_thread_specific<Extremes> partialExtremes;
   parallelForRanges(count, kGrain, stop, [&](size_t begin, size_t end) {
+    keepWithinMemoryLimit();
     Extremes local = partialExtremes.local();
     for (size_t i = begin; i < end; ++i) {
       const T voxel = voxels[i];
