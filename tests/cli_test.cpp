@@ -351,7 +351,7 @@ TEST_F(CommandLine, VolumesOfWhichNothingIsVisibleAreWarnedAbout) {
 }
 
 TEST_F(CommandLine, ARawVolumeLargerThanTheMemoryItMayTakeIsShown) {
-  const auto limit = 160 + 80 * static_cast<int>(std::thread::hardware_concurrency());
+  const auto limit = 200 + 80 * static_cast<int>(std::thread::hardware_concurrency());
   if (limit > 600) GTEST_SKIP() << "so many threads read more at once than the volume of this test has";
   const std::string name = "tall_2048x2048x100_uint16.raw";
   {

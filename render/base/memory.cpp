@@ -154,8 +154,9 @@ void keepWithinMemoryLimit() {
   if (limit == 0) return;
   const uint64_t share = limit / kShare, most = limit - share - std::min(droppables().bytesAtOnce.load(std::memory_order_relaxed), limit - 2 * share);
   if (residentMemory().bytes <= most) return;
-  const std::unique_lock lock(droppables().mutex, std::try_to_lock);
-  if (!lock) return;  // another thread does it
+  // Nobody goes on while another one is at it, which the system may let wait.
+  const std::scoped_lock lock(droppables().mutex);
+  if (residentMemory().bytes <= most) return;
   for (Droppable* const one : droppables().all) one->drop_();
 }
 
