@@ -368,9 +368,11 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   const ImVec2 top = ImGui::GetCursorPos();
   ImVec2 room = ImGui::GetContentRegionAvail();
   room.y -= playbackHeight(session, room.x, look);
-  // A ray is looked at in as much room as its curves and names need, as far as pictures have half of it.
-  const float forRay = session.lookedAt() && plot_.isUnfolded() ? std::min(look.px(kRayPx), 0.5f * room.y) : 0.0f;
-  const float bottom = std::max(plot_.height(room.y, look), forRay) + look.px(kMargin);
+  float bottom = plot_.height(room.y, look) + look.px(kMargin);
+  // A ray is looked at in as much room as its curves and names need, as far as pictures stay large enough to be looked at.
+  if (session.lookedAt() && plot_.isUnfolded())
+    for (const float most = std::min(look.px(kRayPx), 0.5f * room.y), step = look.px(10.0f); bottom + step <= most; bottom += step)
+      if (grid_.barePictureSide(session, {room.x, room.y - bottom - step}, look) < look.px(kLeastPicturePx)) break;
   // Where pictures would be too low, and where one is to be as large as can be, the plot gives way.
   const bool hasBottom = session.lookedAt() || (!grid_.isAlone() && grid_.pictureSide(session, {room.x, room.y - bottom}, look) >= look.px(kLeastPicturePx));
   room.y = std::max(1.0f, room.y - (hasBottom ? bottom : 0.0f));

@@ -28,6 +28,8 @@ class PanelGrid {
   bool isAlone() const { return alone_.has_value(); }
   /// The shorter side that a picture's area would have in that room, ImGui units, with figures beneath it; 0 or less where there is no room for that.
   float pictureSide(const Session& session, const ImVec2& room, const Look& look) const;
+  /// The same with or without figures beneath.
+  float barePictureSide(const Session& session, const ImVec2& room, const Look& look) const { return layoutOf(alone_ ? 1 : session.panelCount(), room, look).side; }
   /// Draws all panels into the current window's room, as much of it as `room`.
   std::optional<Asked> draw(Session& session, const ImVec2& room, const HeldKeys& held, const Look& look);
 

@@ -276,7 +276,7 @@ bool drawRay(const Session& session, const Look& look) {
   const float line = ImGui::GetTextLineHeight(), gap = look.px(3.0f);
   const bool hasLegend = room.x > look.px(kLegendPx + 160.0f);
   const float width = room.x - (hasLegend ? look.px(kLegendPx) : 0.0f), bottom = at.y + room.y - 2.0f * line;
-  if (hasTrace && room.y > look.px(70.0f) && width > look.px(40.0f)) {
+  if (hasTrace && room.y > look.px(56.0f) && width > look.px(40.0f)) {
     const RayResult& result = *ray.result();
     const Span span = spanOf(result.trace);
     const Tops tops = topsOf(result.trace, span);
