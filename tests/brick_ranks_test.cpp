@@ -56,6 +56,27 @@ TEST(Ranks, WhatAllBringIsByRankAndOtherMessagesWait) {
   });
 }
 
+TEST(Ranks, OneHasTheLastWord) {
+  using namespace std::chrono_literals;
+  // All fail alike: the first one says it, however late it is.
+  onAll(4, [](const RanksPtr& own) {
+    if (own->isFirst()) std::this_thread::sleep_for(300ms);
+    EXPECT_EQ(own->claimLastWord(20s), own->isFirst());
+  });
+  // Only one fails, and another one later; the others are at work.
+  onAll(4, [](const RanksPtr& own) {
+    if (own->rank() == 1) {
+      EXPECT_TRUE(own->claimLastWord(50ms));
+    }
+    if (own->rank() == 3) {
+      EXPECT_FALSE(own->claimLastWord(20s));
+    }
+    if (own->rank() == 0 || own->rank() == 2) {
+      EXPECT_FALSE(own->receive(20s)) << "heard of, but nothing to work at";
+    }
+  });
+}
+
 TEST(SpreadVolume, IsKnownAsTheWholeOneIs) {
   for (const VoxelType type : kAllVoxelTypes) {
     SCOPED_TRACE(nameOf(type));

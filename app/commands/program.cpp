@@ -32,11 +32,16 @@ constexpr std::string_view kShared[] = {"serve", "shot", "compare", "sweep", "be
 /// One of several processes that is not the first: what is wrong for all of them, the first one says.
 bool isFollower() { return processRanks() && !processRanks()->isFirst(); }
 
-/// One line, whatever a file's name brings with it.
+/// One line, whatever a file's name brings with it; of several processes that fail alike, one's.
 int complain(const std::string& text, int code) {
+  // As long as the first one may be behind the others, on a machine with more to do than this; and until all are ended once somebody has said it.
+  constexpr std::chrono::seconds kPatience(2), kEnd(5);
   std::string who = "warpscope: ";
+  if (processRanks() && !processRanks()->claimLastWord(kPatience)) {
+    std::this_thread::sleep_for(kEnd);
+    return code;
+  }
   if (isFollower()) {
-    std::this_thread::sleep_for(std::chrono::seconds(1));
     who += "process " + std::to_string(processRanks()->rank()) + " of " + std::to_string(processRanks()->size()) + ": ";
   }
   printLine(who + text);

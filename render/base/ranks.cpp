@@ -67,10 +67,17 @@ std::vector<std::byte> copyOf(std::span<const std::byte> bytes) { return {bytes.
 }  // namespace
 
 std::optional<RankMessage> Ranks::receive(std::chrono::microseconds atMost) {
-  if (kept_.empty()) return receiveNew(atMost);
+  if (kept_.empty()) return receiveOther(atMost);
   RankMessage message = std::move(kept_.front());
   kept_.pop_front();
   return message;
+}
+
+std::optional<RankMessage> Ranks::receiveOther(std::chrono::microseconds atMost) {
+  std::optional<RankMessage> message = receiveNew(atMost);
+  if (!message || message->kind != kLastWord) return message;
+  isLastWordTaken_ = true;
+  return {};
 }
 
 RankMessage Ranks::await(int kind, int from) {
@@ -81,7 +88,7 @@ RankMessage Ranks::await(int kind, int from) {
     return message;
   }
   while (true) {
-    std::optional<RankMessage> message = receiveNew(kPatience);
+    std::optional<RankMessage> message = receiveOther(kPatience);
     if (!message) continue;
     if (isIt(*message)) return std::move(*message);
     kept_.push_back(std::move(*message));
@@ -111,6 +118,16 @@ void Ranks::requireSame(std::span<const std::byte> own, const std::string& what)
   const std::vector<std::vector<std::byte>> all = allGather(own);
   for (size_t other = 1; other < all.size(); ++other)
     if (all[other] != all[0]) throw InputError(what + ": process " + std::to_string(other) + " of " + std::to_string(size()) + " has another than the first one");
+}
+
+bool Ranks::claimLastWord(std::chrono::milliseconds patience) {
+  // Others' messages are of no use any more.
+  const auto end = std::chrono::steady_clock::now() + patience;
+  while (!isFirst() && !isLastWordTaken_ && std::chrono::steady_clock::now() < end) receiveOther(10ms);
+  if (isLastWordTaken_ && !isFirst()) return false;
+  for (int to = 0; to < size(); ++to)
+    if (to != rank()) send(to, kLastWord, {});
+  return true;
 }
 
 std::vector<RanksPtr> makeLocalRanks(int count) {

@@ -57,6 +57,10 @@ class Ranks {
     }
     own = std::move(all);
   }
+  /// Of a rank that is about to end all, because something is wrong: whether it is for this one to say what. The first one always does; others wait
+  /// for `patience` whether they hear that somebody has. Whoever may say it has told the others by then. For one thread at a time, as all of this.
+  bool claimLastWord(std::chrono::milliseconds patience);
+
   /// Throws InputError, on all of them, where `own` is not the same everywhere: "`what`: process 2 of 4 has another than the first one".
   void requireSame(std::span<const std::byte> own, const std::string& what);
 
@@ -71,12 +75,15 @@ class Ranks {
   virtual std::optional<RankMessage> receiveNew(std::chrono::microseconds atMost) = 0;
 
  private:
-  enum Own { kGathered = -1, kDealt = -2 };
+  enum Own { kGathered = -1, kDealt = -2, kLastWord = -3 };
   /// What the first of them has.
   std::vector<std::byte> ofFirst(std::vector<std::byte> own);
   RankMessage await(int kind, int from);
+  /// As receiveNew(), of what is not kLastWord.
+  std::optional<RankMessage> receiveOther(std::chrono::microseconds atMost);
 
   bool isTogether_ = true;
+  bool isLastWordTaken_ = false;
   std::deque<RankMessage> kept_;  // received before somebody asked for them
 };
 
