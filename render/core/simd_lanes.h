@@ -23,6 +23,18 @@ inline uint32_t bitsOf(const xsimd::batch_bool<float>& condition) {
 #endif
 }
 /// The numbers at these places from `numbers` on; none is negative.
+inline IntBatch gathered(const uint32_t* numbers, const IntBatch& places) {
+#if XSIMD_WITH_AVX512F
+  return _mm512_i32gather_epi32(places, numbers, 4);
+#elif XSIMD_WITH_AVX2
+  return _mm256_i32gather_epi32(reinterpret_cast<const int*>(numbers), places, 4);
+#else
+  alignas(64) int32_t at[kBatchLanes], values[kBatchLanes];
+  places.store_aligned(at);
+  for (int i = 0; i < kBatchLanes; ++i) values[i] = static_cast<int32_t>(numbers[at[i]]);
+  return IntBatch::load_aligned(values);
+#endif
+}
 inline FloatBatch gathered(const float* numbers, const IntBatch& places) {
 #if XSIMD_WITH_AVX512F
   return _mm512_i32gather_ps(places, numbers, 4);
@@ -34,6 +46,78 @@ inline FloatBatch gathered(const float* numbers, const IntBatch& places) {
   places.store_aligned(at);
   for (int i = 0; i < kBatchLanes; ++i) values[i] = numbers[at[i]];
   return FloatBatch::load_aligned(values);
+#endif
+}
+
+/// Two numbers beside each other, of each lane from another place on: numbers[place], numbers[place + 1].
+struct Pairs {
+  IntBatch first, second;
+};
+inline Pairs gatheredPairs(const uint32_t* numbers, const IntBatch& places) {
+#if XSIMD_WITH_AVX512F
+  const __m512i low = _mm512_i32gather_epi64(_mm512_castsi512_si256(places), numbers, 4), high = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(places, 1), numbers, 4);
+  const __m512i firsts = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+  return {_mm512_permutex2var_epi32(low, firsts, high), _mm512_permutex2var_epi32(low, _mm512_add_epi32(firsts, _mm512_set1_epi32(1)), high)};
+#else
+  return {gathered(numbers, places), gathered(numbers, places + IntBatch(1))};
+#endif
+}
+/// Four numbers beside each other, of each lane from another place on: numbers[kStride place] to numbers[kStride place + 3]. One load a lane instead of four.
+struct Quads {
+  FloatBatch of[4];
+};
+template <size_t kStride>
+[[gnu::always_inline]] inline Quads gatheredQuads(const float* numbers, const IntBatch& places) {
+  alignas(64) int32_t at[kBatchLanes];
+  places.store_aligned(at);
+#if XSIMD_WITH_AVX512F
+  const auto quad = [&](int lane) { return _mm_loadu_ps(numbers + kStride * static_cast<uint32_t>(at[lane])); };
+  __m512 rows[4];  // row i: lanes i, 4 + i, 8 + i, 12 + i
+  for (int i = 0; i < 4; ++i) {
+    const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256(quad(i)), quad(4 + i), 1), high = _mm256_insertf128_ps(_mm256_castps128_ps256(quad(8 + i)), quad(12 + i), 1);
+    rows[i] = _mm512_castpd_ps(_mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_castps_pd(low)), _mm256_castps_pd(high), 1));
+  }
+  const __m512 xy01 = _mm512_unpacklo_ps(rows[0], rows[1]), zw01 = _mm512_unpackhi_ps(rows[0], rows[1]);
+  const __m512 xy23 = _mm512_unpacklo_ps(rows[2], rows[3]), zw23 = _mm512_unpackhi_ps(rows[2], rows[3]);
+  return {{_mm512_shuffle_ps(xy01, xy23, 0x44), _mm512_shuffle_ps(xy01, xy23, 0xee), _mm512_shuffle_ps(zw01, zw23, 0x44), _mm512_shuffle_ps(zw01, zw23, 0xee)}};
+#elif XSIMD_WITH_AVX
+  const auto quad = [&](int lane) { return _mm_loadu_ps(numbers + kStride * static_cast<uint32_t>(at[lane])); };
+  __m256 rows[4];  // row i: lanes i, 4 + i
+  for (int i = 0; i < 4; ++i) rows[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(quad(i)), quad(4 + i), 1);
+  const __m256 xy01 = _mm256_unpacklo_ps(rows[0], rows[1]), zw01 = _mm256_unpackhi_ps(rows[0], rows[1]);
+  const __m256 xy23 = _mm256_unpacklo_ps(rows[2], rows[3]), zw23 = _mm256_unpackhi_ps(rows[2], rows[3]);
+  return {{_mm256_shuffle_ps(xy01, xy23, 0x44), _mm256_shuffle_ps(xy01, xy23, 0xee), _mm256_shuffle_ps(zw01, zw23, 0x44), _mm256_shuffle_ps(zw01, zw23, 0xee)}};
+#else
+  alignas(64) float values[4][kBatchLanes];
+  for (int i = 0; i < kBatchLanes; ++i)
+    for (int j = 0; j < 4; ++j) values[j][i] = numbers[kStride * static_cast<uint32_t>(at[i]) + static_cast<size_t>(j)];
+  return {{FloatBatch::load_aligned(values[0]), FloatBatch::load_aligned(values[1]), FloatBatch::load_aligned(values[2]), FloatBatch::load_aligned(values[3])}};
+#endif
+}
+
+/// Each shifted by as many bits as its own number says, at most 31; the sign bit comes in from the left.
+inline IntBatch shiftedRight(const IntBatch& a, const IntBatch& bits) {
+#if XSIMD_WITH_AVX512F
+  return _mm512_srav_epi32(a, bits);
+#elif XSIMD_WITH_AVX2
+  return _mm256_srav_epi32(a, bits);
+#else
+  alignas(64) int32_t values[kBatchLanes], counts[kBatchLanes];
+  a.store_aligned(values), bits.store_aligned(counts);
+  for (int i = 0; i < kBatchLanes; ++i) values[i] >>= counts[i];
+  return IntBatch::load_aligned(values);
+#endif
+}
+inline IntBatch shiftedLeft(const IntBatch& a, const IntBatch& bits) {
+#if XSIMD_WITH_AVX512F
+  return _mm512_sllv_epi32(a, bits);
+#elif XSIMD_WITH_AVX2
+  return _mm256_sllv_epi32(a, bits);
+#else
+  alignas(64) int32_t values[kBatchLanes], counts[kBatchLanes];
+  a.store_aligned(values), bits.store_aligned(counts);
+  for (int i = 0; i < kBatchLanes; ++i) values[i] <<= counts[i];
+  return IntBatch::load_aligned(values);
 #endif
 }
 

@@ -4,7 +4,8 @@
 
 #include "render/warp/fill.h"
 #include "render/warp/proxy_fill.h"
-#include "render/warp/segments/pixel_rays.h"
+#include "render/warp/segments/packet_walk.h"
+#include "render/warp/segments/pixel_packets.h"
 #include "render/warp/segments/segment_field_build.h"
 #include "render/warp/segments_warp_cuda.h"
 
@@ -56,30 +57,22 @@ class SegmentsWarp final : public Warp {
  private:
   template <bool kIsLinear>
   void drawRays(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) {
-    if (!frame_->proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) {
-      return walkRays(camera, image, stop, [](const SegmentField& field, const Ray& ray, const RayInterval& inside, float stopBelow) {
-        return walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, stopBelow);
-      });
-    }
-    fill_.visit(frame_->proxy, frame_->settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
-      walkRays(camera, image, stop, [&](const SegmentField& field, const Ray& ray, const RayInterval& inside, float stopBelow) {
-        return walkSegments<kIsLinear>(field, ray, inside.tNear, inside.tFar, stopBelow,
-                                       [&](WalkedRay& walked, float tNear, float tFar) { walked.guess(march(ray, tNear, tFar, walked.through)); });
-      });
-    });
-  }
-
-  /// `walk`: of a ray's part inside the bounds.
-  template <class Walk>
-  void walkRays(const Camera& camera, WarpedImage& image, const std::stop_token& stop, const Walk& walk) const {
     const SegmentField field = built_.field();
     const float stopBelow = limitsOf(frame_->settings.render).stopBelow;
-    forEachPixelRay<WalkedRay>(
-        *frame_, camera, stop, [&](const Ray& ray, const RayInterval& inside) { return walk(field, ray, inside, stopBelow); },
-        [&](uint32_t x, uint32_t y, const Ray& /*ray*/, const WalkedRay& walked) {
-          image.color(x, y) = walked.seen();
-          image.samples(x, y) = walked.id();
-        });
+    const auto walkRays = [&](const auto& fillOf) {
+      forEachPixelPacket(
+          *frame_, camera, stop, [&](const auto& rays, const auto& inside, auto& walked) { walkPacket<kIsLinear>(field, rays, inside, stopBelow, walked, fillOf(rays)); },
+          [&](uint32_t x, uint32_t y, const WalkedRay& walked) {
+            image.color(x, y) = walked.seen();
+            image.samples(x, y) = walked.id();
+          });
+    };
+    if (!frame_->proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) return walkRays([](const auto& /*rays*/) { return nullptr; });
+    fill_.visit(frame_->proxy, frame_->settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
+      walkRays([&](const auto& rays) {
+        return [&](int lane, WalkedRay& walked, float tNear, float tFar) { walked.guess(march(rays[lane], tNear, tFar, walked.through)); };
+      });
+    });
   }
 
   SampleFramePtr frame_;

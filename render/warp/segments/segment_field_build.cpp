@@ -2,6 +2,8 @@
 // See segment_field_build.h.
 #include "render/warp/segments/segment_field_build.h"
 
+#include <span>
+
 #include "render/core/parallel.h"
 #include "render/effects/shading_setup.h"
 #include "render/warp/segments/segment_field_parts.h"
@@ -87,19 +89,30 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
       unlit_[i] = warpscope::unlit(lightOf(segments_[i], segments.normals[i], pixels_, x, y, lights, frame.camera.eye), colors_[i].linear);
     });
   }
+  size_t tiles = 0;
+  for (int level = 0; level < kFieldLevels; ++level) tiles += tileLevel(width_, height_, level).count();
+  tiles_.resize(tiles);
+  const FieldTile* parts = ofPixels_.data();
+  FieldTile* own = tiles_.data();
   for (int level = 0; level < kFieldLevels; ++level) {
-    const std::vector<FieldTile>& parts = level == 0 ? ofPixels_ : tiles_[level - 1];
     const TileLevel size = tileLevel(width_, height_, level);
-    tiles_[level].resize(size.count());
     parallelForRanges(static_cast<size_t>(size.rows), 1, [&](size_t beginRow, size_t endRow) {
       for (size_t row = beginRow; row < endRow; ++row)
         for (int column = 0; column < size.columns; ++column)
-          tiles_[level][row * static_cast<size_t>(size.columns) + static_cast<size_t>(column)] =
-              tileOf(parts.data(), size.partColumns, size.partRows, level, column, static_cast<int>(row));
+          own[row * static_cast<size_t>(size.columns) + static_cast<size_t>(column)] = tileOf(parts, size.partColumns, size.partRows, level, column, static_cast<int>(row));
     });
+    parts = own;
+    own += size.count();
   }
 }
 
-SegmentField BuiltSegmentField::field() const { return fieldOf(pixels_, depths_, width_, height_, first_, segments_, colors_, tiles_); }
+SegmentField BuiltSegmentField::field() const {
+  std::span<const FieldTile> levels[kFieldLevels], rest = tiles_;
+  for (int level = 0; level < kFieldLevels && !rest.empty(); ++level) {
+    levels[level] = rest.first(tileLevel(width_, height_, level).count());
+    rest = rest.subspan(levels[level].size());
+  }
+  return fieldOf(pixels_, depths_, width_, height_, first_, segments_, colors_, levels);
+}
 
 }  // namespace warpscope

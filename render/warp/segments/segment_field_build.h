@@ -19,7 +19,7 @@ class BuiltSegmentField {
   void build(const SampleFrame& frame);
   /// Lights the segments for another camera, where the frame says what their normals are.
   void relight(const SampleFrame& frame, const Camera& camera);
-  /// By pointers into this.
+  /// By pointers into this; its tiles lie in one array, level after level.
   SegmentField field() const;
 
  private:
@@ -34,7 +34,7 @@ class BuiltSegmentField {
   std::vector<FieldColor> colors_;
   std::vector<glm::vec3> unlit_;  // colours without light; empty where light does not depend on the eye
   std::vector<FieldTile> ofPixels_;
-  std::vector<FieldTile> tiles_[kFieldLevels];
+  std::vector<FieldTile> tiles_;  // level after level
 };
 
 }  // namespace warpscope
