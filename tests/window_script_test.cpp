@@ -317,6 +317,62 @@ TEST_F(WindowScriptTest, ARecordingIsPlayedSteppedAndSought) {
   EXPECT_EQ(session_.error(), "");
 }
 
+TEST_F(WindowScriptTest, ARecordingIsClosedAndAFilmOfItIsAskedAbout) {
+  const TestFolder folder;
+  ASSERT_TRUE(openAndRest("block"));
+  const View live = session_.view();
+  const auto isAsked = [] { return ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup); };
+  press(Action::exportFilm);  // of what?
+  window_.frame();
+  EXPECT_FALSE(isAsked());
+  press(Action::closeRecording);
+  session_.startRecording(folder.file("a.warpscope"), textOf(sessionFileOf(session_)));
+  window_.drag(kLeftPicture, kLeftPicture + glm::vec2(60.0f, 0.0f));
+  ASSERT_TRUE(rest());
+  std::this_thread::sleep_for(milliseconds(1200));  // as long as the film is to be at least
+  window_.drag(kLeftPicture, kLeftPicture + glm::vec2(-60.0f, 0.0f));
+  ASSERT_TRUE(rest());
+  session_.stopRecording();
+  session_.setView(live);
+  std::this_thread::sleep_for(milliseconds(100));  // what waits is written
+  window_.view().open(folder.file("a.warpscope"));
+  ASSERT_TRUE(waitUntil([&] { return session_.playback().isOpen(); }));
+  ASSERT_TRUE(waitUntil([&] { return session_.panel(0).picture && session_.frames().newest(); }));
+
+  press(Action::exportFilm);
+  window_.frame();
+  EXPECT_TRUE(isAsked());
+  window_.key({.name = "Esc"});
+  window_.frames(2);
+  EXPECT_FALSE(isAsked()) << "Esc means no";
+  EXPECT_FALSE(session_.exporting().isAtWork());
+
+  // Who quits while a film is being written is asked, once.
+  press(Action::quit);
+  EXPECT_EQ(window_.takeActions(), std::vector{Action::quit});
+  session_.startExport(folder.file("film.png"), {{1600, 1200}, false});
+  press(Action::quit);
+  window_.frame();
+  EXPECT_TRUE(window_.takeActions().empty());
+  EXPECT_TRUE(isAsked());
+  EXPECT_TRUE(session_.exporting().isAtWork());
+  press(Action::quit);
+  EXPECT_EQ(window_.takeActions(), std::vector{Action::quit});
+  window_.key({.name = "Esc"});
+  window_.frames(2);
+  ASSERT_TRUE(waitUntil([&] { return session_.exporting().done() < 4 || session_.exporting().secondsLeft().has_value(); }));
+  session_.exporting().cancel();
+  EXPECT_FALSE(session_.exporting().secondsLeft());
+  EXPECT_TRUE(window_.view().mayClose(session_));
+
+  press(Action::closeRecording);
+  ASSERT_TRUE(waitUntil([&] { return !session_.playback().isOpen(); }));
+  ASSERT_TRUE(rest());
+  EXPECT_EQ(session_.scene()->name, "block");
+  EXPECT_NEAR(session_.view().angleDeg, live.angleDeg, 1e-9);
+  EXPECT_EQ(session_.error(), "");
+}
+
 TEST_F(WindowScriptTest, FoldsThemeAndFilesAreRemembered) {
   const TestFolder folder;
   ASSERT_TRUE(openAndRest("block"));

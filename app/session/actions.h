@@ -20,6 +20,7 @@ enum class Action {
   savePlot,
   record,
   exportFilm,
+  closeRecording,
   quit,
   resetView,
   freeze,

@@ -25,8 +25,9 @@ class ExportWork {
     ReplaySettings settings;
     settings.techniques = job.techniques;
     settings.picturesPerSecond = kExportRate;
-    settings.width = job.sizePx.x;
-    settings.height = job.sizePx.y;
+    settings.width = job.look.sizePx.x;
+    settings.height = job.look.sizePx.y;
+    settings.hasLabels = job.look.hasLabels;
     settings.resources = resources_;
     settings.resources.marcher = job.marcher;
     result.pictures = writeReplay(*job.recording, settings, job.files,
@@ -69,7 +70,16 @@ ReplayExport::ReplayExport(gl::Platform platform, WarpResources resources, std::
 void ReplayExport::start(ExportJob job) {
   done_ = job.done = std::make_shared<std::atomic<size_t>>(0);
   steps_ = stepsOf(*job.recording, kExportRate, job.files);
+  since_ = std::chrono::steady_clock::now();
   worker_.post(std::move(job));
+}
+
+std::optional<double> ReplayExport::secondsLeft() const {
+  constexpr size_t kTelling = 3;  // steps begun: before, techniques are made and nothing is in any cache
+  const size_t begun = done();
+  if (!isAtWork() || begun < kTelling) return std::nullopt;
+  const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - since_).count();
+  return taken * static_cast<double>(steps_ - begun + 1) / static_cast<double>(begun - 1);
 }
 
 void ReplayExport::cancel() {

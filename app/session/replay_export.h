@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -18,11 +19,17 @@ namespace warpscope {
 /// Pictures a second of what the window exports: those of films.
 inline constexpr double kExportRate = 30.0;
 
+/// How its pictures are to be.
+struct ExportLook {
+  glm::uvec2 sizePx{0};   ///< of each technique's; 0: as on show
+  bool hasLabels = true;  ///< the technique's name and the frame's age below each
+};
+
 struct ExportJob {
   std::shared_ptr<const Recording> recording;
   MarcherPtr marcher;                          ///< of what was recorded, for techniques that march
   std::vector<TechniqueInUse> techniques;
-  glm::uvec2 sizePx{0};                        ///< of each technique's picture
+  ExportLook look;                             ///< its size is not 0
   ReplayFiles files;
   std::shared_ptr<std::atomic<size_t>> done;   ///< counts steps
 };
@@ -54,6 +61,8 @@ class ReplayExport {
   /// Steps that were done, and all.
   size_t done() const { return done_ ? done_->load() : 0; }
   size_t steps() const { return steps_; }
+  /// Seconds until it has ended, by what it has taken so far; nothing before that says anything.
+  std::optional<double> secondsLeft() const;
   /// What became of it, once: a sentence without its full stop.
   std::optional<std::string> takeNote();
 
@@ -63,6 +72,7 @@ class ReplayExport {
  private:
   std::shared_ptr<std::atomic<size_t>> done_;
   size_t steps_ = 0;  // 0: nothing is at work
+  std::chrono::steady_clock::time_point since_;
   ExportWorker worker_;
 };
 

@@ -242,7 +242,7 @@ size_t Session::stopRecording() {
   return leftOut;
 }
 
-void Session::startExport(const std::filesystem::path& path) {
+void Session::startExport(const std::filesystem::path& path, const ExportLook& look) {
   if (!playback_.isOpen()) throw InputError("there is no recording on show");
   ExportJob job;
   job.files = exportedAs(path);
@@ -254,7 +254,8 @@ void Session::startExport(const std::filesystem::path& path) {
     job.marcher = opening_.current()->display;
     if (const TransferFunction* const first = functionAt(*job.recording, 0.0)) job.marcher = job.marcher->withTransferFunction(*first);
   }
-  job.sizePx = pictureSize();
+  job.look = look;
+  if (look.sizePx.x == 0) job.look.sizePx = pictureSize();
   exporting_.start(std::move(job));
 }
 

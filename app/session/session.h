@@ -105,9 +105,9 @@ class Session {
   /// A recording that is on show in place of what a server sends; open while the scene is one.
   LivePlayback& playback() { return playback_; }
   const LivePlayback& playback() const { return playback_; }
-  /// Writes the recording that is on show as a film or as pictures: by the techniques on show, side by side, in the size of their pictures (replay_export.h), in place of
+  /// Writes the recording that is on show as a film or as pictures: by the techniques on show, side by side (replay_export.h), in place of
   /// one that is being written. Throws InputError without a recording, and as exportedAs(); what goes wrong later exporting() says.
-  void startExport(const std::filesystem::path& path);
+  void startExport(const std::filesystem::path& path, const ExportLook& look = {});
   ReplayExport& exporting() { return exporting_; }
   const ReplayExport& exporting() const { return exporting_; }
   /// Why there is no ground truth of the scene on show; empty where there is, or no scene yet.

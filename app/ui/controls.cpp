@@ -134,7 +134,7 @@ void drawMotion(Session& session, const Look& look) {
   bareSlider("speed", speed, {0.1f, 5.0f, "%.1f ×", true}, "How fast, times the usual speed.", look);
   if (speed != static_cast<float>(motion.speed())) session.setMotion(motion.motion(), speed);
   bool isRecording = motion.isRecording();
-  if (ImGui::Checkbox("Record the path", &isRecording)) session.setRecording(isRecording);
+  if (ImGui::Checkbox("Keep the camera's path", &isRecording)) session.setRecording(isRecording);
   tooltip("The camera's path from now on, until this is switched off: then it can be chosen as a motion.", look);
 }
 

@@ -51,9 +51,9 @@ std::string KeptFiles::startRecording(Session& session, const std::filesystem::p
   return "recording into " + path.string();
 }
 
-std::string KeptFiles::startExport(Session& session, const std::filesystem::path& path) {
+std::string KeptFiles::startExport(Session& session, const std::filesystem::path& path, const ExportLook& look) {
   requireUnread(session, path);
-  session.startExport(path);
+  session.startExport(path, look);
   return "exporting into " + path.string();
 }
 

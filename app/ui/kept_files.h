@@ -24,7 +24,7 @@ class KeptFiles {
   /// These three throw InputError for a file that cannot be written.
   std::string saveSession(const Session& session, const std::filesystem::path& path);
   std::string startRecording(Session& session, const std::filesystem::path& path);
-  std::string startExport(Session& session, const std::filesystem::path& path);
+  std::string startExport(Session& session, const std::filesystem::path& path, const ExportLook& look);
   std::string endRecording(Session& session);
   /// A recording was begun elsewhere.
   void noteRecording(const std::filesystem::path& path) { recordedFile_ = path; }

@@ -53,13 +53,24 @@ void MainView::takeHandedFile(Session& session) {
     controls_.transferEditor().set(session, *file->transferFunction);
   } else if (file->session) {
     if (std::filesystem::path(file->path) != lastSessionFile()) remembered_.addFile(file->path);
-    isSessionsScene_ = true;
-    restore(*file->session, session, openScene_);
-    beforeDemo_.reset();
-    grid_.showAll();
+    if (!session.playback().isOpen() && session.scene() != nullptr && session.origin()) beforeRecording_ = sessionFileOf(session);
+    restoreSession(*file->session, session);
   } else {
     session.load(openScene_({file->path, {}}));
   }
+}
+
+void MainView::restoreSession(const SessionFile& file, Session& session) {
+  isSessionsScene_ = true;
+  restore(file, session, openScene_);
+  beforeDemo_.reset();
+  grid_.showAll();
+}
+
+bool MainView::mayClose(const Session& session) {
+  if (!session.exporting().isAtWork() || quitQuestion_.isOpen()) return true;
+  quitQuestion_.ask();
+  return false;
 }
 
 void MainView::press(const KeyChord& key, Session& session) {
@@ -138,13 +149,18 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
         return setNote("the export was given up, nothing is left of it");
       }
       if (!isPossible(action, session)) return setNote("a film is made of a recording: open one, or record one (Ctrl+R)");
-      return showDialog(FileDialog::Purpose::exportFilm, canFilm() ? "film.mp4" : "film.png");
+      return exportQuestion_.ask();
+    case Action::closeRecording:
+      if (beforeRecording_ && session.playback().isOpen()) restoreSession(*beforeRecording_, session);
+      return;
     case Action::savePanels:
       if (!files_.keepPanels(session)) setNote("there is no picture yet");
       return;
     case Action::savePlot: return savePlot(session);
-    case Action::savePicture:
     case Action::quit:
+      if (mayClose(session)) windowActions_.push_back(action);
+      return;
+    case Action::savePicture:
     case Action::fullScreen: return windowActions_.push_back(action);
     case Action::goBack: return goBack();
     case Action::help: showsKeys_ = !showsKeys_; return;
@@ -215,6 +231,7 @@ bool MainView::isPossible(Action action, const Session& session) const {
     case Action::stepBack:
     case Action::stepOn: return session.playback().isOpen();
     case Action::exportFilm: return session.playback().isOpen() || session.exporting().isAtWork();
+    case Action::closeRecording: return session.playback().isOpen() && beforeRecording_.has_value();
     case Action::freeze: return !session.playback().isOpen();
     default: return true;
   }
@@ -308,7 +325,7 @@ void MainView::drawDialog(Session& session, const Look& look) {
       case FileDialog::Purpose::open: return open(path->string());
       case FileDialog::Purpose::saveSession: return setNote(files_.saveSession(session, *path));
       case FileDialog::Purpose::record: return setNote(files_.startRecording(session, *path));
-      case FileDialog::Purpose::exportFilm: return setNote(files_.startExport(session, *path));
+      case FileDialog::Purpose::exportFilm: return setNote(files_.startExport(session, *path, exportLook_));
       case FileDialog::Purpose::saveFunction:
       case FileDialog::Purpose::saveColorMap:
         if (session.scene() == nullptr) return;
@@ -319,6 +336,14 @@ void MainView::drawDialog(Session& session, const Look& look) {
   } catch (const InputError& error) {
     dialog_.askAgain(error.what());
   }
+}
+
+void MainView::drawQuestions(const Session& session, const Look& look) {
+  if (const std::optional<ExportLook> chosen = exportQuestion_.draw(session, look)) {
+    exportLook_ = *chosen;
+    showDialog(FileDialog::Purpose::exportFilm, canFilm() ? "film.mp4" : "film.png");
+  }
+  if (quitQuestion_.draw(session)) windowActions_.push_back(Action::quit);
 }
 
 void MainView::drawNote(const Look& look) {
@@ -436,6 +461,7 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   if (showsKeys_) drawKeysPage(showsKeys_, look);
   if (showsAbout_) drawAboutPage(showsAbout_, session, gl_.renderer, look);
   drawDialog(session, look);
+  drawQuestions(session, look);
   drawNote(look);
 }
 

@@ -12,12 +12,14 @@
 #include "app/session/actions.h"
 #include "app/session/demos.h"
 #include "app/session/handed_file.h"
+#include "app/session/session_file.h"
 #include "app/ui/controls.h"
 #include "app/ui/file_dialog.h"
 #include "app/ui/kept_files.h"
 #include "app/ui/panel_grid.h"
 #include "app/ui/parts.h"
 #include "app/ui/plot_view.h"
+#include "app/ui/questions.h"
 #include "app/ui/type_ahead.h"
 
 namespace warpscope::ui {
@@ -64,6 +66,8 @@ class MainView {
 
   /// What was asked for since the last call that is the window's business: quit, fullScreen, savePicture, and goBack where there was nothing to go back from.
   std::vector<Action> takeWindowActions() { return std::exchange(windowActions_, {}); }
+  /// Whether the window may be closed now; else the user is asked, and quit comes among those actions where the answer is yes. Who asks for it again has answered.
+  bool mayClose(const Session& session);
   /// Whether something moves although nothing happens.
   bool isAnimating() const { return grid_.isAnimating(); }
 
@@ -88,6 +92,9 @@ class MainView {
   /// The plot, and the ray that is looked at.
   void drawBottom(Session& session, const Look& look);
   void drawDialog(Session& session, const Look& look);
+  void drawQuestions(const Session& session, const Look& look);
+  /// Shows what the file says, and remembers what is on show where that is the first recording.
+  void restoreSession(const SessionFile& file, Session& session);
   void drawNote(const Look& look);
   void showDialog(FileDialog::Purpose purpose, const std::string& name = "");
 
@@ -104,10 +111,14 @@ class MainView {
   std::vector<Action> windowActions_;
   bool showsKeys_ = false, showsAbout_ = false;
   FileDialog dialog_;
+  ExportQuestion exportQuestion_;
+  ExportLook exportLook_;  // that was chosen
+  QuitQuestion quitQuestion_;
   TypeAhead typeAhead_;
   bool isSessionsScene_ = false;        // what is being opened
   bool wasInspecting_ = false;
   bool followedCamera_ = false;  // that of a recording
+  std::optional<SessionFile> beforeRecording_;  // what was on show when one was opened here
   std::optional<BeforeDemo> beforeDemo_;  // the first of those that followed each other
   struct Note {
     std::string text;

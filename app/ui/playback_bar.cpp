@@ -81,7 +81,7 @@ struct Widths {
 Widths widthsOf(const Look& look) {
   const float spacing = ImGui::GetStyle().ItemSpacing.x, side = ImGui::GetTextLineHeight() + look.px(2.0f * kPaddingYPx);
   const auto boxWidth = [&](const char* text) { return side + ImGui::GetStyle().ItemInnerSpacing.x + ImGui::CalcTextSize(text).x + spacing; };
-  const float exporting = look.px(2.0f * kPaddingXPx) + std::max(ImGui::CalcTextSize(kExport).x, ImGui::CalcTextSize("Cancel, 100 %").x) + spacing;
+  const float exporting = look.px(2.0f * kPaddingXPx) + std::max(ImGui::CalcTextSize(kExport).x, ImGui::CalcTextSize("Cancel, 100 %, 59:59 left").x) + spacing;
   return {look.px(kFiguresPx) + spacing, look.px(kSpeedPx) + spacing, boxWidth(kLoop), boxWidth(kCamera), exporting, 3.0f * side + 2.0f * look.px(4.0f) + spacing};
 }
 
@@ -101,7 +101,14 @@ void drawFigures(const LivePlayback& playback, float width, const Look& look) {
 
 /// True when it was pressed.
 bool drawExport(const ReplayExport& exporting, const Look& look) {
-  const std::string text = exporting.isAtWork() ? "Cancel, " + std::to_string(100 * exporting.done() / exporting.steps()) + " %" : std::string(kExport);
+  std::string text(kExport);
+  if (exporting.isAtWork()) {
+    text = "Cancel, " + std::to_string(100 * exporting.done() / exporting.steps()) + " %";
+    if (const std::optional<double> left = exporting.secondsLeft(); left && *left < 3600.0) {
+      const int seconds = static_cast<int>(std::ceil(*left));
+      text += ", " + std::to_string(seconds / 60) + formatted(":%02.0f left", static_cast<double>(seconds % 60));
+    }
+  }
   ImGui::SameLine();
   const bool isPressed = ImGui::Button((text + "###export").c_str());
   tooltip(Action::exportFilm, look);

@@ -95,7 +95,11 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
   bool hasRecorded = false;
   bool startsDemo = settings.startsDemo;
   Image<Rgba8> photograph;
-  while (!window.shouldClose() && !stop.stop_requested()) {
+  while (!stop.stop_requested()) {
+    if (window.shouldClose()) {
+      if (mainView.mayClose(session)) break;
+      window.keepOpen();
+    }
     const bool isMoving = clock.now() - lastActive < kLinger;
     window.waitForNextFrame(isMoving || !session.loading().empty());
     const Clock::TimePoint now = clock.now();

@@ -270,6 +270,8 @@ void Window::followScale(bool isFirst) {
 
 bool Window::shouldClose() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
 
+void Window::keepOpen() { glfwSetWindowShouldClose(window_, GLFW_FALSE); }
+
 glm::uvec2 Window::size() const {
   if (isFullScreen()) return glm::uvec2(beforeFullScreen_.size);
   return glm::uvec2(feed_->size());

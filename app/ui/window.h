@@ -30,6 +30,8 @@ class Window {
   Window& operator=(const Window&) = delete;
 
   bool shouldClose() const;
+  /// Whoever wanted to close it thinks better of it.
+  void keepOpen();
   void setTitle(const std::string& title);
 
   /// Lets events come in until the next picture is due: at the screen's rate while something moves, seldom while nothing does.
