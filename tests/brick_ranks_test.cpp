@@ -228,6 +228,57 @@ TEST(SpreadVolume, ShadowsAndOcclusionAreTheSameHoweverItIsCutAndNearThoseOfOneP
   }
 }
 
+/// In a volume that is twice as long as the copy: as dark as in one process, about.
+TEST(SpreadVolume, ShadowsAndOcclusionOfALongVolumeAreNearThoseOfOneProcess) {
+  constexpr glm::uvec3 kLong(520, 40, 52);
+  // A ball above another that it shades, and a slab: nothing that the copy is too coarse for.
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kLong, [](const glm::ivec3& p) {
+    double value = std::clamp(30.0 * (11.0 - p.z), 0.0, 90.0);
+    for (const glm::dvec4& ball : {glm::dvec4(120, 20, 36, 15), glm::dvec4(300, 20, 34, 17), glm::dvec4(345, 22, 34, 16), glm::dvec4(430, 20, 36, 15)})
+      value = std::max(value, 6.0 * (ball.w - glm::length(glm::dvec3(p) - glm::dvec3(ball))));
+    return std::min(value, 100.0);
+  });
+  const TransferFunction function = band(15, 100, 0.2f);
+  const MarcherPtr alone = makeCpuMarcher(whole, function);
+  const Camera camera = lookingFrom({90.0f, 160.0f, 260.0f}, {}, 120, 60);
+  struct Case {
+    float shadows, occlusion, gridEdge;
+    double most;  // of what shadows and occlusion take away
+  };
+  // Where light is found at every voxel, the copy has half of the places; where at every fifth, what skips them wants them farther apart in it.
+  for (const auto& [shadows, occlusion, gridEdge, most] : {Case{1.0f, 0.0f, 2.0f, 0.1}, {0.0f, 1.0f, 2.0f, 0.05}, {1.0f, 0.7f, 1.0f, 0.16}, {1.0f, 0.7f, 5.0f, 0.36}}) {
+    SCOPED_TRACE(testing::Message() << shadows << ", " << occlusion << ", " << gridEdge);
+    RenderSettings settings;
+    settings.effects.shading.strength = 1.0f;
+    settings.effects.lights = parseLights("world:2,1,1", "lights");
+    settings.effects.shadows.strength = shadows;
+    settings.effects.shadows.occlusion = occlusion;
+    settings.effects.shadows.gridEdge = gridEdge;
+    RenderSettings bright = settings;
+    bright.effects.shadows = {};
+    const Spread spread(whole, function, 3);
+    Image<glm::vec4> picture, expected, unshadowed;
+    spread->render(camera, settings, picture, {});
+    alone->render(camera, settings, expected, {});
+    alone->render(camera, bright, unshadowed, {});
+    double off = 0.0, shadow = 0.0;
+    for (size_t pixel = 0; pixel < picture.size(); ++pixel)
+      for (int channel = 0; channel < 3; ++channel) {
+        off += static_cast<double>(std::abs(picture.data()[pixel][channel] - expected.data()[pixel][channel]));
+        shadow += static_cast<double>(unshadowed.data()[pixel][channel] - expected.data()[pixel][channel]);
+      }
+    EXPECT_GT(shadow, 1.0);
+    EXPECT_LT(off, most * shadow);
+    // Another light, and the first one again: nothing of the other stays.
+    RenderSettings other = settings;
+    other.effects.lights = parseLights("world:-1,0,1", "lights");
+    Image<glm::vec4> ignored, again;
+    spread->render(camera, other, ignored, {});
+    spread->render(camera, settings, again, {});
+    EXPECT_TRUE(sameBits(again, picture));
+  }
+}
+
 TEST(SpreadVolume, AnotherFunctionAndTheProxyAreThoseOfOneProcess) {
   const VolumePtr whole = makeTestVolume(VoxelType::int32, kDims, blobs(kDims, 2));
   const Camera camera = cameras().front();

@@ -105,6 +105,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
   void setLightCopy(const ProxyPtr& copy) override {
     const std::scoped_lock lock(mutex_);
     copy_ = std::make_unique<CpuMarcher>(std::make_shared<const MarchedVolume>(copy->volume, functionOfCodes(*copy)), nullptr);
+    lightKey_.clear();
   }
 
   RayTrace trace(const Camera& camera, const MarchSettings& settings, const glm::uvec2& pixel, const std::stop_token& stop) override {
@@ -223,10 +224,42 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
     }
   }
 
-  /// Of a volume that is spread over ranks: what arrives in its coarse copy, which all of them have.
+  /// Of a volume that is spread over ranks: what arrives in its coarse copy, which all of them have, at places of a grid over the volume.
   LightVolume lightOfCopy(const Camera& camera, const RenderSettings& settings, const std::stop_token& stop) {
     if (!copy_) throw std::logic_error("there is no copy of the volume to find its light in");
-    return copy_->ownLight(camera, settings, stop);
+    const glm::uvec3 dims = marched_->volume->dims(), copied = copy_->marched_->volume->dims();
+    if (dims == copied) return copy_->ownLight(camera, settings, stop);
+    const glm::vec3 perVoxel = glm::vec3(copied) / glm::vec3(dims);  // voxels of the copy
+    const float most = std::max({perVoxel.x, perVoxel.y, perVoxel.z});
+    // Not closer together than the copy's voxels, which have no more to say; and in the copy so far apart that each that is read of it is one that it has found out: what
+    // reads the volume's grid is at most two of its edges away.
+    const float edge = std::max(settings.effects.shadows.gridEdge, 1.0f / most);
+    RenderSettings ofCopy = settings;
+    ofCopy.effects.shadows.gridEdge = std::max({1.0f, edge * most, 2.0f * edge * most - 1.0f});
+    const LightVolume light = copy_->ownLight(camera, ofCopy, stop);
+    if (light.channels == 0) return light;
+    LightVolume own = lightVolumeLayout(dims, light.channels, edge);
+    std::ranges::copy(light.ofLight, own.ofLight);
+    own.ofAmbient = light.ofAmbient;
+    own.shadowStrength = light.shadowStrength;
+    own.occlusionStrength = light.occlusionStrength;
+    own.radius = light.radius;
+    if (copy_->lightKey_ != lightKey_) {
+      lightValues_.resize(own.places() * static_cast<size_t>(own.channels));
+      const auto length = static_cast<size_t>(own.dims.x), rows = length > 0 ? own.places() / length : 0;
+      parallelForRanges(rows, 16, [&](size_t beginRow, size_t endRow) {
+        for (size_t i = beginRow * length; i < endRow * length; ++i) {
+          const glm::vec3 index(static_cast<float>(i % length), static_cast<float>(i / length % static_cast<size_t>(own.dims.y)),
+                                static_cast<float>(i / length / static_cast<size_t>(own.dims.y)));
+          const glm::vec3 place = (index * own.edge + 0.5f) * perVoxel - 0.5f;  // voxels' centres have whole numbers
+          for (int channel = 0; channel < own.channels; ++channel)
+            lightValues_[i * static_cast<size_t>(own.channels) + static_cast<size_t>(channel)] = LightVolume::valueOf(light.at(channel, {place.x, place.y, place.z}));
+        }
+      });
+      lightKey_ = copy_->lightKey_;
+    }
+    own.values = lightValues_.data();
+    return own;
   }
   LightVolume ownLight(const Camera& camera, const RenderSettings& settings, const std::stop_token& stop) {
     const EffectPlan plan = bakedPlan(settings, std::nullopt);
