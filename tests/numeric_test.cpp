@@ -1,15 +1,18 @@
 // Multiplication and addition in one rounding, by instruction, by plain operations and in vectors; in two where not asked.
-// Mirrors render/core/numeric.h and simd.h; truth in so many bits that every result here is exact.
+// Mirrors render/core/numeric.h, simd.h and opacity_batch.h; truth in so many bits that every result here is exact.
 #include "render/core/numeric.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <vector>
 
+#include "render/core/opacity_batch.h"
 #include "render/core/simd.h"
 
 namespace warpscope {
@@ -110,6 +113,18 @@ TEST(FloatingPoint, NothingIsFusedUnasked) {
   // Neither product is exact.
   EXPECT_NE(mulAdd(float{factor}, float{factor}, -float{rounded}), 0.0f);
   EXPECT_NE(mulAdd(double{doubleFactor}, double{doubleFactor}, -double{doubleRounded}), 0.0);
+}
+
+TEST(OpacityBatch, EachIsThatOfOneAlone) {
+  std::vector<float> depths{0.0f, -0.0f, -1.0f, 1e-45f, 1e-38f, 80.0f, std::nextafter(80.0f, 0.0f), std::nextafter(80.0f, 100.0f), 1e30f, -1e30f, INFINITY, -INFINITY, NAN};
+  for (float depth = 1e-12f; depth < 200.0f; depth *= 1.0007f) depths.push_back(depth);
+  depths.resize((depths.size() + kBatchLanes - 1) / kBatchLanes * kBatchLanes, 0.5f);
+  alignas(64) float given[kBatchLanes], found[kBatchLanes];
+  for (size_t i = 0; i < depths.size(); i += kBatchLanes) {
+    std::copy_n(depths.begin() + static_cast<std::ptrdiff_t>(i), kBatchLanes, given);
+    opacityOf(FloatBatch::load_aligned(given)).store_aligned(found);
+    for (int lane = 0; lane < kBatchLanes; ++lane) ASSERT_EQ(bitsOf(found[lane]), bitsOf(opacityOf(given[lane]))) << given[lane];
+  }
 }
 
 }  // namespace

@@ -113,8 +113,11 @@ TEST(PacketWalk, FramesWithoutSegmentsAndPicturesOfOnePixel) {
   expectSame(randomFrame(kServer, 1, 0), lookingFrom({20.0f, 5.0f, 22.0f}, glm::vec3(0.0f), 11, 7, 0.6f), compared);
   EXPECT_EQ(compared.met - compared.guessedAt, 0u);
   expectSame(randomFrame(kServer, 2), lookingFrom({20.0f, 5.0f, 22.0f}, glm::vec3(0.0f), 1, 1, 0.1f), compared);
+  EXPECT_GT(compared.met, compared.guessedAt);
   // Nothing of the frame's bounds is in sight.
+  compared = {};
   expectSame(randomFrame(kServer, 2), lookingFrom({20.0f, 5.0f, 22.0f}, glm::vec3(60.0f, 0.0f, 70.0f), 8, 8, 0.3f), compared);
+  EXPECT_EQ(compared.met, 0u);
 }
 
 }  // namespace

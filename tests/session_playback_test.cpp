@@ -260,7 +260,7 @@ TEST_F(SessionPlaybackTest, PicturesAreExportedWhileTheWindowGoesOn) {
   EXPECT_THAT(ended(), HasSubstr("exported 121 pictures"));
   // Given up: nothing of it is there.
   session_.startExport(folder_.file("second.png"));
-  ASSERT_TRUE(pumpUntil([&] { return exporting.done() > 2; }));
+  ASSERT_TRUE(pumpUntil([&] { return exporting.begun() > 2; }));
   exporting.cancel();
   EXPECT_FALSE(exporting.isAtWork());
   session_.startExport(folder_.file("third.png"));

@@ -360,7 +360,11 @@ TEST_F(WindowScriptTest, ARecordingIsClosedAndAFilmOfItIsAskedAbout) {
   EXPECT_EQ(window_.takeActions(), std::vector{Action::quit});
   window_.key({.name = "Esc"});
   window_.frames(2);
-  ASSERT_TRUE(waitUntil([&] { return session_.exporting().done() < 4 || session_.exporting().secondsLeft().has_value(); }));
+  ASSERT_TRUE(waitUntil([&] { return session_.exporting().begun() >= 3 || !session_.exporting().isAtWork(); }));
+  const std::optional<double> left = session_.exporting().secondsLeft();
+  ASSERT_TRUE(left);
+  EXPECT_GT(*left, 0.0);
+  EXPECT_FALSE(session_.exporting().isFilming()) << "pictures, no film";
   session_.exporting().cancel();
   EXPECT_FALSE(session_.exporting().secondsLeft());
   EXPECT_TRUE(window_.view().mayClose(session_));

@@ -32,7 +32,8 @@ class ExportWork {
     settings.resources.marcher = job.marcher;
     result.pictures = writeReplay(*job.recording, settings, job.files,
                                   [&](const std::string& /*what*/) {
-                                    ++*job.done;
+                                    if (job.progress->begun == 0) job.progress->first = std::chrono::steady_clock::now();
+                                    ++job.progress->begun;
                                     onNews_();
                                   },
                                   stop);
@@ -68,18 +69,18 @@ ReplayExport::ReplayExport(gl::Platform platform, WarpResources resources, std::
     : worker_([platform, resources = std::move(resources), onNews, crew = std::move(crew)]() -> ExportWorker::Work { return ExportWork(platform, resources, onNews, crew); }, onNews) {}
 
 void ReplayExport::start(ExportJob job) {
-  done_ = job.done = std::make_shared<std::atomic<size_t>>(0);
+  progress_ = job.progress = std::make_shared<ExportProgress>();
+  hasFilm_ = !job.files.film.empty();
   steps_ = stepsOf(*job.recording, kExportRate, job.files);
-  since_ = std::chrono::steady_clock::now();
   worker_.post(std::move(job));
 }
 
 std::optional<double> ReplayExport::secondsLeft() const {
-  constexpr size_t kTelling = 3;  // steps begun: before, techniques are made and nothing is in any cache
-  const size_t begun = done();
-  if (!isAtWork() || begun < kTelling) return std::nullopt;
-  const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - since_).count();
-  return taken * static_cast<double>(steps_ - begun + 1) / static_cast<double>(begun - 1);
+  constexpr size_t kTelling = 3;  // steps begun
+  const size_t begunNow = begun(), pictures = steps_ - (hasFilm_ ? 1 : 0);
+  if (!isAtWork() || begunNow < kTelling || begunNow > pictures) return std::nullopt;
+  const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - progress_->first.load()).count();
+  return taken * static_cast<double>(pictures - begunNow + 1) / static_cast<double>(begunNow - 1);
 }
 
 void ReplayExport::cancel() {

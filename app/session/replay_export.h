@@ -25,13 +25,19 @@ struct ExportLook {
   bool hasLabels = true;  ///< the technique's name and the frame's age below each
 };
 
+/// Written by the thread that exports.
+struct ExportProgress {
+  std::atomic<size_t> begun = 0;                               ///< steps
+  std::atomic<std::chrono::steady_clock::time_point> first{};  ///< when the first one began
+};
+
 struct ExportJob {
   std::shared_ptr<const Recording> recording;
   MarcherPtr marcher;                          ///< of what was recorded, for techniques that march
   std::vector<TechniqueInUse> techniques;
   ExportLook look;                             ///< its size is not 0
   ReplayFiles files;
-  std::shared_ptr<std::atomic<size_t>> done;   ///< counts steps
+  std::shared_ptr<ExportProgress> progress;
 };
 
 struct ExportResult {
@@ -58,10 +64,12 @@ class ReplayExport {
   /// Leaves nothing of it.
   void cancel();
   bool isAtWork() const { return steps_ > 0; }
-  /// Steps that were done, and all.
-  size_t done() const { return done_ ? done_->load() : 0; }
+  /// Steps that were begun, and all.
+  size_t begun() const { return progress_ ? progress_->begun.load() : 0; }
   size_t steps() const { return steps_; }
-  /// Seconds until it has ended, by what it has taken so far; nothing before that says anything.
+  /// Whether all pictures are drawn and ffmpeg makes a film of them.
+  bool isFilming() const { return isAtWork() && hasFilm_ && begun() == steps_; }
+  /// Seconds until all pictures are drawn, by what they have taken so far; nothing before that says anything, and then.
   std::optional<double> secondsLeft() const;
   /// What became of it, once: a sentence without its full stop.
   std::optional<std::string> takeNote();
@@ -70,9 +78,9 @@ class ReplayExport {
   bool waitForEnd(std::chrono::steady_clock::time_point time) const { return worker_.waitForEnd(time); }
 
  private:
-  std::shared_ptr<std::atomic<size_t>> done_;
+  std::shared_ptr<ExportProgress> progress_;
   size_t steps_ = 0;  // 0: nothing is at work
-  std::chrono::steady_clock::time_point since_;
+  bool hasFilm_ = false;
   ExportWorker worker_;
 };
 

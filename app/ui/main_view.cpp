@@ -53,10 +53,19 @@ void MainView::takeHandedFile(Session& session) {
     controls_.transferEditor().set(session, *file->transferFunction);
   } else if (file->session) {
     if (std::filesystem::path(file->path) != lastSessionFile()) remembered_.addFile(file->path);
-    if (!session.playback().isOpen() && session.scene() != nullptr && session.origin()) beforeRecording_ = sessionFileOf(session);
+    if (!session.playback().isOpen()) keepForLater(session);
     restoreSession(*file->session, session);
   } else {
     session.load(openScene_({file->path, {}}));
+  }
+}
+
+void MainView::keepForLater(const Session& session) {
+  beforeRecording_.reset();
+  try {
+    if (session.scene() != nullptr) beforeRecording_ = sessionFileOf(session);
+  } catch (const InputError&) {
+    // It cannot be opened again: there is no way back.
   }
 }
 
@@ -81,7 +90,10 @@ void MainView::press(const KeyChord& key, Session& session) {
   const bool isOfFields = key.name.size() == 1 && kOfFields.find(key.name[0]) != std::string_view::npos;
   const bool isTyped = (ImGui::GetIO().WantTextInput || typeAhead_.isWaiting()) && (!key.isControl || isOfFields);
   const bool hasPopup = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
-  if (*action == Action::goBack && hasPopup) return ImGui::SetWindowFocus(nullptr);  // closes them
+  if (*action == Action::goBack && hasPopup) {
+    quitQuestion_.dismiss();
+    return ImGui::SetWindowFocus(nullptr);  // closes them
+  }
   if (*action == Action::goBack && dialog_.isOpen()) return dialog_.close();
   if (isTyped || ((hasPopup || dialog_.isOpen()) && *action != Action::quit)) return;
   perform(*action, session, grid_.underPointer(session), *action == Action::chooseTechnique ? static_cast<size_t>(key.name[0] - '0') : 0);

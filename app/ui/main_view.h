@@ -93,7 +93,8 @@ class MainView {
   void drawBottom(Session& session, const Look& look);
   void drawDialog(Session& session, const Look& look);
   void drawQuestions(const Session& session, const Look& look);
-  /// Shows what the file says, and remembers what is on show where that is the first recording.
+  /// What is on show, so that closeRecording comes back to it.
+  void keepForLater(const Session& session);
   void restoreSession(const SessionFile& file, Session& session);
   void drawNote(const Look& look);
   void showDialog(FileDialog::Purpose purpose, const std::string& name = "");
@@ -118,7 +119,7 @@ class MainView {
   bool isSessionsScene_ = false;        // what is being opened
   bool wasInspecting_ = false;
   bool followedCamera_ = false;  // that of a recording
-  std::optional<SessionFile> beforeRecording_;  // what was on show when one was opened here
+  std::optional<SessionFile> beforeRecording_;  // what was on show, not being one, when a session or a recording was opened here
   std::optional<BeforeDemo> beforeDemo_;  // the first of those that followed each other
   struct Note {
     std::string text;

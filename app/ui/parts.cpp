@@ -91,7 +91,7 @@ void drawStatusBar(const Session& session, double displayFramesPerSecond, const 
   if (const std::optional<SourceStatus> status = session.sourceStatus(); status && status->busyWith)
     items.insert(items.begin() + 1, busySentence(*status->busyWith));
   if (session.exporting().isAtWork())
-    items.insert(items.begin() + 1, "exporting " + std::to_string(session.exporting().done()) + " of " + std::to_string(session.exporting().steps()));
+    items.insert(items.begin() + 1, "exporting " + std::to_string(session.exporting().begun()) + " of " + std::to_string(session.exporting().steps()));
   const std::string display =
       displayFramesPerSecond > 0.0 ? formatted("display %.0f frames/s", displayFramesPerSecond) : std::string("display idle");
 

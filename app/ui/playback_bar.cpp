@@ -103,7 +103,8 @@ void drawFigures(const LivePlayback& playback, float width, const Look& look) {
 bool drawExport(const ReplayExport& exporting, const Look& look) {
   std::string text(kExport);
   if (exporting.isAtWork()) {
-    text = "Cancel, " + std::to_string(100 * exporting.done() / exporting.steps()) + " %";
+    text = "Cancel, " + std::to_string(100 * exporting.begun() / exporting.steps()) + " %";
+    if (exporting.isFilming()) text = "Cancel, making the film";
     if (const std::optional<double> left = exporting.secondsLeft(); left && *left < 3600.0) {
       const int seconds = static_cast<int>(std::ceil(*left));
       text += ", " + std::to_string(seconds / 60) + formatted(":%02.0f left", static_cast<double>(seconds % 60));

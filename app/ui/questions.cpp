@@ -10,6 +10,7 @@ namespace {
 
 constexpr const char *kExport = "Export film", *kQuit = "Quit?";
 constexpr float kSizePx = 150.0f;
+constexpr uint32_t kMostAcross = 16384;  // H.264 by libx264
 
 struct FilmSize {
   const char* name;
@@ -59,7 +60,12 @@ std::optional<ExportLook> ExportQuestion::draw(const Session& session, const Loo
   const std::string many = panels == 1 ? std::string() : std::to_string(panels) + " beside each other, ";
   ImGui::TextColored(palette().dimText, "%zu pictures, %.1f s: %seach %u × %u", count, static_cast<double>(count) / kExportRate, many.c_str(), size.x, size.y);
   ImGui::Spacing();
-  if (answer("Choose a file...")) chosen = ExportLook{size_ == 0 ? glm::uvec2(0) : size, hasLabels_};
+  const bool isTooWide = panels * size.x > kMostAcross;
+  if (isTooWide) ImGui::TextColored(palette().errorText, "More than %u pixels across: films cannot be so wide.", kMostAcross);
+  ImGui::BeginDisabled(isTooWide);
+  const bool isChosen = answer("Choose a file...");
+  ImGui::EndDisabled();
+  if (isChosen) chosen = ExportLook{size_ == 0 ? glm::uvec2(0) : size, hasLabels_};
   ImGui::SameLine();
   answer("Cancel");
   ImGui::EndPopup();

@@ -25,6 +25,8 @@ class QuitQuestion {
  public:
   void ask() { isAsked_ = true; }
   bool isOpen() const { return isOpen_; }
+  /// It was closed otherwise.
+  void dismiss() { isOpen_ = false; }
   /// True, once, where the answer is yes.
   bool draw(const Session& session);
 

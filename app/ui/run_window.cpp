@@ -99,6 +99,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
     if (window.shouldClose()) {
       if (mainView.mayClose(session)) break;
       window.keepOpen();
+      lastActive = clock.now();
     }
     const bool isMoving = clock.now() - lastActive < kLinger;
     window.waitForNextFrame(isMoving || !session.loading().empty());

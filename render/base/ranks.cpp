@@ -76,7 +76,7 @@ std::optional<RankMessage> Ranks::receive(std::chrono::microseconds atMost) {
 std::optional<RankMessage> Ranks::receiveOther(std::chrono::microseconds atMost) {
   std::optional<RankMessage> message = receiveNew(atMost);
   if (!message || message->kind != kLastWord) return message;
-  isLastWordTaken_ = true;
+  lastWordOf_ = std::min(lastWordOf_, message->from);
   return {};
 }
 
@@ -121,13 +121,16 @@ void Ranks::requireSame(std::span<const std::byte> own, const std::string& what)
 }
 
 bool Ranks::claimLastWord(std::chrono::milliseconds patience) {
-  // Others' messages are of no use any more.
-  const auto end = std::chrono::steady_clock::now() + patience;
-  while (!isFirst() && !isLastWordTaken_ && std::chrono::steady_clock::now() < end) receiveOther(10ms);
-  if (isLastWordTaken_ && !isFirst()) return false;
+  /// True as soon as a rank below `rank` has claimed it.
+  const auto hears = [&](int rank, std::chrono::milliseconds length) {
+    for (const auto end = std::chrono::steady_clock::now() + length; lastWordOf_ >= rank && std::chrono::steady_clock::now() < end;) receiveOther(10ms);
+    return lastWordOf_ < rank;
+  };
+  if (!isFirst() && hears(size(), patience)) return false;
   for (int to = 0; to < size(); ++to)
     if (to != rank()) send(to, kLastWord, {});
-  return true;
+  constexpr std::chrono::milliseconds kTogether(200);  // those that have waited as long
+  return isFirst() || !hears(rank(), kTogether);
 }
 
 std::vector<RanksPtr> makeLocalRanks(int count) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -40,6 +41,10 @@ class Ranks {
   /// The next message, whoever it is from; nothing after `atMost`, or when woken.
   std::optional<RankMessage> receive(std::chrono::microseconds atMost);
 
+  /// Of a rank that is about to end all, because something is wrong: whether it is for this one to say what. The first rank always may, at once. Another one may if
+  /// none has claimed it within `patience`, and of those that claim it together the lowest. Messages that come meanwhile are thrown away.
+  bool claimLastWord(std::chrono::milliseconds patience);
+
   // Of all ranks together: each calls the same, in the same order, and waits for the others. Other messages meanwhile are kept for receive().
 
   /// False: the others are busy with something else, and these calls throw std::logic_error instead of waiting for ever. At first true.
@@ -57,10 +62,6 @@ class Ranks {
     }
     own = std::move(all);
   }
-  /// Of a rank that is about to end all, because something is wrong: whether it is for this one to say what. The first one always does; others wait
-  /// for `patience` whether they hear that somebody has. Whoever may say it has told the others by then. For one thread at a time, as all of this.
-  bool claimLastWord(std::chrono::milliseconds patience);
-
   /// Throws InputError, on all of them, where `own` is not the same everywhere: "`what`: process 2 of 4 has another than the first one".
   void requireSame(std::span<const std::byte> own, const std::string& what);
 
@@ -83,7 +84,7 @@ class Ranks {
   std::optional<RankMessage> receiveOther(std::chrono::microseconds atMost);
 
   bool isTogether_ = true;
-  bool isLastWordTaken_ = false;
+  int lastWordOf_ = std::numeric_limits<int>::max();  // the lowest that has claimed it
   std::deque<RankMessage> kept_;  // received before somebody asked for them
 };
 

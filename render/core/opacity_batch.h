@@ -1,4 +1,5 @@
-// Opacities of several optical depths at once: the same bits as opacity.h gives of each. Host only.
+// Opacities of several optical depths at once. Host only.
+// The formula of opacity.h, in the same order: the same bits as one at a time.
 #pragma once
 
 #include "render/core/opacity.h"

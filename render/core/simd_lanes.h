@@ -49,7 +49,7 @@ inline FloatBatch gathered(const float* numbers, const IntBatch& places) {
 #endif
 }
 
-/// Two numbers beside each other, of each lane from another place on: numbers[place], numbers[place + 1].
+/// Two numbers beside each other, of each lane from another place on: numbers[place], numbers[place + 1]. Of all lanes these are numbers; no place is negative.
 struct Pairs {
   IntBatch first, second;
 };
@@ -63,6 +63,7 @@ inline Pairs gatheredPairs(const uint32_t* numbers, const IntBatch& places) {
 #endif
 }
 /// Four numbers beside each other, of each lane from another place on: numbers[kStride place] to numbers[kStride place + 3]. One load a lane instead of four.
+/// Of all lanes these are numbers; no place is negative.
 struct Quads {
   FloatBatch of[4];
 };

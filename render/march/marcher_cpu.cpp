@@ -224,30 +224,33 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
     }
   }
 
-  /// Of a volume that is spread over ranks: what arrives in its coarse copy, which all of them have, at places of a grid over the volume.
-  LightVolume lightOfCopy(const Camera& camera, const RenderSettings& settings, const std::stop_token& stop) {
+  /// Of a volume that is spread over ranks: what arrives in its coarse copy, which all of them have, at places of a grid over the volume. `channels`: at most.
+  LightVolume lightOfCopy(int channels, const Camera& camera, const RenderSettings& settings, const std::stop_token& stop) {
     if (!copy_) throw std::logic_error("there is no copy of the volume to find its light in");
     const glm::uvec3 dims = marched_->volume->dims(), copied = copy_->marched_->volume->dims();
     if (dims == copied) return copy_->ownLight(camera, settings, stop);
     const glm::vec3 perVoxel = glm::vec3(copied) / glm::vec3(dims);  // voxels of the copy
     const float most = std::max({perVoxel.x, perVoxel.y, perVoxel.z});
-    // Not closer together than the copy's voxels, which have no more to say; and in the copy so far apart that each that is read of it is one that it has found out: what
-    // reads the volume's grid is at most two of its edges away.
-    const float edge = std::max(settings.effects.shadows.gridEdge, 1.0f / most);
+    // Not closer together than the copy's voxels, which have no more to say, nor more than those are.
+    LightVolume own = lightVolumeLayout(dims, channels, std::max(settings.effects.shadows.gridEdge, 1.0f / most));
+    constexpr size_t kMostPlaces = size_t{kLightCopyEdge} * kLightCopyEdge * kLightCopyEdge;
+    while (own.places() > kMostPlaces) own = lightVolumeLayout(dims, channels, own.edge + 1.0f);
+    // In the copy so far apart that each that is read of it is one that it has found out (isUnread()): what reads the volume's grid is at most two of its edges away.
     RenderSettings ofCopy = settings;
-    ofCopy.effects.shadows.gridEdge = std::max({1.0f, edge * most, 2.0f * edge * most - 1.0f});
+    ofCopy.effects.shadows.gridEdge = std::max(1.0f, 2.0f * own.edge * most - 1.0f);
     const LightVolume light = copy_->ownLight(camera, ofCopy, stop);
     if (light.channels == 0) return light;
-    LightVolume own = lightVolumeLayout(dims, light.channels, edge);
+    if (light.channels != channels) own = lightVolumeLayout(dims, light.channels, own.edge);
     std::ranges::copy(light.ofLight, own.ofLight);
     own.ofAmbient = light.ofAmbient;
     own.shadowStrength = light.shadowStrength;
     own.occlusionStrength = light.occlusionStrength;
     own.radius = light.radius;
     if (copy_->lightKey_ != lightKey_) {
+      lightKey_.clear();  // what follows may be stopped
       lightValues_.resize(own.places() * static_cast<size_t>(own.channels));
       const auto length = static_cast<size_t>(own.dims.x), rows = length > 0 ? own.places() / length : 0;
-      parallelForRanges(rows, 16, [&](size_t beginRow, size_t endRow) {
+      parallelForRanges(rows, 16, stop, [&](size_t beginRow, size_t endRow) {
         for (size_t i = beginRow * length; i < endRow * length; ++i) {
           const glm::vec3 index(static_cast<float>(i % length), static_cast<float>(i / length % static_cast<size_t>(own.dims.y)),
                                 static_cast<float>(i / length / static_cast<size_t>(own.dims.y)));
@@ -283,7 +286,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
                                 const std::stop_token& stop) {
     LightVolumeJob job = lightVolumeFor(*marched_, camera, settings, plan);
     if (job.volume.channels == 0) return job.volume;
-    if (marched_->volume->ranks()) return lightOfCopy(camera, settings, stop);
+    if (marched_->volume->ranks()) return lightOfCopy(job.volume.channels, camera, settings, stop);
     if (std::vector<float> key = lightVolumeKey(job, settings, plan); key != lightKey_) {
       lightKey_.clear();  // what follows may be stopped
       lightValues_.resize(job.volume.places() * static_cast<size_t>(job.volume.channels));

@@ -59,9 +59,9 @@ class SegmentsWarp final : public Warp {
   void drawRays(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) {
     const SegmentField field = built_.field();
     const float stopBelow = limitsOf(frame_->settings.render).stopBelow;
-    const auto walkRays = [&](const auto& fillOf) {
+    const auto walkRays = [&](const auto& fillFor) {
       forEachPixelPacket(
-          *frame_, camera, stop, [&](const auto& rays, const auto& inside, auto& walked) { walkPacket<kIsLinear>(field, rays, inside, stopBelow, walked, fillOf(rays)); },
+          *frame_, camera, stop, [&](const auto& rays, const auto& inside, auto& walked) { walkPacket<kIsLinear>(field, rays, inside, stopBelow, walked, fillFor(rays)); },
           [&](uint32_t x, uint32_t y, const WalkedRay& walked) {
             image.color(x, y) = walked.seen();
             image.samples(x, y) = walked.id();
