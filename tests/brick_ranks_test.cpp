@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <deque>
 #include <thread>
 
@@ -78,10 +79,13 @@ TEST(Ranks, OneHasTheLastWord) {
     }
   });
   // All but the first one fail alike.
-  onAll(4, [](const RanksPtr& own) {
-    if (own->isFirst()) return;
-    EXPECT_EQ(own->claimLastWord(100ms), own->rank() == 1);
-  });
+  for (int round = 0; round < 5; ++round) {
+    std::atomic<int> speakers = 0;
+    onAll(4, [&](const RanksPtr& own) {
+      if (!own->isFirst() && own->claimLastWord(30ms)) ++speakers;
+    });
+    EXPECT_EQ(speakers, 1);
+  }
 }
 
 TEST(SpreadVolume, IsKnownAsTheWholeOneIs) {
@@ -235,26 +239,36 @@ TEST(SpreadVolume, ShadowsAndOcclusionAreTheSameHoweverItIsCutAndNearThoseOfOneP
   }
 }
 
-/// In a volume that is twice as long as the copy: as dark as in one process, about.
-TEST(SpreadVolume, ShadowsAndOcclusionOfALongVolumeAreNearThoseOfOneProcess) {
-  constexpr glm::uvec3 kLong(520, 40, 52);
-  // A ball above another that it shades, and a slab: nothing that the copy is too coarse for.
-  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kLong, [](const glm::ivec3& p) {
-    double value = std::clamp(30.0 * (11.0 - p.z), 0.0, 90.0);
+/// Balls that shade each other and a slab, in 520 x 40 x 52 edges of the smallest voxel; slices are so many apart.
+VolumePtr longVolume(unsigned apart) {
+  VolumeGeometry geometry;
+  geometry.dims = {520, 40, 52 / apart};
+  geometry.spacing.z = apart;
+  return makeTestVolume(VoxelType::uint8, geometry, [&](const glm::ivec3& p) {
+    const glm::dvec3 place(p.x, p.y, p.z * static_cast<int>(apart));
+    double value = std::clamp(30.0 * (11.0 - place.z), 0.0, 90.0);
     for (const glm::dvec4& ball : {glm::dvec4(120, 20, 36, 15), glm::dvec4(300, 20, 34, 17), glm::dvec4(345, 22, 34, 16), glm::dvec4(430, 20, 36, 15)})
-      value = std::max(value, 6.0 * (ball.w - glm::length(glm::dvec3(p) - glm::dvec3(ball))));
+      value = std::max(value, 6.0 * (ball.w - glm::length(place - glm::dvec3(ball))));
     return std::min(value, 100.0);
   });
+}
+
+/// In a volume that is twice as long as the copy: as dark as in one process, about.
+TEST(SpreadVolume, ShadowsAndOcclusionOfALongVolumeAreNearThoseOfOneProcess) {
   const TransferFunction function = band(15, 100, 0.2f);
-  const MarcherPtr alone = makeCpuMarcher(whole, function);
   const Camera camera = lookingFrom({90.0f, 160.0f, 260.0f}, {}, 120, 60);
   struct Case {
+    unsigned apart;
     float shadows, occlusion, gridEdge;
     double most;  // of what shadows and occlusion take away
   };
-  // Where light is found at every voxel, the copy has half of the places; where at every fifth, what skips them wants them farther apart in it.
-  for (const auto& [shadows, occlusion, gridEdge, most] : {Case{1.0f, 0.0f, 2.0f, 0.1}, {0.0f, 1.0f, 2.0f, 0.05}, {1.0f, 0.7f, 1.0f, 0.16}, {1.0f, 0.7f, 5.0f, 0.36}}) {
-    SCOPED_TRACE(testing::Message() << shadows << ", " << occlusion << ", " << gridEdge);
+  // Where light is found at every voxel, the copy has half of the places; where at every fifth, or where voxels are twice as long along an axis
+  // on which the copy has as many, what skips them wants them farther apart in it.
+  for (const auto& [apart, shadows, occlusion, gridEdge, most] :
+       {Case{1, 1.0f, 0.0f, 2.0f, 0.1}, {1, 0.0f, 1.0f, 2.0f, 0.05}, {1, 1.0f, 0.7f, 1.0f, 0.16}, {1, 1.0f, 0.7f, 5.0f, 0.36}, {2, 1.0f, 0.0f, 2.0f, 0.25}, {2, 0.0f, 1.0f, 2.0f, 0.17}}) {
+    const VolumePtr whole = longVolume(apart);
+    const MarcherPtr alone = makeCpuMarcher(whole, function);
+    SCOPED_TRACE(testing::Message() << apart << ", " << shadows << ", " << occlusion << ", " << gridEdge);
     RenderSettings settings;
     settings.effects.shading.strength = 1.0f;
     settings.effects.lights = parseLights("world:2,1,1", "lights");

@@ -231,9 +231,9 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
     if (dims == copied) return copy_->ownLight(camera, settings, stop);
     const glm::vec3 perVoxel = glm::vec3(copied) / glm::vec3(dims);  // voxels of the copy
     const float most = std::max({perVoxel.x, perVoxel.y, perVoxel.z});
-    // Not closer together than the copy's voxels, which have no more to say, nor more than those are.
+    // Not closer together than the copy's voxels, which have no more to say, nor many more than those are.
     LightVolume own = lightVolumeLayout(dims, channels, std::max(settings.effects.shadows.gridEdge, 1.0f / most));
-    constexpr size_t kMostPlaces = size_t{kLightCopyEdge} * kLightCopyEdge * kLightCopyEdge;
+    constexpr size_t kMostPlaces = size_t{2} * kLightCopyEdge * kLightCopyEdge * kLightCopyEdge;
     while (own.places() > kMostPlaces) own = lightVolumeLayout(dims, channels, own.edge + 1.0f);
     // In the copy so far apart that each that is read of it is one that it has found out (isUnread()): what reads the volume's grid is at most two of its edges away.
     RenderSettings ofCopy = settings;
