@@ -121,16 +121,17 @@ void Ranks::requireSame(std::span<const std::byte> own, const std::string& what)
 }
 
 bool Ranks::claimLastWord(std::chrono::milliseconds patience) {
-  /// True as soon as a rank below `rank` has claimed it.
-  const auto hears = [&](int rank, std::chrono::milliseconds length) {
-    for (const auto end = std::chrono::steady_clock::now() + length; lastWordOf_ >= rank && std::chrono::steady_clock::now() < end;) receiveOther(10ms);
-    return lastWordOf_ < rank;
+  // True as soon as one of the first `count` has claimed it.
+  const auto hearsOneOf = [&](int count, std::chrono::milliseconds length) {
+    const auto end = std::chrono::steady_clock::now() + length;
+    while (lastWordOf_ >= count && std::chrono::steady_clock::now() < end) receiveOther(10ms);
+    return lastWordOf_ < count;
   };
-  if (!isFirst() && hears(size(), patience)) return false;
+  if (!isFirst() && hearsOneOf(size(), patience)) return false;
   for (int to = 0; to < size(); ++to)
     if (to != rank()) send(to, kLastWord, {});
   constexpr std::chrono::milliseconds kTogether(200);  // those that have waited as long
-  return isFirst() || !hears(rank(), kTogether);
+  return isFirst() || !hearsOneOf(rank(), kTogether);
 }
 
 std::vector<RanksPtr> makeLocalRanks(int count) {

@@ -62,17 +62,16 @@ inline Pairs gatheredPairs(const uint32_t* numbers, const IntBatch& places) {
   return {gathered(numbers, places), gathered(numbers, places + IntBatch(1))};
 #endif
 }
-/// Four numbers beside each other, of each lane from another place on: numbers[kStride place] to numbers[kStride place + 3]. One load a lane instead of four.
+/// Four numbers beside each other, of each lane from another place on: numbers[4 place] to numbers[4 place + 3]. One load a lane instead of four.
 /// Of all lanes these are numbers; no place is negative.
 struct Quads {
   FloatBatch of[4];
 };
-template <size_t kStride>
 [[gnu::always_inline]] inline Quads gatheredQuads(const float* numbers, const IntBatch& places) {
   alignas(64) int32_t at[kBatchLanes];
   places.store_aligned(at);
 #if XSIMD_WITH_AVX512F
-  const auto quad = [&](int lane) { return _mm_loadu_ps(numbers + kStride * static_cast<uint32_t>(at[lane])); };
+  const auto quad = [&](int lane) { return _mm_loadu_ps(numbers + size_t{4} * static_cast<uint32_t>(at[lane])); };
   __m512 rows[4];  // row i: lanes i, 4 + i, 8 + i, 12 + i
   for (int i = 0; i < 4; ++i) {
     const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256(quad(i)), quad(4 + i), 1), high = _mm256_insertf128_ps(_mm256_castps128_ps256(quad(8 + i)), quad(12 + i), 1);
@@ -82,7 +81,7 @@ template <size_t kStride>
   const __m512 xy23 = _mm512_unpacklo_ps(rows[2], rows[3]), zw23 = _mm512_unpackhi_ps(rows[2], rows[3]);
   return {{_mm512_shuffle_ps(xy01, xy23, 0x44), _mm512_shuffle_ps(xy01, xy23, 0xee), _mm512_shuffle_ps(zw01, zw23, 0x44), _mm512_shuffle_ps(zw01, zw23, 0xee)}};
 #elif XSIMD_WITH_AVX
-  const auto quad = [&](int lane) { return _mm_loadu_ps(numbers + kStride * static_cast<uint32_t>(at[lane])); };
+  const auto quad = [&](int lane) { return _mm_loadu_ps(numbers + size_t{4} * static_cast<uint32_t>(at[lane])); };
   __m256 rows[4];  // row i: lanes i, 4 + i
   for (int i = 0; i < 4; ++i) rows[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(quad(i)), quad(4 + i), 1);
   const __m256 xy01 = _mm256_unpacklo_ps(rows[0], rows[1]), zw01 = _mm256_unpackhi_ps(rows[0], rows[1]);
@@ -91,7 +90,7 @@ template <size_t kStride>
 #else
   alignas(64) float values[4][kBatchLanes];
   for (int i = 0; i < kBatchLanes; ++i)
-    for (int j = 0; j < 4; ++j) values[j][i] = numbers[kStride * static_cast<uint32_t>(at[i]) + static_cast<size_t>(j)];
+    for (int j = 0; j < 4; ++j) values[j][i] = numbers[size_t{4} * static_cast<uint32_t>(at[i]) + static_cast<size_t>(j)];
   return {{FloatBatch::load_aligned(values[0]), FloatBatch::load_aligned(values[1]), FloatBatch::load_aligned(values[2]), FloatBatch::load_aligned(values[3])}};
 #endif
 }
@@ -99,26 +98,16 @@ template <size_t kStride>
 /// Each shifted by as many bits as its own number says, at most 31; the sign bit comes in from the left.
 inline IntBatch shiftedRight(const IntBatch& a, const IntBatch& bits) {
 #if XSIMD_WITH_AVX512F
-  return _mm512_srav_epi32(a, bits);
-#elif XSIMD_WITH_AVX2
-  return _mm256_srav_epi32(a, bits);
+  return _mm512_srav_epi32(a, bits);  // xsimd 8 does it one by one
 #else
-  alignas(64) int32_t values[kBatchLanes], counts[kBatchLanes];
-  a.store_aligned(values), bits.store_aligned(counts);
-  for (int i = 0; i < kBatchLanes; ++i) values[i] >>= counts[i];
-  return IntBatch::load_aligned(values);
+  return a >> bits;
 #endif
 }
 inline IntBatch shiftedLeft(const IntBatch& a, const IntBatch& bits) {
 #if XSIMD_WITH_AVX512F
   return _mm512_sllv_epi32(a, bits);
-#elif XSIMD_WITH_AVX2
-  return _mm256_sllv_epi32(a, bits);
 #else
-  alignas(64) int32_t values[kBatchLanes], counts[kBatchLanes];
-  a.store_aligned(values), bits.store_aligned(counts);
-  for (int i = 0; i < kBatchLanes; ++i) values[i] <<= counts[i];
-  return IntBatch::load_aligned(values);
+  return a << bits;
 #endif
 }
 

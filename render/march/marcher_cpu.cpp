@@ -56,6 +56,19 @@ void keepFinished(const FinishedRay& ray, const SampleSettings* sample, bool has
   tile.found.put(tile.finished.size() - 1, ray, rule, pixels);
 }
 
+/// Writes the values of all places of `to` as `from` has them, in whose volume there are `perVoxel` voxels along the edges of one of the other's.
+void resample(const LightVolume& from, const glm::vec3& perVoxel, const LightVolume& to, uint16_t* values, const std::stop_token& stop) {
+  const auto columns = static_cast<size_t>(to.dims.x), rows = static_cast<size_t>(to.dims.y), channels = static_cast<size_t>(to.channels);
+  parallelForRanges(rows * static_cast<size_t>(to.dims.z), 16, stop, [&](size_t beginRow, size_t endRow) {
+    for (size_t i = beginRow * columns; i < endRow * columns; ++i) {
+      const glm::vec3 index(static_cast<float>(i % columns), static_cast<float>(i / columns % rows), static_cast<float>(i / columns / rows));
+      const glm::vec3 place = (index * to.edge + 0.5f) * perVoxel - 0.5f;  // voxels' centres have whole numbers
+      for (size_t channel = 0; channel < channels; ++channel)
+        values[i * channels + channel] = LightVolume::valueOf(from.at(static_cast<int>(channel), {place.x, place.y, place.z}));
+    }
+  });
+}
+
 class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
  public:
   CpuMarcher(MarchedVolumePtr marched, TurnsPtr turns) : marched_(std::move(marched)), turns_(std::move(turns)) {}
@@ -249,16 +262,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
     if (copy_->lightKey_ != lightKey_) {
       lightKey_.clear();  // what follows may be stopped
       lightValues_.resize(own.places() * static_cast<size_t>(own.channels));
-      const auto length = static_cast<size_t>(own.dims.x), rows = length > 0 ? own.places() / length : 0;
-      parallelForRanges(rows, 16, stop, [&](size_t beginRow, size_t endRow) {
-        for (size_t i = beginRow * length; i < endRow * length; ++i) {
-          const glm::vec3 index(static_cast<float>(i % length), static_cast<float>(i / length % static_cast<size_t>(own.dims.y)),
-                                static_cast<float>(i / length / static_cast<size_t>(own.dims.y)));
-          const glm::vec3 place = (index * own.edge + 0.5f) * perVoxel - 0.5f;  // voxels' centres have whole numbers
-          for (int channel = 0; channel < own.channels; ++channel)
-            lightValues_[i * static_cast<size_t>(own.channels) + static_cast<size_t>(channel)] = LightVolume::valueOf(light.at(channel, {place.x, place.y, place.z}));
-        }
-      });
+      resample(light, perVoxel, own, lightValues_.data(), stop);
       lightKey_ = copy_->lightKey_;
     }
     own.values = lightValues_.data();

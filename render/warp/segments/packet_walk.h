@@ -162,7 +162,7 @@ class PacketWalk {
       const F out = minOf(maxOf(minOf(sx, sy), s_), end_), depthOut = depthAt(out);
       const F least = minOf(depth_, depthOut), most = maxOf(depth_, depthOut);
       const auto [nearestBegin, farthestEnd, nearestUnknown, farthestUnknown] =
-          gatheredQuads<4>(tiles, chosen(leaping, byLevel(tilesFrom_) + ty * byLevel(field_.tileColumns) + tx, I(0))).of;
+          gatheredQuads(tiles, chosen(leaping, byLevel(tilesFrom_) + ty * byLevel(field_.tileColumns) + tx, I(0))).of;
       const M overEmpty = ((nearestBegin > most) | (farthestEnd < least)) & (nearestUnknown > most);
       const M overUnknown = !overEmpty & (farthestUnknown < least);
       M moving = leaping & (overEmpty | overUnknown);
@@ -262,7 +262,7 @@ class PacketWalk {
     I at = kIsRising ? begin : end - I(1), active(0);
     M searching = which & isLess(begin, end), isInside = M(false);
     while (xsimd::any(searching)) {
-      const auto [itsBegin, itsEnd, itsExtinction, itsPlace] = gatheredQuads<4>(segments, within(at, I(0), I(lastSegment_))).of;
+      const auto [itsBegin, itsEnd, itsExtinction, itsPlace] = gatheredQuads(segments, within(at, I(0), I(lastSegment_))).of;
       const M isIt = searching & (kIsRising ? depth_ < itsEnd : itsBegin < depth_);
       const M inside = isIt & (kIsRising ? itsBegin <= depth_ : depth_ <= itsEnd);
       found.until = selected(isIt, kIsRising ? selected(inside, itsEnd, itsBegin) : selected(inside, itsBegin, itsEnd), found.until);
@@ -279,7 +279,7 @@ class PacketWalk {
       searching = searching & !isIt & (kIsRising ? isLess(at, end) : !isLess(at, begin));
     }
     if (xsimd::any(isInside)) {
-      const auto [red, green, blue, nothing] = gatheredQuads<4>(&field_.colors[0].linear.x, active).of;
+      const auto [red, green, blue, nothing] = gatheredQuads(&field_.colors[0].linear.x, active).of;
       found.red = selected(isInside, red, F(0.0f)), found.green = selected(isInside, green, F(0.0f)), found.blue = selected(isInside, blue, F(0.0f));
     }
     return found;
@@ -287,7 +287,7 @@ class PacketWalk {
 
   /// Through the cells in which all are that are still under way, in pieces in which nothing changes, and to the next ones.
   void walkCells() {
-    M piecing = active_, leaving = active_ & !active_;
+    M piecing = active_, leaving = M(false);
     while (xsimd::any(piecing)) {
       findStates(piecing);
       F until = depthOut_;

@@ -4,11 +4,8 @@
 
 #include <stop_token>
 
-#include "render/core/floating_point.h"
-#include "render/core/parallel.h"
 #include "render/core/simd.h"
-#include "render/march/sample_frame.h"
-#include "render/warp/segments/segment_walk.h"
+#include "render/warp/segments/pixel_rays.h"
 
 namespace warpscope {
 
@@ -16,27 +13,23 @@ namespace warpscope {
 /// frame's bounds, misses for rays that have none or are no pixel's; and `take(x, y, walked)` for each pixel. Throws OperationCancelled if `stop` is set.
 template <class Walk, class Take>
 void forEachPixelPacket(const SampleFrame& frame, const Camera& camera, const std::stop_token& stop, const Walk& walk, const Take& take) {
-  constexpr uint32_t kTileSide = 32, kColumns = kBatchLanes < 8 ? 2 : 4, kRows = kBatchLanes / kColumns;
-  static_assert(kTileSide % kColumns == 0 && kTileSide % kRows == 0);
-  const Box& bounds = frame.quantization.bounds;
-  const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, bounds).nearDepth);
-  parallelForTiles(camera.width, camera.height, kTileSide, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
+  constexpr uint32_t kColumns = kBatchLanes < 8 ? 2 : 4, kRows = kBatchLanes / kColumns;
+  static_assert(kRayTileSide % kColumns == 0 && kRayTileSide % kRows == 0);
+  forEachRayTile(frame, camera, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1, const auto& rayAt) {
     for (uint32_t row = y0; row < y1; row += kRows)
       for (uint32_t column = x0; column < x1; column += kColumns) {
+        Ray rays[kBatchLanes];
+        RayInterval inside[kBatchLanes];
         WalkedRay walked[kBatchLanes];
-        exceptionsExpected([&] {
-          Ray rays[kBatchLanes];
-          RayInterval inside[kBatchLanes];
-          bool isAny = false;
-          for (uint32_t lane = 0; lane < kBatchLanes; ++lane) {
-            const uint32_t x = column + lane % kColumns, y = row + lane / kColumns;
-            if (x >= x1 || y >= y1) continue;
-            rays[lane] = pixels.ray(x, y).ray;
-            inside[lane] = partInside(bounds, rays[lane]);
-            isAny = isAny || !inside[lane].isMiss();
-          }
-          if (isAny) walk(rays, inside, walked);
-        });
+        bool isAny = false;
+        for (uint32_t lane = 0; lane < kBatchLanes; ++lane) {
+          const uint32_t x = column + lane % kColumns, y = row + lane / kColumns;
+          if (x >= x1 || y >= y1) continue;
+          const RayInside ray = rayAt(x, y);
+          rays[lane] = ray.ray, inside[lane] = ray.inside;
+          isAny = isAny || !ray.inside.isMiss();
+        }
+        if (isAny) exceptionsExpected([&] { walk(rays, inside, walked); });
         for (uint32_t lane = 0; lane < kBatchLanes; ++lane)
           if (const uint32_t x = column + lane % kColumns, y = row + lane / kColumns; x < x1 && y < y1) take(x, y, walked[lane]);
       }
