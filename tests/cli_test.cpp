@@ -370,6 +370,7 @@ TEST_F(CommandLine, ARawVolumeLargerThanTheMemoryItMayTakeIsShown) {
   EXPECT_GT(alone.peakKiB, 700 * 1024) << "or all of this would fit anyway";
   expectRefused(shot("c.png", "64"), kFailure, {name, "the limit of 64 MiB of memory cannot be kept to: what is read of it at once takes "});
   expectRefused(shot("c.png", "63"), kUsage, {"--memory must be between 64 and"});
+  expectRefused({"shot", name, "--device-memory", "0", "-o", "c.png"}, kUsage, {"--device-memory must be between 64 and"});
   expectRefused({"shot", "marschner-lobb", "--volume-size", "900x900x900", "--memory", "300", "-o", "c.png"}, kFailure, {"needs 695.2 MiB of memory, and of the 300 MiB that it may have"});
 }
 

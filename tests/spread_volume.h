@@ -18,15 +18,22 @@ inline VolumePtr sharedBy(const VolumePtr& whole, RanksPtr ranks) {
 /// A marcher of a volume that so many ranks have, and the others of them.
 class Spread {
  public:
-  Spread(const VolumePtr& whole, const TransferFunction& function, int count) : Spread([whole](RanksPtr own) { return sharedBy(whole, std::move(own)); }, function, count) {}
+  /// What a rank marches its brick by.
+  using MakePieces = std::function<PieceMaker(int rank)>;
+
+  Spread(const VolumePtr& whole, const TransferFunction& function, int count, const MakePieces& makePieces = onHost)
+      : Spread([whole](RanksPtr own) { return sharedBy(whole, std::move(own)); }, function, count, makePieces) {}
   /// `open`: as one of these ranks has it.
-  Spread(const std::function<VolumePtr(RanksPtr)>& open, const TransferFunction& function, int count) {
+  Spread(const std::function<VolumePtr(RanksPtr)>& open, const TransferFunction& function, int count, const MakePieces& makePieces = onHost) {
     std::vector<RanksPtr> ranks = makeLocalRanks(count);
-    for (int rank = 1; rank < count; ++rank) others_.emplace_back([open, own = ranks[static_cast<size_t>(rank)]] { followRanks(open(own)); });
-    marcher_ = makeRanksMarcher(leadRanks(open(ranks[0])), function);
+    for (int rank = 1; rank < count; ++rank)
+      others_.emplace_back([open, makePieces, rank, own = ranks[static_cast<size_t>(rank)]] { followRanks(open(own), {}, makePieces(rank)); });
+    leader_ = leadRanks(open(ranks[0]), kRankPatience, makePieces(0));
+    marcher_ = makeRanksMarcher(leader_, function);
   }
   ~Spread() {
     marcher_.reset();
+    leader_.reset();
     for (std::thread& other : others_) other.join();
   }
   Spread(const Spread&) = delete;
@@ -34,9 +41,14 @@ class Spread {
 
   Marcher& operator*() const { return *marcher_; }
   Marcher* operator->() const { return marcher_.get(); }
+  /// What the ranks did for the last frame.
+  std::vector<RankWork> lastWork() const { return warpscope::lastWork(leader_); }
 
  private:
+  static PieceMaker onHost(int /*rank*/) { return {}; }
+
   std::vector<std::thread> others_;
+  BrickLeaderPtr leader_;
   MarcherPtr marcher_;
 };
 

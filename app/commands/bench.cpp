@@ -11,6 +11,7 @@
 #include "app/experiment/configuration.h"
 #include "app/experiment/effect_costs.h"
 #include "app/frames/backend.h"
+#include "app/frames/process_ranks.h"
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
 #include "app/shell/interrupt.h"
@@ -89,6 +90,7 @@ Json toJson(const FrameBenchmark& frame) {
     json["processes"].push_back({{"lower", {work.block.lower.x, work.block.lower.y, work.block.lower.z}},
                                  {"upper", {work.block.upper.x, work.block.upper.y, work.block.upper.z}},
                                  {"tiles", work.tiles},
+                                 {"deviceTiles", work.deviceTiles},
                                  {"marchMs", work.marchMs},
                                  {"waitMs", work.waitMs},
                                  {"sentBytes", work.sentBytes}});
@@ -100,8 +102,8 @@ void printProcesses(const std::vector<RankWork>& ranks) {
   for (size_t rank = 0; rank < ranks.size(); ++rank) {
     const RankWork& work = ranks[rank];
     const glm::ivec3 &lower = work.block.lower, &upper = work.block.upper;
-    std::fprintf(stderr, "    process %zu: cells %d,%d,%d to %d,%d,%d; %u tiles, threads' time: %.1f ms marching, %.1f waiting; %.2f MB sent\n", rank, lower.x, lower.y, lower.z, upper.x,
-                 upper.y, upper.z, work.tiles, work.marchMs, work.waitMs, static_cast<double>(work.sentBytes) * 1e-6);
+    std::fprintf(stderr, "    process %zu: cells %d,%d,%d to %d,%d,%d; %u tiles, %u by a device, threads' time: %.1f ms marching, %.1f waiting; %.2f MB sent\n", rank, lower.x, lower.y, lower.z, upper.x,
+                 upper.y, upper.z, work.tiles, work.deviceTiles, work.marchMs, work.waitMs, static_cast<double>(work.sentBytes) * 1e-6);
   }
 }
 
@@ -208,6 +210,14 @@ void printCosts(const EffectCosts& costs) {
   }
 }
 
+/// Those that are compared, the fastest last. Several processes march by one of them, whichever way it is asked for.
+std::vector<Backend> measured(Backend backend) {
+  std::vector<Backend> backends;
+  for (const MarcherDescriptor* marcher : marchersFor(backend)) backends.insert(backends.begin(), marcher->backend);
+  if (processRanks()) backends.erase(backends.begin(), backends.end() - 1);
+  return backends;
+}
+
 /// Each effect alone, all of them, all but one; on every backend.
 void benchEffects(const BenchOptions& options) {
   if (!options.techniques.empty()) throw UsageError("--effects measures marches: it takes no --technique");
@@ -216,12 +226,12 @@ void benchEffects(const BenchOptions& options) {
   Json report = reportOf(options, work);
   const std::optional<JsonDocument> earlier = earlierReport(options, report);
   const Camera camera = makeCamera(work.scene, work.scene.views.front(), work.width, work.height);
-  const auto marchers = marchersFor(work.backend);
+  const std::vector<Backend> asked = measured(work.backend);
   Json backends = Json::array();
-  Progress progress("bench", effectSteps(options.runs) * marchers.size(), !options.common.showsProgress());
+  Progress progress("bench", effectSteps(options.runs) * asked.size(), !options.common.showsProgress());
   std::vector<std::pair<Backend, EffectCosts>> results;
-  for (const MarcherDescriptor* descriptor : marchers) {
-    const MarcherPtr marcher = makeMarcher(descriptor->backend, work.scene.volume, work.scene.transferFunction);
+  for (const Backend one : asked) {
+    const MarcherPtr marcher = makeMarcher(one, work.scene.volume, work.scene.transferFunction);
     const std::string backend(nameOf(marcher->backend()));
     results.emplace_back(marcher->backend(), measureEffects(*marcher, camera, work.march, options.runs, [&] { progress.step(backend); }, interrupt.token()));
     Json json = toJson(results.back().second);
@@ -267,8 +277,7 @@ void bench(const BenchOptions& options) {
   settings.runs = options.runs;
   settings.coding = codecOfWord(options.codec);
   // Automatic: all there are, side by side.
-  for (const MarcherDescriptor* marcher : marchersFor(work.backend))
-    settings.backends.insert(settings.backends.begin(), marcher->backend);
+  settings.backends = measured(work.backend);
 
   std::unique_ptr<HeadlessResources> headless;
   const auto resourcesOf = [&](Backend backend) {

@@ -28,7 +28,7 @@
 namespace warpscope {
 namespace {
 
-constexpr Range kMemoryMiBRange{64.0, 1e7};
+constexpr Range kMemoryMiBRange{64.0, 1e7};  // of either
 
 template <class Value>
 struct Choice {
@@ -96,6 +96,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
   command.add_option("--mask", options.mask, "Crops the volume to where this one, with as many voxels, is not 0");
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
   command.add_option("--memory", options.memoryMiB, "MiB of memory that the program takes at most, " + rangeText(kMemoryMiBRange) + ": of a raw volume it keeps what it is at, and reads the rest again; others have to fit");
+  command.add_option("--device-memory", options.deviceMemoryMiB, "MiB of a GPU's memory that the volume takes at most, " + rangeText(kMemoryMiBRange) + ": of a larger one slabs go to the GPU one after the other; by itself what is free");
   command.add_option("--tf", options.transferFunction, "Transfer function file: JSON of this program or a colour map of ParaView");
   for (const MarchKnob& row : marchKnobs()) options.knobs.add(command, *row.knob, "the scene's");
   for (const MarchText& text : marchTexts())
@@ -166,6 +167,10 @@ CheckedOptions check(const CommonOptions& options) {
   if (options.memoryMiB) {
     requireRange(*options.memoryMiB, kMemoryMiBRange, "--memory");
     setMemoryLimit(static_cast<uint64_t>(*options.memoryMiB * (1 << 20)));
+  }
+  if (options.deviceMemoryMiB) {
+    requireRange(*options.deviceMemoryMiB, kMemoryMiBRange, "--device-memory");
+    setDeviceMemoryLimit(static_cast<uint64_t>(*options.deviceMemoryMiB * (1 << 20)));
   }
   if (!options.volumeSize.empty()) {
     const std::vector<uint32_t> dims = parseSize("--volume-size", options.volumeSize, 3, 65536);
@@ -245,7 +250,7 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
     work.scene = work.open(stop);
     if (processRanks()) requireSameScene(work.scene, *processRanks());
     if (processRanks() && !processRanks()->isFirst()) {
-      followFirst(work.scene.volume, stop);
+      followFirst(work.scene.volume, work.backend, stop);
       throw FollowedToTheEnd();
     }
   }
@@ -269,6 +274,7 @@ const char* givenOfScene(const CommonOptions& options) {
                                                 {"--mask", !options.mask.empty()},
                                                 {"--volume-size", !options.volumeSize.empty()},
                                                 {"--memory", options.memoryMiB.has_value()},
+                                                {"--device-memory", options.deviceMemoryMiB.has_value()},
                                                 {"--seed", options.seed.has_value()},
                                                 {"--tf", !options.transferFunction.empty()}};
   for (const auto& [name, isGiven] : given)

@@ -24,7 +24,7 @@ namespace warpscope {
 struct CommonOptions {
   std::optional<std::string> scene;  ///< default: kDefaultScene
   std::string volume, mask, transferFunction, volumeSize;
-  std::optional<double> memoryMiB;
+  std::optional<double> memoryMiB, deviceMemoryMiB;
   KnobOptions knobs;  ///< of marching and of techniques
   std::map<const MarchText*, std::optional<std::string>> texts;  ///< likewise, those that are lists
   std::string backend = "auto", gl = "auto";

@@ -12,15 +12,18 @@
 #include "render/codec/tiled/tiled_coder_cuda.h"
 #include "render/cuda/devices.h"
 #include "render/march/marcher_registry.h"
+#include "render/march/piece_marcher_cuda.h"
 
 namespace warpscope {
 
 MarcherPtr makeMarcher(Backend backend, VolumePtr volume, TransferFunction transferFunction) {
-  if (const BrickLeaderPtr leader = leaderOf(volume)) {
-    if (backend == Backend::cuda) throw DeviceError("several processes march on CPUs; leave out --backend cuda");
-    return makeRanksMarcher(leader, std::move(transferFunction));
-  }
+  if (volume->ranks()) return makeRanksMarcher(leaderOf(volume, backend), std::move(transferFunction));
   return makeMarcher(backend, std::move(volume), std::move(transferFunction), reportFallback);
+}
+
+PieceMaker makePieces(Backend backend) {
+  if (marchersFor(backend).front()->backend == Backend::cpu) return {};
+  return makeCudaPieces(backend == Backend::automatic, reportFallback);
 }
 
 TiledCoderPtr makeTiledCoder(Backend backend) {

@@ -3,14 +3,19 @@
 #include "app/frames/process_ranks.h"
 
 #include <dlfcn.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <filesystem>
 #include <span>
+#include <sstream>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "app/frames/backend.h"
 #include "render/base/error.h"
 #include "render/march/ray_relay.h"
 
@@ -48,6 +53,36 @@ std::string libraryPath() {
   return {};
 }
 
+/// Entries of /dev for the devices that this machine, or this container, has.
+int countDevices() {
+  int count = 0;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev", error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("nvidia") && name.size() > 6 && name.find_first_not_of("0123456789", 6) == std::string::npos) ++count;
+  }
+  return count;
+}
+
+/// Each process of a machine has a CUDA device for itself, as long as there are enough: it sees no other. Of those that whoever started it lets it see, if somebody
+/// has said so. CUDA C++ Programming Guide, "CUDA Environment Variables".
+void takeOwnDevice(Ranks& ranks) {
+  char machine[256] = {};
+  gethostname(machine, sizeof machine - 1);
+  const std::vector<std::vector<std::byte>> machines = ranks.allGather(std::as_bytes(std::span<const char>(machine)));
+  const auto own = machines.begin() + ranks.rank();
+  const auto place = static_cast<size_t>(std::count(machines.begin(), own, *own));
+  constexpr const char* kVisible = "CUDA_VISIBLE_DEVICES";
+  std::vector<std::string> devices;
+  if (const char* const visible = std::getenv(kVisible)) {
+    std::istringstream list(visible);
+    for (std::string device; std::getline(list, device, ',');) devices.push_back(device);
+  } else {
+    for (int i = 0; i < countDevices(); ++i) devices.push_back(std::to_string(i));
+  }
+  if (devices.size() > 1) setenv(kVisible, devices[place % devices.size()].c_str(), 1);
+}
+
 }  // namespace
 
 RanksPtr joinProcesses() {
@@ -71,25 +106,26 @@ RanksPtr joinProcesses() {
   for (const size_t size : {sizeof(Camera), sizeof(RenderSettings), sizeof(SampleSettings), sizeof(RelayedState), sizeof(SegmentMerger), sizeof(RelayedAgain)})
     version += " " + std::to_string(size);
   joined().ranks->requireSame(std::as_bytes(std::span<const char>(version)), "version of warpscope");
+  takeOwnDevice(*joined().ranks);
   return joined().ranks;
 }
 
 const RanksPtr& processRanks() { return joined().ranks; }
 
-BrickLeaderPtr leaderOf(const VolumePtr& volume) {
+BrickLeaderPtr leaderOf(const VolumePtr& volume, Backend backend) {
   Joined& all = joined();
   if (!volume->ranks()) return nullptr;
   if (!all.leader) {
-    all.leader = leadRanks(volume);
+    all.leader = leadRanks(volume, kRankPatience, makePieces(backend));
     all.volume = volume;
   }
   if (all.volume != volume) throw InputError("several processes share one volume at a time");
   return all.leader;
 }
 
-void followFirst(const VolumePtr& volume, const std::stop_token& stop) {
+void followFirst(const VolumePtr& volume, Backend backend, const std::stop_token& stop) {
   // Whoever started this process ends the others, if that is not what it is doing already.
-  if (!followRanks(volume, stop)) std::_Exit(1);
+  if (!followRanks(volume, stop, makePieces(backend))) std::_Exit(1);
 }
 
 void leaveProcesses() {

@@ -14,11 +14,11 @@ RanksPtr joinProcesses();
 /// What joinProcesses() found.
 const RanksPtr& processRanks();
 
-/// On the first process: the leader of a volume that was opened with processRanks(). Null for another.
-BrickLeaderPtr leaderOf(const VolumePtr& volume);
+/// On the first process: the leader of a volume that was opened with processRanks(), which marches its brick by `backend` (of the first call). Null for another.
+BrickLeaderPtr leaderOf(const VolumePtr& volume, Backend backend = Backend::automatic);
 
-/// On the others: does what the first one asks, to its end. Ends all processes where `stop` is set and the first one goes on.
-void followFirst(const VolumePtr& volume, const std::stop_token& stop);
+/// On the others: does what the first one asks, to its end, its brick by `backend`. Ends all processes where `stop` is set and the first one goes on.
+void followFirst(const VolumePtr& volume, Backend backend, const std::stop_token& stop);
 
 /// Thrown when that end has come: nothing is left to do here.
 struct FollowedToTheEnd {};

@@ -90,7 +90,8 @@ std::optional<uint64_t> availableMemoryBytes(const fs::path& root) {
 namespace {
 
 /// 0: none.
-std::atomic<uint64_t> limitBytes = 0;
+std::atomic<uint64_t> limitBytes = 0, deviceLimitBytes = 0;
+std::optional<uint64_t> optionalOf(uint64_t bytes) { return bytes > 0 ? std::optional(bytes) : std::nullopt; }
 
 /// Of the limit, a share is left free beside what comes in between two looks; and as much is used all the same.
 constexpr uint64_t kShare = 6;
@@ -167,10 +168,11 @@ ResidentMemory residentMemory() {
 
 void setMemoryLimit(std::optional<uint64_t> bytes) { limitBytes = bytes.value_or(0); }
 
-std::optional<uint64_t> memoryLimit() {
-  const uint64_t bytes = limitBytes;
-  return bytes > 0 ? std::optional(bytes) : std::nullopt;
-}
+std::optional<uint64_t> memoryLimit() { return optionalOf(limitBytes); }
+
+void setDeviceMemoryLimit(std::optional<uint64_t> bytes) { deviceLimitBytes = bytes.value_or(0); }
+
+std::optional<uint64_t> deviceMemoryLimit() { return optionalOf(deviceLimitBytes); }
 
 void requireMemory(uint64_t bytes, const std::string& what) {
   if (const std::optional<uint64_t> limit = memoryLimit()) {

@@ -18,6 +18,10 @@ ResidentMemory residentMemory();
 void setMemoryLimit(std::optional<uint64_t> bytes);
 std::optional<uint64_t> memoryLimit();
 
+/// The same of a device's memory, for a volume.
+void setDeviceMemoryLimit(std::optional<uint64_t> bytes);
+std::optional<uint64_t> deviceMemoryLimit();
+
 /// Something that can let go of memory, and get it again where it is needed: a mapped file. While there is one, keepWithinMemoryLimit() may call it, on any thread.
 class Droppable {
  public:

@@ -92,17 +92,26 @@ void BrickFrame::close() noexcept {
 
 std::unique_ptr<RelayedTile> BrickFrame::take() {
   const auto from = std::chrono::steady_clock::now();
-  std::unique_ptr<RelayedTile> tile = nextTile();
+  std::unique_ptr<RelayedTile> tile = nextTile(true);
   const double waitMs = millisecondsSince(from);
-  const std::scoped_lock lock(mutex_);
-  work_.waitMs += waitMs;
+  {
+    const std::scoped_lock lock(mutex_);
+    work_.waitMs += waitMs;
+  }
+  return begun(std::move(tile));
+}
+
+std::unique_ptr<RelayedTile> BrickFrame::takeReady() { return begun(nextTile(false)); }
+
+std::unique_ptr<RelayedTile> BrickFrame::begun(std::unique_ptr<RelayedTile> tile) {
   if (tile == nullptr) return tile;
+  const std::scoped_lock lock(mutex_);
   ++work_.tiles;
   tile->taken = std::chrono::steady_clock::now();
   return tile;
 }
 
-std::unique_ptr<RelayedTile> BrickFrame::nextTile() {
+std::unique_ptr<RelayedTile> BrickFrame::nextTile(bool waits) {
   std::unique_lock lock(mutex_);
   while (!isClosed_) {
     // Those that begin here come first: others wait for them.
@@ -122,6 +131,7 @@ std::unique_ptr<RelayedTile> BrickFrame::nextTile() {
       lock.unlock();
       return tileOf(bytes);
     }
+    if (!waits) break;
     changed_.wait(lock);
   }
   return nullptr;
@@ -131,6 +141,7 @@ void BrickFrame::handOn(std::unique_ptr<RelayedTile> tile) {
   {
     const std::scoped_lock lock(mutex_);
     work_.marchMs += millisecondsSince(tile->taken);
+    work_.deviceTiles += tile->isByDevice ? 1 : 0;
   }
   bool isComplete = std::ranges::all_of(tile->rays, &RelayedRay::isDone);
   int next = order_.nextOf(tile->index, rank_);

@@ -46,6 +46,7 @@ struct RankWork {
   uint64_t frame = 0;
   CellBlock block;             ///< that it marched
   uint32_t tiles = 0;          ///< that came to it, each as often as it came
+  uint32_t deviceTiles = 0;    ///< of these, marched by a device
   double marchMs = 0.0;        ///< of all its threads together
   double waitMs = 0.0;         ///< likewise: for tiles
   uint64_t sentBytes = 0;      ///< to other ranks
@@ -72,6 +73,7 @@ class BrickFrame final : public RayRelay {
 
   const CellBlock& block() const override { return order_.blocks[static_cast<size_t>(rank_)]; }
   std::unique_ptr<RelayedTile> take() override;
+  std::unique_ptr<RelayedTile> takeReady() override;
   void handOn(std::unique_ptr<RelayedTile> tile) override;
   void close() noexcept override;
 
@@ -86,7 +88,9 @@ class BrickFrame final : public RayRelay {
   std::vector<std::byte> bytesOf(const RelayedTile& tile) const;
   std::vector<std::byte> resultOf(const RelayedTile& tile, bool isComplete) const;
   void put(Outgoing outgoing);
-  std::unique_ptr<RelayedTile> nextTile();
+  /// Null if there will be no more or, unless `waits`, none is there.
+  std::unique_ptr<RelayedTile> nextTile(bool waits);
+  std::unique_ptr<RelayedTile> begun(std::unique_ptr<RelayedTile> tile);
 
   const FrameOrder order_;
   const int rank_;

@@ -10,13 +10,11 @@
 #include <string>
 
 #include "render/base/error.h"
-#include "render/base/stopwatch.h"
 #include "render/bricks/brick_frame.h"
 #include "render/bricks/brick_work.h"
 #include "render/bricks/rank_bytes.h"
-#include "render/march/compact.h"
 #include "render/march/march_setup.h"
-#include "render/march/tile_marcher.h"
+#include "render/march/piecewise_marcher.h"
 
 namespace warpscope {
 namespace {
@@ -81,10 +79,13 @@ class Gate {
 /// What marchers share. Its calls wait for each other.
 class BrickLeader {
  public:
-  BrickLeader(VolumePtr volume, std::chrono::milliseconds patience)
-      : work_(std::move(volume)), patience_(patience), heard_(static_cast<size_t>(work_.ranks().size())), done_(heard_.size()) {
+  BrickLeader(VolumePtr volume, std::chrono::milliseconds patience, PieceMaker makePieces)
+      : backend_(makePieces.backend), work_(std::move(volume), std::move(makePieces)), patience_(patience), heard_(static_cast<size_t>(work_.ranks().size())), done_(heard_.size()) {
     work_.ranks().setTogether(false);
   }
+  /// By which it marches its own brick.
+  Backend backend() const { return backend_; }
+
   ~BrickLeader() {
     withoutFailing([&] { tellAll(kQuitMessage, {}); });
   }
@@ -313,7 +314,8 @@ class BrickLeader {
     return most > kLeastMs && most * static_cast<double>(done_.size()) > kMostUneven * all;
   }
 
-  Gate mutex_;              // of all but the next two
+  const Backend backend_;
+  Gate mutex_;              // of all that follows but the next two
   std::mutex usersMutex_;   // of the next
   std::vector<int> users_;  // of each function
   BrickWork work_;
@@ -331,63 +333,15 @@ class BrickLeader {
 
 namespace {
 
-class RanksMarcher final : public Marcher {
+class RanksMarcher final : public PiecewiseMarcher {
  public:
-  RanksMarcher(BrickLeaderPtr leader, TransferFunction function, TurnsPtr turns = nullptr)
-      : leader_(std::move(leader)), turns_(std::move(turns)), function_(leader_->addFunction(std::move(function))), marched_(leader_->function(function_)) {}
+  RanksMarcher(BrickLeaderPtr leader, TransferFunction function, TurnsPtr turns = nullptr) : RanksMarcher(leader, leader->addFunction(std::move(function)), std::move(turns)) {}
   /// By the same function.
-  RanksMarcher(const RanksMarcher& other, TurnsPtr turns) : leader_(other.leader_), turns_(std::move(turns)), function_(other.function_), marched_(other.marched_) {
-    leader_->keepFunction(function_);
-  }
+  RanksMarcher(const RanksMarcher& other, TurnsPtr turns) : RanksMarcher(other.leader_, other.kept(), std::move(turns)) {}
   ~RanksMarcher() override { leader_->forgetFunction(function_); }
 
-  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
-    const std::scoped_lock lock(mutex_);
-    const Volume& volume = *marched_->volume;
-    requireMarchable(volume, camera, settings);
-    requirePieces(settings.render);
-    const SampleRule rule = sampleRuleFor(volume, camera, settings.sample);
-    SampleFrame frame = emptyFrame(volume, camera, settings, rule);
-    const auto marchStart = std::chrono::steady_clock::now();
-    dense_.resize(size_t{camera.width} * camera.height, settings.sample, wantsNormals(*marched_, camera, settings, *plan(settings.render, settings.sample)));
-    std::ranges::fill(dense_.samples, PackedSample{0});
-    std::ranges::fill(dense_.segments.rays, RaySegmentCount{});
-    const FrameOrder order = orderOf(camera, settings.render, settings.sample);
-    if (needsLightCopy(settings.render)) leader_->findLight(function_, stop);
-    leader_->march(order, limit(), stop, [&](const TileResult& result) {
-      forEachFinished(order, result, [&](size_t i, size_t pixel) { dense_.take(pixel, result.found, i); });
-    });
-    frame.timings.marchMs = millisecondsSince(marchStart);
-
-    const auto compactStart = std::chrono::steady_clock::now();
-    compact(dense_.samples, dense_.colors, dense_.spreads, dense_.slots, frame);
-    if (dense_.segments.slots > 0) compact(dense_.segments, frame.segments);
-    if (settings.sample.proxy > 0) frame.proxy = leader_->proxyFor(function_, settings.sample.proxy, stop);
-    frame.timings.compactMs = millisecondsSince(compactStart);
-    return frame;
-  }
-
-  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
-    const std::scoped_lock lock(mutex_);
-    requireMarchable(*marched_->volume, camera, settings);
-    requirePieces(settings);
-    image.resize(camera.width, camera.height);
-    std::fill_n(image.data(), size_t{camera.width} * camera.height, glm::vec4(0.0f));
-    const FrameOrder order = orderOf(camera, settings, std::nullopt);
-    if (needsLightCopy(settings)) leader_->findLight(function_, stop);
-    leader_->march(order, limit(), stop, [&](const TileResult& result) {
-      forEachFinished(order, result, [&](size_t i, size_t pixel) { image.data()[pixel] = result.colors.at(i); });
-    });
-  }
-
-  const VolumePtr& volume() const override { return marched_->volume; }
-  Backend backend() const override { return Backend::cpu; }
-  MarcherCapabilities capabilities() const override { return {}; }
-  std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
-    requireFitting(*marched_->volume, settings);
-    const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
-    return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
-  }
+  Backend backend() const override { return leader_->backend(); }
+  MarcherCapabilities capabilities() const override { return {.pace = backend() == Backend::cuda ? MarchPace::followsCamera : MarchPace::afterRest}; }
   using Marcher::twin;
   /// Turns are whole frames: ranks do not stand still for another's.
   MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<RanksMarcher>(*this, std::move(turns)); }
@@ -396,39 +350,38 @@ class RanksMarcher final : public Marcher {
   }
 
  private:
-  std::chrono::nanoseconds limit() const { return turns_ ? turns_->settings().limit : std::chrono::nanoseconds(0); }
-  static void requirePieces(const RenderSettings& settings) {
-    if (const std::string reason = whyNotInPieces(settings); !reason.empty()) throw UsageError(reason + ", and the volume is spread over several processes");
+  RanksMarcher(const BrickLeaderPtr& leader, uint32_t function, TurnsPtr turns)
+      : PiecewiseMarcher(leader->function(function), "the volume is spread over several processes"), leader_(leader), turns_(std::move(turns)), function_(function) {}
+
+  uint32_t kept() const {
+    leader_->keepFunction(function_);
+    return function_;
   }
-  FrameOrder orderOf(const Camera& camera, const RenderSettings& settings, const std::optional<SampleSettings>& sample) const {
+
+  ProxyPtr proxyFor(int longest, const std::stop_token& stop) override { return leader_->proxyFor(function_, longest, stop); }
+
+  void marchTiles(const Camera& camera, const RenderSettings& settings, const std::optional<SampleSettings>& sample, const std::stop_token& stop,
+                  const OnOutcome& onOutcome) override {
     FrameOrder order;
     order.function = function_;
     order.camera = camera;
     order.render = settings;
     order.sample = sample;
-    return order;
-  }
-  /// Calls `take(i, pixel)` with each of the result's rays and its place in the picture.
-  template <class Take>
-  static void forEachFinished(const FrameOrder& order, const TileResult& result, const Take& take) {
-    const PixelArea area = order.areaOf(result.tile);
-    for (size_t i = 0; i < result.finished.size(); ++i) {
-      const uint32_t place = result.finished[i];
-      take(i, size_t{area.y + place / area.width} * order.camera.width + area.x + place % area.width);
-    }
+    if (needsLightCopy(settings)) leader_->findLight(function_, stop);
+    const std::chrono::nanoseconds limit = turns_ ? turns_->settings().limit : std::chrono::nanoseconds(0);
+    leader_->march(order, limit, stop, [&](const TileResult& result) { onOutcome({areaOfTile(camera, result.tile), result.finished, result.found, result.colors}); });
   }
 
   const BrickLeaderPtr leader_;
   const TurnsPtr turns_;
   const uint32_t function_;
-  const MarchedVolumePtr marched_;
-  std::mutex mutex_;  // of what follows
-  DenseRays dense_;
 };
 
 }  // namespace
 
-BrickLeaderPtr leadRanks(VolumePtr volume, std::chrono::milliseconds patience) { return std::make_shared<BrickLeader>(std::move(volume), patience); }
+BrickLeaderPtr leadRanks(VolumePtr volume, std::chrono::milliseconds patience, PieceMaker makePieces) {
+  return std::make_shared<BrickLeader>(std::move(volume), patience, std::move(makePieces));
+}
 
 std::vector<RankWork> lastWork(const BrickLeaderPtr& leader) { return leader->lastWork(); }
 
@@ -436,8 +389,8 @@ MarcherPtr makeRanksMarcher(BrickLeaderPtr leader, TransferFunction transferFunc
   return std::make_shared<RanksMarcher>(std::move(leader), std::move(transferFunction));
 }
 
-bool followRanks(const VolumePtr& volume, const std::stop_token& stop) {
-  BrickWork work(volume);
+bool followRanks(const VolumePtr& volume, const std::stop_token& stop, PieceMaker makePieces) {
+  BrickWork work(volume, std::move(makePieces));
   std::deque<RankMessage> early;  // tiles of frames that this rank has not been told of yet
   const auto deliver = [&](RankMessage message) {
     const uint64_t frame = BrickFrame::frameOf(message);

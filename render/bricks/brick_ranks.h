@@ -9,6 +9,7 @@
 #include "render/base/ranks.h"
 #include "render/bricks/brick_frame.h"
 #include "render/march/marcher.h"
+#include "render/march/ray_relay.h"
 
 namespace warpscope {
 
@@ -20,7 +21,8 @@ using BrickLeaderPtr = std::shared_ptr<BrickLeader>;
 inline constexpr std::chrono::seconds kRankPatience(10);
 
 /// For the first rank: others are in followRanks() with the same volume as long as this and what is made with it live. One for a volume.
-BrickLeaderPtr leadRanks(VolumePtr volume, std::chrono::milliseconds patience = kRankPatience);
+/// `makePieces`: what this rank marches its brick by; others may march theirs otherwise.
+BrickLeaderPtr leadRanks(VolumePtr volume, std::chrono::milliseconds patience = kRankPatience, PieceMaker makePieces = {});
 
 /// What each rank has done for the last frame, by rank; what has not come within a second is of another frame.
 std::vector<RankWork> lastWork(const BrickLeaderPtr& leader);
@@ -31,6 +33,6 @@ MarcherPtr makeRanksMarcher(BrickLeaderPtr leader, TransferFunction transferFunc
 
 /// For the others: does what the first one asks until its leader has gone. Throws std::runtime_error if what comes makes no sense.
 /// Returns false where `stop` was set and the first one had not ended soon after.
-bool followRanks(const VolumePtr& volume, const std::stop_token& stop = {});
+bool followRanks(const VolumePtr& volume, const std::stop_token& stop = {}, PieceMaker makePieces = {});
 
 }  // namespace warpscope

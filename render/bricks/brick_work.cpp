@@ -3,7 +3,6 @@
 #include "render/bricks/brick_work.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "render/base/error.h"
 #include "render/volume/proxy.h"
@@ -14,18 +13,6 @@ namespace {
 int64_t cellsOf(const CellBlock& block) {
   const glm::ivec3 extent = glm::max(block.upper - block.lower, 0);
   return int64_t{extent.x} * extent.y * extent.z;
-}
-
-/// Of the voxels that marching the block's samples takes: those of its cells, one more for gradients, and as many as a step is long (PieceMarcher).
-VoxelRows rowsOf(const CellBlock& block, const RenderSettings& settings, const VolumeGeometry& geometry) {
-  VoxelRows rows;
-  const glm::vec3 edges = geometry.voxelEdges();
-  for (int axis = 1; axis < 3; ++axis) {
-    const auto margin = 2 + static_cast<int64_t>(std::min(std::ceil(settings.step / edges[axis]), 1e6f)), voxels = int64_t{geometry.dims[axis]};
-    rows.lower[axis - 1] = static_cast<uint32_t>(std::clamp<int64_t>(block.lower[axis] - margin, 0, voxels));
-    rows.upper[axis - 1] = static_cast<uint32_t>(std::clamp<int64_t>(block.upper[axis] + 1 + margin, 0, voxels));
-  }
-  return rows;
 }
 
 int64_t sharedCells(const CellBlock& a, const CellBlock& b) { return cellsOf({glm::max(a.lower, b.lower), glm::min(a.upper, b.upper)}); }
@@ -39,7 +26,7 @@ uint32_t BrickWork::addFunction(TransferFunction function) {
   // The place of one that is forgotten.
   auto place = std::ranges::find_if(functions_, [](const Function& one) { return one.marched == nullptr; });
   if (place == functions_.end()) place = functions_.insert(place, Function{});
-  *place = {marched, makePieceMarcher(marched), false};
+  *place = {marched, makePieces_.make(marched), false};
   volume_->releaseVoxels();  // of a share of the volume, which is not the block
   block_ = {};
   return static_cast<uint32_t>(place - functions_.begin());

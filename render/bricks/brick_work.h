@@ -16,7 +16,7 @@ namespace warpscope {
 
 class BrickWork {
  public:
-  explicit BrickWork(VolumePtr volume) : volume_(std::move(volume)) {}
+  BrickWork(VolumePtr volume, PieceMaker makePieces) : volume_(std::move(volume)), makePieces_(std::move(makePieces)) {}
   ~BrickWork() { end(); }
 
   const VolumePtr& volume() const { return volume_; }
@@ -48,6 +48,7 @@ class BrickWork {
   };
 
   const VolumePtr volume_;
+  const PieceMaker makePieces_;
   std::vector<Function> functions_;
   CellBlock block_;      // whose voxels are read
   int64_t strayCells_ = 0;  // of other blocks, whose voxels have been read and are not needed any more

@@ -9,15 +9,6 @@
 
 namespace warpscope {
 
-PixelArea FrameOrder::areaOf(uint32_t tile) const {
-  PixelArea area;
-  area.x = tile % columns() * kRelayedSide;
-  area.y = tile / columns() * kRelayedSide;
-  area.width = std::min(kRelayedSide, camera.width - area.x);
-  area.height = std::min(kRelayedSide, camera.height - area.y);
-  return area;
-}
-
 int FrameOrder::nextOf(uint32_t tile, int rank) const {
   const size_t bytesOfTile = (nearToFar.size() + 7) / 8;
   const uint8_t* const bits = routes.data() + bytesOfTile * tile;

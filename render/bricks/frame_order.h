@@ -11,12 +11,10 @@
 #include "render/core/camera.h"
 #include "render/march/finished_ray.h"
 #include "render/march/march_settings.h"
+#include "render/march/ray_relay.h"
 #include "render/march/visible_blocks.h"
 
 namespace warpscope {
-
-/// Pixels along the side of a tile.
-inline constexpr uint32_t kRelayedSide = 32;
 
 struct FrameOrder {
   uint64_t frame = 0;    ///< counts from 1
@@ -29,9 +27,8 @@ struct FrameOrder {
   /// For each tile, row by row, and each block in the order of nearToFar, whether any of its rays may have samples there: a bit each, ceil(blocks / 8) bytes a tile.
   std::vector<uint8_t> routes;
 
-  uint32_t columns() const { return (camera.width + kRelayedSide - 1) / kRelayedSide; }
-  uint32_t tileCount() const { return columns() * ((camera.height + kRelayedSide - 1) / kRelayedSide); }
-  PixelArea areaOf(uint32_t tile) const;
+  uint32_t tileCount() const { return tilesOf(camera); }
+  PixelArea areaOf(uint32_t tile) const { return areaOfTile(camera, tile); }
 
   /// The next rank that a tile goes to behind `rank`, or the first if that is -1; -1 if there is none.
   int nextOf(uint32_t tile, int rank) const;

@@ -5,6 +5,7 @@
 #include "render/cuda/gl_interop.h"
 #include "render/cuda/pinned_memory.h"
 #include "render/march/marcher_cuda.h"
+#include "render/march/piece_marcher_cuda.h"
 #include "render/metrics/picture_judge_cuda.h"
 #include "render/warp/multihit_warp_cuda.h"
 #include "render/warp/proxy_warp_cuda.h"
@@ -32,6 +33,8 @@ std::pmr::memory_resource* pinnedMemory() { refuse(); }
 
 TiledCoderPtr makeCudaTiledCoder() { refuse(); }
 MarcherPtr makeCudaMarcher(VolumePtr, TransferFunction) { refuse(); }
+MarcherPtr makeFittingCudaMarcher(VolumePtr, TransferFunction) { refuse(); }
+PieceMaker makeCudaPieces(bool, std::function<void(const std::string&)>) { refuse(); }
 std::unique_ptr<DevicePictureJudge> makeCudaPictureJudge(const glm::vec3&, float) { refuse(); }
 std::unique_ptr<Warp> makeCudaMultihitWarp(SphereTracing) { refuse(); }
 std::unique_ptr<Warp> makeCudaProxyWarp() { refuse(); }

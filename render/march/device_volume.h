@@ -4,12 +4,21 @@
 #pragma once
 
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "render/cuda/memory.h"
+#include "render/cuda/sparse_memory.h"
 #include "render/volume/volume.h"
 #include "render/volume/voxel_access.h"
 
 namespace warpscope {
+
+/// Bytes that a device keeps of a voxel.
+size_t bytesOnDevice(VoxelType type);
+
+/// Slices along z, of those that the volume has, that the current device has room for beside what it holds already, or may have (deviceMemoryLimit()).
+int slicesOnDevice(const Volume& volume);
 
 class DeviceVolume {
  public:
@@ -43,19 +52,55 @@ class DeviceVolume {
   cuda::DeviceBuffer<std::byte> bytes_;
 };
 
+/// The same of those rows of voxels that are asked for: each voxel is where it would be if all were there, and never in a cell.
+class DeviceBrick {
+ public:
+  /// None yet, on the current device. Throws DeviceError.
+  DeviceBrick(VolumePtr volume, const ValueScale& scale);
+
+  /// The volume has these rows (Volume::provide()); so has the device from now on. Others go when there are many of them. Throws DeviceError, and has none then. Not
+  /// while the device reads voxels.
+  void provide(const VoxelRows& rows);
+
+  VoxelType type() const { return volume_->type(); }
+  bool hasHoles() const { return volume_->statistics().nonFinite > 0; }
+  /// Of the volume's first voxel, whether it is there or not.
+  template <class Voxel>
+  const Voxel* voxelsAs() const {
+    return reinterpret_cast<const Voxel*>(memory_.data());
+  }
+  size_t bytes() const { return memory_.backedBytes(); }
+
+ private:
+  using Rows = std::pair<uint32_t, uint32_t>;  // along y: [first, second)
+
+  void copy(uint32_t slice, const Rows& rows);
+
+  const VolumePtr volume_;
+  const ValueScale scale_;
+  cuda::Stream stream_;
+  cuda::SparseMemory memory_;
+  cuda::DeviceBuffer<std::byte> scratch_;
+  std::vector<Rows> rows_;  // of each slice
+};
+
+/// Calls `f.operator()<Voxel, kHasHoles>()` with what a device keeps of voxels of that type.
+template <class F>
+void visitKeptVoxels(VoxelType type, bool hasHoles, F&& f) {
+  switch (type) {
+    case VoxelType::uint8: return f.template operator()<uint8_t, false>();
+    case VoxelType::int8: return f.template operator()<int8_t, false>();
+    case VoxelType::uint16: return f.template operator()<uint16_t, false>();
+    case VoxelType::int16: return f.template operator()<int16_t, false>();
+    default: return hasHoles ? f.template operator()<InterpolantVoxel, true>() : f.template operator()<InterpolantVoxel, false>();
+  }
+}
 /// Calls `f.operator()<Voxel, kHasHoles, kByCells>()` with what the device keeps of `volume`.
 template <class F>
 void visitDeviceVoxels(const DeviceVolume& volume, F&& f) {
-  const auto visit = [&]<class Voxel, bool kHasHoles>() {
+  visitKeptVoxels(volume.type(), volume.hasHoles(), [&]<class Voxel, bool kHasHoles>() {
     volume.isInCells() ? f.template operator()<Voxel, kHasHoles, true>() : f.template operator()<Voxel, kHasHoles, false>();
-  };
-  switch (volume.type()) {
-    case VoxelType::uint8: return visit.template operator()<uint8_t, false>();
-    case VoxelType::int8: return visit.template operator()<int8_t, false>();
-    case VoxelType::uint16: return visit.template operator()<uint16_t, false>();
-    case VoxelType::int16: return visit.template operator()<int16_t, false>();
-    default: return volume.hasHoles() ? visit.template operator()<InterpolantVoxel, true>() : visit.template operator()<InterpolantVoxel, false>();
-  }
+  });
 }
 
 }  // namespace warpscope

@@ -44,18 +44,6 @@ uint32_t tileSideFor(const Volume& volume, const RenderSettings& settings) {
 
 PixelArea allOf(const Camera& camera) { return {0, 0, camera.width, camera.height}; }
 
-/// Keeps what a ray of a relay's tile has found; rays that have found nothing are not spoken of.
-void keepFinished(const FinishedRay& ray, const SampleSettings* sample, bool hasNormals, const SampleRule& rule, const PixelGrid& pixels) {
-  RelayedTile& tile = *ray.tile;
-  const bool isEmpty = sample == nullptr ? ray.premultiplied == glm::vec4(0.0f)
-                                         : (ray.samples == nullptr || ray.samples->size() == 0) && (ray.segments == nullptr || ray.segments->size() == 0);
-  if (isEmpty) return;
-  tile.finished.push_back(static_cast<uint32_t>(&tile.ray(ray.x, ray.y) - tile.rays.data()));
-  if (sample == nullptr) return tile.colors.push_back(ray.premultiplied);
-  tile.found.resize(tile.finished.size(), *sample, hasNormals);
-  tile.found.put(tile.finished.size() - 1, ray, rule, pixels);
-}
-
 /// Writes the values of all places of `to` as `from` has them, in whose volume there are `perVoxel` voxels along the edges of one of the other's.
 void resample(const LightVolume& from, const glm::vec3& perVoxel, const LightVolume& to, uint16_t* values, const std::stop_token& stop) {
   const auto columns = static_cast<size_t>(to.dims.x), rows = static_cast<size_t>(to.dims.y), channels = static_cast<size_t>(to.channels);
@@ -112,7 +100,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
     const bool hasNormals = sample != nullptr && wantsNormals(camera, {settings, *sample});
     const SampleRule rule = sample != nullptr ? sampleRuleFor(volume, camera, *sample) : SampleRule{};
     const PixelGrid pixels = sample != nullptr ? makePixelGrid(camera, rule.quantization.nearDepth) : pixelsFor(volume, camera, settings);
-    forEachRay({camera, allOf(camera), pixels, settings, sample, stop, [&](const FinishedRay& ray) { keepFinished(ray, sample, hasNormals, rule, pixels); }, &relay});
+    forEachRay({camera, allOf(camera), pixels, settings, sample, stop, [&](const FinishedRay& ray) { ray.tile->keep(ray, sample, hasNormals, rule, pixels); }, &relay});
   }
 
   void setLightCopy(const ProxyPtr& copy) override {
@@ -356,21 +344,13 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
 
 std::unique_ptr<PieceMarcher> makePieceMarcher(MarchedVolumePtr marched) { return std::make_unique<CpuMarcher>(std::move(marched), nullptr); }
 
-std::string whyNotInPieces(const RenderSettings& settings) {
-  return settings.arithmetic != Arithmetic::stable ? "textbook arithmetic cannot be marched in pieces" : "";
-}
-
-bool needsLightCopy(const RenderSettings& settings) {
-  const Effects& effects = settings.effects;
-  return effects.shading.strength > 0.0f && (effects.shadows.strength > 0.0f || effects.shadows.occlusion > 0.0f);
-}
-
 std::unique_ptr<RayTracer> makeRayTracer(VolumePtr volume, TransferFunction transferFunction) {
   return std::make_unique<CpuMarcher>(std::make_shared<MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);
 }
 
 MarcherPtr makeCpuMarcher(VolumePtr volume, TransferFunction transferFunction) {
-  return std::make_shared<CpuMarcher>(std::make_shared<MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);
+  return makeCpuMarcherOf(std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);
 }
+MarcherPtr makeCpuMarcherOf(MarchedVolumePtr marched, TurnsPtr turns) { return std::make_shared<CpuMarcher>(std::move(marched), std::move(turns)); }
 
 }  // namespace warpscope

@@ -6,7 +6,11 @@
 
 namespace warpscope {
 
+struct MarchedVolume;
+
 /// Never fails for a valid volume; keeps the volume alive.
 MarcherPtr makeCpuMarcher(VolumePtr volume, TransferFunction transferFunction);
+/// The same of what has been made of both already, in `turns` if there are any.
+MarcherPtr makeCpuMarcherOf(std::shared_ptr<const MarchedVolume> marched, TurnsPtr turns);
 
 }  // namespace warpscope

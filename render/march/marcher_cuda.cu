@@ -20,6 +20,7 @@
 #include "render/march/device_cells.h"
 #include "render/march/device_octants.h"
 #include "render/march/device_segments.h"
+#include "render/march/device_table.h"
 #include "render/effects/relight.h"
 #include "render/march/device_volume.h"
 #include "render/march/march_launch.h"
@@ -225,12 +226,7 @@ class CudaMarcher final : public Marcher {
 
   void upload(const BakedTransfer& baked, const RenderSettings& settings) {
     bakedStep_ = 0.0f;
-    transfer_ = baked.table.lookup();
-    transfer_.entries = uploaded(entries_, baked.table.entries);
-    transfer_.alphas = uploaded(alphas_, baked.table.alphas);
-    transfer_.unitAlphas = uploaded(unitAlphas_, baked.table.unitAlphas);
-    transfer_.refinements = uploaded(refinements_, baked.table.refinements);
-    transfer_.begins = uploaded(begins_, baked.table.begins);
+    table_.upload(baked.table, stream_);
     segments_ = {.nodes = 0};
     if (baked.hasSegments()) {
       segments_ = baked.segments.lookup();
@@ -256,7 +252,7 @@ class CudaMarcher final : public Marcher {
 
   void findVisible(const BakedTransfer& baked) {
     const std::vector<int32_t> next = nextVisibleBins(baked.visible());
-    TransferLookup visibleBins = transfer_;
+    TransferLookup visibleBins = table_.lookup();
     if (baked.hasSegments()) {
       visibleBins = baked.visibleSegments.lookup();
       visibleBins.alphas = uploaded(visibleAlphas_, baked.visibleSegments.alphas);
@@ -283,7 +279,7 @@ class CudaMarcher final : public Marcher {
       job.view = makeVolumeView<Voxel>(*marched_);
       job.view.voxels = deviceVolume_->voxelsAs<Voxel>();
       job.view.setCells(deviceVolume_->cellsAs<Voxel>());
-      job.view.transfer = transfer_;
+      job.view.transfer = table_.lookup();
       job.view.transfer.isRefined = plan_->has(PlanStage::refinement);
       if (plan_->has(PlanStage::skipping)) {
         job.view.cells.distances = emptyDistances_.data();
@@ -446,11 +442,7 @@ class CudaMarcher final : public Marcher {
   bool hasOctants_ = false;      // octantDistances_ are found
   std::vector<float> lightKey_;  // of what the following are for; empty: nothing
   cuda::DeviceBuffer<uint16_t> lightValues_;
-  TransferLookup transfer_;  // into the next five
-  cuda::DeviceBuffer<glm::vec4> entries_;
-  cuda::DeviceBuffer<float> alphas_, unitAlphas_;
-  cuda::DeviceBuffer<TransferRefinement> refinements_;
-  cuda::DeviceBuffer<float> begins_;
+  DeviceTable table_;
   SegmentLookup segments_{.nodes = 0};  // into the next three; without nodes there are none
   cuda::DeviceBuffer<glm::vec4> segmentEntries_;
   cuda::DeviceBuffer<float> segmentAlphas_, segmentUnitAlphas_;

@@ -9,7 +9,7 @@
 #include "render/cuda/devices.h"
 #include "render/march/fallback_marcher.h"
 #include "render/march/marcher_cpu.h"
-#include "render/march/marcher_cuda.h"
+#include "render/march/piece_marcher_cuda.h"
 
 namespace warpscope {
 namespace {
@@ -18,7 +18,7 @@ std::string everywhere() { return {}; }
 
 constexpr MarcherDescriptor kMarchers[] = {
     {"cpu", "CPU", "all cores of the processor: every machine", Backend::cpu, everywhere, makeCpuMarcher},
-    {"cuda", "CUDA", "the first NVIDIA GPU", Backend::cuda, cuda::whyUnavailable, makeCudaMarcher},
+    {"cuda", "CUDA", "the first NVIDIA GPU", Backend::cuda, cuda::whyUnavailable, makeFittingCudaMarcher},
 };
 
 using Makers = std::vector<std::function<MarcherPtr()>>;

@@ -8,15 +8,18 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "render/core/backend.h"
 #include "render/core/camera.h"
 #include "render/effects/mip.h"
 #include "render/march/cell_block.h"
 #include "render/march/finished_ray.h"
+#include "render/volume/volume.h"
 
 namespace warpscope {
 
@@ -33,6 +36,11 @@ struct RelayedState {
 
   bool hasMet() const { return hasCounted || greatest.any || color.transmittance.exact() < 1.0 || color.color() != glm::dvec3(0.0); }
 };
+
+/// Pixels along the side of a tile, and a picture's tiles, row by row.
+inline constexpr uint32_t kRelayedSide = 32;
+uint32_t tilesOf(const Camera& camera);
+PixelArea areaOfTile(const Camera& camera, uint32_t tile);
 
 /// A ray under way.
 struct RelayedRay {
@@ -66,6 +74,10 @@ struct RelayedTile {
   std::vector<SegmentMerger> segments;  ///< as many, or none where nobody wants any
   std::vector<RelayedAgain> again;      ///< likewise; on the second way
 
+  /// Keeps what a ray of it has found that has ended; rays that have found nothing are not spoken of. `sample`: how samples are sent, or null where colours alone are
+  /// wanted. `pixels` and the ray's x and y are the picture's.
+  void keep(const FinishedRay& ray, const SampleSettings* sample, bool hasNormals, const SampleRule& rule, const PixelGrid& pixels);
+
   /// The first way is done; what rays have gathered is taken along. False if there is nothing to go for.
   bool beginAgain();
 
@@ -76,6 +88,7 @@ struct RelayedTile {
   std::vector<glm::vec4> colors;   ///< likewise; where they are not: linear, premultiplied
 
   std::chrono::steady_clock::time_point taken;  ///< when
+  bool isByDevice = false;                      ///< its part here was marched by a device
 
   RelayedRay& ray(uint32_t x, uint32_t y) { return rays[size_t{y - area.y} * area.width + (x - area.x)]; }
 };
@@ -89,11 +102,18 @@ class RayRelay {
   virtual const CellBlock& block() const = 0;
   /// The next tile of which all is known that lies in front; waits for it. Null if there will be no more. Safe on any thread.
   virtual std::unique_ptr<RelayedTile> take() = 0;
+  /// The same of a tile that is there already: null if none is. Safe on any thread.
+  virtual std::unique_ptr<RelayedTile> takeReady() = 0;
   /// When its part here has been marched. Safe on any thread.
   virtual void handOn(std::unique_ptr<RelayedTile> tile) = 0;
   /// take() gives no more.
   virtual void close() noexcept = 0;
 };
+
+/// Voxels on each side of a block's that marching its samples reads: one for gradients, and as many as a step is long; `axis`: 0, 1, 2.
+int marginOf(const RenderSettings& settings, const VolumeGeometry& geometry, int axis);
+/// The block's voxels, and those.
+VoxelRows rowsOf(const CellBlock& block, const RenderSettings& settings, const VolumeGeometry& geometry);
 
 /// Marches the part of rays that lies in one block of a volume.
 class PieceMarcher {
@@ -104,13 +124,19 @@ class PieceMarcher {
   /// the same copy, however the volume is cut; to those of one process they are as near as the copy is to the volume.
   virtual void setLightCopy(const ProxyPtr& copy) = 0;
 
-  /// Works at a relay's tiles, on all cores, until there are no more. `sample`: what is wanted of the rays beside their colours, or null. Reads voxels of the relay's
-  /// block and of a margin around it: one for gradients, and as many as a step is long. Throws what Marcher::march() does, UsageError for settings that whyNotInPieces() knows.
+  /// Works at a relay's tiles, on all cores, until there are no more. `sample`: what is wanted of the rays beside their colours, or null. Reads voxels of
+  /// rowsOf() the relay's block. Throws what Marcher::march() does, UsageError for settings that whyNotInPieces() knows.
   virtual void marchPieces(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample, RayRelay& relay, const std::stop_token& stop) = 0;
 };
 
 /// On the CPU. Shares what `marched` has.
 std::unique_ptr<PieceMarcher> makePieceMarcher(std::shared_ptr<const MarchedVolume> marched);
+
+/// What makes marchers of pieces, and where these march.
+struct PieceMaker {
+  std::function<std::unique_ptr<PieceMarcher>(std::shared_ptr<const MarchedVolume>)> make = makePieceMarcher;
+  Backend backend = Backend::cpu;
+};
 
 /// Whether rays by these settings want shadows or occlusion, for which a marcher of pieces is to have a copy of the volume.
 bool needsLightCopy(const RenderSettings& settings);

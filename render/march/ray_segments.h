@@ -123,6 +123,20 @@ class BasicSegmentMerger {
     for (int i = 0; i < room_; ++i) memory_.setCost(i, kNever);
   }
 
+  /// Becomes what `other` is, which has as much room and keeps what it holds elsewhere.
+  template <class Other>
+  WARPSCOPE_HD void take(const BasicSegmentMerger<Other>& other) {
+    size_ = other.size_;
+    tailPlace_ = other.tailPlace_;
+    tail_ = other.tail_;
+    lastMerged_ = other.lastMerged_;
+    isTailRenewed_ = other.isTailRenewed_;
+    next_ = other.next_;
+    before_ = other.before_;
+    for (int i = 0; i < room_; ++i) memory_.setCost(i, other.memory_.cost(i));
+    for (int i = first(); i != kNone && i != tailPlace_; i = behind(i)) memory_.setSegment(i, other.memory_.segment(i));
+  }
+
   WARPSCOPE_HD int size() const { return size_; }
   /// The nearest, and the one behind one; kNone if there is none.
   WARPSCOPE_HD int first() const { return size_ > 0 ? 0 : kNone; }  // nothing is merged into what lies behind it
@@ -168,6 +182,8 @@ class BasicSegmentMerger {
   }
 
  private:
+  template <class>
+  friend class BasicSegmentMerger;
   static constexpr uint32_t kNever = 0xffffffffu;
 
   /// Of numbers that are not negative, in their order.

@@ -20,33 +20,13 @@
 #include "render/effects/mip_batch.h"
 #include "render/effects/relight.h"
 #include "render/effects/shading.h"
+#include "render/march/depth_of_samples.h"
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
 #include "render/march/ray_relay.h"
 #include "render/march/visible_blocks.h"
 
 namespace warpscope {
-
-using DepthFunction = DepthResult (*)(const std::vector<CountingSample>&, float threshold);
-
-/// Depth of a finished ray or part of one. The argument holds every sample that counted: a second pass folds over them again.
-DepthFunction depthFunctionOf(Heuristic heuristic, bool hasSecondPass);
-
-/// How far samples are spread along their ray, whatever depth stands for them.
-float spreadOf(const std::vector<CountingSample>& counting);
-
-/// What stands for samples that count, and how far they are spread about it if the plan has that.
-struct DepthOfSamples {
-  DepthFunction depth = nullptr;
-  float threshold = 0.0f;
-  bool hasSpread = false;
-
-  DepthResult operator()(const std::vector<CountingSample>& counting) const {
-    DepthResult result = depth(counting, threshold);
-    if (hasSpread) result.spread = spreadOf(counting);
-    return result;
-  }
-};
 
 /// The samples that `Source` has to look at for what lies between the depths.
 template <class Source>
@@ -103,7 +83,7 @@ class TileMarcher {
     depthOfSamples_ = {depthFunctionOf(job.sample->heuristic, plan.has(PlanStage::secondPass)), job.sample->threshold, plan.has(PlanStage::spread)};
     if (plan.has(PlanStage::raySegments)) mostSegments_ = job.sample->segments;
     folded_.heuristic = job.sample->heuristic;
-    isFolded_ = !isDivided_ && !visitHeuristic(job.sample->heuristic, []<class Depth>(Depth) { return Depth::kTwoPass; });
+    isFolded_ = !isDivided_ && hasOnePass(job.sample->heuristic);
     if constexpr (requires { light.setup.isLit; }) hasNormals_ = mostSegments_ > 0 && dependsOnEye(light.setup);
   }
 
@@ -292,14 +272,7 @@ class TileMarcher {
 
   /// A ray that has one sample at most.
   void finishPiece(const RelayedRay& handed, Scratch& scratch, FinishedRay& finished) const {
-    scratch.found.clear();
-    if (handed.state.hasCounted) {
-      DepthResult depth = folded_.result(handed.state.fold);
-      if (depthOfSamples_.hasSpread) depth.spread = handed.state.moments.result().spread;
-      scratch.found.add({depth, finished.premultiplied});
-    } else if (!handed.counting.empty()) {
-      scratch.found.add({depthOfSamples_(handed.counting), finished.premultiplied});
-    }
+    findSampleOf(handed, depthOfSamples_, folded_.heuristic, finished.premultiplied, scratch.found);
     finished.samples = &scratch.found;
     job_.onRay(finished);
   }

@@ -43,6 +43,7 @@ class OneBrick final : public RayRelay {
     tile->isLast = true;
     return tile;
   }
+  std::unique_ptr<RelayedTile> takeReady() override { return take(); }
   void handOn(std::unique_ptr<RelayedTile> tile) override {
     for (size_t i = 0; i < tile->finished.size(); ++i) {
       const uint32_t place = tile->finished[i];
@@ -91,7 +92,7 @@ Asked askedBy(int count, char** words) {
 /// The picture by relayed rays; on the first process. Milliseconds of each run.
 std::vector<double> relayed(const VolumePtr& volume, const TransferFunction& function, const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image) {
   std::vector<double> ms;
-  const MarcherPtr marcher = makeRanksMarcher(leaderOf(volume), function);
+  const MarcherPtr marcher = makeRanksMarcher(leaderOf(volume, Backend::cpu), function);
   for (int run = 0; run < kRuns + 4; ++run) {  // the volume is cut anew during the first
     const auto from = std::chrono::steady_clock::now();
     marcher->render(camera, settings, image, {});
@@ -117,8 +118,7 @@ void run(const Asked& asked) {
   const std::vector<int> order = tree.nearToFar((camera.eye - volume->bounds().lower) * (1.0f / volume->geometry().voxelEdges()) - 0.5f);
   const auto place = std::ranges::find(order, ranks->rank()) - order.begin();
   const CellBlock& block = tree.blocks()[static_cast<size_t>(ranks->rank())];
-  const glm::ivec3 lower = glm::max(block.lower - 4, 0), upper = glm::min(block.upper + 5, glm::ivec3(volume->dims()));
-  volume->provide({{lower.y, lower.z}, {upper.y, upper.z}});
+  volume->provide(rowsOf(block, settings, volume->geometry()));
   MPI_Comm sorted;
   MPI_Comm_split(MPI_COMM_WORLD, 0, static_cast<int>(place), &sorted);
   const int root = static_cast<int>(std::ranges::find(order, 0) - order.begin());
@@ -144,7 +144,7 @@ void run(const Asked& asked) {
   MPI_Reduce(&ownMarch, &slowest, 1, MPI_DOUBLE, MPI_MAX, 0, MPI_COMM_WORLD);
   volume->releaseVoxels();
 
-  if (!ranks->isFirst()) return followFirst(volume, {});
+  if (!ranks->isFirst()) return followFirst(volume, Backend::cpu, {});
   const double relayMs = median(relayed(volume, scene.transferFunction, camera, settings, expected));
   float difference = 0.0f;
   for (size_t i = 0; i < whole.size(); ++i)

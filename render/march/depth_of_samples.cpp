@@ -1,6 +1,8 @@
-// Depths of rays that have been marched.
-// See tile_marcher.h.
-#include "render/march/tile_marcher.h"
+// Folds over samples that are at hand.
+// See depth_of_samples.h.
+#include "render/march/depth_of_samples.h"
+
+#include "render/core/counters.h"
 
 namespace warpscope {
 namespace {
@@ -39,21 +41,19 @@ DepthFunction depthFunctionOf(Heuristic heuristic, bool hasSecondPass) {
   });
 }
 
-bool RelayedTile::beginAgain() {
-  isAgain = true;
-  again.resize(rays.size());
-  bool any = false;
-  for (size_t place = 0; place < rays.size(); ++place) {
-    RelayedRay& ray = rays[place];
-    ray.isDone = !ray.hasMet();
-    ray.state.next = 0;
-    any = any || !ray.isDone;
-    if (!isDivided || ray.counting.size() < 2) continue;
-    again[place].isDivided = true;
-    again[place].accumulatedEnd = ray.counting.back().accumulatedAfter();
-    ray.counting.clear();
+bool hasOnePass(Heuristic heuristic) {
+  return visitHeuristic(heuristic, []<class Depth>(Depth) { return !Depth::kTwoPass; });
+}
+
+void findSampleOf(const RelayedRay& ray, const DepthOfSamples& ofList, Heuristic heuristic, const glm::vec4& premultiplied, RaySamples& found) {
+  found.clear();
+  if (ray.state.hasCounted) {
+    DepthResult depth = AnyDepth<false>{heuristic}.result(ray.state.fold);
+    if (ofList.hasSpread) depth.spread = ray.state.moments.result().spread;
+    found.add({depth, premultiplied});
+  } else if (!ray.counting.empty()) {
+    found.add({ofList(ray.counting), premultiplied});
   }
-  return any;
 }
 
 }  // namespace warpscope

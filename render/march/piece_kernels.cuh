@@ -1,0 +1,76 @@
+// One ray a thread, the part of it that lies in a block: the loop of march.h with the source of volume_source_scalar.h, which looks at no sample beyond the block.
+// The steps are those of TileMarcher::marchPiece, so that a ray may be marched here and there.
+// Two kernels a kind of voxel: heuristics, refined bins and segments are chosen at the samples, beside which memory that holds voxels but no cells takes longer. Included by the piece_kernels_*.cu alone.
+#pragma once
+
+#include "render/core/color.h"
+#include "render/effects/relight.h"
+#include "render/march/march.h"
+#include "render/march/piece_launch.h"
+#include "render/march/shared_mergers.cuh"
+#include "render/march/volume_source_scalar.h"
+
+namespace warpscope {
+
+template <class Light, class Voxel, bool kHasHoles>
+__global__ void __launch_bounds__(kTileBlockThreads) marchPieces(const __grid_constant__ PieceJob<Voxel> job, const __grid_constant__ Light light) {
+  const uint32_t number = blockIdx.x * kTileBlockThreads + threadIdx.x;
+  if (number >= job.count) return;
+  const PieceRay ray = job.rays[number];
+  PieceResult result;
+  SharedSegmentMerger segments(job.segmentSlots > 0 ? mergerRoomFor(job.segmentSlots) : 0);  // without room it has no memory, and is not used
+  if (ray.met >= 0) {
+    result.state = job.met[ray.met];
+    if (job.segmentSlots > 0) segments.take(job.metSegments[ray.met]);
+  }
+  RelayedState& state = result.state;
+
+  RayPath path;
+  path.ray = job.pixels.ray(ray.x, ray.y).ray;
+  const RayInterval inside = intersectBox(reciprocalOf(path.ray.origin, path.ray.direction), job.clip.bounds, 0.0f, std::numeric_limits<float>::infinity());
+  path.lattice = makeLattice(job.isClipped ? clipped(job.clip, path.ray, inside) : inside, job.step);
+  path.lattice.t0 += job.jitter.shiftOf(ray.x, ray.y);
+  const SampleSpan own = samplesWithin(job.block, job.view, path.ray, path.lattice);
+  const int begin = maxOf(own.begin, state.next);
+  state.next = maxOf(own.end, state.next);
+
+  result.isDone = ray.isLast;
+  if (begin < own.end) {
+    ScalarVolumeSource<Voxel, kHasHoles, false> source(job.view, path.ray, path.lattice);
+    SegmentedColor<StableMarch, SharedSegmentMerger> gathered(job.segmentSlots > 0 ? &segments : nullptr, path.lattice);
+    static_cast<RayColor&>(gathered) = state.color;
+    marchRay(path, begin, own.end, source, light, job.limits, gathered, [&](const CountingSample& met) {
+      if (!job.wantsSamples) return true;
+      if (!state.hasCounted) state.fold = job.depth.start(job.threshold, ProfileFold{});
+      state.hasCounted = true;
+      state.fold.add(met);
+      if (job.hasSpread) state.moments.add(met);
+      return true;
+    });
+    state.color = gathered;
+    result.isDone = result.isDone || gathered.transmittance.value() < job.limits.stopBelow;
+  }
+  if (job.segmentSlots > 0 && segments.size() > 0) {
+    if (result.isDone) segments.reduceTo(job.segmentSlots);
+    result.segments = static_cast<int32_t>(atomicAdd(job.segmentCount, 1u));
+    SegmentMerger kept(mergerRoomFor(job.segmentSlots));
+    kept.take(segments);
+    job.segments[result.segments] = kept;
+  }
+  job.results[number] = result;
+}
+
+template <class Voxel, bool kHasHoles>
+void launchPieces(const PieceJob<Voxel>& job, const ShadingSetup& shading, cudaStream_t stream) {
+  const unsigned blocks = cuda::blocksFor(job.count, kTileBlockThreads);
+  visitLight(shading, [&](auto light) {
+    constexpr auto kernel = marchPieces<decltype(light), Voxel, kHasHoles>;
+    if (job.segmentSlots > 0)
+      launchWithMergers(kernel, blocks, stream, job.segmentSlots, job, light);
+    else
+      kernel<<<blocks, kTileBlockThreads, 0, stream>>>(job, light);
+  });
+  WARPSCOPE_CUDA_CHECK_LAUNCH();
+}
+
+}  // namespace warpscope

@@ -1,0 +1,60 @@
+// What a march of pieces on a device is told, and how it is started. For .cu files.
+// The rays: ray_relay.h. Compiled by piece_kernels_*.cu, one for each kind of voxel.
+#pragma once
+
+#include "render/cuda/memory.h"
+#include "render/effects/clip.h"
+#include "render/effects/jitter.h"
+#include "render/effects/shading.h"
+#include "render/march/cell_block.h"
+#include "render/march/ray_relay.h"
+#include "render/march/ray_segments.h"
+
+namespace warpscope {
+
+/// A ray under way, as it comes.
+struct PieceRay {
+  uint32_t x = 0, y = 0;  ///< pixel of the picture
+  int32_t met = -1;       ///< which of the states it has; below 0: it has met nothing yet
+  bool isLast = false;    ///< nothing else lies behind the block
+};
+
+/// As it goes on.
+struct PieceResult {
+  RelayedState state;
+  int32_t segments = -1;  ///< which of the mergers is its; below 0: it has merged nothing
+  bool isDone = false;
+};
+
+/// All pointers are to device memory.
+template <class Voxel>
+struct PieceJob {
+  VolumeView<Voxel> view;  ///< whose voxels are those that the block's samples read
+  ClipSetup clip;
+  Jitter jitter;  ///< its noise on the device
+  PixelGrid pixels;
+  CellBlock block;
+  float step = 0.5f;
+  RayLimits limits;
+  // What the plan has.
+  bool isClipped = false;
+  bool wantsSamples = false;  ///< folded by `depth`, a heuristic of one pass
+  bool hasSpread = false;
+  AnyDepth<false> depth;
+  float threshold = 0.0f;
+  int segmentSlots = 0;  ///< most segments of a ray; 0: nobody wants any
+
+  uint32_t count = 0;  ///< of rays
+  const PieceRay* rays = nullptr;
+  const RelayedState* met = nullptr;
+  const SegmentMerger* metSegments = nullptr;  ///< as many; null where nobody wants any
+  PieceResult* results = nullptr;              ///< one a ray
+  SegmentMerger* segments = nullptr;           ///< room for one a ray, likewise; those that merged anything are in front, in any order
+  uint32_t* segmentCount = nullptr;            ///< of them; 0 before
+};
+
+/// Marches each ray's samples in the block, behind what it has met, in the light of `shading`; rays that are done then have no more segments than are wanted.
+template <class Voxel, bool kHasHoles>
+void launchPieces(const PieceJob<Voxel>& job, const ShadingSetup& shading, cudaStream_t stream);
+
+}  // namespace warpscope

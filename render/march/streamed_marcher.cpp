@@ -1,0 +1,195 @@
+// All tiles through a slab, and what is left of them through the next.
+// See streamed_marcher.h.
+#include "render/march/streamed_marcher.h"
+
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+#include "render/march/marcher_cpu.h"
+#include "render/march/piecewise_marcher.h"
+
+namespace warpscope {
+namespace {
+
+using Tiles = std::vector<std::unique_ptr<RelayedTile>>;
+
+/// Cells of a volume: between voxels, one where there is but one voxel.
+glm::ivec3 cellsOf(const Volume& volume) { return glm::max(glm::ivec3(volume.dims()) - 1, 1); }
+
+/// Of at most so many slices of cells, what the transfer function shows anything in: the box around it.
+std::vector<CellBlock> visibleSlabs(const MarchedVolume& marched, const BakedTransfer& baked, int most) {
+  const Macrocells& cells = marched.macrocells;
+  const glm::ivec3 all = cellsOf(*marched.volume), dims = cells.dims();
+  std::vector<CellBlock> slabs;
+  for (int lower = 0; lower < all.z; lower += most) {
+    const int upper = std::min(lower + most, all.z);
+    CellBlock slab{all, glm::ivec3(0)};
+    for (int z = lower / cells.edge(); z * cells.edge() < upper && z < dims.z; ++z)
+      for (int y = 0; y < dims.y; ++y)
+        for (int x = 0; x < dims.x; ++x) {
+          if (baked.emptyDistances[(static_cast<size_t>(z) * static_cast<size_t>(dims.y) + static_cast<size_t>(y)) * static_cast<size_t>(dims.x) + static_cast<size_t>(x)] > 0) continue;
+          const glm::ivec3 corner = glm::ivec3(x, y, z) * cells.edge();
+          slab.lower = glm::min(slab.lower, corner);
+          slab.upper = glm::max(slab.upper, corner + cells.edge());
+        }
+    slab.lower.z = std::max(slab.lower.z, lower);
+    slab.upper = glm::min(slab.upper, glm::ivec3(all.x, all.y, upper));
+    if (glm::all(glm::lessThan(slab.lower, slab.upper))) slabs.push_back(slab);
+  }
+  return slabs;
+}
+
+/// The nearest first: slabs on one side of the eye are in their order, and no ray comes through slabs on both.
+void sortNearToFar(std::vector<CellBlock>& slabs, float eye) {
+  const auto away = [&](const CellBlock& slab) { return std::max({static_cast<float>(slab.lower.z) - eye, eye - static_cast<float>(slab.upper.z), 0.0f}); };
+  std::ranges::stable_sort(slabs, [&](const CellBlock& a, const CellBlock& b) { return away(a) < away(b); });
+}
+
+/// Each of these tiles once; what is left of them afterwards.
+class SlabRelay final : public RayRelay {
+ public:
+  template <class OnOutcome>
+  SlabRelay(const CellBlock& block, Tiles tiles, bool isLast, const OnOutcome& onOutcome) : block_(block), isLast_(isLast), tiles_(std::move(tiles)), onOutcome_(onOutcome) {}
+
+  const CellBlock& block() const override { return block_; }
+  std::unique_ptr<RelayedTile> take() override {
+    const std::scoped_lock lock(mutex_);
+    if (isClosed_ || next_ == tiles_.size()) return nullptr;
+    std::unique_ptr<RelayedTile> tile = std::move(tiles_[next_++]);
+    tile->isLast = isLast_;
+    return tile;
+  }
+  std::unique_ptr<RelayedTile> takeReady() override { return take(); }
+  void handOn(std::unique_ptr<RelayedTile> tile) override {
+    const std::scoped_lock lock(mutex_);
+    if (!tile->finished.empty()) onOutcome_({tile->area, tile->finished, tile->found, tile->colors});
+    tile->finished.clear(), tile->found = {}, tile->colors.clear();
+    const bool isDone = std::ranges::all_of(tile->rays, &RelayedRay::isDone);
+    if (isDone && (!tile->goesTwice || tile->isAgain || !tile->beginAgain())) return;
+    (isDone ? again_ : left_).push_back(std::move(tile));
+  }
+  void close() noexcept override {
+    const std::scoped_lock lock(mutex_);
+    isClosed_ = true;
+  }
+
+  Tiles takeLeft() { return std::move(left_); }    ///< with rays that have not ended
+  Tiles takeAgain() { return std::move(again_); }  ///< that go a second way
+
+ private:
+  const CellBlock block_;
+  const bool isLast_;
+  std::mutex mutex_;  // of what follows
+  Tiles tiles_;
+  size_t next_ = 0;
+  bool isClosed_ = false;
+  const std::function<void(const PieceOutcome&)>& onOutcome_;
+  Tiles left_, again_;
+};
+
+class StreamedMarcher final : public PiecewiseMarcher {
+ public:
+  StreamedMarcher(MarchedVolumePtr marched, PieceMaker makePieces, int slices, TurnsPtr turns)
+      : PiecewiseMarcher(std::move(marched), "the volume is marched slab by slab"),
+        makePieces_(std::move(makePieces)),
+        slices_(slices),
+        turns_(std::move(turns)),
+        pieces_(makePieces_.make(this->marched())),
+        whole_(makeCpuMarcherOf(this->marched(), turns_)) {}
+
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    return isForSlabs(settings.render, settings.sample) ? PiecewiseMarcher::march(camera, settings, stop) : whole_->march(camera, settings, stop);
+  }
+  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
+    isForSlabs(settings, std::nullopt) ? PiecewiseMarcher::render(camera, settings, image, stop) : whole_->render(camera, settings, image, stop);
+  }
+
+  Backend backend() const override { return makePieces_.backend; }
+  MarcherCapabilities capabilities() const override { return {}; }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr turns) const override { return makeStreamedMarcher(marched(), makePieces_, slices_, std::move(turns)); }
+  MarcherPtr withTransferFunction(TransferFunction function) const override {
+    return makeStreamedMarcher(std::make_shared<const MarchedVolume>(*marched(), std::move(function)), makePieces_, slices_, turns_);
+  }
+
+ private:
+  /// Whether a cell that shows nothing needs not be looked at, nor anything that does not lie on the ray.
+  bool isForSlabs(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const {
+    if (!whyNotInPieces(settings).empty() || settings.effects.mode != RenderMode::composite) return false;
+    const EffectPlan plan = *this->plan(settings, sample);
+    return !plan.has(PlanStage::segments) && !plan.has(PlanStage::lightVolume);
+  }
+
+  ProxyPtr proxyFor(int longest, const std::stop_token& stop) override { return marched()->proxyFor(longest, stop); }
+
+  void marchTiles(const Camera& camera, const RenderSettings& settings, const std::optional<SampleSettings>& sample, const std::stop_token& stop,
+                  const OnOutcome& onOutcome) override {
+    const std::shared_ptr<const BakedTransfer> baked = marched()->bakedFor(settings);
+    const Volume& volume = *this->volume();
+    const int cells = std::max(slices_ - 1 - 2 * marginOf(settings, volume.geometry(), 2), 1);
+    if (baked != slabsOf_ || cells != slabCells_) {
+      slabs_ = visibleSlabs(*marched(), *baked, cells);
+      slabsOf_ = baked;
+      slabCells_ = cells;
+    }
+    sortNearToFar(slabs_, (camera.eye.z - volume.bounds().lower.z) / volume.geometry().voxelEdges().z - 0.5f);
+    Tiles tiles;
+    for (uint32_t tile = 0; tile < tilesOf(camera); ++tile) {
+      auto& next = tiles.emplace_back(std::make_unique<RelayedTile>());
+      next->index = tile;
+      next->area = areaOfTile(camera, tile);
+      next->rays.resize(next->area.count());
+    }
+    Tiles again;
+    size_t slab = 0;
+    bool isAgain = false;
+    // True once all is done.
+    const auto marchNext = [&] {
+      if (slab == slabs_.size() || tiles.empty()) {
+        if (isAgain || again.empty()) return true;
+        tiles = std::move(again);
+        isAgain = true;
+        slab = 0;
+      }
+      SlabRelay relay(slabs_[slab], std::move(tiles), slab + 1 == slabs_.size(), onOutcome);
+      pieces_->marchPieces(camera, settings, sample ? &*sample : nullptr, relay, stop);
+      ++slab;
+      tiles = relay.takeLeft();
+      for (std::unique_ptr<RelayedTile>& tile : relay.takeAgain()) again.push_back(std::move(tile));
+      return false;
+    };
+    TurnsOfJob turns(turns_.get());
+    if (!turns.areLimited()) {
+      while (!marchNext()) {
+      }
+      return;
+    }
+    const auto marchUntil = [&](std::chrono::steady_clock::time_point end) {
+      do
+        if (marchNext()) return true;
+      while (std::chrono::steady_clock::now() < end);
+      return false;
+    };
+    while (!turns.work(stop, marchUntil, [&] { return static_cast<double>(slab) / static_cast<double>(slabs_.size() + 1); })) {
+    }
+  }
+
+  const PieceMaker makePieces_;
+  const int slices_;
+  const TurnsPtr turns_;
+  const std::unique_ptr<PieceMarcher> pieces_;
+  const MarcherPtr whole_;
+  // Of the picture that is marched.
+  std::shared_ptr<const BakedTransfer> slabsOf_;  // whose the slabs are
+  int slabCells_ = 0;  // of at most so many slices each
+  std::vector<CellBlock> slabs_;
+};
+
+}  // namespace
+
+MarcherPtr makeStreamedMarcher(MarchedVolumePtr marched, PieceMaker makePieces, int slices, TurnsPtr turns) {
+  return std::make_shared<StreamedMarcher>(std::move(marched), std::move(makePieces), slices, std::move(turns));
+}
+
+}  // namespace warpscope

@@ -1,0 +1,171 @@
+// Bricks that are marched by a device: frames are those of one CPU, bit for bit, whatever mixture of devices and CPUs has the bricks.
+// Mirrors render/march/piece_marcher_cuda.h. The ranks are threads here, and share the device.
+#include "render/march/piece_marcher_cuda.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+
+#include "render/base/error.h"
+#include "render/cuda/devices.h"
+#include "render/march/depth_of_samples.h"
+#include "render/march/device_volume.h"
+#include "render/march/marcher_cpu.h"
+#include "render/march/streamed_marcher.h"
+#include "tests/gpu/agreement.h"
+#include "tests/headless.h"
+#include "tests/marcher_cases.h"
+#include "tests/spread_cases.h"
+#include "tests/spread_volume.h"
+#include "tests/test_volumes.h"
+
+namespace warpscope {
+namespace {
+
+PieceMaker onDevice(int /*rank*/) { return makeCudaPieces(false, {}); }
+/// Every second one.
+PieceMaker onSome(int rank) { return rank % 2 == 0 ? makeCudaPieces(false, {}) : PieceMaker{}; }
+
+/// Tiles that a device marched for the last frame, and all.
+std::pair<uint32_t, uint32_t> tilesOf(const Spread& spread) {
+  std::pair<uint32_t, uint32_t> tiles{0, 0};
+  for (const RankWork& work : spread.lastWork()) tiles.first += work.deviceTiles, tiles.second += work.tiles;
+  return tiles;
+}
+
+TEST(PiecesOnDevice, FramesAreThoseOfOneProcessByEveryHeuristic) {
+  WARPSCOPE_NEEDS_GPU();
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
+  const TransferFunction function = band(15, 80, 0.08f);
+  const MarcherPtr alone = makeCpuMarcher(whole, function);
+  for (const int count : {1, 2, 7}) {
+    SCOPED_TRACE(count);
+    const Spread spread(whole, function, count, onDevice), mixed(whole, function, count, onSome);
+    for (const Camera& camera : cameras())
+      for (const auto& heuristic : kHeuristics) {
+        SCOPED_TRACE(heuristic.name);
+        MarchSettings settings;
+        settings.sample.heuristic = heuristic.value;
+        settings.sample.radiusPolicy = RadiusPolicy::uncertainty;
+        settings.sample.sendsSpread = true;
+        const SampleFrame expected = alone->march(camera, settings);
+        ASSERT_GT(expected.size(), 100u);
+        ASSERT_TRUE(sameFrame(spread->march(camera, settings), expected));
+        const auto [byDevice, all] = tilesOf(spread);
+        EXPECT_EQ(byDevice, hasOnePass(heuristic.value) ? all : 0u);
+        ASSERT_TRUE(sameFrame(mixed->march(camera, settings), expected));
+      }
+  }
+}
+
+TEST(PiecesOnDevice, FramesAndPicturesAreThoseOfOneProcessWhateverIsAskedOfThem) {
+  WARPSCOPE_NEEDS_GPU();
+  const FieldFunction field = blobs(kDims, 11);
+  for (const VoxelType type : kAllVoxelTypes)
+    for (const bool hasHoles : {false, true}) {
+      if (hasHoles && type != VoxelType::float32) continue;
+      SCOPED_TRACE(testing::Message() << nameOf(type) << ", holes " << hasHoles);
+      const VolumePtr whole = makeTestVolume(type, kDims, [&](const glm::ivec3& p) { return hasHoles && (p.x * 7 + p.y * 3 + p.z) % 41 == 0 ? std::nan("") : field(p); });
+      const TransferFunction function = band(15, 80, 0.3f);
+      const MarcherPtr alone = makeCpuMarcher(whole, function);
+      const Spread spread(whole, function, 5, onDevice), mixed(whole, function, 4, onSome);
+      for (const auto& [name, settings] : variants())
+        for (const Camera& camera : cameras()) {
+          SCOPED_TRACE(name);
+          ASSERT_TRUE(sameFrame(spread->march(camera, settings), alone->march(camera, settings)));
+          if (name == "plain" || name == "segments" || name == "lit") {
+            EXPECT_GT(tilesOf(spread).first, 0u);
+          }
+          ASSERT_TRUE(sameBits(rendered(*spread, camera, settings), rendered(*alone, camera, settings)));
+          ASSERT_TRUE(sameFrame(mixed->march(camera, settings), alone->march(camera, settings)));
+        }
+    }
+}
+
+TEST(PiecesOnDevice, AnotherFunctionSharesTheVoxelsWhereValuesHaveTheSameScale) {
+  WARPSCOPE_NEEDS_GPU();
+  for (const VoxelType type : {VoxelType::uint16, VoxelType::int32}) {
+    SCOPED_TRACE(nameOf(type));
+    const VolumePtr whole = makeTestVolume(type, kDims, blobs(kDims, 2));
+    const Camera camera = cameras().front();
+    const Spread spread(whole, band(10, 30, 0.2f), 3, onDevice);
+    for (const TransferFunction& function : {band(40, 90, 0.5f), everywhere(0.01f), band(200, 300, 1.0f), band(40, 90, 0.5f)}) {
+      const MarcherPtr alone = makeCpuMarcher(whole, function), other = spread->withTransferFunction(function);
+      EXPECT_TRUE(sameFrame(other->march(camera, {}), alone->march(camera, {})));
+      EXPECT_TRUE(sameFrame(spread->march(camera, {}), makeCpuMarcher(whole, band(10, 30, 0.2f))->march(camera, {})));
+    }
+  }
+}
+
+TEST(PiecesOnDevice, AMarchThatIsStoppedLeavesRanksThatWork) {
+  WARPSCOPE_NEEDS_GPU();
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
+  const MarcherPtr alone = makeCpuMarcher(whole, everywhere(0.001f));
+  const Spread spread(whole, everywhere(0.001f), 3, onDevice);
+  const Camera small = cameras().front(), large = lookingFrom({80.0f, 30.0f, 45.0f}, {}, 512, 512);
+  MarchSettings fine;
+  fine.render.step = 1e-3f;
+  for (int i = 0; i < 5; ++i) {
+    std::stop_source source;
+    const std::jthread stopper([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10 * i));
+      source.request_stop();
+    });
+    try {
+      spread->march(large, fine, source.get_token());
+    } catch (const OperationCancelled&) {
+    }
+    EXPECT_TRUE(sameFrame(spread->march(small, {}), alone->march(small, {})));
+  }
+}
+
+TEST(StreamedOnDevice, FramesAndPicturesAreThoseOfAllOfTheVolume) {
+  WARPSCOPE_NEEDS_GPU();
+  const FieldFunction field = blobs(kDims, 11);
+  for (const VoxelType type : {VoxelType::uint8, VoxelType::uint16, VoxelType::float32}) {
+    SCOPED_TRACE(nameOf(type));
+    const auto marched = std::make_shared<const MarchedVolume>(makeTestVolume(type, kDims, field), band(15, 80, 0.3f));
+    const MarcherPtr alone = makeCpuMarcherOf(marched, nullptr);
+    for (const int slices : {9, 17, 1000}) {
+      SCOPED_TRACE(slices);
+      const MarcherPtr streamed = makeStreamedMarcher(marched, makeCudaPieces(false, {}), slices), twin = streamed->twin();
+      for (const auto& [name, settings] : variants())
+        for (const Camera& camera : cameras()) {
+          ASSERT_TRUE(sameFrame(streamed->march(camera, settings), alone->march(camera, settings))) << name;
+          ASSERT_TRUE(sameBits(rendered(*twin, camera, settings), rendered(*alone, camera, settings))) << name;
+        }
+    }
+  }
+}
+
+/// Rows of a volume, compared where they were asked for; what lies in others does not matter.
+TEST(DeviceBrick, HasWhatWasAskedForHoweverThatMoves) {
+  WARPSCOPE_NEEDS_GPU();
+  const glm::uvec3 dims(300, 250, 90);  // some pages a slice, with borders inside of rows
+  for (const VoxelType type : {VoxelType::uint8, VoxelType::int16, VoxelType::float64}) {
+    SCOPED_TRACE(nameOf(type));
+    const VolumePtr whole = makeTestVolume(type, dims, [](const glm::ivec3& p) { return (p.x * 31 + p.y * 17 + p.z * 13) % 101; });
+    const ValueScale scale = valueScaleOf(type, whole->statistics(), band(1, 99, 1.0f));
+    DeviceBrick brick(whole, scale);
+    EXPECT_EQ(brick.bytes(), 0u);
+    for (const VoxelRows& rows : {VoxelRows{{10, 5}, {100, 40}}, VoxelRows{{0, 0}, {250, 90}}, VoxelRows{{200, 70}, {250, 90}}, VoxelRows{{20, 60}, {60, 80}}, VoxelRows{{50, 62}, {70, 81}},
+                                  VoxelRows{{40, 62}, {69, 79}}, VoxelRows{{3, 3}, {3, 9}}}) {
+      brick.provide(rows);
+      for (uint32_t z = rows.lower.y; z < rows.upper.y; ++z) {
+        const size_t first = (size_t{z} * dims.y + rows.lower.x) * dims.x, count = size_t{rows.upper.x - rows.lower.x} * dims.x;
+        visitVoxelType(type, [&](auto voxelTag) {
+          using Voxel = decltype(voxelTag);
+          using Kept = std::conditional_t<(sizeof(Voxel) > 2), InterpolantVoxel, Voxel>;
+          std::vector<Kept> has(count);
+          ASSERT_EQ(cudaMemcpy(has.data(), brick.voxelsAs<Kept>() + first, count * sizeof(Kept), cudaMemcpyDeviceToHost), cudaSuccess);
+          for (size_t i = 0; i < count; ++i)
+            ASSERT_EQ(interpolant(has[i], scale), interpolant(whole->voxelsAs<Voxel>()[first + i], scale)) << z << ", " << i;
+        });
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace warpscope
