@@ -50,23 +50,34 @@ bool makeCells(const Voxel* voxels, const glm::ivec3& dims, cuda::DeviceBuffer<s
 template <class Voxel>
 using Kept = std::conditional_t<(sizeof(Voxel) > 2), InterpolantVoxel, Voxel>;
 
-/// Voxels [first, end) of the volume into their places behind `to`, its first one's. `scratch`: used where they have to be converted. Waits for what it copies from
-/// memory that is not page-locked.
+/// Voxels of the volume, from the first on.
+struct VoxelSpan {
+  size_t first = 0, end = 0;
+};
+
+/// These voxels into their places behind `to`, the first one's. Waits until they are there.
 template <class Voxel>
-void copyVoxels(const Volume& volume, const ValueScale& scale, size_t first, size_t end, std::byte* to, cuda::DeviceBuffer<std::byte>& scratch, cudaStream_t stream) {
+void copyVoxels(const Volume& volume, const ValueScale& scale, std::span<const VoxelSpan> spans, std::byte* to, cuda::StagedCopy& copy) {
   const Voxel* const voxels = volume.voxelsAs<Voxel>();
-  for (; first < end; first += kChunk) {
-    const size_t size = std::min(end - first, kChunk);
-    keepWithinMemoryLimit();
-    if constexpr (sizeof(Voxel) <= 2) {
-      WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(to + first * sizeof(Voxel), voxels + first, size * sizeof(Voxel), cudaMemcpyHostToDevice, stream));
-    } else {
-      auto* const values = reinterpret_cast<InterpolantVoxel*>(to);
-      scratch.upload(std::as_bytes(std::span(voxels + first, size)), stream);
-      constexpr unsigned kThreads = 256;
-      toInterpolants<<<cuda::blocksFor(size, kThreads), kThreads, 0, stream>>>(reinterpret_cast<const Voxel*>(scratch.data()), values + first, size, scale);
-      WARPSCOPE_CUDA_CHECK_LAUNCH();
-    }
+  if constexpr (sizeof(Voxel) <= 2) {
+    std::vector<cuda::CopiedRange> ranges;
+    for (const auto& [first, end] : spans)
+      ranges.push_back({reinterpret_cast<const std::byte*>(voxels + first), to + first * sizeof(Voxel), (end - first) * sizeof(Voxel)});
+    copy.copy(ranges, keepWithinMemoryLimit);
+  } else {
+    const cuda::Stream stream;
+    cuda::DeviceBuffer<Voxel> chunk;
+    auto* const values = reinterpret_cast<InterpolantVoxel*>(to);
+    for (const auto& [begin, end] : spans)
+      for (size_t first = begin; first < end; first += kChunk) {
+        const size_t size = std::min(end - first, kChunk);
+        keepWithinMemoryLimit();
+        chunk.upload(std::span(voxels + first, size), stream);
+        constexpr unsigned kThreads = 256;
+        toInterpolants<<<cuda::blocksFor(size, kThreads), kThreads, 0, stream>>>(chunk.data(), values + first, size, scale);
+        WARPSCOPE_CUDA_CHECK_LAUNCH();
+      }
+    stream.synchronize();
   }
 }
 
@@ -90,10 +101,11 @@ size_t bytesOnDevice(VoxelType type) {
 DeviceVolume::DeviceVolume(const Volume& volume, const ValueScale& scale)
     : type_(volume.type()), dims_(volume.dims()), hasHoles_(volume.statistics().nonFinite > 0), bytes_(volume.voxelCount() * bytesOnDevice(volume.type())) {
   const cuda::Stream stream;
-  cuda::DeviceBuffer<std::byte> scratch;
+  cuda::StagedCopy copy;
   visitVoxelType(type_, [&](auto voxelTag) {
     using Voxel = decltype(voxelTag);
-    copyVoxels<Voxel>(volume, scale, 0, volume.voxelCount(), bytes_.data(), scratch, stream);
+    const VoxelSpan all{0, volume.voxelCount()};
+    copyVoxels<Voxel>(volume, scale, std::span(&all, 1), bytes_.data(), copy);
     cuda::DeviceBuffer<std::byte> cells;
     isInCells_ = makeCells(reinterpret_cast<const Kept<Voxel>*>(bytes_.data()), glm::ivec3(volume.dims()), cells, stream);
     if (isInCells_) {
@@ -123,34 +135,29 @@ void DeviceBrick::provide(const VoxelRows& rows) {
   };
   if (4 * others > needed) forget();
   try {
-    if (isAny && wanted.first == 0 && wanted.second == volume_->dims().y) {  // one piece of memory instead of one a slice
-      const size_t slice = size_t{volume_->dims().x} * volume_->dims().y * bytesOnDevice(type());
-      memory_.back(rows.lower.y * slice, rows.upper.y * slice);
-    }
+    const size_t row = volume_->dims().x, slice = row * volume_->dims().y, each = bytesOnDevice(type());
+    if (isAny && wanted.first == 0 && wanted.second == volume_->dims().y)  // one piece of memory instead of one a slice
+      memory_.back(rows.lower.y * slice * each, rows.upper.y * slice * each);
+    std::vector<VoxelSpan> missing;
     for (uint32_t z = rows.lower.y; isAny && z < rows.upper.y; ++z) {
       Rows& has = rows_[z];
-      if (has.second < wanted.first || wanted.second < has.first || has.first == has.second) {  // what lies between is not asked for, nor is it there
-        copy(z, wanted);
-        has = wanted;
-        continue;
-      }
-      if (wanted.first < has.first) copy(z, {wanted.first, has.first});
-      if (has.second < wanted.second) copy(z, {has.second, wanted.second});
+      const auto want = [&](uint32_t first, uint32_t second) {
+        if (first >= second) return;
+        missing.push_back({z * slice + first * row, z * slice + second * row});
+        memory_.back(missing.back().first * each, missing.back().end * each);
+      };
+      // Where nothing of it is there, or another part, what lies between is not asked for, nor is it there.
+      if (has.second < wanted.first || wanted.second < has.first || has.first == has.second) has = {wanted.first, wanted.first};
+      want(wanted.first, std::min(has.first, wanted.second));
+      want(std::max(has.second, wanted.first), wanted.second);
       has = {std::min(has.first, wanted.first), std::max(has.second, wanted.second)};
     }
-    stream_.synchronize();
+    visitVoxelType(type(), [&](auto voxelTag) { copyVoxels<decltype(voxelTag)>(*volume_, scale_, missing, memory_.data(), copy_); });
   } catch (...) {
-    cudaStreamSynchronize(stream_);
+    cudaDeviceSynchronize();  // copies may be on their way
     forget();
     throw;
   }
-}
-
-void DeviceBrick::copy(uint32_t slice, const Rows& rows) {
-  const glm::uvec3& dims = volume_->dims();
-  const size_t begin = (size_t{slice} * dims.y + rows.first) * dims.x, end = (size_t{slice} * dims.y + rows.second) * dims.x, each = bytesOnDevice(type());
-  memory_.back(begin * each, end * each);
-  visitVoxelType(type(), [&](auto voxelTag) { copyVoxels<decltype(voxelTag)>(*volume_, scale_, begin, end, memory_.data(), scratch_, stream_); });
 }
 
 }  // namespace warpscope

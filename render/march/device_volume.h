@@ -9,6 +9,7 @@
 
 #include "render/cuda/memory.h"
 #include "render/cuda/sparse_memory.h"
+#include "render/cuda/staged_copy.h"
 #include "render/volume/volume.h"
 #include "render/volume/voxel_access.h"
 
@@ -74,13 +75,10 @@ class DeviceBrick {
  private:
   using Rows = std::pair<uint32_t, uint32_t>;  // along y: [first, second)
 
-  void copy(uint32_t slice, const Rows& rows);
-
   const VolumePtr volume_;
   const ValueScale scale_;
-  cuda::Stream stream_;
   cuda::SparseMemory memory_;
-  cuda::DeviceBuffer<std::byte> scratch_;
+  cuda::StagedCopy copy_;
   std::vector<Rows> rows_;  // of each slice
 };
 

@@ -17,13 +17,12 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchPieces(const __grid_co
   const uint32_t number = blockIdx.x * kTileBlockThreads + threadIdx.x;
   if (number >= job.count) return;
   const PieceRay ray = job.rays[number];
-  PieceResult result;
+  RelayedState state;
   SharedSegmentMerger segments(job.segmentSlots > 0 ? mergerRoomFor(job.segmentSlots) : 0);  // without room it has no memory, and is not used
   if (ray.met >= 0) {
-    result.state = job.met[ray.met];
+    state = job.met[ray.met];
     if (job.segmentSlots > 0) segments.take(job.metSegments[ray.met]);
   }
-  RelayedState& state = result.state;
 
   RayPath path;
   path.ray = job.pixels.ray(ray.x, ray.y).ray;
@@ -34,7 +33,7 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchPieces(const __grid_co
   const int begin = maxOf(own.begin, state.next);
   state.next = maxOf(own.end, state.next);
 
-  result.isDone = ray.isLast;
+  bool isDone = ray.isLast;
   if (begin < own.end) {
     ScalarVolumeSource<Voxel, kHasHoles, false> source(job.view, path.ray, path.lattice);
     SegmentedColor<StableMarch, SharedSegmentMerger> gathered(job.segmentSlots > 0 ? &segments : nullptr, path.lattice);
@@ -48,16 +47,21 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchPieces(const __grid_co
       return true;
     });
     state.color = gathered;
-    result.isDone = result.isDone || gathered.transmittance.value() < job.limits.stopBelow;
+    isDone = isDone || gathered.transmittance.value() < job.limits.stopBelow;
   }
-  if (job.segmentSlots > 0 && segments.size() > 0) {
-    if (result.isDone) segments.reduceTo(job.segmentSlots);
-    result.segments = static_cast<int32_t>(atomicAdd(job.segmentCount, 1u));
+  const bool hasSegments = job.segmentSlots > 0 && segments.size() > 0;
+  int left = -1;
+  if (state.hasMet() || hasSegments) {
+    left = static_cast<int>(atomicAdd(job.leftCount, 1u));
+    job.left[left] = state;
+  }
+  if (job.segmentSlots > 0 && left >= 0) {
+    if (isDone) segments.reduceTo(job.segmentSlots);
     SegmentMerger kept(mergerRoomFor(job.segmentSlots));
     kept.take(segments);
-    job.segments[result.segments] = kept;
+    job.leftSegments[left] = kept;
   }
-  job.results[number] = result;
+  job.results[number] = {left, isDone};
 }
 
 template <class Voxel, bool kHasHoles>

@@ -21,14 +21,25 @@ struct PieceRay {
 
 /// As it goes on.
 struct PieceResult {
-  RelayedState state;
-  int32_t segments = -1;  ///< which of the mergers is its; below 0: it has merged nothing
+  int32_t met = -1;  ///< which of the states that are left is its; below 0: it has met nothing yet
   bool isDone = false;
 };
 
-/// All pointers are to device memory.
+/// Rays that are marched at once. All pointers are to device memory.
+struct PieceRays {
+  uint32_t count = 0;  ///< of rays
+  const PieceRay* rays = nullptr;
+  const RelayedState* met = nullptr;
+  const SegmentMerger* metSegments = nullptr;  ///< as many; null where nobody wants any
+  PieceResult* results = nullptr;              ///< one a ray
+  // Room for one a ray; those of rays that have met anything are in front, in any order.
+  RelayedState* left = nullptr;
+  SegmentMerger* leftSegments = nullptr;  ///< null where nobody wants any
+  uint32_t* leftCount = nullptr;          ///< of them; 0 before
+};
+
 template <class Voxel>
-struct PieceJob {
+struct PieceJob : PieceRays {
   VolumeView<Voxel> view;  ///< whose voxels are those that the block's samples read
   ClipSetup clip;
   Jitter jitter;  ///< its noise on the device
@@ -43,14 +54,6 @@ struct PieceJob {
   AnyDepth<false> depth;
   float threshold = 0.0f;
   int segmentSlots = 0;  ///< most segments of a ray; 0: nobody wants any
-
-  uint32_t count = 0;  ///< of rays
-  const PieceRay* rays = nullptr;
-  const RelayedState* met = nullptr;
-  const SegmentMerger* metSegments = nullptr;  ///< as many; null where nobody wants any
-  PieceResult* results = nullptr;              ///< one a ray
-  SegmentMerger* segments = nullptr;           ///< room for one a ray, likewise; those that merged anything are in front, in any order
-  uint32_t* segmentCount = nullptr;            ///< of them; 0 before
 };
 
 /// Marches each ray's samples in the block, behind what it has met, in the light of `shading`; rays that are done then have no more segments than are wanted.

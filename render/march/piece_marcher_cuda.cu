@@ -54,37 +54,36 @@ using Tiles = std::vector<std::unique_ptr<RelayedTile>>;
 /// A thread's memory, here and on the device.
 class PieceWorker {
  public:
-  /// Marches the tiles' rays; they are as they were if it throws. `launch(job's parts, stream)` starts the kernel.
+  /// Marches the tiles' rays; they are as they were if it throws. `launch(rays, stream)` starts the kernel.
   template <class Launch>
   void march(const PieceFrame& frame, Tiles& tiles, const Launch& launch) {
     pack(frame, tiles);
     if (rays_.empty()) return;
-    PieceJob<uint8_t> job;  // its pointers are the same for all voxels
+    PieceRays job;
     job.count = static_cast<uint32_t>(rays_.size());
     deviceRays_.upload(rays_, stream_);
     deviceMet_.upload(met_, stream_);
     deviceResults_.reserve(rays_.size());
+    deviceLeft_.reserve(rays_.size());
+    WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(leftCount_.data(), 0, sizeof(uint32_t), stream_));
     job.rays = deviceRays_.data();
     job.met = deviceMet_.data();
     job.results = deviceResults_.data();
+    job.left = deviceLeft_.data();
+    job.leftCount = leftCount_.data();
     const bool hasSegments = frame.mostSegments > 0;
     if (hasSegments) {
       deviceMetSegments_.upload(metSegments_, stream_);
-      deviceSegments_.reserve(rays_.size());
-      WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(segmentCount_.data(), 0, sizeof(uint32_t), stream_));
+      deviceLeftSegments_.reserve(rays_.size());
       job.metSegments = deviceMetSegments_.data();
-      job.segments = deviceSegments_.data();
-      job.segmentCount = segmentCount_.data();
+      job.leftSegments = deviceLeftSegments_.data();
     }
     launch(job, stream_);
-    results_.resize(rays_.size());
-    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(results_.data(), deviceResults_.data(), rays_.size() * sizeof(PieceResult), cudaMemcpyDeviceToHost, stream_));
-    if (hasSegments) {
-      WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(hostCount_.data(), segmentCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
-      stream_.synchronize();
-      if (segments_.size() < *hostCount_) segments_.resize(*hostCount_, SegmentMerger(mergerRoomFor(frame.mostSegments)));
-      WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(segments_.data(), deviceSegments_.data(), *hostCount_ * sizeof(SegmentMerger), cudaMemcpyDeviceToHost, stream_));
-    }
+    fetch(deviceResults_, results_, rays_.size(), PieceResult{});
+    WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(hostCount_.data(), leftCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
+    stream_.synchronize();
+    fetch(deviceLeft_, left_, *hostCount_, RelayedState{});
+    if (hasSegments) fetch(deviceLeftSegments_, leftSegments_, *hostCount_, SegmentMerger(mergerRoomFor(frame.mostSegments)));
     stream_.synchronize();
     unpack(frame);
   }
@@ -94,6 +93,13 @@ class PieceWorker {
     RelayedTile* tile;
     uint32_t ray;
   };
+
+  /// The first `count` of them, once the stream has got there. `none`: what takes the place of others.
+  template <class T>
+  void fetch(const cuda::DeviceBuffer<T>& from, std::pmr::vector<T>& to, size_t count, const T& none) {
+    if (to.size() < count) to.resize(count, none);
+    if (count > 0) WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(to.data(), from.data(), count * sizeof(T), cudaMemcpyDeviceToHost, stream_));
+  }
 
   void pack(const PieceFrame& frame, Tiles& tiles) {
     rays_.clear(), met_.clear(), metSegments_.clear(), places_.clear();
@@ -124,9 +130,10 @@ class PieceWorker {
       const auto& [tile, place] = places_[i];
       const PieceResult& result = results_[i];
       RelayedRay& handed = tile->rays[place];
-      handed.state = result.state;
       handed.isDone = result.isDone;
-      if (result.segments >= 0) tile->segments[place].take(segments_[static_cast<size_t>(result.segments)]);
+      if (result.met < 0) continue;
+      handed.state = left_[static_cast<size_t>(result.met)];
+      if (frame.mostSegments > 0) tile->segments[place].take(leftSegments_[static_cast<size_t>(result.met)]);
       if (handed.isDone && !tile->goesTwice) finish(frame, rays_[i], handed, *tile, place);
     }
   }
@@ -147,14 +154,15 @@ class PieceWorker {
   std::pmr::vector<RelayedState> met_{cuda::pinnedMemory()};
   std::pmr::vector<SegmentMerger> metSegments_{cuda::pinnedMemory()};
   std::pmr::vector<PieceResult> results_{cuda::pinnedMemory()};
-  std::pmr::vector<SegmentMerger> segments_{cuda::pinnedMemory()};
+  std::pmr::vector<RelayedState> left_{cuda::pinnedMemory()};
+  std::pmr::vector<SegmentMerger> leftSegments_{cuda::pinnedMemory()};
   std::vector<Place> places_;  // of each ray
   RaySamples found_;
   cuda::DeviceBuffer<PieceRay> deviceRays_;
-  cuda::DeviceBuffer<RelayedState> deviceMet_;
-  cuda::DeviceBuffer<SegmentMerger> deviceMetSegments_, deviceSegments_;
+  cuda::DeviceBuffer<RelayedState> deviceMet_, deviceLeft_;
+  cuda::DeviceBuffer<SegmentMerger> deviceMetSegments_, deviceLeftSegments_;
   cuda::DeviceBuffer<PieceResult> deviceResults_;
-  cuda::DeviceBuffer<uint32_t> segmentCount_{1};
+  cuda::DeviceBuffer<uint32_t> leftCount_{1};
   cuda::PinnedValue<uint32_t> hostCount_;
 };
 
@@ -237,15 +245,9 @@ class CudaPieceMarcher final : public PieceMarcher {
     }
     visitKeptVoxels(volume.type(), volume.statistics().nonFinite > 0, [&]<class Voxel, bool kHasHoles>() {
       const PieceJob<Voxel> job = jobFor<Voxel>(frame);
-      marchAll(frame, stop, [&](const PieceJob<uint8_t>& rays, cudaStream_t stream) {
+      marchAll(frame, stop, [&](const PieceRays& rays, cudaStream_t stream) {
         PieceJob<Voxel> own = job;
-        own.count = rays.count;
-        own.rays = rays.rays;
-        own.met = rays.met;
-        own.metSegments = rays.metSegments;
-        own.results = rays.results;
-        own.segments = rays.segments;
-        own.segmentCount = rays.segmentCount;
+        static_cast<PieceRays&>(own) = rays;
         launchPieces<Voxel, kHasHoles>(own, frame.shading, stream);
       });
     });

@@ -34,7 +34,7 @@ struct RelayedState {
   AnyDepth<false>::Fold fold;  ///< of its samples that count, where one sample is wanted by a heuristic of one pass
   MomentsFold moments;         ///< likewise, where their spread is
 
-  bool hasMet() const { return hasCounted || greatest.any || color.transmittance.exact() < 1.0 || color.color() != glm::dvec3(0.0); }
+  WARPSCOPE_HD bool hasMet() const { return hasCounted || greatest.any || color.transmittance.exact() < 1.0 || color.color() != glm::dvec3(0.0); }
 };
 
 /// Pixels along the side of a tile, and a picture's tiles, row by row.

@@ -54,19 +54,21 @@ class SlabRelay final : public RayRelay {
 
   const CellBlock& block() const override { return block_; }
   std::unique_ptr<RelayedTile> take() override {
-    const std::scoped_lock lock(mutex_);
+    std::unique_lock lock(mutex_);
     if (isClosed_ || next_ == tiles_.size()) return nullptr;
     std::unique_ptr<RelayedTile> tile = std::move(tiles_[next_++]);
     tile->isLast = isLast_;
+    lock.unlock();
+    tile->rays.resize(tile->area.count());  // of a new one: on all threads
     return tile;
   }
   std::unique_ptr<RelayedTile> takeReady() override { return take(); }
   void handOn(std::unique_ptr<RelayedTile> tile) override {
+    const bool isDone = std::ranges::all_of(tile->rays, &RelayedRay::isDone), goesOn = !isDone || (tile->goesTwice && !tile->isAgain && tile->beginAgain());
     const std::scoped_lock lock(mutex_);
     if (!tile->finished.empty()) onOutcome_({tile->area, tile->finished, tile->found, tile->colors});
+    if (!goesOn) return;
     tile->finished.clear(), tile->found = {}, tile->colors.clear();
-    const bool isDone = std::ranges::all_of(tile->rays, &RelayedRay::isDone);
-    if (isDone && (!tile->goesTwice || tile->isAgain || !tile->beginAgain())) return;
     (isDone ? again_ : left_).push_back(std::move(tile));
   }
   void close() noexcept override {
@@ -139,7 +141,6 @@ class StreamedMarcher final : public PiecewiseMarcher {
       auto& next = tiles.emplace_back(std::make_unique<RelayedTile>());
       next->index = tile;
       next->area = areaOfTile(camera, tile);
-      next->rays.resize(next->area.count());
     }
     Tiles again;
     size_t slab = 0;
