@@ -70,8 +70,9 @@ class MpiRanks final : public Ranks {
   }
 
  private:
-  /// Between looks, as long as nothing comes: the longer the longer that has been so. MPI's own waiting keeps a core busy, which other ranks may need.
-  static constexpr std::chrono::microseconds kShortest = 20us, kLongest = 500us;
+  /// Between looks, as long as nothing comes: longer once nothing has been on its way for a while. MPI's own waiting keeps a core busy, which other ranks may need; but what is
+  /// on its way moves on only while both sides look, a part of a message each time.
+  static constexpr std::chrono::microseconds kShortest = 20us, kLongest = 500us, kStillBusy = 10ms;
 
   struct Sent {
     std::vector<std::byte> bytes;
@@ -81,11 +82,20 @@ class MpiRanks final : public Ranks {
   std::optional<RankMessage> receiveNew(std::chrono::microseconds atMost) override {
     const auto end = std::chrono::steady_clock::now() + atMost;
     for (std::chrono::microseconds pause = kShortest;; pause = std::min(2 * pause, kLongest)) {
-      if (std::optional<RankMessage> message = look()) return message;
+      if (std::optional<RankMessage> message = look()) {
+        lastMoved_ = std::chrono::steady_clock::now();
+        return message;
+      }
+      if (isSending() || std::chrono::steady_clock::now() - lastMoved_ < kStillBusy) pause = kShortest;
       std::unique_lock lock(mutex_);
       woken_.wait_for(lock, pause, [&] { return isWoken_; });
       if (std::exchange(isWoken_, false) || std::chrono::steady_clock::now() >= end) return {};
     }
+  }
+
+  bool isSending() {
+    const std::scoped_lock lock(calls_);
+    return !sending_.empty();
   }
 
   std::optional<RankMessage> look() {
@@ -113,6 +123,7 @@ class MpiRanks final : public Ranks {
   }
 
   int rank_ = 0, size_ = 1;
+  std::chrono::steady_clock::time_point lastMoved_;  // of receivers
   std::mutex calls_;  // of MPI, but for the last
   std::deque<Sent> sending_;
   std::mutex mutex_;  // of what follows
