@@ -98,6 +98,9 @@ struct Client::State : std::enable_shared_from_this<State>, private FromServer {
   void onPing(uint64_t number) override;
   void onPong(uint64_t number) override;
   void onBusy(uint16_t others) override;
+  void onProcesses(std::vector<ProcessFields> processes) override {
+    if (!isClosed) events.onProcesses(processes);
+  }
 
   void tell(ConnectionPhase phase, std::string sentence = {}, std::optional<TimePoint> next = {}) {
     if (isClosed) return;

@@ -3,6 +3,7 @@
 #include "net/messages.h"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "net/wire.h"
@@ -158,6 +159,17 @@ void viewFields(Wire& wire, View& view) {
   for (auto* number : {&view.angleDeg, &view.elevationDeg, &view.distance, &view.panRight, &view.panUp}) wire.number(*number);
 }
 
+template <class Wire, class Process>
+void processFields(Wire& wire, Process& process) {
+  wire.numbers(process.lower);
+  wire.numbers(process.upper);
+  wire.number(process.tiles);
+  wire.number(process.deviceTiles);
+  wire.number(process.marchMs);
+  wire.number(process.waitMs);
+  wire.number(process.sentBytes);
+}
+
 void magic(WireWriter& wire) { wire.numbers(kMagic); }
 void magic(WireReader& wire) {
   std::array<uint8_t, kMagic.size()> read;
@@ -261,6 +273,14 @@ Bytes busyMessage(uint16_t others) {
   return messageOf(MessageType::busy, 0, [&](WireWriter& wire) { wire.number(others); });
 }
 
+Bytes processesMessage(std::span<const ProcessFields> processes) {
+  return messageOf(MessageType::processes, 0, [&](WireWriter& wire) {
+    const size_t count = std::min(processes.size(), kMaxProcesses);
+    wire.number(static_cast<uint16_t>(count));
+    for (const ProcessFields& process : processes.first(count)) processFields(wire, process);
+  });
+}
+
 bool beginsLikeMagic(ByteView bytes) {
   const size_t count = std::min(bytes.size(), kMagic.size());
   return std::ranges::equal(bytes.first(count), std::as_bytes(std::span(kMagic)).first(count));
@@ -328,7 +348,7 @@ std::optional<MessageHead> readMessageHead(ByteView bytes) {
   wire.number(type);
   wire.numbers(zeros);
   wire.number(head.bodyBytes);
-  if (type < static_cast<uint8_t>(MessageType::scene) || type > static_cast<uint8_t>(MessageType::busy))
+  if (type < static_cast<uint8_t>(MessageType::scene) || type > static_cast<uint8_t>(MessageType::processes))
     return std::nullopt;
   if (zeros != std::array<uint8_t, 3>{}) return std::nullopt;
   head.type = static_cast<MessageType>(type);
@@ -394,6 +414,18 @@ std::optional<uint16_t> readBusy(ByteView body) {
   uint16_t others;
   wire.number(others);
   return ifComplete(wire, others);
+}
+
+std::optional<std::vector<ProcessFields>> readProcesses(ByteView body) {
+  WireReader wire(body);
+  uint16_t count;
+  wire.number(count);
+  if (count > kMaxProcesses || body.size() != 2 + count * kProcessBytes) return std::nullopt;
+  std::vector<ProcessFields> processes(count);
+  for (ProcessFields& process : processes) processFields(wire, process);
+  const auto isTime = [](double ms) { return ms >= 0.0 && ms < std::numeric_limits<double>::infinity(); };
+  if (!std::ranges::all_of(processes, [&](const ProcessFields& one) { return isTime(one.marchMs) && isTime(one.waitMs); })) return std::nullopt;
+  return ifComplete(wire, std::move(processes));
 }
 
 }  // namespace warpscope::net

@@ -27,8 +27,9 @@ enum Capability : uint32_t {
   kCanLayers = 1u << 3,    ///< several samples a ray
   kCanPlanes = 1u << 4,    ///< planes of data for each sample, of which those that are not known are skipped
   kCanHearBusy = 1u << 5,  ///< of others that the server works for meanwhile: a message that is sent to no other client
+  kCanHearProcesses = 1u << 6,  ///< that a volume is spread over, likewise
 };
-inline constexpr uint32_t kCapabilities = kCanPack | kCanJpeg | kCanPicture | kCanLayers | kCanPlanes | kCanHearBusy;
+inline constexpr uint32_t kCapabilities = kCanPack | kCanJpeg | kCanPicture | kCanLayers | kCanPlanes | kCanHearBusy | kCanHearProcesses;
 
 // --- Limits. A length beyond them ends the connection before anything is allocated.
 
@@ -47,6 +48,7 @@ inline constexpr size_t kMaxSettingName = 48;   ///< bytes, 1 at least
 inline constexpr size_t kMaxSettingValue = 512;  ///< bytes; lists are long
 inline constexpr size_t kMaxPlanes = 16;        ///< of a frame
 inline constexpr size_t kMaxPlaneName = 32;     ///< bytes, 1 at least
+inline constexpr size_t kMaxProcesses = 1024;   ///< that are told of
 
 // --- The handshake: one message each, of fixed size.
 
@@ -91,6 +93,7 @@ enum class MessageType : uint8_t {
   ping = 5,     ///< client to server, to measure the round trip; server to client, when there is nothing else to say
   pong = 6,     ///< the answer
   busy = 7,     ///< server to client that waits for an answer: the server works for others
+  processes = 8,  ///< server to client, before a frame: what processes did that march together
 };
 
 struct MessageHead {
@@ -206,6 +209,17 @@ struct Frame {
   std::vector<std::byte> payload;
 };
 
+/// What one of the processes did that a volume is spread over, for the last frame that is known of it.
+struct ProcessFields {
+  std::array<uint32_t, 3> lower{}, upper{};  ///< cells of its brick
+  uint32_t tiles = 0;                        ///< that came to it
+  uint32_t deviceTiles = 0;                  ///< of them, marched by a device
+  double marchMs = 0.0, waitMs = 0.0;        ///< of all its threads together
+  uint64_t sentBytes = 0;                    ///< to others of them
+
+  bool operator==(const ProcessFields&) const = default;
+};
+
 struct Failure {
   uint64_t id = 0;       ///< the request's
   std::string sentence;
@@ -223,6 +237,8 @@ inline constexpr size_t kLeastFrameHeadBytes = kFrameHeadLengthBytes + 8 + 1 + k
 inline constexpr size_t kMaxFrameHeadBytes = kLeastFrameHeadBytes + kMaxSettingsBytes + kMaxPlanes * (2 + kMaxPlaneName + 1);
 inline constexpr size_t kBeatBytes = 8;
 inline constexpr size_t kBusyBytes = 2;
+inline constexpr size_t kProcessBytes = 6 * 4 + 2 * 4 + 2 * 8 + 8;
+inline constexpr size_t kMaxProcessesBytes = 2 + kMaxProcesses * kProcessBytes;
 
 // --- Bytes of each. Writing appends; reading gives nothing for bytes that are not exactly one such message. Settings and planes that no
 // reader would take are the program's mistake: then writing throws std::invalid_argument.
@@ -242,6 +258,8 @@ Bytes failureMessage(const Failure& failure);
 Bytes beatMessage(MessageType pingOrPong, uint64_t number);
 /// For clients that can hear it (kCanHearBusy). `others`: how many clients it works for besides that one.
 Bytes busyMessage(uint16_t others);
+/// For clients that can hear it (kCanHearProcesses). Of more than kMaxProcesses the first.
+Bytes processesMessage(std::span<const ProcessFields> processes);
 
 /// Whether the other side's bytes, as far as they have come, begin as this protocol does.
 bool beginsLikeMagic(ByteView bytes);
@@ -261,5 +279,6 @@ std::optional<FrameHead> readFrameHead(ByteView bytes);
 std::optional<Failure> readFailure(ByteView body);
 std::optional<uint64_t> readBeat(ByteView body);
 std::optional<uint16_t> readBusy(ByteView body);
+std::optional<std::vector<ProcessFields>> readProcesses(ByteView body);
 
 }  // namespace warpscope::net

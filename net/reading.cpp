@@ -150,6 +150,13 @@ Awaitable<void> readServer(Channel& channel, uint64_t maxFrameBytes, FromServer&
         to.onBusy(*others);
         break;
       }
+      case MessageType::processes: {
+        const Bytes body = co_await channel.readBody(*head, kMaxProcessesBytes);
+        std::optional<std::vector<ProcessFields>> processes = readProcesses(body);
+        if (!processes) throw ProtocolError(peer + " sent a damaged message");
+        to.onProcesses(std::move(*processes));
+        break;
+      }
       default:
         throw ProtocolError(peer + " sent a message that servers do not send");
     }

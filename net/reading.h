@@ -56,6 +56,7 @@ class FromServer {
   virtual void onPing(uint64_t number) = 0;
   virtual void onPong(uint64_t number) = 0;
   virtual void onBusy(uint16_t others) = 0;
+  virtual void onProcesses(std::vector<ProcessFields> processes) = 0;
 };
 
 /// The first message. Throws ProtocolError and whatever the channel throws.

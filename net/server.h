@@ -50,8 +50,9 @@ class Server {
   /// What clients ask for. Whoever takes a request answers it, by one of the two below.
   RequestQueue& requests();
   /// Safe on any thread; nothing happens if the client is gone. `head.stages.sendMs` is filled in here. A frame larger than the client takes
-  /// becomes a failure that says so. `share` is given back once the payload has been sent or dropped; may be null.
-  void answer(ClientId client, const FrameHead& head, Bytes payload, ByteBudget::SharePtr share = nullptr);
+  /// becomes a failure that says so. `share` is given back once the payload has been sent or dropped; may be null. `processes` go first,
+  /// if there are any, to clients that can hear of them.
+  void answer(ClientId client, const FrameHead& head, Bytes payload, ByteBudget::SharePtr share = nullptr, std::span<const ProcessFields> processes = {});
   void answer(ClientId client, Failure failure);
 
   /// Memory is short: parts with the client for which most waits, of those that have let an answer wait for kLongestWait; nothing if there is

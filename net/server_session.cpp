@@ -114,6 +114,7 @@ Awaitable<void> ServerSession::send(const Outgoing& next) {
     co_await channel_.write(next.bytes, "sending an answer");
     co_return;
   }
+  if (!next.processes.empty() && (settings_.capabilities & kCanHearProcesses) != 0) co_await channel_.write(next.processes, "saying what processes did");
   FrameHead head = *next.frame;
   head.stages.sendMs = millisecondsBetween(next.readyAt, now());
   const Bytes message = frameMessage(head, next.bytes.size());

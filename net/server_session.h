@@ -18,6 +18,7 @@ namespace warpscope::net {
 struct Outgoing {
   std::optional<FrameHead> frame;  ///< if it is one, whose head is written when its turn comes
   Bytes bytes;                     ///< the payload, or the whole message
+  Bytes processes{};               ///< of a frame: a message that goes first, for clients that can hear it; may be empty
   TimePoint readyAt;
   ByteBudget::SharePtr share{};    ///< of the memory for it; may be null
   size_t queuedBytes = 0;          ///< what the queue counts for it

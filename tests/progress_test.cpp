@@ -44,6 +44,21 @@ class Terminal {
   std::FILE* program_ = nullptr;
 };
 
+TEST(Progress, SaysHowFarAVolumeIsLookedThrough) {
+  EXPECT_EQ(lookingText({17'200'000'000, 3'210'000'000}, 2.0), "3.2 of 17.2 GB, 1.60 GB/s");
+  EXPECT_EQ(lookingText({}, 0.0), "0.0 of 0.0 GB, 0.00 GB/s");
+  Terminal terminal;
+  if (terminal.program() == nullptr) GTEST_SKIP() << "no pseudo-terminals here";
+  beginLooking(1000);  // somebody else's, long before
+  Progress progress("opening", 1, false, terminal.program());
+  progress.step("fish.raw");
+  beginLooking(4'000'000'000);
+  noteLooked(1'000'000'000);
+  EXPECT_THAT(terminal.readUntil("GB/s"), HasSubstr("opening [######..................] 0/1 fish.raw (1 s, 1.0 of 4.0 GB, "));
+  noteLooked(3'000'000'000);
+  EXPECT_THAT(terminal.readUntil("fish.raw (2 s)"), HasSubstr("fish.raw (2 s)")) << "and no more of it";
+}
+
 TEST(Progress, AppearsAndMovesDuringOneStepAndCleansUp) {
   Terminal terminal;
   if (terminal.program() == nullptr) GTEST_SKIP() << "no pseudo-terminals here";

@@ -15,10 +15,12 @@
 #include "app/commands/options.h"
 #include "app/frames/backend.h"
 #include "app/frames/frame_server.h"
+#include "app/frames/process_ranks.h"
 #include "app/scene/json_document.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/log.h"
 #include "app/shell/output_files.h"
+#include "app/shell/progress.h"
 #include "net/certificate.h"
 #include "render/base/error.h"
 
@@ -108,8 +110,13 @@ void serve(const ServeOptions& options) {
   const CommandContext work = prepare(options.common, interrupt.token());
   raiseFileLimit();
   const auto io = std::make_shared<net::IoThread>();
-  FrameServer server(io, work.scene, makeMarcher(work.backend, work.scene.volume, work.scene.transferFunction), std::move(settings),
-                     limits);
+  auto progress = std::make_unique<Progress>("preparing", 1, !options.common.showsProgress());
+  progress->step(work.scene.name);
+  const MarcherPtr marcher = work.marcher();
+  progress.reset();
+  FrameServer::Processes processes;
+  if (const BrickLeaderPtr leader = leaderOf(work.scene.volume)) processes = [leader] { return knownWork(leader); };
+  FrameServer server(io, work.scene, marcher, std::move(settings), limits, std::move(processes));
 
   net::Address address = server.address();
   address.where.host = hostFor(address.where.host);

@@ -141,13 +141,14 @@ struct FrameServer::Answer {
 };
 
 FrameServer::FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, MarcherPtr marcher, net::ServerSettings settings,
-                         std::optional<ServeLimits> limits)
+                         std::optional<ServeLimits> limits, Processes processes)
     : clock_(io->clock()),
       turns_(limits ? std::make_shared<Turns>(TurnSettings{.limit = limits->work}) : nullptr),
       budget_(limits ? std::make_unique<net::ByteBudget>(limits->memoryBytes) : nullptr),
       crew_(limits ? nullptr : std::make_unique<Crew>()),
       server_(std::move(io), withScene(settings, scene)),
       mostLanes_(limits ? settings.clients.most : 1),
+      processes_(std::move(processes)),
       marcher_(std::move(marcher)) {
   startLane();
   const std::scoped_lock lock(mutex_);
@@ -224,7 +225,7 @@ void FrameServer::answer(const net::RequestJob& job, Lane& lane) {
     answer.head.wanted = job.request.wanted;
     answer.head.requestSentAtNs = job.request.sentAtNs;
     answer.head.stages.queueMs += queueMs;
-    server_.answer(job.client, answer.head, std::move(answer.payload), std::move(answer.share));
+    server_.answer(job.client, answer.head, std::move(answer.payload), std::move(answer.share), toFields(processes_ ? processes_() : std::vector<RankWork>{}));
   } catch (const OperationCancelled&) {
     // The client or the server is gone: nobody waits.
   } catch (const std::bad_alloc&) {

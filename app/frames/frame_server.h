@@ -5,6 +5,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -16,6 +17,7 @@
 #include "app/scene/scene.h"
 #include "net/byte_budget.h"
 #include "net/server.h"
+#include "render/bricks/brick_frame.h"
 #include "render/core/crew.h"
 #include "render/march/marcher.h"
 
@@ -35,9 +37,12 @@ size_t memoryFor(const Camera& camera, const MarchSettings& settings, net::Wante
 
 class FrameServer {
  public:
-  /// Serves `scene`, which `marcher` marches. `settings.scene` is filled in here. Throws as net::Server does.
+  /// What processes did that march together, for the last frame of which that is known.
+  using Processes = std::function<std::vector<RankWork>()>;
+
+  /// Serves `scene`, which `marcher` marches. `settings.scene` is filled in here. `processes`: where there are any. Throws as net::Server does.
   FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, MarcherPtr marcher, net::ServerSettings settings,
-              std::optional<ServeLimits> limits = {});
+              std::optional<ServeLimits> limits = {}, Processes processes = {});
   /// Ends all connections and waits for the marches at work, which stop early.
   ~FrameServer();
 
@@ -70,6 +75,7 @@ class FrameServer {
   const std::unique_ptr<Crew> crew_;               // null with limits
   net::Server server_;
   const size_t mostLanes_;
+  const Processes processes_;
   std::stop_source stop_;
   mutable std::mutex mutex_;  // of the following
   MarcherPtr marcher_;        // whose twins lanes march with

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "net/link_settings.h"
 #include "net/messages.h"
@@ -87,6 +88,7 @@ struct SourceStatus {
   std::string where;                     ///< "127.0.0.1:4711"; empty without a network
   double roundTripMs = 0.0;              ///< of the last heartbeat; 0 if there was none yet
   std::optional<uint16_t> busyWith{};    ///< others that the server works for, if it said so and has not answered since
+  std::vector<net::ProcessFields> processes{};  ///< what processes did that the server's volume is spread over, by rank; empty where it is not
 
   bool operator==(const SourceStatus&) const = default;
 };

@@ -140,6 +140,10 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     }
     onNews_();
   }
+  void onProcesses(const std::vector<net::ProcessFields>& processes) override {
+    const std::scoped_lock lock(mutex_);
+    status_.processes = processes;
+  }
   void onRoundTrip(net::Duration roundTrip) override {
     const std::scoped_lock lock(mutex_);
     status_.roundTripMs = std::chrono::duration<double, std::milli>(roundTrip).count();

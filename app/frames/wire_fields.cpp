@@ -270,6 +270,14 @@ Scene sceneFrom(const net::SceneFields& fields) {
   return scene;
 }
 
+std::vector<net::ProcessFields> toFields(std::span<const RankWork> processes) {
+  const auto cellsOf = [](const glm::ivec3& cells) { return std::array{static_cast<uint32_t>(cells.x), static_cast<uint32_t>(cells.y), static_cast<uint32_t>(cells.z)}; };
+  std::vector<net::ProcessFields> fields;
+  for (const RankWork& work : processes)
+    fields.push_back({cellsOf(work.block.lower), cellsOf(work.block.upper), work.tiles, work.deviceTiles, work.marchMs, work.waitMs, work.sentBytes});
+  return fields;
+}
+
 net::FrameHead headOf(const SampleFrame& frame, const CodecSettings& codec, const ServerWishes& wishes) {
   net::FrameHead head;
   head.camera = toFields(frame.camera);

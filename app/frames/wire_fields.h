@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "app/frames/frame_source.h"
 #include "app/scene/scene.h"
 #include "net/messages.h"
+#include "render/bricks/brick_frame.h"
 #include "render/codec/codec.h"
 #include "render/core/image.h"
 #include "render/march/sample_frame.h"
@@ -22,6 +24,7 @@ net::SettingFields toFields(const MarchSettings& settings);
 net::SettingFields toFields(const MarchSettings& settings, const ServerWishes& wishes);
 net::CodecFields toFields(const CodecSettings& settings);
 net::SceneFields toFields(const Scene& scene);
+std::vector<net::ProcessFields> toFields(std::span<const RankWork> processes);
 
 Camera cameraFrom(const net::CameraFields& fields);
 /// What is not among the fields keeps its default; names and values that this program does not know are refused.

@@ -72,10 +72,14 @@ Json threadFrames(std::span<const WindowReport::ThreadTime> frames) {
 }
 
 Json toJson(const SourceStatus& status) {
+  Json processes = Json::array();
+  for (const net::ProcessFields& process : status.processes)
+    processes.push_back({{"tiles", process.tiles}, {"deviceTiles", process.deviceTiles}, {"marchMs", process.marchMs}, {"waitMs", process.waitMs}, {"sentBytes", process.sentBytes}});
   return {{"where", status.where},
           {"isConnected", status.isConnected},
           {"sentence", status.sentence},
           {"roundTripMs", status.roundTripMs},
+          {"processes", processes},
           {"busyWith", status.busyWith ? Json(*status.busyWith) : Json(nullptr)}};
 }
 

@@ -30,6 +30,14 @@ bool isTerminal(std::FILE* file) {
 
 }  // namespace
 
+std::string lookingText(const LookedThrough& looked, double elapsedS) {
+  constexpr double kGigabyte = 1e9;
+  char text[96];
+  std::snprintf(text, sizeof text, "%.1f of %.1f GB, %.2f GB/s", static_cast<double>(looked.done) / kGigabyte, static_cast<double>(looked.wanted) / kGigabyte,
+                elapsedS > 0.0 ? static_cast<double>(looked.done) / kGigabyte / elapsedS : 0.0);
+  return text;
+}
+
 std::string remainingText(size_t done, size_t steps, double elapsedS) {
   constexpr size_t kFewestDone = 3;
   constexpr double kShortestS = 3.0;
@@ -67,10 +75,16 @@ void Progress::run(const std::stop_token& stop) {
        next = steady_clock::now() + kPeriod) {
     constexpr size_t kWidth = 24;
     const size_t done = std::min(begun_ > 0 ? begun_ - 1 : 0, steps_);
-    const size_t filled = done * kWidth / steps_;
-    const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
     const std::chrono::duration<double> elapsed = steady_clock::now() - start_;
-    const std::string remaining = remainingText(done, steps_, elapsed.count());
+    std::string remaining = remainingText(done, steps_, elapsed.count());
+    LookedThrough looked = lookedThrough();
+    looked = {looked.wanted - lookedBefore_.wanted, looked.done - lookedBefore_.done};
+    const bool isLooking = looked.done < looked.wanted;
+    if (isLooking) remaining = lookingText(looked, elapsed.count());
+    // A part of the step that is under way.
+    const double part = isLooking ? static_cast<double>(looked.done) / static_cast<double>(looked.wanted) : 0.0;
+    const auto filled = std::min(static_cast<size_t>((static_cast<double>(done) + part) * kWidth / static_cast<double>(steps_)), kWidth);
+    const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
     std::fprintf(terminal_, "\r\x1b[K%s [%s] %zu/%zu %s (%lld s%s%s)", title_.c_str(), bar.c_str(), done, steps_, printable(what_).c_str(),
                  static_cast<long long>(elapsed.count()), remaining.empty() ? "" : ", ", remaining.c_str());
     std::fflush(terminal_);

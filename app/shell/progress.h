@@ -9,12 +9,17 @@
 #include <string>
 #include <thread>
 
+#include "render/base/looked_through.h"
+
 namespace warpscope {
+
+/// "3.2 of 17.2 GB, 1.1 GB/s": of voxels that are looked through.
+std::string lookingText(const LookedThrough& looked, double elapsedS);
 
 /// "about 40 s left", "about 3 min left": if the steps to come take as long as those that are done. Empty while those are too few to tell.
 std::string remainingText(size_t done, size_t steps, double elapsedS);
 
-/// Draws itself from a thread of its own, so that it also moves while one step takes long.
+/// Draws itself from a thread of its own, so that it also moves while one step takes long. While volumes are looked through, it says how far that is, and how fast it goes.
 class Progress {
  public:
   /// `steps` is how often step() will be called. Nothing is shown if `quiet`, or for the first second, or if `terminal` is none.
@@ -32,6 +37,7 @@ class Progress {
   const std::string title_;
   const size_t steps_;
   std::FILE* const terminal_;
+  const LookedThrough lookedBefore_ = lookedThrough();
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::mutex mutex_;  // of the next three
   size_t begun_ = 0;

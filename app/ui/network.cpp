@@ -142,6 +142,7 @@ void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
   ImGui::TextColored(status->isConnected ? palette().dimText : palette().errorText, "%s", text.c_str());
   ImGui::PopTextWrapPos();
   ImGui::PopFont();
+  drawProcesses(status->processes, look);
 }
 
 void drawLinkSign(const Session& session, const Look& look) {

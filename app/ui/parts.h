@@ -7,6 +7,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -65,6 +66,9 @@ size_t drawLinkKnobs(net::DuplexLinkSettings& link, const KnobFilter& isWanted, 
 
 /// The part of the column of knobs that is about the network.
 void drawNetwork(Session& session, LiveSettings& knobs, const Look& look);
+
+/// What processes did for a frame that the server's volume is spread over: a bar each; nothing where there are none.
+void drawProcesses(std::span<const net::ProcessFields> processes, const Look& look);
 
 /// What is simulated between here and the server, in large letters over the panels' width; nothing where nothing is.
 void drawLinkSign(const Session& session, const Look& look);

@@ -219,6 +219,12 @@ class BrickLeader {
     return done_;
   }
 
+  /// Of each rank, for the last frame that it said it of. Waits for nobody.
+  std::vector<RankWork> knownWork() {
+    const std::scoped_lock lock(doneMutex_);
+    return done_;
+  }
+
  private:
   /// Where it fails, what ranks know of each other is not known any more: all end.
   template <class Work>
@@ -242,7 +248,7 @@ class BrickLeader {
     explicit EndOfFrame(BrickLeader& leader) : leader_(leader) {}
     ~EndOfFrame() {
       leader_.withoutFailing([&] {
-        if (const std::optional<RankWork> own = leader_.work_.end()) leader_.done_[0] = *own;
+        if (const std::optional<RankWork> own = leader_.work_.end()) leader_.note(0, *own);
         leader_.tellAll(kEndMessage, RankWriter().put(leader_.frame_).take());
       });
     }
@@ -275,7 +281,11 @@ class BrickLeader {
       if (now - heard_[other] > patience_) return static_cast<int>(other);
     return 0;
   }
-  void takeWork(const RankMessage& message) { done_[static_cast<size_t>(message.from)] = RankReader(message.bytes).get<RankWork>(); }
+  void takeWork(const RankMessage& message) { note(message.from, RankReader(message.bytes).get<RankWork>()); }
+  void note(int rank, const RankWork& work) {
+    const std::scoped_lock lock(doneMutex_);
+    done_[static_cast<size_t>(rank)] = work;
+  }
 
   void tellAll(int kind, const std::vector<std::byte>& bytes) {
     for (int to = 1; to < work_.ranks().size(); ++to) work_.ranks().send(to, kind, bytes);
@@ -321,6 +331,7 @@ class BrickLeader {
   BrickWork work_;
   const std::chrono::milliseconds patience_;
   std::vector<std::chrono::steady_clock::time_point> heard_;  // of each rank, something: while a frame is marched
+  std::mutex doneMutex_;                                      // of what follows, where it is written or others read it
   std::vector<RankWork> done_;                                // by each, for the last frame that it said it of
   uint64_t frame_ = 0;
   std::shared_ptr<const BakedTransfer> treeOf_;  // whose cells that cuts
@@ -384,6 +395,8 @@ BrickLeaderPtr leadRanks(VolumePtr volume, std::chrono::milliseconds patience, P
 }
 
 std::vector<RankWork> lastWork(const BrickLeaderPtr& leader) { return leader->lastWork(); }
+
+std::vector<RankWork> knownWork(const BrickLeaderPtr& leader) { return leader->knownWork(); }
 
 MarcherPtr makeRanksMarcher(BrickLeaderPtr leader, TransferFunction transferFunction) {
   return std::make_shared<RanksMarcher>(std::move(leader), std::move(transferFunction));

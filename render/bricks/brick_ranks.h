@@ -27,6 +27,9 @@ BrickLeaderPtr leadRanks(VolumePtr volume, std::chrono::milliseconds patience = 
 /// What each rank has done for the last frame, by rank; what has not come within a second is of another frame.
 std::vector<RankWork> lastWork(const BrickLeaderPtr& leader);
 
+/// The same of what has come by now: waits for nobody, not for a frame either.
+std::vector<RankWork> knownWork(const BrickLeaderPtr& leader);
+
 /// Calls of it and of all others of the same leader wait for each other. Marching throws UsageError for more ranks than the volume can be cut for, InputError where one of
 /// them cannot march or does not answer.
 MarcherPtr makeRanksMarcher(BrickLeaderPtr leader, TransferFunction transferFunction);

@@ -33,13 +33,19 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchPieces(const __grid_co
   const int begin = maxOf(own.begin, state.next);
   state.next = maxOf(own.end, state.next);
 
-  bool isDone = ray.isLast;
+  bool isDone = ray.isLast, hasListed = false;
   if (begin < own.end) {
     ScalarVolumeSource<Voxel, kHasHoles, false> source(job.view, path.ray, path.lattice);
     SegmentedColor<StableMarch, SharedSegmentMerger> gathered(job.segmentSlots > 0 ? &segments : nullptr, path.lattice);
     static_cast<RayColor&>(gathered) = state.color;
     marchRay(path, begin, own.end, source, light, job.limits, gathered, [&](const CountingSample& met) {
       if (!job.wantsSamples) return true;
+      if (job.listed != nullptr) {
+        hasListed = true;
+        const uint32_t place = atomicAdd(job.listedCount, 1u);
+        if (place < job.listedRoom) job.listed[place] = {number, met};
+        return true;
+      }
       if (!state.hasCounted) state.fold = job.depth.start(job.threshold, ProfileFold{});
       state.hasCounted = true;
       state.fold.add(met);
@@ -51,7 +57,7 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchPieces(const __grid_co
   }
   const bool hasSegments = job.segmentSlots > 0 && segments.size() > 0;
   int left = -1;
-  if (state.hasMet() || hasSegments) {
+  if (state.hasMet() || hasSegments || hasListed) {
     left = static_cast<int>(atomicAdd(job.leftCount, 1u));
     job.left[left] = state;
   }

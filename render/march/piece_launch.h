@@ -25,6 +25,12 @@ struct PieceResult {
   bool isDone = false;
 };
 
+/// A sample that counts, for a heuristic that needs all of them at hand.
+struct ListedSample {
+  uint32_t ray = 0;  ///< of those that are marched at once
+  CountingSample sample;
+};
+
 /// Rays that are marched at once. All pointers are to device memory.
 struct PieceRays {
   uint32_t count = 0;  ///< of rays
@@ -36,6 +42,10 @@ struct PieceRays {
   RelayedState* left = nullptr;
   SegmentMerger* leftSegments = nullptr;  ///< null where nobody wants any
   uint32_t* leftCount = nullptr;          ///< of them; 0 before
+  // Those of one ray near to far, among others'.
+  ListedSample* listed = nullptr;   ///< null where samples are folded
+  uint32_t listedRoom = 0;
+  uint32_t* listedCount = nullptr;  ///< that there are to be; 0 before. If that is more than there is room for, the rest is not there
 };
 
 template <class Voxel>
@@ -49,7 +59,7 @@ struct PieceJob : PieceRays {
   RayLimits limits;
   // What the plan has.
   bool isClipped = false;
-  bool wantsSamples = false;  ///< folded by `depth`, a heuristic of one pass
+  bool wantsSamples = false;  ///< folded by `depth`, a heuristic of one pass, or listed
   bool hasSpread = false;
   AnyDepth<false> depth;
   float threshold = 0.0f;

@@ -32,6 +32,8 @@ constexpr size_t kMostTiles = 16;
 /// Rays that are packed side by side are those of such a block of pixels, as far as they are still under way: they go the same way.
 constexpr uint32_t kBlockWidth = 8, kBlockHeight = 4;
 constexpr unsigned kMostWorkers = 8;
+/// Samples that count, of the rays of a launch, where a heuristic wants them listed: of more the CPU marches the tiles. 24 MiB of each thread's.
+constexpr uint32_t kListedRoom = 1u << 20;
 
 /// What a picture's rays have in common.
 struct PieceFrame {
@@ -46,6 +48,7 @@ struct PieceFrame {
   DepthOfSamples depthOfSamples;
   ShadingSetup shading;
   bool hasNormals = false;
+  bool listsSamples = false;  ///< that count; else they are folded
   int mostSegments = 0;
 };
 
@@ -54,11 +57,11 @@ using Tiles = std::vector<std::unique_ptr<RelayedTile>>;
 /// A thread's memory, here and on the device.
 class PieceWorker {
  public:
-  /// Marches the tiles' rays; they are as they were if it throws. `launch(rays, stream)` starts the kernel.
+  /// Marches the tiles' rays; they are as they were if it throws, or if it is false: then more samples count than there is room for. `launch(rays, stream)` starts the kernel.
   template <class Launch>
-  void march(const PieceFrame& frame, Tiles& tiles, const Launch& launch) {
+  bool march(const PieceFrame& frame, Tiles& tiles, const Launch& launch) {
     pack(frame, tiles);
-    if (rays_.empty()) return;
+    if (rays_.empty()) return true;
     PieceRays job;
     job.count = static_cast<uint32_t>(rays_.size());
     deviceRays_.upload(rays_, stream_);
@@ -78,14 +81,27 @@ class PieceWorker {
       job.metSegments = deviceMetSegments_.data();
       job.leftSegments = deviceLeftSegments_.data();
     }
+    if (frame.listsSamples) {
+      deviceListed_.reserve(kListedRoom);
+      WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(listedCount_.data(), 0, sizeof(uint32_t), stream_));
+      job.listed = deviceListed_.data();
+      job.listedRoom = kListedRoom;
+      job.listedCount = listedCount_.data();
+    }
     launch(job, stream_);
     fetch(deviceResults_, results_, rays_.size(), PieceResult{});
     WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(hostCount_.data(), leftCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
+    if (frame.listsSamples) WARPSCOPE_CUDA_CHECK(cudaMemcpyAsync(hostListedCount_.data(), listedCount_.data(), sizeof(uint32_t), cudaMemcpyDeviceToHost, stream_));
     stream_.synchronize();
+    const size_t listed = frame.listsSamples ? *hostListedCount_ : 0;
+    if (listed > kListedRoom) return false;
+    fetch(deviceListed_, listed_, listed, ListedSample{});
     fetch(deviceLeft_, left_, *hostCount_, RelayedState{});
     if (hasSegments) fetch(deviceLeftSegments_, leftSegments_, *hostCount_, SegmentMerger(mergerRoomFor(frame.mostSegments)));
     stream_.synchronize();
+    for (const auto& [ray, sample] : std::span(listed_).first(listed)) places_[ray].tile->rays[places_[ray].ray].counting.push_back(sample);
     unpack(frame);
+    return true;
   }
 
  private:
@@ -156,14 +172,16 @@ class PieceWorker {
   std::pmr::vector<PieceResult> results_{cuda::pinnedMemory()};
   std::pmr::vector<RelayedState> left_{cuda::pinnedMemory()};
   std::pmr::vector<SegmentMerger> leftSegments_{cuda::pinnedMemory()};
+  std::pmr::vector<ListedSample> listed_{cuda::pinnedMemory()};
   std::vector<Place> places_;  // of each ray
   RaySamples found_;
   cuda::DeviceBuffer<PieceRay> deviceRays_;
   cuda::DeviceBuffer<RelayedState> deviceMet_, deviceLeft_;
   cuda::DeviceBuffer<SegmentMerger> deviceMetSegments_, deviceLeftSegments_;
   cuda::DeviceBuffer<PieceResult> deviceResults_;
-  cuda::DeviceBuffer<uint32_t> leftCount_{1};
-  cuda::PinnedValue<uint32_t> hostCount_;
+  cuda::DeviceBuffer<ListedSample> deviceListed_;
+  cuda::DeviceBuffer<uint32_t> leftCount_{1}, listedCount_{1};
+  cuda::PinnedValue<uint32_t> hostCount_, hostListedCount_;
 };
 
 /// What marchers of all functions share: one of them marches at a time.
@@ -229,7 +247,7 @@ class CudaPieceMarcher final : public PieceMarcher {
     const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
     const EffectPlan plan = planFor(*marched_, *baked, baked->visibleCells, settings, sample != nullptr ? std::optional(*sample) : std::nullopt);
     const auto onHost = [&] { onHost_->marchPieces(camera, settings, sample, relay, stop); };
-    if (device_->hasFailed() || !isForDevice(settings, sample, plan, *baked)) return onHost();
+    if (device_->hasFailed() || !isForDevice(settings, plan, *baked)) return onHost();
     try {
       prepare(relay.block(), settings, baked);
     } catch (const DeviceError& error) {
@@ -241,6 +259,7 @@ class CudaPieceMarcher final : public PieceMarcher {
       frame.rule = sampleRuleFor(volume, camera, *sample);
       frame.depthOfSamples = {depthFunctionOf(sample->heuristic, plan.has(PlanStage::secondPass)), sample->threshold, plan.has(PlanStage::spread)};
       if (plan.has(PlanStage::raySegments)) frame.mostSegments = sample->segments;
+      frame.listsSamples = !hasOnePass(sample->heuristic);
       frame.hasNormals = frame.mostSegments > 0 && dependsOnEye(frame.shading);
     }
     visitKeptVoxels(volume.type(), volume.statistics().nonFinite > 0, [&]<class Voxel, bool kHasHoles>() {
@@ -255,9 +274,9 @@ class CudaPieceMarcher final : public PieceMarcher {
   }
 
  private:
-  static bool isForDevice(const RenderSettings& settings, const SampleSettings* sample, const EffectPlan& plan, const BakedTransfer& baked) {
+  static bool isForDevice(const RenderSettings& settings, const EffectPlan& plan, const BakedTransfer& baked) {
     return plan.has(PlanStage::march) && settings.effects.mode == RenderMode::composite && !plan.has(PlanStage::lightVolume) &&
-           !(plan.has(PlanStage::segments) && baked.hasSegments()) && (sample == nullptr || (hasOnePass(sample->heuristic) && !plan.has(PlanStage::severalSamples)));
+           !(plan.has(PlanStage::segments) && baked.hasSegments()) && !plan.has(PlanStage::severalSamples);
   }
 
   /// What the device has to have. Throws DeviceError.
@@ -330,16 +349,15 @@ class CudaPieceMarcher final : public PieceMarcher {
           else
             tiles.push_back(std::move(tile));
         }
+        bool isMarched = false;
         try {
-          worker.march(frame, tiles, launch);
+          isMarched = worker.march(frame, tiles, launch);
         } catch (const DeviceError& error) {
           device_->leave(error);
-          for (std::unique_ptr<RelayedTile>& one : tiles) giveToHost(std::move(one));
-          continue;
         }
         for (std::unique_ptr<RelayedTile>& one : tiles) {
-          one->isByDevice = true;
-          frame.relay.handOn(std::move(one));
+          one->isByDevice = isMarched;
+          isMarched ? frame.relay.handOn(std::move(one)) : giveToHost(std::move(one));
         }
       }
     };

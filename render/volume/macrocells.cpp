@@ -6,6 +6,7 @@
 #include <cstring>
 #include <tuple>
 
+#include "render/base/looked_through.h"
 #include "render/base/memory_limit.h"
 #include "render/base/ranks.h"
 #include "render/core/parallel.h"
@@ -79,9 +80,12 @@ Macrocells::Macrocells(const Volume& volume, const ValueScale& scale) : type_(vo
       const auto edge = static_cast<uint32_t>(edge_);
       volume.provide({{0, first * edge}, {volume.dims().y, std::min((last + 1) * edge + 1, volume.dims().z)}});
     }
+    const size_t rowBytes = volume.sizeBytes() / rows;  // about
+    beginLooking((endRow - firstRow) * rowBytes);
     parallelForRanges(endRow - firstRow, 4, [&, firstRow = firstRow](size_t begin, size_t end) {
       for (size_t row = firstRow + begin; row < firstRow + end; ++row) {
         keepWithinMemoryLimit();
+        noteLooked(rowBytes);
         const int cy = static_cast<int>(row % dims_.y);
         const int cz = static_cast<int>(row / dims_.y);
         for (int cx = 0; cx < dims_.x; ++cx) {

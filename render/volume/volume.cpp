@@ -9,6 +9,7 @@
 #include <span>
 
 #include "render/base/error.h"
+#include "render/base/looked_through.h"
 #include "render/base/memory_limit.h"
 #include "render/base/ranks.h"
 #include "render/core/parallel.h"
@@ -85,11 +86,13 @@ Histogram summed(const Histogram& own, Ranks* ranks) {
 }
 
 /// Sums histograms that `count(local, begin, end)` fills, one a thread.
-template <class Count>
-Histogram gatherHistogram(size_t voxelCount, const std::stop_token& stop, const Count& count) {
+template <class T, class Count>
+Histogram gatherHistogram(const Scanned<T>& scanned, const std::stop_token& stop, const Count& count) {
   tbb::enumerable_thread_specific<Histogram> partial(Histogram{});
-  parallelForRanges(voxelCount, kGrain, stop, [&](size_t begin, size_t end) {
+  beginLooking(scanned.count * sizeof(T));
+  parallelForRanges(scanned.count, kGrain, stop, [&](size_t begin, size_t end) {
     keepWithinMemoryLimit();
+    noteLooked((end - begin) * sizeof(T));
     count(partial.local(), begin, end);
   });
   Histogram sum{};
@@ -102,7 +105,7 @@ Histogram gatherHistogram(size_t voxelCount, const std::stop_token& stop, const 
 VoxelStatistics gatherStatistics(const Scanned<uint8_t>& scanned, const std::stop_token& stop) {
   VoxelStatistics statistics;
   const uint8_t* const voxels = scanned.voxels;
-  const Histogram own = gatherHistogram(scanned.count, stop, [&](Histogram& local, size_t begin, size_t end) {
+  const Histogram own = gatherHistogram(scanned, stop, [&](Histogram& local, size_t begin, size_t end) {
     // Two tables, so that a run of equal voxels does not wait for its own last store.
     Histogram odd{};
     size_t i = begin;
@@ -140,8 +143,10 @@ VoxelStatistics gatherStatistics(const Scanned<T>& scanned, const std::stop_toke
     }
   };
   tbb::enumerable_thread_specific<Extremes> partialExtremes;
+  beginLooking(count * sizeof(T));
   parallelForRanges(count, kGrain, stop, [&](size_t begin, size_t end) {
     keepWithinMemoryLimit();
+    noteLooked((end - begin) * sizeof(T));
     Extremes local = partialExtremes.local();
     for (size_t i = begin; i < end; ++i) {
       const T voxel = voxels[i];
@@ -178,7 +183,7 @@ VoxelStatistics gatherStatistics(const Scanned<T>& scanned, const std::stop_toke
   const int exponent = extent > 0.0 ? -std::ilogb(extent) : 0;
   const double first = std::ldexp(1.0, exponent / 2), second = std::ldexp(1.0, exponent - exponent / 2);
   const double binsPerExtent = extent > 0.0 ? 256.0 / (extent * first * second) : 0.0;
-  const Histogram own = gatherHistogram(count, stop, [&](Histogram& local, size_t begin, size_t end) {
+  const Histogram own = gatherHistogram(scanned, stop, [&](Histogram& local, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       if (!isFiniteVoxel(voxels[i])) continue;
       const double bin = (static_cast<double>(voxels[i]) * before - statistics.rangeLower * before) * first * second * binsPerExtent;

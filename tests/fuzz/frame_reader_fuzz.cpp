@@ -51,6 +51,7 @@ class Client final : public FromServer {
   void onPing(uint64_t) override {}
   void onPong(uint64_t) override {}
   void onBusy(uint16_t) override {}
+  void onProcesses(std::vector<ProcessFields>) override {}
 
  private:
   std::string faultOf(uint64_t id) {

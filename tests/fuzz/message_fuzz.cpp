@@ -56,6 +56,12 @@ void check(uint8_t reader, ByteView bytes) {
         requireSame({bodyOf(message).begin(), bodyOf(message).end()}, bytes);
       }
       break;
+    case 6:
+      if (const auto processes = readProcesses(bytes)) {
+        const Bytes message = processesMessage(*processes);
+        requireSame({bodyOf(message).begin(), bodyOf(message).end()}, bytes);
+      }
+      break;
     default:
       if (const auto beat = readBeat(bytes)) {
         const Bytes message = beatMessage(MessageType::ping, *beat);
@@ -68,6 +74,6 @@ void check(uint8_t reader, ByteView bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
-  check(data[0] % 7, std::as_bytes(std::span(data, size)).subspan(1));
+  check(data[0] % 8, std::as_bytes(std::span(data, size)).subspan(1));
   return 0;
 }

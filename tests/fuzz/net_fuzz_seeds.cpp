@@ -71,9 +71,11 @@ int main(int argc, char** argv) {
   write("message_fuzz", byte(3) + bodyOf(frameMessage(head, 0)));
   write("message_fuzz", byte(4) + bodyOf(failure));
   write("message_fuzz", byte(5) + bodyOf(busyMessage(3)));
-  write("message_fuzz", byte(6) + bodyOf(beat));
+  const Bytes processes = processesMessage(std::vector<ProcessFields>(2));
+  write("message_fuzz", byte(6) + bodyOf(processes));
+  write("message_fuzz", byte(7) + bodyOf(beat));
 
-  const Bytes said = sceneMessage(scene) + beat + busyMessage(3) + frame + pong + failure;
+  const Bytes said = sceneMessage(scene) + beat + busyMessage(3) + processes + frame + pong + failure;
   const Bytes asked = beat + requestMessage(first) + requestMessage(second) + pong;
   for (const Bytes& pieces : {byte(0), byte(3) + byte(5) + byte(0) + byte(200)}) {
     write("frame_reader_fuzz", byte(0) + pieces + toBytes(serverHello) + said);

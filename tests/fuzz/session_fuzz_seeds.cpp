@@ -67,6 +67,7 @@ int main(int argc, char** argv) {
     add(said, net::toBytes(hello));
     add(said, net::sceneMessage(someScene()));
     add(said, net::busyMessage(3));
+    add(said, net::processesMessage(std::vector<net::ProcessFields>(2)));
     add(said, net::beatMessage(net::MessageType::ping, 5));
     net::FrameHead head;
     Bytes payload;

@@ -143,6 +143,7 @@ class Witness : public ClientEvents {
   void onFailure(const Failure& failure) override { note([&] { failures.push_back(failure); }); }
   void onRoundTrip(Duration duration) override { note([&] { roundTrips.push_back(duration); }); }
   void onBusy(uint16_t others) override { note([&] { busyWith.push_back(others); }); }
+  void onProcesses(const std::vector<ProcessFields>& told) override { note([&] { processes.push_back(told); }); }
 
   template <class Condition>
   bool waitFor(Condition condition, Duration patience = kHang) {
@@ -189,6 +190,7 @@ class Witness : public ClientEvents {
   std::vector<Failure> failures;
   std::vector<Duration> roundTrips;
   std::vector<uint16_t> busyWith;
+  std::vector<std::vector<ProcessFields>> processes;
 
  private:
   template <class F>

@@ -245,6 +245,19 @@ TEST_F(FaultsClient, HeartbeatsAreAnsweredAndOnesOwnAreMeasured) {
   EXPECT_EQ(witness_.roundTrips, std::vector<Duration>(5, 7ms)) << "once each";
 }
 
+TEST_F(FaultsClient, IsToldOfProcesses) {
+  connect();
+  BareSocket socket = greetedServer(listener_);
+  client_->request(requestOf(1));
+  ASSERT_TRUE(nextRequest(socket));
+  const std::vector<ProcessFields> processes(3, ProcessFields{.tiles = 7});
+  socket.send(processesMessage(processes) + processesMessage({}) + wholeFrame(1, 10));
+  ASSERT_TRUE(witness_.frameOf(1));
+  EXPECT_EQ(witness_.look([&] { return witness_.processes; }), (std::vector<std::vector<ProcessFields>>{processes, {}}));
+  EXPECT_THAT(sentenceAfter(headOf(MessageType::processes, kMaxProcessesBytes + 1)), HasSubstr("where 57346 are the most"));
+  EXPECT_THAT(sentenceAfter(headOf(MessageType::processes, 3) + Bytes(3)), HasSubstr("sent a damaged message"));
+}
+
 TEST_F(FaultsClient, WhoWaitsIsToldOfABusyServer) {
   connect();
   BareSocket socket = greetedServer(listener_);

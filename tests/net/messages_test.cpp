@@ -37,6 +37,7 @@ FrameHead someFrameHead() {
   return {7, Wanted::samples, someCamera(), someSettings(), {1, 2, 80}, {-1, -2, -3, 1, 2, 3}, 0.75f, 3.0f, 0.25f, 2.0f, 1000, {1, 2, 3, 4, 5, 6}, 99,
           {{"layer", 0}, {"extent", 2}}};
 }
+ProcessFields someProcess() { return {{1, 2, 3}, {4, 5, 6}, 7, 8, 9.0, 10.0, 11}; }
 SceneFields someScene() {
   SceneFields scene;
   scene.name = "fish";
@@ -104,6 +105,8 @@ TEST(Messages, TheLayoutIsPinned) {
   EXPECT_EQ(hexOf(beatMessage(MessageType::ping, 0x0807060504030201)), "05000000080000000102030405060708");
   EXPECT_EQ(hexOf(beatMessage(MessageType::pong, 1)), "06000000080000000100000000000000");
   EXPECT_EQ(hexOf(busyMessage(0x0201)), "07000000020000000102");
+  EXPECT_EQ(hexOf(processesMessage(std::vector{someProcess()})),
+      "080000003a0000000100010000000200000003000000040000000500000006000000070000000800000000000000000022400000000000002440" "0b00000000000000");
 }
 
 TEST(Messages, TheSizesAreAsDeclared) {
@@ -121,6 +124,8 @@ TEST(Messages, TheSizesAreAsDeclared) {
   EXPECT_EQ(frameMessage(head, 0).size(), kMessageHeadBytes + kMaxFrameHeadBytes);
   EXPECT_EQ(beatMessage(MessageType::ping, 0).size(), kMessageHeadBytes + kBeatBytes);
   EXPECT_EQ(busyMessage(0).size(), kMessageHeadBytes + kBusyBytes);
+  EXPECT_EQ(processesMessage(std::vector<ProcessFields>(kMaxProcesses)).size(), kMessageHeadBytes + kMaxProcessesBytes);
+  EXPECT_EQ(processesMessage(std::vector<ProcessFields>(kMaxProcesses + 1)).size(), kMessageHeadBytes + kMaxProcessesBytes) << "the first of them";
   SceneFields largest = someScene();
   largest.name = largest.title = std::string(2 * SceneFields::kMaxName, 'n');
   largest.views.resize(2 * kMaxViews);
@@ -187,6 +192,13 @@ TEST(Messages, RoundTripsGiveTheSame) {
   check(Failure{}, bodyOf(failureMessage({})), readFailure);
   check(kMost, bodyOf(beatMessage(MessageType::pong, kMost)), readBeat);
   check(uint16_t{0xfffe}, bodyOf(busyMessage(0xfffe)), readBusy);
+  for (const size_t count : {size_t{0}, size_t{1}, kMaxProcesses})
+    check(std::vector(count, someProcess()), bodyOf(processesMessage(std::vector(count, someProcess()))), readProcesses);
+  for (const double ms : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    ProcessFields process = someProcess();
+    process.waitMs = ms;
+    EXPECT_FALSE(readProcesses(bodyOf(processesMessage(std::vector{process})))) << ms;
+  }
 }
 
 TEST(Messages, NumbersThatAreNoneTravelAsTheyAre) {
@@ -217,6 +229,7 @@ std::vector<Kind> kinds() {
       {"failure", bodyOf(failureMessage({7, "sorry"})), [](ByteView bytes) { return readFailure(bytes).has_value(); }},
       {"beat", bodyOf(beatMessage(MessageType::ping, 7)), [](ByteView bytes) { return readBeat(bytes).has_value(); }},
       {"busy", bodyOf(busyMessage(3)), [](ByteView bytes) { return readBusy(bytes).has_value(); }},
+      {"processes", bodyOf(processesMessage(std::vector(3, someProcess()))), [](ByteView bytes) { return readProcesses(bytes).has_value(); }},
   };
 }
 
@@ -385,7 +398,7 @@ TEST(Messages, LengthsThatCannotBeAreNothing) {
   append(head, {MessageType::frame, 0xffffffff});
   ASSERT_TRUE(readMessageHead(head));  // a length alone is no fault: whoever reads the body says what is too much
   EXPECT_EQ(readMessageHead(head)->bodyBytes, 0xffffffffu);
-  for (const uint8_t type : {uint8_t{0}, uint8_t{8}, uint8_t{255}}) EXPECT_FALSE(readMessageHead(with(head, 0, type)));
+  for (const uint8_t type : {uint8_t{0}, uint8_t{9}, uint8_t{255}}) EXPECT_FALSE(readMessageHead(with(head, 0, type)));
   for (const size_t zero : {1, 2, 3}) EXPECT_FALSE(readMessageHead(with(head, zero, uint8_t{1})));
 }
 

@@ -203,6 +203,30 @@ TEST_F(Strangers, WhoWaitsHearsOfTheOthers) {
   EXPECT_EQ(verdictFor(without), Verdict::welcome);
 }
 
+TEST_F(Strangers, ThoseThatCanHearItAreToldOfProcesses) {
+  Server& server = serve({});
+  Witness witness;
+  Client client(io_, {.address = server.address()}, witness);
+  ASSERT_TRUE(witness.waitForConnection());
+  ClientHello old;
+  old.capabilities = kCapabilities & ~uint32_t{kCanHearProcesses};
+  BareSocket without = BareSocket::connect(server.port());
+  without.send(toBytes(old));
+  ASSERT_EQ(verdictFor(without), Verdict::welcome);
+  const std::vector<ProcessFields> processes(2, ProcessFields{.sentBytes = 5});
+  const auto answer = [&] {
+    const std::optional<RequestJob> job = server.requests().take({});
+    server.answer(job->client, headOf(job->request.id), Bytes(10), nullptr, processes);
+  };
+  client.request(requestOf(1));
+  answer();
+  EXPECT_TRUE(witness.frameOf(1));
+  EXPECT_EQ(witness.look([&] { return witness.processes; }), (std::vector<std::vector<ProcessFields>>{processes}));
+  without.send(requestMessage(requestOf(1)));
+  answer();
+  for (std::optional<BareSocket::Message> message; (message = without.receiveMessage()) && message->type != MessageType::frame;) EXPECT_NE(message->type, MessageType::processes);
+}
+
 TEST_F(Strangers, TheSlowestReaderGoesWhereMemoryIsShort) {
   Server& server = serve({});
   ByteBudget budget(size_t{1} << 30);

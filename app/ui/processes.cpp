@@ -1,0 +1,71 @@
+// What each process did that the server's volume is spread over: a bar a process, as long as its threads were at it.
+// See parts.h.
+#include <algorithm>
+#include <string>
+
+#include "app/ui/parts.h"
+
+namespace warpscope::ui {
+namespace {
+
+const ImVec4 kMarching{0.35f, 0.52f, 0.85f, 1.0f}, kWaiting{0.52f, 0.38f, 0.22f, 1.0f};
+/// So many have a line of text each; of more the bars alone, side by side.
+constexpr size_t kMostNamed = 8;
+
+std::string bytesText(double bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, bytes < 1e6 ? "%.0f kB" : "%.1f MB", bytes < 1e6 ? bytes * 1e-3 : bytes * 1e-6);
+  return text;
+}
+
+void drawKey(size_t number, const net::ProcessFields& process, const Look& look) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(8.0f), look.px(6.0f)});
+  ImGui::BeginTooltip();
+  ImGui::Text("Process %zu has cells %u, %u, %u to %u, %u, %u of the volume.", number, process.lower[0], process.lower[1], process.lower[2], process.upper[0], process.upper[1],
+              process.upper[2]);
+  ImGui::Text("%u tiles of a frame came to it, a GPU marched %u of them.", process.tiles, process.deviceTiles);
+  ImGui::TextColored(kMarching, "Its threads marched for %s in all", durationText(process.marchMs).c_str());
+  ImGui::TextColored(kWaiting, "and waited for tiles for %s.", durationText(process.waitMs).c_str());
+  ImGui::Text("It sent %s to the others.", bytesText(static_cast<double>(process.sentBytes)).c_str());
+  ImGui::EndTooltip();
+  ImGui::PopStyleVar();
+}
+
+/// As long as the threads' time is to `mostMs`.
+void drawBar(const net::ProcessFields& process, double mostMs, const ImVec2& at, const ImVec2& size) {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const auto widthOf = [&](double ms) { return mostMs > 0.0 ? size.x * static_cast<float>(ms / mostMs) : 0.0f; };
+  const float marched = widthOf(process.marchMs), waited = widthOf(process.waitMs);
+  list->AddRectFilled(at, {at.x + size.x, at.y + size.y}, ImGui::GetColorU32(ImGuiCol_FrameBg));
+  list->AddRectFilled(at, {at.x + marched, at.y + size.y}, ImGui::GetColorU32(kMarching));
+  list->AddRectFilled({at.x + marched, at.y}, {at.x + marched + waited, at.y + size.y}, ImGui::GetColorU32(kWaiting));
+}
+
+}  // namespace
+
+void drawProcesses(std::span<const net::ProcessFields> processes, const Look& look) {
+  if (processes.empty()) return;
+  double mostMs = 0.0, sentBytes = 0.0;
+  for (const net::ProcessFields& process : processes) {
+    mostMs = std::max(mostMs, process.marchMs + process.waitMs);
+    sentBytes += static_cast<double>(process.sentBytes);
+  }
+  ImGui::PushFont(look.fonts.small);
+  ImGui::TextColored(palette().dimText, "%zu processes, %s between them a frame", processes.size(), bytesText(sentBytes).c_str());
+  const bool areNamed = processes.size() <= kMostNamed;
+  const float line = ImGui::GetTextLineHeight(), height = areNamed ? line : look.px(4.0f), numbers = areNamed ? ImGui::CalcTextSize("00").x + look.px(4.0f) : 0.0f;
+  for (size_t i = 0; i < processes.size(); ++i) {
+    const net::ProcessFields& process = processes[i];
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float width = ImGui::GetContentRegionAvail().x;
+    ImGui::PushID(static_cast<int>(i));
+    ImGui::InvisibleButton("process", {width, height});
+    ImGui::PopID();
+    if (areNamed) ImGui::GetWindowDrawList()->AddText(at, ImGui::GetColorU32(palette().dimText), std::to_string(i).c_str());
+    drawBar(process, mostMs, {at.x + numbers, at.y + (areNamed ? 0.15f * line : 0.0f)}, {width - numbers, areNamed ? 0.7f * line : height - look.px(1.0f)});
+    if (ImGui::IsItemHovered()) drawKey(i, process, look);
+  }
+  ImGui::PopFont();
+}
+
+}  // namespace warpscope::ui
