@@ -39,6 +39,33 @@ TEST(BrickTree, BlocksAreTheVolumeAndWeighAlike) {
   }
 }
 
+TEST(BrickTree, NoBlockHasMoreThanThereIsRoomFor) {
+  const glm::uvec3 dims(130, 165, 190);
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, dims, blobs(dims, 8));
+  const MarchedVolume marched(volume, everywhere(0.1f));
+  // Nearly all of the weight is in a corner: without a limit others have nearly all of the cells.
+  const glm::ivec3 cells = marched.macrocells.dims();
+  std::vector<float> weights(marched.macrocells.count());
+  for (size_t i = 0; i < weights.size(); ++i)
+    weights[i] = i % static_cast<size_t>(cells.x) < 3 && i / static_cast<size_t>(cells.x) % static_cast<size_t>(cells.y) < 3 && i / static_cast<size_t>(cells.x * cells.y) < 3 ? 1e6f : 1.0f;
+  const double all = 129.0 * 164.0 * 189.0;
+  const auto largestOf = [&](const BrickTree& tree) {
+    double largest = 0.0, covered = 0.0;
+    for (const CellBlock& block : tree.blocks()) {
+      const glm::dvec3 extent = block.upper - block.lower;
+      largest = std::max(largest, extent.x * extent.y * extent.z);
+      covered += extent.x * extent.y * extent.z;
+    }
+    EXPECT_EQ(covered, all);
+    return largest;
+  };
+  for (const int count : {2, 3, 4, 7, 16})
+    for (const double most : {0.0, 1.1 / count, 1.5 / count, 3.0 / count})
+      EXPECT_LT(largestOf(BrickTree(marched.macrocells, weights, dims, count, most)), std::max(most, 1.0 / count) * 1.25 * all)
+          << count << ", " << most << ": macrocells are what there is to cut";
+  EXPECT_GT(largestOf(BrickTree(marched.macrocells, weights, dims, 4)), 0.7 * all) << "or the limit would not matter";
+}
+
 TEST(BrickTree, EveryBlockOfSmallVolumesHasCellsWhateverTheirNumber) {
   std::mt19937 random(3);
   for (uint32_t x = 2; x <= 17; x += 5)

@@ -80,7 +80,7 @@ class Gate {
 class BrickLeader {
  public:
   BrickLeader(VolumePtr volume, std::chrono::milliseconds patience, PieceMaker makePieces)
-      : backend_(makePieces.backend), work_(std::move(volume), std::move(makePieces)), patience_(patience), heard_(static_cast<size_t>(work_.ranks().size())), done_(heard_.size()) {
+      : backend_(makePieces.backend), roomBytes_(makePieces.roomBytes), work_(std::move(volume), std::move(makePieces)), patience_(patience), heard_(static_cast<size_t>(work_.ranks().size())), done_(heard_.size()) {
     work_.ranks().setTogether(false);
   }
   /// By which it marches its own brick.
@@ -306,10 +306,17 @@ class BrickLeader {
     } else {
       return *tree_;
     }
-    tree_.emplace(marched.macrocells, weights_, marched.volume->dims(), work_.ranks().size());
+    tree_.emplace(marched.macrocells, weights_, marched.volume->dims(), work_.ranks().size(), mostShare(*marched.volume));
     cutAt_ = now;
     firstOfTree_ = frame_;
     return *tree_;
+  }
+
+  /// Of the volume's cells, that a block may have: as this rank has room, which is what is known of the others.
+  double mostShare(const Volume& volume) const {
+    constexpr double kOfRoom = 0.85;  // the rest is for what lies around a block, and for what is not a whole number of macrocells
+    const double bytes = static_cast<double>(volume.voxelCount()) * static_cast<double>(std::min<size_t>(sizeBytes(volume.type()), sizeof(float)));  // as devices keep them
+    return roomBytes_ > 0 ? std::min(kOfRoom * static_cast<double>(roomBytes_) / bytes, 1.0) : 1.0;
   }
 
   /// Whether one rank had much more to do than the others, as far as what they did for frames of this tree is known.
@@ -325,6 +332,7 @@ class BrickLeader {
   }
 
   const Backend backend_;
+  const uint64_t roomBytes_;
   Gate mutex_;              // of all that follows but the next two
   std::mutex usersMutex_;   // of the next
   std::vector<int> users_;  // of each function

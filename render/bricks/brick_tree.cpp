@@ -71,12 +71,20 @@ void requireRoom(const Macrocells& cells, int count) {
     throw UsageError("the volume is too small for " + std::to_string(count) + " processes: there is work for " + std::to_string(most) + " at most");
 }
 
-BrickTree::BrickTree(const Macrocells& macrocells, std::span<const float> weights, const glm::uvec3& voxels, int count) {
+BrickTree::BrickTree(const Macrocells& macrocells, std::span<const float> weights, const glm::uvec3& voxels, int count, double mostShare) {
   const glm::ivec3 dims = macrocells.dims();
   requireRoom(macrocells, count);
   const glm::ivec3 cells = glm::max(glm::ivec3(voxels) - 1, 1);
   /// The macrocells' voxels; the volume's ends where they are.
   const auto blockOf = [&](const Cells& piece) { return CellBlock{piece.lower * macrocells.edge(), glm::min(piece.upper * macrocells.edge(), cells)}; };
+  const double mostCells = std::max(mostShare, 1.0 / count) * static_cast<double>(macrocells.count());
+  /// As many of the piece's slices as so many blocks may have, or the nearest number that leaves the others no more than they may.
+  const auto withinRoom = [&](const Cells& piece, int axis, int slices, int ofLower, int ofUpper) {
+    const double perSlice = static_cast<double>(countOf(piece)) / piece.extent()[axis];
+    const auto slicesOf = [&](int blocks) { return static_cast<int>(std::min(mostCells * blocks / perSlice, 1e9)); };
+    const int least = std::max(1, piece.extent()[axis] - slicesOf(ofUpper)), most = std::min(piece.extent()[axis] - 1, slicesOf(ofLower));
+    return least <= most ? std::clamp(slices, least, most) : std::clamp((least + most) / 2, 1, piece.extent()[axis] - 1);
+  };
   const auto weightOfSlices = [&](const Cells& piece, int axis) {
     std::vector<double> ofSlices(static_cast<size_t>(piece.extent()[axis]));
     forEachCell(piece, dims, [&](size_t cell, const glm::ivec3& at) { ofSlices[static_cast<size_t>(at[axis] - piece.lower[axis])] += static_cast<double>(weights[cell]); });
@@ -97,6 +105,7 @@ BrickTree::BrickTree(const Macrocells& macrocells, std::span<const float> weight
       if (below + 0.5 * next >= wanted) break;
       below += next;
     }
+    slices = withinRoom(piece, axis, slices, blocks / 2, blocks - blocks / 2);
     Cells lower = piece, upper = piece;
     lower.upper[axis] = upper.lower[axis] = piece.lower[axis] + slices;
     // Half of the blocks, or as many more or fewer as both sides have room for.

@@ -25,9 +25,10 @@ void requireRoom(const Macrocells& cells, int count);
 class BrickTree {
  public:
   /// Cuts the cells between the voxels of a volume into `count` blocks along borders of macrocells, so that blocks weigh alike. `weights`: of each macrocell, positive.
-  /// Planes are across y or z, along whichever a block is longer, or across x where that is by far the longest.
+  /// Planes are across y or z, along whichever a block is longer, or across x where that is by far the longest. `mostShare`: of all cells, that a block has at most, whatever it
+  /// weighs, as nearly as macrocells let it; less than 1 / count is taken for that.
   /// Throws as requireRoom() does.
-  BrickTree(const Macrocells& cells, std::span<const float> weights, const glm::uvec3& voxels, int count);
+  BrickTree(const Macrocells& cells, std::span<const float> weights, const glm::uvec3& voxels, int count, double mostShare = 1.0);
 
   const std::vector<CellBlock>& blocks() const { return blocks_; }
   /// Every block once: no ray from `eye`, which is in voxel coordinates, comes to one after another that it has come to behind it.

@@ -83,12 +83,15 @@ void copyVoxels(const Volume& volume, const ValueScale& scale, std::span<const V
 
 }  // namespace
 
-int slicesOnDevice(const Volume& volume) {
+size_t roomOnDevice() {
   size_t freeBytes = 0, totalBytes = 0;
   WARPSCOPE_CUDA_CHECK(cudaMemGetInfo(&freeBytes, &totalBytes));
-  size_t room = std::min(freeBytes, totalBytes / 10 * 9);
-  room = static_cast<size_t>(std::min<uint64_t>(room, deviceMemoryLimit().value_or(room)));
-  const size_t slice = size_t{volume.dims().x} * volume.dims().y * bytesOnDevice(volume.type());
+  const size_t room = std::min(freeBytes, totalBytes / 10 * 9);
+  return static_cast<size_t>(std::min<uint64_t>(room, deviceMemoryLimit().value_or(room)));
+}
+
+int slicesOnDevice(const Volume& volume) {
+  const size_t room = roomOnDevice(), slice = size_t{volume.dims().x} * volume.dims().y * bytesOnDevice(volume.type());
   return static_cast<int>(std::min<size_t>(room / slice, volume.dims().z));
 }
 

@@ -18,7 +18,9 @@ namespace warpscope {
 /// Bytes that a device keeps of a voxel.
 size_t bytesOnDevice(VoxelType type);
 
-/// Slices along z, of those that the volume has, that the current device has room for beside what it holds already, or may have (deviceMemoryLimit()).
+/// Bytes that a volume may take of the current device, beside what it holds already: as there is room, or as deviceMemoryLimit() has it.
+size_t roomOnDevice();
+/// Slices along z, of those that the volume has, that there is such room for.
 int slicesOnDevice(const Volume& volume);
 
 class DeviceVolume {

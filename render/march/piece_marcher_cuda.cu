@@ -392,7 +392,7 @@ MarcherPtr makeFittingCudaMarcher(VolumePtr volume, TransferFunction transferFun
 
 PieceMaker makeCudaPieces(bool mayFallBack, std::function<void(const std::string& reason)> onFallback) {
   const auto device = std::make_shared<PieceDevice>(mayFallBack, std::move(onFallback));
-  return {[device](MarchedVolumePtr marched) { return std::make_unique<CudaPieceMarcher>(std::move(marched), device); }, Backend::cuda};
+  return {[device](MarchedVolumePtr marched) { return std::make_unique<CudaPieceMarcher>(std::move(marched), device); }, Backend::cuda, roomOnDevice()};
 }
 
 }  // namespace warpscope

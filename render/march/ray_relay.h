@@ -136,6 +136,7 @@ std::unique_ptr<PieceMarcher> makePieceMarcher(std::shared_ptr<const MarchedVolu
 struct PieceMaker {
   std::function<std::unique_ptr<PieceMarcher>(std::shared_ptr<const MarchedVolume>)> make = makePieceMarcher;
   Backend backend = Backend::cpu;
+  uint64_t roomBytes = 0;  ///< for voxels, where they march; 0: not known
 };
 
 /// Whether rays by these settings want shadows or occlusion, for which a marcher of pieces is to have a copy of the volume.
