@@ -80,7 +80,7 @@ class ClientEvents {
   virtual void onRoundTrip(Duration) {}
   /// The server works for so many other clients, while this one waits for an answer.
   virtual void onBusy(uint16_t) {}
-  /// What the processes did that the server's volume is spread over, for a frame of the last; before each frame that they march.
+  /// What the processes did that the server's volume is spread over, each for the last frame that it has said it of; before each frame.
   virtual void onProcesses(const std::vector<ProcessFields>&) {}
 };
 

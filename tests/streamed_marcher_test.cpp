@@ -51,7 +51,7 @@ TEST(StreamedMarcher, FramesAndPicturesAreThoseOfAllOfTheVolume) {
       SCOPED_TRACE(slices);
       std::atomic<int> slabs = 0, mostSlices = 0;
       const MarcherPtr streamed =
-          makeStreamedMarcher(marched, {[&](MarchedVolumePtr one) { return std::make_unique<CountingPieces>(std::move(one), slabs, mostSlices); }, Backend::cpu}, slices);
+          makeStreamedMarcher(marched, {[&](MarchedVolumePtr one) { return std::make_unique<CountingPieces>(std::move(one), slabs, mostSlices); }}, slices);
       for (const auto& [name, settings] : variants())
         for (const Camera& camera : cameras()) {
           ASSERT_TRUE(sameFrame(streamed->march(camera, settings), alone->march(camera, settings))) << name;
@@ -149,14 +149,14 @@ TEST(RelayShare, TwoThatWorkAtARelayAreAsOne) {
   const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
   const TransferFunction function = band(15, 80, 0.3f);
   const MarcherPtr alone = makeCpuMarcher(whole, function);
-  const Spread spread(whole, function, 3, [](int rank) { return rank == 2 ? PieceMaker{} : PieceMaker{[](const MarchedVolumePtr& marched) { return std::make_unique<SharedPieces>(marched, false); }, Backend::cpu}; });
+  const Spread spread(whole, function, 3, [](int rank) { return rank == 2 ? PieceMaker{} : PieceMaker{[](const MarchedVolumePtr& marched) { return std::make_unique<SharedPieces>(marched, false); }}; });
   for (const auto& [name, settings] : variants())
     for (const Camera& camera : cameras()) ASSERT_TRUE(sameFrame(spread->march(camera, settings), alone->march(camera, settings))) << name;
 }
 
 TEST(RelayShare, WhereOneCannotGoOnNobodyWaitsForItsTiles) {
   const auto marched = std::make_shared<const MarchedVolume>(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5)), band(15, 80, 0.3f));
-  const MarcherPtr streamed = makeStreamedMarcher(marched, {[](const MarchedVolumePtr& one) { return std::make_unique<SharedPieces>(one, true); }, Backend::cpu}, 1000);
+  const MarcherPtr streamed = makeStreamedMarcher(marched, {[](const MarchedVolumePtr& one) { return std::make_unique<SharedPieces>(one, true); }}, 1000);
   streamed->march(cameras().front(), {});  // comes to an end
 }
 

@@ -11,7 +11,9 @@
 #include "app/experiment/configuration.h"
 #include "app/experiment/effect_costs.h"
 #include "app/frames/backend.h"
+#include "app/frames/process_json.h"
 #include "app/frames/process_ranks.h"
+#include "app/frames/wire_fields.h"
 #include "app/scene/json_document.h"
 #include "app/scene/knob_json.h"
 #include "app/shell/interrupt.h"
@@ -86,14 +88,7 @@ Json toJson(const FrameBenchmark& frame) {
           {"bytes", coding.bytes.ofFrame()}};
   if (ranks.empty()) return json;
   json["processes"] = Json::array();
-  for (const RankWork& work : ranks)
-    json["processes"].push_back({{"lower", {work.block.lower.x, work.block.lower.y, work.block.lower.z}},
-                                 {"upper", {work.block.upper.x, work.block.upper.y, work.block.upper.z}},
-                                 {"tiles", work.tiles},
-                                 {"deviceTiles", work.deviceTiles},
-                                 {"marchMs", work.marchMs},
-                                 {"waitMs", work.waitMs},
-                                 {"sentBytes", work.sentBytes}});
+  for (const net::ProcessFields& process : toFields(ranks)) json["processes"].push_back(warpscope::toJson(process));
   return json;
 }
 

@@ -249,6 +249,7 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
   } else {
     work.scene = work.open(stop);
     if (processRanks()) requireSameScene(work.scene, *processRanks());
+    if (processRanks() && processRanks()->isFirst()) leaderOf(work.scene.volume, work.backend);
     if (processRanks() && !processRanks()->isFirst()) {
       followFirst(work.scene.volume, work.backend, stop);
       throw FollowedToTheEnd();

@@ -23,7 +23,14 @@ MarcherPtr makeMarcher(Backend backend, VolumePtr volume, TransferFunction trans
 
 PieceMaker makePieces(Backend backend) {
   if (marchersFor(backend).front()->backend == Backend::cpu) return {};
-  return makeCudaPieces(backend == Backend::automatic, reportFallback);
+  const bool mayFallBack = backend == Backend::automatic;
+  try {
+    return makeCudaPieces(mayFallBack, reportFallback);
+  } catch (const DeviceError& error) {
+    if (!mayFallBack) throw;
+    reportFallback(error.what());
+    return {};
+  }
 }
 
 TiledCoderPtr makeTiledCoder(Backend backend) {

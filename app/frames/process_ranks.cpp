@@ -3,12 +3,12 @@
 #include "app/frames/process_ranks.h"
 
 #include <dlfcn.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 #include <filesystem>
+#include <initializer_list>
+#include <optional>
 #include <span>
 #include <sstream>
 #include <string>
@@ -17,6 +17,7 @@
 
 #include "app/frames/backend.h"
 #include "render/base/error.h"
+#include "render/base/memory_limit.h"
 #include "render/march/ray_relay.h"
 
 namespace warpscope {
@@ -30,18 +31,6 @@ struct Joined {
 Joined& joined() {
   static Joined processes;
   return processes;
-}
-
-/// How many processes were started, as far as this one is told; 1 if it is not.
-int startedCount() {
-  for (const char* const name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}) {
-    const char* const value = std::getenv(name);
-    if (value == nullptr) continue;
-    int count = 0;
-    const std::string_view text(value);
-    if (std::from_chars(text.data(), text.data() + text.size(), count).ec == std::errc{}) return count;
-  }
-  return 1;
 }
 
 /// Beside the program, or where packages keep a program's own libraries.
@@ -64,14 +53,23 @@ int countDevices() {
   return count;
 }
 
+/// The first of these variables that is set to a number.
+std::optional<int> numberOf(std::initializer_list<const char*> names) {
+  for (const char* const name : names) {
+    const char* const value = std::getenv(name);
+    if (value == nullptr) continue;
+    int number = 0;
+    const std::string_view text(value);
+    if (std::from_chars(text.data(), text.data() + text.size(), number).ec == std::errc{}) return number;
+  }
+  return {};
+}
+
 /// Each process of a machine has a CUDA device for itself, as long as there are enough: it sees no other. Of those that whoever started it lets it see, if somebody
-/// has said so. CUDA C++ Programming Guide, "CUDA Environment Variables".
-void takeOwnDevice(Ranks& ranks) {
-  char machine[256] = {};
-  gethostname(machine, sizeof machine - 1);
-  const std::vector<std::vector<std::byte>> machines = ranks.allGather(std::as_bytes(std::span<const char>(machine)));
-  const auto own = machines.begin() + ranks.rank();
-  const auto place = static_cast<size_t>(std::count(machines.begin(), own, *own));
+/// has said so (CUDA C++ Programming Guide, "CUDA Environment Variables"). Before MPI is loaded, which may ask for devices.
+void takeOwnDevice() {
+  const std::optional<int> place = numberOf({"OMPI_COMM_WORLD_LOCAL_RANK", "MPI_LOCALRANKID", "SLURM_LOCALID"});
+  if (!place || *place < 0) return;
   constexpr const char* kVisible = "CUDA_VISIBLE_DEVICES";
   std::vector<std::string> devices;
   if (const char* const visible = std::getenv(kVisible)) {
@@ -80,14 +78,18 @@ void takeOwnDevice(Ranks& ranks) {
   } else {
     for (int i = 0; i < countDevices(); ++i) devices.push_back(std::to_string(i));
   }
-  if (devices.size() > 1) setenv(kVisible, devices[place % devices.size()].c_str(), 1);
+  if (devices.empty()) return;
+  const int count = static_cast<int>(devices.size()), processes = numberOf({"OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"}).value_or(1);
+  setDeviceSharers((processes + count - 1) / count);
+  if (count > 1) setenv(kVisible, devices[static_cast<size_t>(*place % count)].c_str(), 1);
 }
 
 }  // namespace
 
 RanksPtr joinProcesses() {
-  const int count = startedCount();
+  const int count = numberOf({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}).value_or(1);
   if (count < 2) return nullptr;
+  takeOwnDevice();
   const std::string path = libraryPath();
   if (path.empty())
     throw InputError("started as one of several processes, but its library for MPI (warpscope_mpi.so) is not beside the program: build it where Debian's libopenmpi-dev is installed");
@@ -106,7 +108,6 @@ RanksPtr joinProcesses() {
   for (const size_t size : {sizeof(Camera), sizeof(RenderSettings), sizeof(SampleSettings), sizeof(RelayedState), sizeof(SegmentMerger), sizeof(RelayedAgain)})
     version += " " + std::to_string(size);
   joined().ranks->requireSame(std::as_bytes(std::span<const char>(version)), "version of warpscope");
-  takeOwnDevice(*joined().ranks);
   return joined().ranks;
 }
 

@@ -103,7 +103,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
       if (status_.isConnected) status_.sentence.clear();
       if (!state.sentence.empty()) status_.sentence = state.sentence;  // stays on show while it is tried again
       status_.next = state.next;
-      if (!status_.isConnected) status_.busyWith.reset();
+      if (!status_.isConnected) status_.busyWith.reset(), status_.processes.clear();
     }
     if (state.phase == net::ConnectionPhase::refused) decided_.request_stop();
     onNews_();

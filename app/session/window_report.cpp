@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "app/experiment/plan_json.h"
+#include "app/frames/process_json.h"
 #include "app/scene/json_document.h"
 
 namespace warpscope {
@@ -73,8 +74,7 @@ Json threadFrames(std::span<const WindowReport::ThreadTime> frames) {
 
 Json toJson(const SourceStatus& status) {
   Json processes = Json::array();
-  for (const net::ProcessFields& process : status.processes)
-    processes.push_back({{"tiles", process.tiles}, {"deviceTiles", process.deviceTiles}, {"marchMs", process.marchMs}, {"waitMs", process.waitMs}, {"sentBytes", process.sentBytes}});
+  for (const net::ProcessFields& process : status.processes) processes.push_back(warpscope::toJson(process));
   return {{"where", status.where},
           {"isConnected", status.isConnected},
           {"sentence", status.sentence},

@@ -8,9 +8,9 @@
 namespace warpscope::ui {
 namespace {
 
-const ImVec4 kMarching{0.35f, 0.52f, 0.85f, 1.0f}, kWaiting{0.52f, 0.38f, 0.22f, 1.0f};
-/// So many have a line of text each; of more the bars alone, side by side.
-constexpr size_t kMostNamed = 8;
+const ImVec4 kMarching{0.35f, 0.52f, 0.85f, 1.0f}, kWaiting{0.72f, 0.53f, 0.30f, 1.0f};
+/// So many have a line of text each; of more the bars alone, and of still more the first.
+constexpr size_t kMostNamed = 8, kMostDrawn = 64;
 
 std::string bytesText(double bytes) {
   char text[32];
@@ -54,7 +54,7 @@ void drawProcesses(std::span<const net::ProcessFields> processes, const Look& lo
   ImGui::TextColored(palette().dimText, "%zu processes, %s between them a frame", processes.size(), bytesText(sentBytes).c_str());
   const bool areNamed = processes.size() <= kMostNamed;
   const float line = ImGui::GetTextLineHeight(), height = areNamed ? line : look.px(4.0f), numbers = areNamed ? ImGui::CalcTextSize("00").x + look.px(4.0f) : 0.0f;
-  for (size_t i = 0; i < processes.size(); ++i) {
+  for (size_t i = 0; i < std::min(processes.size(), kMostDrawn); ++i) {
     const net::ProcessFields& process = processes[i];
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x;
@@ -65,6 +65,7 @@ void drawProcesses(std::span<const net::ProcessFields> processes, const Look& lo
     drawBar(process, mostMs, {at.x + numbers, at.y + (areNamed ? 0.15f * line : 0.0f)}, {width - numbers, areNamed ? 0.7f * line : height - look.px(1.0f)});
     if (ImGui::IsItemHovered()) drawKey(i, process, look);
   }
+  if (processes.size() > kMostDrawn) ImGui::TextColored(palette().dimText, "and %zu more", processes.size() - kMostDrawn);
   ImGui::PopFont();
 }
 

@@ -13,7 +13,7 @@ struct LookedThrough {
 /// Safe on any thread, as the next two are.
 LookedThrough lookedThrough();
 
-/// So many are to be looked at.
+/// So many are to be looked at: of several passes all at once, so that what is left never grows.
 void beginLooking(uint64_t bytes);
 /// So many of them have been.
 void noteLooked(uint64_t bytes);

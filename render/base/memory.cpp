@@ -91,6 +91,7 @@ namespace {
 
 /// 0: none.
 std::atomic<uint64_t> limitBytes = 0, deviceLimitBytes = 0;
+std::atomic<int> sharers = 1;
 std::optional<uint64_t> optionalOf(uint64_t bytes) { return bytes > 0 ? std::optional(bytes) : std::nullopt; }
 
 /// Of the limit, a share is left free beside what comes in between two looks; and as much is used all the same.
@@ -173,6 +174,10 @@ std::optional<uint64_t> memoryLimit() { return optionalOf(limitBytes); }
 void setDeviceMemoryLimit(std::optional<uint64_t> bytes) { deviceLimitBytes = bytes.value_or(0); }
 
 std::optional<uint64_t> deviceMemoryLimit() { return optionalOf(deviceLimitBytes); }
+
+void setDeviceSharers(int processes) { sharers = std::max(processes, 1); }
+
+int deviceSharers() { return sharers; }
 
 void requireMemory(uint64_t bytes, const std::string& what) {
   if (const std::optional<uint64_t> limit = memoryLimit()) {

@@ -21,6 +21,9 @@ std::optional<uint64_t> memoryLimit();
 /// The same of a device's memory, for a volume.
 void setDeviceMemoryLimit(std::optional<uint64_t> bytes);
 std::optional<uint64_t> deviceMemoryLimit();
+/// Processes that have this one's device together, itself included; at first 1. To be set likewise.
+void setDeviceSharers(int processes);
+int deviceSharers();
 
 /// Something that can let go of memory, and get it again where it is needed: a mapped file. While there is one, keepWithinMemoryLimit() may call it, on any thread.
 class Droppable {

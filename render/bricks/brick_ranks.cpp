@@ -84,7 +84,7 @@ class BrickLeader {
     work_.ranks().setTogether(false);
   }
   /// By which it marches its own brick.
-  Backend backend() const { return backend_; }
+  Backend backend() const { return backend_(); }
 
   ~BrickLeader() {
     withoutFailing([&] { tellAll(kQuitMessage, {}); });
@@ -331,7 +331,7 @@ class BrickLeader {
     return most > kLeastMs && most * static_cast<double>(done_.size()) > kMostUneven * all;
   }
 
-  const Backend backend_;
+  const std::function<Backend()> backend_;
   const uint64_t roomBytes_;
   Gate mutex_;              // of all that follows but the next two
   std::mutex usersMutex_;   // of the next

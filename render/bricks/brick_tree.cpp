@@ -31,11 +31,12 @@ void forEachCell(const Cells& cells, const glm::ivec3& dims, const Visit& visit)
 /// How many blocks a piece of so many macrocells can become.
 int64_t countOf(const Cells& cells) { return int64_t{cells.extent().x} * cells.extent().y * cells.extent().z; }
 
-/// Across x only where it is by far the longest: what lies side by side along x is in the same pages of memory, which both sides would have to read.
-int axisToCut(const glm::ivec3& extent) {
+/// Across x only where it is by far the longest: what lies side by side along x is in the same pages of memory, which both sides would have to read. Where there is little room, whose
+/// rows are whole as well, only where nothing else is left to cut.
+int axisToCut(const glm::ivec3& extent, bool isRoomShort) {
   constexpr int kByFar = 4;
   const int other = extent.y > extent.z ? 1 : 2;
-  return extent.x > kByFar * extent[other] || extent[other] < 2 ? 0 : other;
+  return (extent.x > kByFar * extent[other] && !isRoomShort) || extent[other] < 2 ? 0 : other;
 }
 
 }  // namespace
@@ -96,7 +97,7 @@ BrickTree::BrickTree(const Macrocells& macrocells, std::span<const float> weight
       nodes_.push_back({0, 0, -1, static_cast<int>(blocks_.size()) - 1});
       return static_cast<int>(nodes_.size()) - 1;
     }
-    const int axis = axisToCut(piece.extent());
+    const int axis = axisToCut(piece.extent(), mostShare < 1.0);
     const std::vector<double> ofSlices = weightOfSlices(piece, axis);
     const double wanted = std::accumulate(ofSlices.begin(), ofSlices.end(), 0.0) * (blocks / 2) / blocks;
     int slices = 1;

@@ -25,7 +25,8 @@ void requireRoom(const Macrocells& cells, int count);
 class BrickTree {
  public:
   /// Cuts the cells between the voxels of a volume into `count` blocks along borders of macrocells, so that blocks weigh alike. `weights`: of each macrocell, positive.
-  /// Planes are across y or z, along whichever a block is longer, or across x where that is by far the longest. `mostShare`: of all cells, that a block has at most, whatever it
+  /// Planes are across y or z, along whichever a block is longer, or across x where that is by far the longest (with a `mostShare`
+  /// below 1, only where nothing else is left). `mostShare`: of all cells, that a block has at most, whatever it
   /// weighs, as nearly as macrocells let it; less than 1 / count is taken for that.
   /// Throws as requireRoom() does.
   BrickTree(const Macrocells& cells, std::span<const float> weights, const glm::uvec3& voxels, int count, double mostShare = 1.0);

@@ -24,7 +24,7 @@ class StagedCopy {
   StagedCopy();
   ~StagedCopy();
 
-  /// Copies all of them, and waits until they are there. `onChunk` is called now and then, on any thread. Throws DeviceError.
+  /// Copies all of them, and waits until they are there. `onChunk` is called now and then, on any thread. Throws DeviceError, and what `onChunk` throws.
   void copy(std::span<const CopiedRange> ranges, const std::function<void()>& onChunk);
 
  private:

@@ -6,6 +6,7 @@
 #include <span>
 #include <type_traits>
 
+#include "render/base/error.h"
 #include "render/base/memory_limit.h"
 
 namespace warpscope {
@@ -55,15 +56,19 @@ struct VoxelSpan {
   size_t first = 0, end = 0;
 };
 
-/// These voxels into their places behind `to`, the first one's. Waits until they are there.
+/// These voxels into their places behind `to`, the first one's. Waits until they are there. Throws DeviceError, OperationCancelled if `stop` is set.
 template <class Voxel>
-void copyVoxels(const Volume& volume, const ValueScale& scale, std::span<const VoxelSpan> spans, std::byte* to, cuda::StagedCopy& copy) {
+void copyVoxels(const Volume& volume, const ValueScale& scale, std::span<const VoxelSpan> spans, std::byte* to, cuda::StagedCopy& copy, const std::stop_token& stop) {
+  const auto onChunk = [&] {
+    keepWithinMemoryLimit();
+    if (stop.stop_requested()) throw OperationCancelled();
+  };
   const Voxel* const voxels = volume.voxelsAs<Voxel>();
   if constexpr (sizeof(Voxel) <= 2) {
     std::vector<cuda::CopiedRange> ranges;
     for (const auto& [first, end] : spans)
       ranges.push_back({reinterpret_cast<const std::byte*>(voxels + first), to + first * sizeof(Voxel), (end - first) * sizeof(Voxel)});
-    copy.copy(ranges, keepWithinMemoryLimit);
+    copy.copy(ranges, onChunk);
   } else {
     const cuda::Stream stream;
     cuda::DeviceBuffer<Voxel> chunk;
@@ -71,7 +76,7 @@ void copyVoxels(const Volume& volume, const ValueScale& scale, std::span<const V
     for (const auto& [begin, end] : spans)
       for (size_t first = begin; first < end; first += kChunk) {
         const size_t size = std::min(end - first, kChunk);
-        keepWithinMemoryLimit();
+        onChunk();
         chunk.upload(std::span(voxels + first, size), stream);
         constexpr unsigned kThreads = 256;
         toInterpolants<<<cuda::blocksFor(size, kThreads), kThreads, 0, stream>>>(chunk.data(), values + first, size, scale);
@@ -86,7 +91,9 @@ void copyVoxels(const Volume& volume, const ValueScale& scale, std::span<const V
 size_t roomOnDevice() {
   size_t freeBytes = 0, totalBytes = 0;
   WARPSCOPE_CUDA_CHECK(cudaMemGetInfo(&freeBytes, &totalBytes));
-  const size_t room = std::min(freeBytes, totalBytes / 10 * 9);
+  // Frames, tables, rays under way.
+  const size_t reserve = std::min(size_t{1} << 30, totalBytes / 8), own = freeBytes / static_cast<size_t>(deviceSharers());
+  const size_t room = own > reserve ? own - reserve : 0;
   return static_cast<size_t>(std::min<uint64_t>(room, deviceMemoryLimit().value_or(room)));
 }
 
@@ -108,7 +115,7 @@ DeviceVolume::DeviceVolume(const Volume& volume, const ValueScale& scale)
   visitVoxelType(type_, [&](auto voxelTag) {
     using Voxel = decltype(voxelTag);
     const VoxelSpan all{0, volume.voxelCount()};
-    copyVoxels<Voxel>(volume, scale, std::span(&all, 1), bytes_.data(), copy);
+    copyVoxels<Voxel>(volume, scale, std::span(&all, 1), bytes_.data(), copy, {});
     cuda::DeviceBuffer<std::byte> cells;
     isInCells_ = makeCells(reinterpret_cast<const Kept<Voxel>*>(bytes_.data()), glm::ivec3(volume.dims()), cells, stream);
     if (isInCells_) {
@@ -120,47 +127,65 @@ DeviceVolume::DeviceVolume(const Volume& volume, const ValueScale& scale)
 }
 
 DeviceBrick::DeviceBrick(VolumePtr volume, const ValueScale& scale)
-    : volume_(std::move(volume)), scale_(scale), memory_(volume_->voxelCount() * bytesOnDevice(volume_->type())), rows_(volume_->dims().z) {}
+    : volume_(std::move(volume)), scale_(scale), roomBytes_(roomOnDevice()), memory_(volume_->voxelCount() * bytesOnDevice(volume_->type())), rows_(volume_->dims().z) {}
 
-void DeviceBrick::provide(const VoxelRows& rows) {
-  const Rows wanted(rows.lower.x, rows.upper.x);
-  const bool isAny = wanted.first < wanted.second;
-  size_t needed = 0, others = 0;
+void DeviceBrick::forget() {
+  memory_.release();
+  rows_.assign(rows_.size(), {});
+  lostRows_ = 0;
+}
+
+void DeviceBrick::provide(const VoxelRows& rows, const std::stop_token& stop) {
+  const Rows wanted(rows.lower.x, std::max(rows.lower.x, rows.upper.x));
+  size_t needed = 0, others = lostRows_;
   for (uint32_t z = 0; z < rows_.size(); ++z) {
-    const bool isIn = isAny && rows.lower.y <= z && z < rows.upper.y;
-    const Rows own = isIn ? wanted : Rows{}, has = rows_[z];
+    const Rows own = rows.lower.y <= z && z < rows.upper.y ? wanted : Rows{}, has = rows_[z];
     needed += own.second - own.first;
     others += has.second - has.first - std::max(0, static_cast<int>(std::min(own.second, has.second)) - static_cast<int>(std::max(own.first, has.first)));
   }
-  const auto forget = [&] {
-    memory_.release();
-    rows_.assign(rows_.size(), {});
-  };
-  if (4 * others > needed) forget();
+  const size_t rowBytes = volume_->dims().x * bytesOnDevice(type());
+  if (4 * others > needed || (others > 0 && (needed + others) * rowBytes > roomBytes_)) forget();
+  const bool hasOthers = memory_.backedBytes() > 0;
   try {
-    const size_t row = volume_->dims().x, slice = row * volume_->dims().y, each = bytesOnDevice(type());
-    if (isAny && wanted.first == 0 && wanted.second == volume_->dims().y)  // one piece of memory instead of one a slice
-      memory_.back(rows.lower.y * slice * each, rows.upper.y * slice * each);
-    std::vector<VoxelSpan> missing;
-    for (uint32_t z = rows.lower.y; isAny && z < rows.upper.y; ++z) {
-      Rows& has = rows_[z];
-      const auto want = [&](uint32_t first, uint32_t second) {
-        if (first >= second) return;
-        missing.push_back({z * slice + first * row, z * slice + second * row});
-        memory_.back(missing.back().first * each, missing.back().end * each);
-      };
-      // Where nothing of it is there, or another part, what lies between is not asked for, nor is it there.
-      if (has.second < wanted.first || wanted.second < has.first || has.first == has.second) has = {wanted.first, wanted.first};
-      want(wanted.first, std::min(has.first, wanted.second));
-      want(std::max(has.second, wanted.first), wanted.second);
-      has = {std::min(has.first, wanted.first), std::max(has.second, wanted.second)};
+    try {
+      addMissing(rows, stop);
+    } catch (const DeviceError&) {
+      if (!hasOthers) throw;
+      cudaDeviceSynchronize();
+      forget();  // they may be what there was too little room beside
+      addMissing(rows, stop);
     }
-    visitVoxelType(type(), [&](auto voxelTag) { copyVoxels<decltype(voxelTag)>(*volume_, scale_, missing, memory_.data(), copy_); });
   } catch (...) {
     cudaDeviceSynchronize();  // copies may be on their way
     forget();
     throw;
   }
+}
+
+void DeviceBrick::addMissing(const VoxelRows& rows, const std::stop_token& stop) {
+  const Rows wanted(rows.lower.x, rows.upper.x);
+  if (wanted.first >= wanted.second) return;
+  const size_t row = volume_->dims().x, slice = row * volume_->dims().y, each = bytesOnDevice(type());
+  if (wanted.first == 0 && wanted.second == volume_->dims().y)  // one piece of memory instead of one a slice
+    memory_.back(rows.lower.y * slice * each, rows.upper.y * slice * each);
+  std::vector<VoxelSpan> missing;
+  for (uint32_t z = rows.lower.y; z < rows.upper.y; ++z) {
+    Rows& has = rows_[z];
+    const auto want = [&](uint32_t first, uint32_t second) {
+      if (first >= second) return;
+      missing.push_back({z * slice + first * row, z * slice + second * row});
+      memory_.back(missing.back().first * each, missing.back().end * each);
+    };
+    // Where nothing of it is there, or another part, what lies between is not asked for, nor is it there.
+    if (has.second < wanted.first || wanted.second < has.first || has.first == has.second) {
+      lostRows_ += has.second - has.first;
+      has = {wanted.first, wanted.first};
+    }
+    want(wanted.first, std::min(has.first, wanted.second));
+    want(std::max(has.second, wanted.first), wanted.second);
+    has = {std::min(has.first, wanted.first), std::max(has.second, wanted.second)};
+  }
+  visitVoxelType(type(), [&](auto voxelTag) { copyVoxels<decltype(voxelTag)>(*volume_, scale_, missing, memory_.data(), copy_, stop); });
 }
 
 }  // namespace warpscope

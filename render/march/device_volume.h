@@ -18,7 +18,8 @@ namespace warpscope {
 /// Bytes that a device keeps of a voxel.
 size_t bytesOnDevice(VoxelType type);
 
-/// Bytes that a volume may take of the current device, beside what it holds already: as there is room, or as deviceMemoryLimit() has it.
+/// Bytes that a volume may take of the current device, beside what it holds already and what marching takes: as there is room, shared by those who share the device
+/// (deviceSharers()), or as deviceMemoryLimit() has it.
 size_t roomOnDevice();
 /// Slices along z, of those that the volume has, that there is such room for.
 int slicesOnDevice(const Volume& volume);
@@ -61,9 +62,9 @@ class DeviceBrick {
   /// None yet, on the current device. Throws DeviceError.
   DeviceBrick(VolumePtr volume, const ValueScale& scale);
 
-  /// The volume has these rows (Volume::provide()); so has the device from now on. Others go when there are many of them. Throws DeviceError, and has none then. Not
-  /// while the device reads voxels.
-  void provide(const VoxelRows& rows);
+  /// The volume has these rows (Volume::provide()); so has the device from now on. Others go when there are many of them, or where there is no room for both. Throws
+  /// DeviceError, or OperationCancelled if `stop` is set, and has none then. Not while the device reads voxels.
+  void provide(const VoxelRows& rows, const std::stop_token& stop = {});
 
   VoxelType type() const { return volume_->type(); }
   bool hasHoles() const { return volume_->statistics().nonFinite > 0; }
@@ -77,11 +78,17 @@ class DeviceBrick {
  private:
   using Rows = std::pair<uint32_t, uint32_t>;  // along y: [first, second)
 
+  /// As provide(), of what is not there.
+  void addMissing(const VoxelRows& rows, const std::stop_token& stop);
+  void forget();
+
   const VolumePtr volume_;
   const ValueScale scale_;
+  const size_t roomBytes_;
   cuda::SparseMemory memory_;
   cuda::StagedCopy copy_;
   std::vector<Rows> rows_;  // of each slice
+  size_t lostRows_ = 0;     // that nobody knows any more, but whose memory is still there
 };
 
 /// Calls `f.operator()<Voxel, kHasHoles>()` with what a device keeps of voxels of that type.

@@ -44,7 +44,7 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchPieces(const __grid_co
         hasListed = true;
         const uint32_t place = atomicAdd(job.listedCount, 1u);
         if (place < job.listedRoom) job.listed[place] = {number, met};
-        return true;
+        return place < job.listedRoom;  // else the CPU marches it again
       }
       if (!state.hasCounted) state.fold = job.depth.start(job.threshold, ProfileFold{});
       state.hasCounted = true;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <memory_resource>
 #include <mutex>
@@ -214,6 +215,7 @@ class PieceDevice {
     }
     return noise_.data();
   }
+  cudaStream_t stream() const { return stream_; }
   std::span<const std::unique_ptr<PieceWorker>> workers() {
     const unsigned count = std::clamp(std::thread::hardware_concurrency(), 2u, kMostWorkers);
     while (workers_.size() < count) workers_.push_back(std::make_unique<PieceWorker>());
@@ -233,6 +235,7 @@ class PieceDevice {
 
 class CudaPieceMarcher final : public PieceMarcher {
  public:
+  /// Asks nothing of the device, which may have failed.
   CudaPieceMarcher(MarchedVolumePtr marched, std::shared_ptr<PieceDevice> device)
       : marched_(std::move(marched)), onHost_(makePieceMarcher(marched_)), device_(std::move(device)) {}
 
@@ -249,7 +252,7 @@ class CudaPieceMarcher final : public PieceMarcher {
     const auto onHost = [&] { onHost_->marchPieces(camera, settings, sample, relay, stop); };
     if (device_->hasFailed() || !isForDevice(settings, plan, *baked)) return onHost();
     try {
-      prepare(relay.block(), settings, baked);
+      prepare(relay.block(), settings, baked, stop);
     } catch (const DeviceError& error) {
       device_->leave(error);
       return onHost();
@@ -279,16 +282,16 @@ class CudaPieceMarcher final : public PieceMarcher {
            !(plan.has(PlanStage::segments) && baked.hasSegments()) && !plan.has(PlanStage::severalSamples);
   }
 
-  /// What the device has to have. Throws DeviceError.
-  void prepare(const CellBlock& block, const RenderSettings& settings, const std::shared_ptr<const BakedTransfer>& baked) {
+  /// What the device has to have. Throws DeviceError, OperationCancelled.
+  void prepare(const CellBlock& block, const RenderSettings& settings, const std::shared_ptr<const BakedTransfer>& baked, const std::stop_token& stop) {
     brick_ = &device_->brickOf(marched_);
-    brick_->provide(rowsOf(block, settings, marched_->volume->geometry()));
+    brick_->provide(rowsOf(block, settings, marched_->volume->geometry()), stop);
     noise_ = device_->noise();
     workers_ = device_->workers();
     if (baked == baked_) return;
-    table_.upload(baked->table, stream_);
-    emptyDistances_.upload(baked->emptyDistances, stream_);
-    stream_.synchronize();
+    table_.upload(baked->table, device_->stream());
+    emptyDistances_.upload(baked->emptyDistances, device_->stream());
+    WARPSCOPE_CUDA_CHECK(cudaStreamSynchronize(device_->stream()));
     baked_ = baked;
   }
 
@@ -341,7 +344,7 @@ class CudaPieceMarcher final : public PieceMarcher {
       share.give(std::move(tile));
     };
     const auto work = [&](PieceWorker& worker) {
-      while (std::unique_ptr<RelayedTile> tile = frame.relay.take()) {
+      while (std::unique_ptr<RelayedTile> tile = stop.stop_requested() ? nullptr : frame.relay.take()) {
         Tiles tiles;
         for (; tile; tile = tiles.size() < kMostTiles ? frame.relay.takeReady() : nullptr) {
           if (device_->hasFailed() || tile->isAgain)
@@ -349,21 +352,26 @@ class CudaPieceMarcher final : public PieceMarcher {
           else
             tiles.push_back(std::move(tile));
         }
+        const auto from = std::chrono::steady_clock::now();
         bool isMarched = false;
         try {
           isMarched = worker.march(frame, tiles, launch);
         } catch (const DeviceError& error) {
           device_->leave(error);
         }
+        const auto to = std::chrono::steady_clock::now();
         for (std::unique_ptr<RelayedTile>& one : tiles) {
           one->isByDevice = isMarched;
+          one->taken = to - (to - from) / static_cast<int64_t>(tiles.size());  // its part of what all took
           isMarched ? frame.relay.handOn(std::move(one)) : giveToHost(std::move(one));
         }
       }
     };
     {
       std::vector<std::jthread> threads;
-      for (const std::unique_ptr<PieceWorker>& worker : workers_) threads.emplace_back([&] { guarded([&] { work(*worker); }); });
+      guarded([&] {
+        for (const std::unique_ptr<PieceWorker>& worker : workers_) threads.emplace_back([&] { guarded([&] { work(*worker); }); });
+      });
     }
     share.end();
     if (host.joinable()) host.join();
@@ -376,7 +384,6 @@ class CudaPieceMarcher final : public PieceMarcher {
   DeviceBrick* brick_ = nullptr;
   const float* noise_ = nullptr;
   std::span<const std::unique_ptr<PieceWorker>> workers_;
-  cuda::Stream stream_;
   std::shared_ptr<const BakedTransfer> baked_;  // that the next two are for
   DeviceTable table_;
   cuda::DeviceBuffer<uint8_t> emptyDistances_;
@@ -392,7 +399,8 @@ MarcherPtr makeFittingCudaMarcher(VolumePtr volume, TransferFunction transferFun
 
 PieceMaker makeCudaPieces(bool mayFallBack, std::function<void(const std::string& reason)> onFallback) {
   const auto device = std::make_shared<PieceDevice>(mayFallBack, std::move(onFallback));
-  return {[device](MarchedVolumePtr marched) { return std::make_unique<CudaPieceMarcher>(std::move(marched), device); }, Backend::cuda, roomOnDevice()};
+  return {[device](MarchedVolumePtr marched) { return std::make_unique<CudaPieceMarcher>(std::move(marched), device); },
+          [device] { return device->hasFailed() ? Backend::cpu : Backend::cuda; }, roomOnDevice()};
 }
 
 }  // namespace warpscope

@@ -1,4 +1,4 @@
-// Between two ways, and at their end.
+// Tiles of a picture, what becomes of their rays between two ways and at their end, and what cannot be marched so.
 // See ray_relay.h.
 #include "render/march/ray_relay.h"
 

@@ -135,7 +135,7 @@ std::unique_ptr<PieceMarcher> makePieceMarcher(std::shared_ptr<const MarchedVolu
 /// What makes marchers of pieces, and where these march.
 struct PieceMaker {
   std::function<std::unique_ptr<PieceMarcher>(std::shared_ptr<const MarchedVolume>)> make = makePieceMarcher;
-  Backend backend = Backend::cpu;
+  std::function<Backend()> backend = [] { return Backend::cpu; };  ///< now: a device may be left. Safe on any thread
   uint64_t roomBytes = 0;  ///< for voxels, where they march; 0: not known
 };
 

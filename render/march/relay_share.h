@@ -50,6 +50,7 @@ class RelayShare final : public RayRelay {
     if (given_.empty()) return nullptr;
     std::unique_ptr<RelayedTile> tile = std::move(given_.front());
     given_.pop_front();
+    tile->taken = std::chrono::steady_clock::now();  // until now it has waited
     return tile;
   }
 

@@ -49,8 +49,8 @@ void sortNearToFar(std::vector<CellBlock>& slabs, float eye) {
 /// Each of these tiles once; what is left of them afterwards.
 class SlabRelay final : public RayRelay {
  public:
-  template <class OnOutcome>
-  SlabRelay(const CellBlock& block, Tiles tiles, bool isLast, const OnOutcome& onOutcome) : block_(block), isLast_(isLast), tiles_(std::move(tiles)), onOutcome_(onOutcome) {}
+  /// `onOutcome` must stay.
+  SlabRelay(const CellBlock& block, Tiles tiles, bool isLast, const std::function<void(const PieceOutcome&)>& onOutcome) : block_(block), isLast_(isLast), tiles_(std::move(tiles)), onOutcome_(onOutcome) {}
 
   const CellBlock& block() const override { return block_; }
   std::unique_ptr<RelayedTile> take() override {
@@ -98,6 +98,7 @@ class StreamedMarcher final : public PiecewiseMarcher {
         slices_(slices),
         turns_(std::move(turns)),
         pieces_(makePieces_.make(this->marched())),
+        hostPieces_(makePieceMarcher(this->marched())),
         whole_(makeCpuMarcherOf(this->marched(), turns_)) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
@@ -107,7 +108,7 @@ class StreamedMarcher final : public PiecewiseMarcher {
     isForSlabs(settings, std::nullopt) ? PiecewiseMarcher::render(camera, settings, image, stop) : whole_->render(camera, settings, image, stop);
   }
 
-  Backend backend() const override { return makePieces_.backend; }
+  Backend backend() const override { return makePieces_.backend(); }
   MarcherCapabilities capabilities() const override { return {}; }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return makeStreamedMarcher(marched(), makePieces_, slices_, std::move(turns)); }
@@ -154,7 +155,7 @@ class StreamedMarcher final : public PiecewiseMarcher {
         slab = 0;
       }
       SlabRelay relay(slabs_[slab], std::move(tiles), slab + 1 == slabs_.size(), onOutcome);
-      pieces_->marchPieces(camera, settings, sample ? &*sample : nullptr, relay, stop);
+      (isAgain ? *hostPieces_ : *pieces_).marchPieces(camera, settings, sample ? &*sample : nullptr, relay, stop);  // devices have no second way
       ++slab;
       tiles = relay.takeLeft();
       for (std::unique_ptr<RelayedTile>& tile : relay.takeAgain()) again.push_back(std::move(tile));
@@ -179,7 +180,7 @@ class StreamedMarcher final : public PiecewiseMarcher {
   const PieceMaker makePieces_;
   const int slices_;
   const TurnsPtr turns_;
-  const std::unique_ptr<PieceMarcher> pieces_;
+  const std::unique_ptr<PieceMarcher> pieces_, hostPieces_;
   const MarcherPtr whole_;
   // Of the picture that is marched.
   std::shared_ptr<const BakedTransfer> slabsOf_;  // whose the slabs are

@@ -89,7 +89,6 @@ Histogram summed(const Histogram& own, Ranks* ranks) {
 template <class T, class Count>
 Histogram gatherHistogram(const Scanned<T>& scanned, const std::stop_token& stop, const Count& count) {
   tbb::enumerable_thread_specific<Histogram> partial(Histogram{});
-  beginLooking(scanned.count * sizeof(T));
   parallelForRanges(scanned.count, kGrain, stop, [&](size_t begin, size_t end) {
     keepWithinMemoryLimit();
     noteLooked((end - begin) * sizeof(T));
@@ -143,7 +142,6 @@ VoxelStatistics gatherStatistics(const Scanned<T>& scanned, const std::stop_toke
     }
   };
   tbb::enumerable_thread_specific<Extremes> partialExtremes;
-  beginLooking(count * sizeof(T));
   parallelForRanges(count, kGrain, stop, [&](size_t begin, size_t end) {
     keepWithinMemoryLimit();
     noteLooked((end - begin) * sizeof(T));
@@ -236,6 +234,8 @@ Volume::Volume(std::string name, VoxelType type, const VolumeGeometry& geometry,
   if (ranks_) requireSameEverywhere(*this);
   const std::pair<size_t, size_t> share = shareOf(ranks_, count);
   if (share.first < share.second) provide(rowsFrom(share.first / dims().x, (share.second + dims().x - 1) / dims().x, dims()), stop);
+  const size_t passes = type_ == VoxelType::uint8 ? 1 : 2;
+  beginLooking(passes * (share.second - share.first) * warpscope::sizeBytes(type_));
   visitVoxelType(type_, [&]<class Voxel>(Voxel) { statistics_ = gatherStatistics(Scanned<Voxel>{voxelsAs<Voxel>() + share.first, share.second - share.first, ranks_.get()}, stop); });
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "render/base/error.h"
+#include "render/base/memory_limit.h"
 #include "render/cuda/devices.h"
 #include "render/march/device_volume.h"
 #include "render/march/marcher_cpu.h"
@@ -157,6 +158,74 @@ TEST(StreamedOnDevice, FramesAndPicturesAreThoseOfAllOfTheVolume) {
   }
 }
 
+/// Takes all but `leftBytes` of the device's memory.
+cuda::DeviceBuffer<std::byte> takeMemory(size_t leftBytes) {
+  size_t freeBytes = 0, totalBytes = 0;
+  WARPSCOPE_CUDA_CHECK(cudaMemGetInfo(&freeBytes, &totalBytes));
+  return cuda::DeviceBuffer<std::byte>(freeBytes - leftBytes);
+}
+
+/// Memory runs out before the first ray, or when some have been marched; tiles then go on on the CPU, and so do those of functions that come later.
+TEST(PiecesOnDevice, WhereTheDeviceFailsTheCpuGoesOn) {
+  WARPSCOPE_NEEDS_GPU();
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
+  const TransferFunction function = band(15, 80, 0.08f), other = band(30, 90, 0.2f);
+  const Camera camera = lookingFrom({70.0f, 30.0f, 45.0f}, {}, 900, 700);
+  MarchSettings settings;
+  settings.sample.segments = 4;  // and with them much memory
+  const SampleFrame expected = makeCpuMarcher(whole, function)->march(camera, settings);
+  for (const size_t left : {size_t{0}, size_t{4} << 20, size_t{24} << 20, size_t{60} << 20}) {
+    SCOPED_TRACE(left);
+    std::atomic<int> fallbacks = 0;
+    const PieceMaker maker = makeCudaPieces(true, [&](const std::string& reason) {
+      EXPECT_FALSE(reason.empty());
+      ++fallbacks;
+    });
+    const Spread spread(whole, function, 1, [&](int) { return maker; });
+    {
+      const cuda::DeviceBuffer<std::byte> taken = takeMemory(left);
+      ASSERT_TRUE(sameFrame(spread->march(camera, settings), expected));
+    }
+    EXPECT_EQ(fallbacks, 1);
+    EXPECT_EQ(maker.backend(), Backend::cpu);
+    EXPECT_EQ(spread->backend(), Backend::cpu);
+    EXPECT_TRUE(sameFrame(spread->withTransferFunction(other)->march(camera, settings), makeCpuMarcher(whole, other)->march(camera, settings)));
+    EXPECT_EQ(tilesOf(spread).first, 0u);
+    EXPECT_EQ(fallbacks, 1) << "said once";
+  }
+  const PieceMaker firm = makeCudaPieces(false, {});
+  const Spread spread(whole, function, 1, [&](int) { return firm; });
+  const cuda::DeviceBuffer<std::byte> taken = takeMemory(0);
+  EXPECT_THROW(spread->march(camera, settings), InputError);
+}
+
+TEST(StreamedOnDevice, AVolumeThatMayNotBeThereAsAWholeGoesThereInSlabs) {
+  WARPSCOPE_NEEDS_GPU();
+  const VolumePtr whole = makeTestVolume(VoxelType::uint16, kDims, blobs(kDims, 5));
+  const TransferFunction function = band(15, 80, 0.08f);
+  setDeviceMemoryLimit(size_t{2} * kDims.x * kDims.y * 16);
+  EXPECT_EQ(slicesOnDevice(*whole), 16);
+  const MarcherPtr marcher = makeFittingCudaMarcher(whole, function);
+  for (const Camera& camera : cameras()) EXPECT_TRUE(sameFrame(marcher->march(camera, {}), makeCpuMarcher(whole, function)->march(camera, {})));
+  EXPECT_EQ(marcher->capabilities().pace, MarchPace::afterRest) << "that of slabs";
+  setDeviceMemoryLimit({});
+  EXPECT_EQ(makeFittingCudaMarcher(whole, function)->capabilities().pace, MarchPace::followsCamera);
+}
+
+TEST(StreamedOnDevice, IsStopped) {
+  WARPSCOPE_NEEDS_GPU();
+  const auto marched = std::make_shared<const MarchedVolume>(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5)), everywhere(0.001f));
+  const MarcherPtr streamed = makeStreamedMarcher(marched, makeCudaPieces(false, {}), 14);
+  MarchSettings fine;
+  fine.render.step = 1e-3f;
+  std::stop_source source;
+  const std::jthread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    source.request_stop();
+  });
+  EXPECT_THROW(streamed->march(lookingFrom({80.0f, 30.0f, 45.0f}, {}, 1024, 1024), fine, source.get_token()), OperationCancelled);
+}
+
 /// Rows of a volume, compared where they were asked for; what lies in others does not matter.
 TEST(DeviceBrick, HasWhatWasAskedForHoweverThatMoves) {
   WARPSCOPE_NEEDS_GPU();
@@ -170,6 +239,8 @@ TEST(DeviceBrick, HasWhatWasAskedForHoweverThatMoves) {
     for (const VoxelRows& rows : {VoxelRows{{10, 5}, {100, 40}}, VoxelRows{{0, 0}, {250, 90}}, VoxelRows{{200, 70}, {250, 90}}, VoxelRows{{20, 60}, {60, 80}}, VoxelRows{{50, 62}, {70, 81}},
                                   VoxelRows{{40, 62}, {69, 79}}, VoxelRows{{3, 3}, {3, 9}}}) {
       brick.provide(rows);
+      const size_t pages = size_t{4} << 20, all = whole->voxelCount() * bytesOnDevice(type);
+      EXPECT_LE(brick.bytes(), all + pages);
       for (uint32_t z = rows.lower.y; z < rows.upper.y; ++z) {
         const size_t first = (size_t{z} * dims.y + rows.lower.x) * dims.x, count = size_t{rows.upper.x - rows.lower.x} * dims.x;
         visitVoxelType(type, [&](auto voxelTag) {
