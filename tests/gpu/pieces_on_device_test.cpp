@@ -96,10 +96,11 @@ TEST(PiecesOnDevice, MoreSamplesThanThereIsRoomForAreTheCpus) {
   settings.render.contribution = 1e-6f;
   settings.render.step = 0.02f;
   EXPECT_TRUE(sameFrame(spread->march(camera, settings), alone->march(camera, settings)));
-  EXPECT_EQ(tilesOf(spread).first, 0u);
+  const auto [byDevice, all] = tilesOf(spread);
+  EXPECT_LT(byDevice, all / 2) << "where rays are long there is no room";
   settings.render.step = 1.0f;
   EXPECT_TRUE(sameFrame(spread->march(camera, settings), alone->march(camera, settings)));
-  EXPECT_GT(tilesOf(spread).first, 0u);
+  EXPECT_EQ(tilesOf(spread).first, tilesOf(spread).second);
 }
 
 TEST(PiecesOnDevice, AnotherFunctionSharesTheVoxelsWhereValuesHaveTheSameScale) {
