@@ -16,13 +16,14 @@ struct RayHead {
   uint32_t counting = 0;  ///< samples that follow
 };
 
-/// What rays have that have not met anything: of what they hand on, most is as that.
+/// What rays have that have not met anything: of what they hand on, most is as that. The same bytes wherever it is made, those of samples that there are not included:
+/// what is as here is not sent.
 struct FreshRay {
   explicit FreshRay(const FrameOrder& order) : segments(mergerRoomFor(order.sample ? order.sample->segments : 0)) {}
 
-  RelayedState state;
+  RelayedState state{};
   SegmentMerger segments;
-  RelayedAgain again;
+  RelayedAgain again{};
 };
 
 /// Of a tile.
