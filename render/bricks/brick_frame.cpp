@@ -21,9 +21,9 @@ struct RayHead {
 struct FreshRay {
   explicit FreshRay(const FrameOrder& order) : segments(mergerRoomFor(order.sample ? order.sample->segments : 0)) {}
 
-  RelayedState state{};
+  RelayedState state = RelayedState();
   SegmentMerger segments;
-  RelayedAgain again{};
+  RelayedAgain again = RelayedAgain();
 };
 
 /// Of a tile.
