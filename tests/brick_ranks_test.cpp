@@ -274,18 +274,7 @@ TEST(SpreadVolume, AMarchThatIsStoppedLeavesRanksThatWork) {
   const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
   const MarcherPtr alone = makeCpuMarcher(whole, everywhere(0.001f));
   const Spread spread(whole, everywhere(0.001f), 3);
-  const Camera small = cameras().front(), large = lookingFrom({80.0f, 30.0f, 45.0f}, {}, 512, 512);
-  MarchSettings fine;
-  fine.render.step = 1e-3f;
-  for (int i = 0; i < 5; ++i) {
-    std::stop_source source;
-    const std::jthread stopper([&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10 * i));
-      source.request_stop();
-    });
-    EXPECT_THROW(spread->march(large, fine, source.get_token()), OperationCancelled);
-    EXPECT_TRUE(sameFrame(spread->march(small, {}), alone->march(small, {})));
-  }
+  expectWorksWhenStopped(*spread, *alone);
 }
 
 TEST(SpreadVolume, RanksSayWhatTheyHaveDone) {

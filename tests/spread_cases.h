@@ -1,12 +1,18 @@
 // What is asked of volumes that are spread over ranks, wherever these march.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <chrono>
 #include <deque>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "marcher_cases.h"
+#include "render/base/error.h"
 #include "render/march/march_settings.h"
 
 namespace warpscope {
@@ -57,6 +63,27 @@ inline std::deque<std::pair<std::string, MarchSettings>> variants() {
   lit = surfaces;
   lit.render.effects.shading.strength = 1.0f;
   return cases;
+}
+
+/// A march of thousands of samples a ray, which is asked to stop after a while, does; the camera has this many pixels a side.
+inline void expectStops(Marcher& marcher, std::chrono::milliseconds after, uint32_t side) {
+  MarchSettings fine;
+  fine.render.step = 1e-3f;
+  std::stop_source source;
+  const std::jthread stopper([&] {
+    std::this_thread::sleep_for(after);
+    source.request_stop();
+  });
+  EXPECT_THROW(marcher.march(lookingFrom({80.0f, 30.0f, 45.0f}, {}, side, side), fine, source.get_token()), OperationCancelled);
+}
+
+/// However soon it is stopped, the next frame is that of the other one.
+inline void expectWorksWhenStopped(Marcher& marcher, Marcher& alone) {
+  const Camera small = cameras().front();
+  for (int i = 0; i < 5; ++i) {
+    expectStops(marcher, std::chrono::milliseconds(10 * i), 512);
+    EXPECT_TRUE(sameFrame(marcher.march(small, {}), alone.march(small, {})));
+  }
 }
 
 }  // namespace warpscope

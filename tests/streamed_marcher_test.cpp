@@ -106,14 +106,7 @@ TEST(StreamedMarcher, NothingToSeeIsSeen) {
 TEST(StreamedMarcher, IsStopped) {
   const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
   const MarcherPtr streamed = makeStreamedMarcher(std::make_shared<const MarchedVolume>(whole, everywhere(0.001f)), {}, 14);
-  MarchSettings fine;
-  fine.render.step = 1e-3f;
-  std::stop_source source;
-  const std::jthread stopper([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(30));
-    source.request_stop();
-  });
-  EXPECT_THROW(streamed->march(lookingFrom({80.0f, 30.0f, 45.0f}, {}, 512, 512), fine, source.get_token()), OperationCancelled);
+  expectStops(*streamed, std::chrono::milliseconds(30), 512);
 }
 
 /// Two on the CPU, each for every second tile.

@@ -248,11 +248,13 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
     work.remote = connectMarcher(io, *server, plain, work.sayBusy, work.backend);
   } else {
     work.scene = work.open(stop);
-    if (processRanks()) requireSameScene(work.scene, *processRanks());
-    if (processRanks() && processRanks()->isFirst()) leaderOf(work.scene.volume, work.backend);
-    if (processRanks() && !processRanks()->isFirst()) {
-      followFirst(work.scene.volume, work.backend, stop);
-      throw FollowedToTheEnd();
+    if (const RanksPtr& ranks = processRanks()) {
+      requireSameScene(work.scene, *ranks);
+      if (!ranks->isFirst()) {
+        followFirst(work.scene.volume, work.backend, stop);
+        throw FollowedToTheEnd();
+      }
+      leaderOf(work.scene.volume, work.backend);
     }
   }
   work.march = work.scene.march;

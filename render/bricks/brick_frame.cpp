@@ -16,8 +16,8 @@ struct RayHead {
   uint32_t counting = 0;  ///< samples that follow
 };
 
-/// What rays have that have not met anything: of what they hand on, most is as that. The same bytes wherever it is made, those of samples that there are not included:
-/// what is as here is not sent.
+/// What rays have that have not met anything: of what they hand on, most is as that, and is not sent. So it has the same bytes wherever it is made, where there is nothing
+/// (places for samples that are not there) as well.
 struct FreshRay {
   explicit FreshRay(const FrameOrder& order) : segments(mergerRoomFor(order.sample ? order.sample->segments : 0)) {}
 

@@ -316,7 +316,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
 
   /// warpscope::wantsNormals(), by the plan of a frame of these settings.
   bool wantsNormals(const Camera& camera, const MarchSettings& settings) {
-    return settings.sample.segments > 0 && warpscope::wantsNormals(*marched_, camera, settings, bakedPlan(settings.render, settings.sample));
+    return settings.sample.segments > 0 && warpscope::wantsNormals(*marched_, camera, settings.render, bakedPlan(settings.render, settings.sample));
   }
 
   template <class Source, class View, class Light>

@@ -21,8 +21,8 @@
 #include "render/march/device_octants.h"
 #include "render/march/device_segments.h"
 #include "render/march/device_table.h"
-#include "render/effects/relight.h"
 #include "render/march/device_volume.h"
+#include "render/march/frame_normals.h"
 #include "render/march/march_launch.h"
 #include "render/march/march_setup.h"
 
@@ -162,7 +162,7 @@ class CudaMarcher final : public Marcher {
     }
 
     bake(settings.render, settings.sample);
-    const bool hasNormals = plan_->has(PlanStage::raySegments) && dependsOnEye(shadingFor(*marched_, camera, settings.render, *plan_));
+    const bool hasNormals = wantsNormals(*marched_, camera, settings.render, *plan_);
     raySegments_.reserve(pixels, settings.sample.segments, hasNormals, found);
     start_.record(stream_);
     if (!plan_->has(PlanStage::march) || !plan_->has(PlanStage::raySegments)) raySegments_.clear(found, stream_);

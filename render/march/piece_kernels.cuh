@@ -3,12 +3,8 @@
 // Two kernels a kind of voxel: heuristics, refined bins and segments are chosen at the samples, beside which memory that holds voxels but no cells takes longer. Included by the piece_kernels_*.cu alone.
 #pragma once
 
-#include "render/core/color.h"
-#include "render/effects/relight.h"
-#include "render/march/march.h"
+#include "render/march/march_kernels.cuh"
 #include "render/march/piece_launch.h"
-#include "render/march/shared_mergers.cuh"
-#include "render/march/volume_source_scalar.h"
 
 namespace warpscope {
 
@@ -24,11 +20,7 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchPieces(const __grid_co
     if (job.segmentSlots > 0) segments.take(job.metSegments[ray.met]);
   }
 
-  RayPath path;
-  path.ray = job.pixels.ray(ray.x, ray.y).ray;
-  const RayInterval inside = intersectBox(reciprocalOf(path.ray.origin, path.ray.direction), job.clip.bounds, 0.0f, std::numeric_limits<float>::infinity());
-  path.lattice = makeLattice(job.isClipped ? clipped(job.clip, path.ray, inside) : inside, job.step);
-  path.lattice.t0 += job.jitter.shiftOf(ray.x, ray.y);
+  const RayPath path = rayThrough(job, {ray.x, ray.y});
   const SampleSpan own = samplesWithin(job.block, job.view, path.ray, path.lattice);
   const int begin = maxOf(own.begin, state.next);
   state.next = maxOf(own.end, state.next);

@@ -15,10 +15,10 @@
 
 #include "render/base/error.h"
 #include "render/cuda/pinned_memory.h"
-#include "render/effects/relight.h"
 #include "render/march/depth_of_samples.h"
 #include "render/march/device_table.h"
 #include "render/march/device_volume.h"
+#include "render/march/frame_normals.h"
 #include "render/march/march_setup.h"
 #include "render/march/marcher_cuda.h"
 #include "render/march/piece_launch.h"
@@ -263,7 +263,7 @@ class CudaPieceMarcher final : public PieceMarcher {
       frame.depthOfSamples = {depthFunctionOf(sample->heuristic, plan.has(PlanStage::secondPass)), sample->threshold, plan.has(PlanStage::spread)};
       if (plan.has(PlanStage::raySegments)) frame.mostSegments = sample->segments;
       frame.listsSamples = !hasOnePass(sample->heuristic);
-      frame.hasNormals = frame.mostSegments > 0 && dependsOnEye(frame.shading);
+      frame.hasNormals = wantsNormals(*marched_, camera, settings, plan);
     }
     visitKeptVoxels(volume.type(), volume.statistics().nonFinite > 0, [&]<class Voxel, bool kHasHoles>() {
       const PieceJob<Voxel> job = jobFor<Voxel>(frame);

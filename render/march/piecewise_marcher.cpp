@@ -7,8 +7,8 @@
 
 #include "render/base/error.h"
 #include "render/base/stopwatch.h"
-#include "render/effects/relight.h"
 #include "render/march/compact.h"
+#include "render/march/frame_normals.h"
 #include "render/march/ray_relay.h"
 
 namespace warpscope {
@@ -33,9 +33,7 @@ SampleFrame PiecewiseMarcher::march(const Camera& camera, const MarchSettings& s
   const SampleRule rule = sampleRuleFor(*volume(), camera, settings.sample);
   SampleFrame frame = emptyFrame(*volume(), camera, settings, rule);
   const auto marchStart = std::chrono::steady_clock::now();
-  const EffectPlan plan = *this->plan(settings.render, settings.sample);
-  const bool hasNormals = plan.has(PlanStage::raySegments) && dependsOnEye(shadingFor(*marched_, camera, settings.render, plan));
-  dense_.resize(size_t{camera.width} * camera.height, settings.sample, hasNormals);
+  dense_.resize(size_t{camera.width} * camera.height, settings.sample, wantsNormals(*marched_, camera, settings.render, *plan(settings.render, settings.sample)));
   std::ranges::fill(dense_.samples, PackedSample{0});
   std::ranges::fill(dense_.segments.rays, RaySegmentCount{});
   marchTiles(camera, settings.render, settings.sample, stop, [&](const PieceOutcome& outcome) {

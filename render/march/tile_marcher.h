@@ -21,6 +21,7 @@
 #include "render/effects/relight.h"
 #include "render/effects/shading.h"
 #include "render/march/depth_of_samples.h"
+#include "render/march/frame_normals.h"
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
 #include "render/march/ray_relay.h"
@@ -37,11 +38,6 @@ SampleSpan spanFor(const VisibleDepths& depths, float cosine, const RayLattice& 
   if constexpr (requires { typename Source::Setup; })
     return {std::max(span.begin - 2, 0), std::min(span.end + 2, lattice.count)};
   return span;
-}
-
-/// Whether the light of a frame's segments changes with the eye, so that their normals are sent.
-inline bool wantsNormals(const MarchedVolume& marched, const Camera& camera, const MarchSettings& settings, const EffectPlan& plan) {
-  return settings.sample.segments > 0 && plan.has(PlanStage::raySegments) && dependsOnEye(shadingFor(marched, camera, settings.render, plan));
 }
 
 /// What is asked of a picture's rays.

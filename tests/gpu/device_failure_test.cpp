@@ -11,18 +11,11 @@
 #include "render/warp/spheres_warp_cuda.h"
 #include "tests/gpu/agreement.h"
 #include "tests/gpu/core_probe.h"
+#include "tests/gpu/device_memory.h"
 #include "tests/headless.h"
 
 namespace warpscope {
 namespace {
-
-/// Takes all but `leftBytes` of the device's memory.
-cuda::DeviceBuffer<std::byte> takeMemory(size_t leftBytes) {
-  size_t freeBytes = 0, totalBytes = 0;
-  WARPSCOPE_CUDA_CHECK(cudaMemGetInfo(&freeBytes, &totalBytes));
-  if (freeBytes <= leftBytes) return {};
-  return cuda::DeviceBuffer<std::byte>(freeBytes - leftBytes);
-}
 
 TEST(DeviceFailure, TooLittleMemoryIsSaidAndPasses) {
   WARPSCOPE_NEEDS_GPU();

@@ -14,6 +14,7 @@
 #include "render/march/marcher_cpu.h"
 #include "render/march/streamed_marcher.h"
 #include "tests/gpu/agreement.h"
+#include "tests/gpu/device_memory.h"
 #include "tests/headless.h"
 #include "tests/marcher_cases.h"
 #include "tests/spread_cases.h"
@@ -123,21 +124,7 @@ TEST(PiecesOnDevice, AMarchThatIsStoppedLeavesRanksThatWork) {
   const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
   const MarcherPtr alone = makeCpuMarcher(whole, everywhere(0.001f));
   const Spread spread(whole, everywhere(0.001f), 3, onDevice);
-  const Camera small = cameras().front(), large = lookingFrom({80.0f, 30.0f, 45.0f}, {}, 512, 512);
-  MarchSettings fine;
-  fine.render.step = 1e-3f;
-  for (int i = 0; i < 5; ++i) {
-    std::stop_source source;
-    const std::jthread stopper([&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10 * i));
-      source.request_stop();
-    });
-    try {
-      spread->march(large, fine, source.get_token());
-    } catch (const OperationCancelled&) {
-    }
-    EXPECT_TRUE(sameFrame(spread->march(small, {}), alone->march(small, {})));
-  }
+  expectWorksWhenStopped(*spread, *alone);
 }
 
 TEST(StreamedOnDevice, FramesAndPicturesAreThoseOfAllOfTheVolume) {
@@ -157,13 +144,6 @@ TEST(StreamedOnDevice, FramesAndPicturesAreThoseOfAllOfTheVolume) {
         }
     }
   }
-}
-
-/// Takes all but `leftBytes` of the device's memory.
-cuda::DeviceBuffer<std::byte> takeMemory(size_t leftBytes) {
-  size_t freeBytes = 0, totalBytes = 0;
-  WARPSCOPE_CUDA_CHECK(cudaMemGetInfo(&freeBytes, &totalBytes));
-  return cuda::DeviceBuffer<std::byte>(freeBytes - leftBytes);
 }
 
 /// Memory runs out before the first ray, or when some have been marched; tiles then go on on the CPU, and so do those of functions that come later.
@@ -217,14 +197,7 @@ TEST(StreamedOnDevice, IsStopped) {
   WARPSCOPE_NEEDS_GPU();
   const auto marched = std::make_shared<const MarchedVolume>(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5)), everywhere(0.001f));
   const MarcherPtr streamed = makeStreamedMarcher(marched, makeCudaPieces(false, {}), 14);
-  MarchSettings fine;
-  fine.render.step = 1e-3f;
-  std::stop_source source;
-  const std::jthread stopper([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(30));
-    source.request_stop();
-  });
-  EXPECT_THROW(streamed->march(lookingFrom({80.0f, 30.0f, 45.0f}, {}, 1024, 1024), fine, source.get_token()), OperationCancelled);
+  expectStops(*streamed, std::chrono::milliseconds(30), 1024);
 }
 
 /// Rows of a volume, compared where they were asked for; what lies in others does not matter.
