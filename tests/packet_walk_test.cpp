@@ -94,6 +94,29 @@ TEST(PacketWalk, RandomFramesAreMetAsByRaysAlone) {
   EXPECT_GT(compared.guessedAt, compared.rays / 10);
 }
 
+TEST(PacketWalk, LinesOfOneDepthAndSegmentsThatBeginThere) {
+  Compared compared;
+  constexpr uint32_t kEvery = 8192;
+  // Rays of the middle column go along planes of one forward depth of the frame's camera, in which segments begin and end.
+  const Camera server = lookingFrom({0.0f, 0.0f, 32.0f}, glm::vec3(0.0f), 33, 33, 0.6f);
+  for (uint32_t seed = 0; seed < 8; ++seed) {
+    SampleFrame frame = randomFrame(server, seed);
+    for (size_t i = 0; i < frame.segments.size(); ++i) {
+      SegmentDepths& depths = frame.segments.depths[i];
+      depths.begin -= depths.begin % kEvery;
+      depths.end += kEvery - depths.end % kEvery;
+    }
+    for (uint32_t plane = 0; plane < 28; ++plane) {
+      const float behind = decodeDepth(kEvery * plane, frame.quantization.depthStep);
+      const float z = 32.0f - frame.quantization.nearDepth - behind;
+      expectSame(frame, lookingFrom({40.0f, 0.0f, z}, {0.0f, 0.0f, z}, 9, 9, 0.5f), compared);
+      expectSame(frame, lookingFrom({0.0f, -40.0f, z}, {0.0f, 0.0f, z}, 9, 9, 0.5f), compared);
+      if (HasFatalFailure()) return;
+    }
+  }
+  EXPECT_GT(compared.met, compared.rays / 10);
+}
+
 TEST(PacketWalk, ServersInsideAndFramesOfOnePixel) {
   Compared compared;
   const Camera inside = lookingFrom({2.0f, 1.0f, 3.0f}, {-4.0f, 0.0f, -9.0f}, 21, 17, 1.2f);

@@ -11,8 +11,7 @@ inline constexpr double kDepthOpacityError = 4e-7;
 
 /// 1 - exp(-depth) for depth >= 0 (infinity too); 0 for NaN. Precise relative to itself however small it is.
 WARPSCOPE_HD inline float opacityOf(float depth) {
-  if (!(depth > 0.0f)) return 0.0f;
-  if (depth > 80.0f) return 1.0f;  // to the last bit
+  depth = minOf(maxOf(depth, 0.0f), 80.0f);  // from there on it is 1 to the last bit
   const float turns = std::floor(mulAdd(depth, -1.44269504f, 0.5f));
   // ln 2 in two parts, so that the product with `turns` is exact in the first: |r| <= ln(2) / 2.
   const float r = mulAdd(turns, -1.42860677e-6f, mulAdd(turns, -0.693145752f, -depth));

@@ -37,13 +37,25 @@ __device__ inline void store(const DevicePixels& out, size_t i, const WalkedRay&
   out.samples[i] = walked.id();
 }
 
-/// Of a multiprocessor, that there are registers for. Measured on an H200: more blocks make walks spill, fewer leave loads to wait for.
-constexpr int kBlocksThatWalk = 7, kBlocksThatFill = 4;
+/// Of a multiprocessor, that there are registers for, by whether pixels are blended. Measured on an H200 and an H100: more blocks make walks spill, fewer leave loads to wait for.
+template <bool kIsLinear>
+constexpr int kBlocksThatWalk = kIsLinear ? 7 : 9;
+constexpr int kBlocksThatFill = 4;
+
+/// Warps are tiles of 4 x 8 pixels side by side, because rays that are turned sideways go along the frame's rows, and are alike where they are next to each other on
+/// a column. Blocks of the middle rows come first, whose rays are the longest.
+constexpr unsigned kWalkWidth = 4, kWalkHeight = 8;
+dim3 walkGrid(uint32_t width, uint32_t height) { return {cuda::blocksFor(width, kWalkWidth * kTilesPerBlock), cuda::blocksFor(height, kWalkHeight), 1}; }
+__device__ inline PixelPlace pixelOfWalk() {
+  const unsigned lane = threadIdx.x % 32, tile = blockIdx.x * kTilesPerBlock + threadIdx.x / 32, middle = (gridDim.y - 1) / 2, away = (blockIdx.y + 1) / 2;
+  const unsigned row = blockIdx.y % 2 == 1 ? middle + away : middle - away;
+  return {tile * kWalkWidth + lane % kWalkWidth, row * kWalkHeight + lane / kWalkWidth};
+}
 
 /// Nothing is made of what is not known.
 template <bool kIsLinear>
-__global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk) walkPixels(const __grid_constant__ Picture picture, DevicePixels out) {
-  const PixelPlace pixel = pixelOfThread(0);
+__global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk<kIsLinear>) walkPixels(const __grid_constant__ Picture picture, DevicePixels out) {
+  const PixelPlace pixel = pixelOfWalk();
   if (pixel.x >= picture.width || pixel.y >= picture.height) return;
   const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
   const RayInterval inside = partInside(picture.bounds, ray);
@@ -54,9 +66,9 @@ __global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk) walkPixels
 
 /// All rays as far as the frame knows.
 template <bool kIsLinear>
-__global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk)
+__global__ void __launch_bounds__(kTileBlockThreads, kBlocksThatWalk<kIsLinear>)
     walkKnownPixels(const __grid_constant__ Picture picture, DevicePixels out, const __grid_constant__ Interrupted interrupted) {
-  const PixelPlace pixel = pixelOfThread(0);
+  const PixelPlace pixel = pixelOfWalk();
   if (pixel.x >= picture.width || pixel.y >= picture.height) return;
   const Ray ray = picture.pixels.ray(pixel.x, pixel.y).ray;
   const RayInterval inside = partInside(picture.bounds, ray);
@@ -120,7 +132,7 @@ class CudaSegmentsWarp final : public DeviceWarp {
   template <bool kIsLinear>
   void walk(const Picture& picture, const Camera& camera, const WarpSettings& settings, const DevicePixels& pixels, cudaStream_t stream) {
     const SampleFrame& head = field_.head();
-    const dim3 grid = tileGrid(camera.width, camera.height);
+    const dim3 grid = walkGrid(camera.width, camera.height);
     if (!head.proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) {
       walkPixels<kIsLinear><<<grid, kTileBlockThreads, 0, stream>>>(picture, pixels);
       WARPSCOPE_CUDA_CHECK_LAUNCH();

@@ -105,7 +105,7 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
   }
   first_.reserve(segments.rays.size() + 1);
   // At least one place, so that there is memory to point to.
-  segments_.reserve(segments.size() + 1);
+  segments_.reserve(segments.size() + SegmentField::kBeyond);
   colors_.reserve(segments.size() + 1);
   if (segments.size() == 0) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(colors_.data(), 0, sizeof(FieldColor), stream));  // walks look at one, whether there are any or not
   if (hasNormals_) unlit_.reserve(segments.size() + 1);

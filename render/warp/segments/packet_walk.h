@@ -49,8 +49,7 @@ class PacketWalk {
     s_ = loaded(lines.s), depth_ = loaded(lines.depth), end_ = loaded(lines.end);
     x_ = IntBatch::load_aligned(lines.x), y_ = IntBatch::load_aligned(lines.y);
     active_ = loaded(isWalked) > F(0.0f);
-    constexpr float kLeastWay = 1e-20f;
-    stepsX_ = absOf(dx_) > F(kLeastWay), stepsY_ = absOf(dy_) > F(kLeastWay);
+    stepsX_ = absOf(dx_) > F(kLeastWayAlongAxis), stepsY_ = absOf(dy_) > F(kLeastWayAlongAxis);
     perX_ = selected(stepsX_, F(1.0f) / dx_, F(0.0f)), perY_ = selected(stepsY_, F(1.0f) / dy_, F(0.0f));
     perDepth_ = F(1.0f) / depths_;
     leadX_ = chosen(dx_ > F(0.0f), I(1), I(0)), leadY_ = chosen(dy_ > F(0.0f), I(1), I(0));
@@ -70,7 +69,7 @@ class PacketWalk {
       walkCells();
     }
     if constexpr (kFills) {
-      const M isUnknown = unknownFrom_ < F(kNowhere);
+      const M isUnknown = unknownFrom_ < F(kNowhereOnLine);
       if (xsimd::any(isUnknown)) fillBetween(isUnknown, end_);
     }
     store();
@@ -83,7 +82,6 @@ class PacketWalk {
   static constexpr bool kFills = !std::is_same_v<Fill, std::nullptr_t>;
   static constexpr int kPixels = kIsLinear ? 4 : 1;
   static constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  static constexpr float kNowhere = 2.0f;
   static constexpr int kTopShift = fieldShift(kFieldLevels - 1);
 
   /// PixelState, with its colour.
@@ -137,7 +135,7 @@ class PacketWalk {
         if (from[lane] < to[lane]) fill_(lane, from[lane], to[lane]);
       }
       load();
-      unknownFrom_ = selected(which, F(kNowhere), unknownFrom_);
+      unknownFrom_ = selected(which, F(kNowhereOnLine), unknownFrom_);
     }
   }
   void interrupt(const M& which) {
@@ -147,7 +145,7 @@ class PacketWalk {
     keptX_ = keptX_ & !which, keptY_ = keptY_ & !which;
   }
   void beginUnknown(const M& which) {
-    if constexpr (kFills) unknownFrom_ = selected(which & (unknownFrom_ >= F(kNowhere)), s_, unknownFrom_);
+    if constexpr (kFills) unknownFrom_ = selected(which & (unknownFrom_ >= F(kNowhereOnLine)), s_, unknownFrom_);
   }
 
   /// To cells that have something, or to the end.
@@ -163,15 +161,18 @@ class PacketWalk {
       const F least = minOf(depth_, depthOut), most = maxOf(depth_, depthOut);
       const auto [nearestBegin, farthestEnd, nearestUnknown, farthestUnknown] =
           gatheredQuads(tiles, chosen(leaping, byLevel(tilesFrom_) + ty * byLevel(field_.tileColumns) + tx, I(0))).of;
-      const M overEmpty = ((nearestBegin > most) | (farthestEnd < least)) & (nearestUnknown > most);
-      const M overUnknown = !overEmpty & (farthestUnknown < least);
+      M overEmpty = (nearestBegin > most) | (farthestEnd < least), overUnknown(false);
+      if constexpr (kFills) {
+        overEmpty = overEmpty & (nearestUnknown > most);
+        overUnknown = !overEmpty & (farthestUnknown < least);
+      }
       M moving = leaping & (overEmpty | overUnknown);
       const M descending = leaping & !moving, isAtCell = descending & isLess(shift_, I(1));
       sx_ = selected(isAtCell, sx, sx_), sy_ = selected(isAtCell, sy, sy_), out_ = selected(isAtCell, out, out_), depthOut_ = selected(isAtCell, depthOut, depthOut_);
       leaping = leaping & !isAtCell;
       shift_ = chosen(descending & !isAtCell, shift_ - I(kFieldLevelShift), shift_);
       if constexpr (kFills) {
-        const M interrupted = moving & overEmpty & (unknownFrom_ < F(kNowhere));
+        const M interrupted = moving & overEmpty & (unknownFrom_ < F(kNowhereOnLine));
         if (xsimd::any(interrupted)) {
           moving = moving & !interrupted;
           interrupt(interrupted);
@@ -317,7 +318,7 @@ class PacketWalk {
       const M isUnknown = known < F(kLeastKnown);
       if constexpr (kFills) {
         beginUnknown(piecing & isUnknown);
-        const M interrupted = piecing & !isUnknown & (unknownFrom_ < F(kNowhere));
+        const M interrupted = piecing & !isUnknown & (unknownFrom_ < F(kNowhereOnLine));
         if (xsimd::any(interrupted)) {
           interrupt(interrupted);
           piecing = piecing & !interrupted;
@@ -325,10 +326,16 @@ class PacketWalk {
       }
       const M passing = piecing & !isUnknown & (extinction > F(0.0f));
       if (xsimd::any(passing)) {
-        const F opacity = opacityOf(extinction * (spaceBy_ * share) / (known * (divisorAt(s_) * divisorAt(to)))), scale = opacity / extinction;
-        red_ = selected(passing, mulAdd(through_, red * scale, red_), red_);
-        green_ = selected(passing, mulAdd(through_, green * scale, green_), green_);
-        blue_ = selected(passing, mulAdd(through_, blue * scale, blue_), blue_);
+        const F opacity = opacityOf(extinction * (spaceBy_ * share) / (known * (divisorAt(s_) * divisorAt(to))));
+        if constexpr (kIsLinear) {
+          const F scale = opacity / extinction;
+          red = red * scale, green = green * scale, blue = blue * scale;
+        } else {
+          red = states_[0].red * opacity, green = states_[0].green * opacity, blue = states_[0].blue * opacity;
+        }
+        red_ = selected(passing, mulAdd(through_, red, red_), red_);
+        green_ = selected(passing, mulAdd(through_, green, green_), green_);
+        blue_ = selected(passing, mulAdd(through_, blue, blue_), blue_);
         through_ = selected(passing, through_ * (F(1.0f) - opacity), through_);
       }
       s_ = selected(piecing, to, s_);
@@ -357,7 +364,7 @@ class PacketWalk {
   I leadX_, leadY_;
   // Of the walks.
   M active_;
-  F s_, depth_, unknownFrom_ = F(kNowhere);
+  F s_, depth_, unknownFrom_ = F(kNowhereOnLine);
   I x_, y_, shift_ = I(kTopShift);
   M keptX_ = M(false), keptY_ = M(false);
   // Of the cells.

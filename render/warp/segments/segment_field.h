@@ -25,9 +25,13 @@ struct PictureDepths {
   }
 };
 
-/// Where a segment of a pixel lies, and how dense it is: what walks look for; its colour lies elsewhere. One load on a device.
-struct alignas(16) FieldSegment {
+/// Where a segment of a pixel lies. One load on a device.
+struct alignas(8) FieldSpan {
   float begin = 0.0f, end = 0.0f;  ///< picture depths, begin < end
+};
+
+/// And how dense it is: what walks look for; its colour lies elsewhere. One load on a device.
+struct alignas(16) FieldSegment : FieldSpan {
   float extinction = 0.0f;         ///< optical depth by length, along any line
   float place = 0.0f;              ///< where it is lit: forward depth behind the near plane
 };
@@ -37,10 +41,14 @@ struct alignas(16) FieldColor {
   glm::vec3 linear{0.0f};  ///< of what is opaque: emission is this times the extinction
 };
 
-/// What lies in a square of pixels, so that it can be leapt over. Picture depths.
-struct alignas(16) FieldTile {
+/// Where there are segments in a square of pixels, so that it can be leapt over. Picture depths. One load on a device.
+struct alignas(8) FieldTileSpan {
   float nearestBegin = std::numeric_limits<float>::infinity();
   float farthestEnd = -std::numeric_limits<float>::infinity();
+};
+
+/// And what is known there.
+struct alignas(16) FieldTile : FieldTileSpan {
   float nearestUnknown = std::numeric_limits<float>::infinity();    ///< from which on something is not known
   float farthestUnknown = -std::numeric_limits<float>::infinity();  ///< from which on nothing is
 
@@ -66,12 +74,13 @@ struct SegmentField {
   PictureDepths depths;
   int width = 0, height = 0;
   const uint32_t* first = nullptr;         ///< for each pixel and one more, where its segments begin; kEndedBit is set where the ray before it ended
-  const FieldSegment* segments = nullptr;
+  const FieldSegment* segments = nullptr; ///< and as many more as may be read (kBeyond), whatever they are
   const FieldColor* colors = nullptr;     ///< of the segments
   const FieldTile* tiles[kFieldLevels] = {};
   int tileColumns[kFieldLevels] = {};
 
   static constexpr uint32_t kEndedBit = 1u << 31;
+  static constexpr size_t kBeyond = 3;  // walks look at four at once
 };
 
 }  // namespace warpscope

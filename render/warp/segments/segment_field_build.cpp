@@ -53,7 +53,7 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
   pixels_ = makePixelGrid(frame.camera, frame.quantization.nearDepth);
   const size_t pixels = segments.rays.size();
   first_.resize(pixels + 1);
-  segments_.resize(segments.size() + 1);  // as the colours
+  segments_.resize(segments.size() + SegmentField::kBeyond);
   colors_.resize(segments.size() + 1);  // walks look at one, whether there are any or not
   ofPixels_.resize(pixels);
   uint32_t at = 0;

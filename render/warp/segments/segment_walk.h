@@ -1,125 +1,13 @@
 // A ray of a new camera through the segments of a frame, front to back. For host and device.
-// Volumetric depth images: Frey, Sadlo, Ertl 2013; their ray casting through the old camera's pixels: Gupta et al. 2023. A line in space is a line in the old
-// picture, on which 1 / depth is linear (Heckbert, Moreton 1991): the ray is clipped to the old frustum, its ends are projected, and the picture's line is
-// stepped along. Deviations: all that is looked for (borders of pixels, ends of segments) is found on the picture's line, where it goes straight, so that places in
-// space are asked for where there is matter alone, and no difference of two vanishes where both eyes nearly coincide and the line is hardly a point; between the
-// centres of four pixels their extinction and emission are blended; frusta are leapt over by tiles (Amanatides, Woo 1987, on a pyramid).
+// Volumetric depth images: Frey, Sadlo, Ertl 2013; their ray casting through the old camera's pixels: Gupta et al. 2023; how the lines go: field_line.h. Deviations:
+// between the centres of four pixels their extinction and emission are blended; frusta are leapt over by tiles (Amanatides, Woo 1987, on a pyramid).
 #pragma once
 
-#include <bit>
-
-#include "render/core/box.h"
 #include "render/core/opacity.h"
-#include "render/core/ray.h"
-#include "render/march/ray_state.h"
-#include "render/warp/warp.h"
-#include "render/warp/segments/segment_field.h"
+#include "render/warp/segments/field_line.h"
+#include "render/warp/segments/nearest_walk.h"
 
 namespace warpscope {
-
-/// What a ray has met so far.
-struct WalkedRay {
-  glm::vec3 color{0.0f};  ///< linear, premultiplied
-  float through = 1.0f;   ///< what is left of light from behind
-  float guessed = 0.0f;   ///< the part of the opacity that what is not known was given
-
-  WARPSCOPE_HD void pass(const glm::vec3& itsColor, float itsOpacity) {
-    for (int channel = 0; channel < 3; ++channel) color[channel] = mulAdd(through, itsColor[channel], color[channel]);
-    through *= 1.0f - itsOpacity;
-  }
-  /// As pass, for light that no frame says anything about.
-  WARPSCOPE_HD void guess(const glm::vec3& itsColor, float itsOpacity) {
-    guessed = mulAdd(through, itsOpacity, guessed);
-    pass(itsColor, itsOpacity);
-  }
-
-  WARPSCOPE_HD void guess(const RayLight& light) { guess(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance)); }
-
-  WARPSCOPE_HD glm::vec4 seen() const { return {color, 1.0f - through}; }
-  /// What its pixel is: a guess where that can be seen.
-  WARPSCOPE_HD uint32_t id() const { return !(through < 1.0f) ? kNoSample : guessed >= kSeenGuess ? kFilled : kNotASample; }
-  static constexpr float kSeenGuess = 1.0f / 32;
-};
-
-/// The part of a ray inside of what segments are of.
-WARPSCOPE_HD inline RayInterval partInside(const Box& bounds, const Ray& ray) {
-  return intersectBox(reciprocalOf(ray.origin, ray.direction), bounds, 0.0f, std::numeric_limits<float>::infinity());
-}
-
-/// The part of a ray that is in the old frustum, as a line in the old picture: places are told by `s`, which goes straight along that line and is 0 where the line
-/// is farthest from the old eye, so that single precision tells places apart there, where most of space is.
-struct FieldLine {
-  float t0 = 0.0f, t1 = 0.0f;           ///< where the ray comes in and goes out; t1 <= t0 where it does not
-  float begin = 0.0f, end = 0.0f;       ///< s there: -1 and 0 where depths grow along the ray, 0 and 1 where they shrink
-  float x0 = 0.0f, y0 = 0.0f;           ///< in the old picture, cells, at s = 0
-  float dx = 0.0f, dy = 0.0f;           ///< by s
-  float depth0 = 0.0f, depths = 0.0f;   ///< picture depth at s = 0, and by s
-  float ratio = 1.0f;                   ///< of the greatest and least forward depth; at least 1
-
-  WARPSCOPE_HD bool isRising() const { return begin < 0.0f; }
-  WARPSCOPE_HD float depthAt(float s) const { return mulAdd(s, depths, depth0); }
-  WARPSCOPE_HD float divisorAt(float s) const { return mulAdd(absOf(s), ratio - 1.0f, 1.0f); }
-  /// Distance along the ray.
-  WARPSCOPE_HD float tAt(float s) const {
-    const float way = s * ratio / divisorAt(s);
-    return mulAdd(way, t1 - t0, isRising() ? t1 : t0);
-  }
-};
-
-/// The part of [tNear, tFar] of a ray in front of which the frame's camera was. `shift`: 0.5 for cells between centres, 0 for those about them.
-[[gnu::flatten]] WARPSCOPE_HD inline FieldLine makeFieldLine(const SegmentField& field, const Ray& ray, float tNear, float tFar, float shift) {
-  const PixelGrid& grid = field.pixels;
-  const glm::vec3 offset = ray.origin - grid.anchor;
-  const glm::vec3 o(glm::dot(offset, grid.right), glm::dot(offset, grid.up), glm::dot(offset, grid.forward));
-  const glm::vec3 d(glm::dot(ray.direction, grid.right), glm::dot(ray.direction, grid.up), glm::dot(ray.direction, grid.forward));
-  // In front of the near plane there is nothing to be seen, and behind an eye that is inside the volume nothing was. Not so near to the eye that rounding of where the
-  // ray begins could put it behind.
-  const float leastFromEye = maxOf(grid.nearDepth > 0.0f ? grid.nearDepth * 0.5f : 1e-4f, absOf(o.z) * 0x1p-20f), leastDepth = leastFromEye - grid.nearDepth;
-  FieldLine line;
-  line.t0 = tNear;
-  line.t1 = tFar;
-  const auto keep = [&](float at0, float growth) {  // where at0 + t * growth >= 0
-    const float crossing = -at0 / growth;
-    if (growth > 0.0f)
-      line.t0 = maxOf(crossing, line.t0);
-    else if (growth < 0.0f)
-      line.t1 = minOf(crossing, line.t1);
-    else if (at0 < 0.0f)
-      line.t1 = line.t0;
-  };
-  keep(o.z - leastDepth, d.z);
-  const float depth = grid.nearDepth + o.z;
-  const float tanX = grid.halfWidth * grid.edge, tanY = grid.halfHeight * grid.edge;
-  keep(mulAdd(tanX, depth, -o.x), mulAdd(tanX, d.z, -d.x));
-  keep(mulAdd(tanX, depth, o.x), mulAdd(tanX, d.z, d.x));
-  keep(mulAdd(tanY, depth, -o.y), mulAdd(tanY, d.z, -d.y));
-  keep(mulAdd(tanY, depth, o.y), mulAdd(tanY, d.z, d.y));
-  if (!(line.t0 < line.t1)) {
-    line.t1 = line.t0;
-    return line;
-  }
-  struct Place {
-    float x, y, depth, fromEye;
-  };
-  const auto projected = [&](float t) {
-    const float behind = mulAdd(t, d.z, o.z), fromEye = grid.nearDepth + behind, scale = 1.0f / (grid.edge * fromEye);
-    const float x = mulAdd(mulAdd(t, d.x, o.x), scale, grid.halfWidth), y = mulAdd(mulAdd(t, d.y, o.y), -scale, grid.halfHeight);
-    return Place{minOf(maxOf(x, 0.0f), static_cast<float>(field.width)) + shift, minOf(maxOf(y, 0.0f), static_cast<float>(field.height)) + shift,
-                 field.depths.of(behind), fromEye};
-  };
-  const bool isRising = d.z > 0.0f;
-  const Place far = projected(isRising ? line.t1 : line.t0), near = projected(isRising ? line.t0 : line.t1);
-  line.begin = isRising ? -1.0f : 0.0f;
-  line.end = isRising ? 0.0f : 1.0f;
-  line.x0 = far.x;
-  line.y0 = far.y;
-  line.dx = isRising ? far.x - near.x : near.x - far.x;
-  line.dy = isRising ? far.y - near.y : near.y - far.y;
-  line.depth0 = far.depth;
-  line.depths = isRising ? far.depth - near.depth : near.depth - far.depth;
-  line.ratio = far.fromEye / near.fromEye;
-  return line;
-}
 
 /// What a pixel has at a depth on a line, and up to which depth that holds.
 struct PixelState {
@@ -167,75 +55,36 @@ WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, flo
 /// Pixels that know what is at a place, but have less weight there, are not asked: what a frame shows would depend on where its rays end otherwise.
 inline constexpr float kLeastKnown = 1.0f / 64;
 
-/// The coarsest level on which a step that changes those bits of a cell's place leaves its tile.
-WARPSCOPE_HD inline int levelLeft(int changed) {
-#if defined(__CUDA_ARCH__)
-  const int zeros = __clz(changed);
-#else
-  const int zeros = std::countl_zero(static_cast<uint32_t>(changed));
-#endif
-  return minOf((31 - zeros) / kFieldLevelShift, kFieldLevels - 1);
-}
-
-/// How far a walk along a line has got.
-struct WalkPlace {
-  float s = 0.0f, depth = 0.0f;  ///< place on the line, and its picture depth
-  int x = 0, y = 0;              ///< cell
-};
-template <bool kIsLinear>
-WARPSCOPE_HD inline WalkPlace beginOfWalk(const SegmentField& field, const FieldLine& line) {
-  const int lastColumn = field.width - (kIsLinear ? 0 : 1), lastRow = field.height - (kIsLinear ? 0 : 1);
-  return {line.begin, line.depthAt(line.begin), minOf(maxOf(static_cast<int>(mulAdd(line.begin, line.dx, line.x0)), 0), lastColumn),
-          minOf(maxOf(static_cast<int>(mulAdd(line.begin, line.dy, line.y0)), 0), lastRow)};
-}
-
-/// A part of a line of which nothing is known, as long as there are; s.
-struct UnknownPiece {
-  float begin = 0.0f, end = 0.0f;
-
-  WARPSCOPE_HD bool isAny() const { return begin < end; }
-};
-
-/// What walks do where nothing is known.
-enum class AtUnknown { stop, stopBehind, goOn };
-
-/// Walks on from `place` to the line's end, or to where less than `stopBelow` is left: true. Else false, and `place` is where the walk was interrupted: at the first
-/// place of which nothing is known (AtUnknown::stop), or where that ends (stopBehind). `piece`: what of the line ends there and is not known, for stopBehind. Another
-/// walk from `place` gives the same bits as one that goes on: rays of a device leave their walks to fill such pieces, all together, rather than each in the midst of its own.
-/// `kIsLinear`: between the centres of pixels what they have is blended, of those that know; else each pixel's is the same all over its frustum.
-/// `Walked`: a WalkedRay, or one that besides is told by meet(segment, distance along the ray, opacity) which segments it meets, where what is between is not blended.
-template <bool kIsLinear, AtUnknown kAtUnknown, class Walked>
-[[gnu::flatten]] WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, Walked& walked, UnknownPiece& piece) {
-  constexpr float kNowhere = 2.0f;
-  float unknownFrom = kNowhere;  // s; kNowhere: what came last was known
+/// walkOn() where pixels are blended.
+template <AtUnknown kAtUnknown>
+[[gnu::flatten]] WARPSCOPE_HD inline bool walkBlended(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, WalkedRay& walked, UnknownPiece& piece) {
+  float unknownFrom = kNowhereOnLine;  // s; kNowhereOnLine: what came last was known
 
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  // Of lines that go along an axis by less than that nothing on it is crossed.
-  constexpr float kLeastWay = 1e-20f;
-  const bool isRising = line.isRising(), stepsX = absOf(line.dx) > kLeastWay, stepsY = absOf(line.dy) > kLeastWay;
+  const bool isRising = line.isRising(), stepsX = absOf(line.dx) > kLeastWayAlongAxis, stepsY = absOf(line.dy) > kLeastWayAlongAxis;
   const float perX = stepsX ? 1.0f / line.dx : 0.0f, perY = stepsY ? 1.0f / line.dy : 0.0f;
   const float perDepth = 1.0f / line.depths;  // used where depths change alone
   const float spaceBy = (line.t1 - line.t0) * line.ratio;
-  const int columns = field.width + (kIsLinear ? 1 : 0), rows = field.height + (kIsLinear ? 1 : 0);
+  const int columns = field.width + 1, rows = field.height + 1;
   // Where borders are that are crossed: before a cell or tile, or behind it.
   const int leadX = line.dx > 0.0f ? 1 : 0, leadY = line.dy > 0.0f ? 1 : 0;
   float s = place.s, depth = place.depth;
   int x = place.x, y = place.y;
   // True where the walk is interrupted.
   const auto endsUnknown = [&] {
-    if (kAtUnknown != AtUnknown::stopBehind || !(unknownFrom < kNowhere)) return false;
+    if (kAtUnknown != AtUnknown::stopBehind || !(unknownFrom < kNowhereOnLine)) return false;
     piece = {unknownFrom, s};
     place = {s, depth, x, y};
     return true;
   };
   const auto beginsUnknown = [&] {
     if (kAtUnknown == AtUnknown::stop) place = {s, depth, x, y};
-    if (kAtUnknown == AtUnknown::stopBehind && !(unknownFrom < kNowhere)) unknownFrom = s;
+    if (kAtUnknown == AtUnknown::stopBehind && !(unknownFrom < kNowhereOnLine)) unknownFrom = s;
     return kAtUnknown == AtUnknown::stop;
   };
 
   // The pixels about a cell in the order in which the line leaves them behind: trailing on both axes, leading on x, leading on y, leading on both.
-  constexpr int kPixels = kIsLinear ? 4 : 1;
+  constexpr int kPixels = 4;
   PixelState states[kPixels];
   enum class Kept { none, alongX, alongY };
   Kept kept = Kept::none;
@@ -254,9 +103,9 @@ template <bool kIsLinear, AtUnknown kAtUnknown, class Walked>
       const float least = minOf(depth, depthOut), most = maxOf(depth, depthOut);
       const FieldTile& tile = field.tiles[level][ty * field.tileColumns[level] + tx];
       const bool isEmpty = tile.nearestBegin > most || tile.farthestEnd < least;
-      if (isEmpty && tile.nearestUnknown > most) {
+      if (isEmpty && (kAtUnknown == AtUnknown::goOn || tile.nearestUnknown > most)) {
         if (endsUnknown()) return false;
-      } else if (tile.farthestUnknown < least) {
+      } else if (kAtUnknown != AtUnknown::goOn && tile.farthestUnknown < least) {
         if (beginsUnknown()) return false;
       } else {
         if (level == 0) break;
@@ -284,25 +133,18 @@ template <bool kIsLinear, AtUnknown kAtUnknown, class Walked>
     if (!(s < line.end)) break;
 
     // The cell, in pieces in which nothing changes.
-    int pixel[kPixels];
-    if constexpr (kIsLinear) {
-      const int leading = minOf(maxOf(x - 1 + leadX, 0), field.width - 1), trailing = minOf(maxOf(x - leadX, 0), field.width - 1);
-      const int leadingRow = minOf(maxOf(y - 1 + leadY, 0), field.height - 1) * field.width, trailingRow = minOf(maxOf(y - leadY, 0), field.height - 1) * field.width;
-      pixel[0] = trailingRow + trailing, pixel[1] = trailingRow + leading, pixel[2] = leadingRow + trailing, pixel[3] = leadingRow + leading;
-      if (kept == Kept::alongX)
-        states[0] = states[1], states[2] = states[3];
-      else if (kept == Kept::alongY)
-        states[0] = states[2], states[1] = states[3];
-    } else {
-      pixel[0] = y * field.width + x;
-    }
+    const int leading = minOf(maxOf(x - 1 + leadX, 0), field.width - 1), trailing = minOf(maxOf(x - leadX, 0), field.width - 1);
+    const int leadingRow = minOf(maxOf(y - 1 + leadY, 0), field.height - 1) * field.width, trailingRow = minOf(maxOf(y - leadY, 0), field.height - 1) * field.width;
+    const int pixel[kPixels] = {trailingRow + trailing, trailingRow + leading, leadingRow + trailing, leadingRow + leading};
+    if (kept == Kept::alongX)
+      states[0] = states[1], states[2] = states[3];
+    else if (kept == Kept::alongY)
+      states[0] = states[2], states[1] = states[3];
     const float expired = isRising ? -kInfinity : kInfinity;
-    if (!kIsLinear || kept == Kept::none) states[0].until = expired;
-    if constexpr (kIsLinear) {
-      if (kept != Kept::alongY) states[1].until = expired;
-      if (kept != Kept::alongX) states[2].until = expired;
-      states[3].until = expired;
-    }
+    if (kept == Kept::none) states[0].until = expired;
+    if (kept != Kept::alongY) states[1].until = expired;
+    if (kept != Kept::alongX) states[2].until = expired;
+    states[3].until = expired;
     for (;;) {
       float until = depthOut;
       for (int i = 0; i < kPixels; ++i) {
@@ -313,19 +155,15 @@ template <bool kIsLinear, AtUnknown kAtUnknown, class Walked>
       const float to = isLast ? out : minOf(maxOf((until - line.depth0) * perDepth, s), out);
       // Of what is thin the difference of depths is exact, that of places on the line is not.
       const float share = isLast ? out - s : (until - depth) * perDepth;
+      // Means over the piece: of a product of two that go straight, the product of their means and a twelfth of that of their growths.
       float weights[kPixels];
-      if constexpr (kIsLinear) {
-        // Means over the piece: of a product of two that go straight, the product of their means and a twelfth of that of their growths.
-        const float middle = 0.5f * (s + to), way = to - s;
-        const float u = saturated(absOf(mulAdd(middle, line.dx, line.x0) - static_cast<float>(x + 1 - leadX)));
-        const float v = saturated(absOf(mulAdd(middle, line.dy, line.y0) - static_cast<float>(y + 1 - leadY)));
-        weights[3] = mulAdd(u, v, absOf((line.dx * way) * (line.dy * way)) * (1.0f / 12));
-        weights[1] = maxOf(u - weights[3], 0.0f);
-        weights[2] = maxOf(v - weights[3], 0.0f);
-        weights[0] = maxOf(1.0f - u - weights[2], 0.0f);
-      } else {
-        weights[0] = 1.0f;
-      }
+      const float middle = 0.5f * (s + to), way = to - s;
+      const float u = saturated(absOf(mulAdd(middle, line.dx, line.x0) - static_cast<float>(x + 1 - leadX)));
+      const float v = saturated(absOf(mulAdd(middle, line.dy, line.y0) - static_cast<float>(y + 1 - leadY)));
+      weights[3] = mulAdd(u, v, absOf((line.dx * way) * (line.dy * way)) * (1.0f / 12));
+      weights[1] = maxOf(u - weights[3], 0.0f);
+      weights[2] = maxOf(v - weights[3], 0.0f);
+      weights[0] = maxOf(1.0f - u - weights[2], 0.0f);
       float known = 0.0f, extinction = 0.0f;
       glm::vec3 emission(0.0f);
       for (int i = 0; i < kPixels; ++i) {
@@ -341,7 +179,6 @@ template <bool kIsLinear, AtUnknown kAtUnknown, class Walked>
         if (endsUnknown()) return false;
         if (extinction > 0.0f) {
           const float opacity = opacityOf(extinction * (spaceBy * share) / (known * (line.divisorAt(s) * line.divisorAt(to))));
-          if constexpr (requires { walked.meet(0u, 0.0f, 0.0f); }) walked.meet(states[0].active, 0.5f * (line.tAt(s) + line.tAt(to)), opacity);
           walked.pass(emission * (opacity / extinction), opacity);
         }
       }
@@ -363,8 +200,21 @@ template <bool kIsLinear, AtUnknown kAtUnknown, class Walked>
     if (x < 0 || y < 0 || x >= columns || y >= rows) break;
     level = levelLeft((x ^ oldX) | (y ^ oldY));
   }
-  if (kAtUnknown == AtUnknown::stopBehind && unknownFrom < kNowhere) piece = {unknownFrom, line.end};
+  if (kAtUnknown == AtUnknown::stopBehind && unknownFrom < kNowhereOnLine) piece = {unknownFrom, line.end};
   return true;
+}
+
+/// Walks on from `place` to the line's end, or to where less than `stopBelow` is left: true. Else false, and `place` is where the walk was interrupted: at the first
+/// place of which nothing is known (AtUnknown::stop), or where that ends (stopBehind). `piece`: what of the line ends there and is not known, for stopBehind. Another
+/// walk from `place` gives the same bits as one that goes on: rays of a device leave their walks to fill such pieces, all together, rather than each in the midst of its own.
+/// `kIsLinear`: between the centres of pixels what they have is blended, of those that know; else each pixel's is the same all over its frustum.
+/// `Walked`: a WalkedRay, or one that besides is told by meet(segment, distance along the ray, opacity) which segments it meets, where what is between is not blended.
+template <bool kIsLinear, AtUnknown kAtUnknown, class Walked>
+WARPSCOPE_HD inline bool walkOn(const SegmentField& field, const FieldLine& line, float stopBelow, WalkPlace& place, Walked& walked, UnknownPiece& piece) {
+  if constexpr (kIsLinear)
+    return walkBlended<kAtUnknown>(field, line, stopBelow, place, walked, piece);
+  else
+    return walkNearest<kAtUnknown>(field, line, stopBelow, place, walked, piece);
 }
 
 /// A walk of a ray in two parts: what the frame knows without an interruption, and the rest. For devices, where few rays need the rest and registers for it would
