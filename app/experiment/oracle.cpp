@@ -83,7 +83,7 @@ WarpedImage Oracle::bestDots(const Camera& camera, const Image<glm::vec4>& truth
       const auto row = static_cast<uint32_t>(std::clamp(static_cast<int>(line.y0 + middle * line.dy), 0, field.height - 1));
       const size_t pixel = size_t{row} * own_.width() + column;
       const uint32_t begin = field.first[pixel] & ~SegmentField::kEndedBit, end = field.first[pixel + 1] & ~SegmentField::kEndedBit;
-      if (own_[pixel] == kNoSample || begin == end || farthest < field.segments[begin].begin || nearest > field.segments[end - 1].end) continue;
+      if (own_[pixel] == kNoSample || begin == end || farthest < field.spans[begin].begin || nearest > field.spans[end - 1].end) continue;
       const int difference = differenceOf(shown_[pixel], wanted);
       if (difference >= least) continue;
       least = difference;

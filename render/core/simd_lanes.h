@@ -62,6 +62,31 @@ inline Pairs gatheredPairs(const uint32_t* numbers, const IntBatch& places) {
   return {gathered(numbers, places), gathered(numbers, places + IntBatch(1))};
 #endif
 }
+/// The same of numbers[2 place] and numbers[2 place + 1]. One load a lane instead of two.
+struct FloatPairs {
+  FloatBatch first, second;
+};
+inline FloatPairs gatheredFloatPairs(const float* numbers, const IntBatch& places) {
+#if XSIMD_WITH_AVX512F
+  const __m512 low = _mm512_castpd_ps(_mm512_i32gather_pd(_mm512_castsi512_si256(places), numbers, 8));
+  const __m512 high = _mm512_castpd_ps(_mm512_i32gather_pd(_mm512_extracti64x4_epi64(places, 1), numbers, 8));
+  const __m512i firsts = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+  return {_mm512_permutex2var_ps(low, firsts, high), _mm512_permutex2var_ps(low, _mm512_add_epi32(firsts, _mm512_set1_epi32(1)), high)};
+#elif XSIMD_WITH_AVX2
+  const auto* pairs = reinterpret_cast<const double*>(numbers);
+  const __m256 low = _mm256_castpd_ps(_mm256_i32gather_pd(pairs, _mm256_castsi256_si128(places), 8));
+  const __m256 high = _mm256_castpd_ps(_mm256_i32gather_pd(pairs, _mm256_extracti128_si256(places, 1), 8));
+  const auto inOrder = [](__m256 halves) { return _mm256_castpd_ps(_mm256_permute4x64_pd(_mm256_castps_pd(halves), 0xd8)); };
+  return {inOrder(_mm256_shuffle_ps(low, high, 0x88)), inOrder(_mm256_shuffle_ps(low, high, 0xdd))};
+#else
+  alignas(64) int32_t at[kBatchLanes];
+  alignas(64) float values[2][kBatchLanes];
+  places.store_aligned(at);
+  for (int i = 0; i < kBatchLanes; ++i)
+    for (int j = 0; j < 2; ++j) values[j][i] = numbers[size_t{2} * static_cast<uint32_t>(at[i]) + static_cast<size_t>(j)];
+  return {FloatBatch::load_aligned(values[0]), FloatBatch::load_aligned(values[1])};
+#endif
+}
 /// Four numbers beside each other, of each lane from another place on: numbers[4 place] to numbers[4 place + 3]. One load a lane instead of four.
 /// Of all lanes these are numbers; no place is negative.
 struct Quads {

@@ -30,8 +30,8 @@ __global__ void __launch_bounds__(kThreads) markEnds(const RaySegmentCount* rays
 /// A thread a pixel of the frame, as all below it.
 __global__ void __launch_bounds__(kTileBlockThreads)
     fillField(const __grid_constant__ PixelGrid pixels, uint32_t width, uint32_t height, const uint32_t* first, const SegmentDepths* depths, const Rgba8* codes,
-              const ColorTables* tables, const OpticalDepths* opticalDepths, const __grid_constant__ FieldDepths fieldDepths, float colorScale, FieldSegment* segments,
-              FieldColor* colors, FieldTile* ofPixels) {
+              const ColorTables* tables, const OpticalDepths* opticalDepths, const __grid_constant__ FieldDepths fieldDepths, float colorScale, FieldSpan* spans,
+              FieldMatter* matter, float* places, FieldTile* ofPixels) {
   const PixelPlace pixel = pixelOfThread(0);
   if (pixel.x >= width || pixel.y >= height) return;
   const size_t at = size_t{pixel.y} * width + pixel.x;
@@ -39,10 +39,12 @@ __global__ void __launch_bounds__(kTileBlockThreads)
   const float cosine = begin < end ? pixels.ray(pixel.x, pixel.y).cosine : 1.0f;
   FieldSegmentsOfPixel ofPixel(fieldDepths, *opticalDepths, cosine);
   for (uint32_t i = begin; i < end; ++i) {
-    segments[i] = ofPixel.next(depths[i], codes[i]);
-    colors[i].linear = straightSegmentColor(*tables, codes[i], colorScale);
+    const FieldSegment segment = ofPixel.next(depths[i], codes[i]);
+    spans[i] = segment.span;
+    matter[i] = {straightSegmentColor(*tables, codes[i], colorScale), segment.extinction};
+    places[i] = segment.place;
   }
-  ofPixels[at] = tileOf(segments + begin, end - begin, (next & SegmentField::kEndedBit) != 0);
+  ofPixels[at] = tileOf(spans + begin, end - begin, (next & SegmentField::kEndedBit) != 0);
 }
 
 __global__ void __launch_bounds__(kThreads) fillTiles(const FieldTile* parts, int partColumns, int partRows, int level, int columns, int rows, FieldTile* tiles) {
@@ -53,15 +55,15 @@ __global__ void __launch_bounds__(kThreads) fillTiles(const FieldTile* parts, in
 /// `to`: colours without the light (kUnlights), or in it.
 template <bool kUnlights>
 __global__ void __launch_bounds__(kTileBlockThreads)
-    lightPixels(const __grid_constant__ SegmentField field, const FieldColor* from, const NormalCode* normals, const __grid_constant__ ShadingSetup lights,
-                glm::vec3 eye, FieldColor* to) {
+    lightPixels(const __grid_constant__ SegmentField field, const FieldMatter* from, const NormalCode* normals, const __grid_constant__ ShadingSetup lights,
+                glm::vec3 eye, FieldMatter* to) {
   const PixelPlace pixel = pixelOfThread(0);
   if (pixel.x >= static_cast<uint32_t>(field.width) || pixel.y >= static_cast<uint32_t>(field.height)) return;
   const size_t at = size_t{pixel.y} * static_cast<size_t>(field.width) + pixel.x;
   for (uint32_t i = field.first[at] & ~SegmentField::kEndedBit; i < (field.first[at + 1] & ~SegmentField::kEndedBit); ++i) {
     if (normals[i] == 0) continue;
-    const LightFactors<float> factors = lightOf(field.segments[i], normals[i], field.pixels, pixel.x, pixel.y, lights, eye);
-    to[i].linear = kUnlights ? unlit(factors, from[i].linear) : relitColor(factors, from[i].linear);
+    const LightFactors<float> factors = lightOf(field.places[i], normals[i], field.pixels, pixel.x, pixel.y, lights, eye);
+    to[i].color = kUnlights ? unlit(factors, from[i].color) : relitColor(factors, from[i].color);
   }
 }
 
@@ -105,9 +107,10 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
   }
   first_.reserve(segments.rays.size() + 1);
   // At least one place, so that there is memory to point to.
-  segments_.reserve(segments.size() + SegmentField::kBeyond);
-  colors_.reserve(segments.size() + 1);
-  if (segments.size() == 0) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(colors_.data(), 0, sizeof(FieldColor), stream));  // walks look at one, whether there are any or not
+  spans_.reserve(segments.size() + SegmentField::kBeyond);
+  matter_.reserve(segments.size() + 1);
+  places_.reserve(segments.size() + 1);
+  if (segments.size() == 0) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(matter_.data(), 0, sizeof(FieldMatter), stream));  // walks look at one, whether there are any or not
   if (hasNormals_) unlit_.reserve(segments.size() + 1);
   ofPixels_.reserve(segments.rays.size());
   for (int level = 0; level < kFieldLevels; ++level)
@@ -125,7 +128,7 @@ void DeviceSegmentField::build(const ColorTables* tables, cudaStream_t stream) {
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   const auto width = static_cast<uint32_t>(width_), height = static_cast<uint32_t>(height_);
   fillField<<<tileGrid(width, height), kTileBlockThreads, 0, stream>>>(pixels_, width, height, first_.data(), from_->depths.data(), from_->segmentColors.data(), tables,
-                                                                       opticalDepths_.data(), fieldDepths_, segmentColorScale(hasNormals_), segments_.data(), colors_.data(),
+                                                                       opticalDepths_.data(), fieldDepths_, segmentColorScale(hasNormals_), spans_.data(), matter_.data(), places_.data(),
                                                                        ofPixels_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
   for (int level = 0; level < kFieldLevels; ++level) {
@@ -143,12 +146,12 @@ template <bool kUnlights>
 void DeviceSegmentField::light(const Camera& camera, cudaStream_t stream) {
   if (empty() || !hasNormals_) return;
   const auto width = static_cast<uint32_t>(width_), height = static_cast<uint32_t>(height_);
-  lightPixels<kUnlights><<<tileGrid(width, height), kTileBlockThreads, 0, stream>>>(field(), kUnlights ? colors_.data() : unlit_.data(), from_->normals.data(),
+  lightPixels<kUnlights><<<tileGrid(width, height), kTileBlockThreads, 0, stream>>>(field(), kUnlights ? matter_.data() : unlit_.data(), from_->normals.data(),
                                                                                     segmentLightsFor(head_, camera), camera.eye,
-                                                                                    kUnlights ? unlit_.data() : colors_.data());
+                                                                                    kUnlights ? unlit_.data() : matter_.data());
   WARPSCOPE_CUDA_CHECK_LAUNCH();
 }
 
-SegmentField DeviceSegmentField::field() const { return fieldOf(pixels_, fieldDepths_.picture, width_, height_, first_, segments_, colors_, tiles_); }
+SegmentField DeviceSegmentField::field() const { return fieldOf(pixels_, fieldDepths_.picture, width_, height_, first_, spans_, matter_, places_, tiles_); }
 
 }  // namespace warpscope

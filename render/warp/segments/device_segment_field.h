@@ -43,8 +43,9 @@ class DeviceSegmentField {
   CudaFrameBuffers uploaded_;   // else
   const CudaFrameBuffers* from_ = &uploaded_;
   cuda::DeviceBuffer<uint32_t> first_;
-  cuda::DeviceBuffer<FieldSegment> segments_;
-  cuda::DeviceBuffer<FieldColor> colors_, unlit_;
+  cuda::DeviceBuffer<FieldSpan> spans_;
+  cuda::DeviceBuffer<FieldMatter> matter_, unlit_;
+  cuda::DeviceBuffer<float> places_;
   cuda::DeviceBuffer<FieldTile> ofPixels_, tiles_[kFieldLevels];
   cuda::Scratch scratch_;
 };

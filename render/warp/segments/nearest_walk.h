@@ -108,7 +108,7 @@ template <AtUnknown kAtUnknown, class Walked>
       if constexpr (kAtUnknown != AtUnknown::goOn) {
         const auto column = [&] { return static_cast<int>(borderX) - leadX; };
         const auto row = [&] { return static_cast<int>(borderY) - leadY; };
-        if ((next & SegmentField::kEndedBit) != 0) knownUntil = begin < end ? field.segments[end - 1].end : -kInfinity;
+        if ((next & SegmentField::kEndedBit) != 0) knownUntil = begin < end ? field.spans[end - 1].end : -kInfinity;
         if (isRising ? !(depth < knownUntil) : depth > knownUntil) {
           if (beginsUnknown(column(), row())) return false;
           if (!isRising && knownUntil > depthOut) {
@@ -123,7 +123,7 @@ template <AtUnknown kAtUnknown, class Walked>
       const float from = depth;
       for (uint32_t asked = 0; asked < end - begin; asked += 4) {
         const uint32_t group = isRising ? begin + asked : begin + ((end - begin - 1 - asked) & ~3u);
-        const FieldSegment* const four = field.segments + group;
+        const FieldSpan* const four = field.spans + group;
         uint32_t met = 0;
         for (uint32_t k = 0; k < 4; ++k) {
           const FieldSpan span = four[k];
@@ -133,17 +133,18 @@ template <AtUnknown kAtUnknown, class Walked>
         while (met != 0) {
           const uint32_t k = firstBit(met, isRising);
           met &= ~(1u << k);
-          const FieldSegment segment = four[k];
-          const float first = isRising ? maxOf(segment.begin, from) : minOf(segment.end, from), last = isRising ? minOf(segment.end, depthOut) : maxOf(segment.begin, depthOut);
+          const FieldSpan span = four[k];
+          const FieldMatter matter = field.matter[group + k];
+          const float first = isRising ? maxOf(span.begin, from) : minOf(span.end, from), last = isRising ? minOf(span.end, depthOut) : maxOf(span.begin, depthOut);
           if (first != from) s = minOf(maxOf((first - line.depth0) * perDepth, s), out);
           const bool isLast = last == depthOut;
           const float to = isLast ? out : minOf(maxOf((last - line.depth0) * perDepth, s), out);
           // Of what is thin the difference of depths is exact, that of places on the line is not.
           const float share = isLast ? out - s : (last - first) * perDepth;
-          const float opacity = opacityOf(segment.extinction * (spaceBy * share) / (line.divisorAt(s) * line.divisorAt(to)));
+          const float opacity = opacityOf(matter.extinction * (spaceBy * share) / (line.divisorAt(s) * line.divisorAt(to)));
           if constexpr (requires { walked.meet(0u, 0.0f, 0.0f); })
-            if (segment.extinction > 0.0f) walked.meet(group + k, 0.5f * (line.tAt(s) + line.tAt(to)), opacity);
-          walked.pass(field.colors[group + k].linear * opacity, opacity);
+            if (matter.extinction > 0.0f) walked.meet(group + k, 0.5f * (line.tAt(s) + line.tAt(to)), opacity);
+          walked.pass(matter.color * opacity, opacity);
           s = to;
           if (walked.through < stopBelow) return true;
         }

@@ -252,7 +252,7 @@ class PacketWalk {
 
   /// stateOf() of `which` of the pixels.
   State find(const I& pixel, const M& which) const {
-    const float* const segments = &field_.segments[0].begin;
+    const float* const spans = &field_.spans[0].begin;
     const I kMask(std::numeric_limits<int32_t>::max());
     const auto [own, next] = gatheredPairs(field_.first, pixel);
     const I begin = own & kMask, end = next & kMask;
@@ -263,7 +263,7 @@ class PacketWalk {
     I at = kIsRising ? begin : end - I(1), active(0);
     M searching = which & isLess(begin, end), isInside = M(false);
     while (xsimd::any(searching)) {
-      const auto [itsBegin, itsEnd, itsExtinction, itsPlace] = gatheredQuads(segments, within(at, I(0), I(lastSegment_))).of;
+      const auto [itsBegin, itsEnd] = gatheredFloatPairs(spans, within(at, I(0), I(lastSegment_)));
       const M isIt = searching & (kIsRising ? depth_ < itsEnd : itsBegin < depth_);
       const M inside = isIt & (kIsRising ? itsBegin <= depth_ : depth_ <= itsEnd);
       found.until = selected(isIt, kIsRising ? selected(inside, itsEnd, itsBegin) : selected(inside, itsBegin, itsEnd), found.until);
@@ -273,15 +273,15 @@ class PacketWalk {
         const M isLast = xsimd::bool_cast(at == end - I(1));
         found.known = selected(isIt, selected(!inside & isEnded & isLast, F(0.0f), F(1.0f)), found.known);
       }
-      found.extinction = selected(inside, itsExtinction, found.extinction);
       active = chosen(inside, at, active);
       isInside = isInside | inside;
       at = kIsRising ? at + I(1) : at - I(1);
       searching = searching & !isIt & (kIsRising ? isLess(at, end) : !isLess(at, begin));
     }
     if (xsimd::any(isInside)) {
-      const auto [red, green, blue, nothing] = gatheredQuads(&field_.colors[0].linear.x, active).of;
+      const auto [red, green, blue, extinction] = gatheredQuads(&field_.matter[0].color.x, active).of;
       found.red = selected(isInside, red, F(0.0f)), found.green = selected(isInside, green, F(0.0f)), found.blue = selected(isInside, blue, F(0.0f));
+      found.extinction = selected(isInside, extinction, F(0.0f));
     }
     return found;
   }

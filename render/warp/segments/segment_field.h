@@ -30,15 +30,10 @@ struct alignas(8) FieldSpan {
   float begin = 0.0f, end = 0.0f;  ///< picture depths, begin < end
 };
 
-/// And how dense it is: what walks look for; its colour lies elsewhere. One load on a device.
-struct alignas(16) FieldSegment : FieldSpan {
-  float extinction = 0.0f;         ///< optical depth by length, along any line
-  float place = 0.0f;              ///< where it is lit: forward depth behind the near plane
-};
-
-/// Its colour. One load on a device.
-struct alignas(16) FieldColor {
-  glm::vec3 linear{0.0f};  ///< of what is opaque: emission is this times the extinction
+/// What it is of. One load on a device.
+struct alignas(16) FieldMatter {
+  glm::vec3 color{0.0f};    ///< linear, of what is opaque: emission is this times the extinction
+  float extinction = 0.0f;  ///< optical depth by length, along any line
 };
 
 /// Where there are segments in a square of pixels, so that it can be leapt over. Picture depths. One load on a device.
@@ -74,8 +69,9 @@ struct SegmentField {
   PictureDepths depths;
   int width = 0, height = 0;
   const uint32_t* first = nullptr;         ///< for each pixel and one more, where its segments begin; kEndedBit is set where the ray before it ended
-  const FieldSegment* segments = nullptr; ///< and as many more as may be read (kBeyond), whatever they are
-  const FieldColor* colors = nullptr;     ///< of the segments
+  const FieldSpan* spans = nullptr;      ///< of the segments; and as many more as may be read (kBeyond), whatever they are
+  const FieldMatter* matter = nullptr;   ///< of the segments; at least one
+  const float* places = nullptr;         ///< where the segments are lit: forward depth behind the near plane
   const FieldTile* tiles[kFieldLevels] = {};
   int tileColumns[kFieldLevels] = {};
 

@@ -39,7 +39,7 @@ void BuiltSegmentField::relight(const SampleFrame& frame, const Camera& camera) 
   if (unlit_.empty()) return;
   const ShadingSetup lights = segmentLightsFor(frame, camera);
   forEachLit(frame, [&](size_t i, uint32_t x, uint32_t y) {
-    colors_[i].linear = relitColor(lightOf(segments_[i], frame.segments.normals[i], pixels_, x, y, lights, camera.eye), unlit_[i]);
+    matter_[i].color = relitColor(lightOf(places_[i], frame.segments.normals[i], pixels_, x, y, lights, camera.eye), unlit_[i]);
   });
 }
 
@@ -53,8 +53,9 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
   pixels_ = makePixelGrid(frame.camera, frame.quantization.nearDepth);
   const size_t pixels = segments.rays.size();
   first_.resize(pixels + 1);
-  segments_.resize(segments.size() + SegmentField::kBeyond);
-  colors_.resize(segments.size() + 1);  // walks look at one, whether there are any or not
+  spans_.resize(segments.size() + SegmentField::kBeyond);
+  matter_.resize(segments.size() + 1);  // walks look at one, whether there are any or not
+  places_.resize(segments.size());
   ofPixels_.resize(pixels);
   uint32_t at = 0;
   first_[0] = 0;
@@ -76,17 +77,19 @@ void BuiltSegmentField::build(const SampleFrame& frame) {
         const float cosine = begin < end ? pixels_.ray(static_cast<uint32_t>(x), static_cast<uint32_t>(y)).cosine : 1.0f;
         FieldSegmentsOfPixel ofPixel(depths, kDepths, cosine);
         for (uint32_t i = begin; i < end; ++i) {
-          segments_[i] = ofPixel.next(segments.depths[i], segments.colors[i]);
-          colors_[i].linear = straightSegmentColor(tables, segments.colors[i], scale);
+          const FieldSegment segment = ofPixel.next(segments.depths[i], segments.colors[i]);
+          spans_[i] = segment.span;
+          matter_[i] = {straightSegmentColor(tables, segments.colors[i], scale), segment.extinction};
+          places_[i] = segment.place;
         }
-        ofPixels_[pixel] = tileOf(segments_.data() + begin, end - begin, (first_[pixel + 1] & SegmentField::kEndedBit) != 0);
+        ofPixels_[pixel] = tileOf(spans_.data() + begin, end - begin, (first_[pixel + 1] & SegmentField::kEndedBit) != 0);
       }
   });
   if (!segments.normals.empty()) {
     unlit_.resize(segments.size());
     const ShadingSetup lights = segmentLightsFor(frame, frame.camera);
     forEachLit(frame, [&](size_t i, uint32_t x, uint32_t y) {
-      unlit_[i] = warpscope::unlit(lightOf(segments_[i], segments.normals[i], pixels_, x, y, lights, frame.camera.eye), colors_[i].linear);
+      unlit_[i] = warpscope::unlit(lightOf(places_[i], segments.normals[i], pixels_, x, y, lights, frame.camera.eye), matter_[i].color);
     });
   }
   size_t tiles = 0;
@@ -112,7 +115,7 @@ SegmentField BuiltSegmentField::field() const {
     levels[level] = rest.first(tileLevel(width_, height_, level).count());
     rest = rest.subspan(levels[level].size());
   }
-  return fieldOf(pixels_, depths_, width_, height_, first_, segments_, colors_, levels);
+  return fieldOf(pixels_, depths_, width_, height_, first_, spans_, matter_, places_, levels);
 }
 
 }  // namespace warpscope

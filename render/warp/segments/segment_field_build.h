@@ -30,8 +30,9 @@ class BuiltSegmentField {
   PictureDepths depths_;
   int width_ = 0, height_ = 0;
   std::vector<uint32_t> first_;
-  std::vector<FieldSegment> segments_;
-  std::vector<FieldColor> colors_;
+  std::vector<FieldSpan> spans_;
+  std::vector<FieldMatter> matter_;
+  std::vector<float> places_;
   std::vector<glm::vec3> unlit_;  // colours without light; empty where light does not depend on the eye
   std::vector<FieldTile> ofPixels_;
   std::vector<FieldTile> tiles_;  // level after level

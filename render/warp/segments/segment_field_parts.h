@@ -29,6 +29,12 @@ inline FieldDepths fieldDepthsOf(const SampleQuantization& quantization) {
   return {{quantization.nearDepth, maxOf(quantization.nearDepth, span * 0x1p-3f)}, quantization.depthStep};
 }
 
+/// What a field has of a segment, but for its colour.
+struct FieldSegment {
+  FieldSpan span;
+  float extinction = 0.0f, place = 0.0f;
+};
+
 /// Makes segments of one pixel's codes, near to far.
 class FieldSegmentsOfPixel {
  public:
@@ -40,9 +46,8 @@ class FieldSegmentsOfPixel {
     const float begin = maxOf(decodeDepth(codes.begin, depths_.step), last_);
     last_ = maxOf(decodeDepth(codes.end, depths_.step), begin + depths_.step);
     FieldSegment segment;
-    segment.begin = depths_.picture.of(begin);
-    segment.end = depths_.picture.of(last_);
-    segment.extinction = opticalDepths_.of[color >> 24] * cosine_ / depths_.picture.between(segment.begin, segment.end, begin, last_);
+    segment.span = {depths_.picture.of(begin), depths_.picture.of(last_)};
+    segment.extinction = opticalDepths_.of[color >> 24] * cosine_ / depths_.picture.between(segment.span.begin, segment.span.end, begin, last_);
     segment.place = mulAdd(placeOfHalf(minOf(segmentOpacity(color), kMostSegmentOpacity)), last_ - begin, begin);
     return segment;
   }
@@ -54,12 +59,12 @@ class FieldSegmentsOfPixel {
   float last_ = 0.0f;  // where the one before ends
 };
 
-/// Of a pixel whose segments these are, near to far.
-WARPSCOPE_HD inline FieldTile tileOf(const FieldSegment* segments, uint32_t count, bool isEnded) {
+/// Of a pixel whose segments' spans these are, near to far.
+WARPSCOPE_HD inline FieldTile tileOf(const FieldSpan* spans, uint32_t count, bool isEnded) {
   FieldTile tile;
   if (count > 0) {
-    tile.nearestBegin = segments[0].begin;
-    tile.farthestEnd = segments[count - 1].end;
+    tile.nearestBegin = spans[0].begin;
+    tile.farthestEnd = spans[count - 1].end;
   }
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   tile.nearestUnknown = tile.farthestUnknown = !isEnded ? kInfinity : count > 0 ? tile.farthestEnd : -kInfinity;
@@ -80,10 +85,10 @@ inline TileLevel tileLevel(int width, int height, int level) {
 }
 
 /// By pointers into arrays of the host or of a device.
-template <class Firsts, class Segments, class Colors, class Tiles>
-SegmentField fieldOf(const PixelGrid& pixels, const PictureDepths& depths, int width, int height, const Firsts& first, const Segments& segments, const Colors& colors,
-                     const Tiles (&tiles)[kFieldLevels]) {
-  SegmentField field{.pixels = pixels, .depths = depths, .width = width, .height = height, .first = first.data(), .segments = segments.data(), .colors = colors.data()};
+template <class Firsts, class Spans, class Matter, class Places, class Tiles>
+SegmentField fieldOf(const PixelGrid& pixels, const PictureDepths& depths, int width, int height, const Firsts& first, const Spans& spans, const Matter& matter,
+                     const Places& places, const Tiles (&tiles)[kFieldLevels]) {
+  SegmentField field{.pixels = pixels, .depths = depths, .width = width, .height = height, .first = first.data(), .spans = spans.data(), .matter = matter.data(), .places = places.data()};
   for (int level = 0; level < kFieldLevels; ++level) {
     field.tiles[level] = tiles[level].data();
     field.tileColumns[level] = tilesAlong(width, level);

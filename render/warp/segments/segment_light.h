@@ -7,10 +7,10 @@
 
 namespace warpscope {
 
-/// What lights, as a camera at `eye` has them, make of a segment of that normal, which is not 0.
-WARPSCOPE_HD inline LightFactors<float> lightOf(const FieldSegment& segment, NormalCode normal, const PixelGrid& pixels, uint32_t column, uint32_t row,
+/// What lights, as a camera at `eye` has them, make of a segment of that normal, which is not 0. `behind`: SegmentField::places.
+WARPSCOPE_HD inline LightFactors<float> lightOf(float behind, NormalCode normal, const PixelGrid& pixels, uint32_t column, uint32_t row,
                                                 const ShadingSetup& lights, const glm::vec3& eye) {
-  const glm::vec3 place = pixels.at(column, row, segment.place), way = eye - place;
+  const glm::vec3 place = pixels.at(column, row, behind), way = eye - place;
   return factorsOf(lights, normal, way * (1.0f / sqrtOf(glm::dot(way, way))), place);
 }
 

@@ -28,23 +28,23 @@ WARPSCOPE_HD inline PixelState stateOf(const SegmentField& field, int pixel, flo
     state.until = kInfinity;
     state.known = isEnded ? 0.0f : 1.0f;
     for (uint32_t i = begin; i < end; ++i) {
-      const FieldSegment segment = field.segments[i];
-      if (!(depth < segment.end)) continue;
+      const FieldSpan span = field.spans[i];
+      if (!(depth < span.end)) continue;
       state.known = 1.0f;
-      const bool isInside = segment.begin <= depth;
-      if (isInside) state.active = i, state.extinction = segment.extinction;
-      state.until = isInside ? segment.end : segment.begin;
+      const bool isInside = span.begin <= depth;
+      if (isInside) state.active = i, state.extinction = field.matter[i].extinction;
+      state.until = isInside ? span.end : span.begin;
       break;
     }
   } else {
     state.until = -kInfinity;
     state.known = begin < end || !isEnded ? 1.0f : 0.0f;
     for (uint32_t i = end; i > begin; --i) {
-      const FieldSegment segment = field.segments[i - 1];
-      if (!(segment.begin < depth)) continue;
-      const bool isInside = depth <= segment.end;
-      if (isInside) state.active = i - 1, state.extinction = segment.extinction;
-      state.until = isInside ? segment.begin : segment.end;
+      const FieldSpan span = field.spans[i - 1];
+      if (!(span.begin < depth)) continue;
+      const bool isInside = depth <= span.end;
+      if (isInside) state.active = i - 1, state.extinction = field.matter[i - 1].extinction;
+      state.until = isInside ? span.begin : span.end;
       state.known = isInside || !(isEnded && i == end) ? 1.0f : 0.0f;
       break;
     }
@@ -171,7 +171,7 @@ template <AtUnknown kAtUnknown>
         known += weights[i] * states[i].known;
         const float own = weights[i] * states[i].extinction;
         extinction += own;
-        emission += own * field.colors[states[i].active].linear;
+        emission += own * field.matter[states[i].active].color;
       }
       if (known < kLeastKnown) {
         if (beginsUnknown()) return false;
