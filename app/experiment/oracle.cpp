@@ -107,7 +107,7 @@ WarpedImage Oracle::perfectlyWarped(const Camera& camera, const std::stop_token&
       float known = inside.tNear;  // from here on
       const auto marchTo = [&](float t) {
         const RayLight light = march(ray, known, t, seen.through);
-        seen.pass(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance));
+        seen.pass(glm::vec3(light.color), 1.0f, static_cast<float>(1.0 - light.transmittance));
       };
       walkSegments<false>(field, ray, inside.tNear, inside.tFar, 0.0f, [&](WalkedRay&, float from, float to) {
         if (from > known) marchTo(from);

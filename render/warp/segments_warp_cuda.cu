@@ -39,7 +39,7 @@ __device__ inline void store(const DevicePixels& out, size_t i, const WalkedRay&
 
 /// Of a multiprocessor, that there are registers for, by whether pixels are blended. Measured on an H200 and an H100: more blocks make walks spill, fewer leave loads to wait for.
 template <bool kIsLinear>
-constexpr int kBlocksThatWalk = kIsLinear ? 7 : 9;
+constexpr int kBlocksThatWalk = kIsLinear ? 7 : 8;
 constexpr int kBlocksThatFill = 4;
 
 /// Warps are tiles of 4 x 8 pixels side by side, because rays that are turned sideways go along the frame's rows, and are alike where they are next to each other on

@@ -21,14 +21,16 @@ struct WalkedRay {
   float through = 1.0f;   ///< what is left of light from behind
   float guessed = 0.0f;   ///< the part of the opacity that what is not known was given
 
-  WARPSCOPE_HD void pass(const glm::vec3& itsColor, float itsOpacity) {
-    for (int channel = 0; channel < 3; ++channel) color[channel] = mulAdd(through, itsColor[channel], color[channel]);
+  /// What shines by `share` of that light, in front of what comes behind.
+  WARPSCOPE_HD void pass(const glm::vec3& light, float share, float itsOpacity) {
+    const float seen = through * share;
+    for (int channel = 0; channel < 3; ++channel) color[channel] = mulAdd(seen, light[channel], color[channel]);
     through *= 1.0f - itsOpacity;
   }
   /// As pass, for light that no frame says anything about.
   WARPSCOPE_HD void guess(const glm::vec3& itsColor, float itsOpacity) {
     guessed = mulAdd(through, itsOpacity, guessed);
-    pass(itsColor, itsOpacity);
+    pass(itsColor, 1.0f, itsOpacity);
   }
 
   WARPSCOPE_HD void guess(const RayLight& light) { guess(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance)); }

@@ -35,7 +35,7 @@ template <AtUnknown kAtUnknown, class Walked>
   const float spaceBy = (line.t1 - line.t0) * line.ratio;
   const int leadX = line.dx > 0.0f ? 1 : 0, leadY = line.dy > 0.0f ? 1 : 0;
   const float stepX = static_cast<float>(2 * leadX - 1), stepY = static_cast<float>(2 * leadY - 1);
-  const int rowStep = leadY ? field.width : -field.width;
+  const int columnStep = 2 * leadX - 1, rowStep = leadY ? field.width : -field.width;
   const auto isOut = [&](int x, int y) { return static_cast<uint32_t>(x) >= static_cast<uint32_t>(field.width) || static_cast<uint32_t>(y) >= static_cast<uint32_t>(field.height); };
   float s = place.s, depth = place.depth;
   int x = place.x, y = place.y;
@@ -104,25 +104,31 @@ template <AtUnknown kAtUnknown, class Walked>
       float least = minOf(depth, depthOut), most = maxOf(depth, depthOut);
       // On lines along which depth does not change a segment is met that begins there, as is one in which they are.
       if (least == most) (isRising ? most : least) = nextafterf(depth, isRising ? kInfinity : -kInfinity);
+      int column = 0, row = 0;  // the pixel's, for those that are interrupted
+      if constexpr (kAtUnknown != AtUnknown::goOn) column = static_cast<int>(borderX) - leadX, row = static_cast<int>(borderY) - leadY;
+      // To the next one; early, so that less has to be kept while the segments are gone through.
+      if (sx <= sy)
+        --leftX, borderX += stepX, pixel += columnStep;
+      else
+        --leftY, borderY += stepY, pixel += rowStep;
+
       float knownUntil = kInfinity;  // picture depth: behind it nothing is known
       if constexpr (kAtUnknown != AtUnknown::goOn) {
-        const auto column = [&] { return static_cast<int>(borderX) - leadX; };
-        const auto row = [&] { return static_cast<int>(borderY) - leadY; };
         if ((next & SegmentField::kEndedBit) != 0) knownUntil = begin < end ? field.spans[end - 1].end : -kInfinity;
         if (isRising ? !(depth < knownUntil) : depth > knownUntil) {
-          if (beginsUnknown(column(), row())) return false;
+          if (beginsUnknown(column, row)) return false;
           if (!isRising && knownUntil > depthOut) {
             s = minOf(maxOf((knownUntil - line.depth0) * perDepth, s), out);
             depth = knownUntil;
-            if (endsUnknown(column(), row())) return false;
+            if (endsUnknown(column, row)) return false;
           }
-        } else if (endsUnknown(column(), row())) {
+        } else if (endsUnknown(column, row)) {
           return false;
         }
       }
       const float from = depth;
-      for (uint32_t asked = 0; asked < end - begin; asked += 4) {
-        const uint32_t group = isRising ? begin + asked : begin + ((end - begin - 1 - asked) & ~3u);
+      for (uint32_t left = end - begin; left > 0; left = left > 4 ? left - 4 : 0) {
+        const uint32_t group = isRising ? end - left : begin + ((left - 1) & ~3u);
         const FieldSpan* const four = field.spans + group;
         uint32_t met = 0;
         for (uint32_t k = 0; k < 4; ++k) {
@@ -144,7 +150,7 @@ template <AtUnknown kAtUnknown, class Walked>
           const float opacity = opacityOf(matter.extinction * (spaceBy * share) / (line.divisorAt(s) * line.divisorAt(to)));
           if constexpr (requires { walked.meet(0u, 0.0f, 0.0f); })
             if (matter.extinction > 0.0f) walked.meet(group + k, 0.5f * (line.tAt(s) + line.tAt(to)), opacity);
-          walked.pass(matter.color * opacity, opacity);
+          walked.pass(matter.color, opacity, opacity);
           s = to;
           if (walked.through < stopBelow) return true;
         }
@@ -153,15 +159,11 @@ template <AtUnknown kAtUnknown, class Walked>
         if (isRising && from < knownUntil && knownUntil < depthOut) {
           s = minOf(maxOf((knownUntil - line.depth0) * perDepth, s), out);
           depth = knownUntil;
-          if (beginsUnknown(static_cast<int>(borderX) - leadX, static_cast<int>(borderY) - leadY)) return false;
+          if (beginsUnknown(column, row)) return false;
         }
       }
       s = out;
       depth = depthOut;
-      if (sx <= sy)
-        --leftX, borderX += stepX, pixel += leadX ? 1 : -1;
-      else
-        --leftY, borderY += stepY, pixel += rowStep;
     } while (s < line.end && leftX > 0 && leftY > 0);
     const int oldX = x, oldY = y;
     x = static_cast<int>(borderX) - leadX;

@@ -327,15 +327,14 @@ class PacketWalk {
       const M passing = piecing & !isUnknown & (extinction > F(0.0f));
       if (xsimd::any(passing)) {
         const F opacity = opacityOf(extinction * (spaceBy_ * share) / (known * (divisorAt(s_) * divisorAt(to))));
-        if constexpr (kIsLinear) {
-          const F scale = opacity / extinction;
-          red = red * scale, green = green * scale, blue = blue * scale;
-        } else {
-          red = states_[0].red * opacity, green = states_[0].green * opacity, blue = states_[0].blue * opacity;
-        }
-        red_ = selected(passing, mulAdd(through_, red, red_), red_);
-        green_ = selected(passing, mulAdd(through_, green, green_), green_);
-        blue_ = selected(passing, mulAdd(through_, blue, blue_), blue_);
+        F seen = through_ * opacity;
+        if constexpr (kIsLinear)
+          seen = through_ * (opacity / extinction);
+        else
+          red = states_[0].red, green = states_[0].green, blue = states_[0].blue;
+        red_ = selected(passing, mulAdd(seen, red, red_), red_);
+        green_ = selected(passing, mulAdd(seen, green, green_), green_);
+        blue_ = selected(passing, mulAdd(seen, blue, blue_), blue_);
         through_ = selected(passing, through_ * (F(1.0f) - opacity), through_);
       }
       s_ = selected(piecing, to, s_);

@@ -179,7 +179,7 @@ template <AtUnknown kAtUnknown>
         if (endsUnknown()) return false;
         if (extinction > 0.0f) {
           const float opacity = opacityOf(extinction * (spaceBy * share) / (known * (line.divisorAt(s) * line.divisorAt(to))));
-          walked.pass(emission * (opacity / extinction), opacity);
+          walked.pass(emission, opacity / extinction, opacity);
         }
       }
       s = to;
