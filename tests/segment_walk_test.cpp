@@ -1,6 +1,6 @@
 // Rays through segments of another camera's pixels: random frames against brute force in double, every pixel's frustum against every ray; and eyes and rays
 // that are hard to tell apart.
-// Mirrors render/warp/segments/: segment_walk.h, segment_field.h, segment_field_build.h, segment_look.h.
+// Mirrors render/warp/segments/: field_line.h, segment_walk.h, nearest_walk.h, segment_field.h, segment_field_build.h, segment_look.h.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -377,6 +377,23 @@ TEST_F(WindowScriptTest, ARecordingIsClosedAndAFilmOfItIsAskedAbout) {
   EXPECT_EQ(session_.error(), "");
 }
 
+TEST_F(WindowScriptTest, ARecordingThatTheWindowBeganWithIsClosed) {
+  const TestFolder folder;
+  ASSERT_TRUE(openAndRest("block"));
+  session_.startRecording(folder.file("a.warpscope"), textOf(sessionFileOf(session_)));
+  window_.drag(kLeftPicture, kLeftPicture + glm::vec2(60.0f, 0.0f));
+  ASSERT_TRUE(rest());
+  session_.stopRecording();
+  std::this_thread::sleep_for(milliseconds(100));  // what waits is written
+  ASSERT_TRUE(openAndRest(folder.file("a.warpscope"))) << "as the command line's";
+  ASSERT_TRUE(session_.playback().isOpen());
+  press(Action::closeRecording);
+  ASSERT_TRUE(waitUntil([&] { return !session_.playback().isOpen(); }));
+  ASSERT_TRUE(rest());
+  EXPECT_EQ(session_.scene()->name, kDefaultScene);
+  EXPECT_EQ(session_.error(), "");
+}
+
 TEST_F(WindowScriptTest, FoldsThemeAndFilesAreRemembered) {
   const TestFolder folder;
   ASSERT_TRUE(openAndRest("block"));

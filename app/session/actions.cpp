@@ -19,7 +19,7 @@ constexpr std::array<ActionDescriptor, 38> kActions{{
     {Action::savePlot, ActionMenu::file, "Save plot", "", "The points of the plot as an SVG picture and as a CSV table, in that folder"},
     {Action::record, ActionMenu::file, "Record...", "Ctrl+R", "Frames and the camera into a file, which shows them again by any techniques when it is opened, as does `warpscope replay`; or end that"},
     {Action::exportFilm, ActionMenu::file, "Export film...", "Ctrl+E", "The recording on show as a film (MP4, GIF) or as numbered pictures, by the techniques on show; or give that up"},
-    {Action::closeRecording, ActionMenu::file, "Close the recording", "", "Back to what the window showed before the recording was opened in it"},
+    {Action::closeRecording, ActionMenu::file, "Close the recording", "", "Back to what the window showed before the recording was opened in it; to the first built-in scene where that was nothing"},
     {Action::quit, ActionMenu::file, "Quit", "Ctrl+Q", "Close the window"},
     {Action::resetView, ActionMenu::view, "First view", "R", "Back to the scene's first view", false, true},
     {Action::freeze, ActionMenu::view, "Freeze", "F", "Keep the frame on show and ask the server for no other"},

@@ -163,8 +163,9 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
       if (!isPossible(action, session)) return setNote("a film is made of a recording: open one, or record one (Ctrl+R)");
       return exportQuestion_.ask();
     case Action::closeRecording:
-      if (beforeRecording_ && session.playback().isOpen()) restoreSession(*beforeRecording_, session);
-      return;
+      if (!session.playback().isOpen()) return;
+      if (beforeRecording_) return restoreSession(*beforeRecording_, session);
+      return session.load(openScene_({std::string(kDefaultScene), {}}));
     case Action::savePanels:
       if (!files_.keepPanels(session)) setNote("there is no picture yet");
       return;
@@ -243,7 +244,7 @@ bool MainView::isPossible(Action action, const Session& session) const {
     case Action::stepBack:
     case Action::stepOn: return session.playback().isOpen();
     case Action::exportFilm: return session.playback().isOpen() || session.exporting().isAtWork();
-    case Action::closeRecording: return session.playback().isOpen() && beforeRecording_.has_value();
+    case Action::closeRecording: return session.playback().isOpen();
     case Action::freeze: return !session.playback().isOpen();
     default: return true;
   }
