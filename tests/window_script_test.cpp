@@ -385,8 +385,8 @@ TEST_F(WindowScriptTest, ARecordingThatTheWindowBeganWithIsClosed) {
   ASSERT_TRUE(rest());
   session_.stopRecording();
   std::this_thread::sleep_for(milliseconds(100));  // what waits is written
-  ASSERT_TRUE(openAndRest(folder.file("a.warpscope"))) << "as the command line's";
-  ASSERT_TRUE(session_.playback().isOpen());
+  session_.load(jobOf({folder.file("a.warpscope"), {}}));  // as the command line does
+  ASSERT_TRUE(waitUntil([&] { return session_.playback().isOpen(); }));
   press(Action::closeRecording);
   ASSERT_TRUE(waitUntil([&] { return !session_.playback().isOpen(); }));
   ASSERT_TRUE(rest());
