@@ -331,5 +331,52 @@ TEST(SegmentWalk, WithoutSegmentsAllIsKnownToBeEmptyOrUnknown) {
   EXPECT_NEAR(beside.unknown, 5.0, 1e-6);
 }
 
+/// A frame whose first and last columns alone have something, far away. `width`: no multiple of any tile's.
+SampleFrame borderFrame(uint32_t width) {
+  const Camera camera = lookingFrom({0.0f, 0.0f, 30.0f}, glm::vec3(0.0f), width, width, 0.5f);
+  SampleFrame frame = randomFrame(camera, 1, 0);
+  frame.settings.sample.segments = 1;
+  const DepthRange range = depthRangeOf(camera, kFrameBounds);
+  const auto code = [&](float share) { return encodeDepth(share * (range.farDepth - range.nearDepth), frame.quantization.depthStep); };
+  frame.segments = {};
+  for (uint32_t i = 0; i < width * width; ++i) {
+    const bool isBorder = i % width == 0 || i % width == width - 1;
+    frame.segments.rays.push_back({isBorder ? 1 : 0, false});
+    if (!isBorder) continue;
+    frame.segments.depths.push_back({code(0.6f), code(0.8f)});
+    frame.segments.colors.push_back(0xc0ffffffu);
+  }
+  return frame;
+}
+
+template <bool kIsLinear>
+void expectBordersAlike(uint32_t width) {
+  BuiltSegmentField built;
+  built.build(borderFrame(width));
+  const SegmentField field = built.field();
+  // Rays in the planes of the left and the right border, aslant.
+  const float tangent = 0.5f * static_cast<float>(width) * field.pixels.edge, nearest = 22.0f, farthest = 38.0f;
+  int met = 0;
+  for (int i = 1; i < 200; ++i) {
+    const float slope = (static_cast<float>(i) / 100.0f - 1.0f) * 0.9f * tangent;
+    float through[2];
+    for (const int side : {0, 1}) {
+      const float x = side == 0 ? -tangent : tangent;
+      const glm::vec3 from(x * nearest, slope * nearest, 30.0f - nearest), to(x * farthest, -slope * farthest, 30.0f - farthest);
+      through[side] = walkSegments<kIsLinear>(field, {from, glm::normalize(to - from)}, 0.0f, glm::length(to - from), 0.0f).through;
+    }
+    EXPECT_NEAR(through[0], through[1], 0.02f) << width << ", " << i << (kIsLinear ? " linear" : " nearest");
+    met += through[0] < 0.9f;
+  }
+  EXPECT_GT(met, 150);
+}
+
+TEST(SegmentWalk, LinesAlongTheRightBorderMeetWhatThoseAlongTheLeftOneMeet) {
+  for (const uint32_t width : {64u, 66u, 250u, 270u}) {
+    expectBordersAlike<false>(width);
+    expectBordersAlike<true>(width);
+  }
+}
+
 }  // namespace
 }  // namespace warpscope

@@ -56,6 +56,7 @@ void MainView::takeHandedFile(Session& session) {
     if (!session.playback().isOpen()) keepForLater(session);
     restoreSession(*file->session, session);
   } else {
+    if (!session.playback().isOpen()) keepForLater(session);
     session.load(openScene_({file->path, {}}));
   }
 }
@@ -65,7 +66,7 @@ void MainView::keepForLater(const Session& session) {
   try {
     if (session.scene() != nullptr) beforeRecording_ = sessionFileOf(session);
   } catch (const InputError&) {
-    // It cannot be opened again: there is no way back.
+    // It cannot be opened again: the way back is to the first scene.
   }
 }
 

@@ -110,6 +110,7 @@ void DeviceSegmentField::upload(const SampleFrame& frame, cudaStream_t stream) {
   spans_.reserve(segments.size() + SegmentField::kBeyond);
   matter_.reserve(segments.size() + 1);
   places_.reserve(segments.size() + 1);
+  WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(spans_.data() + segments.size(), 0, SegmentField::kBeyond * sizeof(FieldSpan), stream));
   if (segments.size() == 0) WARPSCOPE_CUDA_CHECK(cudaMemsetAsync(matter_.data(), 0, sizeof(FieldMatter), stream));  // walks look at one, whether there are any or not
   if (hasNormals_) unlit_.reserve(segments.size() + 1);
   ofPixels_.reserve(segments.rays.size());

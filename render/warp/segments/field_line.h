@@ -1,4 +1,4 @@
-// A ray of a new camera as a line in the picture of an old one, and what a walk along it has met. For host and device.
+// A ray of a new camera as a line in the picture of an old one, and how far a walk along it has got. For host and device.
 // A line in space is a line in the old picture, on which 1 / depth is linear (Heckbert, Moreton 1991): the ray is clipped to the old frustum, its ends are projected,
 // and the picture's line is stepped along. Deviations: all that is looked for (borders of pixels, ends of segments) is found on the picture's line, where it goes
 // straight, so that places in space are asked for where there is matter alone, and no difference of two vanishes where both eyes nearly coincide and the line is
@@ -9,37 +9,9 @@
 
 #include "render/core/box.h"
 #include "render/core/ray.h"
-#include "render/march/ray_state.h"
-#include "render/warp/warp.h"
 #include "render/warp/segments/segment_field.h"
 
 namespace warpscope {
-
-/// What a ray has met so far.
-struct WalkedRay {
-  glm::vec3 color{0.0f};  ///< linear, premultiplied
-  float through = 1.0f;   ///< what is left of light from behind
-  float guessed = 0.0f;   ///< the part of the opacity that what is not known was given
-
-  /// What shines by `share` of that light, in front of what comes behind.
-  WARPSCOPE_HD void pass(const glm::vec3& light, float share, float itsOpacity) {
-    const float seen = through * share;
-    for (int channel = 0; channel < 3; ++channel) color[channel] = mulAdd(seen, light[channel], color[channel]);
-    through *= 1.0f - itsOpacity;
-  }
-  /// As pass, for light that no frame says anything about.
-  WARPSCOPE_HD void guess(const glm::vec3& itsColor, float itsOpacity) {
-    guessed = mulAdd(through, itsOpacity, guessed);
-    pass(itsColor, 1.0f, itsOpacity);
-  }
-
-  WARPSCOPE_HD void guess(const RayLight& light) { guess(glm::vec3(light.color), static_cast<float>(1.0 - light.transmittance)); }
-
-  WARPSCOPE_HD glm::vec4 seen() const { return {color, 1.0f - through}; }
-  /// What its pixel is: a guess where that can be seen.
-  WARPSCOPE_HD uint32_t id() const { return !(through < 1.0f) ? kNoSample : guessed >= kSeenGuess ? kFilled : kNotASample; }
-  static constexpr float kSeenGuess = 1.0f / 32;
-};
 
 /// The part of a ray inside of what segments are of.
 WARPSCOPE_HD inline RayInterval partInside(const Box& bounds, const Ray& ray) {

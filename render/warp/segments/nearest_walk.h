@@ -11,7 +11,7 @@
 
 namespace warpscope {
 
-/// Of bits of which at least one is set, the number of the first, counted from the lowest or (`fromLowest` false) from the highest.
+/// The place of the lowest or (`fromLowest` false) the highest of the bits that are set, of which there is one at least.
 WARPSCOPE_HD inline uint32_t firstBit(uint32_t bits, bool fromLowest) {
 #if defined(__CUDA_ARCH__)
   return static_cast<uint32_t>(fromLowest ? __ffs(static_cast<int>(bits)) - 1 : 31 - __clz(static_cast<int>(bits)));
@@ -76,10 +76,10 @@ template <AtUnknown kAtUnknown, class Walked>
       const int oldX = x, oldY = y, low = (1 << shift) - 1;
       if (sx <= sy) {
         x = ((tx + leadX) << shift) - 1 + leadX;
-        y = minOf(maxOf(static_cast<int>(mulAdd(out, line.dy, line.y0)), ty << shift), (ty << shift) + low);
+        y = minOf(maxOf(static_cast<int>(mulAdd(out, line.dy, line.y0)), ty << shift), minOf((ty << shift) + low, field.height - 1));
       } else {
         y = ((ty + leadY) << shift) - 1 + leadY;
-        x = minOf(maxOf(static_cast<int>(mulAdd(out, line.dx, line.x0)), tx << shift), (tx << shift) + low);
+        x = minOf(maxOf(static_cast<int>(mulAdd(out, line.dx, line.x0)), tx << shift), minOf((tx << shift) + low, field.width - 1));
       }
       s = out;
       depth = depthOut;

@@ -1,5 +1,5 @@
 // As many rays of a new camera at once through the segments of a frame as a vector has lanes. Host only.
-// Packets of rays: Wald, Slusallek, Benthin, Wagner 2001. Each lane goes the way of segment_walk.h, by the same operations in the same order, so that a ray is the
+// Packets of rays: Wald, Slusallek, Benthin, Wagner 2001. Each lane goes the way of segment_walk.h, by the same operations in the same order (of what is not blended, by those of nearest_walk.h where a segment is met), so that a ray is the
 // same bits here as there. As on a device all lanes leap until each stands at a cell with something in it, then all walk through their cells.
 #pragma once
 
@@ -184,8 +184,8 @@ class PacketWalk {
 
       const I low = shiftedLeft(I(1), shift_) - I(1), tileX = shiftedLeft(tx, shift_), tileY = shiftedLeft(ty, shift_);
       const M isOnX = sx <= sy;
-      const I newX = chosen(isOnX, borderX - I(1) + leadX_, within(truncated(mulAdd(out, dx_, x0_)), tileX, tileX + low));
-      const I newY = chosen(isOnX, within(truncated(mulAdd(out, dy_, y0_)), tileY, tileY + low), borderY - I(1) + leadY_);
+      const I newX = chosen(isOnX, borderX - I(1) + leadX_, within(truncated(mulAdd(out, dx_, x0_)), tileX, xsimd::min(tileX + low, I(columns_ - 1))));
+      const I newY = chosen(isOnX, within(truncated(mulAdd(out, dy_, y0_)), tileY, xsimd::min(tileY + low, I(rows_ - 1))), borderY - I(1) + leadY_);
       leaping = leaping & !moveTo(moving, newX, newY, out, depthOut);
       keptX_ = keptX_ & !moving, keptY_ = keptY_ & !moving;
     }

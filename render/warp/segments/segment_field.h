@@ -1,5 +1,5 @@
 // A frame's segments as another camera's rays meet them: the frustum of each of the frame's pixels, cut by planes of equal forward depth.
-// Plain data for host and device; segment_walk.h goes through it, segment_field_build.h makes it.
+// Plain data for host and device; segment_walk.h and nearest_walk.h go through it, segment_field_build.h makes it.
 #pragma once
 
 #include <cstdint>

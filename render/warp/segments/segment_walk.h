@@ -6,6 +6,7 @@
 #include "render/core/opacity.h"
 #include "render/warp/segments/field_line.h"
 #include "render/warp/segments/nearest_walk.h"
+#include "render/warp/segments/walked_ray.h"
 
 namespace warpscope {
 
@@ -116,10 +117,10 @@ template <AtUnknown kAtUnknown>
       const int oldX = x, oldY = y, low = (1 << shift) - 1;
       if (sx <= sy) {
         x = ((tx + leadX) << shift) - 1 + leadX;
-        y = minOf(maxOf(static_cast<int>(mulAdd(out, line.dy, line.y0)), ty << shift), (ty << shift) + low);
+        y = minOf(maxOf(static_cast<int>(mulAdd(out, line.dy, line.y0)), ty << shift), minOf((ty << shift) + low, rows - 1));
       } else {
         y = ((ty + leadY) << shift) - 1 + leadY;
-        x = minOf(maxOf(static_cast<int>(mulAdd(out, line.dx, line.x0)), tx << shift), (tx << shift) + low);
+        x = minOf(maxOf(static_cast<int>(mulAdd(out, line.dx, line.x0)), tx << shift), minOf((tx << shift) + low, columns - 1));
       }
       s = out;
       depth = depthOut;
