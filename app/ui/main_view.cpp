@@ -53,15 +53,16 @@ void MainView::takeHandedFile(Session& session) {
     controls_.transferEditor().set(session, *file->transferFunction);
   } else if (file->session) {
     if (std::filesystem::path(file->path) != lastSessionFile()) remembered_.addFile(file->path);
-    if (!session.playback().isOpen()) keepForLater(session);
+    keepForLater(session);
     restoreSession(*file->session, session);
   } else {
-    if (!session.playback().isOpen()) keepForLater(session);
+    keepForLater(session);
     session.load(openScene_({file->path, {}}));
   }
 }
 
 void MainView::keepForLater(const Session& session) {
+  if (session.playback().isOpen()) return;
   beforeRecording_.reset();
   try {
     if (session.scene() != nullptr) beforeRecording_ = sessionFileOf(session);

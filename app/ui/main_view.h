@@ -93,7 +93,7 @@ class MainView {
   void drawBottom(Session& session, const Look& look);
   void drawDialog(Session& session, const Look& look);
   void drawQuestions(const Session& session, const Look& look);
-  /// What is on show, so that closeRecording comes back to it.
+  /// What is on show, unless that is a recording, so that closeRecording comes back to it.
   void keepForLater(const Session& session);
   void restoreSession(const SessionFile& file, Session& session);
   void drawNote(const Look& look);

@@ -108,6 +108,19 @@ WARPSCOPE_HD inline int levelLeft(int changed) {
   return minOf((31 - zeros) / kFieldLevelShift, kFieldLevels - 1);
 }
 
+/// From the cell (x, y) to the one behind its tile, which a line leaves at `s`: exactly on the axis on which the tile ends (`isOnX`), and within the tile and the picture,
+/// which has so many columns and rows of cells, on the other. `shift`: of the tile's level; `leadX`, `leadY`: 1 where borders that are crossed lie behind a cell, else 0.
+WARPSCOPE_HD inline void leaveTile(const FieldLine& line, float s, bool isOnX, int shift, int leadX, int leadY, int columns, int rows, int& x, int& y) {
+  const int tx = x >> shift, ty = y >> shift, low = (1 << shift) - 1;
+  if (isOnX) {
+    x = ((tx + leadX) << shift) - 1 + leadX;
+    y = minOf(maxOf(static_cast<int>(mulAdd(s, line.dy, line.y0)), ty << shift), minOf((ty << shift) + low, rows - 1));
+  } else {
+    y = ((ty + leadY) << shift) - 1 + leadY;
+    x = minOf(maxOf(static_cast<int>(mulAdd(s, line.dx, line.x0)), tx << shift), minOf((tx << shift) + low, columns - 1));
+  }
+}
+
 /// How far a walk along a line has got.
 struct WalkPlace {
   float s = 0.0f, depth = 0.0f;  ///< place on the line, and its picture depth

@@ -113,15 +113,8 @@ template <AtUnknown kAtUnknown>
         --level;
         continue;
       }
-      // On beyond the tile: exactly on the axis on which it ends, and within the tile on the other.
-      const int oldX = x, oldY = y, low = (1 << shift) - 1;
-      if (sx <= sy) {
-        x = ((tx + leadX) << shift) - 1 + leadX;
-        y = minOf(maxOf(static_cast<int>(mulAdd(out, line.dy, line.y0)), ty << shift), minOf((ty << shift) + low, rows - 1));
-      } else {
-        y = ((ty + leadY) << shift) - 1 + leadY;
-        x = minOf(maxOf(static_cast<int>(mulAdd(out, line.dx, line.x0)), tx << shift), minOf((tx << shift) + low, columns - 1));
-      }
+      const int oldX = x, oldY = y;
+      leaveTile(line, out, sx <= sy, shift, leadX, leadY, columns, rows, x, y);
       s = out;
       depth = depthOut;
       kept = Kept::none;
