@@ -362,6 +362,14 @@ std::string inWords(const DuplexLinkSettings& settings) {
   return text.empty() ? "nothing" : text;
 }
 
+LinkSign signOf(const DuplexLinkSettings& settings) {
+  const double roundTripMs = settings.up.delayMs + settings.down.delayMs;
+  const std::string brief = roundTripMs > 0 ? numberText(roundTripMs) + " ms round trip" : inWords(settings);
+  for (const LinkPreset& preset : linkPresets())
+    if (preset.settings == settings) return {std::string(preset.summary), std::string(preset.name) + ", " + brief};
+  return {inWords(settings), brief};
+}
+
 std::shared_ptr<const DelayTrace> parseTrace(std::string_view text, const std::string& file) {
   auto trace = std::make_shared<DelayTrace>();
   trace->file = file;

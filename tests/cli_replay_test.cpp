@@ -70,6 +70,7 @@ TEST_F(Replay, WhatIsWrongIsRefused) {
   expectRefused({"replay", "a.warpscope", "--out", "o", "--video", "avi"}, kUsage, {"mp4 or gif"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "sphere"}, kUsage, {"spheres"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "reference"}, kFailure, {"does not say of which scene it is"});
+  expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--errors"}, kFailure, {"does not say of which scene it is"});
   record("without.warpscope", 0);
   {
     RecordingWriter writer(folder_.file("bare.warpscope"), openScene("block", {}), "");

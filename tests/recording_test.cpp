@@ -135,6 +135,79 @@ TEST_F(RecordingTest, FunctionsHoldFromTheirTimesOn) {
   EXPECT_EQ(pictures[4], pictures[2]);
 }
 
+TEST_F(RecordingTest, LinksHoldFromTheirTimesOn) {
+  const net::DuplexLinkSettings satellite = net::parseLinkSettings("satellite"), own = net::parseLinkSettings("delay=40,down.rate=2M");
+  {
+    RecordingWriter writer(folder_.file("a.warpscope"), scene_, "");
+    writer.addView(0.0, {});
+    writer.addLink(0.5, {satellite, false});
+    writer.addLink(1.0, {own, true});
+    writer.addLink(2.0, {});
+    writer.addView(3.0, {});
+  }
+  const Recording recording = readRecording(folder_.file("a.warpscope"));
+  EXPECT_EQ(linkAt(recording, 0.4), SimulatedLink{});
+  EXPECT_EQ(linkAt(recording, 0.5), (SimulatedLink{satellite, false}));
+  EXPECT_EQ(linkAt(recording, 1.9), (SimulatedLink{own, true}));
+  EXPECT_EQ(linkAt(recording, 2.5), SimulatedLink{});
+  EXPECT_EQ(signOf(linkAt(recording, 0.5)).brief, "Simulated link: satellite, 600 ms round trip");
+  EXPECT_EQ(signOf(linkAt(recording, 1.0)).brief, "Simulated outage: nothing passes");
+  EXPECT_EQ(signOf(linkAt(recording, 2.5)).full, "");
+  EXPECT_EQ(signOf({own, false}).full, "Simulated link: 80 ms round trip, 2 Mbit/s down");
+  // One that cannot be is a damaged record.
+  std::string bytes = bytesOf(folder_.file("a.warpscope"));
+  const size_t at = bytes.find("satellite");
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] = 'S';
+  EXPECT_THAT(refusalOf(bytes), HasSubstr("is damaged"));
+  bytes[at] = 's';
+  bytes[at - 1] = 2;  // neither an outage nor none
+  EXPECT_THAT(refusalOf(bytes), HasSubstr("is damaged"));
+}
+
+TEST_F(RecordingTest, LabelsBelowPicturesSayWhatWasSimulatedAndHowFarFromTheTruthTheyAre) {
+  const auto write = [&](const std::string& name, const SimulatedLink& link) {
+    RecordingWriter writer(folder_.file(name), scene_, "");
+    writer.addView(0.0, {});
+    writer.addFrame(0.0, frames_[0]);
+    writer.addLink(0.0, link);
+    writer.addView(1.0, {});
+  };
+  write("plain.warpscope", {});
+  write("satellite.warpscope", {net::parseLinkSettings("satellite"), false});
+  ReplaySettings settings;
+  settings.techniques = {{&findWarp("hold"), {}}, {&findWarp("reference"), {}}};
+  settings.picturesPerSecond = 1.0;
+  settings.width = settings.height = 200;
+  settings.resources.marcher = marcher_;
+  const auto first = [&](const std::string& name) {
+    std::optional<Image<Rgba8>> picture;
+    replay(readRecording(folder_.file(name)), settings, [&](size_t index, const Image<Rgba8>& page) { if (index == 0) picture = page; }, {});
+    return *picture;
+  };
+  /// Whether two pages differ in a line of text below the pictures, counted from 0.
+  const auto differ = [&](const Image<Rgba8>& a, const Image<Rgba8>& b, uint32_t line, uint32_t left = 0) {
+    constexpr uint32_t kLine = 24;
+    for (uint32_t y = settings.height + line * kLine; y < settings.height + (line + 1) * kLine; ++y)
+      if (!std::equal(a.row(y) + left, a.row(y) + left + settings.width, b.row(y) + left)) return true;
+    return false;
+  };
+  const Image<Rgba8> plain = first("plain.warpscope"), over = first("satellite.warpscope");
+  ASSERT_EQ(plain.height(), 248u);
+  EXPECT_FALSE(differ(plain, over, 0));
+  EXPECT_TRUE(differ(plain, over, 1)) << "the sign of the link";
+  settings.hasErrors = true;
+  const Image<Rgba8> judged = first("plain.warpscope");
+  ASSERT_EQ(judged.height(), 272u);
+  EXPECT_FALSE(differ(plain, judged, 0));
+  // Another frame has other errors; the truth has none.
+  frames_[0] = frames_[1];
+  write("other.warpscope", {});
+  const Image<Rgba8> other = first("other.warpscope");
+  EXPECT_TRUE(differ(judged, other, 1));
+  EXPECT_FALSE(differ(judged, other, 1, settings.width + 4));
+}
+
 TEST_F(RecordingTest, CutOffAnywhereTheRestIsThere) {
   const std::string whole = bytesOf(recorded("a.warpscope"));
   size_t frames = 0, refused = 0;
@@ -266,7 +339,21 @@ TEST_F(SessionRecordingTest, FramesAndTheCameraOfASession) {
   EXPECT_EQ(changed.functions.size(), 4u);
   EXPECT_LE(changed.frames.size(), 3u);
   EXPECT_EQ(*functionAt(changed, changed.seconds), function);
-  session_.startRecording(folder.file("b.warpscope"), "");
+  // So is what is simulated of the link, outages among it.
+  LiveSettings knobs = session_.knobs();
+  knobs.transport.link = net::parseLinkSettings("delay=5");
+  session_.setKnobs(knobs);
+  session_.startRecording(folder.file("d.warpscope"), "");
+  session_.update(clock_.now());
+  session_.beginOutage(std::chrono::milliseconds(1), clock_.now());
+  session_.update(clock_.now());
+  ASSERT_TRUE(settle());
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  session_.update(clock_.now());
+  session_.startRecording(folder.file("b.warpscope"), "");  // waits until all of the one before is written
+  const Recording linked = readRecording(folder.file("d.warpscope"));
+  ASSERT_EQ(linked.links.size(), 3u);
+  for (size_t i = 0; i < linked.links.size(); ++i) EXPECT_EQ(linked.links[i].link, (SimulatedLink{knobs.transport.link, i == 1})) << i;
   ASSERT_TRUE(open("block"));
   EXPECT_FALSE(session_.isRecording()) << "it was of the scene before";
 }

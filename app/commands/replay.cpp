@@ -24,7 +24,7 @@ struct ReplayOptions {
   std::string file, out, video;
   std::vector<std::string> techniques;
   double picturesPerSecond = 30.0;
-  bool hasNoLabels = false;
+  bool hasNoLabels = false, hasErrors = false;
 };
 
 constexpr Range kRateRange{0.1, 240.0};
@@ -54,8 +54,9 @@ void run(const ReplayOptions& options) {
   settings.width = checked.width;
   settings.height = checked.height;
   settings.hasLabels = !options.hasNoLabels;
+  settings.hasErrors = options.hasErrors;
   requireDrawable(recording, settings);  // before its volume is opened
-  const bool marches = std::ranges::any_of(settings.techniques, [](const TechniqueInUse& one) { return !one.technique->usesFrame; });
+  const bool marches = settings.hasErrors || std::ranges::any_of(settings.techniques, [](const TechniqueInUse& one) { return !one.technique->usesFrame; });
   HeadlessResources headless(marches ? marcherOf(recording, checked.backend, interrupt.token()) : nullptr, checked.platform, checked.backend);
   settings.resources = headless.resources();
   const ReplayFiles files{.folder = options.out, .film = isFilmed ? "replay." + options.video : std::string()};
@@ -90,7 +91,8 @@ void addReplayCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--techniques", options->techniques, "Side by side, parted by commas: " + listOf(warpRegistry()) + "; default: those that were on show")->delimiter(',');
   command->add_option("--fps", options->picturesPerSecond, "Pictures a second, " + rangeText(kRateRange))->capture_default_str();
   command->add_option("--size", options->common.size, "WxH of each technique's picture, " + pictureSizes())->capture_default_str();
-  command->add_flag("--no-labels", options->hasNoLabels, "Pictures without names and times below them");
+  command->add_flag("--no-labels", options->hasNoLabels, "Pictures without names, ages, times and the link below them");
+  command->add_flag("--errors", options->hasErrors, "PSNR, FLIP and holes below each picture as well, against the ground truth, which is marched for it");
   command->add_option("--video", options->video, "mp4 or gif: a film of the pictures as well, by the program ffmpeg");
   for (const Knob* knob : warpKnobs()) options->common.knobs.add(*command, *knob, textOf(*knob, knob->defaultValue), ownersOf(*knob));
   addBackendOption(*command, options->common);

@@ -3,20 +3,24 @@
 #include "app/experiment/replay.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <span>
 
 #include "app/frames/wire_fields.h"
 #include "app/picture/picture.h"
 #include "app/picture/text.h"
 #include "render/base/error.h"
 #include "render/base/formatted.h"
+#include "render/metrics/picture_errors.h"
 
 namespace warpscope {
 namespace {
 
-constexpr uint32_t kLabelPx = 24, kGapPx = 4;
-constexpr float kTextPx = 16.0f;
+constexpr uint32_t kLineHeightPx = 24, kGapPx = 4;
+constexpr float kTextPx = 16.0f, kMarginPx = 6.0f;
 constexpr Rgba8 kPaper = 0xff181512u, kInk = 0xffe6e0dcu;
 
 void paste(Image<Rgba8>& page, const Image<Rgba8>& picture, uint32_t left) {
@@ -33,6 +37,57 @@ std::string lackInAll(const Recording& recording, const TechniqueInUse& one) {
   return lack;
 }
 
+const std::array<std::string, 3> kIsTruth{"ground truth", "ground truth", "truth"};
+
+/// The first that is not wider than that, from the longest to the shortest; else the last, which is cut off.
+std::string fitting(std::span<const std::string> choices, uint32_t widthPx) {
+  const auto fits = [&](const std::string& text) { return textWidth(text, kTextPx) <= static_cast<float>(widthPx) - 2.0f * kMarginPx; };
+  const auto chosen = std::ranges::find_if(choices, fits);
+  return chosen != choices.end() ? *chosen : choices.back();
+}
+
+/// Lines of text below pictures.
+class Labels {
+ public:
+  Labels(Image<Rgba8>& page, uint32_t top) : page_(page), top_(top) {}
+  /// In a strip of the page, whose text ends where it does.
+  void write(uint32_t line, uint32_t left, uint32_t widthPx, std::span<const std::string> choices) {
+    Image<Rgba8> strip(widthPx, kLineHeightPx);
+    std::fill(strip.begin(), strip.end(), kPaper);
+    drawText(strip, kMarginPx, 4.0f, fitting(choices, widthPx), kTextPx, kInk);
+    for (uint32_t y = 0; y < kLineHeightPx; ++y) std::copy_n(strip.row(y), widthPx, page_.row(top_ + line * kLineHeightPx + y) + left);
+  }
+
+ private:
+  Image<Rgba8>& page_;
+  const uint32_t top_;
+};
+
+std::string ageText(double seconds) { return seconds < 9.95 ? formatted("%.0f ms", 1e3 * seconds) : formatted("%.0f s", seconds); }
+
+std::array<std::string, 3> errorTexts(const PictureErrors& errors) {
+  const std::string psnr = std::isinf(errors.psnrDb) ? std::string("PSNR ∞") : formatted("PSNR %.1f dB", errors.psnrDb), flip = formatted("FLIP %.3f", errors.flip);
+  return {psnr + ", " + flip + formatted(", holes %.1f %%", 100.0 * errors.holeFraction), psnr + ", " + flip, psnr};
+}
+
+/// For how long the camera of a frame has not been the current one any more.
+class FrameAges {
+ public:
+  explicit FrameAges(const Recording& recording) : recording_(recording) {}
+  /// Of the frame that is on show at that time; in seconds.
+  double at(double seconds, const SampleFramePtr& frame) {
+    if (frame != frame_)
+      if (const std::optional<size_t> index = frameAt(recording_, seconds)) left_ = leftAt(recording_, viewAskedWith(recording_, recording_.frames[*index], frame->camera));
+    frame_ = frame;
+    return std::max(0.0, seconds - left_);
+  }
+
+ private:
+  const Recording& recording_;
+  SampleFramePtr frame_;
+  double left_ = 0.0;
+};
+
 }  // namespace
 
 void requireDrawable(const Recording& recording, const ReplaySettings& settings) {
@@ -48,7 +103,7 @@ size_t pictureCount(const Recording& recording, double picturesPerSecond) {
   return static_cast<size_t>(std::floor(recording.seconds * picturesPerSecond)) + 1;
 }
 
-uint32_t replayHeight(const ReplaySettings& settings) { return settings.height + (settings.hasLabels ? kLabelPx : 0); }
+uint32_t replayHeight(const ReplaySettings& settings) { return settings.height + kLineHeightPx * ((settings.hasLabels ? 2 : 0) + (settings.hasErrors ? 1 : 0)); }
 
 void replay(const Recording& recording, const ReplaySettings& settings, const std::function<void(size_t, const Image<Rgba8>&)>& onPicture,
             const std::stop_token& stop) {
@@ -66,10 +121,23 @@ void replay(const Recording& recording, const ReplaySettings& settings, const st
     row.warpSettings.reference = recording.scene.march.render;
     if (!one.technique->usesFrame) row.warp->setFrame(nullptr, row.warpSettings, stop);
   }
+  // What the others are judged by: marched as `reference` is, whether or not that is on show.
+  std::unique_ptr<Warp> truth;
+  WarpSettings truthSettings;
+  truthSettings.reference = recording.scene.march.render;
+  const auto makeTruth = [&] {
+    if (!settings.hasErrors) return;
+    truth = makeWarp(findWarp("reference"), resources);
+    truth->setFrame(nullptr, truthSettings, stop);
+  };
+  makeTruth();
   RecordedFrames frames(recording);
+  FrameAges ages(recording);
   const auto columns = static_cast<uint32_t>(rows.size());
   Image<Rgba8> page(columns * settings.width + (columns - 1) * kGapPx, replayHeight(settings));
-  WarpedImage image;
+  Labels labels(page, settings.height);
+  const uint32_t errorLine = settings.hasLabels ? 1 : 0, pageLine = errorLine + (settings.hasErrors ? 1 : 0);
+  WarpedImage image, exact;
   const size_t count = pictureCount(recording, settings.picturesPerSecond);
   const TransferFunction* marchedBy = functionAt(recording, 0.0);
   // Those that march follow the function; those that draw frames have it with each.
@@ -82,6 +150,7 @@ void replay(const Recording& recording, const ReplaySettings& settings, const st
       rows[k].warp = makeWarp(*settings.techniques[k].technique, resources);
       rows[k].warp->setFrame(nullptr, rows[k].warpSettings, stop);
     }
+    makeTruth();
   };
   for (size_t i = 0; i < count; ++i) {
     if (stop.stop_requested()) throw OperationCancelled();
@@ -90,18 +159,31 @@ void replay(const Recording& recording, const ReplaySettings& settings, const st
     const SampleFramePtr frame = frames.at(seconds);
     follow(functionAt(recording, seconds));
     std::fill(page.begin(), page.end(), kPaper);
+    std::optional<PictureJudge> judge;
+    if (truth) {
+      truth->draw(camera, truthSettings, exact, stop);
+      judge.emplace(exact.color, recording.scene.background);
+    }
     for (size_t k = 0; k < rows.size(); ++k) {
       Row& row = rows[k];
       const WarpDescriptor& technique = *settings.techniques[k].technique;
       const auto left = static_cast<uint32_t>(k) * (settings.width + kGapPx);
       if (technique.usesFrame && frame && row.frame != frame) row.warp->setFrame(row.frame = frame, row.warpSettings, stop);
-      if (!technique.usesFrame || frame) {
+      const bool isDrawn = !technique.usesFrame || frame;
+      if (isDrawn) {
         row.warp->draw(camera, row.warpSettings, image, stop);
         paste(page, toScreen(image, recording.scene.background), left);
+        if (judge) labels.write(errorLine, left, settings.width, technique.usesFrame ? errorTexts(judge->errorsOf(image)) : kIsTruth);
       }
       if (!settings.hasLabels) continue;
-      const std::string text = std::string(technique.label) + (technique.usesFrame && !frame ? ": no frame yet" : "") + formatted("   %.2f s", seconds);
-      drawText(page, static_cast<float>(left) + 6.0f, static_cast<float>(settings.height) + 4.0f, text, kTextPx, kInk);
+      const std::string name(technique.label);
+      const std::string age = frame ? "frame " + ageText(ages.at(seconds, frame)) + " old" : std::string("no frame yet");
+      labels.write(0, left, settings.width, technique.usesFrame ? std::array{name + ", " + age, name} : std::array{name, name});
+    }
+    if (settings.hasLabels) {
+      const std::string time = formatted("%.2f s", seconds);
+      const net::LinkSign sign = signOf(linkAt(recording, seconds));
+      labels.write(pageLine, 0, page.width(), sign.full.empty() ? std::array{time, time, time} : std::array{time + "   " + sign.full, time + "   " + sign.brief, time});
     }
     onPicture(i, page);
   }

@@ -15,7 +15,8 @@ struct ReplaySettings {
   std::vector<TechniqueInUse> techniques;  ///< beside each other, from the left
   double picturesPerSecond = 30.0;
   uint32_t width = 512, height = 512;      ///< of each technique's picture
-  bool hasLabels = true;                   ///< the technique's name and the frame's age below each
+  bool hasLabels = true;                   ///< below each the technique's name and its frame's age, below all the time and what was simulated of the link
+  bool hasErrors = false;                  ///< below each how far it is from the ground truth, which `resources.marcher` marches
   WarpResources resources;                 ///< of techniques; `marcher` for those that march
 };
 

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <deque>
+#include <limits>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -23,7 +24,7 @@
 namespace warpscope {
 namespace {
 
-enum class RecordType : uint8_t { scene = 1, text = 2, view = 3, frame = 4, function = 5 };
+enum class RecordType : uint8_t { scene = 1, text = 2, view = 3, frame = 4, function = 5, link = 6 };
 
 constexpr size_t kRecordHeadBytes = 8 + 1 + 4;
 /// Frames that wait to be written: beyond these, new ones are left out.
@@ -49,6 +50,10 @@ struct RecordedFrame {
 struct RecordedFunction {
   double seconds;
   TransferFunction function;
+};
+struct RecordedLink {
+  double seconds;
+  SimulatedLink link;
 };
 
 std::string reasonOf(int error) { return std::strerror(error); }
@@ -106,7 +111,7 @@ class RecordingWriter::Work {
   }
 
  private:
-  using Item = std::variant<RecordedView, RecordedFrame, RecordedFunction>;
+  using Item = std::variant<RecordedView, RecordedFrame, RecordedFunction, RecordedLink>;
 
   void run() {
     auto flushedAt = std::chrono::steady_clock::now();
@@ -145,6 +150,16 @@ class RecordingWriter::Work {
   void keep(const RecordedFunction& one) {
     const std::string text = toJson(one.function).dump();
     record(one.seconds, RecordType::function, std::as_bytes(std::span(text)));
+  }
+
+  void keep(const RecordedLink& one) {
+    net::Bytes body;
+    net::WireWriter writer(body);
+    writer.number(static_cast<uint8_t>(one.link.hasOutage ? 1 : 0));
+    const std::string text = net::toString(one.link.settings);
+    const auto bytes = std::as_bytes(std::span(text));
+    body.insert(body.end(), bytes.begin(), bytes.end());
+    record(one.seconds, RecordType::link, body);
   }
 
   void keep(const RecordedFrame& one) {
@@ -215,6 +230,7 @@ RecordingWriter::~RecordingWriter() = default;
 void RecordingWriter::addView(double seconds, const View& view) { work_->post(RecordedView{seconds, view}); }
 void RecordingWriter::addFrame(double seconds, SampleFramePtr frame) { work_->post(RecordedFrame{seconds, std::move(frame)}); }
 void RecordingWriter::addFunction(double seconds, const TransferFunction& function) { work_->post(RecordedFunction{seconds, function}); }
+void RecordingWriter::addLink(double seconds, const SimulatedLink& link) { work_->post(RecordedLink{seconds, link}); }
 std::string RecordingWriter::error() const { return work_->error(); }
 size_t RecordingWriter::framesLeftOut() const { return work_->leftOut(); }
 
@@ -252,6 +268,17 @@ bool take(Recording& recording, double seconds, RecordType type, std::span<const
       if (!recording.functions.empty() && seconds < recording.functions.back().seconds) return false;
       recording.functions.push_back({seconds, readTransferFunction(document.root())});
       if (recording.functions.size() == 1) recording.scene.transferFunction = recording.functions.front().function;
+      return true;
+    }
+    case RecordType::link: {
+      if (body.empty() || std::to_integer<uint8_t>(body[0]) > 1) return false;
+      if (!recording.links.empty() && seconds < recording.links.back().seconds) return false;
+      const std::string_view text(reinterpret_cast<const char*>(body.data()) + 1, body.size() - 1);
+      try {
+        recording.links.push_back({seconds, {net::parseLinkSettings(text), std::to_integer<uint8_t>(body[0]) == 1}});
+      } catch (const net::LinkSettingsError&) {
+        return false;
+      }
       return true;
     }
     case RecordType::frame: return false;
@@ -319,7 +346,7 @@ Recording readRecording(const std::filesystem::path& path, const std::stop_token
       if (type == static_cast<uint8_t>(RecordType::frame)) {
         isFine = isFine && takeFrame(recording, seconds, file, at, length);
         file.seekg(static_cast<std::streamoff>(at + length));
-      } else if (type > static_cast<uint8_t>(RecordType::function)) {
+      } else if (type > static_cast<uint8_t>(RecordType::link)) {
         file.seekg(static_cast<std::streamoff>(at + length));  // of a later program, that this one need not know
       } else {
         std::vector<std::byte> body(length);
@@ -347,6 +374,52 @@ std::optional<size_t> frameAt(const Recording& recording, double seconds) {
   const auto next = std::ranges::upper_bound(recording.frames, seconds, {}, &Recording::Frame::seconds);
   if (next == recording.frames.begin()) return std::nullopt;
   return static_cast<size_t>(next - recording.frames.begin()) - 1;
+}
+
+namespace {
+
+/// How unlike two cameras are: their directions, and their places by how far the second is from the volume's middle, which is 0. Pictures of other shapes have
+/// other distances (makeCamera), so that a few thousandths say nothing.
+double unlikeness(const Camera& a, const Camera& b) {
+  const glm::dvec3 eye(b.eye);
+  return glm::distance(glm::dvec3(a.forward), glm::dvec3(b.forward)) + glm::distance(glm::dvec3(a.up), glm::dvec3(b.up)) +
+         glm::distance(glm::dvec3(a.eye), eye) / std::max(glm::length(eye), 1e-300);
+}
+
+}  // namespace
+
+size_t viewAskedWith(const Recording& recording, const Recording::Frame& arrived, const Camera& camera) {
+  constexpr size_t kMostBefore = 1200;  // 20 seconds of them
+  const std::vector<TimedView>& views = recording.path.views();
+  const auto after = static_cast<size_t>(std::ranges::upper_bound(views, arrived.seconds, {}, &TimedView::seconds) - views.begin());
+  size_t best = after > 0 ? after - 1 : 0;
+  double least = std::numeric_limits<double>::max();
+  for (size_t i = after; i > 0 && after - i < kMostBefore; --i) {
+    const double unlike = unlikeness(makeCamera(recording.scene, views[i - 1].view, camera.width, camera.height), camera);
+    if (unlike >= least) continue;
+    least = unlike;
+    best = i - 1;
+  }
+  return best;
+}
+
+double leftAt(const Recording& recording, size_t view) {
+  const std::vector<TimedView>& views = recording.path.views();
+  size_t left = view;
+  while (left < views.size() && views[left].view == views[view].view) ++left;
+  return left < views.size() ? views[left].seconds : std::max(recording.seconds, recording.frames.empty() ? 0.0 : recording.frames.front().seconds);
+}
+
+SimulatedLink linkAt(const Recording& recording, double seconds) {
+  const auto next = std::ranges::upper_bound(recording.links, seconds, {}, &Recording::Link::seconds);
+  return next == recording.links.begin() ? SimulatedLink{} : std::prev(next)->link;
+}
+
+net::LinkSign signOf(const SimulatedLink& link) {
+  if (link.hasOutage) return {"Simulated outage: nothing passes", "Simulated outage: nothing passes"};
+  if (link.settings.isTransparent()) return {};
+  const net::LinkSign sign = net::signOf(link.settings);
+  return {"Simulated link: " + sign.full, "Simulated link: " + sign.brief};
 }
 
 const TransferFunction* functionAt(const Recording& recording, double seconds) {

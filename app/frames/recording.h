@@ -1,7 +1,7 @@
 // A recording: what came from a server and where the camera was, each with its time, so that it can be shown again by any technique.
 // A file: the eight bytes kRecordingMagic, then records, each the seconds since its beginning (a double), a type (one byte), the length of what follows (four
 // bytes), and that; all little-endian (wire.h). Scenes, frames and their heads are as in net/messages.h, payloads as the packed codec makes them, without loss
-// (Zstandard); transfer functions as in scene files, JSON. Records are appended as they come: of a program that was killed at most the last second is missing, and a record that is cut off is left out.
+// (Zstandard); transfer functions as in scene files, JSON; links as the command line writes them. Records are appended as they come: of a program that was killed at most the last second is missing, and a record that is cut off is left out.
 #pragma once
 
 #include <filesystem>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "app/scene/camera_motion.h"
+#include "net/link_settings.h"
 #include "net/messages.h"
 #include "render/codec/codec.h"
 #include "render/march/sample_frame.h"
@@ -21,6 +22,17 @@ namespace warpscope {
 
 /// Its last byte is the format's version.
 inline constexpr std::string_view kRecordingMagic{"WSCOPER\x01", 8};
+
+/// What is simulated between a server and a client.
+struct SimulatedLink {
+  net::DuplexLinkSettings settings;
+  bool hasOutage = false;  ///< on top of it: nothing passes
+
+  bool operator==(const SimulatedLink&) const = default;
+};
+
+/// As a sign says it, in full and where room is scarce; empty where nothing is simulated.
+net::LinkSign signOf(const SimulatedLink& link);
 
 /// Records in a thread of its own; nothing of it waits. On one thread.
 class RecordingWriter {
@@ -37,6 +49,8 @@ class RecordingWriter {
   void addFrame(double seconds, SampleFramePtr frame);
   /// The function that the scene is shown by from then on; that of the scene it began with is there already.
   void addFunction(double seconds, const TransferFunction& function);
+  /// What is simulated between the server and here from then on; nothing, until this is called.
+  void addLink(double seconds, const SimulatedLink& link);
   /// Why it goes on no more (the disk is full); empty while it does. Frames that come faster than they can be written are left out, and counted.
   std::string error() const;
   size_t framesLeftOut() const;
@@ -61,12 +75,18 @@ struct Recording {
     TransferFunction function;
   };
 
+  struct Link {
+    double seconds = 0.0;
+    SimulatedLink link;
+  };
+
   std::filesystem::path file;
   Scene scene;        ///< without its volume; its function is the first of `functions`
   std::string text;   ///< as it was handed over
   CameraPath path;
   std::vector<Frame> frames;  ///< by rising time
   std::vector<Function> functions;  ///< by rising time, the first at 0; none where the volume was a server's, which knows how it looks
+  std::vector<Link> links;    ///< by rising time; none where nothing was simulated, or was not recorded
   double seconds = 0.0;       ///< of its last record
 };
 
@@ -78,6 +98,15 @@ Recording readRecording(const std::filesystem::path& path, const std::stop_token
 
 /// The index of the frame that was the newest at that time; nothing before the first.
 std::optional<size_t> frameAt(const Recording& recording, double seconds);
+
+/// The index of the view of its path that the frame was asked with, as far as its camera tells: the likest, of several the last before it came.
+size_t viewAskedWith(const Recording& recording, const Recording::Frame& arrived, const Camera& camera);
+
+/// When the camera was no longer where that view has it: seconds; the end, where it stayed there.
+double leftAt(const Recording& recording, size_t view);
+
+/// What was simulated at that time.
+SimulatedLink linkAt(const Recording& recording, double seconds);
 
 /// The function that the scene was shown by at that time; null where none is known.
 const TransferFunction* functionAt(const Recording& recording, double seconds);

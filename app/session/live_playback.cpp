@@ -68,14 +68,11 @@ std::optional<LivePlayback::Shown> LivePlayback::take() {
   Shown shown{std::move(taken->served), {}};
   if (!shown.served.frame) return shown;
   const SampleFrame& frame = *shown.served.frame;
-  const std::vector<TimedView>& views = recording().path.views();
-  size_t left = asked;
-  while (left < views.size() && views[left].view == views[asked].view) ++left;
   std::erase_if(left_, [&](const Left& one) { return one.requestId == frame.requestId; });
   if (left_.size() >= kRemembered) left_.erase(left_.begin());
-  left_.push_back({frame.requestId, left < views.size() ? views[left].seconds : lastSeconds()});
+  left_.push_back({frame.requestId, leftAt(recording(), asked)});
   shown.asked.camera = frame.camera;
-  shown.asked.view = views[asked].view;
+  shown.asked.view = recording().path.views()[asked].view;
   shown.asked.march = frame.settings;
   shown.asked.serverSidePx = std::max(frame.camera.width, frame.camera.height);
   return shown;

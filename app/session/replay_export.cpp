@@ -28,6 +28,7 @@ class ExportWork {
     settings.width = job.look.sizePx.x;
     settings.height = job.look.sizePx.y;
     settings.hasLabels = job.look.hasLabels;
+    settings.hasErrors = job.look.hasErrors;
     settings.resources = resources_;
     settings.resources.marcher = job.marcher;
     result.pictures = writeReplay(*job.recording, settings, job.files,

@@ -21,8 +21,9 @@ inline constexpr double kExportRate = 30.0;
 
 /// How its pictures are to be.
 struct ExportLook {
-  glm::uvec2 sizePx{0};   ///< of each technique's; 0: as on show
-  bool hasLabels = true;  ///< the technique's name and the frame's age below each
+  glm::uvec2 sizePx{0};    ///< of each technique's; 0: as on show
+  bool hasLabels = true;   ///< as ReplaySettings has them
+  bool hasErrors = false;
 };
 
 /// Written by the thread that exports.

@@ -100,6 +100,11 @@ std::vector<TechniqueInUse> Session::techniquesInUse() const {
   return techniques;
 }
 
+SimulatedLink Session::simulated(TimePoint now) const {
+  if (playback_.isOpen() && !playback_.recording().links.empty()) return linkAt(playback_.recording(), playback_.seconds());
+  return {knobs_.transport.link, hasOutage(now)};
+}
+
 TransportSettings Session::transportAt(TimePoint now) const {
   TransportSettings transport = knobs_.transport;
   if (!hasOutage(now)) return transport;
@@ -230,6 +235,7 @@ void Session::startRecording(const std::filesystem::path& file, const std::strin
   recorder_ = std::make_unique<RecordingWriter>(file, *scene(), text);
   recordingSince_.reset();
   recordedFrame_.reset();
+  recordedLink_ = {};
   recordedFunction_ = scene()->transferFunction;  // as the file begins
 }
 
@@ -249,7 +255,7 @@ void Session::startExport(const std::filesystem::path& path, const ExportLook& l
   job.recording = playback_.sharedRecording();
   for (size_t i = 0; i < panels_.size(); ++i)
     if (!panel(i).isHidden) job.techniques.push_back({panel(i).technique, warpSettingsOf(i).knobs});
-  if (std::ranges::any_of(job.techniques, [](const TechniqueInUse& one) { return !one.technique->usesFrame; })) {
+  if (look.hasErrors || std::ranges::any_of(job.techniques, [](const TechniqueInUse& one) { return !one.technique->usesFrame; })) {
     if (!whyNoTruth().empty()) throw InputError(whyNoTruth());
     job.marcher = opening_.current()->display;
     if (const TransferFunction* const first = functionAt(*job.recording, 0.0)) job.marcher = job.marcher->withTransferFunction(*first);
@@ -276,6 +282,7 @@ void Session::record(TimePoint now) {
   const double seconds = std::chrono::duration<double>(now - *recordingSince_).count();
   recorder_->addView(seconds, view_.get());
   if (recordedFunction_ != scene()->transferFunction) recorder_->addFunction(seconds, recordedFunction_ = scene()->transferFunction);
+  if (SimulatedLink link = simulated(now); link != recordedLink_) recorder_->addLink(seconds, recordedLink_ = std::move(link));
   // One whose copy of the volume was only classified anew is there already.
   const SampleFramePtr& frame = frames_.newest();
   if (frame && frame->requestId != recordedFrame_) recorder_->addFrame(seconds, frame), recordedFrame_ = frame->requestId;

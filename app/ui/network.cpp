@@ -146,21 +146,16 @@ void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
 }
 
 void drawLinkSign(const Session& session, const Look& look) {
-  const net::DuplexLinkSettings& link = session.knobs().transport.link;
-  const bool hasOutage = session.hasOutage(look.now);
-  const bool hasLink = !(link.up.isTransparent() && link.down.isTransparent());
-  if (!hasLink && !hasOutage && !session.isRecording()) return;
-  // In full or, where that has no room, by what says most.
-  std::string text = "Simulated link: " + net::inWords(link), brief = "Simulated link: " + durationText(link.up.delayMs + link.down.delayMs) + " round trip";
-  for (const net::LinkPreset& preset : net::linkPresets())
-    if (preset.settings == link) {
-      text = "Simulated link: " + std::string(preset.summary);
-      brief = "Simulated link: " + std::string(preset.name) + ", " + durationText(link.up.delayMs + link.down.delayMs) + " round trip";
-    }
-  if (hasOutage) text = brief = "Simulated outage: nothing passes";
+  const SimulatedLink link = session.simulated(look.now);
+  auto [text, brief] = signOf(link);  // in full or, where that has no room, by what says most
+  if (text.empty() && !session.isRecording()) return;
+  const bool hasLink = !link.hasOutage && !text.empty();
   if (session.isRecording()) {
-    text = "Recording. " + (hasLink || hasOutage ? text : std::string("Ctrl+R ends it"));
-    brief = "Recording. " + (hasLink || hasOutage ? brief : std::string());
+    text = "Recording. " + (text.empty() ? std::string("Ctrl+R ends it") : text);
+    brief = "Recording. " + brief;
+  } else if (session.playback().isOpen()) {
+    text = "Recorded. " + text;
+    brief = "Recorded. " + brief;
   }
   constexpr float kTimesTheUsual = 1.25f;
   const float size = kTimesTheUsual * ImGui::GetFontSize(), height = size + look.px(8.0f), width = ImGui::GetContentRegionAvail().x;
@@ -168,7 +163,7 @@ void drawLinkSign(const Session& session, const Look& look) {
   // What came of it, which the link's own delay is a part of, rather than all that the link does.
   std::string measured;
   for (size_t i = 0; i < session.panelCount() && measured.empty(); ++i)
-    if (const FrameLatency latency = session.panel(i).latency; !hasOutage && hasLink && latency.wireMs > 0.0)
+    if (const FrameLatency latency = session.panel(i).latency; hasLink && latency.wireMs > 0.0)
       measured = ". A frame takes " + durationText(latency.totalMs()) + ", the wire " + durationText(latency.wireMs) + " of it";
   const std::array<std::string, 4> choices{text + measured, brief + measured, text, brief};
   const auto chosen = std::ranges::find_if(choices, fits);
@@ -178,7 +173,7 @@ void drawLinkSign(const Session& session, const Look& look) {
   tooltip("What is on show is older than a round trip: a frame is marched, coded, sent and drawn as well, and may wait for the one before it. The coloured bars beneath the pictures say where the time goes.", look);
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 to{at.x + width, at.y + height};
-  list->AddRectFilled(at, to, ImGui::GetColorU32(hasOutage ? palette().errorBackground : palette().noticeBackground), look.px(4.0f));
+  list->AddRectFilled(at, to, ImGui::GetColorU32(link.hasOutage ? palette().errorBackground : palette().noticeBackground), look.px(4.0f));
   list->PushClipRect(at, to, true);
   list->AddText(ImGui::GetFont(), size, {at.x + look.px(10.0f), at.y + look.px(4.0f)}, ImGui::GetColorU32(palette().noticeText), text.c_str());
   list->PopClipRect();

@@ -53,7 +53,12 @@ std::optional<ExportLook> ExportQuestion::draw(const Session& session, const Loo
     ImGui::EndCombo();
   }
   ImGui::Checkbox("Names and ages below", &hasLabels_);
-  tooltip("The technique's name and how old its frame is, below each picture.", look);
+  tooltip("The technique's name and how old its frame is, below each picture; below all the time, and what was simulated of the link.", look);
+  const std::string whyNoTruth = session.whyNoTruth();
+  ImGui::BeginDisabled(!whyNoTruth.empty());
+  ImGui::Checkbox("Errors below", &hasErrors_);
+  ImGui::EndDisabled();
+  tooltip(whyNoTruth.empty() ? "PSNR, FLIP and holes of each picture against the ground truth, which is marched for it: that takes longer." : "There is no ground truth: " + whyNoTruth, look);
   const size_t count = session.playback().isOpen() ? pictureCount(session.playback().recording(), kExportRate) : 0;
   size_t panels = 0;
   for (size_t i = 0; i < session.panelCount(); ++i) panels += !session.panel(i).isHidden;
@@ -65,7 +70,7 @@ std::optional<ExportLook> ExportQuestion::draw(const Session& session, const Loo
   ImGui::BeginDisabled(isTooWide);
   const bool isChosen = answer("Choose a file...");
   ImGui::EndDisabled();
-  if (isChosen) chosen = ExportLook{size_ == 0 ? glm::uvec2(0) : size, hasLabels_};
+  if (isChosen) chosen = ExportLook{size_ == 0 ? glm::uvec2(0) : size, hasLabels_, hasErrors_ && whyNoTruth.empty()};
   ImGui::SameLine();
   answer("Cancel");
   ImGui::EndPopup();

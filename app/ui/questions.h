@@ -17,7 +17,7 @@ class ExportQuestion {
  private:
   bool isAsked_ = false;
   size_t size_ = 0;  // of those that can be chosen
-  bool hasLabels_ = true;
+  bool hasLabels_ = true, hasErrors_ = false;
 };
 
 /// Whether to quit while an export is at work.
