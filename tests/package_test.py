@@ -13,6 +13,7 @@ FILES = ["bin/warpscope", "share/applications/warpscope.desktop", "share/icons/h
          "share/doc/warpscope/copyright", "share/doc/warpscope/README.md", "share/doc/warpscope/changelog.gz",
          "share/doc/warpscope/examples/scenes/shells.json"]
 # Opened by name while the program runs: no tool can find them in it.
+MPI_LIBRARY = "lib/warpscope/warpscope_mpi.so"  # where the program looks for it
 LOADED = ["libgl1-mesa-dri", "libxcursor1", "libxi6", "libxrandr2"]
 
 
@@ -78,6 +79,8 @@ def check_desktop_file(prefix):
 def check_installed(cmake, build, folder, version):
     run(cmake, "--install", build, "--prefix", folder)
     program = check_installation(folder, version)
+    hasMpi = os.path.exists(os.path.join(build, "warpscope_mpi.so"))
+    assert os.path.exists(os.path.join(folder, MPI_LIBRARY)) == hasMpi, f"{MPI_LIBRARY} is{'' if not hasMpi else ' not'} installed"
     check_man_page(folder, program, version)
     check_desktop_file(folder)
 
@@ -89,16 +92,32 @@ def check_packed(cmake, build, folder, version):
             sys.exit(SKIPPED)
     run(os.path.join(os.path.dirname(cmake), "cpack"), "--config", os.path.join(build, "CPackConfig.cmake"), "-B", folder, cwd=folder)
     packages = [name for name in os.listdir(folder) if name.endswith(".deb")]
-    assert len(packages) == 1 and packages[0].startswith(f"warpscope_{version}_"), packages
-    package = os.path.join(folder, packages[0])
+    own = [name for name in packages if name.startswith(f"warpscope_{version}_")]
+    forMpi = [name for name in packages if name.startswith(f"warpscope-mpi_{version}_")]
+    hasMpi = os.path.exists(os.path.join(build, "warpscope_mpi.so"))
+    assert len(own) == 1 and len(forMpi) == hasMpi and len(packages) == 1 + hasMpi, packages
+    package = os.path.join(folder, own[0])
     depends = run("dpkg-deb", "--field", package, "Depends")
+    assert "mpi" not in depends, f"the package demands MPI: {depends}"
     for name in LOADED + ["libc6", "libegl1", "libosmesa6"]:
         assert re.search(rf"(^|, ){re.escape(name)}( |,|$)", depends), f"the package does not depend on {name}: {depends}"
     assert "cuda" not in depends and "nvidia" not in depends, f"the package demands NVIDIA's driver: {depends}"
     listed = run("dpkg-deb", "--contents", package)
     for file in FILES:
         assert f"./usr/{file}\n" in listed, f"the package leaves {file} out"
-    assert not re.search(r"^.....w|^.{8}w", listed, re.M), f"others than root may write to files of the package:\n{listed}"
+    assert MPI_LIBRARY not in listed, f"the package has what needs MPI:\n{listed}"
+    isOthersSafe = lambda contents: not re.search(r"^.....w|^.{8}w", contents, re.M)
+    assert isOthersSafe(listed), f"others than root may write to files of the package:\n{listed}"
+    if hasMpi:
+        package = os.path.join(folder, forMpi[0])
+        depends = run("dpkg-deb", "--field", package, "Depends")
+        for name in [f"warpscope (= {version})", "libopenmpi3", "openmpi-bin"]:
+            assert re.search(rf"(^|, ){re.escape(name)}( |,|$)", depends), f"the package for MPI does not depend on {name}: {depends}"
+        assert run("dpkg-deb", "--field", package, "Description") != run("dpkg-deb", "--field", os.path.join(folder, own[0]), "Description")
+        listed = run("dpkg-deb", "--contents", package)
+        files = re.findall(r"^-.* \./usr/(\S+)$", listed, re.M)
+        assert sorted(files) == sorted([MPI_LIBRARY, "share/doc/warpscope-mpi/changelog.gz", "share/doc/warpscope-mpi/copyright"]), files
+        assert isOthersSafe(listed), f"others than root may write to files of the package:\n{listed}"
 
 
 def main():

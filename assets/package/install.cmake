@@ -2,6 +2,7 @@
 # Nothing of it is read at run time but the program itself, and in a portable build its library: scenes, shaders and fonts are compiled in.
 include(GNUInstallDirs)
 set(WARPSCOPE_PACKAGE_DIR ${CMAKE_CURRENT_LIST_DIR})
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME warpscope)
 
 install(TARGETS warpscope RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 if(WARPSCOPE_LEVELS)
@@ -17,6 +18,9 @@ if(WARPSCOPE_LEVELS)
   foreach(level IN LISTS WARPSCOPE_LEVELS)
     install(TARGETS warpscope_render_${level} LIBRARY DESTINATION ${libraries}/glibc-hwcaps/${level})
   endforeach()
+endif()
+if(TARGET warpscope_mpi)
+  install(TARGETS warpscope_mpi LIBRARY DESTINATION lib/warpscope COMPONENT mpi)  # where process_ranks.cpp looks for it
 endif()
 install(FILES ${WARPSCOPE_PACKAGE_DIR}/warpscope.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
 install(FILES ${WARPSCOPE_PACKAGE_DIR}/warpscope.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps)

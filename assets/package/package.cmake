@@ -1,4 +1,4 @@
-# What `cpack` makes: a package for Debian 12, of what install.cmake installs. `./warpscope package` is the short way to it.
+# What `cpack` makes: packages for Debian 12, of what install.cmake installs; what needs MPI is one of its own. `./warpscope package` is the short way to them.
 # Debian Policy Manual 4.6, sections 5 (control files), 8.6 (shared libraries) and 12 (documentation).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME warpscope)
@@ -15,6 +15,9 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL warpscope)
+set(CPACK_DEBIAN_WARPSCOPE_PACKAGE_NAME warpscope)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
@@ -23,10 +26,21 @@ if(WARPSCOPE_LEVELS)
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR}/lib)  # the package's own libraries are no other's
 endif()
 # What is loaded by name at run time, which dpkg-shlibdeps cannot see: Mesa's drivers, for EGL as well as for GLX, and what GLFW takes from X11.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS
+set(CPACK_DEBIAN_WARPSCOPE_PACKAGE_DEPENDS
   "libgl1-mesa-dri, libx11-xcb1, libxcursor1, libxi6, libxinerama1, libxrandr2, libxrender1, libxxf86vm1")
 if(WARPSCOPE_HAS_CUDA)
-  set(CPACK_DEBIAN_PACKAGE_SUGGESTS libcuda1)  # the driver; CUDA's runtime library is linked in
+  set(CPACK_DEBIAN_WARPSCOPE_PACKAGE_SUGGESTS libcuda1)  # the driver; CUDA's runtime library is linked in
+endif()
+if(TARGET warpscope_mpi)
+  # Of its own, so that who has one process needs nothing of MPI.
+  list(APPEND CPACK_COMPONENTS_ALL mpi)
+  set(CPACK_DEBIAN_MPI_PACKAGE_NAME warpscope-mpi)
+  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "warpscope (= ${PROJECT_VERSION}), openmpi-bin")
+  string(JOIN "\n" CPACK_DEBIAN_MPI_DESCRIPTION
+    "what image warping does to the pictures of a remote volume renderer: MPI"
+    "With this, warpscope serves one volume from several processes that mpirun or"
+    "srun has started, on one machine or on many: each holds a part of it. Without"
+    "it, warpscope is one process.")
 endif()
 
 # The changelog's first entry is of this version: the package's version comes from CMake alone.
@@ -43,5 +57,8 @@ add_custom_command(
   COMMENT "Compressing the changelog")
 add_custom_target(changelog ALL DEPENDS ${CMAKE_BINARY_DIR}/changelog.gz)
 install(FILES ${CMAKE_BINARY_DIR}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDIR})
+if(TARGET warpscope_mpi)
+  install(FILES ${CMAKE_CURRENT_LIST_DIR}/copyright ${CMAKE_BINARY_DIR}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDIR}-mpi COMPONENT mpi EXCLUDE_FROM_ALL)
+endif()
 
 include(CPack)
