@@ -39,6 +39,26 @@ TEST_F(WindowTypingTest, KeysOfNothingAndOfTextDoNothing) {
   EXPECT_EQ(session_.knobs().isFrozen, wasFrozen) << "it is typed";
 }
 
+TEST_F(WindowTypingTest, WhatIsSavedGoesWhereOneSavedLastAndNotAmongTheData) {
+  const TestFolder data, results;
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  save(results.file("a.json"));
+  ASSERT_FALSE(window_.view().showsDialog());
+  data.write("mine.json", results.read("a.json"));
+  press(Action::open);
+  window_.type(data.file("mine.json"));
+  confirm();
+  ASSERT_TRUE(rest());
+  save("b.json");
+  EXPECT_TRUE(std::filesystem::exists(results.file("b.json")));
+  EXPECT_FALSE(std::filesystem::exists(data.file("b.json")));
+  press(Action::open);
+  window_.type("mine.json");
+  confirm();
+  EXPECT_FALSE(window_.view().showsDialog()) << "it is opened from where one was opened last";
+}
+
 TEST_F(WindowTypingTest, ASessionIsSavedAndOpenedByTheDialog) {
   const TestFolder folder;
   ASSERT_TRUE(openAndRest("block"));

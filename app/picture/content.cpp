@@ -61,8 +61,7 @@ void requireFinite(const Image<glm::vec4>& image, std::string_view what) {
 }
 
 Image<Rgba8> holesOf(const ContentInputs& inputs) {
-  const Rgba8 hole = inputs.marks.uncovered != 0 ? inputs.marks.uncovered | 0xff000000u : kHole;
-  const Rgba8 guess = inputs.marks.filled != 0 ? inputs.marks.filled | 0xff000000u : kGuess;
+  const auto [hole, guess] = marksOfHoles(inputs.marks);
   return made<Rgba8>(inputs.image.color, [&](size_t i) {
     const uint32_t sample = inputs.image.samples[i];
     if (sample == kFilled) return guess;
@@ -106,6 +105,10 @@ std::optional<SegmentLook> segmentLookOf(const WarpDescriptor& technique, const 
 std::span<const ContentDescriptor> pictureContents() { return kContents; }
 
 const ContentDescriptor& describe(PictureContent content) { return kContents[static_cast<size_t>(content)]; }
+
+PixelMarks marksOfHoles(const PixelMarks& marks) {
+  return {marks.uncovered != 0 ? marks.uncovered | 0xff000000u : kHole, marks.filled != 0 ? marks.filled | 0xff000000u : kGuess};
+}
 
 Rgba8 rampColor(PictureContent content, float share) {
   switch (content) {

@@ -58,6 +58,9 @@ struct ShownContent {
 /// or of another size, where a pixel is not finite, and where no pixel says which sample it shows.
 ShownContent show(PictureContent content, const ContentInputs& inputs, std::optional<float> range = {});
 
+/// Colours, opaque, of pixels with nothing and of guesses where holes are shown.
+PixelMarks marksOfHoles(const PixelMarks& marks);
+
 /// The colour at a share of the content's ramp, 0 to 1.
 Rgba8 rampColor(PictureContent content, float share);
 

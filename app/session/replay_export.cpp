@@ -78,7 +78,7 @@ void ReplayExport::start(ExportJob job) {
 
 std::optional<double> ReplayExport::secondsLeft() const {
   constexpr size_t kTelling = 3;  // steps begun
-  const size_t begunNow = begun(), pictures = steps_ - (hasFilm_ ? 1 : 0);
+  const size_t begunNow = begun(), pictures = this->pictures();
   if (!isAtWork() || begunNow < kTelling || begunNow > pictures) return std::nullopt;
   const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - progress_->first.load()).count();
   return taken * static_cast<double>(pictures - begunNow + 1) / static_cast<double>(begunNow - 1);

@@ -68,6 +68,8 @@ class ReplayExport {
   /// Steps that were begun, and all.
   size_t begun() const { return progress_ ? progress_->begun.load() : 0; }
   size_t steps() const { return steps_; }
+  /// Of these, pictures.
+  size_t pictures() const { return steps_ - (hasFilm_ ? 1 : 0); }
   /// Whether all pictures are drawn and ffmpeg makes a film of them.
   bool isFilming() const { return isAtWork() && hasFilm_ && begun() == steps_; }
   /// Seconds until all pictures are drawn, by what they have taken so far; nothing before that says anything, and then.

@@ -50,6 +50,10 @@ void drawServer(Session& session, LiveSettings& knobs, const Look& look) {
   for (const TransportKnob& row : transportKnobs())
     if (row.isOfServer) knobWidget(row, knobs.transport, look);
   drawServerSide(session, knobs, look);
+  if (!knobs.isFrozen || session.playback().isOpen()) return;
+  ImGui::PushFont(look.fonts.small);
+  ImGui::TextColored(palette().noticeText, "Frozen: changes show in the next frame");
+  ImGui::PopFont();
 }
 
 /// A checkbox and a colour, which is kept while it is not used.

@@ -48,6 +48,7 @@ void copyInto(std::array<char, 1024>& field, const std::string& text) {
 
 void FileDialog::show(Purpose purpose, const std::string& name) {
   if (desktop_ && desktop_->isOpen()) return;
+  if ((purpose == Purpose::open) != (purpose_ == Purpose::open)) std::swap(folder_, otherFolder_);
   purpose_ = purpose;
   copyInto(name_, name);
   std::error_code failed;
@@ -168,7 +169,9 @@ bool FileDialog::drawEntries(const Look& look) {
       ImGui::TextColored(palette().faintText, "%s", size.c_str());
     }
   }
-  if (entries_.empty()) ImGui::TextColored(palette().dimText, showsAll_ ? "Nothing is here." : "No files that can be opened are here; \"All files\" shows others.");
+  if (entries_.empty()) ImGui::TextColored(palette().dimText, showsAll_                      ? "Nothing is here."
+                                                                   : purpose_ == Purpose::open ? "No files that can be opened are here; \"All files\" shows others."
+                                                                                               : "No files of this kind are here; \"All files\" shows others.");
   if (entered) enter(*entered);
   return isChosen;
 }
@@ -224,6 +227,7 @@ std::optional<std::filesystem::path> FileDialog::take() {
     return std::nullopt;
   }
   isOpen_ = false;
+  folder_ = path.parent_path().lexically_normal();
   return path;
 }
 

@@ -19,7 +19,8 @@ class FileDialog {
 
   /// Asks by the desktop's dialogs from now on, where there are some. `onNews`: as DesktopDialog's.
   void useDesktop(std::function<void()> onNews) { desktop_.emplace(std::move(onNews)); }
-  /// `name` is proposed for a file to be written. Begins in the folder where it was used last.
+  /// `name` is proposed for a file to be written. Begins in the folder where one was opened last, or where one was written last: data are not
+  /// where results go.
   void show(Purpose purpose, const std::string& name = "");
   /// Whether this one is: the desktop's are not the window's.
   bool isOpen() const { return isOpen_; }
@@ -54,7 +55,7 @@ class FileDialog {
   bool showsAll_ = false;    // files that cannot be what is asked for, too
   std::optional<size_t> toScrollTo_;
   std::string toReplace_;  // the name of a file that is there, and that the user was asked about
-  std::filesystem::path folder_;
+  std::filesystem::path folder_, otherFolder_;  // for such purposes, and for those of the other kind: opening, writing
   std::vector<Entry> entries_;
   std::string error_;
   std::array<char, 1024> name_{};

@@ -225,7 +225,6 @@ bool MainView::isOn(Action action, const Session& session, size_t panel) const {
     case Action::inspect: return grid_.isInspecting();
     case Action::maximise: return grid_.isMaximised(session, panel);
     case Action::showPlan: return session.showsPlan();
-    case Action::record: return session.isRecording();
     case Action::exportFilm: return session.exporting().isAtWork();
     case Action::hideSideBar: return remembered_.hasSideBar;
     case Action::lightTheme: return remembered_.isLight;
@@ -254,6 +253,7 @@ bool MainView::isPossible(Action action, const Session& session) const {
 
 std::string MainView::labelOf(const ActionDescriptor& action, const Session& session) const {
   if (action.action == Action::exportFilm && session.exporting().isAtWork()) return "Cancel the export";
+  if (action.action == Action::record && session.isRecording()) return "End the recording";
   const std::string what = action.action == Action::undo ? history_.undoes() : action.action == Action::redo ? history_.redoes() : std::string();
   return std::string(action.label) + (what.empty() ? "" : ": " + what);
 }

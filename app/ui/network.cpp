@@ -170,7 +170,8 @@ void drawLinkSign(const Session& session, const Look& look) {
   text = chosen != choices.end() ? *chosen : brief;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::Dummy({width, height});
-  tooltip("What is on show is older than a round trip: a frame is marched, coded, sent and drawn as well, and may wait for the one before it. The coloured bars beneath the pictures say where the time goes.", look);
+  tooltip("What is on show is older than a round trip: a frame is marched, coded, sent and drawn as well, and may wait for the one before it. The coloured bars beneath the pictures say where the time goes. Where the march takes most of it, "
+          "\"While moving\" (Server) makes it take less.", look);
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 to{at.x + width, at.y + height};
   list->AddRectFilled(at, to, ImGui::GetColorU32(link.hasOutage ? palette().errorBackground : palette().noticeBackground), look.px(4.0f));

@@ -22,7 +22,12 @@ std::string grouped(size_t number) {
 
 bool Hover::hasRested(const ImVec2& item, Session::TimePoint now) {
   constexpr std::chrono::milliseconds kDelay(450);
+  constexpr float kReachPx = 3.0f;  // that a hand at rest moves
   const int frame = ImGui::GetFrameCount();
+  // Who has just pressed looks at what came of it, and not for a word about what lies beneath the pointer now.
+  const ImGuiIO& io = ImGui::GetIO();
+  for (const ImVec2& pressed : io.MouseClickedPos)
+    if (std::hypot(io.MousePos.x - pressed.x, io.MousePos.y - pressed.y) < kReachPx) return false;
   const bool isOther = item.x != item_.x || item.y != item_.y || frame > lastFrame_ + 1;
   if (isOther) since_ = now;
   item_ = item;
@@ -91,7 +96,8 @@ void drawStatusBar(const Session& session, double displayFramesPerSecond, const 
   if (const std::optional<SourceStatus> status = session.sourceStatus(); status && status->busyWith)
     items.insert(items.begin() + 1, busySentence(*status->busyWith));
   if (session.exporting().isAtWork())
-    items.insert(items.begin() + 1, "exporting " + std::to_string(session.exporting().begun()) + " of " + std::to_string(session.exporting().steps()));
+    items.insert(items.begin() + 1, session.exporting().isFilming() ? std::string("making the film")
+                                              : "exporting " + std::to_string(session.exporting().begun()) + " of " + std::to_string(session.exporting().pictures()));
   const std::string display =
       displayFramesPerSecond > 0.0 ? formatted("display %.0f frames/s", displayFramesPerSecond) : std::string("display idle");
 

@@ -266,7 +266,7 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
     const size_t angles = session.fair().points().empty() ? session.liveFront().rankedAnglesDeg().size() : kFairAnglesDeg.size();
     const std::string where = angles == 0 ? "" : ", at " + angleCount(angles);
     ImGui::TextColored(palette().dimText, "Nothing beats these in time and error%s:", where.c_str());
-    if (shown.front.empty()) ImGui::TextColored(palette().faintText, "points come when the view rests");
+    if (shown.front.empty()) ImGui::TextColored(palette().faintText, "%s", shown.points.empty() ? "points come when the view rests" : "none were seen at one angle yet");
     for (const size_t i : shown.front) {
       const ScatterPoint& point = shown.points[i];
       ImGui::PushID(static_cast<int>(i));
@@ -283,6 +283,12 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
       tooltip(point.label, look);
       ImGui::Unindent(look.px(16.0f));
       ImGui::PopID();
+    }
+    // Beside what was measured all that was only seen is not compared: its points are faint.
+    const auto apart = std::ranges::count_if(session.liveFront().points(), [](const LiveFront::Point& point) { return point.standing != LiveFront::Standing::ranked; });
+    if (apart > 0 && !shown.front.empty() && session.fair().points().empty()) {
+      ImGui::TextColored(palette().faintText, "%s not compared", apart == 1 ? "1 faint point is" : (std::to_string(apart) + " faint points are").c_str());
+      tooltip("Seen at other angles, or in pictures of another size, than those that are compared: point at one to see which. Measure now compares all that are on show.", look);
     }
     ImGui::PopFont();
     ImGui::EndChild();

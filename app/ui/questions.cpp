@@ -30,9 +30,9 @@ bool beginQuestion(const char* name, bool& isAsked) {
   return true;
 }
 
-/// What was pressed closes the popup.
-bool answer(const char* text) {
-  const bool isPressed = ImGui::Button(text);
+/// What was pressed closes the popup. `width` 0: the text's.
+bool answer(const char* text, float width = 0.0f) {
+  const bool isPressed = ImGui::Button(text, {width, 0.0f});
   if (isPressed) ImGui::CloseCurrentPopup();
   return isPressed;
 }
@@ -82,9 +82,14 @@ bool QuitQuestion::draw(const Session& session) {
   if (!isOpen_) return false;
   // It may end by itself meanwhile: then nothing would be lost.
   const bool isAtWork = session.exporting().isAtWork();
-  ImGui::TextUnformatted(isAtWork ? "A film is being written. Who quits now gives it up: nothing is left of it." : "The film has been written.");
+  constexpr const char* kAtWork = "A film is being written. Who quits now gives it up: nothing is left of it.";
+  ImGui::TextUnformatted(isAtWork ? kAtWork : "The film has been written.");
+  ImGui::SameLine(ImGui::GetStyle().WindowPadding.x + ImGui::CalcTextSize(kAtWork).x);
+  ImGui::NewLine();  // as wide as it was
   ImGui::Spacing();
-  const bool isYes = answer(isAtWork ? "Give it up and quit" : "Quit");
+  // Nothing moves beneath a pointer that is on its way.
+  constexpr const char* kGiveUp = "Give it up and quit";
+  const bool isYes = answer(isAtWork ? kGiveUp : "Quit", ImGui::CalcTextSize(kGiveUp).x + 2.0f * ImGui::GetStyle().FramePadding.x);
   ImGui::SameLine();
   answer("Go on");
   ImGui::EndPopup();

@@ -165,7 +165,7 @@ bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Cl
   const std::string recordingError = session->recordingFailure();
   if (!isForScripts) {
     ui::keepLastSession(*session);
-    if (!settings.size) remembered.windowSize = window.size();
+    if (!settings.size) remembered.windowSize = glm::uvec2(glm::vec2(window.size()) / window.scale());  // another time at another scale
     if (remembered.isLight == settings.isLight) remembered.isLight = wasLight;  // that was asked for this once
     ui::keep(remembered);
   }

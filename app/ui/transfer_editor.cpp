@@ -169,10 +169,10 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
     take(Grip::opacity);
     opacity_ = near ? *near : addOpacity(curves_, chart.value(mouse.x));
     color_.reset();
-    if (!near) {
-      moveOpacity(curves_, *opacity_, chart.value(mouse.x), chart.alpha(mouse.y));
-      apply(session);
-    }
+    // On the curve it lies where that was until it is dragged; beside the curve the curve goes to it.
+    const float onCurve = chart.y(curves_.opacities[*opacity_].alpha);
+    if (!near && std::abs(onCurve - mouse.y) > reach) moveOpacity(curves_, *opacity_, chart.value(mouse.x), chart.alpha(mouse.y));
+    if (!near) apply(session);
   } else if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
     take(Grip::window);
     toRemove_ = near;

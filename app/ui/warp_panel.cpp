@@ -37,7 +37,7 @@ ImVec2 drawInCorner(Corner corner, const Area& area, const std::string& text, co
 }
 
 /// The content's ramp and what its ends stand for, in the lower left corner of the picture; or, while there is none, when there will be one, or why not.
-void drawContentLegend(const Panel& panel, const Area& area, const Look& look) {
+void drawContentLegend(const Panel& panel, const PixelMarks& marks, const Area& area, const Look& look) {
   const ContentDescriptor& content = describe(panel.content);
   const PanelContent& shown = panel.shownContent;
   const bool isOnShow = panel.hasContentOnShow(), hasRamp = isOnShow && shown.hasRamp;
@@ -50,11 +50,31 @@ void drawContentLegend(const Panel& panel, const Area& area, const Look& look) {
   const std::string high = hasRamp ? formatted("%.3g", static_cast<double>(shown.high)) + unit : "";
   ImGui::PushFont(look.fonts.small);
   const float line = ImGui::GetTextLineHeight(), gap = look.px(5.0f), barWidth = look.px(90.0f);
-  const float moreWidth = hasRamp ? barWidth + 2.0f * gap + ImGui::CalcTextSize(high.c_str()).x : 0.0f;
+  // Colours that stand for something, in a content without a ramp.
+  struct Swatch {
+    Rgba8 color;
+    const char* text;
+  };
+  std::vector<Swatch> swatches;
+  if (isOnShow && panel.content == PictureContent::holes) {
+    const PixelMarks shownBy = marksOfHoles(marks);
+    swatches = {{shownBy.uncovered, "nothing"}, {shownBy.filled, "a guess"}};
+  }
+  float swatchesWidth = 0.0f;
+  for (const Swatch& swatch : swatches) swatchesWidth += line + 2.0f * gap + ImGui::CalcTextSize(swatch.text).x;
+  const float moreWidth = !swatches.empty() ? swatchesWidth : hasRamp ? barWidth + 2.0f * gap + ImGui::CalcTextSize(high.c_str()).x : 0.0f;
   ImVec2 at = drawInCorner(Corner::lowerLeft, area, low, isOnShow ? kTextOnPicture : kDimTextOnPicture, moreWidth, look);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  at.x += !swatches.empty() ? ImGui::CalcTextSize(low.c_str()).x : 0.0f;
+  for (const Swatch& swatch : swatches) {
+    at.x += gap;
+    list->AddRectFilled({at.x, at.y + 0.15f * line}, {at.x + line, at.y + 0.85f * line}, swatch.color);
+    at.x += line + gap;
+    list->AddText(at, ImGui::GetColorU32(kTextOnPicture), swatch.text);
+    at.x += ImGui::CalcTextSize(swatch.text).x;
+  }
   if (hasRamp) {
     constexpr int kPieces = 45;
-    ImDrawList* list = ImGui::GetWindowDrawList();
     at.x += ImGui::CalcTextSize(low.c_str()).x + gap;
     const float top = at.y + 0.5f * line - look.px(4.0f), bottom = top + look.px(8.0f), piece = barWidth / kPieces;
     for (int i = 0; i < kPieces; ++i)
@@ -161,7 +181,7 @@ std::optional<Area> drawOwn(const Session& session, const Panel& panel, PictureT
   ImGui::PushFont(look.fonts.small);
   if (const std::string reserved = reservations(panel); !reserved.empty()) drawInCorner(Corner::upperLeft, area, reserved, kDimTextOnPicture, 0.0f, look);
   ImGui::PopFont();
-  if (panel.content != PictureContent::picture) drawContentLegend(panel, area, look);
+  if (panel.content != PictureContent::picture) drawContentLegend(panel, session.knobs().marks, area, look);
   return at;
 }
 
@@ -237,7 +257,7 @@ constexpr float kLoupePx = 132.0f, kLoupeTextPx = 156.0f;  // at scale 1
 constexpr float kLargestShare = 0.45f;                     // of the picture, that the loupe with its text covers
 constexpr size_t kFewestLines = 4;                         // of text that are worth their room
 
-/// The pixels about a place, enlarged, with a grid, in the corner that is farthest from it; what is known of the pixel in its middle beside them.
+/// The pixels about a place, enlarged, with a grid, in a corner that does not cover it; what is known of the pixel in its middle beside them.
 void drawLoupe(const OnShow& shown, const glm::dvec2& place, std::vector<std::pair<std::string, std::string>> lines, const Area& area, const Look& look) {
   const glm::ivec2 size(shown.size);
   const glm::ivec2 pixel = glm::clamp(glm::ivec2(place * glm::dvec2(size)), glm::ivec2(0), size - 1);
@@ -257,9 +277,13 @@ void drawLoupe(const OnShow& shown, const glm::dvec2& place, std::vector<std::pa
   const float width = hasText ? widthWithText : loupe.x;
   if (hasText) shorten(lines, mostLines);
   const float textHeight = hasText ? lineHeight * static_cast<float>(lines.size()) : 0.0f;
-  const ImVec2 at{place.x < 0.5 ? area.to().x - width - margin : area.from.x + margin, area.to().y - loupe.y - margin};
-  const ImVec2 to{at.x + loupe.x, at.y + loupe.y};
-  const float top = to.y - std::max(loupe.y, textHeight);  // where pictures are small, the text is higher than the loupe
+  const float height = std::max(loupe.y, textHeight);  // where pictures are small, the text is higher than the loupe
+  // Aside from the place; where that is too narrow, above it instead of below.
+  const float left = place.x < 0.5 ? area.to().x - width - margin : area.from.x + margin;
+  const glm::vec2 eyed = glm::vec2(shown.area.from.x, shown.area.from.y) + glm::vec2(place) * glm::vec2(shown.area.size.x, shown.area.size.y);
+  const bool isBeneath = eyed.x > left - margin && eyed.x < left + width + margin && eyed.y > area.to().y - height - 2.0f * margin;
+  const float top = isBeneath ? area.from.y + margin : area.to().y - height - margin;
+  const ImVec2 to{left + loupe.x, top + height}, at{left, to.y - loupe.y};
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->PushClipRect(area.from, area.to(), true);
   list->AddRectFilled({at.x - 2.0f, top - 2.0f}, {at.x + width + 2.0f, to.y + 2.0f}, ImGui::GetColorU32({0.03f, 0.03f, 0.04f, 0.9f}));

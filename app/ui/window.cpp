@@ -240,7 +240,7 @@ void Window::showAt(const std::optional<glm::uvec2>& size, const std::optional<g
   const glm::ivec2 least(fitted(kLeastWidth, width), fitted(kLeastHeight, height));
   if (size) requireSize(glm::ivec2(*size), least);
   glm::ivec2 chosen(fitted(kWidth, width), fitted(kHeight, height));
-  if (usual && width > 0) chosen = glm::max(least, glm::min(glm::ivec2(*usual), glm::ivec2(width, height)));
+  if (usual && width > 0) chosen = glm::max(least, glm::ivec2(fitted(static_cast<int>(usual->x), width), fitted(static_cast<int>(usual->y), height)));
   if (size) chosen = glm::ivec2(*size);
   glfwSetWindowSizeLimits(window_, least.x, least.y, GLFW_DONT_CARE, GLFW_DONT_CARE);
   glfwSetWindowSize(window_, chosen.x, chosen.y);
