@@ -7,23 +7,10 @@
 
 #include "render/core/opacity_batch.h"
 #include "render/core/simd_lanes.h"
+#include "render/warp/segments/packet_lines.h"
 #include "render/warp/segments/segment_walk.h"
 
 namespace warpscope {
-
-/// Lines of rays side by side, and how far their walks have got.
-struct alignas(64) PacketLines {
-  float x0[kBatchLanes], y0[kBatchLanes], dx[kBatchLanes], dy[kBatchLanes], depth0[kBatchLanes], depths[kBatchLanes], ratio[kBatchLanes], spaceBy[kBatchLanes];
-  float s[kBatchLanes], depth[kBatchLanes], end[kBatchLanes];
-  int32_t x[kBatchLanes], y[kBatchLanes];
-
-  void set(int lane, const FieldLine& line, const WalkPlace& place) {
-    x0[lane] = line.x0, y0[lane] = line.y0, dx[lane] = line.dx, dy[lane] = line.dy;
-    depth0[lane] = line.depth0, depths[lane] = line.depths, ratio[lane] = line.ratio, spaceBy[lane] = (line.t1 - line.t0) * line.ratio;
-    s[lane] = place.s, depth[lane] = place.depth, end[lane] = line.end;
-    x[lane] = place.x, y[lane] = place.y;
-  }
-};
 
 /// What rays side by side have met so far.
 struct alignas(64) WalkedPacket {
@@ -228,7 +215,7 @@ class PacketWalk {
   }
 
   /// Of `piecing`, the states that do not hold any more where they are: stateOf(). One of each lane at a time, whichever of its pixels that is of.
-  void findStates(const M& piecing) {
+  [[gnu::always_inline]] void findStates(const M& piecing) {
     M stale[kPixels], any = M(false);
     for (int i = 0; i < kPixels; ++i) {
       stale[i] = piecing & !isBefore(depth_, states_[i].until);
@@ -379,39 +366,33 @@ template <bool kIsLinear, class Fill>
 void walkPacket(const SegmentField& field, const Ray (&rays)[kBatchLanes], const RayInterval (&inside)[kBatchLanes], float stopBelow, WalkedRay (&walked)[kBatchLanes],
                 const Fill& fill) {
   constexpr bool kFills = !std::is_same_v<Fill, std::nullptr_t>;
-  FieldLine lines[kBatchLanes];
-  PacketLines packet{};
+  PacketLines lines;
+  makePacketLines<kIsLinear>(field, rays, inside, lines);
   WalkedPacket colors;
   alignas(64) float rises[kBatchLanes] = {}, falls[kBatchLanes] = {};
   bool anyRises = false, anyFalls = false;
   const auto fillRay = [&](int lane, float tNear, float tFar) {
     if constexpr (kFills)
-      if (!(walked[lane].through < stopBelow)) fill(lane, walked[lane], tNear, tFar);
+      if (tNear < tFar && !(walked[lane].through < stopBelow)) fill(lane, walked[lane], tNear, tFar);
   };
   for (int lane = 0; lane < kBatchLanes; ++lane) {
-    const RayInterval& part = inside[lane];
-    packet.ratio[lane] = 1.0f;
-    if (part.tNear < part.tFar) {
-      const FieldLine& line = lines[lane] = makeFieldLine(field, rays[lane], part.tNear, part.tFar, kIsLinear ? 0.5f : 0.0f);
-      const bool isLine = line.t0 < line.t1;
-      if (!isLine || line.t0 > part.tNear) fillRay(lane, part.tNear, isLine ? line.t0 : part.tFar);
-      if (isLine && !(walked[lane].through < stopBelow)) {
-        packet.set(lane, line, beginOfWalk<kIsLinear>(field, line));
-        (line.isRising() ? rises : falls)[lane] = 1.0f;
-        (line.isRising() ? anyRises : anyFalls) = true;
-      }
+    const bool isLine = lines.isLine(lane);
+    fillRay(lane, inside[lane].tNear, isLine ? lines.t0[lane] : inside[lane].tFar);
+    if (isLine && !(walked[lane].through < stopBelow)) {
+      (lines.isRising(lane) ? rises : falls)[lane] = 1.0f;
+      (lines.isRising(lane) ? anyRises : anyFalls) = true;
     }
     colors.set(lane, walked[lane]);
   }
   const auto walk = [&](const auto& fillPiece) {
     using FillPiece = std::decay_t<decltype(fillPiece)>;
-    if (anyRises) PacketWalk<kIsLinear, true, FillPiece>(field, packet, rises, stopBelow, colors, fillPiece).run();
-    if (anyFalls) PacketWalk<kIsLinear, false, FillPiece>(field, packet, falls, stopBelow, colors, fillPiece).run();
+    if (anyRises) PacketWalk<kIsLinear, true, FillPiece>(field, lines, rises, stopBelow, colors, fillPiece).run();
+    if (anyFalls) PacketWalk<kIsLinear, false, FillPiece>(field, lines, falls, stopBelow, colors, fillPiece).run();
   };
   if constexpr (kFills) {
     walk([&](int lane, float begin, float end) {
       WalkedRay ray = colors.ray(lane);
-      fill(lane, ray, lines[lane].tAt(begin), lines[lane].tAt(end));
+      fill(lane, ray, lines.tAt(lane, begin), lines.tAt(lane, end));
       colors.set(lane, ray);
     });
   } else {
@@ -419,7 +400,7 @@ void walkPacket(const SegmentField& field, const Ray (&rays)[kBatchLanes], const
   }
   for (int lane = 0; lane < kBatchLanes; ++lane) {
     walked[lane] = colors.ray(lane);
-    if (rises[lane] + falls[lane] > 0.0f && lines[lane].t1 < inside[lane].tFar) fillRay(lane, lines[lane].t1, inside[lane].tFar);
+    if (rises[lane] + falls[lane] > 0.0f) fillRay(lane, lines.t1[lane], inside[lane].tFar);
   }
 }
 

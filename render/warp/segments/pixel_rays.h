@@ -16,30 +16,31 @@ struct RayInside {
   RayInterval inside;  ///< a miss if there is none
 };
 
+/// Those of a camera's pixels through a frame's bounds.
+struct PixelRays {
+  Box bounds;
+  PixelGrid pixels;
+
+  PixelRays(const SampleFrame& frame, const Camera& camera)
+      : bounds(frame.quantization.bounds), pixels(makePixelGrid(camera, depthRangeOf(camera, frame.quantization.bounds).nearDepth)) {}
+  RayInside at(uint32_t x, uint32_t y) const {
+    const Ray ray = pixels.ray(x, y).ray;
+    return {ray, exceptionsExpected([&] { return partInside(bounds, ray); })};
+  }
+};
+
 /// Edge of the tiles in which pixels' rays are walked.
 inline constexpr uint32_t kRayTileSide = 32;
-
-/// Calls `walk(x0, y0, x1, y1, rayAt)` for every tile [x0, x1) x [y0, y1) of the picture, in parallel; `rayAt(x, y)` is a pixel's RayInside. Throws OperationCancelled if
-/// `stop` is set.
-template <class Walk>
-void forEachRayTile(const SampleFrame& frame, const Camera& camera, const std::stop_token& stop, const Walk& walk) {
-  const Box& bounds = frame.quantization.bounds;
-  const PixelGrid pixels = makePixelGrid(camera, depthRangeOf(camera, bounds).nearDepth);
-  const auto rayAt = [&](uint32_t x, uint32_t y) {
-    const Ray ray = pixels.ray(x, y).ray;
-    return RayInside{ray, exceptionsExpected([&] { return partInside(bounds, ray); })};
-  };
-  parallelForTiles(camera.width, camera.height, kRayTileSide, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) { walk(x0, y0, x1, y1, rayAt); });
-}
 
 /// Calls `take(x, y, ray, walked)` for every pixel. `walked` is a `Walked`, made by `walk(ray, inside)` of the ray's part inside the frame's bounds; as it begins where
 /// there is none. Throws OperationCancelled if `stop` is set.
 template <class Walked, class Walk, class Take>
 void forEachPixelRay(const SampleFrame& frame, const Camera& camera, const std::stop_token& stop, const Walk& walk, const Take& take) {
-  forEachRayTile(frame, camera, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1, const auto& rayAt) {
+  const PixelRays rays(frame, camera);
+  parallelForTiles(camera.width, camera.height, kRayTileSide, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
     for (uint32_t y = y0; y < y1; ++y)
       for (uint32_t x = x0; x < x1; ++x) {
-        const RayInside ray = rayAt(x, y);
+        const RayInside ray = rays.at(x, y);
         const Walked walked = ray.inside.isMiss() ? Walked{} : exceptionsExpected([&] { return walk(ray.ray, ray.inside); });
         take(x, y, ray.ray, walked);
       }
