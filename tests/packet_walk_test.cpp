@@ -44,11 +44,11 @@ void expectSame(const SampleFrame& frame, const Camera& camera, Compared& compar
       [&](uint32_t x, uint32_t y, const Ray&, const WalkedRay& walked) { alone(x, y) = walked; });
   forEachPixelPacket(
       frame, camera, {},
-      [&](const Ray(&rays)[kBatchLanes], const RayInterval(&inside)[kBatchLanes], WalkedRay(&walked)[kBatchLanes]) {
+      [&](const RayPacket& rays, WalkedRay(&walked)[kBatchLanes]) {
         if constexpr (kFills)
-          walkPacket<kIsLinear>(field, rays, inside, kStopBelow, walked, [&](int lane, WalkedRay& ray, float from, float to) { guessed(rays[lane], ray, from, to); });
+          walkPacket<kIsLinear>(field, rays, kStopBelow, walked, [&](int lane, WalkedRay& ray, float from, float to) { guessed(rays.ray(lane), ray, from, to); });
         else
-          walkPacket<kIsLinear>(field, rays, inside, kStopBelow, walked, nullptr);
+          walkPacket<kIsLinear>(field, rays, kStopBelow, walked, nullptr);
       },
       [&](uint32_t x, uint32_t y, const WalkedRay& walked) { together(x, y) = walked; });
   for (uint32_t y = 0; y < camera.height; ++y)

@@ -61,16 +61,16 @@ class SegmentsWarp final : public Warp {
     const float stopBelow = limitsOf(frame_->settings.render).stopBelow;
     const auto walkRays = [&](const auto& fillFor) {
       forEachPixelPacket(
-          *frame_, camera, stop, [&](const auto& rays, const auto& inside, auto& walked) { walkPacket<kIsLinear>(field, rays, inside, stopBelow, walked, fillFor(rays)); },
+          *frame_, camera, stop, [&](const RayPacket& rays, auto& walked) { walkPacket<kIsLinear>(field, rays, stopBelow, walked, fillFor(rays)); },
           [&](uint32_t x, uint32_t y, const WalkedRay& walked) {
             image.color(x, y) = walked.seen();
             image.samples(x, y) = walked.id();
           });
     };
-    if (!frame_->proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) return walkRays([](const auto& /*rays*/) { return nullptr; });
+    if (!frame_->proxy || fillOf(kSegmentsWarp, settings.knobs) != Fill::proxy) return walkRays([](const RayPacket& /*rays*/) { return nullptr; });
     fill_.visit(frame_->proxy, frame_->settings.render, camera, [&](const auto& march, const auto& /*baked*/) {
-      walkRays([&](const auto& rays) {
-        return [&](int lane, WalkedRay& walked, float tNear, float tFar) { walked.guess(march(rays[lane], tNear, tFar, walked.through)); };
+      walkRays([&](const RayPacket& rays) {
+        return [&](int lane, WalkedRay& walked, float tNear, float tFar) { walked.guess(march(rays.ray(lane), tNear, tFar, walked.through)); };
       });
     });
   }

@@ -4,6 +4,7 @@
 
 #include "render/core/simd_lanes.h"
 #include "render/warp/segments/field_line.h"
+#include "render/warp/segments/ray_packet.h"
 
 namespace warpscope {
 
@@ -25,31 +26,21 @@ struct alignas(64) PacketLines {
   }
 };
 
-/// Of rays side by side, of each its part `inside`; of none where that is a miss, or a point.
+/// Of each ray its part; of none where that is a miss, or a point.
 template <bool kIsLinear>
-void makePacketLines(const SegmentField& field, const Ray (&rays)[kBatchLanes], const RayInterval (&inside)[kBatchLanes], PacketLines& lines) {
+void makePacketLines(const SegmentField& field, const RayPacket& rays, PacketLines& lines) {
   using F = FloatBatch;
   using M = xsimd::batch_bool<float>;
-  struct alignas(64) Lanes {
-    float originX[kBatchLanes], originY[kBatchLanes], originZ[kBatchLanes], x[kBatchLanes], y[kBatchLanes], z[kBatchLanes], tNear[kBatchLanes], tFar[kBatchLanes];
-  } lanes;
-  for (int lane = 0; lane < kBatchLanes; ++lane) {
-    const bool hasPart = inside[lane].tNear < inside[lane].tFar;
-    const Ray& ray = rays[lane];
-    const auto kept = [hasPart](float number) { return hasPart ? number : 0.0f; };
-    lanes.originX[lane] = kept(ray.origin.x), lanes.originY[lane] = kept(ray.origin.y), lanes.originZ[lane] = kept(ray.origin.z);
-    lanes.x[lane] = kept(ray.direction.x), lanes.y[lane] = kept(ray.direction.y), lanes.z[lane] = kept(ray.direction.z);
-    lanes.tNear[lane] = kept(inside[lane].tNear), lanes.tFar[lane] = kept(inside[lane].tFar);
-  }
   const auto loaded = [](const float (&numbers)[kBatchLanes]) { return F::load_aligned(numbers); };
   const PixelGrid& grid = field.pixels;
-  const F zero(0.0f), nearDepth(grid.nearDepth), directionX = loaded(lanes.x), directionY = loaded(lanes.y), directionZ = loaded(lanes.z);
-  const F offsetX = loaded(lanes.originX) - F(grid.anchor.x), offsetY = loaded(lanes.originY) - F(grid.anchor.y), offsetZ = loaded(lanes.originZ) - F(grid.anchor.z);
+  const F zero(0.0f), nearDepth(grid.nearDepth), directionX = loaded(rays.directionX), directionY = loaded(rays.directionY), directionZ = loaded(rays.directionZ);
+  const F offsetX = loaded(rays.originX) - F(grid.anchor.x), offsetY = loaded(rays.originY) - F(grid.anchor.y), offsetZ = loaded(rays.originZ) - F(grid.anchor.z);
   const auto along = [](const F& x, const F& y, const F& z, const glm::vec3& axis) { return x * F(axis.x) + y * F(axis.y) + z * F(axis.z); };
   const F ox = along(offsetX, offsetY, offsetZ, grid.right), oy = along(offsetX, offsetY, offsetZ, grid.up), oz = along(offsetX, offsetY, offsetZ, grid.forward);
   const F dx = along(directionX, directionY, directionZ, grid.right), dy = along(directionX, directionY, directionZ, grid.up), dz = along(directionX, directionY, directionZ, grid.forward);
   const F leastFromEye = maxOf(F(grid.nearDepth > 0.0f ? grid.nearDepth * 0.5f : 1e-4f), absOf(oz) * F(0x1p-20f)), leastDepth = leastFromEye - nearDepth;
-  F t0 = loaded(lanes.tNear), t1 = loaded(lanes.tFar);
+  F t0 = loaded(rays.tNear), t1 = loaded(rays.tFar);
+  const M hasPart = t0 < t1;
   const auto keep = [&](const F& at0, const F& growth) {
     const F crossing = -at0 / growth;
     const M grows = growth > zero, shrinks = growth < zero;
@@ -62,7 +53,7 @@ void makePacketLines(const SegmentField& field, const Ray (&rays)[kBatchLanes], 
   keep(mulAdd(tanX, depth, ox), mulAdd(tanX, dz, dx));
   keep(mulAdd(tanY, depth, -oy), mulAdd(tanY, dz, -dy));
   keep(mulAdd(tanY, depth, oy), mulAdd(tanY, dz, dy));
-  const M isLine = t0 < t1, isRising = dz > zero;
+  const M isLine = hasPart & (t0 < t1), isRising = dz > zero;
   constexpr float kShift = kIsLinear ? 0.5f : 0.0f;
   struct Place {
     F x, y, depth, fromEye;

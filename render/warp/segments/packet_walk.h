@@ -360,14 +360,13 @@ class PacketWalk {
   F red_, green_, blue_, through_;
 };
 
-/// walkSegments() of rays side by side, as many as a vector has lanes. `inside`: the part of each that is walked; none where it is a miss. `fill(lane, walked, tNear,
+/// walkSegments() of rays side by side, as many as a vector has lanes. Of each its part is walked; none where that is a miss. `fill(lane, walked, tNear,
 /// tFar)`, or nullptr. `walked`: as it begins. The field's tiles lie in one array, level after level, as BuiltSegmentField's do.
 template <bool kIsLinear, class Fill>
-void walkPacket(const SegmentField& field, const Ray (&rays)[kBatchLanes], const RayInterval (&inside)[kBatchLanes], float stopBelow, WalkedRay (&walked)[kBatchLanes],
-                const Fill& fill) {
+void walkPacket(const SegmentField& field, const RayPacket& rays, float stopBelow, WalkedRay (&walked)[kBatchLanes], const Fill& fill) {
   constexpr bool kFills = !std::is_same_v<Fill, std::nullptr_t>;
   PacketLines lines;
-  makePacketLines<kIsLinear>(field, rays, inside, lines);
+  makePacketLines<kIsLinear>(field, rays, lines);
   WalkedPacket colors;
   alignas(64) float rises[kBatchLanes] = {}, falls[kBatchLanes] = {};
   bool anyRises = false, anyFalls = false;
@@ -377,7 +376,7 @@ void walkPacket(const SegmentField& field, const Ray (&rays)[kBatchLanes], const
   };
   for (int lane = 0; lane < kBatchLanes; ++lane) {
     const bool isLine = lines.isLine(lane);
-    fillRay(lane, inside[lane].tNear, isLine ? lines.t0[lane] : inside[lane].tFar);
+    fillRay(lane, rays.tNear[lane], isLine ? lines.t0[lane] : rays.tFar[lane]);
     if (isLine && !(walked[lane].through < stopBelow)) {
       (lines.isRising(lane) ? rises : falls)[lane] = 1.0f;
       (lines.isRising(lane) ? anyRises : anyFalls) = true;
@@ -400,7 +399,7 @@ void walkPacket(const SegmentField& field, const Ray (&rays)[kBatchLanes], const
   }
   for (int lane = 0; lane < kBatchLanes; ++lane) {
     walked[lane] = colors.ray(lane);
-    if (rises[lane] + falls[lane] > 0.0f) fillRay(lane, lines.t1[lane], inside[lane].tFar);
+    if (rises[lane] + falls[lane] > 0.0f) fillRay(lane, lines.t1[lane], rays.tFar[lane]);
   }
 }
 
