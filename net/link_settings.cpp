@@ -362,7 +362,7 @@ std::string inWords(const DuplexLinkSettings& settings) {
   return text.empty() ? "nothing" : text;
 }
 
-LinkSign signOf(const DuplexLinkSettings& settings) {
+LinkWords wordsOf(const DuplexLinkSettings& settings) {
   const double roundTripMs = settings.up.delayMs + settings.down.delayMs;
   const std::string brief = roundTripMs > 0 ? numberText(roundTripMs) + " ms round trip" : inWords(settings);
   for (const LinkPreset& preset : linkPresets())

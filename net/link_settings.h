@@ -96,11 +96,11 @@ std::string toString(const DuplexLinkSettings& settings);
 /// What it does to bytes, as people read it, with units: "600 ms round trip, 20 Mbit/s down, 5 Mbit/s up, 1 % lost"; "nothing" where it does nothing.
 std::string inWords(const DuplexLinkSettings& settings);
 
-/// What a sign says of it, in full and where room is scarce: "Satellite in a geostationary orbit: 600 ms" and "satellite, 600 ms round trip".
-struct LinkSign {
+/// In full, and where room is scarce: a preset's summary or inWords(), and "satellite, 600 ms round trip".
+struct LinkWords {
   std::string full, brief;
 };
-LinkSign signOf(const DuplexLinkSettings& settings);
+LinkWords wordsOf(const DuplexLinkSettings& settings);
 
 /// As people read it, to four digits: "0.01 %".
 std::string lossText(double loss);

@@ -140,41 +140,45 @@ TEST_F(RecordingTest, LinksHoldFromTheirTimesOn) {
   {
     RecordingWriter writer(folder_.file("a.warpscope"), scene_, "");
     writer.addView(0.0, {});
-    writer.addLink(0.5, {satellite, false});
-    writer.addLink(1.0, {own, true});
+    writer.addLink(0.5, signOf(satellite, false));
+    writer.addLink(1.0, signOf(own, true));
     writer.addLink(2.0, {});
     writer.addView(3.0, {});
   }
   const Recording recording = readRecording(folder_.file("a.warpscope"));
-  EXPECT_EQ(linkAt(recording, 0.4), SimulatedLink{});
-  EXPECT_EQ(linkAt(recording, 0.5), (SimulatedLink{satellite, false}));
-  EXPECT_EQ(linkAt(recording, 1.9), (SimulatedLink{own, true}));
-  EXPECT_EQ(linkAt(recording, 2.5), SimulatedLink{});
-  EXPECT_EQ(signOf(linkAt(recording, 0.5)).brief, "Simulated link: satellite, 600 ms round trip");
-  EXPECT_EQ(signOf(linkAt(recording, 1.0)).brief, "Simulated outage: nothing passes");
-  EXPECT_EQ(signOf(linkAt(recording, 2.5)).full, "");
-  EXPECT_EQ(signOf({own, false}).full, "Simulated link: 80 ms round trip, 2 Mbit/s down");
+  EXPECT_EQ(linkAt(recording, 0.4), LinkSign{});
+  EXPECT_EQ(linkAt(recording, 0.5), signOf(satellite, false));
+  EXPECT_EQ(linkAt(recording, 0.5).brief, "Simulated link: satellite, 600 ms round trip");
+  EXPECT_EQ(linkAt(recording, 1.9), signOf(own, true));
+  EXPECT_EQ(linkAt(recording, 1.9).full, "Simulated outage: nothing passes");
+  EXPECT_EQ(linkAt(recording, 2.5), LinkSign{});
+  EXPECT_EQ(signOf(own, false).full, "Simulated link: 80 ms round trip, 2 Mbit/s down");
   // One that cannot be is a damaged record.
   std::string bytes = bytesOf(folder_.file("a.warpscope"));
-  const size_t at = bytes.find("satellite");
+  const size_t at = bytes.find("Simulated link");
   ASSERT_NE(at, std::string::npos);
-  bytes[at] = 'S';
-  EXPECT_THAT(refusalOf(bytes), HasSubstr("is damaged"));
-  bytes[at] = 's';
-  bytes[at - 1] = 2;  // neither an outage nor none
-  EXPECT_THAT(refusalOf(bytes), HasSubstr("is damaged"));
+  std::string other = bytes;
+  other[at - 1] = 2;  // neither an outage nor none
+  EXPECT_THAT(refusalOf(other), HasSubstr("is damaged"));
+  other = bytes;
+  other[other.find('\n', at)] = ' ';  // one sign
+  EXPECT_THAT(refusalOf(other), HasSubstr("is damaged"));
+  // What a terminal or a screen would take for more than text is not shown.
+  bytes[at] = '\x1b';
+  EXPECT_EQ(refusalOf(bytes), "");
+  EXPECT_EQ(linkAt(readRecording(folder_.file("read.warpscope")), 0.5).full.find('\x1b'), std::string::npos);
 }
 
 TEST_F(RecordingTest, LabelsBelowPicturesSayWhatWasSimulatedAndHowFarFromTheTruthTheyAre) {
-  const auto write = [&](const std::string& name, const SimulatedLink& link) {
+  const auto write = [&](const std::string& name, const LinkSign& sign) {
     RecordingWriter writer(folder_.file(name), scene_, "");
     writer.addView(0.0, {});
     writer.addFrame(0.0, frames_[0]);
-    writer.addLink(0.0, link);
+    writer.addLink(0.0, sign);
     writer.addView(1.0, {});
   };
   write("plain.warpscope", {});
-  write("satellite.warpscope", {net::parseLinkSettings("satellite"), false});
+  write("satellite.warpscope", signOf(net::parseLinkSettings("satellite"), false));
   ReplaySettings settings;
   settings.techniques = {{&findWarp("hold"), {}}, {&findWarp("reference"), {}}};
   settings.picturesPerSecond = 1.0;
@@ -353,7 +357,7 @@ TEST_F(SessionRecordingTest, FramesAndTheCameraOfASession) {
   session_.startRecording(folder.file("b.warpscope"), "");  // waits until all of the one before is written
   const Recording linked = readRecording(folder.file("d.warpscope"));
   ASSERT_EQ(linked.links.size(), 3u);
-  for (size_t i = 0; i < linked.links.size(); ++i) EXPECT_EQ(linked.links[i].link, (SimulatedLink{knobs.transport.link, i == 1})) << i;
+  for (size_t i = 0; i < linked.links.size(); ++i) EXPECT_EQ(linked.links[i].sign, signOf(knobs.transport.link, i == 1)) << i;
   ASSERT_TRUE(open("block"));
   EXPECT_FALSE(session_.isRecording()) << "it was of the scene before";
 }

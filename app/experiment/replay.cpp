@@ -182,7 +182,7 @@ void replay(const Recording& recording, const ReplaySettings& settings, const st
     }
     if (settings.hasLabels) {
       const std::string time = formatted("%.2f s", seconds);
-      const net::LinkSign sign = signOf(linkAt(recording, seconds));
+      const LinkSign sign = linkAt(recording, seconds);
       labels.write(pageLine, 0, page.width(), sign.full.empty() ? std::array{time, time, time} : std::array{time + "   " + sign.full, time + "   " + sign.brief, time});
     }
     onPicture(i, page);

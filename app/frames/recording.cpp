@@ -20,6 +20,7 @@
 #include "app/shell/output_files.h"
 #include "net/wire.h"
 #include "render/base/error.h"
+#include "render/base/printable.h"
 
 namespace warpscope {
 namespace {
@@ -31,6 +32,8 @@ constexpr size_t kRecordHeadBytes = 8 + 1 + 4;
 constexpr size_t kMostWaiting = 64;
 constexpr std::chrono::milliseconds kFlushPeriod(500);
 constexpr uint64_t kMostBytes = uint64_t{1} << 36;
+constexpr char kBetweenSigns = '\n';
+constexpr size_t kMostSignBytes = 4096;
 
 /// Of frames in recordings: nothing is lost.
 CodecSettings recordedCodec() {
@@ -53,7 +56,7 @@ struct RecordedFunction {
 };
 struct RecordedLink {
   double seconds;
-  SimulatedLink link;
+  LinkSign sign;
 };
 
 std::string reasonOf(int error) { return std::strerror(error); }
@@ -155,8 +158,8 @@ class RecordingWriter::Work {
   void keep(const RecordedLink& one) {
     net::Bytes body;
     net::WireWriter writer(body);
-    writer.number(static_cast<uint8_t>(one.link.hasOutage ? 1 : 0));
-    const std::string text = net::toString(one.link.settings);
+    writer.number(static_cast<uint8_t>(one.sign.isOutage ? 1 : 0));
+    const std::string text = one.sign.full + kBetweenSigns + one.sign.brief;
     const auto bytes = std::as_bytes(std::span(text));
     body.insert(body.end(), bytes.begin(), bytes.end());
     record(one.seconds, RecordType::link, body);
@@ -230,7 +233,7 @@ RecordingWriter::~RecordingWriter() = default;
 void RecordingWriter::addView(double seconds, const View& view) { work_->post(RecordedView{seconds, view}); }
 void RecordingWriter::addFrame(double seconds, SampleFramePtr frame) { work_->post(RecordedFrame{seconds, std::move(frame)}); }
 void RecordingWriter::addFunction(double seconds, const TransferFunction& function) { work_->post(RecordedFunction{seconds, function}); }
-void RecordingWriter::addLink(double seconds, const SimulatedLink& link) { work_->post(RecordedLink{seconds, link}); }
+void RecordingWriter::addLink(double seconds, const LinkSign& sign) { work_->post(RecordedLink{seconds, sign}); }
 std::string RecordingWriter::error() const { return work_->error(); }
 size_t RecordingWriter::framesLeftOut() const { return work_->leftOut(); }
 
@@ -274,11 +277,9 @@ bool take(Recording& recording, double seconds, RecordType type, std::span<const
       if (body.empty() || std::to_integer<uint8_t>(body[0]) > 1) return false;
       if (!recording.links.empty() && seconds < recording.links.back().seconds) return false;
       const std::string_view text(reinterpret_cast<const char*>(body.data()) + 1, body.size() - 1);
-      try {
-        recording.links.push_back({seconds, {net::parseLinkSettings(text), std::to_integer<uint8_t>(body[0]) == 1}});
-      } catch (const net::LinkSettingsError&) {
-        return false;
-      }
+      const size_t between = text.find(kBetweenSigns);
+      if (between == std::string_view::npos || text.size() > kMostSignBytes) return false;
+      recording.links.push_back({seconds, {printable(text.substr(0, between)), printable(text.substr(between + 1)), std::to_integer<uint8_t>(body[0]) == 1}});
       return true;
     }
     case RecordType::frame: return false;
@@ -410,16 +411,17 @@ double leftAt(const Recording& recording, size_t view) {
   return left < views.size() ? views[left].seconds : std::max(recording.seconds, recording.frames.empty() ? 0.0 : recording.frames.front().seconds);
 }
 
-SimulatedLink linkAt(const Recording& recording, double seconds) {
+LinkSign linkAt(const Recording& recording, double seconds) {
   const auto next = std::ranges::upper_bound(recording.links, seconds, {}, &Recording::Link::seconds);
-  return next == recording.links.begin() ? SimulatedLink{} : std::prev(next)->link;
+  return next == recording.links.begin() ? LinkSign{} : std::prev(next)->sign;
 }
 
-net::LinkSign signOf(const SimulatedLink& link) {
-  if (link.hasOutage) return {"Simulated outage: nothing passes", "Simulated outage: nothing passes"};
-  if (link.settings.isTransparent()) return {};
-  const net::LinkSign sign = net::signOf(link.settings);
-  return {"Simulated link: " + sign.full, "Simulated link: " + sign.brief};
+LinkSign signOf(const net::DuplexLinkSettings& link, bool hasOutage) {
+  constexpr const char* kOutage = "Simulated outage: nothing passes";
+  if (hasOutage) return {kOutage, kOutage, true};
+  if (link.isTransparent()) return {};
+  const net::LinkWords words = net::wordsOf(link);
+  return {"Simulated link: " + words.full, "Simulated link: " + words.brief};
 }
 
 const TransferFunction* functionAt(const Recording& recording, double seconds) {

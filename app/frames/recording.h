@@ -1,7 +1,7 @@
 // A recording: what came from a server and where the camera was, each with its time, so that it can be shown again by any technique.
 // A file: the eight bytes kRecordingMagic, then records, each the seconds since its beginning (a double), a type (one byte), the length of what follows (four
 // bytes), and that; all little-endian (wire.h). Scenes, frames and their heads are as in net/messages.h, payloads as the packed codec makes them, without loss
-// (Zstandard); transfer functions as in scene files, JSON; links as the command line writes them. Records are appended as they come: of a program that was killed at most the last second is missing, and a record that is cut off is left out.
+// (Zstandard); transfer functions as in scene files, JSON; links in words. Records are appended as they come: of a program that was killed at most the last second is missing, and a record that is cut off is left out.
 #pragma once
 
 #include <filesystem>
@@ -23,16 +23,14 @@ namespace warpscope {
 /// Its last byte is the format's version.
 inline constexpr std::string_view kRecordingMagic{"WSCOPER\x01", 8};
 
-/// What is simulated between a server and a client.
-struct SimulatedLink {
-  net::DuplexLinkSettings settings;
-  bool hasOutage = false;  ///< on top of it: nothing passes
+/// What a sign says of what is simulated between a server and a client, in full and where room is scarce; empty where nothing is.
+struct LinkSign {
+  std::string full, brief;
+  bool isOutage = false;
 
-  bool operator==(const SimulatedLink&) const = default;
+  bool operator==(const LinkSign&) const = default;
 };
-
-/// As a sign says it, in full and where room is scarce; empty where nothing is simulated.
-net::LinkSign signOf(const SimulatedLink& link);
+LinkSign signOf(const net::DuplexLinkSettings& link, bool hasOutage);
 
 /// Records in a thread of its own; nothing of it waits. On one thread.
 class RecordingWriter {
@@ -50,7 +48,7 @@ class RecordingWriter {
   /// The function that the scene is shown by from then on; that of the scene it began with is there already.
   void addFunction(double seconds, const TransferFunction& function);
   /// What is simulated between the server and here from then on; nothing, until this is called.
-  void addLink(double seconds, const SimulatedLink& link);
+  void addLink(double seconds, const LinkSign& sign);
   /// Why it goes on no more (the disk is full); empty while it does. Frames that come faster than they can be written are left out, and counted.
   std::string error() const;
   size_t framesLeftOut() const;
@@ -77,7 +75,7 @@ struct Recording {
 
   struct Link {
     double seconds = 0.0;
-    SimulatedLink link;
+    LinkSign sign;  ///< in words: what the settings name may be elsewhere
   };
 
   std::filesystem::path file;
@@ -106,7 +104,7 @@ size_t viewAskedWith(const Recording& recording, const Recording::Frame& arrived
 double leftAt(const Recording& recording, size_t view);
 
 /// What was simulated at that time.
-SimulatedLink linkAt(const Recording& recording, double seconds);
+LinkSign linkAt(const Recording& recording, double seconds);
 
 /// The function that the scene was shown by at that time; null where none is known.
 const TransferFunction* functionAt(const Recording& recording, double seconds);

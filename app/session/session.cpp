@@ -100,9 +100,9 @@ std::vector<TechniqueInUse> Session::techniquesInUse() const {
   return techniques;
 }
 
-SimulatedLink Session::simulated(TimePoint now) const {
+LinkSign Session::linkSign(TimePoint now) const {
   if (playback_.isOpen() && !playback_.recording().links.empty()) return linkAt(playback_.recording(), playback_.seconds());
-  return {knobs_.transport.link, hasOutage(now)};
+  return signOf(knobs_.transport.link, hasOutage(now));
 }
 
 TransportSettings Session::transportAt(TimePoint now) const {
@@ -282,7 +282,7 @@ void Session::record(TimePoint now) {
   const double seconds = std::chrono::duration<double>(now - *recordingSince_).count();
   recorder_->addView(seconds, view_.get());
   if (recordedFunction_ != scene()->transferFunction) recorder_->addFunction(seconds, recordedFunction_ = scene()->transferFunction);
-  if (SimulatedLink link = simulated(now); link != recordedLink_) recorder_->addLink(seconds, recordedLink_ = std::move(link));
+  if (LinkSign sign = linkSign(now); sign != recordedLink_) recorder_->addLink(seconds, recordedLink_ = std::move(sign));
   // One whose copy of the volume was only classified anew is there already.
   const SampleFramePtr& frame = frames_.newest();
   if (frame && frame->requestId != recordedFrame_) recorder_->addFrame(seconds, frame), recordedFrame_ = frame->requestId;

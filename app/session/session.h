@@ -116,7 +116,7 @@ class Session {
   void beginOutage(std::chrono::milliseconds length, TimePoint now) { outageEnd_ = now + (outageLength_ = length); }
   bool hasOutage(TimePoint now) const { return now < outageEnd_; }
   /// What is simulated of what is on show: of a recording, what was when it was recorded.
-  SimulatedLink simulated(TimePoint now) const;
+  LinkSign linkSign(TimePoint now) const;
   void setKnobs(const LiveSettings& knobs);
   /// Those that the panel has for itself (Knob::isOfPanel); others have no effect.
   void setPanelKnobs(size_t panel, const KnobValues& knobs) { panels_[panel].setKnobs(knobs); }
@@ -273,7 +273,7 @@ class Session {
   std::optional<TimePoint> recordingSince_;  // nothing until its first view
   std::optional<uint64_t> recordedFrame_;    // the last one's request
   TransferFunction recordedFunction_;        // the last one
-  SimulatedLink recordedLink_;               // likewise
+  LinkSign recordedLink_;                    // likewise
   std::vector<std::future<void>> endedRecordings_;  // that are still written
   std::string recordingError_, recordingFailure_;
   TimePoint outageEnd_{};

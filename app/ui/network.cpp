@@ -146,10 +146,9 @@ void drawNetwork(Session& session, LiveSettings& knobs, const Look& look) {
 }
 
 void drawLinkSign(const Session& session, const Look& look) {
-  const SimulatedLink link = session.simulated(look.now);
-  auto [text, brief] = signOf(link);  // in full or, where that has no room, by what says most
+  auto [text, brief, isOutage] = session.linkSign(look.now);  // in full or, where that has no room, by what says most
   if (text.empty() && !session.isRecording()) return;
-  const bool hasLink = !link.hasOutage && !text.empty();
+  const bool hasLink = !isOutage && !text.empty();
   if (session.isRecording()) {
     text = "Recording. " + (text.empty() ? std::string("Ctrl+R ends it") : text);
     brief = "Recording. " + brief;
@@ -174,7 +173,7 @@ void drawLinkSign(const Session& session, const Look& look) {
           "\"While moving\" (Server) makes it take less.", look);
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 to{at.x + width, at.y + height};
-  list->AddRectFilled(at, to, ImGui::GetColorU32(link.hasOutage ? palette().errorBackground : palette().noticeBackground), look.px(4.0f));
+  list->AddRectFilled(at, to, ImGui::GetColorU32(isOutage ? palette().errorBackground : palette().noticeBackground), look.px(4.0f));
   list->PushClipRect(at, to, true);
   list->AddText(ImGui::GetFont(), size, {at.x + look.px(10.0f), at.y + look.px(4.0f)}, ImGui::GetColorU32(palette().noticeText), text.c_str());
   list->PopClipRect();
