@@ -61,11 +61,11 @@ void requireFinite(const Image<glm::vec4>& image, std::string_view what) {
 }
 
 Image<Rgba8> holesOf(const ContentInputs& inputs) {
-  const auto [hole, guess] = marksOfHoles(inputs.marks);
+  const PixelMarks marks = marksOfHoles(inputs.marks);
   return made<Rgba8>(inputs.image.color, [&](size_t i) {
     const uint32_t sample = inputs.image.samples[i];
-    if (sample == kFilled) return guess;
-    if (sample == kNoSample && (*inputs.reference)[i].a >= kShownAlpha) return hole;
+    if (sample == kFilled) return marks.filled;
+    if (sample == kNoSample && (*inputs.reference)[i].a >= kShownAlpha) return marks.uncovered;
     return opaque(glm::vec3(0.5f * luma(displayed(inputs.image.color[i], inputs.background))));  // dimmed, so that marks stand out
   });
 }
