@@ -12,8 +12,8 @@ SKIPPED = 77
 FILES = ["bin/warpscope", "share/applications/warpscope.desktop", "share/icons/hicolor/scalable/apps/warpscope.svg", "share/man/man1/warpscope.1.gz",
          "share/doc/warpscope/copyright", "share/doc/warpscope/README.md", "share/doc/warpscope/changelog.gz",
          "share/doc/warpscope/examples/scenes/shells.json"]
-# Opened by name while the program runs: no tool can find them in it.
 MPI_LIBRARY = "lib/warpscope/warpscope_mpi.so"  # where the program looks for it
+# Opened by name while the program runs: no tool can find them in it.
 LOADED = ["libgl1-mesa-dri", "libxcursor1", "libxi6", "libxrandr2"]
 
 
@@ -85,6 +85,10 @@ def check_installed(cmake, build, folder, version):
     check_desktop_file(folder)
 
 
+def check_permissions(listed):
+    assert not re.search(r"^.....w|^.{8}w", listed, re.M), f"others than root may write to files of the package:\n{listed}"
+
+
 def check_packed(cmake, build, folder, version):
     for tool in ("dpkg-shlibdeps", "dpkg-deb", "file"):
         if not shutil.which(tool):
@@ -106,8 +110,7 @@ def check_packed(cmake, build, folder, version):
     for file in FILES:
         assert f"./usr/{file}\n" in listed, f"the package leaves {file} out"
     assert MPI_LIBRARY not in listed, f"the package has what needs MPI:\n{listed}"
-    isOthersSafe = lambda contents: not re.search(r"^.....w|^.{8}w", contents, re.M)
-    assert isOthersSafe(listed), f"others than root may write to files of the package:\n{listed}"
+    check_permissions(listed)
     if hasMpi:
         package = os.path.join(folder, forMpi[0])
         depends = run("dpkg-deb", "--field", package, "Depends")
@@ -117,7 +120,7 @@ def check_packed(cmake, build, folder, version):
         listed = run("dpkg-deb", "--contents", package)
         files = re.findall(r"^-.* \./usr/(\S+)$", listed, re.M)
         assert sorted(files) == sorted([MPI_LIBRARY, "share/doc/warpscope-mpi/changelog.gz", "share/doc/warpscope-mpi/copyright"]), files
-        assert isOthersSafe(listed), f"others than root may write to files of the package:\n{listed}"
+        check_permissions(listed)
 
 
 def main():

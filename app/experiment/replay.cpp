@@ -108,36 +108,40 @@ uint32_t replayHeight(const ReplaySettings& settings) { return settings.height +
 void replay(const Recording& recording, const ReplaySettings& settings, const std::function<void(size_t, const Image<Rgba8>&)>& onPicture,
             const std::stop_token& stop) {
   struct Row {
+    const WarpDescriptor* technique;
     std::unique_ptr<Warp> warp;
     WarpSettings warpSettings;
     SampleFramePtr frame;
+    WarpedImage image;
   };
   std::vector<Row> rows;
   WarpResources resources = settings.resources;
-  for (const TechniqueInUse& one : settings.techniques) {
-    Row& row = rows.emplace_back();
-    row.warp = makeWarp(*one.technique, resources);
-    row.warpSettings.knobs = one.knobs.only(one.technique->knobs);
-    row.warpSettings.reference = recording.scene.march.render;
-    if (!one.technique->usesFrame) row.warp->setFrame(nullptr, row.warpSettings, stop);
-  }
-  // What the others are judged by: marched as `reference` is, whether or not that is on show.
-  std::unique_ptr<Warp> truth;
-  WarpSettings truthSettings;
-  truthSettings.reference = recording.scene.march.render;
-  const auto makeTruth = [&] {
-    if (!settings.hasErrors) return;
-    truth = makeWarp(findWarp("reference"), resources);
-    truth->setFrame(nullptr, truthSettings, stop);
+  const auto make = [&](Row& row) {
+    row.warp = makeWarp(*row.technique, resources);
+    if (!row.technique->usesFrame) row.warp->setFrame(nullptr, row.warpSettings, stop);
   };
-  makeTruth();
+  const auto add = [&](const WarpDescriptor& technique, const KnobValues& knobs) {
+    Row& row = rows.emplace_back();
+    row.technique = &technique;
+    row.warpSettings.knobs = knobs.only(technique.knobs);
+    row.warpSettings.reference = recording.scene.march.render;
+    make(row);
+  };
+  for (const TechniqueInUse& one : settings.techniques) add(*one.technique, one.knobs);
+  const auto columns = static_cast<uint32_t>(rows.size());
+  // What the others are judged by: `reference` as it is without knobs of its own, behind the others where it is not among them.
+  std::optional<size_t> truth;
+  if (settings.hasErrors) {
+    const WarpDescriptor& reference = findWarp("reference");
+    const KnobValues usual = KnobValues{}.only(reference.knobs);
+    truth = static_cast<size_t>(std::ranges::find_if(rows, [&](const Row& row) { return row.technique == &reference && row.warpSettings.knobs == usual; }) - rows.begin());
+    if (*truth == rows.size()) add(reference, usual);
+  }
   RecordedFrames frames(recording);
   FrameAges ages(recording);
-  const auto columns = static_cast<uint32_t>(rows.size());
   Image<Rgba8> page(columns * settings.width + (columns - 1) * kGapPx, replayHeight(settings));
   Labels labels(page, settings.height);
   const uint32_t errorLine = settings.hasLabels ? 1 : 0, pageLine = errorLine + (settings.hasErrors ? 1 : 0);
-  WarpedImage image, exact;
   const size_t count = pictureCount(recording, settings.picturesPerSecond);
   const TransferFunction* marchedBy = functionAt(recording, 0.0);
   // Those that march follow the function; those that draw frames have it with each.
@@ -145,12 +149,8 @@ void replay(const Recording& recording, const ReplaySettings& settings, const st
     if (function == marchedBy || resources.marcher == nullptr) return;
     marchedBy = function;
     resources.marcher = resources.marcher->withTransferFunction(*function);
-    for (size_t k = 0; k < rows.size(); ++k) {
-      if (settings.techniques[k].technique->usesFrame) continue;
-      rows[k].warp = makeWarp(*settings.techniques[k].technique, resources);
-      rows[k].warp->setFrame(nullptr, rows[k].warpSettings, stop);
-    }
-    makeTruth();
+    for (Row& row : rows)
+      if (!row.technique->usesFrame) make(row);
   };
   for (size_t i = 0; i < count; ++i) {
     if (stop.stop_requested()) throw OperationCancelled();
@@ -159,21 +159,19 @@ void replay(const Recording& recording, const ReplaySettings& settings, const st
     const SampleFramePtr frame = frames.at(seconds);
     follow(functionAt(recording, seconds));
     std::fill(page.begin(), page.end(), kPaper);
-    std::optional<PictureJudge> judge;
-    if (truth) {
-      truth->draw(camera, truthSettings, exact, stop);
-      judge.emplace(exact.color, recording.scene.background);
+    for (Row& row : rows) {
+      if (row.technique->usesFrame && frame && row.frame != frame) row.warp->setFrame(row.frame = frame, row.warpSettings, stop);
+      if (!row.technique->usesFrame || frame) row.warp->draw(camera, row.warpSettings, row.image, stop);
     }
-    for (size_t k = 0; k < rows.size(); ++k) {
-      Row& row = rows[k];
-      const WarpDescriptor& technique = *settings.techniques[k].technique;
+    std::optional<PictureJudge> judge;
+    if (truth) judge.emplace(rows[*truth].image.color, recording.scene.background);
+    for (size_t k = 0; k < columns; ++k) {
+      const Row& row = rows[k];
+      const WarpDescriptor& technique = *row.technique;
       const auto left = static_cast<uint32_t>(k) * (settings.width + kGapPx);
-      if (technique.usesFrame && frame && row.frame != frame) row.warp->setFrame(row.frame = frame, row.warpSettings, stop);
-      const bool isDrawn = !technique.usesFrame || frame;
-      if (isDrawn) {
-        row.warp->draw(camera, row.warpSettings, image, stop);
-        paste(page, toScreen(image, recording.scene.background), left);
-        if (judge) labels.write(errorLine, left, settings.width, technique.usesFrame ? errorTexts(judge->errorsOf(image)) : kIsTruth);
+      if (!technique.usesFrame || frame) {
+        paste(page, toScreen(row.image, recording.scene.background), left);
+        if (judge) labels.write(errorLine, left, settings.width, k == *truth ? kIsTruth : errorTexts(judge->errorsOf(row.image)));
       }
       if (!settings.hasLabels) continue;
       const std::string name(technique.label);
