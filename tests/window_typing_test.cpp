@@ -1,5 +1,7 @@
 // The window in the hands of a script that types: dialogs, fields, and keys that are not theirs.
 // Mirrors app/ui/file_dialog.h, type_ahead.h and what of app/ui/main_view.h is about keys.
+#include <fstream>
+
 #include "tests/window_script.h"
 
 namespace warpscope::ui {
@@ -108,6 +110,21 @@ TEST_F(WindowTypingTest, ANameWithoutAnEndingGetsOneAndFilesAreKnownByTheirConte
   window_.view().open(folder.file("bare"));
   ASSERT_TRUE(waitUntil([&] { return session_.sceneCount() > scenes; }));
   EXPECT_EQ(session_.error(), "");
+}
+
+TEST_F(WindowTypingTest, FilesDroppedTogetherAreOpenedInTheOrderThatMakesSense) {
+  const TestFolder folder;
+  ASSERT_TRUE(openAndRest("block"));
+  save(folder.file("mine.json"));
+  ASSERT_TRUE(openAndRest("shells"));
+  const TransferFunction function{{{0.0, glm::vec3(1.0f, 0.0f, 0.0f), 0.25f}, {90.0, glm::vec3(0.0f, 0.0f, 1.0f), 0.5f}}};
+  std::ofstream(folder.file("curve.json")) << R"({"points": [{"value": 0, "color": [1, 0, 0], "alpha": 0.25}, {"value": 90, "color": [0, 0, 1], "alpha": 0.5}]})";
+  std::ofstream(folder.file("broken.json")) << R"({"rows": 5})";
+  const uint64_t scenes = session_.sceneCount();
+  window_.view().open(std::vector{folder.file("curve.json"), folder.file("broken.json"), std::string("vessels"), folder.file("mine.json")});
+  ASSERT_TRUE(waitUntil([&] { return session_.sceneCount() > scenes && session_.scene()->transferFunction == function; }));
+  EXPECT_EQ(session_.scene()->name, "block") << "the last scene, then what is about one";
+  EXPECT_EQ(session_.sceneCount(), scenes + 1);
 }
 
 TEST_F(WindowTypingTest, WhatIsTypedIntoACornersFieldHoldsWhenTheFieldIsLeft) {

@@ -2,6 +2,9 @@
 // See handed_file.h.
 #include "app/session/handed_file.h"
 
+#include <iterator>
+#include <utility>
+
 #include "app/scene/json_document.h"
 #include "app/scene/transfer_file.h"
 #include "app/session/recorded_scene.h"
@@ -42,6 +45,39 @@ void sort(const std::string& path, HandedFile& file, const std::stop_token& stop
 
 std::unique_ptr<FileSorter> makeFileSorter(std::function<void()> onResult) {
   return std::make_unique<FileSorter>([]() -> FileSorter::Work { return sort; }, std::move(onResult));
+}
+
+HandedFiles::HandedFiles(std::function<void()> onResult) : sorter_(makeFileSorter(std::move(onResult))) {}
+
+void HandedFiles::hand(std::vector<std::string> paths) {
+  if (paths.empty()) return;
+  sorted_.clear();
+  unsorted_.assign(std::make_move_iterator(paths.begin()), std::make_move_iterator(paths.end()));
+  sorter_->post(unsorted_.front());
+}
+
+void HandedFiles::put(HandedFile file) {
+  if (!file.isScene()) return sorted_.push_back(std::move(file));
+  if (!sorted_.empty() && sorted_.front().isScene()) sorted_.pop_front();
+  sorted_.push_front(std::move(file));
+}
+
+std::optional<HandedFile> HandedFiles::tryTake(bool isLoading) {
+  if (!unsorted_.empty()) {
+    std::optional<HandedFile> file = sorter_->tryTake();
+    if (!file || file->path != unsorted_.front()) return std::nullopt;  // one of before
+    unsorted_.pop_front();
+    put(std::move(*file));
+    if (!unsorted_.empty()) {
+      sorter_->post(unsorted_.front());
+      return std::nullopt;
+    }
+  }
+  const bool isToWait = !sorted_.empty() && isLoading && !sorted_.front().isScene() && sorted_.front().error.empty();
+  if (sorted_.empty() || isToWait) return std::nullopt;
+  std::optional<HandedFile> next(std::move(sorted_.front()));
+  sorted_.pop_front();
+  return next;
 }
 
 }  // namespace warpscope

@@ -35,29 +35,31 @@ void toggleFrozen(Session& session) {
 }  // namespace
 
 MainView::MainView(const WindowGl& gl, const SceneOpener& openScene, std::optional<SweepFile> sweep, Remembered& remembered, std::function<void()> onNews)
-    : gl_(gl), grid_(gl), plot_(std::move(sweep)), openScene_(openScene), remembered_(remembered), fileSorter_(makeFileSorter(onNews)), files_(remembered, std::move(onNews)) {}
+    : gl_(gl), grid_(gl), plot_(std::move(sweep)), openScene_(openScene), remembered_(remembered), handedFiles_(onNews), files_(remembered, std::move(onNews)) {}
 
-void MainView::takeHandedFile(Session& session) {
-  std::optional<HandedFile> file = fileSorter_->tryTake();
-  if (!file) return;
-  if (!file->error.empty()) {
-    setNote(file->error);
-    plot_.showError(std::move(file->error));
-  } else if (file->sweep) {
-    remembered_.addFile(file->path);
-    session.setFront(file->sweep->choice);
-    plot_.showSweep(std::move(*file->sweep));
+void MainView::takeHandedFiles(Session& session) {
+  while (std::optional<HandedFile> file = handedFiles_.tryTake(!session.loading().empty())) take(std::move(*file), session);
+}
+
+void MainView::take(HandedFile file, Session& session) {
+  if (!file.error.empty()) {
+    setNote(file.error);
+    plot_.showError(std::move(file.error));
+  } else if (file.sweep) {
+    remembered_.addFile(file.path);
+    session.setFront(file.sweep->choice);
+    plot_.showSweep(std::move(*file.sweep));
     remembered_.setFolded(PlotView::kHeading, false);
-  } else if (file->transferFunction) {
-    remembered_.addFile(file->path);
-    controls_.transferEditor().set(session, *file->transferFunction);
-  } else if (file->session) {
-    if (std::filesystem::path(file->path) != lastSessionFile()) remembered_.addFile(file->path);
+  } else if (file.transferFunction) {
+    remembered_.addFile(file.path);
+    controls_.transferEditor().set(session, *file.transferFunction);
+  } else if (file.session) {
+    if (std::filesystem::path(file.path) != lastSessionFile()) remembered_.addFile(file.path);
     keepForLater(session);
-    restoreSession(*file->session, session);
+    restoreSession(*file.session, session);
   } else {
     keepForLater(session);
-    session.load(openScene_({file->path, {}}));
+    session.load(openScene_({file.path, {}}));
   }
 }
 
@@ -449,7 +451,7 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   look.remembered = &remembered_;
   applyColors(remembered_.isLight ? Theme::light : Theme::dark);
   typeAhead_.beginFrame();
-  takeHandedFile(session);
+  takeHandedFiles(session);
   rememberScene(session);
   // Not by its box, so by the hand on a picture.
   if (followedCamera_ && session.playback().isOpen() && !session.playback().followsCamera())

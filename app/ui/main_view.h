@@ -33,8 +33,9 @@ class MainView {
   void useDesktopDialogs(std::function<void()> onNews) { dialog_.useDesktop(std::move(onNews)); }
   /// A transfer function's file that is loaded whenever it is written.
   void watchTransferFile(const std::filesystem::path& path) { controls_.transferEditor().watch(path); }
-  /// A file that the user handed over, whatever it is (handed_file.h); it is there some frames later.
-  void open(const std::string& path) { fileSorter_->post(path); }
+  /// Files that the user handed over together, whatever they are (handed_file.h); they are there some frames later.
+  void open(std::vector<std::string> paths) { handedFiles_.hand(std::move(paths)); }
+  void open(const std::string& path) { open(std::vector{path}); }
   /// What a pressed key does. Keys that are typed into a field are the field's.
   void press(const KeyChord& key, Session& session);
   /// What a menu's entry does; of panels it means the one that was used last.
@@ -72,7 +73,8 @@ class MainView {
   bool isAnimating() const { return grid_.isAnimating(); }
 
  private:
-  void takeHandedFile(Session& session);
+  void takeHandedFiles(Session& session);
+  void take(HandedFile file, Session& session);
   /// `number`: of a technique, from 1 on. `panel`: of those that an action is about.
   void perform(Action action, Session& session, std::optional<size_t> panel, size_t number = 0);
   void goBack();
@@ -106,7 +108,7 @@ class MainView {
   PlotView plot_;
   const SceneOpener& openScene_;
   Remembered& remembered_;
-  std::unique_ptr<FileSorter> fileSorter_;
+  HandedFiles handedFiles_;
   uint64_t sceneSeen_ = 0;  // that was remembered last, as Session::sceneCount()
   KeptFiles files_;
   std::vector<Action> windowActions_;

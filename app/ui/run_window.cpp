@@ -135,7 +135,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
     for (const KeyChord& key : window.takeKeyPresses()) mainView.press(key, session);
     bool wantsPicture = false;
     const bool goesOn = perform(window, mainView.takeWindowActions(), wantsPicture);
-    if (const std::optional<std::string> file = window.takeDroppedFile()) mainView.open(*file);
+    mainView.open(window.takeDroppedFiles());
     const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);
     const Clock::TimePoint laidOut = clock.now();
     window.endFrame(isLast || wantsPicture ? &photograph : nullptr);

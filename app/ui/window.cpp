@@ -137,7 +137,7 @@ struct WindowEvents {
   }
   static void onDrop(GLFWwindow* glfw, int count, const char** paths) {
     windowOf(glfw).hasInput_ = true;
-    if (count > 0) windowOf(glfw).droppedFile_ = paths[0];
+    windowOf(glfw).droppedFiles_.assign(paths, paths + count);
   }
 };
 

@@ -58,8 +58,8 @@ class Window {
   bool isFullScreen() const;
   /// In screen coordinates; of the window that is not on the whole screen.
   glm::uvec2 size() const;
-  /// The file that was dropped onto the window last, once.
-  std::optional<std::string> takeDroppedFile() { return std::exchange(droppedFile_, std::nullopt); }
+  /// The files that were dropped onto the window together, the last time since the last call.
+  std::vector<std::string> takeDroppedFiles() { return std::exchange(droppedFiles_, {}); }
   /// Whether the left button was pressed twice, quickly and at one place, since the last call.
   bool takeDoubleClick() { return std::exchange(isDoubleClicked_, false); }
   /// True if the user did anything to the window since the last frame.
@@ -103,7 +103,7 @@ class Window {
   std::vector<KeyPress> pressedKeys_;   // since the last frame
   std::vector<int> heldKeys_;           // for a frame, although they are up again
   std::vector<unsigned int> laterCharacters_;
-  std::optional<std::string> droppedFile_;
+  std::vector<std::string> droppedFiles_;
 };
 
 }  // namespace warpscope::ui

@@ -2,8 +2,6 @@
 # The real window on a display without a monitor: it shows both panels, follows pointer and keys, and closes whenever it is told to.
 # Xvfb, xdotool and ImageMagick's import; the close button is ICCCM 4.2.8.1 (WM_DELETE_WINDOW), sent through Xlib.
 """Usage: window_test.py PROGRAM [1x | 2x | closing]... Exit codes: 0 passed, 1 failed, 77 skipped."""
-import ctypes
-import ctypes.util
 import json
 import os
 import random
@@ -13,6 +11,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+import x_client
 
 SKIPPED = 77
 PATIENCE_S = 30.0       # for a picture to appear; far more than it takes
@@ -248,29 +248,6 @@ class Program:
         return seconds
 
 
-class XEvent(ctypes.Structure):
-    """An XClientMessageEvent, padded to the size of an XEvent."""
-    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int), ("display", ctypes.c_void_p),
-                ("window", ctypes.c_ulong), ("message_type", ctypes.c_ulong), ("format", ctypes.c_int), ("data", ctypes.c_long * 5),
-                ("padding", ctypes.c_long * 24)]
-
-
-def press_close_button(program):
-    xlib = ctypes.CDLL(ctypes.util.find_library("X11"))
-    xlib.XOpenDisplay.restype = ctypes.c_void_p
-    xlib.XInternAtom.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int]
-    xlib.XInternAtom.restype = ctypes.c_ulong
-    xlib.XSendEvent.argtypes = [ctypes.c_void_p, ctypes.c_ulong, ctypes.c_int, ctypes.c_long, ctypes.POINTER(XEvent)]
-    xlib.XCloseDisplay.argtypes = [ctypes.c_void_p]
-    connection = xlib.XOpenDisplay(program.display.name.encode())
-    client_message = 33
-    event = XEvent(type=client_message, window=int(program.window), format=32,
-                   message_type=xlib.XInternAtom(connection, b"WM_PROTOCOLS", 0))
-    event.data[0] = xlib.XInternAtom(connection, b"WM_DELETE_WINDOW", 0)
-    xlib.XSendEvent(connection, int(program.window), 0, 0, ctypes.byref(event))
-    xlib.XCloseDisplay(connection)
-
-
 def look_at_errors(program, home):
     """Heat maps, and the plot's points, of which one is clicked on. The panels are hold and spheres, and are so again."""
     program.wait_until("points of both techniques in the plot", lambda: program.point_of(HOLD) and program.point_of(SPHERES))
@@ -449,7 +426,7 @@ def close_at_any_moment(executable):
     with Display(1280, 800) as display:
         program = Program(display, [executable, "view", *SCENE])
         program.find_window()
-        press_close_button(program)
+        x_client.press_close_button(display.name, program.window)
         print(f"  close button: {program.ends('close button'):.2f} s")
 
         program = Program(display, [executable, "view", "vessels", "--volume-size", "500x500x500"])
@@ -463,7 +440,7 @@ def close_at_any_moment(executable):
             program = Program(display, ["env", f"LD_PRELOAD={slow_lookup}", executable, "view", "--connect", "warp://slow.name:1"])
             program.find_window()
             time.sleep(0.5)
-            press_close_button(program)
+            x_client.press_close_button(display.name, program.window)
             seconds = program.ends("close button during a lookup", expected="looking up slow.name")
             print(f"  during a lookup: {seconds:.2f} s")
 
