@@ -9,6 +9,7 @@
 #include "app/picture/picture.h"
 #include "app/session/demos.h"
 #include "app/shell/user_folders.h"
+#include "app/ui/ground.h"
 #include "app/ui/help_pages.h"
 #include "app/ui/playback_bar.h"
 #include "app/ui/ray_view.h"
@@ -386,13 +387,13 @@ void MainView::drawBottom(Session& session, const Look& look) {
   const float room = ImGui::GetContentRegionAvail().x;
   const bool hasRay = session.lookedAt() && plot_.isUnfolded(), isShared = hasRay && room >= look.px(kLeastForBothPx);
   if (!hasRay || isShared) {
-    ImGui::BeginChild("plot", {isShared ? 0.45f * room : 0.0f, 0.0f}, true, flags);
+    beginChildOnGround(gl_, "plot", {isShared ? 0.45f * room : 0.0f, 0.0f}, flags);
     plot_.draw(session, grid_.usedLast(session), look);
     ImGui::EndChild();
   }
   if (isShared) ImGui::SameLine(0.0f, look.px(kMargin));
   if (hasRay) {
-    ImGui::BeginChild("ray", {0.0f, 0.0f}, true, flags);
+    beginChildOnGround(gl_, "ray", {0.0f, 0.0f}, flags);
     if (!drawRay(session, look)) session.lookAt(std::nullopt);
     ImGui::EndChild();
   }
@@ -432,7 +433,7 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   ImGui::PopStyleVar(2);
   if (remembered_.hasSideBar) {
     ImGui::SameLine(0.0f, look.px(kMargin));
-    ImGui::BeginChild("controls", {0.0f, bodyHeight}, true);
+    beginChildOnGround(gl_, "controls", {0.0f, bodyHeight});
     controls_.draw(session, openScene_, [&](const std::string& path) { open(path); }, history_, look);
     ImGui::EndChild();
   }

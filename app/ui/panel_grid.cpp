@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/picture/pixel_report.h"
+#include "app/ui/ground.h"
 #include "app/ui/panel_header.h"
 
 namespace warpscope::ui {
@@ -150,11 +151,8 @@ PanelEvents PanelGrid::drawCell(Session& session, size_t panel, const Layout& la
   const uint64_t id = session.panel(panel).id;
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(kPaddingPx), look.px(kPaddingPx)});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {look.px(8.0f), look.px(6.0f)});
-  const ImU32 ground = ImGui::GetColorU32(ImGuiCol_ChildBg);
-  ImGui::PushStyleColor(ImGuiCol_ChildBg, {0.0f, 0.0f, 0.0f, 0.0f});  // the panel draws its own
-  ImGui::BeginChild(("panel " + std::to_string(id)).c_str(), layout.cell, true, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
-  ImGui::PopStyleColor();
-  const PanelEvents events = drawWarpPanel(session, panel, ground, alone_ == id, otherOf(session, panel, held, look), isInspecting_ ? &inspection_ : nullptr,
+  beginChildOnGround(gl_, ("panel " + std::to_string(id)).c_str(), layout.cell, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+  const PanelEvents events = drawWarpPanel(session, panel, alone_ == id, otherOf(session, panel, held, look), isInspecting_ ? &inspection_ : nullptr,
                                            layout.space, shown_.at(id)->textures, look);
   if (ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows | ImGuiHoveredFlags_AllowWhenBlockedByActiveItem)) underPointerNow_ = id;
   ImGui::EndChild();

@@ -28,6 +28,7 @@ WindowGl::WindowGl(Loader loader) {
   load(pixelStorei, "glPixelStorei");
   load(readPixels, "glReadPixels");
   load(viewport, "glViewport");
+  load(scissor, "glScissor");
   load(clearColor, "glClearColor");
   load(clear, "glClear");
   const GLubyte* (*getString)(GLenum) = nullptr;

@@ -34,6 +34,7 @@ struct WindowGl {
   PFNGLPIXELSTOREIPROC pixelStorei = nullptr;
   PFNGLREADPIXELSPROC readPixels = nullptr;
   PFNGLVIEWPORTPROC viewport = nullptr;
+  PFNGLSCISSORPROC scissor = nullptr;
   PFNGLCLEARCOLORPROC clearColor = nullptr;
   PFNGLCLEARPROC clear = nullptr;
 };

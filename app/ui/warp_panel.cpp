@@ -107,16 +107,16 @@ void steer(Session& session, size_t index, const ImVec2& area, const Look& look)
 }
 
 /// What lies around `inner`, filled: where the CPU draws the window, what a picture covers is not drawn twice.
-void fillAround(const Area& area, const Area& inner, ImU32 color, float rounding) {
+void fillAround(const Area& area, const Area& inner, ImU32 color) {
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const auto fill = [&](const ImVec2& from, const ImVec2& to, ImDrawFlags corners) {
-    if (from.x < to.x && from.y < to.y) list->AddRectFilled(from, to, color, corners != 0 ? rounding : 0.0f, corners);
+  const auto fill = [&](const ImVec2& from, const ImVec2& to) {
+    if (from.x < to.x && from.y < to.y) list->AddRectFilled(from, to, color);
   };
   const ImVec2 from{std::max(area.from.x, inner.from.x), std::max(area.from.y, inner.from.y)}, to{std::min(area.to().x, inner.to().x), std::min(area.to().y, inner.to().y)};
-  fill(area.from, {area.to().x, from.y}, ImDrawFlags_RoundCornersTop);
-  fill({area.from.x, to.y}, area.to(), ImDrawFlags_RoundCornersBottom);
-  fill({area.from.x, from.y}, {from.x, to.y}, 0);
-  fill({to.x, from.y}, {area.to().x, to.y}, 0);
+  fill(area.from, {area.to().x, from.y});
+  fill({area.from.x, to.y}, area.to());
+  fill({area.from.x, from.y}, {from.x, to.y});
+  fill({to.x, from.y}, {area.to().x, to.y});
 }
 
 /// Where a picture lies: in the middle of the area, pixel on pixels if it was made for this size, else fitted.
@@ -226,7 +226,7 @@ std::optional<OnShow> drawPictures(const Session& session, const Panel& panel, c
   list->PushClipRect(area.from, area.to(), true);
   const ShownPicture& whole = other ? other->picture : ownPicture(panel);
   if (whole && !(other && other->wipeAt != nullptr))
-    fillAround(area, placeOf(session, whole, area, look), IM_COL32_BLACK, 0.0f);
+    fillAround(area, placeOf(session, whole, area, look), IM_COL32_BLACK);
   else
     list->AddRectFilled(area.from, area.to(), IM_COL32_BLACK);
   std::optional<Area> own, others;
@@ -329,14 +329,9 @@ float panelHeightBesidePicture(float width, MeasurementSpace space, const Look& 
   return panelHeaderHeight(look) + stripHeight(width, space, look);
 }
 
-PanelEvents drawWarpPanel(Session& session, size_t index, ImU32 ground, bool isAlone, const std::optional<OtherPicture>& other, const Inspection* inspection,
+PanelEvents drawWarpPanel(Session& session, size_t index, bool isAlone, const std::optional<OtherPicture>& other, const Inspection* inspection,
                           MeasurementSpace space, PanelTextures& textures, const Look& look) {
   PanelEvents events;
-  // The ground is drawn last, when it is known where the picture is, and lies below the rest.
-  ImDrawList* const list = ImGui::GetWindowDrawList();
-  ImDrawListSplitter layers;
-  layers.Split(list, 2);
-  layers.SetCurrentChannel(list, 1);
   events.asked = drawPanelHeader(session, index, isAlone, look);
   ImVec2 room = ImGui::GetContentRegionAvail();
   const float strip = stripHeight(room.x, space, look);
@@ -361,13 +356,6 @@ PanelEvents drawWarpPanel(Session& session, size_t index, ImU32 ground, bool isA
   if (other && other->wipeAt != nullptr) drawWipeBar(*other->wipeAt, area, look);
   if (space != MeasurementSpace::none) drawTimeline(panel, look);
   drawMeasurements(session, index, space, look);
-  layers.SetCurrentChannel(list, 0);
-  const float border = ImGui::GetStyle().ChildBorderSize;
-  const ImVec2 from = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
-  list->PushClipRect(from, {from.x + size.x, from.y + size.y}, false);  // into its padding, too
-  fillAround({{from.x + border, from.y + border}, {size.x - 2.0f * border, size.y - 2.0f * border}}, area, ground, ImGui::GetStyle().ChildRounding - border);
-  list->PopClipRect();
-  layers.Merge(list);
   return events;
 }
 

@@ -37,8 +37,8 @@ struct PanelEvents {
 /// Height of all that a panel has above and beneath its picture, in ImGui units, in a child window that gives it so much width.
 float panelHeightBesidePicture(float width, MeasurementSpace space, const Look& look);
 
-/// Fills the current child window, which has no ground of its own: `ground` is its colour. The session learns the size of the picture's area. `inspection`: null while there is no loupe.
-PanelEvents drawWarpPanel(Session& session, size_t index, ImU32 ground, bool isAlone, const std::optional<OtherPicture>& other, const Inspection* inspection,
+/// Fills the current child window. The session learns the size of the picture's area. `inspection`: null while there is no loupe.
+PanelEvents drawWarpPanel(Session& session, size_t index, bool isAlone, const std::optional<OtherPicture>& other, const Inspection* inspection,
                           MeasurementSpace space, PanelTextures& textures, const Look& look);
 
 }  // namespace warpscope::ui
