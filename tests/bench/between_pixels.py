@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # What a picture says of the places between its pixels: the truth, taken at every fourth pixel of a picture four times as wide and high, and resampled at the others.
-# A bound for whatever is drawn from one ray a pixel and knows nothing of what lies between them, at angles at which hardly anything else is missing.
+# An estimate, not a bound, of what can be drawn from one ray a pixel at angles at which hardly anything is missing but what lies between the rays.
 # Linear, and cubic (Keys 1981, a = -1/2), in linear light; PSNR in sRGB over black, as the program's. A measurement, not a test; wants Debian's python3-numpy and python3-pil.
 """Usage: between_pixels.py PROGRAM SCENE... Prints dB for linear and cubic: the mean over all 16 places a pixel, and over the four beside one another."""
 import os

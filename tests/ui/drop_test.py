@@ -63,8 +63,8 @@ def run(executable):
         program.wait_until("the second volume", lambda: "other" in title())
         program.wait_until("its transfer function, dropped with it", lambda: all(is_all_red(region) for region in program.regions()))
 
-        drop(display, program, text)
         before = title()
+        drop(display, program, text)
         program.settled()
         if title() != before or not all(is_all_red(region) for region in program.regions()):
             raise ui.Failure("a file that is no volume changed what is on show")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # The real window on a display without a monitor: it shows both panels, follows pointer and keys, and closes whenever it is told to.
-# Xvfb, xdotool and ImageMagick's import; the close button is ICCCM 4.2.8.1 (WM_DELETE_WINDOW), sent through Xlib.
+# Xvfb, xdotool and ImageMagick's import; the close button: x_client.py.
 """Usage: window_test.py PROGRAM [1x | 2x | closing]... Exit codes: 0 passed, 1 failed, 77 skipped."""
 import json
 import os
