@@ -39,7 +39,7 @@ __device__ inline RayPath rayThrough(const Job& job, const PixelPlace& pixel, fl
 template <class Light, bool kIsRefined>
 constexpr int kBlocksAtOnce = !std::is_same_v<Light, Unlit> ? 5 : kIsRefined ? 7 : 6;
 
-/// What a kernel reads the volume through. Not where segments are merged: that takes the registers which a second sample wants, and a tenth longer.
+/// What a kernel reads the volume through. Not where segments are merged, which take the registers that a second sample wants: that takes longer.
 template <class Light, class Voxel, bool kHasHoles, bool kByCells, bool kIsRefined = true>
 using SourceFor = std::conditional_t<std::is_same_v<Light, Unlit>, UnlitVolumeSource<Voxel, kHasHoles, kByCells, kIsRefined>,
                                      ScalarVolumeSource<Voxel, kHasHoles, kByCells, StableMarch, kIsRefined>>;
@@ -162,14 +162,14 @@ __global__ void __launch_bounds__(kTileBlockThreads) marchRaySegments(const __gr
 }
 
 /// The pixel's only sample and its ray's segments, in one march.
-template <class Depth, class Light, class Voxel, bool kHasHoles, bool kByCells>
+template <class Depth, class Light, bool kIsRefined, class Voxel, bool kHasHoles, bool kByCells>
 __global__ void __launch_bounds__(kTileBlockThreads)
     marchSegmentedSamples(const __grid_constant__ MarchJob<Voxel> job, const Depth depth, const __grid_constant__ Light light) {
   const PixelPlace pixel = pixelOfSquare(job.firstRow);
   if (pixel.x >= job.camera.width || pixel.y >= job.endRow) return;
   float cosine;
   const RayPath path = rayThrough(job, pixel, &cosine);
-  const auto makeSource = [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells>(job.view, path.ray, path.lattice); };
+  const auto makeSource = [&] { return ScalarVolumeSource<Voxel, kHasHoles, kByCells, StableMarch, kIsRefined>(job.view, path.ray, path.lattice); };
   SharedSegmentMerger segments(mergerRoomFor(job.segmentSlots));
   SegmentedColor<StableMarch, SharedSegmentMerger> gathered(&segments, path.lattice);
   const DepthResult found = depthOfRay(job, path, depth, makeSource, light, gathered);
@@ -272,27 +272,27 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, con
     using Light = decltype(light);
     constexpr bool kIsLit = !std::is_same_v<Light, Unlit>, kIsUsual = !kIsLit && kByCells && !kHasHoles;
     const auto visitRefined = [&](auto&& f) { kIsLit || job.view.transfer.isRefined ? f(std::true_type{}) : f(std::bool_constant<kIsLit>{}); };
-    if (heuristic && job.segmentSlots > 0 && !job.isDivided) {
+    const auto visitDepth = [&](const auto& march) {
+      visitRefined([&](auto isRefined) {
+        if constexpr (kIsUsual && !decltype(isRefined)::value)
+          visitHeuristic(*heuristic, [&](auto depth) { march(depth, isRefined); });
+        else
+          visitAnyHeuristic(*heuristic, [&](auto depth) { march(depth, isRefined); });
+      });
+    };
+    if (heuristic && job.isDivided) {
       visitAnyHeuristic(*heuristic, [&](auto depth) {
-        launchWithMergers(marchSegmentedSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells>, grid, stream, job.segmentSlots, job, depth,
-                          light);
+        marchSeveralSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
+      });
+    } else if (heuristic && job.segmentSlots > 0) {
+      visitDepth([&](auto depth, auto isRefined) {
+        launchWithMergers(marchSegmentedSamples<decltype(depth), Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells>, grid, stream, job.segmentSlots, job,
+                          depth, light);
       });
     } else if (heuristic) {
-      const auto march = [&](auto depth, auto isRefined) {
+      visitDepth([&](auto depth, auto isRefined) {
         marchSamples<decltype(depth), Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
-      };
-      if (job.isDivided) {
-        visitAnyHeuristic(*heuristic, [&](auto depth) {
-          marchSeveralSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
-        });
-      } else {
-        visitRefined([&](auto isRefined) {
-          if constexpr (kIsUsual && !decltype(isRefined)::value)
-            visitHeuristic(*heuristic, [&](auto depth) { march(depth, isRefined); });
-          else
-            visitAnyHeuristic(*heuristic, [&](auto depth) { march(depth, isRefined); });
-        });
-      }
+      });
     } else if (settings.arithmetic == Arithmetic::textbook) {
       marchColors<TextbookMarch, Light, false, Voxel, kHasHoles && TextbookMarch::kLeavesOutMissing, kByCells>
           <<<grid, kTileBlockThreads, 0, stream>>>(job, light);  // the table of textbooks is never refined
