@@ -170,9 +170,16 @@ FrameServer::~FrameServer() {
 void FrameServer::startLane() {
   const std::scoped_lock lock(mutex_);
   if (isEnding_ || idle_ > 0 || lanes_.size() >= mostLanes_) return;
+  const size_t before = lanes_.size();
+  try {
+    Lane& lane = *lanes_.emplace_back(std::make_unique<Lane>(turns_));
+    threads_.emplace_back([this, &lane] { run(lane); });
+  } catch (const std::exception&) {
+    lanes_.resize(before);
+    if (before == 0) throw;
+    return;  // the system gives no more threads: those that there are go on, and more is tried with the next request
+  }
   ++idle_;
-  Lane& lane = *lanes_.emplace_back(std::make_unique<Lane>(turns_));
-  threads_.emplace_back([this, &lane] { run(lane); });
 }
 
 MarcherPtr FrameServer::marcher() const {
@@ -259,7 +266,8 @@ FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane
   const Camera camera = cameraFrom(request.camera);
   const MarchSettings march = marchFrom(request.settings);
   const CodecSettings coding = codecFrom(request.codec);
-  const size_t bytes = memoryFor(camera, march, request.wanted);
+  const SampleSettings* const sample = request.wanted == net::Wanted::samples ? &march.sample : nullptr;
+  const size_t bytes = memoryFor(camera, march, request.wanted) + marcher()->bytesUnderWay(camera, march.render, sample);
   Answer answer;
   answer.share = memoryOf(camera, bytes, stop);
   lane.prepare(bytes, marcher());
