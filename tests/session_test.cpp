@@ -210,11 +210,13 @@ TEST_F(SessionTest, UncoveredPixelsGetTheirColor) {
   ASSERT_TRUE(pumpUntil([&] { return (*session_.panel(1).picture.host)(0, 0) == 0xffff00ffu; }));
 }
 
-TEST_F(SessionTest, AnotherSceneReplacesEverything) {
+TEST_F(SessionTest, AnotherSceneReplacesEverythingButWhatWasTurnedOfWhatIsSent) {
   ASSERT_TRUE(open("block"));
   const uint64_t before = session_.frames().newest()->requestId;
   LiveSettings knobs = session_.knobs();
   knobs.march.sample.heuristic = Heuristic::exit;
+  knobs.march.sample.threshold = 0.4f;
+  knobs.march.render.step = 0.7f;
   session_.setKnobs(knobs);
   session_.load(builtin("shells"));
   EXPECT_EQ(session_.loading(), "shells");
@@ -222,6 +224,23 @@ TEST_F(SessionTest, AnotherSceneReplacesEverything) {
   ASSERT_TRUE(pumpUntil([&] { return session_.scene()->name == "shells"; }));
   ASSERT_TRUE(settle());
   EXPECT_GT(session_.frames().newest()->requestId, before);
+  MarchSettings expected = session_.scene()->march;
+  expected.sample.heuristic = Heuristic::exit;
+  expected.sample.threshold = 0.4f;
+  EXPECT_EQ(session_.knobs().march, expected) << "how the picture looks is the scene's";
+
+  // What a scene says itself is not overruled; what was taken back is not turned any more.
+  knobs = session_.knobs();
+  knobs.march.sample.threshold = session_.scene()->march.sample.threshold;
+  session_.setKnobs(knobs);
+  session_.load(job("with peaks", [](const std::stop_token& stop) {
+    SceneOverrides overrides;
+    overrides.proceduralDims = {16, 16, 16};
+    Scene scene = openScene("block", overrides, stop);
+    scene.march.sample.heuristic = Heuristic::peak;
+    return scene;
+  }));
+  ASSERT_TRUE(pumpUntil([&] { return session_.sceneCount() == 3; }));
   EXPECT_EQ(session_.knobs().march, session_.scene()->march);
 }
 

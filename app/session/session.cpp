@@ -21,6 +21,13 @@ Configuration configurationFor(const WarpDescriptor& technique, const WarpSettin
   return normalized(configuration);
 }
 
+/// `next`, a scene's, with what a hand has turned of what is sent of frames where that scene says nothing of it. `now` began as `own`.
+MarchSettings withTurned(MarchSettings next, const MarchSettings& now, const MarchSettings& own) {
+  for (const MarchKnob& row : marchKnobs())
+    if (row.shapes != FramePart::picture && row.get(now) != row.get(own) && row.get(next) == row.knob->defaultValue) row.set(next, row.get(now));
+  return next;
+}
+
 }  // namespace
 
 Session::Session(const SessionSettings& settings, const std::function<void()>& onNews)
@@ -145,6 +152,7 @@ bool Session::update(TimePoint now) {
   happened |= plan_.take();
   happened |= followRay();
   happened |= fair_.take();
+  happened |= takeEndedRecordings(std::chrono::steady_clock::time_point::min());
   record(now);
   timing_.update(panels_, isAtRest(), happened, now);
   plan_.measure(showsPlan_ && timing_.isOver(panels_, now));
@@ -228,8 +236,7 @@ void Session::measureNow() {
 void Session::startRecording(const std::filesystem::path& file, const std::string& text) {
   if (!scene()) throw InputError("there is no scene yet");
   stopRecording();
-  for (const std::future<void>& ended : endedRecordings_) ended.wait();  // it may be the same file
-  endedRecordings_.clear();
+  while (!endedRecordings_.empty()) takeEndedRecordings(std::chrono::steady_clock::now() + std::chrono::hours(1));  // it may be the same file
   recordingError_.clear();
   recordingFailure_.clear();
   recorder_ = std::make_unique<RecordingWriter>(file, *scene(), text);
@@ -240,12 +247,19 @@ void Session::startRecording(const std::filesystem::path& file, const std::strin
 }
 
 size_t Session::stopRecording() {
-  std::erase_if(endedRecordings_, [](const std::future<void>& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
   if (!recorder_) return 0;
   const size_t leftOut = recorder_->framesLeftOut();
   // What waits is written elsewhere: a disk may take its time.
-  endedRecordings_.push_back(std::async(std::launch::async, [ended = std::move(recorder_)]() mutable { ended.reset(); }));
+  endedRecordings_.push_back(std::async(std::launch::async, [ended = std::move(recorder_)] { return ended->finish(); }));
   return leftOut;
+}
+
+bool Session::takeEndedRecordings(std::chrono::steady_clock::time_point until) {
+  return std::erase_if(endedRecordings_, [&](std::future<std::string>& one) {
+           if (one.wait_until(until) != std::future_status::ready) return false;
+           if (std::string error = one.get(); !error.empty()) recordingError_ = recordingFailure_ = std::move(error);
+           return true;
+         }) > 0;
 }
 
 void Session::startExport(const std::filesystem::path& path, const ExportLook& look) {
@@ -326,7 +340,9 @@ bool Session::takeScene() {
   }
   frames_.begin(*opening_.current()->source, knobs_.transport);
   playback_.begin(opening_.current()->recorded);
-  knobs_.march = arranged.march.value_or(scene()->march);
+  const bool isScenesOwn = sceneCount_ == 1 || opening_.current()->recorded != nullptr;
+  knobs_.march = arranged.march ? *arranged.march : isScenesOwn ? scene()->march : withTurned(scene()->march, knobs_.march, ownMarch_);
+  ownMarch_ = arranged.march.value_or(scene()->march);
   knobs_.isFrozen = false;
   view_.begin(arranged.view.value_or(scene()->views.front()));
   liveFront_.clear();
@@ -408,7 +424,6 @@ bool Session::isAtRest() const {
 }
 
 bool Session::close(std::chrono::milliseconds patience) {
-  const auto deadline = std::chrono::steady_clock::now() + patience;
   stopRecording();
   opening_.requestStop();
   truth_.requestStop();
@@ -418,10 +433,11 @@ bool Session::close(std::chrono::milliseconds patience) {
   moving_.requestStop();
   exporting_.requestStop();
   for (LivePanel& panel : panels_) panel.requestStop();
+  takeEndedRecordings(std::chrono::steady_clock::now() + std::max(patience, kRecordingPatience));
+  if (!endedRecordings_.empty() && recordingFailure_.empty()) recordingFailure_ = "its end could not be written in time";
+  const auto deadline = std::chrono::steady_clock::now() + patience;
   const auto hasEnded = [&](const LivePanel& panel) { return panel.waitForEnd(deadline); };
-  for (const std::future<void>& one : endedRecordings_)
-    if (one.wait_until(deadline) != std::future_status::ready) return false;
-  return opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) && plan_.waitForEnd(deadline) && ray_.waitForEnd(deadline) && fair_.waitForEnd(deadline) &&
+  return endedRecordings_.empty() && opening_.waitForEnd(deadline) && truth_.waitForEnd(deadline) && plan_.waitForEnd(deadline) && ray_.waitForEnd(deadline) && fair_.waitForEnd(deadline) &&
          moving_.waitForEnd(deadline) && exporting_.waitForEnd(deadline) &&
          std::all_of(panels_.begin(), panels_.end(), hasEnded) && std::all_of(removed_.begin(), removed_.end(), hasEnded);
 }

@@ -55,7 +55,7 @@ struct LiveSettings {
 
 struct SessionSettings {
   std::vector<PanelSettings> panels;  ///< 1 to kMaxPanels
-  LiveSettings knobs;  ///< `march` is replaced by each scene's
+  LiveSettings knobs;  ///< `march` is replaced by each scene's, but for what a hand has turned of what is sent of a frame
   gl::Platform platform = gl::Platform::automatic;
   WarpResources resources;  ///< backend and onFallback; the rest is the session's
   JudgeMaker makeJudge = warpscope::makeJudge;
@@ -100,7 +100,7 @@ class Session {
   /// How many frames are not in the recording, because they came faster than they could be written.
   size_t stopRecording();
   bool isRecording() const { return recorder_ != nullptr; }
-  /// Why the last recording is not whole, whether or not that was dismissed; empty if it is.
+  /// Why the last recording is not whole, whether or not that was dismissed; empty if it is. Known of all of it after close().
   const std::string& recordingFailure() const { return recordingFailure_; }
   /// A recording that is on show in place of what a server sends; open while the scene is one.
   LivePlayback& playback() { return playback_; }
@@ -227,6 +227,8 @@ class Session {
   void followRecordedFunction();
   bool followRay();
   void record(TimePoint now);
+  /// Collects why recordings that have ended are not whole; waits for those that are still written, but not beyond `until`. True if one had ended.
+  bool takeEndedRecordings(std::chrono::steady_clock::time_point until);
   bool takePicture(LivePanel& panel, size_t index);
   void seeMoving(const LivePanel& panel, const WarpResult& result);
   bool followMoving(TimePoint now);
@@ -274,12 +276,14 @@ class Session {
   std::optional<uint64_t> recordedFrame_;    // the last one's request
   TransferFunction recordedFunction_;        // the last one
   LinkSign recordedLink_;                    // likewise
-  std::vector<std::future<void>> endedRecordings_;  // that are still written
+  static constexpr std::chrono::milliseconds kRecordingPatience{30000};  // when the window closes: what was recorded is not given up for the sake of a second
+  std::vector<std::future<std::string>> endedRecordings_;  // that are still written; why they are not whole
   std::string recordingError_, recordingFailure_;
   TimePoint outageEnd_{};
   std::chrono::milliseconds outageLength_{0};
   uint64_t lastPanelId_ = 0;
   uint64_t sceneCount_ = 0;
+  MarchSettings ownMarch_;  // of the scene on show, as it began
   uint64_t functionVersion_ = 0;  ///< of all scenes' transfer functions, the newest
   PictureTiming timing_;
   LiveFront liveFront_;
