@@ -13,7 +13,7 @@
 namespace warpscope::net {
 namespace {
 
-constexpr size_t kPieceBytes = 64 << 10;  // the most that is read at once
+constexpr size_t kReadBytes = 64 << 10;  // the most that is read at once
 
 /// Until the time has come, or somebody cancels the timer. One waits at a time.
 Awaitable<void> waitFor(Timer& timer, TimePoint until) {
@@ -147,7 +147,7 @@ Awaitable<void> LinkedStream::State::pumpUp(std::shared_ptr<State> state) {
   Line& line = state->up;
   try {
     while (!state->isClosed && !line.isEmpty()) {
-      const size_t count = line.arrivedBytes(state->clock.now(), kPieceBytes);
+      const size_t count = line.arrivedBytes(state->clock.now(), kReadBytes);
       if (count == 0) {
         co_await waitFor(line.arrival, line.nextArrival());
         continue;
@@ -170,11 +170,11 @@ Awaitable<void> LinkedStream::State::pumpUp(std::shared_ptr<State> state) {
 /// Runs until the inner stream ends, or until there is nothing left to simulate.
 Awaitable<void> LinkedStream::State::pumpDown(std::shared_ptr<State> state) {
   Line& line = state->down;
-  std::vector<std::byte> piece(kPieceBytes);
+  std::vector<std::byte> piece(kReadBytes);
   try {
     while (!state->isClosed && !state->settings.down.isTransparent()) {
       // Not by the byte: what is read at once is what follows each other without a pause.
-      const size_t leastRoom = std::min(kPieceBytes, line.model.capacityBytes() / 4);
+      const size_t leastRoom = std::min(kReadBytes, line.model.capacityBytes() / 4);
       if (line.roomBytes() < leastRoom) {
         co_await waitFor(line.room, TimePoint::max());
         continue;

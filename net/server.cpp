@@ -260,7 +260,7 @@ Awaitable<void> Server::State::serve(uint64_t id, std::unique_ptr<TcpStream> tcp
     --farewells;
     co_return;
   }
-  if (hello) co_await serveClient(std::move(stream), *hello, network);
+  if (hello && !madeRoom) co_await serveClient(std::move(stream), *hello, network);
 }
 
 Awaitable<void> Server::State::serveClient(std::unique_ptr<Stream> stream, const ClientHello& hello, const std::string& network) {

@@ -8,6 +8,7 @@
 #include <array>
 #include <vector>
 
+#include "net/address.h"
 #include "net/deadline.h"
 
 namespace warpscope::net {
@@ -247,5 +248,6 @@ void TcpListener::close() noexcept {
 }
 
 std::string TcpListener::address() const { return endpointText(endpoint_); }
+bool TcpListener::isLoopback() const { return net::isLoopback(endpoint_.address().to_string()); }
 
 }  // namespace warpscope::net

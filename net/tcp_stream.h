@@ -81,7 +81,7 @@ class TcpListener {
   /// Where it listens: "127.0.0.1:4711", "[::1]:4711".
   std::string address() const;
   /// Only this machine can connect.
-  bool isLoopback() const { return endpoint_.address().is_loopback(); }
+  bool isLoopback() const;
 
  private:
   Awaitable<void> waitForDescriptors(const error_code& reason);

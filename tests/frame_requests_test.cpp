@@ -221,6 +221,24 @@ TEST_F(FrameRequestsTest, RemembersWhatIsOnShowOrUnderWayAlone) {
   EXPECT_EQ(frames_.remembered(), 1u);
 }
 
+TEST_F(FrameRequestsTest, WhereNobodyAnswersFewAreRemembered) {
+  ask(0.5f);
+  answer(1);
+  const int many = 3 * static_cast<int>(FrameRequests::kMostKept);
+  for (int i = 1; i <= many; ++i) ask(static_cast<float>(i));
+  frames_.forgetOld([](uint64_t) { return false; });
+  EXPECT_LE(frames_.remembered(), FrameRequests::kMostKept);
+  const auto newest = static_cast<uint64_t>(many) + 1;
+  EXPECT_TRUE(frames_.askedBy(1)) << "on show";
+  EXPECT_TRUE(frames_.askedBy(2)) << "under way";
+  EXPECT_TRUE(frames_.askedBy(newest));
+  EXPECT_FALSE(frames_.askedBy(newest / 2)) << "replaced before it left";
+  answer(2);
+  EXPECT_TRUE(frames_.arrivalOf(2));
+  answer(newest);
+  EXPECT_TRUE(frames_.arrivalOf(newest));
+}
+
 TEST_F(FrameRequestsTest, AnotherSourceBeginsAnewWithIdsThatGoOn) {
   ask(1);
   answer(1);

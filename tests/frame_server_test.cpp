@@ -19,6 +19,9 @@
 #include "headless.h"
 #include "render/base/error.h"
 #include "render/core/parallel.h"
+#include "render/march/march_setup.h"
+#include "render/march/ray_relay.h"
+#include "render/march/streamed_marcher.h"
 #include "tests/held_frame.h"
 #include "tests/net/exchange.h"
 
@@ -40,8 +43,9 @@ std::string refusalOf(Marcher& marcher, const Camera& camera, const MarchSetting
 
 class FrameServerTest : public ::testing::Test {
  protected:
-  FrameServer& serve(ServeLimits limits) {
-    server_ = std::make_unique<FrameServer>(io_, scene_, makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {}), net::ServerSettings{}, limits);
+  FrameServer& serve(ServeLimits limits) { return serve(limits, makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {})); }
+  FrameServer& serve(ServeLimits limits, MarcherPtr marcher) {
+    server_ = std::make_unique<FrameServer>(io_, scene_, std::move(marcher), net::ServerSettings{}, limits);
     return *server_;
   }
   MarcherPtr client() {
@@ -106,6 +110,16 @@ TEST_F(FrameServerTest, AFrameThatTakesTooMuchMemoryIsRefusedWithWhatWouldFit) {
   EXPECT_GT(client->march(camera(600, 600), scene_.march).size(), 0u);
 }
 
+TEST_F(FrameServerTest, WhatRaysUnderWayTakeIsCounted) {
+  const auto marched = std::make_shared<const MarchedVolume>(scene_.volume, scene_.transferFunction);
+  serve({.memoryBytes = size_t{256} << 20}, makeStreamedMarcher(marched, {}, 16));
+  const MarcherPtr client = this->client();
+  const size_t bytes = memoryFor(camera(600, 600), scene_.march, net::Wanted::samples) + size_t{600} * 600 * bytesOfRelayedRay(&scene_.march.sample);
+  EXPECT_THAT(refusalOf(*client, camera(600, 600), scene_.march),
+              AllOf(HasSubstr("600x600 takes about " + std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"), HasSubstr("would fit")));
+  EXPECT_GT(client->march(camera(160, 120), scene_.march).size(), 0u);
+}
+
 /// Is another, but for what those that derive from it do themselves.
 class MarcherAround : public Marcher {
  public:
@@ -127,6 +141,47 @@ class MarcherAround : public Marcher {
 
   const MarcherPtr inner_;
 };
+
+/// Holds the first march of pictures of that width back until it is let go.
+class HeldBackMarcher final : public MarcherAround {
+ public:
+  struct Gate {
+    std::atomic<bool> hasBegun = false, isOpen = false;
+  };
+  static constexpr uint32_t kWidth = 65;
+  HeldBackMarcher(MarcherPtr inner, std::shared_ptr<Gate> gate) : MarcherAround(std::move(inner)), gate_(std::move(gate)) {}
+
+  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
+    if (camera.width == kWidth) gate_->hasBegun = true;
+    while (camera.width == kWidth && !gate_->isOpen && !stop.stop_requested()) std::this_thread::sleep_for(1ms);
+    return inner_->march(camera, settings, stop);
+  }
+
+ protected:
+  MarcherPtr around(MarcherPtr inner) const override { return std::make_shared<HeldBackMarcher>(std::move(inner), gate_); }
+
+ private:
+  const std::shared_ptr<Gate> gate_;
+};
+
+TEST_F(FrameServerTest, TheAnswerToWhatWasGivenUpIsNotTheNextOnes) {
+  const auto gate = std::make_shared<HeldBackMarcher::Gate>();
+  serve({}, std::make_shared<HeldBackMarcher>(makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {}), gate));
+  const MarcherPtr client = this->client();
+  {
+    std::jthread given([&](const std::stop_token& stop) {
+      EXPECT_THROW(client->march(camera(HeldBackMarcher::kWidth, 40), scene_.march, stop), OperationCancelled);
+    });
+    ASSERT_TRUE(net::comesTrue([&] { return gate->hasBegun.load(); }, 20s));
+    given.request_stop();
+  }
+  std::jthread opening([&] {
+    std::this_thread::sleep_for(100ms);  // until the next one has been asked for
+    gate->isOpen = true;
+  });
+  const SampleFrame frame = client->march(camera(64, 48), scene_.march);
+  EXPECT_EQ(frame.camera.width, 64u);
+}
 
 /// Looks where its loops run.
 class WatchedMarcher final : public MarcherAround {

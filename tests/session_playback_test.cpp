@@ -181,7 +181,7 @@ TEST_F(SessionPlaybackTest, TheHandThatMovesTheCameraHasIt) {
 }
 
 TEST_F(SessionPlaybackTest, WithoutItsVolumeFramesAreShownAndTheRestSaysWhy) {
-  for (const std::string& said : {std::string(), text("missing.raw"), text("warp://127.0.0.1:1"), std::string("{}")}) {
+  for (const std::string& said : {std::string(), text("missing.raw"), text("warp://127.0.0.1:1"), text("torture/of-another-version"), std::string("{}")}) {
     SCOPED_TRACE(said);
     frames_.clear();
     ASSERT_TRUE(openRecorded(recorded("a.warpscope", said)));

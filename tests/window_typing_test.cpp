@@ -61,6 +61,22 @@ TEST_F(WindowTypingTest, WhatIsSavedGoesWhereOneSavedLastAndNotAmongTheData) {
   EXPECT_FALSE(window_.view().showsDialog()) << "it is opened from where one was opened last";
 }
 
+TEST_F(WindowTypingTest, WhatIsOnShowIsNotSavedOver) {
+  const TestFolder folder;
+  folder.write("scene.json", R"({"name": "mine", "volume": {"procedural": "block", "size": [16, 16, 16]}})");
+  const std::string before = folder.read("scene.json");
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  window_.view().open(folder.file("scene.json"));
+  ASSERT_TRUE(waitUntil([&] { return session_.scene()->name == "mine"; }));
+  ASSERT_TRUE(rest());
+  save(folder.file("scene.json"));
+  confirm();  // it may have asked whether to replace it
+  EXPECT_TRUE(window_.view().showsDialog()) << "the dialog says why, and goes on";
+  EXPECT_EQ(folder.read("scene.json"), before);
+  press(Action::goBack);
+}
+
 TEST_F(WindowTypingTest, ASessionIsSavedAndOpenedByTheDialog) {
   const TestFolder folder;
   ASSERT_TRUE(openAndRest("block"));

@@ -136,8 +136,12 @@ void exportSamples(const ExportOptions& options) {
   const VolumeGeometry& geometry = work.scene.volume->geometry();
   nlohmann::json report;
   std::vector<std::string> sentences;
+  // Both are made before either is written: who interrupts this has none of them.
+  const auto ply = options.ply.empty() ? decltype(toPly(frame, seenCount, geometry, {})){} : toPly(frame, seenCount, geometry, interrupt.token());
+  const SpreadPicture picture = options.spreadMap.empty() ? SpreadPicture{} : pictureSpreads(frame, geometry.unit(), interrupt.token());
+  if (interrupt.token().stop_requested()) throw OperationCancelled();
   if (!options.ply.empty()) {
-    writeFileWhole(options.ply, toPly(frame, seenCount, geometry, interrupt.token()), interrupt.token());
+    writeFileWhole(options.ply, ply);
     report["ply"] = options.ply;
     sentences.push_back("wrote " + std::to_string(seenCount) + " samples to " + options.ply +
                         (clearCount > 0 ? ", without " + std::to_string(clearCount) + " of opacity 0" : ""));
@@ -145,8 +149,7 @@ void exportSamples(const ExportOptions& options) {
   report["samples"] = seenCount;
   report["leftOut"] = clearCount;
   if (!options.spreadMap.empty()) {
-    const SpreadPicture picture = pictureSpreads(frame, geometry.unit(), interrupt.token());
-    writeFileWhole(options.spreadMap, picture.png, interrupt.token());
+    writeFileWhole(options.spreadMap, picture.png);
     report["spreadMap"] = options.spreadMap;
     report["meanSpread"] = picture.mean;
     report["mostSpread"] = picture.most;

@@ -107,7 +107,9 @@ Json identityOf(const Json& head, const SweepOptions& options, const CommandCont
   Json identity = head;
   const CommonOptions& common = options.common;
   identity["sceneSpec"] = work.sceneSpec;
-  identity["files"] = {fileIdentity(work.sceneSpec), fileIdentity(common.volume), fileIdentity(common.transferFunction)};
+  Json files = {fileIdentity(work.sceneSpec), fileIdentity(common.volume), fileIdentity(common.mask), fileIdentity(common.transferFunction)};
+  for (const std::filesystem::path& file : work.scene.files) files.push_back(fileIdentity(file.string()));  // that the scene's description names
+  identity["files"] = std::move(files);
   identity["gl"] = common.gl;
   identity["march"] = toJson(work.march);
   identity["machine"] = machineOf(backend, "");

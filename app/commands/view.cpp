@@ -248,7 +248,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
         if (!options->session.empty() && !namesScene(options->common)) requireOnlyOfWindow(*command, "a session", {});
         if (options->session.empty() && options->common.scene && isRecording(*options->common.scene))
           requireOnlyOfWindow(*command, "a recording", {"scene", "--panels", "--left", "--right"});
-        completeConnect(options->transport, namesScene(options->common));
+        completeConnect(options->transport, namesScene(options->common) || !options->session.empty());
         view(*options);
       } catch (const NoDisplay& error) {
         throw InputError(error.what() + std::string("; compare and shot work without a display"));

@@ -2,6 +2,8 @@
 // See frame_fetch.h.
 #include "app/frames/frame_fetch.h"
 
+#include <atomic>
+#include <memory>
 #include <string>
 #include <thread>
 #include <utility>
@@ -76,9 +78,10 @@ CodecTrip throughCodec(FrameCodec& codec, const SampleFrame& sent, const CodecSe
 }
 
 FrameFetch fetchFrom(FrameSourcePtr source, std::function<void(uint16_t)> onBusy) {
-  return [source = std::move(source), onBusy = std::move(onBusy), id = uint64_t{0}](
-             const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) mutable {
-    source->post({++id, camera, settings}, std::chrono::steady_clock::now());
+  return [source = std::move(source), onBusy = std::move(onBusy), last = std::make_shared<std::atomic<uint64_t>>(0)](
+             const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) {
+    const uint64_t id = ++*last;  // of all copies of this
+    source->post({id, camera, settings}, std::chrono::steady_clock::now());
     return waitFor(*source, id, onBusy, stop);
   };
 }

@@ -79,13 +79,15 @@ class RecordingWriter::Work {
     }
     thread_ = std::thread([this] { run(); });
   }
-  ~Work() {
+  ~Work() { finish(); }
+
+  void finish() {
     {
       const std::scoped_lock lock(mutex_);
       isEnding_ = true;
     }
     news_.notify_all();
-    thread_.join();
+    if (thread_.joinable()) thread_.join();
   }
 
   template <class Small>
@@ -236,6 +238,10 @@ void RecordingWriter::addFunction(double seconds, const TransferFunction& functi
 void RecordingWriter::addLink(double seconds, const LinkSign& sign) { work_->post(RecordedLink{seconds, sign}); }
 std::string RecordingWriter::error() const { return work_->error(); }
 size_t RecordingWriter::framesLeftOut() const { return work_->leftOut(); }
+std::string RecordingWriter::finish() {
+  work_->finish();
+  return work_->error();
+}
 
 namespace {
 
@@ -365,6 +371,8 @@ Recording readRecording(const std::filesystem::path& path, const std::stop_token
   if (!hasScene || recording.path.empty()) throw InputError(path.string() + ": ends before anything was shown");
   try {
     static_cast<void>(makeCamera(recording.scene, recording.path.at(0.0), 64, 64));
+  } catch (const UsageError&) {
+    throw InputError(path.string() + ": its scene is damaged");
   } catch (const InputError&) {
     throw InputError(path.string() + ": its scene is damaged");
   }

@@ -1,7 +1,8 @@
 // A recording: what came from a server and where the camera was, each with its time, so that it can be shown again by any technique.
 // A file: the eight bytes kRecordingMagic, then records, each the seconds since its beginning (a double), a type (one byte), the length of what follows (four
 // bytes), and that; all little-endian (wire.h). Scenes, frames and their heads are as in net/messages.h, payloads as the packed codec makes them, without loss
-// (Zstandard); transfer functions as in scene files, JSON; links in words. Records are appended as they come: of a program that was killed at most the last second is missing, and a record that is cut off is left out.
+// (Zstandard); transfer functions as in scene files, JSON; links in words. Records are appended as they come: of a program that was killed what had come in its last second is missing, or
+// was waiting to be coded, and a record that is cut off is left out.
 #pragma once
 
 #include <filesystem>
@@ -37,7 +38,7 @@ class RecordingWriter {
  public:
   /// Begins a file, replacing one that is there. `text`: whatever is to be known of how it was recorded (a session's file). Throws InputError.
   RecordingWriter(const std::filesystem::path& path, const Scene& scene, const std::string& text);
-  /// Writes what is left, and waits for that.
+  /// As finish().
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
@@ -52,6 +53,8 @@ class RecordingWriter {
   /// Why it goes on no more (the disk is full); empty while it does. Frames that come faster than they can be written are left out, and counted.
   std::string error() const;
   size_t framesLeftOut() const;
+  /// Writes what is left, and waits for that: nothing may be added from then on. Why not all of it is in the file; empty if it is.
+  std::string finish();
 
  private:
   class Work;

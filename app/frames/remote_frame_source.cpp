@@ -17,6 +17,9 @@ namespace warpscope {
 namespace {
 
 /// What came for one request: a frame to decode, or why there is none.
+/// Requests that nobody has answered yet which are remembered: where there is no connection, a camera that moves asks sixty times a second.
+constexpr size_t kMostWanted = 1024;
+
 struct Arrived {
   std::shared_ptr<const net::Frame> frame;
   net::FrameArrival arrival;
@@ -62,6 +65,8 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
       const std::scoped_lock lock(mutex_);
       MarchSettings settings = request.settings;
       wanted_[request.id] = {settings.sample.proxy, functionVersion_};
+      // The oldest have left, the newest will: in between they were replaced.
+      if (wanted_.size() > kMostWanted) wanted_.erase(std::next(wanted_.begin(), net::kMaxDepth));
       if (proxy_ && proxyLongest_ == settings.sample.proxy) settings.sample.proxy = 0;  // it is here already
       asked.settings = toFields(settings, transport_.server);
       asked.codec = toFields(transport_.codec);

@@ -18,7 +18,7 @@ namespace {
 class RemoteMarcher final : public Marcher, private net::ClientEvents {
  public:
   RemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
-                Clock::Duration patience, std::function<void(uint16_t)> onBusy, Backend backend)
+                Clock::Duration patience, std::function<void(uint16_t)> onBusy, Backend backend, std::optional<net::SceneFields> scene)
       : io_(std::move(io)),
         clock_(io_->clock()),
         settings_(std::move(settings)),
@@ -26,7 +26,8 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
         patience_(patience),
         onBusy_(std::move(onBusy)),
         decodesOn_(backend),
-        codec_(makeTiledCoder(backend)) {}
+        codec_(makeTiledCoder(backend)),
+        scene_(std::move(scene)) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
     const std::scoped_lock lock(callMutex_);
@@ -54,7 +55,10 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
             .functionChange = FunctionChange::refused};
   }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr) const override { return makeRemoteMarcher(io_, settings_, coding_, patience_, onBusy_, decodesOn_); }
+  MarcherPtr twin(TurnsPtr) const override {
+    const std::scoped_lock lock(mutex_);
+    return makeRemoteMarcher(io_, settings_, coding_, patience_, onBusy_, decodesOn_, scene_);
+  }
   MarcherPtr withTransferFunction(TransferFunction) const override {
     throw UsageError("a server chooses the transfer function of its volume: its clients cannot have another");
   }
@@ -74,6 +78,7 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
       const std::scoped_lock lock(mutex_);
       answer_.reset();
       failure_.reset();
+      awaited_ = request.id;
       if (!isConnected_) lostAt_ = clock_.now();
     }
     client_->request(request);
@@ -113,17 +118,23 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
     });
   }
   void onScene(const net::SceneFields& scene) override {
-    const std::scoped_lock lock(mutex_);
-    scene_ = scene;
+    note([&] {
+      if (scene_ && *scene_ != scene) refusal_ = net::toString(settings_.address.where) + " shows another scene now: connect anew to see it";
+      if (!scene_) scene_ = scene;
+    });
   }
   std::string faultOf(const net::FrameHead& head, uint64_t payloadBytes) override {
     return warpscope::faultOf(head, payloadBytes);
   }
   void onFrame(net::Frame frame, const net::FrameArrival&) override {
-    note([&] { answer_ = std::move(frame); });
+    note([&] {
+      if (frame.head.id == awaited_) answer_ = std::move(frame);
+    });
   }
   void onFailure(const net::Failure& failure) override {
-    note([&] { failure_ = failure; });
+    note([&] {
+      if (failure.id == awaited_) failure_ = failure;
+    });
   }
 
   void onBusy(uint16_t others) override {
@@ -141,8 +152,9 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
   const Backend decodesOn_;
   FrameCodec codec_;
   uint64_t lastId_ = 0;
-  std::mutex mutex_;  // of what the network's thread says
+  mutable std::mutex mutex_;  // of what the network's thread says
   std::stop_source changed_;  // asked to stop when any of the below has changed
+  uint64_t awaited_ = 0;      // the request whose answer is waited for: those of requests that were given up come first
   std::optional<net::Frame> answer_;
   std::optional<net::Failure> failure_;
   std::optional<net::SceneFields> scene_;
@@ -155,8 +167,8 @@ class RemoteMarcher final : public Marcher, private net::ClientEvents {
 }  // namespace
 
 MarcherPtr makeRemoteMarcher(std::shared_ptr<net::IoThread> io, net::ClientSettings settings, CodecSettings codec,
-                             Clock::Duration patience, std::function<void(uint16_t)> onBusy, Backend backend) {
-  return std::make_shared<RemoteMarcher>(std::move(io), std::move(settings), codec, patience, std::move(onBusy), backend);
+                             Clock::Duration patience, std::function<void(uint16_t)> onBusy, Backend backend, std::optional<net::SceneFields> scene) {
+  return std::make_shared<RemoteMarcher>(std::move(io), std::move(settings), codec, patience, std::move(onBusy), backend, std::move(scene));
 }
 
 }  // namespace warpscope

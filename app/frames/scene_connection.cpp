@@ -68,7 +68,7 @@ ConnectedScene connectScene(std::shared_ptr<net::IoThread> io, const net::Addres
   // waited for: the source says what is going on, and what is no longer wanted is cancelled.
   constexpr std::chrono::hours kLongerThanAnybodyWaits(24 * 365);
   return {std::move(scene), std::move(connected.source),
-          makeRemoteMarcher(io, clientSettings(address, {}), transport.codec, kLongerThanAnybodyWaits, {}, backend),
+          makeRemoteMarcher(io, clientSettings(address, {}), transport.codec, kLongerThanAnybodyWaits, {}, backend, connected.scene),
           {}};
 }
 

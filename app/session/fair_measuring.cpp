@@ -73,6 +73,7 @@ FairMeasuring::FairMeasuring(gl::Platform platform, WarpResources resources, std
     : worker_([platform, resources = std::move(resources)]() -> FairWorker::Work { return FairWork(platform, resources); }, std::move(onNews)) {}
 
 void FairMeasuring::start(FairJob job) {
+  cancel();
   done_ = job.done = std::make_shared<std::atomic<size_t>>(0);
   steps_ = kFairAnglesDeg.size() * (1 + job.configurations.size());
   error_.clear();

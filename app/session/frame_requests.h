@@ -1,5 +1,5 @@
 // Asks the server for frames of what is wanted now, takes the newest, and knows of each frame on show what it shows and since when that is outdated.
-// Bounded: it remembers no more requests than are under way or on show, however long it lasts.
+// Bounded: it remembers the requests that are under way or on show, and of those that were replaced before they left no more than kMostKept, however long it lasts.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +30,8 @@ class FrameRequests {
  public:
   using TimePoint = Clock::TimePoint;
   static constexpr std::chrono::milliseconds kRest{150};
+  /// Requests that are remembered, of which few can be under way: where nobody answers, a camera that moves asks sixty times a second.
+  static constexpr size_t kMostKept = 1024;
 
   /// From now on frames come from `source`, which must stay until the next begin(). Frames from before are forgotten.
   void begin(FrameSource& source, const TransportSettings& transport);

@@ -69,11 +69,12 @@ bool LiveRay::follow(RayJob wanted) {
 
 bool LiveRay::take() {
   std::optional<RayResult> result = worker_.tryTake();
-  if (!result || !wanted_) return false;
-  if (!result->error.empty())
+  if (!result || !wanted_ || !wanted_->volume) return false;
+  const bool isOfAnother = result->job.ray != wanted_->ray;  // where it ends, that of what is wanted follows
+  if (result->error.empty())
+    error_.clear(), result_ = std::move(result);
+  else if (!isOfAnother)
     error_ = std::move(result->error);
-  else
-    result_ = std::move(result);
   return true;
 }
 

@@ -61,12 +61,17 @@ std::string textForRecording(const Session& session) {
 ConnectedScene openRecording(const std::filesystem::path& path, Backend backend, std::function<void()> onNews, const std::stop_token& stop) {
   auto recording = std::make_shared<Recording>(readRecording(path, stop));
   ConnectedScene opened;
+  const auto goWithout = [&](const std::exception& error) {
+    opened.whyNoTruth = std::string("no ground truth: ") + error.what();
+    opened.display = std::make_shared<AbsentVolume>(opened.whyNoTruth);
+  };
   try {
     opened.display = marcherOf(*recording, backend, stop);
     recording->scene.volume = opened.display->volume();
-  } catch (const InputError& error) {  // UsageErrors are some: of scenes that are none
-    opened.whyNoTruth = std::string("no ground truth: ") + error.what();
-    opened.display = std::make_shared<AbsentVolume>(opened.whyNoTruth);
+  } catch (const InputError& error) {
+    goWithout(error);
+  } catch (const UsageError& error) {  // of scenes that there are none of here
+    goWithout(error);
   }
   opened.scene = recording->scene;
   opened.recorded = std::make_shared<RecordedFrameSource>(std::move(recording), std::move(onNews));

@@ -70,6 +70,7 @@ ReplayExport::ReplayExport(gl::Platform platform, WarpResources resources, std::
     : worker_([platform, resources = std::move(resources), onNews, crew = std::move(crew)]() -> ExportWorker::Work { return ExportWork(platform, resources, onNews, crew); }, onNews) {}
 
 void ReplayExport::start(ExportJob job) {
+  cancel();
   progress_ = job.progress = std::make_shared<ExportProgress>();
   hasFilm_ = !job.files.film.empty();
   steps_ = stepsOf(*job.recording, kExportRate, job.files);

@@ -35,7 +35,13 @@ std::filesystem::path currentFolder() {
 
 KeptFiles::KeptFiles(Remembered& remembered, std::function<void()> onNews) : remembered_(remembered), keeper_(currentFolder(), std::move(onNews)) {}
 
-void KeptFiles::requireUnread(const Session& session, const std::filesystem::path& path) const { requireNoneOf(path, filesOnShow(session)); }
+void KeptFiles::requireUnread(const Session& session, const std::filesystem::path& path) const {
+  try {
+    requireNoneOf(path, filesOnShow(session));
+  } catch (const UsageError& error) {
+    throw InputError(error.what());  // no command line's
+  }
+}
 
 std::string KeptFiles::saveSession(const Session& session, const std::filesystem::path& path) {
   requireUnread(session, path);

@@ -162,7 +162,6 @@ bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Cl
   WindowReport report;
   const Image<Rgba8> photograph = ui::runLoop({window, *session, openScene, clock, settings, report, remembered}, stop);
   const std::string figures = settings.report.empty() ? "" : report.text(*session, clock.now());
-  const std::string recordingError = session->recordingFailure();
   if (!isForScripts) {
     ui::keepLastSession(*session);
     if (!settings.size) remembered.windowSize = glm::uvec2(glm::vec2(window.size()) / window.scale());  // another time at another scale
@@ -170,10 +169,12 @@ bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Cl
     ui::keep(remembered);
   }
   const bool hasEnded = session->close(ui::kClosingPatience);
+  const std::string recordingError = session->recordingFailure();
   if (!hasEnded) static_cast<void>(session.release());  // its thread still uses it
   if (!photograph.empty()) writeFileWhole(settings.screenshot, encodePng(photograph));
   if (!settings.report.empty()) writeFileWhole(settings.report, figures);
-  if (!settings.recording.empty() && !recordingError.empty()) throw InputError("the recording is not whole: " + recordingError);
+  if (!recordingError.empty() && settings.recording.empty()) logWarning("the recording is not whole: " + recordingError);
+  if (!recordingError.empty() && !settings.recording.empty()) throw InputError("the recording is not whole: " + recordingError);
   return hasEnded;
 }
 
