@@ -362,5 +362,19 @@ TEST_F(SessionRecordingTest, FramesAndTheCameraOfASession) {
   EXPECT_FALSE(session_.isRecording()) << "it was of the scene before";
 }
 
+TEST_F(SessionRecordingTest, WhoClosesWaitsUntilAllOfItIsWritten) {
+  const TestFolder folder;
+  ASSERT_TRUE(open("shells"));
+  session_.startRecording(folder.file("a.warpscope"), "");
+  session_.update(clock_.now());
+  for (int i = 0; i < 3; ++i) {
+    turn(session_, 15.0);
+    ASSERT_TRUE(settle());
+  }
+  session_.close(milliseconds(0));  // other threads need not have ended by then
+  EXPECT_GE(readRecording(folder.file("a.warpscope")).frames.size(), 4u);
+  EXPECT_EQ(session_.recordingFailure(), "");
+}
+
 }  // namespace
 }  // namespace warpscope

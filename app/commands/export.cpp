@@ -137,7 +137,7 @@ void exportSamples(const ExportOptions& options) {
   nlohmann::json report;
   std::vector<std::string> sentences;
   // Both are made before either is written: who interrupts this has none of them.
-  const auto ply = options.ply.empty() ? decltype(toPly(frame, seenCount, geometry, {})){} : toPly(frame, seenCount, geometry, interrupt.token());
+  const std::string ply = options.ply.empty() ? "" : toPly(frame, seenCount, geometry, interrupt.token());
   const SpreadPicture picture = options.spreadMap.empty() ? SpreadPicture{} : pictureSpreads(frame, geometry.unit(), interrupt.token());
   if (interrupt.token().stop_requested()) throw OperationCancelled();
   if (!options.ply.empty()) {
