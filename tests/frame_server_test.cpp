@@ -19,9 +19,6 @@
 #include "headless.h"
 #include "render/base/error.h"
 #include "render/core/parallel.h"
-#include "render/march/march_setup.h"
-#include "render/march/ray_relay.h"
-#include "render/march/streamed_marcher.h"
 #include "tests/held_frame.h"
 #include "tests/net/exchange.h"
 
@@ -108,16 +105,6 @@ TEST_F(FrameServerTest, AFrameThatTakesTooMuchMemoryIsRefusedWithWhatWouldFit) {
   const MarcherPtr client = this->client();
   EXPECT_THAT(refusalOf(*client, camera(1024, 1024), scene_.march), AllOf(HasSubstr("1024x1024 takes about 41 MiB"), HasSubstr("at most 16 MiB"), HasSubstr("would fit")));
   EXPECT_GT(client->march(camera(600, 600), scene_.march).size(), 0u);
-}
-
-TEST_F(FrameServerTest, WhatRaysUnderWayTakeIsCounted) {
-  const auto marched = std::make_shared<const MarchedVolume>(scene_.volume, scene_.transferFunction);
-  serve({.memoryBytes = size_t{256} << 20}, makeStreamedMarcher(marched, {}, 16));
-  const MarcherPtr client = this->client();
-  const size_t bytes = memoryFor(camera(600, 600), scene_.march, net::Wanted::samples) + size_t{600} * 600 * bytesOfRelayedRay(&scene_.march.sample);
-  EXPECT_THAT(refusalOf(*client, camera(600, 600), scene_.march),
-              AllOf(HasSubstr("600x600 takes about " + std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"), HasSubstr("would fit")));
-  EXPECT_GT(client->march(camera(160, 120), scene_.march).size(), 0u);
 }
 
 /// Is another, but for what those that derive from it do themselves.

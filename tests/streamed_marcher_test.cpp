@@ -96,24 +96,6 @@ TEST(StreamedMarcher, OthersOfItsVolumeMarchInTheirTurns) {
   EXPECT_THROW(streamed->twin(few)->march(camera, {}), WorkLimitExceeded);
 }
 
-TEST(StreamedMarcher, SaysWhatRaysUnderWayTakeWhereItMarchesInSlabs) {
-  const auto marched = std::make_shared<const MarchedVolume>(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5)), band(15, 80, 0.08f));
-  const MarcherPtr streamed = makeStreamedMarcher(marched, {}, 14), alone = makeCpuMarcherOf(marched, nullptr);
-  const Camera camera = cameras().front();
-  const size_t pixels = size_t{camera.width} * camera.height;
-  MarchSettings settings;
-  const auto bytesOf = [&](const Marcher& marcher) { return marcher.bytesUnderWay(camera, settings.render, &settings.sample); };
-  settings.sample.segments = 0;
-  const size_t ofSamples = bytesOf(*streamed);
-  EXPECT_GE(ofSamples, pixels * sizeof(RelayedRay));
-  EXPECT_EQ(streamed->bytesUnderWay(camera, settings.render, nullptr), ofSamples) << "one sample goes with the ray's own variables";
-  settings.sample.segments = 4;
-  EXPECT_GE(bytesOf(*streamed), ofSamples + pixels * sizeof(SegmentMerger));
-  EXPECT_EQ(bytesOf(*alone), 0u) << "each ray to its end";
-  settings.render.effects.mode = RenderMode::mip;
-  EXPECT_EQ(bytesOf(*streamed), 0u) << "not in slabs";
-}
-
 TEST(StreamedMarcher, NothingToSeeIsSeen) {
   const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
   const MarcherPtr streamed = makeStreamedMarcher(std::make_shared<const MarchedVolume>(whole, band(300, 400, 1.0f)), {}, 14);

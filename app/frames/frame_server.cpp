@@ -266,8 +266,7 @@ FrameServer::Answer FrameServer::answerTo(const net::RequestJob& job, Lane& lane
   const Camera camera = cameraFrom(request.camera);
   const MarchSettings march = marchFrom(request.settings);
   const CodecSettings coding = codecFrom(request.codec);
-  const SampleSettings* const sample = request.wanted == net::Wanted::samples ? &march.sample : nullptr;
-  const size_t bytes = memoryFor(camera, march, request.wanted) + marcher()->bytesUnderWay(camera, march.render, sample);
+  const size_t bytes = memoryFor(camera, march, request.wanted);
   Answer answer;
   answer.share = memoryOf(camera, bytes, stop);
   lane.prepare(bytes, marcher());

@@ -32,7 +32,7 @@ struct ServeLimits {
   static size_t defaultMemoryBytes();
 };
 
-/// Memory that a request takes at the most, from its march to its encoded bytes, beside what its marcher keeps of rays under way (Marcher::bytesUnderWay).
+/// Memory that a request takes at the most, from its march to its encoded bytes.
 size_t memoryFor(const Camera& camera, const MarchSettings& settings, net::Wanted wanted);
 
 class FrameServer {

@@ -89,9 +89,6 @@ class FallbackMarcher final : public Marcher {
   void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
     attempt([&](Marcher& marcher) { marcher.render(camera, settings, image, stop); });
   }
-  size_t bytesUnderWay(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample) const override {
-    return current()->bytesUnderWay(camera, settings, sample);
-  }
   const VolumePtr& volume() const override { return volume_; }
   Backend backend() const override { return current()->backend(); }
   MarcherCapabilities capabilities() const override { return current()->capabilities(); }

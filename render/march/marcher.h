@@ -68,10 +68,6 @@ class Marcher {
   virtual void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image,
                       const std::stop_token& stop = {}) = 0;
 
-  /// What is kept of rays under way while a picture is marched, beside what becomes of it: bytes, at most, but for lists of samples that count. 0 where a ray is marched
-  /// to its end before the next one is begun. `sample`: as march() is asked for them; null for render().
-  virtual size_t bytesUnderWay(const Camera&, const RenderSettings&, const SampleSettings* /*sample*/) const { return 0; }
-
   /// Null where capabilities() say that it is elsewhere.
   virtual const VolumePtr& volume() const = 0;
   /// Where it marches, cpu or cuda: for reports. What depends on it asks for capabilities.

@@ -60,10 +60,6 @@ void PiecewiseMarcher::render(const Camera& camera, const RenderSettings& settin
   });
 }
 
-size_t PiecewiseMarcher::bytesUnderWay(const Camera& camera, const RenderSettings&, const SampleSettings* sample) const {
-  return size_t{camera.width} * camera.height * bytesOfRelayedRay(sample);
-}
-
 std::optional<EffectPlan> PiecewiseMarcher::plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const {
   requireFitting(*volume(), settings);
   const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);

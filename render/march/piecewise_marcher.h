@@ -26,7 +26,6 @@ class PiecewiseMarcher : public Marcher {
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override;
   void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override;
 
-  size_t bytesUnderWay(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample) const override;
   const VolumePtr& volume() const final { return marched_->volume; }
   std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const final;
 

@@ -24,14 +24,6 @@ PixelArea areaOfTile(const Camera& camera, uint32_t tile) {
   return area;
 }
 
-size_t bytesOfRelayedRay(const SampleSettings* sample) {
-  size_t bytes = sizeof(RelayedRay);
-  if (sample == nullptr) return bytes;
-  if (sample->segments > 0) bytes += sizeof(SegmentMerger);
-  if (sample->segments > 0 || sample->samplesPerRay > 1) bytes += sizeof(RelayedAgain);  // lit segments go a second way
-  return bytes;
-}
-
 void RelayedTile::keep(const FinishedRay& ray, const SampleSettings* sample, bool hasNormals, const SampleRule& rule, const PixelGrid& pixels) {
   const bool isEmpty = sample == nullptr ? ray.premultiplied == glm::vec4(0.0f)
                                          : (ray.samples == nullptr || ray.samples->size() == 0) && (ray.segments == nullptr || ray.segments->size() == 0);

@@ -93,9 +93,6 @@ struct RelayedTile {
   RelayedRay& ray(uint32_t x, uint32_t y) { return rays[size_t{y - area.y} * area.width + (x - area.x)]; }
 };
 
-/// What a ray under way takes of memory, at most, but for lists of samples that count. `sample`: what is wanted of it beside its colour, or null.
-size_t bytesOfRelayedRay(const SampleSettings* sample);
-
 /// Where tiles come from and go to.
 class RayRelay {
  public:

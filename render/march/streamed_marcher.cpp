@@ -107,10 +107,6 @@ class StreamedMarcher final : public PiecewiseMarcher {
   void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
     isForSlabs(settings, std::nullopt) ? PiecewiseMarcher::render(camera, settings, image, stop) : whole_->render(camera, settings, image, stop);
   }
-  size_t bytesUnderWay(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample) const override {
-    const bool isInSlabs = isForSlabs(settings, sample != nullptr ? std::optional(*sample) : std::nullopt);
-    return isInSlabs ? PiecewiseMarcher::bytesUnderWay(camera, settings, sample) : 0;
-  }
 
   Backend backend() const override { return makePieces_.backend(); }
   MarcherCapabilities capabilities() const override { return {}; }
