@@ -373,8 +373,6 @@ Recording readRecording(const std::filesystem::path& path, const std::stop_token
     static_cast<void>(makeCamera(recording.scene, recording.path.at(0.0), 64, 64));
   } catch (const UsageError&) {
     throw InputError(path.string() + ": its scene is damaged");
-  } catch (const InputError&) {
-    throw InputError(path.string() + ": its scene is damaged");
   }
   return recording;
 }

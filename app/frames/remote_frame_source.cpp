@@ -6,6 +6,7 @@
 #include <mutex>
 #include <stop_token>
 
+#include "app/frames/asked_requests.h"
 #include "app/frames/backend.h"
 #include "app/frames/wire_fields.h"
 #include "net/address.h"
@@ -16,10 +17,9 @@
 namespace warpscope {
 namespace {
 
-/// What came for one request: a frame to decode, or why there is none.
-/// Requests that nobody has answered yet which are remembered: where there is no connection, a camera that moves asks sixty times a second.
-constexpr size_t kMostWanted = 1024;
+constexpr size_t kMostWanted = 1024;  // requests that are remembered
 
+/// What came for one request: a frame to decode, or why there is none.
 struct Arrived {
   std::shared_ptr<const net::Frame> frame;
   net::FrameArrival arrival;
@@ -65,8 +65,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
       const std::scoped_lock lock(mutex_);
       MarchSettings settings = request.settings;
       wanted_[request.id] = {settings.sample.proxy, functionVersion_};
-      // The oldest have left, the newest will: in between they were replaced.
-      if (wanted_.size() > kMostWanted) wanted_.erase(std::next(wanted_.begin(), net::kMaxDepth));
+      forgetReplaced(wanted_, kMostWanted);
       if (proxy_ && proxyLongest_ == settings.sample.proxy) settings.sample.proxy = 0;  // it is here already
       asked.settings = toFields(settings, transport_.server);
       asked.codec = toFields(transport_.codec);

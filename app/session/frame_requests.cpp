@@ -3,9 +3,9 @@
 #include "app/session/frame_requests.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
+#include "app/frames/asked_requests.h"
 #include "app/frames/classified_frame.h"
 #include "app/frames/coarsening.h"
 
@@ -62,19 +62,10 @@ bool FrameRequests::ask(const WantedFrame& wanted, bool isFrozen, TimePoint now)
   return true;
 }
 
-namespace {
-
-/// Requests that may be on show or under way.
-constexpr size_t kLeftAtMost = net::kMaxDepth + 16;
-
-}  // namespace
-
 void FrameRequests::post(const WantedFrame& wanted, TimePoint now) {
   source_->post({++requestId_, wanted.camera, wanted.march}, now);
   requests_[requestId_].asked = wanted;
-  // The oldest are on show or have left, the newest will: in between they were replaced.
-  static_assert(kMostKept > kLeftAtMost);
-  if (requests_.size() > kMostKept) requests_.erase(std::next(requests_.begin(), kLeftAtMost));
+  forgetReplaced(requests_, kMostKept);
 }
 
 bool FrameRequests::isToBeRefined() const {

@@ -70,11 +70,12 @@ bool LiveRay::follow(RayJob wanted) {
 bool LiveRay::take() {
   std::optional<RayResult> result = worker_.tryTake();
   if (!result || !wanted_ || !wanted_->volume) return false;
-  const bool isOfAnother = result->job.ray != wanted_->ray;  // where it ends, that of what is wanted follows
-  if (result->error.empty())
-    error_.clear(), result_ = std::move(result);
-  else if (!isOfAnother)
+  if (result->error.empty()) {
+    error_.clear();
+    result_ = std::move(result);
+  } else if (result->job.ray == wanted_->ray) {  // what is said of another is followed by what is wanted
     error_ = std::move(result->error);
+  }
   return true;
 }
 

@@ -173,8 +173,10 @@ bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Cl
   if (!hasEnded) static_cast<void>(session.release());  // its thread still uses it
   if (!photograph.empty()) writeFileWhole(settings.screenshot, encodePng(photograph));
   if (!settings.report.empty()) writeFileWhole(settings.report, figures);
-  if (!recordingError.empty() && settings.recording.empty()) logWarning("the recording is not whole: " + recordingError);
-  if (!recordingError.empty() && !settings.recording.empty()) throw InputError("the recording is not whole: " + recordingError);
+  if (recordingError.empty()) return hasEnded;
+  const std::string sentence = "the recording is not whole: " + recordingError;
+  if (!settings.recording.empty()) throw InputError(sentence);
+  logWarning(sentence);
   return hasEnded;
 }
 
