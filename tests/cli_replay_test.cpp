@@ -1,6 +1,6 @@
 // `replay` as a program: pictures that are the same on every run, one JSON document, and what it refuses.
 // Mirrors app/commands/replay.cpp.
-#include "app/frames/recording.h"
+#include "app/frames/recording_writer.h"
 
 #include <sys/stat.h>
 

@@ -6,6 +6,9 @@
 #include <sys/stat.h>
 
 #include "app/experiment/replay.h"
+#include "app/frames/recorded_frames.h"
+#include "app/frames/recording_format.h"
+#include "app/frames/recording_writer.h"
 #include "app/frames/wire_fields.h"
 #include "render/base/error.h"
 #include "tests/headless.h"

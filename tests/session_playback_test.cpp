@@ -1,6 +1,7 @@
 // Recordings shown again in a session: at any time of theirs the frame and the camera that belong to it, by any techniques; stepping, seeking, looping; without
 // their volume as well.
 // Mirrors app/session/live_playback.h, app/session/recorded_scene.h and app/frames/recorded_frame_source.h.
+#include "app/frames/recording_writer.h"
 #include "app/session/recorded_scene.h"
 #include "app/picture/picture.h"
 #include "tests/session_fixture.h"

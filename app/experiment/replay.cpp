@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 
+#include "app/frames/recorded_frames.h"
 #include "app/frames/wire_fields.h"
 #include "app/picture/picture.h"
 #include "app/picture/text.h"

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "app/frames/recorded_frames.h"
+
 namespace warpscope {
 RecordedFrameSource::RecordedFrameSource(std::shared_ptr<const Recording> recording, std::function<void()> onNews)
     : recording_(std::move(recording)),
