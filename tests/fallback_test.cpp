@@ -165,10 +165,11 @@ TEST(FallbackMarcher, OtherErrorsAndTheSecondsAreTheCallers) {
 /// Draws the backend's number; fails at the `failsAt`-th picture or frame.
 class MadeUpWarp final : public Warp {
  public:
-  MadeUpWarp(Backend backend, int failsAt) : backend_(backend), device_{failsAt} {}
+  MadeUpWarp(Backend backend, int failsAt, size_t* frames = nullptr) : backend_(backend), device_{failsAt}, frames_(frames) {}
 
   void setFrame(SampleFramePtr frame, const WarpSettings&, const std::stop_token&) override {
     device_.use();
+    if (frames_ != nullptr) ++*frames_;
     frame_ = std::move(frame);
   }
   void draw(const Camera&, const WarpSettings&, WarpedImage& image, const std::stop_token&) override {
@@ -180,6 +181,7 @@ class MadeUpWarp final : public Warp {
  private:
   const Backend backend_;
   FailingDevice device_;
+  size_t* const frames_;  // that it was given
   SampleFramePtr frame_;
 };
 
@@ -204,6 +206,43 @@ TEST(FallbackWarp, GoesOnWithTheSameFrame) {
     EXPECT_EQ(image.color(0, 0).x, 1.0f);
     EXPECT_EQ(notes.reasons.size(), 1u);
   }
+}
+
+TEST(FallbackWarp, TheSecondGetsEachFrameOnce) {
+  Notes notes;
+  size_t frames = 0;
+  const std::unique_ptr<Warp> warp = makeFallbackWarp([] { return std::make_unique<MadeUpWarp>(Backend::cuda, 1); },
+                                                      [&] { return std::make_unique<MadeUpWarp>(Backend::cpu, kNever, &frames); }, notes.take());
+  warp->setFrame(std::make_shared<SampleFrame>(), {});
+  EXPECT_EQ(frames, 1u);
+}
+
+TEST(FallbackWarp, ThoseOfOneDeviceLeaveTogetherAndTellOnce) {
+  auto frame = std::make_shared<SampleFrame>();
+  frame->requestId = 7;
+  Notes notes;
+  size_t tried = 0;
+  const auto hasFailed = std::make_shared<bool>(false);
+  const auto make = [&] {
+    return makeFallbackWarp(
+        [&] {
+          ++tried;
+          return std::make_unique<MadeUpWarp>(Backend::cuda, 3);
+        },
+        [] { return std::make_unique<MadeUpWarp>(Backend::cpu, kNever); }, notes.take(), hasFailed);
+  };
+  const std::unique_ptr<Warp> first = make(), second = make();
+  WarpedImage image;
+  for (const auto& warp : {first.get(), second.get()}) warp->setFrame(frame, {});
+  for (int picture = 0; picture < 3; ++picture) first->draw({}, {}, image);
+  ASSERT_EQ(notes.reasons.size(), 1u);
+  second->draw({}, {}, image);
+  EXPECT_EQ(image.samples(0, 0), 7u) << "its frame goes along";
+  EXPECT_EQ(image.color(0, 0).x, 1.0f) << "by the second, without a try";
+  make()->draw({}, {}, image);
+  EXPECT_EQ(image.color(0, 0).x, 1.0f);
+  EXPECT_EQ(tried, 2u);
+  EXPECT_EQ(notes.reasons.size(), 1u);
 }
 
 }  // namespace

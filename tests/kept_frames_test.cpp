@@ -4,8 +4,10 @@
 
 #include "render/metrics/holes.h"
 #include "render/metrics/psnr.h"
+#include "render/warp/completed_warp.h"
 #include "render/warp/fill.h"
 #include "render/warp/kept_frames.h"
+#include "render/warp/mesh_warp.h"
 #include "warp_cases.h"
 
 namespace warpscope {
@@ -116,6 +118,65 @@ TEST_F(KeptFramesTest, HowFarApartCamerasAre) {
   EXPECT_GT(apartDeg(at({0, 0, 30}), at({0, 0, 33}), bounds), kKeptApartDeg) << "a tenth nearer";
   EXPECT_EQ(apartDeg(at({0, 0, 0}), at({0, 0, 0}), bounds), 0.0);
   EXPECT_EQ(apartDeg(at({0, 0, 0}), at({0, 0, 1}), bounds), 180.0);
+}
+
+TEST_F(KeptFramesTest, FewerStayFromTheFrameOnWithWhichTheyAreWanted) {
+  const std::vector<SampleFramePtr> frames{frameAt(-40.0), frameAt(-20.0), frameAt(0.0), frameAt(20.0)};
+  const SampleFramePtr near = frameAt(22.0);
+  const auto shows = [&](bool isTurnedBefore) {
+    const std::unique_ptr<Warp> warp = makeWarp(findWarp("spheres"), stage_.resources());
+    for (const SampleFramePtr& frame : frames) warp->setFrame(frame, keeping(8));
+    if (isTurnedBefore) warp->setFrame(frames.back(), keeping(2));
+    warp->setFrame(near, keeping(2));
+    WarpedImage image;
+    warp->draw(stage_.camera(120, 90, -30.0), keeping(2), image);
+    return image;
+  };
+  const WarpedImage before = shows(true), together = shows(false);
+  EXPECT_EQ(together.samples, before.samples);
+  EXPECT_EQ(together.color, before.color);
+}
+
+TEST_F(KeptFramesTest, AreBuiltByKnobsThatCameWithAnotherFrame) {
+  const SampleFramePtr first = frameAt(0.0), last = frameAt(30.0);
+  const auto cutAt = [](double cut) {
+    WarpSettings settings = keeping(2);
+    settings.knobs.set(kMeshCutKnob, cut);
+    return settings;
+  };
+  const auto shows = [&](double cutOfFirst) {
+    const std::unique_ptr<Warp> warp = makeWarp(findWarp("mesh"), stage_.resources());
+    warp->setFrame(first, cutAt(cutOfFirst));
+    warp->setFrame(last, cutAt(5.0));
+    WarpedImage image;
+    warp->draw(stage_.camera(120, 90, 20.0), cutAt(5.0), image);
+    return image;
+  };
+  EXPECT_EQ(shows(0.05).samples, shows(5.0).samples);
+}
+
+/// Counts frames that it is given.
+class CountingWarp final : public Warp {
+ public:
+  explicit CountingWarp(size_t& built) : built_(built) {}
+  void setFrame(SampleFramePtr, const WarpSettings&, const std::stop_token&) override { ++built_; }
+  void draw(const Camera& camera, const WarpSettings&, WarpedImage& image, const std::stop_token&) override {
+    image.samples.resize(camera.width, camera.height, kNoSample);
+    image.color.resize(camera.width, camera.height);
+  }
+
+ private:
+  size_t& built_;
+};
+
+TEST_F(KeptFramesTest, HowManyThereAreChangesNoneOfThem) {
+  size_t built = 0;
+  const std::unique_ptr<Warp> warp = makeCompletedWarp(findWarp("spheres"), [&] { return std::make_unique<CountingWarp>(built); });
+  SampleFramePtr newest;
+  for (const double turnDeg : {0.0, 10.0, 20.0, 30.0}) warp->setFrame(newest = frameAt(turnDeg), keeping(8));
+  EXPECT_EQ(built, 4u);
+  warp->setFrame(newest, keeping(7));
+  EXPECT_EQ(built, 5u) << "the newest alone";
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 // Mirrors render/warp/sprites_warp.h.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "warp_cases.h"
 
 namespace warpscope {
@@ -43,6 +45,18 @@ TEST_P(SpritesOnPlatform, SpheresThatAreLargerThanThePictureOrBesideItOrAroundTh
       const Camera camera = frontCamera(size.x, size.y);
       EXPECT_LE(differingShare(stage.draw("sprites", frame, camera), stage.draw("spheres", frame, camera)), 5e-3) << size.x << "x" << size.y;
     }
+  }
+}
+
+TEST_P(SpritesOnPlatform, SpheresWhoseSilhouetteIsOpenToTheSideOfAWideView) {
+  const Stage stage = syntheticStage(GetParam());
+  const SampleFramePtr frame = makeFrame({{{0.25f, 4.0f, 0.0f}, 2.0f}}, 1.0f / 32.0f, 1023);
+  for (const double fovDeg : {130.0, 140.0, 170.0}) {
+    Camera camera = frontCamera(256, 256, 0.125f);
+    camera.tanHalfFovY = static_cast<float>(std::tan(0.5 * glm::radians(fovDeg)));
+    const WarpedImage spheres = stage.draw("spheres", frame, camera);
+    ASSERT_GT(coveredPixels(spheres), 1000u);
+    EXPECT_LE(differingShare(stage.draw("sprites", frame, camera), spheres), 1e-3) << fovDeg;
   }
 }
 

@@ -142,6 +142,22 @@ TEST(TextbookTracing, ThePacketsAreClosestHitsByTheSameForm) {
   EXPECT_LT(apart, ids.size() / 50);
 }
 
+TEST(TextbookTracing, SpheresAreWholeHoweverNearTheEyeIs) {
+  for (const float radius : {0.3f, 0.6f, 0.9f}) {
+    const std::vector<Sphere> cloud{{{0.0f, 0.0f, 0.0f}, radius}};
+    LbvhTracer tracer(Arithmetic::textbook);
+    tracer.build(cloud);
+    const Camera camera = lookingFrom({0.0f, 0.0f, 1.0f}, {}, 128, 96, 1.0f);
+    Image<uint32_t> ids;
+    tracer.trace(camera, ids, nullptr, {});
+    size_t apart = 0;
+    for (uint32_t y = 0; y < camera.height; ++y)
+      for (uint32_t x = 0; x < camera.width; ++x)
+        apart += closestHit<TextbookSphere>(tracer.view(), pixelRay(camera, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f})).id != ids(x, y);
+    EXPECT_EQ(apart, 0u) << radius;
+  }
+}
+
 TEST(TextbookTracing, OnlyTheLbvhKnowsIt) {
   WarpSettings settings;
   settings.knobs.set(kArithmeticKnob, Arithmetic::textbook);

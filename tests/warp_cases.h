@@ -41,9 +41,12 @@ inline void expectExactly(const WarpedImage& image, const Image<uint32_t>& expec
   EXPECT_EQ(wrongColor, 0u);
 }
 
+/// Whether it shows something of frames that have samples and nothing else.
+inline bool drawsSamples(const WarpDescriptor& technique) { return technique.usesFrame && !technique.uses.segments && !technique.uses.proxy; }
+
 /// Whether each pixel shows one of the frame's samples: some techniques blend them.
 inline bool showsSamplesAsTheyAre(const WarpDescriptor& technique) {
-  return technique.drawsSamples() && technique.name != "mesh" && technique.name != "rotate";
+  return drawsSamples(technique) && technique.name != "mesh" && technique.name != "rotate";
 }
 
 inline size_t coveredPixels(const WarpedImage& image) {

@@ -11,9 +11,11 @@ flat out float radius;
 
 const float kMargin = 1.0;  // pixels: corners are rounded, fragments are exact
 
-// Least and greatest slope of rays that touch a circle; far out where they do not end.
+// Least and greatest slope of rays that touch a circle; far out where they do not end, and from inside it, where none do.
 vec2 slopes(float beside, float before, float r) {
-  float tangent = sqrt(max(beside * beside + before * before - r * r, 0.0));
+  float squared = beside * beside + before * before - r * r;
+  if (!(squared > 0.0)) return vec2(-1e30, 1e30);
+  float tangent = sqrt(squared);
   float low = before * tangent + beside * r, high = before * tangent - beside * r;
   return vec2(low > 0.0 ? (beside * tangent - before * r) / low : -1e30, high > 0.0 ? (beside * tangent + before * r) / high : 1e30);
 }

@@ -186,6 +186,15 @@ class CudaPictureJudge final : public DevicePictureJudge {
     if (width == 0 || height == 0) throw InputError("a ground truth needs at least one pixel");
     width_ = width;
     height_ = height;
+    try {
+      keepSized(pixels);
+    } catch (...) {
+      width_ = height_ = 0;  // there is none
+      throw;
+    }
+  }
+  template <class Pixels>
+  void keepSized(const Pixels& pixels) {
     const dim3 grid = tiles();
     stride_ = std::max(cuda::blocksFor(count(), kThreads), 3 * grid.x * grid.y);
     partials_.reserve(size_t{kQuantities} * stride_);
@@ -200,12 +209,7 @@ class CudaPictureJudge final : public DevicePictureJudge {
     keepSeen<<<grid, dim3(kColumnTile, kColumnThreadRows), columnBytes(), stream_>>>(rows_.data(), static_cast<int>(width_), static_cast<int>(height_),
                                                                                      filters_, seen_.data());
     WARPSCOPE_CUDA_CHECK_LAUNCH();
-    try {
-      downloadTotals();
-    } catch (...) {
-      width_ = height_ = 0;
-      throw;
-    }
+    downloadTotals();
   }
 
   template <class Pixels>

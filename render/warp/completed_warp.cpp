@@ -24,12 +24,13 @@ class CompletedWarp final : public Warp {
       kept_.limitTo(0);
     } else if (frame == before) {
       kept_.limitTo(most);
-      if (technique_.isBuiltAnew(builtWith_, settings.knobs)) kept_.rebuild(settings, stop);
     } else if (!before) {
       kept_.limitTo(0);
     } else {
       warp_ = kept_.take(before, std::move(warp_), *frame, most);
     }
+    builtWith_.set(kKeepKnob, settings.knobs[kKeepKnob]);  // how many there are changes none of them
+    if (before && technique_.isBuiltAnew(builtWith_, settings.knobs)) kept_.rebuild(settings, stop);
     own().setFrame(frame, settings, stop);
     frame_ = std::move(frame);
     builtWith_ = settings.knobs;

@@ -2,6 +2,8 @@
 // See fallback_warp.h.
 #include "render/warp/fallback_warp.h"
 
+#include <utility>
+
 #include "render/base/error.h"
 
 namespace warpscope {
@@ -10,8 +12,12 @@ namespace {
 class FallbackWarp final : public Warp {
  public:
   FallbackWarp(const std::function<std::unique_ptr<Warp>()>& makeFirst, std::function<std::unique_ptr<Warp>()> makeSecond,
-               std::function<void(const std::string&)> onFallback)
-      : makeSecond_(std::move(makeSecond)), onFallback_(std::move(onFallback)) {
+               std::function<void(const std::string&)> onFallback, std::shared_ptr<bool> hasFailed)
+      : makeSecond_(std::move(makeSecond)), onFallback_(std::move(onFallback)), hasFailed_(std::move(hasFailed)) {
+    if (*hasFailed_) {
+      leave();
+      return;
+    }
     try {
       warp_ = makeFirst();
     } catch (const DeviceError& error) {
@@ -21,7 +27,15 @@ class FallbackWarp final : public Warp {
 
   void setFrame(SampleFramePtr frame, const WarpSettings& settings, const std::stop_token& stop) override {
     frame_ = std::move(frame);
-    attempt(settings, stop, [&] { warp_->setFrame(frame_, settings, stop); });
+    if (!isSecond_ && *hasFailed_) leave();
+    if (!isSecond_) {
+      try {
+        return warp_->setFrame(frame_, settings, stop);
+      } catch (const DeviceError& error) {
+        leave(error);
+      }
+    }
+    warp_->setFrame(frame_, settings, stop);
   }
   void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) override {
     attempt(settings, stop, [&] { warp_->draw(camera, settings, image, stop); });
@@ -37,20 +51,27 @@ class FallbackWarp final : public Warp {
  private:
   template <class Work>
   void attempt(const WarpSettings& settings, const std::stop_token& stop, const Work& work) {
-    try {
-      return work();
-    } catch (const DeviceError& error) {
-      if (isSecond_) throw;
-      leave(error);
+    if (isSecond_) return work();
+    if (*hasFailed_) {
+      leave();
+    } else {
+      try {
+        return work();
+      } catch (const DeviceError& error) {
+        leave(error);
+      }
     }
     warp_->setFrame(frame_, settings, stop);
     work();
   }
 
   void leave(const DeviceError& error) {
-    if (onFallback_) onFallback_(error.what());
-    warp_.reset();
-    warp_ = makeSecond_();
+    if (!std::exchange(*hasFailed_, true) && onFallback_) onFallback_(error.what());
+    leave();
+  }
+  void leave() {
+    std::unique_ptr<Warp> second = makeSecond_();
+    warp_ = std::move(second);
     isSecond_ = true;
   }
 
@@ -59,14 +80,15 @@ class FallbackWarp final : public Warp {
   SampleFramePtr frame_;
   const std::function<std::unique_ptr<Warp>()> makeSecond_;
   const std::function<void(const std::string&)> onFallback_;
+  const std::shared_ptr<bool> hasFailed_;
 };
 
 }  // namespace
 
 std::unique_ptr<Warp> makeFallbackWarp(const std::function<std::unique_ptr<Warp>()>& makeFirst,
                                        std::function<std::unique_ptr<Warp>()> makeSecond,
-                                       std::function<void(const std::string&)> onFallback) {
-  return std::make_unique<FallbackWarp>(makeFirst, std::move(makeSecond), std::move(onFallback));
+                                       std::function<void(const std::string&)> onFallback, std::shared_ptr<bool> hasFailed) {
+  return std::make_unique<FallbackWarp>(makeFirst, std::move(makeSecond), std::move(onFallback), std::move(hasFailed));
 }
 
 }  // namespace warpscope

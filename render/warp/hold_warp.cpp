@@ -15,9 +15,10 @@ namespace {
 class HoldWarp final : public Warp {
  public:
   void setFrame(SampleFramePtr frame, const WarpSettings&, const std::stop_token&) override {
-    frame_ = std::move(frame);
+    frame_ = nullptr;  // in case that the picture cannot be made
     pixels_.resize(0, 0);
-    if (frame_) pixels_ = ownPicture(*frame_);
+    if (frame) pixels_ = ownPicture(*frame);
+    frame_ = std::move(frame);
   }
 
   void draw(const Camera& camera, const WarpSettings&, WarpedImage& image, const std::stop_token&) override {

@@ -50,7 +50,10 @@ std::unique_ptr<Warp> KeptFrames::take(SampleFramePtr frame, std::unique_ptr<War
     return warp;
   }
   const bool isFar = kept_.empty() || apartDeg(kept_.front().frame->camera, frame->camera, newest.quantization.bounds) >= kKeptApartDeg;
-  if (!isFar) return warp;
+  if (!isFar) {
+    limitTo(most);
+    return warp;
+  }
   kept_.push_front({std::move(frame), std::move(warp)});
   if (kept_.size() <= most) return nullptr;
   std::unique_ptr<Warp> free = std::move(kept_.back().warp);

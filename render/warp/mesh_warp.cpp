@@ -80,9 +80,8 @@ class MeshWarp final : public Warp {
     cornerCount_ = corners.size();
   }
 
-  void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) override {
+  void draw(const Camera& camera, const WarpSettings&, WarpedImage& image, const std::stop_token& stop) override {
     requireUsable(camera);
-    validate(settings);
     context_.makeCurrent();
     image.samples.resize(camera.width, camera.height, kNoSample);
     image.color.resize(camera.width, camera.height);

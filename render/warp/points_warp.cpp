@@ -60,7 +60,6 @@ class PointsWarp final : public Warp {
   void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image,
             const std::stop_token& stop) override {
     requireUsable(camera);
-    validate(settings);
     context_.makeCurrent();
     const float pointPx = settings.knobs.number(kPointSizeKnob);
     if (pointPx > largestPoint_)

@@ -38,8 +38,9 @@ namespace {
 class SegmentsWarp final : public Warp {
  public:
   void setFrame(SampleFramePtr frame, const WarpSettings&, const std::stop_token&) override {
+    frame_ = nullptr;  // in case that building fails
+    if (frame) built_.build(*frame);
     frame_ = std::move(frame);
-    if (frame_) built_.build(*frame_);
   }
 
   void draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) override {

@@ -28,14 +28,16 @@ class SpheresWarp final : public SphereCloudWarp {
     if (tracingOf(settings) == SphereTracing::clusters)
       throw UsageError("clusters are for CUDA devices: choose another way of tracing (--via), or --backend cuda");
     requireTraceable(settings);
+    const SamplePlane* const spreads = spreadsOf(frame);
+    const bool isOfCapsules = spreads != nullptr && settings.knobs.number(kSmearKnob) > 0.0f;
+    if (isOfCapsules) requireCapsules(settings);
+    tracer_ = nullptr;  // if this fails
     smear_ = settings.knobs.number(kSmearKnob);
     tracing_ = tracingOf(settings);
     arithmetic_ = arithmeticOf(settings);
+    isOfCapsules_ = isOfCapsules;
     footprints_.isBuilt = hierarchy_.isBuilt = false;
-    const SamplePlane* const spreads = spreadsOf(frame);
-    isOfCapsules_ = spreads != nullptr && smear_ > 0.0f;
     if (isOfCapsules_) {
-      requireCapsules(settings);
       auto capsules = std::make_unique<LbvhTracer>();
       capsules->build(spheres, halfLinesOf(frame, *spreads));
       hierarchy_ = {std::move(capsules), {}, true};
@@ -64,8 +66,9 @@ class SpheresWarp final : public SphereCloudWarp {
     bool isBuilt = false;                                         // for this frame
   };
 
+  /// Whether what is built is not for these settings, or building it has failed.
   bool isOther(const WarpSettings& settings) const {
-    return tracing_ != tracingOf(settings) || arithmetic_ != arithmeticOf(settings) || smear_ != settings.knobs.number(kSmearKnob);
+    return (tracer_ == nullptr && !dependsOnView()) || tracing_ != tracingOf(settings) || arithmetic_ != arithmeticOf(settings) || smear_ != settings.knobs.number(kSmearKnob);
   }
   bool dependsOnView() const { return tracing_ == SphereTracing::automatic && arithmetic_ == Arithmetic::stable && !isOfCapsules_; }
 
@@ -142,7 +145,7 @@ constinit const Knob kSphereTracingKnob{
     .option = "--via",
     .label = "Traced via",
     .noun = "way of tracing",
-    .help = "How the first sphere along each ray is found; all ways find the same",
+    .help = "How the first sphere along each ray is found; all ways find the same, Embree up to rounding",
     .type = KnobType::choice,
     .stale = KnobStage::build,
     .defaultValue = static_cast<double>(SphereTracing::automatic),

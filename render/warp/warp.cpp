@@ -44,7 +44,7 @@ WarpDescriptor completed(WarpDescriptor technique) {
   return technique;
 }
 
-/// Descriptors stay where they are as long as there is room: others point to them.
+/// Descriptors stay where they are as long as there is room, and those that were added last go first: others point to them.
 constexpr size_t kMostWarps = 64;
 
 std::vector<WarpDescriptor>& registered() {
@@ -129,10 +129,11 @@ std::unique_ptr<Warp> makeWarp(const WarpDescriptor& descriptor, const WarpResou
     bound.backend = backend;
     return descriptor.make(bound);
   };
-  const auto make = [backend = resources.backend, onFallback = resources.onFallback, makeOn] {
+  // One device for all that are made so: of each frame that is kept there is one.
+  const auto make = [backend = resources.backend, onFallback = resources.onFallback, makeOn, hasFailed = std::make_shared<bool>(false)] {
     if (backend != Backend::automatic) return makeOn(backend);
     if (!cuda::whyUnavailable().empty()) return makeOn(Backend::cpu);
-    return makeFallbackWarp([makeOn] { return makeOn(Backend::cuda); }, [makeOn] { return makeOn(Backend::cpu); }, onFallback);
+    return makeFallbackWarp([makeOn] { return makeOn(Backend::cuda); }, [makeOn] { return makeOn(Backend::cpu); }, onFallback, hasFailed);
   };
   return leavesGaps(descriptor) ? makeCompletedWarp(descriptor, make) : make();
 }

@@ -29,9 +29,9 @@ class Context;
 inline constexpr uint32_t kNotASample = 0xfffffffeu;
 /// Id of pixels that show something which no frame has: a guess (fill.h).
 inline constexpr uint32_t kFilled = 0xfffffffdu;
-/// Ids of pixels that show a frame before the newest (kept_frames.h): this one of the frame before it, one more for each further back.
+/// Ids of pixels that show a frame before the newest (kept_frames.h): this one of the last that was kept, one more for each further back.
 inline constexpr uint32_t kOfEarlierFrame = 0xfffffff0u;
-/// How many frames before the newest the pixel's is; 0 for the newest's own, and for ids that say nothing of it.
+/// Which of the frames that were kept the pixel's is, counted back from the newest frame; 0 for the newest's own, and for ids that say nothing of it.
 inline uint32_t framesBack(uint32_t id) { return id >= kOfEarlierFrame && id < kFilled ? id - kOfEarlierFrame + 1 : 0; }
 
 /// A warped picture. Pixels that nothing covers are kept apart: their id is kNoSample and their colour is 0.
@@ -122,8 +122,6 @@ struct WarpDescriptor {
   std::unique_ptr<Warp> (*make)(const WarpResources&) = nullptr;
 
   bool has(const Knob& knob) const;
-  /// Whether what it shows are a frame's samples, and nothing else that a frame may have.
-  bool drawsSamples() const { return usesFrame && !uses.segments && !uses.proxy; }
   /// Whether its picture changes with that knob of the marching, where its own are set so.
   bool dependsOn(const MarchKnob& knob, const KnobValues& own = {}) const;
   /// Whether what it derived from a frame with `before` is of no use with `now`.
@@ -133,7 +131,7 @@ struct WarpDescriptor {
 /// Every technique, in the order in which they are shown.
 std::span<const WarpDescriptor> warpRegistry();
 
-/// Adds a technique while it lives; not beside other threads. For extensions and tests: the program's own are lines of the registry.
+/// Adds a technique while it lives; not beside other threads. Those that live at once end in the opposite order. For extensions and tests: the program's own are lines of the registry.
 class WarpRegistration {
  public:
   /// Throws std::logic_error for a name, or the key of another knob, that there is already, or where there is no room.
@@ -172,7 +170,7 @@ MarchSettings neededBy(std::span<const TechniqueInUse> techniques, MarchSettings
 /// segments (--segments 0)". Empty where it shows something.
 std::string lackOf(const WarpDescriptor& technique, const MarchSettings& settings, const KnobValues& knobs = {});
 
-/// Throws UsageError naming the setting that is out of range.
+/// Throws UsageError naming the setting that is out of range: of `reference`, which techniques of frames do not look at.
 void validate(const WarpSettings& settings);
 
 /// Gives every covered pixel its sample's colour. `samples` is the only input; resizes `color`.

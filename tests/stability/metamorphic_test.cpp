@@ -295,7 +295,8 @@ TEST(Metamorphic, TheOrderOfSamplesDecidesTiesAlone) {
       shuffled->colors[i] = frame.colors[order[i]];
     }
     for (size_t i = 0; i < warpRegistry().size(); ++i) {
-      if (!warpRegistry()[i].drawsSamples() || warpRegistry()[i].name == "mesh") continue;  // whose pixels are not of one sample
+      const WarpDescriptor& technique = warpRegistry()[i];
+      if (!technique.usesFrame || technique.uses.segments || technique.uses.proxy || technique.name == "mesh") continue;  // whose pixels are not of one sample
       SCOPED_TRACE(std::string(warpRegistry()[i].name) + ", seed " + std::to_string(seed));
       const WarpedImage image = drawing.draw(warpRegistry()[i], shuffled, client);
       size_t ties = 0;

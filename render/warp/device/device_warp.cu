@@ -83,7 +83,6 @@ void DeviceWarp::traceInto(const DevicePixels& pixels, const Camera& camera, con
 
 void DeviceWarp::draw(const Camera& camera, const WarpSettings& settings, WarpedImage& image, const std::stop_token& stop) {
   requireUsable(camera);
-  validate(settings);
   image.samples.resize(camera.width, camera.height, kNoSample);
   image.color.resize(camera.width, camera.height);
   if (!frame_) return;
@@ -111,7 +110,6 @@ void DeviceWarp::draw(const Camera& camera, const WarpSettings& settings, Warped
 DevicePicturePtr DeviceWarp::drawForScreen(const Camera& camera, const WarpSettings& settings, const glm::vec3& background,
                                            const PixelMarks& marks, const std::stop_token& stop) {
   requireUsable(camera);
-  validate(settings);
   if (!frame_) return nullptr;
   if (stop.stop_requested()) throw OperationCancelled();
   std::shared_ptr<cuda::CudaPicture> picture;

@@ -292,7 +292,8 @@ class TileTracer {
 
   /// The groups in which a ray may meet the sphere before what it has met, as bits.
   uint64_t groupsBehind(const glm::vec3& toCenter, float distance, float radius) {
-    const Bulge bulge{distance, std::min(radius, 0.5f * distance) + scene_.margin};  // what is seen of it: seenRadius
+    constexpr bool kIsSeenWhole = std::is_same_v<Intersection, TextbookSphere>;
+    const Bulge bulge{distance, (kIsSeenWhole ? radius : std::min(radius, 0.5f * distance)) + scene_.margin};  // what is seen of it: seenRadius
     if (!bulge.isTelling()) return ~uint64_t{0};
     if (!hasBeams_) makeBeams();
     return beams_.behind(0, kGroups, toCenter, bulge, scene_.margin, groupFarthest_.data());
