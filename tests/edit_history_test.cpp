@@ -100,6 +100,49 @@ TEST_F(EditHistoryTest, PanelsComeBackWithWhatWasChosenForThem) {
   EXPECT_EQ(session_.panel(1).knobs[kKeepKnob], kKeepKnob.defaultValue);
 }
 
+TEST_F(EditHistoryTest, PanelsKeepTheirCamerasWhereOthersComeBackOrTheirOrderDoes) {
+  session_.setTechnique(0, findWarp("points"));
+  session_.setTechnique(1, findWarp("segments"));
+  session_.setOwnCamera(1, true);
+  follow();
+  const uint64_t points = session_.panel(0).id, segments = session_.panel(1).id;
+  session_.movePanel(0, 1);
+  follow();
+  EXPECT_EQ(history_.undoes(), "order of the panels");
+  session_.removePanel(1);
+  follow();
+  undo();
+  ASSERT_EQ(session_.panelCount(), 2u);
+  EXPECT_EQ(session_.panel(0).id, segments);
+  EXPECT_EQ(session_.panel(1).id, points) << "the same one comes back";
+  EXPECT_TRUE(session_.hasOwnCamera(0));
+  EXPECT_FALSE(session_.hasOwnCamera(1));
+  undo();
+  EXPECT_EQ(session_.panel(0).technique->name, "points");
+  EXPECT_FALSE(session_.hasOwnCamera(0));
+  EXPECT_TRUE(session_.hasOwnCamera(1));
+  redo();
+  redo();
+  ASSERT_EQ(session_.panelCount(), 1u);
+  EXPECT_EQ(session_.panel(0).id, segments);
+}
+
+TEST_F(EditHistoryTest, AllPanelsMayBeOthers) {
+  while (session_.panelCount() < kMaxPanels) session_.addPanel({.technique = &findWarp("hold")});
+  follow();
+  const EditState full = *[&] {
+    session_.removePanel(0);
+    follow();
+    return history_.undo();
+  }();
+  while (session_.panelCount() > 1) session_.removePanel(0);
+  session_.addPanel({.technique = &findWarp("mesh")});
+  session_.removePanel(0);  // none of those that there were
+  apply(full, session_);
+  ASSERT_EQ(session_.panelCount(), kMaxPanels);
+  for (size_t i = 0; i < kMaxPanels; ++i) EXPECT_EQ(session_.panel(i).id, full.panelIds[i]);
+}
+
 TEST_F(EditHistoryTest, CornersOnAStraightLineComeBack) {
   const TransferCurves before = curves_;
   const double middle = 0.5 * (curves_.opacities[0].value + curves_.opacities[1].value);

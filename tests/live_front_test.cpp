@@ -102,6 +102,30 @@ TEST_F(LiveFrontTest, EqualWorkIsOnePoint) {
   EXPECT_EQ(front_.points()[0].buckets[0].count, 2u);
 }
 
+TEST_F(LiveFrontTest, WhatSweepsDoNotGoThroughTellsPointsApartToo) {
+  Configuration mip = configured("spheres"), lit = configured("spheres"), dark = configured("spheres");
+  mip.march.render.effects.mode = RenderMode::mip;
+  const MarchText& lights = *findMarchText("lights");
+  lit.march.render.effects.shading.strength = dark.march.render.effects.shading.strength = 1.0f;
+  lights.set(lit.march, "headlight", "lights");
+  lights.set(dark.march, "world:0,1,0", "lights");
+  see(configured("spheres"), 10.0, 0.02, 5.0);
+  see(mip, 10.0, 0.30, 5.0);
+  see(lit, 10.0, 0.10, 5.0);
+  see(dark, 10.0, 0.20, 5.0);
+  EXPECT_EQ(front_.points().size(), 4u);
+  EXPECT_EQ(pointOf(mip).flip, 0.30);
+  EXPECT_EQ(pointOf(configured("spheres")).flip, 0.02);
+  EXPECT_EQ(othersOf(configured("spheres")), "");
+  EXPECT_EQ(othersOf(mip), ", mode of rendering mip");
+  EXPECT_NE(othersOf(lit), othersOf(dark));
+  // What does not matter as the others are set does not: without shading there are no lights.
+  Configuration unlit = configured("spheres");
+  lights.set(unlit.march, "world:0,1,0", "lights");
+  see(unlit, 10.0, 0.04, 5.0);
+  EXPECT_EQ(front_.points().size(), 4u);
+}
+
 TEST_F(LiveFrontTest, TimesAreMediansOfTheLast) {
   const Configuration configuration = configured("spheres");
   see(configuration, 0.0, 0.5, 1400.0);  // when something else ran

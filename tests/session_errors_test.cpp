@@ -411,6 +411,16 @@ TEST_F(SessionErrorsTest, AConfigurationThatIsChosenIsTakenOver) {
   EXPECT_EQ(session_.knobs().march.sample.radiusScale, 2.0f);
   EXPECT_EQ(session_.knobs().serverSidePx, 48u);
   EXPECT_EQ(session_.panel(1).technique, &findWarp("points"));
+
+  // One of a sweep says nothing of what sweeps do not go through.
+  LiveSettings knobs = session_.knobs();
+  knobs.march.render.effects.mode = RenderMode::mip;
+  session_.setKnobs(knobs);
+  session_.choose(0, wanted, Session::Says::whatSweepsGoThrough);
+  EXPECT_EQ(session_.knobs().march.render.effects.mode, RenderMode::mip);
+  EXPECT_EQ(session_.knobs().march.render.step, 0.75f);
+  session_.choose(0, wanted);
+  EXPECT_EQ(session_.knobs().march.render.effects.mode, RenderMode::composite);
 }
 
 }  // namespace

@@ -7,6 +7,9 @@
 namespace warpscope::ui {
 namespace {
 
+constexpr glm::vec2 kFirstFound(1180.0f, 152.0f);  // where a search is under way, the first knob's field
+constexpr glm::vec2 kFirstEntry(420.0f, 250.0f);       // of the dialog's list
+
 class WindowTypingTest : public WindowScriptTest {
  protected:
   /// Saves by the dialog, under that name.
@@ -159,6 +162,84 @@ TEST_F(WindowTypingTest, WhatIsTypedIntoACornersFieldHoldsWhenTheFieldIsLeft) {
   EXPECT_EQ(session_.scene()->transferFunction, before);
 }
 
+TEST_F(WindowTypingTest, WhatIsTypedIsOfTheCornerThatItWasTypedFor) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.click(kChart);
+  const TransferCurves before = curvesOf(session_.scene()->transferFunction);
+  window_.doubleClick({1140.0f, 310.0f});  // its value
+  window_.frames(2);
+  tap(ImGuiKey_Backspace);
+  window_.type("200");
+  window_.click(kChart + glm::vec2(-60.0f, -30.0f));  // another corner, at once
+  const TransferCurves after = curvesOf(session_.scene()->transferFunction);
+  EXPECT_EQ(after.opacities.size(), before.opacities.size() + 1);
+  size_t typed = 0;
+  for (const OpacityCorner& corner : after.opacities) typed += std::abs(corner.value - 200.0) < 1e-3;
+  EXPECT_EQ(typed, 1u);
+  for (size_t i = 0, moved = 0; i < before.opacities.size(); ++i) {
+    const bool isThere = std::ranges::any_of(after.opacities, [&](const OpacityCorner& corner) { return corner.value == before.opacities[i].value; });
+    moved += !isThere;
+    EXPECT_LE(moved, 1u) << "the one that was chosen";
+  }
+}
+
+TEST_F(WindowTypingTest, EscLeavesACornerAsItIs) {
+  ASSERT_TRUE(openAndRest("block"));
+  window_.click(kChart);
+  const TransferFunction before = session_.scene()->transferFunction;
+  window_.doubleClick({1140.0f, 310.0f});
+  window_.frames(2);
+  window_.type("77");
+  tap(ImGuiKey_Escape);
+  window_.frames(2);
+  EXPECT_EQ(session_.scene()->transferFunction, before) << "to the last digit, which the field does not show";
+}
+
+TEST_F(WindowTypingTest, AListThatIsRefusedIsForgottenWithAnother) {
+  ASSERT_TRUE(openAndRest("block"));
+  const MarchText& text = *findMarchText("clipBox");
+  const auto withBox = [&](const char* box) {
+    LiveSettings knobs = session_.knobs();
+    text.set(knobs.march, box, "box");
+    session_.setKnobs(knobs);
+  };
+  press(Action::searchKnob);
+  window_.frames(4);
+  window_.type("cut to");
+  window_.frames(2);
+  window_.doubleClick(kFirstFound);
+  window_.frames(2);
+  tap(ImGuiKey_Backspace);
+  window_.type("foo");
+  window_.click(kLeftPicture);  // refused: it says why, and the field keeps what was typed
+  const std::string before = text.get(session_.knobs().march);
+  withBox("0,0,0,1,1,0.5");  // as undo, or another scene, may
+  window_.frames(2);
+  // What the field shows now is the setting: a digit behind its end is one more digit of that.
+  window_.click(kFirstFound);
+  tap(ImGuiKey_End);
+  window_.type("5");
+  window_.click(kLeftPicture);
+  EXPECT_NE(text.get(session_.knobs().march), before);
+  EXPECT_EQ(text.get(session_.knobs().march), "0,0,0,1,1,0.55");
+}
+
+TEST_F(WindowTypingTest, KnobsOfPanelsAndListsAreFoundAsOthersAre) {
+  ASSERT_TRUE(openAndRest("block"));
+  for (const char* const words : {"shortcuts", "keep", "cut by", "frames kept"}) {
+    press(Action::searchKnob);
+    window_.frames(4);
+    window_.type(words);
+    window_.frames(2);
+    EXPECT_GT(window_.view().foundKnobs(), 0u) << words;
+  }
+  press(Action::searchKnob);
+  window_.frames(4);
+  window_.type("no such knob");
+  window_.frames(2);
+  EXPECT_EQ(window_.view().foundKnobs(), 0u);
+}
+
 TEST_F(WindowTypingTest, EscEndsASearch) {
   ASSERT_TRUE(openAndRest("block"));
   press(Action::searchKnob);
@@ -193,6 +274,47 @@ TEST_F(WindowTypingTest, TheDialogsEntriesAreReachedByKeys) {
   ASSERT_TRUE(waitUntil([&] { return !window_.remembered.recentFiles.empty(); }));
   EXPECT_EQ(window_.remembered.recentFiles.front(), (here / "below/mine.json").string());
   ASSERT_TRUE(rest());
+}
+
+TEST_F(WindowTypingTest, ADoubleClickOnAFolderOpensNothingInIt) {
+  ASSERT_TRUE(openAndRest("block"));
+  const std::filesystem::path here = window_.folder().path();
+  std::filesystem::create_directory(here / "scans");
+  for (const char* const name : {"scans/a.json", "scans/b.json"}) window_.folder().write(name, textOf(sessionFileOf(session_)));
+  const uint64_t scenes = session_.sceneCount();
+  press(Action::open);
+  window_.frames(4);
+  const auto clickTwice = [&] {
+    window_.frames(30);  // half a second: two clicks are two, and not four
+    window_.click(kFirstEntry);
+    window_.click(kFirstEntry);
+  };
+  clickTwice();
+  EXPECT_TRUE(window_.view().showsDialog());
+  EXPECT_TRUE(window_.remembered.recentFiles.empty());
+  clickTwice();
+  EXPECT_FALSE(window_.view().showsDialog()) << "a file's own double click opens it";
+  ASSERT_TRUE(waitUntil([&] { return session_.sceneCount() > scenes; }));
+  EXPECT_EQ(window_.remembered.recentFiles.front(), (here / "scans/a.json").string());
+}
+
+TEST_F(WindowTypingTest, WhatMayBeReplacedIsAskedInEachFolder) {
+  const TestFolder folder;
+  ASSERT_TRUE(openAndRest("block"));
+  std::filesystem::create_directory(folder.file("other"));
+  folder.write("mine.json", "first");
+  folder.write("other/mine.json", "second");
+  save(folder.file("mine.json"));
+  EXPECT_TRUE(window_.view().showsDialog()) << "asks";
+  window_.frames(4);
+  window_.type(folder.file("other/mine.json"));
+  confirm();
+  EXPECT_TRUE(window_.view().showsDialog()) << "asks once more: it is another file";
+  EXPECT_EQ(folder.read("other/mine.json"), "second");
+  confirm();
+  EXPECT_FALSE(window_.view().showsDialog());
+  EXPECT_NE(folder.read("other/mine.json"), "second");
+  EXPECT_EQ(folder.read("mine.json"), "first");
 }
 
 TEST_F(WindowTypingTest, WhatIsTypedAfterAShortcutIsNone) {

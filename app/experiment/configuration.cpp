@@ -125,6 +125,8 @@ Configuration normalized(Configuration configuration) {
   const MarchSettings given = configuration.march;
   for (const MarchKnob& row : marchKnobs())
     if (!technique.dependsOn(row, configuration.knobs) || !row.matters(given)) row.set(configuration.march, row.knob->defaultValue);
+  for (const MarchText& row : marchTexts())
+    if (const std::string usual = row.get({}); !row.matters(given) && row.get(given) != usual) row.set(configuration.march, usual, row.noun);
   std::vector<const Knob*> swept;
   for (const Knob* knob : technique.knobs)
     if (!knob->axis.key.empty()) swept.push_back(knob);
@@ -199,6 +201,18 @@ std::string fullNameOf(const Configuration& given) {
   return name + phrasesOf(configuration, [&](const ConfigurationKnob& row) {
            return row.knob().naming == KnobNaming::whereDiffering && &row.knob() != &kServerSideKnob;
          });
+}
+
+std::string othersOf(const Configuration& given) {
+  const Configuration configuration = normalized(given);
+  const auto lowerNoun = [](std::string_view noun, std::string_view label) { return std::string(noun.empty() ? label : noun); };
+  std::string text;
+  for (const MarchKnob& row : marchKnobs())
+    if (const double value = row.get(configuration.march); row.knob->axis.key.empty() && value != row.knob->defaultValue)
+      text += ", " + lowerNoun(row.knob->noun, row.knob->label) + " " + textOf(*row.knob, value);
+  for (const MarchText& row : marchTexts())
+    if (const std::string value = row.get(configuration.march); value != row.get(MarchSettings{})) text += ", " + lowerNoun(row.noun, row.label) + " " + value;
+  return text;
 }
 
 std::string nameAmong(const Configuration& given, const std::vector<Configuration>& others) {

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "app/experiment/averages.h"
 #include "app/experiment/findings.h"
@@ -14,8 +15,8 @@
 namespace warpscope {
 namespace {
 
-/// Panels, whose configurations were seen last.
-constexpr std::ptrdiff_t kOnShow = 2;
+/// Panels at most (kMaxPanels), whose configurations were seen last.
+constexpr std::ptrdiff_t kOnShow = 6;
 
 static_assert(LiveFront::kBuckets <= 64, "a set of buckets is a word");
 
@@ -94,14 +95,15 @@ uint64_t LiveFront::Entry::completeBuckets() const {
 }
 
 LiveFront::Entry& LiveFront::entryOf(const Configuration& configuration, const glm::uvec2& pictureSize) {
-  const std::string key = keyOf(configuration);
+  // By all that its picture depends on, what sweeps do not go through as well: modes, lights, planes.
+  Configuration looked = normalized(configuration);
   const auto place = std::find_if(entries_.begin(), entries_.end(),
-                                  [&](const Entry& entry) { return entry.pictureSize == pictureSize && entry.key == key; });
+                                  [&](const Entry& entry) { return entry.pictureSize == pictureSize && entry.configuration == looked; });
   if (place != entries_.end()) {
     entries_.splice(entries_.begin(), entries_, place);
   } else {
     makeRoom();
-    entries_.push_front({key, normalized(configuration), pictureSize, {}, 0});
+    entries_.push_front({std::move(looked), pictureSize, {}, 0});
   }
   return entries_.front();
 }
@@ -132,7 +134,7 @@ void LiveFront::refresh() {
   ++version_;
   std::vector<const Entry*> shown;
   const auto isShown = [&](const Entry& entry) {
-    return std::any_of(shown.begin(), shown.end(), [&](const Entry* other) { return other->key == entry.key; });
+    return std::any_of(shown.begin(), shown.end(), [&](const Entry* other) { return other->configuration == entry.configuration; });
   };
   std::vector<uint64_t> seen;  // of those that may be ranked
   for (Entry& entry : entries_) {

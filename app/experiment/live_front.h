@@ -6,7 +6,6 @@
 #include <glm/vec2.hpp>
 #include <list>
 #include <map>
-#include <string>
 #include <vector>
 
 #include "app/experiment/configuration.h"
@@ -81,8 +80,7 @@ class LiveFront {
     bool isComplete() const { return errors > 0 && times > 0; }
   };
   struct Entry {
-    std::string key;
-    Configuration configuration;
+    Configuration configuration;  // normalized
     glm::uvec2 pictureSize;
     std::map<size_t, Seen> buckets;
     uint64_t pointSince = 0;  // counts points; 0: none yet

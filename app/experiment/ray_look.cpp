@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/picture/pixel_report.h"
+#include "app/scene/json_document.h"
 
 namespace warpscope {
 namespace {
@@ -16,8 +17,6 @@ using Json = nlohmann::json;
 
 Json toJson(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 Json toJson(const glm::vec4& v) { return {v.x, v.y, v.z, v.w}; }
-/// JSON has no number for it.
-Json numberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 }  // namespace
 
@@ -70,7 +69,7 @@ SeenByFrame seenByFrame(const SampleFrame& frame, const glm::vec3& place) {
 Json toJson(const RayTrace& trace, const RayOfPixel& ray, const MarchSettings& settings) {
   Json places = Json::array(), samples = Json::array(), depths = Json::object(), segments = Json::array();
   for (const RayPlace& place : trace.places)
-    places.push_back({{"depth", place.t}, {"value", numberOrNull(place.value)}, {"color", toJson(glm::vec3(place.look))}, {"opacity", place.look.a}});
+    places.push_back({{"depth", place.t}, {"value", finiteOrNull(place.value)}, {"color", toJson(glm::vec3(place.look))}, {"opacity", place.look.a}});
   for (const CountingSample& sample : trace.samples)
     samples.push_back({{"depth", sample.t}, {"length", sample.ds}, {"opacity", sample.alpha}, {"transmittance", sample.transmittance}});
   for (const TracedDepth& depth : trace.depths) depths[std::string(nameOf(depth.heuristic))] = depth.result.hasDepth ? Json(depth.result.depth) : Json(nullptr);

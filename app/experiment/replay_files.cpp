@@ -8,6 +8,7 @@
 #include "app/picture/picture.h"
 #include "app/shell/child_process.h"
 #include "app/shell/output_files.h"
+#include "render/volume/volume_format.h"
 
 namespace warpscope {
 namespace {
@@ -31,7 +32,7 @@ std::string patternOf(const fs::path& folder, const std::string& prefix) {
 void makeFilm(const std::string& pattern, const fs::path& film, double picturesPerSecond, const std::stop_token& stop) {
   const std::string rate = nlohmann::json(picturesPerSecond).dump();
   std::vector<std::string> command{"ffmpeg", "-nostdin", "-y", "-loglevel", "error", "-framerate", rate, "-f", "image2", "-i", pattern};
-  if (film.extension() == ".gif") {
+  if (lowered(film.extension().string()) == ".gif") {
     for (const char* word : {"-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse"}) command.emplace_back(word);
   } else {
     for (const char* word : {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-movflags", "+faststart"}) command.emplace_back(word);

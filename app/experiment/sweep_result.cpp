@@ -16,7 +16,6 @@ using Json = nlohmann::json;
 constexpr double kHuge = 1e18;
 
 /// JSON knows no infinity: equal pictures have the PSNR null.
-Json finiteOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json orNull(const std::optional<double>& value) { return value ? finiteOrNull(*value) : Json(nullptr); }
 
 void append(Json& json, const char* name, const Measured& measured) {

@@ -50,7 +50,10 @@ std::string changeBetween(const LiveSettings& before, const LiveSettings& after)
 
 EditState stateOf(const Session& session, const TransferCurves* curves) {
   EditState state{session.knobs(), {}, curves != nullptr ? std::optional(*curves) : std::nullopt};
-  for (size_t i = 0; i < session.panelCount(); ++i) state.panels.push_back(session.panel(i));
+  for (size_t i = 0; i < session.panelCount(); ++i) {
+    state.panels.push_back(session.panel(i));
+    state.panelIds.push_back(session.panel(i).id);
+  }
   return state;
 }
 
@@ -58,7 +61,8 @@ EditState stateOf(const Session& session, const TransferCurves* curves) {
 
 std::string changeBetween(const EditState& before, const EditState& after) {
   if (before.curves && after.curves && !(*before.curves == *after.curves)) return "transfer function";
-  if (before.panels.size() != after.panels.size()) return "panels";
+  if (before.panelIds.size() != after.panelIds.size()) return "panels";
+  if (before.panelIds != after.panelIds) return std::ranges::is_permutation(before.panelIds, after.panelIds) ? "order of the panels" : "panels";
   for (size_t i = 0; i < before.panels.size(); ++i)
     if (const std::string change = changeBetween(before.panels[i], after.panels[i]); !change.empty())
       return change + " of panel " + std::to_string(i + 1);
@@ -70,8 +74,10 @@ void apply(const EditState& state, Session& session) {
   knobs.isFrozen = session.knobs().isFrozen;
   session.setKnobs(knobs);
   std::vector<PanelSettings> panels = state.panels;
-  for (size_t i = 0; i < std::min(panels.size(), session.panelCount()); ++i) panels[i].isHidden = session.panel(i).isHidden;
-  session.setPanels(panels);
+  for (size_t i = 0; i < panels.size(); ++i)
+    for (size_t now = 0; now < session.panelCount(); ++now)
+      if (session.panel(now).id == state.panelIds[i]) panels[i].isHidden = session.panel(now).isHidden;
+  session.setPanels(panels, state.panelIds);
 }
 
 void EditHistory::follow(const Session& session, const TransferCurves* curves, bool isHeld) {

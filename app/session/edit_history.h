@@ -15,6 +15,7 @@ struct EditState {
   LiveSettings knobs;
   std::vector<PanelSettings> panels;
   std::optional<TransferCurves> curves;  ///< nothing where the function is not the user's to choose
+  std::vector<uint64_t> panelIds{};      ///< which panels they are
 };
 
 /// What differs, by the name that it has in the window; empty where nothing does that a hand could have set: what panels that choose by themselves have chosen, whether the server is frozen and

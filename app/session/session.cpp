@@ -43,7 +43,7 @@ Session::Session(const SessionSettings& settings, const std::function<void()>& o
       moving_(onNews, marchCrew_),
       exporting_(settings.platform, settings.resources, onNews, marchCrew_) {
   setKnobs(settings.knobs);
-  for (const PanelSettings& panel : settings.panels) panels_.push_back(makePanel(panel));
+  for (const PanelSettings& panel : settings.panels) panels_.push_back(makePanel(panel, ++lastPanelId_));
 }
 
 void Session::setKnobs(const LiveSettings& knobs) {

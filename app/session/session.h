@@ -14,6 +14,7 @@
 #include "app/experiment/auto_choice.h"
 #include "app/experiment/live_front.h"
 #include "app/frames/recording.h"
+#include "app/frames/recording_writer.h"
 #include "app/session/fair_measuring.h"
 #include "app/session/frame_requests.h"
 #include "app/session/live_ground_truth.h"
@@ -132,6 +133,8 @@ class Session {
   void setPanel(size_t panel, const PanelSettings& settings);
   /// As many panels as those, 1 to kMaxPanels, each by its settings.
   void setPanels(const std::vector<PanelSettings>& panels);
+  /// The same where it is known which panels these are, by their ids: those that are there keep what they have besides (a camera of their own), those that are not come back.
+  void setPanels(const std::vector<PanelSettings>& panels, const std::vector<uint64_t>& ids);
   /// The panel does not choose by itself any more.
   void setTechnique(size_t panel, const WarpDescriptor& technique);
   /// Lets the panel choose: of a sweep that was handed over, or of what was on show so far. What the server does stays as the knobs say.
@@ -144,8 +147,10 @@ class Session {
   void setShowsPlan(bool shows) { showsPlan_ = shows; }
   /// Looks at the ray behind a pixel of the panel's picture: live_ray.h, as long as the panel is there. Nothing: at none.
   void lookAt(std::optional<LookedAt> pixel) { lookedAt_ = pixel; }
+  /// What a configuration says: what it does not stays as it is.
+  enum class Says { all, whatSweepsGoThrough };
   /// Takes over that configuration's technique for the panel, and the knobs that it depends on for all.
-  void choose(size_t panel, const Configuration& configuration);
+  void choose(size_t panel, const Configuration& configuration, Says says = Says::all);
   /// Area for each panel's picture, in screen pixels.
   void setPanelSize(const glm::uvec2& sizePx);
   /// Back to the scene's first: of the panel's own camera, or of all that have none.
@@ -211,7 +216,8 @@ class Session {
   /// The user's, with an outage while there is one.
   TransportSettings transportAt(TimePoint now) const;
   ReferenceJob truthFrom(const LiveView& view) const;
-  LivePanel makePanel(const PanelSettings& settings);
+  LivePanel makePanel(const PanelSettings& settings, uint64_t id);
+  void addPanel(LivePanel panel);
   /// Lets panels go that were removed, once their threads have ended.
   void bury();
   /// What the techniques on show need of a frame.

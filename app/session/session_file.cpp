@@ -3,6 +3,7 @@
 #include "app/session/session_file.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/frames/transport_json.h"
@@ -12,6 +13,7 @@
 #include "app/scene/session_key.h"
 #include "app/scene/transfer_file.h"
 #include "app/scene/view_json.h"
+#include "app/session/picture_plan.h"
 #include "render/base/error.h"
 #include "render/base/printable.h"
 
@@ -126,6 +128,8 @@ SessionFile sessionFileOf(const Session& session) {
   SessionFile file;
   file.origin = *session.origin();
   requireUtf8(file.origin.spec);
+  for (const std::optional<std::filesystem::path>* path : {&file.origin.overrides.volume, &file.origin.overrides.mask})
+    if (*path) requireUtf8((*path)->string());
   file.knobs = session.knobs();
   file.arrangement.view = session.view();
   file.arrangement.march = session.knobs().march;
@@ -231,6 +235,7 @@ std::string commandLineOf(const Session& session) {
     add("--volume-size", std::to_string(overrides.proceduralDims->x) + "x" + std::to_string(overrides.proceduralDims->y) + "x" + std::to_string(overrides.proceduralDims->z));
   if (overrides.fovYDeg) add("--fov", Json(*overrides.fovYDeg).dump());
   if (overrides.seed != SceneOverrides{}.seed) add("--seed", std::to_string(overrides.seed));
+  if (overrides.transferFunction) add("--tf", overrides.transferFunction->string());
   std::string panels;
   for (const PanelSettings& panel : file.panels) panels += (panels.empty() ? "" : ",") + (panel.isAutomatic ? std::string("auto") : std::string(panel.technique->name));
   add("--panels", panels);
@@ -247,6 +252,16 @@ std::string commandLineOf(const Session& session) {
   if (!(knobs.transport.link == net::DuplexLinkSettings{})) add("--link", net::toString(knobs.transport.link));
   for (const TransportKnob& row : transportKnobs())
     if (row.get(knobs.transport) != row.get(TransportSettings{}) && !row.knob->option.empty()) add(row.knob->option, textOf(*row.knob, row.get(knobs.transport)));
+  const auto colorText = [](Rgba8 mark) {
+    char text[8];
+    std::snprintf(text, sizeof text, "%02x%02x%02x", mark & 255, mark >> 8 & 255, mark >> 16 & 255);
+    return std::string(text);
+  };
+  if (knobs.marks.uncovered != 0) add("--uncovered", colorText(knobs.marks.uncovered));
+  if (knobs.marks.filled != 0) add("--filled", colorText(knobs.marks.filled));
+  if (knobs.budgetMs != kDefaultBudgetMs) add("--budget-ms", Json(knobs.budgetMs).dump());
+  const double takesShortcuts = knobs.takesShortcuts ? 1.0 : 0.0;
+  if (takesShortcuts != kShortcutsKnob.defaultValue) add(kShortcutsKnob.option, textOf(kShortcutsKnob, takesShortcuts));
   return line;
 }
 

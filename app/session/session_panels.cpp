@@ -14,15 +14,19 @@ std::shared_ptr<Crew> Session::makeCrew(int nice) {
   return std::thread::hardware_concurrency() <= kFewCores ? std::make_shared<Crew>(0, nice) : nullptr;
 }
 
-LivePanel Session::makePanel(const PanelSettings& settings) {
-  return {++lastPanelId_, settings, makeWarpWorker(platform_, resources_, onNews_, makeCrew(Crew::kOfPictures)), makeJudgeWorker(makeJudge_, onNews_, marchCrew_)};
+LivePanel Session::makePanel(const PanelSettings& settings, uint64_t id) {
+  return {id, settings, makeWarpWorker(platform_, resources_, onNews_, makeCrew(Crew::kOfPictures)), makeJudgeWorker(makeJudge_, onNews_, marchCrew_)};
 }
 
 bool Session::addPanel(const PanelSettings& settings) {
   if (panels_.size() >= kMaxPanels) return false;
-  timing_.stop(panels_);
-  panels_.push_back(makePanel(settings));
+  addPanel(makePanel(settings, ++lastPanelId_));
   return true;
+}
+
+void Session::addPanel(LivePanel panel) {
+  timing_.stop(panels_);
+  panels_.push_back(std::move(panel));
 }
 
 bool Session::removePanel(size_t panel) {
@@ -91,10 +95,28 @@ void Session::setPanels(const std::vector<PanelSettings>& panels) {
   }
 }
 
-void Session::choose(size_t panel, const Configuration& configuration) {
+void Session::setPanels(const std::vector<PanelSettings>& panels, const std::vector<uint64_t>& ids) {
+  const auto placeOf = [&](uint64_t id) { return static_cast<size_t>(std::ranges::find(panels_, id, [](const LivePanel& panel) { return panel.shown().id; }) - panels_.begin()); };
+  for (size_t i = panelCount(); i-- > 0;)
+    if (std::ranges::find(ids, panels_[i].shown().id) == ids.end()) removePanel(i);  // but the last one, which gives way below
+  for (size_t i = 0; i < panels.size(); ++i) {
+    size_t at = placeOf(ids[i]);
+    if (at == panelCount()) {
+      if (panelCount() == kMaxPanels) removePanel(--at);
+      addPanel(makePanel(panels[i], ids[i]));
+    }
+    movePanel(at, i);
+    setPanel(i, panels[i]);
+  }
+  while (panelCount() > panels.size()) removePanel(panelCount() - 1);
+}
+
+void Session::choose(size_t panel, const Configuration& configuration, Says says) {
   const WarpDescriptor& technique = *configuration.technique;
   setTechnique(panel, technique);
-  knobs_.march.render = configuration.march.render;
+  if (says == Says::all) knobs_.march.render = configuration.march.render;
+  for (const MarchKnob& row : marchKnobs())
+    if (row.knob->owner != KnobOwner::sampling && !row.knob->axis.key.empty()) row.set(knobs_.march, row.get(configuration.march));
   takeOver(configuration, knobs_.march, knobs_.warp);
   takePanelKnobs(panels_[panel], configuration);
   if (!technique.usesFrame) return;

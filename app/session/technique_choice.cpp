@@ -32,7 +32,8 @@ std::vector<SweepRow> rowsOf(const LiveFront& live) {
 
 /// Whether a frame that was marched with `settings`, or the next one, can be drawn as `configuration` was.
 bool fits(const Configuration& configuration, const MarchSettings& settings, const MarchSettings& askable) {
-  return std::ranges::all_of(marchKnobs(), [&](const MarchKnob& row) {
+  const auto isOther = [&](const MarchText& text) { return text.matters(settings) && text.get(configuration.march) != text.get(settings); };
+  return std::ranges::none_of(marchTexts(), isOther) && std::ranges::all_of(marchKnobs(), [&](const MarchKnob& row) {
     if (!configuration.technique->dependsOn(row, configuration.knobs) || !row.matters(settings)) return true;
     const double wanted = row.get(configuration.march);
     const bool isOnTop = row.shapes == FramePart::segments || row.shapes == FramePart::proxy;

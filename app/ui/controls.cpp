@@ -98,6 +98,11 @@ void drawMarks(LiveSettings& knobs, MarkColors& markColors, const Look& look) {
   markWidget("Guesses", knobs.marks.filled, markColors.filled, "pixels that show a guess, because no frame says anything about them", look);
 }
 
+void drawShortcuts(LiveSettings& knobs, const Look& look) {
+  double takesShortcuts = knobs.takesShortcuts ? 1.0 : 0.0;
+  if (knobWidget(kShortcutsKnob, takesShortcuts, look)) knobs.takesShortcuts = takesShortcuts != 0.0;
+}
+
 void drawDisplay(const Session& session, LiveSettings& knobs, MarkColors& markColors, const Look& look) {
   if (!section("DISPLAY", look)) return;
   for (const Knob* knob : warpKnobs()) {
@@ -105,10 +110,7 @@ void drawDisplay(const Session& session, LiveSettings& knobs, MarkColors& markCo
     double value = knobs.warp.knobs[*knob];
     if (knobWidget(*knob, value, look)) knobs.warp.knobs.set(*knob, value);
   }
-
-  double takesShortcuts = knobs.takesShortcuts ? 1.0 : 0.0;
-  if (knobWidget(kShortcutsKnob, takesShortcuts, look)) knobs.takesShortcuts = takesShortcuts != 0.0;
-
+  drawShortcuts(knobs, look);
   drawPixelSize(session, knobs, look);
   drawMarks(knobs, markColors, look);
 }
@@ -203,6 +205,8 @@ void Controls::drawFound(Session& session, LiveSettings& knobs, const Look& look
   ImGui::BeginDisabled(session.playback().isOpen());
   for (const MarchKnob& row : marchKnobs())
     if (has(*row.knob)) knobWidget(row, knobs.march, look);
+  for (const MarchText& text : marchTexts())
+    if (hasWords({text.label, text.noun, text.key, text.option, text.help})) effects_.drawText(text, knobs.march, look);
   if (hasWords({kServerSideKnob.label, kServerSideKnob.noun, kServerSideKnob.help, "Freeze", kFreezeHelp})) drawServerSide(session, knobs, look);
   for (const TransportKnob& row : transportKnobs())
     if (has(*row.knob)) knobWidget(row, knobs.transport, look);
@@ -213,9 +217,16 @@ void Controls::drawFound(Session& session, LiveSettings& knobs, const Look& look
     double value = knobs.warp.knobs[*knob];
     if (knobWidget(*knob, value, look)) knobs.warp.knobs.set(*knob, value);
   }
+  for (const Knob* knob : warpKnobs())
+    if (knob->isOfPanel && hasWords({knob->label, knob->noun, knob->key, knob->option, knob->help})) {
+      ImGui::TextColored(palette().dimText, "%s: in the titles of panels", std::string(knob->label.empty() ? knob->noun : knob->label).c_str());
+      tooltip("Each panel has its own. " + std::string(knob->help) + ".", look);
+    }
+  if (has(kShortcutsKnob)) drawShortcuts(knobs, look);
   if (hasWords({"Pixel size", kPixelSizeHelp})) drawPixelSize(session, knobs, look);
   if (hasWords({"Mark", kMarksHelp})) drawMarks(knobs, markColors_, look);
   if (hasWords({"Motion", kMotionHelp})) drawMotion(session, look);
+  found_ = found;
   if (found == 0) ImGui::TextColored(palette().dimText, "No knob has that; Esc shows all.");
 }
 

@@ -22,6 +22,8 @@ class Controls {
   bool endSearch();
   /// What is looked for there; empty: nothing.
   std::string_view searched() const { return search_.data(); }
+  /// How many knobs, or groups of some, were found last.
+  size_t foundKnobs() const { return found_; }
   TransferEditor& transferEditor() { return transferEditor_; }
   const TransferEditor& transferEditor() const { return transferEditor_; }
 
@@ -34,6 +36,7 @@ class Controls {
 
   std::array<char, 64> search_{};
   bool wantsSearch_ = false;
+  size_t found_ = 0;
   TransferEditor transferEditor_;
   EffectKnobs effects_;
   PlanList plan_;

@@ -20,6 +20,7 @@ void EffectKnobs::draw(MarchSettings& settings, const Look& look) {
 void EffectKnobs::drawText(const MarchText& text, MarchSettings& settings, const Look& look) {
   Typed& typed = typed_[&text];
   const std::string current = text.get(settings);
+  if (typed.setting != current) typed.refusal.clear();  // set from elsewhere since: what was typed is of yesterday
   if (!typed.isActive && typed.refusal.empty()) {
     const size_t size = std::min(current.size(), typed.text.size() - 1);
     std::copy_n(current.begin(), size, typed.text.begin());
@@ -38,6 +39,7 @@ void EffectKnobs::drawText(const MarchText& text, MarchSettings& settings, const
       text.set(settings, typed.text.data(), text.label);
     } catch (const UsageError& error) {
       typed.refusal = error.what();
+      typed.setting = current;
     }
   }
   if (typed.refusal.empty()) return;

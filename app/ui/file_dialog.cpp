@@ -84,7 +84,8 @@ void FileDialog::enter(const std::filesystem::path& folder) {
     if (name.empty() || name.front() == '.') continue;
     const bool isFolder = at->is_directory(ignored);
     if (!isFolder && !isOffered(name)) continue;
-    entries.push_back({name, isFolder, isFolder ? 0 : at->file_size(ignored)});
+    const uintmax_t bytes = isFolder ? 0 : at->file_size(ignored);
+    entries.push_back({name, isFolder, isFolder || ignored ? std::nullopt : std::optional(bytes)});
   }
   if (failed) {
     error_ = folder.string() + ": " + failed.message();
@@ -93,6 +94,7 @@ void FileDialog::enter(const std::filesystem::path& folder) {
   std::ranges::sort(entries, [](const Entry& a, const Entry& b) { return std::pair(!a.isFolder, a.name) < std::pair(!b.isFolder, b.name); });
   folder_ = folder;
   entries_ = std::move(entries);
+  toReplace_.clear();
 }
 
 std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
@@ -137,7 +139,7 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
     if (!error_.empty())
       ImGui::TextColored(palette().errorText, "%s", printable(error_).c_str());
     else if (!toReplace_.empty())
-      ImGui::TextColored(palette().dimText, "%s is there already.", printable(toReplace_).c_str());
+      ImGui::TextColored(palette().dimText, "%s is there already.", printable(toReplace_.filename().string()).c_str());
   }
   ImGui::End();
   ImGui::PopStyleColor();
@@ -161,10 +163,11 @@ bool FileDialog::drawEntries(const Look& look) {
         else
           copyInto(name_, entry.name);
         wantsFocus_ = true;
-        isChosen = purpose_ == Purpose::open && !entry.isFolder && (look.isDoubleClicked || ImGui::IsMouseDoubleClicked(0));
+        const bool isSame = std::exchange(clicked_, folder_ / entry.name) == folder_ / entry.name;  // not a folder's, in whose place this one is now
+        isChosen = purpose_ == Purpose::open && !entry.isFolder && isSame && (look.isDoubleClicked || ImGui::IsMouseDoubleClicked(0));
       }
-      if (entry.isFolder) continue;
-      const std::string size = bytesText(entry.bytes);
+      if (!entry.bytes) continue;
+      const std::string size = bytesText(*entry.bytes);
       ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(size.c_str()).x);
       ImGui::TextColored(palette().faintText, "%s", size.c_str());
     }
@@ -222,8 +225,8 @@ std::optional<std::filesystem::path> FileDialog::take() {
     return std::nullopt;
   }
   // A file that is there is not replaced without a question: the button asks.
-  if (purpose_ != Purpose::open && std::filesystem::exists(path, ignored) && toReplace_ != name_.data()) {
-    toReplace_ = name_.data();
+  if (purpose_ != Purpose::open && std::filesystem::exists(path, ignored) && toReplace_ != path) {
+    toReplace_ = path;
     return std::nullopt;
   }
   isOpen_ = false;

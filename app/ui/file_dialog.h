@@ -35,7 +35,7 @@ class FileDialog {
   struct Entry {
     std::string name;
     bool isFolder = false;
-    uintmax_t bytes = 0;
+    std::optional<uintmax_t> bytes{};  ///< of a file whose size is known
   };
   void enter(const std::filesystem::path& folder);
   void open();
@@ -54,7 +54,8 @@ class FileDialog {
   bool wantsFocus_ = false;  // the field is to have the keyboard
   bool showsAll_ = false;    // files that cannot be what is asked for, too
   std::optional<size_t> toScrollTo_;
-  std::string toReplace_;  // the name of a file that is there, and that the user was asked about
+  std::filesystem::path toReplace_;  // a file that is there, and that the user was asked about
+  std::filesystem::path clicked_;    // the entry that was clicked last: a double click is two on the same
   std::filesystem::path folder_, otherFolder_;  // for such purposes, and for those of the other kind: opening, writing
   std::vector<Entry> entries_;
   std::string error_;

@@ -48,6 +48,7 @@ class MainView {
   bool showsDialog() const { return dialog_.isOpen(); }
   /// What is typed into the field in which knobs are searched.
   std::string_view searched() const { return controls_.searched(); }
+  size_t foundKnobs() const { return controls_.foundKnobs(); }
   const TransferEditor& transferEditor() const { return controls_.transferEditor(); }
 
   /// Shows a demonstration; the menu ends it.

@@ -80,14 +80,16 @@ std::string connectionTrouble(const Session& session, const Look& look);
 class EffectKnobs {
  public:
   void draw(MarchSettings& settings, const Look& look);
+  /// One list's field.
+  void drawText(const MarchText& text, MarchSettings& settings, const Look& look);
 
  private:
   struct Typed {
     std::array<char, 512> text{};
     bool isActive = false;
     std::string refusal;  // empty where the text is the setting
+    std::string setting;  // when it was refused
   };
-  void drawText(const MarchText& text, MarchSettings& settings, const Look& look);
 
   std::map<const MarchText*, Typed> typed_;
 };

@@ -39,7 +39,7 @@ std::string figures(double frameMs, double flip) { return durationText(frameMs) 
 
 /// What tells it from others, whatever others there are.
 std::string describe(const Configuration& configuration) {
-  std::string text = labelOf(configuration) + "\nstep " + formatted("%.3g", configuration.march.render.step, 0.0);
+  std::string text = labelOf(configuration) + othersOf(configuration) + "\nstep " + formatted("%.3g", configuration.march.render.step, 0.0);
   if (configuration.technique->usesFrame)
     text += ", server's image of " + std::to_string(configuration.serverSidePx) + " px, " + codecWord(configuration.codec);
   return text;
@@ -52,6 +52,8 @@ std::string_view meaningOf(std::string_view source) {
 }
 
 std::string sizeField(uint32_t pixels) { return pixels == 0 ? "" : std::to_string(pixels); }
+
+constexpr std::string_view kOfSweep = "sweep";
 
 std::string angleCount(size_t count) { return std::to_string(count) + (count == 1 ? " angle" : " angles"); }
 
@@ -98,7 +100,7 @@ std::string fitting(const std::string& text, float width) {
 struct PlotView::Shown {
   std::vector<ScatterPoint> points;
   std::vector<const Configuration*> configurations;
-  std::vector<const char*> sources;    ///< "measured", "seen" or "sweep"
+  std::vector<std::string_view> sources;  ///< "measured", "seen" or kOfSweep
   std::vector<std::string> angles;     ///< degrees between frame and view, "0 5 10"; buckets by their lower ends; empty where it is not known
   std::vector<glm::uvec2> sizes;       ///< of the pictures; 0 where it is not known
   std::vector<size_t> front;  ///< indices into all of them, the live ones first
@@ -118,7 +120,7 @@ void PlotView::showSweep(SweepFile sweep) {
 PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
   Shown shown;
   const std::string click = session.panelCount() > 1 ? "\nClick to show it in panel " + std::to_string(panel + 1) + ", which was used last." : "\nClick to show it.";
-  const auto add = [&](const char* source, const Configuration& configuration, double frameMs, double flip, const std::string& text, const std::string& angles, const glm::uvec2& size) {
+  const auto add = [&](std::string_view source, const Configuration& configuration, double frameMs, double flip, const std::string& text, const std::string& angles, const glm::uvec2& size) {
     ScatterPoint point;
     point.x = frameMs;
     point.y = flip;
@@ -157,7 +159,7 @@ PlotView::Shown PlotView::shownOf(const Session& session, size_t panel) const {
     const size_t first = shown.points.size();
     for (const Summary& summary : sweep_->summaries) {
       const std::string text = describe(summary.configuration) + "\n" + figures(summary.frameMs, summary.flip) + ", of the sweep";
-      add("sweep", summary.configuration, summary.frameMs, summary.flip, text, "", {});
+      add(kOfSweep, summary.configuration, summary.frameMs, summary.flip, text, "", {});
       shown.points.back().isHollow = true;
     }
     for (const size_t i : sweep_->front) shown.front.push_back(first + i);
@@ -277,7 +279,7 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
         ImGui::GetWindowDrawList()->AddCircle(center, radius, point.color, 0, look.px(1.4f));
       else
         ImGui::GetWindowDrawList()->AddCircleFilled(center, radius, point.color);
-      const std::string text = durationText(point.x) + "   " + formatted("%.4f", point.y, 0.0) + "   " + labelOf(*shown.configurations[i]);
+      const std::string text = durationText(point.x) + "   " + formatted("%.4f", point.y, 0.0) + "   " + labelOf(*shown.configurations[i]) + othersOf(*shown.configurations[i]);
       ImGui::Indent(look.px(16.0f));
       if (ImGui::Selectable(fitting(text, ImGui::GetContentRegionAvail().x).c_str())) chosen = i;
       tooltip(point.label, look);
@@ -293,7 +295,10 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
     ImGui::PopFont();
     ImGui::EndChild();
   }
-  if (chosen) session.choose(panel, Configuration(*shown.configurations[*chosen]));  // a copy: the session may move its points
+  if (chosen) {
+    const auto says = shown.sources[*chosen] == kOfSweep ? Session::Says::whatSweepsGoThrough : Session::Says::all;
+    session.choose(panel, Configuration(*shown.configurations[*chosen]), says);  // a copy: the session may move its points
+  }
 }
 
 }  // namespace warpscope::ui

@@ -12,12 +12,6 @@ const ImVec4 kMarching{0.35f, 0.52f, 0.85f, 1.0f}, kWaiting{0.72f, 0.53f, 0.30f,
 /// So many have a line of text each; of more the bars alone, and of still more the first.
 constexpr size_t kMostNamed = 8, kMostDrawn = 64;
 
-std::string bytesText(double bytes) {
-  char text[32];
-  std::snprintf(text, sizeof text, bytes < 1e6 ? "%.0f kB" : "%.1f MB", bytes < 1e6 ? bytes * 1e-3 : bytes * 1e-6);
-  return text;
-}
-
 void drawKey(size_t number, const net::ProcessFields& process, const Look& look) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {look.px(8.0f), look.px(6.0f)});
   ImGui::BeginTooltip();
@@ -26,7 +20,7 @@ void drawKey(size_t number, const net::ProcessFields& process, const Look& look)
   ImGui::Text("%u tiles of a frame came to it, a GPU marched %u of them.", process.tiles, process.deviceTiles);
   ImGui::TextColored(kMarching, "Its threads marched for %s in all", durationText(process.marchMs).c_str());
   ImGui::TextColored(kWaiting, "and waited for tiles for %s.", durationText(process.waitMs).c_str());
-  ImGui::Text("It sent %s to the others.", bytesText(static_cast<double>(process.sentBytes)).c_str());
+  ImGui::Text("It sent %s to the others.", bytesText(static_cast<size_t>(process.sentBytes)).c_str());
   ImGui::EndTooltip();
   ImGui::PopStyleVar();
 }
@@ -45,13 +39,14 @@ void drawBar(const net::ProcessFields& process, double mostMs, const ImVec2& at,
 
 void drawProcesses(std::span<const net::ProcessFields> processes, const Look& look) {
   if (processes.empty()) return;
-  double mostMs = 0.0, sentBytes = 0.0;
+  double mostMs = 0.0;
+  uint64_t sentBytes = 0;
   for (const net::ProcessFields& process : processes) {
     mostMs = std::max(mostMs, process.marchMs + process.waitMs);
-    sentBytes += static_cast<double>(process.sentBytes);
+    sentBytes += process.sentBytes;
   }
   ImGui::PushFont(look.fonts.small);
-  ImGui::TextColored(palette().dimText, "%zu processes, %s between them a frame", processes.size(), bytesText(sentBytes).c_str());
+  ImGui::TextColored(palette().dimText, "%zu processes, %s between them a frame", processes.size(), bytesText(static_cast<size_t>(sentBytes)).c_str());
   const bool areNamed = processes.size() <= kMostNamed;
   const float line = ImGui::GetTextLineHeight(), height = areNamed ? line : look.px(4.0f), numbers = areNamed ? ImGui::CalcTextSize("00").x + look.px(4.0f) : 0.0f;
   for (size_t i = 0; i < std::min(processes.size(), kMostDrawn); ++i) {

@@ -11,10 +11,6 @@
 #include "render/cuda/pinned_memory.h"
 
 namespace warpscope::ui {
-namespace {
-
-}  // namespace
-
 WindowGl::WindowGl(Loader loader) {
   const auto load = [loader](auto& function, const char* name) {
     function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(loader(name));

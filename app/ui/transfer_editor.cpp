@@ -71,6 +71,7 @@ void TransferEditor::followScene(const Session& session) {
   curves_ = curvesOf(shown_);
   opacity_.reset();
   color_.reset();
+  typed_.reset();
 }
 
 void TransferEditor::show(Session& session, const TransferFunction& function) {
@@ -165,6 +166,8 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
     curvesAtGrip_ = curves_;
     gripAt_ = mouse;
   };
+  // Before another corner is chosen, or there is one more.
+  if (isHovered && (ImGui::IsMouseClicked(ImGuiMouseButton_Left) || ImGui::IsMouseClicked(ImGuiMouseButton_Right))) takeTyped(session);
   if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
     take(Grip::opacity);
     opacity_ = near ? *near : addOpacity(curves_, chart.value(mouse.x));
@@ -265,6 +268,7 @@ void TransferEditor::drawColorBar(Session& session, const Look& look) {
   std::optional<size_t> near;
   for (size_t i = 0; i < curves_.colors.size(); ++i)
     if (isHovered && std::abs(chart.x(curves_.colors[i].value) - mouse.x) <= look.px(0.75f * kReachPx)) near = i;
+  if (isHovered && (ImGui::IsMouseClicked(ImGuiMouseButton_Left) || ImGui::IsMouseClicked(ImGuiMouseButton_Right))) takeTyped(session);
   if (isHovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
     grip_ = Grip::color;
     curvesAtGrip_ = curves_;
@@ -296,38 +300,48 @@ void TransferEditor::drawColorBar(Session& session, const Look& look) {
   }
 }
 
-bool TransferEditor::drawNumber(const char* id, double& value, const char* pattern) {
-  double edited = typed_ && typedId_ == id ? *typed_ : value;
-  if (ImGui::InputDouble(id, &edited, 0.0, 0.0, pattern)) typed_ = edited, typedId_ = id;
-  // Left in whatever way, what was typed holds: only Esc takes it back, and then nothing was edited.
-  if (!ImGui::IsItemDeactivatedAfterEdit()) return false;
-  if (typed_ && typedId_ == id) edited = *typed_;
-  typed_.reset();
-  if (!std::isfinite(edited) || edited == value) return false;
-  value = edited;
-  return true;
+void TransferEditor::drawNumber(Session& session, Field field, size_t corner, double value, const char* pattern) {
+  ImGui::PushID(static_cast<int>(corner));  // another corner's is another field
+  double edited = typed_ && typed_->field == field && typed_->corner == corner ? typed_->value : value;
+  if (ImGui::InputDouble(field == Field::alpha ? "##alpha" : "##value", &edited, 0.0, 0.0, pattern)) typed_ = {field, corner, edited};
+  // Left in whatever way, what was typed holds. Only Esc takes it back: it puts there what stood there, which is not all of the number.
+  if (ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) typed_.reset();
+  if (ImGui::IsItemDeactivatedAfterEdit()) takeTyped(session);
+  ImGui::PopID();
+}
+
+void TransferEditor::takeTyped(Session& session) {
+  const std::optional<Typed> typed = std::exchange(typed_, std::nullopt);
+  if (!typed || !std::isfinite(typed->value)) return;
+  const TransferCurves before = curves_;
+  const size_t i = typed->corner;
+  if (typed->field == Field::colorValue) {
+    if (i < curves_.colors.size()) moveColor(curves_, i, typed->value);
+  } else if (i < curves_.opacities.size()) {
+    const OpacityCorner corner = curves_.opacities[i];
+    if (typed->field == Field::value)
+      moveOpacity(curves_, i, typed->value, corner.alpha);
+    else
+      moveOpacity(curves_, i, corner.value, static_cast<float>(typed->value));
+  }
+  if (!(curves_ == before)) apply(session);
 }
 
 void TransferEditor::drawFields(Session& session, const Look& look) {
-  const auto step = [&](const auto& edit) {
-    edit();
-    apply(session);
-  };
   if (opacity_ && *opacity_ < curves_.opacities.size()) {
-    OpacityCorner corner = curves_.opacities[*opacity_];
+    const OpacityCorner corner = curves_.opacities[*opacity_];
     label("Corner", look);
     beginHalves();
-    if (drawNumber("##value", corner.value, "%.5g")) step([&] { moveOpacity(curves_, *opacity_, corner.value, corner.alpha); });
+    drawNumber(session, Field::value, *opacity_, corner.value, "%.5g");
     tooltip("Its value, in the volume's own units.", look);
     nextHalf();
-    double alpha = static_cast<double>(corner.alpha);
-    if (drawNumber("##alpha", alpha, "%.4g")) step([&] { moveOpacity(curves_, *opacity_, corner.value, static_cast<float>(alpha)); });
+    drawNumber(session, Field::alpha, *opacity_, static_cast<double>(corner.alpha), "%.4g");
     tooltip("Its opacity over the length of a voxel's edge, 0 to 1.", look);
   } else if (color_ && *color_ < curves_.colors.size()) {
-    ColorCorner corner = curves_.colors[*color_];
+    const ColorCorner corner = curves_.colors[*color_];
     label("Corner", look);
     beginHalves();
-    if (drawNumber("##value", corner.value, "%.5g")) step([&] { moveColor(curves_, *color_, corner.value); });
+    drawNumber(session, Field::colorValue, *color_, corner.value, "%.5g");
     nextHalf();
     std::array<float, 3> srgb{srgbFromLinear(corner.color.r), srgbFromLinear(corner.color.g), srgbFromLinear(corner.color.b)};
     if (ImGui::ColorEdit3("##color", srgb.data(), ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_PickerHueWheel)) {

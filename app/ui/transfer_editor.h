@@ -63,8 +63,12 @@ class TransferEditor {
   void drawFields(Session& session, const Look& look);
   void drawButtons(Session& session, const EditHistory& history, const Look& look);
   void drawFilePopup();
-  /// A field for a number; true where another one was typed, when the field is left.
-  bool drawNumber(const char* id, double& value, const char* pattern);
+  /// What a field is for: of which corner of opacities or colours.
+  enum class Field { value, alpha, colorValue };
+  /// A field for a number of a corner. What is typed there holds when the field is left.
+  void drawNumber(Session& session, Field field, size_t corner, double value, const char* pattern);
+  /// What was typed holds, of the corner that it was typed for, whichever is chosen now.
+  void takeTyped(Session& session);
   Chart chartOf(const Session& session, const ImVec2& from, const ImVec2& to) const;
 
   TransferCurves curves_;
@@ -79,8 +83,12 @@ class TransferEditor {
   const Volume* volume_ = nullptr;
   std::string error_;
   std::string reading_;             // of what is pointed at
-  std::optional<double> typed_;     // into the field of typedId_, which has not been left yet
-  std::string typedId_;
+  struct Typed {
+    Field field = Field::value;
+    size_t corner = 0;
+    double value = 0.0;
+  };
+  std::optional<Typed> typed_;      // into a field that has not been left yet
   std::optional<FileWish> fileWish_;
   std::optional<Action> action_;
   struct Spread {
