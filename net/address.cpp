@@ -71,6 +71,9 @@ HostPort parseHostPort(std::string_view text, std::string_view shown, unsigned l
   return where;
 }
 
+/// In place of a token that is not shown.
+constexpr std::string_view kNoToken = "...";
+
 /// `fragment`: what follows the #. `shown` is what stands before it.
 Credentials parseCredentials(std::string_view fragment, std::string_view shown) {
   std::optional<Fingerprint> fingerprint;
@@ -86,6 +89,7 @@ Credentials parseCredentials(std::string_view fragment, std::string_view shown) 
       if (!fingerprint) refuse(shown, "the fingerprint (fp=) must be 64 hexadecimal digits");
     } else if (part.starts_with("token=")) {
       if (token) refuse(shown, "there are two tokens after the #");
+      if (part.substr(6) == kNoToken) refuse(shown, "its token was left out, as it is wherever an address is kept: give the whole address, as its server printed it");
       token = Token::parse(part.substr(6));
       if (!token) {
         refuse(shown, "the token (token=) must be " + std::to_string(Token::kCharacters) +
@@ -137,7 +141,7 @@ std::string toString(const Address& address) {
   return withToken(address, address.credentials ? address.credentials->token.text() : std::string());
 }
 
-std::string toStringWithoutToken(const Address& address) { return withToken(address, "..."); }
+std::string toStringWithoutToken(const Address& address) { return withToken(address, kNoToken); }
 
 bool isLoopback(std::string_view host) {
   if (host == "localhost") return true;

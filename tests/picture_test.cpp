@@ -50,6 +50,14 @@ TEST(Picture, APictureWithoutSamplesIsShownAsAWarpedOneThatIsCovered) {
   EXPECT_FALSE(shown == toScreen(image.color, glm::vec3(0.0f)));
 }
 
+TEST(Picture, WhatIsTooLargeForAFileIsKnownBefore) {
+  EXPECT_TRUE(fitsPng(16384, 16384));
+  EXPECT_TRUE(fitsPng(1, 1));
+  EXPECT_FALSE(fitsPng(5 * 4096, 11 * 4096)) << "what encoders count in 32 bits";
+  EXPECT_FALSE(fitsPng(1u << 31, 1));
+  EXPECT_FALSE(fitsPng(uint64_t{1} << 40, uint64_t{1} << 40));
+}
+
 TEST(Picture, EncodingCanBeStoppedAndRefusesNothing) {
   std::stop_source source;
   source.request_stop();

@@ -81,7 +81,7 @@ TEST_F(PixelReportTest, EveryKindIsTold) {
   const std::array kinds{PixelKind::sample, PixelKind::hole, PixelKind::guess, PixelKind::nothing, PixelKind::earlierFrame, PixelKind::other};
   for (uint32_t x = 0; x < kinds.size(); ++x) EXPECT_EQ(report(x).kind, kinds[x]) << x;
   EXPECT_EQ(report(4).framesBack, 2u);
-  EXPECT_THAT(textOf(report(4)), HasSubstr("2 frames before"));
+  EXPECT_THAT(textOf(report(4)), HasSubstr("of the kept frame 2 before"));
 }
 
 TEST_F(PixelReportTest, ASampleHasItsPlaceDepthAndRadius) {

@@ -153,6 +153,11 @@ TEST_F(SessionFileTest, TheCommandHasWhatOptionsSay) {
   session_.setKnobs(knobs);
   session_.setAutomatic(0);
   EXPECT_EQ(commandLineOf(session_), "warpscope view shells --volume-size 16x16x16 --panels auto,spheres --heuristic median --link 4g");
+  knobs.marks = {0xff0080ffu, 0xff00ff00u};
+  knobs.budgetMs = 12.5;
+  knobs.takesShortcuts = kShortcutsKnob.defaultValue == 0.0;
+  session_.setKnobs(knobs);
+  EXPECT_THAT(commandLineOf(session_), testing::EndsWith(" --uncovered ff8000 --filled 00ff00 --budget-ms 12.5 --shortcuts " + textOf(kShortcutsKnob, knobs.takesShortcuts ? 1.0 : 0.0)));
 }
 
 TEST(UserFolders, FollowTheXdgSpecification) {

@@ -12,6 +12,7 @@
 #include "app/shell/output_files.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
+#include "render/base/printable.h"
 #include "render/core/backend.h"
 
 namespace warpscope {
@@ -53,7 +54,7 @@ void checkFolder(const CheckOptions& options) {
   const Interrupt interrupt;
   const Backend backend = check(options.common).backend;
   const CheckPlan plan = readCheckPlan(options.folder);
-  const std::string title = "warpscope check of " + std::filesystem::weakly_canonical(options.folder).filename().string();
+  const std::string title = "warpscope check of " + printable(std::filesystem::weakly_canonical(options.folder).filename().string());
   if (!options.junit.empty()) {
     requireNoneOf(options.junit, {std::filesystem::path(options.folder) / kCheckDescription});
     requireWritable(options.junit);

@@ -32,7 +32,6 @@ struct CompareOptions {
 };
 
 /// JSON knows no infinity: equal images have the PSNR null.
-Json finiteOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json toJson(const ComparisonRow& row, const Comparison& comparison, const CommandContext& work) {
   const bool usesFrame = row.technique->usesFrame;
@@ -154,11 +153,20 @@ std::vector<std::string> namesOf(const std::vector<const WarpDescriptor*>& techn
   return names;
 }
 
+/// Throws UsageError where the montage would be too large for a file: before the work, not after it.
+void requireMontage(size_t techniques, size_t views, uint32_t cellWidth, const CommandContext& work) {
+  constexpr uint64_t kForTexts = 48, kForLabels = 1024;  // beside a picture, and beside all
+  const uint64_t cellHeight = uint64_t{work.height} * cellWidth / work.width + 1;
+  if (!fitsPng(views * (cellWidth + kForTexts) + kForLabels, techniques * (cellHeight + kForTexts) + kForLabels))
+    throw UsageError("--cell: a montage of " + std::to_string(techniques) + " by " + std::to_string(views) + " pictures of " + std::to_string(cellWidth) + " pixels is too large for a PNG file");
+}
+
 void compare(const CompareOptions& options) {
   if (options.cellWidth < 16 || options.cellWidth > 4096) throw UsageError("--cell: must be 16 to 4096 pixels");
   const Interrupt interrupt;
   const CommandContext work = prepare(options.common, options.transport, interrupt.token());
   const std::vector<const WarpDescriptor*> techniques = comparedTechniques(work.march);
+  requireMontage(techniques.size(), work.scene.views.size(), std::min(options.cellWidth, work.width), work);
   StagedFolder out(options.out, namesOf(techniques, work.scene.views.size()));  // fails before the work if it cannot be written
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
   for (const WarpDescriptor& technique : warpRegistry())

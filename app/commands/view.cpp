@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
+#include <map>
+#include <memory>
 #include <set>
 
 #include "app/commands/choose.h"
@@ -53,9 +55,10 @@ SceneOrigin fromAnywhere(SceneOrigin origin) {
     std::error_code ignored;
     return std::filesystem::exists(path, ignored) ? std::filesystem::absolute(path, ignored) : path;
   };
-  origin.spec = absolute(origin.spec).string();
+  if (!isBuiltinScene(origin.spec)) origin.spec = absolute(origin.spec).string();
   if (origin.overrides.volume) origin.overrides.volume = absolute(*origin.overrides.volume);
   if (origin.overrides.mask) origin.overrides.mask = absolute(*origin.overrides.mask);
+  if (origin.overrides.transferFunction) origin.overrides.transferFunction = absolute(*origin.overrides.transferFunction);
   return origin;
 }
 
@@ -152,7 +155,10 @@ void view(const ViewOptions& options) {
     const MarcherPtr marcher = makeMarcher(backend, scene.volume, scene.transferFunction);
     return hostScene(io, std::move(scene), marcher, transport, onNews, stop);
   };
-  const auto connectTo = [io, transport, checked](const net::Address& address) {
+  // Of servers that were connected to: what is said of them elsewhere, and may be kept in files, has no token.
+  const auto known = std::make_shared<std::map<std::string, net::Address>>();
+  const auto connectTo = [io, transport, checked, known](const net::Address& address) {
+    known->insert_or_assign(net::toStringWithoutToken(address), address);
     return LoadJob{net::toStringWithoutToken(address),
                    [=](const std::function<void()>& onNews, const std::stop_token& stop) {
                      ConnectedScene loaded = connectScene(io, address, transport, onNews, stop, checked.backend);
@@ -164,7 +170,8 @@ void view(const ViewOptions& options) {
   const SceneOpener openChosen = [=, seed = checked.overrides.seed](const SceneOrigin& chosen) {
     if (isServerUrl(chosen.spec)) {
       try {
-        return connectTo(net::parseAddress(chosen.spec));
+        const auto same = known->find(chosen.spec);
+        return connectTo(same != known->end() ? same->second : net::parseAddress(chosen.spec));
       } catch (const net::AddressError& error) {
         return LoadJob{"a server", [text = std::string(error.what())](const std::function<void()>&, const std::stop_token&) -> ConnectedScene {
                          throw InputError(text);

@@ -28,7 +28,7 @@ constexpr std::array<ContentDescriptor, 10> kContents{{
     {"depth", PictureContent::depth, "Depth", "How far from the eye the samples or the segments are that pixels show", false, true, "volume units", {}},
     {"radius", PictureContent::radius, "Radius", "How large the samples are that pixels show", false, true, "volume units", {}},
     {"segments", PictureContent::segments, "Segments", "How many of the frame's segments a pixel's ray goes through", false, true, "segments", {}},
-    {"age", PictureContent::age, "Age", "How many frames before the newest pixels are of, where a technique keeps some (--keep)", false, false, "frames", 7.0f},
+    {"age", PictureContent::age, "Age", "Which of the frames that are kept (--keep) pixels are of, counted back from the newest, which is 0", false, false, "frames", 7.0f},
 }};
 
 constexpr Rgba8 kUnknown = 0xff303030u, kHole = 0xffc700ffu, kGuess = 0xffffd900u;

@@ -5,6 +5,8 @@
 #include <stb_image.h>
 #include <stb_image_write.h>
 
+#include <limits>
+
 #include "render/base/error.h"
 #include "render/core/parallel.h"
 
@@ -29,6 +31,8 @@ Image<Rgba8> convert(const WarpedImage& image, const PixelMarks& marks, const Pe
   });
 }
 
+constexpr uint64_t kMostPngSide = 1 << 24;  // stb_image's own
+
 }  // namespace
 
 Image<Rgba8> toPicture(const WarpedImage& image, const PixelMarks& marks) {
@@ -46,12 +50,19 @@ Image<Rgba8> toScreen(const Image<glm::vec4>& color, const glm::vec3& background
   return convert(color.width(), color.height(), [&](size_t i) { return tables.encodeOver(color[i], background); });
 }
 
+bool fitsPng(uint64_t width, uint64_t height) {
+  // Its encoder counts bytes, and a filter's byte a row, in an int.
+  return width < kMostPngSide && height < kMostPngSide && (width * sizeof(Rgba8) + 1) * height <= std::numeric_limits<int>::max();
+}
+
 std::string encodePng(const Image<Rgba8>& picture, const std::stop_token& stop) {
   if (stop.stop_requested()) throw OperationCancelled();
   std::string bytes;
   const auto append = [](void* context, void* data, int size) {
     static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<size_t>(size));
   };
+  if (!fitsPng(picture.width(), picture.height()))
+    throw InputError("a picture of " + std::to_string(picture.width()) + "x" + std::to_string(picture.height()) + " pixels is too large for a PNG file");
   const int written = picture.empty() ? 0
                                       : stbi_write_png_to_func(append, &bytes, static_cast<int>(picture.width()),
                                                                static_cast<int>(picture.height()), 4, picture.data(),

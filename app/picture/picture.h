@@ -22,7 +22,10 @@ Image<Rgba8> toScreen(const WarpedImage& image, const glm::vec3& background, con
 /// The same of a picture that stands for itself: no samples lie behind it.
 Image<Rgba8> toScreen(const Image<glm::vec4>& color, const glm::vec3& background);
 
-/// The bytes of a PNG file. Throws OperationCancelled if `stop` is set before it begins; InputError for an empty picture.
+/// Whether a picture of that size can be a PNG file: of 2 GiB at most.
+bool fitsPng(uint64_t width, uint64_t height);
+
+/// The bytes of a PNG file. Throws OperationCancelled if `stop` is set before it begins; InputError for an empty picture, and one that does not fit.
 std::string encodePng(const Image<Rgba8>& picture, const std::stop_token& stop = {});
 
 /// Reads an 8-bit PNG. Throws InputError.

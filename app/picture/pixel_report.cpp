@@ -40,7 +40,7 @@ std::string placeText(const glm::uvec2& place) { return std::to_string(place.x) 
 std::string kindText(const PixelReport& report) {
   switch (report.kind) {
     case PixelKind::sample: return "sample " + std::to_string(report.server->sample);
-    case PixelKind::earlierFrame: return report.framesBack == 1 ? "of the frame before" : "of " + std::to_string(report.framesBack) + " frames before";
+    case PixelKind::earlierFrame: return "of the kept frame " + std::to_string(report.framesBack) + " before";
     case PixelKind::guess: return "a guess";
     case PixelKind::hole: return "a hole";
     case PixelKind::nothing: return "nothing";

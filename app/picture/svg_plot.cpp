@@ -13,7 +13,7 @@ namespace warpscope {
 namespace {
 
 constexpr double kPlotWidth = 506, kHeight = 420, kLeft = 64, kTop = 14, kBottom = 46;
-constexpr double kEnlarged = 1.26, kLeastLegend = 190, kLegendIndent = 28, kLetter = 6.6;  // of 12 px type, on average
+constexpr double kEnlarged = 1.26, kLeastLegend = 190, kLegendIndent = 28, kLegendLine = 17, kLetter = 6.6;  // of 12 px type, on average
 constexpr double kRadius = 3.6, kSharedRadius = 4.8;
 constexpr double kHidden = 2.0;  // points that are nearer to each other cannot be told apart
 
@@ -115,8 +115,10 @@ std::string svgOf(const Plot& plot) {
   y.settle();
 
   const double width = std::ceil(right + legendWidth);
+  const auto named = static_cast<double>(std::count_if(plot.series.begin(), plot.series.end(), [](const PlotSeries& series) { return !series.name.empty(); }));
+  const double height = std::max(kHeight, kTop + kLegendLine * (named + 1.0));
   std::string svg = "<svg class=\"plot\" style=\"max-width:" + tickText(std::round(kEnlarged * width)) + "px\" viewBox=\"0 0 " + tickText(width) + " " +
-                    tickText(kHeight) + "\" role=\"img\" aria-label=\"" +
+                    tickText(height) + "\" role=\"img\" aria-label=\"" +
                     escaped(plot.y.label + " against " + plot.x.label) + "\">\n";
   for (const double tick : x.ticks()) {
     svg += lineFromTo(x.place(tick), kTop, x.place(tick), bottom, "grid");
@@ -145,7 +147,7 @@ std::string svgOf(const Plot& plot) {
     if (series.name.empty()) continue;
     svg += "<circle cx=\"" + numbered(right + 18) + "\" cy=\"" + numbered(legend - 4) + "\" r=\"4.5\" fill=\"" + color + "\"/>\n";
     svg += textAt(right + kLegendIndent, legend, "start", series.name);
-    legend += 17;
+    legend += kLegendLine;
   }
   for (const Mark& mark : marks) svg += drawn(mark);  // on all lines
   return svg + "</svg>\n";

@@ -2,6 +2,7 @@
 // RFC 8259, parsed by nlohmann-json; its values do not know their lines, so that a complaint walks over the text again to find its own.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -17,6 +18,9 @@ namespace warpscope {
 /// A document as the program prints it: indented, a line end at its end. Bytes that are not UTF-8 (in names of files) are replaced, and characters
 /// that a terminal would obey are written as \u....
 std::string textOf(const nlohmann::json& document);
+
+/// The number, or null: JSON has no infinity and nothing that is no number.
+inline nlohmann::json finiteOrNull(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
 
 /// A parsed text, and the means to say on which line of it a key or an element begins.
 class JsonDocument {

@@ -228,6 +228,11 @@ void requireScene(const std::string& spec) {
   throw UsageError(unknownNameIn(scenes, "scene", spec) + " (or a scene file, or a volume file)");
 }
 
+bool isBuiltinScene(const std::string& spec) {
+  const auto isAmong = [](const auto& files, const std::string& name) { return std::ranges::any_of(files, [&](const auto& file) { return file.name == name + ".json"; }); };
+  return isAmong(scenes::files(), spec) || (spec.starts_with(kTortureFolder) && isAmong(torture_scenes::files(), spec.substr(kTortureFolder.size())));
+}
+
 Scene openScene(const std::string& spec, const SceneOverrides& overrides, const std::stop_token& stop) {
   Scene scene;
   const double openMs = milliseconds([&] { scene = openBySpec(spec, overrides, stop); });

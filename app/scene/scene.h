@@ -81,6 +81,9 @@ std::vector<BuiltinScene> builtinScenes();
 /// Those that are hard on arithmetic: "torture/...".
 std::vector<BuiltinScene> tortureScenes();
 
+/// Whether openScene takes it for the name of one of these, whatever files there are.
+bool isBuiltinScene(const std::string& spec);
+
 /// Throws what openScene would for a name that is neither built in nor a file that is there; quick.
 void requireScene(const std::string& spec);
 
