@@ -2,6 +2,11 @@
 // Mirrors render/march/fallback_marcher.h and render/warp/fallback_warp.h, with devices that are made up.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <barrier>
+#include <latch>
+#include <thread>
+
 #include "render/base/error.h"
 #include "render/march/fallback_marcher.h"
 #include "render/warp/fallback_warp.h"
@@ -116,6 +121,64 @@ TEST(FallbackMarcher, TwinsLeaveTogetherAndTellOnce) {
   EXPECT_EQ(second->march({}, {}).requestId, 1u);
   EXPECT_EQ(first->twin()->backend(), Backend::cpu);
   EXPECT_EQ(notes.reasons.size(), 1u);
+}
+
+/// Waits until so many march at once, and fails then.
+class FailingTogether final : public Marcher {
+ public:
+  explicit FailingTogether(std::ptrdiff_t threads) : together_(threads) {}
+  SampleFrame march(const Camera&, const MarchSettings&, const std::stop_token&) override {
+    together_.arrive_and_wait();
+    throw DeviceError("lost");
+  }
+  void render(const Camera&, const RenderSettings&, Image<glm::vec4>&, const std::stop_token&) override {}
+  const VolumePtr& volume() const override { return volume_; }
+  Backend backend() const override { return Backend::cuda; }
+  MarcherCapabilities capabilities() const override { return {.pace = MarchPace::followsCamera}; }
+  using Marcher::twin;
+  MarcherPtr twin(TurnsPtr) const override { return nullptr; }
+  MarcherPtr withTransferFunction(TransferFunction) const override { return nullptr; }
+
+ private:
+  std::barrier<> together_;
+  VolumePtr volume_;
+};
+
+TEST(FallbackMarcher, CallsThatFailTogetherAllGoOn) {
+  constexpr int kThreads = 4;
+  Notes notes;
+  const MarcherPtr marcher = makeFallbackMarcher([&] { return std::make_shared<FailingTogether>(kThreads); }, [] { return madeUp(Backend::cpu, kNever); }, notes.take());
+  std::atomic<int> marched = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < kThreads; ++i)
+      threads.emplace_back([&] {
+        try {
+          marched += marcher->march({}, {}).requestId == 1u;
+        } catch (const DeviceError&) {
+        }
+      });
+  }
+  EXPECT_EQ(marched, kThreads);
+  EXPECT_EQ(notes.reasons.size(), 1u);
+}
+
+TEST(FallbackMarcher, WhileTheSecondIsMadeOthersAskWhatTheFirstCould) {
+  std::latch isMaking(1), mayGoOn(1);
+  const MarcherPtr marcher = makeFallbackMarcher([] { return madeUp(Backend::cuda, 1); },
+                                                 [&] {
+                                                   isMaking.count_down();
+                                                   mayGoOn.wait();
+                                                   return madeUp(Backend::cpu, kNever);
+                                                 },
+                                                 {});
+  std::jthread marching([&] { marcher->march({}, {}); });
+  isMaking.wait();
+  EXPECT_EQ(marcher->backend(), Backend::cuda);  // hangs if it waits for the second
+  EXPECT_EQ(marcher->capabilities().pace, MarchPace::followsCamera);
+  mayGoOn.count_down();
+  marching.join();
+  EXPECT_EQ(marcher->backend(), Backend::cpu);
 }
 
 TransferFunction functionOf(size_t points) { return {std::vector<TransferPoint>(points)}; }

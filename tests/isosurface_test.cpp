@@ -59,6 +59,26 @@ TEST(Isosurface, PlanesAreWhereTheyAre) {
   }
 }
 
+TEST(Isosurface, OpaqueOnesEndTheirRays) {
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kDims, [](const glm::ivec3& p) { return 6.0 * p.z; });
+  const MarcherPtr marcher = makeCpuMarcher(volume, everywhere(0.5f));
+  const Camera camera = lookingFrom({5.0f, 4.0f, 60.0f}, {}, 24, 24);
+  const auto ended = [&](const char* values, bool terminatesEarly) {
+    MarchSettings settings;
+    settings.render = inMode(RenderMode::isosurface, values);
+    settings.render.terminateEarly = terminatesEarly;
+    settings.sample.segments = 4;
+    const SampleFrame frame = marcher->march(camera, settings);
+    size_t rays = 0;
+    for (const RaySegmentCount& ray : frame.segments.rays) rays += ray.isEnded();
+    EXPECT_GT(frame.size(), 100u);
+    return rays == frame.size();
+  };
+  for (const bool terminatesEarly : {true, false}) EXPECT_TRUE(ended("100", terminatesEarly)) << "behind them nothing is known";
+  EXPECT_TRUE(ended("100@0.9999", true));
+  EXPECT_FALSE(ended("100@0.5", true));
+}
+
 TEST(Isosurface, BallsAreAsLargeAsTheyAre) {
   // The squared distance from the middle, of which interpolation is off by at most a quarter of a voxel's edge squared
   // along each axis.

@@ -261,5 +261,34 @@ TEST(Configuration, HasAnyTechniquesKnobs) {
   EXPECT_EQ(toJson(Configuration{&findWarp("points"), {}, 64, {}, {}})["fogTint"], nullptr);
 }
 
+TEST(Knob, WhatTheModeOrTheLightsLeaveOutDoesNotMatter) {
+  const auto matters = [](const MarchSettings& settings, std::string_view key) {
+    for (const MarchKnob& row : marchKnobs())
+      if (row.knob->key == key) return row.matters(settings);
+    throw std::invalid_argument(std::string(key));
+  };
+  MarchSettings lit;
+  lit.render.effects.shading.strength = 1.0f;
+  lit.render.effects.shadows.strength = 1.0f;
+  lit.render.effects.lights = parseLights("world:1,1,1", "it");
+  for (const char* const key : {"shading", "ambient", "diffuse", "specular", "shadows", "occlusion", "lightGrid", "preIntegration", "samplesPerRay"}) EXPECT_TRUE(matters(lit, key)) << key;
+  MarchSettings greatest = lit;
+  greatest.render.effects.mode = RenderMode::mip;
+  for (const char* const key : {"shading", "ambient", "diffuse", "specular", "shadows", "occlusion", "lightGrid", "preIntegration", "samplesPerRay"})
+    EXPECT_FALSE(matters(greatest, key)) << key;
+  MarchSettings surfaces = lit;
+  surfaces.render.effects.mode = RenderMode::isosurface;
+  for (const char* const key : {"shading", "diffuse"}) EXPECT_TRUE(matters(surfaces, key)) << key;
+  for (const char* const key : {"shadows", "occlusion", "lightGrid", "preIntegration"}) EXPECT_FALSE(matters(surfaces, key)) << key;
+  MarchSettings fromEye = lit;
+  fromEye.render.effects.lights = parseLights("headlight", "it");
+  for (const char* const key : {"diffuse", "occlusion"}) EXPECT_TRUE(matters(fromEye, key)) << key;
+  for (const char* const key : {"shadows", "lightGrid"}) EXPECT_FALSE(matters(fromEye, key)) << key;
+  MarchSettings dark = lit;
+  dark.render.effects.lights = parseLights("none", "it");
+  EXPECT_TRUE(matters(dark, "ambient"));
+  for (const char* const key : {"diffuse", "specular", "exponent", "shadows"}) EXPECT_FALSE(matters(dark, key)) << key;
+}
+
 }  // namespace
 }  // namespace warpscope

@@ -292,11 +292,28 @@ TEST(Shadows, SkippingChangesNoBit) {
   }
 }
 
+TEST(Shadows, OfLongStepsThatArePreIntegratedSkippingChangesNoBitEither) {
+  // Such steps are lit in their middle, many voxels from the ends that show something.
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, glm::uvec3(64), [](const glm::ivec3& p) { return p.z < 20 ? 60.0 : p.z < 44 ? 10.0 : 100.0; });
+  const MarcherPtr marcher = makeCpuMarcher(volume, band(50.0, 120.0, 0.2f));
+  const Camera camera = lookingFrom({20.0f, 14.0f, 110.0f}, glm::vec3(0.0f), 64, 64);
+  for (const float step : {0.5f, 8.0f, 17.0f, 30.5f}) {
+    MarchSettings settings = shadowedBy("world:0.3,0.2,1", 1.0f);
+    settings.render.effects.shadows.gridEdge = 1.0f;
+    settings.render.effects.preIntegration = true;
+    settings.render.step = step;
+    MarchSettings whole = settings;
+    whole.render.skipEmpty = false;
+    EXPECT_TRUE(sameBits(rendered(*marcher, camera, settings), rendered(*marcher, camera, whole))) << step;
+  }
+}
+
 TEST(Shadows, WhatIsKeptIsNeverThatOfOtherSettings) {
   const Scene scene = smallScene("vessels");
   const MarcherPtr marcher = makeCpuMarcher(scene.volume, scene.transferFunction);
   const MarchSettings first = shadowedBy("world:1,1,0.3 camera:0,1,0", 1.0f, 1.0f);
-  std::vector<MarchSettings> cases(10, first);
+  std::vector<MarchSettings> cases(11, first);
+  cases[10].render.effects.preIntegration = true;
   cases[1].render.effects.lights = parseLights("world:1,1,-0.3 camera:0,1,0", "it");
   cases[2].render.effects.shadows.occlusionRadius = 4.0f;
   cases[3].render.effects.shadows.gridEdge = 3.0f;

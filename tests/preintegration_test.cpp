@@ -104,7 +104,7 @@ TEST_P(PreIntegratedVolumes, SkippingChangesNoBit) {
     for (const TransferFunction& function :
          {band(40.0, 60.0, 0.5f), band(99.0, 100.0, 1.0f), TransferFunction{{{30.0, glm::vec3(1.0f), 0.0f}, {50.0, {0.2f, 0.8f, 0.4f}, 0.1f}}}}) {
       const MarcherPtr marcher = makeCpuMarcher(volume, function);
-      for (const float step : {0.5f, 1.0f, 3.7f})
+      for (const float step : {0.5f, 1.0f, 3.7f, 8.0f, 24.0f})
         for (const float shading : {0.0f, 1.0f}) {
           MarchSettings settings;
           settings.render = preIntegrated({}, step);
@@ -155,6 +155,21 @@ TEST(PreIntegration, TextbooksHaveNone) {
   settings.arithmetic = Arithmetic::textbook;
   Image<glm::vec4> image;
   EXPECT_THROW(marcher->render(makeCamera(scene, scene.views.front(), 32, 32), settings, image), UsageError);
+}
+
+TEST(PreIntegration, AStepBetweenTwoEmptyRegionsIsLookedAt) {
+  // What is visible lies between both halves' values, in one layer of cells.
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, glm::uvec3(64), [](const glm::ivec3& p) { return p.z < 32 ? 10.0 : 200.0; });
+  const MarcherPtr marcher = makeCpuMarcher(volume, band(90.0, 110.0, 0.5f));
+  const Camera camera = lookingFrom({10.0f, 7.0f, 110.0f}, glm::vec3(0.0f), 48, 48);
+  for (const float step : {1.0f, 4.0f, 8.0f, 16.5f, 24.0f}) {
+    MarchSettings settings;
+    settings.render = preIntegrated({}, step);
+    const Image<glm::vec4> skipped = rendered(*marcher, camera, settings);
+    settings.render.skipEmpty = false;
+    EXPECT_TRUE(sameBits(skipped, rendered(*marcher, camera, settings))) << step;
+    EXPECT_GT(largestAlpha(skipped), 0.0f) << step;
+  }
 }
 
 }  // namespace

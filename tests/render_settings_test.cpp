@@ -60,7 +60,8 @@ double otherValue(const Knob& knob) {
   return knob.defaultValue == 0.0 ? knob.range.highest : std::min(knob.range.highest, 3.0 * knob.defaultValue);
 }
 
-bool isOfPicture(const MarchKnob& row) { return row.knob->owner == KnobOwner::rendering || row.knob->owner == KnobOwner::effect; }
+/// But for the mode: in others some of them do not matter, and are nobody's to keep.
+bool isOfPicture(const MarchKnob& row) { return (row.knob->owner == KnobOwner::rendering || row.knob->owner == KnobOwner::effect) && row.knob->key != "mode"; }
 
 /// Every render knob turned.
 MarchSettings turned() {

@@ -286,6 +286,18 @@ TEST(Shading, ALightInTheMiddleOfMatterIsNoTrouble) {
   EXPECT_TRUE(std::isfinite(largestAlpha(picture(scene, litBy("point:1e12,-1e12,1e12")))));
 }
 
+TEST(Shading, ALightSoFarAwayThatNoSquareHoldsItIsFromOneDirection) {
+  Scene scene = ball();
+  VolumeGeometry tiny = scene.volume->geometry();
+  tiny.spacing = glm::dvec3(1e-9);
+  const uint8_t* const voxels = scene.volume->voxelsAs<uint8_t>();
+  const VolumePtr whole = scene.volume;
+  scene.volume = makeTestVolume(VoxelType::uint8, tiny, [&](const glm::ivec3& p) { return voxels[(static_cast<size_t>(p.z) * 40 + static_cast<size_t>(p.y)) * 40 + static_cast<size_t>(p.x)]; });
+  const Image<glm::vec4> far = picture(scene, litBy("point:1e11,0,0")), fromThere = picture(scene, litBy("world:1,0,0"));
+  ASSERT_GT(largestAlpha(fromThere), 0.9f);
+  for (size_t i = 0; i < far.size(); ++i) EXPECT_LT(glm::distance(far[i], fromThere[i]), 1e-4f);
+}
+
 TEST(Shading, HugeAndTinyValuesAreLitLikeOthers) {
   const Scene plain = ball();
   const Image<glm::vec4> expected = picture(plain, litBy("camera:1,0,1"));

@@ -59,6 +59,10 @@ inline std::deque<std::pair<std::string, MarchSettings>> variants() {
   MarchSettings& surfaces = add("surfaces");
   surfaces.render.effects.mode = RenderMode::isosurface;
   for (const double value : {25.0, 60.0}) surfaces.render.effects.isoValues.add({value, 0.5f});
+  MarchSettings& opaque = add("opaque surfaces with segments");
+  opaque.render.effects.mode = RenderMode::isosurface;
+  opaque.render.effects.isoValues.add({25.0, 1.0f});
+  opaque.sample.segments = 4;
   MarchSettings& lit = add("lit surfaces");
   lit = surfaces;
   lit.render.effects.shading.strength = 1.0f;

@@ -65,6 +65,26 @@ TEST(StreamedMarcher, FramesAndPicturesAreThoseOfAllOfTheVolume) {
   }
 }
 
+TEST(StreamedMarcher, WhereASegmentIsLitMayBeInNothingThatIsVisible) {
+  // Two sheets of matter and a slope between them that shows nothing: their one segment's place lies there.
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, glm::uvec3(48), [](const glm::ivec3& p) {
+    const double fromMiddle = std::abs(p.z - 23.5);
+    return fromMiddle > 18.0 ? 120.0 + p.x % 7 : 10.0 + p.z + 0.3 * p.x;
+  });
+  const auto marched = std::make_shared<const MarchedVolume>(whole, band(100, 140, 0.05f));
+  const MarcherPtr alone = makeCpuMarcherOf(marched, nullptr);
+  MarchSettings settings;
+  settings.render.effects.shading.strength = 1.0f;
+  for (const int segments : {1, 2})
+    for (const int slices : {-5, 12, 30}) {
+      settings.sample.segments = segments;
+      const Camera camera = lookingFrom({4.0f, 3.0f, 90.0f}, {}, 40, 40);
+      const SampleFrame expected = alone->march(camera, settings);
+      ASSERT_FALSE(expected.segments.normals.empty());
+      EXPECT_TRUE(sameFrame(makeStreamedMarcher(marched, {}, slices)->march(camera, settings), expected)) << segments << " " << slices;
+    }
+}
+
 TEST(StreamedMarcher, ByEveryHeuristic) {
   const VolumePtr whole = makeTestVolume(VoxelType::int16, kDims, blobs(kDims, 5));
   const auto marched = std::make_shared<const MarchedVolume>(whole, band(15, 80, 0.08f));

@@ -2,16 +2,28 @@
 // See effect_knobs.h.
 #include "render/effects/effect_knobs.h"
 
+#include <algorithm>
+
 namespace warpscope {
 namespace {
 
 constexpr Shading kShading;
 constexpr Shadows kShadows;
 
-bool isLit(const MarchSettings& settings) { return settings.render.effects.shading.strength > 0.0f; }
-bool hasHighlights(const MarchSettings& settings) { return isLit(settings) && settings.render.effects.shading.specular > 0.0f; }
-bool isOccluded(const MarchSettings& settings) { return isLit(settings) && settings.render.effects.shadows.occlusion > 0.0f; }
-bool hasLightVolume(const MarchSettings& settings) { return isOccluded(settings) || (isLit(settings) && settings.render.effects.shadows.strength > 0.0f); }
+// What the plan says of stages (effect_plan.cpp), as far as settings alone tell.
+bool hasMode(const MarchSettings& settings, RenderMode mode) { return settings.render.effects.mode == mode; }
+bool hasLight(const MarchSettings& settings, bool isBesideEye) {
+  return std::ranges::any_of(settings.render.effects.lights, [&](const Light& light) { return light.strength > 0.0f && !(isBesideEye && light.kind == LightKind::headlight); });
+}
+bool mayBeLit(const MarchSettings& settings) { return !hasMode(settings, RenderMode::mip); }
+bool isLit(const MarchSettings& settings) { return mayBeLit(settings) && settings.render.effects.shading.strength > 0.0f; }
+bool isLitByLights(const MarchSettings& settings) { return isLit(settings) && hasLight(settings, false); }
+bool hasHighlights(const MarchSettings& settings) { return isLitByLights(settings) && settings.render.effects.shading.specular > 0.0f; }
+bool isComposite(const MarchSettings& settings) { return hasMode(settings, RenderMode::composite); }
+bool isLitMatter(const MarchSettings& settings) { return isLit(settings) && isComposite(settings); }
+bool mayCastShadows(const MarchSettings& settings) { return isLitMatter(settings) && hasLight(settings, true); }
+bool isOccluded(const MarchSettings& settings) { return isLitMatter(settings) && settings.render.effects.shadows.occlusion > 0.0f; }
+bool hasLightVolume(const MarchSettings& settings) { return isOccluded(settings) || (mayCastShadows(settings) && settings.render.effects.shadows.strength > 0.0f); }
 constexpr bool always(const MarchSettings&) { return true; }
 
 constexpr auto kModeChoices = choicesOf(kRenderModes);
@@ -214,13 +226,13 @@ std::span<const MarchKnob> effectKnobs() {
         [](MarchSettings& s, double value) { s.render.effects.mode = static_cast<RenderMode>(value); }},
        FramePart::picture,
        always},
-      row(kShadingKnob, [](auto& effects) -> auto& { return effects.shading.strength; }, always),
+      row(kShadingKnob, [](auto& effects) -> auto& { return effects.shading.strength; }, mayBeLit),
       row(kAmbientKnob, [](auto& effects) -> auto& { return effects.shading.ambient; }, isLit),
-      row(kDiffuseKnob, [](auto& effects) -> auto& { return effects.shading.diffuse; }, isLit),
-      row(kSpecularKnob, [](auto& effects) -> auto& { return effects.shading.specular; }, isLit),
+      row(kDiffuseKnob, [](auto& effects) -> auto& { return effects.shading.diffuse; }, isLitByLights),
+      row(kSpecularKnob, [](auto& effects) -> auto& { return effects.shading.specular; }, isLitByLights),
       row(kExponentKnob, [](auto& effects) -> auto& { return effects.shading.exponent; }, hasHighlights),
-      row(kShadowsKnob, [](auto& effects) -> auto& { return effects.shadows.strength; }, isLit),
-      row(kOcclusionKnob, [](auto& effects) -> auto& { return effects.shadows.occlusion; }, isLit),
+      row(kShadowsKnob, [](auto& effects) -> auto& { return effects.shadows.strength; }, mayCastShadows),
+      row(kOcclusionKnob, [](auto& effects) -> auto& { return effects.shadows.occlusion; }, isLitMatter),
       row(kOcclusionRadiusKnob, [](auto& effects) -> auto& { return effects.shadows.occlusionRadius; }, isOccluded),
       row(kLightGridKnob, [](auto& effects) -> auto& { return effects.shadows.gridEdge; }, hasLightVolume),
       row(kSlabKnob, [](auto& effects) -> auto& { return effects.clip.slab.thickness; }, always),
@@ -229,7 +241,7 @@ std::span<const MarchKnob> effectKnobs() {
       {{&kPreIntegrationKnob, [](const MarchSettings& s) { return s.render.effects.preIntegration ? 1.0 : 0.0; },
         [](MarchSettings& s, double value) { s.render.effects.preIntegration = value != 0.0; }},
        FramePart::picture,
-       always},
+       isComposite},
   };
   return kRows;
 }

@@ -10,7 +10,7 @@
 #include "render/base/range.h"
 #include "render/effects/jitter.h"
 #include "render/effects/light_volume.h"
-#include "render/march/depth_heuristic.h"
+#include "render/march/depth_of_samples.h"
 
 namespace warpscope {
 namespace {
@@ -67,10 +67,6 @@ const char* whyNotOfMaximum(PlanStage stage) {
   for (const auto& [left, why] : kOutOfMaximum)
     if (left == stage) return why;
   return nullptr;
-}
-
-bool isTwoPass(Heuristic heuristic) {
-  return visitHeuristic(heuristic, []<class Depth>(Depth) { return Depth::kTwoPass; });
 }
 
 /// What a rule is asked about.
@@ -212,7 +208,7 @@ constexpr std::array<PlanRule, kStages.size()> kRules{{
      [](const PlanQuestion& q) {
        if (!q.sample) return out(kPictureAlone);
        const std::string heuristic(nameOf(q.sample->heuristic));
-       return isTwoPass(q.sample->heuristic) ? in(heuristic + " compares with the ray's final opacity") : out(heuristic + " is known after one pass");
+       return hasOnePass(q.sample->heuristic) ? out(heuristic + " is known after one pass") : in(heuristic + " compares with the ray's final opacity");
      }},
     {PlanStage::severalSamples,
      [](const PlanQuestion& q) {

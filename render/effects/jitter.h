@@ -31,7 +31,8 @@ struct Jitter {
 
 inline bool isJittered(const RenderSettings& settings) { return settings.effects.jitter > 0.0f; }
 
-/// On the host. Samples stay within their steps.
+/// On the host. Samples stay within their steps, but the last: where that step is shorter its sample may lie up to half a whole step behind where the ray leaves the volume, or
+/// what is cut off begins.
 inline Jitter jitterFor(const RenderSettings& settings) {
   return isJittered(settings) ? Jitter{blueNoise().data(), settings.effects.jitter * settings.step} : Jitter{};
 }

@@ -22,6 +22,7 @@ struct LightVolumeJob {
   glm::vec3 lower{0.0f};       ///< of the voxels' view, in volume space
   glm::vec3 voxelEdges{1.0f};  ///< units of volume space
   float step = 0.5f;           ///< along the rays, for which the transfer table was made
+  float besideVisible = 0.0f;  ///< how far from cells that show something what is lit may lie, voxels: the middle of a step between two values
 };
 
 /// What arrives through the matter along a ray, up to `length`. Off by what marching by steps of job.step is off by, and kLeastLight.
@@ -64,14 +65,14 @@ WARPSCOPE_HD inline float ambientAt(const LightVolumeJob& job, const View& view,
   return minOf(sum, 1.0f);
 }
 
-/// True if no sample that is seen reads the place: such are as far away as from place to place, and once more towards the light.
+/// True if no sample that is seen reads the place: such are as far away as from place to place, once more towards the light, and as what is lit lies beside what is visible.
 template <class View>
 WARPSCOPE_HD inline bool isUnread(const LightVolumeJob& job, const View& view, const float (&voxel)[3]) {
   if (view.cells.distances == nullptr) return false;
   glm::ivec3 cell;
   for (int axis = 0; axis < 3; ++axis)
     cell[axis] = minOf(truncated(minOf(maxOf(voxel[axis], 0.0f), view.ends[axis].lastVoxel)) >> view.cells.edgeBits, view.cells.dims[axis] - 1);
-  return converted((view.cells.distance(cell) - 1) * view.cells.edge()) >= 2.0f * job.volume.edge + 1.0f;
+  return converted((view.cells.distance(cell) - 1) * view.cells.edge()) >= 2.0f * job.volume.edge + 1.0f + job.besideVisible;
 }
 
 /// Writes the values of the `index`-th place.

@@ -26,10 +26,10 @@ class SegmentBatchSource {
   SegmentBatchSource(const SegmentBatchSource&) = delete;  // its parts refer to each other
   SegmentBatchSource& operator=(const SegmentBatchSource&) = delete;
 
-  /// The first step from `i` on whose back may show something.
+  /// The first step from `i` on that may show something. One leap at a time: the step that leaves what it leaps over has to be looked at, whatever shows nothing follows.
   int skip(int i) const {
     if (i >= lattice_.count) return i;
-    const int border = values_.skip(i);
+    const int border = values_.leap(i);
     return border >= borders_.count ? lattice_.count : std::max(i, border - 1);
   }
 

@@ -29,7 +29,11 @@ PreparedLight prepare(const Light& light, const VolumeGeometry& geometry, const 
     case LightKind::world: prepared.vector = unitOf(volumeFromWorld * vector); break;
     case LightKind::point: {
       const glm::dvec3 center = geometry.origin + geometry.direction * (geometry.spacing * (glm::dvec3(geometry.dims) - 1.0) * 0.5);
-      prepared.vector = glm::vec3(volumeFromWorld * (vector - center) / geometry.unit());
+      const glm::dvec3 place = volumeFromWorld * (vector - center) / geometry.unit();
+      // So far away its light is everywhere from one direction, and squares of distances would leave single precision.
+      constexpr double kFarAway = 0x1p40;
+      prepared.vector = glm::length(place) < kFarAway ? glm::vec3(place) : unitOf(place);
+      if (!(glm::length(place) < kFarAway)) prepared.kind = LightKind::world;
       break;
     }
   }

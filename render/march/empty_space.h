@@ -92,6 +92,14 @@ class EmptySpace {
     return i;
   }
 
+  /// The same by one leap at most: the sample that it comes to may be as invisible as those before it.
+  WARPSCOPE_HD int leapFrom(int i, const RayLattice& lattice) const {
+    if (!isKnown() || i >= lattice.count) return i;
+    const glm::ivec3 cell = cellAt(lattice.t(i));
+    const int distance = cells_.distance(cell);
+    return distance == 0 ? i : leap(i, cell, distance, lattice);
+  }
+
   /// The cell of a place on the ray.
   WARPSCOPE_HD glm::ivec3 cellAt(float t) const {
     glm::ivec3 cell;

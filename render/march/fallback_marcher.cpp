@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "render/base/error.h"
 
@@ -120,29 +121,29 @@ class FallbackMarcher final : public Marcher {
   template <class Work>
   std::invoke_result_t<const Work&, Marcher&> attempt(const Work& work) {
     if (!isSecond() && plan_->hasFailed()) leave();
-    const MarcherPtr marcher = current();
+    const auto [marcher, isSecondOne] = currentAndWhich();
+    if (isSecondOne) return work(*marcher);
     try {
       return work(*marcher);
     } catch (const DeviceError& error) {
-      if (isSecond()) throw;
-      plan_->fail(error.what());
+      plan_->fail(error.what());  // another call may have left before
       leave();
     }
     return work(*current());
   }
 
-  MarcherPtr current() const {
+  std::pair<MarcherPtr, bool> currentAndWhich() const {
     const std::scoped_lock lock(mutex_);
-    return marcher_;
+    return {marcher_, isSecond_};
   }
-  bool isSecond() const {
-    const std::scoped_lock lock(mutex_);
-    return isSecond_;
-  }
+  MarcherPtr current() const { return currentAndWhich().first; }
+  bool isSecond() const { return currentAndWhich().second; }
   void leave() {
+    if (isSecond()) return;
+    MarcherPtr second = plan_->second(turns_);  // which takes long: others ask meanwhile what the first could do
     const std::scoped_lock lock(mutex_);
     if (isSecond_) return;
-    marcher_ = plan_->second(turns_);
+    marcher_ = std::move(second);
     isSecond_ = true;
   }
 

@@ -25,8 +25,11 @@ constexpr SampleSettings kSample;
 
 constexpr bool always(const MarchSettings&) { return true; }
 
+/// Else a ray has one greatest value, whose depth every heuristic gives.
+bool isNoMaximum(const MarchSettings& settings) { return settings.render.effects.mode != RenderMode::mip; }
+
 bool hasThreshold(const MarchSettings& settings) {
-  return visitHeuristic(settings.sample.heuristic, []<class Depth>(Depth) { return requires { Depth::kTakesThreshold; }; });
+  return isNoMaximum(settings) && visitHeuristic(settings.sample.heuristic, []<class Depth>(Depth) { return requires { Depth::kTakesThreshold; }; });
 }
 
 }  // namespace
@@ -209,7 +212,7 @@ const MarchKnob kOwnRows[] = {
     {{&kSamplesPerRayKnob, [](const MarchSettings& s) { return static_cast<double>(s.sample.samplesPerRay); },
       [](MarchSettings& s, double value) { s.sample.samplesPerRay = static_cast<int>(value); }},
      FramePart::samples,
-     always},
+     isNoMaximum},
     {{&kSpreadKnob, [](const MarchSettings& s) { return s.sample.sendsSpread ? 1.0 : 0.0; },
       [](MarchSettings& s, double value) { s.sample.sendsSpread = value != 0.0; }},
      FramePart::planes,

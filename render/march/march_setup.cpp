@@ -77,13 +77,14 @@ LightVolumeJob lightVolumeFor(const MarchedVolume& marched, const Camera& camera
   job.lower = volume.bounds().lower;
   job.voxelEdges = glm::vec3(volume.geometry().voxelEdges());
   job.step = settings.step;
+  if (plan.has(PlanStage::segments)) job.besideVisible = 0.5f * settings.step / std::min({job.voxelEdges.x, job.voxelEdges.y, job.voxelEdges.z});
   return job;
 }
 
 std::vector<float> lightVolumeKey(const LightVolumeJob& job, const RenderSettings& settings, const EffectPlan& plan) {
   const LightVolume& volume = job.volume;
   std::vector<float> key{volume.edge, static_cast<float>(volume.channels), job.step, settings.arithmetic == Arithmetic::textbook ? 1.0f : 0.0f,
-                         plan.has(PlanStage::skipping) ? 1.0f : 0.0f};
+                         plan.has(PlanStage::skipping) ? 1.0f : 0.0f, job.besideVisible};
   const auto add = [&](const glm::vec3& v) { key.insert(key.end(), {v.x, v.y, v.z}); };
   key.push_back(volume.ofAmbient >= 0 ? volume.radius : 0.0f);
   for (int i = 0; i < job.shading.lightCount; ++i) {
@@ -121,6 +122,12 @@ void requireMarchable(const Volume& volume, const Camera& camera, const MarchSet
   requireMarchable(volume, camera, settings.render);
 }
 
+EffectPlan planFor(const MarchedVolume& marched, const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
+  requireFitting(*marched.volume, settings);
+  const std::shared_ptr<const BakedTransfer> baked = marched.bakedFor(settings);
+  return planFor(marched, *baked, baked->visibleCells, settings, sample);
+}
+
 std::shared_ptr<const BakedTransfer> MarchedVolume::bakedFor(const RenderSettings& settings) const {
   const std::scoped_lock lock(mutex_);
   if (!baked_ || !baked_->isFor(settings) || baked_->emptyDistances.empty())
@@ -135,7 +142,7 @@ std::shared_ptr<const BakedTransfer> MarchedVolume::tableFor(const RenderSetting
 }
 
 ProxyPtr MarchedVolume::proxyFor(int longest, const std::stop_token& stop) const {
-  const std::scoped_lock lock(mutex_);
+  const std::scoped_lock lock(proxyMutex_);
   if (!proxy_ || proxyLongest_ != longest) {
     proxy_ = std::make_shared<const Proxy>(makeProxy(*volume, transferFunction, longest, stop));
     proxyLongest_ = longest;

@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -64,7 +65,8 @@ struct MarchedVolume {
  private:
   mutable std::mutex mutex_;
   mutable std::shared_ptr<const BakedTransfer> baked_;  // the last one that was asked for
-  mutable ProxyPtr proxy_;                         // likewise
+  mutable std::mutex proxyMutex_;  // of the following: making one reads the whole volume, and marches do not wait for that
+  mutable ProxyPtr proxy_;         // likewise
   mutable int proxyLongest_ = 0;
 };
 
@@ -108,6 +110,8 @@ PixelGrid pixelsFor(const Volume& volume, const Camera& camera, const RenderSett
 /// What of it has to be done. `visibleCells`: those in which something is shown. `sample`: what is sent, or nothing where the picture alone is wanted.
 EffectPlan planFor(const MarchedVolume& marched, const BakedTransfer& baked, size_t visibleCells, const RenderSettings& settings,
                    const std::optional<SampleSettings>& sample);
+/// The same of what marchers of it are asked for. Throws as requireFitting().
+EffectPlan planFor(const MarchedVolume& marched, const RenderSettings& settings, const std::optional<SampleSettings>& sample);
 
 /// The light of a picture, as far as the plan has it.
 inline ShadingSetup shadingFor(const MarchedVolume& marched, const Camera& camera, const RenderSettings& settings, const EffectPlan& plan) {
@@ -144,9 +148,10 @@ inline SampleRule sampleRuleOf(const SampleFrame& frame) {
 inline RayLimits limitsOf(const RenderSettings& settings) {
   return {settings.contribution, settings.terminateEarly ? settings.contribution : 0.0f};
 }
-/// As far as the plan needs them.
+/// As far as the plan needs them. A ray that an opaque surface ends has ended as others have: nothing is left of it, which is less than the least.
 inline RayLimits limitsOf(const RenderSettings& settings, const EffectPlan& plan) {
-  return {settings.contribution, plan.has(PlanStage::earlyEnd) ? settings.contribution : 0.0f};
+  const float least = plan.has(PlanStage::surfaces) ? std::numeric_limits<float>::min() : 0.0f;
+  return {settings.contribution, plan.has(PlanStage::earlyEnd) ? settings.contribution : least};
 }
 
 /// A view of `marched` whose pointers are for the caller to fill.

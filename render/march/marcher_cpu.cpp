@@ -146,9 +146,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
   Backend backend() const override { return Backend::cpu; }
   MarcherCapabilities capabilities() const override { return {}; }
   std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
-    requireFitting(*marched_->volume, settings);
-    const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
-    return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
+    return planFor(*marched_, settings, sample);
   }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override { return std::make_shared<CpuMarcher>(marched_, std::move(turns)); }

@@ -114,9 +114,7 @@ class CudaMarcher final : public Marcher {
     return {.pace = MarchPace::followsCamera, .volume = VolumePlace::here, .judging = JudgePlace::cudaDevice};
   }
   std::optional<EffectPlan> plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const override {
-    requireFitting(*marched_->volume, settings);
-    const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
-    return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
+    return planFor(*marched_, settings, sample);
   }
   using Marcher::twin;
   MarcherPtr twin(TurnsPtr turns) const override {

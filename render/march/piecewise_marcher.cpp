@@ -61,9 +61,7 @@ void PiecewiseMarcher::render(const Camera& camera, const RenderSettings& settin
 }
 
 std::optional<EffectPlan> PiecewiseMarcher::plan(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const {
-  requireFitting(*volume(), settings);
-  const std::shared_ptr<const BakedTransfer> baked = marched_->bakedFor(settings);
-  return planFor(*marched_, *baked, baked->visibleCells, settings, sample);
+  return planFor(*marched_, settings, sample);
 }
 
 void PiecewiseMarcher::requirePieces(const RenderSettings& settings) const {

@@ -40,6 +40,14 @@ std::vector<CellBlock> visibleSlabs(const MarchedVolume& marched, const BakedTra
   return slabs;
 }
 
+/// All of the volume, in as many slices.
+std::vector<CellBlock> allSlabs(const Volume& volume, int most) {
+  const glm::ivec3 all = cellsOf(volume);
+  std::vector<CellBlock> slabs;
+  for (int lower = 0; lower < all.z; lower += most) slabs.push_back({{0, 0, lower}, {all.x, all.y, std::min(lower + most, all.z)}});
+  return slabs;
+}
+
 /// The nearest first: slabs on one side of the eye are in their order, and no ray comes through slabs on both.
 void sortNearToFar(std::vector<CellBlock>& slabs, float eye) {
   const auto away = [&](const CellBlock& slab) { return std::max({static_cast<float>(slab.lower.z) - eye, eye - static_cast<float>(slab.upper.z), 0.0f}); };
@@ -133,10 +141,12 @@ class StreamedMarcher final : public PiecewiseMarcher {
     const int cells = std::max(slices_ - 1 - 2 * marginOf(settings, volume.geometry(), 2), 1);
     if (baked != slabsOf_ || cells != slabCells_) {
       slabs_ = visibleSlabs(*marched(), *baked, cells);
+      // Where segments are lit, and they may reach over what shows nothing, is in no box around what is visible.
+      slabsAgain_ = allSlabs(volume, cells);
       slabsOf_ = baked;
       slabCells_ = cells;
     }
-    sortNearToFar(slabs_, (camera.eye.z - volume.bounds().lower.z) / volume.geometry().voxelEdges().z - 0.5f);
+    for (std::vector<CellBlock>* const slabs : {&slabs_, &slabsAgain_}) sortNearToFar(*slabs, (camera.eye.z - volume.bounds().lower.z) / volume.geometry().voxelEdges().z - 0.5f);
     Tiles tiles;
     for (uint32_t tile = 0; tile < tilesOf(camera); ++tile) {
       auto& next = tiles.emplace_back(std::make_unique<RelayedTile>());
@@ -145,21 +155,27 @@ class StreamedMarcher final : public PiecewiseMarcher {
     }
     Tiles again;
     size_t slab = 0;
-    bool isAgain = false;
+    bool isAgain = false, goesTwice = false;
     // True once all is done.
     const auto marchNext = [&] {
-      if (slab == slabs_.size() || tiles.empty()) {
+      if (slab == (isAgain ? slabsAgain_ : slabs_).size() || tiles.empty()) {
         if (isAgain || again.empty()) return true;
         tiles = std::move(again);
         isAgain = true;
         slab = 0;
       }
-      SlabRelay relay(slabs_[slab], std::move(tiles), slab + 1 == slabs_.size(), onOutcome);
+      const std::vector<CellBlock>& slabs = isAgain ? slabsAgain_ : slabs_;
+      SlabRelay relay(slabs[slab], std::move(tiles), slab + 1 == slabs.size(), onOutcome);
       (isAgain ? *hostPieces_ : *pieces_).marchPieces(camera, settings, sample ? &*sample : nullptr, relay, stop);  // devices have no second way
       ++slab;
       tiles = relay.takeLeft();
       for (std::unique_ptr<RelayedTile>& tile : relay.takeAgain()) again.push_back(std::move(tile));
+      goesTwice = isAgain || !again.empty() || (!tiles.empty() && tiles.front()->goesTwice);
       return false;
+    };
+    const auto done = [&] {
+      const auto first = static_cast<double>(slabs_.size()), second = goesTwice ? static_cast<double>(slabsAgain_.size()) : 0.0;
+      return ((isAgain ? first : 0.0) + static_cast<double>(slab)) / (first + second + 1.0);
     };
     TurnsOfJob turns(turns_.get());
     if (!turns.areLimited()) {
@@ -173,7 +189,7 @@ class StreamedMarcher final : public PiecewiseMarcher {
       while (std::chrono::steady_clock::now() < end);
       return false;
     };
-    while (!turns.work(stop, marchUntil, [&] { return static_cast<double>(slab) / static_cast<double>(slabs_.size() + 1); })) {
+    while (!turns.work(stop, marchUntil, done)) {
     }
   }
 
@@ -185,7 +201,7 @@ class StreamedMarcher final : public PiecewiseMarcher {
   // Of the picture that is marched.
   std::shared_ptr<const BakedTransfer> slabsOf_;  // whose the slabs are
   int slabCells_ = 0;  // of at most so many slices each
-  std::vector<CellBlock> slabs_;
+  std::vector<CellBlock> slabs_, slabsAgain_;  // on the first way, on the second
 };
 
 }  // namespace

@@ -45,6 +45,8 @@ class VolumeSource {
   }
 
   int skip(int i) const { return emptySpace_.skip(i, lattice_); }
+  /// The same by one leap at most: what it comes to may show nothing either.
+  int leap(int i) const { return emptySpace_.leapFrom(i, lattice_); }
 
   uint32_t classify(int i, int n) {
     alignas(64) float t[kBatch];
