@@ -185,6 +185,12 @@ TEST_F(Reader, SpacingBelongsToTheFile) {
 }
 
 TEST_F(Reader, NiftiErrors) {
+  Nifti within;
+  std::string bytes = within.header() + kVoxels;
+  for (const float offset : {0.0f, 348.0f, 351.0f}) {
+    std::memcpy(bytes.data() + 108, &offset, sizeof offset);
+    expectRefused(write("within.nii", bytes), "within the header");
+  }
   const auto header = [](auto change) {
     Nifti nifti;
     change(nifti);
@@ -238,9 +244,72 @@ TEST_F(Reader, CompressedFilesThatAreCutOffOrDamaged) {
   const std::string fields = "type: short\ndimension: 3\nsizes: 50 40 50\nendian: little\nencoding: gzip\n";
   const std::string stream = gzip(noise(200'000));
   expectRefused(write("cut.nrrd", nrrdHeader(fields) + stream.substr(0, stream.size() / 2)), "cut off");
-  expectRefused(write("cut.mha", metaHeader("CompressedData = True\nDimSize = 50 40 50\nElementType = MET_SHORT\n") +
-                                     stream.substr(0, stream.size() / 2)),
-                "cut off");
+  const auto packed = [](const std::string& more) { return metaHeader("CompressedData = True\n" + more + "DimSize = 50 40 50\nElementType = MET_SHORT\n"); };
+  const auto sized = [](uint64_t bytes) { return "CompressedDataSize = " + std::to_string(bytes) + "\n"; };
+  EXPECT_EQ(openVolume(write("whole.mha", packed(sized(stream.size())) + stream))->voxelCount(), 100'000u);
+  expectRefused(write("cut.mha", packed(sized(stream.size())) + stream.substr(0, stream.size() / 2)), "cut off");
+  // The library reads no more than the header says, and leaves the rest 0.
+  expectRefused(write("small.mha", packed(sized(stream.size() / 2)) + stream), "bytes, but they take " + std::to_string(stream.size()));
+  expectRefused(write("none.mha", packed("") + stream), "lacks CompressedDataSize");
+  for (const char* const size : {"-5", "0", "1e3", "many"}) expectRefused(write("odd.mha", packed("CompressedDataSize = " + std::string(size) + "\n") + stream), "number of bytes");
+  expectRefused(write("huge.mha", packed(sized(uint64_t{1} << 46)) + stream), "the file holds " + std::to_string(stream.size()));
+  write("stream.zraw", stream);
+  std::string detached = packed("");
+  detached.replace(detached.find("LOCAL"), 5, "stream.zraw");
+  EXPECT_EQ(openVolume(write("detached.mhd", detached))->voxelCount(), 100'000u) << "all of that file";
+  expectRefused(write("half.mhd", "CompressedDataSize = " + std::to_string(stream.size() / 2) + "\n" + detached), "but they take");
+}
+
+TEST_F(Reader, WhatIsWrittenAsTextIsLookedAtWordByWord) {
+  std::string numbers;
+  for (int i = 0; i < 60; ++i) numbers += std::to_string(i) + (i % 2 == 0 ? " " : ",\n");
+  const std::string nrrd = nrrdHeader(kNrrd + "encoding: ascii\n");
+  expectRamp(*openVolume(write("a.nrrd", nrrd + numbers)));
+  // The library keeps a word in a place of a kilobyte.
+  expectRefused(write("long.nrrd", nrrd + std::string(5000, '0') + " " + numbers), "goes on");
+  std::string commas = numbers;
+  std::erase_if(commas, [](char c) { return c == ' ' || c == '\n'; });
+  expectRefused(write("commas.nrrd", nrrd + commas), "goes on");
+  write("words.txt", numbers);
+  expectRefused(write("list.nhdr", nrrdHeader(kNrrd + "encoding: ascii\ndata file: LIST\nwords.txt\nwords.txt\n")), "several files");
+  expectRefused(write("skip.nrrd", nrrdHeader(kNrrd + "encoding: ascii\nline skip: 1\n") + "x\n" + numbers), "skips lines");
+  expectRefused(write("skip.nrrd", nrrdHeader(kNrrd + "encoding: ascii\nbyte skip: 2\n") + "x\n" + numbers), "skips bytes");
+
+  std::string plain, odd;
+  for (int i = 0; i < 60; ++i) plain += std::to_string(i) + "\n";
+  const auto meta = [](const std::string& type) { return "ObjectType = Image\nNDims = 3\nBinaryData = False\nDimSize = 3 4 5\nElementType = " + type + "\nElementDataFile = LOCAL\n"; };
+  expectRamp(*openVolume(write("a.mha", meta("MET_SHORT") + plain)));
+  for (const char* const word : {"nan", "x", "1,5", "0x10", "1e999"}) {
+    odd = plain;
+    odd.replace(odd.find("\n30\n") + 1, 2, word);
+    expectRefused(write("odd.mha", meta("MET_FLOAT") + odd), "its voxel 30 is \"" + std::string(word) + "\", which is no number");
+  }
+  const auto vtk = [](const std::string& type) {
+    return "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 4 5\nSPACING 1 2 3\nORIGIN 0 0 0\nPOINT_DATA 60\nSCALARS s " + type + " 1\nLOOKUP_TABLE default\n";
+  };
+  odd = plain;
+  odd.replace(odd.find("\n30\n") + 1, 2, "30.5");
+  EXPECT_EQ(openVolume(write("half.vtk", vtk("float") + odd))->statistics().highest, 59.0);
+  expectRefused(write("half.vtk", vtk("unsigned_short") + odd), "its voxel 30 is \"30.5\", which is no whole number");
+  odd.replace(odd.find("30.5"), 4, "nan ");
+  expectRefused(write("nan.vtk", vtk("float") + odd), "no number");
+}
+
+TEST_F(Reader, MetaImageFlagsAndSkips) {
+  const std::string header = "ObjectType = Image\nNDims = 3\n", rest = kMeta + "ElementDataFile = LOCAL\n";
+  for (const char* const yes : {"True", "true", "T", "1"}) expectRamp(*openVolume(write("a.mha", header + "BinaryData = " + yes + "\n" + rest + kVoxels)));
+  for (const char* const key : {"BinaryData", "CompressedData", "BinaryDataByteOrderMSB", "ElementByteOrderMSB"})
+    expectRefused(write("yes.mha", header + key + " = Yes\n" + rest + kVoxels), "must be True or False, not \"Yes\"");
+  std::string detached = header + "BinaryData = True\n" + rest;
+  detached.replace(detached.find("LOCAL"), 5, "voxels.raw");
+  write("voxels.raw", std::string(20, 'x') + kVoxels);
+  expectRamp(*openVolume(write("skip.mhd", "HeaderSize = 20\n" + detached)));
+  expectRamp(*openVolume(write("last.mhd", "HeaderSize = -1\n" + detached)));
+  for (const char* const skip : {"21", "2000"}) expectRefused(write("skip.mhd", "HeaderSize = " + std::string(skip) + "\n" + detached), "cut off");
+  expectRefused(write("skip.mhd", "HeaderSize = -2\n" + detached), "number of bytes");
+  const std::string stream = gzip(kVoxels);
+  write("voxels.raw", std::string(20, 'x') + stream);
+  expectRamp(*openVolume(write("packed.mhd", "CompressedData = True\nCompressedDataSize = " + std::to_string(stream.size()) + "\nHeaderSize = 20\n" + detached)));
 }
 
 TEST_F(Reader, NrrdErrors) {
@@ -320,6 +389,18 @@ TEST_F(Reader, Mrc) {
         expectRefused(write("large.mrc", mrcHeader(tooMuch, isBig, hasStamp) + voxels), std::to_string(tooMuch) + " bytes (NSYMBT)");
     }
   expectRefused(write("noise.mrc", noise(5000)), "noise.mrc");
+  // Bytes have signs where the header says so; axes are as they are nearly always.
+  const auto withField = [](size_t offset, int32_t value) {
+    std::string bytes = mrcHeader(0, false, true);
+    std::memcpy(bytes.data() + offset, &value, sizeof value);
+    return bytes;
+  };
+  EXPECT_EQ(openVolume(write("new.mrc", withField(108, 20140) + noise(64)))->type(), VoxelType::int8);
+  std::string imod = withField(152, 1146047817);
+  EXPECT_EQ(openVolume(write("imod.mrc", imod + noise(64)))->type(), VoxelType::uint8);
+  imod[156] = 1;
+  EXPECT_EQ(openVolume(write("imod.mrc", imod + noise(64)))->type(), VoxelType::int8);
+  expectRefused(write("axes.mrc", withField(64, 3) + noise(64)), "only 1, 2, 3 is read");
   expectRefused(write("head.mrc", mrcHeader(0, false, true).substr(1)), "1024 bytes");
 }
 

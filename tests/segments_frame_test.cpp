@@ -387,6 +387,16 @@ TEST(Normals, ComeBackWithinWhatTheirHeaderSaysWithoutTheirSign) {
   EXPECT_EQ(decodeNormal(0), glm::vec3(0.0f));
 }
 
+TEST(Proxy, OfTheLeastNumbersThereAreHasStepsToo) {
+  const VolumePtr volume = makeTestVolume(VoxelType::float64, {8, 6, 4}, [](const glm::ivec3& p) { return p.x * 7e-323; });
+  const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 8);
+  EXPECT_GT(proxy.scale.perCode, 0.0);
+  for (size_t i = 0; i < proxy.volume->voxelCount(); ++i) {
+    const double value = proxy.scale.lowest + proxy.volume->voxelsAs<uint8_t>()[i] * proxy.scale.perCode;
+    EXPECT_LE(value, volume->statistics().highest);
+  }
+}
+
 TEST(Proxy, HoldsMeansOfWhatLiesInEachVoxel) {
   const VolumePtr volume = makeTestVolume(VoxelType::uint16, {8, 6, 4}, [](const glm::ivec3& p) { return p.x * 100.0 + p.y * 10.0 + p.z; });
   const Proxy proxy = makeProxy(*volume, everywhere(0.5f), 4);

@@ -122,6 +122,29 @@ TEST_F(SharedVolume, IsReadFromWhereFilesHaveIt) {
   expectTheSameFile(write("d.mha", meta + "BinaryDataByteOrderMSB = False\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" + bytesOf(values).substr(0, values.size())));
 }
 
+TEST_F(SharedVolume, NiftiInEitherOrderOfBytes) {
+  const std::vector<uint16_t> values = numbers(kDims);
+  for (const bool isBig : {false, true}) {
+    std::string bytes(352, '\0');
+    const auto put = [&](size_t offset, const auto& value) {
+      std::memcpy(bytes.data() + offset, &value, sizeof value);
+      const auto first = bytes.begin() + static_cast<std::ptrdiff_t>(offset);
+      if (isBig) std::reverse(first, first + sizeof value);
+    };
+    put(0, int32_t{348});
+    put(40, int16_t{3});
+    for (size_t axis = 0; axis < 3; ++axis) {
+      put(42 + 2 * axis, static_cast<int16_t>(kDims[static_cast<int>(axis)]));
+      put(80 + 4 * axis, 1.0f + static_cast<float>(axis));
+    }
+    put(70, int16_t{512});
+    put(72, int16_t{16});
+    put(108, 352.0f);
+    bytes.replace(344, 4, std::string("n+1\0", 4));
+    expectTheSameFile(write(isBig ? "big.nii" : "little.nii", bytes + (isBig ? swapped(values) : bytesOf(values))));
+  }
+}
+
 TEST_F(SharedVolume, WhatIsNotThereAsItIsIsRefused) {
   const std::string voxels = bytesOf(numbers(kDims));
   expectNotShared(write("packed.nrrd", nrrd("type: ushort\nendian: little\nencoding: gzip\n") + voxels), "not compressed");

@@ -5,6 +5,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <glm/glm.hpp>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "render/base/input_file.h"
+#include "render/base/range.h"
 #include "render/volume/payload_parts.h"
 #include "render/volume/volume_format.h"
 
@@ -117,6 +119,14 @@ void requireFewExtensions(const fs::path& path, const fs::path& file, uint64_t h
   }
 }
 
+/// Whether bytes (mode 0) have signs, where the header says it: by IMOD's flag (its stamp stands before it), or as MRC2014 has it from its version on (Cheng et al. 2015).
+std::optional<bool> areMrcBytesSigned(const std::vector<unsigned char>& head, bool swap) {
+  constexpr int32_t kImodStamp = 1146047817, kMrc2014 = 20140;
+  if (fieldAt<int32_t>(head, 152, swap) == kImodStamp) return (fieldAt<int32_t>(head, 156, swap) & 1) != 0;
+  if (fieldAt<int32_t>(head, 108, swap) >= kMrc2014) return true;
+  return {};
+}
+
 /// Whether the header's byte order is not this machine's, told as ITK tells it: by the machine stamp (MACHST) and, in files older than
 /// that, by the axes (MAPC, MAPR, MAPS), which are 1 to 3.
 bool isMrcSwapped(const std::vector<unsigned char>& head) {
@@ -176,6 +186,8 @@ Payload locateNifti(const fs::path& path) {
   const double offset =
       isTwo ? static_cast<double>(fieldAt<int64_t>(head, 168, swap)) : fieldAt<float>(head, 108, swap);
   if (!(offset >= 0.0 && offset < 1e15)) fail(path, "its header states an impossible place of the voxels");
+  if (isSingle && offset < headerBytes + 4.0)
+    fail(path, "its header states that its voxels begin at byte " + numberText(offset) + ", within the header");
   Payload payload = wholeFile(voxels, static_cast<uint64_t>(isSingle ? std::max(offset, headerBytes + 4.0) : offset));
   const uint64_t extensionsEnd = isSingle ? static_cast<uint64_t>(std::max(offset, headerBytes + 4.0)) : std::numeric_limits<uint64_t>::max();
   requireFewExtensions(path, header, static_cast<uint64_t>(headerBytes), extensionsEnd, swap);
@@ -189,6 +201,7 @@ Payload locateNifti(const fs::path& path) {
                    " (64-bit integers, colours, complex numbers or unknown); only scalars of at most 32-bit integers "
                    "or 64-bit "
                    "floating point are read");
+  payload.isBigEndian = swap != (std::endian::native == std::endian::big);
   const double slope = isTwo ? fieldAt<double>(head, 176, swap) : fieldAt<float>(head, 112, swap);
   payload.isDescending = slope < 0.0;
   if (!hasUsableGeometry(head, isTwo, swap)) fail(path, "its header's voxel spacing or orientation is not finite, beyond 10^12, or ranges over more than 10^46");
@@ -209,7 +222,12 @@ Payload locateMrc(const fs::path& path) {
   const auto extendedBytes = fieldAt<int32_t>(head, 92, swap);  // NSYMBT
   if (extendedBytes < 0)
     fail(path, "its header declares an extended header of " + std::to_string(extendedBytes) + " bytes (NSYMBT); it is damaged");
-  const Payload payload = wholeFile(path, kHeaderBytes + static_cast<uint64_t>(extendedBytes));
+  const std::array<int32_t, 3> order{fieldAt<int32_t>(head, 64, swap), fieldAt<int32_t>(head, 68, swap), fieldAt<int32_t>(head, 72, swap)};
+  if (order != std::array<int32_t, 3>{1, 2, 3} && order != std::array<int32_t, 3>{0, 0, 0})
+    fail(path, "its columns, rows and sections lie along the axes " + std::to_string(order[0]) + ", " + std::to_string(order[1]) + ", " + std::to_string(order[2]) +
+                   " (MAPC, MAPR, MAPS); only 1, 2, 3 is read");
+  Payload payload = wholeFile(path, kHeaderBytes + static_cast<uint64_t>(extendedBytes));
+  if (const auto areSigned = areMrcBytesSigned(head, swap); areSigned && fieldAt<int32_t>(head, 12, swap) == 0) payload.storedType = *areSigned ? VoxelType::int8 : VoxelType::uint8;
   std::error_code error;
   const uint64_t fileBytes = fs::file_size(path, error);
   if (!error && payload.encoding == Encoding::plain && payload.offsetBytes > fileBytes)

@@ -232,6 +232,7 @@ Header readHeader(const std::filesystem::path& path) {
     nifti->SetComponentType(componentOf(*header.payload.storedType));
   }
   header.type = voxelTypeOf(*header.io, source);
+  if (formatOf(path) == VolumeFormat::mrc) header.type = header.payload.storedType.value_or(header.type);  // ITK takes bytes for signed by the least that the header states
   header.geometry = geometryOf(*header.io, source);
   header.geometry.hasOrientation = header.payload.hasOrientation;
   header.count = validate(header.geometry, header.type, source);

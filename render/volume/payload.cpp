@@ -5,10 +5,12 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <memory>
 #include <new>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "render/base/error.h"
@@ -25,28 +27,50 @@ using Encoding = Payload::Encoding;
 using payload_parts::fail;
 using payload_parts::wholeFile;
 
-/// Words in the text from `payload.offsetBytes` on, counted no further than `enough`.
-uint64_t countWords(const Payload& payload, uint64_t enough, const std::stop_token& stop) {
+/// Whether streams of the standard library read the whole word as a number of that kind.
+bool isNumber(std::string_view word, bool isWhole) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  if (word.empty() || word.find_first_not_of(isWhole ? "-0123456789" : "+-.0123456789eE") != std::string_view::npos) return false;
+  double value;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc() && end == word.data() + word.size();
+}
+
+/// Words in the text from `payload.offsetBytes` on, counted no further than `enough`. Throws InputError for one that the file's library would not bear, or would not read.
+uint64_t countWords(const fs::path& path, const Payload& payload, uint64_t enough, const std::stop_token& stop) {
   std::ifstream file(payload.file, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(payload.offsetBytes));
   std::vector<char> piece(1 << 16);
   uint64_t words = 0;
-  bool inWord = false;
+  std::string word;
+  const auto refuse = [&](const std::string& what) { fail(path, "its voxel " + std::to_string(words) + " is \"" + word.substr(0, 40) + "\", " + what); };
+  const auto endWord = [&] {
+    if (payload.words == Payload::Words::any ? word.find_first_not_of(',') == std::string::npos : word.empty()) return word.clear();
+    if (payload.words != Payload::Words::any && !isNumber(word, payload.words == Payload::Words::wholeNumbers))
+      refuse(payload.words == Payload::Words::wholeNumbers ? "which is no whole number" : "which is no number");
+    ++words;
+    word.clear();
+  };
   while (words < enough && file) {
     if (stop.stop_requested()) throw OperationCancelled();
     file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
-    for (std::streamsize i = 0; i < file.gcount(); ++i) {
-      const bool isBlank = piece[static_cast<size_t>(i)] <= ' ' || piece[static_cast<size_t>(i)] == ',';
-      words += !isBlank && !inWord;
-      inWord = !isBlank;
+    for (std::streamsize i = 0; i < file.gcount() && words < enough; ++i) {
+      const char c = piece[static_cast<size_t>(i)];
+      if (static_cast<unsigned char>(c) <= ' ') {
+        endWord();
+        continue;
+      }
+      word += c;
+      if (word.size() > kMaxWord) refuse("and goes on: words of at most " + std::to_string(kMaxWord) + " bytes are read");
     }
   }
+  if (words < enough) endWord();
   return words;
 }
 
 /// Bytes in the deflated payload, counted no further than `enough`. `isWhole` tells whether the stream ended or
-/// sufficed undamaged.
-uint64_t countInflated(const Payload& payload, uint64_t enough, const std::stop_token& stop, bool& isWhole) {
+/// sufficed undamaged, `deflated` how many bytes of the file that took.
+uint64_t countInflated(const Payload& payload, uint64_t enough, const std::stop_token& stop, bool& isWhole, uint64_t& deflated) {
   constexpr size_t kPiece = 1 << 18;
   std::vector<unsigned char> in(kPiece), out(kPiece);
   std::ifstream file(payload.file, std::ios::binary);
@@ -57,6 +81,7 @@ uint64_t countInflated(const Payload& payload, uint64_t enough, const std::stop_
   uint64_t total = 0;
   int state = Z_OK;
   isWhole = false;
+  deflated = 0;
   while (true) {
     if (stop.stop_requested()) throw OperationCancelled();
     if (stream.avail_in == 0) {
@@ -64,6 +89,7 @@ uint64_t countInflated(const Payload& payload, uint64_t enough, const std::stop_
       stream.next_in = in.data();
       stream.avail_in = static_cast<unsigned>(file.gcount());
       if (stream.avail_in == 0) break;
+      deflated += stream.avail_in;
     }
     if (state == Z_STREAM_END) {
       // Members of a gzip file may follow one another; anything else after the end is padding.
@@ -78,6 +104,7 @@ uint64_t countInflated(const Payload& payload, uint64_t enough, const std::stop_
     if (total > enough + (uint64_t{1} << 26)) break;
   }
   isWhole = state == Z_STREAM_END || total > enough;
+  deflated -= stream.avail_in;
   return total;
 }
 
@@ -125,7 +152,7 @@ void requirePlausible(const fs::path& path, const Payload& payload, uint64_t siz
 void requirePayload(const fs::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes, const std::stop_token& stop) {
   requirePlausible(path, payload, sizeBytes);
   if (payload.encoding == Encoding::text) {
-    const uint64_t held = countWords(payload, count, stop);
+    const uint64_t held = countWords(path, payload, count, stop);
     if (held < count)
       fail(path, "its header declares " + std::to_string(count) + " voxels, but the file holds " +
                      std::to_string(held) + " numbers; it is cut off or damaged");
@@ -133,12 +160,15 @@ void requirePayload(const fs::path& path, const Payload& payload, uint64_t count
   }
   if (payload.encoding != Encoding::deflated) return;
   bool isWhole = false;
+  uint64_t deflated = 0;
   const uint64_t needed = payload.skipBytes + sizeBytes;
-  const uint64_t held = countInflated(payload, needed, stop, isWhole);
+  const uint64_t held = countInflated(payload, needed, stop, isWhole, deflated);
   if (held < needed)
     fail(path, declaredText(sizeBytes) + "only " + std::to_string(held - std::min(held, payload.skipBytes)) +
                    " can be decompressed; it is cut off or damaged");
   if (!isWhole) fail(path, "its compressed voxels are damaged: the stream's end or checksum is wrong");
+  if (payload.deflatedBytes && *payload.deflatedBytes < deflated)
+    fail(path, "its header says that its compressed voxels take " + std::to_string(*payload.deflatedBytes) + " bytes, but they take " + std::to_string(deflated));
 }
 
 }  // namespace warpscope

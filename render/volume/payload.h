@@ -17,6 +17,7 @@ namespace warpscope {
 inline constexpr size_t kMaxHeaderLines = 4096;             ///< NRRD, MetaImage
 inline constexpr uint64_t kMaxHeaderBytes = 1 << 20;        ///< NRRD, MetaImage
 inline constexpr size_t kMaxTextLine = 200;                 ///< MetaImage: bytes of a line with a text
+inline constexpr size_t kMaxWord = 64;                      ///< bytes of a voxel that is written as text
 inline constexpr size_t kMaxExtensions = 4096;              ///< NIfTI
 inline constexpr uint64_t kMaxExtensionBytes = 16 << 20;    ///< of a NIfTI header's extensions together; of an MRC file's extended header
 
@@ -25,16 +26,24 @@ struct Payload {
   enum class Encoding {
     plain,      ///< as they are in memory, byte order aside
     deflated,   ///< one or more gzip or zlib streams
-    text,       ///< decimal numbers
+    text,       ///< words, of which Words says what they are
     unchecked,  ///< unknown here; the reader must notice by itself
+  };
+  /// Of a text: what its library reads rightly. Behind a word that it does not take for a number it leaves all voxels 0, without a word.
+  enum class Words {
+    any,           ///< NRRD: blanks between them, commas beside them; what is no number is refused by the library
+    numbers,       ///< MetaImage
+    wholeNumbers,  ///< VTK, of integers
   };
   std::filesystem::path file;  ///< the file itself, or the data file of a detached header
   uint64_t offsetBytes = 0;    ///< of the voxels, or of the compressed stream in `file`
   uint64_t skipBytes = 0;      ///< bytes before the voxels inside the decompressed stream
   Encoding encoding = Encoding::unchecked;
-  std::optional<VoxelType> storedType{};  ///< NIfTI only: of the voxels before the header's slope and intercept
+  Words words = Words::any;
+  std::optional<uint64_t> deflatedBytes{};  ///< MetaImage only: of the compressed stream, as the header says it; the library reads no more
+  std::optional<VoxelType> storedType{};  ///< NIfTI, of the voxels before the header's slope and intercept; MRC, of bytes whose sign the header says
   bool isDescending = false;              ///< NIfTI only: the slope is negative
-  std::optional<bool> isBigEndian{};      ///< MetaImage only, whose library does not tell: as the header says it; nothing where it says both
+  std::optional<bool> isBigEndian{};      ///< MetaImage and NIfTI, whose libraries do not tell: as the header says it; nothing where it says both
   bool hasOrientation = false;            ///< the header states the axes' directions in the world or the patient
 };
 

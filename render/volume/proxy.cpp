@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "render/base/memory_limit.h"
@@ -57,7 +58,7 @@ Proxy makeProxy(const Volume& volume, const TransferFunction& function, int long
   proxy.scale.lowest = statistics.rangeLower;
   const double codes = proxy.scale.hasMissing ? 254.0 : 255.0;
   const double halfRange = 0.5 * statistics.rangeUpper - 0.5 * statistics.rangeLower;
-  proxy.scale.perCode = halfRange > 0.0 ? 2.0 * (halfRange / codes) : 1.0;
+  proxy.scale.perCode = halfRange > 0.0 ? std::max(2.0 * (halfRange / codes), 2.0 * std::numeric_limits<double>::denorm_min()) : 1.0;
 
   const std::vector<Coverage> alongX = coveragesOf(fine.dims.x, geometry.dims.x), alongY = coveragesOf(fine.dims.y, geometry.dims.y),
                               alongZ = coveragesOf(fine.dims.z, geometry.dims.z);

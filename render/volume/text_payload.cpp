@@ -3,9 +3,11 @@
 #include "render/volume/text_payload.h"
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -187,21 +189,27 @@ Payload locateNrrd(const fs::path& path) {
                      : encoding == "gzip" || encoding == "gz"                         ? Encoding::deflated
                      : encoding == "txt" || encoding == "text" || encoding == "ascii" ? Encoding::text
                                                                                       : Encoding::unchecked;
+  const bool isText = payload.encoding == Encoding::text;  // whose words are all looked at, in one file from its first line on
   const std::string space = valueOf("space");
   payload.hasOrientation = space.starts_with("left-") || space.starts_with("right-") || space.starts_with("scanner") ||
                            space == "ras" || space == "las" || space == "lps";
   for (const char* key : {"data file", "datafile"})
     if (const auto field = header.fields.find(key); field != header.fields.end())
       if (!followDetached(path, field->second, payload)) {
+        if (isText) fail(path, "spreads numbers that are written as text over several files; only one such file is read");
         for (const std::string& name : partsOf(path, field->second)) requirePart(path, path.parent_path() / name, dataFileText(name));
         return payload;
       }
   // Skips make room for foreign headers; -1 means "the last bytes", for which a size check is all that is left.
   for (const char* key : {"line skip", "lineskip"})
-    if (!valueOf(key).empty() && valueOf(key) != "0") payload.encoding = Encoding::unchecked;
+    if (!valueOf(key).empty() && valueOf(key) != "0") {
+      if (isText) fail(path, "skips lines before numbers that are written as text; such are read from their first line on");
+      payload.encoding = Encoding::unchecked;
+    }
   for (const char* key : {"byte skip", "byteskip"}) {
     const std::string skip = valueOf(key);
     if (skip.empty() || skip == "0") continue;
+    if (isText) fail(path, "skips bytes before numbers that are written as text; such are read from their first byte on");
     if (skip == "-1")
       payload.offsetBytes = 0;
     else if (payload.encoding == Encoding::plain && skip.find_first_not_of("0123456789") == std::string::npos &&
@@ -242,24 +250,48 @@ Payload locateMetaImage(const fs::path& path) {
   };
   for (const char* key : {"elementspacing", "offset", "origin", "position"}) requireNumbers(key, dims.size());
   for (const char* key : {"transformmatrix", "rotation", "orientation"}) requireNumbers(key, dims.size() * dims.size());
-  const auto isTrue = [&](const char* key) {
+  // By its first letter, as the library has it; words of which it makes something else than they say are refused.
+  const auto flagOf = [&](const char* key, bool otherwise) {
     const auto field = header.fields.find(key);
-    return field != header.fields.end() && lowered(field->second).starts_with("t");
+    if (field == header.fields.end()) return otherwise;
+    const std::string word = lowered(field->second);
+    if (word == "true" || word == "t" || word == "1") return true;
+    if (word != "false" && word != "f" && word != "0") fail(path, "its header's " + std::string(key) + " must be True or False, not \"" + field->second.substr(0, 40) + "\"");
+    return false;
+  };
+  const auto isTrue = [&](const char* key) { return flagOf(key, false); };
+  /// A number of bytes, -1 among them where it stands for something.
+  const auto bytesOf = [&](const char* key, int64_t least) -> std::optional<int64_t> {
+    const auto field = header.fields.find(key);
+    if (field == header.fields.end()) return {};
+    int64_t bytes = 0;
+    const std::string& text = field->second;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), bytes);
+    if (error != std::errc() || end != text.data() + text.size() || bytes < least)
+      fail(path, "its header's " + std::string(key) + " must be a number of bytes, not \"" + text.substr(0, 40) + "\"");
+    return bytes;
   };
   Payload payload{.file = path, .offsetBytes = header.endBytes};
   const bool isFirstSaid = header.fields.contains("binarydatabyteordermsb"), isSecondSaid = header.fields.contains("elementbyteordermsb");
   if (!isFirstSaid || !isSecondSaid || isTrue("binarydatabyteordermsb") == isTrue("elementbyteordermsb"))
     payload.isBigEndian = isTrue("binarydatabyteordermsb") || isTrue("elementbyteordermsb");
-  const auto binary = header.fields.find("binarydata");
-  const bool isText = binary != header.fields.end() && lowered(binary->second).starts_with("f");
+  const bool isText = !flagOf("binarydata", true);
   payload.encoding = isText ? Encoding::text : isTrue("compresseddata") ? Encoding::deflated : Encoding::plain;
+  payload.words = Payload::Words::numbers;
   for (const char* key : {"transformmatrix", "orientation", "rotation", "anatomicalorientation"})
     if (const auto field = header.fields.find(key); field != header.fields.end() && !field->second.starts_with("?"))
       payload.hasOrientation = true;
   if (lowered(dataFile->second) != "local" && !followDetached(path, dataFile->second, payload))
     fail(path, "spreads its voxels over several files, which ITK reads unchecked; convert it to a single .mha file");
-  if (const auto size = header.fields.find("headersize"); size != header.fields.end() && size->second != "0")
-    payload.offsetBytes = 0;
+  // From the file's beginning on; -1 means "the last bytes", for which a size check is all that is left.
+  if (const auto size = bytesOf("headersize", -1); size && *size != 0) payload.offsetBytes = *size > 0 ? static_cast<uint64_t>(*size) : 0;
+  if (payload.encoding != Encoding::deflated) return payload;
+  if (const auto size = bytesOf("compresseddatasize", 1)) payload.deflatedBytes = static_cast<uint64_t>(*size);
+  std::error_code unknown;
+  const uint64_t fileBytes = fs::file_size(payload.file, unknown), held = fileBytes - std::min(fileBytes, payload.offsetBytes);
+  if (!unknown && payload.deflatedBytes.value_or(0) > held)
+    fail(path, "its header says that its compressed voxels take " + std::to_string(*payload.deflatedBytes) + " bytes, but the file holds " + std::to_string(held) + " of them; it is cut off or damaged");
+  if (!payload.deflatedBytes && payload.file == path) fail(path, "its header lacks CompressedDataSize, without which its compressed voxels are not found");
   return payload;
 }
 
@@ -275,6 +307,8 @@ Payload locateVtk(const fs::path& path) {
     if (i == 0 && !text.starts_with("# vtk datafile"))
       fail(path, "is no VTK file: it does not begin with # vtk DataFile");
     if (text == "ascii") payload.encoding = Encoding::text;
+    // "scalars NAME TYPE": numbers as their type is read.
+    if (text.starts_with("scalars")) payload.words = text.find(" float") == std::string::npos && text.find(" double") == std::string::npos ? Payload::Words::wholeNumbers : Payload::Words::numbers;
     if (text.starts_with("dimensions"))
       if (const size_t minus = text.find('-'); minus != std::string::npos)
         fail(path, "its header declares " + text.substr(minus, std::min<size_t>(40, text.find_first_of(" \t", minus) - minus)) + " voxels along an axis");
