@@ -73,6 +73,19 @@ TEST(Ranks, OneHasTheLastWord) {
       EXPECT_LT(std::chrono::steady_clock::now() - from, 10s);
     }
   });
+  // The first one is told to end for what another one has said.
+  onAll(2, [](const RanksPtr& own) {
+    if (own->isFirst()) {
+      EXPECT_FALSE(own->claimLastWord(20s, true));
+      return;
+    }
+    EXPECT_TRUE(own->claimLastWord(50ms));
+  });
+  onAll(2, [](const RanksPtr& own) {
+    if (own->isFirst()) {
+      EXPECT_TRUE(own->claimLastWord(50ms, true)) << "nobody else says anything";
+    }
+  });
   // All but the first one fail alike.
   for (int round = 0; round < 5; ++round) {
     std::atomic<int> speakers = 0;
@@ -343,6 +356,47 @@ TEST(SpreadVolume, ARankThatDoesNotAnswerIsNotWaitedForForEver) {
     EXPECT_NE(std::string(error.what()).find("process 1 of 2 does not answer"), std::string::npos) << error.what();
   }
   EXPECT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(5));
+}
+
+/// Of voxels that are there, but for so long as they are said to be read.
+class SlowSource final : public VoxelSource {
+ public:
+  explicit SlowSource(const std::atomic<int>& readMs) : readMs_(readMs) {}
+  void provide(const VoxelRows&, const std::stop_token& stop) override {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(readMs_.load());
+    for (; std::chrono::steady_clock::now() < end; std::this_thread::sleep_for(std::chrono::milliseconds(5)))
+      if (stop.stop_requested()) throw OperationCancelled();
+  }
+  void release() override {}
+
+ private:
+  const std::atomic<int>& readMs_;
+};
+
+TEST(SpreadVolume, ARankThatReadsItsBrickForLongIsWaitedForAndEndsWhenItIsToldTo) {
+  const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
+  std::atomic<int> readMs = 0;
+  Spread spread(
+      [&](RanksPtr ranks) {
+        auto source = ranks->isFirst() ? nullptr : std::make_shared<SlowSource>(readMs);
+        return std::make_shared<Volume>(whole->name(), whole->type(), whole->geometry(), whole, whole->voxels(), std::stop_token{}, std::move(ranks), std::move(source));
+      },
+      band(15, 80, 0.08f), 2, Spread::onHost, std::chrono::milliseconds(1500));
+  readMs = 3000;
+  EXPECT_GT(spread->march(cameras().front(), {}).size(), 100u) << "it says all the while that it is alive";
+  readMs = 60'000;
+  std::stop_source stop;
+  const std::jthread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    stop.request_stop();
+  });
+  MarchSettings other;
+  other.render.step = 0.3f;
+  const auto from = std::chrono::steady_clock::now();
+  EXPECT_THROW(spread->march(cameras()[1], other, stop.get_token()), OperationCancelled);
+  readMs = 0;
+  EXPECT_GT(spread->march(cameras().front(), {}).size(), 100u);
+  EXPECT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(20));
 }
 
 TEST(SpreadVolume, RanksThatHaveOtherVolumesAreFoundOut) {

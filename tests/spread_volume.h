@@ -1,6 +1,7 @@
 // A volume that is spread over ranks, which are threads here.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <thread>
 #include <vector>
@@ -20,15 +21,17 @@ class Spread {
  public:
   /// What a rank marches its brick by.
   using MakePieces = std::function<PieceMaker(int rank)>;
+  static PieceMaker onHost(int /*rank*/) { return {}; }
 
   Spread(const VolumePtr& whole, const TransferFunction& function, int count, const MakePieces& makePieces = onHost)
       : Spread([whole](RanksPtr own) { return sharedBy(whole, std::move(own)); }, function, count, makePieces) {}
   /// `open`: as one of these ranks has it.
-  Spread(const std::function<VolumePtr(RanksPtr)>& open, const TransferFunction& function, int count, const MakePieces& makePieces = onHost) {
+  Spread(const std::function<VolumePtr(RanksPtr)>& open, const TransferFunction& function, int count, const MakePieces& makePieces = onHost,
+         std::chrono::milliseconds patience = kRankPatience) {
     std::vector<RanksPtr> ranks = makeLocalRanks(count);
     for (int rank = 1; rank < count; ++rank)
       others_.emplace_back([open, makePieces, rank, own = ranks[static_cast<size_t>(rank)]] { followRanks(open(own), {}, makePieces(rank)); });
-    leader_ = leadRanks(open(ranks[0]), kRankPatience, makePieces(0));
+    leader_ = leadRanks(open(ranks[0]), patience, makePieces(0));
     marcher_ = makeRanksMarcher(leader_, function);
   }
   ~Spread() {
@@ -45,8 +48,6 @@ class Spread {
   std::vector<RankWork> lastWork() const { return warpscope::lastWork(leader_); }
 
  private:
-  static PieceMaker onHost(int /*rank*/) { return {}; }
-
   std::vector<std::thread> others_;
   BrickLeaderPtr leader_;
   MarcherPtr marcher_;

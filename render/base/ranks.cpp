@@ -120,14 +120,14 @@ void Ranks::requireSame(std::span<const std::byte> own, const std::string& what)
     if (all[other] != all[0]) throw InputError(what + ": process " + std::to_string(other) + " of " + std::to_string(size()) + " has another than the first one");
 }
 
-bool Ranks::claimLastWord(std::chrono::milliseconds patience) {
+bool Ranks::claimLastWord(std::chrono::milliseconds patience, bool isToldToEnd) {
   // True as soon as one of the first `count` has claimed it.
   const auto hearsOneOf = [&](int count, std::chrono::milliseconds length) {
     const auto end = std::chrono::steady_clock::now() + length;
     while (lastWordOf_ >= count && std::chrono::steady_clock::now() < end) receiveOther(10ms);
     return lastWordOf_ < count;
   };
-  if (!isFirst() && hearsOneOf(size(), patience)) return false;
+  if ((!isFirst() || isToldToEnd) && hearsOneOf(size(), patience)) return false;
   for (int to = 0; to < size(); ++to)
     if (to != rank()) send(to, kLastWord, {});
   constexpr std::chrono::milliseconds kTogether(200);  // those that have waited as long

@@ -42,8 +42,9 @@ class Ranks {
   std::optional<RankMessage> receive(std::chrono::microseconds atMost);
 
   /// Of a rank that is about to end all, because something is wrong: whether it is for this one to say what. The first rank always may, at once. Another one may if
-  /// none has claimed it within `patience`, and of those that claim it together the lowest. Messages that come meanwhile are thrown away.
-  bool claimLastWord(std::chrono::milliseconds patience);
+  /// none has claimed it within `patience`, and of those that claim it together the lowest. `isToldToEnd`: it only ends because it was told to, which may be for what another one says,
+  /// so that the first one waits as well. Messages that come meanwhile are thrown away.
+  bool claimLastWord(std::chrono::milliseconds patience, bool isToldToEnd = false);
 
   // Of all ranks together: each calls the same, in the same order, and waits for the others. Other messages meanwhile are kept for receive().
 

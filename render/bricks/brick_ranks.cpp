@@ -128,7 +128,7 @@ class BrickLeader {
     // Once all have begun they come to the end together: nobody is left alone with it.
     together([&] {
       tellAll(kProxyMessage, RankWriter().put(function).put(longest).take());
-      proxy = work_.function(function)->proxyFor(longest, {});
+      proxy = work_.proxyFor(function, longest);
     });
     if (stop.stop_requested()) throw OperationCancelled();
     return proxy;
@@ -439,7 +439,7 @@ bool followRanks(const VolumePtr& volume, const std::stop_token& stop, PieceMake
       case kProxyMessage: {
         RankReader reader(message->bytes);
         const auto function = reader.get<uint32_t>();
-        work.function(function)->proxyFor(reader.get<int>(), {});
+        work.proxyFor(function, reader.get<int>());
         break;
       }
       case kLightMessage: work.makeLightCopy(RankReader(message->bytes).get<uint32_t>()); break;

@@ -3,6 +3,8 @@
 #include "render/bricks/brick_work.h"
 
 #include <algorithm>
+#include <string>
+#include <utility>
 
 #include "render/base/error.h"
 #include "render/volume/proxy.h"
@@ -27,8 +29,7 @@ uint32_t BrickWork::addFunction(TransferFunction function) {
   auto place = std::ranges::find_if(functions_, [](const Function& one) { return one.marched == nullptr; });
   if (place == functions_.end()) place = functions_.insert(place, Function{});
   *place = {marched, makePieces_.make(marched), false};
-  volume_->releaseVoxels();  // of a share of the volume, which is not the block
-  block_ = {};
+  releaseShare();
   return static_cast<uint32_t>(place - functions_.begin());
 }
 
@@ -37,8 +38,19 @@ void BrickWork::makeLightCopy(uint32_t index) {
   Function& function = functions_.at(index);
   function.pieces->setLightCopy(std::make_shared<const Proxy>(makeProxy(*volume_, function.marched->transferFunction, kLightCopyEdge)));
   function.hasLightCopy = true;
-  volume_->releaseVoxels();
+  releaseShare();
+}
+
+ProxyPtr BrickWork::proxyFor(uint32_t index, int longest) {
+  ProxyPtr proxy = functions_.at(index).marched->proxyFor(longest, {});
+  if (std::exchange(lastProxy_, proxy) != proxy) releaseShare();
+  return proxy;
+}
+
+void BrickWork::releaseShare() {
+  volume_->releaseVoxels();  // of a share of the volume, which is not the block
   block_ = {};
+  strayCells_ = 0;
 }
 
 std::optional<uint32_t> BrickWork::find(const TransferFunction& function) const {
@@ -56,13 +68,17 @@ void BrickWork::begin(FrameOrder order) {
     volume_->releaseVoxels();
     strayCells_ = 0;
   }
-  try {
-    volume_->provide(rowsOf(block_, frame_->order().render, volume_->geometry()));
-  } catch (const std::exception& error) {
-    return frame_->fail("process " + std::to_string(ranks().rank()) + " of " + std::to_string(ranks().size()) + ": " + error.what());
-  }
-  marching_ = std::jthread([frame = frame_.get(), pieces = functions_.at(frame_->order().function).pieces](const std::stop_token& stop) {
+  // Reading a brick takes as long as the disk does: messages come and go meanwhile.
+  const std::string self = "process " + std::to_string(ranks().rank()) + " of " + std::to_string(ranks().size());
+  marching_ = std::jthread([self, volume = volume_, frame = frame_.get(), pieces = functions_.at(frame_->order().function).pieces](const std::stop_token& stop) {
     const FrameOrder& asked = frame->order();
+    try {
+      volume->provide(rowsOf(frame->block(), asked.render, volume->geometry()), stop);
+    } catch (const OperationCancelled&) {
+      return;
+    } catch (const std::exception& error) {
+      return frame->fail(self + ": " + error.what());
+    }
     try {
       pieces->marchPieces(asked.camera, asked.render, asked.sample ? &*asked.sample : nullptr, *frame, stop);
     } catch (const OperationCancelled&) {

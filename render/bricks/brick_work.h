@@ -27,6 +27,8 @@ class BrickWork {
   const MarchedVolumePtr& function(uint32_t index) const { return functions_.at(index).marched; }
   /// Nobody will ask for it again.
   void forgetFunction(uint32_t index) { functions_.at(index) = {}; }
+  /// All ranks at the same time: the coarse copy by that function. Waits for nobody if it has been made.
+  ProxyPtr proxyFor(uint32_t index, int longest);
   /// All ranks at the same time: what shadows and occlusion by that function are found in.
   void makeLightCopy(uint32_t index);
   bool hasLightCopy(uint32_t index) const { return functions_.at(index).hasLightCopy; }
@@ -47,9 +49,13 @@ class BrickWork {
     bool hasLightCopy = false;
   };
 
+  /// Voxels have been read for something else than the block.
+  void releaseShare();
+
   const VolumePtr volume_;
   const PieceMaker makePieces_;
   std::vector<Function> functions_;
+  ProxyPtr lastProxy_;   // that was asked for
   CellBlock block_;      // whose voxels are read
   int64_t strayCells_ = 0;  // of other blocks, whose voxels have been read and are not needed any more
   std::unique_ptr<BrickFrame> frame_;
