@@ -305,6 +305,13 @@ TEST_F(Refusal, WhatIsReadIsNotWrittenTo) {
     expectRefused({"view", "block", "--tf", "f.json", option, "f.json"}, kUsage, {"f.json is read here"});
   }
   expectRefused({"view", "block", "--screenshot", "a.nrrd"}, kUsage, {"--screenshot writes PNG files"});
+  folder_.write("v_2x2x2_uint8.raw", "12345678");
+  folder_.write("of.json", R"({"name": "a", "volume": {"file": "v_2x2x2_uint8.raw"}})");
+  for (const std::string scene : {"v_2x2x2_uint8.raw", "of.json"}) {
+    expectRefused({"export", scene, "--size", "8x8", "--ply", "v_2x2x2_uint8.raw"}, kUsage, {"v_2x2x2_uint8.raw is read here"});
+    expectRefused({"serve", scene, "--listen", "127.0.0.1:0", "--port-file", "v_2x2x2_uint8.raw"}, kUsage, {"v_2x2x2_uint8.raw is read here"});
+  }
+  EXPECT_EQ(folder_.read("v_2x2x2_uint8.raw"), "12345678");
   EXPECT_EQ(folder_.read("scene.json"), "{}");
 }
 
@@ -340,6 +347,12 @@ TEST_F(Refusal, SceneFiles) {
   refuse("up.json", {"up.json:4", "'up' and the direction that 'front' has by itself are parallel"});
   scene("front.json", ",\n  \"front\": [0, -3, 0]");
   refuse("front.json", {"front.json:4", "'front' and the direction that 'up' has by itself are parallel"});
+  scene("empty.json", ",\n  \"mask\": {\"file\": \"\"}");
+  refuse("empty.json", {"empty.json:4", "'mask.file' must not be empty"});
+  scene("iso.json", ",\n  \"march\": {\"mode\": \"isosurface\", \"isovalues\": \"700\"}");
+  refuse("iso.json", {"iso.json:4", "'march' cannot be", "700"});
+  scene("far.json", ",\n  \"fovYDeg\": 0.001, \"views\": [{}, {\"distance\": 1000}]");
+  refuse("far.json", {"far.json:4", "'views.1' cannot be"});
   folder_.write("v_2x2x2_uint8.raw", "12345678");
   folder_.write("sized.json", "{\"name\": \"a\",\n\"volume\": {\"file\": \"v_2x2x2_uint8.raw\",\n\"size\": [2, 2, 2]}}");
   refuse("sized.json", {"sized.json:3", "'volume.size' is for procedural volumes"});

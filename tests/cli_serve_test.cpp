@@ -36,6 +36,17 @@ TEST_F(Serving, JsonIsOneDocument) {
   EXPECT_EQ(result.err, "");
 }
 
+TEST_F(Serving, AFileThatIsCutOffWhileItIsShownEndsItWithASentence) {
+  const TestFolder data;
+  data.write("cut_64x64x64_uint8.raw", std::string(64 * 64 * 64, 'x'));
+  RunningServer server({data.file("cut_64x64x64_uint8.raw")});
+  fs::resize_file(data.file("cut_64x64x64_uint8.raw"), 0);
+  EXPECT_EQ(run(shot(server.plainUrl())).code, kFailure);
+  const ProgramResult result = server.wait();
+  EXPECT_EQ(result.code, kFailure);
+  EXPECT_EQ(result.err, "warpscope: a file that is mapped into memory has become shorter while it was read, or its disk fails\n");
+}
+
 TEST_F(Serving, BeyondLoopbackThereIsAlwaysTlsAndAToken) {
   for (const std::string host : {"0.0.0.0", "[::]"}) {
     SCOPED_TRACE(host);

@@ -113,5 +113,21 @@ TEST_F(DesktopDialogTest, ProgramsWriteToBothStreams) {
   EXPECT_THROW(endOfProgram({"no-such-program"}), InputError);
 }
 
+TEST_F(DesktopDialogTest, WhatAProgramLeavesBehindIsNotWaitedFor) {
+  const auto from = std::chrono::steady_clock::now();
+  install("leaver", "sleep 20 & echo hi; exit 4");
+  const ProgramEnd end = endOfProgram({"leaver"});
+  EXPECT_EQ(end.exitCode, 4);
+  EXPECT_EQ(end.written, "hi\n");
+  install("hider", "setsid sleep 20 & wait");
+  std::stop_source stop;
+  const std::jthread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    stop.request_stop();
+  });
+  EXPECT_THROW(endOfProgram({"hider"}, stop.get_token()), OperationCancelled);
+  EXPECT_LT(std::chrono::steady_clock::now() - from, std::chrono::seconds(10));
+}
+
 }  // namespace
 }  // namespace warpscope

@@ -2,6 +2,7 @@
 // Mirrors app/shell/output_files.h.
 #include "app/shell/output_files.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -94,6 +95,23 @@ TEST_F(OutputFiles, WhatIsReadIsNotWrittenByWhateverName) {
   for (const char* name : {"volume", "link", "other", "./volume"}) EXPECT_THROW(requireNoneOf(root_ / name, {"", root_ / "none", root_ / "volume"}), UsageError) << name;
   EXPECT_NO_THROW(requireNoneOf(root_ / "new", {root_ / "volume"}));
   EXPECT_NO_THROW(requireNoneOf(root_ / "volume", {"", root_ / "none"}));
+}
+
+TEST_F(OutputFiles, WhatThisProcessHasOpenIsWrittenBehindWhatIsThere) {
+  const fs::path log = root_ / "log";
+  std::ofstream(log) << "kept\n";
+  const int file = ::open(log.c_str(), O_WRONLY | O_APPEND);
+  ASSERT_GE(file, 0);
+  const std::string name = "/dev/fd/" + std::to_string(file);
+  fs::create_symlink(name, root_ / "link");
+  EXPECT_NO_THROW(requireWritable(name));
+  writeFileWhole(name, "more\n");
+  writeFileWhole(root_ / "link", "by a link\n");
+  ::close(file);
+  EXPECT_EQ(contentOf(log), "kept\nmore\nby a link\n");
+  const int reading = ::open(log.c_str(), O_RDONLY);
+  EXPECT_THROW(writeFileWhole("/dev/fd/" + std::to_string(reading), "x"), InputError);
+  ::close(reading);
 }
 
 TEST_F(OutputFiles, FailedWritesNameThePathAndChangeNothing) {

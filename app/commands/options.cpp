@@ -16,6 +16,7 @@
 #include "app/scene/voxel_shape.h"
 #include "app/shell/log.h"
 #include "app/shell/progress.h"
+#include "app/shell/output_files.h"
 #include "render/base/error.h"
 #include "render/base/memory_limit.h"
 #include "render/base/range.h"
@@ -133,6 +134,13 @@ void requireValues(CLI::App& command) {
           throw UsageError(option->get_name() + " needs a value");
         return std::string();
       });
+}
+
+void requireUnread(const std::string& written, const CommonOptions& options, const Scene* scene) {
+  if (written.empty()) return;
+  std::vector<std::filesystem::path> read{options.scene.value_or(""), options.volume, options.mask, options.transferFunction};
+  if (scene != nullptr) read.insert(read.end(), scene->files.begin(), scene->files.end());
+  requireNoneOf(written, read);
 }
 
 CheckedOptions check(const CommonOptions& options) {

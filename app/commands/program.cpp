@@ -12,6 +12,10 @@
 #include <string_view>
 #include <thread>
 
+#if defined(SIGBUS)
+#include <unistd.h>
+#endif
+
 #include "app/commands/options.h"
 #include "app/frames/process_ranks.h"
 #include "app/shell/log.h"
@@ -33,11 +37,12 @@ constexpr std::string_view kShared[] = {"serve", "shot", "compare", "sweep", "be
 bool isFollower() { return processRanks() && !processRanks()->isFirst(); }
 
 /// One line, whatever a file's name brings with it; of several processes that fail alike, one's.
-int complain(const std::string& text, int code) {
+int complain(const std::string& text, int code, bool isToldToEnd = false) {
   // As long as the first one may be behind the others, on a machine with more to do than this; and until all are ended once somebody has said it.
   constexpr std::chrono::seconds kPatience(2), kEnd(5);
+  constexpr std::chrono::milliseconds kShortly(300);  // signals end all soon
   std::string who = "warpscope: ";
-  if (processRanks() && !processRanks()->claimLastWord(kPatience)) {
+  if (processRanks() && !processRanks()->claimLastWord(isToldToEnd && processRanks()->isFirst() ? kShortly : kPatience, isToldToEnd)) {
     std::this_thread::sleep_for(kEnd);
     return code;
   }
@@ -90,6 +95,14 @@ void failInsteadOfDying() {
 #endif
 #if defined(SIGXFSZ)
   std::signal(SIGXFSZ, SIG_IGN);
+#endif
+#if defined(SIGBUS)
+  // Of raw volumes, which are mapped.
+  std::signal(SIGBUS, [](int) {
+    constexpr std::string_view kWhy = "warpscope: a file that is mapped into memory has become shorter while it was read, or its disk fails\n";
+    [[maybe_unused]] const auto ignored = ::write(STDERR_FILENO, kWhy.data(), kWhy.size());
+    std::_Exit(kFailure);
+  });
 #endif
 }
 
@@ -156,7 +169,7 @@ int runToExitCode(int argc, char** argv) {
   } catch (const UsageError& error) {
     return complain(error.what(), kUsage);
   } catch (const OperationCancelled&) {
-    return complain("stopped; nothing was written", kFailure);
+    return complain("stopped; nothing was written", kFailure, true);
   } catch (const std::bad_alloc&) {
     return complain("not enough memory", kFailure);
   } catch (const std::exception& error) {

@@ -20,6 +20,7 @@
 #include "render/base/stopwatch.h"
 #include "render/core/color.h"
 #include "render/core/picture_size.h"
+#include "render/effects/isosurface_setup.h"
 #include "render/march/march_knobs.h"
 #include "render/volume/masked_volume.h"
 #include "render/volume/procedural.h"
@@ -53,7 +54,9 @@ void refuseSize(const SceneOverrides& overrides) {
 
 /// That a node names, from the folder of its description on.
 fs::path fileOf(const Node& node, const fs::path& folder) {
-  const fs::path file = node.at("file").string();
+  const Node name = node.at("file");
+  const fs::path file = name.string();
+  if (file.empty()) name.fail("must not be empty");
   return file.is_absolute() ? file : folder / file;
 }
 
@@ -111,8 +114,9 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   // Everything that is quick to check comes before the volume is made or opened.
   if (const auto fov = root.find("fovYDeg")) scene.fovYDeg = fov->number(kFovYDegRange);
   if (const auto color = root.find("background")) scene.background = readColor(*color);
-  if (const auto march = root.find("march")) readMarch(*march, scene.march);
-  if (const auto views = root.find("views"))
+  const auto march = root.find("march"), views = root.find("views");
+  if (march) readMarch(*march, scene.march);
+  if (views)
     for (const Node& view : views->elements(1, 64)) scene.views.push_back(readView(view));
   const auto function = root.find("transferFunction");
   if (function) {
@@ -137,10 +141,22 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   const auto up = root.find("up"), front = root.find("front");
   if (up) scene.up = readDirection(*up);
   if (front) scene.front = readDirection(*front);
+  // What of it only goes together with the volume, or not at all.
+  const auto refuseIn = [](const Node& node, const auto& check) {
+    try {
+      check();
+    } catch (const UsageError& error) {
+      node.fail(std::string("cannot be: ") + error.what());
+    }
+  };
+  if (march && !overrides.volume && scene.march.render.effects.mode == RenderMode::isosurface && scene.march.render.effects.isoValues.size() > 0)
+    refuseIn(*march, [&] { requireIsoValues(scene.march.render.effects.isoValues, *scene.volume); });
   if (glm::length(glm::cross(scene.up, scene.front)) < 1e-3) {
     if (!front) up->fail("and the direction that 'front' has by itself are parallel");
     front->fail(up ? "and 'up' are parallel" : "and the direction that 'up' has by itself are parallel");
   }
+  if (views && !overrides.fovYDeg)
+    for (size_t i = 0; const Node& view : views->elements(1, 64)) refuseIn(view, [&] { static_cast<void>(makeCamera(scene, scene.views[i++], 64, 64)); });
   return scene;
 }
 

@@ -93,15 +93,25 @@ ProgramEnd endOfProgram(const std::vector<std::string>& arguments, const std::st
   std::string texts[kStreams];
   bool isStopped = false;
   std::chrono::steady_clock::time_point stoppedAt{};
+  int status = 0;
+  pid_t ended = 0;
+  // What it has started may hold its streams for longer than it lives itself: nobody waits for that.
   for (size_t open = kStreams; open > 0;) {
     if (!isStopped && stop.stop_requested()) {
       isStopped = true;
       kill(-child, SIGTERM);
       stoppedAt = std::chrono::steady_clock::now();
     }
-    if (isStopped && std::chrono::steady_clock::now() - stoppedAt > kPatience) kill(-child, SIGKILL);
+    if (isStopped && std::chrono::steady_clock::now() - stoppedAt > kPatience) {
+      kill(-child, SIGKILL);
+      break;
+    }
     pollfd waiting[kStreams]{{pipes[kOutput].begin(), POLLIN, 0}, {pipes[kErrors].begin(), POLLIN, 0}};  // a negative one is left out
-    if (poll(waiting, kStreams, kLookMs) <= 0) continue;
+    if (poll(waiting, kStreams, kLookMs) <= 0) {
+      if (ended != 0) break;  // nothing has come since
+      ended = waitpid(child, &status, WNOHANG);
+      continue;
+    }
     for (int i = 0; i < kStreams; ++i) {
       if (waiting[i].revents == 0) continue;
       char bytes[1024];
@@ -116,8 +126,7 @@ ProgramEnd endOfProgram(const std::vector<std::string>& arguments, const std::st
       if (text.size() > 2 * kKept) text.erase(0, text.size() - kKept);
     }
   }
-  int status = 0;
-  pid_t ended = waitpid(child, &status, 0);
+  if (ended == 0) ended = waitpid(child, &status, 0);
   while (ended < 0 && errno == EINTR) ended = waitpid(child, &status, 0);
   if (isStopped) throw OperationCancelled();
   if (ended < 0) throw InputError(arguments.front() + ": " + std::strerror(errno));

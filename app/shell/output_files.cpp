@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <optional>
@@ -140,6 +142,39 @@ fs::path partialOf(const fs::path& target) {
   return target.parent_path() / (name.substr(0, kLongestName - kPartial.size() - kSuffixLength) + std::string(kPartial) + uniqueSuffix());
 }
 
+/// The descriptor of this process that a path is a name of: /dev/stdout, /dev/fd/3. None for others.
+std::optional<int> descriptorOf([[maybe_unused]] fs::path path) {
+#if !defined(_WIN32)
+  constexpr int kMostLinks = 16;
+  for (int links = 0; links < kMostLinks; ++links) {
+    const std::string folder = path.parent_path().string(), name = path.filename().string();
+    int number = 0;
+    const auto [end, failed] = std::from_chars(name.data(), name.data() + name.size(), number);
+    if ((folder == "/dev/fd" || folder == "/proc/self/fd") && failed == std::errc() && end == name.data() + name.size()) return number;
+    std::error_code error;
+    const fs::path next = fs::read_symlink(path, error);
+    if (error) break;
+    path = next.is_absolute() ? next : path.parent_path() / next;
+  }
+#endif
+  return {};
+}
+
+/// Behind what has been written there: a shell that appends to a file has it open, and goes on with it.
+void writeTo([[maybe_unused]] int descriptor, const fs::path& shownAs, [[maybe_unused]] std::string_view bytes, [[maybe_unused]] const std::stop_token& stop) {
+#if !defined(_WIN32)
+  std::fflush(nullptr);
+  constexpr size_t kPiece = 1 << 20;
+  while (!bytes.empty()) {
+    if (stop.stop_requested()) throw OperationCancelled();
+    const ssize_t written = ::write(descriptor, bytes.data(), std::min(kPiece, bytes.size()));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw InputError(shownAs.string() + ": cannot be written: " + std::strerror(errno));
+    bytes.remove_prefix(static_cast<size_t>(written));
+  }
+#endif
+}
+
 /// Files put in place one after the other, all of which can be taken back.
 class Moves {
  public:
@@ -197,6 +232,7 @@ void requireNoneOf(const fs::path& written, const std::vector<fs::path>& read) {
 }
 
 void requireWritable(const fs::path& path) {
+  if (const std::optional<int> descriptor = descriptorOf(path)) return writeTo(*descriptor, path, {}, {});
   const fs::path target = targetOf(path);
   if (isSpecial(target)) return;
   const fs::path probe = partialOf(target);
@@ -206,6 +242,7 @@ void requireWritable(const fs::path& path) {
 }
 
 void writeFileWhole(const fs::path& path, std::string_view bytes, const std::stop_token& stop) {
+  if (const std::optional<int> descriptor = descriptorOf(path)) return writeTo(*descriptor, path, bytes, stop);
   const fs::path target = targetOf(path);
   if (stop.stop_requested()) throw OperationCancelled();
   if (isSpecial(target)) return writeBytes(target, path, bytes, {}, stop);

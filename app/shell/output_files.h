@@ -13,7 +13,7 @@
 namespace warpscope {
 
 /// Writes `bytes` to `path`, replacing the file that is there, or that a link there leads to; its permissions stay, and if they forbid the
-/// user to write, it is not replaced. What is there but no file (a device, a pipe) is written to as it is. Throws InputError naming the
+/// user to write, it is not replaced. What is there but no file (a device, a pipe) is written to as it is, and behind what is there what this process has open (/dev/stdout). Throws InputError naming the
 /// path and the reason, or OperationCancelled if `stop` is set before the file is in its place; then nothing has changed.
 void writeFileWhole(const std::filesystem::path& path, std::string_view bytes, const std::stop_token& stop = {});
 

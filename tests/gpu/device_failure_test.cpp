@@ -25,7 +25,7 @@ TEST(DeviceFailure, TooLittleMemoryIsSaidAndPasses) {
   const Camera large = makeCamera(scene, scene.views.front(), 8192, 8192);
   const SampleFrame before = marcher->march(small, scene.march);
   {
-    const cuda::DeviceBuffer<std::byte> taken = takeMemory(size_t{64} << 20);
+    const auto taken = takeMemory(size_t{64} << 20);
     try {
       marcher->march(large, scene.march);
       FAIL() << "a frame of 67 million pixels fitted into 64 MiB";
@@ -43,7 +43,7 @@ TEST(DeviceFailure, AutomaticGoesOnOnTheCpu) {
   const Scene scene = smallScene("block", 64);
   const MarcherPtr marcher = makeMarcher(Backend::automatic, scene.volume, scene.transferFunction);
   EXPECT_EQ(marcher->backend(), Backend::cuda);
-  const cuda::DeviceBuffer<std::byte> taken = takeMemory(size_t{32} << 20);
+  const auto taken = takeMemory(size_t{32} << 20);
   const SampleFrame frame = marcher->march(makeCamera(scene, scene.views.front(), 3000, 3000), scene.march);
   EXPECT_GT(frame.size(), 100000u);
   EXPECT_EQ(marcher->backend(), Backend::cpu);
@@ -67,7 +67,7 @@ TEST(DeviceFailure, AHierarchyThatFoundNoRoomIsBuiltAgain) {
     WarpedImage expected, actual;
     warp->draw(camera, settingsOf(SphereTracing::footprints), expected);
     {
-      const cuda::DeviceBuffer<std::byte> taken = takeMemory(size_t{8} << 20);
+      const auto taken = takeMemory(size_t{8} << 20);
       EXPECT_THROW(warp->draw(camera, settingsOf(tracing), actual), DeviceError);
       EXPECT_THROW(warp->draw(camera, settingsOf(tracing), actual), DeviceError);
     }

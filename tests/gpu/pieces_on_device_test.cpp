@@ -165,7 +165,7 @@ TEST(PiecesOnDevice, WhereTheDeviceFailsTheCpuGoesOn) {
     });
     const Spread spread(whole, function, 1, [&](int) { return maker; });
     {
-      const cuda::DeviceBuffer<std::byte> taken = takeMemory(left);
+      const auto taken = takeMemory(left);
       ASSERT_TRUE(sameFrame(spread->march(camera, settings), expected));
     }
     EXPECT_EQ(fallbacks, 1);
@@ -177,7 +177,7 @@ TEST(PiecesOnDevice, WhereTheDeviceFailsTheCpuGoesOn) {
   }
   const PieceMaker firm = makeCudaPieces(false, {});
   const Spread spread(whole, function, 1, [&](int) { return firm; });
-  const cuda::DeviceBuffer<std::byte> taken = takeMemory(0);
+  const auto taken = takeMemory(0);
   EXPECT_THROW(spread->march(camera, settings), InputError);
 }
 
