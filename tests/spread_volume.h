@@ -27,8 +27,8 @@ class Spread {
       : Spread([whole](RanksPtr own) { return sharedBy(whole, std::move(own)); }, function, count, makePieces) {}
   /// `open`: as one of these ranks has it.
   Spread(const std::function<VolumePtr(RanksPtr)>& open, const TransferFunction& function, int count, const MakePieces& makePieces = onHost,
-         std::chrono::milliseconds patience = kRankPatience) {
-    std::vector<RanksPtr> ranks = makeLocalRanks(count);
+         std::chrono::milliseconds patience = kRankPatience, bool areNear = true) {
+    std::vector<RanksPtr> ranks = makeLocalRanks(count, areNear);
     for (int rank = 1; rank < count; ++rank)
       others_.emplace_back([open, makePieces, rank, own = ranks[static_cast<size_t>(rank)]] { followRanks(open(own), {}, makePieces(rank)); });
     leader_ = leadRanks(open(ranks[0]), patience, makePieces(0));

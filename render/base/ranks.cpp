@@ -27,10 +27,11 @@ struct Inbox {
 
 class LocalRanks final : public Ranks {
  public:
-  LocalRanks(std::shared_ptr<std::vector<Inbox>> inboxes, int rank) : inboxes_(std::move(inboxes)), rank_(rank) {}
+  LocalRanks(std::shared_ptr<std::vector<Inbox>> inboxes, int rank, bool areNear) : inboxes_(std::move(inboxes)), rank_(rank), areNear_(areNear) {}
 
   int rank() const override { return rank_; }
   int size() const override { return static_cast<int>(inboxes_->size()); }
+  bool isNear(int other) const override { return areNear_ || other == rank_; }
   void send(int to, int kind, std::vector<std::byte> bytes) override {
     Inbox& inbox = (*inboxes_)[static_cast<size_t>(to)];
     const std::scoped_lock lock(inbox.mutex);
@@ -60,6 +61,7 @@ class LocalRanks final : public Ranks {
 
   const std::shared_ptr<std::vector<Inbox>> inboxes_;
   const int rank_;
+  const bool areNear_;
 };
 
 std::vector<std::byte> copyOf(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
@@ -134,10 +136,10 @@ bool Ranks::claimLastWord(std::chrono::milliseconds patience, bool isToldToEnd) 
   return isFirst() || !hearsOneOf(rank(), kTogether);
 }
 
-std::vector<RanksPtr> makeLocalRanks(int count) {
+std::vector<RanksPtr> makeLocalRanks(int count, bool areNear) {
   const auto inboxes = std::make_shared<std::vector<Inbox>>(static_cast<size_t>(count));
   std::vector<RanksPtr> ranks;
-  for (int rank = 0; rank < count; ++rank) ranks.push_back(std::make_shared<LocalRanks>(inboxes, rank));
+  for (int rank = 0; rank < count; ++rank) ranks.push_back(std::make_shared<LocalRanks>(inboxes, rank, areNear));
   return ranks;
 }
 

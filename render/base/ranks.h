@@ -30,6 +30,8 @@ class Ranks {
   virtual int rank() const = 0;
   virtual int size() const = 0;
   bool isFirst() const { return rank() == 0; }
+  /// Whether it is on this machine, so that what is sent to it passes no network. Safe on any thread.
+  virtual bool isNear(int /*other*/) const { return true; }
 
   /// Hands a message over, to itself as well; waits for nobody. Those from one rank to another arrive in the order in which they were sent.
   virtual void send(int to, int kind, std::vector<std::byte> bytes) = 0;
@@ -94,7 +96,7 @@ using RanksPtr = std::shared_ptr<Ranks>;
 /// Ranks::shareOf(), or all of them where there are no ranks.
 inline std::pair<size_t, size_t> shareOf(const RanksPtr& ranks, size_t count) { return ranks ? ranks->shareOf(count) : std::pair<size_t, size_t>{0, count}; }
 
-/// As many ranks as there are ends, connected in this process: each end for a thread of its own.
-std::vector<RanksPtr> makeLocalRanks(int count);
+/// As many ranks as there are ends, connected in this process: each end for a thread of its own. `areNear`: what isNear() says of others.
+std::vector<RanksPtr> makeLocalRanks(int count, bool areNear = true);
 
 }  // namespace warpscope

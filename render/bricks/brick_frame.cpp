@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "render/base/stopwatch.h"
+#include "render/bricks/packed_words.h"
 #include "render/bricks/rank_bytes.h"
 
 namespace warpscope {
@@ -31,8 +32,70 @@ struct TileHead {
   uint64_t frame = 0;
   uint32_t tile = 0;
   uint32_t results = 0;
-  bool hasSegments = false, isAgain = false;
+  bool hasSegments = false, isAgain = false, isPacked = false;
 };
+
+/// Columns of what rays have, where they are packed.
+constexpr size_t kStateColumn = 0, kSegmentsColumn = kStateColumn + wordsOf<RelayedState>, kAgainColumn = kSegmentsColumn + wordsOf<SegmentMerger>;
+
+/// What rays of the tile have gathered, but for those that have ended, unless they go along.
+template <class Writer>
+void writeRays(Writer& writer, const RelayedTile& tile, const FreshRay& fresh) {
+  std::vector<uint8_t> done((tile.rays.size() + 7) / 8);
+  for (size_t place = 0; place < tile.rays.size(); ++place)
+    if (tile.rays[place].isDone) done[place / 8] |= static_cast<uint8_t>(1u << (place % 8));
+  writer.putAll(done);
+  for (uint32_t place = 0; place < tile.rays.size(); ++place) {
+    const RelayedRay& ray = tile.rays[place];
+    if ((ray.isDone && !tile.goesTwice) || !ray.hasMet()) continue;
+    writer.put(RayHead{place, static_cast<uint32_t>(ray.counting.size())}).putBeside(ray.state, fresh.state, kStateColumn);
+    for (const CountingSample& sample : ray.counting) writer.put(sample);
+    if (!tile.segments.empty()) writer.putBeside(tile.segments[place], fresh.segments, kSegmentsColumn);
+    if (tile.isAgain) writer.putBeside(tile.again[place], fresh.again, kAgainColumn);
+  }
+}
+
+/// Back, into a tile without any.
+template <class Reader>
+void readRays(Reader& reader, RelayedTile& tile, const FreshRay& fresh) {
+  std::vector<uint8_t> done;
+  reader.getAll(done);
+  for (size_t place = 0; place < tile.rays.size(); ++place) tile.rays[place].isDone = (done.at(place / 8) >> (place % 8) & 1) != 0;
+  while (!reader.isAtEnd()) {
+    const auto head = reader.template get<RayHead>();
+    RelayedRay& ray = tile.rays.at(head.place);
+    ray.state = reader.getBeside(fresh.state, kStateColumn);
+    ray.counting.resize(head.counting);
+    for (CountingSample& sample : ray.counting) sample = reader.template get<CountingSample>();
+    if (!tile.segments.empty()) tile.segments[head.place] = reader.getBeside(fresh.segments, kSegmentsColumn);
+    if (tile.isAgain) tile.again.at(head.place) = reader.getBeside(fresh.again, kAgainColumn);
+  }
+}
+
+/// What rays of the tile have left since it was taken.
+template <class Writer>
+void writeFound(Writer& writer, const RelayedTile& tile) {
+  const DenseRays& found = tile.found;
+  writer.putAll(tile.finished).putAll(tile.colors);
+  writer.put(found.slots).putAll(found.samples).putAll(found.colors).putAll(found.spreads);
+  writer.put(found.segments.slots).putAll(found.segments.rays).putAll(found.segments.depths).putAll(found.segments.colors).putAll(found.segments.normals);
+}
+
+template <class Reader>
+void readFound(Reader& reader, TileResult& result) {
+  reader.getAll(result.finished);
+  reader.getAll(result.colors);
+  DenseRays& found = result.found;
+  found.slots = reader.template get<size_t>();
+  reader.getAll(found.samples);
+  reader.getAll(found.colors);
+  reader.getAll(found.spreads);
+  found.segments.slots = reader.template get<int>();
+  reader.getAll(found.segments.rays);
+  reader.getAll(found.segments.depths);
+  reader.getAll(found.segments.colors);
+  reader.getAll(found.segments.normals);
+}
 
 }  // namespace
 
@@ -42,23 +105,17 @@ TileResult TileResult::ofBytes(std::span<const std::byte> bytes) {
   result.frame = reader.get<uint64_t>();
   result.tile = reader.get<uint32_t>();
   result.results = reader.get<uint32_t>();
-  reader.getAll(result.finished);
-  reader.getAll(result.colors);
-  DenseRays& found = result.found;
-  found.slots = reader.get<size_t>();
-  reader.getAll(found.samples);
-  reader.getAll(found.colors);
-  reader.getAll(found.spreads);
-  found.segments.slots = reader.get<int>();
-  reader.getAll(found.segments.rays);
-  reader.getAll(found.segments.depths);
-  reader.getAll(found.segments.colors);
-  reader.getAll(found.segments.normals);
+  if (reader.get<bool>()) {
+    PackedReader packed(reader.rest());
+    readFound(packed, result);
+  } else {
+    readFound(reader, result);
+  }
   return result;
 }
 
-BrickFrame::BrickFrame(FrameOrder order, int rank, std::function<void()> onOutgoing)
-    : order_(std::move(order)), rank_(rank), onOutgoing_(std::move(onOutgoing)) {}
+BrickFrame::BrickFrame(FrameOrder order, int rank, std::function<void()> onOutgoing, std::function<bool(int)> isNear)
+    : order_(std::move(order)), rank_(rank), onOutgoing_(std::move(onOutgoing)), isNear_(std::move(isNear)) {}
 
 void BrickFrame::arrive(std::vector<std::byte> bytes) {
   const std::scoped_lock lock(mutex_);
@@ -154,60 +211,53 @@ void BrickFrame::handOn(std::unique_ptr<RelayedTile> tile) {
     ++tile->results;
     put({0, kResultMessage, resultOf(*tile, isComplete)});
   }
-  if (!isComplete && next >= 0) put({next, kTileMessage, bytesOf(*tile)});  // else the march has been stopped
+  if (!isComplete && next >= 0) put({next, kTileMessage, bytesOf(*tile, !isNear_(next))});  // else the march has been stopped
 }
 
 std::vector<std::byte> BrickFrame::resultOf(const RelayedTile& tile, bool isComplete) const {
   RankWriter writer;
-  writer.put(order_.frame).put(tile.index).put(isComplete ? tile.results : 0u).putAll(tile.finished).putAll(tile.colors);
-  const DenseRays& found = tile.found;
-  writer.put(found.slots).putAll(found.samples).putAll(found.colors).putAll(found.spreads);
-  return writer.put(found.segments.slots).putAll(found.segments.rays).putAll(found.segments.depths).putAll(found.segments.colors).putAll(found.segments.normals).take();
+  const bool isPacked = !isNear_(0);
+  writer.put(order_.frame).put(tile.index).put(isComplete ? tile.results : 0u).put(isPacked);
+  if (!isPacked) {
+    writeFound(writer, tile);
+    return writer.take();
+  }
+  PackedWriter packed;
+  writeFound(packed, tile);
+  return writer.append(packed.take()).take();
 }
 
-std::vector<std::byte> BrickFrame::bytesOf(const RelayedTile& tile) const {
+std::vector<std::byte> BrickFrame::bytesOf(const RelayedTile& tile, bool isPacked) const {
   RankWriter writer;
-  writer.put(TileHead{order_.frame, tile.index, tile.results, !tile.segments.empty(), tile.isAgain});
-  std::vector<uint8_t> done((tile.rays.size() + 7) / 8);
-  for (size_t place = 0; place < tile.rays.size(); ++place)
-    if (tile.rays[place].isDone) done[place / 8] |= static_cast<uint8_t>(1u << (place % 8));
-  writer.putAll(done);
+  writer.put(TileHead{order_.frame, tile.index, tile.results, !tile.segments.empty(), tile.isAgain, isPacked});
   const FreshRay fresh(order_);
-  for (uint32_t place = 0; place < tile.rays.size(); ++place) {
-    const RelayedRay& ray = tile.rays[place];
-    if ((ray.isDone && !tile.goesTwice) || !ray.hasMet()) continue;
-    writer.put(RayHead{place, static_cast<uint32_t>(ray.counting.size())}).putBeside(ray.state, fresh.state);
-    for (const CountingSample& sample : ray.counting) writer.put(sample);
-    if (!tile.segments.empty()) writer.putBeside(tile.segments[place], fresh.segments);
-    if (tile.isAgain) writer.putBeside(tile.again[place], fresh.again);
+  if (!isPacked) {
+    writeRays(writer, tile, fresh);
+    return writer.take();
   }
-  return writer.take();
+  PackedWriter packed;
+  writeRays(packed, tile, fresh);
+  return writer.append(packed.take()).take();
 }
 
 std::unique_ptr<RelayedTile> BrickFrame::tileOf(const std::vector<std::byte>& bytes) const {
   RankReader reader(bytes);
-  const auto tileHead = reader.get<TileHead>();
+  const auto head = reader.get<TileHead>();
   auto tile = std::make_unique<RelayedTile>();
-  tile->index = tileHead.tile;
-  tile->results = tileHead.results;
-  tile->isAgain = tileHead.isAgain;
+  tile->index = head.tile;
+  tile->results = head.results;
+  tile->isAgain = head.isAgain;
   tile->area = order_.areaOf(tile->index);
   tile->isLast = order_.nextOf(tile->index, rank_) < 0;
   tile->rays.resize(tile->area.count());
   if (tile->isAgain) tile->again.resize(tile->rays.size());
-  std::vector<uint8_t> done;
-  reader.getAll(done);
-  for (size_t place = 0; place < tile->rays.size(); ++place) tile->rays[place].isDone = (done.at(place / 8) >> (place % 8) & 1) != 0;
   const FreshRay fresh(order_);
-  if (tileHead.hasSegments) tile->segments.assign(tile->rays.size(), fresh.segments);
-  while (!reader.isAtEnd()) {
-    const auto head = reader.get<RayHead>();
-    RelayedRay& ray = tile->rays.at(head.place);
-    ray.state = reader.getBeside(fresh.state);
-    ray.counting.resize(head.counting);
-    for (CountingSample& sample : ray.counting) sample = reader.get<CountingSample>();
-    if (tileHead.hasSegments) tile->segments[head.place] = reader.getBeside(fresh.segments);
-    if (tile->isAgain) tile->again.at(head.place) = reader.getBeside(fresh.again);
+  if (head.hasSegments) tile->segments.assign(tile->rays.size(), fresh.segments);
+  if (head.isPacked) {
+    PackedReader packed(reader.rest());
+    readRays(packed, *tile, fresh);
+  } else {
+    readRays(reader, *tile, fresh);
   }
   return tile;
 }

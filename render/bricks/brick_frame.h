@@ -60,8 +60,8 @@ class BrickFrame final : public RayRelay {
     std::vector<std::byte> bytes;
   };
 
-  /// `onOutgoing` is called, on any thread, when there is something to send.
-  BrickFrame(FrameOrder order, int rank, std::function<void()> onOutgoing);
+  /// `onOutgoing` is called, on any thread, when there is something to send. `isNear`: as Ranks'; what goes to others is packed.
+  BrickFrame(FrameOrder order, int rank, std::function<void()> onOutgoing, std::function<bool(int)> isNear);
 
   const FrameOrder& order() const { return order_; }
   /// A kTileMessage of this frame.
@@ -85,7 +85,7 @@ class BrickFrame final : public RayRelay {
 
  private:
   std::unique_ptr<RelayedTile> tileOf(const std::vector<std::byte>& bytes) const;
-  std::vector<std::byte> bytesOf(const RelayedTile& tile) const;
+  std::vector<std::byte> bytesOf(const RelayedTile& tile, bool isPacked) const;
   std::vector<std::byte> resultOf(const RelayedTile& tile, bool isComplete) const;
   void put(Outgoing outgoing);
   /// Null if there will be no more or, unless `waits`, none is there.
@@ -95,6 +95,7 @@ class BrickFrame final : public RayRelay {
   const FrameOrder order_;
   const int rank_;
   const std::function<void()> onOutgoing_;
+  const std::function<bool(int)> isNear_;
 
   mutable std::mutex mutex_;  // of everything below
   std::condition_variable changed_;

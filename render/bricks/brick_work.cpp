@@ -61,7 +61,8 @@ std::optional<uint32_t> BrickWork::find(const TransferFunction& function) const 
 
 void BrickWork::begin(FrameOrder order) {
   end();
-  frame_ = std::make_unique<BrickFrame>(std::move(order), ranks().rank(), [ranks = volume_->ranks()] { ranks->wake(); });
+  frame_ = std::make_unique<BrickFrame>(std::move(order), ranks().rank(), [ranks = volume_->ranks()] { ranks->wake(); },
+                                        [ranks = volume_->ranks()](int other) { return ranks->isNear(other); });
   strayCells_ += cellsOf(block_) - sharedCells(block_, frame_->block());
   block_ = frame_->block();
   if (4 * strayCells_ > cellsOf(block_)) {

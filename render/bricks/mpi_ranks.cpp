@@ -2,16 +2,19 @@
 // of it is loaded.
 // MPI 3.1: matched probes (Hoefler et al. 2010), sends that nobody waits for; one thread at a time makes its calls.
 #include <mpi.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <climits>
 #include <condition_variable>
 #include <cstdlib>
+#include <cstring>
 #include <deque>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "render/base/error.h"
 #include "render/base/ranks.h"
@@ -32,6 +35,12 @@ class MpiRanks final : public Ranks {
       throw InputError("MPI cannot be used by a program with several threads");
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &size_);
+    // Machines are told apart by their names.
+    constexpr size_t kLongestName = 256;
+    std::vector<char> own(kLongestName), all(kLongestName * static_cast<size_t>(size_));
+    gethostname(own.data(), kLongestName - 1);
+    MPI_Allgather(own.data(), kLongestName, MPI_CHAR, all.data(), kLongestName, MPI_CHAR, MPI_COMM_WORLD);
+    for (size_t other = 0; other < static_cast<size_t>(size_); ++other) isNear_.push_back(std::strcmp(own.data(), all.data() + kLongestName * other) == 0);
   }
   ~MpiRanks() override {
     // What nobody wants any more is still received, on both sides, until all have come so far: a send that is not would keep MPI from its end.
@@ -50,6 +59,7 @@ class MpiRanks final : public Ranks {
 
   int rank() const override { return rank_; }
   int size() const override { return size_; }
+  bool isNear(int other) const override { return isNear_[static_cast<size_t>(other)]; }
   void send(int to, int kind, std::vector<std::byte> bytes) override {
     if (bytes.size() > INT_MAX) throw InputError("a message between processes of " + std::to_string(bytes.size()) + " bytes is longer than MPI takes");
     const std::scoped_lock lock(calls_);
@@ -123,6 +133,7 @@ class MpiRanks final : public Ranks {
   }
 
   int rank_ = 0, size_ = 1;
+  std::vector<bool> isNear_;  // by rank
   std::chrono::steady_clock::time_point lastMoved_;  // of receivers
   std::mutex calls_;  // of MPI, but for the last
   std::deque<Sent> sending_;

@@ -28,7 +28,7 @@ class RankWriter {
   }
   /// A value of which most is as `usual`, word by word: a bit for each word that is not, and those words. Both ends have the same `usual`.
   template <class T>
-  RankWriter& putBeside(const T& value, const T& usual) {
+  RankWriter& putBeside(const T& value, const T& usual, size_t /*column: PackedWriter's*/ = 0) {
     using Words = std::array<uint32_t, wordsOf<T>>;
     Words words{}, before{};
     std::memcpy(words.data(), &value, sizeof value);
@@ -54,12 +54,19 @@ class RankWriter {
     append(values.data(), values.size() * sizeof(typename Range::value_type));
     return *this;
   }
+  /// What another one has written.
+  RankWriter& append(std::span<const std::byte> bytes) {
+    append(bytes.data(), bytes.size());
+    return *this;
+  }
   std::vector<std::byte> take() { return std::move(bytes_); }
 
  private:
   void append(const void* from, size_t size) {
-    const auto* const first = static_cast<const std::byte*>(from);
-    bytes_.insert(bytes_.end(), first, first + size);
+    if (size == 0) return;
+    const size_t before = bytes_.size();
+    bytes_.resize(before + size);
+    std::memcpy(bytes_.data() + before, from, size);
   }
 
   std::vector<std::byte> bytes_;
@@ -78,7 +85,7 @@ class RankReader {
     return *std::launder(reinterpret_cast<T*>(held));
   }
   template <class T>
-  T getBeside(const T& usual) {
+  T getBeside(const T& usual, size_t /*column*/ = 0) {
     std::array<uint32_t, wordsOf<T>> words{};
     std::memcpy(words.data(), &usual, sizeof usual);
     const std::span<const std::byte> changed = next((wordsOf<T> + 7) / 8);
@@ -97,6 +104,7 @@ class RankReader {
     if (count > 0) std::memcpy(values.data(), next(count * sizeof(Value)).data(), count * sizeof(Value));
   }
   bool isAtEnd() const { return bytes_.empty(); }
+  std::span<const std::byte> rest() const { return bytes_; }
 
  private:
   [[noreturn]] static void throwShort() { throw std::runtime_error("a message between processes is too short"); }
