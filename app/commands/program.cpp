@@ -40,7 +40,7 @@ bool isFollower() { return processRanks() && !processRanks()->isFirst(); }
 int complain(const std::string& text, int code, bool isToldToEnd = false) {
   // As long as the first one may be behind the others, on a machine with more to do than this; and until all are ended once somebody has said it.
   constexpr std::chrono::seconds kPatience(2), kEnd(5);
-  constexpr std::chrono::milliseconds kShortly(300);  // signals end all soon
+  constexpr std::chrono::milliseconds kShortly(100);  // what has been said is on its way, and signals end all soon
   std::string who = "warpscope: ";
   if (processRanks() && !processRanks()->claimLastWord(isToldToEnd && processRanks()->isFirst() ? kShortly : kPatience, isToldToEnd)) {
     std::this_thread::sleep_for(kEnd);

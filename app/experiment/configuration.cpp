@@ -205,13 +205,12 @@ std::string fullNameOf(const Configuration& given) {
 
 std::string othersOf(const Configuration& given) {
   const Configuration configuration = normalized(given);
-  const auto lowerNoun = [](std::string_view noun, std::string_view label) { return std::string(noun.empty() ? label : noun); };
   std::string text;
   for (const MarchKnob& row : marchKnobs())
     if (const double value = row.get(configuration.march); row.knob->axis.key.empty() && value != row.knob->defaultValue)
-      text += ", " + lowerNoun(row.knob->noun, row.knob->label) + " " + textOf(*row.knob, value);
+      text += ", " + std::string(row.knob->noun) + " " + textOf(*row.knob, value);
   for (const MarchText& row : marchTexts())
-    if (const std::string value = row.get(configuration.march); value != row.get(MarchSettings{})) text += ", " + lowerNoun(row.noun, row.label) + " " + value;
+    if (const std::string value = row.get(configuration.march); value != row.get(MarchSettings{})) text += ", " + std::string(row.noun) + " " + value;
   return text;
 }
 

@@ -73,7 +73,7 @@ std::string labelOf(const Configuration& configuration);
 /// With all else that its pictures depend on: "spheres, median, voxel, 512 px, jpeg95, step 0.5".
 std::string fullNameOf(const Configuration& configuration);
 
-/// What sweeps do not go through and is not as usual: ", mode mip, lights ..."; empty where there is nothing like that.
+/// What sweeps do not go through and is not as usual: ", mode of rendering mip, lights ..."; empty where there is nothing like that.
 std::string othersOf(const Configuration& configuration);
 
 /// As labelOf, and whatever else tells it from any of `others`.

@@ -303,7 +303,8 @@ void TransferEditor::drawColorBar(Session& session, const Look& look) {
 void TransferEditor::drawNumber(Session& session, Field field, size_t corner, double value, const char* pattern) {
   ImGui::PushID(static_cast<int>(corner));  // another corner's is another field
   double edited = typed_ && typed_->field == field && typed_->corner == corner ? typed_->value : value;
-  if (ImGui::InputDouble(field == Field::alpha ? "##alpha" : "##value", &edited, 0.0, 0.0, pattern)) typed_ = {field, corner, edited};
+  const char* const id = field == Field::value ? "##value" : field == Field::alpha ? "##alpha" : "##value of a colour";
+  if (ImGui::InputDouble(id, &edited, 0.0, 0.0, pattern)) typed_ = {field, corner, edited};
   // Left in whatever way, what was typed holds. Only Esc takes it back: it puts there what stood there, which is not all of the number.
   if (ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) typed_.reset();
   if (ImGui::IsItemDeactivatedAfterEdit()) takeTyped(session);
