@@ -311,7 +311,15 @@ TEST_F(Refusal, WhatIsReadIsNotWrittenTo) {
     expectRefused({"export", scene, "--size", "8x8", "--ply", "v_2x2x2_uint8.raw"}, kUsage, {"v_2x2x2_uint8.raw is read here"});
     expectRefused({"serve", scene, "--listen", "127.0.0.1:0", "--port-file", "v_2x2x2_uint8.raw"}, kUsage, {"v_2x2x2_uint8.raw is read here"});
   }
+  std::filesystem::create_symlink("v_2x2x2_uint8.raw", folder_.path() / "link.png");
+  expectRefused({"shot", "of.json", "-o", "of.json", "--size", "8x8"}, kUsage, {"of.json"});
+  expectRefused({"shot", "v_2x2x2_uint8.raw", "-o", "link.png", "--size", "8x8"}, kUsage, {"link.png is read here"});
   EXPECT_EQ(folder_.read("v_2x2x2_uint8.raw"), "12345678");
+  folder_.write("metrics.json", R"({"name": "a", "volume": {"procedural": "block", "size": [8, 8, 8]}})");
+  expectRefused({"compare", "metrics.json", "--out", ".", "--size", "8x8"}, kUsage, {"metrics.json is read here"});
+  folder_.write("sweep.json", R"({"techniques": ["hold"], "angles": [0]})");
+  expectRefused({"sweep", "block", "--volume-size", "8x8x8", "--plan", "sweep.json", "--out", ".", "--size", "8x8"}, kUsage, {"sweep.json is read here"});
+  expectRefused({"view", "block", "--record", "a.out", "--report", "./a.out"}, kUsage, {"--report and --record are the same file"});
   EXPECT_EQ(folder_.read("scene.json"), "{}");
 }
 

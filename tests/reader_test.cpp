@@ -274,6 +274,13 @@ TEST_F(Reader, WhatIsWrittenAsTextIsLookedAtWordByWord) {
   expectRefused(write("list.nhdr", nrrdHeader(kNrrd + "encoding: ascii\ndata file: LIST\nwords.txt\nwords.txt\n")), "several files");
   expectRefused(write("skip.nrrd", nrrdHeader(kNrrd + "encoding: ascii\nline skip: 1\n") + "x\n" + numbers), "skips lines");
   expectRefused(write("skip.nrrd", nrrdHeader(kNrrd + "encoding: ascii\nbyte skip: 2\n") + "x\n" + numbers), "skips bytes");
+  const std::string packed = nrrdHeader(kNrrd + "encoding: gzip\nbyte skip: 5\n");
+  expectRamp(*openVolume(write("skip.nrrd", packed + gzip("abcde" + kVoxels))));
+  expectRefused(write("skip.nrrd", packed + "abcde" + gzip(kVoxels)), "cut off or damaged");
+  expectRefused(write("skip.nrrd", nrrdHeader(kNrrd + "encoding: gzip\nline skip: 1\n") + "x\n" + gzip(kVoxels)), "skips lines");
+  // The library writes of a field that is wrong what it is, into a place of a kilobyte.
+  for (const char* const field : {"type: ", "units: ", "no field "}) expectRefused(write("line.nrrd", nrrdHeader(kNrrd + "encoding: raw\n" + field + std::string(1100, 'a') + "\n") + kVoxels), "at most 512 are read");
+  expectRamp(*openVolume(write("content.nrrd", nrrdHeader(kNrrd + "encoding: raw\ncontent: " + std::string(1100, 'a') + "\n# " + std::string(1100, 'a') + "\n") + kVoxels)));
 
   std::string plain, odd;
   for (int i = 0; i < 60; ++i) plain += std::to_string(i) + "\n";
@@ -287,6 +294,22 @@ TEST_F(Reader, WhatIsWrittenAsTextIsLookedAtWordByWord) {
   const auto vtk = [](const std::string& type) {
     return "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 4 5\nSPACING 1 2 3\nORIGIN 0 0 0\nPOINT_DATA 60\nSCALARS s " + type + " 1\nLOOKUP_TABLE default\n";
   };
+  // What a type does not hold becomes something else, or ends the reading.
+  const auto with = [&](const std::string& word) {
+    std::string text = plain;
+    return text.replace(text.find("\n30\n") + 1, 2, word);
+  };
+  for (const auto& [name, header] : {std::pair<std::string, std::string>{"odd.nrrd", nrrd}, {"odd.mha", meta("MET_SHORT")}, {"odd.vtk", vtk("short")}}) {
+    for (const char* const word : {"40000", "-32769", "99999999999999"}) expectRefused(write(name, header + with(word)), "which its type does not hold");
+    expectRefused(write(name, header + with("1.5")), "no whole number");
+    expectRefused(write(name, header + with("5x")), "no number");
+    expectRefused(write(name, header + with(std::string("3\0004", 3))), "no number");
+  }
+  expectRefused(write("odd.vtk", vtk("float") + with("1e39")), "does not hold");
+  EXPECT_EQ(openVolume(write("whole.mha", meta("MET_SHORT") + with("1e2")))->statistics().highest, 100.0) << "read as a double there";
+  EXPECT_EQ(openVolume(write("nan.nrrd", nrrdHeader("type: float\ndimension: 3\nsizes: 3 4 5\nencoding: ascii\n") + with("nan")))->statistics().nonFinite, 1u);
+  std::string msb = meta("MET_SHORT");
+  expectRefused(write("msb.mha", msb.insert(msb.find("DimSize"), "BinaryDataByteOrderMSB = True\n") + plain), "must be False");
   odd = plain;
   odd.replace(odd.find("\n30\n") + 1, 2, "30.5");
   EXPECT_EQ(openVolume(write("half.vtk", vtk("float") + odd))->statistics().highest, 59.0);
@@ -307,6 +330,8 @@ TEST_F(Reader, MetaImageFlagsAndSkips) {
   expectRamp(*openVolume(write("last.mhd", "HeaderSize = -1\n" + detached)));
   for (const char* const skip : {"21", "2000"}) expectRefused(write("skip.mhd", "HeaderSize = " + std::string(skip) + "\n" + detached), "cut off");
   expectRefused(write("skip.mhd", "HeaderSize = -2\n" + detached), "number of bytes");
+  expectRefused(write("last.mhd", "HeaderSize = -1\nCompressedData = True\nCompressedDataSize = 9\n" + detached), "the last bytes");
+  expectRefused(write("skip.mhd", "HeaderSize = 10\nCompressedData = True\n" + detached), "lacks CompressedDataSize");
   const std::string stream = gzip(kVoxels);
   write("voxels.raw", std::string(20, 'x') + stream);
   expectRamp(*openVolume(write("packed.mhd", "CompressedData = True\nCompressedDataSize = " + std::to_string(stream.size()) + "\nHeaderSize = 20\n" + detached)));

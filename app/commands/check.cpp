@@ -56,7 +56,9 @@ void checkFolder(const CheckOptions& options) {
   const CheckPlan plan = readCheckPlan(options.folder);
   const std::string title = "warpscope check of " + printable(std::filesystem::weakly_canonical(options.folder).filename().string());
   if (!options.junit.empty()) {
-    requireNoneOf(options.junit, {std::filesystem::path(options.folder) / kCheckDescription});
+    std::vector<std::filesystem::path> read{std::filesystem::path(options.folder) / kCheckDescription};
+    for (const std::string& name : pictureNames(plan)) read.push_back(plan.folder / (name + ".png"));
+    requireNoneOf(options.junit, read);
     requireWritable(options.junit);
   }
   StagedFolder out(options.out, {std::string(kPage)});

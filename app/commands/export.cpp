@@ -102,13 +102,6 @@ SpreadPicture pictureSpreads(const SampleFrame& frame, double unit, const std::s
   return picture;
 }
 
-/// However they are written, and whatever links lead there.
-bool isSameFile(const std::filesystem::path& a, const std::filesystem::path& b) {
-  std::error_code ignored;  // what cannot be looked at cannot be written to, which is said then
-  const auto placeOf = [&](const std::filesystem::path& path) { return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored); };
-  return !a.empty() && !b.empty() && placeOf(a) == placeOf(b);
-}
-
 std::string shortText(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);

@@ -19,6 +19,7 @@
 #include "app/commands/options.h"
 #include "app/frames/process_ranks.h"
 #include "app/shell/log.h"
+#include "app/shell/output_files.h"
 #include "app/ui/run_window.h"
 #include "render/base/abandonable.h"
 #include "render/base/error.h"
@@ -180,6 +181,7 @@ int runToExitCode(int argc, char** argv) {
 }  // namespace
 
 int runProgram(int argc, char** argv) {
+  noteInheritedFiles();
   failInsteadOfDying();
   shareOpenGlDispatch();
   const int code = runToExitCode(argc, argv);

@@ -10,6 +10,7 @@
 #include "app/session/recorded_scene.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/log.h"
+#include "app/shell/output_files.h"
 #include "app/shell/progress.h"
 #include "render/base/error.h"
 #include "render/base/nearest_name.h"
@@ -61,6 +62,7 @@ void run(const ReplayOptions& options) {
   settings.resources = headless.resources();
   const ReplayFiles files{.folder = options.out, .film = isFilmed ? "replay." + options.video : std::string()};
   const std::filesystem::path film = files.folder / files.film;
+  for (size_t i = 0; i < pictureCount(recording, settings.picturesPerSecond); ++i) requireNoneOf(files.folder / pictureNameOf(files.prefix, i), {options.file});
   auto progress = std::make_unique<Progress>("replay", stepsOf(recording, settings.picturesPerSecond, files), !options.common.showsProgress());
   const size_t count = writeReplay(recording, settings, files, [&](const std::string& what) { progress->step(what); }, interrupt.token());
   progress.reset();

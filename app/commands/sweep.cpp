@@ -124,7 +124,13 @@ void sweep(const SweepOptions& options) {
   settings.width = work.width;
   settings.height = work.height;
   settings.warp = work.warp;
-  StagedFolder out(options.out, {"sweep.csv", "report.html", "sweep.json"});  // fails before the work if it cannot be written
+  const std::vector<std::string> names{"sweep.csv", "report.html", "sweep.json"};
+  for (const std::string& name : names) {
+    const std::filesystem::path file = std::filesystem::path(options.out) / name;
+    requireUnread(file.string(), options.common, &work.scene);
+    requireNoneOf(file, {options.plan});
+  }
+  StagedFolder out(options.out, names);  // fails before the work if it cannot be written
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
   const std::string backend(nameOf(headless.resources().marcher->backend()));
 

@@ -17,6 +17,7 @@
 #include "app/shell/output_files.h"
 #include "app/shell/user_folders.h"
 #include "app/ui/run_window.h"
+#include "render/base/printable.h"
 #include "render/base/range.h"
 #include "render/volume/volume_format.h"
 
@@ -117,6 +118,10 @@ void view(const ViewOptions& options) {
     throw UsageError("--screenshot writes PNG files: " + options.screenshot + " is not named so");
   std::vector<std::filesystem::path> read{options.common.volume, options.common.mask, options.common.transferFunction, options.session, options.front};
   if (!server) read.emplace_back(checked.sceneSpec);
+  const std::pair<const char*, const std::string&> files[] = {{"--screenshot", options.screenshot}, {"--report", options.report}, {"--record", options.record}};
+  for (const auto& [option, file] : files)
+    for (const auto& [otherOption, other] : files)
+      if (&file != &other && isSameFile(file, other)) throw UsageError(std::string(option) + " and " + otherOption + " are the same file: " + printable(file));
   for (const std::string* const written : {&options.screenshot, &options.report, &options.record}) {
     if (written->empty()) continue;
     requireNoneOf(*written, read);

@@ -15,7 +15,7 @@ namespace warpscope {
 /// Records in a thread of its own; nothing of it waits. On one thread.
 class RecordingWriter {
  public:
-  /// Begins a file, replacing one that is there. `text`: whatever is to be known of how it was recorded (a session's file). Throws InputError.
+  /// Begins a file, replacing one that is there at once: it is to be whole up to the last second whatever comes, and so cannot be put in place when it is. `text`: whatever is to be known of how it was recorded (a session's file). Throws InputError.
   RecordingWriter(const std::filesystem::path& path, const Scene& scene, const std::string& text);
   /// As finish().
   ~RecordingWriter();

@@ -3,6 +3,7 @@
 #include "app/shell/output_files.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
@@ -142,6 +143,9 @@ fs::path partialOf(const fs::path& target) {
   return target.parent_path() / (name.substr(0, kLongestName - kPartial.size() - kSuffixLength) + std::string(kPartial) + uniqueSuffix());
 }
 
+constexpr int kMostInherited = 1024;
+std::optional<std::bitset<kMostInherited>> inheritedFiles;  // nothing: nobody has noted them, and all are
+
 /// The descriptor of this process that a path is a name of: /dev/stdout, /dev/fd/3. None for others.
 std::optional<int> descriptorOf([[maybe_unused]] fs::path path) {
 #if !defined(_WIN32)
@@ -163,6 +167,8 @@ std::optional<int> descriptorOf([[maybe_unused]] fs::path path) {
 /// Behind what has been written there: a shell that appends to a file has it open, and goes on with it.
 void writeTo([[maybe_unused]] int descriptor, const fs::path& shownAs, [[maybe_unused]] std::string_view bytes, [[maybe_unused]] const std::stop_token& stop) {
 #if !defined(_WIN32)
+  if (inheritedFiles && (descriptor >= kMostInherited || !inheritedFiles->test(static_cast<size_t>(descriptor))))
+    throw InputError(shownAs.string() + ": cannot be written: " + std::strerror(EBADF));
   std::fflush(nullptr);
   constexpr size_t kPiece = 1 << 20;
   while (!bytes.empty()) {
@@ -223,6 +229,23 @@ class Moves {
 bool isSpecial(const fs::path& path) {
   std::error_code unknown;
   return fs::exists(path, unknown) && !fs::is_regular_file(path, unknown);
+}
+
+void noteInheritedFiles() {
+#if !defined(_WIN32)
+  inheritedFiles.emplace();
+  for (int descriptor = 0; descriptor < kMostInherited; ++descriptor)
+    if (fcntl(descriptor, F_GETFD) >= 0) inheritedFiles->set(static_cast<size_t>(descriptor));
+  for (int descriptor = 0; descriptor < 3; ++descriptor)
+    if (!inheritedFiles->test(static_cast<size_t>(descriptor)))
+      [[maybe_unused]] const int same = ::open("/dev/null", descriptor == 0 ? O_RDONLY : O_WRONLY);  // the lowest that is free
+#endif
+}
+
+bool isSameFile(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;  // what cannot be looked at cannot be written to, which is said then
+  const auto placeOf = [&](const fs::path& path) { return fs::weakly_canonical(fs::absolute(path, ignored), ignored); };
+  return !a.empty() && !b.empty() && placeOf(a) == placeOf(b);
 }
 
 void requireNoneOf(const fs::path& written, const std::vector<fs::path>& read) {

@@ -20,8 +20,15 @@ void writeFileWhole(const std::filesystem::path& path, std::string_view bytes, c
 /// Throws as writeFileWhole would, as far as that can be told without the bytes: to be asked before work that takes long.
 void requireWritable(const std::filesystem::path& path);
 
+/// Before any file is opened, of a program: the descriptors that whoever started it has given it are those that it may write to by name (/dev/fd/3), and its own are not. Of the first three
+/// those that are closed become /dev/null, so that no file takes their place.
+void noteInheritedFiles();
+
 /// Whether what is there is no regular file: a folder, a device, or a pipe, which would wait for a reader.
 bool isSpecial(const std::filesystem::path& path);
+
+/// Whether two paths lead to one file, which need not be there, however they are written and whatever links lead there. Empty ones lead nowhere.
+bool isSameFile(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// Throws UsageError where what is to be written is one of the files that are read, by whatever name. Empty paths are none.
 void requireNoneOf(const std::filesystem::path& written, const std::vector<std::filesystem::path>& read);

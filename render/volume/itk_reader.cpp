@@ -248,7 +248,7 @@ VolumePtr readItkVolume(const std::filesystem::path& path, const std::stop_token
   // The library behind NIfTI reads into memory of its own first.
   const bool isReadTwice = dynamic_cast<itk::NiftiImageIO*>(io.GetPointer()) != nullptr;
   requireMemory(count * sizeBytes(type) + (isReadTwice ? storedBytes : 0), source + ": it");
-  requirePayload(path, payload, count, storedBytes, stop);
+  requirePayload(path, payload, payload.storedType.value_or(type), count, storedBytes, stop);
 
   // Pages of zeros come for free from the system; memory as it was found would show where ITK stops early without a
   // word.

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <new>
 #include <string>
@@ -14,6 +16,7 @@
 #include <vector>
 
 #include "render/base/error.h"
+#include "render/base/printable.h"
 #include "render/volume/binary_payload.h"
 #include "render/volume/payload_parts.h"
 #include "render/volume/text_payload.h"
@@ -27,36 +30,50 @@ using Encoding = Payload::Encoding;
 using payload_parts::fail;
 using payload_parts::wholeFile;
 
-/// Whether streams of the standard library read the whole word as a number of that kind.
-bool isNumber(std::string_view word, bool isWhole) {
+/// What is wrong with a word as a number of that type; null if nothing is.
+const char* faultOf(std::string_view word, Payload::Words words, VoxelType type) {
   if (word.starts_with('+')) word.remove_prefix(1);
-  if (word.empty() || word.find_first_not_of(isWhole ? "-0123456789" : "+-.0123456789eE") != std::string_view::npos) return false;
-  double value;
+  const bool isReal = type == VoxelType::float32 || type == VoxelType::float64;
+  const bool isDigits = word.find_first_not_of("+-.0123456789eE") == std::string_view::npos;
+  double value = 0.0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && end == word.data() + word.size();
+  if (error != std::errc() || end != word.data() + word.size() || (!isDigits && !(isReal && words == Payload::Words::nrrd))) return "which is no number";
+  if (isReal) return type == VoxelType::float32 && std::isfinite(value) && std::abs(value) > static_cast<double>(std::numeric_limits<float>::max()) ? "which its type does not hold" : nullptr;
+  const bool isWritten = word.find_first_of(".eE") == std::string_view::npos;
+  if (value != std::trunc(value) || (!isWritten && words != Payload::Words::meta)) return "which is no whole number";
+  return visitVoxelType(type, [&](auto tag) {
+    using Limits = std::numeric_limits<decltype(tag)>;
+    return value >= static_cast<double>(Limits::lowest()) && value <= static_cast<double>(Limits::max()) ? nullptr : "which its type does not hold";
+  });
 }
 
 /// Words in the text from `payload.offsetBytes` on, counted no further than `enough`. Throws InputError for one that the file's library would not bear, or would not read.
-uint64_t countWords(const fs::path& path, const Payload& payload, uint64_t enough, const std::stop_token& stop) {
+uint64_t countWords(const fs::path& path, const Payload& payload, VoxelType type, uint64_t enough, const std::stop_token& stop) {
   std::ifstream file(payload.file, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(payload.offsetBytes));
   std::vector<char> piece(1 << 16);
   uint64_t words = 0;
   std::string word;
-  const auto refuse = [&](const std::string& what) { fail(path, "its voxel " + std::to_string(words) + " is \"" + word.substr(0, 40) + "\", " + what); };
+  const auto refuse = [&](const std::string& what) { fail(path, "its voxel " + std::to_string(words) + " is \"" + printable(word.substr(0, 40)) + "\", " + what); };
   const auto endWord = [&] {
-    if (payload.words == Payload::Words::any ? word.find_first_not_of(',') == std::string::npos : word.empty()) return word.clear();
-    if (payload.words != Payload::Words::any && !isNumber(word, payload.words == Payload::Words::wholeNumbers))
-      refuse(payload.words == Payload::Words::wholeNumbers ? "which is no whole number" : "which is no number");
-    ++words;
+    std::string_view number(word);
+    if (payload.words == Payload::Words::nrrd) {
+      number.remove_prefix(std::min(number.find_first_not_of(','), number.size()));
+      number = number.substr(0, number.find_last_not_of(',') + 1);
+    }
+    if (!number.empty()) {
+      if (const char* const fault = faultOf(number, payload.words, type)) refuse(fault);
+      ++words;
+    }
     word.clear();
   };
+  constexpr std::string_view kBlanks = " \t\n\v\f\r";  // of the standard library's streams
   while (words < enough && file) {
     if (stop.stop_requested()) throw OperationCancelled();
     file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
     for (std::streamsize i = 0; i < file.gcount() && words < enough; ++i) {
       const char c = piece[static_cast<size_t>(i)];
-      if (static_cast<unsigned char>(c) <= ' ') {
+      if (kBlanks.find(c) != std::string_view::npos) {
         endWord();
         continue;
       }
@@ -149,10 +166,10 @@ void requirePlausible(const fs::path& path, const Payload& payload, uint64_t siz
     fail(path, declaredText(sizeBytes) + "a file of " + std::to_string(fileBytes) + " bytes cannot hold that");
 }
 
-void requirePayload(const fs::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes, const std::stop_token& stop) {
+void requirePayload(const fs::path& path, const Payload& payload, VoxelType type, uint64_t count, uint64_t sizeBytes, const std::stop_token& stop) {
   requirePlausible(path, payload, sizeBytes);
   if (payload.encoding == Encoding::text) {
-    const uint64_t held = countWords(path, payload, count, stop);
+    const uint64_t held = countWords(path, payload, type, count, stop);
     if (held < count)
       fail(path, "its header declares " + std::to_string(count) + " voxels, but the file holds " +
                      std::to_string(held) + " numbers; it is cut off or damaged");

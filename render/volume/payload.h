@@ -17,6 +17,7 @@ namespace warpscope {
 inline constexpr size_t kMaxHeaderLines = 4096;             ///< NRRD, MetaImage
 inline constexpr uint64_t kMaxHeaderBytes = 1 << 20;        ///< NRRD, MetaImage
 inline constexpr size_t kMaxTextLine = 200;                 ///< MetaImage: bytes of a line with a text
+inline constexpr size_t kMaxFieldLine = 512;                ///< NRRD: bytes of a line with a field, but for its content
 inline constexpr size_t kMaxWord = 64;                      ///< bytes of a voxel that is written as text
 inline constexpr size_t kMaxExtensions = 4096;              ///< NIfTI
 inline constexpr uint64_t kMaxExtensionBytes = 16 << 20;    ///< of a NIfTI header's extensions together; of an MRC file's extended header
@@ -29,17 +30,17 @@ struct Payload {
     text,       ///< words, of which Words says what they are
     unchecked,  ///< unknown here; the reader must notice by itself
   };
-  /// Of a text: what its library reads rightly. Behind a word that it does not take for a number it leaves all voxels 0, without a word.
+  /// Of a text: how its library reads numbers. What it does not take for one, or its type does not hold, becomes another, and all behind it 0, without a word.
   enum class Words {
-    any,           ///< NRRD: blanks between them, commas beside them; what is no number is refused by the library
-    numbers,       ///< MetaImage
-    wholeNumbers,  ///< VTK, of integers
+    nrrd,   ///< commas may stand beside them; nan and inf are known
+    meta,   ///< as doubles, which become integers where they are some
+    plain,  ///< as their type is written
   };
   std::filesystem::path file;  ///< the file itself, or the data file of a detached header
   uint64_t offsetBytes = 0;    ///< of the voxels, or of the compressed stream in `file`
   uint64_t skipBytes = 0;      ///< bytes before the voxels inside the decompressed stream
   Encoding encoding = Encoding::unchecked;
-  Words words = Words::any;
+  Words words = Words::plain;
   std::optional<uint64_t> deflatedBytes{};  ///< MetaImage only: of the compressed stream, as the header says it; the library reads no more
   std::optional<VoxelType> storedType{};  ///< NIfTI, of the voxels before the header's slope and intercept; MRC, of bytes whose sign the header says
   bool isDescending = false;              ///< NIfTI only: the slope is negative
@@ -56,8 +57,8 @@ void requirePlausible(const std::filesystem::path& path, const Payload& payload,
 
 /// Throws InputError, naming `path`, unless `payload` holds at least `sizeBytes` bytes of voxels (`count` of them).
 /// Decompresses a compressed payload once, in small pieces, to its end or until enough is there, and checks it for
-/// damage. Throws OperationCancelled if `stop` is set.
-void requirePayload(const std::filesystem::path& path, const Payload& payload, uint64_t count, uint64_t sizeBytes,
+/// damage. Of a text, reads each number, which `type` has to hold. Throws OperationCancelled if `stop` is set.
+void requirePayload(const std::filesystem::path& path, const Payload& payload, VoxelType type, uint64_t count, uint64_t sizeBytes,
                     const std::stop_token& stop = {});
 
 }  // namespace warpscope

@@ -177,6 +177,14 @@ Payload locateNrrd(const fs::path& path) {
     return field == header.fields.end() ? std::string() : lowered(field->second);
   };
   requireTextual(path, header);
+  // The library puts what is wrong with a field into a place of a kilobyte, the field with it.
+  const auto isText = [](const std::string& line) {
+    const std::string key = lowered(line.substr(0, line.find(':')));
+    return line.find(":=") != std::string::npos || key == "content" || key == "data file" || key == "datafile";
+  };
+  for (const std::string& line : header.lines)
+    if (line.size() > kMaxFieldLine && !isText(line))
+      fail(path, "its header's \"" + line.substr(0, 40) + "\" is a line of " + std::to_string(line.size()) + " bytes; at most " + std::to_string(kMaxFieldLine) + " are read");
   std::istringstream sizes(valueOf("sizes"));
   std::string side;
   // The library reads these without a sign, and with more digits than it has room for.
@@ -189,32 +197,35 @@ Payload locateNrrd(const fs::path& path) {
                      : encoding == "gzip" || encoding == "gz"                         ? Encoding::deflated
                      : encoding == "txt" || encoding == "text" || encoding == "ascii" ? Encoding::text
                                                                                       : Encoding::unchecked;
-  const bool isText = payload.encoding == Encoding::text;  // whose words are all looked at, in one file from its first line on
+  payload.words = Payload::Words::nrrd;
+  const bool isDeflated = payload.encoding == Encoding::deflated;
+  const bool hasWords = payload.encoding == Encoding::text;  // all of which are looked at, in one file from its first line on
   const std::string space = valueOf("space");
   payload.hasOrientation = space.starts_with("left-") || space.starts_with("right-") || space.starts_with("scanner") ||
                            space == "ras" || space == "las" || space == "lps";
   for (const char* key : {"data file", "datafile"})
     if (const auto field = header.fields.find(key); field != header.fields.end())
       if (!followDetached(path, field->second, payload)) {
-        if (isText) fail(path, "spreads numbers that are written as text over several files; only one such file is read");
+        if (hasWords) fail(path, "spreads numbers that are written as text over several files; only one such file is read");
         for (const std::string& name : partsOf(path, field->second)) requirePart(path, path.parent_path() / name, dataFileText(name));
         return payload;
       }
   // Skips make room for foreign headers; -1 means "the last bytes", for which a size check is all that is left.
   for (const char* key : {"line skip", "lineskip"})
     if (!valueOf(key).empty() && valueOf(key) != "0") {
-      if (isText) fail(path, "skips lines before numbers that are written as text; such are read from their first line on");
+      if (hasWords) fail(path, "skips lines before numbers that are written as text; such are read from their first line on");
+      if (isDeflated) fail(path, "skips lines before its compressed voxels; such are read from their first byte on");
       payload.encoding = Encoding::unchecked;
     }
   for (const char* key : {"byte skip", "byteskip"}) {
     const std::string skip = valueOf(key);
     if (skip.empty() || skip == "0") continue;
-    if (isText) fail(path, "skips bytes before numbers that are written as text; such are read from their first byte on");
+    if (hasWords) fail(path, "skips bytes before numbers that are written as text; such are read from their first byte on");
+    if (skip == "-1" && isDeflated) fail(path, "says that its compressed voxels are the last bytes (byte skip: -1), which only others can be");
     if (skip == "-1")
       payload.offsetBytes = 0;
-    else if (payload.encoding == Encoding::plain && skip.find_first_not_of("0123456789") == std::string::npos &&
-             skip.size() < 16)
-      payload.offsetBytes += std::stoull(skip);
+    else if (skip.find_first_not_of("0123456789") == std::string::npos && skip.size() < 16 && (payload.encoding == Encoding::plain || isDeflated))
+      (isDeflated ? payload.skipBytes : payload.offsetBytes) += std::stoull(skip);  // of what is decompressed
     else
       payload.encoding = Encoding::unchecked;
   }
@@ -277,21 +288,24 @@ Payload locateMetaImage(const fs::path& path) {
     payload.isBigEndian = isTrue("binarydatabyteordermsb") || isTrue("elementbyteordermsb");
   const bool isText = !flagOf("binarydata", true);
   payload.encoding = isText ? Encoding::text : isTrue("compresseddata") ? Encoding::deflated : Encoding::plain;
-  payload.words = Payload::Words::numbers;
+  payload.words = Payload::Words::meta;
+  if (isText && payload.isBigEndian != false) fail(path, "says in which order the bytes of numbers are that it has as text; it must be False");
   for (const char* key : {"transformmatrix", "orientation", "rotation", "anatomicalorientation"})
     if (const auto field = header.fields.find(key); field != header.fields.end() && !field->second.starts_with("?"))
       payload.hasOrientation = true;
   if (lowered(dataFile->second) != "local" && !followDetached(path, dataFile->second, payload))
     fail(path, "spreads its voxels over several files, which ITK reads unchecked; convert it to a single .mha file");
   // From the file's beginning on; -1 means "the last bytes", for which a size check is all that is left.
-  if (const auto size = bytesOf("headersize", -1); size && *size != 0) payload.offsetBytes = *size > 0 ? static_cast<uint64_t>(*size) : 0;
+  const auto skipped = bytesOf("headersize", -1);
+  if (skipped.value_or(0) < 0 && payload.encoding != Encoding::plain) fail(path, "says that its voxels are the last bytes (HeaderSize = -1), which text and compressed ones cannot be");
+  if (skipped.value_or(0) != 0) payload.offsetBytes = *skipped > 0 ? static_cast<uint64_t>(*skipped) : 0;
   if (payload.encoding != Encoding::deflated) return payload;
   if (const auto size = bytesOf("compresseddatasize", 1)) payload.deflatedBytes = static_cast<uint64_t>(*size);
   std::error_code unknown;
   const uint64_t fileBytes = fs::file_size(payload.file, unknown), held = fileBytes - std::min(fileBytes, payload.offsetBytes);
   if (!unknown && payload.deflatedBytes.value_or(0) > held)
     fail(path, "its header says that its compressed voxels take " + std::to_string(*payload.deflatedBytes) + " bytes, but the file holds " + std::to_string(held) + " of them; it is cut off or damaged");
-  if (!payload.deflatedBytes && payload.file == path) fail(path, "its header lacks CompressedDataSize, without which its compressed voxels are not found");
+  if (!payload.deflatedBytes && (payload.file == path || skipped.value_or(0) != 0)) fail(path, "its header lacks CompressedDataSize, without which its compressed voxels are not found");
   return payload;
 }
 
@@ -307,8 +321,6 @@ Payload locateVtk(const fs::path& path) {
     if (i == 0 && !text.starts_with("# vtk datafile"))
       fail(path, "is no VTK file: it does not begin with # vtk DataFile");
     if (text == "ascii") payload.encoding = Encoding::text;
-    // "scalars NAME TYPE": numbers as their type is read.
-    if (text.starts_with("scalars")) payload.words = text.find(" float") == std::string::npos && text.find(" double") == std::string::npos ? Payload::Words::wholeNumbers : Payload::Words::numbers;
     if (text.starts_with("dimensions"))
       if (const size_t minus = text.find('-'); minus != std::string::npos)
         fail(path, "its header declares " + text.substr(minus, std::min<size_t>(40, text.find_first_of(" \t", minus) - minus)) + " voxels along an axis");
