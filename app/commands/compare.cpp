@@ -167,7 +167,7 @@ void compare(const CompareOptions& options) {
   const CommandContext work = prepare(options.common, options.transport, interrupt.token());
   const std::vector<const WarpDescriptor*> techniques = comparedTechniques(work.march);
   requireMontage(techniques.size(), work.scene.views.size(), std::min(options.cellWidth, work.width), work);
-  for (const std::string& name : namesOf(techniques, work.scene.views.size())) requireUnread((std::filesystem::path(options.out) / name).string(), options.common, &work.scene);
+  for (const std::string& name : namesOf(techniques, work.scene.views.size())) requireUnread((std::filesystem::path(options.out) / name).string(), options.common, work.scene);
   StagedFolder out(options.out, namesOf(techniques, work.scene.views.size()));  // fails before the work if it cannot be written
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
   for (const WarpDescriptor& technique : warpRegistry())

@@ -112,10 +112,9 @@ void exportSamples(const ExportOptions& options) {
   if (options.ply.empty() && options.spreadMap.empty()) throw UsageError("give --ply, --spread-map or both");
   if (isSameFile(options.ply, options.spreadMap)) throw UsageError("--ply and --spread-map are the same file: " + printable(options.ply));
   const Interrupt interrupt;
-  for (const std::string& file : {options.ply, options.spreadMap}) requireUnread(file, options.common);
   CommandContext work = prepare(options.common, interrupt.token());
   for (const std::string& file : {options.ply, options.spreadMap}) {
-    requireUnread(file, options.common, &work.scene);
+    requireUnread(file, options.common, work.scene);
     if (!file.empty()) requireWritable(file);
   }
   work.march = neededBy({}, work.march);

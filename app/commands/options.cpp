@@ -136,10 +136,10 @@ void requireValues(CLI::App& command) {
       });
 }
 
-void requireUnread(const std::string& written, const CommonOptions& options, const Scene* scene) {
+void requireUnread(const std::string& written, const CommonOptions& options, const Scene& scene) {
   if (written.empty()) return;
   std::vector<std::filesystem::path> read{options.scene.value_or(""), options.volume, options.mask, options.transferFunction};
-  if (scene != nullptr) read.insert(read.end(), scene->files.begin(), scene->files.end());
+  read.insert(read.end(), scene.files.begin(), scene.files.end());
   requireNoneOf(written, read);
 }
 

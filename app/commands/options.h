@@ -51,8 +51,8 @@ void addLogOptions(CLI::App& command, CommonOptions& options);
 /// the command. A file of such a name is written with its folder: ./--quiet.
 void requireValues(CLI::App& command);
 
-/// Throws UsageError where what is to be written is a file that is read: by what was typed and, once there is one, by the scene. Empty names are none.
-void requireUnread(const std::string& written, const CommonOptions& options, const Scene* scene = nullptr);
+/// Throws UsageError where what is to be written is a file that is read: by what was typed, or by the scene. Empty names are none.
+void requireUnread(const std::string& written, const CommonOptions& options, const Scene& scene);
 
 /// What was asked for, before the scene is opened.
 struct CheckedOptions {

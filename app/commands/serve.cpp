@@ -105,11 +105,10 @@ void serve(const ServeOptions& options) {
   }
   const ServeLimits limits = limitsFrom(options);
   const Interrupt interrupt;
-  requireUnread(options.portFile, options.common);
   if (!options.portFile.empty()) requireWritable(options.portFile);
   net::ServerSettings settings = settingsFor(options, listen);
   const CommandContext work = prepare(options.common, interrupt.token());
-  requireUnread(options.portFile, options.common, &work.scene);
+  requireUnread(options.portFile, options.common, work.scene);
   raiseFileLimit();
   const auto io = std::make_shared<net::IoThread>();
   auto progress = std::make_unique<Progress>("preparing", 1, !options.common.showsProgress());

@@ -180,7 +180,7 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
   if (isAutomatic && options.front.empty() && !options.transport.connect.empty())
     throw UsageError("--technique auto measures its choices where the volume is: with --connect, give --front with the sweep.json of a sweep");
   CommandContext work = prepare(options.common, options.transport, limit.token());
-  requireUnread(options.out, options.common);
+  requireUnread(options.out, options.common, work.scene);
   if (!options.out.empty()) requireWritable(options.out);
   if (!options.ray.empty()) requireRay(options, work);
   HeadlessResources headless(work.marcher(), work.platform, work.backend);

@@ -127,7 +127,7 @@ void sweep(const SweepOptions& options) {
   const std::vector<std::string> names{"sweep.csv", "report.html", "sweep.json"};
   for (const std::string& name : names) {
     const std::filesystem::path file = std::filesystem::path(options.out) / name;
-    requireUnread(file.string(), options.common, &work.scene);
+    requireUnread(file.string(), options.common, work.scene);
     requireNoneOf(file, {options.plan});
   }
   StagedFolder out(options.out, names);  // fails before the work if it cannot be written

@@ -114,9 +114,12 @@ void Session::setPanels(const std::vector<PanelSettings>& panels, const std::vec
 void Session::choose(size_t panel, const Configuration& configuration, Says says) {
   const WarpDescriptor& technique = *configuration.technique;
   setTechnique(panel, technique);
-  if (says == Says::all) knobs_.march.render = configuration.march.render;
-  for (const MarchKnob& row : marchKnobs())
-    if (row.knob->owner != KnobOwner::sampling && !row.knob->axis.key.empty()) row.set(knobs_.march, row.get(configuration.march));
+  if (says == Says::all) {
+    knobs_.march.render = configuration.march.render;
+  } else {
+    for (const MarchKnob& row : marchKnobs())
+      if (row.knob->owner != KnobOwner::sampling && !row.knob->axis.key.empty()) row.set(knobs_.march, row.get(configuration.march));
+  }
   takeOver(configuration, knobs_.march, knobs_.warp);
   takePanelKnobs(panels_[panel], configuration);
   if (!technique.usesFrame) return;

@@ -1,12 +1,10 @@
 // Messages between ranks on different machines, packed: what RankWriter would write one after the other, in streams of like things.
-// Of values beside others (RankWriter::putBeside) each word is in a column of its own, less the one above it, a byte at a time: neighbouring rays have like signs and exponents. Entropy
+// Of values beside others (WordsBeside) each word is in a column of its own, less the one above it, a byte at a time: neighbouring rays have like signs and exponents. Entropy
 // coding by Zstandard (zstd_section.h); transposing bytes of like numbers as in Masui et al. 2015 ("bitshuffle").
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <vector>
 
@@ -29,22 +27,11 @@ class PackedWriter {
   /// As RankWriter's; `first`: the column of the value's first word, the others follow it.
   template <class T>
   PackedWriter& putBeside(const T& value, const T& usual, size_t first) {
-    RankWriter record;
-    record.putBeside(value, usual);
-    const std::vector<std::byte> bytes = record.take();
-    constexpr size_t kMarks = (wordsOf<T> + 7) / 8;
-    std::array<std::byte, kMarks> marks;
-    std::memcpy(marks.data(), bytes.data(), kMarks);
-    plain_.put(marks);
+    const WordsBeside<T> beside(value, usual);
+    plain_.put(beside.marks);
     if (columns_.size() < first + wordsOf<T>) columns_.resize(first + wordsOf<T>);
-    size_t at = kMarks;
-    for (size_t i = 0; i < wordsOf<T>; ++i) {
-      if ((std::to_integer<unsigned>(marks[i / 8]) >> (i % 8) & 1) == 0) continue;
-      uint32_t word;
-      std::memcpy(&word, bytes.data() + at, sizeof word);
-      at += sizeof word;
-      columns_[first + i].push_back(word);
-    }
+    for (size_t i = 0, next = 0; i < wordsOf<T>; ++i)
+      if (beside.isMarked(beside.marks, i)) columns_[first + i].push_back(beside.words[next++]);
     return *this;
   }
   std::vector<std::byte> take();
@@ -71,14 +58,8 @@ class PackedReader {
   }
   template <class T>
   T getBeside(const T& usual, size_t first) {
-    const auto marks = reader_.get<std::array<std::byte, (wordsOf<T> + 7) / 8>>();
-    std::array<uint32_t, wordsOf<T>> words{};
-    std::memcpy(words.data(), &usual, sizeof usual);
-    for (size_t i = 0; i < words.size(); ++i)
-      if ((std::to_integer<unsigned>(marks[i / 8]) >> (i % 8) & 1) != 0) words[i] = nextOf(first + i);
-    T value = usual;
-    std::memcpy(static_cast<void*>(&value), words.data(), sizeof value);
-    return value;
+    const auto marks = reader_.get<typename WordsBeside<T>::Marks>();
+    return WordsBeside<T>::valueOf(usual, marks, [&](size_t i) { return nextOf(first + i); });
   }
   bool isAtEnd() const { return reader_.isAtEnd(); }
 

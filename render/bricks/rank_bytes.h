@@ -18,6 +18,41 @@ namespace warpscope {
 template <class T>
 inline constexpr size_t wordsOf = (sizeof(T) + sizeof(uint32_t) - 1) / sizeof(uint32_t);
 
+/// A value of which most is as `usual`, word by word: a mark for each word that is not, and those words. Both ends have the same `usual`.
+template <class T>
+struct WordsBeside {
+  using Marks = std::array<uint8_t, (wordsOf<T> + 7) / 8>;
+
+  WordsBeside(const T& value, const T& usual) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::array<uint32_t, wordsOf<T>> all{}, before{};
+    std::memcpy(all.data(), &value, sizeof value);
+    std::memcpy(before.data(), &usual, sizeof usual);
+    for (size_t i = 0; i < all.size(); ++i) {
+      const bool isOther = all[i] != before[i];
+      marks[i / 8] |= static_cast<uint8_t>(static_cast<unsigned>(isOther) << (i % 8));
+      words[count] = all[i];
+      count += isOther ? 1 : 0;
+    }
+  }
+  static bool isMarked(const Marks& marks, size_t word) { return (marks[word / 8] >> (word % 8) & 1) != 0; }
+  /// Back. `wordAt(i)` is asked for the i-th word where it is marked, in their order.
+  template <class WordAt>
+  static T valueOf(const T& usual, const Marks& marks, const WordAt& wordAt) {
+    std::array<uint32_t, wordsOf<T>> all{};
+    std::memcpy(all.data(), &usual, sizeof usual);
+    for (size_t i = 0; i < all.size(); ++i)
+      if (isMarked(marks, i)) all[i] = wordAt(i);
+    T value = usual;
+    std::memcpy(static_cast<void*>(&value), all.data(), sizeof value);
+    return value;
+  }
+
+  Marks marks{};
+  std::array<uint32_t, wordsOf<T>> words{};  ///< the first `count` of them
+  size_t count = 0;
+};
+
 class RankWriter {
  public:
   template <class T>
@@ -26,24 +61,12 @@ class RankWriter {
     append(&value, sizeof value);
     return *this;
   }
-  /// A value of which most is as `usual`, word by word: a bit for each word that is not, and those words. Both ends have the same `usual`.
+  /// WordsBeside.
   template <class T>
   RankWriter& putBeside(const T& value, const T& usual, size_t /*column: PackedWriter's*/ = 0) {
-    using Words = std::array<uint32_t, wordsOf<T>>;
-    Words words{}, before{};
-    std::memcpy(words.data(), &value, sizeof value);
-    std::memcpy(before.data(), &usual, sizeof usual);
-    std::array<uint8_t, (wordsOf<T> + 7) / 8> changed{};
-    size_t count = 0;
-    Words others;
-    for (size_t i = 0; i < words.size(); ++i) {
-      const bool isOther = words[i] != before[i];
-      changed[i / 8] |= static_cast<uint8_t>(static_cast<unsigned>(isOther) << (i % 8));
-      others[count] = words[i];
-      count += isOther ? 1 : 0;
-    }
-    append(changed.data(), changed.size());
-    append(others.data(), count * sizeof(uint32_t));
+    const WordsBeside<T> beside(value, usual);
+    append(beside.marks.data(), beside.marks.size());
+    append(beside.words.data(), beside.count * sizeof(uint32_t));
     return *this;
   }
   /// How many there are, and they.
@@ -86,14 +109,8 @@ class RankReader {
   }
   template <class T>
   T getBeside(const T& usual, size_t /*column*/ = 0) {
-    std::array<uint32_t, wordsOf<T>> words{};
-    std::memcpy(words.data(), &usual, sizeof usual);
-    const std::span<const std::byte> changed = next((wordsOf<T> + 7) / 8);
-    for (size_t i = 0; i < words.size(); ++i)
-      if ((std::to_integer<unsigned>(changed[i / 8]) >> (i % 8) & 1) != 0) std::memcpy(&words[i], next(sizeof(uint32_t)).data(), sizeof(uint32_t));
-    T value = usual;
-    std::memcpy(static_cast<void*>(&value), words.data(), sizeof value);
-    return value;
+    const auto marks = get<typename WordsBeside<T>::Marks>();
+    return WordsBeside<T>::valueOf(usual, marks, [&](size_t) { return get<uint32_t>(); });
   }
   template <class Range>
   void getAll(Range& values) {

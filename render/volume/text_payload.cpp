@@ -271,7 +271,7 @@ Payload locateMetaImage(const fs::path& path) {
     return false;
   };
   const auto isTrue = [&](const char* key) { return flagOf(key, false); };
-  /// A number of bytes, -1 among them where it stands for something.
+  // A number of bytes, -1 among them where it stands for something.
   const auto bytesOf = [&](const char* key, int64_t least) -> std::optional<int64_t> {
     const auto field = header.fields.find(key);
     if (field == header.fields.end()) return {};
