@@ -426,11 +426,14 @@ TEST_F(Refusal, NamesThatAreNoTextDoNotHarm) {
 
 TEST_F(Refusal, OutputThatCannotBePrintedIsAFailure) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  const std::string command = std::string("'") + WARPSCOPE_PROGRAM + "' info --json >/dev/full 2>'" + folder_.file("err") + "'";
-  const int status = std::system(command.c_str());
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), kFailure);
-  EXPECT_THAT(folder_.read("err"), testing::StartsWith("warpscope: "));
+  for (const char* const arguments : {"info --json", "--help", "shot --help", "--version"}) {
+    SCOPED_TRACE(arguments);
+    const std::string command = std::string("'") + WARPSCOPE_PROGRAM + "' " + arguments + " >/dev/full 2>'" + folder_.file("err") + "'";
+    const int status = std::system(command.c_str());
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), kFailure);
+    EXPECT_THAT(folder_.read("err"), testing::StartsWith("warpscope: "));
+  }
 }
 
 }  // namespace

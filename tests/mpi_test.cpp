@@ -199,7 +199,7 @@ TEST_F(Mpi, AServerOfSeveralProcessesServesAsOneDoes) {
   }
   EXPECT_EQ(processes().size(), 4u);
   server_->signal(SIGINT);
-  EXPECT_LT(secondsToTheEnd(), 4.0);
+  EXPECT_LT(secondsToTheEnd(), 2.0);
 }
 
 TEST_F(Mpi, AProcessThatDiesEndsAll) {

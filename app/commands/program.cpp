@@ -40,11 +40,11 @@ bool isFollower() { return processRanks() && !processRanks()->isFirst(); }
 /// One line, whatever a file's name brings with it; of several processes that fail alike, one's.
 int complain(const std::string& text, int code, bool isToldToEnd = false) {
   // As long as the first one may be behind the others, on a machine with more to do than this; and until all are ended once somebody has said it.
-  constexpr std::chrono::seconds kPatience(2), kEnd(5);
+  constexpr std::chrono::milliseconds kPatience(2000), kEnd(5000);
   constexpr std::chrono::milliseconds kShortly(100);  // what has been said is on its way, and signals end all soon
   std::string who = "warpscope: ";
   if (processRanks() && !processRanks()->claimLastWord(isToldToEnd && processRanks()->isFirst() ? kShortly : kPatience, isToldToEnd)) {
-    std::this_thread::sleep_for(kEnd);
+    std::this_thread::sleep_for(isToldToEnd ? kShortly : kEnd);
     return code;
   }
   if (isFollower()) {
@@ -116,6 +116,11 @@ void shareOpenGlDispatch() {
 #endif
 }
 
+/// What was printed.
+void requireWritten() {
+  if (!std::cout.flush()) throw InputError("standard output cannot be written to");
+}
+
 int run(int argc, char** argv) {
   CLI::App program("warpscope shows what different ways of warping a remote volume rendering do to the picture, and what each costs.",
                    "warpscope");
@@ -138,8 +143,10 @@ int run(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return isFollower() ? 0 : program.exit(error);  // --help, --version
-    return complain(sentenceOf(error, program), kUsage);
+    if (error.get_exit_code() != 0) return complain(sentenceOf(error, program), kUsage);
+    if (!isFollower()) program.exit(error);  // --help, --version
+    requireWritten();
+    return 0;
   }
   if (processRanks()) {
     const std::vector<CLI::App*> commands = program.get_subcommands();
@@ -148,7 +155,7 @@ int run(int argc, char** argv) {
   }
   if (chosen) {
     chosen();
-    if (!std::cout.flush()) throw InputError("standard output cannot be written to");
+    requireWritten();
     return 0;
   }
   try {
@@ -187,8 +194,8 @@ int runProgram(int argc, char** argv) {
   const int code = runToExitCode(argc, argv);
   if (processRanks()) {
     std::cout.flush();
-    if (code != 0) processRanks()->abort(code);  // others may wait for this one
-    leaveProcesses();
+    if (code != 0) endProcesses(code);  // others may wait for this one
+    leaveProcesses(code);
   }
   if (!isAnythingAbandoned()) return code;
   // A reader that was left alone still uses what would be torn down now.

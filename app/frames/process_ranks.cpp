@@ -5,17 +5,24 @@
 #include <dlfcn.h>
 
 #include <charconv>
+#include <chrono>
+#include <condition_variable>
 #include <cstdlib>
 #include <filesystem>
 #include <initializer_list>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <sstream>
+#include <stop_token>
 #include <string>
 #include <string_view>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "app/frames/backend.h"
+#include "app/shell/interrupt.h"
 #include "render/base/error.h"
 #include "render/base/memory_limit.h"
 #include "render/march/ray_relay.h"
@@ -32,6 +39,22 @@ Joined& joined() {
   static Joined processes;
   return processes;
 }
+
+/// While it lives, the process has a moment to end by itself, and is ended then. A launcher that ends all, on Ctrl-C, tells them so and then sleeps (Open MPI's mpirun for a
+/// second): MPI's own ways to end wait for it, and whoever is still there when it wakes up makes it sleep once more.
+class EndAnyway {
+ public:
+  explicit EndAnyway(int code) : thread_([code](const std::stop_token& isNoLonger) {
+    constexpr std::chrono::milliseconds kMoment(400);
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any().wait_for(lock, isNoLonger, kMoment, [] { return false; });
+    if (!isNoLonger.stop_requested()) std::_Exit(code);
+  }) {}
+
+ private:
+  std::jthread thread_;
+};
 
 /// Beside the program, or where packages keep a program's own libraries.
 std::string libraryPath() {
@@ -129,11 +152,17 @@ void followFirst(const VolumePtr& volume, Backend backend, const std::stop_token
   if (!followRanks(volume, stop, makePieces(backend))) std::_Exit(1);
 }
 
-void leaveProcesses() {
+void leaveProcesses(int code) {
+  const std::optional<EndAnyway> limit = wasInterrupted() ? std::optional<EndAnyway>(std::in_place, code) : std::nullopt;
   Joined& all = joined();
   all.leader.reset();
   all.volume.reset();
   all.ranks.reset();
+}
+
+void endProcesses(int code) {
+  const EndAnyway limit(code);
+  processRanks()->abort(code);
 }
 
 }  // namespace warpscope

@@ -23,7 +23,10 @@ void followFirst(const VolumePtr& volume, Backend backend, const std::stop_token
 /// Thrown when that end has come: nothing is left to do here.
 struct FollowedToTheEnd {};
 
-/// The first process lets the others go; waits for all to come to the same end.
-void leaveProcesses();
+/// The first process lets the others go; waits for all to come to the same end, but no longer than for a moment after an interrupt: then this process ends with `code`.
+void leaveProcesses(int code);
+
+/// Ends all processes, each with `code`, and this one in any case.
+[[noreturn]] void endProcesses(int code);
 
 }  // namespace warpscope

@@ -4,6 +4,7 @@
 
 #include <utility>  // Asio 1.74 lacks this include in C++20
 
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -22,6 +23,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kBounce(250);  // of a key
 constexpr std::chrono::seconds kMoment(1);         // that ending may take without a word
+
+std::atomic<bool> isInterrupted = false;
 
 }  // namespace
 
@@ -49,6 +52,7 @@ struct Interrupt::State {
       const auto now = std::chrono::steady_clock::now();
       if (!source.stop_requested()) {
         firstAt = now;
+        isInterrupted = true;
         source.request_stop();
         announcement.expires_after(kMoment);
         announcement.async_wait([](const boost::system::error_code& cancelled) {
@@ -86,5 +90,7 @@ Interrupt::~Interrupt() {
 }
 
 std::stop_token Interrupt::token() const { return state_->source.get_token(); }
+
+bool wasInterrupted() { return isInterrupted; }
 
 }  // namespace warpscope

@@ -23,4 +23,7 @@ class Interrupt {
   std::unique_ptr<State> state_;
 };
 
+/// Whether one has asked for a stop, be its object there or not. Safe on any thread.
+bool wasInterrupted();
+
 }  // namespace warpscope

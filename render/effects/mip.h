@@ -63,9 +63,8 @@ class MipSource {
   WARPSCOPE_HD MipSource(const ModeView<Voxel, MipSetup>& view, const Ray& ray, const RayLattice& lattice)
       : reader_(view.volume, ray), lattice_(lattice), setup_(view.setup), emptySpace_(view.volume.cells, reader_.origin(), reader_.direction(), lattice) {}
 
-  /// Among samples [begin, end) of the lattice. With cells to leap over, one below setup.leastShown may be missed for another.
-  WARPSCOPE_HD GreatestValue find(int begin, int end) const {
-    GreatestValue greatest;
+  /// Among samples [begin, end) of the lattice. With cells to leap over, one below setup.leastShown may be missed for another. `greatest`: of those in front.
+  WARPSCOPE_HD GreatestValue find(int begin, int end, GreatestValue greatest = {}) const {
     for (int i = begin; i < end;) {
       const float t = lattice_.t(i);
       int index[3];

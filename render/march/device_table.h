@@ -1,12 +1,19 @@
-// A transfer table in device memory. For .cu files.
+// Transfer tables in device memory. For .cu files.
 #pragma once
 
 #include <vector>
 
+#include "render/core/segment_table.h"
 #include "render/core/transfer_table.h"
 #include "render/cuda/memory.h"
 
 namespace warpscope {
+
+template <class T>
+const T* uploaded(cuda::DeviceBuffer<T>& memory, const std::vector<T>& values, cudaStream_t stream) {
+  memory.upload(values, stream);
+  return memory.data();
+}
 
 class DeviceTable {
  public:
@@ -23,17 +30,32 @@ class DeviceTable {
   const TransferLookup& lookup() const { return lookup_; }
 
  private:
-  template <class T>
-  static const T* uploaded(cuda::DeviceBuffer<T>& memory, const std::vector<T>& values, cudaStream_t stream) {
-    memory.upload(values, stream);
-    return memory.data();
-  }
-
   TransferLookup lookup_;
   cuda::DeviceBuffer<glm::vec4> entries_;
   cuda::DeviceBuffer<float> alphas_, unitAlphas_;
   cuda::DeviceBuffer<TransferRefinement> refinements_;
   cuda::DeviceBuffer<float> begins_;
+};
+
+/// What steps between two values show (segment_table.h), of functions that are asked for it.
+class DeviceSegmentTable {
+ public:
+  /// The table's memory is free again when the stream has got there. Of a function without segments: none.
+  void upload(const SegmentTable& table, cudaStream_t stream) {
+    lookup_ = table.lookup();
+    lookup_.entries = uploaded(entries_, table.entries, stream);
+    lookup_.alphas = uploaded(alphas_, table.alphas, stream);
+    lookup_.unitAlphas = uploaded(unitAlphas_, table.unitAlphas, stream);
+  }
+  void clear() { lookup_ = {.nodes = 0}; }
+  bool isEmpty() const { return lookup_.nodes == 0; }
+  /// Into this.
+  const SegmentLookup& lookup() const { return lookup_; }
+
+ private:
+  SegmentLookup lookup_{.nodes = 0};
+  cuda::DeviceBuffer<glm::vec4> entries_;
+  cuda::DeviceBuffer<float> alphas_, unitAlphas_;
 };
 
 }  // namespace warpscope

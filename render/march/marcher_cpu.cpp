@@ -57,7 +57,7 @@ void resample(const LightVolume& from, const glm::vec3& perVoxel, const LightVol
   });
 }
 
-class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
+class CpuMarcher final : public Marcher, public RayTracer, public HostPieceMarcher {
  public:
   CpuMarcher(MarchedVolumePtr marched, TurnsPtr turns) : marched_(std::move(marched)), turns_(std::move(turns)) {}
 
@@ -107,6 +107,12 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
     const std::scoped_lock lock(mutex_);
     copy_ = std::make_unique<CpuMarcher>(std::make_shared<const MarchedVolume>(copy->volume, functionOfCodes(*copy)), nullptr);
     lightKey_.clear();
+  }
+
+  FoundLight findLight(const Camera& camera, const RenderSettings& settings, const std::stop_token& stop) override {
+    const std::scoped_lock lock(mutex_);
+    const LightVolume light = ownLight(camera, settings, stop);
+    return {light, copy_ ? copy_->lightKey_ : lightKey_};
   }
 
   RayTrace trace(const Camera& camera, const MarchSettings& settings, const glm::uvec2& pixel, const std::stop_token& stop) override {
@@ -340,7 +346,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public PieceMarcher {
 
 }  // namespace
 
-std::unique_ptr<PieceMarcher> makePieceMarcher(MarchedVolumePtr marched) { return std::make_unique<CpuMarcher>(std::move(marched), nullptr); }
+std::unique_ptr<HostPieceMarcher> makePieceMarcher(MarchedVolumePtr marched) { return std::make_unique<CpuMarcher>(std::move(marched), nullptr); }
 
 std::unique_ptr<RayTracer> makeRayTracer(VolumePtr volume, TransferFunction transferFunction) {
   return std::make_unique<CpuMarcher>(std::make_shared<MarchedVolume>(std::move(volume), std::move(transferFunction)), nullptr);

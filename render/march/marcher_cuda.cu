@@ -200,18 +200,12 @@ class CudaMarcher final : public Marcher {
     return lastLayer_.download(1, stream_).front() > 0;
   }
 
-  template <class T>
-  const T* uploaded(cuda::DeviceBuffer<T>& memory, const std::vector<T>& values) {
-    memory.upload(values, stream_);
-    return memory.data();
-  }
-
   /// Makes the plan, and what it takes of the transfer function.
   void bake(const RenderSettings& settings, const std::optional<SampleSettings>& sample) {
     const bool hasSurfaces = settings.effects.mode == RenderMode::isosurface;
     const std::shared_ptr<const BakedTransfer> baked = hasSurfaces ? marched_->bakedFor(settings) : marched_->tableFor(settings);
     const bool isUploaded = bakedStep_ == settings.step && bakedArithmetic_ == settings.arithmetic && bakedIsoValues_ == baked->isoValues &&
-                            (segments_.nodes > 0) == baked->hasSegments();
+                            segments_.isEmpty() != baked->hasSegments();
     if (!isUploaded) upload(*baked, settings);
     plan_ = planFor(*marched_, *baked, visibleCells_, settings, sample);
     surfaces_ = baked->surfaces;
@@ -225,13 +219,7 @@ class CudaMarcher final : public Marcher {
   void upload(const BakedTransfer& baked, const RenderSettings& settings) {
     bakedStep_ = 0.0f;
     table_.upload(baked.table, stream_);
-    segments_ = {.nodes = 0};
-    if (baked.hasSegments()) {
-      segments_ = baked.segments.lookup();
-      segments_.entries = uploaded(segmentEntries_, baked.segments.entries);
-      segments_.alphas = uploaded(segmentAlphas_, baked.segments.alphas);
-      segments_.unitAlphas = uploaded(segmentUnitAlphas_, baked.segments.unitAlphas);
-    }
+    baked.hasSegments() ? segments_.upload(baked.segments, stream_) : segments_.clear();
     if (baked.isoValues.size() > 0)
       uploadSurfaces(baked);
     else
@@ -243,7 +231,7 @@ class CudaMarcher final : public Marcher {
 
   /// Cells that surfaces run through are few to find, and the host's plan wants them as well.
   void uploadSurfaces(const BakedTransfer& baked) {
-    uploaded(emptyDistances_, baked.emptyDistances);
+    uploaded(emptyDistances_, baked.emptyDistances, stream_);
     stream_.synchronize();  // `baked` goes
     visibleCells_ = baked.visibleCells;
   }
@@ -253,9 +241,9 @@ class CudaMarcher final : public Marcher {
     TransferLookup visibleBins = table_.lookup();
     if (baked.hasSegments()) {
       visibleBins = baked.visibleSegments.lookup();
-      visibleBins.alphas = uploaded(visibleAlphas_, baked.visibleSegments.alphas);
+      visibleBins.alphas = uploaded(visibleAlphas_, baked.visibleSegments.alphas, stream_);
     }
-    const VisibleBins bins{visibleBins, uploaded(nextVisible_, next)};
+    const VisibleBins bins{visibleBins, uploaded(nextVisible_, next, stream_)};
     deviceCells_->findDistances(bins, emptyDistances_, cellScratch_, stream_);
     hasOctants_ = octants_->isKnown() && octants_->hasRoomFor(octantDistances_);
     if (hasOctants_) octants_->findDistances(bins, octantDistances_, cellScratch_, stream_);
@@ -318,8 +306,8 @@ class CudaMarcher final : public Marcher {
         switch (settings.effects.mode) {
           case RenderMode::composite:
             if constexpr (!kHasHoles)
-              if (plan_->has(PlanStage::segments) && segments_.nodes > 0) {
-                launchSegments<Voxel, kByCells>(job, segments_, shading, lightVolume, heuristic, stream_);
+              if (plan_->has(PlanStage::segments) && !segments_.isEmpty()) {
+                launchSegments<Voxel, kByCells>(job, segments_.lookup(), shading, lightVolume, heuristic, stream_);
                 break;
               }
             launchMarch<Voxel, kHasHoles, kByCells>(job, settings, shading, lightVolume, heuristic, stream_);
@@ -441,9 +429,7 @@ class CudaMarcher final : public Marcher {
   std::vector<float> lightKey_;  // of what the following are for; empty: nothing
   cuda::DeviceBuffer<uint16_t> lightValues_;
   DeviceTable table_;
-  SegmentLookup segments_{.nodes = 0};  // into the next three; without nodes there are none
-  cuda::DeviceBuffer<glm::vec4> segmentEntries_;
-  cuda::DeviceBuffer<float> segmentAlphas_, segmentUnitAlphas_;
+  DeviceSegmentTable segments_;
   cuda::DeviceBuffer<float> visibleAlphas_;
   cuda::DeviceBuffer<int32_t> nextVisible_;
   cuda::DeviceBuffer<uint8_t> emptyDistances_, octantDistances_, cellScratch_;

@@ -10,8 +10,8 @@
 namespace warpscope {
 
 /// Marchers on the first CUDA device that this process sees, which holds the relay's block and no other voxels, once for all that this makes; the same bits as on the CPU. Tiles go to the
-/// CPU that a device has no kernels for: other modes than compositing, shadows and occlusion, several samples a ray, pre-integration, a tile's second way, and more samples that
-/// count, of a heuristic of two passes, than there is room for. All do once the device has failed, of which `onFallback` (may be empty) is told the reason, once, on whatever thread met it; without `mayFallBack`
+/// CPU of whose rays more samples have to be listed than there is room for: all that count, of several samples a ray and heuristics of two passes. What arrives of the lights the
+/// CPU finds out as well. All tiles do once the device has failed, of which `onFallback` (may be empty) is told the reason, once, on whatever thread met it; without `mayFallBack`
 /// marchPieces() throws DeviceError instead. Throws DeviceError, as what it returns does.
 PieceMaker makeCudaPieces(bool mayFallBack, std::function<void(const std::string& reason)> onFallback);
 

@@ -16,6 +16,7 @@
 
 #include "render/core/backend.h"
 #include "render/core/camera.h"
+#include "render/effects/light_volume.h"
 #include "render/effects/mip.h"
 #include "render/march/cell_block.h"
 #include "render/march/finished_ray.h"
@@ -129,8 +130,21 @@ class PieceMarcher {
   virtual void marchPieces(const Camera& camera, const RenderSettings& settings, const SampleSettings* sample, RayRelay& relay, const std::stop_token& stop) = 0;
 };
 
+/// What arrives of the lights, at places of a grid over the volume.
+struct FoundLight {
+  LightVolume volume;      ///< without channels where nothing stands in the light's way. Its values are in this program's memory, and stay until the next call of who has found them
+  std::vector<float> key;  ///< the same for the same values, as long as the marcher's copy of the volume is the same
+};
+
+/// One that marches where it finds light as well.
+class HostPieceMarcher : public PieceMarcher {
+ public:
+  /// As its own rays find it, for others that march by these settings. Throws as marchPieces() does.
+  virtual FoundLight findLight(const Camera& camera, const RenderSettings& settings, const std::stop_token& stop) = 0;
+};
+
 /// On the CPU. Shares what `marched` has.
-std::unique_ptr<PieceMarcher> makePieceMarcher(std::shared_ptr<const MarchedVolume> marched);
+std::unique_ptr<HostPieceMarcher> makePieceMarcher(std::shared_ptr<const MarchedVolume> marched);
 
 /// What makes marchers of pieces, and where these march.
 struct PieceMaker {

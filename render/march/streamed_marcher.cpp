@@ -166,7 +166,7 @@ class StreamedMarcher final : public PiecewiseMarcher {
       }
       const std::vector<CellBlock>& slabs = isAgain ? slabsAgain_ : slabs_;
       SlabRelay relay(slabs[slab], std::move(tiles), slab + 1 == slabs.size(), onOutcome);
-      (isAgain ? *hostPieces_ : *pieces_).marchPieces(camera, settings, sample ? &*sample : nullptr, relay, stop);  // devices have no second way
+      (isAgain ? *hostPieces_ : *pieces_).marchPieces(camera, settings, sample ? &*sample : nullptr, relay, stop);  // the second would have to copy all of the volume
       ++slab;
       tiles = relay.takeLeft();
       for (std::unique_ptr<RelayedTile>& tile : relay.takeAgain()) again.push_back(std::move(tile));

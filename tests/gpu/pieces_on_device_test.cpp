@@ -75,13 +75,45 @@ TEST(PiecesOnDevice, FramesAndPicturesAreThoseOfOneProcessWhateverIsAskedOfThem)
         for (const Camera& camera : cameras()) {
           SCOPED_TRACE(name);
           ASSERT_TRUE(sameFrame(spread->march(camera, settings), alone->march(camera, settings)));
-          if (name == "plain" || name == "segments" || name == "lit") {
-            EXPECT_GT(tilesOf(spread).first, 0u);
-          }
+          const auto [byDevice, all] = tilesOf(spread);
+          EXPECT_EQ(byDevice, all);
           ASSERT_TRUE(sameBits(rendered(*spread, camera, settings), rendered(*alone, camera, settings)));
           ASSERT_TRUE(sameFrame(mixed->march(camera, settings), alone->march(camera, settings)));
         }
     }
+}
+
+/// Found by the CPU in the same copy.
+TEST(PiecesOnDevice, ShadowsAndOcclusionAreThoseOfTheCpu) {
+  WARPSCOPE_NEEDS_GPU();
+  for (const VoxelType type : {VoxelType::uint8, VoxelType::uint16, VoxelType::float32}) {
+    SCOPED_TRACE(nameOf(type));
+    const VolumePtr whole = makeTestVolume(type, kDims, blobs(kDims, 11));
+    const TransferFunction function = band(15, 80, 0.3f), other = band(30, 90, 0.1f);
+    const Spread device(whole, function, 3, onDevice), host(whole, function, 3);
+    const MarcherPtr deviceByOther = device->withTransferFunction(other), hostByOther = host->withTransferFunction(other);
+    MarchSettings settings;
+    settings.render.effects.shading.strength = 1.0f;
+    settings.render.effects.shadows.strength = 1.0f;
+    for (const bool isPreIntegrated : {false, true})
+      for (const char* const lights : {"world:1,2,3", "world:1,2,3 camera:0,1,1", "point:20,30,-40 headlight"})
+        for (const float occlusion : {0.0f, 0.7f}) {
+          SCOPED_TRACE(testing::Message() << lights << ", " << occlusion << ", " << isPreIntegrated);
+          settings.render.effects.preIntegration = isPreIntegrated;
+          settings.render.effects.lights = parseLights(lights, "lights");
+          settings.render.effects.shadows.occlusion = occlusion;
+          for (const Camera& camera : cameras()) {
+            const SampleFrame expected = host->march(camera, settings);
+            ASSERT_GT(expected.size(), 100u);
+            ASSERT_TRUE(sameFrame(device->march(camera, settings), expected));
+            EXPECT_EQ(tilesOf(device).first, tilesOf(device).second);
+            ASSERT_TRUE(sameFrame(deviceByOther->march(camera, settings), hostByOther->march(camera, settings)));
+          }
+        }
+    MarchSettings unshadowed = settings;
+    unshadowed.render.effects.shadows = {};
+    EXPECT_FALSE(sameFrame(device->march(cameras().front(), unshadowed), device->march(cameras().front(), settings)));
+  }
 }
 
 /// Where each sample counts, and there is no room to list them.

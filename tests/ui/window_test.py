@@ -396,7 +396,7 @@ def photograph_scenes(display, executable):
 
         def photograph(scene, *more):
             file = os.path.join(folder, "window.png")
-            result = subprocess.run([executable, "view", *scene, *more, "--screenshot", file, "--after-ms", "1500", "--report", report, "--link", "4g"],
+            result = subprocess.run([executable, "view", *scene, *more, "--screenshot", file, "--after-ms", "4000", "--report", report, "--link", "4g"],
                                     env=display.environment, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
             return result, os.path.exists(file)
 
