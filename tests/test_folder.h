@@ -15,6 +15,12 @@
 
 namespace warpscope {
 
+/// Of a file, all of it.
+inline std::string contentOf(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 class TestFolder {
  public:
   TestFolder() {
@@ -40,10 +46,7 @@ class TestFolder {
     std::ofstream(path_ / name, std::ios::binary) << bytes;
     return file(name);
   }
-  std::string read(const std::string& name) const {
-    std::ifstream stream(path_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
+  std::string read(const std::string& name) const { return contentOf(path_ / name); }
 
   /// Everything in the folder and below, relative to it and sorted: what a failed command must leave as it was.
   std::vector<std::string> listing() const {

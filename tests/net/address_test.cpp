@@ -113,7 +113,7 @@ TEST(Address, NeitherLogsNorComplaintsHoldTokens) {
   EXPECT_THAT(toStringWithoutToken(parseAddress(url)), Not(HasSubstr(kToken)));
   EXPECT_EQ(toStringWithoutToken(parseAddress(url)), std::string("warps://host:1/#fp=") + kFingerprint + "&token=...");
   EXPECT_EQ(toStringWithoutToken(parseAddress("warp://host:1")), "warp://host:1");
-  // Every way of mistyping one character leads to a complaint, or to another address, but never to the token's text.
+  // Each character mistyped leads to a complaint, and none of these has the token's text.
   for (size_t i = 0; i < url.size(); ++i) {
     std::string mistyped = url;
     mistyped[i] = '!';

@@ -13,6 +13,8 @@
 #include <thread>
 #include <vector>
 
+#include "tests/test_folder.h"
+
 namespace warpscope::net {
 namespace {
 
@@ -21,22 +23,12 @@ using testing::HasSubstr;
 
 class CertificateTest : public testing::Test {
  protected:
-  void SetUp() override {
-    root_ = fs::path(testing::TempDir()) / ("certificate_" + std::to_string(getpid()) + "_" +
-                                            testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(root_);
-  }
-  void TearDown() override { fs::remove_all(root_); }
-
   fs::path file() const { return root_ / "identity.pem"; }
   mode_t modeOf(const fs::path& path) const {
     struct stat status;
     return stat(path.c_str(), &status) == 0 ? status.st_mode & 07777 : 0;
   }
-  std::string content() const {
-    std::ifstream stream(file(), std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
+  std::string content() const { return contentOf(file()); }
   void replaceContent(const std::string& text) const { std::ofstream(file(), std::ios::binary | std::ios::trunc) << text; }
   std::string complaint() const {
     try {
@@ -47,7 +39,8 @@ class CertificateTest : public testing::Test {
     return "";
   }
 
-  fs::path root_;
+  const TestFolder folder_;
+  const fs::path root_ = folder_.path() / "identity";  // which is not there
 };
 
 TEST_F(CertificateTest, IsMadeOnceAndKept) {

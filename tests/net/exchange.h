@@ -51,6 +51,13 @@ inline FrameHead headOf(uint64_t id) {
   return head;
 }
 
+/// Of a message of any kind.
+inline Bytes headOf(MessageType type, uint32_t bodyBytes) {
+  Bytes bytes;
+  append(bytes, {type, bodyBytes});
+  return bytes;
+}
+
 inline Bytes operator+(Bytes a, ByteView b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;

@@ -52,7 +52,7 @@ TEST(Exchange, AClientConnectsAgainAndAsksAgain) {
   FrameRequest request;
   request.id = 7;
   client.request(request);
-  std::this_thread::sleep_for(20ms);
+  ASSERT_TRUE(comesTrue([&] { return server->requests().waitingCount(1) == 1; }));
   server.reset();
   ASSERT_TRUE(witness.waitFor([&] { return !witness.isConnected(); }));
   server = std::make_unique<Server>(io, ServerSettings{.listen = address.where, .scene = someScene()});

@@ -54,16 +54,17 @@ TEST(FaultsGreeting, AClientOfAnotherVersionIsToldSo) {
   }
 }
 
+Bytes helloOf(Verdict verdict) {
+  ServerHello hello;
+  hello.verdict = verdict;
+  return toBytes(hello);
+}
+
 TEST(FaultsGreeting, EveryVerdictHasItsSentence) {
-  const auto hello = [](Verdict verdict) {
-    ServerHello made;
-    made.verdict = verdict;
-    return toBytes(made);
-  };
-  EXPECT_THAT(sentenceAfter(hello(Verdict::otherVersion), ConnectionPhase::refused), HasSubstr("does not speak version " + std::to_string(kProtocolVersion)));
-  EXPECT_THAT(sentenceAfter(hello(Verdict::wrongToken), ConnectionPhase::refused), HasSubstr("does not accept this token"));
-  EXPECT_THAT(sentenceAfter(hello(Verdict::full), ConnectionPhase::waiting), HasSubstr("no room for another client"));
-  Bytes unknown = hello(Verdict::full);
+  EXPECT_THAT(sentenceAfter(helloOf(Verdict::otherVersion), ConnectionPhase::refused), HasSubstr("does not speak version " + std::to_string(kProtocolVersion)));
+  EXPECT_THAT(sentenceAfter(helloOf(Verdict::wrongToken), ConnectionPhase::refused), HasSubstr("does not accept this token"));
+  EXPECT_THAT(sentenceAfter(helloOf(Verdict::full), ConnectionPhase::waiting), HasSubstr("no room for another client"));
+  Bytes unknown = helloOf(Verdict::full);
   unknown[kHelloHeadBytes] = std::byte{77};
   EXPECT_THAT(sentenceAfter(unknown, ConnectionPhase::refused), HasSubstr("greets in a way that this program does not understand"));
 }
@@ -106,15 +107,10 @@ TEST(FaultsGreeting, AnotherCertificateIsRefused) {
 }
 
 TEST(FaultsGreeting, SentencesDiffer) {
-  const auto hello = [](Verdict verdict) {
-    ServerHello made;
-    made.verdict = verdict;
-    return toBytes(made);
-  };
   std::vector<std::string> sentences;
   for (const Verdict verdict : {Verdict::otherVersion, Verdict::wrongToken})
-    sentences.push_back(sentenceAfter(hello(verdict), ConnectionPhase::refused));
-  sentences.push_back(sentenceAfter(hello(Verdict::full), ConnectionPhase::waiting));
+    sentences.push_back(sentenceAfter(helloOf(verdict), ConnectionPhase::refused));
+  sentences.push_back(sentenceAfter(helloOf(Verdict::full), ConnectionPhase::waiting));
   sentences.push_back(sentenceAfter(withNumber(toBytes(ServerHello{}), 8, 2), ConnectionPhase::refused));
   sentences.push_back(sentenceAfter(bytesOf("HTTP/1.1 400"), ConnectionPhase::refused));
   sentences.push_back(sentenceAfter({}, ConnectionPhase::waiting));

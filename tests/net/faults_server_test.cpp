@@ -37,10 +37,22 @@ class FaultsServer : public testing::Test {
   std::optional<Server> server_;
 };
 
-Bytes headOf(MessageType type, uint32_t bodyBytes) {
-  Bytes bytes;
-  append(bytes, {type, bodyBytes});
-  return bytes;
+TEST_F(FaultsServer, AnAnswerSaysHowLongItWaitedForTheOneBefore) {
+  Server& server = serve({.heartbeat = 10min, .patience = 30min});
+  BareSocket slow = greetedClient(server, 2, 4096);
+  ASSERT_TRUE(slow.send(requestMessage(requestOf(1)) + requestMessage(requestOf(2))));
+  ASSERT_TRUE(comesTrue([&] { return server.requests().waitingCount(1) == 2; }));
+  server.answer(1, net::headOf(1), Bytes(16 << 20));
+  server.answer(1, net::headOf(2), Bytes());
+  settle(*io_);
+  clock_.advance(40ms);
+  ASSERT_TRUE(slow.skipFrame());
+  const std::optional<Bytes> body = slow.receiveBody(MessageType::frame);
+  ASSERT_TRUE(body);
+  const std::optional<FrameHead> head = readFrameHead(*body);
+  ASSERT_TRUE(head);
+  EXPECT_EQ(head->id, 2u);
+  EXPECT_EQ(head->stages.sendMs, 40.0);
 }
 
 TEST_F(FaultsServer, SlowReadersTakeNoMemoryAndHoldUpNobody) {

@@ -68,6 +68,13 @@ TEST_F(LinkExchange, RoundTripsTakeTheDelayAndChangesTakeEffectAtOnce) {
   EXPECT_EQ(witness_.look([&] { return witness_.scenes.size(); }), 1u) << "all that in one connection";
 }
 
+TEST_F(LinkExchange, TheDelayComesOnTopOfThePatienceForConnecting) {
+  server_.emplace(io_, ServerSettings{.scene = someScene(), .heartbeat = 10min, .patience = 30min});
+  client_.emplace(io_, ClientSettings{.address = server_->address(), .link = parseLinkSettings("delay=400"), .connectPatience = 300ms}, witness_);
+  EXPECT_TRUE(time_.passUntil([&] { return witness_.look([&] { return witness_.isConnected() || witness_.isIn(ConnectionPhase::waiting); }); }));
+  EXPECT_TRUE(witness_.look([&] { return witness_.isConnected(); }));
+}
+
 TEST_F(LinkExchange, ADelayLongerThanPatienceIsNoSilence) {
   connect("delay=950", 1, 2000, 150ms, 1000ms);  // there and back
   ASSERT_TRUE(time_.passUntil([&] { return witness_.look([&] { return !witness_.roundTrips.empty(); }); }));

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <tuple>
 
 namespace warpscope::net {
 namespace {
@@ -165,6 +166,25 @@ TEST(LinkModel, LossRateAndItsDelays) {
     EXPECT_NEAR(counts[2], twice, twice * 0.06) << "rare, so less exact";
     const double transmissions = kCount + static_cast<double>(model.lossCount());
     EXPECT_NEAR(static_cast<double>(model.lossCount()) / transmissions, loss, loss * kTolerance);
+  }
+}
+
+/// Each link's loss, and how long a segment takes in time, by a probe, and by each timeout more.
+TEST(LinkModel, ProbesTakeAWhileAndTimeoutsDoubleUpToAMinute) {
+  for (const auto& [text, inTimeMs, byProbeMs] : {std::tuple("loss=50%,delay=50", 50.0, 250.0), std::tuple("loss=50%", 0.0, 10.0)}) {
+    SCOPED_TRACE(text);
+    std::vector<double> expected{inTimeMs, byProbeMs};
+    for (double timeoutMs = 200.0; expected.size() < 40; timeoutMs = std::min(2.0 * timeoutMs, 60'000.0)) expected.push_back(expected.back() + timeoutMs);
+    LinkModel model = modelOf(text);
+    size_t most = 0;
+    for (int i = 0; i < 20'000; ++i) {
+      const TimePoint sentAt = kStart + i * std::chrono::hours(1);
+      const double delayMs = msOf(model.arrivalOf(1, sentAt) - sentAt);
+      const auto at = std::ranges::find(expected, delayMs);
+      ASSERT_NE(at, expected.end()) << delayMs;
+      most = std::max(most, static_cast<size_t>(at - expected.begin()));
+    }
+    EXPECT_GT(most, 11u) << "more than one timeout of a minute";
   }
 }
 

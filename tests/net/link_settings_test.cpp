@@ -3,11 +3,10 @@
 #include "net/link_settings.h"
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
 #include <set>
+
+#include "tests/test_folder.h"
 
 namespace warpscope::net {
 namespace {
@@ -43,6 +42,8 @@ TEST(LinkSettings, WhatALinkDoesIsSaidWithUnits) {
   for (const LinkPreset& preset : linkPresets())
     if (preset.name != "none") EXPECT_NE(inWords(preset.settings), "nothing") << preset.name;
 }
+
+TEST(LinkSettings, ACommaAtTheEndIsBorne) { EXPECT_EQ(parseLinkSettings("4g,"), parseLinkSettings("4g")); }
 
 TEST(LinkSettings, LossIsWrittenAsItIs) {
   EXPECT_EQ(lossText(0.0), "0 %");
@@ -155,12 +156,10 @@ TEST(LinkSettings, Traces) {
 }
 
 TEST(LinkSettings, TracesFromFiles) {
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / ("trace_" + std::to_string(getpid()));
-  std::ofstream(path) << "10\n30\n";
-  const DuplexLinkSettings settings = parseLinkSettings("trace=" + path.string() + ",delay=5");
+  const TestFolder folder;
+  const DuplexLinkSettings settings = parseLinkSettings("trace=" + folder.write("trace", "10\n30\n") + ",delay=5");
   EXPECT_THAT(settings.down.trace->delaysMs, ElementsAre(10, 30));
   EXPECT_EQ(parseLinkSettings(toString(settings)), settings);
-  std::filesystem::remove(path);
 }
 
 /// A model of such a link would go through outages without end.

@@ -275,7 +275,7 @@ TEST(RequestQueue, NoRequestIsForgottenWhereThreadsComeAndGo) {
   for (std::jthread& taker : lasting) taker.request_stop();
 }
 
-TEST(RequestQueue, ARequestWakesOneThread) {
+TEST(RequestQueue, ARequestIsTakenByOneThread) {
   RequestQueue queue;
   queue.join(1, 1);
   std::atomic<int> taken = 0;
