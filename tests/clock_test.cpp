@@ -18,6 +18,16 @@ TEST(SteadyClock, CallsNobody) {
   EXPECT_EQ(&steadyClock(), &steadyClock());
 }
 
+TEST(SteadyClock, WaitsUntilTheTimeOrTheStop) {
+  SteadyClock clock;
+  const Clock::TimePoint due = clock.now() + 5ms;
+  EXPECT_TRUE(clock.waitUntil(due, {}));
+  EXPECT_GE(clock.now(), due);
+  std::stop_source source;
+  source.request_stop();
+  EXPECT_FALSE(clock.waitUntil(clock.now() + 1h, source.get_token()));
+}
+
 TEST(VirtualClock, StandsStillUntilItIsMoved) {
   VirtualClock clock;
   EXPECT_EQ(clock.now(), Clock::TimePoint{});

@@ -144,12 +144,13 @@ TEST(Codec, BombsAreRefusedBeforeMemoryIsTaken) {
   CountingMemory memory;
   SampleFrame frame = garbageFrame(8192, 8192, 0, 0);
   frame.samples = TransferVector<PackedSample>(TransferAllocator<PackedSample>(&memory));
+  frame.colors = TransferVector<Rgba8>(TransferAllocator<Rgba8>(&memory));
   const size_t claimed = size_t{1} << 25;
-  for (const int format : {0, 1})
+  for (const auto& format : kPayloadFormats)
     for (const uint8_t placement : {0, 1, 2}) {
       // Few bytes that say there are very many samples, each band as many as it may have.
       std::vector<std::byte> payload;
-      appendLittle(payload, static_cast<uint8_t>(format));
+      appendLittle(payload, static_cast<uint8_t>(format.value));
       appendLittle(payload, uint64_t{0});
       appendLittle(payload, placement);
       appendLittle(payload, uint8_t{0});
@@ -157,27 +158,28 @@ TEST(Codec, BombsAreRefusedBeforeMemoryIsTaken) {
         appendLittle(payload, uint32_t{0});
         appendLittle(payload, static_cast<uint32_t>(claimed / 512));
       }
-      EXPECT_NE(FrameCodec().decode(sealed(payload), claimed, frame), std::nullopt) << format << " " << int{placement};
-      EXPECT_EQ(memory.largest, 0u) << format << " " << int{placement};
+      EXPECT_NE(FrameCodec().decode(sealed(payload), claimed, frame), std::nullopt) << format.name << " " << int{placement};
+      EXPECT_EQ(memory.largest, 0u) << format.name << " " << int{placement};
     }
 }
 
 TEST(Codec, LengthsOfPlanesBeyondThePayloadAreRefusedBeforeMemoryIsTaken) {
   CountingMemory memory;
-  for (const int format : {0, 1})
+  for (const auto& format : kPayloadFormats)
     for (const uint32_t length : {0u, 1u, 1000u, 0x7fffffffu, 0xffffffffu}) {
       SampleFrame frame = garbageFrame(8192, 8192, 0, 0);
       frame.samples = TransferVector<PackedSample>(TransferAllocator<PackedSample>(&memory));
+      frame.colors = TransferVector<Rgba8>(TransferAllocator<Rgba8>(&memory));
       for (const KnownPlane& known : kKnownPlanes)
         frame.planes.push_back(
             {std::string(known.name), known.element, TransferVector<std::byte>(TransferAllocator<std::byte>(&memory))});
       std::vector<std::byte> payload;
-      appendLittle(payload, static_cast<uint8_t>(format));
+      appendLittle(payload, static_cast<uint8_t>(format.value));
       appendLittle(payload, uint64_t{0});
       appendLittle(payload, length);
       payload.resize(payload.size() + 500);
-      EXPECT_NE(FrameCodec().decode(sealed(payload), size_t{1} << 25, frame), std::nullopt) << format << " " << length;
-      EXPECT_EQ(memory.largest, 0u) << format << " " << length;
+      EXPECT_NE(FrameCodec().decode(sealed(payload), size_t{1} << 25, frame), std::nullopt) << format.name << " " << length;
+      EXPECT_EQ(memory.largest, 0u) << format.name << " " << length;
     }
 }
 

@@ -34,13 +34,21 @@ TEST_P(Counted, NoRuleIsIdle) {
   EXPECT_EQ(isWork || isSeen, one.isAskedOf);
 }
 
-TEST_P(Counted, WhatIsDoneForNothingChangesNothing) {
-  if (GetParam().stage == PlanStage::earlyEnd) return;  // not for nothing: rays end where the settings say that they must not
+/// Cases whose stage, decided in where it is not needed, is work for nothing.
+class CountedForNothing : public Counted {};
+
+TEST_P(CountedForNothing, ChangesNothing) {
   const CountedRun without = countedMarch(makeCpuMarcher, GetParam().without);
   EXPECT_TRUE(without.isSame(countedMarch(makeCpuMarcher, GetParam().without, DecidedStage{GetParam().stage, true})));
 }
 
 INSTANTIATE_TEST_SUITE_P(Stages, Counted, testing::ValuesIn(countedCases()), nameOfCase);
+INSTANTIATE_TEST_SUITE_P(Stages, CountedForNothing, testing::ValuesIn([] {
+  std::vector<CountedCase> cases = countedCases();
+  // Rays end early where the settings say that they must not: that is seen.
+  std::erase_if(cases, [](const CountedCase& one) { return one.stage == PlanStage::earlyEnd; });
+  return cases;
+}()), nameOfCase);
 
 TEST(Counters, EveryStageHasACase) {
   for (const StageDescriptor& stage : kStages)
@@ -74,6 +82,20 @@ TEST(Counters, RaysThatTheFirstPassDecidesAreNotMarchedAgain) {
     opaque.settings.sample.heuristic = heuristic;
     EXPECT_EQ(countedMarch(makeCpuMarcher, opaque).counts[Counter::secondPasses], 0u) << nameOf(heuristic);
   }
+}
+
+TEST(Counters, OfAnEmptyVolumeHardlyAnySampleIsLookedAt) {
+  // One voxel of it is visible.
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, {256, 256, 64}, [](const glm::ivec3& p) { return p == glm::ivec3(0) ? 255.0 : 0.0; });
+  const MarcherPtr marcher = makeCpuMarcher(volume, band(100.0, 256.0, 0.5f));
+  const auto samplesIf = [&](bool skips) {
+    MarchSettings settings;
+    settings.render.skipEmpty = skips;
+    HostCounts::instance().take();
+    marcher->march(lookingFrom({300.0f, 250.0f, 200.0f}, {}, 48, 48), settings);
+    return HostCounts::instance().take()[Counter::samples];
+  };
+  EXPECT_LT(samplesIf(true) * 100, samplesIf(false));
 }
 
 TEST(Counters, CountsOfThreadsAreSummedAndTaken) {

@@ -76,8 +76,6 @@ TEST(DepthHeuristic, WhatDoesNotCountMayCarryTheCrossing) {
   EXPECT_FLOAT_EQ(foldedDepth(Heuristic::threshold, samples, 0.3f).depth, 1000.0f);
 }
 
-// --- What older implementations lost.
-
 /// What is chosen when it is used against what is chosen when it is compiled.
 TEST(DepthHeuristic, OneTypeForAnyGivesWhatEachOneGives) {
   const auto depthOf = [](const auto& depth, const Samples& samples) {
@@ -100,6 +98,8 @@ TEST(DepthHeuristic, OneTypeForAnyGivesWhatEachOneGives) {
     }
   EXPECT_EQ(found, 30);
 }
+
+// --- What older implementations lost.
 
 TEST(DepthHeuristic, ASingleSampleIsFoundInItsOwnStep) {
   for (const float alpha : {1.0f / 1024, 0.1f, 0.9f, 1.0f})

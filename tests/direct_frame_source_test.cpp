@@ -1,5 +1,5 @@
 // Frames without a network, in virtual time: when they arrive, which requests are served, what errors become.
-// Mirrors app/frames/direct_frame_source.h and render/base/clock.h.
+// Mirrors app/frames/direct_frame_source.h.
 #include "app/frames/direct_frame_source.h"
 
 #include <gmock/gmock.h>
@@ -285,16 +285,6 @@ TEST_F(DirectFrameSourceTest, ClosesWhileWaitingForTheLinkOrTheMarch) {
   post(2);
   source_.reset();
   EXPECT_FALSE(news_.try_acquire());
-}
-
-TEST(SteadyClock, WaitsUntilTheTimeOrTheStop) {
-  SteadyClock clock;
-  const Clock::TimePoint due = clock.now() + milliseconds(5);
-  EXPECT_TRUE(clock.waitUntil(due, {}));
-  EXPECT_GE(clock.now(), due);
-  std::stop_source source;
-  source.request_stop();
-  EXPECT_FALSE(clock.waitUntil(clock.now() + std::chrono::hours(1), source.get_token()));
 }
 
 }  // namespace

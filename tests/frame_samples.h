@@ -1,4 +1,4 @@
-// Samples of frames that tests make up: on pixels' rays, and clouds of spheres that no marcher has seen.
+// Cameras and samples of frames that tests make up: on pixels' rays, and clouds of spheres that no marcher has seen.
 #pragma once
 
 #include <algorithm>
@@ -17,6 +17,15 @@ inline PackedSample sampleOnRay(const SampleFrame& frame, uint32_t pixel, float 
   const uint32_t column = pixel % frame.camera.width, row = pixel / frame.camera.width;
   const PixelGrid grid = makePixelGrid(frame.camera, 0.0f);
   return packSample(column, row, distance * grid.ray(column, row).cosine - frame.quantization.nearDepth, radius, frame.quantization);
+}
+
+/// A camera at `z`, looking along -z.
+inline Camera frontCamera(uint32_t width, uint32_t height, float z = 10.0f) {
+  Camera camera;
+  camera.eye = {0.0f, 0.0f, z};
+  camera.width = width;
+  camera.height = height;
+  return camera;
 }
 
 /// A frame of spheres as a camera on the z axis sees them, `distance` in front of the origin: each in the nearest of its pixels, which are

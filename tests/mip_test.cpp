@@ -16,10 +16,6 @@ constexpr glm::uvec3 kDims(40, 36, 33);
 /// Values from 0 to 100, all of them shown and none like another.
 const TransferFunction kRamp{{{0.0, {0.0f, 1.0f, 0.2f}, 0.1f}, {100.0, {1.0f, 0.0f, 0.6f}, 0.9f}}};
 
-FieldFunction withHoles(const FieldFunction& field) {
-  return [field](const glm::ivec3& p) { return (p.x * 7 + p.y * 5 + p.z * 3) % 11 == 0 ? std::nan("") : field(p); };
-}
-
 template <class Voxel, bool kHasHoles>
 void expectGreatest(VoxelType type, const FieldFunction& field, bool skips) {
   RenderSettings settings = inMode(RenderMode::mip);

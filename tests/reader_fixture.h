@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -13,31 +12,16 @@
 
 #include "render/base/error.h"
 #include "render/volume/reader.h"
+#include "tests/test_folder.h"
 
 namespace warpscope {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// A directory of its own for every test.
 class Reader : public testing::Test {
  protected:
-  void SetUp() override {
-    static std::atomic<int> count = 0;
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    directory_ = fs::temp_directory_path() / ("warpscope_" + std::string(info->name()) + "_" +
-                                              std::to_string(std::random_device{}()) + "_" + std::to_string(count++));
-    fs::create_directories(directory_);
-  }
-  void TearDown() override {
-    std::error_code ignored;
-    fs::remove_all(directory_, ignored);
-  }
-
-  fs::path write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(directory_ / name, std::ios::binary) << bytes;
-    return directory_ / name;
-  }
+  fs::path write(const std::string& name, const std::string& bytes) const { return folder_.write(name, bytes); }
 
   /// Expects an InputError of one line that names the file and says `reason`; nothing may appear on stderr.
   void expectRefused(const fs::path& path, const std::string& reason) const {
@@ -54,7 +38,8 @@ class Reader : public testing::Test {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << path;
   }
 
-  fs::path directory_;
+  const TestFolder folder_;
+  const fs::path directory_ = folder_.path();
 };
 
 template <class T>

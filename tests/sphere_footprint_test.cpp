@@ -9,6 +9,7 @@
 
 #include "render/core/simd.h"
 #include "tests/dice.h"
+#include "tests/frame_samples.h"
 
 namespace warpscope {
 namespace {
@@ -69,14 +70,6 @@ Sphere anySphere(Dice& dice, const Camera& camera) {
   const glm::vec3 side = glm::normalize(glm::cross(ray.direction, dice.direction()));
   const float grazing = 1.0f + std::ldexp(dice.uniform(-1, 1), -static_cast<int>(dice.below(24)));
   return {camera.eye + distance * ray.direction + grazing * radius * side, radius};
-}
-
-Camera frontCamera(uint32_t width, uint32_t height) {
-  Camera camera;
-  camera.eye = glm::vec3(0.0f);
-  camera.width = width;
-  camera.height = height;
-  return camera;
 }
 
 RC_GTEST_PROP(SphereFootprint, HoldsEveryPixelThatIsHit, (uint32_t seed)) {
@@ -151,7 +144,7 @@ RC_GTEST_PROP(SphereFootprint, IsNoLargerThanTheTangentsSay, (uint32_t seed)) {
 
 TEST(SphereFootprint, OfASphereStraightAhead) {
   // 64 pixels for a slope of -1 to 1; the tangents' slope is 1.4 / sqrt(25 - 1.96) = 7 / 24: pixel centres from 22.67 to 41.33.
-  Camera camera = frontCamera(64, 64);
+  Camera camera = frontCamera(64, 64, 0.0f);
   camera.tanHalfFovY = 1.0f;
   EXPECT_EQ(sphereFootprint(camera, {{0.0f, 0.0f, -5.0f}, 1.4f}), (PixelRect{23, 23, 41, 41}));
   // Around the eye: seen as one of half the distance, with a slope of 1 / sqrt(3).
@@ -166,7 +159,7 @@ TEST(SphereFootprint, OfASphereStraightAhead) {
 }
 
 TEST(SphereFootprint, WhatNothingHitsIsEmpty) {
-  const Camera camera = frontCamera(33, 21);
+  const Camera camera = frontCamera(33, 21, 0.0f);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const Sphere& sphere : {
            Sphere{{0.0f, 0.0f, 5.0f}, 1.0f},       // behind
@@ -183,7 +176,7 @@ TEST(SphereFootprint, WhatNothingHitsIsEmpty) {
 }
 
 TEST(SphereFootprint, AcrossTheEyesPlane) {
-  const Camera camera = frontCamera(40, 30);
+  const Camera camera = frontCamera(40, 30, 0.0f);
   for (const float side : {-1.0f, 1.0f})
     for (const float depth : {-0.9f, -0.5f, -0.1f, 0.0f, 0.1f, 0.5f, 0.9f, 0.999f}) {
       SCOPED_TRACE(std::to_string(side) + ", " + std::to_string(depth));
@@ -203,21 +196,21 @@ TEST(SphereFootprint, AtTheEdgesOfFloat) {
     for (const float radius : {1e-30f, 1e-9f, 1e-3f, 0.5f, 0.999f})
       for (const float tanHalfFov : {1e-45f, 1e-38f, 1e-20f, 1e-7f, 0.4f, 9.9e3f}) {
         SCOPED_TRACE(std::to_string(std::log10(scale)) + ", " + std::to_string(radius) + ", " + std::to_string(tanHalfFov));
-        Camera camera = frontCamera(7, 5);
+        Camera camera = frontCamera(7, 5, 0.0f);
         camera.tanHalfFovY = tanHalfFov;
         expectHitsInside(camera, {scale * glm::vec3(0.0f, 0.0f, -1.0f), scale * radius});
         expectHitsInside(camera, {scale * glm::vec3(1e-7f, -1e-9f, -1.0f), scale * radius});
         expectHitsInside(camera, {scale * glm::vec3(0.3f, 0.2f, -1.0f), scale * radius});
       }
   // From an eye, and at a sphere, far from the coordinates' origin.
-  Camera camera = frontCamera(64, 48);
+  Camera camera = frontCamera(64, 48, 0.0f);
   camera.eye = {1e7f, -1e7f, 1e7f};
   EXPECT_GT(expectHitsInside(camera, {{1e7f + 2.0f, -1e7f, 1e7f - 16.0f}, 4.0f}), 0u);
-  EXPECT_GT(expectHitsInside(camera, {{0.0f, 0.0f, 0.0f}, 9.99e6f}) + 1, 0u);
+  expectHitsInside(camera, {{0.0f, 0.0f, 0.0f}, 9.99e6f});
 }
 
 TEST(SphereFootprint, OfTheLargestImages) {
-  Camera camera = frontCamera(16384, 16384);
+  Camera camera = frontCamera(16384, 16384, 0.0f);
   const Sphere small{{1.0f, 2.0f, -10.0f}, 0.01f};
   const PixelRect rect = sphereFootprint(camera, small);
   ASSERT_FALSE(rect.isEmpty());

@@ -20,9 +20,9 @@ namespace {
 /// Distance at which a ray meets something, if it does.
 using Surface = std::function<std::optional<float>(const Ray&)>;
 
-/// A wall in the plane z = -10, 60 wide and high, and a block's front, 8 wide and high, in the plane z = 10.
 enum class Part { nothing, wall, block };
 
+/// What a ray meets first, and where: a wall in the plane z = -10, 60 wide and high, or a block's front, 8 wide and high, in the plane z = 10.
 Part partAt(const Ray& ray, float& t) {
   const auto reach = [&](float z, float halfEdge) {
     t = (z - ray.origin.z) / ray.direction.z;

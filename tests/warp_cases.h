@@ -84,15 +84,6 @@ inline void expectHolesGrowAndStayClear(const Stage& stage,
   }
 }
 
-/// A camera at `z`, looking along -z.
-inline Camera frontCamera(uint32_t width, uint32_t height, float z = 10.0f) {
-  Camera camera;
-  camera.eye = {0.0f, 0.0f, z};
-  camera.width = width;
-  camera.height = height;
-  return camera;
-}
-
 /// A frame of given spheres (frameOfSpheres), seen from z = 64, with pixels `cell` wide in the plane z = 0. Radii are
 /// powers of two.
 inline SampleFramePtr makeFrame(const std::vector<Sphere>& spheres, float cell = 0.25f, uint32_t side = 63) {
