@@ -9,25 +9,15 @@
 #include "app/experiment/sweep.h"
 #include "app/experiment/sweep_file.h"
 #include "tests/headless.h"
+#include "tests/sweep_rows.h"
 #include "tests/test_folder.h"
 
 namespace warpscope {
 namespace {
 
-SweepRow rowOf(std::string_view technique, double angleDeg, double flip, double drawMs, uint32_t side = 512) {
-  SweepRow row;
-  row.configuration.technique = &findWarp(technique);
-  row.configuration.serverSidePx = side;
-  row.configuration = normalized(row.configuration);
-  row.angleDeg = angleDeg;
-  row.errors.flip = flip;
-  row.draw.medianMs = drawMs;
-  return row;
-}
-
 std::vector<SweepRow> someRows() {
-  return {rowOf("hold", 0, 0.0, 1), rowOf("hold", 10, 0.2, 1),   rowOf("points", 0, 0.02, 5),  rowOf("points", 10, 0.08, 5),
-          rowOf("spheres", 0, 0.01, 20), rowOf("spheres", 10, 0.04, 30), rowOf("reference", 0, 0.0, 0.1), rowOf("reference", 10, 0.0, 0.1)};
+  return {sweepRow("hold", 0, 0.0, 1), sweepRow("hold", 10, 0.2, 1),   sweepRow("points", 0, 0.02, 5),  sweepRow("points", 10, 0.08, 5),
+          sweepRow("spheres", 0, 0.01, 20), sweepRow("spheres", 10, 0.04, 30), sweepRow("reference", 0, 0.0, 0.1), sweepRow("reference", 10, 0.0, 0.1)};
 }
 
 std::string_view chosen(const AutoChoice& choice, double angleDeg, double budgetMs) {
@@ -88,7 +78,7 @@ TEST(AutoChoice, BetweenMeasuredAnglesErrorsAndTimesAreInterpolated) {
 
 TEST(AutoChoice, WhatWasNotMeasuredThatFarOutComesLast) {
   std::vector<SweepRow> rows = someRows();
-  rows.push_back(rowOf("splats", 0, 0.001, 1));  // in the frame's own view alone
+  rows.push_back(sweepRow("splats", 0, 0.001, 1));  // in the frame's own view alone
   const AutoChoice choice(rows);
   EXPECT_EQ(chosen(choice, 1.0, 100.0), "splats");
   EXPECT_EQ(chosen(choice, 10.0, 100.0), "spheres");
@@ -114,14 +104,14 @@ TEST(AutoChoice, KeepsToWhatMayBeChosen) {
 
 TEST(AutoChoice, LeavesOutLinks) {
   std::vector<SweepRow> rows = someRows();
-  rows.push_back(rowOf("multihit", 10, 0.001, 1));
+  rows.push_back(sweepRow("multihit", 10, 0.001, 1));
   rows.back().link = "4g";
   EXPECT_EQ(chosen(AutoChoice(rows), 10.0, 100.0), "spheres");
 }
 
 TEST(AutoChoice, KnowsTheLargestImage) {
   std::vector<SweepRow> rows = someRows();
-  rows.push_back(rowOf("splats", 10, 0.001, 1, 256));
+  rows.push_back(sweepRow("splats", 10, 0.001, 1, {}, 256));
   EXPECT_EQ(AutoChoice(rows).largestSidePx(), 512u);
   EXPECT_EQ(AutoChoice({}).largestSidePx(), 0u);
 }

@@ -20,6 +20,7 @@
 #include "render/base/error.h"
 #include "render/core/parallel.h"
 #include "tests/held_frame.h"
+#include "tests/marcher_around.h"
 #include "tests/net/exchange.h"
 
 namespace warpscope {
@@ -71,15 +72,16 @@ class FrameServerTest : public ::testing::Test {
 };
 
 TEST_F(FrameServerTest, HeavyClientsHoldUpNobody) {
-  serve({.work = 1h});
+  const auto begun = std::make_shared<std::atomic<int>>(0);
+  serve({.work = 1h}, std::make_shared<BegunMarcher>(makeMarcher(Backend::cpu, scene_.volume, scene_.transferFunction, {}), begun));
   std::vector<std::jthread> heavy;
   for (int i = 0; i < 15; ++i)
     heavy.emplace_back([this](const std::stop_token& stop) {
       EXPECT_THROW(client()->march(camera(512, 512), endless(), stop), OperationCancelled);
     });
+  ASSERT_TRUE(net::comesTrue([&] { return *begun == 15; })) << *begun;
   const MarcherPtr honest = client();
   honest->march(camera(64, 48), scene_.march);  // it is connected
-  std::this_thread::sleep_for(1s);              // and so are the others
   double slowest = 0.0;
   for (int i = 0; i < 10; ++i) {
     const auto begin = std::chrono::steady_clock::now();
@@ -106,28 +108,6 @@ TEST_F(FrameServerTest, AFrameThatTakesTooMuchMemoryIsRefusedWithWhatWouldFit) {
   EXPECT_THAT(refusalOf(*client, camera(1024, 1024), scene_.march), AllOf(HasSubstr("1024x1024 takes about 41 MiB"), HasSubstr("at most 16 MiB"), HasSubstr("would fit")));
   EXPECT_GT(client->march(camera(600, 600), scene_.march).size(), 0u);
 }
-
-/// Is another, but for what those that derive from it do themselves.
-class MarcherAround : public Marcher {
- public:
-  explicit MarcherAround(MarcherPtr inner) : inner_(std::move(inner)) {}
-
-  SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override { return inner_->march(camera, settings, stop); }
-  void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
-    inner_->render(camera, settings, image, stop);
-  }
-  const VolumePtr& volume() const override { return inner_->volume(); }
-  Backend backend() const override { return inner_->backend(); }
-  MarcherCapabilities capabilities() const override { return inner_->capabilities(); }
-  using Marcher::twin;
-  MarcherPtr twin(TurnsPtr turns) const override { return around(inner_->twin(std::move(turns))); }
-  MarcherPtr withTransferFunction(TransferFunction function) const override { return around(inner_->withTransferFunction(std::move(function))); }
-
- protected:
-  virtual MarcherPtr around(MarcherPtr inner) const = 0;
-
-  const MarcherPtr inner_;
-};
 
 /// Holds the first march of pictures of that width back until it is let go.
 class HeldBackMarcher final : public MarcherAround {
@@ -299,15 +279,20 @@ TEST_F(FrameServerTest, AProcessorThatOthersUseTakesAsMuchLongerAsItSays) {
   settings.address = server_->address();
   const std::shared_ptr<FrameSource> source = connectFrameSource(io_, settings, [] {}, {}).source;
   const FrameFetch fetch = fetchFrom(source);
+  const auto msAtServer = [](const ServedFrame& served) {
+    const FrameLatency& took = served.latency;
+    return took.marchMs + took.compactMs + took.copyMs + took.encodeMs;
+  };
   const ServedFrame alone = fetch(camera(300, 300), scene_.march, {});
+  double aloneMs = msAtServer(alone);  // the first march finds its memory cold
+  for (int i = 0; i < 2; ++i) aloneMs = std::min(aloneMs, msAtServer(fetch(camera(300, 300), scene_.march, {})));
   TransportSettings transport;
   transport.server.loadPercent = 90;
   source->setTransport(transport);
   const ServedFrame loaded = fetch(camera(300, 300), scene_.march, {});
-  const FrameLatency& took = loaded.latency;
-  const double atServerMs = took.marchMs + took.compactMs + took.copyMs + took.encodeMs;
+  const double atServerMs = msAtServer(loaded);
   EXPECT_GE(millisecondsBetween(loaded.requestedAt, loaded.arrivedAt), atServerMs) << "it says that it took longer than it did";
-  EXPECT_GT(atServerMs, 2.0 * (alone.latency.marchMs + alone.latency.compactMs + alone.latency.encodeMs)) << "10 times, but for what else is at work here";
+  EXPECT_GT(atServerMs, 2.0 * aloneMs) << "10 times, but for what else is at work here";
   EXPECT_EQ(loaded.frame->settings, alone.frame->settings);
   EXPECT_THAT(loaded.frame->samples, testing::ElementsAreArray(alone.frame->samples));
 }
@@ -360,7 +345,7 @@ TEST_F(FrameServerTest, WhatALargeFrameTookIsGivenBack) {
   ASSERT_TRUE(served(64));
   const size_t before = net::memoryBytes();
   ASSERT_TRUE(served(3000));
-  if (net::kIsSanitized) return;
+  if (net::kIsSanitized) GTEST_SKIP() << "sanitizers keep freed memory";
   EXPECT_TRUE(net::comesTrue([&] { return net::memoryBytes() < before + (size_t{32} << 20); }, 20s)) << (net::memoryBytes() - before) / 1048576 << " MiB more";
 }
 

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "render/base/error.h"
+#include "tests/test_folder.h"
 
 namespace warpscope {
 namespace {
@@ -184,7 +185,8 @@ TEST(JsonDocument, OtherRootsThanObjects) {
 }
 
 TEST(JsonDocument, Files) {
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "json_document_test.json";
+  const TestFolder folder;
+  const std::filesystem::path path = folder.file("it.json");
   std::ofstream(path) << "{\"a\": 1}\n";
   EXPECT_EQ(JsonDocument::fromFile(path).root().at("a").integer(0, 9), 1);
   std::ofstream(path, std::ios::trunc).flush();
@@ -193,7 +195,7 @@ TEST(JsonDocument, Files) {
   EXPECT_THAT(complaintOf([&] { JsonDocument::fromFile(path); }), HasSubstr("too large"));
   std::filesystem::remove(path);
   EXPECT_THAT(complaintOf([&] { JsonDocument::fromFile(path); }), StartsWith(path.string() + ": "));
-  EXPECT_THAT(complaintOf([&] { JsonDocument::fromFile(testing::TempDir()); }), StartsWith(testing::TempDir()));
+  EXPECT_THAT(complaintOf([&] { JsonDocument::fromFile(folder.path()); }), StartsWith(folder.path().string()));
 }
 
 }  // namespace

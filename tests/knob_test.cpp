@@ -139,13 +139,12 @@ TEST(Knob, ListsComeBackAndAreRefusedByName) {
 }
 
 TEST(Knob, TheThresholdMattersToThoseHeuristicsThatTakeOne) {
-  for (const MarchKnob& row : marchKnobs()) {
-    if (row.knob != &kThresholdKnob) continue;
-    for (const auto& heuristic : kHeuristics) {
-      MarchSettings settings;
-      settings.sample.heuristic = heuristic.value;
-      EXPECT_EQ(row.matters(settings), heuristic.name == "threshold" || heuristic.name == "rel-threshold") << heuristic.name;
-    }
+  const auto row = std::ranges::find(marchKnobs(), &kThresholdKnob, &MarchKnob::knob);
+  ASSERT_NE(row, marchKnobs().end()) << "it has no row";
+  for (const auto& heuristic : kHeuristics) {
+    MarchSettings settings;
+    settings.sample.heuristic = heuristic.value;
+    EXPECT_EQ(row->matters(settings), heuristic.name == "threshold" || heuristic.name == "rel-threshold") << heuristic.name;
   }
 }
 

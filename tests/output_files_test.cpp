@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "render/base/error.h"
+#include "tests/test_folder.h"
 
 namespace warpscope {
 namespace {
@@ -25,17 +26,6 @@ using testing::UnorderedElementsAre;
 
 class OutputFiles : public testing::Test {
  protected:
-  void SetUp() override {
-    root_ = fs::path(testing::TempDir()) / ("output_files_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(root_);
-    fs::create_directories(root_);
-  }
-  void TearDown() override { fs::remove_all(root_); }
-
-  static std::string contentOf(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
   static std::vector<std::string> namesIn(const fs::path& folder) {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
@@ -51,7 +41,8 @@ class OutputFiles : public testing::Test {
     return "";
   }
 
-  fs::path root_;
+  const TestFolder folder_;
+  const fs::path root_ = folder_.path();
 };
 
 TEST_F(OutputFiles, WritesAndReplacesWhole) {

@@ -245,20 +245,25 @@ TEST_F(RecordingTest, DamageIsASentence) {
   EXPECT_THAT(refusalOf(later), HasSubstr("another version"));
   EXPECT_THROW(readRecording(folder_.file("missing")), InputError);
   EXPECT_THROW(readRecording(folder_.path()), InputError);
-  size_t sentences = 0;
+  const std::vector<Recording::Frame> frames = readRecording(folder_.write("read.warpscope", whole)).frames;
+  size_t sentences = 0, inPayloads = 0;
   for (size_t at = 8; at < whole.size(); at += 31) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x5a);
+    const size_t before = sentences;
     try {
       const Recording recording = readRecording(folder_.write("read.warpscope", damaged));
-      RecordedFrames frames(recording);
-      for (const double seconds : {0.5, 1.5}) frames.at(seconds);
+      RecordedFrames read(recording);
+      for (const double seconds : {0.5, 1.5}) read.at(seconds);
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()), "");
       ++sentences;
     }
+    if (std::ranges::none_of(frames, [at](const auto& frame) { return at >= frame.payloadAt && at < frame.payloadAt + frame.payloadBytes; })) continue;
+    ++inPayloads;
+    EXPECT_GT(sentences, before) << "the byte at " << at << " is of a frame that is shown";
   }
-  EXPECT_GT(sentences, 0u);
+  EXPECT_GT(inPayloads, 10u);
 }
 
 TEST_F(RecordingTest, WhereNothingCanBeWrittenItSaysSo) {

@@ -1,5 +1,5 @@
 // Scenes that are served: over loopback by the program itself, and as somebody else's, whose voxels never come here.
-// Mirrors app/frames/scene_connection.h, frame_server.h, remote_frame_source.h, remote_marcher.h and wire_fields.h.
+// Mirrors app/frames/scene_connection.h, frame_server.h, remote_frame_source.h and remote_marcher.h.
 #include "app/frames/scene_connection.h"
 
 #include <gtest/gtest.h>
@@ -18,6 +18,8 @@
 #include "net/wire.h"
 #include "render/base/error.h"
 #include "render/codec/proxy_coding.h"
+#include "tests/marcher_around.h"
+#include "tests/net/exchange.h"
 
 namespace warpscope {
 namespace {
@@ -41,6 +43,13 @@ class HostingTest : public ::testing::Test {
   void restart(net::ServerSettings settings) {
     server_.reset();
     server_ = std::make_unique<FrameServer>(io_, scene_, marcher_, std::move(settings));
+  }
+  /// With a marcher that counts the marches it has begun.
+  std::shared_ptr<std::atomic<int>> restartCounted() {
+    const auto begun = std::make_shared<std::atomic<int>>(0);
+    marcher_ = std::make_shared<BegunMarcher>(marcher_, begun);
+    restart({});
+    return begun;
   }
   ConnectedScene connect(const TransportSettings& transport = lossless()) {
     return connectScene(io_, server_->address(), transport, [this] { news_.release(); }, {});
@@ -190,9 +199,8 @@ TEST_F(HostingTest, ASimulatedLinkShowsInTheTimes) {
   const std::optional<ServedFrame> served = next(*loaded.source);
   ASSERT_TRUE(served && served->frame);
   EXPECT_GE(served->latency.wireMs, 119.0);
-  EXPECT_LT(served->latency.wireMs, 400.0);
-  // The stages are all of the time.
-  EXPECT_NEAR(served->latency.totalMs(), millisecondsBetween(posted, served->arrivedAt), 30.0);
+  EXPECT_GE(served->latency.totalMs(), served->latency.wireMs);
+  EXPECT_LE(served->latency.totalMs(), millisecondsBetween(posted, served->arrivedAt) + 1e-6) << "no stage is longer than it was";
 }
 
 TEST_F(HostingTest, ARequestThatCannotBeMarchedIsASentence) {
@@ -259,123 +267,33 @@ TEST_F(HostingTest, NobodyThereAndAWrongTokenAreSentences) {
 }
 
 TEST_F(HostingTest, EndsInTheMiddleOfAMarch) {
+  const std::shared_ptr<std::atomic<int>> begun = restartCounted();
   const ConnectedScene loaded = connect();
   MarchSettings slow = scene_.march;
   slow.render.step = 0.001f;
   const Camera large = makeCamera(scene_, scene_.views.front(), 2048, 2048);
   loaded.source->post({1, large, slow}, std::chrono::steady_clock::now());
-  std::this_thread::sleep_for(milliseconds(50));
+  ASSERT_TRUE(net::comesTrue([&] { return *begun == 1; }));
   const auto began = std::chrono::steady_clock::now();
   server_.reset();
   EXPECT_LT(std::chrono::steady_clock::now() - began, seconds(2));
 }
 
 TEST_F(HostingTest, NobodyWaitsForTheMarchOfAClientThatLeft) {
+  const std::shared_ptr<std::atomic<int>> begun = restartCounted();
   const ConnectedScene patient = connect();
   {
     const ConnectedScene leaving = connect();
     MarchSettings slow = scene_.march;
     slow.render.step = 0.001f;
     leaving.source->post({1, makeCamera(scene_, scene_.views.front(), 4096, 4096), slow}, std::chrono::steady_clock::now());
-    std::this_thread::sleep_for(milliseconds(100));  // it marches
+    ASSERT_TRUE(net::comesTrue([&] { return *begun == 1; }));
   }
   const auto began = std::chrono::steady_clock::now();
   patient.source->post({1, camera(), scene_.march}, began);
   const std::optional<ServedFrame> served = next(*patient.source);
   ASSERT_TRUE(served && served->frame);
   EXPECT_LT(std::chrono::steady_clock::now() - began, seconds(5));  // the other march takes far longer
-}
-
-TEST(WireFields, EverythingComesBack) {
-  const Scene scene = smallScene("vessels");
-  const net::Bytes message = net::sceneMessage(toFields(scene));
-  const Scene back = sceneFrom(*net::readScene(net::ByteView(message).subspan(net::kMessageHeadBytes)));
-  EXPECT_EQ(toFields(back), toFields(scene));
-  for (const auto& policy : kRadiusPolicies) {
-    MarchSettings settings = scene.march;
-    settings.sample.radiusPolicy = policy.value;
-    settings.render.skipEmpty = false;
-    EXPECT_EQ(marchFrom(toFields(settings)), settings);
-  }
-  for (const auto& coding : kColorCodings) {
-    const CodecSettings settings{PayloadFormat::raw, coding.value, 77};
-    EXPECT_EQ(codecFrom(toFields(settings)), settings);
-  }
-}
-
-TEST(WireFields, WhatIsImpossibleIsRefused) {
-  const Scene scene = smallScene("vessels");
-  const auto refused = [&](auto change) {
-    net::SceneFields fields = toFields(scene);
-    change(fields);
-    EXPECT_THROW(sceneFrom(fields), std::runtime_error);
-  };
-  refused([](auto& f) { f.dims[1] = 0; });
-  refused([](auto& f) { f.spacing[2] = -1.0; });
-  refused([](auto& f) { f.spacing[0] = std::numeric_limits<double>::quiet_NaN(); });
-  refused([](auto& f) { f.direction[4] = 3.0; });
-  refused([](auto& f) { f.front = f.up; });
-  refused([](auto& f) { f.fovYDeg = 180.0; });
-  refused([](auto& f) { f.background[0] = std::numeric_limits<float>::infinity(); });
-  for (const double wrong : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), 0.0, -1.0, 1e300})
-    refused([wrong](auto& f) { f.views[0].distance = wrong; });
-  for (const double wrong : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), -1e300}) {
-    refused([wrong](auto& f) { f.views[0].angleDeg = wrong; });
-    refused([wrong](auto& f) { f.views[0].elevationDeg = wrong; });
-    refused([wrong](auto& f) { f.views[0].panRight = wrong; });
-    refused([wrong](auto& f) { f.views[0].panUp = wrong; });
-  }
-  refused([](auto& f) { f.name = ""; });
-  refused([](auto& f) { f.name = "a\nb"; });
-  refused([](auto& f) { f.title = "\x1b[2J"; });
-  const auto refusedSetting = [&](const std::string& name, const std::string& value) {
-    refused([&](auto& f) {
-      for (auto& setting : f.settings)
-        if (setting.name == name) setting.value = value;
-    });
-  };
-  // Unknown choices are no choices of the first: they are refused.
-  refusedSetting("heuristic", "200");
-  refusedSetting("heuristic", "");
-  refusedSetting("radius", "voxels");
-  refusedSetting("step", "0");
-  refusedSetting("step", "nan");
-  refusedSetting("samplesPerRay", "1.5");
-  refusedSetting("skipEmpty", "maybe");
-  refused([](auto& f) { f.settings.push_back({"light", "on"}); });
-
-  const SampleFrame frame = makeMarcher(Backend::cpu, scene.volume, scene.transferFunction)->march(makeCamera(scene, scene.views[0], 16, 16), scene.march);
-  const auto refusedFrame = [&](auto change) {
-    net::FrameHead head = headOf(frame, {});
-    EXPECT_NO_THROW(frameFrom(head));
-    change(head);
-    EXPECT_THROW(frameFrom(head), std::runtime_error);
-  };
-  refusedFrame([](auto& h) { h.radiusUnit = 3.0f; });
-  refusedFrame([](auto& h) { h.radiusUnit = 0.0f; });
-  refusedFrame([](auto& h) { h.voxelRadius = -1.0f; });
-  refusedFrame([](auto& h) { h.bounds[0] = h.bounds[3] + 1.0f; });
-  refusedFrame([](auto& h) { h.bounds[5] = std::numeric_limits<float>::infinity(); });
-  for (const float bad : {-1.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
-    refusedFrame([bad](auto& h) { h.nearDepth = bad; });
-    refusedFrame([bad](auto& h) { h.depthStep = bad; });
-  }
-  refusedFrame([](auto& h) { h.depthStep = 0.0f; });
-  refusedFrame([](auto& h) { h.camera.width = 0; });
-  refusedFrame([](auto& h) { h.camera.tanHalfFovY = 0.0f; });
-}
-
-TEST(WireFields, ColoursOfEveryKindComeBackAndDamageIsRefused) {
-  Image<glm::vec4> image(37, 11);
-  for (size_t i = 0; i < image.size(); ++i)
-    image[i] = {static_cast<float>(i) * 1e-7f, -0.0f, i % 3 == 0 ? std::numeric_limits<float>::infinity() : 1.0f, 1.0f / static_cast<float>(i + 1)};
-  std::vector<std::byte> bytes = encodeColors(image);
-  EXPECT_TRUE(decodeColors(bytes, 37, 11) == image);
-  EXPECT_THROW(decodeColors(bytes, 38, 11), InputError);
-  EXPECT_THROW(decodeColors(bytes, 36, 11), InputError);
-  for (size_t cut = 0; cut < bytes.size(); cut += 7) EXPECT_THROW(decodeColors(std::span(bytes).first(cut), 37, 11), InputError);
-  bytes.push_back(std::byte{0});
-  EXPECT_THROW(decodeColors(bytes, 37, 11), InputError);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "codec_frames.h"
 #include "marcher_cases.h"
 #include "render/base/error.h"
 #include "render/codec/codec.h"
@@ -73,17 +74,6 @@ SampleFramePtr marched(const MarcherPtr& marcher, const MarchSettings& settings,
 bool sameSegments(const FrameSegments& a, const FrameSegments& b) {
   return a.rays == b.rays && a.depths == b.depths && a.colors == b.colors && a.normals == b.normals;
 }
-
-SampleFrame headOf(const SampleFrame& frame) {
-  SampleFrame head;
-  head.camera = frame.camera;
-  head.quantization = frame.quantization;
-  head.settings = frame.settings;
-  head.voxelRadius = frame.voxelRadius;
-  head.planes = frame.planes;
-  return head;
-}
-
 TEST(SegmentsOfAMarch, AreAsManyAsWereAskedForAndLeaveSamplesAlone) {
   const MarcherPtr marcher = blobMarcher();
   const SampleFrame without = marcher->march(kServer, segmented(0));

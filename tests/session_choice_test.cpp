@@ -4,22 +4,16 @@
 
 #include "render/warp/fill.h"
 #include "tests/session_fixture.h"
+#include "tests/sweep_rows.h"
 
 namespace warpscope {
 namespace {
 
 class SessionChoiceTest : public SessionTest {
  protected:
+  /// Of a sweep of larger pictures.
   SweepRow rowOf(std::string_view technique, double angleDeg, double flip, double drawMs) const {
-    SweepRow row;
-    row.configuration.technique = &findWarp(technique);
-    row.configuration.march = session_.knobs().march;
-    row.configuration.serverSidePx = 999;  // a sweep of larger pictures
-    row.configuration = normalized(row.configuration);
-    row.angleDeg = angleDeg;
-    row.errors.flip = flip;
-    row.draw.medianMs = drawMs;
-    return row;
+    return sweepRow(technique, angleDeg, flip, drawMs, session_.knobs().march, 999);
   }
   std::shared_ptr<const AutoChoice> someFront() const {
     std::vector<SweepRow> rows{rowOf("hold", 0, 0.0, 1),    rowOf("hold", 20, 0.5, 1),    rowOf("spheres", 0, 0.1, 20),

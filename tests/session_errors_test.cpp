@@ -262,6 +262,8 @@ TEST_F(SessionErrorsTest, ErrorsOfAShortcutAreNotThoseOfTheTechnique) {
     turn(session_, 10.0);
     ASSERT_TRUE(pumpUntil([&] { return panel.shortcut.empty(); }));
     EXPECT_TRUE(!panel.errorsAreCurrent || panel.errors->flip != ofShortcut);
+    ASSERT_TRUE(pumpUntil([&] { return panel.errorsAreCurrent; }));
+    EXPECT_NE(panel.errors->flip, ofShortcut);
     knobs.isFrozen = false;
     session_.setKnobs(knobs);
     ASSERT_TRUE(pumpUntil([&] { return !panel.shortcut.empty() && panel.errorsAreCurrent; }));

@@ -12,18 +12,15 @@
 #include "app/experiment/effect_findings.h"
 #include "app/experiment/motion.h"
 #include "app/scene/json_document.h"
+#include "tests/sweep_rows.h"
 
 namespace warpscope {
 namespace {
 
 SweepRow rowOf(std::string_view technique, Heuristic heuristic, double angleDeg, double flip, double drawMs) {
-  SweepRow row;
-  row.configuration.technique = &findWarp(technique);
-  row.configuration.march.sample.heuristic = heuristic;
-  row.configuration.serverSidePx = 512;
-  row.configuration = normalized(row.configuration);
-  row.angleDeg = angleDeg;
-  row.errors.flip = flip;
+  MarchSettings march;
+  march.sample.heuristic = heuristic;
+  SweepRow row = sweepRow(technique, angleDeg, flip, drawMs, march);
   row.draw = {drawMs, 0.1};
   row.draws = 3;
   return row;

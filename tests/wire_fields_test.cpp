@@ -5,8 +5,14 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
+#include <map>
 
+#include "app/frames/backend.h"
+#include "headless.h"
+#include "net/messages.h"
 #include "render/base/error.h"
+#include "render/march/march_knobs.h"
 
 namespace warpscope {
 namespace {
@@ -15,7 +21,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
 
-/// Every setting another than by default.
+/// Some settings another than by default.
 MarchSettings turned() {
   MarchSettings settings;
   settings.render = {.step = 0.1f, .contribution = 1.0f / 3.0f, .skipEmpty = false, .terminateEarly = false};
@@ -44,6 +50,28 @@ std::string refusalOf(const net::SettingFields& fields) {
 TEST(WireFields, SettingsComeBack) {
   EXPECT_EQ(marchFrom(toFields(turned())), turned());
   EXPECT_EQ(marchFrom(toFields(MarchSettings{})), MarchSettings{});
+  MarchSettings all;
+  const auto expectBack = [&](auto turn) {
+    MarchSettings one;
+    turn(one);
+    turn(all);
+    EXPECT_NE(one, MarchSettings{});
+    EXPECT_EQ(marchFrom(toFields(one)), one);
+  };
+  for (const MarchKnob& row : marchKnobs()) {
+    SCOPED_TRACE(row.knob->key);
+    const bool isChosen = row.knob->type == KnobType::choice || row.knob->type == KnobType::flag;
+    const double lowest = isChosen ? 0.0 : row.knob->range.lowest, other = isChosen ? 1.0 : row.knob->range.highest;
+    expectBack([&](MarchSettings& settings) { row.set(settings, row.knob->defaultValue == lowest ? other : lowest); });
+  }
+  std::map<std::string_view, std::string_view> written{
+      {"lights", "headlight camera:1,2,3@0.5"}, {"clipPlanes", "1,0,0,-5"}, {"clipBox", "0,0,0,1,1,0.5"}, {"isovalues", "33.3@0.5 70"}};
+  for (const MarchText& text : marchTexts()) {
+    SCOPED_TRACE(text.key);
+    ASSERT_TRUE(written.contains(text.key)) << "say one here";
+    expectBack([&](MarchSettings& settings) { text.set(settings, written[text.key], "it"); });
+  }
+  EXPECT_EQ(marchFrom(toFields(all)), all);
   for (const auto& heuristic : kHeuristics)
     for (const auto& policy : kRadiusPolicies) {
       MarchSettings settings;
@@ -153,6 +181,98 @@ TEST(WireFields, AFrameHasAtMostAsManySamplesAsItsRaysMayHave) {
   }
   frame.camera.width = frame.camera.height = 8192;
   EXPECT_EQ(decodeLimitsFor(frame).maxSamples, DecodeLimits{}.maxSamples);
+}
+
+TEST(WireFields, EverythingComesBack) {
+  const Scene scene = smallScene("vessels");
+  const net::Bytes message = net::sceneMessage(toFields(scene));
+  const Scene back = sceneFrom(*net::readScene(net::ByteView(message).subspan(net::kMessageHeadBytes)));
+  EXPECT_EQ(toFields(back), toFields(scene));
+  for (const auto& policy : kRadiusPolicies) {
+    MarchSettings settings = scene.march;
+    settings.sample.radiusPolicy = policy.value;
+    settings.render.skipEmpty = false;
+    EXPECT_EQ(marchFrom(toFields(settings)), settings);
+  }
+  for (const auto& coding : kColorCodings) {
+    const CodecSettings settings{PayloadFormat::raw, coding.value, 77};
+    EXPECT_EQ(codecFrom(toFields(settings)), settings);
+  }
+}
+
+TEST(WireFields, WhatIsImpossibleIsRefused) {
+  const Scene scene = smallScene("vessels");
+  const auto refused = [&](auto change) {
+    net::SceneFields fields = toFields(scene);
+    change(fields);
+    EXPECT_THROW(sceneFrom(fields), std::runtime_error);
+  };
+  refused([](auto& f) { f.dims[1] = 0; });
+  refused([](auto& f) { f.spacing[2] = -1.0; });
+  refused([](auto& f) { f.spacing[0] = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](auto& f) { f.direction[4] = 3.0; });
+  refused([](auto& f) { f.front = f.up; });
+  refused([](auto& f) { f.fovYDeg = 180.0; });
+  refused([](auto& f) { f.background[0] = std::numeric_limits<float>::infinity(); });
+  for (const double wrong : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), 0.0, -1.0, 1e300})
+    refused([wrong](auto& f) { f.views[0].distance = wrong; });
+  for (const double wrong : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), -1e300}) {
+    refused([wrong](auto& f) { f.views[0].angleDeg = wrong; });
+    refused([wrong](auto& f) { f.views[0].elevationDeg = wrong; });
+    refused([wrong](auto& f) { f.views[0].panRight = wrong; });
+    refused([wrong](auto& f) { f.views[0].panUp = wrong; });
+  }
+  refused([](auto& f) { f.name = ""; });
+  refused([](auto& f) { f.name = "a\nb"; });
+  refused([](auto& f) { f.title = "\x1b[2J"; });
+  const auto refusedSetting = [&](const std::string& name, const std::string& value) {
+    refused([&](auto& f) {
+      for (auto& setting : f.settings)
+        if (setting.name == name) setting.value = value;
+    });
+  };
+  // Unknown choices are no choices of the first: they are refused.
+  refusedSetting("heuristic", "200");
+  refusedSetting("heuristic", "");
+  refusedSetting("radius", "voxels");
+  refusedSetting("step", "0");
+  refusedSetting("step", "nan");
+  refusedSetting("samplesPerRay", "1.5");
+  refusedSetting("skipEmpty", "maybe");
+  refused([](auto& f) { f.settings.push_back({"light", "on"}); });
+
+  const SampleFrame frame = makeMarcher(Backend::cpu, scene.volume, scene.transferFunction)->march(makeCamera(scene, scene.views[0], 16, 16), scene.march);
+  const auto refusedFrame = [&](auto change) {
+    net::FrameHead head = headOf(frame, {});
+    EXPECT_NO_THROW(frameFrom(head));
+    change(head);
+    EXPECT_THROW(frameFrom(head), std::runtime_error);
+  };
+  refusedFrame([](auto& h) { h.radiusUnit = 3.0f; });
+  refusedFrame([](auto& h) { h.radiusUnit = 0.0f; });
+  refusedFrame([](auto& h) { h.voxelRadius = -1.0f; });
+  refusedFrame([](auto& h) { h.bounds[0] = h.bounds[3] + 1.0f; });
+  refusedFrame([](auto& h) { h.bounds[5] = std::numeric_limits<float>::infinity(); });
+  for (const float bad : {-1.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    refusedFrame([bad](auto& h) { h.nearDepth = bad; });
+    refusedFrame([bad](auto& h) { h.depthStep = bad; });
+  }
+  refusedFrame([](auto& h) { h.depthStep = 0.0f; });
+  refusedFrame([](auto& h) { h.camera.width = 0; });
+  refusedFrame([](auto& h) { h.camera.tanHalfFovY = 0.0f; });
+}
+
+TEST(WireFields, ColoursOfEveryKindComeBackAndDamageIsRefused) {
+  Image<glm::vec4> image(37, 11);
+  for (size_t i = 0; i < image.size(); ++i)
+    image[i] = {static_cast<float>(i) * 1e-7f, -0.0f, i % 3 == 0 ? std::numeric_limits<float>::infinity() : 1.0f, 1.0f / static_cast<float>(i + 1)};
+  std::vector<std::byte> bytes = encodeColors(image);
+  EXPECT_TRUE(decodeColors(bytes, 37, 11) == image);
+  EXPECT_THROW(decodeColors(bytes, 38, 11), InputError);
+  EXPECT_THROW(decodeColors(bytes, 36, 11), InputError);
+  for (size_t cut = 0; cut < bytes.size(); cut += 7) EXPECT_THROW(decodeColors(std::span(bytes).first(cut), 37, 11), InputError);
+  bytes.push_back(std::byte{0});
+  EXPECT_THROW(decodeColors(bytes, 37, 11), InputError);
 }
 
 }  // namespace
