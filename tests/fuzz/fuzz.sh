@@ -46,7 +46,8 @@ case $what in
     ;;
 esac
 rm -f -- "$build/findings/$what"-*
-"$build/tests/fuzz/$what" "$@" "$build/seeds/$what" && exit 0
+# One that hangs where libFuzzer does not look ends as well.
+timeout "$((${WARPSCOPE_FUZZ_S:-10} + 120))" "$build/tests/fuzz/$what" "$@" "$build/seeds/$what" && exit 0
 # A log alone must be enough to repeat it.
 for finding in "$build/findings/$what"-*; do
   if [ -e "$finding" ]; then
