@@ -2,8 +2,11 @@
 // Mirrors render/bricks/brick_tree.h.
 #include "render/bricks/brick_tree.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
 #include <random>
 
 #include "marcher_cases.h"
@@ -12,6 +15,8 @@
 
 namespace warpscope {
 namespace {
+
+bool hasCells(const CellBlock& block) { return glm::all(glm::lessThan(block.lower, block.upper)); }
 
 TEST(BrickTree, BlocksAreTheVolumeAndWeighAlike) {
   const glm::uvec3 dims(130, 65, 90);
@@ -25,6 +30,7 @@ TEST(BrickTree, BlocksAreTheVolumeAndWeighAlike) {
     size_t covered = 0;
     double heaviest = 0.0, all = 0.0;
     for (const CellBlock& block : tree.blocks()) {
+      EXPECT_TRUE(hasCells(block));
       covered += static_cast<size_t>(block.upper.x - block.lower.x) * static_cast<size_t>(block.upper.y - block.lower.y) * static_cast<size_t>(block.upper.z - block.lower.z);
       double weight = 0.0;
       for (int z = block.lower.z; z < block.upper.z; z += 4)
@@ -73,12 +79,14 @@ TEST(BrickTree, EveryBlockOfSmallVolumesHasCellsWhateverTheirNumber) {
       for (uint32_t z = 2; z <= 17; z += 5) {
         const VolumePtr volume = makeTestVolume(VoxelType::uint8, glm::uvec3(x, y, z), [](const glm::ivec3& p) { return 20.0 + p.x; });
         const MarchedVolume marched(volume, everywhere(0.1f));
-        const auto most = static_cast<int>(marched.macrocells.count());
+        const glm::ivec3 room = (glm::ivec3(volume->dims()) - 1 + marched.macrocells.edge() - 1) / marched.macrocells.edge();
+        const int most = room.x * room.y * room.z;
         std::vector<float> weights(marched.macrocells.count());
         for (float& weight : weights) weight = static_cast<float>(random() % 1000 + 1);
         for (int count = 1; count <= most; ++count) {
           const BrickTree tree(marched.macrocells, weights, volume->dims(), count);
           ASSERT_EQ(tree.blocks().size(), static_cast<size_t>(count));
+          ASSERT_TRUE(std::ranges::all_of(tree.blocks(), hasCells)) << count;
         }
         EXPECT_THROW(BrickTree(marched.macrocells, weights, volume->dims(), most + 1), UsageError);
       }
@@ -121,9 +129,13 @@ TEST(BrickTree, RaysComeToBlocksInTheirOrder) {
   const BrickTree tree(marched.macrocells, weightsOfVisible(marched.bakedFor({})->emptyDistances), dims, 13);
   std::mt19937 random(1);
   std::uniform_real_distribution<float> place(-30.0f, 94.0f);
+  std::vector<int> all(tree.blocks().size());
+  std::iota(all.begin(), all.end(), 0);
+  int met = 0;
   for (int i = 0; i < 2000; ++i) {
     const glm::vec3 eye(place(random), place(random), place(random)), to(place(random), place(random), place(random));
     const std::vector<int> order = tree.nearToFar(eye);
+    ASSERT_THAT(order, testing::UnorderedElementsAreArray(all)) << "each block once";
     const glm::vec3 direction = glm::normalize(to - eye);
     float before = -1.0f;
     for (const int at : order) {
@@ -132,8 +144,10 @@ TEST(BrickTree, RaysComeToBlocksInTheirOrder) {
       if (inside.isMiss()) continue;
       ASSERT_GE(inside.tNear, before - 1e-3f);
       before = inside.tNear;
+      ++met;
     }
   }
+  EXPECT_GT(met, 2000);
 }
 
 }  // namespace

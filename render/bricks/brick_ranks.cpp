@@ -102,7 +102,7 @@ class BrickLeader {
         index = work_.addFunction(std::move(function));
       });
     }
-    requireRoom(work_.function(index)->macrocells, work_.ranks().size());
+    requireRoom(work_.function(index)->macrocells, work_.volume()->dims(), work_.ranks().size());
     const std::scoped_lock usersLock(usersMutex_);
     users_.resize(std::max<size_t>(users_.size(), index + 1));
     ++users_[index];

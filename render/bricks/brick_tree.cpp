@@ -19,6 +19,14 @@ struct Cells {
   glm::ivec3 extent() const { return upper - lower; }
 };
 
+/// Cells between voxels.
+glm::ivec3 cellsBetween(const glm::uvec3& voxels) { return glm::max(glm::ivec3(voxels) - 1, 1); }
+
+/// Those that have cells: where the last voxel along an axis begins a macrocell, that has none.
+Cells withCells(const Macrocells& macrocells, const glm::uvec3& voxels) {
+  return {glm::ivec3(0), (cellsBetween(voxels) + macrocells.edge() - 1) / macrocells.edge()};
+}
+
 /// Calls `visit(i, at)` with the number and the place of each.
 template <class Visit>
 void forEachCell(const Cells& cells, const glm::ivec3& dims, const Visit& visit) {
@@ -61,24 +69,24 @@ void weighByCost(std::vector<float>& weights, const Macrocells& cells, std::span
     costOfAll += costs[i];
   }
   for (size_t i = 0; i < blocks.size(); ++i) {
-    if (!(ofBlocks[i] > 0.0)) continue;  // it is empty: the volume ends where it would begin
     const double scale = std::clamp(costs[i] / costOfAll * (weightOfAll / ofBlocks[i]), 1.0 / kMostScaled, kMostScaled);
     forEachWeight(blocks[i], [&](float& weight) { weight = std::max(static_cast<float>(static_cast<double>(weight) * scale), 1e-12f); });
   }
 }
 
-void requireRoom(const Macrocells& cells, int count) {
-  if (const auto most = static_cast<int64_t>(cells.count()); count > most)
+void requireRoom(const Macrocells& cells, const glm::uvec3& voxels, int count) {
+  if (const int64_t most = countOf(withCells(cells, voxels)); count > most)
     throw UsageError("the volume is too small for " + std::to_string(count) + " processes: there is work for " + std::to_string(most) + " at most");
 }
 
 BrickTree::BrickTree(const Macrocells& macrocells, std::span<const float> weights, const glm::uvec3& voxels, int count, double mostShare) {
   const glm::ivec3 dims = macrocells.dims();
-  requireRoom(macrocells, count);
-  const glm::ivec3 cells = glm::max(glm::ivec3(voxels) - 1, 1);
+  requireRoom(macrocells, voxels, count);
+  const Cells all = withCells(macrocells, voxels);
+  const glm::ivec3 cells = cellsBetween(voxels);
   /// The macrocells' voxels; the volume's ends where they are.
   const auto blockOf = [&](const Cells& piece) { return CellBlock{piece.lower * macrocells.edge(), glm::min(piece.upper * macrocells.edge(), cells)}; };
-  const double mostCells = std::max(mostShare, 1.0 / count) * static_cast<double>(macrocells.count());
+  const double mostCells = std::max(mostShare, 1.0 / count) * static_cast<double>(countOf(all));
   /// As many of the piece's slices as so many blocks may have, or the nearest number that leaves the others no more than they may.
   const auto withinRoom = [&](const Cells& piece, int axis, int slices, int ofLower, int ofUpper) {
     const double perSlice = static_cast<double>(countOf(piece)) / piece.extent()[axis];
@@ -117,7 +125,7 @@ BrickTree::BrickTree(const Macrocells& macrocells, std::span<const float> weight
     nodes_.push_back({axis, place, first, second});
     return static_cast<int>(nodes_.size()) - 1;
   };
-  cut({glm::ivec3(0), dims}, count);
+  cut(all, count);
 }
 
 std::vector<int> BrickTree::nearToFar(const glm::vec3& eye) const {

@@ -19,12 +19,12 @@ std::vector<float> weightsOfVisible(std::span<const uint8_t> distances);
 void weighByCost(std::vector<float>& weights, const Macrocells& cells, std::span<const CellBlock> blocks, std::span<const double> costs);
 inline constexpr double kMostScaled = 16.0;
 
-/// Throws UsageError, which says how many would do, if a volume cannot be cut into as many blocks.
-void requireRoom(const Macrocells& cells, int count);
+/// Throws UsageError, which says how many would do, if a volume of so many voxels cannot be cut into as many blocks.
+void requireRoom(const Macrocells& cells, const glm::uvec3& voxels, int count);
 
 class BrickTree {
  public:
-  /// Cuts the cells between the voxels of a volume into `count` blocks along borders of macrocells, so that blocks weigh alike. `weights`: of each macrocell, positive.
+  /// Cuts the cells between the voxels of a volume into `count` blocks, none of them empty, along borders of macrocells, so that blocks weigh alike. `weights`: of each macrocell, positive.
   /// Planes are across y or z, along whichever a block is longer, or across x where that is by far the longest (with a `mostShare`
   /// below 1, only where nothing else is left). `mostShare`: of all cells, that a block has at most, whatever it
   /// weighs, as nearly as macrocells let it; less than 1 / count is taken for that.
