@@ -30,7 +30,7 @@ class OnBackend : public testing::TestWithParam<Backend> {
   USE(Case01)                                                                                                         \
   USE(Case02) USE(Case03) USE(Case04) USE(Case05) USE(Case06) USE(Case08) USE(Case09) USE(Case10) USE(Case11)         \
       USE(Case12) USE(Case13) USE(Case14) USE(Case15) USE(Case16) USE(Case17) USE(Case18) USE(Case19) USE(Case20)     \
-          USE(Case21) USE(Case22) USE(Case23) USE(Case24) USE(Case25) USE(Case26) USE(Case27) USE(Case28) USE(Case29) \
+          USE(Case21) USE(Case22) USE(Case23) USE(Case25) USE(Case26) USE(Case27) USE(Case28) USE(Case29) \
               USE(Case30) USE(Case31) USE(Case32) USE(Case33) USE(Case34) USE(Case35) USE(Case36) USE(Case37)         \
                   USE(Case38) USE(Case39) USE(Case40) USE(Case41) USE(Case42) USE(Case43) USE(Case44) USE(Case45)     \
                       USE(Case46) USE(Case47) USE(Case49) USE(Case50) USE(Case51) USE(Case52) USE(Case53) USE(Case54) \

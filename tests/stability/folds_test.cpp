@@ -63,17 +63,6 @@ TEST(Case34, HalfOfAThinHazesOpacityIsReachedInItsMiddle) {
           worst.value(), 1.0});
 }
 
-TEST(Case34, TransmittanceNeverStallsNorRises) {
-  Transmittance transmittance;
-  double before = transmittance.exact();
-  for (int i = 0; i < 100000; ++i) {
-    transmittance.pass(0.01f);
-    ASSERT_GE(transmittance.exact(), 0.0);
-    ASSERT_TRUE(transmittance.exact() < before || before < 1e-300) << i;
-    before = transmittance.exact();
-  }
-}
-
 // --- The definitions, of a probe's samples: t_i, ds, alpha_i, T_i, w_i = alpha_i T_i, A_i
 
 struct Row {

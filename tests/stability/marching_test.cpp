@@ -167,7 +167,10 @@ TEST(Case34, TransmittanceFallsWithoutStallingAndNeverBelowZero) {
     }
     before = value;
     exact += std::log1p(-static_cast<double>(0.01f));
+    const double beforeInDouble = transmittance.exact();
     transmittance.pass(0.01f);
+    ASSERT_GE(transmittance.exact(), 0.0);
+    ASSERT_TRUE(transmittance.exact() < beforeInDouble || beforeInDouble < 1e-300) << "stalls at sample " << i;
   }
   EXPECT_EQ(transmittance.opacity(), 1.0f);
   recordExact("Transmittance: falls, never negative", "definition");

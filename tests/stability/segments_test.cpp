@@ -303,7 +303,8 @@ TEST_P(Case65, PropertyRandomFramesAreMetAsByBruteForce) {
     const double error = errorOf(GetParam(), whole(frame), camera, Between::nearest);
     worst.see(error);
     RC_ASSERT(error <= kOfNearest);
-    drawn(GetParam(), whole(frame), camera, Between::linear);
+    for (const glm::vec4& shown : drawn(GetParam(), whole(frame), camera, Between::linear).color)
+      RC_ASSERT(std::isfinite(shown.r + shown.g + shown.b) && shown.a >= 0.0f && shown.a <= 1.0f);
   });
   record({"technique segments, random frames and cameras", "brute force", "", worst.value(), kOfNearest, GetParam()});
 }
