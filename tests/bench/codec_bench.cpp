@@ -106,8 +106,9 @@ void runCodec(benchmark::State& state, const std::string& scene, const Rays& ray
   if (const DecodeError error = codec.decode(payload, frame.size(), decoded)) throw std::runtime_error(*error);
   if (decoded.samples != frame.samples || decoded.planes != frame.planes || decoded.segments.rays != frame.segments.rays || decoded.segments.depths != frame.segments.depths)
     throw std::runtime_error("other samples came back");
+  if (decoded.segments.normals != frame.segments.normals) throw std::runtime_error("other normals came back");
   const double rms = colorError(frame, decoded);
-  if (settings.color == ColorCoding::lossless && decoded.colors != frame.colors)
+  if (settings.color == ColorCoding::lossless && (decoded.colors != frame.colors || decoded.segments.colors != frame.segments.colors))
     throw std::runtime_error("other colours came back");
   for (auto _ : state) {
     if (decoding)

@@ -27,7 +27,6 @@ RADIUS_PX = 60
 STEP_S = 0.008       # between two moves of the pointer: twice as often as the display draws
 OPENING_S = 3.0      # for the scene, before the pointer moves
 OPEN_FIELD, CURVE = (186, 91), (100, 180)  # px from the window's right and upper edge, at scale 1: where a file is named, the transfer function
-PORT = 7791
 
 
 def circle(seconds, rest_s):
@@ -82,13 +81,22 @@ def vanish(display, window, arguments, serve):
 
 
 class Server:
-    """One on a port of its own that can be killed and started again."""
+    """One that can be killed and started again, on the port that it was given first."""
 
-    def __init__(self, command):
-        self.command, self.process = command, None
+    def __init__(self, command, folder):
+        self.command, self.process, self.port = command, None, 0
+        self.port_file = os.path.join(folder, "port")
 
     def start(self):
-        self.process = subprocess.Popen(self.command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        if os.path.exists(self.port_file):
+            os.remove(self.port_file)
+        self.process = subprocess.Popen([*self.command, "--listen", f"127.0.0.1:{self.port}", "--port-file", self.port_file], stdout=subprocess.DEVNULL)
+        while not os.path.exists(self.port_file):
+            if self.process.poll() is not None:
+                raise ui.Failure(f"the server ended with {self.process.returncode}")
+            time.sleep(0.01)
+        with open(self.port_file, encoding="utf-8") as file:
+            self.port = int(file.read())
 
     def kill(self):
         self.process.kill()
@@ -99,11 +107,10 @@ def measured(program, arguments, view_options):
     with tempfile.TemporaryDirectory() as folder, ui.Display(1480, 1124) as display:
         report = os.path.join(folder, "report.json")
         place = [arguments.scene]
-        serve = Server([program, "serve", arguments.scene, "--listen", f"127.0.0.1:{PORT}"])
+        serve = Server([program, "serve", arguments.scene, "--quiet"], folder)
         if arguments.vanishing:
             serve.start()
-            time.sleep(1.0)
-            place = ["--connect", f"warp://127.0.0.1:{PORT}"]
+            place = ["--connect", f"warp://127.0.0.1:{serve.port}"]
         window = ui.Program(display, [program, "view", *place, "--left", arguments.left, "--right", arguments.right, "--size", arguments.size,
                                       "--report", report, *view_options])
         try:
