@@ -15,7 +15,7 @@ PRIVATE_LIBRARIES = {
     r"imgui|GLFW/": ["app/ui/"],
     r"CLI/": ["app/commands/", "app/main.cpp"],
     r"boost/asio|openssl/ssl": ["net/", "app/shell/interrupt.cpp"],
-    r"cuda|cub/|thrust/": ["render/", "tests/gpu/"],
+    r"cuda|cub/|thrust/": ["render/"],
     r"itk[A-Z]": ["render/volume/"],
     r"embree": ["render/warp/lbvh/"],
 }
@@ -62,6 +62,8 @@ def findings(root):
             if not include:
                 continue
             quote, name = include.groups()
+            if name.startswith("."):
+                yield f"{path}:{number}: includes {name}: includes begin at the project's root"
             if quote == '"' and "/" in name and (root / name).exists():
                 answer = may_include(path, name)
                 if answer is not True:

@@ -53,7 +53,8 @@ class WindowGolden : public SessionTest {
     const Image<Rgba8> expected = readPng(golden);
     const PictureDifference difference = comparePictures(picture, expected);
     if (difference.isTolerable(kMostFraction)) return;
-    const std::filesystem::path kept = std::filesystem::temp_directory_path() / ("warpscope-window-" + name);
+    const std::filesystem::path kept = std::filesystem::path(WARPSCOPE_TEST_ARTIFACTS) / name;
+    std::filesystem::create_directories(kept.parent_path());
     writeFileWhole(kept.string() + ".png", encodePng(picture));
     writeFileWhole(kept.string() + "-difference.png", encodePng(amplifiedDifference(picture, expected)));
     ADD_FAILURE() << name << ": " << difference.fraction << " of the pixels differ, by up to " << difference.largest << "; see " << kept << ".png and -difference.png";
