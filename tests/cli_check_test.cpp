@@ -1,7 +1,6 @@
 // `check`: golden pictures that are made, kept, missed and changed; what is left behind; descriptions that are wrong.
 // Mirrors app/commands/check.cpp and app/experiment/screenshot_check.h.
 #include <fstream>
-#include <iterator>
 
 #include "app/experiment/screenshot_check.h"
 #include "app/shell/output_files.h"
@@ -11,11 +10,6 @@ namespace warpscope {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string contentOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class Check : public CommandLine {
  protected:

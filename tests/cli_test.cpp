@@ -293,7 +293,6 @@ TEST_F(CommandLine, VerboseSaysWhatIsDoneAndQuietNothing) {
   EXPECT_THAT(succeed({"info", "--verbose"}).err, testing::HasSubstr("EGL"));
 }
 
-/// A picture of nothing is a picture, but hardly what was wanted.
 TEST_F(CommandLine, ShotWritesWhatTheNameSays) {
   const auto beginOf = [&](const std::string& file) {
     succeed({"shot", "-o", file, "--size", "24x16", "--volume-size", "16x16x16"});
@@ -320,6 +319,7 @@ TEST_F(CommandLine, VoxelsThatAreFarLongerThanWideAreWarnedAbout) {
   EXPECT_THAT(errOf("2", "voxel"), testing::Not(testing::HasSubstr("voxels' edges"))) << "twice as long is not far longer";
 }
 
+/// A picture of nothing is a picture, but hardly what was wanted.
 TEST_F(CommandLine, VolumesOfWhichNothingIsVisibleAreWarnedAbout) {
   const auto function = [&](const std::string& points) { folder_.write("tf.json", "{\"points\": [" + points + "]}"); };
   const auto point = [](const std::string& value, const std::string& alpha) {
