@@ -69,6 +69,7 @@ void planScene(const PlanOptions& options) {
     std::cout << textOf(report);
     return;
   }
+  if (options.common.quiet) return;
   std::printf("%s, %ux%u, %s: march %.2f ms ±%.2f; by each stage:\n", work.scene.name.c_str(), work.width, work.height,
               deviceText(marcher->backend()).c_str(), costs.march.medianMs, 0.5 * costs.march.spreadMs);
   print(*plan, costs);

@@ -236,6 +236,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<ViewOptions>();
   CLI::App* command = program.add_subcommand("view", "The window: techniques side by side, live");
   addCommonOptions(*command, options->common);
+  command->remove_option(command->get_option("--json"));  // a window prints nothing
   command->get_option("--size")->description("WxH of the window, in screen coordinates; default: 1280x800 times the screen's scale, or less on a small screen")->default_str("");
   const std::string names = listOf(warpRegistry()) + ", or auto: what was measured to be best";
   CLI::Option* const panels = command->add_option("--panels", options->panels, "1 to " + std::to_string(kMaxPanels) + " panels, parted by commas; each " + names)
