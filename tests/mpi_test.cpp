@@ -194,7 +194,7 @@ TEST_F(Mpi, AServerOfSeveralProcessesServesAsOneDoes) {
   }
   EXPECT_EQ(processes().size(), 4u);
   server_->signal(SIGINT);
-  EXPECT_LT(secondsToTheEnd(), 2.0);
+  EXPECT_LT(secondsToTheEnd(), 2.5);  // 1.4 to 1.5 on two busy cores; Open MPI sleeps for one of them
 }
 
 TEST_F(Mpi, AProcessThatDiesEndsAll) {

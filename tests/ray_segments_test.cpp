@@ -2,6 +2,7 @@
 // Mirrors render/march/ray_segments.h and render/march/frame_segments.h.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -62,15 +63,19 @@ TEST(RaySegments, AThousandSamplesMergedToOneAreTheClosedForm) {
   for (const float opacity : {1e-8f, 1e-4f, 0.004f}) {
     SegmentMerger merger(kMostMergerRoom);
     for (const RaySegment& step : stepsOf(std::vector(1000, std::pair(opacity, glm::vec3(0.25f, 0.5f, 1.0f))), 2.0f, 0.25f)) merger.add(step);
-    merger.reduceTo(1);
+    RayLattice lattice;
+    lattice.t0 = 2.0f, lattice.length = 250.0f, lattice.dt = 0.25f, lattice.count = 1000;
+    merger.finish(1, lattice);
     ASSERT_EQ(merger.size(), 1);
     const RaySegment& only = merger[merger.first()];
     const double expected = -std::expm1(1000.0 * std::log1p(-static_cast<double>(opacity)));
     EXPECT_NEAR(static_cast<double>(only.opacity), expected, 1e-4 * expected) << opacity;
     for (int channel = 0; channel < 3; ++channel)
       EXPECT_NEAR(static_cast<double>(only.color[channel]), expected * static_cast<double>(glm::vec3(0.25f, 0.5f, 1.0f)[channel]), 1e-4 * expected);
-    EXPECT_EQ(only.begin, 2.0f);
-    EXPECT_EQ(only.end, 252.0f);
+    // Of what is nearly opaque the depth that a merge weighs by is too small.
+    const float most = expected < 0.5 ? 0.0f : 0.04f * lattice.length;
+    EXPECT_NEAR(only.begin, 2.0f, most);
+    EXPECT_NEAR(only.end, 252.0f, most);
   }
 }
 
@@ -133,11 +138,117 @@ TEST(RaySegments, WhatIsAlikeCostsNothingAndGapsCost) {
   const RaySegment a{0.0f, 2.0f, 0.5f, 1.0f, glm::vec3(0.25f)};
   const RaySegment same{2.0f, 4.0f, 0.5f, 0.5f, glm::vec3(0.25f)}, apart{5.0f, 7.0f, 0.5f, 0.5f, glm::vec3(0.25f)}, red{2.0f, 4.0f, 0.5f, 0.5f, {0.5f, 0.0f, 0.0f}},
       dense{2.0f, 2.5f, 0.5f, 0.5f, glm::vec3(0.25f)}, hidden{5.0f, 7.0f, 0.5f, 0.0f, glm::vec3(0.25f)};
-  EXPECT_LT(mergeCost(a, same).value(), 1e-6f);
+  const RaySegment faint{0.0f, 2.0f, 1e-3f, 1.0f, glm::vec3(1e-3f)}, faintToo{2.0f, 4.0f, 1e-3f, 0.999f, glm::vec3(1e-3f)};
+  EXPECT_LT(mergeCost(faint, faintToo).value(), 1e-3f * mergeCost(a, apart).value());
+  EXPECT_LT(mergeCost(a, same).value(), 0.5f * mergeCost(a, apart).value());  // of dense ones light comes from the front one
   EXPECT_GT(mergeCost(a, apart).value(), 0.1f);
   EXPECT_GT(mergeCost(a, red).value(), 0.05f);
   EXPECT_GT(mergeCost(a, dense).value(), 0.05f);
   EXPECT_EQ(mergeCost(a, hidden).value(), 0.0f);
+}
+
+/// Two neighbours with a gap or none, as long and as dense as it comes.
+std::pair<RaySegment, RaySegment> randomPair(std::mt19937& random) {
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  const auto length = [&] { return 4.0f * unit(random) * unit(random); };
+  RaySegment front{3.0f, 0.0f, 0.999f * unit(random) * unit(random), 0.7f, glm::vec3(0.1f)};
+  front.end = front.begin + length();
+  RaySegment back{front.end + (unit(random) < 0.5f ? 0.0f : length()), 0.0f, 0.999f * unit(random), 0.7f * (1.0f - front.opacity), glm::vec3(0.1f)};
+  back.end = back.begin + length();
+  return {front, back};
+}
+
+TEST(RaySegments, WhatTwoBecomeHasTheirMeanPlaceAndSpread) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 2000; ++round) {
+    const auto [front, back] = randomPair(random);
+    const RayExtent both = mergedExtent(front, back);
+    const auto depthOf = [](float opacity) { return static_cast<double>(opacity) / (1.0 - 0.5 * static_cast<double>(opacity)); };
+    const double a = depthOf(front.opacity), b = depthOf(back.opacity), middleA = 0.5 * static_cast<double>(front.begin + front.end), middleB = 0.5 * static_cast<double>(back.begin + back.end);
+    const double mean = (a * middleA + b * middleB) / (a + b);
+    const auto spreadAbout = [&](double middle, float length) { return static_cast<double>(length) * static_cast<double>(length) / 12.0 + (middle - mean) * (middle - mean); };
+    const double half = std::sqrt(3.0 * (a * spreadAbout(middleA, front.length()) + b * spreadAbout(middleB, back.length())) / (a + b));  // of what is homogeneous
+    EXPECT_NEAR(static_cast<double>(both.begin), std::max(static_cast<double>(front.begin), mean - half), 1e-5) << round;
+    EXPECT_NEAR(static_cast<double>(both.end), std::min(static_cast<double>(back.end), mean + half), 1e-5) << round;
+  }
+  // A surface behind some haze stays thin, in front of it as well; what is homogeneous stays what it is.
+  const RaySegment haze{0.0f, 8.0f, 0.02f, 1.0f, glm::vec3(0.02f)}, surface{8.0f, 8.5f, 0.98f, 0.98f, glm::vec3(0.98f)}, hazeBehind{8.5f, 16.5f, 0.02f, 0.0196f, glm::vec3(0.02f)};
+  EXPECT_LT(mergedExtent(haze, surface).length(), 2.0f);
+  EXPECT_LT(mergedExtent(surface, hazeBehind).length(), 2.0f);
+  const RaySegment half{0.0f, 2.0f, 0.75f, 1.0f, glm::vec3(0.5f)}, otherHalf{2.0f, 4.0f, 0.75f, 0.25f, glm::vec3(0.5f)};
+  EXPECT_EQ(mergedExtent(half, otherHalf).begin, 0.0f);
+  EXPECT_EQ(mergedExtent(half, otherHalf).end, 4.0f);
+}
+
+TEST(RaySegments, LightIsMovedAboutByWhatTheIntegralSays) {
+  std::mt19937 random(5);
+  int atMost = 0, isNear = 0;
+  for (int round = 0; round < 300; ++round) {
+    const auto [front, back] = randomPair(random);
+    const RayExtent both = mergedExtent(front, back);
+    const double light = static_cast<double>(front.contribution()) + static_cast<double>(back.contribution()), share = static_cast<double>(back.contribution()) / light;
+    const auto sentUpTo = [](double t, const glm::dvec2& ends) { return std::clamp(ends.y > ends.x ? (t - ends.x) / (ends.y - ends.x) : t > ends.x ? 1.0 : 0.0, 0.0, 1.0); };
+    constexpr int kPlaces = 4000;
+    const auto from = static_cast<double>(front.begin), to = static_cast<double>(back.end);
+    const glm::dvec2 ofFront(front.begin, front.end), ofBack(back.begin, back.end), ofBoth(both.begin, both.end);
+    double sum = 0.0;
+    for (int i = 0; i < kPlaces; ++i) {
+      const double t = from + (i + 0.5) / kPlaces * (to - from);
+      const double difference = (1.0 - share) * sentUpTo(t, ofFront) + share * sentUpTo(t, ofBack) - sentUpTo(t, ofBoth);
+      sum += difference * difference * (to - from) / kPlaces;
+    }
+    const auto found = static_cast<double>(squaredDifference(front, back, both, static_cast<float>(share)));
+    isNear += std::abs(found - sum) < 0.4 * sum + 1e-4 ? 1 : 0;
+    EXPECT_LT(found, 12.0 * sum + 1e-3) << round;
+    // They are of one colour, but for how much of it there is.
+    RaySegment alikeFront = front, alikeBack = back;
+    alikeFront.color = glm::vec3(front.opacity), alikeBack.color = glm::vec3(back.opacity);
+    const double cost = static_cast<double>(mergeCost(alikeFront, alikeBack).value());
+    EXPECT_NEAR(cost, light * std::sqrt((to - from) * found), 1e-3 * light * (to - from)) << round;
+    atMost += cost <= static_cast<double>(mostMergeCost(alikeFront, alikeBack).value()) + 1e-6 ? 1 : 0;
+  }
+  EXPECT_GT(isNear, 250);
+  EXPECT_GT(atMost, 270) << "what needs no root is hardly ever less";
+}
+
+/// Points stay where they are.
+TEST(RaySegments, FinishedOnesBeginAndEndWhereStepsDo) {
+  std::mt19937 random(9);
+  RayLattice lattice;
+  lattice.t0 = 3.0f, lattice.dt = 0.5f, lattice.count = 100, lattice.length = 49.8f;
+  int merged = 0;
+  for (int round = 0; round < 300; ++round) {
+    std::vector<RaySegment> steps = randomSteps(random, 100);
+    const bool arePoints = round % 3 == 0;
+    for (RaySegment& step : steps) {
+      if (arePoints) step.end = step.begin += 0.123f;
+      step.end = std::min(step.end, lattice.t0 + lattice.length);
+    }
+    SegmentMerger reduced(mergerRoomFor(4)), finished(mergerRoomFor(4));
+    for (const RaySegment& step : steps) reduced.add(step), finished.add(step);
+    reduced.reduceTo(4);
+    finished.finish(4, lattice);
+    const std::vector<RaySegment> before = listOf(reduced), after = listOf(finished);
+    ASSERT_EQ(before.size(), after.size());
+    for (size_t i = 0; i < after.size(); ++i) {
+      EXPECT_EQ(after[i].opacity, before[i].opacity);
+      if (i > 0) EXPECT_LE(after[i - 1].end, after[i].begin);
+      if (!(before[i].length() > 0.0f)) {
+        EXPECT_EQ(after[i].begin, before[i].begin);
+        EXPECT_EQ(after[i].end, before[i].end);
+        continue;
+      }
+      ++merged;
+      for (const auto& [was, is] : {std::pair(before[i].begin, after[i].begin), std::pair(before[i].end, after[i].end)}) {
+        EXPECT_LE(std::abs(is - was), 0.5f + 1e-5f);
+        if (arePoints) continue;
+        const int border = static_cast<int>(std::lround((is - lattice.t0) / lattice.dt));
+        EXPECT_EQ(is, lattice.border(border)) << round;
+      }
+      EXPECT_LT(after[i].begin, after[i].end);
+    }
+  }
+  EXPECT_GT(merged, 500);
 }
 
 /// Surfaces have no length, opacity 1 ends everything.

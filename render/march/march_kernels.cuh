@@ -126,7 +126,7 @@ template <class Job, class Source, class Light>
 __device__ inline void storeFoundSegments(const Job& job, const PixelPlace& pixel, const RayPath& path, float cosine, SharedSegmentMerger& found, bool isEnded,
                                           const Source& source, const Light& light) {
   WARPSCOPE_COUNT(segmentedRays, 1);
-  found.reduceTo(job.segmentSlots);
+  found.finish(job.segmentSlots, path.lattice);
   const size_t place = size_t{pixel.y} * job.camera.width + pixel.x, first = place * static_cast<size_t>(job.segmentSlots);
   const SegmentSlots slots{job.segments.depths + first, job.segments.colors + first, job.segments.normals != nullptr ? job.segments.normals + first : nullptr};
   const SegmentEncoder encoder(*job.colorTables, job.rule.quantization, cosine, job.segments.normals != nullptr);

@@ -77,7 +77,7 @@ __global__ void __launch_bounds__(kTileBlockThreads)
     job.left[left] = state;
   }
   if (job.segmentSlots > 0 && left >= 0) {
-    if (isDone) segments.reduceTo(job.segmentSlots);
+    if (isDone) segments.finish(job.segmentSlots, path.lattice);
     SegmentMerger kept(mergerRoomFor(job.segmentSlots));
     kept.take(segments);
     job.leftSegments[left] = kept;

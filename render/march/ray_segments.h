@@ -2,16 +2,17 @@
 // Volumetric depth images: Frey, Sadlo, Ertl 2013; merging neighbours bottom-up: Keogh et al. 2001 ("segmenting time series"). What a merge costs is ours.
 //
 // A segment has the light and the opacity of all the samples that became it, as seen from the ray's beginning with nothing in front: segments over one another
-// are the ray (Porter, Duff 1984), however they were merged. What is lost is where within the segment they were.
+// are the ray (Porter, Duff 1984), however they were merged. What is lost is where within the segment they were. So two become the homogeneous stretch whose optical depth
+// has the same mean place and the same spread (its first two moments), cut off where that would reach beyond both: a surface with haze before it stays as thin as a
+// surface, and what is homogeneous stays what it is (a twenty-fifth shorter where it is nearly opaque). Optical depth is taken as a / (1 - a / 2), a being the opacity: right up to a^3 / 12, and without a logarithm.
 //
 // The cost of merging two neighbours is how far light is moved along the ray, which from an angle is beside it, and how much of it changes colour:
-//   moved: the integral along the ray of how much of the optical depth in front of a place changes (the earth mover's distance of both distributions: Rubner,
-//     Tomasi, Guibas 1998), times the light that both send for each unit of it. Of two that lie side by side, equally dense, it is 0; a gap between them
-//     counts by all that it is filled with, not by what lies on its smaller side. Optical depth is taken as a / (1 - a / 2), a being the opacity: right up to
-//     a^3 / 12, and without a logarithm.
-//   recoloured: a b / (a + b) times the difference of the straight colours (the largest of three channels) times half of the merged segment's length, a and b
+//   moved: the light of both times sqrt(their length times the integral along the ray of the squared difference between where it comes from and the stretch that they become): the
+//     distance of Cramer 1928 and von Mises, no less than the earth mover's (Rubner, Tomasi, Guibas 1998), by the inequality of Cauchy and Schwarz, and without cases; about, with
+//     two places looked at (of random pairs nine in ten are within 0.3 and 1.4 of it, and pictures the same). Weights are light, not depth: what the frame hardly sees may be merged sooner.
+//   recoloured: a b / (a + b) times the difference of the straight colours (the largest of three channels) times half of the length of both, a and b
 //     being what both contribute to the picture: transmittance in front times opacity.
-// Both are light times length.
+// Both are light times length. What other ways of merging are worth: tests/bench.
 #pragma once
 
 #include <cstdint>
@@ -36,10 +37,31 @@ struct RaySegment {
 /// Where on the ray a segment's light is taken to be.
 WARPSCOPE_HD inline float placeToLight(const RaySegment& segment) { return mulAdd(placeOfHalf(segment.opacity), segment.length(), segment.begin); }
 
+/// A stretch of a ray.
+struct RayExtent {
+  float begin = 0.0f, end = 0.0f;
+
+  WARPSCOPE_HD float length() const { return end - begin; }
+};
+
+/// Where what two neighbours become begins and ends.
+WARPSCOPE_HD inline RayExtent mergedExtent(const RaySegment& front, const RaySegment& back) {
+  // In a unit in which they need no division.
+  const float depthA = front.opacity * mulAdd(back.opacity, -0.5f, 1.0f), depthB = back.opacity * mulAdd(front.opacity, -0.5f, 1.0f), depth = depthA + depthB;
+  if (!(depth > 0.0f)) return {front.begin, back.end};
+  const float ofBack = depthB / depth, ofFront = 1.0f - ofBack;
+  // From the front's beginning on: both halves, from middle to middle, the mean.
+  const float halfA = 0.5f * front.length(), halfB = 0.5f * back.length(), apart = (back.begin - front.begin) + halfB - halfA, mean = mulAdd(ofBack, apart, halfA);
+  const float half = sqrtOf(mulAdd(3.0f * ofFront * ofBack * apart, apart, mulAdd(ofFront * halfA, halfA, ofBack * halfB * halfB)));
+  return {front.begin + maxOf(mean - half, 0.0f), minOf(front.begin + (mean + half), back.end)};
+}
+
 /// `front` becomes both. `back` follows it.
 WARPSCOPE_HD inline void mergeInto(RaySegment& front, const RaySegment& back) {
+  const RayExtent both = mergedExtent(front, back);
   const float rest = 1.0f - front.opacity;
-  front.end = back.end;
+  front.begin = both.begin;
+  front.end = both.end;
   front.opacity = mulAdd(rest, back.opacity, front.opacity);
   for (int channel = 0; channel < 3; ++channel) front.color[channel] = mulAdd(rest, back.color[channel], front.color[channel]);
 }
@@ -52,26 +74,38 @@ struct MergeCost {
   WARPSCOPE_HD bool isAtMost(float cost) const { return over <= cost * under; }
 };
 
+/// The integral along the ray of the squared difference between the shares of light that `both` have sent up to a place, homogeneous, and that the two have. `ofBack`: the back's share.
+/// About: the difference is a line between the ends that face each other and from there to the ends of `both`, and nothing beyond.
+WARPSCOPE_HD inline float squaredDifference(const RaySegment& front, const RaySegment& back, const RayExtent& both, float ofBack) {
+  const float perUnit = both.length() > 0.0f ? 1.0f / both.length() : 0.0f, ofFront = 1.0f - ofBack;
+  const auto sentUpTo = [&](float t) { return minOf(maxOf((t - both.begin) * perUnit, 0.0f), 1.0f); };
+  const float atFront = ofFront - sentUpTo(front.end), atBack = ofFront - sentUpTo(back.begin);
+  const float before = maxOf(front.end - both.begin, 0.0f), behind = maxOf(both.end - back.begin, 0.0f), between = back.begin - front.end;
+  const float atEnds = mulAdd(before + between, atFront * atFront, (behind + between) * atBack * atBack);
+  return mulAdd(between, atFront * atBack, atEnds) * (1.0f / 3);
+}
+
+/// By how much the straight colours of two differ, times both of their opacities.
+WARPSCOPE_HD inline float colorDifference(const RaySegment& front, const RaySegment& back) {
+  float most = 0.0f;
+  for (int channel = 0; channel < 3; ++channel) most = maxOf(most, absOf(front.color[channel] * back.opacity - back.color[channel] * front.opacity));
+  return most;
+}
+
+/// About the most that merging the two could cost, without a division or a root: as if they became all from the first one's beginning to the second one's end.
+WARPSCOPE_HD inline MergeCost mostMergeCost(const RaySegment& front, const RaySegment& back) {
+  const float lightA = front.contribution(), lightB = back.contribution(), light = lightA + lightB, length = back.end - front.begin;
+  if (!(light > 0.0f)) return {};
+  const float moved = maxOf(absOf(mulAdd(lightA, length, -(front.length() * light))), absOf(mulAdd(lightB, length, -(back.length() * light))));
+  return {mulAdd(moved, light, front.through * back.through * colorDifference(front, back) * (0.5f * length)), light};
+}
+
 /// What merging the two would cost; 0 or more.
 WARPSCOPE_HD inline MergeCost mergeCost(const RaySegment& front, const RaySegment& back) {
   const float light = front.contribution() + back.contribution(), length = back.end - front.begin;
-  // Optical depths, about, in a unit in which they need no division.
-  const float depthA = front.opacity * mulAdd(back.opacity, -0.5f, 1.0f), depthB = back.opacity * mulAdd(front.opacity, -0.5f, 1.0f), depth = depthA + depthB;
-  const float under = depth * light;
-  if (!(front.contribution() > 0.0f) || !(back.contribution() > 0.0f) || !(length > 0.0f) || !(under > 0.0f)) return {};
-  const float lengthA = front.end - front.begin, lengthB = back.end - back.begin, gap = back.begin - front.end;
-  float moved = 0.5f * absOf(mulAdd(depthA, lengthB, -(depthB * lengthA)));
-  if (gap > 0.0f) {
-    // What is in front of a place, before less after: at the gap's beginning and at its end.
-    const float density = depth / length, atGap = mulAdd(density, -lengthA, depthA), behindGap = mulAdd(density, lengthB, -depthB);
-    const float first = absOf(atGap), second = absOf(behindGap), both = first + second;
-    moved = mulAdd(atGap * behindGap < 0.0f ? 0.5f * mulAdd(first, first, second * second) / both : 0.5f * both, gap,
-                   0.5f * mulAdd(first, lengthA, second * lengthB));
-  }
-  float otherColor = 0.0f;
-  for (int channel = 0; channel < 3; ++channel)
-    otherColor = maxOf(otherColor, absOf(front.color[channel] * back.opacity - back.color[channel] * front.opacity));
-  return {mulAdd(moved, light * light, front.through * back.through * otherColor * (0.5f * length) * depth), under};
+  if (!(front.contribution() > 0.0f) || !(back.contribution() > 0.0f) || !(length > 0.0f)) return {};
+  const float moved = sqrtOf(length * squaredDifference(front, back, mergedExtent(front, back), back.contribution() / light));
+  return {mulAdd(moved, light * light, front.through * back.through * colorDifference(front, back) * (0.5f * length)), light};
 }
 
 /// Places of a merger at most.
@@ -147,8 +181,9 @@ class BasicSegmentMerger {
   WARPSCOPE_HD void add(const RaySegment& next) {
     int place = size_;
     if (size_ > 0) {
-      const MergeCost withNext = mergeCost(tail_, next);
       // What costs no more than the last merge is merged without a look at the others, which cost no less then: along smooth rays nearly every sample.
+      if (size_ == room_ && mostMergeCost(tail_, next).isAtMost(lastMerged_)) return mergeIntoTail(next);
+      const MergeCost withNext = mergeCost(tail_, next);
       if (size_ == room_ && withNext.isAtMost(lastMerged_)) return mergeIntoTail(next);
       uint32_t cost = bitsOfCost(withNext.value());
       if (size_ == room_) {
@@ -181,6 +216,22 @@ class BasicSegmentMerger {
     while (size_ > most) mergePair(cheapestPair());
   }
 
+  /// Of a ray that has ended: as reduceTo(), and what has a length begins and ends where steps of the ray's lattice do. Neighbouring rays' do there as well, so that
+  /// coding them takes a quarter less.
+  WARPSCOPE_HD void finish(int most, const RayLattice& lattice) {
+    reduceTo(most);
+    float last = -INFINITY;
+    for (int i = first(); i != kNone; i = behind(i)) {
+      RaySegment segment = (*this)[i];
+      if (segment.length() > 0.0f) {
+        const bool isBeforePoint = i != tailPlace_ && !((*this)[next_[i]].length() > 0.0f);
+        settle(segment, lattice, last, isBeforePoint ? (*this)[next_[i]].begin : INFINITY);
+        i == tailPlace_ ? void(tail_ = segment) : memory_.setSegment(i, segment);
+      }
+      last = segment.end;
+    }
+  }
+
  private:
   template <class>
   friend class BasicSegmentMerger;
@@ -209,6 +260,19 @@ class BasicSegmentMerger {
         least = cost < least ? cost : least;
       }
     return cheapest;
+  }
+
+  /// To the nearest borders of steps, at least one step, between `from` and `to`.
+  WARPSCOPE_HD static void settle(RaySegment& segment, const RayLattice& lattice, float from, float to) {
+    const float perStep = 1.0f / lattice.dt;
+    const auto stepsTo = [&](float t) { return maxOf((t - lattice.t0) * perStep, 0.0f); };
+    int begin = truncated(stepsTo(segment.begin) + 0.5f), end = truncated(stepsTo(segment.end) + 0.5f);
+    if (!(begin < end)) {
+      begin = truncated(stepsTo(mulAdd(0.5f, segment.length(), segment.begin)));
+      end = begin + 1;
+    }
+    segment.begin = minOf(maxOf(lattice.border(begin), from), to);
+    segment.end = minOf(maxOf(lattice.border(end), segment.begin), to);
   }
 
   WARPSCOPE_HD void renewCost(int i) { memory_.setCost(i, bitsOfCost(mergeCost(memory_.segment(i), (*this)[next_[i]]).value())); }

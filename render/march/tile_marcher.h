@@ -174,7 +174,7 @@ class TileMarcher {
       SegmentedColor<StableMarch> color(mostSegments_ > 0 ? &segments : nullptr, path.lattice);
       marchSpan(path, span, source, color, sink, finished);
       if (mostSegments_ > 0) {
-        finishSegments(segments, finished);
+        finishSegments(segments, path, finished);
         findNormals(source, ray, segments, [](int) { return true; }, scratch.normals);
         if (hasNormals_) finished.normals = scratch.normals;
       }
@@ -231,7 +231,7 @@ class TileMarcher {
     state.color = color;
     handed.isDone = finished.isEnded || tile.isLast;
     if (!handed.isDone) return;
-    if (segments != nullptr) finishSegments(*segments, finished);
+    if (segments != nullptr) finishSegments(*segments, path, finished);
     if (!tile.goesTwice) finishPiece(handed, scratch, finished);
   }
 
@@ -275,9 +275,9 @@ class TileMarcher {
 
   static size_t placeOf(const RelayedRay& handed, const RelayedTile& tile) { return static_cast<size_t>(&handed - tile.rays.data()); }
 
-  void finishSegments(SegmentMerger& segments, FinishedRay& finished) const {
+  void finishSegments(SegmentMerger& segments, const RayPath& path, FinishedRay& finished) const {
     WARPSCOPE_COUNT(segmentedRays, 1);
-    segments.reduceTo(mostSegments_);
+    segments.finish(mostSegments_, path.lattice);
     finished.segments = &segments;
   }
 

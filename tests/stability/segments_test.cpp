@@ -189,7 +189,7 @@ TEST_P(Case64, AThousandSamplesAreOneSegmentOfTheClosedForm) {
               static_cast<double>(makePixelGrid(server, frame.quantization.nearDepth).ray(x, y).cosine);
           ends.see(std::abs((depths.end - depths.begin) * static_cast<double>(frame.quantization.depthStep) -
                             length * cosine) /
-                   (2.0 * static_cast<double>(settings.render.step)));
+                   (3.0 * static_cast<double>(settings.render.step)));
         }
         at += static_cast<size_t>(count);
       }
@@ -197,7 +197,7 @@ TEST_P(Case64, AThousandSamplesAreOneSegmentOfTheClosedForm) {
   }
   record({"march, a thousand samples of 1e-8 to 1 merged to one segment: opacity", "closed form", "codes of its root",
           share.value(), 1.0, GetParam()});
-  record({"march, a thousand samples merged to one segment: length", "closed form", "of two steps", ends.value(), 1.0,
+  record({"march, a thousand samples merged to one segment: length", "closed form", "of three steps", ends.value(), 1.0,
           GetParam()});
 }
 
