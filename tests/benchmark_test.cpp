@@ -7,6 +7,7 @@
 
 #include "app/experiment/effect_costs.h"
 #include "render/base/error.h"
+#include "tests/complaint.h"
 #include "tests/headless.h"
 #include "tests/marcher_cases.h"
 
@@ -14,16 +15,6 @@ namespace warpscope {
 namespace {
 
 using testing::HasSubstr;
-
-template <class Action>
-std::string complaintOf(const Action& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "nothing was wrong";
-}
 
 /// Draws white, whatever there is.
 class WhiteWarp final : public Warp {

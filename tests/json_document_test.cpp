@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "render/base/error.h"
+#include "tests/complaint.h"
 #include "tests/test_folder.h"
 
 namespace warpscope {
@@ -16,17 +17,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
-
-/// The complaint that `action` ends in, or nothing.
-template <class Action>
-std::string complaintOf(const Action& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 std::string complaintAbout(const std::string& text) {
   return complaintOf([&] { JsonDocument(text, "f.json"); });

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "render/base/error.h"
+#include "tests/complaint.h"
 #include "tests/test_folder.h"
 
 namespace warpscope {
@@ -31,16 +32,6 @@ class OutputFiles : public testing::Test {
     for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
     return names;
   }
-  template <class Action>
-  static std::string complaintOf(const Action& action) {
-    try {
-      action();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  }
-
   const TestFolder folder_;
   const fs::path root_ = folder_.path();
 };

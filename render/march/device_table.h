@@ -15,14 +15,29 @@ const T* uploaded(cuda::DeviceBuffer<T>& memory, const std::vector<T>& values, c
   return memory.data();
 }
 
+/// Colours and opacities of a table's entries, whichever kind of table it is.
+class DeviceEntries {
+ public:
+  /// What a lookup into them has. The table's memory is free again when the stream has got there.
+  template <class Table>
+  auto upload(const Table& table, cudaStream_t stream) {
+    auto lookup = table.lookup();
+    lookup.entries = uploaded(entries_, table.entries, stream);
+    lookup.alphas = uploaded(alphas_, table.alphas, stream);
+    lookup.unitAlphas = uploaded(unitAlphas_, table.unitAlphas, stream);
+    return lookup;
+  }
+
+ private:
+  cuda::DeviceBuffer<glm::vec4> entries_;
+  cuda::DeviceBuffer<float> alphas_, unitAlphas_;
+};
+
 class DeviceTable {
  public:
   /// The table's memory is free again when the stream has got there.
   void upload(const TransferTable& table, cudaStream_t stream) {
-    lookup_ = table.lookup();
-    lookup_.entries = uploaded(entries_, table.entries, stream);
-    lookup_.alphas = uploaded(alphas_, table.alphas, stream);
-    lookup_.unitAlphas = uploaded(unitAlphas_, table.unitAlphas, stream);
+    lookup_ = entries_.upload(table, stream);
     lookup_.refinements = uploaded(refinements_, table.refinements, stream);
     lookup_.begins = uploaded(begins_, table.begins, stream);
   }
@@ -31,8 +46,7 @@ class DeviceTable {
 
  private:
   TransferLookup lookup_;
-  cuda::DeviceBuffer<glm::vec4> entries_;
-  cuda::DeviceBuffer<float> alphas_, unitAlphas_;
+  DeviceEntries entries_;
   cuda::DeviceBuffer<TransferRefinement> refinements_;
   cuda::DeviceBuffer<float> begins_;
 };
@@ -40,13 +54,8 @@ class DeviceTable {
 /// What steps between two values show (segment_table.h), of functions that are asked for it.
 class DeviceSegmentTable {
  public:
-  /// The table's memory is free again when the stream has got there. Of a function without segments: none.
-  void upload(const SegmentTable& table, cudaStream_t stream) {
-    lookup_ = table.lookup();
-    lookup_.entries = uploaded(entries_, table.entries, stream);
-    lookup_.alphas = uploaded(alphas_, table.alphas, stream);
-    lookup_.unitAlphas = uploaded(unitAlphas_, table.unitAlphas, stream);
-  }
+  /// The table's memory is free again when the stream has got there.
+  void upload(const SegmentTable& table, cudaStream_t stream) { lookup_ = entries_.upload(table, stream); }
   void clear() { lookup_ = {.nodes = 0}; }
   bool isEmpty() const { return lookup_.nodes == 0; }
   /// Into this.
@@ -54,8 +63,7 @@ class DeviceSegmentTable {
 
  private:
   SegmentLookup lookup_{.nodes = 0};
-  cuda::DeviceBuffer<glm::vec4> entries_;
-  cuda::DeviceBuffer<float> alphas_, unitAlphas_;
+  DeviceEntries entries_;
 };
 
 }  // namespace warpscope

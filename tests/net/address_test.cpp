@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/complaint.h"
+
 namespace warpscope::net {
 namespace {
 
@@ -14,12 +16,7 @@ constexpr char kFingerprint[] = "00112233445566778899aabbccddeeff0123456789abcde
 constexpr char kToken[] = "ABCDEFGHIJKLMNOPabcdefghijkl-_09";
 
 std::string complaintOf(std::string_view url) {
-  try {
-    parseAddress(url);
-  } catch (const AddressError& error) {
-    return error.what();
-  }
-  return "";
+  return warpscope::complaintOf<AddressError>([&] { parseAddress(url); });
 }
 
 std::string encrypted(const std::string& where) { return "warps://" + where + "/#fp=" + kFingerprint + "&token=" + kToken; }

@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "tests/complaint.h"
 #include "tests/test_folder.h"
 
 namespace warpscope::net {
@@ -16,12 +17,7 @@ using testing::HasSubstr;
 
 template <class Action>
 std::string complaintOf(const Action& action) {
-  try {
-    action();
-  } catch (const LinkSettingsError& error) {
-    return error.what();
-  }
-  return "";
+  return warpscope::complaintOf<LinkSettingsError>(action);
 }
 
 TEST(LinkSettings, EveryKeyIsExplained) {
