@@ -178,6 +178,7 @@ void readItem(DuplexLinkSettings& settings, std::string_view item) {
   if (equals == std::string_view::npos) {
     std::vector<std::string_view> names;
     for (const LinkPreset& preset : linkPresets()) names.push_back(preset.name);
+    if (std::find(names.begin(), names.end(), item) != names.end()) refuse("the link " + quoted(item) + " stands behind something else; a link's name comes first, and there is one");
     const std::optional<std::string_view> nearest = nearestName(item, names);
     refuse(quoted(item) + " is no KEY=VALUE, nor a link's name at the beginning" +
            (nearest ? "; did you mean '" + std::string(*nearest) + "'? Names: " : "; names: ") + listOf(linkPresets()) + "; keys: " + listOf(linkKeys()));

@@ -199,6 +199,22 @@ void sweep(const SweepOptions& options) {
   }
 }
 
+/// Of an axis: "default: 0,5,10", as it would be typed.
+std::string defaultOf(const SweepAxis& axis) {
+  for (const ConfigurationKnob& row : configurationKnobs()) {
+    const Knob& knob = row.knob();
+    if (knob.axis.key != axis.key) continue;
+    if (&knob == &kServerSideKnob) return "default: the picture's and half of it";
+    if (knob.axis.values.empty()) return "default: what " + std::string(knob.option) + " says";
+  }
+  const Json value = toJson(defaultPlan({}, 1024, 1024)).at(std::string(axis.key));
+  if (!value.is_array()) return "default: " + value.dump();
+  if (value.size() == warpRegistry().size() && axis.key == "techniques") return "default: all";
+  std::string text;
+  for (const Json& one : value) text += (text.empty() ? "" : std::string(1, axis.separator)) + (one.is_string() ? one.get<std::string>() : one.dump());
+  return "default: " + text;
+}
+
 }  // namespace
 
 void addSweepCommand(CLI::App& program, std::function<void()>& chosen) {
@@ -211,7 +227,7 @@ void addSweepCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_flag("--oracle", options->hasOracle,
                     "Bounds as well: what no choice of one depth a ray can beat, and the volume itself wherever the frame knows it");
   for (const SweepAxis& axis : sweepAxes())
-    command->add_option(std::string(axis.option), options->axes[axis.option], std::string(axis.help) + (axis.most > 1 ? std::string(", joined by '") + axis.separator + "'" : ""));
+    command->add_option(std::string(axis.option), options->axes[axis.option], std::string(axis.help) + (axis.most > 1 ? std::string(", joined by '") + axis.separator + "'" : "") + "; " + defaultOf(axis));
   command->callback([options, &chosen] { chosen = [options] { sweep(*options); }; });
 }
 

@@ -260,9 +260,9 @@ void launchLightVolume(const LightVolumeJob& job, const VolumeView<Voxel>& view,
 #endif
 }
 
-/// How many kernels there are for a kind of voxel: one a heuristic where nothing is lit, the rays are not divided, empty cells are passed over and no bin is
+/// How many kernels there are for a kind of voxel: one a heuristic where nothing is lit, the rays are not divided, nobody wants their segments, empty cells are passed over and no bin is
 /// refined, which is the usual march; one for the heuristics of one pass and one for those of two elsewhere. There the choice at each sample is lost beside
-/// gradients, second passes and voxels that are all looked at, and costs 8 % where rays are divided, 11 % where bins are refined (an H100); the compiler
+/// gradients, second passes, segments and voxels that are all looked at, and costs 8 % where rays are divided, 11 % where bins are refined (an H100); the compiler
 /// would need twice as long without.
 template <class Voxel, bool kHasHoles, bool kByCells>
 void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, const ShadingSetup& shading, const LightVolume& lightVolume,
@@ -272,26 +272,26 @@ void launchMarch(const MarchJob<Voxel>& job, const RenderSettings& settings, con
     using Light = decltype(light);
     constexpr bool kIsLit = !std::is_same_v<Light, Unlit>, kIsUsual = !kIsLit && kByCells && !kHasHoles;
     const auto visitRefined = [&](auto&& f) { kIsLit || job.view.transfer.isRefined ? f(std::true_type{}) : f(std::bool_constant<kIsLit>{}); };
-    const auto visitDepth = [&](const auto& march) {
-      visitRefined([&](auto isRefined) {
-        if constexpr (kIsUsual && !decltype(isRefined)::value)
-          visitHeuristic(*heuristic, [&](auto depth) { march(depth, isRefined); });
-        else
-          visitAnyHeuristic(*heuristic, [&](auto depth) { march(depth, isRefined); });
-      });
-    };
     if (heuristic && job.isDivided) {
       visitAnyHeuristic(*heuristic, [&](auto depth) {
         marchSeveralSamples<decltype(depth), Light, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
       });
     } else if (heuristic && job.segmentSlots > 0) {
-      visitDepth([&](auto depth, auto isRefined) {
-        launchWithMergers(marchSegmentedSamples<decltype(depth), Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells>, grid, stream, job.segmentSlots, job,
-                          depth, light);
+      visitRefined([&](auto isRefined) {
+        visitAnyHeuristic(*heuristic, [&](auto depth) {
+          launchWithMergers(marchSegmentedSamples<decltype(depth), Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells>, grid, stream, job.segmentSlots, job,
+                            depth, light);
+        });
       });
     } else if (heuristic) {
-      visitDepth([&](auto depth, auto isRefined) {
-        marchSamples<decltype(depth), Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
+      visitRefined([&](auto isRefined) {
+        const auto march = [&](auto depth) {
+          marchSamples<decltype(depth), Light, decltype(isRefined)::value, Voxel, kHasHoles, kByCells><<<grid, kTileBlockThreads, 0, stream>>>(job, depth, light);
+        };
+        if constexpr (kIsUsual && !decltype(isRefined)::value)
+          visitHeuristic(*heuristic, march);
+        else
+          visitAnyHeuristic(*heuristic, march);
       });
     } else if (settings.arithmetic == Arithmetic::textbook) {
       marchColors<TextbookMarch, Light, false, Voxel, kHasHoles && TextbookMarch::kLeavesOutMissing, kByCells>
