@@ -1,5 +1,7 @@
 // `check`: golden pictures that are made, kept, missed and changed; what is left behind; descriptions that are wrong.
 // Mirrors app/commands/check.cpp and app/experiment/screenshot_check.h.
+#include <sys/stat.h>
+
 #include <fstream>
 
 #include "app/experiment/screenshot_check.h"
@@ -110,6 +112,12 @@ TEST_F(Check, AGoldenPictureOfAnotherSizeOrThatIsNoneFails) {
   EXPECT_THAT(result.err, testing::AllOf(testing::HasSubstr("FAIL  block-hold-0 (auto): the golden picture is damaged"), testing::HasSubstr("same  block-spheres-12.5"))) << "others are checked";
   EXPECT_TRUE(fs::exists(folder_.path() / "out/check.html"));
   EXPECT_TRUE(fs::exists(folder_.path() / "out/block-hold-0-auto-actual.png"));
+  fs::remove(golden("block-hold-0.png"));
+  ASSERT_EQ(mkfifo(golden("block-hold-0.png").c_str(), 0600), 0);
+  result = check();
+  EXPECT_EQ(result.code, kFailure);
+  EXPECT_THAT(result.err, testing::HasSubstr("is no regular file but a pipe")) << "nobody is waited for";
+  fs::remove(golden("block-hold-0.png"));
   result = check({"--update"});
   EXPECT_EQ(result.code, kSuccess) << result.err;
   EXPECT_EQ(readPng(golden("block-hold-0.png")).width(), 48u);

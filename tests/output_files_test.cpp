@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "render/base/error.h"
+#include "render/volume/reader.h"
 #include "tests/complaint.h"
 #include "tests/test_folder.h"
 
@@ -77,6 +78,58 @@ TEST_F(OutputFiles, WhatIsReadIsNotWrittenByWhateverName) {
   for (const char* name : {"volume", "link", "other", "./volume"}) EXPECT_THROW(requireNoneOf(root_ / name, {"", root_ / "none", root_ / "volume"}), UsageError) << name;
   EXPECT_NO_THROW(requireNoneOf(root_ / "new", {root_ / "volume"}));
   EXPECT_NO_THROW(requireNoneOf(root_ / "volume", {"", root_ / "none"}));
+}
+
+TEST_F(OutputFiles, WhatAHeaderNamesIsReadAsWell) {
+  const auto mayBeWritten = [&](const char* name, const char* read) {
+    try {
+      requireNoneOf(root_ / name, {root_ / read});
+    } catch (const UsageError&) {
+      return false;
+    }
+    return true;
+  };
+  std::ofstream(root_ / "a.raw") << "12345678";
+  std::ofstream(root_ / "b.raw") << "12345678";
+  std::ofstream(root_ / "meta.mhd") << "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = a.raw\n";
+  std::ofstream(root_ / "nrrd.nhdr") << "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: a.raw\n";
+  std::ofstream(root_ / "list.nhdr") << "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 4\nencoding: raw\ndata file: LIST\na.raw\nb.raw\n";
+  std::ofstream(root_ / "damaged.nhdr") << "nothing";
+  if (filesOfVolume(root_ / "meta.mhd").size() == 1) GTEST_SKIP() << "built without ITK: there are no headers";
+  EXPECT_FALSE(mayBeWritten("a.raw", "meta.mhd"));
+  EXPECT_TRUE(mayBeWritten("b.raw", "meta.mhd"));
+  EXPECT_FALSE(mayBeWritten("a.raw", "nrrd.nhdr"));
+  EXPECT_FALSE(mayBeWritten("a.raw", "list.nhdr"));
+  EXPECT_FALSE(mayBeWritten("b.raw", "list.nhdr"));
+  EXPECT_TRUE(mayBeWritten("b.raw", "damaged.nhdr"));
+  EXPECT_FALSE(mayBeWritten("damaged.nhdr", "damaged.nhdr"));
+}
+
+TEST_F(OutputFiles, SeveralAreWrittenOrNone) {
+  writeFileWhole(root_ / "a", "old");
+  fs::create_directory(root_ / "folder");
+  for (const fs::path& bad : {fs::path("/dev/full"), root_ / "none" / "b", root_ / "folder"}) {
+    EXPECT_THROW(writeFilesWhole({{root_ / "a", "new"}, {root_ / "c", "new"}, {bad, "new"}}), InputError) << bad;
+    EXPECT_EQ(contentOf(root_ / "a"), "old") << bad;
+    EXPECT_THAT(namesIn(root_), UnorderedElementsAre("a", "folder")) << bad;
+  }
+  writeFilesWhole({{root_ / "a", "new"}, {root_ / "c", "other"}});
+  EXPECT_EQ(contentOf(root_ / "a"), "new");
+  EXPECT_EQ(contentOf(root_ / "c"), "other");
+  EXPECT_THAT(namesIn(root_), UnorderedElementsAre("a", "c", "folder"));
+}
+
+TEST_F(OutputFiles, ALinkToWhatIsNotThereYetIsFollowed) {
+  fs::create_symlink("next", root_ / "link");
+  fs::create_symlink("target", root_ / "next");
+  writeFileWhole(root_ / "link", "1");
+  EXPECT_TRUE(fs::is_symlink(root_ / "link"));
+  EXPECT_EQ(contentOf(root_ / "target"), "1");
+  fs::create_symlink(root_ / "nowhere" / "file", root_ / "lost");
+  EXPECT_THROW(writeFileWhole(root_ / "lost", "1"), InputError);
+  EXPECT_TRUE(fs::is_symlink(root_ / "lost"));
+  fs::create_symlink("round", root_ / "round");
+  EXPECT_THROW(writeFileWhole(root_ / "round", "1"), InputError);
 }
 
 TEST_F(OutputFiles, WhatThisProcessHasOpenIsWrittenBehindWhatIsThere) {

@@ -131,12 +131,15 @@ void exportSamples(const ExportOptions& options) {
   const VolumeGeometry& geometry = work.scene.volume->geometry();
   nlohmann::json report;
   std::vector<std::string> sentences;
-  // Both are made before either is written: who interrupts this has none of them.
+  // Both are made before either is written: who interrupts this has none of them, and where one cannot be written the other stays what it was.
   const std::string ply = options.ply.empty() ? "" : toPly(frame, seenCount, geometry, interrupt.token());
   const SpreadPicture picture = options.spreadMap.empty() ? SpreadPicture{} : pictureSpreads(frame, geometry.unit(), interrupt.token());
   if (interrupt.token().stop_requested()) throw OperationCancelled();
+  std::vector<FileBytes> files;
+  if (!options.ply.empty()) files.push_back({options.ply, ply});
+  if (!options.spreadMap.empty()) files.push_back({options.spreadMap, picture.png});
+  writeFilesWhole(files);
   if (!options.ply.empty()) {
-    writeFileWhole(options.ply, ply);
     report["ply"] = options.ply;
     sentences.push_back("wrote " + std::to_string(seenCount) + " samples to " + options.ply +
                         (clearCount > 0 ? ", without " + std::to_string(clearCount) + " of opacity 0" : ""));
@@ -144,7 +147,6 @@ void exportSamples(const ExportOptions& options) {
   report["samples"] = seenCount;
   report["leftOut"] = clearCount;
   if (!options.spreadMap.empty()) {
-    writeFileWhole(options.spreadMap, picture.png);
     report["spreadMap"] = options.spreadMap;
     report["meanSpread"] = picture.mean;
     report["mostSpread"] = picture.most;

@@ -7,6 +7,7 @@
 
 #include "app/picture/picture.h"
 #include "app/shell/child_process.h"
+#include "app/shell/log.h"
 #include "app/shell/output_files.h"
 #include "render/volume/volume_format.h"
 
@@ -15,10 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Numbered pictures of an earlier run that had more.
-void removeLaterPictures(const ReplayFiles& files, size_t count) {
+/// Numbered pictures behind those that were written may be anybody's: they stay, and one is told of them.
+void tellOfLaterPictures(const ReplayFiles& files, size_t count) {
   std::error_code failed;
-  for (size_t index = count; fs::remove(files.folder / pictureNameOf(files.prefix, index), failed);) ++index;
+  size_t end = count;
+  while (fs::exists(files.folder / pictureNameOf(files.prefix, end), failed)) ++end;
+  if (end > count)
+    logWarning((files.folder / pictureNameOf(files.prefix, count)).string() + (end > count + 1 ? " to " + pictureNameOf(files.prefix, end - 1) : "") + " were there before, and are not of this recording");
 }
 
 /// As ffmpeg reads names of numbered pictures: a percent sign of a folder's name is two.
@@ -29,7 +33,7 @@ std::string patternOf(const fs::path& folder, const std::string& prefix) {
 }
 
 /// `film`: a path in which ffmpeg can take no word for an option, or for a protocol.
-void makeFilm(const std::string& pattern, const fs::path& film, double picturesPerSecond, const std::stop_token& stop) {
+void makeFilm(const std::string& pattern, const fs::path& film, size_t count, double picturesPerSecond, const std::stop_token& stop) {
   const std::string rate = nlohmann::json(picturesPerSecond).dump();
   std::vector<std::string> command{"ffmpeg", "-nostdin", "-y", "-loglevel", "error", "-framerate", rate, "-f", "image2", "-i", pattern};
   if (lowered(film.extension().string()) == ".gif") {
@@ -37,7 +41,7 @@ void makeFilm(const std::string& pattern, const fs::path& film, double picturesP
   } else {
     for (const char* word : {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-movflags", "+faststart"}) command.emplace_back(word);
   }
-  command.push_back("file:" + film.string());
+  command.insert(command.end(), {"-frames:v", std::to_string(count), "file:" + film.string()});
   runProgram(command, stop);
 }
 
@@ -84,13 +88,13 @@ size_t writeReplay(const Recording& recording, const ReplaySettings& settings, c
   fs::path pictures = folder->placeOf("").parent_path();
   if (files.hasPictures) {
     folder->commit();
-    removeLaterPictures(files, count);
+    tellOfLaterPictures(files, count);
     pictures = files.folder;
   }
   if (files.film.empty()) return count;
   onStep(files.film);
   if (files.hasPictures) folder.emplace(files.folder);
-  makeFilm(patternOf(fs::absolute(pictures), files.prefix), fs::absolute(folder->placeOf(files.film)), settings.picturesPerSecond, stop);
+  makeFilm(patternOf(fs::absolute(pictures), files.prefix), fs::absolute(folder->placeOf(files.film)), count, settings.picturesPerSecond, stop);
   folder->add(files.film);
   folder->commit();
   return count;

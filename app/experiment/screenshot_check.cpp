@@ -287,8 +287,8 @@ void checkPictures(const CheckPlan& plan, bool makes, const CheckTools& tools, c
             std::string unreadable;
             try {
               picture.expected = golden.expected(picture.name);
-            } catch (const InputError&) {
-              unreadable = "the golden picture is damaged: it cannot be read (--update makes it anew)";
+            } catch (const InputError& error) {
+              unreadable = "the golden picture is damaged: " + std::string(error.what()) + " (--update makes it anew)";
             }
             judge(picture, what, unreadable);
             golden.take(picture);

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "render/base/error.h"
+#include "render/base/input_file.h"
 #include "render/core/parallel.h"
 
 namespace warpscope {
@@ -73,7 +74,9 @@ std::string encodePng(const Image<Rgba8>& picture, const std::stop_token& stop) 
 
 Image<Rgba8> readPng(const std::filesystem::path& path) {
   int width = 0, height = 0, channels = 0;
-  stbi_uc* pixels = stbi_load(path.string().c_str(), &width, &height, &channels, 4);
+  constexpr uint64_t kMostBytes = 1 << 30;
+  const std::string bytes = readInputFile(path, kMostBytes, "a picture");
+  stbi_uc* pixels = stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size()), &width, &height, &channels, 4);
   if (pixels == nullptr) throw InputError(path.string() + ": cannot be read as a picture: " + stbi_failure_reason());
   Image<Rgba8> picture(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
   for (size_t i = 0; i < picture.size(); ++i)

@@ -21,6 +21,7 @@
 #endif
 
 #include "render/base/error.h"
+#include "render/volume/reader.h"
 
 namespace warpscope {
 namespace fs = std::filesystem;
@@ -104,10 +105,11 @@ void writeBytes(const fs::path& path, const fs::path& shownAs, std::string_view 
     file.write(bytes.data() + at, static_cast<std::streamsize>(std::min(kPiece, bytes.size() - at)));
   file.close();
   if (file && !stop.stop_requested()) return;
+  const bool isInterrupted = errno == EINTR;  // while a pipe waited for its reader
   const std::string reason = errno != 0 ? std::strerror(errno) : "unknown reason";
   std::error_code ignored;
   if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);
-  if (file) throw OperationCancelled();
+  if (file || isInterrupted) throw OperationCancelled();
   throw InputError(shownAs.string() + ": cannot be written: " + reason);
 }
 
@@ -119,14 +121,27 @@ void requireReplaceable(const fs::path& target, const fs::path& shownAs) {
     throw InputError(shownAs.string() + ": cannot be written: " + std::make_error_code(std::errc::permission_denied).message());
 }
 
-/// Where `path` leads to, through links; `path` itself if nothing is there. Throws InputError for what can never become a file.
+/// Where a link leads that nothing is behind yet, however many there are in a row; `path` itself where there is no such link.
+fs::path behindLinks(fs::path path) {
+  constexpr int kMostLinks = 40;  // as Linux
+  std::error_code error;
+  for (int links = 0; links < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error); ++links) {
+    const fs::path next = fs::read_symlink(path, error);
+    if (error) break;
+    path = next.is_absolute() ? next : path.parent_path() / next;
+  }
+  return path;
+}
+
+/// Where `path` leads to, through links, whether something is there or not. Throws InputError for what can never become a file.
 fs::path targetOf(const fs::path& path) {
   if (path.empty()) throw InputError("the file to write has no name: it cannot be written");
   if (!path.has_filename()) throw InputError(path.string() + ": cannot be written: it is a folder");
   std::error_code error;
-  if (const fs::path folder = path.parent_path(); !folder.empty() && fs::status(folder, error).type() == fs::file_type::not_found)
+  const fs::path behind = behindLinks(path);
+  if (const fs::path folder = behind.parent_path(); !folder.empty() && fs::status(folder, error).type() == fs::file_type::not_found)
     throw InputError(path.string() + ": cannot be written: there is no folder " + folder.string());
-  fs::path target = fs::weakly_canonical(path, error);
+  fs::path target = fs::weakly_canonical(behind, error);
   if (error) {
     const std::string reason = error.message();
     if (!fs::exists(path, error)) throw InputError(path.string() + ": cannot be written: " + reason);
@@ -250,8 +265,11 @@ bool isSameFile(const fs::path& a, const fs::path& b) {
 
 void requireNoneOf(const fs::path& written, const std::vector<fs::path>& read) {
   std::error_code unknown;
-  for (const fs::path& one : read)
-    if (!one.empty() && fs::equivalent(written, one, unknown) && !unknown) throw UsageError(written.string() + " is read here, and would be lost: give what is written another name");
+  for (const fs::path& one : read) {
+    if (one.empty()) continue;
+    for (const fs::path& file : filesOfVolume(one))
+      if (fs::equivalent(written, file, unknown) && !unknown) throw UsageError(written.string() + " is read here, and would be lost: give what is written another name");
+  }
 }
 
 void requireWritable(const fs::path& path) {
@@ -277,6 +295,39 @@ void writeFileWhole(const fs::path& path, std::string_view bytes, const std::sto
   std::error_code ignored;
   fs::remove(partial, ignored);
   throw InputError(path.string() + ": cannot be written: " + error.message());
+}
+
+void writeFilesWhole(const std::vector<FileBytes>& files, const std::stop_token& stop) {
+  struct Staged {
+    fs::path shownAs, target, partial, kept;
+  };
+  std::vector<Staged> staged;
+  const auto removeAll = [&](fs::path Staged::*which) {
+    std::error_code ignored;
+    for (const Staged& one : staged) fs::remove(one.*which, ignored);
+  };
+  Moves moves;
+  try {
+    std::vector<const FileBytes*> others;
+    for (const FileBytes& file : files) {
+      if (descriptorOf(file.path) || isSpecial(targetOf(file.path))) {
+        others.push_back(&file);
+        continue;
+      }
+      const fs::path target = targetOf(file.path);
+      staged.push_back({file.path, target, partialOf(target), partialOf(target)});
+      writeBytes(staged.back().partial, file.path, file.bytes, permissionsOf(target), stop);
+    }
+    for (const FileBytes* file : others) writeFileWhole(file->path, file->bytes, stop);  // cannot be taken back: before anything is replaced
+    if (stop.stop_requested()) throw OperationCancelled();
+    for (const Staged& one : staged)
+      if (const std::error_code error = moves.put(one.partial, one.target, one.kept)) throw InputError(one.shownAs.string() + ": cannot be written: " + error.message());
+  } catch (...) {
+    moves.undo();
+    removeAll(&Staged::partial);
+    throw;
+  }
+  removeAll(&Staged::kept);
 }
 
 StagedFolder::StagedFolder(fs::path folder, const std::vector<std::string>& names) : folder_(std::move(folder)) {

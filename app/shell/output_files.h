@@ -17,6 +17,14 @@ namespace warpscope {
 /// path and the reason, or OperationCancelled if `stop` is set before the file is in its place; then nothing has changed.
 void writeFileWhole(const std::filesystem::path& path, std::string_view bytes, const std::stop_token& stop = {});
 
+struct FileBytes {
+  std::filesystem::path path;
+  std::string_view bytes;
+};
+
+/// As writeFileWhole, several files: where one of them cannot be written all are as they were, but for devices and pipes.
+void writeFilesWhole(const std::vector<FileBytes>& files, const std::stop_token& stop = {});
+
 /// Throws as writeFileWhole would, as far as that can be told without the bytes: to be asked before work that takes long.
 void requireWritable(const std::filesystem::path& path);
 
@@ -30,7 +38,7 @@ bool isSpecial(const std::filesystem::path& path);
 /// Whether two paths lead to one file, which need not be there, however they are written and whatever links lead there. Empty ones lead nowhere.
 bool isSameFile(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// Throws UsageError where what is to be written is one of the files that are read, by whatever name. Empty paths are none.
+/// Throws UsageError where what is to be written is one of the files that are read, by whatever name, or that the header of such a file names. Empty paths are none.
 void requireNoneOf(const std::filesystem::path& written, const std::vector<std::filesystem::path>& read);
 
 /// Gathers files for a folder and puts them there together. Without commit() everything that was written goes again, and the folder too

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <vector>
 #include <stop_token>
 
 #include "render/volume/volume.h"
@@ -37,6 +38,7 @@ struct Payload {
     plain,  ///< as their type is written
   };
   std::filesystem::path file;  ///< the file itself, or the data file of a detached header
+  std::vector<std::filesystem::path> others{};  ///< that the volume is read from besides: of a pair the header, of a NRRD header the files that it spreads the voxels over
   uint64_t offsetBytes = 0;    ///< of the voxels, or of the compressed stream in `file`
   uint64_t skipBytes = 0;      ///< bytes before the voxels inside the decompressed stream
   Encoding encoding = Encoding::unchecked;

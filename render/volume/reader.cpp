@@ -2,6 +2,8 @@
 // See reader.h.
 #include "render/volume/reader.h"
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 
 #include "render/base/abandonable.h"
@@ -11,6 +13,7 @@
 #include "render/volume/volume_format.h"
 #if WARPSCOPE_WITH_ITK
 #include "render/volume/itk_reader.h"
+#include "render/volume/payload.h"
 #endif
 
 namespace warpscope {
@@ -35,12 +38,27 @@ void requireReadableFile(const std::filesystem::path& path) {
   if (status.type() == std::filesystem::file_type::none)
     throw InputError(source + ": cannot be looked at: " + error.message());
   if (status.type() != std::filesystem::file_type::regular) throw InputError(source + ": is not a regular file");
+  errno = 0;
   if (!std::ifstream(path, std::ios::binary))
-    throw InputError(source + ": cannot be read; the user needs permission to read it");
+    throw InputError(source + ": cannot be read" + (errno == EACCES || errno == 0 ? "; the user needs permission to read it" : std::string(": ") + std::strerror(errno)));
   if (std::filesystem::file_size(path, error) == 0) throw InputError(source + ": is empty");
 }
 
 }  // namespace
+
+std::vector<std::filesystem::path> filesOfVolume(const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> files{path};
+#if WARPSCOPE_WITH_ITK
+  if (!formatOf(path)) return files;
+  try {
+    const Payload payload = locatePayload(path);
+    if (payload.file != path) files.push_back(payload.file);
+    files.insert(files.end(), payload.others.begin(), payload.others.end());
+  } catch (const InputError&) {  // it is read no more than it is
+  }
+#endif
+  return files;
+}
 
 std::vector<std::string> supportedVolumeEndings() {
   std::vector<std::string> endings;

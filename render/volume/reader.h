@@ -28,6 +28,9 @@ std::optional<RawName> parseRawName(const std::filesystem::path& path);
 /// `ranks`: processes that open the same file at the same time and share its voxels (Volume), which raw files and those that openSharedItkVolume() reads can be; null: this one alone.
 VolumePtr openVolume(const std::filesystem::path& path, const std::optional<glm::dvec3>& spacing = {}, const std::stop_token& stop = {}, RanksPtr ranks = nullptr);
 
+/// The files that a volume is read from: `path`, and those that its header names, as far as it can be read. Of what is no volume `path` alone.
+std::vector<std::filesystem::path> filesOfVolume(const std::filesystem::path& path);
+
 /// File name endings that openVolume takes in this build, with the dot; `.raw` first.
 std::vector<std::string> supportedVolumeEndings();
 

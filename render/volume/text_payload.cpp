@@ -207,7 +207,10 @@ Payload locateNrrd(const fs::path& path) {
     if (const auto field = header.fields.find(key); field != header.fields.end())
       if (!followDetached(path, field->second, payload)) {
         if (hasWords) fail(path, "spreads numbers that are written as text over several files; only one such file is read");
-        for (const std::string& name : partsOf(path, field->second)) requirePart(path, path.parent_path() / name, dataFileText(name));
+        for (const std::string& name : partsOf(path, field->second)) {
+          payload.others.push_back(path.parent_path() / name);
+          requirePart(path, payload.others.back(), dataFileText(name));
+        }
         return payload;
       }
   // Skips make room for foreign headers; -1 means "the last bytes", for which a size check is all that is left.
