@@ -3,6 +3,7 @@
 #include "app/ui/ray_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -243,15 +244,27 @@ std::string missedText(const MissedInFront& missed) {
          " in front of the sample. " + textOf(missed.seen);
 }
 
-void drawKeyOfCurves(ImVec2 at, const Tops& tops) {
-  ImDrawList* list = ImGui::GetWindowDrawList();
+struct CurveKey {
+  std::string text;
+  ImVec4 color;
+};
+
+std::array<CurveKey, 3> keyOfCurves(const Tops& tops) {
   const bool hasValues = tops.highest > tops.lowest;
-  const std::string value = hasValues ? "value " + formatted("%.4g", tops.lowest) + " to " + formatted("%.4g", tops.highest) : "value",
-                    opacity = "opacity 0 to " + formatted("%.3g", static_cast<double>(tops.mostOpaque)), light = "light left 0 to 1";
-  for (const auto& [text, color] : {std::pair{value, palette().dimText}, {opacity, kOpacityColor}, {light, kLightColor}}) {
-    list->AddText(at, ImGui::GetColorU32(color), text.c_str());
-    at.x += ImGui::CalcTextSize(text.c_str()).x + ImGui::CalcTextSize("   ").x;
+  return {{{hasValues ? "value " + formatted("%.4g", tops.lowest) + " to " + formatted("%.4g", tops.highest) : "value", palette().dimText},
+           {"opacity 0 to " + formatted("%.3g", static_cast<double>(tops.mostOpaque)), kOpacityColor},
+           {"light left 0 to 1", kLightColor}}};
+}
+
+/// Draws it where there is a list, which begins at `at`. Returns where it ends.
+float drawKey(ImDrawList* list, ImVec2 at, std::span<const CurveKey> key) {
+  float end = at.x;
+  for (const CurveKey& one : key) {
+    if (list != nullptr) list->AddText(at, ImGui::GetColorU32(one.color), one.text.c_str());
+    end = at.x + ImGui::CalcTextSize(one.text.c_str()).x;
+    at.x = end + ImGui::CalcTextSize("   ").x;
   }
+  return end;
 }
 
 }  // namespace
@@ -293,9 +306,13 @@ bool drawRay(const Session& session, const Look& look) {
     drawSegments(segments, result.trace);
     list->PopClipRect();
     drawAxis({curves.from, segments.to, span}, fromEye, look);
-    drawDepths(curves, depths, result.job.settings.sample.heuristic, fromEye, {at.x + width + look.px(8.0f), at.y}, room.y, look);
+    // Where it is narrow the curves' key takes the last row beside it as well.
+    const std::array<CurveKey, 3> key = keyOfCurves(tops);
+    const ImVec2 legendAt(at.x + width + look.px(8.0f), at.y);
+    const bool isKeyWide = drawKey(nullptr, at, key) > legendAt.x - look.px(4.0f);
+    drawDepths(curves, depths, result.job.settings.sample.heuristic, fromEye, legendAt, room.y - (isKeyWide ? line : 0.0f), look);
     drawReading({curves.from, segments.to, span}, result.trace, depths, fromEye, look);
-    drawKeyOfCurves({at.x, bottom + line}, tops);
+    drawKey(list, {at.x, bottom + line}, key);
   }
   ImGui::PopFont();
   return !isClosed;
