@@ -128,7 +128,8 @@ TEST_F(Refusal, TruncatedAndDamagedImages) {
 TEST_F(Refusal, NumbersOutOfRange) {
   const std::pair<Arguments, std::string> wrong[] = {
       {{"--view-angle", "nan"}, "--view-angle"},   {{"--view-angle", "inf"}, "--view-angle"}, {{"--view-angle", "361"}, "360"},
-      {{"--view-angle", "left"}, "view-angle"},    {{"--fov", "0"}, "--fov"},                 {{"--fov", "180"}, "180"},
+      {{"--view-angle", "left"}, "--view-angle left: give a number"}, {{"--seed=-1"}, "--seed -1: give a whole number from 0 on"}, {{"--seed", "1.5"}, "--seed 1.5: give a whole number"},
+         {{"--fov", "0"}, "--fov"},                 {{"--fov", "180"}, "180"},
       {{"--fov", "nan"}, "--fov"},                 {{"--fov", "-40"}, "--fov"},               {{"--fov", "1e-30"}, "0.001 and 170"},
       {{"--size", "0x0"}, "--size 0x0"},           {{"--size", "100000x100000"}, "16384"},    {{"--size", "10"}, "WxH"},
       {{"--size", "8193x8192"}, "67108864 in all"}, {{"--size", "16384x16384"}, "67108864 in all"},

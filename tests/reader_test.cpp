@@ -363,6 +363,7 @@ TEST_F(Reader, NrrdErrors) {
 
 TEST_F(Reader, MetaImageErrors) {
   expectRefused(write("noise.mha", noise(5000)), "no MetaImage file");
+  expectRefused(write("untyped.mha", "NDims = 3\nDimSize = 2 2 2\nElementDataFile = LOCAL\n12345678"), "its header lacks ElementType");
   expectRefused(write("short.mha", metaHeader(kMeta) + kVoxels.substr(3)), "cut off");
   expectRefused(write("huge.mha", metaHeader("DimSize = 60000 60000 60000\nElementType = MET_SHORT\n") + kVoxels),
                 "cut off");

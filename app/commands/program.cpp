@@ -85,6 +85,15 @@ std::string sentenceOf(const CLI::ParseError& error, const CLI::App& program) {
   // The library says "--out: 1 required TEXT missing" and "--out: At Most 1 required but received 2".
   if (const size_t at = text.find(": 1 required "); at != std::string::npos) return text.substr(0, at) + " needs a value" + help;
   if (const size_t at = text.find(": At Most 1 "); at != std::string::npos) return text.substr(0, at) + " is given more than once" + help;
+  // And "Could not convert: --seed = -1".
+  if (constexpr std::string_view kUnread = "Could not convert: "; text.starts_with(kUnread))
+    if (const size_t equals = text.find(" = "); equals != std::string::npos) {
+      const std::string name = text.substr(kUnread.size(), equals - kUnread.size());
+      const CLI::Option* const option = command.get_option_no_throw(name);
+      const std::string type = option != nullptr ? option->get_type_name() : "";
+      const std::string wanted = type.starts_with("UINT") ? "a whole number from 0 on" : type.starts_with("INT") ? "a whole number" : type.starts_with("FLOAT") ? "a number" : "what it takes";
+      return name + " " + text.substr(equals + 3, 80) + ": give " + wanted + help;
+    }
   return text + help;
 }
 

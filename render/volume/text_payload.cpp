@@ -10,6 +10,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/base/input_file.h"
@@ -239,10 +240,11 @@ Payload locateMetaImage(const fs::path& path) {
   const TextHeader header = readTextHeader(path, '=', "elementdatafile");
   const auto dataFile = header.fields.find("elementdatafile");
   if (!header.excess.empty() && header.fields.contains("ndims") && header.fields.contains("dimsize")) fail(path, header.excess);
-  if (!header.fields.contains("ndims") || !header.fields.contains("dimsize") || dataFile == header.fields.end())
-    fail(path, "is no MetaImage file: its header lacks NDims, DimSize or ElementDataFile");
+  for (const auto& [key, shown] : {std::pair("ndims", "NDims"), std::pair("dimsize", "DimSize"), std::pair("elementdatafile", "ElementDataFile")})
+    if (!header.fields.contains(key)) fail(path, "is no MetaImage file: its header lacks " + std::string(shown));
   requireTextual(path, header);
   for (const std::string& line : header.lines) requireBorne(path, line);
+  if (!header.fields.contains("elementtype")) fail(path, "is no MetaImage file: its header lacks ElementType");
   // Of two the library takes the second, or both.
   if (!header.repeated.empty())
     fail(path, "its header has " + header.repeated.substr(0, 40) + " twice");
