@@ -199,15 +199,15 @@ void sweep(const SweepOptions& options) {
   }
 }
 
-/// Of an axis: "default: 0,5,10", as it would be typed.
-std::string defaultOf(const SweepAxis& axis) {
+/// Of an axis: "default: 0,5,10", as it would be typed. `plan`: the one without options, as JSON.
+std::string defaultOf(const SweepAxis& axis, const Json& plan) {
   for (const ConfigurationKnob& row : configurationKnobs()) {
     const Knob& knob = row.knob();
     if (knob.axis.key != axis.key) continue;
     if (&knob == &kServerSideKnob) return "default: the picture's and half of it";
     if (knob.axis.values.empty()) return "default: what " + std::string(knob.option) + " says";
   }
-  const Json value = toJson(defaultPlan({}, 1024, 1024)).at(std::string(axis.key));
+  const Json& value = plan.at(std::string(axis.key));
   if (!value.is_array()) return "default: " + value.dump();
   if (value.size() == warpRegistry().size() && axis.key == "techniques") return "default: all";
   std::string text;
@@ -226,8 +226,9 @@ void addSweepCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--plan", options->plan, "JSON file with the axes' values; options below replace what it names");
   command->add_flag("--oracle", options->hasOracle,
                     "Bounds as well: what no choice of one depth a ray can beat, and the volume itself wherever the frame knows it");
+  const Json plan = toJson(defaultPlan({}, 1024, 1024));
   for (const SweepAxis& axis : sweepAxes())
-    command->add_option(std::string(axis.option), options->axes[axis.option], std::string(axis.help) + (axis.most > 1 ? std::string(", joined by '") + axis.separator + "'" : "") + "; " + defaultOf(axis));
+    command->add_option(std::string(axis.option), options->axes[axis.option], std::string(axis.help) + (axis.most > 1 ? std::string(", joined by '") + axis.separator + "'" : "") + "; " + defaultOf(axis, plan));
   command->callback([options, &chosen] { chosen = [options] { sweep(*options); }; });
 }
 

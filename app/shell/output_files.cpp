@@ -265,6 +265,7 @@ bool isSameFile(const fs::path& a, const fs::path& b) {
 
 void requireNoneOf(const fs::path& written, const std::vector<fs::path>& read) {
   std::error_code unknown;
+  if (!fs::exists(written, unknown)) return;  // nothing is lost, and no header need be looked at
   for (const fs::path& one : read) {
     if (one.empty()) continue;
     for (const fs::path& file : filesOfVolume(one))
@@ -306,24 +307,28 @@ void writeFilesWhole(const std::vector<FileBytes>& files, const std::stop_token&
     std::error_code ignored;
     for (const Staged& one : staged) fs::remove(one.*which, ignored);
   };
-  Moves moves;
   try {
     std::vector<const FileBytes*> others;
     for (const FileBytes& file : files) {
-      if (descriptorOf(file.path) || isSpecial(targetOf(file.path))) {
+      const bool isOpen = descriptorOf(file.path).has_value();
+      const fs::path target = isOpen ? fs::path() : targetOf(file.path);
+      if (isOpen || isSpecial(target)) {
         others.push_back(&file);
         continue;
       }
-      const fs::path target = targetOf(file.path);
       staged.push_back({file.path, target, partialOf(target), partialOf(target)});
       writeBytes(staged.back().partial, file.path, file.bytes, permissionsOf(target), stop);
     }
     for (const FileBytes* file : others) writeFileWhole(file->path, file->bytes, stop);  // cannot be taken back: before anything is replaced
     if (stop.stop_requested()) throw OperationCancelled();
+    Moves moves;
     for (const Staged& one : staged)
-      if (const std::error_code error = moves.put(one.partial, one.target, one.kept)) throw InputError(one.shownAs.string() + ": cannot be written: " + error.message());
+      if (const std::error_code error = moves.put(one.partial, one.target, one.kept)) {
+        std::string reason = one.shownAs.string() + ": cannot be written: " + error.message();
+        if (!moves.undo()) reason += "; what was there before is beside it, in names with " + std::string(kPartial);
+        throw InputError(reason);
+      }
   } catch (...) {
-    moves.undo();
     removeAll(&Staged::partial);
     throw;
   }

@@ -84,7 +84,7 @@ WARPSCOPE_HD inline float colorDifference(const RaySegment& front, const RaySegm
   return most;
 }
 
-/// Light times length by which merging two neighbours changes their color, times the light of both.
+/// Light times length by which merging two neighbours changes their colour, times the light of both.
 WARPSCOPE_HD inline float recolored(const RaySegment& front, const RaySegment& back) {
   return front.through * back.through * colorDifference(front, back) * (0.5f * (back.end - front.begin));
 }

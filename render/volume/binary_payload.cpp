@@ -193,7 +193,7 @@ Payload locateNifti(const fs::path& path) {
   requireFewExtensions(path, header, static_cast<uint64_t>(headerBytes), extensionsEnd, swap);
   const auto qform = isTwo ? fieldAt<int32_t>(head, 344, swap) : fieldAt<int16_t>(head, 252, swap);
   const auto sform = isTwo ? fieldAt<int32_t>(head, 348, swap) : fieldAt<int16_t>(head, 254, swap);
-  if (header != voxels) payload.others = {header, voxels};
+  if (header != voxels) payload.others = {header};
   payload.hasOrientation = qform > 0 || sform > 0;
   const auto datatype = isTwo ? fieldAt<int16_t>(head, 12, swap) : fieldAt<int16_t>(head, 70, swap);
   payload.storedType = niftiVoxelType(datatype);

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <vector>
 #include <stop_token>
+#include <vector>
 
 #include "render/volume/volume.h"
 
