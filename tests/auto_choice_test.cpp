@@ -21,7 +21,7 @@ std::vector<SweepRow> someRows() {
 }
 
 std::string_view chosen(const AutoChoice& choice, double angleDeg, double budgetMs) {
-  const auto best = choice.choose(angleDeg, budgetMs, [](const Configuration&) { return true; });
+  const auto best = choice.choose(angleDeg, {.ms = budgetMs}, [](const Configuration&) { return true; });
   return best ? best->configuration.technique->name : "nothing";
 }
 
@@ -60,7 +60,7 @@ TEST(AutoChoice, SegmentsWhereTheyAreBestAndAffordable) {
   EXPECT_EQ(segments.cost.bytes, codec.bytes().segments);
   const AutoChoice choice(rows);
   EXPECT_EQ(chosen(choice, 10.0, 1e4), "segments");
-  const auto cheap = choice.choose(10.0, 0.999 * segments.frameMs(), [](const Configuration&) { return true; });
+  const auto cheap = choice.choose(10.0, {.ms = 0.999 * segments.frameMs()}, [](const Configuration&) { return true; });
   ASSERT_TRUE(cheap);
   EXPECT_NE(cheap->configuration.technique->name, "segments");
   EXPECT_LT(cheap->frameMs, segments.frameMs());
@@ -71,7 +71,7 @@ TEST(AutoChoice, BetweenMeasuredAnglesErrorsAndTimesAreInterpolated) {
   // hold: 0.02 degrees per degree; spheres 0.01 + 0.003 per degree: they cross at 0.588 degrees.
   EXPECT_EQ(chosen(choice, 0.5, 100.0), "hold");
   EXPECT_EQ(chosen(choice, 0.7, 100.0), "spheres");
-  const auto best = choice.choose(5.0, 100.0, [](const Configuration&) { return true; });
+  const auto best = choice.choose(5.0, {.ms = 100.0}, [](const Configuration&) { return true; });
   EXPECT_NEAR(best->flip, 0.025, 1e-12);
   EXPECT_NEAR(best->frameMs, 25.0, 1e-12);
 }
@@ -82,24 +82,42 @@ TEST(AutoChoice, WhatWasNotMeasuredThatFarOutComesLast) {
   const AutoChoice choice(rows);
   EXPECT_EQ(chosen(choice, 1.0, 100.0), "splats");
   EXPECT_EQ(chosen(choice, 10.0, 100.0), "spheres");
-  const auto far = choice.choose(90.0, 100.0, [](const Configuration&) { return true; });
+  const auto far = choice.choose(90.0, {.ms = 100.0}, [](const Configuration&) { return true; });
   EXPECT_THAT(far->reason, testing::EndsWith("though nothing was measured that far out"));
 }
 
 TEST(AutoChoice, SaysWhatAndWhy) {
   const AutoChoice choice(someRows());
   const auto all = [](const Configuration&) { return true; };
-  EXPECT_THAT(choice.choose(10.0, 33.0, all)->reason,
+  EXPECT_THAT(choice.choose(10.0, {.ms = 33.0}, all)->reason,
               testing::StartsWith("spheres, gradient, voxel: least error (FLIP 0.0400) at 10.0 degrees of what was measured within 33 ms (30 ms, of 3)"));
-  EXPECT_THAT(choice.choose(10.0, 0.5, all)->reason, testing::HasSubstr("the fastest (1 ms, FLIP 0.2000 at 10.0 degrees) of 3 measured, none of which keeps to 0.5 ms"));
+  EXPECT_THAT(choice.choose(10.0, {.ms = 0.5}, all)->reason, testing::HasSubstr("the fastest (1 ms, FLIP 0.2000 at 10.0 degrees) of 3 measured, none of which keeps to 0.5 ms"));
 }
 
 TEST(AutoChoice, KeepsToWhatMayBeChosen) {
   const AutoChoice choice(someRows());
-  const auto best = choice.choose(10.0, 100.0, [](const Configuration& configuration) { return configuration.technique->name != "spheres"; });
+  const auto best = choice.choose(10.0, {.ms = 100.0}, [](const Configuration& configuration) { return configuration.technique->name != "spheres"; });
   EXPECT_EQ(best->configuration.technique->name, "points");
-  EXPECT_FALSE(choice.choose(10.0, 100.0, [](const Configuration&) { return false; }));
-  EXPECT_FALSE(AutoChoice({}).choose(1.0, 1.0, [](const Configuration&) { return true; }));
+  EXPECT_FALSE(choice.choose(10.0, {.ms = 100.0}, [](const Configuration&) { return false; }));
+  EXPECT_FALSE(AutoChoice({}).choose(1.0, {.ms = 1.0}, [](const Configuration&) { return true; }));
+}
+
+TEST(AutoChoice, KeepsToTheBytesOfAFrame) {
+  std::vector<SweepRow> rows = someRows();
+  for (SweepRow& row : rows) row.cost.bytes = row.configuration.technique->name == "spheres" ? 5000 : 2000;
+  rows[3].cost.bytes = 3000;  // points, turned by 10 degrees
+  const AutoChoice choice(rows);
+  const auto nameWithin = [&](double angleDeg, uint64_t bytes) {
+    const auto best = choice.choose(angleDeg, {.ms = 100.0, .bytes = bytes}, [](const Configuration&) { return true; });
+    return best ? best->configuration.technique->name : std::string_view("nothing");
+  };
+  EXPECT_EQ(nameWithin(10.0, 0), "spheres");
+  EXPECT_EQ(nameWithin(10.0, 5000), "spheres");
+  EXPECT_EQ(nameWithin(10.0, 4999), "points");
+  EXPECT_EQ(nameWithin(5.0, 2999), "hold") << "between two angles a frame may be as large as at either";
+  EXPECT_EQ(nameWithin(10.0, 1999), "nothing");
+  EXPECT_THAT(choice.choose(10.0, {.ms = 100.0, .bytes = 4096}, [](const Configuration&) { return true; })->reason,
+              testing::EndsWith("(5 ms, of 2), of frames of no more than 4 KiB"));
 }
 
 TEST(AutoChoice, LeavesOutLinks) {

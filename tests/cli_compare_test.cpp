@@ -77,7 +77,7 @@ TEST_F(CommandLine, CompareShowsATableAsWideForEveryTechnique) {
   const auto width = [](const std::string& text) { return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }); };
   ASSERT_TRUE(std::getline(lines, line));
   const auto columns = width(line);
-  EXPECT_THAT(line, testing::HasSubstr("1.25× as far"));
+  EXPECT_THAT(line, testing::HasSubstr("farther (1.25×)"));
   for (const WarpDescriptor& technique : warpRegistry()) {
     ASSERT_TRUE(std::getline(lines, line));
     EXPECT_THAT(line, testing::StartsWith(std::string(technique.name) + " "));
@@ -85,6 +85,42 @@ TEST_F(CommandLine, CompareShowsATableAsWideForEveryTechnique) {
     EXPECT_EQ(line.find("identical") != std::string::npos, !technique.usesFrame) << line;
   }
   EXPECT_THAT(table, testing::Not(testing::HasSubstr("inf")));
+}
+
+TEST_F(CommandLine, CompareTakesSomeTechniquesAlone) {
+  const ProgramResult result = succeed(quick({"compare", "block", "--out", "out", "--techniques", "segments,points"}));
+  const json report = json::parse(folder_.read("out/metrics.json"));
+  std::set<std::string> seen;
+  for (const json& row : report["rows"]) seen.insert(row["technique"]);
+  EXPECT_EQ(seen, (std::set<std::string>{"reference", "points", "segments"}));
+  EXPECT_EQ(folder_.listing().size(), 3 + 3 * openScene("block").views.size()) << "a folder, its montage, its metrics, and three pictures a view";
+  EXPECT_TRUE(report["spheresAgainstPoints"].empty());
+  EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("spheres")));
+  expectRefused(quick({"compare", "block", "--out", "no", "--techniques", "segmnts"}), kUsage, {"segments"});
+  expectRefused(quick({"compare", "block", "--out", "no", "--techniques", "segments", "--segments", "0"}), kUsage, {"--techniques segments: there are no segments"});
+}
+
+TEST_F(CommandLine, FramesTakeNoMoreBytesThanTheyMay) {
+  const auto bytesOf = [](const json& report) {
+    size_t most = 0;
+    for (const json& row : report["rows"]) most = std::max(most, row["bytes"].get<size_t>());
+    return most;
+  };
+  const std::vector<std::string> command{"compare", "shells", "--volume-size", "48x48x48", "--size", "256x256", "--json", "--techniques", "segments", "--segments", "4"};
+  const auto with = [&](std::vector<std::string> more) {
+    std::vector<std::string> line = command;
+    line.insert(line.end(), more.begin(), more.end());
+    return line;
+  };
+  const json whole = document(with({"--out", "whole"})), small = document(with({"--out", "small", "--frame-kib", "100"}));
+  EXPECT_EQ(whole["server"]["width"], 256);
+  EXPECT_GT(bytesOf(whole), 200u * 1024) << "else the budget below is none";
+  EXPECT_LT(small["server"]["width"], 256);
+  EXPECT_EQ(small["server"]["width"], small["server"]["height"]);
+  EXPECT_LE(bytesOf(small), 100u * 1024);
+  EXPECT_GE(bytesOf(small), 70u * 1024);
+  EXPECT_EQ(picture("small/view0-segments.png").width(), 256u) << "the pictures are as large as ever";
+  expectRefused(with({"--out", "none", "--frame-kib", "1"}), kFailure, {"64x64 pixels, the smallest that is tried, takes"});
 }
 
 TEST_F(CommandLine, TechniquesWhoseFramesLackWhatTheyDrawAreLeftOutWithAReason) {

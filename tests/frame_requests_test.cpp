@@ -257,5 +257,107 @@ TEST_F(FrameRequestsTest, AnotherSourceBeginsAnewWithIdsThatGoOn) {
   EXPECT_EQ(other.transports.size(), 1u);
 }
 
+class SmallFrames : public FrameRequestsTest {
+ protected:
+  static constexpr uint32_t kWidth = 512, kHeight = 384;
+
+  SmallFrames() {
+    TransportSettings transport;
+    transport.frameKib = 100;
+    frames_.setTransport(transport);
+  }
+  bool askFrom(float x) {
+    WantedFrame wanted = viewFrom(x);
+    wanted.camera.width = kWidth;
+    wanted.camera.height = kHeight;
+    wanted.serverSidePx = kWidth;
+    return frames_.ask(wanted, false, now_);
+  }
+  const Camera& posted() const { return source_.posted.back().camera; }
+  /// Four bytes a pixel of what was asked for last: in full 768 KiB.
+  void answerLast(float step = 0.5f) {
+    ServedFrame served;
+    served.requestId = source_.posted.back().id;
+    served.arrivedAt = now_;
+    served.bytes.samples = 4u * posted().width * posted().height;
+    auto frame = std::make_shared<SampleFrame>();
+    frame->requestId = served.requestId;
+    frame->camera = posted();
+    frame->settings.render.step = step;
+    served.frame = std::move(frame);
+    source_.answer = std::move(served);
+    ASSERT_TRUE(frames_.take());
+  }
+  size_t lastBytes() const { return frames_.bytesOfNewest().ofFrame(); }
+};
+
+TEST_F(SmallFrames, FitWhileTheCameraMoves) {
+  for (int i = 0; i < 12; ++i) {
+    askFrom(static_cast<float>(i));
+    answerLast();
+    now_ += milliseconds(50);
+    EXPECT_EQ(frames_.askedBy(frames_.newest()->requestId)->serverSidePx, posted().width);
+    if (i < 3) continue;
+    EXPECT_LE(lastBytes(), 102400u) << i;
+    EXPECT_GE(lastBytes(), 102400u * 3 / 4) << i;
+  }
+}
+
+TEST_F(SmallFrames, GrowAtRestUntilNoPixelIsMissing) {
+  for (int i = 0; i < 5; ++i) {
+    askFrom(static_cast<float>(i));
+    answerLast();
+  }
+  size_t before = lastBytes();
+  EXPECT_TRUE(frames_.isToBeRefined());
+  EXPECT_TRUE(askFrom(4)) << "time passes";
+  now_ += FrameRequests::kRest;
+  int grown = 0;
+  while (frames_.isToBeRefined()) {
+    ASSERT_LT(++grown, 8);
+    EXPECT_TRUE(askFrom(4));
+    EXPECT_EQ(posted().eye.x, 4.0f);
+    EXPECT_LE(posted().width, kWidth);
+    answerLast();
+    EXPECT_GT(lastBytes(), before);
+    EXPECT_LE(static_cast<double>(lastBytes()), 2.5 * static_cast<double>(before)) << "whoever moves on waits for no more";
+    before = lastBytes();
+  }
+  EXPECT_GT(grown, 1);
+  EXPECT_EQ(posted().width, kWidth);
+  EXPECT_EQ(posted().height, kHeight);
+  EXPECT_EQ(frames_.askedBy(frames_.newest()->requestId)->serverSidePx, kWidth);
+  EXPECT_FALSE(askFrom(4));
+  now_ += milliseconds(10);
+  EXPECT_TRUE(askFrom(5));
+  EXPECT_LT(posted().width, kWidth / 2) << "it moves again";
+}
+
+TEST_F(SmallFrames, ThatAreCoarseAsWellAreRefinedToTheEnd) {
+  for (int i = 0; i < 4; ++i) {
+    askFrom(static_cast<float>(i));
+    answerLast(1.5f);
+  }
+  now_ += FrameRequests::kRest;
+  while (frames_.isToBeRefined() && frames_.newest()->settings.render.step != 0.5f) {
+    const Camera before = posted();
+    ASSERT_TRUE(askFrom(3));
+    answerLast(posted() == before ? 0.5f : 1.5f);  // a server takes another image for a camera that moves
+  }
+  EXPECT_EQ(posted().width, kWidth);
+  EXPECT_EQ(frames_.newest()->settings.render.step, 0.5f);
+  EXPECT_FALSE(frames_.isToBeRefined());
+}
+
+TEST_F(SmallFrames, AreWholeWhereNothingIsSaidOfBytes) {
+  frames_.setTransport({});
+  for (int i = 0; i < 4; ++i) {
+    askFrom(static_cast<float>(i));
+    EXPECT_EQ(posted().width, kWidth);
+    answerLast();
+    EXPECT_FALSE(frames_.isToBeRefined());
+  }
+}
+
 }  // namespace
 }  // namespace warpscope

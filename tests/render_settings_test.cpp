@@ -125,6 +125,7 @@ TEST_F(RenderSettingsTest, OfAComparison) {
   settings.codec.color = ColorCoding::lossless;
   settings.fetch = fetchHere(marcher_, settings.codec);
   settings.march = scene_.march;
+  settings.techniques = {&findWarp("reference")};
   settings.warp.reference = scene_.march.render;
   settings.width = 48;
   settings.height = 40;

@@ -21,6 +21,7 @@ TEST_F(SessionDemoTest, EachShowsItsTechniquesBehindItsLink) {
     for (size_t i = 0; i < demo.techniques.size(); ++i) EXPECT_EQ(session_.panel(i).technique->name, demo.techniques[i]);
     EXPECT_EQ(session_.motion().motion(), demo.motion);
     EXPECT_FALSE(session_.knobs().transport.link.down.isTransparent());
+    EXPECT_EQ(session_.knobs().transport.frameKib, demo.frameKib);
     const View home = session_.view();
     ASSERT_TRUE(pumpUntil([&] {
       for (size_t i = 0; i < session_.panelCount(); ++i)
@@ -40,6 +41,7 @@ TEST_F(SessionDemoTest, AfterOneAllIsAsItWas) {
   turn(session_, 10.0);
   LiveSettings knobs = session_.knobs();
   knobs.transport.link = net::parseLinkSettings("delay=20");
+  knobs.transport.frameKib = 77;
   knobs.isFrozen = true;
   session_.setKnobs(knobs);
   const View view = session_.view();
@@ -55,6 +57,7 @@ TEST_F(SessionDemoTest, AfterOneAllIsAsItWas) {
   ASSERT_TRUE(session_.hasOwnCamera(1));
   EXPECT_EQ(session_.view(1), own);
   EXPECT_EQ(session_.knobs().transport.link, knobs.transport.link);
+  EXPECT_EQ(session_.knobs().transport.frameKib, 77);
   EXPECT_TRUE(session_.knobs().isFrozen);
   EXPECT_EQ(session_.motion().motion(), CameraMotion::none);
   // In another scene its first view is as good as any.

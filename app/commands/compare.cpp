@@ -7,6 +7,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "app/commands/choose.h"
 #include "app/commands/options.h"
 #include "app/experiment/comparison.h"
 #include "app/picture/montage.h"
@@ -27,6 +28,7 @@ using Json = nlohmann::json;
 struct CompareOptions {
   CommonOptions common;
   TransportOptions transport = transportOfKeptPictures();
+  std::vector<std::string> techniques;
   std::string out;
   uint32_t cellWidth = 320;
 };
@@ -80,7 +82,8 @@ Json toJson(const Comparison& comparison, const CommandContext& work, std::strin
           {"height", work.height},
           {"backend", backend},
           {"openGl", context},
-          {"server", {{"marchMs", comparison.frame->timings.marchMs}, {"compactMs", comparison.frame->timings.compactMs}}},
+          {"server", {{"marchMs", comparison.frame->timings.marchMs}, {"compactMs", comparison.frame->timings.compactMs},
+                      {"width", comparison.frame->camera.width}, {"height", comparison.frame->camera.height}}},
           {"transport", toJson(work.transport)},
           {"latency", toJson(comparison.served.latency)},
           {"nonFiniteVoxels", work.scene.volume ? Json(work.scene.volume->statistics().nonFinite) : Json(nullptr)},
@@ -98,21 +101,25 @@ std::string captionOf(const ComparisonRow& row) {
   if (!row.technique->usesFrame) return "";
   if (!std::isfinite(row.psnrDb)) return "identical";
   char text[80];
-  std::snprintf(text, sizeof text, "%.1f dB, holes %.1f %%", row.psnrDb, 100.0 * row.holeFraction);
+  std::snprintf(text, sizeof text, "%.1f dB, FLIP %.3f, holes %.1f %%", row.psnrDb, row.flip, 100.0 * row.holeFraction);
   return text;
 }
 
-/// `text` behind as many blanks as make it `width` characters (UTF-8) wide.
-std::string padded(const std::string& text, size_t width) {
+/// Characters of UTF-8.
+size_t widthOf(const std::string& text) {
   const auto isFirstByte = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };
-  const auto length = static_cast<size_t>(std::count_if(text.begin(), text.end(), isFirstByte));
-  return std::string(width - std::min(width, length), ' ') + text;
+  return static_cast<size_t>(std::count_if(text.begin(), text.end(), isFirstByte));
 }
 
+/// `text` behind as many blanks as make it `width` characters wide.
+std::string padded(const std::string& text, size_t width) { return std::string(width - std::min(width, widthOf(text)), ' ') + text; }
+
 void printTable(const Comparison& comparison, const Scene& scene, const std::vector<const WarpDescriptor*>& techniques) {
-  constexpr size_t kCell = 25;
+  constexpr size_t kNumbers = 25, kGap = 2;
+  size_t cell = kNumbers;
+  for (const View& view : scene.views) cell = std::max(cell, widthOf(viewCaption(view, scene.views.front())) + kGap);
   std::string table(11, ' ');
-  for (const View& view : scene.views) table += padded(viewCaption(view, scene.views.front()), kCell);
+  for (const View& view : scene.views) table += padded(viewCaption(view, scene.views.front()), cell);
   for (const WarpDescriptor* const technique : techniques) {
     std::string name(technique->name);
     name.resize(std::max<size_t>(11, name.size()), ' ');
@@ -124,7 +131,7 @@ void printTable(const Comparison& comparison, const Scene& scene, const std::vec
         std::snprintf(text, sizeof text, "%.1f dB %5.1f %% %4.0f", row.psnrDb, 100.0 * row.holeFraction, row.draw.medianMs);
       else
         std::snprintf(text, sizeof text, "identical %5.1f %% %4.0f", 100.0 * row.holeFraction, row.draw.medianMs);
-      table += padded(text, kCell);
+      table += padded(text, cell);
     }
   }
   printLines(table + "\n             (per view: PSNR, holes, ms a picture)\n");
@@ -132,6 +139,7 @@ void printTable(const Comparison& comparison, const Scene& scene, const std::vec
 
 /// The question of Zellmann 2020, figure 3: do spheres beat points, and by how much?
 void printVerdict(const Comparison& comparison, const Scene& scene) {
+  if (gainsOf(comparison, "spheres", "points").empty()) return;
   std::fputs("spheres against points, PSNR, FLIP (negative: less) and holes:\n", stderr);
   for (const Gain& gain : gainsOf(comparison, "spheres", "points")) {
     const bool isSharper = gain.psnrDb > 0.0, isCloser = gain.flip > 0.0;
@@ -161,19 +169,30 @@ void requireMontage(size_t techniques, size_t views, uint32_t cellWidth, const C
     throw UsageError("--cell: a montage of " + std::to_string(techniques) + " by " + std::to_string(views) + " pictures of " + std::to_string(cellWidth) + " pixels is too large for a PNG file");
 }
 
+/// Those that are named, or all that show something of the scene's frames; the reference among them. Says what is left out.
+std::vector<const WarpDescriptor*> techniquesFor(const CompareOptions& options, const MarchSettings& march) {
+  for (const WarpDescriptor& technique : warpRegistry()) {
+    const std::string lack = lackOf(technique, march);
+    const bool isNamed = std::ranges::find(options.techniques, technique.name) != options.techniques.end();
+    if (!lack.empty() && isNamed) throw UsageError("--techniques " + std::string(technique.name) + ": " + lack);
+    if (!lack.empty() && options.techniques.empty()) logWarning(std::string(technique.name) + " is left out: " + lack);
+  }
+  std::vector<const WarpDescriptor*> techniques = comparedTechniques(march);
+  const auto isLeftOut = [&](const WarpDescriptor* technique) { return technique->usesFrame && std::ranges::find(options.techniques, technique->name) == options.techniques.end(); };
+  if (!options.techniques.empty()) std::erase_if(techniques, isLeftOut);
+  return techniques;
+}
+
 void compare(const CompareOptions& options) {
+  for (const std::string& name : options.techniques) findWarp(name);  // throws where there is none
   if (options.cellWidth < 16 || options.cellWidth > 4096) throw UsageError("--cell: must be 16 to 4096 pixels");
   const Interrupt interrupt;
   const CommandContext work = prepare(options.common, options.transport, interrupt.token());
-  const std::vector<const WarpDescriptor*> techniques = comparedTechniques(work.march);
+  const std::vector<const WarpDescriptor*> techniques = techniquesFor(options, work.march);
   requireMontage(techniques.size(), work.scene.views.size(), std::min(options.cellWidth, work.width), work);
   for (const std::string& name : namesOf(techniques, work.scene.views.size())) requireUnread((std::filesystem::path(options.out) / name).string(), options.common, work.scene);
   StagedFolder out(options.out, namesOf(techniques, work.scene.views.size()));  // fails before the work if it cannot be written
   HeadlessResources headless(work.marcher(), work.platform, work.backend);
-  for (const WarpDescriptor& technique : warpRegistry())
-    if (const std::string lack = lackOf(technique, work.march); !lack.empty())
-      logWarning(std::string(technique.name) + " is left out: " + lack);
-
   Montage montage;
   montage.title = work.scene.title + "  (" + std::string(nameOf(work.march.sample.heuristic)) + ", " +
                   std::string(nameOf(work.march.sample.radiusPolicy)) + " radius)";
@@ -184,6 +203,7 @@ void compare(const CompareOptions& options) {
   };
 
   ComparisonSettings settings;
+  settings.techniques = techniques;
   settings.march = work.march;
   settings.warp = work.warp;
   settings.fetch = work.fetch();
@@ -230,6 +250,7 @@ void addCompareCommand(CLI::App& program, std::function<void()>& chosen) {
   CLI::App* command = program.add_subcommand("compare", "Every technique in every view: pictures, a montage, metrics.json");
   addCommonOptions(*command, options->common);
   addTransportOptions(*command, options->transport);
+  command->add_option("--techniques", options->techniques, listOf(warpRegistry()) + ", joined by commas; default: all. The reference is always among them")->delimiter(',');
   command->add_option("--out", options->out, "Folder to write to")->required();
   command->add_option("--cell", options->cellWidth, "Width of a picture in the montage, in pixels")->capture_default_str();
   command->callback([options, &chosen] {

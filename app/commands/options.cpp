@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/commands/choose.h"
+#include "app/frames/frame_budget.h"
 #include "app/frames/process_ranks.h"
 #include "app/frames/recording.h"
 #include "app/frames/scene_connection.h"
@@ -273,7 +274,8 @@ CommandContext prepare(const CommonOptions& options, const TransportOptions& tra
 MarcherPtr CommandContext::marcher() const { return remote ? remote : makeMarcher(backend, scene.volume, scene.transferFunction); }
 
 FrameFetch CommandContext::fetch() const {
-  return source ? fetchFrom(source, sayBusy) : fetchHere(marcher(), transport.codec);
+  FrameFetch whole = source ? fetchFrom(source, sayBusy) : fetchHere(marcher(), transport.codec);
+  return transport.frameKib == 0 ? whole : withinBudget(std::move(whole), bytesOfFrame(transport));
 }
 
 namespace {
@@ -302,9 +304,9 @@ void requireNoSceneOf(const CommonOptions& options) {
 }
 
 void logFrame(const SampleFrame& frame) {
-  char text[96];
-  std::snprintf(text, sizeof text, "marched %zu samples in %.1f ms, compacted in %.1f ms", frame.size(), frame.timings.marchMs,
-                frame.timings.compactMs);
+  char text[128];
+  std::snprintf(text, sizeof text, "marched %zu samples of %ux%u pixels in %.1f ms, compacted in %.1f ms", frame.size(), frame.camera.width, frame.camera.height,
+                frame.timings.marchMs, frame.timings.compactMs);
   logDetail(text);
 }
 

@@ -11,6 +11,7 @@
 #include "app/commands/choose.h"
 #include "app/commands/options.h"
 #include "app/experiment/auto_choice.h"
+#include "app/frames/frame_budget.h"
 #include "app/experiment/ray_look.h"
 #include "app/experiment/sweep.h"
 #include "app/experiment/sweep_file.h"
@@ -93,7 +94,8 @@ constexpr Range kTimeoutSRange{1.0, 86400.0};
 bool isAllowed(const Configuration& configuration, uint32_t sidePx, const CommandContext& work) {
   Configuration scene;
   scene.march = work.march;
-  if (configuration.serverSidePx != sidePx) return false;
+  const bool isOfThatSize = work.transport.frameKib > 0 ? configuration.serverSidePx <= sidePx : configuration.serverSidePx == sidePx;
+  if (!isOfThatSize) return false;
   for (const ConfigurationKnob& row : configurationKnobs()) {
     if (!row.matters(configuration)) continue;
     const bool isOfPicture = row.knob().owner == KnobOwner::rendering || row.knob().owner == KnobOwner::effect;
@@ -101,6 +103,16 @@ bool isAllowed(const Configuration& configuration, uint32_t sidePx, const Comman
     if (asked && row.get(configuration) != *asked) return false;
   }
   return true;
+}
+
+/// Where bytes are few, fewer rays with more segments each may show more.
+void tryOtherFrames(SweepPlan& plan, const CommandContext& work) {
+  const uint32_t sidePx = std::max(work.width, work.height);
+  std::vector<double>& sides = plan.values(kServerSideKnob);
+  sides = {static_cast<double>(sidePx)};
+  for (const double share : {0.75, 0.5, 0.375})
+    if (const double side = std::floor(share * sidePx); side >= FrameSizeRule::kLeastSidePx) sides.push_back(side);
+  if (work.march.sample.segments > 0 && !work.given.find(kSegmentsKnob)) plan.values(kSegmentsKnob) = {2, 4, 8};
 }
 
 /// From a sweep's file, or measured here and now.
@@ -115,6 +127,7 @@ AutoChoice measuredFront(const ShotOptions& options, const CommandContext& work,
   settings.plan = quickPlan(work.march, work.width, work.height, options.viewAngleDeg);
   for (const ConfigurationKnob& row : configurationKnobs())
     if (const auto value = work.given.find(row.knob())) settings.plan.values(row.knob()) = {*value};
+  if (work.transport.frameKib > 0) tryOtherFrames(settings.plan, work);
   settings.plan.codecs = {work.transport.codec};
   settings.width = work.width;
   settings.height = work.height;
@@ -128,10 +141,13 @@ AutoChoice measuredFront(const ShotOptions& options, const CommandContext& work,
 AutoChoice::Choice chooseFor(const ShotOptions& options, CommandContext& work, HeadlessResources& headless, const std::stop_token& stop) {
   const double budgetMs = options.budgetMs.value_or(kDefaultBudgetMs);
   const AutoChoice front = measuredFront(options, work, headless, stop);
-  const auto choice = front.choose(options.viewAngleDeg, budgetMs, [&](const Configuration& configuration) {
+  const AutoChoice::Budget budget{.ms = budgetMs, .bytes = work.transport.frameKib > 0 ? bytesOfFrame(work.transport) : 0};
+  const auto choice = front.choose(options.viewAngleDeg, budget, [&](const Configuration& configuration) {
     return isAllowed(configuration, front.largestSidePx(), work);
   });
-  if (!choice) throw InputError((options.front.empty() ? std::string() : options.front + ": ") + "nothing was measured with the settings that were asked for");
+  if (!choice)
+    throw InputError((options.front.empty() ? std::string() : options.front + ": ") + "nothing was measured with the settings that were asked for" +
+                     (budget.bytes > 0 ? ", and frames of no more than " + std::to_string(work.transport.frameKib) + " KiB" : ""));
   takeOver(choice->configuration, work.march, work.warp);
   logResult("auto: " + choice->reason);
   return *choice;
@@ -198,7 +214,8 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
   const std::unique_ptr<Warp> warp = makeWarp(descriptor, resources);
 
   View view = work.scene.views.front();
-  const Camera serverCamera = makeCamera(work.scene, view, work.width, work.height);
+  const Camera fullCamera = makeCamera(work.scene, view, work.width, work.height);
+  const Camera serverCamera = choice ? ofLongerSide(fullCamera, std::min(choice->configuration.serverSidePx, longerSide(fullCamera))) : fullCamera;
   view.angleDeg += options.viewAngleDeg;
   const Camera camera = makeCamera(work.scene, view, work.width, work.height);
   ServedFrame served;
@@ -245,6 +262,7 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
                                 {"technique", descriptor.name},
                                 {"viewAngleDeg", options.viewAngleDeg},
                                 {"samples", frame ? frame->size() : 0},
+                                {"server", frame ? nlohmann::json{{"width", frame->camera.width}, {"height", frame->camera.height}} : nlohmann::json(nullptr)},
                                 {"bytes", served.bytes.ofFrame()},
                                 {"transport", toJson(work.transport)},
                                 {"latency", frame ? toJson(served.latency) : nlohmann::json(nullptr)}};
@@ -270,10 +288,11 @@ void shootInTime(const ShotOptions& options) {
   TimeLimit limit(options.timeoutS ? std::optional(std::chrono::duration<double>(*options.timeoutS)) : std::nullopt, interrupt.token());
   try {
     shoot(options, interrupt, limit);
-  } catch (const OperationCancelled&) {
+  } catch (const OperationCancelled& cancelled) {
     if (!limit.isOver() || interrupt.token().stop_requested()) throw;
+    const auto* const waited = dynamic_cast<const WaitCancelled*>(&cancelled);
     throw InputError(net::toString(serverOf(options.transport)->where) + " has not answered all that was asked within " + numberText(*options.timeoutS) +
-                     " s (--timeout); nothing was written");
+                     " s (--timeout); nothing was written" + (waited != nullptr && !waited->trouble().empty() ? ": " + waited->trouble() : ""));
   }
 }
 

@@ -57,6 +57,10 @@ void printTable(const std::vector<StabilityResult>& results) {
                  std::string(nameOf(result.backend)).c_str(), errorText(result.stable.worst).c_str(), 100.0 * result.stable.wrongShare,
                  errorText(result.textbook.worst).c_str(), 100.0 * result.textbook.wrongShare, errorText(result.what->bound).c_str(), result.costNs(),
                  result.isStable() ? "" : "  EXCEEDED");
+  if (results.empty()) return;
+  std::fputs("             (against the same picture in double precision; worst: the largest difference of a colour or of opacity, 0 to 1; wrong: pixels that differ by more than 1/255\n"
+             "             or show another sample; bound: what the stable form may not exceed; costs below 0: the stable form is the faster one)\n",
+             stderr);
 }
 
 std::string pictureName(const StabilityResult& result, std::string_view form) {

@@ -19,15 +19,16 @@ constexpr double kSlackDeg = 2.5;
 /// 0..180.
 double folded(double angleDeg) { return std::abs(std::remainder(angleDeg, 360.0)); }
 
-std::string reasonFor(const Configuration& configuration, double flip, double frameMs, double angleDeg, double budgetMs, size_t count) {
+std::string reasonFor(const Configuration& configuration, double flip, double frameMs, double angleDeg, const AutoChoice::Budget& budget, size_t count) {
   char text[200];
-  if (frameMs <= budgetMs)
+  if (frameMs <= budget.ms)
     std::snprintf(text, sizeof text, ": least error (FLIP %.4f) at %.1f degrees of what was measured within %g ms (%.3g ms, of %zu)", flip, angleDeg,
-                  budgetMs, frameMs, count);
+                  budget.ms, frameMs, count);
   else
     std::snprintf(text, sizeof text, ": the fastest (%.3g ms, FLIP %.4f at %.1f degrees) of %zu measured, none of which keeps to %g ms", frameMs, flip,
-                  angleDeg, count, budgetMs);
-  return labelOf(configuration) + text;
+                  angleDeg, count, budget.ms);
+  const std::string bytes = budget.bytes > 0 ? ", of frames of no more than " + std::to_string(budget.bytes / 1024) + " KiB" : "";
+  return labelOf(configuration) + text + bytes;
 }
 
 }  // namespace
@@ -39,7 +40,7 @@ AutoChoice::AutoChoice(const std::vector<SweepRow>& rows) {
     if (!row.link.empty() || !configuration.technique->usesFrame) continue;
     const auto [place, isNew] = places.emplace(keyOf(configuration), candidates_.size());
     if (isNew) candidates_.push_back({configuration, {}});
-    candidates_[place->second].angles.push_back({folded(row.angleDeg), row.errors.flip, row.frameMs()});
+    candidates_[place->second].angles.push_back({folded(row.angleDeg), row.errors.flip, row.frameMs(), row.cost.bytes});
   }
   for (Candidate& candidate : candidates_)
     std::stable_sort(candidate.angles.begin(), candidate.angles.end(), [](const AtAngle& a, const AtAngle& b) { return a.angleDeg < b.angleDeg; });
@@ -57,24 +58,24 @@ AutoChoice::AtAngle AutoChoice::Candidate::at(double angleDeg) const {
   if (above == angles.begin() || above->angleDeg == angleDeg) return *above;
   const AtAngle& below = *std::prev(above);
   const double share = (angleDeg - below.angleDeg) / (above->angleDeg - below.angleDeg);
-  return {angleDeg, std::lerp(below.flip, above->flip, share), std::lerp(below.frameMs, above->frameMs, share)};
+  return {angleDeg, std::lerp(below.flip, above->flip, share), std::lerp(below.frameMs, above->frameMs, share), std::max(below.bytes, above->bytes)};
 }
 
 bool AutoChoice::Candidate::covers(double angleDeg) const {
   return angleDeg >= angles.front().angleDeg - kSlackDeg && angleDeg <= angles.back().angleDeg + kSlackDeg;
 }
 
-std::optional<AutoChoice::Choice> AutoChoice::choose(double angleDeg, double budgetMs, const std::function<bool(const Configuration&)>& may) const {
+std::optional<AutoChoice::Choice> AutoChoice::choose(double angleDeg, const Budget& budget, const std::function<bool(const Configuration&)>& may) const {
   angleDeg = folded(angleDeg);
   const Candidate* best = nullptr;
   AtAngle bestAt{};
   std::tuple<bool, bool, double, double> bestRank;
   size_t count = 0;
   for (const Candidate& candidate : candidates_) {
-    if (!may(candidate.configuration)) continue;
-    ++count;
     const AtAngle here = candidate.at(angleDeg);
-    const bool isLate = here.frameMs > budgetMs;
+    if ((budget.bytes > 0 && here.bytes > budget.bytes) || !may(candidate.configuration)) continue;
+    ++count;
+    const bool isLate = here.frameMs > budget.ms;
     const std::tuple<bool, bool, double, double> rank(isLate, !candidate.covers(angleDeg), isLate ? here.frameMs : here.flip,
                                                       isLate ? here.flip : here.frameMs);
     if (best != nullptr && rank >= bestRank) continue;
@@ -84,7 +85,7 @@ std::optional<AutoChoice::Choice> AutoChoice::choose(double angleDeg, double bud
   }
   if (best == nullptr) return std::nullopt;
   Choice choice{best->configuration, bestAt.flip, bestAt.frameMs,
-                reasonFor(best->configuration, bestAt.flip, bestAt.frameMs, angleDeg, budgetMs, count)};
+                reasonFor(best->configuration, bestAt.flip, bestAt.frameMs, angleDeg, budget, count)};
   if (!best->covers(angleDeg)) choice.reason += ", though nothing was measured that far out";
   return choice;
 }

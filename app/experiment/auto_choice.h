@@ -17,6 +17,12 @@ inline constexpr double kDefaultBudgetMs = 33.0;
 
 class AutoChoice {
  public:
+  /// What a picture may take.
+  struct Budget {
+    double ms = kDefaultBudgetMs;  ///< decoding, building, drawing
+    uint64_t bytes = 0;            ///< of its frame, without the copy of the volume; 0: whatever it takes
+  };
+
   /// Rows of a sweep; those behind links, and what needs the volume, are left out.
   explicit AutoChoice(const std::vector<SweepRow>& rows);
 
@@ -26,9 +32,9 @@ class AutoChoice {
     double frameMs = 0.0;   ///< likewise: decoding, building, drawing
     std::string reason;     ///< a sentence without its full stop: what was picked, and why
   };
-  /// `angleDeg`: between the frame's camera and the view; neither its sign nor whole turns matter. If nothing keeps to `budgetMs` the fastest is chosen, and the
-  /// reason says so. `may`: which configurations are free to be chosen. Nothing if none is.
-  std::optional<Choice> choose(double angleDeg, double budgetMs, const std::function<bool(const Configuration&)>& may) const;
+  /// `angleDeg`: between the frame's camera and the view; neither its sign nor whole turns matter. If nothing keeps to the milliseconds the fastest is chosen, and the
+  /// reason says so. `may`: which configurations are free to be chosen. Nothing if none is that keeps to the bytes.
+  std::optional<Choice> choose(double angleDeg, const Budget& budget, const std::function<bool(const Configuration&)>& may) const;
 
   bool empty() const { return candidates_.empty(); }
   /// Longer side of the largest of the server's images that were measured; 0 without any.
@@ -37,6 +43,7 @@ class AutoChoice {
  private:
   struct AtAngle {
     double angleDeg, flip, frameMs;
+    uint64_t bytes;
   };
   struct Candidate {
     Configuration configuration;

@@ -2,6 +2,7 @@
 // See comparison.h.
 #include "app/experiment/comparison.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -58,7 +59,7 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
   };
   const Measuring measuring(settings.draws, stop);
   std::vector<Contender> contenders;
-  for (const WarpDescriptor* const technique : comparedTechniques(settings.march)) {
+  for (const WarpDescriptor* const technique : settings.techniques) {
     const WarpDescriptor& descriptor = *technique;
     Contender contender{&descriptor, makeWarp(descriptor, resources), {}, 0};
     contender.build = measureBuild(measuring, *contender.warp, comparison.frame, settings.warp);
@@ -109,15 +110,14 @@ Comparison compareTechniques(const Scene& scene, const WarpResources& resources,
 }
 
 std::vector<Gain> gainsOf(const Comparison& comparison, std::string_view technique, std::string_view over) {
-  const auto rowOf = [&](const WarpDescriptor& descriptor, size_t view) -> const ComparisonRow& {
-    for (const ComparisonRow& row : comparison.rows)
-      if (row.technique == &descriptor && row.view == view) return row;
-    throw InputError("the comparison lacks " + std::string(descriptor.name));
+  const auto rowOf = [&](const WarpDescriptor& descriptor, size_t view) {
+    return std::ranges::find_if(comparison.rows, [&](const ComparisonRow& row) { return row.technique == &descriptor && row.view == view; });
   };
   std::vector<Gain> gains;
   for (size_t view = 0; view < comparison.cameras.size(); ++view) {
-    const ComparisonRow &better = rowOf(findWarp(technique), view), &worse = rowOf(findWarp(over), view);
-    gains.push_back({view, better.psnrDb - worse.psnrDb, worse.flip - better.flip, worse.holeFraction - better.holeFraction});
+    const auto better = rowOf(findWarp(technique), view), worse = rowOf(findWarp(over), view);
+    if (better == comparison.rows.end() || worse == comparison.rows.end()) return {};
+    gains.push_back({view, better->psnrDb - worse->psnrDb, worse->flip - better->flip, worse->holeFraction - better->holeFraction});
   }
   return gains;
 }
@@ -132,7 +132,7 @@ std::string viewCaption(const View& view, const View& first) {
   }
   const double ratio = view.distance / first.distance;
   if (std::abs(ratio - 1.0) > 1e-6) {
-    caption += ", " + factorText(ratio) + "× as far";
+    caption += (ratio < 1.0 ? ", nearer (" : ", farther (") + factorText(ratio) + "×)";
   }
   return caption;
 }

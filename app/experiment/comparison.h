@@ -38,6 +38,7 @@ struct Comparison {
 };
 
 struct ComparisonSettings {
+  std::vector<const WarpDescriptor*> techniques;  ///< some of comparedTechniques(), in that order; the reference first, against which the others are judged
   MarchSettings march;
   WarpSettings warp;
   FrameFetch fetch;  ///< where the frame comes from
@@ -64,10 +65,10 @@ struct Gain {
   double holes = 0.0;   ///< less of the hole fraction
 };
 
-/// For each view. Throws UsageError for names that are no techniques, InputError if the comparison lacks one.
+/// For each view; empty if the comparison lacks one of the two. Throws UsageError for names that are no techniques.
 std::vector<Gain> gainsOf(const Comparison& comparison, std::string_view technique, std::string_view over);
 
-/// "0°", "25°, 0.83× as far", "-30°, +10° up": a view as a caption, relative to the first.
+/// "0°", "25°, nearer (0.83×)", "-30°, +10° up": a view as a caption, relative to the first.
 std::string viewCaption(const View& view, const View& first);
 
 }  // namespace warpscope

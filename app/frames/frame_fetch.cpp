@@ -42,7 +42,8 @@ ServedFrame waitFor(FrameSource& source, uint64_t id, const std::function<void(u
       logWarning(status.sentence + "; trying again for " + std::to_string(kPatience.count()) + " s");
     std::this_thread::sleep_for(kLookAgain);
   }
-  throw OperationCancelled();
+  const SourceStatus status = source.status();
+  throw WaitCancelled(status.isConnected ? "" : status.sentence);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "net/link_settings.h"
 #include "net/messages.h"
 #include "render/base/clock.h"
+#include "render/base/error.h"
 #include "render/codec/codec.h"
 #include "render/march/sample_frame.h"
 
@@ -59,6 +60,8 @@ struct ServedFrame {
 inline constexpr int kDefaultDepth = 1;
 inline constexpr Range kDepthRange{1, net::kMaxDepth};
 
+/// KiB; an unbounded frame of 16384 x 4096 pixels with 16 segments takes some gigabytes.
+inline constexpr Range kFrameKibRange{0, 1 << 22};
 inline constexpr Range kServerMsRange{0, 10000};
 inline constexpr Range kServerLoadRange{0, 90};
 
@@ -75,6 +78,7 @@ struct TransportSettings {
   net::DuplexLinkSettings link;  ///< simulated on top of what is there
   CodecSettings codec;
   int depth = kDefaultDepth;     ///< requests under way at a time, kDepthRange
+  int frameKib = 0;              ///< KiB that a frame may take without the copy of the volume, kFrameKibRange; 0: whatever it takes (frame_budget.h)
   ServerWishes server = {};
 
   bool operator==(const TransportSettings&) const = default;
@@ -91,6 +95,17 @@ struct SourceStatus {
   std::vector<net::ProcessFields> processes{};  ///< what processes did that the server's volume is spread over, by rank; empty where it is not
 
   bool operator==(const SourceStatus&) const = default;
+};
+
+/// A wait for a server that somebody ended; what was in the way, as far as it is known.
+class WaitCancelled : public OperationCancelled {
+ public:
+  explicit WaitCancelled(std::string trouble) : trouble_(std::move(trouble)) {}
+  /// Why the server could not be reached; empty if it could.
+  const std::string& trouble() const { return trouble_; }
+
+ private:
+  std::string trouble_;
 };
 
 /// What is said of a server that is busy with so many others.

@@ -52,7 +52,7 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     clock_.waitUntil(clock_.now() + patience, decided_.get_token());
     const std::scoped_lock lock(mutex_);
     if (scene_) return *scene_;
-    if (stop.stop_requested()) throw OperationCancelled();
+    if (stop.stop_requested()) throw WaitCancelled(status_.isConnected ? "" : status_.sentence);
     if (!status_.sentence.empty()) throw InputError(status_.sentence);
     throw InputError(where_ + " does not answer");
   }

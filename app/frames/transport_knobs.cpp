@@ -69,6 +69,23 @@ constinit const Knob kDepthKnob{
     .defaultValue = kDefaultDepth,
 };
 
+constinit const Knob kFrameKibKnob{
+    .key = "frameKib",
+    .option = "--frame-kib",
+    .label = "Bytes a frame",
+    .noun = "KiB of a frame",
+    .help = "KiB that a frame may take while the camera moves, such as what the link carries in a second by the frames wanted: its image has fewer pixels then, and grows to all at rest; "
+            "without a window it stays; 0: whatever it takes",
+    .unit = " KiB",
+    .type = KnobType::whole,
+    .owner = KnobOwner::transport,
+    .stale = KnobStage::march,
+    .range = kFrameKibRange,
+    .track = {0.0, 8192.0},
+    .scale = KnobScale::logarithmic,
+    .defaultValue = 0.0,
+};
+
 constinit const Knob kServerMsKnob{
     .key = "serverMs",
     .option = "--server-ms",
@@ -122,6 +139,9 @@ std::span<const TransportKnob> transportKnobs() {
        isJpeg},
       {{&kDepthKnob, [](const TransportSettings& s) { return double(s.depth); },
         [](TransportSettings& s, double value) { s.depth = static_cast<int>(value); }},
+       always},
+      {{&kFrameKibKnob, [](const TransportSettings& s) { return double(s.frameKib); },
+        [](TransportSettings& s, double value) { s.frameKib = static_cast<int>(value); }},
        always},
       {{&kServerMsKnob, [](const TransportSettings& s) { return static_cast<double>(s.server.movingMs); },
         [](TransportSettings& s, double value) { s.server.movingMs = static_cast<int>(value); }},

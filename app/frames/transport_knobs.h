@@ -21,6 +21,6 @@ std::span<const TransportKnob> transportKnobs();
 /// Of those what a server is asked for with every frame: rows of the wishes alone.
 std::span<const KnobRow<ServerWishes>> serverKnobs();
 
-extern const Knob kFormatKnob, kColorKnob, kQualityKnob, kDepthKnob, kServerMsKnob, kServerLoadKnob;
+extern const Knob kFormatKnob, kColorKnob, kQualityKnob, kDepthKnob, kFrameKibKnob, kServerMsKnob, kServerLoadKnob;
 
 }  // namespace warpscope

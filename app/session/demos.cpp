@@ -13,9 +13,9 @@ std::span<const Demo> demos() {
   static const std::vector<Demo> kDemos{
       {"Satellite", "600 ms to a server: held pictures lag behind, segments follow the camera", "satellite", CameraMotion::orbit, {"hold", "segments"}},
       {"Head movements", "A head that looks around over a telephone's network: turned pictures and points beside spheres and segments", "4g", CameraMotion::shake,
-       {"rotate", "points", "spheres", "segments"}},
+       {"rotate", "points", "spheres", "segments"}, 192},
       {"Crowded hall", "Outages and little bandwidth while one flies through: what has been seen must do", "conference-wifi", CameraMotion::flyThrough,
-       {"hold", "splats", "segments"}},
+       {"hold", "splats", "segments"}, 96},
       {"Nearer and farther", "Distances across an ocean: a mesh is stretched, points come apart, segments do neither", "transatlantic", CameraMotion::dolly,
        {"points", "mesh", "segments"}},
       {"One dot or a stretch", "A fast link, so that only the techniques differ: samples of the paper of 2020 beside segments and the truth", "home-fibre",
@@ -36,6 +36,7 @@ void startDemo(const Demo& demo, Session& session) {
   LiveSettings knobs = session.knobs();
   const auto presets = net::linkPresets();
   knobs.transport.link = std::ranges::find(presets, demo.link, &net::LinkPreset::name)->settings;
+  knobs.transport.frameKib = demo.frameKib;
   knobs.isFrozen = false;
   session.setKnobs(knobs);
   session.resetView();
@@ -43,7 +44,7 @@ void startDemo(const Demo& demo, Session& session) {
 }
 
 BeforeDemo beforeDemo(const Session& session) {
-  BeforeDemo before{.panels = {}, .ownViews = {}, .view = session.view(), .scene = session.sceneCount(), .link = session.knobs().transport.link, .isFrozen = session.knobs().isFrozen};
+  BeforeDemo before{.panels = {}, .ownViews = {}, .view = session.view(), .scene = session.sceneCount(), .link = session.knobs().transport.link, .frameKib = session.knobs().transport.frameKib, .isFrozen = session.knobs().isFrozen};
   for (size_t i = 0; i < session.panelCount(); ++i) {
     before.panels.push_back(session.panel(i));
     before.ownViews.push_back(session.hasOwnCamera(i) ? std::optional(session.view(i)) : std::nullopt);
@@ -65,6 +66,7 @@ void endDemo(const BeforeDemo& before, Session& session) {
   }
   LiveSettings knobs = session.knobs();
   knobs.transport.link = before.link;
+  knobs.transport.frameKib = before.frameKib;
   knobs.isFrozen = before.isFrozen;
   session.setKnobs(knobs);
 }

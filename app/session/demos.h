@@ -17,6 +17,7 @@ struct Demo {
   std::string_view link;     ///< a preset's name
   CameraMotion motion = CameraMotion::none;
   std::vector<std::string_view> techniques;
+  int frameKib = 0;          ///< what a frame may take (TransportSettings)
 };
 
 /// The first is what a first start shows.
@@ -32,6 +33,7 @@ struct BeforeDemo {
   View view;
   uint64_t scene = 0;  ///< Session::sceneCount(): views are that scene's
   net::DuplexLinkSettings link;
+  int frameKib = 0;
   bool isFrozen = false;
 };
 BeforeDemo beforeDemo(const Session& session);

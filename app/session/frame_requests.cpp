@@ -10,6 +10,11 @@
 #include "app/frames/coarsening.h"
 
 namespace warpscope {
+namespace {
+
+constexpr double kGrowthAtRest = 2.0;  // of a frame's bytes
+
+}  // namespace
 
 void FrameRequests::begin(FrameSource& source, const TransportSettings& transport) {
   source_ = &source;
@@ -22,6 +27,7 @@ void FrameRequests::begin(FrameSource& source, const TransportSettings& transpor
   frame_.reset();
   frameBytes_ = {};
   proxyBytes_ = 0;
+  size_ = {};
   error_.clear();
 }
 
@@ -49,8 +55,8 @@ bool FrameRequests::ask(const WantedFrame& wanted, bool isFrozen, TimePoint now)
     if (newest != requests_.end()) newest->second.outdatedAt.reset();  // the camera may have come back
     if (!isToBeRefined()) return false;
     if (now - wantedSince_ < kRest) return true;  // the time passes without further events
-    isRefined_ = true;
-    post(wanted, now);
+    isRefined_ = !hasFewerPixels();  // of more pixels, a server takes it for a camera that moves, and may march it coarser once more
+    post(wanted, hasFewerPixels() ? FrameSizeRule::grown(posted_, wanted.camera, kGrowthAtRest) : wanted.camera, now);
     return true;
   }
   if (newest != requests_.end() && !newest->second.outdatedAt) newest->second.outdatedAt = now;
@@ -58,19 +64,23 @@ bool FrameRequests::ask(const WantedFrame& wanted, bool isFrozen, TimePoint now)
   asked_ = wanted_;
   wantedSince_ = now;
   isRefined_ = false;
-  post(wanted, now);
+  post(wanted, transport_.frameKib == 0 ? wanted.camera : size_.choose(wanted.camera, wanted.march, static_cast<double>(bytesOfFrame(transport_))), now);
   return true;
 }
 
-void FrameRequests::post(const WantedFrame& wanted, TimePoint now) {
-  source_->post({++requestId_, wanted.camera, wanted.march}, now);
-  requests_[requestId_].asked = wanted;
+void FrameRequests::post(const WantedFrame& wanted, const Camera& camera, TimePoint now) {
+  posted_ = camera;
+  source_->post({++requestId_, camera, wanted.march}, now);
+  WantedFrame& asked = requests_[requestId_].asked;
+  asked = wanted;
+  asked.camera = camera;
+  if (hasFewerPixels()) asked.serverSidePx = longerSide(camera);
   forgetReplaced(requests_, kMostKept);
 }
 
 bool FrameRequests::isToBeRefined() const {
-  if (isFrozen_ || isRefined_ || isUnderWay() || !isWhatIsWanted() || !frame_ || frame_->requestId != requestId_) return false;
-  return isCoarsened(asked_->march, frame_->settings);
+  if (isFrozen_ || isUnderWay() || !isWhatIsWanted() || !frame_ || frame_->requestId != requestId_) return false;
+  return hasFewerPixels() || (!isRefined_ && isCoarsened(asked_->march, frame_->settings));
 }
 
 bool FrameRequests::take() {
@@ -85,6 +95,7 @@ void FrameRequests::show(ServedFrame served, const WantedFrame& asked) {
   requestId_ = answeredId_ = served.requestId;
   asked_ = wanted_ = asked;
   isRefined_ = true;  // there is nobody who would march it in full
+  posted_ = asked.camera;
   requests_[requestId_] = {asked, std::nullopt, std::nullopt};
   keep(std::move(served));
 }
@@ -94,6 +105,7 @@ void FrameRequests::keep(ServedFrame served) {
   if (!served.frame) return;
   frame_ = std::move(served.frame);
   frameBytes_ = served.bytes;
+  size_.note(frame_->camera, frame_->settings, static_cast<double>(frameBytes_.ofFrame()));
   if (frameBytes_.proxy > 0) proxyBytes_ = frameBytes_.proxy;
   if (frame_->proxy) frameBytes_.proxy = proxyBytes_;
   frameArrivedAt_ = served.arrivedAt;

@@ -1,4 +1,6 @@
 // Asks the server for frames of what is wanted now, takes the newest, and knows of each frame on show what it shows and since when that is outdated.
+// Where a frame may take only so many bytes, those of a camera that moves have fewer pixels. At rest each has twice the bytes of the last, until none is missing: whoever moves on
+// waits no longer for what is still under way than about twice as long as the camera has rested.
 // Bounded: it remembers the requests that are under way or on show, and of those that were replaced before they left no more than kMostKept, however long it lasts.
 #pragma once
 
@@ -8,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "app/frames/frame_budget.h"
 #include "app/frames/frame_source.h"
 #include "app/scene/scene.h"
 #include "app/session/rate_meter.h"
@@ -43,7 +46,7 @@ class FrameRequests {
   /// The first half of that: of frames that were recorded, whose source makes no others.
   void classify(const TransferFunction& function);
   /// Asks for `wanted` if that is something else than what was asked for last. `isFrozen`: only if there is no frame yet. Asks once more where the answer
-  /// was marched coarser than it was wanted (coarsening.h), as soon as nothing else has been wanted for kRest: a camera that rests is shown in full.
+  /// was marched coarser than it was wanted (coarsening.h) or has fewer pixels, as soon as nothing else has been wanted for kRest: a camera that rests is shown in full.
   /// True if it asked, or waits for that time.
   bool ask(const WantedFrame& wanted, bool isFrozen, TimePoint now);
   /// Collects an answer. True if there was one.
@@ -70,7 +73,7 @@ class FrameRequests {
   bool isUnderWay() const { return answeredId_ < requestId_; }
   /// Whether the newest request asked for what is wanted now.
   bool isWhatIsWanted() const { return asked_ == wanted_; }
-  /// Whether the newest frame, which is of what is wanted, was marched coarser, and will be asked for once more.
+  /// Whether the newest frame, which is of what is wanted, was marched coarser or has fewer pixels, and will be asked for once more.
   bool isToBeRefined() const;
   /// For how long what the request asked for has not been wanted any more: 0 while it is.
   double ageMs(uint64_t requestId, TimePoint now) const;
@@ -81,6 +84,7 @@ class FrameRequests {
   };
   /// Nothing of requests that are forgotten; of those under way no arrival.
   std::optional<Arrival> arrivalOf(uint64_t requestId) const;
+  /// With the pixels that were asked for, which may be fewer than were wanted.
   std::optional<WantedFrame> askedBy(uint64_t requestId) const;
   size_t remembered() const { return requests_.size(); }
 
@@ -92,7 +96,9 @@ class FrameRequests {
   };
   const Request* find(uint64_t requestId) const;
   void keep(ServedFrame served);
-  void post(const WantedFrame& wanted, TimePoint now);
+  /// Asks for `wanted` by that camera, which has as many pixels or fewer.
+  void post(const WantedFrame& wanted, const Camera& camera, TimePoint now);
+  bool hasFewerPixels() const { return posted_ != asked_->camera; }
 
   FrameSource* source_ = nullptr;
   TransportSettings transport_;        // that the source was told last
@@ -100,6 +106,8 @@ class FrameRequests {
   std::optional<WantedFrame> asked_;   // what was asked for last
   uint64_t requestId_ = 0;             // of that request
   TimePoint wantedSince_{};            // when it was asked for first
+  Camera posted_;                      // by which it was asked for last
+  FrameSizeRule size_;
   bool isRefined_ = false;             // it was asked for once more
   bool isFrozen_ = false;
   uint64_t answeredId_ = 0;            // the last that was answered, by a frame or an error

@@ -202,6 +202,8 @@ class Session {
   /// Size of the panels' pictures and of the server's images; 0 until a panel has a size.
   glm::uvec2 pictureSize() const { return view_.pictureSize(); }
   glm::uvec2 serverSize() const { return view_.sizeOfSide(knobs_.serverSidePx); }
+  /// Whether the newest frame has fewer pixels than that, so that it takes no more bytes than it may.
+  bool isFrameSmaller() const { return knobs_.transport.frameKib > 0 && frames_.newest() && longerSide(frames_.newest()->camera) < knobs_.serverSidePx; }
   /// How many screen pixels a picture's pixel is wide.
   uint32_t screenPixels() const { return view_.screenPixels(); }
   /// For how long the camera of the frame in `panel` has not been the current one any more: 0 while it is. Nothing without a frame.

@@ -55,10 +55,10 @@ std::optional<TechniqueChoice::Choice> TechniqueChoice::choose(const Input& inpu
   const auto mayBe = [&](const Configuration& configuration) {
     return configuration.serverSidePx == sidePx && fits(configuration, input.frame->settings, input.askable);
   };
-  auto best = known.choose(angleDeg, input.budgetMs, mayBe);
+  auto best = known.choose(angleDeg, {.ms = input.budgetMs}, mayBe);
   if (best && last_ && !(*last_ == best->configuration)) {
     // A technique that is hardly worse stays: taking turns at each frame's arrival would cost more than it gains.
-    const auto before = known.choose(angleDeg, input.budgetMs, [&](const Configuration& configuration) {
+    const auto before = known.choose(angleDeg, {.ms = input.budgetMs}, [&](const Configuration& configuration) {
       return configuration == *last_ && mayBe(configuration);
     });
     const bool isKept = before && before->frameMs <= input.budgetMs && before->flip <= kWorthChanging * best->flip;

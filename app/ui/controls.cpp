@@ -26,11 +26,13 @@ void drawServerSide(const Session& session, LiveSettings& knobs, const Look& loo
   label(std::string(kServerSideKnob.label).c_str(), look, std::string(kServerSideKnob.help) + ".");
   beginHalves();
   const glm::uvec2 size = session.serverSize();
+  const SampleFramePtr& newest = session.frames().newest();
   const auto sizeText = [](uint32_t side) { return std::to_string(side) + " px"; };
+  const auto areaText = [](uint32_t width, uint32_t height) { return std::to_string(width) + " × " + std::to_string(height); };
   const bool isOpen = ImGui::BeginCombo("##server image", std::to_string(knobs.serverSidePx).c_str());
   if (!isOpen)
-    tooltip(std::string(kServerSideKnob.help) + ". Now " + std::to_string(size.x) + " × " +
-                std::to_string(size.y) + ".",
+    tooltip(std::string(kServerSideKnob.help) + ". Now " + areaText(size.x, size.y) +
+                (session.isFrameSmaller() ? ", and " + areaText(newest->camera.width, newest->camera.height) + " of the newest frame, which may not take more bytes." : "."),
             look);
   if (isOpen) {
     for (const uint32_t side : kServerSidesPx)

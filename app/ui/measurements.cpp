@@ -21,7 +21,7 @@ struct Measurement {
 };
 using Measurements = std::array<Measurement, 8>;
 /// Those that say most, where there is room for few: places in measurementsOf().
-constexpr std::array<size_t, 8> kMostFirst{5, 6, 7, 1, 3, 0, 2, 4};
+constexpr std::array<size_t, 8> kMostFirst{5, 6, 7, 1, 3, 0, 2, 4}, kMostBehindLinks{5, 6, 2, 7, 1, 3, 0, 4};
 
 Measurements measurementsOf(const Session& session, size_t index, Session::TimePoint now) {
   const Panel& panel = session.panel(index);
@@ -125,8 +125,9 @@ void drawMeasurements(const Session& session, size_t index, MeasurementSpace spa
   const size_t columns = columnsIn(width, look), count = space == MeasurementSpace::all ? measurements.size() : columns;
   const float column = width / static_cast<float>(columns);
   const float labelHeight = look.px(kSmallPx + 3.0f);
+  const auto& first = session.linkSign(look.now).full.empty() ? kMostFirst : kMostBehindLinks;
   for (size_t i = 0; i < count; ++i) {
-    const Measurement& measurement = measurements[space == MeasurementSpace::all ? i : kMostFirst[i]];
+    const Measurement& measurement = measurements[space == MeasurementSpace::all ? i : first[i]];
     const ImVec2 at{origin.x + column * static_cast<float>(i % columns), origin.y + look.px(kFigurePx) * static_cast<float>(i / columns)};
     ImGui::SetCursorScreenPos(at);
     ImGui::BeginGroup();

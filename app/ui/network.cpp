@@ -102,7 +102,7 @@ size_t drawLinkKnobs(net::DuplexLinkSettings& link, const KnobFilter& isWanted, 
     draw();
   };
   row({"Link", kLinkHelp}, [&] { drawPreset(link, look); });
-  row({"Delay, jitter", "latency", kDelayHelp, kJitterHelp}, [&] {
+  row({"Delay, jitter", "latency", "round trip", kDelayHelp, kJitterHelp}, [&] {
     label("Delay, jitter", look, std::string(kDelayHelp) + " " + std::string(kJitterHelp));
     beginHalves();
     bareSlider("delay", edited.roundTripMs, {0.0f, 2000.0f, "%.0f ms"}, kDelayHelp.data(), look);

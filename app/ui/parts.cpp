@@ -84,7 +84,8 @@ void drawStatusBar(const Session& session, double displayFramesPerSecond, const 
   }
   if (const SampleFramePtr& frame = session.frames().newest()) {
     items.push_back(grouped(frame->size()) + " samples");
-    items.push_back(bytesText(session.frames().bytesOfNewest().ofFrame()) + " a frame");
+    const Camera& camera = frame->camera;
+    items.push_back(bytesText(session.frames().bytesOfNewest().ofFrame()) + " a frame" + (session.isFrameSmaller() ? " of " + std::to_string(camera.width) + " × " + std::to_string(camera.height) : ""));
     const double rate = session.frames().perSecond(look.now);
     const std::optional<SourceStatus> status = session.sourceStatus();
     items.push_back("server " + durationText(frame->timings.marchMs + frame->timings.compactMs) +
