@@ -357,6 +357,7 @@ TEST_F(Serving, AShotWaitsNoLongerThanItIsTold) {
   succeed(shot(plain.plainUrl(), {"--timeout", "60"}));
   for (const std::string timeout : {"0.9", "0", "-1", "nan", "inf", "1e9"}) expectRefused(shot(plain.plainUrl(), {"--timeout", timeout}), kUsage, {"--timeout"});
   expectRefused({"shot", "-o", "b.png", "--timeout", "5"}, kUsage, {"--timeout", "--connect"});
+  expectRefused({"shot", "--connect", "warp://127.0.0.1:1", "-o", "b.png", "--timeout", "1"}, kFailure, {"within 1 s (--timeout)", "refused"});  // why it was never reached
 }
 
 }  // namespace

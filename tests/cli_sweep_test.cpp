@@ -185,6 +185,19 @@ TEST_F(SweepCommand, AutoMeasuresWhereNothingWasMeasuredAndKeepsWhatWasAskedFor)
   EXPECT_THAT(result.err, testing::HasSubstr("none of which keeps to 0.01 ms"));
 }
 
+TEST_F(SweepCommand, AutoKeepsToTheBytesOfAFrame) {
+  const auto shot = [](const std::string& kib) {
+    return Arguments{"shot", "shells", "--volume-size", "40x40x40", "--size", "192x144", "--technique", "auto", "--budget-ms", "10000", "--view-angle", "10", "--frame-kib", kib, "--proxy", "0", "-o", "a.png", "--json"};
+  };
+  const json wide = document(shot("4000")), narrow = document(shot("12"));
+  EXPECT_GT(wide["bytes"], 12 * 1024) << "else the budget below is none";
+  EXPECT_LE(narrow["bytes"], 12 * 1024);
+  EXPECT_LE(narrow["server"]["width"], narrow["auto"]["configuration"]["serverSide"]);
+  EXPECT_GE(narrow["auto"]["flip"], wide["auto"]["flip"]);
+  EXPECT_THAT(narrow["auto"]["reason"].get<std::string>(), testing::HasSubstr("of frames of no more than 12 KiB"));
+  EXPECT_EQ(picture("a.png").width(), 192u);
+}
+
 TEST_F(SweepCommand, AutoRefusesWhatCannotBe) {
   expectRefused(quick({"shot", "block", "--budget-ms", "5", "-o", "a.png"}), kUsage, {"--technique auto"});
   expectRefused(quick({"shot", "block", "--technique", "auto", "--budget-ms", "0", "-o", "a.png"}), kUsage, {"--budget-ms"});

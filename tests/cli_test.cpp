@@ -284,7 +284,7 @@ TEST_F(CommandLine, VerboseSaysWhatIsDoneAndQuietNothing) {
   const ProgramResult plain = with({}), verbose = with({"--verbose"}), json = with({"--verbose", "--json"});
   EXPECT_EQ(plain.err, "wrote a.png\n");
   EXPECT_EQ(plain.out + verbose.out, "");
-  for (const char* detail : {"volume block: 24x22x20 voxels of uint8, values ", "opened in ", "backend: cpu", "OpenGL: ", "marched ", " samples in ",
+  for (const char* detail : {"volume block: 24x22x20 voxels of uint8, values ", "opened in ", "backend: cpu", "OpenGL: ", "marched ", " samples of 40x30 pixels in ",
                              "compacted in ", "wrote a.png"})
     EXPECT_THAT(verbose.err, testing::HasSubstr(detail));
   EXPECT_THAT(json.err, testing::HasSubstr("marched "));

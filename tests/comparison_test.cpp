@@ -159,7 +159,7 @@ TEST(Comparison, CaptionsAreRelativeToTheFirstView) {
   EXPECT_EQ(viewCaption({0.0, 30.0, 0.8}, first), "-30°, +10° up");
   const std::pair<double, std::string> factors[] = {{1.25, "1.25"}, {0.5 / 0.6, "0.83"}, {2.0, "2"},         {1.5, "1.5"},  {100.0, "100"},
                                                     {12.5, "12.5"}, {0.1, "0.1"},        {0.00417, "0.0042"}, {1e6, "1000000"}};
-  for (const auto& [factor, text] : factors) EXPECT_EQ(viewCaption({30.0, 20.0, 0.8 * factor}, first), "0°, " + (factor < 1.0 ? "nearer (" : "farther (") + text + "×)");
+  for (const auto& [factor, text] : factors) EXPECT_EQ(viewCaption({30.0, 20.0, 0.8 * factor}, first), std::string("0°, ") + (factor < 1.0 ? "nearer (" : "farther (") + text + "×)");
 }
 
 TEST(Gains, ArePositiveWhereTheFirstIsBetter) {
