@@ -370,7 +370,7 @@ TEST(Isosurface, TextsComeBackAndWhatIsWrongIsSaid) {
     return why;
   };
   EXPECT_EQ(marched("none"),
-            "the mode isosurface wants the values of its surfaces: --isovalues \"VALUE[@OPACITY] ...\"");
+            "the mode isosurface wants the values of its surfaces: --isovalues \"VALUE[@OPACITY] ...\", or isovalues among the knobs of a scene's march");
   EXPECT_THAT(marched("5 -1"),
               testing::MatchesRegex("the iso-value -1 lies outside the volume's range, 0 to 34\\.64.*"));
   EXPECT_THAT(marched("40@0"), testing::StartsWith("the iso-value 40 lies outside"));

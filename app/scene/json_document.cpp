@@ -75,6 +75,7 @@ class BuildingSax : public nlohmann::json_sax<Json> {
   }
   bool parse_error(size_t, const std::string& token, const nlohmann::detail::exception& error) override {
     // The parser's text begins with an identifier of its own and the position; what was expected comes last.
+    if (token.empty()) fail("not valid JSON: the text ends before the document does");
     const std::string text = error.what();
     const size_t reason = text.find("; ");
     fail("not valid JSON near '" + token.substr(0, 40) + "'" + (reason == std::string::npos ? "" : ": " + text.substr(reason + 2)));

@@ -55,7 +55,7 @@ std::vector<uint8_t> surfaceDistances(const Macrocells& cells, const IsosurfaceS
 
 void requireIsoValues(const IsoValues& values, const Volume& volume) {
   if (values.size() == 0)
-    throw UsageError("the mode " + std::string(nameOf(RenderMode::isosurface)) + " wants the values of its surfaces: --isovalues \"VALUE[@OPACITY] ...\"");
+    throw UsageError("the mode " + std::string(nameOf(RenderMode::isosurface)) + " wants the values of its surfaces: --isovalues \"VALUE[@OPACITY] ...\", or isovalues among the knobs of a scene's march");
   const VoxelStatistics& statistics = volume.statistics();
   for (const IsoValue& value : values)
     if (!(value.value >= statistics.lowest && value.value <= statistics.highest))

@@ -35,7 +35,7 @@ constexpr const Knob* kKnobs[] = {&kArithmeticKnob};
 
 constinit const WarpDescriptor kReferenceWarp{
     .name = "reference",
-    .label = "Reference",
+    .label = "Ground truth",
     .summary = "the volume marched at the current camera: the ground truth",
     .usesFrame = false,
     .knobs = kKnobs,
