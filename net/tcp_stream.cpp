@@ -22,14 +22,7 @@ constexpr Duration kLongestPause = std::chrono::seconds(1);
 // A silent peer is asked for a sign of life after this time, this often, and given up after so many questions.
 constexpr int kIdleSeconds = 10, kProbeSeconds = 5, kProbes = 4;
 
-std::string endpointText(const tcp::endpoint& endpoint) {
-  const std::string address = endpoint.address().to_string(), port = std::to_string(endpoint.port());
-  return endpoint.address().is_v6() ? "[" + address + "]:" + port : address + ":" + port;
-}
-
-std::string hostText(const std::string& host, uint16_t port) {
-  return (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + std::to_string(port);
-}
+std::string endpointText(const tcp::endpoint& endpoint) { return toString(HostPort{endpoint.address().to_string(), endpoint.port()}); }
 
 template <int level, int name>
 using IntegerOption = asio::detail::socket_option::integer<level, name>;
@@ -169,7 +162,7 @@ void TcpStream::abort() noexcept {
 
 Awaitable<std::unique_ptr<TcpStream>> connectTcp(asio::any_io_executor executor, std::string host, uint16_t port,
                                                  TimePoint deadline, Resolver resolver) {
-  const std::string whom = hostText(host, port);
+  const std::string whom = toString(HostPort{host, port});
   const std::vector<asio::ip::address> addresses = co_await lookUp(executor, host, deadline, std::move(resolver));
   error_code error = asio::error::host_not_found;
   bool hasExpired = false;
@@ -191,7 +184,7 @@ Awaitable<std::unique_ptr<TcpStream>> connectTcp(asio::any_io_executor executor,
 
 TcpListener::TcpListener(asio::any_io_executor executor, const std::string& host, uint16_t port)
     : acceptor_(executor), pause_(executor), nextPause_(kFirstPause) {
-  const std::string where = "cannot listen on " + hostText(host, port);
+  const std::string where = "cannot listen on " + toString(HostPort{host, port});
   error_code error;
   tcp::resolver resolver(executor);
   const auto found = resolver.resolve(host, std::to_string(port), tcp::resolver::passive | tcp::resolver::numeric_service, error);

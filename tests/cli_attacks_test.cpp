@@ -1,6 +1,7 @@
 // Commands that connect to a server which lies: a sentence each that says so, exit code 1, at once, and no memory
 // beyond their own. Mirrors the rows of tests/README.md's table of attacks that a client answers for.
 #include "app/frames/backend.h"
+#include "app/frames/color_bytes.h"
 #include "app/frames/wire_fields.h"
 #include "app/scene/scene.h"
 #include "tests/net/adversarial_server.h"

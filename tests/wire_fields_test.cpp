@@ -9,6 +9,7 @@
 #include <map>
 
 #include "app/frames/backend.h"
+#include "app/frames/color_bytes.h"
 #include "headless.h"
 #include "net/messages.h"
 #include "render/base/error.h"

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "app/frames/backend.h"
+#include "app/frames/color_bytes.h"
 #include "app/frames/frame_fetch.h"
 #include "app/frames/remote_marcher.h"
 #include "app/frames/scene_connection.h"

@@ -10,6 +10,7 @@
 #include <new>
 
 #include "app/frames/backend.h"
+#include "app/frames/color_bytes.h"
 #include "app/frames/server_load.h"
 #include "app/frames/wire_fields.h"
 #include "render/base/error.h"

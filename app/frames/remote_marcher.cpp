@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/frames/backend.h"
+#include "app/frames/color_bytes.h"
 #include "app/frames/wire_fields.h"
 #include "net/address.h"
 #include "render/base/error.h"

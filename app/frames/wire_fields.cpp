@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
 
 #include "app/frames/coarsening.h"
+#include "app/frames/color_bytes.h"
 #include "app/frames/transport_knobs.h"
 #include "render/base/error.h"
-#include "render/codec/zstd_section.h"
 #include "render/core/parallel.h"
 #include "render/march/march_knobs.h"
 
@@ -44,10 +43,6 @@ bool isLine(const std::string& text) {
 }
 
 static_assert(net::kMaxPlanes == kMaxPlanes && net::kMaxPlaneName == kMaxPlaneName, "net/ knows of no samples, and has numbers of its own");
-
-/// Bytes of one plane are compressed together; a plane holds at most this many, which zstd_section.h takes.
-constexpr size_t kPlaneBytes = size_t{1} << 26;
-constexpr size_t kPlanes = sizeof(glm::vec4);
 
 /// No length in a frame is greater, so that no position or radius in it is beyond what can be drawn
 /// (kMaxSphereCoordinate, 1e18); and no unit of radii is so small that radii vanish.
@@ -338,48 +333,6 @@ DecodeLimits decodeLimitsFor(const SampleFrame& frame) {
   limits.maxSamples = std::min(limits.maxSamples, perRay * frame.camera.width * frame.camera.height);
   limits.maxSegments = std::min(limits.maxSegments, static_cast<size_t>(frame.settings.sample.segments) * frame.camera.width * frame.camera.height);
   return limits;
-}
-
-std::vector<std::byte> encodeColors(const Image<glm::vec4>& image) {
-  const size_t pixels = size_t{image.width()} * image.height();
-  std::vector<std::byte> bytes;
-  std::vector<uint8_t> plane;
-  for (size_t begin = 0; begin < pixels; begin += kPlaneBytes) {
-    plane.resize(std::min(kPlaneBytes, pixels - begin));
-    for (size_t k = 0; k < kPlanes; ++k) {
-      for (size_t i = 0; i < plane.size(); ++i) {
-        const float channel = image.data()[begin + i][static_cast<int>(k / 4)];
-        plane[i] = static_cast<uint8_t>(std::bit_cast<uint32_t>(channel) >> (8 * (k % 4)));
-      }
-      appendSection(bytes, plane);
-    }
-  }
-  return bytes;
-}
-
-uint64_t mostColorBytes(uint32_t width, uint32_t height) {
-  const uint64_t pixels = uint64_t{width} * height, parts = (pixels + kPlaneBytes - 1) / kPlaneBytes;
-  return kPlanes * (pixels + parts * kSectionHeadBytes);
-}
-
-Image<glm::vec4> decodeColors(net::ByteView bytes, uint32_t width, uint32_t height) {
-  Image<glm::vec4> image(width, height);
-  const size_t pixels = size_t{width} * height;
-  ByteReader reader(bytes);
-  std::vector<uint8_t> plane;
-  for (size_t begin = 0; begin < pixels; begin += kPlaneBytes) {
-    plane.resize(std::min(kPlaneBytes, pixels - begin));
-    for (size_t k = 0; k < kPlanes; ++k) {
-      if (!takeSection(reader, plane)) throw InputError("the server's picture is damaged");
-      for (size_t i = 0; i < plane.size(); ++i) {
-        float& channel = image.data()[begin + i][static_cast<int>(k / 4)];
-        const uint32_t before = k % 4 == 0 ? 0u : std::bit_cast<uint32_t>(channel);
-        channel = std::bit_cast<float>(before | static_cast<uint32_t>(plane[i]) << (8 * (k % 4)));
-      }
-    }
-  }
-  if (reader.left() != 0) throw InputError("the server's picture is damaged");
-  return image;
 }
 
 }  // namespace warpscope

@@ -51,11 +51,4 @@ SampleFrame decodedFrom(const net::FrameHead& head, net::ByteView payload, Frame
 /// What a decoder may accept for a frame of this camera and these settings.
 DecodeLimits decodeLimitsFor(const SampleFrame& frame);
 
-/// Colours at full precision as bytes, without loss: floats byte by byte of their planes, compressed.
-std::vector<std::byte> encodeColors(const Image<glm::vec4>& image);
-/// What that makes of such an image at most.
-uint64_t mostColorBytes(uint32_t width, uint32_t height);
-/// Back, for an image of that size.
-Image<glm::vec4> decodeColors(net::ByteView bytes, uint32_t width, uint32_t height);
-
 }  // namespace warpscope

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <semaphore>
 
+#include "app/frames/color_bytes.h"
 #include "net/client.h"
 #include "render/base/error.h"
 #include "tests/fuzz/client_session.h"

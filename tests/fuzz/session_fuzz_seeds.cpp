@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/frames/color_bytes.h"
 #include "tests/frame_samples.h"
 #include "tests/fuzz/client_session.h"
 #include "tests/layered_frames.h"
