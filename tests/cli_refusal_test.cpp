@@ -81,7 +81,8 @@ TEST_F(Refusal, PathsThatCannotBeLookedAt) {
   folder_.write("scene.json", "{\"name\": \"a\", \"volume\": {\"file\": \"" + endless + ".nii\"}}");
   expectRefused(shot({"scene.json"}), kFailure, {endless, "cannot be looked at: "});
   folder_.write("session.json", "{\"warpscopeSession\": 1}");
-  expectRefused(shot({"session.json"}), kFailure, {"session.json", "is a session, not a scene", "--session"});
+  expectRefused(shot({"session.json"}), kFailure, {"session.json", "is a session, not a scene", "warpscope view FILE"});
+  expectRefused({"view", "session.json", "--heuristic", "exit"}, kUsage, {"a session says that itself: leave out --heuristic"});
 }
 
 TEST_F(Refusal, MoreFilesThanMayBeOpen) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "app/commands/choose.h"
 #include "app/commands/options.h"
@@ -254,11 +255,16 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--report", options->report, "JSON file to write figures to when the window closes: display rate, ages, latencies");
   command->add_option("--front", options->front, "sweep.json whose configurations the plot shows as hollow points, and that auto chooses by");
   command->add_option("--record", options->record, "File to record frames and the camera into, for replay");
-  command->add_option("--session", options->session, "Session file to go on with, or last: the one that was on show when a window was closed last");
+  command->add_option("--session", options->session, "Session file to go on with (which may stand in a scene's place as well), or last: the one that was on show when a window was closed last");
   command->callback([options, command, &chosen] {
     chosen = [options, command] {
       try {
-        if (!options->session.empty() && !namesScene(options->common)) requireOnlyOfWindow(*command, "a session", {});
+        if (options->session.empty() && options->common.scene && isSessionFile(*options->common.scene)) {
+          requireOnlyOfWindow(*command, "a session", {"scene"});
+          options->session = *std::exchange(options->common.scene, std::nullopt);
+        } else if (!options->session.empty() && !namesScene(options->common)) {
+          requireOnlyOfWindow(*command, "a session", {});
+        }
         if (options->session.empty() && options->common.scene && isRecording(*options->common.scene))
           requireOnlyOfWindow(*command, "a recording", {"scene", "--panels", "--left", "--right"});
         completeConnect(options->transport, namesScene(options->common) || !options->session.empty());

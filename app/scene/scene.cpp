@@ -104,7 +104,7 @@ Scene readScene(const JsonDocument& document, const fs::path& folder, const Scen
   const Node root = document.root();
   constexpr std::string_view kKeys[] = {"name", "title",   "volume",     "transferFunction", "up",
                                         "front", "fovYDeg", "background", "views",            "march", "mask"};
-  if (root.isObject() && root.find(kSessionKey)) root.fail("is a session, not a scene: `warpscope view --session`, or File > Open in the window, goes on with it");
+  if (root.isObject() && root.find(kSessionKey)) root.fail("is a session, not a scene: `warpscope view FILE`, or File > Open in the window, goes on with it");
   root.requireObject(kKeys);
   Scene scene;
   const Node name = root.at("name");

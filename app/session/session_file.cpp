@@ -16,6 +16,7 @@
 #include "app/session/picture_plan.h"
 #include "render/base/error.h"
 #include "render/base/printable.h"
+#include "render/volume/volume_format.h"
 
 namespace warpscope {
 namespace {
@@ -162,6 +163,16 @@ std::string textOf(const SessionFile& file) {
 }
 
 bool isSession(const JsonDocument& document) { return document.root().isObject() && document.root().find(kSessionKey).has_value(); }
+
+bool isSessionFile(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error) || formatOf(path)) return false;  // volumes may be large
+  try {
+    return isSession(JsonDocument::fromFile(path, JsonDocument::kLargestMeasured));
+  } catch (const InputError&) {
+    return false;
+  }
+}
 
 SessionFile readSession(const JsonDocument& document) {
   const Node root = document.root();

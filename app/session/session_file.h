@@ -26,6 +26,8 @@ using OriginOpener = std::function<LoadJob(const SceneOrigin&)>;
 
 /// Whether it looks like one, right or wrong.
 bool isSession(const JsonDocument& document);
+/// Of a file, whatever its name ends with; false for one that cannot be read, or is no JSON.
+bool isSessionFile(const std::filesystem::path& path);
 
 /// What is on show now. Throws InputError where there is no scene, or one that cannot be opened again.
 SessionFile sessionFileOf(const Session& session);
