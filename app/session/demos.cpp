@@ -11,7 +11,7 @@ namespace warpscope {
 
 std::span<const Demo> demos() {
   static const std::vector<Demo> kDemos{
-      {"Satellite", "600 ms to a server: held pictures lag behind, segments follow the camera", "satellite", CameraMotion::orbit, {"hold", "segments"}},
+      {"Satellite", "600 ms to a server: held pictures lag behind, segments follow the camera", "satellite", CameraMotion::orbit, {"hold", "segments"}, 192},
       {"Head movements", "A head that looks around over a telephone's network: turned pictures and points beside spheres and segments", "4g", CameraMotion::shake,
        {"rotate", "points", "spheres", "segments"}},
       {"Crowded hall", "Outages and little bandwidth while one flies through: what has been seen must do", "conference-wifi", CameraMotion::flyThrough,
