@@ -120,6 +120,10 @@ TEST_F(CommandLine, FramesTakeNoMoreBytesThanTheyMay) {
   EXPECT_LE(bytesOf(small), 100u * 1024);
   EXPECT_GE(bytesOf(small), 70u * 1024);
   EXPECT_EQ(picture("small/view0-segments.png").width(), 256u) << "the pictures are as large as ever";
+  // Of what none of those that are compared draws, nothing is sent.
+  const json spheres = document({"compare", "shells", "--volume-size", "48x48x48", "--size", "256x256", "--json", "--techniques", "spheres", "--frame-kib", "30", "--out", "spheres"});
+  EXPECT_GT(bytesOf(spheres), 20u * 1024);
+  EXPECT_LE(bytesOf(spheres), 30u * 1024);
   expectRefused(with({"--out", "none", "--frame-kib", "1"}), kFailure, {"64x64 pixels, the smallest that is tried, takes"});
 }
 

@@ -194,6 +194,7 @@ TEST_F(SweepCommand, AutoKeepsToTheBytesOfAFrame) {
   EXPECT_LE(narrow["bytes"], 12 * 1024);
   EXPECT_LE(narrow["server"]["width"], narrow["auto"]["configuration"]["serverSide"]);
   EXPECT_GE(narrow["auto"]["flip"], wide["auto"]["flip"]);
+  EXPECT_NE(narrow["technique"], "proxy");
   EXPECT_THAT(narrow["auto"]["reason"].get<std::string>(), testing::HasSubstr("of frames of no more than 12 KiB"));
   EXPECT_EQ(picture("a.png").width(), 192u);
 }

@@ -205,6 +205,11 @@ void compare(const CompareOptions& options) {
   ComparisonSettings settings;
   settings.techniques = techniques;
   settings.march = work.march;
+  if (!options.techniques.empty()) {  // nothing is sent that none of them draws
+    std::vector<TechniqueInUse> inUse;
+    for (const WarpDescriptor* const technique : techniques) inUse.push_back({technique, work.warp.knobs});
+    settings.march = neededBy(inUse, work.march);
+  }
   settings.warp = work.warp;
   settings.fetch = work.fetch();
   settings.codec = work.transport.codec;

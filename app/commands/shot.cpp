@@ -96,6 +96,9 @@ bool isAllowed(const Configuration& configuration, uint32_t sidePx, const Comman
   scene.march = work.march;
   const bool isOfThatSize = work.transport.frameKib > 0 ? configuration.serverSidePx <= sidePx : configuration.serverSidePx == sidePx;
   if (!isOfThatSize) return false;
+  // Bytes are those of the codec that they were measured with; and what draws the copy alone was charged for no frame, but one has to come.
+  const bool drawsCopyAlone = configuration.technique->uses.proxy && !configuration.technique->uses.segments;
+  if (work.transport.frameKib > 0 && (!(configuration.codec == work.transport.codec) || drawsCopyAlone)) return false;
   for (const ConfigurationKnob& row : configurationKnobs()) {
     if (!row.matters(configuration)) continue;
     const bool isOfPicture = row.knob().owner == KnobOwner::rendering || row.knob().owner == KnobOwner::effect;
