@@ -34,7 +34,6 @@ struct CompareOptions {
 };
 
 /// JSON knows no infinity: equal images have the PSNR null.
-
 Json toJson(const ComparisonRow& row, const Comparison& comparison, const CommandContext& work) {
   const bool usesFrame = row.technique->usesFrame;
   const View& view = work.scene.views[row.view];

@@ -43,7 +43,7 @@ class FrameSizeRule {
 };
 
 /// Frames of `fetch` that take no more than `budgetBytes` without the copy of the volume: asked for again with fewer pixels until one does, and that is at
-/// least 0.9 of it or all pixels, or kMostTries were made. The same frames, whatever was fetched before. Throws InputError where that of the fewest pixels is too large, and
+/// least 0.9 of it or all pixels, or eight were asked for. The same frames, whatever was fetched before. Throws InputError where that of the fewest pixels is too large, and
 /// whatever `fetch` throws.
 FrameFetch withinBudget(FrameFetch fetch, uint64_t budgetBytes);
 
