@@ -218,7 +218,8 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
 
   View view = work.scene.views.front();
   const Camera fullCamera = makeCamera(work.scene, view, work.width, work.height);
-  const Camera serverCamera = choice ? ofLongerSide(fullCamera, std::min(choice->configuration.serverSidePx, longerSide(fullCamera))) : fullCamera;
+  const bool isOfChosenSize = choice && work.transport.frameKib > 0;
+  const Camera serverCamera = isOfChosenSize ? ofLongerSide(fullCamera, std::min(choice->configuration.serverSidePx, longerSide(fullCamera))) : fullCamera;
   view.angleDeg += options.viewAngleDeg;
   const Camera camera = makeCamera(work.scene, view, work.width, work.height);
   ServedFrame served;

@@ -20,7 +20,7 @@ uint32_t longerSide(const Camera& camera);
 Camera ofLongerSide(const Camera& camera, uint32_t sidePx);
 
 /// Of one client. One frame after another tells what the next will take: views follow each other closely. Frames of other numbers of segments are foreseen in
-/// proportion to kBytesAPixel.
+/// proportion to what such frames usually take.
 class FrameSizeRule {
  public:
   static constexpr double kExponent = 0.85;
