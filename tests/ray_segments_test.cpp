@@ -197,7 +197,7 @@ TEST(RaySegments, LightIsMovedAboutByWhatTheIntegralSays) {
       const double difference = (1.0 - share) * sentUpTo(t, ofFront) + share * sentUpTo(t, ofBack) - sentUpTo(t, ofBoth);
       sum += difference * difference * (to - from) / kPlaces;
     }
-    const auto found = static_cast<double>(squaredDifference(front, back, both, static_cast<float>(share)));
+    const auto found = static_cast<double>(squaredDifference(front, back, both, 1.0f / both.length(), static_cast<float>(share)));
     isNear += std::abs(found - sum) < 0.4 * sum + 1e-4 ? 1 : 0;
     EXPECT_LT(found, 12.0 * sum + 1e-3) << round;
     // They are of one colour, but for how much of it there is.

@@ -29,11 +29,27 @@ struct FinishedRay {
   float cosine = 1.0f;
   glm::vec4 premultiplied{0.0f};
   const RaySamples* samples = nullptr;
-  const SegmentMerger* segments = nullptr;  ///< null where none are wanted
-  const NormalCode* normals = nullptr;      ///< of segments, by their places; null where none are wanted
+  const SegmentList* segments = nullptr;  ///< null where none are wanted
+  const NormalCode* normals = nullptr;    ///< of these, near to far; null where none are wanted
   bool isEnded = false;                     ///< hardly any light was left
   const std::vector<CountingSample>* counting = nullptr;  ///< its samples that count, where samples are wanted and a ray has one at most; null where nothing is visible
   RelayedTile* tile = nullptr;              ///< that it was handed on with; null where rays are marched whole
+};
+/// What FinishedRay points at, of a ray whose segments a merger holds.
+struct FinishedSegments {
+  SegmentList list;
+  NormalCode normals[kMostMergerRoom];
+
+  /// `normalsByPlace`: null where none are wanted.
+  template <class Merger>
+  void take(const Merger& merger, const NormalCode* normalsByPlace, FinishedRay& ray) {
+    list.take(merger);
+    ray.segments = &list;
+    if (normalsByPlace == nullptr) return;
+    int count = 0;
+    for (int i = merger.first(); i != Merger::kNone; i = merger.behind(i)) normals[count++] = normalsByPlace[i];
+    ray.normals = normals;
+  }
 };
 /// Behind one pointer, so that the loop over rays is compiled once a voxel type, not once a use.
 using OnRay = std::function<void(const FinishedRay&)>;

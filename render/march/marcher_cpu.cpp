@@ -138,7 +138,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public HostPieceMarch
     forEachRay({camera, {pixel.x, pixel.y, 1, 1}, pixels, settings.render, &sample, stop, [&](const FinishedRay& ray) {
       if (ray.counting != nullptr) trace.samples = *ray.counting;
       if (ray.segments != nullptr)
-        for (int i = ray.segments->first(); i != SegmentMerger::kNone; i = ray.segments->behind(i)) trace.segments.push_back((*ray.segments)[i]);
+        for (int i = ray.segments->first(); i != SegmentList::kNone; i = ray.segments->behind(i)) trace.segments.push_back((*ray.segments)[i]);
       trace.isEnded = ray.isEnded;
       trace.color = ray.premultiplied;
     }});

@@ -211,8 +211,7 @@ void PieceWorker::finish(const PieceFrame& frame, RelayedTile& tile, uint32_t pl
   finished.cosine = frame.pixels.ray(finished.x, finished.y).cosine;
   finished.premultiplied = handed.state.color.premultiplied();
   finished.isEnded = handed.state.color.transmittance.value() < frame.limits.stopBelow;
-  if (frame.mostSegments > 0) finished.segments = &tile.segments[place];
-  if (again != nullptr && frame.hasNormals) finished.normals = again->normals;
+  if (frame.mostSegments > 0) segments_.take(tile.segments[place], again != nullptr && frame.hasNormals ? again->normals : nullptr, finished);
   if (again != nullptr && again->isDivided) {
     finished.samples = &again->found;
   } else {

@@ -92,6 +92,7 @@ class PieceWorker {
   cuda::DeviceBuffer<ListedSample> deviceListed_;
   std::vector<Place> places_;  // of each ray
   RaySamples found_;
+  FinishedSegments segments_;
   // On the first way.
   std::pmr::vector<PieceRay> rays_{cuda::pinnedMemory()};
   std::pmr::vector<RelayedState> met_{cuda::pinnedMemory()};

@@ -37,23 +37,36 @@ struct RaySegment {
 /// Where on the ray a segment's light is taken to be.
 WARPSCOPE_HD inline float placeToLight(const RaySegment& segment) { return mulAdd(placeOfHalf(segment.opacity), segment.length(), segment.begin); }
 
-/// A stretch of a ray.
-struct RayExtent {
-  float begin = 0.0f, end = 0.0f;
+/// A stretch of a ray. `Number`: float, or a vector of as many rays or pairs as it has lanes, here and below.
+template <class Number>
+struct BasicRayExtent {
+  Number begin, end;
 
-  WARPSCOPE_HD float length() const { return end - begin; }
+  WARPSCOPE_HD Number length() const { return end - begin; }
 };
+using RayExtent = BasicRayExtent<float>;
+
+/// Where what two neighbours become begins and ends, if they have any depth. `ofBack`: the back's share of it.
+template <class Number, class Segment>
+WARPSCOPE_HD inline BasicRayExtent<Number> extentByMoments(const Segment& front, const Segment& back, const Number& ofBack) {
+  const Number ofFront = 1.0f - ofBack;
+  // From the front's beginning on: both halves, from middle to middle, the mean.
+  const Number halfA = 0.5f * front.length(), halfB = 0.5f * back.length(), apart = (back.begin - front.begin) + halfB - halfA, mean = mulAdd(ofBack, apart, halfA);
+  const Number half = sqrtOf(mulAdd(3.0f * ofFront * ofBack * apart, apart, mulAdd(ofFront * halfA, halfA, ofBack * halfB * halfB)));
+  return {front.begin + maxOf(mean - half, 0.0f), minOf(front.begin + (mean + half), back.end)};
+}
+
+/// Depths of two neighbours, each as it weighs in what they become, in a unit in which they need no division.
+template <class Number, class Segment>
+WARPSCOPE_HD inline Number depthBeside(const Segment& segment, const Segment& neighbour) {
+  return segment.opacity * mulAdd(neighbour.opacity, -0.5f, 1.0f);
+}
 
 /// Where what two neighbours become begins and ends.
 WARPSCOPE_HD inline RayExtent mergedExtent(const RaySegment& front, const RaySegment& back) {
-  // In a unit in which they need no division.
-  const float depthA = front.opacity * mulAdd(back.opacity, -0.5f, 1.0f), depthB = back.opacity * mulAdd(front.opacity, -0.5f, 1.0f), depth = depthA + depthB;
+  const float depthA = depthBeside<float>(front, back), depthB = depthBeside<float>(back, front), depth = depthA + depthB;
   if (!(depth > 0.0f)) return {front.begin, back.end};
-  const float ofBack = depthB / depth, ofFront = 1.0f - ofBack;
-  // From the front's beginning on: both halves, from middle to middle, the mean.
-  const float halfA = 0.5f * front.length(), halfB = 0.5f * back.length(), apart = (back.begin - front.begin) + halfB - halfA, mean = mulAdd(ofBack, apart, halfA);
-  const float half = sqrtOf(mulAdd(3.0f * ofFront * ofBack * apart, apart, mulAdd(ofFront * halfA, halfA, ofBack * halfB * halfB)));
-  return {front.begin + maxOf(mean - half, 0.0f), minOf(front.begin + (mean + half), back.end)};
+  return extentByMoments(front, back, depthB / depth);
 }
 
 /// `front` becomes both. `back` follows it.
@@ -67,26 +80,29 @@ WARPSCOPE_HD inline void mergeInto(RaySegment& front, const RaySegment& back) {
 }
 
 /// The integral along the ray of the squared difference between the shares of light that `both` have sent up to a place, homogeneous, and that the two have. `ofBack`: the back's share.
-/// About: the difference is a line between the ends that face each other and from there to the ends of `both`, and nothing beyond.
-WARPSCOPE_HD inline float squaredDifference(const RaySegment& front, const RaySegment& back, const RayExtent& both, float ofBack) {
-  const float perUnit = both.length() > 0.0f ? 1.0f / both.length() : 0.0f, ofFront = 1.0f - ofBack;
-  const auto sentUpTo = [&](float t) { return minOf(maxOf((t - both.begin) * perUnit, 0.0f), 1.0f); };
-  const float atFront = ofFront - sentUpTo(front.end), atBack = ofFront - sentUpTo(back.begin);
-  const float before = maxOf(front.end - both.begin, 0.0f), behind = maxOf(both.end - back.begin, 0.0f), between = back.begin - front.end;
-  const float atEnds = mulAdd(before + between, atFront * atFront, (behind + between) * atBack * atBack);
+/// `perUnit`: 1 over the length of `both`, 0 where that has none. About: the difference is a line between the ends that face each other and from there to the ends of `both`, and nothing beyond.
+template <class Number, class Segment>
+WARPSCOPE_HD inline Number squaredDifference(const Segment& front, const Segment& back, const BasicRayExtent<Number>& both, const Number& perUnit, const Number& ofBack) {
+  const Number ofFront = 1.0f - ofBack;
+  const auto sentUpTo = [&](const Number& t) { return minOf(maxOf((t - both.begin) * perUnit, 0.0f), 1.0f); };
+  const Number atFront = ofFront - sentUpTo(front.end), atBack = ofFront - sentUpTo(back.begin);
+  const Number before = maxOf(front.end - both.begin, 0.0f), behind = maxOf(both.end - back.begin, 0.0f), between = back.begin - front.end;
+  const Number atEnds = mulAdd(before + between, atFront * atFront, (behind + between) * atBack * atBack);
   return mulAdd(between, atFront * atBack, atEnds) * (1.0f / 3);
 }
 
 /// By how much the straight colours of two differ, times both of their opacities.
-WARPSCOPE_HD inline float colorDifference(const RaySegment& front, const RaySegment& back) {
-  float most = 0.0f;
+template <class Number, class Segment>
+WARPSCOPE_HD inline Number colorDifference(const Segment& front, const Segment& back) {
+  Number most(0.0f);
   for (int channel = 0; channel < 3; ++channel) most = maxOf(most, absOf(front.color[channel] * back.opacity - back.color[channel] * front.opacity));
   return most;
 }
 
 /// Light times length by which merging two neighbours changes their colour, times the light of both.
-WARPSCOPE_HD inline float recolored(const RaySegment& front, const RaySegment& back) {
-  return front.through * back.through * colorDifference(front, back) * (0.5f * (back.end - front.begin));
+template <class Number, class Segment>
+WARPSCOPE_HD inline Number recolored(const Segment& front, const Segment& back) {
+  return front.through * back.through * colorDifference<Number>(front, back) * (0.5f * (back.end - front.begin));
 }
 
 /// Whether merging the two costs no more than `cost`, without a division or a root: as if they became all from the first one's beginning to the second one's end. Hardly ever says so
@@ -96,15 +112,35 @@ WARPSCOPE_HD inline bool isSurelyAtMost(const RaySegment& front, const RaySegmen
   // The difference is a line on each of the three parts: without a gap its square has a third of the largest.
   const float ofLargest = back.begin > front.end ? 1.0f : 0.57735027f;
   const float moved = maxOf(absOf(mulAdd(lightA, length, -(front.length() * light))), absOf(mulAdd(lightB, length, -(back.length() * light))));
-  return mulAdd(ofLargest * moved, light, recolored(front, back)) <= cost * light;
+  return mulAdd(ofLargest * moved, light, recolored<float>(front, back)) <= cost * light;
+}
+
+/// What merging two costs that have light and become `both`. `perLight`: 1 over the light of both.
+template <class Number, class Segment>
+WARPSCOPE_HD inline Number mergeCost(const Segment& front, const Segment& back, const BasicRayExtent<Number>& both, const Number& perUnit, const Number& perLight) {
+  const Number light = front.contribution() + back.contribution(), length = back.end - front.begin;
+  const Number moved = sqrtOf(maxOf(length * squaredDifference(front, back, both, perUnit, back.contribution() * perLight), 0.0f));
+  return mulAdd(moved, light, recolored<Number>(front, back) * perLight);
 }
 
 /// What merging the two would cost; 0 or more.
 WARPSCOPE_HD inline float mergeCost(const RaySegment& front, const RaySegment& back) {
-  const float light = front.contribution() + back.contribution(), length = back.end - front.begin;
-  if (!(front.contribution() > 0.0f) || !(back.contribution() > 0.0f) || !(length > 0.0f)) return 0.0f;
-  const float perLight = 1.0f / light, moved = sqrtOf(length * squaredDifference(front, back, mergedExtent(front, back), back.contribution() * perLight));
-  return mulAdd(moved, light, recolored(front, back) * perLight);
+  if (!(front.contribution() > 0.0f) || !(back.contribution() > 0.0f) || !(back.end - front.begin > 0.0f)) return 0.0f;
+  const RayExtent both = mergedExtent(front, back);
+  return mergeCost(front, back, both, both.length() > 0.0f ? 1.0f / both.length() : 0.0f, 1.0f / (front.contribution() + back.contribution()));
+}
+
+/// To the nearest borders of steps, at least one step, between `from` and `to`.
+WARPSCOPE_HD inline void settle(RaySegment& segment, const RayLattice& lattice, float from, float to) {
+  const float perStep = 1.0f / lattice.dt;
+  const auto stepsTo = [&](float t) { return maxOf((t - lattice.t0) * perStep, 0.0f); };
+  int begin = truncated(stepsTo(segment.begin) + 0.5f), end = truncated(stepsTo(segment.end) + 0.5f);
+  if (!(begin < end)) {
+    begin = truncated(stepsTo(mulAdd(0.5f, segment.length(), segment.begin)));
+    end = begin + 1;
+  }
+  segment.begin = minOf(maxOf(lattice.border(begin), from), to);
+  segment.end = minOf(maxOf(lattice.border(end), segment.begin), to);
 }
 
 /// A full merger merges with its last segment, without a look at the others, what costs no more than so many times what the last merge cost for which it looked. By 4 it looks half as often as by 1,
@@ -141,6 +177,8 @@ class PlaceList {
  private:
   uint64_t bits_ = 0;
 };
+
+class SegmentBatchMerger;  // segment_batch_merger.h
 
 /// Segments of the ray that is marched, few at any time: when there is no room for another, the two are merged for which that costs least.
 template <class Memory>
@@ -244,6 +282,7 @@ class BasicSegmentMerger {
  private:
   template <class>
   friend class BasicSegmentMerger;
+  friend class SegmentBatchMerger;
   static constexpr uint32_t kNever = 0xffffffffu;
 
   /// Of numbers that are not negative, in their order.
@@ -269,19 +308,6 @@ class BasicSegmentMerger {
         least = cost < least ? cost : least;
       }
     return cheapest;
-  }
-
-  /// To the nearest borders of steps, at least one step, between `from` and `to`.
-  WARPSCOPE_HD static void settle(RaySegment& segment, const RayLattice& lattice, float from, float to) {
-    const float perStep = 1.0f / lattice.dt;
-    const auto stepsTo = [&](float t) { return maxOf((t - lattice.t0) * perStep, 0.0f); };
-    int begin = truncated(stepsTo(segment.begin) + 0.5f), end = truncated(stepsTo(segment.end) + 0.5f);
-    if (!(begin < end)) {
-      begin = truncated(stepsTo(mulAdd(0.5f, segment.length(), segment.begin)));
-      end = begin + 1;
-    }
-    segment.begin = minOf(maxOf(lattice.border(begin), from), to);
-    segment.end = minOf(maxOf(lattice.border(end), segment.begin), to);
   }
 
   WARPSCOPE_HD static uint32_t costOf(const RaySegment& front, const RaySegment& back) { return bitsOfCost(mergeCost(front, back)); }
@@ -326,6 +352,29 @@ class BasicSegmentMerger {
 };
 
 using SegmentMerger = BasicSegmentMerger<OwnMergerMemory>;
+
+/// What a ray has come to: its segments, near to far. Read as a merger is.
+class SegmentList {
+ public:
+  static constexpr int kNone = -1;
+
+  void clear() { size_ = 0; }
+  void add(const RaySegment& segment) { segments_[size_++] = segment; }  ///< there is room for as many as mergers have
+  template <class Merger>
+  void take(const Merger& merger) {
+    clear();
+    for (int i = merger.first(); i != Merger::kNone; i = merger.behind(i)) add(merger[i]);
+  }
+
+  int size() const { return size_; }
+  int first() const { return behind(-1); }
+  int behind(int i) const { return i + 1 < size_ ? i + 1 : kNone; }
+  const RaySegment& operator[](int i) const { return segments_[i]; }
+
+ private:
+  int size_ = 0;
+  RaySegment segments_[kMostMergerRoom];
+};
 
 /// What marchRay gathers where segments are wanted beside the ray's light. Without a merger it gathers the light alone: a march that asks at each sample is as
 /// fast as one compiled without, and half of the code.

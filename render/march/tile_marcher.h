@@ -25,6 +25,7 @@
 #include "render/march/march.h"
 #include "render/march/march_setup.h"
 #include "render/march/ray_relay.h"
+#include "render/march/segment_batch_merger.h"
 #include "render/march/visible_blocks.h"
 
 namespace warpscope {
@@ -116,8 +117,9 @@ class TileMarcher {
 
     std::vector<CountingSample> counting;
     RaySamples found;
-    SegmentMerger segments;
-    NormalCode normals[kMostMergerRoom];
+    SegmentBatchMerger segments;
+    NormalCode normals[kMostMergerRoom];  // by the segments' places
+    FinishedSegments finished;
   };
 
   void marchTile(const PixelArea& tile, RelayedTile* relayed) const {
@@ -169,14 +171,14 @@ class TileMarcher {
       if (job_.sample != nullptr) counting.push_back(met);
     };
     if constexpr (std::is_same_v<typename Source::March, StableMarch>) {
-      SegmentMerger& segments = scratch.segments;
+      SegmentBatchMerger& segments = scratch.segments;
       segments.clear();
-      SegmentedColor<StableMarch> color(mostSegments_ > 0 ? &segments : nullptr, path.lattice);
+      SegmentedColor<StableMarch, SegmentBatchMerger> color(mostSegments_ > 0 ? &segments : nullptr, path.lattice);
       marchSpan(path, span, source, color, sink, finished);
       if (mostSegments_ > 0) {
-        finishSegments(segments, path, finished);
+        finishSegments(segments, path);
         findNormals(source, ray, segments, [](int) { return true; }, scratch.normals);
-        if (hasNormals_) finished.normals = scratch.normals;
+        scratch.finished.take(segments, hasNormals_ ? scratch.normals : nullptr, finished);
       }
     } else {
       GatheredColor<typename Source::March> color;
@@ -207,8 +209,9 @@ class TileMarcher {
   void marchPiece(const RayPath& path, const SampleSpan& span, Source& source, RelayedRay& handed, Scratch& scratch, FinishedRay& finished) const {
     RelayedTile& tile = *finished.tile;
     RelayedState& state = handed.state;
-    SegmentMerger* const segments = mostSegments_ > 0 ? &tile.segments[placeOf(handed, tile)] : nullptr;
-    SegmentedColor<StableMarch> color(segments, path.lattice);
+    SegmentBatchMerger* const segments = mostSegments_ > 0 ? &scratch.segments : nullptr;
+    if (segments != nullptr) segments->take(tile.segments[placeOf(handed, tile)]);
+    SegmentedColor<StableMarch, SegmentBatchMerger> color(segments, path.lattice);
     static_cast<RayColor&>(color) = state.color;
     const auto sink = [&](const CountingSample& met) {
       if (job_.sample == nullptr) return;
@@ -230,9 +233,11 @@ class TileMarcher {
     }
     state.color = color;
     handed.isDone = finished.isEnded || tile.isLast;
-    if (!handed.isDone) return;
-    if (segments != nullptr) finishSegments(*segments, path, finished);
-    if (!tile.goesTwice) finishPiece(handed, scratch, finished);
+    if (segments != nullptr && handed.isDone) finishSegments(*segments, path);
+    if (segments != nullptr && !(handed.isDone && !tile.goesTwice)) segments->give(tile.segments[placeOf(handed, tile)]);
+    if (!handed.isDone || tile.goesTwice) return;
+    if (segments != nullptr) scratch.finished.take(*segments, nullptr, finished);
+    finishPiece(handed, scratch, finished);
   }
 
   /// A piece of it on the second way.
@@ -257,8 +262,7 @@ class TileMarcher {
     handed.isDone = true;
     finished.premultiplied = handed.state.color.premultiplied();
     finished.isEnded = handed.state.color.transmittance.value() < limits_.stopBelow;
-    if (mostSegments_ > 0) finished.segments = &tile.segments[placeOf(handed, tile)];
-    if (hasNormals_) finished.normals = again.normals;
+    if (mostSegments_ > 0) scratch.finished.take(tile.segments[placeOf(handed, tile)], hasNormals_ ? again.normals : nullptr, finished);
     if (again.isDivided) {
       finished.samples = &again.found;
       return job_.onRay(finished);
@@ -275,18 +279,17 @@ class TileMarcher {
 
   static size_t placeOf(const RelayedRay& handed, const RelayedTile& tile) { return static_cast<size_t>(&handed - tile.rays.data()); }
 
-  void finishSegments(SegmentMerger& segments, const RayPath& path, FinishedRay& finished) const {
+  void finishSegments(SegmentBatchMerger& segments, const RayPath& path) const {
     WARPSCOPE_COUNT(segmentedRays, 1);
     segments.finish(mostSegments_, path.lattice);
-    finished.segments = &segments;
   }
 
   /// Of those segments that `isOwn` says, by their places.
-  template <class IsOwn>
-  void findNormals(const Source& source, const Ray& ray, const SegmentMerger& segments, const IsOwn& isOwn, NormalCode* normals) const {
+  template <class Merger, class IsOwn>
+  void findNormals(const Source& source, const Ray& ray, const Merger& segments, const IsOwn& isOwn, NormalCode* normals) const {
     if constexpr (requires { light_.setup.isLit; }) {
       if (!hasNormals_) return;
-      for (int i = segments.first(); i != SegmentMerger::kNone; i = segments.behind(i)) {
+      for (int i = segments.first(); i != Merger::kNone; i = segments.behind(i)) {
         if (!isOwn(i)) continue;
         float gradient[3];
         gradientAt<Source::kLoadsCells, Source::kLeavesOutHoles>(source.view(), ray, placeToLight(segments[i]), gradient);

@@ -1,0 +1,124 @@
+// All pairs at once become what one pair after the other does, bit for bit.
+// Mirrors render/march/segment_batch_merger.h.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <vector>
+
+#include "render/march/segment_batch_merger.h"
+
+namespace warpscope {
+namespace {
+
+/// What rays meet: haze, surfaces, stretches that are alike to the last bit, gaps, points, and what lies behind so much that hardly any light of it is left.
+std::vector<RaySegment> randomRay(std::mt19937& random, const RayLattice& lattice, int count, bool arePoints) {
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  std::vector<RaySegment> samples;
+  float opacity = 0.1f, through = 1.0f;
+  glm::vec3 color(0.5f);
+  for (int i = 0; i < count; ++i) {
+    if (unit(random) < 0.3f) opacity = unit(random) < 0.2f ? 0.0f : std::pow(unit(random), 6.0f);
+    if (unit(random) < 0.02f) opacity = 1.0f;
+    if (unit(random) < 0.2f) color = {unit(random), unit(random), unit(random)};
+    if (opacity > 0.0f) samples.push_back({lattice.border(i), arePoints ? lattice.border(i) : lattice.border(i + 1), opacity, through, color * opacity});
+    through *= 1.0f - opacity;
+  }
+  return samples;
+}
+
+void expectSame(const SegmentBatchMerger& found, const SegmentMerger& expected, int round) {
+  ASSERT_EQ(found.size(), expected.size()) << round;
+  int i = found.first();
+  for (int j = expected.first(); j != SegmentMerger::kNone; j = expected.behind(j), i = found.behind(i)) {
+    const RaySegment own = found[i], other = expected[j];
+    ASSERT_EQ(std::memcmp(&own, &other, sizeof own), 0) << "round " << round << ", segment " << i << " of " << found.size();
+    ASSERT_EQ(found.placeOf(i), j) << round;
+  }
+  EXPECT_EQ(i, SegmentBatchMerger::kNone);
+}
+
+struct Ray {
+  RayLattice lattice;
+  std::vector<RaySegment> samples;
+};
+Ray rayOf(int round, std::mt19937& random) {
+  Ray ray;
+  ray.lattice.t0 = 2.7f, ray.lattice.dt = 0.37f, ray.lattice.count = 1 + round % 150;
+  ray.lattice.length = 0.37f * (static_cast<float>(ray.lattice.count) - 0.4f);
+  ray.samples = randomRay(random, ray.lattice, ray.lattice.count, round % 7 == 0);
+  return ray;
+}
+
+TEST(SegmentBatchMerger, BecomesWhatOnePairAfterTheOtherDoes) {
+  std::mt19937 random(17);
+  int merged = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const Ray ray = rayOf(round, random);
+    const int most = 1 + round % 16;
+    SegmentBatchMerger found(mergerRoomFor(most));
+    SegmentMerger expected(mergerRoomFor(most));
+    for (const RaySegment& sample : ray.samples) {
+      found.add(sample);
+      expected.add(sample);
+      ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, round));
+    }
+    merged += static_cast<int>(ray.samples.size()) - expected.size();
+    found.finish(most, ray.lattice);
+    expected.finish(most, ray.lattice);
+    ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, round));
+    EXPECT_LE(found.size(), most);
+  }
+  EXPECT_GT(merged, 50000);
+}
+
+/// From process to process, or device, and back, wherever along the ray.
+TEST(SegmentBatchMerger, IsHandedOnAsItIs) {
+  std::mt19937 random(19);
+  for (int round = 0; round < 1000; ++round) {
+    const Ray ray = rayOf(round, random);
+    const int most = 1 + round % 16;
+    SegmentBatchMerger found(mergerRoomFor(most));
+    SegmentMerger expected(mergerRoomFor(most)), handed(mergerRoomFor(most));
+    for (const RaySegment& sample : ray.samples) {
+      if (std::uniform_int_distribution(0, 9)(random) == 0) {
+        found.give(handed);
+        if (round % 2 == 0) handed.add(sample);
+        found.clear();
+        found.take(handed);
+        if (round % 2 == 1) found.add(sample);
+      } else {
+        found.add(sample);
+      }
+      expected.add(sample);
+      ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, round));
+    }
+    found.give(handed);
+    handed.finish(most, ray.lattice);
+    expected.finish(most, ray.lattice);
+    found.take(handed);
+    ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, round));
+  }
+}
+
+/// Samples that are the same cost the same: which two are merged is said by their places.
+TEST(SegmentBatchMerger, OfEqualPairsTheOneInTheLowestPlaceIsMerged) {
+  for (const int most : {4, 16}) {
+    SegmentBatchMerger found(mergerRoomFor(most));
+    SegmentMerger expected(mergerRoomFor(most));
+    for (int i = 0; i < 200; ++i) {
+      const auto at = static_cast<float>(4 * i);
+      const RaySegment sample{at, at + 1.0f, 1e-7f, 1.0f, glm::vec3(5e-8f)};
+      found.add(sample);
+      expected.add(sample);
+      ASSERT_NO_FATAL_FAILURE(expectSame(found, expected, i));
+    }
+    found.reduceTo(3);
+    expected.reduceTo(3);
+    expectSame(found, expected, 0);
+  }
+}
+
+}  // namespace
+}  // namespace warpscope
