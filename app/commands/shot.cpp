@@ -268,6 +268,7 @@ void shoot(const ShotOptions& options, const Interrupt& interrupt, TimeLimit& li
                                 {"samples", frame ? frame->size() : 0},
                                 {"server", frame ? nlohmann::json{{"width", frame->camera.width}, {"height", frame->camera.height}} : nlohmann::json(nullptr)},
                                 {"bytes", served.bytes.ofFrame()},
+                                {"proxyBytes", served.bytes.proxy},
                                 {"transport", toJson(work.transport)},
                                 {"latency", frame ? toJson(served.latency) : nlohmann::json(nullptr)}};
     report["show"] = {{"content", options.show}};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "render/base/error.h"
@@ -43,11 +44,11 @@ Camera ofLongerSide(const Camera& camera, uint32_t sidePx) {
 }
 
 double FrameSizeRule::foreseen(const Camera& camera, const MarchSettings& settings) const {
-  return usualBytes(camera, settings) * std::exp(logShare_.value_or(0.0));
+  return usualBytes(camera, settings) * share_;
 }
 
 void FrameSizeRule::note(const Camera& camera, const MarchSettings& settings, double tookBytes) {
-  logShare_ = std::log(std::max(tookBytes, 1.0) / usualBytes(camera, settings));
+  share_ = std::max(tookBytes, 1.0) / usualBytes(camera, settings);
 }
 
 Camera FrameSizeRule::choose(const Camera& full, const MarchSettings& settings, double budgetBytes) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
 #include "app/frames/frame_fetch.h"
 #include "render/core/camera.h"
@@ -38,8 +37,8 @@ class FrameSizeRule {
  private:
   double foreseen(const Camera& camera, const MarchSettings& settings) const;
 
-  std::optional<double> logShare_;  // of bytes in what a frame is taken for without any knowledge
-  uint32_t lastPx_ = 1;             // the side that was chosen
+  double share_ = 1.0;   // of bytes in what a frame is taken for without any knowledge
+  uint32_t lastPx_ = 1;  // the side that was chosen
 };
 
 /// Frames of `fetch` that take no more than `budgetBytes` without the copy of the volume: asked for again with fewer pixels until one does, and that is at

@@ -74,7 +74,7 @@ std::optional<LivePlayback::Shown> LivePlayback::take() {
   shown.asked.camera = frame.camera;
   shown.asked.view = recording().path.views()[asked].view;
   shown.asked.march = frame.settings;
-  shown.asked.serverSidePx = std::max(frame.camera.width, frame.camera.height);
+  shown.asked.serverSidePx = longerSide(frame.camera);
   return shown;
 }
 

@@ -320,7 +320,10 @@ void MainView::drawDemos(Session& session, const Look& look) {
 }
 
 void MainView::drawMenus(Session& session, const Look& look) {
-  if (!ImGui::BeginMainMenuBar()) return;
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, {0.0f, 0.0f, 0.0f, 0.0f});  // beneath the bar's own ground
+  const bool isOpen = ImGui::BeginMainMenuBar();
+  ImGui::PopStyleColor();
+  if (!isOpen) return;
   drawMenu(ActionMenu::file, "File", session);
   drawMenu(ActionMenu::edit, "Edit", session);
   drawMenu(ActionMenu::view, "View", session);
@@ -450,6 +453,7 @@ void MainView::rememberScene(const Session& session) {
 void MainView::draw(Session& session, double displayFramesPerSecond, const HeldKeys& held, const Look& drawn) {
   Look look = drawn;
   look.remembered = &remembered_;
+  look.gl = &gl_;
   applyColors(remembered_.isLight ? Theme::light : Theme::dark);
   typeAhead_.beginFrame();
   takeHandedFiles(session);

@@ -42,6 +42,7 @@ struct Look {
   Hover* hover = nullptr;
   bool isDoubleClicked = false;  ///< by the left button, since the last picture
   Remembered* remembered = nullptr;  ///< what is folded up; MainView's
+  const WindowGl* gl = nullptr;      ///< MainView's
 
   float px(float atScale1) const { return atScale1 * scale; }
 };

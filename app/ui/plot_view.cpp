@@ -252,6 +252,7 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
   const bool hasList = room.x >= look.px(kLeastForListPx);
   const float listWidth = hasList ? look.px(kListPx) : 0.0f;
   ScatterLook plot;
+  plot.gl = look.gl;
   plot.xLabel = "ms a frame";
   plot.yLabel = "FLIP";
   if (session.scene() != nullptr)

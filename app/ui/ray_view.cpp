@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/picture/plot_axis.h"
+#include "app/ui/ground.h"
 #include "render/base/formatted.h"
 
 namespace warpscope::ui {
@@ -298,7 +299,7 @@ bool drawRay(const Session& session, const Look& look) {
     const Lane segments{{at.x, bottom - look.px(kLanePx)}, {at.x + width, bottom}, span};
     const Lane curves{{at.x, strip.to.y + gap}, {at.x + width, segments.from.y - gap}, span};
     ImDrawList* list = ImGui::GetWindowDrawList();
-    list->AddRectFilled(curves.from, curves.to, ImGui::GetColorU32(palette().frame));
+    fillGround(*list, *look.gl, curves.from, curves.to, ImGuiCol_WindowBg, 0.0f);
     ImGui::InvisibleButton("along the ray", {width, bottom - at.y});
     list->PushClipRect(at, {at.x + width, bottom}, true);
     drawStrip(strip, result.trace);

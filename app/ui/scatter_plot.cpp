@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "app/picture/plot_axis.h"
+#include "app/ui/ground.h"
 #include "app/ui/theme.h"
 
 namespace warpscope::ui {
@@ -86,7 +87,7 @@ ScatterAnswer drawScatterPlot(const char* id, std::span<const ScatterPoint> poin
   const float tickRoom = sizeOf("0.0005", look).x + 8.0f * look.scale, lineRoom = sizeOf("0", look).y + 6.0f * look.scale;
   const Frame frame{{origin.x + tickRoom, origin.y}, {origin.x + size.x, origin.y + size.y - lineRoom}};
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  list.AddRectFilled(frame.from, frame.to, ImGui::GetColorU32(palette().frame), 3.0f * look.scale);
+  fillGround(list, *look.gl, frame.from, frame.to, ImGuiCol_WindowBg, 3.0f * look.scale);
 
   ScatterAnswer answer;
   if (points.empty()) {

@@ -8,6 +8,8 @@
 #include <span>
 #include <string>
 
+#include "app/ui/texture.h"
+
 namespace warpscope::ui {
 
 struct ScatterPoint {
@@ -25,6 +27,7 @@ struct ScatterLook {
   std::string xLabel, yLabel;
   std::string emptyText;    ///< where points would be
   ImFont* small = nullptr;  ///< of ticks and labels
+  const WindowGl* gl = nullptr;
   float scale = 1.0f;       ///< ImGui units that a length of 1 at scale 1 takes
 };
 

@@ -27,6 +27,8 @@ WindowGl::WindowGl(Loader loader) {
   load(scissor, "glScissor");
   load(clearColor, "glClearColor");
   load(clear, "glClear");
+  load(enable, "glEnable");
+  load(disable, "glDisable");
   const GLubyte* (*getString)(GLenum) = nullptr;
   load(getString, "glGetString");
   if (const auto* name = reinterpret_cast<const char*>(getString(GL_RENDERER))) renderer = name;
@@ -102,6 +104,14 @@ void PictureTexture::allocate(uint32_t width, uint32_t height, const Rgba8* pixe
   gl_.texImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0, GL_RGBA, GL_UNSIGNED_BYTE,
                  pixels);
   size_ = {width, height};
+}
+
+void PictureTexture::draw(ImDrawList& list, const ImVec2& from, const ImVec2& to) const {
+  const auto disable = [](const ImDrawList*, const ImDrawCmd* command) { static_cast<const WindowGl*>(command->UserCallbackData)->disable(GL_BLEND); };
+  const auto enable = [](const ImDrawList*, const ImDrawCmd* command) { static_cast<const WindowGl*>(command->UserCallbackData)->enable(GL_BLEND); };
+  list.AddCallback(disable, const_cast<WindowGl*>(&gl_));
+  list.AddImage(id(), from, to);
+  list.AddCallback(enable, const_cast<WindowGl*>(&gl_));
 }
 
 void PictureTexture::setSmooth(bool isSmooth) {

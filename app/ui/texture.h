@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glad/gl.h>
+#include <imgui.h>
 
 #include <memory>
 #include <optional>
@@ -37,6 +38,8 @@ struct WindowGl {
   PFNGLSCISSORPROC scissor = nullptr;
   PFNGLCLEARCOLORPROC clearColor = nullptr;
   PFNGLCLEARPROC clear = nullptr;
+  PFNGLENABLEPROC enable = nullptr;
+  PFNGLDISABLEPROC disable = nullptr;
 };
 
 /// The lower left corner, of that size, of what is drawn to at the moment: upright and opaque.
@@ -55,6 +58,8 @@ class PictureTexture {
   void show(const ShownPicture& picture);
   /// Blends between pixels (for sizes that are not a multiple of the picture's), or shows each as a square.
   void setSmooth(bool isSmooth);
+  /// Adds it to the list, over whatever lies there: not blended with that, which is half of the work where the CPU draws the window.
+  void draw(ImDrawList& list, const ImVec2& from, const ImVec2& to) const;
   /// What ImGui's lists of drawing have, as its backend for OpenGL understands it.
   void* id() const { return reinterpret_cast<void*>(uintptr_t{name_}); }
 

@@ -11,6 +11,7 @@
 #include "app/scene/transfer_file.h"
 #include "app/scene/transfer_presets.h"
 #include "app/shell/output_files.h"
+#include "app/ui/ground.h"
 #include "app/ui/knob_parts.h"
 #include "render/base/error.h"
 #include "render/base/formatted.h"
@@ -204,7 +205,7 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
   }
 
   ImDrawList* list = ImGui::GetWindowDrawList();
-  list->AddRectFilled(from, to, ImGui::GetColorU32(palette().frame));
+  fillGround(*list, *look.gl, from, to, ImGuiCol_WindowBg, 0.0f);
   list->PushClipRect({from.x - look.px(5.0f), from.y - look.px(5.0f)}, {to.x + look.px(5.0f), to.y + look.px(5.0f)}, true);
   const VoxelStatistics& statistics = session.scene()->volume->statistics();
   const double most = std::log1p(static_cast<double>(*std::ranges::max_element(statistics.histogram)));

@@ -135,7 +135,7 @@ Area drawPicture(const Session& session, const ShownPicture& picture, PictureTex
   texture.show(picture);
   texture.setSmooth(glm::uvec2(picture.width(), picture.height()) != session.pictureSize());
   const Area at = placeOf(session, picture, area, look);
-  ImGui::GetWindowDrawList()->AddImage(texture.id(), at.from, at.to());
+  texture.draw(*ImGui::GetWindowDrawList(), at.from, at.to());
   return at;
 }
 

@@ -224,7 +224,8 @@ void Window::warmUp() {
       PictureTexture& texture = *textures.emplace_back(std::make_unique<PictureTexture>(*gl_));
       texture.show({std::make_shared<const Image<Rgba8>>(length, length), nullptr});
       texture.setSmooth(isSmooth);
-      list.AddImage(texture.id(), {0.0f, 0.0f}, {1.0f, 1.0f});
+      texture.draw(list, {0.0f, 0.0f}, {1.0f, 1.0f});
+      list.AddImage(texture.id(), {0.0f, 0.0f}, {1.0f, 1.0f});  // as the loupe does
     }
   endFrame();
 }
