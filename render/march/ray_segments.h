@@ -130,7 +130,7 @@ WARPSCOPE_HD inline float mergeCost(const RaySegment& front, const RaySegment& b
   return mergeCost(front, back, both, both.length() > 0.0f ? 1.0f / both.length() : 0.0f, 1.0f / (front.contribution() + back.contribution()));
 }
 
-/// To the nearest borders of steps, at least one step, between `from` and `to`.
+/// Moves its ends to the nearest borders of steps, at least one step apart, between `from` and `to`.
 WARPSCOPE_HD inline void settle(RaySegment& segment, const RayLattice& lattice, float from, float to) {
   const float perStep = 1.0f / lattice.dt;
   const auto stepsTo = [&](float t) { return maxOf((t - lattice.t0) * perStep, 0.0f); };

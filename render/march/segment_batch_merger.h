@@ -75,7 +75,7 @@ class SegmentBatchMerger {
   /// The one behind that at `first` is gone.
   void freePlaceBehind(int first);
 
-  alignas(64) float rows_[kRows][kRowLanes] = {};  // kRowLanes numbers each
+  alignas(64) float rows_[kRows][kRowLanes] = {};
   int room_, size_ = 0;
   RaySegment tail_;        // the last one; its place in rows_ has anything
   float unseen_ = 0.0f;    // what costs no more is merged into the tail without a look at the others
