@@ -176,6 +176,15 @@ TEST_F(SweepCommand, AutoTakesWhatWasMeasured) {
   EXPECT_EQ(folder_.read("a.png"), folder_.read("b.png"));
 }
 
+TEST_F(SweepCommand, AutoKeepsToTheSizeThatWasAskedForAndSaysWhereAnotherWasMeasured) {
+  succeed(small({{"--links", "none"}}));
+  const Arguments arguments{"shot", "block", "--volume-size", "24x22x20", "--size", "100x80", "--technique", "auto", "--front", "out/sweep.json", "--view-angle", "10", "-o", "a.png", "--json"};
+  const ProgramResult result = succeed(arguments);
+  EXPECT_EQ(json::parse(result.out)["server"]["width"], 100);
+  EXPECT_EQ(picture("a.png").width(), 100u);
+  EXPECT_THAT(result.err, testing::HasSubstr("and this one has 100: its times and errors are others"));
+}
+
 TEST_F(SweepCommand, AutoMeasuresWhereNothingWasMeasuredAndKeepsWhatWasAskedFor) {
   const json shot = document(quick({"shot", "block", "--technique", "auto", "--heuristic", "exit", "--view-angle", "5", "-o", "a.png", "--json"}));
   EXPECT_EQ(shot["heuristic"], "exit");

@@ -124,6 +124,9 @@ AutoChoice measuredFront(const ShotOptions& options, const CommandContext& work,
     const std::optional<SweepFile> sweep = readSweepFile(options.front);
     if (!sweep || !sweep->choice) throw InputError(options.front + ": holds no sweep with anything that draws a frame");
     if (sweep->scene != work.scene.name) logWarning(options.front + " was measured with another scene, " + sweep->scene);
+    const uint32_t measuredPx = sweep->choice->largestSidePx(), sidePx = std::max(work.width, work.height);
+    if (work.transport.frameKib == 0 && measuredPx != sidePx)
+      logWarning(options.front + " was measured with frames of " + std::to_string(measuredPx) + " pixels, and this one has " + std::to_string(sidePx) + ": its times and errors are others");
     return *sweep->choice;
   }
   SweepSettings settings;
