@@ -4,6 +4,8 @@
 
 #include <bit>
 #include <limits>
+#include <type_traits>
+#include <utility>
 
 #include "render/core/simd_lanes.h"
 

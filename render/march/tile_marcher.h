@@ -233,11 +233,12 @@ class TileMarcher {
     }
     state.color = color;
     handed.isDone = finished.isEnded || tile.isLast;
-    if (segments != nullptr && handed.isDone) finishSegments(*segments, path);
-    if (segments != nullptr && !(handed.isDone && !tile.goesTwice)) segments->give(tile.segments[placeOf(handed, tile)]);
-    if (!handed.isDone || tile.goesTwice) return;
-    if (segments != nullptr) scratch.finished.take(*segments, nullptr, finished);
-    finishPiece(handed, scratch, finished);
+    const bool goesOn = !handed.isDone || tile.goesTwice;
+    if (segments != nullptr) {
+      if (handed.isDone) finishSegments(*segments, path);
+      goesOn ? segments->give(tile.segments[placeOf(handed, tile)]) : scratch.finished.take(*segments, nullptr, finished);
+    }
+    if (!goesOn) finishPiece(handed, scratch, finished);
   }
 
   /// A piece of it on the second way.
