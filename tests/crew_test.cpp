@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -113,6 +115,45 @@ TEST(Crew, ALoopWithinALoopEnds) {
   std::atomic<size_t> done = 0;
   parallelForRanges(8, 1, [&](size_t, size_t) { parallelForRanges(8, 1, [&](size_t, size_t) { ++done; }); });
   EXPECT_EQ(done, 64u);
+}
+
+TEST(Crew, PausesBetweenTwoPiecesDuringABreak) {
+  Crew crew(2);
+  std::atomic<size_t> done = 0, doneInBreak = 0;
+  std::atomic<bool> isBreak = false;
+  const auto loop = [&] {
+    const Crew::Shift shift(&crew);
+    parallelForRanges(20, 1, [&](size_t, size_t) {
+      if (isBreak) ++doneInBreak;
+      ++done;
+    });
+  };
+  const auto began = std::chrono::steady_clock::now();
+  {
+    auto pause = std::make_unique<Crew::Break>();
+    isBreak = true;
+    std::jthread caller(loop);
+    std::this_thread::sleep_for(5ms);
+    isBreak = false;
+    pause.reset();
+  }
+  EXPECT_EQ(done, 20u);
+  if (std::chrono::steady_clock::now() - began > Crew::kMostPause) GTEST_SKIP() << "a machine too busy to tell";
+  EXPECT_EQ(doneInBreak, 0u);
+  done = 0;
+  loop();
+  EXPECT_EQ(done, 20u);
+}
+
+TEST(Crew, NoBreakHoldsItUpForGood) {
+  Crew crew(1);
+  const Crew::Shift shift(&crew);
+  const Crew::Break forGood;
+  const auto began = std::chrono::steady_clock::now();
+  std::atomic<size_t> done = 0;
+  parallelForRanges(3, 1, [&](size_t, size_t) { ++done; });
+  EXPECT_EQ(done, 3u);
+  EXPECT_GE(std::chrono::steady_clock::now() - began, 3 * Crew::kMostPause);
 }
 
 // What it is for: who draws while it works gets most of a core that both want. The system is asked for shares, so that other programs do not matter: both

@@ -195,6 +195,7 @@ void FrameServer::setTransferFunction(TransferFunction function) {
 }
 
 void FrameServer::run(Lane& lane) {
+  if (crew_) Crew::standBack(Crew::kOfMarches);
   const Crew::Shift shift(crew_.get());
   while (const std::optional<net::RequestJob> job = server_.requests().take(stop_.get_token())) {
     {

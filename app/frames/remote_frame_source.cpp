@@ -13,6 +13,7 @@
 #include "render/base/error.h"
 #include "render/base/newest_worker.h"
 #include "render/base/stopwatch.h"
+#include "render/core/crew.h"
 
 namespace warpscope {
 namespace {
@@ -37,9 +38,13 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
         transport_{.link = settings.link, .codec = {}, .depth = settings.depth},
         status_{.isConnected = false, .isRefused = false, .sentence = {}, .next = {}, .where = where_},
         decoder_(
-            [this, backend] {
+            // Made by who works with a crew, it has one of its own: decoding must not wait for marches.
+            [this, backend, standsBack = Crew::ofThisThread() != nullptr] {
+              if (standsBack) Crew::standBack(Crew::kOfPictures);
+              const auto crew = standsBack ? std::make_shared<Crew>(0, Crew::kOfPictures) : nullptr;
               auto codec = std::make_shared<FrameCodec>(makeTiledCoder(backend));
-              return [this, codec](const Arrived& arrived, ServedFrame& served, const std::stop_token&) {
+              return [this, codec, crew](const Arrived& arrived, ServedFrame& served, const std::stop_token&) {
+                const Crew::Shift shift(crew.get());
                 decode(arrived, served, *codec);
               };
             },

@@ -112,6 +112,7 @@ JudgeFunction makeJudge() {
 std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult, std::shared_ptr<Crew> crew) {
   return std::make_unique<JudgeWorker>(
       [maker = std::move(maker), crew = std::move(crew)]() -> JudgeWorker::Work {
+        if (crew) Crew::standBack(Crew::kOfMarches);
         return [judge = maker(), picture = PictureOfFrame{}, crew](const JudgeJob& job, Judgement& judgement, const std::stop_token& stop) mutable {
           const Crew::Shift shift(crew.get());
           judgement.job = job;

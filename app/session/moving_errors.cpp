@@ -19,6 +19,7 @@ struct SparseTruth {
 MovingErrors::MovingErrors(std::function<void()> onNews, std::shared_ptr<Crew> crew)
     : worker_(std::make_unique<NewestWorker<Job, Result>>(
           [crew = std::move(crew)]() -> NewestWorker<Job, Result>::Work {
+            if (crew) Crew::standBack(Crew::kOfMarches);
             return [crew](const Job& job, Result& result, const std::stop_token& stop) {
               const Crew::Shift shift(crew.get());
               // Panels that follow one camera share a ground truth.

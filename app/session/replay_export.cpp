@@ -17,6 +17,7 @@ class ExportWork {
  public:
   ExportWork(gl::Platform platform, WarpResources resources, std::function<void()> onNews, std::shared_ptr<Crew> crew)
       : resources_(std::move(resources)), onNews_(std::move(onNews)), crew_(std::move(crew)) {
+    if (crew_) Crew::standBack(Crew::kOfMarches);
     resources_.context = makeOwnContext(platform);
   }
 

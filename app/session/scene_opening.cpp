@@ -10,6 +10,7 @@ namespace warpscope {
 SceneOpening::SceneOpening(const std::function<void()>& onNews, std::shared_ptr<Crew> crew)
     : loader_(std::make_unique<Loader>(
           [onNews, crew = std::move(crew)]() -> Loader::Work {
+            if (crew) Crew::standBack(Crew::kOfPictures);  // and so do threads that are started for the scene
             return [onNews, crew](const LoadJob& job, Result& result, const std::stop_token& stop) {
               const Crew::Shift shift(crew.get());
               result.name = job.name;
@@ -57,7 +58,10 @@ void SceneOpening::retire() {
   std::erase_if(retired_, [](const std::future<void>& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
   if (!current_) return;
   current_->source->requestStop();
-  retired_.push_back(std::async(std::launch::async, [scene = std::move(current_)]() mutable { scene.reset(); }));
+  retired_.push_back(std::async(std::launch::async, [scene = std::move(current_)]() mutable {
+    Crew::standBack(Crew::kOfMarches);
+    scene.reset();
+  }));
 }
 
 void SceneOpening::requestStop() {

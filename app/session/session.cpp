@@ -42,6 +42,7 @@ Session::Session(const SessionSettings& settings, const std::function<void()>& o
       fair_(settings.platform, settings.resources, onNews),
       moving_(onNews, marchCrew_),
       exporting_(settings.platform, settings.resources, onNews, marchCrew_) {
+  if (marchCrew_) Crew::poolStandsBack(Crew::kOfMarches);
   setKnobs(settings.knobs);
   for (const PanelSettings& panel : settings.panels) panels_.push_back(makePanel(panel, ++lastPanelId_));
 }

@@ -240,6 +240,7 @@ std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources 
         auto easel = std::make_shared<Easel>(platform, resources);
         return [easel, crew](const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
           const Crew::Shift shift(crew.get());
+          if (crew) Crew::pauseForBreaks();  // OpenGL's threads do not, once they draw
           easel->paint(job, result, stop);
         };
       },
@@ -249,6 +250,7 @@ std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources 
 std::unique_ptr<ReferenceWorker> makeReferenceWorker(std::function<void()> onResult, std::shared_ptr<Crew> crew) {
   return std::make_unique<ReferenceWorker>(
       [crew = std::move(crew)]() -> ReferenceWorker::Work {
+        if (crew) Crew::standBack(Crew::kOfMarches);
         return [crew](const ReferenceJob& job, ReferenceResult& result, const std::stop_token& stop) {
           const Crew::Shift shift(crew.get());
           marchReference(job, result, stop);

@@ -115,6 +115,7 @@ void PictureTexture::draw(ImDrawList& list, const ImVec2& from, const ImVec2& to
 }
 
 void PictureTexture::setSmooth(bool isSmooth) {
+  if (gl_.isDrawnByCpu()) isSmooth = false;
   if (name_ == 0 || isSmooth == isSmooth_) return;
   isSmooth_ = isSmooth;
   gl_.bindTexture(GL_TEXTURE_2D, name_);

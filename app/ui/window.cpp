@@ -25,6 +25,8 @@ constexpr int kUsualRefreshHz = 60;
 /// Where the CPU draws the window, and takes longer for it, its pictures are as many as make motion fluent and no more: the rest is for what they show.
 constexpr double kCheapFrameMs = 6.0, kDearPeriodMs = 30.0;
 constexpr double kIdlePeriodS = 0.5;  // ages go on counting
+/// How long what stands back takes to come to the end of a piece, about.
+constexpr std::chrono::milliseconds kPiecesEnd(2);
 /// What is told of sooner than this after asking for events had waited to be asked for.
 constexpr std::chrono::milliseconds kAtOnce(5);
 
@@ -157,6 +159,8 @@ Window::Window(const std::string& title, double uiScale, const std::optional<glm
   try {
     warmUp();
     showAt(size, usual);
+    beginFrame();  // the first that is shown waits for the screen
+    endFrame();
   } catch (...) {
     close();
     throw;
@@ -180,6 +184,8 @@ void Window::open(const std::string& title) {
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);  // ImGui draws in order; drivers that draw by the CPU are spared memory at each new size
+  glfwWindowHint(GLFW_STENCIL_BITS, 0);
   glfwWindowHintString(GLFW_X11_CLASS_NAME, "warpscope");
   glfwWindowHintString(GLFW_X11_INSTANCE_NAME, "warpscope");
   window_ = glfwCreateWindow(kWidth, kHeight, title.c_str(), nullptr, nullptr);
@@ -314,14 +320,23 @@ void Window::setFullScreen(bool isFullScreen) {
   if (mode != nullptr) glfwSetWindowMonitor(window_, chosen, 0, 0, mode->width, mode->height, mode->refreshRate);
 }
 
+bool Window::isDear() const { return gl_->isDrawnByCpu() && frameMs_ > kCheapFrameMs; }
+
 void Window::waitForNextFrame(bool isMoving) {
   if (!isMoving && !hasInput_) takeEvents(kIdlePeriodS);
   // Drivers without a screen to wait for swap at once; a little less than a period leaves the pace to those that do wait.
   const double periodMs = 900.0 / refreshHz();
-  const auto due = frameBegan_ + durationOfMs(gl_->isDrawnByCpu() && frameMs_ > kCheapFrameMs ? std::max(kDearPeriodMs, periodMs) : periodMs);
+  const auto due = frameBegan_ + durationOfMs(isDear() ? std::max(kDearPeriodMs, periodMs) : periodMs);
   takeEvents(0.0);
-  for (auto now = Clock::TimePoint::clock::now(); now < due && !shouldClose(); now = Clock::TimePoint::clock::now())
-    takeEvents(std::chrono::duration<double>(due - now).count());
+  const auto takeEventsUntil = [&](Clock::TimePoint time) {
+    for (auto now = Clock::TimePoint::clock::now(); now < time && !shouldClose(); now = Clock::TimePoint::clock::now())
+      takeEvents(std::chrono::duration<double>(time - now).count());
+  };
+  if (isDear()) {
+    takeEventsUntil(due - kPiecesEnd);
+    othersPause_.emplace();
+  }
+  takeEventsUntil(due);
 }
 
 void Window::takeEvents(double patienceS) {
@@ -383,6 +398,7 @@ void Window::endFrame(Image<Rgba8>* photograph) {
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   if (photograph != nullptr && size.x > 0 && size.y > 0) *photograph = readPicture(*gl_, glm::uvec2(size));
   glfwSwapBuffers(window_);
+  othersPause_.reset();
   frameMs_ += 0.2 * (millisecondsBetween(frameBegan_, Clock::TimePoint::clock::now()) - frameMs_);
 }
 

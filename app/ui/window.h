@@ -14,6 +14,7 @@
 #include "app/ui/texture.h"
 #include "app/ui/theme.h"
 #include "render/base/clock.h"
+#include "render/core/crew.h"
 
 struct GLFWwindow;
 
@@ -77,6 +78,8 @@ class Window {
   void followScale(bool isFirst);
   void holdShortKeys();
   void takeEvents(double patienceS);
+  /// Whether the CPU draws the window, and takes long for it.
+  bool isDear() const;
   Moment momentOfEvent() const;
 
   const double uiScale_;
@@ -88,6 +91,7 @@ class Window {
   float pixelsPerUnit_ = 1.0f;
   Clock::TimePoint frameBegan_{};
   double frameMs_ = 0.0;  // that frames take this thread, smoothed
+  std::optional<Crew::Break> othersPause_;  // while a frame is drawn that is dear
   bool hadInput_ = false, hasInput_ = false;
   Clock::TimePoint askedForEvents_{}, tookEvents_{};  // when GLFW was last asked, and when it last returned
   DoubleClick clicks_;

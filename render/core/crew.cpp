@@ -4,6 +4,7 @@
 
 #include <sys/resource.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_scheduler_observer.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,16 +20,46 @@ namespace {
 
 thread_local Crew* crewOfThisThread = nullptr;
 
+std::mutex breakMutex;
+std::condition_variable breakEnded;
+
 }  // namespace
 
 Crew::Shift::Shift(Crew* crew) : before_(std::exchange(crewOfThisThread, crew)) {}
 Crew::Shift::~Shift() { crewOfThisThread = before_; }
 Crew* Crew::ofThisThread() { return crewOfThisThread; }
 
+Crew::Break::Break() { ++breaks_; }
+Crew::Break::~Break() {
+  {
+    const std::scoped_lock lock(breakMutex);
+    --breaks_;
+  }
+  breakEnded.notify_all();
+}
+void Crew::waitForBreaks() {
+  std::unique_lock lock(breakMutex);
+  breakEnded.wait_for(lock, kMostPause, [] { return breaks_.load() == 0; });
+}
+
 void Crew::standBack(int nice) {
   // Where the system refuses, the thread stays as it is: it works as well, and others wait for it.
-  const auto self = static_cast<id_t>(gettid());
-  setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + nice);
+  const auto first = static_cast<id_t>(getpid()), self = static_cast<id_t>(gettid());
+  setpriority(PRIO_PROCESS, self, std::max(getpriority(PRIO_PROCESS, self), getpriority(PRIO_PROCESS, first) + nice));
+}
+
+void Crew::poolStandsBack(int nice) {
+  struct Observer final : tbb::task_scheduler_observer {
+    explicit Observer(int wanted) : nice_(wanted) { observe(true); }
+    void on_scheduler_entry(bool isWorker) override {
+      if (isWorker) standBack(nice_);
+    }
+
+   private:
+    const int nice_;
+  };
+  static Observer* const observer = new Observer(nice);  // threads of the pool may end after all else
+  static_cast<void>(observer);
 }
 
 struct Crew::State {

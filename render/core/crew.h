@@ -1,7 +1,9 @@
-// Threads that work for somebody who must not be in the way: the system lets every other thread of the program go first.
+// Threads that work for somebody who must not be in the way: the system lets the program's first thread go before them.
 // POSIX nice values, which Linux keeps for each thread (setpriority(2), "C library/kernel differences").
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -23,10 +25,27 @@ class Crew {
   };
   /// Null where loops run on all cores.
   static Crew* ofThisThread();
-  /// Lets other threads of the program go before the calling one, and before those that it starts from now on.
-  static void standBack(int nice);
+  /// While there is one, threads of all crews pause between two pieces of their loops, kMostPause at a time. For whoever wants the cores for a short while and at once: nice values share
+  /// them fairly, but who wakes up waits until what runs has had its slice of time.
+  class Break {
+   public:
+    Break();
+    ~Break();
+    Break(const Break&) = delete;
+    Break& operator=(const Break&) = delete;
+  };
+  static constexpr std::chrono::milliseconds kMostPause{50};
+  /// Returns when there is no break, or it has lasted long enough.
+  static void pauseForBreaks() {
+    if (breaks_.load(std::memory_order_relaxed) > 0) waitForBreaks();
+  }
 
-  /// Nice values by which threads are behind the one that made them: those that draw for the window behind the window's own, and marches behind these. Each step is
+  /// Lets the program's first thread go before the calling one, and before those that it starts from now on, by so much at least.
+  static void standBack(int nice);
+  /// From now on the same for the threads of oneTBB's pool, on which loops without a crew run.
+  static void poolStandsBack(int nice);
+
+  /// Nice values by which threads are behind the program's first: those that draw for the window behind the window's own, and marches behind these. Each step is
   /// a factor of 1.25 (sched(7)): the window's own thread, which wants little, has nine tenths of a core that pictures want as well; a march has three tenths beside them, and they do not
   /// wait for it. Less would let it stand still while pictures are drawn all the time; tests/bench/README.md has figures.
   static constexpr int kOfPictures = 9, kOfMarches = kOfPictures + 4;
@@ -42,6 +61,9 @@ class Crew {
   void run(const std::function<void()>& body);
 
  private:
+  static void waitForBreaks();
+
+  static inline std::atomic<int> breaks_ = 0;
   struct State;
   const std::unique_ptr<State> state_;
 };

@@ -24,7 +24,10 @@ void parallelForRanges(size_t count, size_t grain, const Body& body) {
   if (Crew* const crew = Crew::ofThisThread()) {
     std::atomic<size_t> next = 0;
     crew->run([&] {
-      for (size_t begin; (begin = next.fetch_add(grain, std::memory_order_relaxed)) < count;) body(begin, std::min(begin + grain, count));
+      for (size_t begin; (begin = next.fetch_add(grain, std::memory_order_relaxed)) < count;) {
+        Crew::pauseForBreaks();
+        body(begin, std::min(begin + grain, count));
+      }
     });
     return;
   }
@@ -52,6 +55,7 @@ void parallelForInTurns(size_t count, TurnsOfJob& turns, const std::stop_token& 
       while (!stop.stop_requested() && std::chrono::steady_clock::now() < end) {
         const size_t i = next.fetch_add(1, std::memory_order_relaxed);
         if (i >= count) return;
+        if (crew != nullptr) Crew::pauseForBreaks();
         body(i);
       }
     });

@@ -32,14 +32,16 @@ namespace {
 
 constexpr uint32_t kTileSide = 32;
 
-/// Samples along the rays of a tile, at most, where marches take turns: some milliseconds on a core.
-constexpr double kMostStepsOfTile = 1u << 22;
+/// Samples along the rays of a tile, at most, where marches take turns: some milliseconds on a core; and where they stand back, and others wait for their pieces: less than one.
+constexpr double kMostStepsOfTile = 1u << 22, kMostStepsOfShortTile = 1u << 17;
 
 /// As large as they may be: small ones cost little, but something.
-uint32_t tileSideFor(const Volume& volume, const RenderSettings& settings) {
+uint32_t tileSideFor(const Volume& volume, const RenderSettings& settings, const TurnsOfJob& turns) {
+  const bool standsBack = Crew::ofThisThread() != nullptr;
+  if (!standsBack && !turns.areLimited()) return kTileSide;
   const Box& bounds = volume.bounds();
   const double stepsOfRay = glm::length(bounds.upper - bounds.lower) / settings.step + 1.0;
-  return static_cast<uint32_t>(std::clamp(std::sqrt(kMostStepsOfTile / stepsOfRay), 1.0, static_cast<double>(kTileSide)));
+  return static_cast<uint32_t>(std::clamp(std::sqrt((standsBack ? kMostStepsOfShortTile : kMostStepsOfTile) / stepsOfRay), 1.0, static_cast<double>(kTileSide)));
 }
 
 PixelArea allOf(const Camera& camera) { return {0, 0, camera.width, camera.height}; }
@@ -328,7 +330,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public HostPieceMarch
     const TileMarcher<Source, View, Light> tiles(view, light, *marched_, plan, blocks, job);
     if (job.relay != nullptr) return tiles.marchRelayed();
     TurnsOfJob turns(turns_.get());
-    tiles.march(turns.areLimited() ? tileSideFor(*marched_->volume, job.settings) : kTileSide, turns);
+    tiles.march(tileSideFor(*marched_->volume, job.settings, turns), turns);
   }
 
   const MarchedVolumePtr marched_;

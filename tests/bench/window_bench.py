@@ -18,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import types
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "ui"))
 import window_test as ui  # noqa: E402
@@ -45,14 +46,20 @@ def circle(seconds, rest_s):
     return command + ["mouseup", "1"]
 
 
+def size_of(arguments):
+    return tuple(int(length) for length in arguments.size.split("x"))
+
+
 def drag(display, window, arguments):
-    window.point(window.middle_of_panel(0))
+    # By the window's size alone: a look at it would keep the display's server from showing frames, for longer than one of them may take.
+    left, top, right, bottom = window.panels(types.SimpleNamespace(width=size_of(arguments)[0], height=size_of(arguments)[1]))[0]
+    window.point(((left + right) // 2, (top + bottom) // 2))
     display.run(*circle(arguments.seconds, arguments.rest))
 
 
 def handle(display, window, arguments):
     """What people do with it one after another, dragging in between."""
-    width, height = (int(length) for length in arguments.size.split("x"))
+    width, height = size_of(arguments)
     for location in [*arguments.open, "vessels", arguments.scene]:
         window.point((width - OPEN_FIELD[0], OPEN_FIELD[1]))
         display.run("xdotool", "click", "1", "key", "ctrl+a", "type", "--delay", "20", location)

@@ -30,7 +30,7 @@ struct PixelRays {
 };
 
 /// Edge of the tiles in which pixels' rays are walked.
-inline constexpr uint32_t kRayTileSide = 32;
+inline constexpr uint32_t kRayTileSide = 16;
 
 /// Calls `take(x, y, ray, walked)` for every pixel. `walked` is a `Walked`, made by `walk(ray, inside)` of the ray's part inside the frame's bounds; as it begins where
 /// there is none. Throws OperationCancelled if `stop` is set.
