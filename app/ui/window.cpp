@@ -25,6 +25,8 @@ constexpr int kUsualRefreshHz = 60;
 /// Where the CPU draws the window, and takes longer for it, its pictures are as many as make motion fluent and no more: the rest is for what they show.
 constexpr double kCheapFrameMs = 6.0, kDearPeriodMs = 30.0;
 constexpr double kIdlePeriodS = 0.5;  // ages go on counting
+/// Frames that take longer are drawn beside what stands back: else that would hardly get on.
+constexpr double kMostPausedMs = kDearPeriodMs * 2 / 3;
 /// How long what stands back takes to come to the end of a piece, about.
 constexpr std::chrono::milliseconds kPiecesEnd(2);
 /// What is told of sooner than this after asking for events had waited to be asked for.
@@ -332,7 +334,7 @@ void Window::waitForNextFrame(bool isMoving) {
     for (auto now = Clock::TimePoint::clock::now(); now < time && !shouldClose(); now = Clock::TimePoint::clock::now())
       takeEvents(std::chrono::duration<double>(time - now).count());
   };
-  if (isDear()) {
+  if (isDear() && frameMs_ < kMostPausedMs) {
     takeEventsUntil(due - kPiecesEnd);
     othersPause_.emplace();
   }
