@@ -13,7 +13,7 @@
 #include "render/base/error.h"
 #include "render/base/newest_worker.h"
 #include "render/base/stopwatch.h"
-#include "render/core/crew.h"
+#include "render/core/crew_work.h"
 
 namespace warpscope {
 namespace {
@@ -39,15 +39,13 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
         status_{.isConnected = false, .isRefused = false, .sentence = {}, .next = {}, .where = where_},
         decoder_(
             // Made by who works with a crew, it has one of its own: decoding must not wait for marches.
-            [this, backend, standsBack = Crew::ofThisThread() != nullptr] {
-              if (standsBack) Crew::standBack(Crew::kOfPictures);
-              const auto crew = standsBack ? std::make_shared<Crew>(0, Crew::kOfPictures) : nullptr;
-              auto codec = std::make_shared<FrameCodec>(makeTiledCoder(backend));
-              return [this, codec, crew](const Arrived& arrived, ServedFrame& served, const std::stop_token&) {
-                const Crew::Shift shift(crew.get());
-                decode(arrived, served, *codec);
-              };
-            },
+            workOfCrew(
+                [this, backend]() -> NewestWorker<Arrived, ServedFrame>::Work {
+                  return [this, codec = std::make_shared<FrameCodec>(makeTiledCoder(backend))](const Arrived& arrived, ServedFrame& served, const std::stop_token&) {
+                    decode(arrived, served, *codec);
+                  };
+                },
+                Crew::ofThisThread() != nullptr ? std::make_shared<Crew>(0, Crew::kOfPictures) : nullptr, Crew::kOfPictures),
             onNews_),
         client_(std::move(io), settings, *this) {}  // which may tell of a connection before this ends
 

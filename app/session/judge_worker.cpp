@@ -5,6 +5,7 @@
 #include "app/frames/frame_fetch.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
+#include "render/core/crew_work.h"
 #include "render/metrics/holes.h"
 #include "render/metrics/picture_judge_cuda.h"
 
@@ -110,21 +111,18 @@ JudgeFunction makeJudge() {
 }
 
 std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult, std::shared_ptr<Crew> crew) {
-  return std::make_unique<JudgeWorker>(
-      [maker = std::move(maker), crew = std::move(crew)]() -> JudgeWorker::Work {
-        if (crew) Crew::standBack(Crew::kOfMarches);
-        return [judge = maker(), picture = PictureOfFrame{}, crew](const JudgeJob& job, Judgement& judgement, const std::stop_token& stop) mutable {
-          const Crew::Shift shift(crew.get());
-          judgement.job = job;
-          Image<float> map;
-          judgement.errors = judge(job.drawn.job.reference, *job.drawn.judged, map);
-          judgement.pixels = pixelsOf(job.drawn, std::move(map), stop);
-          judgement.content = contentOf(job, *judgement.pixels);
-          if (drawsPictureAlone(*job.drawn.job.technique) && job.configuration)
-            judgement.pictureBytes = picture.bytes(job.drawn.job.frame, job.drawn.job.background, job.configuration->codec);
-        };
-      },
-      std::move(onResult));
+  const auto makeWork = [maker = std::move(maker)]() -> JudgeWorker::Work {
+    return [judge = maker(), picture = PictureOfFrame{}](const JudgeJob& job, Judgement& judgement, const std::stop_token& stop) mutable {
+      judgement.job = job;
+      Image<float> map;
+      judgement.errors = judge(job.drawn.job.reference, *job.drawn.judged, map);
+      judgement.pixels = pixelsOf(job.drawn, std::move(map), stop);
+      judgement.content = contentOf(job, *judgement.pixels);
+      if (drawsPictureAlone(*job.drawn.job.technique) && job.configuration)
+        judgement.pictureBytes = picture.bytes(job.drawn.job.frame, job.drawn.job.background, job.configuration->codec);
+    };
+  };
+  return std::make_unique<JudgeWorker>(workOfCrew(makeWork, std::move(crew), Crew::kOfMarches), std::move(onResult));
 }
 
 }  // namespace warpscope

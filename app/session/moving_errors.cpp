@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/core/crew_work.h"
+
 namespace warpscope {
 namespace {
 
@@ -17,29 +19,26 @@ struct SparseTruth {
 }  // namespace
 
 MovingErrors::MovingErrors(std::function<void()> onNews, std::shared_ptr<Crew> crew)
-    : worker_(std::make_unique<NewestWorker<Job, Result>>(
-          [crew = std::move(crew)]() -> NewestWorker<Job, Result>::Work {
-            if (crew) Crew::standBack(Crew::kOfMarches);
-            return [crew](const Job& job, Result& result, const std::stop_token& stop) {
-              const Crew::Shift shift(crew.get());
-              // Panels that follow one camera share a ground truth.
-              std::vector<SparseTruth> truths;
-              for (const Seen& seen : job.seen) {
-                auto truth = std::ranges::find(truths, seen.camera, &SparseTruth::camera);
-                if (truth == truths.end()) {
-                  const SparsePixels pixels = sparsePixels({seen.camera.width, seen.camera.height}, kPixels);
-                  Image<glm::vec4> color;
-                  job.truth.marcher->render(sparseCamera(seen.camera, pixels), job.truth.settings, color, stop);
-                  // As large in the field of view as the whole picture.
-                  const float perDegree = std::max(1.0f, kFlipPixelsPerDegree / static_cast<float>(pixels.every));
-                  truths.push_back({seen.camera, PictureJudge(color, job.truth.background, perDegree)});
-                  truth = truths.end() - 1;
-                }
-                result.found.push_back({seen.panel, seen.technique, truth->judge.errorsOf(*seen.sparse)});
-              }
-            };
-          },
-          std::move(onNews))) {}
+    : worker_(std::make_unique<NewestWorker<Job, Result>>(workOfCrew([]() -> NewestWorker<Job, Result>::Work { return findErrors; }, std::move(crew), Crew::kOfMarches),
+                                                          std::move(onNews))) {}
+
+void MovingErrors::findErrors(const Job& job, Result& result, const std::stop_token& stop) {
+  // Panels that follow one camera share a ground truth.
+  std::vector<SparseTruth> truths;
+  for (const Seen& seen : job.seen) {
+    auto truth = std::ranges::find(truths, seen.camera, &SparseTruth::camera);
+    if (truth == truths.end()) {
+      const SparsePixels pixels = sparsePixels({seen.camera.width, seen.camera.height}, kPixels);
+      Image<glm::vec4> color;
+      job.truth.marcher->render(sparseCamera(seen.camera, pixels), job.truth.settings, color, stop);
+      // As large in the field of view as the whole picture.
+      const float perDegree = std::max(1.0f, kFlipPixelsPerDegree / static_cast<float>(pixels.every));
+      truths.push_back({seen.camera, PictureJudge(color, job.truth.background, perDegree)});
+      truth = truths.end() - 1;
+    }
+    result.found.push_back({seen.panel, seen.technique, truth->judge.errorsOf(*seen.sparse)});
+  }
+}
 
 void MovingErrors::see(Seen seen) {
   forget(seen.panel);

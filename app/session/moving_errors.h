@@ -65,6 +65,8 @@ class MovingErrors {
     std::string error;
   };
 
+  static void findErrors(const Job& job, Result& result, const std::stop_token& stop);
+
   std::vector<Seen> seen_;  // one for each panel, that was not looked at yet
   bool isAtWork_ = false;
   TimePoint endedAt_{};

@@ -6,7 +6,7 @@
 
 #include "app/session/own_context.h"
 #include "render/base/error.h"
-#include "render/core/crew.h"
+#include "render/core/crew_work.h"
 #include "render/volume/volume_format.h"
 
 namespace warpscope {
@@ -15,14 +15,11 @@ namespace {
 /// On the worker's thread, whose context it keeps.
 class ExportWork {
  public:
-  ExportWork(gl::Platform platform, WarpResources resources, std::function<void()> onNews, std::shared_ptr<Crew> crew)
-      : resources_(std::move(resources)), onNews_(std::move(onNews)), crew_(std::move(crew)) {
-    if (crew_) Crew::standBack(Crew::kOfMarches);
+  ExportWork(gl::Platform platform, WarpResources resources, std::function<void()> onNews) : resources_(std::move(resources)), onNews_(std::move(onNews)) {
     resources_.context = makeOwnContext(platform);
   }
 
   void operator()(const ExportJob& job, ExportResult& result, const std::stop_token& stop) {
-    const Crew::Shift shift(crew_.get());
     ReplaySettings settings;
     settings.techniques = job.techniques;
     settings.picturesPerSecond = kExportRate;
@@ -45,7 +42,6 @@ class ExportWork {
  private:
   WarpResources resources_;
   const std::function<void()> onNews_;
-  const std::shared_ptr<Crew> crew_;
 };
 
 }  // namespace
@@ -68,7 +64,9 @@ ReplayFiles exportedAs(const std::filesystem::path& path) {
 std::filesystem::path firstOf(const ReplayFiles& files) { return files.folder / (files.film.empty() ? pictureNameOf(files.prefix, 0) : files.film); }
 
 ReplayExport::ReplayExport(gl::Platform platform, WarpResources resources, std::function<void()> onNews, std::shared_ptr<Crew> crew)
-    : worker_([platform, resources = std::move(resources), onNews, crew = std::move(crew)]() -> ExportWorker::Work { return ExportWork(platform, resources, onNews, crew); }, onNews) {}
+    : worker_(workOfCrew([platform, resources = std::move(resources), onNews]() -> ExportWorker::Work { return ExportWork(platform, resources, onNews); }, std::move(crew),
+                         Crew::kOfMarches),
+              onNews) {}
 
 void ReplayExport::start(ExportJob job) {
   cancel();

@@ -5,20 +5,22 @@
 #include <optional>
 #include <utility>
 
+#include "render/core/crew_work.h"
+
 namespace warpscope {
 
 SceneOpening::SceneOpening(const std::function<void()>& onNews, std::shared_ptr<Crew> crew)
     : loader_(std::make_unique<Loader>(
-          [onNews, crew = std::move(crew)]() -> Loader::Work {
-            if (crew) Crew::standBack(Crew::kOfPictures);  // and so do threads that are started for the scene
-            return [onNews, crew](const LoadJob& job, Result& result, const std::stop_token& stop) {
-              const Crew::Shift shift(crew.get());
-              result.name = job.name;
-              result.origin = job.origin;
-              result.whenOpened = job.whenOpened;
-              result.scene = std::make_shared<const ConnectedScene>(job.open(onNews, stop));
-            };
-          },
+          workOfCrew(
+              [onNews]() -> Loader::Work {
+                return [onNews](const LoadJob& job, Result& result, const std::stop_token& stop) {
+                  result.name = job.name;
+                  result.origin = job.origin;
+                  result.whenOpened = job.whenOpened;
+                  result.scene = std::make_shared<const ConnectedScene>(job.open(onNews, stop));
+                };
+              },
+              std::move(crew), Crew::kOfPictures),
           onNews)) {}
 
 void SceneOpening::open(LoadJob job) {

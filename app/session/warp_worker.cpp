@@ -12,6 +12,7 @@
 #include "render/base/error.h"
 #include "render/base/recent_need.h"
 #include "render/base/stopwatch.h"
+#include "render/core/crew_work.h"
 #include "render/warp/rotated_picture.h"
 
 namespace warpscope {
@@ -234,29 +235,17 @@ const PictureJudge& ReferenceImage::judge() const {
 }
 
 std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources resources, std::function<void()> onResult, std::shared_ptr<Crew> crew) {
-  return std::make_unique<WarpWorker>(
-      [platform, resources, crew = std::move(crew)]() -> WarpWorker::Work {
-        if (crew) Crew::standBack(Crew::kOfPictures);  // and so do the threads of its OpenGL, where that has some
-        auto easel = std::make_shared<Easel>(platform, resources);
-        return [easel, crew](const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
-          const Crew::Shift shift(crew.get());
-          if (crew) Crew::pauseForBreaks();  // OpenGL's threads do not, once they draw
-          easel->paint(job, result, stop);
-        };
-      },
-      std::move(onResult));
+  const auto makeWork = [platform, resources]() -> WarpWorker::Work {
+    return [easel = std::make_shared<Easel>(platform, resources)](const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
+      Crew::pauseForBreaks();  // OpenGL's threads do not, once they draw
+      easel->paint(job, result, stop);
+    };
+  };
+  return std::make_unique<WarpWorker>(workOfCrew(makeWork, std::move(crew), Crew::kOfPictures), std::move(onResult));
 }
 
 std::unique_ptr<ReferenceWorker> makeReferenceWorker(std::function<void()> onResult, std::shared_ptr<Crew> crew) {
-  return std::make_unique<ReferenceWorker>(
-      [crew = std::move(crew)]() -> ReferenceWorker::Work {
-        if (crew) Crew::standBack(Crew::kOfMarches);
-        return [crew](const ReferenceJob& job, ReferenceResult& result, const std::stop_token& stop) {
-          const Crew::Shift shift(crew.get());
-          marchReference(job, result, stop);
-        };
-      },
-      std::move(onResult));
+  return std::make_unique<ReferenceWorker>(workOfCrew([]() -> ReferenceWorker::Work { return marchReference; }, std::move(crew), Crew::kOfMarches), std::move(onResult));
 }
 
 }  // namespace warpscope

@@ -33,11 +33,8 @@ WindowGl::WindowGl(Loader loader) {
   load(getString, "glGetString");
   if (const auto* name = reinterpret_cast<const char*>(getString(GL_RENDERER))) renderer = name;
   if (!renderer.empty()) logDetail("the window's OpenGL: " + renderer);
-}
-
-bool WindowGl::isDrawnByCpu() const {
   constexpr std::array kOfMesa{"llvmpipe", "softpipe", "swrast"};
-  return std::ranges::any_of(kOfMesa, [&](const char* name) { return renderer.find(name) != std::string::npos; });
+  isDrawnByCpu = std::ranges::any_of(kOfMesa, [&](const char* name) { return renderer.find(name) != std::string::npos; });
 }
 
 Image<Rgba8> readPicture(const WindowGl& gl, const glm::uvec2& size) {
@@ -115,7 +112,6 @@ void PictureTexture::draw(ImDrawList& list, const ImVec2& from, const ImVec2& to
 }
 
 void PictureTexture::setSmooth(bool isSmooth) {
-  if (gl_.isDrawnByCpu()) isSmooth = false;
   if (name_ == 0 || isSmooth == isSmooth_) return;
   isSmooth_ = isSmooth;
   gl_.bindTexture(GL_TEXTURE_2D, name_);

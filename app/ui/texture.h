@@ -24,8 +24,7 @@ struct WindowGl {
   explicit WindowGl(Loader loader);
 
   std::string renderer;  ///< as the driver says
-  /// By one of Mesa's drivers without a device.
-  bool isDrawnByCpu() const;
+  bool isDrawnByCpu = false;  ///< by one of Mesa's drivers without a device
 
   PFNGLGENTEXTURESPROC genTextures = nullptr;
   PFNGLDELETETEXTURESPROC deleteTextures = nullptr;
@@ -56,7 +55,7 @@ class PictureTexture {
 
   /// A picture on a CUDA device comes straight from there if the window's OpenGL runs on it too, else through page-locked memory.
   void show(const ShownPicture& picture);
-  /// Blends between pixels (for sizes that are not a multiple of the picture's), or shows each as a square: always so where the CPU draws the window.
+  /// Blends between pixels (for sizes that are not a multiple of the picture's), or shows each as a square.
   void setSmooth(bool isSmooth);
   /// Adds it to the list, over whatever lies there: not blended with that, which is half of the work where the CPU draws the window.
   void draw(ImDrawList& list, const ImVec2& from, const ImVec2& to) const;

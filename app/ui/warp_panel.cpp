@@ -133,7 +133,8 @@ Area placeOf(const Session& session, const ShownPicture& picture, const Area& ar
 /// Draws a picture there. Where it lies.
 Area drawPicture(const Session& session, const ShownPicture& picture, PictureTexture& texture, const Area& area, const Look& look) {
   texture.show(picture);
-  texture.setSmooth(glm::uvec2(picture.width(), picture.height()) != session.pictureSize());
+  // Blending takes the CPU several times as long: what is drawn by it shows squares until there is a picture of the right size.
+  texture.setSmooth(!look.gl->isDrawnByCpu && glm::uvec2(picture.width(), picture.height()) != session.pictureSize());
   const Area at = placeOf(session, picture, area, look);
   texture.draw(*ImGui::GetWindowDrawList(), at.from, at.to());
   return at;

@@ -229,6 +229,7 @@ void Window::warmUp() {
   std::vector<std::unique_ptr<PictureTexture>> textures;
   for (const uint32_t length : {2u, 3u})
     for (const bool isSmooth : {false, true}) {
+      if (isSmooth && gl_->isDrawnByCpu) continue;  // never drawn so
       PictureTexture& texture = *textures.emplace_back(std::make_unique<PictureTexture>(*gl_));
       texture.show({std::make_shared<const Image<Rgba8>>(length, length), nullptr});
       texture.setSmooth(isSmooth);
@@ -322,7 +323,7 @@ void Window::setFullScreen(bool isFullScreen) {
   if (mode != nullptr) glfwSetWindowMonitor(window_, chosen, 0, 0, mode->width, mode->height, mode->refreshRate);
 }
 
-bool Window::isDear() const { return gl_->isDrawnByCpu() && frameMs_ > kCheapFrameMs; }
+bool Window::isDear() const { return gl_->isDrawnByCpu && frameMs_ > kCheapFrameMs; }
 
 void Window::waitForNextFrame(bool isMoving) {
   if (!isMoving && !hasInput_) takeEvents(kIdlePeriodS);

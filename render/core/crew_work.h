@@ -1,0 +1,29 @@
+// Work of a NewestWorker whose loops run on a crew.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <type_traits>
+#include <utility>
+
+#include "render/core/crew.h"
+
+namespace warpscope {
+
+/// What `make` makes, for a NewestWorker: the thread that it works on stands back by `nice` (Crew::standBack), and so do those that it starts; its loops run on `crew`. Null: as it is.
+template <class Make>
+auto workOfCrew(Make make, std::shared_ptr<Crew> crew, int nice) {
+  using Work = std::invoke_result_t<Make&>;
+  return [make = std::move(make), crew = std::move(crew), nice]() mutable -> Work {
+    if (!crew) return make();
+    Crew::standBack(nice);
+    const Crew::Shift shift(crew.get());
+    return [work = make(), crew](const auto& job, auto& result, const std::stop_token& stop) {
+      const Crew::Shift one(crew.get());
+      work(job, result, stop);
+    };
+  };
+}
+
+}  // namespace warpscope
