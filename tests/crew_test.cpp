@@ -156,6 +156,13 @@ TEST(Crew, NoBreakHoldsItUpForGood) {
   EXPECT_GE(std::chrono::steady_clock::now() - began, 3 * Crew::kMostPause);
 }
 
+TEST(Crew, ABreakDoesNotHoldUpWhoDoesNotStandBack) {
+  const Crew::Break own;
+  const auto began = std::chrono::steady_clock::now();
+  for (int i = 0; i < 20; ++i) Crew::pauseForBreaks();
+  EXPECT_LT(std::chrono::steady_clock::now() - began, 10 * Crew::kMostPause);
+}
+
 // What it is for: who draws while it works gets most of a core that both want. The system is asked for shares, so that other programs do not matter: both
 // sides count what they get done in the same time.
 TEST(Crew, WhoWorksBesideItGetsMostOfTheMachine) {

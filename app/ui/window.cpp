@@ -25,7 +25,7 @@ constexpr int kUsualRefreshHz = 60;
 /// Where the CPU draws the window, and takes longer for it, its pictures are as many as make motion fluent and no more: the rest is for what they show.
 constexpr double kCheapFrameMs = 6.0, kDearPeriodMs = 30.0;
 constexpr double kIdlePeriodS = 0.5;  // ages go on counting
-/// Frames that take longer are drawn beside what stands back: else that would hardly get on.
+/// Frames that take longer by themselves are drawn beside what stands back: else that would hardly get on.
 constexpr double kMostPausedMs = kDearPeriodMs * 2 / 3;
 /// How long what stands back takes to come to the end of a piece, about.
 constexpr std::chrono::milliseconds kPiecesEnd(2);
@@ -326,6 +326,7 @@ void Window::setFullScreen(bool isFullScreen) {
 bool Window::isDear() const { return gl_->isDrawnByCpu && frameMs_ > kCheapFrameMs; }
 
 void Window::waitForNextFrame(bool isMoving) {
+  othersPause_.reset();  // only now: who is woken may well run at once, instead of this thread
   if (!isMoving && !hasInput_) takeEvents(kIdlePeriodS);
   // Drivers without a screen to wait for swap at once; a little less than a period leaves the pace to those that do wait.
   const double periodMs = 900.0 / refreshHz();
@@ -335,7 +336,8 @@ void Window::waitForNextFrame(bool isMoving) {
     for (auto now = Clock::TimePoint::clock::now(); now < time && !shouldClose(); now = Clock::TimePoint::clock::now())
       takeEvents(std::chrono::duration<double>(time - now).count());
   };
-  if (isDear() && frameMs_ < kMostPausedMs) {
+  // By itself: where one was held up, what stands back has to pause all the more.
+  if (isDear() && *std::ranges::min_element(lastFramesMs_) < kMostPausedMs) {
     takeEventsUntil(due - kPiecesEnd);
     othersPause_.emplace();
   }
@@ -401,8 +403,10 @@ void Window::endFrame(Image<Rgba8>* photograph) {
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   if (photograph != nullptr && size.x > 0 && size.y > 0) *photograph = readPicture(*gl_, glm::uvec2(size));
   glfwSwapBuffers(window_);
-  othersPause_.reset();
-  frameMs_ += 0.2 * (millisecondsBetween(frameBegan_, Clock::TimePoint::clock::now()) - frameMs_);
+  const double ms = millisecondsBetween(frameBegan_, Clock::TimePoint::clock::now());
+  frameMs_ += 0.2 * (ms - frameMs_);
+  std::ranges::rotate(lastFramesMs_, lastFramesMs_.begin() + 1);
+  lastFramesMs_.back() = ms;
 }
 
 }  // namespace warpscope::ui

@@ -91,7 +91,8 @@ class Window {
   float pixelsPerUnit_ = 1.0f;
   Clock::TimePoint frameBegan_{};
   double frameMs_ = 0.0;  // that frames take this thread, smoothed
-  std::optional<Crew::Break> othersPause_;  // while a frame is drawn that is dear
+  std::array<double, 16> lastFramesMs_{};  // that the last ones took it
+  std::optional<Crew::Break> othersPause_;  // while a frame is drawn that is dear, until the next is waited for
   bool hadInput_ = false, hasInput_ = false;
   Clock::TimePoint askedForEvents_{}, tookEvents_{};  // when GLFW was last asked, and when it last returned
   DoubleClick clicks_;

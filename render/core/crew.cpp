@@ -19,6 +19,7 @@ namespace warpscope {
 namespace {
 
 thread_local Crew* crewOfThisThread = nullptr;
+thread_local bool thisThreadStandsBack = false;
 
 std::mutex breakMutex;
 std::condition_variable breakEnded;
@@ -38,11 +39,13 @@ Crew::Break::~Break() {
   breakEnded.notify_all();
 }
 void Crew::waitForBreaks() {
+  if (!thisThreadStandsBack) return;
   std::unique_lock lock(breakMutex);
   breakEnded.wait_for(lock, kMostPause, [] { return breaks_.load() == 0; });
 }
 
 void Crew::standBack(int nice) {
+  thisThreadStandsBack = true;
   // Where the system refuses, the thread stays as it is: it works as well, and others wait for it.
   const auto first = static_cast<id_t>(getpid()), self = static_cast<id_t>(gettid());
   setpriority(PRIO_PROCESS, self, std::max(getpriority(PRIO_PROCESS, self), getpriority(PRIO_PROCESS, first) + nice));

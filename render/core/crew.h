@@ -25,7 +25,7 @@ class Crew {
   };
   /// Null where loops run on all cores.
   static Crew* ofThisThread();
-  /// While there is one, threads of all crews pause between two pieces of their loops, kMostPause at a time. For whoever wants the cores for a short while and at once: nice values share
+  /// While there is one, threads that stand back pause between two pieces of their loops, and where long pieces say, kMostPause at a time. For whoever wants the cores for a short while and at once: nice values share
   /// them fairly, but who wakes up waits until what runs has had its slice of time.
   class Break {
    public:
@@ -35,7 +35,7 @@ class Crew {
     Break& operator=(const Break&) = delete;
   };
   static constexpr std::chrono::milliseconds kMostPause{50};
-  /// Returns when there is no break, or it has lasted long enough.
+  /// Returns when there is no break, or it has lasted long enough; at once for threads that do not stand back, among them who wants the break.
   static void pauseForBreaks() {
     if (breaks_.load(std::memory_order_relaxed) > 0) waitForBreaks();
   }

@@ -125,12 +125,14 @@ class TileMarcher {
   void marchTile(const PixelArea& tile, RelayedTile* relayed) const {
     Scratch scratch(mostSegments_);
     // Rows may take seconds: a tile is not waited for.
-    for (uint32_t y = tile.y; y < tile.y + tile.height && !job_.stop.stop_requested(); ++y)
+    for (uint32_t y = tile.y; y < tile.y + tile.height && !job_.stop.stop_requested(); ++y) {
+      Crew::pauseForBreaks();
       for (uint32_t x = tile.x; x < tile.x + tile.width; ++x) {
         if (relayed != nullptr && (relayed->ray(x, y).isDone || job_.stop.stop_requested())) continue;  // others wait for who is stopped
         keepWithinMemoryLimit();
         marchPixel(x, y, scratch, relayed);
       }
+    }
   }
 
   void marchPixel(uint32_t x, uint32_t y, Scratch& scratch, RelayedTile* relayed) const {

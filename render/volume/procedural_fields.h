@@ -117,6 +117,7 @@ void fillVoxels(uint8_t* voxels, const Wanted& wanted, const std::stop_token& st
   const glm::uvec2 lower = wanted.rows.lower, extent = wanted.rows.upper - lower;
   parallelForRanges(size_t{extent.x} * extent.y, 8, stop, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {
+      Crew::pauseForBreaks();
       const uint32_t y = lower.x + static_cast<uint32_t>(row % extent.x), z = lower.y + static_cast<uint32_t>(row / extent.x);
       uint8_t* const line = voxels + (size_t{z} * wanted.dims.y + y) * wanted.dims.x;
       for (uint32_t x = 0; x < wanted.dims.x; ++x) line[x] = quantize(value(x, y, z));
@@ -131,6 +132,7 @@ void fillBricks(uint32_t side, const Wanted& wanted, size_t atOnce, const std::s
   const glm::uvec3 first = wanted.lower() / side, end = (wanted.upper() + side - 1u) / side, bricks = end - first;
   parallelForRanges(size_t{bricks.x} * bricks.y * bricks.z, atOnce, stop, [&](size_t begin, size_t last) {
     for (size_t i = begin; i < last; ++i) {
+      Crew::pauseForBreaks();
       const glm::uvec3 brick = first + glm::uvec3(i % bricks.x, i / bricks.x % bricks.y, i / bricks.x / bricks.y);
       fill(brick, glm::max(brick * side, wanted.lower()), glm::min((brick + 1u) * side, wanted.upper()));
     }

@@ -20,6 +20,7 @@ void forEachPixelPacket(const SampleFrame& frame, const Camera& camera, const st
     RayPacket rays;
     for (uint32_t row = y0; row < y1; row += kRows)
       for (uint32_t column = x0; column < x1; column += kColumns) {
+        Crew::pauseForBreaks();  // where much lies in their way, a tile's rays take some milliseconds
         WalkedRay walked[kBatchLanes];
         exceptionsExpected([&] {
           if (rays.set(pixels.pixels, pixels.bounds, column, row, x1, y1)) walk(rays, walked);

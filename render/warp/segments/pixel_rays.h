@@ -38,12 +38,14 @@ template <class Walked, class Walk, class Take>
 void forEachPixelRay(const SampleFrame& frame, const Camera& camera, const std::stop_token& stop, const Walk& walk, const Take& take) {
   const PixelRays rays(frame, camera);
   parallelForTiles(camera.width, camera.height, kRayTileSide, stop, [&](uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
-    for (uint32_t y = y0; y < y1; ++y)
+    for (uint32_t y = y0; y < y1; ++y) {
+      Crew::pauseForBreaks();  // where much lies in their way, a tile's rays take some milliseconds
       for (uint32_t x = x0; x < x1; ++x) {
         const RayInside ray = rays.at(x, y);
         const Walked walked = ray.inside.isMiss() ? Walked{} : exceptionsExpected([&] { return walk(ray.ray, ray.inside); });
         take(x, y, ray.ray, walked);
       }
+    }
   });
 }
 
