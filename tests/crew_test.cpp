@@ -1,6 +1,7 @@
 // Threads that let others go first: that loops run on them and nowhere else, what is thrown there, and who gets a core that both want.
 // Mirrors render/core/crew.h and what parallel.h makes of it.
 #include "render/core/crew.h"
+#include "render/core/expected_break.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -161,6 +162,32 @@ TEST(Crew, ABreakDoesNotHoldUpWhoDoesNotStandBack) {
   const auto began = std::chrono::steady_clock::now();
   for (int i = 0; i < 20; ++i) Crew::pauseForBreaks();
   EXPECT_LT(std::chrono::steady_clock::now() - began, 10 * Crew::kMostPause);
+}
+
+TEST(ExpectedBreak, IsLeftAloneByWhatWouldNotEndBefore) {
+  const auto elapsed = [](std::chrono::milliseconds untilBreak, std::chrono::milliseconds length) {
+    std::chrono::steady_clock::duration taken{};
+    std::jthread([&] {
+      Crew::standBack(0);
+      const auto began = std::chrono::steady_clock::now();
+      expectBreak(began + untilBreak);
+      leaveBreakAlone(length);
+      taken = std::chrono::steady_clock::now() - began;
+    }).join();
+    return taken;
+  };
+  EXPECT_GE(elapsed(5ms, 8ms), 5ms);
+  EXPECT_GE(elapsed(kMostTimeBeforeBreak - 2ms, 1000ms), kMostTimeBeforeBreak - 2ms);
+  const auto isSoon = [&](std::chrono::milliseconds untilBreak, std::chrono::milliseconds length) {  // on a machine that others use as well
+    for (int i = 0; i < 20; ++i)
+      if (elapsed(untilBreak, length) < 5ms) return true;
+    return false;
+  };
+  EXPECT_TRUE(isSoon(1000ms, 8ms));
+  EXPECT_TRUE(isSoon(kMostTimeBeforeBreak + 2ms, 1000ms));
+  EXPECT_TRUE(isSoon(-5ms, 8ms));
+  const Crew::Break atWork;
+  EXPECT_GE(elapsed(-5ms, 1ms), Crew::kMostPause);
 }
 
 // What it is for: who draws while it works gets most of a core that both want. The system is asked for shares, so that other programs do not matter: both

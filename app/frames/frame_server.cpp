@@ -14,9 +14,9 @@
 #include "app/frames/server_load.h"
 #include "app/frames/wire_fields.h"
 #include "render/base/error.h"
-#include "render/base/recent_need.h"
 #include "render/base/stopwatch.h"
 #include "render/codec/codec.h"
+#include "render/core/freed_memory.h"
 
 namespace warpscope {
 namespace {

@@ -13,6 +13,8 @@
 #include "render/base/recent_need.h"
 #include "render/base/stopwatch.h"
 #include "render/core/crew_work.h"
+#include "render/core/expected_break.h"
+#include "render/core/freed_memory.h"
 #include "render/warp/rotated_picture.h"
 
 namespace warpscope {
@@ -81,6 +83,11 @@ class Easel {
     }
   }
 
+  /// OpenGL's threads do not pause, once they draw. `lastMs`: what the like took the last time.
+  static void leaveBreakAlone(const WarpJob& job, double lastMs) {
+    if (job.technique->usesOpenGl) warpscope::leaveBreakAlone(std::chrono::duration<double, std::milli>(lastMs));
+  }
+
   /// Whether what techniques and pictures keep for a frame as large as some earlier one is to go.
   bool isOversized(const WarpJob& job) {
     if (!job.frame || job.frame == state_.frame) return false;
@@ -140,6 +147,7 @@ class Easel {
 
   void build(const WarpJob& job, const std::stop_token& stop) {
     ++counts_.builds;
+    leaveBreakAlone(job, buildMs_);
     buildMs_ = milliseconds([&] { warp_->setFrame(job.frame, job.settings, stop); });
     state_.isBuilt = true;
     state_.built = job.frame;
@@ -149,6 +157,7 @@ class Easel {
   void draw(const WarpJob& job, const std::stop_token& stop) {
     ++counts_.draws;
     isInHostMemory_ = false;
+    leaveBreakAlone(job, drawMs_);
     drawMs_ = milliseconds([&] {
       picture_.device = warp_->drawForScreen(job.camera, job.settings, job.background, job.marks, stop);
       if (!picture_) drawToHost(job, stop);
@@ -236,10 +245,7 @@ const PictureJudge& ReferenceImage::judge() const {
 
 std::unique_ptr<WarpWorker> makeWarpWorker(gl::Platform platform, WarpResources resources, std::function<void()> onResult, std::shared_ptr<Crew> crew) {
   const auto makeWork = [platform, resources]() -> WarpWorker::Work {
-    return [easel = std::make_shared<Easel>(platform, resources)](const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
-      Crew::pauseForBreaks();  // OpenGL's threads do not, once they draw
-      easel->paint(job, result, stop);
-    };
+    return [easel = std::make_shared<Easel>(platform, resources)](const WarpJob& job, WarpResult& result, const std::stop_token& stop) { easel->paint(job, result, stop); };
   };
   return std::make_unique<WarpWorker>(workOfCrew(makeWork, std::move(crew), Crew::kOfPictures), std::move(onResult));
 }

@@ -15,6 +15,7 @@
 
 #include "app/ui/run_window.h"
 #include "render/base/error.h"
+#include "render/core/expected_break.h"
 
 namespace warpscope::ui {
 namespace {
@@ -331,13 +332,15 @@ void Window::waitForNextFrame(bool isMoving) {
   // Drivers without a screen to wait for swap at once; a little less than a period leaves the pace to those that do wait.
   const double periodMs = 900.0 / refreshHz();
   const auto due = frameBegan_ + durationOfMs(isDear() ? std::max(kDearPeriodMs, periodMs) : periodMs);
+  // By itself: where one was held up, what stands back has to pause all the more.
+  const bool doOthersPause = isDear() && *std::ranges::min_element(lastFramesMs_) < kMostPausedMs;
+  if (doOthersPause) expectBreak(due - kPiecesEnd);
   takeEvents(0.0);
   const auto takeEventsUntil = [&](Clock::TimePoint time) {
     for (auto now = Clock::TimePoint::clock::now(); now < time && !shouldClose(); now = Clock::TimePoint::clock::now())
       takeEvents(std::chrono::duration<double>(time - now).count());
   };
-  // By itself: where one was held up, what stands back has to pause all the more.
-  if (isDear() && *std::ranges::min_element(lastFramesMs_) < kMostPausedMs) {
+  if (doOthersPause) {
     takeEventsUntil(due - kPiecesEnd);
     othersPause_.emplace();
   }

@@ -32,7 +32,4 @@ class RecentNeed {
   size_t kept_ = 0;  // the most that was needed since all was given back
 };
 
-/// Lets the system have the pages of what was freed, where the library would keep them. Takes milliseconds: for rare events.
-void giveBackFreedMemory();
-
 }  // namespace warpscope

@@ -15,6 +15,7 @@
 #include "render/codec/segment_coding.h"
 #include "render/codec/summed_hash.h"
 #include "render/codec/tiled/tiled_codec.h"
+#include "render/core/freed_memory.h"
 #include "render/core/parallel.h"
 #include "render/core/picture_size.h"
 

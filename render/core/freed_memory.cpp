@@ -1,6 +1,8 @@
 // The C library's own way.
-// See recent_need.h.
-#include "render/base/recent_need.h"
+// See freed_memory.h.
+#include "render/core/freed_memory.h"
+
+#include "render/core/expected_break.h"
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -10,6 +12,7 @@ namespace warpscope {
 
 void giveBackFreedMemory() {
 #ifdef __GLIBC__
+  leaveBreakAlone(kMostTimeBeforeBreak);
   malloc_trim(0);
 #endif
 }
