@@ -69,11 +69,13 @@ TEST(Crew, ItsThreadsStandBackBehindOthers) {
 
 TEST(Crew, LoopsOfAShiftRunOnItAndThoseAfterItDoNot) {
   Crew crew(2);
+  constexpr size_t kGrain = 7;
   const auto placesOfLoop = [] {
+    const bool isOnCrew = Crew::ofThisThread() != nullptr;
     Places places;
     std::vector<std::atomic<int>> times(1000);
-    parallelForRanges(times.size(), 7, [&](size_t begin, size_t end) {
-      EXPECT_LE(end - begin, 14u);  // about the grain
+    parallelForRanges(times.size(), kGrain, [&](size_t begin, size_t end) {
+      EXPECT_LE(end - begin, isOnCrew ? kGrain : times.size());  // oneTBB cuts as it likes, the larger the fewer cores there are
       places.add();
       for (size_t i = begin; i < end; ++i) ++times[i];
     });
