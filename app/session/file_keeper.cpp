@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <mutex>
 #include <utility>
 
@@ -23,7 +24,7 @@ int freeNumber(const std::filesystem::path& folder) {
     if (!name.starts_with(kStem)) continue;
     int number = 0;
     const auto [rest, error] = std::from_chars(name.data() + kStem.size(), name.data() + name.size(), number);
-    if (error == std::errc() && rest != name.data() + name.size() && (*rest == '.' || *rest == '-')) highest = std::max(highest, number);
+    if (error == std::errc() && number < std::numeric_limits<int>::max() && rest != name.data() + name.size() && (*rest == '.' || *rest == '-')) highest = std::max(highest, number);
   }
   return highest + 1;
 }

@@ -26,7 +26,7 @@ LiveGroundTruth::LiveGroundTruth(std::function<void()> onNews, std::shared_ptr<C
 
 void LiveGroundTruth::clear() {
   worker_->cancel();
-  asked_ = {};
+  wanted_ = asked_ = {};
   image_.reset();
   error_.clear();
 }

@@ -95,6 +95,10 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
   bool hasRecorded = false;
   bool startsDemo = settings.startsDemo;
   Image<Rgba8> photograph;
+  const struct AtEnd {
+    Window& window;
+    ~AtEnd() { window.letOthersGoOn(); }  // the session ends next, and does not wait for long
+  } atEnd{window};
   while (!stop.stop_requested()) {
     if (window.shouldClose()) {
       if (mainView.mayClose(session)) break;
@@ -141,7 +145,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
     window.endFrame(isLast || wantsPicture ? &photograph : nullptr);
     if (!settings.report.empty())
       report.add({millisecondsBetween(now, updated), millisecondsBetween(updated, laidOut), millisecondsBetween(laidOut, clock.now())});
-    if (wantsPicture) mainView.savePicture(std::exchange(photograph, {}));
+    if (wantsPicture) mainView.savePicture(isLast ? photograph : std::exchange(photograph, {}));
     if (isLast || !goesOn) break;
   }
   return photograph;

@@ -37,6 +37,8 @@ class Window {
 
   /// Lets events come in until the next picture is due: at the screen's rate while something moves, seldom while nothing does.
   void waitForNextFrame(bool isMoving);
+  /// What stands back need not wait for the next frame: there will be none.
+  void letOthersGoOn() { othersPause_.reset(); }
   /// Ends a wait; from any thread.
   static void wake();
 

@@ -51,6 +51,8 @@ void Crew::standBack(int nice) {
   setpriority(PRIO_PROCESS, self, std::max(getpriority(PRIO_PROCESS, self), getpriority(PRIO_PROCESS, first) + nice));
 }
 
+bool Crew::doesThisThreadStandBack() { return thisThreadStandsBack; }
+
 void Crew::poolStandsBack(int nice) {
   struct Observer final : tbb::task_scheduler_observer {
     explicit Observer(int wanted) : nice_(wanted) { observe(true); }

@@ -42,6 +42,8 @@ class Crew {
 
   /// Lets the program's first thread go before the calling one, and before those that it starts from now on, by so much at least.
   static void standBack(int nice);
+  /// Whether it was called on this thread: those that it starts have its nice value only.
+  static bool doesThisThreadStandBack();
   /// From now on the same for the threads of oneTBB's pool, on which loops without a crew run.
   static void poolStandsBack(int nice);
 

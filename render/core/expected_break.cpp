@@ -23,6 +23,7 @@ std::atomic<SteadyClock::time_point> expected{};
 void expectBreak(SteadyClock::time_point begin) { expected = begin; }
 
 void leaveBreakAlone(std::chrono::duration<double, std::milli> length) {
+  if (!Crew::doesThisThreadStandBack()) return;
   const SteadyClock::time_point begin = expected, now = SteadyClock::now();
   if (begin > now && begin - now < std::min<std::chrono::duration<double, std::milli>>(length, kMostTimeBeforeBreak)) std::this_thread::sleep_until(begin + kLateness);
   Crew::pauseForBreaks();
