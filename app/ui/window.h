@@ -2,6 +2,7 @@
 // GLFW 3.3 and Dear ImGui 1.86 with their own backends; one window at a time, on the main thread.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
