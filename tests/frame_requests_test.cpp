@@ -19,7 +19,6 @@ class ObedientSource final : public FrameSource {
   void setTransport(const TransportSettings& transport) override { transports.push_back(transport); }
   SourceStatus status() const override { return {}; }
   void requestStop() override {}
-  bool waitForEnd(std::chrono::steady_clock::time_point) override { return true; }
 
   std::vector<FrameRequest> posted;
   std::vector<TransportSettings> transports;

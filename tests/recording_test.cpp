@@ -362,7 +362,8 @@ TEST_F(SessionRecordingTest, FramesAndTheCameraOfASession) {
   ASSERT_TRUE(settle());
   std::this_thread::sleep_for(std::chrono::milliseconds(5));
   session_.update(clock_.now());
-  session_.startRecording(folder.file("b.warpscope"), "");  // waits until all of the one before is written
+  session_.startRecording(folder.file("b.warpscope"), "");  // of the one before, the end may still be on its way
+  ASSERT_TRUE(pumpUntil([&] { return !session_.isWritingRecording(); }));
   const Recording linked = readRecording(folder.file("d.warpscope"));
   ASSERT_EQ(linked.links.size(), 3u);
   for (size_t i = 0; i < linked.links.size(); ++i) EXPECT_EQ(linked.links[i].sign, signOf(knobs.transport.link, i == 1)) << i;

@@ -90,6 +90,45 @@ TEST_F(SessionTest, ASceneThatCannotBeOpenedIsASentence) {
   EXPECT_EQ(session_.error(), "");
 }
 
+TEST_F(SessionTest, NothingIsKeptOfASceneThatWasReplaced) {
+  session_.setPanels({{.technique = &findWarp("hold")}, {.technique = &findWarp("spheres")}, {.technique = &findWarp("reference")}});
+  ASSERT_TRUE(open("shells"));
+  session_.setShowsPlan(true);
+  ASSERT_TRUE(pumpUntil([&] { return session_.plan().areCurrent(); }));
+  session_.lookAt(LookedAt{session_.panel(0).id, {0.5, 0.5}});
+  ASSERT_TRUE(pumpUntil([&] { return session_.ray().isCurrent(); }));
+  session_.measureNow();
+  ASSERT_TRUE(session_.fair().isMeasuring());
+  ASSERT_TRUE(pumpUntil([&] { return !session_.fair().isMeasuring(); }));
+  for (const size_t panel : {1, 2}) session_.setHidden(panel, true);  // nothing else comes for their threads
+  const std::weak_ptr<const Volume> volume = session_.scene()->volume;
+  const std::weak_ptr<const SampleFrame> frame = session_.frames().newest();
+  ASSERT_FALSE(volume.expired());
+  ASSERT_TRUE(open("block"));
+  EXPECT_TRUE(pumpUntil([&] { return volume.expired(); }));
+  EXPECT_TRUE(pumpUntil([&] { return frame.expired(); }));
+}
+
+/// An opened scene that nobody took yet: its server ends in the background.
+TEST_F(SessionTest, WhatWasOpenedAndNotTakenEndsElsewhere) {
+  std::weak_ptr<const Volume> volume;
+  std::atomic<bool> isOpen = false;
+  LoadJob late = builtin("shells");
+  late.open = [&, inner = late.open](const std::function<void()>& onNews, const std::stop_token& stop) {
+    ConnectedScene opened = inner(onNews, stop);
+    volume = opened.scene.volume;
+    isOpen = true;
+    return opened;
+  };
+  ASSERT_TRUE(open("block"));
+  session_.load(late);
+  while (!isOpen) std::this_thread::sleep_for(milliseconds(1));
+  std::this_thread::sleep_for(milliseconds(50));
+  session_.cancelLoad();
+  EXPECT_TRUE(session_.close(kPatience));
+  EXPECT_TRUE(volume.expired()) << "who closes waits for it, too";
+}
+
 TEST_F(SessionTest, DoesNotWaitForALoadThatCannotBeInterrupted) {
   std::latch loading(1), gate(1);
   Session session(settings(), [] {});

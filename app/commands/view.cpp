@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -207,9 +206,7 @@ void view(const ViewOptions& options) {
                      fromAnywhere({checked.sceneSpec, checked.overrides})});
     return session;
   };
-  const bool hasEnded = runWindow(makeSession, openChosen, clock, window, interrupt.token());
-  // A reader that cannot be interrupted must not keep a closed window's process: there is nothing left to be tidied up.
-  if (!hasEnded) std::_Exit(EXIT_SUCCESS);
+  runWindow(makeSession, openChosen, clock, window, interrupt.token());
 }
 
 }  // namespace

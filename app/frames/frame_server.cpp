@@ -151,12 +151,19 @@ FrameServer::FrameServer(std::shared_ptr<net::IoThread> io, const Scene& scene, 
       mostLanes_(limits ? settings.clients.most : 1),
       processes_(std::move(processes)),
       marcher_(std::move(marcher)) {
-  startLane();
-  const std::scoped_lock lock(mutex_);
-  threads_.emplace_back([this] { keepHouse(); });
+  try {
+    startLane();
+    const std::scoped_lock lock(mutex_);
+    threads_.emplace_back([this] { keepHouse(); });
+  } catch (...) {  // the system gives no more threads
+    end();
+    throw;
+  }
 }
 
-FrameServer::~FrameServer() {
+FrameServer::~FrameServer() { end(); }
+
+void FrameServer::end() {
   requestStop();
   server_.stop();
   std::vector<std::thread> threads;
@@ -173,7 +180,7 @@ void FrameServer::startLane() {
   if (isEnding_ || idle_ > 0 || lanes_.size() >= mostLanes_) return;
   const size_t before = lanes_.size();
   try {
-    Lane& lane = *lanes_.emplace_back(std::make_unique<Lane>(turns_));
+    Lane& lane = *lanes_.emplace_back(std::make_shared<Lane>(turns_));
     threads_.emplace_back([this, &lane] { run(lane); });
   } catch (const std::exception&) {
     lanes_.resize(before);
@@ -216,9 +223,13 @@ void FrameServer::run(Lane& lane) {
 void FrameServer::keepHouse() {
   while (clock_.waitUntil(clock_.now() + kHousekeeping, stop_.get_token())) {
     if (budget_ && budget_->isShort()) server_.makeRoom();
-    const std::scoped_lock lock(mutex_);
-    for (const std::unique_ptr<Lane>& lane : lanes_) lane->giveBackIfRested(clock_.now());
-    std::erase_if(paces_, [](const auto& of) { return of.second.hasLeft.stop_requested(); });
+    std::vector<std::shared_ptr<Lane>> lanes;
+    {
+      const std::scoped_lock lock(mutex_);
+      lanes = lanes_;
+      std::erase_if(paces_, [](const auto& of) { return of.second.hasLeft.stop_requested(); });
+    }
+    for (const std::shared_ptr<Lane>& lane : lanes) lane->giveBackIfRested(clock_.now());  // takes its time: setTransferFunction() does not wait for it
   }
 }
 

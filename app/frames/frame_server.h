@@ -59,6 +59,7 @@ class FrameServer {
   class Lane;
   struct Answer;
 
+  void end();
   void startLane();
   void run(Lane& lane);
   void keepHouse();
@@ -79,7 +80,7 @@ class FrameServer {
   std::stop_source stop_;
   mutable std::mutex mutex_;  // of the following
   MarcherPtr marcher_;        // whose twins lanes march with
-  std::vector<std::unique_ptr<Lane>> lanes_;
+  std::vector<std::shared_ptr<Lane>> lanes_;  // shared with who keeps house
   std::vector<std::thread> threads_;  // of the lanes, and the one that keeps house
   struct PaceOfClient {
     std::stop_token hasLeft;

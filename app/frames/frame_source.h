@@ -129,8 +129,6 @@ class FrameSource {
 
   /// Asks its threads to end without waiting for them; the destructor waits.
   virtual void requestStop() = 0;
-  /// Waits until they have ended, but not beyond `time`. True if they have.
-  virtual bool waitForEnd(std::chrono::steady_clock::time_point time) = 0;
 };
 
 using FrameSourcePtr = std::shared_ptr<FrameSource>;

@@ -5,24 +5,27 @@
 #include <utility>
 
 #include "app/frames/recorded_frames.h"
+#include "render/core/crew_work.h"
 
 namespace warpscope {
 RecordedFrameSource::RecordedFrameSource(std::shared_ptr<const Recording> recording, std::function<void()> onNews)
     : recording_(std::move(recording)),
       worker_(
-          [recorded = recording_]() -> NewestWorker<size_t, Result>::Work {
-            return [recorded, frames = std::make_shared<RecordedFrames>(*recorded)](size_t index, Result& result, const std::stop_token&) {
-              result.index = index;
-              const Recording::Frame& wanted = recorded->frames[index];
-              ServedFrame& served = result.taken.served;
-              served.requestId = wanted.head.id;
-              const SampleFramePtr frame = frames->at(wanted.seconds);
-              served.bytes = frames->bytes();
-              served.latency = latencyOf(frame->timings);
-              result.taken.view = viewAskedWith(*recorded, wanted, frame->camera);
-              served.frame = frame;
-            };
-          },
+          workOfCrew(
+              [recorded = recording_]() -> NewestWorker<size_t, Result>::Work {
+                return [recorded, frames = std::make_shared<RecordedFrames>(*recorded)](size_t index, Result& result, const std::stop_token&) {
+                  result.index = index;
+                  const Recording::Frame& wanted = recorded->frames[index];
+                  ServedFrame& served = result.taken.served;
+                  served.requestId = wanted.head.id;
+                  const SampleFramePtr frame = frames->at(wanted.seconds);
+                  served.bytes = frames->bytes();
+                  served.latency = latencyOf(frame->timings);
+                  result.taken.view = viewAskedWith(*recorded, wanted, frame->camera);
+                  served.frame = frame;
+                };
+              },
+              ownCrewBesideThisThreads(Crew::kOfPictures), Crew::kOfPictures),
           std::move(onNews)) {}
 
 void RecordedFrameSource::seek(double seconds) {

@@ -35,7 +35,6 @@ class RecordedFrameSource final : public FrameSource {
   void setTransport(const TransportSettings& /*transport*/) override {}
   SourceStatus status() const override { return {}; }
   void requestStop() override { worker_.requestStop(); }
-  bool waitForEnd(Clock::TimePoint time) override { return worker_.waitForEnd(time); }
 
  private:
   struct Result {

@@ -38,14 +38,14 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
         transport_{.link = settings.link, .codec = {}, .depth = settings.depth},
         status_{.isConnected = false, .isRefused = false, .sentence = {}, .next = {}, .where = where_},
         decoder_(
-            // Made by who works with a crew, it has one of its own: decoding must not wait for marches.
+            // Decoding must not wait for marches.
             workOfCrew(
                 [this, backend]() -> NewestWorker<Arrived, ServedFrame>::Work {
                   return [this, codec = std::make_shared<FrameCodec>(makeTiledCoder(backend))](const Arrived& arrived, ServedFrame& served, const std::stop_token&) {
                     decode(arrived, served, *codec);
                   };
                 },
-                Crew::ofThisThread() != nullptr ? std::make_shared<Crew>(0, Crew::kOfPictures) : nullptr, Crew::kOfPictures),
+                ownCrewBesideThisThreads(Crew::kOfPictures), Crew::kOfPictures),
             onNews_),
         client_(std::move(io), settings, *this) {}  // which may tell of a connection before this ends
 
@@ -99,7 +99,6 @@ class RemoteFrameSource final : public FrameSource, private net::ClientEvents {
     return status_;
   }
   void requestStop() override { decoder_.requestStop(); }
-  bool waitForEnd(Clock::TimePoint time) override { return decoder_.waitForEnd(time); }
 
  private:
   void onState(const net::ConnectionState& state) override {

@@ -39,7 +39,6 @@ class HostedSource final : public FrameSource {
     server_->requestStop();
     source_->requestStop();
   }
-  bool waitForEnd(Clock::TimePoint time) override { return source_->waitForEnd(time); }
 
  private:
   const std::unique_ptr<FrameServer> server_;

@@ -10,6 +10,7 @@
 #include "app/experiment/measuring.h"
 #include "app/frames/backend.h"
 #include "app/session/own_context.h"
+#include "render/core/crew_work.h"
 #include "render/metrics/picture_errors.h"
 
 namespace warpscope {
@@ -37,10 +38,11 @@ class FairWork {
       judges.push_back(std::make_unique<PictureJudge>(truth, job.scene->background));
       ++*job.done;
     }
-    resources_.marcher = job.marcher;
-    FrameCodec codec(makeTiledCoder(resources_.backend));
+    WarpResources resources = resources_;  // with its context, and with what is the job's only
+    resources.marcher = job.marcher;
+    FrameCodec codec(makeTiledCoder(resources.backend));
     for (const Configuration& configuration : job.configurations) {
-      const std::unique_ptr<Warp> warp = makeWarp(*configuration.technique, resources_);
+      const std::unique_ptr<Warp> warp = makeWarp(*configuration.technique, resources);
       WarpSettings settings = configuration.warp({});
       settings.reference = job.reference;
       FairPoint point{.configuration = configuration, .angles = {}, .pictureSize = job.sizePx};
@@ -69,8 +71,9 @@ std::vector<size_t> frontOf(const std::vector<FairPoint>& points) {
 
 }  // namespace
 
-FairMeasuring::FairMeasuring(gl::Platform platform, WarpResources resources, std::function<void()> onNews)
-    : worker_([platform, resources = std::move(resources)]() -> FairWorker::Work { return FairWork(platform, resources); }, std::move(onNews)) {}
+FairMeasuring::FairMeasuring(gl::Platform platform, WarpResources resources, std::function<void()> onNews, std::shared_ptr<Crew> crew)
+    : worker_(workOfCrew([platform, resources = std::move(resources)]() -> FairWorker::Work { return FairWork(platform, resources); }, std::move(crew), Crew::kOfMarches),
+              std::move(onNews)) {}
 
 void FairMeasuring::start(FairJob job) {
   cancel();

@@ -14,6 +14,7 @@
 #include "app/scene/scene.h"
 #include "app/session/warp_job.h"
 #include "render/base/newest_worker.h"
+#include "render/core/crew.h"
 #include "render/gl/context.h"
 
 namespace warpscope {
@@ -53,8 +54,8 @@ using FairWorker = NewestWorker<FairJob, FairResult>;
 
 class FairMeasuring {
  public:
-  /// `onNews` is called on another thread after each result.
-  FairMeasuring(gl::Platform platform, WarpResources resources, std::function<void()> onNews);
+  /// `onNews` is called on another thread after each result. Loops run on `crew`, as those of panels do on theirs; null: on all cores.
+  FairMeasuring(gl::Platform platform, WarpResources resources, std::function<void()> onNews, std::shared_ptr<Crew> crew = nullptr);
 
   void start(FairJob job);
   /// Why nothing is begun.

@@ -32,6 +32,7 @@ struct WantedFrame {
 class FrameRequests {
  public:
   using TimePoint = Clock::TimePoint;
+  /// How long the camera must rest before it is shown in full, and judged.
   static constexpr std::chrono::milliseconds kRest{150};
   /// Requests that are remembered, of which few can be under way: where nobody answers, a camera that moves asks sixty times a second.
   static constexpr size_t kMostKept = 1024;

@@ -112,7 +112,12 @@ JudgeFunction makeJudge() {
 
 std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult, std::shared_ptr<Crew> crew) {
   const auto makeWork = [maker = std::move(maker)]() -> JudgeWorker::Work {
-    return [judge = maker(), picture = PictureOfFrame{}](const JudgeJob& job, Judgement& judgement, const std::stop_token& stop) mutable {
+    return [maker, judge = maker(), picture = PictureOfFrame{}](const JudgeJob& job, Judgement& judgement, const std::stop_token& stop) mutable {
+      if (!job.drawn.judged) {
+        judge = maker();
+        picture = {};
+        throw OperationCancelled();
+      }
       judgement.job = job;
       Image<float> map;
       judgement.errors = judge(job.drawn.job.reference, *job.drawn.judged, map);

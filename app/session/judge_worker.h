@@ -15,7 +15,7 @@
 namespace warpscope {
 
 struct JudgeJob {
-  WarpResult drawn;                            ///< with `judged` and its job's `reference`
+  WarpResult drawn;                            ///< with `judged` and its job's `reference`; without: there is nothing to judge, and what was kept to judge by goes
   std::optional<Configuration> configuration;  ///< that drew it, if it is known
   PictureContent content = PictureContent::picture;  ///< that is to be found besides
   std::optional<float> contentRange;                 ///< of its ramp

@@ -5,11 +5,11 @@
 #include <optional>
 #include <utility>
 
+#include "app/session/frame_requests.h"
+
 namespace warpscope {
 namespace {
 
-/// How long the camera must rest before the ground truth is marched.
-constexpr std::chrono::milliseconds kRest(150);
 /// Where it follows the moving camera: how often. Each costs the panels a drawing, and the CPU what judging takes.
 constexpr std::chrono::milliseconds kLivePeriod(200);
 
@@ -47,7 +47,7 @@ bool LiveGroundTruth::follow(ReferenceJob wanted, TimePoint now) {
     }
   }
   if (isAsked()) return false;
-  const bool isTime = followsCamera() ? now - askedAt_ >= kLivePeriod : now - movedAt_ >= kRest;
+  const bool isTime = followsCamera() ? now - askedAt_ >= kLivePeriod : now - movedAt_ >= FrameRequests::kRest;
   if (!isTime) return true;  // the time passes without further events
   asked_ = wanted_;
   askedAt_ = now;

@@ -56,7 +56,9 @@ bool LivePanel::setTechnique(const WarpDescriptor& technique) {
 
 void LivePanel::clear() {
   warp_->cancel();
+  warp_->post({});  // also where the panel is hidden, and nothing else comes
   judge_->cancel();
+  judge_->post({});
   Panel fresh;
   static_cast<PanelSettings&>(fresh) = shown_;
   fresh.id = shown_.id;

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "render/core/crew_work.h"
+
 namespace warpscope {
 namespace {
 
@@ -19,7 +21,8 @@ void planAndMeasure(const PlanJob& job, PlanResult& result, const std::stop_toke
 
 }  // namespace
 
-LivePlan::LivePlan(std::function<void()> onNews) : worker_([]() -> PlanWorker::Work { return planAndMeasure; }, std::move(onNews)) {}
+LivePlan::LivePlan(std::function<void()> onNews, std::shared_ptr<Crew> crew)
+    : worker_(workOfCrew([]() -> PlanWorker::Work { return planAndMeasure; }, std::move(crew), Crew::kOfMarches), std::move(onNews)) {}
 
 void LivePlan::clear() {
   worker_.cancel();

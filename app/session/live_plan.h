@@ -9,6 +9,7 @@
 
 #include "app/experiment/stage_costs.h"
 #include "render/base/newest_worker.h"
+#include "render/core/crew.h"
 #include "render/march/marcher.h"
 
 namespace warpscope {
@@ -34,8 +35,8 @@ using PlanWorker = NewestWorker<PlanJob, PlanResult>;
 
 class LivePlan {
  public:
-  /// `onNews` is called on another thread after each result.
-  explicit LivePlan(std::function<void()> onNews);
+  /// `onNews` is called on another thread after each result. Loops run on `crew`; null: on all cores.
+  explicit LivePlan(std::function<void()> onNews, std::shared_ptr<Crew> crew = nullptr);
 
   /// Forgets all; what is at work ends.
   void clear();

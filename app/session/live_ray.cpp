@@ -4,12 +4,20 @@
 
 #include <utility>
 
+#include "render/base/error.h"
+#include "render/core/crew_work.h"
+
 namespace warpscope {
 namespace {
 
 class RayWork {
  public:
+  /// A job without a volume: forgets the one that it has.
   void operator()(const RayJob& job, RayResult& result, const std::stop_token& stop) {
+    if (!job.volume) {
+      *this = {};
+      throw OperationCancelled();
+    }
     result.job = job;
     if (!tracer_ || job.volume != volume_ || job.transferFunction != transferFunction_) {
       tracer_.reset();
@@ -47,9 +55,15 @@ class RayWork {
 
 }  // namespace
 
-LiveRay::LiveRay(std::function<void()> onNews) : worker_([]() -> RayWorker::Work { return RayWork(); }, std::move(onNews)) {}
+LiveRay::LiveRay(std::function<void()> onNews, std::shared_ptr<Crew> crew)
+    : worker_(workOfCrew([]() -> RayWorker::Work { return RayWork(); }, std::move(crew), Crew::kOfMarches), std::move(onNews)) {}
 
 void LiveRay::clear() {
+  lookAway();
+  worker_.post({});  // what the tracer keeps goes on its own thread
+}
+
+void LiveRay::lookAway() {
   worker_.cancel();
   wanted_.reset();
   result_.reset();

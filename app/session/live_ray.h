@@ -9,6 +9,7 @@
 
 #include "app/experiment/ray_look.h"
 #include "render/base/newest_worker.h"
+#include "render/core/crew.h"
 
 namespace warpscope {
 
@@ -42,11 +43,13 @@ using RayWorker = NewestWorker<RayJob, RayResult>;
 
 class LiveRay {
  public:
-  /// `onNews` is called on another thread after each result.
-  explicit LiveRay(std::function<void()> onNews);
+  /// `onNews` is called on another thread after each result. Loops run on `crew`; null: on all cores.
+  explicit LiveRay(std::function<void()> onNews, std::shared_ptr<Crew> crew = nullptr);
 
-  /// Forgets all; what is at work ends.
+  /// Forgets all, the volume among it; what is at work ends.
   void clear();
+  /// No ray is wanted any more; the next one of the same volume finds that read.
+  void lookAway();
   /// The ray that is wanted from now on. True if it is another one than before. Where the volume is elsewhere error() says so.
   bool follow(RayJob wanted);
   /// Collects a result. True if there was one that is of use.

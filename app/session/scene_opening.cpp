@@ -32,18 +32,21 @@ void SceneOpening::open(LoadJob job) {
 
 void SceneOpening::cancel() {
   loader_->cancel();
-  static_cast<void>(loader_->tryTake());  // what is there already is not wanted either
+  if (std::optional<Result> unwanted = loader_->tryTake()) retire(std::move(unwanted->scene));
   name_.clear();
 }
 
 SceneOpening::Outcome SceneOpening::take() {
   std::optional<Result> result = loader_->tryTake();
-  if (!result || result->name != name_) return Outcome::nothing;
+  if (!result) return Outcome::nothing;
+  if (result->name != name_) {
+    retire(std::move(result->scene));
+    return Outcome::nothing;
+  }
   name_.clear();
   error_ = std::move(result->error);
   if (!result->scene) return Outcome::failed;
-  retire();
-  current_ = std::move(result->scene);
+  retire(std::exchange(current_, std::move(result->scene)));
   origin_ = std::move(result->origin);
   if (result->whenOpened) result->whenOpened();
   return Outcome::opened;
@@ -56,19 +59,20 @@ void SceneOpening::setTransferFunction(TransferFunction function, MarcherPtr dis
   current_ = std::make_shared<const ConnectedScene>(std::move(changed));
 }
 
-void SceneOpening::retire() {
+void SceneOpening::retire(std::shared_ptr<const ConnectedScene> scene) {
   std::erase_if(retired_, [](const std::future<void>& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
-  if (!current_) return;
-  current_->source->requestStop();
-  retired_.push_back(std::async(std::launch::async, [scene = std::move(current_)]() mutable {
+  if (!scene) return;
+  scene->source->requestStop();
+  retired_.push_back(std::async(std::launch::async, [ending = std::move(scene)]() mutable {
     Crew::standBack(Crew::kOfMarches);
-    scene.reset();
+    ending.reset();
   }));
 }
 
 void SceneOpening::requestStop() {
   loader_->requestStop();
-  retire();
+  if (std::optional<Result> unwanted = loader_->tryTake()) retire(std::move(unwanted->scene));
+  retire(std::exchange(current_, nullptr));
 }
 
 bool SceneOpening::waitForEnd(std::chrono::steady_clock::time_point time) const {

@@ -66,7 +66,8 @@ class SceneOpening {
   };
   using Loader = NewestWorker<LoadJob, Result>;
 
-  void retire();
+  /// Lets a scene end, if there is one.
+  void retire(std::shared_ptr<const ConnectedScene> scene);
 
   std::shared_ptr<const ConnectedScene> current_;
   std::optional<SceneOrigin> origin_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "app/frames/coarsening.h"
+#include "app/shell/output_files.h"
 
 namespace warpscope {
 namespace {
@@ -37,12 +38,11 @@ Session::Session(const SessionSettings& settings, const std::function<void()>& o
       onNews_(onNews),
       opening_(onNews, marchCrew_),
       truth_(onNews, marchCrew_),
-      plan_(onNews),
-      ray_(onNews),
-      fair_(settings.platform, settings.resources, onNews),
+      plan_(onNews, marchCrew_),
+      ray_(onNews, marchCrew_),
+      fair_(settings.platform, settings.resources, onNews, marchCrew_),
       moving_(onNews, marchCrew_),
       exporting_(settings.platform, settings.resources, onNews, marchCrew_) {
-  if (marchCrew_) Crew::poolStandsBack(Crew::kOfMarches);
   setKnobs(settings.knobs);
   for (const PanelSettings& panel : settings.panels) panels_.push_back(makePanel(panel, ++lastPanelId_));
 }
@@ -237,10 +237,14 @@ void Session::measureNow() {
 void Session::startRecording(const std::filesystem::path& file, const std::string& text) {
   if (!scene()) throw InputError("there is no scene yet");
   stopRecording();
-  while (!endedRecordings_.empty()) takeEndedRecordings(std::chrono::steady_clock::now() + std::chrono::hours(1));  // it may be the same file
   recordingError_.clear();
   recordingFailure_.clear();
+  // Nobody waits for a slow disk here. What is left to be written has mostly been for a while.
+  takeEndedRecordings(std::chrono::steady_clock::now() + std::chrono::milliseconds(20));
+  for (const EndedRecording& one : endedRecordings_)
+    if (isSameFile(one.file, file)) throw InputError(file.string() + ": what was recorded before is still being written to it");
   recorder_ = std::make_unique<RecordingWriter>(file, *scene(), text);
+  recordingFile_ = file;
   recordingSince_.reset();
   recordedFrame_.reset();
   recordedLink_ = {};
@@ -251,14 +255,14 @@ size_t Session::stopRecording() {
   if (!recorder_) return 0;
   const size_t leftOut = recorder_->framesLeftOut();
   // What waits is written elsewhere: a disk may take its time.
-  endedRecordings_.push_back(std::async(std::launch::async, [ended = std::move(recorder_)] { return ended->finish(); }));
+  endedRecordings_.push_back({recordingFile_, std::async(std::launch::async, [ended = std::move(recorder_)] { return ended->finish(); })});
   return leftOut;
 }
 
 bool Session::takeEndedRecordings(std::chrono::steady_clock::time_point until) {
-  return std::erase_if(endedRecordings_, [&](std::future<std::string>& one) {
-           if (one.wait_until(until) != std::future_status::ready) return false;
-           if (std::string error = one.get(); !error.empty()) recordingError_ = recordingFailure_ = std::move(error);
+  return std::erase_if(endedRecordings_, [&](EndedRecording& one) {
+           if (one.trouble.wait_until(until) != std::future_status::ready) return false;
+           if (std::string error = one.trouble.get(); !error.empty()) recordingError_ = recordingFailure_ = std::move(error);
            return true;
          }) > 0;
 }
@@ -307,7 +311,7 @@ bool Session::followRay() {
   const std::optional<size_t> place = lookedAt_ ? placeOf(lookedAt_->panel) : std::nullopt;
   if (!place) {
     lookedAt_.reset();
-    ray_.clear();
+    ray_.lookAway();
     return false;
   }
   bool happened = ray_.take();

@@ -96,11 +96,13 @@ class Session {
   /// Records the linked camera's path anew, or ends that.
   void setRecording(bool isRecording) { motion_.setRecording(isRecording); }
   /// Records frames and the linked camera into a file from now on, in place of one that is there (frames/recording.h); `text` goes with it. Throws InputError
-  /// where that cannot be written, or without a scene.
+  /// where that cannot be written, an earlier one is still being written to it, or without a scene.
   void startRecording(const std::filesystem::path& file, const std::string& text);
   /// How many frames are not in the recording, because they came faster than they could be written.
   size_t stopRecording();
   bool isRecording() const { return recorder_ != nullptr; }
+  /// Whether the end of one that was stopped is still on its way to its file.
+  bool isWritingRecording() const { return !endedRecordings_.empty(); }
   /// Why the last recording is not whole, whether or not that was dismissed; empty if it is. Known of all of it after close().
   const std::string& recordingFailure() const { return recordingFailure_; }
   /// A recording that is on show in place of what a server sends; open while the scene is one.
@@ -252,9 +254,9 @@ class Session {
   /// True if nothing is under way, and what is on show is what was wanted and is judged: what is timed now is timed alone.
   bool isAtRest() const;
   void takeTime(size_t index, const WarpResult& result);
-  /// Nothing where it is not known, or where no configuration did it: it gets no point in the plot.
   /// Whether what was asked for is of the transfer function of now: a frame from before is wrong beside today's ground truth, and no technique's fault. Recorded frames know no versions.
   bool isOfFunctionNow(const WantedFrame& asked) const { return playback_.isOpen() || asked.functionVersion == functionVersion_; }
+  /// Nothing where it is not known, or where no configuration did it: it gets no point in the plot.
   std::optional<Configuration> configurationOf(const WarpResult& result) const;
 
   const gl::Platform platform_;
@@ -280,12 +282,17 @@ class Session {
   LiveMotion motion_;
   LivePlayback playback_;
   std::unique_ptr<RecordingWriter> recorder_;
+  std::filesystem::path recordingFile_;
   std::optional<TimePoint> recordingSince_;  // nothing until its first view
   std::optional<uint64_t> recordedFrame_;    // the last one's request
   TransferFunction recordedFunction_;        // the last one
   LinkSign recordedLink_;                    // likewise
   static constexpr std::chrono::milliseconds kRecordingPatience{30000};  // when the window closes: what was recorded is not given up for the sake of a second
-  std::vector<std::future<std::string>> endedRecordings_;  // that are still written; why they are not whole
+  struct EndedRecording {
+    std::filesystem::path file;
+    std::future<std::string> trouble;  // why it is not whole
+  };
+  std::vector<EndedRecording> endedRecordings_;  // that are still written
   std::string recordingError_, recordingFailure_;
   TimePoint outageEnd_{};
   std::chrono::milliseconds outageLength_{0};

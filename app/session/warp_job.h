@@ -45,7 +45,7 @@ class ReferenceImage {
 };
 
 struct WarpJob {
-  const WarpDescriptor* technique = nullptr;
+  const WarpDescriptor* technique = nullptr;  ///< null: there is nothing to draw, and what was kept to draw with goes
   uint64_t scene = 0;  ///< that all of this is of: counted by the session
   MarcherPtr marcher;  ///< for techniques that march
   SampleFramePtr frame;

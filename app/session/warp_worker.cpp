@@ -8,6 +8,7 @@
 #include "app/frames/backend.h"
 #include "app/picture/picture.h"
 #include "app/session/moving_errors.h"
+#include "app/session/own_context.h"
 #include "app/shell/log.h"
 #include "render/base/error.h"
 #include "render/base/recent_need.h"
@@ -26,17 +27,16 @@ constexpr int kTimedRuns = 5;
 /// One technique at work, on the worker's thread.
 class Easel {
  public:
-  Easel(gl::Platform platform, WarpResources resources) : platform_(platform), resources_(std::move(resources)) {
-    resources_.context = [this]() -> gl::Context& {
-      if (!context_) {
-        context_ = gl::makeHeadlessContext(platform_);
-        logDetail("OpenGL of a panel: " + std::string(context_->platformName()) + ", " + context_->renderer());
-      }
-      return *context_;
-    };
+  Easel(gl::Platform platform, WarpResources resources) : resources_(std::move(resources)) {
+    resources_.context = makeOwnContext(platform, [](const gl::Context& made) { logDetail("OpenGL of a panel: " + std::string(made.platformName()) + ", " + made.renderer()); });
   }
 
   void paint(const WarpJob& job, WarpResult& result, const std::stop_token& stop) {
+    if (job.technique == nullptr) {
+      forget();
+      giveBackFreedMemory();
+      throw OperationCancelled();
+    }
     result.job = job;
     if (std::exchange(countedFor_, job.scene) != job.scene) counts_ = {};
     result.counts = counts_;
@@ -205,9 +205,7 @@ class Easel {
     return image;
   }
 
-  const gl::Platform platform_;
-  WarpResources resources_;
-  std::unique_ptr<gl::Context> context_;  // outlives the warp, whose objects are in it
+  WarpResources resources_;  // whose context outlives the warp, which has objects in it
   std::unique_ptr<Warp> warp_;
   EaselState state_;
   std::shared_ptr<WarpedImage> image_ = std::make_shared<WarpedImage>();

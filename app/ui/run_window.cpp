@@ -16,6 +16,7 @@
 #include "app/shell/user_folders.h"
 #include "app/ui/main_view.h"
 #include "app/ui/window.h"
+#include "render/base/abandonable.h"
 
 namespace warpscope {
 namespace ui {
@@ -154,7 +155,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
 }  // namespace
 }  // namespace ui
 
-bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
+void runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
                const std::stop_token& stop) {
   const bool isForScripts = !settings.screenshot.empty();
   const std::optional<std::filesystem::path> file = rememberedFile();
@@ -174,14 +175,16 @@ bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Cl
   }
   const bool hasEnded = session->close(ui::kClosingPatience);
   const std::string recordingError = session->recordingFailure();
-  if (!hasEnded) static_cast<void>(session.release());  // its thread still uses it
+  if (!hasEnded) {  // a reader that cannot be interrupted must not keep a closed window's process
+    static_cast<void>(session.release());
+    noteLeftAlone();
+  }
   if (!photograph.empty()) writeFileWhole(settings.screenshot, encodePng(photograph));
   if (!settings.report.empty()) writeFileWhole(settings.report, figures);
-  if (recordingError.empty()) return hasEnded;
+  if (recordingError.empty()) return;
   const std::string sentence = "the recording is not whole: " + recordingError;
   if (!settings.recording.empty()) throw InputError(sentence);
   logWarning(sentence);
-  return hasEnded;
 }
 
 }  // namespace warpscope

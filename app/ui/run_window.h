@@ -40,8 +40,8 @@ using SceneOpener = OriginOpener;
 
 /// Opens the window and returns when it is closed or `stop` is set. Throws NoDisplay before anything was done, UsageError for a size that is less
 /// than the window's parts need or more than the screens have, InputError if the
-/// screenshot or the report cannot be written or nothing can be shown on it. False if the session did not end in time (see Session::close); the session then lives on.
-bool runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
+/// screenshot, the report or a recording cannot be written or nothing can be shown on it. If the session does not end in time (see Session::close) it lives on, and is noted as left alone (abandonable.h).
+void runWindow(const SessionMaker& makeSession, const SceneOpener& openScene, Clock& clock, const WindowSettings& settings,
                const std::stop_token& stop);
 
 }  // namespace warpscope

@@ -4,7 +4,7 @@
 
 namespace warpscope {
 
-bool runWindow(const SessionMaker&, const SceneOpener&, Clock&, const WindowSettings&, const std::stop_token&) {
+void runWindow(const SessionMaker&, const SceneOpener&, Clock&, const WindowSettings&, const std::stop_token&) {
   throw NoDisplay("this build has no window (WARPSCOPE_WITH_UI=OFF)");
 }
 

@@ -43,6 +43,8 @@ bool runAbandonable(std::function<void()> work, const std::stop_token& stop) {
   return false;
 }
 
+void noteLeftAlone() { ++abandonedCount; }
+
 bool isAnythingAbandoned() { return abandonedCount > 0; }
 
 }  // namespace warpscope

@@ -16,6 +16,9 @@ namespace warpscope {
 /// False if it is left: then it must own all that it uses. It must not throw.
 bool runAbandonable(std::function<void()> work, const std::stop_token& stop);
 
+/// Something is left alone that does not say when it has ended.
+void noteLeftAlone();
+
 /// Whether anything that was left alone is still at work. A process ends by std::_Exit then: its statics are still in use.
 bool isAnythingAbandoned();
 

@@ -4,7 +4,6 @@
 
 #include <sys/resource.h>
 #include <tbb/task_arena.h>
-#include <tbb/task_scheduler_observer.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -52,20 +51,6 @@ void Crew::standBack(int nice) {
 }
 
 bool Crew::doesThisThreadStandBack() { return thisThreadStandsBack; }
-
-void Crew::poolStandsBack(int nice) {
-  struct Observer final : tbb::task_scheduler_observer {
-    explicit Observer(int wanted) : nice_(wanted) { observe(true); }
-    void on_scheduler_entry(bool isWorker) override {
-      if (isWorker) standBack(nice_);
-    }
-
-   private:
-    const int nice_;
-  };
-  static Observer* const observer = new Observer(nice);  // threads of the pool may end after all else
-  static_cast<void>(observer);
-}
 
 struct Crew::State {
   ~State() {

@@ -44,8 +44,6 @@ class Crew {
   static void standBack(int nice);
   /// Whether it was called on this thread: those that it starts have its nice value only.
   static bool doesThisThreadStandBack();
-  /// From now on the same for threads of oneTBB's pool, on which loops without a crew run, once they have worked for a loop of the calling thread: not for those that only work for others'.
-  static void poolStandsBack(int nice);
 
   /// Nice values by which threads are behind the program's first: those that draw for the window behind the window's own, and marches behind these. Each step is
   /// a factor of 1.25 (sched(7)): the window's own thread, which wants little, has nine tenths of a core that pictures want as well; a march has three tenths beside them, and they do not

@@ -11,6 +11,9 @@
 
 namespace warpscope {
 
+/// A new crew where loops of the calling thread run on one: for work that must not wait for what that one is at. Null where they run on all cores.
+inline std::shared_ptr<Crew> ownCrewBesideThisThreads(int nice) { return Crew::ofThisThread() != nullptr ? std::make_shared<Crew>(0, nice) : nullptr; }
+
 /// What `make` makes, for a NewestWorker: the thread that it works on stands back by `nice` (Crew::standBack), and so do those that it starts; its loops run on `crew`. Null: as it is.
 template <class Make>
 auto workOfCrew(Make make, std::shared_ptr<Crew> crew, int nice) {
