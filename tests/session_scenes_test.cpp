@@ -100,6 +100,7 @@ TEST_F(SessionTest, NothingIsKeptOfASceneThatWasReplaced) {
   session_.measureNow();
   ASSERT_TRUE(session_.fair().isMeasuring());
   ASSERT_TRUE(pumpUntil([&] { return !session_.fair().isMeasuring(); }));
+  session_.lookAt({});
   for (const size_t panel : {1, 2}) session_.setHidden(panel, true);  // nothing else comes for their threads
   const std::weak_ptr<const Volume> volume = session_.scene()->volume;
   const std::weak_ptr<const SampleFrame> frame = session_.frames().newest();
