@@ -38,7 +38,7 @@ std::string numberText(double value) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value, format).ptr};
 }
 
-std::string quoted(std::string_view text) { return "'" + std::string(text.substr(0, 80)) + "'"; }
+std::string inQuotes(std::string_view text) { return "'" + std::string(text.substr(0, 80)) + "'"; }
 
 void requireWithin(double value, const Bounds& bounds, const std::string& name, const std::string& unit) {
   if (value >= bounds.lowest && value <= bounds.highest) return;
@@ -54,7 +54,7 @@ std::optional<double> finiteNumber(std::string_view text) {
 double parseMs(std::string_view text, std::string_view key) {
   if (text.ends_with("ms")) text.remove_suffix(2);
   if (const std::optional<double> value = finiteNumber(text)) return *value;
-  refuse(std::string(key) + " must be a number of milliseconds, not " + quoted(text));
+  refuse(std::string(key) + " must be a number of milliseconds, not " + inQuotes(text));
 }
 
 /// A number with k, M or G.
@@ -70,7 +70,7 @@ double parseAmount(std::string_view text, std::string_view key, std::string_view
     }
   }
   if (const std::optional<double> value = finiteNumber(digits)) return *value * factor;
-  refuse(std::string(key) + " must be a number of " + std::string(unit) + ", as 20M, not " + quoted(text));
+  refuse(std::string(key) + " must be a number of " + std::string(unit) + ", as 20M, not " + inQuotes(text));
 }
 
 std::string amountText(double value) {
@@ -115,7 +115,7 @@ std::string writeBuffer(const LinkSettings& settings) { return settings.bufferBy
 void readLoss(LinkSettings& settings, std::string_view value) {
   const bool isPercent = value.ends_with('%');
   const std::optional<double> number = finiteNumber(isPercent ? value.substr(0, value.size() - 1) : value);
-  if (!number) refuse("loss must be a percentage, as 1%, or a fraction, as 0.01, not " + quoted(value));
+  if (!number) refuse("loss must be a percentage, as 1%, or a fraction, as 0.01, not " + inQuotes(value));
   settings.loss = isPercent ? *number / 100 : *number;
 }
 std::string writeLoss(const LinkSettings& settings) {
@@ -132,7 +132,7 @@ void readOutage(LinkSettings& settings, std::string_view value) {
     return;
   }
   if (slash == std::string_view::npos)
-    refuse("outage must be LENGTH/INTERVAL in milliseconds, as 500/10000, or 500/~10000 for a mean interval, not " + quoted(value));
+    refuse("outage must be LENGTH/INTERVAL in milliseconds, as 500/10000, or 500/~10000 for a mean interval, not " + inQuotes(value));
   std::string_view interval = value.substr(slash + 1);
   settings.outagesAreRandom = interval.starts_with('~');
   if (settings.outagesAreRandom) interval.remove_prefix(1);
@@ -147,7 +147,7 @@ std::string writeOutage(const LinkSettings& settings) {
 void readSeed(LinkSettings& settings, std::string_view value) {
   const char* const end = value.data() + value.size();
   const auto [stop, error] = std::from_chars(value.data(), end, settings.seed);
-  if (error != std::errc{} || stop != end) refuse("seed must be a whole number from 0 to 18446744073709551615, not " + quoted(value));
+  if (error != std::errc{} || stop != end) refuse("seed must be a whole number from 0 to 18446744073709551615, not " + inQuotes(value));
 }
 std::string writeSeed(const LinkSettings& settings) { return settings.seed == LinkSettings().seed ? "" : std::to_string(settings.seed); }
 
@@ -178,9 +178,9 @@ void readItem(DuplexLinkSettings& settings, std::string_view item) {
   if (equals == std::string_view::npos) {
     std::vector<std::string_view> names;
     for (const LinkPreset& preset : linkPresets()) names.push_back(preset.name);
-    if (std::find(names.begin(), names.end(), item) != names.end()) refuse("the link " + quoted(item) + " stands behind something else; a link's name comes first, and there is one");
+    if (std::find(names.begin(), names.end(), item) != names.end()) refuse("the link " + inQuotes(item) + " stands behind something else; a link's name comes first, and there is one");
     const std::optional<std::string_view> nearest = nearestName(item, names);
-    refuse(quoted(item) + " is no KEY=VALUE, nor a link's name at the beginning" +
+    refuse(inQuotes(item) + " is no KEY=VALUE, nor a link's name at the beginning" +
            (nearest ? "; did you mean '" + std::string(*nearest) + "'? Names: " : "; names: ") + listOf(linkPresets()) + "; keys: " + listOf(linkKeys()));
   }
   std::string_view name = item.substr(0, equals);
@@ -189,7 +189,7 @@ void readItem(DuplexLinkSettings& settings, std::string_view item) {
   if (isUp) name.remove_prefix(kUp.size());
   if (isDown) name.remove_prefix(kDown.size());
   const auto key = std::find_if(kKeys.begin(), kKeys.end(), [&](const Key& entry) { return entry.text.name == name; });
-  if (key == kKeys.end()) refuse("a link has no " + quoted(name) + "; known: " + listOf(linkKeys()));
+  if (key == kKeys.end()) refuse("a link has no " + inQuotes(name) + "; known: " + listOf(linkKeys()));
   if (!isDown) key->read(settings.up, value);
   if (isUp) return;
   if (!isDown && name == "trace")
@@ -386,7 +386,7 @@ std::shared_ptr<const DelayTrace> parseTrace(std::string_view text, const std::s
     const std::optional<double> delayMs = finiteNumber(line);
     if (!delayMs || *delayMs < kTraceMs.lowest || *delayMs > kTraceMs.highest) {
       refuse(file + ":" + std::to_string(number) + ": a line must be one delay from " + numberText(kTraceMs.lowest) + " to " +
-             numberText(kTraceMs.highest) + " ms, not " + quoted(line));
+             numberText(kTraceMs.highest) + " ms, not " + inQuotes(line));
     }
     if (trace->delaysMs.size() == kMostDelays) refuse(file + ": has more than " + std::to_string(kMostDelays) + " delays");
     trace->delaysMs.push_back(*delayMs);

@@ -11,7 +11,7 @@ namespace warpscope {
 namespace {
 
 /// Every pixel has as many samples of noise, with layers if that is more than one, and a plane of noise.
-SampleFrame noise(uint32_t width, uint32_t height, uint32_t perRay, uint32_t seed) {
+SampleFrame noiseFrame(uint32_t width, uint32_t height, uint32_t perRay, uint32_t seed) {
   std::mt19937_64 random(seed);
   SampleFrame frame = emptyPicture(width, height);
   frame.settings.sample.samplesPerRay = static_cast<int>(perRay);
@@ -42,7 +42,7 @@ TEST(CodecBounds, NoiseTakesMuchOfThemAndNoMoreThanAll) {
   for (const auto& [width, height] : {std::pair(64u, 64u), std::pair(500u, 300u), std::pair(1024u, 16u)})
     for (const uint32_t perRay : {1u, 4u, 8u})
       for (const CodecSettings& settings : {kRaw, kLossless, kJpeg, kBestJpeg, kTiled}) {
-        const double share = shareOf(noise(width, height, perRay, 7), settings);
+        const double share = shareOf(noiseFrame(width, height, perRay, 7), settings);
         EXPECT_LE(share, 1.0) << width << "x" << height << ", " << perRay << ", " << nameOf(settings.color);
         const double least = settings.format == PayloadFormat::raw ? 1.0 : settings == kLossless ? 0.5 : 0.4;
         EXPECT_GE(share, least)
@@ -55,7 +55,7 @@ TEST(CodecBounds, NoFrameExceedsThem) {
   for (int round = 0; round < 300; ++round) {
     const uint32_t width = 1 + random() % (round % 3 == 0 ? 700 : 40), height = 1 + random() % 60;
     SampleFrame frame = round % 2 == 0 ? garbageFrame(width, height, random() % (size_t{width} * height + 1), random())
-                                       : noise(width, height, 1 + random() % 8, random());
+                                       : noiseFrame(width, height, 1 + random() % 8, random());
     if (round % 5 == 0) frame.planes.clear();
     if (round % 5 == 0 && round % 2 != 0) continue;  // without layers there is one sample in a pixel
     for (const CodecSettings& settings : {kRaw, kLossless, kJpeg, kBestJpeg, kTiled})
@@ -67,7 +67,7 @@ TEST(CodecBounds, NoFrameExceedsThem) {
 TEST(CodecBounds, LoneSamplesInTheCornersStayWithinThem) {
   // A picture of the whole area for each of them.
   for (const uint32_t perRay : {1u, 8u}) {
-    SampleFrame frame = noise(2, 1, perRay, 5);
+    SampleFrame frame = noiseFrame(2, 1, perRay, 5);
     frame.camera.width = 1001;
     frame.camera.height = 777;
     for (size_t i = perRay; i < 2 * perRay; ++i)

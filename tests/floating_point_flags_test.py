@@ -3,6 +3,7 @@
 # Usage: floating_point_flags_test.py BUILD_FOLDER SOURCE_FOLDER. What each flag is for: CMakeLists.txt.
 import json
 import pathlib
+import re
 import shlex
 import sys
 
@@ -19,6 +20,15 @@ FORBIDDEN_LINKING = ["-ffast-math", "-Ofast", "-funsafe-math-optimizations", "-m
 ROOMS = ["render/", "net/", "app/", "tests/"]
 
 
+# In a unity build one entry is of several sources, which a file in the build folder includes.
+UNITY = re.compile(r'^#include "(.*)"$', re.MULTILINE)
+
+
+def compiled_by(entry):
+    path = pathlib.Path(entry["directory"], entry["file"]).resolve()
+    return [pathlib.Path(source) for source in UNITY.findall(path.read_text())] if path.parent.name == "Unity" else [path]
+
+
 def faults_of(command, source):
     words = shlex.split(command)
     faults = [f"lacks {flag}" for flag in (DEVICE if source.endswith(".cu") else HOST) if flag not in words]
@@ -29,15 +39,15 @@ def main():
     build, sources = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
     looked_at, rooms, faults = 0, set(), []
     for entry in json.loads((build / "compile_commands.json").read_text()):
-        path = pathlib.Path(entry["directory"], entry["file"]).resolve()
-        if not path.is_relative_to(sources):
-            continue
-        name = path.relative_to(sources).as_posix()
-        if path.suffix not in (".cpp", ".cu") or path.is_relative_to(build) or not name.startswith(tuple(ROOMS)):
-            continue
-        looked_at += 1
-        rooms.add(name.split("/")[0] + "/")
-        faults += [f"{name}: {fault}" for fault in faults_of(entry["command"], name)]
+        for path in compiled_by(entry):
+            if not path.is_relative_to(sources):
+                continue
+            name = path.relative_to(sources).as_posix()
+            if path.suffix not in (".cpp", ".cu") or path.is_relative_to(build) or not name.startswith(tuple(ROOMS)):
+                continue
+            looked_at += 1
+            rooms.add(name.split("/")[0] + "/")
+            faults += [f"{name}: {fault}" for fault in faults_of(entry["command"], name)]
     linked = 0
     for line in (build / "build.ninja").read_text().splitlines():
         key, _, value = line.strip().partition(" = ")

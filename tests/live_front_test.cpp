@@ -28,14 +28,14 @@ Configuration configured(const char* technique, float step = 0.5f) {
   return configuration;
 }
 
-constexpr glm::uvec2 kSize(640, 480);
+constexpr glm::uvec2 kPictureSize(640, 480);
 
-/// A front of pictures of kSize, and what puts points into it.
+/// A front of pictures of kPictureSize, and what puts points into it.
 class LiveFrontTest : public ::testing::Test {
  protected:
-  LiveFrontTest() { front_.setPictureSize(kSize); }
+  LiveFrontTest() { front_.setPictureSize(kPictureSize); }
 
-  void see(const Configuration& configuration, double angleDeg, double flip, double frameMs, const glm::uvec2& size = kSize) {
+  void see(const Configuration& configuration, double angleDeg, double flip, double frameMs, const glm::uvec2& size = kPictureSize) {
     front_.addError(configuration, size, angleDeg, flip);
     front_.addTime(configuration, size, angleDeg, frameMs);
   }
@@ -67,16 +67,16 @@ using Names = std::vector<std::string>;
 using Angles = std::vector<double>;
 
 TEST_F(LiveFrontTest, APointHasAnErrorAndATimeAtOneAngle) {
-  front_.addError(configured("spheres"), kSize, 0.0, 0.125);
+  front_.addError(configured("spheres"), kPictureSize, 0.0, 0.125);
   EXPECT_TRUE(front_.points().empty());
-  front_.addTime(configured("spheres"), kSize, 10.0, 20.0);
+  front_.addTime(configured("spheres"), kPictureSize, 10.0, 20.0);
   EXPECT_TRUE(front_.points().empty());  // judged at one angle, timed at another
   EXPECT_EQ(front_.remembered(), 1u);
-  front_.addTime(configured("spheres"), kSize, 0.0, 23.0);
+  front_.addTime(configured("spheres"), kPictureSize, 0.0, 23.0);
   ASSERT_EQ(front_.points().size(), 1u);
   const LiveFront::Point& point = front_.points()[0];
   EXPECT_EQ(point.configuration, normalized(configured("spheres")));
-  EXPECT_EQ(point.pictureSize, kSize);
+  EXPECT_EQ(point.pictureSize, kPictureSize);
   EXPECT_EQ(point.standing, Standing::ranked);
   EXPECT_EQ(point.frameMs, 23.0);
   EXPECT_EQ(point.flip, 0.125);
@@ -129,9 +129,9 @@ TEST_F(LiveFrontTest, WhatSweepsDoNotGoThroughTellsPointsApartToo) {
 TEST_F(LiveFrontTest, TimesAreMediansOfTheLast) {
   const Configuration configuration = configured("spheres");
   see(configuration, 0.0, 0.5, 1400.0);  // when something else ran
-  for (int i = 0; i < 4; ++i) front_.addTime(configuration, kSize, 0.0, 14.0 + i);
+  for (int i = 0; i < 4; ++i) front_.addTime(configuration, kPictureSize, 0.0, 14.0 + i);
   EXPECT_EQ(front_.points()[0].frameMs, 16.0);
-  for (size_t i = 0; i < LiveFront::kMostTimes; ++i) front_.addTime(configuration, kSize, 0.0, 3.0);
+  for (size_t i = 0; i < LiveFront::kMostTimes; ++i) front_.addTime(configuration, kPictureSize, 0.0, 3.0);
   EXPECT_EQ(front_.points()[0].frameMs, 3.0);
 }
 
@@ -142,7 +142,7 @@ TEST_F(LiveFrontTest, EveryAngleCountsAlikeAndTheSlowestViewIsTheTime) {
   see(configuration, -11.0, 0.5, 9.0);
   see(configuration, 10.0, 0.7, 9.0);
   see(configuration, 175.0, 0.9, 5.0);
-  front_.addError(configuration, kSize, 40.0, 1.0);  // never timed there
+  front_.addError(configuration, kPictureSize, 40.0, 1.0);  // never timed there
   const LiveFront::Point& point = front_.points()[0];
   ASSERT_EQ(point.buckets.size(), 3u);
   EXPECT_EQ(point.buckets[0].fromDeg, 0.0);
@@ -270,14 +270,14 @@ TEST_F(LiveFrontTest, PointsOfAnotherSizeStayAndComeBack) {
   EXPECT_EQ(pointOf(configured("points")).standing, Standing::otherSize);
   EXPECT_EQ(namesOnFront(), Names{"spheres"});  // never against points of other pictures
 
-  front_.setPictureSize(kSize);  // it goes
+  front_.setPictureSize(kPictureSize);  // it goes
   EXPECT_EQ(pointOf(configured("spheres")).flip, 0.05);
   EXPECT_EQ(namesOnFront(), (Names{"points", "spheres"}));
 }
 
 TEST_F(LiveFrontTest, IsBoundedAndKeepsWhatIsAPoint) {
   see(configured("spheres"), 0.0, 0.1, 1.0);
-  for (int i = 0; i < 1000; ++i) front_.addError(configured("spheres", 1.0f + 0.001f * static_cast<float>(i)), kSize, 0.0, 0.1);  // a slider is dragged
+  for (int i = 0; i < 1000; ++i) front_.addError(configured("spheres", 1.0f + 0.001f * static_cast<float>(i)), kPictureSize, 0.0, 0.1);  // a slider is dragged
   for (uint32_t i = 0; i < 300; ++i) front_.addError(configured("spheres"), {100 + i, 100}, 0.0, 0.1);                            // so is the window's edge
   EXPECT_EQ(front_.remembered(), LiveFront::kMostSeen);
   ASSERT_EQ(front_.points().size(), 1u);
@@ -298,10 +298,10 @@ TEST_F(LiveFrontTest, TwoOnShowBothBecomePointsWhereMemoryIsFull) {
   for (size_t i = 0; i < LiveFront::kMostSeen; ++i) see(configured("splats", 1.0f + static_cast<float>(i) / 256.0f), 0.0, 0.1, 1.0);
   const Configuration left = configured("points"), right = configured("spheres");
   // As panels do: the errors of both, then the times of both.
-  front_.addError(left, kSize, 0.0, 0.2);
-  front_.addError(right, kSize, 0.0, 0.3);
-  front_.addTime(left, kSize, 0.0, 2.0);
-  front_.addTime(right, kSize, 0.0, 3.0);
+  front_.addError(left, kPictureSize, 0.0, 0.2);
+  front_.addError(right, kPictureSize, 0.0, 0.3);
+  front_.addTime(left, kPictureSize, 0.0, 2.0);
+  front_.addTime(right, kPictureSize, 0.0, 3.0);
   EXPECT_EQ(pointOf(left).frameMs, 2.0);
   EXPECT_EQ(pointOf(right).frameMs, 3.0);
   EXPECT_EQ(front_.remembered(), LiveFront::kMostSeen);

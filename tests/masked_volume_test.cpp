@@ -15,12 +15,12 @@
 namespace warpscope {
 namespace {
 
-constexpr glm::uvec3 kDims(12, 10, 8);
+constexpr glm::uvec3 kMaskedDims(12, 10, 8);
 
 double ramp(const glm::ivec3& p) { return p.x + 2.0 * p.y + 3.0 * p.z; }
 bool isRight(const glm::ivec3& p) { return p.x >= 6; }
 
-VolumePtr markOf(VoxelType type, const glm::uvec3& dims = kDims) {
+VolumePtr markOf(VoxelType type, const glm::uvec3& dims = kMaskedDims) {
   return makeTestVolume(type, dims, [](const glm::ivec3& p) { return isRight(p) ? 3.0 : 0.0; });
 }
 
@@ -36,17 +36,17 @@ std::string refusal(const Volume& volume, const Volume& mask) {
 TEST(Masked, KeepsValuesWhereTheMaskIsNotZero) {
   for (const VoxelType type : kAllVoxelTypes)
     for (const VoxelType markType : kAllVoxelTypes) {
-      const VolumePtr volume = makeTestVolume(type, kDims, ramp);
+      const VolumePtr volume = makeTestVolume(type, kMaskedDims, ramp);
       const VolumePtr kept = masked(*volume, *markOf(markType));
       EXPECT_EQ(kept->statistics().nonFinite, volume->voxelCount() / 2) << nameOf(type) << " by " << nameOf(markType);
       EXPECT_EQ(kept->statistics().lowest, 6.0);
       EXPECT_EQ(kept->statistics().highest, volume->statistics().highest);
-      EXPECT_EQ(kept->geometry().dims, kDims);
+      EXPECT_EQ(kept->geometry().dims, kMaskedDims);
     }
 }
 
 TEST(Masked, LargeWholeNumbersStayWhatTheyAre) {
-  const VolumePtr volume = makeTestVolume(VoxelType::int32, kDims, [](const glm::ivec3& p) { return p.x % 2 ? 2147483647.0 : 16777217.0; });
+  const VolumePtr volume = makeTestVolume(VoxelType::int32, kMaskedDims, [](const glm::ivec3& p) { return p.x % 2 ? 2147483647.0 : 16777217.0; });
   const VolumePtr kept = masked(*volume, *markOf(VoxelType::uint8));
   ASSERT_EQ(kept->type(), VoxelType::float64);
   EXPECT_EQ(kept->statistics().highest, 2147483647.0);
@@ -55,7 +55,7 @@ TEST(Masked, LargeWholeNumbersStayWhatTheyAre) {
 
 TEST(Masked, WhatIsHiddenIsNotSeenAndDoesNotBleed) {
   // Bright matter hidden beside dark matter: where they were blended nothing bright may be left.
-  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kDims, [](const glm::ivec3& p) { return isRight(p) ? 10.0 : 200.0; });
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kMaskedDims, [](const glm::ivec3& p) { return isRight(p) ? 10.0 : 200.0; });
   const VolumePtr kept = masked(*volume, *markOf(VoxelType::uint8));
   const TransferFunction brightAlone{{{50.0, {1.0f, 1.0f, 1.0f}, 0.0f}, {51.0, {1.0f, 1.0f, 1.0f}, 0.9f}}};
   const Camera camera = lookingFrom({3.0f, 5.0f, 40.0f}, glm::vec3(0.0f), 60, 60, 0.3f);
@@ -73,15 +73,15 @@ TEST(Masked, WhatIsHiddenIsNotSeenAndDoesNotBleed) {
 }
 
 TEST(Masked, OtherSizesAndEmptyMasksAreRefused) {
-  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kDims, ramp);
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kMaskedDims, ramp);
   EXPECT_THAT(refusal(*volume, *markOf(VoxelType::uint8, {12, 10, 9})), ::testing::HasSubstr("differ in size: 12x10x9 voxels and 12x10x8 voxels"));
-  EXPECT_THAT(refusal(*volume, *makeTestVolume(VoxelType::uint8, kDims, [](const glm::ivec3&) { return 0.0; })), ::testing::HasSubstr("leaves nothing of the volume"));
-  EXPECT_THAT(refusal(*volume, *makeTestVolume(VoxelType::float32, kDims, [](const glm::ivec3&) { return std::nan(""); })), ::testing::HasSubstr("leaves nothing"));
+  EXPECT_THAT(refusal(*volume, *makeTestVolume(VoxelType::uint8, kMaskedDims, [](const glm::ivec3&) { return 0.0; })), ::testing::HasSubstr("leaves nothing of the volume"));
+  EXPECT_THAT(refusal(*volume, *makeTestVolume(VoxelType::float32, kMaskedDims, [](const glm::ivec3&) { return std::nan(""); })), ::testing::HasSubstr("leaves nothing"));
 }
 
 TEST(Masked, MasksOfOtherPlacesAreRefusedWhereBothSayWhereTheyAre) {
   VolumeGeometry here;
-  here.dims = kDims;
+  here.dims = kMaskedDims;
   here.hasOrientation = true;
   VolumeGeometry there = here;
   there.origin.x = 5.0;

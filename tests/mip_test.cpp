@@ -11,7 +11,7 @@
 namespace warpscope {
 namespace {
 
-constexpr glm::uvec3 kDims(40, 36, 33);
+constexpr glm::uvec3 kMipDims(40, 36, 33);
 
 /// Values from 0 to 100, all of them shown and none like another.
 const TransferFunction kRamp{{{0.0, {0.0f, 1.0f, 0.2f}, 0.1f}, {100.0, {1.0f, 0.0f, 0.6f}, 0.9f}}};
@@ -20,7 +20,7 @@ template <class Voxel, bool kHasHoles>
 void expectGreatest(VoxelType type, const FieldFunction& field, bool skips) {
   RenderSettings settings = inMode(RenderMode::mip);
   settings.skipEmpty = skips;
-  const ModeRays<Voxel, kHasHoles> rays(makeTestVolume(type, kDims, field), settings, kRamp);
+  const ModeRays<Voxel, kHasHoles> rays(makeTestVolume(type, kMipDims, field), settings, kRamp);
   for (const Ray& ray : raysThrough(33.0f, 300, 7)) {
     const RayLattice lattice = rays.pathOf(ray).lattice;
     double greatest = -1.0;
@@ -37,15 +37,15 @@ void expectGreatest(VoxelType type, const FieldFunction& field, bool skips) {
 
 TEST(Mip, FindsTheGreatestOfTheLatticesValues) {
   for (const bool skips : {false, true}) {
-    expectGreatest<uint8_t, false>(VoxelType::uint8, blobs(kDims, 3), skips);
-    expectGreatest<int16_t, false>(VoxelType::int16, blobs(kDims, 4), skips);
-    expectGreatest<float, false>(VoxelType::float32, blobs(kDims, 5), skips);
-    expectGreatest<float, true>(VoxelType::float32, withHoles(blobs(kDims, 5)), skips);
+    expectGreatest<uint8_t, false>(VoxelType::uint8, blobs(kMipDims, 3), skips);
+    expectGreatest<int16_t, false>(VoxelType::int16, blobs(kMipDims, 4), skips);
+    expectGreatest<float, false>(VoxelType::float32, blobs(kMipDims, 5), skips);
+    expectGreatest<float, true>(VoxelType::float32, withHoles(blobs(kMipDims, 5)), skips);
   }
 }
 
 TEST(Mip, CellsAndVoxelsAgreeBitForBit) {
-  const ModeRays<uint8_t, false> rays(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 15)),
+  const ModeRays<uint8_t, false> rays(makeTestVolume(VoxelType::uint8, kMipDims, blobs(kMipDims, 15)),
                                       inMode(RenderMode::mip), kRamp);
   const ViewInCells<uint8_t> inCells(rays.view);
   const VolumeView<uint8_t>& byCells = inCells.view();
@@ -67,14 +67,14 @@ TEST(Mip, OfEqualValuesTheNearest) {
     settings.skipEmpty = skips;
     // Two walls of the same value.
     const ModeRays<uint8_t, false> rays(
-        makeTestVolume(VoxelType::uint8, kDims,
+        makeTestVolume(VoxelType::uint8, kMipDims,
                        [](const glm::ivec3& p) { return p.z == 6 || p.z == 25 ? 90.0 : 10.0; }),
         settings, kRamp);
     const Ray ray{{0.3f, 0.2f, -50.0f}, {0.0f, 0.0f, 1.0f}};
     const GreatestValue found = rays.greatestAlong(ray);
     const float wall = 50.0f + 6.5f - 16.5f;  // the middle of the voxel of z = 6
     EXPECT_NEAR(found.t, wall, 0.25f + 1e-4f);
-    const ModeRays<uint8_t, false> flat(makeTestVolume(VoxelType::uint8, kDims, [](const glm::ivec3&) { return 42.0; }),
+    const ModeRays<uint8_t, false> flat(makeTestVolume(VoxelType::uint8, kMipDims, [](const glm::ivec3&) { return 42.0; }),
                                         settings, kRamp);
     EXPECT_EQ(flat.greatestAlong(ray).i, 0) << "everywhere the same";
     EXPECT_EQ(flat.greatestAlong(ray).value, 42.0f);
@@ -83,7 +83,7 @@ TEST(Mip, OfEqualValuesTheNearest) {
 
 /// Colour and opacity of a pixel are the function's at the greatest value, whatever the step.
 TEST(Mip, ShowsTheFunctionAtTheGreatestValue) {
-  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 8));
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kMipDims, blobs(kMipDims, 8));
   const MarcherPtr marcher = makeCpuMarcher(volume, kRamp);
   const Camera camera = lookingFrom({50.0f, 35.0f, 60.0f}, glm::vec3(0.0f), 60, 50);
   for (const float step : {0.25f, 1.0f, 3.0f}) {
@@ -114,8 +114,8 @@ TEST(Mip, LeavingOutCellsChangesNoBit) {
   for (const VoxelType type : kAllVoxelTypes)
     for (const bool hasHoles : {false, true}) {
       if (hasHoles && type != VoxelType::float32 && type != VoxelType::float64) continue;
-      const FieldFunction field = blobs(kDims, 11);
-      const VolumePtr volume = makeTestVolume(type, kDims, hasHoles ? withHoles(field) : field);
+      const FieldFunction field = blobs(kMipDims, 11);
+      const VolumePtr volume = makeTestVolume(type, kMipDims, hasHoles ? withHoles(field) : field);
       for (const TransferFunction& function : functions) {
         const MarcherPtr marcher = makeCpuMarcher(volume, function);
         for (const glm::vec3 eye : {glm::vec3(60.0f, 45.0f, 53.0f), glm::vec3(0.1f, 0.2f, 0.3f)})
@@ -132,7 +132,7 @@ TEST(Mip, LeavingOutCellsChangesNoBit) {
 }
 
 TEST(Mip, EveryHeuristicGivesTheSameFrame) {
-  const MarcherPtr marcher = makeCpuMarcher(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 12)), kRamp);
+  const MarcherPtr marcher = makeCpuMarcher(makeTestVolume(VoxelType::uint8, kMipDims, blobs(kMipDims, 12)), kRamp);
   const Camera camera = lookingFrom({50.0f, 35.0f, 60.0f}, glm::vec3(0.0f), 60, 50);
   const SampleFrame expected = marcher->march(camera, marchInMode(RenderMode::mip));
   EXPECT_GT(expected.size(), 500u);
@@ -148,7 +148,7 @@ TEST(Mip, EveryHeuristicGivesTheSameFrame) {
 }
 
 TEST(Mip, IsNotLitAndDoesNotCareForTheStepsOpacity) {
-  const MarcherPtr marcher = makeCpuMarcher(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 13)), kRamp);
+  const MarcherPtr marcher = makeCpuMarcher(makeTestVolume(VoxelType::uint8, kMipDims, blobs(kMipDims, 13)), kRamp);
   const Camera camera = lookingFrom({50.0f, 35.0f, 60.0f}, glm::vec3(0.0f), 60, 50);
   MarchSettings settings = marchInMode(RenderMode::mip);
   const Image<glm::vec4> unlit = rendered(*marcher, camera, settings);
@@ -161,7 +161,7 @@ TEST(Mip, IsNotLitAndDoesNotCareForTheStepsOpacity) {
 
 TEST(Mip, AGreatestValueThatIsHiddenHidesItsRay) {
   // A wall of 90 with one of 50 in front of it; 50 alone is shown.
-  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kDims, [](const glm::ivec3& p) {
+  const VolumePtr volume = makeTestVolume(VoxelType::uint8, kMipDims, [](const glm::ivec3& p) {
     return p.z == 20 ? (p.x < 20 ? 90.0 : 0.0) : p.z == 30 ? 50.0 : 0.0;
   });
   const MarcherPtr marcher = makeCpuMarcher(volume, band(45.0, 55.0, 0.5f));

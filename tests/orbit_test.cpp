@@ -10,7 +10,7 @@
 namespace warpscope {
 namespace {
 
-Scene smallScene() {
+Scene sceneToOrbit() {
   SceneOverrides overrides;
   overrides.proceduralDims = {8, 12, 10};
   return openScene("block", overrides);
@@ -21,7 +21,7 @@ glm::vec2 centerOnScreen(const Scene& scene, const View& view, uint32_t width, u
 }
 
 TEST(Orbit, PanningMovesTheVolumeByTheDrag) {
-  const Scene scene = smallScene();
+  const Scene scene = sceneToOrbit();
   for (const auto& [width, height] : {std::pair<uint32_t, uint32_t>{400, 300}, {300, 400}, {1000, 200}}) {
     const View before{25.0, -40.0, 0.7, {0.1, -0.2}};
     const glm::dvec2 dragPx(37.0, -21.0);
@@ -34,7 +34,7 @@ TEST(Orbit, PanningMovesTheVolumeByTheDrag) {
 }
 
 TEST(Orbit, WhatIsInFrontFollowsADrag) {
-  const Scene scene = smallScene();
+  const Scene scene = sceneToOrbit();
   const View before{10.0, 20.0, 1.0, {}};
   const Camera camera = makeCamera(scene, before, 300, 300);
   const glm::vec3 front = 3.0f * glm::normalize(camera.eye);  // towards the camera

@@ -19,7 +19,7 @@ namespace {
 constexpr uint32_t kWidth = 40, kHeight = 30;
 
 /// Looks along -z; every pixel has 0 to 4 samples, at random depths that rise, of random colours.
-SampleFrame someFrame(uint32_t seed) {
+SampleFrame layeredFrame(uint32_t seed) {
   std::mt19937 random(seed);
   SampleFrame frame;
   frame.camera = lookingFrom({3.0f, 2.0f, 40.0f}, {}, kWidth, kHeight);
@@ -56,7 +56,7 @@ void expectNear(const glm::vec4& a, const glm::vec4& b, float tolerance) {
 
 TEST(OwnPicture, EveryPixelShowsItsRaysSamplesOverOneAnother) {
   for (const uint32_t seed : {1u, 2u, 3u}) {
-    const SampleFrame frame = someFrame(seed);
+    const SampleFrame frame = layeredFrame(seed);
     const std::span<const uint8_t> layers = frame.layers();
     const Image<uint32_t> rays = ownPicture(frame);
     Image<glm::vec4> color;
@@ -80,7 +80,7 @@ TEST(OwnPicture, EveryPixelShowsItsRaysSamplesOverOneAnother) {
 }
 
 TEST(OwnPicture, WithOneSampleARayItIsTheSampleItself) {
-  SampleFrame frame = someFrame(4);
+  SampleFrame frame = layeredFrame(4);
   const SampleFrame several = frame;
   frame.samples.clear();
   frame.colors.clear();
@@ -102,7 +102,7 @@ TEST(OwnPicture, WithOneSampleARayItIsTheSampleItself) {
 }
 
 TEST(OwnPicture, SamplesThatNoPlaneCountsAreRaysOfTheirOwn) {
-  SampleFrame frame = someFrame(5);
+  SampleFrame frame = layeredFrame(5);
   const Image<uint32_t> nearest = ownPicture(frame);
   frame.planes.clear();
   EXPECT_TRUE(ownPicture(frame) == nearest);
@@ -114,7 +114,7 @@ TEST(OwnPicture, SamplesThatNoPlaneCountsAreRaysOfTheirOwn) {
 
 /// Depths may be coarse: rays stay in their pixels.
 TEST(OwnPicture, RaysStayInTheirPixelsHoweverCoarseDepthsAre) {
-  SampleFrame frame = someFrame(6);
+  SampleFrame frame = layeredFrame(6);
   const Image<uint32_t> rays = ownPicture(frame);
   const std::vector<float> depths = [&] {
     std::vector<float> of;
@@ -128,7 +128,7 @@ TEST(OwnPicture, RaysStayInTheirPixelsHoweverCoarseDepthsAre) {
 }
 
 TEST(OwnPicture, HoldShowsIt) {
-  const auto frame = std::make_shared<const SampleFrame>(someFrame(7));
+  const auto frame = std::make_shared<const SampleFrame>(layeredFrame(7));
   const auto hold = makeWarp(findWarp("hold"), {});
   hold->setFrame(frame, {});
   WarpedImage image;
@@ -141,7 +141,7 @@ TEST(OwnPicture, HoldShowsIt) {
 
 /// A view of another shape shows it as it is: cut off or with nothing beside it, never stretched.
 TEST(OwnPicture, HoldDoesNotStretchIt) {
-  const auto frame = std::make_shared<const SampleFrame>(someFrame(7));
+  const auto frame = std::make_shared<const SampleFrame>(layeredFrame(7));
   const Image<uint32_t> own = ownPicture(*frame);
   const uint32_t side = std::min(kWidth, kHeight);
   const auto hold = makeWarp(findWarp("hold"), {});
@@ -170,7 +170,7 @@ TEST(OwnPicture, HoldDoesNotStretchIt) {
 
 /// Where spheres fit into their pixels, a ray from the frame's own eye meets its own samples and no others.
 TEST(OwnPicture, MultihitShowsItWhereSpheresFitIntoTheirPixels) {
-  SampleFrame made = someFrame(8);
+  SampleFrame made = layeredFrame(8);
   const float tanHalfPixel = made.camera.tanHalfFovY / static_cast<float>(kHeight);
   for (size_t i = 0; i < made.size(); ++i) {
     const PackedSample sample = made.samples[i];

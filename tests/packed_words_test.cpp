@@ -14,7 +14,7 @@
 namespace warpscope {
 namespace {
 
-struct Ray {  // without gaps, whose bytes are anything
+struct WordsOfRay {  // without gaps, whose bytes are anything
   double light = 0.25;
   float depths[5] = {1.0f, 2.0f, 3.0f, 4.0f, 5.0f};
   uint32_t kind = 7;
@@ -25,11 +25,11 @@ template <class Writer>
 std::vector<std::byte> written(uint32_t seed, uint32_t count) {
   std::mt19937 dice(seed);
   Writer writer;
-  const Ray usual{};
+  const WordsOfRay usual{};
   std::vector<uint16_t> list(dice() % 9, static_cast<uint16_t>(seed));
   writer.putAll(list);
   for (uint32_t i = 0; i < count; ++i) {
-    Ray ray = usual;
+    WordsOfRay ray = usual;
     if (dice() % 2 == 0) ray.light = 0.5 + 1e-3 * static_cast<double>(dice() % 1000);
     for (float& depth : ray.depths)
       if (dice() % 3 == 0) depth = 100.0f + 0.01f * static_cast<float>(dice() % 1000);
@@ -43,17 +43,17 @@ std::vector<std::byte> written(uint32_t seed, uint32_t count) {
 template <class Reader>
 void readBack(Reader& reader, uint32_t seed, uint32_t count) {
   std::mt19937 dice(seed);
-  const Ray usual{};
+  const WordsOfRay usual{};
   std::vector<uint16_t> expected(dice() % 9, static_cast<uint16_t>(seed)), list;
   reader.getAll(list);
   ASSERT_EQ(list, expected);
   for (uint32_t i = 0; i < count; ++i) {
-    Ray ray = usual;
+    WordsOfRay ray = usual;
     if (dice() % 2 == 0) ray.light = 0.5 + 1e-3 * static_cast<double>(dice() % 1000);
     for (float& depth : ray.depths)
       if (dice() % 3 == 0) depth = 100.0f + 0.01f * static_cast<float>(dice() % 1000);
     ASSERT_EQ(reader.template get<uint32_t>(), i);
-    const Ray read = reader.getBeside(usual, 3);
+    const WordsOfRay read = reader.getBeside(usual, 3);
     ASSERT_EQ(read.light, ray.light);
     for (int k = 0; k < 5; ++k) ASSERT_EQ(read.depths[k], ray.depths[k]);
     ASSERT_EQ(read.kind, ray.kind);
@@ -83,7 +83,7 @@ TEST(PackedWords, WhatIsDamagedIsRefusedOrReadAndNothingElse) {
   const auto tryToRead = [](const std::vector<std::byte>& bytes) {
     try {
       PackedReader reader(bytes);
-      const Ray usual{};
+      const WordsOfRay usual{};
       std::vector<uint16_t> list;
       reader.getAll(list);
       while (!reader.isAtEnd()) {

@@ -15,11 +15,11 @@
 namespace warpscope {
 namespace {
 
-constexpr glm::uvec3 kDims(40, 30, 36);
+constexpr glm::uvec3 kTracedDims(40, 30, 36);
 
 class RayTraceTest : public ::testing::Test {
  protected:
-  VolumePtr volume_ = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 3));
+  VolumePtr volume_ = makeTestVolume(VoxelType::uint8, kTracedDims, blobs(kTracedDims, 3));
   TransferFunction function_{{{20.0, {0.1f, 0.3f, 1.0f}, 0.0f}, {120.0, {1.0f, 0.6f, 0.2f}, 0.08f}, {255.0, glm::vec3(1.0f), 0.5f}}};
   MarcherPtr marcher_ = makeCpuMarcher(volume_, function_);
   std::unique_ptr<RayTracer> tracer_ = makeRayTracer(volume_, function_);
@@ -87,7 +87,7 @@ TEST_F(RayTraceTest, SegmentsAreThoseOfFramesAndColoursThoseOfPictures) {
 
 TEST_F(RayTraceTest, PlacesSayWhatTheVolumeIsThere) {
   // A value that is its place along x: what a ray meets there is known.
-  const VolumePtr ramp = makeTestVolume(VoxelType::float32, kDims, [](const glm::ivec3& at) { return 10.0 * at.x; });
+  const VolumePtr ramp = makeTestVolume(VoxelType::float32, kTracedDims, [](const glm::ivec3& at) { return 10.0 * at.x; });
   const TransferFunction function{{{0.0, glm::vec3(0.0f), 0.0f}, {400.0, glm::vec3(1.0f), 0.4f}}};
   const RayTrace trace = makeRayTracer(ramp, function)->trace(camera_, {}, {12, 10});
   ASSERT_GT(trace.places.size(), 50u);
@@ -103,7 +103,7 @@ TEST_F(RayTraceTest, PlacesSayWhatTheVolumeIsThere) {
 }
 
 TEST_F(RayTraceTest, AVoxelThatIsNoNumberHasNoValue) {
-  const VolumePtr holey = makeTestVolume(VoxelType::float32, kDims, [](const glm::ivec3& at) { return at.x > 10 && at.x < 20 ? std::nan("") : 50.0; });
+  const VolumePtr holey = makeTestVolume(VoxelType::float32, kTracedDims, [](const glm::ivec3& at) { return at.x > 10 && at.x < 20 ? std::nan("") : 50.0; });
   const RayTrace trace = makeRayTracer(holey, everywhere(0.1f))->trace(camera_, {}, {12, 10});
   EXPECT_TRUE(std::ranges::any_of(trace.places, [](const RayPlace& place) { return std::isnan(place.value); }));
   EXPECT_TRUE(std::ranges::any_of(trace.places, [](const RayPlace& place) { return place.value == 50.0; }));

@@ -39,12 +39,12 @@ void expectSame(const SegmentBatchMerger& found, const SegmentMerger& expected, 
   EXPECT_EQ(i, SegmentBatchMerger::kNone);
 }
 
-struct Ray {
+struct SampledRay {
   RayLattice lattice;
   std::vector<RaySegment> samples;
 };
-Ray rayOf(int round, std::mt19937& random) {
-  Ray ray;
+SampledRay rayOf(int round, std::mt19937& random) {
+  SampledRay ray;
   ray.lattice.t0 = 2.7f, ray.lattice.dt = 0.37f, ray.lattice.count = 1 + round % 150;
   ray.lattice.length = 0.37f * (static_cast<float>(ray.lattice.count) - 0.4f);
   ray.samples = randomRay(random, ray.lattice, ray.lattice.count, round % 7 == 0);
@@ -55,7 +55,7 @@ TEST(SegmentBatchMerger, BecomesWhatOnePairAfterTheOtherDoes) {
   std::mt19937 random(17);
   int merged = 0;
   for (int round = 0; round < 3000; ++round) {
-    const Ray ray = rayOf(round, random);
+    const SampledRay ray = rayOf(round, random);
     const int most = 1 + round % 16;
     SegmentBatchMerger found(mergerRoomFor(most));
     SegmentMerger expected(mergerRoomFor(most));
@@ -77,7 +77,7 @@ TEST(SegmentBatchMerger, BecomesWhatOnePairAfterTheOtherDoes) {
 TEST(SegmentBatchMerger, IsHandedOnAsItIs) {
   std::mt19937 random(19);
   for (int round = 0; round < 1000; ++round) {
-    const Ray ray = rayOf(round, random);
+    const SampledRay ray = rayOf(round, random);
     const int most = 1 + round % 16;
     SegmentBatchMerger found(mergerRoomFor(most));
     SegmentMerger expected(mergerRoomFor(most)), handed(mergerRoomFor(most));

@@ -16,7 +16,7 @@
 namespace warpscope {
 namespace {
 
-constexpr glm::uvec3 kDims(24, 31, 27);
+constexpr glm::uvec3 kSharedDims(24, 31, 27);
 
 std::vector<uint16_t> numbers(const glm::uvec3& dims) {
   std::vector<uint16_t> values(size_t{dims.x} * dims.y * dims.z);
@@ -101,12 +101,12 @@ class SharedVolume : public Reader {
   }
 };
 
-std::string nrrd(const std::string& fields, const glm::uvec3& dims = kDims) {
+std::string nrrd(const std::string& fields, const glm::uvec3& dims = kSharedDims) {
   return "NRRD0004\n# a comment, so that voxels are anywhere\ndimension: 3\nsizes: " + std::to_string(dims.x) + " " + std::to_string(dims.y) + " " + std::to_string(dims.z) + "\n" + fields + "\n";
 }
 
 TEST_F(SharedVolume, IsReadFromWhereFilesHaveIt) {
-  const std::vector<uint16_t> values = numbers(kDims);
+  const std::vector<uint16_t> values = numbers(kSharedDims);
   std::vector<float> floats(values.begin(), values.end());
   floats[77] = std::nanf("");
   expectTheSameFile(write("little.nrrd", nrrd("type: ushort\nendian: little\nencoding: raw\nspacings: 1 2 0.5\n") + bytesOf(values)));
@@ -123,7 +123,7 @@ TEST_F(SharedVolume, IsReadFromWhereFilesHaveIt) {
 }
 
 TEST_F(SharedVolume, NiftiInEitherOrderOfBytes) {
-  const std::vector<uint16_t> values = numbers(kDims);
+  const std::vector<uint16_t> values = numbers(kSharedDims);
   for (const bool isBig : {false, true}) {
     std::string bytes(352, '\0');
     const auto put = [&](size_t offset, const auto& value) {
@@ -134,7 +134,7 @@ TEST_F(SharedVolume, NiftiInEitherOrderOfBytes) {
     put(0, int32_t{348});
     put(40, int16_t{3});
     for (size_t axis = 0; axis < 3; ++axis) {
-      put(42 + 2 * axis, static_cast<int16_t>(kDims[static_cast<int>(axis)]));
+      put(42 + 2 * axis, static_cast<int16_t>(kSharedDims[static_cast<int>(axis)]));
       put(80 + 4 * axis, 1.0f + static_cast<float>(axis));
     }
     put(70, int16_t{512});
@@ -146,7 +146,7 @@ TEST_F(SharedVolume, NiftiInEitherOrderOfBytes) {
 }
 
 TEST_F(SharedVolume, WhatIsNotThereAsItIsIsRefused) {
-  const std::string voxels = bytesOf(numbers(kDims));
+  const std::string voxels = bytesOf(numbers(kSharedDims));
   expectNotShared(write("packed.nrrd", nrrd("type: ushort\nendian: little\nencoding: gzip\n") + voxels), "not compressed");
   expectNotShared(write("text.nrrd", nrrd("type: uchar\nencoding: ascii\n") + voxels), "not compressed");
   expectNotShared(write("short.nrrd", nrrd("type: ushort\nendian: little\nencoding: raw\n") + voxels.substr(0, 999)), "");
@@ -158,7 +158,7 @@ TEST_F(SharedVolume, WhatIsNotThereAsItIsIsRefused) {
 }
 
 TEST_F(SharedVolume, AFileThatIsCutWhileItIsInUseIsASentenceWithItsPlace) {
-  const fs::path path = write("a.nrrd", nrrd("type: ushort\nendian: little\nencoding: raw\n") + bytesOf(numbers(kDims)));
+  const fs::path path = write("a.nrrd", nrrd("type: ushort\nendian: little\nencoding: raw\n") + bytesOf(numbers(kSharedDims)));
   Spread spread([path](RanksPtr ranks) { return openVolume(path, {}, {}, std::move(ranks)); }, band(1, 400, 0.4f), 3);
   fs::resize_file(path, 3000);
   try {

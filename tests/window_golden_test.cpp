@@ -12,7 +12,7 @@
 namespace warpscope::ui {
 namespace {
 
-constexpr glm::uvec2 kSize(1280, 800);
+constexpr glm::uvec2 kWindowSize(1280, 800);
 
 struct Box {
   uint32_t left, top, right, bottom;
@@ -31,7 +31,7 @@ class WindowGolden : public SessionTest {
     } catch (const InputError& error) {
       GTEST_SKIP() << error.what();
     }
-    window_.emplace(kSize, session_, opener_, std::move(drawn));
+    window_.emplace(kWindowSize, session_, opener_, std::move(drawn));
     LoadJob block = builtin("block");
     block.origin = SceneOrigin{"block", {}};
     session_.load(block);

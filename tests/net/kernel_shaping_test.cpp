@@ -24,7 +24,7 @@
 namespace warpscope::net {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using MachineClock = std::chrono::steady_clock;
 
 constexpr double kRateBitPerS = 20e6, kBurstBytes = 16'000;
 constexpr size_t kPayloadBytes = 1400, kHeaderBytes = 14 + 20 + 8;  // Ethernet, IPv4, UDP: the bucket counts them all
@@ -65,12 +65,12 @@ sockaddr_in addressOf(const char* text) {
   if (bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) stop(report, "failed: bind");
   if (write(ready, &byte, 1) != 1) std::_Exit(1);
   std::string arrivals;
-  Clock::time_point first;
+  MachineClock::time_point first;
   std::array<char, 2000> buffer;
   for (int i = 0; i < kDatagrams; ++i) {
     if (recv(descriptor, buffer.data(), buffer.size(), 0) < 0) stop(report, "lost: datagram " + std::to_string(i) + " did not come");
-    if (i == 0) first = Clock::now();
-    arrivals += std::to_string(std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - first).count()) + "\n";
+    if (i == 0) first = MachineClock::now();
+    arrivals += std::to_string(std::chrono::duration_cast<std::chrono::microseconds>(MachineClock::now() - first).count()) + "\n";
   }
   stop(report, arrivals);
 }
