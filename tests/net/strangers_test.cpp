@@ -224,7 +224,10 @@ TEST_F(Strangers, ThoseThatCanHearItAreToldOfProcesses) {
   EXPECT_EQ(witness.look([&] { return witness.processes; }), (std::vector<std::vector<ProcessFields>>{processes}));
   without.send(requestMessage(requestOf(1)));
   answer();
-  for (std::optional<BareSocket::Message> message; (message = without.receiveMessage()) && message->type != MessageType::frame;) EXPECT_NE(message->type, MessageType::processes);
+  while (const std::optional<BareSocket::Message> message = without.receiveMessage()) {
+    if (message->type == MessageType::frame) break;
+    EXPECT_NE(message->type, MessageType::processes);
+  }
 }
 
 TEST_F(Strangers, TheSlowestReaderGoesWhereMemoryIsShort) {

@@ -29,7 +29,7 @@ constexpr double kOfNearest = 2e-3;
 constexpr double kOfLinear = 0.09;
 /// By as much the truth is off that is found in steps, where pixels' segments are the same all over their frusta.
 constexpr double kOfSteps = 0.012;
-constexpr int kSteps = 4000;
+constexpr int kWalkedSteps = 4000;
 
 WarpSettings between(Between kind) {
   WarpSettings settings;
@@ -80,7 +80,7 @@ double errorOf(Backend backend, const SampleFramePtr& frame, const Camera& camer
       }
       const auto tNear = static_cast<double>(inside.tNear), tFar = static_cast<double>(inside.tFar);
       const MetByRay met = isTied || kind == Between::linear
-                               ? bruteForce(*frame, ray, tNear, tFar, kind == Between::linear, kSteps)
+                               ? bruteForce(*frame, ray, tNear, tFar, kind == Between::linear, kWalkedSteps)
                                : cutByFrusta(*frame, ray, tNear, tFar);
       worst.see(std::abs(static_cast<double>(shown.a) - (1.0 - met.through)));
       for (int channel = 0; channel < 3; ++channel)
