@@ -26,7 +26,7 @@ UNITY = re.compile(r'^#include "(.*)"$', re.MULTILINE)
 
 def compiled_by(entry):
     path = pathlib.Path(entry["directory"], entry["file"]).resolve()
-    return [pathlib.Path(source) for source in UNITY.findall(path.read_text())] if path.parent.name == "Unity" else [path]
+    return [pathlib.Path(source).resolve() for source in UNITY.findall(path.read_text())] if path.parent.name == "Unity" else [path]
 
 
 def faults_of(command, source):

@@ -156,6 +156,38 @@ TEST(NewestWorker, AJobThatIsCancelledWhenItsWorkIsDoneLeavesNothing) {
   EXPECT_FALSE(news.try_acquire());
 }
 
+/// What is kept goes whatever is cancelled after that, and a result that nobody took with it.
+TEST(NewestWorkerForgets, EvenWhereAllIsCancelledAfterwards) {
+  struct Answer {
+    int value = 0;
+    std::string error;
+  };
+  using Worker = NewestWorker<int, Answer>;
+  std::counting_semaphore<> begun(0), mayEnd(0), forgotten(0), news(0);
+  const auto work = [&](int job, Answer& answer, const std::stop_token&) {
+    if (job == 0) return forgotten.release();
+    if (job == 2) {
+      begun.release();
+      mayEnd.acquire();
+    }
+    answer.value = job;
+  };
+  Worker worker([&]() -> Worker::Work { return work; }, [&] { news.release(); });
+  worker.post(1);
+  news.acquire();
+  worker.post(2);
+  begun.acquire();
+  worker.forget();
+  worker.cancel();
+  mayEnd.release();
+  forgotten.acquire();
+  EXPECT_FALSE(worker.tryTake());
+  EXPECT_FALSE(forgotten.try_acquire());
+  worker.post(3);
+  news.acquire();
+  EXPECT_EQ(worker.tryTake()->value, 3);
+}
+
 TEST_F(WorkerTest, EndsInTheMiddleOfAJob) {
   auto worker = makeWorker();
   worker->post(1);

@@ -268,7 +268,7 @@ TEST_F(WindowScriptTest, AClickOnACornerChangesNothingAndUndoStaysWithItsScene) 
 TEST_F(WindowScriptTest, AWatchedFileIsLoadedWhenItIsWritten) {
   const TestFolder folder;
   const std::string file = folder.write("function.json", R"({"points": [{"value": 0, "color": [1, 1, 1], "alpha": 0.1}]})");
-  window_.view().watchTransferFile(file);
+  window_.view().watchTransferFile(file, [] {});
   ASSERT_TRUE(openAndRest("block"));
   const TransferFunction before = session_.scene()->transferFunction;
   std::filesystem::last_write_time(file, std::filesystem::last_write_time(file) + std::chrono::seconds(2));

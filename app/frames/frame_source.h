@@ -1,4 +1,4 @@
-// Where frames come from: one interface, whether the server is this program's own, another machine's, or a march without any network.
+// Where frames come from: one interface, whether the server is this program's own, another machine's, or a recording.
 // Newest wins: a request replaces one that has not left yet, a frame replaces one that nobody took.
 #pragma once
 

@@ -62,7 +62,7 @@ std::string reasonOf(int error) { return std::strerror(error); }
 
 class RecordingWriter::Work {
  public:
-  Work(const std::filesystem::path& path, const Scene& scene, const std::string& text) : path_(path), file_(opened(path)) {
+  Work(const std::filesystem::path& path, const Scene& scene, const std::string& text, std::shared_ptr<Crew> crew) : path_(path), file_(opened(path)) {
     write(std::as_bytes(std::span(kRecordingMagic)));
     const net::Bytes message = net::sceneMessage(toFields(scene));
     record(0.0, RecordType::scene, std::span(message).subspan(8));  // without the message's head
@@ -74,7 +74,11 @@ class RecordingWriter::Work {
       std::filesystem::remove(path, ignored);  // there is nothing in it that could be shown
       throw InputError(error_);
     }
-    thread_ = std::thread([this] { run(); });
+    thread_ = std::thread([this, crew = std::move(crew)] {
+      if (crew) Crew::standBack(Crew::kOfMarches);
+      const Crew::Shift shift(crew.get());
+      run();
+    });
   }
   ~Work() { finish(); }
 
@@ -226,8 +230,8 @@ class RecordingWriter::Work {
   std::thread thread_;
 };
 
-RecordingWriter::RecordingWriter(const std::filesystem::path& path, const Scene& scene, const std::string& text)
-    : work_(std::make_unique<Work>(path, scene, text)) {}
+RecordingWriter::RecordingWriter(const std::filesystem::path& path, const Scene& scene, const std::string& text, std::shared_ptr<Crew> crew)
+    : work_(std::make_unique<Work>(path, scene, text, std::move(crew))) {}
 RecordingWriter::~RecordingWriter() = default;
 void RecordingWriter::addView(double seconds, const View& view) { work_->post(RecordedView{seconds, view}); }
 void RecordingWriter::addFrame(double seconds, SampleFramePtr frame) { work_->post(RecordedFrame{seconds, std::move(frame)}); }

@@ -7,6 +7,7 @@
 
 #include "app/frames/link_sign.h"
 #include "app/scene/scene.h"
+#include "render/core/crew.h"
 #include "render/core/transfer_function.h"
 #include "render/march/sample_frame.h"
 
@@ -15,8 +16,8 @@ namespace warpscope {
 /// Records in a thread of its own; nothing of it waits. On one thread.
 class RecordingWriter {
  public:
-  /// Begins a file, replacing one that is there at once: it is to be whole up to the last second whatever comes, and so cannot be put in place when it is. `text`: whatever is to be known of how it was recorded (a session's file). Throws InputError.
-  RecordingWriter(const std::filesystem::path& path, const Scene& scene, const std::string& text);
+  /// Begins a file, replacing one that is there at once: it is to be whole up to the last second whatever comes, and so cannot be put in place when it is. `text`: whatever is to be known of how it was recorded (a session's file). `crew`: that its loops run on; its thread stands back then. Throws InputError.
+  RecordingWriter(const std::filesystem::path& path, const Scene& scene, const std::string& text, std::shared_ptr<Crew> crew = nullptr);
   /// As finish().
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;

@@ -72,7 +72,7 @@ std::vector<size_t> frontOf(const std::vector<FairPoint>& points) {
 }  // namespace
 
 FairMeasuring::FairMeasuring(gl::Platform platform, WarpResources resources, std::function<void()> onNews, std::shared_ptr<Crew> crew)
-    : worker_(workOfCrew([platform, resources = std::move(resources)]() -> FairWorker::Work { return FairWork(platform, resources); }, std::move(crew), Crew::kOfMarches),
+    : worker_(workOfCrew([platform, resources = std::move(resources)]() -> FairWorker::Work { return FairWork(platform, resources); }, std::move(crew), Crew::kOfPictures),
               std::move(onNews)) {}
 
 void FairMeasuring::start(FairJob job) {

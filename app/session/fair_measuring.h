@@ -54,7 +54,7 @@ using FairWorker = NewestWorker<FairJob, FairResult>;
 
 class FairMeasuring {
  public:
-  /// `onNews` is called on another thread after each result. Loops run on `crew`, as those of panels do on theirs; null: on all cores.
+  /// `onNews` is called on another thread after each result. Loops run on `crew`, of which nobody else makes use, as those of panels do on theirs; null: on all cores.
   FairMeasuring(gl::Platform platform, WarpResources resources, std::function<void()> onNews, std::shared_ptr<Crew> crew = nullptr);
 
   void start(FairJob job);

@@ -112,12 +112,13 @@ JudgeFunction makeJudge() {
 
 std::unique_ptr<JudgeWorker> makeJudgeWorker(JudgeMaker maker, std::function<void()> onResult, std::shared_ptr<Crew> crew) {
   const auto makeWork = [maker = std::move(maker)]() -> JudgeWorker::Work {
-    return [maker, judge = maker(), picture = PictureOfFrame{}](const JudgeJob& job, Judgement& judgement, const std::stop_token& stop) mutable {
+    return [maker, judge = JudgeFunction(), picture = PictureOfFrame{}](const JudgeJob& job, Judgement& judgement, const std::stop_token& stop) mutable {
       if (!job.drawn.judged) {
-        judge = maker();
+        judge = nullptr;
         picture = {};
-        throw OperationCancelled();
+        return;
       }
+      if (!judge) judge = maker();
       judgement.job = job;
       Image<float> map;
       judgement.errors = judge(job.drawn.job.reference, *job.drawn.judged, map);

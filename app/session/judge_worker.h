@@ -34,10 +34,10 @@ using JudgeWorker = NewestWorker<JudgeJob, Judgement>;
 
 /// How pictures are judged: as PictureJudge::errorsOf does, with the map of FLIP left in the last parameter. Used from one thread.
 using JudgeFunction = std::function<PictureErrors(const std::shared_ptr<const ReferenceImage>&, const WarpedImage&, Image<float>&)>;
-/// Makes one for each worker, on its thread.
+/// Makes one for each worker and scene, on the worker's thread.
 using JudgeMaker = std::function<JudgeFunction()>;
 
-/// Judges on the CUDA device where the ground truth was marched on one, until the device fails; else on the CPU.
+/// Judges on the CUDA device where the ground truth was marched on one, until the device fails in that scene; else on the CPU.
 JudgeFunction makeJudge();
 
 /// `crew`: that its loops run on; null: on all cores, as ever.

@@ -25,7 +25,7 @@ LiveGroundTruth::LiveGroundTruth(std::function<void()> onNews, std::shared_ptr<C
     : worker_(makeReferenceWorker(std::move(onNews), std::move(crew))) {}
 
 void LiveGroundTruth::clear() {
-  worker_->cancel();
+  worker_->forget();
   wanted_ = asked_ = {};
   image_.reset();
   error_.clear();

@@ -55,10 +55,8 @@ bool LivePanel::setTechnique(const WarpDescriptor& technique) {
 }
 
 void LivePanel::clear() {
-  warp_->cancel();
-  warp_->post({});  // also where the panel is hidden, and nothing else comes
-  judge_->cancel();
-  judge_->post({});
+  warp_->forget();  // also where the panel is hidden, and nothing else comes
+  judge_->forget();
   Panel fresh;
   static_cast<PanelSettings&>(fresh) = shown_;
   fresh.id = shown_.id;

@@ -4,7 +4,6 @@
 
 #include <utility>
 
-#include "render/base/error.h"
 #include "render/core/crew_work.h"
 
 namespace warpscope {
@@ -16,7 +15,7 @@ class RayWork {
   void operator()(const RayJob& job, RayResult& result, const std::stop_token& stop) {
     if (!job.volume) {
       *this = {};
-      throw OperationCancelled();
+      return;
     }
     result.job = job;
     if (!tracer_ || job.volume != volume_ || job.transferFunction != transferFunction_) {
@@ -60,7 +59,7 @@ LiveRay::LiveRay(std::function<void()> onNews, std::shared_ptr<Crew> crew)
 
 void LiveRay::clear() {
   lookAway();
-  worker_.post({});  // what the tracer keeps goes on its own thread
+  worker_.forget();
 }
 
 void LiveRay::lookAway() {

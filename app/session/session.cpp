@@ -40,7 +40,7 @@ Session::Session(const SessionSettings& settings, const std::function<void()>& o
       truth_(onNews, marchCrew_),
       plan_(onNews, marchCrew_),
       ray_(onNews, marchCrew_),
-      fair_(settings.platform, settings.resources, onNews, marchCrew_),
+      fair_(settings.platform, settings.resources, onNews, makeCrew(Crew::kOfPictures)),
       moving_(onNews, marchCrew_),
       exporting_(settings.platform, settings.resources, onNews, marchCrew_) {
   setKnobs(settings.knobs);
@@ -236,14 +236,19 @@ void Session::measureNow() {
 
 void Session::startRecording(const std::filesystem::path& file, const std::string& text) {
   if (!scene()) throw InputError("there is no scene yet");
-  stopRecording();
-  recordingError_.clear();
-  recordingFailure_.clear();
   // Nobody waits for a slow disk here. What is left to be written has mostly been for a while.
-  takeEndedRecordings(std::chrono::steady_clock::now() + std::chrono::milliseconds(20));
-  for (const EndedRecording& one : endedRecordings_)
-    if (isSameFile(one.file, file)) throw InputError(file.string() + ": what was recorded before is still being written to it");
-  recorder_ = std::make_unique<RecordingWriter>(file, *scene(), text);
+  const auto requireWritten = [&] {
+    takeEndedRecordings(std::chrono::steady_clock::now() + std::chrono::milliseconds(20));
+    for (const EndedRecording& one : endedRecordings_)
+      if (isSameFile(one.file, file)) throw InputError(file.string() + ": what was recorded before is still being written to it");
+  };
+  requireWritten();
+  if (recorder_) {
+    stopRecording();
+    requireWritten();
+  }
+  recordingFailure_.clear();
+  recorder_ = std::make_unique<RecordingWriter>(file, *scene(), text, makeCrew(Crew::kOfMarches));
   recordingFile_ = file;
   recordingSince_.reset();
   recordedFrame_.reset();

@@ -263,7 +263,7 @@ class Session {
   const WarpResources resources_;
   const JudgeMaker makeJudge_;
   const std::function<void()> onNews_;
-  const std::shared_ptr<Crew> marchCrew_ = makeCrew(Crew::kOfMarches);  // of what is marched here to be compared with, and of loads
+  const std::shared_ptr<Crew> marchCrew_ = makeCrew(Crew::kOfMarches);  // of what is marched and judged here beside frames, and of loads
   LiveSettings knobs_;
   LiveView view_;
   glm::uvec2 areaPx_{0};  // of each panel's picture

@@ -35,7 +35,7 @@ class Easel {
     if (job.technique == nullptr) {
       forget();
       giveBackFreedMemory();
-      throw OperationCancelled();
+      return;
     }
     result.job = job;
     if (std::exchange(countedFor_, job.scene) != job.scene) counts_ = {};
@@ -222,6 +222,7 @@ class Easel {
 };
 
 void marchReference(const ReferenceJob& job, ReferenceResult& result, const std::stop_token& stop) {
+  if (!job.marcher) return;  // nothing is kept
   result.job = job;
   Image<glm::vec4> color;
   job.marcher->render(job.camera, job.settings, color, stop);

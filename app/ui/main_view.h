@@ -32,7 +32,7 @@ class MainView {
   /// Files are chosen by the desktop's dialogs from now on, where there are some.
   void useDesktopDialogs(std::function<void()> onNews) { dialog_.useDesktop(std::move(onNews)); }
   /// A transfer function's file that is loaded whenever it is written.
-  void watchTransferFile(const std::filesystem::path& path) { controls_.transferEditor().watch(path); }
+  void watchTransferFile(const std::filesystem::path& path, std::function<void()> onNews) { controls_.transferEditor().watch(path, std::move(onNews)); }
   /// Files that the user handed over together, whatever they are (handed_file.h); they are there some frames later.
   void open(std::vector<std::string> paths) { handedFiles_.hand(std::move(paths)); }
   void open(const std::string& path) { open(std::vector{path}); }

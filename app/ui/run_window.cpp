@@ -85,7 +85,7 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
   const auto& [window, session, openScene, clock, settings, report, remembered] = stage;
   const std::stop_callback wakeUp(stop, [] { Window::wake(); });
   MainView mainView(window.gl(), openScene, settings.sweep, remembered, [] { Window::wake(); });
-  mainView.watchTransferFile(settings.transferFile);
+  mainView.watchTransferFile(settings.transferFile, [] { Window::wake(); });
   mainView.useDesktopDialogs([] { Window::wake(); });
   if (settings.sweep) session.setFront(settings.sweep->choice);
   RateMeter displayRate;

@@ -21,7 +21,6 @@ namespace warpscope::ui {
 namespace {
 
 constexpr float kChartPx = 96.0f, kBarPx = 12.0f, kMarkPx = 9.0f, kCornerPx = 4.0f, kReachPx = 8.0f, kClickPx = 2.0f;  // at scale 1
-constexpr std::chrono::milliseconds kFilePeriod(400);
 constexpr const char* kRemoved = "the corner is gone; Ctrl+Z brings it back";
 constexpr std::string_view kHandling = "Left button: drag a corner, or click for a new one; here it is then typed. Right button: a drag moves opacities and colours together, up "
                                        "and down widens and narrows them; a click on a corner removes it.";
@@ -111,20 +110,6 @@ void TransferEditor::setCurves(Session& session, const TransferCurves& curves) {
   apply(session);
 }
 
-void TransferEditor::load(Session& session, const std::filesystem::path& path) {
-  try {
-    set(session, readTransferFile(path));
-  } catch (const InputError& error) {
-    error_ = error.what();
-  }
-}
-
-void TransferEditor::watch(const std::filesystem::path& path) {
-  watched_ = path;
-  std::error_code ignored;
-  writtenAt_ = path.empty() ? std::filesystem::file_time_type{} : std::filesystem::last_write_time(path, ignored);
-}
-
 void TransferEditor::update(Session& session, Session::TimePoint now) {
   if (!session.whyFunctionIsFixed().empty()) return;
   followScene(session);
@@ -136,13 +121,13 @@ void TransferEditor::update(Session& session, Session::TimePoint now) {
 }
 
 void TransferEditor::followFile(Session& session, Session::TimePoint now) {
-  if (watched_.empty() || now - lookedAt_ < kFilePeriod || grip_ != Grip::none) return;
-  lookedAt_ = now;
-  std::error_code failed;
-  const auto writtenAt = std::filesystem::last_write_time(watched_, failed);
-  if (failed || writtenAt == writtenAt_) return;  // one that is gone may be about to be replaced
-  writtenAt_ = writtenAt;
-  load(session, watched_);
+  if (grip_ != Grip::none) return;
+  std::optional<WatchedFunction::Written> written = watched_.follow(now);
+  if (!written) return;
+  if (written->error.empty())
+    set(session, written->function);
+  else
+    error_ = std::move(written->error);
 }
 
 void TransferEditor::drawChart(Session& session, const Look& look) {

@@ -4,13 +4,15 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <optional>
-#include <utility>
 #include <string>
+#include <utility>
 
 #include "app/scene/transfer_curves.h"
 #include "app/session/actions.h"
 #include "app/session/edit_history.h"
+#include "app/session/watched_function.h"
 #include "app/ui/parts.h"
 
 namespace warpscope::ui {
@@ -30,8 +32,6 @@ class TransferEditor {
   bool isHeld() const { return grip_ != Grip::none; }
   /// Shows that function from now on; what is wrong with it is said in the editor.
   void set(Session& session, const TransferFunction& function);
-  /// As set(), of a file.
-  void load(Session& session, const std::filesystem::path& path);
   /// What was asked for by its menu since the last call; whoever has dialogs asks for the file.
   enum class FileWish { load, save, saveForParaview };
   std::optional<FileWish> takeFileWish() { return std::exchange(fileWish_, std::nullopt); }
@@ -41,8 +41,8 @@ class TransferEditor {
   std::optional<std::string> takeNote() { return std::exchange(note_, std::nullopt); }
   /// Which of undo and redo its buttons asked for since the last call.
   std::optional<Action> takeAction() { return std::exchange(action_, std::nullopt); }
-  /// Follows a file: whenever it is written, it is loaded. Empty: none.
-  void watch(const std::filesystem::path& path);
+  /// Follows a file: whenever it is written, it is loaded (watched_function.h). Empty: none.
+  void watch(const std::filesystem::path& path, std::function<void()> onNews) { watched_.watch(path, std::move(onNews)); }
 
   /// Why the last function could not be loaded or shown; empty if it could.
   const std::string& error() const { return error_; }
@@ -96,9 +96,7 @@ class TransferEditor {
     TransferFunction function;  // that it became
   };
   Spread spread_;
-  std::filesystem::path watched_;
-  std::filesystem::file_time_type writtenAt_{};
-  Session::TimePoint lookedAt_{};
+  WatchedFunction watched_;
 };
 
 }  // namespace warpscope::ui

@@ -1,4 +1,4 @@
-// A thread that works on the newest job and leaves the newest result: the server, each panel's warp, the reference, the scene loader.
+// A thread that works on the newest job and leaves the newest result: each panel's warp, the reference, the scene loader.
 // Jobs and results pass through Newest, so a slow worker skips jobs instead of falling behind.
 #pragma once
 
@@ -47,6 +47,14 @@ class NewestWorker {
     atWork_.request_stop();
   }
 
+  /// Cancels, and lets go of what is kept from one job to the next, by calling the work with a Job() that leaves no result; a result that nobody took goes as
+  /// well. On the worker's thread, and whatever is cancelled later: for large things that are not needed any more.
+  void forget() {
+    cancel();
+    forgets_ = true;
+    jobs_.put({std::nullopt, epoch_.load()});
+  }
+
   /// Asks the thread to end without waiting for it; the destructor waits.
   void requestStop() { thread_.request_stop(); }
 
@@ -57,7 +65,7 @@ class NewestWorker {
 
  private:
   struct Ticket {
-    Job job;
+    std::optional<Job> job;  ///< nothing: to wake up, because something is to be forgotten
     uint64_t epoch;
   };
 
@@ -70,6 +78,11 @@ class NewestWorker {
     while (true) {
       std::optional<Ticket> ticket = jobs_.take(stop);
       if (!ticket) return;
+      if (forgets_.exchange(false)) {
+        static_cast<void>(results_.tryTake());
+        static_cast<void>(perform(work, Job(), {}));
+      }
+      if (!ticket->job) continue;
       std::stop_source source;
       {
         const std::scoped_lock lock(mutex_);
@@ -77,7 +90,7 @@ class NewestWorker {
         atWork_ = source;
       }
       const std::stop_callback link(stop, [&] { source.request_stop(); });
-      std::optional<Result> result = perform(work, ticket->job, source.get_token());
+      std::optional<Result> result = perform(work, *ticket->job, source.get_token());
       if (!result) continue;
       const uint64_t epoch = ticket->epoch;
       ticket.reset();  // what it holds may be large
@@ -110,6 +123,7 @@ class NewestWorker {
   Newest<Ticket> jobs_;
   Newest<Result> results_;
   std::atomic<uint64_t> epoch_ = 0;  // how often cancel() was called
+  std::atomic<bool> forgets_ = false;
   std::mutex mutex_;                 // of atWork_, and of the order in which epoch_ changes, jobs begin and results appear
   std::stop_source atWork_;
   std::promise<void> ended_;

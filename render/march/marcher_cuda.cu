@@ -294,7 +294,7 @@ class CudaMarcher final : public Marcher {
       job.samples = denseSamples_.data();
       job.colors = denseColors_.data();
       job.hasSpread = plan_->has(PlanStage::spread);
-      job.spreads = job.hasSpread && sample->sendsSpread ? denseSpreads_.data() : nullptr;
+      job.spreads = job.hasSpread && sample != nullptr && sample->sendsSpread ? denseSpreads_.data() : nullptr;
       job.image = image_.data();
       if (sample != nullptr && plan_->has(PlanStage::raySegments)) raySegments_.giveTo(job, *found);
       const uint32_t rows = rowsOfLaunch(camera, settings);
