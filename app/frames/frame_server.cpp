@@ -16,6 +16,7 @@
 #include "render/base/error.h"
 #include "render/base/stopwatch.h"
 #include "render/codec/codec.h"
+#include "render/core/crew_work.h"
 #include "render/core/freed_memory.h"
 
 namespace warpscope {
@@ -202,8 +203,7 @@ void FrameServer::setTransferFunction(TransferFunction function) {
 }
 
 void FrameServer::run(Lane& lane) {
-  if (crew_) Crew::standBack(Crew::kOfMarches);
-  const Crew::Shift shift(crew_.get());
+  const WorkOnCrew working(crew_.get(), Crew::kOfMarches);
   while (const std::optional<net::RequestJob> job = server_.requests().take(stop_.get_token())) {
     {
       const std::scoped_lock lock(mutex_);
@@ -211,7 +211,7 @@ void FrameServer::run(Lane& lane) {
     }
     startLane();  // for whoever asks meanwhile
     {
-      const std::scoped_lock working(lane.mutex());
+      const std::scoped_lock atWork(lane.mutex());
       answer(*job, lane);
       lane.rest(clock_.now());
     }

@@ -24,6 +24,7 @@
 #include "net/wire.h"
 #include "render/base/error.h"
 #include "render/codec/codec.h"
+#include "render/core/crew_work.h"
 
 namespace warpscope {
 namespace {
@@ -75,8 +76,7 @@ class RecordingWriter::Work {
       throw InputError(error_);
     }
     thread_ = std::thread([this, crew = std::move(crew)] {
-      if (crew) Crew::standBack(Crew::kOfMarches);
-      const Crew::Shift shift(crew.get());
+      const WorkOnCrew working(crew.get(), Crew::kOfMarches);
       run();
     });
   }

@@ -70,8 +70,8 @@ void SceneOpening::retire(std::shared_ptr<const ConnectedScene> scene) {
 }
 
 void SceneOpening::requestStop() {
+  cancel();
   loader_->requestStop();
-  if (std::optional<Result> unwanted = loader_->tryTake()) retire(std::move(unwanted->scene));
   retire(std::exchange(current_, nullptr));
 }
 

@@ -35,7 +35,7 @@ std::optional<WatchedFunction::Written> WatchedFunction::follow(TimePoint now) {
     lookedAt_ = now;
     worker_->post({path_, knownFrom_});
   }
-  return result ? std::optional<Written>({std::move(result->function), std::move(result->error)}) : std::nullopt;
+  return result ? std::optional<Written>(std::move(*result)) : std::nullopt;
 }
 
 }  // namespace warpscope

@@ -35,10 +35,8 @@ class WatchedFunction {
     std::filesystem::path path;
     std::filesystem::file_time_type knownFrom;
   };
-  struct Result {
+  struct Result : Written {
     std::filesystem::file_time_type writtenAt{};
-    TransferFunction function;
-    std::string error;
   };
 
   static void look(const Job& job, Result& result, const std::stop_token& stop);
