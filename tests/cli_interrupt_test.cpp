@@ -96,10 +96,15 @@ TEST_F(CommandLine, InterruptingCompareLeavesNothing) {
     const std::vector<std::string> names = folder_.listing();
     return std::count_if(names.begin(), names.end(), [](const std::string& name) { return name.ends_with(".png"); });
   };
-  // Whichever signal it is, and whenever it comes: of four techniques or more in five views.
-  for (const auto& [number, pictures] : {std::pair{SIGINT, 0}, {SIGINT, 1}, {SIGINT, 6}, {SIGTERM, 1}, {SIGHUP, 1}}) {
+  // Whichever signal it is, and whenever it comes, of four techniques or more in five views; in steps that are long as well.
+  struct Interruption {
+    int signal, pictures;
+    std::string size;
+  };
+  const std::string large = "1501x1499", small = "701x699";
+  for (const auto& [number, pictures, size] : {Interruption{SIGINT, 0, large}, {SIGINT, 1, large}, {SIGINT, 6, small}, {SIGTERM, 1, small}, {SIGHUP, 1, small}}) {
     SCOPED_TRACE(std::to_string(number) + " after " + std::to_string(pictures) + " pictures");
-    Program program({"compare", "block", "--out", "out/deep", "--size", "1501x1499"}, folder_.path());
+    Program program({"compare", "block", "--out", "out/deep", "--size", size}, folder_.path());
     while ((!fs::exists(folder_.path() / "out/deep") || picturesSoFar() < pictures) && !program.hasEnded())
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     ASSERT_FALSE(program.hasEnded()) << "it ended before it was interrupted";

@@ -165,7 +165,8 @@ void exportSamples(const ExportOptions& options) {
 void addExportCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = program.add_subcommand("export", "The sample cloud of the first view as a file, and how uncertain its depths are");
-  addCommonOptions(*command, options->common);
+  addSceneOptions(*command, options->common);
+  addSizeOption(*command, options->common);
   command->add_option("--ply", options->ply, "PLY file to write: every sample that shows something");
   command->add_option("--spread-map", options->spreadMap, "PNG file to write: how uncertain each pixel's depth is; implies --spread true");
   command->callback([options, &chosen] { chosen = [options] { exportSamples(*options); }; });

@@ -88,7 +88,7 @@ std::string elementText(const Json& element) {
   return element.contains("title") ? name : name + " (" + element["computeCapability"].get<std::string>() + ")";
 }
 
-void printLine(const std::string& name, const Json& value) {
+void printFigure(const std::string& name, const Json& value) {
   std::cout << name << ':';
   if (value.is_array())
     for (const Json& element : value) std::cout << ' ' << elementText(element);
@@ -114,18 +114,18 @@ void inform(const CommonOptions& options) {
     return;
   }
   std::cout << "warpscope " << WARPSCOPE_VERSION << '\n';
-  printLine("backends", info["backends"]);
-  printLine("cores", info["cores"]);
+  printFigure("backends", info["backends"]);
+  printFigure("cores", info["cores"]);
   std::cout << "instruction set: " << instructionSet() << ", vectors of " << floatsInVector() << " floats\n";
   printGl("EGL", info["openGl"]["egl"]);
   printGl("OSMesa", info["openGl"]["osmesa"]);
-  printLine("CUDA", info["cuda"].contains("unavailable") ? info["cuda"]["unavailable"] : info["cuda"]["devices"]);
-  printLine("techniques", info["techniques"]);
-  printLine("heuristics", info["heuristics"]);
-  printLine("radius policies", info["radiusPolicies"]);
-  printLine("scenes", info["scenes"]);
-  printLine("scenes that are hard on arithmetic", info["tortureScenes"]);
-  printLine("volume formats", info["volumeFormats"]);
+  printFigure("CUDA", info["cuda"].contains("unavailable") ? info["cuda"]["unavailable"] : info["cuda"]["devices"]);
+  printFigure("techniques", info["techniques"]);
+  printFigure("heuristics", info["heuristics"]);
+  printFigure("radius policies", info["radiusPolicies"]);
+  printFigure("scenes", info["scenes"]);
+  printFigure("scenes that are hard on arithmetic", info["tortureScenes"]);
+  printFigure("volume formats", info["volumeFormats"]);
 }
 
 }  // namespace

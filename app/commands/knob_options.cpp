@@ -25,6 +25,12 @@ std::string helpOf(const Knob& knob, const std::string& otherwise, std::span<con
 
 }  // namespace
 
+HelpSection::HelpSection(CLI::App& command, const std::string& heading) : command_(command), outer_(command.option_defaults()->get_group()) {
+  command.option_defaults()->group(heading);
+}
+
+HelpSection::~HelpSection() { command_.option_defaults()->group(outer_); }
+
 std::optional<double> GivenKnobs::find(const Knob& knob) const {
   const auto found = values_.find(&knob);
   return found == values_.end() ? std::nullopt : std::optional(found->second);

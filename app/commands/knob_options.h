@@ -24,6 +24,19 @@ class GivenKnobs {
   std::map<const Knob*, double> values_;
 };
 
+/// Under which heading of the help the options stand that are added as long as it lives. Those of a command itself stand above all headings.
+class HelpSection {
+ public:
+  HelpSection(CLI::App& command, const std::string& heading);
+  ~HelpSection();
+  HelpSection(const HelpSection&) = delete;
+  HelpSection& operator=(const HelpSection&) = delete;
+
+ private:
+  CLI::App& command_;
+  std::string outer_;
+};
+
 class KnobOptions {
  public:
   /// Adds the knob's option, if it has one. `otherwise`: what holds without it, for the help. `owners`: to what it belongs, likewise; may be empty.

@@ -90,30 +90,57 @@ void logBackend(Backend backend) {
   logDetail("backend: " + std::string(nameOf(firstOf(backend))) + reasons);
 }
 
-}  // namespace
-
-void addCommonOptions(CLI::App& command, CommonOptions& options) {
-  command.add_option("scene", options.scene, "A built-in scene (" + listOf(kProceduralVolumes) + "; default: vessels), a scene file or a volume file");
+void addVolumeOptions(CLI::App& command, CommonOptions& options) {
+  const HelpSection section(command, "Volume");
   command.add_option("--volume", options.volume, "Replaces the scene's volume by this file");
   command.add_option("--mask", options.mask, "Crops the volume to where this one, with as many voxels, is not 0");
   command.add_option("--volume-size", options.volumeSize, "XxYxZ: voxels of a built-in volume");
   command.add_option("--memory", options.memoryMiB, "MiB of memory that the program takes at most, " + rangeText(kMemoryMiBRange) + ": of a raw volume it keeps what it is at, and reads the rest again; others have to fit");
   command.add_option("--device-memory", options.deviceMemoryMiB, "MiB of a GPU's memory that the volume takes at most, " + rangeText(kMemoryMiBRange) + ": of a larger one slabs go to the GPU one after the other; by itself what is free");
+  command.add_option("--seed", options.seed, "Of what is random in the built-in volumes vessels and shells; default: 1");
   command.add_option("--tf", options.transferFunction, "Transfer function file: JSON of this program or a colour map of ParaView");
-  for (const MarchKnob& row : marchKnobs()) options.knobs.add(command, *row.knob, "the scene's");
+}
+
+void addMarchOptions(CLI::App& command, CommonOptions& options) {
+  const auto add = [&](bool isOfPicture) {
+    for (const MarchKnob& row : marchKnobs())
+      if ((row.shapes == FramePart::picture) == isOfPicture) options.knobs.add(command, *row.knob, "the scene's");
+  };
+  {
+    const HelpSection section(command, "What a frame says of each pixel");
+    add(false);
+  }
+  const HelpSection section(command, "What is marched");
+  add(true);
   for (const MarchText& text : marchTexts())
     command.add_option(std::string(text.option), options.texts[&text], std::string(text.help) + ": " + std::string(text.values) + "; default: the scene's")
         ->type_name("TEXT");
-  for (const Knob* knob : warpKnobs()) options.knobs.add(command, *knob, textOf(*knob, knob->defaultValue), ownersOf(*knob));
-  addBackendOption(command, options);
-  command.add_option("--gl", options.gl, "OpenGL without a window: auto egl osmesa")->capture_default_str();
-  command.add_option("--size", options.size, "WxH of the pictures, in pixels")->capture_default_str();
   command.add_option("--fov", options.fovYDeg, "Vertical field of view in degrees, " + rangeText(kFovYDegRange) + "; default: the scene's");
-  command.add_option("--uncovered", options.uncovered, "Colour (RRGGBB) of pixels that no sample covers; default transparent");
-  command.add_option("--filled", options.filled, "Colour (RRGGBB) of pixels that --fill filled; default: as they were filled");
-  command.add_option("--seed", options.seed, "Of what is random in the built-in volumes vessels and shells; default: 1");
+}
+
+}  // namespace
+
+void addSceneOptions(CLI::App& command, CommonOptions& options) {
+  command.add_option("scene", options.scene, "A built-in scene (" + listOf(kProceduralVolumes) + "; default: vessels), a scene file or a volume file");
+  addBackendOption(command, options);
   command.add_flag("--json", options.json, "One JSON document on standard output and nothing else");
   addLogOptions(command, options);
+  addVolumeOptions(command, options);
+  addMarchOptions(command, options);
+}
+
+void addSizeOption(CLI::App& command, CommonOptions& options) {
+  command.add_option("--size", options.size, "WxH of the pictures, in pixels")->capture_default_str();
+}
+
+void addCommonOptions(CLI::App& command, CommonOptions& options) {
+  addSceneOptions(command, options);
+  addSizeOption(command, options);
+  const HelpSection section(command, "How techniques draw");
+  for (const Knob* knob : warpKnobs()) options.knobs.add(command, *knob, textOf(*knob, knob->defaultValue), ownersOf(*knob));
+  command.add_option("--uncovered", options.uncovered, "Colour (RRGGBB) of pixels that no sample covers; default transparent");
+  command.add_option("--filled", options.filled, "Colour (RRGGBB) of pixels that --fill filled; default: as they were filled");
+  command.add_option("--gl", options.gl, "OpenGL without a window: auto egl osmesa")->capture_default_str();
 }
 
 void addBackendOption(CLI::App& command, CommonOptions& options) {

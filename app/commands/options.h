@@ -38,7 +38,13 @@ struct CommonOptions {
   bool showsProgress() const { return !json && !quiet && !verbose; }
 };
 
-/// Adds the scene and every shared option to a command.
+/// Adds the scene, what its frames are to be, and where they are made: all that shapes what a server sends.
+void addSceneOptions(CLI::App& command, CommonOptions& options);
+
+/// Adds --size alone.
+void addSizeOption(CLI::App& command, CommonOptions& options);
+
+/// Adds the scene's options, those of techniques and of the pictures that they draw.
 void addCommonOptions(CLI::App& command, CommonOptions& options);
 
 /// Adds --backend alone.

@@ -80,7 +80,8 @@ void planScene(const PlanOptions& options) {
 void addPlanCommand(CLI::App& program, std::function<void()>& chosen) {
   CLI::App* command = program.add_subcommand("plan", "Say which stages a scene's march has, which not, why, and what each costs on this machine");
   const auto options = std::make_shared<PlanOptions>();
-  addCommonOptions(*command, options->common);
+  addSceneOptions(*command, options->common);
+  addSizeOption(*command, options->common);
   command->add_option("--runs", options->runs, "Marches with and without each stage")->capture_default_str();
 
   command->callback([options, &chosen] { chosen = [options] { planScene(*options); }; });

@@ -138,7 +138,7 @@ void serve(const ServeOptions& options) {
 void addServeCommand(CLI::App& program, std::function<void()>& chosen) {
   auto options = std::make_shared<ServeOptions>();
   CLI::App* command = program.add_subcommand("serve", "A server of one scene, for view, shot and compare elsewhere");
-  addCommonOptions(*command, options->common);
+  addSceneOptions(*command, options->common);
   command->add_option("--listen", options->listen, "ADDR:PORT; beyond this machine only with TLS and a token; port 0 takes a free one")
       ->capture_default_str();
   command->add_option("--port-file", options->portFile, "File to write the port to once clients can connect");

@@ -62,6 +62,7 @@ TransportOptions transportOfKeptPictures() {
 }
 
 void addTransportOptions(CLI::App& command, TransportOptions& options) {
+  const HelpSection section(command, "The way from the server");
   command.add_option("--connect", options.connect, "URL of a server, as `warpscope serve` prints it: frames come from there; - reads it from standard input");
   command.add_option("--url-file", options.urlFile,
                      "File that holds such a URL, which then stands on no command line; without either and without a scene: WARPSCOPE_URL in the environment");

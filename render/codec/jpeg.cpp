@@ -27,13 +27,13 @@ TurboJpeg made(tjhandle handle) {
 }
 
 // Making them takes a while: one for each thread.
-TurboJpeg& compressor() {
+TurboJpeg& jpegCompressor() {
   thread_local TurboJpeg handle;
   if (!handle) handle = made(tjInitCompress());
   return handle;
 }
 
-TurboJpeg& decompressor() {
+TurboJpeg& jpegDecompressor() {
   thread_local TurboJpeg handle;
   if (!handle) handle = made(tjInitDecompress());
   return handle;
@@ -59,14 +59,14 @@ void appendJpeg(std::vector<std::byte>& out, const Rgba8* pixels, uint32_t width
   unsigned long length = tjBufSize(static_cast<int>(width), static_cast<int>(height), kSubsampling);
   out.resize(start + length);
   auto* place = reinterpret_cast<unsigned char*>(out.data() + start);
-  if (tjCompress2(compressor().get(), reinterpret_cast<const unsigned char*>(pixels), static_cast<int>(width), 0, static_cast<int>(height), TJPF_RGBX,
+  if (tjCompress2(jpegCompressor().get(), reinterpret_cast<const unsigned char*>(pixels), static_cast<int>(width), 0, static_cast<int>(height), TJPF_RGBX,
                   &place, &length, kSubsampling, quality, TJFLAG_NOREALLOC) != 0)
-    throw std::runtime_error(failureOf(compressor(), "libjpeg-turbo could not compress a picture: "));
+    throw std::runtime_error(failureOf(jpegCompressor(), "libjpeg-turbo could not compress a picture: "));
   out.resize(start + length);
 }
 
 std::optional<std::string> readJpeg(std::span<const std::byte> jpeg, Rgba8* pixels, uint32_t width, uint32_t height) {
-  TurboJpeg& handle = decompressor();
+  TurboJpeg& handle = jpegDecompressor();
   int itsWidth = 0, itsHeight = 0, subsampling = 0, colorSpace = 0;
   if (tjDecompressHeader3(handle.get(), bytesOf(jpeg), jpeg.size(), &itsWidth, &itsHeight, &subsampling, &colorSpace) != 0)
     return failureOf(handle, "the JPEG picture cannot be read: ");

@@ -18,7 +18,7 @@ uint64_t LayerPacker::mostBytes(const MaskShape& shape, uint64_t samples, uint64
   const uint64_t bits = (samples * kMostBits + 7) / 8 + layers;  // each layer's are filled up to a byte
   const uint64_t heads = kTokens * kSectionHeadBytes + sizeof(uint32_t) + kSectionHeadBytes;
   return layers * heads + kTokens * samples + bits +
-         ColorPlanes::mostBytes(shape.width, shape.rowCount, samples, layers, coding);
+         ColorPlaneCoder::mostBytes(shape.width, shape.rowCount, samples, layers, coding);
 }
 
 void LayerPacker::append(std::vector<std::byte>& out, const SampleFrame& frame, Placement placement,
@@ -53,7 +53,7 @@ void LayerPacker::append(std::vector<std::byte>& out, const SampleFrame& frame, 
   const std::span<const uint8_t> written = bits.finish();
   appendLittle(out, static_cast<uint32_t>(written.size()));
   appendSection(out, written);
-  colorPlanes_.append(out, layout_, shape.firstRow, mask, shape.rowBytes(), colors, settings);
+  colorCoder_.append(out, layout_, shape.firstRow, mask, shape.rowBytes(), colors, settings);
 }
 
 DecodeError LayerPacker::take(ByteReader& reader, const SampleFrame& frame, Placement placement, const MaskShape& shape,
@@ -80,7 +80,7 @@ DecodeError LayerPacker::take(ByteReader& reader, const SampleFrame& frame, Plac
   takePositions(bits);
   colors_.resize(size);
   // Radii may follow from opacities, and their bits come before the colours' bytes: no other order would do for both.
-  if (DecodeError error = colorPlanes_.take(reader, layout_, shape.firstRow, coding, colors_)) return error;
+  if (DecodeError error = colorCoder_.take(reader, layout_, shape.firstRow, coding, colors_)) return error;
   if (size == 0) return std::nullopt;
   takeRadii(frame, radiusTokens_, colors_, positions_, bits);
   if (bits.ranOut()) return "the depths of a band end too early";

@@ -6,7 +6,7 @@
 // - sections (zstd_section.h): tokens of the differences of places from their prediction, of depth codes from those of
 //   their places, of radius codes from those that are likely
 // - bits of places, depth codes, radii: length (4) and a section
-// - alpha and colour (color_planes.h)
+// - alpha and colour (color_plane_coder.h)
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "render/codec/band_layers.h"
-#include "render/codec/color_planes.h"
+#include "render/codec/color_plane_coder.h"
 #include "render/codec/pixel_path.h"
 #include "render/codec/place_tokens.h"
 
@@ -51,7 +51,7 @@ class LayerPacker {
   BandLayout layout_;
   PixelPaths paths_;
   PlaceTokens placeTokens_;
-  ColorPlanes colorPlanes_;
+  ColorPlaneCoder colorCoder_;
 };
 
 }  // namespace warpscope

@@ -11,7 +11,7 @@
 namespace warpscope {
 namespace {
 
-constexpr uint64_t kHeadBytes = 3 * 4 + (3 + 3 + 9 + 1 + 2) * 8 + 1 + 4, kPointBytes = 8 + 4 * 4;
+constexpr uint64_t kProxyHeadBytes = 3 * 4 + (3 + 3 + 9 + 1 + 2) * 8 + 1 + 4, kPointBytes = 8 + 4 * 4;
 
 void appendDouble(std::vector<std::byte>& out, double value) { appendLittle(out, std::bit_cast<uint64_t>(value)); }
 void appendFloat(std::vector<std::byte>& out, float value) { appendLittle(out, std::bit_cast<uint32_t>(value)); }
@@ -25,7 +25,7 @@ bool isShare(float value) { return value >= 0.0f && value <= 1.0f; }
 uint64_t mostProxyBytes(int longest) {
   if (longest <= 0) return 0;
   const auto edge = static_cast<uint64_t>(longest);
-  return kHeadBytes + kMostFunctionPoints * kPointBytes + kSectionHeadBytes + edge * edge * edge;
+  return kProxyHeadBytes + kMostFunctionPoints * kPointBytes + kSectionHeadBytes + edge * edge * edge;
 }
 
 void appendProxy(std::vector<std::byte>& out, const Proxy& proxy) {

@@ -64,7 +64,7 @@ void SegmentBand::pack(const SampleFrame& frame, Placement placement, const Mask
     const std::span<const uint8_t> written = bits.finish();
     appendLittle(out, static_cast<uint32_t>(written.size()));
     appendSection(out, written);
-    colorPlanes_.append(out, layout_, shape.firstRow, mask_, shape.rowBytes(), colors_, settings);
+    colorCoder_.append(out, layout_, shape.firstRow, mask_, shape.rowBytes(), colors_, settings);
     if (!segments.normals.empty()) appendNormals(size, out);
   }
 }
@@ -102,7 +102,7 @@ DecodeError SegmentBand::unpack(ByteReader& reader, Placement placement, const M
     BitReader bits(bitBytes_);
     takeDepths(size, layer, bits);
     if (bits.ranOut()) return "the depths of segments end too early";
-    if (DecodeError error = colorPlanes_.take(reader, layout_, shape.firstRow, coding, colors_)) return error;
+    if (DecodeError error = colorCoder_.take(reader, layout_, shape.firstRow, coding, colors_)) return error;
     if (!segments.normals.empty() && !takeNormals(reader, size)) return "the normals of segments are damaged";
     for (size_t k = 0; k < size; ++k) {
       const size_t segment = begin + starts_[pixelOf_[k]] + static_cast<size_t>(layer);

@@ -8,7 +8,7 @@
 #include "render/codec/band_layers.h"
 #include "render/codec/band_layout.h"
 #include "render/codec/codec.h"
-#include "render/codec/color_planes.h"
+#include "render/codec/color_plane_coder.h"
 #include "render/codec/pixel_path.h"
 #include "render/codec/tokens.h"
 
@@ -40,7 +40,7 @@ class SegmentBand {
 
   BandLayout layout_;
   PixelPaths paths_;
-  ColorPlanes colorPlanes_;
+  ColorPlaneCoder colorCoder_;
   TransferVector<uint8_t> bytes_, mask_, beginTokens_, endTokens_, beginRests_, endRests_, bitBytes_;
   TransferVector<uint32_t> starts_;   // of each pixel's segments among the band's
   TransferVector<uint32_t> pixelOf_;  // of the band, for each segment of the layer

@@ -7,7 +7,7 @@
 
 #include "render/base/error.h"
 #include "render/base/shared_pool.h"
-#include "render/codec/color_planes.h"
+#include "render/codec/color_plane_coder.h"
 #include "render/codec/picture_bands.h"
 #include "render/codec/ray_pieces.h"
 #include "render/codec/segment_band.h"
@@ -19,7 +19,7 @@
 namespace warpscope {
 namespace {
 
-constexpr size_t kHeadBytes = 3, kListedBytes = 8;
+constexpr size_t kSegmentsHeadBytes = 3, kListedBytes = 8;
 constexpr size_t kCheckedRays = size_t{1} << 14;  // at once
 constexpr uint64_t kRawSegmentBytes = sizeof(SegmentDepths) + sizeof(Rgba8);
 
@@ -82,16 +82,16 @@ void SegmentCoder::forget() { bands_->forget(); }
 uint64_t mostSegmentBytes(const Camera& camera, const MarchSettings& marched, const CodecSettings& settings) {
   if (marched.sample.segments == 0) return 0;
   const uint64_t pixels = uint64_t{camera.width} * camera.height, layers = static_cast<uint64_t>(marched.sample.segments), segments = pixels * layers;
-  const uint64_t raw = kHeadBytes + pixels + segments * (kRawSegmentBytes + sizeof(NormalCode));
+  const uint64_t raw = kSegmentsHeadBytes + pixels + segments * (kRawSegmentBytes + sizeof(NormalCode));
   if (settings.format == PayloadFormat::raw) return raw;
-  if (settings.format == PayloadFormat::tiled) return kHeadBytes + mostTiledSegmentBytes(camera, segments, layers);
+  if (settings.format == PayloadFormat::tiled) return kSegmentsHeadBytes + mostTiledSegmentBytes(camera, segments, layers);
   const PictureBands bands(camera);
   constexpr uint64_t kTokens = 4, kNormals = 2;
-  uint64_t bytes = kHeadBytes + sizeof(uint64_t);
+  uint64_t bytes = kSegmentsHeadBytes + sizeof(uint64_t);
   for (size_t band = 0; band < bands.count(); ++band) {
     const uint64_t rows = shapeOf(bands, camera, band).rowCount, own = rows * camera.width * layers;
     bytes += kListedBytes + kSectionHeadBytes + rows * camera.width + layers * ((kTokens + 1 + kNormals) * kSectionHeadBytes + sizeof(uint32_t) + 1) +
-             own * (kTokens + kNormals) + (own * SegmentBand::kMostBits + 7) / 8 + ColorPlanes::mostBytes(camera.width, static_cast<uint32_t>(rows), own, layers, settings.color);
+             own * (kTokens + kNormals) + (own * SegmentBand::kMostBits + 7) / 8 + ColorPlaneCoder::mostBytes(camera.width, static_cast<uint32_t>(rows), own, layers, settings.color);
   }
   return bytes;
 }

@@ -5,7 +5,7 @@
 // Tiled: tiled_segments.h.
 // Packed: bands of rows, each by itself, a band in layers: the first segment of every pixel, then the second ... Where segments begin and end is predicted from
 // the same of the pixels beside: borders of the ray's steps as the marcher has them (pixel_path.h), or depth codes where rays are not those; a segment that
-// begins where the one in front ends takes next to nothing. Colours: color_planes.h. Normals: differences of both of their parts.
+// begins where the one in front ends takes next to nothing. Colours: color_plane_coder.h. Normals: differences of both of their parts.
 // Before all: what a byte says of the rest (how depths are placed, how colours travel, whether there are normals).
 #pragma once
 

@@ -19,13 +19,13 @@ constexpr uint32_t kLengthBits = 30;
 constexpr int kLevel = 1;
 
 // A context takes longer to make than a section to compress: one for each thread.
-ZSTD_CCtx& compressor() {
+ZSTD_CCtx& zstdCompressor() {
   thread_local const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
   if (!context) throw std::bad_alloc();
   return *context;
 }
 
-ZSTD_DCtx& decompressor() {
+ZSTD_DCtx& zstdDecompressor() {
   thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
   if (!context) throw std::bad_alloc();
   return *context;
@@ -51,7 +51,7 @@ void appendSection(std::vector<std::byte>& out, std::span<const uint8_t> bytes) 
     kept = Kept::compressed;
     const size_t room = ZSTD_compressBound(bytes.size());
     out.resize(head + 4 + room);
-    length = ZSTD_compressCCtx(&compressor(), out.data() + head + 4, room, bytes.data(), bytes.size(), kLevel);
+    length = ZSTD_compressCCtx(&zstdCompressor(), out.data() + head + 4, room, bytes.data(), bytes.size(), kLevel);
     if (ZSTD_isError(length) || length >= bytes.size()) {
       kept = Kept::plain;
       length = bytes.size();
@@ -76,7 +76,7 @@ bool takeSection(ByteReader& reader, std::span<uint8_t> bytes) {
       return true;
     case Kept::compressed: {
       // Zstandard writes at most what it is given room for.
-      const size_t length = ZSTD_decompressDCtx(&decompressor(), bytes.data(), bytes.size(), stored.data(), stored.size());
+      const size_t length = ZSTD_decompressDCtx(&zstdDecompressor(), bytes.data(), bytes.size(), stored.data(), stored.size());
       return !ZSTD_isError(length) && length == bytes.size();
     }
   }

@@ -4,24 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "render/core/rounding.h"
 
 namespace warpscope {
-namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-float roundedDown(double value) {
-  const auto nearest = static_cast<float>(value);
-  return static_cast<double>(nearest) > value ? std::nextafter(nearest, -kInfinity) : nearest;
-}
-
-float roundedUp(double value) {
-  const auto nearest = static_cast<float>(value);
-  return static_cast<double>(nearest) < value ? std::nextafter(nearest, kInfinity) : nearest;
-}
-
-}  // namespace
 
 DepthRange depthRangeOf(const Camera& camera, const Box& bounds) {
   if (bounds.isEmpty()) return {};

@@ -48,9 +48,9 @@ Medium integralOf(const glm::dvec4& atA, const glm::dvec4& atB, double width) {
   return sum;
 }
 
-class Baking {
+class SegmentTableBaking {
  public:
-  Baking(const TransferFunction& function, const TransferDomain& domain, float step) : function_(function), step_(step) {
+  SegmentTableBaking(const TransferFunction& function, const TransferDomain& domain, float step) : function_(function), step_(step) {
     layNodes(domain);
     before_.resize(places_.size());
     for (size_t i = 1; i < places_.size(); ++i) {
@@ -193,7 +193,7 @@ SegmentLookup SegmentTable::lookup() const {
 }
 
 SegmentTable bakeSegmentTable(const TransferFunction& function, const TransferDomain& domain, float step) {
-  return Baking(function, domain, step).bake();
+  return SegmentTableBaking(function, domain, step).bake();
 }
 
 TransferTable visibleBySegments(const SegmentTable& segments) {

@@ -7,16 +7,10 @@
 
 #include "render/core/counters.h"
 #include "render/core/parallel.h"
+#include "render/core/rounding.h"
 
 namespace warpscope {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-float leastFloatFrom(double value) {
-  const float near = static_cast<float>(value);
-  return static_cast<double>(near) < value ? std::nextafter(near, kInfinity) : near;
-}
 
 /// What a table holds of one place.
 struct Entry {
@@ -59,16 +53,16 @@ Bins binsFor(const TransferFunction& function, const TransferDomain& domain) {
   if (!function.points.empty()) {
     const auto [first, last] = function.changingValues();
     const double lowest = domain.lower, highest = domain.upper;
-    bins.lower = std::clamp<double>(leastFloatFrom(first), lowest, highest);
-    bins.upper = std::clamp<double>(leastFloatFrom(last), lowest, highest);
+    bins.lower = std::clamp<double>(roundedUp(first), lowest, highest);
+    bins.upper = std::clamp<double>(roundedUp(last), lowest, highest);
   }
-  constexpr double kMostOffset = 1 << 22;  // bins are told apart to a whole one up to there
+  constexpr double kMostCountedOffset = 1 << 22;  // bins are told apart to a whole one up to there
   if (domain.isWhole) {
     // At least a whole number between the first and the last bin; as many bins for each as fit, and as leave the offset exact.
     bins.lower = std::floor(bins.lower);
     bins.upper = std::max(std::ceil(bins.upper), bins.lower + 1.0);
     const double values = bins.upper - bins.lower;
-    while (2.0 * bins.perWhole * values <= TransferTable::kBins && 2.0 * bins.perWhole * std::abs(bins.lower) < kMostOffset) bins.perWhole *= 2;
+    while (2.0 * bins.perWhole * values <= TransferTable::kBins && 2.0 * bins.perWhole * std::abs(bins.lower) < kMostCountedOffset) bins.perWhole *= 2;
     bins.inner = static_cast<int>(values) * bins.perWhole;
     return bins;
   }
@@ -80,14 +74,14 @@ Bins binsFor(const TransferFunction& function, const TransferDomain& domain) {
                                   : (bins.upper - bins.lower) / (TransferTable::kBins - 2);
   bins.lower -= width;
   bins.upper += width;
-  const bool canCount = width > 0.0 && bins.scale() <= std::numeric_limits<float>::max() && std::abs(bins.offset()) < kMostOffset;
+  const bool canCount = width > 0.0 && bins.scale() <= std::numeric_limits<float>::max() && std::abs(bins.offset()) < kMostCountedOffset;
   if (!canCount) bins.inner = 0;
   return bins;
 }
 
-class Baking {
+class TableBaking {
  public:
-  Baking(const TransferFunction& function, const TransferDomain& domain, float step)
+  TableBaking(const TransferFunction& function, const TransferDomain& domain, float step)
       : function_(function), bins_(binsFor(function, domain)) {
     // Of those that may be met; interpolation may overshoot a domain's ends by its rounding.
     const double margin = 1e-5 * std::max(std::abs(static_cast<double>(domain.lower)), std::abs(static_cast<double>(domain.upper)));
@@ -98,7 +92,7 @@ class Baking {
     };
     addCorner(domain.lower, static_cast<double>(domain.lower));  // pieces begin there, as at a corner
     for (const TransferPoint& point : function.points) {
-      const float place = leastFloatFrom(point.value);
+      const float place = roundedUp(point.value);
       if (place > domain.upper + margin) break;
       addCorner(place, point.value);
     }
@@ -161,7 +155,7 @@ class Baking {
   /// what this one was told.
   class Recent {
    public:
-    explicit Recent(const Baking& baking) : baking_(baking) {}
+    explicit Recent(const TableBaking& baking) : baking_(baking) {}
     Entry from(double x) {
       if (x == places_[0]) return entries_[0];
       if (x == places_[1]) return entries_[1];
@@ -182,7 +176,7 @@ class Baking {
     }
 
    private:
-    const Baking& baking_;
+    const TableBaking& baking_;
     double places_[2] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
     Entry entries_[2];
     int oldest_ = 0;
@@ -272,9 +266,9 @@ class Baking {
   void addPieces(double left, double right) {
     const Entry first = from(left), last = before(right);
     // Beyond the ends the function is constant.
-    const double middle = std::isfinite(left) && std::isfinite(right) ? left + (right - left) / 2 : static_cast<double>(kInfinity);
+    const double middle = std::isfinite(left) && std::isfinite(right) ? left + (right - left) / 2 : std::numeric_limits<double>::infinity();
     const auto cut = static_cast<double>(static_cast<float>(middle));
-    const bool isDivisible = std::isfinite(middle) && cut > static_cast<double>(leastFloatFrom(left)) && cut < right;
+    const bool isDivisible = std::isfinite(middle) && cut > static_cast<double>(roundedUp(left)) && cut < right;
     if (isDivisible && !areAlike(first, last)) {
       addPieces(left, cut);
       addPieces(cut, right);
@@ -286,8 +280,8 @@ class Baking {
     else if (std::isfinite(right) && isDivisible)
       pieces_.push_back(from(middleOf(left, right)));
     else
-      pieces_.push_back(from(leastFloatFrom(left)));
-    table_.begins.push_back(std::isfinite(left) ? leastFloatFrom(left) : -kInfinity);
+      pieces_.push_back(from(roundedUp(left)));
+    table_.begins.push_back(std::isfinite(left) ? roundedUp(left) : -std::numeric_limits<float>::infinity());
   }
 
   /// Where a bin or piece is looked at: at a whole number if it holds one that may be looked up, else in its middle.
@@ -345,7 +339,7 @@ bool TransferTable::anyVisible(float lowest, float highest) const {
 }
 
 TransferTable bakeTransferTable(const TransferFunction& function, const TransferDomain& domain, float step) {
-  return Baking(function, domain, step).bake();
+  return TableBaking(function, domain, step).bake();
 }
 
 }  // namespace warpscope

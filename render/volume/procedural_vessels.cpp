@@ -131,7 +131,7 @@ float profile(float distance, float radius) {
   return body * smoothStep((radius + kEdgeVoxels - distance) / (2.0f * kEdgeVoxels));
 }
 
-constexpr uint32_t kBrickSide = 32;
+constexpr uint32_t kVesselBrickSide = 32;
 
 /// Puts a piece (in voxels) into the part [lower, upper) of the volume. Where tubes meet the greatest value stays, so
 /// the order of the pieces does not matter.
@@ -163,7 +163,7 @@ void fillVessels(uint8_t* voxels, const Wanted& wanted, const std::stop_token& s
   const glm::uvec3& dims = wanted.dims;
   const Tree tree(wanted.seed);
   const auto side = static_cast<float>(std::min({dims.x, dims.y, dims.z}));
-  const glm::uvec3 bricks = (dims + kBrickSide - 1u) / kBrickSide;
+  const glm::uvec3 bricks = (dims + kVesselBrickSide - 1u) / kVesselBrickSide;
   std::vector<Piece> pieces;
   std::vector<std::vector<uint32_t>> piecesOf(size_t{bricks.x} * bricks.y * bricks.z);
   for (Piece piece : tree.pieces()) {
@@ -175,7 +175,7 @@ void fillVessels(uint8_t* voxels, const Wanted& wanted, const std::stop_token& s
     const glm::vec3 reach(piece.radiusBegin + kEdgeVoxels + 1.0f);
     const glm::vec3 top(bricks - 1u);
     const auto brickOf = [&](const glm::vec3& p) {
-      return glm::uvec3(glm::clamp(p / static_cast<float>(kBrickSide), glm::vec3(0.0f), top));
+      return glm::uvec3(glm::clamp(p / static_cast<float>(kVesselBrickSide), glm::vec3(0.0f), top));
     };
     const glm::uvec3 first = brickOf(glm::min(piece.begin, piece.end) - reach);
     const glm::uvec3 last = brickOf(glm::max(piece.begin, piece.end) + reach);
@@ -185,7 +185,7 @@ void fillVessels(uint8_t* voxels, const Wanted& wanted, const std::stop_token& s
           piecesOf[(size_t{z} * bricks.y + y) * bricks.x + x].push_back(static_cast<uint32_t>(pieces.size()));
     pieces.push_back(piece);
   }
-  fillBricks(kBrickSide, wanted, 1, stop, [&](const glm::uvec3& brick, const glm::uvec3& lower, const glm::uvec3& upper) {
+  fillBricks(kVesselBrickSide, wanted, 1, stop, [&](const glm::uvec3& brick, const glm::uvec3& lower, const glm::uvec3& upper) {
     for (uint32_t z = lower.z; z < upper.z; ++z)
       for (uint32_t y = lower.y; y < upper.y; ++y) {
         uint8_t* row = voxels + (size_t{z} * dims.y + y) * dims.x;

@@ -158,7 +158,7 @@ class MeshWarp final : public Warp {
 std::unique_ptr<Warp> makeMeshWarp(const WarpResources& resources) { return std::make_unique<MeshWarp>(resources.context()); }
 
 constexpr double kSweptCuts[] = {0.1f};
-constexpr const Knob* kKnobs[] = {&kMeshCutKnob};
+constexpr const Knob* kMeshKnobs[] = {&kMeshCutKnob};
 
 }  // namespace
 
@@ -186,7 +186,7 @@ constinit const WarpDescriptor kMeshWarp{
     .summary = "the depth image as triangles, cut where depth jumps: what is streamed to headsets",
     .usesOpenGl = true,
     .uses = {.depth = true},
-    .knobs = kKnobs,
+    .knobs = kMeshKnobs,
     .make = makeMeshWarp,
 };
 

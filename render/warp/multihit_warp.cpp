@@ -28,7 +28,7 @@ std::unique_ptr<Warp> makeMultihitWarp(const WarpResources& resources) {
 }
 
 constexpr double kSweptHits[] = {2.0};
-constexpr const Knob* kKnobs[] = {&kHitsKnob};
+constexpr const Knob* kMultihitKnobs[] = {&kHitsKnob};
 
 }  // namespace
 
@@ -53,7 +53,7 @@ constinit const WarpDescriptor kMultihitWarp{
     .summary = "the nearest few surfaces along each ray, blended",
     .runsOnCuda = true,
     .uses = {.depth = true, .radius = true},
-    .knobs = kKnobs,
+    .knobs = kMultihitKnobs,
     .make = makeMultihitWarp,
 };
 

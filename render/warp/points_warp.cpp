@@ -102,7 +102,7 @@ std::unique_ptr<Warp> makePointsWarp(const WarpResources& resources) {
 }
 
 constexpr double kSweptSizes[] = {1.0, 2.0, 3.0};
-constexpr const Knob* kKnobs[] = {&kPointSizeKnob};
+constexpr const Knob* kPointsKnobs[] = {&kPointSizeKnob};
 
 }  // namespace
 
@@ -128,7 +128,7 @@ constinit const WarpDescriptor kPointsWarp{
     .summary = "OpenGL points of a fixed size in pixels (2012)",
     .usesOpenGl = true,
     .uses = {.depth = true},
-    .knobs = kKnobs,
+    .knobs = kPointsKnobs,
     .make = makePointsWarp,
 };
 

@@ -29,7 +29,7 @@ std::unique_ptr<Warp> makeReferenceWarp(const WarpResources& resources) {
   return std::make_unique<ReferenceWarp>(resources.marcher);
 }
 
-constexpr const Knob* kKnobs[] = {&kArithmeticKnob};
+constexpr const Knob* kReferenceKnobs[] = {&kArithmeticKnob};
 
 }  // namespace
 
@@ -38,7 +38,7 @@ constinit const WarpDescriptor kReferenceWarp{
     .label = "Ground truth",
     .summary = "the volume marched at the current camera: the ground truth",
     .usesFrame = false,
-    .knobs = kKnobs,
+    .knobs = kReferenceKnobs,
     .make = makeReferenceWarp,
 };
 

@@ -47,7 +47,7 @@ class RotateWarp final : public Warp {
 
 std::unique_ptr<Warp> makeRotateWarp(const WarpResources&) { return std::make_unique<RotateWarp>(); }
 
-constexpr const Knob* kKnobs[] = {&kPicturePlaneKnob};
+constexpr const Knob* kRotateKnobs[] = {&kPicturePlaneKnob};
 
 }  // namespace
 
@@ -69,7 +69,7 @@ constinit const WarpDescriptor kRotateWarp{
     .name = "rotate",
     .label = "Rotate",
     .summary = "the last image on a plane, seen from where the camera is now: time warp, without depth",
-    .knobs = kKnobs,
+    .knobs = kRotateKnobs,
     .make = makeRotateWarp,
 };
 

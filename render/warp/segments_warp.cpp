@@ -86,7 +86,7 @@ std::unique_ptr<Warp> makeSegmentsWarp(const WarpResources& resources) {
   return std::make_unique<SegmentsWarp>();
 }
 
-constexpr const Knob* kKnobs[] = {&kBetweenKnob};
+constexpr const Knob* kSegmentsKnobs[] = {&kBetweenKnob};
 
 }  // namespace
 
@@ -96,7 +96,7 @@ constinit const WarpDescriptor kSegmentsWarp{
     .summary = "stretches of each ray instead of one point, met again by the rays of the new camera",
     .runsOnCuda = true,
     .uses = {.segments = true, .proxy = true},
-    .knobs = kKnobs,
+    .knobs = kSegmentsKnobs,
     .make = makeSegmentsWarp,
 };
 

@@ -118,7 +118,7 @@ std::unique_ptr<Warp> makeSpheresWarp(const WarpResources& resources) {
 }
 
 constexpr auto kTracingChoices = choicesOf(kSphereTracings);
-constexpr const Knob* kKnobs[] = {&kSphereTracingKnob, &kSmearKnob, &kArithmeticKnob};
+constexpr const Knob* kSpheresKnobs[] = {&kSphereTracingKnob, &kSmearKnob, &kArithmeticKnob};
 
 }  // namespace
 
@@ -174,7 +174,7 @@ constinit const WarpDescriptor kSpheresWarp{
     .summary = "first hit of rays with spheres over an LBVH (2020)",
     .runsOnCuda = true,
     .uses = {.depth = true, .radius = true, .spread = true},
-    .knobs = kKnobs,
+    .knobs = kSpheresKnobs,
     .make = makeSpheresWarp,
 };
 

@@ -1,6 +1,6 @@
 // Colours, predicted or as a picture.
-// See color_planes.h.
-#include "render/codec/color_planes.h"
+// See color_plane_coder.h.
+#include "render/codec/color_plane_coder.h"
 
 #include <algorithm>
 #include <bit>
@@ -68,14 +68,14 @@ void fillGaps(Rgba8* picture, const CoveredArea& area, const uint8_t* mask, uint
 
 }  // namespace
 
-uint64_t ColorPlanes::mostBytes(uint32_t width, uint32_t rows, uint64_t samples, uint64_t layers, ColorCoding coding) {
+uint64_t ColorPlaneCoder::mostBytes(uint32_t width, uint32_t rows, uint64_t samples, uint64_t layers, ColorCoding coding) {
   constexpr uint64_t kColors = 3;
   const uint64_t alpha = layers * kSectionHeadBytes + samples;
   if (coding == ColorCoding::lossless) return alpha + kColors * (layers * kSectionHeadBytes + samples);
   return alpha + layers * (sizeof(uint32_t) + mostJpegBytes((width + 7) / 8 * 8, rows));
 }
 
-void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask,
+void ColorPlaneCoder::append(std::vector<std::byte>& out, const BandLayout& layout, uint32_t firstRow, std::span<const uint8_t> mask,
                          uint32_t rowBytes, std::span<const Rgba8> colors, const CodecSettings& settings) {
   const size_t count = colors.size();
   slots_.resize(count + 1);
@@ -108,7 +108,7 @@ void ColorPlanes::append(std::vector<std::byte>& out, const BandLayout& layout, 
   appendSection(out, blue_);
 }
 
-DecodeError ColorPlanes::take(ByteReader& reader, const BandLayout& layout, uint32_t firstRow, ColorCoding coding, std::span<Rgba8> colors) {
+DecodeError ColorPlaneCoder::take(ByteReader& reader, const BandLayout& layout, uint32_t firstRow, ColorCoding coding, std::span<Rgba8> colors) {
   const size_t count = colors.size();
   alpha_.resize(count);
   if (!takeSection(reader, alpha_)) return "the opacities are damaged";

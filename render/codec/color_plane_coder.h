@@ -15,7 +15,7 @@
 namespace warpscope {
 
 /// Keeps its buffers. Colours: of the samples in the layout's order.
-class ColorPlanes {
+class ColorPlaneCoder {
  public:
   /// The most bytes that append() appends for all layers of a band together, of which there are `layers` with `samples`.
   static uint64_t mostBytes(uint32_t width, uint32_t rows, uint64_t samples, uint64_t layers, ColorCoding coding);
