@@ -18,6 +18,8 @@
 #include <memory>
 #include <string_view>
 
+#include "render/base/shell_word.h"
+
 namespace warpscope::net {
 namespace fs = std::filesystem;
 namespace {
@@ -165,22 +167,15 @@ Identity parseIdentity(const std::string& pem, const fs::path& path) {
   return {textOf(keyOut.get()), textOf(certificateOut.get()), fingerprintOf(certificate.get())};
 }
 
-/// As a shell takes it.
-std::string quoted(const fs::path& path) {
-  std::string text = "'";
-  for (const char c : path.string()) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 /// Throws unless what is open is the user's, and closed to all others. Who may write to the folder may replace the key.
 void requireOwn(int descriptor, const fs::path& path, const char* others, const char* mode) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) failOfFile(path, "cannot be looked at");
   if (status.st_uid != ::geteuid())
     throw CertificateError(path.string() + ": belongs to another user (" + std::to_string(status.st_uid) + "), who can change the key in it; make it yours with: chown " +
-                           std::to_string(::geteuid()) + " " + quoted(path));
+                           std::to_string(::geteuid()) + " " + shellWord(path.string()));
   if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
-    throw CertificateError(path.string() + ": others can " + others + "; close it to them with: chmod " + mode + " " + quoted(path));
+    throw CertificateError(path.string() + ": others can " + others + "; close it to them with: chmod " + mode + " " + shellWord(path.string()));
 }
 
 /// The folder that the identity is in: open, so that nobody can put another one in its place between two looks at it.

@@ -15,6 +15,7 @@
 #include "render/base/error.h"
 #include "render/base/input_file.h"
 #include "render/base/range.h"
+#include "render/base/shell_word.h"
 
 namespace warpscope {
 namespace {
@@ -50,7 +51,7 @@ void warnOfOthers(const std::filesystem::path& file) {
   std::error_code error;
   const auto others = std::filesystem::perms::group_all | std::filesystem::perms::others_all;
   if (const auto status = std::filesystem::status(file, error); !error && (status.permissions() & others) != std::filesystem::perms::none)
-    logWarning(file.string() + " is open to others, who can see the server's pictures with what it holds; close it with: chmod 600 " + file.string());
+    logWarning(file.string() + " is open to others, who can see the server's pictures with what it holds; close it with: chmod 600 " + shellWord(file.string()));
 }
 
 }  // namespace

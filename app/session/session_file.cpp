@@ -16,6 +16,7 @@
 #include "app/session/picture_plan.h"
 #include "render/base/error.h"
 #include "render/base/printable.h"
+#include "render/base/shell_word.h"
 #include "render/volume/volume_format.h"
 
 namespace warpscope {
@@ -99,19 +100,6 @@ void readPanel(const Node& node, SessionFile& file) {
   const auto view = node.find("view");
   file.arrangement.ownViews.push_back(view ? std::optional(readView(*view)) : std::nullopt);
 }
-
-/// In quotes where a shell would take it apart.
-std::string quoted(const std::string& text) {
-  constexpr std::string_view kPlain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_./:,=@%+";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string inQuotes = "'";
-  for (const char c : text) inQuotes += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return inQuotes + "'";
-}
-
-}  // namespace
-
-namespace {
 
 void requireUtf8(const std::string& name) {
   try {
@@ -233,12 +221,12 @@ std::string commandLineOf(const Session& session) {
   const SessionFile file = sessionFileOf(session);
   const LiveSettings& knobs = file.knobs;
   std::string line = "warpscope view";
-  const auto add = [&](std::string_view option, const std::string& value) { line += " " + std::string(option) + " " + quoted(value); };
+  const auto add = [&](std::string_view option, const std::string& value) { line += " " + std::string(option) + " " + shellWord(value); };
   const bool isServer = file.origin.spec.find("://") != std::string::npos;
   if (isServer)
     add("--connect", file.origin.spec);
   else
-    line += " " + quoted(file.origin.spec);
+    line += " " + shellWord(file.origin.spec);
   const SceneOverrides& overrides = file.origin.overrides;
   if (overrides.volume) add("--volume", overrides.volume->string());
   if (overrides.mask) add("--mask", overrides.mask->string());

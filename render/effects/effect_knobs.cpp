@@ -24,8 +24,6 @@ bool isLitMatter(const MarchSettings& settings) { return isLit(settings) && isCo
 bool mayCastShadows(const MarchSettings& settings) { return isLitMatter(settings) && hasLight(settings, true); }
 bool isOccluded(const MarchSettings& settings) { return isLitMatter(settings) && settings.render.effects.shadows.occlusion > 0.0f; }
 bool hasLightVolume(const MarchSettings& settings) { return isOccluded(settings) || (mayCastShadows(settings) && settings.render.effects.shadows.strength > 0.0f); }
-constexpr bool always(const MarchSettings&) { return true; }
-
 constexpr auto kModeChoices = choicesOf(kRenderModes);
 bool hasSurfaces(const MarchSettings& settings) { return settings.render.effects.mode == RenderMode::isosurface; }
 

@@ -23,8 +23,6 @@ constexpr double kSweptRadii[] = {place(RadiusPolicy::voxel), place(RadiusPolicy
 constexpr RenderSettings kRender;
 constexpr SampleSettings kSample;
 
-constexpr bool always(const MarchSettings&) { return true; }
-
 /// Else a ray has one greatest value, whose depth every heuristic gives.
 bool isNoMaximum(const MarchSettings& settings) { return settings.render.effects.mode != RenderMode::mip; }
 

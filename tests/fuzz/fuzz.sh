@@ -14,7 +14,7 @@ if [ "$what" = build ]; then
     if "$compiler" -std=c++20 -fsanitize=fuzzer,address "$probe/probe.cpp" -o "$probe/probe" 2> "$probe/log"; then
       rm -f -- "$build/none"
       cmake -S "$sources" -B "$build" -G Ninja -DCMAKE_C_COMPILER="$clang" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS_RELEASE=-O1 \
-        -DWARPSCOPE_FUZZ=ON -DWARPSCOPE_CUDA=OFF -DWARPSCOPE_TESTS=OFF -DWARPSCOPE_WITH_UI=OFF -DWARPSCOPE_WITH_ITK=OFF \
+        -DWARPSCOPE_FUZZ=ON -DWARPSCOPE_UNITY=ON -DWARPSCOPE_CUDA=OFF -DWARPSCOPE_TESTS=OFF -DWARPSCOPE_WITH_UI=OFF -DWARPSCOPE_WITH_ITK=OFF \
         -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)"
       cmake --build "$build" --target fuzzers
       for part in codec net session volume; do

@@ -15,7 +15,7 @@
 namespace warpscope {
 namespace {
 
-uint64_t hashOf(std::span<const PackedSample> samples) {
+uint64_t summedHashOf(std::span<const PackedSample> samples) {
   const PackedSample* const sample = samples.data();
   return summedHash(samples.size(), 0, [sample](size_t i) { return sample[i]; });
 }
@@ -84,7 +84,7 @@ void TiledSamples::append(std::vector<std::byte>& out, const SampleFrame& frame,
     for (size_t tile = begin; tile < end; ++tile)
       work->pack(frame, placement, grid.at(static_cast<uint32_t>(tile)), b.rows.of(tile), b.tiles[tile]);
   });
-  appendLittle(out, hashOf(frame.samples));
+  appendLittle(out, summedHashOf(frame.samples));
   appendSheet(out, sampleForm(std::ranges::any_of(frame.planes, isImplied)), b.tiles);
 }
 
@@ -137,7 +137,7 @@ DecodeError TiledSamples::take(ByteReader& reader, Placement placement, size_t c
     }
   });
   if (isDamaged) return "a tile of the payload is damaged";
-  if (hashOf(frame.samples) != hash) return kOtherSamples;
+  if (summedHashOf(frame.samples) != hash) return kOtherSamples;
   return std::nullopt;
 }
 

@@ -14,7 +14,7 @@
 namespace warpscope {
 namespace {
 
-uint64_t hashOf(const FrameSegments& segments) {
+uint64_t summedHashOf(const FrameSegments& segments) {
   const SegmentDepths* const depths = segments.depths.data();
   const NormalCode* const normals = segments.normals.data();
   const RaySegmentCount* const rays = segments.rays.data();
@@ -65,7 +65,7 @@ void TiledSegments::append(std::vector<std::byte>& out, const SampleFrame& frame
     const auto work = b.pool->take();
     for (size_t tile = begin; tile < end; ++tile) work->pack(frame, placement, grid.at(static_cast<uint32_t>(tile)), b.rows.of(tile), b.tiles[tile]);
   });
-  appendLittle(out, hashOf(frame.segments));
+  appendLittle(out, summedHashOf(frame.segments));
   appendSheet(out, segmentForm(!frame.segments.normals.empty()), b.tiles);
 }
 
@@ -101,7 +101,7 @@ DecodeError TiledSegments::take(ByteReader& reader, Placement placement, bool ha
       if (!work->unpack(b.sheet, static_cast<uint32_t>(tile), grid.at(static_cast<uint32_t>(tile)), b.rows.of(tile), placement, b.streams[tile], frame)) isDamaged = true;
   });
   if (isDamaged) return "a tile of segments is damaged";
-  if (hashOf(segments) != hash) return kOtherSegments;
+  if (summedHashOf(segments) != hash) return kOtherSegments;
   return whyInconsistentSegments(frame);
 }
 
