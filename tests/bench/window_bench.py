@@ -5,7 +5,7 @@
                        PROGRAM... [-- OPTION...]
 
 Of each program, in turns: framesPerSecond and the longest gap of the display, pictures a second of both panels, median and longest march, frames of the
-window's own thread over 33 ms.
+window's own thread over 33 ms; of all cores' time, what the host of a virtual machine kept for others (steal, proc(5)).
 --rest S: the pointer rests every second for S seconds.
 --handled: it is also resized, files are opened (--open, and built-in scenes), the transfer function is dragged, errors are measured.
 --vanishing: its server is another process, which is killed and comes back, twice. It stands for one elsewhere: it has what the window leaves of the cores (nice 19).
@@ -138,6 +138,13 @@ def measured(program, arguments, view_options):
             return json.load(file)
 
 
+def stolen_s():
+    """Seconds that a virtual machine's cores have been kept waiting by its host, since it started."""
+    with open("/proc/stat", encoding="ascii") as file:
+        fields = file.readline().split()
+    return int(fields[8]) / os.sysconf("SC_CLK_TCK") if len(fields) > 8 else 0.0
+
+
 def main():
     own, view_options = sys.argv[1:], []
     if "--" in own:
@@ -157,7 +164,9 @@ def main():
     arguments = parser.parse_args(own)
     for run in range(arguments.runs):
         for program in arguments.programs:
+            before = stolen_s(), time.monotonic()
             figures = measured(program, arguments, view_options)
+            stolen = (stolen_s() - before[0]) / ((time.monotonic() - before[1]) * (os.cpu_count() or 1))
             marches = figures.get("movingMarchMs") or {}
             pictures = figures.get("picturesPerSecond") or []
             print(f"{run} {program}: display {figures['framesPerSecond']:.1f}/s, longest gap {figures['gapMs']['longest']:.0f} ms; "
@@ -165,7 +174,7 @@ def main():
                   f"longest {marches.get('longest', float('nan')):.0f}; frames {figures['framesReceived']}; "
                   f"age {(figures['ageMs'] or {}).get('median', float('nan')):.0f} ms; "
                   f"thread {figures['threadMs']['median']:.1f} ms, longest {figures['threadMs']['longest']:.0f}, "
-                  f"{figures['threadFrames']['over33Ms']} of {figures['threadFrames']['all']} over 33 ms", flush=True)
+                  f"{figures['threadFrames']['over33Ms']} of {figures['threadFrames']['all']} over 33 ms; stolen {100.0 * stolen:.1f} %", flush=True)
             for hitch in figures["threadFrames"].get("hitches", []):
                 print(f"    {hitch}")
 
