@@ -15,13 +15,13 @@ constexpr std::string_view kForms = "warp://HOST:PORT or warps://HOST:PORT/#fp=F
 constexpr size_t kLongestHost = 253;  // RFC 1035, 2.3.4, without the root's dot
 constexpr size_t kLongestShown = 100;
 
-std::string inQuotes(std::string_view text) {
+std::string shownInQuotes(std::string_view text) {
   return text.size() <= kLongestShown ? "'" + std::string(text) + "'" : "'" + std::string(text.substr(0, kLongestShown)) + "...'";
 }
 
 /// Sentences begin with what they are about.
 [[noreturn]] void refuse(std::string_view subject, std::string_view sentence) {
-  throw AddressError(inQuotes(subject) + ": " + std::string(sentence));
+  throw AddressError(shownInQuotes(subject) + ": " + std::string(sentence));
 }
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
@@ -33,7 +33,7 @@ uint16_t parsePort(std::string_view text, std::string_view shown, unsigned least
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, port);
   if (error != std::errc{} || stop != end || port < leastPort || port > 65535)
-    refuse(shown, "the port must be a number from " + std::to_string(leastPort) + " to 65535, not " + inQuotes(text));
+    refuse(shown, "the port must be a number from " + std::to_string(leastPort) + " to 65535, not " + shownInQuotes(text));
   return static_cast<uint16_t>(port);
 }
 
@@ -41,11 +41,11 @@ void requireHost(std::string_view host, std::string_view shown) {
   if (host.empty()) refuse(shown, "the host is missing");
   if (host.size() > kLongestHost) refuse(shown, "the host is longer than " + std::to_string(kLongestHost) + " characters");
   const auto wrong = std::find_if_not(host.begin(), host.end(), isNameCharacter);
-  if (wrong != host.end()) refuse(shown, "a host has no " + inQuotes(std::string_view(&*wrong, 1)));
+  if (wrong != host.end()) refuse(shown, "a host has no " + shownInQuotes(std::string_view(&*wrong, 1)));
   if (!std::all_of(host.begin(), host.end(), [](char c) { return isDigit(c) || c == '.'; })) return;
   error_code error;
   asio::ip::make_address_v4(std::string(host), error);
-  if (error) refuse(shown, inQuotes(host) + " is no IPv4 address");
+  if (error) refuse(shown, shownInQuotes(host) + " is no IPv4 address");
 }
 
 HostPort parseHostPort(std::string_view text, std::string_view shown, unsigned leastPort) {
@@ -57,7 +57,7 @@ HostPort parseHostPort(std::string_view text, std::string_view shown, unsigned l
     where.host = text.substr(1, bracket - 1);
     error_code error;
     asio::ip::make_address_v6(where.host, error);
-    if (error) refuse(shown, inQuotes(where.host) + " is no IPv6 address");
+    if (error) refuse(shown, shownInQuotes(where.host) + " is no IPv6 address");
     rest = text.substr(bracket + 1);
     if (!rest.empty() && rest[0] != ':') refuse(shown, "after ] comes nothing, or : and the port");
   } else {
