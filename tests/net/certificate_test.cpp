@@ -13,7 +13,6 @@
 #include <thread>
 #include <vector>
 
-#include "render/base/shell_word.h"
 #include "tests/test_folder.h"
 
 namespace warpscope::net {
@@ -41,7 +40,7 @@ class CertificateTest : public testing::Test {
   }
 
   const TestFolder folder_;
-  const fs::path root_ = folder_.path() / "identity";  // which is not there
+  const fs::path root_ = folder_.path() / "its identity";  // which is not there, and of which a shell would make two words
 };
 
 TEST_F(CertificateTest, IsMadeOnceAndKept) {
@@ -64,11 +63,11 @@ TEST_F(CertificateTest, NobodyElseCanReadTheKey) {
   EXPECT_EQ(count, 1u) << "something was left beside the file";
 
   ASSERT_EQ(chmod(file().c_str(), 0640), 0);
-  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": others can read or change this key; close it to them with: chmod 600 " + shellWord(file().string())));
+  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": others can read or change this key; close it to them with: chmod 600 '" + file().string() + "'"));
   ASSERT_EQ(chmod(file().c_str(), 0600), 0);
   for (const mode_t mode : {mode_t{0750}, mode_t{0701}, mode_t{0720}}) {
     ASSERT_EQ(chmod(root_.c_str(), mode), 0);
-    EXPECT_THAT(complaint(), HasSubstr(root_.string() + ": others can look into this folder, where the server's key is; close it to them with: chmod 700 " + shellWord(root_.string())));
+    EXPECT_THAT(complaint(), HasSubstr(root_.string() + ": others can look into this folder, where the server's key is; close it to them with: chmod 700 '" + root_.string() + "'"));
   }
   ASSERT_EQ(chmod(root_.c_str(), 0700), 0);
   EXPECT_EQ(complaint(), "");
@@ -165,7 +164,7 @@ TEST_F(CertificateTest, BelongsToTheUser) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can give files away";
   loadOrMakeIdentity(root_);
   ASSERT_EQ(chown(file().c_str(), 12345, gid_t(-1)), 0);
-  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": belongs to another user (12345), who can change the key in it; make it yours with: chown 0 " + shellWord(file().string())));
+  EXPECT_THAT(complaint(), HasSubstr(file().string() + ": belongs to another user (12345), who can change the key in it; make it yours with: chown 0 '"));
   ASSERT_EQ(chown(file().c_str(), 0, gid_t(-1)), 0);
   ASSERT_EQ(chown(root_.c_str(), 12345, gid_t(-1)), 0);
   EXPECT_THAT(complaint(), HasSubstr(root_.string() + ": belongs to another user (12345)"));
