@@ -86,11 +86,11 @@ TEST_F(WindowReportTest, TheThreadsTimesHaveAMedianAndALongest) {
 
 TEST_F(WindowReportTest, FramesThatAHandWouldFeelAreListed) {
   report_.add({1.0, 2.0, 30.0});
-  report_.add({1.0, 20.0, 12.5});
+  report_.add({1.0, 20.0, 12.5, 86400.25});
   const auto frames = report(start_)["threadFrames"];
   EXPECT_EQ(frames["all"], 2);
   EXPECT_EQ(frames["over33Ms"], 1);
-  EXPECT_EQ(frames["hitches"], nlohmann::json::parse(R"([{"frame": 1, "sessionMs": 1.0, "widgetsMs": 20.0, "openGlMs": 12.5}])"));
+  EXPECT_EQ(frames["hitches"], nlohmann::json::parse(R"([{"frame": 1, "sessionMs": 1.0, "widgetsMs": 20.0, "openGlMs": 12.5, "endedS": 86400.25}])"));
 }
 
 TEST_F(WindowReportTest, OneFrameHasNoGap) {

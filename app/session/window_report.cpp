@@ -67,8 +67,8 @@ Json threadFrames(std::span<const WindowReport::ThreadTime> frames) {
   constexpr double kHitchMs = 33.0;
   Json hitches = Json::array();
   for (size_t i = 0; i < frames.size(); ++i)
-    if (const auto& [sessionMs, widgetsMs, openGlMs] = frames[i]; frames[i].total() > kHitchMs)
-      hitches.push_back({{"frame", i}, {"sessionMs", sessionMs}, {"widgetsMs", widgetsMs}, {"openGlMs", openGlMs}});
+    if (const auto& [sessionMs, widgetsMs, openGlMs, endedS] = frames[i]; frames[i].total() > kHitchMs)
+      hitches.push_back({{"frame", i}, {"sessionMs", sessionMs}, {"widgetsMs", widgetsMs}, {"openGlMs", openGlMs}, {"endedS", endedS}});
   return {{"all", frames.size()}, {"over33Ms", hitches.size()}, {"hitches", hitches}};
 }
 

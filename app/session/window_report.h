@@ -20,6 +20,7 @@ class WindowReport {
     double session = 0.0;  ///< answers of workers and servers taken, requests sent
     double widgets = 0.0;  ///< with textures of new pictures
     double openGl = 0.0;   ///< drawing, until the picture is swapped
+    double endedS = 0.0;   ///< by the monotonic clock, s: what else happened then can be found
     double total() const { return session + widgets + openGl; }
   };
   void add(const ThreadTime& time) { frames_.push_back(time); }

@@ -144,8 +144,9 @@ Image<Rgba8> runLoop(const Stage& stage, const std::stop_token& stop) {
     const bool isLast = !settings.screenshot.empty() && now >= start + durationOfMs(settings.screenshotAfterMs);
     const Clock::TimePoint laidOut = clock.now();
     window.endFrame(isLast || wantsPicture ? &photograph : nullptr);
-    if (!settings.report.empty())
-      report.add({millisecondsBetween(now, updated), millisecondsBetween(updated, laidOut), millisecondsBetween(laidOut, clock.now())});
+    if (const Clock::TimePoint shown = clock.now(); !settings.report.empty())
+      report.add({millisecondsBetween(now, updated), millisecondsBetween(updated, laidOut), millisecondsBetween(laidOut, shown),
+                  std::chrono::duration<double>(shown.time_since_epoch()).count()});
     if (wantsPicture) mainView.savePicture(isLast ? photograph : std::exchange(photograph, {}));
     if (isLast || !goesOn) break;
   }

@@ -5,7 +5,8 @@
                        PROGRAM... [-- OPTION...]
 
 Of each program, in turns: framesPerSecond and the longest gap of the display, pictures a second of both panels, median and longest march, frames of the
-window's own thread over 33 ms; of all cores' time, what the host of a virtual machine kept for others (steal, proc(5)).
+window's own thread over 33 ms; of all cores' time, what the host of a virtual machine kept for others (steal, proc(5)), and of frames over 33 ms how
+many are so without what was kept of one core meanwhile.
 --rest S: the pointer rests every second for S seconds.
 --handled: it is also resized, files are opened (--open, and built-in scenes), the transfer function is dragged, errors are measured.
 --vanishing: its server is another process, which is killed and comes back, twice. It stands for one elsewhere: it has what the window leaves of the cores (nice 19).
@@ -14,9 +15,11 @@ import argparse
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import types
 
@@ -25,6 +28,7 @@ import window_test as ui  # noqa: E402
 
 PERIOD_S = 4.0       # of a circle of the pointer
 RADIUS_PX = 60
+LIMIT_MS = 33.0      # of a frame that a hand would feel (window_report.cpp)
 STEP_S = 0.008       # between two moves of the pointer: twice as often as the display draws
 OPENING_S = 3.0      # for the scene, before the pointer moves
 OPEN_FIELD, CURVE = (186, 91), (100, 180)  # px from the window's right and upper edge, at scale 1: where a file is named, the transfer function
@@ -139,10 +143,49 @@ def measured(program, arguments, view_options):
 
 
 def stolen_s():
-    """Seconds that a virtual machine's cores have been kept waiting by its host, since it started."""
+    """Seconds that each of a virtual machine's cores has been kept waiting by its host, since it started."""
+    tick_s = 1.0 / os.sysconf("SC_CLK_TCK")
     with open("/proc/stat", encoding="ascii") as file:
-        fields = file.readline().split()
-    return int(fields[8]) / os.sysconf("SC_CLK_TCK") if len(fields) > 8 else 0.0
+        cores = [line.split() for line in file if re.match(r"cpu\d", line)]
+    return [int(core[8]) * tick_s if len(core) > 8 else 0.0 for core in cores]
+
+
+class Thief:
+    """What the host kept of the cores, ever since it is watched: seconds of the monotonic clock, and each core's stolen seconds until then."""
+
+    PERIOD_S = 0.01  # the system counts no finer
+
+    def __enter__(self):
+        self.seen, self.over = [(time.monotonic(), stolen_s())], threading.Event()
+        self.thread = threading.Thread(target=self.watch)
+        self.thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self.over.set()
+        self.thread.join()
+
+    def watch(self):
+        while not self.over.wait(self.PERIOD_S):
+            self.seen.append((time.monotonic(), stolen_s()))
+
+    def between(self, begin_s, end_s):
+        """Of each core, s; ticks of the system that were under way at either end are counted."""
+        before = [stolen for at, stolen in self.seen if at <= begin_s - self.PERIOD_S] or [self.seen[0][1]]
+        after = [stolen for at, stolen in self.seen if at >= end_s + self.PERIOD_S] or [self.seen[-1][1]]
+        return [end - begin for begin, end in zip(before[-1], after[0])]
+
+    def share(self):
+        """Of all cores' time."""
+        begin_s, end_s = self.seen[0][0], self.seen[-1][0]
+        return sum(self.between(begin_s, end_s)) / ((end_s - begin_s) * len(self.seen[0][1]))
+
+
+def hitches_of(frames, thief):
+    """Each with what was stolen of each core while it lasted."""
+    for hitch in frames["hitches"]:
+        lasted_ms = hitch["sessionMs"] + hitch["widgetsMs"] + hitch["openGlMs"]
+        yield {**hitch, "lastedMs": lasted_ms, "stolenMs": [round(1e3 * lost_s) for lost_s in thief.between(hitch["endedS"] - 1e-3 * lasted_ms, hitch["endedS"])]}
 
 
 def main():
@@ -164,9 +207,11 @@ def main():
     arguments = parser.parse_args(own)
     for run in range(arguments.runs):
         for program in arguments.programs:
-            before = stolen_s(), time.monotonic()
-            figures = measured(program, arguments, view_options)
-            stolen = (stolen_s() - before[0]) / ((time.monotonic() - before[1]) * (os.cpu_count() or 1))
+            with Thief() as thief:
+                figures = measured(program, arguments, view_options)
+            hitches = list(hitches_of(figures["threadFrames"], thief))
+            # Of the core that lost most: two that lose at once delay a frame by no more.
+            own = [hitch for hitch in hitches if hitch["lastedMs"] - max(hitch["stolenMs"]) > LIMIT_MS]
             marches = figures.get("movingMarchMs") or {}
             pictures = figures.get("picturesPerSecond") or []
             print(f"{run} {program}: display {figures['framesPerSecond']:.1f}/s, longest gap {figures['gapMs']['longest']:.0f} ms; "
@@ -174,9 +219,9 @@ def main():
                   f"longest {marches.get('longest', float('nan')):.0f}; frames {figures['framesReceived']}; "
                   f"age {(figures['ageMs'] or {}).get('median', float('nan')):.0f} ms; "
                   f"thread {figures['threadMs']['median']:.1f} ms, longest {figures['threadMs']['longest']:.0f}, "
-                  f"{figures['threadFrames']['over33Ms']} of {figures['threadFrames']['all']} over 33 ms; stolen {100.0 * stolen:.1f} %", flush=True)
-            for hitch in figures["threadFrames"].get("hitches", []):
-                print(f"    {hitch}")
+                  f"{len(hitches)} of {figures['threadFrames']['all']} over {LIMIT_MS:.0f} ms, {len(own)} without what was stolen; stolen {100.0 * thief.share():.1f} %", flush=True)
+            for hitch in hitches:
+                print("    " + ", ".join(f"{name} {value:.3f}" if isinstance(value, float) else f"{name} {value}" for name, value in hitch.items()))
 
 
 if __name__ == "__main__":
