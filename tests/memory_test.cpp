@@ -88,6 +88,39 @@ TEST(RequireMemory, KeepsToTheLimitThatWasSet) {
   EXPECT_NO_THROW(requireMemory(uint64_t{200} << 20, "it"));
 }
 
+TEST(MemoryLimit, OfWhatItHasNoRoomForSlicesAreKeptAtATime) {
+  constexpr uint64_t kMiB = 1 << 20;
+  EXPECT_EQ(slicesAtATime(4 * kMiB, 1024), 1024u) << "without a limit";
+  setMemoryLimit(1024 * kMiB);
+  EXPECT_EQ(slicesAtATime(4 * kMiB, 1024), 32u) << "an eighth of the limit";
+  EXPECT_EQ(slicesAtATime(4 * kMiB, 64), 64u) << "a quarter of it: there is room for all";
+  EXPECT_EQ(slicesAtATime(4 * kMiB, 65), 32u);
+  EXPECT_EQ(slicesAtATime(64 * kMiB, 1000), 8u) << "a cell needs so many";
+  EXPECT_EQ(slicesAtATime(1024 * kMiB, 3), 3u);
+  setMemoryLimit(std::nullopt);
+}
+
+TEST(MemoryLimit, WhatCanBeDroppedIsKnownAndCalledWhereMemoryIsShort) {
+  constexpr uint64_t kMiB = 1 << 20;
+  const int one = 0, other = 0;
+  int dropped = 0;
+  {
+    const Droppable droppable(&one, [&] { ++dropped; }, 0);
+    EXPECT_TRUE(isDroppable(&one));
+    EXPECT_FALSE(isDroppable(&other));
+    setMemoryLimit(residentMemory().bytes + (uint64_t{4096} * kMiB));
+    keepWithinMemoryLimit();
+    EXPECT_EQ(dropped, 0);
+    setMemoryLimit(residentMemory().bytes);  // a share of it is to be free
+    keepWithinMemoryLimit();
+    EXPECT_EQ(dropped, 1);
+    EXPECT_THROW(Droppable(&other, [] {}, 16 * kMiB), InputError);
+    EXPECT_FALSE(isDroppable(&other));
+  }
+  EXPECT_FALSE(isDroppable(&one));
+  setMemoryLimit(std::nullopt);
+}
+
 /// Pictures too large for this machine are refused before any of them is taken.
 TEST(RequireMemory, IsAskedForLargePictures) {
   UnfilledAllocator<uint32_t> allocator;

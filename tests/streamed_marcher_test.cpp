@@ -51,7 +51,7 @@ TEST(StreamedMarcher, FramesAndPicturesAreThoseOfAllOfTheVolume) {
       SCOPED_TRACE(slices);
       std::atomic<int> slabs = 0, mostSlices = 0;
       const MarcherPtr streamed =
-          makeStreamedMarcher(marched, {[&](MarchedVolumePtr one) { return std::make_unique<CountingPieces>(std::move(one), slabs, mostSlices); }}, slices);
+          makeStreamedMarcher(marched, {[&](MarchedVolumePtr one) { return std::make_unique<CountingPieces>(std::move(one), slabs, mostSlices); }}, {slices});
       for (const auto& [name, settings] : variants())
         for (const Camera& camera : cameras()) {
           ASSERT_TRUE(sameFrame(streamed->march(camera, settings), alone->march(camera, settings))) << name;
@@ -62,6 +62,67 @@ TEST(StreamedMarcher, FramesAndPicturesAreThoseOfAllOfTheVolume) {
         }
       EXPECT_GT(slabs, static_cast<int>(slices < 23 ? 8 : 2) * static_cast<int>(cameras().size()));
     }
+  }
+}
+
+TEST(StreamedMarcher, NothingIsMarchedWholeWhereNothingMayBe) {
+  for (const VoxelType type : {VoxelType::uint8, VoxelType::float32}) {
+    SCOPED_TRACE(nameOf(type));
+    const auto marched = std::make_shared<const MarchedVolume>(makeTestVolume(type, kDims, blobs(kDims, 11)), band(15, 80, 0.3f));
+    const MarcherPtr alone = makeCpuMarcherOf(marched, nullptr);
+    std::atomic<int> slabs = 0, mostSlices = 0;
+    const PieceMaker counting{[&](MarchedVolumePtr one) { return std::make_unique<CountingPieces>(std::move(one), slabs, mostSlices); }};
+    const MarcherPtr streamed = makeStreamedMarcher(marched, counting, {.slices = 16, .isForAll = true});
+    for (const auto& [name, settings] : variants())
+      for (const Camera& camera : cameras()) {
+        slabs = 0;
+        ASSERT_TRUE(sameFrame(streamed->march(camera, settings), alone->march(camera, settings))) << name;
+        ASSERT_TRUE(sameBits(rendered(*streamed, camera, settings), rendered(*alone, camera, settings))) << name;
+        EXPECT_GT(slabs, 2) << name;
+      }
+    MarchSettings textbook;
+    textbook.render.arithmetic = Arithmetic::textbook;
+    EXPECT_THROW(streamed->march(cameras().front(), textbook), UsageError);
+  }
+}
+
+TEST(StreamedMarcher, ShadowsWithoutTheWholeVolumeAreThoseOfItsCopy) {
+  const glm::uvec3 dims(300, 24, 40);  // longer than its copy
+  const auto marched = std::make_shared<const MarchedVolume>(makeTestVolume(VoxelType::uint8, dims, blobs(dims, 11)), band(15, 80, 0.3f));
+  MarchSettings settings;
+  settings.sample.segments = 4;
+  settings.render.effects.shading.strength = 1.0f;
+  settings.render.effects.shadows.strength = 1.0f;
+  settings.render.effects.shadows.occlusion = 0.7f;
+  const MarcherPtr alone = makeCpuMarcherOf(marched, nullptr), streamed = makeStreamedMarcher(marched, {}, {.slices = 16, .isForAll = true});
+  const Spread spread(marched->volume, band(15, 80, 0.3f), 3);
+  for (const Camera& camera : cameras()) {
+    const SampleFrame frame = streamed->march(camera, settings);
+    EXPECT_TRUE(sameFrame(frame, spread->march(camera, settings)));
+    EXPECT_FALSE(sameFrame(frame, alone->march(camera, settings)));
+  }
+}
+
+TEST(StreamedMarcher, LargePicturesAreMarchedSomeTilesAfterTheOther) {
+  const auto marched = std::make_shared<const MarchedVolume>(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 11)), band(15, 80, 0.3f));
+  const MarcherPtr alone = makeCpuMarcherOf(marched, nullptr);
+  std::atomic<int> slabs = 0, mostSlices = 0;
+  const PieceMaker counting{[&](MarchedVolumePtr one) { return std::make_unique<CountingPieces>(std::move(one), slabs, mostSlices); }};
+  const Camera camera = lookingFrom({70.0f, 30.0f, 45.0f}, {}, 300, 321);  // 110 tiles, of which 64 are under way at least
+  for (const int samples : {1, 3}) {
+    SCOPED_TRACE(samples);
+    MarchSettings settings;
+    settings.sample.segments = 2;
+    settings.sample.samplesPerRay = samples;  // several: rays go twice
+    int atATime[2] = {};
+    for (const bool isShort : {false, true}) {
+      StreamRoom room{.slices = 16};
+      if (isShort) room.rayBytes = 1;
+      slabs = 0;
+      EXPECT_TRUE(sameFrame(makeStreamedMarcher(marched, counting, room)->march(camera, settings), alone->march(camera, settings)));
+      atATime[isShort] = slabs;
+    }
+    EXPECT_EQ(atATime[1], 2 * atATime[0]);
   }
 }
 
@@ -81,14 +142,14 @@ TEST(StreamedMarcher, WhereASegmentIsLitMayBeInNothingThatIsVisible) {
       const Camera camera = lookingFrom({4.0f, 3.0f, 90.0f}, {}, 40, 40);
       const SampleFrame expected = alone->march(camera, settings);
       ASSERT_FALSE(expected.segments.normals.empty());
-      EXPECT_TRUE(sameFrame(makeStreamedMarcher(marched, {}, slices)->march(camera, settings), expected)) << segments << " " << slices;
+      EXPECT_TRUE(sameFrame(makeStreamedMarcher(marched, {}, {slices})->march(camera, settings), expected)) << segments << " " << slices;
     }
 }
 
 TEST(StreamedMarcher, ByEveryHeuristic) {
   const VolumePtr whole = makeTestVolume(VoxelType::int16, kDims, blobs(kDims, 5));
   const auto marched = std::make_shared<const MarchedVolume>(whole, band(15, 80, 0.08f));
-  const MarcherPtr alone = makeCpuMarcherOf(marched, nullptr), streamed = makeStreamedMarcher(marched, {}, 16);
+  const MarcherPtr alone = makeCpuMarcherOf(marched, nullptr), streamed = makeStreamedMarcher(marched, {}, {16});
   for (const Camera& camera : cameras())
     for (const auto& heuristic : kHeuristics) {
       MarchSettings settings;
@@ -103,7 +164,7 @@ TEST(StreamedMarcher, ByEveryHeuristic) {
 TEST(StreamedMarcher, OthersOfItsVolumeMarchInTheirTurns) {
   const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
   const TransferFunction other = band(40, 90, 0.5f);
-  const MarcherPtr streamed = makeStreamedMarcher(std::make_shared<const MarchedVolume>(whole, band(15, 80, 0.08f)), {}, 14), alone = makeCpuMarcher(whole, other);
+  const MarcherPtr streamed = makeStreamedMarcher(std::make_shared<const MarchedVolume>(whole, band(15, 80, 0.08f)), {}, {14}), alone = makeCpuMarcher(whole, other);
   const auto turns = std::make_shared<Turns>();
   const MarcherPtr twin = streamed->withTransferFunction(other)->twin(turns);
   const Camera camera = cameras().front();
@@ -118,14 +179,14 @@ TEST(StreamedMarcher, OthersOfItsVolumeMarchInTheirTurns) {
 
 TEST(StreamedMarcher, NothingToSeeIsSeen) {
   const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
-  const MarcherPtr streamed = makeStreamedMarcher(std::make_shared<const MarchedVolume>(whole, band(300, 400, 1.0f)), {}, 14);
+  const MarcherPtr streamed = makeStreamedMarcher(std::make_shared<const MarchedVolume>(whole, band(300, 400, 1.0f)), {}, {14});
   EXPECT_EQ(streamed->march(cameras().front(), {}).size(), 0u);
   for (const glm::vec4& pixel : rendered(*streamed, cameras().front(), MarchSettings{})) ASSERT_EQ(pixel, glm::vec4(0.0f));
 }
 
 TEST(StreamedMarcher, IsStopped) {
   const VolumePtr whole = makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5));
-  const MarcherPtr streamed = makeStreamedMarcher(std::make_shared<const MarchedVolume>(whole, everywhere(0.001f)), {}, 14);
+  const MarcherPtr streamed = makeStreamedMarcher(std::make_shared<const MarchedVolume>(whole, everywhere(0.001f)), {}, {14});
   expectStops(*streamed, std::chrono::milliseconds(30), 512);
 }
 
@@ -169,7 +230,7 @@ TEST(RelayShare, TwoThatWorkAtARelayAreAsOne) {
 
 TEST(RelayShare, WhereOneCannotGoOnNobodyWaitsForItsTiles) {
   const auto marched = std::make_shared<const MarchedVolume>(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5)), band(15, 80, 0.3f));
-  const MarcherPtr streamed = makeStreamedMarcher(marched, {[](const MarchedVolumePtr& one) { return std::make_unique<SharedPieces>(one, true); }}, 1000);
+  const MarcherPtr streamed = makeStreamedMarcher(marched, {[](const MarchedVolumePtr& one) { return std::make_unique<SharedPieces>(one, true); }}, {1000});
   streamed->march(cameras().front(), {});  // comes to an end
 }
 

@@ -11,7 +11,6 @@
 #include <charconv>
 #include <fstream>
 #include <mutex>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -133,8 +132,7 @@ class ResidentCount {
 
 }  // namespace
 
-Droppable::Droppable(std::function<void()> drop, uint64_t bytesAtOnce)
-    : drop_(std::move(drop)), bytesAtOnce_(bytesAtOnce * std::max(1u, std::thread::hardware_concurrency())) {
+Droppable::Droppable(const void* memory, std::function<void()> drop, uint64_t bytesAtOnce) : memory_(memory), drop_(std::move(drop)), bytesAtOnce_(bytesAtOnce) {
   const std::scoped_lock lock(droppables().mutex);
   if (const uint64_t limit = limitBytes) {
     constexpr uint64_t kForPictures = uint64_t{64} << 20;
@@ -149,6 +147,19 @@ Droppable::~Droppable() {
   const std::scoped_lock lock(droppables().mutex);
   std::erase(droppables().all, this);
   droppables().bytesAtOnce -= bytesAtOnce_;
+}
+
+bool isDroppable(const void* memory) {
+  const std::scoped_lock lock(droppables().mutex);
+  return std::ranges::any_of(droppables().all, [&](const Droppable* one) { return one->memory_ == memory; });
+}
+
+uint32_t slicesAtATime(uint64_t sliceBytes, uint32_t slices) {
+  constexpr uint64_t kOfLimit = 8, kIsRoomForAll = 4;
+  constexpr uint32_t kLeast = 8;  // a cell's two, and what gradients and long steps look at beside them
+  const uint64_t limit = limitBytes;
+  if (limit == 0 || sliceBytes * slices <= limit / kIsRoomForAll) return slices;
+  return static_cast<uint32_t>(std::min<uint64_t>(std::max<uint64_t>(limit / kOfLimit / sliceBytes, kLeast), slices));
 }
 
 void keepWithinMemoryLimit() {

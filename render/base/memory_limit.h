@@ -28,19 +28,28 @@ int deviceSharers();
 /// Something that can let go of memory, and get it again where it is needed: a mapped file. While there is one, keepWithinMemoryLimit() may call it, on any thread.
 class Droppable {
  public:
-  /// `bytesAtOnce`: what one thread may bring in between two calls of keepWithinMemoryLimit(). Throws InputError, which says how much would do, where the limit cannot be kept to.
-  Droppable(std::function<void()> drop, uint64_t bytesAtOnce);
+  /// `memory`: where it begins. `bytesAtOnce`: what all threads may bring in between two calls of keepWithinMemoryLimit(). Throws InputError, which says how much would do,
+  /// where the limit cannot be kept to.
+  Droppable(const void* memory, std::function<void()> drop, uint64_t bytesAtOnce);
   ~Droppable();
   Droppable(const Droppable&) = delete;
   Droppable& operator=(const Droppable&) = delete;
 
  private:
   friend void keepWithinMemoryLimit();
+  friend bool isDroppable(const void* memory);
+  const void* const memory_;
   const std::function<void()> drop_;
   const uint64_t bytesAtOnce_;
 };
 
-/// Lets go of what can be dropped if the process has come near its limit. For those who read mapped files, now and then: a fault maps 64 KiB, so that who looks here and
+/// Whether what begins there is a Droppable's. Safe on any thread.
+bool isDroppable(const void* memory);
+
+/// Of a droppable volume's slices, to how many whoever looks at all of them keeps at a time, so that the limit can be kept to: all where there is no limit, or room for them.
+uint32_t slicesAtATime(uint64_t sliceBytes, uint32_t slices);
+
+/// Lets go of what can be dropped if the process has come near its limit. For those who read mapped files, now and then: a fault maps up to 2 MiB, so that who looks here and
 /// there brings in gigabytes within milliseconds, and a thread that watched would come too late. A microsecond where there is a limit, nothing where there is none.
 void keepWithinMemoryLimit();
 

@@ -243,7 +243,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public HostPieceMarch
     }
   }
 
-  /// Of a volume that is spread over ranks: what arrives in its coarse copy, which all of them have, at places of a grid over the volume. `channels`: at most.
+  /// Of a volume that is not all at hand, or spread over ranks: what arrives in its coarse copy, which all of them have, at places of a grid over the volume. `channels`: at most.
   LightVolume lightOfCopy(int channels, const Camera& camera, const RenderSettings& settings, const std::stop_token& stop) {
     if (!copy_) throw std::logic_error("there is no copy of the volume to find its light in");
     const glm::uvec3 dims = marched_->volume->dims(), copied = copy_->marched_->volume->dims();
@@ -296,7 +296,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public HostPieceMarch
                                 const std::stop_token& stop) {
     LightVolumeJob job = lightVolumeFor(*marched_, camera, settings, plan);
     if (job.volume.channels == 0) return job.volume;
-    if (marched_->volume->ranks()) return lightOfCopy(job.volume.channels, camera, settings, stop);
+    if (copy_ || marched_->volume->ranks()) return lightOfCopy(job.volume.channels, camera, settings, stop);
     if (std::vector<float> key = lightVolumeKey(job, settings, plan); key != lightKey_) {
       lightKey_.clear();  // what follows may be stopped
       lightValues_.resize(job.volume.places() * static_cast<size_t>(job.volume.channels));
@@ -354,7 +354,7 @@ class CpuMarcher final : public Marcher, public RayTracer, public HostPieceMarch
   std::vector<Box> surface_;
   std::vector<float> lightKey_;        // of what the following are for; empty: nothing
   std::vector<uint16_t> lightValues_;
-  std::unique_ptr<CpuMarcher> copy_;   // where the volume is spread over ranks, once light is to be found in it
+  std::unique_ptr<CpuMarcher> copy_;   // where not all of the volume is at hand, once light is to be found in it
   DenseRays dense_;
 };
 

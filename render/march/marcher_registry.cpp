@@ -8,8 +8,8 @@
 #include "render/base/nearest_name.h"
 #include "render/cuda/devices.h"
 #include "render/march/fallback_marcher.h"
-#include "render/march/marcher_cpu.h"
 #include "render/march/piece_marcher_cuda.h"
+#include "render/march/streamed_marcher.h"
 
 namespace warpscope {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 std::string everywhere() { return {}; }
 
 constexpr MarcherDescriptor kMarchers[] = {
-    {"cpu", "CPU", "all cores of the processor: every machine", Backend::cpu, everywhere, makeCpuMarcher},
+    {"cpu", "CPU", "all cores of the processor: every machine", Backend::cpu, everywhere, makeFittingCpuMarcher},
     {"cuda", "CUDA", "the first NVIDIA GPU", Backend::cuda, cuda::whyUnavailable, makeFittingCudaMarcher},
 };
 

@@ -296,7 +296,7 @@ class CudaPieceMarcher final : public PieceMarcher {
 MarcherPtr makeFittingCudaMarcher(VolumePtr volume, TransferFunction transferFunction) {
   const int slices = slicesOnDevice(*volume);
   if (slices == static_cast<int>(volume->dims().z)) return makeCudaMarcher(std::move(volume), std::move(transferFunction));
-  return makeStreamedMarcher(std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction)), makeCudaPieces(false, {}), slices);
+  return makeStreamedMarcher(std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction)), makeCudaPieces(false, {}), {.slices = slices});
 }
 
 PieceMaker makeCudaPieces(bool mayFallBack, std::function<void(const std::string& reason)> onFallback) {

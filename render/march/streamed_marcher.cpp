@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <mutex>
+#include <utility>
 #include <vector>
 
+#include "render/base/memory_limit.h"
 #include "render/march/marcher_cpu.h"
 #include "render/march/piecewise_marcher.h"
 
@@ -46,6 +48,14 @@ std::vector<CellBlock> allSlabs(const Volume& volume, int most) {
   std::vector<CellBlock> slabs;
   for (int lower = 0; lower < all.z; lower += most) slabs.push_back({{0, 0, lower}, {all.x, all.y, std::min(lower + most, all.z)}});
   return slabs;
+}
+
+/// Tiles whose rays have room for what they gather. No fewer than keep all cores at work.
+uint32_t tilesAtATime(const StreamRoom& room, const std::optional<SampleSettings>& sample) {
+  constexpr uint64_t kLeast = 64, kListed = 32;  // samples of a ray that lists keep, as far as they do
+  uint64_t bytesOfRay = sizeof(RelayedRay);
+  if (sample) bytesOfRay += kListed * sizeof(CountingSample) + (sample->segments > 0 ? sizeof(SegmentMerger) + sizeof(RelayedAgain) : 0);
+  return static_cast<uint32_t>(std::clamp<uint64_t>(room.rayBytes / (bytesOfRay * kRelayedSide * kRelayedSide), kLeast, std::numeric_limits<uint32_t>::max()));
 }
 
 /// The nearest first: slabs on one side of the eye are in their order, and no ray comes through slabs on both.
@@ -100,33 +110,33 @@ class SlabRelay final : public RayRelay {
 
 class StreamedMarcher final : public PiecewiseMarcher {
  public:
-  StreamedMarcher(MarchedVolumePtr marched, PieceMaker makePieces, int slices, TurnsPtr turns)
+  StreamedMarcher(MarchedVolumePtr marched, PieceMaker makePieces, const StreamRoom& room, TurnsPtr turns)
       : PiecewiseMarcher(std::move(marched), "the volume is marched slab by slab"),
         makePieces_(std::move(makePieces)),
-        slices_(slices),
+        room_(room),
         turns_(std::move(turns)),
         pieces_(makePieces_.make(this->marched())),
         hostPieces_(makePieceMarcher(this->marched())),
         whole_(makeCpuMarcherOf(this->marched(), turns_)) {}
 
   SampleFrame march(const Camera& camera, const MarchSettings& settings, const std::stop_token& stop) override {
-    return isForSlabs(settings.render, settings.sample) ? PiecewiseMarcher::march(camera, settings, stop) : whole_->march(camera, settings, stop);
+    return room_.isForAll || looksAtVisibleAlone(settings.render, settings.sample) ? PiecewiseMarcher::march(camera, settings, stop) : whole_->march(camera, settings, stop);
   }
   void render(const Camera& camera, const RenderSettings& settings, Image<glm::vec4>& image, const std::stop_token& stop) override {
-    isForSlabs(settings, std::nullopt) ? PiecewiseMarcher::render(camera, settings, image, stop) : whole_->render(camera, settings, image, stop);
+    room_.isForAll || looksAtVisibleAlone(settings, std::nullopt) ? PiecewiseMarcher::render(camera, settings, image, stop) : whole_->render(camera, settings, image, stop);
   }
 
   Backend backend() const override { return makePieces_.backend(); }
   MarcherCapabilities capabilities() const override { return {}; }
   using Marcher::twin;
-  MarcherPtr twin(TurnsPtr turns) const override { return makeStreamedMarcher(marched(), makePieces_, slices_, std::move(turns)); }
+  MarcherPtr twin(TurnsPtr turns) const override { return makeStreamedMarcher(marched(), makePieces_, room_, std::move(turns)); }
   MarcherPtr withTransferFunction(TransferFunction function) const override {
-    return makeStreamedMarcher(std::make_shared<const MarchedVolume>(*marched(), std::move(function)), makePieces_, slices_, turns_);
+    return makeStreamedMarcher(std::make_shared<const MarchedVolume>(*marched(), std::move(function)), makePieces_, room_, turns_);
   }
 
  private:
   /// Whether a cell that shows nothing needs not be looked at, nor anything that does not lie on the ray.
-  bool isForSlabs(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const {
+  bool looksAtVisibleAlone(const RenderSettings& settings, const std::optional<SampleSettings>& sample) const {
     if (!whyNotInPieces(settings).empty() || settings.effects.mode != RenderMode::composite) return false;
     const EffectPlan plan = *this->plan(settings, sample);
     return !plan.has(PlanStage::segments) && !plan.has(PlanStage::lightVolume);
@@ -138,30 +148,48 @@ class StreamedMarcher final : public PiecewiseMarcher {
                   const OnOutcome& onOutcome) override {
     const std::shared_ptr<const BakedTransfer> baked = marched()->bakedFor(settings);
     const Volume& volume = *this->volume();
-    const int cells = std::max(slices_ - 1 - 2 * marginOf(settings, volume.geometry(), 2), 1);
-    if (baked != slabsOf_ || cells != slabCells_) {
-      slabs_ = visibleSlabs(*marched(), *baked, cells);
+    const int cells = std::max(room_.slices - 1 - 2 * marginOf(settings, volume.geometry(), 2), 1);
+    const bool isVisibleEnough = looksAtVisibleAlone(settings, sample);
+    if (baked != slabsOf_ || cells != slabCells_ || isVisibleEnough != areVisibleAlone_) {
       // Where segments are lit, and they may reach over what shows nothing, is in no box around what is visible.
       slabsAgain_ = allSlabs(volume, cells);
+      slabs_ = isVisibleEnough ? visibleSlabs(*marched(), *baked, cells) : slabsAgain_;
       slabsOf_ = baked;
       slabCells_ = cells;
+      areVisibleAlone_ = isVisibleEnough;
+    }
+    if (room_.isForAll && needsLightCopy(settings) && !hasLightCopy_) {
+      const ProxyPtr copy = proxyFor(kLightCopyEdge, stop);
+      pieces_->setLightCopy(copy);
+      hostPieces_->setLightCopy(copy);
+      hasLightCopy_ = true;
     }
     for (std::vector<CellBlock>* const slabs : {&slabs_, &slabsAgain_}) sortNearToFar(*slabs, (camera.eye.z - volume.bounds().lower.z) / volume.geometry().voxelEdges().z - 0.5f);
-    Tiles tiles;
-    for (uint32_t tile = 0; tile < tilesOf(camera); ++tile) {
-      auto& next = tiles.emplace_back(std::make_unique<RelayedTile>());
-      next->index = tile;
-      next->area = areaOfTile(camera, tile);
-    }
-    Tiles again;
+    const uint32_t all = tilesOf(camera), atATime = tilesAtATime(room_, sample);
+    uint32_t firstTile = 0, endTile = 0;  // of those under way
+    Tiles tiles, again;
     size_t slab = 0;
     bool isAgain = false, goesTwice = false;
+    const auto beginNextTiles = [&] {
+      firstTile = endTile;
+      endTile += std::min(atATime, all - endTile);
+      tiles.clear();
+      for (uint32_t tile = firstTile; tile < endTile; ++tile) {
+        auto& next = tiles.emplace_back(std::make_unique<RelayedTile>());
+        next->index = tile;
+        next->area = areaOfTile(camera, tile);
+      }
+    };
     // True once all is done.
     const auto marchNext = [&] {
-      if (slab == (isAgain ? slabsAgain_ : slabs_).size() || tiles.empty()) {
-        if (isAgain || again.empty()) return true;
-        tiles = std::move(again);
-        isAgain = true;
+      while (slab == (isAgain ? slabsAgain_ : slabs_).size() || tiles.empty()) {
+        isAgain = !again.empty();
+        if (isAgain)
+          tiles = std::exchange(again, {});
+        else if (endTile < all)
+          beginNextTiles();
+        else
+          return true;
         slab = 0;
       }
       const std::vector<CellBlock>& slabs = isAgain ? slabsAgain_ : slabs_;
@@ -175,7 +203,8 @@ class StreamedMarcher final : public PiecewiseMarcher {
     };
     const auto done = [&] {
       const auto first = static_cast<double>(slabs_.size()), second = goesTwice ? static_cast<double>(slabsAgain_.size()) : 0.0;
-      return ((isAgain ? first : 0.0) + static_cast<double>(slab)) / (first + second + 1.0);
+      const double ofThese = ((isAgain ? first : 0.0) + static_cast<double>(slab)) / (first + second + 1.0);
+      return (firstTile + ofThese * (endTile - firstTile)) / std::max(all, 1u);
     };
     TurnsOfJob turns(turns_.get());
     if (!turns.areLimited()) {
@@ -194,20 +223,32 @@ class StreamedMarcher final : public PiecewiseMarcher {
   }
 
   const PieceMaker makePieces_;
-  const int slices_;
+  const StreamRoom room_;
   const TurnsPtr turns_;
   const std::unique_ptr<PieceMarcher> pieces_, hostPieces_;
   const MarcherPtr whole_;
   // Of the picture that is marched.
   std::shared_ptr<const BakedTransfer> slabsOf_;  // whose the slabs are
   int slabCells_ = 0;  // of at most so many slices each
+  bool areVisibleAlone_ = false;
   std::vector<CellBlock> slabs_, slabsAgain_;  // on the first way, on the second
+  bool hasLightCopy_ = false;
 };
 
 }  // namespace
 
-MarcherPtr makeStreamedMarcher(MarchedVolumePtr marched, PieceMaker makePieces, int slices, TurnsPtr turns) {
-  return std::make_shared<StreamedMarcher>(std::move(marched), std::move(makePieces), slices, std::move(turns));
+MarcherPtr makeStreamedMarcher(MarchedVolumePtr marched, PieceMaker makePieces, const StreamRoom& room, TurnsPtr turns) {
+  return std::make_shared<StreamedMarcher>(std::move(marched), std::move(makePieces), room, std::move(turns));
+}
+
+MarcherPtr makeFittingCpuMarcher(VolumePtr volume, TransferFunction transferFunction) {
+  const uint32_t slices = volume->dims().z;
+  const uint64_t bytes = volume->sizeBytes();
+  // Who shares it with others marches a piece of it as it is.
+  const uint32_t atATime = isDroppable(volume->voxels()) && !volume->ranks() ? slicesAtATime(bytes / slices, slices) : slices;
+  auto marched = std::make_shared<const MarchedVolume>(std::move(volume), std::move(transferFunction));
+  if (atATime == slices) return makeCpuMarcherOf(std::move(marched), nullptr);
+  return makeStreamedMarcher(std::move(marched), {}, {.slices = static_cast<int>(atATime), .rayBytes = bytes / slices * atATime, .isForAll = true});
 }
 
 }  // namespace warpscope

@@ -9,6 +9,7 @@
 #include <boost/interprocess/mapped_region.hpp>
 #include <charconv>
 #include <regex>
+#include <thread>
 
 #include "render/base/error.h"
 #include "render/base/memory_limit.h"
@@ -50,8 +51,9 @@ void dropPages(const Region& region) { madvise(region.get_address(), region.get_
 /// The system reads its pages as they are needed.
 class MappedFile final : public VoxelSource {
  public:
-  explicit MappedFile(std::shared_ptr<const Region> region, uint32_t slices)
-      : region_(std::move(region)), droppable_([this] { dropPages(*region_); }, std::min<uint64_t>(region_->get_size(), bytesOfRay(region_->get_size(), slices))) {}
+  /// `isShared`: with other processes, whose pieces of rays are marched as they come.
+  MappedFile(std::shared_ptr<const Region> region, uint32_t slices, bool isShared)
+      : region_(std::move(region)), droppable_(region_->get_address(), [this] { dropPages(*region_); }, bytesAtOnce(region_->get_size(), slices, isShared)) {}
 
   void provide(const VoxelRows& /*rows*/, const std::stop_token& /*stop*/) override {}
   /// What is dropped of a mapping of a file is read again.
@@ -61,11 +63,18 @@ class MappedFile final : public VoxelSource {
   const std::shared_ptr<const Region> region_;
   const Droppable droppable_;
 
-  /// What a ray brings in on its way through all slices and along all of one, at its sides as well where gradients are wanted.
-  static uint64_t bytesOfRay(uint64_t bytes, uint64_t slices) {
-    constexpr uint64_t kAroundFault = 64 << 10;  // that the system maps for a byte that is looked at, of what it has of a file
-    constexpr uint64_t kSlicesAtOnce = 4;
-    return kSlicesAtOnce * kAroundFault * (slices + bytes / slices / kAroundFault);
+  static uint64_t bytesAtOnce(uint64_t bytes, uint32_t slices, bool isShared) {
+    const uint64_t threads = std::max(1u, std::thread::hardware_concurrency()), sliceBytes = bytes / slices;
+    constexpr uint64_t kSlicesOfLoop = 8;  // that loops over all voxels look at, a thread
+    if (isShared) {
+      // What a ray brings in on its way through all slices and along all of one, at its sides as well where gradients are wanted.
+      constexpr uint64_t kAroundFault = 64 << 10, kSlicesOfRay = 4;
+      return std::min(bytes, threads * kSlicesOfRay * kAroundFault * (slices + sliceBytes / kAroundFault));
+    }
+    // What the system has read of a file at once, it maps at once (Linux 6.18), up to what one table of pages has.
+    constexpr uint64_t kMostAtFault = 2 << 20;
+    const uint32_t atATime = slicesAtATime(sliceBytes, slices);
+    return atATime < slices ? std::min(bytes, atATime * sliceBytes + threads * kSlicesOfLoop * kMostAtFault) : bytes;
   }
 };
 
@@ -111,7 +120,7 @@ VolumePtr openRawVolume(const std::filesystem::path& path, const std::optional<g
   const void* voxels = region->get_address();
   std::shared_ptr<VoxelSource> pages;
   try {
-    pages = std::make_shared<MappedFile>(region, geometry.dims.z);
+    pages = std::make_shared<MappedFile>(region, geometry.dims.z, ranks != nullptr);
   } catch (const InputError& error) {
     throw InputError(source + ": " + error.what());
   }

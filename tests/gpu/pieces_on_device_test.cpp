@@ -169,7 +169,7 @@ TEST(StreamedOnDevice, FramesAndPicturesAreThoseOfAllOfTheVolume) {
     const MarcherPtr alone = makeCpuMarcherOf(marched, nullptr);
     for (const int slices : {9, 17, 1000}) {
       SCOPED_TRACE(slices);
-      const MarcherPtr streamed = makeStreamedMarcher(marched, makeCudaPieces(false, {}), slices), twin = streamed->twin();
+      const MarcherPtr streamed = makeStreamedMarcher(marched, makeCudaPieces(false, {}), {slices}), twin = streamed->twin();
       for (const auto& [name, settings] : variants())
         for (const Camera& camera : cameras()) {
           ASSERT_TRUE(sameFrame(streamed->march(camera, settings), alone->march(camera, settings))) << name;
@@ -229,7 +229,7 @@ TEST(StreamedOnDevice, AVolumeThatMayNotBeThereAsAWholeGoesThereInSlabs) {
 TEST(StreamedOnDevice, IsStopped) {
   WARPSCOPE_NEEDS_GPU();
   const auto marched = std::make_shared<const MarchedVolume>(makeTestVolume(VoxelType::uint8, kDims, blobs(kDims, 5)), everywhere(0.001f));
-  const MarcherPtr streamed = makeStreamedMarcher(marched, makeCudaPieces(false, {}), 14);
+  const MarcherPtr streamed = makeStreamedMarcher(marched, makeCudaPieces(false, {}), {14});
   expectStops(*streamed, std::chrono::milliseconds(30), 1024);
 }
 
