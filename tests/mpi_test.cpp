@@ -215,6 +215,29 @@ TEST_F(Mpi, AProcessThatDiesEndsAll) {
   EXPECT_FALSE(std::filesystem::exists(folder_.file("never.png")));
 }
 
+TEST_F(Mpi, ABrickThatCannotBeReadNamesFileProcessAndBytes) {
+  const std::string url = startServer();
+  ASSERT_EQ(processes().size(), 4u);
+  std::filesystem::resize_file(folder_.file(kVolume), 100);
+  const Program client({"shot", "--connect", url, "--size", "90x70", "-o", "never.png"}, folder_.path());
+  const ProgramResult result = server_->wait();
+  EXPECT_NE(result.code, kSuccess);
+  EXPECT_THAT(result.err, testing::ContainsRegex(std::string("warpscope: process [0-3] of 4: ") + kVolume + ": bytes [0-9]+ to [0-9]+ cannot be read: it has become shorter"));
+}
+
+TEST_F(Mpi, TheBarIsOnTheTerminalThatAllWereStartedAt) {
+  // 2 GiB of nothing: a hole.
+  const std::string name = "hole_1024x1024x1024_uint16.raw";
+  std::ofstream(folder_.file(name), std::ios::binary);
+  std::filesystem::resize_file(folder_.file(name), uint64_t{2} << 30);
+  std::string command = WARPSCOPE_MPIEXEC;
+  for (const std::string& word : underMpi(2, {"shot", name, "--size", "32x32", "-o", "one.png"})) command += " " + word;
+  const ProgramResult result = Program({"-qec", command, "/dev/null"}, folder_.path(), kEnvironment, "/usr/bin/script").wait();
+  if (result.code == 127) GTEST_SKIP() << "no script(1) here";
+  EXPECT_EQ(result.code, kSuccess) << result.out << result.err;
+  EXPECT_THAT(result.out, testing::ContainsRegex("opening \\[[#.]+\\] 0/1 hole_1024x1024x1024_uint16.raw \\([0-9]+ s, [0-9.]+ of [0-9.]+ GB, [0-9.]+ GB/s\\)"));
+}
+
 TEST_F(Mpi, AProcessThatIsLateIsWaitedFor) {
   const std::string url = startServer();
   const std::map<int, pid_t> all = processes();

@@ -217,7 +217,7 @@ TEST_F(WindowScriptTest, AnErrorLiesOverThePicturesWhichStayAsLarge) {
   ASSERT_TRUE(waitUntil([&] { return !session_.error().empty(); }));
   window_.frames(3);
   EXPECT_EQ(session_.pictureSize(), size);
-  window_.click({960.0f, 55.0f});  // its button
+  window_.click({952.0f, 745.0f});  // its button
   EXPECT_EQ(session_.error(), "");
 }
 

@@ -118,6 +118,39 @@ TEST_F(WindowTypingTest, ADialogKeepsTheNameThatCannotBeWritten) {
   EXPECT_TRUE(std::filesystem::exists(folder.file("nowhere/mine.json")));
 }
 
+TEST_F(WindowTypingTest, ADialogStaysWhereThereIsNoSuchFile) {
+  const TestFolder folder;
+  folder.write("there.json", R"({"name": "mine", "volume": {"procedural": "block", "size": [16, 16, 16]}})");
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  const size_t panels = session_.panelCount();
+  press(Action::open);
+  window_.type(folder.file("nowhere/it.json"));
+  confirm();
+  EXPECT_TRUE(window_.view().showsDialog());
+  window_.frames(3);  // the field has the keyboard again
+  window_.type(folder.file("there.json"));  // no letter of it is a key's
+  EXPECT_EQ(session_.panelCount(), panels);
+  confirm();
+  EXPECT_FALSE(window_.view().showsDialog());
+  ASSERT_TRUE(waitUntil([&] { return session_.scene()->name == "mine"; }));
+  ASSERT_TRUE(rest());
+  save(folder.file("nowhere/session.json"));
+  EXPECT_TRUE(window_.view().showsDialog());
+  press(Action::goBack);
+  EXPECT_EQ(session_.error(), "");
+}
+
+TEST_F(WindowTypingTest, ASessionsNameEndsAsTheDialogOffersThem) {
+  const TestFolder folder;
+  ASSERT_TRUE(openAndRest("block"));
+  window_.moveTo(kLeftPicture);
+  save(folder.file("my.session"));
+  EXPECT_FALSE(window_.view().showsDialog());
+  EXPECT_TRUE(std::filesystem::exists(folder.file("my.session.json")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("my.session")));
+}
+
 TEST_F(WindowTypingTest, ANameWithoutAnEndingGetsOneAndFilesAreKnownByTheirContents) {
   const TestFolder folder;
   ASSERT_TRUE(openAndRest("block"));

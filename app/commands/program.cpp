@@ -4,11 +4,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <new>
+#include <string>
 #include <string_view>
 #include <thread>
 
@@ -20,9 +22,11 @@
 #include "app/frames/process_ranks.h"
 #include "app/shell/log.h"
 #include "app/shell/output_files.h"
+#include "app/shell/progress.h"
 #include "app/ui/run_window.h"
 #include "render/base/abandonable.h"
 #include "render/base/error.h"
+#include "render/base/mapped_files.h"
 #include "render/base/nearest_name.h"
 
 namespace warpscope {
@@ -37,20 +41,26 @@ constexpr std::string_view kShared[] = {"serve", "shot", "compare", "sweep", "be
 /// One of several processes that is not the first: what is wrong for all of them, the first one says.
 bool isFollower() { return processRanks() && !processRanks()->isFirst(); }
 
+/// What a sentence about this process begins with: of several processes, with which it is.
+std::string selfNamed() {
+  std::string self = "warpscope: ";
+  if (processRanks()) self += "process " + std::to_string(processRanks()->rank()) + " of " + std::to_string(processRanks()->size()) + ": ";
+  return self;
+}
+
+/// The same for a signal's handler: set before files are read.
+std::string selfForHandler = "warpscope: ";
+
 /// One line, whatever a file's name brings with it; of several processes that fail alike, one's.
 int complain(const std::string& text, int code, bool isToldToEnd = false) {
   // As long as the first one may be behind the others, on a machine with more to do than this; and until all are ended once somebody has said it.
   constexpr std::chrono::milliseconds kPatience(2000), kEnd(5000);
   constexpr std::chrono::milliseconds kShortly(100);  // what has been said is on its way, and signals end all soon
-  std::string who = "warpscope: ";
   if (processRanks() && !processRanks()->claimLastWord(isToldToEnd && processRanks()->isFirst() ? kShortly : kPatience, isToldToEnd)) {
     std::this_thread::sleep_for(isToldToEnd ? kShortly : kEnd);
     return code;
   }
-  if (isFollower()) {
-    who += "process " + std::to_string(processRanks()->rank()) + " of " + std::to_string(processRanks()->size()) + ": ";
-  }
-  printLine(who + text);
+  printLine((isFollower() ? selfNamed() : "warpscope: ") + text);
   return code;
 }
 
@@ -108,11 +118,22 @@ void failInsteadOfDying() {
 #endif
 #if defined(SIGBUS)
   // Of raw volumes, which are mapped.
-  std::signal(SIGBUS, [](int) {
-    constexpr std::string_view kWhy = "warpscope: a file that is mapped into memory has become shorter while it was read, or its disk fails\n";
-    [[maybe_unused]] const auto ignored = ::write(STDERR_FILENO, kWhy.data(), kWhy.size());
+  struct sigaction action {};
+  action.sa_flags = SA_SIGINFO;
+  action.sa_sigaction = [](int, siginfo_t* info, void*) {
+    constexpr std::string_view kUnknown = "a file that is mapped into memory", kWhy = " cannot be read: it has become shorter while it was read, or its disk fails\n";
+    std::array<char, 1024> line;
+    char* at = std::ranges::copy(selfForHandler, line.data()).out;
+    const size_t room = static_cast<size_t>(line.end() - at) - kWhy.size();
+    if (const size_t length = nameMappedPage(info->si_addr, at, room); length > 0)
+      at += length;
+    else
+      at = std::ranges::copy(kUnknown, at).out;
+    at = std::ranges::copy(kWhy, at).out;
+    [[maybe_unused]] const auto ignored = ::write(STDERR_FILENO, line.data(), static_cast<size_t>(at - line.data()));
     std::_Exit(kFailure);
-  });
+  };
+  sigaction(SIGBUS, &action, nullptr);
 #endif
 }
 
@@ -179,7 +200,9 @@ int run(int argc, char** argv) {
 int runToExitCode(int argc, char** argv) {
   try {
     joinProcesses();
+    if (processRanks() && processRanks()->isFirst()) showProgressAtControllingTerminal();
     if (isFollower()) muteLog();
+    selfForHandler = selfNamed();
     return run(argc, argv);
   } catch (const FollowedToTheEnd&) {
     return 0;

@@ -12,6 +12,7 @@
 
 #include "app/commands/choose.h"
 #include "app/commands/options.h"
+#include "app/scene/transfer_file.h"
 #include "app/session/recorded_scene.h"
 #include "app/shell/interrupt.h"
 #include "app/shell/output_files.h"
@@ -148,6 +149,7 @@ void view(const ViewOptions& options) {
   window.recording = options.record;
   window.startsDemo = options.startsDemo;
   window.transferFile = options.common.transferFunction;
+  if (!window.transferFile.empty()) readTransferFile(window.transferFile);  // what is wrong with it is said here, not in a window without a scene
   if (!options.front.empty()) {
     window.sweep = readSweepFile(options.front);
     if (!window.sweep) throw InputError(options.front + ": holds no sweep: it lacks the key 'rows'");

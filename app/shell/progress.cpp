@@ -7,6 +7,7 @@
 #if defined(_WIN32)
 #include <io.h>
 #else
+#include <signal.h>
 #include <unistd.h>
 #endif
 
@@ -28,7 +29,19 @@ bool isTerminal(std::FILE* file) {
 #endif
 }
 
+/// Where standard error is none; null: nowhere.
+std::FILE* controllingTerminal = nullptr;
+
+/// Where bars are drawn that were not told.
+std::FILE* usualTerminal() { return controllingTerminal != nullptr && !isTerminal(stderr) ? controllingTerminal : stderr; }
+
 }  // namespace
+
+void showProgressAtControllingTerminal() {
+#if !defined(_WIN32)
+  if (controllingTerminal == nullptr) controllingTerminal = std::fopen("/dev/tty", "we");
+#endif
+}
 
 std::string lookingText(const LookedThrough& looked, double elapsedS) {
   constexpr double kGigabyte = 1e9;
@@ -52,8 +65,8 @@ std::string remainingText(size_t done, size_t steps, double elapsedS) {
 }
 
 Progress::Progress(std::string title, size_t steps, bool quiet, std::FILE* terminal)
-    : title_(std::move(title)), steps_(std::max<size_t>(steps, 1)), terminal_(terminal) {
-  if (!quiet && isTerminal(terminal)) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+    : title_(std::move(title)), steps_(std::max<size_t>(steps, 1)), terminal_(terminal != nullptr ? terminal : usualTerminal()) {
+  if (!quiet && isTerminal(terminal_)) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
 Progress::~Progress() {
@@ -69,6 +82,13 @@ void Progress::step(const std::string& what) {
 }
 
 void Progress::run(const std::stop_token& stop) {
+#if !defined(_WIN32)
+  // Who does not have the terminal to itself, as a launcher's processes do not, may be stopped for writing to it (stty tostop).
+  sigset_t writes;
+  sigemptyset(&writes);
+  sigaddset(&writes, SIGTTOU);
+  pthread_sigmask(SIG_BLOCK, &writes, nullptr);
+#endif
   std::unique_lock lock(mutex_);
   bool isDrawn = false;
   for (auto next = start_ + kDelay; !changed_.wait_until(lock, stop, next, [] { return false; }) && !stop.stop_requested();

@@ -1,5 +1,5 @@
 // A bar on the terminal for work that takes longer than a second.
-// Written to standard error, and only if that is a terminal; ECMA-48 control sequences.
+// Written to standard error, and only if that is a terminal, or to the process's own; ECMA-48 control sequences.
 #pragma once
 
 #include <chrono>
@@ -19,11 +19,15 @@ std::string lookingText(const LookedThrough& looked, double elapsedS);
 /// "about 40 s left", "about 3 min left": if the steps to come take as long as those that are done. Empty while those are too few to tell.
 std::string remainingText(size_t done, size_t steps, double elapsedS);
 
+/// From now on, where standard error is no terminal, the terminal that the process belongs to is drawn on, if it has one (tty(4), /dev/tty): MPI's launchers keep standard error
+/// for themselves. Before there are threads.
+void showProgressAtControllingTerminal();
+
 /// Draws itself from a thread of its own, so that it also moves while one step takes long. While volumes are looked through, it says how far that is, and how fast it goes.
 class Progress {
  public:
-  /// `steps` is how often step() will be called. Nothing is shown if `quiet`, or for the first second, or if `terminal` is none.
-  Progress(std::string title, size_t steps, bool quiet, std::FILE* terminal = stderr);
+  /// `steps` is how often step() will be called. Nothing is shown if `quiet`, or for the first second, or if `terminal` is none; null: on standard error.
+  Progress(std::string title, size_t steps, bool quiet, std::FILE* terminal = nullptr);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;

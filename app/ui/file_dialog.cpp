@@ -216,9 +216,17 @@ std::optional<std::filesystem::path> FileDialog::take() {
     name_[0] = '\0';
     return std::nullopt;
   }
-  if (purpose_ != Purpose::open && !path.has_extension()) {
-    path += endingsOf(purpose_).front();
-    copyInto(name_, path.filename().string());
+  if (const std::vector<std::string_view> endings = endingsOf(purpose_); purpose_ != Purpose::open) {
+    // Under another ending it would not be offered when it is to be opened; films have a choice of them, and others are refused.
+    if (!path.has_extension() || (endings.size() == 1 && !lowered(path.filename().string()).ends_with(endings.front()))) {
+      path += endings.front();
+      copyInto(name_, path.filename().string());
+    }
+  }
+  const std::filesystem::path needed = purpose_ == Purpose::open ? path : path.parent_path();
+  if (!std::filesystem::exists(needed, ignored)) {
+    error_ = needed.string() + " is not there";
+    return std::nullopt;
   }
   if (purpose_ != Purpose::open && isSpecial(path)) {
     error_ = path.filename().string() + " is no regular file";

@@ -430,7 +430,7 @@ void MainView::drawBody(Session& session, const HeldKeys& held, const Look& look
   if (hasBottom) drawBottom(session, look);
   if (asked) perform(asked->action, session, session.placeOf(asked->panel));
   if (wantsExport) perform(Action::exportFilm, session);
-  ImGui::SetCursorPos(top);  // over the panels, which stay as they are
+  ImGui::SetCursorPosX(top.x);  // over what is there, which stays as it is
   drawErrorBanner(session, look);
   ImGui::EndChild();
   ImGui::PopStyleVar(2);

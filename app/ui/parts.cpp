@@ -123,6 +123,7 @@ void drawErrorBanner(Session& session, const Look& look) {
   const float buttonWidth = look.px(72.0f), padding = look.px(8.0f);
   const float wrap = ImGui::GetContentRegionAvail().x - buttonWidth - 3.0f * padding;
   const float height = std::max(ImGui::CalcTextSize(error.c_str(), nullptr, false, wrap).y, ImGui::GetFrameHeight()) + 2.0f * padding;
+  ImGui::SetCursorPosY(std::max(ImGui::GetWindowHeight() - height, 0.0f));
   ImGui::PushStyleColor(ImGuiCol_ChildBg, palette().errorBackground);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {padding, padding});
   ImGui::BeginChild("error", {0.0f, height}, true, ImGuiWindowFlags_NoScrollbar);

@@ -121,7 +121,7 @@ struct MarkColors {
 /// Scene, samples, rates: one line.
 void drawStatusBar(const Session& session, double displayFramesPerSecond, const Look& look);
 
-/// The session's error, or else the connection's trouble, as a sentence over the panels' width; nothing without one.
+/// The session's error, or else the connection's trouble, as a sentence over the width of the window that it is called in, at its lower edge: titles stay in sight. Nothing without one.
 void drawErrorBanner(Session& session, const Look& look);
 
 /// Explains the item drawn last while the pointer rests on it.

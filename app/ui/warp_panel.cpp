@@ -141,9 +141,12 @@ Area drawPicture(const Session& session, const ShownPicture& picture, PictureTex
 }
 
 /// What the picture is if it is not the technique's, and what its frame was marched without; empty for most.
-std::string reservations(const Panel& panel) {
+std::string reservations(const Session& session, const Panel& panel) {
   std::string text = panel.shortcut;
-  if (!panel.lack.empty()) text += (text.empty() ? "" : "; ") + panel.lack;
+  if (!panel.lack.empty()) {
+    const bool isOnItsWay = lackOf(*panel.technique, session.knobs().march).empty();
+    text += (text.empty() ? "" : "; ") + (isOnItsWay ? "the frame on show has nothing for it; one that has comes next" : panel.lack);
+  }
   if (!panel.leftOut.empty()) text += (text.empty() ? "moving: " : "; moving: ") + panel.leftOut;
   return text;
 }
@@ -180,7 +183,7 @@ std::optional<Area> drawOwn(const Session& session, const Panel& panel, PictureT
     drawNote(why, kDimTextOnPicture, area, look);
   if (!at) return at;
   ImGui::PushFont(look.fonts.small);
-  if (const std::string reserved = reservations(panel); !reserved.empty()) drawInCorner(Corner::upperLeft, area, reserved, kDimTextOnPicture, 0.0f, look);
+  if (const std::string reserved = reservations(session, panel); !reserved.empty()) drawInCorner(Corner::upperLeft, area, reserved, kDimTextOnPicture, 0.0f, look);
   ImGui::PopFont();
   if (panel.content != PictureContent::picture) drawContentLegend(panel, session.knobs().marks, area, look);
   return at;
@@ -240,7 +243,7 @@ std::optional<OnShow> drawPictures(const Session& session, const Panel& panel, c
     list->PushClipRect(area.from, {x, area.to().y}, true);
     own = drawOwn(session, panel, textures.own, area, look);
     ImGui::PushFont(look.fonts.small);
-    if (reservations(panel).empty()) drawInCorner(Corner::upperLeft, area, std::string(panel.technique->label), kTextOnPicture, 0.0f, look);
+    if (reservations(session, panel).empty()) drawInCorner(Corner::upperLeft, area, std::string(panel.technique->label), kTextOnPicture, 0.0f, look);
     ImGui::PopFont();
     list->PopClipRect();
     list->PushClipRect({x, area.from.y}, area.to(), true);

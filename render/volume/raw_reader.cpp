@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "render/base/error.h"
+#include "render/base/mapped_files.h"
 #include "render/base/memory_limit.h"
 
 namespace warpscope {
@@ -52,8 +53,10 @@ void dropPages(const Region& region) { madvise(region.get_address(), region.get_
 class MappedFile final : public VoxelSource {
  public:
   /// `isShared`: with other processes, whose pieces of rays are marched as they come.
-  MappedFile(std::shared_ptr<const Region> region, uint32_t slices, bool isShared)
-      : region_(std::move(region)), droppable_(region_->get_address(), [this] { dropPages(*region_); }, bytesAtOnce(region_->get_size(), slices, isShared)) {}
+  MappedFile(std::shared_ptr<const Region> region, const std::string& name, uint32_t slices, bool isShared)
+      : region_(std::move(region)),
+        note_(region_->get_address(), region_->get_size(), name),
+        droppable_(region_->get_address(), [this] { dropPages(*region_); }, bytesAtOnce(region_->get_size(), slices, isShared)) {}
 
   void provide(const VoxelRows& /*rows*/, const std::stop_token& /*stop*/) override {}
   /// What is dropped of a mapping of a file is read again.
@@ -61,6 +64,7 @@ class MappedFile final : public VoxelSource {
 
  private:
   const std::shared_ptr<const Region> region_;
+  const MappedFileNote note_;
   const Droppable droppable_;
 
   static uint64_t bytesAtOnce(uint64_t bytes, uint32_t slices, bool isShared) {
@@ -120,7 +124,7 @@ VolumePtr openRawVolume(const std::filesystem::path& path, const std::optional<g
   const void* voxels = region->get_address();
   std::shared_ptr<VoxelSource> pages;
   try {
-    pages = std::make_shared<MappedFile>(region, geometry.dims.z, ranks != nullptr);
+    pages = std::make_shared<MappedFile>(region, source, geometry.dims.z, ranks != nullptr);
   } catch (const InputError& error) {
     throw InputError(source + ": " + error.what());
   }
