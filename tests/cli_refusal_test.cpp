@@ -82,6 +82,7 @@ TEST_F(Refusal, PathsThatCannotBeLookedAt) {
   expectRefused(shot({"scene.json"}), kFailure, {endless, "cannot be looked at: "});
   folder_.write("session.json", "{\"warpscopeSession\": 1}");
   expectRefused(shot({"session.json"}), kFailure, {"session.json", "is a session, not a scene", "warpscope view FILE"});
+  expectRefused({"view", "block", "--tf", "nowhere.json"}, kFailure, {"nowhere.json"});
   expectRefused({"view", "session.json", "--heuristic", "exit"}, kUsage, {"a session says that itself: leave out --heuristic"});
 }
 

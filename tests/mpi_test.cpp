@@ -252,6 +252,32 @@ TEST_F(Mpi, AProcessThatIsLateIsWaitedFor) {
   EXPECT_EQ(contentOf(folder_.file("served.png")), contentOf(folder_.file("one.png")));
 }
 
+TEST_F(Mpi, AProcessThatIsStoppedWhileTheVolumeIsOpenedIsNotWaitedForForLong) {
+  const std::string name = "hole_2048x2048x1024_uint16.raw";
+  std::ofstream(folder_.file(name), std::ios::binary);
+  std::filesystem::resize_file(folder_.file(name), uint64_t{8} << 30);
+  for (const int stopped : {0, 2}) {
+    SCOPED_TRACE(stopped);
+    server_ = start(3, {"shot", name, "--size", "32x32", "-o", "never.png"});
+    // It looks through its share once that is in its memory.
+    const auto hasBegun = [&] {
+      const std::map<int, pid_t> all = processes();
+      if (all.size() != 3) return false;
+      const std::string pages = contentOf("/proc/" + std::to_string(all.at(stopped)) + "/statm");
+      return std::strtoull(pages.substr(std::min(pages.find(' '), pages.size())).c_str(), nullptr, 10) > (uint64_t{300} << 20) / 4096;
+    };
+    const auto deadline = std::chrono::steady_clock::now() + seconds(30);
+    while (!hasBegun() && !server_->hasEnded() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(milliseconds(2));
+    ASSERT_FALSE(server_->hasEnded());
+    kill(processes().at(stopped), SIGSTOP);
+    EXPECT_LT(secondsToTheEnd(), 20.0);
+    const ProgramResult result = server_->wait();
+    EXPECT_EQ(result.code, kFailure);
+    EXPECT_THAT(result.err, testing::HasSubstr("process " + std::to_string(stopped) + " of 3 does not answer"));
+    EXPECT_FALSE(std::filesystem::exists(folder_.file("never.png")));
+  }
+}
+
 TEST_F(Mpi, AClientThatLeavesEndsItsMarchEverywhere) {
   const std::string url = startServer();
   {

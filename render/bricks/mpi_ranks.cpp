@@ -5,12 +5,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <climits>
 #include <condition_variable>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -27,6 +29,11 @@ using namespace std::chrono_literals;
 /// Kinds below 0 are messages as well; tags are not.
 constexpr int kTagOfZero = 16;
 
+/// Of messages that say nothing but that their sender is there. All ranks together wait for one another only while a volume is opened, before anything of a kind from 0 on is sent: who
+/// looks through gigabytes may take minutes, but who is stopped or has lost its machine is not to be waited for. Such messages go to the first rank, and from it to all.
+constexpr int kAlive = -9;
+constexpr std::chrono::seconds kAliveEvery = 2s, kSilence = 10s;
+
 class MpiRanks final : public Ranks {
  public:
   MpiRanks() {
@@ -41,8 +48,11 @@ class MpiRanks final : public Ranks {
     gethostname(own.data(), kLongestName - 1);
     MPI_Allgather(own.data(), kLongestName, MPI_CHAR, all.data(), kLongestName, MPI_CHAR, MPI_COMM_WORLD);
     for (size_t other = 0; other < static_cast<size_t>(size_); ++other) isNear_.push_back(std::strcmp(own.data(), all.data() + kLongestName * other) == 0);
+    silent_.resize(isNear_.size());
+    alive_ = std::jthread([this](const std::stop_token& stop) { sayIsAlive(stop); });
   }
   ~MpiRanks() override {
+    alive_ = {};
     // What nobody wants any more is still received, on both sides, until all have come so far: a send that is not would keep MPI from its end.
     while (!sending_.empty()) {
       look();
@@ -62,6 +72,7 @@ class MpiRanks final : public Ranks {
   bool isNear(int other) const override { return isNear_[static_cast<size_t>(other)]; }
   void send(int to, int kind, std::vector<std::byte> bytes) override {
     if (bytes.size() > INT_MAX) throw InputError("a message between processes of " + std::to_string(bytes.size()) + " bytes is longer than MPI takes");
+    if (kind >= 0) isOpening_ = false;
     const std::scoped_lock lock(calls_);
     Sent& sent = sending_.emplace_back();
     sent.bytes = std::move(bytes);
@@ -84,18 +95,29 @@ class MpiRanks final : public Ranks {
   /// on its way moves on only while both sides look, a part of a message each time.
   static constexpr std::chrono::microseconds kShortest = 20us, kLongest = 500us, kStillBusy = 10ms;
 
+  /// As long as a message that has begun to come is waited for at a time, without a pause.
+  static constexpr std::chrono::milliseconds kReceiving = 5ms;
+
+  struct Receiving {
+    RankMessage message;
+    MPI_Request request{};
+  };
+
   struct Sent {
     std::vector<std::byte> bytes;
     MPI_Request request{};
   };
 
   std::optional<RankMessage> receiveNew(std::chrono::microseconds atMost) override {
-    const auto end = std::chrono::steady_clock::now() + atMost;
+    auto last = std::chrono::steady_clock::now();
+    const auto end = last + atMost;
     for (std::chrono::microseconds pause = kShortest;; pause = std::min(2 * pause, kLongest)) {
       if (std::optional<RankMessage> message = look()) {
         lastMoved_ = std::chrono::steady_clock::now();
         return message;
       }
+      const auto now = std::chrono::steady_clock::now();
+      noteSilence(std::min<std::chrono::steady_clock::duration>(now - std::exchange(last, now), kAliveEvery));  // all may have been stopped together
       if (isSending() || std::chrono::steady_clock::now() - lastMoved_ < kStillBusy) pause = kShortest;
       std::unique_lock lock(mutex_);
       woken_.wait_for(lock, pause, [&] { return isWoken_; });
@@ -111,35 +133,79 @@ class MpiRanks final : public Ranks {
   std::optional<RankMessage> look() {
     dropSent();
     const std::scoped_lock lock(calls_);
+    for (;;) {
+      if (!receiving_ && !beginReceiving()) return {};
+      // A long message needs its sender to the end, who may be gone: MPI's own waiting would be for ever.
+      for (const auto end = std::chrono::steady_clock::now() + kReceiving; test(receiving_->request) == 0; std::this_thread::yield())
+        if (std::chrono::steady_clock::now() > end) return {};
+      RankMessage message = std::move(receiving_->message);
+      receiving_.reset();
+      silent_[static_cast<size_t>(message.from)] = {};
+      if (message.kind >= 0) isOpening_ = false;
+      if (message.kind != kAlive) return message;
+    }
+  }
+
+  /// Of the next message, if there is one, what has come, into receiving_; the rest follows. For who has calls_.
+  bool beginReceiving() {
     int isThere = 0;
     MPI_Message found{};
     MPI_Status status{};
     MPI_Improbe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &isThere, &found, &status);
-    if (isThere == 0) return {};
+    if (isThere == 0) return false;
     int size = 0;
     MPI_Get_count(&status, MPI_BYTE, &size);
-    RankMessage message{status.MPI_SOURCE, status.MPI_TAG - kTagOfZero, std::vector<std::byte>(static_cast<size_t>(size))};
-    MPI_Mrecv(message.bytes.data(), size, MPI_BYTE, &found, MPI_STATUS_IGNORE);
-    return message;
+    receiving_.emplace();
+    receiving_->message = {status.MPI_SOURCE, status.MPI_TAG - kTagOfZero, std::vector<std::byte>(static_cast<size_t>(size))};
+    MPI_Imrecv(receiving_->message.bytes.data(), size, MPI_BYTE, &found, &receiving_->request);
+    return true;
+  }
+
+  static int test(MPI_Request& request) {
+    int isDone = 0;
+    MPI_Test(&request, &isDone, MPI_STATUS_IGNORE);
+    return isDone;
+  }
+
+  void sayIsAlive(const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any over;
+    for (std::unique_lock lock(mutex); isOpening_ && !stop.stop_requested(); over.wait_for(lock, stop, kAliveEvery, [] { return false; })) {
+      for (int other = 0; other < size_; ++other)
+        if (other != rank_ && (rank_ == 0 || other == 0)) send(other, kAlive, {});
+      dropSent();  // moves them on where this process is long at something else
+    }
+  }
+
+  /// So much longer has been waited, and nothing has come. Throws InputError, once, where somebody says nothing for too long.
+  void noteSilence(std::chrono::steady_clock::duration waited) {
+    if (!isOpening_) return;
+    for (int other = 0; other < size_; ++other) {
+      if (other == rank_ || (rank_ != 0 && other != 0) || (silent_[static_cast<size_t>(other)] += waited) < kSilence) continue;
+      isOpening_ = false;
+      throw InputError("process " + std::to_string(other) + " of " + std::to_string(size_) + " does not answer");
+    }
   }
 
   void dropSent() {
     const std::scoped_lock lock(calls_);
     // In their order, as far as they are done: of thousands that a slow rank keeps waiting not each is asked after each time.
-    for (int isDone = 1; !sending_.empty(); sending_.pop_front()) {
-      MPI_Test(&sending_.front().request, &isDone, MPI_STATUS_IGNORE);
-      if (isDone == 0) return;
-    }
+    for (; !sending_.empty(); sending_.pop_front())
+      if (test(sending_.front().request) == 0) return;
   }
 
   int rank_ = 0, size_ = 1;
   std::vector<bool> isNear_;  // by rank
+  std::atomic<bool> isOpening_ = true;
+  std::vector<std::chrono::steady_clock::duration> silent_;  // by rank: how long has been waited since one has said something. Of receivers
   std::chrono::steady_clock::time_point lastMoved_;  // of receivers
   std::mutex calls_;  // of MPI, but for the last
   std::deque<Sent> sending_;
+  std::optional<Receiving> receiving_;  // the message that comes first; those behind it wait
   std::mutex mutex_;  // of what follows
   std::condition_variable woken_;
   bool isWoken_ = false;
+  std::jthread alive_;
 };
 
 }  // namespace

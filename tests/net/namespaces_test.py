@@ -165,7 +165,7 @@ def attached(machines, executable, server, *more):
 
 def has_banner(program):
     picture = Picture.of_window(program.display, program.window)
-    row = picture.region((20, 74, picture.width // 2, 75))  # below the menus and the sign of the link
+    row = picture.region((20, picture.height - 70, picture.width // 2, picture.height - 69))  # at the panels' lower edge, above the sentence
     pixels = [tuple(row[i:i + 3]) for i in range(0, len(row), 3)]
     near = sum(all(abs(channel - wanted) <= 12 for channel, wanted in zip(pixel, BANNER)) for pixel in pixels)
     return near > len(pixels) // 3
