@@ -16,36 +16,38 @@
 namespace warpscope {
 namespace {
 
-struct Place {
+struct MappedPlace {
   std::atomic<uintptr_t> begin = 0;  ///< 0: free
   uint64_t bytes = 0;
   std::array<char, 512> name{};  ///< ends with a zero
 };
 
-std::mutex mutex;  // of who writes
-std::array<Place, 64> places;
+struct MappedPlaces {
+  std::mutex mutex;  ///< of who writes
+  std::array<MappedPlace, 64> all;
+} mapped;
 
 }  // namespace
 
 MappedFileNote::MappedFileNote(const void* memory, uint64_t bytes, const std::string& name) {
-  const std::scoped_lock lock(mutex);
-  const auto place = std::ranges::find_if(places, [](const Place& one) { return one.begin == 0; });
-  if (place == places.end()) return;
+  const std::scoped_lock lock(mapped.mutex);
+  const auto place = std::ranges::find_if(mapped.all, [](const MappedPlace& one) { return one.begin == 0; });
+  if (place == mapped.all.end()) return;
   const std::string text = printable(name);
   place->bytes = bytes;
   place->name = {};
   std::copy_n(text.begin(), std::min(text.size(), place->name.size() - 1), place->name.begin());
   place->begin = reinterpret_cast<uintptr_t>(memory);
-  place_ = static_cast<int>(place - places.begin());
+  place_ = static_cast<int>(place - mapped.all.begin());
 }
 
 MappedFileNote::~MappedFileNote() {
-  if (place_ >= 0) places[static_cast<size_t>(place_)].begin = 0;
+  if (place_ >= 0) mapped.all[static_cast<size_t>(place_)].begin = 0;
 }
 
 size_t nameMappedPage(const void* address, char* text, size_t room) noexcept {
   const auto at = reinterpret_cast<uintptr_t>(address);
-  for (const Place& place : places) {
+  for (const MappedPlace& place : mapped.all) {
     const uintptr_t begin = place.begin;
     if (begin == 0 || at < begin || at - begin >= place.bytes) continue;
     char* const end = text + room;
