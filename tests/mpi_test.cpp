@@ -253,9 +253,9 @@ TEST_F(Mpi, AProcessThatIsLateIsWaitedFor) {
 }
 
 TEST_F(Mpi, AProcessThatIsStoppedWhileTheVolumeIsOpenedIsNotWaitedForForLong) {
-  const std::string name = "hole_2048x2048x1024_uint16.raw";
+  const std::string name = "hole_2048x1024x1024_uint16.raw";
   std::ofstream(folder_.file(name), std::ios::binary);
-  std::filesystem::resize_file(folder_.file(name), uint64_t{8} << 30);
+  std::filesystem::resize_file(folder_.file(name), uint64_t{4} << 30);
   for (const int stopped : {0, 2}) {
     SCOPED_TRACE(stopped);
     server_ = start(3, {"shot", name, "--size", "32x32", "-o", "never.png"});
@@ -270,7 +270,7 @@ TEST_F(Mpi, AProcessThatIsStoppedWhileTheVolumeIsOpenedIsNotWaitedForForLong) {
     while (!hasBegun() && !server_->hasEnded() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(milliseconds(2));
     ASSERT_FALSE(server_->hasEnded());
     kill(processes().at(stopped), SIGSTOP);
-    EXPECT_LT(secondsToTheEnd(), 20.0);
+    EXPECT_LT(secondsToTheEnd(), 25.0);  // the others look through their shares first
     const ProgramResult result = server_->wait();
     EXPECT_EQ(result.code, kFailure);
     EXPECT_THAT(result.err, testing::HasSubstr("process " + std::to_string(stopped) + " of 3 does not answer"));
