@@ -211,7 +211,7 @@ def main():
                 figures = measured(program, arguments, view_options)
             hitches = list(hitches_of(figures["threadFrames"], thief))
             # Of the core that lost most: two that lose at once delay a frame by no more.
-            own = [hitch for hitch in hitches if hitch["lastedMs"] - max(hitch["stolenMs"]) > LIMIT_MS]
+            unstolen = [hitch for hitch in hitches if hitch["lastedMs"] - max(hitch["stolenMs"]) > LIMIT_MS]
             marches = figures.get("movingMarchMs") or {}
             pictures = figures.get("picturesPerSecond") or []
             print(f"{run} {program}: display {figures['framesPerSecond']:.1f}/s, longest gap {figures['gapMs']['longest']:.0f} ms; "
@@ -219,7 +219,7 @@ def main():
                   f"longest {marches.get('longest', float('nan')):.0f}; frames {figures['framesReceived']}; "
                   f"age {(figures['ageMs'] or {}).get('median', float('nan')):.0f} ms; "
                   f"thread {figures['threadMs']['median']:.1f} ms, longest {figures['threadMs']['longest']:.0f}, "
-                  f"{len(hitches)} of {figures['threadFrames']['all']} over {LIMIT_MS:.0f} ms, {len(own)} without what was stolen; stolen {100.0 * thief.share():.1f} %", flush=True)
+                  f"{len(hitches)} of {figures['threadFrames']['all']} over {LIMIT_MS:.0f} ms, {len(unstolen)} without what was stolen; stolen {100.0 * thief.share():.1f} %", flush=True)
             for hitch in hitches:
                 print("    " + ", ".join(f"{name} {value:.3f}" if isinstance(value, float) else f"{name} {value}" for name, value in hitch.items()))
 
