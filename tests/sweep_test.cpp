@@ -15,6 +15,7 @@
 #include "app/experiment/ground_truth.h"
 #include "app/experiment/report.h"
 #include "app/picture/heat_map.h"
+#include "app/picture/plot_picture.h"
 #include "app/picture/svg_plot.h"
 #include "app/scene/json_document.h"
 #include "render/base/error.h"
@@ -275,7 +276,7 @@ TEST_F(SweepTest, TheReportHoldsWhatItShould) {
 }
 
 TEST(SvgPlot, ShowsPointsWhereTheyAre) {
-  Plot plot{{"x", true}, {"y", false}, {{"a<b", "#123456", {{1.0, 0.0, "one"}, {100.0, 1.0, "two", true}, {10.0, 0.5, "three"}}}}};
+  Plot plot{{"x", true}, {"y", false}, {{"a<b", 0x123456, {{1.0, 0.0, "one"}, {100.0, 1.0, "two", true}, {10.0, 0.5, "three"}}}}};
   const std::string svg = svgOf(plot);
   EXPECT_THAT(svg, testing::HasSubstr("a&lt;b"));
   EXPECT_THAT(svg, testing::HasSubstr("<title>three</title>"));
@@ -291,8 +292,8 @@ TEST(SvgPlot, ShowsPointsWhereTheyAre) {
 }
 
 TEST(SvgPlot, PointsThatWouldHideEachOtherAreOneMark) {
-  const Plot plot{{"x", true}, {"y", true}, {{"a", "#aa0000", {{1.0, 1.0, "first"}, {1.001, 1.0, "second", true}, {100.0, 1.0, "alone"}}},
-                                             {"b", "#00bb00", {{1.0, 1.001, "third"}, {100.0, 100.0, "far"}}}}};
+  const Plot plot{{"x", true}, {"y", true}, {{"a", 0xaa0000, {{1.0, 1.0, "first"}, {1.001, 1.0, "second", true}, {100.0, 1.0, "alone"}}},
+                                             {"b", 0x00bb00, {{1.0, 1.001, "third"}, {100.0, 100.0, "far"}}}}};
   const std::string svg = svgOf(plot);
   const auto count = [&](const std::string& what) {
     size_t found = 0;
@@ -310,8 +311,65 @@ TEST(SvgPlot, PointsThatWouldHideEachOtherAreOneMark) {
 
 TEST(SvgPlot, BearsWhatCannotBeShown) {
   EXPECT_THAT(svgOf({}), testing::HasSubstr("</svg>"));
-  const Plot plot{{"x", true}, {"y", true}, {{"a", "red", {{0.0, -1.0, "none"}, {5.0, 5.0, "one"}, {std::nan(""), INFINITY, "no number"}}}}};
+  const Plot plot{{"x", true}, {"y", true}, {{"a", 0xff0000, {{0.0, -1.0, "none"}, {5.0, 5.0, "one"}, {std::nan(""), INFINITY, "no number"}}}}};
   EXPECT_THAT(svgOf(plot), testing::Not(testing::HasSubstr("nan\"")));
+}
+
+/// Pixels of that colour, sRGB 0xRRGGBB, and the middle of where they are.
+std::pair<size_t, glm::dvec2> pixelsOf(const Image<Rgba8>& picture, uint32_t rgb) {
+  const Rgba8 code = 0xff000000u | (rgb & 255) << 16 | (rgb & 0xff00) | rgb >> 16;
+  size_t count = 0;
+  glm::dvec2 sum(0.0);
+  for (uint32_t y = 0; y < picture.height(); ++y)
+    for (uint32_t x = 0; x < picture.width(); ++x)
+      if (picture(x, y) == code) {
+        ++count;
+        sum += glm::dvec2(x + 0.5, y + 0.5);
+      }
+  return {count, sum / std::max(1.0, static_cast<double>(count))};
+}
+
+TEST(PlotPicture, ShowsWhatTheSvgShows) {
+  const Plot plot{{"x", true}, {"y", false}, {{"", 0xd03030, {{1.0, 0.0, "one"}}}, {"", 0x3030d0, {{100.0, 1.0, "two", true}}}, {"", 0x209020, {{10.0, 0.5, "three"}}},
+                                              {"a line", 0x905090, {{1.0, 1.0, ""}, {100.0, 0.0, ""}}, true, true}}};
+  const std::string svg = svgOf(plot);
+  for (const float scale : {1.0f, 2.0f}) {
+    const Image<Rgba8> picture = pictureOf(plot, scale);
+    for (const uint32_t rgb : {0xd03030u, 0x3030d0u, 0x209020u}) {
+      char fill[32];
+      std::snprintf(fill, sizeof fill, "fill=\"#%06x\"", rgb);
+      const std::string circle = svg.substr(svg.rfind("<circle", svg.find(fill)), 60);
+      const auto at = [&](const char* axis) { return std::stod(circle.substr(circle.find(axis) + 4)); };
+      const auto [count, middle] = pixelsOf(picture, rgb);
+      EXPECT_NEAR(middle.x, scale * at("cx=\""), 0.6);
+      EXPECT_NEAR(middle.y, scale * at("cy=\""), 0.6);
+      const double inner = scale * 3.6 - 0.5;  // of its border pixels are mixed with white
+      EXPECT_NEAR(static_cast<double>(count), 3.1416 * inner * inner, 0.1 * inner * inner + 4.0);
+    }
+    EXPECT_GT(pixelsOf(picture, 0x905090).first, 100u * static_cast<size_t>(scale)) << "its legend's disc, and the line";
+    // The name of the vertical axis reads upwards, left of all else: taller than wide.
+    uint32_t ink = 0;
+    for (uint32_t y = 0; y < picture.height(); ++y)
+      for (uint32_t x = 0; x < static_cast<uint32_t>(20 * scale); ++x) ink += picture(x, y) != 0xffffffffu;
+    EXPECT_GT(ink, 10u);
+  }
+}
+
+TEST(PlotPicture, SharedPlacesHaveAllColours) {
+  const Plot plot{{"x", true}, {"y", true}, {{"", 0xaa0000, {{1.0, 1.0, ""}}}, {"", 0x00bb00, {{1.0, 1.0, ""}}}}};
+  const Image<Rgba8> picture = pictureOf(plot, 4.0f);
+  const auto [reds, red] = pixelsOf(picture, 0xaa0000);
+  const auto [greens, green] = pixelsOf(picture, 0x00bb00);
+  EXPECT_GT(reds, 400u);
+  EXPECT_NEAR(static_cast<double>(reds), static_cast<double>(greens), 0.1 * static_cast<double>(reds));
+  EXPECT_GT(red.x, green.x) << "from the top, clockwise";
+  EXPECT_NEAR(red.y, green.y, 1.0);
+}
+
+TEST(PlotPicture, BearsWhatCannotBeShown) {
+  EXPECT_GT(pictureOf({}, 1.0f).width(), 100u);
+  const Plot plot{{"x", true}, {"y", true}, {{"a", 0xff0000, {{0.0, -1.0, "none"}, {5.0, 5.0, "one"}, {std::nan(""), INFINITY, "no number"}, {7.0, 1.0, ""}}, true, true}}};
+  EXPECT_GT(pixelsOf(pictureOf(plot, 1.0f), 0xff0000).first, 10u);
 }
 
 TEST(HeatMap, BrighterIsMore) {

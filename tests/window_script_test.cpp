@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "app/picture/picture.h"
+
 namespace warpscope::ui {
 namespace {
 
@@ -316,6 +318,7 @@ TEST_F(WindowScriptTest, PanelsAndPlotAreKeptAsFiles) {
   const std::string csv = window_.folder().read("warpscope-2.csv"), svg = window_.folder().read("warpscope-2.svg");
   EXPECT_THAT(csv, testing::StartsWith("source,technique,configuration,frameMs,flip,anglesDeg,width,height,isOnFront\nseen,"));
   EXPECT_THAT(svg, testing::StartsWith("<svg"));
+  EXPECT_GE(readPng(path("warpscope-2.png")).width(), 1200u);
   window_.view().savePicture(Image<Rgba8>(3, 2, 0xff00ff00u));
   ASSERT_TRUE(waitUntil([&] { return std::filesystem::exists(path("warpscope-3.png")); }));
 }

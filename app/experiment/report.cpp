@@ -27,12 +27,6 @@ const value=row=>{const cell=row.cells[column];return cell.dataset.value===undef
 [...body.rows].sort((a,b)=>{const x=value(a),y=value(b);return (x<y?-1:x>y?1:0)*(falls?-1:1)}).forEach(row=>body.append(row));}));
 )";
 
-std::string colorOf(const WarpDescriptor& technique) {
-  char text[8];
-  std::snprintf(text, sizeof text, "#%06x", static_cast<unsigned>(techniqueRgb(technique) & 0xffffff));
-  return text;
-}
-
 std::string milliseconds(double value) { return formatted(value < 9.95 ? "%.2f" : value < 99.5 ? "%.1f" : "%.0f", value); }
 std::string percent(double fraction) { return formatted("%.1f", 100.0 * fraction); }
 std::string angled(double degrees) { return formatted("%g°", degrees); }
@@ -74,7 +68,7 @@ Plot errorAgainst(const SweepReport& report, const std::string& label, bool mark
     front.insert(indices.begin(), indices.end());
   }
   for (const WarpDescriptor& technique : warpRegistry()) {
-    PlotSeries series{std::string(technique.name), colorOf(technique), {}};
+    PlotSeries series{std::string(technique.name), techniqueRgb(technique), {}};
     for (size_t i = 0; i < report.summaries.size(); ++i) {
       const Summary& summary = report.summaries[i];
       if (summary.configuration.technique == &technique && value(summary) > 0.0 && summary.flip > 0.0)
@@ -89,7 +83,7 @@ Plot errorAgainstAngle(const SweepReport& report) {
   Plot plot{{"angle between the frame's camera and the view, degrees", false}, {"FLIP", true}, {}};
   for (const PictureStrip& strip : report.strips) {
     if (!strip.configuration.technique->usesFrame) continue;
-    PlotSeries series{nameAmong(strip.configuration, report.summaries), colorOf(*strip.configuration.technique), {}, true, isPapersMethod(strip.configuration) || isPointBaseline(strip.configuration)};
+    PlotSeries series{nameAmong(strip.configuration, report.summaries), techniqueRgb(*strip.configuration.technique), {}, true, isPapersMethod(strip.configuration) || isPointBaseline(strip.configuration)};
     for (const SweepRow& row : report.rows)
       if (row.link.empty() && row.configuration == strip.configuration)
         series.points.push_back({row.angleDeg, row.errors.flip,
@@ -98,13 +92,13 @@ Plot errorAgainstAngle(const SweepReport& report) {
     std::sort(series.points.begin(), series.points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
     plot.series.push_back(std::move(series));
   }
-  PlotSeries floor{"step against half of it", "#7b8794", {}, true, true};
+  PlotSeries floor{"step against half of it", 0x7b8794, {}, true, true};
   for (const SweepFloor& row : report.floors)
     floor.points.push_back({row.angleDeg, row.errors.flip, "the ground truth against one of half its step\n" + angled(row.angleDeg) + ": FLIP " + formatted("%.5f", row.errors.flip)});
   std::sort(floor.points.begin(), floor.points.end(), [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
   plot.series.push_back(std::move(floor));
   for (const SweepBound::Kind kind : {SweepBound::Kind::bestDot, SweepBound::Kind::perfectWarp}) {
-    PlotSeries bound{std::string(labelOf(kind)), kind == SweepBound::Kind::bestDot ? "#a8842c" : "#3f8f6b", {}, true, true};
+    PlotSeries bound{std::string(labelOf(kind)), kind == SweepBound::Kind::bestDot ? 0xa8842cu : 0x3f8f6bu, {}, true, true};
     for (const SweepBound& row : report.bounds)
       if (row.kind == kind)
         bound.points.push_back({row.angleDeg, row.errors.flip,
@@ -119,7 +113,7 @@ Plot errorAgainstAngle(const SweepReport& report) {
 Plot errorBehindLinks(const SweepReport& report) {
   Plot plot{{"age of the frame on show, ms", true}, {"FLIP while the camera moves", true}, {}};
   for (const WarpDescriptor& technique : warpRegistry()) {
-    PlotSeries series{std::string(technique.name), colorOf(technique), {}};
+    PlotSeries series{std::string(technique.name), techniqueRgb(technique), {}};
     for (const SweepRow& row : report.rows)
       if (!row.link.empty() && row.configuration.technique == &technique)
         series.points.push_back({row.ageMs, row.errors.flip,

@@ -61,11 +61,17 @@ float textWidth(std::string_view text, float heightPx) {
   return layOut(text, stbtt_ScaleForPixelHeight(&font(), heightPx), [](int, float) {});
 }
 
-void drawText(Image<Rgba8>& picture, float x, float y, std::string_view text, float heightPx, Rgba8 color) {
-  const float scale = stbtt_ScaleForPixelHeight(&font(), heightPx);
+float textAscent(float heightPx) {
   int ascent = 0;
   stbtt_GetFontVMetrics(&font(), &ascent, nullptr, nullptr);
-  const float baseline = std::round(y + scale * static_cast<float>(ascent));
+  return stbtt_ScaleForPixelHeight(&font(), heightPx) * static_cast<float>(ascent);
+}
+
+float textHeightOf(float sizePx) { return sizePx * stbtt_ScaleForMappingEmToPixels(&font(), 1.0f) / stbtt_ScaleForPixelHeight(&font(), 1.0f); }
+
+void drawText(Image<Rgba8>& picture, float x, float y, std::string_view text, float heightPx, Rgba8 color) {
+  const float scale = stbtt_ScaleForPixelHeight(&font(), heightPx);
+  const float baseline = std::round(y + textAscent(heightPx));
   layOut(text, scale, [&](int glyph, float offset) {
     const float left = std::floor(x + offset);
     int x0, y0, x1, y1;

@@ -14,6 +14,10 @@ std::string_view fontFile();
 
 /// Width of a line of UTF-8 text in pixels.
 float textWidth(std::string_view text, float heightPx);
+/// From a line's top to its base line, in pixels.
+float textAscent(float heightPx);
+/// The height of lines whose type has that size: what styles of pages call the size of a font.
+float textHeightOf(float sizePx);
 
 /// Draws a line over an opaque picture; (x, y) is the left end of the line's top. What falls outside is cut off.
 void drawText(Image<Rgba8>& picture, float x, float y, std::string_view text, float heightPx, Rgba8 color);

@@ -3,6 +3,7 @@
 #include "app/session/demos.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "net/link_settings.h"
 #include "render/base/named_value.h"
@@ -24,7 +25,9 @@ std::span<const Demo> demos() {
   return kDemos;
 }
 
-void startDemo(const Demo& demo, Session& session) {
+namespace {
+
+void setUpPanels(const Demo& demo, Session& session) {
   while (session.panelCount() > demo.techniques.size()) session.removePanel(session.panelCount() - 1);
   for (size_t i = 0; i < demo.techniques.size(); ++i) {
     const WarpDescriptor& technique = findWarp(demo.techniques[i]);
@@ -33,6 +36,23 @@ void startDemo(const Demo& demo, Session& session) {
     session.setContent(i, PictureContent::picture);
     session.setOwnCamera(i, false);
   }
+}
+
+/// Whether the newest frame has something for each panel.
+bool isDrawable(const Session& session) {
+  const SampleFramePtr& frame = session.frames().newest();
+  if (frame == nullptr) return false;
+  for (size_t i = 0; i < session.panelCount(); ++i) {
+    const Panel& panel = session.panel(i);
+    if (panel.technique->usesFrame && !lackOf(*panel.technique, frame->settings, panel.knobs).empty()) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void startDemo(const Demo& demo, Session& session) {
+  setUpPanels(demo, session);
   LiveSettings knobs = session.knobs();
   const auto presets = net::linkPresets();
   knobs.transport.link = std::ranges::find(presets, demo.link, &net::LinkPreset::name)->settings;
@@ -69,6 +89,33 @@ void endDemo(const BeforeDemo& before, Session& session) {
   knobs.transport.frameKib = before.frameKib;
   knobs.isFrozen = before.isFrozen;
   session.setKnobs(knobs);
+}
+
+void RunningDemo::start(const Demo& demo, Session& session) {
+  if (!before_) before_ = beforeDemo(session);
+  pending_ = &demo;
+  pendingSince_.reset();
+  edits_.reset();
+  session.setMotion(CameraMotion::none);
+  setUpPanels(demo, session);
+  LiveSettings knobs = session.knobs();
+  knobs.transport.link = {};
+  knobs.isFrozen = false;
+  session.setKnobs(knobs);
+}
+
+void RunningDemo::follow(Session& session, uint64_t edits, Session::TimePoint now) {
+  if (pending_ != nullptr) {
+    if (!pendingSince_) pendingSince_ = now;
+    if (isDrawable(session) || now - *pendingSince_ > kPatience) startDemo(*std::exchange(pending_, nullptr), session);
+  } else if (isOn() && !edits_) {
+    edits_ = edits;
+  }
+}
+
+void RunningDemo::end(Session& session) {
+  endDemo(*before_, session);
+  forget();
 }
 
 }  // namespace warpscope

@@ -1,6 +1,8 @@
 // Demonstrations, ready to be shown: a link, a motion of the camera and techniques beside each other.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -39,5 +41,30 @@ struct BeforeDemo {
 BeforeDemo beforeDemo(const Session& session);
 /// All of that again, and a camera that stands still.
 void endDemo(const BeforeDemo& before, Session& session);
+
+/// A demonstration on show. Its panels come first, without a link, and link and motion when there is a frame that has what they draw: by the link's own time the
+/// first pictures would be black until then.
+class RunningDemo {
+ public:
+  /// After another one that goes on what was before stays what was before the first.
+  void start(const Demo& demo, Session& session);
+  /// Once for each frame, after the history: `edits` as EditHistory::edits().
+  void follow(Session& session, uint64_t edits, Session::TimePoint now);
+  bool isOn() const { return before_.has_value(); }
+  /// Whether the last thing that was done is that it began.
+  bool isLast(uint64_t edits) const { return isOn() && (pending_ != nullptr || edits_ == edits); }
+  /// Back to what was; only where isOn().
+  void end(Session& session);
+  /// What it changed stays.
+  void forget() { *this = {}; }
+
+ private:
+  static constexpr std::chrono::seconds kPatience{3};  // for a frame
+
+  std::optional<BeforeDemo> before_;
+  const Demo* pending_ = nullptr;  // whose frame has not come yet
+  std::optional<Session::TimePoint> pendingSince_;
+  std::optional<uint64_t> edits_;  // when it had begun
+};
 
 }  // namespace warpscope

@@ -91,6 +91,7 @@ void EditHistory::follow(const Session& session, const TransferCurves* curves, b
   std::string change = last_ && !std::exchange(isTaken_, false) ? changeBetween(*last_, now) : std::string();
   if (!change.empty()) {
     undone_.clear();
+    ++edits_;
     done_.push_back({std::move(*last_), std::move(change)});
     if (done_.size() > kMost) done_.erase(done_.begin());
   }

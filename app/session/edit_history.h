@@ -37,6 +37,9 @@ class EditHistory {
   std::string undoes() const { return done_.empty() ? std::string() : done_.back().change; }
   std::string redoes() const { return undone_.empty() ? std::string() : undone_.back().change; }
 
+  /// How many steps there ever were: another one, another number.
+  uint64_t edits() const { return edits_; }
+
   /// What is to be shown from now on, if there is anything; whatever follow() sees then is no step of its own.
   std::optional<EditState> undo() { return step(done_, undone_); }
   std::optional<EditState> redo() { return step(undone_, done_); }
@@ -51,6 +54,7 @@ class EditHistory {
   uint64_t scene_ = 0;  // as Session::sceneCount()
   std::optional<EditState> last_;
   std::vector<Step> done_, undone_;  // the nearest to now last
+  uint64_t edits_ = 0;
   bool isTaken_ = false;  // undo() or redo() was called since follow()
 };
 

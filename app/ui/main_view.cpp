@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 
 #include "app/picture/picture.h"
+#include "app/picture/plot_picture.h"
+#include "app/picture/svg_plot.h"
 #include "app/session/demos.h"
 #include "app/shell/user_folders.h"
 #include "app/ui/ground.h"
@@ -20,6 +23,8 @@ namespace warpscope::ui {
 namespace {
 
 constexpr float kControlsWidth = 268.0f, kStatusHeight = 28.0f, kMargin = 8.0f, kLeastForBothPx = 620.0f, kLeastPicturePx = 60.0f, kRayPx = 200.0f;  // at scale 1
+
+constexpr float kSavedPlotScale = 2.0f;
 
 /// From the picture to what was shown in its place last, and back.
 void toggleContent(Session& session, size_t index) {
@@ -77,7 +82,7 @@ void MainView::keepForLater(const Session& session) {
 void MainView::restoreSession(const SessionFile& file, Session& session) {
   isSessionsScene_ = true;
   restore(file, session, openScene_);
-  beforeDemo_.reset();
+  demo_.forget();
   grid_.showAll();
 }
 
@@ -114,7 +119,8 @@ void MainView::savePicture(Image<Rgba8> picture) {
 }
 
 void MainView::savePlot(const Session& session) {
-  files_.keep({{".svg", [svg = plot_.svg(session)] { return svg; }}, {".csv", [csv = plot_.csv(session)] { return csv; }}});
+  const auto plot = std::make_shared<const Plot>(plot_.plot(session));
+  files_.keep({{".png", [plot] { return encodePng(pictureOf(*plot, kSavedPlotScale)); }}, {".svg", [plot] { return svgFileOf(*plot); }}, {".csv", [csv = plot_.csv(session)] { return csv; }}});
 }
 
 void MainView::goBack() {
@@ -129,6 +135,10 @@ void MainView::takeBack(Action action, Session& session) {
   if (editor.isHeld()) return;
   history_.follow(session, editor.curves(session), false);  // what was changed since the last frame
   const bool isUndo = action == Action::undo;
+  if (isUndo && demo_.isLast(history_.edits())) {
+    endDemo(session);
+    return setNote("taken back: the demo");
+  }
   const std::string what = isUndo ? history_.undoes() : history_.redoes();
   const std::optional<EditState> state = isUndo ? history_.undo() : history_.redo();
   if (!state) return;
@@ -218,124 +228,20 @@ void MainView::perform(Action action, Session& session, std::optional<size_t> pa
   }
 }
 
-bool MainView::isOn(Action action, const Session& session, size_t panel) const {
-  switch (action) {
-    case Action::freeze: return session.knobs().isFrozen;
-    case Action::play: return session.playback().isPlaying();
-    case Action::ownCamera: return session.hasOwnCamera(panel);
-    case Action::showContent: return session.panel(panel).content != PictureContent::picture;
-    case Action::wipe: return grid_.isWiped(session, panel);
-    case Action::inspect: return grid_.isInspecting();
-    case Action::maximise: return grid_.isMaximised(session, panel);
-    case Action::showPlan: return session.showsPlan();
-    case Action::exportFilm: return session.exporting().isAtWork();
-    case Action::hideSideBar: return remembered_.hasSideBar;
-    case Action::lightTheme: return remembered_.isLight;
-    default: return false;
-  }
-}
-
-bool MainView::isPossible(Action action, const Session& session) const {
-  switch (action) {
-    case Action::restoreLast: return lastSession().has_value();
-    case Action::undo: return !history_.undoes().empty();
-    case Action::redo: return !history_.redoes().empty();
-    case Action::addPanel: return session.panelCount() < kMaxPanels;
-    case Action::closePanel:
-    case Action::wipe:
-    case Action::maximise: return session.panelCount() > 1;
-    case Action::play:
-    case Action::stepBack:
-    case Action::stepOn: return session.playback().isOpen();
-    case Action::exportFilm: return session.playback().isOpen() || session.exporting().isAtWork();
-    case Action::closeRecording: return session.playback().isOpen();
-    case Action::freeze: return !session.playback().isOpen();
-    default: return true;
-  }
-}
-
-std::string MainView::labelOf(const ActionDescriptor& action, const Session& session) const {
-  if (action.action == Action::exportFilm && session.exporting().isAtWork()) return "Cancel the export";
-  if (action.action == Action::record && session.isRecording()) return "End the recording";
-  const std::string what = action.action == Action::undo ? history_.undoes() : action.action == Action::redo ? history_.redoes() : std::string();
-  return std::string(action.label) + (what.empty() ? "" : ": " + what);
-}
-
-void MainView::drawMenu(ActionMenu menu, const char* name, Session& session) {
-  if (!ImGui::BeginMenu(name)) return;
-  const size_t panel = grid_.usedLast(session);
-  if (menu == ActionMenu::panel) ImGui::TextDisabled("Panel %zu: %s", panel + 1, std::string(session.panel(panel).technique->label).c_str());
-  std::optional<Action> chosen;  // done when all entries are drawn: it may close the panel
-  for (const ActionDescriptor& action : windowActions()) {
-    if (action.menu != menu) continue;
-    if (ImGui::MenuItem(labelOf(action, session).c_str(), std::string(action.keys).c_str(), isOn(action.action, session, panel), isPossible(action.action, session)))
-      chosen = action.action;
-    if (action.action == Action::open) drawRecent();
-  }
-  if (menu == ActionMenu::view && ImGui::BeginMenu("Columns")) {
-    if (ImGui::MenuItem("As many as fit", nullptr, grid_.columns() == 0)) grid_.setColumns(0);
-    for (size_t columns = 1; columns <= kMaxPanels; ++columns)
-      if (ImGui::MenuItem(std::to_string(columns).c_str(), nullptr, grid_.columns() == columns)) grid_.setColumns(columns);
-    ImGui::EndMenu();
-  }
-  ImGui::EndMenu();
-  if (chosen) perform(*chosen, session, panel);
-}
-
-void MainView::drawRecent() {
-  if (!ImGui::BeginMenu("Open again", !remembered_.recentFiles.empty())) return;
-  std::optional<std::string> chosen;  // done when all are drawn: it moves them
-  for (const std::string& file : remembered_.recentFiles)
-    if (ImGui::MenuItem((printable(file) + "##" + file).c_str())) chosen = file;
-  ImGui::Separator();
-  const bool isToForget = ImGui::MenuItem("Forget these");
-  ImGui::EndMenu();
-  if (chosen) open(*chosen);
-  if (isToForget) remembered_.recentFiles.clear();
-}
-
 void MainView::start(const Demo& demo, Session& session) {
-  if (!beforeDemo_) beforeDemo_ = beforeDemo(session);
-  startDemo(demo, session);
+  demo_.start(demo, session);
   grid_.showAll();
   setNote("Demo: " + std::string(demo.name) + ". " + std::string(demo.summary) + ". Drag to stop the camera; Demo > End the demo goes back to what was.");
 }
 
-void MainView::drawDemos(Session& session, const Look& look) {
-  if (!ImGui::BeginMenu("Demo")) return;
-  for (const Demo& demo : demos()) {
-    if (ImGui::MenuItem(std::string(demo.name).c_str(), nullptr, false, session.scene() != nullptr)) start(demo, session);
-    tooltip(std::string(demo.summary) + ".", look);
-  }
-  ImGui::Separator();
-  const bool isMoving = session.motion().motion() != CameraMotion::none;
-  if (ImGui::MenuItem("Stop the camera", nullptr, false, isMoving)) session.setMotion(CameraMotion::none);
-  if (ImGui::MenuItem("End the demo", nullptr, false, beforeDemo_.has_value())) {
-    endDemo(*beforeDemo_, session);
-    beforeDemo_.reset();
-    grid_.showAll();
-  }
-  tooltip("Panels, link and camera as they were before the first one.", look);
-  ImGui::EndMenu();
-}
-
-void MainView::drawMenus(Session& session, const Look& look) {
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, {0.0f, 0.0f, 0.0f, 0.0f});  // beneath the bar's own ground
-  const bool isOpen = ImGui::BeginMainMenuBar();
-  ImGui::PopStyleColor();
-  if (!isOpen) return;
-  drawMenu(ActionMenu::file, "File", session);
-  drawMenu(ActionMenu::edit, "Edit", session);
-  drawMenu(ActionMenu::view, "View", session);
-  drawMenu(ActionMenu::panel, "Panel", session);
-  drawDemos(session, look);
-  drawMenu(ActionMenu::help, "Help", session);
-  ImGui::EndMainMenuBar();
+void MainView::endDemo(Session& session) {
+  demo_.end(session);
+  grid_.showAll();
 }
 
 void MainView::drawDialog(Session& session, const Look& look) {
   if (const auto wish = controls_.transferEditor().takeFileWish()) {
-    if (*wish == TransferEditor::FileWish::load) showDialog(FileDialog::Purpose::open);
+    if (*wish == TransferEditor::FileWish::load) showDialog(FileDialog::Purpose::openFunction);
     if (*wish == TransferEditor::FileWish::save) showDialog(FileDialog::Purpose::saveFunction, "function.json");
     if (*wish == TransferEditor::FileWish::saveForParaview) showDialog(FileDialog::Purpose::saveColorMap, "colormap.json");
   }
@@ -343,7 +249,8 @@ void MainView::drawDialog(Session& session, const Look& look) {
   if (!path) return;
   try {
     switch (dialog_.purpose()) {
-      case FileDialog::Purpose::open: return open(path->string());
+      case FileDialog::Purpose::open:
+      case FileDialog::Purpose::openFunction: return open(path->string());
       case FileDialog::Purpose::saveSession: return setNote(files_.saveSession(session, *path));
       case FileDialog::Purpose::record: return setNote(files_.startRecording(session, *path));
       case FileDialog::Purpose::exportFilm: return setNote(files_.startExport(session, *path, exportLook_));
@@ -480,6 +387,7 @@ void MainView::draw(Session& session, double displayFramesPerSecond, const HeldK
   if (std::optional<std::string> note = controls_.transferEditor().takeNote()) setNote(std::move(*note));
   if (const std::optional<Action> action = controls_.transferEditor().takeAction()) perform(*action, session);
   history_.follow(session, controls_.transferEditor().curves(session), ImGui::IsAnyItemActive() || ImGui::IsAnyMouseDown());
+  demo_.follow(session, history_.edits(), look.now);
   if (showsKeys_) drawKeysPage(showsKeys_, look);
   if (showsAbout_) drawAboutPage(showsAbout_, session, gl_.renderer, look);
   drawDialog(session, look);

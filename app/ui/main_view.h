@@ -89,6 +89,7 @@ class MainView {
   void drawMenus(Session& session, const Look& look);
   void drawRecent();
   void rememberScene(const Session& session);
+  void endDemo(Session& session);
   void drawDemos(Session& session, const Look& look);
   void drawMenu(ActionMenu menu, const char* name, Session& session);
   void drawBody(Session& session, const HeldKeys& held, const Look& look);
@@ -123,7 +124,7 @@ class MainView {
   bool wasInspecting_ = false;
   bool followedCamera_ = false;  // that of a recording
   std::optional<SessionFile> beforeRecording_;  // what was on show, not being one, when a session or a recording was opened here
-  std::optional<BeforeDemo> beforeDemo_;  // the first of those that followed each other
+  RunningDemo demo_;
   struct Note {
     std::string text;
     std::optional<Session::TimePoint> since;

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "app/experiment/csv.h"
-#include "app/picture/svg_plot.h"
 #include "app/picture/technique_color.h"
 #include "app/ui/scatter_plot.h"
 
@@ -191,7 +190,7 @@ void PlotView::drawHeader(const Look& look) {
   ImGui::PopFont();
 }
 
-std::string PlotView::svg(const Session& session) const {
+Plot PlotView::plot(const Session& session) const {
   const Shown shown = shownOf(session, 0);
   Plot plot;
   plot.x = {"ms a frame", true};
@@ -201,14 +200,12 @@ std::string PlotView::svg(const Session& session) const {
     const std::string name = std::string(technique.label) + ", " + std::string(meaningOf(shown.sources[i]));
     auto series = std::ranges::find(plot.series, name, &PlotSeries::name);
     if (series == plot.series.end()) {
-      char color[8];
-      std::snprintf(color, sizeof color, "#%06x", techniqueRgb(technique));
-      plot.series.push_back({.name = name, .color = color, .points = {}});
+      plot.series.push_back({.name = name, .rgb = techniqueRgb(technique), .points = {}});
       series = plot.series.end() - 1;
     }
     series->points.push_back({shown.points[i].x, shown.points[i].y, labelOf(*shown.configurations[i]), shown.points[i].isOnFront});
   }
-  return svgFileOf(plot);
+  return plot;
 }
 
 std::string PlotView::csv(const Session& session) const {
@@ -268,7 +265,7 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
     ImGui::PushFont(look.fonts.small);
     const size_t angles = session.fair().points().empty() ? session.liveFront().rankedAnglesDeg().size() : kFairAnglesDeg.size();
     const std::string where = angles == 0 ? "" : ", at " + angleCount(angles);
-    ImGui::TextColored(palette().dimText, "Nothing beats these in time and error%s:", where.c_str());
+    ImGui::TextColored(palette().dimText, "Nothing beats these (rings)%s:", where.c_str());
     if (shown.front.empty()) ImGui::TextColored(palette().faintText, "%s", shown.points.empty() ? "points come when the view rests" : "none were seen at one angle yet");
     for (const size_t i : shown.front) {
       const ScatterPoint& point = shown.points[i];
@@ -286,6 +283,10 @@ void PlotView::draw(Session& session, size_t panel, const Look& look) {
       tooltip(point.label, look);
       ImGui::Unindent(look.px(16.0f));
       ImGui::PopID();
+    }
+    if (!shown.points.empty()) {
+      ImGui::TextColored(palette().faintText, "%s", sweep_ ? "white rim: on show; faint: not compared; hollow: the sweep's" : "white rim: on show; faint: not compared");
+      tooltip(std::string(kHelp), look);
     }
     // Beside what was measured all that was only seen is not compared: its points are faint.
     const auto apart = std::ranges::count_if(session.liveFront().points(), [](const LiveFront::Point& point) { return point.standing != LiveFront::Standing::ranked; });

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "app/experiment/sweep_file.h"
+#include "app/picture/plot.h"
 #include "app/ui/parts.h"
 
 namespace warpscope::ui {
@@ -19,8 +20,8 @@ class PlotView {
   /// Fills the current child window. A point that is clicked on is taken over by the session, its technique by that panel.
   void draw(Session& session, size_t panel, const Look& look);
 
-  /// Its points as SVG, and as CSV: a line each, with what it stands for.
-  std::string svg(const Session& session) const;
+  /// Its points for a file, and as CSV: a line each, with what it stands for.
+  Plot plot(const Session& session) const;
   std::string csv(const Session& session) const;
 
   bool isUnfolded() const { return isUnfolded_; }

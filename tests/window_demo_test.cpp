@@ -1,0 +1,85 @@
+// Demonstrations in the window: how one begins, and how it is taken back.
+#include <gmock/gmock.h>
+
+#include "app/session/demos.h"
+#include "tests/window_script.h"
+
+namespace warpscope::ui {
+namespace {
+
+using WindowDemoTest = WindowScriptTest;
+
+TEST_F(WindowDemoTest, BeginsWhenThereIsAFrameThatHasWhatItDraws) {
+  ASSERT_TRUE(openAndRest("block"));
+  const auto isDrawable = [&] {
+    const SampleFramePtr& frame = session_.frames().newest();
+    return frame != nullptr && lackOf(findWarp("segments"), frame->settings).empty();
+  };
+  ASSERT_FALSE(isDrawable()) << "nothing on show draws segments";
+  window_.view().start(demos().front(), session_);
+  ASSERT_EQ(session_.panel(1).technique, &findWarp("segments"));
+  EXPECT_EQ(session_.motion().motion(), CameraMotion::none);
+  EXPECT_EQ(session_.knobs().transport.link, net::DuplexLinkSettings{});
+  ASSERT_TRUE(waitUntil([&] {
+    if (session_.motion().motion() == CameraMotion::none) EXPECT_EQ(session_.knobs().transport.link, net::DuplexLinkSettings{});
+    return session_.motion().motion() != CameraMotion::none;
+  }));
+  EXPECT_TRUE(isDrawable());
+  EXPECT_EQ(session_.motion().motion(), CameraMotion::orbit);
+  EXPECT_FALSE(session_.knobs().transport.link == net::DuplexLinkSettings{});
+}
+
+TEST_F(WindowDemoTest, IsTakenBackAsAWhole) {
+  ASSERT_TRUE(openAndRest("block"));
+  const View view = session_.view();
+  const auto begin = [&] {
+    window_.view().start(demos().front(), session_);
+    const bool hasBegun = waitUntil([&] { return session_.motion().motion() != CameraMotion::none; });
+    window_.frames(2);
+    return hasBegun;
+  };
+  const auto expectAsBefore = [&] {
+    EXPECT_EQ(session_.motion().motion(), CameraMotion::none);
+    EXPECT_EQ(session_.knobs().transport.link, net::DuplexLinkSettings{});
+    EXPECT_EQ(session_.panel(1).technique, &findWarp("spheres"));
+    EXPECT_EQ(session_.view(), view);
+  };
+  ASSERT_TRUE(begin());
+  press(Action::undo);
+  EXPECT_EQ(window_.view().note(), "taken back: the demo");
+  expectAsBefore();
+  // What a hand did meanwhile goes first, and by itself.
+  ASSERT_TRUE(begin());
+  LiveSettings knobs = session_.knobs();
+  knobs.march.sample.heuristic = Heuristic::median;
+  session_.setKnobs(knobs);
+  window_.frames(2);
+  press(Action::undo);
+  EXPECT_NE(session_.knobs().march.sample.heuristic, Heuristic::median);
+  EXPECT_EQ(session_.motion().motion(), CameraMotion::orbit);
+  // Before its frame has come.
+  window_.view().start(demos().front(), session_);
+  press(Action::undo);
+  expectAsBefore();
+}
+
+using WindowCornerTest = WindowScriptTest;
+
+TEST_F(WindowCornerTest, DeleteRemovesTheChosenOneWhileThePointerIsThere) {
+  ASSERT_TRUE(openAndRest("block"));
+  const TransferFunction before = session_.scene()->transferFunction;
+  window_.click(kChart);
+  ASSERT_NE(session_.scene()->transferFunction, before);
+  const TransferFunction withCorner = session_.scene()->transferFunction;
+  window_.moveTo(kChart + glm::vec2(0.0f, 300.0f));
+  tap(ImGuiKey_Delete);
+  EXPECT_EQ(session_.scene()->transferFunction, withCorner) << "the pointer is elsewhere";
+  window_.moveTo(kChart);
+  tap(ImGuiKey_Delete);
+  EXPECT_NE(session_.scene()->transferFunction, withCorner);
+  EXPECT_THAT(window_.view().note(), testing::StartsWith("the corner is gone"));
+  EXPECT_EQ(session_.panelCount(), 2u);
+}
+
+}  // namespace
+}  // namespace warpscope::ui
