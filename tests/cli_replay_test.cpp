@@ -70,6 +70,13 @@ TEST_F(Replay, WhatIsWrongIsRefused) {
   expectRefused({"replay", "a.warpscope", "--out", "o", "--fps", "0"}, kUsage, {"--fps must be between"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--video", "avi"}, kUsage, {"mp4 or gif"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "sphere"}, kUsage, {"spheres"});
+  expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--show", "flipp"}, kUsage, {"flip"});
+  expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--show", "depth,opacity"}, kUsage, {"--show: one for all"});
+  expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--show", "opacity", "--range", "0"}, kUsage, {"--range must be between"});
+  expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--range", "1"}, kUsage, {"choose one with --show"});
+  expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--show", "flip"}, kFailure, {"does not say of which scene it is"});
+  expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--show", "segments"}, kFailure, {"Segments: hold draws none"});
+  succeed({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--show", "opacity", "--range", "0.5", "--fps", "1", "--size", "24x16"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "reference"}, kFailure, {"does not say of which scene it is"});
   expectRefused({"replay", "a.warpscope", "--out", "o", "--techniques", "hold", "--errors"}, kFailure, {"does not say of which scene it is"});
   record("without.warpscope", 0);

@@ -125,7 +125,7 @@ TEST_F(RecordingTest, FunctionsHoldFromTheirTimesOn) {
   }
   // What marches follows, too.
   ReplaySettings settings;
-  settings.techniques = {{&findWarp("reference"), {}}};
+  settings.columns = {{{&findWarp("reference"), {}}}};
   settings.picturesPerSecond = 2.0;
   settings.width = settings.height = 40;
   settings.hasLabels = false;
@@ -183,7 +183,7 @@ TEST_F(RecordingTest, LabelsBelowPicturesSayWhatWasSimulatedAndHowFarFromTheTrut
   write("plain.warpscope", {});
   write("satellite.warpscope", signOf(net::parseLinkSettings("satellite"), false));
   ReplaySettings settings;
-  settings.techniques = {{&findWarp("hold"), {}}, {&findWarp("reference"), {}}};
+  settings.columns = {{{&findWarp("hold"), {}}}, {{&findWarp("reference"), {}}}};
   settings.picturesPerSecond = 1.0;
   settings.width = settings.height = 200;
   settings.resources.marcher = marcher_;
@@ -213,6 +213,44 @@ TEST_F(RecordingTest, LabelsBelowPicturesSayWhatWasSimulatedAndHowFarFromTheTrut
   const Image<Rgba8> other = first("other.warpscope");
   EXPECT_TRUE(differ(judged, other, 1));
   EXPECT_FALSE(differ(judged, other, 1, settings.width + 4));
+}
+
+TEST_F(RecordingTest, AReplayShowsTheContentsThatAreAskedFor) {
+  const Recording recording = readRecording(recorded("a.warpscope"));
+  ReplaySettings settings;
+  settings.picturesPerSecond = 1.0;
+  settings.width = settings.height = 64;
+  settings.hasLabels = false;
+  settings.resources.marcher = marcher_;
+  const auto last = [&](const std::vector<ReplayColumn>& columns) {
+    settings.columns = columns;
+    Image<Rgba8> picture;
+    replay(recording, settings, [&](size_t, const Image<Rgba8>& page) { picture = page; }, {});
+    return picture;
+  };
+  const TechniqueInUse spheres{&findWarp("spheres"), {}}, reference{&findWarp("reference"), {}}, hold{&findWarp("hold"), {}};
+  const Image<Rgba8> picture = last({{spheres}});
+  EXPECT_NE(last({{spheres, PictureContent::depth}}), picture);
+  const Image<Rgba8> wide = last({{spheres, PictureContent::flip, 1.0f}}), narrow = last({{spheres, PictureContent::flip, 0.1f}});
+  EXPECT_NE(wide, picture);
+  EXPECT_NE(wide, narrow) << "the ramp's range";
+  // The truth differs from itself nowhere.
+  const Image<Rgba8> same = last({{reference, PictureContent::difference}});
+  EXPECT_EQ(std::count(same.begin(), same.end(), differenceColor(0.0f)), 64 * 64);
+  settings.hasLabels = true;
+  EXPECT_NE(last({{spheres, PictureContent::flip, 1.0f}}), last({{spheres, PictureContent::flip, 0.1f}}));
+
+  EXPECT_TRUE(needsMarcher(std::vector<ReplayColumn>{{spheres, PictureContent::flip}}, false));
+  EXPECT_FALSE(needsMarcher(std::vector<ReplayColumn>{{spheres, PictureContent::depth}}, false));
+  settings.columns = {{reference, PictureContent::depth}};
+  EXPECT_THROW(requireDrawable(recording, settings), InputError);
+  settings.columns = {{hold, PictureContent::segments}};
+  EXPECT_THROW(requireDrawable(recording, settings), InputError);
+  std::vector<ReplayColumn> columns{{reference, PictureContent::depth}, {spheres, PictureContent::flip}, {spheres, PictureContent::depth}};
+  showWhatThereIs(columns, false);
+  EXPECT_EQ(columns[0].content, PictureContent::picture);
+  EXPECT_EQ(columns[1].content, PictureContent::picture);
+  EXPECT_EQ(columns[2].content, PictureContent::depth);
 }
 
 TEST_F(RecordingTest, CutOffAnywhereTheRestIsThere) {
@@ -278,7 +316,7 @@ TEST_F(RecordingTest, WhereNothingCanBeWrittenItSaysSo) {
 TEST_F(RecordingTest, AReplayIsTheSameOnEveryRun) {
   const Recording recording = readRecording(recorded("a.warpscope"));
   ReplaySettings settings;
-  settings.techniques = {{&findWarp("hold"), {}}, {&findWarp("spheres"), {}}, {&findWarp("reference"), {}}};
+  settings.columns = {{{&findWarp("hold"), {}}}, {{&findWarp("spheres"), {}}}, {{&findWarp("reference"), {}}}};
   settings.picturesPerSecond = 5.0;
   settings.width = 60;
   settings.height = 40;

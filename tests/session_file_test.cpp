@@ -27,6 +27,12 @@ class SessionFileTest : public SessionTest {
     session_.load(jobOf({"shells", {}}));
     return settle();
   }
+  /// Tests' is smaller.
+  void useUsualServerSide() {
+    LiveSettings knobs = session_.knobs();
+    knobs.serverSidePx = LiveSettings{}.serverSidePx;
+    session_.setKnobs(knobs);
+  }
   std::string refusalOf(const std::string& text) const {
     try {
       readSessionFile(folder_.write("session.json", text));
@@ -146,6 +152,7 @@ TEST_F(SessionFileTest, TheCommandHasWhatOptionsSay) {
   origin.overrides.proceduralDims = glm::uvec3(16);
   session_.load(jobOf(origin));
   ASSERT_TRUE(settle());
+  useUsualServerSide();
   EXPECT_EQ(commandLineOf(session_), "warpscope view shells --volume-size 16x16x16 --panels hold,spheres");
   LiveSettings knobs = session_.knobs();
   knobs.march.sample.heuristic = Heuristic::median;
@@ -158,6 +165,59 @@ TEST_F(SessionFileTest, TheCommandHasWhatOptionsSay) {
   knobs.takesShortcuts = kShortcutsKnob.defaultValue == 0.0;
   session_.setKnobs(knobs);
   EXPECT_THAT(commandLineOf(session_), testing::EndsWith(" --uncovered ff8000 --filled 00ff00 --budget-ms 12.5 --shortcuts " + textOf(kShortcutsKnob, knobs.takesShortcuts ? 1.0 : 0.0)));
+}
+
+TEST_F(SessionFileTest, TheCommandHasTheSessionWhereOptionsDoNotSayAll) {
+  ASSERT_TRUE(openOriginal());
+  useUsualServerSide();
+  const std::string begin = "warpscope view --session '", plain = commandLineOf(session_);
+  ASSERT_THAT(plain, testing::Not(HasSubstr("--session")));
+  const auto readBack = [&](const std::string& line) {
+    EXPECT_THAT(line, testing::AllOf(testing::StartsWith(begin), testing::EndsWith("'"), testing::Not(HasSubstr("\n"))));
+    return readSessionText(line.substr(begin.size(), line.size() - begin.size() - 1), "--session");
+  };
+  View view = session_.view();
+  view.angleDeg = 33.0;
+  session_.setView(view);
+  SessionFile read = readBack(commandLineOf(session_));
+  EXPECT_FALSE(read.arrangement.transferFunction) << "the scene has it";
+  read.arrangement.transferFunction = session_.scene()->transferFunction;
+  EXPECT_EQ(textOf(read), textOf(sessionFileOf(session_)));
+  session_.resetView();
+  EXPECT_EQ(commandLineOf(session_), plain);
+
+  session_.setContent(1, PictureContent::flip, 0.25f);
+  EXPECT_EQ(readBack(commandLineOf(session_)).panels[1].contentRange, 0.25f);
+  session_.setContent(1, PictureContent::picture);
+  LiveSettings knobs = session_.knobs();
+  knobs.serverSidePx = 300;
+  session_.setKnobs(knobs);
+  EXPECT_EQ(readBack(commandLineOf(session_)).knobs.serverSidePx, 300u);
+  knobs.serverSidePx = LiveSettings{}.serverSidePx;
+  session_.setKnobs(knobs);
+  EXPECT_EQ(commandLineOf(session_), plain);
+
+  KnobValues first = session_.panel(0).knobs;
+  const std::vector<const Knob*> knobsOfWarps = warpKnobs();
+  const Knob& ofPanel = **std::ranges::find_if(knobsOfWarps, [](const Knob* knob) { return knob->isOfPanel && knob->choices.empty(); });
+  first.set(ofPanel, ofPanel.range.highest);
+  session_.setPanelKnobs(0, first);
+  EXPECT_EQ(readBack(commandLineOf(session_)).panels[0].knobs[ofPanel], ofPanel.range.highest) << "options are those of the other panels";
+  session_.setPanelKnobs(0, {});
+  EXPECT_EQ(commandLineOf(session_), plain);
+
+  session_.setOwnCamera(1, true);
+  EXPECT_TRUE(readBack(commandLineOf(session_)).arrangement.ownViews[1].has_value());
+  session_.setOwnCamera(1, false);
+  TransferFunction function = session_.scene()->transferFunction;
+  function.points.front().alpha = 0.125f;
+  session_.setTransferFunction(function);
+  EXPECT_EQ(textOf(readBack(commandLineOf(session_))), textOf(sessionFileOf(session_)));
+
+  function.points.clear();
+  for (size_t i = 0; i < 4000; ++i) function.points.push_back({.value = static_cast<double>(i) / 3000.0, .color = glm::vec3(0.1f / 3.0f, 0.7f, 0.1f), .alpha = 0.3f});
+  session_.setTransferFunction(function);
+  EXPECT_THROW(commandLineOf(session_), InputError) << "more than one argument may be long";
 }
 
 TEST(UserFolders, FollowTheXdgSpecification) {

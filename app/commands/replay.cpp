@@ -4,6 +4,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "app/commands/choose.h"
 #include "app/commands/options.h"
 #include "app/experiment/replay_files.h"
 #include "app/scene/json_document.h"
@@ -23,22 +24,42 @@ namespace {
 struct ReplayOptions {
   CommonOptions common;
   std::string file, out, video;
-  std::vector<std::string> techniques;
+  std::vector<std::string> techniques, contents;
+  std::optional<float> range;
   double picturesPerSecond = 30.0;
   bool hasNoLabels = false, hasErrors = false;
 };
 
 constexpr Range kRateRange{0.1, 240.0};
 
+/// What of the techniques' pictures is asked for, if anything is.
+void showAsked(const ReplayOptions& options, std::vector<ReplayColumn>& columns) {
+  const size_t count = options.contents.size();
+  if (count > 1 && count != columns.size())
+    throw UsageError("--show: one for all, or one for each of the " + std::to_string(columns.size()) + " techniques, not " + std::to_string(count));
+  for (size_t i = 0; i < columns.size() && count > 0; ++i) {
+    columns[i].content = choose("content", options.contents[count > 1 ? i : 0], pictureContents());
+    columns[i].range = options.range;
+  }
+  if (!options.range) return;
+  requireRange(*options.range, kContentRange, "--range");
+  if (std::ranges::none_of(columns, [](const ReplayColumn& column) { return !describe(column.content).unit.empty(); }))
+    throw UsageError("--range is for contents with a ramp of colours: choose one with --show");
+  for (ReplayColumn& column : columns) column.range = options.range;
+}
+
 /// Those that were asked for, else those that were on show.
-std::vector<TechniqueInUse> techniquesOf(const ReplayOptions& options, const Recording& recording, const KnobValues& knobs) {
-  std::vector<TechniqueInUse> techniques;
-  for (const std::string& name : options.techniques) techniques.push_back({&findWarp(name), knobs});
-  if (techniques.empty() && !recording.text.empty())
-    for (const PanelSettings& panel : readSessionText(recording.text, options.file).panels) techniques.push_back({panel.technique, panel.knobs});
-  if (techniques.empty()) techniques.push_back({&findWarp("segments"), knobs});
-  if (techniques.size() > kMaxPanels) throw UsageError("--techniques: give 1 to " + std::to_string(kMaxPanels));
-  return techniques;
+std::vector<ReplayColumn> columnsOf(const ReplayOptions& options, const Recording& recording, const KnobValues& knobs) {
+  std::vector<ReplayColumn> columns;
+  for (const std::string& name : options.techniques) columns.push_back({{&findWarp(name), knobs}});
+  if (columns.empty() && !recording.text.empty())
+    for (const PanelSettings& panel : readSessionText(recording.text, options.file).panels)
+      columns.push_back({{panel.technique, panel.knobs}, panel.content, panel.contentRange});
+  if (columns.empty()) columns.push_back({{&findWarp("segments"), knobs}});
+  showWhatThereIs(columns, true);
+  if (columns.size() > kMaxPanels) throw UsageError("--techniques: give 1 to " + std::to_string(kMaxPanels));
+  showAsked(options, columns);
+  return columns;
 }
 
 void run(const ReplayOptions& options) {
@@ -50,15 +71,24 @@ void run(const ReplayOptions& options) {
   const Interrupt interrupt;
   const Recording recording = readRecording(options.file, interrupt.token());
   ReplaySettings settings;
-  settings.techniques = techniquesOf(options, recording, checked.warp.knobs);
+  settings.columns = columnsOf(options, recording, checked.warp.knobs);
   settings.picturesPerSecond = options.picturesPerSecond;
   settings.width = checked.width;
   settings.height = checked.height;
   settings.hasLabels = !options.hasNoLabels;
   settings.hasErrors = options.hasErrors;
   requireDrawable(recording, settings);  // before its volume is opened
-  const bool marches = settings.hasErrors || std::ranges::any_of(settings.techniques, [](const TechniqueInUse& one) { return !one.technique->usesFrame; });
-  HeadlessResources headless(marches ? marcherOf(recording, checked.backend, interrupt.token()) : nullptr, checked.platform, checked.backend);
+  MarcherPtr marcher;
+  if (needsMarcher(settings.columns, settings.hasErrors)) {
+    try {
+      marcher = marcherOf(recording, checked.backend, interrupt.token());
+    } catch (const InputError& error) {
+      if (options.contents.empty()) showWhatThereIs(settings.columns, false);
+      if (needsMarcher(settings.columns, settings.hasErrors)) throw;
+      logWarning(std::string("pictures in place of what was on show: ") + error.what());
+    }
+  }
+  HeadlessResources headless(std::move(marcher), checked.platform, checked.backend);
   settings.resources = headless.resources();
   const ReplayFiles files{.folder = options.out, .film = isFilmed ? "replay." + options.video : std::string()};
   const std::filesystem::path film = files.folder / files.film;
@@ -68,12 +98,17 @@ void run(const ReplayOptions& options) {
   progress.reset();
   if (options.common.json) {
     nlohmann::json techniques = nlohmann::json::array();
-    for (const TechniqueInUse& one : settings.techniques) techniques.push_back(one.technique->name);
+    nlohmann::json contents = nlohmann::json::array();
+    for (const ReplayColumn& one : settings.columns) {
+      techniques.push_back(one.technique->name);
+      contents.push_back(describe(one.content).name);
+    }
     std::cout << textOf({{"out", options.out},
                          {"pictures", count},
                          {"seconds", recording.seconds},
                          {"frames", recording.frames.size()},
                          {"techniques", techniques},
+                         {"contents", contents},
                          {"video", isFilmed ? nlohmann::json(film.string()) : nlohmann::json(nullptr)}});
   } else {
     logResult("wrote " + std::to_string(count) + " pictures of " + std::to_string(recording.frames.size()) + " frames to " + options.out +
@@ -91,6 +126,8 @@ void addReplayCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("recording", options->file, "File of view --record, or of File, Record in the window")->required();
   command->add_option("--out", options->out, "Folder for 000001.png and so on")->required();
   command->add_option("--techniques", options->techniques, "Side by side, parted by commas: " + listOf(warpRegistry()) + "; default: those that were on show")->delimiter(',');
+  command->add_option("--show", options->contents, "What of the pictures is shown, one for all or one for each technique: " + listOf(pictureContents()) + "; default: what was on show")->delimiter(',');
+  command->add_option("--range", options->range, "What the upper end of such a content's ramp of colours stands for, " + rangeText(kContentRange) + "; default: as it was on show, or as `shot` has it");
   command->add_option("--fps", options->picturesPerSecond, "Pictures a second, " + rangeText(kRateRange))->capture_default_str();
   command->add_option("--size", options->common.size, "WxH of each technique's picture, " + pictureSizes())->capture_default_str();
   command->add_flag("--no-labels", options->hasNoLabels, "Pictures without names, ages, times and the link below them");

@@ -87,7 +87,6 @@ std::string rampText(const ShownContent& shown, const ContentDescriptor& content
 }
 
 constexpr Range kViewAngleDegRange{-360.0, 360.0};
-constexpr Range kContentRange{1e-6, 1e6};
 constexpr Range kTimeoutSRange{1.0, 86400.0};
 
 /// What `auto` may choose: what was asked for stays.

@@ -86,6 +86,7 @@ std::vector<PanelSettings> panelsOf(const ViewOptions& options, const KnobValues
 std::optional<SessionFile> restoredBy(const ViewOptions& options, const KnobValues& knobs) {
   if (!options.session.empty()) {
     if (namesScene(options.common) || !options.transport.connect.empty()) throw UsageError("--session has a scene of its own: name no other");
+    if (isSessionText(options.session)) return readSessionText(options.session, "--session");
     if (options.session != "last") return readSessionFile(options.session);
     const std::optional<std::filesystem::path> last = lastSession();
     if (!last) throw UsageError("--session last: no window was closed yet that showed something");
@@ -117,7 +118,8 @@ void view(const ViewOptions& options) {
     requireScene(checked.sceneSpec);
   if (!options.screenshot.empty() && lowered(std::filesystem::path(options.screenshot).extension().string()) != ".png")
     throw UsageError("--screenshot writes PNG files: " + options.screenshot + " is not named so");
-  std::vector<std::filesystem::path> read{options.common.volume, options.common.mask, options.common.transferFunction, options.session, options.front};
+  std::vector<std::filesystem::path> read{options.common.volume, options.common.mask, options.common.transferFunction, options.front};
+  if (!isSessionText(options.session)) read.emplace_back(options.session);
   if (!server) read.emplace_back(checked.sceneSpec);
   const std::pair<const char*, const std::string&> files[] = {{"--screenshot", options.screenshot}, {"--report", options.report}, {"--record", options.record}};
   for (const auto& [option, file] : files)
@@ -254,7 +256,7 @@ void addViewCommand(CLI::App& program, std::function<void()>& chosen) {
   command->add_option("--report", options->report, "JSON file to write figures to when the window closes: display rate, ages, latencies");
   command->add_option("--front", options->front, "sweep.json whose configurations the plot shows as hollow points, and that auto chooses by");
   command->add_option("--record", options->record, "File to record frames and the camera into, for replay");
-  command->add_option("--session", options->session, "Session file to go on with (which may stand in a scene's place as well), or last: the one that was on show when a window was closed last");
+  command->add_option("--session", options->session, "Session file to go on with (which may stand in a scene's place as well), its text, or last: the one that was on show when a window was closed last");
   command->callback([options, command, &chosen] {
     chosen = [options, command] {
       try {

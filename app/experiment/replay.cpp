@@ -40,6 +40,15 @@ std::string lackInAll(const Recording& recording, const TechniqueInUse& one) {
 
 const std::array<std::string, 3> kIsTruth{"ground truth", "ground truth", "truth"};
 
+/// What is shown in place of the picture, and what its ramp stands for.
+std::string textOf(const ReplayColumn& column, const ShownContent& shown) {
+  const ContentDescriptor& content = describe(column.content);
+  std::string text(content.label);
+  if (!shown.hasRamp) return text;
+  text += " " + formatted("%.3g", shown.low) + " to " + formatted("%.3g", shown.high);
+  return content.unit == "1" ? text : text + " " + std::string(content.unit);
+}
+
 /// The first that is not wider than that, from the longest to the shortest; else the last, which is cut off.
 std::string fitting(std::span<const std::string> choices, uint32_t widthPx) {
   const auto fits = [&](const std::string& text) { return textWidth(text, kTextPx) <= static_cast<float>(widthPx) - 2.0f * kMarginPx; };
@@ -93,11 +102,28 @@ class FrameAges {
 
 void requireDrawable(const Recording& recording, const ReplaySettings& settings) {
   const std::string file = recording.file.string();
-  for (const TechniqueInUse& one : settings.techniques) {
+  for (const ReplayColumn& one : settings.columns) {
+    if (const std::string lack = lackOfContent(one); !lack.empty()) throw InputError(lack);
     if (const std::string lack = lackInAll(recording, one); !lack.empty()) throw InputError(file + ": " + std::string(one.technique->name) + " can show nothing of its frames: " + lack);
     if (recording.frames.empty() && one.technique->usesFrame)
       throw InputError(file + ": holds no frames, only where the camera was: there is nothing to be drawn of them");
   }
+}
+
+std::string lackOfContent(const ReplayColumn& column) {
+  const std::string label(describe(column.content).label), name(column.technique->name);
+  if (describe(column.content).usesSamples && !column.technique->usesFrame) return label + ": is about samples, and " + name + " draws none";
+  if (column.content == PictureContent::segments && !column.technique->uses.segments) return label + ": " + name + " draws none";
+  return "";
+}
+
+void showWhatThereIs(std::vector<ReplayColumn>& columns, bool hasTruth) {
+  for (ReplayColumn& column : columns)
+    if (!lackOfContent(column).empty() || (describe(column.content).usesReference && !hasTruth)) column.content = PictureContent::picture;
+}
+
+bool needsMarcher(std::span<const ReplayColumn> columns, bool hasErrors) {
+  return hasErrors || std::ranges::any_of(columns, [](const ReplayColumn& one) { return !one.technique->usesFrame || describe(one.content).usesReference; });
 }
 
 size_t pictureCount(const Recording& recording, double picturesPerSecond) {
@@ -128,11 +154,11 @@ void replay(const Recording& recording, const ReplaySettings& settings, const st
     row.warpSettings.reference = recording.scene.march.render;
     make(row);
   };
-  for (const TechniqueInUse& one : settings.techniques) add(*one.technique, one.knobs);
+  for (const ReplayColumn& one : settings.columns) add(*one.technique, one.knobs);
   const auto columns = static_cast<uint32_t>(rows.size());
   // What the others are judged by: `reference` as it is without knobs of its own, behind the others where it is not among them.
   std::optional<size_t> truth;
-  if (settings.hasErrors) {
+  if (settings.hasErrors || std::ranges::any_of(settings.columns, [](const ReplayColumn& one) { return describe(one.content).usesReference; })) {
     const WarpDescriptor& reference = findWarp("reference");
     const KnobValues usual = KnobValues{}.only(reference.knobs);
     truth = static_cast<size_t>(std::ranges::find_if(rows, [&](const Row& row) { return row.technique == &reference && row.warpSettings.knobs == usual; }) - rows.begin());
@@ -165,19 +191,36 @@ void replay(const Recording& recording, const ReplaySettings& settings, const st
       if (!row.technique->usesFrame || frame) row.warp->draw(camera, row.warpSettings, row.image, stop);
     }
     std::optional<PictureJudge> judge;
-    if (truth) judge.emplace(rows[*truth].image.color, recording.scene.background);
+    if (settings.hasErrors) judge.emplace(rows[*truth].image.color, recording.scene.background);
     for (size_t k = 0; k < columns; ++k) {
       const Row& row = rows[k];
       const WarpDescriptor& technique = *row.technique;
       const auto left = static_cast<uint32_t>(k) * (settings.width + kGapPx);
+      const ReplayColumn& column = settings.columns[k];
+      std::string content;
       if (!technique.usesFrame || frame) {
-        paste(page, toScreen(row.image, recording.scene.background), left);
+        try {
+          const std::optional<SegmentLook> segments = describe(column.content).usesSamples ? segmentLookOf(technique, frame.get(), camera, stop) : std::nullopt;
+          const ShownContent shown = show(column.content,
+                                          {.image = row.image,
+                                           .camera = camera,
+                                           .background = recording.scene.background,
+                                           .reference = truth ? &rows[*truth].image.color : nullptr,
+                                           .frame = technique.usesFrame ? frame.get() : nullptr,
+                                           .segments = segments ? &*segments : nullptr},
+                                          column.range);
+          paste(page, shown.picture, left);
+          if (column.content != PictureContent::picture) content = ", " + textOf(column, shown);
+        } catch (const InputError& error) {
+          if (column.content == PictureContent::picture) throw;
+          content = std::string(", ") + error.what();  // of this picture; of another one there may be
+        }
         if (judge) labels.write(errorLine, left, settings.width, k == *truth ? kIsTruth : errorTexts(judge->errorsOf(row.image)));
       }
       if (!settings.hasLabels) continue;
       const std::string name(technique.label);
       const std::string age = frame ? "frame " + ageText(ages.at(seconds, frame)) + " old" : std::string("no frame yet");
-      labels.write(0, left, settings.width, technique.usesFrame ? std::array{name + ", " + age, name} : std::array{name, name});
+      labels.write(0, left, settings.width, technique.usesFrame ? std::array{name + content + ", " + age, name + content, name} : std::array{name + content, name, name});
     }
     if (settings.hasLabels) {
       const std::string time = formatted("%.2f s", seconds);

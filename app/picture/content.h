@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "render/base/range.h"
 #include "render/core/color.h"
 #include "render/core/image.h"
 #include "render/march/sample_frame.h"
@@ -30,6 +31,9 @@ struct ContentDescriptor {
 
 /// Of a picture that the technique itself drew of the frame (null: of none): what its rays meet of segments; nothing where it draws none. Throws as lookAtSegments().
 std::optional<SegmentLook> segmentLookOf(const WarpDescriptor& technique, const SampleFrame* frame, const Camera& camera, const std::stop_token& stop = {});
+
+/// What the upper end of a ramp may stand for.
+inline constexpr Range kContentRange{1e-6, 1e6};
 
 std::span<const ContentDescriptor> pictureContents();
 const ContentDescriptor& describe(PictureContent content);

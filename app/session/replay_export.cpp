@@ -21,7 +21,7 @@ class ExportWork {
 
   void operator()(const ExportJob& job, ExportResult& result, const std::stop_token& stop) {
     ReplaySettings settings;
-    settings.techniques = job.techniques;
+    settings.columns = job.columns;
     settings.picturesPerSecond = kExportRate;
     settings.width = job.look.sizePx.x;
     settings.height = job.look.sizePx.y;

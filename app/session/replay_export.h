@@ -35,7 +35,7 @@ struct ExportProgress {
 struct ExportJob {
   std::shared_ptr<const Recording> recording;
   MarcherPtr marcher;                          ///< of what was recorded, for techniques that march
-  std::vector<TechniqueInUse> techniques;
+  std::vector<ReplayColumn> columns;
   ExportLook look;                             ///< its size is not 0
   ReplayFiles files;
   std::shared_ptr<ExportProgress> progress;

@@ -278,8 +278,9 @@ void Session::startExport(const std::filesystem::path& path, const ExportLook& l
   job.files = exportedAs(path);
   job.recording = playback_.sharedRecording();
   for (size_t i = 0; i < panels_.size(); ++i)
-    if (!panel(i).isHidden) job.techniques.push_back({panel(i).technique, warpSettingsOf(i).knobs});
-  if (look.hasErrors || std::ranges::any_of(job.techniques, [](const TechniqueInUse& one) { return !one.technique->usesFrame; })) {
+    if (!panel(i).isHidden) job.columns.push_back({{panel(i).technique, warpSettingsOf(i).knobs}, panel(i).content, panel(i).contentRange});
+  showWhatThereIs(job.columns, whyNoTruth().empty());
+  if (needsMarcher(job.columns, look.hasErrors)) {
     if (!whyNoTruth().empty()) throw InputError(whyNoTruth());
     job.marcher = opening_.current()->display;
     if (const TransferFunction* const first = functionAt(*job.recording, 0.0)) job.marcher = job.marcher->withTransferFunction(*first);
@@ -357,6 +358,7 @@ bool Session::takeScene() {
   view_.begin(arranged.view.value_or(scene()->views.front()));
   liveFront_.clear();
   timing_.clear();
+  scenesFunctionVersion_ = functionVersion_;
   if (arranged.transferFunction && whyFunctionIsFixed().empty()) setTransferFunction(*arranged.transferFunction);
   return true;
 }

@@ -75,6 +75,8 @@ class Session {
   /// Shows the scene by that function from now on: the ground truth and copies of the volume at once, frames as they come. Throws UsageError for one that
   /// cannot be, or where it is the server's to choose.
   void setTransferFunction(TransferFunction function);
+  /// Whether the scene on show is not shown by the transfer function any more that it was opened with.
+  bool hasOwnFunction() const { return functionVersion_ != scenesFunctionVersion_; }
   /// Why setTransferFunction() would refuse any; empty if it would not.
   std::string whyFunctionIsFixed() const;
   /// Gives up opening; the scene on show stays.
@@ -300,6 +302,7 @@ class Session {
   uint64_t sceneCount_ = 0;
   MarchSettings ownMarch_;  // of the scene on show, as it began
   uint64_t functionVersion_ = 0;  ///< of all scenes' transfer functions, the newest
+  uint64_t scenesFunctionVersion_ = 0;  ///< when the scene on show began
   PictureTiming timing_;
   LiveFront liveFront_;
   std::shared_ptr<const AutoChoice> front_;

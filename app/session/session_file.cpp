@@ -130,7 +130,9 @@ SessionFile sessionFileOf(const Session& session) {
   return file;
 }
 
-std::string textOf(const SessionFile& file) {
+namespace {
+
+Json jsonOf(const SessionFile& file) {
   Json panels = Json::array();
   for (size_t i = 0; i < file.panels.size(); ++i) panels.push_back(toJson(file.panels[i], file.arrangement.ownViews[i]));
   Json json{{std::string(kSessionKey), kVersion},
@@ -147,8 +149,37 @@ std::string textOf(const SessionFile& file) {
             {"shortcuts", file.knobs.takesShortcuts},
             {"budgetMs", file.knobs.budgetMs}};
   if (file.arrangement.transferFunction) json["transferFunction"] = toJson(*file.arrangement.transferFunction);
-  return textOf(json);
+  return json;
 }
+
+/// Takes out of an object what stands in `usual` as well.
+void dropUsual(Json& json, const Json& usual) {
+  for (const auto& [key, value] : usual.items())
+    if (json.contains(key) && json[key] == value) json.erase(key);
+}
+
+/// The same session in as few words as it can be read from, on one line.
+std::string briefTextOf(const SessionFile& file) {
+  SessionFile usual;
+  usual.arrangement.view = View{};
+  usual.arrangement.march = MarchSettings{};
+  Json json = jsonOf(file);
+  const Json usualJson = jsonOf(usual);
+  for (const char* const key : {"march", "display", "transport"}) dropUsual(json[key], usualJson[key]);
+  for (const char* const key : {"serverSidePx", "screenPixels", "uncovered", "filled", "shortcuts", "budgetMs"})
+    if (json[key] == usualJson[key]) json.erase(key);
+  for (const char* const key : {"display", "transport"})
+    if (json[key].empty()) json.erase(key);
+  for (Json& panel : json["panels"]) {
+    if (panel["knobs"].empty()) panel.erase("knobs");
+    if (panel["content"] == describe(PictureContent::picture).name) panel.erase("content");
+  }
+  return json.dump();
+}
+
+}  // namespace
+
+std::string textOf(const SessionFile& file) { return textOf(jsonOf(file)); }
 
 bool isSession(const JsonDocument& document) { return document.root().isObject() && document.root().find(kSessionKey).has_value(); }
 
@@ -217,8 +248,21 @@ void restore(const SessionFile& file, Session& session, const OriginOpener& open
   session.load(std::move(job));
 }
 
-std::string commandLineOf(const Session& session) {
-  const SessionFile file = sessionFileOf(session);
+namespace {
+
+/// Whether options say all that is on show: of cameras, contents and edits of the transfer function there are none, and techniques' knobs are those of all panels
+/// but the first of several.
+bool areOptionsEnough(const SessionFile& file, const Session& session) {
+  const LiveSettings usual;
+  const bool isView = file.arrangement.view == session.scene()->views.front() && std::ranges::none_of(file.arrangement.ownViews, &std::optional<View>::has_value);
+  const auto isPlain = [](const PanelSettings& panel) { return panel.content == PictureContent::picture; };
+  const KnobValues ofOthers = file.panels.back().knobs;
+  const auto hasKnobs = [&](const PanelSettings& panel) { return toJson(panel.knobs) == toJson(&panel == &file.panels.front() && file.panels.size() > 1 ? KnobValues{} : ofOthers); };
+  return isView && !session.hasOwnFunction() && std::ranges::all_of(file.panels, isPlain) && std::ranges::all_of(file.panels, hasKnobs) &&
+         file.knobs.serverSidePx == usual.serverSidePx && file.knobs.screenPixels == usual.screenPixels;
+}
+
+std::string optionsFor(const SessionFile& file, const Session& session) {
   const LiveSettings& knobs = file.knobs;
   std::string line = "warpscope view";
   const auto add = [&](std::string_view option, const std::string& value) { line += " " + std::string(option) + " " + shellWord(value); };
@@ -261,6 +305,18 @@ std::string commandLineOf(const Session& session) {
   if (knobs.budgetMs != kDefaultBudgetMs) add("--budget-ms", Json(knobs.budgetMs).dump());
   const double takesShortcuts = knobs.takesShortcuts ? 1.0 : 0.0;
   if (takesShortcuts != kShortcutsKnob.defaultValue) add(kShortcutsKnob.option, textOf(kShortcutsKnob, takesShortcuts));
+  return line;
+}
+
+}  // namespace
+
+std::string commandLineOf(const Session& session) {
+  constexpr size_t kMostBytes = 100 << 10;  // Linux takes 128 KiB for one argument
+  SessionFile file = sessionFileOf(session);
+  if (areOptionsEnough(file, session)) return optionsFor(file, session);
+  if (!session.hasOwnFunction() && !file.origin.overrides.transferFunction) file.arrangement.transferFunction.reset();  // the scene has it
+  const std::string line = "warpscope view --session " + shellWord(briefTextOf(file));
+  if (line.size() > kMostBytes) throw InputError("that is more than a command line takes: save the session (Ctrl+S), and open its file");
   return line;
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/session/session.h"
@@ -24,6 +25,8 @@ struct SessionFile {
 /// Makes jobs that open scenes.
 using OriginOpener = std::function<LoadJob(const SceneOrigin&)>;
 
+/// Whether what stands where a file's name could is the text of one.
+inline bool isSessionText(std::string_view text) { return text.starts_with('{'); }
 /// Whether it looks like one, right or wrong.
 bool isSession(const JsonDocument& document);
 /// Of a file, whatever its name ends with; false for one that cannot be read, or is no JSON.
@@ -43,7 +46,8 @@ SessionFile readSessionText(const std::string& text, const std::string& source);
 /// up at once.
 void restore(const SessionFile& file, Session& session, const OriginOpener& opener);
 
-/// "warpscope view ...": what has no option (the camera, contents, edits of the transfer function) is the session file's alone. Throws as sessionFileOf().
+/// "warpscope view ..." that shows the same: by options where they say all of it, else by the text of the session, `--session '{...}'`. Throws as sessionFileOf(),
+/// and InputError where no command line would take that much.
 std::string commandLineOf(const Session& session);
 
 }  // namespace warpscope
