@@ -10,7 +10,7 @@ import tempfile
 
 SKIPPED = 77
 FILES = ["bin/warpscope", "share/applications/warpscope.desktop", "share/icons/hicolor/scalable/apps/warpscope.svg", "share/man/man1/warpscope.1.gz",
-         "share/doc/warpscope/copyright", "share/doc/warpscope/README.md", "share/doc/warpscope/changelog.gz",
+         "share/doc/warpscope/copyright", "share/doc/warpscope/README.md", "share/doc/warpscope/app/README.md", "share/doc/warpscope/assets/pictures/window.png", "share/doc/warpscope/changelog.gz",
          "share/doc/warpscope/examples/scenes/shells.json"]
 MPI_LIBRARY = "lib/warpscope/warpscope_mpi.so"  # where the program looks for it
 # Opened by name while the program runs: no tool can find them in it.

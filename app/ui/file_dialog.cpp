@@ -19,6 +19,7 @@ constexpr size_t kMostEntries = 20000;
 std::string_view titleOf(FileDialog::Purpose purpose) {
   switch (purpose) {
     case FileDialog::Purpose::open: return "Open";
+    case FileDialog::Purpose::openFunction: return "Load transfer function";
     case FileDialog::Purpose::saveSession: return "Save session";
     case FileDialog::Purpose::record: return "Record";
     case FileDialog::Purpose::exportFilm: return "Export film (.mp4, .gif) or pictures (.png)";
@@ -27,6 +28,9 @@ std::string_view titleOf(FileDialog::Purpose purpose) {
   }
   return "";
 }
+
+/// Whether a file is to be read; else one is to be written.
+bool isOpening(FileDialog::Purpose purpose) { return purpose == FileDialog::Purpose::open || purpose == FileDialog::Purpose::openFunction; }
 
 /// What the names of such files end with, in lower case.
 std::vector<std::string_view> endingsOf(FileDialog::Purpose purpose) {
@@ -48,20 +52,24 @@ void copyInto(std::array<char, 1024>& field, const std::string& text) {
 
 void FileDialog::show(Purpose purpose, const std::string& name) {
   if (desktop_ && desktop_->isOpen()) return;
-  if ((purpose == Purpose::open) != (purpose_ == Purpose::open)) std::swap(folder_, otherFolder_);
   purpose_ = purpose;
   copyInto(name_, name);
   std::error_code failed;
-  if (folder_.empty()) folder_ = std::filesystem::current_path(failed);
-  if (desktop_ && desktop_->show({std::string(titleOf(purpose)), folder_, name, endingsOf(purpose)})) return;
+  if (current().empty()) current() = std::filesystem::current_path(failed);
+  if (desktop_ && desktop_->show({std::string(titleOf(purpose)), current(), name, endingsOf(purpose)})) return;
   open();
+}
+
+std::filesystem::path& FileDialog::current() {
+  const bool isOfFunction = purpose_ == Purpose::openFunction || purpose_ == Purpose::saveFunction || purpose_ == Purpose::saveColorMap;
+  return folders_[isOfFunction ? 2 : isOpening(purpose_) ? 0 : 1];
 }
 
 void FileDialog::open() {
   toReplace_.clear();
   isOpen_ = true;
   wantsFocus_ = true;
-  enter(std::filesystem::path(folder_));
+  enter(std::filesystem::path(current()));
 }
 
 void FileDialog::askAgain(const std::string& why) {
@@ -92,7 +100,7 @@ void FileDialog::enter(const std::filesystem::path& folder) {
     return;
   }
   std::ranges::sort(entries, [](const Entry& a, const Entry& b) { return std::pair(!a.isFolder, a.name) < std::pair(!b.isFolder, b.name); });
-  folder_ = folder;
+  current() = folder;
   entries_ = std::move(entries);
   toReplace_.clear();
 }
@@ -101,7 +109,7 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
   if (desktop_) {
     if (const std::optional<DesktopDialog::Answer> answer = desktop_->tryTake()) {
       if (answer->path) {
-        folder_ = answer->path->parent_path();
+        current() = answer->path->parent_path();
         copyInto(name_, answer->path->filename().string());
         return answer->path;
       }
@@ -116,16 +124,16 @@ std::optional<std::filesystem::path> FileDialog::draw(const Look& look) {
   ImGui::SetNextWindowPos({0.5f * display.x, 0.5f * display.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({std::min(look.px(620.0f), 0.96f * display.x), std::min(look.px(460.0f), 0.9f * display.y)});
   bool isChosen = false;
-  const bool isWriting = purpose_ != Purpose::open;
+  const bool isWriting = !isOpening(purpose_);
   if (wantsFocus_) ImGui::SetNextWindowFocus();
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImGui::GetStyleColorVec4(ImGuiCol_PopupBg));
   if (ImGui::Begin((std::string(titleOf(purpose_)) + "###file dialog").c_str(), &isOpen_, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) {
-    if (ImGui::Button("Up")) enter(folder_.parent_path());
+    if (ImGui::Button("Up")) enter(current().parent_path());
     ImGui::SameLine();
-    if (ImGui::Checkbox("All files", &showsAll_)) enter(std::filesystem::path(folder_));
+    if (ImGui::Checkbox("All files", &showsAll_)) enter(std::filesystem::path(current()));
     tooltip(isWriting ? "Not only those of the kind that is written." : "Not only those whose names end as scenes, volumes, sessions and recordings do.", look);
     ImGui::SameLine();
-    ImGui::TextColored(palette().dimText, "%s", printable(folder_.string()).c_str());
+    ImGui::TextColored(palette().dimText, "%s", printable(current().string()).c_str());
     const float below = ImGui::GetFrameHeightWithSpacing() + ImGui::GetTextLineHeightWithSpacing();
     ImGui::BeginChild("entries", {0.0f, -below}, true);
     isChosen = drawEntries(look);
@@ -159,12 +167,12 @@ bool FileDialog::drawEntries(const Look& look) {
       const std::string text = printable(entry.name) + (entry.isFolder ? "/" : "") + "##" + entry.name;
       if (ImGui::Selectable(text.c_str(), entry.name == name_.data(), ImGuiSelectableFlags_AllowDoubleClick)) {
         if (entry.isFolder)
-          entered = folder_ / entry.name;
+          entered = current() / entry.name;
         else
           copyInto(name_, entry.name);
         wantsFocus_ = true;
-        const bool isSame = std::exchange(clicked_, folder_ / entry.name) == folder_ / entry.name;  // not a folder's, in whose place this one is now
-        isChosen = purpose_ == Purpose::open && !entry.isFolder && isSame && (look.isDoubleClicked || ImGui::IsMouseDoubleClicked(0));
+        const bool isSame = std::exchange(clicked_, current() / entry.name) == current() / entry.name;  // not a folder's, in whose place this one is now
+        isChosen = isOpening(purpose_) && !entry.isFolder && isSame && (look.isDoubleClicked || ImGui::IsMouseDoubleClicked(0));
       }
       if (!entry.bytes) continue;
       const std::string size = bytesText(*entry.bytes);
@@ -173,7 +181,7 @@ bool FileDialog::drawEntries(const Look& look) {
     }
   }
   if (entries_.empty()) ImGui::TextColored(palette().dimText, showsAll_                      ? "Nothing is here."
-                                                                   : purpose_ == Purpose::open ? "No files that can be opened are here; \"All files\" shows others."
+                                                                   : isOpening(purpose_) ? "No files that can be opened are here; \"All files\" shows others."
                                                                                                : "No files of this kind are here; \"All files\" shows others.");
   if (entered) enter(*entered);
   return isChosen;
@@ -192,7 +200,7 @@ bool FileDialog::drawName(float width) {
   ImGui::SetNextItemWidth(width);
   if (std::exchange(wantsFocus_, false)) ImGui::SetKeyboardFocusHere();
   constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll | ImGuiInputTextFlags_CallbackHistory;
-  return ImGui::InputTextWithHint("##name", purpose_ != Purpose::open ? "name of the file" : "name or path of a file", name_.data(), name_.size(), kFlags, onArrow, this);
+  return ImGui::InputTextWithHint("##name", !isOpening(purpose_) ? "name of the file" : "name or path of a file", name_.data(), name_.size(), kFlags, onArrow, this);
 }
 
 const FileDialog::Entry* FileDialog::neighbour(std::string_view name, int step) {
@@ -208,7 +216,7 @@ const FileDialog::Entry* FileDialog::neighbour(std::string_view name, int step) 
 }
 
 std::optional<std::filesystem::path> FileDialog::take() {
-  std::filesystem::path path = folder_ / name_.data();
+  std::filesystem::path path = current() / name_.data();
   std::error_code ignored;
   wantsFocus_ = true;
   if (std::filesystem::is_directory(path, ignored)) {
@@ -216,29 +224,29 @@ std::optional<std::filesystem::path> FileDialog::take() {
     name_[0] = '\0';
     return std::nullopt;
   }
-  if (const std::vector<std::string_view> endings = endingsOf(purpose_); purpose_ != Purpose::open) {
+  if (const std::vector<std::string_view> endings = endingsOf(purpose_); !isOpening(purpose_)) {
     // Under another ending it would not be offered when it is to be opened; films have a choice of them, and others are refused.
     if (!path.has_extension() || (endings.size() == 1 && !lowered(path.filename().string()).ends_with(endings.front()))) {
       path += endings.front();
       copyInto(name_, path.filename().string());
     }
   }
-  const std::filesystem::path needed = purpose_ == Purpose::open ? path : path.parent_path();
+  const std::filesystem::path needed = isOpening(purpose_) ? path : path.parent_path();
   if (!std::filesystem::exists(needed, ignored)) {
     error_ = needed.string() + " is not there";
     return std::nullopt;
   }
-  if (purpose_ != Purpose::open && isSpecial(path)) {
+  if (!isOpening(purpose_) && isSpecial(path)) {
     error_ = path.filename().string() + " is no regular file";
     return std::nullopt;
   }
   // A file that is there is not replaced without a question: the button asks.
-  if (purpose_ != Purpose::open && std::filesystem::exists(path, ignored) && toReplace_ != path) {
+  if (!isOpening(purpose_) && std::filesystem::exists(path, ignored) && toReplace_ != path) {
     toReplace_ = path;
     return std::nullopt;
   }
   isOpen_ = false;
-  folder_ = path.parent_path().lexically_normal();
+  current() = path.parent_path().lexically_normal();
   return path;
 }
 

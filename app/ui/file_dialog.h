@@ -15,12 +15,12 @@ namespace warpscope::ui {
 
 class FileDialog {
  public:
-  enum class Purpose { open, saveSession, record, exportFilm, saveFunction, saveColorMap };
+  enum class Purpose { open, openFunction, saveSession, record, exportFilm, saveFunction, saveColorMap };
 
   /// Asks by the desktop's dialogs from now on, where there are some. `onNews`: as DesktopDialog's.
   void useDesktop(std::function<void()> onNews) { desktop_.emplace(std::move(onNews)); }
-  /// `name` is proposed for a file to be written. Begins in the folder where one was opened last, or where one was written last: data are not
-  /// where results go.
+  /// `name` is proposed for a file to be written. Begins in the folder where one of its kind was chosen last: data are not where results go, and transfer functions
+  /// lie elsewhere.
   void show(Purpose purpose, const std::string& name = "");
   /// Whether this one is: the desktop's are not the window's.
   bool isOpen() const { return isOpen_; }
@@ -37,6 +37,8 @@ class FileDialog {
     bool isFolder = false;
     std::optional<uintmax_t> bytes{};  ///< of a file whose size is known
   };
+  /// That of what it is asked for now.
+  std::filesystem::path& current();
   void enter(const std::filesystem::path& folder);
   void open();
   /// The folder's entries; true where a double click chose one.
@@ -56,7 +58,7 @@ class FileDialog {
   std::optional<size_t> toScrollTo_;
   std::filesystem::path toReplace_;  // a file that is there, and that the user was asked about
   std::filesystem::path clicked_;    // the entry that was clicked last: a double click is two on the same
-  std::filesystem::path folder_, otherFolder_;  // for such purposes, and for those of the other kind: opening, writing
+  std::array<std::filesystem::path, 3> folders_;  // of data, of results, of transfer functions
   std::vector<Entry> entries_;
   std::string error_;
   std::array<char, 1024> name_{};

@@ -15,13 +15,36 @@ namespace {
 constexpr float kTitlePx = 17.0f;  // at scale 1
 constexpr float kTechniquePx = 134.0f, kContentPx = 92.0f, kKnobPx = 96.0f, kLeastKnobPx = 68.0f;  // at scale 1
 
-void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
+/// Widths of the two lists: what their entries on show need, and not less than usual, as long as there is room; else each its part of it.
+struct ChoiceWidths {
+  float technique, content;
+};
+
+ChoiceWidths widthsOf(const std::string& technique, std::string_view content, bool hasMore, const Look& look) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const auto needed = [&](std::string_view text) { return ImGui::CalcTextSize(text.data(), text.data() + text.size()).x + ImGui::GetFrameHeight() + 2.0f * style.FramePadding.x; };
+  const float room = ImGui::GetContentRegionAvail().x - style.ItemSpacing.x - (hasMore ? ImGui::GetFrameHeight() + style.ItemSpacing.x : 0.0f);
+  const ChoiceWidths least{needed(technique), needed(content)}, usual{std::max(look.px(kTechniquePx), least.technique), std::max(look.px(kContentPx), least.content)};
+  if (usual.technique + usual.content <= room) return usual;
+  const float spare = std::max(0.0f, room - least.technique - least.content), share = std::min(1.0f, room / (least.technique + least.content));
+  return {share * least.technique + 0.5f * spare, share * least.content + 0.5f * spare};
+}
+
+/// The technique's, of which each panel has its own.
+std::vector<const Knob*> ownKnobs(const WarpDescriptor& technique) {
+  std::vector<const Knob*> own;
+  for (const Knob* knob : technique.knobs)
+    if (knob->isOfPanel) own.push_back(knob);
+  return own;
+}
+
+std::string techniqueOnShow(const Panel& panel) { return (panel.isAutomatic ? "Auto: " : "") + std::string(panel.technique->label); }
+
+void drawTechniqueChoice(Session& session, size_t index, float width, const Look& look) {
   const WarpDescriptor& technique = *session.panel(index).technique;
-  // Where there is little room, the two lists share it.
-  ImGui::SetNextItemWidth(std::min(look.px(kTechniquePx), 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight()) - ImGui::GetStyle().ItemSpacing.x));
+  ImGui::SetNextItemWidth(width);
   const Panel& panel = session.panel(index);
-  const std::string shown = (panel.isAutomatic ? "Auto: " : "") + std::string(technique.label);
-  const bool isOpen = ImGui::BeginCombo("##technique", shown.c_str());
+  const bool isOpen = ImGui::BeginCombo("##technique", techniqueOnShow(panel).c_str());
   if (!isOpen) {
     const std::string explanation = panel.isAutomatic && !panel.choiceText.empty() ? panel.choiceText : std::string(technique.summary);
     tooltip(explanation + ".\nKeys 1 to " + std::to_string(std::min<size_t>(9, warpRegistry().size())) + " choose a technique for the panel under the pointer, 0 lets it choose by itself.", look);
@@ -38,14 +61,14 @@ void drawTechniqueChoice(Session& session, size_t index, const Look& look) {
 }
 
 /// What the panel shows: its picture, or what is wrong with it, or what its pixels are made of.
-void drawContentChoice(Session& session, size_t index, const Look& look) {
+void drawContentChoice(Session& session, size_t index, float width, const Look& look) {
   const Panel& panel = session.panel(index);
   const ContentDescriptor& shown = describe(panel.content);
   ImGui::SameLine();
-  ImGui::SetNextItemWidth(std::min(look.px(kContentPx), ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight() - ImGui::GetStyle().ItemSpacing.x));
+  ImGui::SetNextItemWidth(width);
   const bool isOpen = ImGui::BeginCombo("##content", std::string(shown.label).c_str());
   if (!isOpen) {
-    tooltip(std::string(shown.help) + ".\nKey H goes back and forth between the picture and what was shown in its place last.", look);
+    tooltip(std::string(shown.help) + (shown.unit.empty() ? "." : ". The list's last entry is what the end of its colours stands for.") + "\nKey H goes back and forth between the picture and what was shown in its place last.", look);
     return;
   }
   for (const ContentDescriptor& choice : pictureContents()) {
@@ -72,9 +95,7 @@ void drawPanelKnobs(Session& session, size_t index, const Look& look) {
     knobs.set(knob, value);
     isChanged = true;
   };
-  std::vector<const Knob*> own;
-  for (const Knob* knob : session.panel(index).technique->knobs)
-    if (knob->isOfPanel) own.push_back(knob);
+  const std::vector<const Knob*> own = ownKnobs(*session.panel(index).technique);
   if (own.empty()) return;
   ImGui::SameLine();
   const float gap = ImGui::GetStyle().ItemSpacing.x;
@@ -194,8 +215,11 @@ float panelHeaderHeight(const Look& look) { return look.px(kTitlePx) + ImGui::Ge
 
 std::optional<Action> drawPanelHeader(Session& session, size_t index, bool isAlone, const Look& look) {
   const std::optional<Action> asked = drawTitle(session, index, isAlone, look);
-  drawTechniqueChoice(session, index, look);
-  drawContentChoice(session, index, look);
+  const Panel& panel = session.panel(index);
+  const bool hasMore = panel.isAutomatic || !ownKnobs(*panel.technique).empty();
+  const ChoiceWidths widths = widthsOf(techniqueOnShow(panel), describe(panel.content).label, hasMore, look);
+  drawTechniqueChoice(session, index, widths.technique, look);
+  drawContentChoice(session, index, widths.content, look);
   drawPanelKnobs(session, index, look);
   if (session.panel(index).isAutomatic) drawBudget(session, look);
   return asked;

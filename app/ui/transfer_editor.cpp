@@ -23,8 +23,14 @@ namespace {
 constexpr float kChartPx = 96.0f, kBarPx = 12.0f, kMarkPx = 9.0f, kCornerPx = 4.0f, kReachPx = 8.0f, kClickPx = 2.0f;  // at scale 1
 constexpr const char* kRemoved = "the corner is gone; Ctrl+Z brings it back";
 constexpr std::string_view kHandling = "Left button: drag a corner, or click for a new one; here it is then typed. Right button: a drag moves opacities and colours together, up "
-                                       "and down widens and narrows them; a click on a corner removes it.";
+                                       "and down widens and narrows them; a click on a corner removes it, as does Delete the chosen one while the pointer is here.";
+constexpr const char* kRemoval = "A right click on it removes it, and so does Delete while the pointer is on the chart.";
 constexpr std::string_view kSpreadHelp = "It is in Hounsfield units, which this volume's values do not look like: spread over their range instead, so that it need not show what its name says.";
+
+/// While nothing is held or typed: what is chosen is to go.
+bool isDeletePressed() {
+  return !ImGui::IsAnyMouseDown() && !ImGui::GetIO().WantTextInput && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Delete), false);
+}
 
 /// Faint opacities have room, too.
 float heightOf(float alpha) { return std::sqrt(alpha); }
@@ -178,6 +184,12 @@ void TransferEditor::drawChart(Session& session, const Look& look) {
     }
     toRemove_.reset();
   }
+  if (isHovered && opacity_ && isDeletePressed() && removeOpacity(curves_, *opacity_)) {
+    opacity_.reset();
+    typed_.reset();
+    apply(session);
+    note_ = kRemoved;
+  }
   const bool isMoved = ImGui::IsMousePosValid() && way > 0.0f && !toRemove_;
   if (grip_ == Grip::opacity && opacity_ && isMoved) {
     moveOpacity(curves_, *opacity_, chart.value(mouse.x), chart.alpha(mouse.y));
@@ -268,6 +280,12 @@ void TransferEditor::drawColorBar(Session& session, const Look& look) {
       note_ = kRemoved;
     }
   }
+  if (isHovered && color_ && isDeletePressed() && removeColor(curves_, *color_)) {
+    color_.reset();
+    typed_.reset();
+    apply(session);
+    note_ = kRemoved;
+  }
   if (grip_ == Grip::color && color_ && ImGui::IsMousePosValid() && mouse.x != gripAt_.x) {
     moveColor(curves_, *color_, chart.value(mouse.x));
     apply(session);
@@ -317,7 +335,7 @@ void TransferEditor::takeTyped(Session& session) {
 void TransferEditor::drawFields(Session& session, const Look& look) {
   if (opacity_ && *opacity_ < curves_.opacities.size()) {
     const OpacityCorner corner = curves_.opacities[*opacity_];
-    label("Corner", look);
+    label("Corner", look, kRemoval);
     beginHalves();
     drawNumber(session, Field::value, *opacity_, corner.value, "%.5g");
     tooltip("Its value, in the volume's own units.", look);
@@ -326,7 +344,7 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
     tooltip("Its opacity over the length of a voxel's edge, 0 to 1.", look);
   } else if (color_ && *color_ < curves_.colors.size()) {
     const ColorCorner corner = curves_.colors[*color_];
-    label("Corner", look);
+    label("Colour", look, kRemoval);
     beginHalves();
     drawNumber(session, Field::colorValue, *color_, corner.value, "%.5g");
     nextHalf();
@@ -339,7 +357,7 @@ void TransferEditor::drawFields(Session& session, const Look& look) {
   } else {  // so that nothing moves when one is chosen
     ImGui::AlignTextToFramePadding();
     const bool isSpreadPreset = !spread_.preset.empty() && spread_.function == session.scene()->transferFunction;
-    ImGui::TextColored(isSpreadPreset ? palette().noticeText : palette().faintText, "%s", isSpreadPreset ? (spread_.preset + ", spread over all values").c_str() : "right drag moves and widens all");
+    ImGui::TextColored(isSpreadPreset ? palette().noticeText : palette().faintText, "%s", isSpreadPreset ? (spread_.preset + ", spread over all values").c_str() : "right: drag all, click removes");
     tooltip(std::string(isSpreadPreset ? kSpreadHelp : kHandling), look);
   }
 }

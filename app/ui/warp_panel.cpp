@@ -58,7 +58,7 @@ void drawContentLegend(const Panel& panel, const PixelMarks& marks, const Area& 
   std::vector<Swatch> swatches;
   if (isOnShow && panel.content == PictureContent::holes) {
     const PixelMarks shownBy = marksOfHoles(marks);
-    swatches = {{shownBy.uncovered, "nothing"}, {shownBy.filled, "a guess"}};
+    swatches = {{shownBy.uncovered, "a hole"}, {shownBy.filled, "a guess"}};
   }
   float swatchesWidth = 0.0f;
   for (const Swatch& swatch : swatches) swatchesWidth += line + 2.0f * gap + ImGui::CalcTextSize(swatch.text).x;
@@ -258,7 +258,7 @@ std::optional<OnShow> drawPictures(const Session& session, const Panel& panel, c
 
 constexpr int kLoupePixels = 11;                         // of the picture along each edge
 constexpr float kLoupePx = 132.0f, kLoupeTextPx = 156.0f;  // at scale 1
-constexpr float kLargestShare = 0.45f;                     // of the picture, that the loupe with its text covers
+constexpr float kLargestShare = 0.3f;                      // of the picture, that the loupe with its text covers
 constexpr size_t kFewestLines = 4;                         // of text that are worth their room
 
 /// The pixels about a place, enlarged, with a grid, in a corner that does not cover it; what is known of the pixel in its middle beside them.
@@ -274,7 +274,7 @@ void drawLoupe(const OnShow& shown, const glm::dvec2& place, std::vector<std::pa
   const float margin = look.px(6.0f), widthWithText = loupe.x + look.px(kLoupeTextPx);
   ImGui::PushFont(look.fonts.small);
   const float lineHeight = ImGui::GetTextLineHeight() + look.px(1.0f);
-  // The picture is what is looked at: text takes less than half of it, or there is none.
+  // The picture is what is looked at: text takes little of it, or there is none.
   const float textRoom = std::min(area.size.y - 2.0f * margin, kLargestShare * area.size.x * area.size.y / widthWithText);
   const auto mostLines = static_cast<size_t>(std::max(0.0f, textRoom / lineHeight));
   const bool hasText = !lines.empty() && area.size.x >= widthWithText && mostLines >= std::min(lines.size(), kFewestLines);

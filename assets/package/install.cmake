@@ -24,7 +24,12 @@ if(TARGET warpscope_mpi)
 endif()
 install(FILES ${WARPSCOPE_PACKAGE_DIR}/warpscope.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
 install(FILES ${WARPSCOPE_PACKAGE_DIR}/warpscope.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps)
-install(FILES ${WARPSCOPE_PACKAGE_DIR}/copyright ${CMAKE_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${WARPSCOPE_PACKAGE_DIR}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# Each where the others' links look for it.
+foreach(folder "" app render net assets/package assets/scenes tests tests/bench tests/stability)
+  install(FILES ${CMAKE_SOURCE_DIR}/${folder}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
+endforeach()
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/assets/pictures DESTINATION ${CMAKE_INSTALL_DOCDIR}/assets)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/assets/scenes DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples
   FILES_MATCHING PATTERN *.json PATTERN README.md)
 
